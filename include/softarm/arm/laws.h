@@ -1,0 +1,27 @@
+// The semi-physical pressure laws: what the inputs make of a segment (semi-physical paper, (3)-(13)).
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "softarm/arm/arm.h"
+
+namespace softarm {
+
+/// Gauge values of all inputs in the order of Arm::inputs.pressures: chambers as P - ambient, vacuum inputs as
+/// ambient - P, both Pa. An input that is not known is absent.
+using InputValues = std::vector<std::optional<double>>;
+
+/// What a segment's inputs make of it.
+struct SegmentPrediction {
+  Eigen::Vector2d moment_nm = Eigen::Vector2d::Zero();  ///< (M0 cos phi, M0 sin phi): phi is the bending direction
+  double bending_stiffness_nm2 = 0.0;
+  double length_m = 0.0;
+};
+
+/// Applies length law (3)-(6), stiffness law (7)-(9) and moment law (10)-(13) to one segment. The sign of the third
+/// chamber's M_y is that of the geometry (chambers 120 degrees apart), not the printed one.
+/// @return nothing where an input that the segment needs is absent.
+std::optional<SegmentPrediction> predict_segment(const Arm& arm, const Segment& segment, const InputValues& inputs);
+
+}  // namespace softarm
