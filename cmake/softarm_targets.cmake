@@ -1,0 +1,53 @@
+# Targets by convention: a new file in a room, a new program or a new test is found without an edit here.
+
+# Warnings are errors in our own code.
+set(SOFTARM_WARNINGS -Wall -Wextra -Wpedantic -Wshadow -Werror)
+
+# softarm_sources(<variable> <room>...): the files src/<room>/**.cpp of these rooms.
+function(softarm_sources variable)
+  set(sources)
+  foreach(room IN LISTS ARGN)
+    file(GLOB_RECURSE room_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${room}/*.cpp)
+    list(APPEND sources ${room_sources})
+  endforeach()
+  if(NOT sources)
+    message(STATUS "No sources yet in: ${ARGN}")
+    file(WRITE ${PROJECT_BINARY_DIR}/${variable}_empty.cpp "")
+    set(sources ${PROJECT_BINARY_DIR}/${variable}_empty.cpp)
+  endif()
+  set(${variable} ${sources} PARENT_SCOPE)
+endfunction()
+
+# softarm_ros_headers(<name>): the include paths of ROS and of the generated messages, for those alone who link it.
+# genmsg puts them on the whole directory; the core and the rig are built without them.
+function(softarm_ros_headers name)
+  set_property(DIRECTORY ${PROJECT_SOURCE_DIR} PROPERTY INCLUDE_DIRECTORIES "")
+  foreach(target softarm_core softarm_rig)
+    get_target_property(paths ${target} INCLUDE_DIRECTORIES)
+    list(REMOVE_ITEM paths ${CATKIN_DEVEL_PREFIX}/include ${catkin_INCLUDE_DIRS})
+    set_target_properties(${target} PROPERTIES INCLUDE_DIRECTORIES "${paths}")
+  endforeach()
+  add_library(${name} INTERFACE)
+  add_dependencies(${name} ${${PROJECT_NAME}_EXPORTED_TARGETS})
+  target_include_directories(${name} SYSTEM INTERFACE ${CATKIN_DEVEL_PREFIX}/include ${catkin_INCLUDE_DIRS})
+endfunction()
+
+# softarm_programs(<library>...): one program per src/apps/<name>.cpp, with src/apps/<name>/*.cpp where its main() is
+# not all of it. Their names are left in the cache variable SOFTARM_PROGRAMS.
+function(softarm_programs)
+  set(names)
+  file(GLOB mains CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/apps/*.cpp)
+  foreach(main IN LISTS mains)
+    get_filename_component(name ${main} NAME_WE)
+    file(GLOB parts CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/apps/${name}/*.cpp)
+    add_executable(${name} ${main} ${parts})
+    target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/src/apps)
+    target_compile_options(${name} PRIVATE ${SOFTARM_WARNINGS})
+    target_link_libraries(${name} PRIVATE ${ARGN})
+    set_target_properties(${name} PROPERTIES
+      RUNTIME_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION})
+    install(TARGETS ${name} RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+    list(APPEND names ${name})
+  endforeach()
+  set(SOFTARM_PROGRAMS "${names}" CACHE INTERNAL "programs of src/apps")
+endfunction()
