@@ -18,18 +18,13 @@ function(softarm_sources variable)
   set(${variable} ${sources} PARENT_SCOPE)
 endfunction()
 
-# softarm_ros_headers(<name>): the include paths of ROS and of the generated messages, for those alone who link it.
-# genmsg puts them on the whole directory; the core and the rig are built without them.
-function(softarm_ros_headers name)
-  set_property(DIRECTORY ${PROJECT_SOURCE_DIR} PROPERTY INCLUDE_DIRECTORIES "")
-  foreach(target softarm_core softarm_rig)
-    get_target_property(paths ${target} INCLUDE_DIRECTORIES)
-    list(REMOVE_ITEM paths ${CATKIN_DEVEL_PREFIX}/include ${catkin_INCLUDE_DIRS})
-    set_target_properties(${target} PROPERTIES INCLUDE_DIRECTORIES "${paths}")
+# softarm_keep_ros_out_of(<library>...): catkin and genmsg put the include paths of ROS and of the generated messages on
+# the whole directory, so also on these libraries; they are built without.
+function(softarm_keep_ros_out_of)
+  include_directories(SYSTEM ${CATKIN_DEVEL_PREFIX}/include)
+  foreach(target IN LISTS ARGN)
+    set_target_properties(${target} PROPERTIES INCLUDE_DIRECTORIES ${PROJECT_SOURCE_DIR}/include)
   endforeach()
-  add_library(${name} INTERFACE)
-  add_dependencies(${name} ${${PROJECT_NAME}_EXPORTED_TARGETS})
-  target_include_directories(${name} SYSTEM INTERFACE ${CATKIN_DEVEL_PREFIX}/include ${catkin_INCLUDE_DIRS})
 endfunction()
 
 # softarm_programs(<library>...): one program per src/apps/<name>.cpp, with src/apps/<name>/*.cpp where its main() is
@@ -41,8 +36,11 @@ function(softarm_programs)
     get_filename_component(name ${main} NAME_WE)
     file(GLOB parts CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/apps/${name}/*.cpp)
     add_executable(${name} ${main} ${parts})
+    add_dependencies(${name} ${${PROJECT_NAME}_EXPORTED_TARGETS})
     target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/src/apps)
     target_compile_options(${name} PRIVATE ${SOFTARM_WARNINGS})
+    target_compile_definitions(${name} PRIVATE
+      SOFTARM_VERSION="${${PROJECT_NAME}_VERSION}" SOFTARM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
     target_link_libraries(${name} PRIVATE ${ARGN})
     set_target_properties(${name} PROPERTIES
       RUNTIME_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION})
