@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <optional>
 #include <string>
@@ -9,30 +10,53 @@
 
 #include "softarm/arm/arm.h"
 #include "softarm/fit/frame.h"
+#include "softarm/trial/body_gate.h"
 
 namespace softarm {
 
-/// Groups body samples whose stamps agree within Inputs::body_sync_tolerance_s into one Frame and adds to it the inputs
-/// and the payload that held at its stamp.
+/// Groups body samples whose stamps agree within Inputs::body_sync_tolerance_s into one Frame and adds to it
+/// the inputs and the payload that held at its stamp.
 ///
-/// 1. Gate each sample: finite, not all zero, unit quaternion, not frozen, not jumping, not older than what was emitted.
-/// 2. A frame closes when every expected body has arrived, or when a sample of a later frame arrives.
-/// 3. Pressures and payload are held from the newest sample at or before the frame's stamp (pressures no older than
+/// 1. Check the stamp: not zero, no lone outlier in time, no duplicate, not older than what was emitted. A
+/// stamp that
+///    goes back by more than a second, and is confirmed by a second sample, is a time jump: everything but
+///    the payload is forgotten, `time_jumps` counts it.
+/// 2. Gate the pose: finite, not all zero, unit quaternion, not frozen, not jumping (BodyGate).
+/// 3. A frame closes when every expected body has reported at or after its stamp (each topic delivers in
+/// order, so
+///    nothing of that frame can still come), or when the newest stamp is Params::reorder_window_s past it. A
+///    body that a frame waited for in vain is not expected again until it reports. At the start every body of
+///    the arm is expected.
+/// 4. Pressures and payload are held from the newest sample at or before the frame's stamp (pressures no
+/// older than
 ///    Inputs::pressure_max_age_s).
-/// 4. A stamp that goes back by more than a second is a time jump: everything is forgotten, `time_jumps` counts it.
 ///
-/// Time comes from stamps alone, so that a replayed bag gives the frames that the live node saw.
+/// Time comes from stamps alone, never from a clock, so that a replayed bag gives the frames that the live
+/// node saw; the order in which different topics arrive does not matter within the reorder window.
 class FrameAssembler {
  public:
   static constexpr int kBaseBody = -1;  ///< index of Base::body; bodies of Arm::bodies have theirs
 
-  explicit FrameAssembler(const Arm& arm);
+  struct Params {
+    double reorder_window_s = 0.1;  ///< wait at most so long (in stamps) for a body that is missing
+    double time_jump_s =
+        1.0;  ///< smaller steps back are late samples; larger steps forward need confirmation
+    GateLimits gate;
+  };
 
+  explicit FrameAssembler(const Arm& arm) : FrameAssembler(arm, Params()) {}
+  FrameAssembler(const Arm& arm, const Params& params);
+
+  /// @param body index into Arm::bodies or kBaseBody
   /// @param p_mocap m, @param q_mocap body to mocap, absent if the driver gives positions only
+  /// @throws std::out_of_range for a body that the arm does not have
   void add_body(int body, double stamp_s, const Eigen::Vector3d& p_mocap,
                 const std::optional<Eigen::Quaterniond>& q_mocap);
-  /// @param value_pa in Pa as the source reports it (absolute or gauge as configured); converted to gauge or vacuum
+  /// @param value_pa in Pa as the source reports it (absolute or gauge as configured); converted to gauge or
+  /// vacuum
+  /// @throws std::out_of_range for an input that the arm does not have
   void add_input(int input, double stamp_s, double value_pa);
+  /// @param stamp_s when it was said; 0 or less: it has always held
   /// @param kg absent: unknown from now on
   void add_payload(double stamp_s, std::optional<double> kg);
 
@@ -40,20 +64,93 @@ class FrameAssembler {
   std::vector<Frame> take();
   /// Closes what is still open, at the end of a recording.
   void flush();
+  /// Forgets all but the payload and the counters.
   void reset();
 
   /// True once after each time jump: the caller resets the estimator.
   bool take_time_jump();
 
-  /// Samples rejected so far by reason ("nan", "all_zero", "zero_quaternion", "frozen", "jump", "late", "duplicate",
-  /// "time_jump", "pressure_nan", ...), per body or input: "frozen ring_2".
+  /// Samples rejected so far by reason ("nan", "absurd", "all_zero", "zero_quaternion", "bad_quaternion",
+  /// "frozen", "jump", "late", "duplicate", "bad_stamp", "time_gap", "time_jump", "pressure_nan", ...) and
+  /// body or input: "frozen ring_2".
   const std::map<std::string, std::uint64_t>& rejected() const { return rejected_; }
   std::uint64_t samples() const { return samples_; }
+  std::uint64_t time_jumps() const { return time_jumps_; }
+
+  /// Distinct instants at which any body reported. Each becomes one emitted frame or is counted in
+  /// dropped_frames().
+  std::uint64_t frames_seen() const { return frames_seen_; }
+  std::uint64_t frames_open() const { return pending_.size(); }
+  /// Frames not emitted, by reason: "no_valid_body", "time_jump", "reset".
+  const std::map<std::string, std::uint64_t>& dropped_frames() const { return dropped_frames_; }
+
+  /// Newest stamp of any body; absent before the first.
+  std::optional<double> newest_s() const { return newest_s_; }
+  /// Stamp of the last accepted sample of a body (or kBaseBody), or of an input.
+  std::optional<double> body_accepted_s(int body) const;
+  std::optional<double> input_accepted_s(int input) const;
+  /// Newest stamp at which any body's pose changed: far behind newest_s() the driver repeats itself.
+  std::optional<double> changed_s() const;
 
  private:
-  std::map<std::string, std::uint64_t> rejected_;
-  std::uint64_t samples_ = 0;
-  // (private members are the implementer's)
+  struct Slot {
+    bool reported = false;  // accepted or not
+    double stamp_s = 0.0;
+    std::optional<BodyObservation> observation;
+  };
+  struct Pending {
+    double reference_s = 0.0;  // stamp of the first sample to arrive
+    std::vector<Slot> slots;   // base, then Arm::bodies
+  };
+  struct Stream {
+    std::string name;
+    BodyGate gate;
+    bool expected = true;
+    std::optional<double> newest_s;          // last stamp of this body in the present epoch
+    std::optional<double> before_jump_s;     // ... and in the one before the last time jump
+    std::optional<double> back_candidate_s;  // a step back that waits for confirmation
+  };
+  struct Value {
+    double stamp_s = 0.0;
+    std::optional<double> value;
+  };
+
+  /// What a stamp at or before the last emitted frame belongs to.
+  enum class Past { kNone, kThisBodyCame, kClosed };
+
+  bool check_time(Stream& stream, double stamp_s);
+  void reset_time(double stamp_s);
+  Pending* nearest_open(double stamp_s);
+  Pending* open_frame(double stamp_s);
+  Past past_of(std::size_t slot, double stamp_s) const;
+  std::optional<double> others_changed_s(std::size_t slot) const;
+  void close_ready();
+  void emit(const Pending& pending);
+  void insert(std::deque<Value>& history, const Value& value);
+  static const Value* newest_at(std::deque<Value>& history, double stamp_s);
+  InputValues inputs_at(double stamp_s);
+  std::optional<double> payload_at(double stamp_s);
+  void reject(const char* reason, const std::string& source) { ++rejected_[reason + (" " + source)]; }
+
+  Params params_;
+  bool has_base_body_;
+  double tolerance_s_;
+  Range payload_range_kg_;
+  double ambient_pa_;
+  double pressure_max_age_s_;
+  std::vector<PressureInput> pressures_;
+
+  std::vector<Stream> streams_;  // base, then Arm::bodies
+  std::deque<Pending> pending_;  // by reference stamp
+  std::optional<Pending> last_emitted_;
+  std::optional<double> newest_s_, newest_before_jump_s_, ahead_candidate_s_;
+  std::vector<std::deque<Value>> inputs_;
+  std::deque<Value> payload_;
+  std::vector<Frame> closed_;
+
+  bool time_jump_ = false;
+  std::map<std::string, std::uint64_t> rejected_, dropped_frames_;
+  std::uint64_t samples_ = 0, frames_seen_ = 0, time_jumps_ = 0;
 };
 
 }  // namespace softarm

@@ -1,0 +1,207 @@
+#include "softarm/trial/frame_assembler.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace softarm {
+
+FrameAssembler::FrameAssembler(const Arm& arm, const Params& params)
+    : params_(params),
+      has_base_body_(arm.base.body.has_value()),
+      tolerance_s_(arm.inputs.body_sync_tolerance_s),
+      payload_range_kg_(arm.payload.range_kg),
+      ambient_pa_(arm.inputs.ambient_pressure_pa),
+      pressure_max_age_s_(arm.inputs.pressure_max_age_s),
+      pressures_(arm.inputs.pressures),
+      inputs_(arm.inputs.pressures.size()) {
+  double finest_sd_m = std::numeric_limits<double>::max();
+  for (const MeasuredBody& body : arm.bodies) finest_sd_m = std::min(finest_sd_m, body.position_sd_m);
+  if (arm.bodies.empty()) finest_sd_m = 0.0;
+  streams_.push_back({arm.base.body.value_or(""),
+                      BodyGate({true, true, finest_sd_m, 0.0}, params.gate),
+                      has_base_body_,
+                      {},
+                      {},
+                      {}});
+  for (const MeasuredBody& body : arm.bodies) {
+    const BodyGate::Body gate{body.kind == BodyKind::kRing && body.orientation_usable, false,
+                              body.position_sd_m, body.orientation_sd_rad};
+    streams_.push_back({body.name, BodyGate(gate, params.gate), true, {}, {}, {}});
+  }
+}
+
+void FrameAssembler::add_body(int body, double stamp_s, const Eigen::Vector3d& p_mocap,
+                              const std::optional<Eigen::Quaterniond>& q_mocap) {
+  if (body == kBaseBody && !has_base_body_) throw std::out_of_range("the arm's base has no body");
+  const std::size_t slot = static_cast<std::size_t>(body + 1);
+  Stream& stream = streams_.at(slot);
+  ++samples_;
+  if (!check_time(stream, stamp_s)) return;
+
+  const bool repeats = stream.gate.repeats(p_mocap, q_mocap);
+  if (stream.newest_s && stamp_s == *stream.newest_s) return reject("duplicate", stream.name);
+  stream.newest_s = std::max(stream.newest_s.value_or(stamp_s), stamp_s);
+  stream.expected = true;
+  newest_s_ = std::max(newest_s_.value_or(stamp_s), stamp_s);
+
+  Pending* frame = nearest_open(stamp_s);
+  if (frame && frame->slots[slot].reported) {
+    // Some drivers send each pose twice, stamped when it was sent. A faster body than the tolerance is a new
+    // frame.
+    if (repeats) return reject("duplicate", stream.name);
+    frame = nullptr;
+  }
+  if (!frame) {
+    switch (past_of(slot, stamp_s)) {
+      case Past::kThisBodyCame:
+        if (repeats) return reject("duplicate", stream.name);
+        break;
+      case Past::kClosed:
+        reject("late", stream.name);
+        return close_ready();  // the stream went on: others may have waited for it
+      case Past::kNone:
+        break;
+    }
+    frame = open_frame(stamp_s);
+  }
+
+  Slot& entry = frame->slots[slot];
+  entry.reported = true;
+  entry.stamp_s = stamp_s;
+  std::optional<Eigen::Quaterniond> q = q_mocap;
+  const BodyGate::Verdict verdict = stream.gate.check(stamp_s, p_mocap, q, others_changed_s(slot));
+  if (verdict == BodyGate::Verdict::kAccept) {
+    entry.observation = BodyObservation{body, p_mocap, q};
+  } else {
+    reject(BodyGate::name(verdict), stream.name);
+  }
+  close_ready();
+}
+
+std::vector<Frame> FrameAssembler::take() {
+  return std::exchange(closed_, {});
+}
+
+void FrameAssembler::flush() {
+  for (const Pending& pending : pending_) emit(pending);
+  pending_.clear();
+}
+
+void FrameAssembler::reset() {
+  if (!pending_.empty() || !closed_.empty()) dropped_frames_["reset"] += pending_.size() + closed_.size();
+  pending_.clear();
+  closed_.clear();
+  last_emitted_.reset();
+  newest_s_.reset();
+  newest_before_jump_s_.reset();
+  ahead_candidate_s_.reset();
+  for (std::size_t i = 0; i < streams_.size(); ++i) {
+    Stream& stream = streams_[i];
+    stream.gate.reset();
+    stream.expected = i > 0 || has_base_body_;
+    stream.newest_s.reset();
+    stream.before_jump_s.reset();
+    stream.back_candidate_s.reset();
+  }
+  for (auto& history : inputs_) history.clear();
+  if (!payload_.empty()) {
+    payload_.front() = {-std::numeric_limits<double>::infinity(), payload_.back().value};
+    payload_.resize(1);
+  }
+}
+
+bool FrameAssembler::take_time_jump() {
+  return std::exchange(time_jump_, false);
+}
+
+std::optional<double> FrameAssembler::body_accepted_s(int body) const {
+  return streams_.at(static_cast<std::size_t>(body + 1)).gate.accepted_s();
+}
+
+std::optional<double> FrameAssembler::changed_s() const {
+  return others_changed_s(streams_.size());
+}
+
+std::optional<double> FrameAssembler::others_changed_s(std::size_t slot) const {
+  std::optional<double> newest;
+  for (std::size_t i = 0; i < streams_.size(); ++i) {
+    const std::optional<double> changed = streams_[i].gate.changed_s();
+    if (i != slot && changed && (!newest || *changed > *newest)) newest = changed;
+  }
+  return newest;
+}
+
+FrameAssembler::Pending* FrameAssembler::nearest_open(double stamp_s) {
+  Pending* nearest = nullptr;
+  for (Pending& pending : pending_) {
+    const double distance = std::abs(pending.reference_s - stamp_s);
+    if (distance <= tolerance_s_ && (!nearest || distance < std::abs(nearest->reference_s - stamp_s))) {
+      nearest = &pending;
+    }
+  }
+  return nearest;
+}
+
+FrameAssembler::Past FrameAssembler::past_of(std::size_t slot, double stamp_s) const {
+  if (!last_emitted_ || stamp_s > last_emitted_->reference_s + tolerance_s_) return Past::kNone;
+  const Slot& entry = last_emitted_->slots[slot];
+  return entry.reported && stamp_s > entry.stamp_s ? Past::kThisBodyCame : Past::kClosed;
+}
+
+FrameAssembler::Pending* FrameAssembler::open_frame(double stamp_s) {
+  ++frames_seen_;
+  const auto after = std::find_if(pending_.begin(), pending_.end(),
+                                  [stamp_s](const Pending& p) { return p.reference_s > stamp_s; });
+  return &*pending_.insert(after, Pending{stamp_s, std::vector<Slot>(streams_.size())});
+}
+
+void FrameAssembler::close_ready() {
+  while (!pending_.empty()) {
+    const Pending& front = pending_.front();
+    const auto awaited = [&](std::size_t i) {
+      const Stream& stream = streams_[i];
+      return stream.expected && !front.slots[i].reported &&
+             !(stream.newest_s && *stream.newest_s > front.reference_s + tolerance_s_);
+    };
+    bool complete = true;
+    for (std::size_t i = 0; i < streams_.size(); ++i) complete = complete && !awaited(i);
+    if (!complete) {
+      if (!(*newest_s_ > front.reference_s + params_.reorder_window_s)) return;
+      for (std::size_t i = 0; i < streams_.size(); ++i) {
+        if (awaited(i)) streams_[i].expected = false;
+      }
+    }
+    emit(front);
+    pending_.pop_front();
+  }
+}
+
+void FrameAssembler::emit(const Pending& pending) {
+  last_emitted_ = pending;
+  Frame frame;
+  double stamp_s = std::numeric_limits<double>::max();
+  for (std::size_t i = 0; i < pending.slots.size(); ++i) {
+    const Slot& entry = pending.slots[i];
+    if (!entry.observation) continue;
+    stamp_s = std::min(stamp_s, entry.stamp_s);
+    if (i > 0) {
+      frame.bodies.push_back(*entry.observation);
+    } else {
+      Eigen::Isometry3d pose(*entry.observation->q_mocap);
+      pose.translation() = entry.observation->p_mocap;
+      frame.base_body = pose;
+    }
+  }
+  if (frame.bodies.empty() && !frame.base_body) {
+    ++dropped_frames_["no_valid_body"];
+    return;
+  }
+  frame.stamp_s = stamp_s;
+  frame.inputs = inputs_at(stamp_s);
+  frame.payload_kg = payload_at(stamp_s);
+  closed_.push_back(std::move(frame));
+}
+
+}  // namespace softarm

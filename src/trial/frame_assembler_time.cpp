@@ -1,0 +1,80 @@
+// The stamps of bodies: lone outliers in time, steps back and forth, the leftovers of the time before a jump.
+#include <cmath>
+
+#include "softarm/trial/frame_assembler.h"
+
+namespace softarm {
+
+bool FrameAssembler::check_time(Stream& stream, double stamp_s) {
+  if (!(stamp_s > 0.0) || !std::isfinite(stamp_s)) {
+    reject("bad_stamp", stream.name);
+    return false;
+  }
+  const double jump_s = params_.time_jump_s;
+
+  // Back, against the stream's own past: a body whose clock merely lags never goes back.
+  if (stream.newest_s && stamp_s < *stream.newest_s - jump_s) {
+    for (const Stream& other : streams_) {
+      // One sample may be damaged; two that agree are a new time.
+      if (other.back_candidate_s && std::abs(stamp_s - *other.back_candidate_s) < jump_s) {
+        reset_time(stamp_s);
+        return true;
+      }
+    }
+    stream.back_candidate_s = stamp_s;
+    reject("time_jump", stream.name);
+    return false;
+  }
+  stream.back_candidate_s.reset();
+
+  const bool ahead = newest_s_ && stamp_s > *newest_s_ + jump_s;
+  if (!ahead) {
+    ahead_candidate_s_.reset();  // time goes on where it was: the candidate's stamp was damaged
+    return true;
+  }
+  // Samples of the time before a jump that were still on their way.
+  if (newest_before_jump_s_ && stream.before_jump_s && !stream.newest_s && stamp_s >= *stream.before_jump_s &&
+      stamp_s <= *newest_before_jump_s_ + 0.25) {
+    reject("time_jump", stream.name);
+    return false;
+  }
+  // Forward: after a pause the first sample waits for a second one that agrees.
+  if (ahead_candidate_s_ && std::abs(stamp_s - *ahead_candidate_s_) < jump_s) {
+    ahead_candidate_s_.reset();
+    return true;
+  }
+  ahead_candidate_s_ = stamp_s;
+  reject("time_gap", stream.name);
+  return false;
+}
+
+void FrameAssembler::reset_time(double stamp_s) {
+  if (!pending_.empty()) dropped_frames_["time_jump"] += pending_.size();
+  pending_.clear();
+  std::vector<std::optional<double>> last;
+  for (const Stream& stream : streams_) last.push_back(stream.newest_s);
+  const std::optional<double> newest = newest_s_;
+  std::vector<std::deque<Value>> inputs = std::move(inputs_);
+  inputs_.assign(inputs.size(), {});
+  std::deque<Value> payload = payload_;
+  std::vector<Frame> closed = take();
+
+  reset();
+
+  closed_ = std::move(closed);  // frames of the old time that are still to be fetched are good
+  for (std::size_t i = 0; i < streams_.size(); ++i) streams_[i].before_jump_s = last[i];
+  newest_before_jump_s_ = newest;
+  // Values that already belong to the new time stay: their topics may be ahead of the bodies.
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    for (const Value& value : inputs[i]) {
+      if (std::abs(value.stamp_s - stamp_s) < 0.5 * params_.time_jump_s) inputs_[i].push_back(value);
+    }
+  }
+  if (!payload.empty() && std::abs(payload.back().stamp_s - stamp_s) < params_.time_jump_s) {
+    payload_ = {payload.back()};
+  }
+  time_jump_ = true;
+  ++time_jumps_;
+}
+
+}  // namespace softarm

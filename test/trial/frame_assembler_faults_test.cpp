@@ -1,0 +1,251 @@
+// Frozen and jumping bodies, jumps of time, pressures and payload.
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "frame_assembler_fixture.h"
+
+namespace softarm {
+namespace {
+
+using testing_assembler::Feeder;
+using testing_assembler::kRate;
+using testing_assembler::three_ring_arm;
+
+std::uint64_t count(const std::map<std::string, std::uint64_t>& counts, const std::string& key) {
+  const auto found = counts.find(key);
+  return found == counts.end() ? 0 : found->second;
+}
+
+bool has_body(const Frame& frame, int body) {
+  for (const BodyObservation& seen : frame.bodies) {
+    if (seen.body == body) return true;
+  }
+  return false;
+}
+
+TEST(FrameAssemblerFrozen, RepeatedPoseIsDroppedUntilItChanges) {
+  FrameAssembler assembler(three_ring_arm());
+  Feeder feed(assembler);
+  for (int k = 0; k < 720; ++k) {
+    for (int body = -1; body < 3; ++body) {
+      const bool frozen = body == 1 && k >= 240 && k < 480;
+      feed.body_at(body, feed.stamp(k), frozen ? 240 : k);
+    }
+  }
+  const auto frames = assembler.take();
+  ASSERT_EQ(frames.size(), 720u);
+  EXPECT_TRUE(has_body(frames[290], 1));   // not yet suspicious
+  EXPECT_FALSE(has_body(frames[302], 1));  // 0.25 s later
+  EXPECT_FALSE(has_body(frames[479], 1));
+  EXPECT_TRUE(has_body(frames[480], 1));
+  EXPECT_EQ(count(assembler.rejected(), "frozen ring_2"), 480u - 240u - 60u - 1u);
+  EXPECT_EQ(assembler.rejected().size(), 1u);
+}
+
+TEST(FrameAssemblerFrozen, AFewRepeatsOrACommonRestAreNoFault) {
+  FrameAssembler assembler(three_ring_arm());
+  Feeder feed(assembler);
+  for (int k = 0; k < 240; ++k) {
+    for (int body = -1; body < 3; ++body) feed.body_at(body, feed.stamp(k), k - k % 8);
+  }
+  for (int k = 240; k < 720; ++k) {  // a simulation without noise at rest
+    for (int body = -1; body < 3; ++body) feed.body_at(body, feed.stamp(k), 239);
+  }
+  EXPECT_EQ(assembler.take().size(), 720u);
+  EXPECT_TRUE(assembler.rejected().empty());
+  EXPECT_NEAR(*assembler.changed_s(), feed.stamp(240), 1e-9);
+}
+
+TEST(FrameAssemblerFrozen, AMountWithoutNoiseIsNoFaultButAFrozenTrackerIs) {
+  FrameAssembler still(three_ring_arm());
+  Feeder feed_still(still);
+  FrameAssembler stuck(three_ring_arm());
+  Feeder feed_stuck(stuck);
+  for (int k = 0; k < 480; ++k) {
+    for (int body = -1; body < 3; ++body) {
+      feed_still.body_at(body, feed_still.stamp(k), body < 0 ? 0 : k);
+      feed_stuck.body_at(body, feed_stuck.stamp(k), body < 0 ? std::min(k, 100) : k);
+    }
+  }
+  EXPECT_TRUE(still.rejected().empty());
+  EXPECT_GT(count(stuck.rejected(), "frozen base"), 300u);
+}
+
+TEST(FrameAssemblerJump, ShortJumpIsDroppedAndARealMoveFollowed) {
+  FrameAssembler assembler(three_ring_arm());
+  Feeder feed(assembler);
+  const auto add = [&](int body, int k, double offset) {
+    assembler.add_body(body, feed.stamp(k), feed.position(body, k) + Eigen::Vector3d(offset, 0, 0),
+                       Eigen::Quaterniond::Identity());
+  };
+  for (int k = 0; k < 480; ++k) {
+    for (int body = -1; body < 3; ++body) {
+      double offset = 0.0;
+      if (body == 2 && k >= 100 && k < 105) offset = 0.3;    // a ghost for 20 ms
+      if (body == 1 && k % 2 == 1 && k < 300) offset = 0.2;  // labels exchanged in every other frame
+      if (body == 0 && k >= 240) offset = -0.15;             // put elsewhere for good
+      add(body, k, offset);
+    }
+  }
+  const auto frames = assembler.take();
+  ASSERT_EQ(frames.size(), 480u);
+  EXPECT_EQ(count(assembler.rejected(), "jump ring_3"), 5u);
+  EXPECT_EQ(count(assembler.rejected(), "jump ring_2"), 150u);
+  for (int k = 0; k < 480; ++k) EXPECT_EQ(has_body(frames[k], 2), k < 100 || k >= 105) << k;
+  EXPECT_FALSE(has_body(frames[241], 0));
+  EXPECT_TRUE(has_body(frames[260], 0));
+  // Followed as soon as it could have moved there at the greatest speed: 0.15 m at 5 m/s are 7 frames.
+  EXPECT_EQ(count(assembler.rejected(), "jump ring_1"), 6u);
+}
+
+TEST(FrameAssemblerJump, OrientationThatFlipsIsAJumpWhereItIsNeeded) {
+  FrameAssembler assembler(three_ring_arm());
+  Feeder feed(assembler);
+  const Eigen::Quaterniond flipped(0, 1, 0, 0);
+  for (int k = 0; k < 100; ++k) {
+    for (int body = -1; body < 3; ++body) {
+      const bool flip = body > 0 && k == 50;
+      assembler.add_body(body, feed.stamp(k), feed.position(body, k),
+                         flip ? flipped : Eigen::Quaterniond::Identity());
+    }
+  }
+  EXPECT_EQ(count(assembler.rejected(), "jump ring_3"), 1u);
+  EXPECT_EQ(assembler.rejected().size(), 1u);
+}
+
+TEST(FrameAssemblerTime, LoopOfABagIsOneJump) {
+  FrameAssembler assembler(three_ring_arm());
+  Feeder feed(assembler);
+  assembler.add_payload(feed.stamp(0), 0.2);
+  std::size_t frames = 0;
+  int jumps = 0;
+  for (int loop = 0; loop < 3; ++loop) {
+    for (int k = 0; k < 480; ++k) {
+      for (int body = -1; body < 3; ++body) feed.body(body, k);
+      for (const Frame& frame : assembler.take()) {
+        ++frames;
+        ASSERT_TRUE(frame.payload_kg);  // a latched payload is not sent again
+        EXPECT_EQ(*frame.payload_kg, 0.2);
+      }
+      jumps += assembler.take_time_jump();
+    }
+  }
+  EXPECT_EQ(jumps, 2);
+  EXPECT_EQ(assembler.time_jumps(), 2u);
+  EXPECT_GE(frames, 3u * 480u - 4u);
+}
+
+TEST(FrameAssemblerTime, LeftoversOfTheOldTimeAreNotANewTime) {
+  FrameAssembler assembler(three_ring_arm());
+  Feeder feed(assembler);
+  feed.frames(0, 480);
+  for (int k = 480; k < 485; ++k) feed.body(0, k);  // this topic is ahead of the others when the bag ends ...
+  for (int k = 0; k < 5; ++k) feed.body(0, k);      // ... and first in the next round
+  for (int k = 480; k < 485; ++k) {
+    for (int body : {-1, 1, 2}) feed.body(body, k);
+  }
+  for (int k = 0; k < 5; ++k) {
+    for (int body : {-1, 1, 2}) feed.body(body, k);
+  }
+  feed.frames(5, 240);
+  EXPECT_EQ(assembler.time_jumps(), 1u);
+  EXPECT_TRUE(assembler.take_time_jump());
+  EXPECT_FALSE(assembler.take_time_jump());
+  const auto frames = assembler.take();
+  EXPECT_EQ(frames.back().bodies.size(), 3u);
+  EXPECT_NEAR(frames.back().stamp_s, feed.stamp(239), 1e-9);
+  EXPECT_GE(frames.size(), 480u + 235u);
+}
+
+TEST(FrameAssemblerTime, LoneDamagedStampsAndLaggingClocksAreNoJump) {
+  FrameAssembler assembler(three_ring_arm());
+  Feeder feed(assembler);
+  for (int k = 0; k < 480; ++k) {
+    for (int body = -1; body < 3; ++body) {
+      double shift = 0.0;
+      if (body == 1 && k == 100) shift = 1e6;
+      if (body == 1 && k == 200) shift = -500.0;
+      if (body == 0) shift = -5.0;  // the clock of this one lags
+      feed.body_at(body, feed.stamp(k) + shift, k);
+    }
+  }
+  EXPECT_EQ(assembler.time_jumps(), 0u);
+  EXPECT_EQ(count(assembler.rejected(), "time_gap ring_2"), 1u);
+  EXPECT_EQ(count(assembler.rejected(), "time_jump ring_2"), 1u);
+  EXPECT_GT(count(assembler.rejected(), "late ring_1"), 400u);
+  EXPECT_GE(assembler.take().size(), 479u);
+}
+
+TEST(FrameAssemblerTime, PauseIsFollowed) {
+  FrameAssembler assembler(three_ring_arm());
+  Feeder feed(assembler);
+  feed.frames(0, 100);
+  feed.frames(2500, 2600);
+  EXPECT_EQ(assembler.time_jumps(), 0u);
+  const auto frames = assembler.take();
+  EXPECT_GE(frames.size(), 199u);
+  EXPECT_EQ(frames.back().bodies.size(), 3u);
+}
+
+TEST(FrameAssemblerInputs, NewestAtOrBeforeTheFrameHolds) {
+  FrameAssembler assembler(three_ring_arm());
+  Feeder feed(assembler);
+  feed.frames(0, 1);  // before any pressure
+  assembler.add_input(0, feed.stamp(0.5), 101325.0 + 2e4);
+  assembler.add_input(1, feed.stamp(0.5), 101325.0 - 6e4);
+  assembler.add_input(0, feed.stamp(2.5), 101325.0 + 3e4);  // newer than the frame to come
+  feed.frames(1, 4);
+  feed.frames(240, 241);  // no pressure for a second
+  const auto frames = assembler.take();
+  ASSERT_EQ(frames.size(), 5u);
+  ASSERT_EQ(frames[0].inputs.size(), 2u);
+  EXPECT_FALSE(frames[0].inputs[0]);
+  EXPECT_NEAR(frames[1].inputs[0].value(), 2e4, 1e-6);
+  EXPECT_NEAR(frames[1].inputs[1].value(), 6e4, 1e-6);  // vacuum below ambient
+  EXPECT_NEAR(frames[3].inputs[0].value(), 3e4, 1e-6);
+  EXPECT_FALSE(frames[4].inputs[0]);
+  assembler.add_input(0, feed.stamp(241), std::numeric_limits<double>::quiet_NaN());
+  assembler.add_input(0, 0.0, 1e5);
+  EXPECT_EQ(count(assembler.rejected(), "pressure_nan chamber_1"), 1u);
+  EXPECT_EQ(count(assembler.rejected(), "bad_stamp chamber_1"), 1u);
+}
+
+TEST(FrameAssemblerInputs, GaugeInputsAreUsedAsTheyAre) {
+  Arm arm = three_ring_arm();
+  for (PressureInput& input : arm.inputs.pressures) input.reference = PressureReference::kGauge;
+  FrameAssembler assembler(arm);
+  Feeder feed(assembler);
+  assembler.add_input(0, feed.stamp(0), 2e4);
+  assembler.add_input(1, feed.stamp(0), -6e4);
+  feed.frames(1, 2);
+  const auto frames = assembler.take();
+  ASSERT_EQ(frames.size(), 1u);
+  EXPECT_NEAR(frames[0].inputs[0].value(), 2e4, 1e-6);
+  EXPECT_NEAR(frames[0].inputs[1].value(), 6e4, 1e-6);
+}
+
+TEST(FrameAssemblerPayload, HoldsFromItsStampAndRejectsNonsense) {
+  FrameAssembler assembler(three_ring_arm());
+  Feeder feed(assembler);
+  feed.frames(0, 2);
+  assembler.add_payload(feed.stamp(1.5), 0.2);
+  feed.frames(2, 4);
+  assembler.add_payload(feed.stamp(3.5), std::nullopt);
+  feed.frames(4, 5);
+  assembler.add_payload(feed.stamp(4.5), -1.0);
+  assembler.add_payload(feed.stamp(4.5), std::numeric_limits<double>::quiet_NaN());
+  assembler.add_payload(0.0, 0.1);  // before any clock: it has always held
+  feed.frames(5, 6);
+  const auto frames = assembler.take();
+  ASSERT_EQ(frames.size(), 6u);
+  EXPECT_FALSE(frames[1].payload_kg);
+  EXPECT_EQ(frames[2].payload_kg.value(), 0.2);
+  EXPECT_FALSE(frames[4].payload_kg);
+  EXPECT_EQ(frames[5].payload_kg.value(), 0.1);
+  EXPECT_EQ(count(assembler.rejected(), "payload_out_of_range payload"), 1u);
+  EXPECT_EQ(count(assembler.rejected(), "payload_nan payload"), 1u);
+}
+
+}  // namespace
+}  // namespace softarm
