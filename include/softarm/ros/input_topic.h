@@ -1,0 +1,64 @@
+// One topic that an arm listens to: the same conversion serves the live node and the reader of bags.
+#pragma once
+
+#include <ros/message_event.h>
+#include <ros/ros.h>
+#include <rosbag/message_instance.h>
+#include <std_msgs/Header.h>
+
+#include <functional>
+#include <string>
+#include <utility>
+
+#include "softarm/trial/frame_assembler.h"
+
+namespace softarm {
+
+/// How many messages of a topic may wait: 4 s at 240 Hz.
+constexpr std::uint32_t kSubscriberQueue = 1000;
+
+/// Called after a live message has been added, with its header (null if the type has none).
+using OnMessage = std::function<void(const std_msgs::Header*)>;
+
+/// A topic, its type, and what to do with its messages.
+struct InputTopic {
+  std::string topic;
+  std::string type;   ///< ROS type, "geometry_msgs/PoseStamped"
+  std::string feeds;  ///< for people: "ring_1", "chamber_1, chamber_2", "payload"
+  /// Adds one message of a bag to the assembler. @return false if the message has another type
+  std::function<bool(const rosbag::MessageInstance&, FrameAssembler&)> read;
+  /// Subscribes; the assembler must outlive the subscriber.
+  std::function<ros::Subscriber(ros::NodeHandle&, FrameAssembler&, OnMessage)> subscribe;
+};
+
+/// Stamp of a message without a header: when it was received (ROS time, or the time of the bag's record).
+/// Where the bodies' stamps are of another clock (a bag replayed without simulated time, a driver with its
+/// own epoch), it is the newest of theirs. Zero (no clock yet) stays zero.
+double headerless_stamp_s(double receipt_s, const FrameAssembler& assembler);
+
+/// Makes an InputTopic of a conversion.
+/// @param convert adds the samples of one message: (message, receipt time in s, assembler)
+template <class Message>
+InputTopic make_input_topic(const std::string& topic, const std::string& feeds,
+                            std::function<void(const Message&, double, FrameAssembler&)> convert) {
+  InputTopic input;
+  input.topic = topic;
+  input.type = ros::message_traits::DataType<Message>::value();
+  input.feeds = feeds;
+  input.read = [convert](const rosbag::MessageInstance& instance, FrameAssembler& assembler) {
+    const boost::shared_ptr<Message> message = instance.instantiate<Message>();
+    if (message) convert(*message, instance.getTime().toSec(), assembler);
+    return message != nullptr;
+  };
+  input.subscribe = [topic, convert](ros::NodeHandle& nh, FrameAssembler& assembler, OnMessage on_message) {
+    const auto callback = [convert, &assembler, on_message](const boost::shared_ptr<Message const>& message) {
+      convert(*message, ros::Time::now().toSec(), assembler);
+      on_message(ros::message_traits::header(*message));
+    };
+    return nh.subscribe<Message>(topic, kSubscriberQueue, callback, ros::VoidConstPtr(),
+                                 ros::TransportHints().tcpNoDelay());
+  };
+  return input;
+}
+
+}  // namespace softarm

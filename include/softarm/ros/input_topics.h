@@ -1,0 +1,33 @@
+// All topics that an arm listens to, from its description.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "softarm/arm/arm.h"
+#include "softarm/ros/input_topic.h"
+
+namespace softarm {
+
+/// Topics of bodies, pressures and payload, each once however many inputs it feeds.
+/// @throws std::invalid_argument in one line where the arm names a type that no adapter reads
+std::vector<InputTopic> input_topics(const Arm& arm);
+
+/// Makes the topics of all bodies of an arm (base included) for one type of mocap message.
+using BodyAdapter = std::vector<InputTopic> (*)(const Arm& arm);
+/// By Inputs::body_type. A new driver is one new file and one line in this table.
+const std::map<std::string, BodyAdapter>& body_adapters();
+
+/// Makes one topic that feeds the given inputs (indices into Inputs::pressures).
+using PressureAdapter = InputTopic (*)(const Arm& arm, const std::string& topic,
+                                       const std::vector<int>& inputs);
+/// By PressureInput::type.
+const std::map<std::string, PressureAdapter>& pressure_adapters();
+
+/// Name and index (FrameAssembler::kBaseBody for the base) of every body of the arm.
+std::vector<std::pair<std::string, int>> body_indices(const Arm& arm);
+/// Inputs::body_topic with the body's name filled in.
+std::string body_topic(const Arm& arm, const std::string& body);
+
+}  // namespace softarm
