@@ -48,4 +48,6 @@ function(softarm_programs)
     list(APPEND names ${name})
   endforeach()
   set(SOFTARM_PROGRAMS "${names}" CACHE INTERNAL "programs of src/apps")
+  # What scripts/demo and scripts/softarm need: no tests.
+  add_custom_target(programs DEPENDS ${names} ${${PROJECT_NAME}_EXPORTED_TARGETS})
 endfunction()
