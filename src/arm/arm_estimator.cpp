@@ -1,0 +1,51 @@
+// Choices of the estimator, checked against what the arm offers.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "arm_parts.h"
+#include "softarm/arm/arm_yaml.h"
+
+namespace softarm::yaml {
+namespace {
+
+PressurePrior read_prior(const Section& section, const Arm& arm) {
+  PressurePrior prior;
+  prior.enabled = section.flag("enabled");
+  prior.moment_sd_nm = section.number("moment_sd_nm");
+  prior.bending_stiffness_sd_rel = section.number("bending_stiffness_sd_rel");
+  prior.length_sd_m = section.number("length_sd_m");
+  const bool any_chamber = std::any_of(arm.segments.begin(), arm.segments.end(),
+                                       [](const Segment& segment) { return !segment.chambers.empty(); });
+  if (prior.enabled && !any_chamber) section.fail_value("enabled", "needs segments with chambers");
+  return prior;
+}
+
+bool has_tip_orientation(const Arm& arm) {
+  constexpr double kAtTipM = 1e-6;
+  return std::any_of(arm.bodies.begin(), arm.bodies.end(), [&arm](const MeasuredBody& body) {
+    return body.orientation_usable && body.arclength_m >= arm.total_length_m() - kAtTipM;
+  });
+}
+
+}  // namespace
+
+EstimatorOptions read_estimator(const Section& section, const Arm& arm) {
+  EstimatorOptions options;
+  options.method = parse_method(section.word("method"));
+  if (options.method == Method::kEndOrientation && !has_tip_orientation(arm)) {
+    section.fail_value("method", fmt::format("needs a ring at the tip ({:g} m) with orientation_usable: true",
+                                             arm.total_length_m()));
+  }
+  options.unknown = parse_unknown(section.word("unknown"));
+  options.objective = parse_objective(section.word("objective"));
+  if (section.has("weights")) {
+    options.weights = section.word("weights") == "paper" ? Weights::kPaper : Weights::kNoise;
+  }
+  options.robust = section.flag("robust");
+  options.tells_relative_sd = section.number("tells_relative_sd");
+  options.prior = read_prior(section.section("prior", prior_keys()), arm);
+  return options;
+}
+
+}  // namespace softarm::yaml

@@ -1,0 +1,294 @@
+#include "yaml_section.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "edit_distance.h"
+#include "softarm/arm/arm_yaml.h"
+
+namespace softarm::yaml {
+namespace {
+
+constexpr std::size_t kLongestQuote = 60;
+
+/// What the user wrote, fit for one line of a message.
+std::string quoted(const std::string& text) {
+  std::string clean;
+  for (const char c : text) {
+    if (clean.size() >= kLongestQuote) {
+      clean += "...";
+      break;
+    }
+    clean += (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) ? ' ' : c;
+  }
+  return clean;
+}
+
+std::string shown(const YAML::Node& node) {
+  if (node.IsNull()) return "(nothing)";
+  if (node.IsScalar()) return quoted(node.Scalar());
+  if (node.IsMap()) return "(a section)";
+  std::string items;
+  for (const YAML::Node& item : node) {
+    items += (items.empty() ? "" : ", ") + (item.IsScalar() ? item.Scalar() : std::string("..."));
+  }
+  return quoted("[" + items + "]");
+}
+
+/// A number in YAML's notation, independent of the locale. Infinite and NaN are numbers here; callers refuse
+/// them.
+std::optional<double> to_number(std::string text) {
+  if (!text.empty() && text.front() == '+') text.erase(0, 1);
+  std::string bare = text;
+  if (!bare.empty() && bare.front() == '-') bare.erase(0, 1);
+  std::transform(bare.begin(), bare.end(), bare.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (bare == ".inf") return HUGE_VAL;
+  if (bare == ".nan") return std::nan("");
+  double value = 0.0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  if (stop != end || error == std::errc::invalid_argument) return std::nullopt;
+  if (error == std::errc::result_out_of_range) return HUGE_VAL;
+  return value;
+}
+
+bool is_letter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+bool is_name_char(char c) {
+  return is_letter(c) || (c >= '0' && c <= '9') || c == '_';
+}
+
+}  // namespace
+
+Section::Section(std::string source, const YAML::Node& node, std::string path, const KeyTable& table,
+                 int line)
+    : source_(std::move(source)), path_(std::move(path)), table_(&table), line_(line) {
+  if (node.IsNull()) return;
+  if (!node.IsMap()) fail_at(line_, path_, fmt::format("value {} is not a section of keys", shown(node)));
+  for (const auto& entry : node) {
+    const int key_line = entry.first.Mark().line + 1;
+    if (!entry.first.IsScalar()) fail_at(key_line, path_, "a key must be a word");
+    const std::string key = entry.first.Scalar();
+    if (table_->find(key) == nullptr) fail_unknown(key, key_line);
+    if (!given_.emplace(key, Given{entry.second, key_line}).second) {
+      fail_at(key_line, path_of(key), fmt::format("is given twice, first on line {}", given_.at(key).line));
+    }
+  }
+}
+
+std::string Section::path_of(const std::string& key) const {
+  return path_.empty() ? key : path_ + "." + key;
+}
+
+void Section::fail_at(int line, const std::string& path, const std::string& problem) const {
+  throw ArmError(fmt::format("{}:{}: key '{}': {}", quoted(source_), line, path, problem));
+}
+
+void Section::fail(const std::string& key, const std::string& problem) const {
+  const auto found = given_.find(key);
+  fail_at(found == given_.end() ? line_ : found->second.line, path_of(key), problem);
+}
+
+void Section::fail_value(const std::string& key, const std::string& problem) const {
+  fail(key, fmt::format("value {} {}", shown(value(key)), problem));
+}
+
+void Section::fail_unknown(const std::string& key, int line) const {
+  std::vector<std::string> names;
+  for (const KeySpec& spec : table_->keys) names.push_back(spec.name);
+  const std::optional<std::string> nearest = nearest_word(key, names);
+  fail_at(line, path_of(quoted(key)),
+          nearest ? fmt::format("unknown key; did you mean '{}'?", *nearest)
+                  : fmt::format("unknown key; allowed here: {}", fmt::join(names, ", ")));
+}
+
+const KeySpec& Section::spec(const std::string& key) const {
+  const KeySpec* const found = table_->find(key);
+  if (found == nullptr) throw std::logic_error("no key '" + key + "' in table " + table_->section);
+  return *found;
+}
+
+void Section::require(const std::string& key, const std::string& reason) const {
+  if (!has(key)) fail(key, fmt::format("is missing; {}; allowed: {}", reason, allowed_values(spec(key))));
+}
+
+YAML::Node Section::value(const std::string& key) const {
+  const auto found = given_.find(key);
+  if (found != given_.end()) return found->second.value;
+  const KeySpec& key_spec = spec(key);
+  if (key_spec.fallback == kRequired) {
+    fail(key, fmt::format("is missing; {}; allowed: {}", key_spec.meaning, allowed_values(key_spec)));
+  }
+  if (key_spec.fallback == kAbsent) throw std::logic_error("absent key '" + key + "' was read");
+  return YAML::Load(key_spec.fallback);
+}
+
+std::string Section::scalar(const std::string& key, const std::string& expected) const {
+  const YAML::Node node = value(key);
+  if (node.IsNull()) fail(key, fmt::format("has no value; expected {}", expected));
+  if (!node.IsScalar()) fail(key, fmt::format("value {} is not {}", shown(node), expected));
+  return node.Scalar();
+}
+
+double Section::checked_number(const std::string& key, const std::string& path,
+                               const std::string& text) const {
+  const KeySpec& key_spec = spec(key);
+  const int line = has(key) ? given_.at(key).line : line_;
+  const std::string range = fmt::format("[{:g}, {:g}]{}", key_spec.low, key_spec.high,
+                                        key_spec.unit.empty() ? "" : " " + key_spec.unit);
+  const std::optional<double> number = to_number(text);
+  if (!number) {
+    const std::string words =
+        key_spec.words.empty() ? "" : fmt::format(" nor one of: {}", fmt::join(key_spec.words, ", "));
+    fail_at(line, path, fmt::format("value '{}' is not a number in {}{}", quoted(text), range, words));
+  }
+  if (!std::isfinite(*number)) {
+    fail_at(line, path, fmt::format("value {} is not finite; allowed: {}", quoted(text), range));
+  }
+  if (!(*number >= key_spec.low && *number <= key_spec.high)) {
+    fail_at(line, path, fmt::format("value {} is outside the allowed range {}", quoted(text), range));
+  }
+  return *number;
+}
+
+double Section::number(const std::string& key) const {
+  return checked_number(key, path_of(key), scalar(key, "a number in " + allowed_values(spec(key))));
+}
+
+int Section::integer(const std::string& key) const {
+  const double number_value = number(key);
+  if (number_value != std::floor(number_value)) {
+    fail_value(key, fmt::format("is not an integer; allowed: {}", allowed_values(spec(key))));
+  }
+  return static_cast<int>(number_value);
+}
+
+bool Section::flag(const std::string& key) const {
+  const std::string text = scalar(key, "true or false");
+  if (text != "true" && text != "false") fail_value(key, "is neither true nor false");
+  return text == "true";
+}
+
+std::string Section::word(const std::string& key) const {
+  const std::vector<std::string>& words = spec(key).words;
+  const std::string text = scalar(key, fmt::format("one of: {}", fmt::join(words, ", ")));
+  if (std::find(words.begin(), words.end(), text) == words.end()) {
+    fail(key, fmt::format("value '{}' is none of: {}", quoted(text), fmt::join(words, ", ")));
+  }
+  return text;
+}
+
+std::optional<double> Section::number_or_word(const std::string& key) const {
+  const std::vector<std::string>& words = spec(key).words;
+  const std::string text = scalar(key, allowed_values(spec(key)));
+  if (std::find(words.begin(), words.end(), text) != words.end()) return std::nullopt;
+  return checked_number(key, path_of(key), text);
+}
+
+Eigen::VectorXd Section::vector(const std::string& key) const {
+  const KeySpec& key_spec = spec(key);
+  const YAML::Node node = value(key);
+  if (!node.IsSequence() || node.size() != static_cast<std::size_t>(key_spec.count)) {
+    fail(key, fmt::format("value {} is not a list of {}", shown(node), allowed_values(key_spec)));
+  }
+  Eigen::VectorXd numbers(key_spec.count);
+  Eigen::Index i = 0;
+  for (const YAML::Node& item : node) {
+    const std::string path = fmt::format("{}[{}]", path_of(key), i);
+    if (!item.IsScalar()) fail(key, fmt::format("element {} is not a number", i));
+    numbers(i++) = checked_number(key, path, item.Scalar());
+  }
+  return numbers;
+}
+
+Range Section::range(const std::string& key) const {
+  const Eigen::VectorXd limits = vector(key);
+  if (!(limits(0) < limits(1))) fail_value(key, "is not a range: the first number must be below the second");
+  return {limits(0), limits(1)};
+}
+
+std::string Section::text(const std::string& key) const {
+  std::string text = scalar(key, "text");
+  if (text.empty()) fail(key, "value '' is empty");
+  return text;
+}
+
+std::string Section::name(const std::string& key, const std::string& also) const {
+  std::string name = text(key);
+  const bool legal = is_letter(name.front()) && std::all_of(name.begin(), name.end(), [&also](char c) {
+                       return is_name_char(c) || also.find(c) != std::string::npos;
+                     });
+  if (!legal) {
+    fail(key, fmt::format("value '{}' is not a name: a letter, then letters, digits or any of '_{}'",
+                          quoted(name), also));
+  }
+  return name;
+}
+
+std::string Section::topic(const std::string& key, const std::string& placeholder) const {
+  const std::string topic = text(key);
+  std::string bare = topic;
+  if (!placeholder.empty()) {
+    const std::size_t at = bare.find(placeholder);
+    if (at == std::string::npos) {
+      fail(key, fmt::format("value '{}' does not contain {}", quoted(topic), placeholder));
+    }
+    bare.replace(at, placeholder.size(), "x");
+  }
+  const bool legal =
+      (is_letter(bare.front()) || bare.front() == '/' || bare.front() == '~') && bare.back() != '/' &&
+      bare.find("//") == std::string::npos &&
+      std::all_of(bare.begin() + 1, bare.end(), [](char c) { return is_name_char(c) || c == '/'; });
+  if (!legal) {
+    fail(key, fmt::format("value '{}' is not a ROS topic: letters, digits, '_' and '/'", quoted(topic)));
+  }
+  return topic;
+}
+
+Section Section::section(const std::string& key, const KeyTable& table) const {
+  return Section(source_, value(key), path_of(key), table, has(key) ? given_.at(key).line : line_);
+}
+
+std::vector<Section> Section::list(const std::string& key, const KeyTable& table) const {
+  const YAML::Node node = value(key);
+  if (!node.IsSequence()) fail(key, fmt::format("value {} is not a list", shown(node)));
+  std::vector<Section> sections;
+  int i = 0;
+  for (const YAML::Node& item : node) {
+    const std::string path = fmt::format("{}[{}]", path_of(key), i++);
+    const int line = item.Mark().line + 1;
+    if (!item.IsMap()) fail_at(line, path, fmt::format("value {} is not a section of keys", shown(item)));
+    sections.emplace_back(source_, item, path, table, line);
+  }
+  return sections;
+}
+
+Section parse_document(const std::string& text, const std::string& source, const KeyTable& table) {
+  const std::string where = quoted(source);
+  std::vector<YAML::Node> documents;
+  try {
+    documents = YAML::LoadAll(text);
+  } catch (const YAML::Exception& error) {
+    // what() repeats the position; msg is the bare reason.
+    throw ArmError(
+        fmt::format("{}:{}: not YAML: {}", where, std::max(0, error.mark.line) + 1, quoted(error.msg)));
+  }
+  if (documents.empty() || documents.front().IsNull()) throw ArmError(where + ":1: the document is empty");
+  if (documents.size() > 1) {
+    throw ArmError(fmt::format("{}:{}: a second document begins; one arm is expected", where,
+                               std::max(0, documents[1].Mark().line) + 1));
+  }
+  if (!documents.front().IsMap()) {
+    throw ArmError(fmt::format("{}:1: {} is not a section of keys", where, shown(documents.front())));
+  }
+  return Section(source, documents.front(), "", table, 1);
+}
+
+}  // namespace softarm::yaml
