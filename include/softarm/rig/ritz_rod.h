@@ -1,0 +1,85 @@
+// A dynamic three-dimensional rod, discretised by a global Ritz expansion of its curvature.
+//
+// The unknowns q are the coefficients of a cubic B-spline for the dimensionless curvature w(sigma) = L
+// u(sigma), three components in the section frame, sigma = s / L. The backbone is inextensible and unsheared.
+// Given w, the rotations follow from exponentials of the Magnus series (order 4) and positions from Lobatto
+// quadrature of the tangent.
+//
+// Time: every material station has a position x and two section directors d1, d2, which carry its mass and
+// rotary inertia (like a disc's). Their accelerations are those of BDF2 in Cartesian space, so that no
+// Coriolis terms appear, and the equations of motion are d'Alembert's principle projected on dq:
+//   sum_k J_k(q)^T (m_k a_k - m_k g + c_k v_k) + K(w + tau w') - B M = 0,
+// solved by Newton's method with the geometric stiffness of all forces. Unconditionally stable, second order
+// in time, fourth order or better in space.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace softarm::rig {
+
+/// What does not change.
+struct RitzRodParams {
+  int elements = 6;
+  double mass_kg = 0.2;
+  double tip_mass_kg = 0.0;
+  double diameter_m = 0.04;
+  double retardation_s = 0.0;
+  double air_damping_n_s_m2 = 0.0;
+  Eigen::Vector3d gravity_base_m_s2 = Eigen::Vector3d::Zero();
+};
+
+/// What may change from step to step.
+struct RitzRodInputs {
+  double length_m = 0.2;
+  double bending_stiffness_nm2 = 0.03;
+  double torsional_stiffness_nm2 = 0.03;
+  Eigen::Vector3d moment_section_nm =
+      Eigen::Vector3d::Zero();     ///< actuation, uniform, turning with the sections
+  double payload_kg = 0.0;         ///< point mass at the tip
+  double tip_damping_n_s_m = 0.0;  ///< force against the tip's velocity
+  Eigen::Vector3d tip_force_base_n = Eigen::Vector3d::Zero();  ///< dead load
+};
+
+/// The rod's state at one instant and how to advance it. Everything is in the frame of the clamp (base
+/// frame).
+class RitzRod {
+ public:
+  explicit RitzRod(const RitzRodParams& params);
+  ~RitzRod();
+  RitzRod(RitzRod&&) noexcept;
+  RitzRod& operator=(RitzRod&&) noexcept;
+
+  /// Goes to static equilibrium, reached by increasing all loads from zero, and forgets all motion.
+  /// @return false if none was found; the state is then unchanged.
+  bool settle(const RitzRodInputs& inputs);
+
+  /// Advances by dt; the inputs are those at the end of the step. The first step of another length than the
+  /// last one's is of first order only.
+  /// @return false if Newton's method failed; the state is then unchanged.
+  bool step(const RitzRodInputs& inputs, double dt_s);
+
+  /// Position and orientation of the section at a fraction of the length.
+  Eigen::Isometry3d pose(double fraction) const;
+  Eigen::Vector3d velocity(double fraction) const;
+  /// Curvature and torsion u (1/m) in the section frame.
+  Eigen::Vector3d curvature(double fraction) const;
+
+  /// Kinetic + elastic + gravity energy - work of the actuation moment and of the tip's dead load, for the
+  /// inputs of the last step.
+  double energy_j() const;
+
+  /// Newton iterations of the last solution.
+  int last_iterations() const;
+  std::size_t coefficient_count() const;
+  const Eigen::VectorXd& coefficients() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace softarm::rig

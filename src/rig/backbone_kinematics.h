@@ -1,0 +1,49 @@
+// From curvature coefficients to rotations, positions and their derivatives: private to the rig.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/StdVector>
+#include <vector>
+
+#include "strain_basis.h"
+
+namespace softarm::rig {
+
+/// Rotation, and its derivatives, of a rod whose dimensionless curvature w = L u is a spline.
+///
+/// R' = R [w]x is integrated over each interval between stations with the Magnus expansion of order 4 (two
+/// Gauss points). Blanes, Casas, Oteo, Ros, "The Magnus expansion and some of its applications", Phys. Rep.
+/// 470 (2009).
+struct BackboneKinematics {
+  using Vectors = std::vector<Eigen::Vector3d>;
+  using LocalJacobian = Eigen::Matrix<double, 3, 12>;
+
+  explicit BackboneKinematics(const StrainBasis& basis);
+
+  /// Rotations, local derivatives and positions.
+  /// @param q coefficients, three components of function m at 3 m ... 3 m + 2
+  void update(const StrainBasis& basis, const Eigen::VectorXd& q, double length_m);
+
+  /// rotation_jacobian and position_jacobian of all stations, from the last update().
+  void update_jacobians(const StrainBasis& basis, double length_m);
+
+  /// Rotation of the section and position at any fraction.
+  Eigen::Matrix3d rotation_at(const StrainBasis& basis, const Eigen::VectorXd& q, double fraction) const;
+  Eigen::Vector3d position_at(const StrainBasis& basis, double length_m, double fraction) const;
+
+  std::vector<Eigen::Matrix3d> rotations;  ///< per station
+  Vectors positions;                       ///< per station, m, base frame
+  /// Interval k, between stations k and k + 1: what a change of the 12 local coefficients (from 3 e on) turns
+  /// station k + 1 against station k, as a rotation vector in the base frame.
+  std::vector<LocalJacobian, Eigen::aligned_allocator<LocalJacobian>> turns;
+  /// 3 stations x coefficients: rotation vector in the base frame, and position, per coefficient.
+  Eigen::MatrixXd rotation_jacobian, position_jacobian;
+};
+
+/// Rotation matrix of a rotation vector.
+Eigen::Matrix3d rotation_of(const Eigen::Vector3d& rotation_vector);
+
+/// The matrix of v x (.).
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v);
+
+}  // namespace softarm::rig

@@ -1,0 +1,126 @@
+#include "softarm/rig/protocol.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "random_stream.h"
+
+namespace softarm::rig {
+namespace {
+
+constexpr std::uint64_t kPressurePurpose = 0x70726573;
+
+/// Value `index` of a schedule whose changes take ramp_s.
+double scheduled(const std::vector<Setpoint>& schedule, std::size_t index, double ramp_s, double t_s) {
+  double value = schedule.front().values[index];
+  for (std::size_t i = 1; i < schedule.size() && t_s > schedule[i].t_s; ++i)
+    value += (schedule[i].values[index] - value) * smooth_ramp((t_s - schedule[i].t_s) / ramp_s);
+  return value;
+}
+
+}  // namespace
+
+double smooth_ramp(double x) {
+  x = std::clamp(x, 0.0, 1.0);
+  return x * x * x * (10.0 + x * (6.0 * x - 15.0));
+}
+
+Protocol::Protocol(const Scenario& scenario) : scenario_(scenario) {
+  if (!scenario_.pressures.random) return;
+  const RandomPressures& random = *scenario_.pressures.random;
+  for (std::size_t chamber = 0; chamber < scenario_.arm.chambers.size(); ++chamber) {
+    RandomStream stream(scenario_.seed, kPressurePurpose + chamber);
+    std::vector<Sinusoid> sum;
+    for (int i = 0; i < random.sinusoids; ++i) {
+      // One frequency in each part of the band, so that no draw leaves the arm still.
+      const double place = (i + stream.uniform()) / random.sinusoids;
+      const double hz = random.lowest_hz + (random.highest_hz - random.lowest_hz) * place;
+      sum.push_back({hz, stream.uniform(0.0, 2.0 * M_PI)});
+    }
+    sinusoids_.push_back(std::move(sum));
+  }
+}
+
+double Protocol::pressure(std::size_t chamber, double t_s) const {
+  const PressureSpec& spec = scenario_.pressures;
+  double value = spec.rest_pa;
+  if (spec.random) {
+    double sum = 0.0;
+    for (const Sinusoid& s : sinusoids_[chamber]) sum += std::sin(2.0 * M_PI * s.hz * t_s + s.phase);
+    sum *= std::sqrt(2.0 / spec.random->sinusoids);
+    const double middle = 0.5 * (spec.random->min_pa + spec.random->max_pa);
+    value = middle + 0.5 * (spec.random->max_pa - spec.random->min_pa) * std::tanh(sum);
+  } else if (!spec.schedule.empty()) {
+    value = scheduled(spec.schedule, chamber, spec.ramp_s, t_s);
+  }
+  double envelope = smooth_ramp((t_s - spec.settle_s) / spec.ramp_s);
+  if (scenario_.duration_s > 0.0)
+    envelope *= smooth_ramp((scenario_.duration_s - spec.settle_s - t_s) / spec.ramp_s);
+  return spec.rest_pa + envelope * (value - spec.rest_pa);
+}
+
+Commands Protocol::at(double t_s) const {
+  Commands commands;
+  for (std::size_t i = 0; i < scenario_.arm.chambers.size(); ++i)
+    commands.pressures_pa.push_back(pressure(i, t_s));
+  const VacuumSpec& vacuum = scenario_.vacuum;
+  if (!vacuum.schedule.empty()) commands.vacuum_pa = scheduled(vacuum.schedule, 0, vacuum.ramp_s, t_s);
+
+  // The payload goes from one setpoint to the next, and in a repeated schedule from the last to the first.
+  const PayloadSpec& payload = scenario_.payload;
+  if (payload.schedule.empty()) return commands;
+  const bool repeated = payload.repeat_s > 0.0 && t_s >= payload.repeat_s;
+  const double t = repeated ? std::fmod(t_s, payload.repeat_s) : t_s;
+  std::size_t current = 0;
+  while (current + 1 < payload.schedule.size() && payload.schedule[current + 1].t_s <= t) ++current;
+  const Setpoint& to = payload.schedule[current];
+  commands.payload_kg = to.values[0];
+  if (current == 0 && !repeated) return commands;
+  const double from = (current == 0 ? payload.schedule.back() : payload.schedule[current - 1]).values[0];
+  const double since = t - to.t_s;
+  if (from == to.values[0]) return commands;
+  commands.payload_kg = from + (to.values[0] - from) * smooth_ramp(since / payload.ramp_s);
+  if (since < payload.steady_s)  // the hand lets go over the last quarter
+    commands.hand_damping_n_s_m =
+        payload.hand_damping_n_s_m * (1.0 - smooth_ramp((since / payload.steady_s - 0.75) / 0.25));
+  return commands;
+}
+
+PayloadChange Protocol::payload_known_at(double t_s) const {
+  const PayloadSpec& payload = scenario_.payload;
+  if (payload.schedule.empty()) return {};
+  const double shifted = t_s - 0.5 * payload.ramp_s;
+  double cycle = 0.0;
+  if (payload.repeat_s > 0.0 && shifted > 0.0)
+    cycle = payload.repeat_s * std::floor(shifted / payload.repeat_s);
+  const double t = shifted - cycle;
+  std::size_t current = 0;
+  while (current + 1 < payload.schedule.size() && payload.schedule[current + 1].t_s <= t) ++current;
+  const bool from_the_start = current == 0 && cycle == 0.0;
+  return {from_the_start ? 0.0 : cycle + payload.schedule[current].t_s + 0.5 * payload.ramp_s,
+          payload.schedule[current].values[0]};
+}
+
+Actuation apply_laws(const ArmSpec& arm, const Commands& commands) {
+  Actuation actuation;
+  actuation.length_m = arm.length_m;
+  actuation.bending_stiffness_nm2 =
+      arm.stiffness_base_nm2 + arm.stiffness_per_jamming_nm2_per_pa * commands.vacuum_pa;
+  if (arm.chambers.empty()) return actuation;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < arm.chambers.size(); ++i) {
+    const ChamberSpec& chamber = arm.chambers[i];
+    const double p = commands.pressures_pa[i];
+    sum += p;
+    actuation.moment_nm += chamber.moment_gain_nm_per_pa * p *
+                           Eigen::Vector2d(std::cos(chamber.direction_rad), std::sin(chamber.direction_rad));
+    actuation.length_m += (chamber.near_elongation_m_per_pa + chamber.far_elongation_m_per_pa) * p;
+  }
+  actuation.bending_stiffness_nm2 +=
+      arm.stiffness_per_min_nm2_per_pa *
+          *std::min_element(commands.pressures_pa.begin(), commands.pressures_pa.end()) +
+      arm.stiffness_per_jamming_nm2_per_pa * sum / static_cast<double>(arm.chambers.size());
+  return actuation;
+}
+
+}  // namespace softarm::rig

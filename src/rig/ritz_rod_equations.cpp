@@ -1,0 +1,148 @@
+// The equations of motion of RitzRod and their solution.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "ritz_rod_impl.h"
+
+namespace softarm::rig {
+namespace {
+
+constexpr double kStepTolerance = 1e-9;  ///< of a Newton correction of L u (rad): far below a nanometre
+constexpr int kMaxIterations = 40;
+
+}  // namespace
+
+void RitzRod::Impl::evaluate(const Differences& d, double load) {
+  kinematics.update(basis, now.q, inputs.length_m);
+  for (std::size_t k = 0; k < stations; ++k) {
+    const double mass = station_mass(k);
+    forces[k] = mass * load * params.gravity_base_m_s2;
+    director_forces[k].setZero();
+    if (d.dt > 0.0) {
+      const Eigen::Matrix3d x = station_x(k);
+      const Eigen::Matrix3d v = d.apply(x, last.stations[k].x, before.stations[k].x);
+      const Eigen::Matrix3d a = d.apply(v, last.stations[k].v, before.stations[k].v);
+      forces[k] -= mass * a.col(0) + station_drag(k) * v.col(0);
+      director_forces[k] = -station_inertia(k) * a.rightCols<2>();
+    }
+  }
+  forces.back() += load * inputs.tip_force_base_n;
+  gather_moments();
+
+  // Elasticity, viscosity and actuation.
+  const double tau = params.retardation_s;
+  for (int c = 0; c < 3; ++c) {
+    strain_work = now.q(Eigen::seqN(c, n / 3, 3)) / inputs.length_m;
+    if (d.dt > 0.0 && tau > 0.0)
+      strain_work += tau / d.dt *
+                     (d.a0 * strain_work + d.a1 * last.u(Eigen::seqN(c, n / 3, 3)) +
+                      d.a2 * before.u(Eigen::seqN(c, n / 3, 3)));
+    residual(Eigen::seqN(c, n / 3, 3)) =
+        stiffness(c) * (basis.gram() * strain_work) - load * inputs.moment_section_nm(c) * basis.integral();
+  }
+  // Virtual work of the moments: each interval turns everything beyond it.
+  Eigen::Vector3d beyond = Eigen::Vector3d::Zero();
+  for (std::size_t k = stations - 1; k-- > 0;) {
+    beyond += moments[k + 1];
+    const int first = 3 * (static_cast<int>(k) / StrainBasis::kIntervals);
+    residual.segment<12>(first).noalias() -= kinematics.turns[k].transpose() * beyond;
+  }
+}
+
+void RitzRod::Impl::gather_moments() {
+  std::fill(tangent_forces.begin(), tangent_forces.end(), Eigen::Vector3d::Zero());
+  Eigen::Vector3d beyond = Eigen::Vector3d::Zero();
+  const double scale = inputs.length_m * basis.element_size();
+  constexpr int kIntervals = StrainBasis::kIntervals;
+  for (int e = basis.elements() - 1; e >= 0; --e) {
+    const auto first = static_cast<std::size_t>(e * kIntervals);
+    for (int j = 0; j <= kIntervals; ++j) {
+      Eigen::Vector3d sum = basis.integration()(kIntervals, j) * beyond;
+      for (int i = 1; i <= kIntervals; ++i)
+        sum += basis.integration()(i, j) * forces[first + static_cast<std::size_t>(i)];
+      tangent_forces[first + static_cast<std::size_t>(j)] += scale * sum;
+    }
+    for (int i = 1; i <= kIntervals; ++i) beyond += forces[first + static_cast<std::size_t>(i)];
+  }
+  for (std::size_t k = 0; k < stations; ++k) {
+    const Eigen::Matrix3d& r = kinematics.rotations[k];
+    moments[k] = r.col(2).cross(tangent_forces[k]) + r.col(0).cross(director_forces[k].col(0)) +
+                 r.col(1).cross(director_forces[k].col(1));
+  }
+}
+
+void RitzRod::Impl::factorise(const Differences& d) {
+  kinematics.update_jacobians(basis, inputs.length_m);
+  const double rate = d.rate();
+  matrix.setZero();
+  for (int c = 0; c < 3; ++c)
+    matrix(Eigen::seqN(c, n / 3, 3), Eigen::seqN(c, n / 3, 3)) =
+        stiffness(c) / inputs.length_m * (1.0 + params.retardation_s * rate) * basis.gram();
+  constexpr int kIntervals = StrainBasis::kIntervals;
+  for (int e = 0; e < basis.elements(); ++e) {
+    const int columns = 3 * (e + 4);
+    auto block = matrix.topLeftCorner(columns, columns);
+    auto turned = scratch_a.leftCols(columns);
+    const int row = 3 * (e * kIntervals + 1);
+    const auto rotation = kinematics.rotation_jacobian.block(row, 0, 3 * kIntervals, columns);
+    for (int i = 0; i < kIntervals; ++i)
+      turned.middleRows<3>(3 * i).noalias() =
+          moment_stiffness(static_cast<std::size_t>(e * kIntervals + i) + 1, rate * rate) *
+          rotation.middleRows<3>(3 * i);
+    block.noalias() += rotation.transpose() * turned;
+    if (d.dt > 0.0) {
+      const auto position = kinematics.position_jacobian.block(row, 0, 3 * kIntervals, columns);
+      for (int i = 0; i < kIntervals; ++i) {
+        const auto k = static_cast<std::size_t>(e * kIntervals + i) + 1;
+        turned.middleRows<3>(3 * i) =
+            (station_mass(k) * rate * rate + station_drag(k) * rate) * position.middleRows<3>(3 * i);
+      }
+      block.noalias() += position.transpose() * turned;
+    }
+  }
+  Eigen::Vector3d beyond = Eigen::Vector3d::Zero();
+  for (int k = basis.stations() - 2; k >= 0; --k) {
+    beyond += moments[static_cast<std::size_t>(k) + 1];
+    const int first = 3 * (k / kIntervals), columns = first + 12;
+    matrix.block(first, 0, 12, columns).noalias() -=
+        0.5 * (kinematics.turns[static_cast<std::size_t>(k)].transpose() * cross_matrix(beyond)) *
+        (kinematics.rotation_jacobian.block(3 * k, 0, 3, columns) +
+         kinematics.rotation_jacobian.block(3 * k + 3, 0, 3, columns));
+  }
+  factors.compute(matrix);
+}
+
+Eigen::Matrix3d RitzRod::Impl::moment_stiffness(std::size_t k, double rate2) const {
+  const Eigen::Matrix3d& r = kinematics.rotations[k];
+  const auto lever = [](const Eigen::Vector3d& arm, const Eigen::Vector3d& force) -> Eigen::Matrix3d {
+    return arm.dot(force) * Eigen::Matrix3d::Identity() - arm * force.transpose();
+  };
+  Eigen::Matrix3d x = lever(r.col(2), tangent_forces[k]);
+  for (int c = 0; c < 2; ++c) {
+    x += lever(r.col(c), director_forces[k].col(c));
+    x += station_inertia(k) * rate2 * (Eigen::Matrix3d::Identity() - r.col(c) * r.col(c).transpose());
+  }
+  return x;
+}
+
+bool RitzRod::Impl::solve(const Differences& d, double load, bool factors_valid) {
+  double last_correction = std::numeric_limits<double>::infinity();
+  evaluate(d, load);
+  for (iterations = 1; iterations <= kMaxIterations; ++iterations) {
+    if (!factors_valid) factorise(d);
+    correction = factors.solve(residual);
+    double size = correction.lpNorm<Eigen::Infinity>();
+    if (!(size < 1e6)) return false;  // also refuses NaN
+    // Slow convergence: the factors are too old, or the shape turned too far from them.
+    factors_valid = size < 0.1 * last_correction;
+    const double scale = size > 1.0 ? 1.0 / size : 1.0;
+    now.q -= scale * correction;
+    evaluate(d, load);
+    if (size < kStepTolerance) return true;
+    last_correction = size;
+  }
+  return false;
+}
+
+}  // namespace softarm::rig
