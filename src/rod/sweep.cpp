@@ -1,0 +1,267 @@
+#include "sweep.h"
+
+#include <algorithm>
+
+namespace softarm::rod {
+namespace {
+
+using Eigen::Vector3d;
+using kernel::LaneSource;
+using kernel::LaneState;
+
+void add(double v[3], const Vector3d& w) {
+  for (int r = 0; r < 3; ++r) v[r] += w[r];
+}
+
+Eigen::Quaterniond quaternion(const kernel::State& y) {
+  return {y.q[0], y.q[1], y.q[2], y.q[3]};
+}
+
+Vector3d lane(const kernel::Lanes v[3], int k) {
+  return {v[0].value[k], v[1].value[k], v[2].value[k]};
+}
+
+void add(kernel::Lanes v[3], int k, const Vector3d& w) {
+  for (int r = 0; r < 3; ++r) v[r].value[k] += w[r];
+}
+
+/// Force and moment that a load applies to a section with orientation q.
+struct Wrench {
+  Vector3d follower_force, force, follower_moment, moment, arm;
+};
+
+Wrench wrench(const PointLoad& load, const Vector3d& gravity, const Eigen::Quaterniond& q) {
+  Wrench w;
+  const Vector3d weight = load.mass_kg * gravity;
+  w.follower_force = load.follower ? Vector3d(q * load.force_n) : Vector3d::Zero().eval();
+  w.follower_moment = load.follower ? Vector3d(q * load.moment_nm) : Vector3d::Zero().eval();
+  w.force = load.follower ? Vector3d(w.follower_force + weight) : Vector3d(load.force_n + weight);
+  w.moment = load.follower ? w.follower_moment : load.moment_nm;
+  w.arm = q * load.offset_m;
+  return w;
+}
+
+}  // namespace
+
+Sweep::Sweep(const Rod& layout, const std::vector<double>& stations_m,
+             const std::vector<Parameter>& parameters, int max_refinement)
+    : grid_(layout, stations_m, max_refinement),
+      parameters_(parameters),
+      tangent_step_(kernel::pick_tangent_step()),
+      sections_(layout.segments.size()),
+      nodes_(static_cast<std::size_t>(grid_.breakpoints())),
+      distal_(nodes_.size()),
+      stages_(grid_.steps.size() * kernel::kStages) {
+  const int count = static_cast<int>(parameters.size());
+  const std::size_t blocks = count == 0 ? 1 : static_cast<std::size_t>(block_of(count - 1)) + 1;
+  lanes_.assign(blocks, std::vector<LaneState>(nodes_.size()));
+  sources_.assign(blocks, std::vector<LaneSource>(sections_.size()));
+}
+
+int Sweep::block_of(int parameter) {
+  return parameter < kFirstBlockParameters ? 0 : 1 + (parameter - kFirstBlockParameters) / kernel::kLanes;
+}
+
+int Sweep::lane_of(int parameter) {
+  return parameter < kFirstBlockParameters ? kUnknownLanes + parameter
+                                           : (parameter - kFirstBlockParameters) % kernel::kLanes;
+}
+
+void Sweep::set_rod(const Rod& rod, const Rod& load_direction) {
+  rod_ = &rod;
+  load_direction_ = &load_direction;
+  for (std::size_t i = 0; i < sections_.size(); ++i) {
+    const Segment& from = rod.segments[i];
+    kernel::Section& to = sections_[i];
+    to.stretch = from.length_m / from.rest_length_m;
+    to.bend = from.bending_compliance;
+    to.twist = from.torsional_compliance;
+    to.axial = from.axial_compliance;
+    to.shear = from.shear_compliance;
+    to.shearable = to.axial != 0.0 || to.shear != 0.0;
+    for (int r = 0; r < 3; ++r) {
+      to.rest[r] = from.rest_curvature_per_m[r];
+      to.moment[r] = from.moment_nm[r];
+      to.weight[r] = from.mass_kg / from.rest_length_m * rod.gravity_m_s2[r];
+    }
+  }
+  for (int block = 0; block < blocks(); ++block) set_sources(block);
+}
+
+void Sweep::refine(int refinement) {
+  if (refinement == refinement_) return;
+  refinement_ = refinement;
+  grid_.refine(*rod_, refinement, sections_);
+}
+
+void Sweep::set_sources(int block) {
+  std::vector<LaneSource>& sources = sources_[static_cast<std::size_t>(block)];
+  std::fill(sources.begin(), sources.end(), LaneSource{});
+  const auto weight_per_s = [](const Segment& segment) { return segment.mass_kg / segment.rest_length_m; };
+  for (int i = 0; i < static_cast<int>(parameters_.size()); ++i) {
+    if (block_of(i) != block) continue;
+    const Parameter& parameter = parameters_[static_cast<std::size_t>(i)];
+    const int k = lane_of(i);
+    const int c = parameter.component;
+    const auto index = static_cast<std::size_t>(parameter.index);
+    switch (parameter.kind) {
+      case ParameterKind::kRestCurvature:
+        sources[index].rest[c].value[k] = 1.0;
+        break;
+      case ParameterKind::kMoment:
+        sources[index].moment[c].value[k] = c < 2 ? sections_[index].bend : sections_[index].twist;
+        break;
+      case ParameterKind::kBendingCompliance:
+        sources[index].bend.value[k] = 1.0;
+        break;
+      case ParameterKind::kTorsionalCompliance:
+        sources[index].twist.value[k] = 1.0;
+        break;
+      case ParameterKind::kAxialCompliance:
+        sources[index].axial.value[k] = 1.0;
+        break;
+      case ParameterKind::kShearCompliance:
+        sources[index].shear.value[k] = 1.0;
+        break;
+      case ParameterKind::kLength:
+        sources[index].stretch.value[k] = 1.0 / rod_->segments[index].length_m;
+        break;
+      case ParameterKind::kSegmentMass:
+        for (int r = 0; r < 3; ++r) {
+          sources[index].weight[r].value[k] = rod_->gravity_m_s2[r] / rod_->segments[index].rest_length_m;
+        }
+        break;
+      case ParameterKind::kGravity:
+        for (std::size_t j = 0; j < sources.size(); ++j) {
+          sources[j].weight[c].value[k] = weight_per_s(rod_->segments[j]);
+        }
+        break;
+      case ParameterKind::kLoadScale:
+        for (std::size_t j = 0; j < sources.size(); ++j) {
+          for (int r = 0; r < 3; ++r) sources[j].weight[r].value[k] = sections_[j].weight[r];
+        }
+        break;
+      case ParameterKind::kLoadForce:
+      case ParameterKind::kLoadMoment:
+      case ParameterKind::kLoadMass:
+      case ParameterKind::kLoadOffset:
+      case ParameterKind::kBaseRotation:
+        break;
+    }
+  }
+  if (block == 0) {
+    for (std::size_t j = 0; j < sources.size(); ++j) {
+      for (int r = 0; r < 3; ++r) {
+        sources[j].weight[r].value[kLoadScaleLane] =
+            weight_per_s(load_direction_->segments[j]) * load_direction_->gravity_m_s2[r];
+      }
+    }
+  }
+}
+
+void Sweep::apply_loads(int breakpoint, Node& node) const {
+  for (const int i : grid_.loads_at[static_cast<std::size_t>(breakpoint)]) {
+    const Wrench w = wrench(rod_->loads[static_cast<std::size_t>(i)], rod_->gravity_m_s2, quaternion(node.y));
+    add(node.n, w.force);
+    add(node.y.m, w.moment + w.arm.cross(w.force));
+  }
+}
+
+void Sweep::apply_loads(int block, int breakpoint, const Node& before, LaneState& y) const {
+  for (const int i : grid_.loads_at[static_cast<std::size_t>(breakpoint)]) {
+    const PointLoad& load = rod_->loads[static_cast<std::size_t>(i)];
+    const Eigen::Quaterniond q = quaternion(before.y);
+    const Wrench w = wrench(load, rod_->gravity_m_s2, q);
+    const Eigen::Matrix3d rotation = q.toRotationMatrix();
+    const bool turns = load.follower || w.arm.squaredNorm() > 0.0;
+    if (turns) {
+      for (int k = 0; k < kernel::kLanes; ++k) {
+        const Vector3d psi = lane(y.psi, k);
+        const Vector3d dforce = psi.cross(w.follower_force);
+        add(y.nu, k, dforce);
+        add(y.mu, k, psi.cross(w.follower_moment) + psi.cross(w.arm).cross(w.force) + w.arm.cross(dforce));
+      }
+    }
+    const auto source = [&](int k, const Vector3d& dforce, const Vector3d& dmoment) {
+      add(y.nu, k, dforce);
+      add(y.mu, k, dmoment + w.arm.cross(dforce));
+    };
+    const auto axis = [&](int c) {
+      return load.follower ? Vector3d(rotation.col(c)) : Vector3d(Vector3d::Unit(c));
+    };
+    for (int p = 0; p < static_cast<int>(parameters_.size()); ++p) {
+      if (block_of(p) != block) continue;
+      const Parameter& parameter = parameters_[static_cast<std::size_t>(p)];
+      const int k = lane_of(p);
+      const int c = parameter.component;
+      const bool mine = parameter.index == i;
+      if (parameter.kind == ParameterKind::kLoadForce && mine) source(k, axis(c), Vector3d::Zero());
+      if (parameter.kind == ParameterKind::kLoadMoment && mine) source(k, Vector3d::Zero(), axis(c));
+      if (parameter.kind == ParameterKind::kLoadMass && mine) source(k, rod_->gravity_m_s2, Vector3d::Zero());
+      if (parameter.kind == ParameterKind::kLoadOffset && mine) {
+        source(k, Vector3d::Zero(), Vector3d(rotation.col(c)).cross(w.force));
+      }
+      if (parameter.kind == ParameterKind::kGravity)
+        source(k, load.mass_kg * Vector3d::Unit(c), Vector3d::Zero());
+      if (parameter.kind == ParameterKind::kLoadScale) source(k, w.force, w.moment);
+    }
+    if (block == 0) {
+      const Wrench full =
+          wrench(load_direction_->loads[static_cast<std::size_t>(i)], load_direction_->gravity_m_s2, q);
+      source(kLoadScaleLane, full.force, full.moment);
+    }
+  }
+}
+
+double Sweep::integrate(const Eigen::Quaterniond& q_tip) {
+  Node node{};
+  node.y.q[0] = q_tip.w();
+  node.y.q[1] = q_tip.x();
+  node.y.q[2] = q_tip.y();
+  node.y.q[3] = q_tip.z();
+  kernel::StepError error{};
+  double lever = 0.0;
+  for (std::size_t k = 0; k < grid_.intervals.size(); ++k) {
+    distal_[k] = node;
+    apply_loads(static_cast<int>(k), node);
+    nodes_[k] = node;
+    const Interval& interval = grid_.intervals[k];
+    const int count = interval.coarse_steps * refinement_;
+    for (int i = 0; i < count; ++i) {
+      const auto s = static_cast<std::size_t>(interval.first_step + i);
+      const kernel::Step& step = grid_.steps[s];
+      kernel::nominal_step(step, node.n, node.y, &stages_[s * kernel::kStages], &error);
+      for (int r = 0; r < 3; ++r) node.n[r] -= step.h * step.section->weight[r];
+    }
+    lever += sections_[static_cast<std::size_t>(interval.segment)].stretch *
+             (interval.s_distal - interval.s_proximal);
+  }
+  distal_.back() = node;
+  apply_loads(grid_.breakpoints() - 1, node);
+  nodes_.back() = node;
+  return error.p + lever * error.q;
+}
+
+void Sweep::differentiate(int block) {
+  LaneState y{};
+  if (block == 0) {
+    for (int r = 0; r < kUnknownLanes; ++r) y.psi[r].value[r] = 1.0;
+  }
+  std::vector<LaneState>& lanes = lanes_[static_cast<std::size_t>(block)];
+  const std::vector<LaneSource>& sources = sources_[static_cast<std::size_t>(block)];
+  for (std::size_t k = 0; k < grid_.intervals.size(); ++k) {
+    apply_loads(block, static_cast<int>(k), distal_[k], y);
+    lanes[k] = y;
+    const Interval& interval = grid_.intervals[k];
+    const int count = interval.coarse_steps * refinement_;
+    for (int i = 0; i < count; ++i) {
+      const auto s = static_cast<std::size_t>(interval.first_step + i);
+      tangent_step_(grid_.steps[s], &stages_[s * kernel::kStages],
+                    sources[static_cast<std::size_t>(interval.segment)], y);
+    }
+  }
+  apply_loads(block, grid_.breakpoints() - 1, distal_.back(), y);
+  lanes.back() = y;
+}
+
+}  // namespace softarm::rod

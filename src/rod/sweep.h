@@ -1,0 +1,73 @@
+// One integration of the rod from a given tip orientation to the base, with derivatives.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "grid.h"
+#include "kernel/kernel.h"
+#include "softarm/rod/rod.h"
+
+namespace softarm::rod {
+
+/// Lanes of the first block that are not the caller's parameters.
+constexpr int kUnknownLanes = 3;                    ///< rotation of the tip about the world axes
+constexpr int kLoadScaleLane = kernel::kLanes - 1;  ///< common factor on all loads, for continuation
+constexpr int kFirstBlockParameters = kernel::kLanes - kUnknownLanes - 1;
+
+/// State and derivatives at a breakpoint, on its proximal side (loads there included).
+struct Node {
+  kernel::State y;
+  double n[3];
+};
+
+class Sweep {
+ public:
+  Sweep(const Rod& layout, const std::vector<double>& stations_m, const std::vector<Parameter>& parameters,
+        int max_refinement);
+
+  /// Takes the rod's values. `load_direction` is the rod at full load that the load-scale lane points to.
+  void set_rod(const Rod& rod, const Rod& load_direction);
+  void refine(int refinement);
+  int refinement() const { return refinement_; }
+
+  /// Integrates the state. @return the estimated position error at the tip relative to the base, m
+  double integrate(const Eigen::Quaterniond& q_tip);
+  /// Integrates the derivatives of one block along the last integrate().
+  void differentiate(int block);
+
+  int blocks() const { return static_cast<int>(lanes_.size()); }
+  int breakpoints() const { return grid_.breakpoints(); }
+  const Grid& grid() const { return grid_; }
+  const Node& node(int breakpoint) const { return nodes_[static_cast<std::size_t>(breakpoint)]; }
+  Node& node(int breakpoint) { return nodes_[static_cast<std::size_t>(breakpoint)]; }
+  const kernel::LaneState& lanes(int block, int breakpoint) const {
+    return lanes_[static_cast<std::size_t>(block)][static_cast<std::size_t>(breakpoint)];
+  }
+  const kernel::Section& section(int segment) const { return sections_[static_cast<std::size_t>(segment)]; }
+
+  /// Block and lane of a parameter.
+  static int block_of(int parameter);
+  static int lane_of(int parameter);
+
+ private:
+  void set_sources(int block);
+  void apply_loads(int breakpoint, Node& node) const;
+  void apply_loads(int block, int breakpoint, const Node& before, kernel::LaneState& y) const;
+
+  Grid grid_;
+  std::vector<Parameter> parameters_;
+  kernel::TangentStep tangent_step_;
+  const Rod* rod_ = nullptr;
+  const Rod* load_direction_ = nullptr;
+  int refinement_ = 0;
+  std::vector<kernel::Section> sections_;
+  std::vector<Node> nodes_;
+  std::vector<Node> distal_;  ///< the same nodes before their loads
+  std::vector<kernel::Stage> stages_;
+  std::vector<std::vector<kernel::LaneState>> lanes_;     ///< [block][breakpoint]
+  std::vector<std::vector<kernel::LaneSource>> sources_;  ///< [block][segment]
+};
+
+}  // namespace softarm::rod
