@@ -1,0 +1,102 @@
+// The live node: samples in, estimates out, for one arm.
+#pragma once
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/ros.h>
+#include <softarm_estimator/SetMode.h>
+#include <softarm_estimator/SetPayload.h>
+#include <std_srvs/Trigger.h>
+#include <tf2_ros/transform_broadcaster.h>
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "softarm/fit/estimator.h"
+#include "softarm/ros/finite.h"
+#include "softarm/ros/input_topic.h"
+#include "softarm/ros/node_params.h"
+#include "softarm/ros/node_statistics.h"
+#include "softarm/trial/frame_assembler.h"
+
+namespace softarm {
+
+/// Subscribes to what the arm listens to and answers every frame.
+///
+/// 1. Each message is converted to samples (InputTopic) and handed to the FrameAssembler.
+/// 2. Each closed frame is estimated and published on ~estimate, whatever its status; with status ok also
+/// ~backbone
+///    (nav_msgs/Path), tf of base, rings and tip. ~markers follow at a lower rate.
+/// 3. A time jump resets the estimator.
+/// 4. Once a second /diagnostics says what arrives, what was rejected and why, and how the fit does.
+///
+/// No message with a NaN or infinity leaves: it is held back and counted. Wall-clock time is only used to
+/// measure rates and solve times. All callbacks must run in one thread.
+class EstimatorNode {
+ public:
+  /// Services: ~reset, ~set_payload, ~set_mode.
+  /// @throws std::exception in one line if the arm cannot be estimated or names types that no adapter reads
+  EstimatorNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh, const NodeParams& params);
+
+  const NodeStatistics& statistics() const { return statistics_; }
+  const FrameAssembler& assembler() const { return assembler_; }
+
+ private:
+  struct Source {
+    InputTopic input;
+    ros::Subscriber subscriber;
+    std::uint64_t messages = 0;
+    std::optional<std::uint32_t> sequence;
+  };
+
+  void on_message(Source& source, const std_msgs::Header* header);
+  void process();
+  void handle(const Frame& frame);
+  void publish(const Estimate& estimate, double stamp_s, double solve_time_s);
+  ros::Time stamp_of(double stamp_s) const;
+  template <class Message>
+  bool publish_finite(ros::Publisher& publisher, const Message& message);
+
+  bool on_reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response);
+  bool on_set_payload(softarm_estimator::SetPayload::Request& request,
+                      softarm_estimator::SetPayload::Response& response);
+  bool on_set_mode(softarm_estimator::SetMode::Request& request,
+                   softarm_estimator::SetMode::Response& response);
+
+  void diagnose_frames(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void diagnose_inputs(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void diagnose_fit(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void diagnose_bodies(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void diagnose_values(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void diagnose_rejections(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void diagnose_silent_topics(diagnostic_updater::DiagnosticStatusWrapper& status);
+  bool pressures_are_needed() const;
+  void on_diagnostics_timer();
+
+  ros::NodeHandle nh_, private_nh_;
+  NodeParams params_;
+  Estimator estimator_;
+  FrameAssembler assembler_;
+  std::vector<std::string> body_names_;
+  std::vector<std::unique_ptr<Source>> sources_;
+  std::map<double, ros::Time> stamps_;  // of the messages, to the nanosecond: a double does not hold them
+
+  ros::Publisher estimate_publisher_, markers_publisher_, path_publisher_;
+  tf2_ros::TransformBroadcaster tf_;
+  std::vector<ros::ServiceServer> services_;
+  std::optional<double> last_marker_s_;
+  std::optional<double> payload_kg_;  // of the last frame
+
+  NodeStatistics statistics_;
+  diagnostic_updater::Updater updater_;
+  ros::WallTimer diagnostics_timer_;
+  ros::WallTime period_start_;
+  double period_s_ = 1.0;
+  double silent_s_ = 0.0;  // wall time without a frame
+  std::map<std::string, std::uint64_t> rejected_before_, dropped_before_;
+  std::uint64_t samples_before_ = 0, time_jumps_before_ = 0, not_finite_before_ = 0, lost_before_ = 0;
+  int diagnostics_count_ = 0;
+};
+
+}  // namespace softarm

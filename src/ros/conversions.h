@@ -1,0 +1,57 @@
+// Eigen to geometry_msgs.
+#pragma once
+
+#include <geometry_msgs/Point.h>
+#include <geometry_msgs/Pose.h>
+#include <geometry_msgs/Quaternion.h>
+#include <geometry_msgs/Transform.h>
+#include <geometry_msgs/Vector3.h>
+
+#include <Eigen/Geometry>
+
+namespace softarm {
+
+inline geometry_msgs::Point to_point(const Eigen::Vector3d& p) {
+  geometry_msgs::Point point;
+  point.x = p.x();
+  point.y = p.y();
+  point.z = p.z();
+  return point;
+}
+
+inline geometry_msgs::Vector3 to_vector(const Eigen::Vector3d& v) {
+  geometry_msgs::Vector3 vector;
+  vector.x = v.x();
+  vector.y = v.y();
+  vector.z = v.z();
+  return vector;
+}
+
+inline geometry_msgs::Quaternion to_quaternion(const Eigen::Quaterniond& q) {
+  geometry_msgs::Quaternion quaternion;
+  quaternion.x = q.x();
+  quaternion.y = q.y();
+  quaternion.z = q.z();
+  quaternion.w = q.w();
+  return quaternion;
+}
+
+inline geometry_msgs::Pose to_pose(const Eigen::Vector3d& p, const Eigen::Quaterniond& q) {
+  geometry_msgs::Pose pose;
+  pose.position = to_point(p);
+  pose.orientation = to_quaternion(q);
+  return pose;
+}
+
+inline geometry_msgs::Pose to_pose(const Eigen::Isometry3d& pose) {
+  return to_pose(pose.translation(), Eigen::Quaterniond(pose.linear()).normalized());
+}
+
+inline geometry_msgs::Transform to_transform(const Eigen::Vector3d& p, const Eigen::Quaterniond& q) {
+  geometry_msgs::Transform transform;
+  transform.translation = to_vector(p);
+  transform.rotation = to_quaternion(q);
+  return transform;
+}
+
+}  // namespace softarm

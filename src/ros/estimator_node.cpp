@@ -1,0 +1,192 @@
+#include "softarm/ros/estimator_node.h"
+
+#include <std_msgs/Header.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "softarm/arm/arm_yaml.h"
+#include "softarm/ros/input_topics.h"
+#include "softarm/ros/markers.h"
+
+namespace softarm {
+namespace {
+
+constexpr std::size_t kStampsKept = 8192;
+constexpr std::uint32_t kPublisherQueue = 1000;
+// A larger step of header.seq is another publisher, not a loss.
+constexpr std::uint32_t kLargestLoss = 10000;
+
+}  // namespace
+
+EstimatorNode::EstimatorNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
+                             const NodeParams& params)
+    : nh_(nh),
+      private_nh_(private_nh),
+      params_(params),
+      estimator_(params.arm, params.options),
+      assembler_(params.arm),
+      updater_(nh_, private_nh_, ros::this_node::getName()) {
+  for (const MeasuredBody& body : params_.arm.bodies) body_names_.push_back(body.name);
+
+  estimate_publisher_ = private_nh_.advertise<softarm_estimator::ArmEstimate>("estimate", kPublisherQueue);
+  markers_publisher_ = private_nh_.advertise<visualization_msgs::MarkerArray>("markers", 10);
+  path_publisher_ = private_nh_.advertise<nav_msgs::Path>("backbone", kPublisherQueue);
+  services_.push_back(private_nh_.advertiseService("reset", &EstimatorNode::on_reset, this));
+  services_.push_back(private_nh_.advertiseService("set_payload", &EstimatorNode::on_set_payload, this));
+  services_.push_back(private_nh_.advertiseService("set_mode", &EstimatorNode::on_set_mode, this));
+
+  updater_.setHardwareID(params_.arm.name);
+  updater_.add("frames", this, &EstimatorNode::diagnose_frames);
+  updater_.add("inputs", this, &EstimatorNode::diagnose_inputs);
+  updater_.add("fit", this, &EstimatorNode::diagnose_fit);
+  period_start_ = ros::WallTime::now();
+  // Wall time: diagnostics must also come when simulated time stands still.
+  diagnostics_timer_ = nh_.createWallTimer(ros::WallDuration(1.0),
+                                           [this](const ros::WallTimerEvent&) { on_diagnostics_timer(); });
+
+  for (InputTopic& input : input_topics(params_.arm)) {
+    sources_.push_back(std::make_unique<Source>());
+    Source& source = *sources_.back();
+    source.input = std::move(input);
+    source.subscriber = source.input.subscribe(
+        nh_, assembler_, [this, &source](const std_msgs::Header* header) { on_message(source, header); });
+  }
+}
+
+void EstimatorNode::on_message(Source& source, const std_msgs::Header* header) {
+  ++source.messages;
+  if (header) {
+    if (source.sequence && header->seq > *source.sequence + 1 &&
+        header->seq - *source.sequence < kLargestLoss) {
+      statistics_.lost[source.input.topic] += header->seq - *source.sequence - 1;
+    }
+    source.sequence = header->seq;
+    stamps_[header->stamp.toSec()] = header->stamp;
+    if (stamps_.size() > kStampsKept) {
+      // After a step back in time the newest stamps are the oldest ones' neighbours: start again.
+      const bool stepped_back =
+          assembler_.newest_s() && stamps_.rbegin()->first > *assembler_.newest_s() + 1.0;
+      if (stepped_back) {
+        stamps_.clear();
+      } else {
+        stamps_.erase(stamps_.begin(), std::next(stamps_.begin(), kStampsKept / 2));
+      }
+    }
+  }
+  process();
+}
+
+void EstimatorNode::process() {
+  if (assembler_.take_time_jump()) {
+    ROS_WARN("time went back: starting afresh");
+    estimator_.reset();
+    last_marker_s_.reset();
+  }
+  for (const Frame& frame : assembler_.take()) handle(frame);
+}
+
+void EstimatorNode::handle(const Frame& frame) {
+  payload_kg_ = frame.payload_kg;
+  const auto start = std::chrono::steady_clock::now();
+  const Estimate* estimate = nullptr;
+  try {
+    estimate = &estimator_.estimate(frame);
+  } catch (const std::exception& e) {
+    // One frame's trouble must not end the node; it is counted and said.
+    ROS_ERROR_THROTTLE(1.0, "frame dropped, internal error: %s", e.what());
+    ++statistics_.dropped["internal_error"];
+    estimator_.reset();
+    return;
+  }
+  const std::chrono::duration<double> solve_time = std::chrono::steady_clock::now() - start;
+  publish(*estimate, frame.stamp_s, solve_time.count());
+}
+
+void EstimatorNode::publish(const Estimate& estimate, double stamp_s, double solve_time_s) {
+  const MessageContext context{params_.arm, estimator_.options(), params_.frames, stamp_of(stamp_s)};
+  if (!publish_finite(estimate_publisher_, to_message(estimate, context, solve_time_s))) {
+    ++statistics_.dropped["not_finite"];
+    estimator_.reset();  // whatever led here must not warm-start the next frame
+    return;
+  }
+  statistics_.add(estimate, (ros::Time::now() - context.stamp).toSec(), solve_time_s, body_names_);
+
+  const bool ok = estimate.status == Status::kOk && !estimate.backbone.empty();
+  if (ok && params_.publish_tf) {
+    tf2_msgs::TFMessage transforms;
+    transforms.transforms = to_transforms(estimate, context);
+    if (all_finite(transforms)) {
+      tf_.sendTransform(transforms.transforms);
+    } else {
+      ++statistics_.not_finite_messages;
+    }
+  }
+  if (ok && path_publisher_.getNumSubscribers() > 0)
+    publish_finite(path_publisher_, to_path(estimate, context));
+  const bool due = !last_marker_s_ || std::abs(stamp_s - *last_marker_s_) * params_.marker_rate_hz >= 0.999;
+  if (params_.marker_rate_hz > 0.0 && due && markers_publisher_.getNumSubscribers() > 0) {
+    last_marker_s_ = stamp_s;
+    publish_finite(markers_publisher_, to_markers(estimate, context));
+  }
+}
+
+template <class Message>
+bool EstimatorNode::publish_finite(ros::Publisher& publisher, const Message& message) {
+  if (!all_finite(message)) {
+    ++statistics_.not_finite_messages;
+    return false;
+  }
+  publisher.publish(message);
+  return true;
+}
+
+ros::Time EstimatorNode::stamp_of(double stamp_s) const {
+  const auto found = stamps_.find(stamp_s);
+  return found != stamps_.end() ? found->second : ros::Time(stamp_s);
+}
+
+bool EstimatorNode::on_reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  process();
+  assembler_.reset();
+  estimator_.reset();
+  last_marker_s_.reset();
+  response.success = true;
+  response.message = "forgot all frames; the payload and the mode stay";
+  return true;
+}
+
+bool EstimatorNode::on_set_payload(softarm_estimator::SetPayload::Request& request,
+                                   softarm_estimator::SetPayload::Response& response) {
+  const Range& range = params_.arm.payload.range_kg;
+  if (!request.unknown && !(request.payload >= range.low && request.payload <= range.high)) {
+    response.success = false;
+    response.message = "payload " + std::to_string(request.payload) + " kg is outside of the arm's range [" +
+                       std::to_string(range.low) + ", " + std::to_string(range.high) + "] kg";
+    return true;
+  }
+  assembler_.add_payload(headerless_stamp_s(ros::Time::now().toSec(), assembler_),
+                         request.unknown ? std::nullopt : std::optional(request.payload));
+  response.success = true;
+  response.message = request.unknown ? "the payload is unknown" : "the payload is known";
+  if (estimator_.options().unknown == Unknown::kPayload) {
+    response.message += "; it is not used while the payload is what is estimated (see set_mode)";
+  }
+  return true;
+}
+
+bool EstimatorNode::on_set_mode(softarm_estimator::SetMode::Request& request,
+                                softarm_estimator::SetMode::Response& response) {
+  try {
+    estimator_.set_unknown(parse_unknown(request.unknown));
+    response.success = true;
+    response.message = "unknown is " + to_string(estimator_.options().unknown);
+  } catch (const std::invalid_argument& e) {
+    response.success = false;
+    response.message = e.what();
+  }
+  return true;
+}
+
+}  // namespace softarm

@@ -1,0 +1,244 @@
+// What the estimator node says of itself on /diagnostics.
+#include <fmt/format.h>
+#include <ros/master.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "softarm/arm/arm_yaml.h"
+#include "softarm/ros/estimator_node.h"
+#include "softarm/ros/input_topics.h"
+
+namespace softarm {
+namespace {
+
+using diagnostic_msgs::DiagnosticStatus;
+using diagnostic_updater::DiagnosticStatusWrapper;
+using Counts = std::map<std::string, std::uint64_t>;
+
+constexpr double kLostAfter_s = 0.25;
+constexpr double kStillAfter_s = 2.0;
+constexpr double kOtherClock_s = 5.0;
+
+Counts since(const Counts& now, const Counts& before) {
+  Counts difference;
+  for (const auto& [key, count] : now) {
+    const auto found = before.find(key);
+    const std::uint64_t more = count - (found == before.end() ? 0 : found->second);
+    if (more > 0) difference[key] = more;
+  }
+  return difference;
+}
+
+std::string list(const Counts& counts) {
+  std::string text;
+  for (const auto& [key, count] : counts)
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, key);
+  return text;
+}
+
+}  // namespace
+
+void EstimatorNode::on_diagnostics_timer() {
+  const ros::WallTime now = ros::WallTime::now();
+  period_s_ = std::max(1e-3, (now - period_start_).toSec());
+  period_start_ = now;
+  silent_s_ = statistics_.period.frames > 0 ? 0.0 : silent_s_ + period_s_;
+  updater_.force_update();
+  ++diagnostics_count_;
+  statistics_.period = {};
+  rejected_before_ = assembler_.rejected();
+  dropped_before_ = assembler_.dropped_frames();
+  for (const auto& [reason, count] : statistics_.dropped) dropped_before_[reason] = count;
+  samples_before_ = assembler_.samples();
+  time_jumps_before_ = assembler_.time_jumps();
+  not_finite_before_ = statistics_.not_finite_messages;
+  lost_before_ = total(statistics_.lost);
+}
+
+void EstimatorNode::diagnose_frames(DiagnosticStatusWrapper& status) {
+  const NodeStatistics::Period& period = statistics_.period;
+  Counts dropped = assembler_.dropped_frames();
+  for (const auto& [reason, count] : statistics_.dropped) dropped[reason] = count;
+  const Counts dropped_now = since(dropped, dropped_before_);
+  const std::uint64_t lost = total(statistics_.lost);
+  const double latency_ms = 1e3 * quantile(period.latency_s, 0.5);
+
+  status.summary(DiagnosticStatus::OK,
+                 fmt::format("{:.1f} frames/s, latency {:.1f} ms",
+                             static_cast<double>(period.frames) / period_s_, latency_ms));
+  if (period.frames == 0) {
+    if (assembler_.frames_seen() == 0) {
+      status.summary(DiagnosticStatus::WARN, "no frames yet");
+    } else {
+      status.summary(DiagnosticStatus::ERROR, fmt::format("no frames for {:.0f} s", silent_s_));
+    }
+  }
+  if (period.frames > 0 && std::abs(latency_ms) > 1e3 * kOtherClock_s) {
+    status.mergeSummary(DiagnosticStatus::WARN,
+                        "stamps are of another clock (use_sim_time? driver's epoch?)");
+  }
+  if (!dropped_now.empty()) status.mergeSummary(DiagnosticStatus::WARN, "dropped: " + list(dropped_now));
+  if (lost > lost_before_) {
+    status.mergeSummary(DiagnosticStatus::WARN,
+                        fmt::format("{} messages lost on their way", lost - lost_before_));
+  }
+  if (assembler_.time_jumps() > time_jumps_before_) {
+    status.mergeSummary(DiagnosticStatus::WARN, "time went back: started afresh");
+  }
+  status.add("rate (Hz)", fmt::format("{:.1f}", static_cast<double>(period.frames) / period_s_));
+  status.add("latency median (ms)", fmt::format("{:.2f}", latency_ms));
+  status.add("latency 99 % (ms)", fmt::format("{:.2f}", 1e3 * quantile(period.latency_s, 0.99)));
+  status.add("frames received", assembler_.frames_seen());
+  status.add("frames waiting for bodies", assembler_.frames_open());
+  status.add("frames estimated", statistics_.estimated);
+  status.add("frames refused", total(statistics_.refused));
+  for (const auto& [reason, count] : statistics_.refused) status.add("frames refused: " + reason, count);
+  status.add("frames dropped", total(dropped));
+  for (const auto& [reason, count] : dropped) status.add("frames dropped: " + reason, count);
+  status.add("messages lost on their way", lost);
+  for (const auto& [topic, count] : statistics_.lost) status.add("messages lost: " + topic, count);
+  status.add("messages held back (not finite)", statistics_.not_finite_messages);
+  status.add("time jumps", assembler_.time_jumps());
+}
+
+void EstimatorNode::diagnose_inputs(DiagnosticStatusWrapper& status) {
+  status.summary(DiagnosticStatus::OK, "all bodies seen");
+  diagnose_bodies(status);
+  diagnose_values(status);
+  diagnose_rejections(status);
+  diagnose_silent_topics(status);
+}
+
+void EstimatorNode::diagnose_bodies(DiagnosticStatusWrapper& status) {
+  const std::optional<double> newest = assembler_.newest_s();
+  std::string lost;
+  std::size_t seen = 0;
+  const auto indices = body_indices(params_.arm);
+  for (const auto& [name, body] : indices) {
+    const std::optional<double> accepted = assembler_.body_accepted_s(body);
+    std::string state = "never seen";
+    if (accepted) {
+      const double age_s = *newest - *accepted;
+      state = age_s > kLostAfter_s ? fmt::format("lost for {:.1f} s", age_s) : "seen";
+      seen += age_s <= kLostAfter_s;
+    }
+    status.add("body " + name, state);
+    if (state != "seen") lost += fmt::format("{}{} {}", lost.empty() ? "" : ", ", name, state);
+  }
+  if (seen == 0 || silent_s_ > 0.0) {
+    status.summary(newest ? DiagnosticStatus::ERROR : DiagnosticStatus::WARN, "no body is seen");
+  } else if (!lost.empty()) {
+    status.summary(DiagnosticStatus::WARN, lost);
+  }
+  const std::optional<double> changed = assembler_.changed_s();
+  if (newest && changed && *newest - *changed > kStillAfter_s) {
+    status.mergeSummary(DiagnosticStatus::WARN,
+                        fmt::format("no pose has changed for {:.1f} s: is the driver repeating old data?",
+                                    *newest - *changed));
+  }
+}
+
+bool EstimatorNode::pressures_are_needed() const {
+  return estimator_.options().prior.enabled || estimator_.options().unknown == Unknown::kPayload;
+}
+
+void EstimatorNode::diagnose_values(DiagnosticStatusWrapper& status) {
+  const std::optional<double> newest = assembler_.newest_s();
+  std::string missing;
+  for (std::size_t i = 0; i < params_.arm.inputs.pressures.size(); ++i) {
+    const PressureInput& input = params_.arm.inputs.pressures[i];
+    const std::optional<double> accepted = assembler_.input_accepted_s(static_cast<int>(i));
+    std::string state = "absent";
+    if (accepted && newest) {
+      const double age_s = *newest - *accepted;
+      state =
+          age_s > params_.arm.inputs.pressure_max_age_s ? fmt::format("missing for {:.1f} s", age_s) : "seen";
+    } else if (accepted) {
+      state = "seen";
+    }
+    if (state != "seen") missing += (missing.empty() ? "" : ", ") + input.name;
+    status.add("pressure " + input.name, state);
+  }
+  if (!missing.empty()) {
+    status.mergeSummary(pressures_are_needed() ? DiagnosticStatus::WARN : DiagnosticStatus::OK,
+                        "pressures missing: " + missing + (pressures_are_needed() ? "" : " (not needed)"));
+  }
+  status.add("payload (kg)", payload_kg_ ? fmt::format("{:.4f}", *payload_kg_)
+                             : params_.arm.payload.default_kg
+                                 ? fmt::format("{:.4f} (default of the arm)", *params_.arm.payload.default_kg)
+                                 : std::string("unknown"));
+}
+
+void EstimatorNode::diagnose_rejections(DiagnosticStatusWrapper& status) {
+  const Counts now = since(assembler_.rejected(), rejected_before_);
+  if (!now.empty()) status.mergeSummary(DiagnosticStatus::WARN, "rejected: " + list(now));
+  status.add("samples received", assembler_.samples());
+  status.add("samples rejected", total(assembler_.rejected()));
+  for (const auto& [reason, count] : assembler_.rejected()) status.add("rejected: " + reason, count);
+}
+
+void EstimatorNode::diagnose_silent_topics(DiagnosticStatusWrapper& status) {
+  // Asks the master, so not every second: what is published under the name of a topic that never delivered?
+  std::vector<const Source*> silent;
+  for (const auto& source : sources_) {
+    if (source->messages == 0) silent.push_back(source.get());
+  }
+  ros::master::V_TopicInfo published;
+  const bool ask = !silent.empty() && diagnostics_count_ % 5 == 1 && ros::master::getTopics(published);
+  for (const Source* source : silent) {
+    std::string state = "no message yet";
+    const std::string topic = nh_.resolveName(source->input.topic);
+    for (const ros::master::TopicInfo& info : published) {
+      if (ask && info.name == topic && info.datatype != source->input.type) {
+        state = fmt::format("published as {}, but the arm says {}", info.datatype, source->input.type);
+        status.mergeSummary(DiagnosticStatus::WARN, topic + " is " + state);
+      }
+    }
+    status.add("topic " + topic, state);
+  }
+}
+
+void EstimatorNode::diagnose_fit(DiagnosticStatusWrapper& status) {
+  const NodeStatistics::Period& period = statistics_.period;
+  const double mismatch = quantile(period.mismatch, 0.5);
+  const auto per_ok = [&](std::uint64_t count) {
+    return period.ok > 0 ? static_cast<double>(count) / static_cast<double>(period.ok) : 0.0;
+  };
+  if (period.frames == 0) {
+    status.summary(DiagnosticStatus::OK, "nothing to estimate");
+  } else if (period.ok == 0) {
+    status.summary(DiagnosticStatus::ERROR,
+                   "no estimate: " + list(period.refused) + " (" + period.refused_detail + ")");
+  } else {
+    status.summary(DiagnosticStatus::OK, fmt::format("residual {:.2f} mm, solved in {:.0f} us",
+                                                     1e3 * quantile(period.rms_residual_m, 0.5),
+                                                     1e6 * quantile(period.solve_time_s, 0.5)));
+    if (!period.refused.empty()) {
+      status.mergeSummary(DiagnosticStatus::WARN,
+                          "refused: " + list(period.refused) + " (" + period.refused_detail + ")");
+    }
+    if (mismatch > params_.mismatch_warning) {
+      status.mergeSummary(DiagnosticStatus::WARN, fmt::format("mismatch {:.1f} (1 is ideal), most at {}",
+                                                              mismatch, period.worst_body));
+    }
+  }
+  status.add("method", to_string(estimator_.options().method));
+  status.add("unknown", to_string(estimator_.options().unknown));
+  status.add("objective", to_string(estimator_.options().objective));
+  status.add("solve time median (us)", fmt::format("{:.0f}", 1e6 * quantile(period.solve_time_s, 0.5)));
+  status.add("solve time 99 % (us)", fmt::format("{:.0f}", 1e6 * quantile(period.solve_time_s, 0.99)));
+  status.add("iterations per frame", fmt::format("{:.1f}", per_ok(period.iterations)));
+  status.add("warm starts (%)", fmt::format("{:.0f}", 100.0 * per_ok(period.warm_starts)));
+  status.add("final cost", fmt::format("{:.4g}", period.final_cost));
+  status.add("rms residual median (mm)", fmt::format("{:.3f}", 1e3 * quantile(period.rms_residual_m, 0.5)));
+  status.add("mismatch median", fmt::format("{:.2f}", mismatch));
+  status.add("bodies set aside", period.outliers);
+  status.add("worst body", period.worst_body.empty() ? std::string("none")
+                                                     : fmt::format("{} ({:.2f} mm)", period.worst_body,
+                                                                   1e3 * period.worst_residual_m));
+  status.add("frames that tell EI (%)", fmt::format("{:.0f}", 100.0 * per_ok(period.tells_stiffness)));
+  status.add("frames that tell the payload (%)", fmt::format("{:.0f}", 100.0 * per_ok(period.tells_payload)));
+}
+
+}  // namespace softarm
