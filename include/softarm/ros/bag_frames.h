@@ -1,0 +1,67 @@
+// The frames of a recorded trial.
+#pragma once
+
+#include <rosbag/bag.h>
+
+#include <functional>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "softarm/arm/arm.h"
+#include "softarm/ros/input_topic.h"
+#include "softarm/trial/frame_assembler.h"
+
+namespace softarm {
+
+/// A bag that cannot be used. what() is one line: file, what is wrong, remedy.
+class BagError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Reads a bag's messages in the order in which they were recorded through the conversions and the assembler
+/// of the live node, so that the frames are those that the node would see.
+class BagFrames {
+ public:
+  /// Opens the bag and compares its topics with those of the arm.
+  /// @param use_payload false: the bag's payload topic is not read
+  /// @throws BagError if it is no complete bag, or if it lacks the base or every measured body
+  /// @throws std::invalid_argument where the arm names a type that no adapter reads
+  BagFrames(const std::string& path, const Arm& arm, bool use_payload = true);
+
+  /// Topics of the arm that the bag does not have or has with another type, one line each: the estimates lack
+  /// them.
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
+  /// Messages that will be read.
+  std::uint64_t messages() const { return messages_; }
+
+  struct Callbacks {
+    std::function<void(const Frame&)> on_frame;
+    std::function<void()> on_time_jump;              ///< before the first frame after it
+    std::function<void(std::uint64_t)> on_messages;  ///< messages read since the last call
+  };
+  /// Reads the bag once, from its start to its end.
+  /// @throws BagError where it is damaged
+  void read(const Callbacks& callbacks);
+
+  const FrameAssembler& assembler() const { return assembler_; }
+
+ private:
+  void open();
+  void compare(const Arm& arm);
+  void deliver(const Callbacks& callbacks);
+
+  std::string path_;
+  rosbag::Bag bag_;
+  FrameAssembler assembler_;
+  std::vector<InputTopic> topics_;             // those that the bag has, in the arm's order
+  std::map<std::string, std::string> in_bag_;  // topic to type
+  std::vector<std::string> names_;             // of topics_, as the bag may write them
+  std::vector<std::string> warnings_;
+  std::uint64_t messages_ = 0;
+};
+
+}  // namespace softarm

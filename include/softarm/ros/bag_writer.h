@@ -1,0 +1,52 @@
+// Writes trial bags: the topics that a laboratory is asked to record.
+#pragma once
+
+#include <geometry_msgs/PoseStamped.h>
+#include <ros/header.h>
+#include <ros/time.h>
+#include <rosbag/bag.h>
+
+#include <Eigen/Geometry>
+#include <map>
+#include <string>
+
+namespace softarm {
+
+/// Writes the topics of a trial bag in SI units, each message recorded at the time of its own stamp.
+///
+/// The same calls give the same bytes: nothing in the file depends on the clock, the machine or the process.
+/// Stamps are s since the epoch and must be given in time order. Not thread-safe.
+class TrialBagWriter {
+ public:
+  /// @throws rosbag::BagException if the file cannot be created
+  explicit TrialBagWriter(const std::string& path);
+
+  /// /mocap/<body>/pose, geometry_msgs/PoseStamped in frame `mocap`.
+  void pose(const std::string& body, double stamp_s, const Eigen::Vector3d& p_mocap,
+            const Eigen::Quaterniond& q_mocap);
+  /// sensor_msgs/FluidPressure, absolute Pa.
+  void pressure(const std::string& topic, double stamp_s, double absolute_pa);
+  /// std_msgs/Float64 (tension in N, say).
+  void scalar(const std::string& topic, double stamp_s, double value);
+  /// /payload, std_msgs/Float64 in kg, latched; holds from `stamp_s` on, recorded 1 us before it.
+  void payload(double stamp_s, double kg);
+
+  /// Completes the file. Without it the bag has no index.
+  void close();
+
+  std::uint64_t messages() const { return messages_; }
+
+ private:
+  template <typename Message>
+  void write(const std::string& topic, double stamp_s, const Message& message, bool latched = false);
+  std_msgs::Header header(const std::string& topic, double stamp_s, const std::string& frame);
+
+  rosbag::Bag bag_;
+  std::map<std::string, std::uint32_t> sequence_;
+  std::uint64_t messages_ = 0;
+};
+
+/// Seconds since the epoch as a ROS time, rounded to the nanosecond.
+ros::Time to_ros_time(double stamp_s);
+
+}  // namespace softarm

@@ -1,0 +1,70 @@
+// A laboratory's CSV recording, described by its columns.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace softarm {
+
+/// A layout or a recording that cannot be used. what() is one line: file, key or line, value, allowed values.
+class CsvError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// One column, by its number (1 is the first) or, where the file has a header line, by its name.
+struct CsvColumn {
+  std::string label;  ///< as written in the layout
+  std::string key;    ///< key of the layout that named it, for messages
+};
+
+/// Columns of one rigid body's pose.
+struct CsvBody {
+  std::string name;  ///< topic /mocap/<name>/pose
+  std::array<CsvColumn, 3> position;
+  std::array<CsvColumn, 4> orientation;  ///< x y z w, whatever the order in the file
+};
+
+/// One pressure column. Published as absolute Pa: value * scale_to_pa (+ ambient if gauge).
+struct CsvPressure {
+  std::string topic;
+  CsvColumn column;
+  double scale_to_pa = 1.0;
+  bool gauge = false;
+};
+
+/// The payload from `from_s` (time of the recording) on.
+struct CsvPayloadStep {
+  double from_s = 0.0;
+  double kg = 0.0;
+};
+
+enum class UpAxis { kZ, kY };
+
+/// How to read a CSV recording. Every conversion to SI is named here.
+struct CsvLayout {
+  char separator = ',';  ///< ' ' stands for any white space
+  bool header = false;
+  int skip_lines = 0;  ///< lines before the header (or the data)
+  CsvColumn time_column;
+  double time_scale_to_s = 1.0;
+  double start_stamp_s = 1600000000.0;  ///< added to every time; a constant, so that bags are reproducible
+  double position_scale_to_m = 1.0;
+  UpAxis up = UpAxis::kZ;
+  bool drop_repeated = false;  ///< poses all equal to the last row's are not a new measurement
+  std::vector<CsvBody> bodies;
+  double ambient_pressure_pa = 101325.0;
+  std::vector<CsvPressure> pressures;
+  std::vector<CsvPayloadStep> payload;  ///< empty: unknown, nothing is published
+};
+
+/// Parses a layout, see config/layouts/template.yaml for every key.
+/// @param text the document
+/// @param source its name for messages (usually the file)
+/// @throws CsvError on a syntax error, an unknown or missing key, an unknown unit, or an impossible value.
+CsvLayout parse_csv_layout(const std::string& text, const std::string& source);
+
+}  // namespace softarm

@@ -1,0 +1,42 @@
+// What came out of a recording, in a few lines.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "softarm/fit/estimate.h"
+
+namespace softarm {
+
+/// Collects the estimates of one recording and prints their summary table.
+class EstimateSummary {
+ public:
+  explicit EstimateSummary(std::size_t segments);
+
+  void add(const Estimate& estimate);
+
+  std::uint64_t frames() const { return frames_; }
+  std::uint64_t ok() const { return ok_; }
+  /// Stamps of the last less the first frame, s.
+  double duration_s() const { return frames_ > 1 ? last_stamp_s_ - first_stamp_s_ : 0.0; }
+
+  /// The table, one "name: value" a line, SI units with their symbols; the same input gives the same text.
+  /// @param rejected samples that no frame used, by reason (FrameAssembler::rejected())
+  /// @param samples all samples that were offered
+  std::string text(const std::map<std::string, std::uint64_t>& rejected, std::uint64_t samples) const;
+
+ private:
+  struct Segment {
+    std::vector<double> bending_stiffness_nm2, told_bending_stiffness_nm2, moment_nm, length_m;
+  };
+
+  std::vector<Segment> segments_;
+  std::vector<double> payload_kg_, told_payload_kg_, rms_residual_m_, tip_angle_rad_, mismatch_;
+  std::map<std::string, std::uint64_t> not_ok_;
+  std::uint64_t frames_ = 0, ok_ = 0;
+  double first_stamp_s_ = 0.0, last_stamp_s_ = 0.0;
+};
+
+}  // namespace softarm

@@ -1,0 +1,221 @@
+// softarm estimate: the live node's estimator over recorded bags.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <set>
+#include <thread>
+#include <vector>
+
+#include "softarm/arm/arm_yaml.h"
+#include "softarm/command.h"
+#include "softarm/fit/estimator.h"
+#include "softarm/output_file.h"
+#include "softarm/progress.h"
+#include "softarm/ros/bag_frames.h"
+#include "softarm/shipped.h"
+#include "softarm/trial/arm_file.h"
+#include "softarm/trial/estimate_summary.h"
+#include "softarm/trial/estimates_csv.h"
+
+namespace softarm::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string arm;
+  std::vector<std::string> bags;
+  std::optional<std::string> method, unknown, objective;
+  std::optional<double> payload_kg;
+  std::string out = "estimates";
+  unsigned jobs = 0;
+};
+
+constexpr const char* kExamples = R"(Examples:
+  softarm estimate --arm online_200mm trial.bag
+  softarm estimate --arm my_arm.yaml *.bag --unknown payload --out results
+  softarm estimate --arm my_arm.yaml trial.bag --method end_orientation --payload 0.2
+Writes OUT/<bag name>/estimates.csv (one row per frame and segment, SI units) and summary.txt.)";
+
+/// One bag's way through the estimator.
+struct Job {
+  std::string bag;
+  fs::path folder;
+  std::string summary;  ///< what is printed once it is done
+  std::vector<std::string> warnings;
+  std::string failure;  ///< empty: done
+};
+
+template <typename Parse>
+auto word(const char* option, const std::string& text, Parse parse) {
+  try {
+    return parse(text);
+  } catch (const std::invalid_argument& e) {
+    throw Failure(fmt::format("{}: {}", option, e.what()));
+  }
+}
+
+Arm load_arm(const Options& options) {
+  Arm arm = load_arm_file(options.arm, config_folders("arms"));
+  if (options.method) arm.estimator.method = word("--method", *options.method, parse_method);
+  if (options.unknown) arm.estimator.unknown = word("--unknown", *options.unknown, parse_unknown);
+  if (options.objective) arm.estimator.objective = word("--objective", *options.objective, parse_objective);
+  if (options.payload_kg) {
+    const Range& range = arm.payload.range_kg;
+    if (!(*options.payload_kg >= range.low && *options.payload_kg <= range.high)) {
+      throw Failure(fmt::format("--payload {}: must be from {} to {} kg for the arm {}", *options.payload_kg,
+                                range.low, range.high, arm.name));
+    }
+    arm.payload.default_kg = options.payload_kg;
+  }
+  return arm;
+}
+
+std::vector<Job> make_jobs(const Options& options) {
+  std::vector<Job> jobs;
+  std::set<fs::path> folders;
+  for (const std::string& bag : options.bags) {
+    std::error_code error;
+    if (!fs::is_regular_file(bag, error)) throw Failure(fmt::format("{}: no such bag", bag));
+    jobs.push_back({bag, fs::path(options.out) / fs::path(bag).stem(), "", {}, ""});
+    if (!folders.insert(jobs.back().folder).second) {
+      throw Failure(fmt::format("{}: another bag is called so too and would have the same output {}", bag,
+                                jobs.back().folder.string()));
+    }
+  }
+  return jobs;
+}
+
+/// A folder that is removed again if nothing comes to stand in it.
+class Folder {
+ public:
+  explicit Folder(const fs::path& path) {
+    std::error_code error;
+    for (fs::path p = path; !p.empty() && !fs::exists(p, error); p = p.parent_path()) made_.push_back(p);
+    fs::create_directories(path, error);
+    if (error) throw Failure(fmt::format("{}: cannot be made: {}", path.string(), error.message()));
+  }
+  ~Folder() {
+    std::error_code not_empty;
+    for (const fs::path& p : made_) fs::remove(p, not_empty);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+ private:
+  std::vector<fs::path> made_;  // the innermost first
+};
+
+void estimate_bag(const Arm& arm, bool use_payload, Job& job, Progress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  Estimator estimator(arm);
+  BagFrames bag(job.bag, arm, use_payload);
+  job.warnings = bag.warnings();
+  progress.add_total(static_cast<double>(bag.messages()));
+
+  const Folder folder(job.folder);
+  OutputFile csv(job.folder / "estimates.csv");
+  OutputFile text(job.folder / "summary.txt");
+  std::ofstream rows(csv.temporary());
+  rows << kEstimatesCsvHeader << '\n';
+  EstimateSummary summary(arm.segments.size());
+  std::uint64_t frames = 0;
+  BagFrames::Callbacks callbacks;
+  callbacks.on_frame = [&](const Frame& frame) {
+    const Estimate& estimate = estimator.estimate(frame);
+    write_estimate_rows(rows, estimate, arm.segments.size());
+    summary.add(estimate);
+    ++frames;
+  };
+  callbacks.on_time_jump = [&] { estimator.reset(); };
+  callbacks.on_messages = [&](std::uint64_t messages) {
+    progress.advance(static_cast<double>(messages), std::exchange(frames, 0));
+  };
+  bag.read(callbacks);
+  if (summary.frames() == 0) {
+    throw Failure(fmt::format("{}: no frame could be put together out of {} samples", job.bag,
+                              bag.assembler().samples()));
+  }
+  rows.close();
+  const std::string table =
+      fmt::format("{:<28}{}\n{:<28}{}\n{:<28}{}, unknown: {}\n",
+                  "bag:", fs::path(job.bag).filename().string(), "arm:", arm.name,
+                  "method:", to_string(arm.estimator.method), to_string(arm.estimator.unknown)) +
+      summary.text(bag.assembler().rejected(), bag.assembler().samples());
+  std::ofstream(text.temporary()) << table;
+  if (!rows) throw Failure(fmt::format("{}: cannot be written", csv.path().string()));
+  csv.commit();
+  text.commit();
+
+  // How long it took is printed but not written: the same bag gives the same files.
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
+  job.summary = table + fmt::format("frames_per_s: {:.0f}\nspeed: {:.1f} x real time\nwritten: {}\n",
+                                    static_cast<double>(summary.frames()) / wall.count(),
+                                    summary.duration_s() / wall.count(), csv.path().string());
+  if (summary.ok() == 0) job.warnings.push_back(fmt::format("{}: not one frame could be estimated", job.bag));
+}
+
+void run(const Options& options) {
+  const Arm arm = load_arm(options);
+  std::vector<Job> jobs = make_jobs(options);
+  {
+    Progress progress("frames");
+    std::atomic<std::size_t> next{0};
+    const auto work = [&] {
+      for (std::size_t i = next++; i < jobs.size(); i = next++) {
+        try {
+          estimate_bag(arm, !options.payload_kg, jobs[i], progress);
+        } catch (const std::exception& e) {
+          jobs[i].failure = e.what();
+        }
+      }
+    };
+    const unsigned wanted = options.jobs ? options.jobs : std::max(1u, std::thread::hardware_concurrency());
+    std::vector<std::thread> others;
+    for (std::size_t i = 1; i < std::min<std::size_t>(wanted, jobs.size()); ++i) others.emplace_back(work);
+    work();
+    for (std::thread& thread : others) thread.join();
+  }
+  std::string failure;
+  for (const Job& job : jobs) {
+    for (const std::string& warning : job.warnings) fmt::print(stderr, "softarm: warning: {}\n", warning);
+    if (job.failure.empty()) {
+      fmt::print("{}\n", job.summary);
+    } else if (failure.empty()) {
+      failure = job.failure;
+    } else {
+      fmt::print(stderr, "softarm: {}\n", job.failure);
+    }
+  }
+  if (!failure.empty()) throw Failure(failure);
+}
+
+}  // namespace
+
+void add_estimate(CLI::App& program) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = program.add_subcommand("estimate", "Estimate every frame of recorded bags.");
+  command->add_option("--arm", options->arm, "arm file, or the name of one in config/arms")->required();
+  command->add_option("BAG", options->bags, "trial bags")->required();
+  command->add_option("--method", options->method,
+                      "full_points, end_orientation, cc_points or cc_endpoint (default: the arm's)");
+  command->add_option("--unknown", options->unknown, "stiffness or payload (default: the arm's)");
+  command->add_option("--objective", options->objective,
+                      "least_squares or sum_of_distances (default: the arm's)");
+  command->add_option("--payload", options->payload_kg,
+                      "the known payload, kg; the bag's payload topic is not read");
+  command->add_option("--out", options->out, "folder of the results")->capture_default_str();
+  command->add_option("--jobs", options->jobs, "bags worked on at a time (default: one per processor)")
+      ->check(CLI::Range(1u, 256u));
+  command->footer(kExamples);
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace softarm::app

@@ -1,0 +1,75 @@
+#include "softarm/output_file.h"
+
+#include <fmt/format.h>
+#include <openssl/evp.h>
+#include <unistd.h>
+
+#include <array>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <sstream>
+#include <system_error>
+
+#include "softarm/command.h"
+
+namespace softarm::app {
+namespace fs = std::filesystem;
+
+OutputFile::OutputFile(fs::path path) : path_(std::move(path)) {
+  const fs::path folder = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) {
+    throw Failure(fmt::format("{}: the folder {} does not exist", path_.string(), folder.string()));
+  }
+  if (fs::is_directory(path_, error)) throw Failure(fmt::format("{}: is a folder", path_.string()));
+  if (::access(folder.c_str(), W_OK) != 0) {
+    throw Failure(fmt::format("{}: the folder {} cannot be written", path_.string(), folder.string()));
+  }
+  // Hidden, with the process in its name: two runs do not write into each other's file.
+  temporary_ = folder / fmt::format(".{}.{}.partial", path_.filename().string(), ::getpid());
+}
+
+OutputFile::~OutputFile() {
+  std::error_code ignored;
+  if (!committed_) fs::remove(temporary_, ignored);
+}
+
+void OutputFile::commit() {
+  std::error_code error;
+  fs::rename(temporary_, path_, error);
+  if (error) throw Failure(fmt::format("{}: cannot be written: {}", path_.string(), error.message()));
+  committed_ = true;
+}
+
+std::string read_text(const fs::path& path) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) throw Failure(fmt::format("{}: is a folder", path.string()));
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw Failure(fmt::format("{}: cannot be read", path.string()));
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+std::string sha256_of_file(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw Failure(fmt::format("{}: cannot be read", path.string()));
+  const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(), &EVP_MD_CTX_free);
+  if (!context || EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr) != 1) {
+    throw Failure("SHA-256 is not available in this machine's OpenSSL");
+  }
+  std::array<char, 65536> block{};
+  while (file) {
+    file.read(block.data(), block.size());
+    EVP_DigestUpdate(context.get(), block.data(), static_cast<std::size_t>(file.gcount()));
+  }
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned int length = 0;
+  EVP_DigestFinal_ex(context.get(), digest.data(), &length);
+  std::string hex;
+  for (unsigned int i = 0; i < length; ++i) fmt::format_to(std::back_inserter(hex), "{:02x}", digest[i]);
+  return hex;
+}
+
+}  // namespace softarm::app

@@ -1,0 +1,39 @@
+// Files that appear whole or not at all.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace softarm::app {
+
+/// A file written under a temporary name beside its place and renamed when it is complete.
+///
+/// Destroyed before commit(), it leaves nothing behind: an error half way never leaves half an output.
+class OutputFile {
+ public:
+  /// @throws Failure if the folder is missing or the path is a folder
+  explicit OutputFile(std::filesystem::path path);
+  ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  /// Where to write until commit().
+  const std::filesystem::path& temporary() const { return temporary_; }
+  const std::filesystem::path& path() const { return path_; }
+
+  /// @throws Failure if it cannot be renamed
+  void commit();
+
+ private:
+  std::filesystem::path path_;
+  std::filesystem::path temporary_;
+  bool committed_ = false;
+};
+
+/// Whole text of a file. @throws Failure if it cannot be read
+std::string read_text(const std::filesystem::path& path);
+
+/// Lower-case hexadecimal SHA-256 of a file. @throws Failure if it cannot be read
+std::string sha256_of_file(const std::filesystem::path& path);
+
+}  // namespace softarm::app

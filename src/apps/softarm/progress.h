@@ -1,0 +1,43 @@
+// What long work shows on standard error.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+#include <string>
+
+namespace softarm::app {
+
+/// A bar with fraction, rate and remaining time, redrawn in place on a terminal; single lines otherwise.
+/// Thread-safe.
+class Progress {
+ public:
+  /// @param unit what is counted per second: "frames"
+  explicit Progress(std::string unit);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// Adds to the whole work that is to be done, in any unit (messages, rows).
+  void add_total(double work);
+  /// Work done since the last call, and items (frames) that came of it.
+  void advance(double work, std::uint64_t items);
+  /// A line of its own, above the bar.
+  void line(const std::string& text);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  void draw(Clock::time_point now);
+  void clear();
+
+  const std::string unit_;
+  const bool terminal_;
+  const Clock::time_point start_ = Clock::now();
+  Clock::time_point drawn_ = start_;
+  bool visible_ = false;
+  double total_ = 0.0, done_ = 0.0;
+  std::uint64_t items_ = 0;
+  std::mutex mutex_;
+};
+
+}  // namespace softarm::app

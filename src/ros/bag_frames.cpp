@@ -1,0 +1,125 @@
+#include "softarm/ros/bag_frames.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <rosbag/exceptions.h>
+#include <rosbag/view.h>
+
+#include <algorithm>
+#include <set>
+
+#include "softarm/ros/input_topics.h"
+
+namespace softarm {
+namespace {
+
+constexpr std::uint64_t kProgressMessages = 256;
+
+std::string absolute(const std::string& topic) {
+  return topic.rfind('/', 0) == 0 ? topic : "/" + topic;
+}
+
+}  // namespace
+
+BagFrames::BagFrames(const std::string& path, const Arm& arm, bool use_payload)
+    : path_(path), assembler_(arm), topics_(input_topics(arm)) {
+  if (!use_payload) {
+    const auto is_payload = [&](const InputTopic& t) { return t.topic == arm.inputs.payload_topic; };
+    topics_.erase(std::remove_if(topics_.begin(), topics_.end(), is_payload), topics_.end());
+  }
+  open();
+  compare(arm);
+  for (const InputTopic& topic : topics_) {
+    // Recorders may have left the leading slash out.
+    names_.push_back(absolute(topic.topic));
+    names_.push_back(absolute(topic.topic).substr(1));
+  }
+  messages_ = rosbag::View(bag_, rosbag::TopicQuery(names_)).size();
+}
+
+void BagFrames::open() {
+  try {
+    bag_.open(path_, rosbag::bagmode::Read);
+    rosbag::View view(bag_);
+    for (const rosbag::ConnectionInfo* connection : view.getConnections()) {
+      in_bag_.emplace(absolute(connection->topic), connection->datatype);
+    }
+  } catch (const rosbag::BagUnindexedException&) {
+    throw BagError(
+        fmt::format("{}: has no index, its recording was cut off; rosbag reindex repairs it", path_));
+  } catch (const rosbag::BagIOException&) {
+    throw BagError(fmt::format("{}: cannot be read", path_));
+  } catch (const std::exception& e) {
+    throw BagError(fmt::format("{}: is not a complete ROS bag ({})", path_, e.what()));
+  }
+}
+
+void BagFrames::compare(const Arm& arm) {
+  std::set<std::string> body_topics;
+  for (const auto& [name, index] : body_indices(arm)) body_topics.insert(body_topic(arm, name));
+  const std::string base_topic = arm.base.body ? body_topic(arm, *arm.base.body) : "";
+
+  std::vector<InputTopic> present;
+  std::vector<std::string> expected;
+  bool has_body = false, has_base = base_topic.empty();
+  for (InputTopic& topic : topics_) {
+    expected.push_back(topic.topic);
+    const auto found = in_bag_.find(absolute(topic.topic));
+    if (found == in_bag_.end()) {
+      // The payload may well be unknown: that is no fault of the recording.
+      if (topic.topic != arm.inputs.payload_topic) {
+        warnings_.push_back(fmt::format("{}: no topic {} ({})", path_, topic.topic, topic.feeds));
+      }
+      continue;
+    }
+    if (found->second != topic.type) {
+      warnings_.push_back(fmt::format("{}: topic {} ({}) is {}, the arm expects {}", path_, topic.topic,
+                                      topic.feeds, found->second, topic.type));
+      continue;
+    }
+    if (topic.topic == base_topic) {
+      has_base = true;
+    } else if (body_topics.count(topic.topic)) {
+      has_body = true;
+    }
+    present.push_back(std::move(topic));
+  }
+  topics_ = std::move(present);
+  if (has_base && has_body) return;
+  std::vector<std::string> listed;
+  for (const auto& [topic, type] : in_bag_) listed.push_back(fmt::format("{} ({})", topic, type));
+  throw BagError(fmt::format("{}: {}; arm {} expects {} ({} for bodies), the bag has {}", path_,
+                             has_base ? "no measured body is in it" : "the base is not in it", arm.name,
+                             fmt::join(expected, ", "), arm.inputs.body_type,
+                             listed.empty() ? "nothing" : fmt::format("{}", fmt::join(listed, ", "))));
+}
+
+void BagFrames::deliver(const Callbacks& callbacks) {
+  const bool jumped = assembler_.take_time_jump();
+  if (jumped) callbacks.on_time_jump();
+  for (const Frame& frame : assembler_.take()) callbacks.on_frame(frame);
+}
+
+void BagFrames::read(const Callbacks& callbacks) {
+  std::map<std::string, const InputTopic*> by_topic;
+  for (const InputTopic& topic : topics_) by_topic[absolute(topic.topic)] = &topic;
+  std::uint64_t unreported = 0;
+  try {
+    rosbag::View view(bag_, rosbag::TopicQuery(names_));
+    for (const rosbag::MessageInstance& message : view) {
+      by_topic.at(absolute(message.getTopic()))->read(message, assembler_);
+      deliver(callbacks);
+      if (++unreported == kProgressMessages) {
+        callbacks.on_messages(unreported);
+        unreported = 0;
+      }
+    }
+  } catch (const ros::Exception& e) {
+    throw BagError(fmt::format("{}: damaged ({}); rosbag check tells more", path_, e.what()));
+  }
+  assembler_.flush();
+  deliver(callbacks);
+  callbacks.on_messages(unreported);
+}
+
+}  // namespace softarm

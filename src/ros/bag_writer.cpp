@@ -1,0 +1,84 @@
+#include "softarm/ros/bag_writer.h"
+
+#include <ros/message_traits.h>
+#include <sensor_msgs/FluidPressure.h>
+#include <std_msgs/Float64.h>
+
+#include <boost/make_shared.hpp>
+
+namespace softarm {
+
+ros::Time to_ros_time(double stamp_s) {
+  ros::Time time;
+  time.fromSec(stamp_s);
+  return time;
+}
+
+TrialBagWriter::TrialBagWriter(const std::string& path) {
+  bag_.open(path, rosbag::bagmode::Write);
+  bag_.setCompression(rosbag::compression::LZ4);
+}
+
+void TrialBagWriter::close() {
+  bag_.close();
+}
+
+std_msgs::Header TrialBagWriter::header(const std::string& topic, double stamp_s, const std::string& frame) {
+  std_msgs::Header h;
+  h.seq = sequence_[topic]++;
+  h.stamp = to_ros_time(stamp_s);
+  h.frame_id = frame;
+  return h;
+}
+
+template <typename Message>
+void TrialBagWriter::write(const std::string& topic, double stamp_s, const Message& message, bool latched) {
+  // The connection header that roscpp would send; `latching` makes rosbag play latch the topic again.
+  const auto connection = boost::make_shared<ros::M_string>();
+  (*connection)["topic"] = topic;
+  (*connection)["type"] = ros::message_traits::datatype<Message>();
+  (*connection)["md5sum"] = ros::message_traits::md5sum<Message>();
+  (*connection)["message_definition"] = ros::message_traits::definition<Message>();
+  if (latched) (*connection)["latching"] = "1";
+  bag_.write(topic, to_ros_time(stamp_s), message, connection);
+  ++messages_;
+}
+
+void TrialBagWriter::pose(const std::string& body, double stamp_s, const Eigen::Vector3d& p_mocap,
+                          const Eigen::Quaterniond& q_mocap) {
+  const std::string topic = "/mocap/" + body + "/pose";
+  geometry_msgs::PoseStamped m;
+  m.header = header(topic, stamp_s, "mocap");
+  m.pose.position.x = p_mocap.x();
+  m.pose.position.y = p_mocap.y();
+  m.pose.position.z = p_mocap.z();
+  m.pose.orientation.x = q_mocap.x();
+  m.pose.orientation.y = q_mocap.y();
+  m.pose.orientation.z = q_mocap.z();
+  m.pose.orientation.w = q_mocap.w();
+  write(topic, stamp_s, m);
+}
+
+void TrialBagWriter::pressure(const std::string& topic, double stamp_s, double absolute_pa) {
+  sensor_msgs::FluidPressure m;
+  m.header = header(topic, stamp_s, "");
+  m.fluid_pressure = absolute_pa;
+  m.variance = 0.0;  // unknown, by the message's definition
+  write(topic, stamp_s, m);
+}
+
+void TrialBagWriter::scalar(const std::string& topic, double stamp_s, double value) {
+  std_msgs::Float64 m;
+  m.data = value;
+  write(topic, stamp_s, m);
+}
+
+void TrialBagWriter::payload(double stamp_s, double kg) {
+  std_msgs::Float64 m;
+  m.data = kg;
+  // Readers order messages by their times, in no certain order where these are equal: recorded a microsecond
+  // before the poses of its stamp, it is known when they come.
+  write("/payload", stamp_s - 1e-6, m, true);
+}
+
+}  // namespace softarm

@@ -1,0 +1,100 @@
+#include "softarm/trial/estimate_summary.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "softarm/trial/estimates_csv.h"
+
+namespace softarm {
+namespace {
+
+class Table {
+ public:
+  void line(const std::string& name, const std::string& value) {
+    fmt::format_to(std::back_inserter(text_), "{:<28}{}\n", name + ":", value);
+  }
+
+  /// Median of the values with its unit, or "-".
+  void median(const std::string& name, std::vector<double> values, double scale, const char* unit) {
+    if (values.empty()) return line(name, "-");
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    double m = *middle;
+    if (values.size() % 2 == 0) m = 0.5 * (m + *std::max_element(values.begin(), middle));
+    line(name, fmt::format("{:.4g} {}", m * scale, unit));
+  }
+
+  /// As above, and the share of frames that tell the value with the median over those.
+  void told(const std::string& name, const std::vector<double>& values,
+            const std::vector<double>& told_values, std::uint64_t frames, const char* unit) {
+    median(name, values, 1.0, unit);
+    const double share =
+        frames ? 100.0 * static_cast<double>(told_values.size()) / static_cast<double>(frames) : 0;
+    line("  told in", fmt::format("{} frames ({:.1f} %)", told_values.size(), share));
+    if (!told_values.empty()) median("  median where told", told_values, 1.0, unit);
+  }
+
+  std::string take() { return std::move(text_); }
+
+ private:
+  std::string text_;
+};
+
+}  // namespace
+
+EstimateSummary::EstimateSummary(std::size_t segments) : segments_(segments) {}
+
+void EstimateSummary::add(const Estimate& e) {
+  if (frames_ == 0) first_stamp_s_ = e.stamp_s;
+  last_stamp_s_ = e.stamp_s;
+  ++frames_;
+  if (e.status != Status::kOk) {
+    ++not_ok_[to_string(e.status)];
+    return;
+  }
+  ++ok_;
+  rms_residual_m_.push_back(e.rms_residual_m);
+  // Without degrees of freedom the model fits anything: there is nothing to compare.
+  if (e.degrees_of_freedom > 0) mismatch_.push_back(e.mismatch);
+  if (const auto angle = tip_angle_rad(e)) tip_angle_rad_.push_back(*angle);
+  if (e.payload_kg) {
+    payload_kg_.push_back(*e.payload_kg);
+    if (e.tells_payload) told_payload_kg_.push_back(*e.payload_kg);
+  }
+  for (std::size_t i = 0; i < std::min(segments_.size(), e.segments.size()); ++i) {
+    const SegmentEstimate& s = e.segments[i];
+    if (s.moment_nm) segments_[i].moment_nm.push_back(*s.moment_nm);
+    if (s.length_m) segments_[i].length_m.push_back(*s.length_m);
+    if (!s.bending_stiffness_nm2) continue;
+    segments_[i].bending_stiffness_nm2.push_back(*s.bending_stiffness_nm2);
+    if (s.tells_stiffness) segments_[i].told_bending_stiffness_nm2.push_back(*s.bending_stiffness_nm2);
+  }
+}
+
+std::string EstimateSummary::text(const std::map<std::string, std::uint64_t>& rejected,
+                                  std::uint64_t samples) const {
+  Table table;
+  table.line("duration", fmt::format("{:.3f} s", duration_s()));
+  table.line("frames", fmt::format("{}", frames_));
+  table.line("frames ok", fmt::format("{}", ok_));
+  for (const auto& [reason, count] : not_ok_) table.line("  not ok, " + reason, fmt::format("{}", count));
+  table.line("samples", fmt::format("{}", samples));
+  for (const auto& [reason, count] : rejected) table.line("  rejected, " + reason, fmt::format("{}", count));
+  table.median("rms residual, median", rms_residual_m_, 1e3, "mm");
+  table.median("mismatch, median", mismatch_, 1.0,
+               "(chi-square per degree of freedom; 1 is the stated noise)");
+  table.median("tip angle, median", tip_angle_rad_, 1.0, "rad");
+  for (std::size_t i = 0; i < segments_.size(); ++i) {
+    const Segment& s = segments_[i];
+    const std::string prefix = segments_.size() > 1 ? fmt::format("segment {} ", i + 1) : "";
+    table.median(prefix + "M0, median", s.moment_nm, 1.0, "N m");
+    table.median(prefix + "L, median", s.length_m, 1.0, "m");
+    table.told(prefix + "EI, median", s.bending_stiffness_nm2, s.told_bending_stiffness_nm2, ok_, "N m^2");
+  }
+  table.told("payload, median", payload_kg_, told_payload_kg_, ok_, "kg");
+  return table.take();
+}
+
+}  // namespace softarm

@@ -1,0 +1,131 @@
+// What the program says to bad input: one line, a non-zero exit status, nothing left behind.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "apps/program.h"
+
+namespace softarm {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+constexpr const char* kLayout = R"(
+time: {column: 1, unit: s}
+mocap:
+  unit: m
+  up: z
+  bodies:
+    - {name: base, position: [2, 3, 4], orientation: [5, 6, 7, 8], orientation_order: xyzw}
+)";
+
+/// Runs it and expects the refusal; nothing may be added to the folder.
+void expect_refused(const TestFolder& folder, const std::string& arguments,
+                    const ::testing::Matcher<const std::string&>& matcher) {
+  SCOPED_TRACE("softarm " + arguments);
+  const std::size_t before = folder.entries();
+  const Outcome o = softarm_program(arguments);
+  EXPECT_GT(o.status, 0);
+  EXPECT_THAT(o.err, matcher);
+  EXPECT_EQ(o.err.rfind("softarm: ", 0), 0u) << o.err;
+  EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+  EXPECT_EQ(folder.entries(), before) << "something was left behind";
+}
+
+TEST(SoftarmErrors, CommandLine) {
+  const TestFolder dir;
+  expect_refused(dir, "", HasSubstr("subcommand"));
+  expect_refused(dir, "estimate x.bag", HasSubstr("--arm"));
+  expect_refused(dir, "estimate --arm online_200mm", HasSubstr("BAG"));
+  expect_refused(dir, "simulate demo --seconds -1 --out " + dir / "x.bag", HasSubstr("--seconds"));
+  expect_refused(dir, "simulate demo --colour blue --out " + dir / "x.bag", HasSubstr("--colour"));
+}
+
+TEST(SoftarmErrors, HelpAndVersion) {
+  EXPECT_EQ(softarm_program("--version").status, 0);
+  EXPECT_THAT(softarm_program("--version").out, HasSubstr("softarm "));
+  for (const std::string command : {"", "estimate ", "import ", "simulate "}) {
+    const Outcome o = softarm_program(command + "--help");
+    EXPECT_EQ(o.status, 0);
+    EXPECT_THAT(o.out, HasSubstr("Usage"));
+    if (!command.empty()) EXPECT_THAT(o.out, HasSubstr("Examples:"));
+  }
+}
+
+TEST(SoftarmErrors, Estimate) {
+  const TestFolder dir;
+  const std::string out = " --out " + dir / "out";
+  const std::string text = dir.write("text.bag", "this is not a bag\n");
+  const std::string empty = dir.write("empty.bag", "");
+  expect_refused(dir, "estimate --arm online_200mm /nonexistent.bag" + out, HasSubstr("/nonexistent.bag"));
+  expect_refused(dir, "estimate --arm online_200mm " + text + out,
+                 AllOf(HasSubstr("text.bag"), HasSubstr("bag")));
+  expect_refused(dir, "estimate --arm online_200mm " + empty + out, HasSubstr("empty.bag"));
+  expect_refused(dir, "estimate --arm no_such_arm " + text + out,
+                 AllOf(HasSubstr("no_such_arm"), HasSubstr("online_200mm")));
+  expect_refused(dir, "estimate --arm online_200mm --method guess " + text + out,
+                 AllOf(HasSubstr("guess"), HasSubstr("end_orientation")));
+  expect_refused(dir, "estimate --arm online_200mm --unknown shape " + text + out, HasSubstr("payload"));
+  expect_refused(dir, "estimate --arm online_200mm --payload -3 " + text + out, HasSubstr("-3"));
+  expect_refused(dir, "estimate --arm online_200mm " + text + " " + text + out, HasSubstr("another bag"));
+}
+
+TEST(SoftarmErrors, ABagOfAnotherArmNamesTheTopicsOfBoth) {
+  const TestFolder dir;
+  const std::string layout = dir.write("lab.yaml", kLayout);
+  const std::string csv = dir.write("a.csv", "0,0,0,0,0,0,0,1\n0.1,0,0,0,0,0,0,1\n");
+  ASSERT_EQ(softarm_program("import " + layout + " " + csv + " --out " + dir / "a.bag").status, 0);
+  expect_refused(dir, "estimate --arm online_200mm " + dir / "a.bag" + " --out " + dir / "out",
+                 AllOf(HasSubstr("a.bag"), HasSubstr("/mocap/ring_1/pose"), HasSubstr("/mocap/base/pose")));
+}
+
+TEST(SoftarmErrors, ADamagedBagIsRefused) {
+  const TestFolder dir;
+  ASSERT_EQ(softarm_program("simulate trial_10s --seconds 2 --out " + dir / "a.bag").status, 0);
+  const std::string bytes = text_of(dir / "a.bag");
+  dir.write("cut.bag", bytes.substr(0, bytes.size() / 2));
+  std::string wrong = bytes;
+  for (std::size_t i = 6000; i < 9000; ++i) wrong[i] = static_cast<char>(~wrong[i]);
+  dir.write("wrong.bag", wrong);
+  const std::string out = " --out " + dir / "out";
+  expect_refused(dir, "estimate --arm online_200mm " + dir / "cut.bag" + out, HasSubstr("cut.bag"));
+  expect_refused(dir, "estimate --arm online_200mm " + dir / "wrong.bag" + out, HasSubstr("wrong.bag"));
+}
+
+TEST(SoftarmErrors, Import) {
+  const TestFolder dir;
+  const std::string layout = dir.write("lab.yaml", kLayout);
+  const std::string csv = dir.write("a.csv", "0,0,0,0,0,0,0,1\n");
+  const std::string out = " --out " + dir / "a.bag";
+  const auto changed = [&](const std::string& from, const std::string& to) {
+    std::string text = kLayout;
+    return dir.write("changed.yaml", text.replace(text.find(from), from.size(), to));
+  };
+  dir.write("changed.yaml", "");
+  expect_refused(dir, "import " + layout + " " + dir / "none.csv" + out, HasSubstr("none.csv"));
+  expect_refused(dir, "import " + dir / "none.yaml" + " " + csv + out,
+                 AllOf(HasSubstr("none.yaml"), HasSubstr("pouch_arm_one_segment")));
+  expect_refused(
+      dir, "import " + changed("unit: m\n", "unit: feet\n") + " " + csv + out,
+      AllOf(HasSubstr("changed.yaml"), HasSubstr("mocap.unit"), HasSubstr("feet"), HasSubstr("mm")));
+  expect_refused(dir, "import " + changed("column: 1", "column: none") + " " + csv + out,
+                 AllOf(HasSubstr("time.column"), HasSubstr("none")));
+  expect_refused(dir, "import " + changed("time:", "tmie:") + " " + csv + out, HasSubstr("tmie"));
+  expect_refused(dir, "import " + changed("[5, 6, 7, 8]", "[15, 16, 17, 18]") + " " + csv + out,
+                 AllOf(HasSubstr("a.csv"), HasSubstr("column 15")));
+  expect_refused(dir, "import " + layout + " " + csv + " --out /nonexistent/a.bag",
+                 HasSubstr("/nonexistent"));
+}
+
+TEST(SoftarmErrors, Simulate) {
+  const TestFolder dir;
+  const std::string bad = dir.write("bad.yaml", "format: 1\nname: bad\nseed: many\n");
+  expect_refused(dir, "simulate " + bad + " --out " + dir / "x.bag", HasSubstr("bad.yaml"));
+  expect_refused(dir, "simulate nothing --out " + dir / "x.bag",
+                 AllOf(HasSubstr("nothing"), HasSubstr("demo")));
+  expect_refused(dir, "simulate demo --seconds 1 --out " + dir / "x.bag" + " --truth " + dir / "x.bag",
+                 HasSubstr("--truth"));
+}
+
+}  // namespace
+}  // namespace softarm

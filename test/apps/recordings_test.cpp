@@ -1,0 +1,217 @@
+// Simulated, imported and real recordings through the program.
+#include <geometry_msgs/PoseStamped.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <sensor_msgs/FluidPressure.h>
+#include <std_msgs/Float64.h>
+
+#include <boost/algorithm/string.hpp>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "apps/program.h"
+#include "softarm/trial/estimates_csv.h"
+
+namespace softarm {
+namespace {
+
+using ::testing::HasSubstr;
+
+using Row = std::map<std::string, std::string>;
+
+/// Rows of a CSV file by column name.
+std::vector<Row> csv_rows(const std::string& path) {
+  std::vector<Row> rows;
+  std::vector<std::string> names;
+  std::istringstream file(text_of(path));
+  for (std::string line; std::getline(file, line);) {
+    std::vector<std::string> cells;
+    boost::split(cells, line, [](char c) { return c == ','; });
+    if (names.empty()) {
+      names = cells;
+      continue;
+    }
+    EXPECT_EQ(cells.size(), names.size()) << path << ": " << line;
+    Row row;
+    for (std::size_t i = 0; i < std::min(names.size(), cells.size()); ++i) row[names[i]] = cells[i];
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+template <typename Message>
+std::vector<std::pair<double, Message>> read(const std::string& bag_path, const std::string& topic) {
+  rosbag::Bag bag(bag_path, rosbag::bagmode::Read);
+  rosbag::View view(bag, rosbag::TopicQuery(topic));
+  std::vector<std::pair<double, Message>> messages;
+  for (const rosbag::MessageInstance& m : view) {
+    const auto message = m.instantiate<Message>();
+    if (message) messages.emplace_back(m.getTime().toSec(), *message);
+  }
+  return messages;
+}
+
+TEST(SoftarmImport, ASyntheticRecordingReadsBackInSi) {
+  const TestFolder dir;
+  const std::string layout = dir.write("lab.yaml", R"(
+separator: semicolon
+header: true
+time: {column: t_ms, unit: ms, start_stamp_s: 1000}
+mocap:
+  unit: mm
+  up: y
+  bodies:
+    - {name: base, position: [x, y, z], orientation: [qw, qx, qy, qz], orientation_order: wxyz}
+pressures:
+  unit: bar
+  reference: gauge
+  ambient_pa: 100000
+  inputs: [{topic: /pressure/chamber_1, column: p}]
+payload: [{from_s: -1, kg: 0.1}, {from_s: 0.015, kg: 0.3}]
+)");
+  const std::string csv = dir.write("lab.csv",
+                                    "t_ms;x;y;z;qw;qx;qy;qz;p\n"
+                                    "10;100;200;300;1;0;0;0;0.5\n"
+                                    "20;110;210;310;1;0;0;0;oops\n"
+                                    "30;120;220;320;1;0;0;0;-0.25\n");
+  const Outcome o = softarm_program("import " + layout + " " + csv + " --out " + dir / "lab.bag");
+  ASSERT_EQ(o.status, 0) << o.err;
+  EXPECT_THAT(o.out, HasSubstr("2 of 3 rows"));
+  EXPECT_THAT(o.err, HasSubstr("lab.csv:3:"));
+
+  const auto poses = read<geometry_msgs::PoseStamped>(dir / "lab.bag", "/mocap/base/pose");
+  ASSERT_EQ(poses.size(), 2u);
+  EXPECT_EQ(poses[1].second.header.frame_id, "mocap");
+  EXPECT_NEAR(poses[1].second.header.stamp.toSec(), 1000.03, 1e-9);
+  EXPECT_NEAR(poses[1].first, 1000.03, 1e-9);
+  EXPECT_NEAR(poses[1].second.pose.position.x, 0.12, 1e-12);
+  EXPECT_NEAR(poses[1].second.pose.position.y, -0.32, 1e-12);
+  EXPECT_NEAR(poses[1].second.pose.position.z, 0.22, 1e-12);
+  EXPECT_NEAR(poses[1].second.pose.orientation.x, std::sqrt(0.5), 1e-12);
+  const auto pressures = read<sensor_msgs::FluidPressure>(dir / "lab.bag", "/pressure/chamber_1");
+  ASSERT_EQ(pressures.size(), 2u);
+  EXPECT_NEAR(pressures[0].second.fluid_pressure, 150e3, 1e-6);
+  EXPECT_NEAR(pressures[1].second.fluid_pressure, 75e3, 1e-6);
+  const auto payload = read<std_msgs::Float64>(dir / "lab.bag", "/payload");
+  ASSERT_EQ(payload.size(), 2u);
+  EXPECT_EQ(payload[0].second.data, 0.1);
+  EXPECT_LT(payload[0].first, poses[0].first);
+  EXPECT_EQ(payload[1].second.data, 0.3);
+  EXPECT_NEAR(payload[1].first, 1000.015, 1e-5);
+}
+
+TEST(SoftarmSimulate, TheSameSeedGivesTheSameBytesAndAnotherDoesNot) {
+  const TestFolder dir;
+  const auto simulate = [&](const std::string& name, const std::string& more) {
+    const Outcome o =
+        softarm_program("simulate trial_10s --seconds 3 " + more + " --out " + dir / name + ".bag");
+    EXPECT_EQ(o.status, 0) << o.err;
+    EXPECT_THAT(o.out, HasSubstr("truth_sha256: "));
+    return text_of(dir / name + ".bag");
+  };
+  const std::string a = simulate("a", "--seed 5");
+  EXPECT_GT(a.size(), 10000u);
+  EXPECT_TRUE(a == simulate("b", "--seed 5"));
+  EXPECT_FALSE(a == simulate("c", "--seed 6"));
+  EXPECT_EQ(text_of(dir / "a.truth.csv"), text_of(dir / "b.truth.csv"));
+}
+
+TEST(SoftarmSimulate, TheBagHoldsTheTopicsOfATrialAndNothingElse) {
+  const TestFolder dir;
+  ASSERT_EQ(softarm_program("simulate trial_10s --out " + dir / "a.bag").status, 0);
+  rosbag::Bag bag(dir / "a.bag", rosbag::bagmode::Read);
+  std::set<std::string> topics;
+  rosbag::View view(bag);
+  for (const rosbag::ConnectionInfo* c : view.getConnections()) topics.insert(c->topic);
+  EXPECT_EQ(topics,
+            (std::set<std::string>{"/mocap/base/pose", "/mocap/ring_1/pose", "/mocap/ring_2/pose",
+                                   "/mocap/ring_3/pose", "/mocap/ring_4/pose", "/payload",
+                                   "/pressure/chamber_1", "/pressure/chamber_2", "/pressure/chamber_3"}));
+}
+
+TEST(SoftarmEstimate, ASimulatedTrialIsEstimatedCloseToItsTruth) {
+  const TestFolder dir;
+  ASSERT_EQ(softarm_program("simulate trial_10s --out " + dir / "a.bag").status, 0);
+  const Outcome o = softarm_program("estimate --arm online_200mm " + dir / "a.bag" + " --out " + dir / "out");
+  ASSERT_EQ(o.status, 0) << o.err;
+  EXPECT_THAT(o.out, HasSubstr("frames_per_s: "));
+  EXPECT_EQ(text_of(dir / "out/a/estimates.csv").substr(0, std::string(kEstimatesCsvHeader).size() + 1),
+            std::string(kEstimatesCsvHeader) + "\n");
+  EXPECT_THAT(text_of(dir / "out/a/summary.txt"), HasSubstr("frames ok"));
+
+  std::map<long, Row> truth;
+  const auto key = [](const Row& row) { return std::lround((std::stod(row.at("stamp")) - 1.6e9) * 1e4); };
+  for (const Row& row : csv_rows(dir / "a.truth.csv")) truth[key(row)] = row;
+  const std::vector<Row> rows = csv_rows(dir / "out/a/estimates.csv");
+  ASSERT_GT(rows.size(), 1100u);
+  std::size_t ok = 0, told = 0, told_close = 0;
+  double sum_tip_m2 = 0.0;
+  for (const Row& row : rows) {
+    if (row.at("status") != "ok") continue;
+    ++ok;
+    const Row& t = truth.at(key(row));
+    for (const char* c : {"tip_x", "tip_y", "tip_z"})
+      sum_tip_m2 += std::pow(std::stod(row.at(c)) - std::stod(t.at(c)), 2);
+    if (row.at("tells_EI") != "1" || t.at("payload_steadied") == "1") continue;
+    ++told;
+    told_close += std::abs(std::stod(row.at("EI")) / std::stod(t.at("EI")) - 1.0) < 0.75;
+  }
+  EXPECT_GT(ok, rows.size() * 95 / 100);
+  // The markers' noise is 0.5 mm per coordinate; the rod's shape cannot be much worse than that.
+  EXPECT_LT(std::sqrt(sum_tip_m2 / static_cast<double>(ok)), 1.5e-3);
+  ASSERT_GT(told, 50u);
+  // Told means a standard deviation of 25 % or less: three of them, in a trial that moves.
+  EXPECT_GT(told_close, told * 95 / 100);
+}
+
+TEST(SoftarmEstimate, TwoRunsWriteTheSameFilesWhateverTheJobs) {
+  const TestFolder dir;
+  ASSERT_EQ(softarm_program("simulate trial_10s --seconds 3 --seed 1 --out " + dir / "a.bag").status, 0);
+  ASSERT_EQ(softarm_program("simulate trial_10s --seconds 3 --seed 2 --out " + dir / "b.bag").status, 0);
+  const std::string call = "estimate --arm online_200mm " + dir / "a.bag" + " " + dir / "b.bag";
+  ASSERT_EQ(softarm_program(call + " --jobs 1 --out " + dir / "one").status, 0);
+  ASSERT_EQ(softarm_program(call + " --jobs 2 --out " + dir / "two").status, 0);
+  for (const std::string name : {"a/estimates.csv", "b/estimates.csv", "a/summary.txt", "b/summary.txt"}) {
+    EXPECT_FALSE(text_of(dir / "one/" + name).empty());
+    EXPECT_EQ(text_of(dir / "one/" + name), text_of(dir / "two/" + name)) << name;
+  }
+}
+
+TEST(SoftarmRecordings, PouchArmOneSegment) {
+  if (recordings().empty()) GTEST_SKIP() << "the recordings of the pouch arm are absent (SOFTARM_DATA)";
+  const TestFolder dir;
+  const std::string source = recordings() + "/pouch_arm/one_segment/";
+  const Outcome imported =
+      softarm_program("import pouch_arm_one_segment " + source + "*/*.txt --out " + dir / "bags/");
+  ASSERT_EQ(imported.status, 0) << imported.err;
+  const Outcome o =
+      softarm_program("estimate --arm pouch_arm_one_segment " + dir / "bags/*.bag" + " --out " + dir / "out");
+  ASSERT_EQ(o.status, 0) << o.err;
+  for (const std::string name :
+       {"no_load_data_collect_1", "load_400g_data_collect_1", "load_400g_data_collect_3"}) {
+    SCOPED_TRACE(name);
+    const std::vector<Row> rows = csv_rows(dir / "out/" + name + "/estimates.csv");
+    ASSERT_GT(rows.size(), 500u);
+    std::size_t ok = 0, in_sd = 0, with_sd = 0;
+    for (const Row& row : rows) {
+      if (row.at("status") != "ok") continue;
+      ++ok;
+      EXPECT_GT(std::stod(row.at("L")), 0.10);
+      EXPECT_LT(std::stod(row.at("L")), 0.16);
+      // A payload that the frame tells must carry its standard deviation, of 25 % or better.
+      if (row.at("tells_payload") == "1") {
+        ASSERT_FALSE(row.at("sd_payload").empty());
+        ++with_sd;
+        in_sd += std::stod(row.at("sd_payload")) <= 0.2501 * std::stod(row.at("payload"));
+      }
+    }
+    EXPECT_GT(ok, rows.size() * 9 / 10);
+    EXPECT_EQ(in_sd, with_sd);
+  }
+}
+
+}  // namespace
+}  // namespace softarm

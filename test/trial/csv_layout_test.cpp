@@ -1,0 +1,220 @@
+#include "softarm/trial/csv_layout.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "softarm/trial/csv_recording.h"
+
+namespace softarm {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const char* const kMinimal = R"(
+time: {column: 1, unit: ms, start_stamp_s: 1000}
+mocap:
+  unit: mm
+  up: z
+  bodies:
+    - {name: base, position: [2, 3, 4], orientation: [5, 6, 7, 8], orientation_order: xyzw}
+pressures:
+  unit: psi
+  reference: gauge
+  ambient_pa: 100000
+  inputs:
+    - {topic: /pressure/chamber_1, column: 9}
+)";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+std::string error_of(const std::string& text) {
+  try {
+    parse_csv_layout(text, "lab.yaml");
+  } catch (const CsvError& e) {
+    EXPECT_THAT(e.what(), Not(HasSubstr("\n")));
+    return e.what();
+  }
+  return "no error";
+}
+
+/// A file of the test that is removed with it.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const std::string& text)
+      : path_(std::filesystem::path(::testing::TempDir()) /
+              (std::string("softarm_") + ::testing::UnitTest::GetInstance()->current_test_info()->name() +
+               ".csv")) {
+    std::ofstream(path_) << text;
+  }
+  ~TemporaryFile() { std::filesystem::remove(path_); }
+  std::string path() const { return path_.string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+struct Read {
+  std::vector<CsvRow> rows;
+  CsvReport report;
+};
+
+Read read(const std::string& layout, const std::string& csv) {
+  const TemporaryFile file(csv);
+  Read result;
+  result.report = read_csv_recording(parse_csv_layout(layout, "lab.yaml"), file.path(),
+                                     [&](const CsvRow& row) { result.rows.push_back(row); });
+  return result;
+}
+
+std::string read_error(const std::string& layout, const std::string& csv) {
+  try {
+    read(layout, csv);
+  } catch (const CsvError& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+TEST(CsvLayout, ConvertsEveryUnitToSi) {
+  const Read r = read(kMinimal, "500, 100, 200, 300, 0, 0, 0, 1, 2\n");
+  ASSERT_EQ(r.rows.size(), 1u);
+  EXPECT_DOUBLE_EQ(r.rows[0].time_s, 0.5);
+  EXPECT_DOUBLE_EQ(r.rows[0].stamp_s, 1000.5);
+  ASSERT_TRUE(r.rows[0].bodies[0]);
+  EXPECT_TRUE(r.rows[0].bodies[0]->p_mocap.isApprox(Eigen::Vector3d(0.1, 0.2, 0.3)));
+  EXPECT_NEAR(*r.rows[0].pressures_pa[0], 100000 + 2 * 6894.757293168, 1e-6);
+}
+
+TEST(CsvLayout, AbsolutePressureHasNoAmbientAdded) {
+  const std::string absolute =
+      replaced(replaced(kMinimal, "reference: gauge", "reference: absolute"), "unit: psi", "unit: kPa");
+  EXPECT_NEAR(*read(absolute, "0,0,0,0,0,0,0,1,110\n").rows[0].pressures_pa[0], 110e3, 1e-9);
+}
+
+TEST(CsvLayout, QuaternionOrderIsThatOfTheLayout) {
+  const std::string row = "0,0,0,0, 0.5,0.5,-0.5,0.5, 0\n";
+  const Read xyzw = read(kMinimal, row);
+  EXPECT_DOUBLE_EQ(xyzw.rows[0].bodies[0]->q_mocap.z(), -0.5);
+  const Read wxyz = read(replaced(kMinimal, "order: xyzw", "order: wxyz"), row);
+  EXPECT_DOUBLE_EQ(wxyz.rows[0].bodies[0]->q_mocap.y(), -0.5);
+  EXPECT_DOUBLE_EQ(wxyz.rows[0].bodies[0]->q_mocap.w(), 0.5);
+}
+
+TEST(CsvLayout, YUpBecomesZUpForPositionsAndOrientationsAlike) {
+  const double h = std::sqrt(0.5);
+  // A body whose own z axis points along the recording's y (up) must point along z (up) afterwards.
+  const std::string row = "0, 10,20,30, " + std::to_string(-h) + ",0,0," + std::to_string(h) + ", 0\n";
+  const Read r = read(replaced(kMinimal, "up: z", "up: y"), row);
+  EXPECT_TRUE(r.rows[0].bodies[0]->p_mocap.isApprox(Eigen::Vector3d(0.01, -0.03, 0.02), 1e-9));
+  const Eigen::Vector3d axis = r.rows[0].bodies[0]->q_mocap * Eigen::Vector3d::UnitZ();
+  EXPECT_TRUE(axis.isApprox(Eigen::Vector3d::UnitZ(), 1e-6)) << axis.transpose();
+}
+
+TEST(CsvLayout, ColumnsByNameOfTheHeader) {
+  std::string named = replaced(kMinimal, "column: 9", "column: p1");
+  named = "header: true\nseparator: semicolon\n" + named;
+  const Read r = read(named, "t;x;y;z;a;b;c;d;\"p1\"\n0;1;2;3;0;0;0;1;1\n");
+  ASSERT_EQ(r.rows.size(), 1u);
+  EXPECT_NEAR(*r.rows[0].pressures_pa[0], 100000 + 6894.757, 1e-2);
+  EXPECT_THAT(read_error(named, "t;x;y;z;a;b;c;d;q1\n0;1;2;3;0;0;0;1;1\n"),
+              AllOf(HasSubstr("p1"), HasSubstr("pressures.inputs[0].column"), HasSubstr("q1")));
+}
+
+TEST(CsvRecording, BadRowsAreSkippedAndCountedWithTheirLine) {
+  const Read r = read(kMinimal,
+                      "0,0,0,0,0,0,0,1,0\n"
+                      "10,0,0,0,0,0,0,1\n"       // short
+                      "20,0,0,zero,0,0,0,1,0\n"  // text
+                      "# a remark\n"
+                      "5,0,0,0,0,0,0,1,0\n"
+                      "4,0,0,0,0,0,0,1,0\n"     // back in time
+                      "30,nan,0,0,0,0,0,1,0\n"  // lost body
+                      "40,0,0,0,0,0,0,0,0\n"    // zero quaternion
+                      "50,0,0,0,0,0,0,1,\n");   // no pressure
+  EXPECT_EQ(r.report.rows, 8u);
+  EXPECT_EQ(r.report.used, 5u);
+  EXPECT_EQ(r.report.bad_rows.at("too short"), 1u);
+  EXPECT_EQ(r.report.bad_rows.at("not a number"), 1u);
+  EXPECT_EQ(r.report.bad_rows.at("time goes back"), 1u);
+  EXPECT_EQ(r.report.lost.at("base: not a number"), 1u);
+  EXPECT_EQ(r.report.lost.at("base: zero quaternion"), 1u);
+  EXPECT_EQ(r.report.lost.at("/pressure/chamber_1: not a number"), 1u);
+  ASSERT_GE(r.report.examples.size(), 3u);
+  EXPECT_THAT(r.report.examples[0], AllOf(HasSubstr(".csv:2:"), HasSubstr("column 9")));
+  EXPECT_THAT(r.report.examples[1], AllOf(HasSubstr(".csv:3:"), HasSubstr("zero")));
+  EXPECT_THAT(r.report.examples[2], HasSubstr(".csv:6:"));
+  EXPECT_FALSE(r.rows[2].bodies[0]);
+  EXPECT_FALSE(r.rows[3].bodies[0]);
+  EXPECT_TRUE(r.rows[4].bodies[0]);
+  EXPECT_FALSE(r.rows[4].pressures_pa[0]);
+}
+
+TEST(CsvRecording, RepeatedPosesAreLeftOutOnlyWhereAsked) {
+  const std::string csv = "0,1,0,0,0,0,0,1,5\n1,1,0,0,0,0,0,1,6\n2,2,0,0,0,0,0,1,6\n";
+  EXPECT_TRUE(read(kMinimal, csv).rows[1].bodies[0]);
+  const Read r = read(replaced(kMinimal, "up: z", "up: z\n  drop_repeated: true"), csv);
+  ASSERT_EQ(r.rows.size(), 3u);
+  EXPECT_TRUE(r.rows[0].bodies[0]);
+  EXPECT_FALSE(r.rows[1].bodies[0]);
+  EXPECT_TRUE(r.rows[1].pressures_pa[0]);
+  EXPECT_TRUE(r.rows[2].bodies[0]);
+  EXPECT_EQ(r.report.repeated, 1u);
+}
+
+TEST(CsvRecording, AFileThatTheLayoutDoesNotFitIsRefused) {
+  EXPECT_THAT(read_error(kMinimal, "0,1\n1,2\n2,3\n"),
+              AllOf(HasSubstr("3 of 3 rows"), HasSubstr("line 1"), HasSubstr("layout")));
+  EXPECT_THAT(read_error(kMinimal, ""), HasSubstr("no rows"));
+  const CsvLayout layout = parse_csv_layout(kMinimal, "lab.yaml");
+  EXPECT_THROW(read_csv_recording(layout, "/nonexistent/x.csv", [](const CsvRow&) {}), CsvError);
+}
+
+TEST(CsvLayout, ErrorsNameFileKeyValueAndWhatIsAllowed) {
+  EXPECT_EQ(error_of(kMinimal), "no error");
+  EXPECT_THAT(
+      error_of(replaced(kMinimal, "unit: psi", "unit: PSI")),
+      AllOf(HasSubstr("lab.yaml"), HasSubstr("pressures.unit"), HasSubstr("'PSI'"), HasSubstr("kPa")));
+  EXPECT_THAT(error_of(replaced(kMinimal, "unit: mm", "unit: inch")), HasSubstr("one of m, cm, mm"));
+  EXPECT_THAT(error_of(replaced(kMinimal, "unit: ms", "unit: min")), HasSubstr("time.unit"));
+  EXPECT_THAT(error_of(replaced(kMinimal, "up: z", "up: x")), HasSubstr("mocap.up"));
+  EXPECT_THAT(error_of(replaced(kMinimal, "position: [2, 3, 4]", "position: [2, 3]")),
+              AllOf(HasSubstr("mocap.bodies[0].position"), HasSubstr("3 columns")));
+  EXPECT_THAT(error_of(replaced(kMinimal, "column: 9", "column: 0")), HasSubstr("number from 1"));
+  EXPECT_THAT(error_of(replaced(kMinimal, "column: 9", "column: p1")), HasSubstr("number from 1"));
+  EXPECT_THAT(error_of(replaced(kMinimal, "ambient_pa: 100000", "ambient_pa: 100")),
+              AllOf(HasSubstr("100"), HasSubstr("50000")));
+  EXPECT_THAT(error_of(replaced(kMinimal, "ambient_pa: 100000", "ambient_pa: .nan")),
+              HasSubstr("ambient_pa"));
+  EXPECT_THAT(error_of(std::string(kMinimal) + "colour: blue\n"),
+              AllOf(HasSubstr("colour"), HasSubstr("lab.yaml:14"), HasSubstr("unknown")));
+  EXPECT_THAT(error_of("time: {column: 1, unit: s}\n"), AllOf(HasSubstr("mocap"), HasSubstr("missing")));
+  EXPECT_THAT(error_of(std::string(kMinimal) + "payload: [{from_s: 5, kg: 0}, {from_s: 5, kg: 1}]\n"),
+              HasSubstr("payload[1].from_s"));
+  EXPECT_THAT(error_of(std::string(kMinimal) + "payload: 0.4\n"), HasSubstr("a list"));
+  EXPECT_THAT(error_of("a: [1\nb"), HasSubstr("not YAML"));
+  EXPECT_THAT(error_of(""), HasSubstr("mapping"));
+}
+
+TEST(CsvLayout, EveryShippedLayoutLoads) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(SOFTARM_SOURCE_DIR "/config/layouts")) {
+    std::ostringstream text;
+    text << std::ifstream(entry.path()).rdbuf();
+    EXPECT_NO_THROW(parse_csv_layout(text.str(), entry.path().string())) << entry.path();
+    ++count;
+  }
+  EXPECT_GE(count, 2);
+}
+
+}  // namespace
+}  // namespace softarm
