@@ -16,6 +16,7 @@ namespace {
 using visualization_msgs::Marker;
 
 constexpr double kLifetime_s = 0.5;
+constexpr double kFullScale_rad = 2.0;  // an arm bent evenly by so much is all red
 constexpr int kTubeSections = 48;
 constexpr int kRingSides = 48;
 
@@ -57,13 +58,13 @@ double diameter_at(const Arm& arm, double arclength_m) {
 
 Marker backbone_tube(const Estimate& estimate, const MessageContext& context) {
   Marker m = marker(estimate, context, "backbone", Marker::TRIANGLE_LIST);
-  const double half_circle_per_m = M_PI / context.arm.total_length_m();
+  const double full_scale_per_m = kFullScale_rad / context.arm.total_length_m();
   std::vector<TubeSection> sections;
   for (const BackbonePoint& point : resample_backbone(estimate.backbone, kTubeSections)) {
-    const double bend = point.curvature_per_m.head<2>().norm() / half_circle_per_m;
+    const double bend = point.curvature_per_m.head<2>().norm() / full_scale_per_m;
     sections.push_back({point.p_base, point.q_base, 0.5 * diameter_at(context.arm, point.arclength_m), bend});
   }
-  add_tube(sections, 0.45f, &m);
+  add_tube(sections, 0.35f, &m);
   return m;
 }
 
@@ -140,7 +141,7 @@ Marker text(const Estimate& estimate, const MessageContext& context) {
   m.scale.z = 0.075 * unit_m;
   if (estimate.status != Status::kOk) m.color = color(1.0, 0.35, 0.3, 1.0);
   // Behind the base: the arm never gets there.
-  const Eigen::Vector3d behind = estimate.base_in_mocap * Eigen::Vector3d(0.0, 0.0, -0.28 * unit_m);
+  const Eigen::Vector3d behind = estimate.base_in_mocap * Eigen::Vector3d(0.0, 0.0, -0.22 * unit_m);
   m.pose = to_pose(behind, Eigen::Quaterniond::Identity());
   return m;
 }

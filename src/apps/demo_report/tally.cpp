@@ -1,0 +1,191 @@
+#include "demo_report/tally.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "softarm/ros/backbone_sampling.h"
+#include "softarm/ros/node_statistics.h"
+
+namespace softarm {
+namespace {
+
+using softarm_estimator::ArmEstimate;
+using softarm_estimator::Truth;
+
+constexpr std::size_t kWaiting = 2000;
+
+std::string status_name(const ArmEstimate& estimate) {
+  return estimate.detail.empty() ? fmt::format("status {}", estimate.status) : estimate.detail;
+}
+
+std::vector<BackbonePoint> backbone_of(const ArmEstimate& estimate) {
+  std::vector<BackbonePoint> points(estimate.backbone.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto& pose = estimate.backbone[i];
+    points[i].arclength_m = estimate.arclength[i];
+    points[i].p_base = {pose.position.x, pose.position.y, pose.position.z};
+    points[i].q_base = {pose.orientation.w, pose.orientation.x, pose.orientation.y, pose.orientation.z};
+  }
+  return points;
+}
+
+double rms(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (double v : values) sum += v * v;
+  return values.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+std::string row(const std::string& name, const std::string& value) {
+  return fmt::format("  {:<18} {}\n", name, value);
+}
+
+/// Finds the partner of a stamp and takes it; forgets what waited too long.
+template <class Message>
+std::optional<Message> take(std::map<ros::Time, Message>& waiting, const ros::Time& stamp) {
+  const auto found = waiting.find(stamp);
+  if (found == waiting.end()) return {};
+  Message message = std::move(found->second);
+  waiting.erase(found);
+  return message;
+}
+
+template <class Message>
+void keep(std::map<ros::Time, Message>& waiting, const Message& message) {
+  waiting[message.header.stamp] = message;
+  if (waiting.size() > kWaiting) waiting.erase(waiting.begin());
+}
+
+}  // namespace
+
+void Tally::Errors::add(double value, double sd, double truth) {
+  ++told;
+  absolute.push_back(std::abs(value - truth));
+  if (truth > 0.0) relative.push_back(std::abs(value - truth) / truth);
+  within_two_sd += std::abs(value - truth) <= 1.96 * sd;
+}
+
+std::string Tally::Errors::text(const char* unit, std::uint64_t of) const {
+  if (told == 0) return fmt::format("told by 0 of {} frames", of);
+  return fmt::format(
+      "median {:.1f} % ({:.4f} {}), 95 % of frames below {:.1f} %; {:.0f} % within 1.96 sd; told by {} of {} "
+      "frames",
+      100.0 * quantile(relative, 0.5), quantile(absolute, 0.5), unit, 100.0 * quantile(relative, 0.95),
+      100.0 * static_cast<double>(within_two_sd) / static_cast<double>(told), told, of);
+}
+
+void Tally::add(const ArmEstimate& estimate, ros::Time received) {
+  ++frames_;
+  if (!first_) first_ = received;
+  last_ = received;
+  latency_s_.push_back((received - estimate.header.stamp).toSec());
+  newest_ = estimate;
+  if (estimate.status != ArmEstimate::STATUS_OK) {
+    ++refused_[status_name(estimate)];
+    return;
+  }
+  ++ok_;
+  residual_m_.push_back(estimate.rms_residual);
+  told_stiffness_ += !estimate.segments.empty() && estimate.segments[0].tells_bending_stiffness;
+  told_payload_ += estimate.tells_payload;
+  if (const auto truth = take(unmatched_truth_, estimate.header.stamp)) {
+    compare(estimate, *truth);
+  } else {
+    keep(unmatched_estimates_, estimate);
+  }
+}
+
+void Tally::add(const Truth& truth) {
+  if (const auto estimate = take(unmatched_estimates_, truth.header.stamp)) {
+    compare(*estimate, truth);
+  } else {
+    keep(unmatched_truth_, truth);
+  }
+}
+
+void Tally::compare(const ArmEstimate& estimate, const Truth& truth) {
+  if (truth.payload_steadied) {
+    ++steadied_;  // a hand carries part of the load: nothing to compare
+    return;
+  }
+  const std::vector<BackbonePoint> backbone = backbone_of(estimate);
+  if (backbone.empty() || truth.backbone.size() < 2) return;
+  double sum = 0.0, last = 0.0;
+  const double length_m = backbone.back().arclength_m;
+  for (std::size_t i = 0; i < truth.backbone.size(); ++i) {
+    const double s = length_m * static_cast<double>(i) / static_cast<double>(truth.backbone.size() - 1);
+    const auto& p = truth.backbone[i];
+    last = (backbone_at(backbone, s).p_base - Eigen::Vector3d(p.x, p.y, p.z)).norm();
+    sum += last * last;
+  }
+  shape_error_m_.push_back(std::sqrt(sum / static_cast<double>(truth.backbone.size())));
+  tip_error_m_.push_back(last);
+  for (std::size_t i = 0; i < std::min(estimate.segments.size(), truth.bending_stiffness.size()); ++i) {
+    const auto& segment = estimate.segments[i];
+    if (segment.tells_bending_stiffness && segment.determined_bending_stiffness) {
+      stiffness_.add(segment.bending_stiffness, segment.sd_bending_stiffness, truth.bending_stiffness[i]);
+    }
+  }
+  if (estimate.tells_payload && estimate.determined_payload) {
+    payload_.add(estimate.payload, estimate.sd_payload, truth.payload);
+  }
+}
+
+std::string Tally::line() const {
+  if (!newest_) return "waiting for estimates";
+  const double seconds = (*last_ - *first_).toSec();
+  std::string text = fmt::format("{:6.0f} frames  {:5.1f}/s", static_cast<double>(frames_),
+                                 seconds > 0.0 ? static_cast<double>(frames_ - 1) / seconds : 0.0);
+  if (newest_->status != ArmEstimate::STATUS_OK) return text + "  no estimate: " + status_name(*newest_);
+  for (const auto& segment : newest_->segments) {
+    text += segment.tells_bending_stiffness
+                ? fmt::format("  EI {:.4f} ± {:.4f} N m²", segment.bending_stiffness,
+                              segment.sd_bending_stiffness)
+                : std::string("  EI not told         ");
+  }
+  if (newest_->payload_is_known) {
+    text += fmt::format("  payload {:.3f} kg", newest_->payload);
+  } else if (newest_->tells_payload) {
+    text += fmt::format("  payload {:.3f} ± {:.3f} kg", newest_->payload, newest_->sd_payload);
+  } else {
+    text += "  payload not told";
+  }
+  text += fmt::format("  residual {:.2f} mm", 1e3 * newest_->rms_residual);
+  if (!shape_error_m_.empty()) text += fmt::format("  shape error {:.2f} mm", 1e3 * shape_error_m_.back());
+  return text;
+}
+
+std::string Tally::table(bool with_truth) const {
+  std::string text;
+  text += row("frames", fmt::format("{} received, {} estimated", frames_, ok_));
+  for (const auto& [reason, count] : refused_)
+    text += row("", fmt::format("{} without estimate: {}", count, reason));
+  if (frames_ == 0) return text;
+  const double seconds = (*last_ - *first_).toSec();
+  text += row("rate", fmt::format("{:.1f} frames/s",
+                                  seconds > 0.0 ? static_cast<double>(frames_ - 1) / seconds : 0.0));
+  text += row("latency", fmt::format("median {:.2f} ms, 99 % below {:.2f} ms (stamp to receipt)",
+                                     1e3 * quantile(latency_s_, 0.5), 1e3 * quantile(latency_s_, 0.99)));
+  text += row("residual",
+              fmt::format("median {:.2f} mm (rms of the measured bodies)", 1e3 * quantile(residual_m_, 0.5)));
+  if (!with_truth) {
+    text += row("EI", fmt::format("told by {} of {} frames", told_stiffness_, ok_));
+    text += row("payload", fmt::format("told by {} of {} frames", told_payload_, ok_));
+    return text;
+  }
+  text +=
+      row("compared", fmt::format("{} frames with the truth ({} more while the payload was changed by hand)",
+                                  compared(), steadied_));
+  if (compared() == 0) return text;
+  text += row("shape error", fmt::format("rms {:.2f} mm along the backbone, {:.2f} mm at the tip",
+                                         1e3 * rms(shape_error_m_), 1e3 * rms(tip_error_m_)));
+  const bool payload_unknown = newest_ && newest_->unknown == "payload";
+  text += row("EI error",
+              payload_unknown ? std::string("not estimated (known)") : stiffness_.text("N m²", compared()));
+  text += row("payload error",
+              payload_unknown ? payload_.text("kg", compared()) : std::string("not estimated (known)"));
+  return text;
+}
+
+}  // namespace softarm

@@ -1,0 +1,52 @@
+// What a listener makes of estimates, beside the truth where there is one.
+#pragma once
+
+#include <ros/time.h>
+#include <softarm_estimator/ArmEstimate.h>
+#include <softarm_estimator/Truth.h>
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace softarm {
+
+/// Collects estimates and truth, matched by their stamps.
+class Tally {
+ public:
+  /// @param received when the message arrived, in the time of its stamp
+  void add(const softarm_estimator::ArmEstimate& estimate, ros::Time received);
+  void add(const softarm_estimator::Truth& truth);
+
+  std::uint64_t frames() const { return frames_; }
+  std::uint64_t ok() const { return ok_; }
+  std::uint64_t compared() const { return shape_error_m_.size(); }
+
+  /// One line on the newest estimate.
+  std::string line() const;
+  /// The closing table. @param with_truth whether truth was to be expected
+  std::string table(bool with_truth) const;
+
+ private:
+  struct Errors {
+    std::uint64_t told = 0, within_two_sd = 0;
+    std::vector<double> relative, absolute;
+    void add(double value, double sd, double truth);
+    std::string text(const char* unit, std::uint64_t of) const;
+  };
+
+  void compare(const softarm_estimator::ArmEstimate& estimate, const softarm_estimator::Truth& truth);
+
+  std::uint64_t frames_ = 0, ok_ = 0, steadied_ = 0;
+  std::map<std::string, std::uint64_t> refused_;
+  std::optional<ros::Time> first_, last_;
+  std::vector<double> latency_s_, shape_error_m_, tip_error_m_, residual_m_;
+  std::uint64_t told_stiffness_ = 0, told_payload_ = 0;
+  Errors stiffness_, payload_;
+  std::map<ros::Time, softarm_estimator::ArmEstimate> unmatched_estimates_;
+  std::map<ros::Time, softarm_estimator::Truth> unmatched_truth_;
+  std::optional<softarm_estimator::ArmEstimate> newest_;
+};
+
+}  // namespace softarm

@@ -1,0 +1,168 @@
+// The virtual rig in real time: publishes what a laboratory's mocap and pressure controller would, and, on
+// ~truth for reports alone, what really happened.
+#include <geometry_msgs/PoseStamped.h>
+#include <ros/ros.h>
+#include <sensor_msgs/FluidPressure.h>
+#include <softarm_estimator/Truth.h>
+#include <std_msgs/Float64.h>
+
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "softarm/rig/simulator.h"
+
+namespace {
+
+using softarm::rig::Pose;
+using softarm::rig::PressureSample;
+using softarm::rig::Sample;
+
+constexpr std::uint32_t kQueue = 1000;
+constexpr double kBehind_s = 0.25;
+
+std::string read_scenario(const ros::NodeHandle& nh, std::string& path) {
+  std::string scenario, directory;
+  nh.param<std::string>("scenario", scenario, "");
+  nh.param<std::string>("scenarios_dir", directory, "");
+  const std::string name = "parameter " + nh.resolveName("scenario");
+  if (scenario.empty())
+    throw std::runtime_error(name + " is not set: a scenario file, or the name of a shipped one");
+  for (const std::string& candidate : {scenario, directory + "/" + scenario + ".yaml"}) {
+    std::ifstream file(candidate);
+    std::ostringstream text;
+    if (file && text << file.rdbuf()) {
+      path = candidate;
+      return text.str();
+    }
+  }
+  throw std::runtime_error(name + " is '" + scenario + "': no such file" +
+                           (directory.empty() ? "" : ", nor a scenario in " + directory));
+}
+
+geometry_msgs::Point to_point(const Eigen::Vector3d& p) {
+  geometry_msgs::Point point;
+  point.x = p.x();
+  point.y = p.y();
+  point.z = p.z();
+  return point;
+}
+
+/// Publishes the samples of a rig with stamps counted from an epoch.
+class Rig {
+ public:
+  Rig(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh, const softarm::rig::Simulator& simulator,
+      ros::Time epoch)
+      : nh_(nh), private_nh_(private_nh), epoch_(epoch) {
+    for (const std::string& body : simulator.body_names()) {
+      bodies_.push_back(nh_.advertise<geometry_msgs::PoseStamped>("/mocap/" + body + "/pose", kQueue));
+    }
+    if (simulator.scenario().payload.publish) {
+      payload_ = nh_.advertise<std_msgs::Float64>("/payload", 10, true);
+    }
+    truth_ = private_nh_.advertise<softarm_estimator::Truth>("truth", kQueue);
+  }
+
+  void publish_payload(const Sample& sample) {
+    if (!sample.payload) return;
+    std_msgs::Float64 message;
+    message.data = sample.payload->kg;
+    payload_.publish(message);
+  }
+
+  void publish(const Sample& sample) {
+    for (const PressureSample& pressure : sample.pressures) publish(pressure);
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      if (sample.bodies[i]) publish(bodies_[i], sample.stamp_s, *sample.bodies[i]);
+    }
+    publish_truth(sample);
+  }
+
+ private:
+  ros::Time stamp(double t_s) const { return epoch_ + ros::Duration(t_s); }
+
+  void publish(const PressureSample& sample) {
+    ros::Publisher& publisher = pressures_[sample.chamber];
+    if (!publisher) {
+      const std::string name = sample.chamber == PressureSample::kVacuum
+                                   ? std::string("vacuum")
+                                   : "chamber_" + std::to_string(sample.chamber + 1);
+      publisher = nh_.advertise<sensor_msgs::FluidPressure>("/pressure/" + name, kQueue);
+    }
+    sensor_msgs::FluidPressure message;
+    message.header.stamp = stamp(sample.stamp_s);
+    message.fluid_pressure = sample.absolute_pa;
+    publisher.publish(message);
+  }
+
+  void publish(const ros::Publisher& publisher, double stamp_s, const Pose& pose) {
+    geometry_msgs::PoseStamped message;
+    message.header.stamp = stamp(stamp_s);
+    message.header.frame_id = "mocap";
+    message.pose.position = to_point(pose.p);
+    message.pose.orientation.w = pose.q.w();
+    message.pose.orientation.x = pose.q.x();
+    message.pose.orientation.y = pose.q.y();
+    message.pose.orientation.z = pose.q.z();
+    publisher.publish(message);
+  }
+
+  void publish_truth(const Sample& sample) {
+    const softarm::rig::Truth& truth = sample.truth;
+    softarm_estimator::Truth message;
+    message.header.stamp = stamp(sample.stamp_s);
+    message.moment = {truth.moment_nm.norm()};
+    message.direction = {std::atan2(truth.moment_nm.y(), truth.moment_nm.x())};
+    message.bending_stiffness = {truth.bending_stiffness_nm2};
+    message.length = {truth.length_m};
+    message.payload = truth.payload_kg;
+    message.payload_steadied = truth.payload_steadied;
+    message.tip_angle = truth.tip_angle_rad;
+    for (const Eigen::Vector3d& p : truth.backbone_base) message.backbone.push_back(to_point(p));
+    truth_.publish(message);
+  }
+
+  ros::NodeHandle nh_, private_nh_;
+  ros::Time epoch_;
+  std::vector<ros::Publisher> bodies_;
+  std::map<int, ros::Publisher> pressures_;
+  ros::Publisher payload_, truth_;
+};
+
+void run(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh) {
+  std::string path;
+  const std::string text = read_scenario(private_nh, path);
+  softarm::rig::Simulator simulator(softarm::rig::parse_scenario(text, path));
+  const ros::WallTime start =
+      ros::WallTime::now() + ros::WallDuration(0.5);  // until subscribers are connected
+  Rig rig(nh, private_nh, simulator, ros::Time(start.sec, start.nsec));
+  while (ros::ok()) {
+    const std::optional<Sample> sample = simulator.next();
+    if (!sample) break;
+    const ros::WallTime due = start + ros::WallDuration(sample->stamp_s);
+    const double behind_s = (ros::WallTime::now() - due).toSec();
+    if (behind_s > kBehind_s) ROS_WARN_THROTTLE(5.0, "the simulation is %.2f s behind real time", behind_s);
+    // It has no stamp and holds from when it is received, so it must not come after its frame.
+    if (sample->stamp_s == 0.0) rig.publish_payload(*sample);
+    ros::WallTime::sleepUntil(due);
+    if (sample->stamp_s > 0.0) rig.publish_payload(*sample);
+    rig.publish(*sample);
+    ros::spinOnce();
+  }
+  if (ros::ok()) ROS_INFO("the scenario is over");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "softarm_rig");
+  ros::NodeHandle nh, private_nh("~");
+  try {
+    run(nh, private_nh);
+  } catch (const std::exception& e) {
+    ROS_FATAL("%s", e.what());
+    return 1;
+  }
+  return 0;
+}

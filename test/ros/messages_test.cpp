@@ -1,0 +1,194 @@
+// Estimates as messages and markers, and the guard against what is not finite.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "softarm/ros/backbone_sampling.h"
+#include "softarm/ros/estimate_message.h"
+#include "softarm/ros/finite.h"
+#include "softarm/ros/markers.h"
+
+namespace softarm {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+Arm one_ring_arm() {
+  Arm arm;
+  arm.name = "arm";
+  arm.segments.resize(1);
+  arm.segments[0].name = "segment_1";
+  arm.segments[0].length_m = 0.2;
+  arm.segments[0].diameter_m = 0.04;
+  arm.segments[0].mass_per_length_kg_m = 1.0;
+  MeasuredBody ring;
+  ring.name = "ring_1";
+  ring.arclength_m = 0.1;
+  arm.bodies.push_back(ring);
+  arm.payload.arclength_m = 0.2;
+  return arm;
+}
+
+/// A circle of a quarter turn in the plane of x and z.
+Estimate quarter_circle() {
+  Estimate estimate;
+  estimate.status = Status::kOk;
+  const double curvature = 0.5 * M_PI / 0.2;
+  for (int i = 0; i <= 8; ++i) {
+    BackbonePoint point;
+    point.arclength_m = 0.025 * i;
+    const double angle = curvature * point.arclength_m;
+    point.p_base = Eigen::Vector3d(1.0 - std::cos(angle), 0.0, std::sin(angle)) / curvature;
+    point.q_base = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY());
+    point.curvature_per_m = {0.0, curvature, 0.0};
+    estimate.backbone.push_back(point);
+  }
+  SegmentEstimate segment;
+  segment.bending_stiffness_nm2 = 0.0312;
+  segment.sd_bending_stiffness_nm2 = 0.0021;
+  segment.tells_stiffness = true;
+  estimate.segments.push_back(segment);
+  estimate.payload_kg = 0.2;
+  BodyResidual residual;
+  residual.measured_base = backbone_at(estimate.backbone, 0.1).p_base + Eigen::Vector3d(0, 1e-3, 0);
+  residual.estimated_base = backbone_at(estimate.backbone, 0.1).p_base;
+  estimate.residuals.push_back(residual);
+  return estimate;
+}
+
+struct Fixture {
+  Arm arm = one_ring_arm();
+  EstimatorOptions options;
+  FrameNames frames{"mocap", "arm"};
+  MessageContext context{arm, options, frames, ros::Time(100, 5)};
+};
+
+std::set<std::string> namespaces(const visualization_msgs::MarkerArray& array, int action) {
+  std::set<std::string> names;
+  for (const auto& marker : array.markers) {
+    if (marker.action == action) names.insert(marker.ns);
+  }
+  return names;
+}
+
+TEST(BackboneSampling, FollowsACircleBetweenItsPointsAndHoldsTheEnds) {
+  const Estimate estimate = quarter_circle();
+  const double radius = 0.2 / (0.5 * M_PI);
+  for (int i = 0; i <= 100; ++i) {
+    const BackbonePoint point = backbone_at(estimate.backbone, 0.002 * i);
+    const double angle = 0.5 * M_PI * i / 100.0;
+    const Eigen::Vector3d exact = radius * Eigen::Vector3d(1.0 - std::cos(angle), 0.0, std::sin(angle));
+    EXPECT_LT((point.p_base - exact).norm(), 0.2e-3);
+    EXPECT_LT(
+        point.q_base.angularDistance(Eigen::Quaterniond(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()))),
+        1e-9);
+  }
+  EXPECT_EQ(backbone_at(estimate.backbone, 1.0).p_base, estimate.backbone.back().p_base);
+  EXPECT_EQ(backbone_at(estimate.backbone, -1.0).p_base, estimate.backbone.front().p_base);
+  EXPECT_EQ(resample_backbone(estimate.backbone, 33).size(), 33u);
+}
+
+TEST(AllFinite, FindsWhatIsNotFiniteHoweverDeep) {
+  Fixture f;
+  softarm_estimator::ArmEstimate message = to_message(quarter_circle(), f.context, 1e-4);
+  EXPECT_TRUE(all_finite(message));
+  auto broken = message;
+  broken.segments[0].covariance[7] = kNan;
+  EXPECT_FALSE(all_finite(broken));
+  broken = message;
+  broken.backbone.back().orientation.y = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(all_finite(broken));
+  broken = message;
+  broken.mismatch = kNan;
+  EXPECT_FALSE(all_finite(broken));
+  visualization_msgs::MarkerArray markers = to_markers(quarter_circle(), f.context);
+  EXPECT_TRUE(all_finite(markers));
+  markers.markers.back().color.a = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_FALSE(all_finite(markers));
+}
+
+TEST(EstimateMessage, CarriesValuesFlagsAndBackbone) {
+  Fixture f;
+  const auto message = to_message(quarter_circle(), f.context, 1e-4);
+  EXPECT_EQ(message.header.frame_id, "arm/base");
+  EXPECT_EQ(message.header.stamp, ros::Time(100, 5));
+  EXPECT_EQ(message.status, softarm_estimator::ArmEstimate::STATUS_OK);
+  ASSERT_EQ(message.segments.size(), 1u);
+  EXPECT_EQ(message.segments[0].name, "segment_1");
+  EXPECT_TRUE(message.segments[0].tells_bending_stiffness);
+  EXPECT_DOUBLE_EQ(message.segments[0].bending_stiffness, 0.0312);
+  EXPECT_FALSE(message.segments[0].has_moment);
+  EXPECT_TRUE(message.payload_is_known);
+  EXPECT_EQ(message.backbone.size(), 9u);
+  EXPECT_EQ(message.body_names, std::vector<std::string>{"ring_1"});
+}
+
+TEST(EstimateMessage, WithoutEstimateThereIsNoShape) {
+  Fixture f;
+  Estimate estimate = quarter_circle();  // what was left in the estimator from before
+  estimate.status = Status::kNotEnoughBodies;
+  estimate.detail = "1 of 4 bodies";
+  const auto message = to_message(estimate, f.context, 1e-4);
+  EXPECT_EQ(message.status, softarm_estimator::ArmEstimate::STATUS_NOT_ENOUGH_BODIES);
+  EXPECT_EQ(message.detail, "1 of 4 bodies");
+  EXPECT_TRUE(message.segments.empty());
+  EXPECT_TRUE(message.backbone.empty());
+  EXPECT_FALSE(message.has_payload);
+}
+
+TEST(EstimateMessage, TransformsAreBaseRingsAndTip) {
+  Fixture f;
+  Estimate estimate = quarter_circle();
+  estimate.base_in_mocap.translation() = Eigen::Vector3d(0, 0, 1);
+  const auto transforms = to_transforms(estimate, f.context);
+  ASSERT_EQ(transforms.size(), 3u);
+  EXPECT_EQ(transforms[0].header.frame_id, "mocap");
+  EXPECT_EQ(transforms[0].child_frame_id, "arm/base");
+  EXPECT_EQ(transforms[0].transform.translation.z, 1.0);
+  EXPECT_EQ(transforms[1].child_frame_id, "arm/ring_1");
+  EXPECT_EQ(transforms[2].child_frame_id, "arm/tip");
+  EXPECT_NEAR(transforms[2].transform.translation.x, 0.2 / (0.5 * M_PI), 1e-12);
+}
+
+TEST(Markers, ShowShapePointsLoadAndNumbers) {
+  Fixture f;
+  const auto array = to_markers(quarter_circle(), f.context);
+  const std::set<std::string> all{"backbone",  "rings",   "measured", "estimated",
+                                  "residuals", "payload", "text"};
+  EXPECT_EQ(namespaces(array, visualization_msgs::Marker::ADD), all);
+  for (const auto& marker : array.markers) {
+    EXPECT_EQ(marker.header.frame_id, "mocap");
+    EXPECT_GT(marker.lifetime.toSec(), 0.0);
+    EXPECT_TRUE(marker.colors.empty() || marker.colors.size() == marker.points.size());
+  }
+  EXPECT_EQ(array.markers.back().text, "EI 0.0312 ± 0.0021 N m²\npayload 0.200 kg (known)");
+}
+
+TEST(Markers, SayWhatAFrameDoesNotTell) {
+  Fixture f;
+  Estimate estimate = quarter_circle();
+  estimate.segments[0].tells_stiffness = false;
+  EXPECT_EQ(estimate_text(estimate, f.arm, f.options), "EI not told by this frame\npayload 0.200 kg (known)");
+  f.options.unknown = Unknown::kPayload;
+  EXPECT_EQ(estimate_text(estimate, f.arm, f.options),
+            "EI 0.0312 N m² (known)\npayload not told by this frame");
+  estimate.tells_payload = true;
+  estimate.sd_payload_kg = 0.01;
+  EXPECT_EQ(estimate_text(estimate, f.arm, f.options), "EI 0.0312 N m² (known)\npayload 0.200 ± 0.010 kg");
+}
+
+TEST(Markers, AreDeletedWithTheEstimate) {
+  Fixture f;
+  Estimate estimate = quarter_circle();
+  estimate.status = Status::kMissingPayload;
+  estimate.detail = "the payload is not known";
+  const auto array = to_markers(estimate, f.context);
+  EXPECT_EQ(namespaces(array, visualization_msgs::Marker::DELETE).size(), 6u);
+  EXPECT_EQ(namespaces(array, visualization_msgs::Marker::ADD), std::set<std::string>{"text"});
+  EXPECT_EQ(array.markers.back().text, "no estimate: the payload is not known");
+}
+
+}  // namespace
+}  // namespace softarm
