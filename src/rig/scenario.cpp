@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "yaml_reader.h"
@@ -66,7 +67,8 @@ MountSpec parse_mount(YamlMap map) {
     else if (word == "horizontal")
       mount.q_mocap_base = Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2.0, Eigen::Vector3d::UnitY()));
     else if (word != "standing")
-      map.fail("attitude", fmt::format("value {}, allowed hanging, standing, horizontal", word));
+      map.fail("attitude",
+               fmt::format("value {}, allowed hanging, standing, horizontal", word.substr(0, 60)));
   }
   map.finish();
   return mount;
@@ -194,6 +196,11 @@ Scenario parse_scenario(const std::string& text, const std::string& source) {
   Scenario scenario;
   if (map.integer("format", {1, 1}, 0) == 0) map.fail("format", "missing, required (1)");
   scenario.name = map.word("name");
+  const auto is_plain = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-';
+  };
+  if (scenario.name.size() > 100 || !std::all_of(scenario.name.begin(), scenario.name.end(), is_plain))
+    map.fail("name", "allowed are up to 100 letters, digits, _ and -");
   scenario.seed = map.seed("seed", scenario.seed);
   scenario.duration_s = map.number("duration_s", {0.0, 1e6}, scenario.duration_s);
   scenario.gravity_m_s2 = map.number("gravity_m_s2", {0.0, 30.0}, scenario.gravity_m_s2);

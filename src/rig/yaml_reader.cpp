@@ -10,8 +10,15 @@
 namespace softarm::rig {
 namespace {
 
+/// Keys and values as they stand in a message: on one line, and not a page of them when a quote was
+/// forgotten.
+std::string brief(std::string text) {
+  constexpr std::size_t kMost = 60;
+  return one_line(text.size() > kMost ? text.substr(0, kMost) + "..." : text);
+}
+
 std::string shown(const YAML::Node& value) {
-  if (value.IsScalar()) return value.Scalar();
+  if (value.IsScalar()) return brief(value.Scalar());
   return value.IsMap() ? "a map" : value.IsSequence() ? "a list" : "nothing";
 }
 
@@ -25,7 +32,8 @@ YamlMap::YamlMap(const YAML::Node& node, std::string source, std::string path)
 }
 
 void YamlMap::fail(const std::string& key, const std::string& what) const {
-  throw ScenarioError(fmt::format("{}: key {}{}{}: {}", source_, path_, path_.empty() ? "" : ".", key, what));
+  throw ScenarioError(fmt::format("{}: key {}{}{}: {}", source_, path_, path_.empty() ? "" : ".", brief(key),
+                                  one_line(what)));
 }
 
 YAML::Node YamlMap::get(const std::string& key) {
@@ -54,7 +62,7 @@ double YamlMap::checked(const YAML::Node& value, const std::string& key, Allowed
   if (!value.IsScalar() || !YAML::convert<double>::decode(value, number))
     fail(key, fmt::format("value {}, expected a number in {}", shown(value), range));
   if (!(number >= allowed.low && number <= allowed.high))  // refuses NaN too
-    fail(key, fmt::format("value {}, allowed {}", value.Scalar(), range));
+    fail(key, fmt::format("value {}, allowed {}", shown(value), range));
   return number;
 }
 

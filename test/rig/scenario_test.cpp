@@ -63,6 +63,8 @@ TEST(Scenario, EveryMistakeIsOneLineNamingSourceKeyValueAndRange) {
       {"mass_kg: 0.2", "mass_kg: heavy", {"arm.mass_kg", "heavy", "number"}},
       {"name: case", "name: case\ncolour: red", {"key colour", "unknown", "duration_s"}},
       {"name: case", "name: case\nname: again", {"key name", "twice"}},
+      {"name: case", "name: a b", {"key name", "letters"}},
+      {"name: case", "name: case\n\"two\\nlines\": 1", {"key two lines", "unknown"}},
       {"format: 1", "format: 2", {"format", "2"}},
       {"format: 1\n", "", {"format", "missing"}},
       {"seed: 18446744073709551615", "seed: 1.5", {"seed", "1.5"}},
