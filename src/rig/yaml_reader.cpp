@@ -10,9 +10,14 @@
 namespace softarm::rig {
 namespace {
 
-/// Keys and values as they stand in a message: on one line, and not a page of them when a quote was
-/// forgotten.
-std::string brief(std::string text) {
+std::string one_line(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+  return text;
+}
+
+/// Keys and values as they stand in a message: not a page of them when a quote was forgotten.
+std::string brief(const std::string& text) {
   constexpr std::size_t kMost = 60;
   return one_line(text.size() > kMost ? text.substr(0, kMost) + "..." : text);
 }
