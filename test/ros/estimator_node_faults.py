@@ -1,0 +1,235 @@
+#!/usr/bin/python3
+"""The estimator node on a real roscore: every fault is visible in /diagnostics, none makes it publish NaN or die."""
+import os
+import sys
+import threading
+import time
+import unittest
+
+import rospy
+import rostest
+
+sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
+from diagnostic_msgs.msg import DiagnosticStatus  # noqa: E402
+from feeder import NODE, Feeder, Listener  # noqa: E402
+from softarm_estimator.msg import ArmEstimate  # noqa: E402
+from softarm_estimator.srv import SetMode, SetPayload  # noqa: E402
+from std_msgs.msg import Float32MultiArray, Float64  # noqa: E402
+from std_srvs.srv import Trigger  # noqa: E402
+from visualization_msgs.msg import Marker  # noqa: E402
+
+NAN = float("nan")
+
+
+class Faults(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("faults")
+        cls.listener = Listener()
+        cls.feeder = Feeder()
+        cls.payload = rospy.Publisher("/payload", Float64, queue_size=10, latch=True)
+        cls.payload.publish(0.0)
+        cls.pressures = rospy.Publisher("/pressures", Float32MultiArray, queue_size=10)
+        assert cls.feeder.wait_for_subscribers(), "the node did not subscribe"
+        cls.reset = rospy.ServiceProxy(NODE + "/reset", Trigger)
+        cls.set_payload = rospy.ServiceProxy(NODE + "/set_payload", SetPayload)
+        cls.set_mode = rospy.ServiceProxy(NODE + "/set_mode", SetMode)
+        cls.reset.wait_for_service(10.0)
+
+    def tearDown(self):
+        self.assertEqual(self.listener.not_finite, [])
+
+    def rejected(self, what):
+        return int(self.listener.value("inputs", "rejected: " + what))
+
+    def feed(self, frames, fault=None, start=None, timeout=2.0):
+        """Feeds, waits for the answers, returns them."""
+        before = self.listener.count()
+        self.feeder.feed(frames, fault=fault, start=start)
+        self.listener.wait(lambda: self.listener.count() >= before + frames, timeout)
+        return self.listener.since(before)
+
+    def assert_mostly_ok(self, estimates, at_least):
+        ok = sum(e.status == ArmEstimate.STATUS_OK for e in estimates)
+        details = {e.detail for e in estimates if e.detail}
+        self.assertGreaterEqual(ok, at_least, details)
+
+    def test_a_before_anything_arrives(self):
+        self.listener.fresh()
+        self.assertEqual(self.listener.task("frames").level, DiagnosticStatus.WARN)
+        self.assertIn("no frames yet", self.listener.task("frames").message)
+        self.assertEqual(self.listener.value("inputs", "body ring_2"), "never seen")
+        self.assertEqual(self.listener.value("inputs", "topic /mocap/ring_2/pose"), "no message yet")
+
+    def test_b_late_start_of_a_publisher(self):
+        estimates = self.feed(240, lambda body, k, m: None if body == "ring_1" and k < 180 else m)
+        self.assert_mostly_ok(estimates, 235)
+        self.assertEqual(len(estimates[-1].body_names), 4)
+
+    def test_c_every_frame_is_answered_at_240_hz(self):
+        sent = 1200
+        stamps = []
+        before = self.listener.count()
+        stamps = self.feeder.feed(sent)
+        self.listener.wait(lambda: self.listener.count() >= before + sent, 5.0)
+        estimates = self.listener.since(before)
+        self.assertEqual([e.header.stamp for e in estimates], stamps)  # every one, to the nanosecond, in order
+        self.assert_mostly_ok(estimates, sent)
+        self.listener.fresh()
+        number = lambda key: int(self.listener.value("frames", key))
+        self.assertEqual(number("frames received"), number("frames estimated") + number("frames refused") +
+                         number("frames dropped") + number("frames waiting for bodies"))
+        self.assertEqual(number("messages lost on their way"), 0)
+        self.assertIn(("mocap", "light_arm/base"), self.listener.frames)
+        for child in ["ring_1", "ring_2", "ring_3", "ring_4", "tip"]:
+            self.assertIn(("light_arm/base", "light_arm/" + child), self.listener.frames)
+        tip = estimates[-1].backbone[-1].position
+        self.assertLess(abs((tip.x ** 2 + tip.y ** 2 + tip.z ** 2) ** 0.5 - 0.19), 0.01)
+        self.assertEqual({m.ns for m in self.listener.markers[-1].markers},
+                         {"backbone", "rings", "measured", "estimated", "residuals", "payload", "text"})
+
+    def test_d_lost_and_returning_body(self):
+        feeding = threading.Thread(
+            target=self.feeder.feed, args=(600,), kwargs={"fault": lambda b, k, m: None if b == "ring_2" and k < 480 else m})
+        before = self.listener.count()
+        feeding.start()
+        self.assertTrue(self.listener.wait(
+            lambda: "ring_2 lost for" in self.listener.task("inputs").message, 4.0))
+        self.assertEqual(self.listener.task("inputs").level, DiagnosticStatus.WARN)
+        feeding.join()
+        self.listener.wait(lambda: self.listener.count() >= before + 600, 2.0)
+        estimates = self.listener.since(before)
+        self.assertEqual(len(estimates), 600)
+        self.assertNotIn("ring_2", estimates[300].body_names)
+        self.assertIn("ring_2", estimates[-1].body_names)
+        self.assert_mostly_ok(estimates, 595)
+
+    def test_e_nan_zero_and_bad_quaternions(self):
+        def fault(body, k, m):
+            if body == "ring_3":
+                m.pose.position.x = NAN
+            elif body == "ring_1":
+                m.pose.position.x = m.pose.position.y = m.pose.position.z = 0.0
+            elif body == "ring_4":
+                m.pose.orientation.x = m.pose.orientation.z = 0.0
+            return m
+
+        nan, zero, quaternion = map(self.rejected, ["nan ring_3", "all_zero ring_1", "zero_quaternion ring_4"])
+        estimates = self.feed(60, lambda b, k, m: fault(b, k, m) if k >= 10 else m)
+        self.assertEqual(len(estimates), 60)
+        self.listener.fresh()
+        self.assertEqual(self.rejected("nan ring_3") - nan, 50)
+        self.assertEqual(self.rejected("all_zero ring_1") - zero, 50)
+        self.assertEqual(self.rejected("zero_quaternion ring_4") - quaternion, 50)
+
+    def test_f_frames_of_nothing_but_nan_are_counted(self):
+        def fault(body, k, m):
+            m.pose.position.z = NAN
+            return m
+
+        before = int(self.listener.value("frames", "frames dropped: no_valid_body"))
+        self.assertEqual(self.feed(48, fault, timeout=0.3), [])
+        self.listener.fresh()
+        self.assertEqual(int(self.listener.value("frames", "frames dropped: no_valid_body")) - before, 48)
+
+    def test_g_frozen_body(self):
+        frozen = []
+
+        def fault(body, k, m):
+            if body != "ring_3" or k < 10:
+                return m
+            frozen.append(m.pose)
+            m.pose = frozen[0]
+            return m
+
+        estimates = self.feed(240, fault)
+        self.assertNotIn("ring_3", estimates[-1].body_names)
+        self.listener.fresh()
+        self.assertGreater(self.rejected("frozen ring_3"), 100)
+        self.assertIn("ring_3", self.feed(24)[-1].body_names)
+
+    def test_h_jumping_body(self):
+        def fault(body, k, m):
+            if body == "ring_4" and 100 <= k < 104:
+                m.pose.position.y += 0.4
+            return m
+
+        estimates = self.feed(200, fault)
+        self.assert_mostly_ok(estimates, 200)
+        self.listener.fresh()
+        self.assertEqual(self.rejected("jump ring_4"), 4)
+
+    def test_i_stamps_of_zero(self):
+        def fault(body, k, m):
+            m.header.stamp = rospy.Time(0)
+            return m
+
+        self.assertEqual(self.feed(20, fault, timeout=0.3), [])
+        self.listener.fresh()
+        self.assertEqual(self.rejected("bad_stamp base"), 20)
+        self.assert_mostly_ok(self.feed(20), 20)
+
+    def test_j_time_jumps_back(self):
+        estimates = self.feed(240, start=rospy.Time.now() - rospy.Duration(3600))
+        self.assertGreaterEqual(len(estimates), 238)
+        self.assert_mostly_ok(estimates, 236)
+        self.listener.fresh()
+        self.assertEqual(self.listener.value("frames", "time jumps"), "1")
+        self.assert_mostly_ok(self.feed(100), 98)  # and forward again
+
+    def test_k_pressures_come_and_go(self):
+        self.listener.fresh()
+        self.assertEqual(self.listener.value("inputs", "pressure chamber_1"), "absent")
+        stop = threading.Event()
+
+        def press():
+            while not stop.wait(0.02):
+                self.pressures.publish(data=[0.0, 20.0])
+
+        thread = threading.Thread(target=press)
+        thread.start()
+        self.feed(300)
+        seen = self.listener.value("inputs", "pressure chamber_1")
+        stop.set()
+        thread.join()
+        self.assertEqual(seen, "seen")
+        self.pressures.publish(data=[0.0])  # the element is not there
+        feeding = threading.Thread(target=self.feeder.feed, args=(600,))
+        feeding.start()
+        gone = self.listener.wait(
+            lambda: self.listener.value("inputs", "pressure chamber_1").startswith("missing for"), 4.0)
+        feeding.join()
+        self.assertTrue(gone)
+        self.listener.fresh()
+        self.assertEqual(self.rejected("pressure_nan chamber_1"), 1)
+
+    def test_l_services(self):
+        self.assertFalse(self.set_payload(unknown=False, payload=-1.0).success)
+        self.assertFalse(self.set_payload(unknown=False, payload=NAN).success)
+        self.assertIn("stiffness", self.set_mode(unknown="everything").message)
+        self.assertTrue(self.set_payload(unknown=True).success)
+        estimates = self.feed(60)
+        self.assertEqual(estimates[-1].status, ArmEstimate.STATUS_MISSING_PAYLOAD)
+        self.assertEqual(len(estimates[-1].backbone), 0)
+        gone = [m.ns for m in self.listener.markers[-1].markers if m.action == Marker.DELETE]
+        self.assertIn("backbone", gone)
+        self.assertTrue(self.listener.wait(lambda: "missing_payload" in self.listener.task("fit").message, 2.0))
+        self.assertTrue(self.set_payload(unknown=False, payload=0.0).success)
+        self.assert_mostly_ok(self.feed(60), 59)
+        self.assertTrue(self.set_mode(unknown="payload").success)
+        self.assertEqual(self.feed(24)[-1].unknown, "payload")
+        self.assertTrue(self.set_mode(unknown="stiffness").success)
+        self.assertTrue(self.reset().success)
+        estimates = self.feed(24)
+        self.assertFalse(estimates[0].warm_start)
+        self.assertTrue(estimates[-1].warm_start)
+
+    def test_m_silence(self):
+        self.feed(24)
+        self.assertTrue(self.listener.wait(
+            lambda: self.listener.task("frames").level == DiagnosticStatus.ERROR and
+            "no frames for" in self.listener.task("frames").message, 4.0))
+
+
+if __name__ == "__main__":
+    rostest.rosrun("softarm_estimator", "estimator_node_faults", Faults, sys.argv)

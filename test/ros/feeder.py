@@ -1,0 +1,171 @@
+"""Feeds the estimator node the way a mocap driver does, and listens to all it says."""
+import math
+import random
+import threading
+import time
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Path
+from softarm_estimator.msg import ArmEstimate
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import MarkerArray
+
+BODIES = ["base", "ring_1", "ring_2", "ring_3", "ring_4"]
+NODE = "/softarm_estimator"
+
+
+def first_nan(message, path=""):
+    """Path of the first float of a message that is not finite, or None."""
+    if isinstance(message, float):
+        return None if math.isfinite(message) else path
+    if isinstance(message, (list, tuple)):
+        for i, value in enumerate(message):
+            found = first_nan(value, "%s[%d]" % (path, i))
+            if found:
+                return found
+    elif hasattr(message, "__slots__") and hasattr(message, "_type"):
+        for slot in message.__slots__:
+            found = first_nan(getattr(message, slot), "%s.%s" % (path, slot))
+            if found:
+                return found
+    return None
+
+
+class Feeder:
+    """Publishes an arc of a circle that swings, hanging from a base at 1 m, with noise."""
+
+    def __init__(self, seed=1):
+        self.publishers = {b: rospy.Publisher("/mocap/%s/pose" % b, PoseStamped, queue_size=2000) for b in BODIES}
+        self.random = random.Random(seed)
+        self.index = 0
+
+    def wait_for_subscribers(self, timeout=15.0):
+        end = time.time() + timeout
+        while time.time() < end:
+            if all(p.get_num_connections() > 0 for p in self.publishers.values()):
+                return True
+            time.sleep(0.05)
+        return False
+
+    def pose(self, body, stamp):
+        """Pose of a body at the present index; z points down along the arm."""
+        message = PoseStamped()
+        message.header.stamp = stamp
+        message.header.frame_id = "mocap"
+        noise = lambda: self.random.gauss(0.0, 1e-4)
+        angle = 0.8 + 0.4 * math.sin(0.01 * self.index)  # of the whole arm
+        s = BODIES.index(body) / 4.0
+        radius = 0.2 / angle
+        x = radius * (1.0 - math.cos(angle * s))
+        z = 1.0 - radius * math.sin(angle * s)
+        message.pose.position.x = x + noise()
+        message.pose.position.y = noise()
+        message.pose.position.z = z + noise()
+        # Half a turn about x points z down; then the tangent turns towards +x.
+        half = -0.5 * angle * s + noise()
+        message.pose.orientation.x = math.cos(half)
+        message.pose.orientation.z = -math.sin(half)
+        return message
+
+    def feed(self, frames, rate=240.0, start=None, fault=None):
+        """Publishes frames in real time. fault(body, k, message) returns the message to send, or None to lose it.
+
+        Returns the stamps."""
+        first = rospy.Time.now() if start is None else start
+        begin = time.time()
+        stamps = []
+        for k in range(frames):
+            stamp = first + rospy.Duration.from_sec(k / rate)
+            stamps.append(stamp)
+            for body in BODIES:
+                message = self.pose(body, stamp)
+                if fault:
+                    message = fault(body, k, message)
+                if message is not None:
+                    self.publishers[body].publish(message)
+            self.index += 1
+            ahead = begin + (k + 1) / rate - time.time()
+            if ahead > 0:
+                time.sleep(ahead)
+        return stamps
+
+
+class Listener:
+    """Keeps estimates and diagnostics, and looks for NaN in everything the node publishes."""
+
+    def __init__(self):
+        self.lock = threading.Lock()
+        self.estimates = []
+        self.markers = []
+        self.not_finite = []
+        self.diagnostics = {}
+        self.diagnostics_count = 0
+        self.frames = set()
+        rospy.Subscriber(NODE + "/estimate", ArmEstimate, self.on_estimate, queue_size=5000, tcp_nodelay=True)
+        rospy.Subscriber(NODE + "/backbone", Path, self.check, queue_size=5000)
+        rospy.Subscriber(NODE + "/markers", MarkerArray, self.on_markers, queue_size=100)
+        rospy.Subscriber("/tf", TFMessage, self.on_tf, queue_size=5000)
+        rospy.Subscriber("/diagnostics", DiagnosticArray, self.on_diagnostics)
+
+    def check(self, message):
+        found = first_nan(message)
+        if found:
+            with self.lock:
+                self.not_finite.append("%s%s" % (message._type, found))
+
+    def on_estimate(self, message):
+        self.check(message)
+        with self.lock:
+            self.estimates.append(message)
+
+    def on_markers(self, message):
+        self.check(message)
+        with self.lock:
+            self.markers.append(message)
+
+    def on_tf(self, message):
+        self.check(message)
+        with self.lock:
+            self.frames.update((t.header.frame_id, t.child_frame_id) for t in message.transforms)
+
+    def on_diagnostics(self, message):
+        with self.lock:
+            for status in message.status:
+                if status.name.startswith("softarm_estimator: "):
+                    self.diagnostics[status.name.split(": ")[1]] = status
+                    self.diagnostics_count += 1
+
+    def task(self, name):
+        with self.lock:
+            return self.diagnostics.get(name)
+
+    def value(self, name, key, default="0"):
+        status = self.task(name)
+        values = {v.key: v.value for v in status.values} if status else {}
+        return values.get(key, default)
+
+    def fresh(self):
+        """Waits for the next diagnostics: they count what has arrived by then."""
+        with self.lock:
+            before = self.diagnostics_count
+        end = time.time() + 5.0
+        while time.time() < end and self.diagnostics_count < before + 3:
+            time.sleep(0.02)
+
+    def wait(self, condition, timeout=5.0):
+        end = time.time() + timeout
+        while time.time() < end:
+            if condition():
+                return True
+            time.sleep(0.02)
+        return condition()
+
+    def since(self, count):
+        with self.lock:
+            return self.estimates[count:]
+
+    def count(self):
+        with self.lock:
+            return len(self.estimates)
