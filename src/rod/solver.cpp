@@ -118,6 +118,8 @@ struct Solver::Impl {
         sweep.refine(sweep.refinement() * 2);
         continue;
       }
+      // The finest grid was not fine enough: rather no answer than a wrong one.
+      if (result == Newton::kConverged && !(position_error <= 10.0 * limit)) return Newton::kDiverged;
       return result;
     }
   }
@@ -196,10 +198,12 @@ struct Solver::Impl {
       if (result != Newton::kConverged) {
         q_tip = q_from;
         dt = 0.4 * (next - t);
-        if (dt < options.smallest_continuation_step) return SolveStatus::kNoConvergence;
+        if (dt < options.smallest_continuation_step || sweeps > options.max_sweeps)
+          return SolveStatus::kNoConvergence;
         continue;
       }
       if (last) break;
+      if (sweeps > options.max_sweeps) return SolveStatus::kNoConvergence;
       q_tip = (exp_so3(correction) * q_tip).normalized();
       const double miss = log_so3(q_tip * q_predicted.conjugate()).norm();
       if (by_loads) {
@@ -208,6 +212,7 @@ struct Solver::Impl {
         slope = log_so3(q_tip * q_from.conjugate()) / (next - t);
       }
       dt = (next - t) * std::clamp(0.7 * std::sqrt(0.25 / std::max(miss, 1e-6)), 0.4, 3.0);
+      dt = std::max(dt, options.smallest_continuation_step);
       t = next;
     }
     return SolveStatus::kConverged;

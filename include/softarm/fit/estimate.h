@@ -12,31 +12,32 @@ namespace softarm {
 /// Why a frame has, or has not, an estimate.
 enum class Status {
   kOk,
-  kNoBasePose,          ///< the base has never been seen
-  kNotEnoughBodies,     ///< what was measured cannot determine the unknowns
-  kMissingPayload,      ///< stiffness is asked for, but the payload is not known
-  kMissingPressures,    ///< the prior or the known stiffness needs pressures that are absent
-  kInvalidInput,        ///< non-finite or absurd numbers (kilometres, zero quaternion)
-  kNoConvergence,       ///< the solver found no fit
-  kInconsistent,        ///< converged, but to a shape that the measurements contradict grossly
+  kNoBasePose,        ///< the base has never been seen
+  kNotEnoughBodies,   ///< what was measured cannot determine the unknowns
+  kMissingPayload,    ///< stiffness is asked for, but the payload is not known
+  kMissingPressures,  ///< the prior or the known stiffness needs pressures that are absent
+  kInvalidInput,      ///< non-finite or absurd numbers (kilometres, zero quaternion)
+  kNoConvergence,     ///< the solver found no fit
+  kInconsistent,      ///< converged, but to a shape that the measurements contradict grossly
 };
 
 std::string to_string(Status status);
 
-/// Estimates of one segment. sd_... is absent where the frame does not determine the value at all (a value without sd
-/// is then the assumed one); a value is absent where it is neither estimated nor known.
+/// Estimates of one segment. sd_... is absent where the frame does not determine the value at all (a value
+/// without sd is then the assumed one); a value is absent where it is neither estimated nor known.
 struct SegmentEstimate {
-  std::optional<double> moment_nm;              ///< M0 >= 0
-  std::optional<double> direction_rad;          ///< phi, (-pi, pi], in the base frame of the segment
-  std::optional<double> bending_stiffness_nm2;  ///< EI
-  std::optional<double> length_m;               ///< L
+  std::optional<double> moment_nm;                  ///< M0 >= 0
+  std::optional<double> direction_rad;              ///< phi, (-pi, pi], in the base frame of the segment
+  std::optional<double> bending_stiffness_nm2;      ///< EI
+  std::optional<double> length_m;                   ///< L
   std::optional<double> actuation_curvature_per_m;  ///< M0 / EI: observable even without load
   std::optional<double> sd_moment_nm, sd_direction_rad, sd_bending_stiffness_nm2, sd_length_m,
       sd_actuation_curvature_per_m;
   bool tells_stiffness = false;  ///< this frame determines EI to EstimatorOptions::tells_relative_sd
   bool tells_moment = false;
   double bending_angle_rad = 0.0;  ///< angle between the tangents at the segment's ends
-  /// Covariance of (M0, phi, EI, L); NaN-free: rows of undetermined parameters are zero, see the sd_... fields.
+  /// Covariance of (M0, phi, EI, L); NaN-free: rows of undetermined parameters are zero, see the sd_...
+  /// fields.
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
 };
 
@@ -76,8 +77,8 @@ struct Estimate {
   Eigen::Isometry3d base_in_mocap = Eigen::Isometry3d::Identity();  ///< rod base frame
   std::vector<BackbonePoint> backbone;
   std::vector<BodyResidual> residuals;
-  double rms_residual_m = 0.0;       ///< root mean square distance over the bodies used
-  double mismatch = 0.0;             ///< chi-square per degree of freedom against the stated noise
+  double rms_residual_m = 0.0;  ///< root mean square distance over the bodies used
+  double mismatch = 0.0;        ///< chi-square per degree of freedom against the stated noise
   int degrees_of_freedom = 0;
   SolverSummary solver;
 };

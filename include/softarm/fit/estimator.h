@@ -9,7 +9,8 @@
 
 namespace softarm {
 
-/// Fits the rod model of an arm to one frame at a time; the node, the offline program and the tests all use it.
+/// Fits the rod model of an arm to one frame at a time; the node, the offline program and the tests all use
+/// it.
 ///
 /// 1. Base pose from its markers; measured bodies into the rod's base frame; gravity too.
 /// 2. Start: the last frame's solution if it explains this frame, else one built from the measured shape.
@@ -20,8 +21,8 @@ namespace softarm {
 /// Not thread-safe; one instance per stream of frames.
 class Estimator {
  public:
-  /// @throws std::invalid_argument if the arm cannot be estimated with these options (say, no usable orientation for
-  /// end_orientation)
+  /// @throws std::invalid_argument if the arm cannot be estimated with these options (say, no usable
+  /// orientation for end_orientation)
   explicit Estimator(const Arm& arm) : Estimator(arm, arm.estimator) {}
   Estimator(const Arm& arm, const EstimatorOptions& options);
   ~Estimator();
@@ -37,6 +38,8 @@ class Estimator {
   const Arm& arm() const;
   const EstimatorOptions& options() const;
   void set_unknown(Unknown unknown);
+  /// Number of evenly spaced points of Estimate::backbone (41 by default; 0: none, which saves their cost).
+  void set_backbone_points(int count);
 
  private:
   struct Impl;

@@ -1,0 +1,176 @@
+#include "covariance.h"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+namespace softarm::fit {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Directions with less than this share of the information are told by rounding errors only.
+constexpr double kLeastInformation = 1e-11;
+// A parameter is undetermined when this much of it lies in such a direction.
+constexpr double kUndeterminedShare = 1e-6;
+
+/// Weight of a block's information in the estimating equations, and of its variance.
+struct BlockWeight {
+  double information;
+  double variance;
+};
+
+BlockWeight block_weight(bool sum_of_distances, bool noise_weights, double c, double sd, int dimension) {
+  if (!sum_of_distances)
+    return noise_weights ? BlockWeight{1.0 / (sd * sd), 1.0 / (sd * sd)} : BlockWeight{c, c * c * sd * sd};
+  // The gradient of a distance is a unit vector: E[I - r r'] / |r| and E[r r'] of an isotropic normal error.
+  const double mean_inverse = dimension == 3 ? std::sqrt(2.0 / M_PI) / sd : std::sqrt(M_PI / 2.0) / sd;
+  return {c * (dimension - 1.0) / dimension * mean_inverse, c * c / dimension};
+}
+
+}  // namespace
+
+Covariance covariance(const Problem& problem, const std::vector<bool>& free, const EstimatorOptions& options,
+                      const VectorXd& x) {
+  const int count = problem.NumParameters();
+  const bool sum = options.objective == Objective::kSumOfDistances;
+  MatrixXd information = MatrixXd::Zero(count, count), variance = information;
+  Eigen::Matrix3Xd j(3, count);
+  for (const Observation& o : problem.observations()) {
+    if (!o.used) continue;
+    const double c = problem.noise_weights() ? 1.0 : problem.paper_weight(o);
+    problem.position_jacobian(o, j);
+    const BlockWeight w = block_weight(sum, problem.noise_weights(), c, problem.position_sd(o), 3);
+    const MatrixXd jj = j.transpose() * j;
+    information += w.information * jj;
+    variance += w.variance * jj;
+    if (o.tangent) {
+      problem.tangent_jacobian(o, j);
+      const MatrixXd tt = j.transpose() * j;
+      const double angle_c = problem.noise_weights() ? 1.0 : c;
+      const BlockWeight a = block_weight(sum, problem.noise_weights(), angle_c, problem.tangent_sd(o), 2);
+      information += a.information * tt;
+      variance += a.variance * tt;
+    }
+  }
+  std::vector<Problem::PriorRow> prior;
+  problem.prior_rows(x, prior);
+  for (const Problem::PriorRow& row : prior) {
+    VectorXd d = VectorXd::Zero(count);
+    for (int k = 0; k < 2; ++k) {
+      if (free[static_cast<std::size_t>(row.columns[k])]) d[row.columns[k]] += row.derivatives[k];
+    }
+    information += d * d.transpose();
+    variance += d * d.transpose();
+  }
+
+  Covariance result;
+  result.x = MatrixXd::Zero(count, count);
+  result.determined.assign(static_cast<std::size_t>(count), false);
+  std::vector<int> columns;
+  for (int i = 0; i < count; ++i) {
+    if (free[static_cast<std::size_t>(i)] && information(i, i) > 0.0) columns.push_back(i);
+  }
+  const int n = static_cast<int>(columns.size());
+  VectorXd scale(n);
+  MatrixXd a(n, n), b(n, n);
+  for (int i = 0; i < n; ++i) scale[i] = 1.0 / std::sqrt(information(columns[i], columns[i]));
+  for (int i = 0; i < n; ++i) {
+    for (int k = 0; k < n; ++k) {
+      a(i, k) = scale[i] * scale[k] * information(columns[i], columns[k]);
+      b(i, k) = scale[i] * scale[k] * variance(columns[i], columns[k]);
+    }
+  }
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(a);
+  VectorXd inverse(n);
+  VectorXd lost = VectorXd::Zero(n);
+  for (int k = 0; k < n; ++k) {
+    const bool told = eigen.eigenvalues()[k] > kLeastInformation * eigen.eigenvalues()[n - 1];
+    inverse[k] = told ? 1.0 / eigen.eigenvalues()[k] : 0.0;
+    if (!told) lost += eigen.eigenvectors().col(k).cwiseAbs2();
+  }
+  const MatrixXd a_inverse = eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+  const bool best = !sum && problem.noise_weights();
+  const MatrixXd scaled = best ? a_inverse : MatrixXd(a_inverse * b * a_inverse);
+  for (int i = 0; i < n; ++i) {
+    result.determined[static_cast<std::size_t>(columns[i])] = lost[i] < kUndeterminedShare;
+  }
+  for (int i = 0; i < n; ++i) {
+    for (int k = 0; k < n; ++k) {
+      if (lost[i] < kUndeterminedShare && lost[k] < kUndeterminedShare) {
+        result.x(columns[i], columns[k]) = scale[i] * scale[k] * scaled(i, k);
+      }
+    }
+  }
+  for (int i = 0; i < count; ++i) {
+    const int which = i % kSegmentParameters;
+    const bool shape = i < count - 1 && which != 2;
+    if (shape && free[static_cast<std::size_t>(i)] && !result.determined[static_cast<std::size_t>(i)]) {
+      result.shape_determined = false;
+    }
+  }
+  return result;
+}
+
+void fill_segment(const Problem& problem, int segment, const VectorXd& x, const Covariance& covariance,
+                  const std::vector<bool>& free, const EstimatorOptions& options, SegmentEstimate& out) {
+  const int ia = Problem::column(segment, 0), ib = ia + 1, ic = ia + 2, il = ia + 3;
+  const auto told = [&](int i) { return covariance.determined[static_cast<std::size_t>(i)]; };
+  const double rest = problem.rest_length(segment);
+  const double reference = problem.reference_stiffness(segment);
+  const double a = x[ia] / rest, b = x[ib] / rest;
+  const double bend = std::hypot(a, b);
+  const bool arcs = options.method == Method::kCcPoints || options.method == Method::kCcEndpoint;
+
+  out.length_m = x[il] * rest;
+  out.actuation_curvature_per_m = bend;
+  out.direction_rad = std::atan2(b, a);
+  if (!arcs) {
+    out.bending_stiffness_nm2 = reference / x[ic];
+    out.moment_nm = bend * *out.bending_stiffness_nm2;
+  }
+
+  // Rows: M0, phi, EI, L; columns: a, b, c, l.
+  Eigen::Matrix4d g = Eigen::Matrix4d::Zero();
+  const double ei = reference / x[ic];
+  const double cos_phi = bend > 0.0 ? a / bend : 1.0, sin_phi = bend > 0.0 ? b / bend : 0.0;
+  if (!arcs) {
+    g(0, 0) = cos_phi * ei / rest;
+    g(0, 1) = sin_phi * ei / rest;
+    g(0, 2) = -bend * ei / x[ic];
+    g(2, 2) = -ei / x[ic];
+  }
+  if (bend > 0.0) {
+    g(1, 0) = -sin_phi / (bend * rest);
+    g(1, 1) = cos_phi / (bend * rest);
+  }
+  g(3, 3) = rest;
+  const Eigen::Matrix4d c = covariance.x.block<4, 4>(ia, ia);
+  out.covariance = g * c * g.transpose();
+
+  const bool flexibility_known = !free[static_cast<std::size_t>(ic)];
+  const bool curvature_told = told(ia) && told(ib);
+  const auto sd = [&](int i) { return std::sqrt(std::max(0.0, out.covariance(i, i))); };
+  if (curvature_told) {
+    const Eigen::Vector2d along(cos_phi, sin_phi);
+    out.sd_actuation_curvature_per_m =
+        std::sqrt(std::max(0.0, along.dot(c.topLeftCorner<2, 2>() * along))) / rest;
+    // A direction is not told by less than a uniform guess would know.
+    if (bend > 0.0 && sd(1) < M_PI / std::sqrt(3.0)) out.sd_direction_rad = sd(1);
+    if (!arcs && (flexibility_known || told(ic))) out.sd_moment_nm = sd(0);
+  }
+  if (!arcs && !flexibility_known && told(ic)) out.sd_bending_stiffness_nm2 = sd(2);
+  if (told(il)) out.sd_length_m = sd(3);
+  const bool has[4] = {out.sd_moment_nm.has_value(), out.sd_direction_rad.has_value(),
+                       out.sd_bending_stiffness_nm2.has_value(), out.sd_length_m.has_value()};
+  for (int i = 0; i < 4; ++i) {
+    if (has[i]) continue;
+    out.covariance.row(i).setZero();
+    out.covariance.col(i).setZero();
+  }
+  const double limit = options.tells_relative_sd;
+  out.tells_stiffness = out.sd_bending_stiffness_nm2 && *out.sd_bending_stiffness_nm2 <= limit * ei;
+  out.tells_moment = out.sd_moment_nm && *out.sd_moment_nm <= limit * *out.moment_nm;
+}
+
+}  // namespace softarm::fit

@@ -1,0 +1,297 @@
+#include "problem.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "softarm/math/so3.h"
+
+namespace softarm::fit {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kHuberThreshold = 3.5;            // distances of bodies, in standard deviations
+constexpr double kSumOfDistancesSmoothing = 1e-5;  // m: below it the distance is rounded to a parabola
+constexpr double kRejected = 1e8;  // residual where the rod has no equilibrium: the step is refused
+// A step this small in flexibility stands for none, where a moment is a curvature over a flexibility.
+constexpr double kLeastFlexibility = 1e-6;
+
+/// The rod's parameters behind those of the fit, segment by segment, then the payload.
+enum RodColumn { kMomentX, kMomentY, kCompliance, kLengthColumn, kRodColumns };
+
+std::vector<rod::Parameter> rod_parameters(const Arm& arm) {
+  std::vector<rod::Parameter> list;
+  for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
+    list.push_back({rod::ParameterKind::kMoment, i, 0});
+    list.push_back({rod::ParameterKind::kMoment, i, 1});
+    list.push_back({rod::ParameterKind::kBendingCompliance, i, 0});
+    list.push_back({rod::ParameterKind::kLength, i, 0});
+  }
+  list.push_back({rod::ParameterKind::kLoadMass, rod::kPayloadLoad, 0});
+  return list;
+}
+
+std::vector<double> stations(const Arm& arm) {
+  std::vector<double> list;
+  for (const MeasuredBody& body : arm.bodies) list.push_back(body.arclength_m);
+  double end = 0.0;
+  for (const Segment& segment : arm.segments) list.push_back(end += segment.length_m);
+  return list;
+}
+
+bool is_constant_curvature(Method method) {
+  return method == Method::kCcPoints || method == Method::kCcEndpoint;
+}
+
+rod::SolverOptions solver_options() {
+  rod::SolverOptions options;
+  // The fit's own steps are of this order near its end; positions are exact to its square.
+  options.linear_correction_rad = 1e-4;
+  options.orientation_tolerance_rad = 1e-9;
+  return options;
+}
+
+rod::Rod layout(const Arm& arm, bool constant_curvature) {
+  rod::Rod rod = rod::make_rod(arm);
+  if (constant_curvature) {  // arcs are the shapes of a rod without load
+    for (rod::Segment& segment : rod.segments) segment.mass_kg = 0.0;
+    for (rod::PointLoad& load : rod.loads) load.mass_kg = 0.0;
+  }
+  return rod;
+}
+
+}  // namespace
+
+Problem::Problem(const Arm& arm, const EstimatorOptions& options)
+    : arm_(arm),
+      options_(options),
+      noise_weights_(options.weights ? *options.weights == Weights::kNoise
+                                     : options.objective == Objective::kLeastSquares),
+      constant_curvature_(is_constant_curvature(options.method)),
+      free_(arm.segments.size() * kSegmentParameters + 1, true),
+      prior_(arm.segments.size()),
+      rod_(layout(arm, constant_curvature_)),
+      solver_(rod_, stations(arm), rod_parameters(arm), solver_options()),
+      x_(Eigen::VectorXd::Zero(static_cast<int>(free_.size()))),
+      last_x_(x_),
+      anchor_x_(x_),
+      tip_by_x_(Eigen::Matrix3Xd::Zero(3, static_cast<int>(free_.size()))),
+      block_(Eigen::Matrix3Xd::Zero(3, static_cast<int>(free_.size()))) {
+  for (const Segment& segment : arm.segments)
+    reference_stiffness_.push_back(segment.bending_stiffness.base_nm2);
+  for (int i = 0; i < static_cast<int>(arm.bodies.size()); ++i) body_station_.push_back(i);
+}
+
+void Problem::set_prior(int segment, const std::optional<SegmentPrediction>& prediction) {
+  prior_[static_cast<std::size_t>(segment)] = prediction;
+}
+
+void Problem::begin() {
+  valid_ = false;
+  rod_solves_ = 0;
+  rows_ = 0;
+  for (const Observation& o : observations_) {
+    if (o.used) rows_ += o.tangent ? 6 : 3;
+  }
+  for (const auto& prior : prior_) rows_ += prior ? 4 : 0;
+}
+
+double Problem::paper_weight(const Observation& o) const {
+  return 1.0 / ((o.body + 1) * arm_.total_length_m());
+}
+
+void Problem::apply(const Eigen::VectorXd& x) const {
+  for (int i = 0; i < static_cast<int>(rod_.segments.size()); ++i) {
+    rod::Segment& segment = rod_.segments[static_cast<std::size_t>(i)];
+    const double rest = segment.rest_length_m;
+    double flexibility = x[column(i, 2)];
+    if (std::abs(flexibility) < kLeastFlexibility)
+      flexibility = std::copysign(kLeastFlexibility, flexibility);
+    segment.bending_compliance = flexibility / reference_stiffness(i);
+    // Bending towards the azimuth (a, b) is a turn about (-b, a).
+    segment.moment_nm =
+        Vector3d(-x[column(i, 1)], x[column(i, 0)], 0.0) / (rest * segment.bending_compliance);
+    segment.length_m = x[column(i, 3)] * rest;
+  }
+  rod_.loads[rod::kPayloadLoad].mass_kg = constant_curvature_ ? 0.0 : x[payload_column()] * kPayloadUnit;
+}
+
+bool Problem::evaluate(const Eigen::VectorXd& x, const std::optional<Eigen::Quaterniond>& q_tip_start) const {
+  if (valid_ && !q_tip_start && x == last_x_) return true;
+  apply(x);
+  ++rod_solves_;
+  rod::SolveStatus status = rod::SolveStatus::kNoConvergence;
+  if (q_tip_start) {
+    status = solver_.solve(rod_, *q_tip_start);
+  } else if (anchored_) {
+    // The tip turns as the last equilibrium says it would. A step too large for that is refused: the next is
+    // smaller.
+    const Vector3d turn = tip_by_x_ * (x - anchor_x_);
+    if (turn.norm() < 1.0) status = solver_.solve(rod_, (exp_so3(turn) * tip_).normalized());
+  } else {
+    status = solver_.solve(rod_);
+  }
+  valid_ = status == rod::SolveStatus::kConverged;
+  if (valid_) {
+    last_x_ = x;
+    anchored_ = true;
+    anchor_x_ = x;
+    tip_ = solver_.q_tip();
+    chain(solver_.drotation_tip(), tip_by_x_);
+  }
+  return valid_;
+}
+
+void Problem::chain(const Eigen::Ref<const Eigen::Matrix3Xd>& by_rod, Eigen::Matrix3Xd& by_x) const {
+  by_x.setZero();
+  for (int i = 0; i < static_cast<int>(rod_.segments.size()); ++i) {
+    const rod::Segment& segment = rod_.segments[static_cast<std::size_t>(i)];
+    const int first = i * kRodColumns;
+    const double curvature_to_moment = 1.0 / (segment.rest_length_m * segment.bending_compliance);
+    by_x.col(column(i, 0)) = curvature_to_moment * by_rod.col(first + kMomentY);
+    by_x.col(column(i, 1)) = -curvature_to_moment * by_rod.col(first + kMomentX);
+    // At a given actuation curvature a more flexible segment has a smaller moment.
+    by_x.col(column(i, 2)) =
+        (by_rod.col(first + kCompliance) - (segment.moment_nm.x() * by_rod.col(first + kMomentX) +
+                                            segment.moment_nm.y() * by_rod.col(first + kMomentY)) /
+                                               segment.bending_compliance) /
+        reference_stiffness(i);
+    by_x.col(column(i, 3)) = segment.rest_length_m * by_rod.col(first + kLengthColumn);
+  }
+  by_x.col(payload_column()) =
+      constant_curvature_
+          ? Vector3d(Vector3d::Zero())
+          : Vector3d(kPayloadUnit * by_rod.col(static_cast<int>(rod_.segments.size()) * kRodColumns));
+  for (int j = 0; j < by_x.cols(); ++j) {
+    if (!free_[static_cast<std::size_t>(j)]) by_x.col(j).setZero();
+  }
+}
+
+Vector3d Problem::position(const Observation& o) const {
+  const rod::RodState& state = solver_.station(o.station);
+  const MeasuredBody& body = arm_.bodies[static_cast<std::size_t>(o.body)];
+  if (body.kind == BodyKind::kRing) return state.p;
+  return state.p +
+         body.radius_m * (state.q * Vector3d(std::cos(body.angle_rad), std::sin(body.angle_rad), 0.0));
+}
+
+void Problem::position_jacobian(const Observation& o, Eigen::Matrix3Xd& j) const {
+  const MeasuredBody& body = arm_.bodies[static_cast<std::size_t>(o.body)];
+  chain(solver_.dp(o.station), j);
+  if (body.kind == BodyKind::kSkinMarker) {
+    Eigen::Matrix3Xd turn(3, j.cols());
+    chain(solver_.drotation(o.station), turn);
+    j -= skew(position(o) - solver_.station(o.station).p) * turn;
+  }
+}
+
+void Problem::tangent_jacobian(const Observation& o, Eigen::Matrix3Xd& j) const {
+  chain(solver_.drotation(o.station), j);
+  j = (-skew(solver_.station(o.station).q * Vector3d::UnitZ()) * j).eval();
+}
+
+template <typename Columns>
+void Problem::add_block(const Vector3d& e, const Columns& de, double weight, bool robust, int row,
+                        double* residuals, double* jacobian) const {
+  // The block is weight * e; rho(s) is its cost as a function of the squared norm s. With h = sqrt(rho / s)
+  // the block h * weight * e has the squared norm rho, and the derivative h (I + 2 h'/h w e (w e)^T) w de.
+  const Vector3d f = weight * e;
+  const double s = f.squaredNorm();
+  double h = 1.0, slope = 0.0;  // slope = 2 h' / h
+  if (options_.objective == Objective::kSumOfDistances) {
+    const double smoothing = kSumOfDistancesSmoothing * weight;
+    const double root = std::sqrt(s + smoothing * smoothing);
+    // rho = 2 (root - smoothing) = 2 s / (root + smoothing)
+    const double rho_over_s = 2.0 / (root + smoothing);
+    h = std::sqrt(rho_over_s);
+    slope = -0.5 / (root * (root + smoothing));  // d ln(rho / s) / ds
+  } else if (robust && s > kHuberThreshold * kHuberThreshold) {
+    const double root = std::sqrt(s);
+    const double rho = 2.0 * kHuberThreshold * root - kHuberThreshold * kHuberThreshold;
+    h = std::sqrt(rho / s);
+    slope = kHuberThreshold / (root * rho) - 1.0 / s;
+  }
+  Eigen::Map<Vector3d> out(residuals + row);
+  out = h * f;
+  if (jacobian == nullptr) return;
+  const double scale = h * weight;
+  for (int j = 0; j < de.cols(); ++j) {
+    const Vector3d d = de.col(j);
+    Eigen::Map<Vector3d>(jacobian + j * rows_ + row) = scale * (d + slope * f.dot(d) * f);
+  }
+}
+
+bool Problem::operator()(const double* x, double* residuals, double* jacobian) const {
+  x_ = Eigen::Map<const Eigen::VectorXd>(x, NumParameters());
+  if (!evaluate(x_)) {
+    std::fill(residuals, residuals + rows_, kRejected);
+    if (jacobian != nullptr) std::fill(jacobian, jacobian + rows_ * NumParameters(), 0.0);
+    return true;
+  }
+  int row = 0;
+  for (const Observation& o : observations_) {
+    if (!o.used) continue;
+    const bool sum = options_.objective == Objective::kSumOfDistances;
+    const double sd = position_sd(o);
+    // Least squares weights distances squared, the sum of distances weights distances: c_i in either.
+    const double c = noise_weights_ ? 1.0 : paper_weight(o) * arm_.total_length_m();
+    const double weight = (sum ? c : std::sqrt(c)) / sd;
+    if (jacobian != nullptr) position_jacobian(o, block_);
+    add_block(position(o) - o.p, block_, weight, options_.robust, row, residuals, jacobian);
+    row += 3;
+    if (o.tangent) {
+      // Equation (8): C = L / (2 pi) weighs angles against distances; by the noise, their standard deviations
+      // do.
+      const double angle_weight =
+          noise_weights_ ? 1.0 / tangent_sd(o) : weight * arm_.total_length_m() / (2.0 * M_PI);
+      if (jacobian != nullptr) tangent_jacobian(o, block_);
+      add_block(solver_.station(o.station).q * Vector3d::UnitZ() - *o.tangent, block_, angle_weight,
+                options_.robust, row, residuals, jacobian);
+      row += 3;
+    }
+  }
+  prior_rows(x_, prior_scratch_);
+  for (const PriorRow& prior : prior_scratch_) {
+    residuals[row] = prior.residual;
+    if (jacobian != nullptr) {
+      for (int j = 0; j < NumParameters(); ++j) jacobian[j * rows_ + row] = 0.0;
+      for (int k = 0; k < 2; ++k) {
+        if (free_[static_cast<std::size_t>(prior.columns[k])]) {
+          jacobian[prior.columns[k] * rows_ + row] += prior.derivatives[k];
+        }
+      }
+    }
+    ++row;
+  }
+  return true;
+}
+
+void Problem::prior_rows(const Eigen::VectorXd& x, std::vector<PriorRow>& rows) const {
+  rows.clear();
+  const PressurePrior& sd = options_.prior;
+  for (int i = 0; i < static_cast<int>(prior_.size()); ++i) {
+    const auto& prediction = prior_[static_cast<std::size_t>(i)];
+    if (!prediction) continue;
+    const double reference = reference_stiffness(i);
+    const double flexibility = reference / prediction->bending_stiffness_nm2;
+    const double rest = rest_length(i);
+    // Moment: (M - M_law) / sd = (a EI / L - M_law) / sd, times EI_law / EI to stay linear in the parameters.
+    const double unit = prediction->bending_stiffness_nm2 / (rest * sd.moment_sd_nm);
+    for (int k = 0; k < 2; ++k) {
+      const double per_flexibility = -prediction->moment_nm[k] * rest / reference * unit;
+      rows.push_back({unit * x[column(i, k)] + per_flexibility * x[column(i, 2)],
+                      {column(i, k), column(i, 2)},
+                      {unit, per_flexibility}});
+    }
+    const double softness_sd = sd.bending_stiffness_sd_rel * flexibility;
+    rows.push_back({(x[column(i, 2)] - flexibility) / softness_sd,
+                    {column(i, 2), column(i, 2)},
+                    {1.0 / softness_sd, 0.0}});
+    const double length_sd = sd.length_sd_m / rest;
+    rows.push_back({(x[column(i, 3)] - prediction->length_m / rest) / length_sd,
+                    {column(i, 3), column(i, 3)},
+                    {1.0 / length_sd, 0.0}});
+  }
+}
+
+}  // namespace softarm::fit

@@ -1,0 +1,134 @@
+// The least-squares problem of one frame: residuals and Jacobian as functions of the free parameters.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <optional>
+#include <vector>
+
+#include "softarm/arm/arm.h"
+#include "softarm/arm/laws.h"
+#include "softarm/rod/solver.h"
+
+namespace softarm::fit {
+
+constexpr int kSegmentParameters = 4;  ///< a, b, c, l of each segment, see Problem
+
+/// One measured body, in the rod's base frame.
+struct Observation {
+  int body = 0;
+  int station = 0;
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();
+  std::optional<Eigen::Vector3d> tangent;  ///< used by end_orientation
+  bool used = true;
+};
+
+/// Residuals of one frame for ceres::TinySolver.
+///
+/// Parameters, all dimensionless, chosen so that the shape is nearly linear in them:
+///   a, b   actuation curvature M0/EI times the segment's length at rest, towards phi = 0 and phi = 90
+///   degrees c      flexibility: base bending stiffness / EI l      length / length at rest and last the
+///   payload in units of kPayloadUnit.
+/// The flexibility may pass through zero on the way to the optimum: nothing is singular there.
+///
+/// A block of residuals (the position of one body, or its tangent) is scaled as a whole so that its squared
+/// norm is the loss of its distance: the cost of the solver is then exactly the robust or summed cost that
+/// was asked for.
+class Problem {
+ public:
+  using Scalar = double;
+  enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = Eigen::Dynamic };
+  static constexpr double kPayloadUnit = 0.1;  // kg
+
+  Problem(const Arm& arm, const EstimatorOptions& options);
+
+  // --- the frame ---
+  void set_gravity(const Eigen::Vector3d& gravity_base) { rod_.gravity_m_s2 = gravity_base; }
+  std::vector<Observation>& observations() { return observations_; }
+  const std::vector<Observation>& observations() const { return observations_; }
+  /// Free parameters: true in the order above.
+  std::vector<bool>& free() { return free_; }
+  void set_prior(int segment, const std::optional<SegmentPrediction>& prediction);
+  int station_of_body(int body) const { return body_station_[static_cast<std::size_t>(body)]; }
+  /// Counts the rows and forgets cached evaluations: call after the frame's data change.
+  void begin();
+  /// Forgets the last tip orientation as well: the next evaluation is not tied to an earlier frame.
+  void forget() { anchored_ = false; }
+
+  // --- for ceres::TinySolver ---
+  int NumResiduals() const { return rows_; }
+  int NumParameters() const { return static_cast<int>(free_.size()); }
+  bool operator()(const double* x, double* residuals, double* jacobian) const;
+
+  // --- the model at x ---
+  /// Solves the rod; q_tip_start where the last evaluation is of no help. @return false without equilibrium.
+  bool evaluate(const Eigen::VectorXd& x,
+                const std::optional<Eigen::Quaterniond>& q_tip_start = std::nullopt) const;
+  const rod::Solver& solver() const { return solver_; }
+  const rod::Rod& rod() const { return rod_; }
+  Eigen::Vector3d position(const Observation& o) const;
+  /// d position / d x (3 x P), free or not.
+  void position_jacobian(const Observation& o, Eigen::Matrix3Xd& j) const;
+  void tangent_jacobian(const Observation& o, Eigen::Matrix3Xd& j) const;
+  double position_sd(const Observation& o) const {
+    return arm_.bodies[static_cast<std::size_t>(o.body)].position_sd_m;
+  }
+  double tangent_sd(const Observation& o) const {
+    return arm_.bodies[static_cast<std::size_t>(o.body)].orientation_sd_rad;
+  }
+  /// Weight c_i of a body as printed below equation (7): 1 / (i L), for the i-th body of the arm.
+  double paper_weight(const Observation& o) const;
+  bool noise_weights() const { return noise_weights_; }
+  /// Adds the prior's rows, whitened, to J^T J (P x P) and, where not null, to J^T r and to the sum of
+  /// squares.
+  struct PriorRow {
+    double residual;
+    int columns[2];
+    double derivatives[2];
+  };
+  void prior_rows(const Eigen::VectorXd& x, std::vector<PriorRow>& rows) const;
+  int rod_solves() const { return rod_solves_; }
+
+  // --- translation ---
+  static int column(int segment, int which) { return segment * kSegmentParameters + which; }
+  int payload_column() const { return NumParameters() - 1; }
+  double reference_stiffness(int segment) const {
+    return reference_stiffness_[static_cast<std::size_t>(segment)];
+  }
+  double rest_length(int segment) const {
+    return rod_.segments[static_cast<std::size_t>(segment)].rest_length_m;
+  }
+
+ private:
+  void apply(const Eigen::VectorXd& x) const;
+  void chain(const Eigen::Ref<const Eigen::Matrix3Xd>& by_rod, Eigen::Matrix3Xd& by_x) const;
+  template <typename Columns>
+  void add_block(const Eigen::Vector3d& e, const Columns& de, double weight, bool robust, int row,
+                 double* residuals, double* jacobian) const;
+
+  const Arm& arm_;
+  const EstimatorOptions options_;
+  const bool noise_weights_;
+  const bool constant_curvature_;
+  std::vector<Observation> observations_;
+  std::vector<bool> free_;
+  std::vector<std::optional<SegmentPrediction>> prior_;
+  std::vector<double> reference_stiffness_;
+  std::vector<int> body_station_;
+  int rows_ = 0;
+
+  // Scratch and the last evaluation; evaluating is const for TinySolver.
+  mutable rod::Rod rod_;
+  mutable rod::Solver solver_;
+  mutable Eigen::VectorXd x_, last_x_;
+  mutable bool valid_ = false;     ///< solver_ holds the rod at last_x_
+  mutable bool anchored_ = false;  ///< tip_ and tip_by_x_ are those of some equilibrium, at anchor_x_
+  mutable Eigen::VectorXd anchor_x_;
+  mutable Eigen::Quaterniond tip_ = Eigen::Quaterniond::Identity();
+  mutable Eigen::Matrix3Xd tip_by_x_;
+  mutable int rod_solves_ = 0;
+  mutable Eigen::Matrix3Xd block_;
+  mutable std::vector<PriorRow> prior_scratch_;
+};
+
+}  // namespace softarm::fit

@@ -1,0 +1,142 @@
+#include "start.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "softarm/math/so3.h"
+
+namespace softarm::fit {
+namespace {
+
+using Eigen::Vector3d;
+
+/// A circular arc between two measured places.
+struct Arc {
+  double s_from = 0.0, s_to = 0.0;
+  Vector3d p_from = Vector3d::Zero(), p_to = Vector3d::Zero();
+  Eigen::Quaterniond q_from = Eigen::Quaterniond::Identity();  ///< section frame at the start
+  Vector3d turn = Vector3d::Zero();                            ///< rotation vector along the arc, in q_from
+  double length = 0.0;
+};
+
+Arc arc_to(const Arc& last, double s, const Vector3d& p) {
+  Arc arc;
+  arc.s_from = last.s_to;
+  arc.s_to = s;
+  arc.p_from = last.p_to;
+  arc.p_to = p;
+  arc.q_from = (last.q_from * exp_so3(last.turn)).normalized();
+  const Vector3d chord = arc.q_from.conjugate() * (p - arc.p_from);
+  const double across = std::hypot(chord.x(), chord.y());
+  const double half = std::atan2(across, chord.z());
+  if (across > 1e-9) arc.turn = 2.0 * half * Vector3d(-chord.y(), chord.x(), 0.0) / across;
+  arc.length = chord.norm() * (half > 1e-6 ? half / std::sin(half) : 1.0);
+  return arc;
+}
+
+/// Moment at p of everything that hangs beyond s, with the places taken from the arcs.
+Vector3d load_moment(const rod::Rod& rod, const std::vector<Arc>& arcs, double s, const Vector3d& p) {
+  const auto place = [&](double at) {
+    for (const Arc& arc : arcs) {
+      if (at <= arc.s_to || &arc == &arcs.back()) {
+        const double f = (at - arc.s_from) / (arc.s_to - arc.s_from);
+        const double bend = std::clamp(f, 0.0, 2.0);
+        const Vector3d middle = arc.q_from * (exp_so3(0.5 * bend * arc.turn) * Vector3d::UnitZ());
+        const double angle = 0.5 * bend * arc.turn.norm();
+        return Vector3d(arc.p_from +
+                        bend * arc.length * (angle > 1e-6 ? std::sin(angle) / angle : 1.0) * middle);
+      }
+    }
+    return Vector3d(Vector3d::Zero());
+  };
+  Vector3d m = Vector3d::Zero();
+  for (const rod::PointLoad& load : rod.loads) {
+    if (load.s_m < s) continue;
+    m += (place(load.s_m) - p).cross(load.mass_kg * rod.gravity_m_s2);
+  }
+  constexpr int kPieces = 8;
+  double start = 0.0;
+  for (const rod::Segment& segment : rod.segments) {
+    for (int i = 0; i < kPieces; ++i) {
+      const double at = start + (i + 0.5) / kPieces * segment.rest_length_m;
+      if (at > s) m += (place(at) - p).cross(segment.mass_kg / kPieces * rod.gravity_m_s2);
+    }
+    start += segment.rest_length_m;
+  }
+  return m;
+}
+
+}  // namespace
+
+Start start_from_shape(const Arm& arm, const Problem& problem, const Eigen::VectorXd& flexibility,
+                       double payload_kg) {
+  const int segments = static_cast<int>(arm.segments.size());
+  Start start;
+  start.x = Eigen::VectorXd::Zero(segments * kSegmentParameters + 1);
+
+  std::vector<const Observation*> seen;
+  for (const Observation& o : problem.observations()) {
+    if (o.used) seen.push_back(&o);
+  }
+  std::sort(seen.begin(), seen.end(), [&](const Observation* a, const Observation* b) {
+    return arm.bodies[static_cast<std::size_t>(a->body)].arclength_m <
+           arm.bodies[static_cast<std::size_t>(b->body)].arclength_m;
+  });
+  std::vector<Arc> arcs;
+  Arc last;
+  for (const Observation* o : seen) {
+    const double s = arm.bodies[static_cast<std::size_t>(o->body)].arclength_m;
+    if (s - last.s_to < 0.02 * arm.total_length_m()) continue;  // too close: the arc would be noise
+    last = arc_to(last, s, o->p);
+    arcs.push_back(last);
+  }
+  rod::Rod rod = problem.rod();
+  rod.loads[rod::kPayloadLoad].mass_kg = payload_kg;
+
+  double begin = 0.0;
+  start.q_tip = Eigen::Quaterniond::Identity();
+  for (int i = 0; i < segments; ++i) {
+    const double rest = problem.rest_length(i);
+    const double end = begin + rest;
+    Vector3d turn = Vector3d::Zero(), moment = Vector3d::Zero();
+    double covered = 0.0, length = 0.0;
+    for (const Arc& arc : arcs) {
+      // A segment beyond the last arc continues it.
+      const double to = &arc == &arcs.back() ? std::max(arc.s_to, end) : arc.s_to;
+      const double overlap = std::min(to, end) - std::max(arc.s_from, begin);
+      if (overlap <= 0.0) continue;
+      const double span = arc.s_to - arc.s_from;
+      turn += overlap / span * arc.turn;
+      length += overlap / span * arc.length;
+      const double middle = 0.5 * (arc.s_from + arc.s_to);
+      const Eigen::Quaterniond q = arc.q_from * exp_so3(0.5 * arc.turn);
+      moment += overlap * (q.conjugate() * load_moment(rod, arcs, middle, 0.5 * (arc.p_from + arc.p_to)));
+      covered += overlap;
+    }
+    const Segment& segment = arm.segments[static_cast<std::size_t>(i)];
+    double stretch = covered > 0.0 ? length / covered : 1.0;
+    if (segment.length_range_m.high > 0.0) {
+      stretch = std::clamp(stretch, segment.length_range_m.low / rest, segment.length_range_m.high / rest);
+    } else {
+      stretch = std::clamp(stretch, 0.7, 1.5);
+    }
+    const double c = flexibility[i];
+    if (covered > 0.0) {
+      const Vector3d curvature = turn / (covered * stretch);
+      const Vector3d actuation =
+          curvature - segment.rest_curvature_per_m - c / problem.reference_stiffness(i) * moment / covered;
+      start.x[Problem::column(i, 0)] = actuation.y() * rest;
+      start.x[Problem::column(i, 1)] = -actuation.x() * rest;
+      start.q_tip = start.q_tip * exp_so3(turn * rest / covered);
+    }
+    start.x[Problem::column(i, 2)] = c;
+    start.x[Problem::column(i, 3)] = stretch;
+    begin = end;
+  }
+  start.q_tip.normalize();
+  start.x[segments * kSegmentParameters] = payload_kg / Problem::kPayloadUnit;
+  return start;
+}
+
+}  // namespace softarm::fit

@@ -1,0 +1,23 @@
+// A first guess of a frame's parameters from the measured shape alone.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "problem.h"
+
+namespace softarm::fit {
+
+struct Start {
+  Eigen::VectorXd x;
+  Eigen::Quaterniond q_tip = Eigen::Quaterniond::Identity();
+};
+
+/// Joins the base and the measured positions by circular arcs, takes lengths and curvatures from them, and
+/// attributes to the actuation what is left of the curvature when the loads at the measured places have had
+/// their share.
+/// @param flexibility c of each segment to assume
+Start start_from_shape(const Arm& arm, const Problem& problem, const Eigen::VectorXd& flexibility,
+                       double payload_kg);
+
+}  // namespace softarm::fit
