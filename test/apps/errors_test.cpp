@@ -48,7 +48,9 @@ TEST(SoftarmErrors, HelpAndVersion) {
     const Outcome o = softarm_program(command + "--help");
     EXPECT_EQ(o.status, 0);
     EXPECT_THAT(o.out, HasSubstr("Usage"));
-    if (!command.empty()) EXPECT_THAT(o.out, HasSubstr("Examples:"));
+    if (!command.empty()) {
+      EXPECT_THAT(o.out, HasSubstr("Examples:"));
+    }
   }
 }
 

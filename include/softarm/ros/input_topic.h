@@ -51,12 +51,16 @@ InputTopic make_input_topic(const std::string& topic, const std::string& feeds,
     return message != nullptr;
   };
   input.subscribe = [topic, convert](ros::NodeHandle& nh, FrameAssembler& assembler, OnMessage on_message) {
-    const auto callback = [convert, &assembler, on_message](const boost::shared_ptr<Message const>& message) {
-      convert(*message, ros::Time::now().toSec(), assembler);
-      on_message(ros::message_traits::header(*message));
+    // The time of receipt, not of this call: a node that is busy must not shift what has no stamp of its own.
+    using Event = ros::MessageEvent<Message const>;
+    const boost::function<void(const Event&)> callback = [convert, &assembler,
+                                                          on_message](const Event& event) {
+      const Message& message = *event.getConstMessage();
+      convert(message, event.getReceiptTime().toSec(), assembler);
+      on_message(ros::message_traits::header(message));
     };
-    return nh.subscribe<Message>(topic, kSubscriberQueue, callback, ros::VoidConstPtr(),
-                                 ros::TransportHints().tcpNoDelay());
+    return nh.subscribe<Message, const Event&>(topic, kSubscriberQueue, callback, ros::VoidConstPtr(),
+                                               ros::TransportHints().tcpNoDelay());
   };
   return input;
 }

@@ -116,6 +116,7 @@ class Folder {
 void estimate_bag(const Arm& arm, bool use_payload, Job& job, Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
   Estimator estimator(arm);
+  estimator.set_backbone_points(2);  // base and tip are all that is written
   BagFrames bag(job.bag, arm, use_payload);
   job.warnings = bag.warnings();
   progress.add_total(static_cast<double>(bag.messages()));
