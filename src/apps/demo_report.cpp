@@ -25,8 +25,8 @@ void listen(softarm::Tally& tally, const Options& options) {
   ros::NodeHandle nh;
   ros::WallTime newest = ros::WallTime::now();
   const auto on_estimate = [&](const softarm_estimator::ArmEstimate::ConstPtr& message) {
-    tally.add(*message, ros::Time::now());
     newest = ros::WallTime::now();
+    tally.add(*message, ros::Time::now(), newest);
   };
   const auto on_truth = [&](const softarm_estimator::Truth::ConstPtr& message) { tally.add(*message); };
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();

@@ -16,7 +16,7 @@ namespace {
 using visualization_msgs::Marker;
 
 constexpr double kLifetime_s = 0.5;
-constexpr double kFullScale_rad = 2.0;  // an arm bent evenly by so much is all red
+constexpr double kFullScale_rad = 2.5;  // an arm bent evenly by so much is all red
 constexpr int kTubeSections = 48;
 constexpr int kRingSides = 48;
 
@@ -117,11 +117,11 @@ Marker payload_arrow(const Estimate& estimate, const MessageContext& context) {
     m.action = Marker::DELETE;
     return m;
   }
-  // A load that the arm itself weighs is drawn as long as half the arm.
+  // A load that the arm itself weighs is drawn 0.4 times as long as the arm.
   double own_n = context.arm.tip_mass_kg * gravity.norm();
   for (const Segment& s : context.arm.segments) own_n += s.mass_per_length_kg_m * s.length_m * gravity.norm();
   const double unit_m = context.arm.total_length_m();
-  const double length_m = std::min(2.0, own_n > 0.0 ? 0.5 * weight_n / own_n : 0.5) * unit_m;
+  const double length_m = std::min(2.0, own_n > 0.0 ? 0.4 * weight_n / own_n : 0.4) * unit_m;
   const BackbonePoint at = backbone_at(estimate.backbone, context.arm.payload.arclength_m);
   const Eigen::Vector3d from = at.p_base + at.q_base * context.arm.payload.offset_m;
   const Eigen::Vector3d down = estimate.base_in_mocap.linear().transpose() * gravity.normalized();

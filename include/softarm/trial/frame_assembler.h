@@ -38,7 +38,7 @@ class FrameAssembler {
   static constexpr int kBaseBody = -1;  ///< index of Base::body; bodies of Arm::bodies have theirs
 
   struct Params {
-    double reorder_window_s = 0.1;  ///< wait at most so long (in stamps) for a body that is missing
+    double reorder_window_s = 0.25;  ///< wait at most so long (in stamps) for a body that is missing
     double time_jump_s =
         1.0;  ///< smaller steps back are late samples; larger steps forward need confirmation
     GateLimits gate;

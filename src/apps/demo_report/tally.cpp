@@ -75,10 +75,10 @@ std::string Tally::Errors::text(const char* unit, std::uint64_t of) const {
       100.0 * static_cast<double>(within_two_sd) / static_cast<double>(told), told, of);
 }
 
-void Tally::add(const ArmEstimate& estimate, ros::Time received) {
+void Tally::add(const ArmEstimate& estimate, ros::Time received, ros::WallTime wall_time) {
   ++frames_;
-  if (!first_) first_ = received;
-  last_ = received;
+  if (!first_) first_ = wall_time;
+  last_ = wall_time;
   latency_s_.push_back((received - estimate.header.stamp).toSec());
   newest_ = estimate;
   if (estimate.status != ArmEstimate::STATUS_OK) {

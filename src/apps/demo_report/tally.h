@@ -15,8 +15,9 @@ namespace softarm {
 /// Collects estimates and truth, matched by their stamps.
 class Tally {
  public:
-  /// @param received when the message arrived, in the time of its stamp
-  void add(const softarm_estimator::ArmEstimate& estimate, ros::Time received);
+  /// @param received when the message arrived, in the time of its stamp (simulated time may run in circles)
+  /// @param wall_time the same on the wall: rates are real ones
+  void add(const softarm_estimator::ArmEstimate& estimate, ros::Time received, ros::WallTime wall_time);
   void add(const softarm_estimator::Truth& truth);
 
   std::uint64_t frames() const { return frames_; }
@@ -40,7 +41,7 @@ class Tally {
 
   std::uint64_t frames_ = 0, ok_ = 0, steadied_ = 0;
   std::map<std::string, std::uint64_t> refused_;
-  std::optional<ros::Time> first_, last_;
+  std::optional<ros::WallTime> first_, last_;
   std::vector<double> latency_s_, shape_error_m_, tip_error_m_, residual_m_;
   std::uint64_t told_stiffness_ = 0, told_payload_ = 0;
   Errors stiffness_, payload_;
