@@ -10,9 +10,13 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // Directions with less than this share of the information are told by rounding errors only.
-constexpr double kLeastInformation = 1e-11;
+constexpr double kLeastInformation = 1e-14;
 // A parameter is undetermined when this much of it lies in such a direction.
 constexpr double kUndeterminedShare = 1e-6;
+// Nor is a parameter determined when its standard deviation exceeds anything an arm could have: three radians
+// of actuated bending, a hundredfold stiffness, half the length, tens of kilograms.
+constexpr double kAbsurdSd[kSegmentParameters] = {3.0, 3.0, 100.0, 0.5};
+constexpr double kAbsurdPayloadSd = 500.0;
 
 /// Weight of a block's information in the estimating equations, and of its variance.
 struct BlockWeight {
@@ -93,11 +97,16 @@ Covariance covariance(const Problem& problem, const std::vector<bool>& free, con
   const bool best = !sum && problem.noise_weights();
   const MatrixXd scaled = best ? a_inverse : MatrixXd(a_inverse * b * a_inverse);
   for (int i = 0; i < n; ++i) {
-    result.determined[static_cast<std::size_t>(columns[i])] = lost[i] < kUndeterminedShare;
+    const double sd = scale[i] * std::sqrt(std::max(0.0, scaled(i, i)));
+    const double absurd =
+        columns[i] == count - 1 ? kAbsurdPayloadSd : kAbsurdSd[columns[i] % kSegmentParameters];
+    result.determined[static_cast<std::size_t>(columns[i])] = lost[i] < kUndeterminedShare && sd < absurd;
   }
   for (int i = 0; i < n; ++i) {
     for (int k = 0; k < n; ++k) {
-      if (lost[i] < kUndeterminedShare && lost[k] < kUndeterminedShare) {
+      const bool both = result.determined[static_cast<std::size_t>(columns[i])] &&
+                        result.determined[static_cast<std::size_t>(columns[k])];
+      if (both) {
         result.x(columns[i], columns[k]) = scale[i] * scale[k] * scaled(i, k);
       }
     }

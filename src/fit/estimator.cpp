@@ -270,15 +270,14 @@ struct Estimator::Impl {
     return std::sqrt(sum / std::max(1, count));
   }
 
-  bool start_cold() {
+  /// @param flexibility assumed where it is not known; absent: told by the shape
+  bool start_cold(const std::optional<double>& flexibility = std::nullopt) {
     problem.forget();
-    VectorXd flexibility = VectorXd::Ones(static_cast<int>(arm.segments.size()));
-    for (int i = 0; i < flexibility.size(); ++i) {
-      const auto& known = known_flexibility[static_cast<std::size_t>(i)];
-      if (known) flexibility[i] = *known;
+    std::vector<std::optional<double>> c = known_flexibility;
+    for (auto& one : c) {
+      if (!one) one = is_constant_curvature(options.method) ? 1.0 : flexibility;
     }
-    const double payload = payload_known.value_or(0.0);
-    const fit::Start start = fit::start_from_shape(arm, problem, flexibility, payload);
+    const fit::Start start = fit::start_from_shape(arm, problem, c, payload_known.value_or(0.0));
     x = start.x;
     impose_knowns(x);
     return problem.evaluate(x, start.q_tip) || problem.evaluate(x);
@@ -300,20 +299,26 @@ struct Estimator::Impl {
       impose_knowns(x);
       warm = problem.evaluate(x) && rms() < kBadWarmStart * length;
     }
-    if (!warm && !start_cold()) {
-      have_last = false;
-      fail(Status::kNoConvergence, "no equilibrium near the measured shape");
-      return false;
-    }
-    bool good = minimise();
-    if (warm && (!good || rms() > 0.5 * kBadWarmStart * length)) {
+    bool good = (warm || start_cold()) && minimise();
+    const auto poor = [&] { return !good || rms() > 0.5 * kBadWarmStart * length; };
+    if (warm && poor()) {
       warm = false;
       good = start_cold() && minimise();
+    }
+    // A standing arm near its buckling load has no equilibrium near its shape at a flexibility that is far
+    // off.
+    for (const double flexibility : {0.4, 0.7, 1.5}) {
+      if (!poor() || options.unknown == Unknown::kPayload) break;
+      const VectorXd before = x;
+      const double rms_before = good ? rms() : std::numeric_limits<double>::infinity();
+      const bool better = start_cold(flexibility) && minimise() && rms() < rms_before;
+      if (!better) x = before;
+      good = better || (good && problem.evaluate(x));
     }
     estimate.solver.warm_start = warm;
     if (!good) {
       have_last = false;
-      fail(Status::kNoConvergence, "the fit found no equilibrium");
+      fail(Status::kNoConvergence, "no shape of this arm that the fit can reach lies near the bodies");
     }
     return good;
   }

@@ -67,10 +67,39 @@ Vector3d load_moment(const rod::Rod& rod, const std::vector<Arc>& arcs, double s
   return m;
 }
 
+/// Curvature of an arc, and that by which the load's moment would bend a segment of unit flexibility there.
+struct Sample {
+  double weight;
+  Vector3d curvature, load;
+};
+
+/// Slope of curvature against load, drawn towards 1 by as much as noise in the curvature deserves.
+double flexibility_from(const std::vector<Sample>& samples) {
+  constexpr double kCurvatureSd = 1.0;  // 1/m: half a millimetre over arcs of 50 mm
+  constexpr double kFlexibilitySd = 1.0;
+  double total = 0.0;
+  Eigen::Vector2d curvature = Eigen::Vector2d::Zero(), load = curvature;
+  for (const Sample& s : samples) {
+    total += s.weight;
+    curvature += s.weight * s.curvature.head<2>();
+    load += s.weight * s.load.head<2>();
+  }
+  if (samples.size() < 2) return 1.0;
+  curvature /= total;
+  load /= total;
+  double xx = kCurvatureSd * kCurvatureSd / (kFlexibilitySd * kFlexibilitySd), xy = xx;
+  for (const Sample& s : samples) {
+    const Eigen::Vector2d x = s.load.head<2>() - load;
+    xx += x.squaredNorm();
+    xy += x.dot(s.curvature.head<2>() - curvature);
+  }
+  return xy / xx;
+}
+
 }  // namespace
 
-Start start_from_shape(const Arm& arm, const Problem& problem, const Eigen::VectorXd& flexibility,
-                       double payload_kg) {
+Start start_from_shape(const Arm& arm, const Problem& problem,
+                       const std::vector<std::optional<double>>& flexibility, double payload_kg) {
   const int segments = static_cast<int>(arm.segments.size());
   Start start;
   start.x = Eigen::VectorXd::Zero(segments * kSegmentParameters + 1);
@@ -99,8 +128,9 @@ Start start_from_shape(const Arm& arm, const Problem& problem, const Eigen::Vect
   for (int i = 0; i < segments; ++i) {
     const double rest = problem.rest_length(i);
     const double end = begin + rest;
-    Vector3d turn = Vector3d::Zero(), moment = Vector3d::Zero();
+    Vector3d turn = Vector3d::Zero();
     double covered = 0.0, length = 0.0;
+    std::vector<Sample> samples;
     for (const Arc& arc : arcs) {
       // A segment beyond the last arc continues it.
       const double to = &arc == &arcs.back() ? std::max(arc.s_to, end) : arc.s_to;
@@ -109,10 +139,11 @@ Start start_from_shape(const Arm& arm, const Problem& problem, const Eigen::Vect
       const double span = arc.s_to - arc.s_from;
       turn += overlap / span * arc.turn;
       length += overlap / span * arc.length;
-      const double middle = 0.5 * (arc.s_from + arc.s_to);
-      const Eigen::Quaterniond q = arc.q_from * exp_so3(0.5 * arc.turn);
-      moment += overlap * (q.conjugate() * load_moment(rod, arcs, middle, 0.5 * (arc.p_from + arc.p_to)));
       covered += overlap;
+      const Eigen::Quaterniond q = arc.q_from * exp_so3(0.5 * arc.turn);
+      const Vector3d moment = q.conjugate() * load_moment(rod, arcs, 0.5 * (arc.s_from + arc.s_to),
+                                                          0.5 * (arc.p_from + arc.p_to));
+      samples.push_back({overlap, arc.turn / arc.length, moment / problem.reference_stiffness(i)});
     }
     const Segment& segment = arm.segments[static_cast<std::size_t>(i)];
     double stretch = covered > 0.0 ? length / covered : 1.0;
@@ -121,11 +152,16 @@ Start start_from_shape(const Arm& arm, const Problem& problem, const Eigen::Vect
     } else {
       stretch = std::clamp(stretch, 0.7, 1.5);
     }
-    const double c = flexibility[i];
+    const auto& given = flexibility[static_cast<std::size_t>(i)];
+    const double c =
+        given ? *given
+              : std::clamp(flexibility_from(samples),
+                           problem.reference_stiffness(i) / segment.bending_stiffness_range_nm2.high,
+                           problem.reference_stiffness(i) / segment.bending_stiffness_range_nm2.low);
     if (covered > 0.0) {
-      const Vector3d curvature = turn / (covered * stretch);
-      const Vector3d actuation =
-          curvature - segment.rest_curvature_per_m - c / problem.reference_stiffness(i) * moment / covered;
+      Vector3d actuation = -segment.rest_curvature_per_m;
+      for (const Sample& sample : samples)
+        actuation += sample.weight / covered * (sample.curvature - c * sample.load);
       start.x[Problem::column(i, 0)] = actuation.y() * rest;
       start.x[Problem::column(i, 1)] = -actuation.x() * rest;
       start.q_tip = start.q_tip * exp_so3(turn * rest / covered);

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <optional>
+#include <vector>
 
 #include "problem.h"
 
@@ -16,8 +18,9 @@ struct Start {
 /// Joins the base and the measured positions by circular arcs, takes lengths and curvatures from them, and
 /// attributes to the actuation what is left of the curvature when the loads at the measured places have had
 /// their share.
-/// @param flexibility c of each segment to assume
-Start start_from_shape(const Arm& arm, const Problem& problem, const Eigen::VectorXd& flexibility,
-                       double payload_kg);
+/// @param flexibility c of each segment; where absent it is told by how the curvature follows the load's
+/// moment along the segment, if it does
+Start start_from_shape(const Arm& arm, const Problem& problem,
+                       const std::vector<std::optional<double>>& flexibility, double payload_kg);
 
 }  // namespace softarm::fit
