@@ -134,20 +134,35 @@ void fill_segment(const Problem& problem, int segment, const VectorXd& x, const 
   out.length_m = x[il] * rest;
   out.actuation_curvature_per_m = bend;
   out.direction_rad = std::atan2(b, a);
+  const double cos_phi = bend > 0.0 ? a / bend : 1.0, sin_phi = bend > 0.0 ? b / bend : 0.0;
+
+  // The fit is nearly linear in the flexibility c, whose errors are therefore normal; those of EI = EI_base /
+  // c are not. To second order E[1/c] is too large by var(c) / c^3, and E[k/c] by that and cov(k, c): both
+  // are taken out, in a form that stays bounded in the tails.
+  double ei = reference / x[ic];
+  double moment = bend * ei;
+  if (free[static_cast<std::size_t>(ic)] && told(ic)) {
+    const double variance = std::min(covariance.x(ic, ic), x[ic] * x[ic]);
+    const double with_bend =
+        told(ia) && told(ib) ? (cos_phi * covariance.x(ia, ic) + sin_phi * covariance.x(ib, ic)) / rest : 0.0;
+    const double shrink = x[ic] / (x[ic] * x[ic] + variance);
+    ei = reference * shrink;
+    moment = std::max(0.0, reference * (bend + with_bend / x[ic]) * shrink);
+  }
   if (!arcs) {
-    out.bending_stiffness_nm2 = reference / x[ic];
-    out.moment_nm = bend * *out.bending_stiffness_nm2;
+    out.bending_stiffness_nm2 = ei;
+    out.moment_nm = moment;
   }
 
   // Rows: M0, phi, EI, L; columns: a, b, c, l.
   Eigen::Matrix4d g = Eigen::Matrix4d::Zero();
-  const double ei = reference / x[ic];
-  const double cos_phi = bend > 0.0 ? a / bend : 1.0, sin_phi = bend > 0.0 ? b / bend : 0.0;
   if (!arcs) {
-    g(0, 0) = cos_phi * ei / rest;
-    g(0, 1) = sin_phi * ei / rest;
-    g(0, 2) = -bend * ei / x[ic];
-    g(2, 2) = -ei / x[ic];
+    // With the uncorrected values: the intervals they give cover what they should.
+    const double fitted = reference / x[ic];
+    g(0, 0) = cos_phi * fitted / rest;
+    g(0, 1) = sin_phi * fitted / rest;
+    g(0, 2) = -bend * fitted / x[ic];
+    g(2, 2) = -fitted / x[ic];
   }
   if (bend > 0.0) {
     g(1, 0) = -sin_phi / (bend * rest);
@@ -178,8 +193,9 @@ void fill_segment(const Problem& problem, int segment, const VectorXd& x, const 
     out.covariance.col(i).setZero();
   }
   const double limit = options.tells_relative_sd;
-  out.tells_stiffness = out.sd_bending_stiffness_nm2 && *out.sd_bending_stiffness_nm2 <= limit * ei;
-  out.tells_moment = out.sd_moment_nm && *out.sd_moment_nm <= limit * *out.moment_nm;
+  // Relative to what the fit found, before the correction: that never makes a frame tell more.
+  out.tells_stiffness = out.sd_bending_stiffness_nm2 && std::sqrt(covariance.x(ic, ic)) <= limit * x[ic];
+  out.tells_moment = out.sd_moment_nm && *out.sd_moment_nm <= limit * moment;
 }
 
 }  // namespace softarm::fit

@@ -10,6 +10,7 @@
 
 #include "constant_curvature.h"
 #include "covariance.h"
+#include "free_tip.h"
 #include "problem.h"
 #include "softarm/math/so3.h"
 #include "start.h"
@@ -270,16 +271,15 @@ struct Estimator::Impl {
     return std::sqrt(sum / std::max(1, count));
   }
 
-  /// @param flexibility assumed where it is not known; absent: told by the shape
-  bool start_cold(const std::optional<double>& flexibility = std::nullopt) {
+  /// @param free_tip go by way of a rod whose base is not yet clamped
+  bool start_cold(bool free_tip = false) {
     problem.forget();
     std::vector<std::optional<double>> c = known_flexibility;
-    for (auto& one : c) {
-      if (!one) one = is_constant_curvature(options.method) ? 1.0 : flexibility;
-    }
-    const fit::Start start = fit::start_from_shape(arm, problem, c, payload_known.value_or(0.0));
+    if (is_constant_curvature(options.method)) c.assign(c.size(), 1.0);
+    fit::Start start = fit::start_from_shape(arm, problem, c, payload_known.value_or(0.0));
+    impose_knowns(start.x);
+    if (free_tip && !fit::refine_with_free_tip(problem, start)) return false;
     x = start.x;
-    impose_knowns(x);
     return problem.evaluate(x, start.q_tip) || problem.evaluate(x);
   }
 
@@ -305,13 +305,12 @@ struct Estimator::Impl {
       warm = false;
       good = start_cold() && minimise();
     }
-    // A standing arm near its buckling load has no equilibrium near its shape at a flexibility that is far
-    // off.
-    for (const double flexibility : {0.4, 0.7, 1.5}) {
-      if (!poor() || options.unknown == Unknown::kPayload) break;
+    if (poor() && options.method != Method::kEndOrientation) {
+      // Say, a standing arm near its buckling load: at a stiffness far off it has no equilibrium near its
+      // shape.
       const VectorXd before = x;
       const double rms_before = good ? rms() : std::numeric_limits<double>::infinity();
-      const bool better = start_cold(flexibility) && minimise() && rms() < rms_before;
+      const bool better = start_cold(true) && minimise() && rms() < rms_before;
       if (!better) x = before;
       good = better || (good && problem.evaluate(x));
     }

@@ -266,6 +266,46 @@ bool Problem::operator()(const double* x, double* residuals, double* jacobian) c
   return true;
 }
 
+bool Problem::evaluate_free_tip(const double* x, const Eigen::Quaterniond& q_tip, double base_sd_rad,
+                                double* residuals, double* jacobian, int rows) const {
+  const int count = NumParameters();
+  valid_ = false;
+  x_ = Eigen::Map<const Eigen::VectorXd>(x, count);
+  apply(x_);
+  if (solver_.shoot(rod_, q_tip) != rod::SolveStatus::kConverged) return false;
+  Eigen::Map<Eigen::VectorXd> r(residuals, rows);
+  Eigen::Map<Eigen::MatrixXd> j(jacobian, rows, count + 3);
+  const auto put = [&](int row, const Vector3d& e, const Eigen::Matrix3Xd& by_x,
+                       const Eigen::Matrix3d& by_tip, double weight) {
+    r.segment<3>(row) = weight * e;
+    if (jacobian == nullptr) return;
+    j.block(row, 0, 3, count) = weight * by_x;
+    j.block<3, 3>(row, count) = weight * by_tip;
+  };
+  int row = 0;
+  for (const Observation& o : observations_) {
+    if (!o.used) continue;
+    // Rings and markers alike by the backbone's place: this is only a way to a start.
+    chain(solver_.dp(o.station), block_);
+    put(row, solver_.station(o.station).p - o.p, block_, solver_.dp_by_tip(o.station), 1.0 / position_sd(o));
+    row += 3;
+  }
+  chain(solver_.dbase(), block_);
+  put(row, solver_.base_error(), block_,
+      left_jacobian_inverse(solver_.base_error()) * solver_.base_per_tip_rotation(), 1.0 / base_sd_rad);
+  row += 3;
+  // The flexibility stays near its start unless the shape says otherwise.
+  for (int i = 0; i < static_cast<int>(rod_.segments.size()); ++i) {
+    r[row] = x_[column(i, 2)] - 1.0;
+    if (jacobian != nullptr) {
+      j.row(row).setZero();
+      if (free_[static_cast<std::size_t>(column(i, 2))]) j(row, column(i, 2)) = 1.0;
+    }
+    ++row;
+  }
+  return true;
+}
+
 void Problem::prior_rows(const Eigen::VectorXd& x, std::vector<PriorRow>& rows) const {
   rows.clear();
   const PressurePrior& sd = options_.prior;

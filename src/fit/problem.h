@@ -60,6 +60,13 @@ class Problem {
   int NumParameters() const { return static_cast<int>(free_.size()); }
   bool operator()(const double* x, double* residuals, double* jacobian) const;
 
+  /// The same fit with the tip's orientation as three more unknowns and the clamped base as a residual: it
+  /// has a value for every x, where the rod itself has no equilibrium near the shape, and leads to parameters
+  /// for which it has one.
+  /// @param base_sd_rad the weight of the base's orientation
+  bool evaluate_free_tip(const double* x, const Eigen::Quaterniond& q_tip, double base_sd_rad,
+                         double* residuals, double* jacobian, int rows) const;
+
   // --- the model at x ---
   /// Solves the rod; q_tip_start where the last evaluation is of no help. @return false without equilibrium.
   bool evaluate(const Eigen::VectorXd& x,

@@ -63,7 +63,8 @@ struct Solver::Impl {
         states(stations_m.size()),
         dp(stations_m.size(), Eigen::Matrix3Xd::Zero(3, static_cast<int>(parameters.size()))),
         drotation(dp),
-        drotation_tip(Eigen::Matrix3Xd::Zero(3, static_cast<int>(parameters.size()))) {
+        drotation_tip(Eigen::Matrix3Xd::Zero(3, static_cast<int>(parameters.size()))),
+        dbase(drotation_tip) {
     sweep.set_rod(layout, layout);
     sweep.refine(1);
   }
@@ -251,6 +252,37 @@ struct Solver::Impl {
     }
   }
 
+  void shoot(const Rod& rod) {
+    sweep.set_rod(rod, rod);
+    sweep.refine(1);
+    sweep.integrate(q_tip);
+    for (int block = 0; block < sweep.blocks(); ++block) sweep.differentiate(block);
+    ++sweeps;
+    const int base = sweep.breakpoints() - 1;
+    const kernel::State& y = sweep.node(base).y;
+    base_error = log_so3(Quaterniond(y.q[0], y.q[1], y.q[2], y.q[3]) * rod.q_base.conjugate());
+    base_per_tip = unknown_lanes(sweep.lanes(0, base).psi);
+    correction.setZero();
+    correct_nodes(rod);
+    for (int j = 0; j < static_cast<int>(parameters.size()); ++j) {
+      const int block = Sweep::block_of(j);
+      const int k = Sweep::lane_of(j);
+      const kernel::LaneState& at_base = sweep.lanes(block, base);
+      dbase.col(j) = lane(at_base.psi, k);
+      if (parameters[static_cast<std::size_t>(j)].kind == ParameterKind::kBaseRotation) {
+        dbase.col(j) -= Vector3d::Unit(parameters[static_cast<std::size_t>(j)].component);
+      }
+      for (std::size_t i = 0; i < states.size(); ++i) {
+        const kernel::LaneState& own = sweep.lanes(block, sweep.grid().station_breakpoint[i]);
+        dp[i].col(j) = lane(own.pi, k) - lane(at_base.pi, k);
+        drotation[i].col(j) = lane(own.psi, k);
+      }
+    }
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      states[i] = state_at_breakpoint(sweep.grid().station_breakpoint[i]);
+    }
+  }
+
   void fill_derivatives() {
     const int base = sweep.breakpoints() - 1;
     const Matrix3d base_pi = unknown_lanes(sweep.lanes(0, base).pi);
@@ -315,6 +347,8 @@ struct Solver::Impl {
   std::vector<RodState> states;
   std::vector<Eigen::Matrix3Xd> dp, drotation;
   Eigen::Matrix3Xd drotation_tip;
+  Vector3d base_error = Vector3d::Zero();
+  Eigen::Matrix3Xd dbase;
 };
 
 Solver::Solver(const Rod& layout, std::vector<double> stations_m, std::vector<Parameter> parameters,
@@ -349,6 +383,29 @@ SolveStatus Solver::solve(const Rod& rod, const Quaterniond& q_tip, const Rod* f
   }
   m.finish(rod);
   return SolveStatus::kConverged;
+}
+
+SolveStatus Solver::shoot(const Rod& rod, const Quaterniond& q_tip) {
+  Impl& m = *impl_;
+  m.sweeps = 0;
+  if (!finite_and_physical(rod) || !q_tip.coeffs().allFinite()) return SolveStatus::kInvalidInput;
+  m.length = rod.rest_length_m();
+  m.q_tip = q_tip;
+  m.shoot(rod);
+  return m.base_error.allFinite() && m.states.back().p.allFinite() ? SolveStatus::kConverged
+                                                                   : SolveStatus::kNoConvergence;
+}
+
+const Vector3d& Solver::base_error() const {
+  return impl_->base_error;
+}
+Eigen::Ref<const Eigen::Matrix3Xd> Solver::dbase() const {
+  return impl_->dbase;
+}
+Matrix3d Solver::dp_by_tip(int i) const {
+  const Sweep& sweep = impl_->sweep;
+  const int k = sweep.grid().station_breakpoint[static_cast<std::size_t>(i)];
+  return unknown_lanes(sweep.lanes(0, k).pi) - unknown_lanes(sweep.lanes(0, sweep.breakpoints() - 1).pi);
 }
 
 int Solver::stations() const {

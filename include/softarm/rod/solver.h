@@ -76,6 +76,18 @@ class Solver {
   /// kNoConvergence.
   SolveStatus solve(const Rod& rod, const Eigen::Quaterniond& q_tip, const Rod* from = nullptr);
 
+  /// One integration from a given tip orientation, without asking for the base's: the equilibrium of a rod
+  /// whose base is turned by base_error(). Never fails for finite values; for fits that approach the boundary
+  /// condition and the measurements together. Afterwards dp() and drotation() hold the tip fixed; dp_by_tip()
+  /// and base_per_tip_rotation() are by its rotation.
+  SolveStatus shoot(const Rod& rod, const Eigen::Quaterniond& q_tip);
+  /// Rotation vector (world frame) from the wanted to the obtained base orientation.
+  const Eigen::Vector3d& base_error() const;
+  /// d base_error / d parameters at fixed tip (3 x P), up to the curvature of SO(3).
+  Eigen::Ref<const Eigen::Matrix3Xd> dbase() const;
+  /// d position of station i / d rotation of the tip.
+  Eigen::Matrix3d dp_by_tip(int i) const;
+
   // The rest is valid after a kConverged solve, until the next.
 
   int stations() const;
