@@ -305,9 +305,10 @@ struct Estimator::Impl {
       warm = false;
       good = start_cold() && minimise();
     }
-    if (poor() && options.method != Method::kEndOrientation) {
-      // Say, a standing arm near its buckling load: at a stiffness far off it has no equilibrium near its
-      // shape.
+    // A standing arm near its buckling load, say: at a stiffness far off it has no equilibrium near its shape, or the
+    // fit runs into the load at which it is lost.
+    const bool enough = options.method != Method::kEndOrientation;
+    if (enough && (poor() || !fit::covariance(problem, problem_free(), options, x).shape_determined)) {
       const VectorXd before = x;
       const double rms_before = good ? rms() : std::numeric_limits<double>::infinity();
       const bool better = start_cold(true) && minimise() && rms() < rms_before;
