@@ -43,7 +43,7 @@ struct PublishedArm {
 struct PublishedOptions {
   int nodes = 100;  ///< equally spaced, both ends included; integrals by the trapezoidal rule; 3 ... 1e6
   double relaxation = 1.0;   ///< share of each update that is applied, (0, 1]; 1: as printed
-  int max_iterations = 300;  ///< >= 1
+  int max_iterations = 300;  ///< >= 1; evaluations of the moments
   /// > 0; converged when no node's curvature would change by more than this over the length, |dk| L, rad
   double tolerance_rad = 1e-9;
 };
@@ -65,9 +65,10 @@ struct PublishedShape {
 /// and curvature from the moments. The error in position is of second order in the node spacing.
 PublishedShape solve_published(const PublishedArm& arm, LoadLaw law, const PublishedOptions& options = {});
 
-/// A relaxation with which the iteration settles for both laws where 1 (as printed) need not: 1 / (1 + a),
+/// A relaxation with which the iteration settles, for both laws, where 1 (as printed) need not: 1 / (1 + a),
 /// a = 4 F L^2 / (pi^2 EI) + W L^2 / (7.8373 EI) being the loads over those that buckle the straight arm. An
 /// arm that hangs answers a change of its curvature by one -a times as large, hence the divergence for a > 1.
+/// No proof covers large bending; loads far beyond the papers' need more than the default iterations.
 /// @returns 1 for loads or properties that are not physical
 double settling_relaxation(const PublishedArm& arm);
 
