@@ -38,6 +38,7 @@ function(softarm_programs)
       SOFTARM_VERSION="${${PROJECT_NAME}_VERSION}" SOFTARM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
     target_link_libraries(${name} PRIVATE ${ARGN})
     set_target_properties(${name} PROPERTIES
+      INSTALL_RPATH "$ORIGIN/.."  # from lib/softarm_estimator to lib
       RUNTIME_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION})
     install(TARGETS ${name} RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
     list(APPEND names ${name})

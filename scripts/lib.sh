@@ -1,4 +1,4 @@
-# What the scripts of this folder share: sourced, not run. Sets up Debian's packages, builds, enters the devel space.
+# What the scripts of this folder share: sourced, not run. Sets up Debian's packages, builds, enters the install space.
 #
 # SOFTARM_BUILD_DIR  where to build (default: build/ of the checkout). Nothing outside of it is written, except that
 #                    missing Debian packages are installed.
@@ -54,18 +54,22 @@ install_packages() {
   }
 }
 
-# show_progress: passes what ninja prints on to the log; on a terminal it also keeps one line of progress.
+# show_progress LOG: passes what ninja prints; says so once there is something to build, with one line of progress on a
+# terminal.
 show_progress() {
-  local line
-  if [ -t 2 ]; then
-    while IFS= read -r line; do
-      printf '%s\n' "$line"
-      case $line in \[*) printf '\r\033[K%.*s' "${COLUMNS:-100}" "$line" >&2 ;; esac
-    done
-    printf '\r\033[K' >&2
-  else
-    cat
-  fi
+  local line told=no
+  while IFS= read -r line; do
+    printf '%s\n' "$line"
+    case $line in
+      *'Re-checking globbed directories'*) ;;
+      \[*)
+        [ $told = yes ] || say "Building (log: $1) ..."
+        told=yes
+        [ ! -t 2 ] || printf '\r\033[K%.*s' "$((${COLUMNS:-80} - 1))" "$line" >&2
+        ;;
+    esac
+  done
+  [ ! -t 2 ] || printf '\r\033[K' >&2
 }
 
 # build TARGET [CMAKE_ARGUMENT...]: configures where needed and builds; quiet, in well under a second where nothing
@@ -82,34 +86,37 @@ build() {
     rm -rf "$cache" "$SOFTARM_BUILD_DIR/CMakeFiles"  # the checkout was moved or copied
   fi
   [ -f "$SOFTARM_BUILD_DIR/build.ninja" ] && [ -f "$cache" ] || configure=yes
-  for argument in "$@"; do
+  for argument in "-DCMAKE_INSTALL_PREFIX=$SOFTARM_BUILD_DIR/install" "$@"; do
     grep -qE "^${argument%%=*}(:[A-Z]+)?=${argument#*=}\$" <(sed 's/^/-D/' "$cache" 2>/dev/null) || configure=yes
   done
   : >"$log"
   if [ $configure = yes ]; then
     say "Configuring in $SOFTARM_BUILD_DIR ..."
     cmake -S "$SOFTARM_ROOT" -B "$SOFTARM_BUILD_DIR" -G Ninja -DCMAKE_BUILD_TYPE=Release \
+      -DCMAKE_INSTALL_PREFIX="$SOFTARM_BUILD_DIR/install" \
       -DPYTHON_EXECUTABLE=/usr/bin/python3 -DPython3_EXECUTABLE=/usr/bin/python3 "$@" >>"$log" 2>&1 9>&- || {
       grep -A12 'CMake Error' "$log" | head -n 40 >&2 || tail -n 30 "$log" >&2
       die "cmake failed (whole log: $log)"
     }
   fi
-  if ! ninja -C "$SOFTARM_BUILD_DIR" -n "$target" 2>/dev/null 9>&- | grep -q 'no work to do'; then
-    say "Building (log: $log) ..."
-  fi
-  if ! ninja -C "$SOFTARM_BUILD_DIR" "$target" 2>&1 9>&- | show_progress >>"$log"; then
+  if ! ninja -C "$SOFTARM_BUILD_DIR" "$target" 2>&1 9>&- | show_progress "$log" >>"$log"; then
     grep -A25 '^FAILED' "$log" | head -n 60 >&2 || tail -n 40 "$log" >&2
     die "the build failed (whole log: $log)"
   fi
+  # The install space, because rosrun looks for no program of a package in a folder build/ of the package's own source.
+  cmake --install "$SOFTARM_BUILD_DIR" >>"$log" 2>&1 9>&- || {
+    tail -n 15 "$log" >&2
+    die "the installation into $SOFTARM_BUILD_DIR/install failed (whole log: $log)"
+  }
   exec 9>&-
   [ $((SECONDS - started)) -lt 5 ] || say "Built in $((SECONDS - started)) s."
 }
 
-# enter_devel_space: ROS_PACKAGE_PATH, PYTHONPATH and so on of this build; logs of ROS go to the build folder.
-enter_devel_space() {
+# enter_install_space: ROS_PACKAGE_PATH, PYTHONPATH and so on of this build; logs of ROS go to the build folder.
+enter_install_space() {
   set +u  # catkin's setup files read variables that may be unset
   # shellcheck disable=SC1091
-  source "$SOFTARM_BUILD_DIR/devel/setup.bash"
+  source "$SOFTARM_BUILD_DIR/install/setup.bash"
   set -u
   export PATH="/usr/sbin:/usr/bin:/sbin:/bin:$PATH"
   export ROS_HOME="$SOFTARM_BUILD_DIR/ros_home"

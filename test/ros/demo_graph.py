@@ -10,7 +10,7 @@ import rostest
 
 class DemoGraph(unittest.TestCase):
     def report(self, *arguments):
-        return subprocess.run(["rosrun", "softarm_estimator", "demo_report", *arguments], text=True, timeout=60,
+        return subprocess.run(["demo_report", *arguments], text=True, timeout=60,
                               stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 
     def test_estimates_come_and_agree_with_the_truth(self):
