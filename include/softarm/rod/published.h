@@ -16,10 +16,8 @@ namespace softarm::rod {
 
 /// The moments that the loads add to M_0 at s; a bending arm that stands is bent further by them.
 enum class LoadLaw {
-  /// As printed. Online paper (2): F sin theta(L) [w(L) - w(s)]; (3): W/L times the integral over r from s to
-  /// L
-  /// of sin theta(r) [w(L) - w(r)], the printed integrand with its s, in all places, the variable of
-  /// integration.
+  /// As printed. Online paper (2): F sin theta(L) [w(L) - w(s)]; (3): W/L times the integral over r, from s
+  /// to L, of sin theta(r) [w(L) - w(r)]: every s of the printed integrand is the variable of integration.
   kPrinted,
   /// Dead vertical forces: F [w(L) - w(s)], and W/L times the integral over r from s to L of [w(r) - w(s)].
   kStatics,
