@@ -51,7 +51,7 @@ struct Estimator::Impl {
       inflation_limit.push_back(quantile(boost::math::chi_squared(dof), kInflationLevel));
     }
     solver.options.max_num_iterations = 60;
-    solver.options.function_tolerance = 1e-8;  // of the cost in units of the noise
+    solver.options.function_tolerance = 1e-6;  // of the cost in units of the noise
     solver.options.parameter_tolerance = 1e-9;
     solver.options.gradient_tolerance = 1e-9;
     estimate.segments.resize(arm.segments.size());
@@ -161,11 +161,15 @@ struct Estimator::Impl {
     const bool ends = options.method == Method::kEndOrientation || options.method == Method::kCcEndpoint;
     const std::vector<int> wanted = ends ? end_bodies() : std::vector<int>();
     const Eigen::Isometry3d to_base = base.inverse();
+    bool absurd = false;
     for (const BodyObservation& seen : frame.bodies) {
       if (seen.body < 0 || seen.body >= static_cast<int>(arm.bodies.size())) continue;
       if (ends && std::find(wanted.begin(), wanted.end(), seen.body) == wanted.end()) continue;
       const MeasuredBody& body = arm.bodies[static_cast<std::size_t>(seen.body)];
-      if (!seen.p_mocap.allFinite()) continue;
+      if (!seen.p_mocap.allFinite()) {
+        absurd = true;
+        continue;
+      }
       Observation o;
       o.body = seen.body;
       o.station = problem.station_of_body(seen.body);
@@ -182,6 +186,7 @@ struct Estimator::Impl {
       }
       if (!(o.p.norm() < kFarFromArm * arm.total_length_m())) {
         far.push_back(body.name);
+        absurd = true;
         continue;
       }
       observations.push_back(o);
@@ -192,9 +197,7 @@ struct Estimator::Impl {
       for (const std::string& name : far)
         detail += fmt::format("; '{}' is too far from the base to be on the arm", name);
       far.clear();
-      fail(far.empty() && observations.empty() && !frame.bodies.empty() ? Status::kInvalidInput
-                                                                        : Status::kNotEnoughBodies,
-           detail);
+      fail(absurd && observations.empty() ? Status::kInvalidInput : Status::kNotEnoughBodies, detail);
       return false;
     }
     far.clear();
@@ -260,6 +263,8 @@ struct Estimator::Impl {
       v[problem.payload_column()] = payload_known.value_or(0.0) / Problem::kPayloadUnit;
   }
 
+  void refresh_covariance() { covariance = fit::covariance(problem, problem_free(), options, x); }
+
   double rms() const {
     double sum = 0.0;
     int count = 0;
@@ -305,15 +310,17 @@ struct Estimator::Impl {
       warm = false;
       good = start_cold() && minimise();
     }
-    // A standing arm near its buckling load, say: at a stiffness far off it has no equilibrium near its shape, or the
-    // fit runs into the load at which it is lost.
+    // A standing arm near its buckling load, say: at a stiffness far off it has no equilibrium near its
+    // shape, or the fit runs into the load at which it is lost.
     const bool enough = options.method != Method::kEndOrientation;
-    if (enough && (poor() || !fit::covariance(problem, problem_free(), options, x).shape_determined)) {
+    if (good) refresh_covariance();
+    if (enough && (poor() || !covariance.shape_determined)) {
       const VectorXd before = x;
       const double rms_before = good ? rms() : std::numeric_limits<double>::infinity();
       const bool better = start_cold(true) && minimise() && rms() < rms_before;
       if (!better) x = before;
       good = better || (good && problem.evaluate(x));
+      if (good) refresh_covariance();
     }
     estimate.solver.warm_start = warm;
     if (!good) {
@@ -352,6 +359,7 @@ struct Estimator::Impl {
         problem.evaluate(x);
         return;
       }
+      refresh_covariance();
     }
   }
 
@@ -387,6 +395,7 @@ struct Estimator::Impl {
     problem.free() = estimated;  // what is told is asked of all of them
     problem.begin();
     problem.evaluate(x);
+    refresh_covariance();
   }
 
   // --- step 5 ---
@@ -402,7 +411,7 @@ struct Estimator::Impl {
                        1e3 * estimate.rms_residual_m));
       return;
     }
-    fit::Covariance covariance = fit::covariance(problem, estimated, options, x);
+    if (options.method == Method::kCcEndpoint) refresh_covariance();
     if (!covariance.shape_determined) {
       have_last = false;
       fail(Status::kNotEnoughBodies,
@@ -420,7 +429,7 @@ struct Estimator::Impl {
                         estimate.segments[static_cast<std::size_t>(i)]);
     }
     bending_angles();
-    payload(covariance);
+    payload();
     backbone();
     last_x = x;
     have_last = options.method != Method::kCcEndpoint;
@@ -461,7 +470,7 @@ struct Estimator::Impl {
     }
   }
 
-  void payload(const fit::Covariance& covariance) {
+  void payload() {
     if (is_constant_curvature(options.method)) {
       estimate.payload_kg = payload_known;
       return;
@@ -495,6 +504,7 @@ struct Estimator::Impl {
   std::optional<double> payload_known;
   std::vector<std::optional<double>> known_flexibility;
   std::vector<bool> estimated;
+  fit::Covariance covariance;
   VectorXd x, last_x;
   bool have_last = false;
   Estimate estimate;

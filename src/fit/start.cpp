@@ -35,6 +35,16 @@ Arc arc_to(const Arc& last, double s, const Vector3d& p) {
   return arc;
 }
 
+/// Point at fraction f of a cubic from p0 to p1 with these unit tangents, as near to an arc as a cubic comes.
+/// Where a body's tangent is measured the shape before it is told by more than one arc.
+Vector3d cubic(const Vector3d& p0, const Vector3d& t0, const Vector3d& p1, const Vector3d& t1, double length,
+               double f) {
+  const double angle = std::atan2(t0.cross(t1).norm(), t0.dot(t1));
+  const double speed = length * (angle > 1e-3 ? 4.0 * std::tan(0.25 * angle) / angle : 1.0);
+  const double g = 1.0 - f;
+  return g * g * (1.0 + 2.0 * f) * p0 + f * f * (3.0 - 2.0 * f) * p1 + speed * f * g * (g * t0 - f * t1);
+}
+
 /// Moment at p of everything that hangs beyond s, with the places taken from the arcs.
 Vector3d load_moment(const rod::Rod& rod, const std::vector<Arc>& arcs, double s, const Vector3d& p) {
   const auto place = [&](double at) {
@@ -117,8 +127,20 @@ Start start_from_shape(const Arm& arm, const Problem& problem,
   for (const Observation* o : seen) {
     const double s = arm.bodies[static_cast<std::size_t>(o->body)].arclength_m;
     if (s - last.s_to < 0.02 * arm.total_length_m()) continue;  // too close: the arc would be noise
-    last = arc_to(last, s, o->p);
-    arcs.push_back(last);
+    if (!o->tangent) {
+      last = arc_to(last, s, o->p);
+      arcs.push_back(last);
+      continue;
+    }
+    constexpr int kPieces = 4;
+    const Arc before = last;
+    const Vector3d tangent = before.q_from * (exp_so3(before.turn) * Vector3d::UnitZ());
+    for (int i = 1; i <= kPieces; ++i) {
+      const double f = static_cast<double>(i) / kPieces;
+      last = arc_to(last, before.s_to + f * (s - before.s_to),
+                    cubic(before.p_to, tangent, o->p, *o->tangent, s - before.s_to, f));
+      arcs.push_back(last);
+    }
   }
   rod::Rod rod = problem.rod();
   rod.loads[rod::kPayloadLoad].mass_kg = payload_kg;

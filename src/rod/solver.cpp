@@ -15,6 +15,10 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
+// Points on the way of a continuation need only be near the path; where that fails, they are tried on it.
+constexpr double kNearPathRad = 0.1;
+constexpr double kNearPathError = 1e-4;  // of positions, over the rod's length
+
 bool finite_and_physical(const Rod& rod) {
   const auto ok = [](const Vector3d& v) { return v.allFinite(); };
   bool good = ok(rod.p_base) && rod.q_base.coeffs().allFinite() && ok(rod.gravity_m_s2);
@@ -73,8 +77,9 @@ struct Solver::Impl {
 
   /// Newton on the base's orientation with the rod of the last set_rod; q_tip is updated. On kConverged the
   /// last sweep lies within a linear correction (`correction`) of equilibrium.
-  Newton newton(const Quaterniond& q_base, double largest_change) {
-    Vector3d total = Vector3d::Zero();
+  /// @param accept_rad a correction below this ends the iteration
+  Newton newton(const Quaterniond& q_base, double largest_change, double accept_rad) {
+    double total = 0.0;
     double last = std::numeric_limits<double>::infinity();
     for (int i = 0; i < options.max_newton_iterations; ++i) {
       position_error = sweep.integrate(q_tip);
@@ -89,13 +94,12 @@ struct Solver::Impl {
       correction = -(inverse * error);
       const double size = error.norm();
       if (!correction.allFinite()) return Newton::kDiverged;
-      const double step = correction.norm();
-      total += correction;
-      if (std::max(step, size) <= options.linear_correction_rad ||
-          size <= options.orientation_tolerance_rad) {
+      const double step = largest_turn(correction, -1);
+      total += step;
+      if (std::max(step, size) <= accept_rad || size <= options.orientation_tolerance_rad) {
         return Newton::kConverged;
       }
-      if (total.norm() > largest_change) return Newton::kFar;
+      if (total > largest_change) return Newton::kFar;
       if (i > 0 && size > 0.5 * last) return Newton::kFar;
       last = size;
       q_tip = (exp_so3(correction) * q_tip).normalized();
@@ -104,19 +108,43 @@ struct Solver::Impl {
     return Newton::kDiverged;
   }
 
+  /// Largest rotation of any breakpoint for a rotation of the tip and, unless lane_index is -1, a unit of
+  /// that lane. Under large loads the tip hardly turns where the rest does.
+  double largest_turn(const Vector3d& tip, int lane_index) const {
+    double largest = 0.0;
+    for (int k = 0; k < sweep.breakpoints(); ++k) {
+      const kernel::LaneState& lanes = sweep.lanes(0, k);
+      Vector3d turn = unknown_lanes(lanes.psi) * tip;
+      if (lane_index >= 0) turn += lane(lanes.psi, lane_index);
+      largest = std::max(largest, turn.squaredNorm());
+    }
+    return std::sqrt(largest);
+  }
+
+  /// False where an odd number of modes is unstable (see Solver::stable).
+  bool no_odd_instability() const {
+    for (int k = 0; k < sweep.breakpoints(); ++k) {
+      if (!(unknown_lanes(sweep.lanes(0, k).psi).determinant() > 0.0)) return false;
+    }
+    return true;
+  }
+
   /// Rotation of the tip per unit of load scale, at the last sweep.
   Vector3d tip_per_load_scale() const {
     return -(inverse * lane(sweep.lanes(0, sweep.breakpoints() - 1).psi, kLoadScaleLane));
   }
 
-  /// Newton with as fine a grid as the accuracy asks for.
-  Newton newton_refined(const Quaterniond& q_base, double largest_change) {
+  /// Newton with as fine a grid as the accuracy asks for. @param position_tolerance over the rod's length
+  Newton newton_refined(const Quaterniond& q_base, double largest_change, double accept_rad,
+                        double position_tolerance) {
     while (true) {
-      const Newton result = newton(q_base, largest_change);
-      const double limit = options.position_tolerance * length;
+      const Quaterniond q_start = q_tip;
+      const Newton result = newton(q_base, largest_change, accept_rad);
+      const double limit = position_tolerance * length;
       if (result == Newton::kConverged && !(position_error <= limit) &&
           sweep.refinement() * 2 <= options.max_refinement) {
         sweep.refine(sweep.refinement() * 2);
+        if (accept_rad > options.linear_correction_rad) q_tip = q_start;
         continue;
       }
       // The finest grid was not fine enough: rather no answer than a wrong one.
@@ -144,50 +172,64 @@ struct Solver::Impl {
   }
 
   SolveStatus cold(const Rod& rod) {
-    q_tip = unloaded_tip(rod);
-    scale_loads(rod, 0.0, scaled);
-    sweep.set_rod(scaled, rod);
-    sweep.refine(1);
-    if (newton(rod.q_base, 3.0) != Newton::kConverged) return SolveStatus::kNoConvergence;
-    return follow(
-        [&](double t) {
-          if (t < 1.0) {
-            scale_loads(rod, t, scaled);
-            sweep.set_rod(scaled, rod);
-          } else {
-            sweep.set_rod(rod, rod);
-          }
-          return t < 1.0 ? scaled.q_base : rod.q_base;
-        },
-        true);
+    const auto set_path = [&](double t) {
+      if (t < 1.0) {
+        scale_loads(rod, t, scaled);
+        sweep.set_rod(scaled, rod);
+      } else {
+        sweep.set_rod(rod, rod);
+      }
+      return rod.q_base;
+    };
+    const Quaterniond q_unloaded = unloaded_tip(rod);
+    for (const double near_path_rad : {kNearPathRad, options.linear_correction_rad}) {
+      q_tip = q_unloaded;
+      set_path(0.0);
+      sweep.refine(1);
+      if (newton(rod.q_base, 3.0, options.linear_correction_rad) != Newton::kConverged) break;
+      const SolveStatus status = follow(set_path, true, near_path_rad);
+      // Long steps may have left the branch for one that no arm takes; then the path is walked again in short
+      // ones.
+      if (status == SolveStatus::kConverged && (near_path_rad < kNearPathRad || no_odd_instability()))
+        return status;
+    }
+    return SolveStatus::kNoConvergence;
   }
 
-  /// From `start`, whose tip is q_tip, to `rod`.
-  SolveStatus from(const Rod& start, const Rod& rod) {
-    sweep.set_rod(start, start);
-    if (newton(start.q_base, options.largest_tip_change_rad) != Newton::kConverged)
-      return SolveStatus::kNoConvergence;
-    return follow(
-        [&](double t) {
-          if (t < 1.0) {
-            interpolate(start, rod, t, scaled);
-            sweep.set_rod(scaled, rod);
-          } else {
-            sweep.set_rod(rod, rod);
-          }
-          return t < 1.0 ? scaled.q_base : rod.q_base;
-        },
-        false);
+  /// From `start`, whose tip is near q_start, to `rod`.
+  SolveStatus from(const Rod& start, const Quaterniond& q_start, const Rod& rod) {
+    const auto set_path = [&](double t) {
+      if (t < 1.0) {
+        interpolate(start, rod, t, scaled);
+        sweep.set_rod(scaled, rod);
+      } else {
+        sweep.set_rod(rod, rod);
+      }
+      return t < 1.0 ? scaled.q_base : rod.q_base;
+    };
+    for (const double near_path_rad : {kNearPathRad, options.linear_correction_rad}) {
+      q_tip = q_start;
+      const Quaterniond q_base = set_path(0.0);
+      if (newton(q_base, options.largest_tip_change_rad, options.linear_correction_rad) != Newton::kConverged)
+        break;
+      if (follow(set_path, false, near_path_rad) == SolveStatus::kConverged) return SolveStatus::kConverged;
+    }
+    return SolveStatus::kNoConvergence;
   }
 
   /// Follows the path of equilibria from t = 0, where the last newton() converged, to t = 1.
   /// @param by_loads the load-scale lane is the path's direction; else the predictor is a secant
+  /// @param near_path_rad how near to the path its points on the way must be
   template <typename SetPath>
-  SolveStatus follow(const SetPath& set_path, bool by_loads) {
+  SolveStatus follow(const SetPath& set_path, bool by_loads, double near_path_rad) {
+    const bool long_steps = near_path_rad >= kNearPathRad;
+    const double largest_change = long_steps ? 0.7 : 0.5;
+    const int budget = sweeps + options.max_sweeps;
     double t = 0.0;
     double dt = 1.0;
     Vector3d slope = by_loads ? tip_per_load_scale() : Vector3d::Zero().eval();
-    if (by_loads) dt = std::min(1.0, 0.6 / std::max(slope.norm(), 1e-9));
+    if (by_loads)
+      dt = std::min(1.0, (long_steps ? 1.2 : 0.6) / std::max(largest_turn(slope, kLoadScaleLane), 1e-9));
     while (t < 1.0) {
       const Quaterniond q_from = q_tip;
       const double next = std::min(1.0, t + dt);
@@ -195,16 +237,17 @@ struct Solver::Impl {
       const Quaterniond q_base = set_path(next);
       const Quaterniond q_predicted = q_tip;
       const bool last = next >= 1.0;
-      const Newton result = last ? newton_refined(q_base, 0.5) : newton(q_base, 0.5);
+      const Newton result = last ? newton_refined(q_base, largest_change, options.linear_correction_rad,
+                                                  options.position_tolerance)
+                                 : newton_refined(q_base, largest_change, near_path_rad, kNearPathError);
       if (result != Newton::kConverged) {
         q_tip = q_from;
         dt = 0.4 * (next - t);
-        if (dt < options.smallest_continuation_step || sweeps > options.max_sweeps)
-          return SolveStatus::kNoConvergence;
+        if (dt < options.smallest_continuation_step || sweeps > budget) return SolveStatus::kNoConvergence;
         continue;
       }
       if (last) break;
-      if (sweeps > options.max_sweeps) return SolveStatus::kNoConvergence;
+      if (sweeps > budget) return SolveStatus::kNoConvergence;
       q_tip = (exp_so3(correction) * q_tip).normalized();
       const double miss = log_so3(q_tip * q_predicted.conjugate()).norm();
       if (by_loads) {
@@ -375,10 +418,10 @@ SolveStatus Solver::solve(const Rod& rod, const Quaterniond& q_tip, const Rod* f
   m.length = rod.rest_length_m();
   m.q_tip = q_tip;
   m.sweep.set_rod(rod, rod);
-  if (m.newton_refined(rod.q_base, m.options.largest_tip_change_rad) != Impl::Newton::kConverged) {
+  if (m.newton_refined(rod.q_base, m.options.largest_tip_change_rad, m.options.linear_correction_rad,
+                       m.options.position_tolerance) != Impl::Newton::kConverged) {
     if (from == nullptr || !finite_and_physical(*from)) return SolveStatus::kNoConvergence;
-    m.q_tip = q_tip;
-    const SolveStatus status = m.from(*from, rod);
+    const SolveStatus status = m.from(*from, q_tip, rod);
     if (status != SolveStatus::kConverged) return status;
   }
   m.finish(rod);
@@ -459,7 +502,7 @@ RodState Solver::at(double s_m) const {
       step.h = s - step.s_distal;
       for (int j = 0; j < kernel::kStages; ++j) step.flex[j] = flex(step.s_distal + kernel::kC[j] * step.h);
     }
-    kernel::nominal_step(step, node.n, node.y, nullptr, nullptr);
+    m.sweep.nominal_step(step, node);
     for (int r = 0; r < 3; ++r) node.n[r] -= step.h * step.section->weight[r];
     if (partial || step.s_distal + step.h <= s) break;
   }

@@ -47,7 +47,7 @@ Sweep::Sweep(const Rod& layout, const std::vector<double>& stations_m,
              const std::vector<Parameter>& parameters, int max_refinement)
     : grid_(layout, stations_m, max_refinement),
       parameters_(parameters),
-      tangent_step_(kernel::pick_tangent_step()),
+      kernel_(kernel::pick_kernel()),
       sections_(layout.segments.size()),
       nodes_(static_cast<std::size_t>(grid_.breakpoints())),
       distal_(nodes_.size()),
@@ -230,7 +230,7 @@ double Sweep::integrate(const Eigen::Quaterniond& q_tip) {
     for (int i = 0; i < count; ++i) {
       const auto s = static_cast<std::size_t>(interval.first_step + i);
       const kernel::Step& step = grid_.steps[s];
-      kernel::nominal_step(step, node.n, node.y, &stages_[s * kernel::kStages], &error);
+      kernel_.nominal_step(step, node.n, node.y, &stages_[s * kernel::kStages], &error);
       for (int r = 0; r < 3; ++r) node.n[r] -= step.h * step.section->weight[r];
     }
     lever += sections_[static_cast<std::size_t>(interval.segment)].stretch *
@@ -256,8 +256,8 @@ void Sweep::differentiate(int block) {
     const int count = interval.coarse_steps * refinement_;
     for (int i = 0; i < count; ++i) {
       const auto s = static_cast<std::size_t>(interval.first_step + i);
-      tangent_step_(grid_.steps[s], &stages_[s * kernel::kStages],
-                    sources[static_cast<std::size_t>(interval.segment)], y);
+      kernel_.tangent_step(grid_.steps[s], &stages_[s * kernel::kStages],
+                           sources[static_cast<std::size_t>(interval.segment)], y);
     }
   }
   apply_loads(block, grid_.breakpoints() - 1, distal_.back(), y);

@@ -45,6 +45,9 @@ class Sweep {
   const kernel::LaneState& lanes(int block, int breakpoint) const {
     return lanes_[static_cast<std::size_t>(block)][static_cast<std::size_t>(breakpoint)];
   }
+  void nominal_step(const kernel::Step& step, Node& node) const {
+    kernel_.nominal_step(step, node.n, node.y, nullptr, nullptr);
+  }
   const kernel::Section& section(int segment) const { return sections_[static_cast<std::size_t>(segment)]; }
 
   /// Block and lane of a parameter.
@@ -58,7 +61,7 @@ class Sweep {
 
   Grid grid_;
   std::vector<Parameter> parameters_;
-  kernel::TangentStep tangent_step_;
+  kernel::Kernel kernel_;
   const Rod* rod_ = nullptr;
   const Rod* load_direction_ = nullptr;
   int refinement_ = 0;

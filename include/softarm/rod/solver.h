@@ -32,14 +32,14 @@ struct SolverOptions {
   double orientation_tolerance_rad = 1e-10;  ///< base orientation error of a converged solution
   /// A Newton correction below this (of tip and base) is applied to the last sweep to first order instead of
   /// sweeping again.
-  double linear_correction_rad = 1e-6;
+  double linear_correction_rad = 1e-5;
   double position_tolerance =
       1e-7;                        ///< integration error of positions over the rod's length; refines the grid
   int max_refinement = 32;         ///< largest subdivision of the grid
   int max_newton_iterations = 12;  ///< per continuation step
   double largest_tip_change_rad = 0.8;  ///< a warm start whose tip turns further is reached by continuation
-  double smallest_continuation_step = 1e-3;
-  int max_sweeps = 400;  ///< of one solve, continuation included
+  double smallest_continuation_step = 1e-4;
+  int max_sweeps = 300;  ///< of one continuation
 };
 
 /// Solves the statics by shooting from the tip.

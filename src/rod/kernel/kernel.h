@@ -57,11 +57,6 @@ struct StepError {
   double q, p;  // estimated local errors: of the rotation (rad) and of the position (m)
 };
 
-/// One step of the nominal sweep: y is advanced; n_distal is the internal force at the distal end.
-/// @param stages where not null, filled for the sweep of derivatives
-/// @param error where not null, the local error estimate is added
-void nominal_step(const Step& step, const double n_distal[3], State& y, Stage* stages, StepError* error);
-
 /// Curvature (section frame) and strain at a state, with internal force n.
 void strains(const Section& section, double flex, const State& y, const double n[3], double u[3],
              double v[3]);
@@ -83,14 +78,26 @@ struct LaneSource {
   Lanes weight[3];
 };
 
+/// One step of the nominal sweep: y is advanced; n_distal is the internal force at the distal end.
+/// @param stages where not null, filled for the sweep of derivatives
+/// @param error where not null, the local error estimate is added
+using NominalStep = void (*)(const Step& step, const double n_distal[3], State& y, Stage* stages,
+                             StepError* error);
+
 /// One step of the sweep of derivatives along the stages of a nominal step.
 using TangentStep = void (*)(const Step& step, const Stage* stages, const LaneSource& source, LaneState& y);
 
-void tangent_step_baseline(const Step&, const Stage*, const LaneSource&, LaneState&);
-void tangent_step_avx2(const Step&, const Stage*, const LaneSource&, LaneState&);
-void tangent_step_avx512(const Step&, const Stage*, const LaneSource&, LaneState&);
+/// Both, for one instruction set.
+struct Kernel {
+  NominalStep nominal_step;
+  TangentStep tangent_step;
+};
+
+Kernel baseline_kernel();
+Kernel avx2_kernel();
+Kernel avx512_kernel();
 
 /// The fastest one that this processor runs.
-TangentStep pick_tangent_step();
+Kernel pick_kernel();
 
 }  // namespace softarm::rod::kernel

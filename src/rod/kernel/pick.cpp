@@ -2,12 +2,12 @@
 
 namespace softarm::rod::kernel {
 
-TangentStep pick_tangent_step() {
+Kernel pick_kernel() {
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) return tangent_step_avx512;
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return tangent_step_avx2;
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) return avx512_kernel();
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return avx2_kernel();
 #endif
-  return tangent_step_baseline;
+  return baseline_kernel();
 }
 
 }  // namespace softarm::rod::kernel

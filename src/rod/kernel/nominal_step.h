@@ -1,4 +1,7 @@
 #include <algorithm>
+// The nominal sweep, included once per instruction set.
+#pragma once
+
 #include <cmath>
 
 #include "kernel.h"
@@ -65,9 +68,8 @@ inline __attribute__((always_inline)) void evaluate(const Section& c, double fle
   cross(n, g.dp, dm);  // -p' x n
 }
 
-}  // namespace
-
-void nominal_step(const Step& step, const double n_distal[3], State& y, Stage* stages, StepError* error) {
+inline void nominal_step(const Step& step, const double n_distal[3], State& y, Stage* stages,
+                         StepError* error) {
   const Section& c = *step.section;
   Stage scratch;
   double rate[kStages][7];  // of q, m
@@ -116,15 +118,5 @@ void nominal_step(const Step& step, const double n_distal[3], State& y, Stage* s
   for (double& x : y.q) x *= scale;
 }
 
-void strains(const Section& c, double flex, const State& y, const double n[3], double u[3], double v[3]) {
-  double d1[3], d2[3], t[3];
-  columns(y.q, d1, d2, t);
-  u[0] = c.rest[0] + c.bend * flex * (dot(d1, y.m) + c.moment[0]);
-  u[1] = c.rest[1] + c.bend * flex * (dot(d2, y.m) + c.moment[1]);
-  u[2] = c.rest[2] + c.twist * flex * (dot(t, y.m) + c.moment[2]);
-  v[0] = c.shear * dot(d1, n);
-  v[1] = c.shear * dot(d2, n);
-  v[2] = 1.0 + c.axial * dot(t, n);
-}
-
+}  // namespace
 }  // namespace softarm::rod::kernel

@@ -1,0 +1,63 @@
+// The solver allocates in its constructor only.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "rods.h"
+#include "softarm/rod/solver.h"
+
+namespace {
+std::atomic<long> allocations{0};
+}
+
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* p = std::malloc(size)) return p;
+  throw std::bad_alloc();
+}
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  ++allocations;
+  if (void* p = std::aligned_alloc(static_cast<std::size_t>(alignment), size)) return p;
+  throw std::bad_alloc();
+}
+void operator delete(void* p) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::size_t) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::align_val_t) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::size_t, std::align_val_t) noexcept {
+  std::free(p);
+}
+
+namespace softarm::rod {
+namespace {
+
+TEST(Allocation, NoneWhileSolving) {
+  Rod rod = testing::complicated_rod();
+  Solver solver(rod, {0.1, 0.2, 0.32},
+                {{ParameterKind::kBendingCompliance, 0, 0}, {ParameterKind::kLength, 1, 0}});
+  ASSERT_EQ(solver.solve(rod), SolveStatus::kConverged);
+  const Rod before = rod;
+  rod.segments[0].moment_nm.y() += 0.1;
+  const long at_start = allocations;
+  const SolveStatus cold = solver.solve(rod);
+  const SolveStatus warm = solver.solve(rod, Eigen::Quaterniond(solver.q_tip()));
+  const SolveStatus from = solver.solve(rod, Eigen::Quaterniond(solver.q_tip()), &before);
+  const RodState middle = solver.at(0.17);
+  const long at_end = allocations;
+  EXPECT_EQ(at_end - at_start, 0);
+  EXPECT_EQ(cold, SolveStatus::kConverged);
+  EXPECT_EQ(warm, SolveStatus::kConverged);
+  EXPECT_EQ(from, SolveStatus::kConverged);
+  EXPECT_GT(middle.p.norm(), 0.0);
+  EXPECT_GT(at_end, 0);  // the counter counts
+}
+
+}  // namespace
+}  // namespace softarm::rod
