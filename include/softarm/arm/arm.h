@@ -49,10 +49,10 @@ struct Segment {
   double mass_per_length_kg_m = 0.0;
   double diameter_m = 0.0;
   StiffnessLaw bending_stiffness;
-  std::optional<double> torsional_stiffness_nm2;  ///< GJ; absent: rigid
-  std::optional<double> axial_stiffness_n;        ///< EA; absent: rigid
-  std::optional<double> shear_stiffness_n;        ///< GA; absent: rigid
-  std::vector<StiffnessKnot> stiffness_profile;   ///< empty: uniform
+  std::optional<double> torsional_stiffness_nm2;                   ///< GJ; absent: rigid
+  std::optional<double> axial_stiffness_n;                         ///< EA; absent: rigid
+  std::optional<double> shear_stiffness_n;                         ///< GA; absent: rigid
+  std::vector<StiffnessKnot> stiffness_profile;                    ///< empty: uniform
   Eigen::Vector3d rest_curvature_per_m = Eigen::Vector3d::Zero();  ///< u* in the section frame, 1/m
   std::vector<Chamber> chambers;
   std::optional<std::string> jamming_input;  ///< name of the vacuum input of the jamming core
@@ -84,8 +84,8 @@ struct MeasuredBody {
 /// Where the base of the rod is in the mocap frame.
 struct Base {
   std::optional<std::string> body;  ///< body whose pose carries the base; absent: fixed
-  Eigen::Isometry3d rod_in_body = Eigen::Isometry3d::Identity();   ///< rod base frame in the body's frame
-  Eigen::Isometry3d fixed_pose = Eigen::Isometry3d::Identity();    ///< rod base in mocap, if no body
+  Eigen::Isometry3d rod_in_body = Eigen::Isometry3d::Identity();  ///< rod base frame in the body's frame
+  Eigen::Isometry3d fixed_pose = Eigen::Isometry3d::Identity();   ///< rod base in mocap, if no body
   bool hold_last = true;  ///< while the body is lost, keep its last pose (the mount does not move)
 };
 
@@ -95,8 +95,9 @@ enum class PressureReference { kAbsolute, kGauge };
 struct PressureInput {
   std::string name;   ///< referred to by chambers and jamming
   std::string topic;  ///< ROS topic
-  std::string type;   ///< sensor_msgs/FluidPressure | std_msgs/Float64 | ...Float32MultiArray | ...Float64MultiArray
-  int element = 0;    ///< index in an array message
+  std::string
+      type;  ///< sensor_msgs/FluidPressure | std_msgs/Float64 | ...Float32MultiArray | ...Float64MultiArray
+  int element = 0;           ///< index in an array message
   double scale_to_pa = 1.0;  ///< from the configured unit
   PressureReference reference = PressureReference::kAbsolute;
   bool is_vacuum = false;  ///< value used is ambient - absolute (>= 0 when jammed)
@@ -110,8 +111,8 @@ struct Inputs {
   std::vector<PressureInput> pressures;
   double ambient_pressure_pa = 101325.0;
   std::string payload_topic = "/payload";
-  double body_sync_tolerance_s = 0.002;   ///< stamps closer than this belong to one frame
-  double pressure_max_age_s = 0.5;        ///< an older pressure is missing
+  double body_sync_tolerance_s = 0.002;  ///< stamps closer than this belong to one frame
+  double pressure_max_age_s = 0.5;       ///< an older pressure is missing
 };
 
 enum class Method { kFullPoints, kEndOrientation, kCcPoints, kCcEndpoint };
@@ -122,7 +123,7 @@ enum class Weights { kNoise, kPaper };
 /// Relative or absolute trust in the arm's pressure laws when they serve as a prior.
 struct PressurePrior {
   bool enabled = false;
-  double moment_sd_nm = 0.02;         ///< per component of the actuation moment
+  double moment_sd_nm = 0.02;  ///< per component of the actuation moment
   double bending_stiffness_sd_rel = 0.2;
   double length_sd_m = 0.003;
 };
@@ -132,15 +133,15 @@ struct EstimatorOptions {
   Method method = Method::kFullPoints;
   Unknown unknown = Unknown::kStiffness;
   Objective objective = Objective::kLeastSquares;
-  std::optional<Weights> weights;      ///< absent: noise for least squares, the paper's for sum of distances
-  bool robust = true;                  ///< bound the influence of an outlying body and drop it
-  double tells_relative_sd = 0.25;     ///< a parameter is told by a frame at this relative sd or better
+  std::optional<Weights> weights;   ///< absent: noise for least squares, the paper's for sum of distances
+  bool robust = true;               ///< bound the influence of an outlying body and drop it
+  double tells_relative_sd = 0.25;  ///< a parameter is told by a frame at this relative sd or better
   PressurePrior prior;
 };
 
 /// The point at which the payload hangs.
 struct PayloadMount {
-  double arclength_m = 0.0;  ///< at zero input; default: the tip
+  double arclength_m = 0.0;                            ///< at zero input; default: the tip
   Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();  ///< centre of mass in the section frame
   std::optional<double> default_kg;  ///< assumed when no topic says otherwise; absent: unknown
   Range range_kg{0.0, 5.0};
