@@ -41,6 +41,7 @@ Grid::Grid(const Rod& layout, const std::vector<double>& stations_m, int max_ref
   std::vector<double> places = {0.0, length};
   double s0 = 0.0;
   for (const Segment& segment : layout.segments) {
+    segment_start.push_back(s0);
     if (!(segment.rest_length_m > 0.0)) throw std::invalid_argument("rod: a segment has no length");
     for (const StiffnessKnot& knot : segment.stiffness_profile) {
       places.push_back(s0 + knot.fraction * segment.rest_length_m);
@@ -91,9 +92,6 @@ Grid::Grid(const Rod& layout, const std::vector<double>& stations_m, int max_ref
 }
 
 void Grid::refine(const Rod& layout, int refinement, const std::vector<kernel::Section>& sections) {
-  std::vector<double> start(layout.segments.size(), 0.0);
-  for (std::size_t i = 1; i < start.size(); ++i)
-    start[i] = start[i - 1] + layout.segments[i - 1].rest_length_m;
   int next = 0;
   for (Interval& interval : intervals) {
     interval.first_step = next;
@@ -109,7 +107,7 @@ void Grid::refine(const Rod& layout, int refinement, const std::vector<kernel::S
       for (int i = 0; i < kernel::kStages; ++i) {
         const double s = step.s_distal + kernel::kC[i] * h;
         step.flex[i] =
-            flexibility_factor(segment.stiffness_profile, (s - start[seg]) / segment.rest_length_m);
+            flexibility_factor(segment.stiffness_profile, (s - segment_start[seg]) / segment.rest_length_m);
       }
     }
   }

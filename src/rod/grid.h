@@ -22,6 +22,7 @@ struct Grid {
   std::vector<Interval>
       intervals;  ///< from the tip to the base; breakpoint k is the distal end of interval k
   std::vector<kernel::Step> steps;         ///< room for the largest refinement
+  std::vector<double> segment_start;       ///< s at which each segment begins
   std::vector<std::vector<int>> loads_at;  ///< indices of loads at breakpoint k (the base is the last)
   std::vector<int> station_breakpoint;     ///< breakpoint of each station
 

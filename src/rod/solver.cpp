@@ -489,9 +489,7 @@ RodState Solver::at(double s_m) const {
   if (k + 1 == grid.breakpoints() || grid.s(k) == s) return m.state_at_breakpoint(k);
   const Interval& interval = grid.intervals[static_cast<std::size_t>(k)];
   const Segment& segment = m.scaled.segments[static_cast<std::size_t>(interval.segment)];
-  double start = 0.0;
-  for (int i = 0; i < interval.segment; ++i)
-    start += m.scaled.segments[static_cast<std::size_t>(i)].rest_length_m;
+  const double start = grid.segment_start[static_cast<std::size_t>(interval.segment)];
   const auto flex = [&](double place) {
     return flexibility_factor(segment.stiffness_profile, (place - start) / segment.rest_length_m);
   };
