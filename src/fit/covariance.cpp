@@ -1,5 +1,6 @@
 #include "covariance.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
@@ -14,9 +15,11 @@ constexpr double kLeastInformation = 1e-14;
 // A parameter is undetermined when this much of it lies in such a direction.
 constexpr double kUndeterminedShare = 1e-6;
 // Nor is a parameter determined when its standard deviation exceeds anything an arm could have: three radians
-// of actuated bending, a hundredfold stiffness, half the length, tens of kilograms.
-constexpr double kAbsurdSd[kSegmentParameters] = {3.0, 3.0, 100.0, 0.5};
+// of actuated bending, several times the base's flexibility, half the length, tens of kilograms.
+constexpr double kAbsurdSd[kSegmentParameters] = {3.0, 3.0, 5.0, 0.5};
 constexpr double kAbsurdPayloadSd = 500.0;
+// Share of a shape parameter's information that must not be some other shape parameter's.
+constexpr double kLeastShapeInformation = 1e-9;
 
 /// Weight of a block's information in the estimating equations, and of its variance.
 struct BlockWeight {
@@ -30,6 +33,26 @@ BlockWeight block_weight(bool sum_of_distances, bool noise_weights, double c, do
   // The gradient of a distance is a unit vector: E[I - r r'] / |r| and E[r r'] of an isotropic normal error.
   const double mean_inverse = dimension == 3 ? std::sqrt(2.0 / M_PI) / sd : std::sqrt(M_PI / 2.0) / sd;
   return {c * (dimension - 1.0) / dimension * mean_inverse, c * c / dimension};
+}
+
+/// Whether curvature and length of every segment follow from the bodies, were stiffness and payload known: an
+/// arm at rest tells nothing of those, and still has a shape.
+bool determines_shape(const MatrixXd& information, const std::vector<bool>& free) {
+  std::vector<int> columns;
+  for (int i = 0; i + 1 < static_cast<int>(free.size()); ++i) {
+    if (free[static_cast<std::size_t>(i)] && i % kSegmentParameters != 2) columns.push_back(i);
+  }
+  const int n = static_cast<int>(columns.size());
+  MatrixXd a(n, n);
+  for (int i = 0; i < n; ++i) {
+    for (int k = 0; k < n; ++k) {
+      const double scale =
+          std::sqrt(information(columns[i], columns[i]) * information(columns[k], columns[k]));
+      if (!(scale > 0.0)) return false;
+      a(i, k) = information(columns[i], columns[k]) / scale;
+    }
+  }
+  return Eigen::LDLT<MatrixXd>(a).vectorD().minCoeff() > kLeastShapeInformation;
 }
 
 }  // namespace
@@ -111,13 +134,7 @@ Covariance covariance(const Problem& problem, const std::vector<bool>& free, con
       }
     }
   }
-  for (int i = 0; i < count; ++i) {
-    const int which = i % kSegmentParameters;
-    const bool shape = i < count - 1 && which != 2;
-    if (shape && free[static_cast<std::size_t>(i)] && !result.determined[static_cast<std::size_t>(i)]) {
-      result.shape_determined = false;
-    }
-  }
+  result.shape_determined = determines_shape(information, free);
   return result;
 }
 

@@ -12,7 +12,11 @@ using Eigen::Vector3d;
 
 constexpr double kHuberThreshold = 3.5;            // distances of bodies, in standard deviations
 constexpr double kSumOfDistancesSmoothing = 1e-5;  // m: below it the distance is rounded to a parabola
-constexpr double kRejected = 1e8;  // residual where the rod has no equilibrium: the step is refused
+// What a frame does not tell stays where an arm could have it: the flexibility near that of the base
+// stiffness, the payload near none. Far weaker than what tells anything, and left out of the covariance.
+constexpr double kWeakFlexibilitySd = 3.0;
+constexpr double kWeakPayloadSd = 1.0;  // kg
+constexpr double kRejected = 1e8;       // residual where the rod has no equilibrium: the step is refused
 // A step this small in flexibility stands for none, where a moment is a curvature over a flexibility.
 constexpr double kLeastFlexibility = 1e-6;
 
@@ -94,6 +98,7 @@ void Problem::begin() {
     if (o.used) rows_ += o.tangent ? 6 : 3;
   }
   for (const auto& prior : prior_) rows_ += prior ? 4 : 0;
+  rows_ += static_cast<int>(prior_.size()) + 1;
 }
 
 double Problem::paper_weight(const Observation& o) const {
@@ -263,6 +268,17 @@ bool Problem::operator()(const double* x, double* residuals, double* jacobian) c
     }
     ++row;
   }
+  const auto weak = [&](int j, double offset, double sd) {
+    const bool on = free_[static_cast<std::size_t>(j)];
+    residuals[row] = on ? (x_[j] - offset) / sd : 0.0;
+    if (jacobian != nullptr) {
+      for (int k = 0; k < NumParameters(); ++k) jacobian[k * rows_ + row] = 0.0;
+      if (on) jacobian[j * rows_ + row] = 1.0 / sd;
+    }
+    ++row;
+  };
+  for (int i = 0; i < static_cast<int>(prior_.size()); ++i) weak(column(i, 2), 1.0, kWeakFlexibilitySd);
+  weak(payload_column(), 0.0, kWeakPayloadSd / kPayloadUnit);
   return true;
 }
 
