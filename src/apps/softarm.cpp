@@ -21,7 +21,7 @@ std::string one_line(std::string text) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App program{"softarm: backbone, bending stiffness and payload of soft arms, from recordings."};
+  CLI::App program{"Backbone, bending stiffness and payload of soft arms, from recordings.", "softarm"};
   program.set_version_flag("--version", std::string("softarm ") + SOFTARM_VERSION);
   program.require_subcommand(1);
   program.failure_message([](const CLI::App*, const CLI::Error& error) {

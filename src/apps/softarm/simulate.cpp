@@ -33,7 +33,7 @@ struct Options {
 };
 
 constexpr const char* kExamples = R"(Examples:
-  softarm simulate online_200mm --seconds 30 --out trial.bag
+  softarm simulate demo --seconds 30 --out trial.bag
   softarm simulate my_scenario.yaml --seed 7 --out trial.bag --truth /elsewhere/trial.csv
 The bag holds what the sensors saw and nothing else; the truth goes to its own file.)";
 
