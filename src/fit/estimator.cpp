@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "constant_curvature.h"
@@ -30,6 +31,9 @@ constexpr double kBadWarmStart =
 constexpr double kGross = 0.1;    // the same, above which a converged fit is inconsistent
 constexpr double kOutlier = 6.0;  // standard deviations at which a body may be set aside ...
 constexpr double kOutlierAgainstRest = 4.0;  // ... if it is also this much worse than the others
+constexpr double kNearBuckling =
+    4.0;  // norm of the tip's turn per turn of the base; that of a stiff rod is 1.7
+constexpr double kToldChiSquare = 3.0;  // two standard deviations, less some allowance for curvature
 constexpr double kInflationLevel =
     0.999;  // chi-square level above which stated noise no longer explains the residuals
 
@@ -106,9 +110,10 @@ struct Estimator::Impl {
         return estimate;
       }
     } else {
-      if (!solve()) return estimate;
-      set_outliers_aside();
-      keep_to_bounds();
+      if (!set_outliers_aside(solve())) return estimate;
+      estimate.status = Status::kOk;
+      estimate.detail.clear();
+      if (!keep_to_bounds()) return estimate;
     }
     finish();
     return estimate;
@@ -312,9 +317,8 @@ struct Estimator::Impl {
     }
     // A standing arm near its buckling load, say: at a stiffness far off it has no equilibrium near its
     // shape, or the fit runs into the load at which it is lost.
-    const bool enough = options.method != Method::kEndOrientation;
     if (good) refresh_covariance();
-    if (enough && (poor() || !covariance.shape_determined)) {
+    if (poor() || !covariance.shape_determined) {
       const VectorXd before = x;
       const double rms_before = good ? rms() : std::numeric_limits<double>::infinity();
       const bool better = start_cold(true) && minimise() && rms() < rms_before;
@@ -332,33 +336,84 @@ struct Estimator::Impl {
 
   // --- step 4 ---
 
-  void set_outliers_aside() {
-    if (!options.robust) return;
+  /// How far the bodies used are from the fit, in standard deviations.
+  struct Distances {
+    double largest = 0.0, sum_of_squares = 0.0;
+    int used = 0;
+  };
+  double distance(const Observation& o) const {
+    return (problem.position(o) - o.p).norm() / problem.position_sd(o);
+  }
+  Distances distances() const {
+    Distances d;
+    for (const Observation& o : problem.observations()) {
+      if (!o.used) continue;
+      d.largest = std::max(d.largest, distance(o));
+      d.sum_of_squares += distance(o) * distance(o);
+      ++d.used;
+    }
+    return d;
+  }
+
+  /// The fit without each body in turn: an outlier pulls the fit so much that its own residual need not be
+  /// the largest. The body is set aside whose absence leaves the least, if the rest then contradicts it.
+  /// @param fitted x is a fit to all bodies in use
+  /// @return false where everything stays as it was
+  bool set_one_aside(bool fitted) {
     std::vector<Observation>& observations = problem.observations();
-    while (true) {
-      Observation* worst = nullptr;
-      double largest = 0.0, rest = 0.0;
-      int used = 0;
-      for (Observation& o : observations) {
-        if (!o.used) continue;
-        const double d = (problem.position(o) - o.p).norm() / problem.position_sd(o);
-        rest += d * d;
-        ++used;
-        if (d > largest) largest = d, worst = &o;
-      }
-      rest = std::sqrt(std::max(0.0, rest - largest * largest) / std::max(1, used - 1));
-      const int after = 3 * (used - 1) - estimated_parameters();
-      if (worst == nullptr || largest < kOutlier || largest < kOutlierAgainstRest * rest || after < 1) return;
-      worst->used = false;
+    const VectorXd x_before = x;
+    const Eigen::Quaterniond tip_before = problem.solver().q_tip();
+    Observation* outlier = nullptr;
+    VectorXd best_x;
+    Eigen::Quaterniond best_tip;
+    double least = std::numeric_limits<double>::infinity();
+    for (Observation& o : observations) {
+      if (!o.used) continue;
+      o.used = false;
       problem.begin();
-      const VectorXd before = x;
-      if (!minimise()) {
-        worst->used = true;
-        problem.begin();
-        x = before;
-        problem.evaluate(x);
-        return;
+      for (const bool cold : {false, true}) {
+        if (!cold && !fitted) continue;
+        x = x_before;
+        if (!(cold ? start_cold() : problem.evaluate(x, tip_before)) || !minimise()) continue;
+        const Distances rest = distances();
+        if (rest.sum_of_squares < least) {
+          least = rest.sum_of_squares;
+          outlier = &o;
+          best_x = x;
+          best_tip = problem.solver().q_tip();
+        }
+        if (rest.largest < kOutlier) break;
       }
+      o.used = true;
+    }
+    if (outlier != nullptr) {
+      outlier->used = false;
+      problem.begin();
+      x = best_x;
+      if (problem.evaluate(x, best_tip)) {
+        const double rest = std::sqrt(least / distances().used);
+        if (distance(*outlier) > std::max(kOutlier, kOutlierAgainstRest * rest)) return true;
+      }
+      outlier->used = true;
+    }
+    problem.begin();
+    x = x_before;
+    if (fitted) problem.evaluate(x, tip_before);
+    return false;
+  }
+
+  /// @param fitted x is a fit to all bodies
+  bool set_outliers_aside(bool fitted) {
+    if (!options.robust) return fitted;
+    while (true) {
+      const Distances now = fitted ? distances() : Distances();
+      const auto& observations = problem.observations();
+      const auto used = std::count_if(observations.begin(), observations.end(),
+                                      [](const Observation& o) { return o.used; });
+      if ((fitted && now.largest < kOutlier) || 3 * (static_cast<int>(used) - 1) - estimated_parameters() < 1)
+        return fitted;
+      if (!set_one_aside(fitted)) return fitted;
+      fitted = true;
       refresh_covariance();
     }
   }
@@ -370,7 +425,7 @@ struct Estimator::Impl {
 
   /// A flexibility, length or payload outside its physical range is held at the limit and the rest fitted
   /// again.
-  void keep_to_bounds() {
+  bool keep_to_bounds() {
     estimated = problem_free();
     bool moved = false;
     const auto hold = [&](int column, double low, double high) {
@@ -389,13 +444,27 @@ struct Estimator::Impl {
     }
     hold(problem.payload_column(), arm.payload.range_kg.low / Problem::kPayloadUnit,
          arm.payload.range_kg.high / Problem::kPayloadUnit);
-    if (!moved) return;
+    if (!moved) return true;
     problem.begin();
-    if (!problem.evaluate(x) || !minimise()) problem.evaluate(x);
+    bool good = problem.evaluate(x) && minimise();
+    if (!good) {
+      // Too far for a step: from the measured shape, with what is held as known.
+      for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
+        const int column = Problem::column(i, 2);
+        if (problem.free()[static_cast<std::size_t>(column)]) continue;
+        known_flexibility[static_cast<std::size_t>(i)] = x[column];
+      }
+      good = start_cold() && minimise();
+    }
     problem.free() = estimated;  // what is told is asked of all of them
     problem.begin();
-    problem.evaluate(x);
+    if (!good || !problem.evaluate(x)) {
+      have_last = false;
+      fail(Status::kNoConvergence, "no shape with stiffness, length and payload in their ranges was found");
+      return false;
+    }
     refresh_covariance();
+    return true;
   }
 
   // --- step 5 ---
@@ -433,6 +502,46 @@ struct Estimator::Impl {
     backbone();
     last_x = x;
     have_last = options.method != Method::kCcEndpoint;
+    confirm_stiffness();
+  }
+
+  /// Near a buckling load the shape is so sensitive to the stiffness that the linear covariance promises
+  /// much, while another stiffness with another moment explains the bodies nearly as well. There, EI is told
+  /// only if fits with EI moved by twice the relative standard deviation that telling asks for are worse by
+  /// what such a deviation would make them.
+  void confirm_stiffness() {
+    if (problem.solver().base_per_tip_rotation().inverse().norm() < kNearBuckling) return;
+    const double moved = 1.0 + 2.0 * options.tells_relative_sd;
+    for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
+      SegmentEstimate& segment = estimate.segments[static_cast<std::size_t>(i)];
+      if (!segment.tells_stiffness) continue;
+      const int column = Problem::column(i, 2);
+      const Eigen::Quaterniond q_tip = problem.solver().q_tip();
+      problem.free()[static_cast<std::size_t>(column)] = false;
+      for (const double factor : {moved, 1.0 / moved}) {
+        VectorXd y = last_x;
+        problem.begin();
+        problem.forget();
+        problem.evaluate(y, q_tip);
+        y[column] *= factor;
+        double cost = std::numeric_limits<double>::infinity();
+        if (problem.evaluate(y)) {
+          solver.Solve(problem, &y);
+          cost = solver.summary.final_cost;
+        }
+        // Without an equilibrium within reach, the shape itself is another start.
+        known_flexibility[static_cast<std::size_t>(i)] = y[column];
+        if (start_cold()) {
+          solver.Solve(problem, &x);
+          cost = std::min(cost, solver.summary.final_cost);
+        }
+        if (2.0 * (cost - estimate.solver.final_cost) < kToldChiSquare) segment.tells_stiffness = false;
+      }
+      problem.free()[static_cast<std::size_t>(column)] = true;
+    }
+    problem.forget();
+    problem.evaluate(last_x);
+    x = last_x;
   }
 
   void residuals_and_mismatch() {

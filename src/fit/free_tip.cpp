@@ -18,7 +18,7 @@ class FreeTip {
   FreeTip(const Problem& problem, const Eigen::Quaterniond& q_start, double base_sd_rad)
       : problem_(problem), q_start_(q_start), base_sd_rad_(base_sd_rad) {
     rows_ = 3;
-    for (const Observation& o : problem.observations()) rows_ += o.used ? 3 : 0;
+    for (const Observation& o : problem.observations()) rows_ += o.used ? (o.tangent ? 6 : 3) : 0;
     rows_ += (problem.NumParameters() - 1) / kSegmentParameters;
   }
 

@@ -305,6 +305,12 @@ bool Problem::evaluate_free_tip(const double* x, const Eigen::Quaterniond& q_tip
     chain(solver_.dp(o.station), block_);
     put(row, solver_.station(o.station).p - o.p, block_, solver_.dp_by_tip(o.station), 1.0 / position_sd(o));
     row += 3;
+    if (o.tangent) {  // as if the body sat at the tip, which for end_orientation it does
+      const Vector3d tangent = solver_.station(o.station).q * Vector3d::UnitZ();
+      chain(solver_.drotation(o.station), block_);
+      put(row, tangent - *o.tangent, -skew(tangent) * block_, -skew(tangent), 1.0 / tangent_sd(o));
+      row += 3;
+    }
   }
   chain(solver_.dbase(), block_);
   put(row, solver_.base_error(), block_,
