@@ -206,6 +206,28 @@ struct Estimator::Impl {
       return false;
     }
     far.clear();
+    if (!ends && !enough_beyond_every_joint()) {
+      fail(Status::kNotEnoughBodies,
+           fmt::format("{} bodies, but too few towards the tip for the curvature and length "
+                       "of every segment",
+                       observations.size()));
+      return false;
+    }
+    return true;
+  }
+
+  /// Each segment has three unknowns of shape, each body three coordinates: from every joint to the tip there
+  /// must be as many bodies as segments.
+  bool enough_beyond_every_joint() const {
+    double begin = 0.0;
+    for (std::size_t i = 0; i < arm.segments.size(); ++i) {
+      const auto& observations = problem.observations();
+      const auto beyond = std::count_if(observations.begin(), observations.end(), [&](const Observation& o) {
+        return arm.bodies[static_cast<std::size_t>(o.body)].arclength_m > begin + 1e-6;
+      });
+      if (beyond < static_cast<std::ptrdiff_t>(arm.segments.size() - i)) return false;
+      begin += arm.segments[i].length_m;
+    }
     return true;
   }
 
@@ -481,12 +503,6 @@ struct Estimator::Impl {
       return;
     }
     if (options.method == Method::kCcEndpoint) refresh_covariance();
-    if (!covariance.shape_determined) {
-      have_last = false;
-      fail(Status::kNotEnoughBodies,
-           "the bodies seen do not determine curvature and length of every segment");
-      return;
-    }
     residuals_and_mismatch();
     const int dof = estimate.degrees_of_freedom;
     if (dof > 0 && dof < static_cast<int>(inflation_limit.size()) &&

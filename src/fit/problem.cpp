@@ -15,7 +15,7 @@ constexpr double kSumOfDistancesSmoothing = 1e-5;  // m: below it the distance i
 // What a frame does not tell stays where an arm could have it: the flexibility near that of the base
 // stiffness, the payload near none. Far weaker than what tells anything, and left out of the covariance.
 constexpr double kWeakFlexibilitySd = 3.0;
-constexpr double kWeakPayloadSd = 1.0;  // kg
+constexpr double kWeakPayloadSd = 5.0;  // kg
 constexpr double kRejected = 1e8;       // residual where the rod has no equilibrium: the step is refused
 // A step this small in flexibility stands for none, where a moment is a curvature over a flexibility.
 constexpr double kLeastFlexibility = 1e-6;
