@@ -137,7 +137,9 @@ int run(const Options& options) {
   fmt::print("\nthe same hardly bent: tip angle 2 ... 20 degrees, M0 0 ... 0.2 N m\n");
   const AccuracyReport straight = measure(arm, protocol);
   fmt::print("{}\n", softarm::describe(straight));
-  judge_convergence(straight, verdict);
+  // Of standing arms at their buckling load a few are out of reach.
+  verdict.line(straight.converged >= 0.999 * straight.frames, "at least 99.9 % of the frames converge",
+               fmt::format("{} of {}", straight.converged, straight.frames));
   judge_claims(straight, verdict);
   return verdict.all_met() ? 0 : 1;
 }

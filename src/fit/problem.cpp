@@ -81,6 +81,7 @@ Problem::Problem(const Arm& arm, const EstimatorOptions& options)
       anchor_x_(x_),
       tip_by_x_(Eigen::Matrix3Xd::Zero(3, static_cast<int>(free_.size()))),
       block_(Eigen::Matrix3Xd::Zero(3, static_cast<int>(free_.size()))) {
+  accepted_x_ = x_;
   for (const Segment& segment : arm.segments)
     reference_stiffness_.push_back(segment.bending_stiffness.base_nm2);
   for (int i = 0; i < static_cast<int>(arm.bodies.size()); ++i) body_station_.push_back(i);
@@ -133,6 +134,9 @@ bool Problem::evaluate(const Eigen::VectorXd& x, const std::optional<Eigen::Quat
     // smaller.
     const Vector3d turn = tip_by_x_ * (x - anchor_x_);
     if (turn.norm() < 1.0) status = solver_.solve(rod_, (exp_so3(turn) * tip_).normalized());
+    // The way back from a refused step may be longer than the step was.
+    if (status != rod::SolveStatus::kConverged && x == accepted_x_)
+      status = solver_.solve(rod_, accepted_tip_);
   } else {
     status = solver_.solve(rod_);
   }
@@ -232,6 +236,10 @@ bool Problem::operator()(const double* x, double* residuals, double* jacobian) c
     std::fill(residuals, residuals + rows_, kRejected);
     if (jacobian != nullptr) std::fill(jacobian, jacobian + rows_ * NumParameters(), 0.0);
     return true;
+  }
+  if (jacobian != nullptr) {
+    accepted_x_ = x_;
+    accepted_tip_ = solver_.q_tip();
   }
   int row = 0;
   for (const Observation& o : observations_) {

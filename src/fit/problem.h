@@ -133,6 +133,8 @@ class Problem {
   mutable Eigen::VectorXd anchor_x_;
   mutable Eigen::Quaterniond tip_ = Eigen::Quaterniond::Identity();
   mutable Eigen::Matrix3Xd tip_by_x_;
+  mutable Eigen::VectorXd accepted_x_;  ///< where the Jacobian was last asked for, and the tip there
+  mutable Eigen::Quaterniond accepted_tip_ = Eigen::Quaterniond::Identity();
   mutable int rod_solves_ = 0;
   mutable Eigen::Matrix3Xd block_;
   mutable std::vector<PriorRow> prior_scratch_;
