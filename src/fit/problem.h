@@ -48,6 +48,7 @@ class Problem {
   const std::vector<Observation>& observations() const { return observations_; }
   /// Free parameters: true in the order above.
   std::vector<bool>& free() { return free_; }
+  const std::vector<bool>& free() const { return free_; }
   void set_prior(int segment, const std::optional<SegmentPrediction>& prediction);
   int station_of_body(int body) const { return body_station_[static_cast<std::size_t>(body)]; }
   /// Counts the rows and forgets cached evaluations: call after the frame's data change.

@@ -1,0 +1,103 @@
+// The estimator's state and steps; estimator.cpp holds the frame's side, estimator_solve.cpp the fit,
+// estimator_report.cpp what is said of it.
+#pragma once
+
+#include <ceres/tiny_solver.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "covariance.h"
+#include "problem.h"
+#include "softarm/fit/estimator.h"
+
+namespace softarm {
+
+struct Estimator::Impl {
+  using Observation = fit::Observation;
+  using Problem = fit::Problem;
+  using VectorXd = Eigen::VectorXd;
+
+  Impl(const Arm& a, const EstimatorOptions& o);
+  void check() const;
+  /// The most distal ring of a segment that serves the method; -1 if there is none.
+  int end_body(int segment) const;
+  void fail(Status status, std::string detail);
+  const Estimate& run(const Frame& frame);
+  void clear(const Frame& frame);
+
+  // --- step 1 ---
+  bool place_base(const Frame& frame);
+  std::vector<int> end_bodies() const;
+  bool observe(const Frame& frame);
+  /// Each segment has three unknowns of shape, each body three coordinates: from every joint to the tip there
+  /// must be as many bodies as segments.
+  bool enough_beyond_every_joint() const;
+
+  // --- what is known ---
+  bool set_knowns(const Frame& frame);
+
+  // --- steps 2 and 3 ---
+  void impose_knowns(VectorXd& v) const;
+  void refresh_covariance();
+  double rms() const;
+  /// @param free_tip go by way of a rod whose base is not yet clamped
+  bool start_cold(bool free_tip = false);
+  bool minimise();
+  bool solve();
+
+  // --- step 4 ---
+  /// How far the bodies used are from the fit, in standard deviations.
+  struct Distances {
+    double largest = 0.0, sum_of_squares = 0.0;
+    int used = 0;
+  };
+  double distance(const Observation& o) const;
+  Distances distances() const;
+  /// The fit without each body in turn: an outlier pulls the fit so much that its own residual need not be
+  /// the largest. The body is set aside whose absence leaves the least, if the rest then contradicts it.
+  /// @param fitted x is a fit to all bodies in use
+  /// @return false where everything stays as it was
+  bool set_one_aside(bool fitted);
+  /// @param fitted x is a fit to all bodies
+  bool set_outliers_aside(bool fitted);
+  int estimated_parameters() const;
+  /// A flexibility, length or payload outside its physical range is held at the limit and the rest fitted
+  /// again.
+  bool keep_to_bounds();
+
+  // --- step 5 ---
+  void finish();
+  /// Near a buckling load the shape is so sensitive to the stiffness that the linear covariance promises
+  /// much, while another stiffness with another moment explains the bodies nearly as well. There, EI is told
+  /// only if fits with EI moved by twice the relative standard deviation that telling asks for are worse by
+  /// what such a deviation would make them.
+  void confirm_stiffness();
+  void residuals_and_mismatch();
+  void bending_angles();
+  void payload();
+  void backbone();
+
+  // --- state ---
+  const Arm arm;
+  EstimatorOptions options;
+  Problem problem;
+  ceres::TinySolver<Problem> solver;
+  std::vector<double> inflation_limit;
+  int backbone_points = 41;
+  Eigen::Isometry3d base = Eigen::Isometry3d::Identity();
+  bool base_seen = false;
+  std::vector<std::string> far;
+  std::optional<double> payload_known;
+  std::vector<std::optional<double>> known_flexibility;
+  std::vector<bool> estimated;  ///< free before any parameter was held at a bound
+  fit::Covariance covariance;
+  VectorXd x, last_x;
+  bool have_last = false;
+  Estimate estimate;
+};
+
+bool is_constant_curvature(Method method);
+
+}  // namespace softarm

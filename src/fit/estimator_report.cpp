@@ -1,0 +1,147 @@
+// Step 5: what the fit says.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "estimator_impl.h"
+
+namespace softarm {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+using fit::Observation;
+using fit::Problem;
+
+// Rms distance over the arm's length above which a converged fit is inconsistent.
+constexpr double kGross = 0.1;
+// Norm of the tip's turn per turn of the base; that of a stiff rod is 1.7.
+constexpr double kNearBuckling = 4.0;
+// Two standard deviations, less some allowance for curvature.
+constexpr double kToldChiSquare = 3.0;
+
+}  // namespace
+
+void Estimator::Impl::finish() {
+  estimate.rms_residual_m = rms();
+  estimate.solver.rod_solves = problem.rod_solves();
+  if (options.method == Method::kCcEndpoint) estimated = problem.free();
+  if (estimate.rms_residual_m > kGross * arm.total_length_m()) {
+    have_last = false;
+    fail(Status::kInconsistent, fmt::format("no shape of this arm comes nearer than {:.1f} mm to the bodies",
+                                            1e3 * estimate.rms_residual_m));
+    return;
+  }
+  if (options.method == Method::kCcEndpoint) refresh_covariance();
+  residuals_and_mismatch();
+  const int dof = estimate.degrees_of_freedom;
+  if (dof > 0 && dof < static_cast<int>(inflation_limit.size()) &&
+      estimate.mismatch * dof > inflation_limit[static_cast<std::size_t>(dof - 1)]) {
+    covariance.x *= estimate.mismatch;
+  }
+  for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
+    fit::fill_segment(problem, i, x, covariance, estimated, options,
+                      estimate.segments[static_cast<std::size_t>(i)]);
+  }
+  bending_angles();
+  payload();
+  backbone();
+  last_x = x;
+  have_last = options.method != Method::kCcEndpoint;
+  confirm_stiffness();
+}
+
+void Estimator::Impl::confirm_stiffness() {
+  if (problem.solver().base_per_tip_rotation().inverse().norm() < kNearBuckling) return;
+  const double moved = 1.0 + 2.0 * options.tells_relative_sd;
+  for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
+    SegmentEstimate& segment = estimate.segments[static_cast<std::size_t>(i)];
+    if (!segment.tells_stiffness) continue;
+    const int column = Problem::column(i, 2);
+    const Eigen::Quaterniond q_tip = problem.solver().q_tip();
+    problem.free()[static_cast<std::size_t>(column)] = false;
+    for (const double factor : {moved, 1.0 / moved}) {
+      VectorXd y = last_x;
+      problem.begin();
+      problem.forget();
+      problem.evaluate(y, q_tip);
+      y[column] *= factor;
+      double cost = std::numeric_limits<double>::infinity();
+      if (problem.evaluate(y)) {
+        solver.Solve(problem, &y);
+        cost = solver.summary.final_cost;
+      }
+      // Without an equilibrium within reach, the shape itself is another start.
+      known_flexibility[static_cast<std::size_t>(i)] = y[column];
+      if (start_cold()) {
+        solver.Solve(problem, &x);
+        cost = std::min(cost, solver.summary.final_cost);
+      }
+      if (2.0 * (cost - estimate.solver.final_cost) < kToldChiSquare) segment.tells_stiffness = false;
+    }
+    problem.free()[static_cast<std::size_t>(column)] = true;
+  }
+  problem.forget();
+  problem.evaluate(last_x);
+  x = last_x;
+}
+
+void Estimator::Impl::residuals_and_mismatch() {
+  double chi2 = 0.0;
+  int rows = 0;
+  for (const Observation& o : problem.observations()) {
+    BodyResidual r;
+    r.body = o.body;
+    r.measured_base = o.p;
+    r.estimated_base = problem.position(o);
+    r.used = o.used;
+    estimate.residuals.push_back(r);
+    if (!o.used) continue;
+    const double sd = problem.position_sd(o);
+    chi2 += (r.estimated_base - r.measured_base).squaredNorm() / (sd * sd);
+    rows += 3;
+    if (o.tangent) {
+      const Vector3d e = problem.solver().station(o.station).q * Vector3d::UnitZ() - *o.tangent;
+      chi2 += e.squaredNorm() / (problem.tangent_sd(o) * problem.tangent_sd(o));
+      rows += 2;
+    }
+  }
+  estimate.degrees_of_freedom =
+      std::max(0, rows - static_cast<int>(std::count(estimated.begin(), estimated.end(), true)));
+  estimate.mismatch = estimate.degrees_of_freedom > 0 ? chi2 / estimate.degrees_of_freedom : 0.0;
+}
+
+void Estimator::Impl::bending_angles() {
+  Vector3d from = Vector3d::UnitZ();
+  for (std::size_t i = 0; i < arm.segments.size(); ++i) {
+    const int station = static_cast<int>(arm.bodies.size() + i);
+    const Vector3d to = problem.solver().station(station).q * Vector3d::UnitZ();
+    estimate.segments[i].bending_angle_rad = std::atan2(from.cross(to).norm(), from.dot(to));
+    from = to;
+  }
+}
+
+void Estimator::Impl::payload() {
+  if (is_constant_curvature(options.method)) {
+    estimate.payload_kg = payload_known;
+    return;
+  }
+  const int column = problem.payload_column();
+  estimate.payload_kg = x[column] * Problem::kPayloadUnit;
+  if (options.unknown != Unknown::kPayload || !covariance.determined[static_cast<std::size_t>(column)])
+    return;
+  estimate.sd_payload_kg = std::sqrt(covariance.x(column, column)) * Problem::kPayloadUnit;
+  estimate.tells_payload = *estimate.sd_payload_kg <= options.tells_relative_sd * *estimate.payload_kg;
+}
+
+void Estimator::Impl::backbone() {
+  const double length = arm.total_length_m();
+  for (int i = 0; i < backbone_points; ++i) {
+    const rod::RodState state = problem.solver().at(length * i / std::max(1, backbone_points - 1));
+    estimate.backbone.push_back({state.s_m, state.p, state.q, state.u});
+  }
+}
+
+}  // namespace softarm

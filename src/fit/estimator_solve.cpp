@@ -1,0 +1,221 @@
+// Steps 2 to 4: starts, the fit, outliers, bounds.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "estimator_impl.h"
+#include "free_tip.h"
+#include "start.h"
+
+namespace softarm {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+using fit::Observation;
+using fit::Problem;
+
+// Rms distance over the arm's length above which the last frame is no start.
+constexpr double kBadWarmStart = 0.05;
+// A body may be set aside at this many standard deviations, if it is also that much worse than the others.
+constexpr double kOutlier = 6.0;
+constexpr double kOutlierAgainstRest = 4.0;
+
+}  // namespace
+
+void Estimator::Impl::impose_knowns(VectorXd& v) const {
+  for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
+    const auto& known = known_flexibility[static_cast<std::size_t>(i)];
+    if (known) v[Problem::column(i, 2)] = *known;
+  }
+  if (options.unknown != Unknown::kPayload)
+    v[problem.payload_column()] = payload_known.value_or(0.0) / Problem::kPayloadUnit;
+}
+
+void Estimator::Impl::refresh_covariance() {
+  covariance = fit::covariance(problem, problem.free(), options, x);
+}
+
+double Estimator::Impl::rms() const {
+  double sum = 0.0;
+  int count = 0;
+  for (const Observation& o : problem.observations()) {
+    if (!o.used) continue;
+    sum += (problem.position(o) - o.p).squaredNorm();
+    ++count;
+  }
+  return std::sqrt(sum / std::max(1, count));
+}
+
+bool Estimator::Impl::start_cold(bool free_tip) {
+  problem.forget();
+  std::vector<std::optional<double>> c = known_flexibility;
+  if (is_constant_curvature(options.method)) c.assign(c.size(), 1.0);
+  fit::Start start = fit::start_from_shape(arm, problem, c, payload_known.value_or(0.0));
+  impose_knowns(start.x);
+  if (free_tip && !fit::refine_with_free_tip(problem, start)) return false;
+  x = start.x;
+  return problem.evaluate(x, start.q_tip) || problem.evaluate(x);
+}
+
+bool Estimator::Impl::minimise() {
+  solver.Solve(problem, &x);
+  estimate.solver.iterations += solver.summary.iterations;
+  if (estimate.solver.initial_cost == 0.0) estimate.solver.initial_cost = solver.summary.initial_cost;
+  estimate.solver.final_cost = solver.summary.final_cost;
+  return problem.evaluate(x) && x.allFinite();
+}
+
+bool Estimator::Impl::solve() {
+  const double length = arm.total_length_m();
+  bool warm = have_last;
+  if (warm) {
+    x = last_x;
+    impose_knowns(x);
+    warm = problem.evaluate(x) && rms() < kBadWarmStart * length;
+  }
+  bool good = (warm || start_cold()) && minimise();
+  const auto poor = [&] { return !good || rms() > 0.5 * kBadWarmStart * length; };
+  if (warm && poor()) {
+    warm = false;
+    good = start_cold() && minimise();
+  }
+  // A standing arm near its buckling load, say: at a stiffness far off it has no equilibrium near its
+  // shape, or the fit runs into the load at which it is lost.
+  if (good) refresh_covariance();
+  if (poor() || !covariance.shape_determined) {
+    const VectorXd before = x;
+    const double rms_before = good ? rms() : std::numeric_limits<double>::infinity();
+    const bool better = start_cold(true) && minimise() && rms() < rms_before;
+    if (!better) x = before;
+    good = better || (good && problem.evaluate(x));
+    if (good) refresh_covariance();
+  }
+  estimate.solver.warm_start = warm;
+  if (!good) {
+    have_last = false;
+    fail(Status::kNoConvergence, "no shape of this arm that the fit can reach lies near the bodies");
+  }
+  return good;
+}
+
+double Estimator::Impl::distance(const Observation& o) const {
+  return (problem.position(o) - o.p).norm() / problem.position_sd(o);
+}
+
+Estimator::Impl::Distances Estimator::Impl::distances() const {
+  Distances d;
+  for (const Observation& o : problem.observations()) {
+    if (!o.used) continue;
+    d.largest = std::max(d.largest, distance(o));
+    d.sum_of_squares += distance(o) * distance(o);
+    ++d.used;
+  }
+  return d;
+}
+
+bool Estimator::Impl::set_one_aside(bool fitted) {
+  std::vector<Observation>& observations = problem.observations();
+  const VectorXd x_before = x;
+  const Eigen::Quaterniond tip_before = problem.solver().q_tip();
+  Observation* outlier = nullptr;
+  VectorXd best_x;
+  Eigen::Quaterniond best_tip;
+  double least = std::numeric_limits<double>::infinity();
+  for (Observation& o : observations) {
+    if (!o.used) continue;
+    o.used = false;
+    problem.begin();
+    for (const bool cold : {false, true}) {
+      if (!cold && !fitted) continue;
+      x = x_before;
+      if (!(cold ? start_cold() : problem.evaluate(x, tip_before)) || !minimise()) continue;
+      const Distances rest = distances();
+      if (rest.sum_of_squares < least) {
+        least = rest.sum_of_squares;
+        outlier = &o;
+        best_x = x;
+        best_tip = problem.solver().q_tip();
+      }
+      if (rest.largest < kOutlier) break;
+    }
+    o.used = true;
+  }
+  if (outlier != nullptr) {
+    outlier->used = false;
+    problem.begin();
+    x = best_x;
+    if (problem.evaluate(x, best_tip)) {
+      const double rest = std::sqrt(least / distances().used);
+      if (distance(*outlier) > std::max(kOutlier, kOutlierAgainstRest * rest)) return true;
+    }
+    outlier->used = true;
+  }
+  problem.begin();
+  x = x_before;
+  if (fitted) problem.evaluate(x, tip_before);
+  return false;
+}
+
+bool Estimator::Impl::set_outliers_aside(bool fitted) {
+  if (!options.robust) return fitted;
+  while (true) {
+    const Distances now = fitted ? distances() : Distances();
+    const auto& observations = problem.observations();
+    const auto used =
+        std::count_if(observations.begin(), observations.end(), [](const Observation& o) { return o.used; });
+    if ((fitted && now.largest < kOutlier) || 3 * (static_cast<int>(used) - 1) - estimated_parameters() < 1)
+      return fitted;
+    if (!set_one_aside(fitted)) return fitted;
+    fitted = true;
+    refresh_covariance();
+  }
+}
+
+int Estimator::Impl::estimated_parameters() const {
+  return static_cast<int>(std::count(problem.free().begin(), problem.free().end(), true));
+}
+
+bool Estimator::Impl::keep_to_bounds() {
+  estimated = problem.free();
+  bool moved = false;
+  const auto hold = [&](int column, double low, double high) {
+    if (!estimated[static_cast<std::size_t>(column)] || (x[column] >= low && x[column] <= high)) return;
+    x[column] = std::clamp(x[column], low, high);
+    problem.free()[static_cast<std::size_t>(column)] = false;
+    moved = true;
+  };
+  for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
+    const Segment& segment = arm.segments[static_cast<std::size_t>(i)];
+    const double reference = problem.reference_stiffness(i), rest = problem.rest_length(i);
+    hold(Problem::column(i, 2), reference / segment.bending_stiffness_range_nm2.high,
+         reference / segment.bending_stiffness_range_nm2.low);
+    const Range& length = segment.length_range_m;
+    if (length.high > 0.0) hold(Problem::column(i, 3), length.low / rest, length.high / rest);
+  }
+  hold(problem.payload_column(), arm.payload.range_kg.low / Problem::kPayloadUnit,
+       arm.payload.range_kg.high / Problem::kPayloadUnit);
+  if (!moved) return true;
+  problem.begin();
+  bool good = problem.evaluate(x) && minimise();
+  if (!good) {
+    // Too far for a step: from the measured shape, with what is held as known.
+    for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
+      const int column = Problem::column(i, 2);
+      if (problem.free()[static_cast<std::size_t>(column)]) continue;
+      known_flexibility[static_cast<std::size_t>(i)] = x[column];
+    }
+    good = start_cold() && minimise();
+  }
+  problem.free() = estimated;  // what is told is asked of all of them
+  problem.begin();
+  if (!good || !problem.evaluate(x)) {
+    have_last = false;
+    fail(Status::kNoConvergence, "no shape with stiffness, length and payload in their ranges was found");
+    return false;
+  }
+  refresh_covariance();
+  return true;
+}
+
+}  // namespace softarm
