@@ -26,6 +26,11 @@ class Table {
     line(name, fmt::format("{:.4g} {}", m * scale, unit));
   }
 
+  /// As above, of a value that was given.
+  void known(const std::string& name, const std::vector<double>& values, const char* unit) {
+    median(name, values, 1.0, fmt::format("{} (known)", unit).c_str());
+  }
+
   /// As above, and the share of frames that tell the value with the median over those.
   void told(const std::string& name, const std::vector<double>& values,
             const std::vector<double>& told_values, std::uint64_t frames, const char* unit) {
@@ -44,7 +49,14 @@ class Table {
 
 }  // namespace
 
-EstimateSummary::EstimateSummary(std::size_t segments) : segments_(segments) {}
+EstimateSummary::EstimateSummary(const Arm& arm)
+    : set_aside_(arm.bodies.size(), 0), segments_(arm.segments.size()) {
+  const Method method = arm.estimator.method;
+  const bool arcs = method == Method::kCcPoints || method == Method::kCcEndpoint;
+  payload_known_ = arcs || arm.estimator.unknown != Unknown::kPayload;
+  stiffness_known_ = !arcs && arm.estimator.unknown == Unknown::kPayload;
+  for (const MeasuredBody& body : arm.bodies) body_names_.push_back(body.name);
+}
 
 void EstimateSummary::add(const Estimate& e) {
   if (frames_ == 0) first_stamp_s_ = e.stamp_s;
@@ -58,6 +70,9 @@ void EstimateSummary::add(const Estimate& e) {
   rms_residual_m_.push_back(e.rms_residual_m);
   // Without degrees of freedom the model fits anything: there is nothing to compare.
   if (e.degrees_of_freedom > 0) mismatch_.push_back(e.mismatch);
+  for (const BodyResidual& residual : e.residuals) {
+    if (!residual.used) ++set_aside_.at(static_cast<std::size_t>(residual.body));
+  }
   if (const auto angle = tip_angle_rad(e)) tip_angle_rad_.push_back(*angle);
   if (e.payload_kg) {
     payload_kg_.push_back(*e.payload_kg);
@@ -82,6 +97,13 @@ std::string EstimateSummary::text(const std::map<std::string, std::uint64_t>& re
   for (const auto& [reason, count] : not_ok_) table.line("  not ok, " + reason, fmt::format("{}", count));
   table.line("samples", fmt::format("{}", samples));
   for (const auto& [reason, count] : rejected) table.line("  rejected, " + reason, fmt::format("{}", count));
+  for (std::size_t i = 0; i < set_aside_.size(); ++i) {
+    if (set_aside_[i] == 0) continue;
+    const double share = static_cast<double>(set_aside_[i]) / static_cast<double>(ok_);
+    table.line("set aside",
+               fmt::format("{} in {} frames ({:.0f} %){}", body_names_[i], set_aside_[i], 100.0 * share,
+                           share > 0.5 ? "; is its arclength_m right, has the ring slipped?" : ""));
+  }
   table.median("rms residual, median", rms_residual_m_, 1e3, "mm");
   table.median("mismatch, median", mismatch_, 1.0,
                "(chi-square per degree of freedom; 1 is the stated noise)");
@@ -91,9 +113,17 @@ std::string EstimateSummary::text(const std::map<std::string, std::uint64_t>& re
     const std::string prefix = segments_.size() > 1 ? fmt::format("segment {} ", i + 1) : "";
     table.median(prefix + "M0, median", s.moment_nm, 1.0, "N m");
     table.median(prefix + "L, median", s.length_m, 1.0, "m");
-    table.told(prefix + "EI, median", s.bending_stiffness_nm2, s.told_bending_stiffness_nm2, ok_, "N m^2");
+    if (stiffness_known_) {
+      table.known(prefix + "EI, median", s.bending_stiffness_nm2, "N m^2");
+    } else {
+      table.told(prefix + "EI, median", s.bending_stiffness_nm2, s.told_bending_stiffness_nm2, ok_, "N m^2");
+    }
   }
-  table.told("payload, median", payload_kg_, told_payload_kg_, ok_, "kg");
+  if (payload_known_) {
+    table.known("payload, median", payload_kg_, "kg");
+  } else {
+    table.told("payload, median", payload_kg_, told_payload_kg_, ok_, "kg");
+  }
   return table.take();
 }
 

@@ -13,6 +13,8 @@ namespace softarm {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
 
 std::vector<std::string> cells(const std::string& line) {
   std::vector<std::string> result;
@@ -108,8 +110,57 @@ TEST(EstimatesCsv, NotANumberIsAnEmptyCell) {
   EXPECT_EQ(row.find("inf"), std::string::npos);
 }
 
+/// One segment, a ring in its middle and one at its tip.
+Arm arm_of(Unknown unknown) {
+  Arm arm;
+  arm.segments.resize(1);
+  arm.bodies.resize(2);
+  arm.bodies[0].name = "ring_1";
+  arm.bodies[1].name = "ring_2";
+  arm.estimator.method = Method::kFullPoints;
+  arm.estimator.unknown = unknown;
+  return arm;
+}
+
+/// The line of a table that begins with a name and a colon, without its padding; "" if there is none.
+std::string line_of(const std::string& table, const std::string& name) {
+  std::istringstream in(table);
+  for (std::string line; std::getline(in, line);) {
+    if (line.rfind(name + ":", 0) == 0) return boost::trim_copy(line.substr(name.size() + 1));
+  }
+  return "";
+}
+
+TEST(EstimateSummary, NamesBodiesThatAreSetAside) {
+  EstimateSummary summary(arm_of(Unknown::kStiffness));
+  for (int i = 0; i < 4; ++i) {
+    Estimate e = quarter_circle();
+    e.residuals.resize(2);
+    e.residuals[1].body = 1;
+    e.residuals[1].used = i == 0;
+    summary.add(e);
+  }
+  const std::string text = summary.text({}, 8);
+  EXPECT_THAT(line_of(text, "set aside"), StartsWith("ring_2 in 3 frames (75 %); is its arclength_m right"));
+  EXPECT_THAT(text, Not(HasSubstr("ring_1")));
+}
+
+TEST(EstimateSummary, SaysWhatWasKnown) {
+  EstimateSummary stiffness(arm_of(Unknown::kStiffness)), payload(arm_of(Unknown::kPayload));
+  stiffness.add(quarter_circle());
+  payload.add(quarter_circle());
+  const std::string payload_known = stiffness.text({}, 1), stiffness_known = payload.text({}, 1);
+  EXPECT_EQ(line_of(payload_known, "payload, median"), "0.15 kg (known)");
+  EXPECT_EQ(line_of(payload_known, "EI, median"), "0.03123 N m^2");
+  EXPECT_EQ(line_of(payload_known, "  told in"), "1 frames (100.0 %)");
+  EXPECT_EQ(payload_known.find("told in"), payload_known.rfind("told in")) << "of EI only";
+  EXPECT_EQ(line_of(stiffness_known, "EI, median"), "0.03123 N m^2 (known)");
+  EXPECT_EQ(line_of(stiffness_known, "payload, median"), "0.15 kg");
+  EXPECT_EQ(line_of(stiffness_known, "  told in"), "0 frames (0.0 %)");
+}
+
 TEST(EstimateSummary, CountsReasonsAndTakesMediansOverGoodFrames) {
-  EstimateSummary summary(1);
+  EstimateSummary summary(arm_of(Unknown::kStiffness));
   for (int i = 0; i < 5; ++i) {
     Estimate e = quarter_circle();
     e.stamp_s = 10.0 + i;

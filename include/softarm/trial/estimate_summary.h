@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "softarm/arm/arm.h"
 #include "softarm/fit/estimate.h"
 
 namespace softarm {
@@ -13,7 +14,8 @@ namespace softarm {
 /// Collects the estimates of one recording and prints their summary table.
 class EstimateSummary {
  public:
-  explicit EstimateSummary(std::size_t segments);
+  /// @param arm as it was estimated: its estimator's options say what was known
+  explicit EstimateSummary(const Arm& arm);
 
   void add(const Estimate& estimate);
 
@@ -32,6 +34,9 @@ class EstimateSummary {
     std::vector<double> bending_stiffness_nm2, told_bending_stiffness_nm2, moment_nm, length_m;
   };
 
+  bool payload_known_, stiffness_known_;
+  std::vector<std::string> body_names_;
+  std::vector<std::uint64_t> set_aside_;  // frames ok without the body, an outlier
   std::vector<Segment> segments_;
   std::vector<double> payload_kg_, told_payload_kg_, rms_residual_m_, tip_angle_rad_, mismatch_;
   std::map<std::string, std::uint64_t> not_ok_;

@@ -126,7 +126,7 @@ void estimate_bag(const Arm& arm, bool use_payload, Job& job, Progress& progress
   OutputFile text(job.folder / "summary.txt");
   std::ofstream rows(csv.temporary());
   rows << kEstimatesCsvHeader << '\n';
-  EstimateSummary summary(arm.segments.size());
+  EstimateSummary summary(arm);
   std::uint64_t frames = 0;
   BagFrames::Callbacks callbacks;
   callbacks.on_frame = [&](const Frame& frame) {
