@@ -218,6 +218,12 @@ void EstimatorNode::diagnose_fit(DiagnosticStatusWrapper& status) {
       status.mergeSummary(DiagnosticStatus::WARN,
                           "refused: " + list(period.refused) + " (" + period.refused_detail + ")");
     }
+    for (const std::string& name : period.mostly_set_aside()) {
+      status.mergeSummary(DiagnosticStatus::WARN,
+                          fmt::format("{} set aside in {} of {} frames: is its arclength_m in the arm file "
+                                      "right, has the ring slipped?",
+                                      name, period.set_aside.at(name), period.ok));
+    }
     if (mismatch > params_.mismatch_warning) {
       status.mergeSummary(DiagnosticStatus::WARN, fmt::format("mismatch {:.1f} (1 is ideal), most at {}",
                                                               mismatch, period.worst_body));
@@ -234,6 +240,7 @@ void EstimatorNode::diagnose_fit(DiagnosticStatusWrapper& status) {
   status.add("rms residual median (mm)", fmt::format("{:.3f}", 1e3 * quantile(period.rms_residual_m, 0.5)));
   status.add("mismatch median", fmt::format("{:.2f}", mismatch));
   status.add("bodies set aside", period.outliers);
+  for (const auto& [name, count] : period.set_aside) status.add("frames that set aside " + name, count);
   status.add("worst body", period.worst_body.empty() ? std::string("none")
                                                      : fmt::format("{} ({:.2f} mm)", period.worst_body,
                                                                    1e3 * period.worst_residual_m));

@@ -28,13 +28,24 @@ void NodeStatistics::add(const Estimate& estimate, double latency_s, double solv
   period.worst_residual_m = 0.0;
   period.worst_body.clear();
   for (const BodyResidual& residual : estimate.residuals) {
-    period.outliers += !residual.used;
+    if (!residual.used) {
+      ++period.outliers;
+      ++period.set_aside[body_names.at(static_cast<std::size_t>(residual.body))];
+    }
     const double distance = (residual.measured_base - residual.estimated_base).norm();
     if (distance > period.worst_residual_m) {
       period.worst_residual_m = distance;
       period.worst_body = body_names.at(static_cast<std::size_t>(residual.body));
     }
   }
+}
+
+std::vector<std::string> NodeStatistics::Period::mostly_set_aside() const {
+  std::vector<std::string> names;
+  for (const auto& [name, count] : set_aside) {
+    if (2 * count > ok) names.push_back(name);
+  }
+  return names;
 }
 
 double quantile(std::vector<double> values, double p) {

@@ -224,7 +224,26 @@ class Faults(unittest.TestCase):
         self.assertFalse(estimates[0].warm_start)
         self.assertTrue(estimates[-1].warm_start)
 
-    def test_m_silence(self):
+    def test_m_slipped_ring(self):
+        def fault(body, k, m):
+            if body == "ring_2":
+                m.pose.position.z -= 0.02  # for ever, so no jump
+            return m
+
+        feeding = threading.Thread(target=self.feeder.feed, args=(720,), kwargs={"fault": fault})
+        feeding.start()
+        warned = self.listener.wait(lambda: "ring_2 set aside in" in self.listener.task("fit").message, 4.0)
+        fit = self.listener.task("fit")
+        feeding.join()
+        self.assertTrue(warned, fit.message)
+        self.assertEqual(fit.level, DiagnosticStatus.WARN)
+        self.assertIn("arclength_m", fit.message)
+        self.assertNotIn("ring_3 set aside", fit.message)
+        self.feed(480)
+        self.listener.fresh()
+        self.assertNotIn("set aside", self.listener.task("fit").message)
+
+    def test_n_silence(self):
         self.feed(24)
         self.assertTrue(self.listener.wait(
             lambda: self.listener.task("frames").level == DiagnosticStatus.ERROR and

@@ -28,8 +28,11 @@ struct NodeStatistics {
     std::vector<double> latency_s, solve_time_s, mismatch, rms_residual_m;
     std::uint64_t iterations = 0, warm_starts = 0, tells_stiffness = 0, tells_payload = 0, outliers = 0;
     double final_cost = 0.0;
+    std::map<std::string, std::uint64_t> set_aside;  ///< estimates without this body, an outlier
     std::string worst_body;  ///< body with the largest residual of the newest estimate
     double worst_residual_m = 0.0;
+    /// Bodies that were outliers in most of the estimates: not bad luck, but a wrong arm file or ring.
+    std::vector<std::string> mostly_set_aside() const;
   } period;
 
   void add(const Estimate& estimate, double latency_s, double solve_time_s,
