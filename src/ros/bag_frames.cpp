@@ -6,7 +6,10 @@
 #include <rosbag/view.h>
 
 #include <algorithm>
+#include <fstream>
+#include <mutex>
 #include <set>
+#include <string_view>
 
 #include "softarm/ros/input_topics.h"
 
@@ -14,6 +17,30 @@ namespace softarm {
 namespace {
 
 constexpr std::uint64_t kProgressMessages = 256;
+
+/// rosbag::Bag makes and destroys a plugin loader of its own, whose library's tables are not safe against
+/// threads: bags may be read side by side, but not opened or destroyed.
+std::mutex& bag_lifetime() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+std::shared_ptr<rosbag::Bag> opened(const std::string& path) {
+  const std::lock_guard<std::mutex> lock(bag_lifetime());
+  auto bag = std::make_unique<rosbag::Bag>();
+  bag->open(path, rosbag::bagmode::Read);
+  return {bag.release(), [](rosbag::Bag* finished) {
+            const std::lock_guard<std::mutex> finish(bag_lifetime());
+            delete finished;
+          }};
+}
+
+bool begins_as_bag(const std::string& path) {
+  constexpr std::string_view kMagic = "#ROSBAG V";
+  std::string begin(kMagic.size(), '\0');
+  std::ifstream(path, std::ios::binary).read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return begin == kMagic;
+}
 
 std::string absolute(const std::string& topic) {
   return topic.rfind('/', 0) == 0 ? topic : "/" + topic;
@@ -34,23 +61,25 @@ BagFrames::BagFrames(const std::string& path, const Arm& arm, bool use_payload)
     names_.push_back(absolute(topic.topic));
     names_.push_back(absolute(topic.topic).substr(1));
   }
-  messages_ = rosbag::View(bag_, rosbag::TopicQuery(names_)).size();
+  messages_ = rosbag::View(*bag_, rosbag::TopicQuery(names_)).size();
 }
 
 void BagFrames::open() {
   try {
-    bag_.open(path_, rosbag::bagmode::Read);
-    rosbag::View view(bag_);
+    bag_ = opened(path_);
+    rosbag::View view(*bag_);
     for (const rosbag::ConnectionInfo* connection : view.getConnections()) {
       in_bag_.emplace(absolute(connection->topic), connection->datatype);
     }
-  } catch (const rosbag::BagUnindexedException&) {
-    throw BagError(
-        fmt::format("{}: has no index, its recording was cut off; rosbag reindex repairs it", path_));
-  } catch (const rosbag::BagIOException&) {
-    throw BagError(fmt::format("{}: cannot be read", path_));
   } catch (const std::exception& e) {
-    throw BagError(fmt::format("{}: is not a complete ROS bag ({})", path_, e.what()));
+    // A recorder that was killed leaves no index, a copy that broke off half of one.
+    if (begins_as_bag(path_)) {
+      throw BagError(
+          fmt::format("{0}: was cut off, its index is missing ({1}); to save what is there: "
+                      "rosbag reindex {0}",
+                      path_, e.what()));
+    }
+    throw BagError(fmt::format("{}: cannot be read as a ROS bag ({})", path_, e.what()));
   }
 }
 
@@ -105,7 +134,7 @@ void BagFrames::read(const Callbacks& callbacks) {
   for (const InputTopic& topic : topics_) by_topic[absolute(topic.topic)] = &topic;
   std::uint64_t unreported = 0;
   try {
-    rosbag::View view(bag_, rosbag::TopicQuery(names_));
+    rosbag::View view(*bag_, rosbag::TopicQuery(names_));
     for (const rosbag::MessageInstance& message : view) {
       by_topic.at(absolute(message.getTopic()))->read(message, assembler_);
       deliver(callbacks);

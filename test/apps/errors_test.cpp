@@ -8,6 +8,7 @@ namespace softarm {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 
 constexpr const char* kLayout = R"(
@@ -90,7 +91,10 @@ TEST(SoftarmErrors, ADamagedBagIsRefused) {
   for (std::size_t i = 6000; i < 9000; ++i) wrong[i] = static_cast<char>(~wrong[i]);
   dir.write("wrong.bag", wrong);
   const std::string out = " --out " + dir / "out";
-  expect_refused(dir, "estimate --arm online_200mm " + dir / "cut.bag" + out, HasSubstr("cut.bag"));
+  dir.write("unindexed.bag", bytes.substr(0, bytes.size() - 100));
+  for (const std::string& bag : {dir / "cut.bag", dir / "unindexed.bag"}) {
+    expect_refused(dir, "estimate --arm online_200mm " + bag + out, EndsWith("rosbag reindex " + bag + "\n"));
+  }
   expect_refused(dir, "estimate --arm online_200mm " + dir / "wrong.bag" + out, HasSubstr("wrong.bag"));
 }
 

@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -55,7 +56,7 @@ class BagFrames {
   void deliver(const Callbacks& callbacks);
 
   std::string path_;
-  rosbag::Bag bag_;
+  std::shared_ptr<rosbag::Bag> bag_;  // opened and destroyed by one thread at a time
   FrameAssembler assembler_;
   std::vector<InputTopic> topics_;             // those that the bag has, in the arm's order
   std::map<std::string, std::string> in_bag_;  // topic to type
