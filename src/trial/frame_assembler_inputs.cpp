@@ -48,9 +48,12 @@ const FrameAssembler::Value* FrameAssembler::newest_at(std::deque<Value>& histor
 }
 
 InputValues FrameAssembler::inputs_at(double stamp_s) {
+  // Strictly before the frame: whether a command of the very same stamp came before or after the bodies is
+  // chance, and would tell a replayed bag from the live stream.
+  const double before_s = std::nextafter(stamp_s, 0.0);
   InputValues values;
   for (auto& history : inputs_) {
-    const Value* held = newest_at(history, stamp_s);
+    const Value* held = newest_at(history, before_s);
     const bool fresh = held && stamp_s - held->stamp_s <= pressure_max_age_s_;
     values.push_back(fresh ? held->value : std::nullopt);
   }

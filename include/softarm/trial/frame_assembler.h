@@ -27,9 +27,9 @@ namespace softarm {
 ///    nothing of that frame can still come), or when the newest stamp is Params::reorder_window_s past it. A
 ///    body that a frame waited for in vain is not expected again until it reports. At the start every body of
 ///    the arm is expected.
-/// 4. Pressures and payload are held from the newest sample at or before the frame's stamp (pressures no
-/// older than
-///    Inputs::pressure_max_age_s).
+/// 4. Pressures are held from the newest sample before the frame's stamp, no older than
+/// Inputs::pressure_max_age_s;
+///    the payload from the newest at or before it.
 ///
 /// Time comes from stamps alone, never from a clock, so that a replayed bag gives the frames that the live
 /// node saw; the order in which different topics arrive does not matter within the reorder window.
