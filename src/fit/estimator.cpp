@@ -172,7 +172,7 @@ bool Estimator::Impl::observe(const Frame& frame) {
       o.p = to_base * seen.p_mocap;
     }
     if (!(o.p.norm() < kFarFromArm * arm.total_length_m())) {
-      far.push_back(body.name);
+      far.push_back(fmt::format("'{}' is {:.3g} m from the base", body.name, o.p.stableNorm()));
       absurd = true;
       continue;
     }
@@ -181,8 +181,9 @@ bool Estimator::Impl::observe(const Frame& frame) {
   const std::size_t fewest = ends ? arm.segments.size() : 1;
   if (observations.size() < fewest || (!ends && observations.size() * 3 < arm.segments.size() * 3 + 1)) {
     std::string detail = fmt::format("{} of {} bodies can be used", observations.size(), arm.bodies.size());
-    for (const std::string& name : far)
-      detail += fmt::format("; '{}' is too far from the base to be on the arm", name);
+    for (const std::string& body : far) detail += "; " + body;
+    if (!far.empty())
+      detail += fmt::format(", too far for an arm of {:.3g} m: {}", arm.total_length_m(), kUnitsHint);
     far.clear();
     fail(absurd && observations.empty() ? Status::kInvalidInput : Status::kNotEnoughBodies, detail);
     return false;

@@ -68,6 +68,9 @@ struct Estimator::Impl {
   bool keep_to_bounds();
 
   // --- step 5 ---
+  /// For the detail of a refusal: both lengths where the way from the base through the bodies is less than
+  /// half or more than twice that of the arm file; else nothing.
+  std::string length_hint() const;
   void finish();
   /// Near a buckling load the shape is so sensitive to the stiffness that the linear covariance promises
   /// much, while another stiffness with another moment explains the bodies nearly as well. There, EI is told
@@ -99,5 +102,7 @@ struct Estimator::Impl {
 };
 
 bool is_constant_curvature(Method method);
+inline constexpr const char* kUnitsHint =
+    "are the units (inputs.bodies.unit) and the lengths of the arm file right?";
 
 }  // namespace softarm

@@ -24,14 +24,35 @@ constexpr double kToldChiSquare = 3.0;
 
 }  // namespace
 
+std::string Estimator::Impl::length_hint() const {
+  std::vector<const Observation*> along;
+  for (const Observation& o : problem.observations()) along.push_back(&o);
+  const auto arclength = [&](const Observation* o) {
+    return arm.bodies[static_cast<std::size_t>(o->body)].arclength_m;
+  };
+  std::sort(along.begin(), along.end(),
+            [&](const Observation* a, const Observation* b) { return arclength(a) < arclength(b); });
+  double measured = 0.0;
+  Eigen::Vector3d from = Eigen::Vector3d::Zero();
+  for (const Observation* o : along) {
+    measured += (o->p - from).norm();
+    from = o->p;
+  }
+  const double expected = along.empty() ? 0.0 : arclength(along.back());
+  if (measured >= 0.5 * expected && measured <= 2.0 * expected) return "";
+  return fmt::format("; from the base through the bodies it is {:.3g} m, by the arm file {:.3g} m: {}",
+                     measured, expected, kUnitsHint);
+}
+
 void Estimator::Impl::finish() {
   estimate.rms_residual_m = rms();
   estimate.solver.rod_solves = problem.rod_solves();
   if (options.method == Method::kCcEndpoint) estimated = problem.free();
   if (estimate.rms_residual_m > kGross * arm.total_length_m()) {
     have_last = false;
-    fail(Status::kInconsistent, fmt::format("no shape of this arm comes nearer than {:.1f} mm to the bodies",
-                                            1e3 * estimate.rms_residual_m));
+    fail(Status::kInconsistent,
+         fmt::format("no shape of this arm comes nearer than {:.1f} mm to the bodies{}",
+                     1e3 * estimate.rms_residual_m, length_hint()));
     return;
   }
   if (options.method == Method::kCcEndpoint) refresh_covariance();

@@ -94,7 +94,8 @@ bool Estimator::Impl::solve() {
   estimate.solver.warm_start = warm;
   if (!good) {
     have_last = false;
-    fail(Status::kNoConvergence, "no shape of this arm that the fit can reach lies near the bodies");
+    fail(Status::kNoConvergence,
+         "no shape of this arm that the fit can reach lies near the bodies" + length_hint());
   }
   return good;
 }
@@ -211,7 +212,8 @@ bool Estimator::Impl::keep_to_bounds() {
   problem.begin();
   if (!good || !problem.evaluate(x)) {
     have_last = false;
-    fail(Status::kNoConvergence, "no shape with stiffness, length and payload in their ranges was found");
+    fail(Status::kNoConvergence,
+         "no shape with stiffness, length and payload in their ranges was found" + length_hint());
     return false;
   }
   refresh_covariance();

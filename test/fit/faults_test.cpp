@@ -182,6 +182,28 @@ TEST(AbsurdNumbers, OfAllBodiesAreRefused) {
   }
 }
 
+/// The detail of the refusal of a frame whose lengths are all wrong by one factor; "ok" if there is none.
+std::string detail_at_scale(double factor) {
+  const Arm arm = paper_arm();
+  Frame frame = make_frame(arm, plain_truth());
+  const Vector3d base = frame.base_body ? Vector3d(frame.base_body->translation())
+                                        : Vector3d(arm.base.fixed_pose.translation());
+  for (BodyObservation& seen : frame.bodies) seen.p_mocap = base + factor * (seen.p_mocap - base);
+  Estimator estimator(arm, with_method(Method::kFullPoints));
+  const Estimate& estimate = estimator.estimate(frame);
+  return estimate.status == Status::kOk ? "ok" : estimate.detail;
+}
+
+TEST(AbsurdNumbers, WrongUnitsAreNamedWithBothLengths) {
+  EXPECT_EQ(detail_at_scale(1.0), "ok");
+  for (const double factor : {1e-3, 0.1, 10.0, 1e3}) {
+    const std::string detail = detail_at_scale(factor);
+    SCOPED_TRACE(detail);
+    EXPECT_NE(detail.find("inputs.bodies.unit"), std::string::npos);
+    EXPECT_NE(detail.find(" 0.2 m"), std::string::npos) << "the arm's length";
+  }
+}
+
 TEST(AbsurdNumbers, OfOrientationsPayloadAndPressuresNeverShow) {
   const Arm arm = paper_arm();
   for (const Method method :
