@@ -55,7 +55,10 @@ def draw(axes, rows, times, panel, colour):
     if tells_column:
         estimated = any(row[sd_column] for row in rows)
         share = 100.0 * sum(told) / len(told)
-        note = f"told in {share:.0f} % of the frames" if estimated else "given, not estimated"
+        if estimated:
+            note = f"told in {share:.0f} % of the frames"
+        else:  # a value that changes without a standard deviation rests on what the estimator takes for likely
+            note = "given, not estimated" if len(set(finite(values))) <= 1 else "not determined in any frame"
         axes.text(0.995, 0.04, note, transform=axes.transAxes, ha="right", fontsize=8)
     return finite(values)
 
