@@ -52,6 +52,7 @@ rod::SolverOptions solver_options() {
   // The fit's own steps are of this order near its end; positions are exact to its square.
   options.linear_correction_rad = 1e-4;
   options.orientation_tolerance_rad = 1e-9;
+  options.position_tolerance = 1e-6;  // a thousandth of what cameras see
   return options;
 }
 

@@ -19,7 +19,9 @@ TEST(ClosedForm, PureEndMomentGivesACircle) {
   for (const double angle : {0.3, 2.0, 5.0}) {
     Rod rod = plain_rod(length, ei);
     rod.loads[0].moment_nm = {0.0, ei * angle / length, 0.0};
-    Solver solver(rod, {0.05, 0.2}, {});
+    SolverOptions exact;
+    exact.position_tolerance = 1e-10;
+    Solver solver(rod, {0.05, 0.2}, {}, exact);
     ASSERT_EQ(solver.solve(rod), SolveStatus::kConverged);
     const double radius = length / angle;
     for (int i = 0; i < 2; ++i) {

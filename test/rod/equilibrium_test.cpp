@@ -109,6 +109,34 @@ TEST(Equilibrium, AskedAccuracyIsKeptOnAMuchBentRod) {
   }
 }
 
+TEST(Equilibrium, AskedAccuracyIsKeptOverTheArmsShapes) {
+  // Warm and cold, up and down in refinement, against a grid that is fine everywhere.
+  Rod rod = testing::loaded_arm();
+  SolverOptions exact, usual;
+  exact.position_tolerance = 1e-13;
+  usual.position_tolerance = 1e-6;
+  const std::vector<double> stations = {0.05, 0.1, 0.15, 0.2};
+  Solver reference(rod, stations, {}, exact), cold(rod, stations, {}, usual), warm(rod, stations, {}, usual);
+  ASSERT_EQ(warm.solve(rod), SolveStatus::kConverged);
+  int coarse = 0;
+  Rod last = rod;
+  for (int i = 0; i < 200; ++i) {
+    rod.segments[0].moment_nm = {0.1 * std::sin(0.11 * i), 0.45 + 0.4 * std::sin(0.07 * i), 0.01};
+    rod.segments[0].bending_compliance = 1.0 / (0.035 + 0.012 * std::cos(0.05 * i));
+    ASSERT_EQ(reference.solve(rod), SolveStatus::kConverged) << i;
+    ASSERT_EQ(cold.solve(rod), SolveStatus::kConverged) << i;
+    ASSERT_EQ(warm.solve(rod, Eigen::Quaterniond(warm.q_tip()), &last), SolveStatus::kConverged) << i;
+    for (int k = 0; k < 4; ++k) {
+      EXPECT_LT((cold.station(k).p - reference.station(k).p).norm(), 1e-6 * 0.2) << i;
+      EXPECT_LT((warm.station(k).p - reference.station(k).p).norm(), 1e-6 * 0.2) << i;
+    }
+    coarse += warm.refinement() == 1 ? 1 : 0;
+    last = rod;
+  }
+  EXPECT_GT(coarse, 50);
+  EXPECT_LT(coarse, 200);
+}
+
 TEST(Equilibrium, TurnsWithTheWorld) {
   const Rod rod = testing::complicated_rod();
   const Eigen::Quaterniond turn = exp_so3({0.7, -1.1, 2.0});
