@@ -9,8 +9,8 @@
 namespace softarm::yaml {
 namespace {
 
-PressurePrior read_prior(const Section& section, const Arm& arm) {
-  PressurePrior prior;
+LawPrior read_prior(const Section& section, const Arm& arm) {
+  LawPrior prior;
   prior.enabled = section.flag("enabled");
   prior.moment_sd_nm = section.number("moment_sd_nm");
   prior.bending_stiffness_sd_rel = section.number("bending_stiffness_sd_rel");

@@ -20,8 +20,8 @@ double pascals_per(const std::string& unit) {
   return kScale.at(unit);
 }
 
-PressureInput read_pressure(const Section& section) {
-  PressureInput input;
+ScalarInput read_pressure(const Section& section) {
+  ScalarInput input;
   input.name = section.name("name");
   input.topic = section.topic("topic");
   input.type = section.word("type");
@@ -30,10 +30,10 @@ PressureInput read_pressure(const Section& section) {
     section.fail_value("element",
                        fmt::format("is an index of an array, but type {} holds one value", input.type));
   }
-  input.scale_to_pa = pascals_per(section.word("unit"));
+  input.scale_to_si = pascals_per(section.word("unit"));
   input.reference =
       section.word("reference") == "gauge" ? PressureReference::kGauge : PressureReference::kAbsolute;
-  input.is_vacuum = section.flag("vacuum");
+  if (section.flag("vacuum")) input.kind = InputKind::kVacuum;
   return input;
 }
 
@@ -47,8 +47,8 @@ Inputs read_inputs(const Section& section) {
   inputs.body_scale_to_m = metres_per(bodies.word("unit"));
   inputs.body_sync_tolerance_s = bodies.number("sync_tolerance_s");
   for (const Section& item : section.list("pressures", pressure_input_keys())) {
-    const PressureInput input = read_pressure(item);
-    for (const PressureInput& other : inputs.pressures) {
+    const ScalarInput input = read_pressure(item);
+    for (const ScalarInput& other : inputs.scalars) {
       if (other.name == input.name)
         item.fail_value("name", "is given to another input already; names are unique");
       if (other.topic == input.topic && other.element == input.element) {
@@ -59,10 +59,10 @@ Inputs read_inputs(const Section& section) {
         item.fail_value("type", fmt::format("differs from that of input '{}' on the same topic", other.name));
       }
     }
-    inputs.pressures.push_back(input);
+    inputs.scalars.push_back(input);
   }
   inputs.ambient_pressure_pa = section.number("ambient_pressure_pa");
-  inputs.pressure_max_age_s = section.number("pressure_max_age_s");
+  inputs.input_max_age_s = section.number("input_max_age_s");
   inputs.payload_topic = section.topic("payload_topic");
   return inputs;
 }

@@ -224,7 +224,7 @@ const KeyTable& inputs_keys() {
       "inputs",
       {map("bodies", "{}", "poses of base and measured bodies"), list("pressures", "[]", "pressure inputs"),
        number("ambient_pressure_pa", "Pa", "101325", 5e4, 1.2e5, "ambient pressure, for absolute pressures"),
-       number("pressure_max_age_s", "s", "0.5", 0.001, 3600, "a pressure older than this is missing"),
+       number("input_max_age_s", "s", "0.5", 0.001, 3600, "a pressure older than this is missing"),
        text("payload_topic", "/payload", "std_msgs/Float64, known payload in kg")}};
   return table;
 }

@@ -8,8 +8,8 @@
 namespace softarm::yaml {
 namespace {
 
-const PressureInput* find_input(const Inputs& inputs, const std::string& name) {
-  for (const PressureInput& input : inputs.pressures) {
+const ScalarInput* find_input(const Inputs& inputs, const std::string& name) {
+  for (const ScalarInput& input : inputs.scalars) {
     if (input.name == name) return &input;
   }
   return nullptr;
@@ -19,15 +19,14 @@ const PressureInput* find_input(const Inputs& inputs, const std::string& name) {
 std::string read_input(const Section& section, const std::string& key, const Inputs& inputs,
                        bool wants_vacuum) {
   const std::string name = section.text(key);
-  const PressureInput* const input = find_input(inputs, name);
+  const ScalarInput* const input = find_input(inputs, name);
   if (input == nullptr) {
     std::string declared;
-    for (const PressureInput& known : inputs.pressures)
-      declared += (declared.empty() ? "" : ", ") + known.name;
+    for (const ScalarInput& known : inputs.scalars) declared += (declared.empty() ? "" : ", ") + known.name;
     section.fail_value(
         key, "is no input of inputs.pressures; declared: " + (declared.empty() ? "none" : declared));
   }
-  if (input->is_vacuum != wants_vacuum) {
+  if ((input->kind == InputKind::kVacuum) != wants_vacuum) {
     section.fail_value(key, wants_vacuum ? "is not a vacuum input; mark it `vacuum: true` in inputs.pressures"
                                          : "is a vacuum input; a chamber needs a pressure");
   }

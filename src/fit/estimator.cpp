@@ -230,7 +230,7 @@ bool Estimator::Impl::set_knowns(const Frame& frame) {
   for (int i = 0; i < segments; ++i) {
     const Segment& segment = arm.segments[static_cast<std::size_t>(i)];
     std::optional<SegmentPrediction> prediction;
-    if (frame.inputs.size() == arm.inputs.pressures.size())
+    if (frame.inputs.size() == arm.inputs.scalars.size())
       prediction = predict_segment(arm, segment, frame.inputs);
     const bool with_prior = options.prior.enabled && !arcs;
     if (with_prior && !prediction) {

@@ -339,7 +339,7 @@ bool Problem::evaluate_free_tip(const double* x, const Eigen::Quaterniond& q_tip
 
 void Problem::prior_rows(const Eigen::VectorXd& x, std::vector<PriorRow>& rows) const {
   rows.clear();
-  const PressurePrior& sd = options_.prior;
+  const LawPrior& sd = options_.prior;
   for (int i = 0; i < static_cast<int>(prior_.size()); ++i) {
     const auto& prediction = prior_[static_cast<std::size_t>(i)];
     if (!prediction) continue;

@@ -35,6 +35,25 @@ Rod make_rod(const Arm& arm) {
   return rod;
 }
 
+void actuate(const Arm& arm, const std::vector<SegmentPrediction>& predictions, Rod& rod) {
+  for (std::size_t i = 0; i < rod.segments.size(); ++i) {
+    const softarm::Segment& from = arm.segments[i];
+    const SegmentPrediction& now = predictions[i];
+    Segment& to = rod.segments[i];
+    const auto compliance = [&](const std::optional<double>& stiffness, double added) {
+      return stiffness ? 1.0 / (*stiffness * now.modulus_ratio + added) : 0.0;
+    };
+    to.length_m = now.length_m;
+    to.bending_compliance = 1.0 / now.bending_stiffness_nm2;
+    to.torsional_compliance = compliance(from.torsional_stiffness_nm2, now.tendon_torsional_stiffness_nm2);
+    to.axial_compliance = compliance(from.axial_stiffness_n, 0.0);
+    to.shear_compliance = compliance(from.shear_stiffness_n, now.tendon_shear_stiffness_n);
+    // Bending towards phi is a turn about the axis at phi + 90 degrees.
+    const Eigen::Vector2d moment = now.actuation_nm();
+    to.moment_nm = {-moment.y(), moment.x(), 0.0};
+  }
+}
+
 void interpolate(const Rod& a, const Rod& b, double weight, Rod& r) {
   r = b;
   const double v = 1.0 - weight;

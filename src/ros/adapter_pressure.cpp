@@ -14,14 +14,14 @@ namespace {
 struct Target {
   int input;
   int element;
-  double scale_to_pa;
+  double scale_to_si;
 };
 
 std::vector<Target> targets_of(const Arm& arm, const std::vector<int>& inputs) {
   std::vector<Target> targets;
   for (int i : inputs) {
-    const PressureInput& input = arm.inputs.pressures.at(static_cast<std::size_t>(i));
-    targets.push_back({i, input.element, input.scale_to_pa});
+    const ScalarInput& input = arm.inputs.scalars.at(static_cast<std::size_t>(i));
+    targets.push_back({i, input.element, input.scale_to_si});
   }
   return targets;
 }
@@ -29,7 +29,7 @@ std::vector<Target> targets_of(const Arm& arm, const std::vector<int>& inputs) {
 std::string names_of(const Arm& arm, const std::vector<int>& inputs) {
   std::string names;
   for (int i : inputs) {
-    names += (names.empty() ? "" : ", ") + arm.inputs.pressures.at(static_cast<std::size_t>(i)).name;
+    names += (names.empty() ? "" : ", ") + arm.inputs.scalars.at(static_cast<std::size_t>(i)).name;
   }
   return names;
 }
@@ -45,7 +45,7 @@ InputTopic array_topic(const Arm& arm, const std::string& topic, const std::vect
       // name.
       const double value =
           element < message.data.size() ? message.data[element] : std::numeric_limits<double>::quiet_NaN();
-      assembler.add_input(target.input, stamp_s, target.scale_to_pa * value);
+      assembler.add_input(target.input, stamp_s, target.scale_to_si * value);
     }
   };
   return make_input_topic<Array>(topic, names_of(arm, inputs), convert);
@@ -60,7 +60,7 @@ InputTopic fluid_pressure_topic(const Arm& arm, const std::string& topic, const 
     const double stamp_s = message.header.stamp.isZero() ? headerless_stamp_s(receipt_s, assembler)
                                                          : message.header.stamp.toSec();
     for (const Target& target : targets) {
-      assembler.add_input(target.input, stamp_s, target.scale_to_pa * message.fluid_pressure);
+      assembler.add_input(target.input, stamp_s, target.scale_to_si * message.fluid_pressure);
     }
   };
   return make_input_topic<sensor_msgs::FluidPressure>(topic, names_of(arm, inputs), convert);
@@ -71,7 +71,7 @@ InputTopic float64_topic(const Arm& arm, const std::string& topic, const std::ve
                                                            FrameAssembler& assembler) {
     const double stamp_s = headerless_stamp_s(receipt_s, assembler);
     for (const Target& target : targets) {
-      assembler.add_input(target.input, stamp_s, target.scale_to_pa * message.data);
+      assembler.add_input(target.input, stamp_s, target.scale_to_si * message.data);
     }
   };
   return make_input_topic<std_msgs::Float64>(topic, names_of(arm, inputs), convert);

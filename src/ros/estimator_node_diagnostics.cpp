@@ -146,14 +146,14 @@ bool EstimatorNode::pressures_are_needed() const {
 void EstimatorNode::diagnose_values(DiagnosticStatusWrapper& status) {
   const std::optional<double> newest = assembler_.newest_s();
   std::string missing;
-  for (std::size_t i = 0; i < params_.arm.inputs.pressures.size(); ++i) {
-    const PressureInput& input = params_.arm.inputs.pressures[i];
+  for (std::size_t i = 0; i < params_.arm.inputs.scalars.size(); ++i) {
+    const ScalarInput& input = params_.arm.inputs.scalars[i];
     const std::optional<double> accepted = assembler_.input_accepted_s(static_cast<int>(i));
     std::string state = "absent";
     if (accepted && newest) {
       const double age_s = *newest - *accepted;
       state =
-          age_s > params_.arm.inputs.pressure_max_age_s ? fmt::format("missing for {:.1f} s", age_s) : "seen";
+          age_s > params_.arm.inputs.input_max_age_s ? fmt::format("missing for {:.1f} s", age_s) : "seen";
     } else if (accepted) {
       state = "seen";
     }

@@ -73,8 +73,8 @@ std::vector<InputTopic> input_topics(const Arm& arm) {
   std::vector<InputTopic> topics =
       adapter_for(body_adapters(), arm.inputs.body_type, "arm '" + arm.name + "', bodies")(arm);
   std::map<std::pair<std::string, std::string>, std::vector<int>> by_topic;
-  for (std::size_t i = 0; i < arm.inputs.pressures.size(); ++i) {
-    const PressureInput& input = arm.inputs.pressures[i];
+  for (std::size_t i = 0; i < arm.inputs.scalars.size(); ++i) {
+    const ScalarInput& input = arm.inputs.scalars[i];
     adapter_for(pressure_adapters(), input.type,
                 "arm '" + arm.name + "', pressure input '" + input.name + "'");
     by_topic[{input.topic, input.type}].push_back(static_cast<int>(i));

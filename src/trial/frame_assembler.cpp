@@ -13,9 +13,9 @@ FrameAssembler::FrameAssembler(const Arm& arm, const Params& params)
       tolerance_s_(arm.inputs.body_sync_tolerance_s),
       payload_range_kg_(arm.payload.range_kg),
       ambient_pa_(arm.inputs.ambient_pressure_pa),
-      pressure_max_age_s_(arm.inputs.pressure_max_age_s),
-      pressures_(arm.inputs.pressures),
-      inputs_(arm.inputs.pressures.size()) {
+      input_max_age_s_(arm.inputs.input_max_age_s),
+      scalars_(arm.inputs.scalars),
+      inputs_(arm.inputs.scalars.size()) {
   double finest_sd_m = std::numeric_limits<double>::max();
   for (const MeasuredBody& body : arm.bodies) finest_sd_m = std::min(finest_sd_m, body.position_sd_m);
   if (arm.bodies.empty()) finest_sd_m = 0.0;

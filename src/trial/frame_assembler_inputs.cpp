@@ -1,4 +1,4 @@
-// Pressures and payload: what held at the stamp of a frame.
+// Inputs and payload: what held at the stamp of a frame.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,15 +12,18 @@ constexpr std::size_t kLongestHistory = 20000;
 
 }  // namespace
 
-void FrameAssembler::add_input(int input, double stamp_s, double value_pa) {
-  const PressureInput& source = pressures_.at(static_cast<std::size_t>(input));
+void FrameAssembler::add_input(int input, double stamp_s, double value) {
+  const ScalarInput& source = scalars_.at(static_cast<std::size_t>(input));
   std::deque<Value>& history = inputs_.at(static_cast<std::size_t>(input));
   ++samples_;
-  if (!std::isfinite(value_pa)) return reject("pressure_nan", source.name);
+  if (!std::isfinite(value)) return reject("input_nan", source.name);
   if (!(stamp_s > 0.0) || !std::isfinite(stamp_s)) return reject("bad_stamp", source.name);
-  const double gauge_pa =
-      source.reference == PressureReference::kAbsolute ? value_pa - ambient_pa_ : value_pa;
-  insert(history, {stamp_s, source.is_vacuum ? -gauge_pa : gauge_pa});
+  if (source.kind == InputKind::kTension || source.kind == InputKind::kAngle) {
+    insert(history, {stamp_s, value - source.zero_si});
+    return;
+  }
+  const double gauge_pa = source.reference == PressureReference::kAbsolute ? value - ambient_pa_ : value;
+  insert(history, {stamp_s, source.kind == InputKind::kVacuum ? -gauge_pa : gauge_pa});
 }
 
 void FrameAssembler::add_payload(double stamp_s, std::optional<double> kg) {
@@ -54,7 +57,7 @@ InputValues FrameAssembler::inputs_at(double stamp_s) {
   InputValues values;
   for (auto& history : inputs_) {
     const Value* held = newest_at(history, before_s);
-    const bool fresh = held && stamp_s - held->stamp_s <= pressure_max_age_s_;
+    const bool fresh = held && stamp_s - held->stamp_s <= input_max_age_s_;
     values.push_back(fresh ? held->value : std::nullopt);
   }
   return values;

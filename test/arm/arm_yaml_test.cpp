@@ -47,14 +47,14 @@ TEST(ArmYaml, DefaultsAreThoseOfTheStructs) {
   EXPECT_EQ(arm.inputs.ambient_pressure_pa, inputs.ambient_pressure_pa);
   EXPECT_EQ(arm.inputs.payload_topic, inputs.payload_topic);
   EXPECT_EQ(arm.inputs.body_sync_tolerance_s, inputs.body_sync_tolerance_s);
-  EXPECT_EQ(arm.inputs.pressure_max_age_s, inputs.pressure_max_age_s);
-  const PressureInput pressure;
-  ASSERT_EQ(arm.inputs.pressures.size(), 1u);
-  EXPECT_EQ(arm.inputs.pressures[0].type, "sensor_msgs/FluidPressure");
-  EXPECT_EQ(arm.inputs.pressures[0].element, pressure.element);
-  EXPECT_EQ(arm.inputs.pressures[0].scale_to_pa, pressure.scale_to_pa);
-  EXPECT_EQ(arm.inputs.pressures[0].reference, pressure.reference);
-  EXPECT_EQ(arm.inputs.pressures[0].is_vacuum, pressure.is_vacuum);
+  EXPECT_EQ(arm.inputs.input_max_age_s, inputs.input_max_age_s);
+  const ScalarInput pressure;
+  ASSERT_EQ(arm.inputs.scalars.size(), 1u);
+  EXPECT_EQ(arm.inputs.scalars[0].type, "sensor_msgs/FluidPressure");
+  EXPECT_EQ(arm.inputs.scalars[0].element, pressure.element);
+  EXPECT_EQ(arm.inputs.scalars[0].scale_to_si, pressure.scale_to_si);
+  EXPECT_EQ(arm.inputs.scalars[0].reference, pressure.reference);
+  EXPECT_EQ(arm.inputs.scalars[0].kind, pressure.kind);
   const EstimatorOptions options;
   EXPECT_EQ(arm.estimator.method, options.method);
   EXPECT_EQ(arm.estimator.unknown, options.unknown);
@@ -128,7 +128,7 @@ inputs:
     - {name: left, topic: valves, type: std_msgs/Float32MultiArray, element: 2, unit: kPa, reference: gauge}
     - {name: vacuum, topic: valves, type: std_msgs/Float32MultiArray, element: 3, unit: mbar, vacuum: true}
   ambient_pressure_pa: 98000
-  pressure_max_age_s: 2
+  input_max_age_s: 2
   payload_topic: scale
 estimator:
   method: end_orientation
@@ -191,15 +191,15 @@ TEST(ArmYaml, EveryInputAndEstimatorKey) {
   EXPECT_EQ(arm.inputs.body_topic, "/vicon/<body>/pose");
   EXPECT_EQ(arm.inputs.body_scale_to_m, 1e-3);
   EXPECT_EQ(arm.inputs.body_sync_tolerance_s, 0.004);
-  ASSERT_EQ(arm.inputs.pressures.size(), 2u);
-  EXPECT_EQ(arm.inputs.pressures[0].topic, "valves");
-  EXPECT_EQ(arm.inputs.pressures[0].element, 2);
-  EXPECT_EQ(arm.inputs.pressures[0].scale_to_pa, 1e3);
-  EXPECT_EQ(arm.inputs.pressures[0].reference, PressureReference::kGauge);
-  EXPECT_EQ(arm.inputs.pressures[1].scale_to_pa, 100);
-  EXPECT_TRUE(arm.inputs.pressures[1].is_vacuum);
+  ASSERT_EQ(arm.inputs.scalars.size(), 2u);
+  EXPECT_EQ(arm.inputs.scalars[0].topic, "valves");
+  EXPECT_EQ(arm.inputs.scalars[0].element, 2);
+  EXPECT_EQ(arm.inputs.scalars[0].scale_to_si, 1e3);
+  EXPECT_EQ(arm.inputs.scalars[0].reference, PressureReference::kGauge);
+  EXPECT_EQ(arm.inputs.scalars[1].scale_to_si, 100);
+  EXPECT_EQ(arm.inputs.scalars[1].kind, InputKind::kVacuum);
   EXPECT_EQ(arm.inputs.ambient_pressure_pa, 98000);
-  EXPECT_EQ(arm.inputs.pressure_max_age_s, 2);
+  EXPECT_EQ(arm.inputs.input_max_age_s, 2);
   EXPECT_EQ(arm.inputs.payload_topic, "scale");
   EXPECT_EQ(arm.estimator.method, Method::kEndOrientation);
   EXPECT_EQ(arm.estimator.unknown, Unknown::kPayload);
@@ -229,7 +229,7 @@ TEST(ArmYaml, UnitsOfPressure) {
     const Arm arm = parse_arm(
         edited("topic: /pressure/chamber_1", std::string("topic: /pressure/chamber_1, unit: ") + word),
         "arm.yaml");
-    EXPECT_DOUBLE_EQ(arm.inputs.pressures[0].scale_to_pa, scale) << word;
+    EXPECT_DOUBLE_EQ(arm.inputs.scalars[0].scale_to_si, scale) << word;
   }
 }
 

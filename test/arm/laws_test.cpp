@@ -14,10 +14,10 @@ constexpr double kDeg = M_PI / 180.0;
 /// The semi-physical paper's arm (Table 1), in SI.
 Arm table_1_arm() {
   Arm arm;
-  arm.inputs.pressures.resize(4);
+  arm.inputs.scalars.resize(4);
   const char* const names[] = {"chamber_1", "chamber_2", "chamber_3", "vacuum"};
-  for (std::size_t i = 0; i < 4; ++i) arm.inputs.pressures[i].name = names[i];
-  arm.inputs.pressures[3].is_vacuum = true;
+  for (std::size_t i = 0; i < 4; ++i) arm.inputs.scalars[i].name = names[i];
+  arm.inputs.scalars[3].kind = InputKind::kVacuum;
   Segment segment;
   segment.length_m = 0.2;
   segment.bending_stiffness = {0.027, 3e-7, 1.3e-6};
@@ -182,7 +182,7 @@ TEST(Laws, NoLengthIsNoPrediction) {
 
 TEST(Laws, InputsAreFoundByName) {
   Arm arm = table_1_arm();
-  std::swap(arm.inputs.pressures[0], arm.inputs.pressures[2]);
+  std::swap(arm.inputs.scalars[0], arm.inputs.scalars[2]);
   EXPECT_NEAR(direction(predict(arm, {0.0, 0.0, 50e3, 0.0})), 0.0, 1e-12);
 }
 

@@ -87,7 +87,7 @@ TEST(ShippedArms, LawsStayWithinTheirLimits) {
   for (const char* const name : {"online_200mm", "semi_physical_200mm", "pouch_arm_one_segment"}) {
     const Arm arm = shipped(name);
     for (const Segment& segment : arm.segments) {
-      const auto full = predict_segment(arm, segment, InputValues(arm.inputs.pressures.size(), 50e3));
+      const auto full = predict_segment(arm, segment, InputValues(arm.inputs.scalars.size(), 50e3));
       ASSERT_TRUE(full) << name;
       EXPECT_GE(full->length_m, segment.length_range_m.low) << name;
       EXPECT_LE(full->length_m, segment.length_range_m.high) << name;

@@ -201,7 +201,7 @@ class Faults(unittest.TestCase):
         feeding.join()
         self.assertTrue(gone)
         self.listener.fresh()
-        self.assertEqual(self.rejected("pressure_nan chamber_1"), 1)
+        self.assertEqual(self.rejected("input_nan chamber_1"), 1)
 
     def test_l_services(self):
         self.assertFalse(self.set_payload(unknown=False, payload=-1.0).success)

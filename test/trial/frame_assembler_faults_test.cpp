@@ -207,13 +207,13 @@ TEST(FrameAssemblerInputs, NewestAtOrBeforeTheFrameHolds) {
   EXPECT_FALSE(frames[4].inputs[0]);
   assembler.add_input(0, feed.stamp(241), std::numeric_limits<double>::quiet_NaN());
   assembler.add_input(0, 0.0, 1e5);
-  EXPECT_EQ(count(assembler.rejected(), "pressure_nan chamber_1"), 1u);
+  EXPECT_EQ(count(assembler.rejected(), "input_nan chamber_1"), 1u);
   EXPECT_EQ(count(assembler.rejected(), "bad_stamp chamber_1"), 1u);
 }
 
 TEST(FrameAssemblerInputs, GaugeInputsAreUsedAsTheyAre) {
   Arm arm = three_ring_arm();
-  for (PressureInput& input : arm.inputs.pressures) input.reference = PressureReference::kGauge;
+  for (ScalarInput& input : arm.inputs.scalars) input.reference = PressureReference::kGauge;
   FrameAssembler assembler(arm);
   Feeder feed(assembler);
   assembler.add_input(0, feed.stamp(0), 2e4);

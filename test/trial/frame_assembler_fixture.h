@@ -26,12 +26,12 @@ inline Arm three_ring_arm() {
     arm.bodies.push_back(body);
   }
   for (const char* name : {"chamber_1", "vacuum"}) {
-    PressureInput input;
+    ScalarInput input;
     input.name = name;
     input.topic = std::string("/pressure/") + name;
     input.type = "sensor_msgs/FluidPressure";
-    input.is_vacuum = input.name == "vacuum";
-    arm.inputs.pressures.push_back(input);
+    if (input.name == "vacuum") input.kind = InputKind::kVacuum;
+    arm.inputs.scalars.push_back(input);
   }
   return arm;
 }

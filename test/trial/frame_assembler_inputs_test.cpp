@@ -15,9 +15,9 @@ Arm one_ring_arm() {
   ring.name = "ring_1";
   ring.arclength_m = 0.2;
   arm.bodies.push_back(ring);
-  PressureInput pressure;
+  ScalarInput pressure;
   pressure.name = "chamber_1";
-  arm.inputs.pressures.push_back(pressure);
+  arm.inputs.scalars.push_back(pressure);
   return arm;
 }
 

@@ -2,6 +2,10 @@
 //
 // SI units throughout. The rod's base frame has its origin at s = 0 and its z axis along the backbone's
 // tangent there; x is the bending direction phi = 0. Pressures are gauge (Pa above ambient).
+//
+// What drives a segment, in any combination: pneumatic chambers off its axis (a moment each), a central
+// chamber (axial tension of the wall), tendons pulled by known tensions (a moment and axial compression),
+// cables wound up by servos (a curvature). laws.h says what they make of it.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,6 +16,12 @@
 
 namespace softarm {
 
+/// A measured bending stiffness at a pressure of the central chamber.
+struct PressureKnot {
+  double pressure_pa = 0.0;  ///< gauge
+  double bending_stiffness_nm2 = 0.0;
+};
+
 /// Bending stiffness of a segment from its pressures, equation (9) of the semi-physical paper:
 /// EI = base + per_min_pressure * min(P_i) + per_jamming_pressure * (V + mean(P_i)), with P_i the gauge
 /// pressures of the segment's chambers and V >= 0 the vacuum below ambient.
@@ -19,6 +29,40 @@ struct StiffnessLaw {
   double base_nm2 = 0.03;                      ///< b1, N m^2
   double per_min_pressure_nm2_per_pa = 0.0;    ///< b2, N m^2 / Pa
   double per_jamming_pressure_nm2_per_pa = 0;  ///< b3, N m^2 / Pa
+  /// EI identified at pressures of the central chamber (hybrid paper, Fig. 8): linear in between, constant
+  /// beyond the ends, increasing pressures. Replaces the base and the material's stiffening where not empty.
+  std::vector<PressureKnot> by_pressure;
+};
+
+/// Two-term Mooney-Rivlin rubber (hybrid paper (13), single-chamber slides): gives how the moduli change with
+/// the axial stretch that the actuation causes; their level is that of the segment's stiffnesses.
+struct Material {
+  double c10_pa = 0.0;
+  double c01_pa = 0.0;
+};
+
+/// A chamber on the segment's axis: its pressure pulls the wall, P times area, without bending it.
+struct CentralChamber {
+  std::string input;
+  double area_m2 = 0.0;
+};
+
+/// A straight tendon along the whole segment at a fixed offset from its axis, fixed at its end or passing
+/// through to a distal segment (which then has it too). Pulls the segment together and bends it towards its
+/// azimuth.
+struct Tendon {
+  std::string input;  ///< name of the tension input
+  double bending_direction_rad = 0.0;
+  double offset_m = 0.0;
+};
+
+/// A cable wound up by a servo: a curvature proportional to the servo's angle (cable paper (4), (5), (15):
+/// unloaded, a spool of radius r_s that turns by alpha shortens the cable by r_s alpha and bends the segment
+/// to r_s alpha / (L (r + r_t))).
+struct Cable {
+  std::string input;  ///< name of the angle input
+  double bending_direction_rad = 0.0;
+  double curvature_gain_per_m_rad = 0.0;  ///< curvature per angle, r_s / (L (r + r_t)), 1 / (m rad)
 };
 
 /// One pneumatic chamber running along a segment.
@@ -56,6 +100,10 @@ struct Segment {
   Eigen::Vector3d rest_curvature_per_m = Eigen::Vector3d::Zero();  ///< u* in the section frame, 1/m
   std::vector<Chamber> chambers;
   std::optional<std::string> jamming_input;  ///< name of the vacuum input of the jamming core
+  std::optional<CentralChamber> central_chamber;
+  std::vector<Tendon> tendons;
+  std::vector<Cable> cables;
+  std::optional<Material> material;  ///< absent: linear, moduli do not change with stretch
   Range bending_stiffness_range_nm2{1e-4, 10.0};
   Range length_range_m{0.0, 0.0};
 };
@@ -91,16 +139,24 @@ struct Base {
 
 enum class PressureReference { kAbsolute, kGauge };
 
-/// One scalar input (a chamber's pressure or the vacuum) and where it comes from.
-struct PressureInput {
-  std::string name;   ///< referred to by chambers and jamming
+enum class InputKind {
+  kPressure,  ///< of a chamber; used as gauge Pa
+  kVacuum,    ///< of a jamming core; used as Pa below ambient (>= 0 when jammed)
+  kTension,   ///< of a tendon, N
+  kAngle,     ///< of a servo, rad
+};
+
+/// One scalar input and where it comes from.
+struct ScalarInput {
+  std::string name;  ///< referred to by chambers, jamming, tendons and cables
+  InputKind kind = InputKind::kPressure;
   std::string topic;  ///< ROS topic
   std::string
       type;  ///< sensor_msgs/FluidPressure | std_msgs/Float64 | ...Float32MultiArray | ...Float64MultiArray
   int element = 0;           ///< index in an array message
-  double scale_to_pa = 1.0;  ///< from the configured unit
-  PressureReference reference = PressureReference::kAbsolute;
-  bool is_vacuum = false;  ///< value used is ambient - absolute (>= 0 when jammed)
+  double scale_to_si = 1.0;  ///< from the configured unit
+  double zero_si = 0.0;  ///< subtracted from tensions and angles: the reading at which the arm is not driven
+  PressureReference reference = PressureReference::kAbsolute;  ///< of pressures
 };
 
 /// Topic, type and unit of everything the node listens to.
@@ -108,24 +164,29 @@ struct Inputs {
   std::string body_topic = "/mocap/<body>/pose";  ///< <body> is replaced by the body's name
   std::string body_type = "geometry_msgs/PoseStamped";
   double body_scale_to_m = 1.0;
-  std::vector<PressureInput> pressures;
+  std::vector<ScalarInput> scalars;  ///< pressures, then tensions, then angles
   double ambient_pressure_pa = 101325.0;
   std::string payload_topic = "/payload";
   double body_sync_tolerance_s = 0.002;  ///< stamps closer than this belong to one frame
-  double pressure_max_age_s = 0.5;       ///< an older pressure is missing
+  double input_max_age_s = 0.5;          ///< an older pressure, tension or angle is missing
 };
 
 enum class Method { kFullPoints, kEndOrientation, kCcPoints, kCcEndpoint };
-enum class Unknown { kStiffness, kPayload };
+enum class Unknown { kStiffness, kPayload, kBoth };
 enum class Objective { kLeastSquares, kSumOfDistances };
 enum class Weights { kNoise, kPaper };
 
-/// Relative or absolute trust in the arm's pressure laws when they serve as a prior.
-struct PressurePrior {
+/// Trust in the arm's laws when they serve as a prior. The laws' errors are of two parts: one that stays (a
+/// gain, a zero; common to all frames of a window) and one that comes and goes from frame to frame (the
+/// ..._jitter_...).
+struct LawPrior {
   bool enabled = false;
-  double moment_sd_nm = 0.02;  ///< per component of the actuation moment
+  double moment_sd_nm = 0.02;  ///< per component of the actuation moment; of cables times EI
+  double moment_sd_rel = 0.0;  ///< and as a share of the moment, added in squares
   double bending_stiffness_sd_rel = 0.2;
   double length_sd_m = 0.003;
+  double moment_jitter_sd_nm = 0.002;
+  double length_jitter_sd_m = 0.0005;
 };
 
 /// Choices of the estimator; each can be overridden on the command line or by a node parameter.
@@ -136,7 +197,10 @@ struct EstimatorOptions {
   std::optional<Weights> weights;   ///< absent: noise for least squares, the paper's for sum of distances
   bool robust = true;               ///< bound the influence of an outlying body and drop it
   double tells_relative_sd = 0.25;  ///< a parameter is told by a frame at this relative sd or better
-  PressurePrior prior;
+  LawPrior prior;
+  /// Frames of this last time share bending stiffness and payload (and the lasting part of the laws' errors);
+  /// 0: each frame by itself.
+  double window_s = 0.0;
 };
 
 /// The point at which the payload hangs.

@@ -21,7 +21,7 @@ struct Frame {
   double stamp_s = 0.0;
   std::optional<Eigen::Isometry3d> base_body;  ///< pose of Base::body in mocap; unused for a fixed base
   std::vector<BodyObservation> bodies;
-  InputValues inputs;                ///< empty or in the order of Arm::inputs.pressures
+  InputValues inputs;                ///< empty or in the order of Arm::inputs.scalars
   std::optional<double> payload_kg;  ///< known payload; absent: PayloadMount::default_kg or unknown
 };
 

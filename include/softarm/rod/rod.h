@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "softarm/arm/arm.h"
+#include "softarm/arm/laws.h"
 
 namespace softarm::rod {
 
@@ -59,6 +60,10 @@ struct Rod {
 /// gravity is rotated into the rod's base frame by the caller where needed. Loads: [0] tip mass (also when
 /// 0), [1] payload of 0 kg.
 Rod make_rod(const Arm& arm);
+/// Puts what the inputs make of the arm's segments into a rod of make_rod's layout: lengths, stiffnesses,
+/// actuation. Nothing else is touched; allocates nothing.
+/// @param predictions one per segment
+void actuate(const Arm& arm, const std::vector<SegmentPrediction>& predictions, Rod& rod);
 constexpr int kTipMassLoad = 0;
 constexpr int kPayloadLoad = 1;
 

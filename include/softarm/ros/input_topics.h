@@ -19,10 +19,10 @@ using BodyAdapter = std::vector<InputTopic> (*)(const Arm& arm);
 /// By Inputs::body_type. A new driver is one new file and one line in this table.
 const std::map<std::string, BodyAdapter>& body_adapters();
 
-/// Makes one topic that feeds the given inputs (indices into Inputs::pressures).
+/// Makes one topic that feeds the given inputs (indices into Inputs::scalars).
 using PressureAdapter = InputTopic (*)(const Arm& arm, const std::string& topic,
                                        const std::vector<int>& inputs);
-/// By PressureInput::type.
+/// By ScalarInput::type.
 const std::map<std::string, PressureAdapter>& pressure_adapters();
 
 /// Name and index (FrameAssembler::kBaseBody for the base) of every body of the arm.

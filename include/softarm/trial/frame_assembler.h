@@ -27,8 +27,8 @@ namespace softarm {
 ///    nothing of that frame can still come), or when the newest stamp is Params::reorder_window_s past it. A
 ///    body that a frame waited for in vain is not expected again until it reports. At the start every body of
 ///    the arm is expected.
-/// 4. Pressures are held from the newest sample before the frame's stamp, no older than
-/// Inputs::pressure_max_age_s;
+/// 4. Pressures, tensions and angles are held from the newest sample before the frame's stamp, no older than
+/// Inputs::input_max_age_s;
 ///    the payload from the newest at or before it.
 ///
 /// Time comes from stamps alone, never from a clock, so that a replayed bag gives the frames that the live
@@ -52,10 +52,10 @@ class FrameAssembler {
   /// @throws std::out_of_range for a body that the arm does not have
   void add_body(int body, double stamp_s, const Eigen::Vector3d& p_mocap,
                 const std::optional<Eigen::Quaterniond>& q_mocap);
-  /// @param value_pa in Pa as the source reports it (absolute or gauge as configured); converted to gauge or
-  /// vacuum
+  /// @param value in SI as the source reports it; pressures (absolute or gauge as configured) are converted
+  /// to gauge or vacuum, tensions and angles counted from their zero
   /// @throws std::out_of_range for an input that the arm does not have
-  void add_input(int input, double stamp_s, double value_pa);
+  void add_input(int input, double stamp_s, double value);
   /// @param stamp_s when it was said; 0 or less: it has always held
   /// @param kg absent: unknown from now on
   void add_payload(double stamp_s, std::optional<double> kg);
@@ -71,7 +71,7 @@ class FrameAssembler {
   bool take_time_jump();
 
   /// Samples rejected so far by reason ("nan", "absurd", "all_zero", "zero_quaternion", "bad_quaternion",
-  /// "frozen", "jump", "late", "duplicate", "bad_stamp", "time_gap", "time_jump", "pressure_nan", ...) and
+  /// "frozen", "jump", "late", "duplicate", "bad_stamp", "time_gap", "time_jump", "input_nan", ...) and
   /// body or input: "frozen ring_2".
   const std::map<std::string, std::uint64_t>& rejected() const { return rejected_; }
   std::uint64_t samples() const { return samples_; }
@@ -137,8 +137,8 @@ class FrameAssembler {
   double tolerance_s_;
   Range payload_range_kg_;
   double ambient_pa_;
-  double pressure_max_age_s_;
-  std::vector<PressureInput> pressures_;
+  double input_max_age_s_;
+  std::vector<ScalarInput> scalars_;
 
   std::vector<Stream> streams_;  // base, then Arm::bodies
   std::deque<Pending> pending_;  // by reference stamp
