@@ -9,15 +9,23 @@
 namespace softarm::yaml {
 namespace {
 
+bool is_driven(const Segment& segment) {
+  return !segment.chambers.empty() || segment.central_chamber || !segment.tendons.empty() ||
+         !segment.cables.empty();
+}
+
 LawPrior read_prior(const Section& section, const Arm& arm) {
   LawPrior prior;
   prior.enabled = section.flag("enabled");
   prior.moment_sd_nm = section.number("moment_sd_nm");
   prior.bending_stiffness_sd_rel = section.number("bending_stiffness_sd_rel");
   prior.length_sd_m = section.number("length_sd_m");
-  const bool any_chamber = std::any_of(arm.segments.begin(), arm.segments.end(),
-                                       [](const Segment& segment) { return !segment.chambers.empty(); });
-  if (prior.enabled && !any_chamber) section.fail_value("enabled", "needs segments with chambers");
+  prior.moment_sd_rel = section.number("moment_sd_rel");
+  prior.moment_jitter_sd_nm = section.number("moment_jitter_sd_nm");
+  prior.length_jitter_sd_m = section.number("length_jitter_sd_m");
+  if (prior.enabled && std::none_of(arm.segments.begin(), arm.segments.end(), is_driven)) {
+    section.fail_value("enabled", "needs segments with chambers, a central_chamber, tendons or cables");
+  }
   return prior;
 }
 
@@ -44,6 +52,7 @@ EstimatorOptions read_estimator(const Section& section, const Arm& arm) {
   }
   options.robust = section.flag("robust");
   options.tells_relative_sd = section.number("tells_relative_sd");
+  options.window_s = section.number("window_s");
   options.prior = read_prior(section.section("prior", prior_keys()), arm);
   return options;
 }

@@ -1,8 +1,10 @@
 // Topics, types and units.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "arm_parts.h"
 
@@ -20,8 +22,21 @@ double pascals_per(const std::string& unit) {
   return kScale.at(unit);
 }
 
-ScalarInput read_pressure(const Section& section) {
+double newtons_per(const std::string& unit) {
+  static const std::map<std::string, double> kScale{
+      {"N", 1.0}, {"mN", 1e-3}, {"kgf", 9.80665}, {"gf", 9.80665e-3}};
+  return kScale.at(unit);
+}
+
+double radians_per(const std::string& unit) {
+  static const std::map<std::string, double> kScale{{"rad", 1.0}, {"deg", M_PI / 180.0}};
+  return kScale.at(unit);
+}
+
+/// What all kinds of inputs have.
+ScalarInput read_source(const Section& section, InputKind kind) {
   ScalarInput input;
+  input.kind = kind;
   input.name = section.name("name");
   input.topic = section.topic("topic");
   input.type = section.word("type");
@@ -30,11 +45,53 @@ ScalarInput read_pressure(const Section& section) {
     section.fail_value("element",
                        fmt::format("is an index of an array, but type {} holds one value", input.type));
   }
+  return input;
+}
+
+ScalarInput read_pressure(const Section& section) {
+  ScalarInput input =
+      read_source(section, section.flag("vacuum") ? InputKind::kVacuum : InputKind::kPressure);
   input.scale_to_si = pascals_per(section.word("unit"));
   input.reference =
       section.word("reference") == "gauge" ? PressureReference::kGauge : PressureReference::kAbsolute;
-  if (section.flag("vacuum")) input.kind = InputKind::kVacuum;
   return input;
+}
+
+ScalarInput read_tension(const Section& section) {
+  ScalarInput input = read_source(section, InputKind::kTension);
+  input.scale_to_si = newtons_per(section.word("unit"));
+  input.zero_si = section.number("zero") * input.scale_to_si;
+  return input;
+}
+
+ScalarInput read_angle(const Section& section) {
+  ScalarInput input = read_source(section, InputKind::kAngle);
+  if (section.has("rad_per_unit")) {
+    if (section.has("unit")) section.fail("rad_per_unit", "is given beside unit; give one of them only");
+    input.scale_to_si = section.number("rad_per_unit");
+    if (input.scale_to_si == 0.0) section.fail_value("rad_per_unit", "must not be 0");
+  } else {
+    input.scale_to_si = radians_per(section.word("unit"));
+  }
+  input.zero_si = section.number("zero") * input.scale_to_si;
+  return input;
+}
+
+/// Appends an input whose name is new and whose value nothing else reads.
+void add_input(const Section& section, const ScalarInput& input, std::vector<ScalarInput>* inputs) {
+  for (const ScalarInput& other : *inputs) {
+    if (other.name == input.name)
+      section.fail_value("name", "is given to another input already; names are unique");
+    if (other.topic == input.topic && other.element == input.element) {
+      section.fail_value(
+          "topic", fmt::format("with element {} is read by input '{}' already", input.element, other.name));
+    }
+    if (other.topic == input.topic && other.type != input.type) {
+      section.fail_value("type",
+                         fmt::format("differs from that of input '{}' on the same topic", other.name));
+    }
+  }
+  inputs->push_back(input);
 }
 
 }  // namespace
@@ -47,19 +104,13 @@ Inputs read_inputs(const Section& section) {
   inputs.body_scale_to_m = metres_per(bodies.word("unit"));
   inputs.body_sync_tolerance_s = bodies.number("sync_tolerance_s");
   for (const Section& item : section.list("pressures", pressure_input_keys())) {
-    const ScalarInput input = read_pressure(item);
-    for (const ScalarInput& other : inputs.scalars) {
-      if (other.name == input.name)
-        item.fail_value("name", "is given to another input already; names are unique");
-      if (other.topic == input.topic && other.element == input.element) {
-        item.fail_value(
-            "topic", fmt::format("with element {} is read by input '{}' already", input.element, other.name));
-      }
-      if (other.topic == input.topic && other.type != input.type) {
-        item.fail_value("type", fmt::format("differs from that of input '{}' on the same topic", other.name));
-      }
-    }
-    inputs.scalars.push_back(input);
+    add_input(item, read_pressure(item), &inputs.scalars);
+  }
+  for (const Section& item : section.list("tensions", tension_input_keys())) {
+    add_input(item, read_tension(item), &inputs.scalars);
+  }
+  for (const Section& item : section.list("angles", angle_input_keys())) {
+    add_input(item, read_angle(item), &inputs.scalars);
   }
   inputs.ambient_pressure_pa = section.number("ambient_pressure_pa");
   inputs.input_max_age_s = section.number("input_max_age_s");

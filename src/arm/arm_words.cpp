@@ -19,8 +19,8 @@ constexpr WordTable<Method, 4> kMethods{{{Method::kFullPoints, "full_points"},
                                          {Method::kEndOrientation, "end_orientation"},
                                          {Method::kCcPoints, "cc_points"},
                                          {Method::kCcEndpoint, "cc_endpoint"}}};
-constexpr WordTable<Unknown, 2> kUnknowns{
-    {{Unknown::kStiffness, "stiffness"}, {Unknown::kPayload, "payload"}}};
+constexpr WordTable<Unknown, 3> kUnknowns{
+    {{Unknown::kStiffness, "stiffness"}, {Unknown::kPayload, "payload"}, {Unknown::kBoth, "both"}}};
 constexpr WordTable<Objective, 2> kObjectives{
     {{Objective::kLeastSquares, "least_squares"}, {Objective::kSumOfDistances, "sum_of_distances"}}};
 

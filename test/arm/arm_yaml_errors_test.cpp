@@ -291,7 +291,8 @@ TEST(ArmYamlRefusesDocument, PriorWithoutChambers) {
       "");
   EXPECT_NO_THROW(parse_arm(passive, "arm.yaml"));
   EXPECT_EQ(refusal(edited(passive, "method: full_points", "prior: {enabled: true}")),
-            "arm.yaml:16: key 'estimator.prior.enabled': value true needs segments with chambers");
+            "arm.yaml:16: key 'estimator.prior.enabled': value true needs segments with chambers, "
+            "a central_chamber, tendons or cables");
 }
 
 TEST(ArmYamlRefusesDocument, HostileTextStaysOneLine) {

@@ -20,7 +20,7 @@ Arm table_1_arm() {
   arm.inputs.scalars[3].kind = InputKind::kVacuum;
   Segment segment;
   segment.length_m = 0.2;
-  segment.bending_stiffness = {0.027, 3e-7, 1.3e-6};
+  segment.bending_stiffness = {0.027, 3e-7, 1.3e-6, {}};
   segment.chambers = {{"chamber_1", 0.0, 6.1e-6, 6.58e-7, 0.0},
                       {"chamber_2", 120 * kDeg, 7.8e-6, 2.75e-7, 1.30e-7},
                       {"chamber_3", -120 * kDeg, 6.5e-6, 1.25e-6, 2.32e-7}};
@@ -29,7 +29,7 @@ Arm table_1_arm() {
   return arm;
 }
 
-SegmentPrediction predict(const Arm& arm, const InputValues& inputs) {
+SegmentPrediction predicted(const Arm& arm, const InputValues& inputs) {
   const std::optional<SegmentPrediction> prediction = predict_segment(arm, arm.segments.front(), inputs);
   if (!prediction) throw std::runtime_error("no prediction");
   return *prediction;
@@ -40,7 +40,7 @@ double direction(const SegmentPrediction& prediction) {
 }
 
 TEST(Laws, RestIsTheUnloadedArm) {
-  const SegmentPrediction rest = predict(table_1_arm(), {0.0, 0.0, 0.0, 0.0});
+  const SegmentPrediction rest = predicted(table_1_arm(), {0.0, 0.0, 0.0, 0.0});
   EXPECT_DOUBLE_EQ(rest.length_m, 0.2);
   EXPECT_DOUBLE_EQ(rest.bending_stiffness_nm2, 0.027);
   EXPECT_DOUBLE_EQ(rest.moment_nm.norm(), 0.0);
@@ -48,7 +48,7 @@ TEST(Laws, RestIsTheUnloadedArm) {
 
 TEST(Laws, LengthByHand) {
   // 200 + 10 (0.658 + 0) + 20 (0.275 + 0.130) + 30 (1.25 + 0.232) = 200 + 6.58 + 8.1 + 44.46 mm
-  EXPECT_NEAR(predict(table_1_arm(), {10e3, 20e3, 30e3, 0.0}).length_m, 0.25914, 1e-12);
+  EXPECT_NEAR(predicted(table_1_arm(), {10e3, 20e3, 30e3, 0.0}).length_m, 0.25914, 1e-12);
 }
 
 /// Equations (3)-(6) as printed, with the bending axis searched for and not substituted.
@@ -80,31 +80,33 @@ TEST(Laws, LengthIsThePrintedOneOnTheBendingAxis) {
                                          {10e3, 20e3, 30e3},
                                          {45e3, 12e3, 33e3},
                                          {50e3, 50e3, 50e3}}) {
-    EXPECT_NEAR(predict(arm, {p[0], p[1], p[2], 0.0}).length_m, printed_length_m(arm.segments[0], p), 1e-12);
+    EXPECT_NEAR(predicted(arm, {p[0], p[1], p[2], 0.0}).length_m, printed_length_m(arm.segments[0], p),
+                1e-12);
   }
 }
 
 TEST(Laws, StiffnessByHand) {
   // 0.027 + 0.0003 * 10 + 0.0013 * (60 + (10 + 20 + 30) / 3) = 0.027 + 0.003 + 0.104
-  EXPECT_NEAR(predict(table_1_arm(), {10e3, 20e3, 30e3, 60e3}).bending_stiffness_nm2, 0.134, 1e-12);
+  EXPECT_NEAR(predicted(table_1_arm(), {10e3, 20e3, 30e3, 60e3}).bending_stiffness_nm2, 0.134, 1e-12);
   // One chamber alone has no antagonist: 0.027 + 0.0013 * 50 / 3
-  EXPECT_NEAR(predict(table_1_arm(), {50e3, 0.0, 0.0, 0.0}).bending_stiffness_nm2, 0.027 + 0.065 / 3, 1e-12);
+  EXPECT_NEAR(predicted(table_1_arm(), {50e3, 0.0, 0.0, 0.0}).bending_stiffness_nm2, 0.027 + 0.065 / 3,
+              1e-12);
 }
 
 TEST(Laws, MomentByHand) {
-  const SegmentPrediction only_1 = predict(table_1_arm(), {50e3, 0.0, 0.0, 0.0});
+  const SegmentPrediction only_1 = predicted(table_1_arm(), {50e3, 0.0, 0.0, 0.0});
   EXPECT_NEAR(only_1.moment_nm.x(), 0.305, 1e-12);
   EXPECT_NEAR(only_1.moment_nm.y(), 0.0, 1e-12);
   // x: 0.061 - (0.156 + 0.195) / 2, y: (0.156 - 0.195) sqrt(3) / 2
-  const SegmentPrediction all = predict(table_1_arm(), {10e3, 20e3, 30e3, 0.0});
+  const SegmentPrediction all = predicted(table_1_arm(), {10e3, 20e3, 30e3, 0.0});
   EXPECT_NEAR(all.moment_nm.x(), -0.1145, 1e-12);
   EXPECT_NEAR(all.moment_nm.y(), -0.039 * std::sqrt(3.0) / 2, 1e-12);
 }
 
 TEST(Laws, SideChambersPushOppositeWays) {
   const Arm arm = table_1_arm();
-  EXPECT_NEAR(direction(predict(arm, {0.0, 30e3, 0.0, 0.0})), 120 * kDeg, 1e-12);
-  EXPECT_NEAR(direction(predict(arm, {0.0, 0.0, 30e3, 0.0})), -120 * kDeg, 1e-12);
+  EXPECT_NEAR(direction(predicted(arm, {0.0, 30e3, 0.0, 0.0})), 120 * kDeg, 1e-12);
+  EXPECT_NEAR(direction(predicted(arm, {0.0, 0.0, 30e3, 0.0})), -120 * kDeg, 1e-12);
 
   // Equation (11) as printed: M_y = c_2 sin(2 pi/3) P_2 - c_3 sin(-2 pi/3) P_3. Both side chambers would push
   // to +y, and no combination of pressures could bend the arm to -y.
@@ -115,7 +117,7 @@ TEST(Laws, SideChambersPushOppositeWays) {
   };
   EXPECT_GT(printed_my(30e3, 0.0), 0.0);
   EXPECT_GT(printed_my(0.0, 30e3), 0.0);
-  EXPECT_LT(predict(arm, {0.0, 0.0, 30e3, 0.0}).moment_nm.y(), 0.0);
+  EXPECT_LT(predicted(arm, {0.0, 0.0, 30e3, 0.0}).moment_nm.y(), 0.0);
 }
 
 TEST(Laws, EqualChambersAreSymmetricUnderRotation) {
@@ -125,25 +127,25 @@ TEST(Laws, EqualChambersAreSymmetricUnderRotation) {
     chamber.near_elongation_m_per_pa = 3e-8;
     chamber.far_elongation_m_per_pa = 1e-8;
   }
-  const SegmentPrediction original = predict(arm, {10e3, 25e3, 40e3, 20e3});
+  const SegmentPrediction original = predicted(arm, {10e3, 25e3, 40e3, 20e3});
   // Moving every pressure to the next chamber turns the moment by 120 deg and changes nothing else.
-  const SegmentPrediction turned = predict(arm, {40e3, 10e3, 25e3, 20e3});
+  const SegmentPrediction turned = predicted(arm, {40e3, 10e3, 25e3, 20e3});
   const Eigen::Vector2d expected = Eigen::Rotation2Dd(120 * kDeg) * original.moment_nm;
   EXPECT_NEAR((turned.moment_nm - expected).norm(), 0.0, 1e-12);
   EXPECT_GT(original.moment_nm.norm(), 0.1);
   EXPECT_DOUBLE_EQ(turned.length_m, original.length_m);
   EXPECT_DOUBLE_EQ(turned.bending_stiffness_nm2, original.bending_stiffness_nm2);
   // Equal pressures do not bend.
-  EXPECT_NEAR(predict(arm, {30e3, 30e3, 30e3, 0.0}).moment_nm.norm(), 0.0, 1e-12);
+  EXPECT_NEAR(predicted(arm, {30e3, 30e3, 30e3, 0.0}).moment_nm.norm(), 0.0, 1e-12);
 }
 
 TEST(Laws, TurningTheChambersTurnsTheMoment) {
   Arm arm = table_1_arm();
   const InputValues inputs{10e3, 25e3, 40e3, 0.0};
-  const SegmentPrediction original = predict(arm, inputs);
+  const SegmentPrediction original = predicted(arm, inputs);
   for (Chamber& chamber : arm.segments[0].chambers) chamber.bending_direction_rad += 0.7;
   const Eigen::Vector2d expected = Eigen::Rotation2Dd(0.7) * original.moment_nm;
-  EXPECT_NEAR((predict(arm, inputs).moment_nm - expected).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((predicted(arm, inputs).moment_nm - expected).norm(), 0.0, 1e-12);
 }
 
 TEST(Laws, AbsentInputsGiveNothing) {
@@ -166,13 +168,13 @@ TEST(Laws, PassiveSegmentNeedsNoInputs) {
   Arm arm = table_1_arm();
   arm.segments[0].chambers.clear();
   arm.segments[0].jamming_input.reset();
-  const SegmentPrediction passive = predict(arm, {});
+  const SegmentPrediction passive = predicted(arm, {});
   EXPECT_DOUBLE_EQ(passive.bending_stiffness_nm2, 0.027);
   EXPECT_DOUBLE_EQ(passive.length_m, 0.2);
 }
 
 TEST(Laws, PressuresBelowAmbientTakeNoStiffnessAway) {
-  EXPECT_DOUBLE_EQ(predict(table_1_arm(), {-300.0, -300.0, -300.0, -100.0}).bending_stiffness_nm2, 0.027);
+  EXPECT_DOUBLE_EQ(predicted(table_1_arm(), {-300.0, -300.0, -300.0, -100.0}).bending_stiffness_nm2, 0.027);
 }
 
 TEST(Laws, NoLengthIsNoPrediction) {
@@ -183,7 +185,7 @@ TEST(Laws, NoLengthIsNoPrediction) {
 TEST(Laws, InputsAreFoundByName) {
   Arm arm = table_1_arm();
   std::swap(arm.inputs.scalars[0], arm.inputs.scalars[2]);
-  EXPECT_NEAR(direction(predict(arm, {0.0, 0.0, 50e3, 0.0})), 0.0, 1e-12);
+  EXPECT_NEAR(direction(predicted(arm, {0.0, 0.0, 50e3, 0.0})), 0.0, 1e-12);
 }
 
 }  // namespace

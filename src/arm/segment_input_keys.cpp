@@ -1,0 +1,194 @@
+// The keys of segments, of what drives them, and of their inputs.
+#include "key_builders.h"
+
+namespace softarm::yaml {
+
+const KeyTable& segment_keys() {
+  static const KeyTable table{
+      "segments[]",
+      {text("name", kRequired, "unique name: letters, digits, _"),
+       number("length_m", "m", kRequired, 0.005, 10, "backbone length at zero input"),
+       vector("length_range_m", 2, "m", kAbsent, 0.001, 20,
+              "sanity limits of an estimated length; default: 0.7 and 1.5 times length_m"),
+       number("mass_per_length_kg_m", "kg/m", kRequired, 0, 50, "mass per length, uniform"),
+       number("diameter_m", "m", kRequired, 0.0005, 1, "outer diameter (pictures, markers on the skin)"),
+       map("bending_stiffness", kRequired, "EI and how pressures change it"),
+       number_or("torsional_stiffness_nm2", {"rigid"}, "N m^2", "rigid", 1e-7, 1e4, "GJ"),
+       number_or("axial_stiffness_n", {"rigid"}, "N", "rigid", 0.1, 1e8, "EA"),
+       number_or("shear_stiffness_n", {"rigid"}, "N", "rigid", 0.1, 1e8, "GA"),
+       vector("rest_curvature_per_m", 3, "1/m", "[0, 0, 0]", -200, 200,
+              "strain u at rest in the section frame (x, y: bending, z: twist)"),
+       map("material", kAbsent, "rubber whose moduli change with axial stretch; absent: linear"),
+       list("chambers", "[]", "pneumatic chambers along the segment, off its axis"),
+       map("central_chamber", kAbsent, "pneumatic chamber on the segment's axis; absent: none"),
+       list("tendons", "[]", "tendons pulled by known tensions"),
+       list("cables", "[]", "cables wound up by servos"),
+       text("jamming_input", kAbsent, "vacuum input of the jamming core; absent: no core")}};
+  return table;
+}
+
+const KeyTable& stiffness_keys() {
+  static const KeyTable table{
+      "segments[].bending_stiffness",
+      {number("base_nm2", "N m^2", kRequired, 1e-6, 1e3, "b1: EI at zero input"),
+       number("per_min_pressure_nm2_per_pa", "N m^2/Pa", "0", 0, 1e-4,
+              "b2: EI per Pa of the lowest chamber pressure"),
+       number("per_jamming_pressure_nm2_per_pa", "N m^2/Pa", "0", 0, 1e-4,
+              "b3: EI per Pa of vacuum plus mean chamber pressure"),
+       list(
+           "by_pressure", "[]",
+           "knots of EI over the central chamber's pressure, instead of b1 and of the material's stiffening"),
+       vector("range_nm2", 2, "N m^2", "[0.0001, 10]", 1e-7, 1e4, "sanity limits of an estimated EI"),
+       list("profile", "[]", "knots of a factor on EI and GJ along the segment; empty: uniform")}};
+  return table;
+}
+
+const KeyTable& profile_keys() {
+  static const KeyTable table{
+      "segments[].bending_stiffness.profile[]",
+      {number("fraction", "", kRequired, 0, 1, "s / length, increasing from knot to knot"),
+       number("factor", "", kRequired, 0.01, 100,
+              "EI(s) / EI there; linear in between, constant beyond the ends")}};
+  return table;
+}
+
+const KeyTable& pressure_knot_keys() {
+  static const KeyTable table{
+      "segments[].bending_stiffness.by_pressure[]",
+      {number("pressure_pa", "Pa", kRequired, -1.2e5, 1e7, "gauge pressure, increasing from knot to knot"),
+       number("bending_stiffness_nm2", "N m^2", kRequired, 1e-6, 1e3,
+              "EI there; linear in between, constant beyond the ends")}};
+  return table;
+}
+
+const KeyTable& material_keys() {
+  static const KeyTable table{"segments[].material",
+                              {number("c10_pa", "Pa", kRequired, -1e9, 1e9,
+                                      "C10 of two-term Mooney-Rivlin rubber (hybrid paper (13))"),
+                               number("c01_pa", "Pa", kRequired, -1e9, 1e9,
+                                      "C01; 6 (C10 + C01), the modulus at rest, must be positive")}};
+  return table;
+}
+
+const KeyTable& chamber_keys() {
+  static const KeyTable table{
+      "segments[].chambers[]",
+      {text("input", kRequired, "name of the pressure input (inputs.pressures) that feeds it"),
+       number("bending_direction_deg", "deg", kRequired, -360, 360,
+              "azimuth towards which the arm bends when it is inflated"),
+       number("moment_gain_nm_per_pa", "N m/Pa", kRequired, 0, 1e-3, "c: bending moment per gauge pressure"),
+       number("near_elongation_m_per_pa", "m/Pa", "0", -1e-5, 1e-5,
+              "a1, a3, a5: elongation at the chamber's side"),
+       number("far_elongation_m_per_pa", "m/Pa", "0", -1e-5, 1e-5,
+              "a2, a4, a6: elongation opposite the chamber")}};
+  return table;
+}
+
+const KeyTable& central_chamber_keys() {
+  static const KeyTable table{
+      "segments[].central_chamber",
+      {text("input", kRequired, "name of the pressure input (inputs.pressures) that feeds it"),
+       number("area_m2", "m^2", kRequired, 1e-9, 0.1,
+              "cross-section of the chamber: its gauge pressure times this stretches the wall")}};
+  return table;
+}
+
+const KeyTable& tendon_keys() {
+  static const KeyTable table{"segments[].tendons[]",
+                              {text("input", kRequired, "name of the tension input (inputs.tensions)"),
+                               number("bending_direction_deg", "deg", kRequired, -360, 360,
+                                      "azimuth of the tendon: towards which the arm bends when it is pulled"),
+                               number("offset_m", "m", kRequired, 0, 0.5,
+                                      "distance from the segment's axis; 0: it only compresses")}};
+  return table;
+}
+
+const KeyTable& cable_keys() {
+  static const KeyTable table{
+      "segments[].cables[]",
+      {text("input", kRequired, "name of the angle input (inputs.angles) of the servo that winds it up"),
+       number("bending_direction_deg", "deg", kRequired, -360, 360,
+              "azimuth of the cable: towards which the arm bends for positive angles"),
+       number("curvature_gain_per_m_rad", "1/(m rad)", kAbsent, 0, 1e4,
+              "curvature of the unloaded segment per angle (or spool_radius_m and lever_m)"),
+       number("spool_radius_m", "m", kAbsent, 1e-4, 1,
+              "r_s: radius of the spool; the gain is spool_radius_m / (length_m * lever_m)"),
+       number("lever_m", "m", kAbsent, 1e-4, 1, "r + r_t: distance of the cable from the segment's axis")}};
+  return table;
+}
+
+const KeyTable& inputs_keys() {
+  static const KeyTable table{
+      "inputs",
+      {map("bodies", "{}", "poses of base and measured bodies"), list("pressures", "[]", "pressure inputs"),
+       list("tensions", "[]", "tension inputs of tendons"), list("angles", "[]", "angle inputs of servos"),
+       number("ambient_pressure_pa", "Pa", "101325", 5e4, 1.2e5, "ambient pressure, for absolute pressures"),
+       number("input_max_age_s", "s", "0.5", 0.001, 3600, "an older pressure, tension or angle is missing"),
+       text("payload_topic", "/payload", "std_msgs/Float64, known payload in kg")}};
+  return table;
+}
+
+const KeyTable& body_input_keys() {
+  static const KeyTable table{
+      "inputs.bodies",
+      {text("topic", "/mocap/<body>/pose", "topic; <body> is replaced by the body's name"),
+       word("type", {"geometry_msgs/PoseStamped"}, "geometry_msgs/PoseStamped", "message type"),
+       word("unit", {"m", "cm", "mm"}, "m", "unit of its positions"),
+       number("sync_tolerance_s", "s", "0.002", 1e-6, 1, "stamps closer than this belong to one frame")}};
+  return table;
+}
+
+const KeyTable& pressure_input_keys() {
+  static const KeyTable table{
+      "inputs.pressures[]",
+      {text("name", kRequired, "unique over all inputs; chambers refer to it"),
+       text("topic", kRequired, "topic"),
+       word("type",
+            {"sensor_msgs/FluidPressure", "std_msgs/Float64", "std_msgs/Float32MultiArray",
+             "std_msgs/Float64MultiArray"},
+            "sensor_msgs/FluidPressure", "message type"),
+       integer("element", "0", 0, 1023, "index in an array message"),
+       word("unit", {"Pa", "kPa", "MPa", "bar", "mbar", "psi"}, "Pa", "unit of the values"),
+       word("reference", {"absolute", "gauge"}, "absolute", "zero of the values: vacuum or ambient"),
+       flag("vacuum", "false", "evacuates a jamming core: the value used is ambient minus absolute")}};
+  return table;
+}
+
+namespace {
+
+/// What a topic of plain numbers says of itself.
+std::vector<KeySpec> number_topic_keys(std::string who_refers) {
+  return {text("name", kRequired, "unique over all inputs; " + std::move(who_refers) + " refer to it"),
+          text("topic", kRequired, "topic"),
+          word("type", {"std_msgs/Float64", "std_msgs/Float32MultiArray", "std_msgs/Float64MultiArray"},
+               "std_msgs/Float64", "message type"),
+          integer("element", "0", 0, 1023, "index in an array message")};
+}
+
+}  // namespace
+
+const KeyTable& tension_input_keys() {
+  static const KeyTable table = [] {
+    KeyTable keys{"inputs.tensions[]", number_topic_keys("tendons")};
+    keys.keys.push_back(word("unit", {"N", "mN", "kgf", "gf"}, "N", "unit of the values"));
+    keys.keys.push_back(number("zero", "", "0", -1e6, 1e6, "value when the tendon is slack, in that unit"));
+    return keys;
+  }();
+  return table;
+}
+
+const KeyTable& angle_input_keys() {
+  static const KeyTable table = [] {
+    KeyTable keys{"inputs.angles[]", number_topic_keys("cables")};
+    keys.keys.push_back(word("unit", {"rad", "deg"}, "rad", "unit of the values"));
+    keys.keys.push_back(
+        number("rad_per_unit", "rad", kAbsent, -1e3, 1e3,
+               "instead of unit: rad per count, say of a PWM; negative where it turns the other way"));
+    keys.keys.push_back(
+        number("zero", "", "0", -1e6, 1e6, "value when the arm is straight, in that unit or in counts"));
+    return keys;
+  }();
+  return table;
+}
+
+}  // namespace softarm::yaml
