@@ -1,4 +1,4 @@
-// The virtual rig in real time: publishes what a laboratory's mocap and pressure controller would, and, on
+// The virtual rig in real time: publishes what a laboratory's mocap and controllers would, and, on
 // ~truth for reports alone, what really happened.
 #include <geometry_msgs/PoseStamped.h>
 #include <ros/ros.h>
@@ -15,8 +15,9 @@
 
 namespace {
 
+using softarm::rig::InputKind;
+using softarm::rig::InputSample;
 using softarm::rig::Pose;
-using softarm::rig::PressureSample;
 using softarm::rig::Sample;
 
 constexpr std::uint32_t kQueue = 1000;
@@ -72,7 +73,7 @@ class Rig {
   }
 
   void publish(const Sample& sample) {
-    for (const PressureSample& pressure : sample.pressures) publish(pressure);
+    for (const InputSample& input : sample.inputs) publish(input);
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       if (sample.bodies[i]) publish(bodies_[i], sample.stamp_s, *sample.bodies[i]);
     }
@@ -82,18 +83,24 @@ class Rig {
  private:
   ros::Time stamp(double t_s) const { return epoch_ + ros::Duration(t_s); }
 
-  void publish(const PressureSample& sample) {
-    ros::Publisher& publisher = pressures_[sample.chamber];
+  void publish(const InputSample& sample) {
+    const bool pressure = sample.kind == InputKind::kChamber || sample.kind == InputKind::kVacuum;
+    ros::Publisher& publisher = inputs_[{sample.kind, sample.number}];
     if (!publisher) {
-      const std::string name = sample.chamber == PressureSample::kVacuum
-                                   ? std::string("vacuum")
-                                   : "chamber_" + std::to_string(sample.chamber + 1);
-      publisher = nh_.advertise<sensor_msgs::FluidPressure>("/pressure/" + name, kQueue);
+      const std::string topic = softarm::rig::topic_of(sample.kind, sample.number);
+      publisher = pressure ? nh_.advertise<sensor_msgs::FluidPressure>(topic, kQueue)
+                           : nh_.advertise<std_msgs::Float64>(topic, kQueue);
     }
-    sensor_msgs::FluidPressure message;
-    message.header.stamp = stamp(sample.stamp_s);
-    message.fluid_pressure = sample.absolute_pa;
-    publisher.publish(message);
+    if (pressure) {
+      sensor_msgs::FluidPressure message;
+      message.header.stamp = stamp(sample.stamp_s);
+      message.fluid_pressure = sample.value;
+      publisher.publish(message);
+    } else {
+      std_msgs::Float64 message;
+      message.data = sample.value;
+      publisher.publish(message);
+    }
   }
 
   void publish(const ros::Publisher& publisher, double stamp_s, const Pose& pose) {
@@ -112,10 +119,12 @@ class Rig {
     const softarm::rig::Truth& truth = sample.truth;
     softarm_estimator::Truth message;
     message.header.stamp = stamp(sample.stamp_s);
-    message.moment = {truth.moment_nm.norm()};
-    message.direction = {std::atan2(truth.moment_nm.y(), truth.moment_nm.x())};
-    message.bending_stiffness = {truth.bending_stiffness_nm2};
-    message.length = {truth.length_m};
+    for (const softarm::rig::SegmentTruth& segment : truth.segments) {
+      message.moment.push_back(segment.moment_nm.norm());
+      message.direction.push_back(std::atan2(segment.moment_nm.y(), segment.moment_nm.x()));
+      message.bending_stiffness.push_back(segment.bending_stiffness_nm2);
+      message.length.push_back(segment.length_m);
+    }
     message.payload = truth.payload_kg;
     message.payload_steadied = truth.payload_steadied;
     message.tip_angle = truth.tip_angle_rad;
@@ -126,7 +135,7 @@ class Rig {
   ros::NodeHandle nh_, private_nh_;
   ros::Time epoch_;
   std::vector<ros::Publisher> bodies_;
-  std::map<int, ros::Publisher> pressures_;
+  std::map<std::pair<InputKind, int>, ros::Publisher> inputs_;
   ros::Publisher payload_, truth_;
 };
 

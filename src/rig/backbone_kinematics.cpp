@@ -9,9 +9,10 @@ namespace {
 
 constexpr double kSqrt3Over12 = 0.14433756729740643;
 
-Eigen::Vector3d strain(const Eigen::VectorXd& q, int element, const LocalBasis& basis) {
+Eigen::Vector3d strain(const Eigen::VectorXd& q, int first_function, const LocalBasis& basis) {
   Eigen::Vector3d w = Eigen::Vector3d::Zero();
-  for (int m = 0; m < 4; ++m) w += basis[static_cast<std::size_t>(m)] * q.segment<3>(3 * (element + m));
+  for (int m = 0; m < 4; ++m)
+    w += basis[static_cast<std::size_t>(m)] * q.segment<3>(3 * (first_function + m));
   return w;
 }
 
@@ -54,23 +55,31 @@ Eigen::Matrix3d rotation_of(const Eigen::Vector3d& rotation_vector) {
   return Eigen::Matrix3d::Identity() + a * hat + b * hat * hat;
 }
 
-BackboneKinematics::BackboneKinematics(const StrainBasis& basis)
-    : rotations(static_cast<std::size_t>(basis.stations()), Eigen::Matrix3d::Identity()),
-      positions(static_cast<std::size_t>(basis.stations()), Eigen::Vector3d::Zero()),
-      turns(static_cast<std::size_t>(basis.stations()) - 1),
-      rotation_jacobian(Eigen::MatrixXd::Zero(3 * basis.stations(), 3 * basis.functions())),
-      position_jacobian(Eigen::MatrixXd::Zero(3 * basis.stations(), 3 * basis.functions())) {}
+BackboneKinematics::BackboneKinematics(const RodMesh& mesh)
+    : rotations(static_cast<std::size_t>(mesh.stations()), Eigen::Matrix3d::Identity()),
+      positions(static_cast<std::size_t>(mesh.stations()), Eigen::Vector3d::Zero()),
+      turns(static_cast<std::size_t>(mesh.stations()) - 1),
+      rotation_jacobian(Eigen::MatrixXd::Zero(3 * mesh.stations(), 3 * mesh.functions())),
+      position_jacobian(Eigen::MatrixXd::Zero(3 * mesh.stations(), 3 * mesh.functions())) {}
 
-void BackboneKinematics::update(const StrainBasis& basis, const Eigen::VectorXd& q, double length_m) {
+void BackboneKinematics::update(const RodMesh& mesh, const Eigen::VectorXd& q,
+                                const std::vector<double>& lengths_m) {
   constexpr int kIntervals = StrainBasis::kIntervals;
-  const double size = basis.element_size();
-  for (int e = 0; e < basis.elements(); ++e) {
+  if (mesh.leading_functions() > 0) {
+    rotations[0] = rotation_of(q.head<3>());
+    base_turn = left_jacobian(q.head<3>());
+    base_turn.col(2).setZero();
+  }
+  for (int e = 0; e < mesh.elements(); ++e) {
+    const RodMesh::Element& element = mesh.element(e);
+    const StrainBasis& basis = mesh.piece_of(e).basis;
     for (int i = 0; i < kIntervals; ++i) {
       const auto k = static_cast<std::size_t>(e * kIntervals + i);
-      const auto& [b1, b2] = basis.at_gauss(e, i);
-      const double h = size * (basis.points()[static_cast<std::size_t>(i) + 1] -
-                               basis.points()[static_cast<std::size_t>(i)]);
-      const Eigen::Vector3d w1 = strain(q, e, b1), w2 = strain(q, e, b2);
+      const auto& [b1, b2] = basis.at_gauss(element.local, i);
+      const double h = element.size * (mesh.points()[static_cast<std::size_t>(i) + 1] -
+                                       mesh.points()[static_cast<std::size_t>(i)]);
+      const Eigen::Vector3d w1 = strain(q, element.first_function, b1);
+      const Eigen::Vector3d w2 = strain(q, element.first_function, b2);
       const double c = kSqrt3Over12 * h * h;
       const Eigen::Vector3d omega = 0.5 * h * (w1 + w2) + c * w1.cross(w2);
       rotations[k + 1].noalias() = rotations[k] * rotation_of(omega);
@@ -83,22 +92,24 @@ void BackboneKinematics::update(const StrainBasis& basis, const Eigen::VectorXd&
             b1[static_cast<std::size_t>(m)] * a1 + b2[static_cast<std::size_t>(m)] * a2;
     }
     const auto first = static_cast<std::size_t>(e * kIntervals);
+    const double length_m = lengths_m[static_cast<std::size_t>(element.piece)] * element.size;
     for (int i = 1; i <= kIntervals; ++i) {
       Eigen::Vector3d p = positions[first];
       for (int j = 0; j <= kIntervals; ++j)
-        p += length_m * size * basis.integration()(i, j) *
-             rotations[first + static_cast<std::size_t>(j)].col(2);
+        p += length_m * mesh.integration()(i, j) * rotations[first + static_cast<std::size_t>(j)].col(2);
       positions[first + static_cast<std::size_t>(i)] = p;
     }
   }
 }
 
-void BackboneKinematics::update_jacobians(const StrainBasis& basis, double length_m) {
+void BackboneKinematics::update_jacobians(const RodMesh& mesh, const std::vector<double>& lengths_m) {
   constexpr int kIntervals = StrainBasis::kIntervals;
-  Eigen::MatrixXd tangents(3 * StrainBasis::kPoints, 3 * basis.functions());
-  for (int e = 0; e < basis.elements(); ++e) {
+  Eigen::MatrixXd tangents(3 * StrainBasis::kPoints, 3 * mesh.functions());
+  if (mesh.leading_functions() > 0) rotation_jacobian.topLeftCorner<3, 3>() = base_turn;
+  for (int e = 0; e < mesh.elements(); ++e) {
     // Only coefficients up to this element's own matter for its stations.
-    const int columns = 3 * (e + 4), first = e * kIntervals;
+    const RodMesh::Element& element = mesh.element(e);
+    const int columns = 3 * (element.first_function + 4), first = e * kIntervals;
     for (int i = 0; i < kIntervals; ++i) {
       const int k = first + i;
       auto next = rotation_jacobian.block(3 * (k + 1), 0, 3, columns);
@@ -109,39 +120,42 @@ void BackboneKinematics::update_jacobians(const StrainBasis& basis, double lengt
       tangents.block(3 * j, 0, 3, columns).noalias() =
           -cross_matrix(rotations[static_cast<std::size_t>(first + j)].col(2)) *
           rotation_jacobian.block(3 * (first + j), 0, 3, columns);
-    const double scale = length_m * basis.element_size();
+    const double scale = lengths_m[static_cast<std::size_t>(element.piece)] * element.size;
     for (int i = 1; i <= kIntervals; ++i) {
       auto row = position_jacobian.block(3 * (first + i), 0, 3, columns);
       row = position_jacobian.block(3 * first, 0, 3, columns);
       for (int j = 0; j <= kIntervals; ++j)
-        row += scale * basis.integration()(i, j) * tangents.block(3 * j, 0, 3, columns);
+        row += scale * mesh.integration()(i, j) * tangents.block(3 * j, 0, 3, columns);
     }
   }
 }
 
-Eigen::Matrix3d BackboneKinematics::rotation_at(const StrainBasis& basis, const Eigen::VectorXd& q,
-                                                double fraction) const {
-  const int e = basis.element_of(fraction);
-  const double xi = fraction * basis.elements() - e;
+Eigen::Matrix3d BackboneKinematics::rotation_at(const RodMesh& mesh, const Eigen::VectorXd& q,
+                                                const RodPlace& place) const {
+  const RodMesh::Element& element = mesh.element(place.element);
+  const StrainBasis& basis = mesh.piece_of(place.element).basis;
+  const double xi = mesh.within_element(place);
   int i = 0;
-  while (i + 1 < StrainBasis::kIntervals && basis.points()[static_cast<std::size_t>(i) + 1] <= xi) ++i;
-  const double from = (e + basis.points()[static_cast<std::size_t>(i)]) * basis.element_size();
-  const double h = fraction - from, offset = 0.5 * h / std::sqrt(3.0);
-  const Eigen::Vector3d w1 = strain(q, e, basis.evaluate(e, from + 0.5 * h - offset));
-  const Eigen::Vector3d w2 = strain(q, e, basis.evaluate(e, from + 0.5 * h + offset));
-  return rotations[static_cast<std::size_t>(e * StrainBasis::kIntervals + i)] *
+  while (i + 1 < StrainBasis::kIntervals && mesh.points()[static_cast<std::size_t>(i) + 1] <= xi) ++i;
+  const double from = (element.local + mesh.points()[static_cast<std::size_t>(i)]) * element.size;
+  const double h = place.fraction - from, offset = 0.5 * h / std::sqrt(3.0);
+  const Eigen::Vector3d w1 =
+      strain(q, element.first_function, basis.evaluate(element.local, from + 0.5 * h - offset));
+  const Eigen::Vector3d w2 =
+      strain(q, element.first_function, basis.evaluate(element.local, from + 0.5 * h + offset));
+  return rotations[static_cast<std::size_t>(place.element * StrainBasis::kIntervals + i)] *
          rotation_of(0.5 * h * (w1 + w2) + kSqrt3Over12 * h * h * w1.cross(w2));
 }
 
-Eigen::Vector3d BackboneKinematics::position_at(const StrainBasis& basis, double length_m,
-                                                double fraction) const {
-  const int e = basis.element_of(fraction);
-  const auto first = static_cast<std::size_t>(e * StrainBasis::kIntervals);
-  const auto integral = basis.integrated_lagrange(fraction * basis.elements() - e);
+Eigen::Vector3d BackboneKinematics::position_at(const RodMesh& mesh, const std::vector<double>& lengths_m,
+                                                const RodPlace& place) const {
+  const RodMesh::Element& element = mesh.element(place.element);
+  const auto first = static_cast<std::size_t>(place.element * StrainBasis::kIntervals);
+  const auto integral = mesh.piece_of(place.element).basis.integrated_lagrange(mesh.within_element(place));
+  const double length_m = lengths_m[static_cast<std::size_t>(element.piece)] * element.size;
   Eigen::Vector3d p = positions[first];
   for (int j = 0; j < StrainBasis::kPoints; ++j)
-    p +=
-        length_m * basis.element_size() * integral(j) * rotations[first + static_cast<std::size_t>(j)].col(2);
+    p += length_m * integral(j) * rotations[first + static_cast<std::size_t>(j)].col(2);
   return p;
 }
 

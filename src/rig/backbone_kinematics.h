@@ -5,11 +5,12 @@
 #include <Eigen/StdVector>
 #include <vector>
 
-#include "strain_basis.h"
+#include "rod_mesh.h"
 
 namespace softarm::rig {
 
-/// Rotation, and its derivatives, of a rod whose dimensionless curvature w = L u is a spline.
+/// Rotation, and its derivatives, of a rod whose dimensionless curvature w = L u is a spline in each piece of
+/// length L, on a base that may turn by the rotation vector of the first three coefficients.
 ///
 /// R' = R [w]x is integrated over each interval between stations with the Magnus expansion of order 4 (two
 /// Gauss points). Blanes, Casas, Oteo, Ros, "The Magnus expansion and some of its applications", Phys. Rep.
@@ -18,24 +19,29 @@ struct BackboneKinematics {
   using Vectors = std::vector<Eigen::Vector3d>;
   using LocalJacobian = Eigen::Matrix<double, 3, 12>;
 
-  explicit BackboneKinematics(const StrainBasis& basis);
+  explicit BackboneKinematics(const RodMesh& mesh);
 
   /// Rotations, local derivatives and positions.
   /// @param q coefficients, three components of function m at 3 m ... 3 m + 2
-  void update(const StrainBasis& basis, const Eigen::VectorXd& q, double length_m);
+  /// @param lengths_m of the pieces
+  void update(const RodMesh& mesh, const Eigen::VectorXd& q, const std::vector<double>& lengths_m);
 
   /// rotation_jacobian and position_jacobian of all stations, from the last update().
-  void update_jacobians(const StrainBasis& basis, double length_m);
+  void update_jacobians(const RodMesh& mesh, const std::vector<double>& lengths_m);
 
-  /// Rotation of the section and position at any fraction.
-  Eigen::Matrix3d rotation_at(const StrainBasis& basis, const Eigen::VectorXd& q, double fraction) const;
-  Eigen::Vector3d position_at(const StrainBasis& basis, double length_m, double fraction) const;
+  /// Rotation of the section and position at any place.
+  Eigen::Matrix3d rotation_at(const RodMesh& mesh, const Eigen::VectorXd& q, const RodPlace& place) const;
+  Eigen::Vector3d position_at(const RodMesh& mesh, const std::vector<double>& lengths_m,
+                              const RodPlace& place) const;
 
   std::vector<Eigen::Matrix3d> rotations;  ///< per station
   Vectors positions;                       ///< per station, m, base frame
-  /// Interval k, between stations k and k + 1: what a change of the 12 local coefficients (from 3 e on) turns
-  /// station k + 1 against station k, as a rotation vector in the base frame.
+  /// Interval k, between stations k and k + 1: what a change of the 12 local coefficients (from 3 * its
+  /// element's first function on) turns station k + 1 against station k, as a rotation vector in the base
+  /// frame.
   std::vector<LocalJacobian, Eigen::aligned_allocator<LocalJacobian>> turns;
+  /// What a change of the base's rotation vector turns; its z component is held.
+  Eigen::Matrix3d base_turn = Eigen::Matrix3d::Zero();
   /// 3 stations x coefficients: rotation vector in the base frame, and position, per coefficient.
   Eigen::MatrixXd rotation_jacobian, position_jacobian;
 };

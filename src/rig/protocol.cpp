@@ -8,7 +8,8 @@
 namespace softarm::rig {
 namespace {
 
-constexpr std::uint64_t kPressurePurpose = 0x70726573;
+constexpr std::uint64_t kPressurePurpose = 0x70726573, kTensionPurpose = 0x74656e73,
+                        kAnglePurpose = 0x616e676c;
 
 /// Value `index` of a schedule whose changes take ramp_s.
 double scheduled(const std::vector<Setpoint>& schedule, std::size_t index, double ramp_s, double t_s) {
@@ -26,43 +27,55 @@ double smooth_ramp(double x) {
 }
 
 Protocol::Protocol(const Scenario& scenario) : scenario_(scenario) {
-  if (!scenario_.pressures.random) return;
-  const RandomPressures& random = *scenario_.pressures.random;
-  for (std::size_t chamber = 0; chamber < scenario_.arm.chambers.size(); ++chamber) {
-    RandomStream stream(scenario_.seed, kPressurePurpose + chamber);
-    std::vector<Sinusoid> sum;
+  pressures_ = drive(scenario.pressures, scenario.arm.chambers, kPressurePurpose);
+  tensions_ = drive(scenario.tensions, scenario.arm.tendons, kTensionPurpose);
+  angles_ = drive(scenario.angles, scenario.arm.servos, kAnglePurpose);
+}
+
+Protocol::Drive Protocol::drive(const DriveSpec& spec, int inputs, std::uint64_t purpose) const {
+  Drive result{spec, std::vector<std::vector<Sinusoid>>(static_cast<std::size_t>(inputs))};
+  if (!spec.random) return result;
+  const RandomDrive& random = *spec.random;
+  for (std::vector<Sinusoid>& sum : result.sinusoids) {
+    RandomStream stream(scenario_.seed, purpose++);
     for (int i = 0; i < random.sinusoids; ++i) {
       // One frequency in each part of the band, so that no draw leaves the arm still.
       const double place = (i + stream.uniform()) / random.sinusoids;
       const double hz = random.lowest_hz + (random.highest_hz - random.lowest_hz) * place;
       sum.push_back({hz, stream.uniform(0.0, 2.0 * M_PI)});
     }
-    sinusoids_.push_back(std::move(sum));
   }
+  return result;
 }
 
-double Protocol::pressure(std::size_t chamber, double t_s) const {
-  const PressureSpec& spec = scenario_.pressures;
-  double value = spec.rest_pa;
-  if (spec.random) {
-    double sum = 0.0;
-    for (const Sinusoid& s : sinusoids_[chamber]) sum += std::sin(2.0 * M_PI * s.hz * t_s + s.phase);
-    sum *= std::sqrt(2.0 / spec.random->sinusoids);
-    const double middle = 0.5 * (spec.random->min_pa + spec.random->max_pa);
-    value = middle + 0.5 * (spec.random->max_pa - spec.random->min_pa) * std::tanh(sum);
-  } else if (!spec.schedule.empty()) {
-    value = scheduled(spec.schedule, chamber, spec.ramp_s, t_s);
-  }
+std::vector<double> Protocol::values(const Drive& drive, double t_s) const {
+  const DriveSpec& spec = drive.spec;
   double envelope = smooth_ramp((t_s - spec.settle_s) / spec.ramp_s);
   if (scenario_.duration_s > 0.0)
     envelope *= smooth_ramp((scenario_.duration_s - spec.settle_s - t_s) / spec.ramp_s);
-  return spec.rest_pa + envelope * (value - spec.rest_pa);
+  std::vector<double> result;
+  for (std::size_t input = 0; input < drive.sinusoids.size(); ++input) {
+    double value = spec.rest;
+    if (spec.random) {
+      double sum = 0.0;
+      for (const Sinusoid& s : drive.sinusoids[input]) sum += std::sin(2.0 * M_PI * s.hz * t_s + s.phase);
+      sum *= std::sqrt(2.0 / spec.random->sinusoids);
+      const double low = spec.random->min[input], high = spec.random->max[input];
+      value = 0.5 * (low + high) + 0.5 * (high - low) * std::tanh(sum);
+    } else if (!spec.schedule.empty()) {
+      value = scheduled(spec.schedule, input, spec.ramp_s, t_s);
+    }
+    if (!spec.steps.empty()) value += scheduled(spec.steps, input, spec.step_ramp_s, t_s);
+    result.push_back(std::max(spec.lowest, spec.rest + envelope * (value - spec.rest)));
+  }
+  return result;
 }
 
 Commands Protocol::at(double t_s) const {
   Commands commands;
-  for (std::size_t i = 0; i < scenario_.arm.chambers.size(); ++i)
-    commands.pressures_pa.push_back(pressure(i, t_s));
+  commands.pressures_pa = values(pressures_, t_s);
+  commands.tensions_n = values(tensions_, t_s);
+  commands.angles_rad = values(angles_, t_s);
   const VacuumSpec& vacuum = scenario_.vacuum;
   if (!vacuum.schedule.empty()) commands.vacuum_pa = scheduled(vacuum.schedule, 0, vacuum.ramp_s, t_s);
 
@@ -99,28 +112,6 @@ PayloadChange Protocol::payload_known_at(double t_s) const {
   const bool from_the_start = current == 0 && cycle == 0.0;
   return {from_the_start ? 0.0 : cycle + payload.schedule[current].t_s + 0.5 * payload.ramp_s,
           payload.schedule[current].values[0]};
-}
-
-Actuation apply_laws(const ArmSpec& arm, const Commands& commands) {
-  Actuation actuation;
-  actuation.length_m = arm.length_m;
-  actuation.bending_stiffness_nm2 =
-      arm.stiffness_base_nm2 + arm.stiffness_per_jamming_nm2_per_pa * commands.vacuum_pa;
-  if (arm.chambers.empty()) return actuation;
-  double sum = 0.0;
-  for (std::size_t i = 0; i < arm.chambers.size(); ++i) {
-    const ChamberSpec& chamber = arm.chambers[i];
-    const double p = commands.pressures_pa[i];
-    sum += p;
-    actuation.moment_nm += chamber.moment_gain_nm_per_pa * p *
-                           Eigen::Vector2d(std::cos(chamber.direction_rad), std::sin(chamber.direction_rad));
-    actuation.length_m += (chamber.near_elongation_m_per_pa + chamber.far_elongation_m_per_pa) * p;
-  }
-  actuation.bending_stiffness_nm2 +=
-      arm.stiffness_per_min_nm2_per_pa *
-          *std::min_element(commands.pressures_pa.begin(), commands.pressures_pa.end()) +
-      arm.stiffness_per_jamming_nm2_per_pa * sum / static_cast<double>(arm.chambers.size());
-  return actuation;
 }
 
 }  // namespace softarm::rig

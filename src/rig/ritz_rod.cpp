@@ -2,10 +2,90 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "ritz_rod_impl.h"
 
 namespace softarm::rig {
+namespace {
+
+std::vector<RodMesh::Division> divisions(const RitzRodParams& params) {
+  std::vector<RodMesh::Division> result;
+  for (const RodPiece& piece : params.pieces) result.push_back({piece.elements, piece.share});
+  return result;
+}
+
+}  // namespace
+
+RitzRod::Impl::Impl(const RitzRodParams& rod_params)
+    : params(rod_params),
+      mesh(divisions(rod_params), rod_params.base_stiffness_nm_per_rad ? 1 : 0),
+      kinematics(mesh),
+      n(3 * mesh.functions()),
+      stations(static_cast<std::size_t>(mesh.stations())),
+      lengths_m(params.pieces.size()),
+      mass(stations),
+      drag(stations),
+      inertia(stations),
+      forces(stations),
+      moments(stations),
+      tangent_forces(stations),
+      director_forces(stations),
+      residual(n),
+      matrix(n, n),
+      scratch_a(3 * StrainBasis::kIntervals, n),
+      factors(n) {
+  if (params.payload_piece && *params.payload_piece >= params.pieces.size())
+    throw std::invalid_argument("the payload must hang at the end of a piece");
+  RitzRodInputs start;
+  start.pieces.resize(params.pieces.size());
+  set_inputs(start);
+  now.q = now.u = Eigen::VectorXd::Zero(n);
+  now.stations.resize(stations);
+  kinematics.update(mesh, now.q, lengths_m);
+  remember(Differences{});
+  last = before = now;
+}
+
+void RitzRod::Impl::set_inputs(const RitzRodInputs& to) {
+  if (to.pieces.size() != params.pieces.size())
+    throw std::invalid_argument("inputs for another number of pieces than the rod has");
+  inputs = to;
+  std::fill(mass.begin(), mass.end(), 0.0);
+  std::fill(drag.begin(), drag.end(), 0.0);
+  std::fill(inertia.begin(), inertia.end(), 0.0);
+  for (std::size_t j = 0; j < params.pieces.size(); ++j) {
+    const RodMesh::Piece& piece = mesh.pieces()[j];
+    const double diameter_m = params.pieces[j].diameter_m;
+    lengths_m[j] = inputs.pieces[j].length_m;
+    for (std::size_t i = 0; i < piece.basis.weights().size(); ++i) {
+      const std::size_t k = static_cast<std::size_t>(piece.first_station()) + i;
+      const double station_mass = params.pieces[j].mass_kg * piece.basis.weights()[i];
+      mass[k] += station_mass;
+      drag[k] += params.air_damping_n_s_m2 * lengths_m[j] * piece.basis.weights()[i];
+      inertia[k] += station_mass * diameter_m * diameter_m / 16.0;
+    }
+  }
+  mass.back() += params.tip_mass_kg;
+  const std::size_t payload_piece = params.payload_piece.value_or(params.pieces.size() - 1);
+  const auto at = static_cast<std::size_t>(mesh.pieces()[payload_piece].last_station());
+  mass[at] += inputs.payload_kg;
+  drag[at] += inputs.hand_damping_n_s_m;
+}
+
+void RitzRod::Impl::remember(const Differences& d) {
+  now.u = now.q;
+  for (std::size_t j = 0; j < lengths_m.size(); ++j)
+    for (int c = 0; c < 3; ++c) now.u(coefficients_of(j, c)) /= lengths_m[j];
+  for (std::size_t k = 0; k < stations; ++k) {
+    Station& s = now.stations[k];
+    s.x = station_x(k);
+    if (d.dt > 0.0)
+      s.v = d.apply(s.x, last.stations[k].x, before.stations[k].x);
+    else
+      s.v.setZero();
+  }
+}
 
 RitzRod::RitzRod(const RitzRodParams& params) : impl_(std::make_unique<Impl>(params)) {}
 RitzRod::~RitzRod() = default;
@@ -16,7 +96,7 @@ bool RitzRod::settle(const RitzRodInputs& inputs) {
   Impl& m = *impl_;
   const State saved = m.now;
   const RitzRodInputs saved_inputs = m.inputs;
-  m.inputs = inputs;
+  m.set_inputs(inputs);
   m.now.q.setZero();
   m.have_factors = false;
   double load = 0.0, increment = 0.125;
@@ -31,8 +111,8 @@ bool RitzRod::settle(const RitzRodInputs& inputs) {
       increment *= 0.5;
       if (increment < 1e-4) {
         m.now = saved;
-        m.inputs = saved_inputs;
-        m.kinematics.update(m.basis, m.now.q, m.inputs.length_m);
+        m.set_inputs(saved_inputs);
+        m.kinematics.update(m.mesh, m.now.q, m.lengths_m);
         return false;
       }
     }
@@ -51,7 +131,7 @@ bool RitzRod::step(const RitzRodInputs& inputs, double dt_s) {
   const State older = m.before;
   m.before = m.last;
   m.last = m.now;
-  m.inputs = inputs;
+  m.set_inputs(inputs);
   if (same_step && m.step_s > 0.0) m.now.q = 2.0 * m.last.q - m.before.q;
   bool ok = m.solve(d, 1.0, m.have_factors && same_step);
   if (!ok) {  // the extrapolation may have been wild
@@ -62,8 +142,8 @@ bool RitzRod::step(const RitzRodInputs& inputs, double dt_s) {
     m.now = m.last;
     m.last = m.before;
     m.before = older;
-    m.inputs = saved_inputs;
-    m.kinematics.update(m.basis, m.now.q, m.inputs.length_m);
+    m.set_inputs(saved_inputs);
+    m.kinematics.update(m.mesh, m.now.q, m.lengths_m);
     m.have_factors = false;
     return false;
   }
@@ -75,29 +155,38 @@ bool RitzRod::step(const RitzRodInputs& inputs, double dt_s) {
 
 Eigen::Isometry3d RitzRod::pose(double fraction) const {
   const Impl& m = *impl_;
+  const RodPlace place = m.mesh.locate(fraction);
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = m.kinematics.rotation_at(m.basis, m.now.q, fraction);
-  pose.translation() = m.kinematics.position_at(m.basis, m.inputs.length_m, fraction);
+  pose.linear() = m.kinematics.rotation_at(m.mesh, m.now.q, place);
+  pose.translation() = m.kinematics.position_at(m.mesh, m.lengths_m, place);
   return pose;
 }
 
 Eigen::Vector3d RitzRod::velocity(double fraction) const {
   const Impl& m = *impl_;
-  const int e = m.basis.element_of(fraction);
-  const auto weights = m.basis.lagrange(fraction * m.basis.elements() - e);
+  const RodPlace place = m.mesh.locate(fraction);
+  const auto weights = m.mesh.piece_of(place.element).basis.lagrange(m.mesh.within_element(place));
   Eigen::Vector3d v = Eigen::Vector3d::Zero();
-  for (int j = 0; j < StrainBasis::kPoints; ++j)
-    v += weights(j) * m.now.stations[static_cast<std::size_t>(e * StrainBasis::kIntervals + j)].v.col(0);
+  for (int j = 0; j < StrainBasis::kPoints; ++j) {
+    const int k = place.element * StrainBasis::kIntervals + j;
+    v += weights(j) * m.now.stations[static_cast<std::size_t>(k)].v.col(0);
+  }
   return v;
 }
 
 Eigen::Vector3d RitzRod::curvature(double fraction) const {
   const Impl& m = *impl_;
-  const int e = m.basis.element_of(fraction);
-  const LocalBasis b = m.basis.evaluate(e, fraction);
+  const RodPlace place = m.mesh.locate(fraction);
+  const LocalBasis b = m.mesh.evaluate(place);
+  const int first = m.mesh.element(place.element).first_function;
   Eigen::Vector3d u = Eigen::Vector3d::Zero();
-  for (int i = 0; i < 4; ++i) u += b[static_cast<std::size_t>(i)] * m.now.u.segment<3>(3 * (e + i));
+  for (int i = 0; i < 4; ++i) u += b[static_cast<std::size_t>(i)] * m.now.u.segment<3>(3 * (first + i));
   return u;
+}
+
+Eigen::Vector3d RitzRod::base_rotation() const {
+  if (!impl_->base_yields()) return Eigen::Vector3d::Zero();
+  return impl_->now.q.head<3>();
 }
 
 double RitzRod::energy_j() const {
@@ -105,14 +194,20 @@ double RitzRod::energy_j() const {
   double energy = -m.inputs.tip_force_base_n.dot(m.now.stations.back().x.col(0));
   for (std::size_t k = 0; k < m.stations; ++k) {
     const Station& s = m.now.stations[k];
-    energy +=
-        m.station_mass(k) * (0.5 * s.v.col(0).squaredNorm() - m.params.gravity_base_m_s2.dot(s.x.col(0)));
-    energy += 0.5 * m.station_inertia(k) * s.v.rightCols<2>().squaredNorm();
+    energy += m.mass[k] * (0.5 * s.v.col(0).squaredNorm() - m.params.gravity_base_m_s2.dot(s.x.col(0)));
+    energy += 0.5 * m.inertia[k] * s.v.rightCols<2>().squaredNorm();
   }
-  for (int c = 0; c < 3; ++c) {
-    const Eigen::VectorXd u = m.now.u(Eigen::seqN(c, m.n / 3, 3));
-    energy += 0.5 * m.stiffness(c) * m.inputs.length_m * u.dot(m.basis.gram() * u);
-    energy -= m.inputs.moment_section_nm(c) * m.inputs.length_m * u.dot(m.basis.integral());
+  for (std::size_t j = 0; j < m.lengths_m.size(); ++j) {
+    const StrainBasis& basis = m.mesh.pieces()[j].basis;
+    for (int c = 0; c < 3; ++c) {
+      const Eigen::VectorXd u = m.now.u(m.coefficients_of(j, c));
+      energy += 0.5 * m.stiffness(j, c) * m.lengths_m[j] * u.dot(basis.gram() * u);
+      energy -= m.inputs.pieces[j].moment_section_nm(c) * m.lengths_m[j] * u.dot(basis.integral());
+    }
+  }
+  if (m.base_yields()) {
+    const Eigen::Vector3d turn = m.now.q.head<3>();
+    energy += 0.5 * turn.dot(m.base_stiffness().cwiseProduct(turn));
   }
   return energy;
 }

@@ -14,53 +14,61 @@ constexpr int kMaxIterations = 40;
 }  // namespace
 
 void RitzRod::Impl::evaluate(const Differences& d, double load) {
-  kinematics.update(basis, now.q, inputs.length_m);
+  kinematics.update(mesh, now.q, lengths_m);
   for (std::size_t k = 0; k < stations; ++k) {
-    const double mass = station_mass(k);
-    forces[k] = mass * load * params.gravity_base_m_s2;
+    forces[k] = mass[k] * load * params.gravity_base_m_s2;
     director_forces[k].setZero();
     if (d.dt > 0.0) {
       const Eigen::Matrix3d x = station_x(k);
       const Eigen::Matrix3d v = d.apply(x, last.stations[k].x, before.stations[k].x);
       const Eigen::Matrix3d a = d.apply(v, last.stations[k].v, before.stations[k].v);
-      forces[k] -= mass * a.col(0) + station_drag(k) * v.col(0);
-      director_forces[k] = -station_inertia(k) * a.rightCols<2>();
+      forces[k] -= mass[k] * a.col(0) + drag[k] * v.col(0);
+      director_forces[k] = -inertia[k] * a.rightCols<2>();
     }
   }
   forces.back() += load * inputs.tip_force_base_n;
   gather_moments();
 
   // Elasticity, viscosity and actuation.
-  const double tau = params.retardation_s;
-  for (int c = 0; c < 3; ++c) {
-    strain_work = now.q(Eigen::seqN(c, n / 3, 3)) / inputs.length_m;
-    if (d.dt > 0.0 && tau > 0.0)
-      strain_work += tau / d.dt *
-                     (d.a0 * strain_work + d.a1 * last.u(Eigen::seqN(c, n / 3, 3)) +
-                      d.a2 * before.u(Eigen::seqN(c, n / 3, 3)));
-    residual(Eigen::seqN(c, n / 3, 3)) =
-        stiffness(c) * (basis.gram() * strain_work) - load * inputs.moment_section_nm(c) * basis.integral();
+  for (std::size_t j = 0; j < lengths_m.size(); ++j) {
+    const StrainBasis& basis = mesh.pieces()[j].basis;
+    const double tau = params.pieces[j].retardation_s;
+    for (int c = 0; c < 3; ++c) {
+      const auto rows = coefficients_of(j, c);
+      strain_work = now.q(rows) / lengths_m[j];
+      if (d.dt > 0.0 && tau > 0.0)
+        strain_work += tau / d.dt * (d.a0 * strain_work + d.a1 * last.u(rows) + d.a2 * before.u(rows));
+      residual(rows) = stiffness(j, c) * (basis.gram() * strain_work) -
+                       load * inputs.pieces[j].moment_section_nm(c) * basis.integral();
+    }
   }
   // Virtual work of the moments: each interval turns everything beyond it.
   Eigen::Vector3d beyond = Eigen::Vector3d::Zero();
   for (std::size_t k = stations - 1; k-- > 0;) {
     beyond += moments[k + 1];
-    const int first = 3 * (static_cast<int>(k) / StrainBasis::kIntervals);
+    const int first = 3 * mesh.element(static_cast<int>(k) / StrainBasis::kIntervals).first_function;
     residual.segment<12>(first).noalias() -= kinematics.turns[k].transpose() * beyond;
   }
+  if (!base_yields()) return;
+  Eigen::Vector3d turn = now.q.head<3>();
+  if (d.dt > 0.0)
+    turn += params.pieces.front().retardation_s *
+            d.apply<Eigen::Vector3d>(now.q.head<3>(), last.u.head<3>(), before.u.head<3>());
+  residual.head<3>() =
+      base_stiffness().cwiseProduct(turn) - kinematics.base_turn.transpose() * (beyond + moments[0]);
 }
 
 void RitzRod::Impl::gather_moments() {
   std::fill(tangent_forces.begin(), tangent_forces.end(), Eigen::Vector3d::Zero());
   Eigen::Vector3d beyond = Eigen::Vector3d::Zero();
-  const double scale = inputs.length_m * basis.element_size();
   constexpr int kIntervals = StrainBasis::kIntervals;
-  for (int e = basis.elements() - 1; e >= 0; --e) {
+  for (int e = mesh.elements() - 1; e >= 0; --e) {
+    const double scale = lengths_m[static_cast<std::size_t>(mesh.element(e).piece)] * mesh.element(e).size;
     const auto first = static_cast<std::size_t>(e * kIntervals);
     for (int j = 0; j <= kIntervals; ++j) {
-      Eigen::Vector3d sum = basis.integration()(kIntervals, j) * beyond;
+      Eigen::Vector3d sum = mesh.integration()(kIntervals, j) * beyond;
       for (int i = 1; i <= kIntervals; ++i)
-        sum += basis.integration()(i, j) * forces[first + static_cast<std::size_t>(i)];
+        sum += mesh.integration()(i, j) * forces[first + static_cast<std::size_t>(i)];
       tangent_forces[first + static_cast<std::size_t>(j)] += scale * sum;
     }
     for (int i = 1; i <= kIntervals; ++i) beyond += forces[first + static_cast<std::size_t>(i)];
@@ -73,15 +81,18 @@ void RitzRod::Impl::gather_moments() {
 }
 
 void RitzRod::Impl::factorise(const Differences& d) {
-  kinematics.update_jacobians(basis, inputs.length_m);
+  kinematics.update_jacobians(mesh, lengths_m);
   const double rate = d.rate();
   matrix.setZero();
-  for (int c = 0; c < 3; ++c)
-    matrix(Eigen::seqN(c, n / 3, 3), Eigen::seqN(c, n / 3, 3)) =
-        stiffness(c) / inputs.length_m * (1.0 + params.retardation_s * rate) * basis.gram();
+  for (std::size_t j = 0; j < lengths_m.size(); ++j)
+    for (int c = 0; c < 3; ++c) {
+      const auto rows = coefficients_of(j, c);
+      matrix(rows, rows) = stiffness(j, c) / lengths_m[j] * (1.0 + params.pieces[j].retardation_s * rate) *
+                           mesh.pieces()[j].basis.gram();
+    }
   constexpr int kIntervals = StrainBasis::kIntervals;
-  for (int e = 0; e < basis.elements(); ++e) {
-    const int columns = 3 * (e + 4);
+  for (int e = 0; e < mesh.elements(); ++e) {
+    const int columns = 3 * (mesh.element(e).first_function + 4);
     auto block = matrix.topLeftCorner(columns, columns);
     auto turned = scratch_a.leftCols(columns);
     const int row = 3 * (e * kIntervals + 1);
@@ -96,19 +107,26 @@ void RitzRod::Impl::factorise(const Differences& d) {
       for (int i = 0; i < kIntervals; ++i) {
         const auto k = static_cast<std::size_t>(e * kIntervals + i) + 1;
         turned.middleRows<3>(3 * i) =
-            (station_mass(k) * rate * rate + station_drag(k) * rate) * position.middleRows<3>(3 * i);
+            (mass[k] * rate * rate + drag[k] * rate) * position.middleRows<3>(3 * i);
       }
       block.noalias() += position.transpose() * turned;
     }
   }
   Eigen::Vector3d beyond = Eigen::Vector3d::Zero();
-  for (int k = basis.stations() - 2; k >= 0; --k) {
+  for (int k = mesh.stations() - 2; k >= 0; --k) {
     beyond += moments[static_cast<std::size_t>(k) + 1];
-    const int first = 3 * (k / kIntervals), columns = first + 12;
+    const int first = 3 * mesh.element(k / kIntervals).first_function, columns = first + 12;
     matrix.block(first, 0, 12, columns).noalias() -=
         0.5 * (kinematics.turns[static_cast<std::size_t>(k)].transpose() * cross_matrix(beyond)) *
         (kinematics.rotation_jacobian.block(3 * k, 0, 3, columns) +
          kinematics.rotation_jacobian.block(3 * k + 3, 0, 3, columns));
+  }
+  if (base_yields()) {
+    const Eigen::Matrix3d& turn = kinematics.base_turn;
+    auto block = matrix.topLeftCorner<3, 3>();
+    block.diagonal() += base_stiffness() * (1.0 + params.pieces.front().retardation_s * rate);
+    block += turn.transpose() * (moment_stiffness(0, rate * rate) - 0.5 * cross_matrix(beyond + moments[0])) *
+             turn;
   }
   factors.compute(matrix);
 }
@@ -121,7 +139,7 @@ Eigen::Matrix3d RitzRod::Impl::moment_stiffness(std::size_t k, double rate2) con
   Eigen::Matrix3d x = lever(r.col(2), tangent_forces[k]);
   for (int c = 0; c < 2; ++c) {
     x += lever(r.col(c), director_forces[k].col(c));
-    x += station_inertia(k) * rate2 * (Eigen::Matrix3d::Identity() - r.col(c) * r.col(c).transpose());
+    x += inertia[k] * rate2 * (Eigen::Matrix3d::Identity() - r.col(c) * r.col(c).transpose());
   }
   return x;
 }

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "backbone_kinematics.h"
+#include "rod_mesh.h"
 #include "softarm/rig/ritz_rod.h"
-#include "strain_basis.h"
 
 namespace softarm::rig {
 
@@ -31,49 +31,32 @@ struct Station {
 
 /// Everything that is remembered of an instant.
 struct State {
-  Eigen::VectorXd q;  ///< coefficients of L u
-  Eigen::VectorXd u;  ///< of u, 1/m
+  Eigen::VectorXd q;  ///< turn of the base (rad), coefficients of L u
+  Eigen::VectorXd u;  ///< turn of the base (rad), coefficients of u (1/m)
   std::vector<Station> stations;
 };
 
 struct RitzRod::Impl {
-  Impl(const RitzRodParams& rod_params)
-      : params(rod_params),
-        basis(params.elements),
-        kinematics(basis),
-        n(3 * basis.functions()),
-        stations(static_cast<std::size_t>(basis.stations())),
-        forces(stations),
-        moments(stations),
-        tangent_forces(stations),
-        director_forces(stations),
-        residual(n),
-        matrix(n, n),
-        scratch_a(3 * StrainBasis::kIntervals, n),
-        factors(n) {
-    now.q = now.u = Eigen::VectorXd::Zero(n);
-    now.stations.resize(stations);
-    kinematics.update(basis, now.q, inputs.length_m);
-    remember(Differences{});
-    last = before = now;
-  }
+  explicit Impl(const RitzRodParams& rod_params);
 
-  double station_mass(std::size_t k) const {
-    double mass = params.mass_kg * basis.weights()[k];
-    if (k + 1 == stations) mass += params.tip_mass_kg + inputs.payload_kg;
-    return mass;
+  /// Takes inputs over: what follows from them at every station.
+  void set_inputs(const RitzRodInputs& to);
+
+  /// Stiffness of a piece against its component of u.
+  double stiffness(std::size_t piece, int component) const {
+    const PieceInputs& p = inputs.pieces[piece];
+    return component == 2 ? p.torsional_stiffness_nm2 : p.bending_stiffness_nm2;
   }
-  double station_drag(std::size_t k) const {
-    double drag = params.air_damping_n_s_m2 * inputs.length_m * basis.weights()[k];
-    if (k + 1 == stations) drag += inputs.tip_damping_n_s_m;
-    return drag;
+  /// The coefficients of one component of one piece's curvature.
+  auto coefficients_of(std::size_t piece, int component) const {
+    const RodMesh::Piece& p = mesh.pieces()[piece];
+    return Eigen::seqN(3 * p.first_function + component, p.basis.functions(), Eigen::fix<3>);
   }
-  /// Inertia of each of the directors d1 and d2: that of a disc about a diameter.
-  double station_inertia(std::size_t k) const {
-    return params.mass_kg * basis.weights()[k] * params.diameter_m * params.diameter_m / 16.0;
-  }
-  double stiffness(int component) const {
-    return component == 2 ? inputs.torsional_stiffness_nm2 : inputs.bending_stiffness_nm2;
+  bool base_yields() const { return mesh.leading_functions() > 0; }
+  /// Of the base's spring; the turn about the tangent is held at 0 by a stiffness of no meaning.
+  Eigen::Vector3d base_stiffness() const {
+    const double k = params.base_stiffness_nm_per_rad.value_or(1.0);
+    return {k, k, 1.0};
   }
 
   Eigen::Matrix3d station_x(std::size_t k) const {
@@ -83,17 +66,7 @@ struct RitzRod::Impl {
   }
 
   /// Fills `now` from the kinematics and the two instants before.
-  void remember(const Differences& d) {
-    now.u = now.q / inputs.length_m;
-    for (std::size_t k = 0; k < stations; ++k) {
-      Station& s = now.stations[k];
-      s.x = station_x(k);
-      if (d.dt > 0.0)
-        s.v = d.apply(s.x, last.stations[k].x, before.stations[k].x);
-      else
-        s.v.setZero();
-    }
-  }
+  void remember(const Differences& d);
 
   /// Residual of the equations of motion for now.q. @param load scale of gravity, actuation and tip force
   void evaluate(const Differences& d, double load);
@@ -114,11 +87,14 @@ struct RitzRod::Impl {
   bool solve(const Differences& d, double load, bool factors_valid);
 
   RitzRodParams params;
-  StrainBasis basis;
+  RodMesh mesh;
   BackboneKinematics kinematics;
   int n;
   std::size_t stations;
   RitzRodInputs inputs;
+  std::vector<double> lengths_m;   ///< of the pieces
+  std::vector<double> mass, drag;  ///< of the stations: kg, N s / m
+  std::vector<double> inertia;     ///< of each of d1 and d2: that of a disc about a diameter, kg m^2
   State now, last, before;
   double step_s = 0.0;  ///< of the last step; 0 after settle()
   bool have_factors = false;

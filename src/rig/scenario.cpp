@@ -5,45 +5,14 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <tuple>
 
-#include "yaml_reader.h"
+#include "scenario_parts.h"
 
 namespace softarm::rig {
 namespace {
 
-constexpr double kRadPerDeg = M_PI / 180.0;
-constexpr std::size_t kMaxChambers = 16, kMaxRings = 64;
-constexpr Allowed kGaugePressure{-101325.0, 1e6};
-
-ArmSpec parse_arm_spec(YamlMap map) {
-  ArmSpec arm;
-  arm.length_m = map.number("length_m", {0.01, 10.0});
-  arm.mass_kg = map.number("mass_kg", {1e-4, 100.0});
-  arm.tip_mass_kg = map.number("tip_mass_kg", {0.0, 100.0}, arm.tip_mass_kg);
-  arm.diameter_m = map.number("diameter_m", {5e-4, 1.0}, arm.diameter_m);
-  YamlMap stiffness = map.required_map("bending_stiffness");
-  arm.stiffness_base_nm2 = stiffness.number("base_nm2", {1e-6, 1e3});
-  arm.stiffness_per_min_nm2_per_pa = stiffness.number("per_min_pressure_nm2_per_pa", {-1e-4, 1e-4}, 0.0);
-  arm.stiffness_per_jamming_nm2_per_pa =
-      stiffness.number("per_jamming_pressure_nm2_per_pa", {-1e-4, 1e-4}, 0.0);
-  stiffness.finish();
-  arm.torsional_stiffness_nm2 = map.number("torsional_stiffness_nm2", {1e-7, 1e4}, arm.stiffness_base_nm2);
-  arm.retardation_s = map.number("retardation_s", {0.0, 10.0}, arm.retardation_s);
-  arm.air_damping_n_s_m2 = map.number("air_damping_n_s_m2", {0.0, 1e3}, arm.air_damping_n_s_m2);
-  for (YamlMap& entry : map.maps("chambers")) {
-    ChamberSpec chamber;
-    chamber.direction_rad = kRadPerDeg * entry.number("bending_direction_deg", {-360.0, 360.0});
-    chamber.moment_gain_nm_per_pa = entry.number("moment_gain_nm_per_pa", {0.0, 1e-3});
-    chamber.near_elongation_m_per_pa = entry.number("near_elongation_m_per_pa", {-1e-5, 1e-5}, 0.0);
-    chamber.far_elongation_m_per_pa = entry.number("far_elongation_m_per_pa", {-1e-5, 1e-5}, 0.0);
-    entry.finish();
-    arm.chambers.push_back(chamber);
-  }
-  if (arm.chambers.empty() || arm.chambers.size() > kMaxChambers)
-    map.fail("chambers", fmt::format("{} chambers, allowed 1 ... {}", arm.chambers.size(), kMaxChambers));
-  map.finish();
-  return arm;
-}
+constexpr std::size_t kMaxRings = 64;
 
 MountSpec parse_mount(YamlMap map) {
   MountSpec mount;
@@ -70,55 +39,22 @@ MountSpec parse_mount(YamlMap map) {
       map.fail("attitude",
                fmt::format("value {}, allowed hanging, standing, horizontal", word.substr(0, 60)));
   }
+  const double turn = kRadPerDeg * map.number("rotation_deg", {-360.0, 360.0}, 0.0);
+  mount.q_mocap_base =
+      mount.q_mocap_base * Eigen::Quaterniond(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
   map.finish();
   return mount;
 }
 
-/// A list of {t_s, <key>: value or values}, from t_s = 0 on, changes at least ramp_s apart.
-std::vector<Setpoint> parse_schedule(YamlMap& map, const std::string& value_key, Allowed allowed,
-                                     std::optional<std::size_t> count, double ramp_s) {
-  std::vector<Setpoint> schedule;
-  for (YamlMap& entry : map.maps("schedule")) {
-    Setpoint setpoint;
-    setpoint.t_s = entry.number("t_s", {0.0, 1e6});
-    if (count)
-      setpoint.values = entry.numbers(value_key, allowed, *count, *count);
-    else
-      setpoint.values = {entry.number(value_key, allowed)};
-    if (schedule.empty() && setpoint.t_s != 0.0)
-      entry.fail("t_s", fmt::format("value {}, the first must be 0", setpoint.t_s));
-    if (!schedule.empty() && setpoint.t_s < schedule.back().t_s + ramp_s)
-      entry.fail("t_s", fmt::format("value {}, allowed from {} (the last change and its ramp_s)",
-                                    setpoint.t_s, schedule.back().t_s + ramp_s));
-    entry.finish();
-    schedule.push_back(std::move(setpoint));
-  }
-  return schedule;
-}
-
-PressureSpec parse_pressures(YamlMap map, std::size_t chambers) {
-  PressureSpec spec;
-  spec.rate_hz = map.number("rate_hz", {0.1, 2000.0}, spec.rate_hz);
-  spec.ambient_pa = map.number("ambient_pa", {5e4, 1.2e5}, spec.ambient_pa);
-  spec.rest_pa = map.number("rest_pa", kGaugePressure, spec.rest_pa);
-  spec.settle_s = map.number("settle_s", {0.0, 1e4}, spec.settle_s);
-  spec.ramp_s = map.number("ramp_s", {0.01, 1e4}, spec.ramp_s);
-  if (map.has("random")) {
-    YamlMap entry = map.map("random");
-    RandomPressures random;
-    random.min_pa = entry.number("min_pa", kGaugePressure, random.min_pa);
-    random.max_pa =
-        entry.number("max_pa", {random.min_pa, kGaugePressure.high}, std::max(random.min_pa, random.max_pa));
-    random.lowest_hz = entry.number("lowest_hz", {0.0, 100.0}, random.lowest_hz);
-    random.highest_hz =
-        entry.number("highest_hz", {random.lowest_hz, 100.0}, std::max(random.lowest_hz, random.highest_hz));
-    random.sinusoids = entry.integer("sinusoids", {1, 100}, random.sinusoids);
-    entry.finish();
-    spec.random = random;
-  }
-  spec.schedule = parse_schedule(map, "pressures_pa", kGaugePressure, chambers, spec.ramp_s);
-  if (spec.random && !spec.schedule.empty())
-    map.fail("schedule", "given beside random, expected one of them");
+ImperfectionSpec parse_imperfections(YamlMap map) {
+  ImperfectionSpec spec;
+  if (map.has("base_compliance_nm_per_rad"))
+    spec.base_compliance_nm_per_rad = map.number("base_compliance_nm_per_rad", {1e-4, 1e6});
+  YamlMap hysteresis = map.map("hysteresis");
+  spec.pressure_play_pa = hysteresis.number("play_pa", {0.0, 1e6}, 0.0);
+  spec.tension_play_n = hysteresis.number("play_n", {0.0, 1e4}, 0.0);
+  spec.angle_play_rad = hysteresis.number("play_rad", {0.0, 1e3}, 0.0);
+  hysteresis.finish();
   map.finish();
   return spec;
 }
@@ -133,6 +69,7 @@ VacuumSpec parse_vacuum(YamlMap map) {
 
 PayloadSpec parse_payload(YamlMap map) {
   PayloadSpec spec;
+  spec.fraction = map.number("fraction", {0.01, 1.0}, spec.fraction);
   spec.ramp_s = map.number("ramp_s", {0.01, 1e3}, spec.ramp_s);
   spec.steady_s = map.number("steady_s", {0.0, 1e3}, spec.steady_s);
   spec.hand_damping_n_s_m = map.number("hand_damping_n_s_m", {0.0, 1e4}, spec.hand_damping_n_s_m);
@@ -206,18 +143,26 @@ Scenario parse_scenario(const std::string& text, const std::string& source) {
   scenario.gravity_m_s2 = map.number("gravity_m_s2", {0.0, 30.0}, scenario.gravity_m_s2);
   scenario.arm = parse_arm_spec(map.required_map("arm"));
   scenario.mount = parse_mount(map.map("mount"));
-  scenario.pressures = parse_pressures(map.map("pressures"), scenario.arm.chambers.size());
+  scenario.imperfections = parse_imperfections(map.map("imperfections"));
+  scenario.pressures = parse_pressures(map.map("pressures"), scenario.arm);
+  scenario.tensions = parse_tensions(map.map("tensions"), scenario.arm);
+  scenario.angles = parse_angles(map.map("angles"), scenario.arm);
   scenario.vacuum = parse_vacuum(map.map("vacuum"));
   scenario.payload = parse_payload(map.map("payload"));
   scenario.mocap = parse_mocap(map.map("mocap"));
   scenario.numerics = parse_numerics(map.map("numerics"));
   map.finish();
-  const double needed = 2.0 * (scenario.pressures.settle_s + scenario.pressures.ramp_s);
-  if (scenario.duration_s > 0.0 && scenario.duration_s < needed)
-    map.fail(
-        "duration_s",
-        fmt::format("value {}, allowed 0 (endless) or from {} (pressures.settle_s and ramp_s at both ends)",
-                    scenario.duration_s, needed));
+  const std::tuple<const char*, const DriveSpec&, bool> drives[] = {
+      {"pressures", scenario.pressures, true},
+      {"tensions", scenario.tensions, scenario.arm.tendons > 0},
+      {"angles", scenario.angles, scenario.arm.servos > 0}};
+  for (const auto& [name, drive, used] : drives) {
+    const double needed = 2.0 * (drive.settle_s + drive.ramp_s);
+    if (used && scenario.duration_s > 0.0 && scenario.duration_s < needed)
+      map.fail("duration_s",
+               fmt::format("value {}, allowed 0 (endless) or from {} ({}.settle_s and ramp_s at both ends)",
+                           scenario.duration_s, needed, name));
+  }
   return scenario;
 }
 

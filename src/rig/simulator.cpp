@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "arm_cut.h"
 #include "backbone_kinematics.h"
+#include "play.h"
 #include "random_stream.h"
+#include "softarm/rig/laws.h"
 #include "softarm/rig/protocol.h"
 #include "softarm/rig/ritz_rod.h"
 
@@ -16,18 +19,19 @@ namespace {
 constexpr std::uint64_t kMocapPurpose = 0x6d6f6361;
 constexpr int kBackbonePoints = 21;
 
-RitzRodParams rod_params(const Scenario& scenario) {
-  RitzRodParams params;
-  params.elements = scenario.numerics.elements;
-  params.mass_kg = scenario.arm.mass_kg;
-  params.tip_mass_kg = scenario.arm.tip_mass_kg;
-  params.diameter_m = scenario.arm.diameter_m;
-  params.retardation_s = scenario.arm.retardation_s;
-  params.air_damping_n_s_m2 = scenario.arm.air_damping_n_s_m2;
-  params.gravity_base_m_s2 =
-      scenario.mount.q_mocap_base.conjugate() * Eigen::Vector3d(0.0, 0.0, -scenario.gravity_m_s2);
-  return params;
-}
+/// The hysteresis of all inputs of a kind.
+class Plays {
+ public:
+  Plays(double width, const std::vector<double>& start) {
+    for (double value : start) plays_.emplace_back(width, value);
+  }
+  void apply(std::vector<double>& inputs) {
+    for (std::size_t i = 0; i < inputs.size(); ++i) inputs[i] = plays_[i].to(inputs[i]);
+  }
+
+ private:
+  std::vector<PlayHysteresis> plays_;
+};
 
 Pose to_pose(const Eigen::Isometry3d& transform) {
   return {transform.translation(), Eigen::Quaterniond(transform.linear()).normalized()};
@@ -35,9 +39,31 @@ Pose to_pose(const Eigen::Isometry3d& transform) {
 
 }  // namespace
 
+std::string topic_of(InputKind kind, int number) {
+  switch (kind) {
+    case InputKind::kChamber:
+      return fmt::format("/pressure/chamber_{}", number + 1);
+    case InputKind::kTendon:
+      return fmt::format("/tendon/{}/tension", number + 1);
+    case InputKind::kServo:
+      return fmt::format("/servo/{}/angle", number + 1);
+    case InputKind::kVacuum:
+      break;
+  }
+  return "/pressure/vacuum";
+}
+
 struct Simulator::Impl {
   explicit Impl(const Scenario& spec)
-      : scenario(spec), protocol(spec), rod(rod_params(spec)), noise(spec.seed, kMocapPurpose) {
+      : scenario(spec),
+        protocol(spec),
+        cut(cut_arm(spec)),
+        rod(rod_params(spec, cut)),
+        noise(spec.seed, kMocapPurpose),
+        commands(protocol.at(0.0)),
+        pressure_plays(spec.imperfections.pressure_play_pa, commands.pressures_pa),
+        tension_plays(spec.imperfections.tension_play_n, commands.tensions_n),
+        angle_plays(spec.imperfections.angle_play_rad, commands.angles_rad) {
     if (scenario.mocap.base_measured) names.emplace_back("base");
     for (std::size_t i = 1; i <= scenario.mocap.ring_fractions.size(); ++i)
       names.push_back(fmt::format("ring_{}", i));
@@ -48,23 +74,32 @@ struct Simulator::Impl {
           fmt::format("scenario {}: no static equilibrium found to start from", scenario.name));
   }
 
+  /// To be asked in the order of time: inputs with hysteresis remember.
   RitzRodInputs inputs_at(double t_s) {
     commands = protocol.at(t_s);
-    actuation = apply_laws(scenario.arm, commands);
-    // Pressure laws with negative coefficients can be driven out of their range.
-    if (!(actuation.bending_stiffness_nm2 > 0.0) || !(actuation.length_m > 0.0))
-      throw SimulationError(
-          fmt::format("scenario {}: at t = {:.3f} s the pressure laws give EI = {:.4g} N m^2 and L = {:.4g} "
-                      "m, must be > 0",
-                      scenario.name, t_s, actuation.bending_stiffness_nm2, actuation.length_m));
+    Commands acting = commands;
+    pressure_plays.apply(acting.pressures_pa);
+    tension_plays.apply(acting.tensions_n);
+    angle_plays.apply(acting.angles_rad);
+    actuation.clear();
+    for (const SegmentSpec& segment : scenario.arm.segments) {
+      try {
+        actuation.push_back(apply_laws(segment, acting));
+      } catch (const LawError& error) {
+        throw SimulationError(fmt::format("scenario {}: at t = {:.3f} s in segment {}: {}", scenario.name,
+                                          t_s, actuation.size() + 1, error.what()));
+      }
+    }
     RitzRodInputs inputs;
-    inputs.length_m = actuation.length_m;
-    inputs.bending_stiffness_nm2 = actuation.bending_stiffness_nm2;
-    inputs.torsional_stiffness_nm2 = scenario.arm.torsional_stiffness_nm2;
-    // Bending towards phi is a turn about the axis at phi + 90 degrees.
-    inputs.moment_section_nm = {-actuation.moment_nm.y(), actuation.moment_nm.x(), 0.0};
+    inputs.pieces.clear();
+    for (const Part& part : cut.parts) {
+      const Actuation& a = actuation[part.segment];
+      // Bending towards phi is a turn about the axis at phi + 90 degrees.
+      inputs.pieces.push_back({part.share * a.length_m, a.bending_stiffness_nm2, a.torsional_stiffness_nm2,
+                               Eigen::Vector3d(-a.moment_nm.y(), a.moment_nm.x(), 0.0)});
+    }
     inputs.payload_kg = commands.payload_kg;
-    inputs.tip_damping_n_s_m = commands.hand_damping_n_s_m;
+    inputs.hand_damping_n_s_m = commands.hand_damping_n_s_m;
     return inputs;
   }
 
@@ -97,17 +132,37 @@ struct Simulator::Impl {
     return measured;
   }
 
-  void add_messages(double until_s, Sample& sample) {
-    const PressureSpec& spec = scenario.pressures;
-    for (;; ++pressure_message) {
-      const double stamp = static_cast<double>(pressure_message) / spec.rate_hz;
-      if (stamp > until_s) break;
-      const Commands sent = protocol.at(stamp);
-      for (std::size_t i = 0; i < sent.pressures_pa.size(); ++i)
-        sample.pressures.push_back({stamp, static_cast<int>(i), spec.ambient_pa + sent.pressures_pa[i]});
-      if (!scenario.vacuum.schedule.empty())
-        sample.pressures.push_back({stamp, PressureSample::kVacuum, spec.ambient_pa - sent.vacuum_pa});
+  /// Calls with the stamp and commands of each message of a kind's drive up to a time.
+  template <typename Add>
+  void messages_until(double until_s, const DriveSpec& spec, std::size_t& count, const Add& add) const {
+    for (;; ++count) {
+      const double stamp_s = static_cast<double>(count) / spec.rate_hz;
+      if (stamp_s > until_s) return;
+      add(stamp_s, protocol.at(stamp_s));
     }
+  }
+
+  void add_messages(double until_s, Sample& sample) {
+    std::vector<InputSample>& inputs = sample.inputs;
+    const auto add_all = [&](double stamp_s, InputKind kind, const std::vector<double>& values, double zero) {
+      for (std::size_t i = 0; i < values.size(); ++i)
+        inputs.push_back({stamp_s, kind, static_cast<int>(i), zero + values[i]});
+    };
+    messages_until(until_s, scenario.pressures, pressure_messages, [&](double t_s, const Commands& sent) {
+      add_all(t_s, InputKind::kChamber, sent.pressures_pa, scenario.pressures.ambient_pa);
+      if (!scenario.vacuum.schedule.empty())
+        inputs.push_back({t_s, InputKind::kVacuum, 0, scenario.pressures.ambient_pa - sent.vacuum_pa});
+    });
+    if (scenario.arm.tendons > 0)
+      messages_until(until_s, scenario.tensions, tension_messages, [&](double t_s, const Commands& sent) {
+        add_all(t_s, InputKind::kTendon, sent.tensions_n, 0.0);
+      });
+    if (scenario.arm.servos > 0)
+      messages_until(until_s, scenario.angles, angle_messages, [&](double t_s, const Commands& sent) {
+        add_all(t_s, InputKind::kServo, sent.angles_rad, 0.0);
+      });
+    std::stable_sort(inputs.begin(), inputs.end(),
+                     [](const InputSample& a, const InputSample& b) { return a.stamp_s < b.stamp_s; });
     if (scenario.payload.publish) {
       const PayloadChange change = protocol.payload_known_at(until_s);
       if (!published || change.kg != *published) {
@@ -117,19 +172,37 @@ struct Simulator::Impl {
     }
   }
 
+  /// Fraction of the rest length of the section at an actual arclength.
+  double material_fraction(double arclength_m) const {
+    double rest_m = 0.0;
+    for (std::size_t i = 0; i < actuation.size(); ++i) {
+      const double rest_length_m = scenario.arm.segments[i].length_m;
+      if (arclength_m <= actuation[i].length_m)
+        return (rest_m + rest_length_m * arclength_m / actuation[i].length_m) / scenario.arm.length_m();
+      arclength_m -= actuation[i].length_m;
+      rest_m += rest_length_m;
+    }
+    return 1.0;
+  }
+
   Truth truth(double stamp_s) const {
     Truth t;
     t.stamp_s = stamp_s;
-    t.moment_nm = actuation.moment_nm;
-    t.bending_stiffness_nm2 = actuation.bending_stiffness_nm2;
-    t.length_m = actuation.length_m;
+    double length_m = 0.0;
+    for (const Actuation& a : actuation) {
+      t.segments.push_back({a.moment_nm, a.bending_stiffness_nm2, a.length_m});
+      length_m += a.length_m;
+    }
     t.payload_kg = commands.payload_kg;
     t.payload_steadied = commands.hand_damping_n_s_m > 0.0;
     t.pressures_pa = commands.pressures_pa;
+    t.tensions_n = commands.tensions_n;
+    t.angles_rad = commands.angles_rad;
     t.vacuum_pa = commands.vacuum_pa;
     for (double fraction : scenario.mocap.ring_fractions) t.rings_base.push_back(to_pose(rod.pose(fraction)));
     for (int i = 0; i < kBackbonePoints; ++i)
-      t.backbone_base.emplace_back(rod.pose(static_cast<double>(i) / (kBackbonePoints - 1)).translation());
+      t.backbone_base.emplace_back(
+          rod.pose(material_fraction(length_m * i / (kBackbonePoints - 1))).translation());
     const Eigen::Isometry3d tip = rod.pose(1.0);
     t.tip_base = to_pose(tip);
     t.tip_angle_rad = std::atan2(tip.linear().col(2).head<2>().norm(), tip.linear()(2, 2));
@@ -139,14 +212,16 @@ struct Simulator::Impl {
 
   Scenario scenario;
   Protocol protocol;
+  Cut cut;
   RitzRod rod;
   RandomStream noise;
   std::vector<std::string> names;
   int substeps = 1;
   Commands commands;
-  Actuation actuation;
+  Plays pressure_plays, tension_plays, angle_plays;
+  std::vector<Actuation> actuation;  ///< per segment
   std::size_t frame = 0;
-  std::size_t pressure_message = 0;
+  std::size_t pressure_messages = 0, tension_messages = 0, angle_messages = 0;
   std::size_t dropouts = 0;
   std::optional<double> published;
 };

@@ -61,6 +61,10 @@ bool YamlMap::has(const std::string& key) {
   return get(key).IsDefined();
 }
 
+bool YamlMap::is_list(const std::string& key) {
+  return get(key).IsSequence();
+}
+
 double YamlMap::checked(const YAML::Node& value, const std::string& key, Allowed allowed) const {
   const std::string range = fmt::format("{} ... {}", allowed.low, allowed.high);
   double number = 0.0;

@@ -23,6 +23,7 @@ class YamlMap {
   YamlMap(const YAML::Node& node, std::string source, std::string path);
 
   bool has(const std::string& key);
+  bool is_list(const std::string& key);
   /// A number within a range; without a default the key is required.
   double number(const std::string& key, Allowed allowed);
   double number(const std::string& key, Allowed allowed, double otherwise);

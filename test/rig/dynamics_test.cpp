@@ -44,7 +44,7 @@ TEST(RigDynamics, FirstBendingFrequencyOfACantilever) {
   EXPECT_NEAR(cantilever_eigenvalue(0.0), 1.8751041, 1e-6);
   for (double payload : {0.0, 0.1, 0.3}) {
     RitzRodParams params = paper_rod();
-    params.diameter_m = 0.002;  // the formula knows no rotary inertia
+    params.pieces[0].diameter_m = 0.002;  // the formula knows no rotary inertia
     RitzRod rod(params);
     RitzRodInputs inputs = paper_inputs();
     inputs.payload_kg = payload;
@@ -58,9 +58,9 @@ TEST(RigDynamics, FirstBendingFrequencyOfACantilever) {
           return rod.pose(1.0).translation().x();
         },
         dt, static_cast<int>(6.0 / dt));
-    const double b = cantilever_eigenvalue(payload / params.mass_kg);
+    const double b = cantilever_eigenvalue(payload / params.pieces[0].mass_kg);
     const double expected =
-        2.0 * M_PI / (b * b * std::sqrt(0.03 / (params.mass_kg / 0.2 * std::pow(0.2, 4))));
+        2.0 * M_PI / (b * b * std::sqrt(0.03 / (params.pieces[0].mass_kg / 0.2 * std::pow(0.2, 4))));
     EXPECT_NEAR(period / expected, 1.0, 0.004) << payload;
   }
 }
@@ -69,9 +69,9 @@ TEST(RigDynamics, FirstTorsionalFrequency) {
   RitzRodParams params = paper_rod();
   RitzRod rod(params);
   RitzRodInputs inputs = paper_inputs();
-  inputs.moment_section_nm = {0.0, 0.0, 0.02};
+  inputs.pieces[0].moment_section_nm = {0.0, 0.0, 0.02};
   ASSERT_TRUE(rod.settle(inputs));
-  inputs.moment_section_nm.setZero();
+  inputs.pieces[0].moment_section_nm.setZero();
   // 4 L sqrt(rho J / GJ), rho J = mass per length * a^2 / 2 for a disc of radius a.
   const double expected = 4.0 * 0.2 * std::sqrt(1.0 * 0.02 * 0.02 / 2.0 / 0.03);
   const double dt = expected / 800.0;
@@ -91,7 +91,7 @@ RitzRod released_rod(RitzRodParams params, RitzRodInputs& inputs) {
   RitzRod rod(params);
   inputs = paper_inputs();
   inputs.payload_kg = 0.1;
-  inputs.moment_section_nm = {-0.1, 0.2, 0.0};
+  inputs.pieces[0].moment_section_nm = {-0.1, 0.2, 0.0};
   inputs.tip_force_base_n = {0.5, 1.0, 0.0};
   EXPECT_TRUE(rod.settle(inputs));
   inputs.tip_force_base_n.setZero();
@@ -122,7 +122,7 @@ TEST(RigDynamics, EnergyOfTheUndampedRodNeverGrowsAndHardlyFalls) {
 
 TEST(RigDynamics, DampedRodSettlesToStatics) {
   RitzRodParams params = paper_rod();
-  params.retardation_s = 0.05;
+  params.pieces[0].retardation_s = 0.05;
   params.air_damping_n_s_m2 = 2.0;
   RitzRodInputs inputs;
   RitzRod rod = released_rod(params, inputs);
@@ -148,10 +148,10 @@ TEST(RigDynamics, DampedRodSettlesToStatics) {
 TEST(RigDynamics, SettlesToAnIndependentElasticaAfterAPayloadStep) {
   RitzRodParams params = paper_rod();
   params.gravity_base_m_s2 = {0.0, 0.0, 9.80665};
-  params.retardation_s = 0.1;
+  params.pieces[0].retardation_s = 0.1;
   RitzRod rod(params);
   RitzRodInputs inputs = paper_inputs();
-  inputs.moment_section_nm = {0.0, 0.3, 0.0};
+  inputs.pieces[0].moment_section_nm = {0.0, 0.3, 0.0};
   ASSERT_TRUE(rod.settle(inputs));
   inputs.payload_kg = 0.23;
   for (int i = 0; i < 480 * 8; ++i) ASSERT_TRUE(rod.step(inputs, 1.0 / 480.0));
@@ -168,7 +168,7 @@ TEST(RigDynamics, SecondOrderInTime) {
   const auto tip_after = [](int steps) {
     RitzRodParams params = paper_rod();
     params.gravity_base_m_s2 = {0.0, 0.0, 9.81};
-    params.retardation_s = 0.02;
+    params.pieces[0].retardation_s = 0.02;
     RitzRod rod(params);
     RitzRodInputs inputs = paper_inputs();
     inputs.payload_kg = 0.1;
@@ -176,8 +176,8 @@ TEST(RigDynamics, SecondOrderInTime) {
     const double dt = 0.5 / steps;
     for (int i = 1; i <= steps; ++i) {
       const double t = i * dt;
-      inputs.moment_section_nm = {-1.2 * t * t * t, 0.5 * t * t * std::sin(6.0 * t), 0.0};
-      inputs.length_m = 0.2 + 0.02 * t * t * t;
+      inputs.pieces[0].moment_section_nm = {-1.2 * t * t * t, 0.5 * t * t * std::sin(6.0 * t), 0.0};
+      inputs.pieces[0].length_m = 0.2 + 0.02 * t * t * t;
       EXPECT_TRUE(rod.step(inputs, dt));
     }
     return Eigen::Vector3d(rod.pose(1.0).translation());
@@ -189,7 +189,7 @@ TEST(RigDynamics, SecondOrderInTime) {
 TEST(RigDynamics, StableAtStepsFarAboveTheFastestPeriods) {
   RitzRodInputs inputs;
   RitzRodParams params = paper_rod(12);
-  params.retardation_s = 0.06;
+  params.pieces[0].retardation_s = 0.06;
   RitzRod rod = released_rod(params, inputs);
   for (int i = 0; i < 400; ++i) ASSERT_TRUE(rod.step(inputs, 0.02));
   params.gravity_base_m_s2 = {0.0, 0.0, 9.81};

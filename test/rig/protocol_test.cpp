@@ -42,7 +42,7 @@ TEST(Protocol, RandomPressuresStayWithinLimitsAreSmoothAndUseTheRange) {
 
 TEST(Protocol, StartsAndEndsAtRest) {
   Scenario s = scenario();
-  s.pressures.rest_pa = 3000.0;
+  s.pressures.rest = 3000.0;
   const Protocol protocol(s);
   for (double t : {0.0, 0.3, 0.5, 9.5, 9.8, 10.0})
     for (double p : protocol.at(t).pressures_pa) EXPECT_DOUBLE_EQ(p, 3000.0) << t;
@@ -100,34 +100,6 @@ TEST(Protocol, PayloadChangesSmoothlyWithAHandAtTheTipAndRepeats) {
   EXPECT_DOUBLE_EQ(protocol.payload_known_at(8.05).kg, 0.2);
   EXPECT_DOUBLE_EQ(protocol.payload_known_at(8.2).kg, 0.1);
   EXPECT_NEAR(protocol.payload_known_at(8.2).t_s, 8.1, 1e-12);
-}
-
-TEST(SemiPhysicalLaws, SignsAreThoseOfTheGeometry) {
-  ArmSpec arm = scenario().arm;
-  for (std::size_t i = 0; i < 3; ++i) {
-    Commands commands;
-    commands.pressures_pa.assign(3, 0.0);
-    commands.pressures_pa[i] = 20e3;
-    const Eigen::Vector2d moment = apply_laws(arm, commands).moment_nm;
-    const double direction = arm.chambers[i].direction_rad;
-    EXPECT_NEAR(moment.x(), arm.chambers[i].moment_gain_nm_per_pa * 20e3 * std::cos(direction), 1e-12);
-    EXPECT_NEAR(moment.y(), arm.chambers[i].moment_gain_nm_per_pa * 20e3 * std::sin(direction), 1e-12);
-  }
-  for (ChamberSpec& chamber : arm.chambers) chamber.moment_gain_nm_per_pa = 7e-6;
-  Commands even;
-  even.pressures_pa.assign(3, 30e3);
-  EXPECT_LT(apply_laws(arm, even).moment_nm.norm(), 1e-12);
-}
-
-TEST(SemiPhysicalLaws, StiffnessAndLength) {
-  ArmSpec arm = scenario().arm;
-  arm.stiffness_per_jamming_nm2_per_pa = 1e-7;
-  Commands commands;
-  commands.pressures_pa = {10e3, 40e3, 25e3};
-  commands.vacuum_pa = 50e3;
-  const Actuation a = apply_laws(arm, commands);
-  EXPECT_NEAR(a.bending_stiffness_nm2, 0.027 + 3e-7 * 10e3 + 1e-7 * (50e3 + 25e3), 1e-12);
-  EXPECT_NEAR(a.length_m, 0.2 + 3e-8 * 10e3 + 2e-8 * 40e3, 1e-12);
 }
 
 }  // namespace

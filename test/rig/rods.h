@@ -12,17 +12,17 @@ namespace softarm::rig {
 /// The arm of the online paper without damping, in no gravity unless given.
 inline RitzRodParams paper_rod(int elements = 6) {
   RitzRodParams params;
-  params.elements = elements;
-  params.mass_kg = 0.2;
-  params.diameter_m = 0.04;
+  params.pieces[0].elements = elements;
+  params.pieces[0].mass_kg = 0.2;
+  params.pieces[0].diameter_m = 0.04;
   return params;
 }
 
 inline RitzRodInputs paper_inputs() {
   RitzRodInputs inputs;
-  inputs.length_m = 0.2;
-  inputs.bending_stiffness_nm2 = 0.03;
-  inputs.torsional_stiffness_nm2 = 0.03;
+  inputs.pieces[0].length_m = 0.2;
+  inputs.pieces[0].bending_stiffness_nm2 = 0.03;
+  inputs.pieces[0].torsional_stiffness_nm2 = 0.03;
   return inputs;
 }
 

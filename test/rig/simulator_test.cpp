@@ -35,8 +35,8 @@ std::string text_of(const Scenario& s) {
         out << body->p.transpose() << ' ' << body->q.coeffs().transpose() << '\n';
       else
         out << "lost\n";
-    for (const PressureSample& p : sample.pressures)
-      out << p.stamp_s << ' ' << p.chamber << ' ' << p.absolute_pa << '\n';
+    for (const InputSample& p : sample.inputs)
+      out << p.stamp_s << ' ' << topic_of(p.kind, p.number) << ' ' << p.value << '\n';
     if (sample.payload) out << sample.payload->stamp_s << ' ' << sample.payload->kg << '\n';
   }
   return out.str();
@@ -120,10 +120,10 @@ TEST(Simulator, PressureMessagesHaveTheirOwnRateAndAreAbsolute) {
   Scenario s = scenario();
   s.vacuum.schedule = {{0.0, {40e3}}};
   Simulator simulator(s);
-  std::vector<PressureSample> messages;
+  std::vector<InputSample> messages;
   double last_frame = -1.0;
   for (const Sample& sample : run(simulator)) {
-    for (const PressureSample& p : sample.pressures) {
+    for (const InputSample& p : sample.inputs) {
       EXPECT_GT(p.stamp_s, last_frame);
       EXPECT_LE(p.stamp_s, sample.stamp_s);
       messages.push_back(p);
@@ -131,15 +131,15 @@ TEST(Simulator, PressureMessagesHaveTheirOwnRateAndAreAbsolute) {
     last_frame = sample.stamp_s;
   }
   ASSERT_EQ(messages.size(), 501u * 4u);  // 50 Hz for 10 s, three chambers and the vacuum
-  EXPECT_DOUBLE_EQ(messages[0].absolute_pa, 101325.0);
+  EXPECT_DOUBLE_EQ(messages[0].value, 101325.0);
   for (std::size_t i = 0; i < messages.size(); ++i) {
     EXPECT_NEAR(messages[i].stamp_s, static_cast<double>(i / 4) / 50.0, 1e-12);
     if (i % 4 == 3) {
-      EXPECT_EQ(messages[i].chamber, PressureSample::kVacuum);
-      EXPECT_DOUBLE_EQ(messages[i].absolute_pa, 101325.0 - 40e3);
+      EXPECT_EQ(messages[i].kind, InputKind::kVacuum);
+      EXPECT_DOUBLE_EQ(messages[i].value, 101325.0 - 40e3);
     } else {
-      EXPECT_EQ(messages[i].chamber, static_cast<int>(i % 4));
-      EXPECT_GE(messages[i].absolute_pa, 101325.0);
+      EXPECT_EQ(messages[i].number, static_cast<int>(i % 4));
+      EXPECT_GE(messages[i].value, 101325.0);
     }
   }
 }
@@ -180,7 +180,8 @@ TEST(Simulator, EachChamberBendsTheArmTowardsItsDirection) {
     const Truth& truth = samples[samples.size() / 2].truth;
     const double direction = std::atan2(truth.tip_base.p.y(), truth.tip_base.p.x());
     EXPECT_GT(truth.tip_angle_rad, 0.3);
-    EXPECT_NEAR(std::remainder(direction - s.arm.chambers[chamber].direction_rad, 2.0 * M_PI), 0.0, 0.01);
+    EXPECT_NEAR(std::remainder(direction - s.arm.segments[0].chambers[chamber].direction_rad, 2.0 * M_PI),
+                0.0, 0.01);
     // Hanging: mocap z of the tip lies below the mount.
     EXPECT_LT((s.mount.q_mocap_base * truth.tip_base.p).z(), 0.0);
   }
@@ -239,8 +240,8 @@ TEST(Simulator, NumericalErrorIsFarBelowTheNoise) {
 
 TEST(Simulator, LawsDrivenOutOfRangeAreReported) {
   Scenario s = scenario();
-  s.arm.stiffness_per_min_nm2_per_pa = -1e-5;
-  s.pressures.random->min_pa = 10e3;
+  s.arm.segments[0].stiffness_per_min_nm2_per_pa = -1e-5;
+  s.pressures.random->min.assign(3, 10e3);
   Simulator simulator(s);
   try {
     run(simulator);
@@ -278,10 +279,10 @@ TEST(TruthCsv, RowsMatchTheHeader) {
   };
   const Truth& truth = sample->truth;
   EXPECT_NEAR(value("stamp"), 1000.0 + truth.stamp_s, 1e-9);
-  EXPECT_EQ(value("M0"), truth.moment_nm.norm());
-  EXPECT_NEAR(value("M0") * std::sin(value("phi")), truth.moment_nm.y(), 1e-12);
-  EXPECT_EQ(value("EI"), truth.bending_stiffness_nm2);
-  EXPECT_EQ(value("L"), truth.length_m);
+  EXPECT_EQ(value("M0"), truth.segments[0].moment_nm.norm());
+  EXPECT_NEAR(value("M0") * std::sin(value("phi")), truth.segments[0].moment_nm.y(), 1e-12);
+  EXPECT_EQ(value("EI"), truth.segments[0].bending_stiffness_nm2);
+  EXPECT_EQ(value("L"), truth.segments[0].length_m);
   EXPECT_EQ(value("payload"), truth.payload_kg);
   EXPECT_EQ(value("tip_z"), truth.tip_base.p.z());
   EXPECT_EQ(value("P_3"), truth.pressures_pa[2]);

@@ -13,7 +13,7 @@ TEST(RigStatics, PureMomentBendsToACircle) {
   for (double moment : {0.05, 0.3, 0.6}) {
     RitzRod rod(paper_rod());
     RitzRodInputs inputs = paper_inputs();
-    inputs.moment_section_nm = {0.0, moment, 0.0};
+    inputs.pieces[0].moment_section_nm = {0.0, moment, 0.0};
     ASSERT_TRUE(rod.settle(inputs));
     const double curvature = moment / 0.03;
     for (double fraction : {0.1, 0.25, 0.5, 0.77, 1.0}) {
@@ -29,8 +29,8 @@ TEST(RigStatics, PureMomentBendsToACircle) {
 TEST(RigStatics, MomentAndTwistGiveAHelix) {
   RitzRod rod(paper_rod());
   RitzRodInputs inputs = paper_inputs();
-  inputs.torsional_stiffness_nm2 = 0.02;
-  inputs.moment_section_nm = {0.18, 0.24, 0.2};
+  inputs.pieces[0].torsional_stiffness_nm2 = 0.02;
+  inputs.pieces[0].moment_section_nm = {0.18, 0.24, 0.2};
   ASSERT_TRUE(rod.settle(inputs));
   // u is constant: the rod turns about a fixed axis along u, R(s) = exp(u s).
   const Eigen::Vector3d u(6.0, 8.0, 10.0), axis = u.normalized();
@@ -70,7 +70,7 @@ TEST(RigStatics, WeightPayloadAndActuationAgreeWithAnIndependentElastica) {
     params.gravity_base_m_s2 = {c.gravity_x, 0.0, c.gravity_z};
     RitzRod rod(params);
     RitzRodInputs inputs = paper_inputs();
-    inputs.moment_section_nm = {0.0, c.moment, 0.0};
+    inputs.pieces[0].moment_section_nm = {0.0, c.moment, 0.0};
     inputs.payload_kg = c.payload;
     ASSERT_TRUE(rod.settle(inputs));
     PlanarElastica reference;
@@ -94,8 +94,8 @@ TEST(RigStatics, MomentsBalanceAtEverySectionInThreeDimensions) {
   params.gravity_base_m_s2 = {3.0, -4.0, 8.0};
   RitzRod rod(params);
   RitzRodInputs inputs = paper_inputs();
-  inputs.torsional_stiffness_nm2 = 0.02;
-  inputs.moment_section_nm = {-0.1, 0.25, 0.03};
+  inputs.pieces[0].torsional_stiffness_nm2 = 0.02;
+  inputs.pieces[0].moment_section_nm = {-0.1, 0.25, 0.03};
   inputs.payload_kg = 0.2;
   inputs.tip_force_base_n = {0.3, 0.5, -0.2};
   ASSERT_TRUE(rod.settle(inputs));
@@ -105,14 +105,14 @@ TEST(RigStatics, MomentsBalanceAtEverySectionInThreeDimensions) {
     const Eigen::Isometry3d section = rod.pose(fraction);
     const Eigen::Vector3d strain = rod.curvature(fraction);
     const Eigen::Vector3d internal =
-        section.linear() *
-        (Eigen::Vector3d(0.03 * strain.x(), 0.03 * strain.y(), 0.02 * strain.z()) - inputs.moment_section_nm);
+        section.linear() * (Eigen::Vector3d(0.03 * strain.x(), 0.03 * strain.y(), 0.02 * strain.z()) -
+                            inputs.pieces[0].moment_section_nm);
     Eigen::Vector3d external = (tip - section.translation()).cross(tip_load);
     const int slices = 2000;  // midpoint rule over the weight beyond the section
     for (int i = 0; i < slices; ++i) {
       const double at = fraction + (1.0 - fraction) * (i + 0.5) / slices;
       external += (rod.pose(at).translation() - section.translation())
-                      .cross(params.mass_kg * (1.0 - fraction) / slices * params.gravity_base_m_s2);
+                      .cross(params.pieces[0].mass_kg * (1.0 - fraction) / slices * params.gravity_base_m_s2);
     }
     EXPECT_LT((internal - external).norm(), 1e-4 * 0.3) << fraction;
   }
@@ -124,7 +124,7 @@ TEST(RigStatics, ConvergesFasterThanSecondOrderInElements) {
     params.gravity_base_m_s2 = {4.0, 6.0, -6.0};
     RitzRod rod(params);
     RitzRodInputs inputs = paper_inputs();
-    inputs.moment_section_nm = {-0.1, 0.3, 0.0};
+    inputs.pieces[0].moment_section_nm = {-0.1, 0.3, 0.0};
     inputs.payload_kg = 0.23;
     EXPECT_TRUE(rod.settle(inputs));
     return Eigen::Vector3d(rod.pose(1.0).translation());
@@ -142,7 +142,7 @@ TEST(RigStatics, TurningLoadsAboutTheBaseAxisTurnsTheShape) {
     params.gravity_base_m_s2 = turn * Eigen::Vector3d(2.0, 5.0, 7.0);
     RitzRod rod(params);
     RitzRodInputs inputs = paper_inputs();
-    inputs.moment_section_nm = turn * Eigen::Vector3d(-0.2, 0.2, 0.02);
+    inputs.pieces[0].moment_section_nm = turn * Eigen::Vector3d(-0.2, 0.2, 0.02);
     inputs.payload_kg = 0.2;
     EXPECT_TRUE(rod.settle(inputs));
     const Eigen::Isometry3d pose = rod.pose(1.0);
@@ -160,7 +160,7 @@ TEST(RigStatics, TurningLoadsAboutTheBaseAxisTurnsTheShape) {
 TEST(RigStatics, ImpossibleInputsAreRefusedAndLeaveTheStateAlone) {
   RitzRod rod(paper_rod());
   RitzRodInputs inputs = paper_inputs();
-  inputs.moment_section_nm = {0.0, 0.2, 0.0};
+  inputs.pieces[0].moment_section_nm = {0.0, 0.2, 0.0};
   ASSERT_TRUE(rod.settle(inputs));
   const Eigen::Vector3d tip = rod.pose(1.0).translation();
   RitzRodInputs bad = inputs;

@@ -1,9 +1,11 @@
 // A dynamic three-dimensional rod, discretised by a global Ritz expansion of its curvature.
 //
-// The unknowns q are the coefficients of a cubic B-spline for the dimensionless curvature w(sigma) = L
-// u(sigma), three components in the section frame, sigma = s / L. The backbone is inextensible and unsheared.
-// Given w, the rotations follow from exponentials of the Magnus series (order 4) and positions from Lobatto
-// quadrature of the tangent.
+// The rod is made of pieces in series. In a piece of length L the unknowns q are the coefficients of a cubic
+// B-spline for the dimensionless curvature w(sigma) = L u(sigma), three components in the section frame,
+// sigma = s / L; the splines of neighbouring pieces are independent, so that curvature, stiffness and
+// actuation may jump where they meet. The backbone is inextensible and unsheared. Given w, the rotations
+// follow from exponentials of the Magnus series (order 4) and positions from Lobatto quadrature of the
+// tangent. The base may yield: a hinge with a spring, whose rotation vector is unknown too.
 //
 // Time: every material station has a position x and two section directors d1, d2, which carry its mass and
 // rotary inertia (like a disc's). Their accelerations are those of BDF2 in Cartesian space, so that no
@@ -21,33 +23,49 @@
 
 namespace softarm::rig {
 
-/// What does not change.
-struct RitzRodParams {
+/// What does not change of one piece.
+struct RodPiece {
   int elements = 6;
-  double mass_kg = 0.2;
-  double tip_mass_kg = 0.0;
+  double share = 1.0;    ///< of the rod's material coordinate [0, 1]; they sum to 1
+  double mass_kg = 0.2;  ///< evenly distributed
   double diameter_m = 0.04;
   double retardation_s = 0.0;
-  double air_damping_n_s_m2 = 0.0;
-  Eigen::Vector3d gravity_base_m_s2 = Eigen::Vector3d::Zero();
 };
 
-/// What may change from step to step.
-struct RitzRodInputs {
+/// What does not change.
+struct RitzRodParams {
+  std::vector<RodPiece> pieces = std::vector<RodPiece>(1);  ///< from base to tip
+  double tip_mass_kg = 0.0;
+  double air_damping_n_s_m2 = 0.0;
+  Eigen::Vector3d gravity_base_m_s2 = Eigen::Vector3d::Zero();
+  std::optional<std::size_t> payload_piece;  ///< the payload hangs at its end; absent: at the tip
+  /// The base turns by (bending) moment over this, N m / rad, with the first piece's retardation. Absent:
+  /// rigid.
+  std::optional<double> base_stiffness_nm_per_rad;
+};
+
+/// What may change of one piece from step to step.
+struct PieceInputs {
   double length_m = 0.2;
   double bending_stiffness_nm2 = 0.03;
   double torsional_stiffness_nm2 = 0.03;
   Eigen::Vector3d moment_section_nm =
-      Eigen::Vector3d::Zero();     ///< actuation, uniform, turning with the sections
-  double payload_kg = 0.0;         ///< point mass at the tip
-  double tip_damping_n_s_m = 0.0;  ///< force against the tip's velocity
+      Eigen::Vector3d::Zero();  ///< actuation, uniform, turning with the sections
+};
+
+/// What may change from step to step.
+struct RitzRodInputs {
+  std::vector<PieceInputs> pieces = std::vector<PieceInputs>(1);
+  double payload_kg = 0.0;          ///< point mass
+  double hand_damping_n_s_m = 0.0;  ///< force against the velocity of the payload's place
   Eigen::Vector3d tip_force_base_n = Eigen::Vector3d::Zero();  ///< dead load
 };
 
 /// The rod's state at one instant and how to advance it. Everything is in the frame of the clamp (base
-/// frame).
+/// frame). A fraction is one of the material coordinate: piece by piece, of its length.
 class RitzRod {
  public:
+  /// @throws std::invalid_argument for pieces that are none or do not sum to 1
   explicit RitzRod(const RitzRodParams& params);
   ~RitzRod();
   RitzRod(RitzRod&&) noexcept;
@@ -55,18 +73,22 @@ class RitzRod {
 
   /// Goes to static equilibrium, reached by increasing all loads from zero, and forgets all motion.
   /// @return false if none was found; the state is then unchanged.
+  /// @throws std::invalid_argument if the inputs are for another number of pieces
   bool settle(const RitzRodInputs& inputs);
 
   /// Advances by dt; the inputs are those at the end of the step. The first step of another length than the
   /// last one's is of first order only.
   /// @return false if Newton's method failed; the state is then unchanged.
+  /// @throws std::invalid_argument if the inputs are for another number of pieces
   bool step(const RitzRodInputs& inputs, double dt_s);
 
-  /// Position and orientation of the section at a fraction of the length.
+  /// Position and orientation of the section at a fraction.
   Eigen::Isometry3d pose(double fraction) const;
   Eigen::Vector3d velocity(double fraction) const;
-  /// Curvature and torsion u (1/m) in the section frame.
+  /// Curvature and torsion u (1/m) in the section frame; where pieces meet, of the distal one.
   Eigen::Vector3d curvature(double fraction) const;
+  /// How far the base is turned, a rotation vector in the frame of the clamp (rad).
+  Eigen::Vector3d base_rotation() const;
 
   /// Kinetic + elastic + gravity energy - work of the actuation moment and of the tip's dead load, for the
   /// inputs of the last step.

@@ -24,13 +24,19 @@ struct Pose {
   Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
 };
 
-/// One pressure message.
-struct PressureSample {
+enum class InputKind { kChamber, kVacuum, kTendon, kServo };
+
+/// One message of an input.
+struct InputSample {
   double stamp_s = 0.0;
-  int chamber = 0;  ///< from 0 in the order of ArmSpec::chambers; kVacuum for the jamming chamber
-  double absolute_pa = 0.0;
-  static constexpr int kVacuum = -1;
+  InputKind kind = InputKind::kChamber;
+  int number = 0;      ///< from 0, of its kind; 0 for the vacuum
+  double value = 0.0;  ///< commanded: absolute Pa, N, rad
 };
+
+/// Topic on which an input is published: /pressure/chamber_1 ..., /pressure/vacuum, /tendon/1/tension ...,
+/// /servo/1/angle ...
+std::string topic_of(InputKind kind, int number);
 
 /// The payload became known.
 struct PayloadSample {
@@ -38,19 +44,25 @@ struct PayloadSample {
   double kg = 0.0;
 };
 
+/// What a segment of the arm was.
+struct SegmentTruth {
+  /// (M0 cos phi, M0 sin phi) of all its actuation, phi the bending direction; cables by EI * curvature.
+  Eigen::Vector2d moment_nm = Eigen::Vector2d::Zero();
+  double bending_stiffness_nm2 = 0.0;
+  double length_m = 0.0;
+};
+
 /// What really happened at a frame's stamp. Not for the estimator: goes to a separate file.
 struct Truth {
   double stamp_s = 0.0;
-  Eigen::Vector2d moment_nm =
-      Eigen::Vector2d::Zero();  ///< (M0 cos phi, M0 sin phi), phi the bending direction
-  double bending_stiffness_nm2 = 0.0;
-  double length_m = 0.0;
-  double payload_kg = 0.0;           ///< what hangs at the tip, in the middle of a change too
-  bool payload_steadied = false;     ///< a hand is at the tip: no free arm
-  std::vector<double> pressures_pa;  ///< gauge
+  std::vector<SegmentTruth> segments;
+  double payload_kg = 0.0;                     ///< what hangs on the arm, in the middle of a change too
+  bool payload_steadied = false;               ///< a hand is at the payload: no free arm
+  std::vector<double> pressures_pa;            ///< commanded, gauge
+  std::vector<double> tensions_n, angles_rad;  ///< commanded
   double vacuum_pa = 0.0;
   std::vector<Pose> rings_base;                ///< in the rod's base frame; z axis along the tangent
-  std::vector<Eigen::Vector3d> backbone_base;  ///< at equal fractions of the length, base and tip included
+  std::vector<Eigen::Vector3d> backbone_base;  ///< at equal arclengths, base and tip included
   Pose tip_base;
   double tip_angle_rad = 0.0;  ///< between the tangents at base and tip
   double energy_j = 0.0;       ///< kinetic + elastic + gravity - work of the actuation moment
@@ -62,7 +74,7 @@ struct Sample {
   /// Poses in the mocap frame in the order of Simulator::body_names(); absent: the body was lost.
   std::vector<std::optional<Pose>> bodies;
   /// Messages since the last frame, ordered by stamp (> last frame's, <= this one's).
-  std::vector<PressureSample> pressures;
+  std::vector<InputSample> inputs;
   std::optional<PayloadSample>
       payload;  ///< present in the first frame and when it changed, if published at all
   Truth truth;

@@ -39,11 +39,14 @@ The bag holds what the sensors saw and nothing else; the truth goes to its own f
 
 void record(const rig::Sample& sample, const std::vector<std::string>& bodies, TrialBagWriter& bag) {
   if (sample.payload) bag.payload(sample.payload->stamp_s + kEpochS, sample.payload->kg);
-  for (const rig::PressureSample& p : sample.pressures) {
-    const std::string topic = p.chamber == rig::PressureSample::kVacuum
-                                  ? "/pressure/vacuum"
-                                  : fmt::format("/pressure/chamber_{}", p.chamber + 1);
-    bag.pressure(topic, p.stamp_s + kEpochS, p.absolute_pa);
+  for (const rig::InputSample& input : sample.inputs) {
+    const std::string topic = rig::topic_of(input.kind, input.number);
+    const double stamp_s = input.stamp_s + kEpochS;
+    if (input.kind == rig::InputKind::kChamber || input.kind == rig::InputKind::kVacuum) {
+      bag.pressure(topic, stamp_s, input.value);
+    } else {
+      bag.scalar(topic, stamp_s, input.value);
+    }
   }
   for (std::size_t i = 0; i < sample.bodies.size(); ++i) {
     const std::optional<rig::Pose>& pose = sample.bodies[i];

@@ -1,0 +1,113 @@
+#include "softarm/rig/laws.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace softarm::rig {
+namespace {
+
+constexpr double kLeastStretch = 0.1, kMostStretch = 20.0;
+
+Eigen::Vector2d towards(double azimuth_rad) {
+  return {std::cos(azimuth_rad), std::sin(azimuth_rad)};
+}
+
+double at(const std::vector<double>& values, int input) {
+  return values.at(static_cast<std::size_t>(input));
+}
+
+double interpolated(const std::vector<StiffnessAtPressure>& knots, double pressure_pa) {
+  if (pressure_pa <= knots.front().pressure_pa) return knots.front().bending_stiffness_nm2;
+  for (std::size_t i = 1; i < knots.size(); ++i) {
+    const StiffnessAtPressure &from = knots[i - 1], &to = knots[i];
+    if (pressure_pa <= to.pressure_pa)
+      return from.bending_stiffness_nm2 + (to.bending_stiffness_nm2 - from.bending_stiffness_nm2) *
+                                              (pressure_pa - from.pressure_pa) /
+                                              (to.pressure_pa - from.pressure_pa);
+  }
+  return knots.back().bending_stiffness_nm2;
+}
+
+}  // namespace
+
+std::optional<WallStretch> wall_stretch(double force_n, double axial_stiffness_n,
+                                        const std::optional<MaterialSpec>& material) {
+  const double strain = force_n / axial_stiffness_n;
+  if (!material) return 1.0 + strain > 0.0 ? std::optional(WallStretch{1.0 + strain, 1.0}) : std::nullopt;
+  const double a = material->c10_pa / (material->c10_pa + material->c01_pa) / 3.0;
+  const double b = material->c01_pa / (material->c10_pa + material->c01_pa) / 3.0;
+  const auto stress = [&](double x) { return (a + b / x) * (x - 1.0 / (x * x)); };
+  const auto modulus = [&](double x) { return a * (1.0 + 2.0 / (x * x * x)) + 3.0 * b / (x * x * x * x); };
+  // From the unstretched state outwards, as the load would grow: the stable branch ends where the modulus
+  // does.
+  const double step = strain < 0.0 ? 0.995 : 1.005;
+  double inner = 1.0, outer = 1.0;
+  while ((stress(outer) - strain) * strain < 0.0) {
+    inner = outer;
+    outer *= step;
+    if (!(modulus(outer) > 0.0) || outer < kLeastStretch || outer > kMostStretch) return std::nullopt;
+  }
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (inner + outer);
+    ((stress(middle) - strain) * strain < 0.0 ? inner : outer) = middle;
+  }
+  return WallStretch{outer, modulus(outer)};
+}
+
+Actuation apply_laws(const SegmentSpec& segment, const Commands& acting) {
+  Actuation actuation;
+  double length_m = segment.length_m;
+  double least_pa = 0.0, mean_pa = 0.0;
+  for (const ChamberSpec& chamber : segment.chambers) {
+    const double p = at(acting.pressures_pa, chamber.input);
+    least_pa = &chamber == &segment.chambers.front() ? p : std::min(least_pa, p);
+    mean_pa += p / static_cast<double>(segment.chambers.size());
+    actuation.moment_nm += chamber.moment_gain_nm_per_pa * p * towards(chamber.direction_rad);
+    length_m += (chamber.near_elongation_m_per_pa + chamber.far_elongation_m_per_pa) * p;
+  }
+
+  double force_n = 0.0, twist_stiffness_nm2 = 0.0;
+  for (const TendonSpec& tendon : segment.tendons) {
+    const double tension = at(acting.tensions_n, tendon.input);
+    force_n -= tension;
+    twist_stiffness_nm2 += tension * tendon.offset_m * tendon.offset_m;
+    actuation.moment_nm += tension * tendon.offset_m * towards(tendon.azimuth_rad);
+  }
+  const double central_pa =
+      segment.central_chamber ? at(acting.pressures_pa, segment.central_chamber->input) : 0.0;
+  if (segment.central_chamber) force_n += central_pa * segment.central_chamber->area_m2;
+
+  WallStretch wall;
+  if (segment.axial_stiffness_n) {
+    const std::optional<WallStretch> found =
+        wall_stretch(force_n, *segment.axial_stiffness_n, segment.material);
+    if (!found)
+      throw LawError(fmt::format("an axial force of {:.4g} N leaves the wall no stable stretch", force_n));
+    wall = *found;
+  }
+  actuation.stretch = wall.stretch;
+  actuation.length_m = wall.stretch * length_m;
+  actuation.bending_stiffness_nm2 = segment.stiffness_by_pressure.empty()
+                                        ? wall.modulus_ratio * segment.stiffness_base_nm2
+                                        : interpolated(segment.stiffness_by_pressure, central_pa);
+  actuation.bending_stiffness_nm2 += segment.stiffness_per_min_nm2_per_pa * least_pa +
+                                     segment.stiffness_per_jamming_nm2_per_pa * (acting.vacuum_pa + mean_pa);
+  actuation.torsional_stiffness_nm2 =
+      wall.modulus_ratio * segment.torsional_stiffness_nm2 + twist_stiffness_nm2;
+  for (const CableSpec& cable : segment.cables) {
+    const double wound_m = cable.spool_radius_m * at(acting.angles_rad, cable.input);
+    actuation.moment_nm += actuation.bending_stiffness_nm2 * wound_m / (segment.length_m * cable.lever_m) *
+                           towards(cable.azimuth_rad);
+  }
+  // Laws with negative coefficients can be driven out of their range.
+  if (!(actuation.bending_stiffness_nm2 > 0.0) || !(actuation.torsional_stiffness_nm2 > 0.0) ||
+      !(actuation.length_m > 0.0))
+    throw LawError(
+        fmt::format("the laws give EI = {:.4g} N m^2, GJ = {:.4g} N m^2 and L = {:.4g} m, must be > 0",
+                    actuation.bending_stiffness_nm2, actuation.torsional_stiffness_nm2, actuation.length_m));
+  return actuation;
+}
+
+}  // namespace softarm::rig

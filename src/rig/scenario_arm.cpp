@@ -1,0 +1,168 @@
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <set>
+
+#include "scenario_parts.h"
+
+namespace softarm::rig {
+namespace {
+
+constexpr int kMaxInputs = 16;
+constexpr std::size_t kMaxSegments = 8;
+
+/// The inputs of one kind that the segments name: chamber_1, chamber_2 ...
+class InputNames {
+ public:
+  explicit InputNames(std::string kind) : kind_(std::move(kind)) {}
+
+  /// The number, from 0, under the key `input`. Without the key: the next after all so far.
+  int take(YamlMap& map) {
+    int number = used_.empty() ? 1 : *used_.rbegin() + 1;
+    if (map.has("input")) {
+      const std::string name = map.word("input");
+      const std::string prefix = kind_ + "_";
+      const char *begin = name.data() + std::min(prefix.size(), name.size()),
+                 *end = name.data() + name.size();
+      const auto [stop, error] = std::from_chars(begin, end, number);
+      if (name.compare(0, prefix.size(), prefix) != 0 || error != std::errc() || stop != end)
+        map.fail("input", fmt::format("value {}, allowed {}1 ... {}{}", name.substr(0, 60), prefix, prefix,
+                                      kMaxInputs));
+    }
+    if (number < 1 || number > kMaxInputs)
+      map.fail("input", fmt::format("number {}, allowed 1 ... {}", number, kMaxInputs));
+    used_.insert(number);
+    return number - 1;
+  }
+
+  /// How many there are; all numbers up to the last must be in use.
+  int count(const YamlMap& arm) const {
+    int expected = 1;
+    for (int number : used_)
+      if (number != expected++)
+        arm.fail("segments", fmt::format("no segment takes input {}_{}, but one takes {}_{}", kind_,
+                                         expected - 1, kind_, number));
+    return static_cast<int>(used_.size());
+  }
+
+ private:
+  std::string kind_;
+  std::set<int> used_;
+};
+
+struct Names {
+  InputNames chambers{"chamber"}, tendons{"tendon"}, servos{"servo"};
+};
+
+void parse_stiffness(YamlMap& map, SegmentSpec& segment) {
+  double last_pa = -1e9;
+  for (YamlMap& entry : map.maps("stiffness_by_pressure")) {
+    StiffnessAtPressure knot;
+    knot.pressure_pa = entry.number("pressure_pa", kGaugePressure);
+    knot.bending_stiffness_nm2 = entry.number("bending_stiffness_nm2", {1e-6, 1e3});
+    if (!(knot.pressure_pa > last_pa))
+      entry.fail("pressure_pa", fmt::format("value {} after {}, must increase", knot.pressure_pa, last_pa));
+    last_pa = knot.pressure_pa;
+    entry.finish();
+    segment.stiffness_by_pressure.push_back(knot);
+  }
+  const bool tabled = !segment.stiffness_by_pressure.empty();
+  if (tabled && !segment.central_chamber)
+    map.fail("stiffness_by_pressure", "needs a central_chamber, whose pressure it goes by");
+  YamlMap stiffness = tabled ? map.map("bending_stiffness") : map.required_map("bending_stiffness");
+  segment.stiffness_base_nm2 =
+      tabled ? stiffness.number("base_nm2", {1e-6, 1e3},
+                                segment.stiffness_by_pressure.front().bending_stiffness_nm2)
+             : stiffness.number("base_nm2", {1e-6, 1e3});
+  segment.stiffness_per_min_nm2_per_pa = stiffness.number("per_min_pressure_nm2_per_pa", {-1e-4, 1e-4}, 0.0);
+  segment.stiffness_per_jamming_nm2_per_pa =
+      stiffness.number("per_jamming_pressure_nm2_per_pa", {-1e-4, 1e-4}, 0.0);
+  stiffness.finish();
+  segment.torsional_stiffness_nm2 =
+      map.number("torsional_stiffness_nm2", {1e-7, 1e4}, segment.stiffness_base_nm2);
+  if (map.has("axial_stiffness_n")) segment.axial_stiffness_n = map.number("axial_stiffness_n", {1e-2, 1e8});
+  if (map.has("material")) {
+    YamlMap entry = map.map("material");
+    MaterialSpec material;
+    material.c10_pa = entry.number("c10_pa", {-1e9, 1e9});
+    material.c01_pa = entry.number("c01_pa", {-1e9, 1e9});
+    if (!(material.c10_pa + material.c01_pa > 0.0))
+      entry.fail("c01_pa", fmt::format("value {}, allowed above {}: c10_pa + c01_pa must be > 0",
+                                       material.c01_pa, -material.c10_pa));
+    if (!segment.axial_stiffness_n) map.fail("material", "needs axial_stiffness_n, from which it stretches");
+    entry.finish();
+    segment.material = material;
+  }
+}
+
+SegmentSpec parse_segment(YamlMap& map, Names& names) {
+  SegmentSpec segment;
+  segment.length_m = map.number("length_m", {0.01, 10.0});
+  segment.mass_kg = map.number("mass_kg", {1e-4, 100.0});
+  segment.diameter_m = map.number("diameter_m", {5e-4, 1.0}, segment.diameter_m);
+  segment.retardation_s = map.number("retardation_s", {0.0, 10.0}, segment.retardation_s);
+  for (YamlMap& entry : map.maps("chambers")) {
+    ChamberSpec chamber;
+    chamber.input = names.chambers.take(entry);
+    chamber.direction_rad = kRadPerDeg * entry.number("bending_direction_deg", {-360.0, 360.0});
+    chamber.moment_gain_nm_per_pa = entry.number("moment_gain_nm_per_pa", {0.0, 1e-3});
+    chamber.near_elongation_m_per_pa = entry.number("near_elongation_m_per_pa", {-1e-5, 1e-5}, 0.0);
+    chamber.far_elongation_m_per_pa = entry.number("far_elongation_m_per_pa", {-1e-5, 1e-5}, 0.0);
+    entry.finish();
+    segment.chambers.push_back(chamber);
+  }
+  if (map.has("central_chamber")) {
+    YamlMap entry = map.map("central_chamber");
+    CentralChamberSpec chamber;
+    chamber.input = names.chambers.take(entry);
+    chamber.area_m2 = entry.number("area_m2", {1e-9, 1.0});
+    entry.finish();
+    segment.central_chamber = chamber;
+  }
+  for (YamlMap& entry : map.maps("tendons")) {
+    TendonSpec tendon;
+    tendon.input = names.tendons.take(entry);
+    tendon.azimuth_rad = kRadPerDeg * entry.number("azimuth_deg", {-360.0, 360.0});
+    tendon.offset_m = entry.number("offset_m", {0.0, 1.0});
+    entry.finish();
+    segment.tendons.push_back(tendon);
+  }
+  for (YamlMap& entry : map.maps("cables")) {
+    CableSpec cable;
+    cable.input = names.servos.take(entry);
+    cable.azimuth_rad = kRadPerDeg * entry.number("azimuth_deg", {-360.0, 360.0});
+    cable.lever_m = entry.number("lever_m", {1e-4, 1.0});
+    cable.spool_radius_m = entry.number("spool_radius_m", {1e-4, 1.0});
+    entry.finish();
+    segment.cables.push_back(cable);
+  }
+  parse_stiffness(map, segment);
+  return segment;
+}
+
+}  // namespace
+
+ArmSpec parse_arm_spec(YamlMap map) {
+  ArmSpec arm;
+  Names names;
+  arm.tip_mass_kg = map.number("tip_mass_kg", {0.0, 100.0}, arm.tip_mass_kg);
+  arm.air_damping_n_s_m2 = map.number("air_damping_n_s_m2", {0.0, 1e3}, arm.air_damping_n_s_m2);
+  if (map.has("segments")) {
+    for (YamlMap& entry : map.maps("segments")) {
+      arm.segments.push_back(parse_segment(entry, names));
+      entry.finish();
+    }
+    if (arm.segments.empty() || arm.segments.size() > kMaxSegments)
+      map.fail("segments", fmt::format("{} segments, allowed 1 ... {}", arm.segments.size(), kMaxSegments));
+  } else {
+    arm.segments.push_back(parse_segment(map, names));
+  }
+  arm.chambers = names.chambers.count(map);
+  arm.tendons = names.tendons.count(map);
+  arm.servos = names.servos.count(map);
+  map.finish();
+  return arm;
+}
+
+}  // namespace softarm::rig

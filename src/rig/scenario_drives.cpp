@@ -1,0 +1,115 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "scenario_parts.h"
+
+namespace softarm::rig {
+namespace {
+
+constexpr Allowed kTension{0.0, 1e4}, kAngle{-1e3, 1e3};
+
+/// What one kind of input is called in the file, and the range of its commands.
+struct Kind {
+  std::string unit;    ///< the end of its keys
+  std::string values;  ///< key of a setpoint's values
+  Allowed allowed;
+  std::optional<double> most;  ///< default of the random inputs' maximum
+  int inputs;
+};
+
+/// One limit of the random inputs: a number for all, or one for each.
+std::vector<double> limits(YamlMap& map, const std::string& key, const Kind& kind,
+                           std::optional<double> otherwise) {
+  const auto count = static_cast<std::size_t>(kind.inputs);
+  if (map.has(key) && map.is_list(key)) return map.numbers(key, kind.allowed, count, count);
+  const double value = otherwise ? map.number(key, kind.allowed, *otherwise) : map.number(key, kind.allowed);
+  return std::vector<double>(count, value);
+}
+
+RandomDrive parse_random(YamlMap map, const Kind& kind) {
+  RandomDrive random;
+  const std::string low = "min_" + kind.unit, high = "max_" + kind.unit;
+  random.min = limits(map, low, kind, 0.0);
+  random.max = limits(map, high, kind, kind.most);
+  for (std::size_t i = 0; i < random.min.size(); ++i)
+    if (!(random.min[i] <= random.max[i]))
+      map.fail(high, fmt::format("value {}, allowed from {} ({})", random.max[i], random.min[i], low));
+  random.lowest_hz = map.number("lowest_hz", {0.0, 100.0}, random.lowest_hz);
+  random.highest_hz =
+      map.number("highest_hz", {random.lowest_hz, 100.0}, std::max(random.lowest_hz, random.highest_hz));
+  random.sinusoids = map.integer("sinusoids", {1, 100}, random.sinusoids);
+  map.finish();
+  return random;
+}
+
+void parse_drive(YamlMap& map, const Kind& kind, DriveSpec& spec) {
+  if (kind.inputs == 0 && (map.has("random") || map.has("schedule") || map.has("steps")))
+    map.fail(map.has("random")     ? "random"
+             : map.has("schedule") ? "schedule"
+                                   : "steps",
+             "given, but no segment takes such an input");
+  const auto count = static_cast<std::size_t>(kind.inputs);
+  spec.lowest = kind.allowed.low;
+  spec.rate_hz = map.number("rate_hz", {0.1, 2000.0}, spec.rate_hz);
+  spec.rest = map.number("rest_" + kind.unit, kind.allowed, spec.rest);
+  spec.settle_s = map.number("settle_s", {0.0, 1e4}, spec.settle_s);
+  spec.ramp_s = map.number("ramp_s", {0.01, 1e4}, spec.ramp_s);
+  if (map.has("random")) spec.random = parse_random(map.map("random"), kind);
+  spec.schedule = parse_schedule(map, kind.values, kind.allowed, count, spec.ramp_s);
+  if (spec.random && !spec.schedule.empty())
+    map.fail("schedule", "given beside random, expected one of them");
+  YamlMap steps = map.map("steps");
+  spec.step_ramp_s = steps.number("ramp_s", {0.001, 1e4}, spec.step_ramp_s);
+  const double reach = kind.allowed.high;
+  spec.steps = parse_schedule(steps, kind.values, {-reach, reach}, count, spec.step_ramp_s);
+  steps.finish();
+}
+
+}  // namespace
+
+std::vector<Setpoint> parse_schedule(YamlMap& map, const std::string& value_key, Allowed allowed,
+                                     std::optional<std::size_t> count, double ramp_s) {
+  std::vector<Setpoint> schedule;
+  for (YamlMap& entry : map.maps("schedule")) {
+    Setpoint setpoint;
+    setpoint.t_s = entry.number("t_s", {0.0, 1e6});
+    if (count)
+      setpoint.values = entry.numbers(value_key, allowed, *count, *count);
+    else
+      setpoint.values = {entry.number(value_key, allowed)};
+    if (schedule.empty() && setpoint.t_s != 0.0)
+      entry.fail("t_s", fmt::format("value {}, the first must be 0", setpoint.t_s));
+    // A billionth: sums of decimal numbers are not exact.
+    if (!schedule.empty() && setpoint.t_s < schedule.back().t_s + ramp_s - 1e-9)
+      entry.fail("t_s", fmt::format("value {}, allowed from {} (the last change and its ramp_s)",
+                                    setpoint.t_s, schedule.back().t_s + ramp_s));
+    entry.finish();
+    schedule.push_back(std::move(setpoint));
+  }
+  return schedule;
+}
+
+PressureSpec parse_pressures(YamlMap map, const ArmSpec& arm) {
+  PressureSpec spec;
+  spec.ambient_pa = map.number("ambient_pa", {5e4, 1.2e5}, spec.ambient_pa);
+  parse_drive(map, {"pa", "pressures_pa", kGaugePressure, 50e3, arm.chambers}, spec);
+  map.finish();
+  return spec;
+}
+
+DriveSpec parse_tensions(YamlMap map, const ArmSpec& arm) {
+  DriveSpec spec;
+  parse_drive(map, {"n", "tensions_n", kTension, std::nullopt, arm.tendons}, spec);
+  map.finish();
+  return spec;
+}
+
+DriveSpec parse_angles(YamlMap map, const ArmSpec& arm) {
+  DriveSpec spec;
+  parse_drive(map, {"rad", "angles_rad", kAngle, std::nullopt, arm.servos}, spec);
+  map.finish();
+  return spec;
+}
+
+}  // namespace softarm::rig
