@@ -66,6 +66,10 @@ TEST(ArmYaml, DefaultsAreThoseOfTheStructs) {
   EXPECT_EQ(arm.estimator.prior.moment_sd_nm, options.prior.moment_sd_nm);
   EXPECT_EQ(arm.estimator.prior.bending_stiffness_sd_rel, options.prior.bending_stiffness_sd_rel);
   EXPECT_EQ(arm.estimator.prior.length_sd_m, options.prior.length_sd_m);
+  EXPECT_EQ(arm.estimator.prior.moment_sd_rel, options.prior.moment_sd_rel);
+  EXPECT_EQ(arm.estimator.prior.moment_jitter_sd_nm, options.prior.moment_jitter_sd_nm);
+  EXPECT_EQ(arm.estimator.prior.length_jitter_sd_m, options.prior.length_jitter_sd_m);
+  EXPECT_EQ(arm.estimator.window_s, options.window_s);
   const PayloadMount payload;
   EXPECT_EQ(arm.payload.range_kg.low, payload.range_kg.low);
   EXPECT_EQ(arm.payload.range_kg.high, payload.range_kg.high);
@@ -137,7 +141,15 @@ estimator:
   weights: noise
   robust: false
   tells_relative_sd: 0.5
-  prior: {enabled: true, moment_sd_nm: 0.05, bending_stiffness_sd_rel: 0.3, length_sd_m: 0.004}
+  window_s: 0.5
+  prior:
+    enabled: true
+    moment_sd_nm: 0.05
+    moment_sd_rel: 0.1
+    bending_stiffness_sd_rel: 0.3
+    length_sd_m: 0.004
+    moment_jitter_sd_nm: 0.001
+    length_jitter_sd_m: 0.0002
 )";
 
 TEST(ArmYaml, EverySegmentKey) {
@@ -208,7 +220,13 @@ TEST(ArmYaml, EveryInputAndEstimatorKey) {
   EXPECT_FALSE(arm.estimator.robust);
   EXPECT_EQ(arm.estimator.tells_relative_sd, 0.5);
   EXPECT_TRUE(arm.estimator.prior.enabled);
+  EXPECT_EQ(arm.estimator.prior.moment_sd_nm, 0.05);
+  EXPECT_EQ(arm.estimator.prior.moment_sd_rel, 0.1);
+  EXPECT_EQ(arm.estimator.prior.bending_stiffness_sd_rel, 0.3);
   EXPECT_EQ(arm.estimator.prior.length_sd_m, 0.004);
+  EXPECT_EQ(arm.estimator.prior.moment_jitter_sd_nm, 0.001);
+  EXPECT_EQ(arm.estimator.prior.length_jitter_sd_m, 0.0002);
+  EXPECT_EQ(arm.estimator.window_s, 0.5);
 }
 
 TEST(ArmYaml, MeasuredBase) {
@@ -285,7 +303,8 @@ TEST(ArmWords, RoundTripAndRefuse) {
        {Method::kFullPoints, Method::kEndOrientation, Method::kCcPoints, Method::kCcEndpoint}) {
     EXPECT_EQ(parse_method(to_string(m)), m);
   }
-  for (const Unknown u : {Unknown::kStiffness, Unknown::kPayload}) EXPECT_EQ(parse_unknown(to_string(u)), u);
+  for (const Unknown u : {Unknown::kStiffness, Unknown::kPayload, Unknown::kBoth})
+    EXPECT_EQ(parse_unknown(to_string(u)), u);
   for (const Objective o : {Objective::kLeastSquares, Objective::kSumOfDistances}) {
     EXPECT_EQ(parse_objective(to_string(o)), o);
   }
