@@ -56,14 +56,17 @@ Eigen::Matrix3d rotation_of(const Eigen::Vector3d& rotation_vector) {
 }
 
 BackboneKinematics::BackboneKinematics(const RodMesh& mesh)
-    : rotations(static_cast<std::size_t>(mesh.stations()), Eigen::Matrix3d::Identity()),
+    : compliances(mesh.pieces().size(), Eigen::Vector3d::Zero()),
+      node_forces(static_cast<std::size_t>(StrainBasis::kPoints * mesh.elements()), Eigen::Vector3d::Zero()),
+      tangents(node_forces),
+      rotations(static_cast<std::size_t>(mesh.stations()), Eigen::Matrix3d::Identity()),
       positions(static_cast<std::size_t>(mesh.stations()), Eigen::Vector3d::Zero()),
       turns(static_cast<std::size_t>(mesh.stations()) - 1),
       rotation_jacobian(Eigen::MatrixXd::Zero(3 * mesh.stations(), 3 * mesh.functions())),
       position_jacobian(Eigen::MatrixXd::Zero(3 * mesh.stations(), 3 * mesh.functions())) {}
 
 void BackboneKinematics::update(const RodMesh& mesh, const Eigen::VectorXd& q,
-                                const std::vector<double>& lengths_m) {
+                                const std::vector<double>& lengths_m, double load) {
   constexpr int kIntervals = StrainBasis::kIntervals;
   if (mesh.leading_functions() > 0) {
     rotations[0] = rotation_of(q.head<3>());
@@ -92,11 +95,18 @@ void BackboneKinematics::update(const RodMesh& mesh, const Eigen::VectorXd& q,
             b1[static_cast<std::size_t>(m)] * a1 + b2[static_cast<std::size_t>(m)] * a2;
     }
     const auto first = static_cast<std::size_t>(e * kIntervals);
+    const auto node = static_cast<std::size_t>(e * StrainBasis::kPoints);
+    const Eigen::Vector3d& compliance = compliances[static_cast<std::size_t>(element.piece)];
+    for (std::size_t j = 0; j < StrainBasis::kPoints; ++j) {
+      const Eigen::Matrix3d& r = rotations[first + j];
+      const Eigen::Vector3d force = load * r.transpose() * node_forces[node + j];
+      tangents[node + j] = r.col(2) + r * compliance.cwiseProduct(force);
+    }
     const double length_m = lengths_m[static_cast<std::size_t>(element.piece)] * element.size;
     for (int i = 1; i <= kIntervals; ++i) {
       Eigen::Vector3d p = positions[first];
       for (int j = 0; j <= kIntervals; ++j)
-        p += length_m * mesh.integration()(i, j) * rotations[first + static_cast<std::size_t>(j)].col(2);
+        p += length_m * mesh.integration()(i, j) * tangents[node + static_cast<std::size_t>(j)];
       positions[first + static_cast<std::size_t>(i)] = p;
     }
   }
@@ -104,7 +114,7 @@ void BackboneKinematics::update(const RodMesh& mesh, const Eigen::VectorXd& q,
 
 void BackboneKinematics::update_jacobians(const RodMesh& mesh, const std::vector<double>& lengths_m) {
   constexpr int kIntervals = StrainBasis::kIntervals;
-  Eigen::MatrixXd tangents(3 * StrainBasis::kPoints, 3 * mesh.functions());
+  Eigen::MatrixXd turned(3 * StrainBasis::kPoints, 3 * mesh.functions());
   if (mesh.leading_functions() > 0) rotation_jacobian.topLeftCorner<3, 3>() = base_turn;
   for (int e = 0; e < mesh.elements(); ++e) {
     // Only coefficients up to this element's own matter for its stations.
@@ -117,15 +127,15 @@ void BackboneKinematics::update_jacobians(const RodMesh& mesh, const std::vector
       next.rightCols<12>() += turns[static_cast<std::size_t>(k)];
     }
     for (int j = 0; j <= kIntervals; ++j)
-      tangents.block(3 * j, 0, 3, columns).noalias() =
-          -cross_matrix(rotations[static_cast<std::size_t>(first + j)].col(2)) *
+      turned.block(3 * j, 0, 3, columns).noalias() =
+          -cross_matrix(tangents[static_cast<std::size_t>(e * StrainBasis::kPoints + j)]) *
           rotation_jacobian.block(3 * (first + j), 0, 3, columns);
     const double scale = lengths_m[static_cast<std::size_t>(element.piece)] * element.size;
     for (int i = 1; i <= kIntervals; ++i) {
       auto row = position_jacobian.block(3 * (first + i), 0, 3, columns);
       row = position_jacobian.block(3 * first, 0, 3, columns);
       for (int j = 0; j <= kIntervals; ++j)
-        row += scale * mesh.integration()(i, j) * tangents.block(3 * j, 0, 3, columns);
+        row += scale * mesh.integration()(i, j) * turned.block(3 * j, 0, 3, columns);
     }
   }
 }
@@ -151,11 +161,12 @@ Eigen::Vector3d BackboneKinematics::position_at(const RodMesh& mesh, const std::
                                                 const RodPlace& place) const {
   const RodMesh::Element& element = mesh.element(place.element);
   const auto first = static_cast<std::size_t>(place.element * StrainBasis::kIntervals);
+  const auto node = static_cast<std::size_t>(place.element * StrainBasis::kPoints);
   const auto integral = mesh.piece_of(place.element).basis.integrated_lagrange(mesh.within_element(place));
   const double length_m = lengths_m[static_cast<std::size_t>(element.piece)] * element.size;
   Eigen::Vector3d p = positions[first];
   for (int j = 0; j < StrainBasis::kPoints; ++j)
-    p += length_m * integral(j) * rotations[first + static_cast<std::size_t>(j)].col(2);
+    p += length_m * integral(j) * tangents[node + static_cast<std::size_t>(j)];
   return p;
 }
 

@@ -24,7 +24,9 @@ struct BackboneKinematics {
   /// Rotations, local derivatives and positions.
   /// @param q coefficients, three components of function m at 3 m ... 3 m + 2
   /// @param lengths_m of the pieces
-  void update(const RodMesh& mesh, const Eigen::VectorXd& q, const std::vector<double>& lengths_m);
+  /// @param load scale of node_forces
+  void update(const RodMesh& mesh, const Eigen::VectorXd& q, const std::vector<double>& lengths_m,
+              double load);
 
   /// rotation_jacobian and position_jacobian of all stations, from the last update().
   void update_jacobians(const RodMesh& mesh, const std::vector<double>& lengths_m);
@@ -34,6 +36,13 @@ struct BackboneKinematics {
   Eigen::Vector3d position_at(const RodMesh& mesh, const std::vector<double>& lengths_m,
                               const RodPlace& place) const;
 
+  /// Per piece, 1/N: strain (shear, shear, stretch) of the backbone in the section frame per force there.
+  Vectors compliances;
+  /// Per node, i.e. Lobatto point of an element (kPoints * element + point): the static force that the rod
+  /// transmits, N, base frame. Neighbouring elements have nodes of their own: it may jump.
+  Vectors node_forces;
+
+  Vectors tangents;                        ///< per node: derivative of the position by arclength at no strain
   std::vector<Eigen::Matrix3d> rotations;  ///< per station
   Vectors positions;                       ///< per station, m, base frame
   /// Interval k, between stations k and k + 1: what a change of the 12 local coefficients (from 3 * its

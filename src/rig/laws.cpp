@@ -68,10 +68,11 @@ Actuation apply_laws(const SegmentSpec& segment, const Commands& acting) {
     length_m += (chamber.near_elongation_m_per_pa + chamber.far_elongation_m_per_pa) * p;
   }
 
-  double force_n = 0.0, twist_stiffness_nm2 = 0.0;
+  double force_n = 0.0, tensions_n = 0.0, twist_stiffness_nm2 = 0.0;
   for (const TendonSpec& tendon : segment.tendons) {
     const double tension = at(acting.tensions_n, tendon.input);
     force_n -= tension;
+    tensions_n += tension;
     twist_stiffness_nm2 += tension * tendon.offset_m * tendon.offset_m;
     actuation.moment_nm += tension * tendon.offset_m * towards(tendon.azimuth_rad);
   }
@@ -96,6 +97,10 @@ Actuation apply_laws(const SegmentSpec& segment, const Commands& acting) {
                                      segment.stiffness_per_jamming_nm2_per_pa * (acting.vacuum_pa + mean_pa);
   actuation.torsional_stiffness_nm2 =
       wall.modulus_ratio * segment.torsional_stiffness_nm2 + twist_stiffness_nm2;
+  if (segment.shear_stiffness_n)
+    actuation.shear_stiffness_n = wall.modulus_ratio * *segment.shear_stiffness_n + tensions_n;
+  if (segment.axial_stiffness_n)
+    actuation.axial_stiffness_n = wall.stretch * wall.modulus_ratio * *segment.axial_stiffness_n;
   for (const CableSpec& cable : segment.cables) {
     const double wound_m = cable.spool_radius_m * at(acting.angles_rad, cable.input);
     actuation.moment_nm += actuation.bending_stiffness_nm2 * wound_m / (segment.length_m * cable.lever_m) *

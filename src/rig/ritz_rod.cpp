@@ -29,7 +29,7 @@ RitzRod::Impl::Impl(const RitzRodParams& rod_params)
       inertia(stations),
       forces(stations),
       moments(stations),
-      tangent_forces(stations),
+      tangent_forces(static_cast<std::size_t>(StrainBasis::kPoints * mesh.elements())),
       director_forces(stations),
       residual(n),
       matrix(n, n),
@@ -42,7 +42,7 @@ RitzRod::Impl::Impl(const RitzRodParams& rod_params)
   set_inputs(start);
   now.q = now.u = Eigen::VectorXd::Zero(n);
   now.stations.resize(stations);
-  kinematics.update(mesh, now.q, lengths_m);
+  kinematics.update(mesh, now.q, lengths_m, 1.0);
   remember(Differences{});
   last = before = now;
 }
@@ -71,6 +71,25 @@ void RitzRod::Impl::set_inputs(const RitzRodInputs& to) {
   const auto at = static_cast<std::size_t>(mesh.pieces()[payload_piece].last_station());
   mass[at] += inputs.payload_kg;
   drag[at] += inputs.hand_damping_n_s_m;
+
+  // The weights beyond each node.
+  double beyond_kg = params.tip_mass_kg;
+  for (std::size_t j = params.pieces.size(); j-- > 0;) {
+    const PieceInputs& p = inputs.pieces[j];
+    const double shear = p.shear_stiffness_n ? 1.0 / *p.shear_stiffness_n : 0.0;
+    kinematics.compliances[j] = {shear, shear, p.axial_stiffness_n ? 1.0 / *p.axial_stiffness_n : 0.0};
+    const RodMesh::Piece& piece = mesh.pieces()[j];
+    if (j == payload_piece) beyond_kg += inputs.payload_kg;
+    for (int e = 0; e < piece.basis.elements(); ++e)
+      for (int i = 0; i < StrainBasis::kPoints; ++i) {
+        const double fraction = (e + mesh.points()[static_cast<std::size_t>(i)]) / piece.basis.elements();
+        const int node = StrainBasis::kPoints * (piece.first_element + e) + i;
+        kinematics.node_forces[static_cast<std::size_t>(node)] =
+            (beyond_kg + (1.0 - fraction) * params.pieces[j].mass_kg) * params.gravity_base_m_s2 +
+            inputs.tip_force_base_n;
+      }
+    beyond_kg += params.pieces[j].mass_kg;
+  }
 }
 
 void RitzRod::Impl::remember(const Differences& d) {
@@ -112,7 +131,7 @@ bool RitzRod::settle(const RitzRodInputs& inputs) {
       if (increment < 1e-4) {
         m.now = saved;
         m.set_inputs(saved_inputs);
-        m.kinematics.update(m.mesh, m.now.q, m.lengths_m);
+        m.kinematics.update(m.mesh, m.now.q, m.lengths_m, 1.0);
         return false;
       }
     }
@@ -143,7 +162,7 @@ bool RitzRod::step(const RitzRodInputs& inputs, double dt_s) {
     m.last = m.before;
     m.before = older;
     m.set_inputs(saved_inputs);
-    m.kinematics.update(m.mesh, m.now.q, m.lengths_m);
+    m.kinematics.update(m.mesh, m.now.q, m.lengths_m, 1.0);
     m.have_factors = false;
     return false;
   }
@@ -205,6 +224,17 @@ double RitzRod::energy_j() const {
       energy -= m.inputs.pieces[j].moment_section_nm(c) * m.lengths_m[j] * u.dot(basis.integral());
     }
   }
+  for (int e = 0; e < m.mesh.elements(); ++e)  // of shear and stretch
+    for (std::size_t i = 0; i < StrainBasis::kPoints; ++i) {
+      const std::size_t node = static_cast<std::size_t>(StrainBasis::kPoints * e) + i;
+      const std::size_t k = static_cast<std::size_t>(StrainBasis::kIntervals * e) + i;
+      const auto piece = static_cast<std::size_t>(m.mesh.element(e).piece);
+      const double weight = m.lengths_m[piece] * m.mesh.element(e).size *
+                            m.mesh.integration()(StrainBasis::kIntervals, static_cast<int>(i));
+      energy +=
+          0.5 * weight *
+          m.kinematics.node_forces[node].dot(m.kinematics.tangents[node] - m.kinematics.rotations[k].col(2));
+    }
   if (m.base_yields()) {
     const Eigen::Vector3d turn = m.now.q.head<3>();
     energy += 0.5 * turn.dot(m.base_stiffness().cwiseProduct(turn));

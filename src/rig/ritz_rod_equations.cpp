@@ -11,10 +11,15 @@ namespace {
 constexpr double kStepTolerance = 1e-9;  ///< of a Newton correction of L u (rad): far below a nanometre
 constexpr int kMaxIterations = 40;
 
+/// The station of a node.
+int station_of(int node) {
+  return StrainBasis::kIntervals * (node / StrainBasis::kPoints) + node % StrainBasis::kPoints;
+}
+
 }  // namespace
 
 void RitzRod::Impl::evaluate(const Differences& d, double load) {
-  kinematics.update(mesh, now.q, lengths_m);
+  kinematics.update(mesh, now.q, lengths_m, load);
   for (std::size_t k = 0; k < stations; ++k) {
     forces[k] = mass[k] * load * params.gravity_base_m_s2;
     director_forces[k].setZero();
@@ -59,7 +64,6 @@ void RitzRod::Impl::evaluate(const Differences& d, double load) {
 }
 
 void RitzRod::Impl::gather_moments() {
-  std::fill(tangent_forces.begin(), tangent_forces.end(), Eigen::Vector3d::Zero());
   Eigen::Vector3d beyond = Eigen::Vector3d::Zero();
   constexpr int kIntervals = StrainBasis::kIntervals;
   for (int e = mesh.elements() - 1; e >= 0; --e) {
@@ -69,14 +73,17 @@ void RitzRod::Impl::gather_moments() {
       Eigen::Vector3d sum = mesh.integration()(kIntervals, j) * beyond;
       for (int i = 1; i <= kIntervals; ++i)
         sum += mesh.integration()(i, j) * forces[first + static_cast<std::size_t>(i)];
-      tangent_forces[first + static_cast<std::size_t>(j)] += scale * sum;
+      tangent_forces[static_cast<std::size_t>(e * StrainBasis::kPoints + j)] = scale * sum;
     }
     for (int i = 1; i <= kIntervals; ++i) beyond += forces[first + static_cast<std::size_t>(i)];
   }
   for (std::size_t k = 0; k < stations; ++k) {
     const Eigen::Matrix3d& r = kinematics.rotations[k];
-    moments[k] = r.col(2).cross(tangent_forces[k]) + r.col(0).cross(director_forces[k].col(0)) +
-                 r.col(1).cross(director_forces[k].col(1));
+    moments[k] = r.col(0).cross(director_forces[k].col(0)) + r.col(1).cross(director_forces[k].col(1));
+  }
+  for (int node = 0; node < StrainBasis::kPoints * mesh.elements(); ++node) {
+    const auto i = static_cast<std::size_t>(node);
+    moments[static_cast<std::size_t>(station_of(node))] += kinematics.tangents[i].cross(tangent_forces[i]);
   }
 }
 
@@ -136,7 +143,14 @@ Eigen::Matrix3d RitzRod::Impl::moment_stiffness(std::size_t k, double rate2) con
   const auto lever = [](const Eigen::Vector3d& arm, const Eigen::Vector3d& force) -> Eigen::Matrix3d {
     return arm.dot(force) * Eigen::Matrix3d::Identity() - arm * force.transpose();
   };
-  Eigen::Matrix3d x = lever(r.col(2), tangent_forces[k]);
+  Eigen::Matrix3d x = Eigen::Matrix3d::Zero();
+  const int node = StrainBasis::kPoints * (static_cast<int>(k) / StrainBasis::kIntervals) +
+                   static_cast<int>(k) % StrainBasis::kIntervals;
+  // Where elements meet, the proximal one's last node lies just before the distal one's first.
+  for (int i = std::max(0, node - 1); i <= node && i < StrainBasis::kPoints * mesh.elements(); ++i)
+    if (station_of(i) == static_cast<int>(k))
+      x += lever(kinematics.tangents[static_cast<std::size_t>(i)],
+                 tangent_forces[static_cast<std::size_t>(i)]);
   for (int c = 0; c < 2; ++c) {
     x += lever(r.col(c), director_forces[k].col(c));
     x += inertia[k] * rate2 * (Eigen::Matrix3d::Identity() - r.col(c) * r.col(c).transpose());

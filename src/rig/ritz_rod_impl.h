@@ -39,7 +39,7 @@ struct State {
 struct RitzRod::Impl {
   explicit Impl(const RitzRodParams& rod_params);
 
-  /// Takes inputs over: what follows from them at every station.
+  /// Takes inputs over: what follows from them at every station and node.
   void set_inputs(const RitzRodInputs& to);
 
   /// Stiffness of a piece against its component of u.
@@ -100,7 +100,8 @@ struct RitzRod::Impl {
   bool have_factors = false;
   int iterations = 0;
 
-  BackboneKinematics::Vectors forces, moments, tangent_forces;
+  BackboneKinematics::Vectors forces, moments;
+  BackboneKinematics::Vectors tangent_forces;  ///< per node
   std::vector<Eigen::Matrix<double, 3, 2>> director_forces;
   Eigen::VectorXd residual, correction, strain_work;
   Eigen::MatrixXd matrix, scratch_a;

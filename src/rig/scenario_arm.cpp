@@ -82,6 +82,7 @@ void parse_stiffness(YamlMap& map, SegmentSpec& segment) {
   segment.torsional_stiffness_nm2 =
       map.number("torsional_stiffness_nm2", {1e-7, 1e4}, segment.stiffness_base_nm2);
   if (map.has("axial_stiffness_n")) segment.axial_stiffness_n = map.number("axial_stiffness_n", {1e-2, 1e8});
+  if (map.has("shear_stiffness_n")) segment.shear_stiffness_n = map.number("shear_stiffness_n", {1e-2, 1e8});
   if (map.has("material")) {
     YamlMap entry = map.map("material");
     MaterialSpec material;

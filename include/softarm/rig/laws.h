@@ -17,8 +17,10 @@ struct Actuation {
   Eigen::Vector2d moment_nm = Eigen::Vector2d::Zero();
   double bending_stiffness_nm2 = 0.0;    ///< with curvature per actual length
   double torsional_stiffness_nm2 = 0.0;  ///< taut tendons included
-  double length_m = 0.0;
-  double stretch = 1.0;  ///< of the wall by central chamber and tendons
+  double length_m = 0.0;                 ///< without load
+  double stretch = 1.0;                  ///< of the wall by central chamber and tendons
+  /// Against loads, with strains per actual length; absent: rigid.
+  std::optional<double> shear_stiffness_n, axial_stiffness_n;
 };
 
 /// The inputs drive a segment where its laws do not hold; what() says why.
@@ -33,7 +35,7 @@ class LawError : public std::runtime_error {
 ///   (10)-(13) for the moment with the signs that the geometry of the chambers has.
 /// - Tendons: a constant tension T along a tendon at offset r has the potential T times the tendon's length,
 ///   T * integral of |t + u x r| ds. Its derivatives: a moment T * r towards the tendon's azimuth, an axial
-///   force -T, and, to first order in the twist, a torsional stiffness T * r^2.
+///   force -T, and, to first order in twist and shear, a torsional stiffness T * r^2 and a shear stiffness T.
 /// - Central chamber: an axial force P * A on the wall.
 /// - The wall's stretch under the axial force: see wall_stretch(). An incompressible wall that contracts
 ///   sideways freely has, per actual length, EI = E_t I with the tangent modulus E_t and the undeformed I.

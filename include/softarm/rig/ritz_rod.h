@@ -3,9 +3,14 @@
 // The rod is made of pieces in series. In a piece of length L the unknowns q are the coefficients of a cubic
 // B-spline for the dimensionless curvature w(sigma) = L u(sigma), three components in the section frame,
 // sigma = s / L; the splines of neighbouring pieces are independent, so that curvature, stiffness and
-// actuation may jump where they meet. The backbone is inextensible and unsheared. Given w, the rotations
-// follow from exponentials of the Magnus series (order 4) and positions from Lobatto quadrature of the
-// tangent. The base may yield: a hinge with a spring, whose rotation vector is unknown too.
+// actuation may jump where they meet. Given w, the rotations follow from exponentials of the Magnus series
+// (order 4) and positions from Lobatto quadrature of the tangent. The base may yield: a hinge with a spring,
+// whose rotation vector is unknown too.
+//
+// A piece may also shear and stretch elastically under the dead loads, whose force n at a section is known
+// whatever the shape: the tangent is R (e3 + K^-1 R^T n). By the envelope theorem the equations of statics
+// keep their form with that tangent. Of the inertia forces, small against the weights, only the moments feel
+// it.
 //
 // Time: every material station has a position x and two section directors d1, d2, which carry its mass and
 // rotary inertia (like a disc's). Their accelerations are those of BDF2 in Cartesian space, so that no
@@ -51,6 +56,8 @@ struct PieceInputs {
   double torsional_stiffness_nm2 = 0.03;
   Eigen::Vector3d moment_section_nm =
       Eigen::Vector3d::Zero();  ///< actuation, uniform, turning with the sections
+  /// Against the loads; absent: rigid. length_m is that without loads.
+  std::optional<double> shear_stiffness_n, axial_stiffness_n;
 };
 
 /// What may change from step to step.

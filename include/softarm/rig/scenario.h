@@ -75,7 +75,8 @@ struct SegmentSpec {
   double stiffness_per_jamming_nm2_per_pa = 0.0;  ///< b3
   std::vector<StiffnessAtPressure> stiffness_by_pressure;  ///< replaces b1 and the material's stiffening
   double torsional_stiffness_nm2 = 0.03;
-  std::optional<double> axial_stiffness_n;  ///< EA of the unstretched wall; absent: rigid under actuation
+  std::optional<double> axial_stiffness_n;  ///< EA of the unstretched wall; absent: rigid
+  std::optional<double> shear_stiffness_n;  ///< GA; absent: rigid
   std::optional<MaterialSpec> material;     ///< absent: linear
   double retardation_s = 0.02;  ///< Kelvin-Voigt: moment = stiffness * (curvature + retardation * its rate)
   std::vector<ChamberSpec> chambers;

@@ -49,7 +49,7 @@ struct SegmentTruth {
   /// (M0 cos phi, M0 sin phi) of all its actuation, phi the bending direction; cables by EI * curvature.
   Eigen::Vector2d moment_nm = Eigen::Vector2d::Zero();
   double bending_stiffness_nm2 = 0.0;
-  double length_m = 0.0;
+  double length_m = 0.0;  ///< without load
 };
 
 /// What really happened at a frame's stamp. Not for the estimator: goes to a separate file.
