@@ -57,8 +57,8 @@ bool determines_shape(const MatrixXd& information, const std::vector<bool>& free
 
 }  // namespace
 
-Covariance covariance(const Problem& problem, const std::vector<bool>& free, const EstimatorOptions& options,
-                      const VectorXd& x) {
+Covariance covariance(const Problem& problem, const std::vector<bool>& free,
+                      const EstimatorOptions& options) {
   const int count = problem.NumParameters();
   const bool sum = options.objective == Objective::kSumOfDistances;
   MatrixXd information = MatrixXd::Zero(count, count), variance = information;
@@ -80,15 +80,14 @@ Covariance covariance(const Problem& problem, const std::vector<bool>& free, con
       variance += a.variance * tt;
     }
   }
-  std::vector<Problem::PriorRow> prior;
-  problem.prior_rows(x, prior);
-  for (const Problem::PriorRow& row : prior) {
-    VectorXd d = VectorXd::Zero(count);
-    for (int k = 0; k < 2; ++k) {
-      if (free[static_cast<std::size_t>(row.columns[k])]) d[row.columns[k]] += row.derivatives[k];
+  if (problem.belief()) {
+    for (int i = 0; i < count; ++i) {
+      for (int k = 0; k < count; ++k) {
+        if (!free[static_cast<std::size_t>(i)] || !free[static_cast<std::size_t>(k)]) continue;
+        information(i, k) += problem.belief()->information(i, k);
+        variance(i, k) += problem.belief()->information(i, k);
+      }
     }
-    information += d * d.transpose();
-    variance += d * d.transpose();
   }
 
   Covariance result;
@@ -136,6 +135,65 @@ Covariance covariance(const Problem& problem, const std::vector<bool>& free, con
   }
   result.shape_determined = determines_shape(information, free);
   return result;
+}
+
+Evidence evidence(const Problem& problem, const VectorXd& x) {
+  const int count = problem.NumParameters();
+  Evidence result{MatrixXd::Zero(count, count), VectorXd::Zero(count)};
+  Eigen::Matrix3Xd j(3, count);
+  const auto add = [&](const Eigen::Vector3d& e, double sd) {
+    const double weight = 1.0 / (sd * sd);
+    result.information.noalias() += weight * j.transpose() * j;
+    result.weighted.noalias() -= weight * j.transpose() * e;
+  };
+  for (const Observation& o : problem.observations()) {
+    if (!o.used) continue;
+    problem.position_jacobian(o, j);
+    add(problem.position(o) - o.p, problem.position_sd(o));
+    if (!o.tangent) continue;
+    problem.tangent_jacobian(o, j);
+    add(problem.solver().station(o.station).q * Eigen::Vector3d::UnitZ() - *o.tangent, problem.tangent_sd(o));
+  }
+  result.weighted += result.information * x;
+  return result;
+}
+
+double determined_by_bodies(const Problem& problem, const VectorXd& x) {
+  const MatrixXd h = evidence(problem, x).information;
+  MatrixXd all = h;
+  if (problem.belief()) all += problem.belief()->information;
+  VectorXd scale(h.rows());
+  for (Eigen::Index i = 0; i < h.rows(); ++i) scale[i] = h(i, i) > 0.0 ? 1.0 / std::sqrt(all(i, i)) : 0.0;
+  MatrixXd scaled = scale.asDiagonal() * all * scale.asDiagonal();
+  scaled.diagonal().array() += 1e-12;
+  for (Eigen::Index i = 0; i < h.rows(); ++i) {
+    if (scale[i] == 0.0) scaled(i, i) = 1.0;
+  }
+  return Eigen::LDLT<MatrixXd>(scaled).solve(MatrixXd(scale.asDiagonal() * h * scale.asDiagonal())).trace();
+}
+
+VectorXd error_by_gravity(const Problem& problem, const std::vector<bool>& free, const MatrixXd& belief,
+                          const Eigen::Vector3d& error) {
+  const int count = problem.NumParameters();
+  MatrixXd information = MatrixXd::Zero(count, count);
+  VectorXd pull = VectorXd::Zero(count);
+  Eigen::Matrix3Xd j(3, count);
+  for (const Observation& o : problem.observations()) {
+    if (!o.used) continue;
+    problem.position_jacobian(o, j);
+    const double weight = 1.0 / (problem.position_sd(o) * problem.position_sd(o));
+    information.noalias() += weight * j.transpose() * j;
+    pull.noalias() -= weight * j.transpose() * (problem.position_by_gravity(o) * error);
+  }
+  VectorXd scale = VectorXd::Zero(count);
+  information += belief;
+  for (int i = 0; i < count; ++i) {
+    if (free[static_cast<std::size_t>(i)] && information(i, i) > 0.0)
+      scale[i] = 1.0 / std::sqrt(information(i, i));
+  }
+  MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
+  scaled.diagonal().array() += 1e-9;
+  return scale.cwiseProduct(Eigen::LDLT<MatrixXd>(scaled).solve(scale.cwiseProduct(pull)));
 }
 
 void fill_segment(const Problem& problem, int segment, const VectorXd& x, const Covariance& covariance,

@@ -23,10 +23,15 @@ constexpr double kFarFromArm = 1.5;
 // Chi-square level above which the stated noise no longer explains the residuals, and standard deviations are
 // scaled.
 constexpr double kInflationLevel = 0.999;
+// Information on what is known: a relative standard deviation of 1e-5.
+constexpr double kKnown = 1e10;
 
-bool depends_on_pressures(const Segment& segment) {
-  const StiffnessLaw& law = segment.bending_stiffness;
-  return law.per_min_pressure_nm2_per_pa != 0.0 || law.per_jamming_pressure_nm2_per_pa != 0.0;
+/// A segment that nothing drives.
+SegmentPrediction at_rest(const Segment& segment) {
+  SegmentPrediction prediction;
+  prediction.bending_stiffness_nm2 = segment.bending_stiffness.base_nm2;
+  prediction.length_m = segment.length_m;
+  return prediction;
 }
 
 }  // namespace
@@ -45,6 +50,14 @@ Estimator::Impl::Impl(const Arm& a, const EstimatorOptions& o) : arm(a), options
   solver.options.parameter_tolerance = 1e-9;
   solver.options.gradient_tolerance = 1e-9;
   estimate.segments.resize(arm.segments.size());
+  if (options.window_s > 0.0 && !is_constant_curvature(options.method)) {
+    std::vector<int> changing;
+    for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
+      if (options.unknown != Unknown::kPayload) changing.push_back(Problem::column(i, 2));
+    }
+    if (options.unknown != Unknown::kStiffness) changing.push_back(problem.payload_column());
+    window.emplace(options.window_s, std::move(changing));
+  }
 }
 
 void Estimator::Impl::check() const {
@@ -94,10 +107,15 @@ const Estimate& Estimator::Impl::run(const Frame& frame) {
       return estimate;
     }
   } else {
-    if (!set_outliers_aside(solve())) return estimate;
+    if (!set_outliers_aside(solve_with_window())) return estimate;
     estimate.status = Status::kOk;
     estimate.detail.clear();
     if (!keep_to_bounds()) return estimate;
+    if (!share()) {
+      have_last = false;
+      fail(Status::kNoConvergence, "the fit was lost when the window's frames were forgotten");
+      return estimate;
+    }
   }
   finish();
   return estimate;
@@ -178,8 +196,11 @@ bool Estimator::Impl::observe(const Frame& frame) {
     }
     observations.push_back(o);
   }
+  // What the bodies do not tell the laws do, where they are believed.
+  const bool alone = !options.prior.enabled || is_constant_curvature(options.method);
   const std::size_t fewest = ends ? arm.segments.size() : 1;
-  if (observations.size() < fewest || (!ends && observations.size() * 3 < arm.segments.size() * 3 + 1)) {
+  if (observations.size() < fewest ||
+      (!ends && alone && observations.size() * 3 < arm.segments.size() * 3 + 1)) {
     std::string detail = fmt::format("{} of {} bodies can be used", observations.size(), arm.bodies.size());
     for (const std::string& body : far) detail += "; " + body;
     if (!far.empty())
@@ -189,7 +210,7 @@ bool Estimator::Impl::observe(const Frame& frame) {
     return false;
   }
   far.clear();
-  if (!ends && !enough_beyond_every_joint()) {
+  if (!ends && alone && !enough_beyond_every_joint()) {
     fail(Status::kNotEnoughBodies,
          fmt::format("{} bodies, but too few towards the tip for the curvature and length "
                      "of every segment",
@@ -220,41 +241,65 @@ bool Estimator::Impl::set_knowns(const Frame& frame) {
     payload_known = frame.payload_kg;
   else
     payload_known = arm.payload.default_kg;
-  const bool estimate_payload = !arcs && options.unknown == Unknown::kPayload;
-  if (!arcs && !estimate_payload && !payload_known) {
+  const bool estimate_payload = !arcs && options.unknown != Unknown::kStiffness;
+  const bool estimate_stiffness = !arcs && options.unknown != Unknown::kPayload;
+  if (estimate_payload) {
+    payload_known.reset();
+  } else if (!arcs && !payload_known) {
     fail(Status::kMissingPayload,
          "the payload is not known: publish it, set a default, or make it the unknown");
     return false;
   }
-  known_flexibility.assign(arm.segments.size(), std::nullopt);
-  for (int i = 0; i < segments; ++i) {
+
+  std::optional<std::vector<SegmentPrediction>> predictions;
+  if (frame.inputs.size() == arm.inputs.scalars.size()) predictions = predict(arm, frame.inputs);
+  const bool believe_laws = options.prior.enabled && !arcs;
+  for (int i = 0; i < segments && !predictions; ++i) {
     const Segment& segment = arm.segments[static_cast<std::size_t>(i)];
-    std::optional<SegmentPrediction> prediction;
-    if (frame.inputs.size() == arm.inputs.scalars.size())
-      prediction = predict_segment(arm, segment, frame.inputs);
-    const bool with_prior = options.prior.enabled && !arcs;
-    if (with_prior && !prediction) {
-      fail(Status::kMissingPressures,
-           fmt::format("segment '{}': the prior needs its pressures", segment.name));
-      return false;
-    }
-    problem.set_prior(i, with_prior ? prediction : std::nullopt);
-    if (estimate_payload) {
-      if (!prediction && depends_on_pressures(segment)) {
-        fail(Status::kMissingPressures,
-             fmt::format("segment '{}': its stiffness depends on pressures that are absent", segment.name));
-        return false;
-      }
-      const double ei = prediction ? prediction->bending_stiffness_nm2 : segment.bending_stiffness.base_nm2;
-      known_flexibility[static_cast<std::size_t>(i)] = problem.reference_stiffness(i) / ei;
-    }
+    const bool needed =
+        believe_laws || (!estimate_stiffness && !arcs && stiffness_depends_on_inputs(segment));
+    if (!needed || predict_segment(arm, segment, frame.inputs)) continue;
+    fail(Status::kMissingPressures,
+         fmt::format("segment '{}': {} inputs that are absent or outside its laws", segment.name,
+                     believe_laws ? "the prior needs" : "its stiffness depends on"));
+    return false;
+  }
+  problem.set_laws(predictions);
+  if (!predictions) {
+    predictions.emplace();
+    for (const Segment& segment : arm.segments)
+      predictions->push_back(predict_segment(arm, segment, frame.inputs).value_or(at_rest(segment)));
+  }
+  law = fit::frame_law(arm, options.prior, *predictions, problem.reference_stiffnesses());
+
+  known_flexibility.assign(arm.segments.size(), std::nullopt);
+  start_flexibility = known_flexibility;
+  for (int i = 0; i < segments; ++i) {
+    const auto index = static_cast<std::size_t>(i);
+    const double flexibility = law.centre[Problem::column(i, 2)];
+    if (!arcs && !estimate_stiffness) known_flexibility[index] = flexibility;
+    if (!estimate_stiffness) law.information[Problem::column(i, 2)] = kKnown;
+    if (!arcs && (!estimate_stiffness || estimate_payload)) start_flexibility[index] = flexibility;
     for (int k = 0; k < fit::kSegmentParameters; ++k) {
-      problem.free()[static_cast<std::size_t>(Problem::column(i, k))] = k != 2 || !(arcs || estimate_payload);
+      problem.free()[static_cast<std::size_t>(Problem::column(i, k))] = k != 2 || estimate_stiffness;
     }
   }
   problem.free()[static_cast<std::size_t>(problem.payload_column())] = estimate_payload;
+  if (window) window->advance(frame.stamp_s);
+  believe();
   problem.begin();
   return true;
+}
+
+void Estimator::Impl::believe() {
+  const bool frames = window && window->frames() > 0;
+  if (is_constant_curvature(options.method) || (!options.prior.enabled && !frames)) {
+    problem.set_belief(std::nullopt);
+    return;
+  }
+  fit::Evidence z{law.information.asDiagonal(), VectorXd::Zero(law.information.size())};
+  if (frames) z = window->belief(law.information);
+  problem.set_belief(fit::belief_of_frame(law, z.information, z.weighted));
 }
 
 Estimator::Estimator(const Arm& arm, const EstimatorOptions& options)
@@ -270,6 +315,7 @@ const Estimate& Estimator::estimate(const Frame& frame) {
 void Estimator::reset() {
   impl_->have_last = false;
   impl_->base_seen = false;
+  if (impl_->window) impl_->window->clear();
   impl_->problem.forget();
 }
 

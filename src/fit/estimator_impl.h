@@ -11,6 +11,7 @@
 #include "covariance.h"
 #include "problem.h"
 #include "softarm/fit/estimator.h"
+#include "window.h"
 
 namespace softarm {
 
@@ -37,6 +38,8 @@ struct Estimator::Impl {
 
   // --- what is known ---
   bool set_knowns(const Frame& frame);
+  /// Gives the problem what the laws and the window's frames say of this one.
+  void believe();
 
   // --- steps 2 and 3 ---
   void impose_knowns(VectorXd& v) const;
@@ -46,6 +49,10 @@ struct Estimator::Impl {
   bool start_cold(bool free_tip = false);
   bool minimise();
   bool solve();
+  /// The same, and where the window's frames stand against this one, without them.
+  bool solve_with_window();
+  /// Adds what this frame says to the window; fits it again where that ends a change.
+  bool share();
 
   // --- step 4 ---
   /// How far the bodies used are from the fit, in standard deviations.
@@ -72,6 +79,9 @@ struct Estimator::Impl {
   /// half or more than twice that of the arm file; else nothing.
   std::string length_hint() const;
   void finish();
+  /// With a window the noise averages out, and what is left is that the arm moves: what its inertia does to
+  /// the estimates is added to their covariance.
+  void allow_for_motion();
   /// Near a buckling load the shape is so sensitive to the stiffness that the linear covariance promises
   /// much, while another stiffness with another moment explains the bodies nearly as well. There, EI is told
   /// only if fits with EI moved by twice the relative standard deviation that telling asks for are worse by
@@ -94,6 +104,9 @@ struct Estimator::Impl {
   std::vector<std::string> far;
   std::optional<double> payload_known;
   std::vector<std::optional<double>> known_flexibility;
+  std::vector<std::optional<double>> start_flexibility;  ///< known, or believed by the laws
+  fit::FrameLaw law;
+  std::optional<fit::Window> window;
   std::vector<bool> estimated;  ///< free before any parameter was held at a bound
   fit::Covariance covariance;
   VectorXd x, last_x;

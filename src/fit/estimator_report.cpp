@@ -62,6 +62,7 @@ void Estimator::Impl::finish() {
       estimate.mismatch * dof > inflation_limit[static_cast<std::size_t>(dof - 1)]) {
     covariance.x *= estimate.mismatch;
   }
+  if (window) allow_for_motion();
   for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
     fit::fill_segment(problem, i, x, covariance, estimated, options,
                       estimate.segments[static_cast<std::size_t>(i)]);
@@ -72,6 +73,25 @@ void Estimator::Impl::finish() {
   last_x = x;
   have_last = options.method != Method::kCcEndpoint;
   confirm_stiffness();
+}
+
+void Estimator::Impl::allow_for_motion() {
+  // Inertia is like a gravity that is off by the acceleration. The window's frames all have it, so it does
+  // not average out: they err together as one of them would in which the laws' lasting errors count once for
+  // all.
+  fit::FrameLaw lasting = law;
+  lasting.information /= static_cast<double>(std::max(1, window->frames()));
+  const fit::Belief alone =
+      fit::belief_of_frame(lasting, lasting.information.asDiagonal(), VectorXd::Zero(x.size()));
+  const VectorXd error =
+      fit::error_by_gravity(problem, estimated, alone.information, window->tip_acceleration_m_s2());
+  for (int i = 0; i < x.size(); ++i) {
+    for (int k = 0; k < x.size(); ++k) {
+      if (covariance.determined[static_cast<std::size_t>(i)] &&
+          covariance.determined[static_cast<std::size_t>(k)])
+        covariance.x(i, k) += error[i] * error[k];
+    }
+  }
 }
 
 void Estimator::Impl::confirm_stiffness() {
@@ -95,7 +115,8 @@ void Estimator::Impl::confirm_stiffness() {
         cost = solver.summary.final_cost;
       }
       // Without an equilibrium within reach, the shape itself is another start.
-      known_flexibility[static_cast<std::size_t>(i)] = y[column];
+      known_flexibility[static_cast<std::size_t>(i)] = start_flexibility[static_cast<std::size_t>(i)] =
+          y[column];
       if (start_cold()) {
         solver.Solve(problem, &x);
         cost = std::min(cost, solver.summary.final_cost);
@@ -129,8 +150,9 @@ void Estimator::Impl::residuals_and_mismatch() {
       rows += 2;
     }
   }
-  estimate.degrees_of_freedom =
-      std::max(0, rows - static_cast<int>(std::count(estimated.begin(), estimated.end(), true)));
+  const auto parameters = problem.belief() ? std::lround(fit::determined_by_bodies(problem, x))
+                                           : std::count(estimated.begin(), estimated.end(), true);
+  estimate.degrees_of_freedom = std::max(0, rows - static_cast<int>(parameters));
   estimate.mismatch = estimate.degrees_of_freedom > 0 ? chi2 / estimate.degrees_of_freedom : 0.0;
 }
 
@@ -151,7 +173,7 @@ void Estimator::Impl::payload() {
   }
   const int column = problem.payload_column();
   estimate.payload_kg = x[column] * Problem::kPayloadUnit;
-  if (options.unknown != Unknown::kPayload || !covariance.determined[static_cast<std::size_t>(column)])
+  if (options.unknown == Unknown::kStiffness || !covariance.determined[static_cast<std::size_t>(column)])
     return;
   estimate.sd_payload_kg = std::sqrt(covariance.x(column, column)) * Problem::kPayloadUnit;
   estimate.tells_payload = *estimate.sd_payload_kg <= options.tells_relative_sd * *estimate.payload_kg;

@@ -20,6 +20,8 @@ constexpr double kBadWarmStart = 0.05;
 // A body may be set aside at this many standard deviations, if it is also that much worse than the others.
 constexpr double kOutlier = 6.0;
 constexpr double kOutlierAgainstRest = 4.0;
+// The laws' passing errors are those of an arm in motion (lag, damping): they last as long as a swing.
+constexpr double kJitterCorrelation_s = 0.2;
 
 }  // namespace
 
@@ -28,12 +30,12 @@ void Estimator::Impl::impose_knowns(VectorXd& v) const {
     const auto& known = known_flexibility[static_cast<std::size_t>(i)];
     if (known) v[Problem::column(i, 2)] = *known;
   }
-  if (options.unknown != Unknown::kPayload)
+  if (options.unknown == Unknown::kStiffness)
     v[problem.payload_column()] = payload_known.value_or(0.0) / Problem::kPayloadUnit;
 }
 
 void Estimator::Impl::refresh_covariance() {
-  covariance = fit::covariance(problem, problem.free(), options, x);
+  covariance = fit::covariance(problem, problem.free(), options);
 }
 
 double Estimator::Impl::rms() const {
@@ -49,7 +51,7 @@ double Estimator::Impl::rms() const {
 
 bool Estimator::Impl::start_cold(bool free_tip) {
   problem.forget();
-  std::vector<std::optional<double>> c = known_flexibility;
+  std::vector<std::optional<double>> c = start_flexibility;
   if (is_constant_curvature(options.method)) c.assign(c.size(), 1.0);
   fit::Start start = fit::start_from_shape(arm, problem, c, payload_known.value_or(0.0));
   impose_knowns(start.x);
@@ -115,6 +117,52 @@ Estimator::Impl::Distances Estimator::Impl::distances() const {
   return d;
 }
 
+bool Estimator::Impl::solve_with_window() {
+  bool fitted = solve();
+  if (!window || window->frames() == 0 || (fitted && distances().largest < kOutlier)) return fitted;
+  // Either a body is wrong or what the window's frames share has changed: without them one sees which.
+  const fit::Window before = *window;
+  const VectorXd x_before = x;
+  window->clear();
+  believe();
+  problem.begin();
+  const bool alone = solve();
+  if (alone && distances().largest < kOutlier) return true;
+  *window = before;
+  believe();
+  problem.begin();
+  last_x = x_before;
+  have_last = fitted;
+  fitted = solve();
+  return fitted;
+}
+
+bool Estimator::Impl::share() {
+  if (!window) return true;
+  const fit::Evidence bodies = fit::evidence(problem, x);
+  fit::Window::Entry entry;
+  entry.stamp_s = estimate.stamp_s;
+  entry.p_tip = problem.solver().station(static_cast<int>(arm.bodies.size() + arm.segments.size()) - 1).p;
+  entry.evidence =
+      fit::evidence_on_shared(law, bodies.information, bodies.weighted,
+                              std::max(1.0, kJitterCorrelation_s * window->rate_hz().value_or(0.0)));
+  const Distances now = distances();
+  entry.degrees_of_freedom =
+      std::max(0, 3 * now.used - static_cast<int>(std::lround(fit::determined_by_bodies(problem, x))));
+  if (entry.degrees_of_freedom > 0) entry.misfit = now.sum_of_squares / entry.degrees_of_freedom;
+  window->add(std::move(entry));
+  if (!window->forget_before_change(law.information)) return true;
+  // This frame was fitted with what is now forgotten.
+  const fit::Window with_this = *window;
+  window->drop_last();
+  believe();
+  problem.begin();
+  const bool good = problem.evaluate(x) && minimise();
+  *window = with_this;
+  if (good) refresh_covariance();
+  return good;
+}
+
 bool Estimator::Impl::set_one_aside(bool fitted) {
   std::vector<Observation>& observations = problem.observations();
   const VectorXd x_before = x;
@@ -165,7 +213,9 @@ bool Estimator::Impl::set_outliers_aside(bool fitted) {
     const auto& observations = problem.observations();
     const auto used =
         std::count_if(observations.begin(), observations.end(), [](const Observation& o) { return o.used; });
-    if ((fitted && now.largest < kOutlier) || 3 * (static_cast<int>(used) - 1) - estimated_parameters() < 1)
+    // Where the laws are believed, they stand in for bodies.
+    const int parameters = options.prior.enabled ? 2 : estimated_parameters();
+    if ((fitted && now.largest < kOutlier) || 3 * (static_cast<int>(used) - 1) - parameters < 1)
       return fitted;
     if (!set_one_aside(fitted)) return fitted;
     fitted = true;
@@ -204,7 +254,8 @@ bool Estimator::Impl::keep_to_bounds() {
     for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
       const int column = Problem::column(i, 2);
       if (problem.free()[static_cast<std::size_t>(column)]) continue;
-      known_flexibility[static_cast<std::size_t>(i)] = x[column];
+      known_flexibility[static_cast<std::size_t>(i)] = start_flexibility[static_cast<std::size_t>(i)] =
+          x[column];
     }
     good = start_cold() && minimise();
   }

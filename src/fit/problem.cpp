@@ -23,7 +23,7 @@ constexpr double kLeastFlexibility = 1e-6;
 /// The rod's parameters behind those of the fit, segment by segment, then the payload.
 enum RodColumn { kMomentX, kMomentY, kCompliance, kLengthColumn, kRodColumns };
 
-std::vector<rod::Parameter> rod_parameters(const Arm& arm) {
+std::vector<rod::Parameter> rod_parameters(const Arm& arm, bool gravity) {
   std::vector<rod::Parameter> list;
   for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
     list.push_back({rod::ParameterKind::kMoment, i, 0});
@@ -32,6 +32,7 @@ std::vector<rod::Parameter> rod_parameters(const Arm& arm) {
     list.push_back({rod::ParameterKind::kLength, i, 0});
   }
   list.push_back({rod::ParameterKind::kLoadMass, rod::kPayloadLoad, 0});
+  for (int c = 0; c < 3 && gravity; ++c) list.push_back({rod::ParameterKind::kGravity, 0, c});
   return list;
 }
 
@@ -74,9 +75,9 @@ Problem::Problem(const Arm& arm, const EstimatorOptions& options)
                                      : options.objective == Objective::kLeastSquares),
       constant_curvature_(is_constant_curvature(options.method)),
       free_(arm.segments.size() * kSegmentParameters + 1, true),
-      prior_(arm.segments.size()),
       rod_(layout(arm, constant_curvature_)),
-      solver_(rod_, stations(arm), rod_parameters(arm), solver_options()),
+      unactuated_(rod_),
+      solver_(rod_, stations(arm), rod_parameters(arm, options.window_s > 0.0), solver_options()),
       x_(Eigen::VectorXd::Zero(static_cast<int>(free_.size()))),
       last_x_(x_),
       anchor_x_(x_),
@@ -88,8 +89,22 @@ Problem::Problem(const Arm& arm, const EstimatorOptions& options)
   for (int i = 0; i < static_cast<int>(arm.bodies.size()); ++i) body_station_.push_back(i);
 }
 
-void Problem::set_prior(int segment, const std::optional<SegmentPrediction>& prediction) {
-  prior_[static_cast<std::size_t>(segment)] = prediction;
+void Problem::set_laws(const std::optional<std::vector<SegmentPrediction>>& predictions) {
+  if (predictions) {
+    rod::actuate(arm_, *predictions, rod_);
+    return;
+  }
+  for (std::size_t i = 0; i < rod_.segments.size(); ++i) {
+    const rod::Segment& rest = unactuated_.segments[i];
+    rod_.segments[i].torsional_compliance = rest.torsional_compliance;
+    rod_.segments[i].axial_compliance = rest.axial_compliance;
+    rod_.segments[i].shear_compliance = rest.shear_compliance;
+  }
+}
+
+void Problem::set_belief(const std::optional<Belief>& belief) {
+  belief_ = belief;
+  if (belief_) belief_rows_ = belief_->rows();
 }
 
 void Problem::begin() {
@@ -99,8 +114,8 @@ void Problem::begin() {
   for (const Observation& o : observations_) {
     if (o.used) rows_ += o.tangent ? 6 : 3;
   }
-  for (const auto& prior : prior_) rows_ += prior ? 4 : 0;
-  rows_ += static_cast<int>(prior_.size()) + 1;
+  if (belief_) rows_ += NumParameters();
+  rows_ += static_cast<int>(arm_.segments.size()) + 1;
 }
 
 double Problem::paper_weight(const Observation& o) const {
@@ -195,6 +210,10 @@ void Problem::position_jacobian(const Observation& o, Eigen::Matrix3Xd& j) const
   }
 }
 
+Eigen::Matrix3d Problem::position_by_gravity(const Observation& o) const {
+  return solver_.dp(o.station).rightCols<3>();
+}
+
 void Problem::tangent_jacobian(const Observation& o, Eigen::Matrix3Xd& j) const {
   chain(solver_.drotation(o.station), j);
   j = (-skew(solver_.station(o.station).q * Vector3d::UnitZ()) * j).eval();
@@ -264,18 +283,19 @@ bool Problem::operator()(const double* x, double* residuals, double* jacobian) c
       row += 3;
     }
   }
-  prior_rows(x_, prior_scratch_);
-  for (const PriorRow& prior : prior_scratch_) {
-    residuals[row] = prior.residual;
+  if (belief_) {
+    const int count = NumParameters();
+    Eigen::Map<Eigen::VectorXd>(residuals + row, count) = belief_rows_ * (x_ - belief_->mean);
     if (jacobian != nullptr) {
-      for (int j = 0; j < NumParameters(); ++j) jacobian[j * rows_ + row] = 0.0;
-      for (int k = 0; k < 2; ++k) {
-        if (free_[static_cast<std::size_t>(prior.columns[k])]) {
-          jacobian[prior.columns[k] * rows_ + row] += prior.derivatives[k];
-        }
+      Eigen::Map<Eigen::MatrixXd> j(jacobian, rows_, count);
+      for (int k = 0; k < count; ++k) {
+        if (free_[static_cast<std::size_t>(k)])
+          j.block(row, k, count, 1) = belief_rows_.col(k);
+        else
+          j.block(row, k, count, 1).setZero();
       }
     }
-    ++row;
+    row += count;
   }
   const auto weak = [&](int j, double offset, double sd) {
     const bool on = free_[static_cast<std::size_t>(j)];
@@ -286,7 +306,8 @@ bool Problem::operator()(const double* x, double* residuals, double* jacobian) c
     }
     ++row;
   };
-  for (int i = 0; i < static_cast<int>(prior_.size()); ++i) weak(column(i, 2), 1.0, kWeakFlexibilitySd);
+  for (int i = 0; i < static_cast<int>(arm_.segments.size()); ++i)
+    weak(column(i, 2), 1.0, kWeakFlexibilitySd);
   weak(payload_column(), 0.0, kWeakPayloadSd / kPayloadUnit);
   return true;
 }
@@ -335,34 +356,6 @@ bool Problem::evaluate_free_tip(const double* x, const Eigen::Quaterniond& q_tip
     ++row;
   }
   return true;
-}
-
-void Problem::prior_rows(const Eigen::VectorXd& x, std::vector<PriorRow>& rows) const {
-  rows.clear();
-  const LawPrior& sd = options_.prior;
-  for (int i = 0; i < static_cast<int>(prior_.size()); ++i) {
-    const auto& prediction = prior_[static_cast<std::size_t>(i)];
-    if (!prediction) continue;
-    const double reference = reference_stiffness(i);
-    const double flexibility = reference / prediction->bending_stiffness_nm2;
-    const double rest = rest_length(i);
-    // Moment: (M - M_law) / sd = (a EI / L - M_law) / sd, times EI_law / EI to stay linear in the parameters.
-    const double unit = prediction->bending_stiffness_nm2 / (rest * sd.moment_sd_nm);
-    for (int k = 0; k < 2; ++k) {
-      const double per_flexibility = -prediction->moment_nm[k] * rest / reference * unit;
-      rows.push_back({unit * x[column(i, k)] + per_flexibility * x[column(i, 2)],
-                      {column(i, k), column(i, 2)},
-                      {unit, per_flexibility}});
-    }
-    const double softness_sd = sd.bending_stiffness_sd_rel * flexibility;
-    rows.push_back({(x[column(i, 2)] - flexibility) / softness_sd,
-                    {column(i, 2), column(i, 2)},
-                    {1.0 / softness_sd, 0.0}});
-    const double length_sd = sd.length_sd_m / rest;
-    rows.push_back({(x[column(i, 3)] - prediction->length_m / rest) / length_sd,
-                    {column(i, 3), column(i, 3)},
-                    {1.0 / length_sd, 0.0}});
-  }
 }
 
 }  // namespace softarm::fit

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "prior.h"
 #include "softarm/arm/arm.h"
 #include "softarm/arm/laws.h"
 #include "softarm/rod/solver.h"
@@ -49,7 +50,10 @@ class Problem {
   /// Free parameters: true in the order above.
   std::vector<bool>& free() { return free_; }
   const std::vector<bool>& free() const { return free_; }
-  void set_prior(int segment, const std::optional<SegmentPrediction>& prediction);
+  /// What the inputs make of the moduli that are not fitted; absent: those at no input.
+  void set_laws(const std::optional<std::vector<SegmentPrediction>>& predictions);
+  void set_belief(const std::optional<Belief>& belief);
+  const std::optional<Belief>& belief() const { return belief_; }
   int station_of_body(int body) const { return body_station_[static_cast<std::size_t>(body)]; }
   /// Counts the rows and forgets cached evaluations: call after the frame's data change.
   void begin();
@@ -77,6 +81,8 @@ class Problem {
   Eigen::Vector3d position(const Observation& o) const;
   /// d position / d x (3 x P), free or not.
   void position_jacobian(const Observation& o, Eigen::Matrix3Xd& j) const;
+  /// d position / d gravity (base frame); only with a window.
+  Eigen::Matrix3d position_by_gravity(const Observation& o) const;
   void tangent_jacobian(const Observation& o, Eigen::Matrix3Xd& j) const;
   double position_sd(const Observation& o) const {
     return arm_.bodies[static_cast<std::size_t>(o.body)].position_sd_m;
@@ -87,14 +93,6 @@ class Problem {
   /// Weight c_i of a body as printed below equation (7): 1 / (i L), for the i-th body of the arm.
   double paper_weight(const Observation& o) const;
   bool noise_weights() const { return noise_weights_; }
-  /// Adds the prior's rows, whitened, to J^T J (P x P) and, where not null, to J^T r and to the sum of
-  /// squares.
-  struct PriorRow {
-    double residual;
-    int columns[2];
-    double derivatives[2];
-  };
-  void prior_rows(const Eigen::VectorXd& x, std::vector<PriorRow>& rows) const;
   int rod_solves() const { return rod_solves_; }
 
   // --- translation ---
@@ -103,6 +101,7 @@ class Problem {
   double reference_stiffness(int segment) const {
     return reference_stiffness_[static_cast<std::size_t>(segment)];
   }
+  const std::vector<double>& reference_stiffnesses() const { return reference_stiffness_; }
   double rest_length(int segment) const {
     return rod_.segments[static_cast<std::size_t>(segment)].rest_length_m;
   }
@@ -120,13 +119,15 @@ class Problem {
   const bool constant_curvature_;
   std::vector<Observation> observations_;
   std::vector<bool> free_;
-  std::vector<std::optional<SegmentPrediction>> prior_;
+  std::optional<Belief> belief_;
+  Eigen::MatrixXd belief_rows_;
   std::vector<double> reference_stiffness_;
   std::vector<int> body_station_;
   int rows_ = 0;
 
   // Scratch and the last evaluation; evaluating is const for TinySolver.
   mutable rod::Rod rod_;
+  const rod::Rod unactuated_;
   mutable rod::Solver solver_;
   mutable Eigen::VectorXd x_, last_x_;
   mutable bool valid_ = false;     ///< solver_ holds the rod at last_x_
@@ -138,7 +139,6 @@ class Problem {
   mutable Eigen::Quaterniond accepted_tip_ = Eigen::Quaterniond::Identity();
   mutable int rod_solves_ = 0;
   mutable Eigen::Matrix3Xd block_;
-  mutable std::vector<PriorRow> prior_scratch_;
 };
 
 }  // namespace softarm::fit
