@@ -1,0 +1,64 @@
+// The constants of an arm's laws, each by a name: what identification may change.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "softarm/arm/arm.h"
+
+namespace softarm::identify {
+
+enum class ConstantKind {
+  kMomentGain,          ///< c_i of a chamber, N m / Pa
+  kElongation,          ///< a_near + a_far of a chamber, m / Pa: only the sum enters a backbone's length, (6)
+  kBendingStiffness,    ///< b1, EI without input, N m^2
+  kPerMinPressure,      ///< b2, N m^2 / Pa
+  kPerJammingPressure,  ///< b3, N m^2 / Pa
+  kByPressure,          ///< EI at one knot of StiffnessLaw::by_pressure, N m^2
+  kTendonOffset,        ///< m
+  kCableGain,           ///< 1 / (m rad)
+  kAxialStiffness,      ///< EA, N
+  kLength,              ///< backbone length at zero input, m
+  kRestCurvatureX,      ///< u*_x, a turn about the section's x axis, 1 / m
+  kRestCurvatureY,
+};
+
+/// One constant of one segment.
+struct ConstantRef {
+  ConstantKind kind = ConstantKind::kMomentGain;
+  int segment = 0;  ///< index into Arm::segments
+  int index = 0;    ///< of the chamber, tendon, cable or knot
+};
+
+/// "<segment>.<what>", counted from 1: "segment_1.chamber_2.moment_gain", "segment_1.chamber_2.elongation",
+/// "segment_1.bending_stiffness.base", ".per_min_pressure", ".per_jamming_pressure", ".by_pressure.3",
+/// "segment_1.tendon_1.offset", "segment_1.cable_1.curvature_gain", "segment_1.axial_stiffness",
+/// "segment_1.length", "segment_1.rest_curvature.x".
+std::string name_of(const Arm& arm, const ConstantRef& constant);
+/// SI, as a person writes it: "N m/Pa".
+std::string unit_of(ConstantKind kind);
+
+double value_of(const Arm& arm, const ConstantRef& constant);
+
+/// Sets one constant.
+/// - kElongation changes near_elongation and leaves far_elongation.
+/// - kLength carries along what sits on the segment: bodies and payload keep their fraction of it, and its
+///   mass stays what it weighs (mass_per_length changes).
+void set_value(Arm& arm, const ConstantRef& constant, double value);
+
+/// What the description of an arm allows.
+Range allowed_range(const Arm& arm, const ConstantRef& constant);
+
+/// Every constant that the arm has, base to tip: those of its actuation and stiffness laws, then lengths and
+/// rest curvatures. EA only where it is given and an input strains it; a knot of by_pressure replaces base.
+std::vector<ConstantRef> constants_of(const Arm& arm);
+
+/// Those that identification frees unless told otherwise: all but lengths and rest curvatures.
+std::vector<ConstantRef> default_free(const Arm& arm);
+
+/// The constants whose name matches one of the shell patterns ("*.moment_gain", "segment_1.length"); a
+/// pattern without a dot matches the last part of a name ("length").
+/// @throws std::invalid_argument where a pattern matches none; the line lists the names
+std::vector<ConstantRef> matching(const Arm& arm, const std::vector<std::string>& patterns);
+
+}  // namespace softarm::identify

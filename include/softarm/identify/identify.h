@@ -1,0 +1,126 @@
+// Trials to the constants of an arm's laws.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "softarm/arm/arm.h"
+#include "softarm/identify/constants.h"
+#include "softarm/identify/shape_error.h"
+
+namespace softarm::identify {
+
+/// Trials that nothing can be identified from. what() is one line: what is wrong, and the remedy.
+class IdentifyError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// What is fitted, and to which frames.
+struct Options {
+  /// Patterns of the constants that are free, see matching(); empty: default_free().
+  std::vector<std::string> free;
+  std::vector<std::string> also_free;  ///< freed beside those
+  std::vector<std::string> held;       ///< held at the arm's value, whatever frees them
+
+  std::vector<std::string> held_out;  ///< names of trials that are not fitted; empty: by held_out_share
+  double held_out_share = 1.0 / 3.0;  ///< of three or more trials, at least one; 0: none
+  /// 0: every n-th trial is held out; else they are drawn with this seed.
+  std::uint64_t seed = 0;
+
+  FrameChoice frames;
+  /// Bounds the influence of a body that lies off and drops gross ones.
+  bool robust = true;
+  /// A constant is determined at this standard deviation or better, as a share of its scale, see Constant.
+  double determined_sd = 0.25;
+  int max_iterations = 60;  ///< per pass
+};
+
+/// One free constant after the fit.
+struct Constant {
+  ConstantRef ref;
+  std::string name, unit;
+  double initial = 0.0, value = 0.0;
+  /// Standard deviation from the trials alone: noise, misfit of the model and what frames of a trial share.
+  /// Where the trials say nothing it is very large, but finite.
+  double sd = 0.0;
+  /// What a useful sd is measured by: the value's size or, near zero, the size at which it would matter.
+  double scale = 0.0;
+  bool determined = false;
+  bool at_bound = false;  ///< the fit ran into the limit of what an arm may have
+  /// Constants of correlation 0.9 or more with this one; for one that is not determined, those that share
+  /// its undetermined combination. Correlation -1 ... 1.
+  std::vector<std::pair<std::string, double>> confused_with;
+  std::string advice;  ///< what the trials lack; empty if determined
+};
+
+/// A direction in which the constants can move together without the trials contradicting.
+struct Combination {
+  double relative_sd = 0.0;                           ///< of the scaled direction of unit norm
+  std::vector<std::pair<std::string, double>> parts;  ///< shares (of each constant's scale), largest first
+  std::string sentence;
+};
+
+struct TrialSummary {
+  std::string name;
+  bool held_out = false;
+  std::size_t frames = 0;  ///< chosen
+  ShapeError before, after;
+};
+
+struct Result {
+  Arm arm;  ///< the given arm with identified constants and prior; undetermined ones keep to their start
+  std::vector<Constant> constants;
+  Eigen::MatrixXd correlation;  ///< of the constants, in their order
+  Eigen::MatrixXd covariance;   ///< in the units of the constants; see Constant::sd
+  std::vector<Combination> undetermined;
+
+  ShapeError fitted_before, fitted;      ///< on the trials that were fitted
+  ShapeError held_out_before, held_out;  ///< on those that were not; no frames where none were held out
+  std::vector<TrialSummary> trials;
+
+  LawPrior prior;
+  double misfit = 0.0;                            ///< sqrt(chi^2 / dof): rms residual over the stated noise
+  double position_rms_m = 0.0;                    ///< per coordinate, of the fitted bodies
+  double autocorrelation = 1.0;                   ///< number of consecutive fitted frames that are worth one
+  double uncertainty_factor = 1.0;                ///< typical sd over that of noise alone
+  std::size_t frames = 0, bodies = 0;             ///< fitted
+  std::map<std::string, std::uint64_t> left_out;  ///< frames not used, by reason
+  std::map<std::string, std::uint64_t> bodies_set_aside;  ///< observations dropped as outliers, by body
+  int iterations = 0;
+  bool converged = false;
+};
+
+/// Called with the share of the work that is done, 0 ... 1.
+using ProgressCallback = std::function<void(double)>;
+
+/// Fits the free constants to the trials that are not held out.
+///
+/// 1. Choose frames: payload, inputs, base and bodies known; at rest where there are such; spread over inputs
+///    and payload. The shape of each follows from the laws and the rod's statics, nothing else.
+/// 2. Levenberg-Marquardt (Ceres) on all frames together, scaled, within allowed_range(); residuals by the
+///    stated noise; derivatives of the rod analytic, of the laws by central differences.
+/// 3. Huber's loss by body at 3.5 times the misfit; bodies beyond 6 times it are dropped, and the fit
+///    repeated.
+/// 4. Covariance (J^T W J)^-1 without the weak prior that holds what the trials do not tell, widened by the
+///    misfit, by the autocorrelation of residuals, and by the spread of the trials' own gradients (clustered
+///    sandwich, shrunk towards the former): never narrower than noise alone.
+/// 5. Small eigenvalues of the scaled information name the combinations that are not determined.
+/// 6. Errors on held-out trials before and after; the laws' remaining errors, lasting and passing, as prior.
+/// @throws IdentifyError without usable frames; the message counts why they were left out
+/// @throws std::invalid_argument for patterns or trial names that match nothing
+Result identify(const Arm& arm, const std::vector<Trial>& trials, const Options& options = {},
+                const ProgressCallback& progress = {});
+
+/// Tables for people: constants, correlations, errors, what was left out.
+std::string describe(const Result& result);
+/// The same for programs, JSON.
+std::string to_json(const Result& result);
+
+}  // namespace softarm::identify

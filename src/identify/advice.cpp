@@ -1,0 +1,114 @@
+#include "advice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace softarm::identify {
+namespace {
+
+constexpr double kPartThatCounts = 0.2;  // of a direction of unit norm
+constexpr double kStrongCorrelation = 0.9;
+
+bool is_gain(ConstantKind kind) {
+  return kind == ConstantKind::kMomentGain || kind == ConstantKind::kTendonOffset;
+}
+
+bool is_stiffness(ConstantKind kind) {
+  return kind == ConstantKind::kBendingStiffness || kind == ConstantKind::kPerMinPressure ||
+         kind == ConstantKind::kPerJammingPressure || kind == ConstantKind::kByPressure;
+}
+
+/// At a limit that the truth is unlikely to lie at. (Stiffness that pressure does not change is common.)
+bool refused(const Constant& c) {
+  return c.at_bound && c.ref.kind != ConstantKind::kPerMinPressure &&
+         c.ref.kind != ConstantKind::kPerJammingPressure;
+}
+
+std::string list_of(const Combination& combination) {
+  std::string names;
+  for (const auto& part : combination.parts) names += (names.empty() ? "" : ", ") + part.first;
+  return names;
+}
+
+}  // namespace
+
+void judge(const Arm& arm, const std::vector<StaticFrame>& frames, const Uncertainty& uncertainty,
+           const Eigen::VectorXd& scale, double determined_sd, Result& result) {
+  const Conditions conditions(arm, frames);
+  const int count = static_cast<int>(result.constants.size());
+  const auto constant = [&](int j) -> Constant& { return result.constants[static_cast<std::size_t>(j)]; };
+  for (int j = 0; j < count; ++j) {
+    Constant& c = constant(j);
+    c.determined = c.sd <= determined_sd * c.scale && !refused(c);
+    for (int k = 0; k < count; ++k) {
+      if (k != j && std::abs(result.correlation(j, k)) >= kStrongCorrelation)
+        c.confused_with.emplace_back(constant(k).name, result.correlation(j, k));
+    }
+  }
+  // Directions in units of each constant's own final scale.
+  for (int i = 0; i < count; ++i) {
+    Eigen::VectorXd v = uncertainty.directions.col(i) * uncertainty.direction_sd[i];
+    for (int j = 0; j < count; ++j) v[j] *= scale[j] / constant(j).scale;
+    const double sd = v.norm();
+    if (sd <= determined_sd) continue;
+    v /= sd;
+    Combination combination;
+    combination.relative_sd = sd;
+    std::vector<int> members;
+    for (int j = 0; j < count; ++j) {
+      if (std::abs(v[j]) >= kPartThatCounts) members.push_back(j);
+    }
+    std::sort(members.begin(), members.end(), [&](int a, int b) { return std::abs(v[a]) > std::abs(v[b]); });
+    bool gains = false, stiffness = false;
+    const double sign = v[members.front()] < 0.0 ? -1.0 : 1.0;
+    for (const int j : members) {
+      combination.parts.emplace_back(constant(j).name, sign * v[j]);
+      gains = gains || is_gain(constant(j).ref.kind);
+      stiffness = stiffness || is_stiffness(constant(j).ref.kind);
+    }
+    const Constant& first = constant(members.front());
+    std::string lack = conditions.advice(first.ref);
+    if (members.size() == 1) {
+      combination.sentence = first.name + " is not determined: " + lack;
+    } else if (conditions.driven_alike(first.ref, constant(members[1]).ref)) {
+      lack = "their inputs always stand in the same ratio: record trials with each of them alone";
+      combination.sentence = list_of(combination) + " cannot be told apart: " + lack;
+    } else {
+      combination.sentence =
+          fmt::format("{} can change together and no trial would show it{}: {}", list_of(combination),
+                      gains && stiffness ? " (only moment over stiffness shows)" : "", lack);
+    }
+    for (const int j : members) {
+      Constant& c = constant(j);
+      if (c.determined) continue;
+      if (c.advice.empty()) {
+        c.advice = lack;
+        // The stiffness laws have conditions of their own.
+        if (is_stiffness(c.ref.kind) && c.ref.kind != ConstantKind::kBendingStiffness)
+          c.advice = conditions.advice(c.ref);
+      }
+      for (const int k : members) {
+        const auto known = std::find_if(c.confused_with.begin(), c.confused_with.end(),
+                                        [&](const auto& other) { return other.first == constant(k).name; });
+        if (k != j && known == c.confused_with.end())
+          c.confused_with.emplace_back(constant(k).name, result.correlation(j, k));
+      }
+    }
+    result.undetermined.push_back(std::move(combination));
+  }
+  for (int j = 0; j < count; ++j) {
+    Constant& c = constant(j);
+    if (refused(c)) {
+      c.advice = fmt::format("the fit ran into the limit of what an arm may have, {:g} {}; check {}", c.value,
+                             c.unit,
+                             is_gain(c.ref.kind) ? "the bending direction and which input feeds it"
+                                                 : "the arm's other values and the trials");
+    } else if (!c.determined && c.advice.empty()) {
+      c.advice = conditions.advice(c.ref);
+    }
+  }
+}
+
+}  // namespace softarm::identify

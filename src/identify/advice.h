@@ -1,0 +1,45 @@
+// Which constants the trials cannot tell, what they are taken for, and which trial would tell.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "softarm/identify/identify.h"
+#include "static_frame.h"
+#include "uncertainty.h"
+
+namespace softarm::identify {
+
+/// What the frames vary, for scales and advice.
+class Conditions {
+ public:
+  Conditions(const Arm& arm, const std::vector<StaticFrame>& frames);
+
+  /// Size at which a constant matters where its value is zero or near it.
+  double reference_scale(const ConstantRef& constant) const;
+  /// One sentence: what the trials lack for this constant.
+  std::string advice(const ConstantRef& constant) const;
+  /// The two are driven by inputs that always stand in the same ratio.
+  bool driven_alike(const ConstantRef& a, const ConstantRef& b) const;
+  bool vacuum_seen(int segment) const;
+
+ private:
+  std::string load_advice() const;
+  std::string input_of(const ConstantRef& constant) const;
+  double largest(const std::string& input) const;
+  double range(const std::string& input) const;
+  std::vector<double> values(const std::string& input) const;
+  /// Per frame: lowest chamber pressure, and vacuum plus mean chamber pressure.
+  double largest_minimum(int segment) const;
+  double largest_jamming(int segment) const;
+
+  const Arm& arm_;
+  const std::vector<StaticFrame>& frames_;
+};
+
+/// Fills determined, confused_with and advice of the constants, and Result::undetermined.
+/// @param scale of each constant in Result::constants, against which uncertainty is in units of
+void judge(const Arm& arm, const std::vector<StaticFrame>& frames, const Uncertainty& uncertainty,
+           const Eigen::VectorXd& scale, double determined_sd, Result& result);
+
+}  // namespace softarm::identify

@@ -1,0 +1,212 @@
+// Which frames are worth fitting: known, at rest, and unlike each other.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "static_frame.h"
+
+namespace softarm::identify {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kFarFromArm = 5.0;        // in lengths of the arm: units, or another object
+constexpr double kStillFor_s = 0.5;        // before a frame that is taken for one at rest
+constexpr double kStillInput = 0.01;       // share of an input's range over the trial
+constexpr double kStillSpeed_m_s = 0.01;   // of the farthest body
+constexpr double kFewestStatic = 3;        // frames at rest for which a trial's others are left out
+constexpr std::size_t kCandidates = 2000;  // of one trial
+constexpr double kTimeWeight = 0.1;        // of a whole trial against a whole range of an input
+
+/// Frames of one trial in the rod's base frame.
+class Preparer {
+ public:
+  Preparer(const Arm& arm, std::map<std::string, std::uint64_t>& left_out) : arm_(arm), left_out_(left_out) {}
+
+  std::optional<StaticFrame> prepare(const Frame& frame) {
+    StaticFrame out;
+    out.stamp_s = frame.stamp_s;
+    const std::optional<double> payload = frame.payload_kg ? frame.payload_kg : arm_.payload.default_kg;
+    if (!payload || !std::isfinite(*payload)) return leave_out("payload not known");
+    out.payload_kg = *payload;
+    if (arm_.base.body) {
+      if (frame.base_body && frame.base_body->matrix().allFinite()) last_base_ = frame.base_body;
+      const bool now = frame.base_body && last_base_;
+      if (!now && !(arm_.base.hold_last && last_base_)) return leave_out("base not seen");
+    }
+    const Eigen::Isometry3d base =
+        arm_.base.body ? *last_base_ * arm_.base.rod_in_body : arm_.base.fixed_pose;
+    out.gravity_base = base.linear().transpose() * arm_.gravity_m_s2;
+    out.inputs = frame.inputs;
+    if (!predict(arm_, out.inputs)) return leave_out("inputs missing or beyond the laws");
+    const Eigen::Isometry3d to_base = base.inverse();
+    for (const BodyObservation& seen : frame.bodies) add_body(seen, to_base, out);
+    if (out.bodies.empty()) return leave_out("no body seen");
+    return out;
+  }
+
+ private:
+  std::optional<StaticFrame> leave_out(const char* reason) {
+    ++left_out_[reason];
+    return std::nullopt;
+  }
+
+  void add_body(const BodyObservation& seen, const Eigen::Isometry3d& to_base, StaticFrame& out) const {
+    if (seen.body < 0 || seen.body >= static_cast<int>(arm_.bodies.size()) || !seen.p_mocap.allFinite())
+      return;
+    const MeasuredBody& body = arm_.bodies[static_cast<std::size_t>(seen.body)];
+    SeenBody made;
+    made.body = seen.body;
+    if (seen.q_mocap && seen.q_mocap->coeffs().allFinite() && seen.q_mocap->norm() > 0.5) {
+      const Eigen::Quaterniond q = seen.q_mocap->normalized();
+      made.p_base = to_base * (seen.p_mocap + q * body.section_in_body.translation());
+      if (body.orientation_usable && body.kind == BodyKind::kRing)
+        made.tangent_base = to_base.linear() * (q * (body.section_in_body.linear() * Vector3d::UnitZ()));
+    } else {
+      // Without an orientation an offset in the body's frame has no direction.
+      if (!body.section_in_body.translation().isZero()) return;
+      made.p_base = to_base * seen.p_mocap;
+    }
+    if (made.p_base.norm() < kFarFromArm * arm_.total_length_m()) out.bodies.push_back(made);
+  }
+
+  const Arm& arm_;
+  std::map<std::string, std::uint64_t>& left_out_;
+  std::optional<Eigen::Isometry3d> last_base_;
+};
+
+/// Inputs (0 where absent) and payload as one vector.
+Eigen::VectorXd settings(const StaticFrame& frame) {
+  Eigen::VectorXd v(static_cast<int>(frame.inputs.size()) + 1);
+  for (std::size_t i = 0; i < frame.inputs.size(); ++i)
+    v[static_cast<int>(i)] = frame.inputs[i].value_or(0.0);
+  v[v.size() - 1] = frame.payload_kg;
+  return v;
+}
+
+/// Largest distance that one body has moved between two frames, m.
+double moved_m(const StaticFrame& a, const StaticFrame& b) {
+  double largest = 0.0;
+  for (const SeenBody& x : a.bodies) {
+    for (const SeenBody& y : b.bodies) {
+      if (x.body == y.body) largest = std::max(largest, (x.p_base - y.p_base).norm());
+    }
+  }
+  return largest;
+}
+
+/// For each frame whether inputs and payload have not changed for a while and the bodies do not move. A frame
+/// whose past is not recorded counts: recordings of single static shapes are made of such.
+std::vector<bool> at_rest(const std::vector<StaticFrame>& frames, double noise_m) {
+  std::vector<bool> rest(frames.size(), true);
+  if (frames.empty()) return rest;
+  std::vector<Eigen::VectorXd> at;
+  for (const StaticFrame& frame : frames) at.push_back(settings(frame));
+  Eigen::VectorXd low = at.front(), high = at.front();
+  for (const Eigen::VectorXd& v : at) {
+    if (v.size() != low.size()) continue;
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
+  const Eigen::VectorXd tolerance = kStillInput * (high - low);
+  std::size_t newest_change = 0;  // first frame of the run of equal settings, compared with its first
+  std::size_t past = 0;           // first frame no older than kStillFor_s
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const bool same = at[i].size() == at[newest_change].size() &&
+                      ((at[i] - at[newest_change]).cwiseAbs().array() <= tolerance.array() + 1e-12).all();
+    if (!same) newest_change = i;
+    while (frames[past].stamp_s < frames[i].stamp_s - kStillFor_s) ++past;
+    if (newest_change > past) rest[i] = false;
+    const double span_s = frames[i].stamp_s - frames[past].stamp_s;
+    if (span_s > 0.0 && moved_m(frames[i], frames[past]) > kStillSpeed_m_s * span_s + 6.0 * noise_m)
+      rest[i] = false;
+  }
+  return rest;
+}
+
+/// Greedy farthest points over inputs, payload and (weakly) time: deterministic, and dense nowhere.
+std::vector<std::size_t> spread(const std::vector<StaticFrame>& frames, const Eigen::VectorXd& range,
+                                std::size_t count) {
+  std::vector<std::size_t> chosen;
+  if (count == 0 || frames.size() <= count) {
+    for (std::size_t i = 0; i < frames.size(); ++i) chosen.push_back(i);
+    return chosen;
+  }
+  const double begin_s = frames.front().stamp_s;
+  const double span_s = std::max(1e-9, frames.back().stamp_s - begin_s);
+  Eigen::MatrixXd points(range.size() + 1, static_cast<int>(frames.size()));
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const Eigen::VectorXd v = settings(frames[i]);
+    const int column = static_cast<int>(i);
+    points.col(column).setZero();
+    for (int k = 0; k < std::min(v.size(), range.size()); ++k)
+      points(k, column) = range[k] > 0.0 ? v[k] / range[k] : 0.0;
+    points(range.size(), column) = kTimeWeight * (frames[i].stamp_s - begin_s) / span_s;
+  }
+  Eigen::VectorXd distance =
+      Eigen::VectorXd::Constant(points.cols(), std::numeric_limits<double>::infinity());
+  int next = 0;
+  while (chosen.size() < count) {
+    chosen.push_back(static_cast<std::size_t>(next));
+    distance = distance.cwiseMin((points.colwise() - points.col(next)).colwise().squaredNorm().transpose());
+    distance.maxCoeff(&next);
+  }
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
+}
+
+}  // namespace
+
+FrameSet choose_frames(const Arm& arm, const std::vector<Trial>& trials, const FrameChoice& choice) {
+  FrameSet set;
+  double noise_m = 0.0;
+  for (const MeasuredBody& body : arm.bodies) noise_m = std::max(noise_m, body.position_sd_m);
+  std::vector<std::vector<StaticFrame>> candidates(trials.size());
+  for (std::size_t t = 0; t < trials.size(); ++t) {
+    Preparer preparer(arm, set.left_out);
+    std::vector<StaticFrame> known;
+    for (const Frame& frame : trials[t].frames) {
+      if (std::optional<StaticFrame> made = preparer.prepare(frame)) {
+        made->trial = t;
+        known.push_back(std::move(*made));
+      }
+    }
+    if (choice.prefer_static) {
+      const std::vector<bool> rest = at_rest(known, noise_m);
+      const auto still = std::count(rest.begin(), rest.end(), true);
+      if (still >= kFewestStatic && still < static_cast<std::ptrdiff_t>(known.size())) {
+        std::vector<StaticFrame> quiet;
+        for (std::size_t i = 0; i < known.size(); ++i) {
+          if (rest[i]) quiet.push_back(std::move(known[i]));
+        }
+        set.left_out["in motion"] += known.size() - quiet.size();
+        known = std::move(quiet);
+      }
+    }
+    if (choice.frames_per_trial > 0 && known.size() > std::max(kCandidates, choice.frames_per_trial)) {
+      const std::size_t keep = std::max(kCandidates, choice.frames_per_trial);
+      std::vector<StaticFrame> thinned;
+      for (std::size_t i = 0; i < keep; ++i) thinned.push_back(std::move(known[i * known.size() / keep]));
+      set.left_out["alike"] += known.size() - keep;
+      known = std::move(thinned);
+    }
+    candidates[t] = std::move(known);
+  }
+  Eigen::VectorXd low, high;
+  for (const auto& known : candidates) {
+    for (const StaticFrame& frame : known) {
+      const Eigen::VectorXd v = settings(frame);
+      if (low.size() != v.size()) low = high = v;
+      low = low.cwiseMin(v);
+      high = high.cwiseMax(v);
+    }
+  }
+  for (auto& known : candidates) {
+    const std::vector<std::size_t> chosen = spread(known, high - low, choice.frames_per_trial);
+    if (chosen.size() < known.size()) set.left_out["alike"] += known.size() - chosen.size();
+    for (const std::size_t i : chosen) set.frames.push_back(std::move(known[i]));
+  }
+  return set;
+}
+
+}  // namespace softarm::identify

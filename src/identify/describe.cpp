@@ -1,0 +1,134 @@
+// The tables that people read.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "softarm/identify/identify.h"
+
+namespace softarm::identify {
+namespace {
+
+constexpr double kStrongCorrelation = 0.9;
+constexpr std::size_t kMostCorrelations = 12;
+
+std::string error_row(const char* name, const ShapeError& e) {
+  const auto cell = [&](double m) { return fmt::format("{:.2f} mm {:5.2f} %", 1e3 * m, e.percent(m)); };
+  return fmt::format("  {:<24}{:>18}{:>18}{:>18}{:>18}{:>9}\n", name, cell(e.mean_m), cell(e.median_m),
+                     cell(e.maximum_m), cell(e.minimum_m), e.frames);
+}
+
+std::string constants_table(const Result& result) {
+  std::size_t width = 8;
+  for (const Constant& c : result.constants) width = std::max(width, c.name.size());
+  std::string text = fmt::format("{:<{}}  {:>12} {:>12} {:>8}  {:>12}  {:<10} {}\n", "constant", width,
+                                 "value", "+- sd", "", "before", "unit", "told");
+  for (const Constant& c : result.constants) {
+    // Beyond ten times the constant's size an sd is only another word for "not told".
+    const bool sd_means_something = c.sd < 10.0 * c.scale;
+    const std::string sd = sd_means_something ? fmt::format("{:.2g}", c.sd) : "-";
+    const double relative = 100.0 * c.sd / c.scale;
+    const std::string percent =
+        sd_means_something ? fmt::format("{:.{}f} %", relative, relative < 10.0 ? 1 : 0) : "";
+    text += fmt::format("{:<{}}  {:>12.5g} {:>12} {:>8}  {:>12.5g}  {:<10} {}\n", c.name, width, c.value, sd,
+                        percent, c.initial, c.unit, c.determined ? "yes" : "NO");
+  }
+  const bool elongations =
+      std::any_of(result.constants.begin(), result.constants.end(),
+                  [](const Constant& c) { return c.ref.kind == ConstantKind::kElongation; });
+  if (elongations)
+    text += "elongation: near plus far of a chamber; only the sum enters a shape, no trial separates them\n";
+  return text;
+}
+
+std::string told_text(const Result& result) {
+  std::string text;
+  for (const Constant& c : result.constants) {
+    if (c.determined && c.advice.empty()) continue;
+    text += fmt::format("NOT TOLD: {}: {}\n", c.name, c.advice);
+  }
+  for (const Combination& combination : result.undetermined) {
+    if (combination.parts.size() < 2) continue;
+    std::string parts;
+    for (const auto& [name, share] : combination.parts)
+      parts += fmt::format("{}{:+.2f} {}", parts.empty() ? "" : ", ", share, name);
+    text += fmt::format("not told together: {}\n", parts);
+  }
+  return text;
+}
+
+std::string correlation_text(const Result& result) {
+  struct Pair {
+    double value;
+    int a, b;
+  };
+  std::vector<Pair> pairs;
+  for (int j = 0; j < result.correlation.rows(); ++j) {
+    for (int k = 0; k < j; ++k) {
+      if (std::abs(result.correlation(j, k)) >= kStrongCorrelation)
+        pairs.push_back({result.correlation(j, k), k, j});
+    }
+  }
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [](const Pair& a, const Pair& b) { return std::abs(a.value) > std::abs(b.value); });
+  if (pairs.empty()) return "correlations: none beyond 0.9\n";
+  std::string text = "correlations beyond 0.9:\n";
+  for (std::size_t i = 0; i < pairs.size() && i < kMostCorrelations; ++i) {
+    text += fmt::format("  {:+.3f}  {}  {}\n", pairs[i].value,
+                        result.constants[static_cast<std::size_t>(pairs[i].a)].name,
+                        result.constants[static_cast<std::size_t>(pairs[i].b)].name);
+  }
+  if (pairs.size() > kMostCorrelations)
+    text += fmt::format("  and {} more\n", pairs.size() - kMostCorrelations);
+  return text;
+}
+
+std::string errors_table(const Result& result) {
+  std::string text = fmt::format("{:<26}{:>18}{:>18}{:>18}{:>18}{:>9}\n", "shape error (% of length)", "mean",
+                                 "median", "maximum", "minimum", "frames");
+  text += error_row("fitted trials, before", result.fitted_before);
+  text += error_row("fitted trials, after", result.fitted);
+  if (result.held_out.frames == 0)
+    return text + "  no trial is held out: nothing says how far to trust this\n";
+  text += error_row("held-out trials, before", result.held_out_before);
+  text += error_row("held-out trials, after", result.held_out);
+  return text;
+}
+
+std::string trials_text(const Result& result) {
+  std::string text;
+  for (const TrialSummary& trial : result.trials)
+    text += fmt::format("  {:<32}{:<9} frames {:>5}, mean error {:7.2f} mm -> {:.2f} mm\n", trial.name,
+                        trial.held_out ? "held out" : "fitted", trial.frames, 1e3 * trial.before.mean_m,
+                        1e3 * trial.after.mean_m);
+  return text;
+}
+
+}  // namespace
+
+std::string describe(const Result& result) {
+  std::string text = constants_table(result);
+  text += told_text(result);
+  text += correlation_text(result);
+  text += errors_table(result);
+  text += "trials:\n" + trials_text(result);
+  text += fmt::format(
+      "fit: {} frames, {} bodies, {} iterations{}; misfit {:.2f} times the stated noise ({:.2f} mm rms per "
+      "coordinate);\n     {:.1f} consecutive frames are worth one; intervals {:.2f} times those of noise "
+      "alone\n",
+      result.frames, result.bodies, result.iterations, result.converged ? "" : " (NOT converged)",
+      result.misfit, 1e3 * result.position_rms_m, result.autocorrelation, result.uncertainty_factor);
+  for (const auto& [reason, count] : result.left_out)
+    text += fmt::format("left out: {} frames: {}\n", count, reason);
+  for (const auto& [body, count] : result.bodies_set_aside)
+    text += fmt::format("outliers: {} observations of {}\n", count, body);
+  const LawPrior& prior = result.prior;
+  text += fmt::format(
+      "prior for the estimator: moment {:.4f} N m and {:.1f} %, EI {:.1f} %, length {:.2f} mm; from frame to "
+      "frame {:.4f} N m, {:.2f} mm\n",
+      prior.moment_sd_nm, 100.0 * prior.moment_sd_rel, 100.0 * prior.bending_stiffness_sd_rel,
+      1e3 * prior.length_sd_m, prior.moment_jitter_sd_nm, 1e3 * prior.length_jitter_sd_m);
+  return text;
+}
+
+}  // namespace softarm::identify

@@ -1,0 +1,235 @@
+#include "softarm/identify/identify.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <stdexcept>
+
+#include "advice.h"
+#include "compare_frames.h"
+#include "joint_fit.h"
+#include "law_errors.h"
+#include "uncertainty.h"
+
+namespace softarm::identify {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kAtBound = 1e-6;  // share of the scale
+
+std::vector<bool> choose_held_out(const std::vector<Trial>& trials, const Options& options) {
+  std::vector<bool> held(trials.size(), false);
+  if (!options.held_out.empty()) {
+    for (const std::string& name : options.held_out) {
+      bool any = false;
+      for (std::size_t t = 0; t < trials.size(); ++t) {
+        if (trials[t].name != name) continue;
+        held[t] = any = true;
+      }
+      if (any) continue;
+      std::string names;
+      for (const Trial& trial : trials) names += (names.empty() ? "" : ", ") + trial.name;
+      throw std::invalid_argument(
+          fmt::format("'{}' is no trial that could be held out; there are {}", name, names));
+    }
+    if (std::count(held.begin(), held.end(), false) == 0)
+      throw std::invalid_argument("all trials are held out: nothing is left to fit");
+    return held;
+  }
+  if (trials.size() < 3 || !(options.held_out_share > 0.0)) return held;
+  const double share = std::min(options.held_out_share, 0.9);
+  const auto wanted = static_cast<double>(trials.size()) * share;
+  const auto count = std::clamp<std::size_t>(static_cast<std::size_t>(wanted + 1e-9), 1, trials.size() - 1);
+  if (options.seed == 0) {  // evenly over the order in which they were given, the last of each group
+    for (std::size_t k = 1; k <= count; ++k) held[k * trials.size() / count - 1] = true;
+    return held;
+  }
+  std::vector<std::size_t> order(trials.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::mt19937_64 random(options.seed);
+  for (std::size_t i = 0; i < count; ++i) {
+    std::swap(order[i], order[i + random() % (order.size() - i)]);
+    held[order[i]] = true;
+  }
+  return held;
+}
+
+std::vector<ConstantRef> choose_free(const Arm& arm, const Options& options) {
+  std::vector<ConstantRef> free = options.free.empty() ? default_free(arm) : matching(arm, options.free);
+  const auto same = [](const ConstantRef& a, const ConstantRef& b) {
+    return a.kind == b.kind && a.segment == b.segment && a.index == b.index;
+  };
+  const auto contains = [&](const std::vector<ConstantRef>& list, const ConstantRef& one) {
+    return std::any_of(list.begin(), list.end(), [&](const ConstantRef& other) { return same(one, other); });
+  };
+  for (const ConstantRef& one : matching(arm, options.also_free)) {
+    if (!contains(free, one)) free.push_back(one);
+  }
+  const std::vector<ConstantRef> held = matching(arm, options.held);
+  free.erase(
+      std::remove_if(free.begin(), free.end(), [&](const ConstantRef& c) { return contains(held, c); }),
+      free.end());
+  if (free.empty()) throw IdentifyError(fmt::format("the arm {} has no constant that is free", arm.name));
+  return free;
+}
+
+std::string reasons(const std::map<std::string, std::uint64_t>& left_out) {
+  std::string text;
+  for (const auto& [reason, count] : left_out)
+    text += fmt::format("{}{} frames: {}", text.empty() ? "" : ", ", count, reason);
+  return text.empty() ? "there are no frames" : text;
+}
+
+/// A law that has been zero so far needs its input as well once it may be otherwise.
+Arm with_all_inputs_needed(Arm arm, const std::vector<ConstantRef>& free) {
+  for (const ConstantRef& constant : free) {
+    if (constant.kind == ConstantKind::kPerJammingPressure && value_of(arm, constant) == 0.0)
+      set_value(arm, constant, 1e-30);
+  }
+  return arm;
+}
+
+/// Errors of chosen frames before and after, over all and trial by trial.
+void compare_all(const Arm& before, const std::vector<StaticFrame>& frames, bool held_out, Result& result) {
+  const auto old_shapes = compare_frames(before, frames);
+  const auto new_shapes = compare_frames(result.arm, frames);
+  const double length = before.total_length_m(), new_length = result.arm.total_length_m();
+  (held_out ? result.held_out_before : result.fitted_before) = summarise(old_shapes, length);
+  (held_out ? result.held_out : result.fitted) = summarise(new_shapes, new_length);
+  for (std::size_t t = 0; t < result.trials.size(); ++t) {
+    TrialSummary& trial = result.trials[t];
+    if (trial.held_out != held_out) continue;
+    const auto of_trial = [&](const std::vector<FrameComparison>& all) {
+      std::vector<FrameComparison> some;
+      std::copy_if(all.begin(), all.end(), std::back_inserter(some),
+                   [&](const FrameComparison& f) { return f.trial == t; });
+      return some;
+    };
+    trial.before = summarise(of_trial(old_shapes), length);
+    trial.after = summarise(of_trial(new_shapes), new_length);
+  }
+}
+
+}  // namespace
+
+Result identify(const Arm& arm, const std::vector<Trial>& trials, const Options& options,
+                const ProgressCallback& progress) {
+  const auto report = [&](double share) {
+    if (progress) progress(share);
+  };
+  std::vector<ConstantRef> free = choose_free(arm, options);
+  const std::vector<bool> held_out = choose_held_out(trials, options);
+
+  // 1. Frames.
+  Result result;
+  std::vector<StaticFrame> fitted, others;
+  {
+    FrameSet all = choose_frames(arm, trials, options.frames);
+    const Conditions conditions(arm, all.frames);
+    free.erase(std::remove_if(free.begin(), free.end(),
+                              [&](const ConstantRef& c) {
+                                return c.kind == ConstantKind::kPerJammingPressure &&
+                                       !conditions.vacuum_seen(c.segment);
+                              }),
+               free.end());
+    const Arm needing = with_all_inputs_needed(arm, free);
+    all.frames.erase(std::remove_if(all.frames.begin(), all.frames.end(),
+                                    [&](const StaticFrame& f) {
+                                      if (predict(needing, f.inputs)) return false;
+                                      ++all.left_out["inputs missing or beyond the laws"];
+                                      return true;
+                                    }),
+                     all.frames.end());
+    result.left_out = all.left_out;
+    for (std::size_t t = 0; t < trials.size(); ++t)
+      result.trials.push_back({trials[t].name, held_out[t], 0, {}, {}});
+    for (StaticFrame& frame : all.frames) {
+      ++result.trials[frame.trial].frames;
+      (held_out[frame.trial] ? others : fitted).push_back(std::move(frame));
+    }
+  }
+  if (fitted.empty()) throw IdentifyError("no frame of the trials can be used: " + reasons(result.left_out));
+  report(0.05);
+
+  // 2. and 3. The fit.
+  std::vector<FreeConstant> constants;
+  const Conditions conditions(arm, fitted);
+  for (const ConstantRef& ref : free) {
+    FreeConstant constant{ref, value_of(arm, ref), 1.0, allowed_range(arm, ref)};
+    const double size = ref.kind == ConstantKind::kLength ? 0.0 : std::abs(constant.initial);
+    constant.scale = std::max(size, conditions.reference_scale(ref));
+    constants.push_back(constant);
+  }
+  const int count = static_cast<int>(constants.size());
+  JointProblem problem(arm, constants, fitted, options);
+  const JointFit fit =
+      problem.solve([&](int iteration) { report(0.05 + 0.75 * iteration / (iteration + 10.0)); });
+  result.converged = fit.converged;
+  result.iterations = fit.iterations;
+  for (const bool solved : fit.solved) ++(solved ? result.frames : result.left_out["no equilibrium"]);
+  for (const StaticFrame& frame : fitted) {
+    for (const SeenBody& seen : frame.bodies) {
+      if (seen.used) {
+        ++result.bodies;
+      } else {
+        ++result.bodies_set_aside[arm.bodies[static_cast<std::size_t>(seen.body)].name];
+      }
+    }
+  }
+
+  // 4. How sure.
+  const Uncertainty sure = uncertainty(problem, fitted, count);
+  result.misfit = sure.misfit;
+  result.position_rms_m = sure.position_rms_m;
+  result.autocorrelation = sure.autocorrelation;
+  result.uncertainty_factor = sure.factor;
+  result.arm = arm;
+  VectorXd scale(count);
+  for (int j = 0; j < count; ++j) {
+    const FreeConstant& c = constants[static_cast<std::size_t>(j)];
+    scale[j] = c.scale;
+    Constant made;
+    made.ref = c.ref;
+    made.name = name_of(arm, c.ref);
+    made.unit = unit_of(c.ref.kind);
+    made.initial = c.initial;
+    made.value = fit.theta[j];
+    const double size = c.ref.kind == ConstantKind::kLength ? 0.0 : std::abs(made.value);
+    made.scale = std::max(size, conditions.reference_scale(c.ref));
+    const double margin = kAtBound * c.scale;
+    made.at_bound = made.value <= c.range.low + margin || made.value >= c.range.high - margin;
+    result.constants.push_back(made);
+    set_value(result.arm, c.ref, made.value);
+  }
+  result.covariance = scale.asDiagonal() * sure.covariance * scale.asDiagonal();
+  result.correlation = MatrixXd::Identity(count, count);
+  for (int j = 0; j < count; ++j) {
+    result.constants[static_cast<std::size_t>(j)].sd = std::sqrt(result.covariance(j, j));
+    for (int k = 0; k < j; ++k) {
+      const double c = result.covariance(j, k) / std::sqrt(result.covariance(j, j) * result.covariance(k, k));
+      result.correlation(j, k) = result.correlation(k, j) = std::clamp(c, -1.0, 1.0);
+    }
+  }
+
+  // 5. What is not told.
+  judge(arm, fitted, sure, scale, options.determined_sd, result);
+  report(0.85);
+
+  // 6. Errors, and what they leave to a prior.
+  compare_all(arm, fitted, false, result);
+  compare_all(arm, others, true, result);
+  report(0.95);
+  std::vector<StaticFrame> all = fitted;
+  all.insert(all.end(), others.begin(), others.end());
+  problem.model().set(fit.theta);
+  result.prior = law_errors(arm, problem.model(), all, result.covariance);
+  result.arm.estimator.prior = result.prior;
+  report(1.0);
+  return result;
+}
+
+}  // namespace softarm::identify

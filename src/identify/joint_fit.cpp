@@ -1,0 +1,312 @@
+#include "joint_fit.h"
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+namespace softarm::identify {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr double kHuber = 3.5;  // distances of bodies over noise and misfit
+constexpr double kGross = 6.0;  // at which a body is dropped
+constexpr int kPasses = 8;
+// The prior that holds what is not told: about the start, in scales, and wider by what was moved already.
+constexpr double kWeakSd = 1.0;
+constexpr double kWeakSdPerMove = 3.0;
+constexpr double kStep = 1e-5;            // of central differences, in scales
+constexpr double kMedianOfChi3 = 1.5382;  // median distance of a body in standard deviations, and a tangent's
+constexpr double kMedianOfChi2 = 1.1774;
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+VectorXd scales(const std::vector<FreeConstant>& constants) {
+  VectorXd scale(static_cast<int>(constants.size()));
+  for (int j = 0; j < scale.size(); ++j) scale[j] = constants[static_cast<std::size_t>(j)].scale;
+  return scale;
+}
+
+std::vector<ConstantRef> refs(const std::vector<FreeConstant>& constants) {
+  std::vector<ConstantRef> list;
+  for (const FreeConstant& constant : constants) list.push_back(constant.ref);
+  return list;
+}
+
+}  // namespace
+
+/// Solves every active frame when Ceres moves to another x; the blocks then only copy.
+class JointProblem::Callback : public ceres::EvaluationCallback {
+ public:
+  Callback(JointProblem& problem, const VectorXd& x) : problem_(problem), x_(x) {}
+  void PrepareForEvaluation(bool, bool new_point) override {
+    if (!new_point) return;
+    problem_.model_.set(problem_.scale_.cwiseProduct(x_));
+    valid_ = true;
+    for (std::size_t i = 0; i < problem_.frames_.size() && valid_; ++i) {
+      if (problem_.active_[i]) valid_ = problem_.evaluate_frame(i, false);
+    }
+  }
+  bool valid() const { return valid_; }
+
+ private:
+  JointProblem& problem_;
+  const VectorXd& x_;
+  bool valid_ = false;
+};
+
+class JointProblem::BlockCost : public ceres::CostFunction {
+ public:
+  BlockCost(const JointProblem& problem, const Callback& callback, const Block& block)
+      : problem_(problem), callback_(callback), block_(block) {
+    set_num_residuals(3);
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(problem.constants_.size()));
+  }
+  bool Evaluate(double const* const*, double* residuals, double** jacobians) const override {
+    if (!callback_.valid()) return false;
+    Eigen::Map<Vector3d>{residuals} = problem_.residual(block_);
+    if (jacobians != nullptr && jacobians[0] != nullptr) {
+      Eigen::Map<Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>>(
+          jacobians[0], 3, static_cast<int>(problem_.constants_.size())) = problem_.jacobian(block_);
+    }
+    return true;
+  }
+
+ private:
+  const JointProblem& problem_;
+  const Callback& callback_;
+  const Block block_;
+};
+
+namespace {
+
+/// x stays near its start where nothing else tells it.
+class WeakPrior : public ceres::CostFunction {
+ public:
+  WeakPrior(VectorXd start, VectorXd sd) : start_(std::move(start)), sd_(std::move(sd)) {
+    set_num_residuals(static_cast<int>(start_.size()));
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(start_.size()));
+  }
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    const auto n = start_.size();
+    Eigen::Map<VectorXd>(residuals, n) =
+        (Eigen::Map<const VectorXd>(parameters[0], n) - start_).cwiseQuotient(sd_);
+    if (jacobians != nullptr && jacobians[0] != nullptr)
+      Eigen::Map<Eigen::MatrixXd>(jacobians[0], n, n) = sd_.cwiseInverse().asDiagonal();
+    return true;
+  }
+
+ private:
+  const VectorXd start_, sd_;
+};
+
+class Reporter : public ceres::IterationCallback {
+ public:
+  explicit Reporter(std::function<void()> report) : report_(std::move(report)) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
+    report_();
+    return ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  const std::function<void()> report_;
+};
+
+}  // namespace
+
+JointProblem::JointProblem(const Arm& arm, std::vector<FreeConstant> constants,
+                           std::vector<StaticFrame>& frames, const Options& options)
+    : arm_(arm),
+      constants_(std::move(constants)),
+      frames_(frames),
+      options_(options),
+      model_(arm, refs(constants_), kStep * scales(constants_)),
+      scale_(scales(constants_)),
+      equilibria_(frames.size()),
+      predictions_(frames.size()),
+      solved_(frames.size(), false),
+      active_(frames.size(), true) {}
+
+bool JointProblem::evaluate_frame(std::size_t i, bool cold) {
+  if (cold) equilibria_[i].reset();
+  return solved_[i] = model_.predict(frames_[i], equilibria_[i], predictions_[i]);
+}
+
+std::size_t JointProblem::evaluate(const VectorXd& theta) {
+  model_.set(theta);
+  std::size_t solved = 0;
+  for (std::size_t i = 0; i < frames_.size(); ++i) solved += evaluate_frame(i, false) ? 1 : 0;
+  return solved;
+}
+
+double JointProblem::sd(const Block& block) const {
+  const SeenBody& seen = frames_[block.frame].bodies[static_cast<std::size_t>(block.body)];
+  const MeasuredBody& body = arm_.bodies[static_cast<std::size_t>(seen.body)];
+  return block.tangent ? body.orientation_sd_rad : body.position_sd_m;
+}
+
+Vector3d JointProblem::residual(const Block& block) const {
+  const SeenBody& seen = frames_[block.frame].bodies[static_cast<std::size_t>(block.body)];
+  const Prediction& predicted = predictions_[block.frame];
+  if (block.tangent) return (predicted.tangent.col(block.body) - *seen.tangent_base) / sd(block);
+  return (predicted.p.col(block.body) - seen.p_base) / sd(block);
+}
+
+Eigen::MatrixXd JointProblem::jacobian(const Block& block) const {
+  const Prediction& predicted = predictions_[block.frame];
+  const auto& by_theta = block.tangent ? predicted.dtangent : predicted.dp;
+  return by_theta.middleRows(3 * block.body, 3) * scale_.asDiagonal() / sd(block);
+}
+
+double JointProblem::weight(const Block& block, double squared_distance) const {
+  if (!options_.robust) return 1.0;
+  const double threshold = kHuber * (block.tangent ? tangent_scale_ : position_scale_);
+  const double distance = std::sqrt(squared_distance);
+  return distance > threshold ? threshold / distance : 1.0;
+}
+
+std::vector<Block> JointProblem::blocks() const {
+  std::vector<Block> list;
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    if (!active_[i] || !solved_[i]) continue;
+    for (std::size_t k = 0; k < frames_[i].bodies.size(); ++k) {
+      const SeenBody& seen = frames_[i].bodies[k];
+      if (!seen.used) continue;
+      list.push_back({i, static_cast<int>(k), false});
+      if (seen.tangent_base) list.push_back({i, static_cast<int>(k), true});
+    }
+  }
+  return list;
+}
+
+void JointProblem::measure_scales() {
+  std::vector<double> position, tangent;
+  for (const Block& block : blocks()) (block.tangent ? tangent : position).push_back(residual(block).norm());
+  position_scale_ = std::max(1.0, median(position) / kMedianOfChi3);
+  tangent_scale_ = std::max(1.0, median(tangent) / kMedianOfChi2);
+}
+
+/// @return whether another set of bodies is used now
+bool JointProblem::set_outliers_aside() {
+  bool changed = false;
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    if (!active_[i] || !solved_[i]) continue;
+    for (std::size_t k = 0; k < frames_[i].bodies.size(); ++k) {
+      SeenBody& seen = frames_[i].bodies[k];
+      bool good = residual({i, static_cast<int>(k), false}).norm() <= kGross * position_scale_;
+      if (seen.tangent_base)
+        good = good && residual({i, static_cast<int>(k), true}).norm() <= kGross * tangent_scale_;
+      changed = changed || good != seen.used;
+      seen.used = good;
+    }
+  }
+  return changed;
+}
+
+/// Frames that lie far off may sit on another branch of equilibria than the arm does.
+void JointProblem::retry_cold(double threshold) {
+  const auto badness = [&](std::size_t i) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < frames_[i].bodies.size(); ++k)
+      sum += residual({i, static_cast<int>(k), false}).norm() / static_cast<double>(frames_[i].bodies.size());
+    return sum;
+  };
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    if (!solved_[i]) {
+      evaluate_frame(i, true);
+      continue;
+    }
+    const double before = badness(i);
+    if (before < threshold) continue;
+    const auto equilibrium = equilibria_[i];
+    if (!evaluate_frame(i, true) || badness(i) >= before) {
+      equilibria_[i] = equilibrium;
+      evaluate_frame(i, false);
+    }
+  }
+}
+
+bool JointProblem::minimise(VectorXd& x, const std::function<void(int)>& progress) {
+  Callback callback(*this, x);
+  ceres::Problem::Options problem_options;
+  problem_options.evaluation_callback = &callback;
+  problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::HuberLoss position_loss(kHuber * position_scale_), tangent_loss(kHuber * tangent_scale_);
+  ceres::Problem problem(problem_options);
+  problem.AddParameterBlock(x.data(), static_cast<int>(x.size()));
+  VectorXd start = x;
+  for (int j = 0; j < x.size(); ++j) {
+    const FreeConstant& constant = constants_[static_cast<std::size_t>(j)];
+    const double low = constant.range.low / constant.scale, high = constant.range.high / constant.scale;
+    problem.SetParameterLowerBound(x.data(), j, low);
+    problem.SetParameterUpperBound(x.data(), j, high);
+    x[j] = std::clamp(x[j], low, high);
+    start[j] = std::clamp(constant.initial / constant.scale, low, high);
+  }
+  for (const Block& block : blocks()) {
+    ceres::LossFunction* const loss = block.tangent ? &tangent_loss : &position_loss;
+    problem.AddResidualBlock(new BlockCost(*this, callback, block), options_.robust ? loss : nullptr,
+                             x.data());
+  }
+  const VectorXd sd = kWeakSdPerMove * (x - start).cwiseAbs();
+  problem.AddResidualBlock(new WeakPrior(start, sd.cwiseMax(kWeakSd)), nullptr, x.data());
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+  options.max_num_iterations = options_.max_iterations;
+  options.max_num_consecutive_invalid_steps = 30;
+  options.function_tolerance = 1e-9;
+  options.parameter_tolerance = 1e-8;
+  options.logging_type = ceres::SILENT;
+  options.update_state_every_iteration = true;
+  Reporter reporter([&] { progress(++iterations_); });
+  options.callbacks.push_back(&reporter);
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  return summary.termination_type == ceres::CONVERGENCE;
+}
+
+JointFit JointProblem::solve(const std::function<void(int)>& progress) {
+  VectorXd theta(scale_.size());
+  for (int j = 0; j < theta.size(); ++j) theta[j] = constants_[static_cast<std::size_t>(j)].initial;
+  JointFit fit;
+  evaluate(theta);
+  active_ = solved_;
+  if (std::find(active_.begin(), active_.end(), true) == active_.end())
+    throw IdentifyError(
+        "the arm as described has no equilibrium under the load of any frame; check its "
+        "stiffness, mass and attitude, and the payload");
+  measure_scales();
+  for (int pass = 0; pass < kPasses; ++pass) {
+    VectorXd x = theta.cwiseQuotient(scale_);
+    fit.converged = minimise(x, progress);
+    theta = x.cwiseProduct(scale_);
+    evaluate(theta);
+    const std::vector<bool> before = active_;
+    const double old_scales[2] = {position_scale_, tangent_scale_};
+    retry_cold(kGross * position_scale_);
+    active_ = solved_;
+    measure_scales();
+    bool changed = options_.robust && set_outliers_aside();
+    changed = changed || active_ != before;
+    // The scales decide what Huber's loss bounds: they have settled when they change no more.
+    changed = changed || (options_.robust && (std::abs(position_scale_ / old_scales[0] - 1.0) > 0.02 ||
+                                              std::abs(tangent_scale_ / old_scales[1] - 1.0) > 0.02));
+    if (!changed && pass > 0) break;
+  }
+  fit.theta = theta;
+  fit.iterations = iterations_;
+  fit.position_scale = position_scale_;
+  fit.tangent_scale = tangent_scale_;
+  fit.solved = solved_;
+  return fit;
+}
+
+}  // namespace softarm::identify

@@ -1,0 +1,87 @@
+// All frames together: the constants at which the predicted shapes lie nearest to the measured ones.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "law_model.h"
+#include "softarm/identify/identify.h"
+
+namespace softarm::identify {
+
+/// A free constant, scaled for the solver: theta = scale x.
+struct FreeConstant {
+  ConstantRef ref;
+  double initial = 0.0;
+  double scale = 1.0;
+  Range range;
+};
+
+/// One block of residuals: position or tangent of one body of one frame.
+struct Block {
+  std::size_t frame = 0;
+  int body = 0;  ///< index into StaticFrame::bodies
+  bool tangent = false;
+};
+
+struct JointFit {
+  Eigen::VectorXd theta;
+  bool converged = false;
+  int iterations = 0;
+  double position_scale = 1.0, tangent_scale = 1.0;  ///< misfit over noise, robust, at least 1
+  std::vector<bool> solved;                          ///< per frame
+};
+
+class JointProblem {
+ public:
+  /// @param frames bodies are set aside in it as outliers
+  JointProblem(const Arm& arm, std::vector<FreeConstant> constants, std::vector<StaticFrame>& frames,
+               const Options& options);
+
+  /// @param progress called after each iteration with their number over all passes
+  JointFit solve(const std::function<void(int)>& progress);
+
+  LawModel& model() { return model_; }
+  /// Residual of a block at the last evaluation, whitened.
+  Eigen::Vector3d residual(const Block& block) const;
+  /// Predicted less measured, m; of blocks that are positions.
+  Eigen::Vector3d position_error_m(const Block& block) const { return residual(block) * sd(block); }
+  /// Its derivative by x.
+  Eigen::MatrixXd jacobian(const Block& block) const;
+  /// Huber's weight of a squared whitened distance: 1 inside the threshold.
+  double weight(const Block& block, double squared_distance) const;
+  /// Blocks of used bodies of frames that have a shape.
+  std::vector<Block> blocks() const;
+
+  /// Predicts all frames at theta. @return how many have a shape
+  std::size_t evaluate(const Eigen::VectorXd& theta);
+
+ private:
+  class Callback;
+  class BlockCost;
+
+  double sd(const Block& block) const;
+  void measure_scales();
+  bool set_outliers_aside();
+  void retry_cold(double threshold);
+  bool minimise(Eigen::VectorXd& x, const std::function<void(int)>& progress);
+  bool evaluate_frame(std::size_t i, bool cold);
+
+  const Arm& arm_;
+  const std::vector<FreeConstant> constants_;
+  std::vector<StaticFrame>& frames_;
+  const Options& options_;
+  LawModel model_;
+  Eigen::VectorXd scale_;
+  std::vector<std::optional<Equilibrium>> equilibria_;
+  std::vector<Prediction> predictions_;
+  std::vector<bool> solved_;  ///< at the last evaluation
+  std::vector<bool> active_;  ///< part of the present pass
+  double position_scale_ = 1.0, tangent_scale_ = 1.0;
+  int iterations_ = 0;
+};
+
+}  // namespace softarm::identify

@@ -1,0 +1,209 @@
+#include "law_errors.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace softarm::identify {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int kLaws = 4;
+constexpr int kIterations = 40;
+constexpr double kHuber = 3.5;
+constexpr std::size_t kFewestForShare = 8;  // trials from which an error is split into absolute and relative
+// What a law is never trusted beyond.
+constexpr double kLeastMoment_rel = 0.01;  // of the typical moment
+constexpr double kLeastStiffness_rel = 0.02;
+constexpr double kLeastLength_rel = 0.0025;  // of the segment
+constexpr double kLeastJitter = 0.1;         // of the lasting error
+// Where the expectation maximisation starts, and stays where the trials say nothing.
+constexpr double kStartMoment_rel = 0.1;
+constexpr double kStartStiffness_rel = 0.2;
+constexpr double kStartLength_rel = 0.02;
+constexpr double kMostStiffness_rel = 1.0;
+
+/// One frame's information about the deviations q of the laws: F = J^T W J, y = J^T W r.
+struct FrameInformation {
+  MatrixXd f;
+  VectorXd y;
+  VectorXd moment_nm;  ///< per segment
+};
+
+FrameInformation inform(const Arm& arm, LawModel& model, const StaticFrame& frame,
+                        const Prediction& predicted, double trust) {
+  FrameInformation info;
+  const int laws = static_cast<int>(predicted.laws.size());
+  info.f = MatrixXd::Zero(laws, laws);
+  info.y = VectorXd::Zero(laws);
+  MatrixXd dp, dtangent;
+  model.derivative_by_laws(frame, dp, dtangent);
+  const auto add = [&](const Eigen::Vector3d& measured_less_predicted, const MatrixXd& j, double sd) {
+    const double distance = measured_less_predicted.norm() / sd;
+    const double weight = (distance > trust ? trust / distance : 1.0) / (sd * sd);
+    info.f.noalias() += weight * j.transpose() * j;
+    info.y.noalias() += weight * j.transpose() * measured_less_predicted;
+  };
+  for (std::size_t k = 0; k < frame.bodies.size(); ++k) {
+    const SeenBody& seen = frame.bodies[k];
+    if (!seen.used) continue;
+    const int column = static_cast<int>(k);
+    const MeasuredBody& body = arm.bodies[static_cast<std::size_t>(seen.body)];
+    add(seen.p_base - predicted.p.col(column), dp.middleRows(3 * column, 3), body.position_sd_m);
+    if (seen.tangent_base)
+      add(*seen.tangent_base - predicted.tangent.col(column), dtangent.middleRows(3 * column, 3),
+          body.orientation_sd_rad);
+  }
+  info.moment_nm.resize(laws / kLaws);
+  for (int i = 0; i < laws / kLaws; ++i) info.moment_nm[i] = predicted.laws.segment<2>(kLaws * i).norm();
+  return info;
+}
+
+/// Mean squares of deviations that last over a trial and of such that do not.
+struct Components {
+  VectorXd lasting, passing;               ///< variances
+  std::vector<VectorXd> lasting_by_trial;  ///< posterior second moments
+};
+
+Components split(const std::map<std::size_t, std::vector<FrameInformation>>& trials, const VectorXd& start) {
+  Components c{start, start, {}};
+  const auto laws = start.size();
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    VectorXd lasting = VectorXd::Zero(laws), passing = VectorXd::Zero(laws);
+    double frames = 0.0;
+    c.lasting_by_trial.clear();
+    const MatrixXd passing_information = c.passing.cwiseInverse().asDiagonal();
+    for (const auto& [trial, infos] : trials) {
+      MatrixXd information = c.lasting.cwiseInverse().asDiagonal();
+      VectorXd pull = VectorXd::Zero(laws);
+      std::vector<MatrixXd> spread;  // posterior covariance of what passes, given what lasts
+      for (const FrameInformation& info : infos) {
+        spread.push_back((info.f + passing_information).ldlt().solve(MatrixXd::Identity(laws, laws)));
+        information += info.f - info.f * spread.back() * info.f;
+        pull += info.y - info.f * spread.back() * info.y;
+      }
+      const MatrixXd covariance = information.ldlt().solve(MatrixXd::Identity(laws, laws));
+      const VectorXd mean = covariance * pull;
+      c.lasting_by_trial.emplace_back(mean.cwiseAbs2() + covariance.diagonal());
+      lasting += c.lasting_by_trial.back();
+      for (std::size_t i = 0; i < infos.size(); ++i) {
+        const VectorXd passed = spread[i] * (infos[i].y - infos[i].f * mean);
+        const MatrixXd lever = spread[i] * infos[i].f;
+        passing +=
+            passed.cwiseAbs2() + spread[i].diagonal() + (lever * covariance * lever.transpose()).diagonal();
+        frames += 1.0;
+      }
+    }
+    c.lasting = (lasting / static_cast<double>(trials.size())).cwiseMax(1e-6 * start);
+    c.passing = (passing / frames).cwiseMax(1e-6 * start);
+  }
+  return c;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Squares of the moment's error as a sum of a constant and of a share of the moment squared, both >= 0.
+void split_moment(const std::vector<double>& error2, const std::vector<double>& moment2, double& absolute2,
+                  double& relative2) {
+  const auto n = static_cast<double>(error2.size());
+  double mean_e = 0.0, mean_m = 0.0, covariance = 0.0, variance = 0.0;
+  for (std::size_t i = 0; i < error2.size(); ++i) {
+    mean_e += error2[i] / n;
+    mean_m += moment2[i] / n;
+  }
+  for (std::size_t i = 0; i < error2.size(); ++i) {
+    covariance += (error2[i] - mean_e) * (moment2[i] - mean_m) / n;
+    variance += (moment2[i] - mean_m) * (moment2[i] - mean_m) / n;
+  }
+  relative2 = error2.size() >= kFewestForShare && variance > 0.0 ? std::max(0.0, covariance / variance) : 0.0;
+  if (mean_m > 0.0) relative2 = std::min(relative2, mean_e / mean_m);
+  absolute2 = std::max(0.0, mean_e - relative2 * mean_m);
+}
+
+}  // namespace
+
+LawPrior law_errors(const Arm& arm, LawModel& model, const std::vector<StaticFrame>& frames,
+                    const MatrixXd& covariance) {
+  std::map<std::size_t, std::vector<FrameInformation>> trials;
+  const int segments = static_cast<int>(arm.segments.size());
+  std::vector<double> moments;
+  std::vector<std::vector<double>> own(3);  // variances by the constants: moment, ln EI, length
+  for (const StaticFrame& frame : frames) {
+    std::optional<Equilibrium> equilibrium;
+    Prediction predicted;
+    if (!model.predict(frame, equilibrium, predicted)) continue;
+    // A frame's largest residuals are of the laws as a rule; what no law explains must not rule.
+    std::vector<double> distances;
+    for (std::size_t k = 0; k < frame.bodies.size(); ++k) {
+      const SeenBody& seen = frame.bodies[k];
+      const double sd = arm.bodies[static_cast<std::size_t>(seen.body)].position_sd_m;
+      distances.push_back((seen.p_base - predicted.p.col(static_cast<int>(k))).norm() / sd);
+    }
+    trials[frame.trial].push_back(
+        inform(arm, model, frame, predicted, kHuber * std::max(1.0, median(distances))));
+    const MatrixXd by_constants = predicted.dlaws * covariance * predicted.dlaws.transpose();
+    for (int i = 0; i < segments; ++i) {
+      moments.push_back(predicted.laws.segment<2>(kLaws * i).norm());
+      own[0].push_back(0.5 *
+                       (by_constants(kLaws * i, kLaws * i) + by_constants(kLaws * i + 1, kLaws * i + 1)));
+      own[1].push_back(by_constants(kLaws * i + 2, kLaws * i + 2));
+      own[2].push_back(by_constants(kLaws * i + 3, kLaws * i + 3));
+    }
+  }
+  LawPrior prior;
+  if (trials.empty()) return prior;
+  double square = 0.0;
+  for (const double m : moments) square += m * m / static_cast<double>(moments.size());
+  const double typical_nm = std::max(1e-6, std::sqrt(square));
+  const double length_m = arm.total_length_m() / segments;
+  VectorXd start(kLaws * segments);
+  for (int i = 0; i < segments; ++i) {
+    const double moment = kStartMoment_rel * typical_nm, length = kStartLength_rel * length_m;
+    start.segment<kLaws>(kLaws * i) << moment * moment, moment * moment,
+        kStartStiffness_rel * kStartStiffness_rel, length * length;
+  }
+  const Components components = split(trials, start);
+
+  double stiffness2 = 0.0, length2 = 0.0, moment_jitter2 = 0.0, length_jitter2 = 0.0;
+  for (int i = 0; i < segments; ++i) {  // the prior has one value for all segments: the worst
+    stiffness2 = std::max(stiffness2, components.lasting[kLaws * i + 2]);
+    length2 = std::max(length2, components.lasting[kLaws * i + 3]);
+    moment_jitter2 = std::max(moment_jitter2, components.passing.segment<2>(kLaws * i).mean());
+    length_jitter2 = std::max(length_jitter2, components.passing[kLaws * i + 3]);
+  }
+  std::vector<double> error2, moment2;
+  std::size_t t = 0;
+  for (const auto& [trial, infos] : trials) {
+    for (int i = 0; i < segments; ++i) {
+      double mean = 0.0;
+      for (const FrameInformation& info : infos)
+        mean += info.moment_nm[i] * info.moment_nm[i] / static_cast<double>(infos.size());
+      error2.push_back(components.lasting_by_trial[t].segment<2>(kLaws * i).mean());
+      moment2.push_back(mean);
+    }
+    ++t;
+  }
+  double absolute2 = 0.0, relative2 = 0.0;
+  split_moment(error2, moment2, absolute2, relative2);
+  const double least_moment = kLeastMoment_rel * typical_nm;
+  prior.enabled = true;
+  prior.moment_sd_nm = std::sqrt(absolute2 + median(own[0]) + least_moment * least_moment);
+  prior.moment_sd_rel = std::sqrt(relative2);
+  prior.bending_stiffness_sd_rel = std::min(
+      kMostStiffness_rel, std::sqrt(stiffness2 + median(own[1]) + kLeastStiffness_rel * kLeastStiffness_rel));
+  const double least_length = kLeastLength_rel * length_m;
+  prior.length_sd_m = std::sqrt(length2 + median(own[2]) + least_length * least_length);
+  prior.moment_jitter_sd_nm = std::max(std::sqrt(moment_jitter2), kLeastJitter * prior.moment_sd_nm);
+  prior.length_jitter_sd_m = std::max(std::sqrt(length_jitter2), kLeastJitter * prior.length_sd_m);
+  return prior;
+}
+
+}  // namespace softarm::identify

@@ -1,0 +1,20 @@
+// What the identified laws still get wrong, as the prior of the estimator.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "joint_fit.h"
+#include "softarm/arm/arm.h"
+
+namespace softarm::identify {
+
+/// Splits the residuals of all frames, by linearisation, into deviations of each segment's moment, EI and
+/// length that last over a trial and such that change from frame to frame (variance components by expectation
+/// maximisation, beside the stated noise of the bodies), and adds what the constants' own uncertainty makes
+/// of the laws at the frames' inputs to the lasting ones.
+/// @param model at the identified constants; @param covariance of the constants, in their units
+/// @param frames of fitted and held-out trials
+LawPrior law_errors(const Arm& arm, LawModel& model, const std::vector<StaticFrame>& frames,
+                    const Eigen::MatrixXd& covariance);
+
+}  // namespace softarm::identify

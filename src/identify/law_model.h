@@ -1,0 +1,68 @@
+// Constants to the shapes of frames: laws, then statics, with derivatives by the constants.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <optional>
+#include <vector>
+
+#include "softarm/identify/constants.h"
+#include "softarm/rod/solver.h"
+#include "static_frame.h"
+
+namespace softarm::identify {
+
+/// Where a frame's last equilibrium was: the start of its next one.
+struct Equilibrium {
+  Eigen::Quaterniond q_tip = Eigen::Quaterniond::Identity();
+  Eigen::VectorXd theta;          ///< constants there
+  Eigen::Matrix3Xd tip_by_theta;  ///< turn of the tip per unit of each
+};
+
+/// The predicted frame: rows 3 k to 3 k + 2 of body k (in the order of StaticFrame::bodies).
+struct Prediction {
+  Eigen::Matrix3Xd p;        ///< m, one column per body
+  Eigen::Matrix3Xd tangent;  ///< unit, one column per body
+  Eigen::MatrixXd dp;        ///< 3 bodies x constants
+  Eigen::MatrixXd dtangent;
+  /// Laws of the segments: moment x, y (N m), ln EI, length (m); and by the constants.
+  Eigen::VectorXd laws;
+  Eigen::MatrixXd dlaws;
+};
+
+/// Not thread-safe.
+class LawModel {
+ public:
+  /// @param step size of each constant's central difference
+  LawModel(const Arm& arm, const std::vector<ConstantRef>& constants, const Eigen::VectorXd& step);
+
+  void set(const Eigen::VectorXd& theta);
+
+  /// @param state of this frame, empty at first; updated where there is an equilibrium
+  /// @return false without one, or where the laws have no value
+  bool predict(const StaticFrame& frame, std::optional<Equilibrium>& state, Prediction& out);
+
+  /// Derivative of a predicted body by the laws of the segments (4 per segment, in the order of
+  /// Prediction::laws), valid after predict().
+  void derivative_by_laws(const StaticFrame& frame, Eigen::MatrixXd& dp, Eigen::MatrixXd& dtangent) const;
+
+ private:
+  bool apply(const StaticFrame& frame);
+  void body_derivative(int body, const Eigen::MatrixXd& rod_by_x, Eigen::Ref<Eigen::MatrixXd> dp,
+                       Eigen::Ref<Eigen::MatrixXd> dtangent) const;
+  double parameter(const rod::Rod& rod, const rod::Parameter& which) const;
+
+  std::vector<ConstantRef> constants_;
+  Eigen::VectorXd step_, theta_;
+  std::vector<MeasuredBody> bodies_;
+  Arm arm_;                         ///< with theta
+  std::vector<Arm> above_, below_;  ///< with one constant a step up or down
+  std::vector<rod::Parameter> parameters_;
+  rod::Rod rod_, varied_;
+  rod::Solver solver_;
+  std::vector<SegmentPrediction> laws_;
+  Eigen::MatrixXd rod_by_theta_;   ///< parameters x constants
+  Eigen::MatrixXd laws_by_theta_;  ///< 4 segments x constants
+};
+
+}  // namespace softarm::identify

@@ -1,0 +1,87 @@
+#include <nlohmann/json.hpp>
+
+#include "softarm/identify/identify.h"
+
+namespace softarm::identify {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const ShapeError& e) {
+  return {{"frames", e.frames},
+          {"mean_m", e.mean_m},
+          {"median_m", e.median_m},
+          {"maximum_m", e.maximum_m},
+          {"minimum_m", e.minimum_m},
+          {"mean_percent", e.percent(e.mean_m)},
+          {"median_percent", e.percent(e.median_m)},
+          {"maximum_percent", e.percent(e.maximum_m)},
+          {"minimum_percent", e.percent(e.minimum_m)}};
+}
+
+Json parts_of(const std::vector<std::pair<std::string, double>>& list) {
+  Json object = Json::object();
+  for (const auto& [name, value] : list) object[name] = value;
+  return object;
+}
+
+}  // namespace
+
+std::string to_json(const Result& result) {
+  Json json;
+  json["format"] = 1;
+  json["arm"] = result.arm.name;
+  json["constants"] = Json::array();
+  for (const Constant& c : result.constants) {
+    Json one{{"name", c.name}, {"unit", c.unit},   {"initial", c.initial},       {"value", c.value},
+             {"sd", c.sd},     {"scale", c.scale}, {"determined", c.determined}, {"at_bound", c.at_bound}};
+    one["confused_with"] = parts_of(c.confused_with);
+    one["advice"] = c.advice;
+    json["constants"].push_back(one);
+  }
+  json["correlation"] = Json::array();
+  for (int j = 0; j < result.correlation.rows(); ++j) {
+    Json row = Json::array();
+    for (int k = 0; k < result.correlation.cols(); ++k) row.push_back(result.correlation(j, k));
+    json["correlation"].push_back(row);
+  }
+  json["undetermined"] = Json::array();
+  for (const Combination& combination : result.undetermined) {
+    json["undetermined"].push_back({{"relative_sd", combination.relative_sd},
+                                    {"parts", parts_of(combination.parts)},
+                                    {"sentence", combination.sentence}});
+  }
+  json["length_m"] = result.fitted.length_m;
+  json["fitted_before"] = json_of(result.fitted_before);
+  json["fitted"] = json_of(result.fitted);
+  json["held_out_before"] = json_of(result.held_out_before);
+  json["held_out"] = json_of(result.held_out);
+  json["trials"] = Json::array();
+  for (const TrialSummary& trial : result.trials) {
+    json["trials"].push_back({{"name", trial.name},
+                              {"held_out", trial.held_out},
+                              {"frames", trial.frames},
+                              {"before", json_of(trial.before)},
+                              {"after", json_of(trial.after)}});
+  }
+  const LawPrior& prior = result.prior;
+  json["prior"] = {{"moment_sd_nm", prior.moment_sd_nm},
+                   {"moment_sd_rel", prior.moment_sd_rel},
+                   {"bending_stiffness_sd_rel", prior.bending_stiffness_sd_rel},
+                   {"length_sd_m", prior.length_sd_m},
+                   {"moment_jitter_sd_nm", prior.moment_jitter_sd_nm},
+                   {"length_jitter_sd_m", prior.length_jitter_sd_m}};
+  json["fit"] = {{"frames", result.frames},
+                 {"bodies", result.bodies},
+                 {"iterations", result.iterations},
+                 {"converged", result.converged},
+                 {"misfit", result.misfit},
+                 {"position_rms_m", result.position_rms_m},
+                 {"autocorrelation_frames", result.autocorrelation},
+                 {"uncertainty_factor", result.uncertainty_factor}};
+  json["left_out"] = result.left_out;
+  json["bodies_set_aside"] = result.bodies_set_aside;
+  return json.dump(2) + "\n";
+}
+
+}  // namespace softarm::identify

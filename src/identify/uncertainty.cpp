@@ -1,0 +1,142 @@
+#include "uncertainty.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace softarm::identify {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr double kFewestClusters = 6;        // trials from which their spread says something
+constexpr double kLeastInformation = 1e-10;  // an sd of 1e5 scales stands for infinity
+constexpr double kLeastCorrelation = 0.05;
+
+/// Sums over the blocks of one trial.
+struct Cluster {
+  MatrixXd information;  ///< J^T W J
+  VectorXd gradient;     ///< J^T W r
+};
+
+/// Number of consecutive frames that are worth one: 1 + 2 sum of the autocorrelations of the residuals along
+/// the trials, up to the first that cannot be told from none.
+double autocorrelation_time(const JointProblem& problem, const std::vector<Block>& blocks,
+                            const std::vector<StaticFrame>& frames) {
+  // Series of one body's residual along one trial, by (trial, body, kind).
+  std::map<std::pair<std::size_t, int>, std::vector<Vector3d>> series;
+  double longest = 1.0, square = 0.0, count = 0.0;
+  for (const Block& block : blocks) {
+    const StaticFrame& frame = frames[block.frame];
+    const int body = frame.bodies[static_cast<std::size_t>(block.body)].body;
+    auto& list = series[{frame.trial, 2 * body + (block.tangent ? 1 : 0)}];
+    const Vector3d r = problem.residual(block);
+    list.push_back(std::sqrt(problem.weight(block, r.squaredNorm())) * r);
+    square += list.back().squaredNorm();
+    count += 1.0;
+    longest = std::max(longest, static_cast<double>(list.size()));
+  }
+  if (!(square > 0.0)) return 1.0;
+  double time = 1.0;
+  for (std::size_t lag = 1; static_cast<double>(lag) < longest; ++lag) {
+    double product = 0.0, pairs = 0.0;
+    for (const auto& [key, list] : series) {
+      for (std::size_t i = 0; i + lag < list.size(); ++i) {
+        product += list[i].dot(list[i + lag]);
+        pairs += 1.0;
+      }
+    }
+    const double correlation = product / pairs / (square / count);
+    if (!(correlation > std::max(kLeastCorrelation, 2.0 / std::sqrt(3.0 * pairs)))) break;
+    // Pairs over frames: trials shorter than the lag have none.
+    time += 2.0 * correlation * pairs / count;
+  }
+  return time;
+}
+
+}  // namespace
+
+Uncertainty uncertainty(const JointProblem& problem, const std::vector<StaticFrame>& frames, int constants) {
+  const std::vector<Block> blocks = problem.blocks();
+  std::map<std::size_t, Cluster> clusters;
+  MatrixXd information = MatrixXd::Zero(constants, constants);
+  double chi2 = 0.0, rows = 0.0, square_m2 = 0.0, coordinates = 0.0;
+  for (const Block& block : blocks) {
+    const Vector3d r = problem.residual(block);
+    const MatrixXd j = problem.jacobian(block);
+    const double weight = problem.weight(block, r.squaredNorm());
+    Cluster& cluster = clusters[frames[block.frame].trial];
+    if (cluster.gradient.size() == 0) {
+      cluster.information = MatrixXd::Zero(constants, constants);
+      cluster.gradient = VectorXd::Zero(constants);
+    }
+    cluster.information.noalias() += weight * j.transpose() * j;
+    cluster.gradient.noalias() += weight * j.transpose() * r;
+    chi2 += weight * r.squaredNorm();
+    rows += block.tangent ? 2.0 : 3.0;  // a tangent has no error along itself
+    if (!block.tangent) {
+      square_m2 += problem.position_error_m(block).squaredNorm();
+      coordinates += 3.0;
+    }
+  }
+  for (const auto& [trial, cluster] : clusters) information += cluster.information;
+
+  Uncertainty result;
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(information);
+  const VectorXd lambda = eigen.eigenvalues().cwiseMax(kLeastInformation);
+  const MatrixXd inverse =
+      eigen.eigenvectors() * lambda.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
+  const double told = (eigen.eigenvalues().array() > 1.0).count();
+  const double dof = std::max(1.0, rows - told);
+  result.misfit = std::sqrt(chi2 / dof);
+  result.position_rms_m = coordinates > 0.0 ? std::sqrt(square_m2 / coordinates) : 0.0;
+  result.autocorrelation = autocorrelation_time(problem, blocks, frames);
+
+  // The gradients of the trials sum to zero at the optimum; their spread shows what frames of a trial share,
+  // bodies of a frame included. Without model error its mean is the information, less what the fit took.
+  double spread = 1.0, taken = 0.0;
+  MatrixXd outer = MatrixXd::Zero(constants, constants);
+  for (const auto& [trial, cluster] : clusters) {
+    outer += cluster.gradient * cluster.gradient.transpose();
+    const MatrixXd share = inverse * cluster.information;
+    taken += (share * share).trace();
+  }
+  const double clusters_count = static_cast<double>(clusters.size());
+  const bool by_spread = clusters_count >= kFewestClusters && taken < 0.8 * told && told > 0.0;
+  if (by_spread) {
+    outer *= told / (told - taken);
+    spread = (inverse * outer).trace() / told;
+  }
+  const double base = std::max({1.0, chi2 / dof * result.autocorrelation, spread});
+  result.covariance = base * inverse;
+  if (by_spread) {
+    // Direction by direction the spread of few trials is uncertain: it is mixed with its mean over all.
+    const double prior_trials = told + 1.0;
+    const MatrixXd score =
+        (clusters_count * outer + prior_trials * base * information) / (clusters_count + prior_trials);
+    result.covariance = inverse * score * inverse;
+    // Never narrower than noise alone.
+    for (int j = 0; j < constants; ++j) {
+      const double widen =
+          std::max(1.0, std::sqrt(inverse(j, j) / std::max(1e-300, result.covariance(j, j))));
+      result.covariance.row(j) *= widen;
+      result.covariance.col(j) *= widen;
+    }
+    // Where the trials say nothing at all the spread says nothing either.
+    for (int i = 0; i < constants; ++i) {
+      if (eigen.eigenvalues()[i] > 1.0) break;
+      const VectorXd v = eigen.eigenvectors().col(i);
+      result.covariance += base / lambda[i] * v * v.transpose();
+    }
+  }
+  result.factor = std::sqrt(base);
+  result.direction_sd = (base * lambda.cwiseInverse()).cwiseSqrt();  // ascending eigenvalues: largest first
+  result.directions = eigen.eigenvectors();
+  return result;
+}
+
+}  // namespace softarm::identify

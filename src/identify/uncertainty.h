@@ -1,0 +1,24 @@
+// How sure the trials make us of the constants.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "joint_fit.h"
+
+namespace softarm::identify {
+
+/// Everything in the scaled constants x of JointProblem.
+struct Uncertainty {
+  Eigen::MatrixXd covariance;
+  Eigen::VectorXd direction_sd;  ///< of the eigenvectors, largest first
+  Eigen::MatrixXd directions;    ///< eigenvectors of the information, one column each
+  double misfit = 0.0;           ///< sqrt(chi^2 / dof)
+  double position_rms_m = 0.0;   ///< per coordinate
+  double autocorrelation = 1.0;
+  double factor = 1.0;  ///< of standard deviations against noise alone
+};
+
+/// At the fit's last evaluation.
+Uncertainty uncertainty(const JointProblem& problem, const std::vector<StaticFrame>& frames, int constants);
+
+}  // namespace softarm::identify
