@@ -142,7 +142,9 @@ class Rig {
 void run(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh) {
   std::string path;
   const std::string text = read_scenario(private_nh, path);
-  softarm::rig::Simulator simulator(softarm::rig::parse_scenario(text, path));
+  softarm::rig::Scenario scenario = softarm::rig::parse_scenario(text, path);
+  if (private_nh.param("endless", false)) scenario.duration_s = 0.0;
+  softarm::rig::Simulator simulator(scenario);
   const ros::WallTime start =
       ros::WallTime::now() + ros::WallDuration(0.5);  // until subscribers are connected
   Rig rig(nh, private_nh, simulator, ros::Time(start.sec, start.nsec));

@@ -63,7 +63,8 @@ std::vector<double> Protocol::values(const Drive& drive, double t_s) const {
       const double low = spec.random->min[input], high = spec.random->max[input];
       value = 0.5 * (low + high) + 0.5 * (high - low) * std::tanh(sum);
     } else if (!spec.schedule.empty()) {
-      value = scheduled(spec.schedule, input, spec.ramp_s, t_s);
+      value = scheduled(spec.schedule, input, spec.ramp_s,
+                        spec.repeat_s > 0.0 ? std::fmod(t_s, spec.repeat_s) : t_s);
     }
     if (!spec.steps.empty()) value += scheduled(spec.steps, input, spec.step_ramp_s, t_s);
     result.push_back(std::max(spec.lowest, spec.rest + envelope * (value - spec.rest)));

@@ -59,6 +59,12 @@ void parse_drive(YamlMap& map, const Kind& kind, DriveSpec& spec) {
   spec.schedule = parse_schedule(map, kind.values, kind.allowed, count, spec.ramp_s);
   if (spec.random && !spec.schedule.empty())
     map.fail("schedule", "given beside random, expected one of them");
+  if (map.has("repeat_s")) {
+    if (spec.schedule.empty()) map.fail("repeat_s", "given without a schedule");
+    spec.repeat_s = map.number("repeat_s", {spec.schedule.back().t_s + spec.ramp_s, 1e6});
+    if (spec.schedule.back().values != spec.schedule.front().values)
+      map.fail("repeat_s", "the schedule must end with the values that it starts with");
+  }
   YamlMap steps = map.map("steps");
   spec.step_ramp_s = steps.number("ramp_s", {0.001, 1e4}, spec.step_ramp_s);
   const double reach = kind.allowed.high;

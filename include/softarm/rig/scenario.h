@@ -137,6 +137,7 @@ struct DriveSpec {
   double ramp_s = 2.0;    ///< from rest to the protocol and back, and between setpoints
   std::optional<RandomDrive> random;
   std::vector<Setpoint> schedule;  ///< used where random is absent
+  double repeat_s = 0.0;           ///< period of the schedule; 0: it runs once
   double step_ramp_s = 0.05;
   std::vector<Setpoint> steps;                               ///< added to the above, with a ramp of their own
   double lowest = -std::numeric_limits<double>::infinity();  ///< that steps can bring an input to
