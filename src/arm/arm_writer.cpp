@@ -1,0 +1,181 @@
+#include "softarm/arm/arm_writer.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "softarm/arm/arm_yaml.h"
+#include "yaml_editor.h"
+
+namespace softarm {
+namespace {
+
+using yaml::Editor;
+using yaml::Path;
+
+constexpr const char* kHeader = "# softarm identify: ";
+constexpr double kSame = 1e-9;  // relative: what nine digits hold
+
+bool same(double a, double b) {
+  return std::abs(a - b) <= kSame * std::max(std::abs(a), std::abs(b));
+}
+
+std::string number(double value) {
+  return fmt::format("{:.10g}", value);
+}
+
+/// Visits every constant that may be written: its path, its value as read, its value as wanted.
+template <typename Visit>
+void visit_constants(const Arm& read, const Arm& wanted, const Visit& visit) {
+  for (std::size_t i = 0; i < wanted.segments.size(); ++i) {
+    const Segment &a = read.segments[i], &b = wanted.segments[i];
+    const auto path = [&](std::initializer_list<yaml::Step> rest) {
+      Path p{"segments", i};
+      p.insert(p.end(), rest);
+      return p;
+    };
+    visit(path({"length_m"}), a.length_m, b.length_m);
+    visit(path({"mass_per_length_kg_m"}), a.mass_per_length_kg_m, b.mass_per_length_kg_m);
+    const StiffnessLaw &x = a.bending_stiffness, &y = b.bending_stiffness;
+    visit(path({"bending_stiffness", "base_nm2"}), x.base_nm2, y.base_nm2);
+    visit(path({"bending_stiffness", "per_min_pressure_nm2_per_pa"}), x.per_min_pressure_nm2_per_pa,
+          y.per_min_pressure_nm2_per_pa);
+    visit(path({"bending_stiffness", "per_jamming_pressure_nm2_per_pa"}), x.per_jamming_pressure_nm2_per_pa,
+          y.per_jamming_pressure_nm2_per_pa);
+    for (std::size_t k = 0; k < y.by_pressure.size(); ++k)
+      visit(path({"bending_stiffness", "by_pressure", k, "bending_stiffness_nm2"}),
+            x.by_pressure[k].bending_stiffness_nm2, y.by_pressure[k].bending_stiffness_nm2);
+    if (a.axial_stiffness_n && b.axial_stiffness_n)
+      visit(path({"axial_stiffness_n"}), *a.axial_stiffness_n, *b.axial_stiffness_n);
+    for (std::size_t k = 0; k < b.chambers.size(); ++k) {
+      const Chamber &c = a.chambers[k], &d = b.chambers[k];
+      visit(path({"chambers", k, "moment_gain_nm_per_pa"}), c.moment_gain_nm_per_pa, d.moment_gain_nm_per_pa);
+      visit(path({"chambers", k, "near_elongation_m_per_pa"}), c.near_elongation_m_per_pa,
+            d.near_elongation_m_per_pa);
+      visit(path({"chambers", k, "far_elongation_m_per_pa"}), c.far_elongation_m_per_pa,
+            d.far_elongation_m_per_pa);
+    }
+    for (std::size_t k = 0; k < b.tendons.size(); ++k)
+      visit(path({"tendons", k, "offset_m"}), a.tendons[k].offset_m, b.tendons[k].offset_m);
+  }
+  for (std::size_t k = 0; k < wanted.bodies.size(); ++k)
+    visit(Path{"bodies", k, "arclength_m"}, read.bodies[k].arclength_m, wanted.bodies[k].arclength_m);
+  visit(Path{"payload", "arclength_m"}, read.payload.arclength_m, wanted.payload.arclength_m);
+  const LawPrior &p = read.estimator.prior, &q = wanted.estimator.prior;
+  const auto prior = [&](const char* key, double a, double b) {
+    visit(Path{"estimator", "prior", key}, a, b);
+  };
+  prior("moment_sd_nm", p.moment_sd_nm, q.moment_sd_nm);
+  prior("moment_sd_rel", p.moment_sd_rel, q.moment_sd_rel);
+  prior("bending_stiffness_sd_rel", p.bending_stiffness_sd_rel, q.bending_stiffness_sd_rel);
+  prior("length_sd_m", p.length_sd_m, q.length_sd_m);
+  prior("moment_jitter_sd_nm", p.moment_jitter_sd_nm, q.moment_jitter_sd_nm);
+  prior("length_jitter_sd_m", p.length_jitter_sd_m, q.length_jitter_sd_m);
+}
+
+void set_rest_curvature(Editor& editor, std::size_t segment, const Eigen::Vector3d& before,
+                        const Eigen::Vector3d& after) {
+  const Path path{"segments", segment, "rest_curvature_per_m"};
+  if (!editor.has(path)) {
+    if (!(before - after).isZero(0.0))
+      editor.set(path, fmt::format("[{}, {}, {}]", number(after[0]), number(after[1]), number(after[2])));
+    return;
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto axis = static_cast<Eigen::Index>(k);
+    if (same(before[axis], after[axis])) continue;
+    Path element = path;
+    element.emplace_back(k);
+    editor.set(element, number(after[axis]));
+  }
+}
+
+/// A gain may be written as the spool's radius over the lever and the segment's length.
+void set_cable(Editor& editor, std::size_t segment, std::size_t cable, const Arm& read, const Arm& wanted) {
+  const double gain = wanted.segments[segment].cables[cable].curvature_gain_per_m_rad;
+  const Path path{"segments", segment, "cables", cable};
+  const auto with = [&](const char* key) {
+    Path p = path;
+    p.emplace_back(key);
+    return p;
+  };
+  if (editor.has(with("spool_radius_m"))) {
+    const Segment& before = read.segments[segment];
+    const double radius_per_gain = wanted.segments[segment].length_m / before.length_m;
+    const double factor = gain / before.cables[cable].curvature_gain_per_m_rad * radius_per_gain;
+    if (same(factor, 1.0)) return;
+    // The radius is what is least well known: where the cable leaves the spool.
+    editor.scale(with("spool_radius_m"), factor);
+  } else if (!same(read.segments[segment].cables[cable].curvature_gain_per_m_rad, gain)) {
+    editor.set(with("curvature_gain_per_m_rad"), number(gain));
+  }
+}
+
+bool same_structure(const Arm& a, const Arm& b) {
+  if (a.segments.size() != b.segments.size() || a.bodies.size() != b.bodies.size()) return false;
+  for (std::size_t i = 0; i < a.segments.size(); ++i) {
+    const Segment &x = a.segments[i], &y = b.segments[i];
+    if (x.chambers.size() != y.chambers.size() || x.tendons.size() != y.tendons.size() ||
+        x.cables.size() != y.cables.size() ||
+        x.bending_stiffness.by_pressure.size() != y.bending_stiffness.by_pressure.size())
+      return false;
+  }
+  return true;
+}
+
+/// Without the header of an earlier identification.
+std::string without_header(std::string text) {
+  while (text.rfind(kHeader, 0) == 0) {
+    const std::size_t end = text.find('\n');
+    if (end == std::string::npos) return "";
+    text.erase(0, end + 1);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string update_arm_text(const std::string& text, const std::string& source, const Arm& arm,
+                            const std::vector<std::string>& header) {
+  const Arm read = parse_arm(text, source);
+  if (!same_structure(read, arm))
+    throw ArmError(source + ": describes another arm than the one to be written");
+  Editor editor(without_header(text), source);
+  visit_constants(read, arm, [&](const Path& path, double before, double after) {
+    if (same(before, after)) return;
+    const auto* key = std::get_if<std::string>(&path.back());
+    // What sits at the tip is said to, and stays there.
+    if (key != nullptr && *key == "arclength_m" && same(after, arm.total_length_m()) &&
+        same(before, read.total_length_m()))
+      return;
+    editor.set(path, number(after));
+  });
+  for (std::size_t i = 0; i < arm.segments.size(); ++i) {
+    set_rest_curvature(editor, i, read.segments[i].rest_curvature_per_m,
+                       arm.segments[i].rest_curvature_per_m);
+    for (std::size_t k = 0; k < arm.segments[i].cables.size(); ++k) set_cable(editor, i, k, read, arm);
+  }
+  if (read.estimator.prior.enabled != arm.estimator.prior.enabled)
+    editor.set({"estimator", "prior", "enabled"}, arm.estimator.prior.enabled ? "true" : "false");
+
+  std::string written;
+  for (const std::string& line : header) written += kHeader + line + "\n";
+  written += editor.text();
+  // An alias would have changed another value too.
+  const Arm again = parse_arm(written, source);
+  visit_constants(again, arm, [&](const Path&, double a, double b) {
+    if (!(std::abs(a - b) <= 10.0 * kSame * std::max(std::abs(a), std::abs(b))))
+      throw ArmError(fmt::format("{}: {} cannot be replaced by {} alone; write out aliases", source, a, b));
+  });
+  for (std::size_t i = 0; i < arm.segments.size(); ++i) {
+    for (std::size_t k = 0; k < arm.segments[i].cables.size(); ++k) {
+      const double a = again.segments[i].cables[k].curvature_gain_per_m_rad;
+      const double b = arm.segments[i].cables[k].curvature_gain_per_m_rad;
+      if (!(std::abs(a - b) <= 10.0 * kSame * std::abs(b)))
+        throw ArmError(fmt::format("{}: {} cannot be replaced by {} alone; write out aliases", source, a, b));
+    }
+  }
+  return written;
+}
+
+}  // namespace softarm
