@@ -76,6 +76,34 @@ TEST(Protocol, ScheduledPressuresAndVacuumRampBetweenSetpoints) {
   EXPECT_DOUBLE_EQ(protocol.at(8.0).vacuum_pa, 60000.0);
 }
 
+TEST(Protocol, StepsAreAddedWithARampOfTheirOwn) {
+  Scenario s = scenario(), plain = scenario();
+  s.pressures.step_ramp_s = 0.1;
+  s.pressures.steps = {{0.0, {0.0, 0.0, 0.0}}, {5.0, {8000.0, 0.0, -90000.0}}};
+  s.pressures.lowest = 0.0;
+  for (double t : {4.0, 5.0, 5.05, 5.1, 6.0}) {
+    const std::vector<double> with = Protocol(s).at(t).pressures_pa,
+                              without = Protocol(plain).at(t).pressures_pa;
+    const double share = t <= 5.0 ? 0.0 : t < 5.1 ? 0.5 : 1.0;
+    EXPECT_NEAR(with[0] - without[0], share * 8000.0, 1e-6) << t;
+    EXPECT_DOUBLE_EQ(with[1], without[1]);
+    EXPECT_GE(with[2], 0.0);
+  }
+}
+
+TEST(Protocol, ARepeatedScheduleGoesOnForEver) {
+  Scenario s = scenario();
+  s.duration_s = 0.0;
+  s.pressures.random.reset();
+  s.pressures.ramp_s = 1.0;
+  s.pressures.repeat_s = 10.0;
+  s.pressures.schedule = {{0.0, {0.0, 0.0, 0.0}}, {4.0, {5000.0, 0.0, 3000.0}}, {8.0, {0.0, 0.0, 0.0}}};
+  const Protocol protocol(s);
+  for (double t : {3.0, 4.5, 6.0, 8.2, 9.9})
+    EXPECT_NEAR(protocol.at(t).pressures_pa[0], protocol.at(t + 70.0).pressures_pa[0], 1e-6) << t;
+  EXPECT_NEAR(protocol.at(76.0).pressures_pa[2], 3000.0, 1e-9);
+}
+
 TEST(Protocol, PayloadChangesSmoothlyWithAHandAtTheTipAndRepeats) {
   Scenario s = scenario();
   s.duration_s = 0.0;

@@ -53,6 +53,15 @@ TEST(Scenario, ReadsWhatIsWritten) {
   EXPECT_DOUBLE_EQ(s.mocap.ring_noise.position_sd_m, 0.0005);
 }
 
+TEST(Scenario, MountsMayBeTurnedAboutTheArmsAxis) {
+  std::string text = kScenarioText;
+  const std::string from = "attitude: hanging";
+  text.replace(text.find(from), from.size(), "attitude: horizontal\n  rotation_deg: 180");
+  const Eigen::Quaterniond q = parse_scenario(text, "case.yaml").mount.q_mocap_base;
+  EXPECT_LT((q * Eigen::Vector3d::UnitZ() - Eigen::Vector3d::UnitX()).norm(), 1e-12);
+  EXPECT_LT((q * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
+}
+
 TEST(Scenario, EveryMistakeIsOneLineNamingSourceKeyValueAndRange) {
   struct Mistake {
     std::string from, to;
