@@ -70,6 +70,7 @@ std::optional<double> Window::rate_hz() const {
 Eigen::Vector3d Window::tip_acceleration_m_s2() const {
   constexpr double kSpan_s = 0.25;
   constexpr int kLeastFrames = 6;
+  constexpr double kSignificant = 3.8;  // 99 % of chi-square of 3 degrees of freedom, over 3
   const double now = frames_.empty() ? 0.0 : frames_.back().stamp_s;
   std::vector<const Entry*> recent;
   for (const Entry& entry : frames_) {
@@ -88,7 +89,7 @@ Eigen::Vector3d Window::tip_acceleration_m_s2() const {
   const Eigen::Matrix3d fit = inverse * (t.transpose() * p);
   const double variance = (p - t * fit).squaredNorm() / static_cast<double>(3 * (n - 3));
   const double noise = 3.0 * variance * inverse(2, 2), squared = fit.row(2).squaredNorm();
-  if (!(squared > noise)) return Eigen::Vector3d::Zero();
+  if (!(squared > kSignificant * noise)) return Eigen::Vector3d::Zero();
   return std::sqrt(1.0 - noise / squared) * fit.row(2).transpose();
 }
 
