@@ -25,23 +25,30 @@ double MooneyRivlin::tangent_modulus_pa(double stretch) const {
 std::optional<double> MooneyRivlin::stretch_at(double wanted_pa) const {
   if (!std::isfinite(wanted_pa) || !(initial_modulus_pa() > 0.0)) return std::nullopt;
   if (wanted_pa == 0.0) return 1.0;
+  const auto root_between = [](const auto& function, double a, double b) {
+    std::uintmax_t iterations = 60;
+    const auto bracket =
+        boost::math::tools::toms748_solve(function, std::fmin(a, b), std::fmax(a, b),
+                                          boost::math::tools::eps_tolerance<double>(50), iterations);
+    return 0.5 * (bracket.first + bracket.second);
+  };
   const auto excess = [&](double stretch) { return nominal_stress_pa(stretch) - wanted_pa; };
-  // Along the stable branch until the stress is reached.
+  // Along the stable branch until the stress is reached, or the limit of stability.
   const double factor = wanted_pa > 0.0 ? 1.0 + kStep : 1.0 / (1.0 + kStep);
   double from = 1.0;
-  while (true) {
-    const double to = from * factor;
-    if (to > kLargestStretch || to < 1.0 / kLargestStretch || !(tangent_modulus_pa(to) > 0.0))
-      return std::nullopt;
+  bool limit = false;
+  while (!limit) {
+    double to = from * factor;
+    if (to > kLargestStretch || to < 1.0 / kLargestStretch) return std::nullopt;
+    limit = !(tangent_modulus_pa(to) > 0.0);
+    if (limit) to = root_between([&](double stretch) { return tangent_modulus_pa(stretch); }, from, to);
     if (excess(to) * wanted_pa >= 0.0) {
-      std::uintmax_t iterations = 60;
-      const auto bracket =
-          boost::math::tools::toms748_solve(excess, std::fmin(from, to), std::fmax(from, to),
-                                            boost::math::tools::eps_tolerance<double>(50), iterations);
-      return 0.5 * (bracket.first + bracket.second);
+      const double stretch = root_between(excess, from, to);
+      if (tangent_modulus_pa(stretch) > 0.0) return stretch;
     }
     from = to;
   }
+  return std::nullopt;
 }
 
 }  // namespace softarm
