@@ -1,7 +1,6 @@
 // Scenario files: what they say, and one clear line for what they must not say.
 #include "softarm/rig/scenario.h"
 
-#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
@@ -119,47 +118,6 @@ TEST(Scenario, ShippedOnesLoadAndRun) {
     ++count;
   }
   EXPECT_GE(count, 9u);
-}
-
-/// Shipped scenarios that have the name of the arm that estimates them: its inputs, lengths, weights and
-/// rings.
-TEST(Scenario, ThoseOfAnArmHaveItsConstants) {
-  for (const char* name :
-       {"single_chamber_85mm", "hybrid_85mm", "cable_235mm", "semi_physical_200mm", "two_segment"}) {
-    const std::string path = std::string(name) + ".yaml";
-    const Scenario scenario = parse_scenario(read("config/scenarios/" + path), path);
-    const YAML::Node arm = YAML::Load(read("config/arms/" + path));
-    ASSERT_EQ(scenario.arm.segments.size(), arm["segments"].size()) << name;
-    const auto count = [](const YAML::Node& list) { return list.IsDefined() ? list.size() : 0u; };
-    double length_m = 0.0;
-    for (std::size_t i = 0; i < arm["segments"].size(); ++i) {
-      const YAML::Node segment = arm["segments"][i];
-      const SegmentSpec& spec = scenario.arm.segments[i];
-      EXPECT_DOUBLE_EQ(spec.length_m, segment["length_m"].as<double>()) << name;
-      EXPECT_NEAR(spec.mass_kg, segment["mass_per_length_kg_m"].as<double>() * spec.length_m, 1e-9) << name;
-      EXPECT_DOUBLE_EQ(spec.stiffness_base_nm2, segment["bending_stiffness"]["base_nm2"].as<double>())
-          << name;
-      ASSERT_EQ(spec.chambers.size(), count(segment["chambers"])) << name;
-      ASSERT_EQ(spec.tendons.size(), count(segment["tendons"])) << name;
-      ASSERT_EQ(spec.cables.size(), count(segment["cables"])) << name;
-      for (std::size_t k = 0; k < spec.tendons.size(); ++k) {
-        const YAML::Node tendon = segment["tendons"][k];
-        EXPECT_EQ(fmt::format("tendon_{}", spec.tendons[k].input + 1), tendon["input"].as<std::string>());
-        EXPECT_DOUBLE_EQ(spec.tendons[k].offset_m, tendon["offset_m"].as<double>());
-        EXPECT_NEAR(spec.tendons[k].azimuth_rad, tendon["bending_direction_deg"].as<double>() * M_PI / 180.0,
-                    1e-12);
-      }
-      length_m += spec.length_m;
-    }
-    const YAML::Node bodies = arm["bodies"];
-    ASSERT_EQ(scenario.mocap.ring_fractions.size(), bodies.size()) << name;
-    for (std::size_t i = 0; i < bodies.size(); ++i) {
-      const std::string at = bodies[i]["arclength_m"].as<std::string>();
-      EXPECT_NEAR(scenario.mocap.ring_fractions[i] * length_m, at == "tip" ? length_m : std::stod(at), 1e-6)
-          << name << " " << i;
-      EXPECT_EQ(bodies[i]["name"].as<std::string>(), fmt::format("ring_{}", i + 1));
-    }
-  }
 }
 
 TEST(Scenario, DemoHasTheConstantsOfTheArmItIsEstimatedWith) {
