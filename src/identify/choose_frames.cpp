@@ -30,12 +30,12 @@ class Preparer {
     if (!payload || !std::isfinite(*payload)) return leave_out("payload not known");
     out.payload_kg = *payload;
     if (arm_.base.body) {
-      if (frame.base_body && frame.base_body->matrix().allFinite()) last_base_ = frame.base_body;
-      const bool now = frame.base_body && last_base_;
-      if (!now && !(arm_.base.hold_last && last_base_)) return leave_out("base not seen");
+      const bool now = frame.base_body && frame.base_body->matrix().allFinite();
+      if (now) base_ = *frame.base_body * arm_.base.rod_in_body;
+      base_seen_ = base_seen_ || now;
+      if (!now && !(arm_.base.hold_last && base_seen_)) return leave_out("base not seen");
     }
-    const Eigen::Isometry3d base =
-        arm_.base.body ? *last_base_ * arm_.base.rod_in_body : arm_.base.fixed_pose;
+    const Eigen::Isometry3d& base = arm_.base.body ? base_ : arm_.base.fixed_pose;
     out.gravity_base = base.linear().transpose() * arm_.gravity_m_s2;
     out.inputs = frame.inputs;
     if (!predict(arm_, out.inputs)) return leave_out("inputs missing or beyond the laws");
@@ -72,7 +72,8 @@ class Preparer {
 
   const Arm& arm_;
   std::map<std::string, std::uint64_t>& left_out_;
-  std::optional<Eigen::Isometry3d> last_base_;
+  Eigen::Isometry3d base_ = Eigen::Isometry3d::Identity();  ///< of the rod, when last seen
+  bool base_seen_ = false;
 };
 
 /// Inputs (0 where absent) and payload as one vector.
