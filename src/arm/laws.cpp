@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <set>
 #include <string>
 
 #include "softarm/arm/mooney_rivlin.h"
@@ -28,6 +29,11 @@ std::optional<double> find_input(const Arm& arm, const std::string& name, const 
   return std::nullopt;
 }
 
+/// Without a jammable core the vacuum does nothing, so its absence does not matter either.
+bool needs_vacuum(const Segment& segment) {
+  return segment.jamming_input && segment.bending_stiffness.per_jamming_pressure_nm2_per_pa != 0.0;
+}
+
 std::optional<SegmentInputs> collect(const Arm& arm, const Segment& segment, const InputValues& inputs) {
   SegmentInputs collected;
   const auto read_all = [&](const auto& actuators, std::vector<double>* values) {
@@ -42,8 +48,7 @@ std::optional<SegmentInputs> collect(const Arm& arm, const Segment& segment, con
   if (!read_all(segment.chambers, &collected.chamber_gauge_pa)) return std::nullopt;
   if (!read_all(segment.tendons, &collected.tension_n)) return std::nullopt;
   if (!read_all(segment.cables, &collected.angle_rad)) return std::nullopt;
-  // Without a jammable core the vacuum does nothing, so its absence does not matter either.
-  if (segment.jamming_input && segment.bending_stiffness.per_jamming_pressure_nm2_per_pa != 0.0) {
+  if (needs_vacuum(segment)) {
     const std::optional<double> vacuum = find_input(arm, *segment.jamming_input, inputs);
     if (!vacuum) return std::nullopt;
     collected.vacuum_pa = *vacuum;
@@ -174,6 +179,30 @@ bool stiffness_depends_on_inputs(const Segment& segment) {
   const StiffnessLaw& law = segment.bending_stiffness;
   return law.per_min_pressure_nm2_per_pa != 0.0 || law.per_jamming_pressure_nm2_per_pa != 0.0 ||
          !law.by_pressure.empty() || (segment.material && segment.axial_stiffness_n);
+}
+
+std::vector<int> inputs_of(const Arm& arm, const Segment& segment) {
+  std::set<std::string> names;
+  for (const Chamber& chamber : segment.chambers) names.insert(chamber.input);
+  for (const Tendon& tendon : segment.tendons) names.insert(tendon.input);
+  for (const Cable& cable : segment.cables) names.insert(cable.input);
+  if (segment.central_chamber) names.insert(segment.central_chamber->input);
+  if (needs_vacuum(segment)) names.insert(*segment.jamming_input);
+  std::vector<int> indices;
+  for (std::size_t i = 0; i < arm.inputs.scalars.size(); ++i) {
+    if (names.count(arm.inputs.scalars[i].name)) indices.push_back(static_cast<int>(i));
+  }
+  return indices;
+}
+
+std::string missing_inputs(const Arm& arm, const Segment& segment, const InputValues& inputs) {
+  std::string missing;
+  for (const int i : inputs_of(arm, segment)) {
+    const auto index = static_cast<std::size_t>(i);
+    if (index < inputs.size() && inputs[index] && std::isfinite(*inputs[index])) continue;
+    missing += (missing.empty() ? "" : ", ") + arm.inputs.scalars[index].name;
+  }
+  return missing;
 }
 
 }  // namespace softarm

@@ -259,9 +259,12 @@ bool Estimator::Impl::set_knowns(const Frame& frame) {
     const bool needed =
         believe_laws || (!estimate_stiffness && !arcs && stiffness_depends_on_inputs(segment));
     if (!needed || predict_segment(arm, segment, frame.inputs)) continue;
-    fail(Status::kMissingPressures,
-         fmt::format("segment '{}': {} inputs that are absent or outside its laws", segment.name,
-                     believe_laws ? "the prior needs" : "its stiffness depends on"));
+    const std::string missing = missing_inputs(arm, segment, frame.inputs);
+    const char* why = believe_laws ? "the prior needs" : "its stiffness depends on";
+    fail(missing.empty() ? Status::kInvalidInput : Status::kMissingInputs,
+         missing.empty()
+             ? fmt::format("segment '{}': {} inputs that are outside of its laws", segment.name, why)
+             : fmt::format("segment '{}': {} {}, absent or too old", segment.name, why, missing));
     return false;
   }
   problem.set_laws(predictions);

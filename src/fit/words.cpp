@@ -1,4 +1,5 @@
 #include "softarm/fit/estimate.h"
+#include "softarm/fit/estimator.h"
 
 namespace softarm {
 
@@ -12,8 +13,8 @@ std::string to_string(Status status) {
       return "not_enough_bodies";
     case Status::kMissingPayload:
       return "missing_payload";
-    case Status::kMissingPressures:
-      return "missing_pressures";
+    case Status::kMissingInputs:
+      return "missing_inputs";
     case Status::kInvalidInput:
       return "invalid_input";
     case Status::kNoConvergence:
@@ -22,6 +23,12 @@ std::string to_string(Status status) {
       return "inconsistent";
   }
   return "unknown_status";
+}
+
+std::string advice(const EstimatorOptions& options) {
+  if (options.method == Method::kCcPoints || options.method == Method::kCcEndpoint) return {};
+  if (options.unknown != Unknown::kBoth || options.prior.enabled) return {};
+  return "one frame cannot tell EI and payload apart: enable the prior";
 }
 
 }  // namespace softarm

@@ -19,8 +19,8 @@ std::uint8_t status_code(Status status) {
       return ArmEstimate::STATUS_NOT_ENOUGH_BODIES;
     case Status::kMissingPayload:
       return ArmEstimate::STATUS_MISSING_PAYLOAD;
-    case Status::kMissingPressures:
-      return ArmEstimate::STATUS_MISSING_PRESSURES;
+    case Status::kMissingInputs:
+      return ArmEstimate::STATUS_MISSING_INPUTS;
     case Status::kInvalidInput:
       return ArmEstimate::STATUS_INVALID_INPUT;
     case Status::kNoConvergence:
@@ -82,6 +82,8 @@ ArmEstimate to_message(const Estimate& estimate, const MessageContext& context, 
   message.detail = estimate.detail;
   message.method = to_string(context.options.method);
   message.unknown = to_string(context.options.unknown);
+  message.prior = context.options.prior.enabled;
+  message.window = context.options.window_s;
   message.iterations = static_cast<std::uint32_t>(std::max(0, estimate.solver.iterations));
   message.warm_start = estimate.solver.warm_start;
   message.solve_time = solve_time_s;

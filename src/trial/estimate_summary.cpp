@@ -53,7 +53,7 @@ EstimateSummary::EstimateSummary(const Arm& arm)
     : set_aside_(arm.bodies.size(), 0), segments_(arm.segments.size()) {
   const Method method = arm.estimator.method;
   const bool arcs = method == Method::kCcPoints || method == Method::kCcEndpoint;
-  payload_known_ = arcs || arm.estimator.unknown != Unknown::kPayload;
+  payload_known_ = arcs || arm.estimator.unknown == Unknown::kStiffness;
   stiffness_known_ = !arcs && arm.estimator.unknown == Unknown::kPayload;
   for (const MeasuredBody& body : arm.bodies) body_names_.push_back(body.name);
 }

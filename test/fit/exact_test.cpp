@@ -180,14 +180,16 @@ TEST(UnknownPayload, NeedsThePressuresOfAStiffnessLaw) {
   Arm arm = precisely_measured(paper_arm());
   Frame frame = make_frame(arm, {{{0.3, 2.0, 0.03, 0.2}}, 0.17, hanging()});
   Estimator estimator(arm, with_method(Method::kFullPoints, Unknown::kPayload));
-  EXPECT_EQ(estimator.estimate(frame).status, Status::kMissingPressures);
+  EXPECT_EQ(estimator.estimate(frame).status, Status::kMissingInputs);
   frame.inputs = {10e3, std::nullopt, 25e3};
-  EXPECT_EQ(estimator.estimate(frame).status, Status::kMissingPressures);
-  EXPECT_NE(estimator.estimate(frame).detail.find("segment_1"), std::string::npos);
+  EXPECT_EQ(estimator.estimate(frame).status, Status::kMissingInputs);
+  EXPECT_EQ(estimator.estimate(frame).detail,
+            "segment 'segment_1': its stiffness depends on chamber_2, absent or too old");
   frame.inputs = {10e3, 40e3, 25e3};
   EXPECT_EQ(estimator.estimate(frame).status, Status::kOk);
 
-  arm.segments[0].bending_stiffness = {0.03, 0.0, 0.0};  // a stiffness that no pressure changes
+  arm.segments[0].bending_stiffness = StiffnessLaw();  // a stiffness that no pressure changes
+  arm.segments[0].bending_stiffness.base_nm2 = 0.03;
   frame.inputs.clear();
   const Estimate& estimate =
       Estimator(arm, with_method(Method::kFullPoints, Unknown::kPayload)).estimate(frame);

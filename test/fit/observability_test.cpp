@@ -118,7 +118,7 @@ TEST(Prior, DrawsTheEstimateTowardsTheLawsAndNarrowsIt) {
   EXPECT_NEAR(bound.segments[0].bending_stiffness_nm2.value(), law.bending_stiffness_nm2,
               1e-3 * law.bending_stiffness_nm2);
   frame.inputs.clear();
-  EXPECT_EQ(Estimator(arm, options).estimate(frame).status, Status::kMissingPressures);
+  EXPECT_EQ(Estimator(arm, options).estimate(frame).status, Status::kMissingInputs);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "softarm/arm/arm.h"
@@ -57,5 +58,13 @@ std::optional<std::vector<SegmentPrediction>> predict(const Arm& arm, const Inpu
 
 /// Whether EI of the segment depends on inputs.
 bool stiffness_depends_on_inputs(const Segment& segment);
+
+/// Indices into Arm::inputs.scalars of what the segment's laws need, increasing. The vacuum is among them
+/// only where the stiffness depends on it.
+std::vector<int> inputs_of(const Arm& arm, const Segment& segment);
+
+/// Names of the inputs that the segment's laws need and that are absent or not finite: "chamber_1, tendon_2";
+/// empty if there is none.
+std::string missing_inputs(const Arm& arm, const Segment& segment, const InputValues& inputs);
 
 }  // namespace softarm

@@ -12,13 +12,13 @@ namespace softarm {
 /// Why a frame has, or has not, an estimate.
 enum class Status {
   kOk,
-  kNoBasePose,        ///< the base has never been seen
-  kNotEnoughBodies,   ///< what was measured cannot determine the unknowns
-  kMissingPayload,    ///< stiffness is asked for, but the payload is not known
-  kMissingPressures,  ///< the prior or the known stiffness needs pressures that are absent
-  kInvalidInput,      ///< non-finite or absurd numbers (kilometres, zero quaternion)
-  kNoConvergence,     ///< the solver found no fit
-  kInconsistent,      ///< converged, but to a shape that the measurements contradict grossly
+  kNoBasePose,       ///< the base has never been seen
+  kNotEnoughBodies,  ///< what was measured cannot determine the unknowns
+  kMissingPayload,   ///< stiffness is asked for, but the payload is not known
+  kMissingInputs,    ///< the prior or the known stiffness needs pressures, tensions or angles that are absent
+  kInvalidInput,     ///< non-finite or absurd numbers (kilometres, zero quaternion)
+  kNoConvergence,    ///< the solver found no fit
+  kInconsistent,     ///< converged, but to a shape that the measurements contradict grossly
 };
 
 std::string to_string(Status status);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "softarm/arm/arm.h"
 #include "softarm/fit/estimate.h"
@@ -45,5 +46,9 @@ class Estimator {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// For people: why these options cannot give what they ask for, and the remedy, in one line; empty if they
+/// can.
+std::string advice(const EstimatorOptions& options);
 
 }  // namespace softarm
