@@ -7,8 +7,10 @@
 #include <std_msgs/Float64.h>
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <map>
+#include <set>
 #include <sstream>
 
 #include "softarm/rig/simulator.h"
@@ -38,8 +40,15 @@ std::string read_scenario(const ros::NodeHandle& nh, std::string& path) {
       return text.str();
     }
   }
+  std::set<std::string> shipped;
+  std::error_code no_folder;
+  for (const auto& entry : std::filesystem::directory_iterator(directory, no_folder)) {
+    if (entry.path().extension() == ".yaml") shipped.insert(entry.path().stem().string());
+  }
+  std::string names;
+  for (const std::string& one : shipped) names += (names.empty() ? "" : ", ") + one;
   throw std::runtime_error(name + " is '" + scenario + "': no such file" +
-                           (directory.empty() ? "" : ", nor a scenario in " + directory));
+                           (names.empty() ? "" : ", nor a shipped scenario (" + names + ")"));
 }
 
 geometry_msgs::Point to_point(const Eigen::Vector3d& p) {
@@ -63,6 +72,12 @@ class Rig {
       payload_ = nh_.advertise<std_msgs::Float64>("/payload", 10, true);
     }
     truth_ = private_nh_.advertise<softarm_estimator::Truth>("truth", kQueue);
+    // Now, not with the first message: subscribers need time to connect.
+    const softarm::rig::Scenario& scenario = simulator.scenario();
+    for (int i = 0; i < scenario.arm.chambers; ++i) publisher_of(InputKind::kChamber, i);
+    for (int i = 0; i < scenario.arm.tendons; ++i) publisher_of(InputKind::kTendon, i);
+    for (int i = 0; i < scenario.arm.servos; ++i) publisher_of(InputKind::kServo, i);
+    if (!scenario.vacuum.schedule.empty()) publisher_of(InputKind::kVacuum, 0);
   }
 
   void publish_payload(const Sample& sample) {
@@ -83,15 +98,23 @@ class Rig {
  private:
   ros::Time stamp(double t_s) const { return epoch_ + ros::Duration(t_s); }
 
-  void publish(const InputSample& sample) {
-    const bool pressure = sample.kind == InputKind::kChamber || sample.kind == InputKind::kVacuum;
-    ros::Publisher& publisher = inputs_[{sample.kind, sample.number}];
+  static bool is_pressure(InputKind kind) {
+    return kind == InputKind::kChamber || kind == InputKind::kVacuum;
+  }
+
+  ros::Publisher& publisher_of(InputKind kind, int number) {
+    ros::Publisher& publisher = inputs_[{kind, number}];
     if (!publisher) {
-      const std::string topic = softarm::rig::topic_of(sample.kind, sample.number);
-      publisher = pressure ? nh_.advertise<sensor_msgs::FluidPressure>(topic, kQueue)
-                           : nh_.advertise<std_msgs::Float64>(topic, kQueue);
+      const std::string topic = softarm::rig::topic_of(kind, number);
+      publisher = is_pressure(kind) ? nh_.advertise<sensor_msgs::FluidPressure>(topic, kQueue)
+                                    : nh_.advertise<std_msgs::Float64>(topic, kQueue);
     }
-    if (pressure) {
+    return publisher;
+  }
+
+  void publish(const InputSample& sample) {
+    const ros::Publisher& publisher = publisher_of(sample.kind, sample.number);
+    if (is_pressure(sample.kind)) {
       sensor_msgs::FluidPressure message;
       message.header.stamp = stamp(sample.stamp_s);
       message.fluid_pressure = sample.value;

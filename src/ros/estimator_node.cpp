@@ -29,6 +29,7 @@ EstimatorNode::EstimatorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
       assembler_(params.arm),
       updater_(nh_, private_nh_, ros::this_node::getName()) {
   for (const MeasuredBody& body : params_.arm.bodies) body_names_.push_back(body.name);
+  if (const std::string note = advice(params.options); !note.empty()) ROS_WARN("%s", note.c_str());
 
   estimate_publisher_ = private_nh_.advertise<softarm_estimator::ArmEstimate>("estimate", kPublisherQueue);
   markers_publisher_ = private_nh_.advertise<visualization_msgs::MarkerArray>("markers", 10);
@@ -170,7 +171,7 @@ bool EstimatorNode::on_set_payload(softarm_estimator::SetPayload::Request& reque
                          request.unknown ? std::nullopt : std::optional(request.payload));
   response.success = true;
   response.message = request.unknown ? "the payload is unknown" : "the payload is known";
-  if (estimator_.options().unknown == Unknown::kPayload) {
+  if (estimator_.options().unknown != Unknown::kStiffness) {
     response.message += "; it is not used while the payload is what is estimated (see set_mode)";
   }
   return true;
@@ -182,6 +183,8 @@ bool EstimatorNode::on_set_mode(softarm_estimator::SetMode::Request& request,
     estimator_.set_unknown(parse_unknown(request.unknown));
     response.success = true;
     response.message = "unknown is " + to_string(estimator_.options().unknown);
+    const std::string note = advice(estimator_.options());
+    if (!note.empty()) response.message += "; " + note;
   } catch (const std::invalid_argument& e) {
     response.success = false;
     response.message = e.what();

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "softarm/arm/arm_yaml.h"
+#include "softarm/arm/laws.h"
 #include "softarm/ros/estimator_node.h"
 #include "softarm/ros/input_topics.h"
 
@@ -139,30 +140,44 @@ void EstimatorNode::diagnose_bodies(DiagnosticStatusWrapper& status) {
   }
 }
 
-bool EstimatorNode::pressures_are_needed() const {
-  return estimator_.options().prior.enabled || estimator_.options().unknown == Unknown::kPayload;
+bool EstimatorNode::is_needed(int input) const {
+  const EstimatorOptions& options = estimator_.options();
+  if (options.method == Method::kCcPoints || options.method == Method::kCcEndpoint) return false;
+  for (const Segment& segment : params_.arm.segments) {
+    if (!options.prior.enabled &&
+        !(options.unknown == Unknown::kPayload && stiffness_depends_on_inputs(segment))) {
+      continue;
+    }
+    const std::vector<int> needed = inputs_of(params_.arm, segment);
+    if (std::find(needed.begin(), needed.end(), input) != needed.end()) return true;
+  }
+  return false;
 }
 
 void EstimatorNode::diagnose_values(DiagnosticStatusWrapper& status) {
   const std::optional<double> newest = assembler_.newest_s();
-  std::string missing;
+  std::string missing, unneeded;
   for (std::size_t i = 0; i < params_.arm.inputs.scalars.size(); ++i) {
     const ScalarInput& input = params_.arm.inputs.scalars[i];
     const std::optional<double> accepted = assembler_.input_accepted_s(static_cast<int>(i));
     std::string state = "absent";
+    bool here = accepted.has_value();
     if (accepted && newest) {
-      const double age_s = *newest - *accepted;
-      state =
-          age_s > params_.arm.inputs.input_max_age_s ? fmt::format("missing for {:.1f} s", age_s) : "seen";
+      const double age_s = std::max(0.0, *newest - *accepted);
+      here = age_s <= params_.arm.inputs.input_max_age_s;
+      state = fmt::format(here ? "seen {:.2f} s ago" : "missing for {:.1f} s", age_s);
     } else if (accepted) {
       state = "seen";
     }
-    if (state != "seen") missing += (missing.empty() ? "" : ", ") + input.name;
-    status.add("pressure " + input.name, state);
+    if (!here) {
+      std::string& names = is_needed(static_cast<int>(i)) ? missing : unneeded;
+      names += (names.empty() ? "" : ", ") + input.name;
+    }
+    status.add(to_string(input.kind) + " " + input.name, state);
   }
-  if (!missing.empty()) {
-    status.mergeSummary(pressures_are_needed() ? DiagnosticStatus::WARN : DiagnosticStatus::OK,
-                        "pressures missing: " + missing + (pressures_are_needed() ? "" : " (not needed)"));
+  if (!missing.empty()) status.mergeSummary(DiagnosticStatus::WARN, "inputs missing: " + missing);
+  if (!unneeded.empty()) {
+    status.mergeSummary(DiagnosticStatus::OK, "inputs missing: " + unneeded + " (not needed)");
   }
   status.add("payload (kg)", payload_kg_ ? fmt::format("{:.4f}", *payload_kg_)
                              : params_.arm.payload.default_kg
@@ -205,6 +220,7 @@ void EstimatorNode::diagnose_fit(DiagnosticStatusWrapper& status) {
   const auto per_ok = [&](std::uint64_t count) {
     return period.ok > 0 ? static_cast<double>(count) / static_cast<double>(period.ok) : 0.0;
   };
+  const std::string note = advice(estimator_.options());
   if (period.frames == 0) {
     status.summary(DiagnosticStatus::OK, "nothing to estimate");
   } else if (period.ok == 0) {
@@ -229,9 +245,12 @@ void EstimatorNode::diagnose_fit(DiagnosticStatusWrapper& status) {
                                                               mismatch, period.worst_body));
     }
   }
+  if (!note.empty()) status.mergeSummary(DiagnosticStatus::WARN, note);
   status.add("method", to_string(estimator_.options().method));
   status.add("unknown", to_string(estimator_.options().unknown));
   status.add("objective", to_string(estimator_.options().objective));
+  status.add("prior", estimator_.options().prior.enabled ? "on" : "off");
+  status.add("window (s)", fmt::format("{:g}", estimator_.options().window_s));
   status.add("solve time median (us)", fmt::format("{:.0f}", 1e6 * quantile(period.solve_time_s, 0.5)));
   status.add("solve time 99 % (us)", fmt::format("{:.0f}", 1e6 * quantile(period.solve_time_s, 0.99)));
   status.add("iterations per frame", fmt::format("{:.1f}", per_ok(period.iterations)));

@@ -39,14 +39,28 @@ const std::map<std::string, BodyAdapter>& body_adapters() {
   return table;
 }
 
-const std::map<std::string, PressureAdapter>& pressure_adapters() {
-  static const std::map<std::string, PressureAdapter> table{
-      {"sensor_msgs/FluidPressure", fluid_pressure_topic},
-      {"std_msgs/Float64", float64_topic},
-      {"std_msgs/Float32MultiArray", float32_array_topic},
-      {"std_msgs/Float64MultiArray", float64_array_topic},
+const std::map<std::string, ScalarAdapter>& scalar_adapters() {
+  static const std::map<std::string, ScalarAdapter> table{
+      {"sensor_msgs/FluidPressure", {fluid_pressure_topic, true}},
+      {"std_msgs/Float64", {float64_topic}},
+      {"std_msgs/Float32MultiArray", {float32_array_topic}},
+      {"std_msgs/Float64MultiArray", {float64_array_topic}},
   };
   return table;
+}
+
+std::string to_string(InputKind kind) {
+  switch (kind) {
+    case InputKind::kPressure:
+      return "pressure";
+    case InputKind::kVacuum:
+      return "vacuum";
+    case InputKind::kTension:
+      return "tension";
+    case InputKind::kAngle:
+      return "angle";
+  }
+  throw std::logic_error("kind of input without a word");
 }
 
 double headerless_stamp_s(double receipt_s, const FrameAssembler& assembler) {
@@ -75,12 +89,17 @@ std::vector<InputTopic> input_topics(const Arm& arm) {
   std::map<std::pair<std::string, std::string>, std::vector<int>> by_topic;
   for (std::size_t i = 0; i < arm.inputs.scalars.size(); ++i) {
     const ScalarInput& input = arm.inputs.scalars[i];
-    adapter_for(pressure_adapters(), input.type,
-                "arm '" + arm.name + "', pressure input '" + input.name + "'");
+    const std::string what = fmt::format("arm '{}', {} '{}'", arm.name, to_string(input.kind), input.name);
+    const ScalarAdapter& adapter = adapter_for(scalar_adapters(), input.type, what);
+    const bool is_pressure = input.kind == InputKind::kPressure || input.kind == InputKind::kVacuum;
+    if (adapter.pressures_only && !is_pressure) {
+      throw std::invalid_argument(
+          fmt::format("{}: type '{}' is for pressures; use std_msgs/Float64 or an array", what, input.type));
+    }
     by_topic[{input.topic, input.type}].push_back(static_cast<int>(i));
   }
   for (const auto& [key, inputs] : by_topic) {
-    topics.push_back(pressure_adapters().at(key.second)(arm, key.first, inputs));
+    topics.push_back(scalar_adapters().at(key.second).make(arm, key.first, inputs));
   }
   if (!arm.inputs.payload_topic.empty()) topics.push_back(payload_topic(arm));
   return topics;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "conversions.h"
 #include "softarm/ros/backbone_sampling.h"
@@ -19,6 +20,7 @@ constexpr double kLifetime_s = 0.5;
 constexpr double kFullScale_rad = 2.5;  // an arm bent evenly by so much is all red
 constexpr int kTubeSections = 48;
 constexpr int kRingSides = 48;
+constexpr int kTendonPieces = 24;
 
 std_msgs::ColorRGBA color(double r, double g, double b, double a) {
   std_msgs::ColorRGBA c;
@@ -89,6 +91,34 @@ Marker rings(const Estimate& estimate, const MessageContext& context) {
   return m;
 }
 
+/// Tendons, and cables (whose distance from the axis no arm file has: drawn on the skin), as lines.
+std::optional<Marker> tendons(const Estimate& estimate, const MessageContext& context) {
+  Marker m = marker(estimate, context, "tendons", Marker::LINE_LIST);
+  m.scale.x = 0.006 * context.arm.total_length_m();
+  m.color = color(0.98, 0.9, 0.55, 1.0);
+  double begin_m = 0.0;
+  const auto add = [&](const Segment& segment, double azimuth_rad, double offset_m) {
+    const Eigen::Vector3d offset(offset_m * std::cos(azimuth_rad), offset_m * std::sin(azimuth_rad), 0.0);
+    const auto at = [&](int i) {
+      const BackbonePoint point =
+          backbone_at(estimate.backbone, begin_m + segment.length_m * i / kTendonPieces);
+      return to_point(point.p_base + point.q_base * offset);
+    };
+    for (int i = 0; i < kTendonPieces; ++i) {
+      m.points.push_back(at(i));
+      m.points.push_back(at(i + 1));
+    }
+  };
+  for (const Segment& segment : context.arm.segments) {
+    for (const Tendon& tendon : segment.tendons) add(segment, tendon.bending_direction_rad, tendon.offset_m);
+    for (const Cable& cable : segment.cables) {
+      add(segment, cable.bending_direction_rad, 0.5 * segment.diameter_m);
+    }
+    begin_m += segment.length_m;
+  }
+  return m.points.empty() ? std::nullopt : std::optional(m);
+}
+
 std::array<Marker, 3> points(const Estimate& estimate, const MessageContext& context) {
   const double unit_m = context.arm.total_length_m();
   Marker measured = marker(estimate, context, "measured", Marker::SPHERE_LIST);
@@ -157,18 +187,19 @@ std::string estimate_text(const Estimate& estimate, const Arm& arm, const Estima
     const SegmentEstimate& segment = estimate.segments[i];
     const std::string name = estimate.segments.size() > 1 ? arm.segments.at(i).name + ": " : "";
     if (options.unknown == Unknown::kPayload && segment.bending_stiffness_nm2) {
-      lines += fmt::format("{}EI {:.4f} N m² (known)\n", name, *segment.bending_stiffness_nm2);
+      lines += fmt::format("{}EI {:.3g} mN m² (known)\n", name, 1e3 * *segment.bending_stiffness_nm2);
     } else if (segment.tells_stiffness && segment.bending_stiffness_nm2 && segment.sd_bending_stiffness_nm2) {
-      lines += fmt::format("{}EI {:.4f} ± {:.4f} N m²\n", name, *segment.bending_stiffness_nm2,
-                           *segment.sd_bending_stiffness_nm2);
+      lines += fmt::format("{}EI {:.3g} ± {:.2g} mN m²\n", name, 1e3 * *segment.bending_stiffness_nm2,
+                           1e3 * *segment.sd_bending_stiffness_nm2);
     } else {
       lines += name + "EI not told by this frame\n";
     }
   }
   if (options.unknown == Unknown::kStiffness && estimate.payload_kg) {
-    lines += fmt::format("payload {:.3f} kg (known)", *estimate.payload_kg);
+    lines += fmt::format("payload {:.1f} g (known)", 1e3 * *estimate.payload_kg);
   } else if (estimate.tells_payload && estimate.payload_kg && estimate.sd_payload_kg) {
-    lines += fmt::format("payload {:.3f} ± {:.3f} kg", *estimate.payload_kg, *estimate.sd_payload_kg);
+    lines +=
+        fmt::format("payload {:.1f} ± {:.1f} g", 1e3 * *estimate.payload_kg, 1e3 * *estimate.sd_payload_kg);
   } else {
     lines += "payload not told by this frame";
   }
@@ -180,10 +211,11 @@ visualization_msgs::MarkerArray to_markers(const Estimate& estimate, const Messa
   if (estimate.status == Status::kOk && !estimate.backbone.empty()) {
     array.markers.push_back(backbone_tube(estimate, context));
     array.markers.push_back(rings(estimate, context));
+    if (const auto m = tendons(estimate, context)) array.markers.push_back(*m);
     for (const Marker& m : points(estimate, context)) array.markers.push_back(m);
     array.markers.push_back(payload_arrow(estimate, context));
   } else {
-    for (const char* ns : {"backbone", "rings", "measured", "estimated", "residuals", "payload"}) {
+    for (const char* ns : {"backbone", "rings", "tendons", "measured", "estimated", "residuals", "payload"}) {
       Marker gone = marker(estimate, context, ns, Marker::SPHERE);
       gone.action = Marker::DELETE;
       array.markers.push_back(gone);

@@ -34,8 +34,14 @@ class Reader {
     XmlRpc::XmlRpcValue raw;
     if (!nh_.getParam(name, raw)) return {};
     if (raw.getType() == XmlRpc::XmlRpcValue::TypeBoolean) return static_cast<bool>(raw);
-    if (raw.getType() == XmlRpc::XmlRpcValue::TypeString && std::string(raw).empty()) return {};
-    throw error(name, "must be true or false");
+    if (raw.getType() == XmlRpc::XmlRpcValue::TypeString) {
+      const std::string word(raw);
+      if (word.empty()) return {};
+      // roslaunch passes on and off as strings.
+      if (word == "on") return true;
+      if (word == "off") return false;
+    }
+    throw error(name, "must be true or false (or on, off)");
   }
 
   std::optional<double> number(const std::string& name, double low, double high) {
@@ -105,6 +111,7 @@ NodeParams NodeParams::read(const ros::NodeHandle& private_nh) {
   }
   if (const auto value = reader.flag("robust")) options.robust = *value;
   if (const auto value = reader.flag("prior")) options.prior.enabled = *value;
+  if (const auto value = reader.number("window", 0.0, 60.0)) options.window_s = *value;
   if (const auto value = reader.number("tells_relative_sd", 0.001, 10.0)) options.tells_relative_sd = *value;
 
   params.frames.mocap = reader.word("mocap_frame").value_or("mocap");

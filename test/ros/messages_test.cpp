@@ -121,6 +121,8 @@ TEST(EstimateMessage, CarriesValuesFlagsAndBackbone) {
   EXPECT_DOUBLE_EQ(message.segments[0].bending_stiffness, 0.0312);
   EXPECT_FALSE(message.segments[0].has_moment);
   EXPECT_TRUE(message.payload_is_known);
+  EXPECT_FALSE(message.prior);
+  EXPECT_EQ(message.window, 0.0);
   EXPECT_EQ(message.backbone.size(), 9u);
   EXPECT_EQ(message.body_names, std::vector<std::string>{"ring_1"});
 }
@@ -163,20 +165,42 @@ TEST(Markers, ShowShapePointsLoadAndNumbers) {
     EXPECT_GT(marker.lifetime.toSec(), 0.0);
     EXPECT_TRUE(marker.colors.empty() || marker.colors.size() == marker.points.size());
   }
-  EXPECT_EQ(array.markers.back().text, "EI 0.0312 ± 0.0021 N m²\npayload 0.200 kg (known)");
+  EXPECT_EQ(array.markers.back().text, "EI 31.2 ± 2.1 mN m²\npayload 200.0 g (known)");
+}
+
+TEST(Markers, TendonsLieOnTheirSideOfTheBentArm) {
+  Fixture f;
+  f.arm.segments[0].tendons = {{"tendon_1", 0.0, 0.01}, {"tendon_2", M_PI, 0.01}};
+  const Estimate estimate = quarter_circle();
+  const auto array = to_markers(estimate, f.context);
+  const auto found = std::find_if(array.markers.begin(), array.markers.end(),
+                                  [](const auto& marker) { return marker.ns == "tendons"; });
+  ASSERT_NE(found, array.markers.end());
+  ASSERT_EQ(found->points.size() % 4, 0u);
+  // The arm bends towards x: the first tendon is on the inner, shorter side, the second on the outer one.
+  const auto length_m = [&](std::size_t from) {
+    double sum = 0.0;
+    for (std::size_t i = from; i < from + found->points.size() / 2; i += 2) {
+      const auto &a = found->points[i], &b = found->points[i + 1];
+      sum += std::hypot(std::hypot(b.x - a.x, b.y - a.y), b.z - a.z);
+    }
+    return sum;
+  };
+  EXPECT_NEAR(length_m(0), 0.2 - 0.01 * 0.5 * M_PI, 5e-4);
+  EXPECT_NEAR(length_m(found->points.size() / 2), 0.2 + 0.01 * 0.5 * M_PI, 5e-4);
 }
 
 TEST(Markers, SayWhatAFrameDoesNotTell) {
   Fixture f;
   Estimate estimate = quarter_circle();
   estimate.segments[0].tells_stiffness = false;
-  EXPECT_EQ(estimate_text(estimate, f.arm, f.options), "EI not told by this frame\npayload 0.200 kg (known)");
+  EXPECT_EQ(estimate_text(estimate, f.arm, f.options), "EI not told by this frame\npayload 200.0 g (known)");
   f.options.unknown = Unknown::kPayload;
   EXPECT_EQ(estimate_text(estimate, f.arm, f.options),
-            "EI 0.0312 N m² (known)\npayload not told by this frame");
+            "EI 31.2 mN m² (known)\npayload not told by this frame");
   estimate.tells_payload = true;
   estimate.sd_payload_kg = 0.01;
-  EXPECT_EQ(estimate_text(estimate, f.arm, f.options), "EI 0.0312 N m² (known)\npayload 0.200 ± 0.010 kg");
+  EXPECT_EQ(estimate_text(estimate, f.arm, f.options), "EI 31.2 mN m² (known)\npayload 200.0 ± 10.0 g");
 }
 
 TEST(Markers, AreDeletedWithTheEstimate) {
@@ -185,7 +209,7 @@ TEST(Markers, AreDeletedWithTheEstimate) {
   estimate.status = Status::kMissingPayload;
   estimate.detail = "the payload is not known";
   const auto array = to_markers(estimate, f.context);
-  EXPECT_EQ(namespaces(array, visualization_msgs::Marker::DELETE).size(), 6u);
+  EXPECT_EQ(namespaces(array, visualization_msgs::Marker::DELETE).size(), 7u);
   EXPECT_EQ(namespaces(array, visualization_msgs::Marker::ADD), std::set<std::string>{"text"});
   EXPECT_EQ(array.markers.back().text, "no estimate: the payload is not known");
 }

@@ -71,7 +71,7 @@ class EstimatorNode {
   void diagnose_values(diagnostic_updater::DiagnosticStatusWrapper& status);
   void diagnose_rejections(diagnostic_updater::DiagnosticStatusWrapper& status);
   void diagnose_silent_topics(diagnostic_updater::DiagnosticStatusWrapper& status);
-  bool pressures_are_needed() const;
+  bool is_needed(int input) const;
   void on_diagnostics_timer();
 
   ros::NodeHandle nh_, private_nh_;

@@ -10,8 +10,10 @@
 
 namespace softarm {
 
-/// Topics of bodies, pressures and payload, each once however many inputs it feeds.
-/// @throws std::invalid_argument in one line where the arm names a type that no adapter reads
+/// Topics of bodies, inputs (pressures, tensions, angles) and payload, each once however many inputs it
+/// feeds.
+/// @throws std::invalid_argument in one line where the arm names a type that no adapter reads, or one that
+/// cannot hold the input (a FluidPressure for a tension)
 std::vector<InputTopic> input_topics(const Arm& arm);
 
 /// Makes the topics of all bodies of an arm (base included) for one type of mocap message.
@@ -19,11 +21,16 @@ using BodyAdapter = std::vector<InputTopic> (*)(const Arm& arm);
 /// By Inputs::body_type. A new driver is one new file and one line in this table.
 const std::map<std::string, BodyAdapter>& body_adapters();
 
-/// Makes one topic that feeds the given inputs (indices into Inputs::scalars).
-using PressureAdapter = InputTopic (*)(const Arm& arm, const std::string& topic,
-                                       const std::vector<int>& inputs);
+/// Makes one topic that feeds the given inputs (indices into Inputs::scalars), whatever their kind.
+struct ScalarAdapter {
+  InputTopic (*make)(const Arm& arm, const std::string& topic, const std::vector<int>& inputs) = nullptr;
+  bool pressures_only = false;  ///< the message says that it is a pressure
+};
 /// By ScalarInput::type.
-const std::map<std::string, PressureAdapter>& pressure_adapters();
+const std::map<std::string, ScalarAdapter>& scalar_adapters();
+
+/// "pressure", "vacuum", "tension", "angle".
+std::string to_string(InputKind kind);
 
 /// Name and index (FrameAssembler::kBaseBody for the base) of every body of the arm.
 std::vector<std::pair<std::string, int>> body_indices(const Arm& arm);

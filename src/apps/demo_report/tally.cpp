@@ -20,13 +20,17 @@ std::string status_name(const ArmEstimate& estimate) {
   return estimate.detail.empty() ? fmt::format("status {}", estimate.status) : estimate.detail;
 }
 
+/// By the arclength of the arm as it is: the truth's points are at equal ones, the estimate's at equal ones
+/// of the arm at zero input, of which each segment has grown in its own way.
 std::vector<BackbonePoint> backbone_of(const ArmEstimate& estimate) {
   std::vector<BackbonePoint> points(estimate.backbone.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto& pose = estimate.backbone[i];
-    points[i].arclength_m = estimate.arclength[i];
     points[i].p_base = {pose.position.x, pose.position.y, pose.position.z};
     points[i].q_base = {pose.orientation.w, pose.orientation.x, pose.orientation.y, pose.orientation.z};
+    if (i == 0) continue;
+    const double chord_m = (points[i].p_base - points[i - 1].p_base).norm();
+    points[i].arclength_m = points[i - 1].arclength_m + chord_m;
   }
   return points;
 }
@@ -59,20 +63,24 @@ void keep(std::map<ros::Time, Message>& waiting, const Message& message) {
 
 }  // namespace
 
-void Tally::Errors::add(double value, double sd, double truth) {
+void Tally::Errors::add(double value, double sd, double true_value) {
   ++told;
-  absolute.push_back(std::abs(value - truth));
-  if (truth > 0.0) relative.push_back(std::abs(value - truth) / truth);
-  within_two_sd += std::abs(value - truth) <= 1.96 * sd;
+  absolute.push_back(std::abs(value - true_value));
+  truth.push_back(true_value);
+  within_two_sd += absolute.back() <= 1.96 * sd;
 }
 
-std::string Tally::Errors::text(const char* unit, std::uint64_t of) const {
-  if (told == 0) return fmt::format("told by 0 of {} frames", of);
+std::string Tally::Errors::text(const char* unit, double per_unit, std::uint64_t of) const {
+  if (told == 0) return fmt::format("0 of {} frames", of);
+  // A value that may be zero (a payload, a moment) has no error in per cent of itself: of the median truth.
+  const double typical = quantile(truth, 0.5), median = quantile(absolute, 0.5);
   return fmt::format(
-      "median {:.1f} % ({:.4f} {}), 95 % of frames below {:.1f} %; {:.0f} % within 1.96 sd; told by {} of {} "
-      "frames",
-      100.0 * quantile(relative, 0.5), quantile(absolute, 0.5), unit, 100.0 * quantile(relative, 0.95),
-      100.0 * static_cast<double>(within_two_sd) / static_cast<double>(told), told, of);
+      "{:.4g} {}, error: median {:.3g}{}, 95 % below {:.3g}; {:.0f} % within 1.96 sd; {:.0f} % of frames",
+      per_unit * typical, unit, per_unit * median,
+      typical > 0.0 ? fmt::format(" ({:.1f} %)", 100.0 * median / typical) : "",
+      per_unit * quantile(absolute, 0.95),
+      100.0 * static_cast<double>(within_two_sd) / static_cast<double>(told),
+      100.0 * static_cast<double>(told) / static_cast<double>(of));
 }
 
 void Tally::add(const ArmEstimate& estimate, ros::Time received, ros::WallTime wall_time) {
@@ -121,14 +129,24 @@ void Tally::compare(const ArmEstimate& estimate, const Truth& truth) {
   }
   shape_error_m_.push_back(std::sqrt(sum / static_cast<double>(truth.backbone.size())));
   tip_error_m_.push_back(last);
-  for (std::size_t i = 0; i < std::min(estimate.segments.size(), truth.bending_stiffness.size()); ++i) {
+  const std::size_t count = std::min(
+      {estimate.segments.size(), truth.bending_stiffness.size(), truth.moment.size(), truth.length.size()});
+  segments_.resize(std::max(segments_.size(), count));
+  for (std::size_t i = 0; i < count; ++i) {
     const auto& segment = estimate.segments[i];
+    SegmentErrors& errors = segments_[i];
+    errors.name = segment.name;
     if (segment.tells_bending_stiffness && segment.determined_bending_stiffness) {
-      stiffness_.add(segment.bending_stiffness, segment.sd_bending_stiffness, truth.bending_stiffness[i]);
+      errors.stiffness_nm2.add(segment.bending_stiffness, segment.sd_bending_stiffness,
+                               truth.bending_stiffness[i]);
     }
+    if (segment.has_moment && segment.determined_moment) {
+      errors.moment_nm.add(segment.moment, segment.sd_moment, truth.moment[i]);
+    }
+    if (segment.determined_length) errors.length_m.add(segment.length, segment.sd_length, truth.length[i]);
   }
-  if (estimate.tells_payload && estimate.determined_payload) {
-    payload_.add(estimate.payload, estimate.sd_payload, truth.payload);
+  if (estimate.has_payload && !estimate.payload_is_known && estimate.determined_payload) {
+    payload_kg_.add(estimate.payload, estimate.sd_payload, truth.payload);
   }
 }
 
@@ -140,14 +158,14 @@ std::string Tally::line() const {
   if (newest_->status != ArmEstimate::STATUS_OK) return text + "  no estimate: " + status_name(*newest_);
   for (const auto& segment : newest_->segments) {
     text += segment.tells_bending_stiffness
-                ? fmt::format("  EI {:.4f} ± {:.4f} N m²", segment.bending_stiffness,
-                              segment.sd_bending_stiffness)
+                ? fmt::format("  EI {:.3g} ± {:.2g} mN m²", 1e3 * segment.bending_stiffness,
+                              1e3 * segment.sd_bending_stiffness)
                 : std::string("  EI not told         ");
   }
   if (newest_->payload_is_known) {
-    text += fmt::format("  payload {:.3f} kg", newest_->payload);
+    text += fmt::format("  payload {:.1f} g", 1e3 * newest_->payload);
   } else if (newest_->tells_payload) {
-    text += fmt::format("  payload {:.3f} ± {:.3f} kg", newest_->payload, newest_->sd_payload);
+    text += fmt::format("  payload {:.1f} ± {:.1f} g", 1e3 * newest_->payload, 1e3 * newest_->sd_payload);
   } else {
     text += "  payload not told";
   }
@@ -180,11 +198,16 @@ std::string Tally::table(bool with_truth) const {
   if (compared() == 0) return text;
   text += row("shape error", fmt::format("rms {:.2f} mm along the backbone, {:.2f} mm at the tip",
                                          1e3 * rms(shape_error_m_), 1e3 * rms(tip_error_m_)));
-  const bool payload_unknown = newest_ && newest_->unknown == "payload";
-  text += row("EI error",
-              payload_unknown ? std::string("not estimated (known)") : stiffness_.text("N m²", compared()));
-  text += row("payload error",
-              payload_unknown ? payload_.text("kg", compared()) : std::string("not estimated (known)"));
+  const std::string known = "not estimated (known)";
+  const std::string unknown = newest_ ? newest_->unknown : "";
+  for (const SegmentErrors& errors : segments_) {
+    if (segments_.size() > 1) text += row(errors.name, "");
+    text += row("EI, where told",
+                unknown == "payload" ? known : errors.stiffness_nm2.text("mN m²", 1e3, compared()));
+    text += row("moment", errors.moment_nm.text("mN m", 1e3, compared()));
+    text += row("length", errors.length_m.text("mm", 1e3, compared()));
+  }
+  text += row("payload", unknown == "stiffness" ? known : payload_kg_.text("g", 1e3, compared()));
   return text;
 }
 

@@ -30,11 +30,16 @@ class Tally {
   std::string table(bool with_truth) const;
 
  private:
+  /// Of one estimated quantity, over the frames that determine it.
   struct Errors {
     std::uint64_t told = 0, within_two_sd = 0;
-    std::vector<double> relative, absolute;
-    void add(double value, double sd, double truth);
-    std::string text(const char* unit, std::uint64_t of) const;
+    std::vector<double> absolute, truth;
+    void add(double value, double sd, double true_value);
+    std::string text(const char* unit, double per_unit, std::uint64_t of) const;
+  };
+  struct SegmentErrors {
+    std::string name;
+    Errors stiffness_nm2, moment_nm, length_m;
   };
 
   void compare(const softarm_estimator::ArmEstimate& estimate, const softarm_estimator::Truth& truth);
@@ -44,7 +49,8 @@ class Tally {
   std::optional<ros::WallTime> first_, last_;
   std::vector<double> latency_s_, shape_error_m_, tip_error_m_, residual_m_;
   std::uint64_t told_stiffness_ = 0, told_payload_ = 0;
-  Errors stiffness_, payload_;
+  std::vector<SegmentErrors> segments_;  // from base to tip
+  Errors payload_kg_;
   std::map<ros::Time, softarm_estimator::ArmEstimate> unmatched_estimates_;
   std::map<ros::Time, softarm_estimator::Truth> unmatched_truth_;
   std::optional<softarm_estimator::ArmEstimate> newest_;

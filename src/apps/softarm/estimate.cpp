@@ -32,8 +32,8 @@ namespace fs = std::filesystem;
 struct Options {
   std::string arm;
   std::vector<std::string> bags;
-  std::optional<std::string> method, unknown, objective;
-  std::optional<double> payload_kg;
+  std::optional<std::string> method, unknown, objective, prior;
+  std::optional<double> payload_kg, window_s;
   std::string out = "estimates";
   unsigned jobs = 0;
 };
@@ -42,6 +42,7 @@ constexpr const char* kExamples = R"(Examples:
   softarm estimate --arm online_200mm trial.bag
   softarm estimate --arm my_arm.yaml *.bag --unknown payload --out results
   softarm estimate --arm my_arm.yaml trial.bag --method end_orientation --payload 0.2
+  softarm estimate --arm my_arm.yaml trial.bag --unknown both --prior on --window 0.5
 Writes OUT/<bag name>/estimates.csv (one row per frame and segment, SI units) and summary.txt.)";
 
 /// One bag's way through the estimator.
@@ -67,6 +68,8 @@ Arm load_arm(const Options& options) {
   if (options.method) arm.estimator.method = word("--method", *options.method, parse_method);
   if (options.unknown) arm.estimator.unknown = word("--unknown", *options.unknown, parse_unknown);
   if (options.objective) arm.estimator.objective = word("--objective", *options.objective, parse_objective);
+  if (options.prior) arm.estimator.prior.enabled = *options.prior == "on";
+  if (options.window_s) arm.estimator.window_s = *options.window_s;
   if (options.payload_kg) {
     const Range& range = arm.payload.range_kg;
     if (!(*options.payload_kg >= range.low && *options.payload_kg <= range.high)) {
@@ -146,9 +149,10 @@ void estimate_bag(const Arm& arm, bool use_payload, Job& job, Progress& progress
   }
   rows.close();
   const std::string table =
-      fmt::format("{:<28}{}\n{:<28}{}\n{:<28}{}, unknown: {}\n",
+      fmt::format("{:<28}{}\n{:<28}{}\n{:<28}{}, unknown: {}, prior: {}, window: {:g} s\n",
                   "bag:", fs::path(job.bag).filename().string(), "arm:", arm.name,
-                  "method:", to_string(arm.estimator.method), to_string(arm.estimator.unknown)) +
+                  "method:", to_string(arm.estimator.method), to_string(arm.estimator.unknown),
+                  arm.estimator.prior.enabled ? "on" : "off", arm.estimator.window_s) +
       summary.text(bag.assembler().rejected(), bag.assembler().samples());
   std::ofstream(text.temporary()) << table;
   if (!rows) throw Failure(fmt::format("{}: cannot be written", csv.path().string()));
@@ -165,6 +169,8 @@ void estimate_bag(const Arm& arm, bool use_payload, Job& job, Progress& progress
 
 void run(const Options& options) {
   const Arm arm = load_arm(options);
+  const std::string note = advice(arm.estimator);
+  if (!note.empty()) fmt::print(stderr, "softarm: note: {}\n", note);
   std::vector<Job> jobs = make_jobs(options);
   {
     Progress progress("frames");
@@ -207,7 +213,16 @@ void add_estimate(CLI::App& program) {
   command->add_option("BAG", options->bags, "trial bags")->required();
   command->add_option("--method", options->method,
                       "full_points, end_orientation, cc_points or cc_endpoint (default: the arm's)");
-  command->add_option("--unknown", options->unknown, "stiffness or payload (default: the arm's)");
+  command->add_option("--unknown", options->unknown,
+                      "stiffness, payload or both; both needs the prior (default: the arm's)");
+  command
+      ->add_option("--prior", options->prior,
+                   "on or off: the arm's laws, at the recorded inputs, as a prior (default: the arm's)")
+      ->check(CLI::IsMember({"on", "off"}));
+  command
+      ->add_option("--window", options->window_s,
+                   "frames of this last time share EI and payload, s; 0: none do (default: the arm's)")
+      ->check(CLI::Range(0.0, 60.0));
   command->add_option("--objective", options->objective,
                       "least_squares or sum_of_distances (default: the arm's)");
   command->add_option("--payload", options->payload_kg,

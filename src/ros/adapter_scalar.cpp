@@ -1,4 +1,5 @@
-// Pressures: sensor_msgs/FluidPressure with its own stamp; std_msgs numbers and arrays without.
+// Pressures, tensions, angles: std_msgs numbers and arrays without a stamp; pressures also as
+// sensor_msgs/FluidPressure, with its own.
 #include <sensor_msgs/FluidPressure.h>
 #include <std_msgs/Float32MultiArray.h>
 #include <std_msgs/Float64.h>

@@ -1,0 +1,160 @@
+// rviz with its view on the arm: takes a configuration, scales its lengths to the arm, turns the camera to
+// where the arm is, and becomes rviz.
+#include <fmt/format.h>
+#include <ros/ros.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_listener.h>
+#include <unistd.h>
+#include <yaml-cpp/yaml.h>
+
+#include <CLI/CLI.hpp>
+#include <Eigen/Geometry>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "softarm/trial/arm_file.h"
+
+namespace {
+
+constexpr double kConfigured_m = 0.2;  // length of the arm that the configurations in rviz/ are made for
+
+struct Options {
+  std::string arm, arms_dir, config, mocap_frame = "mocap", base_frame = "softarm/base", out;
+  double wait_s = 5.0;
+};
+
+/// Where the arm is mounted: asked of tf, since it may be a measured body.
+std::optional<Eigen::Isometry3d> mounted(const Options& options) {
+  tf2_ros::Buffer buffer;
+  const tf2_ros::TransformListener listener(buffer);
+  const ros::WallTime patience = ros::WallTime::now() + ros::WallDuration(options.wait_s);
+  while (ros::ok() && ros::WallTime::now() < patience) {
+    if (buffer.canTransform(options.mocap_frame, options.base_frame, ros::Time(0))) {
+      const auto t = buffer.lookupTransform(options.mocap_frame, options.base_frame, ros::Time(0)).transform;
+      return Eigen::Translation3d(t.translation.x, t.translation.y, t.translation.z) *
+             Eigen::Quaterniond(t.rotation.w, t.rotation.x, t.rotation.y, t.rotation.z);
+    }
+    ros::WallDuration(0.05).sleep();
+  }
+  return std::nullopt;
+}
+
+/// The largest of 1, 2, 5, 10, ... times a power of ten that is not above a length.
+double round_length(double length_m) {
+  const double decade = std::pow(10.0, std::floor(std::log10(length_m)));
+  for (const double step : {5.0, 2.0}) {
+    if (step * decade <= length_m) return step * decade;
+  }
+  return decade;
+}
+
+void scale(YAML::Node node, double factor) {
+  if (node) node = node.as<double>() * factor;
+}
+
+void set_point(YAML::Node point, const Eigen::Vector3d& p) {
+  point["X"] = p.x();
+  point["Y"] = p.y();
+  point["Z"] = p.z();
+}
+
+void fit_view(YAML::Node view, double length_m, const std::optional<Eigen::Isometry3d>& base) {
+  const double factor = length_m / kConfigured_m;
+  for (const char* key : {"Distance", "Focal Shape Size", "Near Clip Distance"}) scale(view[key], factor);
+  for (const char* key : {"X", "Y", "Z"}) scale(view["Focal Point"][key], factor);
+  if (!base) return;
+  // rviz takes the target frame's position only: offsets are along the axes of the fixed frame.
+  const Eigen::Vector3d along = base->linear().col(2);
+  set_point(view["Focal Point"], 0.5 * length_m * along);
+  // A level arm is looked at from its side.
+  if (std::abs(along.z()) < 0.5)
+    view["Yaw"] = std::remainder(std::atan2(along.y(), along.x()) + 1.3, 2.0 * M_PI);
+}
+
+void fit_grid(YAML::Node grid, double length_m, const std::optional<Eigen::Isometry3d>& base) {
+  const double factor = length_m / kConfigured_m;
+  grid["Cell Size"] = round_length(factor * grid["Cell Size"].as<double>() * 1.001);
+  // A grid through the origin is the mocap's floor; any other one lies under the arm.
+  if (!base || grid["Offset"]["Z"].as<double>() == 0.0) return;
+  const Eigen::Vector3d along = base->linear().col(2);
+  Eigen::Vector3d below = base->translation() + 0.5 * length_m * along;
+  const bool stands = along.z() > 0.5;
+  below.z() =
+      base->translation().z() + length_m * std::min(0.0, along.z()) - (stands ? 0.25 : 0.6) * length_m;
+  set_point(grid["Offset"], below);
+}
+
+std::string fitted(const Options& options, double length_m, const std::optional<Eigen::Isometry3d>& base) {
+  YAML::Node config = YAML::LoadFile(options.config);
+  YAML::Node manager = config["Visualization Manager"];
+  for (YAML::Node display : manager["Displays"]) {
+    const auto kind = display["Class"].as<std::string>();
+    if (kind == "rviz/Grid") fit_grid(display, length_m, base);
+    if (kind == "rviz/TF") scale(display["Marker Scale"], length_m / kConfigured_m);
+    if (kind == "rviz/Path") scale(display["Line Width"], length_m / kConfigured_m);
+  }
+  fit_view(manager["Views"]["Current"], length_m, base);
+  YAML::Emitter text;
+  text << config;
+  return std::string(text.c_str()) + "\n";
+}
+
+/// A file of the user's own ROS folder, where roslaunch's nodes may write.
+std::filesystem::path file_for(const std::string& arm) {
+  const char* ros_home = std::getenv("ROS_HOME");
+  const char* home = std::getenv("HOME");
+  const std::filesystem::path folder =
+      ros_home ? std::filesystem::path(ros_home) : std::filesystem::path(home ? home : ".") / ".ros";
+  std::filesystem::create_directories(folder);
+  return folder / fmt::format("softarm_{}.rviz", arm);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::vector<char*> remappings;  // rviz is to have the name that this node was given
+  for (int i = 1; i < argc; ++i) {
+    if (std::strstr(argv[i], ":=")) remappings.push_back(argv[i]);
+  }
+  ros::init(argc, argv, "softarm_rviz", ros::init_options::AnonymousName);
+  CLI::App app{"Starts rviz with the view of a configuration fitted to an arm and to where it is mounted."};
+  Options options;
+  app.add_option("--arm", options.arm, "arm file, or the name of one in --arms-dir")->required();
+  app.add_option("--arms-dir", options.arms_dir, "folder of shipped arms");
+  app.add_option("--config", options.config, "rviz configuration, made for an arm of 0.2 m")
+      ->required()
+      ->check(CLI::ExistingFile);
+  app.add_option("--mocap-frame", options.mocap_frame, "frame of the mocap")->capture_default_str();
+  app.add_option("--base-frame", options.base_frame, "frame of the rod's base")->capture_default_str();
+  app.add_option("--wait", options.wait_s, "how long to wait for the base's pose on tf, s; 0: do not")
+      ->check(CLI::Range(0.0, 1e4))
+      ->capture_default_str();
+  app.add_option("--out", options.out, "write the configuration to this file and do not start rviz");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    const softarm::Arm arm = softarm::load_arm_file(options.arm, {options.arms_dir});
+    std::optional<Eigen::Isometry3d> base;
+    if (!arm.base.body) base = arm.base.fixed_pose;
+    if (!base && options.wait_s > 0.0) {
+      const ros::NodeHandle nh;
+      base = mounted(options);
+      if (!base) ROS_WARN("the base's pose is not on tf yet: the view is that of a hanging arm");
+    }
+    const std::string file = options.out.empty() ? file_for(arm.name).string() : options.out;
+    std::ofstream(file) << fitted(options, arm.total_length_m(), base);
+    if (!std::filesystem::exists(file)) throw std::runtime_error(file + ": cannot be written");
+    ros::shutdown();
+    if (!options.out.empty()) return 0;
+    std::string program = "rviz", option = "-d", name = file;
+    std::vector<char*> arguments{program.data(), option.data(), name.data()};
+    arguments.insert(arguments.end(), remappings.begin(), remappings.end());
+    arguments.push_back(nullptr);
+    execvp("rviz", arguments.data());
+    throw std::runtime_error(fmt::format("rviz cannot be started: {}", std::strerror(errno)));
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "show_arm: {}\n", e.what());
+    return 1;
+  }
+}
