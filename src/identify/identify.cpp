@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -226,7 +227,10 @@ Result identify(const Arm& arm, const std::vector<Trial>& trials, const Options&
   std::vector<StaticFrame> all = fitted;
   all.insert(all.end(), others.begin(), others.end());
   problem.model().set(fit.theta);
-  result.prior = law_errors(arm, problem.model(), all, result.covariance);
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(sure.covariance);
+  const VectorXd sds = eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  const MatrixXd factor = scale.asDiagonal() * eigen.eigenvectors() * sds.asDiagonal();
+  result.prior = law_errors(arm, problem.model(), all, factor);
   result.arm.estimator.prior = result.prior;
   report(1.0);
   return result;

@@ -131,7 +131,7 @@ void split_moment(const std::vector<double>& error2, const std::vector<double>& 
 }  // namespace
 
 LawPrior law_errors(const Arm& arm, LawModel& model, const std::vector<StaticFrame>& frames,
-                    const MatrixXd& covariance) {
+                    const MatrixXd& factor) {
   std::map<std::size_t, std::vector<FrameInformation>> trials;
   const int segments = static_cast<int>(arm.segments.size());
   std::vector<double> moments;
@@ -149,13 +149,12 @@ LawPrior law_errors(const Arm& arm, LawModel& model, const std::vector<StaticFra
     }
     trials[frame.trial].push_back(
         inform(arm, model, frame, predicted, kHuber * std::max(1.0, median(distances))));
-    const MatrixXd by_constants = predicted.dlaws * covariance * predicted.dlaws.transpose();
+    const VectorXd variances = (predicted.dlaws * factor).rowwise().squaredNorm();
     for (int i = 0; i < segments; ++i) {
       moments.push_back(predicted.laws.segment<2>(kLaws * i).norm());
-      own[0].push_back(0.5 *
-                       (by_constants(kLaws * i, kLaws * i) + by_constants(kLaws * i + 1, kLaws * i + 1)));
-      own[1].push_back(by_constants(kLaws * i + 2, kLaws * i + 2));
-      own[2].push_back(by_constants(kLaws * i + 3, kLaws * i + 3));
+      own[0].push_back(variances.segment<2>(kLaws * i).mean());
+      own[1].push_back(variances[kLaws * i + 2]);
+      own[2].push_back(variances[kLaws * i + 3]);
     }
   }
   LawPrior prior;

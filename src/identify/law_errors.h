@@ -12,9 +12,10 @@ namespace softarm::identify {
 /// length that last over a trial and such that change from frame to frame (variance components by expectation
 /// maximisation, beside the stated noise of the bodies), and adds what the constants' own uncertainty makes
 /// of the laws at the frames' inputs to the lasting ones.
-/// @param model at the identified constants; @param covariance of the constants, in their units
+/// @param model at the identified constants
+/// @param factor F with F F^T the covariance of the constants, in their units
 /// @param frames of fitted and held-out trials
 LawPrior law_errors(const Arm& arm, LawModel& model, const std::vector<StaticFrame>& frames,
-                    const Eigen::MatrixXd& covariance);
+                    const Eigen::MatrixXd& factor);
 
 }  // namespace softarm::identify

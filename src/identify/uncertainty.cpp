@@ -15,6 +15,7 @@ using Eigen::VectorXd;
 
 constexpr double kFewestClusters = 6;        // trials from which their spread says something
 constexpr double kLeastInformation = 1e-10;  // an sd of 1e5 scales stands for infinity
+constexpr double kTold = 1.0;                // information from which a direction's sd is below its scale
 constexpr double kLeastCorrelation = 0.05;
 
 /// Sums over the blocks of one trial.
@@ -87,10 +88,15 @@ Uncertainty uncertainty(const JointProblem& problem, const std::vector<StaticFra
 
   Uncertainty result;
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(information);
+  // Directions that the trials tell to a scale, and the others: kept apart, lest the rounding of an infinite
+  // variance spoils the finite ones.
   const VectorXd lambda = eigen.eigenvalues().cwiseMax(kLeastInformation);
-  const MatrixXd inverse =
-      eigen.eigenvectors() * lambda.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
-  const double told = (eigen.eigenvalues().array() > 1.0).count();
+  const MatrixXd& directions = eigen.eigenvectors();
+  VectorXd inside = lambda.cwiseInverse(), outside = inside;
+  for (int i = 0; i < constants; ++i) (lambda[i] > kTold ? outside : inside)[i] = 0.0;
+  const MatrixXd inverse = directions * inside.asDiagonal() * directions.transpose();
+  const MatrixXd untold = directions * outside.asDiagonal() * directions.transpose();
+  const double told = (lambda.array() > kTold).count();
   const double dof = std::max(1.0, rows - told);
   result.misfit = std::sqrt(chi2 / dof);
   result.position_rms_m = coordinates > 0.0 ? std::sqrt(square_m2 / coordinates) : 0.0;
@@ -121,21 +127,16 @@ Uncertainty uncertainty(const JointProblem& problem, const std::vector<StaticFra
     result.covariance = inverse * score * inverse;
     // Never narrower than noise alone.
     for (int j = 0; j < constants; ++j) {
-      const double widen =
-          std::max(1.0, std::sqrt(inverse(j, j) / std::max(1e-300, result.covariance(j, j))));
+      if (!(result.covariance(j, j) > 0.0)) continue;
+      const double widen = std::max(1.0, std::sqrt(inverse(j, j) / result.covariance(j, j)));
       result.covariance.row(j) *= widen;
       result.covariance.col(j) *= widen;
     }
-    // Where the trials say nothing at all the spread says nothing either.
-    for (int i = 0; i < constants; ++i) {
-      if (eigen.eigenvalues()[i] > 1.0) break;
-      const VectorXd v = eigen.eigenvectors().col(i);
-      result.covariance += base / lambda[i] * v * v.transpose();
-    }
   }
+  result.covariance += base * untold;
   result.factor = std::sqrt(base);
   result.direction_sd = (base * lambda.cwiseInverse()).cwiseSqrt();  // ascending eigenvalues: largest first
-  result.directions = eigen.eigenvectors();
+  result.directions = directions;
   return result;
 }
 

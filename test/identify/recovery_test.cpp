@@ -1,0 +1,237 @@
+// Known constants come back, with intervals that mean what they say.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "identify/synthetic.h"
+
+namespace softarm::identify {
+namespace {
+
+using testing::find;
+
+struct Coverage {
+  int inside = 0, all = 0;
+  double share() const { return static_cast<double>(inside) / all; }
+};
+
+void count(const Result& result, const Arm& truth, Coverage& coverage) {
+  for (const Constant& c : result.constants) {
+    ++coverage.all;
+    coverage.inside += std::abs(c.value - value_of(truth, c.ref)) <= 1.959964 * c.sd ? 1 : 0;
+  }
+}
+
+/// Every constant within `sds` of the truth, determined, and no further off than a share of its scale.
+void expect_recovered(const Result& result, const Arm& truth, double sds, double share) {
+  EXPECT_TRUE(result.converged);
+  for (const Constant& c : result.constants) {
+    const double true_value = value_of(truth, c.ref);
+    EXPECT_NEAR(c.value, true_value, sds * c.sd) << c.name;
+    EXPECT_NEAR(c.value, true_value, share * c.scale) << c.name;
+    EXPECT_TRUE(c.determined) << c.name << ": sd " << c.sd << " of " << c.scale << "; " << c.advice;
+  }
+}
+
+TEST(Recovery, HundredRandomArmsAreCoveredByTheirIntervals) {
+  const Arm nominal = testing::pneumatic_arm();
+  Coverage coverage;
+  double worst = 0.0;
+  for (int i = 0; i < 100; ++i) {
+    std::mt19937_64 random(1000 + static_cast<std::uint64_t>(i));
+    const Arm truth = testing::perturbed(nominal, default_free(nominal), 0.35, random);
+    testing::Protocol protocol;
+    protocol.trials = 20 + i % 11;
+    protocol.draw = testing::paper_inputs;
+    protocol.base = i % 3 == 0   ? testing::standing()
+                    : i % 3 == 1 ? testing::hanging()
+                                 : testing::horizontal();
+    // A paper's load of 200 g, less where the arm stands and would fall over.
+    protocol.payloads_kg = {0.0, i % 3 == 0 ? 0.05 : 0.2};
+    Options options;
+    options.held_out_share = 0.0;
+    const Result result = identify(nominal, testing::make_trials(truth, protocol, random), options);
+    EXPECT_EQ(result.constants.size(), 9u);
+    count(result, truth, coverage);
+    worst = std::max(worst, result.fitted.mean_m);
+  }
+  EXPECT_EQ(coverage.all, 900);
+  RecordProperty("coverage", std::to_string(coverage.share()));
+  EXPECT_GE(coverage.share(), 0.92);
+  EXPECT_LE(coverage.share(), 0.98);
+  EXPECT_LT(worst, 0.001) << "half a millimetre of noise per coordinate is 0.8 mm of distance";
+}
+
+TEST(Recovery, IntervalsStayHonestWhereTheModelIsNotPerfect) {
+  // Each trial's gain is off by its own 3 % (a law that changes from day to day), beside the noise.
+  const Arm nominal = testing::pneumatic_arm();
+  Coverage coverage, by_noise_alone;
+  for (int i = 0; i < 25; ++i) {
+    std::mt19937_64 random(2000 + static_cast<std::uint64_t>(i));
+    const Arm truth = testing::perturbed(nominal, default_free(nominal), 0.2, random);
+    testing::Protocol protocol;
+    protocol.trials = 1;
+    protocol.repeats = 2;
+    protocol.draw = testing::paper_inputs;
+    std::vector<Trial> trials;
+    for (int t = 0; t < 30; ++t) {
+      Arm today = truth;
+      const double factor = 1.0 + 0.03 * testing::normal3(random).x();
+      for (Chamber& chamber : today.segments[0].chambers) chamber.moment_gain_nm_per_pa *= factor;
+      trials.push_back(testing::make_trials(today, protocol, random).front());
+    }
+    Options options;
+    options.held_out_share = 0.0;
+    const Result result = identify(nominal, trials, options);
+    EXPECT_GT(result.uncertainty_factor, 2.0);
+    count(result, truth, coverage);
+    Result narrow = result;
+    for (Constant& c : narrow.constants) c.sd /= result.uncertainty_factor;
+    count(narrow, truth, by_noise_alone);
+  }
+  RecordProperty("coverage", std::to_string(coverage.share()));
+  RecordProperty("coverage_by_noise_alone", std::to_string(by_noise_alone.share()));
+  EXPECT_GE(coverage.share(), 0.90);
+  EXPECT_LE(coverage.share(), 0.995);
+  EXPECT_LT(by_noise_alone.share(), 0.8) << "otherwise the model error of this test is too small to matter";
+}
+
+TEST(Recovery, GrossErrorsDoNotMoveIt) {
+  const Arm nominal = testing::pneumatic_arm();
+  std::mt19937_64 random(5);
+  const Arm truth = testing::perturbed(nominal, default_free(nominal), 0.3, random);
+  testing::Protocol protocol;
+  protocol.repeats = 4;
+  protocol.draw = testing::paper_inputs;
+  std::vector<Trial> trials = testing::make_trials(truth, protocol, random);
+  Options options;
+  options.held_out_share = 0.0;
+  const Result clean = identify(nominal, trials, options);
+  int bad = 0;
+  for (Trial& trial : trials) {
+    for (Frame& frame : trial.frames) {
+      if (testing::uniform(random, 0.0, 1.0) > 0.1) continue;
+      for (BodyObservation& body : frame.bodies) body.p_mocap += Eigen::Vector3d(0.03, 0.02, 0.04);
+      ++bad;
+    }
+  }
+  ASSERT_GT(bad, 12);
+  const Result robust = identify(nominal, trials, options);
+  options.robust = false;
+  const Result plain = identify(nominal, trials, options);
+  double moved_plain = 0.0;
+  for (std::size_t j = 0; j < clean.constants.size(); ++j) {
+    const Constant& c = clean.constants[j];
+    EXPECT_NEAR(robust.constants[j].value, c.value, 1.5 * c.sd) << c.name;
+    moved_plain = std::max(moved_plain, std::abs(plain.constants[j].value - c.value) / c.sd);
+  }
+  EXPECT_GT(moved_plain, 10.0);
+  std::uint64_t aside = 0;
+  for (const auto& [body, number] : robust.bodies_set_aside) aside += number;
+  EXPECT_EQ(aside, 3u * static_cast<std::uint64_t>(bad));
+}
+
+TEST(Recovery, TendonsWithACentralChamber) {
+  const Arm nominal = testing::shipped("hybrid_85mm");
+  std::mt19937_64 random(6);
+  const Arm truth = testing::perturbed(nominal, default_free(nominal), 0.2, random);
+  testing::Protocol protocol;
+  protocol.trials = 60;
+  protocol.payloads_kg = {0.0, 0.02, 0.05};
+  protocol.base = testing::horizontal();
+  protocol.repeats = 2;
+  protocol.draw = [&](std::mt19937_64& r) {
+    InputValues inputs;
+    for (const ScalarInput& input : nominal.inputs.scalars) {
+      const bool tension = input.kind == InputKind::kTension;
+      inputs.push_back(tension ? (testing::uniform(r, 0, 1) < 0.4 ? 0.0 : testing::uniform(r, 0.3, 2.5))
+                               : 1e4 * std::floor(testing::uniform(r, 0.0, 5.0)));
+    }
+    return inputs;
+  };
+  Options options;
+  options.held_out_share = 0.0;
+  const Result result = identify(nominal, testing::make_trials(truth, protocol, random), options);
+  ASSERT_NE(find(result, "segment_1.tendon_3.offset"), nullptr);
+  ASSERT_NE(find(result, "segment_1.bending_stiffness.by_pressure.5"), nullptr);
+  ASSERT_NE(find(result, "segment_1.axial_stiffness"), nullptr);
+  ASSERT_EQ(find(result, "segment_1.bending_stiffness.base"), nullptr) << "the knots replace it";
+  expect_recovered(result, truth, 4.0, 0.2);
+}
+
+TEST(Recovery, ServoCables) {
+  const Arm nominal = testing::shipped("cable_235mm");
+  std::mt19937_64 random(7);
+  const Arm truth = testing::perturbed(nominal, default_free(nominal), 0.2, random);
+  testing::Protocol protocol;
+  protocol.trials = 15;
+  protocol.payloads_kg = {0.0, 0.02, 0.04};
+  protocol.base = testing::horizontal();
+  protocol.draw = [](std::mt19937_64& r) { return InputValues{testing::uniform(r, 0.0, 0.5)}; };
+  Options options;
+  options.held_out_share = 0.0;
+  const Result result = identify(nominal, testing::make_trials(truth, protocol, random), options);
+  ASSERT_EQ(result.constants.size(), 2u);
+  expect_recovered(result, truth, 4.0, 0.05);
+}
+
+TEST(Recovery, TwoSegments) {
+  const Arm nominal = testing::shipped("two_segment");
+  std::mt19937_64 random(8);
+  const Arm truth = testing::perturbed(nominal, default_free(nominal), 0.2, random);
+  testing::Protocol protocol;
+  protocol.trials = 60;
+  protocol.payloads_kg = {0.0, 0.15};
+  protocol.draw = [&](std::mt19937_64& r) {
+    InputValues inputs;
+    for (const ScalarInput& input : nominal.inputs.scalars) {
+      const double on = testing::uniform(r, 0.0, 1.0) < 0.3 ? 0.0 : 1.0;
+      const double size = input.kind == InputKind::kTension ? 3.0
+                          : input.kind == InputKind::kAngle ? 0.4
+                                                            : 40e3;
+      inputs.push_back(on * size * testing::uniform(r, 0.2, 1.0));
+    }
+    return inputs;
+  };
+  Options options;
+  options.held_out_share = 0.0;
+  const Result result = identify(nominal, testing::make_trials(truth, protocol, random), options);
+  EXPECT_GE(result.constants.size(), 8u);
+  int told = 0;
+  for (const Constant& c : result.constants) {
+    EXPECT_NEAR(c.value, value_of(truth, c.ref), 4.0 * c.sd) << c.name;
+    told += c.determined ? 1 : 0;
+  }
+  EXPECT_GE(told, static_cast<int>(result.constants.size()) - 2);
+  EXPECT_LT(result.fitted.mean_m, 0.0011);
+}
+
+TEST(Recovery, LengthAndRestCurvatureWhereAsked) {
+  const Arm nominal = testing::pneumatic_arm();
+  std::mt19937_64 random(9);
+  Arm truth = testing::perturbed(nominal, default_free(nominal), 0.2, random);
+  const ConstantRef length{ConstantKind::kLength, 0, 0}, x{ConstantKind::kRestCurvatureX, 0, 0},
+      y{ConstantKind::kRestCurvatureY, 0, 0};
+  set_value(truth, length, 0.206);
+  set_value(truth, x, 0.4);
+  set_value(truth, y, -0.7);
+  EXPECT_NEAR(truth.bodies[0].arclength_m, 0.206 / 3.0, 1e-6) << "bodies keep their fraction";
+  EXPECT_NEAR(truth.segments[0].mass_per_length_kg_m * 0.206, 0.176, 1e-9) << "and the arm its mass";
+  testing::Protocol protocol;
+  protocol.draw = [](std::mt19937_64& r) {  // with the arm at rest now and then
+    return testing::uniform(r, 0.0, 1.0) < 0.2 ? InputValues{0.0, 0.0, 0.0, 0.0} : testing::paper_inputs(r);
+  };
+  const auto trials = testing::make_trials(truth, protocol, random);
+  Options options;
+  options.held_out_share = 0.0;
+  options.also_free = {"length", "rest_curvature.*"};
+  EXPECT_THROW(identify(nominal, trials, options), std::invalid_argument) << "a pattern of whole names";
+  options.also_free = {"length", "*.rest_curvature.*"};
+  const Result result = identify(nominal, trials, options);
+  ASSERT_EQ(result.constants.size(), 12u);
+  expect_recovered(result, truth, 4.0, 0.3);
+  EXPECT_NEAR(result.arm.bodies[2].arclength_m, result.arm.segments[0].length_m, 1e-9);
+}
+
+}  // namespace
+}  // namespace softarm::identify
