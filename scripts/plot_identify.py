@@ -1,0 +1,118 @@
+#!/usr/bin/python3
+"""Draws what `softarm identify --plot DIR` wrote: measured against predicted tip before and after, the errors of fitted
+and held-out trials, and each constant with its 95 % interval against its start.
+
+    scripts/plot_identify.py DIR --out identify.png
+"""
+import argparse
+import csv
+import os
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
+
+COLOURS = {"before": "0.65", "after": "C0", "held out": "C1"}
+
+
+def read(folder, name):
+    path = os.path.join(folder, name)
+    try:
+        with open(path, newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+    except OSError as error:
+        sys.exit(f"plot_identify: {path}: {error.strerror}; softarm identify --plot writes it")
+    if not rows:
+        sys.exit(f"plot_identify: {path}: has no rows")
+    return rows
+
+
+def draw_tip(axes, rows, axis):
+    """Predicted against measured coordinate of the last body, mm."""
+    tip = rows[-1]["body"]
+    rows = [row for row in rows if row["body"] == tip]
+    for held in ("0", "1"):
+        some = [row for row in rows if row["held_out"] == held]
+        if not some:
+            continue
+        label = "held out" if held == "1" else "fitted"
+        measured = [1e3 * float(row["measured_" + axis]) for row in some]
+        known = [(m, 1e3 * float(row["before_" + axis])) for m, row in zip(measured, some) if row["before_" + axis]]
+        axes.plot([m for m, _ in known], [b for _, b in known], ".", ms=3, color=COLOURS["before"],
+                  label="before" if held == "0" else None)
+        axes.plot(measured, [1e3 * float(row["after_" + axis]) for row in some], ".", ms=4,
+                  color=COLOURS["held out" if held == "1" else "after"], label="after, " + label)
+    limits = axes.get_xlim()
+    axes.plot(limits, limits, "k-", lw=0.6)
+    axes.set_xlabel(f"measured {axis} of {tip} (mm)")
+    axes.set_ylabel("predicted (mm)")
+    axes.grid(alpha=0.3)
+
+
+def draw_errors(axes, rows):
+    """Mean error of each frame's bodies, sorted, mm."""
+    for held, label, colour in (("0", "fitted", COLOURS["after"]), ("1", "held out", COLOURS["held out"])):
+        frames = {}
+        for row in rows:
+            if row["held_out"] == held:
+                frames.setdefault((row["trial"], row["stamp"]), []).append(row)
+        for column, style in (("error_before", ":"), ("error_after", "-")):
+            values = []
+            for bodies in frames.values():
+                known = [1e3 * float(row[column]) for row in bodies if row[column]]
+                if known:
+                    values.append(sum(known) / len(known))
+            if values:
+                values.sort()
+                share = [100.0 * (i + 1) / len(values) for i in range(len(values))]
+                axes.plot(values, share, style, color=colour, label=f"{label}, {column[6:]}")
+    axes.set_xscale("log")
+    axes.set_xlabel("mean error of a frame's bodies (mm)")
+    axes.set_ylabel("share of the frames (%)")
+    axes.grid(alpha=0.3, which="both")
+    axes.legend(fontsize=8)
+
+
+def draw_constants(axes, rows):
+    """Value over start with its 95 % interval; those not determined faint."""
+    names = []
+    for y, row in enumerate(reversed(rows)):
+        # Near zero a constant's size is what would matter.
+        start, scale = float(row["initial"]), float(row["scale"])
+        unit = abs(start) if start else scale
+        value, half = float(row["value"]) / unit, 1.96 * float(row["sd"]) / unit
+        told = row["determined"] == "1"
+        axes.errorbar([value], [y], xerr=[min(half, 10.0)], fmt="o", ms=4, capsize=3, color="C0" if told else "0.6")
+        axes.plot([start / unit], [y], "|", ms=12, color="k")
+        names.append(row["name"] + ("" if told else " (not told)"))
+    axes.set_yticks(range(len(names)))
+    axes.set_yticklabels(names, fontsize=8)
+    values = [float(row["value"]) / (abs(float(row["initial"])) or float(row["scale"])) for row in rows]
+    axes.set_xlim(min(0.0, min(values) - 0.3), max(2.0, max(values) + 0.3))
+    axes.set_xlabel("value over start (bar: start), 95 % interval")
+    axes.grid(alpha=0.3, axis="x")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", help="what --plot named")
+    parser.add_argument("--out", required=True, help="the picture, .png or .pdf")
+    arguments = parser.parse_args()
+    shapes = read(arguments.folder, "shapes.csv")
+    constants = read(arguments.folder, "constants.csv")
+    figure, grid = plt.subplots(2, 3, figsize=(15, 9))
+    for axes, axis in zip(grid[0], "xyz"):
+        draw_tip(axes, shapes, axis)
+    grid[0][0].legend(fontsize=8)
+    draw_errors(grid[1][0], shapes)
+    grid[1][1].remove()
+    grid[1][2].remove()
+    draw_constants(figure.add_subplot(2, 3, (5, 6)), constants)
+    figure.tight_layout()
+    figure.savefig(arguments.out, dpi=80)
+
+
+if __name__ == "__main__":
+    main()
