@@ -1,4 +1,4 @@
-// softarm: estimates over recordings, imports recordings, simulates trials.
+// softarm: estimates over recordings, identifies arms, imports recordings, simulates trials.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
   });
   program.footer("softarm COMMAND --help shows the command's options with examples.");
   softarm::app::add_estimate(program);
+  softarm::app::add_identify(program);
   softarm::app::add_import(program);
   softarm::app::add_simulate(program);
   try {

@@ -13,6 +13,7 @@ class Failure : public std::runtime_error {
 };
 
 void add_estimate(CLI::App& program);
+void add_identify(CLI::App& program);
 void add_import(CLI::App& program);
 void add_simulate(CLI::App& program);
 

@@ -1,0 +1,283 @@
+// softarm identify: trials to the constants of an arm's laws.
+#include "softarm/identify/identify.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <set>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "softarm/arm/arm_writer.h"
+#include "softarm/arm/arm_yaml.h"
+#include "softarm/command.h"
+#include "softarm/identify/pull.h"
+#include "softarm/identify_tables.h"
+#include "softarm/output_file.h"
+#include "softarm/progress.h"
+#include "softarm/ros/bag_frames.h"
+#include "softarm/shipped.h"
+#include "softarm/trial/arm_file.h"
+
+namespace softarm::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string arm;
+  std::vector<std::string> bags;
+  std::string out, json, plot;
+  std::string procedure = "fit";
+  identify::Options fit;
+  bool moving = false, not_robust = false;
+  std::optional<double> payload_kg;
+  unsigned jobs = 0;
+};
+
+constexpr const char* kExamples = R"(Examples:
+  softarm identify --arm my_arm.yaml trials/*.bag --out my_arm_identified.yaml
+  softarm identify --arm my_arm.yaml *.bag --out new.yaml --hold-out trial_7 --also-free length
+  softarm identify --arm my_arm.yaml *.bag --out new.yaml --free '*.moment_gain,*.bending_stiffness.*'
+  softarm identify --arm my_arm.yaml *.bag --procedure pull
+Constants are named <segment>.<what>: segment_1.chamber_2.moment_gain, segment_1.bending_stiffness.base,
+segment_1.tendon_1.offset, segment_1.length ...; patterns may have * and ?; the last part alone will do.)";
+
+struct Reading {
+  identify::Trial trial;
+  std::vector<std::string> warnings;
+  std::string failure;
+};
+
+void read_bag(const std::string& path, const Arm& arm, bool use_payload, Reading& reading,
+              Progress& progress) {
+  BagFrames bag(path, arm, use_payload);
+  reading.warnings = bag.warnings();
+  progress.add_total(static_cast<double>(bag.messages()));
+  std::uint64_t frames = 0;
+  BagFrames::Callbacks callbacks;
+  callbacks.on_frame = [&](const Frame& frame) {
+    reading.trial.frames.push_back(frame);
+    ++frames;
+  };
+  callbacks.on_time_jump = [] {};
+  callbacks.on_messages = [&](std::uint64_t messages) {
+    progress.advance(static_cast<double>(messages), std::exchange(frames, 0));
+  };
+  bag.read(callbacks);
+  if (reading.trial.frames.empty())
+    throw Failure(
+        fmt::format("{}: no frame could be put together out of {} samples", path, bag.assembler().samples()));
+}
+
+std::vector<identify::Trial> read_bags(const Options& options, const Arm& arm) {
+  std::vector<Reading> readings;
+  std::set<std::string> names;
+  for (const std::string& bag : options.bags) {
+    std::error_code error;
+    if (!fs::is_regular_file(bag, error)) throw Failure(fmt::format("{}: no such bag", bag));
+    Reading reading;
+    reading.trial.name = fs::path(bag).stem().string();
+    if (!names.insert(reading.trial.name).second)
+      throw Failure(
+          fmt::format("{}: another trial is called {} too; rename one of the bags", bag, reading.trial.name));
+    readings.push_back(std::move(reading));
+  }
+  Progress progress("frames");
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    for (std::size_t i = next++; i < readings.size(); i = next++) {
+      try {
+        read_bag(options.bags[i], arm, !options.payload_kg, readings[i], progress);
+      } catch (const std::exception& e) {
+        readings[i].failure = e.what();
+      }
+    }
+  };
+  const unsigned wanted = options.jobs ? options.jobs : std::max(1u, std::thread::hardware_concurrency());
+  std::vector<std::thread> others;
+  for (std::size_t i = 1; i < std::min<std::size_t>(wanted, readings.size()); ++i) others.emplace_back(work);
+  work();
+  for (std::thread& thread : others) thread.join();
+  std::vector<identify::Trial> trials;
+  for (Reading& reading : readings) {
+    for (const std::string& warning : reading.warnings) progress.line("softarm: warning: " + warning);
+    // One bad bag would silently change what is identified.
+    if (!reading.failure.empty()) throw Failure(reading.failure);
+    trials.push_back(std::move(reading.trial));
+  }
+  return trials;
+}
+
+std::string names_of(const identify::Result& result, bool held_out) {
+  std::string names;
+  for (const identify::TrialSummary& trial : result.trials) {
+    if (trial.held_out == held_out) names += (names.empty() ? "" : ", ") + trial.name;
+  }
+  return names;
+}
+
+std::vector<std::string> header_of(const identify::Result& result) {
+  std::vector<std::string> lines{"constants and prior identified from the trials " + names_of(result, false)};
+  if (result.held_out.frames > 0) {
+    const identify::ShapeError &before = result.held_out_before, &after = result.held_out;
+    lines.push_back(fmt::format(
+        "mean shape error on held-out trials ({}): {:.2f} mm, {:.2f} % of the length; before: "
+        "{:.2f} mm",
+        names_of(result, true), 1e3 * after.mean_m, after.percent(after.mean_m), 1e3 * before.mean_m));
+  } else {
+    lines.push_back(fmt::format("no trial was held out; mean shape error on those fitted: {:.2f} mm",
+                                1e3 * result.fitted.mean_m));
+  }
+  for (const identify::Constant& constant : result.constants) {
+    if (!constant.determined) lines.push_back("NOT determined by these trials: " + constant.name);
+  }
+  return lines;
+}
+
+void write(OutputFile& file, const std::string& text) {
+  std::ofstream stream(file.temporary());
+  stream << text;
+  stream.close();
+  if (!stream) throw Failure(fmt::format("{}: cannot be written", file.path().string()));
+}
+
+void fit(const Options& options, const Arm& arm) {
+  if (options.out.empty()) throw Failure("--out is needed: the arm file to be written");
+  // Before any work: whether the results have a place.
+  OutputFile out(options.out);
+  std::optional<OutputFile> json, shapes, constants;
+  if (!options.json.empty()) json.emplace(options.json);
+  if (!options.plot.empty()) {
+    std::error_code error;
+    fs::create_directories(options.plot, error);
+    if (error) throw Failure(fmt::format("--plot {}: cannot be made: {}", options.plot, error.message()));
+    shapes.emplace(fs::path(options.plot) / "shapes.csv");
+    constants.emplace(fs::path(options.plot) / "constants.csv");
+  }
+  const fs::path source = find_config("arms", options.arm);
+  const std::string text = read_text(source);
+
+  const std::vector<identify::Trial> trials = read_bags(options, arm);
+  identify::Result result;
+  {
+    Progress progress("steps");
+    progress.add_total(1.0);
+    double done = 0.0;
+    result = identify::identify(arm, trials, options.fit, [&](double share) {
+      progress.advance(share - std::exchange(done, share), 1);
+    });
+  }
+  write(out, update_arm_text(text, source.string(), result.arm, header_of(result)));
+  if (json) write(*json, identify::to_json(result));
+  if (shapes) {
+    write(*shapes, shapes_csv(arm, result, trials, options.fit.frames));
+    write(*constants, constants_csv(result));
+  }
+  out.commit();
+  if (json) json->commit();
+  if (shapes) shapes->commit();
+  if (constants) constants->commit();
+  fmt::print("arm: {}\n{}written: {}\n", arm.name, identify::describe(result), options.out);
+  if (shapes)
+    fmt::print("written: {0}; scripts/plot_identify.py {0} --out picture.png draws it\n", options.plot);
+}
+
+void pull(const Options& options, const Arm& arm) {
+  std::optional<OutputFile> out;
+  if (!options.out.empty()) out.emplace(options.out);
+  const std::vector<identify::Trial> trials = read_bags(options, arm);
+  const std::vector<identify::Pull> pulls = identify::find_pulls(arm, trials);
+  if (pulls.empty())
+    throw Failure(
+        "no pull in these trials: the payload must change while the inputs are held, and the arm come "
+        "to rest before and after");
+  fmt::print("{}", identify::describe(arm, trials, pulls));
+  if (!out) return;
+  const identify::ThreeTruths truths = identify::fit_three_truths(arm, pulls, rod::LoadLaw::kStatics, true);
+  const fs::path source = find_config("arms", options.arm);
+  const std::string text = read_text(source);
+  write(*out, update_arm_text(text, source.string(), truths.arm,
+                              {fmt::format("constants by the pull procedure from {} pulls", truths.pulls)}));
+  out->commit();
+  fmt::print(
+      "laws fitted to {} pulls: they leave {:.2f} mm of length, {:.5f} N m^2 of stiffness, {:.4f} N m of "
+      "moment (rms)\nwritten: {}\n",
+      truths.pulls, 1e3 * truths.length_rms_m, truths.stiffness_rms_nm2, truths.moment_rms_nm, options.out);
+}
+
+void run(Options options) {
+  Arm arm = load_arm_file(options.arm, config_folders("arms"));
+  if (options.payload_kg) {
+    const Range& range = arm.payload.range_kg;
+    if (!(*options.payload_kg >= range.low && *options.payload_kg <= range.high))
+      throw Failure(fmt::format("--payload {}: must be from {} to {} kg for the arm {}", *options.payload_kg,
+                                range.low, range.high, arm.name));
+    arm.payload.default_kg = options.payload_kg;
+  }
+  options.fit.frames.prefer_static = !options.moving;
+  options.fit.robust = !options.not_robust;
+  try {
+    if (options.procedure == "pull") {
+      pull(options, arm);
+    } else {
+      fit(options, arm);
+    }
+  } catch (const std::invalid_argument& error) {
+    throw Failure(error.what());
+  }
+}
+
+}  // namespace
+
+void add_identify(CLI::App& program) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command =
+      program.add_subcommand("identify", "Fit the constants of an arm's laws to trials, with uncertainties.");
+  command->add_option("--arm", options->arm, "arm file, or the name of one in config/arms: the start")
+      ->required();
+  command->add_option("BAG", options->bags, "trial bags, each one trial")->required();
+  command->add_option("--out", options->out, "the arm file to be written: --arm's with the new values");
+  command->add_option("--json", options->json, "also writes the result for programs");
+  command->add_option("--plot", options->plot,
+                      "folder for shapes.csv and constants.csv (scripts/plot_identify.py)");
+  command
+      ->add_option("--procedure", options->procedure,
+                   "fit: all frames together; pull: stiffness from each step of the payload at held inputs")
+      ->check(CLI::IsMember({"fit", "pull"}))
+      ->capture_default_str();
+  const auto list = [&](const char* name, std::vector<std::string>& values, const char* meaning) {
+    // One value, or several with commas, so that a bag may follow.
+    command->add_option(name, values, meaning)->delimiter(',')->allow_extra_args(false);
+  };
+  list("--free", options->fit.free, "constants to fit (default: all but length, rest_curvature)");
+  list("--also-free", options->fit.also_free, "constants to fit beside those");
+  list("--hold", options->fit.held, "constants to keep");
+  list("--hold-out", options->fit.held_out,
+       "trials that are not fitted but compared, by name (default: every third)");
+  command->add_option("--hold-out-share", options->fit.held_out_share, "share of the trials to hold out")
+      ->check(CLI::Range(0.0, 0.9))
+      ->capture_default_str();
+  command->add_option("--seed", options->fit.seed, "draws the held-out trials at random; 0: evenly")
+      ->capture_default_str();
+  command->add_option("--frames", options->fit.frames.frames_per_trial, "frames per trial at most; 0: all")
+      ->capture_default_str();
+  command->add_flag("--moving", options->moving,
+                    "use frames in motion as well where a trial has some at rest");
+  command->add_flag("--not-robust", options->not_robust, "plain least squares: no body is set aside");
+  command->add_option("--payload", options->payload_kg,
+                      "the known payload, kg; the bags' payload topic is not read");
+  command->add_option("--jobs", options->jobs, "bags read at a time (default: one per processor)")
+      ->check(CLI::Range(1u, 256u));
+  command->footer(kExamples);
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace softarm::app
