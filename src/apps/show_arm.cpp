@@ -68,9 +68,10 @@ void fit_view(YAML::Node view, double length_m, const std::optional<Eigen::Isome
   // rviz takes the target frame's position only: offsets are along the axes of the fixed frame.
   const Eigen::Vector3d along = base->linear().col(2);
   set_point(view["Focal Point"], 0.5 * length_m * along);
-  // A level arm is looked at from its side.
-  if (std::abs(along.z()) < 0.5)
-    view["Yaw"] = std::remainder(std::atan2(along.y(), along.x()) + 1.3, 2.0 * M_PI);
+  // A level arm is looked at from its side, and from nearer: pictures are wider than high.
+  if (std::abs(along.z()) > 0.5) return;
+  scale(view["Distance"], 0.75);
+  view["Yaw"] = std::remainder(std::atan2(along.y(), along.x()) - 1.3, 2.0 * M_PI);
 }
 
 void fit_grid(YAML::Node grid, double length_m, const std::optional<Eigen::Isometry3d>& base) {

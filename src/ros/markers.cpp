@@ -170,9 +170,12 @@ Marker text(const Estimate& estimate, const MessageContext& context) {
   m.text = estimate_text(estimate, context.arm, context.options);
   m.scale.z = 0.075 * unit_m;
   if (estimate.status != Status::kOk) m.color = color(1.0, 0.35, 0.3, 1.0);
-  // Behind the base: the arm never gets there.
-  const Eigen::Vector3d behind = estimate.base_in_mocap * Eigen::Vector3d(0.0, 0.0, -0.22 * unit_m);
-  m.pose = to_pose(behind, Eigen::Quaterniond::Identity());
+  // Behind the base, or above it where the arm is level: the arm does not get there.
+  Eigen::Vector3d at = estimate.base_in_mocap * Eigen::Vector3d(0.0, 0.0, -0.22 * unit_m);
+  const Eigen::Vector3d up = -context.arm.gravity_m_s2.normalized();
+  const bool level = std::abs(estimate.base_in_mocap.linear().col(2).dot(up)) < 0.5;
+  if (level && up.allFinite()) at = estimate.base_in_mocap.translation() + 0.4 * unit_m * up;
+  m.pose = to_pose(at, Eigen::Quaterniond::Identity());
   return m;
 }
 

@@ -70,6 +70,10 @@ TEST(SoftarmErrors, Estimate) {
                  AllOf(HasSubstr("guess"), HasSubstr("end_orientation")));
   expect_refused(dir, "estimate --arm online_200mm --unknown shape " + text + out, HasSubstr("payload"));
   expect_refused(dir, "estimate --arm online_200mm --payload -3 " + text + out, HasSubstr("-3"));
+  expect_refused(dir, "estimate --arm online_200mm --window -1 " + text + out,
+                 AllOf(HasSubstr("--window"), HasSubstr("60")));
+  expect_refused(dir, "estimate --arm online_200mm --prior maybe " + text + out,
+                 AllOf(HasSubstr("--prior"), HasSubstr("maybe"), HasSubstr("off")));
   expect_refused(dir, "estimate --arm online_200mm " + text + " " + text + out, HasSubstr("another bag"));
 }
 

@@ -7,7 +7,10 @@
 #include <sensor_msgs/FluidPressure.h>
 #include <std_msgs/Float64.h>
 
+#include <algorithm>
 #include <boost/algorithm/string.hpp>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 #include <vector>
@@ -165,6 +168,56 @@ TEST(SoftarmEstimate, ASimulatedTrialIsEstimatedCloseToItsTruth) {
   ASSERT_GT(told, 50u);
   // Told means a standard deviation of 25 % or less: three of them, in a trial that moves.
   EXPECT_GT(told_close, told * 95 / 100);
+}
+
+/// Median of a column over the frames that are ok.
+double median_of(const std::vector<Row>& rows, const std::string& column) {
+  std::vector<double> values;
+  for (const Row& row : rows) {
+    if (row.at("status") == "ok" && !row.at(column).empty()) values.push_back(std::stod(row.at(column)));
+  }
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                   values.end());
+  return values[values.size() / 2];
+}
+
+TEST(SoftarmEstimate, StiffnessAndPayloadAtOnceNeedThePriorAndGainByTheWindow) {
+  const TestFolder dir;
+  ASSERT_EQ(softarm_program("simulate trial_10s --seconds 5 --out " + dir / "a.bag").status, 0);
+  const auto run = [&](const std::string& options) {
+    const Outcome o = softarm_program("estimate --arm online_200mm --unknown both " + options + " " +
+                                      dir / "a.bag" + " --out " + dir / "out");
+    EXPECT_EQ(o.status, 0) << o.err;
+    return o;
+  };
+  const std::string note = "softarm: note: one frame cannot tell EI and payload apart: enable the prior\n";
+  EXPECT_EQ(run("").err, note);
+  const double alone_kg = median_of(csv_rows(dir / "out/a/estimates.csv"), "sd_payload");
+  EXPECT_EQ(run("--prior on").err, "");
+  const double prior_kg = median_of(csv_rows(dir / "out/a/estimates.csv"), "sd_payload");
+  EXPECT_THAT(run("--prior on --window 0.5").out, HasSubstr("unknown: both, prior: on, window: 0.5 s"));
+  const std::vector<Row> rows = csv_rows(dir / "out/a/estimates.csv");
+  const double window_kg = median_of(rows, "sd_payload");
+  EXPECT_FALSE(alone_kg < 2.0 * prior_kg) << alone_kg << " kg alone, " << prior_kg << " kg with the prior";
+  EXPECT_LT(window_kg, 0.7 * prior_kg);
+  EXPECT_GT(median_of(rows, "payload"), 0.0);
+}
+
+TEST(SoftarmEstimate, AnInputThatThePriorLacksIsNamed) {
+  const TestFolder dir;
+  ASSERT_EQ(softarm_program("simulate trial_10s --seconds 2 --out " + dir / "a.bag").status, 0);
+  std::string text = text_of(SOFTARM_SOURCE_DIR "/config/arms/online_200mm.yaml");
+  const std::string topic = "topic: /pressure/chamber_2";
+  text.replace(text.find(topic), topic.size(), "topic: /pressure/elsewhere");
+  const std::string arm = dir.write("arm.yaml", text);
+  const std::string call = "estimate --arm " + arm + " " + dir / "a.bag" + " --out " + dir / "out";
+  const Outcome o = softarm_program(call + " --prior on");
+  EXPECT_EQ(o.status, 0);
+  EXPECT_THAT(o.err, HasSubstr("no topic /pressure/elsewhere (chamber_2)"));
+  for (const Row& row : csv_rows(dir / "out/a/estimates.csv")) ASSERT_EQ(row.at("status"), "missing_inputs");
+  softarm_program(call + " --prior off");
+  EXPECT_EQ(csv_rows(dir / "out/a/estimates.csv").at(100).at("status"), "ok");
 }
 
 TEST(SoftarmEstimate, TwoRunsWriteTheSameFilesWhateverTheJobs) {

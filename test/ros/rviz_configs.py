@@ -11,8 +11,10 @@ import unittest
 import rosgraph
 import rospkg
 import rostest
+import yaml
 
 PACKAGE = rospkg.RosPack().get_path("softarm_estimator")
+ARMS = os.path.join(PACKAGE, "config", "arms")
 
 
 @unittest.skipUnless(shutil.which("Xvfb") and shutil.which("rviz"), "Xvfb or rviz is not installed")
@@ -36,8 +38,8 @@ class RvizConfigs(unittest.TestCase):
         config = os.path.join(PACKAGE, "rviz", name)
         self.assertTrue(os.path.isfile(config))
         with tempfile.TemporaryFile(mode="w+") as output:
-            rviz = subprocess.Popen(["rviz", "-d", config, "__name:=shown"], env=self.environment, stdout=output,
-                                    stderr=subprocess.STDOUT)
+            rviz = subprocess.Popen(["show_arm", "--arm", "hybrid_85mm", "--arms-dir", ARMS, "--config", config, "--wait", "0",
+                                     "__name:=shown"], env=self.environment, stdout=output, stderr=subprocess.STDOUT)
             try:
                 wanted = {"/softarm_estimator/markers", "/softarm_estimator/backbone", "/tf"}
                 end = time.time() + 25.0
@@ -60,6 +62,34 @@ class RvizConfigs(unittest.TestCase):
         self.assertTrue(wanted <= subscribed, "subscribed: %s\n%s" % (sorted(subscribed), text))
         self.assertNotIn("could not be loaded", text)
         self.assertNotIn("Failed to", text)
+
+    def fitted(self, arm):
+        """The view and the displays that rviz would be started with."""
+        with tempfile.NamedTemporaryFile(suffix=".rviz") as out:
+            subprocess.run(["show_arm", "--arm", arm, "--arms-dir", ARMS, "--config", os.path.join(PACKAGE, "rviz/demo.rviz"),
+                            "--wait", "0", "--out", out.name], check=True)
+            with open(out.name) as text:
+                manager = yaml.safe_load(text)["Visualization Manager"]
+        return manager["Views"]["Current"], {d["Class"]: d for d in manager["Displays"]}
+
+    def test_the_view_is_fitted_to_the_arm(self):
+        view, displays = self.fitted("online_200mm")  # that of the file
+        with open(os.path.join(PACKAGE, "rviz/demo.rviz")) as text:
+            shipped = yaml.safe_load(text)["Visualization Manager"]
+        self.assertAlmostEqual(view["Distance"], shipped["Views"]["Current"]["Distance"])
+        self.assertEqual({d["Class"] for d in shipped["Displays"]}, set(displays))
+        small, small_displays = self.fitted("hybrid_85mm")
+        self.assertAlmostEqual(small["Distance"], view["Distance"] * 0.085 / 0.2)
+        self.assertAlmostEqual(small["Focal Point"]["Z"], view["Focal Point"]["Z"] * 0.085 / 0.2)
+        self.assertAlmostEqual(small_displays["rviz/Grid"]["Cell Size"], 0.02)
+        self.assertEqual(small_displays["rviz/MarkerArray"], displays["rviz/MarkerArray"])
+
+    def test_a_wrong_arm_is_one_line(self):
+        done = subprocess.run(["show_arm", "--arm", "no_arm", "--arms-dir", ARMS, "--config",
+                               os.path.join(PACKAGE, "rviz/demo.rviz")], stderr=subprocess.PIPE, text=True)
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("no_arm", done.stderr)
+        self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
 
     def test_demo(self):
         self.check("demo.rviz")

@@ -32,7 +32,8 @@ namespace softarm {
 ///    the payload from the newest at or before it.
 ///
 /// Time comes from stamps alone, never from a clock, so that a replayed bag gives the frames that the live
-/// node saw; the order in which different topics arrive does not matter within the reorder window.
+/// node saw; the order in which bodies arrive does not matter within the reorder window. Frames do not
+/// wait for inputs and payload: what arrives after a frame has closed does not hold for it.
 class FrameAssembler {
  public:
   static constexpr int kBaseBody = -1;  ///< index of Base::body; bodies of Arm::bodies have theirs
