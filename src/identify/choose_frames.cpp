@@ -14,7 +14,8 @@ constexpr double kFarFromArm = 5.0;        // in lengths of the arm: units, or a
 constexpr double kStillFor_s = 0.5;        // before a frame that is taken for one at rest
 constexpr double kStillInput = 0.01;       // share of an input's range over the trial
 constexpr double kStillSpeed_m_s = 0.01;   // of the farthest body
-constexpr double kFewestStatic = 3;        // frames at rest for which a trial's others are left out
+constexpr std::size_t kFewestStatic = 3;   // frames at rest for which a trial's others are left out
+constexpr double kStaticRange = 0.7;       // ... and their share of the trial's range of every input
 constexpr std::size_t kCandidates = 2000;  // of one trial
 constexpr double kTimeWeight = 0.1;        // of a whole trial against a whole range of an input
 
@@ -125,6 +126,24 @@ std::vector<bool> at_rest(const std::vector<StaticFrame>& frames, double noise_m
   return rest;
 }
 
+/// Whether frames at rest go about as far, in inputs and payload, as all of the trial: a trial that moves
+/// from its start to its end is at rest only where nothing is on.
+bool stands_for(const std::vector<StaticFrame>& rest, const std::vector<StaticFrame>& all) {
+  if (rest.size() < kFewestStatic || rest.size() == all.size()) return false;
+  const auto range = [](const std::vector<StaticFrame>& frames) {
+    Eigen::VectorXd low = settings(frames.front()), high = low;
+    for (const StaticFrame& frame : frames) {
+      const Eigen::VectorXd v = settings(frame);
+      if (v.size() != low.size()) continue;
+      low = low.cwiseMin(v);
+      high = high.cwiseMax(v);
+    }
+    return Eigen::VectorXd(high - low);
+  };
+  const Eigen::VectorXd part = range(rest), whole = range(all);
+  return part.size() == whole.size() && (part.array() >= kStaticRange * whole.array()).all();
+}
+
 /// Greedy farthest points over inputs, payload and (weakly) time: deterministic, and dense nowhere.
 std::vector<std::size_t> spread(const std::vector<StaticFrame>& frames, const Eigen::VectorXd& range,
                                 std::size_t count) {
@@ -174,12 +193,11 @@ FrameSet choose_frames(const Arm& arm, const std::vector<Trial>& trials, const F
     }
     if (choice.prefer_static) {
       const std::vector<bool> rest = at_rest(known, noise_m);
-      const auto still = std::count(rest.begin(), rest.end(), true);
-      if (still >= kFewestStatic && still < static_cast<std::ptrdiff_t>(known.size())) {
-        std::vector<StaticFrame> quiet;
-        for (std::size_t i = 0; i < known.size(); ++i) {
-          if (rest[i]) quiet.push_back(std::move(known[i]));
-        }
+      std::vector<StaticFrame> quiet;
+      for (std::size_t i = 0; i < known.size(); ++i) {
+        if (rest[i]) quiet.push_back(known[i]);
+      }
+      if (stands_for(quiet, known)) {
         set.left_out["in motion"] += known.size() - quiet.size();
         known = std::move(quiet);
       }

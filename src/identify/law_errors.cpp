@@ -24,7 +24,11 @@ constexpr double kLeastJitter = 0.1;         // of the lasting error
 constexpr double kStartMoment_rel = 0.1;
 constexpr double kStartStiffness_rel = 0.2;
 constexpr double kStartLength_rel = 0.02;
+constexpr double kVisibleBend_rad = 0.1;
+// Beyond this a law says nothing: what the trials do not tell at all must stay a number.
+constexpr double kMostMoment_rel = 5.0;
 constexpr double kMostStiffness_rel = 1.0;
+constexpr double kMostLength_rel = 0.5;
 
 /// One frame's information about the deviations q of the laws: F = J^T W J, y = J^T W r.
 struct FrameInformation {
@@ -134,7 +138,7 @@ LawPrior law_errors(const Arm& arm, LawModel& model, const std::vector<StaticFra
                     const MatrixXd& factor) {
   std::map<std::size_t, std::vector<FrameInformation>> trials;
   const int segments = static_cast<int>(arm.segments.size());
-  std::vector<double> moments;
+  std::vector<double> moments, bending_nm;  // the latter per radian
   std::vector<std::vector<double>> own(3);  // variances by the constants: moment, ln EI, length
   for (const StaticFrame& frame : frames) {
     std::optional<Equilibrium> equilibrium;
@@ -152,6 +156,7 @@ LawPrior law_errors(const Arm& arm, LawModel& model, const std::vector<StaticFra
     const VectorXd variances = (predicted.dlaws * factor).rowwise().squaredNorm();
     for (int i = 0; i < segments; ++i) {
       moments.push_back(predicted.laws.segment<2>(kLaws * i).norm());
+      bending_nm.push_back(std::exp(predicted.laws[kLaws * i + 2]) / predicted.laws[kLaws * i + 3]);
       own[0].push_back(variances.segment<2>(kLaws * i).mean());
       own[1].push_back(variances[kLaws * i + 2]);
       own[2].push_back(variances[kLaws * i + 3]);
@@ -161,7 +166,8 @@ LawPrior law_errors(const Arm& arm, LawModel& model, const std::vector<StaticFra
   if (trials.empty()) return prior;
   double square = 0.0;
   for (const double m : moments) square += m * m / static_cast<double>(moments.size());
-  const double typical_nm = std::max(1e-6, std::sqrt(square));
+  // Of frames that are hardly driven: what would bend the arm visibly.
+  const double typical_nm = std::max(kVisibleBend_rad * median(bending_nm), std::sqrt(square));
   const double length_m = arm.total_length_m() / segments;
   VectorXd start(kLaws * segments);
   for (int i = 0; i < segments; ++i) {
@@ -194,12 +200,14 @@ LawPrior law_errors(const Arm& arm, LawModel& model, const std::vector<StaticFra
   split_moment(error2, moment2, absolute2, relative2);
   const double least_moment = kLeastMoment_rel * typical_nm;
   prior.enabled = true;
-  prior.moment_sd_nm = std::sqrt(absolute2 + median(own[0]) + least_moment * least_moment);
+  prior.moment_sd_nm = std::min(kMostMoment_rel * typical_nm,
+                                std::sqrt(absolute2 + median(own[0]) + least_moment * least_moment));
   prior.moment_sd_rel = std::sqrt(relative2);
   prior.bending_stiffness_sd_rel = std::min(
       kMostStiffness_rel, std::sqrt(stiffness2 + median(own[1]) + kLeastStiffness_rel * kLeastStiffness_rel));
   const double least_length = kLeastLength_rel * length_m;
-  prior.length_sd_m = std::sqrt(length2 + median(own[2]) + least_length * least_length);
+  prior.length_sd_m =
+      std::min(kMostLength_rel * length_m, std::sqrt(length2 + median(own[2]) + least_length * least_length));
   prior.moment_jitter_sd_nm = std::max(std::sqrt(moment_jitter2), kLeastJitter * prior.moment_sd_nm);
   prior.length_jitter_sd_m = std::max(std::sqrt(length_jitter2), kLeastJitter * prior.length_sd_m);
   return prior;

@@ -54,7 +54,7 @@ TEST_P(Derivatives, OfEveryBodyByEveryConstantAgreeWithFiniteDifferences) {
                            (1.0 + 0.2 * static_cast<double>(frame.inputs.size())));
   frame.payload_kg = 0.03;
   frame.gravity_base = {3.0, -4.0, 8.0};
-  for (int i = 0; i < static_cast<int>(arm.bodies.size()); ++i) frame.bodies.push_back({i, {}, {}, true});
+  for (int i = 0; i < static_cast<int>(arm.bodies.size()); ++i) frame.bodies.emplace_back().body = i;
 
   LawModel model(arm, constants, step);
   const auto at = [&](const Eigen::VectorXd& values) {
@@ -88,7 +88,9 @@ TEST_P(Derivatives, OfEveryBodyByEveryConstantAgreeWithFiniteDifferences) {
               1e-4 * (above.laws - below.laws).norm() + 1e-12);
     const ConstantKind kind = constants[static_cast<std::size_t>(j)].kind;
     const bool another_knot = kind == ConstantKind::kByPressure;
-    if (!another_knot) EXPECT_GT(largest, 0.0) << name_of(arm, constants[static_cast<std::size_t>(j)]);
+    if (!another_knot) {
+      EXPECT_GT(largest, 0.0) << name_of(arm, constants[static_cast<std::size_t>(j)]);
+    }
   }
 }
 
@@ -219,6 +221,21 @@ TEST(Frames, AtRestAndSpreadOverTheInputs) {
   for (const FrameComparison& frame : compare(arm, {trial}, choice))
     on_the_way = on_the_way || (frame.stamp_s > 102.2 && frame.stamp_s < 102.9);
   EXPECT_TRUE(on_the_way);
+}
+
+TEST(Frames, OfATrialThatMovesThroughoutAreNotThoseOfItsEndsAlone) {
+  const Arm arm = testing::pneumatic_arm();
+  testing::FrameMaker maker(arm);
+  Trial trial{"moving", {}};
+  for (int i = 0; i < 600; ++i) {  // a second of rest, a slow wave, a second of rest
+    const double t = i / 60.0;
+    const double wave = 0.5 - 0.5 * std::cos(2.0 * M_PI * std::clamp((t - 1.0) / 8.0, 0.0, 1.0));
+    trial.frames.push_back(*maker.make({4e4 * wave, 1e4 * wave, 0.0, 0.0}, 0.1, testing::hanging()));
+    trial.frames.back().stamp_s = t;
+  }
+  double most = 0.0;
+  for (const FrameComparison& frame : compare(arm, {trial})) most = std::max(most, *frame.inputs[0]);
+  EXPECT_GT(most, 3.5e4);
 }
 
 TEST(Prior, HoldsWhatTheLawsGetWrong) {

@@ -22,7 +22,9 @@ TEST(Circles, ThroughATip) {
     const Circle c = circle_through(tip);
     EXPECT_NEAR(c.length_m, length, 1e-9);
     EXPECT_NEAR(c.angle_rad, angle, 1e-9);
-    if (angle > 1e-6) EXPECT_NEAR(c.direction_rad, phi, 1e-9);
+    if (angle > 1e-6) {
+      EXPECT_NEAR(c.direction_rad, phi, 1e-9);
+    }
   }
 }
 

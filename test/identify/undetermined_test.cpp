@@ -50,7 +50,9 @@ TEST(Undetermined, WithoutLoadOnlyMomentOverStiffnessShows) {
   // All of them by the same share.
   for (const auto& [name, share] : result.undetermined[0].parts) EXPECT_GT(share, 0.0) << name;
   for (const Constant& c : result.constants) {
-    if (c.ref.kind == ConstantKind::kElongation) EXPECT_TRUE(c.determined) << c.name;
+    if (c.ref.kind == ConstantKind::kElongation) {
+      EXPECT_TRUE(c.determined) << c.name;
+    }
   }
   // Held near the start, the shapes right all the same.
   EXPECT_NEAR(find(result, "segment_1.bending_stiffness.base")->value, 0.027, 0.5 * 0.027);

@@ -50,7 +50,8 @@ struct FrameComparison {
 struct FrameChoice {
   /// At most so many per trial, spread evenly over the inputs and the payload; 0: all.
   std::size_t frames_per_trial = 40;
-  /// Only frames at rest (inputs, payload and bodies still for a while) in trials that have enough of them.
+  /// Only frames at rest (inputs, payload and bodies still for a while) in trials where those span most of
+  /// the range of every input.
   bool prefer_static = true;
 };
 
