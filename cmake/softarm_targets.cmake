@@ -22,14 +22,14 @@ function(softarm_keep_ros_out_of)
   endforeach()
 endfunction()
 
-# softarm_programs(<library>...): one program per src/apps/<name>.cpp, with src/apps/<name>/*.cpp where its main() is
+# softarm_programs(<library>...): one program per src/apps/<name>.cpp, with src/apps/<name>/**.cpp where its main() is
 # not all of it. Their names are left in the cache variable SOFTARM_PROGRAMS.
 function(softarm_programs)
   set(names)
   file(GLOB mains CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/apps/*.cpp)
   foreach(main IN LISTS mains)
     get_filename_component(name ${main} NAME_WE)
-    file(GLOB parts CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/apps/${name}/*.cpp)
+    file(GLOB_RECURSE parts CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/apps/${name}/*.cpp)
     add_executable(${name} ${main} ${parts})
     add_dependencies(${name} ${${PROJECT_NAME}_EXPORTED_TARGETS})
     target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/src/apps)
