@@ -32,6 +32,7 @@ int main(int argc, char** argv) {
   softarm::app::add_identify(program);
   softarm::app::add_import(program);
   softarm::app::add_simulate(program);
+  softarm::app::add_validate(program);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

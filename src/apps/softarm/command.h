@@ -16,5 +16,6 @@ void add_estimate(CLI::App& program);
 void add_identify(CLI::App& program);
 void add_import(CLI::App& program);
 void add_simulate(CLI::App& program);
+void add_validate(CLI::App& program);
 
 }  // namespace softarm::app

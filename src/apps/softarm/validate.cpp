@@ -1,0 +1,124 @@
+// softarm validate: the papers' published figures, ours beside theirs.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "softarm/command.h"
+#include "softarm/output_file.h"
+#include "softarm/progress.h"
+#include "softarm/validate/papers.h"
+
+namespace softarm::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Paper {
+  const char* name;
+  validate::Result (*run)(const validate::Settings&, Progress&);
+};
+constexpr std::array<Paper, 5> kPapers{{{"semi_physical", validate::semi_physical},
+                                        {"online", validate::online},
+                                        {"single_chamber", validate::single_chamber},
+                                        {"hybrid", validate::hybrid},
+                                        {"cable", validate::cable}}};
+
+struct Options {
+  std::vector<std::string> only;
+  bool quick = false;
+  std::string out;
+  std::uint64_t seed = 1;
+  unsigned jobs = 0;
+};
+
+constexpr const char* kExamples = R"(Examples:
+  softarm validate
+  softarm validate --only online cable --quick
+  softarm validate --out validation && scripts/plot_validation.py validation
+Papers: semi_physical, online, single_chamber, hybrid, cable. The exit status says whether everything ran, not
+whether the figures agree. doc/validation.md explains each table.)";
+
+class Outputs {
+ public:
+  explicit Outputs(const std::string& folder) : folder_(folder) {
+    if (folder.empty()) return;
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error) throw Failure(fmt::format("{}: cannot be made: {}", folder, error.message()));
+  }
+  void add(const std::string& name, const std::string& text) {
+    if (folder_.empty()) return;
+    files_.push_back(std::make_unique<OutputFile>(fs::path(folder_) / name));
+    std::ofstream file(files_.back()->temporary());
+    file << text;
+    file.close();
+    if (!file) throw Failure(fmt::format("{}: cannot be written", files_.back()->path().string()));
+  }
+  void commit() {
+    for (const auto& file : files_) file->commit();
+  }
+
+ private:
+  std::string folder_;
+  std::vector<std::unique_ptr<OutputFile>> files_;
+};
+
+void run(const Options& options) {
+  validate::Settings settings;
+  settings.seed = options.seed;
+  settings.quick = options.quick;
+  settings.jobs = options.jobs ? options.jobs : std::max(1u, std::thread::hardware_concurrency());
+  Outputs outputs(options.out);
+  outputs.add("validation.json", "");  // whether the folder can be written is known before the work begins
+  outputs = Outputs(options.out);
+
+  Progress progress("tables");
+  nlohmann::json papers = nlohmann::json::array();
+  for (const Paper& paper : kPapers) {
+    if (!options.only.empty() &&
+        std::find(options.only.begin(), options.only.end(), paper.name) == options.only.end()) {
+      continue;
+    }
+    const auto start = std::chrono::steady_clock::now();
+    const validate::Result result = paper.run(settings, progress);
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
+    progress.line(fmt::format("{}: {:.1f} s", paper.name, wall.count()));
+    fmt::print("{}\n", validate::to_text(result));
+    std::fflush(stdout);
+    papers.push_back(validate::to_json(result));
+    for (const validate::Series& series : result.series) outputs.add(series.name + ".csv", to_csv(series));
+  }
+  outputs.add(
+      "validation.json",
+      nlohmann::json{{"format", 1}, {"seed", settings.seed}, {"quick", settings.quick}, {"papers", papers}}
+              .dump(1) +
+          "\n");
+  outputs.commit();
+}
+
+}  // namespace
+
+void add_validate(CLI::App& program) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = program.add_subcommand(
+      "validate", "Reproduce the published figures of the papers, ours beside theirs.");
+  std::vector<std::string> names;
+  for (const Paper& paper : kPapers) names.emplace_back(paper.name);
+  command->add_option("--only", options->only, "these papers alone")->check(CLI::IsMember(names));
+  command->add_flag("--quick", options->quick, "fewer conditions: a look, not the documented figures");
+  command->add_option("--out", options->out, "folder for validation.json and the CSV files of the plots");
+  command->add_option("--seed", options->seed, "of conditions and noise")->capture_default_str();
+  command->add_option("--jobs", options->jobs, "experiments worked on at a time (default: one per processor)")
+      ->check(CLI::Range(1u, 256u));
+  command->footer(kExamples);
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace softarm::app
