@@ -41,6 +41,13 @@ std::optional<Eigen::Isometry3d> mounted(const Options& options) {
   return std::nullopt;
 }
 
+/// What the picture is to take in: the arm, also where its inputs may make it half as long again.
+double shown_length_m(const softarm::Arm& arm) {
+  double longest_m = 0.0;
+  for (const softarm::Segment& segment : arm.segments) longest_m += segment.length_range_m.high;
+  return std::max(arm.total_length_m(), 0.7 * longest_m);
+}
+
 /// The largest of 1, 2, 5, 10, ... times a power of ten that is not above a length.
 double round_length(double length_m) {
   const double decade = std::pow(10.0, std::floor(std::log10(length_m)));
@@ -144,7 +151,7 @@ int main(int argc, char** argv) {
       if (!base) ROS_WARN("the base's pose is not on tf yet: the view is that of a hanging arm");
     }
     const std::string file = options.out.empty() ? file_for(arm.name).string() : options.out;
-    std::ofstream(file) << fitted(options, arm.total_length_m(), base);
+    std::ofstream(file) << fitted(options, shown_length_m(arm), base);
     if (!std::filesystem::exists(file)) throw std::runtime_error(file + ": cannot be written");
     ros::shutdown();
     if (!options.out.empty()) return 0;

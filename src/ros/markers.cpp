@@ -174,7 +174,8 @@ Marker text(const Estimate& estimate, const MessageContext& context) {
   Eigen::Vector3d at = estimate.base_in_mocap * Eigen::Vector3d(0.0, 0.0, -0.22 * unit_m);
   const Eigen::Vector3d up = -context.arm.gravity_m_s2.normalized();
   const bool level = std::abs(estimate.base_in_mocap.linear().col(2).dot(up)) < 0.5;
-  if (level && up.allFinite()) at = estimate.base_in_mocap.translation() + 0.4 * unit_m * up;
+  if (level && up.allFinite())
+    at = estimate.base_in_mocap * Eigen::Vector3d(0.0, 0.0, 0.35 * unit_m) + 0.5 * unit_m * up;
   m.pose = to_pose(at, Eigen::Quaterniond::Identity());
   return m;
 }

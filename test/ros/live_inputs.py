@@ -21,9 +21,9 @@ ANGLE_DEG = 10.0  # 0.175 rad * 0.01 / (0.2 * 0.01) = 0.873 1/m
 
 
 def tension_n(shape_rad):
-    """The tension at which the three together bend the arm by so much; the load cell reads 0.5 N when it is slack."""
+    """The tension at which the three together bend the arm by so much; the load cell reads 2 N when it is slack."""
     moment = EI * (shape_rad / 0.2 - math.radians(ANGLE_DEG) * 5.0) - 6.0e-6 * 1e3 * PRESSURE_KPA
-    return moment / 0.01 + 0.5
+    return moment / 0.01 + 2.0
 
 
 class LiveInputs(unittest.TestCase):
