@@ -1,6 +1,7 @@
 // Which frames are worth fitting: known, at rest, and unlike each other.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "static_frame.h"
@@ -10,10 +11,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kFarFromArm = 5.0;        // in lengths of the arm: units, or another object
-constexpr double kStillFor_s = 0.5;        // before a frame that is taken for one at rest
-constexpr double kStillInput = 0.01;       // share of an input's range over the trial
-constexpr double kStillSpeed_m_s = 0.01;   // of the farthest body
+constexpr double kFarFromArm = 5.0;       // in lengths of the arm: units, or another object
+constexpr double kStillFor_s = 0.5;       // before a frame that is taken for one at rest
+constexpr double kStillInput = 0.01;      // share of an input's range over the trial
+constexpr double kStillSpeed_m_s = 0.01;  // of the farthest body
+constexpr double kBeforeChange_s = 0.5;   // of the payload, which is told in the middle of its change
+constexpr double kAfterChange_s = 1.5;
 constexpr std::size_t kFewestStatic = 3;   // frames at rest for which a trial's others are left out
 constexpr double kStaticRange = 0.7;       // ... and their share of the trial's range of every input
 constexpr std::size_t kCandidates = 2000;  // of one trial
@@ -126,6 +129,33 @@ std::vector<bool> at_rest(const std::vector<StaticFrame>& frames, double noise_m
   return rest;
 }
 
+/// For each frame whether the payload is the same for a while before and after it: hanging a weight on takes
+/// time, and the arm swings afterwards.
+std::vector<bool> payload_settled(const std::vector<StaticFrame>& frames) {
+  std::vector<bool> settled(frames.size(), true);
+  std::vector<double> changes_s;
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    // Frames further apart are of static conditions, each by itself.
+    const bool seen = frames[i].stamp_s - frames[i - 1].stamp_s < kBeforeChange_s;
+    if (seen && frames[i].payload_kg != frames[i - 1].payload_kg) changes_s.push_back(frames[i].stamp_s);
+  }
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    for (const double change_s : changes_s) {
+      const double since_s = frames[i].stamp_s - change_s;
+      settled[i] = settled[i] && !(since_s > -kBeforeChange_s && since_s < kAfterChange_s);
+    }
+  }
+  return settled;
+}
+
+std::vector<StaticFrame> those_of(const std::vector<StaticFrame>& frames, const std::vector<bool>& wanted) {
+  std::vector<StaticFrame> list;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (wanted[i]) list.push_back(frames[i]);
+  }
+  return list;
+}
+
 /// Whether frames at rest go about as far, in inputs and payload, as all of the trial: a trial that moves
 /// from its start to its end is at rest only where nothing is on.
 bool stands_for(const std::vector<StaticFrame>& rest, const std::vector<StaticFrame>& all) {
@@ -192,11 +222,13 @@ FrameSet choose_frames(const Arm& arm, const std::vector<Trial>& trials, const F
       }
     }
     if (choice.prefer_static) {
-      const std::vector<bool> rest = at_rest(known, noise_m);
-      std::vector<StaticFrame> quiet;
-      for (std::size_t i = 0; i < known.size(); ++i) {
-        if (rest[i]) quiet.push_back(known[i]);
+      std::vector<StaticFrame> settled = those_of(known, payload_settled(known));
+      // Recordings of single static shapes may have any stamps.
+      if (2 * settled.size() > known.size()) {
+        set.left_out["payload just changed"] += known.size() - settled.size();
+        known = std::move(settled);
       }
+      std::vector<StaticFrame> quiet = those_of(known, at_rest(known, noise_m));
       if (stands_for(quiet, known)) {
         set.left_out["in motion"] += known.size() - quiet.size();
         known = std::move(quiet);
@@ -211,6 +243,8 @@ FrameSet choose_frames(const Arm& arm, const std::vector<Trial>& trials, const F
     }
     candidates[t] = std::move(known);
   }
+  for (auto reason = set.left_out.begin(); reason != set.left_out.end();)
+    reason = reason->second == 0 ? set.left_out.erase(reason) : std::next(reason);
   Eigen::VectorXd low, high;
   for (const auto& known : candidates) {
     for (const StaticFrame& frame : known) {

@@ -13,7 +13,8 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kFewestClusters = 6;        // trials from which their spread says something
+constexpr std::size_t kFewestClusters = 6;  // trials from which their spread says something
+constexpr std::size_t kClustersOfFewTrials = 8;
 constexpr double kLeastInformation = 1e-10;  // an sd of 1e5 scales stands for infinity
 constexpr double kTold = 1.0;                // information from which a direction's sd is below its scale
 constexpr double kLeastCorrelation = 0.05;
@@ -59,10 +60,26 @@ double autocorrelation_time(const JointProblem& problem, const std::vector<Block
   return time;
 }
 
+/// For each frame the cluster whose frames may share an error: its trial, or, of few trials, a stretch of
+/// one.
+std::vector<std::size_t> cluster_frames(const std::vector<StaticFrame>& frames) {
+  std::map<std::size_t, std::size_t> counts;
+  for (const StaticFrame& frame : frames) ++counts[frame.trial];
+  const std::size_t trials = std::max<std::size_t>(1, counts.size());
+  const std::size_t pieces = trials < kFewestClusters ? (kClustersOfFewTrials + trials - 1) / trials : 1;
+  std::vector<std::size_t> clusters;
+  std::map<std::size_t, std::size_t> done;
+  for (const StaticFrame& frame : frames)
+    clusters.push_back(frame.trial * kClustersOfFewTrials +
+                       done[frame.trial]++ * pieces / counts[frame.trial]);
+  return clusters;
+}
+
 }  // namespace
 
 Uncertainty uncertainty(const JointProblem& problem, const std::vector<StaticFrame>& frames, int constants) {
   const std::vector<Block> blocks = problem.blocks();
+  const std::vector<std::size_t> cluster_of = cluster_frames(frames);
   std::map<std::size_t, Cluster> clusters;
   MatrixXd information = MatrixXd::Zero(constants, constants);
   double chi2 = 0.0, rows = 0.0, square_m2 = 0.0, coordinates = 0.0;
@@ -70,7 +87,7 @@ Uncertainty uncertainty(const JointProblem& problem, const std::vector<StaticFra
     const Vector3d r = problem.residual(block);
     const MatrixXd j = problem.jacobian(block);
     const double weight = problem.weight(block, r.squaredNorm());
-    Cluster& cluster = clusters[frames[block.frame].trial];
+    Cluster& cluster = clusters[cluster_of[block.frame]];
     if (cluster.gradient.size() == 0) {
       cluster.information = MatrixXd::Zero(constants, constants);
       cluster.gradient = VectorXd::Zero(constants);
@@ -112,7 +129,7 @@ Uncertainty uncertainty(const JointProblem& problem, const std::vector<StaticFra
     taken += (share * share).trace();
   }
   const double clusters_count = static_cast<double>(clusters.size());
-  const bool by_spread = clusters_count >= kFewestClusters && taken < 0.8 * told && told > 0.0;
+  const bool by_spread = clusters.size() >= kFewestClusters && taken < 0.8 * told && told > 0.0;
   if (by_spread) {
     outer *= told / (told - taken);
     spread = (inverse * outer).trace() / told;
