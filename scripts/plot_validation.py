@@ -2,13 +2,16 @@
 """Draws what `softarm validate --out FOLDER` wrote: the pictures of doc/validation.md.
 
     scripts/softarm validate --out validation
-    scripts/plot_validation.py validation --out doc/images
+    scripts/plot_validation.py validation --out doc/images --doc doc/validation.md
 
-One picture per paper whose CSV files are there: validation_online.png, ...
+One picture per paper whose CSV files are there: validation_online.png, ... With --doc, the tables of that page are
+replaced by those that were printed.
 """
 import argparse
 import csv
+import json
 import os
+import re
 import sys
 
 import matplotlib
@@ -211,10 +214,28 @@ PICTURES = {"online": (online, "online_frames"), "semi_physical": (semi_physical
             "cable": (cable, "cable_marks")}
 
 
+def renew_tables(folder, page):
+    """Every "<!-- table ID -->" and the block after it: the text of that table."""
+    with open(os.path.join(folder, "validation.json"), encoding="utf-8") as file:
+        papers = json.load(file)["papers"]
+    tables = {table["id"]: table["text"] for paper in papers for table in paper["tables"]}
+    with open(page, encoding="utf-8") as file:
+        text = file.read()
+
+    def renewed(found):
+        name = found.group(1)
+        return f"<!-- table {name} -->\n```\n{tables[name]}```\n" if name in tables else found.group(0)
+
+    text = re.sub(r"<!-- table (\S+) -->\n```\n.*?```\n", renewed, text, flags=re.DOTALL)
+    with open(page, "w", encoding="utf-8") as file:
+        file.write(text)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", help="what softarm validate --out wrote")
     parser.add_argument("--out", help="folder of the pictures; default: beside the data")
+    parser.add_argument("--doc", help="page whose tables are renewed: doc/validation.md")
     options = parser.parse_args()
     drawn = 0
     for name, (draw, needed) in PICTURES.items():
@@ -229,6 +250,8 @@ def main():
         drawn += 1
     if drawn == 0:
         sys.exit(f"plot_validation: {options.folder}: no CSV files of softarm validate are there")
+    if options.doc:
+        renew_tables(options.folder, options.doc)
 
 
 if __name__ == "__main__":

@@ -283,6 +283,7 @@ Statistics times(const OnlineExperiment& sets, Method method, Objective objectiv
   EstimatorOptions options = arm.estimator;
   options.method = method;
   options.objective = objective;
+  options.robust = objective == Objective::kLeastSquares;  // as in the tables
   Estimator estimator(arm, options);
   std::vector<double> seconds;
   for (const OnlineSet& set : sets) {

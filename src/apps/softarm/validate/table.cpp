@@ -97,7 +97,11 @@ nlohmann::json to_json(const Result& result) {
       rows.push_back(
           {{"quantity", row.quantity}, {"published", row.published}, {"ours", ours}, {"remark", row.remark}});
     }
-    tables.push_back({{"id", table.id}, {"title", table.title}, {"rows", rows}, {"notes", table.notes}});
+    tables.push_back({{"id", table.id},
+                      {"title", table.title},
+                      {"rows", rows},
+                      {"notes", table.notes},
+                      {"text", to_text(table)}});
   }
   return {{"name", result.name}, {"paper", result.paper}, {"tables", tables}};
 }
