@@ -27,12 +27,12 @@ struct BlockWeight {
   double variance;
 };
 
-BlockWeight block_weight(bool sum_of_distances, bool noise_weights, double c, double sd, int dimension) {
-  if (!sum_of_distances)
-    return noise_weights ? BlockWeight{1.0 / (sd * sd), 1.0 / (sd * sd)} : BlockWeight{c, c * c * sd * sd};
+/// @param weight by which the block is multiplied in the fit, @param sd of its true error
+BlockWeight block_weight(bool sum_of_distances, double weight, double sd, int dimension) {
+  if (!sum_of_distances) return {weight * weight, std::pow(weight * weight * sd, 2)};
   // The gradient of a distance is a unit vector: E[I - r r'] / |r| and E[r r'] of an isotropic normal error.
   const double mean_inverse = dimension == 3 ? std::sqrt(2.0 / M_PI) / sd : std::sqrt(M_PI / 2.0) / sd;
-  return {c * (dimension - 1.0) / dimension * mean_inverse, c * c / dimension};
+  return {weight * (dimension - 1.0) / dimension * mean_inverse, weight * weight / dimension};
 }
 
 /// Whether curvature and length of every segment follow from the bodies, were stiffness and payload known: an
@@ -65,17 +65,15 @@ Covariance covariance(const Problem& problem, const std::vector<bool>& free,
   Eigen::Matrix3Xd j(3, count);
   for (const Observation& o : problem.observations()) {
     if (!o.used) continue;
-    const double c = problem.noise_weights() ? 1.0 : problem.paper_weight(o);
     problem.position_jacobian(o, j);
-    const BlockWeight w = block_weight(sum, problem.noise_weights(), c, problem.position_sd(o), 3);
+    const BlockWeight w = block_weight(sum, problem.position_weight(o), problem.position_sd(o), 3);
     const MatrixXd jj = j.transpose() * j;
     information += w.information * jj;
     variance += w.variance * jj;
     if (o.tangent) {
       problem.tangent_jacobian(o, j);
       const MatrixXd tt = j.transpose() * j;
-      const double angle_c = problem.noise_weights() ? 1.0 : c;
-      const BlockWeight a = block_weight(sum, problem.noise_weights(), angle_c, problem.tangent_sd(o), 2);
+      const BlockWeight a = block_weight(sum, problem.tangent_weight(o), problem.tangent_sd(o), 2);
       information += a.information * tt;
       variance += a.variance * tt;
     }
@@ -142,7 +140,7 @@ Evidence evidence(const Problem& problem, const VectorXd& x) {
   Evidence result{MatrixXd::Zero(count, count), VectorXd::Zero(count)};
   Eigen::Matrix3Xd j(3, count);
   const auto add = [&](const Eigen::Vector3d& e, double sd) {
-    const double weight = 1.0 / (sd * sd);
+    const double weight = problem.bounded_influence(e.norm() / sd) / (sd * sd);
     result.information.noalias() += weight * j.transpose() * j;
     result.weighted.noalias() -= weight * j.transpose() * e;
   };

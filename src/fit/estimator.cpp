@@ -107,7 +107,7 @@ const Estimate& Estimator::Impl::run(const Frame& frame) {
       return estimate;
     }
   } else {
-    if (!set_outliers_aside(solve_with_window())) return estimate;
+    if (!solve_with_window()) return estimate;
     estimate.status = Status::kOk;
     estimate.detail.clear();
     if (!keep_to_bounds()) return estimate;
@@ -268,30 +268,52 @@ bool Estimator::Impl::set_knowns(const Frame& frame) {
     return false;
   }
   problem.set_laws(predictions);
+  // What frames share is counted from the laws at their inputs: without inputs it is something else.
+  if (window && inputs_known && *inputs_known != predictions.has_value()) window->clear();
+  inputs_known = predictions.has_value();
   if (!predictions) {
     predictions.emplace();
     for (const Segment& segment : arm.segments)
       predictions->push_back(predict_segment(arm, segment, frame.inputs).value_or(at_rest(segment)));
   }
-  law = fit::frame_law(arm, options.prior, *predictions, problem.reference_stiffnesses());
+  const bool believed = !arcs && (options.prior.enabled || window);
+  if (believed) law = fit::frame_law(arm, options.prior, *predictions, problem.reference_stiffnesses());
 
   known_flexibility.assign(arm.segments.size(), std::nullopt);
   start_flexibility = known_flexibility;
   for (int i = 0; i < segments; ++i) {
     const auto index = static_cast<std::size_t>(i);
-    const double flexibility = law.centre[Problem::column(i, 2)];
+    const double flexibility = problem.reference_stiffness(i) / (*predictions)[index].bending_stiffness_nm2;
     if (!arcs && !estimate_stiffness) known_flexibility[index] = flexibility;
-    if (!estimate_stiffness) law.information[Problem::column(i, 2)] = kKnown;
+    if (believed && !estimate_stiffness) law.information[Problem::column(i, 2)] = kKnown;
     if (!arcs && (!estimate_stiffness || estimate_payload)) start_flexibility[index] = flexibility;
     for (int k = 0; k < fit::kSegmentParameters; ++k) {
       problem.free()[static_cast<std::size_t>(Problem::column(i, k))] = k != 2 || estimate_stiffness;
     }
   }
   problem.free()[static_cast<std::size_t>(problem.payload_column())] = estimate_payload;
-  if (window) window->advance(frame.stamp_s);
+  if (window) {
+    window->advance(frame.stamp_s);
+    allow_for_gain(*predictions);
+  }
   believe();
   problem.begin();
   return true;
+}
+
+void Estimator::Impl::allow_for_gain(const std::vector<SegmentPrediction>& predictions) {
+  actuation_nm.resize(static_cast<Eigen::Index>(2 * predictions.size()));
+  for (std::size_t i = 0; i < predictions.size(); ++i)
+    actuation_nm.segment<2>(static_cast<Eigen::Index>(2 * i)) = predictions[i].actuation_nm();
+  const std::optional<VectorXd> before = window->actuation_nm();
+  if (!before || !options.prior.enabled) return;
+  for (int i = 0; i < static_cast<int>(predictions.size()); ++i) {
+    const double moved = options.prior.moment_sd_rel * (actuation_nm - *before).segment<2>(2 * i).norm();
+    for (int k = 0; k < 2; ++k) {
+      const int j = Problem::column(i, k);
+      law.jitter_variance[j] += std::pow(law.shared(j, j) * moved, 2);
+    }
+  }
 }
 
 void Estimator::Impl::believe() {
@@ -319,6 +341,8 @@ void Estimator::reset() {
   impl_->have_last = false;
   impl_->base_seen = false;
   if (impl_->window) impl_->window->clear();
+  impl_->contradictions = 0;
+  impl_->inputs_known.reset();
   impl_->problem.forget();
 }
 
@@ -333,9 +357,11 @@ void Estimator::set_unknown(Unknown unknown) {
   if (unknown == impl_->options.unknown) return;
   EstimatorOptions options = impl_->options;
   options.unknown = unknown;
-  const int points = impl_->backbone_points;
-  impl_ = std::make_unique<Impl>(Arm(impl_->arm), options);
-  impl_->backbone_points = points;
+  const std::unique_ptr<Impl> before = std::move(impl_);
+  impl_ = std::make_unique<Impl>(before->arm, options);
+  impl_->backbone_points = before->backbone_points;
+  impl_->base = before->base;
+  impl_->base_seen = before->base_seen;
 }
 
 void Estimator::set_backbone_points(int count) {

@@ -40,6 +40,9 @@ struct Estimator::Impl {
   bool set_knowns(const Frame& frame);
   /// Gives the problem what the laws and the window's frames say of this one.
   void believe();
+  /// A gain that is off is a lasting error of the moment only while the actuation lasts: by as much as it has
+  /// moved away from that of the window's frames, the relative error is this frame's own.
+  void allow_for_gain(const std::vector<SegmentPrediction>& predictions);
 
   // --- steps 2 and 3 ---
   void impose_knowns(VectorXd& v) const;
@@ -49,8 +52,11 @@ struct Estimator::Impl {
   bool start_cold(bool free_tip = false);
   bool minimise();
   bool solve();
-  /// The same, and where the window's frames stand against this one, without them.
+  /// The same with outliers set aside and, where the window's frames stand against this one, without them.
   bool solve_with_window();
+  bool solve_without_window();
+  /// Some body is an outlier of the fit, or there is none.
+  bool contradicted(bool fitted) const;
   /// Adds what this frame says to the window; fits it again where that ends a change.
   bool share();
 
@@ -107,12 +113,18 @@ struct Estimator::Impl {
   std::vector<std::optional<double>> start_flexibility;  ///< known, or believed by the laws
   fit::FrameLaw law;
   std::optional<fit::Window> window;
-  std::vector<bool> estimated;  ///< free before any parameter was held at a bound
+  int contradictions = 0;            ///< frames in a row that may be a change or a wrong body
+  std::optional<bool> inputs_known;  ///< of the last frame
+  VectorXd actuation_nm;             ///< by the laws, 2 per segment
+  std::vector<bool> estimated;       ///< free before any parameter was held at a bound
   fit::Covariance covariance;
   VectorXd x, last_x;
   bool have_last = false;
   Estimate estimate;
 };
+
+/// Rms distance over the arm's length above which a converged fit is inconsistent.
+inline constexpr double kGross = 0.1;
 
 bool is_constant_curvature(Method method);
 inline constexpr const char* kUnitsHint =

@@ -15,8 +15,6 @@ using Eigen::VectorXd;
 using fit::Observation;
 using fit::Problem;
 
-// Rms distance over the arm's length above which a converged fit is inconsistent.
-constexpr double kGross = 0.1;
 // Norm of the tip's turn per turn of the base; that of a stiff rod is 1.7.
 constexpr double kNearBuckling = 4.0;
 // Two standard deviations, less some allowance for curvature.

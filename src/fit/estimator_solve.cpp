@@ -117,39 +117,65 @@ Estimator::Impl::Distances Estimator::Impl::distances() const {
   return d;
 }
 
-bool Estimator::Impl::solve_with_window() {
-  bool fitted = solve();
-  if (!window || window->frames() == 0 || (fitted && distances().largest < kOutlier)) return fitted;
-  // Either a body is wrong or what the window's frames share has changed: without them one sees which.
-  const fit::Window before = *window;
-  const VectorXd x_before = x;
+bool Estimator::Impl::contradicted(bool fitted) const {
+  return !fitted || distances().largest >= kOutlier;
+}
+
+bool Estimator::Impl::solve_without_window() {
+  for (Observation& o : problem.observations()) o.used = true;
   window->clear();
   believe();
   problem.begin();
-  const bool alone = solve();
-  if (alone && distances().largest < kOutlier) return true;
+  return solve();
+}
+
+bool Estimator::Impl::solve_with_window() {
+  bool fitted = solve();
+  if (!window || window->frames() == 0 || !contradicted(fitted)) {
+    contradictions = 0;
+    return set_outliers_aside(fitted);
+  }
+  // Either a body is wrong, or what the window's frames share has changed. Without them the bodies fit each
+  // other after a change, but few bodies fit each other with a wrong one among them as well: where a body may
+  // be the reason, it is in the first such frame, and a change in the next.
+  const fit::Window before = *window;
+  const VectorXd x_before = x;
+  const bool may_have_changed = !contradicted(solve_without_window());
+  if (may_have_changed && ++contradictions > 1) {
+    contradictions = 0;
+    return true;
+  }
   *window = before;
   believe();
   problem.begin();
   last_x = x_before;
   have_last = fitted;
-  fitted = solve();
-  return fitted;
+  fitted = set_outliers_aside(solve());
+  if (!contradicted(fitted) || !may_have_changed) return fitted;
+  contradictions = 0;
+  return solve_without_window();
 }
 
 bool Estimator::Impl::share() {
-  if (!window) return true;
+  if (!window || rms() > kGross * arm.total_length_m()) return true;
   const fit::Evidence bodies = fit::evidence(problem, x);
   fit::Window::Entry entry;
   entry.stamp_s = estimate.stamp_s;
+  entry.actuation_nm = actuation_nm;
   entry.p_tip = problem.solver().station(static_cast<int>(arm.bodies.size() + arm.segments.size()) - 1).p;
-  entry.evidence =
-      fit::evidence_on_shared(law, bodies.information, bodies.weighted,
-                              std::max(1.0, kJitterCorrelation_s * window->rate_hz().value_or(0.0)));
+  entry.evidence = fit::evidence_on_shared(law, bodies.information, bodies.weighted,
+                                           std::max(1.0, kJitterCorrelation_s / window->spacing_s()));
   const Distances now = distances();
-  entry.degrees_of_freedom =
-      std::max(0, 3 * now.used - static_cast<int>(std::lround(fit::determined_by_bodies(problem, x))));
-  if (entry.degrees_of_freedom > 0) entry.misfit = now.sum_of_squares / entry.degrees_of_freedom;
+  double tangents = 0.0, tangent_chi2 = 0.0;
+  for (const Observation& o : problem.observations()) {
+    if (!o.used || !o.tangent) continue;
+    tangents += 2.0;
+    const Vector3d off = problem.solver().station(o.station).q * Vector3d::UnitZ() - *o.tangent;
+    tangent_chi2 += off.squaredNorm() / (problem.tangent_sd(o) * problem.tangent_sd(o));
+  }
+  entry.degrees_of_freedom = std::max(0.0, 3.0 * now.used + tangents - fit::determined_by_bodies(problem, x));
+  if (entry.degrees_of_freedom > 0.0)
+    entry.misfit = (now.sum_of_squares + tangent_chi2) / entry.degrees_of_freedom;
   window->add(std::move(entry));
   if (!window->forget_before_change(law.information)) return true;
   // This frame was fitted with what is now forgotten.
@@ -157,9 +183,10 @@ bool Estimator::Impl::share() {
   window->drop_last();
   believe();
   problem.begin();
-  const bool good = problem.evaluate(x) && minimise();
-  *window = with_this;
+  bool good = problem.evaluate(x) && minimise();
   if (good) refresh_covariance();
+  good = good && keep_to_bounds();
+  *window = with_this;
   return good;
 }
 
@@ -170,7 +197,7 @@ bool Estimator::Impl::set_one_aside(bool fitted) {
   Observation* outlier = nullptr;
   VectorXd best_x;
   Eigen::Quaterniond best_tip;
-  double least = std::numeric_limits<double>::infinity();
+  double least = std::numeric_limits<double>::infinity(), least_cost = least;
   for (Observation& o : observations) {
     if (!o.used) continue;
     o.used = false;
@@ -180,7 +207,10 @@ bool Estimator::Impl::set_one_aside(bool fitted) {
       x = x_before;
       if (!(cold ? start_cold() : problem.evaluate(x, tip_before)) || !minimise()) continue;
       const Distances rest = distances();
-      if (rest.sum_of_squares < least) {
+      // Few bodies fit each other whichever is left out: what is believed decides.
+      const double cost = problem.belief() ? solver.summary.final_cost : rest.sum_of_squares;
+      if (cost < least_cost) {
+        least_cost = cost;
         least = rest.sum_of_squares;
         outlier = &o;
         best_x = x;
@@ -214,7 +244,7 @@ bool Estimator::Impl::set_outliers_aside(bool fitted) {
     const auto used =
         std::count_if(observations.begin(), observations.end(), [](const Observation& o) { return o.used; });
     // Where the laws are believed, they stand in for bodies.
-    const int parameters = options.prior.enabled ? 2 : estimated_parameters();
+    const int parameters = problem.belief() ? 2 : estimated_parameters();
     if ((fitted && now.largest < kOutlier) || 3 * (static_cast<int>(used) - 1) - parameters < 1)
       return fitted;
     if (!set_one_aside(fitted)) return fitted;

@@ -122,6 +122,22 @@ double Problem::paper_weight(const Observation& o) const {
   return 1.0 / ((o.body + 1) * arm_.total_length_m());
 }
 
+double Problem::position_weight(const Observation& o) const {
+  if (noise_weights_) return 1.0 / position_sd(o);
+  // Least squares weights distances squared, the sum of distances weights distances: c_i in either.
+  const double c = paper_weight(o) * arm_.total_length_m();
+  return (options_.objective == Objective::kSumOfDistances ? c : std::sqrt(c)) / position_sd(o);
+}
+
+double Problem::tangent_weight(const Observation& o) const {
+  // Equation (8): C = L / (2 pi) weighs angles against distances; by the noise, their standard deviations do.
+  return noise_weights_ ? 1.0 / tangent_sd(o) : position_weight(o) * arm_.total_length_m() / (2.0 * M_PI);
+}
+
+double Problem::bounded_influence(double distance) const {
+  return options_.robust && distance > kHuberThreshold ? kHuberThreshold / distance : 1.0;
+}
+
 void Problem::apply(const Eigen::VectorXd& x) const {
   for (int i = 0; i < static_cast<int>(rod_.segments.size()); ++i) {
     rod::Segment& segment = rod_.segments[static_cast<std::size_t>(i)];
@@ -264,21 +280,12 @@ bool Problem::operator()(const double* x, double* residuals, double* jacobian) c
   int row = 0;
   for (const Observation& o : observations_) {
     if (!o.used) continue;
-    const bool sum = options_.objective == Objective::kSumOfDistances;
-    const double sd = position_sd(o);
-    // Least squares weights distances squared, the sum of distances weights distances: c_i in either.
-    const double c = noise_weights_ ? 1.0 : paper_weight(o) * arm_.total_length_m();
-    const double weight = (sum ? c : std::sqrt(c)) / sd;
     if (jacobian != nullptr) position_jacobian(o, block_);
-    add_block(position(o) - o.p, block_, weight, options_.robust, row, residuals, jacobian);
+    add_block(position(o) - o.p, block_, position_weight(o), options_.robust, row, residuals, jacobian);
     row += 3;
     if (o.tangent) {
-      // Equation (8): C = L / (2 pi) weighs angles against distances; by the noise, their standard deviations
-      // do.
-      const double angle_weight =
-          noise_weights_ ? 1.0 / tangent_sd(o) : weight * arm_.total_length_m() / (2.0 * M_PI);
       if (jacobian != nullptr) tangent_jacobian(o, block_);
-      add_block(solver_.station(o.station).q * Vector3d::UnitZ() - *o.tangent, block_, angle_weight,
+      add_block(solver_.station(o.station).q * Vector3d::UnitZ() - *o.tangent, block_, tangent_weight(o),
                 options_.robust, row, residuals, jacobian);
       row += 3;
     }

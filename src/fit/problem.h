@@ -90,8 +90,12 @@ class Problem {
   double tangent_sd(const Observation& o) const {
     return arm_.bodies[static_cast<std::size_t>(o.body)].orientation_sd_rad;
   }
-  /// Weight c_i of a body as printed below equation (7): 1 / (i L), for the i-th body of the arm.
-  double paper_weight(const Observation& o) const;
+  /// By what the residuals of a body's position and of its tangent are multiplied: 1/sd, or the paper's
+  /// weights.
+  double position_weight(const Observation& o) const;
+  double tangent_weight(const Observation& o) const;
+  /// Weight that the robust loss leaves a body at this many standard deviations, 0 ... 1.
+  double bounded_influence(double distance) const;
   bool noise_weights() const { return noise_weights_; }
   int rod_solves() const { return rod_solves_; }
 
@@ -107,6 +111,8 @@ class Problem {
   }
 
  private:
+  /// Weight c_i of a body as printed below equation (7): 1 / (i L), for the i-th body of the arm.
+  double paper_weight(const Observation& o) const;
   void apply(const Eigen::VectorXd& x) const;
   void chain(const Eigen::Ref<const Eigen::Matrix3Xd>& by_rod, Eigen::Matrix3Xd& by_x) const;
   template <typename Columns>

@@ -18,17 +18,28 @@ constexpr std::size_t kNewest[] = {2, 4, 8, 16, 32, 64};
 // Chi-square level above which the frames' misfit is not noise but an error of the model that frames have in
 // common.
 constexpr double kMisfitLevel = 0.999;
+// Frames further apart have a gap between them.
+constexpr double kLongestSpacing_s = 0.2;
 // Information on a direction relative to its scale below which nothing is said of it.
 constexpr double kNothing = 1e-10;
 
 }  // namespace
 
 Window::Window(double length_s, std::vector<int> changing)
-    : length_s_(length_s), changing_(std::move(changing)) {}
+    : length_s_(length_s),
+      changing_(std::move(changing)),
+      changed_(changing_.empty()
+                   ? 0.0
+                   : quantile(complement(boost::math::chi_squared(static_cast<double>(changing_.size())),
+                                         kChangeProbability))) {}
 
 void Window::advance(double stamp_s) {
   while (!frames_.empty() && frames_.front().stamp_s < stamp_s - length_s_) frames_.pop_front();
-  if (!frames_.empty() && frames_.back().stamp_s >= stamp_s) frames_.clear();
+  if (!frames_.empty() && frames_.back().stamp_s == stamp_s) frames_.pop_back();  // the same frame again
+  if (!frames_.empty() && !(frames_.back().stamp_s < stamp_s)) frames_.clear();
+  const double spacing = last_stamp_s_ ? stamp_s - *last_stamp_s_ : 0.0;
+  if (spacing > 0.0 && spacing < kLongestSpacing_s) spacing_s_ = spacing;
+  last_stamp_s_ = stamp_s;
 }
 
 Evidence Window::sum(std::size_t from, std::size_t to) const {
@@ -36,7 +47,7 @@ Evidence Window::sum(std::size_t from, std::size_t to) const {
                                 frames_.front().evidence.information.cols()),
                  VectorXd::Zero(frames_.front().evidence.weighted.size())};
   double chi2 = 0.0;
-  int dof = 0;
+  double dof = 0.0;
   for (std::size_t i = from; i < to; ++i) {
     total.information += frames_[i].evidence.information;
     total.weighted += frames_[i].evidence.weighted;
@@ -45,8 +56,9 @@ Evidence Window::sum(std::size_t from, std::size_t to) const {
   }
   // Misfit beyond the noise does not average out: it is the same error in every frame. With noise of variance
   // 1 and an error of variance k in all of n frames, n frames tell as much as n / (1 + n k).
-  if (dof > 0 && chi2 > quantile(boost::math::chi_squared(dof), kMisfitLevel)) {
-    const double weight = 1.0 / (1.0 + static_cast<double>(to - from) * (chi2 / dof - 1.0));
+  const double expected = dof > 0.0 ? quantile(boost::math::chi_squared(dof), kMisfitLevel) : 0.0;
+  if (dof > 0.0 && chi2 > expected) {
+    const double weight = 1.0 / (1.0 + static_cast<double>(to - from) * (chi2 - expected) / dof);
     total.information *= weight;
     total.weighted *= weight;
   }
@@ -62,9 +74,11 @@ Evidence Window::belief(const VectorXd& law_information) const {
   return belief;
 }
 
-std::optional<double> Window::rate_hz() const {
-  if (frames_.size() < 2) return std::nullopt;
-  return static_cast<double>(frames_.size() - 1) / (frames_.back().stamp_s - frames_.front().stamp_s);
+std::optional<VectorXd> Window::actuation_nm() const {
+  if (frames_.empty()) return std::nullopt;
+  VectorXd sum = VectorXd::Zero(frames_.front().actuation_nm.size());
+  for (const Entry& entry : frames_) sum += entry.actuation_nm;
+  return sum / static_cast<double>(frames_.size());
 }
 
 Eigen::Vector3d Window::tip_acceleration_m_s2() const {
@@ -94,6 +108,9 @@ Eigen::Vector3d Window::tip_acceleration_m_s2() const {
 }
 
 void Window::add(Entry entry) {
+  if (!std::isfinite(entry.stamp_s) || !entry.evidence.information.allFinite() ||
+      !entry.evidence.weighted.allFinite())
+    return;
   frames_.push_back(std::move(entry));
 }
 
@@ -104,7 +121,7 @@ bool Window::forget_before_change(const VectorXd& law_information) {
   // A frame may not contradict those before it by more than its own misfit allows, whatever the split: all
   // splits are tried, and the most improbable decides.
   std::size_t best = 0;
-  double least = kChangeProbability;
+  double largest = changed_;
   for (const std::size_t newest : kNewest) {
     if (newest + 2 > frames_.size()) break;
     const std::size_t split = frames_.size() - newest;
@@ -134,10 +151,8 @@ bool Window::forget_before_change(const VectorXd& law_information) {
     const Eigen::LDLT<MatrixXd> without(a.topLeftCorner(n, n));
     if (with.info() != Eigen::Success || without.info() != Eigen::Success) continue;
     const double gain = b.dot(with.solve(b)) - b.head(n).dot(without.solve(b.head(n)));
-    if (!(gain > 0.0)) continue;
-    const double probability = cdf(complement(boost::math::chi_squared(static_cast<double>(m)), gain));
-    if (probability < least) {
-      least = probability;
+    if (gain > largest) {
+      largest = gain;
       best = split;
     }
   }

@@ -34,15 +34,20 @@ class Window {
 
   struct Entry {
     double stamp_s = 0.0;
+    Eigen::VectorXd actuation_nm;  ///< of the segments by the laws, 2 each
     Eigen::Vector3d p_tip = Eigen::Vector3d::Zero();
     Evidence evidence;
     double misfit = 1.0;  ///< chi-square of its bodies per degree of freedom
-    int degrees_of_freedom = 0;
+    double degrees_of_freedom = 0.0;
   };
+  /// Adds a frame; one that is not finite is not added.
   void add(Entry entry);
 
-  /// Frames per time of the window, 1/s; absent with fewer than two.
-  std::optional<double> rate_hz() const;
+  /// Time between frames as last seen, s; gaps do not count. Survives clear().
+  double spacing_s() const { return spacing_s_; }
+
+  /// Mean actuation of the window's frames; absent without frames.
+  std::optional<Eigen::VectorXd> actuation_nm() const;
 
   /// Acceleration of the tip over the newest quarter of a second, as far as it is more than noise, m/s^2: an
   /// arm that swings is not the static rod that is fitted to it.
@@ -57,6 +62,9 @@ class Window {
 
   double length_s_;
   std::vector<int> changing_;
+  double changed_;  ///< likelihood ratio (chi-square) at which a change is seen
+  double spacing_s_ = 1.0 / 120.0;
+  std::optional<double> last_stamp_s_;
   std::deque<Entry> frames_;
 };
 

@@ -227,6 +227,141 @@ TEST(Window, IsKeptWhileNothingChanges) {
   EXPECT_LT(widest, 1.6 * narrowest) << "a window that was forgotten begins again with a wide interval";
 }
 
+/// Frames of an arm at rest at 120 Hz, with payload unknown, through an estimator with window and prior.
+class AtRest : public ::testing::Test {
+ protected:
+  AtRest() : estimator_(arm_, with_window(0.5, Unknown::kBoth, true)) {}
+
+  Frame frame(double payload_kg, const InputValues& inputs = kInputs) {
+    Frame frame = with_noise(arm_, make_frame(arm_, truth_of(arm_, inputs, {}, payload_kg)), random_);
+    frame.inputs = inputs;
+    frame.payload_kg.reset();
+    frame.stamp_s = stamp_s_ += 1.0 / kRate_hz;
+    return frame;
+  }
+  Estimate run(int frames, double payload_kg) {
+    Estimate last;
+    for (int i = 0; i < frames; ++i) last = estimator_.estimate(frame(payload_kg));
+    return last;
+  }
+
+  const Arm arm_ = paper_arm();
+  Estimator estimator_;
+  std::mt19937_64 random_{21};
+  double stamp_s_ = 1.0;
+};
+
+TEST_F(AtRest, ARefusedFrameSaysNothingToTheNext) {
+  const double before = run(60, 0.15).sd_payload_kg.value();
+  Frame gross = frame(0.15);
+  std::swap(gross.bodies[0].p_mocap, gross.bodies[3].p_mocap);
+  std::swap(gross.bodies[1].p_mocap, gross.bodies[2].p_mocap);
+  EXPECT_NE(estimator_.estimate(gross).status, Status::kOk);
+  EXPECT_LT(run(1, 0.15).sd_payload_kg.value(), 1.2 * before);
+}
+
+TEST_F(AtRest, OneWrongRingInOneFrameDoesNotCostTheWindow) {
+  for (const double off_m : {0.003, 0.004, 0.006, 0.01, 0.03}) {
+    SCOPED_TRACE(off_m);
+    estimator_.reset();
+    const double before = run(60, 0.15).sd_payload_kg.value();
+    Frame wrong = frame(0.15);
+    wrong.bodies[3].p_mocap.x() += off_m;
+    const Estimate estimate = estimator_.estimate(wrong);
+    ASSERT_EQ(estimate.status, Status::kOk) << estimate.detail;
+    const double stiffness = truth_of(arm_, kInputs, {}, 0.15).segments[0].bending_stiffness_nm2;
+    EXPECT_NEAR(estimate.segments[0].bending_stiffness_nm2.value(), stiffness, 0.1 * stiffness);
+    const Estimate after = run(2, 0.15);
+    EXPECT_NEAR(after.segments[0].bending_stiffness_nm2.value(), stiffness, 0.1 * stiffness);
+    EXPECT_LT(run(40, 0.15).sd_payload_kg.value(), 1.3 * before);
+  }
+}
+
+TEST_F(AtRest, APayloadTakenOffIsNeverNegative) {
+  for (int repeat = 0; repeat < 8; ++repeat) {
+    run(60, 0.08);
+    for (int i = 0; i < 40; ++i) {
+      const Estimate& estimate = estimator_.estimate(frame(0.0));
+      if (estimate.status == Status::kOk) {
+        EXPECT_GE(estimate.payload_kg.value(), arm_.payload.range_kg.low);
+      }
+    }
+  }
+}
+
+TEST_F(AtRest, AFrameThatComesTwiceCountsOnce) {
+  const double before = run(60, 0.15).sd_payload_kg.value();
+  Frame twice = frame(0.15);
+  estimator_.estimate(twice);
+  EXPECT_LT(estimator_.estimate(twice).sd_payload_kg.value(), 1.1 * before);
+  EXPECT_GT(estimator_.estimate(twice).sd_payload_kg.value(), 0.8 * before);
+}
+
+TEST(Window, InputsThatGoMissingAreNoChangeOfStiffness) {
+  const Arm arm = paper_arm();
+  const InputValues inputs{75e3, 30e3, 32e3};  // EI a third above that without pressure
+  const Truth truth = truth_of(arm, inputs, {}, 0.2);
+  const double ei = truth.segments[0].bending_stiffness_nm2;
+  ASSERT_GT(ei, 1.3 * arm.segments[0].bending_stiffness.base_nm2);
+  Estimator estimator(arm, with_window(0.5, Unknown::kStiffness, false));
+  std::mt19937_64 random(31);
+  const Frame exact = make_frame(arm, truth);
+  for (int i = 0; i < 120; ++i) {
+    Frame frame = with_noise(arm, exact, random);
+    frame.inputs = inputs;
+    if (i >= 60 && i < 75) frame.inputs[0].reset();
+    frame.stamp_s = 1.0 + i / kRate_hz;
+    const Estimate& estimate = estimator.estimate(frame);
+    ASSERT_EQ(estimate.status, Status::kOk);
+    const SegmentEstimate& segment = estimate.segments[0];
+    if (i < 4) continue;  // hardly told yet
+    EXPECT_NEAR(segment.bending_stiffness_nm2.value(), ei, 4.5 * segment.sd_bending_stiffness_nm2.value())
+        << i;
+  }
+}
+
+TEST(Both, IntervalsCoverAfterAPressureStepWhenTheGainsErr) {
+  const Arm arm = paper_arm();
+  EstimatorOptions options = with_window(0.5, Unknown::kBoth, true);
+  options.prior.moment_sd_rel = 0.1;
+  options.prior.moment_sd_nm = options.prior.moment_jitter_sd_nm = 0.001;
+  std::mt19937_64 random(32);
+  std::normal_distribution<double> normal;
+  int covered_payload = 0, covered_stiffness = 0, count = 0;
+  for (int trial = 0; trial < 120; ++trial) {
+    const double gain = options.prior.moment_sd_rel * std::clamp(normal(random), -2.5, 2.5);
+    LawError error;
+    error.bending_stiffness_rel =
+        options.prior.bending_stiffness_sd_rel * std::clamp(normal(random), -2.0, 2.0);
+    error.length_m = options.prior.length_sd_m * normal(random);
+    const double payload = uniform(random, 0.05, 0.25);
+    Estimator estimator(arm, options);
+    estimator.set_backbone_points(0);
+    for (int i = 0; i < 80; ++i) {
+      const InputValues inputs{i < 60 ? 15e3 : 45e3, 5e3, 8e3};
+      LawError now = error;
+      now.moment_nm = gain * predict_segment(arm, arm.segments[0], inputs)->moment_nm +
+                      options.prior.moment_jitter_sd_nm * Eigen::Vector2d(normal(random), normal(random));
+      const Truth truth = truth_of(arm, inputs, now, payload);
+      Frame frame = with_noise(arm, make_frame(arm, truth), random);
+      frame.inputs = inputs;
+      frame.payload_kg.reset();
+      frame.stamp_s = 1.0 + i / kRate_hz;
+      const Estimate& estimate = estimator.estimate(frame);
+      if (i != 62 && i != 70) continue;
+      ASSERT_EQ(estimate.status, Status::kOk) << estimate.detail;
+      const SegmentEstimate& segment = estimate.segments[0];
+      covered_payload += std::abs(*estimate.payload_kg - payload) < 1.96 * estimate.sd_payload_kg.value();
+      covered_stiffness +=
+          std::abs(*segment.bending_stiffness_nm2 - truth.segments[0].bending_stiffness_nm2) <
+          1.96 * segment.sd_bending_stiffness_nm2.value();
+      ++count;
+    }
+  }
+  EXPECT_GE(covered_payload, 0.92 * count);
+  EXPECT_GE(covered_stiffness, 0.92 * count);
+}
+
 TEST(Both, IntervalsCoverWhenTheLawsErrAsTheySay) {
   const Arm arm = paper_arm();
   std::mt19937_64 random(14);
