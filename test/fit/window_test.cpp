@@ -1,14 +1,14 @@
 // Frames that share stiffness and payload, and the laws as a prior.
-#include "fit/window.h"
+#include "../../src/fit/window.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "../../src/fit/prior.h"
+#include "../../src/fit/problem.h"
 #include "fit/frames.h"
-#include "fit/prior.h"
-#include "fit/problem.h"
 #include "softarm/arm/laws.h"
 
 namespace softarm::fit::testing {
