@@ -138,18 +138,6 @@ TEST(ActuationYaml, PriorOfEveryKindOfActuation) {
   }
 }
 
-/// The driven arm with one edit is refused with exactly this message.
-struct Refusal {
-  const char* name;
-  const char* from;
-  const char* to;
-  const char* message;
-};
-
-void PrintTo(const Refusal& refusal, std::ostream* out) {
-  *out << refusal.name;
-}
-
 class ActuationYamlRefuses : public ::testing::TestWithParam<Refusal> {};
 
 TEST_P(ActuationYamlRefuses, WithOneClearLine) {

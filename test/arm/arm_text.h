@@ -41,6 +41,18 @@ inline std::string edited(const std::string& from, const std::string& to) {
   return edited(kSmallArm, from, to);
 }
 
+/// An edit of a text that must be refused with exactly this message.
+struct Refusal {
+  const char* name;
+  const char* from;
+  const char* to;
+  const char* message;
+};
+
+inline void PrintTo(const Refusal& refusal, std::ostream* out) {
+  *out << refusal.name;
+}
+
 /// What parse_arm() says of a text that it must refuse; checks that it is a single line that begins with the
 /// source.
 inline std::string refusal(const std::string& text) {

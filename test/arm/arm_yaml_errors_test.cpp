@@ -8,18 +8,6 @@
 namespace softarm {
 namespace {
 
-/// The small arm with one edit is refused with exactly this message.
-struct Refusal {
-  const char* name;
-  const char* from;
-  const char* to;
-  const char* message;
-};
-
-void PrintTo(const Refusal& refusal, std::ostream* out) {
-  *out << refusal.name;
-}
-
 class ArmYamlRefuses : public ::testing::TestWithParam<Refusal> {};
 
 TEST_P(ArmYamlRefuses, WithOneClearLine) {

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <exception>
 #include <filesystem>
@@ -10,13 +9,13 @@
 #include <memory>
 #include <optional>
 #include <set>
-#include <thread>
 #include <vector>
 
 #include "softarm/arm/arm_yaml.h"
 #include "softarm/command.h"
 #include "softarm/fit/estimator.h"
 #include "softarm/output_file.h"
+#include "softarm/parallel.h"
 #include "softarm/progress.h"
 #include "softarm/ros/bag_frames.h"
 #include "softarm/shipped.h"
@@ -174,21 +173,13 @@ void run(const Options& options) {
   std::vector<Job> jobs = make_jobs(options);
   {
     Progress progress("frames");
-    std::atomic<std::size_t> next{0};
-    const auto work = [&] {
-      for (std::size_t i = next++; i < jobs.size(); i = next++) {
-        try {
-          estimate_bag(arm, !options.payload_kg, jobs[i], progress);
-        } catch (const std::exception& e) {
-          jobs[i].failure = e.what();
-        }
+    in_parallel(jobs.size(), options.jobs, [&](std::size_t i) {
+      try {
+        estimate_bag(arm, !options.payload_kg, jobs[i], progress);
+      } catch (const std::exception& e) {  // the other bags go on
+        jobs[i].failure = e.what();
       }
-    };
-    const unsigned wanted = options.jobs ? options.jobs : std::max(1u, std::thread::hardware_concurrency());
-    std::vector<std::thread> others;
-    for (std::size_t i = 1; i < std::min<std::size_t>(wanted, jobs.size()); ++i) others.emplace_back(work);
-    work();
-    for (std::thread& thread : others) thread.join();
+    });
   }
   std::string failure;
   for (const Job& job : jobs) {

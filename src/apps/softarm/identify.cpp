@@ -4,14 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <exception>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <optional>
 #include <set>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -21,6 +19,7 @@
 #include "softarm/identify/pull.h"
 #include "softarm/identify_tables.h"
 #include "softarm/output_file.h"
+#include "softarm/parallel.h"
 #include "softarm/progress.h"
 #include "softarm/ros/bag_frames.h"
 #include "softarm/shipped.h"
@@ -53,7 +52,6 @@ segment_1.tendon_1.offset, segment_1.length ...; patterns may have * and ?; the 
 struct Reading {
   identify::Trial trial;
   std::vector<std::string> warnings;
-  std::string failure;
 };
 
 void read_bag(const std::string& path, const Arm& arm, bool use_payload, Reading& reading,
@@ -91,26 +89,13 @@ std::vector<identify::Trial> read_bags(const Options& options, const Arm& arm) {
     readings.push_back(std::move(reading));
   }
   Progress progress("frames");
-  std::atomic<std::size_t> next{0};
-  const auto work = [&] {
-    for (std::size_t i = next++; i < readings.size(); i = next++) {
-      try {
-        read_bag(options.bags[i], arm, !options.payload_kg, readings[i], progress);
-      } catch (const std::exception& e) {
-        readings[i].failure = e.what();
-      }
-    }
-  };
-  const unsigned wanted = options.jobs ? options.jobs : std::max(1u, std::thread::hardware_concurrency());
-  std::vector<std::thread> others;
-  for (std::size_t i = 1; i < std::min<std::size_t>(wanted, readings.size()); ++i) others.emplace_back(work);
-  work();
-  for (std::thread& thread : others) thread.join();
+  // One bad bag would silently change what is identified: the first ends it.
+  in_parallel(readings.size(), options.jobs, [&](std::size_t i) {
+    read_bag(options.bags[i], arm, !options.payload_kg, readings[i], progress);
+  });
   std::vector<identify::Trial> trials;
   for (Reading& reading : readings) {
     for (const std::string& warning : reading.warnings) progress.line("softarm: warning: " + warning);
-    // One bad bag would silently change what is identified.
-    if (!reading.failure.empty()) throw Failure(reading.failure);
     trials.push_back(std::move(reading.trial));
   }
   return trials;

@@ -8,7 +8,6 @@
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "softarm/command.h"
 #include "softarm/output_file.h"
@@ -74,7 +73,7 @@ void run(const Options& options) {
   validate::Settings settings;
   settings.seed = options.seed;
   settings.quick = options.quick;
-  settings.jobs = options.jobs ? options.jobs : std::max(1u, std::thread::hardware_concurrency());
+  settings.jobs = options.jobs;
   Outputs outputs(options.out);
   outputs.add("validation.json", "");  // whether the folder can be written is known before the work begins
   outputs = Outputs(options.out);

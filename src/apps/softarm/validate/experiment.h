@@ -1,7 +1,6 @@
 // Experiments on the virtual rig: inputs and payloads held one after another, measured when the arm is still.
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <random>
 #include <string>
@@ -56,9 +55,6 @@ void make_real_like(rig::Scenario& scenario, double tension_range_n, double angl
 /// @param seed of the noise
 std::vector<Held> run_holds(rig::Scenario scenario, const Arm& arm, const std::vector<Hold>& holds,
                             std::uint64_t seed, const HoldTiming& timing);
-
-/// Calls work(i) for i < count from `jobs` threads; rethrows the first exception.
-void in_parallel(std::size_t count, unsigned jobs, const std::function<void(std::size_t)>& work);
 
 /// Reproducible on every platform, unlike the distributions of <random>.
 class Draw {
