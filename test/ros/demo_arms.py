@@ -10,13 +10,14 @@ import rospkg
 import rostest
 
 PACKAGE = rospkg.RosPack().get_path("softarm_estimator")
+DEMO = os.path.join(PACKAGE, "launch", "demo.launch")
 ARMS = ["semi_physical_200mm", "single_chamber_85mm", "hybrid_85mm", "cable_235mm", "two_segment"]
 SEGMENTS = {"two_segment": 2}
 
 
 class DemoArms(unittest.TestCase):
     def show(self, arm, seconds):
-        graph = subprocess.Popen(["roslaunch", "--wait", "softarm_estimator", "demo.launch", "arm:=" + arm, "rviz:=false"],
+        graph = subprocess.Popen(["roslaunch", "--wait", DEMO, "arm:=" + arm, "rviz:=false"],
                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         try:
             return subprocess.run(["demo_report", "--seconds", str(seconds), "--wait", "20", "--truth"], text=True,
@@ -41,8 +42,8 @@ class DemoArms(unittest.TestCase):
         self.assertEqual(len(re.findall(r"moment +[\d.e-]+ mN m, error", table)), SEGMENTS.get(arm, 1), table)
 
     def test_an_arm_without_a_scenario_is_refused_in_one_line(self):
-        graph = subprocess.run(["roslaunch", "--wait", "softarm_estimator", "demo.launch", "arm:=pouch_arm_one_segment",
-                                "rviz:=false"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=30)
+        graph = subprocess.run(["roslaunch", "--wait", DEMO, "arm:=pouch_arm_one_segment", "rviz:=false"],
+                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=30)
         lines = [line for line in graph.stdout.splitlines() if "scenario is 'pouch_arm_one_segment'" in line]
         self.assertEqual(len(lines), 1, graph.stdout)
         for name in ["demo", "hybrid_85mm"]:  # those that there are
