@@ -45,7 +45,7 @@ RitzRodParams rod_params(const Scenario& scenario, const Cut& cut) {
   params.payload_piece = cut.payload_part;
   params.tip_mass_kg = scenario.arm.tip_mass_kg;
   params.air_damping_n_s_m2 = scenario.arm.air_damping_n_s_m2;
-  params.base_stiffness_nm_per_rad = scenario.imperfections.base_compliance_nm_per_rad;
+  params.base_stiffness_nm_per_rad = scenario.body.base_stiffness_nm_per_rad;
   params.gravity_base_m_s2 =
       scenario.mount.q_mocap_base.conjugate() * Eigen::Vector3d(0.0, 0.0, -scenario.gravity_m_s2);
   return params;

@@ -46,19 +46,6 @@ MountSpec parse_mount(YamlMap map) {
   return mount;
 }
 
-ImperfectionSpec parse_imperfections(YamlMap map) {
-  ImperfectionSpec spec;
-  if (map.has("base_compliance_nm_per_rad"))
-    spec.base_compliance_nm_per_rad = map.number("base_compliance_nm_per_rad", {1e-4, 1e6});
-  YamlMap hysteresis = map.map("hysteresis");
-  spec.pressure_play_pa = hysteresis.number("play_pa", {0.0, 1e6}, 0.0);
-  spec.tension_play_n = hysteresis.number("play_n", {0.0, 1e4}, 0.0);
-  spec.angle_play_rad = hysteresis.number("play_rad", {0.0, 1e3}, 0.0);
-  hysteresis.finish();
-  map.finish();
-  return spec;
-}
-
 VacuumSpec parse_vacuum(YamlMap map) {
   VacuumSpec spec;
   spec.ramp_s = map.number("ramp_s", {0.01, 1e4}, spec.ramp_s);
@@ -143,7 +130,6 @@ Scenario parse_scenario(const std::string& text, const std::string& source) {
   scenario.gravity_m_s2 = map.number("gravity_m_s2", {0.0, 30.0}, scenario.gravity_m_s2);
   scenario.arm = parse_arm_spec(map.required_map("arm"));
   scenario.mount = parse_mount(map.map("mount"));
-  scenario.imperfections = parse_imperfections(map.map("imperfections"));
   scenario.pressures = parse_pressures(map.map("pressures"), scenario.arm);
   scenario.tensions = parse_tensions(map.map("tensions"), scenario.arm);
   scenario.angles = parse_angles(map.map("angles"), scenario.arm);
@@ -151,6 +137,7 @@ Scenario parse_scenario(const std::string& text, const std::string& source) {
   scenario.payload = parse_payload(map.map("payload"));
   scenario.mocap = parse_mocap(map.map("mocap"));
   scenario.numerics = parse_numerics(map.map("numerics"));
+  parse_hidden(map, scenario);  // last: it builds on all of the above
   map.finish();
   const std::tuple<const char*, const DriveSpec&, bool> drives[] = {
       {"pressures", scenario.pressures, true},

@@ -22,4 +22,7 @@ DriveSpec parse_angles(YamlMap map, const ArmSpec& arm);
 std::vector<Setpoint> parse_schedule(YamlMap& map, const std::string& value_key, Allowed allowed,
                                      std::optional<std::size_t> count, double ramp_s);
 
+/// The list `hidden` of the document, hidden in the scenario.
+void parse_hidden(YamlMap& document, Scenario& scenario);
+
 }  // namespace softarm::rig

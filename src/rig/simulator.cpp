@@ -6,9 +6,8 @@
 #include <cmath>
 
 #include "arm_cut.h"
-#include "backbone_kinematics.h"
-#include "play.h"
-#include "random_stream.h"
+#include "input_path.h"
+#include "sensors.h"
 #include "softarm/rig/laws.h"
 #include "softarm/rig/protocol.h"
 #include "softarm/rig/ritz_rod.h"
@@ -16,22 +15,7 @@
 namespace softarm::rig {
 namespace {
 
-constexpr std::uint64_t kMocapPurpose = 0x6d6f6361;
 constexpr int kBackbonePoints = 21;
-
-/// The hysteresis of all inputs of a kind.
-class Plays {
- public:
-  Plays(double width, const std::vector<double>& start) {
-    for (double value : start) plays_.emplace_back(width, value);
-  }
-  void apply(std::vector<double>& inputs) {
-    for (std::size_t i = 0; i < inputs.size(); ++i) inputs[i] = plays_[i].to(inputs[i]);
-  }
-
- private:
-  std::vector<PlayHysteresis> plays_;
-};
 
 Pose to_pose(const Eigen::Isometry3d& transform) {
   return {transform.translation(), Eigen::Quaterniond(transform.linear()).normalized()};
@@ -59,11 +43,9 @@ struct Simulator::Impl {
         protocol(spec),
         cut(cut_arm(spec)),
         rod(rod_params(spec, cut)),
-        noise(spec.seed, kMocapPurpose),
+        sensors(scenario, protocol),
         commands(protocol.at(0.0)),
-        pressure_plays(spec.imperfections.pressure_play_pa, commands.pressures_pa),
-        tension_plays(spec.imperfections.tension_play_n, commands.tensions_n),
-        angle_plays(spec.imperfections.angle_play_rad, commands.angles_rad) {
+        input_path(scenario, commands) {
     if (scenario.mocap.base_measured) names.emplace_back("base");
     for (std::size_t i = 1; i <= scenario.mocap.ring_fractions.size(); ++i)
       names.push_back(fmt::format("ring_{}", i));
@@ -74,13 +56,10 @@ struct Simulator::Impl {
           fmt::format("scenario {}: no static equilibrium found to start from", scenario.name));
   }
 
-  /// To be asked in the order of time: inputs with hysteresis remember.
+  /// To be asked in the order of time: the path of the inputs remembers.
   RitzRodInputs inputs_at(double t_s) {
     commands = protocol.at(t_s);
-    Commands acting = commands;
-    pressure_plays.apply(acting.pressures_pa);
-    tension_plays.apply(acting.tensions_n);
-    angle_plays.apply(acting.angles_rad);
+    const Commands acting = input_path.act(commands, t_s);
     actuation.clear();
     for (const SegmentSpec& segment : scenario.arm.segments) {
       try {
@@ -114,62 +93,6 @@ struct Simulator::Impl {
             fmt::format("scenario {}: the equations of motion did not converge at t = {:.4f} s (smaller "
                         "numerics.max_step_s may help)",
                         scenario.name, t));
-    }
-  }
-
-  std::optional<Pose> measure(const Pose& base_pose, const PoseNoise& sd) {
-    // All numbers are drawn even for a lost body: dropouts do not change the noise of the others.
-    const bool lost = noise.uniform() < scenario.mocap.dropout_probability;
-    const Eigen::Vector3d position_noise = sd.position_sd_m * noise.normal3();
-    const Eigen::Vector3d turn = sd.orientation_sd_rad * noise.normal3();
-    if (lost) {
-      ++dropouts;
-      return std::nullopt;
-    }
-    const MountSpec& mount = scenario.mount;
-    Pose measured;
-    measured.p = mount.p_mocap_base + mount.q_mocap_base * base_pose.p + position_noise;
-    measured.q = (mount.q_mocap_base * base_pose.q * Eigen::Quaterniond(rotation_of(turn))).normalized();
-    return measured;
-  }
-
-  /// Calls with the stamp and commands of each message of a kind's drive up to a time.
-  template <typename Add>
-  void messages_until(double until_s, const DriveSpec& spec, std::size_t& count, const Add& add) const {
-    for (;; ++count) {
-      const double stamp_s = static_cast<double>(count) / spec.rate_hz;
-      if (stamp_s > until_s) return;
-      add(stamp_s, protocol.at(stamp_s));
-    }
-  }
-
-  void add_messages(double until_s, Sample& sample) {
-    std::vector<InputSample>& inputs = sample.inputs;
-    const auto add_all = [&](double stamp_s, InputKind kind, const std::vector<double>& values, double zero) {
-      for (std::size_t i = 0; i < values.size(); ++i)
-        inputs.push_back({stamp_s, kind, static_cast<int>(i), zero + values[i]});
-    };
-    messages_until(until_s, scenario.pressures, pressure_messages, [&](double t_s, const Commands& sent) {
-      add_all(t_s, InputKind::kChamber, sent.pressures_pa, scenario.pressures.ambient_pa);
-      if (!scenario.vacuum.schedule.empty())
-        inputs.push_back({t_s, InputKind::kVacuum, 0, scenario.pressures.ambient_pa - sent.vacuum_pa});
-    });
-    if (scenario.arm.tendons > 0)
-      messages_until(until_s, scenario.tensions, tension_messages, [&](double t_s, const Commands& sent) {
-        add_all(t_s, InputKind::kTendon, sent.tensions_n, 0.0);
-      });
-    if (scenario.arm.servos > 0)
-      messages_until(until_s, scenario.angles, angle_messages, [&](double t_s, const Commands& sent) {
-        add_all(t_s, InputKind::kServo, sent.angles_rad, 0.0);
-      });
-    std::stable_sort(inputs.begin(), inputs.end(),
-                     [](const InputSample& a, const InputSample& b) { return a.stamp_s < b.stamp_s; });
-    if (scenario.payload.publish) {
-      const PayloadChange change = protocol.payload_known_at(until_s);
-      if (!published || change.kg != *published) {
-        sample.payload = PayloadSample{change.t_s, change.kg};
-        published = change.kg;
-      }
     }
   }
 
@@ -215,16 +138,13 @@ struct Simulator::Impl {
   Protocol protocol;
   Cut cut;
   RitzRod rod;
-  RandomStream noise;
+  Sensors sensors;
   std::vector<std::string> names;
   int substeps = 1;
   Commands commands;
-  Plays pressure_plays, tension_plays, angle_plays;
+  InputPath input_path;
   std::vector<Actuation> actuation;  ///< per segment
   std::size_t frame = 0;
-  std::size_t pressure_messages = 0, tension_messages = 0, angle_messages = 0;
-  std::size_t dropouts = 0;
-  std::optional<double> published;
 };
 
 Simulator::Simulator(const Scenario& scenario) : impl_(std::make_unique<Impl>(scenario)) {}
@@ -241,10 +161,7 @@ std::optional<Sample> Simulator::next() {
   Sample sample;
   sample.stamp_s = static_cast<double>(m.frame) / m.scenario.mocap.rate_hz;
   sample.truth = m.truth(sample.stamp_s);
-  if (m.scenario.mocap.base_measured) sample.bodies.push_back(m.measure(Pose{}, m.scenario.mocap.base_noise));
-  for (const Pose& ring : sample.truth.rings_base)
-    sample.bodies.push_back(m.measure(ring, m.scenario.mocap.ring_noise));
-  m.add_messages(sample.stamp_s, sample);
+  m.sensors.observe(sample);
   ++m.frame;
   return sample;
 }
@@ -262,7 +179,7 @@ const Scenario& Simulator::scenario() const {
   return impl_->scenario;
 }
 std::size_t Simulator::dropouts() const {
-  return impl_->dropouts;
+  return impl_->sensors.dropouts();
 }
 
 }  // namespace softarm::rig

@@ -1,4 +1,4 @@
-// Scenarios with every kind of actuation, several segments and imperfections, through the whole rig.
+// Scenarios with every kind of actuation, several segments and what is hidden in them, through the whole rig.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -174,7 +174,7 @@ TEST(Actuation, NumericalErrorOfTwoMovingSegmentsIsFarBelowTheNoise) {
   RecordProperty("worst_mm", std::to_string(1e3 * worst));
 }
 
-TEST(Imperfections, HysteresisLoopIsAsWideAsThePlayAtEverySpeed) {
+TEST(Hidden, HysteresisLoopIsAsWideAsThePlayAtEverySpeed) {
   const std::string arm =
       "  length_m: 0.2\n  mass_kg: 0.2\n  bending_stiffness: {base_nm2: 0.03}\n"
       "  chambers: [{bending_direction_deg: 0, moment_gain_nm_per_pa: 6.0e-6}]\n";
@@ -183,7 +183,7 @@ TEST(Imperfections, HysteresisLoopIsAsWideAsThePlayAtEverySpeed) {
         scenario_text(arm, std::string("pressures: {settle_s: 0.1, ramp_s: ") + ramp +
                                ", schedule: [{t_s: 0, pressures_pa: [0]}, {t_s: 3, pressures_pa: [40e3]}, "
                                "{t_s: 5.5, pressures_pa: [0]}]}\n"
-                               "imperfections: {hysteresis: {play_pa: 2500}}\n"));
+                               "hidden: [{effect: hysteresis, loop_pa: 2500}]\n"));
     const auto acting = [](const Sample& s) { return s.truth.segments[0].moment_nm.x() / 6e-6; };
     double up = 0.0, down = 0.0, last = 0.0;
     for (const Sample& s : samples) {
@@ -200,23 +200,23 @@ TEST(Imperfections, HysteresisLoopIsAsWideAsThePlayAtEverySpeed) {
   }
 }
 
-TEST(Imperfections, HysteresisOfTensionsAndAngles) {
+TEST(Hidden, HysteresisOfTensionsAndAngles) {
   const std::vector<Sample> samples = run(scenario_text(
       kTendonArm,
       "tensions: {schedule: [{t_s: 0, tensions_n: [0, 0, 0]}, {t_s: 3, tensions_n: [2, 0, 0]}]}\n"
-      "imperfections: {hysteresis: {play_n: 0.2}}\n"));
+      "hidden: [{effect: hysteresis, loop_n: 0.2}]\n"));
   EXPECT_NEAR(samples[240].truth.segments[0].moment_nm.x(), 0.004 * (2.0 - 0.1), 1e-9);
   EXPECT_NEAR(samples[240].truth.tensions_n[0], 2.0, 1e-12);
 }
 
-TEST(Imperfections, TheBaseTurnsButItsBodyDoesNot) {
+TEST(Hidden, TheBaseTurnsButItsBodyDoesNot) {
   const std::string arm =
       "  length_m: 0.2\n  mass_kg: 0.2\n  bending_stiffness: {base_nm2: 0.1}\n"
       "  chambers: [{bending_direction_deg: 0, moment_gain_nm_per_pa: 6.0e-6}]\n";
   std::string text = scenario_text(arm, "");
   text.replace(text.find("gravity_m_s2: 0"), 15, "gravity_m_s2: 9.81");
   const Sample rigid = run(text).back();
-  const Sample yielding = run(text + "imperfections: {base_compliance_nm_per_rad: 5}\n").back();
+  const Sample yielding = run(text + "hidden: [{effect: base_compliance, stiffness_nm_per_rad: 5}]\n").back();
   ASSERT_TRUE(rigid.bodies[0] && yielding.bodies[0]);
   EXPECT_LT(rigid.bodies[0]->q.angularDistance(yielding.bodies[0]->q), 1e-9);
   // 0.2 kg at 0.1 m, a little less for the sag.
@@ -227,7 +227,7 @@ TEST(Imperfections, TheBaseTurnsButItsBodyDoesNot) {
                    yielding.truth.segments[0].bending_stiffness_nm2);
 }
 
-TEST(Imperfections, APayloadWithinTheArmLeavesTheRestFree) {
+TEST(Hidden, APayloadWithinTheArmLeavesTheRestFree) {
   // At 40 % of a weightless horizontal arm: beyond the load it is straight.
   std::string text = scenario_text(
       "  length_m: 0.2\n  mass_kg: 0.0001\n  bending_stiffness: {base_nm2: 0.03}\n  air_damping_n_s_m2: 2\n",
@@ -261,12 +261,12 @@ TEST(Actuation, MistakesAreOneLine) {
     std::string from, to;
     std::vector<std::string> says;
   };
-  const std::string good =
-      scenario_text(kTwoSegments,
-                    "pressures: {schedule: [{t_s: 0, pressures_pa: [30e3, 0]}]}\n"
-                    "tensions: {schedule: [{t_s: 0, tensions_n: [6]}, {t_s: 4, tensions_n: [0]}]}\n"
-                    "payload: {fraction: 0.5}\n"
-                    "imperfections: {base_compliance_nm_per_rad: 5, hysteresis: {play_pa: 100}}\n");
+  const std::string good = scenario_text(
+      kTwoSegments,
+      "pressures: {schedule: [{t_s: 0, pressures_pa: [30e3, 0]}]}\n"
+      "tensions: {schedule: [{t_s: 0, tensions_n: [6]}, {t_s: 4, tensions_n: [0]}]}\n"
+      "payload: {fraction: 0.5}\n"
+      "hidden: [{effect: base_compliance, stiffness_nm_per_rad: 5}, {effect: hysteresis, loop_pa: 100}]\n");
   ASSERT_NO_THROW(parse_scenario(good, "case.yaml"));
   const std::vector<Mistake> mistakes{
       {"input: chamber_2", "input: chamber_3", {"arm.segments", "chamber_2", "chamber_3"}},
@@ -299,8 +299,10 @@ TEST(Actuation, MistakesAreOneLine) {
       {"tensions: {", "tensions: {settle_s: 6, ", {"duration_s", "tensions.settle_s"}},
       {"payload: {", "angles: {random: {max_rad: 1}}\npayload: {", {"angles.random", "no segment"}},
       {"fraction: 0.5", "fraction: 1.5", {"payload.fraction", "1.5", "0.01 ... 1"}},
-      {"rad: 5", "rad: 0", {"imperfections.base_compliance_nm_per_rad", "0"}},
-      {"play_pa: 100", "play: 100", {"imperfections.hysteresis.play", "unknown", "play_pa"}},
+      {"rad: 5", "rad: 0", {"hidden[0].stiffness_nm_per_rad", "0"}},
+      {"effect: hysteresis", "effect: hysteria", {"hidden[1].effect", "hysteria", "base_compliance"}},
+      {"loop_pa: 100", "loop_pa: 100, form: guess", {"hidden[1].form", "guess", "play"}},
+      {"loop_pa: 100", "loop_pa: 100, play: 100", {"hidden[1].play", "unknown", "loop_pa"}},
   };
   for (const Mistake& mistake : mistakes) {
     std::string text = good;

@@ -13,6 +13,11 @@
 #include <string>
 #include <vector>
 
+#include "softarm/rig/body_spec.h"
+#include "softarm/rig/hidden.h"
+#include "softarm/rig/input_path_spec.h"
+#include "softarm/rig/sensor_spec.h"
+
 namespace softarm::rig {
 
 /// A scenario that cannot be used. what() is one line: source, key, value, allowed range.
@@ -100,15 +105,6 @@ struct ArmSpec {
   }
 };
 
-/// What is hidden in the arm and in no arm file. Zero or absent: the arm is ideal.
-struct ImperfectionSpec {
-  /// The base turns under the load, though the measured body `base` does not: bending moment there over this.
-  std::optional<double> base_compliance_nm_per_rad;
-  /// Rate-independent hysteresis between an input and what acts in the arm: the width of the loop, in the
-  /// input's unit, of a cycle that is wide against it.
-  double pressure_play_pa = 0.0, tension_play_n = 0.0, angle_play_rad = 0.0;
-};
-
 /// The clamp, fixed in the mocap frame. The rod's z axis is its tangent at the base, x the direction phi = 0.
 struct MountSpec {
   Eigen::Vector3d p_mocap_base{0.0, 0.0, 1.0};
@@ -190,7 +186,6 @@ struct Scenario {
   double duration_s = 0.0;        ///< 0: endless (only live)
   double gravity_m_s2 = 9.80665;  ///< along -z of the mocap frame
   ArmSpec arm;
-  ImperfectionSpec imperfections;
   MountSpec mount;
   PressureSpec pressures;
   DriveSpec tensions;  ///< N
@@ -199,6 +194,11 @@ struct Scenario {
   PayloadSpec payload;
   MocapSpec mocap;
   NumericsSpec numerics;
+  /// What hide() put into the three specs below, in its order.
+  std::vector<HiddenChoice> hidden;
+  BodySpec body;
+  InputPathSpec input_path;
+  SensorSpec sensors;
 };
 
 /// Parses a scenario's YAML. Keys carry their units (`rest_pa`); unknown keys are refused, missing ones get

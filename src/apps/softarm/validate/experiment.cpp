@@ -99,11 +99,10 @@ void make_real_like(rig::Scenario& scenario, double tension_range_n, double angl
                                    ? segment.stiffness_base_nm2
                                    : segment.stiffness_by_pressure.front().bending_stiffness_nm2;
   // 5 N m/rad at a base that carries an arm of 0.027 N m^2 over 0.2 m.
-  scenario.imperfections.base_compliance_nm_per_rad =
-      5.0 * (stiffness_nm2 / segment.length_m) / (0.027 / 0.2);
-  scenario.imperfections.pressure_play_pa = 2500.0;
-  scenario.imperfections.tension_play_n = 0.05 * tension_range_n;
-  scenario.imperfections.angle_play_rad = 0.05 * angle_range_rad;
+  scenario.body.base_stiffness_nm_per_rad = 5.0 * (stiffness_nm2 / segment.length_m) / (0.027 / 0.2);
+  scenario.input_path.pressure_play_pa = 2500.0;
+  scenario.input_path.tension_play_n = 0.05 * tension_range_n;
+  scenario.input_path.angle_play_rad = 0.05 * angle_range_rad;
 }
 
 std::vector<Held> run_holds(rig::Scenario scenario, const Arm& arm, const std::vector<Hold>& holds,

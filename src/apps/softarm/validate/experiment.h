@@ -44,7 +44,7 @@ rig::Scenario shipped_scenario(const std::string& name);
 /// What a real arm has and an ideal one has not; sizes stated once for all papers (see doc/validation.md).
 enum class Quality { kIdeal, kRealLike };
 
-/// Applies the imperfections of an arm's kind to a scenario.
+/// Hides what real arms of its kind have to a scenario.
 /// - base that yields by the bending moment there: 5 N m/rad for the 200 mm arms of 200 g; for the others
 ///   such that their own bending stiffness over length keeps its ratio to it
 /// - hysteresis: 2.5 kPa of 50 for chambers; as large a share (5 %) of the range for tensions and angles
