@@ -27,10 +27,20 @@ void read_ring(const Section& section, double default_orientation_sd_rad, Measur
   body->section_in_body = read_transform(section.section("section_in_body", transform_keys()));
   body->orientation_sd_rad =
       section.has("orientation_sd_rad") ? section.number("orientation_sd_rad") : default_orientation_sd_rad;
+  body->markers = section.integer("markers");
+  if (body->markers == 2)
+    section.fail_value("markers", "do not tell the centre of a circle; allowed are 1 and 3 to 32");
+  if (body->markers > 1) {
+    section.require("marker_circle_radius_m", "several markers need it");
+    body->marker_circle_radius_m = section.number("marker_circle_radius_m");
+  } else if (section.has("marker_circle_radius_m")) {
+    section.fail("marker_circle_radius_m", "applies to rings of 3 markers or more only");
+  }
 }
 
 void read_skin_marker(const Section& section, double default_orientation_sd_rad, MeasuredBody* body) {
-  for (const char* const key : {"orientation_usable", "section_in_body", "orientation_sd_rad"}) {
+  for (const char* const key :
+       {"orientation_usable", "section_in_body", "orientation_sd_rad", "markers", "marker_circle_radius_m"}) {
     if (section.has(key)) section.fail(key, "applies to bodies of kind ring only");
   }
   for (const char* const key : {"angle_deg", "radius_m"}) section.require(key, "a skin_marker needs it");

@@ -41,6 +41,7 @@ ScalarInput read_source(const Section& section, InputKind kind) {
   input.topic = section.topic("topic");
   input.type = section.word("type");
   input.element = section.integer("element");
+  input.latency_s = section.number("latency_s");
   if (input.element != 0 && input.type.find("MultiArray") == std::string::npos) {
     section.fail_value("element",
                        fmt::format("is an index of an array, but type {} holds one value", input.type));
@@ -103,6 +104,7 @@ Inputs read_inputs(const Section& section) {
   inputs.body_type = bodies.word("type");
   inputs.body_scale_to_m = metres_per(bodies.word("unit"));
   inputs.body_sync_tolerance_s = bodies.number("sync_tolerance_s");
+  inputs.body_latency_s = bodies.number("latency_s");
   for (const Section& item : section.list("pressures", pressure_input_keys())) {
     add_input(item, read_pressure(item), &inputs.scalars);
   }

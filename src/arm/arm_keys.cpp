@@ -99,6 +99,11 @@ const KeyTable& body_keys() {
        number("angle_deg", "deg", kAbsent, -360, 360,
               "skin markers only, required: azimuth in the section frame"),
        number("radius_m", "m", kAbsent, 0, 1, "skin markers only, required: distance from the backbone"),
+       integer("markers", "1", 1, 32,
+               "rings known by unlabelled points only: how many markers sit on its circle (1: one point; or "
+               "3 and more)"),
+       number("marker_circle_radius_m", "m", kAbsent, 1e-3, 1,
+              "with markers: radius of the circle around the ring's centre"),
        number("position_sd_m", "m", kAbsent, 1e-6, 0.1,
               "standard deviation per coordinate; default: noise.position_sd_m"),
        number("orientation_sd_rad", "rad", kAbsent, 1e-5, 1,

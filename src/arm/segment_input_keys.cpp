@@ -128,13 +128,21 @@ const KeyTable& inputs_keys() {
   return table;
 }
 
+namespace {
+
+constexpr char kLatencyMeaning[] =
+    "subtracted from every stamp (the header's, or that of receipt): delay, and what that clock is ahead";
+
+}  // namespace
+
 const KeyTable& body_input_keys() {
   static const KeyTable table{
       "inputs.bodies",
       {text("topic", "/mocap/<body>/pose", "topic; <body> is replaced by the body's name"),
        word("type", {"geometry_msgs/PoseStamped"}, "geometry_msgs/PoseStamped", "message type"),
        word("unit", {"m", "cm", "mm"}, "m", "unit of its positions"),
-       number("sync_tolerance_s", "s", "0.002", 1e-6, 1, "stamps closer than this belong to one frame")}};
+       number("sync_tolerance_s", "s", "0.002", 1e-6, 1, "stamps closer than this belong to one frame"),
+       number("latency_s", "s", "0", -3600, 3600, kLatencyMeaning)}};
   return table;
 }
 
@@ -150,7 +158,8 @@ const KeyTable& pressure_input_keys() {
        integer("element", "0", 0, 1023, "index in an array message"),
        word("unit", {"Pa", "kPa", "MPa", "bar", "mbar", "psi"}, "Pa", "unit of the values"),
        word("reference", {"absolute", "gauge"}, "absolute", "zero of the values: vacuum or ambient"),
-       flag("vacuum", "false", "evacuates a jamming core: the value used is ambient minus absolute")}};
+       flag("vacuum", "false", "evacuates a jamming core: the value used is ambient minus absolute"),
+       number("latency_s", "s", "0", -3600, 3600, kLatencyMeaning)}};
   return table;
 }
 
@@ -162,7 +171,8 @@ std::vector<KeySpec> number_topic_keys(std::string who_refers) {
           text("topic", kRequired, "topic"),
           word("type", {"std_msgs/Float64", "std_msgs/Float32MultiArray", "std_msgs/Float64MultiArray"},
                "std_msgs/Float64", "message type"),
-          integer("element", "0", 0, 1023, "index in an array message")};
+          integer("element", "0", 0, 1023, "index in an array message"),
+          number("latency_s", "s", "0", -3600, 3600, kLatencyMeaning)};
 }
 
 }  // namespace

@@ -6,10 +6,19 @@
 #include <utility>
 
 namespace softarm {
+namespace {
+
+/// The instant that a stamp means. A stamp that is none stays none.
+double instant_of(double stamp_s, double latency_s) {
+  return stamp_s > 0.0 ? stamp_s - latency_s : stamp_s;
+}
+
+}  // namespace
 
 FrameAssembler::FrameAssembler(const Arm& arm, const Params& params)
     : params_(params),
       has_base_body_(arm.base.body.has_value()),
+      body_latency_s_(arm.inputs.body_latency_s),
       tolerance_s_(arm.inputs.body_sync_tolerance_s),
       payload_range_kg_(arm.payload.range_kg),
       ambient_pa_(arm.inputs.ambient_pressure_pa),
@@ -32,52 +41,81 @@ FrameAssembler::FrameAssembler(const Arm& arm, const Params& params)
   }
 }
 
-void FrameAssembler::add_body(int body, double stamp_s, const Eigen::Vector3d& p_mocap,
-                              const std::optional<Eigen::Quaterniond>& q_mocap) {
-  if (body == kBaseBody && !has_base_body_) throw std::out_of_range("the arm's base has no body");
-  const std::size_t slot = static_cast<std::size_t>(body + 1);
-  Stream& stream = streams_.at(slot);
-  ++samples_;
-  if (!check_time(stream, stamp_s)) return;
-
-  const bool repeats = stream.gate.repeats(p_mocap, q_mocap);
-  if (stream.newest_s && stamp_s == *stream.newest_s) return reject("duplicate", stream.name);
+FrameAssembler::Slot* FrameAssembler::slot_for(std::size_t index, double stamp_s, bool repeats) {
+  Stream& stream = streams_[index];
+  const auto useless = [&](const char* reason) -> Slot* {
+    reject(reason, stream.name);
+    return nullptr;
+  };
+  if (!check_time(stream, stamp_s)) return nullptr;
+  if (stream.newest_s && stamp_s == *stream.newest_s) return useless("duplicate");
   stream.newest_s = std::max(stream.newest_s.value_or(stamp_s), stamp_s);
   stream.expected = true;
   newest_s_ = std::max(newest_s_.value_or(stamp_s), stamp_s);
 
   Pending* frame = nearest_open(stamp_s);
-  if (frame && frame->slots[slot].reported) {
+  if (frame && frame->slots[index].reported) {
     // Some drivers send each pose twice, stamped when it was sent. A faster body than the tolerance is a new
     // frame.
-    if (repeats) return reject("duplicate", stream.name);
+    if (repeats) return useless("duplicate");
     frame = nullptr;
   }
   if (!frame) {
-    switch (past_of(slot, stamp_s)) {
+    switch (past_of(index, stamp_s)) {
       case Past::kThisBodyCame:
-        if (repeats) return reject("duplicate", stream.name);
+        if (repeats) return useless("duplicate");
         break;
       case Past::kClosed:
         reject("late", stream.name);
-        return close_ready();  // the stream went on: others may have waited for it
+        close_ready();  // the stream went on: others may have waited for it
+        return nullptr;
       case Past::kNone:
         break;
     }
     frame = open_frame(stamp_s);
   }
+  Slot& slot = frame->slots[index];
+  slot.reported = true;
+  slot.stamp_s = stamp_s;
+  return &slot;
+}
 
-  Slot& entry = frame->slots[slot];
-  entry.reported = true;
-  entry.stamp_s = stamp_s;
+void FrameAssembler::add_body(int body, double stamp_s, const Eigen::Vector3d& p_mocap,
+                              const std::optional<Eigen::Quaterniond>& q_mocap) {
+  if (body == kBaseBody && !has_base_body_) throw std::out_of_range("the arm's base has no body");
+  const std::size_t index = static_cast<std::size_t>(body + 1);
+  Stream& stream = streams_.at(index);
+  ++samples_;
+  stamp_s = instant_of(stamp_s, body_latency_s_);
+  Slot* slot = slot_for(index, stamp_s, stream.gate.repeats(p_mocap, q_mocap));
+  if (!slot) return;
   std::optional<Eigen::Quaterniond> q = q_mocap;
-  const BodyGate::Verdict verdict = stream.gate.check(stamp_s, p_mocap, q, others_changed_s(slot));
+  const BodyGate::Verdict verdict = stream.gate.check(stamp_s, p_mocap, q, others_changed_s(index));
   if (verdict == BodyGate::Verdict::kAccept) {
-    entry.observation = BodyObservation{body, p_mocap, q};
+    slot->observation = BodyObservation{body, p_mocap, q};
+    if (body == kBaseBody) {
+      base_body_pose_.emplace(*q);
+      base_body_pose_->translation() = p_mocap;
+    }
   } else {
     reject(BodyGate::name(verdict), stream.name);
   }
   close_ready();
+}
+
+void FrameAssembler::add_missing_body(int body, double stamp_s, const std::string& reason) {
+  if (body == kBaseBody && !has_base_body_) throw std::out_of_range("the arm's base has no body");
+  const std::size_t index = static_cast<std::size_t>(body + 1);
+  Stream& stream = streams_.at(index);
+  ++samples_;
+  if (!slot_for(index, instant_of(stamp_s, body_latency_s_), false)) return;
+  reject(reason, stream.name);
+  close_ready();
+}
+
+void FrameAssembler::count_rejected(const std::string& reason, const std::string& source,
+                                    std::uint64_t count) {
+  if (count > 0) rejected_[reason + " " + source] += count;
 }
 
 std::vector<Frame> FrameAssembler::take() {
@@ -96,6 +134,7 @@ void FrameAssembler::reset() {
   last_emitted_.reset();
   newest_s_.reset();
   newest_before_jump_s_.reset();
+  base_body_pose_.reset();
   ahead_candidate_s_.reset();
   for (std::size_t i = 0; i < streams_.size(); ++i) {
     Stream& stream = streams_[i];

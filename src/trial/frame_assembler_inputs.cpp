@@ -18,6 +18,7 @@ void FrameAssembler::add_input(int input, double stamp_s, double value) {
   ++samples_;
   if (!std::isfinite(value)) return reject("input_nan", source.name);
   if (!(stamp_s > 0.0) || !std::isfinite(stamp_s)) return reject("bad_stamp", source.name);
+  stamp_s -= source.latency_s;
   if (source.kind == InputKind::kTension || source.kind == InputKind::kAngle) {
     insert(history, {stamp_s, value - source.zero_si});
     return;

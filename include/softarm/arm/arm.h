@@ -125,8 +125,11 @@ struct MeasuredBody {
   double radius_m = 0.0;            ///< skin markers: distance from the backbone
   /// Pose of the backbone's section frame in the body's own frame (rings).
   Eigen::Isometry3d section_in_body = Eigen::Isometry3d::Identity();
-  double position_sd_m = 0.0;       ///< standard deviation per coordinate
-  double orientation_sd_rad = 0.0;  ///< standard deviation of the tangent per axis
+  /// Rings known by unlabelled points: how many markers sit on a circle around its centre; 1: one point.
+  int markers = 1;
+  double marker_circle_radius_m = 0.0;  ///< of that circle, where there are several
+  double position_sd_m = 0.0;           ///< standard deviation per coordinate
+  double orientation_sd_rad = 0.0;      ///< standard deviation of the tangent per axis
 };
 
 /// Where the base of the rod is in the mocap frame.
@@ -157,6 +160,7 @@ struct ScalarInput {
   double scale_to_si = 1.0;  ///< from the configured unit
   double zero_si = 0.0;  ///< subtracted from tensions and angles: the reading at which the arm is not driven
   PressureReference reference = PressureReference::kAbsolute;  ///< of pressures
+  double latency_s = 0.0;  ///< stamp minus the instant that it means: delay and what its clock is ahead
 };
 
 /// Topic, type and unit of everything the node listens to.
@@ -168,6 +172,7 @@ struct Inputs {
   double ambient_pressure_pa = 101325.0;
   std::string payload_topic = "/payload";
   double body_sync_tolerance_s = 0.002;  ///< stamps closer than this belong to one frame
+  double body_latency_s = 0.0;           ///< of all bodies: stamp minus the instant of exposure
   double input_max_age_s = 0.5;          ///< an older pressure, tension or angle is missing
 };
 

@@ -48,11 +48,18 @@ class FrameAssembler {
   explicit FrameAssembler(const Arm& arm) : FrameAssembler(arm, Params()) {}
   FrameAssembler(const Arm& arm, const Params& params);
 
+  /// All stamps are as reported: the latencies of the arm's inputs are subtracted here.
   /// @param body index into Arm::bodies or kBaseBody
   /// @param p_mocap m, @param q_mocap body to mocap, absent if the driver gives positions only
   /// @throws std::out_of_range for a body that the arm does not have
   void add_body(int body, double stamp_s, const Eigen::Vector3d& p_mocap,
                 const std::optional<Eigen::Quaterniond>& q_mocap);
+  /// The driver said that it does not see the body (occluded, not tracked): the frame does not wait for it.
+  /// Counted as rejected under this reason.
+  /// @throws std::out_of_range for a body that the arm does not have
+  void add_missing_body(int body, double stamp_s, const std::string& reason);
+  /// Counts what an adapter could not use: "ghost", "mocap".
+  void count_rejected(const std::string& reason, const std::string& source, std::uint64_t count = 1);
   /// @param value in SI as the source reports it; pressures (absolute or gauge as configured) are converted
   /// to gauge or vacuum, tensions and angles counted from their zero
   /// @throws std::out_of_range for an input that the arm does not have
@@ -90,6 +97,8 @@ class FrameAssembler {
   /// Stamp of the last accepted sample of a body (or kBaseBody), or of an input.
   std::optional<double> body_accepted_s(int body) const;
   std::optional<double> input_accepted_s(int input) const;
+  /// Newest good pose of the base's body in the mocap frame; absent without such a body or before the first.
+  std::optional<Eigen::Isometry3d> base_body_pose() const { return base_body_pose_; }
   /// Newest stamp at which any body's pose changed: far behind newest_s() the driver repeats itself.
   std::optional<double> changed_s() const;
 
@@ -131,10 +140,13 @@ class FrameAssembler {
   static const Value* newest_at(std::deque<Value>& history, double stamp_s);
   InputValues inputs_at(double stamp_s);
   std::optional<double> payload_at(double stamp_s);
-  void reject(const char* reason, const std::string& source) { ++rejected_[reason + (" " + source)]; }
+  void reject(const std::string& reason, const std::string& source) { ++rejected_[reason + (" " + source)]; }
+  /// Checks and books the stamp. @return the slot to fill, or null if the sample is of no use
+  Slot* slot_for(std::size_t index, double stamp_s, bool repeats);
 
   Params params_;
   bool has_base_body_;
+  double body_latency_s_;
   double tolerance_s_;
   Range payload_range_kg_;
   double ambient_pa_;
@@ -149,6 +161,7 @@ class FrameAssembler {
   std::deque<Value> payload_;
   std::vector<Frame> closed_;
 
+  std::optional<Eigen::Isometry3d> base_body_pose_;
   bool time_jump_ = false;
   std::map<std::string, std::uint64_t> rejected_, dropped_frames_;
   std::uint64_t samples_ = 0, frames_seen_ = 0, time_jumps_ = 0;
