@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -116,6 +117,22 @@ class Map {
     return result;
   }
 
+  /// x y z w
+  std::array<double, 4> unit_quaternion(const std::string& key) const {
+    const std::string what = "a unit quaternion [x, y, z, w]";
+    const YAML::Node value = require(key, what);
+    std::array<double, 4> q{};
+    double norm2 = 0.0;
+    bool valid = value.IsSequence() && value.size() == q.size();
+    for (std::size_t i = 0; valid && i < q.size(); ++i) {
+      valid = value[i].IsScalar() && YAML::convert<double>::decode(value[i], q[i]);
+      norm2 += q[i] * q[i];
+    }
+    if (!valid || !(std::abs(norm2 - 1.0) < 1e-3)) fail(key, text_of(value), what);
+    for (double& x : q) x /= std::sqrt(norm2);
+    return q;
+  }
+
   /// The mappings of a list.
   std::vector<Map> list(const std::string& key, const std::set<std::string>& allowed) const {
     const YAML::Node value = node_[key];
@@ -160,6 +177,13 @@ CsvBody read_body(const Map& m, bool header) {
     m.fail("name", "'" + body.name + "'", "letters, digits and _");
   }
   body.position = m.columns<3>("position", header);
+  if (m.has("fixed_orientation")) {
+    for (const char* key : {"orientation", "orientation_order"}) {
+      if (m.has(key)) m.fail(key, "beside fixed_orientation", "absent: the one or the other");
+    }
+    body.fixed_orientation_xyzw = m.unit_quaternion("fixed_orientation");
+    return body;
+  }
   const auto q = m.columns<4>("orientation", header);
   const bool w_first = m.word("orientation_order", std::nullopt, {"xyzw", "wxyz"}) == "wxyz";
   body.orientation = w_first ? std::array<CsvColumn, 4>{q[1], q[2], q[3], q[0]} : q;
@@ -172,7 +196,8 @@ void read_mocap(const Map& m, CsvLayout& layout) {
   layout.drop_repeated = m.flag("drop_repeated", false);
   m.require("bodies", "the rigid bodies");
   std::set<std::string> names;
-  for (const Map& body : m.list("bodies", {"name", "position", "orientation", "orientation_order"})) {
+  for (const Map& body :
+       m.list("bodies", {"name", "position", "orientation", "orientation_order", "fixed_orientation"})) {
     layout.bodies.push_back(read_body(body, layout.header));
     if (!names.insert(layout.bodies.back().name).second) {
       body.fail("name", "'" + layout.bodies.back().name + "'", "a name that no other body has");
@@ -187,9 +212,9 @@ void read_pressures(const Map& m, CsvLayout& layout) {
   layout.ambient_pressure_pa = m.number("ambient_pa", 101325.0, 5e4, 1.2e5);
   m.require("inputs", "the pressure columns");
   std::set<std::string> topics;
-  for (const Map& input : m.list("inputs", {"topic", "column"})) {
+  for (const Map& input : m.list("inputs", {"topic", "column", "zero"})) {
     CsvPressure p{input.text("topic", "a topic such as /pressure/chamber_1"),
-                  input.column("column", layout.header), scale, gauge};
+                  input.column("column", layout.header), scale, gauge, input.number("zero", 0.0, -1e7, 1e7)};
     if (p.topic.front() != '/') input.fail("topic", "'" + p.topic + "'", "a topic that starts with /");
     if (!topics.insert(p.topic).second) {
       input.fail("topic", "'" + p.topic + "'", "a topic that no other pressure has");

@@ -109,7 +109,9 @@ class Reader {
     for (const CsvBody& body : layout_.bodies) {
       std::vector<std::size_t> columns;
       for (const CsvColumn& c : body.position) columns.push_back(resolve(c, header));
-      for (const CsvColumn& c : body.orientation) columns.push_back(resolve(c, header));
+      if (!body.fixed_orientation_xyzw) {
+        for (const CsvColumn& c : body.orientation) columns.push_back(resolve(c, header));
+      }
       body_columns_.push_back(std::move(columns));
     }
     for (const CsvPressure& p : layout_.pressures) pressure_columns_.push_back(resolve(p.column, header));
@@ -143,7 +145,11 @@ class Reader {
       ++report_.repeated;
       out.bodies.resize(layout_.bodies.size());
     } else {
-      for (std::size_t b = 0; b < layout_.bodies.size(); ++b) out.bodies.push_back(pose(numbers, b));
+      std::size_t first = 0;
+      for (std::size_t b = 0; b < layout_.bodies.size(); ++b) {
+        out.bodies.push_back(pose(numbers, first, b));
+        first += body_columns_[b].size();
+      }
       last_numbers_ = std::move(numbers);
     }
     for (std::size_t i = 0; i < layout_.pressures.size(); ++i) {
@@ -151,7 +157,8 @@ class Reader {
       out.pressures_pa.push_back(std::nullopt);
       if (value) {
         const CsvPressure& p = layout_.pressures[i];
-        out.pressures_pa.back() = *value * p.scale_to_pa + (p.gauge ? layout_.ambient_pressure_pa : 0.0);
+        out.pressures_pa.back() =
+            (*value - p.zero) * p.scale_to_pa + (p.gauge ? layout_.ambient_pressure_pa : 0.0);
       } else {
         lost(layout_.pressures[i].topic, "not a number");
       }
@@ -161,10 +168,14 @@ class Reader {
     on_row_(out);
   }
 
-  std::optional<CsvPose> pose(const std::vector<std::optional<double>>& numbers, std::size_t body) {
+  /// @param first index of the body's first number
+  std::optional<CsvPose> pose(const std::vector<std::optional<double>>& numbers, std::size_t first,
+                              std::size_t body) {
     std::array<double, 7> v{};
-    for (std::size_t i = 0; i < v.size(); ++i) {
-      const std::optional<double>& value = numbers[body * v.size() + i];
+    if (const auto& fixed = layout_.bodies[body].fixed_orientation_xyzw)
+      std::copy(fixed->begin(), fixed->end(), v.begin() + 3);
+    for (std::size_t i = 0; i < body_columns_[body].size(); ++i) {
+      const std::optional<double>& value = numbers[first + i];
       if (!value) return lost(layout_.bodies[body].name, "not a number");
       v[i] = *value;
     }

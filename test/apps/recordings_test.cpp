@@ -106,6 +106,45 @@ payload: [{from_s: -1, kg: 0.1}, {from_s: 0.015, kg: 0.3}]
   EXPECT_NEAR(payload[1].first, 1000.015, 1e-5);
 }
 
+TEST(SoftarmImport, PayloadAndTimesToLeaveOutAreToldOnTheCommandLine) {
+  const TestFolder dir;
+  const std::string layout = dir.write("lab.yaml", R"(
+time: {column: 1, unit: s, start_stamp_s: 1000}
+mocap:
+  unit: m
+  up: z
+  bodies: [{name: tip, position: [2, 3, 4], fixed_orientation: [0, 0, 0, 1]}]
+payload: [{from_s: 0, kg: 7}]
+)");
+  const std::string csv = dir.write("lab.csv", "0,1,0,0\n1,2,0,0\n2,3,0,0\n3,4,0,0\n4,5,0,0\n");
+  const std::string call = "import " + layout + " " + csv + " --out " + dir / "lab.bag ";
+  const Outcome o = softarm_program(call + "--payload 0.1 --payload 2.5:0.3 --leave-out 1:3");
+  ASSERT_EQ(o.status, 0) << o.err;
+  EXPECT_THAT(o.out, HasSubstr("3 of 5 rows"));
+  EXPECT_THAT(o.out, HasSubstr("rows left out, as told: 2"));
+  const auto poses = read<geometry_msgs::PoseStamped>(dir / "lab.bag", "/mocap/tip/pose");
+  ASSERT_EQ(poses.size(), 3u);
+  EXPECT_NEAR(poses[1].first, 1003.0, 1e-9);
+  const auto payload = read<std_msgs::Float64>(dir / "lab.bag", "/payload");
+  ASSERT_EQ(payload.size(), 2u);
+  EXPECT_EQ(payload[0].second.data, 0.1);
+  EXPECT_EQ(payload[1].second.data, 0.3);
+  EXPECT_NEAR(payload[1].first, 1002.5, 1e-5);
+
+  const std::size_t entries = dir.entries();
+  for (const auto& [bad, named] :
+       std::map<std::string, std::string>{{"--payload x", "--payload x"},
+                                          {"--payload 2:-1", "0 to 100 kg"},
+                                          {"--payload 3:1 --payload 2:1", "later"},
+                                          {"--leave-out 3:1", "FROM:TO"},
+                                          {"--leave-out -1:9", "leaves nothing"}}) {
+    const Outcome refused = softarm_program(call + bad);
+    EXPECT_NE(refused.status, 0) << bad;
+    EXPECT_THAT(refused.err, HasSubstr(named));
+  }
+  EXPECT_EQ(dir.entries(), entries);
+}
+
 TEST(SoftarmSimulate, TheSameSeedGivesTheSameBytesAndAnotherDoesNot) {
   const TestFolder dir;
   const auto simulate = [&](const std::string& name, const std::string& more) {

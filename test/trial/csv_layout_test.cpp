@@ -110,6 +110,30 @@ TEST(CsvLayout, QuaternionOrderIsThatOfTheLayout) {
   EXPECT_DOUBLE_EQ(wxyz.rows[0].bodies[0]->q_mocap.w(), 0.5);
 }
 
+TEST(CsvLayout, TheZeroOfASensorIsSubtracted) {
+  const std::string layout = replaced(kMinimal, "column: 9}", "column: 9, zero: -0.5}");
+  const Read r = read(layout, "0, 0, 0, 0, 0, 0, 0, 1, 2\n");
+  EXPECT_NEAR(*r.rows[0].pressures_pa[0], 100000 + 2.5 * 6894.757293168, 1e-6);
+  EXPECT_THAT(error_of(replaced(kMinimal, "column: 9}", "column: 9, zero: none}")), HasSubstr("zero"));
+}
+
+TEST(CsvLayout, AMountThatDoesNotTurnNeedsNoColumnsForIt) {
+  const std::string columns = "orientation: [5, 6, 7, 8], orientation_order: xyzw}";
+  const std::string mount = R"(fixed_orientation: [0, 0.6, 0, 0.8]}
+    - {name: tip, position: [5, 6, 7], )";
+  const std::string tip = R"(orientation: [8, 9, 10, 11], orientation_order: xyzw})";
+  const Read r = read(replaced(kMinimal, columns, mount + tip), "0, 10,20,30, 40,50,60, 0,0,1,0\n");
+  ASSERT_EQ(r.rows.size(), 1u);
+  EXPECT_TRUE(r.rows[0].bodies[0]->p_mocap.isApprox(Eigen::Vector3d(0.01, 0.02, 0.03)));
+  EXPECT_DOUBLE_EQ(r.rows[0].bodies[0]->q_mocap.y(), 0.6);
+  EXPECT_TRUE(r.rows[0].bodies[1]->p_mocap.isApprox(Eigen::Vector3d(0.04, 0.05, 0.06)));
+  EXPECT_DOUBLE_EQ(r.rows[0].bodies[1]->q_mocap.z(), 1.0);
+  EXPECT_THAT(error_of(replaced(kMinimal, "orientation_order: xyzw", "fixed_orientation: [0, 0, 0, 1]")),
+              HasSubstr("the one or the other"));
+  EXPECT_THAT(error_of(replaced(kMinimal, columns, "fixed_orientation: [0, 0, 0, 2]}")),
+              HasSubstr("unit quaternion"));
+}
+
 TEST(CsvLayout, YUpBecomesZUpForPositionsAndOrientationsAlike) {
   const double h = std::sqrt(0.5);
   // A body whose own z axis points along the recording's y (up) must point along z (up) afterwards.

@@ -26,14 +26,17 @@ struct CsvBody {
   std::string name;  ///< topic /mocap/<name>/pose
   std::array<CsvColumn, 3> position;
   std::array<CsvColumn, 4> orientation;  ///< x y z w, whatever the order in the file
+  /// Of a body that does not turn: its unit quaternion x y z w in the recording's axes, in place of columns.
+  std::optional<std::array<double, 4>> fixed_orientation_xyzw;
 };
 
-/// One pressure column. Published as absolute Pa: value * scale_to_pa (+ ambient if gauge).
+/// One pressure column. Published as absolute Pa: (value - zero) * scale_to_pa (+ ambient if gauge).
 struct CsvPressure {
   std::string topic;
   CsvColumn column;
   double scale_to_pa = 1.0;
   bool gauge = false;
+  double zero = 0.0;  ///< what the sensor reads too much, in the recording's unit
 };
 
 /// The payload from `from_s` (time of the recording) on.
