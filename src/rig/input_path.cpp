@@ -1,31 +1,101 @@
-#include "input_path.h"
+#include "softarm/rig/input_path.h"
+
+#include <cmath>
+
+#include "hysteresis.h"
+#include "jamming_state.h"
+#include "pressure_stages.h"
+#include "tendon_friction.h"
 
 namespace softarm::rig {
 namespace {
 
-std::vector<PlayHysteresis> plays(double width, const std::vector<double>& start) {
-  std::vector<PlayHysteresis> result;
-  for (double value : start) result.emplace_back(width, value);
-  return result;
+/// What leaves the stages with an input that has long settled.
+Pressures settle(PressureStages& stages, Pressures pressures_pa) {
+  for (const auto& stage : stages) stage->start(pressures_pa);
+  return pressures_pa;
 }
 
-void apply(std::vector<PlayHysteresis>& plays, std::vector<double>& inputs) {
-  for (std::size_t i = 0; i < inputs.size(); ++i) inputs[i] = plays[i].to(inputs[i]);
+PressureStages pressure_stages(const Scenario& scenario) {
+  PressureStages stages;
+  add_supply(scenario, stages);
+  add_regulator(scenario, stages);
+  add_line(scenario, stages);
+  return stages;
+}
+
+/// What time alone changes.
+void age(const InputPathSpec& spec, double t_s, Acting& acting) {
+  if (const auto& drift = spec.drift) {
+    const double x = (drift->session_s + t_s) / drift->over_s;
+    const double reached = drift->saturating ? -std::expm1(-x) : x;
+    acting.gain_scale *= 1.0 + drift->gain_share * reached;
+    acting.stiffness_scale *= 1.0 + drift->stiffness_share * reached;
+  }
+  if (const auto& swing = spec.temperature) {
+    const double warmer_k =
+        swing->amplitude_k * std::sin(2.0 * M_PI * t_s / swing->period_s + swing->phase_rad);
+    acting.stiffness_scale *= 1.0 + swing->stiffness_share_per_k * warmer_k;
+    acting.length_scale *= 1.0 + swing->expansion_share_per_k * warmer_k;
+  }
 }
 
 }  // namespace
 
-InputPath::InputPath(const Scenario& scenario, const Commands& start)
-    : pressure_plays_(plays(scenario.input_path.pressure_play_pa, start.pressures_pa)),
-      tension_plays_(plays(scenario.input_path.tension_play_n, start.tensions_n)),
-      angle_plays_(plays(scenario.input_path.angle_play_rad, start.angles_rad)) {}
+struct InputPath::Impl {
+  Impl(const Scenario& scenario, const Commands& start)
+      : spec(scenario.input_path),
+        segments(scenario.arm.segments.size()),
+        stages(pressure_stages(scenario)),
+        pressures(spec.hysteresis, spec.pressure_play_pa, settle(stages, start.pressures_pa)),
+        tensions(spec.hysteresis, spec.tension_play_n, start.tensions_n),
+        angles(spec.hysteresis, spec.angle_play_rad, start.angles_rad) {
+    if (spec.jamming_settling) jamming.emplace(*spec.jamming_settling, start.vacuum_pa);
+    if (spec.tendon_friction) friction.emplace(*spec.tendon_friction, scenario.arm, start.tensions_n);
+  }
 
-Commands InputPath::act(const Commands& commanded, double) {
-  Commands acting = commanded;
-  apply(pressure_plays_, acting.pressures_pa);
-  apply(tension_plays_, acting.tensions_n);
-  apply(angle_plays_, acting.angles_rad);
-  return acting;
+  std::vector<Acting> act(const Commands& commanded, double t_s, const std::vector<double>& bends_rad) {
+    const double dt_s = t_s - last_s;
+    last_s = t_s;
+    Acting acting(commanded);
+    for (const auto& stage : stages) stage->act(acting.pressures_pa, t_s, dt_s);
+    pressures.act(acting.pressures_pa);
+    tensions.act(acting.tensions_n);
+    angles.act(acting.angles_rad);
+    if (jamming) acting.jamming_pa = jamming->to(acting.vacuum_pa, dt_s);
+    age(spec, t_s, acting);
+
+    std::vector<Acting> result(segments, acting);
+    for (std::size_t i = 0; i < segments; ++i) {
+      result[i].segment = static_cast<int>(i);
+      if (!bends_rad.empty()) result[i].bend_rad = bends_rad.at(i);
+    }
+    if (friction) friction->act(result);
+    return result;
+  }
+
+  InputPathSpec spec;
+  std::size_t segments;
+  double last_s = 0.0;
+  PressureStages stages;
+  Hysteresis pressures, tensions, angles;
+  std::optional<JammingState> jamming;
+  std::optional<TendonFrictionState> friction;
+};
+
+InputPath::InputPath(const Scenario& scenario, const Commands& start)
+    : impl_(std::make_unique<Impl>(scenario, start)) {}
+InputPath::~InputPath() = default;
+InputPath::InputPath(InputPath&&) noexcept = default;
+InputPath& InputPath::operator=(InputPath&&) noexcept = default;
+
+bool InputPath::feels_bending() const {
+  return impl_->friction || impl_->spec.laws.gain_share_per_rad != 0.0;
+}
+
+std::vector<Acting> InputPath::act(const Commands& commanded, double t_s,
+                                   const std::vector<double>& bends_rad) {
+  return impl_->act(commanded, t_s, bends_rad);
 }
 
 }  // namespace softarm::rig

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "law_departures.h"
+
 namespace softarm::rig {
 namespace {
 
@@ -56,7 +58,8 @@ std::optional<WallStretch> wall_stretch(double force_n, double axial_stiffness_n
   return WallStretch{outer, modulus(outer)};
 }
 
-Actuation apply_laws(const SegmentSpec& segment, const Commands& acting) {
+Actuation apply_laws(const SegmentSpec& segment, const Acting& acting, const LawSpec& hidden) {
+  const LawDepartures departures(segment, acting, hidden);
   Actuation actuation;
   double length_m = segment.length_m;
   double least_pa = 0.0, mean_pa = 0.0;
@@ -64,7 +67,8 @@ Actuation apply_laws(const SegmentSpec& segment, const Commands& acting) {
     const double p = at(acting.pressures_pa, chamber.input);
     least_pa = &chamber == &segment.chambers.front() ? p : std::min(least_pa, p);
     mean_pa += p / static_cast<double>(segment.chambers.size());
-    actuation.moment_nm += chamber.moment_gain_nm_per_pa * p * towards(chamber.direction_rad);
+    actuation.moment_nm += chamber.moment_gain_nm_per_pa * departures.moment_pressure_pa(chamber) *
+                           towards(departures.azimuth_rad(chamber.direction_rad));
     length_m += (chamber.near_elongation_m_per_pa + chamber.far_elongation_m_per_pa) * p;
   }
 
@@ -74,8 +78,9 @@ Actuation apply_laws(const SegmentSpec& segment, const Commands& acting) {
     force_n -= tension;
     tensions_n += tension;
     twist_stiffness_nm2 += tension * tendon.offset_m * tendon.offset_m;
-    actuation.moment_nm += tension * tendon.offset_m * towards(tendon.azimuth_rad);
+    actuation.moment_nm += tension * tendon.offset_m * towards(departures.azimuth_rad(tendon.azimuth_rad));
   }
+  actuation.moment_nm *= departures.gain();
   const double central_pa =
       segment.central_chamber ? at(acting.pressures_pa, segment.central_chamber->input) : 0.0;
   if (segment.central_chamber) force_n += central_pa * segment.central_chamber->area_m2;
@@ -83,29 +88,36 @@ Actuation apply_laws(const SegmentSpec& segment, const Commands& acting) {
   WallStretch wall;
   if (segment.axial_stiffness_n) {
     const std::optional<WallStretch> found =
-        wall_stretch(force_n, *segment.axial_stiffness_n, segment.material);
+        wall_stretch(force_n, departures.material() * *segment.axial_stiffness_n, segment.material);
     if (!found)
       throw LawError(fmt::format("an axial force of {:.4g} N leaves the wall no stable stretch", force_n));
     wall = *found;
   }
   actuation.stretch = wall.stretch;
-  actuation.length_m = wall.stretch * length_m;
+  actuation.length_m = departures.length() * wall.stretch * length_m;
   actuation.bending_stiffness_nm2 = segment.stiffness_by_pressure.empty()
                                         ? wall.modulus_ratio * segment.stiffness_base_nm2
                                         : interpolated(segment.stiffness_by_pressure, central_pa);
-  actuation.bending_stiffness_nm2 += segment.stiffness_per_min_nm2_per_pa * least_pa +
-                                     segment.stiffness_per_jamming_nm2_per_pa * (acting.vacuum_pa + mean_pa);
-  actuation.torsional_stiffness_nm2 =
-      wall.modulus_ratio * segment.torsional_stiffness_nm2 + twist_stiffness_nm2;
+  actuation.bending_stiffness_nm2 +=
+      segment.stiffness_per_min_nm2_per_pa * least_pa +
+      segment.stiffness_per_jamming_nm2_per_pa * (departures.jamming_pa() + mean_pa);
+  actuation.bending_stiffness_nm2 *= departures.bending();
+  const double wall_torsion_nm2 = departures.torsion() * wall.modulus_ratio * segment.torsional_stiffness_nm2;
+  actuation.torsional_stiffness_nm2 = wall_torsion_nm2 + twist_stiffness_nm2;
   if (segment.shear_stiffness_n)
-    actuation.shear_stiffness_n = wall.modulus_ratio * *segment.shear_stiffness_n + tensions_n;
+    actuation.shear_stiffness_n =
+        departures.material() * wall.modulus_ratio * *segment.shear_stiffness_n + tensions_n;
   if (segment.axial_stiffness_n)
-    actuation.axial_stiffness_n = wall.stretch * wall.modulus_ratio * *segment.axial_stiffness_n;
+    actuation.axial_stiffness_n =
+        departures.material() * wall.stretch * wall.modulus_ratio * *segment.axial_stiffness_n;
   for (const CableSpec& cable : segment.cables) {
     const double wound_m = cable.spool_radius_m * at(acting.angles_rad, cable.input);
-    actuation.moment_nm += actuation.bending_stiffness_nm2 * wound_m / (segment.length_m * cable.lever_m) *
-                           towards(cable.azimuth_rad);
+    actuation.moment_nm += departures.gain() * actuation.bending_stiffness_nm2 * wound_m /
+                           (segment.length_m * cable.lever_m) *
+                           towards(departures.azimuth_rad(cable.azimuth_rad));
   }
+  actuation.moment_nm += actuation.bending_stiffness_nm2 * departures.rest_curvature_per_m();
+  actuation.twist_moment_nm = wall_torsion_nm2 * departures.twist_rad() / actuation.length_m;
   // Laws with negative coefficients can be driven out of their range.
   if (!(actuation.bending_stiffness_nm2 > 0.0) || !(actuation.torsional_stiffness_nm2 > 0.0) ||
       !(actuation.length_m > 0.0))

@@ -112,7 +112,7 @@ PayloadChange Protocol::payload_known_at(double t_s) const {
   while (current + 1 < payload.schedule.size() && payload.schedule[current + 1].t_s <= t) ++current;
   const bool from_the_start = current == 0 && cycle == 0.0;
   return {from_the_start ? 0.0 : cycle + payload.schedule[current].t_s + 0.5 * payload.ramp_s,
-          payload.schedule[current].values[0]};
+          payload.schedule[current].values[0] * (1.0 + scenario_.input_path.payload_scale_share)};
 }
 
 }  // namespace softarm::rig

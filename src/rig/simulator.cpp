@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "arm_cut.h"
-#include "input_path.h"
 #include "sensors.h"
+#include "softarm/rig/input_path.h"
 #include "softarm/rig/laws.h"
 #include "softarm/rig/protocol.h"
 #include "softarm/rig/ritz_rod.h"
@@ -51,19 +51,49 @@ struct Simulator::Impl {
       names.push_back(fmt::format("ring_{}", i));
     const double frame_s = 1.0 / scenario.mocap.rate_hz;
     substeps = std::max(1, static_cast<int>(std::ceil(frame_s / scenario.numerics.max_step_s - 1e-9)));
-    if (!rod.settle(inputs_at(0.0)))
-      throw SimulationError(
-          fmt::format("scenario {}: no static equilibrium found to start from", scenario.name));
+    settle();
+  }
+
+  /// To equilibrium at t = 0. Where what acts depends on how the arm is bent, by repetition.
+  void settle() {
+    constexpr int kMostTimes = 100;
+    constexpr double kSameRad = 1e-10;
+    for (int times = 0; times < kMostTimes; ++times) {
+      if (!rod.settle(inputs_at(0.0))) break;
+      const std::vector<double> before = bends_rad;
+      feel_bending();
+      double change = 0.0;
+      for (std::size_t i = 0; i < before.size(); ++i)
+        change = std::max(change, std::abs(bends_rad[i] - before[i]));
+      if (change <= kSameRad && before.size() == bends_rad.size()) return;
+    }
+    throw SimulationError(
+        fmt::format("scenario {}: no static equilibrium found to start from", scenario.name));
+  }
+
+  /// How far each segment is bent now, where that matters to what acts: the integral of its curvature.
+  void feel_bending() {
+    if (!input_path.feels_bending()) return;
+    constexpr int kPlaces = 8;
+    bends_rad.assign(scenario.arm.segments.size(), 0.0);
+    double begin = 0.0;
+    for (std::size_t i = 0; i < bends_rad.size(); ++i) {
+      const double share = scenario.arm.segments[i].length_m / scenario.arm.length_m();
+      for (int k = 0; k < kPlaces; ++k)
+        bends_rad[i] += rod.curvature(begin + share * (k + 0.5) / kPlaces).head<2>().norm() *
+                        actuation[i].length_m / kPlaces;
+      begin += share;
+    }
   }
 
   /// To be asked in the order of time: the path of the inputs remembers.
   RitzRodInputs inputs_at(double t_s) {
     commands = protocol.at(t_s);
-    const Commands acting = input_path.act(commands, t_s);
+    const std::vector<Acting> acting = input_path.act(commands, t_s, bends_rad);
     actuation.clear();
     for (const SegmentSpec& segment : scenario.arm.segments) {
       try {
-        actuation.push_back(apply_laws(segment, acting));
+        actuation.push_back(apply_laws(segment, acting.at(actuation.size()), scenario.input_path.laws));
       } catch (const LawError& error) {
         throw SimulationError(fmt::format("scenario {}: at t = {:.3f} s in segment {}: {}", scenario.name,
                                           t_s, actuation.size() + 1, error.what()));
@@ -75,8 +105,8 @@ struct Simulator::Impl {
       const Actuation& a = actuation[part.segment];
       // Bending towards phi is a turn about the axis at phi + 90 degrees.
       inputs.pieces.push_back({part.share * a.length_m, a.bending_stiffness_nm2, a.torsional_stiffness_nm2,
-                               Eigen::Vector3d(-a.moment_nm.y(), a.moment_nm.x(), 0.0), a.shear_stiffness_n,
-                               a.axial_stiffness_n});
+                               Eigen::Vector3d(-a.moment_nm.y(), a.moment_nm.x(), a.twist_moment_nm),
+                               a.shear_stiffness_n, a.axial_stiffness_n});
     }
     inputs.payload_kg = commands.payload_kg;
     inputs.hand_damping_n_s_m = commands.hand_damping_n_s_m;
@@ -93,6 +123,7 @@ struct Simulator::Impl {
             fmt::format("scenario {}: the equations of motion did not converge at t = {:.4f} s (smaller "
                         "numerics.max_step_s may help)",
                         scenario.name, t));
+      feel_bending();
     }
   }
 
@@ -144,6 +175,7 @@ struct Simulator::Impl {
   Commands commands;
   InputPath input_path;
   std::vector<Actuation> actuation;  ///< per segment
+  std::vector<double> bends_rad;     ///< per segment, after the last step; empty: not felt
   std::size_t frame = 0;
 };
 

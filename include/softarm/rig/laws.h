@@ -5,7 +5,8 @@
 #include <optional>
 #include <stdexcept>
 
-#include "softarm/rig/protocol.h"
+#include "softarm/rig/input_path.h"
+#include "softarm/rig/law_spec.h"
 #include "softarm/rig/scenario.h"
 
 namespace softarm::rig {
@@ -15,6 +16,7 @@ struct Actuation {
   /// (M0 cos phi, M0 sin phi), phi the bending direction: the moment that alone, without any load, would give
   /// the segment its curvature. Cables are in it: bending stiffness times the curvature that they ask for.
   Eigen::Vector2d moment_nm = Eigen::Vector2d::Zero();
+  double twist_moment_nm = 0.0;          ///< about the tangent, that gives the segment its twist alone
   double bending_stiffness_nm2 = 0.0;    ///< with curvature per actual length
   double torsional_stiffness_nm2 = 0.0;  ///< taut tendons included
   double length_m = 0.0;                 ///< without load
@@ -40,9 +42,10 @@ class LawError : public std::runtime_error {
 /// - The wall's stretch under the axial force: see wall_stretch(). An incompressible wall that contracts
 ///   sideways freely has, per actual length, EI = E_t I with the tangent modulus E_t and the undeformed I.
 /// - Cables: see CableSpec.
-/// @param acting what acts in the arm, in the scenario's numbering
+/// @param acting what acts in the segment, in the scenario's numbering
+/// @param hidden departures from the laws above: see LawSpec
 /// @throws LawError
-Actuation apply_laws(const SegmentSpec& segment, const Commands& acting);
+Actuation apply_laws(const SegmentSpec& segment, const Acting& acting, const LawSpec& hidden = {});
 
 /// A stretch and the tangent modulus there, relative to the unstretched wall's.
 struct WallStretch {

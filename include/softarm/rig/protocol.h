@@ -17,7 +17,7 @@ struct Commands {
   double hand_damping_n_s_m = 0.0;  ///< > 0 while the payload is being changed
 };
 
-/// The payload was changed at t_s and is kg from then on.
+/// The payload was changed at t_s and is, as far as anybody knows, kg from then on.
 struct PayloadChange {
   double t_s = 0.0;
   double kg = 0.0;
