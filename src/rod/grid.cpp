@@ -9,9 +9,9 @@
 namespace softarm::rod {
 namespace {
 
-// An eighth-order step over a quarter of a rod bent by 150 degrees errs by less than 1e-7 of the rod's
-// length.
-constexpr double kLongestStep = 0.25;
+// To begin with: an eighth-order step over a third of a bent rod mostly errs by less than a millionth of the
+// rod's length, and where it does not, the embedded estimate asks for shorter ones.
+constexpr double kLongestStep = 1.0 / 3.0;
 constexpr double kSamePlace = 1e-9;  // of the rod's length
 
 }  // namespace
