@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "hidden_tables.h"
@@ -37,6 +38,9 @@ void check(const HiddenChoice& choice) {
     if (!(value->second >= parameter.low && value->second <= parameter.high))
       throw std::invalid_argument(fmt::format("effect {}: {} is {}, allowed {} ... {}", effect->id,
                                               parameter.key, value->second, parameter.low, parameter.high));
+    if (parameter.whole && value->second != std::floor(value->second))
+      throw std::invalid_argument(fmt::format("effect {}: {} is {}, allowed whole numbers", effect->id,
+                                              parameter.key, value->second));
   }
 }
 

@@ -67,7 +67,7 @@ double LawDepartures::bending() const {
 }
 
 double LawDepartures::torsion() const {
-  double factor = acting_.stiffness_scale * (1.0 + hidden_.torsional_stiffness_share);
+  double factor = acting_.stiffness_scale;
   if (const auto& law = hidden_.radial_expansion)
     factor *= std::pow(1.0 + law->share * mean_pa_ / law->reference_pa, law->power);
   return factor;

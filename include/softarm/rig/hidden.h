@@ -17,6 +17,7 @@ struct HiddenParameter {
   double usual_low, usual_high;  ///< of real arms: what a campaign draws from
   std::string words;
   std::optional<double> otherwise = {};  ///< value where the scenario does not say; absent: it must
+  bool whole = false;                    ///< takes whole numbers only
 };
 
 /// One effect as a scenario has it, in its list `hidden`.
@@ -37,6 +38,9 @@ struct HiddenEffect {
   /// Writes the choice into the scenario. @throws std::invalid_argument, a line, where it does not fit the
   /// arm or what is hidden already
   void (*apply)(const HiddenChoice& choice, Scenario& scenario);
+  /// Of one that is not in the catalogue: the one there that no recording of poses can tell it from; empty:
+  /// none.
+  std::string like = {};
 };
 
 /// All effects: of the body, of the inputs, of the sensors.

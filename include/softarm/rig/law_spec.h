@@ -63,7 +63,6 @@ struct LawSpec {
     double angle_rad = 0.0, reference = 1.0;
   };
   std::optional<Twist> twist_with_pressure, twist_with_tension;
-  double torsional_stiffness_share = 0.0;  ///< GJ times 1 + share
 
   /// The share of EI that jamming adds, b3 V, goes with another function of the vacuum, the same at the
   /// reference: power: (V / reference)^exponent; otherwise (1 - e^(-V / scale)) / (1 - e^(-reference /

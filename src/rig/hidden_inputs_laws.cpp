@@ -1,0 +1,203 @@
+// Effects in the laws from inputs to moment, stiffness and length.
+#include "hidden_inputs_parts.h"
+#include "scenario_parts.h"
+
+namespace softarm::rig {
+namespace {
+
+LawSpec::ShareAt share_at(const HiddenChoice& choice) {
+  return {choice.values.at("share"), choice.values.at("reference_pa")};
+}
+
+void torsion(const HiddenChoice& choice, Scenario& scenario) {
+  if (choice.form == "compliance") {
+    for (SegmentSpec& segment : scenario.arm.segments)
+      segment.torsional_stiffness_nm2 = choice.values.at("stiffness_ratio") * segment.stiffness_base_nm2;
+    return;
+  }
+  LawSpec& laws = scenario.input_path.laws;
+  const double angle_rad = kRadPerDeg * choice.values.at("twist_deg");
+  if (choice.form == "pressure") {
+    need_pressures(scenario);
+    put(laws.twist_with_pressure, LawSpec::Twist{angle_rad, choice.values.at("reference_pa")});
+  } else {
+    need(scenario.arm.tendons > 0, "an arm with tendons");
+    put(laws.twist_with_tension, LawSpec::Twist{angle_rad, choice.values.at("reference_n")});
+  }
+}
+
+void rest_curvature(const HiddenChoice& choice, Scenario& scenario) {
+  const int number = static_cast<int>(choice.values.at("segment"));
+  const auto count = static_cast<int>(scenario.arm.segments.size());
+  if (number > count)
+    throw std::invalid_argument("segment is " + std::to_string(number) + ", allowed 0 ... " +
+                                std::to_string(count) + " (of the arm)");
+  scenario.input_path.laws.rest_curvature.push_back(
+      {number - 1, choice.values.at("curvature_per_m"), kRadPerDeg * choice.values.at("azimuth_deg")});
+}
+
+std::vector<HiddenEffect> pressure_laws() {
+  const HiddenParameter at_pressure = reference(kReferencePa);
+  return {
+      {"gain_nonlinearity",
+       true,
+       "a chamber's moment is not proportional to its pressure",
+       {"quadratic", "saturating"},
+       {{"share", -0.9, 10.0, 0.08, 0.25, "of the moment, beyond the proportional one"}, at_pressure},
+       [](const HiddenChoice& choice, Scenario& scenario) {
+         need_chambers(scenario);
+         put(scenario.input_path.laws.gain_nonlinearity, {share_at(choice), choice.form == "saturating"});
+       }},
+      {"pressure_dead_zone",
+       true,
+       "no moment below a pressure, and less by it above",
+       {"sharp", "smooth"},
+       {{"pressure_pa", 1.0, 1e6, 1500.0, 5000.0, "up to which there is none"}},
+       [](const HiddenChoice& choice, Scenario& scenario) {
+         need_chambers(scenario);
+         put(scenario.input_path.laws.dead_zone,
+             LawSpec::DeadZone{choice.values.at("pressure_pa"), choice.form == "smooth"});
+       }},
+      {"pressure_stiffening",
+       true,
+       "EI grows with the mean pressure beyond the law of the arm file",
+       {"linear", "quadratic"},
+       {{"share", -0.9, 10.0, 0.08, 0.25, "of EI, by which it grows"}, at_pressure},
+       [](const HiddenChoice& choice, Scenario& scenario) {
+         need_pressures(scenario);
+         put(scenario.input_path.laws.pressure_stiffening, {share_at(choice), choice.form == "quadratic"});
+       }},
+      {"radial_expansion",
+       true,
+       "the arm grows wider with the mean pressure: EI and GJ go with the square of the radius where the "
+       "wall "
+       "gets thinner, with the fourth power where it does not",
+       {"square", "fourth_power"},
+       {{"share", -0.5, 5.0, 0.04, 0.12, "of the radius, by which it grows"}, at_pressure},
+       [](const HiddenChoice& choice, Scenario& scenario) {
+         need_pressures(scenario);
+         put(scenario.input_path.laws.radial_expansion, {share_at(choice), choice.form == "square" ? 2 : 4});
+       }},
+      {"pressure_elongation",
+       true,
+       "the arm grows longer with the mean pressure beyond the law of the arm file",
+       {},
+       {{"share", -0.5, 2.0, 0.01, 0.04, "of the length, by which it grows"}, at_pressure},
+       [](const HiddenChoice& choice, Scenario& scenario) {
+         need_pressures(scenario);
+         put(scenario.input_path.laws.pressure_elongation, share_at(choice));
+       }},
+      {"chamber_bulge",
+       false,
+       "neighbouring chambers bulge into each other: each one's moment grows with the others' pressures",
+       {},
+       {{"share", -0.9, 10.0, 0.08, 0.25, "of the moment, by the sum of the others' pressures"}, at_pressure},
+       [](const HiddenChoice& choice, Scenario& scenario) {
+         need(scenario.arm.chambers > 1, "an arm that takes several pressures");
+         need_chambers(scenario);
+         put(scenario.input_path.laws.chamber_bulge, share_at(choice));
+       }},
+  };
+}
+
+std::vector<HiddenEffect> vacuum_laws() {
+  const HiddenParameter at_vacuum = reference(kReferenceVacuumPa);
+  return {
+      {"vacuum_shortening",
+       true,
+       "the arm grows shorter with the vacuum",
+       {},
+       {{"share", -0.5, 0.5, 0.005, 0.02, "of the length, by which it shrinks"}, at_vacuum},
+       [](const HiddenChoice& choice, Scenario& scenario) {
+         need_vacuum(scenario);
+         put(scenario.input_path.laws.vacuum_shortening, share_at(choice));
+       }},
+      {"vacuum_gain",
+       true,
+       "actuators bend the arm less under vacuum",
+       {},
+       {{"share", -0.9, 0.9, 0.05, 0.2, "of their moments, that is lost"}, at_vacuum},
+       [](const HiddenChoice& choice, Scenario& scenario) {
+         need_vacuum(scenario);
+         put(scenario.input_path.laws.vacuum_gain, share_at(choice));
+       }},
+      {"jamming_law",
+       false,
+       "what jamming adds to EI is not proportional to the vacuum",
+       {"saturating", "power"},
+       {{"scale_pa", 100.0, 1e6, 1e4, 3e4, "saturating: vacuum of 63 % of the most", 2e4},
+        {"exponent", 0.05, 5.0, 0.4, 0.7, "power: of the vacuum", 0.5},
+        {"reference_pa", 1.0, 1e6, kReferenceVacuumPa, kReferenceVacuumPa, "where it is as the arm file says",
+         kReferenceVacuumPa}},
+       [](const HiddenChoice& choice, Scenario& scenario) {
+         need_jamming(scenario);
+         put(scenario.input_path.laws.jamming_law,
+             LawSpec::JammingLaw{choice.form == "power", choice.values.at("reference_pa"),
+                                 choice.values.at("exponent"), choice.values.at("scale_pa")});
+       }},
+  };
+}
+
+std::vector<HiddenEffect> geometry_laws() {
+  const HiddenParameter chamber{"chamber", 1.0, 16.0, 1.0, 3.0, "its number", std::nullopt, true};
+  return {
+      {"chamber_mismatch",
+       true,
+       "the gain of one chamber is not as the arm file says",
+       {},
+       {chamber, {"share", -0.95, 10.0, 0.03, 0.1, "of its gain, by which it is higher"}},
+       [](const HiddenChoice& choice, Scenario& scenario) {
+         need_chambers(scenario);
+         const int chamber_input = chamber_index(choice, scenario);
+         auto& shares = scenario.input_path.laws.chamber_gain_share;
+         if (!shares.emplace(chamber_input, choice.values.at("share")).second)
+           throw std::invalid_argument("given twice for the same chamber");
+       }},
+      {"bending_plane_offset",
+       true,
+       "all actuators sit turned about the arm's axis",
+       {},
+       {{"angle_deg", -180.0, 180.0, 3.0, 8.0, "by which they are turned"}},
+       [](const HiddenChoice& choice, Scenario& scenario) {
+         if (scenario.input_path.laws.actuators_turned_rad != 0.0) throw std::invalid_argument("given twice");
+         scenario.input_path.laws.actuators_turned_rad = kRadPerDeg * choice.values.at("angle_deg");
+       }},
+      {"rest_curvature",
+       true,
+       "the arm is curved without input or load, fixed in its body",
+       {},
+       {{"curvature_per_m", -100.0, 100.0, 0.15, 0.5, "at rest"},
+        {"azimuth_deg", -360.0, 360.0, 0.0, 360.0, "towards which it is bent", 0.0},
+        {"segment", 0.0, 8.0, 0.0, 0.0, "its number; 0: all", 0.0, true}},
+       rest_curvature},
+      {"torsion",
+       true,
+       "the arm twists: as soft as rubber is (compliance), or with the mean pressure or tension",
+       {"compliance", "pressure", "tension"},
+       {{"stiffness_ratio", 1e-3, 1e4, 0.4, 0.8, "compliance: GJ over EI, both at zero input", 2.0 / 3.0},
+        {"twist_deg", -360.0, 360.0, 2.0, 5.0, "of each segment, at the reference", 3.0},
+        reference(kReferencePa),
+        {"reference_n", 1e-3, 1e4, 3.0, 3.0, "mean tension where the twist is reached", 3.0}},
+       torsion},
+      {"curvature_gain",
+       false,
+       "what actuators do depends on how far the arm is bent",
+       {},
+       {{"share_per_rad", -0.6, 2.0, 0.05, 0.15, "of their moments, by the bending angle of the segment"}},
+       [](const HiddenChoice& choice, Scenario& scenario) {
+         if (scenario.input_path.laws.gain_share_per_rad != 0.0) throw std::invalid_argument("given twice");
+         scenario.input_path.laws.gain_share_per_rad = choice.values.at("share_per_rad");
+       }},
+  };
+}
+
+}  // namespace
+
+std::vector<HiddenEffect> law_effects() {
+  std::vector<HiddenEffect> effects;
+  for (const auto& part : {pressure_laws(), vacuum_laws(), geometry_laws()})
+    effects.insert(effects.end(), part.begin(), part.end());
+  return effects;
+}
+
+}  // namespace softarm::rig

@@ -1,0 +1,101 @@
+// Effects of memory and age between a command and what acts in the arm, and of the scale.
+#include "hidden_inputs_parts.h"
+#include "scenario_parts.h"
+
+namespace softarm::rig {
+namespace {
+
+void hysteresis(const HiddenChoice& choice, Scenario& scenario) {
+  InputPathSpec& spec = scenario.input_path;
+  if (spec.pressure_play_pa != 0.0 || spec.tension_play_n != 0.0 || spec.angle_play_rad != 0.0)
+    throw std::invalid_argument("given twice");
+  spec.hysteresis =
+      choice.form == "bouc_wen" ? InputPathSpec::Hysteresis::kBoucWen : InputPathSpec::Hysteresis::kPlay;
+  spec.pressure_play_pa = choice.values.at("loop_pa");
+  spec.tension_play_n = choice.values.at("loop_n");
+  spec.angle_play_rad = choice.values.at("loop_rad");
+}
+
+void jamming_settling(const HiddenChoice& choice, Scenario& scenario) {
+  need_jamming(scenario);
+  put(scenario.input_path.jamming_settling,
+      JammingSettling{choice.values.at("rate_pa_per_s"), choice.values.at("compaction_s"),
+                      choice.values.at("loop_pa")});
+}
+
+}  // namespace
+
+std::vector<HiddenEffect> memory_effects() {
+  return {
+      {"hysteresis",
+       true,
+       "rate-independent loop between what is commanded and what acts in the arm; its width is that of a "
+       "cycle that is wide against it",
+       {"play", "bouc_wen"},
+       {{"loop_pa", 0.0, 1e6, 500.0, 5000.0, "of the pressures", 0.0},
+        {"loop_n", 0.0, 1e4, 0.05, 0.5, "of the tensions", 0.0},
+        {"loop_rad", 0.0, 1e3, 0.01, 0.1, "of the servos' angles", 0.0}},
+       hysteresis},
+      {"tendon_friction",
+       true,
+       "tendons rub where the arm bends: tension falls along them, and comes back late",
+       {},
+       {{"coefficient", 0.0, 5.0, 0.05, 0.3, "of friction, in the capstan equation"},
+        {"routing_rad", 0.0, 100.0, 0.0, 1.5, "angle around which they are led before the base", 0.0}},
+       [](const HiddenChoice& choice, Scenario& scenario) {
+         need(scenario.arm.tendons > 0, "an arm with tendons");
+         put(scenario.input_path.tendon_friction,
+             TendonFriction{choice.values.at("coefficient"), choice.values.at("routing_rad")});
+       }},
+      {"jamming_settling",
+       false,
+       "granules pack in memory: fast evacuation leaves them loose, they settle slowly, and release comes "
+       "late",
+       {},
+       {{"rate_pa_per_s", 10.0, 1e9, 3e4, 2e5, "of evacuation, at which half is reached at once"},
+        {"compaction_s", 0.05, 1e5, 3.0, 20.0, "time constant of settling"},
+        {"loop_pa", 0.0, 1e5, 0.0, 6000.0, "width of the loop in vacuum", 0.0}},
+       jamming_settling},
+      {"drift",
+       true,
+       "gain or stiffness changes over the session",
+       {"linear", "saturating"},
+       {{"gain_share", -0.9, 10.0, -0.06, -0.02, "of all moments, that is gained", 0.0},
+        {"stiffness_share", -0.9, 10.0, -0.06, -0.02, "of all stiffnesses, that is gained", 0.0},
+        {"over_s", 0.1, 1e7, 30.0, 120.0, "linear: when it is reached; saturating: when 63 % are"},
+        {"session_s", 0.0, 1e7, 0.0, 0.0, "time of the session at which the trial begins", 0.0}},
+       [](const HiddenChoice& choice, Scenario& scenario) {
+         put(scenario.input_path.drift,
+             Drift{choice.values.at("gain_share"), choice.values.at("stiffness_share"),
+                   choice.values.at("over_s"), choice.values.at("session_s"), choice.form == "saturating"});
+       }},
+      {"temperature",
+       false,
+       "the room's temperature swings: stiffness and length follow",
+       {},
+       {{"amplitude_k", 0.0, 100.0, 2.0, 6.0, "of the swing"},
+        {"period_s", 1.0, 1e6, 30.0, 300.0, "of the swing"},
+        {"phase_deg", -360.0, 360.0, 0.0, 360.0, "at the start of the trial; 0: mean and rising", 0.0},
+        {"stiffness_share_per_k", -0.2, 0.2, -0.015, -0.005, "of all stiffnesses", -0.01},
+        {"expansion_share_per_k", -0.01, 0.01, 2e-4, 4e-4, "of the length", 3e-4}},
+       [](const HiddenChoice& choice, Scenario& scenario) {
+         put(scenario.input_path.temperature,
+             TemperatureSwing{choice.values.at("amplitude_k"), choice.values.at("period_s"),
+                              kRadPerDeg * choice.values.at("phase_deg"),
+                              choice.values.at("stiffness_share_per_k"),
+                              choice.values.at("expansion_share_per_k")});
+       }},
+      {"payload_scale",
+       true,
+       "the published payload is what hangs times 1 + share",
+       {},
+       {{"share", -0.9, 10.0, 0.03, 0.1, "of the payload"}},
+       [](const HiddenChoice& choice, Scenario& scenario) {
+         need(scenario.payload.publish, "a payload that is published");
+         if (scenario.input_path.payload_scale_share != 0.0) throw std::invalid_argument("given twice");
+         scenario.input_path.payload_scale_share = choice.values.at("share");
+       }},
+  };
+}
+
+}  // namespace softarm::rig
