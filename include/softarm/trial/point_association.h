@@ -15,10 +15,10 @@ namespace softarm {
 /// Limits of PointAssociator. The defaults suit soft arms at 50 ... 1000 Hz.
 struct AssociationLimits {
   double jitter_m = 0.001;  ///< of a prediction, beside the noise: driver's filtering, jitter of stamps
-  double acceleration_m_s2 = 40.0;  ///< of a body that moves freely between two samples
-  double unknown_speed_m_s = 1.0;   ///< standard deviation of the speed of a body that was seen only once
+  double acceleration_m_s2 = 20.0;  ///< of a body that moves freely between two samples
+  double max_speed_m_s = 5.0;       ///< two samples that imply more are not of one body
   double gate_sds = 4.0;            ///< a point further from the prediction is another one
-  double remembered_s = 0.15;    ///< a body that was not seen for so long is looked for by the arm's geometry
+  double remembered_s = 0.06;    ///< a body that was not seen for so long is looked for by the arm's geometry
   double stretch = 0.35;         ///< the backbone grows or shrinks by no more than this share
   double ambiguity = 6.0;        ///< cost (-2 ln of likelihood ratio) by which the answer must beat any other
   double missing_cost = 12.0;    ///< of a body without a point, when the arm's geometry decides
@@ -31,10 +31,10 @@ struct AssociationLimits {
 /// Gives the unlabelled points of one instant to the arm's bodies: each point to at most one body, each body
 /// at most one point, absent where the answer is not clear. The bodies' order along the arm is never guessed.
 ///
-/// 1. Every body seen within `remembered_s` is predicted (constant velocity) with a standard deviation that
-///    grows with the time since; the assignment of least total cost within the gates is found (Hungarian
-///    method: Kuhn 1955, Munkres 1957), squared distances in standard deviations against the cost of absence.
-///    A body for which another assignment costs hardly more is absent.
+/// 1. Every body seen twice, and within `remembered_s`, is predicted (constant velocity), less and less
+/// surely; the assignment of least total cost within the gates is found (Hungarian method: Kuhn 1955,
+/// Munkres 1957), against the cost of absence. A body for which another assignment costs hardly more is
+/// absent.
 /// 2. Bodies without a prediction are looked for among the remaining points by the arm's geometry, from the
 ///    rod's base along the bodies that are known: distances cannot exceed the backbone between them nor fall
 ///    below the chord of the strongest bend, and curvature changes gently (find_chain). What all nearly best
@@ -74,26 +74,20 @@ class PointAssociator {
   struct Track {
     double stamp_s = 0.0;
     Eigen::Vector3d p = Eigen::Vector3d::Zero();
-    std::optional<Eigen::Vector3d> velocity;
+    std::optional<Eigen::Vector3d> velocity;  // m/s
   };
-  /// A place where a body may be: a point, or the centre of a circle of points.
-  struct Place {
-    Eigen::Vector3d p;
-    std::vector<int> points;
-  };
-  using Choice = std::vector<int>;  // per body: index of its place, or -1
+  struct Instant;  // the points of one call and what has been made of them
 
-  std::vector<Place> places_of(std::size_t body, const std::vector<Eigen::Vector3d>& points) const;
-  void follow(double stamp_s, const std::vector<std::vector<Place>>& places, Choice* choice);
-  void look_for(const std::vector<std::vector<Place>>& places, const std::optional<Eigen::Isometry3d>& rod,
-                Choice* choice);
-  bool check(const std::vector<std::vector<Place>>& places, const std::optional<Eigen::Isometry3d>& rod,
-             Choice* choice);
+  bool is_predicted(std::size_t body, double stamp_s) const;
+  void follow(Instant& instant);
+  void look_for(Instant& instant);
+  bool holds(Instant& instant);
   void remember(double stamp_s, std::size_t body, const Eigen::Vector3d& p);
 
   AssociationLimits limits_;
   Base base_;
   std::vector<MeasuredBody> bodies_;
+  std::vector<int> kinds_;  // per body: 0 one marker; else which kind of circle
   std::vector<std::optional<Track>> tracks_;
   std::vector<Outcome> outcomes_;
   std::optional<double> stamp_s_;

@@ -1,0 +1,303 @@
+// Unlabelled points of a moving arm among ghosts: never another body's point, however much is missing.
+#include "softarm/trial/point_association.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "../../src/trial/assignment.h"
+
+namespace softarm {
+namespace {
+
+using Points = std::vector<Eigen::Vector3d>;
+using Outcome = PointAssociator::Outcome;
+
+constexpr double kLengthM = 0.2;
+constexpr double kNoiseM = 3e-4;
+
+/// A hanging arm with rings at equal distances.
+Arm hanging_arm(int rings) {
+  Arm arm;
+  arm.name = "points";
+  arm.base.fixed_pose.translation() = Eigen::Vector3d(0.3, 0.1, 1.0);
+  arm.base.fixed_pose.linear() = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  arm.segments.resize(1);
+  arm.segments[0].length_m = kLengthM;
+  for (int i = 1; i <= rings; ++i) {
+    MeasuredBody body;
+    body.name = "ring_" + std::to_string(i);
+    body.arclength_m = kLengthM * i / rings;
+    body.position_sd_m = kNoiseM;
+    arm.bodies.push_back(body);
+  }
+  return arm;
+}
+
+/// Section frame of a constant-curvature arm that bends, turns, stretches: 2.2 rad at most, tip up to 0.8
+/// m/s.
+Eigen::Isometry3d section(const Arm& arm, double s, double t) {
+  const double bend = 0.2 + 2.0 * std::pow(std::sin(2.0 * M_PI * 0.35 * t), 2);
+  const double azimuth = 1.7 * t;
+  const double length = s * (1.08 + 0.08 * std::sin(2.0 * t));
+  const double angle = bend * s / kLengthM;
+  const double radius = length / std::max(angle, 1e-9);
+  Eigen::Isometry3d pose = arm.base.fixed_pose;
+  pose.rotate(Eigen::AngleAxisd(azimuth, Eigen::Vector3d::UnitZ()));
+  pose.translate(Eigen::Vector3d(radius * (1.0 - std::cos(angle)), 0.0, radius * std::sin(angle)));
+  pose.rotate(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()));
+  return pose;
+}
+
+struct Faults {
+  double lost = 0.0;                 // share of samples of each body
+  int ghosts = 0;                    // wandering about the arm
+  double ghost_flicker = 0.0;        // share of instants in which a ghost is somewhere else
+  int lost_from = -1, lost_to = -1;  // frames without the second body
+};
+
+struct Score {
+  int right = 0, absent = 0, wrong = 0, longest_wrong = 0;
+  double worst_m = 0.0;
+};
+
+/// Feeds shuffled points and compares with the truth.
+Score run(const Arm& arm, PointAssociator& associator, const Faults& faults, double rate_hz, int frames,
+          unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0.0, kNoiseM);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  Score score;
+  std::vector<Eigen::Vector4d> phases;
+  for (int g = 0; g < faults.ghosts; ++g)
+    phases.emplace_back(6.0 * unit(random), 6.0 * unit(random), 6.0 * unit(random), 0.5 + unit(random));
+  std::vector<int> wrong_in_a_row(arm.bodies.size(), 0);
+  for (int k = 0; k < frames; ++k) {
+    const double t = k / rate_hz;
+    Points truth, points;
+    for (std::size_t i = 0; i < arm.bodies.size(); ++i) {
+      truth.push_back(section(arm, arm.bodies[i].arclength_m, t).translation());
+      const bool gone = unit(random) < faults.lost || (i == 1 && k >= faults.lost_from && k < faults.lost_to);
+      if (!gone)
+        points.push_back(truth.back() + Eigen::Vector3d(noise(random), noise(random), noise(random)));
+    }
+    for (const Eigen::Vector4d& phase : phases) {
+      const double jump = unit(random) < faults.ghost_flicker ? 10.0 * unit(random) : 0.0;
+      points.emplace_back(0.3 + 0.15 * std::sin(phase[3] * t + phase[0] + jump),
+                          0.1 + 0.15 * std::sin(0.7 * phase[3] * t + phase[1] + jump),
+                          0.88 + 0.15 * std::sin(0.9 * phase[3] * t + phase[2] + jump));
+    }
+    std::shuffle(points.begin(), points.end(), random);
+    const auto found = associator.update(100.0 + t, points);
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      const double error_m = found[i] ? (*found[i] - truth[i]).norm() : 0.0;
+      const bool wrong = error_m > 6.0 * kNoiseM;
+      wrong_in_a_row[i] = wrong ? wrong_in_a_row[i] + 1 : 0;
+      score.longest_wrong = std::max(score.longest_wrong, wrong_in_a_row[i]);
+      score.worst_m = std::max(score.worst_m, error_m);
+      (!found[i] ? score.absent : wrong ? score.wrong : score.right) += 1;
+    }
+  }
+  return score;
+}
+
+TEST(Assignment, IsTheBestOfAllPermutations) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(0.0, 10.0);
+  for (int trial = 0; trial < 200; ++trial) {
+    const int rows = 1 + trial % 5, columns = rows + trial % 3;
+    const Eigen::MatrixXd cost =
+        Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return std::floor(unit(random)); });
+    std::vector<int> order(static_cast<std::size_t>(columns));
+    for (int j = 0; j < columns; ++j) order[static_cast<std::size_t>(j)] = j;
+    double least = std::numeric_limits<double>::max();
+    do {
+      least = std::min(least, total_cost(cost, {order.begin(), order.begin() + rows}));
+    } while (std::next_permutation(order.begin(), order.end()));
+    EXPECT_EQ(total_cost(cost, cheapest_assignment(cost)), least);
+  }
+}
+
+TEST(PointAssociation, FollowsAMovingArmFromItsFirstInstant) {
+  for (int rings : {1, 3, 4, 8}) {
+    for (double rate_hz : {50.0, 120.0, 240.0}) {
+      const Arm arm = hanging_arm(rings);
+      PointAssociator associator(arm);
+      const Score score = run(arm, associator, {}, rate_hz, static_cast<int>(8 * rate_hz), 1);
+      EXPECT_EQ(score.wrong, 0) << rings << " rings at " << rate_hz;
+      EXPECT_EQ(score.absent, 0) << rings << " rings at " << rate_hz;
+      EXPECT_EQ(associator.points_unused(), 0u);
+      EXPECT_EQ(associator.restarts(), 0u);
+    }
+  }
+}
+
+TEST(PointAssociation, GhostsAndLossesSwapNothing) {
+  int right = 0, wrong = 0, absent = 0;
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    const Arm arm = hanging_arm(4);
+    PointAssociator associator(arm);
+    const Faults faults{0.05, 4, 0.02};
+    const Score score = run(arm, associator, faults, 120.0, 2400, seed);
+    right += score.right, wrong += score.wrong, absent += score.absent;
+    // A ghost that passes through a ring in the very frame in which it is lost cannot be told from it; it
+    // may not stay.
+    EXPECT_LT(score.longest_wrong, 12) << seed;
+    EXPECT_LT(score.worst_m, 0.03) << seed;
+    EXPECT_EQ(associator.points_unused() > 9000, true);
+  }
+  EXPECT_GT(right, 0.93 * (right + wrong + absent));  // 5 % were never sent
+  EXPECT_LT(wrong, 0.0005 * right);
+}
+
+TEST(PointAssociation, ABodyThatWasLongLostReturnsAsItself) {
+  for (int ghosts : {0, 3}) {
+    const Arm arm = hanging_arm(4);
+    PointAssociator associator(arm);
+    Faults faults;
+    faults.ghosts = ghosts;
+    faults.lost_from = 100;
+    faults.lost_to = 700;
+    const Score score = run(arm, associator, faults, 240.0, 1400, 5);
+    EXPECT_EQ(score.longest_wrong, 0);
+    EXPECT_LE(score.absent, 600 + (ghosts > 0 ? 60 : 1));
+    EXPECT_EQ(associator.restarts(), 0u);
+  }
+}
+
+TEST(PointAssociation, StartWithMissingAndStrangePoints) {
+  const Arm arm = hanging_arm(4);
+  const auto place = [&](int i) {
+    return Eigen::Vector3d(section(arm, kLengthM * i / 4, 1.0).translation());
+  };
+  const Eigen::Vector3d far(1.5, 0.0, 0.4);
+  {  // three of four: which is missing follows from the spacing
+    PointAssociator associator(arm);
+    const auto found = associator.update(1.0, {place(4), far, place(1), place(3)});
+    EXPECT_TRUE(found[0] && found[2] && found[3] && !found[1]);
+    EXPECT_NEAR((*found[2] - place(3)).norm(), 0.0, 1e-12);
+    EXPECT_EQ(associator.outcomes()[1], Outcome::kNoPoint);
+    EXPECT_EQ(associator.outcomes()[0], Outcome::kFound);
+    EXPECT_EQ(associator.points_unused(), 1u);
+  }
+  {  // two points for the tip: it is absent, the others are not
+    PointAssociator associator(arm);
+    const Eigen::Vector3d beside = place(4) + Eigen::Vector3d(0.006, 0.004, 0.0);
+    const auto found = associator.update(1.0, {place(4), beside, place(1), place(3), place(2)});
+    EXPECT_TRUE(found[0] && found[1] && found[2] && !found[3]);
+    EXPECT_EQ(associator.outcomes()[3], Outcome::kAmbiguous);
+  }
+  {  // nothing but rubbish
+    PointAssociator associator(arm);
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    for (const auto& p : associator.update(1.0, {far, {nan, 0, 0}, -far})) EXPECT_FALSE(p);
+    for (const auto& p : associator.update(1.1, {})) EXPECT_FALSE(p);
+    for (const auto& p : associator.update(1.2, Points(200, far))) EXPECT_FALSE(p);
+    Points crowd;
+    for (int i = 0; i < 200; ++i) crowd.emplace_back(0.3 + 1e-3 * i, 0.1, 0.9);
+    for (const auto& p : associator.update(1.3, crowd)) EXPECT_FALSE(p);
+  }
+}
+
+TEST(PointAssociation, WithoutTheBaseNothingIsGuessed) {
+  Arm arm = hanging_arm(4);
+  arm.base.body = "base";
+  const Eigen::Isometry3d base = arm.base.fixed_pose;
+  PointAssociator associator(arm);
+  const auto points = [&](double t) {
+    Points all;
+    for (int i = 4; i > 0; --i) all.push_back(section(arm, kLengthM * i / 4, t).translation());
+    return all;
+  };
+  for (const auto& p : associator.update(1.0, points(1.0))) EXPECT_FALSE(p);
+  for (double t : {1.01, 1.02}) {
+    for (const auto& p : associator.update(t, points(t), base)) EXPECT_TRUE(p);
+  }
+  const auto found = associator.update(1.03, points(1.03));  // known already: the base is not needed
+  for (std::size_t i = 0; i < 4; ++i) {
+    ASSERT_TRUE(found[i]);
+    EXPECT_NEAR((*found[i] - points(1.03)[3 - i]).norm(), 0.0, 1e-12);
+  }
+}
+
+TEST(PointAssociation, TwoPointsForOneBodyAreNone) {
+  const Arm arm = hanging_arm(4);
+  PointAssociator associator(arm);
+  for (int k = 0; k < 60; ++k) {
+    const double t = k / 240.0;
+    Points points;
+    for (int i = 1; i <= 4; ++i) points.push_back(section(arm, kLengthM * i / 4, t).translation());
+    if (k > 30) points.push_back(points[2] + Eigen::Vector3d(0.0, 0.0015, 0.0));
+    const auto found = associator.update(t, points);
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(found[i].has_value(), k <= 30 || i != 2) << k << " " << i;
+    if (k > 30) {
+      EXPECT_EQ(associator.outcomes()[2], Outcome::kAmbiguous) << k;
+    }
+  }
+}
+
+TEST(PointAssociation, AnArmThatWasMovedOrATimeThatJumpedStartsAfreshAndSaysSo) {
+  const Arm arm = hanging_arm(4);
+  PointAssociator associator(arm);
+  run(arm, associator, {}, 120.0, 240, 1);
+  EXPECT_EQ(associator.restarts(), 0u);
+  const Score again = run(arm, associator, {}, 120.0, 240, 2);  // a bag that starts again
+  EXPECT_EQ(associator.restarts(), 1u);
+  EXPECT_EQ(again.wrong + again.absent, 0);
+}
+
+TEST(PointAssociation, CirclesOfMarkersGiveTheirCentres) {
+  Arm arm = hanging_arm(3);
+  for (MeasuredBody& body : arm.bodies) {
+    body.markers = 4;
+    body.marker_circle_radius_m = 0.025;
+  }
+  PointAssociator associator(arm);
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(0.0, 1e-4);
+  int right = 0, hidden = 0;
+  for (int k = 0; k < 480; ++k) {
+    const double t = k / 120.0;
+    Points points;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Eigen::Isometry3d ring = section(arm, arm.bodies[i].arclength_m, t);
+      for (int m = 0; m < 4; ++m) {
+        if (i == 1 && m == 2 && k > 100) continue;             // one is enough to lose ...
+        if (i == 2 && m < 2 && k >= 200 && k < 260) continue;  // ... and two are too many
+        const double angle = 0.3 * static_cast<double>(i) + m * M_PI / 2.0;
+        points.push_back(ring * Eigen::Vector3d(0.025 * std::cos(angle) + noise(random),
+                                                0.025 * std::sin(angle) + noise(random), noise(random)));
+      }
+    }
+    std::shuffle(points.begin(), points.end(), random);
+    const auto found = associator.update(t, points);
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (!found[i]) {
+        ++hidden;
+        EXPECT_TRUE(i == 2 && k >= 200 && k < 262) << i << " " << k;
+        continue;
+      }
+      ++right;
+      EXPECT_LT((*found[i] - section(arm, arm.bodies[i].arclength_m, t).translation()).norm(), 1e-3);
+    }
+  }
+  EXPECT_GE(hidden, 60);
+  EXPECT_LE(hidden, 64);
+  EXPECT_EQ(right + hidden, 3 * 480);
+}
+
+TEST(PointAssociation, IsFastEnoughForEveryFrameOfALiveStream) {
+  const Arm arm = hanging_arm(8);
+  PointAssociator associator(arm);
+  const auto start = std::chrono::steady_clock::now();
+  run(arm, associator, {0.02, 12, 0.1}, 240.0, 2400, 1);
+  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
+  EXPECT_LT(spent.count() / 2400, 0.004) << "s per instant";  // 240 Hz; a generous bound for a loaded machine
+}
+
+}  // namespace
+}  // namespace softarm
