@@ -3,19 +3,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "moves.h"
 #include "random_stream.h"
 
 namespace softarm::rig {
 namespace {
 
 constexpr std::uint64_t kPressurePurpose = 0x70726573, kTensionPurpose = 0x74656e73,
-                        kAnglePurpose = 0x616e676c;
+                        kAnglePurpose = 0x616e676c, kProgramme = 0x10000;
 
 /// Value `index` of a schedule whose changes take ramp_s.
 double scheduled(const std::vector<Setpoint>& schedule, std::size_t index, double ramp_s, double t_s) {
   double value = schedule.front().values[index];
   for (std::size_t i = 1; i < schedule.size() && t_s > schedule[i].t_s; ++i)
-    value += (schedule[i].values[index] - value) * smooth_ramp((t_s - schedule[i].t_s) / ramp_s);
+    value += (schedule[i].values[index] - value) *
+             smooth_ramp((t_s - schedule[i].t_s) / schedule[i].over_s.value_or(ramp_s));
   return value;
 }
 
@@ -33,7 +35,9 @@ Protocol::Protocol(const Scenario& scenario) : scenario_(scenario) {
 }
 
 Protocol::Drive Protocol::drive(const DriveSpec& spec, int inputs, std::uint64_t purpose) const {
-  Drive result{spec, std::vector<std::vector<Sinusoid>>(static_cast<std::size_t>(inputs))};
+  Drive result{spec, std::vector<std::vector<Sinusoid>>(static_cast<std::size_t>(inputs)), nullptr};
+  if (!spec.programme.empty())
+    result.programme = std::make_shared<Moves>(spec, inputs, scenario_.seed, purpose + kProgramme);
   if (!spec.random) return result;
   const RandomDrive& random = *spec.random;
   for (std::vector<Sinusoid>& sum : result.sinusoids) {
@@ -51,8 +55,15 @@ Protocol::Drive Protocol::drive(const DriveSpec& spec, int inputs, std::uint64_t
 std::vector<double> Protocol::values(const Drive& drive, double t_s) const {
   const DriveSpec& spec = drive.spec;
   double envelope = smooth_ramp((t_s - spec.settle_s) / spec.ramp_s);
-  if (scenario_.duration_s > 0.0)
-    envelope *= smooth_ramp((scenario_.duration_s - spec.settle_s - t_s) / spec.ramp_s);
+  double left_s = scenario_.duration_s - spec.settle_s - t_s;
+  if (drive.programme) {
+    // It begins and ends at rest by itself; only one that is cut short is brought there.
+    envelope = 1.0;
+    const double whole_s = spec.settle_s + drive.programme->length_s();
+    if (!spec.programme.repeat && whole_s <= scenario_.duration_s - spec.settle_s + 1e-9)
+      left_s = spec.ramp_s;
+  }
+  if (scenario_.duration_s > 0.0) envelope *= smooth_ramp(left_s / spec.ramp_s);
   std::vector<double> result;
   for (std::size_t input = 0; input < drive.sinusoids.size(); ++input) {
     double value = spec.rest;
@@ -62,6 +73,8 @@ std::vector<double> Protocol::values(const Drive& drive, double t_s) const {
       sum *= std::sqrt(2.0 / spec.random->sinusoids);
       const double low = spec.random->min[input], high = spec.random->max[input];
       value = 0.5 * (low + high) + 0.5 * (high - low) * std::tanh(sum);
+    } else if (drive.programme) {
+      value = drive.programme->value(input, t_s - spec.settle_s);
     } else if (!spec.schedule.empty()) {
       value = scheduled(spec.schedule, input, spec.ramp_s,
                         spec.repeat_s > 0.0 ? std::fmod(t_s, spec.repeat_s) : t_s);
@@ -70,6 +83,13 @@ std::vector<double> Protocol::values(const Drive& drive, double t_s) const {
     result.push_back(std::max(spec.lowest, spec.rest + envelope * (value - spec.rest)));
   }
   return result;
+}
+
+ProgrammeTimes Protocol::programme_times() const {
+  const auto length_s = [](const Drive& drive) {
+    return drive.programme ? drive.programme->length_s() : 0.0;
+  };
+  return {length_s(pressures_), length_s(tensions_), length_s(angles_)};
 }
 
 Commands Protocol::at(double t_s) const {

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "scenario_parts.h"
+#include "softarm/rig/protocol.h"
 
 namespace softarm::rig {
 namespace {
@@ -49,7 +50,7 @@ MountSpec parse_mount(YamlMap map) {
 VacuumSpec parse_vacuum(YamlMap map) {
   VacuumSpec spec;
   spec.ramp_s = map.number("ramp_s", {0.01, 1e4}, spec.ramp_s);
-  spec.schedule = parse_schedule(map, "vacuum_pa", {0.0, 101325.0}, std::nullopt, spec.ramp_s);
+  spec.schedule = parse_schedule(map, "vacuum_pa", {0.0, 101325.0}, std::nullopt, spec.ramp_s, true);
   map.finish();
   return spec;
 }
@@ -62,7 +63,7 @@ PayloadSpec parse_payload(YamlMap map) {
   spec.hand_damping_n_s_m = map.number("hand_damping_n_s_m", {0.0, 1e4}, spec.hand_damping_n_s_m);
   spec.publish = map.boolean("publish", spec.publish);
   const double change_s = std::max(spec.ramp_s, spec.steady_s);
-  spec.schedule = parse_schedule(map, "kg", {0.0, 100.0}, std::nullopt, change_s);
+  spec.schedule = parse_schedule(map, "kg", {0.0, 100.0}, std::nullopt, change_s, false);
   if (map.has("repeat_s")) {
     const double needed = spec.schedule.empty() ? 0.0 : spec.schedule.back().t_s + change_s;
     spec.repeat_s = map.number("repeat_s", {needed, 1e6});
@@ -139,11 +140,18 @@ Scenario parse_scenario(const std::string& text, const std::string& source) {
   scenario.numerics = parse_numerics(map.map("numerics"));
   parse_hidden(map, scenario);  // last: it builds on all of the above
   map.finish();
-  const std::tuple<const char*, const DriveSpec&, bool> drives[] = {
-      {"pressures", scenario.pressures, true},
-      {"tensions", scenario.tensions, scenario.arm.tendons > 0},
-      {"angles", scenario.angles, scenario.arm.servos > 0}};
-  for (const auto& [name, drive, used] : drives) {
+  const ProgrammeTimes times = Protocol(scenario).programme_times();
+  const std::tuple<const char*, const DriveSpec&, bool, double> drives[] = {
+      {"pressures", scenario.pressures, true, times.pressures_s},
+      {"tensions", scenario.tensions, scenario.arm.tendons > 0, times.tensions_s},
+      {"angles", scenario.angles, scenario.arm.servos > 0, times.angles_s}};
+  for (const auto& [name, drive, used, programme_s] : drives) {
+    const double whole = 2.0 * drive.settle_s + programme_s;
+    if (programme_s > 0.0 && !drive.programme.repeat && scenario.duration_s > 0.0 &&
+        scenario.duration_s < whole - 1e-9)
+      map.fail("duration_s", fmt::format("value {}, allowed 0 (endless) or from {:.6g} ({}.programme, and "
+                                         "settle_s at both ends)",
+                                         scenario.duration_s, whole, name));
     const double needed = 2.0 * (drive.settle_s + drive.ramp_s);
     if (used && scenario.duration_s > 0.0 && scenario.duration_s < needed)
       map.fail("duration_s",

@@ -9,32 +9,18 @@ namespace {
 
 constexpr Allowed kTension{0.0, 1e4}, kAngle{-1e3, 1e3};
 
-/// What one kind of input is called in the file, and the range of its commands.
-struct Kind {
-  std::string unit;    ///< the end of its keys
-  std::string values;  ///< key of a setpoint's values
-  Allowed allowed;
-  std::optional<double> most;  ///< default of the random inputs' maximum
-  int inputs;
-};
-
 /// One limit of the random inputs: a number for all, or one for each.
-std::vector<double> limits(YamlMap& map, const std::string& key, const Kind& kind,
-                           std::optional<double> otherwise) {
+std::vector<double> limit(YamlMap& map, const std::string& key, const InputKindKeys& kind,
+                          std::optional<double> otherwise) {
   const auto count = static_cast<std::size_t>(kind.inputs);
   if (map.has(key) && map.is_list(key)) return map.numbers(key, kind.allowed, count, count);
   const double value = otherwise ? map.number(key, kind.allowed, *otherwise) : map.number(key, kind.allowed);
   return std::vector<double>(count, value);
 }
 
-RandomDrive parse_random(YamlMap map, const Kind& kind) {
+RandomDrive parse_random(YamlMap map, const InputKindKeys& kind) {
   RandomDrive random;
-  const std::string low = "min_" + kind.unit, high = "max_" + kind.unit;
-  random.min = limits(map, low, kind, 0.0);
-  random.max = limits(map, high, kind, kind.most);
-  for (std::size_t i = 0; i < random.min.size(); ++i)
-    if (!(random.min[i] <= random.max[i]))
-      map.fail(high, fmt::format("value {}, allowed from {} ({})", random.max[i], random.min[i], low));
+  parse_limits(map, kind, random.min, random.max);
   random.lowest_hz = map.number("lowest_hz", {0.0, 100.0}, random.lowest_hz);
   random.highest_hz =
       map.number("highest_hz", {random.lowest_hz, 100.0}, std::max(random.lowest_hz, random.highest_hz));
@@ -43,12 +29,9 @@ RandomDrive parse_random(YamlMap map, const Kind& kind) {
   return random;
 }
 
-void parse_drive(YamlMap& map, const Kind& kind, DriveSpec& spec) {
-  if (kind.inputs == 0 && (map.has("random") || map.has("schedule") || map.has("steps")))
-    map.fail(map.has("random")     ? "random"
-             : map.has("schedule") ? "schedule"
-                                   : "steps",
-             "given, but no segment takes such an input");
+void parse_drive(YamlMap& map, const InputKindKeys& kind, DriveSpec& spec) {
+  for (const char* key : {"random", "schedule", "programme", "steps"})
+    if (kind.inputs == 0 && map.has(key)) map.fail(key, "given, but no segment takes such an input");
   const auto count = static_cast<std::size_t>(kind.inputs);
   spec.lowest = kind.allowed.low;
   spec.rate_hz = map.number("rate_hz", {0.1, 2000.0}, spec.rate_hz);
@@ -56,26 +39,40 @@ void parse_drive(YamlMap& map, const Kind& kind, DriveSpec& spec) {
   spec.settle_s = map.number("settle_s", {0.0, 1e4}, spec.settle_s);
   spec.ramp_s = map.number("ramp_s", {0.01, 1e4}, spec.ramp_s);
   if (map.has("random")) spec.random = parse_random(map.map("random"), kind);
-  spec.schedule = parse_schedule(map, kind.values, kind.allowed, count, spec.ramp_s);
+  spec.schedule = parse_schedule(map, kind.values, kind.allowed, count, spec.ramp_s, true);
   if (spec.random && !spec.schedule.empty())
     map.fail("schedule", "given beside random, expected one of them");
+  spec.programme = parse_programme(map, kind);
+  for (const char* other : {"random", "schedule", "steps"})
+    if (!spec.programme.empty() && map.has(other))
+      map.fail("programme", fmt::format("given beside {}, expected one of them", other));
   if (map.has("repeat_s")) {
     if (spec.schedule.empty()) map.fail("repeat_s", "given without a schedule");
-    spec.repeat_s = map.number("repeat_s", {spec.schedule.back().t_s + spec.ramp_s, 1e6});
+    spec.repeat_s = map.number("repeat_s", {spec.schedule.back().end_s(spec.ramp_s), 1e6});
     if (spec.schedule.back().values != spec.schedule.front().values)
       map.fail("repeat_s", "the schedule must end with the values that it starts with");
   }
   YamlMap steps = map.map("steps");
   spec.step_ramp_s = steps.number("ramp_s", {0.001, 1e4}, spec.step_ramp_s);
   const double reach = kind.allowed.high;
-  spec.steps = parse_schedule(steps, kind.values, {-reach, reach}, count, spec.step_ramp_s);
+  spec.steps = parse_schedule(steps, kind.values, {-reach, reach}, count, spec.step_ramp_s, true);
   steps.finish();
 }
 
 }  // namespace
 
+void parse_limits(YamlMap& map, const InputKindKeys& kind, std::vector<double>& min,
+                  std::vector<double>& max) {
+  const std::string low = "min_" + kind.unit, high = "max_" + kind.unit;
+  min = limit(map, low, kind, 0.0);
+  max = limit(map, high, kind, kind.most);
+  for (std::size_t i = 0; i < min.size(); ++i)
+    if (!(min[i] <= max[i]))
+      map.fail(high, fmt::format("value {}, allowed from {} ({})", max[i], min[i], low));
+}
+
 std::vector<Setpoint> parse_schedule(YamlMap& map, const std::string& value_key, Allowed allowed,
-                                     std::optional<std::size_t> count, double ramp_s) {
+                                     std::optional<std::size_t> count, double ramp_s, bool own_ramps) {
   std::vector<Setpoint> schedule;
   for (YamlMap& entry : map.maps("schedule")) {
     Setpoint setpoint;
@@ -87,9 +84,10 @@ std::vector<Setpoint> parse_schedule(YamlMap& map, const std::string& value_key,
     if (schedule.empty() && setpoint.t_s != 0.0)
       entry.fail("t_s", fmt::format("value {}, the first must be 0", setpoint.t_s));
     // A billionth: sums of decimal numbers are not exact.
-    if (!schedule.empty() && setpoint.t_s < schedule.back().t_s + ramp_s - 1e-9)
+    if (!schedule.empty() && setpoint.t_s < schedule.back().end_s(ramp_s) - 1e-9)
       entry.fail("t_s", fmt::format("value {}, allowed from {} (the last change and its ramp_s)",
-                                    setpoint.t_s, schedule.back().t_s + ramp_s));
+                                    setpoint.t_s, schedule.back().end_s(ramp_s)));
+    if (own_ramps && entry.has("over_s")) setpoint.over_s = entry.number("over_s", {0.001, 1e5});
     entry.finish();
     schedule.push_back(std::move(setpoint));
   }

@@ -3,13 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <set>
-#include <sstream>
 
 #include "rig/hidden_inputs.h"
 #include "softarm/rig/simulator.h"
-#include "softarm/rig/truth_csv.h"
 
 namespace softarm::rig {
 namespace {

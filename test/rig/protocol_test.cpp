@@ -130,5 +130,187 @@ TEST(Protocol, PayloadChangesSmoothlyWithAHandAtTheTipAndRepeats) {
   EXPECT_NEAR(protocol.payload_known_at(8.2).t_s, 8.1, 1e-12);
 }
 
+/// The scenario with a programme instead of the random pressures.
+Scenario programme(const std::string& parts, double duration_s = 100.0, std::uint64_t seed = 3) {
+  std::string text = kScenarioText;
+  const std::string random = "  random: {min_pa: 0, max_pa: 40000}\n";
+  text.replace(text.find(random), random.size(), "  programme:\n" + parts);
+  Scenario s = parse_scenario(text.replace(text.find("duration_s: 10"), 14, "duration_s: 0"), "case.yaml");
+  s.duration_s = duration_s;
+  s.seed = seed;
+  return s;
+}
+
+constexpr double kSettle = 0.5, kCorner = 0.1;
+
+TEST(Programme, RampsHaveTheirRateAndAllInputsMoveTogether) {
+  const Protocol protocol(
+      programme("    - {ramp_to_pa: [40000, 0, -10000], rate_pa_per_s: 20000}\n    - {hold_s: 3}\n"));
+  const auto at = [&](double t) { return protocol.at(kSettle + t).pressures_pa; };
+  EXPECT_EQ(at(0.0)[0], 0.0);
+  EXPECT_NEAR(at(0.5 * (2.0 + kCorner))[0], 20e3, 1e-6);
+  EXPECT_NEAR((at(1.5)[0] - at(0.5)[0]) / 1.0, 20e3, 1e-6);
+  EXPECT_NEAR((at(1.5)[2] - at(0.5)[2]) / 1.0, -5e3, 1e-6);
+  EXPECT_NEAR(at(2.0 + kCorner)[0], 40e3, 1e-6);
+  EXPECT_NEAR(at(5.0)[2], -10e3, 1e-6);
+  // Then to rest within ramp_s, 2 s.
+  EXPECT_NEAR(at(2.0 + kCorner + 3.0 + 1.0)[0], 20e3, 1e-6);
+  EXPECT_EQ(at(2.0 + kCorner + 3.0 + 2.0)[0], 0.0);
+  EXPECT_NEAR(protocol.programme_times().pressures_s, 7.1, 1e-9);
+  EXPECT_EQ(protocol.programme_times().tensions_s, 0.0);
+}
+
+TEST(Programme, MovesHaveNoCorners) {
+  const Protocol protocol(
+      programme("    - {cycle_to_pa: [40000, 5000, 0], rates_pa_per_s: [10000, 400000]}\n"));
+  const double dt = 1e-3;
+  double last = 0.0, last_rate = 0.0, fastest = 0.0;
+  for (int i = 1; i < 12000; ++i) {
+    const double p = protocol.at(i * dt).pressures_pa[0], rate = (p - last) / dt;
+    EXPECT_LT(std::abs(rate - last_rate) / dt, 1.6 * 400e3 / kCorner);
+    fastest = std::max(fastest, std::abs(rate));
+    last = p;
+    last_rate = rate;
+  }
+  EXPECT_NEAR(fastest, 400e3, 4e3);
+}
+
+TEST(Programme, CyclesAtEachOfSeveralSpeeds) {
+  const Protocol protocol(
+      programme("    - {cycle_to_pa: [20000, 0, 0], rates_pa_per_s: [5000, 20000], times: 2, hold_s: 1}\n"));
+  double t = kSettle;
+  for (double rate : {5e3, 5e3, 20e3, 20e3}) {
+    const double move_s = 20e3 / rate + kCorner;
+    EXPECT_NEAR(protocol.at(t + 0.5 * move_s).pressures_pa[0], 10e3, 1e-6) << t;
+    EXPECT_NEAR(protocol.at(t + move_s + 0.5).pressures_pa[0], 20e3, 1e-6) << t;
+    EXPECT_NEAR(protocol.at(t + 1.5 * move_s + 1.0).pressures_pa[0], 10e3, 1e-6) << t;
+    EXPECT_NEAR(protocol.at(t + 2.0 * move_s + 1.5).pressures_pa[0], 0.0, 1e-6) << t;
+    t += 2.0 * (move_s + 1.0);
+  }
+  EXPECT_NEAR(protocol.programme_times().pressures_s, t - kSettle, 1e-9);  // it ends at rest
+}
+
+TEST(Programme, StaircaseUpAndDown) {
+  const Protocol protocol(
+      programme("    - {staircase_to_pa: [30000, 6000, 0], levels: 3, over_s: 0.5, hold_s: 2}\n"));
+  const double up[] = {10e3, 20e3, 30e3, 20e3, 10e3, 0.0};
+  for (int i = 0; i < 6; ++i) {
+    const double begin = kSettle + 2.5 * i;
+    for (double within : {0.5, 1.5, 2.5}) {
+      EXPECT_NEAR(protocol.at(begin + within).pressures_pa[0], up[i], 1e-6) << i;
+      EXPECT_NEAR(protocol.at(begin + within).pressures_pa[1], 0.2 * up[i], 1e-6) << i;
+    }
+    EXPECT_NEAR(protocol.at(begin + 0.25).pressures_pa[0], 0.5 * (up[i] + (i ? up[i - 1] : 0.0)), 1e-6) << i;
+  }
+  const Protocol one_way(
+      programme("    - {staircase_to_pa: [30000, 0, 0], levels: 3, hold_s: 2, over_s: 0.5, back: false}\n"));
+  EXPECT_NEAR(one_way.programme_times().pressures_s, 3 * 2.5 + 2.0, 1e-9);
+}
+
+TEST(Programme, RandomHoldsComeFromTheSeedAndChambersAreOffWithTheirChance) {
+  const std::string parts =
+      "    - {random_holds: 400, hold_s: 1, over_s: 0.5, min_pa: 5000, max_pa: [50000, 40000, 30000], "
+      "off_probability: 0.3}\n";
+  const Protocol protocol(programme(parts, 0.0)), same(programme(parts, 0.0)),
+      other(programme(parts, 0.0, 4));
+  EXPECT_NEAR(protocol.programme_times().pressures_s, 400 * 1.5 + 2.0, 1e-9);
+  int off = 0, equal = 0;
+  double most[3] = {0.0, 0.0, 0.0};
+  for (int i = 0; i < 400; ++i) {
+    const double begin = kSettle + 1.5 * i;
+    const std::vector<double> p = protocol.at(begin + 0.6).pressures_pa;
+    EXPECT_EQ(p, same.at(begin + 0.6).pressures_pa);
+    EXPECT_EQ(p, protocol.at(begin + 1.4).pressures_pa);  // a hold
+    for (std::size_t k = 0; k < 3; ++k) {
+      off += p[k] == 0.0 ? 1 : 0;
+      EXPECT_TRUE(p[k] == 0.0 || p[k] >= 5e3);
+      most[k] = std::max(most[k], p[k]);
+      equal += p[k] != 0.0 && p[k] == other.at(begin + 0.6).pressures_pa[k] ? 1 : 0;
+    }
+  }
+  EXPECT_NEAR(off / 1200.0, 0.3, 4.0 * std::sqrt(0.3 * 0.7 / 1200.0));
+  EXPECT_EQ(equal, 0);
+  const double limits[] = {50e3, 40e3, 30e3};
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_LE(most[k], limits[k]);
+    EXPECT_GT(most[k], 0.97 * limits[k]);
+  }
+}
+
+TEST(Programme, RepeatsForEverWhereItShould) {
+  const std::string parts = "    - {ramp_to_pa: [10000, 0, 0], over_s: 1}\n    - {hold_s: 2}\n";
+  const Protocol once(programme(parts, 0.0)), again(programme(parts + "  repeat_programme: true\n", 0.0));
+  EXPECT_NEAR(again.programme_times().pressures_s, 5.0, 1e-12);
+  for (double t : {0.3, 1.5, 3.7}) {
+    EXPECT_NEAR(again.at(kSettle + t + 35.0).pressures_pa[0], once.at(kSettle + t).pressures_pa[0], 1e-6);
+    EXPECT_EQ(once.at(kSettle + t + 35.0).pressures_pa[0], 0.0);
+  }
+}
+
+TEST(Programme, CutShortItComesToRest) {
+  const std::string parts = "    - {ramp_to_pa: [10000, 0, 0], over_s: 1}\n    - {hold_s: 20}\n";
+  const Protocol cut(programme(parts, 8.0)), whole(programme(parts, 24.0));
+  EXPECT_NEAR(cut.at(5.4).pressures_pa[0], 10e3, 1e-6);
+  EXPECT_NEAR(cut.at(6.5).pressures_pa[0], 5e3, 1e-6);
+  EXPECT_EQ(cut.at(7.5).pressures_pa[0], 0.0);
+  EXPECT_NEAR(whole.at(21.4).pressures_pa[0], 10e3, 1e-6);
+  EXPECT_EQ(whole.at(23.5).pressures_pa[0], 0.0);
+}
+
+TEST(Programme, MistakesAreOneLine) {
+  struct Mistake {
+    std::string parts;
+    std::vector<std::string> says;
+  };
+  for (const Mistake& mistake : std::vector<Mistake>{
+           {"    - {wait_s: 2}\n", {"pressures.programme[0].hold_s", "missing", "random_holds"}},
+           {"    - {hold_s: -2}\n", {"pressures.programme[0].hold_s", "-2", "0 ... "}},
+           {"    - {ramp_to_pa: [1, 2]}\n", {"programme[0].ramp_to_pa", "2 values", "3"}},
+           {"    - {ramp_to_pa: [1, 2, 3], rate_pa_per_s: 1, over_s: 2}\n", {"over_s", "rate_pa_per_s"}},
+           {"    - {ramp_to_pa: [1, 2, 3], cycle_to_pa: [1, 2, 3]}\n", {"cycle_to_pa", "ramp_to_pa"}},
+           {"    - {ramp_to_pa: [1, 2, 3], times: 2}\n", {"programme[0].times", "unknown"}},
+           {"    - {random_holds: 3, min_pa: 2000, max_pa: 1000}\n", {"max_pa", "1000", "2000"}},
+           {"    - {random_holds: 3, off_probability: 1.2}\n", {"off_probability", "1.2", "0 ... 1"}},
+           {"    - {hold_s: 1}\n  schedule: [{t_s: 0, pressures_pa: [0, 0, 0]}]\n",
+            {"pressures.programme", "schedule"}},
+           {"    []\n  repeat_programme: true\n", {"repeat_programme", "without a programme"}}}) {
+    try {
+      programme(mistake.parts);
+      ADD_FAILURE() << "accepted: " << mistake.parts;
+    } catch (const ScenarioError& error) {
+      const std::string what = error.what();
+      EXPECT_EQ(what.find('\n'), std::string::npos);
+      for (const std::string& part : mistake.says)
+        EXPECT_NE(what.find(part), std::string::npos) << what << " lacks " << part;
+    }
+  }
+  // Too short for its programme.
+  std::string text = kScenarioText;
+  const std::string random = "  random: {min_pa: 0, max_pa: 40000}\n";
+  text.replace(text.find(random), random.size(),
+               "  programme: [{hold_s: 1}, {ramp_to_pa: [1, 2, 3], over_s: 8}]\n");
+  try {
+    parse_scenario(text, "case.yaml");
+    ADD_FAILURE() << "accepted";
+  } catch (const ScenarioError& error) {
+    EXPECT_STREQ(
+        error.what(),
+        "case.yaml: key duration_s: value 10, allowed 0 (endless) or from 12 (pressures.programme, and "
+        "settle_s at both ends)");
+  }
+}
+
+TEST(Protocol, SetpointsMayHaveRampsOfTheirOwn) {
+  std::string text = kScenarioText;
+  text +=
+      "vacuum:\n  ramp_s: 0.5\n  schedule:\n    - {t_s: 0, vacuum_pa: 0}\n"
+      "    - {t_s: 1, vacuum_pa: 60000, over_s: 4}\n    - {t_s: 6, vacuum_pa: 0}\n";
+  const Protocol protocol(parse_scenario(text, "case.yaml"));
+  EXPECT_NEAR(protocol.at(3.0).vacuum_pa, 30e3, 1e-6);
+  EXPECT_NEAR(protocol.at(6.25).vacuum_pa, 30e3, 1e-6);
+  text.replace(text.find("t_s: 6"), 6, "t_s: 4");
+  EXPECT_THROW(parse_scenario(text, "case.yaml"), ScenarioError);
+}
+
 }  // namespace
 }  // namespace softarm::rig

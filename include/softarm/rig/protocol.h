@@ -1,6 +1,7 @@
 // What is done to the arm: inputs, vacuum and payload as smooth functions of time.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "softarm/rig/scenario.h"
@@ -23,6 +24,13 @@ struct PayloadChange {
   double kg = 0.0;
 };
 
+/// How long the programmes take until everything is at rest again; 0: there is none.
+struct ProgrammeTimes {
+  double pressures_s = 0.0, tensions_s = 0.0, angles_s = 0.0;
+};
+
+class Moves;
+
 /// The scenario's protocol, a pure function of time.
 class Protocol {
  public:
@@ -31,6 +39,7 @@ class Protocol {
   Commands at(double t_s) const;
   /// The last change of the payload that is known by t_s: the middle of the smooth change is its time.
   PayloadChange payload_known_at(double t_s) const;
+  ProgrammeTimes programme_times() const;
 
  private:
   struct Sinusoid {
@@ -39,6 +48,7 @@ class Protocol {
   struct Drive {
     DriveSpec spec;
     std::vector<std::vector<Sinusoid>> sinusoids;  ///< per input
+    std::shared_ptr<const Moves> programme;        ///< null: none
   };
   Drive drive(const DriveSpec& spec, int inputs, std::uint64_t purpose) const;
   std::vector<double> values(const Drive& drive, double t_s) const;

@@ -16,6 +16,7 @@
 #include "softarm/rig/body_spec.h"
 #include "softarm/rig/hidden.h"
 #include "softarm/rig/input_path_spec.h"
+#include "softarm/rig/programme_spec.h"
 #include "softarm/rig/sensor_spec.h"
 
 namespace softarm::rig {
@@ -122,7 +123,10 @@ struct RandomDrive {
 /// A value that holds from a time on; changes take the schedule's ramp, smoothly.
 struct Setpoint {
   double t_s = 0.0;
-  std::vector<double> values;  ///< one per input; one alone for payload (kg) and vacuum (Pa)
+  std::vector<double> values;         ///< one per input; one alone for payload (kg) and vacuum (Pa)
+  std::optional<double> over_s = {};  ///< its own ramp; absent: the schedule's
+
+  double end_s(double ramp_s) const { return t_s + over_s.value_or(ramp_s); }
 };
 
 /// What is done to all inputs of a kind, in its unit: gauge Pa, N or rad.
@@ -134,6 +138,7 @@ struct DriveSpec {
   std::optional<RandomDrive> random;
   std::vector<Setpoint> schedule;  ///< used where random is absent
   double repeat_s = 0.0;           ///< period of the schedule; 0: it runs once
+  Programme programme;             ///< instead of random, schedule and steps
   double step_ramp_s = 0.05;
   std::vector<Setpoint> steps;                               ///< added to the above, with a ramp of their own
   double lowest = -std::numeric_limits<double>::infinity();  ///< that steps can bring an input to

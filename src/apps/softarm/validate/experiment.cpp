@@ -26,6 +26,7 @@ double last_time_s(std::size_t holds, const HoldTiming& timing) {
 void schedule(rig::DriveSpec& drive, const std::vector<Hold>& holds, const HoldTiming& timing,
               std::vector<double> Hold::*values) {
   drive.random.reset();
+  drive.programme = {};
   drive.steps.clear();
   drive.repeat_s = 0.0;
   drive.rest = 0.0;
