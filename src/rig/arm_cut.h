@@ -3,26 +3,38 @@
 
 #include <vector>
 
+#include "softarm/rig/laws.h"
 #include "softarm/rig/ritz_rod.h"
 #include "softarm/rig/scenario.h"
 
 namespace softarm::rig {
 
-/// A piece of the rod: a segment, or a part of it where the payload hangs within.
+/// A piece of the rod: a segment, or a part of it where something is within.
 struct Part {
   std::size_t segment = 0;
-  double share = 1.0;  ///< of the segment
+  double begin = 0.0, share = 1.0;              ///< of the segment
+  double first_fraction = 0.0, fraction = 1.0;  ///< its ends, of the arm's length
+  int least_elements = 1;
+
+  double middle() const { return 0.5 * (first_fraction + fraction); }
 };
 
-/// The arm cut where a payload hangs, and the piece at whose end that is.
+/// The arm cut where a payload hangs and where hidden things begin and end: there curvature, or its
+/// derivatives, may jump.
 struct Cut {
   std::vector<Part> parts;
-  std::size_t payload_part = 0;
+  std::size_t payload_part = 0;  ///< at whose end the payload hangs
+
+  /// The part that ends nearest to a fraction.
+  std::size_t ending_at(double fraction) const;
 };
 
 Cut cut_arm(const Scenario& scenario);
 
 /// The rod of the cut arm.
 RitzRodParams rod_params(const Scenario& scenario, const Cut& cut);
+
+/// What the actuation of the segments is to the pieces of the rod.
+std::vector<PieceInputs> piece_inputs(const Cut& cut, const std::vector<Actuation>& actuation);
 
 }  // namespace softarm::rig

@@ -55,11 +55,12 @@ Eigen::Matrix3d rotation_of(const Eigen::Vector3d& rotation_vector) {
   return Eigen::Matrix3d::Identity() + a * hat + b * hat * hat;
 }
 
-BackboneKinematics::BackboneKinematics(const RodMesh& mesh)
-    : compliances(mesh.pieces().size(), Eigen::Vector3d::Zero()),
+BackboneKinematics::BackboneKinematics(const RodMesh& mesh, const Eigen::Quaterniond& base_attitude)
+    : base(base_attitude.toRotationMatrix()),
+      compliances(mesh.pieces().size(), Eigen::Vector3d::Zero()),
       node_forces(static_cast<std::size_t>(StrainBasis::kPoints * mesh.elements()), Eigen::Vector3d::Zero()),
       tangents(node_forces),
-      rotations(static_cast<std::size_t>(mesh.stations()), Eigen::Matrix3d::Identity()),
+      rotations(static_cast<std::size_t>(mesh.stations()), base),
       positions(static_cast<std::size_t>(mesh.stations()), Eigen::Vector3d::Zero()),
       turns(static_cast<std::size_t>(mesh.stations()) - 1),
       rotation_jacobian(Eigen::MatrixXd::Zero(3 * mesh.stations(), 3 * mesh.functions())),
@@ -69,8 +70,8 @@ void BackboneKinematics::update(const RodMesh& mesh, const Eigen::VectorXd& q,
                                 const std::vector<double>& lengths_m, double load) {
   constexpr int kIntervals = StrainBasis::kIntervals;
   if (mesh.leading_functions() > 0) {
-    rotations[0] = rotation_of(q.head<3>());
-    base_turn = left_jacobian(q.head<3>());
+    rotations[0] = base * rotation_of(q.head<3>());
+    base_turn = base * left_jacobian(q.head<3>());
     base_turn.col(2).setZero();
   }
   for (int e = 0; e < mesh.elements(); ++e) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <Eigen/StdVector>
 #include <vector>
 
@@ -19,7 +20,8 @@ struct BackboneKinematics {
   using Vectors = std::vector<Eigen::Vector3d>;
   using LocalJacobian = Eigen::Matrix<double, 3, 12>;
 
-  explicit BackboneKinematics(const RodMesh& mesh);
+  /// @param base_attitude of the first section, before the base turns
+  BackboneKinematics(const RodMesh& mesh, const Eigen::Quaterniond& base_attitude);
 
   /// Rotations, local derivatives and positions.
   /// @param q coefficients, three components of function m at 3 m ... 3 m + 2
@@ -36,6 +38,7 @@ struct BackboneKinematics {
   Eigen::Vector3d position_at(const RodMesh& mesh, const std::vector<double>& lengths_m,
                               const RodPlace& place) const;
 
+  Eigen::Matrix3d base;  ///< attitude of the first section, before the base turns
   /// Per piece, 1/N: strain (shear, shear, stretch) of the backbone in the section frame per force there.
   Vectors compliances;
   /// Per node, i.e. Lobatto point of an element (kPoints * element + point): the static force that the rod

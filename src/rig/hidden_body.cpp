@@ -1,20 +1,27 @@
 // Effects of material, boundary and loads.
+//
+// Of the catalogue, `published_load_law` is left out: it is what a model may do wrong, no physics that a rig
+// could have.
+#include "hidden_body.h"
+
+#include <algorithm>
+#include <stdexcept>
+
 #include "hidden_tables.h"
-#include "softarm/rig/scenario.h"
 
 namespace softarm::rig {
 
 std::vector<HiddenEffect> body_effects() {
-  return {
-      {"base_compliance",
-       true,
-       "the base turns under the load, though the measured body `base` does not",
-       {},
-       {{"stiffness_nm_per_rad", 1e-4, 1e6, 2.0, 20.0, "bending moment at the base over its turn"}},
-       [](const HiddenChoice& choice, Scenario& scenario) {
-         scenario.body.base_stiffness_nm_per_rad = choice.values.at("stiffness_nm_per_rad");
-       }},
-  };
+  std::vector<HiddenEffect> effects;
+  for (const auto& part : {profile_effects(), material_effects(), boundary_effects()})
+    effects.insert(effects.end(), part.begin(), part.end());
+  return effects;
+}
+
+void refuse_twice(const HiddenChoice& choice, const Scenario& scenario) {
+  const auto same = [&](const HiddenChoice& other) { return other.effect == choice.effect; };
+  if (std::any_of(scenario.hidden.begin(), scenario.hidden.end(), same))
+    throw std::invalid_argument("given twice");
 }
 
 }  // namespace softarm::rig

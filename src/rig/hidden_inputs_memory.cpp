@@ -7,6 +7,11 @@ namespace {
 
 void hysteresis(const HiddenChoice& choice, Scenario& scenario) {
   InputPathSpec& spec = scenario.input_path;
+  if (choice.form == "material") {
+    put(scenario.body.hysteresis,
+        MaterialHysteresis{0.5 * choice.values.at("loop_per_m"), choice.values.at("yield_per_m")});
+    return;
+  }
   if (spec.pressure_play_pa != 0.0 || spec.tension_play_n != 0.0 || spec.angle_play_rad != 0.0)
     throw std::invalid_argument("given twice");
   spec.hysteresis =
@@ -29,12 +34,16 @@ std::vector<HiddenEffect> memory_effects() {
   return {
       {"hysteresis",
        true,
-       "rate-independent loop between what is commanded and what acts in the arm; its width is that of a "
-       "cycle that is wide against it",
-       {"play", "bouc_wen"},
+       "rate-independent loop between what is commanded and what acts in the arm (play, bouc_wen), or "
+       "between "
+       "curvature and moment of every section (material, by Bouc and Wen); its width is that of a cycle that "
+       "is wide against it",
+       {"play", "bouc_wen", "material"},
        {{"loop_pa", 0.0, 1e6, 500.0, 5000.0, "of the pressures", 0.0},
         {"loop_n", 0.0, 1e4, 0.05, 0.5, "of the tensions", 0.0},
-        {"loop_rad", 0.0, 1e3, 0.01, 0.1, "of the servos' angles", 0.0}},
+        {"loop_rad", 0.0, 1e3, 0.01, 0.1, "of the servos' angles", 0.0},
+        {"loop_per_m", 0.0, 100.0, 0.1, 0.6, "material: of the curvature", 0.3},
+        {"yield_per_m", 1e-2, 100.0, 0.3, 2.0, "material: change of curvature that turns the loop", 1.0}},
        hysteresis},
       {"tendon_friction",
        true,

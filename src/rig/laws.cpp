@@ -102,6 +102,8 @@ Actuation apply_laws(const SegmentSpec& segment, const Acting& acting, const Law
       segment.stiffness_per_min_nm2_per_pa * least_pa +
       segment.stiffness_per_jamming_nm2_per_pa * (departures.jamming_pa() + mean_pa);
   actuation.bending_stiffness_nm2 *= departures.bending();
+  actuation.core_stiffness_nm2 =
+      departures.bending() * segment.stiffness_per_jamming_nm2_per_pa * departures.jamming_pa();
   const double wall_torsion_nm2 = departures.torsion() * wall.modulus_ratio * segment.torsional_stiffness_nm2;
   actuation.torsional_stiffness_nm2 = wall_torsion_nm2 + twist_stiffness_nm2;
   if (segment.shear_stiffness_n)

@@ -20,13 +20,14 @@ std::vector<RodMesh::Division> divisions(const RitzRodParams& params) {
 RitzRod::Impl::Impl(const RitzRodParams& rod_params)
     : params(rod_params),
       mesh(divisions(rod_params), rod_params.base_stiffness_nm_per_rad ? 1 : 0),
-      kinematics(mesh),
+      kinematics(mesh, rod_params.base_attitude),
       n(3 * mesh.functions()),
       stations(static_cast<std::size_t>(mesh.stations())),
       lengths_m(params.pieces.size()),
       mass(stations),
       drag(stations),
       inertia(stations),
+      arclength_m(stations),
       forces(stations),
       moments(stations),
       tangent_forces(static_cast<std::size_t>(StrainBasis::kPoints * mesh.elements())),
@@ -37,11 +38,18 @@ RitzRod::Impl::Impl(const RitzRodParams& rod_params)
       factors(n) {
   if (params.payload_piece && *params.payload_piece >= params.pieces.size())
     throw std::invalid_argument("the payload must hang at the end of a piece");
+  for (const RodLoad& load : params.loads)
+    if (load.piece && *load.piece >= params.pieces.size())
+      throw std::invalid_argument("a load must act on the end of a piece");
+  make_section_nodes();
+  load_stiffness.assign(params.loads.empty() ? 0 : stations, Eigen::Matrix3d::Zero());
   RitzRodInputs start;
   start.pieces.resize(params.pieces.size());
   set_inputs(start);
   now.q = now.u = Eigen::VectorXd::Zero(n);
   now.stations.resize(stations);
+  now.memory = virgin_memory;
+  now.core_stiffness_nm2.assign(lengths_m.size(), 0.0);
   kinematics.update(mesh, now.q, lengths_m, 1.0);
   remember(Differences{});
   last = before = now;
@@ -54,22 +62,28 @@ void RitzRod::Impl::set_inputs(const RitzRodInputs& to) {
   std::fill(mass.begin(), mass.end(), 0.0);
   std::fill(drag.begin(), drag.end(), 0.0);
   std::fill(inertia.begin(), inertia.end(), 0.0);
+  std::fill(arclength_m.begin(), arclength_m.end(), 0.0);
   for (std::size_t j = 0; j < params.pieces.size(); ++j) {
     const RodMesh::Piece& piece = mesh.pieces()[j];
     const double diameter_m = params.pieces[j].diameter_m;
     lengths_m[j] = inputs.pieces[j].length_m;
     for (std::size_t i = 0; i < piece.basis.weights().size(); ++i) {
       const std::size_t k = static_cast<std::size_t>(piece.first_station()) + i;
-      const double station_mass = params.pieces[j].mass_kg * piece.basis.weights()[i];
+      double station_mass = params.pieces[j].mass_kg * piece.basis.weights()[i];
+      if (params.pieces[j].mass_slope != 0.0)
+        station_mass *= 1.0 + params.pieces[j].mass_slope * (2.0 * piece.basis.fraction_of(i) - 1.0);
       mass[k] += station_mass;
+      arclength_m[k] += lengths_m[j] * piece.basis.weights()[i];
       drag[k] += params.air_damping_n_s_m2 * lengths_m[j] * piece.basis.weights()[i];
       inertia[k] += station_mass * diameter_m * diameter_m / 16.0;
     }
   }
+  for (std::size_t j = 0; j < params.pieces.size(); ++j)
+    mass[static_cast<std::size_t>(mesh.pieces()[j].last_station())] += params.pieces[j].end_mass_kg;
   mass.back() += params.tip_mass_kg;
   const std::size_t payload_piece = params.payload_piece.value_or(params.pieces.size() - 1);
-  const auto at = static_cast<std::size_t>(mesh.pieces()[payload_piece].last_station());
-  mass[at] += inputs.payload_kg;
+  const std::size_t at = payload_station();
+  if (!payload_off_axis()) mass[at] += inputs.payload_kg;
   drag[at] += inputs.hand_damping_n_s_m;
 
   // The weights beyond each node.
@@ -80,12 +94,14 @@ void RitzRod::Impl::set_inputs(const RitzRodInputs& to) {
     kinematics.compliances[j] = {shear, shear, p.axial_stiffness_n ? 1.0 / *p.axial_stiffness_n : 0.0};
     const RodMesh::Piece& piece = mesh.pieces()[j];
     if (j == payload_piece) beyond_kg += inputs.payload_kg;
+    beyond_kg += params.pieces[j].end_mass_kg;
     for (int e = 0; e < piece.basis.elements(); ++e)
       for (int i = 0; i < StrainBasis::kPoints; ++i) {
         const double fraction = (e + mesh.points()[static_cast<std::size_t>(i)]) / piece.basis.elements();
         const int node = StrainBasis::kPoints * (piece.first_element + e) + i;
+        const double share = 1.0 - fraction + params.pieces[j].mass_slope * fraction * (1.0 - fraction);
         kinematics.node_forces[static_cast<std::size_t>(node)] =
-            (beyond_kg + (1.0 - fraction) * params.pieces[j].mass_kg) * params.gravity_base_m_s2 +
+            (beyond_kg + share * params.pieces[j].mass_kg) * params.gravity_base_m_s2 +
             inputs.tip_force_base_n;
       }
     beyond_kg += params.pieces[j].mass_kg;
@@ -103,6 +119,15 @@ void RitzRod::Impl::remember(const Differences& d) {
       s.v = d.apply(s.x, last.stations[k].x, before.stations[k].x);
     else
       s.v.setZero();
+  }
+  for (std::size_t j = 0; j < lengths_m.size(); ++j)
+    now.core_stiffness_nm2[j] = inputs.pieces[j].core_stiffness_nm2;
+  if (payload_off_axis()) {
+    now.payload.col(0) = payload_position();
+    now.payload.col(1).setZero();
+    if (d.dt > 0.0)
+      now.payload.col(1) =
+          d.apply<Eigen::Vector3d>(now.payload.col(0), last.payload.col(0), before.payload.col(0));
   }
 }
 
@@ -217,6 +242,7 @@ double RitzRod::energy_j() const {
     energy += 0.5 * m.inertia[k] * s.v.rightCols<2>().squaredNorm();
   }
   for (std::size_t j = 0; j < m.lengths_m.size(); ++j) {
+    if (!m.is_plain(j)) continue;
     const StrainBasis& basis = m.mesh.pieces()[j].basis;
     for (int c = 0; c < 3; ++c) {
       const Eigen::VectorXd u = m.now.u(m.coefficients_of(j, c));
@@ -235,11 +261,8 @@ double RitzRod::energy_j() const {
           0.5 * weight *
           m.kinematics.node_forces[node].dot(m.kinematics.tangents[node] - m.kinematics.rotations[k].col(2));
     }
-  if (m.base_yields()) {
-    const Eigen::Vector3d turn = m.now.q.head<3>();
-    energy += 0.5 * turn.dot(m.base_stiffness().cwiseProduct(turn));
-  }
-  return energy;
+  if (m.base_yields()) energy += m.base_spring(m.now.q.head<3>()).energy;
+  return energy + m.section_energy() + m.load_energy();
 }
 
 int RitzRod::last_iterations() const {

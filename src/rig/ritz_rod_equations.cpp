@@ -32,10 +32,13 @@ void RitzRod::Impl::evaluate(const Differences& d, double load) {
     }
   }
   forces.back() += load * inputs.tip_force_base_n;
+  add_loads(d, load);
   gather_moments();
+  if (payload_off_axis()) add_payload_moment();
 
   // Elasticity, viscosity and actuation.
   for (std::size_t j = 0; j < lengths_m.size(); ++j) {
+    if (!is_plain(j)) continue;
     const StrainBasis& basis = mesh.pieces()[j].basis;
     const double tau = params.pieces[j].retardation_s;
     for (int c = 0; c < 3; ++c) {
@@ -47,6 +50,7 @@ void RitzRod::Impl::evaluate(const Differences& d, double load) {
                        load * inputs.pieces[j].moment_section_nm(c) * basis.integral();
     }
   }
+  if (!section_nodes.empty()) add_sections(d, load);
   // Virtual work of the moments: each interval turns everything beyond it.
   Eigen::Vector3d beyond = Eigen::Vector3d::Zero();
   for (std::size_t k = stations - 1; k-- > 0;) {
@@ -55,12 +59,12 @@ void RitzRod::Impl::evaluate(const Differences& d, double load) {
     residual.segment<12>(first).noalias() -= kinematics.turns[k].transpose() * beyond;
   }
   if (!base_yields()) return;
-  Eigen::Vector3d turn = now.q.head<3>();
+  Eigen::Vector3d spring = base_spring(now.q.head<3>()).moment;
   if (d.dt > 0.0)
-    turn += params.pieces.front().retardation_s *
-            d.apply<Eigen::Vector3d>(now.q.head<3>(), last.u.head<3>(), before.u.head<3>());
-  residual.head<3>() =
-      base_stiffness().cwiseProduct(turn) - kinematics.base_turn.transpose() * (beyond + moments[0]);
+    spring +=
+        params.pieces.front().retardation_s * base_stiffness().cwiseProduct(d.apply<Eigen::Vector3d>(
+                                                  now.q.head<3>(), last.u.head<3>(), before.u.head<3>()));
+  residual.head<3>() = spring - kinematics.base_turn.transpose() * (beyond + moments[0]);
 }
 
 void RitzRod::Impl::gather_moments() {
@@ -92,11 +96,12 @@ void RitzRod::Impl::factorise(const Differences& d) {
   const double rate = d.rate();
   matrix.setZero();
   for (std::size_t j = 0; j < lengths_m.size(); ++j)
-    for (int c = 0; c < 3; ++c) {
+    for (int c = 0; c < 3 && is_plain(j); ++c) {
       const auto rows = coefficients_of(j, c);
       matrix(rows, rows) = stiffness(j, c) / lengths_m[j] * (1.0 + params.pieces[j].retardation_s * rate) *
                            mesh.pieces()[j].basis.gram();
     }
+  if (!section_nodes.empty()) factorise_sections(d);
   constexpr int kIntervals = StrainBasis::kIntervals;
   for (int e = 0; e < mesh.elements(); ++e) {
     const int columns = 3 * (mesh.element(e).first_function + 4);
@@ -109,12 +114,14 @@ void RitzRod::Impl::factorise(const Differences& d) {
           moment_stiffness(static_cast<std::size_t>(e * kIntervals + i) + 1, rate * rate) *
           rotation.middleRows<3>(3 * i);
     block.noalias() += rotation.transpose() * turned;
-    if (d.dt > 0.0) {
+    if (d.dt > 0.0 || !load_stiffness.empty()) {
       const auto position = kinematics.position_jacobian.block(row, 0, 3 * kIntervals, columns);
       for (int i = 0; i < kIntervals; ++i) {
         const auto k = static_cast<std::size_t>(e * kIntervals + i) + 1;
         turned.middleRows<3>(3 * i) =
             (mass[k] * rate * rate + drag[k] * rate) * position.middleRows<3>(3 * i);
+        if (!load_stiffness.empty())
+          turned.middleRows<3>(3 * i) += load_stiffness[k] * position.middleRows<3>(3 * i);
       }
       block.noalias() += position.transpose() * turned;
     }
@@ -131,10 +138,12 @@ void RitzRod::Impl::factorise(const Differences& d) {
   if (base_yields()) {
     const Eigen::Matrix3d& turn = kinematics.base_turn;
     auto block = matrix.topLeftCorner<3, 3>();
-    block.diagonal() += base_stiffness() * (1.0 + params.pieces.front().retardation_s * rate);
+    block += base_spring(now.q.head<3>()).stiffness;
+    block.diagonal() += params.pieces.front().retardation_s * rate * base_stiffness();
     block += turn.transpose() * (moment_stiffness(0, rate * rate) - 0.5 * cross_matrix(beyond + moments[0])) *
              turn;
   }
+  if (payload_off_axis()) factorise_payload(rate * rate);
   factors.compute(matrix);
 }
 

@@ -34,6 +34,19 @@ struct State {
   Eigen::VectorXd q;  ///< turn of the base (rad), coefficients of L u
   Eigen::VectorXd u;  ///< turn of the base (rad), coefficients of u (1/m)
   std::vector<Station> stations;
+  Eigen::Matrix<double, 3, 2> payload = Eigen::Matrix<double, 3, 2>::Zero();  ///< off the axis: x, v
+  std::vector<double> memory;                                                 ///< of the section laws
+  std::vector<double> core_stiffness_nm2;                                     ///< per piece
+};
+
+/// A Lobatto point of a piece whose sections differ or have laws.
+struct SectionNode {
+  std::size_t piece = 0;
+  int first_function = 0;
+  LocalBasis basis{};
+  double weight = 0.0;  ///< of the piece
+  SectionRatios ratios;
+  std::size_t first_memory = 0;
 };
 
 struct RitzRod::Impl {
@@ -53,10 +66,52 @@ struct RitzRod::Impl {
     return Eigen::seqN(3 * p.first_function + component, p.basis.functions(), Eigen::fix<3>);
   }
   bool base_yields() const { return mesh.leading_functions() > 0; }
-  /// Of the base's spring; the turn about the tangent is held at 0 by a stiffness of no meaning.
+  /// Of the base's damper; the turn about the tangent is held at 0 by a stiffness of no meaning.
   Eigen::Vector3d base_stiffness() const {
     const double k = params.base_stiffness_nm_per_rad.value_or(1.0);
     return {k, k, 1.0};
+  }
+  /// The base's spring at a turn: moment, its derivative, energy.
+  struct BaseSpring {
+    Eigen::Vector3d moment;
+    Eigen::Matrix3d stiffness;
+    double energy;
+  };
+  BaseSpring base_spring(const Eigen::Vector3d& turn) const;
+
+  /// Whether the sections of a piece are all alike and linear.
+  bool is_plain(std::size_t piece) const {
+    return !params.pieces[piece].sections && params.pieces[piece].laws.empty();
+  }
+  void make_section_nodes();
+  /// Elasticity, viscosity and actuation of the pieces that are not plain; takes their memory along.
+  void add_sections(const Differences& d, double load);
+  void factorise_sections(const Differences& d);
+  double section_energy() const;
+
+  /// Stations that a load acts on, and how much of it.
+  template <typename Action>
+  void for_each_loaded(const RodLoad& load, const Action& action) const {
+    if (load.piece) {
+      action(static_cast<std::size_t>(mesh.pieces()[*load.piece].last_station()), 1.0);
+    } else {
+      for (std::size_t k = 0; k < stations; ++k) action(k, arclength_m[k]);
+    }
+  }
+  /// Forces of the loads and of a payload off the axis, at the stations.
+  void add_loads(const Differences& d, double load);
+  /// The moment of a payload off the axis, once the others are gathered.
+  void add_payload_moment();
+  void factorise_payload(double rate2);
+  double load_energy() const;
+  bool payload_off_axis() const { return !params.payload_offset_section_m.isZero(0.0); }
+  std::size_t payload_station() const {
+    return static_cast<std::size_t>(
+        mesh.pieces()[params.payload_piece.value_or(params.pieces.size() - 1)].last_station());
+  }
+  Eigen::Vector3d payload_position() const {
+    const std::size_t k = payload_station();
+    return kinematics.positions[k] + kinematics.rotations[k] * params.payload_offset_section_m;
   }
 
   Eigen::Matrix3d station_x(std::size_t k) const {
@@ -92,9 +147,15 @@ struct RitzRod::Impl {
   int n;
   std::size_t stations;
   RitzRodInputs inputs;
-  std::vector<double> lengths_m;   ///< of the pieces
-  std::vector<double> mass, drag;  ///< of the stations: kg, N s / m
-  std::vector<double> inertia;     ///< of each of d1 and d2: that of a disc about a diameter, kg m^2
+  std::vector<double> lengths_m;    ///< of the pieces
+  std::vector<double> mass, drag;   ///< of the stations: kg, N s / m
+  std::vector<double> inertia;      ///< of each of d1 and d2: that of a disc about a diameter, kg m^2
+  std::vector<double> arclength_m;  ///< of the stations: what they stand for
+  std::vector<SectionNode> section_nodes;
+  std::vector<SectionResponse> responses;       ///< per section node, of the last evaluation
+  std::vector<double> virgin_memory;            ///< zeros
+  std::vector<Eigen::Matrix3d> load_stiffness;  ///< per station, of the last evaluation
+  Eigen::Vector3d payload_force = Eigen::Vector3d::Zero();
   State now, last, before;
   double step_s = 0.0;  ///< of the last step; 0 after settle()
   bool have_factors = false;

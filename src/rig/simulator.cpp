@@ -100,14 +100,7 @@ struct Simulator::Impl {
       }
     }
     RitzRodInputs inputs;
-    inputs.pieces.clear();
-    for (const Part& part : cut.parts) {
-      const Actuation& a = actuation[part.segment];
-      // Bending towards phi is a turn about the axis at phi + 90 degrees.
-      inputs.pieces.push_back({part.share * a.length_m, a.bending_stiffness_nm2, a.torsional_stiffness_nm2,
-                               Eigen::Vector3d(-a.moment_nm.y(), a.moment_nm.x(), a.twist_moment_nm),
-                               a.shear_stiffness_n, a.axial_stiffness_n});
-    }
+    inputs.pieces = piece_inputs(cut, actuation);
     inputs.payload_kg = commands.payload_kg;
     inputs.hand_damping_n_s_m = commands.hand_damping_n_s_m;
     return inputs;

@@ -23,6 +23,10 @@ class StrainBasis {
   int elements() const { return elements_; }
   int functions() const { return elements_ + 3; }
   int stations() const { return kIntervals * elements_ + 1; }
+  /// Where a station is, 0 ... 1.
+  double fraction_of(std::size_t station) const {
+    return (static_cast<double>(station / kIntervals) + points_[station % kIntervals]) / elements_;
+  }
   double element_size() const { return 1.0 / elements_; }
 
   /// Lobatto points within an element, 0 ... 1.

@@ -21,6 +21,7 @@ struct Actuation {
   double torsional_stiffness_nm2 = 0.0;  ///< taut tendons included
   double length_m = 0.0;                 ///< without load
   double stretch = 1.0;                  ///< of the wall by central chamber and tendons
+  double core_stiffness_nm2 = 0.0;       ///< the part of bending_stiffness_nm2 that the vacuum gives
   /// Against loads, with strains per actual length; absent: rigid.
   std::optional<double> shear_stiffness_n, axial_stiffness_n;
 };

@@ -7,10 +7,13 @@
 // (order 4) and positions from Lobatto quadrature of the tangent. The base may yield: a hinge with a spring,
 // whose rotation vector is unknown too.
 //
+// Sections may differ along a piece and answer bending with laws of their own (section_law.h), whose moments
+// are then summed at the Lobatto points. Hoses and walls are forces at points (point_load.h).
+//
 // A piece may also shear and stretch elastically under the dead loads, whose force n at a section is known
 // whatever the shape: the tangent is R (e3 + K^-1 R^T n). By the envelope theorem the equations of statics
 // keep their form with that tangent. Of the inertia forces, small against the weights, only the moments feel
-// it.
+// it; nor do the forces of hoses and walls stretch the rod.
 //
 // Time: every material station has a position x and two section directors d1, d2, which carry its mass and
 // rotary inertia (like a disc's). Their accelerations are those of BDF2 in Cartesian space, so that no
@@ -22,19 +25,40 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include "softarm/rig/point_load.h"
+#include "softarm/rig/section_law.h"
+
 namespace softarm::rig {
+
+/// What a section has of its piece's.
+struct SectionRatios {
+  double bending = 1.0, twist = 1.0;  ///< stiffness
+  double actuation = 1.0;             ///< moment
+};
 
 /// What does not change of one piece.
 struct RodPiece {
   int elements = 6;
-  double share = 1.0;    ///< of the rod's material coordinate [0, 1]; they sum to 1
-  double mass_kg = 0.2;  ///< evenly distributed
+  double share = 1.0;  ///< of the rod's material coordinate [0, 1]; they sum to 1
+  double mass_kg = 0.2;
   double diameter_m = 0.04;
   double retardation_s = 0.0;
+  double mass_slope = 0.0;   ///< the density is 1 - slope ... 1 + slope times its mean, from base to tip
+  double end_mass_kg = 0.0;  ///< of a point at its end
+  /// By the fraction of the piece; none: all sections are alike.
+  std::function<SectionRatios(double)> sections = {};
+  std::vector<std::shared_ptr<const SectionLaw>> laws = {};
+};
+
+/// A force on the end of a piece, or on the whole rod.
+struct RodLoad {
+  std::shared_ptr<const PointLoad> law;
+  std::optional<std::size_t> piece;  ///< absent: along the rod, the law's forces are per length
 };
 
 /// What does not change.
@@ -44,9 +68,16 @@ struct RitzRodParams {
   double air_damping_n_s_m2 = 0.0;
   Eigen::Vector3d gravity_base_m_s2 = Eigen::Vector3d::Zero();
   std::optional<std::size_t> payload_piece;  ///< the payload hangs at its end; absent: at the tip
+  /// Of the payload from the backbone there, in the section frame.
+  Eigen::Vector3d payload_offset_section_m = Eigen::Vector3d::Zero();
+  /// How the rod stands in the frame of the clamp.
+  Eigen::Quaterniond base_attitude = Eigen::Quaterniond::Identity();
   /// The base turns by (bending) moment over this, N m / rad, with the first piece's retardation. Absent:
   /// rigid.
   std::optional<double> base_stiffness_nm_per_rad;
+  /// So far the base turns freely, but for a hundredth of its stiffness.
+  double base_play_rad = 0.0;
+  std::vector<RodLoad> loads;
 };
 
 /// What may change of one piece from step to step.
@@ -58,6 +89,7 @@ struct PieceInputs {
       Eigen::Vector3d::Zero();  ///< actuation, uniform, turning with the sections
   /// Against the loads; absent: rigid. length_m is that without loads.
   std::optional<double> shear_stiffness_n, axial_stiffness_n;
+  double core_stiffness_nm2 = 0.0;  ///< the part of the bending stiffness that a jammed core gives
 };
 
 /// What may change from step to step.
@@ -98,7 +130,7 @@ class RitzRod {
   Eigen::Vector3d base_rotation() const;
 
   /// Kinetic + elastic + gravity energy - work of the actuation moment and of the tip's dead load, for the
-  /// inputs of the last step.
+  /// inputs of the last step. Laws and loads count with what they store.
   double energy_j() const;
 
   /// Newton iterations of the last solution.

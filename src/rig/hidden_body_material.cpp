@@ -1,0 +1,104 @@
+// Effects of the material: what a section answers to bending.
+#include "hidden_body.h"
+#include "hidden_inputs_parts.h"
+
+namespace softarm::rig {
+namespace {
+
+/// The core of an arm that can be jammed.
+JammedCore& core(const HiddenChoice& choice, Scenario& scenario) {
+  refuse_twice(choice, scenario);
+  need_jamming(scenario);
+  if (!scenario.body.core) scenario.body.core = JammedCore{};
+  return *scenario.body.core;
+}
+
+void jamming_yield(const HiddenChoice& choice, Scenario& scenario) {
+  JammedCore& jammed = core(choice, scenario);
+  jammed.yield_per_m = choice.values.at("yield_per_m");
+  jammed.smooth = choice.form == "bouc_wen";
+}
+
+void strain_stiffening(const HiddenChoice& choice, Scenario& scenario) {
+  refuse_twice(choice, scenario);
+  scenario.body.stiffening = Stiffening{choice.values.at("beta_m2"), choice.form == "gent"};
+}
+
+void creep(const HiddenChoice& choice, Scenario& scenario) {
+  refuse_twice(choice, scenario);
+  scenario.body.creep = Creep{choice.values.at("share"), choice.values.at("time_s"), choice.form == "prony"};
+}
+
+SideStiffness side(const HiddenChoice& choice, Scenario& scenario) {
+  refuse_twice(choice, scenario);
+  return {angle_of(choice, "azimuth_deg"), choice.values.at("share"), choice.values.at("to_fraction")};
+}
+
+}  // namespace
+
+std::vector<HiddenEffect> material_effects() {
+  return {
+      {"strain_stiffening",
+       true,
+       "stiffer at large curvature: EI u (1 + beta u^2), or EI u / (1 - beta u^2)",
+       {"cubic", "gent"},
+       {{"beta_m2", 0.0, 1.0, 3e-4, 2e-3, "beta"}},
+       strain_stiffening},
+      {"creep",
+       true,
+       "the curvature grows under a held load, with one time constant (maxwell: a standard linear solid) or "
+       "with five a decade apart (prony)",
+       {"maxwell", "prony"},
+       {{"share", 0.0, 10.0, 0.05, 0.2, "by which it grows in the end"},
+        {"time_s", 1e-3, 1e6, 5.0, 60.0, "time constant; of prony that in the middle"}},
+       creep},
+      {"mullins",
+       true,
+       "stiffer on first loading: where the curvature has not been so large before (ogden_roxburgh), or "
+       "everywhere, the less the larger it has been (softening)",
+       {"ogden_roxburgh", "softening"},
+       {{"share", 0.0, 5.0, 0.05, 0.2, "by which it is stiffer"},
+        {"scale_per_m", 1e-2, 1e3, 1.0, 5.0, "difference of curvatures that matters", 2.0}},
+       [](const HiddenChoice& choice, Scenario& scenario) {
+         refuse_twice(choice, scenario);
+         scenario.body.first_loading = FirstLoading{
+             choice.values.at("share"), choice.values.at("scale_per_m"), choice.form == "ogden_roxburgh"};
+       }},
+      {"jamming_memory",
+       true,
+       "the jammed core keeps the curvature at which the vacuum was applied",
+       {},
+       {{"share", 0.0, 1.0, 0.3, 1.0, "of that curvature that it keeps"}},
+       [](const HiddenChoice& choice, Scenario& scenario) {
+         core(choice, scenario).memory = choice.values.at("share");
+       }},
+      {"jamming_yield",
+       true,
+       "the jammed core slips at a curvature: sharply (elastoplastic) or gradually (bouc_wen)",
+       {"elastoplastic", "bouc_wen"},
+       {{"yield_per_m", 1e-2, 1e3, 1.0, 6.0, "elastic curvature of the core where it slips"}},
+       jamming_yield},
+      {"plane_stiffness",
+       false,
+       "another bending stiffness in one plane than across it",
+       {},
+       {{"share", -0.9, 10.0, 0.1, 0.4, "by which it is larger in that plane"},
+        azimuth("of the plane, in the section frame"),
+        {"to_fraction", 0.0, 1.0, 1.0, 1.0, "only from the base up to here", 1.0}},
+       [](const HiddenChoice& choice, Scenario& scenario) {
+         scenario.body.plane_stiffness = side(choice, scenario);
+       }},
+      {"one_sided_softness",
+       false,
+       "softer when bent to one side, as if the wall there buckled",
+       {},
+       {{"share", -3.0, 0.9, 0.1, 0.4, "by which it is softer towards that side"},
+        azimuth("of the side, in the section frame"),
+        {"to_fraction", 0.0, 1.0, 0.4, 1.0, "only from the base up to here", 1.0}},
+       [](const HiddenChoice& choice, Scenario& scenario) {
+         scenario.body.one_sided_softness = side(choice, scenario);
+       }},
+  };
+}
+
+}  // namespace softarm::rig
