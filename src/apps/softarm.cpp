@@ -28,6 +28,7 @@ int main(int argc, char** argv) {
     return fmt::format("softarm: {} (softarm --help shows how)\n", one_line(error.what()));
   });
   program.footer("softarm COMMAND --help shows the command's options with examples.");
+  softarm::app::add_campaign(program);
   softarm::app::add_estimate(program);
   softarm::app::add_identify(program);
   softarm::app::add_import(program);

@@ -30,15 +30,12 @@ MountSpec parse_mount(YamlMap map) {
       map.fail("quaternion_xyzw", fmt::format("norm {:.6g}, allowed 0.999 ... 1.001", quaternion.norm()));
     mount.q_mocap_base = quaternion.normalized();
   } else if (named) {
-    // About the mocap frame's y axis: x of the base stays in the vertical plane of x.
     const std::string word = map.word("attitude");
-    if (word == "hanging")
-      mount.q_mocap_base = Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0);
-    else if (word == "horizontal")
-      mount.q_mocap_base = Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2.0, Eigen::Vector3d::UnitY()));
-    else if (word != "standing")
+    const std::optional<Eigen::Quaterniond> q = attitude_named(word);
+    if (!q)
       map.fail("attitude",
                fmt::format("value {}, allowed hanging, standing, horizontal", word.substr(0, 60)));
+    mount.q_mocap_base = *q;
   }
   const double turn = kRadPerDeg * map.number("rotation_deg", {-360.0, 360.0}, 0.0);
   mount.q_mocap_base =
@@ -107,25 +104,37 @@ NumericsSpec parse_numerics(YamlMap map) {
 
 }  // namespace
 
-Scenario parse_scenario(const std::string& text, const std::string& source) {
-  YAML::Node document;
-  try {
-    document = YAML::Load(text);
-  } catch (const YAML::Exception& error) {
-    throw ScenarioError(fmt::format("{}: line {}: {}", source, error.mark.line + 1, error.msg));
-  }
-  if (!document.IsMap())
-    throw ScenarioError(fmt::format("{}: not a scenario: expected a map of keys", source));
+std::optional<Eigen::Quaterniond> attitude_named(const std::string& word) {
+  // Half a turn about x, or a quarter about y: x of the base stays in the vertical plane of x.
+  if (word == "hanging") return Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0);
+  if (word == "horizontal")
+    return Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2.0, Eigen::Vector3d::UnitY()));
+  if (word == "standing") return Eigen::Quaterniond::Identity();
+  return std::nullopt;
+}
 
-  YamlMap map(document, source, "");
+std::pair<double, std::string> least_duration(const Scenario& scenario) {
+  std::pair<double, std::string> least{0.0, ""};
+  const ProgrammeTimes times = Protocol(scenario).programme_times();
+  const std::tuple<const char*, const DriveSpec&, bool, double> drives[] = {
+      {"pressures", scenario.pressures, true, times.pressures_s},
+      {"tensions", scenario.tensions, scenario.arm.tendons > 0, times.tensions_s},
+      {"angles", scenario.angles, scenario.arm.servos > 0, times.angles_s}};
+  for (const auto& [name, drive, used, programme_s] : drives) {
+    const double whole_s = 2.0 * drive.settle_s + programme_s;
+    if (programme_s > 0.0 && !drive.programme.repeat && whole_s > least.first)
+      least = {whole_s, fmt::format("{}.programme, and settle_s", name)};
+    const double needed_s = 2.0 * (drive.settle_s + drive.ramp_s);
+    if (used && needed_s > least.first) least = {needed_s, fmt::format("{}.settle_s and ramp_s", name)};
+  }
+  return least;
+}
+
+Scenario parse_scenario(const std::string& text, const std::string& source) {
+  YamlMap map = load_document(text, source, "a scenario");
   Scenario scenario;
   if (map.integer("format", {1, 1}, 0) == 0) map.fail("format", "missing, required (1)");
-  scenario.name = map.word("name");
-  const auto is_plain = [](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-';
-  };
-  if (scenario.name.size() > 100 || !std::all_of(scenario.name.begin(), scenario.name.end(), is_plain))
-    map.fail("name", "allowed are up to 100 letters, digits, _ and -");
+  scenario.name = map.plain_name("name");
   scenario.seed = map.seed("seed", scenario.seed);
   scenario.duration_s = map.number("duration_s", {0.0, 1e6}, scenario.duration_s);
   scenario.gravity_m_s2 = map.number("gravity_m_s2", {0.0, 30.0}, scenario.gravity_m_s2);
@@ -140,24 +149,10 @@ Scenario parse_scenario(const std::string& text, const std::string& source) {
   scenario.numerics = parse_numerics(map.map("numerics"));
   parse_hidden(map, scenario);  // last: it builds on all of the above
   map.finish();
-  const ProgrammeTimes times = Protocol(scenario).programme_times();
-  const std::tuple<const char*, const DriveSpec&, bool, double> drives[] = {
-      {"pressures", scenario.pressures, true, times.pressures_s},
-      {"tensions", scenario.tensions, scenario.arm.tendons > 0, times.tensions_s},
-      {"angles", scenario.angles, scenario.arm.servos > 0, times.angles_s}};
-  for (const auto& [name, drive, used, programme_s] : drives) {
-    const double whole = 2.0 * drive.settle_s + programme_s;
-    if (programme_s > 0.0 && !drive.programme.repeat && scenario.duration_s > 0.0 &&
-        scenario.duration_s < whole - 1e-9)
-      map.fail("duration_s", fmt::format("value {}, allowed 0 (endless) or from {:.6g} ({}.programme, and "
-                                         "settle_s at both ends)",
-                                         scenario.duration_s, whole, name));
-    const double needed = 2.0 * (drive.settle_s + drive.ramp_s);
-    if (used && scenario.duration_s > 0.0 && scenario.duration_s < needed)
-      map.fail("duration_s",
-               fmt::format("value {}, allowed 0 (endless) or from {} ({}.settle_s and ramp_s at both ends)",
-                           scenario.duration_s, needed, name));
-  }
+  const auto [needed_s, what] = least_duration(scenario);
+  if (scenario.duration_s > 0.0 && scenario.duration_s < needed_s - 1e-9)
+    map.fail("duration_s", fmt::format("value {}, allowed 0 (endless) or from {:.6g} ({} at both ends)",
+                                       scenario.duration_s, needed_s, what));
   return scenario;
 }
 

@@ -40,6 +40,12 @@ std::vector<Setpoint> parse_schedule(YamlMap& map, const std::string& value_key,
 /// The list `programme` of a drive, and repeat_programme.
 Programme parse_programme(YamlMap& map, const InputKindKeys& keys);
 
+/// The orientation of the clamp in the mocap frame that a word names.
+std::optional<Eigen::Quaterniond> attitude_named(const std::string& word);
+
+/// The shortest trial that lets every drive leave its rest and come back (s), and what needs it, in words.
+std::pair<double, std::string> least_duration(const Scenario& scenario);
+
 /// The list `hidden` of the document, hidden in the scenario.
 void parse_hidden(YamlMap& document, Scenario& scenario);
 

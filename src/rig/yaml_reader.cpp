@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 
@@ -118,6 +120,29 @@ std::string YamlMap::word(const std::string& key) {
   return value.Scalar();
 }
 
+std::string YamlMap::plain_name(const std::string& key) {
+  const std::string name = word(key);
+  const auto is_plain = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-';
+  };
+  if (name.size() > 100 || !std::all_of(name.begin(), name.end(), is_plain))
+    fail(key, "allowed are up to 100 letters, digits, _ and -");
+  return name;
+}
+
+std::vector<std::string> YamlMap::words(const std::string& key) {
+  const YAML::Node value = get(key);
+  if (!value.IsDefined()) return {};
+  if (!value.IsSequence()) return {word(key)};
+  std::vector<std::string> result;
+  for (const YAML::Node& item : value) {
+    if (!item.IsScalar() || item.Scalar().empty())
+      fail(key, fmt::format("value {}, expected a list of words", shown(item)));
+    result.push_back(item.Scalar());
+  }
+  return result;
+}
+
 std::vector<double> YamlMap::numbers(const std::string& key, Allowed allowed, std::size_t at_least,
                                      std::size_t at_most) {
   const YAML::Node value = require(key);
@@ -153,6 +178,17 @@ std::vector<YamlMap> YamlMap::maps(const std::string& key) {
     result.emplace_back(list[i], source_, path);
   }
   return result;
+}
+
+YamlMap load_document(const std::string& text, const std::string& source, const std::string& what) {
+  YAML::Node document;
+  try {
+    document = YAML::Load(text);
+  } catch (const YAML::Exception& error) {
+    throw ScenarioError(fmt::format("{}: line {}: {}", source, error.mark.line + 1, error.msg));
+  }
+  if (!document.IsMap()) throw ScenarioError(fmt::format("{}: not {}: expected a map of keys", source, what));
+  return YamlMap(document, source, "");
 }
 
 void YamlMap::finish() const {

@@ -31,6 +31,10 @@ class YamlMap {
   std::uint64_t seed(const std::string& key, std::uint64_t otherwise);
   bool boolean(const std::string& key, bool otherwise);
   std::string word(const std::string& key);
+  /// A word of up to 100 letters, digits, _ and -.
+  std::string plain_name(const std::string& key);
+  /// The words of a list; a single word is a list of one; empty if the key is absent.
+  std::vector<std::string> words(const std::string& key);
   /// A list of numbers, each within the range, with an allowed count.
   std::vector<double> numbers(const std::string& key, Allowed allowed, std::size_t at_least,
                               std::size_t at_most);
@@ -56,5 +60,9 @@ class YamlMap {
   std::string source_, path_;
   std::set<std::string> known_;
 };
+
+/// The map of a whole document.
+/// @param what it should be, for messages: "a scenario"
+YamlMap load_document(const std::string& text, const std::string& source, const std::string& what);
 
 }  // namespace softarm::rig

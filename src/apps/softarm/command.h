@@ -12,6 +12,7 @@ class Failure : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+void add_campaign(CLI::App& program);
 void add_estimate(CLI::App& program);
 void add_identify(CLI::App& program);
 void add_import(CLI::App& program);

@@ -1,0 +1,32 @@
+// A trial of the virtual rig as a bag, the truth sealed beside it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "softarm/rig/scenario.h"
+
+namespace softarm::app {
+
+/// Simulated time 0 as a stamp: a constant, so that the same scenario gives the same bag.
+constexpr double kTrialEpochS = 1600000000.0;
+
+struct RecordedTrial {
+  std::uint64_t frames = 0, messages = 0, bodies_lost = 0;
+  double duration_s = 0.0;
+  std::filesystem::path truth_series, truth_description, seal;
+  std::string series_sha256, description_sha256;
+};
+
+/// Simulates a scenario with a duration. The bag holds what the sensors saw and nothing else. The truth is
+/// its time series (truth, CSV: rig::write_truth_row) and what was hidden (the same name with .yaml); the
+/// digests of both are in a third file (.sha256, as sha256sum writes and checks them). All files appear or
+/// none.
+/// @param on_frame called after each frame
+/// @throws Failure, rig::SimulationError
+RecordedTrial record_trial(const rig::Scenario& scenario, const std::filesystem::path& bag,
+                           const std::filesystem::path& truth, const std::function<void()>& on_frame);
+
+}  // namespace softarm::app

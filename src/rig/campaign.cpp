@@ -1,0 +1,165 @@
+#include "softarm/rig/campaign.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "random_stream.h"
+#include "scenario_parts.h"
+
+namespace softarm::rig {
+namespace {
+
+constexpr std::uint64_t kCasePurpose = 0x63617365;
+
+double drawn(const Span& span, RandomStream& random) {
+  return random.uniform(span.low, span.high);
+}
+
+std::size_t drawn_index(std::size_t count, RandomStream& random) {
+  return std::min(count - 1, static_cast<std::size_t>(random.uniform() * static_cast<double>(count)));
+}
+
+/// A place within a parameter's usual range: sizes that span more than a factor of three evenly in their
+/// logarithm.
+double usual(const HiddenParameter& parameter, double place) {
+  const double low = parameter.usual_low, high = parameter.usual_high;
+  if (parameter.whole) return std::min(high, low + std::floor(place * (high - low + 1.0)));
+  if (low > 0.0 && high > 3.0 * low) return low * std::pow(high / low, place);
+  return low + place * (high - low);
+}
+
+/// An effect's size is its first parameter that is a number of something physical.
+const HiddenParameter* size_of(const HiddenEffect& effect) {
+  const auto found = std::find_if(effect.parameters.begin(), effect.parameters.end(),
+                                  [](const HiddenParameter& parameter) { return !parameter.whole; });
+  return found == effect.parameters.end() ? nullptr : &*found;
+}
+
+/// @param size_place where in its usual range the size lies
+/// @param scale of the size: below 1, an effect that is too small to matter
+HiddenChoice draw_choice(const HiddenEffect& effect, double size_place, double scale, RandomStream& random) {
+  HiddenChoice choice;
+  choice.effect = effect.id;
+  if (!effect.forms.empty()) choice.form = effect.forms[drawn_index(effect.forms.size(), random)];
+  const HiddenParameter* size = size_of(effect);
+  for (const HiddenParameter& parameter : effect.parameters) {
+    const double place = random.uniform(), sign = random.uniform() < 0.5 ? -1.0 : 1.0;
+    double value = usual(parameter, &parameter == size ? size_place : place);
+    if (&parameter == size) {
+      value = std::max(scale * value, parameter.low);
+      if (parameter.low <= -value) value *= sign;  // usual sizes are given on one side
+    }
+    choice.values[parameter.key] = value;
+  }
+  return choice;
+}
+
+/// Draws effects one by one and hides them in all trials; those that do not fit the arm are passed over.
+std::vector<HiddenChoice> hide_some(std::vector<std::string> from, std::size_t count, const Span& size,
+                                    double scale, std::vector<Scenario>& trials, RandomStream& random) {
+  std::vector<HiddenChoice> hidden;
+  while (hidden.size() < count && !from.empty()) {
+    const std::size_t i = drawn_index(from.size(), random);
+    const HiddenEffect& effect = *find_hidden_effect(from[i]);
+    from.erase(from.begin() + static_cast<std::ptrdiff_t>(i));
+    const double place = drawn(size, random), factor = scale < 1.0 ? scale * random.uniform() : 1.0;
+    const HiddenChoice choice = draw_choice(effect, place, factor, random);
+    std::vector<Scenario> with = trials;
+    try {
+      for (Scenario& trial : with) hide(choice, trial);
+    } catch (const std::invalid_argument&) {
+      continue;  // this arm has no tendons, no vacuum, ...
+    }
+    trials = std::move(with);
+    hidden.push_back(choice);
+  }
+  return hidden;
+}
+
+/// The true arm of a case: no two that were made alike are alike.
+void spread_constants(const CampaignSpec& spec, ArmSpec& arm, RandomStream& random) {
+  const auto factor = [&](double sd) { return std::exp(sd * random.normal()); };
+  for (SegmentSpec& segment : arm.segments) {
+    const double stiffness = factor(spec.stiffness_spread);
+    segment.stiffness_base_nm2 *= stiffness;
+    segment.stiffness_per_min_nm2_per_pa *= stiffness;
+    segment.stiffness_per_jamming_nm2_per_pa *= stiffness;
+    segment.torsional_stiffness_nm2 *= stiffness;
+    for (StiffnessAtPressure& knot : segment.stiffness_by_pressure) knot.bending_stiffness_nm2 *= stiffness;
+    segment.mass_kg *= factor(spec.mass_spread);
+    segment.length_m *= factor(spec.length_spread);
+    for (ChamberSpec& chamber : segment.chambers) chamber.moment_gain_nm_per_pa *= factor(spec.gain_spread);
+    for (CableSpec& cable : segment.cables) cable.spool_radius_m *= factor(spec.gain_spread);
+  }
+}
+
+/// A draw of one trial's seed, protocol and sensors.
+Scenario draw_trial(const CampaignSpec& spec, const Scenario& arm, int trial, RandomStream& random) {
+  Scenario scenario = arm;
+  scenario.seed = static_cast<std::uint64_t>(random.uniform() * 0x1.0p53);
+  const auto round = [trial](std::size_t count) { return static_cast<std::size_t>(trial) % count; };
+  const double speed = spec.speeds[round(spec.speeds.size())];
+  const double turn = random.uniform(0.0, 2.0 * M_PI);
+  scenario.mount.q_mocap_base = *attitude_named(spec.attitudes[round(spec.attitudes.size())]) *
+                                Eigen::Quaterniond(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
+  for (DriveSpec* drive :
+       {static_cast<DriveSpec*>(&scenario.pressures), &scenario.tensions, &scenario.angles}) {
+    if (!drive->random) continue;
+    drive->random->lowest_hz *= speed;
+    drive->random->highest_hz *= speed;
+  }
+  scenario.duration_s = drawn(spec.seconds, random);
+  if (const double least_s = least_duration(scenario).first; scenario.duration_s < least_s)
+    throw std::invalid_argument(
+        fmt::format("campaign {}: trials.seconds is {:.3g}, scenario {} needs {} at least", spec.name,
+                    scenario.duration_s, arm.name, least_s));
+  const double payload_kg = drawn(spec.payload_kg, random);
+  scenario.payload.repeat_s = 0.0;
+  scenario.payload.publish = true;
+  scenario.payload.schedule.clear();
+  if (spec.payload_kg.high > 0.0)
+    scenario.payload.schedule = {{0.0, {0.0}}, {0.25 * scenario.duration_s, {payload_kg}}};
+  scenario.mocap.rate_hz = std::round(drawn(spec.mocap_rate_hz, random));
+  scenario.mocap.ring_noise = {drawn(spec.position_sd_m, random), drawn(spec.orientation_sd_rad, random)};
+  scenario.mocap.dropout_probability = drawn(spec.dropout_probability, random);
+  return scenario;
+}
+
+}  // namespace
+
+CampaignCase draw_case(const CampaignSpec& spec, const std::vector<Scenario>& arms, std::uint64_t seed,
+                       int number, int attempt) {
+  RandomStream random(seed, kCasePurpose + 0x10000ULL * static_cast<std::uint64_t>(number) +
+                                0x1000000000000ULL * static_cast<std::uint64_t>(attempt));
+  CampaignCase drawn_case;
+  drawn_case.arm = drawn_index(arms.size(), random);
+  Scenario arm = arms[drawn_case.arm];
+  spread_constants(spec, arm.arm, random);
+  for (int trial = 0; trial < spec.trials; ++trial)
+    drawn_case.trials.push_back(draw_trial(spec, arm, trial, random));
+
+  double total = 0.0;
+  for (double weight : spec.effect_count_weights) total += weight;
+  double place = total * random.uniform();
+  std::size_t count = 0;
+  while (count + 1 < spec.effect_count_weights.size() && place >= spec.effect_count_weights[count])
+    place -= spec.effect_count_weights[count++];
+  drawn_case.effects = hide_some(spec.effects, count, spec.effect_size, 1.0, drawn_case.trials, random);
+  if (drawn_case.effects.size() < count)
+    throw std::invalid_argument(fmt::format("campaign {}: scenario {} takes {} of the effects, {} were drawn",
+                                            spec.name, arm.name, drawn_case.effects.size(), count));
+  std::vector<std::string> others;
+  for (const std::string& id : spec.distractors)
+    if (std::none_of(drawn_case.effects.begin(), drawn_case.effects.end(),
+                     [&](const HiddenChoice& effect) { return effect.effect == id; }))
+      others.push_back(id);
+  const std::size_t distractors = drawn_index(static_cast<std::size_t>(spec.most_distractors) + 1, random);
+  drawn_case.distractors =
+      hide_some(others, distractors, {0.0, 0.0}, spec.distractor_size, drawn_case.trials, random);
+  return drawn_case;
+}
+
+}  // namespace softarm::rig

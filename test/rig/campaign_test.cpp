@@ -1,0 +1,162 @@
+// Campaigns: what is drawn lies in its ranges, follows from the seed alone, and can be simulated.
+#include "softarm/rig/campaign.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "scenario_text.h"
+#include "softarm/rig/simulator.h"
+#include "softarm/rig/truth_yaml.h"
+
+namespace softarm::rig {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr char kCampaign[] = R"(format: 1
+name: trial
+arms: [{scenario: case, arm: online_200mm}]
+effects:
+  count_weights: [1, 1, 1]
+  from: [hysteresis, base_compliance, gain_nonlinearity, pressure_lag]
+  size: [0.5, 1]
+distractors: {at_most: 2, from: [catalogue], size: 0.1}
+arm_spread: {stiffness: 0.1, gain: 0.1, mass: 0.02, length: 0.005}
+trials:
+  count: 4
+  attitudes: [hanging, horizontal]
+  speeds: [1, 2]
+  seconds: [8, 10]
+  payload_kg: [0.01, 0.1]
+mocap: {rate_hz: [60, 240], position_sd_m: [0.0002, 0.0006], orientation_sd_rad: 0.01, dropout_probability: [0, 0.01]}
+)";
+
+std::vector<Scenario> arms() {
+  return {parse_scenario(kScenarioText, "case.yaml")};
+}
+
+TEST(Campaign, DrawsLieInTheirRanges) {
+  const CampaignSpec spec = parse_campaign(kCampaign, "campaign.yaml");
+  const std::vector<Scenario> base = arms();
+  std::set<std::size_t> counts;
+  std::set<std::uint64_t> seeds;
+  std::set<std::string> effects;
+  for (int number = 0; number < 200; ++number) {
+    const CampaignCase one = draw_case(spec, base, 3, number);
+    ASSERT_EQ(one.trials.size(), 4u);
+    counts.insert(one.effects.size());
+    for (const HiddenChoice& choice : one.effects) {
+      effects.insert(choice.effect);
+      for (const HiddenParameter& parameter : find_hidden_effect(choice.effect)->parameters) {
+        const double size = std::abs(choice.values.at(parameter.key));
+        EXPECT_GE(size, parameter.usual_low * (1.0 - 1e-12)) << choice.effect << ' ' << parameter.key;
+        EXPECT_LE(size, parameter.usual_high * (1.0 + 1e-12)) << choice.effect << ' ' << parameter.key;
+      }
+    }
+    EXPECT_LE(one.distractors.size(), 2u);
+    for (const HiddenChoice& choice : one.distractors)
+      for (const HiddenChoice& effect : one.effects) EXPECT_NE(choice.effect, effect.effect);
+    for (std::size_t i = 0; i < one.trials.size(); ++i) {
+      const Scenario& trial = one.trials[i];
+      seeds.insert(trial.seed);
+      EXPECT_EQ(trial.hidden.size(), one.effects.size() + one.distractors.size());
+      EXPECT_GE(trial.duration_s, 8.0);
+      EXPECT_LE(trial.duration_s, 10.0);
+      EXPECT_GE(trial.mocap.rate_hz, 60.0);
+      EXPECT_LE(trial.mocap.rate_hz, 240.0);
+      EXPECT_EQ(trial.payload.schedule.size(), 2u);
+      EXPECT_NEAR(trial.pressures.random->highest_hz, (i % 2 + 1) * base[0].pressures.random->highest_hz,
+                  1e-12);
+      // The same arm in all trials, and not the scenario's.
+      EXPECT_EQ(trial.arm.segments[0].stiffness_base_nm2, one.trials[0].arm.segments[0].stiffness_base_nm2);
+      EXPECT_NE(trial.arm.segments[0].stiffness_base_nm2, base[0].arm.segments[0].stiffness_base_nm2);
+      // Hanging and horizontal in turn: how the base's tangent stands to gravity.
+      const double up = (trial.mount.q_mocap_base * Eigen::Vector3d::UnitZ()).z();
+      EXPECT_NEAR(up, i % 2 == 0 ? -1.0 : 0.0, 1e-9);
+    }
+  }
+  EXPECT_EQ(counts, (std::set<std::size_t>{0, 1, 2}));
+  EXPECT_EQ(effects.size(), 4u);
+  EXPECT_EQ(seeds.size(), 800u);
+}
+
+TEST(Campaign, ACaseFollowsFromSeedAndNumberAlone) {
+  const CampaignSpec spec = parse_campaign(kCampaign, "campaign.yaml");
+  const auto text = [&](std::uint64_t seed, int number, int attempt = 0) {
+    std::string all;
+    for (const Scenario& trial : draw_case(spec, arms(), seed, number, attempt).trials)
+      all += truth_yaml(trial);
+    return all;
+  };
+  EXPECT_EQ(text(1, 7), text(1, 7));
+  EXPECT_NE(text(1, 7), text(1, 8));
+  EXPECT_NE(text(1, 7), text(2, 7));
+  EXPECT_NE(text(1, 7), text(1, 7, 1));
+}
+
+TEST(Campaign, CasesCanBeSimulated) {
+  const CampaignSpec spec = parse_campaign(kCampaign, "campaign.yaml");
+  for (int number = 0; number < 5; ++number) {
+    for (const Scenario& trial : draw_case(spec, arms(), 1, number).trials) {
+      Simulator simulator(trial);
+      for (int frame = 0; frame < 30; ++frame) ASSERT_TRUE(simulator.next());
+    }
+  }
+}
+
+TEST(Campaign, TruthNamesWhatIsHidden) {
+  Scenario scenario = arms()[0];
+  hide({"base_compliance", "", {{"stiffness_nm_per_rad", 6.5}}}, scenario);
+  const std::string truth = truth_yaml(scenario);
+  EXPECT_THAT(truth, HasSubstr("effect: base_compliance"));
+  EXPECT_THAT(truth, HasSubstr("stiffness_nm_per_rad: 6.5"));
+  EXPECT_THAT(truth, HasSubstr("stiffness_base_nm2: 0.027"));
+  EXPECT_THAT(truth, HasSubstr("seed: 18446744073709551615"));
+}
+
+TEST(Campaign, MistakesAreOneLine) {
+  struct Mistake {
+    std::string from, to;
+    std::vector<std::string> says;
+  };
+  const std::vector<Mistake> mistakes{
+      {"format: 1", "format: 2", {"format", "2"}},
+      {"name: trial", "name: a b", {"name", "letters"}},
+      {"arms: [{scenario: case, arm: online_200mm}]", "arms: []", {"arms", "at least one"}},
+      {"from: [hysteresis,", "from: [hysteria,", {"effects.from", "hysteria", "catalogue, outside, all"}},
+      {"from: [hysteresis, base_compliance, gain_nonlinearity, pressure_lag]",
+       "from: [hysteresis]",
+       {"effects.from", "1 effects", "up to 2"}},
+      {"count_weights: [1, 1, 1]", "count_weights: [0, 0]", {"effects.count_weights", "above 0"}},
+      {"size: [0.5, 1]", "size: [1, 0.5]", {"effects.size", "larger"}},
+      {"attitudes: [hanging,", "attitudes: [lying,", {"trials.attitudes", "lying", "horizontal"}},
+      {"stiffness: 0.1", "stiffness: 0.9", {"arm_spread.stiffness", "0.9", "0 ... 0.5"}},
+      {"speeds: [1, 2]", "speed: [1, 2]", {"trials.speed", "unknown", "speeds"}},
+  };
+  for (const Mistake& mistake : mistakes) {
+    std::string text = kCampaign;
+    const std::size_t at = text.find(mistake.from);
+    ASSERT_NE(at, std::string::npos) << mistake.from;
+    text.replace(at, mistake.from.size(), mistake.to);
+    try {
+      parse_campaign(text, "campaign.yaml");
+      ADD_FAILURE() << "accepted: " << mistake.to;
+    } catch (const ScenarioError& error) {
+      const std::string what = error.what();
+      EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+      EXPECT_THAT(what, HasSubstr("campaign.yaml: ")) << mistake.to;
+      for (const std::string& part : mistake.says) EXPECT_THAT(what, HasSubstr(part)) << mistake.to;
+    }
+  }
+}
+
+TEST(Campaign, ATrialTooShortForItsDrivesIsRefused) {
+  std::string text = kCampaign;
+  text.replace(text.find("[8, 10]"), 7, "[2, 3]");
+  EXPECT_THROW(draw_case(parse_campaign(text, "campaign.yaml"), arms(), 1, 0), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace softarm::rig
