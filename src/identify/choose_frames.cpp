@@ -14,6 +14,8 @@ using Eigen::Vector3d;
 constexpr double kFarFromArm = 5.0;       // in lengths of the arm: units, or another object
 constexpr double kStillFor_s = 0.5;       // before a frame that is taken for one at rest
 constexpr double kStillInput = 0.01;      // share of an input's range over the trial
+constexpr double kStillNoise = 5.0;       // ... or so many standard deviations of a measured input
+constexpr double kQuietShare = 0.9;       // of the steps from frame to frame: the largest are commanded ones
 constexpr double kStillSpeed_m_s = 0.01;  // of the farthest body
 constexpr double kBeforeChange_s = 0.5;   // of the payload, which is told in the middle of its change
 constexpr double kAfterChange_s = 1.5;
@@ -100,6 +102,25 @@ double moved_m(const StaticFrame& a, const StaticFrame& b) {
   return largest;
 }
 
+/// Standard deviation of each setting's noise, from its steps from frame to frame. 0 for commanded ones,
+/// which mostly stay as they are.
+Eigen::VectorXd noise_of(const std::vector<Eigen::VectorXd>& at) {
+  Eigen::VectorXd sd = Eigen::VectorXd::Zero(at.front().size());
+  for (Eigen::Index k = 0; k < sd.size(); ++k) {
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < at.size(); ++i) {
+      if (at[i].size() == sd.size() && at[i - 1].size() == sd.size())
+        steps.push_back(std::abs(at[i][k] - at[i - 1][k]));
+    }
+    std::sort(steps.begin(), steps.end());
+    steps.resize(static_cast<std::size_t>(kQuietShare * static_cast<double>(steps.size())));
+    double sum2 = 0.0;
+    for (const double step : steps) sum2 += step * step;
+    if (!steps.empty()) sd[k] = std::sqrt(0.5 * sum2 / static_cast<double>(steps.size()));
+  }
+  return sd;
+}
+
 /// For each frame whether inputs and payload have not changed for a while and the bodies do not move. A frame
 /// whose past is not recorded counts: recordings of single static shapes are made of such.
 std::vector<bool> at_rest(const std::vector<StaticFrame>& frames, double noise_m) {
@@ -113,7 +134,7 @@ std::vector<bool> at_rest(const std::vector<StaticFrame>& frames, double noise_m
     low = low.cwiseMin(v);
     high = high.cwiseMax(v);
   }
-  const Eigen::VectorXd tolerance = kStillInput * (high - low);
+  const Eigen::VectorXd tolerance = (kStillInput * (high - low)).cwiseMax(kStillNoise * noise_of(at));
   std::size_t newest_change = 0;  // first frame of the run of equal settings, compared with its first
   std::size_t past = 0;           // first frame no older than kStillFor_s
   for (std::size_t i = 0; i < frames.size(); ++i) {

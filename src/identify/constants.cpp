@@ -211,6 +211,13 @@ std::vector<ConstantRef> default_free(const Arm& arm) {
 
 std::vector<ConstantRef> constants_of(const Arm& arm) {
   std::vector<ConstantRef> list = default_free(arm);
+  for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
+    const ConstantRef axial{ConstantKind::kAxialStiffness, i, 0};
+    const bool listed = std::any_of(list.begin(), list.end(), [&](const ConstantRef& c) {
+      return c.kind == axial.kind && c.segment == axial.segment;
+    });
+    if (at(arm.segments, i).axial_stiffness_n && !listed) list.push_back(axial);
+  }
   for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i)
     list.push_back({ConstantKind::kLength, i, 0});
   for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {

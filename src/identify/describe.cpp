@@ -12,9 +12,9 @@ namespace {
 constexpr double kStrongCorrelation = 0.9;
 constexpr std::size_t kMostCorrelations = 12;
 
-std::string error_row(const char* name, const ShapeError& e) {
+std::string error_row(const std::string& name, const ShapeError& e, std::size_t width = 24) {
   const auto cell = [&](double m) { return fmt::format("{:.2f} mm {:5.2f} %", 1e3 * m, e.percent(m)); };
-  return fmt::format("  {:<24}{:>18}{:>18}{:>18}{:>18}{:>9}\n", name, cell(e.mean_m), cell(e.median_m),
+  return fmt::format("  {:<{}}{:>18}{:>18}{:>18}{:>18}{:>9}\n", name, width, cell(e.mean_m), cell(e.median_m),
                      cell(e.maximum_m), cell(e.minimum_m), e.frames);
 }
 
@@ -88,6 +88,10 @@ std::string errors_table(const Result& result) {
                                  "median", "maximum", "minimum", "frames");
   text += error_row("fitted trials, before", result.fitted_before);
   text += error_row("fitted trials, after", result.fitted);
+  if (!result.left_out_one.empty()) {
+    text += error_row("each by others, before", result.left_out_one_before);
+    return text + error_row("each by others, after", result.left_out_one_after);
+  }
   if (result.held_out.frames == 0)
     return text + "  no trial is held out: nothing says how far to trust this\n";
   text += error_row("held-out trials, before", result.held_out_before);
@@ -101,6 +105,12 @@ std::string trials_text(const Result& result) {
     text += fmt::format("  {:<32}{:<9} frames {:>5}, mean error {:7.2f} mm -> {:.2f} mm\n", trial.name,
                         trial.held_out ? "held out" : "fitted", trial.frames, 1e3 * trial.before.mean_m,
                         1e3 * trial.after.mean_m);
+  if (result.left_out_one.empty()) return text;
+  std::size_t width = 24;
+  for (const TrialSummary& trial : result.left_out_one) width = std::max(width, trial.name.size());
+  text += fmt::format("each trial by the fit to the others:\n  {:<{}}{:>18}{:>18}{:>18}{:>18}{:>9}\n", "",
+                      width, "mean", "median", "maximum", "minimum", "frames");
+  for (const TrialSummary& trial : result.left_out_one) text += error_row(trial.name, trial.after, width);
   return text;
 }
 

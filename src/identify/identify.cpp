@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <random>
 #include <stdexcept>
 
@@ -41,7 +42,7 @@ std::vector<bool> choose_held_out(const std::vector<Trial>& trials, const Option
       throw std::invalid_argument("all trials are held out: nothing is left to fit");
     return held;
   }
-  if (trials.size() < 3 || !(options.held_out_share > 0.0)) return held;
+  if (trials.size() < 3 || !(options.held_out_share > 0.0) || options.leave_one_out) return held;
   const double share = std::min(options.held_out_share, 0.9);
   const auto wanted = static_cast<double>(trials.size()) * share;
   const auto count = std::clamp<std::size_t>(static_cast<std::size_t>(wanted + 1e-9), 1, trials.size() - 1);
@@ -94,6 +95,14 @@ Arm with_all_inputs_needed(Arm arm, const std::vector<ConstantRef>& free) {
   return arm;
 }
 
+/// Frames of one trial among all.
+std::vector<FrameComparison> of_trial(const std::vector<FrameComparison>& all, std::size_t trial) {
+  std::vector<FrameComparison> some;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(some),
+               [&](const FrameComparison& f) { return f.trial == trial; });
+  return some;
+}
+
 /// Errors of chosen frames before and after, over all and trial by trial.
 void compare_all(const Arm& before, const std::vector<StaticFrame>& frames, bool held_out, Result& result) {
   const auto old_shapes = compare_frames(before, frames);
@@ -104,23 +113,43 @@ void compare_all(const Arm& before, const std::vector<StaticFrame>& frames, bool
   for (std::size_t t = 0; t < result.trials.size(); ++t) {
     TrialSummary& trial = result.trials[t];
     if (trial.held_out != held_out) continue;
-    const auto of_trial = [&](const std::vector<FrameComparison>& all) {
-      std::vector<FrameComparison> some;
-      std::copy_if(all.begin(), all.end(), std::back_inserter(some),
-                   [&](const FrameComparison& f) { return f.trial == t; });
-      return some;
-    };
-    trial.before = summarise(of_trial(old_shapes), length);
-    trial.after = summarise(of_trial(new_shapes), new_length);
+    trial.before = summarise(of_trial(old_shapes, t), length);
+    trial.after = summarise(of_trial(new_shapes, t), new_length);
   }
+}
+
+/// Each trial by the fit to all others.
+void leave_one_out(const Arm& arm, const std::vector<Trial>& trials, Options options, Result& result,
+                   const ProgressCallback& progress) {
+  options.leave_one_out = false;
+  std::vector<FrameComparison> before, after;
+  const std::vector<FrameComparison> old_shapes = compare(arm, trials, options.frames);
+  for (std::size_t t = 0; t < trials.size(); ++t) {
+    options.held_out = {trials[t].name};
+    const Result fold = identify(arm, trials, options, [&](double share) {
+      progress((static_cast<double>(t) + share) / static_cast<double>(trials.size()));
+    });
+    result.left_out_one.push_back(fold.trials[t]);
+    for (const FrameComparison& f : of_trial(old_shapes, t)) before.push_back(f);
+    for (const FrameComparison& f : of_trial(compare(fold.arm, trials, options.frames), t))
+      after.push_back(f);
+  }
+  result.left_out_one_before = summarise(before, arm.total_length_m());
+  result.left_out_one_after = summarise(after, result.arm.total_length_m());
 }
 
 }  // namespace
 
 Result identify(const Arm& arm, const std::vector<Trial>& trials, const Options& options,
                 const ProgressCallback& progress) {
+  if (options.leave_one_out && (trials.size() < 2 || !options.held_out.empty()))
+    throw std::invalid_argument(
+        options.held_out.empty()
+            ? "each trial by the fit to the others: there is but one trial"
+            : "trials are held out by name, or each in its turn (leave one out), not both");
+  const double own_share = options.leave_one_out ? 1.0 / (1.0 + static_cast<double>(trials.size())) : 1.0;
   const auto report = [&](double share) {
-    if (progress) progress(share);
+    if (progress) progress(own_share * share);
   };
   std::vector<ConstantRef> free = choose_free(arm, options);
   const std::vector<bool> held_out = choose_held_out(trials, options);
@@ -233,6 +262,10 @@ Result identify(const Arm& arm, const std::vector<Trial>& trials, const Options&
   result.prior = law_errors(arm, problem.model(), all, factor);
   result.arm.estimator.prior = result.prior;
   report(1.0);
+  if (options.leave_one_out)
+    leave_one_out(arm, trials, options, result, [&](double share) {
+      if (progress) progress(own_share + (1.0 - own_share) * share);
+    });
   return result;
 }
 

@@ -19,6 +19,18 @@ Json json_of(const ShapeError& e) {
           {"minimum_percent", e.percent(e.minimum_m)}};
 }
 
+Json json_of(const std::vector<TrialSummary>& trials) {
+  Json list = Json::array();
+  for (const TrialSummary& trial : trials) {
+    list.push_back({{"name", trial.name},
+                    {"held_out", trial.held_out},
+                    {"frames", trial.frames},
+                    {"before", json_of(trial.before)},
+                    {"after", json_of(trial.after)}});
+  }
+  return list;
+}
+
 Json parts_of(const std::vector<std::pair<std::string, double>>& list) {
   Json object = Json::object();
   for (const auto& [name, value] : list) object[name] = value;
@@ -56,13 +68,11 @@ std::string to_json(const Result& result) {
   json["fitted"] = json_of(result.fitted);
   json["held_out_before"] = json_of(result.held_out_before);
   json["held_out"] = json_of(result.held_out);
-  json["trials"] = Json::array();
-  for (const TrialSummary& trial : result.trials) {
-    json["trials"].push_back({{"name", trial.name},
-                              {"held_out", trial.held_out},
-                              {"frames", trial.frames},
-                              {"before", json_of(trial.before)},
-                              {"after", json_of(trial.after)}});
+  json["trials"] = json_of(result.trials);
+  if (!result.left_out_one.empty()) {
+    json["leave_one_out"] = {{"before", json_of(result.left_out_one_before)},
+                             {"after", json_of(result.left_out_one_after)},
+                             {"trials", json_of(result.left_out_one)}};
   }
   const LawPrior& prior = result.prior;
   json["prior"] = {{"moment_sd_nm", prior.moment_sd_nm},

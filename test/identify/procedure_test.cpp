@@ -1,4 +1,5 @@
 // Choice of frames and trials, derivatives, errors, the prior, and what is written.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -126,6 +127,36 @@ TEST(HeldOut, EveryThirdTrialUnlessNamedOrDrawn) {
   EXPECT_EQ(identify(arm, {trials[0], trials[1]}).held_out.frames, 0u) << "two trials are both needed";
 }
 
+TEST(HeldOut, EachInItsTurnIsWhatHoldingItOutByNameGives) {
+  const Arm arm = testing::pneumatic_arm();
+  const std::vector<Trial> trials = paper_trials(arm, 3, 4);
+  Options options;
+  options.leave_one_out = true;
+  double last = 0.0;
+  const Result all = identify(arm, trials, options, [&](double share) {
+    EXPECT_GE(share, last);
+    last = share;
+  });
+  EXPECT_EQ(last, 1.0);
+  EXPECT_EQ(all.held_out.frames, 0u) << "the fit itself is to all";
+  ASSERT_EQ(all.left_out_one.size(), 4u);
+  std::size_t frames = 0;
+  for (const TrialSummary& trial : all.left_out_one) frames += trial.after.frames;
+  EXPECT_EQ(all.left_out_one_after.frames, frames);
+  Options by_name;
+  by_name.held_out = {trials[2].name};
+  const Result one = identify(arm, trials, by_name);
+  EXPECT_TRUE(all.left_out_one[2].held_out);
+  EXPECT_EQ(all.left_out_one[2].after.mean_m, one.held_out.mean_m);
+  EXPECT_EQ(all.left_out_one[2].after.maximum_m, one.held_out.maximum_m);
+  EXPECT_THAT(describe(all), ::testing::HasSubstr("each trial by the fit to the others"));
+  EXPECT_THAT(to_json(all), ::testing::HasSubstr("\"leave_one_out\""));
+  options.held_out = by_name.held_out;
+  EXPECT_THROW(identify(arm, trials, options), std::invalid_argument);
+  options.held_out.clear();
+  EXPECT_THROW(identify(arm, {trials[0]}, options), std::invalid_argument);
+}
+
 TEST(HeldOut, HeldOutFramesDoNotChangeTheFit) {
   const Arm arm = testing::pneumatic_arm();
   std::vector<Trial> trials = paper_trials(arm, 2, 12);
@@ -221,6 +252,28 @@ TEST(Frames, AtRestAndSpreadOverTheInputs) {
   for (const FrameComparison& frame : compare(arm, {trial}, choice))
     on_the_way = on_the_way || (frame.stamp_s > 102.2 && frame.stamp_s < 102.9);
   EXPECT_TRUE(on_the_way);
+}
+
+TEST(Frames, AtRestThoughThePressureSensorsAreNoisy) {
+  const Arm arm = testing::pneumatic_arm();
+  testing::FrameMaker maker(arm);
+  std::mt19937_64 random(4);
+  Trial trial{"measured", {}};
+  for (int i = 0; i < 160;
+       ++i) {  // 3 s at one pressure, 2 s on the way, 3 s at another: 20 Hz, 600 Pa of noise
+    const double t = i / 20.0;
+    const double p = 1e4 + 3e4 * std::clamp((t - 3.0) / 2.0, 0.0, 1.0);
+    trial.frames.push_back(*maker.make({p, 0.0, 0.0, 0.0}, 0.0, testing::hanging()));
+    trial.frames.back().stamp_s = t;
+    for (int k = 0; k < 2; ++k) {
+      double& input = *trial.frames.back().inputs[static_cast<std::size_t>(k)];
+      input = std::max(0.0, input + testing::uniform(random, -1000.0, 1000.0));
+    }
+  }
+  const auto chosen = compare(arm, {trial});
+  ASSERT_GT(chosen.size(), 20u);
+  for (const FrameComparison& frame : chosen)
+    EXPECT_TRUE(frame.stamp_s <= 3.3 || frame.stamp_s >= 4.9) << frame.stamp_s;
 }
 
 TEST(Frames, OfATrialThatMovesThroughoutAreNotThoseOfItsEndsAlone) {

@@ -49,11 +49,12 @@ void set_value(Arm& arm, const ConstantRef& constant, double value);
 /// What the description of an arm allows.
 Range allowed_range(const Arm& arm, const ConstantRef& constant);
 
-/// Every constant that the arm has, base to tip: those of its actuation and stiffness laws, then lengths and
-/// rest curvatures. EA only where it is given and an input strains it; a knot of by_pressure replaces base.
+/// Every constant that the arm has, base to tip: those of its actuation and stiffness laws, then EA where it
+/// is given, lengths and rest curvatures. A knot of by_pressure replaces base.
 std::vector<ConstantRef> constants_of(const Arm& arm);
 
-/// Those that identification frees unless told otherwise: all but lengths and rest curvatures.
+/// Those that identification frees unless told otherwise: all but lengths and rest curvatures, and EA only
+/// where an input strains the arm (what a payload stretches it by is often less than what the laws leave).
 std::vector<ConstantRef> default_free(const Arm& arm);
 
 /// The constants whose name matches one of the shell patterns ("*.moment_gain", "segment_1.length"); a

@@ -33,6 +33,8 @@ struct Options {
   double held_out_share = 1.0 / 3.0;  ///< of three or more trials, at least one; 0: none
   /// 0: every n-th trial is held out; else they are drawn with this seed.
   std::uint64_t seed = 0;
+  /// All trials are fitted; beside that each trial is predicted from a fit to all the others. For few trials.
+  bool leave_one_out = false;
 
   FrameChoice frames;
   /// Bounds the influence of a body that lies off and drops gross ones.
@@ -84,6 +86,9 @@ struct Result {
   ShapeError fitted_before, fitted;      ///< on the trials that were fitted
   ShapeError held_out_before, held_out;  ///< on those that were not; no frames where none were held out
   std::vector<TrialSummary> trials;
+  /// With Options::leave_one_out each trial by the fit to the others, and all of them together.
+  std::vector<TrialSummary> left_out_one;
+  ShapeError left_out_one_before, left_out_one_after;
 
   LawPrior prior;
   double misfit = 0.0;                            ///< sqrt(chi^2 / dof): rms residual over the stated noise

@@ -36,7 +36,7 @@ struct Options {
   std::string out, json, plot;
   std::string procedure = "fit";
   identify::Options fit;
-  bool moving = false, not_robust = false;
+  bool moving = false, not_robust = false, plot_all = false;
   std::optional<double> payload_kg;
   unsigned jobs = 0;
 };
@@ -45,6 +45,7 @@ constexpr const char* kExamples = R"(Examples:
   softarm identify --arm my_arm.yaml trials/*.bag --out my_arm_identified.yaml
   softarm identify --arm my_arm.yaml *.bag --out new.yaml --hold-out trial_7 --also-free length
   softarm identify --arm my_arm.yaml *.bag --out new.yaml --free '*.moment_gain,*.bending_stiffness.*'
+  softarm identify --arm my_arm.yaml few/*.bag --out new.yaml --leave-one-out
   softarm identify --arm my_arm.yaml *.bag --procedure pull
 Constants are named <segment>.<what>: segment_1.chamber_2.moment_gain, segment_1.bending_stiffness.base,
 segment_1.tendon_1.offset, segment_1.length ...; patterns may have * and ?; the last part alone will do.)";
@@ -111,7 +112,13 @@ std::string names_of(const identify::Result& result, bool held_out) {
 
 std::vector<std::string> header_of(const identify::Result& result) {
   std::vector<std::string> lines{"constants and prior identified from the trials " + names_of(result, false)};
-  if (result.held_out.frames > 0) {
+  if (!result.left_out_one.empty()) {
+    const identify::ShapeError &before = result.left_out_one_before, &after = result.left_out_one_after;
+    lines.push_back(fmt::format(
+        "mean shape error, each trial by a fit to the others: {:.2f} mm, {:.2f} % of the length; before: "
+        "{:.2f} mm",
+        1e3 * after.mean_m, after.percent(after.mean_m), 1e3 * before.mean_m));
+  } else if (result.held_out.frames > 0) {
     const identify::ShapeError &before = result.held_out_before, &after = result.held_out;
     lines.push_back(fmt::format(
         "mean shape error on held-out trials ({}): {:.2f} mm, {:.2f} % of the length; before: "
@@ -163,7 +170,8 @@ void fit(const Options& options, const Arm& arm) {
   write(out, update_arm_text(text, source.string(), result.arm, header_of(result)));
   if (json) write(*json, identify::to_json(result));
   if (shapes) {
-    write(*shapes, shapes_csv(arm, result, trials, options.fit.frames));
+    write(*shapes, shapes_csv(arm, result, trials,
+                              options.plot_all ? identify::FrameChoice{0, false} : options.fit.frames));
     write(*constants, constants_csv(result));
   }
   out.commit();
@@ -233,6 +241,8 @@ void add_identify(CLI::App& program) {
   command->add_option("--json", options->json, "also writes the result for programs");
   command->add_option("--plot", options->plot,
                       "folder for shapes.csv and constants.csv (scripts/plot_identify.py)");
+  command->add_flag("--plot-all", options->plot_all,
+                    "shapes.csv holds all frames, in motion too, not only those chosen");
   command
       ->add_option("--procedure", options->procedure,
                    "fit: all frames together; pull: stiffness from each step of the payload at held inputs")
@@ -250,6 +260,8 @@ void add_identify(CLI::App& program) {
   command->add_option("--hold-out-share", options->fit.held_out_share, "share of the trials to hold out")
       ->check(CLI::Range(0.0, 0.9))
       ->capture_default_str();
+  command->add_flag("--leave-one-out", options->fit.leave_one_out,
+                    "fit all trials, and predict each from a fit to the others");
   command->add_option("--seed", options->fit.seed, "draws the held-out trials at random; 0: evenly")
       ->capture_default_str();
   command->add_option("--frames", options->fit.frames.frames_per_trial, "frames per trial at most; 0: all")
