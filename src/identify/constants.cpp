@@ -186,6 +186,10 @@ Range allowed_range(const Arm& arm, const ConstantRef& constant) {
   return {};
 }
 
+bool strained_by_inputs(const Segment& segment) {
+  return segment.central_chamber || !segment.tendons.empty();
+}
+
 std::vector<ConstantRef> default_free(const Arm& arm) {
   std::vector<ConstantRef> list;
   for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
@@ -203,8 +207,7 @@ std::vector<ConstantRef> default_free(const Arm& arm) {
     // With one or two chambers the lowest pressure is a law as well, (7) is of antagonists.
     add_all(ConstantKind::kPerMinPressure, segment.chambers.size() >= 2 ? 1 : 0);
     add_all(ConstantKind::kPerJammingPressure, segment.jamming_input && !segment.chambers.empty() ? 1 : 0);
-    const bool strained = segment.central_chamber || !segment.tendons.empty();
-    add_all(ConstantKind::kAxialStiffness, strained && segment.axial_stiffness_n ? 1 : 0);
+    add_all(ConstantKind::kAxialStiffness, strained_by_inputs(segment) && segment.axial_stiffness_n ? 1 : 0);
   }
   return list;
 }

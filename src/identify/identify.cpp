@@ -182,6 +182,17 @@ Result identify(const Arm& arm, const std::vector<Trial>& trials, const Options&
       (held_out[frame.trial] ? others : fitted).push_back(std::move(frame));
     }
   }
+  // Its own weight alone stretches an arm always alike: EA and length would be one number.
+  const bool loads_differ = std::any_of(fitted.begin(), fitted.end(), [&](const StaticFrame& frame) {
+    return std::abs(frame.payload_kg - fitted.front().payload_kg) > 1e-6;
+  });
+  free.erase(std::remove_if(free.begin(), free.end(),
+                            [&](const ConstantRef& c) {
+                              return c.kind == ConstantKind::kAxialStiffness && !loads_differ &&
+                                     !strained_by_inputs(arm.segments[static_cast<std::size_t>(c.segment)]);
+                            }),
+             free.end());
+  if (free.empty()) throw IdentifyError("nothing is left to fit: EA needs trials with different payloads");
   if (fitted.empty()) throw IdentifyError("no frame of the trials can be used: " + reasons(result.left_out));
   report(0.05);
 

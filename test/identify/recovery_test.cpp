@@ -233,5 +233,33 @@ TEST(Recovery, LengthAndRestCurvatureWhereAsked) {
   EXPECT_NEAR(result.arm.bodies[2].arclength_m, result.arm.segments[0].length_m, 1e-9);
 }
 
+TEST(Recovery, AxialStiffnessWhereThePayloadStretchesTheArm) {
+  Arm nominal = testing::pneumatic_arm();
+  nominal.segments[0].axial_stiffness_n = 200.0;
+  std::mt19937_64 random(10);
+  Arm truth = nominal;
+  truth.segments[0].axial_stiffness_n = 150.0;
+  testing::Protocol protocol;
+  protocol.draw = testing::paper_inputs;
+  const auto trials = testing::make_trials(truth, protocol, random);
+  Options options;
+  const std::string name = "segment_1.axial_stiffness";
+  EXPECT_EQ(testing::find(identify(nominal, trials, options), name), nullptr) << "only where asked";
+  options.also_free = {"axial_stiffness"};
+  const Result result = identify(nominal, trials, options);
+  const Constant* stiffness = testing::find(result, name);
+  ASSERT_NE(stiffness, nullptr);
+  EXPECT_TRUE(stiffness->determined);
+  EXPECT_NEAR(stiffness->value, 150.0, 4.0 * stiffness->sd);
+  EXPECT_LT(stiffness->sd, 20.0);
+  EXPECT_EQ(*result.arm.segments[0].axial_stiffness_n, stiffness->value);
+
+  protocol.payloads_kg = {0.0};
+  const auto unloaded = testing::make_trials(truth, protocol, random);
+  EXPECT_EQ(testing::find(identify(nominal, unloaded, options), name), nullptr) << "as long as any, then";
+  options.free = {"axial_stiffness"};
+  EXPECT_THROW(identify(nominal, unloaded, options), IdentifyError);
+}
+
 }  // namespace
 }  // namespace softarm::identify

@@ -49,6 +49,9 @@ void set_value(Arm& arm, const ConstantRef& constant, double value);
 /// What the description of an arm allows.
 Range allowed_range(const Arm& arm, const ConstantRef& constant);
 
+/// Whether an input pulls along the segment: a central chamber or a tendon. Else only weights tell EA.
+bool strained_by_inputs(const Segment& segment);
+
 /// Every constant that the arm has, base to tip: those of its actuation and stiffness laws, then EA where it
 /// is given, lengths and rest curvatures. A knot of by_pressure replaces base.
 std::vector<ConstantRef> constants_of(const Arm& arm);
