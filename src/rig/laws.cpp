@@ -78,9 +78,13 @@ Actuation apply_laws(const SegmentSpec& segment, const Acting& acting, const Law
     force_n -= tension;
     tensions_n += tension;
     twist_stiffness_nm2 += tension * tendon.offset_m * tendon.offset_m;
-    actuation.moment_nm += tension * tendon.offset_m * towards(departures.azimuth_rad(tendon.azimuth_rad));
+    const Eigen::Vector2d direction = towards(departures.azimuth_rad(tendon.azimuth_rad));
+    actuation.moment_nm += tension * tendon.offset_m * direction;
+    if (!acting.tension_change_n.empty())
+      actuation.moment_change_nm += at(acting.tension_change_n, tendon.input) * tendon.offset_m * direction;
   }
   actuation.moment_nm *= departures.gain();
+  actuation.moment_change_nm *= departures.gain();
   const double central_pa =
       segment.central_chamber ? at(acting.pressures_pa, segment.central_chamber->input) : 0.0;
   if (segment.central_chamber) force_n += central_pa * segment.central_chamber->area_m2;

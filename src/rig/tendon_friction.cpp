@@ -28,6 +28,7 @@ TendonFrictionState::TendonFrictionState(const TendonFriction& spec, const ArmSp
 }
 
 void TendonFrictionState::act(std::vector<Acting>& segments) {
+  for (Acting& segment : segments) segment.tension_change_n.assign(tendons_.size(), 0.0);
   for (std::size_t i = 0; i < tendons_.size(); ++i) {
     std::vector<double>& behind = tendons_[i].behind_n;
     double before = segments.front().tensions_n[i];
@@ -35,7 +36,10 @@ void TendonFrictionState::act(std::vector<Acting>& segments) {
       const double angle = k == 0 ? spec_.routing_rad : segments[k - 1].bend_rad;
       const double held = std::exp(spec_.coefficient * angle);
       behind[k] = std::clamp(behind[k], before / held, before * held);
-      if (k > 0) segments[k - 1].tensions_n[i] = logarithmic_mean(before, behind[k]);
+      if (k > 0) {
+        segments[k - 1].tensions_n[i] = logarithmic_mean(before, behind[k]);
+        segments[k - 1].tension_change_n[i] = behind[k] - before;
+      }
       before = behind[k];
     }
   }

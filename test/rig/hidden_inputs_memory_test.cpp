@@ -61,6 +61,7 @@ TEST(TendonFriction, LoopAndLossFollowTheCapstanEquation) {
   const double at_base = 8.0 * std::exp(-mu * routing), at_joint = at_base * std::exp(-mu * 1.0);
   EXPECT_NEAR(pulled[0].tensions_n[0], mean(at_base, mu * 1.0), 1e-12);
   EXPECT_NEAR(pulled[1].tensions_n[0], mean(at_joint, mu * 0.5), 1e-12);
+  EXPECT_NEAR(pulled[0].tension_change_n[0], at_joint - at_base, 1e-12);
   EXPECT_EQ(pulled[0].tensions_n[1], 0.0);
   // Let go a little: behind the friction nothing moves at once, then it is above.
   EXPECT_NEAR(pull(7.9)[1].tensions_n[0], pulled[1].tensions_n[0], 1e-9);

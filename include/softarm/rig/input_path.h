@@ -17,6 +17,8 @@ struct Acting : Commands {
       : Commands(commands), jamming_pa(commands.vacuum_pa) {}
 
   double jamming_pa = 0.0;       ///< the vacuum that the stiffness of the granules goes by
+  /// How much less or more the tensions are at the segment's end than at its begin, per tendon; empty: not.
+  std::vector<double> tension_change_n;
   double gain_scale = 1.0;       ///< of the moments of all actuators
   double stiffness_scale = 1.0;  ///< of all stiffnesses of the material
   double length_scale = 1.0;

@@ -16,6 +16,8 @@ struct Actuation {
   /// (M0 cos phi, M0 sin phi), phi the bending direction: the moment that alone, without any load, would give
   /// the segment its curvature. Cables are in it: bending stiffness times the curvature that they ask for.
   Eigen::Vector2d moment_nm = Eigen::Vector2d::Zero();
+  /// How much it changes from the segment's begin to its end; moment_nm is its mean.
+  Eigen::Vector2d moment_change_nm = Eigen::Vector2d::Zero();
   double twist_moment_nm = 0.0;          ///< about the tangent, that gives the segment its twist alone
   double bending_stiffness_nm2 = 0.0;    ///< with curvature per actual length
   double torsional_stiffness_nm2 = 0.0;  ///< taut tendons included
