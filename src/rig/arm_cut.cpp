@@ -95,7 +95,9 @@ std::vector<PieceInputs> piece_inputs(const Cut& cut, const std::vector<Actuatio
     piece.bending_stiffness_nm2 = a.bending_stiffness_nm2;
     piece.torsional_stiffness_nm2 = a.torsional_stiffness_nm2;
     // Bending towards phi is a turn about the axis at phi + 90 degrees.
-    piece.moment_section_nm = {-a.moment_nm.y(), a.moment_nm.x(), a.twist_moment_nm};
+    const Eigen::Vector2d moment_nm =
+        a.moment_nm + (part.begin + 0.5 * part.share - 0.5) * a.moment_change_nm;
+    piece.moment_section_nm = {-moment_nm.y(), moment_nm.x(), a.twist_moment_nm};
     piece.shear_stiffness_n = a.shear_stiffness_n;
     piece.axial_stiffness_n = a.axial_stiffness_n;
     piece.core_stiffness_nm2 = a.core_stiffness_nm2;

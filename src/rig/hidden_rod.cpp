@@ -144,6 +144,16 @@ std::vector<double> hidden_places(const Scenario& scenario) {
   if (body.plane_stiffness) places.push_back(body.plane_stiffness->to_fraction);
   if (body.one_sided_softness) places.push_back(body.one_sided_softness->to_fraction);
   if (body.wall && !body.wall->everywhere) places.push_back(body.wall->fraction);
+  if (scenario.input_path.tendon_friction) {
+    // The moment of rubbing tendons falls along a segment, here in steps.
+    constexpr int kSteps = 4;
+    double begin = 0.0;
+    for (const SegmentSpec& segment : scenario.arm.segments) {
+      const double share = segment.length_m / length_m;
+      for (int k = 1; k < kSteps; ++k) places.push_back(begin + share * k / kSteps);
+      begin += share;
+    }
+  }
   return places;
 }
 

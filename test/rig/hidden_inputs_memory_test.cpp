@@ -142,6 +142,7 @@ TEST(Simulated, TendonFrictionBendsLessOnTheWayUpThanOnTheWayDown) {
   Scenario s = laboratory();
   s.gravity_m_s2 = 0.0;
   s.mocap.rate_hz = 50.0;
+  s.mocap.ring_fractions = {0.25, 0.5};
   s.payload.schedule.clear();
   s.payload.publish = false;
   s.duration_s = 8.0;
@@ -150,10 +151,13 @@ TEST(Simulated, TendonFrictionBendsLessOnTheWayUpThanOnTheWayDown) {
   s.tensions.schedule = {{0.0, {0.0, 0.0}}, {1.0, {6.0, 0.0}}, {3.0, {12.0, 0.0}}, {5.0, {6.0, 0.0}}};
   s = with("tendon_friction", {{"coefficient", 0.3}, {"routing_rad", 0.5}}, "", s);
   Simulator simulator(s);
-  double up = 0.0, down = 0.0, joint_up = 0.0;
+  double up = 0.0, down = 0.0, joint_up = 0.0, near_half = 0.0, far_half = 0.0;
   while (const auto sample = simulator.next()) {
     if (std::abs(sample->stamp_s - 2.98) < 1e-6) {
       up = sample->truth.segments[0].moment_nm.x();
+      const std::vector<Pose>& rings = sample->truth.rings_base;
+      near_half = rings[0].q.angularDistance(Eigen::Quaterniond::Identity());
+      far_half = rings[1].q.angularDistance(rings[0].q);
       joint_up = sample->truth.segments[1].moment_nm.x();
     }
     if (std::abs(sample->stamp_s - 6.6) < 1e-6) down = sample->truth.segments[0].moment_nm.x();
@@ -163,6 +167,9 @@ TEST(Simulated, TendonFrictionBendsLessOnTheWayUpThanOnTheWayDown) {
   const double mean = -std::expm1(-0.3 * theta) / (0.3 * theta);
   EXPECT_NEAR(up, 0.01 * 6.0 * std::exp(-0.3 * 0.5) * mean, 1e-4);
   EXPECT_LT(joint_up, up);
+  // Within the segment the tension falls by 1 - e^(-mu theta); half of that from half to half.
+  const double fall = -std::expm1(-0.3 * theta) / mean;
+  EXPECT_NEAR(far_half / near_half, (1.0 - 0.25 * fall) / (1.0 + 0.25 * fall), 2e-3);
   EXPECT_GT(down, 0.06);
   EXPECT_LT(up, 0.06);
 }
