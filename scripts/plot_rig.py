@@ -15,7 +15,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 
 ALLOWED_MM = 0.02
 PANELS = [("elements", "elements along each segment", "in motion, against 4 x as many"),
-          ("step", "time step (ms)", "in motion, against 1/16 of the usual step"),
+          ("step", "time step (ms)", "in motion, against 1/12 of the usual step"),
           ("statics", "elements along each segment", "at rest, against the statics of rod/")]
 
 

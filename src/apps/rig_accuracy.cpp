@@ -195,7 +195,7 @@ double measure(const Pair& pair, const Options& options) {
     print("elements", pair.scenario, std::max(2, n), errors);
     if (n == elements) worst_mm += errors.worst;
   }
-  const Path fine_in_time = rings(scenario, options.seconds, elements, step_s / 16.0);
+  const Path fine_in_time = rings(scenario, options.seconds, elements, step_s / 12.0);
   for (const double factor : {4.0, 2.0, 1.0, 0.5, 0.25}) {
     if (factor * step_s > frame_s * (1.0 + 1e-9)) continue;
     const Errors errors = compare(rings(scenario, options.seconds, elements, factor * step_s), fine_in_time);

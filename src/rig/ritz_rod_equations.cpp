@@ -8,7 +8,9 @@
 namespace softarm::rig {
 namespace {
 
-constexpr double kStepTolerance = 1e-9;  ///< of a Newton correction of L u (rad): far below a nanometre
+/// Of a Newton correction of L u (rad): far below a nanometre. In shorter steps than kUsualStep_s it must
+/// fall with their square, or what is left over would be an acceleration.
+constexpr double kStepTolerance = 1e-9, kUsualStep_s = 2e-3;
 constexpr int kMaxIterations = 40;
 
 /// The station of a node.
@@ -168,6 +170,8 @@ Eigen::Matrix3d RitzRod::Impl::moment_stiffness(std::size_t k, double rate2) con
 }
 
 bool RitzRod::Impl::solve(const Differences& d, double load, bool factors_valid) {
+  const double shortness = d.dt > 0.0 ? std::min(1.0, d.dt / kUsualStep_s) : 1.0;
+  const double tolerance = kStepTolerance * shortness * shortness;
   double last_correction = std::numeric_limits<double>::infinity();
   evaluate(d, load);
   for (iterations = 1; iterations <= kMaxIterations; ++iterations) {
@@ -180,7 +184,7 @@ bool RitzRod::Impl::solve(const Differences& d, double load, bool factors_valid)
     const double scale = size > 1.0 ? 1.0 / size : 1.0;
     now.q -= scale * correction;
     evaluate(d, load);
-    if (size < kStepTolerance) return true;
+    if (size < tolerance) return true;
     last_correction = size;
   }
   return false;
