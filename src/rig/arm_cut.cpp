@@ -8,9 +8,9 @@
 namespace softarm::rig {
 namespace {
 
-constexpr double kSame = 1e-6;       // of the length: a payload there hangs at the segment's end
-constexpr double kLeastPart = 2e-3;  // of the length: what is hidden cuts no smaller piece
-constexpr int kSoftSpotElements = 4;
+constexpr double kSame = 1e-6;        // of the length: a payload there hangs at the segment's end
+constexpr double kLeastPart = 2e-3;   // of the length: what is hidden cuts no smaller piece
+constexpr int kSoftSpotElements = 8;  // two for each of its edges
 
 /// The fractions within ]from, to[ where a segment is cut, ascending.
 std::vector<double> cuts_within(const Scenario& scenario, double from, double to) {
