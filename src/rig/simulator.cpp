@@ -61,7 +61,7 @@ struct Simulator::Impl {
     for (int times = 0; times < kMostTimes; ++times) {
       if (!rod.settle(inputs_at(0.0))) break;
       const std::vector<double> before = bends_rad;
-      feel_bending();
+      feel_bending(false);
       double change = 0.0;
       for (std::size_t i = 0; i < before.size(); ++i)
         change = std::max(change, std::abs(bends_rad[i] - before[i]));
@@ -72,9 +72,10 @@ struct Simulator::Impl {
   }
 
   /// How far each segment is bent now, where that matters to what acts: the integral of its curvature.
-  void feel_bending() {
+  void feel_bending(bool moving) {
     if (!input_path.feels_bending()) return;
     constexpr int kPlaces = 8;
+    const std::vector<double> before = bends_rad;
     bends_rad.assign(scenario.arm.segments.size(), 0.0);
     double begin = 0.0;
     for (std::size_t i = 0; i < bends_rad.size(); ++i) {
@@ -84,12 +85,16 @@ struct Simulator::Impl {
                         actuation[i].length_m / kPlaces;
       begin += share;
     }
+    // As it will be at the end of the next step, if it goes on.
+    next_bends_rad = bends_rad;
+    for (std::size_t i = 0; moving && i < before.size(); ++i)
+      next_bends_rad[i] = std::max(0.0, 2.0 * bends_rad[i] - before[i]);
   }
 
   /// To be asked in the order of time: the path of the inputs remembers.
   RitzRodInputs inputs_at(double t_s) {
     commands = protocol.at(t_s);
-    const std::vector<Acting> acting = input_path.act(commands, t_s, bends_rad);
+    const std::vector<Acting> acting = input_path.act(commands, t_s, next_bends_rad);
     actuation.clear();
     for (const SegmentSpec& segment : scenario.arm.segments) {
       try {
@@ -116,7 +121,7 @@ struct Simulator::Impl {
             fmt::format("scenario {}: the equations of motion did not converge at t = {:.4f} s (smaller "
                         "numerics.max_step_s may help)",
                         scenario.name, t));
-      feel_bending();
+      feel_bending(true);
     }
   }
 
@@ -168,7 +173,8 @@ struct Simulator::Impl {
   Commands commands;
   InputPath input_path;
   std::vector<Actuation> actuation;  ///< per segment
-  std::vector<double> bends_rad;     ///< per segment, after the last step; empty: not felt
+  /// Per segment, after the last step and after the next; empty: not felt.
+  std::vector<double> bends_rad, next_bends_rad;
   std::size_t frame = 0;
 };
 

@@ -126,6 +126,24 @@ TEST(Valve, SticksAndMovesInSteps) {
   for (std::size_t i = 1; i < levels.size(); ++i) EXPECT_NEAR(levels[i], 2000.0 * i, 5.0);
 }
 
+TEST(Valve, StictionAndRegulatorDoNotDependOnTheSteps) {
+  for (const Scenario& s :
+       {with("valve_stiction", {{"step_pa", 700.0}}), with("regulator_error", {{"dead_band_pa", 900.0}})}) {
+    InputPath coarse(s, commands()), fine(s, commands());
+    double last = 0.0;
+    for (int i = 1; i <= 200; ++i) {
+      const double now = 10e3 * std::sin(0.013 * i * std::sqrt(i));
+      double in_many = 0.0;
+      for (int k = 1; k <= 16; ++k)
+        in_many = fine.act(commands(last + (now - last) * k / 16.0), 0.01 * (i - 1) + 0.01 * k / 16.0)
+                      .front()
+                      .pressures_pa[0];
+      ASSERT_NEAR(coarse.act(commands(now), 0.01 * i).front().pressures_pa[0], in_many, 1e-5) << i;
+      last = now;
+    }
+  }
+}
+
 TEST(Valve, SlewLimit) {
   Walk walk(with("slew_limit", {{"rise_pa_per_s", 10e3}, {"fall_pa_per_s", 5e3}}));
   walk.to(commands(20e3), kShort);

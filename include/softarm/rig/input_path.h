@@ -16,14 +16,14 @@ struct Acting : Commands {
   Acting(const Commands& commands)  // NOLINT: commands act as they are
       : Commands(commands), jamming_pa(commands.vacuum_pa) {}
 
-  double jamming_pa = 0.0;       ///< the vacuum that the stiffness of the granules goes by
+  double jamming_pa = 0.0;  ///< the vacuum that the stiffness of the granules goes by
   /// How much less or more the tensions are at the segment's end than at its begin, per tendon; empty: not.
   std::vector<double> tension_change_n;
   double gain_scale = 1.0;       ///< of the moments of all actuators
   double stiffness_scale = 1.0;  ///< of all stiffnesses of the material
   double length_scale = 1.0;
   int segment = 0;        ///< its number, from 0
-  double bend_rad = 0.0;  ///< the angle by which it was bent a moment ago, where that matters
+  double bend_rad = 0.0;  ///< the angle by which it is bent, where that matters
 };
 
 /// Regulators, lines, tendons and memory of a scenario (InputPathSpec).
@@ -44,7 +44,7 @@ class InputPath {
 
   /// What acts at a time in each segment, from what is commanded then. It remembers: to be asked in the order
   /// of time, t >= 0; the same time may be asked again. Between two times a command goes straight.
-  /// @param bends_rad by how much each segment is bent, a moment ago; empty: not
+  /// @param bends_rad by how much each segment is bent; empty: not
   std::vector<Acting> act(const Commands& commanded, double t_s, const std::vector<double>& bends_rad = {});
 
  private:
