@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kSame = 1e-6;        // of the length: a payload there hangs at the segment's end
 constexpr double kLeastPart = 2e-3;   // of the length: what is hidden cuts no smaller piece
+constexpr int kElementsAtWall = 3;    // times as many, for where the arm lifts off lies between stations
 constexpr int kSoftSpotElements = 8;  // two for each of its edges
 
 /// The fractions within ]from, to[ where a segment is cut, ascending.
@@ -71,6 +72,7 @@ RitzRodParams rod_params(const Scenario& scenario, const Cut& cut) {
                          ? std::max(part.least_elements,
                                     static_cast<int>(std::ceil(scenario.numerics.elements * part.share)))
                          : scenario.numerics.elements;
+    if (scenario.body.wall && scenario.body.wall->everywhere) piece.elements *= kElementsAtWall;
     piece.share = part.share * segment.length_m / scenario.arm.length_m();
     piece.mass_kg = part.share * segment.mass_kg;
     piece.diameter_m = segment.diameter_m;
