@@ -42,7 +42,7 @@ TEST(ShippedArms, AllParseAndAreNamedAsTheirFiles) {
     }
   }
   for (const char* const name : {"online_200mm", "semi_physical_200mm", "single_chamber_85mm", "hybrid_85mm",
-                                 "cable_235mm", "two_segment", "pouch_arm_one_segment"}) {
+                                 "cable_235mm", "two_segment", "pouch_arm_one_segment", "pouch_arm"}) {
     EXPECT_NE(std::find(names.begin(), names.end(), name), names.end()) << name;
   }
 }
@@ -101,9 +101,10 @@ TEST(ShippedArms, LawsStayWithinTheirLimits) {
   };
   for (const Highest& highest :
        {Highest{"online_200mm", 50e3, 0, 0}, Highest{"semi_physical_200mm", 50e3, 0, 0},
-        Highest{"pouch_arm_one_segment", 50e3, 0, 0}, Highest{"single_chamber_85mm", 20e3, 0, 0},
-        Highest{"hybrid_85mm", 40e3, 3, 0}, Highest{"hybrid_85mm", 0, 3, 0},
-        Highest{"cable_235mm", 0, 0, 0.71}, Highest{"two_segment", 50e3, 8, 0}}) {
+        Highest{"pouch_arm_one_segment", 50e3, 0, 0}, Highest{"pouch_arm", 50e3, 0, 0},
+        Highest{"single_chamber_85mm", 20e3, 0, 0}, Highest{"hybrid_85mm", 40e3, 3, 0},
+        Highest{"hybrid_85mm", 0, 3, 0}, Highest{"cable_235mm", 0, 0, 0.71},
+        Highest{"two_segment", 50e3, 8, 0}}) {
     const Arm arm = shipped(highest.arm);
     for (const Segment& segment : arm.segments) {
       const auto full = predict_segment(
