@@ -84,7 +84,7 @@ Base read_base(const Section& section, const Eigen::Vector3d& gravity_m_s2) {
                                              : "is missing; give the measured body of the base, or fixed");
   }
   if (section.has("fixed")) {
-    for (const char* const key : {"rod_in_body", "hold_last"}) {
+    for (const char* const key : {"rod_in_body", "labelled_markers", "hold_last"}) {
       if (section.has(key)) section.fail(key, "applies to a base with a body only");
     }
     base.fixed_pose = read_fixed(section.section("fixed", fixed_base_keys()), gravity_m_s2);
@@ -92,6 +92,7 @@ Base read_base(const Section& section, const Eigen::Vector3d& gravity_m_s2) {
   }
   base.body = section.name("body", "/");
   base.rod_in_body = read_transform(section.section("rod_in_body", transform_keys()));
+  base.labelled_markers = read_labelled_markers(section);
   base.hold_last = section.flag("hold_last");
   return base;
 }

@@ -27,6 +27,7 @@ void read_ring(const Section& section, double default_orientation_sd_rad, Measur
   body->section_in_body = read_transform(section.section("section_in_body", transform_keys()));
   body->orientation_sd_rad =
       section.has("orientation_sd_rad") ? section.number("orientation_sd_rad") : default_orientation_sd_rad;
+  body->labelled_markers = read_labelled_markers(section);
   body->markers = section.integer("markers");
   if (body->markers == 2)
     section.fail_value("markers", "do not tell the centre of a circle; allowed are 1 and 3 to 32");
@@ -39,8 +40,8 @@ void read_ring(const Section& section, double default_orientation_sd_rad, Measur
 }
 
 void read_skin_marker(const Section& section, double default_orientation_sd_rad, MeasuredBody* body) {
-  for (const char* const key :
-       {"orientation_usable", "section_in_body", "orientation_sd_rad", "markers", "marker_circle_radius_m"}) {
+  for (const char* const key : {"orientation_usable", "section_in_body", "orientation_sd_rad",
+                                "labelled_markers", "markers", "marker_circle_radius_m"}) {
     if (section.has(key)) section.fail(key, "applies to bodies of kind ring only");
   }
   for (const char* const key : {"angle_deg", "radius_m"}) section.require(key, "a skin_marker needs it");

@@ -1,20 +1,19 @@
 // Topics, types and units.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <regex>
 #include <string>
 #include <vector>
 
 #include "arm_parts.h"
+#include "body_source.h"
 
 namespace softarm::yaml {
 namespace {
-
-double metres_per(const std::string& unit) {
-  static const std::map<std::string, double> kScale{{"m", 1.0}, {"cm", 1e-2}, {"mm", 1e-3}};
-  return kScale.at(unit);
-}
 
 double pascals_per(const std::string& unit) {
   static const std::map<std::string, double> kScale{{"Pa", 1.0},  {"kPa", 1e3},    {"MPa", 1e6},
@@ -33,18 +32,61 @@ double radians_per(const std::string& unit) {
   return kScale.at(unit);
 }
 
+/// Types whose number needs no field to be named.
+const std::vector<std::string>& plain_types(InputKind kind) {
+  static const std::vector<std::string> numbers{"std_msgs/Float64", "std_msgs/Float32MultiArray",
+                                                "std_msgs/Float64MultiArray"};
+  static const std::vector<std::string> pressures = [] {
+    std::vector<std::string> types = numbers;
+    types.insert(types.begin(), "sensor_msgs/FluidPressure");
+    return types;
+  }();
+  return kind == InputKind::kPressure || kind == InputKind::kVacuum ? pressures : numbers;
+}
+
+/// A type of ROS: package/Name.
+bool is_type(const std::string& text) {
+  static const std::regex kType("[a-zA-Z][a-zA-Z0-9_]*/[a-zA-Z][a-zA-Z0-9_]*");
+  return std::regex_match(text, kType);
+}
+
+/// A way through a message: names with indices, joined by dots.
+bool is_field(const std::string& text) {
+  static const std::regex kField(
+      R"([a-zA-Z][a-zA-Z0-9_]*(\[[0-9]{1,6}\])?(\.[a-zA-Z][a-zA-Z0-9_]*(\[[0-9]{1,6}\])?)*)");
+  return std::regex_match(text, kField);
+}
+
+void read_type(const Section& section, ScalarInput* input) {
+  input->type = section.text("type");
+  const std::vector<std::string>& plain = plain_types(input->kind);
+  const bool is_plain = std::find(plain.begin(), plain.end(), input->type) != plain.end();
+  if (!section.has("field")) {
+    if (is_plain) return;
+    section.fail_value("type", fmt::format("is none of: {}; for a message of another type give field",
+                                           fmt::join(plain, ", ")));
+  }
+  if (is_plain) section.fail("field", fmt::format("does not apply to {}", input->type));
+  if (!is_type(input->type)) section.fail_value("type", "is not a message type, package/Name");
+  input->field = section.text("field");
+  if (!is_field(input->field)) {
+    section.fail_value("field", "is not a field of a message, such as effort[2] or chambers[0].pressure");
+  }
+}
+
 /// What all kinds of inputs have.
 ScalarInput read_source(const Section& section, InputKind kind) {
   ScalarInput input;
   input.kind = kind;
   input.name = section.name("name");
   input.topic = section.topic("topic");
-  input.type = section.word("type");
+  read_type(section, &input);
   input.element = section.integer("element");
+  input.stamp = section.word("stamp") == "header" ? StampSource::kHeader : StampSource::kReceipt;
   input.latency_s = section.number("latency_s");
   if (input.element != 0 && input.type.find("MultiArray") == std::string::npos) {
-    section.fail_value("element",
-                       fmt::format("is an index of an array, but type {} holds one value", input.type));
+    section.fail_value("element", fmt::format("is an index of an array, but type {} {}", input.type,
+                                              input.field.empty() ? "holds one value" : "has a field"));
   }
   return input;
 }
@@ -83,9 +125,10 @@ void add_input(const Section& section, const ScalarInput& input, std::vector<Sca
   for (const ScalarInput& other : *inputs) {
     if (other.name == input.name)
       section.fail_value("name", "is given to another input already; names are unique");
-    if (other.topic == input.topic && other.element == input.element) {
-      section.fail_value(
-          "topic", fmt::format("with element {} is read by input '{}' already", input.element, other.name));
+    if (other.topic == input.topic && other.element == input.element && other.field == input.field) {
+      const std::string part =
+          input.field.empty() ? fmt::format("element {}", input.element) : "field " + input.field;
+      section.fail_value("topic", fmt::format("with {} is read by input '{}' already", part, other.name));
     }
     if (other.topic == input.topic && other.type != input.type) {
       section.fail_value("type",
@@ -100,9 +143,8 @@ void add_input(const Section& section, const ScalarInput& input, std::vector<Sca
 Inputs read_inputs(const Section& section) {
   Inputs inputs;
   const Section bodies = section.section("bodies", body_input_keys());
-  inputs.body_topic = bodies.topic("topic", "<body>");
-  inputs.body_type = bodies.word("type");
-  inputs.body_scale_to_m = metres_per(bodies.word("unit"));
+  inputs.bodies = read_body_source(bodies);
+  if (section.has("base")) inputs.base = read_body_source(section.section("base", base_input_keys()));
   inputs.body_sync_tolerance_s = bodies.number("sync_tolerance_s");
   inputs.body_latency_s = bodies.number("latency_s");
   for (const Section& item : section.list("pressures", pressure_input_keys())) {

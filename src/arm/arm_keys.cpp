@@ -16,6 +16,9 @@ std::vector<KeySpec> pose_keys() {
                  "rotation as roll, pitch, yaw about the fixed axes x, then y, then z (or quaternion_xyzw)")};
 }
 
+constexpr char kLabelledMarkersMeaning[] =
+    "rings known by labelled markers: those that make it up; empty: its name is the label of its only marker";
+
 }  // namespace
 
 const KeySpec* KeyTable::find(const std::string& name) const {
@@ -46,6 +49,7 @@ const KeyTable& base_keys() {
       "base",
       {text("body", kAbsent, "body whose measured pose carries the base (or give fixed)"),
        map("rod_in_body", "{}", "pose of the rod's base frame (z: tangent, x: phi = 0) in that body's frame"),
+       list("labelled_markers", "[]", kLabelledMarkersMeaning),
        flag("hold_last", "true", "keep the last pose while the body is lost (the mount does not move)"),
        map("fixed", kAbsent, "pose of the rod's base in the mocap frame where no body measures it")}};
   return table;
@@ -99,6 +103,7 @@ const KeyTable& body_keys() {
        number("angle_deg", "deg", kAbsent, -360, 360,
               "skin markers only, required: azimuth in the section frame"),
        number("radius_m", "m", kAbsent, 0, 1, "skin markers only, required: distance from the backbone"),
+       list("labelled_markers", "[]", kLabelledMarkersMeaning),
        integer("markers", "1", 1, 32,
                "rings known by unlabelled points only: how many markers sit on its circle (1: one point; or "
                "3 and more)"),
@@ -108,6 +113,17 @@ const KeyTable& body_keys() {
               "standard deviation per coordinate; default: noise.position_sd_m"),
        number("orientation_sd_rad", "rad", kAbsent, 1e-5, 1,
               "rings only: standard deviation of the tangent per axis; default: noise.orientation_sd_rad")}};
+  return table;
+}
+
+const KeyTable& labelled_marker_keys() {
+  static const KeyTable table{
+      "labelled_markers[]",
+      {text("label", kRequired,
+            "the driver's name of the marker (or subject/marker; phasespace: its id, in quotes)"),
+       vector("position_m", 3, "m", kAbsent, -10, 10,
+              "where it sits in the body's frame; given for all of three or more: they tell the body's pose, "
+              "and any three do; absent: its position is their centroid, and takes all")}};
   return table;
 }
 
@@ -165,8 +181,10 @@ std::vector<const KeyTable*> all_key_tables() {
           &payload_keys(),
           &noise_keys(),
           &body_keys(),
+          &labelled_marker_keys(),
           &inputs_keys(),
           &body_input_keys(),
+          &base_input_keys(),
           &pressure_input_keys(),
           &tension_input_keys(),
           &angle_input_keys(),

@@ -62,6 +62,8 @@ const KeyTable& noise_keys();
 const KeyTable& body_keys();
 const KeyTable& inputs_keys();
 const KeyTable& body_input_keys();
+const KeyTable& base_input_keys();
+const KeyTable& labelled_marker_keys();
 const KeyTable& pressure_input_keys();
 const KeyTable& tension_input_keys();
 const KeyTable& angle_input_keys();

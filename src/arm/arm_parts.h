@@ -14,6 +14,10 @@ Eigen::Isometry3d read_transform(const Section& section);
 /// @param gravity_m_s2 in the mocap frame: what `attitude` refers to
 Base read_base(const Section& section, const Eigen::Vector3d& gravity_m_s2);
 Inputs read_inputs(const Section& section);
+/// The labelled_markers of a body or of the base.
+std::vector<LabelledMarker> read_labelled_markers(const Section& body);
+/// Checks the bodies against what their sources report. @param root the whole document
+void check_sources(const Section& root, const Arm& arm);
 std::vector<Segment> read_segments(const Section& arm, const Inputs& inputs);
 /// @param base_body must not be among them
 std::vector<MeasuredBody> read_bodies(const Section& arm, const std::optional<std::string>& base_body,

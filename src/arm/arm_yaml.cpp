@@ -19,6 +19,7 @@ Arm parse_arm(const std::string& text, const std::string& source) {
   arm.tip_mass_kg = root.number("tip_mass_kg");
   arm.payload = yaml::read_payload(root.section("payload", yaml::payload_keys()), arm.total_length_m());
   arm.bodies = yaml::read_bodies(root, arm.base.body, arm.total_length_m());
+  yaml::check_sources(root, arm);
   arm.estimator = yaml::read_estimator(root.section("estimator", yaml::estimator_keys()), arm);
   return arm;
 }

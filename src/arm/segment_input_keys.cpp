@@ -1,4 +1,5 @@
 // The keys of segments, of what drives them, and of their inputs.
+#include "body_source.h"
 #include "key_builders.h"
 
 namespace softarm::yaml {
@@ -120,8 +121,10 @@ const KeyTable& cable_keys() {
 const KeyTable& inputs_keys() {
   static const KeyTable table{
       "inputs",
-      {map("bodies", "{}", "poses of base and measured bodies"), list("pressures", "[]", "pressure inputs"),
-       list("tensions", "[]", "tension inputs of tendons"), list("angles", "[]", "angle inputs of servos"),
+      {map("bodies", "{}", "poses or points of base and measured bodies"),
+       map("base", kAbsent, "of the base's body, where it comes another way than the others"),
+       list("pressures", "[]", "pressure inputs"), list("tensions", "[]", "tension inputs of tendons"),
+       list("angles", "[]", "angle inputs of servos"),
        number("ambient_pressure_pa", "Pa", "101325", 5e4, 1.2e5, "ambient pressure, for absolute pressures"),
        number("input_max_age_s", "s", "0.5", 0.001, 3600, "an older pressure, tension or angle is missing"),
        text("payload_topic", "/payload", "std_msgs/Float64, known payload in kg")}};
@@ -130,19 +133,59 @@ const KeyTable& inputs_keys() {
 
 namespace {
 
+constexpr char kFieldMeaning[] =
+    "where the number is in a message of another type: effort[2], chambers[0].pressure";
+constexpr char kStampMeaning[] =
+    "whose stamp counts: the header's (receipt where there is none), or that of receipt";
 constexpr char kLatencyMeaning[] =
     "subtracted from every stamp (the header's, or that of receipt): delay, and what that clock is ahead";
 
 }  // namespace
 
+namespace {
+
+std::vector<KeySpec> body_source_keys() {
+  Words types;
+  for (const BodyType& known : body_types()) types.push_back(known.type);
+  return {
+      text("topic", "/mocap/<body>/pose",
+           "topic; every <body> is replaced by the body's name; one topic without <body> where a message "
+           "holds "
+           "all bodies"),
+      word("type", types, "geometry_msgs/PoseStamped",
+           "message type (doc/drivers.md: which driver sends what)"),
+      word("unit", {"m", "cm", "mm"}, kAbsent,
+           "unit of its positions; default: m, of vicon_bridge/Markers mm"),
+      text("axes", "x y z",
+           "the driver's axes along the mocap frame's x, y and z: \"x -z y\" where y is up, \"x z y\" where "
+           "mirrored"),
+      text("frame", kAbsent,
+           "frame_id that is read, others are rejected (leading slashes do not matter); "
+           "absent: any, and taken for the mocap frame"),
+      text("child_frame", "<body>", "tf only: a body's frame"),
+      word("stamp", {"header", "receipt", "server"}, "header",
+           "whose stamp counts: the header's (receipt where there is none), that of receipt, or "
+           "phasespace's own time of each marker"),
+      flag("labels", "true", "lists of markers only; false: their labels do not hold, associate the points"),
+      number("marker_tolerance_m", "m", "0.005", 1e-5, 0.1,
+             "labelled markers only: rms by which they may miss their places on the body")};
+}
+
+}  // namespace
+
 const KeyTable& body_input_keys() {
-  static const KeyTable table{
-      "inputs.bodies",
-      {text("topic", "/mocap/<body>/pose", "topic; <body> is replaced by the body's name"),
-       word("type", {"geometry_msgs/PoseStamped"}, "geometry_msgs/PoseStamped", "message type"),
-       word("unit", {"m", "cm", "mm"}, "m", "unit of its positions"),
-       number("sync_tolerance_s", "s", "0.002", 1e-6, 1, "stamps closer than this belong to one frame"),
-       number("latency_s", "s", "0", -3600, 3600, kLatencyMeaning)}};
+  static const KeyTable table = [] {
+    KeyTable keys{"inputs.bodies", body_source_keys()};
+    keys.keys.push_back(
+        number("sync_tolerance_s", "s", "0.002", 1e-6, 1, "stamps closer than this belong to one frame"));
+    keys.keys.push_back(number("latency_s", "s", "0", -3600, 3600, kLatencyMeaning));
+    return keys;
+  }();
+  return table;
+}
+
+const KeyTable& base_input_keys() {
+  static const KeyTable table{"inputs.base", body_source_keys()};
   return table;
 }
 
@@ -151,11 +194,11 @@ const KeyTable& pressure_input_keys() {
       "inputs.pressures[]",
       {text("name", kRequired, "unique over all inputs; chambers refer to it"),
        text("topic", kRequired, "topic"),
-       word("type",
-            {"sensor_msgs/FluidPressure", "std_msgs/Float64", "std_msgs/Float32MultiArray",
-             "std_msgs/Float64MultiArray"},
-            "sensor_msgs/FluidPressure", "message type"),
-       integer("element", "0", 0, 1023, "index in an array message"),
+       text("type", "sensor_msgs/FluidPressure",
+            "message type: sensor_msgs/FluidPressure, std_msgs/Float64, std_msgs/Float32MultiArray, "
+            "std_msgs/Float64MultiArray, or any other with field"),
+       integer("element", "0", 0, 1023, "index in an array message"), text("field", kAbsent, kFieldMeaning),
+       word("stamp", {"header", "receipt"}, "header", kStampMeaning),
        word("unit", {"Pa", "kPa", "MPa", "bar", "mbar", "psi"}, "Pa", "unit of the values"),
        word("reference", {"absolute", "gauge"}, "absolute", "zero of the values: vacuum or ambient"),
        flag("vacuum", "false", "evacuates a jamming core: the value used is ambient minus absolute"),
@@ -167,12 +210,16 @@ namespace {
 
 /// What a topic of plain numbers says of itself.
 std::vector<KeySpec> number_topic_keys(std::string who_refers) {
-  return {text("name", kRequired, "unique over all inputs; " + std::move(who_refers) + " refer to it"),
-          text("topic", kRequired, "topic"),
-          word("type", {"std_msgs/Float64", "std_msgs/Float32MultiArray", "std_msgs/Float64MultiArray"},
-               "std_msgs/Float64", "message type"),
-          integer("element", "0", 0, 1023, "index in an array message"),
-          number("latency_s", "s", "0", -3600, 3600, kLatencyMeaning)};
+  return {
+      text("name", kRequired, "unique over all inputs; " + std::move(who_refers) + " refer to it"),
+      text("topic", kRequired, "topic"),
+      text("type", "std_msgs/Float64",
+           "message type: std_msgs/Float64, std_msgs/Float32MultiArray, std_msgs/Float64MultiArray, or any "
+           "other with field"),
+      integer("element", "0", 0, 1023, "index in an array message"),
+      text("field", kAbsent, kFieldMeaning),
+      word("stamp", {"header", "receipt"}, "header", kStampMeaning),
+      number("latency_s", "s", "0", -3600, 3600, kLatencyMeaning)};
 }
 
 }  // namespace

@@ -236,11 +236,12 @@ std::string Section::topic(const std::string& key, const std::string& placeholde
   const std::string topic = text(key);
   std::string bare = topic;
   if (!placeholder.empty()) {
-    const std::size_t at = bare.find(placeholder);
-    if (at == std::string::npos) {
+    if (bare.find(placeholder) == std::string::npos) {
       fail(key, fmt::format("value '{}' does not contain {}", quoted(topic), placeholder));
     }
-    bare.replace(at, placeholder.size(), "x");
+    for (std::size_t at; (at = bare.find(placeholder)) != std::string::npos;) {
+      bare.replace(at, placeholder.size(), "x");
+    }
   }
   const bool legal =
       (is_letter(bare.front()) || bare.front() == '/' || bare.front() == '~') && bare.back() != '/' &&

@@ -1,5 +1,5 @@
 // Pressures, tensions, angles: std_msgs numbers and arrays without a stamp; pressures also as
-// sensor_msgs/FluidPressure, with its own.
+// sensor_msgs/FluidPressure, with its own; and fields of messages of any other type.
 #include <sensor_msgs/FluidPressure.h>
 #include <std_msgs/Float32MultiArray.h>
 #include <std_msgs/Float64.h>
@@ -8,6 +8,8 @@
 #include <limits>
 
 #include "adapters.h"
+#include "any_input_topic.h"
+#include "softarm/ros/message_schema.h"
 
 namespace softarm {
 namespace {
@@ -16,13 +18,22 @@ struct Target {
   int input;
   int element;
   double scale_to_si;
+  std::string field;
+  StampSource stamp;
 };
+
+/// Stamp of a sample: the header's where it counts and is there (rigs that never stamp their commands leave
+/// zero), else that of receipt.
+double stamp_for(const Target& target, double header_s, double receipt_s, const FrameAssembler& assembler) {
+  const bool by_header = target.stamp == StampSource::kHeader && header_s > 0.0;
+  return by_header ? header_s : headerless_stamp_s(receipt_s, assembler);
+}
 
 std::vector<Target> targets_of(const Arm& arm, const std::vector<int>& inputs) {
   std::vector<Target> targets;
   for (int i : inputs) {
     const ScalarInput& input = arm.inputs.scalars.at(static_cast<std::size_t>(i));
-    targets.push_back({i, input.element, input.scale_to_si});
+    targets.push_back({i, input.element, input.scale_to_si, input.field, input.stamp});
   }
   return targets;
 }
@@ -57,11 +68,9 @@ InputTopic array_topic(const Arm& arm, const std::string& topic, const std::vect
 InputTopic fluid_pressure_topic(const Arm& arm, const std::string& topic, const std::vector<int>& inputs) {
   const auto convert = [targets = targets_of(arm, inputs)](const sensor_msgs::FluidPressure& message,
                                                            double receipt_s, FrameAssembler& assembler) {
-    // Rigs that never stamp their commands leave zero.
-    const double stamp_s = message.header.stamp.isZero() ? headerless_stamp_s(receipt_s, assembler)
-                                                         : message.header.stamp.toSec();
     for (const Target& target : targets) {
-      assembler.add_input(target.input, stamp_s, target.scale_to_si * message.fluid_pressure);
+      assembler.add_input(target.input, stamp_for(target, message.header.stamp.toSec(), receipt_s, assembler),
+                          target.scale_to_si * message.fluid_pressure);
     }
   };
   return make_input_topic<sensor_msgs::FluidPressure>(topic, names_of(arm, inputs), convert);
@@ -84,6 +93,20 @@ InputTopic float32_array_topic(const Arm& arm, const std::string& topic, const s
 
 InputTopic float64_array_topic(const Arm& arm, const std::string& topic, const std::vector<int>& inputs) {
   return array_topic<std_msgs::Float64MultiArray>(arm, topic, inputs);
+}
+
+InputTopic field_topic(const Arm& arm, const std::string& topic, const std::vector<int>& inputs) {
+  const auto convert = [targets = targets_of(arm, inputs)](const nlohmann::json& message, double receipt_s,
+                                                           FrameAssembler& assembler) {
+    const double header_s = header_stamp_s(message).value_or(0.0);
+    for (const Target& target : targets) {
+      // A field that is not there is no number: the assembler rejects and counts it under the input's name.
+      assembler.add_input(target.input, stamp_for(target, header_s, receipt_s, assembler),
+                          target.scale_to_si * number_at(message, target.field));
+    }
+  };
+  const std::string& type = arm.inputs.scalars.at(static_cast<std::size_t>(inputs.front())).type;
+  return make_any_input_topic(topic, type, names_of(arm, inputs), convert);
 }
 
 }  // namespace softarm

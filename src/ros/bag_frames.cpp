@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <fstream>
 #include <mutex>
-#include <set>
 #include <string_view>
 
 #include "softarm/ros/input_topics.h"
@@ -84,13 +83,9 @@ void BagFrames::open() {
 }
 
 void BagFrames::compare(const Arm& arm) {
-  std::set<std::string> body_topics;
-  for (const auto& [name, index] : body_indices(arm)) body_topics.insert(body_topic(arm, name));
-  const std::string base_topic = arm.base.body ? body_topic(arm, *arm.base.body) : "";
-
   std::vector<InputTopic> present;
   std::vector<std::string> expected;
-  bool has_body = false, has_base = base_topic.empty();
+  bool has_body = false, has_base = !arm.base.body;
   for (InputTopic& topic : topics_) {
     expected.push_back(topic.topic);
     const auto found = in_bag_.find(absolute(topic.topic));
@@ -101,16 +96,15 @@ void BagFrames::compare(const Arm& arm) {
       }
       continue;
     }
-    if (found->second != topic.type) {
+    const auto& others = topic.other_types;
+    if (found->second != topic.type &&
+        std::find(others.begin(), others.end(), found->second) == others.end()) {
       warnings_.push_back(fmt::format("{}: topic {} ({}) is {}, the arm expects {}", path_, topic.topic,
                                       topic.feeds, found->second, topic.type));
       continue;
     }
-    if (topic.topic == base_topic) {
-      has_base = true;
-    } else if (body_topics.count(topic.topic)) {
-      has_body = true;
-    }
+    has_base = has_base || topic.feeds_base;
+    has_body = has_body || topic.feeds_bodies;
     present.push_back(std::move(topic));
   }
   topics_ = std::move(present);
@@ -119,7 +113,7 @@ void BagFrames::compare(const Arm& arm) {
   for (const auto& [topic, type] : in_bag_) listed.push_back(fmt::format("{} ({})", topic, type));
   throw BagError(fmt::format("{}: {}; arm {} expects {} ({} for bodies), the bag has {}", path_,
                              has_base ? "no measured body is in it" : "the base is not in it", arm.name,
-                             fmt::join(expected, ", "), arm.inputs.body_type,
+                             fmt::join(expected, ", "), arm.inputs.bodies.type,
                              listed.empty() ? "nothing" : fmt::format("{}", fmt::join(listed, ", "))));
 }
 
@@ -130,13 +124,16 @@ void BagFrames::deliver(const Callbacks& callbacks) {
 }
 
 void BagFrames::read(const Callbacks& callbacks) {
-  std::map<std::string, const InputTopic*> by_topic;
-  for (const InputTopic& topic : topics_) by_topic[absolute(topic.topic)] = &topic;
+  // Two sources may share a topic: base and rings on /tf, under frames of their own.
+  std::map<std::string, std::vector<const InputTopic*>> by_topic;
+  for (const InputTopic& topic : topics_) by_topic[absolute(topic.topic)].push_back(&topic);
   std::uint64_t unreported = 0;
   try {
     rosbag::View view(*bag_, rosbag::TopicQuery(names_));
     for (const rosbag::MessageInstance& message : view) {
-      by_topic.at(absolute(message.getTopic()))->read(message, assembler_);
+      for (const InputTopic* topic : by_topic.at(absolute(message.getTopic()))) {
+        topic->read(message, assembler_);
+      }
       deliver(callbacks);
       if (++unreported == kProgressMessages) {
         callbacks.on_messages(unreported);

@@ -203,9 +203,11 @@ void EstimatorNode::diagnose_silent_topics(DiagnosticStatusWrapper& status) {
   const bool ask = !silent.empty() && diagnostics_count_ % 5 == 1 && ros::master::getTopics(published);
   for (const Source* source : silent) {
     std::string state = "no message yet";
+    const std::vector<std::string>& others = source->input.other_types;
     const std::string topic = nh_.resolveName(source->input.topic);
     for (const ros::master::TopicInfo& info : published) {
-      if (ask && info.name == topic && info.datatype != source->input.type) {
+      if (ask && info.name == topic && info.datatype != source->input.type &&
+          std::find(others.begin(), others.end(), info.datatype) == others.end()) {
         state = fmt::format("published as {}, but the arm says {}", info.datatype, source->input.type);
         status.mergeSummary(DiagnosticStatus::WARN, topic + " is " + state);
       }

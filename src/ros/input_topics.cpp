@@ -30,11 +30,44 @@ InputTopic payload_topic(const Arm& arm) {
   return make_input_topic<std_msgs::Float64>(arm.inputs.payload_topic, "payload", convert);
 }
 
+/// The topics of the base's body and of the measured ones, which may come two ways.
+std::vector<InputTopic> body_topics(const Arm& arm) {
+  Bodies base, rest;
+  for (const auto& body : body_indices(arm)) {
+    (arm.inputs.base && body.second == FrameAssembler::kBaseBody ? base : rest).push_back(body);
+  }
+  std::vector<InputTopic> topics;
+  const auto add = [&](const BodySource& source, const Bodies& bodies) {
+    for (InputTopic& topic :
+         adapter_for(body_adapters(), source.type, "arm '" + arm.name + "', bodies")(arm, source, bodies)) {
+      for (const auto& [name, index] : bodies) {
+        if (topic.feeds != name && topic.feeds != names_of(bodies)) continue;
+        (index == FrameAssembler::kBaseBody ? topic.feeds_base : topic.feeds_bodies) = true;
+      }
+      topics.push_back(std::move(topic));
+    }
+  };
+  if (!base.empty()) add(*arm.inputs.base, base);
+  add(arm.inputs.bodies, rest);
+  return topics;
+}
+
 }  // namespace
 
 const std::map<std::string, BodyAdapter>& body_adapters() {
   static const std::map<std::string, BodyAdapter> table{
       {"geometry_msgs/PoseStamped", pose_stamped_topics},
+      {"geometry_msgs/TransformStamped", transform_stamped_topics},
+      {"geometry_msgs/PointStamped", point_stamped_topics},
+      {"nav_msgs/Odometry", odometry_topics},
+      {"tf2_msgs/TFMessage", tf_topics},
+      {"vicon_bridge/Markers", vicon_marker_topics},
+      {"mocap_base/MarkerList", mocap_marker_topics},
+      {"phasespace_msgs/Markers", phasespace_marker_topics},
+      {"phasespace_msgs/MarkersStamped", phasespace_stamped_topics},
+      {"sensor_msgs/PointCloud", point_cloud_topics},
+      {"sensor_msgs/PointCloud2", point_cloud2_topics},
+      {"visualization_msgs/Marker", drawn_points_topics},
   };
   return table;
 }
@@ -68,38 +101,39 @@ double headerless_stamp_s(double receipt_s, const FrameAssembler& assembler) {
   return newest && std::abs(receipt_s - *newest) > kOtherClock_s ? *newest : receipt_s;
 }
 
-std::vector<std::pair<std::string, int>> body_indices(const Arm& arm) {
-  std::vector<std::pair<std::string, int>> indices;
+Bodies body_indices(const Arm& arm) {
+  Bodies indices;
   if (arm.base.body) indices.emplace_back(*arm.base.body, FrameAssembler::kBaseBody);
   for (std::size_t i = 0; i < arm.bodies.size(); ++i)
     indices.emplace_back(arm.bodies[i].name, static_cast<int>(i));
   return indices;
 }
 
-std::string body_topic(const Arm& arm, const std::string& body) {
-  static const std::string kPlaceholder = "<body>";
-  std::string topic = arm.inputs.body_topic;
-  const std::size_t at = topic.find(kPlaceholder);
-  return at == std::string::npos ? topic : topic.replace(at, kPlaceholder.size(), body);
+std::string names_of(const Bodies& bodies) {
+  std::string names;
+  for (const auto& entry : bodies) names += (names.empty() ? "" : ", ") + entry.first;
+  return names;
 }
 
 std::vector<InputTopic> input_topics(const Arm& arm) {
-  std::vector<InputTopic> topics =
-      adapter_for(body_adapters(), arm.inputs.body_type, "arm '" + arm.name + "', bodies")(arm);
+  std::vector<InputTopic> topics = body_topics(arm);
   std::map<std::pair<std::string, std::string>, std::vector<int>> by_topic;
   for (std::size_t i = 0; i < arm.inputs.scalars.size(); ++i) {
     const ScalarInput& input = arm.inputs.scalars[i];
     const std::string what = fmt::format("arm '{}', {} '{}'", arm.name, to_string(input.kind), input.name);
+    by_topic[{input.topic, input.type}].push_back(static_cast<int>(i));
+    if (!input.field.empty()) continue;
     const ScalarAdapter& adapter = adapter_for(scalar_adapters(), input.type, what);
     const bool is_pressure = input.kind == InputKind::kPressure || input.kind == InputKind::kVacuum;
     if (adapter.pressures_only && !is_pressure) {
       throw std::invalid_argument(
           fmt::format("{}: type '{}' is for pressures; use std_msgs/Float64 or an array", what, input.type));
     }
-    by_topic[{input.topic, input.type}].push_back(static_cast<int>(i));
   }
   for (const auto& [key, inputs] : by_topic) {
-    topics.push_back(scalar_adapters().at(key.second).make(arm, key.first, inputs));
+    const auto adapter = scalar_adapters().find(key.second);
+    topics.push_back(adapter == scalar_adapters().end() ? field_topic(arm, key.first, inputs)
+                                                        : adapter->second.make(arm, key.first, inputs));
   }
   if (!arm.inputs.payload_topic.empty()) topics.push_back(payload_topic(arm));
   return topics;

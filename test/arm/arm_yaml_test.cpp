@@ -41,9 +41,9 @@ TEST(ArmYaml, SmallArmWithDefaults) {
 TEST(ArmYaml, DefaultsAreThoseOfTheStructs) {
   const Arm arm = parse_arm(kSmallArm, "arm.yaml");
   const Inputs inputs;
-  EXPECT_EQ(arm.inputs.body_topic, inputs.body_topic);
-  EXPECT_EQ(arm.inputs.body_type, inputs.body_type);
-  EXPECT_EQ(arm.inputs.body_scale_to_m, inputs.body_scale_to_m);
+  EXPECT_EQ(arm.inputs.bodies.topic, inputs.bodies.topic);
+  EXPECT_EQ(arm.inputs.bodies.type, inputs.bodies.type);
+  EXPECT_EQ(arm.inputs.bodies.scale_to_m, inputs.bodies.scale_to_m);
   EXPECT_EQ(arm.inputs.ambient_pressure_pa, inputs.ambient_pressure_pa);
   EXPECT_EQ(arm.inputs.payload_topic, inputs.payload_topic);
   EXPECT_EQ(arm.inputs.body_sync_tolerance_s, inputs.body_sync_tolerance_s);
@@ -200,8 +200,8 @@ TEST(ArmYaml, EveryBodyAndPayloadKey) {
 
 TEST(ArmYaml, EveryInputAndEstimatorKey) {
   const Arm arm = parse_arm(kFullArm, "arm.yaml");
-  EXPECT_EQ(arm.inputs.body_topic, "/vicon/<body>/pose");
-  EXPECT_EQ(arm.inputs.body_scale_to_m, 1e-3);
+  EXPECT_EQ(arm.inputs.bodies.topic, "/vicon/<body>/pose");
+  EXPECT_EQ(arm.inputs.bodies.scale_to_m, 1e-3);
   EXPECT_EQ(arm.inputs.body_sync_tolerance_s, 0.004);
   ASSERT_EQ(arm.inputs.scalars.size(), 2u);
   EXPECT_EQ(arm.inputs.scalars[0].topic, "valves");

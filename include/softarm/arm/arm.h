@@ -14,6 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "softarm/arm/inputs.h"
+
 namespace softarm {
 
 /// A measured bending stiffness at a pressure of the central chamber.
@@ -128,8 +130,12 @@ struct MeasuredBody {
   /// Rings known by unlabelled points: how many markers sit on a circle around its centre; 1: one point.
   int markers = 1;
   double marker_circle_radius_m = 0.0;  ///< of that circle, where there are several
-  double position_sd_m = 0.0;           ///< standard deviation per coordinate
-  double orientation_sd_rad = 0.0;      ///< standard deviation of the tangent per axis
+  /// Labelled markers that make up a ring, for drivers that report markers: its position is their centroid,
+  /// or, where all say where they sit (three or more), pose of the body that fits them best. Empty: the
+  /// body's name is the label of its only marker.
+  std::vector<LabelledMarker> labelled_markers;
+  double position_sd_m = 0.0;       ///< standard deviation per coordinate
+  double orientation_sd_rad = 0.0;  ///< standard deviation of the tangent per axis
 };
 
 /// Where the base of the rod is in the mocap frame.
@@ -137,43 +143,8 @@ struct Base {
   std::optional<std::string> body;  ///< body whose pose carries the base; absent: fixed
   Eigen::Isometry3d rod_in_body = Eigen::Isometry3d::Identity();  ///< rod base frame in the body's frame
   Eigen::Isometry3d fixed_pose = Eigen::Isometry3d::Identity();   ///< rod base in mocap, if no body
+  std::vector<LabelledMarker> labelled_markers;  ///< that tell the body's pose, as for MeasuredBody
   bool hold_last = true;  ///< while the body is lost, keep its last pose (the mount does not move)
-};
-
-enum class PressureReference { kAbsolute, kGauge };
-
-enum class InputKind {
-  kPressure,  ///< of a chamber; used as gauge Pa
-  kVacuum,    ///< of a jamming core; used as Pa below ambient (>= 0 when jammed)
-  kTension,   ///< of a tendon, N
-  kAngle,     ///< of a servo, rad
-};
-
-/// One scalar input and where it comes from.
-struct ScalarInput {
-  std::string name;  ///< referred to by chambers, jamming, tendons and cables
-  InputKind kind = InputKind::kPressure;
-  std::string topic;  ///< ROS topic
-  std::string
-      type;  ///< sensor_msgs/FluidPressure | std_msgs/Float64 | ...Float32MultiArray | ...Float64MultiArray
-  int element = 0;           ///< index in an array message
-  double scale_to_si = 1.0;  ///< from the configured unit
-  double zero_si = 0.0;  ///< subtracted from tensions and angles: the reading at which the arm is not driven
-  PressureReference reference = PressureReference::kAbsolute;  ///< of pressures
-  double latency_s = 0.0;  ///< stamp minus the instant that it means: delay and what its clock is ahead
-};
-
-/// Topic, type and unit of everything the node listens to.
-struct Inputs {
-  std::string body_topic = "/mocap/<body>/pose";  ///< <body> is replaced by the body's name
-  std::string body_type = "geometry_msgs/PoseStamped";
-  double body_scale_to_m = 1.0;
-  std::vector<ScalarInput> scalars;  ///< pressures, then tensions, then angles
-  double ambient_pressure_pa = 101325.0;
-  std::string payload_topic = "/payload";
-  double body_sync_tolerance_s = 0.002;  ///< stamps closer than this belong to one frame
-  double body_latency_s = 0.0;           ///< of all bodies: stamp minus the instant of exposure
-  double input_max_age_s = 0.5;          ///< an older pressure, tension or angle is missing
 };
 
 enum class Method { kFullPoints, kEndOrientation, kCcPoints, kCcEndpoint };

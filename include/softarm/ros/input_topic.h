@@ -9,6 +9,7 @@
 #include <functional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "softarm/trial/frame_assembler.h"
 
@@ -23,8 +24,11 @@ using OnMessage = std::function<void(const std_msgs::Header*)>;
 /// A topic, its type, and what to do with its messages.
 struct InputTopic {
   std::string topic;
-  std::string type;   ///< ROS type, "geometry_msgs/PoseStamped"
-  std::string feeds;  ///< for people: "ring_1", "chamber_1, chamber_2", "payload"
+  std::string type;                      ///< ROS type, "geometry_msgs/PoseStamped"
+  std::string feeds;                     ///< for people: "ring_1", "chamber_1, chamber_2", "payload"
+  std::vector<std::string> other_types;  ///< that old recordings have for the same message
+  bool feeds_base = false;               ///< the base's body
+  bool feeds_bodies = false;             ///< measured bodies
   /// Adds one message of a bag to the assembler. @return false if the message has another type
   std::function<bool(const rosbag::MessageInstance&, FrameAssembler&)> read;
   /// Subscribes; the assembler must outlive the subscriber.

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "softarm/arm/arm.h"
@@ -16,9 +17,13 @@ namespace softarm {
 /// cannot hold the input (a FluidPressure for a tension)
 std::vector<InputTopic> input_topics(const Arm& arm);
 
-/// Makes the topics of all bodies of an arm (base included) for one type of mocap message.
-using BodyAdapter = std::vector<InputTopic> (*)(const Arm& arm);
-/// By Inputs::body_type. A new driver is one new file and one line in this table.
+/// Names and indices (into Arm::bodies, or FrameAssembler::kBaseBody) of bodies.
+using Bodies = std::vector<std::pair<std::string, int>>;
+
+/// Makes the topics that feed these bodies of an arm from one source.
+using BodyAdapter = std::vector<InputTopic> (*)(const Arm& arm, const BodySource& source,
+                                                const Bodies& bodies);
+/// By BodySource::type. A new driver is one new file and one line in this table.
 const std::map<std::string, BodyAdapter>& body_adapters();
 
 /// Makes one topic that feeds the given inputs (indices into Inputs::scalars), whatever their kind.
@@ -26,15 +31,13 @@ struct ScalarAdapter {
   InputTopic (*make)(const Arm& arm, const std::string& topic, const std::vector<int>& inputs) = nullptr;
   bool pressures_only = false;  ///< the message says that it is a pressure
 };
-/// By ScalarInput::type.
+/// By ScalarInput::type, of inputs without a field.
 const std::map<std::string, ScalarAdapter>& scalar_adapters();
 
 /// "pressure", "vacuum", "tension", "angle".
 std::string to_string(InputKind kind);
 
 /// Name and index (FrameAssembler::kBaseBody for the base) of every body of the arm.
-std::vector<std::pair<std::string, int>> body_indices(const Arm& arm);
-/// Inputs::body_topic with the body's name filled in.
-std::string body_topic(const Arm& arm, const std::string& body);
+Bodies body_indices(const Arm& arm);
 
 }  // namespace softarm

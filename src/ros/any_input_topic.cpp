@@ -1,0 +1,114 @@
+#include "any_input_topic.h"
+
+#include <ros/serialization.h>
+#include <softarm_estimator/MocapMarkerList.h>
+#include <softarm_estimator/PhasespaceMarkers.h>
+#include <softarm_estimator/ViconMarkers.h>
+#include <topic_tools/shape_shifter.h>
+
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "softarm/ros/message_schema.h"
+
+namespace softarm {
+namespace {
+
+template <class Mirror>
+std::pair<const std::string, std::string> definition_by_md5() {
+  return {ros::message_traits::md5sum<Mirror>(), ros::message_traits::definition<Mirror>()};
+}
+
+std::string mirrored_definition(const std::string& md5) {
+  static const std::map<std::string, std::string> definitions{
+      definition_by_md5<softarm_estimator::ViconMarkers>(),
+      definition_by_md5<softarm_estimator::MocapMarkerList>(),
+      definition_by_md5<softarm_estimator::PhasespaceMarkers>(),
+  };
+  const auto found = definitions.find(md5);
+  if (found == definitions.end()) throw SchemaError("its publisher sends no definition");
+  return found->second;
+}
+
+/// Decodes the messages of one topic; publishers of several versions may share it.
+class Decoder {
+ public:
+  explicit Decoder(std::string type) : type_(std::move(type)) {}
+
+  template <class Message>  // of roscpp or of a bag: both write their bytes to a stream
+  nlohmann::json decode(const Message& message, const std::string& md5, const std::string& definition) {
+    auto known = schemas_.find(md5);
+    if (known == schemas_.end()) {
+      const std::string text = definition.empty() ? mirrored_definition(md5) : definition;
+      known = schemas_.emplace(md5, MessageSchema(type_, text)).first;
+    }
+    std::vector<std::uint8_t> bytes(message.size());
+    ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+    message.write(stream);
+    return known->second.decode(bytes.data(), bytes.size());
+  }
+
+ private:
+  std::string type_;
+  std::map<std::string, MessageSchema> schemas_;
+};
+
+std::optional<std_msgs::Header> header_of(const nlohmann::json& message) {
+  const nlohmann::json* stamp = find_field(message, "header.stamp");
+  if (!stamp || !stamp->is_object() || !find_field(message, "header.seq")) return std::nullopt;
+  std_msgs::Header header;
+  header.seq = message["header"]["seq"].get<std::uint32_t>();
+  header.stamp = ros::Time((*stamp)["sec"].get<std::uint32_t>(), (*stamp)["nsec"].get<std::uint32_t>());
+  return header;
+}
+
+}  // namespace
+
+std::optional<double> header_stamp_s(const nlohmann::json& message) {
+  const std::optional<std_msgs::Header> header = header_of(message);
+  if (!header || header->stamp.isZero()) return std::nullopt;
+  return header->stamp.toSec();
+}
+
+InputTopic make_any_input_topic(const std::string& topic, const std::string& type, const std::string& feeds,
+                                ConvertAny convert) {
+  InputTopic input;
+  input.topic = topic;
+  input.type = type;
+  input.feeds = feeds;
+  const auto decoder = std::make_shared<Decoder>(type);
+  input.read = [=](const rosbag::MessageInstance& instance, FrameAssembler& assembler) {
+    if (instance.getDataType() != type) return false;
+    try {
+      convert(decoder->decode(instance, instance.getMD5Sum(), instance.getMessageDefinition()),
+              instance.getTime().toSec(), assembler);
+    } catch (const SchemaError&) {
+      assembler.count_rejected("undecodable", feeds);
+    }
+    return true;
+  };
+  input.subscribe = [=](ros::NodeHandle& nh, FrameAssembler& assembler, OnMessage on_message) {
+    using Event = ros::MessageEvent<topic_tools::ShapeShifter const>;
+    const boost::function<void(const Event&)> callback = [=, &assembler](const Event& event) {
+      const topic_tools::ShapeShifter& message = *event.getConstMessage();
+      if (message.getDataType() != type) return;  // the diagnostics say of what type the silent topic is
+      std::optional<std_msgs::Header> header;
+      try {
+        const nlohmann::json decoded =
+            decoder->decode(message, message.getMD5Sum(), message.getMessageDefinition());
+        convert(decoded, event.getReceiptTime().toSec(), assembler);
+        header = header_of(decoded);
+      } catch (const SchemaError& e) {
+        ROS_WARN_THROTTLE(10.0, "%s: a message cannot be read: %s", topic.c_str(), e.what());
+        assembler.count_rejected("undecodable", feeds);
+      }
+      on_message(header ? &*header : nullptr);
+    };
+    return nh.subscribe<topic_tools::ShapeShifter, const Event&>(
+        topic, kSubscriberQueue, callback, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
+  };
+  return input;
+}
+
+}  // namespace softarm

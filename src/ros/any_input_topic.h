@@ -1,0 +1,25 @@
+// Topics whose messages belong to packages that need not be here.
+#pragma once
+
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "softarm/ros/input_topic.h"
+
+namespace softarm {
+
+/// Converts a decoded message: (message, receipt time in s, assembler).
+using ConvertAny = std::function<void(const nlohmann::json&, double, FrameAssembler&)>;
+
+/// An InputTopic of messages of `type`, read by the definition that comes with them (MessageSchema), so that
+/// versions of a definition that add or leave out fields are read too. A publisher that sends no definition
+/// is read by our mirror of the type, if its MD5 sum is that of the mirror. What cannot be decoded is counted
+/// as rejected: "undecodable <feeds>".
+InputTopic make_any_input_topic(const std::string& topic, const std::string& type, const std::string& feeds,
+                                ConvertAny convert);
+
+/// Stamp of a decoded message by its header, s; absent where it has none or leaves it zero.
+std::optional<double> header_stamp_s(const nlohmann::json& message);
+
+}  // namespace softarm
