@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "adapters.h"
+#include "body_reader.h"
 
 namespace softarm {
 namespace {
@@ -107,6 +108,11 @@ Bodies body_indices(const Arm& arm) {
   for (std::size_t i = 0; i < arm.bodies.size(); ++i)
     indices.emplace_back(arm.bodies[i].name, static_cast<int>(i));
   return indices;
+}
+
+std::string body_topic(const Arm& arm, const std::string& body) {
+  const bool is_base = arm.inputs.base && arm.base.body == body;
+  return with_body((is_base ? *arm.inputs.base : arm.inputs.bodies).topic, body);
 }
 
 std::string names_of(const Bodies& bodies) {

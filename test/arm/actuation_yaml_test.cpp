@@ -232,8 +232,9 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"unit_of_angle", "topic: /servo/1/angle", "topic: a, unit: turns",
                 "arm.yaml:31: key 'inputs.angles[0].unit': value 'turns' is none of: rad, deg"},
         Refusal{"type_of_tension", "unit: mN", "type: sensor_msgs/FluidPressure",
-                "arm.yaml:29: key 'inputs.tensions[0].type': value 'sensor_msgs/FluidPressure' is none of: "
-                "std_msgs/Float64, std_msgs/Float32MultiArray, std_msgs/Float64MultiArray"},
+                "arm.yaml:29: key 'inputs.tensions[0].type': value sensor_msgs/FluidPressure is none of: "
+                "std_msgs/Float64, std_msgs/Float32MultiArray, std_msgs/Float64MultiArray; for a message of "
+                "another type give field"},
         Refusal{"element_without_array", "unit: mN", "element: 2",
                 "arm.yaml:29: key 'inputs.tensions[0].element': value 2 is an index of an array, but type "
                 "std_msgs/Float64 holds one value"},

@@ -90,7 +90,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "arm.yaml:8: key 'segments[0].diameter_mm': unknown key; did you mean 'diameter_m'?"},
         Refusal{
             "unheard_of", "base: {body: base}", "base: {body: base, colour: red}",
-            "arm.yaml:3: key 'base.colour': unknown key; allowed here: body, rod_in_body, hold_last, fixed"},
+            "arm.yaml:3: key 'base.colour': unknown key; allowed here: body, rod_in_body, labelled_markers, "
+            "hold_last, fixed"},
         Refusal{"missing", "    diameter_m: 0.04\n", "",
                 "arm.yaml:5: key 'segments[0].diameter_m': is missing; outer diameter (pictures, markers on "
                 "the skin); "

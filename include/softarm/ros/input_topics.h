@@ -39,5 +39,7 @@ std::string to_string(InputKind kind);
 
 /// Name and index (FrameAssembler::kBaseBody for the base) of every body of the arm.
 Bodies body_indices(const Arm& arm);
+/// The topic on which a body comes: its source's, with its name filled in.
+std::string body_topic(const Arm& arm, const std::string& body);
 
 }  // namespace softarm
