@@ -126,6 +126,13 @@ std::string MessageSchema::resolved(const std::string& type, const std::string& 
   if (builtins().count(type) || types_.count(type)) return type;
   const std::string full = type == "Header" ? "std_msgs/Header" : package + "/" + type;
   if (types_.count(full)) return full;
+  // A definition may come under another name than that of its package (our mirrors): the parts tell.
+  for (const auto& [name, fields] : types_) {
+    if (name.size() > type.size() + 1 &&
+        name.compare(name.size() - type.size() - 1, type.size() + 1, "/" + type) == 0) {
+      return name;
+    }
+  }
   throw SchemaError(fmt::format("{}: its definition lacks that of {}", datatype_, type));
 }
 
