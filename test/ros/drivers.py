@@ -274,6 +274,7 @@ class Drivers(unittest.TestCase):
         cls.silent = [name for name, driver in cls.drivers.items() if not driver.connected()]
         begin = time.time()
         first = rospy.Time.now()
+        cls.first_s = first.to_sec()
         for i in range(FRAMES):
             for driver in cls.drivers.values():
                 driver.publish(i, first + rospy.Duration.from_sec(i / RATE))
@@ -326,24 +327,23 @@ class Drivers(unittest.TestCase):
             estimates = list(self.estimates[name])
             rejected = set(self.rejected[name])
         self.assertGreaterEqual(len(estimates), FRAMES - 5, rejected)
-        server = name == "phasespace"
-        start = estimates[0].header.stamp.to_sec()
-        first = 0 if not server else round((start - 5.0) * RATE)
+        first_s = 5.0 if name == "phasespace" else self.first_s
         seen = {"ring_1": 0, "ring_2": 0}
         for estimate in estimates:
-            i = first + int(round((estimate.header.stamp.to_sec() - start) * RATE))
-            # One ring alone does not determine the shape in every case; with both there is an estimate.
-            if i not in LOST:
-                self.assertEqual(estimate.status, ArmEstimate.STATUS_OK, estimate.detail)
+            i = int(round((estimate.header.stamp.to_sec() - first_s) * RATE))
+            # One ring alone does not determine the shape: the frame is refused, and shows no bodies.
+            # The first frame after the loss may be closed before a body that is no longer awaited comes.
+            if i not in LOST and i != LOST.stop:
+                self.assertEqual(estimate.status, ArmEstimate.STATUS_OK, (i, estimate.detail))
             for body, measured in zip(estimate.body_names, estimate.measured):
                 seen[body] += 1
                 x, y, z = position(body, i)
                 base = position("base", i) if "base: {fixed" not in snippets()[name] else (0.0, 0.0, 1.0)
                 expected = (x - base[0], -(y - base[1]), -(z - base[2]))
                 error = math.dist((measured.x, measured.y, measured.z), expected)
-                self.assertLess(error, 0.015 if i in LOST else 1e-5, (name, i, body, measured, expected))
-        self.assertGreaterEqual(seen["ring_1"], len(estimates) - 3)
-        self.assertGreaterEqual(seen["ring_2"], len(estimates) - len(LOST) - 3)
+                self.assertLess(error, 0.015 if i in LOST or i == LOST.stop else 1e-5, (name, i, body, measured, expected))
+        self.assertGreaterEqual(seen["ring_1"], len(estimates) - len(LOST) - 4)
+        self.assertGreaterEqual(seen["ring_2"], len(estimates) - len(LOST) - 4)
         if name != "vrpn":  # what is lost there looks like a body at rest, until it is frozen for long
             self.assertLessEqual(seen["ring_2"], len(estimates) - len(LOST) + 1)
         for reason in self.drivers[name].rejections:
