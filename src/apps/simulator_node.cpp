@@ -9,17 +9,22 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <set>
 #include <sstream>
+#include <variant>
 
+#include "softarm/rig/receipt_queue.h"
 #include "softarm/rig/simulator.h"
 
 namespace {
 
 using softarm::rig::InputKind;
 using softarm::rig::InputSample;
-using softarm::rig::Pose;
+using softarm::rig::PayloadSample;
+using softarm::rig::PoseSample;
+using softarm::rig::Received;
 using softarm::rig::Sample;
 
 constexpr std::uint32_t kQueue = 1000;
@@ -80,62 +85,8 @@ class Rig {
     if (!scenario.vacuum.schedule.empty()) publisher_of(InputKind::kVacuum, 0);
   }
 
-  void publish_payload(const Sample& sample) {
-    if (!sample.payload) return;
-    std_msgs::Float64 message;
-    message.data = sample.payload->kg;
-    payload_.publish(message);
-  }
-
-  void publish(const Sample& sample) {
-    for (const InputSample& input : sample.inputs) publish(input);
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      if (sample.bodies[i]) publish(bodies_[i], sample.stamp_s, *sample.bodies[i]);
-    }
-    publish_truth(sample);
-  }
-
- private:
-  ros::Time stamp(double t_s) const { return epoch_ + ros::Duration(t_s); }
-
-  static bool is_pressure(InputKind kind) {
-    return kind == InputKind::kChamber || kind == InputKind::kVacuum;
-  }
-
-  ros::Publisher& publisher_of(InputKind kind, int number) {
-    ros::Publisher& publisher = inputs_[{kind, number}];
-    if (!publisher) {
-      const std::string topic = softarm::rig::topic_of(kind, number);
-      publisher = is_pressure(kind) ? nh_.advertise<sensor_msgs::FluidPressure>(topic, kQueue)
-                                    : nh_.advertise<std_msgs::Float64>(topic, kQueue);
-    }
-    return publisher;
-  }
-
-  void publish(const InputSample& sample) {
-    const ros::Publisher& publisher = publisher_of(sample.kind, sample.number);
-    if (is_pressure(sample.kind)) {
-      sensor_msgs::FluidPressure message;
-      message.header.stamp = stamp(sample.stamp_s);
-      message.fluid_pressure = sample.value;
-      publisher.publish(message);
-    } else {
-      std_msgs::Float64 message;
-      message.data = sample.value;
-      publisher.publish(message);
-    }
-  }
-
-  void publish(const ros::Publisher& publisher, double stamp_s, const Pose& pose) {
-    geometry_msgs::PoseStamped message;
-    message.header.stamp = stamp(stamp_s);
-    message.header.frame_id = "mocap";
-    message.pose.position = to_point(pose.p);
-    message.pose.orientation.w = pose.q.w();
-    message.pose.orientation.x = pose.q.x();
-    message.pose.orientation.y = pose.q.y();
-    message.pose.orientation.z = pose.q.z();
-    publisher.publish(message);
+  void publish(const Received& received) {
+    std::visit([this](const auto& message) { publish(message); }, received.message);
   }
 
   void publish_truth(const Sample& sample) {
@@ -155,12 +106,74 @@ class Rig {
     truth_.publish(message);
   }
 
+ private:
+  ros::Time stamp(double t_s) const { return epoch_ + ros::Duration(t_s); }
+
+  static bool is_pressure(InputKind kind) {
+    return kind == InputKind::kChamber || kind == InputKind::kVacuum;
+  }
+
+  ros::Publisher& publisher_of(InputKind kind, int number) {
+    ros::Publisher& publisher = inputs_[{kind, number}];
+    if (!publisher) {
+      const std::string topic = softarm::rig::topic_of(kind, number);
+      publisher = is_pressure(kind) ? nh_.advertise<sensor_msgs::FluidPressure>(topic, kQueue)
+                                    : nh_.advertise<std_msgs::Float64>(topic, kQueue);
+    }
+    return publisher;
+  }
+
+  void publish(const PayloadSample& sample) {
+    std_msgs::Float64 message;
+    message.data = sample.kg;
+    payload_.publish(message);
+  }
+
+  void publish(const InputSample& sample) {
+    const ros::Publisher& publisher = publisher_of(sample.kind, sample.number);
+    if (is_pressure(sample.kind)) {
+      sensor_msgs::FluidPressure message;
+      message.header.stamp = stamp(sample.stamp_s);
+      message.fluid_pressure = sample.value;
+      publisher.publish(message);
+    } else {
+      std_msgs::Float64 message;
+      message.data = sample.value;
+      publisher.publish(message);
+    }
+  }
+
+  void publish(const PoseSample& sample) {
+    const softarm::rig::Pose& pose = sample.pose;
+    geometry_msgs::PoseStamped message;
+    message.header.stamp = stamp(sample.stamp_s);
+    message.header.frame_id = "mocap";
+    message.pose.position = to_point(pose.p);
+    message.pose.orientation.w = pose.q.w();
+    message.pose.orientation.x = pose.q.x();
+    message.pose.orientation.y = pose.q.y();
+    message.pose.orientation.z = pose.q.z();
+    bodies_[sample.body].publish(message);
+  }
+
   ros::NodeHandle nh_, private_nh_;
   ros::Time epoch_;
   std::vector<ros::Publisher> bodies_;
   std::map<std::pair<InputKind, int>, ros::Publisher> inputs_;
   ros::Publisher payload_, truth_;
 };
+
+/// Publishes what is received by a time, each message then.
+void deliver(softarm::rig::ReceiptQueue& queue, double until_s, ros::WallTime start, Rig& rig) {
+  while (const std::optional<Received> received = queue.take(until_s)) {
+    // What has no stamp holds from when it is received: the first payload must not come after its frame.
+    const bool is_first_payload =
+        received->receipt_s == 0.0 && std::holds_alternative<PayloadSample>(received->message);
+    if (!is_first_payload) ros::WallTime::sleepUntil(start + ros::WallDuration(received->receipt_s));
+    if (!ros::ok()) return;
+    rig.publish(*received);
+  }
+}
 
 void run(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh) {
   std::string path;
@@ -171,19 +184,20 @@ void run(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh) {
   const ros::WallTime start =
       ros::WallTime::now() + ros::WallDuration(0.5);  // until subscribers are connected
   Rig rig(nh, private_nh, simulator, ros::Time(start.sec, start.nsec));
+  softarm::rig::ReceiptQueue queue;
   while (ros::ok()) {
     const std::optional<Sample> sample = simulator.next();
     if (!sample) break;
     const ros::WallTime due = start + ros::WallDuration(sample->stamp_s);
     const double behind_s = (ros::WallTime::now() - due).toSec();
     if (behind_s > kBehind_s) ROS_WARN_THROTTLE(5.0, "the simulation is %.2f s behind real time", behind_s);
-    // It has no stamp and holds from when it is received, so it must not come after its frame.
-    if (sample->stamp_s == 0.0) rig.publish_payload(*sample);
+    queue.add(*sample);
+    deliver(queue, sample->stamp_s, start, rig);
     ros::WallTime::sleepUntil(due);
-    if (sample->stamp_s > 0.0) rig.publish_payload(*sample);
-    rig.publish(*sample);
+    rig.publish_truth(*sample);
     ros::spinOnce();
   }
+  deliver(queue, std::numeric_limits<double>::infinity(), start, rig);
   if (ros::ok()) ROS_INFO("the scenario is over");
 }
 

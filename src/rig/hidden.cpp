@@ -32,19 +32,25 @@ void check(const HiddenChoice& choice) {
                                                 ? "none: it has one form only"
                                                 : fmt::format("{}", fmt::join(effect->forms, ", "))));
   for (const HiddenParameter& parameter : effect->parameters) {
+    if (!parameter.is_of(choice.form)) continue;
     const auto value = choice.values.find(parameter.key);
     if (value == choice.values.end())
       throw std::invalid_argument(fmt::format("effect {}: {} is missing", effect->id, parameter.key));
     if (!(value->second >= parameter.low && value->second <= parameter.high))
       throw std::invalid_argument(fmt::format("effect {}: {} is {}, allowed {} ... {}", effect->id,
                                               parameter.key, value->second, parameter.low, parameter.high));
-    if (parameter.whole && value->second != std::floor(value->second))
-      throw std::invalid_argument(fmt::format("effect {}: {} is {}, allowed whole numbers", effect->id,
-                                              parameter.key, value->second));
+    if (parameter.whole && value->second != std::round(value->second))
+      throw std::invalid_argument(fmt::format("effect {}: {} is {}, allowed are whole numbers {} ... {}",
+                                              effect->id, parameter.key, value->second, parameter.low,
+                                              parameter.high));
   }
 }
 
 }  // namespace
+
+bool HiddenParameter::is_of(const std::string& form) const {
+  return of_forms.empty() || std::count(of_forms.begin(), of_forms.end(), form) > 0;
+}
 
 const std::vector<HiddenEffect>& hidden_effects() {
   static const std::vector<HiddenEffect> all = [] {
@@ -81,6 +87,12 @@ void parse_hidden(YamlMap& document, Scenario& scenario) {
                                       fmt::join(effect->forms, ", ")));
     }
     for (const HiddenParameter& parameter : effect->parameters) {
+      if (!parameter.is_of(choice.form)) {
+        if (item.has(parameter.key))
+          item.fail(parameter.key, fmt::format("not of form {}, allowed with form {}", choice.form,
+                                               fmt::join(parameter.of_forms, ", ")));
+        continue;
+      }
       const Allowed allowed{parameter.low, parameter.high};
       choice.values[parameter.key] = parameter.otherwise
                                          ? item.number(parameter.key, allowed, *parameter.otherwise)

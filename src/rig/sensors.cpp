@@ -12,64 +12,40 @@ constexpr std::uint64_t kMocapPurpose = 0x6d6f6361;
 }  // namespace
 
 Sensors::Sensors(const Scenario& scenario, const Protocol& protocol)
-    : scenario_(scenario), protocol_(protocol), noise_(scenario.seed, kMocapPurpose) {}
+    : scenario_(scenario),
+      protocol_(protocol),
+      noise_(scenario.seed, kMocapPurpose),
+      duplicates_(stream_of(scenario.seed, SensorPurpose::kDuplicate)),
+      poses_(scenario),
+      tracking_(scenario),
+      mocap_clock_(scenario, MessageStream::kMocap, 0),
+      inputs_(scenario, protocol) {}
 
-void Sensors::observe(Sample& sample) {
+void Sensors::observe(const PoseAt& pose_at, Sample& sample) {
   const MocapSpec& mocap = scenario_.mocap;
-  if (mocap.base_measured) sample.bodies.push_back(measure(Pose{}, mocap.base_noise));
-  for (const Pose& ring : sample.truth.rings_base) sample.bodies.push_back(measure(ring, mocap.ring_noise));
-  add_inputs(sample);
+  const std::vector<Pose>& rings = sample.truth.rings_base;
+  for (const Pose& pose : poses_.observe(sample.stamp_s, rings, pose_at)) {
+    const bool is_base = mocap.base_measured && sample.bodies.empty();
+    sample.bodies.push_back(with_noise(pose, is_base ? mocap.base_noise : mocap.ring_noise));
+  }
+  tracking_.track(sample.stamp_s, rings, sample.bodies);
+  dropouts_ += static_cast<std::size_t>(std::count(sample.bodies.begin(), sample.bodies.end(), std::nullopt));
+  const Timing timing = mocap_clock_.time(sample.stamp_s);
+  sample.mocap_stamp_s = timing.stamp_s;
+  sample.mocap_receipt_s = timing.receipt_s;
+  if (duplicates_.uniform() < scenario_.sensors.duplicate_probability) sample.mocap_copies = 2;
+  sample.inputs = inputs_.messages_until(sample.stamp_s);
   if (scenario_.payload.publish) add_payload(sample);
 }
 
-std::optional<Pose> Sensors::measure(const Pose& base_pose, const PoseNoise& sd) {
+std::optional<Pose> Sensors::with_noise(Pose pose, const PoseNoise& sd) {
   // All numbers are drawn even for a lost body: dropouts do not change the noise of the others.
   const bool lost = noise_.uniform() < scenario_.mocap.dropout_probability;
-  const Eigen::Vector3d position_noise = sd.position_sd_m * noise_.normal3();
+  pose.p += sd.position_sd_m * noise_.normal3();
   const Eigen::Vector3d turn = sd.orientation_sd_rad * noise_.normal3();
-  if (lost) {
-    ++dropouts_;
-    return std::nullopt;
-  }
-  const MountSpec& mount = scenario_.mount;
-  Pose measured;
-  measured.p = mount.p_mocap_base + mount.q_mocap_base * base_pose.p + position_noise;
-  measured.q = (mount.q_mocap_base * base_pose.q * Eigen::Quaterniond(rotation_of(turn))).normalized();
-  return measured;
-}
-
-template <typename Add>
-void Sensors::messages_until(double until_s, const DriveSpec& spec, std::size_t& count,
-                             const Add& add) const {
-  for (;; ++count) {
-    const double stamp_s = static_cast<double>(count) / spec.rate_hz;
-    if (stamp_s > until_s) return;
-    add(stamp_s, protocol_.at(stamp_s));
-  }
-}
-
-void Sensors::add_inputs(Sample& sample) {
-  std::vector<InputSample>& inputs = sample.inputs;
-  const double until_s = sample.stamp_s;
-  const auto add_all = [&](double stamp_s, InputKind kind, const std::vector<double>& values, double zero) {
-    for (std::size_t i = 0; i < values.size(); ++i)
-      inputs.push_back({stamp_s, kind, static_cast<int>(i), zero + values[i]});
-  };
-  messages_until(until_s, scenario_.pressures, pressure_messages_, [&](double t_s, const Commands& sent) {
-    add_all(t_s, InputKind::kChamber, sent.pressures_pa, scenario_.pressures.ambient_pa);
-    if (!scenario_.vacuum.schedule.empty())
-      inputs.push_back({t_s, InputKind::kVacuum, 0, scenario_.pressures.ambient_pa - sent.vacuum_pa});
-  });
-  if (scenario_.arm.tendons > 0)
-    messages_until(until_s, scenario_.tensions, tension_messages_, [&](double t_s, const Commands& sent) {
-      add_all(t_s, InputKind::kTendon, sent.tensions_n, 0.0);
-    });
-  if (scenario_.arm.servos > 0)
-    messages_until(until_s, scenario_.angles, angle_messages_, [&](double t_s, const Commands& sent) {
-      add_all(t_s, InputKind::kServo, sent.angles_rad, 0.0);
-    });
-  std::stable_sort(inputs.begin(), inputs.end(),
-                   [](const InputSample& a, const InputSample& b) { return a.stamp_s < b.stamp_s; });
+  if (lost) return std::nullopt;
+  pose.q = (pose.q * Eigen::Quaterniond(rotation_of(turn))).normalized();
+  return pose;
 }
 
 void Sensors::add_payload(Sample& sample) {

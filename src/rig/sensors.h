@@ -4,7 +4,11 @@
 #include <optional>
 #include <vector>
 
-#include "random_stream.h"
+#include "sensors_clocks.h"
+#include "sensors_inputs.h"
+#include "sensors_poses.h"
+#include "sensors_random.h"
+#include "sensors_tracking.h"
 #include "softarm/rig/protocol.h"
 #include "softarm/rig/simulator.h"
 
@@ -15,23 +19,23 @@ class Sensors {
  public:
   Sensors(const Scenario& scenario, const Protocol& protocol);
 
-  /// Fills everything but the truth, from the truth at the frame's stamp.
-  void observe(Sample& sample);
+  /// Fills everything but the truth, from the truth at the frame's time.
+  /// @param pose_at of the arm at that time
+  void observe(const PoseAt& pose_at, Sample& sample);
 
   std::size_t dropouts() const { return dropouts_; }
 
  private:
-  std::optional<Pose> measure(const Pose& base_pose, const PoseNoise& sd);
-  void add_inputs(Sample& sample);
+  std::optional<Pose> with_noise(Pose pose, const PoseNoise& sd);
   void add_payload(Sample& sample);
-  /// Calls with the stamp and commands of each message of a kind's drive up to a time.
-  template <typename Add>
-  void messages_until(double until_s, const DriveSpec& spec, std::size_t& count, const Add& add) const;
 
   const Scenario& scenario_;
   const Protocol& protocol_;
-  RandomStream noise_;
-  std::size_t pressure_messages_ = 0, tension_messages_ = 0, angle_messages_ = 0;
+  RandomStream noise_, duplicates_;
+  PoseSensors poses_;
+  Tracking tracking_;
+  MessageClock mocap_clock_;
+  InputSensors inputs_;
   std::size_t dropouts_ = 0;
   std::optional<double> published_kg_;
 };

@@ -192,7 +192,7 @@ std::optional<Sample> Simulator::next() {
   Sample sample;
   sample.stamp_s = static_cast<double>(m.frame) / m.scenario.mocap.rate_hz;
   sample.truth = m.truth(sample.stamp_s);
-  m.sensors.observe(sample);
+  m.sensors.observe([&m](double fraction) { return to_pose(m.rod.pose(fraction)); }, sample);
   ++m.frame;
   return sample;
 }

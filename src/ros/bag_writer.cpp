@@ -32,7 +32,7 @@ std_msgs::Header TrialBagWriter::header(const std::string& topic, double stamp_s
 }
 
 template <typename Message>
-void TrialBagWriter::write(const std::string& topic, double stamp_s, const Message& message, bool latched) {
+void TrialBagWriter::write(const std::string& topic, double receipt_s, const Message& message, bool latched) {
   // The connection header that roscpp would send; `latching` makes rosbag play latch the topic again.
   const auto connection = boost::make_shared<ros::M_string>();
   (*connection)["topic"] = topic;
@@ -40,12 +40,12 @@ void TrialBagWriter::write(const std::string& topic, double stamp_s, const Messa
   (*connection)["md5sum"] = ros::message_traits::md5sum<Message>();
   (*connection)["message_definition"] = ros::message_traits::definition<Message>();
   if (latched) (*connection)["latching"] = "1";
-  bag_.write(topic, to_ros_time(stamp_s), message, connection);
+  bag_.write(topic, to_ros_time(receipt_s), message, connection);
   ++messages_;
 }
 
 void TrialBagWriter::pose(const std::string& body, double stamp_s, const Eigen::Vector3d& p_mocap,
-                          const Eigen::Quaterniond& q_mocap) {
+                          const Eigen::Quaterniond& q_mocap, std::optional<double> receipt_s) {
   const std::string topic = "/mocap/" + body + "/pose";
   geometry_msgs::PoseStamped m;
   m.header = header(topic, stamp_s, "mocap");
@@ -56,21 +56,22 @@ void TrialBagWriter::pose(const std::string& body, double stamp_s, const Eigen::
   m.pose.orientation.y = q_mocap.y();
   m.pose.orientation.z = q_mocap.z();
   m.pose.orientation.w = q_mocap.w();
-  write(topic, stamp_s, m);
+  write(topic, receipt_s.value_or(stamp_s), m);
 }
 
-void TrialBagWriter::pressure(const std::string& topic, double stamp_s, double absolute_pa) {
+void TrialBagWriter::pressure(const std::string& topic, double stamp_s, double absolute_pa,
+                              std::optional<double> receipt_s) {
   sensor_msgs::FluidPressure m;
   m.header = header(topic, stamp_s, "");
   m.fluid_pressure = absolute_pa;
   m.variance = 0.0;  // unknown, by the message's definition
-  write(topic, stamp_s, m);
+  write(topic, receipt_s.value_or(stamp_s), m);
 }
 
-void TrialBagWriter::scalar(const std::string& topic, double stamp_s, double value) {
+void TrialBagWriter::scalar(const std::string& topic, double receipt_s, double value) {
   std_msgs::Float64 m;
   m.data = value;
-  write(topic, stamp_s, m);
+  write(topic, receipt_s, m);
 }
 
 void TrialBagWriter::payload(double stamp_s, double kg) {

@@ -16,15 +16,18 @@ struct HiddenParameter {
   double low, high;              ///< allowed
   double usual_low, usual_high;  ///< of real arms: what a campaign draws from
   std::string words;
-  std::optional<double> otherwise = {};  ///< value where the scenario does not say; absent: it must
-  bool whole = false;                    ///< takes whole numbers only
+  std::optional<double> otherwise = {};    ///< value where the scenario does not say; absent: it must
+  bool whole = false;                      ///< it counts or numbers something: fractions are refused
+  std::vector<std::string> of_forms = {};  ///< that have it; none: all forms of the effect
+
+  bool is_of(const std::string& form) const;
 };
 
 /// One effect as a scenario has it, in its list `hidden`.
 struct HiddenChoice {
   std::string effect;
   std::string form;                      ///< empty: the effect has one form only
-  std::map<std::string, double> values;  ///< every parameter of the effect
+  std::map<std::string, double> values;  ///< every parameter of the effect's form
 };
 
 /// An effect that a scenario can switch on.

@@ -164,12 +164,6 @@ struct PayloadSpec {
   std::vector<Setpoint> schedule;
 };
 
-/// Gaussian noise of one body's measured pose.
-struct PoseNoise {
-  double position_sd_m = 0.0;       ///< per coordinate
-  double orientation_sd_rad = 0.0;  ///< per axis of a small rotation
-};
-
 struct MocapSpec {
   double rate_hz = 120.0;
   std::vector<double> ring_fractions{0.25, 0.5, 0.75, 1.0};  ///< of the length at zero input

@@ -24,21 +24,20 @@ struct Pose {
   Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
 };
 
-enum class InputKind { kChamber, kVacuum, kTendon, kServo };
-
 /// One message of an input.
 struct InputSample {
   double stamp_s = 0.0;
   InputKind kind = InputKind::kChamber;
-  int number = 0;      ///< from 0, of its kind; 0 for the vacuum
-  double value = 0.0;  ///< commanded: absolute Pa, N, rad
+  int number = 0;          ///< from 0, of its kind; 0 for the vacuum
+  double value = 0.0;      ///< commanded, with the errors of its sensor if it has any: absolute Pa, N, rad
+  double receipt_s = 0.0;  ///< when it arrives; a message without a header has only this time
 };
 
 /// Topic on which an input is published: /pressure/chamber_1 ..., /pressure/vacuum, /tendon/1/tension ...,
 /// /servo/1/angle ...
 std::string topic_of(InputKind kind, int number);
 
-/// The payload became known.
+/// The payload became known, and its message arrived.
 struct PayloadSample {
   double stamp_s = 0.0;
   double kg = 0.0;
@@ -68,12 +67,16 @@ struct Truth {
   double energy_j = 0.0;       ///< kinetic + elastic + gravity - work of the actuation moment
 };
 
-/// Everything that was measured up to and at one mocap frame, and the truth at its stamp.
+/// Everything that was measured up to and at one mocap frame, and the truth at its time. To have the messages
+/// in the order in which they arrive: ReceiptQueue.
 struct Sample {
-  double stamp_s = 0.0;
+  double stamp_s = 0.0;  ///< the time of the frame: what an ideal clock would stamp
   /// Poses in the mocap frame in the order of Simulator::body_names(); absent: the body was lost.
   std::vector<std::optional<Pose>> bodies;
-  /// Messages since the last frame, ordered by stamp (> last frame's, <= this one's).
+  double mocap_stamp_s = 0.0;    ///< what the messages of the bodies say
+  double mocap_receipt_s = 0.0;  ///< when they arrive
+  int mocap_copies = 1;          ///< how often
+  /// Messages sent since the last frame (after it, up to this one), in the order of receipt.
   std::vector<InputSample> inputs;
   std::optional<PayloadSample>
       payload;  ///< present in the first frame and when it changed, if published at all

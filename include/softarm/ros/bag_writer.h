@@ -8,26 +8,30 @@
 
 #include <Eigen/Geometry>
 #include <map>
+#include <optional>
 #include <string>
 
 namespace softarm {
 
-/// Writes the topics of a trial bag in SI units, each message recorded at the time of its own stamp.
+/// Writes the topics of a trial bag in SI units, each message recorded at the time of its receipt.
 ///
 /// The same calls give the same bytes: nothing in the file depends on the clock, the machine or the process.
-/// Stamps are s since the epoch and must be given in time order. Not thread-safe.
+/// Times are s since the epoch, those of receipt must be given in their order. Not thread-safe.
 class TrialBagWriter {
  public:
   /// @throws rosbag::BagException if the file cannot be created
   explicit TrialBagWriter(const std::string& path);
 
   /// /mocap/<body>/pose, geometry_msgs/PoseStamped in frame `mocap`.
+  /// @param receipt_s absent: received at its stamp
   void pose(const std::string& body, double stamp_s, const Eigen::Vector3d& p_mocap,
-            const Eigen::Quaterniond& q_mocap);
+            const Eigen::Quaterniond& q_mocap, std::optional<double> receipt_s = {});
   /// sensor_msgs/FluidPressure, absolute Pa.
-  void pressure(const std::string& topic, double stamp_s, double absolute_pa);
-  /// std_msgs/Float64 (tension in N, say).
-  void scalar(const std::string& topic, double stamp_s, double value);
+  /// @param receipt_s absent: received at its stamp
+  void pressure(const std::string& topic, double stamp_s, double absolute_pa,
+                std::optional<double> receipt_s = {});
+  /// std_msgs/Float64 (tension in N, say): without a stamp, it holds from its receipt.
+  void scalar(const std::string& topic, double receipt_s, double value);
   /// /payload, std_msgs/Float64 in kg, latched; holds from `stamp_s` on, recorded 1 us before it.
   void payload(double stamp_s, double kg);
 
@@ -38,7 +42,7 @@ class TrialBagWriter {
 
  private:
   template <typename Message>
-  void write(const std::string& topic, double stamp_s, const Message& message, bool latched = false);
+  void write(const std::string& topic, double receipt_s, const Message& message, bool latched = false);
   std_msgs::Header header(const std::string& topic, double stamp_s, const std::string& frame);
 
   rosbag::Bag bag_;

@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <fstream>
+#include <limits>
+#include <variant>
 
 #include "softarm/command.h"
 #include "softarm/output_file.h"
+#include "softarm/rig/receipt_queue.h"
 #include "softarm/rig/simulator.h"
 #include "softarm/rig/truth_csv.h"
 #include "softarm/rig/truth_yaml.h"
@@ -16,20 +19,24 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void record(const rig::Sample& sample, const std::vector<std::string>& bodies, TrialBagWriter& bag) {
-  if (sample.payload) bag.payload(sample.payload->stamp_s + kTrialEpochS, sample.payload->kg);
-  for (const rig::InputSample& input : sample.inputs) {
-    const std::string topic = rig::topic_of(input.kind, input.number);
-    const double stamp_s = input.stamp_s + kTrialEpochS;
-    if (input.kind == rig::InputKind::kChamber || input.kind == rig::InputKind::kVacuum) {
-      bag.pressure(topic, stamp_s, input.value);
+/// Writes the messages that are received by a time, in their order.
+void record(rig::ReceiptQueue& queue, double until_s, const std::vector<std::string>& bodies,
+            TrialBagWriter& bag) {
+  while (const std::optional<rig::Received> received = queue.take(until_s)) {
+    const double receipt_s = received->receipt_s + kTrialEpochS;
+    if (const auto* payload = std::get_if<rig::PayloadSample>(&received->message)) {
+      bag.payload(receipt_s, payload->kg);
+    } else if (const auto* input = std::get_if<rig::InputSample>(&received->message)) {
+      const std::string topic = rig::topic_of(input->kind, input->number);
+      if (input->kind == rig::InputKind::kChamber || input->kind == rig::InputKind::kVacuum) {
+        bag.pressure(topic, input->stamp_s + kTrialEpochS, input->value, receipt_s);
+      } else {
+        bag.scalar(topic, receipt_s, input->value);
+      }
     } else {
-      bag.scalar(topic, stamp_s, input.value);
+      const auto& pose = std::get<rig::PoseSample>(received->message);
+      bag.pose(bodies[pose.body], pose.stamp_s + kTrialEpochS, pose.pose.p, pose.pose.q, receipt_s);
     }
-  }
-  for (std::size_t i = 0; i < sample.bodies.size(); ++i) {
-    const std::optional<rig::Pose>& pose = sample.bodies[i];
-    if (pose) bag.pose(bodies[i], sample.stamp_s + kTrialEpochS, pose->p, pose->q);
   }
 }
 
@@ -49,16 +56,19 @@ RecordedTrial record_trial(const rig::Scenario& scenario, const fs::path& bag_pa
 
   rig::Simulator simulator(scenario);
   TrialBagWriter bag(bag_file.temporary().string());
+  rig::ReceiptQueue queue;
   std::ofstream series(series_file.temporary());
   rig::write_truth_header(series, scenario);
   RecordedTrial recorded;
   while (const std::optional<rig::Sample> sample = simulator.next()) {
-    record(*sample, simulator.body_names(), bag);
+    queue.add(*sample);
+    record(queue, sample->stamp_s, simulator.body_names(), bag);
     rig::write_truth_row(series, sample->truth, kTrialEpochS);
     recorded.duration_s = sample->stamp_s;
     ++recorded.frames;
     on_frame();
   }
+  record(queue, std::numeric_limits<double>::infinity(), simulator.body_names(), bag);
   bag.close();
   close(series, series_file.path());
   std::ofstream description(description_file.temporary());

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "softarm/command.h"
+#include "softarm/effects_list.h"
 #include "softarm/output_file.h"
 #include "softarm/progress.h"
 #include "softarm/record_trial.h"
@@ -75,6 +76,16 @@ void add_simulate(CLI::App& program) {
       ->add_option("--seconds", options->seconds, "record so much simulated time instead of the scenario's")
       ->check(CLI::Range(0.01, 1e6));
   command->add_option("--seed", options->seed, "seed of all random numbers instead of the scenario's");
+  // Like --help it needs nothing else.
+  command
+      ->add_flag_callback(
+          "--effects",
+          [] {
+            fmt::print("{}", effects_list());
+            throw CLI::Success();
+          },
+          "list all that a scenario can hide in the arm, its inputs and its sensors, and exit")
+      ->trigger_on_parse();
   command->footer(kExamples);
   command->callback([options] { run(*options); });
 }

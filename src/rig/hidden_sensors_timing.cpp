@@ -1,0 +1,66 @@
+// Effects of clocks and transport.
+#include <algorithm>
+
+#include "hidden_sensors.h"
+
+namespace softarm::rig {
+namespace {
+
+void add_clock_offset(const HiddenChoice& choice, Scenario& scenario) {
+  scenario.sensors.mocap_clock.offset_s += choice.values.at("offset_s");
+  scenario.sensors.mocap_clock.drift += 1e-6 * choice.values.at("drift_ppm");
+}
+
+void add_latency(const HiddenChoice& choice, Scenario& scenario) {
+  scenario.sensors.latencies.push_back(
+      {stream_of(choice), choice.values.at("delay_s"), choice.values.at("jitter_s")});
+}
+
+void add_stamp_jitter(const HiddenChoice& choice, Scenario& scenario) {
+  scenario.sensors.stamp_jitters.push_back({stream_of(choice), choice.values.at("sd_s")});
+}
+
+void add_duplicates(const HiddenChoice& choice, Scenario& scenario) {
+  double& probability = scenario.sensors.duplicate_probability;
+  probability = std::max(probability, choice.values.at("probability"));
+}
+
+void add_gap(const HiddenChoice& choice, Scenario& scenario) {
+  scenario.sensors.gaps.push_back({stream_of(choice), times_of(choice)});
+}
+
+}  // namespace
+
+std::vector<HiddenEffect> timing_effects() {
+  return {
+      {"clock_offset",
+       true,
+       "the clock that stamps the mocap frames is ahead of that of the inputs and of receipt",
+       {},
+       {{"offset_s", -1e4, 1e4, -0.2, 0.2, "ahead at the start"},
+        {"drift_ppm", -1e5, 1e5, -50.0, 50.0, "gets ahead by so many microseconds per second", 0.0}},
+       add_clock_offset},
+      {"latency",
+       false,
+       "messages are received later than they are stamped; what has no header then holds later",
+       stream_forms(),
+       {{"delay_s", 0.0, 10.0, 0.003, 0.05, "all of them"},
+        {"jitter_s", 0.0, 10.0, 0.0, 0.01, "mean of a random (exponential) delay on top", 0.0}},
+       add_latency},
+      {"stamp_jitter",
+       false,
+       "stamps wander about the times that they mean, up to three standard deviations, and never go back",
+       stream_forms(),
+       {{"sd_s", 0.0, 1.0, 2e-4, 3e-3, "standard deviation"}},
+       add_stamp_jitter},
+      {"duplicated_frames",
+       false,
+       "a mocap frame is sent twice, stamp and all",
+       {},
+       {{"probability", 0.0, 1.0, 0.001, 0.05, "of a frame"}},
+       add_duplicates},
+      {"gaps", false, "nothing of a stream is sent", stream_forms(), with_times({}), add_gap},
+  };
+}
+
+}  // namespace softarm::rig
