@@ -86,13 +86,12 @@ void parse_hidden(YamlMap& document, Scenario& scenario) {
         item.fail("form", fmt::format("value {}, allowed {}", choice.form.substr(0, 60),
                                       fmt::join(effect->forms, ", ")));
     }
+    for (const HiddenParameter& parameter : effect->parameters)
+      if (!parameter.is_of(choice.form) && item.has(parameter.key))
+        item.fail(parameter.key, fmt::format("not of form {}, allowed with form {}", choice.form,
+                                             fmt::join(parameter.of_forms, ", ")));
     for (const HiddenParameter& parameter : effect->parameters) {
-      if (!parameter.is_of(choice.form)) {
-        if (item.has(parameter.key))
-          item.fail(parameter.key, fmt::format("not of form {}, allowed with form {}", choice.form,
-                                               fmt::join(parameter.of_forms, ", ")));
-        continue;
-      }
+      if (!parameter.is_of(choice.form)) continue;
       const Allowed allowed{parameter.low, parameter.high};
       choice.values[parameter.key] = parameter.otherwise
                                          ? item.number(parameter.key, allowed, *parameter.otherwise)
