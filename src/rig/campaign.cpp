@@ -32,9 +32,10 @@ double usual(const HiddenParameter& parameter, double place) {
 }
 
 /// An effect's size is its first parameter that is a number of something physical.
-const HiddenParameter* size_of(const HiddenEffect& effect) {
-  const auto found = std::find_if(effect.parameters.begin(), effect.parameters.end(),
-                                  [](const HiddenParameter& parameter) { return !parameter.whole; });
+const HiddenParameter* size_of(const HiddenEffect& effect, const std::string& form) {
+  const auto found = std::find_if(
+      effect.parameters.begin(), effect.parameters.end(),
+      [&form](const HiddenParameter& parameter) { return !parameter.whole && parameter.is_of(form); });
   return found == effect.parameters.end() ? nullptr : &*found;
 }
 
@@ -44,7 +45,7 @@ HiddenChoice draw_choice(const HiddenEffect& effect, double size_place, double s
   HiddenChoice choice;
   choice.effect = effect.id;
   if (!effect.forms.empty()) choice.form = effect.forms[drawn_index(effect.forms.size(), random)];
-  const HiddenParameter* size = size_of(effect);
+  const HiddenParameter* size = size_of(effect, choice.form);
   for (const HiddenParameter& parameter : effect.parameters) {
     const double place = random.uniform(), sign = random.uniform() < 0.5 ? -1.0 : 1.0;
     double value = usual(parameter, &parameter == size ? size_place : place);
@@ -52,7 +53,7 @@ HiddenChoice draw_choice(const HiddenEffect& effect, double size_place, double s
       value = std::max(scale * value, parameter.low);
       if (parameter.low <= -value) value *= sign;  // usual sizes are given on one side
     }
-    choice.values[parameter.key] = value;
+    if (parameter.is_of(choice.form)) choice.values[parameter.key] = value;
   }
   return choice;
 }
