@@ -8,7 +8,7 @@ int main(int argc, char** argv) {
   ros::NodeHandle nh, private_nh("~");
   try {
     softarm::EstimatorNode node(nh, private_nh, softarm::NodeParams::read(private_nh));
-    ros::spin();
+    node.spin();
   } catch (const std::exception& e) {
     ROS_FATAL("%s", e.what());
     return 1;

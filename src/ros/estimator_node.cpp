@@ -1,10 +1,13 @@
 #include "softarm/ros/estimator_node.h"
 
+#include <ros/callback_queue.h>
 #include <std_msgs/Header.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "softarm/arm/arm_yaml.h"
 #include "softarm/ros/input_topics.h"
@@ -17,6 +20,17 @@ constexpr std::size_t kStampsKept = 8192;
 constexpr std::uint32_t kPublisherQueue = 1000;
 // A larger step of header.seq is another publisher, not a loss.
 constexpr std::uint32_t kLargestLoss = 10000;
+// More messages at once than come in a few milliseconds: the machine was busy elsewhere.
+constexpr std::uint64_t kHiccupMessages = 100;
+constexpr double kHiccupGrace_s = 0.005;
+constexpr int kHiccupRounds = 8;  // a stream that never pauses is worked off as it comes
+constexpr double kIdle_s = 0.1;
+
+FrameAssembler::Params assembler_params() {
+  FrameAssembler::Params params;
+  params.close_when_taken = true;
+  return params;
+}
 
 }  // namespace
 
@@ -26,7 +40,7 @@ EstimatorNode::EstimatorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
       private_nh_(private_nh),
       params_(params),
       estimator_(params.arm, params.options),
-      assembler_(params.arm),
+      assembler_(params.arm, assembler_params()),
       updater_(nh_, private_nh_, ros::this_node::getName()) {
   for (const MeasuredBody& body : params_.arm.bodies) body_names_.push_back(body.name);
   if (const std::string note = advice(params.options); !note.empty()) ROS_WARN("%s", note.c_str());
@@ -56,8 +70,28 @@ EstimatorNode::EstimatorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
   }
 }
 
+void EstimatorNode::spin() {
+  while (ros::ok()) {
+    ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(kIdle_s));
+    drain();
+    process();
+  }
+}
+
+void EstimatorNode::drain() {
+  // roscpp's network thread reads one socket after the other, and this one runs beside it: what came first
+  // may be decoded last. Where much has piled up it gets the time to read them all.
+  ros::CallbackQueue& queue = *ros::getGlobalCallbackQueue();
+  for (int round = 0; round < kHiccupRounds && ros::ok(); ++round) {
+    const std::uint64_t before = std::exchange(messages_, 0);
+    if (before < kHiccupMessages && queue.isEmpty()) return;
+    queue.callAvailable(ros::WallDuration(before < kHiccupMessages ? 0.0 : kHiccupGrace_s));
+  }
+}
+
 void EstimatorNode::on_message(Source& source, const std_msgs::Header* header) {
   ++source.messages;
+  ++messages_;
   if (header) {
     if (source.sequence && header->seq > *source.sequence + 1 &&
         header->seq - *source.sequence < kLargestLoss) {
@@ -76,7 +110,6 @@ void EstimatorNode::on_message(Source& source, const std_msgs::Header* header) {
       }
     }
   }
-  process();
 }
 
 void EstimatorNode::process() {
@@ -145,7 +178,7 @@ bool EstimatorNode::publish_finite(ros::Publisher& publisher, const Message& mes
 
 ros::Time EstimatorNode::stamp_of(double stamp_s) const {
   const auto found = stamps_.find(stamp_s);
-  return found != stamps_.end() ? found->second : ros::Time(stamp_s);
+  return found != stamps_.end() ? found->second : ros::Time(std::max(0.0, stamp_s));
 }
 
 bool EstimatorNode::on_reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {

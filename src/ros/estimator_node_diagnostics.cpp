@@ -92,6 +92,9 @@ void EstimatorNode::diagnose_frames(DiagnosticStatusWrapper& status) {
   status.add("latency 99 % (ms)", fmt::format("{:.2f}", 1e3 * quantile(period.latency_s, 0.99)));
   status.add("frames received", assembler_.frames_seen());
   status.add("frames waiting for bodies", assembler_.frames_open());
+  status.add("frames that waited for an input", assembler_.frames_that_waited());
+  for (const auto& [input, count] : assembler_.waited_in_vain())
+    status.add("waited in vain: " + input, count);
   status.add("frames estimated", statistics_.estimated);
   status.add("frames refused", total(statistics_.refused));
   for (const auto& [reason, count] : statistics_.refused) status.add("frames refused: " + reason, count);

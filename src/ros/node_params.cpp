@@ -114,6 +114,11 @@ NodeParams NodeParams::read(const ros::NodeHandle& private_nh) {
   if (const auto value = reader.number("window", 0.0, 60.0)) options.window_s = *value;
   if (const auto value = reader.number("tells_relative_sd", 0.001, 10.0)) options.tells_relative_sd = *value;
 
+  if (const auto value = reader.number("body_latency", -3600.0, 3600.0))
+    params.arm.inputs.body_latency_s = *value;
+  if (const auto value = reader.number("input_latency", -3600.0, 3600.0)) {
+    for (ScalarInput& input : params.arm.inputs.scalars) input.latency_s = *value;
+  }
   params.frames.mocap = reader.word("mocap_frame").value_or("mocap");
   params.frames.prefix = reader.word("frame_prefix").value_or(params.arm.name);
   params.marker_rate_hz = reader.number("marker_rate", 0.0, 1000.0).value_or(params.marker_rate_hz);

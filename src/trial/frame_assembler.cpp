@@ -24,7 +24,8 @@ FrameAssembler::FrameAssembler(const Arm& arm, const Params& params)
       ambient_pa_(arm.inputs.ambient_pressure_pa),
       input_max_age_s_(arm.inputs.input_max_age_s),
       scalars_(arm.inputs.scalars),
-      inputs_(arm.inputs.scalars.size()) {
+      inputs_(arm.inputs.scalars.size()),
+      input_streams_(arm.inputs.scalars.size()) {
   double finest_sd_m = std::numeric_limits<double>::max();
   for (const MeasuredBody& body : arm.bodies) finest_sd_m = std::min(finest_sd_m, body.position_sd_m);
   if (arm.bodies.empty()) finest_sd_m = 0.0;
@@ -67,7 +68,7 @@ FrameAssembler::Slot* FrameAssembler::slot_for(std::size_t index, double stamp_s
         break;
       case Past::kClosed:
         reject("late", stream.name);
-        close_ready();  // the stream went on: others may have waited for it
+        added();  // the stream went on: others may have waited for it
         return nullptr;
       case Past::kNone:
         break;
@@ -90,7 +91,7 @@ void FrameAssembler::add_body(int body, double stamp_s, const Eigen::Vector3d& p
   Slot* slot = slot_for(index, stamp_s, stream.gate.repeats(p_mocap, q_mocap));
   if (!slot) return;
   std::optional<Eigen::Quaterniond> q = q_mocap;
-  const BodyGate::Verdict verdict = stream.gate.check(stamp_s, p_mocap, q, others_changed_s(index));
+  const BodyGate::Verdict verdict = stream.gate.check(stamp_s, p_mocap, q, changed_beside(index));
   if (verdict == BodyGate::Verdict::kAccept) {
     slot->observation = BodyObservation{body, p_mocap, q};
     if (body == kBaseBody) {
@@ -100,7 +101,7 @@ void FrameAssembler::add_body(int body, double stamp_s, const Eigen::Vector3d& p
   } else {
     reject(BodyGate::name(verdict), stream.name);
   }
-  close_ready();
+  added();
 }
 
 void FrameAssembler::add_missing_body(int body, double stamp_s, const std::string& reason) {
@@ -110,7 +111,7 @@ void FrameAssembler::add_missing_body(int body, double stamp_s, const std::strin
   ++samples_;
   if (!slot_for(index, instant_of(stamp_s, body_latency_s_), false)) return;
   reject(reason, stream.name);
-  close_ready();
+  added();
 }
 
 void FrameAssembler::count_rejected(const std::string& reason, const std::string& source,
@@ -119,6 +120,7 @@ void FrameAssembler::count_rejected(const std::string& reason, const std::string
 }
 
 std::vector<Frame> FrameAssembler::take() {
+  close_ready();
   return std::exchange(closed_, {});
 }
 
@@ -134,6 +136,7 @@ void FrameAssembler::reset() {
   last_emitted_.reset();
   newest_s_.reset();
   newest_before_jump_s_.reset();
+  input_changed_s_.reset();
   base_body_pose_.reset();
   ahead_candidate_s_.reset();
   for (std::size_t i = 0; i < streams_.size(); ++i) {
@@ -145,6 +148,7 @@ void FrameAssembler::reset() {
     stream.back_candidate_s.reset();
   }
   for (auto& history : inputs_) history.clear();
+  input_streams_.assign(input_streams_.size(), {});
   if (!payload_.empty()) {
     payload_.front() = {-std::numeric_limits<double>::infinity(), payload_.back().value};
     payload_.resize(1);
@@ -161,6 +165,13 @@ std::optional<double> FrameAssembler::body_accepted_s(int body) const {
 
 std::optional<double> FrameAssembler::changed_s() const {
   return others_changed_s(streams_.size());
+}
+
+std::optional<double> FrameAssembler::changed_beside(std::size_t slot) const {
+  const std::optional<double> others = others_changed_s(slot);
+  // A mount rests: where there is but one ring, what drives it must tell that it should move.
+  if (streams_.size() > 2 || !input_changed_s_) return others;
+  return std::max(others.value_or(*input_changed_s_), *input_changed_s_);
 }
 
 std::optional<double> FrameAssembler::others_changed_s(std::size_t slot) const {
@@ -193,54 +204,7 @@ FrameAssembler::Pending* FrameAssembler::open_frame(double stamp_s) {
   ++frames_seen_;
   const auto after = std::find_if(pending_.begin(), pending_.end(),
                                   [stamp_s](const Pending& p) { return p.reference_s > stamp_s; });
-  return &*pending_.insert(after, Pending{stamp_s, std::vector<Slot>(streams_.size())});
-}
-
-void FrameAssembler::close_ready() {
-  while (!pending_.empty()) {
-    const Pending& front = pending_.front();
-    const auto awaited = [&](std::size_t i) {
-      const Stream& stream = streams_[i];
-      return stream.expected && !front.slots[i].reported &&
-             !(stream.newest_s && *stream.newest_s > front.reference_s + tolerance_s_);
-    };
-    bool complete = true;
-    for (std::size_t i = 0; i < streams_.size(); ++i) complete = complete && !awaited(i);
-    if (!complete) {
-      if (!(*newest_s_ > front.reference_s + params_.reorder_window_s)) return;
-      for (std::size_t i = 0; i < streams_.size(); ++i) {
-        if (awaited(i)) streams_[i].expected = false;
-      }
-    }
-    emit(front);
-    pending_.pop_front();
-  }
-}
-
-void FrameAssembler::emit(const Pending& pending) {
-  last_emitted_ = pending;
-  Frame frame;
-  double stamp_s = std::numeric_limits<double>::max();
-  for (std::size_t i = 0; i < pending.slots.size(); ++i) {
-    const Slot& entry = pending.slots[i];
-    if (!entry.observation) continue;
-    stamp_s = std::min(stamp_s, entry.stamp_s);
-    if (i > 0) {
-      frame.bodies.push_back(*entry.observation);
-    } else {
-      Eigen::Isometry3d pose(*entry.observation->q_mocap);
-      pose.translation() = entry.observation->p_mocap;
-      frame.base_body = pose;
-    }
-  }
-  if (frame.bodies.empty() && !frame.base_body) {
-    ++dropped_frames_["no_valid_body"];
-    return;
-  }
-  frame.stamp_s = stamp_s;
-  frame.inputs = inputs_at(stamp_s);
-  frame.payload_kg = payload_at(stamp_s);
-  closed_.push_back(std::move(frame));
+  return &*pending_.insert(after, Pending{stamp_s, false, std::vector<Slot>(streams_.size())});
 }
 
 }  // namespace softarm

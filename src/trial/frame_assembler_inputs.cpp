@@ -15,16 +15,26 @@ constexpr std::size_t kLongestHistory = 20000;
 void FrameAssembler::add_input(int input, double stamp_s, double value) {
   const ScalarInput& source = scalars_.at(static_cast<std::size_t>(input));
   std::deque<Value>& history = inputs_.at(static_cast<std::size_t>(input));
+  Input& stream = input_streams_.at(static_cast<std::size_t>(input));
   ++samples_;
   if (!std::isfinite(value)) return reject("input_nan", source.name);
   if (!(stamp_s > 0.0) || !std::isfinite(stamp_s)) return reject("bad_stamp", source.name);
   stamp_s -= source.latency_s;
+  if (stream.rhythm.newest_s() && stamp_s < *stream.rhythm.newest_s() - params_.time_jump_s)
+    stream.rhythm.reset();
+  stream.rhythm.add(stamp_s);
+  if (stream.last && *stream.last != value)
+    input_changed_s_ = std::max(input_changed_s_.value_or(stamp_s), stamp_s);
+  stream.last = value;
+  // One that always comes too late would hold up every frame, and in vain.
+  if (!newest_s_ || stamp_s > *newest_s_ - 0.5 * params_.input_wait_s) stream.expected = true;
   if (source.kind == InputKind::kTension || source.kind == InputKind::kAngle) {
     insert(history, {stamp_s, value - source.zero_si});
-    return;
+  } else {
+    const double gauge_pa = source.reference == PressureReference::kAbsolute ? value - ambient_pa_ : value;
+    insert(history, {stamp_s, source.kind == InputKind::kVacuum ? -gauge_pa : gauge_pa});
   }
-  const double gauge_pa = source.reference == PressureReference::kAbsolute ? value - ambient_pa_ : value;
-  insert(history, {stamp_s, source.kind == InputKind::kVacuum ? -gauge_pa : gauge_pa});
+  added();
 }
 
 void FrameAssembler::add_payload(double stamp_s, std::optional<double> kg) {

@@ -1,5 +1,6 @@
 // The stamps of bodies: lone outliers in time, steps back and forth, the leftovers of the time before a jump.
 #include <cmath>
+#include <utility>
 
 #include "softarm/trial/frame_assembler.h"
 
@@ -49,6 +50,7 @@ bool FrameAssembler::check_time(Stream& stream, double stamp_s) {
 }
 
 void FrameAssembler::reset_time(double stamp_s) {
+  close_ready();
   if (!pending_.empty()) dropped_frames_["time_jump"] += pending_.size();
   pending_.clear();
   std::vector<std::optional<double>> last;
@@ -56,8 +58,9 @@ void FrameAssembler::reset_time(double stamp_s) {
   const std::optional<double> newest = newest_s_;
   std::vector<std::deque<Value>> inputs = std::move(inputs_);
   inputs_.assign(inputs.size(), {});
+  const std::vector<Input> input_streams = input_streams_;
   std::deque<Value> payload = payload_;
-  std::vector<Frame> closed = take();
+  std::vector<Frame> closed = std::exchange(closed_, {});
 
   reset();
 
@@ -69,6 +72,7 @@ void FrameAssembler::reset_time(double stamp_s) {
     for (const Value& value : inputs[i]) {
       if (std::abs(value.stamp_s - stamp_s) < 0.5 * params_.time_jump_s) inputs_[i].push_back(value);
     }
+    if (!inputs_[i].empty()) input_streams_[i] = input_streams[i];
   }
   if (!payload.empty() && std::abs(payload.back().stamp_s - stamp_s) < params_.time_jump_s) {
     payload_ = {payload.back()};

@@ -1,8 +1,6 @@
 // A simulated trial, played by rosbag into the running node, against `softarm estimate` on the same bag.
 #include <gtest/gtest.h>
 #include <ros/ros.h>
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
 #include <softarm_estimator/ArmEstimate.h>
 
 #include <boost/algorithm/string.hpp>
@@ -76,24 +74,9 @@ bool same(const std::string& a, const std::string& b) {
   return std::abs(x - y) <= 1e-9 + 1e-6 * std::max(std::abs(x), std::abs(y));
 }
 
-/// A copy of a bag in which pressures are recorded 40 ms earlier, with the stamps that they have. A pressure
-/// 2 ms older than a frame may reach a busy node after it, and then does not hold for it: in a file it always
-/// does.
-void record_pressures_early(const std::string& from, const std::string& to) {
-  rosbag::Bag in(from, rosbag::bagmode::Read), out(to, rosbag::bagmode::Write);
-  rosbag::View view(in);
-  for (const rosbag::MessageInstance& m : view) {
-    const bool pressure = boost::starts_with(m.getTopic(), "/pressure/");
-    const ros::Time time =
-        pressure ? std::max(view.getBeginTime(), m.getTime() - ros::Duration(0.04)) : m.getTime();
-    out.write(m.getTopic(), time, m, m.getConnectionHeader());
-  }
-}
-
 TEST(ReplayEqual, TheNodeAndTheProgramAgreeOnTheSameBag) {
   const TestFolder dir;
-  ASSERT_EQ(softarm_program("simulate trial_10s --out " + dir / "simulated.bag").status, 0);
-  record_pressures_early(dir / "simulated.bag", dir / "trial.bag");
+  ASSERT_EQ(softarm_program("simulate trial_10s --out " + dir / "trial.bag").status, 0);
   // What the node beside this test was told.
   const auto options = ros::param::param<std::string>("~estimate_options", "");
   ASSERT_EQ(softarm_program("estimate --arm online_200mm " + options + " " + dir / "trial.bag" + " --out " +
@@ -130,32 +113,42 @@ TEST(ReplayEqual, TheNodeAndTheProgramAgreeOnTheSameBag) {
   }
 
   // A known payload has no stamp of its own: live it holds from its receipt on, a clock tick later than in
-  // the bag.
+  // the bag, or many on a machine that is busy. Frames until the node knows it are left out: few, and not the
+  // rest.
   ASSERT_FALSE(live.empty());
   const bool known = live.begin()->second.payload_is_known;
   std::string payload;
-  std::int64_t changed_us = expected.begin()->first;
-  std::size_t compared = 0, missing = 0, different = 0;
+  bool node_knows = true;
+  std::size_t compared = 0, missing = 0, different = 0, before_payload = 0, changes = 0;
   std::string first;
   for (const auto& [stamp_us, row] : expected) {
-    if (known && row.at("payload") != payload) changed_us = stamp_us;
-    payload = row.at("payload");
-    if (stamp_us - changed_us < 100000) continue;
     // The last frames stay open in the node, which cannot know that the recording has ended.
-    if (stamp_us > expected.rbegin()->first - 150000) break;
+    if (stamp_us > expected.rbegin()->first - 300000) break;
     const auto found = live.find(stamp_us);
     if (found == live.end()) {
       ++missing;
       continue;
     }
+    const Row said = words(found->second);
+    if (known && row.at("payload") != payload) {
+      node_knows = false;
+      ++changes;
+    }
+    payload = row.at("payload");
+    if (known && !node_knows) {
+      node_knows = same(said.at("payload"), payload);
+      before_payload += !node_knows;
+      if (!node_knows) continue;
+    }
     ++compared;
-    for (const auto& [column, value] : words(found->second)) {
+    for (const auto& [column, value] : said) {
       if (same(row.at(column), value)) continue;
       ++different;
       if (first.empty())
         first = row.at("stamp") + " " + column + ": " + row.at(column) + " offline, " + value + " live";
     }
   }
+  EXPECT_LE(before_payload, 120 * changes) << "a payload was not known a second after it was said";
   // The node was really told so.
   EXPECT_EQ(options.find("--unknown both") != std::string::npos, live.rbegin()->second.unknown == "both");
   EXPECT_EQ(options.find("--prior on") != std::string::npos, live.rbegin()->second.prior != 0);

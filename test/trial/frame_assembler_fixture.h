@@ -36,6 +36,13 @@ inline Arm three_ring_arm() {
   return arm;
 }
 
+/// For tests of bodies: frames close without waiting for the inputs, which never come.
+inline FrameAssembler::Params without_waiting() {
+  FrameAssembler::Params params;
+  params.input_wait_s = 0.0;
+  return params;
+}
+
 /// Feeds slowly moving bodies with noise, each sample a function of body and index alone.
 class Feeder {
  public:

@@ -15,11 +15,12 @@ namespace {
 using testing_assembler::Feeder;
 using testing_assembler::kRate;
 using testing_assembler::three_ring_arm;
+using testing_assembler::without_waiting;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(FrameAssembler, FrameClosesWithItsLastBodyInAnyOrder) {
-  FrameAssembler assembler(three_ring_arm());
+  FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   std::mt19937 random(1);
   for (int k = 0; k < 200; ++k) {
@@ -37,7 +38,7 @@ TEST(FrameAssembler, FrameClosesWithItsLastBodyInAnyOrder) {
 TEST(FrameAssembler, FramesDoNotDependOnTheOrderOfTopics) {
   // Topics run ahead of one another by up to ten frames, as sockets read one after the other do.
   const auto run = [](int batch) {
-    FrameAssembler assembler(three_ring_arm());
+    FrameAssembler assembler(three_ring_arm(), without_waiting());
     Feeder feed(assembler);
     for (int k = 0; k < 240; k += batch) {
       for (int body : {2, -1, 1, 0}) {
@@ -63,7 +64,7 @@ TEST(FrameAssembler, FramesDoNotDependOnTheOrderOfTopics) {
 }
 
 TEST(FrameAssembler, StampsWithinTheToleranceAreOneFrame) {
-  FrameAssembler assembler(three_ring_arm());
+  FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   for (int k = 0; k < 100; ++k) {
     for (int body = -1; body < 3; ++body) feed.body_at(body, feed.stamp(k) + 2e-4 * body, k);
@@ -75,7 +76,7 @@ TEST(FrameAssembler, StampsWithinTheToleranceAreOneFrame) {
 }
 
 TEST(FrameAssembler, LostBodyDelaysFramesOnceAndReturns) {
-  FrameAssembler assembler(three_ring_arm());
+  FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   std::size_t emitted = 0;
   double longest_delay = 0.0;
@@ -103,7 +104,7 @@ TEST(FrameAssembler, LostBodyDelaysFramesOnceAndReturns) {
 }
 
 TEST(FrameAssembler, LateStartOfABodyHoldsNothingUp) {
-  FrameAssembler assembler(three_ring_arm());
+  FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   for (int k = 0; k < 480; ++k) {
     for (int body = -1; body < 3; ++body) {
@@ -117,7 +118,7 @@ TEST(FrameAssembler, LateStartOfABodyHoldsNothingUp) {
 }
 
 TEST(FrameAssembler, BodiesOfDifferentRatesGiveEveryFrame) {
-  FrameAssembler assembler(three_ring_arm());
+  FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   for (int k = 0; k < 240; ++k) {
     for (int body = -1; body < 3; ++body) {
@@ -133,7 +134,7 @@ TEST(FrameAssembler, BodiesOfDifferentRatesGiveEveryFrame) {
 }
 
 TEST(FrameAssembler, LateSamplesAreCountedNotUsed) {
-  FrameAssembler assembler(three_ring_arm());
+  FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   feed.frames(0, 100);
   assembler.take();
@@ -143,7 +144,7 @@ TEST(FrameAssembler, LateSamplesAreCountedNotUsed) {
 }
 
 TEST(FrameAssembler, DuplicatesAreCountedWhateverTheirStamp) {
-  FrameAssembler assembler(three_ring_arm());
+  FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   for (int k = 0; k < 100; ++k) {
     for (int body = -1; body < 3; ++body) {
@@ -159,7 +160,7 @@ TEST(FrameAssembler, DuplicatesAreCountedWhateverTheirStamp) {
 }
 
 TEST(FrameAssembler, BadNumbersAreRejectedByName) {
-  FrameAssembler assembler(three_ring_arm());
+  FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   feed.frames(0, 10);
   assembler.take();
@@ -187,7 +188,7 @@ TEST(FrameAssembler, BadNumbersAreRejectedByName) {
 }
 
 TEST(FrameAssembler, SignOfAQuaternionDoesNotMatter) {
-  FrameAssembler assembler(three_ring_arm());
+  FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   for (int k = 0; k < 100; ++k) {
     for (int body = -1; body < 3; ++body) feed.body(body, k, k % 2 ? -1.0 : 1.0);
@@ -197,7 +198,7 @@ TEST(FrameAssembler, SignOfAQuaternionDoesNotMatter) {
 }
 
 TEST(FrameAssembler, BadStampsAreRejected) {
-  FrameAssembler assembler(three_ring_arm());
+  FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   feed.frames(0, 10);
   for (double stamp : {0.0, -1.0, kNan, std::numeric_limits<double>::infinity()}) {
@@ -209,17 +210,17 @@ TEST(FrameAssembler, BadStampsAreRejected) {
 }
 
 TEST(FrameAssembler, UnknownBodyOrInputThrows) {
-  FrameAssembler assembler(three_ring_arm());
+  FrameAssembler assembler(three_ring_arm(), without_waiting());
   EXPECT_THROW(assembler.add_body(3, 1.0, {0, 0, 1}, {}), std::out_of_range);
   EXPECT_THROW(assembler.add_input(2, 1.0, 1e5), std::out_of_range);
   Arm fixed = three_ring_arm();
   fixed.base.body.reset();
-  FrameAssembler without_base(fixed);
+  FrameAssembler without_base(fixed, without_waiting());
   EXPECT_THROW(without_base.add_body(FrameAssembler::kBaseBody, 1.0, {0, 0, 1}, {}), std::out_of_range);
 }
 
 TEST(FrameAssembler, EveryInstantIsEmittedDroppedOrOpen) {
-  FrameAssembler assembler(three_ring_arm());
+  FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   std::mt19937 random(7);
   std::uniform_real_distribution<double> unit(0.0, 1.0);

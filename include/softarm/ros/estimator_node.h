@@ -24,7 +24,8 @@ namespace softarm {
 
 /// Subscribes to what the arm listens to and answers every frame.
 ///
-/// 1. Each message is converted to samples (InputTopic) and handed to the FrameAssembler.
+/// 1. Each message is converted to samples (InputTopic) and handed to the FrameAssembler. Frames close when
+/// all messages at hand have been: after a hiccup of the machine what has arrived counts, whatever its topic.
 /// 2. Each closed frame is estimated and published on ~estimate, whatever its status; with status ok also
 /// ~backbone
 ///    (nav_msgs/Path), tf of base, rings and tip. ~markers follow at a lower rate.
@@ -39,6 +40,9 @@ class EstimatorNode {
   /// @throws std::exception in one line if the arm cannot be estimated or names types that no adapter reads
   EstimatorNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh, const NodeParams& params);
 
+  /// Works until ROS is shut down.
+  void spin();
+
   const NodeStatistics& statistics() const { return statistics_; }
   const FrameAssembler& assembler() const { return assembler_; }
 
@@ -51,6 +55,7 @@ class EstimatorNode {
   };
 
   void on_message(Source& source, const std_msgs::Header* header);
+  void drain();
   void process();
   void handle(const Frame& frame);
   void publish(const Estimate& estimate, double stamp_s, double solve_time_s);
@@ -80,6 +85,7 @@ class EstimatorNode {
   FrameAssembler assembler_;
   std::vector<std::string> body_names_;
   std::vector<std::unique_ptr<Source>> sources_;
+  std::uint64_t messages_ = 0;
   std::map<double, ros::Time> stamps_;  // of the messages, to the nanosecond: a double does not hold them
 
   ros::Publisher estimate_publisher_, markers_publisher_, path_publisher_;

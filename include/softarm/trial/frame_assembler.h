@@ -11,6 +11,7 @@
 #include "softarm/arm/arm.h"
 #include "softarm/fit/frame.h"
 #include "softarm/trial/body_gate.h"
+#include "softarm/trial/input_rhythm.h"
 
 namespace softarm {
 
@@ -27,13 +28,15 @@ namespace softarm {
 ///    nothing of that frame can still come), or when the newest stamp is Params::reorder_window_s past it. A
 ///    body that a frame waited for in vain is not expected again until it reports. At the start every body of
 ///    the arm is expected.
-/// 4. Pressures, tensions and angles are held from the newest sample before the frame's stamp, no older than
+/// 4. It also waits for every input that is due: whose rhythm (InputRhythm) says that a value from before the
+/// frame may still be on its way. An input that a frame waited for in vain, for Params::input_wait_s, is not
+/// expected again until it reports in time. Inputs without a rhythm are not waited for, nor is the payload.
+/// 5. Pressures, tensions and angles are held from the newest sample before the frame's stamp, no older than
 /// Inputs::input_max_age_s;
 ///    the payload from the newest at or before it.
 ///
 /// Time comes from stamps alone, never from a clock, so that a replayed bag gives the frames that the live
-/// node saw; the order in which bodies arrive does not matter within the reorder window. Frames do not
-/// wait for inputs and payload: what arrives after a frame has closed does not hold for it.
+/// node saw; the order in which messages arrive does not matter within these waits.
 class FrameAssembler {
  public:
   static constexpr int kBaseBody = -1;  ///< index of Base::body; bodies of Arm::bodies have theirs
@@ -42,6 +45,9 @@ class FrameAssembler {
     double reorder_window_s = 0.25;  ///< wait at most so long (in stamps) for a body that is missing
     double time_jump_s =
         1.0;  ///< smaller steps back are late samples; larger steps forward need confirmation
+    double input_wait_s = 0.25;  ///< wait at most so long (in stamps) for an input that is due; 0: never
+    /// Frames close in take() only: who has many messages at hand adds them all before.
+    bool close_when_taken = false;
     GateLimits gate;
   };
 
@@ -89,6 +95,9 @@ class FrameAssembler {
   /// dropped_frames().
   std::uint64_t frames_seen() const { return frames_seen_; }
   std::uint64_t frames_open() const { return pending_.size(); }
+  /// Frames that had all their bodies but waited for an input, and how often an input was given up.
+  std::uint64_t frames_that_waited() const { return frames_that_waited_; }
+  const std::map<std::string, std::uint64_t>& waited_in_vain() const { return waited_in_vain_; }
   /// Frames not emitted, by reason: "no_valid_body", "time_jump", "reset".
   const std::map<std::string, std::uint64_t>& dropped_frames() const { return dropped_frames_; }
 
@@ -110,6 +119,7 @@ class FrameAssembler {
   };
   struct Pending {
     double reference_s = 0.0;  // stamp of the first sample to arrive
+    bool waited = false;       // for an input, with all bodies there
     std::vector<Slot> slots;   // base, then Arm::bodies
   };
   struct Stream {
@@ -119,6 +129,11 @@ class FrameAssembler {
     std::optional<double> newest_s;          // last stamp of this body in the present epoch
     std::optional<double> before_jump_s;     // ... and in the one before the last time jump
     std::optional<double> back_candidate_s;  // a step back that waits for confirmation
+  };
+  struct Input {
+    InputRhythm rhythm;
+    bool expected = true;
+    std::optional<double> last;  // as reported
   };
   struct Value {
     double stamp_s = 0.0;
@@ -134,7 +149,11 @@ class FrameAssembler {
   Pending* open_frame(double stamp_s);
   Past past_of(std::size_t slot, double stamp_s) const;
   std::optional<double> others_changed_s(std::size_t slot) const;
+  std::optional<double> changed_beside(std::size_t slot) const;
+  void added();
   void close_ready();
+  bool bodies_complete(const Pending& frame);
+  bool inputs_complete(Pending& frame);
   void emit(const Pending& pending);
   void insert(std::deque<Value>& history, const Value& value);
   static const Value* newest_at(std::deque<Value>& history, double stamp_s);
@@ -156,15 +175,16 @@ class FrameAssembler {
   std::vector<Stream> streams_;  // base, then Arm::bodies
   std::deque<Pending> pending_;  // by reference stamp
   std::optional<Pending> last_emitted_;
-  std::optional<double> newest_s_, newest_before_jump_s_, ahead_candidate_s_;
+  std::optional<double> newest_s_, newest_before_jump_s_, ahead_candidate_s_, input_changed_s_;
   std::vector<std::deque<Value>> inputs_;
+  std::vector<Input> input_streams_;
   std::deque<Value> payload_;
   std::vector<Frame> closed_;
 
   std::optional<Eigen::Isometry3d> base_body_pose_;
   bool time_jump_ = false;
-  std::map<std::string, std::uint64_t> rejected_, dropped_frames_;
-  std::uint64_t samples_ = 0, frames_seen_ = 0, time_jumps_ = 0;
+  std::map<std::string, std::uint64_t> rejected_, dropped_frames_, waited_in_vain_;
+  std::uint64_t samples_ = 0, frames_seen_ = 0, frames_that_waited_ = 0, time_jumps_ = 0;
 };
 
 }  // namespace softarm

@@ -1,0 +1,77 @@
+// When a frame is closed, and what becomes of it.
+#include <limits>
+#include <utility>
+
+#include "softarm/trial/frame_assembler.h"
+
+namespace softarm {
+
+void FrameAssembler::added() {
+  if (!params_.close_when_taken) close_ready();
+}
+
+bool FrameAssembler::bodies_complete(const Pending& frame) {
+  const auto awaited = [&](std::size_t i) {
+    const Stream& stream = streams_[i];
+    return stream.expected && !frame.slots[i].reported &&
+           !(stream.newest_s && *stream.newest_s > frame.reference_s + tolerance_s_);
+  };
+  const bool in_vain = *newest_s_ > frame.reference_s + params_.reorder_window_s;
+  for (std::size_t i = 0; i < streams_.size(); ++i) {
+    if (!awaited(i)) continue;
+    if (!in_vain) return false;
+    streams_[i].expected = false;
+  }
+  return true;
+}
+
+bool FrameAssembler::inputs_complete(Pending& frame) {
+  if (!(params_.input_wait_s > 0.0)) return true;
+  const bool in_vain = *newest_s_ > frame.reference_s + params_.input_wait_s;
+  for (std::size_t i = 0; i < input_streams_.size(); ++i) {
+    Input& input = input_streams_[i];
+    if (!input.expected || !input.rhythm.is_due(frame.reference_s)) continue;
+    if (!in_vain) {
+      frames_that_waited_ += !std::exchange(frame.waited, true);
+      return false;
+    }
+    input.expected = false;
+    ++waited_in_vain_[scalars_[i].name];
+  }
+  return true;
+}
+
+void FrameAssembler::close_ready() {
+  while (!pending_.empty() && bodies_complete(pending_.front()) && inputs_complete(pending_.front())) {
+    emit(pending_.front());
+    pending_.pop_front();
+  }
+}
+
+void FrameAssembler::emit(const Pending& pending) {
+  last_emitted_ = pending;
+  Frame frame;
+  double stamp_s = std::numeric_limits<double>::max();
+  for (std::size_t i = 0; i < pending.slots.size(); ++i) {
+    const Slot& entry = pending.slots[i];
+    if (!entry.observation) continue;
+    stamp_s = std::min(stamp_s, entry.stamp_s);
+    if (i > 0) {
+      frame.bodies.push_back(*entry.observation);
+    } else {
+      Eigen::Isometry3d pose(*entry.observation->q_mocap);
+      pose.translation() = entry.observation->p_mocap;
+      frame.base_body = pose;
+    }
+  }
+  if (frame.bodies.empty() && !frame.base_body) {
+    ++dropped_frames_["no_valid_body"];
+    return;
+  }
+  frame.stamp_s = stamp_s;
+  frame.inputs = inputs_at(stamp_s);
+  frame.payload_kg = payload_at(stamp_s);
+  closed_.push_back(std::move(frame));
+}
+
+}  // namespace softarm
