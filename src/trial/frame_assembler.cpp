@@ -148,7 +148,8 @@ void FrameAssembler::reset() {
     stream.back_candidate_s.reset();
   }
   for (auto& history : inputs_) history.clear();
-  input_streams_.assign(input_streams_.size(), {});
+  // What did not come before will hardly come now: it is not waited for again.
+  for (Input& input : input_streams_) input.rhythm.reset();
   if (!payload_.empty()) {
     payload_.front() = {-std::numeric_limits<double>::infinity(), payload_.back().value};
     payload_.resize(1);
