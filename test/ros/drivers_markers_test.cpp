@@ -206,7 +206,9 @@ TEST(DriversVicon, MarkersWithPlacesTellAPose) {
   ASSERT_THAT(result.frames, SizeIs(8));
   for (std::size_t i = 0; i < 8; ++i) {
     ASSERT_EQ(result.frames[i].base_body.has_value(), i != 3 && i != 4) << i;
-    if (result.frames[i].base_body) EXPECT_TRUE(result.frames[i].base_body->isApprox(poses[i], 1e-9)) << i;
+    if (result.frames[i].base_body) {
+      EXPECT_TRUE(result.frames[i].base_body->isApprox(poses[i], 1e-9)) << i;
+    }
   }
   EXPECT_THAT(result.rejected, Contains(Pair("occluded mount", 1u)));
   EXPECT_THAT(result.rejected, Contains(Pair("markers_misfit mount", 1u)));
