@@ -13,6 +13,7 @@ namespace softarm::rig {
 namespace {
 
 constexpr std::uint64_t kCasePurpose = 0x63617365;
+constexpr int kDraws = 5;
 
 double drawn(const Span& span, RandomStream& random) {
   return random.uniform(span.low, span.high);
@@ -67,15 +68,19 @@ std::vector<HiddenChoice> hide_some(std::vector<std::string> from, std::size_t c
     const HiddenEffect& effect = *find_hidden_effect(from[i]);
     from.erase(from.begin() + static_cast<std::ptrdiff_t>(i));
     const double place = drawn(size, random), factor = scale < 1.0 ? scale * random.uniform() : 1.0;
-    const HiddenChoice choice = draw_choice(effect, place, factor, random);
-    std::vector<Scenario> with = trials;
-    try {
-      for (Scenario& trial : with) hide(choice, trial);
-    } catch (const std::invalid_argument&) {
-      continue;  // this arm has no tendons, no vacuum, ...
+    // This arm may have no tendons, no vacuum, ...; or fewer chambers than the drawn number.
+    for (int draw = 0; draw < kDraws; ++draw) {
+      const HiddenChoice choice = draw_choice(effect, place, factor, random);
+      std::vector<Scenario> with = trials;
+      try {
+        for (Scenario& trial : with) hide(choice, trial);
+      } catch (const std::invalid_argument&) {
+        continue;
+      }
+      trials = std::move(with);
+      hidden.push_back(choice);
+      break;
     }
-    trials = std::move(with);
-    hidden.push_back(choice);
   }
   return hidden;
 }

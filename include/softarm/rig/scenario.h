@@ -176,7 +176,7 @@ struct MocapSpec {
 /// Numerics: see ritz_rod.h.
 struct NumericsSpec {
   int elements = 6;                 ///< cubic spline elements along each segment
-  double max_step_s = 1.0 / 480.0;  ///< of the time integration
+  double max_step_s = 1.0 / 960.0;  ///< of the time integration
 };
 
 struct Scenario {
