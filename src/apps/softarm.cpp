@@ -1,4 +1,4 @@
-// softarm: estimates over recordings, identifies arms, imports recordings, simulates trials.
+// softarm: checks recordings, estimates over recordings, identifies arms, imports recordings, simulates trials.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
   });
   program.footer("softarm COMMAND --help shows the command's options with examples.");
   softarm::app::add_campaign(program);
+  softarm::app::add_check(program);
   softarm::app::add_estimate(program);
   softarm::app::add_identify(program);
   softarm::app::add_import(program);
@@ -38,6 +39,11 @@ int main(int argc, char** argv) {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return program.exit(error) == 0 ? 0 : 2;
+  } catch (const softarm::app::Ended& end) {
+    return end.status;
+  } catch (const softarm::app::Failure& error) {
+    fmt::print(stderr, "softarm: {}\n", one_line(error.what()));
+    return error.status;
   } catch (const std::exception& error) {
     fmt::print(stderr, "softarm: {}\n", one_line(error.what()));
     return 1;

@@ -6,9 +6,6 @@
 #include <rosbag/view.h>
 
 #include <algorithm>
-#include <fstream>
-#include <mutex>
-#include <string_view>
 
 #include "softarm/ros/input_topics.h"
 
@@ -16,34 +13,6 @@ namespace softarm {
 namespace {
 
 constexpr std::uint64_t kProgressMessages = 256;
-
-/// rosbag::Bag makes and destroys a plugin loader of its own, whose library's tables are not safe against
-/// threads: bags may be read side by side, but not opened or destroyed.
-std::mutex& bag_lifetime() {
-  static std::mutex mutex;
-  return mutex;
-}
-
-std::shared_ptr<rosbag::Bag> opened(const std::string& path) {
-  const std::lock_guard<std::mutex> lock(bag_lifetime());
-  auto bag = std::make_unique<rosbag::Bag>();
-  bag->open(path, rosbag::bagmode::Read);
-  return {bag.release(), [](rosbag::Bag* finished) {
-            const std::lock_guard<std::mutex> finish(bag_lifetime());
-            delete finished;
-          }};
-}
-
-bool begins_as_bag(const std::string& path) {
-  constexpr std::string_view kMagic = "#ROSBAG V";
-  std::string begin(kMagic.size(), '\0');
-  std::ifstream(path, std::ios::binary).read(begin.data(), static_cast<std::streamsize>(begin.size()));
-  return begin == kMagic;
-}
-
-std::string absolute(const std::string& topic) {
-  return topic.rfind('/', 0) == 0 ? topic : "/" + topic;
-}
 
 }  // namespace
 
@@ -57,28 +26,17 @@ BagFrames::BagFrames(const std::string& path, const Arm& arm, bool use_payload)
   compare(arm);
   for (const InputTopic& topic : topics_) {
     // Recorders may have left the leading slash out.
-    names_.push_back(absolute(topic.topic));
-    names_.push_back(absolute(topic.topic).substr(1));
+    names_.push_back(absolute_topic(topic.topic));
+    names_.push_back(absolute_topic(topic.topic).substr(1));
   }
   messages_ = rosbag::View(*bag_, rosbag::TopicQuery(names_)).size();
 }
 
 void BagFrames::open() {
-  try {
-    bag_ = opened(path_);
-    rosbag::View view(*bag_);
-    for (const rosbag::ConnectionInfo* connection : view.getConnections()) {
-      in_bag_.emplace(absolute(connection->topic), connection->datatype);
-    }
-  } catch (const std::exception& e) {
-    // A recorder that was killed leaves no index, a copy that broke off half of one.
-    if (begins_as_bag(path_)) {
-      throw BagError(
-          fmt::format("{0}: was cut off, its index is missing ({1}); to save what is there: "
-                      "rosbag reindex {0}",
-                      path_, e.what()));
-    }
-    throw BagError(fmt::format("{}: cannot be read as a ROS bag ({})", path_, e.what()));
+  bag_ = open_bag(path_);
+  rosbag::View view(*bag_);
+  for (const rosbag::ConnectionInfo* connection : view.getConnections()) {
+    in_bag_.emplace(absolute_topic(connection->topic), connection->datatype);
   }
 }
 
@@ -88,7 +46,7 @@ void BagFrames::compare(const Arm& arm) {
   bool has_body = false, has_base = !arm.base.body;
   for (InputTopic& topic : topics_) {
     expected.push_back(topic.topic);
-    const auto found = in_bag_.find(absolute(topic.topic));
+    const auto found = in_bag_.find(absolute_topic(topic.topic));
     if (found == in_bag_.end()) {
       // The payload may well be unknown: that is no fault of the recording.
       if (topic.topic != arm.inputs.payload_topic) {
@@ -126,12 +84,12 @@ void BagFrames::deliver(const Callbacks& callbacks) {
 void BagFrames::read(const Callbacks& callbacks) {
   // Two sources may share a topic: base and rings on /tf, under frames of their own.
   std::map<std::string, std::vector<const InputTopic*>> by_topic;
-  for (const InputTopic& topic : topics_) by_topic[absolute(topic.topic)].push_back(&topic);
+  for (const InputTopic& topic : topics_) by_topic[absolute_topic(topic.topic)].push_back(&topic);
   std::uint64_t unreported = 0;
   try {
     rosbag::View view(*bag_, rosbag::TopicQuery(names_));
     for (const rosbag::MessageInstance& message : view) {
-      for (const InputTopic* topic : by_topic.at(absolute(message.getTopic()))) {
+      for (const InputTopic* topic : by_topic.at(absolute_topic(message.getTopic()))) {
         topic->read(message, assembler_);
       }
       deliver(callbacks);

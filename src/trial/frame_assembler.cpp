@@ -87,6 +87,7 @@ void FrameAssembler::add_body(int body, double stamp_s, const Eigen::Vector3d& p
   const std::size_t index = static_cast<std::size_t>(body + 1);
   Stream& stream = streams_.at(index);
   ++samples_;
+  if (tap_.body) tap_.body(body, stamp_s, p_mocap, q_mocap);
   stamp_s = instant_of(stamp_s, body_latency_s_);
   Slot* slot = slot_for(index, stamp_s, stream.gate.repeats(p_mocap, q_mocap));
   if (!slot) return;

@@ -17,6 +17,7 @@ void FrameAssembler::add_input(int input, double stamp_s, double value) {
   std::deque<Value>& history = inputs_.at(static_cast<std::size_t>(input));
   Input& stream = input_streams_.at(static_cast<std::size_t>(input));
   ++samples_;
+  if (tap_.input) tap_.input(input, stamp_s, value);
   if (!std::isfinite(value)) return reject("input_nan", source.name);
   if (!(stamp_s > 0.0) || !std::isfinite(stamp_s)) return reject("bad_stamp", source.name);
   stamp_s -= source.latency_s;
@@ -39,6 +40,7 @@ void FrameAssembler::add_input(int input, double stamp_s, double value) {
 
 void FrameAssembler::add_payload(double stamp_s, std::optional<double> kg) {
   ++samples_;
+  if (tap_.payload) tap_.payload(stamp_s, kg);
   if (kg && !std::isfinite(*kg)) return reject("payload_nan", "payload");
   if (kg && !(*kg >= payload_range_kg_.low && *kg <= payload_range_kg_.high)) {
     return reject("payload_out_of_range", "payload");

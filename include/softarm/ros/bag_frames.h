@@ -1,26 +1,18 @@
 // The frames of a recorded trial.
 #pragma once
 
-#include <rosbag/bag.h>
-
 #include <functional>
 #include <map>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "softarm/arm/arm.h"
 #include "softarm/ros/input_topic.h"
+#include "softarm/ros/open_bag.h"
 #include "softarm/trial/frame_assembler.h"
 
 namespace softarm {
-
-/// A bag that cannot be used. what() is one line: file, what is wrong, remedy.
-class BagError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 /// Reads a bag's messages in the order in which they were recorded through the conversions and the assembler
 /// of the live node, so that the frames are those that the node would see.

@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "softarm/arm/arm.h"
@@ -51,8 +53,19 @@ class FrameAssembler {
     GateLimits gate;
   };
 
+  /// Sees every sample as it is offered, before any check: what a recorder of samples needs.
+  struct Tap {
+    std::function<void(int body, double stamp_s, const Eigen::Vector3d& p_mocap,
+                       const std::optional<Eigen::Quaterniond>& q_mocap)>
+        body;
+    std::function<void(int input, double stamp_s, double value)> input;
+    std::function<void(double stamp_s, std::optional<double> kg)> payload;
+  };
+
   explicit FrameAssembler(const Arm& arm) : FrameAssembler(arm, Params()) {}
   FrameAssembler(const Arm& arm, const Params& params);
+
+  void set_tap(Tap tap) { tap_ = std::move(tap); }
 
   /// All stamps are as reported: the latencies of the arm's inputs are subtracted here.
   /// @param body index into Arm::bodies or kBaseBody
@@ -164,6 +177,7 @@ class FrameAssembler {
   Slot* slot_for(std::size_t index, double stamp_s, bool repeats);
 
   Params params_;
+  Tap tap_;
   bool has_base_body_;
   double body_latency_s_;
   double tolerance_s_;

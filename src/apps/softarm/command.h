@@ -2,17 +2,28 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <exception>
 #include <stdexcept>
+#include <string>
 
 namespace softarm::app {
 
 /// Anything that ends the program: what() is the one line that the user reads.
 class Failure : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit Failure(const std::string& what, int exit_status = 1)
+      : std::runtime_error(what), status(exit_status) {}
+  int status;  ///< exit status
+};
+
+/// Ends the program with a status when all has been said.
+struct Ended : std::exception {
+  explicit Ended(int exit_status) : status(exit_status) {}
+  int status;
 };
 
 void add_campaign(CLI::App& program);
+void add_check(CLI::App& program);
 void add_estimate(CLI::App& program);
 void add_identify(CLI::App& program);
 void add_import(CLI::App& program);

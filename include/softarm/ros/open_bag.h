@@ -1,0 +1,26 @@
+// Opens recordings, also side by side from several threads.
+#pragma once
+
+#include <rosbag/bag.h>
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+namespace softarm {
+
+/// A bag that cannot be used. what() is one line: file, what is wrong, remedy.
+class BagError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Opens a bag for reading. Bags may be read side by side; they are opened and destroyed by one thread at a
+/// time.
+/// @throws BagError if it is no bag, or was cut off
+std::shared_ptr<rosbag::Bag> open_bag(const std::string& path);
+
+/// The name with its leading slash, which recorders may have left out.
+std::string absolute_topic(const std::string& topic);
+
+}  // namespace softarm

@@ -1,0 +1,121 @@
+// softarm check: what is wrong with a recording, before anyone trusts it.
+#include "softarm/trial/check.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <vector>
+
+#include "softarm/command.h"
+#include "softarm/output_file.h"
+#include "softarm/parallel.h"
+#include "softarm/progress.h"
+#include "softarm/ros/bag_recording.h"
+#include "softarm/ros/open_bag.h"
+#include "softarm/shipped.h"
+#include "softarm/trial/arm_file.h"
+
+namespace softarm::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kFound = 1, kBadUsage = 2;
+
+struct Options {
+  std::string arm;
+  std::vector<std::string> bags;
+  std::string json;
+  bool quiet = false;
+  unsigned jobs = 0;
+};
+
+constexpr const char* kExamples = R"(Examples:
+  softarm check --arm online_200mm trial.bag
+  softarm check --arm my_arm.yaml trials/*.bag --quiet --json findings.json
+Exit status: 0 nothing serious, 1 something that spoils estimates, 2 bad usage. doc/check.md lists all findings.)";
+
+/// A bag that cannot be read at all is a finding, too: the others are still looked at.
+CheckReport unreadable(const std::string& bag, const std::string& what) {
+  CheckReport report;
+  report.name = bag;
+  CheckFinding finding;
+  finding.severity = Severity::kSerious;
+  finding.id = "unreadable";
+  finding.what = what;
+  finding.remedy = "rosbag reindex saves what a killed recorder left; else record again";
+  report.findings.push_back(finding);
+  return report;
+}
+
+CheckReport check_bag(const std::string& bag, const Arm& arm, Progress& progress) {
+  try {
+    const CheckRecording recording = read_recording(
+        bag, arm, [&](std::uint64_t total) { progress.add_total(static_cast<double>(total)); },
+        [&](std::uint64_t messages) { progress.advance(static_cast<double>(messages), messages); });
+    return check_recording(recording, arm);
+  } catch (const BagError& e) {
+    return unreadable(bag, e.what());
+  }
+}
+
+std::vector<CheckReport> check_all(const Options& options, const Arm& arm) {
+  std::vector<CheckReport> reports(options.bags.size());
+  Progress progress("messages");
+  in_parallel(options.bags.size(), options.jobs,
+              [&](std::size_t i) { reports[i] = check_bag(options.bags[i], arm, progress); });
+  return reports;
+}
+
+Arm load(const Options& options) {
+  for (const std::string& bag : options.bags) {
+    std::error_code error;
+    if (!fs::is_regular_file(bag, error)) throw Failure(fmt::format("{}: no such bag", bag), kBadUsage);
+  }
+  try {
+    return load_arm_file(options.arm, config_folders("arms"));
+  } catch (const std::exception& e) {
+    throw Failure(e.what(), kBadUsage);
+  }
+}
+
+void run(const Options& options) {
+  const Arm arm = load(options);
+  std::unique_ptr<OutputFile> json;
+  if (!options.json.empty()) json = std::make_unique<OutputFile>(options.json);
+  std::vector<CheckReport> reports;
+  try {
+    reports = check_all(options, arm);
+  } catch (const std::invalid_argument& e) {  // the arm file names a type that no adapter reads
+    throw Failure(e.what(), kBadUsage);
+  }
+  bool serious = false;
+  for (std::size_t i = 0; i < reports.size(); ++i) {
+    fmt::print("{}{}", i == 0 ? "" : "\n", to_text(reports[i], !options.quiet));
+    serious = serious || reports[i].worst() == Severity::kSerious;
+  }
+  if (json) {
+    std::ofstream(json->temporary()) << to_json(reports, arm.name);
+    json->commit();
+  }
+  if (serious) throw Ended(kFound);
+}
+
+}  // namespace
+
+void add_check(CLI::App& program) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = program.add_subcommand("check", "Say what is wrong with recordings, and the remedy.");
+  command->add_option("--arm", options->arm, "arm file, or the name of one in config/arms")->required();
+  command->add_option("BAG", options->bags, "trial bags")->required();
+  command->add_option("--json", options->json, "also write the findings to this file");
+  command->add_flag("--quiet", options->quiet, "leave out what is mere information");
+  command->add_option("--jobs", options->jobs, "bags worked on at a time (default: one per processor)")
+      ->check(CLI::Range(1u, 256u));
+  command->footer(kExamples);
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace softarm::app

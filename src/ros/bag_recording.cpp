@@ -1,0 +1,121 @@
+#include "softarm/ros/bag_recording.h"
+
+#include <fmt/format.h>
+#include <rosbag/exceptions.h>
+#include <rosbag/view.h>
+
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "softarm/ros/input_topics.h"
+#include "softarm/ros/open_bag.h"
+
+namespace softarm {
+namespace {
+
+constexpr std::uint64_t kProgressMessages = 256;
+constexpr double kFrameIntervalS = 0.1;  // of the frames that are kept
+
+/// What the arm listens to, and what the bag has of it.
+std::vector<RecordedTopic> compare(const std::vector<InputTopic>& topics, const Arm& arm,
+                                   std::map<std::string, std::string>& in_bag) {
+  std::set<std::string> scalar_topics;
+  for (const ScalarInput& input : arm.inputs.scalars) scalar_topics.insert(input.topic);
+  const std::string base_topic = arm.base.body ? body_topic(arm, *arm.base.body) : "";
+  std::vector<RecordedTopic> recorded;
+  for (const InputTopic& topic : topics) {
+    RecordedTopic r;
+    r.topic = topic.topic;
+    r.type = topic.type;
+    r.feeds = topic.feeds;
+    r.of_payload = topic.topic == arm.inputs.payload_topic;
+    r.of_bodies = !r.of_payload && scalar_topics.count(topic.topic) == 0;
+    r.is_base = r.of_bodies && topic.topic == base_topic;
+    const auto found = in_bag.find(absolute_topic(topic.topic));
+    if (found != in_bag.end()) {
+      r.found_type = found->second;
+      in_bag.erase(found);
+    }
+    recorded.push_back(r);
+  }
+  return recorded;
+}
+
+}  // namespace
+
+CheckRecording read_recording(const std::string& path, const Arm& arm,
+                              const std::function<void(std::uint64_t)>& on_total,
+                              const std::function<void(std::uint64_t)>& on_messages) {
+  const std::vector<InputTopic> topics = input_topics(arm);
+  const std::shared_ptr<rosbag::Bag> bag = open_bag(path);
+  CheckRecording recording;
+  recording.name = path;
+  {
+    rosbag::View all(*bag);
+    for (const rosbag::ConnectionInfo* connection : all.getConnections()) {
+      recording.other_topics.emplace(absolute_topic(connection->topic), connection->datatype);
+    }
+  }
+  recording.topics = compare(topics, arm, recording.other_topics);
+  recording.bodies.resize(arm.bodies.size() + 1);
+  recording.inputs.resize(arm.inputs.scalars.size());
+
+  std::vector<std::string> names;
+  std::map<std::string, std::size_t> by_topic;
+  for (std::size_t i = 0; i < topics.size(); ++i) {
+    if (recording.topics[i].found_type != topics[i].type) continue;
+    const std::string name = absolute_topic(topics[i].topic);
+    by_topic[name] = i;
+    names.push_back(name);
+    names.push_back(name.substr(1));
+  }
+  if (names.empty()) {
+    on_total(0);
+    return recording;
+  }
+
+  double receipt_s = 0.0;
+  FrameAssembler assembler(arm);
+  FrameAssembler::Tap tap;
+  tap.body = [&](int body, double stamp_s, const Eigen::Vector3d& p,
+                 const std::optional<Eigen::Quaterniond>& q) {
+    recording.bodies.at(static_cast<std::size_t>(body + 1)).push_back({stamp_s, receipt_s, p, q});
+  };
+  tap.input = [&](int input, double stamp_s, double value) {
+    recording.inputs.at(static_cast<std::size_t>(input)).push_back({stamp_s, receipt_s, value});
+  };
+  tap.payload = [&](double stamp_s, std::optional<double> kg) {
+    if (kg) recording.payload.push_back({stamp_s, receipt_s, *kg});
+  };
+  assembler.set_tap(std::move(tap));
+  const auto keep_frames = [&] {
+    for (Frame& frame : assembler.take()) {
+      const bool first = recording.frames.empty();
+      if (first || std::abs(frame.stamp_s - recording.frames.back().stamp_s) >= kFrameIntervalS) {
+        recording.frames.push_back(std::move(frame));
+      }
+    }
+  };
+  std::uint64_t unreported = 0;
+  try {
+    rosbag::View view(*bag, rosbag::TopicQuery(names));
+    on_total(view.size());
+    for (const rosbag::MessageInstance& message : view) {
+      const std::size_t topic = by_topic.at(absolute_topic(message.getTopic()));
+      receipt_s = message.getTime().toSec();
+      if (topics[topic].read(message, assembler)) ++recording.topics[topic].messages;
+      keep_frames();
+      if (++unreported == kProgressMessages) on_messages(std::exchange(unreported, 0));
+    }
+  } catch (const ros::Exception& e) {
+    throw BagError(fmt::format("{}: damaged ({}); rosbag check tells more", path, e.what()));
+  }
+  assembler.flush();
+  keep_frames();
+  on_messages(unreported);
+  recording.rejected = assembler.rejected();
+  return recording;
+}
+
+}  // namespace softarm

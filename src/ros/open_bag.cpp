@@ -1,0 +1,60 @@
+#include "softarm/ros/open_bag.h"
+
+#include <fmt/format.h>
+#include <rosbag/view.h>
+
+#include <fstream>
+#include <mutex>
+#include <string_view>
+
+namespace softarm {
+namespace {
+
+/// rosbag::Bag makes and destroys a plugin loader of its own, whose library's tables are not safe against
+/// threads: bags may be read side by side, but not opened or destroyed.
+std::mutex& bag_lifetime() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+std::shared_ptr<rosbag::Bag> opened(const std::string& path) {
+  const std::lock_guard<std::mutex> lock(bag_lifetime());
+  auto bag = std::make_unique<rosbag::Bag>();
+  bag->open(path, rosbag::bagmode::Read);
+  return {bag.release(), [](rosbag::Bag* finished) {
+            const std::lock_guard<std::mutex> finish(bag_lifetime());
+            delete finished;
+          }};
+}
+
+bool begins_as_bag(const std::string& path) {
+  constexpr std::string_view kMagic = "#ROSBAG V";
+  std::string begin(kMagic.size(), '\0');
+  std::ifstream(path, std::ios::binary).read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return begin == kMagic;
+}
+
+}  // namespace
+
+std::string absolute_topic(const std::string& topic) {
+  return topic.rfind('/', 0) == 0 ? topic : "/" + topic;
+}
+
+std::shared_ptr<rosbag::Bag> open_bag(const std::string& path) {
+  try {
+    std::shared_ptr<rosbag::Bag> bag = opened(path);
+    rosbag::View(*bag).getConnections();  // reads the index: a bag that was cut off has none
+    return bag;
+  } catch (const std::exception& e) {
+    // A recorder that was killed leaves no index, a copy that broke off half of one.
+    if (begins_as_bag(path)) {
+      throw BagError(
+          fmt::format("{0}: was cut off, its index is missing ({1}); to save what is there: "
+                      "rosbag reindex {0}",
+                      path, e.what()));
+    }
+    throw BagError(fmt::format("{}: cannot be read as a ROS bag ({})", path, e.what()));
+  }
+}
+
+}  // namespace softarm

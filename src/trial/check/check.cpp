@@ -1,0 +1,68 @@
+#include "softarm/trial/check.h"
+
+#include <algorithm>
+
+#include "context.h"
+
+namespace softarm {
+namespace {
+
+std::vector<CheckStream> streams_of(const check::Context& context) {
+  std::vector<CheckStream> streams;
+  for (const check::Track& track : context.tracks) {
+    if (track.poses.empty()) continue;
+    CheckStream stream;
+    stream.name = track.name;
+    stream.is_body = true;
+    stream.samples = track.poses.size();
+    if (track.period_s > 0.0) stream.rate_hz = 1.0 / track.period_s;
+    if (track.white_sd_m > 0.0) stream.noise_sd = track.white_sd_m;
+    streams.push_back(std::move(stream));
+  }
+  for (const check::Signal& signal : context.signals) {
+    if (signal.points.empty()) continue;
+    CheckStream stream;
+    stream.name = signal.input->name;
+    stream.samples = signal.points.size();
+    if (signal.period_s > 0.0) stream.rate_hz = 1.0 / signal.period_s;
+    if (const auto rest = context.rest()) stream.rest_level = signal.mean(rest->from_s, rest->to_s);
+    if (signal.is_measured) stream.noise_sd = signal.noise_sd;
+    streams.push_back(std::move(stream));
+  }
+  return streams;
+}
+
+}  // namespace
+
+std::optional<Severity> CheckReport::worst() const {
+  if (findings.empty()) return std::nullopt;
+  return std::max_element(
+             findings.begin(), findings.end(),
+             [](const CheckFinding& a, const CheckFinding& b) { return a.severity < b.severity; })
+      ->severity;
+}
+
+CheckReport check_recording(const CheckRecording& recording, const Arm& arm) {
+  using namespace check;
+  Context context(recording, arm);
+  using Step = void (*)(Context&);
+  // What one finds wrong the next leaves out: labels first, then single poses, then the arm as a whole.
+  constexpr Step kSteps[] = {
+      check_topics,       check_timing,        check_receipt, check_numbers, check_exchanged,
+      check_frozen,       check_turned_over,   check_jumps,   check_losses,  update_noise,
+      find_rest,          check_rest,          check_units,   check_order,   check_attitude,
+      check_base_moves,   check_spacing,       check_places,  check_gravity, check_pressure_units,
+      check_input_levels, check_input_signals, check_payload, check_noise,   check_clocks};
+  for (const Step step : kSteps) step(context);
+
+  CheckReport report;
+  report.name = recording.name;
+  report.duration_s = context.duration_s;
+  report.streams = streams_of(context);
+  report.findings = std::move(context.findings);
+  std::stable_sort(report.findings.begin(), report.findings.end(),
+                   [](const CheckFinding& a, const CheckFinding& b) { return a.severity > b.severity; });
+  return report;
+}
+
+}  // namespace softarm

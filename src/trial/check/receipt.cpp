@@ -1,0 +1,147 @@
+// Receipt against stamp: transport, and clocks that disagree.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "context.h"
+#include "numbers.h"
+
+namespace softarm::check {
+namespace {
+
+constexpr double kAheadS = 0.001;  // nothing can be received before it is stamped
+constexpr double kLongS = 0.1;     // of a latency between stamp and receipt
+constexpr double kJitterS = 0.001;
+constexpr double kDrift = 2e-5;  // s per s: more than two quartz clocks
+
+struct Transport {
+  double delay_s = 0.0;   // median of receipt - stamp
+  double least_s = 0.0;   // 2 % of all are faster
+  double jitter_s = 0.0;  // 5 % ... 95 %
+  double drift = 0.0;     // of the least delay, s per s
+};
+
+/// Slope of the lower edge of the delays: queues only ever add to them.
+double drift_of(const std::vector<double>& t_s, const std::vector<double>& delay_s) {
+  constexpr std::size_t kBlocks = 8;
+  if (t_s.size() < 20 * kBlocks) return 0.0;
+  std::vector<double> x, y;
+  const std::size_t n = t_s.size() / kBlocks;
+  for (std::size_t b = 0; b < kBlocks; ++b) {
+    const auto at = static_cast<std::ptrdiff_t>(b * n), end = static_cast<std::ptrdiff_t>((b + 1) * n);
+    x.push_back(mean({t_s.begin() + at, t_s.begin() + end}));
+    y.push_back(quantile({delay_s.begin() + at, delay_s.begin() + end}, 0.1));
+  }
+  std::vector<double> slopes;
+  for (std::size_t i = 0; i < kBlocks; ++i) {
+    for (std::size_t j = i + 1; j < kBlocks; ++j)
+      slopes.push_back((y[j] - y[i]) / std::max(x[j] - x[i], 1e-3));
+  }
+  return median(slopes);
+}
+
+template <typename Samples>
+std::optional<Transport> transport_of(const Samples& all, double begin_s) {
+  std::vector<double> t, delay;
+  for (const auto& samples : all) {
+    for (const auto& s : samples) {
+      if (!(s.stamp_s > 0.0)) continue;
+      t.push_back(s.receipt_s - begin_s);
+      delay.push_back(s.receipt_s - s.stamp_s);
+    }
+  }
+  if (delay.size() < 20) return std::nullopt;
+  std::vector<std::size_t> order(t.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return t[a] < t[b]; });
+  std::vector<double> ts, ds;
+  for (const std::size_t i : order) {
+    ts.push_back(t[i]);
+    ds.push_back(delay[i]);
+  }
+  return Transport{median(delay), quantile(delay, 0.02), quantile(delay, 0.95) - quantile(delay, 0.05),
+                   drift_of(ts, ds)};
+}
+
+void say(Context& context, const std::string& name, const Transport& transport, const std::string& key,
+         double known_s) {
+  const double least_s = transport.least_s + known_s;  // stamps are ahead by what the arm file says
+  if (std::abs(transport.delay_s) > 2.0) {
+    CheckFinding& finding = context.add(
+        Severity::kSerious, "other_epoch", name,
+        fmt::format("stamps are {:+.6g} s from receipt: they are of another clock", -transport.delay_s));
+    finding.figure = -transport.delay_s;
+    finding.unit = "s";
+    finding.remedy =
+        "let the driver translate its clock to ROS time (mocap drivers have a switch for it), or "
+        "subtract the difference";
+    if (std::abs(transport.delay_s) < 3600.0) {
+      finding.setting = fmt::format("{}: {:.4g}", key, -transport.delay_s);
+    }
+    return;
+  }
+  if (least_s < -kAheadS) {
+    CheckFinding& finding = context.add(
+        Severity::kWarning, "stamps_ahead", name,
+        fmt::format("stamped {:.3g} ms after it was received: the stamping clock is ahead at least by that",
+                    -1e3 * least_s));
+    finding.figure = -least_s;
+    finding.unit = "s";
+    finding.remedy =
+        "synchronise the machines (chrony), or subtract it; the transport's own delay comes on top";
+    finding.setting = fmt::format("{}: {:.4g}", key, -transport.least_s);
+  } else if (transport.least_s > kLongS) {
+    CheckFinding& finding = context.add(
+        Severity::kWarning, "late_receipt", name,
+        fmt::format("received {:.3g} ms after its stamp, at best: a slow path, or a stamping clock that is "
+                    "behind",
+                    1e3 * transport.least_s));
+    finding.figure = transport.least_s;
+    finding.unit = "s";
+    finding.remedy =
+        "the stamps hold, not receipt, so a slow path alone does no harm to headed messages; what "
+        "has no header (std_msgs) is held to be as new as its receipt. Synchronise the machines";
+  }
+  if (std::abs(transport.drift) > kDrift && std::abs(transport.drift) * context.duration_s > 5e-4) {
+    CheckFinding& finding =
+        context.add(Severity::kWarning, "clock_drift", name,
+                    fmt::format("the stamping clock gains {:+.0f} microseconds per second on the recorder's",
+                                -1e6 * transport.drift));
+    finding.figure = -transport.drift;
+    finding.unit = "1";
+    finding.remedy = "synchronise the machines (chrony); a constant latency_s cannot repair a drift";
+  }
+  if (transport.delay_s != 0.0 || transport.jitter_s > 0.0) {
+    CheckFinding& finding = context.add(
+        transport.jitter_s > 0.03 ? Severity::kWarning : Severity::kInformation, "receipt", name,
+        fmt::format("received {:.3g} ms after its stamp (median); nine of ten within {:.2g} ms of each other",
+                    1e3 * transport.delay_s, 1e3 * transport.jitter_s));
+    finding.figure = transport.delay_s;
+    finding.unit = "s";
+    if (transport.jitter_s > kJitterS) {
+      finding.remedy = "a wired network; messages without a header take on this jitter as an error of time";
+    }
+  }
+}
+
+}  // namespace
+
+void check_receipt(Context& context) {
+  if (const auto mocap = transport_of(context.recording.bodies, context.begin_s)) {
+    say(context, "mocap", *mocap, "inputs.bodies.latency_s", context.arm.inputs.body_latency_s);
+  }
+  for (std::size_t i = 0; i < context.signals.size(); ++i) {
+    const std::vector<std::vector<RecordedValue>> one{context.recording.inputs[i]};
+    const auto transport = transport_of(one, context.begin_s);
+    if (!transport) continue;
+    const ScalarInput& input = *context.signals[i].input;
+    const char* list = input.kind == InputKind::kTension ? "tensions"
+                       : input.kind == InputKind::kAngle ? "angles"
+                                                         : "pressures";
+    say(context, input.name, *transport, fmt::format("inputs.{}[{}].latency_s", list, input.name),
+        input.latency_s);
+  }
+}
+
+}  // namespace softarm::check
