@@ -1,11 +1,11 @@
 // The clock of the inputs against that of the bodies, from the motion that the inputs cause.
 //
 // The place of the body farthest along the arm is regressed on the inputs at a shifted time: a constant, the
-// inputs, their squares and products, plays of two widths (rate-independent hysteresis, which at one speed
-// looks like a lag), the known payload, and hat functions over some seconds that take up what is slow (creep,
-// drift, payloads that nobody told). The shift of least residual is found by a scan and Gauss-Newton; its
-// variance is that of a least-squares estimate whose residuals are correlated within blocks of two seconds
-// (a sandwich, clustered).
+// inputs, their squares, cubes and products, plays of two widths (rate-independent hysteresis, which at one
+// speed looks like a lag), the known payload, and hat functions over some seconds that take up what is slow
+// (creep, drift, payloads that nobody told). The shift of least residual is found by a scan and Gauss-Newton;
+// its variance is that of a least-squares estimate whose residuals are correlated within blocks of two
+// seconds (a sandwich, clustered).
 #include <fmt/format.h>
 
 #include <Eigen/QR>
@@ -80,10 +80,13 @@ Eigen::MatrixXd regressors(const Problem& problem, double shift_s) {
     columns.push_back(u);
     if (problem.with_plays) add_plays(u, 2.0, &columns);
   }
+  // A place on a bent arm is no linear function of its bending: without the cubes the plays would stand in.
+  const bool few = linear.size() <= 3;
   for (std::size_t i = 0; i < linear.size(); ++i) {
-    for (std::size_t j = i; j < linear.size(); ++j) {
-      if (i != j && linear.size() > 4) continue;
-      columns.push_back(linear[i].cwiseProduct(linear[j]));
+    const Eigen::VectorXd square = linear[i].cwiseProduct(linear[i]);
+    for (std::size_t j = 0; j < linear.size(); ++j) {
+      if (j >= i && (i == j || linear.size() <= 4)) columns.push_back(linear[i].cwiseProduct(linear[j]));
+      if (i == j || few) columns.push_back(square.cwiseProduct(linear[j]));
     }
   }
   Eigen::MatrixXd a(n, static_cast<Eigen::Index>(columns.size()));

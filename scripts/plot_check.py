@@ -1,0 +1,92 @@
+#!/usr/bin/python3
+"""Draws what `softarm check --json` found: one row per body and input, marked where something is wrong, and the levels
+at rest. Wants python3-matplotlib."""
+import argparse
+import json
+import sys
+
+COLOURS = {'serious': '#c0392b', 'warning': '#e69f00', 'information': '#9fb8cc'}
+
+
+def rows_of(recording):
+    """Bodies, then inputs, then what belongs to no stream."""
+    names = [stream['name'] for stream in recording['streams']]
+    others = []
+    for finding in recording['findings']:
+        if not any(name in names for name in finding['where'].split(', ')):
+            others.append(finding['where'] or 'recording')
+    return names + sorted(set(others))
+
+
+def draw_timeline(axes, recording):
+    rows = rows_of(recording)
+    end = max(recording['duration_s'], 0.1)
+    for i in range(len(rows)):
+        axes.barh(i, end, height=0.7, color='#f0f2f4', zorder=0)
+    notes = {}
+    # The most serious are drawn last, on top.
+    for finding in reversed(recording['findings']):
+        if finding['severity'] == 'information':
+            continue
+        colour = COLOURS[finding['severity']]
+        for name in finding['where'].split(', '):
+            row = rows.index(name if name in rows else finding['where'] or 'recording')
+            if not finding['spans_s']:
+                axes.barh(row, end, height=0.16, color=colour, zorder=1)
+            for begin, until in finding['spans_s']:
+                width = max(until - begin, 0.004 * end)
+                axes.barh(row, width, left=begin, height=0.7, color=colour, alpha=0.85, zorder=2)
+            if finding['id'] not in notes.setdefault(row, []):
+                notes[row].append(finding['id'])
+    for row, ids in notes.items():
+        axes.text(1.01 * end, row, ', '.join(reversed(ids)), va='center', fontsize=7)
+    axes.set_yticks(range(len(rows)), rows, fontsize=8)
+    axes.invert_yaxis()
+    axes.set_xlim(0, end)
+    axes.set_xlabel('time, s')
+    axes.set_title(recording['name'].split('/')[-1], fontsize=9, loc='left')
+
+
+def draw_levels(axes, recording):
+    levels = [(s['name'], s['rest_level']) for s in recording['streams'] if 'rest_level' in s]
+    axes.set_title('inputs at rest', fontsize=9, loc='left')
+    if not levels:
+        axes.text(0.5, 0.5, 'no rest seen', ha='center', va='center', transform=axes.transAxes)
+        axes.set_axis_off()
+        return
+    names, values = zip(*levels)
+    off = {f['where'] for f in recording['findings'] if f['id'] == 'offset_at_rest' and f['severity'] != 'information'}
+    scale, unit = (1e-3, 'kPa') if max(abs(v) for v in values) > 100 else (1.0, 'Pa, N or rad')
+    axes.barh(range(len(names)), [scale * v for v in values],
+              color=[COLOURS['warning'] if n in off else COLOURS['information'] for n in names])
+    axes.axvline(0, color='black', linewidth=0.8)
+    axes.set_yticks(range(len(names)), names, fontsize=8)
+    axes.invert_yaxis()
+    axes.set_xlabel(unit)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument('findings', help='file written by softarm check --json')
+    parser.add_argument('--out', required=True, help='picture to write (png, pdf, svg)')
+    options = parser.parse_args()
+    try:
+        with open(options.findings, encoding='utf-8') as file:
+            recordings = json.load(file)['recordings']
+    except (OSError, ValueError, KeyError) as error:
+        sys.exit(f'{options.findings}: not the findings of softarm check ({error})')
+    import matplotlib
+    matplotlib.use('Agg')
+    import matplotlib.pyplot as plt
+    heights = [0.6 + 0.28 * len(rows_of(r)) for r in recordings]
+    figure, axes = plt.subplots(len(recordings), 2, figsize=(11, sum(heights) + 0.6 * len(recordings)), squeeze=False,
+                                gridspec_kw={'width_ratios': [3, 1], 'height_ratios': heights, 'wspace': 0.75},
+                                layout='constrained')
+    for row, recording in zip(axes, recordings):
+        draw_timeline(row[0], recording)
+        draw_levels(row[1], recording)
+    figure.savefig(options.out, dpi=120)
+
+
+if __name__ == '__main__':
+    main()

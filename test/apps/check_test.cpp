@@ -1,0 +1,199 @@
+// `softarm check` over bags: of the rig, spoilt on purpose, and of real arms.
+#include <geometry_msgs/PoseStamped.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <sensor_msgs/FluidPressure.h>
+
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "apps/program.h"
+
+namespace softarm {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// Copies a bag; poses and pressures pass through `change`, which returns false to leave one out.
+void copy_bag(const std::string& from, const std::string& to,
+              const std::function<bool(const std::string&, geometry_msgs::PoseStamped*,
+                                       sensor_msgs::FluidPressure*)>& change) {
+  rosbag::Bag in(from, rosbag::bagmode::Read), out(to, rosbag::bagmode::Write);
+  rosbag::View view(in);
+  for (const rosbag::MessageInstance& m : view) {
+    const auto pose = m.instantiate<geometry_msgs::PoseStamped>();
+    const auto pressure = m.instantiate<sensor_msgs::FluidPressure>();
+    if (!change(m.getTopic(), pose.get(), pressure.get())) continue;
+    if (pose) {
+      out.write(m.getTopic(), m.getTime(), *pose);
+    } else if (pressure) {
+      out.write(m.getTopic(), m.getTime(), *pressure);
+    } else {
+      out.write(m.getTopic(), m.getTime(), m);
+    }
+  }
+}
+
+nlohmann::json findings(const std::string& json_path) {
+  return nlohmann::json::parse(text_of(json_path)).at("recordings").at(0).at("findings");
+}
+
+const nlohmann::json* finding(const nlohmann::json& all, const std::string& id,
+                              const std::string& where = "") {
+  for (const auto& f : all) {
+    if (f.at("id") == id && f.at("where").get<std::string>().find(where) != std::string::npos) return &f;
+  }
+  return nullptr;
+}
+
+std::string rig_bag(const TestFolder& dir, const std::string& scenario, const std::string& more = "") {
+  const Outcome o = softarm_program("simulate " + scenario + " " + more + " --out " + dir / "rig.bag");
+  EXPECT_EQ(o.status, 0) << o.err;
+  return dir / "rig.bag";
+}
+
+TEST(SoftarmCheck, SilentOnCleanTrialsOfTheRig) {
+  const std::pair<const char*, const char*> kTrials[] = {
+      {"trial_10s --seed 5", "online_200mm"},
+      {"hybrid_85mm", "hybrid_85mm"},
+      {"semi_physical_200mm --seed 9", "semi_physical_200mm"}};
+  for (const auto& [scenario, arm] : kTrials) {
+    const TestFolder dir;
+    const Outcome o =
+        softarm_program(std::string("check --quiet --arm ") + arm + " " + rig_bag(dir, scenario));
+    EXPECT_EQ(o.status, 0) << o.out << o.err;
+    EXPECT_THAT(o.out, HasSubstr("nothing wrong was found")) << scenario;
+    EXPECT_THAT(o.out, Not(HasSubstr("warning"))) << scenario << "\n" << o.out;
+  }
+}
+
+TEST(SoftarmCheck, FaultsOfABagAreFoundWithStatusAndJson) {
+  const TestFolder dir;
+  const std::string clean = rig_bag(dir, "trial_10s");
+  int k = 0;
+  copy_bag(clean, dir / "bad.bag", [&](const std::string& topic, auto* pose, auto* pressure) {
+    if (topic == "/mocap/ring_2/pose") return false;
+    if (topic == "/mocap/ring_4/pose" && ++k > 500 && k < 700) {
+      const auto q = pose->pose.orientation;  // half a turn about x
+      pose->pose.orientation.x = q.w;
+      pose->pose.orientation.y = q.z;
+      pose->pose.orientation.z = -q.y;
+      pose->pose.orientation.w = -q.x;
+    }
+    if (topic == "/pressure/chamber_1")
+      pressure->fluid_pressure = (pressure->fluid_pressure - 101325.0) * 1e-3;
+    return true;
+  });
+  const Outcome o =
+      softarm_program("check --arm online_200mm " + dir / "bad.bag" + " --json " + dir / "f.json");
+  EXPECT_EQ(o.status, 1) << o.err;
+  EXPECT_THAT(o.out, HasSubstr("remedy: "));
+  const auto all = findings(dir / "f.json");
+  ASSERT_NE(finding(all, "missing_topic", "/mocap/ring_2/pose"), nullptr) << o.out;
+  ASSERT_NE(finding(all, "turned_over", "ring_4"), nullptr) << o.out;
+  ASSERT_NE(finding(all, "pressure_unit", "chamber_1"), nullptr) << o.out;
+  EXPECT_THAT(finding(all, "pressure_unit", "chamber_1")->at("setting").get<std::string>(), HasSubstr("kPa"));
+  EXPECT_EQ(all.at(0).at("severity"), "serious");
+}
+
+TEST(SoftarmCheck, BadUsageIsTwoAndABagThatIsCutOffAFinding) {
+  const TestFolder dir;
+  EXPECT_EQ(softarm_program("check --arm online_200mm " + dir / "none.bag").status, 2);
+  const std::string text = dir.write("text.bag", "no bag");
+  EXPECT_EQ(softarm_program("check --arm no_such_arm " + text).status, 2);
+  EXPECT_EQ(softarm_program("check " + text).status, 2);
+  const std::string cut = dir.write("cut.bag", "#ROSBAG V2.0\n");
+  const Outcome o =
+      softarm_program("check --arm online_200mm " + cut + " " + text + " --json " + dir / "f.json");
+  EXPECT_EQ(o.status, 1);
+  EXPECT_THAT(o.out, HasSubstr("rosbag reindex"));
+  EXPECT_NE(finding(findings(dir / "f.json"), "unreadable"), nullptr);
+}
+
+/// Recordings of real arms, imported with nothing repaired: no zeros of sensors, the base's quaternion as it
+/// is.
+class RealArms : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (recordings().empty()) GTEST_SKIP() << "recordings of real arms are absent (SOFTARM_DATA)";
+  }
+  nlohmann::json check(const TestFolder& dir, const std::string& layout, const std::string& arm,
+                       const std::string& file) const {
+    const std::string bag = dir / "a.bag", json = dir / "f.json";
+    const Outcome imported = softarm_program("import " + dir.write("layout.yaml", layout) + " " +
+                                             recordings() + "/pouch_arm/" + file + " --out " + bag);
+    EXPECT_EQ(imported.status, 0) << imported.err;
+    status = softarm_program("check --arm " + arm + " " + bag + " --json " + json).status;
+    return findings(json);
+  }
+  mutable int status = -1;
+};
+
+constexpr const char* kOneSegment = R"(
+separator: comma
+time: {column: 1, unit: s}
+mocap:
+  unit: m
+  up: z
+  drop_repeated: true
+  bodies:
+    - {name: base, position: [25, 26, 27], orientation: [28, 29, 30, 31], orientation_order: xyzw}
+    - {name: tip, position: [32, 33, 34], orientation: [35, 36, 37, 38], orientation_order: xyzw}
+pressures:
+  unit: psi
+  reference: gauge
+  inputs:
+    - {topic: /pressure/chamber_1, column: 11}
+    - {topic: /pressure/chamber_2, column: 12}
+    - {topic: /pressure/chamber_3, column: 13}
+)";
+
+constexpr const char* kSteps = R"(
+separator: comma
+time: {column: 1, unit: s}
+mocap:
+  unit: m
+  up: z
+  bodies:
+    - {name: base, position: [18, 19, 20], orientation: [21, 22, 23, 24], orientation_order: xyzw}
+    - {name: tip, position: [32, 33, 34], orientation: [35, 36, 37, 38], orientation_order: xyzw}
+pressures:
+  unit: psi
+  reference: gauge
+  inputs:
+    - {topic: /pressure/chamber_1, column: 5}
+)";
+
+TEST_F(RealArms, SensorsOffZeroTipTurnedAndStampsIrregular) {
+  const TestFolder dir;
+  const auto all =
+      check(dir, kOneSegment, "pouch_arm_one_segment", "one_segment/load_400g/data_collect_1.txt");
+  ASSERT_NE(finding(all, "turned_about_tangent", "tip"), nullptr) << all.dump(1);
+  EXPECT_NEAR(finding(all, "turned_about_tangent", "tip")->at("figure"), M_PI, 0.1);
+  EXPECT_NE(finding(all, "irregular_stamps", "tip"), nullptr) << all.dump(1);
+  ASSERT_NE(finding(all, "offset_at_rest", "chamber_2"), nullptr) << all.dump(1);
+  EXPECT_LT(finding(all, "offset_at_rest", "chamber_2")->at("figure"), -4e3);
+  ASSERT_NE(finding(all, "offset_at_rest", "chamber_3"), nullptr) << all.dump(1);
+  EXPECT_GT(finding(all, "offset_at_rest", "chamber_3")->at("figure"), 12e3);
+  ASSERT_NE(finding(all, "coarse_steps", "chamber_2"), nullptr) << all.dump(1);
+  EXPECT_NEAR(finding(all, "coarse_steps", "chamber_2")->at("figure"), 644.0, 5.0);
+
+  const auto other =
+      check(dir, kOneSegment, "pouch_arm_one_segment", "one_segment/no_load/data_collect_1.txt");
+  EXPECT_EQ(finding(other, "turned_about_tangent"), nullptr) << other.dump(1);
+}
+
+TEST_F(RealArms, QuaternionOfTheBaseTurnsOver) {
+  const TestFolder dir;
+  const auto all = check(dir, kSteps, "pouch_arm", "steps/set_2/data_collect_1.txt");
+  EXPECT_EQ(status, 1);
+  ASSERT_NE(finding(all, "turned_over", "base"), nullptr) << all.dump(1);
+  EXPECT_EQ(finding(all, "turned_over", "base")->at("severity"), "serious");
+  EXPECT_GT(finding(all, "turned_over", "base")->at("figure"), 2.8);
+}
+
+}  // namespace
+}  // namespace softarm
