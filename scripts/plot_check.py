@@ -39,7 +39,7 @@ def draw_timeline(axes, recording):
             if finding['id'] not in notes.setdefault(row, []):
                 notes[row].append(finding['id'])
     for row, ids in notes.items():
-        axes.text(1.01 * end, row, ', '.join(reversed(ids)), va='center', fontsize=7)
+        axes.text(1.01 * end, row, ', '.join(reversed(ids)), va='center', fontsize=7).set_in_layout(False)
     axes.set_yticks(range(len(rows)), rows, fontsize=8)
     axes.invert_yaxis()
     axes.set_xlim(0, end)
@@ -79,12 +79,14 @@ def main():
     matplotlib.use('Agg')
     import matplotlib.pyplot as plt
     heights = [0.6 + 0.28 * len(rows_of(r)) for r in recordings]
-    figure, axes = plt.subplots(len(recordings), 2, figsize=(11, sum(heights) + 0.6 * len(recordings)), squeeze=False,
-                                gridspec_kw={'width_ratios': [3, 1], 'height_ratios': heights, 'wspace': 0.75},
-                                layout='constrained')
+    figure, axes = plt.subplots(len(recordings), 2, figsize=(12, sum(heights) + 0.6 * len(recordings)), squeeze=False,
+                                gridspec_kw={'width_ratios': [3, 1], 'height_ratios': heights})
     for row, recording in zip(axes, recordings):
         draw_timeline(row[0], recording)
         draw_levels(row[1], recording)
+    # Names of findings stand in the gap.
+    figure.tight_layout()
+    figure.subplots_adjust(wspace=1.15)
     figure.savefig(options.out, dpi=120)
 
 

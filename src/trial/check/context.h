@@ -72,6 +72,7 @@ struct Context {
   std::vector<Signal> signals;
   std::vector<ValuePoint> payload;
   std::optional<CheckSpan> rest_begin, rest_end;  ///< the arm is still and nothing drives it anew
+  bool held_at_end = false;                       ///< some input is then far above its least value
 
   std::vector<CheckFinding> findings;
 
@@ -82,8 +83,11 @@ struct Context {
 
   /// Pose of the rod's base in the mocap frame at rest (or the median of the recording).
   std::optional<Eigen::Isometry3d> rod_base() const;
-  /// The stretch in which shapes at rest are looked at: rest at the beginning, else at the end.
-  std::optional<CheckSpan> rest() const { return rest_begin ? rest_begin : rest_end; }
+  /// The stretch in which shapes and levels at rest are looked at: at the beginning, else at the end unless
+  /// the inputs hold the arm there.
+  std::optional<CheckSpan> rest() const {
+    return rest_begin ? rest_begin : held_at_end ? std::nullopt : rest_end;
+  }
 };
 
 /// Recomputes what depends on which poses are good: noise of the tracks, rest.

@@ -15,6 +15,7 @@ namespace {
 constexpr double kStillM = 0.001;  // a mean may wander by so much while the arm is called still
 constexpr double kBlockS = 0.1;
 constexpr double kLeastRestS = 0.3;   // shorter stillness may be a turning point
+constexpr double kHeldShare = 0.25;   // of an input's range, above its least value: it is driven
 constexpr double kRestShare = 0.005;  // of an input's range
 
 /// White noise of one number from second differences of evenly spaced samples, taken where the arm moves
@@ -126,6 +127,12 @@ void find_rest(Context& context) {
   };
   if (begin_s >= kLeastRestS) context.rest_begin = CheckSpan{first_s, first_s + trimmed(begin_s)};
   if (end_s >= kLeastRestS) context.rest_end = CheckSpan{last_s - trimmed(end_s), last_s};
+  context.held_at_end = false;
+  for (const Signal& signal : context.signals) {
+    if (!context.rest_end || signal.range() <= 20.0 * signal.noise_sd) continue;
+    const auto level = signal.mean(context.rest_end->from_s, context.rest_end->to_s);
+    if (level && *level - signal.low > kHeldShare * signal.range()) context.held_at_end = true;
+  }
 }
 
 void check_rest(Context& context) {
