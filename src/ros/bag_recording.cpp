@@ -4,9 +4,11 @@
 #include <rosbag/exceptions.h>
 #include <rosbag/view.h>
 
+#include <algorithm>
 #include <cmath>
-#include <set>
+#include <map>
 #include <utility>
+#include <vector>
 
 #include "softarm/ros/input_topics.h"
 #include "softarm/ros/open_bag.h"
@@ -19,10 +21,8 @@ constexpr double kFrameIntervalS = 0.1;  // of the frames that are kept
 
 /// What the arm listens to, and what the bag has of it.
 std::vector<RecordedTopic> compare(const std::vector<InputTopic>& topics, const Arm& arm,
-                                   std::map<std::string, std::string>& in_bag) {
-  std::set<std::string> scalar_topics;
-  for (const ScalarInput& input : arm.inputs.scalars) scalar_topics.insert(input.topic);
-  const std::string base_topic = arm.base.body ? body_topic(arm, *arm.base.body) : "";
+                                   std::map<std::string, std::string>& others) {
+  const std::map<std::string, std::string> in_bag = others;
   std::vector<RecordedTopic> recorded;
   for (const InputTopic& topic : topics) {
     RecordedTopic r;
@@ -30,12 +30,14 @@ std::vector<RecordedTopic> compare(const std::vector<InputTopic>& topics, const 
     r.type = topic.type;
     r.feeds = topic.feeds;
     r.of_payload = topic.topic == arm.inputs.payload_topic;
-    r.of_bodies = !r.of_payload && scalar_topics.count(topic.topic) == 0;
-    r.is_base = r.of_bodies && topic.topic == base_topic;
+    r.of_bodies = topic.feeds_bodies || topic.feeds_base;
+    r.is_base = topic.feeds_base;
     const auto found = in_bag.find(absolute_topic(topic.topic));
     if (found != in_bag.end()) {
-      r.found_type = found->second;
-      in_bag.erase(found);
+      const auto& also = topic.other_types;
+      const bool same = std::find(also.begin(), also.end(), found->second) != also.end();
+      r.found_type = same ? topic.type : found->second;
+      others.erase(found->first);
     }
     recorded.push_back(r);
   }
@@ -62,11 +64,12 @@ CheckRecording read_recording(const std::string& path, const Arm& arm,
   recording.inputs.resize(arm.inputs.scalars.size());
 
   std::vector<std::string> names;
-  std::map<std::string, std::size_t> by_topic;
+  // Two sources may share a topic: base and rings on /tf, under frames of their own.
+  std::map<std::string, std::vector<std::size_t>> by_topic;
   for (std::size_t i = 0; i < topics.size(); ++i) {
     if (recording.topics[i].found_type != topics[i].type) continue;
     const std::string name = absolute_topic(topics[i].topic);
-    by_topic[name] = i;
+    by_topic[name].push_back(i);
     names.push_back(name);
     names.push_back(name.substr(1));
   }
@@ -102,9 +105,10 @@ CheckRecording read_recording(const std::string& path, const Arm& arm,
     rosbag::View view(*bag, rosbag::TopicQuery(names));
     on_total(view.size());
     for (const rosbag::MessageInstance& message : view) {
-      const std::size_t topic = by_topic.at(absolute_topic(message.getTopic()));
       receipt_s = message.getTime().toSec();
-      if (topics[topic].read(message, assembler)) ++recording.topics[topic].messages;
+      for (const std::size_t topic : by_topic.at(absolute_topic(message.getTopic()))) {
+        if (topics[topic].read(message, assembler)) ++recording.topics[topic].messages;
+      }
       keep_frames();
       if (++unreported == kProgressMessages) on_messages(std::exchange(unreported, 0));
     }

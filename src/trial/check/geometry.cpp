@@ -59,7 +59,7 @@ void check_units(Context& context) {
     const char* remedy;
   };
   constexpr Unit kUnits[] = {{"mm", 1e-3, "mm"}, {"cm", 1e-2, "cm"}, {"m", 1.0, "m"}, {"inch", 0.0254, ""}};
-  const double now = context.arm.inputs.body_scale_to_m;
+  const double now = context.arm.inputs.bodies.scale_to_m;
   CheckFinding& finding =
       context.add(Severity::kSerious, "length_unit", "",
                   fmt::format("base and bodies lie {:.3g} times as far apart as the arm file says", *ratio));

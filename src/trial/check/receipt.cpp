@@ -76,9 +76,10 @@ void say(Context& context, const std::string& name, const Transport& transport, 
     finding.remedy =
         "let the driver translate its clock to ROS time (mocap drivers have a switch for it), or "
         "subtract the difference";
-    if (std::abs(transport.delay_s) < 3600.0) {
-      finding.setting = fmt::format("{}: {:.4g}", key, -transport.delay_s);
-    }
+    // latency_s of the arm file goes up to an hour; a stamp of receipt costs the jitter of transport.
+    finding.setting = std::abs(transport.delay_s) < 3600.0
+                          ? fmt::format("{}: {:.4g}", key, -transport.delay_s)
+                          : key.substr(0, key.rfind('.')) + ".stamp: receipt";
     return;
   }
   if (least_s < -kAheadS) {
