@@ -95,7 +95,8 @@ TEST(SoftarmCheck, FaultsOfABagAreFoundWithStatusAndJson) {
   ASSERT_NE(finding(all, "missing_topic", "/mocap/ring_2/pose"), nullptr) << o.out;
   ASSERT_NE(finding(all, "turned_over", "ring_4"), nullptr) << o.out;
   ASSERT_NE(finding(all, "pressure_unit", "chamber_1"), nullptr) << o.out;
-  EXPECT_THAT(finding(all, "pressure_unit", "chamber_1")->at("setting").get<std::string>(), HasSubstr("kPa"));
+  EXPECT_THAT(finding(all, "pressure_unit", "chamber_1")->at("what").get<std::string>(),
+              HasSubstr("kPa gauge"));
   EXPECT_EQ(all.at(0).at("severity"), "serious");
 }
 
