@@ -1,4 +1,5 @@
-// softarm: checks recordings, estimates over recordings, identifies arms, imports recordings, simulates trials.
+// softarm: checks recordings, estimates over recordings, identifies arms, imports recordings, simulates
+// trials.
 #include <fmt/format.h>
 
 #include <cstdio>
