@@ -104,10 +104,10 @@ TEST(CsvLayout, AbsolutePressureHasNoAmbientAdded) {
 TEST(CsvLayout, QuaternionOrderIsThatOfTheLayout) {
   const std::string row = "0,0,0,0, 0.5,0.5,-0.5,0.5, 0\n";
   const Read xyzw = read(kMinimal, row);
-  EXPECT_DOUBLE_EQ(xyzw.rows[0].bodies[0]->q_mocap.z(), -0.5);
+  EXPECT_DOUBLE_EQ(xyzw.rows[0].bodies[0]->q_mocap->z(), -0.5);
   const Read wxyz = read(replaced(kMinimal, "order: xyzw", "order: wxyz"), row);
-  EXPECT_DOUBLE_EQ(wxyz.rows[0].bodies[0]->q_mocap.y(), -0.5);
-  EXPECT_DOUBLE_EQ(wxyz.rows[0].bodies[0]->q_mocap.w(), 0.5);
+  EXPECT_DOUBLE_EQ(wxyz.rows[0].bodies[0]->q_mocap->y(), -0.5);
+  EXPECT_DOUBLE_EQ(wxyz.rows[0].bodies[0]->q_mocap->w(), 0.5);
 }
 
 TEST(CsvLayout, TheZeroOfASensorIsSubtracted) {
@@ -125,9 +125,9 @@ TEST(CsvLayout, AMountThatDoesNotTurnNeedsNoColumnsForIt) {
   const Read r = read(replaced(kMinimal, columns, mount + tip), "0, 10,20,30, 40,50,60, 0,0,1,0\n");
   ASSERT_EQ(r.rows.size(), 1u);
   EXPECT_TRUE(r.rows[0].bodies[0]->p_mocap.isApprox(Eigen::Vector3d(0.01, 0.02, 0.03)));
-  EXPECT_DOUBLE_EQ(r.rows[0].bodies[0]->q_mocap.y(), 0.6);
+  EXPECT_DOUBLE_EQ(r.rows[0].bodies[0]->q_mocap->y(), 0.6);
   EXPECT_TRUE(r.rows[0].bodies[1]->p_mocap.isApprox(Eigen::Vector3d(0.04, 0.05, 0.06)));
-  EXPECT_DOUBLE_EQ(r.rows[0].bodies[1]->q_mocap.z(), 1.0);
+  EXPECT_DOUBLE_EQ(r.rows[0].bodies[1]->q_mocap->z(), 1.0);
   EXPECT_THAT(error_of(replaced(kMinimal, "orientation_order: xyzw", "fixed_orientation: [0, 0, 0, 1]")),
               HasSubstr("the one or the other"));
   EXPECT_THAT(error_of(replaced(kMinimal, columns, "fixed_orientation: [0, 0, 0, 2]}")),
@@ -140,7 +140,7 @@ TEST(CsvLayout, YUpBecomesZUpForPositionsAndOrientationsAlike) {
   const std::string row = "0, 10,20,30, " + std::to_string(-h) + ",0,0," + std::to_string(h) + ", 0\n";
   const Read r = read(replaced(kMinimal, "up: z", "up: y"), row);
   EXPECT_TRUE(r.rows[0].bodies[0]->p_mocap.isApprox(Eigen::Vector3d(0.01, -0.03, 0.02), 1e-9));
-  const Eigen::Vector3d axis = r.rows[0].bodies[0]->q_mocap * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d axis = *r.rows[0].bodies[0]->q_mocap * Eigen::Vector3d::UnitZ();
   EXPECT_TRUE(axis.isApprox(Eigen::Vector3d::UnitZ(), 1e-6)) << axis.transpose();
 }
 

@@ -15,8 +15,9 @@
 #include <vector>
 
 #include "softarm/command.h"
+#include "softarm/import_bags.h"
 #include "softarm/output_file.h"
-#include "softarm/ros/bag_writer.h"
+#include "softarm/progress.h"
 #include "softarm/shipped.h"
 #include "softarm/trial/csv_recording.h"
 
@@ -28,7 +29,8 @@ namespace fs = std::filesystem;
 struct Options {
   std::string layout;
   std::vector<std::string> files;
-  std::string out;
+  std::string out, inputs;
+  std::optional<double> split_every_s;
   std::vector<std::string> payload, leave_out;  ///< as typed
 };
 
@@ -40,13 +42,14 @@ constexpr const char* kExamples = R"(Examples:
   softarm import pouch_arm_one_segment trial.txt --out trial.bag
   softarm import my_layout.yaml day1/*.csv --out bags/
   softarm import my_layout.yaml loaded.csv --payload 0 --payload 10.5:0.4 --leave-out 7:10.5 --out loaded.bag
-config/layouts/template.yaml shows every key of a layout. With several files, --out is a folder.)";
+  softarm import tendon_trunk_controlled observations.csv --inputs control_inputs.csv --split-every 15 --out bags/
+config/layouts/template.yaml shows every key of a layout. Where it becomes several bags, --out is a folder.)";
 
 /// One bag per file. A name that two files share gets its folder's name in front.
-std::vector<fs::path> bag_paths(const Options& options) {
+/// @param several the files become more than one bag
+std::vector<fs::path> bag_paths(const Options& options, bool several) {
   std::error_code error;
-  const bool is_folder =
-      options.files.size() > 1 || options.out.back() == '/' || fs::is_directory(options.out, error);
+  const bool is_folder = several || options.out.back() == '/' || fs::is_directory(options.out, error);
   if (!is_folder) return {options.out};
   if (!fs::is_directory(options.out, error) && !fs::create_directory(options.out, error)) {
     throw Failure(fmt::format("--out {}: must be a folder, and cannot be made: {}", options.out,
@@ -55,16 +58,10 @@ std::vector<fs::path> bag_paths(const Options& options) {
   std::map<std::string, int> uses;
   for (const std::string& file : options.files) ++uses[fs::path(file).stem().string()];
   std::vector<fs::path> paths;
-  std::set<fs::path> taken;
   for (const std::string& file : options.files) {
     std::string name = fs::path(file).stem().string();
     if (uses[name] > 1) name = fs::absolute(file).parent_path().filename().string() + "_" + name;
     paths.push_back(fs::path(options.out) / (name + ".bag"));
-    if (!taken.insert(paths.back()).second) {
-      throw Failure(
-          fmt::format("{}: would be written to {}, as another file already is; import it separately", file,
-                      paths.back().string()));
-    }
   }
   return paths;
 }
@@ -118,89 +115,108 @@ std::vector<Span> spans_of(const std::vector<std::string>& texts) {
   return spans;
 }
 
-/// Publishes the schedule's steps up to `time_s`; a step before the first row counts from the first row on.
-class PayloadSchedule {
- public:
-  explicit PayloadSchedule(const CsvLayout& layout) : layout_(layout) {}
-
-  void advance(const CsvRow& row, bool first, TrialBagWriter& bag) {
-    std::size_t last = next_;
-    while (last < layout_.payload.size() && layout_.payload[last].from_s <= row.time_s) ++last;
-    if (last == next_) return;
-    const CsvPayloadStep& step = layout_.payload[last - 1];
-    bag.payload(first ? row.stamp_s : step.from_s + layout_.start_stamp_s, step.kg);
-    next_ = last;
+/// Bytes of all files, for the bar.
+double bytes_of(const std::vector<std::string>& files) {
+  double bytes = 0.0;
+  for (const std::string& file : files) {
+    std::error_code error;
+    if (!fs::is_regular_file(file, error)) throw Failure(fmt::format("{}: no such file", file));
+    bytes += static_cast<double>(fs::file_size(file, error));
   }
-
- private:
-  const CsvLayout& layout_;
-  std::size_t next_ = 0;
-};
-
-/// @param left_out times of the recording whose rows are not written
-/// @param left_out_rows counts those
-CsvReport import_file(const CsvLayout& layout, const std::string& file, const fs::path& bag_path,
-                      const std::vector<Span>& left_out, std::uint64_t& left_out_rows,
-                      std::uint64_t& messages) {
-  TrialBagWriter bag(bag_path.string());
-  PayloadSchedule schedule(layout);
-  bool first = true;
-  const CsvReport report = read_csv_recording(layout, file, [&](const CsvRow& row) {
-    if (std::any_of(left_out.begin(), left_out.end(),
-                    [&](const Span& span) { return row.time_s >= span.from_s && row.time_s < span.to_s; })) {
-      ++left_out_rows;
-      return;
-    }
-    schedule.advance(row, first, bag);
-    first = false;
-    for (std::size_t i = 0; i < row.pressures_pa.size(); ++i) {
-      if (row.pressures_pa[i]) bag.pressure(layout.pressures[i].topic, row.stamp_s, *row.pressures_pa[i]);
-    }
-    for (std::size_t i = 0; i < row.bodies.size(); ++i) {
-      const std::optional<CsvPose>& pose = row.bodies[i];
-      if (pose) bag.pose(layout.bodies[i].name, row.stamp_s, pose->p_mocap, pose->q_mocap);
-    }
-  });
-  bag.close();
-  messages = bag.messages();
-  return report;
+  return bytes;
 }
 
-void print_report(const std::string& file, const fs::path& bag, const CsvReport& report,
-                  std::uint64_t left_out_rows, std::uint64_t messages) {
-  fmt::print("{} -> {}: {} of {} rows, {} messages\n", file, bag.string(), report.used - left_out_rows,
+struct Imported {
+  std::unique_ptr<ImportBags> bags;
+  CsvReport report;
+  std::uint64_t left_out_rows = 0;
+};
+
+Imported import_file(const CsvLayout& layout, const Options& options, const std::string& file,
+                     const fs::path& path, const std::vector<Span>& left_out, Progress& progress) {
+  Imported result;
+  result.bags = std::make_unique<ImportBags>(layout, path, options.split_every_s);
+  std::uint64_t rows = 0;
+  CsvSources sources;
+  sources.inputs_path = options.inputs;
+  sources.on_bytes = [&](std::uint64_t bytes) {
+    progress.advance(static_cast<double>(bytes), std::exchange(rows, 0));
+  };
+  const auto on_row = [&](const CsvRow& row) {
+    ++rows;
+    if (std::any_of(left_out.begin(), left_out.end(),
+                    [&](const Span& span) { return row.time_s >= span.from_s && row.time_s < span.to_s; })) {
+      ++result.left_out_rows;
+      return;
+    }
+    result.bags->write(row);
+  };
+  result.report = read_csv_recording(layout, file, on_row, sources);
+  result.bags->close();
+  if (result.bags->bags().empty()) throw Failure(fmt::format("{}: --leave-out leaves nothing of it", file));
+  return result;
+}
+
+void print_join(const std::string& inputs, const CsvJoinReport& join) {
+  if (join.unmatched) fmt::print("  rows whose id {} lacks: {}\n", inputs, join.unmatched);
+  if (join.unused_ids) fmt::print("  ids of {} that no row has: {}\n", inputs, join.unused_ids);
+  for (const auto& [reason, count] : join.bad_rows)
+    fmt::print("  rows of {} not used, {}: {}\n", inputs, reason, count);
+  for (const std::string& example : join.examples) fmt::print(stderr, "softarm: {}\n", example);
+}
+
+void print_report(const Options& options, const std::string& file, const Imported& imported) {
+  const CsvReport& report = imported.report;
+  const std::vector<ImportBags::Bag>& bags = imported.bags->bags();
+  std::uint64_t messages = 0;
+  for (const ImportBags::Bag& bag : bags) messages += bag.messages;
+  const std::string first = bags.front().file->path().string();
+  const std::string names = bags.size() == 1
+                                ? first
+                                : fmt::format("{} ... {} ({} bags)", first,
+                                              bags.back().file->path().filename().string(), bags.size());
+  fmt::print("{} -> {}: {} of {} rows, {} messages\n", file, names, report.used - imported.left_out_rows,
              report.rows, messages);
-  if (left_out_rows) fmt::print("  rows left out, as told: {}\n", left_out_rows);
+  if (imported.left_out_rows) fmt::print("  rows left out, as told: {}\n", imported.left_out_rows);
   for (const auto& [reason, count] : report.bad_rows) fmt::print("  rows skipped, {}: {}\n", reason, count);
   if (report.repeated) fmt::print("  rows whose poses only repeat the row before: {}\n", report.repeated);
   for (const auto& [reason, count] : report.lost) fmt::print("  absent, {}: {}\n", reason, count);
+  if (report.join) print_join(options.inputs, *report.join);
   for (const std::string& example : report.examples) fmt::print(stderr, "softarm: {}\n", example);
 }
 
 void run(const Options& options) {
   const fs::path layout_path = find_config("layouts", options.layout);
   CsvLayout layout = parse_csv_layout(read_text(layout_path), layout_path.string());
-  if (!options.payload.empty()) layout.payload = payload_of(options.payload);
+  if (!options.payload.empty()) {
+    layout.payload = payload_of(options.payload);
+    layout.payload_column.reset();
+  }
   const std::vector<Span> left_out = spans_of(options.leave_out);
-  for (const std::string& file : options.files) {
-    std::error_code error;
-    if (!fs::is_regular_file(file, error)) throw Failure(fmt::format("{}: no such file", file));
-  }
-  const std::vector<fs::path> paths = bag_paths(options);
-  std::vector<std::unique_ptr<OutputFile>> outputs;
-  std::vector<CsvReport> reports;
-  std::vector<std::uint64_t> messages(options.files.size()), left_out_rows(options.files.size());
+  if (layout.join && options.inputs.empty())
+    throw Failure(fmt::format("{}: joins a file of inputs (key 'join'); name it with --inputs FILE",
+                              layout_path.string()));
+  if (!layout.join && !options.inputs.empty())
+    throw Failure(fmt::format("--inputs {}: {} has no key 'join' that says how it belongs to a recording",
+                              options.inputs, layout_path.string()));
+  Progress progress("rows");
+  progress.add_total(bytes_of(options.files));
+  const bool several = options.files.size() > 1 || options.split_every_s || layout.trial_column;
+  const std::vector<fs::path> paths = bag_paths(options, several);
+  std::vector<Imported> imported;
+  std::set<fs::path> taken;
   for (std::size_t i = 0; i < options.files.size(); ++i) {
-    outputs.push_back(std::make_unique<OutputFile>(paths[i]));
-    reports.push_back(import_file(layout, options.files[i], outputs[i]->temporary(), left_out,
-                                  left_out_rows[i], messages[i]));
-    if (messages[i] == 0)
-      throw Failure(fmt::format("{}: --leave-out leaves nothing of it", options.files[i]));
+    imported.push_back(import_file(layout, options, options.files[i], paths[i], left_out, progress));
+    for (const ImportBags::Bag& bag : imported.back().bags->bags()) {
+      if (!taken.insert(bag.file->path()).second)
+        throw Failure(
+            fmt::format("{}: would be written to {}, as another file already is; import it separately",
+                        options.files[i], bag.file->path().string()));
+    }
   }
-  for (std::size_t i = 0; i < outputs.size(); ++i) {
-    outputs[i]->commit();
-    print_report(options.files[i], paths[i], reports[i], left_out_rows[i], messages[i]);
-  }
+  for (const Imported& file : imported) file.bags->commit();
+  progress.hide();
+  for (std::size_t i = 0; i < imported.size(); ++i) print_report(options, options.files[i], imported[i]);
 }
 
 }  // namespace
@@ -213,6 +229,13 @@ void add_import(CLI::App& program) {
       ->required();
   command->add_option("FILE", options->files, "recordings")->required();
   command->add_option("--out", options->out, "the bag, or a folder for one bag per recording")->required();
+  command->add_option(
+      "--inputs", options->inputs,
+      "file whose rows are joined to the recordings' by an id, where the layout has a key 'join'");
+  command
+      ->add_option("--split-every", options->split_every_s,
+                   "a bag for every so many seconds: pieces of one long recording to hold out, say")
+      ->check(CLI::Range(0.01, 1e6));
   command
       ->add_option(
           "--payload", options->payload,

@@ -43,6 +43,11 @@ void Progress::line(const std::string& text) {
   fmt::print(stderr, "{}\n", text);
 }
 
+void Progress::hide() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  clear();
+}
+
 void Progress::draw(Clock::time_point now) {
   drawn_ = now;
   visible_ = true;

@@ -24,6 +24,8 @@ class Progress {
   void advance(double work, std::uint64_t items);
   /// A line of its own, above the bar.
   void line(const std::string& text);
+  /// Takes the bar away, before something is printed elsewhere.
+  void hide();
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -1,0 +1,51 @@
+// The bags that one recording becomes.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "softarm/output_file.h"
+#include "softarm/ros/bag_writer.h"
+#include "softarm/trial/csv_recording.h"
+
+namespace softarm::app {
+
+/// Writes the rows of a recording to one bag, or to one for each of its trials and pieces. Nothing has its
+/// final name before commit().
+class ImportBags {
+ public:
+  /// @param path the bag; of several ones the stem that "_<trial>" and "_<piece from 0>" are added to
+  /// @param split_every_s length of the pieces; absent: one piece
+  ImportBags(const CsvLayout& layout, std::filesystem::path path, std::optional<double> split_every_s);
+
+  void write(const CsvRow& row);
+  /// Completes the last bag.
+  void close();
+  void commit();
+
+  struct Bag {
+    std::unique_ptr<OutputFile> file;
+    std::uint64_t messages = 0;
+  };
+  const std::vector<Bag>& bags() const { return bags_; }
+
+ private:
+  void enter(const CsvRow& row);
+  void payload(const CsvRow& row);
+
+  const CsvLayout& layout_;
+  std::filesystem::path path_;
+  std::optional<double> split_every_s_;
+  std::vector<Bag> bags_;
+  std::unique_ptr<TrialBagWriter> writer_;
+  std::string trial_;
+  double trial_start_s_ = 0.0;
+  long piece_ = 0;
+  std::size_t next_step_ = 0;         // of the layout's payload
+  std::optional<double> payload_kg_;  // last published
+};
+
+}  // namespace softarm::app

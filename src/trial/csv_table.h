@@ -1,0 +1,57 @@
+// Lines of a separated text file as cells and numbers.
+#pragma once
+
+#include <cstdint>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "softarm/trial/csv_layout.h"
+
+namespace softarm {
+
+/// Thrown for a row that is skipped; the reason is also its key in the reports.
+struct CsvBadRow {
+  std::string reason;
+  std::string what;
+};
+
+/// Rows of data of one file, after its header. Blank lines and those that start with # are passed over.
+class CsvTable {
+ public:
+  /// @throws CsvError if it cannot be read
+  CsvTable(std::string path, const CsvFormat& format);
+
+  /// Index of a column, by the header's name or by number.
+  /// @throws CsvError where the file has no such column
+  std::size_t resolve(const CsvColumn& column) const;
+
+  /// Goes to the next row of data. @return false at the end @throws CsvError where reading fails
+  bool next();
+  const std::vector<std::string>& cells() const { return cells_; }
+
+  /// Text of a cell of this row. @throws CsvBadRow where the row is too short
+  const std::string& text(std::size_t column) const;
+  /// @return the number, or nothing for an empty or non-finite cell
+  /// @throws CsvBadRow where the row is too short or the cell holds text
+  std::optional<double> number(std::size_t column) const;
+
+  const std::string& path() const { return path_; }
+  std::uint64_t line() const { return line_; }    ///< of this row, from 1
+  std::uint64_t bytes() const { return bytes_; }  ///< read so far
+
+ private:
+  bool get_line(std::string& line);
+
+  std::string path_;
+  CsvFormat format_;
+  std::ifstream file_;
+  std::vector<std::string> header_, cells_;
+  std::uint64_t line_ = 0, bytes_ = 0;
+};
+
+/// A cell that identifies a row, so that 7, 7.0 and 07 are the same one.
+std::string csv_id(const std::string& cell);
+
+}  // namespace softarm
