@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace softarm::identify {
@@ -81,7 +82,8 @@ void set_length(Arm& arm, int segment, double length_m) {
 }  // namespace
 
 std::string name_of(const Arm& arm, const ConstantRef& constant) {
-  const std::string& segment = at(arm.segments, constant.segment).name;
+  std::string segment = at(arm.segments, constant.segment).name;
+  for (const int other : constant.tied) segment += "=" + at(arm.segments, other).name;
   const int number = constant.index + 1;
   switch (constant.kind) {
     case ConstantKind::kMomentGain:
@@ -110,6 +112,12 @@ std::string name_of(const Arm& arm, const ConstantRef& constant) {
       return segment + ".rest_curvature.y";
   }
   return segment;
+}
+
+std::vector<int> segments_of(const ConstantRef& constant) {
+  std::vector<int> segments{constant.segment};
+  segments.insert(segments.end(), constant.tied.begin(), constant.tied.end());
+  return segments;
 }
 
 std::string unit_of(ConstantKind kind) {
@@ -146,14 +154,27 @@ double value_of(const Arm& arm, const ConstantRef& constant) {
 }
 
 void set_value(Arm& arm, const ConstantRef& constant, double value) {
-  if (constant.kind == ConstantKind::kLength) return set_length(arm, constant.segment, value);
-  Segment& segment = at(arm.segments, constant.segment);
-  if (constant.kind == ConstantKind::kElongation)
-    value -= at(segment.chambers, constant.index).far_elongation_m_per_pa;
-  *number_of(segment, constant) = value;
+  for (const int i : segments_of(constant)) {
+    if (constant.kind == ConstantKind::kLength) {
+      set_length(arm, i, value);
+      continue;
+    }
+    Segment& segment = at(arm.segments, i);
+    const bool is_sum = constant.kind == ConstantKind::kElongation;
+    *number_of(segment, constant) =
+        value - (is_sum ? at(segment.chambers, constant.index).far_elongation_m_per_pa : 0.0);
+  }
 }
 
 Range allowed_range(const Arm& arm, const ConstantRef& constant) {
+  if (!constant.tied.empty()) {
+    Range all{std::numeric_limits<double>::lowest(), std::numeric_limits<double>::max()};
+    for (const int i : segments_of(constant)) {
+      const Range one = allowed_range(arm, ConstantRef{constant.kind, i, constant.index});
+      all = {std::max(all.low, one.low), std::min(all.high, one.high)};
+    }
+    return all;
+  }
   const Segment& segment = at(arm.segments, constant.segment);
   switch (constant.kind) {
     case ConstantKind::kMomentGain:
@@ -251,6 +272,28 @@ std::vector<ConstantRef> matching(const Arm& arm, const std::vector<std::string>
     if (wanted[i]) list.push_back(all[i]);
   }
   return list;
+}
+
+std::vector<ConstantRef> tie_constants(const Arm& arm, const std::vector<ConstantRef>& list,
+                                       const std::vector<std::string>& patterns) {
+  std::vector<ConstantRef> result = list;
+  for (const std::string& pattern : patterns) {
+    bool any = false;
+    for (const ConstantRef& match : matching(arm, {pattern})) {
+      const auto same = [&](const ConstantRef& c) { return c.kind == match.kind && c.index == match.index; };
+      const auto of_match = [&](const ConstantRef& c) { return same(c) && c.segment == match.segment; };
+      const auto first = std::find_if(result.begin(), result.end(), same);
+      const auto own = std::find_if(result.begin(), result.end(), of_match);
+      if (own == result.end() || own == first) continue;
+      first->tied.push_back(match.segment);
+      result.erase(own);
+      any = true;
+    }
+    if (!any)
+      throw std::invalid_argument(fmt::format(
+          "'{}' ties nothing: it must match free constants of one kind in two segments or more", pattern));
+  }
+  return result;
 }
 
 }  // namespace softarm::identify

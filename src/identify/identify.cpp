@@ -76,7 +76,7 @@ std::vector<ConstantRef> choose_free(const Arm& arm, const Options& options) {
       std::remove_if(free.begin(), free.end(), [&](const ConstantRef& c) { return contains(held, c); }),
       free.end());
   if (free.empty()) throw IdentifyError(fmt::format("the arm {} has no constant that is free", arm.name));
-  return free;
+  return tie_constants(arm, free, options.tied);
 }
 
 std::string reasons(const std::map<std::string, std::uint64_t>& left_out) {

@@ -29,9 +29,8 @@ std::vector<rod::Parameter> rod_parameters(const Arm& arm, const std::vector<Con
     }
     list.push_back({kind, segment, component});
   };
-  for (const ConstantRef& constant : constants) {
-    const Segment& segment = arm.segments[static_cast<std::size_t>(constant.segment)];
-    const int i = constant.segment;
+  const auto add_for = [&](const ConstantRef& constant, int i) {
+    const Segment& segment = arm.segments[static_cast<std::size_t>(i)];
     if (constant.kind == ConstantKind::kTendonOffset && segment.torsional_stiffness_nm2)
       add(ParameterKind::kTorsionalCompliance, i, 0);
     if (constant.kind == ConstantKind::kAxialStiffness) {
@@ -42,6 +41,9 @@ std::vector<rod::Parameter> rod_parameters(const Arm& arm, const std::vector<Con
     }
     if (constant.kind == ConstantKind::kRestCurvatureX) add(ParameterKind::kRestCurvature, i, 0);
     if (constant.kind == ConstantKind::kRestCurvatureY) add(ParameterKind::kRestCurvature, i, 1);
+  };
+  for (const ConstantRef& constant : constants) {
+    for (const int i : segments_of(constant)) add_for(constant, i);
   }
   return list;
 }
@@ -64,7 +66,7 @@ rod::SolverOptions solver_options() {
 /// along, keeps the arm's own.
 void set_law(Arm& arm, const ConstantRef& constant, double value) {
   if (constant.kind == ConstantKind::kLength) {
-    arm.segments[static_cast<std::size_t>(constant.segment)].length_m = value;
+    for (const int i : segments_of(constant)) arm.segments[static_cast<std::size_t>(i)].length_m = value;
   } else {
     set_value(arm, constant, value);
   }
@@ -134,27 +136,34 @@ bool LawModel::apply(const StaticFrame& frame) {
   rod_by_theta_.setZero();
   laws_by_theta_.setZero();
   for (std::size_t j = 0; j < constants_.size(); ++j) {
-    const int column = static_cast<int>(j);
-    const auto segment = static_cast<std::size_t>(constants_[j].segment);
-    const double sides[2] = {1.0, -1.0};
-    for (const double side : sides) {
-      const Arm& arm = side > 0.0 ? above_[j] : below_[j];
-      const auto varied = predict_segment(arm, arm.segments[segment], frame.inputs);
-      if (!varied) return false;
-      (*laws)[segment] = *varied;
-      rod::actuate(arm, *laws, varied_);
-      put_rest_curvature(arm, varied_);
-      (*laws)[segment] = laws_[segment];
-      const double weight = side / (2.0 * step_[column]);
-      for (std::size_t r = 0; r < parameters_.size(); ++r) {
-        if (parameters_[r].index == constants_[j].segment)
-          rod_by_theta_(static_cast<int>(r), column) += weight * parameter(varied_, parameters_[r]);
-      }
-      const Eigen::Vector2d moment = varied->actuation_nm();
-      laws_by_theta_.col(column).segment<kLaws>(kLaws * constants_[j].segment) +=
-          weight *
-          Eigen::Vector4d(moment.x(), moment.y(), std::log(varied->bending_stiffness_nm2), varied->length_m);
+    for (const int i : segments_of(constants_[j])) {
+      if (!differentiate(frame, static_cast<int>(j), i, *laws)) return false;
     }
+  }
+  return true;
+}
+
+bool LawModel::differentiate(const StaticFrame& frame, int column, int index,
+                             std::vector<SegmentPrediction>& laws) {
+  const auto j = static_cast<std::size_t>(column), segment = static_cast<std::size_t>(index);
+  const double sides[2] = {1.0, -1.0};
+  for (const double side : sides) {
+    const Arm& arm = side > 0.0 ? above_[j] : below_[j];
+    const auto varied = predict_segment(arm, arm.segments[segment], frame.inputs);
+    if (!varied) return false;
+    laws[segment] = *varied;
+    rod::actuate(arm, laws, varied_);
+    put_rest_curvature(arm, varied_);
+    laws[segment] = laws_[segment];
+    const double weight = side / (2.0 * step_[column]);
+    for (std::size_t r = 0; r < parameters_.size(); ++r) {
+      if (parameters_[r].index == index)
+        rod_by_theta_(static_cast<int>(r), column) += weight * parameter(varied_, parameters_[r]);
+    }
+    const Eigen::Vector2d moment = varied->actuation_nm();
+    laws_by_theta_.col(column).segment<kLaws>(kLaws * index) +=
+        weight *
+        Eigen::Vector4d(moment.x(), moment.y(), std::log(varied->bending_stiffness_nm2), varied->length_m);
   }
   return true;
 }

@@ -48,6 +48,9 @@ class LawModel {
 
  private:
   bool apply(const StaticFrame& frame);
+  /// Adds what a constant does to the laws of one of its segments.
+  /// @param laws of this frame; as they were afterwards
+  bool differentiate(const StaticFrame& frame, int column, int segment, std::vector<SegmentPrediction>& laws);
   void body_derivative(int body, const Eigen::MatrixXd& rod_by_x, Eigen::Ref<Eigen::MatrixXd> dp,
                        Eigen::Ref<Eigen::MatrixXd> dtangent) const;
   double parameter(const rod::Rod& rod, const rod::Parameter& which) const;

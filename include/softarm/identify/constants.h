@@ -28,19 +28,25 @@ struct ConstantRef {
   ConstantKind kind = ConstantKind::kMomentGain;
   int segment = 0;  ///< index into Arm::segments
   int index = 0;    ///< of the chamber, tendon, cable or knot
+  /// Other segments whose constant of this kind and index has the same value: a stiffness that all share,
+  /// say.
+  std::vector<int> tied = {};
 };
+
+/// The constant's segment and those that are tied to it.
+std::vector<int> segments_of(const ConstantRef& constant);
 
 /// "<segment>.<what>", counted from 1: "segment_1.chamber_2.moment_gain", "segment_1.chamber_2.elongation",
 /// "segment_1.bending_stiffness.base", ".per_min_pressure", ".per_jamming_pressure", ".by_pressure.3",
 /// "segment_1.tendon_1.offset", "segment_1.cable_1.curvature_gain", "segment_1.axial_stiffness",
-/// "segment_1.length", "segment_1.rest_curvature.x".
+/// "segment_1.length", "segment_1.rest_curvature.x". Tied ones: "segment_1=segment_2.bending_stiffness.base".
 std::string name_of(const Arm& arm, const ConstantRef& constant);
 /// SI, as a person writes it: "N m/Pa".
 std::string unit_of(ConstantKind kind);
 
 double value_of(const Arm& arm, const ConstantRef& constant);
 
-/// Sets one constant.
+/// Sets one constant, in all of its segments.
 /// - kElongation changes near_elongation and leaves far_elongation.
 /// - kLength carries along what sits on the segment: bodies and payload keep their fraction of it, and its
 ///   mass stays what it weighs (mass_per_length changes).
@@ -64,5 +70,12 @@ std::vector<ConstantRef> default_free(const Arm& arm);
 /// pattern without a dot matches the last part of a name ("length").
 /// @throws std::invalid_argument where a pattern matches none; the line lists the names
 std::vector<ConstantRef> matching(const Arm& arm, const std::vector<std::string>& patterns);
+
+/// Ties constants of several segments to one value each: of those of `list` that match a pattern, such as
+/// "*.bending_stiffness.base", the ones of one kind and index become one constant.
+/// @throws std::invalid_argument where a pattern matches none of the arm's, or none of the list's in two
+/// segments
+std::vector<ConstantRef> tie_constants(const Arm& arm, const std::vector<ConstantRef>& list,
+                             const std::vector<std::string>& patterns);
 
 }  // namespace softarm::identify

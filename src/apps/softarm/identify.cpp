@@ -255,6 +255,8 @@ void add_identify(CLI::App& program) {
   list("--free", options->fit.free, "constants to fit (default: all but length, rest_curvature)");
   list("--also-free", options->fit.also_free, "constants to fit beside those");
   list("--hold", options->fit.held, "constants to keep");
+  list("--tie", options->fit.tied,
+       "constants that have one value in all segments: '*.bending_stiffness.base' of segments of one make");
   list("--hold-out", options->fit.held_out,
        "trials that are not fitted but compared, by name (default: every third)");
   command->add_option("--hold-out-share", options->fit.held_out_share, "share of the trials to hold out")
