@@ -279,15 +279,21 @@ std::vector<ConstantRef> tie_constants(const Arm& arm, const std::vector<Constan
   std::vector<ConstantRef> result = list;
   for (const std::string& pattern : patterns) {
     bool any = false;
-    for (const ConstantRef& match : matching(arm, {pattern})) {
-      const auto same = [&](const ConstantRef& c) { return c.kind == match.kind && c.index == match.index; };
-      const auto of_match = [&](const ConstantRef& c) { return same(c) && c.segment == match.segment; };
-      const auto first = std::find_if(result.begin(), result.end(), same);
-      const auto own = std::find_if(result.begin(), result.end(), of_match);
-      if (own == result.end() || own == first) continue;
-      first->tied.push_back(match.segment);
-      result.erase(own);
-      any = true;
+    const std::vector<ConstantRef> matches = matching(arm, {pattern});
+    const auto find = [&](const ConstantRef& wanted) {
+      return std::find_if(result.begin(), result.end(), [&](const ConstantRef& c) {
+        return c.kind == wanted.kind && c.index == wanted.index && c.segment == wanted.segment;
+      });
+    };
+    for (std::size_t i = 0; i < matches.size(); ++i) {
+      if (find(matches[i]) == result.end()) continue;  // held, or tied already
+      for (std::size_t j = i + 1; j < matches.size(); ++j) {
+        const bool alike = matches[j].kind == matches[i].kind && matches[j].index == matches[i].index;
+        if (!alike || find(matches[j]) == result.end()) continue;
+        result.erase(find(matches[j]));
+        find(matches[i])->tied.push_back(matches[j].segment);
+        any = true;
+      }
     }
     if (!any)
       throw std::invalid_argument(fmt::format(
