@@ -1,0 +1,230 @@
+#!/usr/bin/env python3
+"""Remake the figures and tables of doc/real_arms.md's tendon trunk from its recordings.
+
+    scripts/plot_real_trunk.py --data DATA --work work --out doc/images
+
+imports DATA/tendon_trunk with `softarm import`, fits with `softarm identify`, estimates with `softarm estimate`, prints
+the tables and draws
+
+    real_trunk_paths.png     measured and predicted paths of tip and mid discs under the same inputs, 0, 100 and 300 g
+    real_trunk_payload.png   the payload estimated from the same
+    real_trunk_decay.png     releases by hand: frequency and damping over the amplitude
+"""
+import argparse
+import csv
+import pathlib
+import shutil
+import subprocess
+import sys
+
+import matplotlib
+import numpy as np
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+
+START_S = 1.6e9  # of every imported recording, see config/layouts/template.yaml
+PIECE_S = 15
+HELD_OUT = (2, 5, 8)  # pieces of the recordings with 0 and 300 g; of 100 g all
+LOADS = {"0g": ("observations_controlled_1", 0.0), "100g": ("observations_controlled_1_100g", 0.1),
+         "300g": ("observations_controlled_1_300g", 0.3)}
+COLOURS = {"0g": "#1f6fb4", "100g": "#3a923a", "300g": "#d9730d"}
+FIT = ["--tie", "*.bending_stiffness.base", "--also-free", "*.rest_curvature.*", "--not-robust", "--frames", "100"]
+
+
+def run(program, *arguments):
+    call = [program, *map(str, arguments)]
+    done = subprocess.run(call, stdout=subprocess.PIPE, universal_newlines=True)
+    if done.returncode != 0:
+        sys.exit(f"{' '.join(call)}: failed")
+    return done.stdout
+
+
+def rows_of(path):
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def import_all(program, data, work):
+    for load, (name, kg) in LOADS.items():
+        link = work / f"{load}.csv"
+        shutil.copyfile(data / f"{name}.csv", link)
+        run(program, "import", "tendon_trunk_controlled", link, "--inputs", data / "control_inputs_controlled_1.csv",
+            "--payload", kg, "--split-every", PIECE_S, "--leave-out", "150:151", "--out", f"{work}/pieces/")
+    run(program, "import", "tendon_trunk_zeros", data / "observations_zeros_0g.csv", "--out", work / "zeros.bag")
+    run(program, "import", "tendon_trunk_decay", data / "observations_manual_decay_200g.csv", "--out", f"{work}/decay/")
+
+
+def identify(program, work, name, loads, held_out):
+    bags = [work / f"pieces/{load}_{i}.bag" for load in loads for i in range(10)]
+    return run(program, "identify", "--arm", "tendon_trunk", *bags, *FIT, "--hold-out", ",".join(held_out), "--out",
+               work / f"{name}.yaml", "--plot", work / f"plot_{name}", "--plot-all")
+
+
+def print_shape(rows):
+    print("\nheld-out pieces, every frame: error of each disc, mean distance (rms per direction), mm")
+    for load in LOADS:
+        text = []
+        for disc in ("disc_1", "disc_2", "disc_3"):
+            some = [r for r in rows if r["body"] == disc and r["trial"].split("_")[0] == load and r["held_out"] == "1"]
+            d = np.array([[float(r[f"after_{a}"]) - float(r[f"measured_{a}"]) for a in "xyz"] for r in some]) * 1e3
+            m = np.array([[float(r[f"measured_{a}"]) for a in "xyz"] for r in some]) * 1e3
+            text.append(f"{disc} {np.linalg.norm(d, axis=1).mean():.1f} "
+                        f"({', '.join(f'{x:.1f}' for x in np.sqrt((d ** 2).mean(axis=0)))}; moves by "
+                        f"{', '.join(f'{x:.0f}' for x in m.std(axis=0))})")
+        print(f"  {load:<5}", ";  ".join(text))
+
+
+def draw_paths(rows, path, piece=5):
+    figure, grid = plt.subplots(4, 1, figsize=(9.5, 8.4), sharex=True)
+    panels = [("disc_3", "x", "lowest disc, x (mm)"), ("disc_3", "y", "lowest disc, y (mm)"),
+              ("disc_2", "x", "middle disc, x (mm)"), ("disc_2", "y", "middle disc, y (mm)")]
+    for axes, (disc, axis, label) in zip(grid, panels):
+        for load in ("0g", "300g"):
+            some = sorted((r for r in rows if r["trial"] == f"{load}_{piece}" and r["body"] == disc),
+                          key=lambda r: float(r["stamp"]))
+            t = [float(r["stamp"]) - START_S for r in some]
+            for column, style in (("measured", "-"), ("after", "--")):
+                axes.plot(t, [1e3 * float(r[f"{column}_{axis}"]) for r in some], style, color=COLOURS[load], lw=1.4,
+                          label=f"{load} {'measured' if column == 'measured' else 'predicted'}")
+        axes.set_ylabel(label)
+        axes.grid(alpha=0.25)
+        for side in ("top", "right"):
+            axes.spines[side].set_visible(False)
+    grid[0].legend(fontsize=8, frameon=False, loc="upper right", ncol=4)
+    grid[0].set_title("a piece that was not fitted, the same inputs with 0 and 300 g", fontsize=10)
+    grid[-1].set_xlabel("time (s)")
+    figure.tight_layout()
+    figure.savefig(path, dpi=75)
+    plt.close(figure)
+
+
+def payloads(work, folder, load, piece):
+    rows = [r for r in rows_of(work / folder / f"{load}_{piece}/estimates.csv") if r["status"] == "ok"]
+    first = rows[0]["segment"]
+    rows = [r for r in rows if r["segment"] == first and r["sd_payload"]]
+    return (np.array([float(r["stamp"]) - START_S for r in rows]), np.array([float(r["payload"]) for r in rows]),
+            np.array([float(r["sd_payload"]) for r in rows]), np.array([r["tells_payload"] == "1" for r in rows]))
+
+
+def print_payload(work, folder, pieces):
+    print(f"\n{folder}: payload (kg) of the last frame of each held-out piece; all frames: told, and told but 2 sd off")
+    for load, (_, truth) in LOADS.items():
+        cells, told, wrong, inside, count = [], 0, 0, 0, 0
+        for piece in pieces:
+            _, kg, sd, tells = payloads(work, folder, load, piece)
+            cells.append(f"{kg[-1]:.2f} +- {sd[-1]:.2f}")
+            inside += np.sum(np.abs(kg - truth) < 1.96 * sd)
+            told += np.sum(tells)
+            wrong += np.sum(tells & (np.abs(kg - truth) > 1.96 * sd))
+            count += len(kg)
+        print(f"  {load:<5}", "   ".join(cells), f"  95 % intervals hold it in {100 * inside / count:.0f} % of frames; "
+              f"told {100 * told / count:.0f} %, wrongly {100 * wrong / count:.1f} %")
+
+
+def draw_payload(work, folder, path):
+    figure, grid = plt.subplots(1, len(HELD_OUT), figsize=(9.5, 3.6), sharey=True)
+    for axes, piece in zip(grid, HELD_OUT):
+        for load, (_, truth) in LOADS.items():
+            t, kg, sd, _ = payloads(work, folder, load, piece)
+            axes.fill_between(t, kg - sd, kg + sd, color=COLOURS[load], alpha=0.15, lw=0)
+            axes.plot(t, kg, color=COLOURS[load], lw=1.4, label=load)
+            axes.axhline(truth, color=COLOURS[load], lw=1, ls=":")
+        axes.set_title(f"held-out piece {piece}", fontsize=10)
+        axes.set_xlabel("time (s)")
+        axes.set_ylim(-0.15, 0.75)
+        axes.grid(alpha=0.25)
+        for side in ("top", "right"):
+            axes.spines[side].set_visible(False)
+    grid[0].set_ylabel("payload (kg), one standard deviation")
+    grid[0].legend(fontsize=8, frameon=False, loc="upper right")
+    figure.tight_layout()
+    figure.savefig(path, dpi=75)
+    plt.close(figure)
+
+
+def swings(data):
+    """Half swings of each release along its main direction: amplitude (mm), frequency (Hz), damping ratio."""
+    raw = np.genfromtxt(data / "observations_manual_decay_200g.csv", delimiter=",", skip_header=1)
+    found, rests = [], []
+    for trial in np.unique(raw[:, 0]):
+        tip = 1e3 * raw[raw[:, 0] == trial][:, 7:10]
+        if tip[-50:].std(axis=0).max() > 1.0:  # a hand takes it up again before the end
+            continue
+        rest = tip[-30:].mean(axis=0)
+        rests.append(rest)
+        plane = (tip - rest)[:, [0, 2]]
+        path = plane @ np.linalg.svd(plane, full_matrices=False)[2][0]
+        peaks = [k for k in range(2, len(path) - 2) if abs(path[k]) == np.abs(path[k - 2:k + 3]).max()]
+        swing = [peaks[0]] if peaks else []
+        for k in peaks[1:]:  # the largest of each half swing
+            if path[k] * path[swing[-1]] < 0:
+                swing.append(k)
+            elif abs(path[k]) > abs(path[swing[-1]]):
+                swing[-1] = k
+        for a, b in zip(swing[1:], swing[2:]):  # the first one is the hand's
+            if abs(path[b]) < 1.0:  # friction holds it; what is left is the cameras
+                break
+            decrement = np.log(abs(path[a] / path[b])) / np.pi
+            found.append((abs(path[a]), 50.0 / (b - a), decrement / np.hypot(1.0, decrement)))
+    return np.array(found), np.array(rests)
+
+
+def decay(data, path):
+    found, rests = swings(data)
+    spread = rests.std(axis=0)
+    print(f"\nreleases: {len(rests)} that end at rest, {len(found)} half swings; the lowest disc comes to rest within "
+          f"{spread[0]:.1f}, {spread[2]:.1f} mm (sd, level), {spread[1]:.1f} mm (height)")
+    print("  amplitude (mm)   frequency (Hz)   damping ratio: medians")
+    for low, high in ((30, 120), (10, 30), (3, 10), (1, 3)):
+        some = found[(found[:, 0] >= low) & (found[:, 0] < high)]
+        print(f"  {low:>4} to {high:<6}    {np.median(some[:, 1]):.2f}             {np.median(some[:, 2]):.2f}   ({len(some)})")
+    figure, grid = plt.subplots(1, 2, figsize=(9.5, 3.2))
+    for axes, column, label in zip(grid, (1, 2), ("frequency (Hz)", "damping ratio")):
+        axes.semilogx(found[:, 0], found[:, column], "o", color=COLOURS["0g"], ms=4, alpha=0.6)
+        axes.set_xlabel("amplitude of the half swing (mm)")
+        axes.set_ylabel(label)
+        axes.set_ylim(0, 5 if column == 1 else 0.6)
+        axes.grid(alpha=0.25)
+        for side in ("top", "right"):
+            axes.spines[side].set_visible(False)
+    figure.tight_layout()
+    figure.savefig(path, dpi=75)
+    plt.close(figure)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--data", type=pathlib.Path, required=True, help="folder that holds tendon_trunk/")
+    parser.add_argument("--work", type=pathlib.Path, required=True, help="folder for bags and results")
+    parser.add_argument("--out", type=pathlib.Path, required=True, help="folder for the pictures")
+    root = pathlib.Path(__file__).resolve().parent.parent
+    parser.add_argument("--program", default=str(root / "scripts" / "softarm"), help="default: scripts/softarm")
+    arguments = parser.parse_args()
+    data, work, program = arguments.data / "tendon_trunk", arguments.work, arguments.program
+    if not data.is_dir():
+        sys.exit(f"--data {arguments.data}: there is no folder tendon_trunk in it")
+    if shutil.which(program) is None:
+        sys.exit(f"--program {program}: cannot be run")
+    for folder in (work, arguments.out):
+        folder.mkdir(parents=True, exist_ok=True)
+    import_all(program, data, work)
+
+    held_out = [f"{load}_{i}" for load in ("0g", "300g") for i in HELD_OUT]
+    print(identify(program, work, "both", LOADS, held_out + [f"100g_{i}" for i in range(10)]))
+    print(identify(program, work, "unloaded", ["0g"], [f"0g_{i}" for i in HELD_OUT]))
+    shapes = rows_of(work / "plot_both/shapes.csv")
+    print_shape(shapes)
+    draw_paths(shapes, arguments.out / "real_trunk_paths.png")
+
+    bags = [work / f"pieces/{load}_{i}.bag" for load in LOADS for i in HELD_OUT]
+    for folder, arm, window in (("frame", "both", 0), ("window", "both", PIECE_S), ("window_unloaded", "unloaded", PIECE_S)):
+        run(program, "estimate", "--arm", work / f"{arm}.yaml", *bags, "--unknown", "payload", "--prior", "on", "--window",
+            window, "--out", work / folder)
+        print_payload(work, folder, HELD_OUT)
+    draw_payload(work, "window", arguments.out / "real_trunk_payload.png")
+    decay(data, arguments.out / "real_trunk_decay.png")
+
+
+if __name__ == "__main__":
+    main()
