@@ -1,252 +1,37 @@
 // Measures the virtual rig's own error: against finer elements, against smaller steps, and, at rest, against
-// the statics of rod/. Writes CSV for scripts/plot_rig.py.
+// the statics of rod/; or that of every effect that can be hidden. Writes CSV.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <cstdio>
 #include <exception>
-#include <fstream>
-#include <random>
-#include <sstream>
 #include <string>
 #include <vector>
 
-#include "softarm/arm/arm_yaml.h"
-#include "softarm/arm/laws.h"
-#include "softarm/rig/laws.h"
-#include "softarm/rig/ritz_rod.h"
-#include "softarm/rig/simulator.h"
-#include "softarm/rod/solver.h"
-
-namespace {
-
-using softarm::Arm;
-namespace rig = softarm::rig;
-namespace rod = softarm::rod;
-
-struct Options {
-  std::string config = std::string(SOFTARM_SOURCE_DIR) + "/config";
-  double seconds = 10.0;
-  int poses = 200;
-  std::uint64_t seed = 1;
-};
-
-constexpr double kAllowed_mm = 0.02;
-
-struct Pair {
-  const char *scenario, *arm;
-};
-constexpr Pair kPairs[] = {{"demo", "online_200mm"},
-                           {"semi_physical_200mm", "semi_physical_200mm"},
-                           {"single_chamber_85mm", "single_chamber_85mm"},
-                           {"hybrid_85mm", "hybrid_85mm"},
-                           {"cable_235mm", "cable_235mm"},
-                           {"two_segment", "two_segment"}};
-
-std::string read(const std::string& path) {
-  std::ifstream file(path);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf())) throw std::runtime_error(path + ": cannot be read");
-  return text.str();
-}
-
-/// Distances of points from where they should be, mm.
-struct Errors {
-  double worst = 0.0, squares = 0.0;
-  std::size_t count = 0;
-  void add(const Eigen::Vector3d& p, const Eigen::Vector3d& should_be) {
-    const double mm = 1e3 * (p - should_be).norm();
-    worst = std::max(worst, mm);
-    squares += mm * mm;
-    ++count;
-  }
-  double rms() const { return count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0.0; }
-};
-
-using Path = std::vector<std::vector<Eigen::Vector3d>>;
-
-/// Where the rings really were, frame by frame.
-Path rings(rig::Scenario scenario, double seconds, int elements, double step_s) {
-  scenario.duration_s = seconds;
-  scenario.numerics = {elements, step_s};
-  rig::Simulator simulator(scenario);
-  Path path;
-  while (const auto sample = simulator.next()) {
-    path.emplace_back();
-    for (const rig::Pose& ring : sample->truth.rings_base) path.back().push_back(ring.p);
-  }
-  return path;
-}
-
-Errors compare(const Path& path, const Path& reference) {
-  Errors errors;
-  for (std::size_t k = 0; k < path.size(); ++k)
-    for (std::size_t i = 0; i < path[k].size(); ++i) errors.add(path[k][i], reference[k][i]);
-  return errors;
-}
-
-void print(const std::string& kind, const std::string& scenario, double value, const Errors& errors) {
-  fmt::print("{},{},{},{:.3g},{:.3g}\n", kind, scenario, value, errors.worst, errors.rms());
-  std::fflush(stdout);
-}
-
-/// The rod of an arm without anything hidden and with its payload at the tip.
-rig::RitzRodParams rod_of(const rig::Scenario& scenario, const Eigen::Vector3d& gravity_base_m_s2) {
-  rig::RitzRodParams params;
-  params.pieces.clear();
-  for (const rig::SegmentSpec& segment : scenario.arm.segments) {
-    rig::RodPiece piece;
-    piece.elements = scenario.numerics.elements;
-    piece.share = segment.length_m / scenario.arm.length_m();
-    piece.mass_kg = segment.mass_kg;
-    piece.diameter_m = segment.diameter_m;
-    params.pieces.push_back(piece);
-  }
-  params.tip_mass_kg = scenario.arm.tip_mass_kg;
-  params.gravity_base_m_s2 = gravity_base_m_s2;
-  return params;
-}
-
-double largest(softarm::InputKind kind) {
-  switch (kind) {
-    case softarm::InputKind::kPressure:
-      return 40e3;
-    case softarm::InputKind::kVacuum:
-      return 0.0;
-    case softarm::InputKind::kTension:
-      return 2.0;
-    case softarm::InputKind::kAngle:
-      return 0.6;
-  }
-  return 0.0;
-}
-
-/// At rest, hanging and level, with random inputs and payloads: the rings of the two rods.
-Errors against_statics(const rig::Scenario& scenario, const Arm& arm, const Options& options, int elements) {
-  std::mt19937_64 random(options.seed);
-  const auto uniform = [&](double high) {
-    return high * static_cast<double>(random() >> 11) * 0x1.0p-53;  // the same on every machine
-  };
-  rod::Rod ours = rod::make_rod(arm);
-  std::vector<double> stations;
-  for (const softarm::MeasuredBody& body : arm.bodies) stations.push_back(body.arclength_m);
-  rod::SolverOptions tight;
-  tight.position_tolerance = 1e-9;
-  rod::Solver solver(ours, stations, {}, tight);
-  rig::Scenario fine = scenario;
-  fine.numerics.elements = elements;
-  Errors errors;
-  for (int i = 0; i < options.poses; ++i) {
-    softarm::InputValues inputs;
-    rig::Acting acting;
-    for (const softarm::ScalarInput& input : arm.inputs.scalars) {
-      const double value = uniform(largest(input.kind));
-      inputs.emplace_back(value);
-      if (input.kind == softarm::InputKind::kPressure) acting.pressures_pa.push_back(value);
-      if (input.kind == softarm::InputKind::kTension) acting.tensions_n.push_back(value);
-      if (input.kind == softarm::InputKind::kAngle) acting.angles_rad.push_back(value);
-    }
-    const double payload_kg = uniform(0.1 * arm.payload.range_kg.high);
-    const auto laws = softarm::predict(arm, inputs);
-    if (!laws) continue;
-    rod::actuate(arm, *laws, ours);
-    const double g = scenario.gravity_m_s2;
-    ours.gravity_m_s2 = i % 2 == 0 ? Eigen::Vector3d(0.0, 0.0, g) : Eigen::Vector3d(-g, 0.0, 0.0);
-    ours.loads[rod::kPayloadLoad].mass_kg = payload_kg;
-    ours.loads[rod::kPayloadLoad].s_m = arm.payload.arclength_m;
-    rig::RitzRod theirs(rod_of(fine, ours.gravity_m_s2));
-    rig::RitzRodInputs held;
-    held.pieces.clear();
-    for (const rig::SegmentSpec& segment : scenario.arm.segments) {
-      const rig::Actuation a = rig::apply_laws(segment, acting);
-      rig::PieceInputs piece;
-      piece.length_m = a.length_m;
-      piece.bending_stiffness_nm2 = a.bending_stiffness_nm2;
-      piece.torsional_stiffness_nm2 = a.torsional_stiffness_nm2;
-      piece.moment_section_nm = {-a.moment_nm.y(), a.moment_nm.x(), 0.0};
-      piece.shear_stiffness_n = a.shear_stiffness_n;
-      piece.axial_stiffness_n = a.axial_stiffness_n;
-      held.pieces.push_back(piece);
-    }
-    held.payload_kg = payload_kg;
-    if (solver.solve(ours) != rod::SolveStatus::kConverged || !theirs.settle(held)) continue;
-    for (std::size_t k = 0; k < stations.size(); ++k)
-      errors.add(theirs.pose(scenario.mocap.ring_fractions[k]).translation(),
-                 solver.station(static_cast<int>(k)).p);
-  }
-  return errors;
-}
-
-/// @return the largest error with the scenario's own numerics, mm
-double measure(const Pair& pair, const Options& options) {
-  const std::string file = options.config + "/scenarios/" + pair.scenario + ".yaml";
-  const rig::Scenario scenario = rig::parse_scenario(read(file), file);
-  const int elements = scenario.numerics.elements;
-  const double frame_s = 1.0 / scenario.mocap.rate_hz;
-  const double step_s = frame_s / std::ceil(frame_s / scenario.numerics.max_step_s - 1e-9);
-
-  double worst_mm = 0.0;
-  const Path fine_in_space = rings(scenario, options.seconds, 4 * elements, step_s);
-  for (const int n : {elements / 3, elements / 2, elements, 2 * elements}) {
-    const Errors errors = compare(rings(scenario, options.seconds, std::max(2, n), step_s), fine_in_space);
-    print("elements", pair.scenario, std::max(2, n), errors);
-    if (n == elements) worst_mm += errors.worst;
-  }
-  const Path fine_in_time = rings(scenario, options.seconds, elements, step_s / 12.0);
-  for (const double factor : {4.0, 2.0, 1.0, 0.5, 0.25}) {
-    if (factor * step_s > frame_s * (1.0 + 1e-9)) continue;
-    const Errors errors = compare(rings(scenario, options.seconds, elements, factor * step_s), fine_in_time);
-    print("step", pair.scenario, factor * step_s, errors);
-    if (factor == 1.0) worst_mm += errors.worst;
-  }
-  return worst_mm;
-}
-
-int run(const Options& options) {
-  fmt::print("kind,scenario,value,worst_mm,rms_mm\n");
-  bool good = true;
-  for (const Pair& pair : kPairs) {
-    const double worst_mm = measure(pair, options);
-    const std::string file = options.config + "/scenarios/" + pair.scenario + ".yaml";
-    const rig::Scenario scenario = rig::parse_scenario(read(file), file);
-    const std::string arm_file = options.config + "/arms/" + pair.arm + ".yaml";
-    const Arm arm = softarm::parse_arm(read(arm_file), arm_file);
-    double static_mm = 0.0;
-    // A payload within the arm needs another cut of the rod than this program makes.
-    if (scenario.payload.fraction == 1.0)
-      for (const int n : {2, 3, scenario.numerics.elements, 2 * scenario.numerics.elements}) {
-        const Errors errors = against_statics(scenario, arm, options, n);
-        if (errors.count == 0) throw std::runtime_error(file + ": no pose could be compared");
-        print("statics", pair.scenario, n, errors);
-        if (n == scenario.numerics.elements) static_mm = errors.worst;
-      }
-    const bool met = worst_mm < kAllowed_mm && static_mm < kAllowed_mm;
-    fmt::print(stderr,
-               "{}  {}: {:.4f} mm at most in motion (elements and steps together), {:.4f} mm from rod/ at "
-               "rest; allowed {}\n",
-               met ? "PASS" : "FAIL", pair.scenario, worst_mm, static_mm, kAllowed_mm);
-    good = good && met;
-  }
-  return good ? 0 : 1;
-}
-
-}  // namespace
+#include "rig_accuracy/convergence.h"
+#include "rig_accuracy/effects.h"
 
 int main(int argc, char** argv) {
-  Options options;
+  softarm::rig_accuracy::ConvergenceOptions options;
+  options.config = std::string(SOFTARM_SOURCE_DIR) + "/config";
+  bool effects = false;
+  std::vector<std::string> only;
   CLI::App program{"The virtual rig's own numerical error, as CSV.", "rig_accuracy"};
   program.add_option("--config", options.config, "folder with arms/ and scenarios/");
   program.add_option("--seconds", options.seconds, "of each scenario (default 10)")
       ->check(CLI::Range(1.0, 1e4));
-  program.add_option("--poses", options.poses, "compared with rod/ (default 200)")
-      ->check(CLI::Range(1, 1000000));
-  program.add_option("--seed", options.seed, "of the poses (default 1)");
+  CLI::Option* poses = program.add_option("--poses", options.poses, "compared with rod/ (default 200)")
+                           ->check(CLI::Range(1, 1000000));
+  CLI::Option* seed = program.add_option("--seed", options.seed, "of the poses (default 1)");
+  program
+      .add_flag("--effects", effects,
+                "instead: error, size and speed of every effect that can be hidden, in each of its forms")
+      ->excludes(poses)
+      ->excludes(seed);
+  program.add_option("--only", only, "of the effects, only these")->needs("--effects");
   CLI11_PARSE(program, argc, argv);
   try {
-    return run(options);
+    if (effects) return softarm::rig_accuracy::measure_effects({options.config, options.seconds, only});
+    return softarm::rig_accuracy::measure_convergence(options);
   } catch (const std::exception& error) {
     fmt::print(stderr, "rig_accuracy: {}\n", error.what());
     return 1;

@@ -18,7 +18,8 @@ std::string scenario_text(const std::string& arm, const std::string& rest) {
   return "format: 1\nname: case\nduration_s: 10\ngravity_m_s2: 0\narm:\n" + arm +
          "mount: {attitude: horizontal}\n"
          "mocap:\n  rate_hz: 40\n  ring_fractions: [0.5, 1.0]\n  position_sd_m: 0\n  orientation_sd_rad: 0\n"
-         "  base: {position_sd_m: 0, orientation_sd_rad: 0}\n" +
+         "  base: {position_sd_m: 0, orientation_sd_rad: 0}\n"
+         "numerics: {max_step_s: 0.0021}\n" +
          rest;
 }
 
@@ -158,7 +159,7 @@ TEST(Actuation, NumericalErrorOfTwoMovingSegmentsIsFarBelowTheNoise) {
   s.gravity_m_s2 = 9.81;
   s.duration_s = 6.0;
   s.numerics.elements = 5;
-  s.numerics.max_step_s = 1.0 / 960.0;
+  s.numerics.max_step_s = NumericsSpec{}.max_step_s;
   Simulator coarse(s);
   s.numerics.elements = 8;
   s.numerics.max_step_s /= 3.0;
