@@ -100,7 +100,7 @@ std::vector<HiddenEffect> memory_effects() {
        {},
        {{"share", -0.9, 10.0, 0.03, 0.1, "of the payload"}},
        [](const HiddenChoice& choice, Scenario& scenario) {
-         need(scenario.payload.publish, "a payload that is published");
+         need(scenario.payload.publish && !scenario.payload.schedule.empty(), "a payload that is published");
          if (scenario.input_path.payload_scale_share != 0.0) throw std::invalid_argument("given twice");
          scenario.input_path.payload_scale_share = choice.values.at("share");
        }},

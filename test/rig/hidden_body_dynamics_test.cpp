@@ -179,7 +179,7 @@ std::vector<Eigen::Vector3d> rings(const std::string& hidden) {
   text +=
       "vacuum:\n  ramp_s: 0.3\n  schedule:\n    - {t_s: 0, vacuum_pa: 0}\n    - {t_s: 0.7, vacuum_pa: "
       "40000}\n";
-  text += "numerics: {max_step_s: 0.0042}\n";
+  text += "numerics: {max_step_s: 0.0021}\n";
   Simulator simulator(parse_scenario(text + hidden, "case.yaml"));
   std::vector<Eigen::Vector3d> result;
   std::size_t frame = 0;

@@ -71,12 +71,13 @@ std::vector<std::string> forms_of(const HiddenEffect& effect) {
   return effect.forms.empty() ? std::vector<std::string>{""} : effect.forms;
 }
 
-/// The upper end of what is usual; a wall as near as usual, in the arm's way.
+/// As strong as is usual; a wall as near as usual, in the arm's way.
 HiddenChoice strong(const HiddenEffect& effect, const std::string& form, double towards_deg) {
   HiddenChoice choice{effect.id, form, {}};
   for (const HiddenParameter& p : effect.parameters) {
     if (!p.is_of(form)) continue;
-    double value = p.usual_high;
+    double value = std::abs(p.usual_low) > std::abs(p.usual_high) ? p.usual_low : p.usual_high;
+    if (p.key == "stiffness_nm_per_rad" || p.key == "over_s") value = p.usual_low;
     if (p.whole) value = p.otherwise.value_or(p.usual_low);
     if (p.key == "azimuth_deg") value = towards_deg;
     if (p.key == "distance_m") value = p.usual_low;
@@ -86,9 +87,13 @@ HiddenChoice strong(const HiddenEffect& effect, const std::string& form, double 
 }
 
 std::vector<Sample> run(const Scenario& scenario) {
-  Simulator simulator(scenario);
   std::vector<Sample> samples;
-  while (auto sample = simulator.next()) samples.push_back(std::move(*sample));
+  try {
+    Simulator simulator(scenario);
+    while (auto sample = simulator.next()) samples.push_back(std::move(*sample));
+  } catch (const SimulationError& error) {
+    ADD_FAILURE() << error.what();
+  }
   return samples;
 }
 
@@ -130,10 +135,20 @@ void expect_sane(const std::vector<Sample>& samples) {
   }
 }
 
-/// What an arm refuses for the lack of something; the rest it must take.
+/// What an arm refuses for the lack of something, or because it has it already; the rest it must take.
 std::set<std::string> refused_by(const std::string& arm) {
-  std::set<std::string> refused{"x"};
-  if (arm == "cable_235mm") refused.insert("y");
+  std::set<std::string> refused{"jamming_law",   "jamming_memory", "jamming_settling",
+                                "jamming_yield", "vacuum_gain",    "vacuum_shortening"};
+  if (arm == "two_segment") refused.insert("axial_compliance");
+  if (arm == "hybrid_85mm") refused.insert({"axial_compliance", "shear", "payload_offset", "payload_scale"});
+  if (arm == "cable_235mm")
+    refused.insert({"shear", "line_delay", "pressure_elongation", "pressure_lag", "pressure_leak",
+                    "pressure_stiffening", "radial_expansion", "regulator_error", "slew_limit",
+                    "supply_ripple", "valve_stiction", "tendon_friction", "torsion pressure",
+                    "torsion tension"});
+  if (arm != "two_segment")  // no chambers that bend it, or a single one
+    refused.insert(
+        {"chamber_bulge", "chamber_mismatch", "gain_nonlinearity", "pressure_dead_zone", "supply_droop"});
   return refused;
 }
 
@@ -152,15 +167,20 @@ TEST(HiddenOnArms, EveryEffectIsTakenOrRefusedInALineAndMovesTheArm) {
         } catch (const std::invalid_argument& error) {
           EXPECT_GT(std::string(error.what()).size(), 10u);
           EXPECT_THAT(error.what(), testing::Not(testing::HasSubstr("\n")));
-          refused.insert(effect.id + (form.empty() ? "" : " " + form));
+          refused.insert(effect.id == "torsion" ? effect.id + " " + form : effect.id);
           continue;
         }
+        // An arm that hits a rough wall needs the steps that are usual.
+        Scenario without = scenario;
+        if (with.body.wall)
+          with.numerics.max_step_s = without.numerics.max_step_s = NumericsSpec{}.max_step_s;
+        const std::vector<Sample> other = with.body.wall ? run(without) : ideal;
         const std::vector<Sample> samples = run(with);
         expect_sane(samples);
         if (effect.id == "payload_scale")
-          EXPECT_TRUE(tells_another_payload(samples, ideal));
+          EXPECT_TRUE(tells_another_payload(samples, other));
         else
-          EXPECT_GT(difference(samples, ideal), kMovesM);
+          EXPECT_GT(difference(samples, other), kMovesM);
       }
     EXPECT_THAT(refused, testing::ContainerEq(refused_by(arm))) << arm;
   }
@@ -196,6 +216,7 @@ TEST(HiddenOnArms, SeveralEffectsAtOnce) {
         trace += ", " + effect.id + " " + form;
       }
       SCOPED_TRACE(trace);
+      if (with.body.wall) with.numerics.max_step_s = NumericsSpec{}.max_step_s;
       ASSERT_EQ(with.hidden.size(), kAtOnce);
       const std::vector<Sample> samples = run(with);
       expect_sane(samples);
