@@ -20,6 +20,7 @@ LawPrior read_prior(const Section& section, const Arm& arm) {
   prior.moment_sd_nm = section.number("moment_sd_nm");
   prior.bending_stiffness_sd_rel = section.number("bending_stiffness_sd_rel");
   prior.length_sd_m = section.number("length_sd_m");
+  prior.axial_stiffness_sd_rel = section.number("axial_stiffness_sd_rel");
   prior.moment_sd_rel = section.number("moment_sd_rel");
   prior.moment_jitter_sd_nm = section.number("moment_jitter_sd_nm");
   prior.length_jitter_sd_m = section.number("length_jitter_sd_m");

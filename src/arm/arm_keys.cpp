@@ -158,6 +158,9 @@ const KeyTable& prior_keys() {
        number("moment_sd_rel", "", "0", 0, 10, "and as a share of the moment, added in squares"),
        number("bending_stiffness_sd_rel", "", "0.2", 0.001, 10, "relative standard deviation of EI"),
        number("length_sd_m", "m", "0.003", 1e-6, 1, "standard deviation of the length"),
+       number("axial_stiffness_sd_rel", "", "0.5", 0, 10,
+              "relative standard deviation of EA where it is given: what a load stretches the arm by is as "
+              "uncertain; the default is for an EA that nobody has measured"),
        number("moment_jitter_sd_nm", "N m", "0.002", 0, 100,
               "error that changes from frame to frame, per component of the moment"),
        number("length_jitter_sd_m", "m", "0.0005", 0, 1, "the same of the length")}};

@@ -69,6 +69,7 @@ void visit_constants(const Arm& read, const Arm& wanted, const Visit& visit) {
   prior("moment_sd_rel", p.moment_sd_rel, q.moment_sd_rel);
   prior("bending_stiffness_sd_rel", p.bending_stiffness_sd_rel, q.bending_stiffness_sd_rel);
   prior("length_sd_m", p.length_sd_m, q.length_sd_m);
+  prior("axial_stiffness_sd_rel", p.axial_stiffness_sd_rel, q.axial_stiffness_sd_rel);
   prior("moment_jitter_sd_nm", p.moment_jitter_sd_nm, q.moment_jitter_sd_nm);
   prior("length_jitter_sd_m", p.length_jitter_sd_m, q.length_jitter_sd_m);
 }

@@ -110,7 +110,7 @@ const Estimate& Estimator::Impl::run(const Frame& frame) {
     if (!solve_with_window()) return estimate;
     estimate.status = Status::kOk;
     estimate.detail.clear();
-    if (!keep_to_bounds()) return estimate;
+    if (!allow_for_stretch() || !keep_to_bounds()) return estimate;
     if (!share()) {
       have_last = false;
       fail(Status::kNoConvergence, "the fit was lost when the window's frames were forgotten");
@@ -277,7 +277,11 @@ bool Estimator::Impl::set_knowns(const Frame& frame) {
       predictions->push_back(predict_segment(arm, segment, frame.inputs).value_or(at_rest(segment)));
   }
   const bool believed = !arcs && (options.prior.enabled || window);
-  if (believed) law = fit::frame_law(arm, options.prior, *predictions, problem.reference_stiffnesses());
+  if (believed) {
+    law = fit::frame_law(arm, options.prior, *predictions, problem.reference_stiffnesses());
+    if (!have_last) stretch_m.assign(arm.segments.size(), 0.0);
+    fit::allow_for_axial_stiffness(options.prior, stretch_m, law);
+  }
 
   known_flexibility.assign(arm.segments.size(), std::nullopt);
   start_flexibility = known_flexibility;

@@ -80,6 +80,13 @@ struct Estimator::Impl {
   /// again.
   bool keep_to_bounds();
 
+  // --- step 4b ---
+  /// What the loads stretch each segment by at x, m; the payload as in its range.
+  std::vector<double> stretch_by_loads() const;
+  /// What is not known of EA counts with the stretch at the solution, which is fitted again until the two
+  /// agree.
+  bool allow_for_stretch();
+
   // --- step 5 ---
   /// For the detail of a refusal: both lengths where the way from the base through the bodies is less than
   /// half or more than twice that of the arm file; else nothing.
@@ -112,6 +119,7 @@ struct Estimator::Impl {
   std::vector<std::optional<double>> known_flexibility;
   std::vector<std::optional<double>> start_flexibility;  ///< known, or believed by the laws
   fit::FrameLaw law;
+  std::vector<double> stretch_m;  ///< with which `law` counts what is not known of EA
   std::optional<fit::Window> window;
   int contradictions = 0;            ///< frames in a row that may be a change or a wrong body
   std::optional<bool> inputs_known;  ///< of the last frame

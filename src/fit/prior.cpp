@@ -73,6 +73,15 @@ FrameLaw frame_law(const Arm& arm, const LawPrior& prior, const std::vector<Segm
   return law;
 }
 
+void allow_for_axial_stiffness(const LawPrior& prior, const std::vector<double>& stretch_m, FrameLaw& law) {
+  if (!prior.enabled) return;
+  for (std::size_t i = 0; i < stretch_m.size(); ++i) {
+    const double by_stiffness = prior.axial_stiffness_sd_rel * stretch_m[i];
+    law.information[Problem::column(static_cast<int>(i), 3)] =
+        1.0 / (prior.length_sd_m * prior.length_sd_m + by_stiffness * by_stiffness);
+  }
+}
+
 namespace {
 
 /// h with the bounded and unbounded jitter of x integrated out, and what that makes of h times the optimum of

@@ -37,6 +37,15 @@ struct FrameLaw {
 FrameLaw frame_law(const Arm& arm, const LawPrior& prior, const std::vector<SegmentPrediction>& predictions,
                    const std::vector<double>& reference_stiffness);
 
+/// Adds what is not known of EA to the lasting error of the lengths: at stretches by the loads of so many
+/// metres, length_sd_m^2 + (axial_stiffness_sd_rel stretch)^2. Only where the prior is enabled.
+///
+/// A segment's length under load is k L (1 + N/EA). A payload read off the stretch is the stretch times EA:
+/// as uncertain, relatively, as EA is, whatever the stretch. With the variance taken at the solution the
+/// linear covariance says just that, as payload and length are correlated in it.
+/// @param stretch_m by the loads, of each segment; negative where they compress it
+void allow_for_axial_stiffness(const LawPrior& prior, const std::vector<double>& stretch_m, FrameLaw& law);
+
 /// The belief about x that a belief about z (information and information times mean) implies under a frame's
 /// law.
 Belief belief_of_frame(const FrameLaw& law, const Eigen::MatrixXd& z_information,

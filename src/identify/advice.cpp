@@ -22,8 +22,9 @@ bool is_stiffness(ConstantKind kind) {
 
 /// At a limit that the truth is unlikely to lie at. (Stiffness that pressure does not change is common.)
 bool refused(const Constant& c) {
-  return c.at_bound && c.ref.kind != ConstantKind::kPerMinPressure &&
-         c.ref.kind != ConstantKind::kPerJammingPressure;
+  const bool slope =
+      c.ref.kind == ConstantKind::kPerMinPressure || c.ref.kind == ConstantKind::kPerJammingPressure;
+  return c.at_bound && !c.kept && !(slope && c.value <= 1e-6 * c.scale);
 }
 
 std::string list_of(const Combination& combination) {
@@ -41,7 +42,7 @@ void judge(const Arm& arm, const std::vector<StaticFrame>& frames, const Uncerta
   const auto constant = [&](int j) -> Constant& { return result.constants[static_cast<std::size_t>(j)]; };
   for (int j = 0; j < count; ++j) {
     Constant& c = constant(j);
-    c.determined = c.sd <= determined_sd * c.scale && !refused(c);
+    c.determined = c.sd <= determined_sd * c.scale && !refused(c) && !c.kept;
     for (int k = 0; k < count; ++k) {
       if (k != j && std::abs(result.correlation(j, k)) >= kStrongCorrelation)
         c.confused_with.emplace_back(constant(k).name, result.correlation(j, k));
@@ -68,27 +69,31 @@ void judge(const Arm& arm, const std::vector<StaticFrame>& frames, const Uncerta
       gains = gains || is_gain(constant(j).ref.kind);
       stiffness = stiffness || is_stiffness(constant(j).ref.kind);
     }
+    // Whose inputs always go together with those of another member: the one thing that both lack.
+    std::vector<std::string> alike(members.size());
+    for (std::size_t a = 0; a < members.size(); ++a) {
+      for (std::size_t b = 0; b < members.size() && alike[a].empty(); ++b) {
+        const ConstantRef &one = constant(members[a]).ref, &other = constant(members[b]).ref;
+        if (a != b && conditions.driven_alike(one, other)) alike[a] = conditions.advice_of_pair(one, other);
+      }
+    }
     const Constant& first = constant(members.front());
-    std::string lack = conditions.advice(first.ref);
+    const std::string lack = alike.front().empty() ? conditions.advice(first.ref) : alike.front();
     if (members.size() == 1) {
       combination.sentence = first.name + " is not determined: " + lack;
-    } else if (conditions.driven_alike(first.ref, constant(members[1]).ref)) {
-      lack = "their inputs always stand in the same ratio: record trials with each of them alone";
+    } else if (!alike.front().empty()) {
       combination.sentence = list_of(combination) + " cannot be told apart: " + lack;
     } else {
       combination.sentence =
           fmt::format("{} can change together and no trial would show it{}: {}", list_of(combination),
                       gains && stiffness ? " (only moment over stiffness shows)" : "", lack);
     }
-    for (const int j : members) {
+    for (std::size_t m = 0; m < members.size(); ++m) {
+      const int j = members[m];
       Constant& c = constant(j);
       if (c.determined) continue;
-      if (c.advice.empty()) {
-        c.advice = lack;
-        // The stiffness laws have conditions of their own.
-        if (is_stiffness(c.ref.kind) && c.ref.kind != ConstantKind::kBendingStiffness)
-          c.advice = conditions.advice(c.ref);
-      }
+      // Each by its own conditions: those of the combination's largest part are of another input, or law.
+      if (c.advice.empty()) c.advice = alike[m].empty() ? conditions.advice(c.ref) : alike[m];
       for (const int k : members) {
         const auto known = std::find_if(c.confused_with.begin(), c.confused_with.end(),
                                         [&](const auto& other) { return other.first == constant(k).name; });
@@ -100,7 +105,10 @@ void judge(const Arm& arm, const std::vector<StaticFrame>& frames, const Uncerta
   }
   for (int j = 0; j < count; ++j) {
     Constant& c = constant(j);
-    if (refused(c)) {
+    if (c.kept) {
+      c.advice = fmt::format("ran to {:g} {}; kept at {:g} as in the arm file; {}", c.ran_to, c.unit, c.value,
+                             conditions.advice(c.ref));
+    } else if (refused(c)) {
       c.advice = fmt::format("the fit ran into the limit of what an arm may have, {:g} {}; check {}", c.value,
                              c.unit,
                              is_gain(c.ref.kind) ? "the bending direction and which input feeds it"

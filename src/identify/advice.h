@@ -19,12 +19,16 @@ class Conditions {
   double reference_scale(const ConstantRef& constant) const;
   /// One sentence: what the trials lack for this constant.
   std::string advice(const ConstantRef& constant) const;
+  /// The same of two that are driven alike.
+  std::string advice_of_pair(const ConstantRef& a, const ConstantRef& b) const;
   /// The two are driven by inputs that always stand in the same ratio.
   bool driven_alike(const ConstantRef& a, const ConstantRef& b) const;
   bool vacuum_seen(int segment) const;
 
  private:
   std::string load_advice() const;
+  /// Its input, and whose it is: "chamber_4 (chamber 1 of segment_2)".
+  std::string input_words(const ConstantRef& constant) const;
   std::string input_of(const ConstantRef& constant) const;
   double largest(const std::string& input) const;
   double range(const std::string& input) const;

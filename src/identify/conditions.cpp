@@ -17,10 +17,6 @@ constexpr double kBendThatMatters_rad = 0.1;     // over the length
 constexpr double kLoadThatTells = 0.3;           // change of the payload's weight over the arm's own
 constexpr double kAttitudeThatTells = 0.3;       // rad
 
-std::string number_words(const ConstantRef& constant, const char* what) {
-  return fmt::format("{} {}", what, constant.index + 1);
-}
-
 }  // namespace
 
 Conditions::Conditions(const Arm& arm, const std::vector<StaticFrame>& frames) : arm_(arm), frames_(frames) {}
@@ -96,6 +92,19 @@ std::string Conditions::input_of(const ConstantRef& constant) const {
   }
 }
 
+std::string Conditions::input_words(const ConstantRef& constant) const {
+  const char* const what = constant.kind == ConstantKind::kTendonOffset ? "tendon"
+                           : constant.kind == ConstantKind::kCableGain  ? "cable"
+                                                                        : "chamber";
+  const std::string& segment = arm_.segments[static_cast<std::size_t>(constant.segment)].name;
+  return fmt::format("'{}' ({} {} of {})", input_of(constant), what, constant.index + 1, segment);
+}
+
+std::string Conditions::advice_of_pair(const ConstantRef& a, const ConstantRef& b) const {
+  return fmt::format("inputs {} and {} always stand in the same ratio: record trials with each of them alone",
+                     input_words(a), input_words(b));
+}
+
 double Conditions::reference_scale(const ConstantRef& constant) const {
   const Segment& segment = arm_.segments[static_cast<std::size_t>(constant.segment)];
   const double ei = segment.bending_stiffness.by_pressure.empty()
@@ -168,19 +177,19 @@ std::string Conditions::advice(const ConstantRef& constant) const {
   const Segment& segment = arm_.segments[static_cast<std::size_t>(constant.segment)];
   const std::string input = input_of(constant);
   if (!input.empty() && !(largest(input) > 0.0))
-    return fmt::format("input '{}' is never on: record trials that use it", input);
+    return fmt::format("input {} is never on: record trials that use it", input_words(constant));
   switch (constant.kind) {
     case ConstantKind::kMomentGain:
     case ConstantKind::kTendonOffset:
     case ConstantKind::kBendingStiffness:
       return load_advice();
     case ConstantKind::kCableGain:
-      return fmt::format("input '{}' moves the arm too little: record trials with larger angles", input);
+      return fmt::format("input {} moves the arm too little: record trials with larger angles",
+                         input_words(constant));
     case ConstantKind::kElongation:
       return fmt::format(
-          "the length hardly answers to '{}': record trials with {} at higher pressure and "
-          "others at rest",
-          input, number_words(constant, "chamber"));
+          "the length hardly answers to {}: record trials with it at higher pressure, and others at rest",
+          input_words(constant));
     case ConstantKind::kPerMinPressure: {
       if (!(largest_minimum(constant.segment) > 0.0))
         return fmt::format(

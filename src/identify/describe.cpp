@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kStrongCorrelation = 0.9;
 constexpr std::size_t kMostCorrelations = 12;
+constexpr std::size_t kMostCombinations = 4;
 
 std::string error_row(const std::string& name, const ShapeError& e, std::size_t width = 24) {
   const auto cell = [&](double m) { return fmt::format("{:.2f} mm {:5.2f} %", 1e3 * m, e.percent(m)); };
@@ -18,11 +19,28 @@ std::string error_row(const std::string& name, const ShapeError& e, std::size_t 
                      cell(e.maximum_m), cell(e.minimum_m), e.frames);
 }
 
+/// Moved there by the fit: not a law that is off from the start.
+bool at_limit(const Constant& c) {
+  return c.kept || (c.at_bound && c.value != c.initial);
+}
+
+/// What the percentages are of, where that is not the value itself.
+std::string sizes_line(const Result& result) {
+  std::string list;
+  for (const Constant& c : result.constants) {
+    if (c.scale <= 1.001 * std::abs(c.value) || !(c.sd < 10.0 * c.scale)) continue;
+    const std::string one = fmt::format("{} {:.2g} {}", c.name, c.scale, c.unit);
+    list += (list.empty() ? "" : ", ") + one;
+  }
+  return list.empty() ? ""
+                      : "of size: of the value; where that is near zero of what would matter: " + list + "\n";
+}
+
 std::string constants_table(const Result& result) {
   std::size_t width = 8;
   for (const Constant& c : result.constants) width = std::max(width, c.name.size());
   std::string text = fmt::format("{:<{}}  {:>12} {:>12} {:>8}  {:>12}  {:<10} {}\n", "constant", width,
-                                 "value", "+- sd", "", "before", "unit", "told");
+                                 "value", "+- sd", "of size", "before", "unit", "told");
   for (const Constant& c : result.constants) {
     // Beyond ten times the constant's size an sd is only another word for "not told".
     const bool sd_means_something = c.sd < 10.0 * c.scale;
@@ -31,8 +49,12 @@ std::string constants_table(const Result& result) {
     const std::string percent =
         sd_means_something ? fmt::format("{:.{}f} %", relative, relative < 10.0 ? 1 : 0) : "";
     text += fmt::format("{:<{}}  {:>12.5g} {:>12} {:>8}  {:>12.5g}  {:<10} {}\n", c.name, width, c.value, sd,
-                        percent, c.initial, c.unit, c.determined ? "yes" : "NO");
+                        percent, c.initial, c.unit,
+                        c.determined  ? "yes"
+                        : at_limit(c) ? "LIMIT"
+                                      : "NO");
   }
+  text += sizes_line(result);
   const bool elongations =
       std::any_of(result.constants.begin(), result.constants.end(),
                   [](const Constant& c) { return c.ref.kind == ConstantKind::kElongation; });
@@ -42,18 +64,30 @@ std::string constants_table(const Result& result) {
 }
 
 std::string told_text(const Result& result) {
-  std::string text;
+  // What several lack is said once.
+  std::vector<std::pair<std::string, std::string>> lines;  // advice, names
   for (const Constant& c : result.constants) {
     if (c.determined && c.advice.empty()) continue;
-    text += fmt::format("NOT TOLD: {}: {}\n", c.name, c.advice);
+    const std::string said = at_limit(c) ? "AT ITS LIMIT, not told: " : "NOT TOLD: ";
+    auto line = std::find_if(lines.begin(), lines.end(), [&](const auto& one) {
+      return one.first == c.advice && one.second.rfind(said, 0) == 0;
+    });
+    if (line == lines.end()) line = lines.insert(lines.end(), {c.advice, said});
+    line->second += (line->second.size() == said.size() ? "" : ", ") + c.name;
   }
+  std::string text;
+  for (const auto& [advice, names] : lines) text += names + ": " + advice + "\n";
+  std::size_t combinations = 0;
   for (const Combination& combination : result.undetermined) {
-    if (combination.parts.size() < 2) continue;
+    if (combination.parts.size() < 2 || ++combinations > kMostCombinations) continue;
     std::string parts;
     for (const auto& [name, share] : combination.parts)
       parts += fmt::format("{}{:+.2f} {}", parts.empty() ? "" : ", ", share, name);
     text += fmt::format("not told together: {}\n", parts);
   }
+  if (combinations > kMostCombinations)
+    text += fmt::format("not told together: {} more combinations, told better than these (--json has all)\n",
+                        combinations - kMostCombinations);
   return text;
 }
 
@@ -132,12 +166,25 @@ std::string describe(const Result& result) {
     text += fmt::format("left out: {} frames: {}\n", count, reason);
   for (const auto& [body, count] : result.bodies_set_aside)
     text += fmt::format("outliers: {} observations of {}\n", count, body);
+  for (const auto& [body, count] : result.beyond_the_model)
+    text += fmt::format(
+        "misfit: {} observations of {} lie as far off as outliers would, more than a tenth of them: the laws "
+        "are "
+        "wrong there, not the frames; they are kept\n",
+        count, body);
   const LawPrior& prior = result.prior;
+  const bool stretches =
+      std::any_of(result.arm.segments.begin(), result.arm.segments.end(),
+                  [](const Segment& segment) { return segment.axial_stiffness_n.has_value(); });
   text += fmt::format(
-      "prior for the estimator: moment {:.4f} N m and {:.1f} %, EI {:.1f} %, length {:.2f} mm; from frame to "
+      "prior for the estimator: moment {:.4f} N m and {:.1f} %, EI {:.1f} %, length {:.2f} mm{}; from frame "
+      "to "
       "frame {:.4f} N m, {:.2f} mm\n",
       prior.moment_sd_nm, 100.0 * prior.moment_sd_rel, 100.0 * prior.bending_stiffness_sd_rel,
-      1e3 * prior.length_sd_m, prior.moment_jitter_sd_nm, 1e3 * prior.length_jitter_sd_m);
+      1e3 * prior.length_sd_m,
+      stretches ? fmt::format(", EA {:.0f} %", 100.0 * prior.axial_stiffness_sd_rel) : "",
+      prior.moment_jitter_sd_nm, 1e3 * prior.length_jitter_sd_m);
+  for (const std::string& note : result.prior_notes) text += "prior: " + note + "\n";
   return text;
 }
 

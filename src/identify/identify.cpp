@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
 #include <random>
 #include <stdexcept>
 
@@ -13,15 +13,13 @@
 #include "compare_frames.h"
 #include "joint_fit.h"
 #include "law_errors.h"
-#include "uncertainty.h"
+#include "limits.h"
 
 namespace softarm::identify {
 namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double kAtBound = 1e-6;  // share of the scale
 
 std::vector<bool> choose_held_out(const std::vector<Trial>& trials, const Options& options) {
   std::vector<bool> held(trials.size(), false);
@@ -207,8 +205,10 @@ Result identify(const Arm& arm, const std::vector<Trial>& trials, const Options&
   }
   const int count = static_cast<int>(constants.size());
   JointProblem problem(arm, constants, fitted, options);
-  const JointFit fit =
-      problem.solve([&](int iteration) { report(0.05 + 0.75 * iteration / (iteration + 10.0)); });
+  const Solution solution = solve(problem, constants, fitted, [&](int iteration) {
+    report(0.05 + 0.75 * iteration / (iteration + 10.0));
+  });
+  const JointFit& fit = solution.fit;
   result.converged = fit.converged;
   result.iterations = fit.iterations;
   for (const bool solved : fit.solved) ++(solved ? result.frames : result.left_out["no equilibrium"]);
@@ -222,8 +222,11 @@ Result identify(const Arm& arm, const std::vector<Trial>& trials, const Options&
     }
   }
 
+  for (const auto& [body, number] : fit.beyond_the_model)
+    result.beyond_the_model[arm.bodies[static_cast<std::size_t>(body)].name] = number;
+
   // 4. How sure.
-  const Uncertainty sure = uncertainty(problem, fitted, count);
+  const Uncertainty& sure = solution.sure;
   result.misfit = sure.misfit;
   result.position_rms_m = sure.position_rms_m;
   result.autocorrelation = sure.autocorrelation;
@@ -241,8 +244,10 @@ Result identify(const Arm& arm, const std::vector<Trial>& trials, const Options&
     made.value = fit.theta[j];
     const double size = c.ref.kind == ConstantKind::kLength ? 0.0 : std::abs(made.value);
     made.scale = std::max(size, conditions.reference_scale(c.ref));
-    const double margin = kAtBound * c.scale;
-    made.at_bound = made.value <= c.range.low + margin || made.value >= c.range.high - margin;
+    const std::optional<double>& limit = solution.ran_to[static_cast<std::size_t>(j)];
+    made.at_bound = limit.has_value();
+    made.ran_to = limit.value_or(0.0);
+    made.kept = solution.kept[static_cast<std::size_t>(j)];
     result.constants.push_back(made);
     set_value(result.arm, c.ref, made.value);
   }
@@ -267,10 +272,8 @@ Result identify(const Arm& arm, const std::vector<Trial>& trials, const Options&
   std::vector<StaticFrame> all = fitted;
   all.insert(all.end(), others.begin(), others.end());
   problem.model().set(fit.theta);
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(sure.covariance);
-  const VectorXd sds = eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-  const MatrixXd factor = scale.asDiagonal() * eigen.eigenvectors() * sds.asDiagonal();
-  result.prior = law_errors(arm, problem.model(), all, factor);
+  result.prior = law_errors(arm, problem.model(), all, result.covariance, covariance_given_moduli(result));
+  prior_of_moduli(arm, result);
   result.arm.estimator.prior = result.prior;
   report(1.0);
   if (options.leave_one_out)

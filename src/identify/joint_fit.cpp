@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <tuple>
+#include <utility>
 
 namespace softarm::identify {
 namespace {
@@ -12,22 +14,12 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kHuber = 3.5;  // distances of bodies over noise and misfit
-constexpr double kGross = 6.0;  // at which a body is dropped
 constexpr int kPasses = 8;
 // The prior that holds what is not told: about the start, in scales, and wider by what was moved already.
 constexpr double kWeakSd = 1.0;
 constexpr double kWeakSdPerMove = 3.0;
-constexpr double kStep = 1e-5;            // of central differences, in scales
-constexpr double kMedianOfChi3 = 1.5382;  // median distance of a body in standard deviations, and a tangent's
-constexpr double kMedianOfChi2 = 1.1774;
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
+constexpr double kStep = 1e-5;    // of central differences, in scales
+constexpr double kKeptSd = 1e-6;  // of a constant that keeps its start, in scales
 
 VectorXd scales(const std::vector<FreeConstant>& constants) {
   VectorXd scale(static_cast<int>(constants.size()));
@@ -166,13 +158,6 @@ Eigen::MatrixXd JointProblem::jacobian(const Block& block) const {
   return by_theta.middleRows(3 * block.body, 3) * scale_.asDiagonal() / sd(block);
 }
 
-double JointProblem::weight(const Block& block, double squared_distance) const {
-  if (!options_.robust) return 1.0;
-  const double threshold = kHuber * (block.tangent ? tangent_scale_ : position_scale_);
-  const double distance = std::sqrt(squared_distance);
-  return distance > threshold ? threshold / distance : 1.0;
-}
-
 std::vector<Block> JointProblem::blocks() const {
   std::vector<Block> list;
   for (std::size_t i = 0; i < frames_.size(); ++i) {
@@ -185,30 +170,6 @@ std::vector<Block> JointProblem::blocks() const {
     }
   }
   return list;
-}
-
-void JointProblem::measure_scales() {
-  std::vector<double> position, tangent;
-  for (const Block& block : blocks()) (block.tangent ? tangent : position).push_back(residual(block).norm());
-  position_scale_ = std::max(1.0, median(position) / kMedianOfChi3);
-  tangent_scale_ = std::max(1.0, median(tangent) / kMedianOfChi2);
-}
-
-/// @return whether another set of bodies is used now
-bool JointProblem::set_outliers_aside() {
-  bool changed = false;
-  for (std::size_t i = 0; i < frames_.size(); ++i) {
-    if (!active_[i] || !solved_[i]) continue;
-    for (std::size_t k = 0; k < frames_[i].bodies.size(); ++k) {
-      SeenBody& seen = frames_[i].bodies[k];
-      bool good = residual({i, static_cast<int>(k), false}).norm() <= kGross * position_scale_;
-      if (seen.tangent_base)
-        good = good && residual({i, static_cast<int>(k), true}).norm() <= kGross * tangent_scale_;
-      changed = changed || good != seen.used;
-      seen.used = good;
-    }
-  }
-  return changed;
 }
 
 /// Frames that lie far off may sit on another branch of equilibria than the arm does.
@@ -239,7 +200,7 @@ bool JointProblem::minimise(VectorXd& x, const std::function<void(int)>& progres
   ceres::Problem::Options problem_options;
   problem_options.evaluation_callback = &callback;
   problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  ceres::HuberLoss position_loss(kHuber * position_scale_), tangent_loss(kHuber * tangent_scale_);
+  std::map<std::pair<int, bool>, std::unique_ptr<ceres::LossFunction>> losses;
   ceres::Problem problem(problem_options);
   problem.AddParameterBlock(x.data(), static_cast<int>(x.size()));
   VectorXd start = x;
@@ -252,12 +213,19 @@ bool JointProblem::minimise(VectorXd& x, const std::function<void(int)>& progres
     start[j] = std::clamp(constant.initial / constant.scale, low, high);
   }
   for (const Block& block : blocks()) {
-    ceres::LossFunction* const loss = block.tangent ? &tangent_loss : &position_loss;
-    problem.AddResidualBlock(new BlockCost(*this, callback, block), options_.robust ? loss : nullptr,
-                             x.data());
+    const int body = frames_[block.frame].bodies[static_cast<std::size_t>(block.body)].body;
+    std::unique_ptr<ceres::LossFunction>& loss = losses[{body, block.tangent}];
+    if (options_.robust && !loss)
+      loss = std::make_unique<ceres::HuberLoss>(kHuber * scale_of(body, block.tangent));
+    problem.AddResidualBlock(new BlockCost(*this, callback, block), loss.get(), x.data());
   }
-  const VectorXd sd = kWeakSdPerMove * (x - start).cwiseAbs();
-  problem.AddResidualBlock(new WeakPrior(start, sd.cwiseMax(kWeakSd)), nullptr, x.data());
+  VectorXd sd = (kWeakSdPerMove * (x - start).cwiseAbs()).cwiseMax(kWeakSd);
+  for (int j = 0; j < x.size(); ++j) {
+    if (!constants_[static_cast<std::size_t>(j)].kept) continue;
+    x[j] = start[j];
+    sd[j] = kKeptSd;
+  }
+  problem.AddResidualBlock(new WeakPrior(start, sd), nullptr, x.data());
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = options_.max_iterations;
@@ -291,14 +259,21 @@ JointFit JointProblem::solve(const std::function<void(int)>& progress) {
     evaluate(theta);
     const std::vector<bool> before = active_;
     const double old_scales[2] = {position_scale_, tangent_scale_};
+    const std::map<int, double> old_body_scales[2] = {body_scale_[0], body_scale_[1]};
     retry_cold(kGross * position_scale_);
     active_ = solved_;
     measure_scales();
     bool changed = options_.robust && set_outliers_aside();
     changed = changed || active_ != before;
     // The scales decide what Huber's loss bounds: they have settled when they change no more.
-    changed = changed || (options_.robust && (std::abs(position_scale_ / old_scales[0] - 1.0) > 0.02 ||
-                                              std::abs(tangent_scale_ / old_scales[1] - 1.0) > 0.02));
+    const auto moved = [](double now, double then) { return std::abs(now - then) > 0.02 * then; };
+    changed = changed || (options_.robust &&
+                          (moved(position_scale_, old_scales[0]) || moved(tangent_scale_, old_scales[1])));
+    for (const int kind : {0, 1}) {
+      const double all = kind == 1 ? tangent_scale_ : position_scale_;
+      for (const auto& [body, then] : old_body_scales[kind])
+        changed = changed || (options_.robust && moved(scale_of(body, kind == 1), std::max(then, all)));
+    }
     if (!changed && pass > 0) break;
   }
   fit.theta = theta;
@@ -306,6 +281,7 @@ JointFit JointProblem::solve(const std::function<void(int)>& progress) {
   fit.position_scale = position_scale_;
   fit.tangent_scale = tangent_scale_;
   fit.solved = solved_;
+  if (options_.robust) fit.beyond_the_model = beyond_the_model();
   return fit;
 }
 

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,12 +14,16 @@
 
 namespace softarm::identify {
 
+constexpr double kHuber = 3.5;  ///< distances of bodies over noise and misfit, beyond which they are bounded
+constexpr double kGross = 6.0;  ///< and at which a body is dropped
+
 /// A free constant, scaled for the solver: theta = scale x.
 struct FreeConstant {
   ConstantRef ref;
   double initial = 0.0;
   double scale = 1.0;
   Range range;
+  bool kept = false;  ///< stays at its start
 };
 
 /// One block of residuals: position or tangent of one body of one frame.
@@ -33,6 +39,8 @@ struct JointFit {
   int iterations = 0;
   double position_scale = 1.0, tangent_scale = 1.0;  ///< misfit over noise, robust, at least 1
   std::vector<bool> solved;                          ///< per frame
+  /// By body of the arm: observations that lie off like an outlier, but with too many others to be one.
+  std::map<int, std::uint64_t> beyond_the_model;
 };
 
 class JointProblem {
@@ -43,6 +51,9 @@ class JointProblem {
 
   /// @param progress called after each iteration with their number over all passes
   JointFit solve(const std::function<void(int)>& progress);
+
+  /// From now on the constant keeps its start, or does so no more; for another solve().
+  void keep(int constant, bool kept) { constants_[static_cast<std::size_t>(constant)].kept = kept; }
 
   LawModel& model() { return model_; }
   /// Residual of a block at the last evaluation, whitened.
@@ -64,14 +75,17 @@ class JointProblem {
   class BlockCost;
 
   double sd(const Block& block) const;
+  /// Misfit over noise, of all bodies and, where that of one is larger, of each.
   void measure_scales();
+  double scale_of(int body, bool tangent) const;
   bool set_outliers_aside();
+  std::map<int, std::uint64_t> beyond_the_model() const;
   void retry_cold(double threshold);
   bool minimise(Eigen::VectorXd& x, const std::function<void(int)>& progress);
   bool evaluate_frame(std::size_t i, bool cold);
 
   const Arm& arm_;
-  const std::vector<FreeConstant> constants_;
+  std::vector<FreeConstant> constants_;
   std::vector<StaticFrame>& frames_;
   const Options& options_;
   LawModel model_;
@@ -81,6 +95,7 @@ class JointProblem {
   std::vector<bool> solved_;  ///< at the last evaluation
   std::vector<bool> active_;  ///< part of the present pass
   double position_scale_ = 1.0, tangent_scale_ = 1.0;
+  std::map<int, double> body_scale_[2];  ///< of positions, of tangents
   int iterations_ = 0;
 };
 

@@ -13,7 +13,6 @@ using Eigen::VectorXd;
 
 constexpr int kLaws = 4;
 constexpr int kIterations = 40;
-constexpr double kHuber = 3.5;
 constexpr std::size_t kFewestForShare = 8;  // trials from which an error is split into absolute and relative
 // What a law is never trusted beyond.
 constexpr double kLeastMoment_rel = 0.01;  // of the typical moment
@@ -135,7 +134,7 @@ void split_moment(const std::vector<double>& error2, const std::vector<double>& 
 }  // namespace
 
 LawPrior law_errors(const Arm& arm, LawModel& model, const std::vector<StaticFrame>& frames,
-                    const MatrixXd& factor) {
+                    const MatrixXd& of_constants, const MatrixXd& given_moduli) {
   std::map<std::size_t, std::vector<FrameInformation>> trials;
   const int segments = static_cast<int>(arm.segments.size());
   std::vector<double> moments, bending_nm;  // the latter per radian
@@ -153,13 +152,16 @@ LawPrior law_errors(const Arm& arm, LawModel& model, const std::vector<StaticFra
     }
     trials[frame.trial].push_back(
         inform(arm, model, frame, predicted, kHuber * std::max(1.0, median(distances))));
-    const VectorXd variances = (predicted.dlaws * factor).rowwise().squaredNorm();
+    const auto variances = [&](const MatrixXd& covariance) -> VectorXd {
+      return (predicted.dlaws * covariance * predicted.dlaws.transpose()).diagonal().cwiseMax(0.0);
+    };
+    const VectorXd all = variances(of_constants), given = variances(given_moduli);
     for (int i = 0; i < segments; ++i) {
       moments.push_back(predicted.laws.segment<2>(kLaws * i).norm());
       bending_nm.push_back(std::exp(predicted.laws[kLaws * i + 2]) / predicted.laws[kLaws * i + 3]);
-      own[0].push_back(variances.segment<2>(kLaws * i).mean());
-      own[1].push_back(variances[kLaws * i + 2]);
-      own[2].push_back(variances[kLaws * i + 3]);
+      own[0].push_back(given.segment<2>(kLaws * i).mean());
+      own[1].push_back(all[kLaws * i + 2]);
+      own[2].push_back(given[kLaws * i + 3]);
     }
   }
   LawPrior prior;
@@ -198,10 +200,12 @@ LawPrior law_errors(const Arm& arm, LawModel& model, const std::vector<StaticFra
   }
   double absolute2 = 0.0, relative2 = 0.0;
   split_moment(error2, moment2, absolute2, relative2);
+  // Constants that the trials do not tell: off by all of the moment is what there is to be said.
+  const double own_moment2 = std::min(median(own[0]), typical_nm * typical_nm);
   const double least_moment = kLeastMoment_rel * typical_nm;
   prior.enabled = true;
   prior.moment_sd_nm = std::min(kMostMoment_rel * typical_nm,
-                                std::sqrt(absolute2 + median(own[0]) + least_moment * least_moment));
+                                std::sqrt(absolute2 + own_moment2 + least_moment * least_moment));
   prior.moment_sd_rel = std::sqrt(relative2);
   prior.bending_stiffness_sd_rel = std::min(
       kMostStiffness_rel, std::sqrt(stiffness2 + median(own[1]) + kLeastStiffness_rel * kLeastStiffness_rel));

@@ -13,9 +13,11 @@ namespace softarm::identify {
 /// maximisation, beside the stated noise of the bodies), and adds what the constants' own uncertainty makes
 /// of the laws at the frames' inputs to the lasting ones.
 /// @param model at the identified constants
-/// @param factor F with F F^T the covariance of the constants, in their units
+/// @param of_constants their covariance, in their units
+/// @param given_moduli the same given the moduli that are not told: what EI is off by takes the moment along,
+/// and is counted with EI
 /// @param frames of fitted and held-out trials
 LawPrior law_errors(const Arm& arm, LawModel& model, const std::vector<StaticFrame>& frames,
-                    const Eigen::MatrixXd& factor);
+                    const Eigen::MatrixXd& of_constants, const Eigen::MatrixXd& given_moduli);
 
 }  // namespace softarm::identify

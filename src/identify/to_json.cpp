@@ -47,6 +47,8 @@ std::string to_json(const Result& result) {
   for (const Constant& c : result.constants) {
     Json one{{"name", c.name}, {"unit", c.unit},   {"initial", c.initial},       {"value", c.value},
              {"sd", c.sd},     {"scale", c.scale}, {"determined", c.determined}, {"at_bound", c.at_bound}};
+    if (c.at_bound) one["ran_to"] = c.ran_to;
+    one["kept"] = c.kept;
     one["confused_with"] = parts_of(c.confused_with);
     one["advice"] = c.advice;
     json["constants"].push_back(one);
@@ -79,6 +81,7 @@ std::string to_json(const Result& result) {
                    {"moment_sd_rel", prior.moment_sd_rel},
                    {"bending_stiffness_sd_rel", prior.bending_stiffness_sd_rel},
                    {"length_sd_m", prior.length_sd_m},
+                   {"axial_stiffness_sd_rel", prior.axial_stiffness_sd_rel},
                    {"moment_jitter_sd_nm", prior.moment_jitter_sd_nm},
                    {"length_jitter_sd_m", prior.length_jitter_sd_m}};
   json["fit"] = {{"frames", result.frames},
@@ -91,6 +94,8 @@ std::string to_json(const Result& result) {
                  {"uncertainty_factor", result.uncertainty_factor}};
   json["left_out"] = result.left_out;
   json["bodies_set_aside"] = result.bodies_set_aside;
+  json["beyond_the_model"] = result.beyond_the_model;
+  json["prior_notes"] = result.prior_notes;
   return json.dump(2) + "\n";
 }
 

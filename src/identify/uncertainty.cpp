@@ -116,6 +116,7 @@ Uncertainty uncertainty(const JointProblem& problem, const std::vector<StaticFra
   const double told = (lambda.array() > kTold).count();
   const double dof = std::max(1.0, rows - told);
   result.misfit = std::sqrt(chi2 / dof);
+  result.chi2 = chi2;
   result.position_rms_m = coordinates > 0.0 ? std::sqrt(square_m2 / coordinates) : 0.0;
   result.autocorrelation = autocorrelation_time(problem, blocks, frames);
 

@@ -13,7 +13,8 @@ struct Uncertainty {
   Eigen::VectorXd direction_sd;  ///< of the eigenvectors, largest first
   Eigen::MatrixXd directions;    ///< eigenvectors of the information, one column each
   double misfit = 0.0;           ///< sqrt(chi^2 / dof)
-  double position_rms_m = 0.0;   ///< per coordinate
+  double chi2 = 0.0;
+  double position_rms_m = 0.0;  ///< per coordinate
   double autocorrelation = 1.0;
   double factor = 1.0;  ///< of standard deviations against noise alone
 };

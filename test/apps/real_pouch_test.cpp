@@ -263,5 +263,53 @@ TEST(RealPouchArm, StretchGivesThePayloadOfAnotherTrialWithinItsInterval) {
   }
 }
 
+/// Numbers by name, added up.
+double sum(const nlohmann::json& counts) {
+  double total = 0.0;
+  for (const auto& item : counts.items()) total += item.value().get<double>();
+  return total;
+}
+
+TEST(RealPouchArm, WhatTheLawsCannotSayIsNotDroppedAsOutliers) {
+  SKIP_WITHOUT_RECORDINGS();
+  const TestFolder dir;
+  import("pouch_arm", pouch("two_segment/no_load") + "data_collect_1.txt", "--payload 0",
+         dir / "no_load.bag");
+  import("pouch_arm", pouch("two_segment/load_400g") + "data_collect_1.txt",
+         "--payload 0 --payload 12:0.4 --leave-out 5.6:12", dir / "load.bag");
+  const Outcome o = softarm_program("identify --arm pouch_arm " + dir / "*.bag" +
+                                    " --hold '*.bending_stiffness.*,*.chamber_3.*,*.chamber_1.*'"
+                                    " --also-free 'length,*.rest_curvature.*' --out " +
+                                    dir / "new.yaml --json " + dir / "result.json");
+  ASSERT_EQ(o.status, 0) << o.err;
+  const auto json = nlohmann::json::parse(text_of(dir / "result.json"));
+  // The motion capture of these trials is sound to 0.01 mm; every third tip was dropped.
+  EXPECT_LT(sum(json.at("bodies_set_aside")), 0.05 * json.at("fit").at("bodies").get<double>());
+}
+
+TEST(RealPouchArm, AStiffnessAtItsLimitIsSaidAndLeavesAPriorThatMeansSomething) {
+  SKIP_WITHOUT_RECORDINGS();
+  const TestFolder dir;
+  ASSERT_NO_FATAL_FAILURE(import_known(dir));
+  const Outcome o =
+      softarm_program("identify --arm " + arm_with_axial_stiffness(dir) + " " + dir / "*.bag" +
+                      " --hold '*.chamber_3.*,*.chamber_1.*,per_min_pressure'"
+                      " --also-free 'length,*.rest_curvature.*,axial_stiffness' --hold-out-share 0"
+                      " --out " +
+                      dir / "new.yaml --json " + dir / "result.json");
+  ASSERT_EQ(o.status, 0) << o.err;
+  EXPECT_THAT(o.out, HasSubstr("AT ITS LIMIT, not told: segment_2.bending_stiffness.base"));
+  EXPECT_THAT(o.out, HasSubstr("prior: EI 100 % as in the arm file"));
+  const auto json = nlohmann::json::parse(text_of(dir / "result.json"));
+  double largest_nm = 0.0;
+  for (const auto& constant : json.at("constants")) {
+    if (constant.at("name") == "segment_2.chamber_2.moment_gain")
+      largest_nm = constant.at("value").get<double>() * 41e3;  // 6 psi
+  }
+  ASSERT_GT(largest_nm, 0.0);
+  EXPECT_LT(json.at("prior").at("moment_sd_nm").get<double>(), 0.5 * largest_nm);
+  EXPECT_THAT(text_of(dir / "new.yaml"), HasSubstr("at its limit"));
+}
+
 }  // namespace
 }  // namespace softarm

@@ -131,7 +131,7 @@ TEST(Undetermined, AnInputThatIsNeverOn) {
   const Result result = run(nominal, nominal, protocol, random);
   const Constant* gain = find(result, "segment_1.chamber_3.moment_gain");
   EXPECT_FALSE(gain->determined);
-  EXPECT_TRUE(says(gain->advice, "'chamber_3' is never on")) << gain->advice;
+  EXPECT_TRUE(says(gain->advice, "'chamber_3' (chamber 3 of segment_1) is never on")) << gain->advice;
   EXPECT_EQ(gain->value, gain->initial);
   EXPECT_TRUE(find(result, "segment_1.chamber_1.moment_gain")->determined);
 }

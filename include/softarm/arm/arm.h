@@ -161,6 +161,8 @@ struct LawPrior {
   double moment_sd_rel = 0.0;  ///< and as a share of the moment, added in squares
   double bending_stiffness_sd_rel = 0.2;
   double length_sd_m = 0.003;
+  /// Of EA, where it is given: as a share of it. What a load stretches a segment by is as uncertain.
+  double axial_stiffness_sd_rel = 0.5;
   double moment_jitter_sd_nm = 0.002;
   double length_jitter_sd_m = 0.0005;
 };

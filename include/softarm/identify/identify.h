@@ -56,7 +56,10 @@ struct Constant {
   /// What a useful sd is measured by: the value's size or, near zero, the size at which it would matter.
   double scale = 0.0;
   bool determined = false;
-  bool at_bound = false;  ///< the fit ran into the limit of what an arm may have
+  bool at_bound = false;  ///< the fit ran into the limit of what an arm may have, ran_to
+  double ran_to = 0.0;
+  /// At its limit, and the trials hardly mind: value is what the arm file had, to which the rest was fitted.
+  bool kept = false;
   /// Constants of correlation 0.9 or more with this one; for one that is not determined, those that share
   /// its undetermined combination. Correlation -1 ... 1.
   std::vector<std::pair<std::string, double>> confused_with;
@@ -99,6 +102,10 @@ struct Result {
   std::size_t frames = 0, bodies = 0;             ///< fitted
   std::map<std::string, std::uint64_t> left_out;  ///< frames not used, by reason
   std::map<std::string, std::uint64_t> bodies_set_aside;  ///< observations dropped as outliers, by body
+  /// Observations as far off as an outlier, but so many of the body's (more than a tenth) that the model is
+  /// wrong there, not the frames: they are kept. By body.
+  std::map<std::string, std::uint64_t> beyond_the_model;
+  std::vector<std::string> prior_notes;  ///< what of the prior is not from the trials, and why; one line each
   int iterations = 0;
   bool converged = false;
 };
@@ -113,7 +120,9 @@ using ProgressCallback = std::function<void(double)>;
 /// 2. Levenberg-Marquardt (Ceres) on all frames together, scaled, within allowed_range(); residuals by the
 ///    stated noise; derivatives of the rod analytic, of the laws by central differences.
 /// 3. Huber's loss by body at 3.5 times the misfit; bodies beyond 6 times it are dropped, and the fit
-///    repeated.
+///    repeated. The misfit is that of all bodies, of 85 % of the body's own and of its trial, whichever is
+///    largest: what is off in many frames is the model. A stiffness that runs into its limit without making
+///    the fit clearly better is put back to its start and the rest fitted again.
 /// 4. Covariance (J^T W J)^-1 without the weak prior that holds what the trials do not tell, widened by the
 ///    misfit, by the autocorrelation of residuals, and by the spread of the trials' own gradients (clustered
 ///    sandwich, shrunk towards the former): never narrower than noise alone.

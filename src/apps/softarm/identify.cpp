@@ -129,8 +129,13 @@ std::vector<std::string> header_of(const identify::Result& result) {
                                 1e3 * result.fitted.mean_m));
   }
   for (const identify::Constant& constant : result.constants) {
-    if (!constant.determined) lines.push_back("NOT determined by these trials: " + constant.name);
+    if (!constant.determined)
+      lines.push_back(fmt::format("NOT determined by these trials: {}{}", constant.name,
+                                  constant.kept       ? " (ran into its limit; as it was)"
+                                  : constant.at_bound ? " (at its limit)"
+                                                      : ""));
   }
+  for (const std::string& note : result.prior_notes) lines.push_back("prior: " + note);
   return lines;
 }
 

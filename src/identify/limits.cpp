@@ -1,0 +1,125 @@
+#include "limits.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace softarm::identify {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kAtBound = 1e-6;  // share of the scale
+// Chi-square, by the misfit that is left, that a stiffness at its limit must gain to stay there.
+constexpr double kGainAtLimit = 9.0;
+constexpr double kLeastAxial_rel = 0.02, kMostAxial_rel = 1.0;  // sd of EA in the prior
+
+bool is_at_bound(const FreeConstant& c, double value) {
+  const double margin = kAtBound * c.scale;
+  return value <= c.range.low + margin || value >= c.range.high - margin;
+}
+
+bool is_modulus(ConstantKind kind) {
+  return kind == ConstantKind::kBendingStiffness || kind == ConstantKind::kByPressure ||
+         kind == ConstantKind::kAxialStiffness;
+}
+
+}  // namespace
+
+Solution solve(JointProblem& problem, const std::vector<FreeConstant>& constants,
+               const std::vector<StaticFrame>& frames, const std::function<void(int)>& progress) {
+  const auto count = constants.size();
+  const auto solve_once = [&](JointProblem& p) {
+    Solution s{p.solve(progress), {}, std::vector<std::optional<double>>(count), std::vector<bool>(count)};
+    s.sure = uncertainty(p, frames, static_cast<int>(count));
+    for (std::size_t j = 0; j < count; ++j) {
+      const double value = s.fit.theta[static_cast<Eigen::Index>(j)];
+      if (is_at_bound(constants[j], value)) s.ran_to[j] = value;
+    }
+    return s;
+  };
+  Solution best = solve_once(problem);
+  const auto runs_away = [&](const Solution& s, std::size_t j) {
+    return s.ran_to[j] && is_modulus(constants[j].ref.kind) &&
+           !is_at_bound(constants[j], constants[j].initial);
+  };
+  std::vector<bool> tried(count, false);
+  while (true) {
+    std::size_t j = 0;
+    while (j < count && (tried[j] || !runs_away(best, j))) ++j;
+    if (j == count) return best;
+    tried[j] = true;
+    problem.keep(static_cast<int>(j), true);
+    Solution other = solve_once(problem);
+    const double gain = (other.sure.chi2 - best.sure.chi2) / (best.sure.factor * best.sure.factor);
+    // Nor is another constant to run away in its place.
+    bool elsewhere = false;
+    for (std::size_t k = 0; k < count; ++k) elsewhere = elsewhere || (other.ran_to[k] && !best.ran_to[k]);
+    if (gain < kGainAtLimit && !elsewhere) {
+      other.kept = best.kept;
+      other.kept[j] = true;
+      for (std::size_t k = 0; k < count; ++k) {
+        if (other.kept[k]) other.ran_to[k] = best.ran_to[k];
+      }
+      best = std::move(other);
+    } else {
+      problem.keep(static_cast<int>(j), false);
+      const Solution again = solve_once(problem);
+      best.fit = again.fit;
+      best.sure = again.sure;
+    }
+  }
+}
+
+MatrixXd covariance_given_moduli(const Result& result) {
+  MatrixXd c = result.covariance;
+  for (std::size_t k = 0; k < result.constants.size(); ++k) {
+    const auto j = static_cast<Eigen::Index>(k);
+    const Constant& constant = result.constants[k];
+    const bool given = constant.at_bound || constant.ref.kind == ConstantKind::kAxialStiffness ||
+                       (is_modulus(constant.ref.kind) && !constant.determined);
+    if (!given || !(c(j, j) > 0.0)) continue;
+    const VectorXd column = c.col(j);
+    c -= column * column.transpose() / column[j];
+    c.row(j).setZero();
+    c.col(j).setZero();
+  }
+  return c;
+}
+
+void prior_of_moduli(const Arm& arm, Result& result) {
+  const LawPrior& before = arm.estimator.prior;
+  std::optional<double> stretch;  // the worst of the segments
+  std::vector<bool> told(arm.segments.size(), false);
+  const auto note = [&](const Constant& c, const char* what, double sd_rel) {
+    result.prior_notes.push_back(fmt::format("{} {:g} % as in the arm file, because {} ran into its limit",
+                                             what, 100.0 * sd_rel, c.name));
+  };
+  bool stiffness_noted = false;
+  for (const Constant& c : result.constants) {
+    const auto segment = static_cast<std::size_t>(c.ref.segment);
+    if (c.ref.kind == ConstantKind::kAxialStiffness) {
+      if (c.at_bound) {
+        note(c, "EA", before.axial_stiffness_sd_rel);
+        continue;
+      }
+      told[segment] = true;
+      const double sd_rel = std::clamp(c.sd / std::abs(c.value), kLeastAxial_rel, kMostAxial_rel);
+      stretch = std::max(stretch.value_or(0.0), sd_rel);
+    } else if (is_modulus(c.ref.kind) && c.at_bound && !stiffness_noted) {
+      stiffness_noted = true;
+      result.prior.bending_stiffness_sd_rel = before.bending_stiffness_sd_rel;
+      note(c, "EI", before.bending_stiffness_sd_rel);
+    }
+  }
+  for (std::size_t i = 0; i < arm.segments.size(); ++i) {
+    if (arm.segments[i].axial_stiffness_n && !told[i])
+      stretch = std::max(stretch.value_or(0.0), before.axial_stiffness_sd_rel);
+  }
+  result.prior.axial_stiffness_sd_rel = stretch.value_or(before.axial_stiffness_sd_rel);
+}
+
+}  // namespace softarm::identify

@@ -1,0 +1,36 @@
+// Constants that the trials let run into a limit, and what the prior makes of moduli that are not told.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "joint_fit.h"
+#include "uncertainty.h"
+
+namespace softarm::identify {
+
+/// The fit, how sure it is, and where the constants ran into limits.
+struct Solution {
+  JointFit fit;
+  Uncertainty sure;
+  std::vector<std::optional<double>> ran_to;  ///< the limit, per constant
+  std::vector<bool> kept;                     ///< put back to its start
+};
+
+/// A modulus that the trials hardly tell runs as far as it may, and takes the gains along. Where it gains
+/// nothing by that it keeps its start, and the rest is fitted to that.
+Solution solve(JointProblem& problem, const std::vector<FreeConstant>& constants,
+               const std::vector<StaticFrame>& frames, const std::function<void(int)>& progress);
+
+/// Covariance of the constants given what is at a limit, EI where the trials do not tell it, and EA, which
+/// the prior has by itself: the gains that go with EI would be as wide as it, and the prior, which counts
+/// moment and EI one by one, would say nothing of either.
+Eigen::MatrixXd covariance_given_moduli(const Result& result);
+
+/// EI as the arm file has it where it ran into a limit; EA as the trials tell it, else as the arm file has
+/// it.
+void prior_of_moduli(const Arm& arm, Result& result);
+
+}  // namespace softarm::identify
