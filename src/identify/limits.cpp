@@ -100,13 +100,13 @@ void prior_of_moduli(const Arm& arm, Result& result) {
   };
   bool stiffness_noted = false;
   for (const Constant& c : result.constants) {
-    const auto segment = static_cast<std::size_t>(c.ref.segment);
     if (c.ref.kind == ConstantKind::kAxialStiffness) {
       if (c.at_bound) {
         note(c, "EA", before.axial_stiffness_sd_rel);
         continue;
       }
-      told[segment] = true;
+      told[static_cast<std::size_t>(c.ref.segment)] = true;
+      for (const int other : c.ref.tied) told[static_cast<std::size_t>(other)] = true;
       const double sd_rel = std::clamp(c.sd / std::abs(c.value), kLeastAxial_rel, kMostAxial_rel);
       stretch = std::max(stretch.value_or(0.0), sd_rel);
     } else if (is_modulus(c.ref.kind) && c.at_bound && !stiffness_noted) {
