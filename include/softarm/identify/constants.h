@@ -76,6 +76,6 @@ std::vector<ConstantRef> matching(const Arm& arm, const std::vector<std::string>
 /// @throws std::invalid_argument where a pattern matches none of the arm's, or none of the list's in two
 /// segments
 std::vector<ConstantRef> tie_constants(const Arm& arm, const std::vector<ConstantRef>& list,
-                             const std::vector<std::string>& patterns);
+                                       const std::vector<std::string>& patterns);
 
 }  // namespace softarm::identify

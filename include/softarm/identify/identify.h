@@ -27,8 +27,9 @@ struct Options {
   /// Patterns of the constants that are free, see matching(); empty: default_free().
   std::vector<std::string> free;
   std::vector<std::string> also_free;  ///< freed beside those
-  std::vector<std::string> tied;       ///< patterns of those that have one value in all segments, see tie_constants()
-  std::vector<std::string> held;       ///< held at the arm's value, whatever frees them
+  std::vector<std::string>
+      tied;  ///< patterns of those that have one value in all segments, see tie_constants()
+  std::vector<std::string> held;  ///< held at the arm's value, whatever frees them
 
   std::vector<std::string> held_out;  ///< names of trials that are not fitted; empty: by held_out_share
   double held_out_share = 1.0 / 3.0;  ///< of three or more trials, at least one; 0: none
