@@ -1,0 +1,216 @@
+#include "words.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace softarm::diagnose {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// Digits behind the point that show `digits` significant ones of a number of this size.
+int decimals(double size, int digits) {
+  if (!(std::abs(size) > 0.0) || !std::isfinite(size)) return digits - 1;
+  return std::clamp(digits - 1 - static_cast<int>(std::floor(std::log10(std::abs(size)))), 0, 9);
+}
+
+std::string number(double value, int digits) {
+  if (!std::isfinite(value)) return "not known";
+  if (value != 0.0 && (std::abs(value) >= 1e6 || std::abs(value) < 1e-6))
+    return fmt::format("{:.{}e}", value, digits - 1);
+  return fmt::format("{:.{}f}", value, decimals(value, digits));
+}
+
+/// A unit as it is put behind a number: nothing where the number is a share.
+std::string behind(const std::string& unit) {
+  return unit.empty() || unit == "1" || unit == "-" ? "" : " " + unit;
+}
+
+std::string axis_words(const std::string& axis) {
+  if (axis == "in_plane") return "in the plane of bending";
+  if (axis == "out_of_plane") return "across the plane of bending";
+  if (axis == "axial") return "along the arm";
+  if (axis == "twist") return "in twist";
+  return axis;
+}
+
+std::string stretch_words(const Where& where) {
+  const auto mm = [](double m) { return fmt::format("{:.0f}", 1e3 * m); };
+  const auto &from = where.s_from_m, &to = where.s_to_m;
+  if (to && *to < 1e-3) return "at the base";
+  if (from && to && *to - *from < 1e-3) return fmt::format("{} mm from the base", mm(*from));
+  if (from && to) return fmt::format("{} to {} mm from the base", mm(*from), mm(*to));
+  if (from) return fmt::format("from {} mm from the base on", mm(*from));
+  if (to) return fmt::format("up to {} mm from the base", mm(*to));
+  return "";
+}
+
+std::string capitalised(std::string text) {
+  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
+  return text;
+}
+
+}  // namespace
+
+std::string to_string(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kConsistent:
+      return "consistent";
+    case Verdict::kExplained:
+      return "explained";
+    case Verdict::kPartlyExplained:
+      return "partly_explained";
+    case Verdict::kUnknown:
+      return "unknown";
+    case Verdict::kCannotTell:
+      return "cannot_tell";
+  }
+  throw std::logic_error("to_string: no such verdict");
+}
+
+std::string to_string(Finding finding) {
+  switch (finding) {
+    case Finding::kPresent:
+      return "present";
+    case Finding::kAbsent:
+      return "absent";
+    case Finding::kTrivial:
+      return "trivial";
+    case Finding::kCannotTell:
+      return "cannot_tell";
+    case Finding::kRival:
+      return "rival";
+    case Finding::kNotOfThisArm:
+      return "not_of_this_arm";
+  }
+  throw std::logic_error("to_string: no such finding");
+}
+
+std::string meaning(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kConsistent:
+      return "The model agrees with the recordings";
+    case Verdict::kExplained:
+      return "The mismatch is explained";
+    case Verdict::kPartlyExplained:
+      return "The mismatch is partly explained";
+    case Verdict::kUnknown:
+      return "Something is there that the catalogue does not have";
+    case Verdict::kCannotTell:
+      return "These recordings cannot tell";
+  }
+  throw std::logic_error("meaning: no such verdict");
+}
+
+std::string meaning(Finding finding) {
+  switch (finding) {
+    case Finding::kPresent:
+      return "present";
+    case Finding::kAbsent:
+      return "absent";
+    case Finding::kTrivial:
+      return "too small to matter";
+    case Finding::kCannotTell:
+      return "cannot tell";
+    case Finding::kRival:
+      return "rival of one above";
+    case Finding::kNotOfThisArm:
+      return "not of this arm";
+  }
+  throw std::logic_error("meaning: no such finding");
+}
+
+const std::vector<ShownUnit>& shown_units() {
+  static const std::vector<ShownUnit> units{
+      {"m", "mm", 1e3}, {"Pa", "kPa", 1e-3}, {"rad", "deg", 180.0 / kPi}, {"kg", "g", 1e3}};
+  return units;
+}
+
+ShownUnit shown_unit(const std::string& unit) {
+  for (const ShownUnit& shown : shown_units()) {
+    if (shown.unit == unit) return shown;
+  }
+  return {unit, unit == "1" || unit == "-" ? "" : unit, 1.0};
+}
+
+std::string with_unit(double value, const std::string& unit) {
+  const ShownUnit shown = shown_unit(unit);
+  return number(shown.scale * value, 3) + behind(shown.shown);
+}
+
+std::string millimetres(double metres) {
+  if (!std::isfinite(metres)) return "not known";
+  return fmt::format("{:.{}f} mm", 1e3 * metres, std::abs(metres) < 0.01 ? 2 : 1);
+}
+
+std::string percent(double probability) {
+  if (!std::isfinite(probability)) return "not known";
+  if (probability > 0.99) return "over 99 %";
+  if (probability < 0.01) return "under 1 %";
+  return fmt::format("{:.0f} %", 100.0 * probability);
+}
+
+std::string with_interval(const EffectValue& value) {
+  const ShownUnit shown = shown_unit(value.unit);
+  const double v = shown.scale * value.value, low = shown.scale * value.low, high = shown.scale * value.high;
+  if (!std::isfinite(low) || !std::isfinite(high) || !(high > low)) return with_unit(value.value, value.unit);
+  const double largest = std::max({std::abs(v), std::abs(low), std::abs(high)});
+  if (largest >= 1e6 || largest < 1e-6)
+    return fmt::format("{:.2e}{} (90 % interval {:.2e} to {:.2e})", v, behind(shown.shown), low, high);
+  const int digits = decimals(high - low, 2);
+  return fmt::format("{:.{}f}{} (90 % interval {:.{}f} to {:.{}f})", v, digits, behind(shown.shown), low,
+                     digits, high, digits);
+}
+
+std::string place(const Where& where) {
+  std::string text;
+  const auto add = [&](const std::string& part) {
+    if (!part.empty()) text += (text.empty() ? "" : ", ") + part;
+  };
+  add(stretch_words(where));
+  add(axis_words(where.axis));
+  add(where.when);
+  if (!where.input.empty()) add("goes with " + where.input);
+  return text;
+}
+
+std::string one_of(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == names.size() ? " or " : ", ") + names[i];
+  return text;
+}
+
+std::string sentence_of(const NamedEffect& effect) {
+  if (!effect.sentence.empty()) return effect.sentence;
+  std::string text = capitalised(effect.words.empty() ? effect.id : effect.words);
+  const std::string where = place(effect.where);
+  if (!where.empty()) text += ", " + where;
+  std::string sizes;
+  for (const EffectValue& value : effect.parameters)
+    sizes += (sizes.empty() ? ": " : ", ") + (value.words.empty() ? value.symbol : value.words) + " " +
+             with_interval(value);
+  return text + sizes + "; probability " + percent(effect.probability) + ".";
+}
+
+std::string improvement(const Diagnosis& d) {
+  const double before = d.baseline.held_out_rms_m, after = d.extended.held_out_rms_m;
+  if (!(before > 0.0) || !(after > 0.0)) return "";
+  const bool same = d.effects.empty() || std::abs(before - after) < 5e-6;
+  std::string text =
+      same ? fmt::format("On trials it had not seen the model is {} off (rms per body)", millimetres(before))
+           : fmt::format("On trials it had not seen the rms error per body {} from {} to {}",
+                         after < before ? "falls" : "rises", millimetres(before), millimetres(after));
+  if (d.noise_floor_m > 0.0) text += fmt::format("; noise alone makes {}", millimetres(d.noise_floor_m));
+  if (d.ceiling_rms_m > 0.0)
+    text += fmt::format(", a flexible model of the residuals reaches {}", millimetres(d.ceiling_rms_m));
+  text += ".";
+  if (!same && d.ceiling_rms_m > 0.0 && d.ceiling_rms_m < before && std::isfinite(d.explained_share))
+    text += fmt::format(" That is {:.0f} % of what could be explained.", 100.0 * d.explained_share);
+  return text;
+}
+
+}  // namespace softarm::diagnose
