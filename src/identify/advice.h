@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "softarm/identify/identify.h"
-#include "static_frame.h"
+#include "softarm/identify/static_frame.h"
 #include "uncertainty.h"
 
 namespace softarm::identify {

@@ -4,14 +4,13 @@
 #include <iterator>
 #include <limits>
 
-#include "static_frame.h"
+#include "softarm/identify/static_frame.h"
 
 namespace softarm::identify {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kFarFromArm = 5.0;       // in lengths of the arm: units, or another object
 constexpr double kStillFor_s = 0.5;       // before a frame that is taken for one at rest
 constexpr double kStillInput = 0.01;      // share of an input's range over the trial
 constexpr double kStillNoise = 5.0;       // ... or so many standard deviations of a measured input
@@ -23,64 +22,6 @@ constexpr std::size_t kFewestStatic = 3;   // frames at rest for which a trial's
 constexpr double kStaticRange = 0.7;       // ... and their share of the trial's range of every input
 constexpr std::size_t kCandidates = 2000;  // of one trial
 constexpr double kTimeWeight = 0.1;        // of a whole trial against a whole range of an input
-
-/// Frames of one trial in the rod's base frame.
-class Preparer {
- public:
-  Preparer(const Arm& arm, std::map<std::string, std::uint64_t>& left_out) : arm_(arm), left_out_(left_out) {}
-
-  std::optional<StaticFrame> prepare(const Frame& frame) {
-    StaticFrame out;
-    out.stamp_s = frame.stamp_s;
-    const std::optional<double> payload = frame.payload_kg ? frame.payload_kg : arm_.payload.default_kg;
-    if (!payload || !std::isfinite(*payload)) return leave_out("payload not known");
-    out.payload_kg = *payload;
-    if (arm_.base.body) {
-      const bool now = frame.base_body && frame.base_body->matrix().allFinite();
-      if (now) base_ = *frame.base_body * arm_.base.rod_in_body;
-      base_seen_ = base_seen_ || now;
-      if (!now && !(arm_.base.hold_last && base_seen_)) return leave_out("base not seen");
-    }
-    const Eigen::Isometry3d& base = arm_.base.body ? base_ : arm_.base.fixed_pose;
-    out.gravity_base = base.linear().transpose() * arm_.gravity_m_s2;
-    out.inputs = frame.inputs;
-    if (!predict(arm_, out.inputs)) return leave_out("inputs missing or beyond the laws");
-    const Eigen::Isometry3d to_base = base.inverse();
-    for (const BodyObservation& seen : frame.bodies) add_body(seen, to_base, out);
-    if (out.bodies.empty()) return leave_out("no body seen");
-    return out;
-  }
-
- private:
-  std::optional<StaticFrame> leave_out(const char* reason) {
-    ++left_out_[reason];
-    return std::nullopt;
-  }
-
-  void add_body(const BodyObservation& seen, const Eigen::Isometry3d& to_base, StaticFrame& out) const {
-    if (seen.body < 0 || seen.body >= static_cast<int>(arm_.bodies.size()) || !seen.p_mocap.allFinite())
-      return;
-    const MeasuredBody& body = arm_.bodies[static_cast<std::size_t>(seen.body)];
-    SeenBody made;
-    made.body = seen.body;
-    if (seen.q_mocap && seen.q_mocap->coeffs().allFinite() && seen.q_mocap->norm() > 0.5) {
-      const Eigen::Quaterniond q = seen.q_mocap->normalized();
-      made.p_base = to_base * (seen.p_mocap + q * body.section_in_body.translation());
-      if (body.orientation_usable && body.kind == BodyKind::kRing)
-        made.tangent_base = to_base.linear() * (q * (body.section_in_body.linear() * Vector3d::UnitZ()));
-    } else {
-      // Without an orientation an offset in the body's frame has no direction.
-      if (!body.section_in_body.translation().isZero()) return;
-      made.p_base = to_base * seen.p_mocap;
-    }
-    if (made.p_base.norm() < kFarFromArm * arm_.total_length_m()) out.bodies.push_back(made);
-  }
-
-  const Arm& arm_;
-  std::map<std::string, std::uint64_t>& left_out_;
-  Eigen::Isometry3d base_ = Eigen::Isometry3d::Identity();  ///< of the rod, when last seen
-  bool base_seen_ = false;
-};
 
 /// Inputs (0 where absent) and payload as one vector.
 Eigen::VectorXd settings(const StaticFrame& frame) {
@@ -234,14 +175,7 @@ FrameSet choose_frames(const Arm& arm, const std::vector<Trial>& trials, const F
   for (const MeasuredBody& body : arm.bodies) noise_m = std::max(noise_m, body.position_sd_m);
   std::vector<std::vector<StaticFrame>> candidates(trials.size());
   for (std::size_t t = 0; t < trials.size(); ++t) {
-    Preparer preparer(arm, set.left_out);
-    std::vector<StaticFrame> known;
-    for (const Frame& frame : trials[t].frames) {
-      if (std::optional<StaticFrame> made = preparer.prepare(frame)) {
-        made->trial = t;
-        known.push_back(std::move(*made));
-      }
-    }
+    std::vector<StaticFrame> known = known_frames(arm, t, trials[t].frames, set.left_out);
     if (choice.prefer_static) {
       std::vector<StaticFrame> settled = those_of(known, payload_settled(known));
       // Recordings of single static shapes may have any stamps.

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "static_frame.h"
+#include "softarm/identify/static_frame.h"
 
 namespace softarm::identify {
 

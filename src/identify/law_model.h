@@ -8,7 +8,7 @@
 
 #include "softarm/identify/constants.h"
 #include "softarm/rod/solver.h"
-#include "static_frame.h"
+#include "softarm/identify/static_frame.h"
 
 namespace softarm::identify {
 

@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 #include "softarm/rod/solver.h"
-#include "static_frame.h"
+#include "softarm/identify/static_frame.h"
 
 namespace softarm::identify {
 namespace {

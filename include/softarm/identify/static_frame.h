@@ -37,6 +37,13 @@ struct FrameSet {
   std::map<std::string, std::uint64_t> left_out;
 };
 
+/// All frames of a trial whose payload, base and inputs are known and that show a body, in the rod's base
+/// frame.
+/// @param trial written into them
+/// @param left_out counts the others, by reason
+std::vector<StaticFrame> known_frames(const Arm& arm, std::size_t trial, const std::vector<Frame>& frames,
+                                      std::map<std::string, std::uint64_t>& left_out);
+
 FrameSet choose_frames(const Arm& arm, const std::vector<Trial>& trials, const FrameChoice& choice);
 
 }  // namespace softarm::identify

@@ -1,0 +1,64 @@
+// The arm's laws and rod with effects in them, over a trial.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "softarm/effects/effect.h"
+#include "softarm/effects/trial.h"
+
+namespace softarm::effects {
+
+/// What moves with the arm beside its statics, known well enough to be no effect: inertia of its known
+/// masses, and the delay of its wall.
+struct Dynamics {
+  bool inertia = true;
+  double retardation_s = 0.0;  ///< moment of the wall = EI (u + retardation du/dt)
+};
+
+/// Prediction of one block.
+struct Predicted {
+  bool solved = false;
+  Eigen::Matrix3Xd p;      ///< one column per entry of Block::bodies, m, rod's base frame
+  Eigen::VectorXd values;  ///< of the rod, FineRod::values
+  Eigen::MatrixXd by_rod;  ///< derivative of p, stacked, by those; where it was asked for
+  Shape shape;
+  Instant instant;
+  Eigen::Quaterniond q_tip = Eigen::Quaterniond::Identity();
+  double inertial_m = 0.0;  ///< by which inertia and delay moved the body that they moved most
+};
+
+/// Over one trial after the other; keeps its scratch memory. Not thread-safe.
+class ExtendedModel {
+ public:
+  explicit ExtendedModel(const Arm& arm);
+  ~ExtendedModel();
+  ExtendedModel(ExtendedModel&&) noexcept;
+
+  const FineRod& rod() const;
+
+  /// @param arm the one given to the constructor, perhaps with other constants of its laws
+  /// @param derivatives whether Predicted::by_rod is wanted
+  /// @param start predictions of the same trial with similar parameters: where to begin; or nullptr
+  void predict(const Arm& arm, const std::vector<Present>& effects, const Dynamics& dynamics,
+               const TrialData& trial, bool derivatives, const std::vector<Predicted>* start,
+               std::vector<Predicted>& out);
+
+  /// Rod values of each block that a further effect would make, with shapes and memories of the baseline:
+  /// by_rod times their difference from the baseline's is the effect's signature to first order, beside
+  /// `seen`, the change of where bodies are seen.
+  struct Varied {
+    Eigen::MatrixXd values;  ///< one column per block
+    Eigen::MatrixXd seen;    ///< 3 x all bodies of all blocks, in order
+  };
+  Varied vary(const Arm& arm, const std::vector<Present>& effects, const Dynamics& dynamics,
+              const TrialData& trial, const std::vector<Predicted>& baseline, const Present& further);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace softarm::effects

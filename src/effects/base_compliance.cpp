@@ -1,0 +1,36 @@
+// The clamp turns by a compliance times the bending moment that it bears; the measured base does not.
+#include "effects.h"
+#include "softarm/math/so3.h"
+
+namespace softarm::effects {
+namespace {
+
+class BaseCompliance : public Described {
+ public:
+  using Described::Described;
+  bool needs_shape() const override { return true; }
+  void act(const Arm&, const FineRod&, const Values& values, const Instant&, const Shape* shape,
+           const Memory&, rod::Rod& rod) const override {
+    // What the rod exerts on the clamp, about the axes across it. Actuation is inside the arm and does not
+    // reach the clamp: m is that of the whole section.
+    Eigen::Vector3d moment = shape->base_moment_nm;
+    moment.z() = 0.0;
+    rod.q_base = exp_so3(values[0] * moment) * rod.q_base;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_base_compliance() {
+  return std::make_unique<BaseCompliance>(
+      Info{"base_compliance",
+           "the base turns under the load, though the body measured as the base does not",
+           Family::kBoundary,
+           {{"compliance_rad_per_nm", "rad/(N m)", "turn of the clamp per bending moment that it bears", 0.0,
+             10.0, 0.2}},
+           1,
+           {"rigid_ends", "shear", "soft_spot"},
+           {"bending_stiffness"}});
+}
+
+}  // namespace softarm::effects

@@ -1,0 +1,448 @@
+#include "softarm/effects/extended_model.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "softarm/arm/laws.h"
+#include "softarm/math/so3.h"
+
+namespace softarm::effects {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kSettled_m = 1e-7;  // change of the stations at which a shape agrees with what it causes
+constexpr int kMostRounds = 40;      // to get there
+constexpr std::size_t kHistory = 5;  // shapes that are mixed
+
+rod::SolverOptions solver_options() {
+  rod::SolverOptions options;
+  options.linear_correction_rad = 1e-4;
+  options.orientation_tolerance_rad = 1e-10;
+  options.position_tolerance = 1e-6;
+  return options;
+}
+
+InputValues input_values(const Eigen::VectorXd& v) {
+  return {v.data(), v.data() + v.size()};
+}
+
+rod::RodState mix(const std::vector<const rod::RodState*>& states, const Eigen::VectorXd& weights) {
+  rod::RodState out = *states.back();
+  Eigen::Vector4d q = Eigen::Vector4d::Zero();
+  out.p.setZero();
+  out.n.setZero();
+  out.m.setZero();
+  out.u.setZero();
+  out.v.setZero();
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const double w = weights[static_cast<Eigen::Index>(i)];
+    const rod::RodState& a = *states[i];
+    out.p += w * a.p;
+    out.n += w * a.n;
+    out.m += w * a.m;
+    out.u += w * a.u;
+    out.v += w * a.v;
+    const double sign = a.q.coeffs().dot(states.back()->q.coeffs()) < 0.0 ? -1.0 : 1.0;
+    q += sign * w * a.q.coeffs();
+  }
+  out.q.coeffs() = q.normalized();
+  return out;
+}
+
+/// Sum of shapes, the weights' sum being 1.
+Shape mix(const std::vector<Shape>& shapes, const Eigen::VectorXd& weights) {
+  Shape out = shapes.back();
+  std::vector<const rod::RodState*> states(shapes.size());
+  for (std::size_t k = 0; k < out.middles.size(); ++k) {
+    for (std::size_t i = 0; i < shapes.size(); ++i) states[i] = &shapes[i].middles[k];
+    out.middles[k] = mix(states, weights);
+  }
+  for (std::size_t k = 0; k < out.stations.size(); ++k) {
+    for (std::size_t i = 0; i < shapes.size(); ++i) states[i] = &shapes[i].stations[k];
+    out.stations[k] = mix(states, weights);
+  }
+  out.base_moment_nm.setZero();
+  out.base_force_n.setZero();
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const double w = weights[static_cast<Eigen::Index>(i)];
+    out.base_moment_nm += w * shapes[i].base_moment_nm;
+    out.base_force_n += w * shapes[i].base_force_n;
+  }
+  return out;
+}
+
+Eigen::VectorXd difference_m(const Shape& a, const Shape& b) {
+  Eigen::VectorXd d(3 * static_cast<Eigen::Index>(a.stations.size()));
+  for (std::size_t k = 0; k < a.stations.size(); ++k)
+    d.segment<3>(3 * static_cast<Eigen::Index>(k)) = a.stations[k].p - b.stations[k].p;
+  return d;
+}
+
+/// Anderson's mixing: from shapes that were assumed and those that followed, the next to assume.
+class Mixer {
+ public:
+  Shape next(const Shape& assumed, const Shape& followed) {
+    shapes_.push_back(followed);
+    errors_.push_back(difference_m(followed, assumed));
+    if (shapes_.size() > kHistory) {
+      shapes_.erase(shapes_.begin());
+      errors_.erase(errors_.begin());
+    }
+    const auto count = static_cast<Eigen::Index>(shapes_.size());
+    if (count == 1) return followed;
+    Eigen::MatrixXd steps(errors_.back().size(), count - 1);
+    for (Eigen::Index i = 0; i + 1 < count; ++i)
+      steps.col(i) = errors_[static_cast<std::size_t>(i)] - errors_.back();
+    const Eigen::MatrixXd normal = steps.transpose() * steps;
+    const double ridge = 1e-12 * normal.trace();
+    const Eigen::VectorXd w = (normal + ridge * Eigen::MatrixXd::Identity(count - 1, count - 1))
+                                  .ldlt()
+                                  .solve(-steps.transpose() * errors_.back());
+    Eigen::VectorXd weights(count);
+    weights.head(count - 1) = w;
+    weights[count - 1] = 1.0 - w.sum();
+    if (!weights.allFinite() || weights.lpNorm<Eigen::Infinity>() > 20.0) return followed;
+    return mix(shapes_, weights);
+  }
+
+ private:
+  std::vector<Shape> shapes_;
+  std::vector<Eigen::VectorXd> errors_;
+};
+
+}  // namespace
+
+std::vector<Values> Effect::grid(const Arm&, const FineRod&) const {
+  const Info& i = info();
+  Values values = Values::Zero(static_cast<Eigen::Index>(i.parameters.size()));
+  for (std::size_t k = static_cast<std::size_t>(i.sizes); k < i.parameters.size(); ++k)
+    values[static_cast<Eigen::Index>(k)] = i.parameters[k].usual;
+  return {values};
+}
+
+struct ExtendedModel::Impl {
+  explicit Impl(const Arm& arm)
+      : fine(arm),
+        bodies(arm.bodies),
+        values(fine.layout(), stations(arm, fine), {}, solver_options()),
+        derivatives(fine.layout(), body_stations(arm), fine.parameters(), solver_options()),
+        rod(fine.layout()) {}
+
+  static std::vector<double> body_stations(const Arm& arm) {
+    std::vector<double> list;
+    for (const MeasuredBody& body : arm.bodies)
+      list.push_back(std::min(body.arclength_m, arm.total_length_m()));
+    return list;
+  }
+  static std::vector<double> stations(const Arm& arm, const FineRod& fine) {
+    std::vector<double> list = body_stations(arm);
+    for (const Piece& piece : fine.pieces()) list.push_back(piece.middle_m());
+    for (const Piece& piece : fine.pieces()) list.push_back(piece.s_to_m);
+    list.push_back(0.0);
+    return list;
+  }
+
+  static Series driven(const Arm& arm, const std::vector<Present>& effects, const Series& series) {
+    Series out = series;
+    for (const Present& present : effects) present.effect->drive(arm, present.values, out);
+    return out;
+  }
+
+  static Instant instant_of(const Series& series, const TrialData& trial, std::size_t k) {
+    const Block& block = trial.blocks[k];
+    const auto first = static_cast<Eigen::Index>(block.first);
+    const auto count = static_cast<Eigen::Index>(block.last - block.first);
+    Instant instant;
+    instant.t_s = series.t_s.segment(first, count).mean();
+    if (k > 0 && !block.begins) {
+      const Block& before = trial.blocks[k - 1];
+      instant.dt_s = instant.t_s - series.t_s
+                                       .segment(static_cast<Eigen::Index>(before.first),
+                                                static_cast<Eigen::Index>(before.last - before.first))
+                                       .mean();
+    }
+    instant.inputs = series.inputs.middleCols(first, count).rowwise().mean();
+    instant.moment_inputs = series.moment_inputs.middleCols(first, count).rowwise().mean();
+    instant.payload_kg = series.payload_kg.segment(first, count).mean();
+    instant.gravity_base = block.gravity_base;
+    instant.session_s = trial.begin_s + instant.t_s;
+    return instant;
+  }
+
+  /// The rod that laws, dynamics and effects make of an instant.
+  bool make(const Arm& arm, const std::vector<Present>& effects, const std::vector<Memory>& memories,
+            const Instant& instant, const Shape* shape, const std::vector<Vector3d>* forces,
+            const std::vector<Vector3d>* rest, rod::Rod& out) {
+    const auto predictions = softarm::predict(arm, input_values(instant.inputs));
+    if (!predictions) return false;
+    const bool same = instant.inputs == instant.moment_inputs;
+    const auto moments = same ? predictions : softarm::predict(arm, input_values(instant.moment_inputs));
+    if (!moments) return false;
+    out = fine.layout();
+    out.gravity_m_s2 = instant.gravity_base;
+    out.loads[rod::kPayloadLoad].mass_kg = instant.payload_kg;
+    fine.actuate(arm, *predictions, *moments, out);
+    for (std::size_t i = 0; i < effects.size(); ++i)
+      effects[i].effect->act(arm, fine, effects[i].values, instant, shape, memories[i], out);
+    if (forces != nullptr) {
+      for (std::size_t j = 0; j < forces->size(); ++j)
+        out.loads[FineRod::kFirstStation + j].force_n += (*forces)[j];
+    }
+    if (rest != nullptr) {
+      for (std::size_t j = 0; j < rest->size(); ++j)
+        out.segments[j].moment_nm.head<2>() += (*rest)[j].head<2>() / out.segments[j].bending_compliance;
+    }
+    return true;
+  }
+
+  Shape shape_of_solution() const {
+    Shape shape;
+    const int b = static_cast<int>(bodies.size()), n = fine.stations();
+    for (int k = 0; k < n; ++k) {
+      shape.middles.push_back(values.station(b + k));
+      shape.stations.push_back(values.station(b + n + k));
+    }
+    shape.base_moment_nm = values.station(b + 2 * n).m;
+    shape.base_force_n = values.station(b + 2 * n).n;
+    return shape;
+  }
+
+  /// Where the inertia of what an instant carries pulls, and the rest curvature that the wall's delay makes.
+  void dynamics_of(const Dynamics& dynamics, const std::vector<Predicted>& path, std::size_t k,
+                   std::vector<Vector3d>& forces, std::vector<Vector3d>& rest) const {
+    const auto n = static_cast<std::size_t>(fine.stations());
+    forces.assign(n, Vector3d::Zero());
+    rest.assign(n, Vector3d::Zero());
+    if (k == 0 || k + 1 >= path.size()) return;
+    const Predicted &before = path[k - 1], &now = path[k], &after = path[k + 1];
+    if (!before.solved || !now.solved || !after.solved || now.instant.dt_s <= 0.0 ||
+        after.instant.dt_s <= 0.0)
+      return;
+    const double a = now.instant.dt_s, b = after.instant.dt_s;
+    const auto second = [&](const Vector3d& x0, const Vector3d& x1, const Vector3d& x2) {
+      return Vector3d(2.0 * ((x2 - x1) / b - (x1 - x0) / a) / (a + b));
+    };
+    const auto first = [&](const Vector3d& x0, const Vector3d& x1, const Vector3d& x2) {
+      return Vector3d((a * (x2 - x1) / b + b * (x1 - x0) / a) / (a + b));
+    };
+    if (dynamics.inertia) {
+      const double payload_m = fine.layout().loads[rod::kPayloadLoad].s_m;
+      for (std::size_t j = 0; j < n; ++j) {
+        double mass = 0.5 * fine.layout().segments[j].mass_kg;
+        if (j + 1 < n) {
+          mass += 0.5 * fine.layout().segments[j + 1].mass_kg;
+        } else {
+          mass += fine.layout().loads[rod::kTipMassLoad].mass_kg;
+        }
+        mass += fine.share(payload_m, static_cast<int>(j)) * now.instant.payload_kg;
+        forces[j] =
+            -mass * second(before.shape.stations[j].p, now.shape.stations[j].p, after.shape.stations[j].p);
+      }
+    }
+    if (dynamics.retardation_s != 0.0) {
+      for (std::size_t j = 0; j < n; ++j)
+        rest[j] = -dynamics.retardation_s *
+                  first(before.shape.middles[j].u, now.shape.middles[j].u, after.shape.middles[j].u);
+    }
+  }
+
+  bool solve(const Eigen::Quaterniond* start) {
+    rod::SolveStatus status = rod::SolveStatus::kNoConvergence;
+    if (start != nullptr) status = values.solve(rod, *start);
+    if (status != rod::SolveStatus::kConverged) status = values.solve(rod);
+    return status == rod::SolveStatus::kConverged;
+  }
+
+  void positions(const Arm& arm, const std::vector<Present>& effects, const Block& block,
+                 Predicted& out) const {
+    Bodies seen;
+    seen.p.resize(3, static_cast<Eigen::Index>(bodies.size()));
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      const rod::RodState& at = values.station(static_cast<int>(b));
+      Vector3d p = at.p;
+      if (bodies[b].kind == BodyKind::kSkinMarker)
+        p += bodies[b].radius_m *
+             (at.q * Vector3d(std::cos(bodies[b].angle_rad), std::sin(bodies[b].angle_rad), 0.0));
+      seen.p.col(static_cast<Eigen::Index>(b)) = p;
+      seen.q.push_back(at.q);
+    }
+    for (const Present& present : effects) present.effect->observe(arm, present.values, out.instant, seen);
+    out.p.resize(3, static_cast<Eigen::Index>(block.bodies.size()));
+    for (std::size_t i = 0; i < block.bodies.size(); ++i)
+      out.p.col(static_cast<Eigen::Index>(i)) = seen.p.col(block.bodies[i].body);
+  }
+
+  void differentiate(const Block& block, Predicted& out) {
+    if (derivatives.solve(rod, out.q_tip) != rod::SolveStatus::kConverged) {
+      out.solved = false;
+      return;
+    }
+    out.by_rod.resize(3 * static_cast<Eigen::Index>(block.bodies.size()),
+                      static_cast<Eigen::Index>(fine.parameters().size()));
+    for (std::size_t i = 0; i < block.bodies.size(); ++i) {
+      const int b = block.bodies[i].body;
+      const MeasuredBody& body = bodies[static_cast<std::size_t>(b)];
+      auto rows = out.by_rod.middleRows<3>(3 * static_cast<Eigen::Index>(i));
+      rows = derivatives.dp(b);
+      if (body.kind == BodyKind::kSkinMarker) {
+        const Vector3d radial(std::cos(body.angle_rad), std::sin(body.angle_rad), 0.0);
+        rows -= skew(body.radius_m * (derivatives.station(b).q * radial)) * derivatives.drotation(b);
+      }
+    }
+  }
+
+  FineRod fine;
+  std::vector<MeasuredBody> bodies;
+  rod::Solver values, derivatives;
+  rod::Rod rod;
+};
+
+ExtendedModel::ExtendedModel(const Arm& arm) : impl_(std::make_unique<Impl>(arm)) {}
+ExtendedModel::~ExtendedModel() = default;
+ExtendedModel::ExtendedModel(ExtendedModel&&) noexcept = default;
+const FineRod& ExtendedModel::rod() const {
+  return impl_->fine;
+}
+
+void ExtendedModel::predict(const Arm& arm, const std::vector<Present>& effects, const Dynamics& dynamics,
+                            const TrialData& trial, bool derivatives, const std::vector<Predicted>* start,
+                            std::vector<Predicted>& out) {
+  Impl& m = *impl_;
+  const Series series = Impl::driven(arm, effects, trial.series);
+  const bool needs_shape = std::any_of(effects.begin(), effects.end(),
+                                       [](const Present& present) { return present.effect->needs_shape(); });
+  const bool moves = dynamics.inertia || dynamics.retardation_s != 0.0;
+  std::vector<Predicted> path, resting;
+  std::vector<Vector3d> forces, rest;
+  for (const bool moving : moves ? std::vector<bool>{false, true} : std::vector<bool>{false}) {
+    if (moving) resting = std::move(path);
+    path.assign(trial.blocks.size(), {});
+    std::vector<Memory> memories(effects.size());
+    const Eigen::Quaterniond* last = nullptr;
+    for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
+      Predicted& now = path[k];
+      now.instant = Impl::instant_of(series, trial, k);
+      if (now.instant.dt_s <= 0.0) memories.assign(effects.size(), {});
+      if (moving) m.dynamics_of(dynamics, resting, k, forces, rest);
+      if (moving && resting[k].solved) {
+        last = &resting[k].q_tip;
+      } else if (start != nullptr && (*start)[k].solved) {
+        last = &(*start)[k].q_tip;
+      }
+      const Shape* assumed = nullptr;
+      Shape guess;
+      if (needs_shape) {
+        if (moving && resting[k].solved) {
+          guess = resting[k].shape;
+          assumed = &guess;
+        } else if (k > 0 && path[k - 1].solved) {
+          guess = path[k - 1].shape;
+          assumed = &guess;
+        } else {
+          // Without any effect to begin with.
+          if (!m.make(arm, {}, {}, now.instant, nullptr, nullptr, nullptr, m.rod) || !m.solve(last)) continue;
+          guess = m.shape_of_solution();
+          assumed = &guess;
+        }
+      }
+      Mixer mixer;
+      for (int round = 0; round < kMostRounds; ++round) {
+        if (!m.make(arm, effects, memories, now.instant, assumed, moving ? &forces : nullptr,
+                    moving ? &rest : nullptr, m.rod) ||
+            !m.solve(last))
+          break;
+        now.shape = m.shape_of_solution();
+        now.q_tip = m.values.q_tip();
+        if (!needs_shape || difference_m(now.shape, guess).lpNorm<Eigen::Infinity>() < kSettled_m) {
+          now.solved = true;
+          break;
+        }
+        guess = mixer.next(guess, now.shape);
+        last = &now.q_tip;
+      }
+      if (!now.solved) {
+        last = nullptr;
+        continue;
+      }
+      last = &now.q_tip;
+      now.values = m.fine.values(m.rod);
+      m.positions(arm, effects, trial.blocks[k], now);
+      if (moving && resting[k].solved && now.p.size() == resting[k].p.size() && now.p.cols() > 0)
+        now.inertial_m = (now.p - resting[k].p).colwise().norm().maxCoeff();
+      if (derivatives && (moving || !moves)) m.differentiate(trial.blocks[k], now);
+      for (std::size_t i = 0; i < effects.size(); ++i) {
+        if (effects[i].effect->remembers())
+          effects[i].effect->remember(arm, m.fine, effects[i].values, now.instant, now.shape, memories[i]);
+      }
+    }
+  }
+  out = std::move(path);
+}
+
+ExtendedModel::Varied ExtendedModel::vary(const Arm& arm, const std::vector<Present>& effects,
+                                          const Dynamics& dynamics, const TrialData& trial,
+                                          const std::vector<Predicted>& baseline, const Present& further) {
+  Impl& m = *impl_;
+  std::vector<Present> all = effects;
+  all.push_back(further);
+  const Series series = Impl::driven(arm, all, trial.series);
+  std::vector<Memory> memories(all.size());
+  std::vector<Vector3d> forces, rest;
+  Varied varied;
+  varied.values.resize(static_cast<Eigen::Index>(m.fine.parameters().size()),
+                       static_cast<Eigen::Index>(trial.blocks.size()));
+  Eigen::Index bodies = 0;
+  for (const Block& block : trial.blocks) bodies += static_cast<Eigen::Index>(block.bodies.size());
+  varied.seen = Eigen::MatrixXd::Zero(3, bodies);
+  Eigen::Index column = 0;
+  for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
+    const Block& block = trial.blocks[k];
+    const Predicted& base = baseline[k];
+    const Eigen::Index begin = column;
+    column += static_cast<Eigen::Index>(block.bodies.size());
+    const auto at = static_cast<Eigen::Index>(k);
+    if (!base.solved) {
+      varied.values.col(at).setZero();
+      continue;
+    }
+    const Instant instant = Impl::instant_of(series, trial, k);
+    if (instant.dt_s <= 0.0) memories.assign(all.size(), {});
+    m.dynamics_of(dynamics, baseline, k, forces, rest);
+    // What drives the arm beyond what the laws bear changes nothing.
+    if (m.make(arm, all, memories, instant, &base.shape, &forces, &rest, m.rod)) {
+      varied.values.col(at) = m.fine.values(m.rod);
+    } else {
+      varied.values.col(at) = base.values;
+    }
+    Bodies seen;
+    seen.p = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(m.bodies.size()));
+    seen.q.assign(m.bodies.size(), Eigen::Quaterniond::Identity());
+    for (std::size_t i = 0; i < block.bodies.size(); ++i) {
+      const int b = block.bodies[i].body;
+      seen.p.col(b) = base.p.col(static_cast<Eigen::Index>(i));
+      const std::size_t nearest =
+          static_cast<std::size_t>(std::min_element(base.shape.stations.begin(), base.shape.stations.end(),
+                                                    [&](const rod::RodState& x, const rod::RodState& y) {
+                                                      const double s =
+                                                          m.bodies[static_cast<std::size_t>(b)].arclength_m;
+                                                      return std::abs(x.s_m - s) < std::abs(y.s_m - s);
+                                                    }) -
+                                   base.shape.stations.begin());
+      seen.q[static_cast<std::size_t>(b)] = base.shape.stations[nearest].q;
+    }
+    further.effect->observe(arm, further.values, instant, seen);
+    for (std::size_t i = 0; i < block.bodies.size(); ++i)
+      varied.seen.col(begin + static_cast<Eigen::Index>(i)) =
+          seen.p.col(block.bodies[i].body) - base.p.col(static_cast<Eigen::Index>(i));
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (all[i].effect->remembers())
+        all[i].effect->remember(arm, m.fine, all[i].values, instant, base.shape, memories[i]);
+    }
+  }
+  return varied;
+}
+
+}  // namespace softarm::effects

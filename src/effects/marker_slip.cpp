@@ -1,0 +1,39 @@
+// One ring sits elsewhere than the arm file says.
+#include "effects.h"
+
+namespace softarm::effects {
+namespace {
+
+class MarkerSlip : public Described {
+ public:
+  using Described::Described;
+  std::vector<Values> grid(const Arm& arm, const FineRod&) const override {
+    std::vector<Values> list;
+    for (std::size_t b = 0; b < arm.bodies.size(); ++b)
+      list.push_back((Values(4) << 0.0, 0.0, 0.0, static_cast<double>(b + 1)).finished());
+    return list;
+  }
+  void observe(const Arm&, const Values& values, const Instant&, Bodies& bodies) const override {
+    const auto b = static_cast<std::size_t>(values[3] + 0.5) - 1;
+    if (b >= bodies.q.size()) return;
+    bodies.p.col(static_cast<Eigen::Index>(b)) += bodies.q[b] * values.head<3>();
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_marker_slip() {
+  return std::make_unique<MarkerSlip>(
+      Info{"marker_slip",
+           "a ring sits elsewhere than the arm file says",
+           Family::kSensor,
+           {{"x_m", "m", "across the arm, along the section's x", -0.1, 0.1, 0.001},
+            {"y_m", "m", "across the arm, along the section's y", -0.1, 0.1, 0.001},
+            {"z_m", "m", "along the arm", -0.1, 0.1, 0.001},
+            {"body", "1", "its number, from the base", 1.0, 64.0, 1.0}},
+           3,
+           {"pressure_elongation"},
+           {}});
+}
+
+}  // namespace softarm::effects

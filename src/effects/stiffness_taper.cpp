@@ -1,0 +1,33 @@
+// EI(s) = EI (1 + a (2 s / L - 1)), along each segment.
+#include "effects.h"
+
+namespace softarm::effects {
+namespace {
+
+class StiffnessTaper : public Described {
+ public:
+  using Described::Described;
+  void act(const Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape*, const Memory&,
+           rod::Rod& rod) const override {
+    for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
+      const double factor = 1.0 + values[0] * (2.0 * fine.pieces()[j].middle_fraction() - 1.0);
+      rod.segments[j].bending_compliance /= factor;
+    }
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_stiffness_taper() {
+  return std::make_unique<StiffnessTaper>(
+      Info{"stiffness_taper",
+           "the bending stiffness is not the same all along: it falls or rises towards the tip",
+           Family::kConstitutive,
+           {{"share", "1", "by which EI is higher at the tip, and lower at the base, than its mean", -0.9,
+             0.9, 0.2}},
+           1,
+           {"actuation_taper", "mass_distribution"},
+           {"bending_stiffness"}});
+}
+
+}  // namespace softarm::effects

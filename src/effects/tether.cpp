@@ -1,0 +1,34 @@
+// A hose or wire pulls the tip back to where it is when the arm hangs straight.
+#include "effects.h"
+
+namespace softarm::effects {
+namespace {
+
+class Tether : public Described {
+ public:
+  using Described::Described;
+  bool needs_shape() const override { return true; }
+  void act(const Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape* shape,
+           const Memory&, rod::Rod& rod) const override {
+    const Eigen::Vector3d straight = rod.p_base + rod.q_base * Eigen::Vector3d(0.0, 0.0, fine.length_m());
+    rod.loads.back().force_n += values[0] * (straight - shape->stations.back().p) +
+                                values[0] * (rod.q_base * Eigen::Vector3d(values[1], values[2], 0.0));
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_tether() {
+  return std::make_unique<Tether>(
+      Info{"tether",
+           "something, a hose or a wire, pulls at the tip",
+           Family::kLoad,
+           {{"stiffness_n_per_m", "N/m", "of its pull", 0.0, 1e4, 2.0},
+            {"anchor_x_m", "m", "of the anchor beside the straight tip", -1.0, 1.0, 0.0},
+            {"anchor_y_m", "m", "of the anchor beside the straight tip", -1.0, 1.0, 0.0}},
+           1,
+           {"tip_mass", "strain_stiffening"},
+           {"bending_stiffness"}});
+}
+
+}  // namespace softarm::effects
