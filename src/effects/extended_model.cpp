@@ -384,10 +384,9 @@ void ExtendedModel::predict(const Arm& arm, const std::vector<Present>& effects,
 
 ExtendedModel::Varied ExtendedModel::vary(const Arm& arm, const std::vector<Present>& effects,
                                           const Dynamics& dynamics, const TrialData& trial,
-                                          const std::vector<Predicted>& baseline, const Present& further) {
+                                          const std::vector<Predicted>& baseline) {
   Impl& m = *impl_;
-  std::vector<Present> all = effects;
-  all.push_back(further);
+  const std::vector<Present>& all = effects;
   const Series series = Impl::driven(arm, all, trial.series);
   std::vector<Memory> memories(all.size());
   std::vector<Vector3d> forces, rest;
@@ -433,7 +432,7 @@ ExtendedModel::Varied ExtendedModel::vary(const Arm& arm, const std::vector<Pres
                                    base.shape.stations.begin());
       seen.q[static_cast<std::size_t>(b)] = base.shape.stations[nearest].q;
     }
-    further.effect->observe(arm, further.values, instant, seen);
+    for (const Present& present : all) present.effect->observe(arm, present.values, instant, seen);
     for (std::size_t i = 0; i < block.bodies.size(); ++i)
       varied.seen.col(begin + static_cast<Eigen::Index>(i)) =
           seen.p.col(block.bodies[i].body) - base.p.col(static_cast<Eigen::Index>(i));

@@ -30,7 +30,7 @@ std::unique_ptr<Effect> make_marker_slip() {
            {{"x_m", "m", "across the arm, along the section's x", -0.1, 0.1, 0.001},
             {"y_m", "m", "across the arm, along the section's y", -0.1, 0.1, 0.001},
             {"z_m", "m", "along the arm", -0.1, 0.1, 0.001},
-            {"body", "1", "its number, from the base", 1.0, 64.0, 1.0}},
+            {"body", "1", "its number, from the base", 1.0, 64.0, 1.0, true}},
            3,
            {"pressure_elongation"},
            {}});

@@ -20,6 +20,7 @@ struct Parameter {
   /// Of a size (see Effect::sizes): standard deviation expected before anything was measured. Else a usual
   /// value.
   double usual = 0.0;
+  bool counts = false;  ///< it numbers something, and cannot be varied a little
 };
 
 /// Where an effect sits in the model; also who its natural rivals are.

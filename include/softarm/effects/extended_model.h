@@ -46,15 +46,16 @@ class ExtendedModel {
                const TrialData& trial, bool derivatives, const std::vector<Predicted>* start,
                std::vector<Predicted>& out);
 
-  /// Rod values of each block that a further effect would make, with shapes and memories of the baseline:
-  /// by_rod times their difference from the baseline's is the effect's signature to first order, beside
-  /// `seen`, the change of where bodies are seen.
+  /// Rod values and places of bodies as other constants and effects would make them while shapes, and what
+  /// follows from those, stay as they are in `baseline`. With `reference` what vary() gives for the
+  /// parameters of the baseline, by_rod times the difference of `values`, plus that of `seen`, is what the
+  /// change does to the bodies, to first order.
   struct Varied {
-    Eigen::MatrixXd values;  ///< one column per block
-    Eigen::MatrixXd seen;    ///< 3 x all bodies of all blocks, in order
+    Eigen::MatrixXd values;  ///< one column per block; FineRod::values
+    Eigen::MatrixXd seen;    ///< 3 x all bodies of all blocks, in order: by which effects move what is seen
   };
   Varied vary(const Arm& arm, const std::vector<Present>& effects, const Dynamics& dynamics,
-              const TrialData& trial, const std::vector<Predicted>& baseline, const Present& further);
+              const TrialData& trial, const std::vector<Predicted>& baseline);
 
  private:
   struct Impl;

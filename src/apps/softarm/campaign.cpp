@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 
 #include "softarm/command.h"
+#include "softarm/math/parallel.h"
 #include "softarm/output_file.h"
-#include "softarm/parallel.h"
 #include "softarm/progress.h"
 #include "softarm/record_trial.h"
 #include "softarm/rig/simulator.h"

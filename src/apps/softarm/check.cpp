@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "softarm/command.h"
+#include "softarm/math/parallel.h"
 #include "softarm/output_file.h"
-#include "softarm/parallel.h"
 #include "softarm/progress.h"
 #include "softarm/ros/bag_recording.h"
 #include "softarm/ros/open_bag.h"

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "softarm/identify/identify.h"
-#include "softarm/parallel.h"
+#include "softarm/math/parallel.h"
 #include "softarm/rod/published_cable.h"
 #include "softarm/validate/cable_model.h"
 #include "softarm/validate/experiment.h"

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "softarm/identify/identify.h"
-#include "softarm/parallel.h"
+#include "softarm/math/parallel.h"
 #include "softarm/rod/published_hybrid.h"
 #include "softarm/validate/experiment.h"
 #include "softarm/validate/hybrid_modulus.h"

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "softarm/fit/estimator.h"
-#include "softarm/parallel.h"
+#include "softarm/math/parallel.h"
 #include "softarm/validate/circle_fit.h"
 #include "softarm/validate/printed_fit.h"
 

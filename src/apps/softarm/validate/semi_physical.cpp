@@ -10,7 +10,7 @@
 
 #include "softarm/identify/identify.h"
 #include "softarm/identify/pull.h"
-#include "softarm/parallel.h"
+#include "softarm/math/parallel.h"
 #include "softarm/rod/published.h"
 #include "softarm/validate/experiment.h"
 #include "softarm/validate/papers.h"
