@@ -1,6 +1,8 @@
 #include "softarm/trial/check.h"
 
 #include <algorithm>
+#include <cmath>
+#include <set>
 
 #include "context.h"
 
@@ -32,6 +34,27 @@ std::vector<CheckStream> streams_of(const check::Context& context) {
   return streams;
 }
 
+/// What is wrong with the stamps mostly is so for all bodies, or all inputs, of a driver: one finding for
+/// them.
+void merge_alike(std::vector<CheckFinding>& findings) {
+  const std::set<std::string> kOfDrivers{"irregular_stamps", "duplicates",   "gap",          "low_rate",
+                                         "receipt",          "zero_stamps",  "out_of_order", "time_jump",
+                                         "stamps_ahead",     "late_receipt", "clock_drift"};
+  std::vector<CheckFinding> merged;
+  for (CheckFinding& f : findings) {
+    const auto same = std::find_if(merged.begin(), merged.end(), [&](const CheckFinding& m) {
+      if (m.id != f.id || m.severity != f.severity || !m.figure || !f.figure) return false;
+      return kOfDrivers.count(f.id) > 0 && std::abs(*m.figure - *f.figure) <= 0.1 * std::abs(*m.figure);
+    });
+    if (same == merged.end()) {
+      merged.push_back(std::move(f));
+    } else {
+      same->where += ", " + f.where;
+    }
+  }
+  findings = std::move(merged);
+}
+
 }  // namespace
 
 std::optional<Severity> CheckReport::worst() const {
@@ -60,6 +83,7 @@ CheckReport check_recording(const CheckRecording& recording, const Arm& arm) {
   report.duration_s = context.duration_s;
   report.streams = streams_of(context);
   report.findings = std::move(context.findings);
+  merge_alike(report.findings);
   std::stable_sort(report.findings.begin(), report.findings.end(),
                    [](const CheckFinding& a, const CheckFinding& b) { return a.severity > b.severity; });
   return report;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "context.h"
 #include "numbers.h"
@@ -117,13 +118,25 @@ void check_pair(Context& context, std::size_t i, std::size_t j) {
   }
   if (times.empty()) return;
   exchange(first, second, pairs, crossed);
+  // Where only one of the two was seen nobody knows which.
+  const std::vector<CheckSpan> spans = spans_of(times, 4.0 * first.period_s);
+  for (auto [track, is_first] : {std::pair{&first, true}, std::pair{&second, false}}) {
+    std::vector<bool> paired(track->poses.size(), false);
+    for (const Pair& pair : pairs) paired[is_first ? pair.first_at : pair.second_at] = true;
+    for (std::size_t k = 0; k < track->poses.size(); ++k) {
+      for (const CheckSpan& span : spans) {
+        TrackPose& pose = track->poses[k];
+        if (!paired[k] && pose.t_s >= span.from_s && pose.t_s <= span.to_s) pose.good = false;
+      }
+    }
+  }
   const double share = static_cast<double>(times.size()) / static_cast<double>(pairs.size());
   CheckFinding& finding =
       context.add(Severity::kSerious, "exchanged_bodies", first.name + ", " + second.name,
                   fmt::format("their labels are exchanged in {:.1f} % of the frames", 100.0 * share));
   finding.figure = share;
   finding.unit = "1";
-  finding.spans = spans_of(times, 4.0 * first.period_s);
+  finding.spans = spans;
   finding.remedy =
       "give the two marker sets different, asymmetric arrangements; leave these stretches out, or "
       "rename the bodies there. Further checks have them the right way round";

@@ -44,6 +44,7 @@ void offsets_of(const Track& track, Offsets* distance_m, Offsets* angle_rad) {
   std::vector<Eigen::Vector3d> points, turns;
   for (std::ptrdiff_t i = 0; i < n; ++i) {
     const TrackPose& pose = poses[static_cast<std::size_t>(i)];
+    if (!pose.good) continue;
     points.clear();
     turns.clear();
     for (std::ptrdiff_t d = 1; d <= kReach; ++d) {
@@ -136,7 +137,7 @@ void check_jumps(Context& context) {
         worst_m = std::max(worst_m, distance[i]);
         pose.good = false;
       }
-      if (angle[i] > limit_rad) {
+      if (pose.good && angle[i] > limit_rad) {
         spikes.push_back(pose.t_s);
         worst_rad = std::max(worst_rad, angle[i]);
         pose.q.reset();

@@ -62,7 +62,11 @@ void check_noise(Context& context) {
     table += fmt::format("{}{} {:.3g} mm{}", table.empty() ? "" : ", ", track.name, 1e3 * track.white_sd_m,
                          slow > 0.0 ? fmt::format(" and {:.3g} mm slow", 1e3 * slow) : "");
     const double usual = track.is_base() ? 0.0 : track.body->position_sd_m;
-    if (slow > std::max(5e-5, 0.5 * track.white_sd_m) && slow > 0.3 * usual) {
+    const bool moved = track.is_base() && std::any_of(context.findings.begin(), context.findings.end(),
+                                                      [](const CheckFinding& f) {
+                                                        return f.id == "base_bumped" || f.id == "base_drifts";
+                                                      });
+    if (!moved && slow > std::max(5e-5, 0.5 * track.white_sd_m) && slow > 0.3 * usual) {
       CheckFinding& finding = context.add(
           Severity::kWarning, "correlated_noise", track.name,
           fmt::format(

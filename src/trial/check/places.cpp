@@ -14,9 +14,11 @@ namespace softarm::check {
 namespace {
 
 constexpr std::size_t kMostFrames = 300, kGravityFrames = 40;
-constexpr double kOffM = 0.00035;  // of a mean residual
-constexpr double kSlipM = 0.0005;  // of its change
-constexpr double kBlock = 10;      // frames: a second, which are counted as one independent value
+constexpr double kOffM = 0.00035;      // of a mean residual
+constexpr double kLastingM = 0.00015;  // of residuals that stay for a while
+constexpr double kTiltRad = 0.02;      // of a tangent against the fitted one
+constexpr double kSlipM = 0.0005;      // of its change
+constexpr double kBlock = 10;          // frames: a second, which are counted as one independent value
 
 struct Residual {
   double t_s = 0.0;
@@ -25,6 +27,8 @@ struct Residual {
 
 struct Fit {
   std::vector<std::vector<Residual>> bodies;  // as Arm::bodies
+  /// Measured less estimated tangent where the body's orientation is known, in the section frame, rad.
+  std::vector<std::vector<Residual>> tangents;
   std::vector<double> rms_m;
 };
 
@@ -33,6 +37,7 @@ struct Fit {
 Fit fit(const Context& context, const Arm& arm, std::size_t most, bool with_sections) {
   Fit result;
   result.bodies.resize(arm.bodies.size());
+  result.tangents.resize(arm.bodies.size());
   Arm copy = arm;
   if (!copy.payload.default_kg) copy.payload.default_kg = 0.0;
   copy.estimator.unknown = Unknown::kStiffness;
@@ -67,9 +72,18 @@ Fit fit(const Context& context, const Arm& arm, std::size_t most, bool with_sect
           section = point.q_base;
         }
       }
-      result.bodies[static_cast<std::size_t>(body.body)].push_back(
-          {frames[i].stamp_s - context.begin_s - context.body_epoch_s,
-           section.conjugate() * (body.measured_base - body.estimated_base)});
+      const auto index = static_cast<std::size_t>(body.body);
+      const double t_s = frames[i].stamp_s - context.begin_s - context.body_epoch_s;
+      result.bodies[index].push_back({t_s, section.conjugate() * (body.measured_base - body.estimated_base)});
+      if (e.backbone.empty()) continue;
+      for (const BodyObservation& seen : frames[i].bodies) {
+        if (seen.body != body.body || !seen.q_mocap) continue;
+        const Eigen::Vector3d tangent_mocap =
+            seen.q_mocap->normalized() * arm.bodies[index].section_in_body.linear().col(2);
+        const Eigen::Vector3d tangent =
+            section.conjugate() * (e.base_in_mocap.linear().transpose() * tangent_mocap);
+        result.tangents[index].push_back({t_s, tangent - Eigen::Vector3d::UnitZ()});
+      }
     }
   }
   return result;
@@ -91,6 +105,31 @@ double spread_of(const std::vector<Residual>& residuals) {
   return std::max({robust_sd(x), robust_sd(y), robust_sd(z)});
 }
 
+/// From one frame to the next, in a coordinate: what does not last.
+double jitter_of(const std::vector<Residual>& residuals) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < residuals.size(); ++i) {
+    for (int k = 0; k < 3; ++k) steps.push_back(residuals[i].r(k) - residuals[i - 1].r(k));
+  }
+  return robust_sd(steps) / std::sqrt(2.0);
+}
+
+/// What lasts beyond a tenth of a second, of all coordinates together, beside the mean: root of the
+/// covariance of neighbours; 0 where it is no more than chance.
+double lasting_of(const std::vector<Residual>& residuals) {
+  const Eigen::Vector3d mean = mean_of(residuals, 0, residuals.size());
+  double covariance = 0.0, variance = 0.0;
+  int count = 0;
+  for (std::size_t i = 1; i < residuals.size(); ++i) {
+    if (residuals[i].t_s - residuals[i - 1].t_s > 0.5) continue;
+    covariance += (residuals[i].r - mean).dot(residuals[i - 1].r - mean);
+    variance += (residuals[i].r - mean).squaredNorm();
+    ++count;
+  }
+  if (count < 40 || !(covariance > 0.25 * variance)) return 0.0;
+  return std::sqrt(covariance / count);
+}
+
 struct Slip {
   double change_m = 0.0, t_s = 0.0, significance = 0.0;
 };
@@ -99,7 +138,7 @@ struct Slip {
 Slip slip_of(const std::vector<Residual>& residuals) {
   Slip worst;
   const std::size_t n = residuals.size();
-  const double sd = std::max(spread_of(residuals), 1e-6);
+  const double sd = std::max(jitter_of(residuals), 1e-6);
   Eigen::Vector3d before = Eigen::Vector3d::Zero();
   const Eigen::Vector3d all = mean_of(residuals, 0, n) * static_cast<double>(n);
   for (std::size_t k = 1; k < n; ++k) {
@@ -125,8 +164,9 @@ void check_places(Context& context) {
       return;
   }
   const Fit residuals = fit(context, arm, kMostFrames, true);
-  std::size_t worst = 0;
-  double worst_m = 0.0, worst_se = 0.0;
+  std::size_t worst = 0, loosest = 0;
+  double worst_m = 0.0, worst_se = 0.0, lasting_m = 0.0;
+  bool slips = false;
   for (std::size_t b = 0; b < arm.bodies.size(); ++b) {
     const auto& series = residuals.bodies[b];
     if (series.size() < 40) continue;
@@ -137,8 +177,13 @@ void check_places(Context& context) {
       worst_se = se;
       worst = b;
     }
+    if (const double lasting = lasting_of(series); lasting > lasting_m) {
+      lasting_m = lasting;
+      loosest = b;
+    }
     const Slip slip = slip_of(series);
     if (slip.change_m > kSlipM && slip.significance > 5.0) {
+      slips = true;
       CheckFinding& finding = context.add(
           Severity::kWarning, "ring_slips", arm.bodies[b].name,
           fmt::format("against the other bodies it moves by {:.1f} mm during the trial, about t = {:.1f} s",
@@ -151,6 +196,41 @@ void check_places(Context& context) {
           "holds there. An arm whose bending is not the model's moves the residuals as well";
       finding.setting = "bodies[" + arm.bodies[b].name + "].arclength_m";
     }
+  }
+  if (!slips && lasting_m > kLastingM && lasting_m > 0.3 * context.tracks[loosest + 1].white_sd_m) {
+    CheckFinding& finding = context.add(
+        Severity::kWarning, "ring_wanders", arm.bodies[loosest].name,
+        fmt::format(
+            "against the other bodies it is off by {:.2g} mm (rms), now here, now there, for longer than a "
+            "tenth of a second",
+            1e3 * lasting_m));
+    finding.figure = lasting_m;
+    finding.unit = "m";
+    finding.remedy =
+        "a loose ring, noise that is correlated in time (it does not average out: state the sum), or an "
+        "arm that bends otherwise than its model";
+    finding.setting = fmt::format("noise.position_sd_m: {:.2g}",
+                                  std::hypot(lasting_m, context.tracks[loosest + 1].white_sd_m));
+  }
+  for (std::size_t b = 0; b < arm.bodies.size(); ++b) {
+    const auto& series = residuals.tangents[b];
+    if (series.size() < 40) continue;
+    const double lasting = lasting_of(series);
+    const double off = std::hypot(lasting, mean_of(series, 0, series.size()).head<2>().norm());
+    if (off < kTiltRad || off > 1.0) continue;  // beyond it is turned over: check_attitude
+    CheckFinding& finding =
+        context.add(arm.bodies[b].orientation_usable ? Severity::kWarning : Severity::kInformation,
+                    "tangent_off", arm.bodies[b].name,
+                    fmt::format("its z axis is {:.1f} deg off the backbone's tangent that the positions say "
+                                "({:.1f} deg of it come "
+                                "and go)",
+                                off * 180.0 / M_PI, lasting * 180.0 / M_PI));
+    finding.figure = off;
+    finding.unit = "rad";
+    finding.remedy =
+        "a loose ring, or a frame that was not aligned with the arm: align it at rest, or do without its "
+        "orientation";
+    finding.setting = fmt::format("bodies[{}].orientation_usable: false", arm.bodies[b].name);
   }
   if (worst_m > kOffM + 4.0 * worst_se) {
     CheckFinding& finding = context.add(

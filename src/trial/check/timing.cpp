@@ -138,10 +138,12 @@ void say_regularity(Context& context, const Stream& stream, double period_s) {
     }
   }
   if (1.0 / period_s < kSlowHz && stream.is_body) {
-    context
-        .add(Severity::kInformation, "low_rate", stream.name,
-             fmt::format("{:.3g} Hz: motions faster than a tenth of that are not followed", 1.0 / period_s))
-        .remedy = "stream the mocap at 50 Hz or more";
+    CheckFinding& finding = context.add(
+        Severity::kInformation, "low_rate", stream.name,
+        fmt::format("{:.3g} Hz: motions faster than a tenth of that are not followed", 1.0 / period_s));
+    finding.figure = 1.0 / period_s;
+    finding.unit = "Hz";
+    finding.remedy = "stream the mocap at 50 Hz or more";
   }
 }
 
