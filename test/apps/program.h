@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -18,13 +19,19 @@ inline std::string text_of(const std::filesystem::path& path) {
   return text.str();
 }
 
+/// Names of parametrised tests have slashes.
+inline std::string file_name_of(std::string test) {
+  std::replace(test.begin(), test.end(), '/', '_');
+  return test;
+}
+
 /// A folder of the running test, removed with it.
 class TestFolder {
  public:
   TestFolder() {
     const ::testing::TestInfo* test = ::testing::UnitTest::GetInstance()->current_test_info();
     path_ = std::filesystem::path(::testing::TempDir()) /
-            (std::string("softarm_") + test->test_suite_name() + "_" + test->name());
+            ("softarm_" + file_name_of(std::string(test->test_suite_name()) + "_" + test->name()));
     std::filesystem::remove_all(path_);
     std::filesystem::create_directories(path_);
   }
@@ -58,7 +65,7 @@ struct Outcome {
 inline Outcome softarm_program(const std::string& arguments) {
   // Outside of the test's folder, whose files are counted.
   const std::string stem = std::string(::testing::TempDir()) + "/softarm_run_" +
-                           ::testing::UnitTest::GetInstance()->current_test_info()->name();
+                           file_name_of(::testing::UnitTest::GetInstance()->current_test_info()->name());
   const std::string command =
       SOFTARM_PROGRAM_DIR "/softarm " + arguments + " >" + stem + ".out 2>" + stem + ".err </dev/null";
   const int raw = std::system(command.c_str());

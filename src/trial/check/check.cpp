@@ -34,23 +34,38 @@ std::vector<CheckStream> streams_of(const check::Context& context) {
   return streams;
 }
 
-/// What is wrong with the stamps mostly is so for all bodies, or all inputs, of a driver: one finding for
-/// them.
+/// At the same time, or both throughout.
+bool same_times(const CheckFinding& a, const CheckFinding& b) {
+  constexpr double kSameS = 0.5;
+  if (a.spans.size() != b.spans.size()) return false;
+  return std::equal(a.spans.begin(), a.spans.end(), b.spans.begin(),
+                    [](const CheckSpan& x, const CheckSpan& y) {
+                      return std::abs(x.from_s - y.from_s) < kSameS && std::abs(x.to_s - y.to_s) < kSameS;
+                    });
+}
+
+/// What is wrong with the stamps, or stands still, mostly is so for all bodies, or all inputs, of a driver:
+/// one finding for them.
 void merge_alike(std::vector<CheckFinding>& findings) {
-  const std::set<std::string> kOfDrivers{"irregular_stamps", "duplicates",   "gap",          "low_rate",
-                                         "receipt",          "zero_stamps",  "out_of_order", "time_jump",
-                                         "stamps_ahead",     "late_receipt", "clock_drift"};
+  const std::set<std::string> kOfDrivers{"irregular_stamps", "duplicates",    "gap",          "low_rate",
+                                         "receipt",          "zero_stamps",   "out_of_order", "time_jump",
+                                         "stamps_ahead",     "late_receipt",  "clock_drift",  "other_epoch",
+                                         "frozen_body",      "repeated_poses"};
+  const std::set<std::string> kOfTimes{"gap", "time_jump", "frozen_body"};
   std::vector<CheckFinding> merged;
   for (CheckFinding& f : findings) {
     const auto same = std::find_if(merged.begin(), merged.end(), [&](const CheckFinding& m) {
       if (m.id != f.id || m.severity != f.severity || !m.figure || !f.figure) return false;
-      return kOfDrivers.count(f.id) > 0 && std::abs(*m.figure - *f.figure) <= 0.1 * std::abs(*m.figure);
+      return kOfDrivers.count(f.id) > 0 && std::abs(*m.figure - *f.figure) <= 0.1 * std::abs(*m.figure) &&
+             (kOfTimes.count(f.id) == 0 || same_times(m, f));
     });
     if (same == merged.end()) {
       merged.push_back(std::move(f));
-    } else {
-      same->where += ", " + f.where;
+      continue;
     }
+    same->where += ", " + f.where;
+    const std::string key = f.setting.substr(0, f.setting.find(':'));
+    if (!key.empty() && same->setting.find(key) == std::string::npos) same->setting += "; " + f.setting;
   }
   findings = std::move(merged);
 }
@@ -70,12 +85,13 @@ CheckReport check_recording(const CheckRecording& recording, const Arm& arm) {
   Context context(recording, arm);
   using Step = void (*)(Context&);
   // What one finds wrong the next leaves out: labels first, then single poses, then the arm as a whole.
-  constexpr Step kSteps[] = {
-      check_topics,       check_timing,        check_receipt, check_numbers, check_exchanged,
-      check_frozen,       check_turned_over,   check_jumps,   check_losses,  update_noise,
-      find_rest,          check_rest,          check_units,   check_order,   check_attitude,
-      check_base_moves,   check_spacing,       check_places,  check_gravity, check_pressure_units,
-      check_input_levels, check_input_signals, check_payload, check_noise,   check_clocks};
+  constexpr Step kSteps[] = {check_topics,         check_timing,       check_receipt,       check_numbers,
+                             check_exchanged,      check_frozen,       check_turned_over,   check_jumps,
+                             check_losses,         update_noise,       find_rest,           check_rest,
+                             check_units,          check_order,        check_attitude,      check_base_moves,
+                             check_noise,          check_spacing,      check_places,        check_gravity,
+                             check_pressure_units, check_input_levels, check_input_signals, check_payload,
+                             check_clocks};
   for (const Step step : kSteps) step(context);
 
   CheckReport report;

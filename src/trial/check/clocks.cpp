@@ -1,271 +1,102 @@
-// The clock of the inputs against that of the bodies, from the motion that the inputs cause.
-//
-// The place of the body farthest along the arm is regressed on the inputs at a shifted time: a constant, the
-// inputs, their squares, cubes and products, plays of two widths (rate-independent hysteresis, which at one
-// speed looks like a lag), the known payload, and hat functions over some seconds that take up what is slow
-// (creep, drift, payloads that nobody told). The shift of least residual is found by a scan and Gauss-Newton;
-// its variance is that of a least-squares estimate whose residuals are correlated within blocks of two
-// seconds (a sandwich, clustered).
+// The clock of the inputs against that of the bodies: what is said of it.
 #include <fmt/format.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
+#include "clock_shift.h"
 #include "context.h"
 #include "numbers.h"
 
 namespace softarm::check {
 namespace {
 
-constexpr double kMostShiftS = 1.0, kScanS = 0.1;
-constexpr double kStepS = 0.05;  // of the samples that are fitted
-constexpr double kHatS = 5.0;
-constexpr double kBlockS = 2.0;
-constexpr int kLeastBlocks = 9;
 constexpr double kTellS = 0.04;  // a standard deviation beyond it tells nothing
 constexpr double kLagS = 0.08;   // of an arm's own: beyond it a lag is worth a warning
 constexpr double kLeadS = 0.02;  // the arm cannot come before its inputs
 
-struct Problem {
-  std::vector<double> t_s;
-  Eigen::MatrixXd y;     // samples x 3, m
-  Eigen::MatrixXd hats;  // orthonormal columns
-  std::vector<int> block;
-  std::vector<const Signal*> signals;
-  bool with_plays = true;
-};
-
-/// Mean place of the track about a time, and the mean of the times; absent where it was not seen.
-std::optional<std::pair<double, Eigen::Vector3d>> place_at(const Track& track, std::size_t& at, double t_s) {
-  while (at < track.poses.size() && track.poses[at].t_s < t_s - 0.5 * kStepS) ++at;
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  double time = 0.0;
-  int count = 0;
-  for (std::size_t i = at; i < track.poses.size() && track.poses[i].t_s < t_s + 0.5 * kStepS; ++i) {
-    if (!track.poses[i].good) continue;
-    sum += track.poses[i].p;
-    time += track.poses[i].t_s;
-    ++count;
+/// What receipt has shown already of the clocks: how far bodies' stamps are ahead of those of the inputs.
+double shown_by_receipt_s(const Context& context) {
+  double bodies_s = 0.0;
+  std::vector<double> inputs_s(context.signals.size(), 0.0);
+  for (const CheckFinding& f : context.findings) {
+    if (f.id != "stamps_ahead" || !f.figure) continue;
+    if (f.where == "mocap") bodies_s = *f.figure;
+    for (std::size_t i = 0; i < context.signals.size(); ++i) {
+      if (f.where == context.signals[i].input->name) inputs_s[i] = *f.figure;
+    }
   }
-  if (count == 0) return std::nullopt;
-  return std::make_pair(time / count, Eigen::Vector3d(sum / count));
+  return bodies_s - median(inputs_s);
 }
 
-void add_plays(const Eigen::VectorXd& u, double range, std::vector<Eigen::VectorXd>* columns) {
-  for (const double width : {0.08, 0.25}) {
-    Eigen::VectorXd play(u.size());
-    double x = u(0);
-    for (Eigen::Index k = 0; k < u.size(); ++k) {
-      const double half = 0.5 * width * range;
-      x = std::clamp(x, u(k) - half, u(k) + half);
-      play(k) = x;
-    }
-    columns->push_back(play);
+void say(Context& context, const ClockShift& shift) {
+  const double shown_s = shown_by_receipt_s(context), left_s = shift.shift_s - shown_s;
+  const bool leads = left_s<-kLeadS - 2.0 * shift.sd_s, lags = left_s> kLagS + 2.0 * shift.sd_s;
+  CheckFinding finding;
+  finding.severity = leads || lags ? Severity::kWarning : Severity::kInformation;
+  finding.id = "clock_offset_or_lag";
+  finding.what =
+      fmt::format("clock offset or lag: the arm answers {:.0f} ms {} its inputs (95 %: {:.0f} to {:.0f} ms)",
+                  1e3 * std::abs(shift.shift_s), shift.shift_s < 0.0 ? "before" : "after",
+                  1e3 * (shift.shift_s - 1.96 * shift.sd_s), 1e3 * (shift.shift_s + 1.96 * shift.sd_s));
+  finding.figure = shift.shift_s;
+  finding.figure_sd = shift.sd_s;
+  finding.unit = "s";
+  if (shown_s != 0.0) {
+    finding.what +=
+        fmt::format("; {:.0f} ms of it are the stamps that are ahead of their receipt", 1e3 * shown_s);
   }
-}
-
-/// The regressors at a shift: the arm at t answers to the inputs at t - shift. Hats are projected out.
-Eigen::MatrixXd regressors(const Problem& problem, double shift_s) {
-  const auto n = static_cast<Eigen::Index>(problem.t_s.size());
-  std::vector<Eigen::VectorXd> linear;
-  std::vector<Eigen::VectorXd> columns;
-  for (const Signal* signal : problem.signals) {
-    Eigen::VectorXd u(n);
-    const double middle = 0.5 * (signal->low + signal->high), half = std::max(0.5 * signal->range(), 1e-12);
-    for (Eigen::Index k = 0; k < n; ++k) {
-      u(k) = (signal->at(problem.t_s[static_cast<std::size_t>(k)] - shift_s) - middle) / half;
-    }
-    linear.push_back(u);
-    columns.push_back(u);
-    if (problem.with_plays) add_plays(u, 2.0, &columns);
+  finding.remedy =
+      leads ? "no arm comes before its inputs: the inputs' clock is ahead of the mocap's, or the mocap's "
+              "behind. Synchronise the clocks, or shift the stamps"
+            : "a lag of valves, lines and the arm itself looks the same: only a test of the clocks (a LED "
+              "or a tap that both see) can tell. Either way a model without lag wants the stamps shifted";
+  // One cause, one finding with the setting: a mocap clock that is behind is received late as well.
+  const double known_s = context.arm.inputs.body_latency_s;
+  if (leads || lags || shown_s == 0.0) {
+    finding.setting = fmt::format("inputs.bodies.latency_s: {:.3f}", known_s + shift.shift_s);
   }
-  // A place on a bent arm is no linear function of its bending: without the cubes the plays would stand in.
-  const bool few = linear.size() <= 3;
-  for (std::size_t i = 0; i < linear.size(); ++i) {
-    const Eigen::VectorXd square = linear[i].cwiseProduct(linear[i]);
-    for (std::size_t j = 0; j < linear.size(); ++j) {
-      if (j >= i && (i == j || linear.size() <= 4)) columns.push_back(linear[i].cwiseProduct(linear[j]));
-      if (i == j || few) columns.push_back(square.cwiseProduct(linear[j]));
-    }
-  }
-  Eigen::MatrixXd a(n, static_cast<Eigen::Index>(columns.size()));
-  for (std::size_t c = 0; c < columns.size(); ++c) a.col(static_cast<Eigen::Index>(c)) = columns[c];
-  a -= problem.hats * (problem.hats.transpose() * a);
-  return a;
-}
-
-struct Fit {
-  double cost = 0.0;
-  Eigen::MatrixXd residual, coefficients;
-};
-
-Fit fit(const Problem& problem, const Eigen::MatrixXd& a) {
-  // A small ridge: inputs that move together leave the split between them open, not the fit.
-  Eigen::MatrixXd normal = a.transpose() * a;
-  normal.diagonal().array() += 1e-8 * (1.0 + normal.diagonal().maxCoeff());
-  Fit result;
-  result.coefficients = normal.ldlt().solve(a.transpose() * problem.y);
-  result.residual = problem.y - a * result.coefficients;
-  result.cost = result.residual.squaredNorm();
-  return result;
-}
-
-std::optional<Problem> pose_problem(const Context& context) {
-  Problem problem;
-  const Track* tip = nullptr;
-  for (const Track& track : context.tracks) {
-    if (!track.is_base() && track.poses.size() > 60 && (!tip || track.arclength_m >= tip->arclength_m))
-      tip = &track;
-  }
-  if (!tip) return std::nullopt;
-  double from_s = tip->poses.front().t_s, to_s = tip->poses.back().t_s;
-  for (const Signal& signal : context.signals) {
-    if (signal.points.size() < 20 || signal.range() <= 10.0 * signal.noise_sd || signal.range() == 0.0)
-      continue;
-    if (signal.input->kind == InputKind::kPressure && signal.range() < 500.0) continue;
-    problem.signals.push_back(&signal);
-    from_s = std::max(from_s, signal.points.front().t_s);
-    to_s = std::min(to_s, signal.points.back().t_s);
-  }
-  if (problem.signals.empty() || to_s - from_s < 4.0) return std::nullopt;
-  std::vector<Eigen::Vector3d> places;
-  std::size_t at = 0;
-  for (double t = from_s; t <= to_s; t += kStepS) {
-    const auto place = place_at(*tip, at, t);
-    if (!place) continue;
-    problem.t_s.push_back(place->first);
-    problem.block.push_back(static_cast<int>((t - from_s) / kBlockS));
-    places.push_back(place->second);
-  }
-  const auto n = static_cast<Eigen::Index>(places.size());
-  if (n < 80) return std::nullopt;
-  const int hats = std::max(2, std::min(40, static_cast<int>((to_s - from_s) / kHatS) + 1));
-  const double spacing = (to_s - from_s) / (hats - 1);
-  Eigen::MatrixXd h = Eigen::MatrixXd::Zero(n, hats);
-  problem.y.resize(n, 3);
-  for (Eigen::Index k = 0; k < n; ++k) {
-    problem.y.row(k) = places[static_cast<std::size_t>(k)].transpose();
-    const double x = (problem.t_s[static_cast<std::size_t>(k)] - from_s) / spacing;
-    const int i = std::min(hats - 2, static_cast<int>(x));
-    h(k, i) = 1.0 - (x - i);
-    h(k, i + 1) = x - i;
-  }
-  // Known payloads: a step each. (Hats take up what is slow, not what is sudden.)
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < context.payload.size(); ++i) {
-    if (context.payload[i].value != context.payload[i - 1].value) steps.push_back(context.payload[i].t_s);
-  }
-  if (!steps.empty() && steps.size() < 30) {
-    Eigen::MatrixXd more(n, hats + static_cast<Eigen::Index>(steps.size()));
-    more.leftCols(hats) = h;
-    for (std::size_t s = 0; s < steps.size(); ++s) {
-      for (Eigen::Index k = 0; k < n; ++k) {
-        more(k, hats + static_cast<Eigen::Index>(s)) =
-            problem.t_s[static_cast<std::size_t>(k)] >= steps[s] ? 1.0 : 0.0;
-      }
-    }
-    h = more;
-  }
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(h);
-  const Eigen::MatrixXd q = qr.householderQ() * Eigen::MatrixXd::Identity(n, qr.rank());
-  problem.hats = q;
-  problem.y -= q * (q.transpose() * problem.y);
-  return problem;
-}
-
-struct Shift {
-  double shift_s = 0.0, sd_s = 0.0;
-  double explained = 0.0;  // share of the variance
-  bool at_edge = false;
-};
-
-Shift solve(const Problem& problem) {
-  Shift result;
-  double least = -1.0;
-  for (double shift = -kMostShiftS; shift <= kMostShiftS + 1e-9; shift += kScanS) {
-    const double cost = fit(problem, regressors(problem, shift)).cost;
-    if (least < 0.0 || cost < least) {
-      least = cost;
-      result.shift_s = shift;
+  auto& all = context.findings;
+  if (leads) {
+    const auto late = std::find_if(all.begin(), all.end(), [&](const CheckFinding& f) {
+      return f.id == "late_receipt" && f.where == "mocap" &&
+             std::abs(*f.figure + shift.shift_s) < kLeadS + kLagS + 2.0 * shift.sd_s;
+    });
+    if (late != all.end()) {
+      finding.what +=
+          fmt::format("; and mocap is received {:.0f} ms after its stamps, at best", 1e3 * *late->figure);
+      all.erase(late);
     }
   }
-  result.at_edge = std::abs(result.shift_s) > kMostShiftS - 0.5 * kScanS;
-  constexpr double kDelta = 0.005;
-  for (int iteration = 0; iteration < 6; ++iteration) {
-    const Eigen::MatrixXd a = regressors(problem, result.shift_s);
-    const Fit now = fit(problem, a);
-    const Eigen::MatrixXd slope =
-        (regressors(problem, result.shift_s + kDelta) - regressors(problem, result.shift_s - kDelta)) /
-        (2.0 * kDelta);
-    // Change of the model with the shift, less what the coefficients could make of it.
-    Eigen::MatrixXd d = slope * now.coefficients;
-    Eigen::MatrixXd normal = a.transpose() * a;
-    normal.diagonal().array() += 1e-8 * (1.0 + normal.diagonal().maxCoeff());
-    d -= a * normal.ldlt().solve(a.transpose() * d);
-    const double information = d.squaredNorm();
-    result.explained = 1.0 - now.cost / std::max(problem.y.squaredNorm(), 1e-300);
-    if (!(information > 0.0)) {
-      result.sd_s = 1e9;
-      return result;
+  if (leads || lags) {
+    for (CheckFinding& f : all) {
+      if (f.id == "stamps_ahead" && f.where == "mocap") f.setting.clear();
     }
-    const Eigen::VectorXd products = d.cwiseProduct(now.residual).rowwise().sum();
-    std::vector<double> blocks(static_cast<std::size_t>(problem.block.back()) + 1, 0.0);
-    for (std::size_t k = 0; k < problem.block.size(); ++k) {
-      blocks[static_cast<std::size_t>(problem.block[k])] += products(static_cast<Eigen::Index>(k));
-    }
-    double meat = 0.0;
-    for (const double b : blocks) meat += b * b;
-    const double few = static_cast<double>(blocks.size());
-    result.sd_s = std::sqrt(meat * few / std::max(few - 4.0, 1.0)) / information;
-    const double step = std::clamp(products.sum() / information, -kScanS, kScanS);
-    result.shift_s += step;
-    if (std::abs(step) < 2e-4) break;
   }
-  return result;
+  all.push_back(std::move(finding));
 }
 
 }  // namespace
 
 void check_clocks(Context& context) {
   if (context.signals.empty()) return;
-  const auto problem = pose_problem(context);
+  const std::optional<ClockShift> found = clock_shift(context);
   const auto cannot = [&](const std::string& why) {
     context
         .add(Severity::kInformation, "clock_cannot_tell", "",
              "clocks of inputs and mocap against each other: cannot tell, " + why)
         .remedy = "a trial with quick steps of each input shows it";
   };
-  if (!problem) return cannot("no input changes while a body is seen");
-  if (problem->block.back() + 1 < kLeastBlocks) return cannot("the trial is too short");
-  Shift shift = solve(*problem);
-  // How much hysteresis there is nobody knows: with and without it differ by what the model leaves open.
-  Problem plain = *problem;
-  plain.with_plays = false;
-  shift.sd_s = std::hypot(shift.sd_s, 0.5 * (solve(plain).shift_s - shift.shift_s));
+  if (!found) return cannot("no input changes while a body is seen");
+  if (found->too_short) return cannot("the trial is too short");
+  const ClockShift& shift = *found;
   if (shift.at_edge || shift.sd_s > kTellS || shift.explained < 0.3) {
     return cannot(shift.explained < 0.3
                       ? fmt::format("the inputs explain {:.0f} % of the motion only", 100.0 * shift.explained)
                   : shift.at_edge ? std::string("no shift within a second fits better than its neighbours")
-                                  : fmt::format("the motion is too slow (+- {:.0f} ms)", 2e3 * shift.sd_s));
+                                  : fmt::format("the motion is too slow, or not the inputs' alone (+- {:.0f} ms)", 2e3 * shift.sd_s));
   }
-  const bool leads = shift.shift_s < -kLeadS - 2.0 * shift.sd_s;
-  const bool lags = shift.shift_s > kLagS + 2.0 * shift.sd_s;
-  CheckFinding& finding = context.add(
-      leads || lags ? Severity::kWarning : Severity::kInformation, "clock_offset_or_lag", "",
-      fmt::format("clock offset or lag: the arm answers {:.0f} ms {} its inputs (95 %: {:.0f} to {:.0f} ms)",
-                  1e3 * std::abs(shift.shift_s), shift.shift_s < 0.0 ? "before" : "after",
-                  1e3 * (shift.shift_s - 1.96 * shift.sd_s), 1e3 * (shift.shift_s + 1.96 * shift.sd_s)));
-  finding.figure = shift.shift_s;
-  finding.figure_sd = shift.sd_s;
-  finding.unit = "s";
-  finding.remedy =
-      leads ? "no arm comes before its inputs: the inputs' clock is ahead of the mocap's, or the mocap's "
-              "behind. Synchronise the clocks, or shift the stamps"
-            : "a lag of valves, lines and the arm itself looks the same: only a test of the clocks (a LED "
-              "or a tap that both see) can tell. Either way a model without lag wants the stamps shifted";
-  finding.setting =
-      fmt::format("inputs.bodies.latency_s: {:.3f}", context.arm.inputs.body_latency_s + shift.shift_s);
+  say(context, shift);
 }
 
 }  // namespace softarm::check

@@ -25,6 +25,7 @@ struct Track {
   std::vector<TrackPose> poses;
   double period_s = 0.0;      ///< median step of the stamps
   double white_sd_m = 0.0;    ///< of a coordinate, from sample to sample
+  double slow_sd_m = 0.0;     ///< of a coordinate at rest, what does not average out; 0: unknown
   double white_sd_rad = 0.0;  ///< of a rotation about an axis
 
   bool is_base() const { return body == nullptr; }

@@ -225,9 +225,9 @@ void check_input_levels(Context& context) {
           "trial and take the zero there). If all sensors are off alike, it is the day's ambient";
       const double raw_zero = input.kind == InputKind::kVacuum ? -level.value : level.value;
       finding.setting = fmt::format(
-          "zero of the column in the import layout: {:.4g} {}more (values in Pa: {:.0f}); ambient for "
-          "all: inputs.ambient_pressure_pa: {:.0f}",
-          raw_zero / input.scale_to_si, "unit ", raw_zero, context.arm.inputs.ambient_pressure_pa + raw_zero);
+          "zero of the column in the import layout: {:.4g} more, in its unit ({:.0f} Pa); if all are off "
+          "alike, inputs.ambient_pressure_pa: {:.0f}",
+          raw_zero / input.scale_to_si, raw_zero, context.arm.inputs.ambient_pressure_pa + raw_zero);
     } else {
       finding.remedy = "if the arm is not driven at rest, subtract it";
       finding.setting =

@@ -51,6 +51,7 @@ void offsets_of(const Track& track, Offsets* distance_m, Offsets* angle_rad) {
       if (i - d < 0 || i + d >= n) break;
       const TrackPose &before = poses[static_cast<std::size_t>(i - d)],
                       &after = poses[static_cast<std::size_t>(i + d)];
+      if (!before.good || !after.good) break;
       if (pose.t_s - before.t_s > kReachS || after.t_s - pose.t_s > kReachS) break;
       points.push_back(before.p);
       points.push_back(after.p);
@@ -63,6 +64,33 @@ void offsets_of(const Track& track, Offsets* distance_m, Offsets* angle_rad) {
     (*distance_m)[static_cast<std::size_t>(i)] = (median_of(points) - pose.p).norm();
     if (turns.size() >= 4) (*angle_rad)[static_cast<std::size_t>(i)] = median_of(turns).norm();
   }
+}
+
+/// Whether a pose goes on smoothly on one side: the far end of a step (a bump, an end of a freeze), no spike.
+bool goes_on(const Track& track, std::size_t at, double limit_m) {
+  constexpr std::ptrdiff_t kSide = 2 * kReach;
+  const auto n = static_cast<std::ptrdiff_t>(track.poses.size());
+  const auto here = static_cast<std::ptrdiff_t>(at);
+  const TrackPose& pose = track.poses[at];
+  std::vector<Eigen::Vector3d> velocities;
+  for (std::ptrdiff_t k = std::max<std::ptrdiff_t>(1, here - kSide); k < std::min(n, here + kSide); ++k) {
+    const TrackPose &a = track.poses[static_cast<std::size_t>(k - 1)],
+                    &b = track.poses[static_cast<std::size_t>(k)];
+    velocities.push_back((b.p - a.p) / std::max(b.t_s - a.t_s, 1e-4));
+  }
+  if (velocities.empty()) return false;
+  const Eigen::Vector3d velocity = median_of(velocities);
+  for (const std::ptrdiff_t side : {-1, 1}) {
+    int near = 0;
+    for (std::ptrdiff_t d = 1; d <= kSide; ++d) {
+      const std::ptrdiff_t k = here + side * d;
+      if (k < 0 || k >= n) continue;
+      const TrackPose& other = track.poses[static_cast<std::size_t>(k)];
+      if ((other.p - pose.p - (other.t_s - pose.t_s) * velocity).norm() < limit_m) ++near;
+    }
+    if (near > kReach) return true;
+  }
+  return false;
 }
 
 /// Typical offset about each sample: what the motion makes of it there. Median over half a second, in blocks.
@@ -132,7 +160,7 @@ void check_jumps(Context& context) {
           kLeastM + std::max(kNoiseMultiple * track.white_sd_m, kMotionMultiple * usual_m[i]);
       const double limit_rad =
           kLeastRad + std::max(kNoiseMultiple * track.white_sd_rad, kMotionMultiple * usual_rad[i]);
-      if (pose.good && distance[i] > limit_m) {
+      if (pose.good && distance[i] > limit_m && !goes_on(track, i, limit_m)) {
         jumps.push_back(pose.t_s);
         worst_m = std::max(worst_m, distance[i]);
         pose.good = false;

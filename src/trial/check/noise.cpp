@@ -53,32 +53,25 @@ void check_noise(Context& context) {
   const auto rest = context.rest();
   double worst = 0.0, least = 1e9, stated = 0.0;
   std::string worst_name, table;
-  for (const Track& track : context.tracks) {
+  std::string wandering;
+  double slowest = 0.0, largest = 0.0;
+  const bool moved = std::any_of(context.findings.begin(), context.findings.end(), [](const CheckFinding& f) {
+    return f.id == "base_bumped" || f.id == "base_drifts";
+  });
+  for (Track& track : context.tracks) {
     if (track.white_sd_m <= 0.0) continue;
     // The mount is at rest all the time.
     const CheckSpan span = track.is_base() ? CheckSpan{0.0, context.duration_s} : rest.value_or(CheckSpan{});
-    const double slow = slow_sd(track, span);
+    const double slow = track.is_base() && moved ? 0.0 : slow_sd(track, span);
+    track.slow_sd_m = slow;
     const double total = std::hypot(track.white_sd_m, slow);
     table += fmt::format("{}{} {:.3g} mm{}", table.empty() ? "" : ", ", track.name, 1e3 * track.white_sd_m,
                          slow > 0.0 ? fmt::format(" and {:.3g} mm slow", 1e3 * slow) : "");
     const double usual = track.is_base() ? 0.0 : track.body->position_sd_m;
-    const bool moved = track.is_base() && std::any_of(context.findings.begin(), context.findings.end(),
-                                                      [](const CheckFinding& f) {
-                                                        return f.id == "base_bumped" || f.id == "base_drifts";
-                                                      });
-    if (!moved && slow > std::max(5e-5, 0.5 * track.white_sd_m) && slow > 0.3 * usual) {
-      CheckFinding& finding = context.add(
-          Severity::kWarning, "correlated_noise", track.name,
-          fmt::format(
-              "at rest it wanders by {:.2g} mm (sd) over tenths of a second and more, beside {:.2g} mm from "
-              "sample to sample",
-              1e3 * slow, 1e3 * track.white_sd_m));
-      finding.figure = slow;
-      finding.unit = "m";
-      finding.remedy =
-          "averaging frames will not remove it: state the sum; a vibrating tripod, refraction, "
-          "reflections; or the arm was not at rest";
-      finding.setting = fmt::format("noise.position_sd_m: {:.2g}", total);
+    if (slow > std::max(5e-5, 0.5 * track.white_sd_m) && slow > 0.3 * usual) {
+      wandering += (wandering.empty() ? "" : ", ") + track.name;
+      slowest = std::max(slowest, slow);
+      largest = std::max(largest, total);
     }
     if (track.is_base()) continue;
     stated = track.body->position_sd_m;
@@ -95,6 +88,19 @@ void check_noise(Context& context) {
     noise.figure = worst * stated;
     noise.unit = "m";
   }
+  if (!wandering.empty()) {
+    CheckFinding& finding = context.add(
+        Severity::kWarning, "correlated_noise", wandering,
+        fmt::format("at rest {} by up to {:.2g} mm (sd) over tenths of a second and more",
+                    wandering.find(',') == std::string::npos ? "it wanders" : "they wander", 1e3 * slowest));
+    finding.figure = slowest;
+    finding.unit = "m";
+    finding.remedy =
+        "averaging frames will not remove it: state the sum; a vibrating tripod, refraction, "
+        "reflections; or the arm was not at rest";
+    // The one setting there is says it below.
+    if (worst <= kTooSmall) finding.setting = fmt::format("noise.position_sd_m: {:.2g}", largest);
+  }
   if (worst > kTooSmall) {
     CheckFinding& finding = context.add(
         Severity::kWarning, "noise_understated", worst_name,
@@ -104,7 +110,7 @@ void check_noise(Context& context) {
     finding.unit = "m";
     finding.remedy = "state it, or find its cause (calibration, few markers)";
     finding.setting = fmt::format("noise.position_sd_m: {:.2g}", worst * stated);
-  } else if (worst > 0.0 && worst < 1.0 / kTooLarge) {
+  } else if (worst > 0.0 && worst < 1.0 / kTooLarge && wandering.empty()) {
     context
         .add(Severity::kInformation, "noise_overstated", "",
              fmt::format(

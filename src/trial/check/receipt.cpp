@@ -13,6 +13,7 @@ namespace {
 constexpr double kAheadS = 0.001;  // nothing can be received before it is stamped
 constexpr double kLongS = 0.1;     // of a latency between stamp and receipt
 constexpr double kJitterS = 0.001;
+constexpr double kVeryShakyS = 0.03;
 constexpr double kDrift = 2e-5;  // s per s: more than two quartz clocks
 
 struct Transport {
@@ -82,7 +83,13 @@ void say(Context& context, const std::string& name, const Transport& transport, 
                           : key.substr(0, key.rfind('.')) + ".stamp: receipt";
     return;
   }
-  if (least_s < -kAheadS) {
+  const bool drifts =
+      std::abs(transport.drift) > kDrift && std::abs(transport.drift) * context.duration_s > 5e-4;
+  // A clock that runs away gets ahead by so much; that is said once.
+  const double run_away_s = drifts ? 1.2 * std::abs(transport.drift) * context.duration_s : 0.0;
+  const bool ahead = -least_s > kAheadS + run_away_s;
+  const bool late = transport.least_s > kLongS;
+  if (ahead) {
     CheckFinding& finding = context.add(
         Severity::kWarning, "stamps_ahead", name,
         fmt::format("stamped {:.3g} ms after it was received: the stamping clock is ahead at least by that",
@@ -92,7 +99,7 @@ void say(Context& context, const std::string& name, const Transport& transport, 
     finding.remedy =
         "synchronise the machines (chrony), or subtract it; the transport's own delay comes on top";
     finding.setting = fmt::format("{}: {:.4g}", key, -transport.least_s);
-  } else if (transport.least_s > kLongS) {
+  } else if (late) {
     CheckFinding& finding = context.add(
         Severity::kWarning, "late_receipt", name,
         fmt::format("received {:.3g} ms after its stamp, at best: a slow path, or a stamping clock that is "
@@ -104,7 +111,11 @@ void say(Context& context, const std::string& name, const Transport& transport, 
         "the stamps hold, not receipt, so a slow path alone does no harm to headed messages; what "
         "has no header (std_msgs) is held to be as new as its receipt. Synchronise the machines";
   }
-  if (std::abs(transport.drift) > kDrift && std::abs(transport.drift) * context.duration_s > 5e-4) {
+  if ((ahead || late) && transport.jitter_s > kJitterS) {
+    context.findings.back().what +=
+        fmt::format("; nine of ten within {:.2g} ms of each other", 1e3 * transport.jitter_s);
+  }
+  if (drifts) {
     CheckFinding& finding =
         context.add(Severity::kWarning, "clock_drift", name,
                     fmt::format("the stamping clock gains {:+.0f} microseconds per second on the recorder's",
@@ -113,9 +124,10 @@ void say(Context& context, const std::string& name, const Transport& transport, 
     finding.unit = "1";
     finding.remedy = "synchronise the machines (chrony); a constant latency_s cannot repair a drift";
   }
-  if (transport.delay_s != 0.0 || transport.jitter_s > 0.0) {
+  const bool shaky = transport.jitter_s > kVeryShakyS;
+  if (!ahead && !late && (transport.delay_s != 0.0 || transport.jitter_s > 0.0)) {
     CheckFinding& finding = context.add(
-        transport.jitter_s > 0.03 ? Severity::kWarning : Severity::kInformation, "receipt", name,
+        shaky ? Severity::kWarning : Severity::kInformation, "receipt", name,
         fmt::format("received {:.3g} ms after its stamp (median); nine of ten within {:.2g} ms of each other",
                     1e3 * transport.delay_s, 1e3 * transport.jitter_s));
     finding.figure = transport.delay_s;

@@ -65,7 +65,9 @@ void check_spacing(Context& context) {
     xx += expected * expected;
     const Track& track = context.tracks[places[k].track];
     const double n = std::max(1.0, (span->to_s - span->from_s) / std::max(track.period_s, 1e-4));
-    noise = std::max(noise, track.white_sd_m / std::sqrt(n));
+    // What does not average out at the base is in all distances.
+    noise = std::max(noise, std::hypot(track.white_sd_m / std::sqrt(n),
+                                       std::max(track.slow_sd_m, context.tracks[0].slow_sd_m)));
   }
   if (!(xx > 0.0)) return;
   const double stretch = xy / xx, off = stretch - 1.0;

@@ -13,8 +13,10 @@ namespace {
 constexpr double kTimeJumpS = 1.0;         // as FrameAssembler: a smaller step back is a late sample
 constexpr double kDuplicateShare = 0.001;  // fewer are not worth a word
 constexpr double kIrregularShare = 0.02;   // of the period, robust sd of the steps
+constexpr double kIrregularInputShare = 0.1;
 constexpr double kVeryIrregularShare = 0.25;
 constexpr double kSlowHz = 10.0;
+constexpr double kNeverHeldS = 2.0;  // no input should be held for longer
 
 struct Stream {
   std::string name;
@@ -119,7 +121,8 @@ void say_regularity(Context& context, const Stream& stream, double period_s) {
       std::max(robust_sd(single), 0.25 * (quantile(single, 0.975) - quantile(single, 0.025)));
   const double long_share = 1.0 - static_cast<double>(single.size()) / static_cast<double>(steps.size());
   const bool very = spread_s > kVeryIrregularShare * period_s;
-  if (spread_s > std::max(kIrregularShare * period_s, 5e-5) && (stream.is_body || very)) {
+  const double share = stream.is_body ? kIrregularShare : kIrregularInputShare;
+  if (spread_s > std::max(share * period_s, 5e-5)) {
     CheckFinding& finding = context.add(
         stream.is_body ? Severity::kWarning : Severity::kInformation, "irregular_stamps", stream.name,
         fmt::format("steps between stamps scatter by {:.2g} ms about {:.3g} ms ({:.0f} % are over one and a "
@@ -129,10 +132,11 @@ void say_regularity(Context& context, const Stream& stream, double period_s) {
     finding.figure = spread_s;
     finding.unit = "s";
     finding.remedy =
-        very ? "let the driver stamp by the cameras' frame number or exposure, not by receipt or by the "
-               "logger's loop; slow motions (quasi-static trials) suffer little"
-             : "stamps by exposure instead of receipt; where bodies of one frame are stamped apart, widen "
-               "the tolerance to a third of the frame interval";
+        !stream.is_body ? "a publisher on a timer, stamped when the value was read"
+        : very ? "let the driver stamp by the cameras' frame number or exposure, not by receipt or by the "
+                 "logger's loop; slow motions (quasi-static trials) suffer little"
+               : "stamps by exposure instead of receipt; where bodies of one frame are stamped apart, widen "
+                 "the tolerance to a third of the frame interval";
     if (stream.is_body) {
       finding.setting = fmt::format("inputs.bodies.sync_tolerance_s: {:.2g}", period_s / 3.0);
     }
@@ -147,16 +151,22 @@ void say_regularity(Context& context, const Stream& stream, double period_s) {
   }
 }
 
-void say_gaps(Context& context, const Stream& stream, double period_s) {
+/// @param epoch_s what the stream's clock is ahead of receipt altogether
+void say_gaps(Context& context, const Stream& stream, double period_s, double epoch_s) {
   // A gap of one body alone is a lost body (check_losses); this one is of the stamps of its whole stream.
   std::vector<double> sorted = stream.stamp_s;
+  if (sorted.empty()) return;
+  for (double& stamp_s : sorted) stamp_s -= epoch_s;
   std::sort(sorted.begin(), sorted.end());
+  const double last_s = sorted.back(), end_s = context.begin_s + context.duration_s;
+  sorted.insert(sorted.begin(), std::min(context.begin_s, sorted.front()));
+  sorted.push_back(std::max(end_s, sorted.back()));
   std::vector<CheckSpan> gaps;
   double longest = 0.0, total = 0.0;
   const double limit_s = std::max(stream.max_age_s, 8.0 * period_s);
   for (std::size_t i = 1; i < sorted.size(); ++i) {
     const double step = sorted[i] - sorted[i - 1];
-    if (!(step > limit_s) || step > 1e6) continue;
+    if (!(step > limit_s)) continue;
     gaps.push_back({sorted[i - 1] - context.begin_s, sorted[i] - context.begin_s});
     longest = std::max(longest, step);
     total += step;
@@ -165,14 +175,17 @@ void say_gaps(Context& context, const Stream& stream, double period_s) {
   CheckFinding& finding = context.add(
       stream.is_body && total > 0.2 * context.duration_s ? Severity::kSerious : Severity::kWarning, "gap",
       stream.name,
-      fmt::format("nothing for up to {:.2f} s ({} gap{}, {:.1f} s in all)", longest, gaps.size(),
-                  gaps.size() == 1 ? "" : "s", total));
+      fmt::format("nothing for up to {:.2f} s ({} gap{}, {:.1f} s in all){}", longest, gaps.size(),
+                  gaps.size() == 1 ? "" : "s", total,
+                  end_s - last_s > limit_s ? "; it ends before the others" : ""));
   finding.figure = longest;
   finding.unit = "s";
   if (gaps.size() > 12) gaps.resize(12);
   finding.spans = gaps;
   if (stream.is_body) {
     finding.remedy = "frames are missing there; look at the driver's log, the network, the disk";
+  } else if (longest > kNeverHeldS) {
+    finding.remedy = "no estimate there; sensor, wiring, the driver's log; publish at a steady rate";
   } else {
     finding.remedy =
         "publish commands at a steady rate, not on change only; or let the last value hold longer";
@@ -239,7 +252,7 @@ void check_timing(Context& context) {
     for (const TrackPose& pose : context.tracks[b].poses) mocap.stamp_s.push_back(pose.t_s + context.begin_s);
     if (context.tracks[b].poses.size() > 1) period_s = std::max(period_s, context.tracks[b].period_s);
   }
-  say_gaps(context, mocap, period_s);
+  say_gaps(context, mocap, period_s, 0.0);
   say_split_frames(context);
   for (std::size_t i = 0; i < context.signals.size(); ++i) {
     Stream stream = stream_of(context.signals[i].input->name, context.recording.inputs[i]);
@@ -248,7 +261,7 @@ void check_timing(Context& context) {
     say_zero_stamps(context, stream);
     say_backward(context, stream);
     say_regularity(context, stream, context.signals[i].period_s);
-    say_gaps(context, stream, context.signals[i].period_s);
+    say_gaps(context, stream, context.signals[i].period_s, context.input_epoch_s[i]);
   }
 }
 

@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kFrozenS = 0.25;  // as GateLimits
 constexpr std::size_t kFrozenSamples = 10;
+constexpr double kNoiseM = 2e-6;  // white; less may be rounding
+constexpr double kHardly = 0.02;  // of the samples
 constexpr double kRepeatedShare = 0.2;
 constexpr double kLostShare = 0.02;  // of the frames; single dropouts up to that are the rule
 constexpr double kLostS = 0.1;       // in one piece
@@ -80,8 +82,10 @@ std::vector<double> changes_of_others(const Context& context, const Track& track
 void check_frozen(Context& context, Track& track, const std::vector<double>& others) {
   auto& poses = track.poses;
   std::vector<double> frozen;
-  std::size_t repeated = 0;
+  std::size_t repeated = 0, all_repeated = 0;
+  for (std::size_t i = 1; i < poses.size(); ++i) all_repeated += same_pose(poses[i - 1], poses[i]);
   double longest = 0.0;
+  bool alone = true;
   for (std::size_t i = 0; i < poses.size();) {
     std::size_t j = i + 1;
     while (j < poses.size() && same_pose(poses[i], poses[j])) ++j;
@@ -89,7 +93,11 @@ void check_frozen(Context& context, Track& track, const std::vector<double>& oth
     const double from = poses[i].t_s, to = poses[j - 1].t_s;
     const auto changed = std::upper_bound(others.begin(), others.end(), from + 0.5 * kFrozenS);
     const bool others_move = changed != others.end() && *changed < to;
-    if (j - i >= kFrozenSamples && to - from >= kFrozenS && others_move) {
+    // A body that is noisy and else hardly ever repeats itself does not do so by standing still.
+    const bool silenced = track.white_sd_m > kNoiseM &&
+                          static_cast<double>(all_repeated - (j - i - 1)) < kHardly * poses.size();
+    if (j - i >= kFrozenSamples && to - from >= kFrozenS && (others_move || silenced)) {
+      alone = alone && others_move;
       for (std::size_t k = i + 1; k < j; ++k) {
         poses[k].good = false;
         frozen.push_back(poses[k].t_s);
@@ -106,9 +114,8 @@ void check_frozen(Context& context, Track& track, const std::vector<double>& oth
     const double share = static_cast<double>(frozen.size()) / all;
     CheckFinding& finding = context.add(
         share > 0.1 || longest > 2.0 ? Severity::kSerious : Severity::kWarning, "frozen_body", track.name,
-        fmt::format("the same pose to the last bit for up to {:.2f} s while others move ({:.1f} % of the "
-                    "samples)",
-                    longest, 100.0 * share));
+        fmt::format("the same pose to the last bit for up to {:.2f} s {} ({:.1f} % of the samples)", longest,
+                    alone ? "while others move" : "where it else has noise", 100.0 * share));
     finding.figure = longest;
     finding.unit = "s";
     finding.spans = spans_of(frozen, 3.0 * track.period_s);

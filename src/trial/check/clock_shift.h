@@ -1,0 +1,21 @@
+// How far the motion of the arm lags behind its inputs.
+#pragma once
+
+#include <optional>
+
+#include "context.h"
+
+namespace softarm::check {
+
+struct ClockShift {
+  double shift_s = 0.0;  ///< the arm answers so much after its inputs; a clock or a lag
+  double sd_s = 0.0;
+  double explained = 0.0;  ///< share of the motion's variance
+  bool at_edge = false;    ///< no shift within a second fits better than its neighbours
+  bool too_short = false;  ///< nothing else holds then
+};
+
+/// @return nothing where no input changes while a body is seen
+std::optional<ClockShift> clock_shift(const Context& context);
+
+}  // namespace softarm::check
