@@ -58,8 +58,12 @@ std::string rig_bag(const TestFolder& dir, const std::string& scenario, const st
 TEST(SoftarmCheck, SilentOnCleanTrialsOfTheRig) {
   const std::pair<const char*, const char*> kTrials[] = {
       {"trial_10s --seed 5", "online_200mm"},
-      {"hybrid_85mm", "hybrid_85mm"},
-      {"semi_physical_200mm --seed 9", "semi_physical_200mm"}};
+      {"standing --seconds 15", "online_200mm"},
+      {"hybrid_85mm --seconds 20", "hybrid_85mm"},
+      {"single_chamber_85mm --seconds 15", "single_chamber_85mm"},
+      {"cable_235mm --seconds 15", "cable_235mm"},
+      {"two_segment --seconds 15", "two_segment"},
+      {"semi_physical_200mm --seed 9 --seconds 20", "semi_physical_200mm"}};
   for (const auto& [scenario, arm] : kTrials) {
     const TestFolder dir;
     const Outcome o =

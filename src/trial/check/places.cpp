@@ -140,7 +140,12 @@ void check_places(Context& context) {
   } else {
     double slow_m = 0.0;
     for (const Track& track : context.tracks) slow_m = std::max(slow_m, track.slow_sd_m);
-    const bool mixed = found(context, {"irregular_stamps", "split_frames"});  // bodies of several instants
+    // Frames may then hold bodies of several instants. (Of inputs it is mere information.)
+    const bool mixed =
+        std::any_of(context.findings.begin(), context.findings.end(), [](const CheckFinding& f) {
+          return f.id == "split_frames" ||
+                 (f.id == "irregular_stamps" && f.severity != Severity::kInformation);
+        });
     if (!mixed && lasting.size > kLastingM + 3.0 * slow_m &&
         lasting.size > 0.3 * context.tracks[lasting.body + 1].white_sd_m) {
       say_wanders(context, lasting);
