@@ -6,7 +6,13 @@ const std::vector<std::unique_ptr<Effect>>& catalogue() {
   static const std::vector<std::unique_ptr<Effect>> all = [] {
     std::vector<std::unique_ptr<Effect>> list;
     for (const auto make :
-         {make_stiffness_taper, make_base_compliance, make_hysteresis, make_tether, make_marker_slip})
+         {make_stiffness_taper, make_base_compliance, make_tether, make_marker_slip,
+          // Sensors of the inputs, actuation, memory: in the order in which they act on the inputs.
+          make_clock_offset, make_pressure_offset, make_pressure_lag, make_pressure_leak, make_hysteresis,
+          make_pressure_dead_zone, make_gain_nonlinearity, make_chamber_mismatch, make_pressure_stiffening,
+          make_radial_expansion, make_pressure_elongation, make_vacuum_shortening, make_vacuum_gain,
+          make_tendon_friction, make_creep, make_mullins, make_jamming_memory, make_jamming_yield,
+          make_drift})
       list.push_back(make());
     return list;
   }();

@@ -1,0 +1,39 @@
+// The gain of one chamber is not as the arm file says.
+#include "drives.h"
+#include "effects.h"
+
+namespace softarm::effects {
+namespace {
+
+class ChamberMismatch : public Described {
+ public:
+  using Described::Described;
+  bool applies_to(const Arm& arm) const override { return chamber_rows(arm).size() > 1; }
+  std::vector<Values> grid(const Arm& arm, const FineRod&) const override {
+    std::vector<Values> list;
+    for (std::size_t k = 0; k < chamber_rows(arm).size(); ++k)
+      list.push_back((Values(2) << 0.0, static_cast<double>(k + 1)).finished());
+    return list;
+  }
+  void drive(const Arm& arm, const Values& values, Series& series) const override {
+    const Rows rows = chamber_rows(arm);
+    const auto k = static_cast<std::size_t>(values[1] + 0.5) - 1;
+    if (k < rows.size()) series.moment_inputs.row(rows[k]) *= 1.0 + values[0];
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_chamber_mismatch() {
+  return std::make_unique<ChamberMismatch>(
+      Info{"chamber_mismatch",
+           "one chamber bends the arm more or less than the arm file says",
+           Family::kActuation,
+           {{"share", "1", "of its gain, by which it is higher", -0.95, 10.0, 0.05},
+            {"chamber", "1", "its number in the arm file's list of pressures", 1.0, 64.0, 1.0, true}},
+           1,
+           {"bending_plane_offset", "pressure_leak"},
+           {"moment_gain"}});
+}
+
+}  // namespace softarm::effects

@@ -1,0 +1,53 @@
+// The clock of the motion capture is ahead of that of the inputs: a frame shows what they did before.
+#include <algorithm>
+
+#include "effects.h"
+
+namespace softarm::effects {
+namespace {
+
+/// Rows of values at t - shift, straight between the instants, held beyond the ends.
+Eigen::MatrixXd shifted(const Eigen::VectorXd& t, const Eigen::MatrixXd& values, double shift_s) {
+  Eigen::MatrixXd out(values.rows(), values.cols());
+  const Eigen::Index n = t.size();
+  Eigen::Index after = 0;  // first instant later than the wanted one
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double at = t[i] - shift_s;
+    while (after < n && t[after] <= at) ++after;
+    if (after == 0) {
+      out.col(i) = values.col(0);
+    } else if (after == n) {
+      out.col(i) = values.col(n - 1);
+    } else {
+      const double w = (at - t[after - 1]) / (t[after] - t[after - 1]);
+      out.col(i) = (1.0 - w) * values.col(after - 1) + w * values.col(after);
+    }
+  }
+  return out;
+}
+
+class ClockOffset : public Described {
+ public:
+  using Described::Described;
+  bool applies_to(const Arm& arm) const override { return !arm.inputs.scalars.empty(); }
+  void drive(const Arm&, const Values& values, Series& series) const override {
+    if (values[0] == 0.0 || series.t_s.size() == 0) return;
+    series.inputs = shifted(series.t_s, series.inputs, values[0]);
+    series.moment_inputs = shifted(series.t_s, series.moment_inputs, values[0]);
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_clock_offset() {
+  return std::make_unique<ClockOffset>(
+      Info{"clock_offset",
+           "the clocks of motion capture and inputs differ",
+           Family::kSensor,
+           {{"offset_s", "s", "by which the motion capture's clock is ahead", -5.0, 5.0, 0.1}},
+           1,
+           {"pressure_lag", "hysteresis"},
+           {}});
+}
+
+}  // namespace softarm::effects

@@ -1,0 +1,74 @@
+// Gain and stiffness change over the session: by a rate at first, which may fade.
+#include <algorithm>
+#include <cmath>
+
+#include "drives.h"
+#include "effects.h"
+
+namespace softarm::effects {
+namespace {
+
+constexpr double kMinute_s = 60.0;
+constexpr double kEndless_s = 1e6;  // a rate that does not fade
+constexpr double kLeastFactor = 0.05;
+
+/// What servos bend by winding their cables up is a curvature: stiffness drops out.
+Eigen::Vector3d cables_moment_nm(const Arm& arm, const Segment& segment, const Instant& instant,
+                                 double compliance) {
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+  for (const Cable& cable : segment.cables) {
+    const Eigen::Index row = row_of(arm, cable.input);
+    if (row < 0) continue;
+    moment +=
+        cable.curvature_gain_per_m_rad * instant.moment_inputs[row] / compliance *
+        Eigen::Vector3d(-std::sin(cable.bending_direction_rad), std::cos(cable.bending_direction_rad), 0.0);
+  }
+  return moment;
+}
+
+class Drift : public Described {
+ public:
+  using Described::Described;
+  std::vector<Values> grid(const Arm&, const FineRod&) const override {
+    std::vector<Values> list;
+    for (const double time_s : {kEndless_s, 60.0}) list.push_back((Values(3) << 0.0, 0.0, time_s).finished());
+    return list;
+  }
+  void act(const Arm& arm, const FineRod& fine, const Values& values, const Instant& instant, const Shape*,
+           const Memory&, rod::Rod& rod) const override {
+    const double time_s = std::max(values[2], 1e-3);
+    const double minutes = -time_s / kMinute_s * std::expm1(-instant.session_s / time_s);
+    const double gain = std::max(0.0, 1.0 + values[0] * minutes);
+    const double stiffness = std::max(kLeastFactor, 1.0 + values[1] * minutes);
+    for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
+      rod::Segment& piece = rod.segments[j];
+      const Segment& segment = arm.segments[static_cast<std::size_t>(fine.pieces()[j].segment)];
+      if (!segment.cables.empty())
+        piece.moment_nm +=
+            (stiffness - 1.0) * cables_moment_nm(arm, segment, instant, piece.bending_compliance);
+      piece.moment_nm *= gain;
+      piece.bending_compliance /= stiffness;
+      piece.torsional_compliance /= stiffness;
+      piece.shear_compliance /= stiffness;
+      piece.axial_compliance /= stiffness;
+    }
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_drift() {
+  return std::make_unique<Drift>(Info{
+      "drift",
+      "the arm changes over the session: what drives it bends it less or more, or it grows softer or stiffer",
+      Family::kMemory,
+      {{"gain_per_min", "1/min", "change of all moments, as a share of them, at first", -1.0, 1.0, 0.03},
+       {"stiffness_per_min", "1/min", "change of all stiffnesses, as a share of them, at first", -1.0, 1.0,
+        0.03},
+       {"time_s", "s", "time constant with which the change fades", 1.0, kEndless_s, kEndless_s}},
+      2,
+      {"mullins", "creep"},
+      {"bending_stiffness", "moment_gain"}});
+}
+
+}  // namespace softarm::effects

@@ -1,0 +1,45 @@
+// What effects need to know of what drives an arm.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "softarm/arm/arm.h"
+
+namespace softarm::effects {
+
+/// Where effects on pressures, and on the vacuum, have the share that is their size.
+constexpr double kReferencePa = 50e3, kReferenceVacuumPa = 60e3;
+
+using Rows = std::vector<Eigen::Index>;
+
+/// Rows of Series::inputs that hold inputs of a kind, in order.
+Rows rows_of(const Arm& arm, InputKind kind);
+inline bool has(const Arm& arm, InputKind kind) {
+  return !rows_of(arm, kind).empty();
+}
+/// Those that bend a segment as a chamber's pressure.
+Rows chamber_rows(const Arm& arm);
+/// Those of pressures or vacuums, in order.
+Rows gas_rows(const Arm& arm);
+/// The row of an input. @return -1 if there is none
+Eigen::Index row_of(const Arm& arm, const std::string& name);
+
+/// Mean of all pressures that act in the segment, its chambers' and the central one's; 0 without any.
+double mean_pressure_pa(const Arm& arm, const Segment& segment, const Eigen::VectorXd& inputs);
+/// Vacuum of the segment's core, of the arm's only one where it has no core; 0 without any.
+double vacuum_pa(const Arm& arm, const Segment& segment, const Eigen::VectorXd& inputs);
+/// The share of the segment's EI, N m^2, that its jammed core bears.
+double core_stiffness_nm2(const Arm& arm, const Segment& segment, const Eigen::VectorXd& inputs);
+/// Whether some segment has a core that the vacuum stiffens.
+bool has_core(const Arm& arm);
+
+/// What follows an input with a time constant, after dt in which the input went straight.
+/// @param weight_last,weight_now what is left: state = kept * state + weight_last * last + weight_now * now
+struct Following {
+  double kept = 1.0, weight_last = 0.0, weight_now = 0.0;
+};
+Following following(double dt_s, double time_constant_s);
+
+}  // namespace softarm::effects

@@ -1,0 +1,56 @@
+// Pressures follow their command late: acting = u - delay / tau (u - lag of u with time constant tau).
+//
+// A line of first order where the delay equals the time constant. In slow ramps what acts is late by the
+// delay; the time constant is a parameter of its own so that the size acts in proportion.
+#include <algorithm>
+
+#include "drives.h"
+#include "effects.h"
+
+namespace softarm::effects {
+namespace {
+
+class PressureLag : public Described {
+ public:
+  using Described::Described;
+  bool applies_to(const Arm& arm) const override { return has(arm, InputKind::kPressure); }
+  std::vector<Values> grid(const Arm&, const FineRod&) const override {
+    std::vector<Values> list;
+    for (const double time_s : {0.1, 0.5, 2.5}) list.push_back((Values(2) << 0.0, time_s).finished());
+    return list;
+  }
+  void drive(const Arm& arm, const Values& values, Series& series) const override {
+    if (values[0] == 0.0) return;
+    const double time_s = std::max(values[1], 1e-3), share = values[0] / time_s;
+    const auto filter = [&](auto row) {
+      double last = row[0], state = row[0];
+      for (Eigen::Index i = 1; i < row.size(); ++i) {
+        const double now = row[i];
+        const Following f = following(series.t_s[i] - series.t_s[i - 1], time_s);
+        state = f.kept * state + f.weight_last * last + f.weight_now * now;
+        last = now;
+        row[i] = now - share * (now - state);
+      }
+    };
+    for (const Eigen::Index row : rows_of(arm, InputKind::kPressure)) {
+      filter(series.inputs.row(row));
+      filter(series.moment_inputs.row(row));
+    }
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_pressure_lag() {
+  return std::make_unique<PressureLag>(
+      Info{"pressure_lag",
+           "pressures follow their command late, the later the faster it changes",
+           Family::kActuation,
+           {{"delay_s", "s", "by which they are late in slow ramps", 0.0, 30.0, 0.2},
+            {"time_s", "s", "time constant with which they settle after a step", 0.02, 30.0, 0.3}},
+           1,
+           {"clock_offset", "hysteresis", "inertia"},
+           {}});
+}
+
+}  // namespace softarm::effects

@@ -1,0 +1,68 @@
+// The radius grows with the mean pressure; EI and GJ with its square, as the wall gets thinner.
+#include <algorithm>
+#include <cmath>
+
+#include "drives.h"
+#include "effects.h"
+
+namespace softarm::effects {
+namespace {
+
+constexpr double kLeastFactor = 0.2;  // of the radius
+
+class RadialExpansion : public Described {
+ public:
+  using Described::Described;
+  bool applies_to(const Arm& arm) const override { return has(arm, InputKind::kPressure); }
+  void act(const Arm& arm, const FineRod& fine, const Values& values, const Instant& instant, const Shape*,
+           const Memory&, rod::Rod& rod) const override {
+    std::vector<double> square;
+    for (const Segment& segment : arm.segments)
+      square.push_back(std::pow(radius(arm, segment, values, instant), 2));
+    for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
+      const double factor = square[static_cast<std::size_t>(fine.pieces()[j].segment)];
+      rod.segments[j].bending_compliance /= factor;
+      rod.segments[j].torsional_compliance /= factor;
+    }
+  }
+  /// Markers on the skin move outwards.
+  void observe(const Arm& arm, const Values& values, const Instant& instant, Bodies& bodies) const override {
+    for (std::size_t b = 0; b < arm.bodies.size(); ++b) {
+      const MeasuredBody& body = arm.bodies[b];
+      if (body.kind != BodyKind::kSkinMarker) continue;
+      double end_m = 0.0;
+      const Segment* on = &arm.segments.back();
+      for (const Segment& segment : arm.segments) {
+        end_m += segment.length_m;
+        if (body.arclength_m > end_m) continue;
+        on = &segment;
+        break;
+      }
+      const double further_m = body.radius_m * (radius(arm, *on, values, instant) - 1.0);
+      bodies.p.col(static_cast<Eigen::Index>(b)) +=
+          further_m *
+          (bodies.q[b] * Eigen::Vector3d(std::cos(body.angle_rad), std::sin(body.angle_rad), 0.0));
+    }
+  }
+
+ private:
+  static double radius(const Arm& arm, const Segment& segment, const Values& values, const Instant& instant) {
+    return std::max(kLeastFactor,
+                    1.0 + values[0] * mean_pressure_pa(arm, segment, instant.inputs) / kReferencePa);
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_radial_expansion() {
+  return std::make_unique<RadialExpansion>(Info{
+      "radial_expansion",
+      "the arm grows wider, and stiffer, with the pressure",
+      Family::kConstitutive,
+      {{"share", "1", "of the radius, by which it grows up to a mean pressure of 50 kPa", 0.0, 2.0, 0.06}},
+      1,
+      {"pressure_stiffening", "gain_nonlinearity"},
+      {"bending_stiffness", "per_min_pressure", "per_jamming_pressure"}});
+}
+
+}  // namespace softarm::effects

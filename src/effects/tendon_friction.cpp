@@ -1,0 +1,96 @@
+// Tendons rub where the arm bends: what passes an angle is between e^(-mu angle) and e^(mu angle) of the
+// tension at the motor (capstan), and moves only when friction can no longer hold it: a play of the logarithm
+// of the tension. Its half width per angle, `turn`, is a parameter of its own so that the size, mu, acts in
+// proportion; the law is exact where both are equal.
+#include <algorithm>
+#include <cmath>
+
+#include "drives.h"
+#include "effects.h"
+
+namespace softarm::effects {
+namespace {
+
+constexpr double kSlack_n = 0.01;  // less is no tension
+constexpr double kMostExponent = 3.0;
+
+class TendonFriction : public Described {
+ public:
+  using Described::Described;
+  bool applies_to(const Arm& arm) const override {
+    return std::any_of(arm.segments.begin(), arm.segments.end(),
+                       [](const Segment& segment) { return !segment.tendons.empty(); });
+  }
+  std::vector<Values> grid(const Arm&, const FineRod&) const override {
+    return {Eigen::Vector3d(0.0, 0.15, 0.0), Eigen::Vector3d(0.0, 0.15, 1.0)};
+  }
+  void act(const Arm& arm, const FineRod& fine, const Values& values, const Instant& instant, const Shape*,
+           const Memory& memory, rod::Rod& rod) const override {
+    if (memory.empty()) return;  // settled, as everything at a trial's beginning
+    const double turn = std::max(values[1], 1e-3);
+    const double* state = memory.data();
+    for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
+      const double angle = *state++;
+      for (const Tendon& tendon : segment_of(arm, fine, j).tendons) {
+        const double held = *state++;
+        const double tension_n = tension(arm, tendon, instant), x = logarithm(tension_n);
+        const double beyond = std::clamp(held, x - turn * angle, x + turn * angle) - x;
+        const double more_n =
+            tension_n * std::expm1(std::clamp(values[0] / turn * beyond, -kMostExponent, kMostExponent));
+        rod.segments[j].moment_nm += more_n * tendon.offset_m *
+                                     Eigen::Vector3d(-std::sin(tendon.bending_direction_rad),
+                                                     std::cos(tendon.bending_direction_rad), 0.0);
+      }
+    }
+  }
+  bool remembers() const override { return true; }
+  void remember(const Arm& arm, const FineRod& fine, const Values& values, const Instant& instant,
+                const Shape& shape, Memory& memory) const override {
+    const double turn = std::max(values[1], 1e-3);
+    Memory next;
+    std::size_t at = 0;
+    double passed = std::max(0.0, values[2]);
+    for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
+      const Piece& piece = fine.pieces()[j];
+      const double bent = shape.middles[j].u.head<2>().norm() * (piece.s_to_m - piece.s_from_m);
+      const double angle = passed + 0.5 * bent;
+      passed += bent;
+      next.push_back(angle);
+      ++at;
+      for (const Tendon& tendon : segment_of(arm, fine, j).tendons) {
+        const double x = logarithm(tension(arm, tendon, instant));
+        next.push_back(memory.empty() ? x : std::clamp(memory[at], x - turn * angle, x + turn * angle));
+        ++at;
+      }
+    }
+    memory = std::move(next);
+  }
+
+ private:
+  static const Segment& segment_of(const Arm& arm, const FineRod& fine, std::size_t piece) {
+    return arm.segments[static_cast<std::size_t>(fine.pieces()[piece].segment)];
+  }
+  static double tension(const Arm& arm, const Tendon& tendon, const Instant& instant) {
+    const Eigen::Index row = row_of(arm, tendon.input);
+    return row < 0 ? 0.0 : std::max(0.0, instant.moment_inputs[row]);
+  }
+  static double logarithm(double tension_n) { return std::log(std::max(tension_n, kSlack_n)); }
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_tendon_friction() {
+  return std::make_unique<TendonFriction>(
+      Info{"tendon_friction",
+           "tendons rub where the arm bends: their pull falls along it and comes back late",
+           Family::kActuation,
+           {{"coefficient", "1", "of friction", 0.0, 2.0, 0.15},
+            {"turn", "1", "change of the logarithm of the tension that turns the friction, per angle", 0.02,
+             2.0, 0.15},
+            {"routing_rad", "rad", "angle around which tendons are led before the base", 0.0, 20.0, 0.0}},
+           1,
+           {"actuation_taper", "hysteresis"},
+           {"offset"}});
+}
+
+}  // namespace softarm::effects
