@@ -145,9 +145,19 @@ struct ExtendedModel::Impl {
     return list;
   }
 
+  /// Effects act on the inputs one after the other, in the catalogue's order.
   static Series driven(const Arm& arm, const std::vector<Present>& effects, const Series& series) {
+    const auto place = [](const Present& present) {
+      const auto& all = catalogue();
+      return std::find_if(all.begin(), all.end(),
+                          [&](const std::unique_ptr<Effect>& e) { return e.get() == present.effect; }) -
+             all.begin();
+    };
+    std::vector<Present> ordered = effects;
+    std::stable_sort(ordered.begin(), ordered.end(),
+                     [&](const Present& a, const Present& b) { return place(a) < place(b); });
     Series out = series;
-    for (const Present& present : effects) present.effect->drive(arm, present.values, out);
+    for (const Present& present : ordered) present.effect->drive(arm, present.values, out);
     return out;
   }
 
@@ -168,7 +178,7 @@ struct ExtendedModel::Impl {
     instant.moment_inputs = series.moment_inputs.middleCols(first, count).rowwise().mean();
     instant.payload_kg = series.payload_kg.segment(first, count).mean();
     instant.gravity_base = block.gravity_base;
-    instant.session_s = trial.begin_s + instant.t_s;
+    instant.session_s = trial.session_s + instant.t_s;
     return instant;
   }
 

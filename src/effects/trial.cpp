@@ -220,6 +220,9 @@ Prepared prepare(const Arm& arm, const std::vector<identify::Trial>& trials, con
     throw identify::IdentifyError("no frame of these trials can be compared with the model: " +
                                   (reasons.empty() ? std::string("they are empty") : reasons));
   }
+  double earliest_s = prepared.trials.front().begin_s;
+  for (const TrialData& trial : prepared.trials) earliest_s = std::min(earliest_s, trial.begin_s);
+  for (TrialData& trial : prepared.trials) trial.session_s = trial.begin_s - earliest_s;
   prepared.white_sd_m = preparing.white_sd();
   for (TrialData& trial : prepared.trials) {
     for (Block& block : trial.blocks) {

@@ -33,7 +33,8 @@ struct Block {
 
 struct TrialData {
   std::string name;
-  double begin_s = 0.0;  ///< stamp of the first frame
+  double begin_s = 0.0;    ///< stamp of the first frame
+  double session_s = 0.0;  ///< that, since the earliest trial began
   Series series;
   std::vector<Block> blocks;
 };
