@@ -15,6 +15,7 @@ using Eigen::Vector3d;
 
 constexpr double kSettled_m = 1e-7;  // change of the stations at which a shape agrees with what it causes
 constexpr int kMostRounds = 40;      // to get there
+constexpr int kPasses = 2;           // at rest, then with the inertia of that path
 constexpr std::size_t kHistory = 5;  // shapes that are mixed
 
 rod::SolverOptions solver_options() {
@@ -327,8 +328,12 @@ void ExtendedModel::predict(const Arm& arm, const std::vector<Present>& effects,
   const bool moves = dynamics.inertia || dynamics.retardation_s != 0.0;
   std::vector<Predicted> path, resting;
   std::vector<Vector3d> forces, rest;
-  for (const bool moving : moves ? std::vector<bool>{false, true} : std::vector<bool>{false}) {
+  std::vector<Predicted> still;
+  const int passes = moves ? kPasses : 1;
+  for (int pass = 0; pass < passes; ++pass) {
+    const bool moving = pass > 0;
     if (moving) resting = std::move(path);
+    if (pass == 1) still = resting;
     path.assign(trial.blocks.size(), {});
     std::vector<Memory> memories(effects.size());
     const Eigen::Quaterniond* last = nullptr;
@@ -380,9 +385,9 @@ void ExtendedModel::predict(const Arm& arm, const std::vector<Present>& effects,
       last = &now.q_tip;
       now.values = m.fine.values(m.rod);
       m.positions(arm, effects, trial.blocks[k], now);
-      if (moving && resting[k].solved && now.p.size() == resting[k].p.size() && now.p.cols() > 0)
-        now.inertial_m = (now.p - resting[k].p).colwise().norm().maxCoeff();
-      if (derivatives && (moving || !moves)) m.differentiate(trial.blocks[k], now);
+      if (moving && still[k].solved && now.p.cols() > 0)
+        now.inertial_m = (now.p - still[k].p).colwise().norm().maxCoeff();
+      if (derivatives && pass + 1 == passes) m.differentiate(trial.blocks[k], now);
       for (std::size_t i = 0; i < effects.size(); ++i) {
         if (effects[i].effect->remembers())
           effects[i].effect->remember(arm, m.fine, effects[i].values, now.instant, now.shape, memories[i]);

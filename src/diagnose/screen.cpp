@@ -1,0 +1,299 @@
+#include "screen.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "softarm/math/parallel.h"
+
+namespace softarm::diagnose {
+namespace {
+
+using effects::Effect;
+using effects::Present;
+using effects::Values;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kStep = 0.05;            // of a usual size: effects are linear in their sizes there
+constexpr double kSizePriorSd = 5.0;      // of usual sizes
+constexpr double kLeastVariance = 1e-12;  // of an orthogonal signature, as a share of the whole one
+
+/// One set of grid values of one effect, and its sums over the stretches.
+struct Variant {
+  const Effect* effect = nullptr;
+  Values values;                ///< sizes 0
+  VectorXd usual;               ///< of the sizes
+  std::vector<MatrixXd> own;    ///< D^T D by stretch, D by usual sizes
+  std::vector<MatrixXd> mixed;  ///< J^T D
+  std::vector<VectorXd> score;  ///< D^T r
+};
+
+std::vector<Variant> variants(const JointModel& model, const Linearised& at) {
+  std::vector<Variant> list;
+  for (const std::unique_ptr<Effect>& effect : effects::catalogue()) {
+    if (!effect->applies_to(model.arm())) continue;
+    if (std::any_of(at.at.effects.begin(), at.at.effects.end(),
+                    [&](const Present& present) { return present.effect == effect.get(); }))
+      continue;
+    const effects::Info& info = effect->info();
+    for (const Values& values : effect->grid(model.arm(), model.rod())) {
+      Variant variant;
+      variant.effect = effect.get();
+      variant.values = values;
+      variant.usual.resize(info.sizes);
+      for (int k = 0; k < info.sizes; ++k)
+        variant.usual[k] = info.parameters[static_cast<std::size_t>(k)].usual;
+      variant.own.resize(at.chunks.size());
+      variant.mixed.resize(at.chunks.size());
+      variant.score.resize(at.chunks.size());
+      list.push_back(std::move(variant));
+    }
+  }
+  return list;
+}
+
+/// Signatures by usual sizes, weighted as the residuals are.
+MatrixXd signature_of(JointModel& model, const Linearised& at, std::size_t trial, const Variant& variant) {
+  std::vector<Parameters> changed;
+  std::vector<double> steps;
+  for (Eigen::Index k = 0; k < variant.usual.size(); ++k) {
+    Parameters p = at.at;
+    Values values = variant.values;
+    const effects::Parameter& size = variant.effect->info().parameters[static_cast<std::size_t>(k)];
+    const double sign = size.high > 0.0 ? 1.0 : -1.0;
+    values[k] = sign * kStep * variant.usual[k];
+    p.effects.push_back({variant.effect, values});
+    changed.push_back(std::move(p));
+    steps.push_back(sign * kStep);
+  }
+  MatrixXd d = model.signatures(at, trial, changed, steps);
+  return at.root_weight[trial].asDiagonal() * d;
+}
+
+/// Rows of the trial's stretches, in the order of Linearised::chunks.
+std::vector<std::pair<Eigen::Index, Eigen::Index>> rows_of_chunks(const Linearised& at, std::size_t trial) {
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> rows;
+  Eigen::Index begin = 0;
+  for (const Chunk& chunk : at.chunks) {
+    if (chunk.trial != trial) continue;
+    rows.push_back({begin, chunk.all_rows});
+    begin += chunk.all_rows;
+  }
+  return rows;
+}
+
+struct Sums {
+  MatrixXd own, mixed;
+  VectorXd score;
+};
+
+Sums sum_of(const Variant& variant, const Linearised& at, std::size_t but_trial) {
+  const auto k = variant.usual.size();
+  Sums sums{MatrixXd::Zero(k, k), MatrixXd::Zero(at.information.rows(), k), VectorXd::Zero(k)};
+  for (std::size_t c = 0; c < at.chunks.size(); ++c) {
+    if (at.chunks[c].trial == but_trial) continue;
+    sums.own += variant.own[c];
+    sums.mixed += variant.mixed[c];
+    sums.score += variant.score[c];
+  }
+  return sums;
+}
+
+VectorXd into_range(const Variant& variant, VectorXd sizes) {
+  for (Eigen::Index k = 0; k < sizes.size(); ++k) {
+    const effects::Parameter& p = variant.effect->info().parameters[static_cast<std::size_t>(k)];
+    sizes[k] = std::clamp(sizes[k] * variant.usual[k], p.low, p.high) / variant.usual[k];
+  }
+  return sizes;
+}
+
+/// Information and gradient of the fit without one trial.
+struct Others {
+  MatrixXd information;
+  VectorXd gradient;
+};
+
+std::vector<Others> without_each(const JointModel& model, const Linearised& at) {
+  std::vector<Others> list(model.trials().size(), Others{at.information, at.gradient});
+  for (const Chunk& chunk : at.chunks) {
+    list[chunk.trial].information -= chunk.information;
+    list[chunk.trial].gradient -= chunk.gradient;
+  }
+  return list;
+}
+
+Screened judge(const JointModel& model, const Linearised& at, const Variant& variant,
+               const std::vector<Others>& others) {
+  Screened out;
+  out.effect = variant.effect;
+  const auto k = variant.usual.size();
+  const std::size_t none = model.trials().size();
+  const Sums all = sum_of(variant, at, none);
+  const Eigen::LDLT<MatrixXd> solver(at.information);
+  const MatrixXd m = solver.solve(all.mixed);
+  const MatrixXd orthogonal = all.own - all.mixed.transpose() * m;
+  const VectorXd score = all.score - m.transpose() * at.gradient;
+  MatrixXd information = orthogonal;
+  for (Eigen::Index i = 0; i < k; ++i)
+    information(i, i) += 1.0 / (kSizePriorSd * kSizePriorSd) + kLeastVariance * all.own(i, i);
+  const Eigen::LDLT<MatrixXd> own_solver(information);
+  const VectorXd sizes = own_solver.solve(score);
+  const VectorXd possible = into_range(variant, sizes);
+  out.sizes = sizes.cwiseProduct(variant.usual);
+  out.values = variant.values;
+  out.values.head(k) = possible.cwiseProduct(variant.usual);
+  out.gain = std::max(0.0, 2.0 * possible.dot(score) - possible.dot(orthogonal * possible));
+
+  // The spread of the stretches' own scores at the estimate.
+  MatrixXd spread = MatrixXd::Zero(k, k);
+  for (std::size_t c = 0; c < at.chunks.size(); ++c) {
+    const Chunk& chunk = at.chunks[c];
+    const MatrixXd part = variant.own[c] - variant.mixed[c].transpose() * m -
+                          m.transpose() * variant.mixed[c] + m.transpose() * chunk.information * m;
+    const VectorXd g = variant.score[c] - m.transpose() * chunk.gradient - part * possible;
+    spread += g * g.transpose();
+  }
+  const MatrixXd inverse = own_solver.solve(MatrixXd::Identity(k, k));
+  const MatrixXd covariance = inverse + inverse * spread * inverse;
+  out.sd = covariance.diagonal().cwiseSqrt().cwiseProduct(variant.usual);
+  out.z = std::sqrt(std::max(0.0, possible.dot(covariance.ldlt().solve(possible))));
+  const VectorXd one = VectorXd::Ones(k) / std::sqrt(static_cast<double>(k));
+  out.usual_z = std::sqrt(std::max(0.0, one.dot(covariance.ldlt().solve(one))));
+  const VectorXd which = possible.isZero() ? one : possible;
+  const double whole = which.dot(all.own * which);
+  out.concealment = whole > 0.0 ? std::clamp(1.0 - which.dot(orthogonal * which) / whole, 0.0, 1.0) : 1.0;
+
+  for (std::size_t t = 0; t < none; ++t) {
+    const Sums rest = sum_of(variant, at, t);
+    const Eigen::LDLT<MatrixXd> s(others[t].information);
+    const VectorXd alone = s.solve(others[t].gradient);
+    const MatrixXd mt = s.solve(rest.mixed);
+    MatrixXd h = rest.own - rest.mixed.transpose() * mt;
+    for (Eigen::Index i = 0; i < k; ++i)
+      h(i, i) += 1.0 / (kSizePriorSd * kSizePriorSd) + kLeastVariance * rest.own(i, i);
+    const VectorXd a = into_range(variant, h.ldlt().solve(rest.score - mt.transpose() * others[t].gradient));
+    const VectorXd with = alone - mt * a;
+    double gain = 0.0;
+    for (std::size_t c = 0; c < at.chunks.size(); ++c) {
+      const Chunk& chunk = at.chunks[c];
+      if (chunk.trial != t) continue;
+      const auto fall = [&](const VectorXd& x) {
+        return 2.0 * x.dot(chunk.gradient) - x.dot(chunk.information * x);
+      };
+      gain += fall(with) - fall(alone) + 2.0 * a.dot(variant.score[c]) - a.dot(variant.own[c] * a) -
+              2.0 * with.dot(variant.mixed[c] * a);
+    }
+    out.unseen_gain += gain;
+  }
+  return out;
+}
+
+}  // namespace
+
+double inflation(const Linearised& at) {
+  // Along each eigenvector of the information, stretches' gradients against what independence would give.
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(at.information);
+  const double misfit = at.square / std::max(1, at.rows);
+  double sum = 0.0;
+  int count = 0;
+  for (Eigen::Index j = 0; j < at.information.rows(); ++j) {
+    const VectorXd v = eigen.eigenvectors().col(j);
+    double spread = 0.0, expected = 0.0;
+    for (const Chunk& chunk : at.chunks) {
+      spread += std::pow(v.dot(chunk.gradient), 2);
+      expected += v.dot(chunk.information * v);
+    }
+    if (!(expected > 1.0)) continue;
+    sum += spread / expected;
+    ++count;
+  }
+  return std::max({1.0, misfit, count > 0 ? sum / count : 1.0});
+}
+
+std::vector<Screened> screen(JointModel& model, const Linearised& at, unsigned jobs,
+                             const std::function<void(double)>& progress) {
+  std::vector<Variant> list = variants(model, at);
+  std::vector<std::vector<std::size_t>> chunks_of(model.trials().size());
+  for (std::size_t c = 0; c < at.chunks.size(); ++c) chunks_of[at.chunks[c].trial].push_back(c);
+  std::atomic<std::size_t> done{0};
+  in_parallel(model.trials().size(), jobs, [&](std::size_t t) {
+    const auto rows = rows_of_chunks(at, t);
+    for (Variant& variant : list) {
+      const MatrixXd d = signature_of(model, at, t, variant);
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        const auto part = d.middleRows(rows[i].first, rows[i].second);
+        const std::size_t c = chunks_of[t][i];
+        variant.own[c] = part.transpose() * part;
+        variant.mixed[c] = at.derivative[t].middleRows(rows[i].first, rows[i].second).transpose() * part;
+        variant.score[c] = part.transpose() * at.residual[t].segment(rows[i].first, rows[i].second);
+      }
+    }
+    progress(static_cast<double>(++done) / static_cast<double>(model.trials().size()));
+  });
+  const std::vector<Others> others = without_each(model, at);
+  std::vector<Screened> best;
+  std::vector<std::size_t> which;
+  std::vector<Screened> judged(list.size());
+  in_parallel(list.size(), jobs, [&](std::size_t i) { judged[i] = judge(model, at, list[i], others); });
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const auto same =
+        std::find_if(best.begin(), best.end(), [&](const Screened& s) { return s.effect == list[i].effect; });
+    if (same == best.end()) {
+      best.push_back(judged[i]);
+      which.push_back(i);
+    } else if (judged[i].gain > same->gain) {
+      // A detectable size anywhere on the grid is one of the effect.
+      const double usual_z = std::max(same->usual_z, judged[i].usual_z);
+      which[static_cast<std::size_t>(same - best.begin())] = i;
+      *same = judged[i];
+      same->usual_z = usual_z;
+    } else {
+      same->usual_z = std::max(same->usual_z, judged[i].usual_z);
+    }
+  }
+  // Sizes in metres, and what of the signatures the constants leave.
+  const Eigen::LDLT<MatrixXd> solver(at.information);
+  Eigen::Index rows = 0;
+  for (const MatrixXd& j : at.derivative) rows += j.rows();
+  in_parallel(best.size(), jobs, [&](std::size_t b) {
+    Screened& s = best[b];
+    const Variant& variant = list[which[b]];
+    const Sums all = sum_of(variant, at, model.trials().size());
+    VectorXd sizes = s.values.head(variant.usual.size()).cwiseQuotient(variant.usual);
+    if (sizes.isZero()) sizes.setOnes();
+    const VectorXd absorbed = solver.solve(all.mixed * sizes);
+    s.direction.resize(rows);
+    double whole = 0.0, left = 0.0, bodies = 0.0;
+    Eigen::Index begin = 0;
+    for (std::size_t t = 0; t < model.trials().size(); ++t) {
+      const VectorXd d = signature_of(model, at, t, variant) * sizes;
+      const VectorXd o = d - at.derivative[t] * absorbed;
+      s.direction.segment(begin, d.size()) = o;
+      begin += d.size();
+      Eigen::Index row = 0;
+      for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
+        for (const effects::Seen& seen : model.trials()[t].blocks[k].bodies) {
+          if (at.root_weight[t][row] > 0.0) {
+            const double scale = model.sd_m(t, k, seen) / at.root_weight[t][row];
+            whole += scale * scale * d.segment<3>(row).squaredNorm();
+            left += scale * scale * o.segment<3>(row).squaredNorm();
+            bodies += 1.0;
+          }
+          row += 3;
+        }
+      }
+    }
+    const bool there = !s.values.head(variant.usual.size()).isZero();
+    s.size_m = there && bodies > 0.0 ? std::sqrt(whole / bodies) : 0.0;
+    s.leftover_m = there && bodies > 0.0 ? std::sqrt(left / bodies) : 0.0;
+    const double norm = s.direction.norm();
+    if (norm > 0.0) s.direction /= norm;
+  });
+  std::stable_sort(best.begin(), best.end(),
+                   [](const Screened& a, const Screened& b) { return a.gain > b.gain; });
+  return best;
+}
+
+}  // namespace softarm::diagnose
