@@ -158,7 +158,7 @@ struct Diagnosis {
   std::optional<NextExperiment> next_experiment;
   std::vector<std::string> notes;  ///< what was left out of the data and why, and other remarks
   std::vector<TrialCurves> trials;
-  std::map<std::string, std::string> input_units;  ///< "Pa", "N", "rad", "kg" by name of an input of the trials
+  std::map<std::string, std::string> input_units;  ///< "Pa", "N", "rad", "kg" by name of an input
   AlongArm along;
   std::vector<Snapshot> snapshots;
   std::vector<Wander> wander;

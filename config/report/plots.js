@@ -1,0 +1,205 @@
+'use strict';
+// The plots of the arm, along it, of its trials and of its estimates. Before: dashed, open circles, dark orange.
+// After: solid, diamonds, blue. Measured: black squares.
+
+const ink = '#111', grid = '#d5d9dd';
+const looks = {
+  before: {color: '#a63c06', dash: 'dash', symbol: 'circle-open', name: 'before'},
+  after: {color: '#00508f', dash: 'solid', symbol: 'diamond', name: 'after'},
+};
+const isSmall = place => place.closest('.grid') !== null;
+const font = {family: 'system-ui, "Segoe UI", Roboto, Arial, "DejaVu Sans", sans-serif', size: 16, color: ink};
+const drawn = [];  // places of plots, for print
+
+/// Keys of looks that differ in this diagnosis: without effects there is no "after".
+const phases = report.effects.length ? ['before', 'after'] : ['before'];
+if (phases.length === 1) looks.before.name = 'model as it is';
+
+function axis(title, more) {
+  return Object.assign({title: {text: title, standoff: 8}, gridcolor: grid, zerolinecolor: '#8a8a8a', linecolor: ink, showline: true,
+    ticks: 'outside', automargin: true}, more);
+}
+
+function layout(height, more) {
+  return Object.assign({height, font, paper_bgcolor: '#fff', plot_bgcolor: '#fff', margin: {l: 70, r: 20, t: 40, b: 60}, hovermode: 'closest',
+    hoverlabel: {font: {size: 15}, namelength: -1}, legend: {orientation: 'h', x: 0, y: 1.02, yanchor: 'bottom', font: {size: 16}}}, more);
+}
+
+/// Place of a plot; `words` says to those who cannot see it what it shows.
+function plotPlace(words) {
+  return element('div', {class: 'picture', role: 'img', 'aria-label': words});
+}
+
+function draw(place, traces, plotLayout) {
+  if (!drawn.includes(place)) drawn.push(place);
+  Plotly.react(place, traces, plotLayout, {responsive: true, displaylogo: false, displayModeBar: isSmall(place) ? false : 'hover', showSendToCloud: false,
+    modeBarButtonsToRemove: ['lasso2d', 'select2d', 'toggleSpikelines'], toImageButtonOptions: {format: 'svg'}})
+    .catch(error => errors.push(String(error)));
+}
+
+function phaseLine(phase, more) {
+  const look = looks[phase];
+  return Object.assign({type: 'scatter', mode: 'lines+markers', name: look.name, legendgroup: phase, line: {color: look.color, dash: look.dash, width: 3},
+    marker: {color: look.color, symbol: look.symbol, size: 11, line: {width: 2.5, color: look.color}}}, more);
+}
+
+/// A line across the plot with its words on it: no legend to look up.
+function level(at, words, dash, vertical, xanchor) {
+  return {shape: Object.assign({type: 'line', line: {color: ink, width: 2, dash}, layer: 'below'},
+      vertical ? {x0: at, x1: at, yref: 'paper', y0: 0, y1: 1} : {y0: at, y1: at, xref: 'paper', x0: 0, x1: 1}),
+    note: Object.assign({text: words, showarrow: false, font: {size: 14}, bgcolor: 'rgba(255,255,255,0.8)'},
+      vertical ? {x: at, yref: 'paper', y: 1, yanchor: 'bottom', xanchor: xanchor || 'center'}
+               : {y: at, xref: 'paper', x: 1, xanchor: 'left', yanchor: 'middle'})};
+}
+
+// --- The arm ------------------------------------------------------------------------------------------------------
+
+/// rms distance of points to a curve of straight pieces; both as columns x, y, z.
+function distanceTo(curve, points) {
+  const at = (columns, i) => columns.map(column => column[i]);
+  const distances = points[0].map((_, i) => {
+    const p = at(points, i);
+    let nearest = Infinity;
+    for (let k = 0; k + 1 < curve[0].length; ++k) {
+      const a = at(curve, k), b = at(curve, k + 1);
+      const ab = b.map((v, c) => v - a[c]), ap = p.map((v, c) => v - a[c]);
+      const length2 = ab.reduce((sum, v) => sum + v * v, 0);
+      const share = length2 > 0 ? Math.min(1, Math.max(0, ab.reduce((sum, v, c) => sum + v * ap[c], 0) / length2)) : 0;
+      nearest = Math.min(nearest, Math.hypot(...ap.map((v, c) => v - share * ab[c])));
+    }
+    return nearest;
+  });
+  return rms(distances);
+}
+
+/// Across the base's axis towards where the arm reaches farthest, across that, and along the base's axis; in mm.
+function inItsPlane(snapshot) {
+  const [x, y] = snapshot.measured;
+  let far = 0;
+  x.forEach((_, i) => { if (Math.hypot(x[i] - x[0], y[i] - y[0]) > Math.hypot(x[far] - x[0], y[far] - y[0])) far = i; });
+  const angle = Math.atan2(y[far] - y[0], x[far] - x[0]);
+  const turn = columns => [columns[0].map((v, i) => 1e3 * (Math.cos(angle) * v + Math.sin(angle) * columns[1][i])),
+    columns[0].map((v, i) => 1e3 * (Math.cos(angle) * columns[1][i] - Math.sin(angle) * v)), columns[2].map(v => 1e3 * v)];
+  return {measured: turn(snapshot.measured), before: turn(snapshot.before), after: turn(snapshot.after)};
+}
+
+function armPlanes(place, snapshot) {
+  const turned = inItsPlane(snapshot), traces = [];
+  const side = 1.2 * Math.max(8, ...['measured', ...phases].flatMap(one => turned[one][1].map(Math.abs)));  // 1 mm is not to fill the plot
+  [['x', 0], ['x2', 1]].forEach(([xaxis, column], panel) => {
+    const common = {xaxis, yaxis: panel ? 'y2' : 'y', showlegend: panel === 0, hovertemplate: '%{x:.1f}, %{y:.1f} mm'};
+    phases.forEach(phase => traces.push(phaseLine(phase, Object.assign({mode: 'lines', x: turned[phase][column], y: turned[phase][2]}, common))));
+    traces.push(Object.assign({type: 'scatter', mode: 'markers', name: 'measured', legendgroup: 'measured', x: turned.measured[column], y: turned.measured[2],
+      marker: {color: ink, symbol: 'square', size: 10}}, common));
+  });
+  draw(place, traces, layout(560, {
+    xaxis: axis('in its plane of bending / mm', {domain: [0, 0.58]}), yaxis: axis('along the base’s axis / mm', {scaleanchor: 'x'}),
+    xaxis2: axis('across that plane / mm<br>(other scale)', {domain: [0.7, 1], anchor: 'y2', range: [-side, side]}),
+    yaxis2: axis('', {matches: 'y', anchor: 'x2', showticklabels: false})}));
+}
+
+function armInSpace(place, snapshot) {
+  const xyz = columns => ({x: scaled(columns[0], 1e3), y: scaled(columns[1], 1e3), z: scaled(columns[2], 1e3)});
+  const traces = phases.map(phase => Object.assign({type: 'scatter3d', mode: 'lines', name: looks[phase].name,
+    line: {color: looks[phase].color, width: 7, dash: looks[phase].dash}}, xyz(snapshot[phase])));
+  traces.push(Object.assign({type: 'scatter3d', mode: 'markers', name: 'measured', marker: {color: ink, symbol: 'square', size: 5}}, xyz(snapshot.measured)));
+  const spans = ['x', 'y', 'z'].map(axisName => { const all = traces.flatMap(trace => trace[axisName]); return [Math.min(...all), Math.max(...all)]; });
+  const half = 0.55 * Math.max(...spans.map(([low, high]) => high - low));  // the same scale on all axes
+  const [x, y, z] = spans.map(([low, high], i) => ({title: {text: 'xyz'[i] + ' / mm', font: {size: 15}}, range: [(low + high) / 2 - half, (low + high) / 2 + half],
+    tickfont: {size: 12}, nticks: 6}));
+  draw(place, traces, layout(640, {margin: {l: 0, r: 0, t: 40, b: 0}, scene: {aspectmode: 'cube', xaxis: x, yaxis: y, zaxis: z, camera: {eye: {x: 1.1, y: -1.3, z: 0.35}}}}));
+}
+
+function arm() {
+  const shots = data.snapshots.filter(one => one.measured[0].length && one.before[0].length);
+  if (!shots.length) return null;
+  const place = plotPlace('the arm, measured and modelled, in two planes'), words = element('p', {'aria-live': 'polite'});
+  let shown = 0, space = false;
+  const show = () => {
+    const shot = shots[shown], off = phase => mm(distanceTo(shot[phase], shot.measured));
+    words.textContent = 'In ' + shot.trial + ' at ' + shot.t.toFixed(1) + ' s the measured bodies lie ' + off('before') + ' (rms) off the model' +
+      (phases.length > 1 ? ' before and ' + off('after') + ' after.' : '.');
+    if (space !== (place.dataset.space === 'yes')) Plotly.purge(place);
+    place.dataset.space = space ? 'yes' : 'no';
+    (space ? armInSpace : armPlanes)(place, shot);
+  };
+  const turn = element('button', {type: 'button'}, 'show in 3D');
+  turn.addEventListener('click', () => { space = !space; turn.textContent = space ? 'show in two planes' : 'show in 3D'; show(); });
+  const list = choice('instant', shots.map(shot => shot.words + ': ' + shot.trial + ', ' + shot.t.toFixed(1) + ' s'), i => { shown = i; show(); });
+  return {nodes: [element('div', {class: 'controls'}, list, turn), words, place], draw: show};
+}
+
+// --- Along the arm --------------------------------------------------------------------------------------------------
+
+function along() {
+  const a = data.along;
+  if (!a.s.length || a.before[0].length !== a.s.length) return null;
+  const place = plotPlace('residuals along the arm on three axes, before and after');
+  let mean = false;
+  const heads = ['in the plane of bending', 'across that plane', 'along the arm'];
+  const show = () => {
+    const traces = [], shapes = [], notes = [], last = a.s.length ? 1e3 * Math.max(...a.s) : 0;
+    heads.forEach((head, c) => {
+      const n = c === 0 ? '' : String(c + 1);
+      phases.forEach(phase => traces.push(phaseLine(phase, {x: scaled(a.s, 1e3), y: scaled(a[(mean ? 'mean_' : '') + phase][c], 1e3), xaxis: 'x' + n,
+        yaxis: 'y' + n, showlegend: c === 0, text: a.bodies.map(plain), hovertemplate: '%{text}: %{y:.2f} mm'})));
+      [...report.effects, ...(restSits() ? [{where: report.residual_structure.where, mark: 'rest'}] : [])].forEach((effect, i) => {
+        const w = effect.where;
+        if (!present(w.s_from) && !present(w.s_to)) return;
+        const from = 1e3 * (w.s_from || 0), to = present(w.s_to) ? 1e3 * w.s_to : last;
+        shapes.push({type: 'rect', xref: 'x' + n, yref: 'paper', x0: from - 0.02 * last, x1: to + 0.02 * last, y0: 0, y1: 1, fillcolor: '#000', opacity: 0.1, line: {width: 0}, layer: 'below'});
+        notes.push({text: effect.mark || String(i + 1), xref: 'x' + n, yref: 'paper', x: from, y: 0.99 - 0.1 * i, yanchor: 'top', showarrow: false, font: {size: 15},
+          bordercolor: ink, borderpad: 2, bgcolor: '#fff'});
+      });
+      notes.push({text: head, xref: 'x' + n + ' domain', yref: 'paper', x: 0.5, y: 1.0, yanchor: 'bottom', showarrow: false, font: {size: 16}});
+    });
+    const s = more => axis('s / mm', Object.assign({range: [-0.05 * last, 1.06 * last], zeroline: false}, more));
+    draw(place, traces, layout(430, {shapes, annotations: notes, margin: {l: 70, r: 20, t: 76, b: 60}, legend: {orientation: 'h', x: 0, y: 1.1, yanchor: 'bottom'},
+      grid: {rows: 1, columns: 3, pattern: 'independent', xgap: 0.08},
+      xaxis: s(), xaxis2: s(), xaxis3: s(), yaxis: axis((mean ? 'mean' : 'rms') + ' residual / mm', {rangemode: mean ? 'normal' : 'tozero'}),
+      yaxis2: axis('', {matches: 'y', showticklabels: false}), yaxis3: axis('', {matches: 'y', showticklabels: false})}));
+  };
+  const kinds = a.mean_before[0].length === a.s.length ? choice('residual', ['root mean square', 'mean (measured − modelled)'], i => { mean = i === 1; show(); }) : null;
+  const placed = where => present(where.s_from) || present(where.s_to);
+  const bands = report.effects.some(effect => placed(effect.where)) || (restSits() && placed(report.residual_structure.where));
+  return {nodes: [element('div', {class: 'controls'}, kinds), bands ? element('p', {class: 'hint'}, 'Shaded: where the effects (by their numbers) and what is left (rest) sit.') : null, place], draw: show};
+}
+
+// --- Trials and estimates -------------------------------------------------------------------------------------------
+
+function heldOut() {
+  const trials = data.trials.filter(trial => trial.rms_before > 0);
+  if (!trials.length) return null;
+  const place = plotPlace('rms error of each trial, predicted from the others, before and after');
+  const show = () => {
+    const y = trials.map((_, i) => i);
+    const traces = phases.length < 2 ? [] : [{type: 'scatter', mode: 'lines', showlegend: false, hoverinfo: 'skip', line: {color: '#555', width: 2},
+      x: trials.flatMap(t => [1e3 * t.rms_before, 1e3 * t.rms_after, null]), y: trials.flatMap((_, i) => [i, i, null])}];
+    phases.forEach(phase => traces.push(phaseLine(phase, {mode: 'markers', x: trials.map(t => 1e3 * t['rms_' + phase]), y, text: trials.map(t => plain(t.name)),
+      hovertemplate: '%{text}: %{x:.2f} mm', marker: {color: looks[phase].color, symbol: looks[phase].symbol, size: 14, line: {width: 3, color: looks[phase].color}}})));
+    const levels = [];
+    const sides = report.noise_floor_m > report.ceiling_rms_m ? ['left', 'right'] : ['right', 'left'];  // so that neither hides the other
+    if (report.noise_floor_m > 0) levels.push(level(1e3 * report.noise_floor_m, '\u00a0noise alone (dotted)\u00a0', 'dot', true, sides[0]));
+    if (present(report.ceiling_rms_m)) levels.push(level(1e3 * report.ceiling_rms_m, '\u00a0ceiling (dash-dot)\u00a0', 'dashdot', true, sides[1]));
+    draw(place, traces, layout(130 + 34 * trials.length, {shapes: levels.map(one => one.shape), annotations: levels.map(one => one.note), margin: {l: 70, r: 20, t: 66, b: 60},
+      legend: {orientation: 'h', x: 1, xanchor: 'right', y: 1, yanchor: 'bottom'},
+      xaxis: axis('rms error per body, of each trial by a model fitted to the others / mm', {rangemode: 'tozero'}),
+      yaxis: axis('', {tickvals: y, ticktext: trials.map(t => plain(short(t.name))), autorange: 'reversed', zeroline: false})}));
+  };
+  return {nodes: [report.improvement ? element('p', null, report.improvement) : null, place], draw: show};
+}
+
+function shifts() {
+  if (!report.shifts.length || !report.effects.length) return null;
+  const rows = report.shifts.filter(one => one.after);
+  const place = plotPlace('estimates before, in percent of those with the effects in the model');
+  const show = () => {
+    const y = rows.map((_, i) => i);
+    const traces = phases.map(phase => phaseLine(phase, {mode: 'markers', y: y.map(i => i + (phase === 'before' ? -0.13 : 0.13)),
+      x: rows.map(one => 100 * (one[phase] - one.after) / Math.abs(one.after)), text: rows.map(one => plain(one.name)), hovertemplate: '%{text}: %{x:+.1f} %',
+      error_x: {type: 'data', array: rows.map(one => 100 * 1.645 * one['sd_' + phase] / Math.abs(one.after)), color: looks[phase].color, thickness: 3, width: 7}}));
+    draw(place, traces, layout(130 + 48 * rows.length, {xaxis: axis('off the estimate with the effects in the model / %', {zerolinewidth: 2, zerolinecolor: ink}),
+      yaxis: axis('', {tickvals: y, ticktext: rows.map(one => plain(short(one.name))), autorange: 'reversed', zeroline: false})}));
+  };
+  return {nodes: [rows.length ? place : null, shiftsTable(), element('p', {class: 'hint'}, '± and bars: 90 % intervals.')], draw: rows.length ? show : null};
+}

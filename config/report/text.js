@@ -1,0 +1,143 @@
+'use strict';
+// The parts of the page that are text and tables. Each returns a list of nodes, or null where there is nothing to say.
+
+function header() {
+  const baseline = report.baseline, extended = report.extended;
+  const figure = (value, words) => element('div', {class: 'figure'}, element('b', null, value), element('span', null, words));
+  const same = !report.effects.length || baseline.held_out_rms_m === extended.held_out_rms_m;
+  const measured = baseline.held_out_rms_m > 0;
+  return element('header', null,
+    element('p', {class: 'kicker'}, 'Model against recordings: ' + report.arm + (report.version ? ' · softarm ' + report.version : '')),
+    element('div', {class: 'title'}, element('h1', null, report.headline),
+      element('span', {class: 'verdict ' + report.verdict}, report.verdict.replace('_', ' '))),
+    report.summary ? element('p', {class: 'lead'}, report.summary) : null,
+    restSits() ? element('p', {class: 'lead'}, 'What is left sits ' + report.residual_structure.place + '.') : null,
+    element('div', {class: 'figures'},
+      measured ? figure(same ? mm(baseline.held_out_rms_m) : mm(baseline.held_out_rms_m).slice(0, -3) + ' → ' + mm(extended.held_out_rms_m),
+        same ? 'rms error per body on unseen trials' : 'rms error per body on unseen trials, before → after') : null,
+      report.noise_floor_m > 0 ? figure(mm(report.noise_floor_m), 'of it noise alone makes') : null,
+      present(report.ceiling_rms_m) ? figure(mm(report.ceiling_rms_m), 'a flexible model of the residuals reaches (ceiling)') : null,
+      present(report.ceiling_rms_m) && !same ? figure(percent(report.explained_share), 'of what could be explained is explained') : null));
+}
+
+/// Whether there is something left that has a place: not where all is explained.
+function restSits() {
+  return report.residual_structure.place !== '' && ['unknown', 'partly_explained', 'cannot_tell'].includes(report.verdict);
+}
+
+/// The arm from base to tip, with the bodies and the stretch that an effect sits on.
+function strip(where) {
+  const s = data.along.s, length = Math.max(...s, where.s_to || 0, where.s_from || 0);
+  if (!s.length || !(length > 0) || !(present(where.s_from) || present(where.s_to))) return null;
+  const x = at => 60 + 620 * at / length;
+  const from = x(where.s_from || 0), to = x(present(where.s_to) ? where.s_to : length);
+  const text = (at, words, anchor) => element('text', {x: at, y: 56, 'text-anchor': anchor, 'font-size': 15, fill: '#111'}, words);
+  return element('svg', {viewBox: '0 0 760 64', class: 'strip', role: 'img',
+      'aria-label': 'place along the arm: ' + Math.round(1e3 * (where.s_from || 0)) + ' to ' + Math.round(1e3 * (present(where.s_to) ? where.s_to : length)) + ' mm of ' + Math.round(1e3 * length) + ' mm'},
+    element('line', {x1: x(0), y1: 22, x2: x(length), y2: 22, stroke: '#111', 'stroke-width': 3}),
+    element('rect', {x: Math.min(from - 4, 760), y: 9, width: Math.max(8, to - from + 8), height: 26, fill: '#111', 'fill-opacity': 0.28, stroke: '#111', 'stroke-width': 2}),
+    s.map(at => element('circle', {cx: x(at), cy: 22, r: 5, fill: '#fff', stroke: '#111', 'stroke-width': 2})),
+    text(x(0), 'base', 'middle'), text(x(length), 'tip, ' + Math.round(1e3 * length) + ' mm', 'middle'));
+}
+
+function effects() {
+  if (!report.effects.length) return null;
+  return report.effects.map((effect, i) => element('div', {class: 'effect'},
+    element('h3', null, (i + 1) + '. ' + (effect.words || effect.name) + ' ', element('code', null, effect.name)),
+    effect.said ? element('p', null, effect.sentence) : null,
+    element('dl', null,
+      effect.sizes.flatMap(([symbol, words, size]) => [element('dt', null, 'how large'), element('dd', null, (words || symbol) + ': ', element('b', null, size))]),
+      effect.place ? [element('dt', null, 'where'), element('dd', null, effect.place)] : null,
+      element('dt', null, 'how sure'), element('dd', null, element('b', null, effect.sure)),
+      element('dt', null, 'easily mistaken for'),
+      element('dd', null, effect.confusable_with.length ? names(effect.confusable_with) : 'nothing that these recordings leave open'),
+      present(effect.held_out_gain) ? [element('dt', null, 'on unseen trials'),
+        element('dd', null, mm(Math.abs(effect.held_out_gain)) + (effect.held_out_gain < 0 ? ' more' : ' less') + ' rms error with it in the model')] : null),
+    strip(effect.where)));
+}
+
+function nextExperiment() {
+  const next = report.next_experiment;
+  if (!next) return null;
+  return [element('div', {class: 'next'},
+    element('p', {class: 'lead'}, next.action.replace(/\.?$/, '.')),
+    next.separates.length ? element('p', null, 'It would tell apart ', names(next.separates),
+      next.expected_separation > 0 ? ', by about ' + next.expected_separation.toFixed(1) + ' standard deviations.' : '.') : null)];
+}
+
+function bar(share, kind) {
+  const inner = element('i');
+  inner.style.width = Math.min(100, Math.max(0, 100 * share)) + '%';
+  return element('span', {class: 'bar ' + kind, 'aria-hidden': 'true'}, inner);
+}
+
+function ranking() {
+  if (!report.ranking.length) return null;
+  const heads = ['', 'effect', 'probability', 'hidden', {number: 'screen z'}, {number: 'rms effect'},
+    {number: 'size found'}, {number: 'smallest size seen'}, 'finding'];
+  const sizeOf = (one, value) => {
+    const unit = shownUnit(one.unit || '');
+    return present(value) ? digits(unit.scale * value, 3) + (unit.shown ? '\u00a0' + unit.shown : '') : '–';
+  };
+  const row = (one, i) => [String(i + 1), [element('code', null, one.name), element('small', null, one.words)],
+    {share: [bar(one.probability, ''), percent(one.probability)]}, {share: [bar(one.concealment, 'hidden-share'), percent(one.concealment)]},
+    {number: present(one.z) ? one.z.toFixed(1).replace('-', '−') : '–'}, {number: mm(one.size_m)},
+    {number: [sizeOf(one, one.estimate), one.symbol ? element('small', null, one.symbol) : null]}, {number: sizeOf(one, one.smallest_detectable)},
+    [one.meaning, one.detectable || one.finding === 'not_of_this_arm' ? null : element('small', null, 'a usual size would not be seen')]];
+  const looked = report.ranking.filter(one => one.finding !== 'not_of_this_arm');
+  const others = report.ranking.filter(one => one.finding === 'not_of_this_arm');
+  const most = 8;
+  const part = (from, to) => table(heads, looked.slice(from, to).map((one, i) => row(one, from + i)), i => looked[from + i].finding);
+  return [
+    element('p', {class: 'hint'}, '“Hidden” is the share of an effect’s signature that the arm’s own constants (EI, gains, length) absorb: ' +
+      'the more of it, the less a small residual proves.'),
+    part(0, most),
+    looked.length > most ? element('details', null, element('summary', null, (looked.length - most) + ' more candidates'), part(most, looked.length)) : null,
+    others.length ? element('p', {class: 'hint'}, 'Not of this arm: ', others.map(one => one.words || one.name).join('; ') + '.') : null];
+}
+
+function leftOver() {
+  const after = report.residual_structure, before = report.residual_structure_before;
+  if (!(report.baseline.rms_m > 0)) return null;
+  const inputs = [...new Set([...Object.keys(before.by_input_p), ...Object.keys(after.by_input_p)])];
+  const own = (object, key) => Object.prototype.hasOwnProperty.call(object, key) ? object[key] : null;
+  const told = p => ({share: !present(p) ? '–' : pValue(p) + (p < 0.01 ? ' ▲ pattern' : ' no pattern')});
+  const same = !report.effects.length;
+  const columns = (b, a) => same ? [b] : [b, a];
+  const rows = [
+    ['size of the residuals over that of the noise', ...columns(before, after).map(one => present(one.chi2_per_dof) ? Math.sqrt(one.chi2_per_dof).toFixed(2) : '–')],
+    ['pattern in time, p', ...columns(told(before.whiteness_p), told(after.whiteness_p))],
+    ['pattern along the arm, p', ...columns(told(before.along_s_p), told(after.along_s_p))],
+    ...inputs.map(name => ['goes with ' + name + ', p', ...columns(told(own(before.by_input_p, name)), told(own(after.by_input_p, name)))]),
+    ['where it sits', ...columns(before.place || '–', after.place || '–')]];
+  return [table(['what is left of the residuals', ...(same ? ['model as it is'] : ['before', 'after'])], rows), restSits() ? strip(after.where) : null];
+}
+
+function shiftsTable() {
+  const value = (v, sd, unit) => present(v) ? plusMinus(unit.scale * v, 1.645 * unit.scale * (sd || 0)) : '–';
+  return table(['estimate', {number: 'before'}, {number: 'with the effects in the model'}, 'unit', {number: 'change'}],
+    report.shifts.map(one => {
+      const unit = shownUnit(one.unit);
+      const change = one.before && one.after ? 100 * (one.after / one.before - 1) : null;
+      return [element('span', {class: 'name'}, one.name), {number: value(one.before, one.sd_before, unit)}, {number: value(one.after, one.sd_after, unit)}, unit.shown,
+        {number: present(change) ? (change < 0 ? '−' : '+') + Math.abs(change).toFixed(1) + ' %' : '–'}];
+    }));
+}
+
+function trialsTable() {
+  if (!data.trials.length) return null;
+  const worst = trial => trial.bodies.map(body => [body.name, rms(body.after || body.before)]).filter(one => present(one[1]))
+    .sort((a, b) => b[1] - a[1])[0];
+  return [table(['trial', {number: 'frames used'}, {number: 'length'}, {number: 'rms before'}, {number: 'rms after'}, {number: 'change'}, 'worst body after'],
+    data.trials.map(trial => {
+      const body = worst(trial), t = trial.t;
+      return [element('span', {class: 'name'}, trial.name), {number: String(trial.frames)}, {number: t.length ? (t[t.length - 1] - t[0]).toFixed(0) + ' s' : '–'},
+        {number: mm(trial.rms_before)}, {number: mm(trial.rms_after)},
+        {number: trial.rms_before > 0 && present(trial.rms_after) ? (100 * (trial.rms_after / trial.rms_before - 1)).toFixed(0).replace('-', '−') + ' %' : '–'},
+        body ? body[0] + ', ' + mm(body[1]) : '–'];
+    }))];
+}
+
+function notes() {
+  return report.notes.length ? [element('ul', null, report.notes.map(note => element('li', null, note)))] : null;
+}
