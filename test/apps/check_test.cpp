@@ -6,7 +6,9 @@
 #include <rosbag/view.h>
 #include <sensor_msgs/FluidPressure.h>
 
+#include <filesystem>
 #include <functional>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "apps/program.h"
@@ -198,6 +200,47 @@ TEST_F(RealArms, QuaternionOfTheBaseTurnsOver) {
   ASSERT_NE(finding(all, "turned_over", "base"), nullptr) << all.dump(1);
   EXPECT_EQ(finding(all, "turned_over", "base")->at("severity"), "serious");
   EXPECT_GT(finding(all, "turned_over", "base")->at("figure"), 2.8);
+}
+
+TEST_F(RealArms, StepsRestOffZeroAndTurnOverBaseAndTip) {
+  const TestFolder dir;
+  std::string layout = kSteps;
+  for (const int column : {6, 7, 11, 12, 13}) {
+    static const std::map<int, int> kChamber{{6, 2}, {7, 3}, {11, 4}, {12, 5}, {13, 6}};
+    layout += "    - {topic: /pressure/chamber_" + std::to_string(kChamber.at(column)) +
+              ", column: " + std::to_string(column) + "}\n";
+  }
+  const auto all = check(dir, layout, "pouch_arm", "steps/set_3/data_collect_1.txt");
+  ASSERT_NE(finding(all, "turned_over", "tip"), nullptr) << all.dump(1);
+  EXPECT_NEAR(finding(all, "turned_over", "tip")->at("figure"), M_PI, 0.1);
+  // Half of the time the base is turned over: which half nobody knows, so its attitude is no finding of its
+  // own.
+  ASSERT_NE(finding(all, "turned_over", "base"), nullptr) << all.dump(1);
+  EXPECT_EQ(finding(all, "base_attitude"), nullptr) << all.dump(1);
+  EXPECT_EQ(finding(all, "base_upside_down"), nullptr) << all.dump(1);
+  constexpr double kPaPerPsi = 6894.757;
+  for (int chamber = 1; chamber <= 6; ++chamber) {
+    const auto* offset = finding(all, "offset_at_rest", "chamber_" + std::to_string(chamber));
+    ASSERT_NE(offset, nullptr) << chamber << ": " << all.dump(1);
+    EXPECT_GT(offset->at("figure"), 0.6 * kPaPerPsi);
+    EXPECT_LT(offset->at("figure"), 2.45 * kPaPerPsi);
+  }
+}
+
+TEST_F(RealArms, TrunkAtRestHasNothingSeriousAndMotorsAtTheirZeros) {
+  if (!std::filesystem::is_directory(recordings() + "/tendon_trunk"))
+    GTEST_SKIP() << "tendon_trunk is absent";
+  const TestFolder dir;
+  const Outcome imported =
+      softarm_program("import " SOFTARM_SOURCE_DIR "/config/layouts/tendon_trunk_zeros.yaml " + recordings() +
+                      "/tendon_trunk/observations_zeros_0g.csv --out " + dir / "a.bag");
+  ASSERT_EQ(imported.status, 0) << imported.err;
+  EXPECT_EQ(softarm_program("check --arm tendon_trunk " + dir / "a.bag" + " --json " + dir / "f.json").status,
+            0);
+  const auto all = findings(dir / "f.json");
+  EXPECT_EQ(finding(all, "offset_at_rest", "motor_"), nullptr) << all.dump(1);
+  ASSERT_NE(finding(all, "noise"), nullptr);
+  EXPECT_LT(finding(all, "noise")->at("figure"), 1e-5);  // the mocap software filters
 }
 
 }  // namespace

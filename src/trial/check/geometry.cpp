@@ -132,6 +132,11 @@ void check_attitude(Context& context) {
   const bool near_base = places.front().arclength_m < 0.6 * context.arm.total_length_m();
   const bool backwards = off > 120.0 * kDegree;
   if (off > (near_base ? 50.0 : 80.0) * kDegree) {
+    // Which of its two attitudes is the true one nobody knows yet: that has been said.
+    if (std::any_of(context.findings.begin(), context.findings.end(), [&](const CheckFinding& f) {
+          return f.id == "turned_over" && f.where == context.tracks[0].name;
+        }))
+      return;
     CheckFinding& finding = context.add(
         Severity::kSerious, backwards ? "base_upside_down" : "base_attitude", context.tracks[0].name,
         fmt::format("the rod's z axis at the base, which should point along the arm, points {:.0f} deg away "

@@ -17,6 +17,7 @@ constexpr double kLeastMaxPa = 500.0;  // a chamber that is driven at all
 constexpr double kOffsetPa = 500.0;
 constexpr double kOffsetShare = 0.02;  // of the range
 constexpr double kLeastOffsetPa = 150.0;
+constexpr double kLeastTensionN = 0.02, kLeastAngleRad = 0.02;  // of what may be friction or play
 
 struct Unit {
   const char* name;
@@ -195,8 +196,8 @@ void check_input_levels(Context& context) {
     double limit = 0.0;
     if (pressure)
       limit = std::max(kLeastOffsetPa, std::min(kOffsetPa, kOffsetShare * signal.range())) + 5.0 * se;
-    if (input.kind == InputKind::kTension) limit = 0.02 * signal.range() + 5.0 * se + 0.005;
-    if (input.kind == InputKind::kAngle) limit = 0.02 * signal.range() + 5.0 * se + 0.002;
+    if (input.kind == InputKind::kTension) limit = 0.02 * signal.range() + 5.0 * se + kLeastTensionN;
+    if (input.kind == InputKind::kAngle) limit = 0.02 * signal.range() + 5.0 * se + kLeastAngleRad;
     if (std::abs(level.value) < limit) continue;
     const bool below = pressure && level.value < 0.0;
     const double share = signal.range() > 0.0 ? std::abs(level.value) / signal.range() : 0.0;
@@ -208,7 +209,7 @@ void check_input_levels(Context& context) {
     } else {
       what = fmt::format("rests at {:.3g} {}", level.value, input.kind == InputKind::kTension ? "N" : "rad");
     }
-    if (signal.range() > 0.0) what += fmt::format(", {:.0f} % of its range", 100.0 * share);
+    if (share > 0.0 && share < 1.0) what += fmt::format(", {:.0f} % of its range", 100.0 * share);
     if (below && input.kind == InputKind::kPressure)
       what += ": the sensor's zero is off, chambers are not evacuated";
     // A servo or a tendon may well be commanded to rest at a value; one that is exact is no sensor.

@@ -47,6 +47,46 @@ std::vector<double> arclengths(const std::vector<Place>& places, double* bend_ra
   return result;
 }
 
+/// One ring alone: against the line through base and the others, which must agree far better without it.
+void say_misplaced(Context& context, const std::vector<Place>& places, const std::vector<double>& measured,
+                   double noise_m) {
+  if (places.size() < 3) return;
+  std::size_t worst = 0;
+  double worst_share = 0.4, place_m = 0.0;  // what the others are off, over what it is
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    double xy = 0.0, xx = 0.0;
+    for (std::size_t j = 0; j < places.size(); ++j) {
+      if (j == k) continue;
+      xy += places[j].arclength_m * measured[j];
+      xx += places[j].arclength_m * places[j].arclength_m;
+    }
+    if (!(xx > 0.0)) continue;
+    const double slope = xy / xx;
+    double rest_m = 0.0;
+    for (std::size_t j = 0; j < places.size(); ++j) {
+      if (j != k) rest_m = std::max(rest_m, std::abs(measured[j] - slope * places[j].arclength_m));
+    }
+    const double here_m = measured[k] / slope, off_m = std::abs(here_m - places[k].arclength_m);
+    if (off_m < kOffM + 6.0 * noise_m || rest_m >= worst_share * off_m) continue;
+    worst = k;
+    worst_share = rest_m / off_m;
+    place_m = here_m;
+  }
+  if (!(place_m > 0.0)) return;
+  const Track& track = context.tracks[places[worst].track];
+  const double off_m = place_m - places[worst].arclength_m;
+  CheckFinding& finding = context.add(
+      std::abs(off_m) > 0.05 * places.back().arclength_m ? Severity::kSerious : Severity::kWarning,
+      "ring_misplaced", track.name,
+      fmt::format("at rest it sits {:.1f} mm {} than the arm file says (arclength {:.1f} mm, not {:.1f} mm)",
+                  1e3 * std::abs(off_m), off_m > 0.0 ? "further towards the tip" : "nearer to the base",
+                  1e3 * place_m, 1e3 * places[worst].arclength_m));
+  finding.figure = off_m;
+  finding.unit = "m";
+  finding.remedy = "push it back, or say where it is now";
+  finding.setting = fmt::format("bodies[{}].arclength_m: {:.4f}", track.name, place_m);
+}
+
 }  // namespace
 
 void check_spacing(Context& context) {
@@ -87,36 +127,7 @@ void check_spacing(Context& context) {
         "with weight is longer; else the mocap's calibration (wand length)";
     finding.setting = fmt::format("segments[].length_m and bodies[].arclength_m: times {:.4f}", stretch);
   }
-  // One ring alone: against the line through base and the others.
-  for (std::size_t k = 0; k < places.size() && places.size() > 1; ++k) {
-    double xy_others = 0.0, xx_others = 0.0;
-    for (std::size_t j = 0; j < places.size(); ++j) {
-      if (j == k) continue;
-      xy_others += places[j].arclength_m * measured[j];
-      xx_others += places[j].arclength_m * places[j].arclength_m;
-    }
-    if (!(xx_others > 0.0)) continue;
-    const double slope = xy_others / xx_others;
-    double rest = 0.0;  // what the others themselves are off
-    for (std::size_t j = 0; j < places.size(); ++j) {
-      if (j != k) rest = std::max(rest, std::abs(measured[j] - slope * places[j].arclength_m));
-    }
-    const double place_m = measured[k] / slope, off_m = place_m - places[k].arclength_m;
-    const bool unique = places.size() > 2 && rest < 0.4 * std::abs(off_m);
-    if (!unique || std::abs(off_m) < kOffM + 6.0 * noise) continue;
-    const Track& track = context.tracks[places[k].track];
-    CheckFinding& finding = context.add(
-        std::abs(off_m) > 0.05 * length_m ? Severity::kSerious : Severity::kWarning, "ring_misplaced",
-        track.name,
-        fmt::format(
-            "at rest it sits {:.1f} mm {} than the arm file says (arclength {:.1f} mm, not {:.1f} mm)",
-            1e3 * std::abs(off_m), off_m > 0.0 ? "further towards the tip" : "nearer to the base",
-            1e3 * place_m, 1e3 * places[k].arclength_m));
-    finding.figure = off_m;
-    finding.unit = "m";
-    finding.remedy = "push it back, or say where it is now";
-    finding.setting = fmt::format("bodies[{}].arclength_m: {:.4f}", track.name, place_m);
-  }
+  say_misplaced(context, places, measured, noise);
 }
 
 }  // namespace softarm::check
