@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "held_inputs.h"
 #include "softarm/identify/identify.h"
 #include "softarm/identify/static_frame.h"
 
@@ -84,6 +85,7 @@ class Preparing {
         series.inputs(k, i) = channel < frame.inputs.size() ? frame.inputs[channel].value_or(0.0) : 0.0;
       }
     }
+    for (Eigen::Index k = 0; k < series.inputs.rows(); ++k) straighten(series.t_s, series.inputs.row(k));
     series.moment_inputs = series.inputs;
     cut(frames, data, left_out);
     set_aside(data);
