@@ -135,8 +135,8 @@ void say_coarse(Context& context, const Signal& signal) {
           "a converter of more bits, or a sensor of a narrower range; the error is a third of a step";
     }
   }
-  // Rounding has had its word.
-  if (signal.is_measured && signal.noise_sd > std::max(1e-4 * range, 0.3 * signal.quantum)) {
+  // Rounding, and flicker between two steps, have had their word.
+  if (signal.is_measured && signal.noise_sd > std::max(1e-4 * range, 0.5 * signal.quantum)) {
     const bool noisy = signal.noise_sd > kCoarseShare * range;
     CheckFinding& finding =
         context.add(noisy ? Severity::kWarning : Severity::kInformation, "noisy_input", signal.input->name,
