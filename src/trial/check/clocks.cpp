@@ -93,8 +93,10 @@ void check_clocks(Context& context) {
   if (shift.at_edge || shift.sd_s > kTellS || shift.explained < 0.3) {
     return cannot(shift.explained < 0.3
                       ? fmt::format("the inputs explain {:.0f} % of the motion only", 100.0 * shift.explained)
-                  : shift.at_edge ? std::string("no shift within a second fits better than its neighbours")
-                                  : fmt::format("the motion is too slow, or not the inputs' alone (+- {:.0f} ms)", 2e3 * shift.sd_s));
+                  : shift.at_edge
+                      ? std::string("no shift within a second fits better than its neighbours")
+                      : fmt::format("the motion is too slow, or not the inputs' alone (+- {:.0f} ms)",
+                                    2e3 * shift.sd_s));
   }
   say(context, shift);
 }
