@@ -74,10 +74,10 @@ function distanceTo(curve, points) {
 
 /// Across the base's axis towards where the arm reaches farthest, across that, and along the base's axis; in mm.
 function inItsPlane(snapshot) {
-  const [x, y] = snapshot.measured;
+  const [x, y] = snapshot.measured, x0 = snapshot.before[0][0], y0 = snapshot.before[1][0];
   let far = 0;
-  x.forEach((_, i) => { if (Math.hypot(x[i] - x[0], y[i] - y[0]) > Math.hypot(x[far] - x[0], y[far] - y[0])) far = i; });
-  const angle = Math.atan2(y[far] - y[0], x[far] - x[0]);
+  x.forEach((_, i) => { if (Math.hypot(x[i] - x0, y[i] - y0) > Math.hypot(x[far] - x0, y[far] - y0)) far = i; });
+  const angle = Math.atan2(y[far] - y0, x[far] - x0);
   const turn = columns => [columns[0].map((v, i) => 1e3 * (Math.cos(angle) * v + Math.sin(angle) * columns[1][i])),
     columns[0].map((v, i) => 1e3 * (Math.cos(angle) * columns[1][i] - Math.sin(angle) * v)), columns[2].map(v => 1e3 * v)];
   return {measured: turn(snapshot.measured), before: turn(snapshot.before), after: turn(snapshot.after)};

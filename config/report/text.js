@@ -46,7 +46,7 @@ function effects() {
     element('h3', null, (i + 1) + '. ' + (effect.words || effect.name) + ' ', element('code', null, effect.name)),
     effect.said ? element('p', null, effect.sentence) : null,
     element('dl', null,
-      effect.sizes.flatMap(([symbol, words, size]) => [element('dt', null, 'how large'), element('dd', null, (words || symbol) + ': ', element('b', null, size))]),
+      effect.sizes.flatMap(([label, size]) => [element('dt', null, 'how large'), element('dd', null, label + ': ', element('b', null, size))]),
       effect.place ? [element('dt', null, 'where'), element('dd', null, effect.place)] : null,
       element('dt', null, 'how sure'), element('dd', null, element('b', null, effect.sure)),
       element('dt', null, 'easily mistaken for'),

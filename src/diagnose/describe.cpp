@@ -65,7 +65,7 @@ std::string effect_text(std::size_t number, const NamedEffect& effect) {
   if (said) text += labelled("what", what);
   text += labelled("where", place(effect.where));
   for (const EffectValue& value : effect.parameters)
-    text += labelled(value.symbol, with_interval(value) + (value.words.empty() ? "" : "; " + value.words));
+    text += labelled("how large", label(value) + ": " + with_interval(value));
   text += labelled("how sure", percent(effect.probability));
   text += labelled("mistaken for", effect.confusable_with.empty() ? "nothing that these recordings leave open"
                                                                   : one_of(effect.confusable_with));

@@ -100,7 +100,7 @@ void add_words(Json& report, const Diagnosis& d) {
     effect["sure"] = percent(d.effects[i].probability);
     effect["sizes"] = Json::array();
     for (const EffectValue& value : d.effects[i].parameters)
-      effect["sizes"].push_back({value.symbol, value.words, with_interval(value)});
+      effect["sizes"].push_back({label(value), with_interval(value)});
   }
   for (std::size_t i = 0; i < d.ranking.size(); ++i)
     report["ranking"][i]["meaning"] = meaning(d.ranking[i].finding);

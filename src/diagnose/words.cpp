@@ -48,6 +48,20 @@ std::string stretch_words(const Where& where) {
   return "";
 }
 
+/// "delay" of "delay_s".
+std::string without_unit(std::string symbol) {
+  for (const char* unit : {"_rad_per_nm", "_n_per_m", "_per_min", "_per_m", "_per_s", "_pa", "_rad", "_kg",
+                           "_nm", "_n", "_s", "_m"}) {
+    const std::string end = unit;
+    if (symbol.size() <= end.size() || symbol.compare(symbol.size() - end.size(), end.size(), end) != 0)
+      continue;
+    symbol.resize(symbol.size() - end.size());
+    break;
+  }
+  std::replace(symbol.begin(), symbol.end(), '_', ' ');
+  return symbol;
+}
+
 std::string capitalised(std::string text) {
   if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
   return text;
@@ -156,6 +170,8 @@ std::string percent(double probability) {
 std::string with_interval(const EffectValue& value) {
   const ShownUnit shown = shown_unit(value.unit);
   const double v = shown.scale * value.value, low = shown.scale * value.low, high = shown.scale * value.high;
+  const bool counts = shown.shown.empty() && v == std::round(v) && !(high > low);
+  if (counts) return fmt::format("{:.0f}", v);
   if (!std::isfinite(low) || !std::isfinite(high) || !(high > low)) return with_unit(value.value, value.unit);
   const double largest = std::max({std::abs(v), std::abs(low), std::abs(high)});
   if (largest >= 1e6 || largest < 1e-6)
@@ -163,6 +179,16 @@ std::string with_interval(const EffectValue& value) {
   const int digits = decimals(high - low, 2);
   return fmt::format("{:.{}f}{} (90 % interval {:.{}f} to {:.{}f})", v, digits, behind(shown.shown), low,
                      digits, high, digits);
+}
+
+std::string label(const EffectValue& value) {
+  const std::string &words = value.words, name = without_unit(value.symbol);
+  if (words.empty()) return name;
+  for (const char* goes_on : {"of ", "by ", "across ", "along ", "that ", "around "}) {
+    if (words.rfind(goes_on, 0) == 0) return name + " " + words;
+  }
+  if (words.rfind("its ", 0) == 0) return name + ", " + words;
+  return words[0] >= '0' && words[0] <= '9' ? name + " (" + words + ")" : words;
 }
 
 std::string place(const Where& where) {
@@ -191,8 +217,7 @@ std::string sentence_of(const NamedEffect& effect) {
   if (!where.empty()) text += ", " + where;
   std::string sizes;
   for (const EffectValue& value : effect.parameters)
-    sizes += (sizes.empty() ? ": " : ", ") + (value.words.empty() ? value.symbol : value.words) + " " +
-             with_interval(value);
+    sizes += "; " + label(value) + ": " + with_interval(value);
   return text + sizes + "; probability " + percent(effect.probability) + ".";
 }
 

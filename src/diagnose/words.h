@@ -32,6 +32,9 @@ std::string percent(double probability);
 /// "5.2 N m/rad (90 % interval 4.6 ... 5.9)": as many digits as the interval is worth.
 std::string with_interval(const EffectValue& value);
 
+/// What it is: its words, which may go on from its symbol: "share of EI, by which it grows", "time constant".
+std::string label(const EffectValue& value);
+
 /// "from 40 mm to 80 mm from the base, in the plane of bending, during holds, with payload"; empty if nothing
 /// is known.
 std::string place(const Where& where);

@@ -27,10 +27,11 @@ TEST(Describe, SaysWhereWhatHowLargeAndHowSure) {
   EXPECT_THAT(text, StartsWith("EXPLAINED: The base yields under load"));
   EXPECT_THAT(text, HasSubstr("where at the base, in the plane of bending, always, goes with payload"));
   EXPECT_THAT(text, HasSubstr("what the base yields under load (base_compliance)"));
-  EXPECT_THAT(text, HasSubstr("K_base 5.2 N m/rad (90 % interval 4.6 to 5.9)"));
+  EXPECT_THAT(
+      text, HasSubstr("how large rotational stiffness of the base: 5.2 N m/rad (90 % interval 4.6 to 5.9)"));
   EXPECT_THAT(text, HasSubstr("how sure 93 %"));
   EXPECT_THAT(text, HasSubstr("mistaken for rigid_ends or shear"));
-  EXPECT_THAT(text, HasSubstr("p_h 2.48 kPa (90 % interval 2.21 to 2.76)"));
+  EXPECT_THAT(text, HasSubstr("how large half width of the loop: 2.48 kPa (90 % interval 2.21 to 2.76)"));
   EXPECT_THAT(text, HasSubstr("where 30 to 170 mm from the base"));
 }
 

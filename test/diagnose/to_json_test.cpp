@@ -59,7 +59,7 @@ TEST(ToJson, SaysWhatAnEffectIs) {
   EXPECT_EQ(
       effects[1]["sentence"],
       "Pressure and moment lag in a loop, at any speed, 30 to 170 mm from the base, in the plane of bending, "
-      "whenever a pressure turns round, goes with chamber_1: half width of the loop 2.48 kPa (90 % interval "
+      "whenever a pressure turns round, goes with chamber_1; half width of the loop: 2.48 kPa (90 % interval "
       "2.21 to 2.76); probability 88 %.");
 }
 
