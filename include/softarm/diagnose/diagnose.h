@@ -1,0 +1,41 @@
+// Trials and an arm's description to what the description leaves out.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "softarm/arm/arm.h"
+#include "softarm/diagnose/diagnosis.h"
+#include "softarm/identify/shape_error.h"
+
+namespace softarm::diagnose {
+
+struct Options {
+  double block_s = 0.1;  ///< over which frames are averaged before they are compared
+  int most_effects = 4;  ///< in one verdict
+  int refits = 4;        ///< of the screen's best, per round
+  double least_z = 5.0;  ///< of an effect that is named
+  /// Too small to matter: what an effect moves the bodies by beyond what the constants absorb, rms.
+  double trivial_m = 5e-5;
+  unsigned jobs = 0;  ///< threads; 0: one per core
+};
+
+/// Called with the share of the work that is done, 0 ... 1, and what is being done.
+using Progress = std::function<void(double, const std::string&)>;
+
+/// 1. Means over short times; white noise from their scatter; what a hand or a swing disturbs is left out.
+/// 2. Baseline: the arm's constants (gains, stiffness and length laws), one value for all trials, and the
+///    inertia of its known masses.
+/// 3. Score screen of the catalogue: signatures orthogonal to all constants, sums over stretches of two
+///    seconds, so that correlated residuals widen the intervals.
+/// 4. The best are refitted together with the constants; one is taken into the model where it lowers the
+///    error on trials left out, and again from 3; at the end each must still be worth its place.
+/// 5. A Gaussian process over inputs, their speeds and past, payload, attitude and time says what could be
+///    explained at all, before and after.
+/// 6. Verdict; a name only where no rival does as well.
+/// @throws identify::IdentifyError where the trials cannot be used
+Diagnosis diagnose(const Arm& arm, const std::vector<identify::Trial>& trials, const Options& options = {},
+                   const Progress& progress = {});
+
+}  // namespace softarm::diagnose

@@ -1,0 +1,30 @@
+// What a flexible model could make of the residuals: the ceiling of what can be explained.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "joint_model.h"
+
+namespace softarm::diagnose {
+
+struct Ceiling {
+  double before_rms_m = 0.0;  ///< of the residuals it was given, of the blocks that it looked at
+  double after_rms_m = 0.0;   ///< with what it learnt from other trials taken off; never more than before
+  double share = 0.0;         ///< of the mean square that is gone
+};
+
+/// A Gaussian process from what drives the arm (inputs, their speeds and their past, payload, attitude, time)
+/// to the residuals of all bodies, learnt on some trials and tried on the others, by turns.
+/// @param residual by trial, m, as Unseen::residual
+Ceiling ceiling(const JointModel& model, const Linearised& at, const std::vector<Eigen::VectorXd>& residual);
+
+/// What the process knows of each block: one row per used block; names of the columns.
+struct Features {
+  Eigen::MatrixXd values;
+  std::vector<std::string> names;
+  std::vector<std::size_t> trial, block;
+};
+Features features(const JointModel& model, const Linearised& at);
+
+}  // namespace softarm::diagnose

@@ -1,0 +1,169 @@
+#include "selection.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace softarm::diagnose {
+namespace {
+
+using effects::Effect;
+using effects::Present;
+
+constexpr double kRivalZ = 3.0;  // separation below which two effects are one class
+constexpr double kRivalCosine = 0.95;
+constexpr double kScreenZ = 3.5;    // of an effect that is worth a refit
+constexpr double kNoneOdds = 20.0;  // for none against one effect, before the data
+
+/// At an end of its range that is not "absent".
+bool at_limit(const Present& present) {
+  const effects::Info& info = present.effect->info();
+  for (std::size_t k = 0; k < info.parameters.size(); ++k) {
+    const effects::Parameter& p = info.parameters[k];
+    if (p.counts || k >= static_cast<std::size_t>(info.sizes)) continue;
+    const double value = present.values[static_cast<Eigen::Index>(k)];
+    const double near = 1e-6 * (p.high - p.low);
+    if ((value <= p.low + near && p.low != 0.0) || value >= p.high - near) return true;
+  }
+  return false;
+}
+
+std::vector<std::size_t> worth_a_refit(const std::vector<Screened>& screened, const Options& options) {
+  std::vector<std::size_t> list;
+  for (std::size_t i = 0; i < screened.size(); ++i) {
+    const Screened& s = screened[i];
+    if (s.z < kScreenZ || s.leftover_m < options.trivial_m) continue;
+    list.push_back(i);
+  }
+  // What falls on unseen trials counts, but a first-order estimate may overshoot there.
+  std::stable_sort(list.begin(), list.end(), [&](std::size_t a, std::size_t b) {
+    const auto worth = [&](std::size_t i) {
+      return screened[i].gain + std::max(0.0, screened[i].unseen_gain);
+    };
+    return worth(a) > worth(b);
+  });
+  if (list.size() > static_cast<std::size_t>(options.refits))
+    list.resize(static_cast<std::size_t>(options.refits));
+  return list;
+}
+
+/// Softmax over the candidates and none of them.
+void set_probabilities(std::vector<Refitted>& list) {
+  double best = 0.0;
+  for (const Refitted& r : list) best = std::max(best, r.gain);
+  double sum = kNoneOdds * std::exp(-best);
+  for (const Refitted& r : list) sum += std::exp(r.gain - best);
+  for (Refitted& r : list) r.probability = std::exp(r.gain - best) / sum;
+}
+
+}  // namespace
+
+Selection select(JointModel& model, Linearised baseline, const Options& options,
+                 const std::function<void(double, const std::string&)>& progress) {
+  Selection selection;
+  selection.baseline_unseen = unseen(model, baseline);
+  selection.baseline = baseline;
+  Linearised current = std::move(baseline);
+  Unseen current_unseen = selection.baseline_unseen;
+  const double share = 1.0 / (options.most_effects + 1);
+  for (int n = 0; n <= options.most_effects; ++n) {
+    Round round;
+    const double begun = n * share;
+    progress(begun, "screening the catalogue");
+    round.screened = screen(model, current, options.jobs, [&](double) {});
+    const std::vector<std::size_t> worth =
+        n < options.most_effects ? worth_a_refit(round.screened, options) : std::vector<std::size_t>{};
+    for (std::size_t i = 0; i < worth.size(); ++i) {
+      const Screened& s = round.screened[worth[i]];
+      progress(begun + share * (0.1 + 0.9 * static_cast<double>(i) / static_cast<double>(worth.size())),
+               "refitting with " + s.effect->info().id);
+      Refitted r;
+      r.effect = s.effect;
+      Parameters p = current.at;
+      p.effects.push_back({s.effect, s.values});
+      JointModel::FitOptions how;
+      how.iterations = 4;
+      how.tolerance = 0.2;
+      r.fit = model.fit(p, how, &current.predicted);
+      r.unseen = unseen(model, r.fit);
+      r.physical = !at_limit(r.fit.at.effects.back());
+      round.refitted.push_back(std::move(r));
+    }
+    // All against the spread that the best of them leaves.
+    double least = current_unseen.total_chi2, phi = inflation(current);
+    for (const Refitted& r : round.refitted) {
+      if (r.unseen.total_chi2 < least) {
+        least = r.unseen.total_chi2;
+        phi = inflation(r.fit);
+      }
+    }
+    for (Refitted& r : round.refitted) {
+      const double fall = current_unseen.total_chi2 - r.unseen.total_chi2;
+      r.z = std::sqrt(std::max(0.0, fall / phi));
+      r.gain = 0.5 * fall / phi;
+    }
+    std::stable_sort(round.refitted.begin(), round.refitted.end(),
+                     [](const Refitted& a, const Refitted& b) { return a.gain > b.gain; });
+    set_probabilities(round.refitted);
+    for (std::size_t i = 0; i < round.refitted.size() && round.taken < 0; ++i) {
+      const Refitted& r = round.refitted[i];
+      const double moved = std::sqrt(
+          std::max(0.0, std::pow(current_unseen.total_rms_m, 2) - std::pow(r.unseen.total_rms_m, 2)));
+      if (r.z >= options.least_z && r.physical && moved >= options.trivial_m)
+        round.taken = static_cast<int>(i);
+      break;  // a worse one is not named in the place of a better one that cannot be right
+    }
+    const bool taken = round.taken >= 0;
+    if (taken) {
+      const Refitted& first = round.refitted[static_cast<std::size_t>(round.taken)];
+      const auto screened_of = [&](const Effect* effect) {
+        return std::find_if(round.screened.begin(), round.screened.end(),
+                            [&](const Screened& s) { return s.effect == effect; });
+      };
+      const auto own = screened_of(first.effect);
+      for (const Refitted& r : round.refitted) {
+        if (r.effect != first.effect && first.gain - r.gain < 0.5 * kRivalZ * kRivalZ)
+          round.rivals.push_back(r.effect);
+      }
+      for (const Screened& s : round.screened) {
+        const bool refitted = std::any_of(round.refitted.begin(), round.refitted.end(),
+                                          [&](const Refitted& r) { return r.effect == s.effect; });
+        if (refitted || own == round.screened.end()) continue;
+        const double cosine = std::abs(s.direction.dot(own->direction));
+        if (cosine > kRivalCosine && first.z * std::sqrt(1.0 - cosine * cosine) < kRivalZ)
+          round.rivals.push_back(s.effect);
+      }
+      current = first.fit;
+      current_unseen = first.unseen;
+      selection.round_of.push_back(selection.rounds.size());
+    }
+    selection.rounds.push_back(std::move(round));
+    if (!taken) break;
+  }
+  // What has become superfluous goes.
+  for (std::size_t e = 0; current.at.effects.size() > 1 && e < current.at.effects.size();) {
+    Parameters p = current.at;
+    p.effects.erase(p.effects.begin() + static_cast<std::ptrdiff_t>(e));
+    JointModel::FitOptions how;
+    how.iterations = 3;
+    how.tolerance = 0.2;
+    const Linearised without = model.fit(p, how, &current.predicted);
+    const Unseen left = unseen(model, without);
+    const double z2 = (left.total_chi2 - current_unseen.total_chi2) / inflation(current);
+    const double moved =
+        std::sqrt(std::max(0.0, std::pow(left.total_rms_m, 2) - std::pow(current_unseen.total_rms_m, 2)));
+    if (z2 >= options.least_z * options.least_z && moved >= options.trivial_m) {
+      ++e;
+      continue;
+    }
+    current = without;
+    current_unseen = left;
+    selection.round_of.erase(selection.round_of.begin() + static_cast<std::ptrdiff_t>(e));
+    e = 0;
+  }
+  selection.extended = std::move(current);
+  selection.extended_unseen = std::move(current_unseen);
+  selection.inflation = inflation(selection.extended);
+  return selection;
+}
+
+}  // namespace softarm::diagnose

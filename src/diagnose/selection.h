@@ -1,0 +1,46 @@
+// Which effects go into the model.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "joint_model.h"
+#include "screen.h"
+#include "softarm/diagnose/diagnose.h"
+#include "unseen.h"
+
+namespace softarm::diagnose {
+
+/// A candidate of one round after its refit.
+struct Refitted {
+  const effects::Effect* effect = nullptr;
+  double z = 0.0;            ///< sqrt of the fall of chi^2 on unseen trials over the inflation
+  double gain = 0.0;         ///< that fall over twice the inflation: of the log score
+  double probability = 0.0;  ///< against the other candidates of the round, and none
+  bool physical = true;      ///< not at the end of its range
+  Linearised fit;
+  Unseen unseen;
+};
+
+/// One round: what was screened and refitted upon the model so far.
+struct Round {
+  std::vector<Screened> screened;
+  std::vector<Refitted> refitted;              ///< best first
+  int taken = -1;                              ///< of refitted; -1: none
+  std::vector<const effects::Effect*> rivals;  ///< of the one taken: as good, or the same in these trials
+};
+
+struct Selection {
+  Linearised baseline, extended;
+  Unseen baseline_unseen, extended_unseen;
+  std::vector<Round> rounds;
+  /// For each effect of `extended`: the round in which it was taken.
+  std::vector<std::size_t> round_of;
+  double inflation = 1.0;  ///< of the extended fit
+};
+
+/// @param baseline fit without effects
+Selection select(JointModel& model, Linearised baseline, const Options& options,
+                 const std::function<void(double, const std::string&)>& progress);
+
+}  // namespace softarm::diagnose
