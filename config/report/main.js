@@ -57,7 +57,8 @@ function forPaper(paper) {
   document.querySelectorAll('details').forEach(details => { if (paper) details.dataset.was = details.open ? 'yes' : ''; details.open = paper || details.dataset.was === 'yes'; });
   drawn.filter(place => place.isConnected && place.layout).forEach(place => {
     const width = isSmall(place) ? 430 : 900;
-    Plotly.relayout(place, paper ? {width, autosize: false} : {width: null, autosize: true});
+    const size = paper ? {width, autosize: false} : {width: null, autosize: true};
+    Plotly.relayout(place, size).then(() => Plotly.relayout(place, size));  // the first one places the legend by the old width
   });
 }
 

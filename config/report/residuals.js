@@ -32,7 +32,7 @@ function inTime() {
       });
     });
     const levels = report.noise_floor_m > 0 ? [level(1e3 * report.noise_floor_m, 'noise alone', 'dot', false)] : [];
-    draw(place, traces, layout(430 + 110 * rows, {shapes: levels.map(one => one.shape), annotations: levels.map(one => one.note), margin: {l: 70, r: 110, t: 40, b: 60},
+    draw(place, traces, layout(430 + 110 * rows, {shapes: levels.map(one => one.shape), annotations: levels.map(one => one.note), margin: {l: 70, r: 110, t: 64, b: 60},
       xaxis: axis('time / s', {anchor: rows ? 'y' + (rows + 1) : 'y'}),
       yaxis: axis('distance / mm', {domain: [rows ? rows * height + 0.02 : 0, 1], rangemode: 'tozero'}), ...axes}));
   };

@@ -163,7 +163,7 @@ inline std::vector<Candidate> example_ranking() {
     c.z = z;
     c.size_m = 1e-3 * size_mm;
     c.detectable = finding != Finding::kCannotTell;
-    c.symbol = "alpha";
+    c.symbol = "share";
     c.unit = "1";
     c.estimate = 0.01 * z;
     c.smallest_detectable = 0.03 / (1.05 - concealment);
