@@ -15,7 +15,7 @@ class Creep : public Described {
   using Described::Described;
   std::vector<Values> grid(const Arm&, const FineRod&) const override {
     std::vector<Values> list;
-    for (const double time_s : {1.0, 6.0, 40.0}) list.push_back((Values(2) << 0.0, time_s).finished());
+    for (const double time_s : {0.5, 2.0, 8.0, 30.0}) list.push_back((Values(2) << 0.0, time_s).finished());
     return list;
   }
   void act(const Arm&, const FineRod& fine, const Values& values, const Instant& instant, const Shape*,

@@ -14,8 +14,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kPlays = 3;
-constexpr double kRadii[kPlays] = {1.0 / 6.0, 0.5, 5.0 / 6.0};  // of the width, equally weighted
+constexpr int kPlays = 5;
+constexpr double kRadii[kPlays] = {0.1, 0.3, 0.5, 0.7, 0.9};  // of the width, equally weighted
 // The same share of these as the width is of kReferencePa.
 constexpr double kReference_n = 4.0, kReference_rad = 0.6, kReference_per_m = 20.0;
 
@@ -34,7 +34,7 @@ class Hysteresis : public Described {
   std::vector<Values> grid(const Arm&, const FineRod&) const override {
     std::vector<Values> list;
     for (const double width_pa : {700.0, 2000.0, 6000.0}) list.push_back(Eigen::Vector3d(0.0, width_pa, 0.0));
-    for (const double width_pa : {1000.0, 4000.0}) list.push_back(Eigen::Vector3d(0.0, width_pa, 1.0));
+    for (const double width_pa : {800.0, 2000.0, 5000.0}) list.push_back(Eigen::Vector3d(0.0, width_pa, 1.0));
     return list;
   }
 

@@ -17,7 +17,7 @@ class Mullins : public Described {
   using Described::Described;
   bool needs_shape() const override { return true; }
   std::vector<Values> grid(const Arm&, const FineRod&) const override {
-    return {Eigen::Vector2d(0.0, 2.0), Eigen::Vector2d(0.0, 6.0)};
+    return {Eigen::Vector2d(0.0, 1.5), Eigen::Vector2d(0.0, 3.0), Eigen::Vector2d(0.0, 6.0)};
   }
   void act(const Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape* shape,
            const Memory& memory, rod::Rod& rod) const override {

@@ -16,7 +16,7 @@ class PressureDeadZone : public Described {
   using Described::Described;
   bool applies_to(const Arm& arm) const override { return !chamber_rows(arm).empty(); }
   std::vector<Values> grid(const Arm&, const FineRod&) const override {
-    return {(Values(2) << 0.0, 2000.0).finished(), (Values(2) << 0.0, 8000.0).finished()};
+    return {Eigen::Vector2d(0.0, 1500.0), Eigen::Vector2d(0.0, 3000.0), Eigen::Vector2d(0.0, 6000.0)};
   }
   void drive(const Arm& arm, const Values& values, Series& series) const override {
     if (values[0] == 0.0) return;

@@ -16,7 +16,7 @@ class PressureLag : public Described {
   bool applies_to(const Arm& arm) const override { return has(arm, InputKind::kPressure); }
   std::vector<Values> grid(const Arm&, const FineRod&) const override {
     std::vector<Values> list;
-    for (const double time_s : {0.1, 0.5, 2.5}) list.push_back((Values(2) << 0.0, time_s).finished());
+    for (const double time_s : {0.1, 0.25, 0.7, 2.0}) list.push_back((Values(2) << 0.0, time_s).finished());
     return list;
   }
   void drive(const Arm& arm, const Values& values, Series& series) const override {
