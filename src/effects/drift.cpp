@@ -9,7 +9,7 @@ namespace softarm::effects {
 namespace {
 
 constexpr double kMinute_s = 60.0;
-constexpr double kEndless_s = 1e6;  // a rate that does not fade
+constexpr double kEndless_s = 1e8;  // a rate that does not fade
 constexpr double kLeastFactor = 0.05;
 
 /// What servos bend by winding their cables up is a curvature: stiffness drops out.

@@ -1,0 +1,243 @@
+// Effects on inputs look as the catalogue describes them.
+#include "effects/drive_trials.h"
+
+namespace softarm::effects::testing {
+namespace {
+
+const Arm& arm() {
+  static const Arm loaded = shipped_arm("semi_physical_200mm");
+  return loaded;
+}
+constexpr int kChamber1 = 0, kVacuum = 3;
+
+Series driven(const std::string& id, const Values& values, const TrialData& trial) {
+  Series series = trial.series;
+  find(id)->drive(arm(), values, series);
+  return series;
+}
+
+/// By how much more of `acting` there is while `commanded` falls through a level than while it rises, and its
+/// mean there.
+struct Loop {
+  double width = 0.0, mean = 0.0;
+};
+Loop loop_at(const Eigen::RowVectorXd& commanded, const Eigen::RowVectorXd& acting, double level) {
+  double sums[2] = {0.0, 0.0};
+  int counts[2] = {0, 0};
+  for (Eigen::Index i = commanded.size() / 4; i + 1 < commanded.size(); ++i) {
+    const double a = commanded[i] - level, b = commanded[i + 1] - level;
+    if (a == b || (a < 0.0) == (b < 0.0)) continue;
+    const int falls = b < a ? 1 : 0;
+    sums[falls] += acting[i] + a / (a - b) * (acting[i + 1] - acting[i]);
+    ++counts[falls];
+  }
+  EXPECT_GT(std::min(counts[0], counts[1]), 0);
+  const double up = sums[0] / counts[0], down = sums[1] / counts[1];
+  return {down - up, 0.5 * (up + down)};
+}
+
+Loop pressure_loop(const std::string& id, const Values& values, double period_s) {
+  const TrialData trial = made_up(arm(), 4.0 * period_s + 1.0, triangles(arm(), kChamber1, 30e3, period_s));
+  return loop_at(trial.series.inputs.row(kChamber1), driven(id, values, trial).moment_inputs.row(kChamber1),
+                 15e3);
+}
+
+TEST(Hysteresis, IsTheSameLoopAtEverySpeedAndOfItsWidth) {
+  for (const double period_s : {2.0, 6.0, 20.0}) {
+    const Loop loop = pressure_loop("hysteresis", Eigen::Vector3d(1.0, 2500.0, 0.0), period_s);
+    EXPECT_NEAR(loop.width, 2500.0, 5.0) << period_s;
+    EXPECT_NEAR(loop.mean, 15e3, 5.0) << period_s;
+    EXPECT_NEAR(pressure_loop("hysteresis", Eigen::Vector3d(0.3, 2500.0, 0.0), period_s).width, 750.0, 2.0);
+  }
+}
+
+TEST(Hysteresis, TakesEveryKindOfInputButTheVacuum) {
+  const TrialData trial = made_up(arm(), 6.0, triangles(arm(), kVacuum, 60e3, 5.0));
+  const Series series = driven("hysteresis", Eigen::Vector3d(1.0, 2500.0, 0.0), trial);
+  EXPECT_EQ(series.inputs, trial.series.inputs);
+  const Arm with_tendons = tendon_arm();
+  const TrialData pulled = made_up(with_tendons, 21.0, triangles(with_tendons, 0, 6.0, 5.0));
+  Series tensions = pulled.series;
+  find("hysteresis")->drive(with_tendons, Eigen::Vector3d(1.0, 2500.0, 0.0), tensions);
+  EXPECT_NEAR(loop_at(pulled.series.inputs.row(0), tensions.moment_inputs.row(0), 3.0).width, 0.2, 0.002);
+}
+
+TEST(PressureLag, WidensItsLoopWithTheSpeed) {
+  const Eigen::Vector2d values(0.2, 0.2);
+  const double slow = pressure_loop("pressure_lag", values, 40.0).width;
+  const double fast = pressure_loop("pressure_lag", values, 10.0).width;
+  // 2 x delay x rate
+  EXPECT_NEAR(slow, 0.4 * 30e3 / 20.0, 0.02 * slow);
+  EXPECT_NEAR(fast, 4.0 * slow, 0.02 * fast);
+}
+
+TEST(PressureLag, IsALineOfFirstOrderWhereDelayAndTimeConstantAgree) {
+  const TrialData trial = made_up(arm(), 4.0, [](double t_s) {
+    Eigen::VectorXd u = Eigen::VectorXd::Zero(4);
+    u[kChamber1] = t_s >= 1.0 ? 20e3 : 0.0;
+    u[kVacuum] = u[kChamber1];
+    return u;
+  });
+  const Series whole = driven("pressure_lag", Eigen::Vector2d(0.3, 0.3), trial);
+  const Series half = driven("pressure_lag", Eigen::Vector2d(0.15, 0.3), trial);
+  for (Eigen::Index i = 60; i < whole.t_s.size(); ++i) {
+    // The step is a line between two frames of 20 ms.
+    const double left = std::exp(-(whole.t_s[i] - 0.99) / 0.3);
+    EXPECT_NEAR(whole.inputs(kChamber1, i), 20e3 * (1.0 - left), 5.0);
+    EXPECT_NEAR(half.inputs(kChamber1, i), 20e3 * (1.0 - 0.5 * left), 5.0);
+  }
+  EXPECT_EQ(whole.inputs.row(kVacuum), trial.series.inputs.row(kVacuum));
+  EXPECT_EQ(whole.inputs.row(kChamber1), whole.moment_inputs.row(kChamber1));
+}
+
+TEST(ClockOffset, ShiftsAllInputsAtAnySpeed) {
+  const TrialData trial = made_up(arm(), 6.0, [](double t_s) {
+    return Eigen::Vector4d(10e3 * std::sin(t_s), 5e3 * std::sin(3.0 * t_s), 0.0, 1e3 * t_s);
+  });
+  for (const double offset_s : {0.13, -0.07}) {
+    const Series series = driven("clock_offset", Eigen::VectorXd::Constant(1, offset_s), trial);
+    for (Eigen::Index i = 20; i < 280; ++i) {
+      const double then_s = series.t_s[i] - offset_s;
+      EXPECT_NEAR(series.inputs(0, i), 10e3 * std::sin(then_s), 3.0);
+      EXPECT_NEAR(series.moment_inputs(1, i), 5e3 * std::sin(3.0 * then_s), 5.0);
+      EXPECT_NEAR(series.inputs(3, i), 1e3 * then_s, 1e-6);
+    }
+    EXPECT_EQ(series.inputs(0, offset_s > 0.0 ? 0 : 299), trial.series.inputs(0, offset_s > 0.0 ? 0 : 299));
+  }
+}
+
+TEST(PressureDeadZone, IsFlatNearZeroPressureAndMissesAConstantBeyond) {
+  const TrialData trial = made_up(arm(), 11.0, triangles(arm(), kChamber1, 30e3, 10.0));
+  const Series series = driven("pressure_dead_zone", Eigen::Vector2d(3000.0, 3000.0), trial);
+  EXPECT_EQ(series.inputs, trial.series.inputs);
+  for (Eigen::Index i = 0; i < series.t_s.size(); ++i)
+    EXPECT_NEAR(series.moment_inputs(kChamber1, i), std::max(0.0, series.inputs(kChamber1, i) - 3000.0),
+                1e-9);
+  // The arm itself does not move there.
+  ExtendedModel model(arm());
+  const Present present{find("pressure_dead_zone"), Eigen::Vector2d(3000.0, 3000.0)};
+  const std::vector<Predicted> without = predict(model, arm(), {}, trial);
+  const std::vector<Predicted> with = predict(model, arm(), {present}, trial);
+  const auto bend = [](const Predicted& p) { return p.shape.middles[5].u.head<2>().norm(); };
+  for (std::size_t k = 0; k < with.size(); ++k) {
+    const double p_pa = without[k].instant.inputs[kChamber1];
+    if (p_pa < 2900.0) {
+      EXPECT_LT(bend(with[k]), 1e-6);
+    }
+    if (p_pa > 3100.0) {
+      EXPECT_LT(bend(with[k]), bend(without[k]) - 0.1);
+    }
+  }
+}
+
+TEST(GainNonlinearity, IsConvexAgainstThePressure) {
+  const TrialData trial = made_up(arm(), 11.0, triangles(arm(), kChamber1, 50e3, 10.0));
+  const Series series = driven("gain_nonlinearity", Eigen::VectorXd::Constant(1, 0.2), trial);
+  EXPECT_EQ(series.inputs, trial.series.inputs);
+  for (Eigen::Index i = 0; i < series.t_s.size(); ++i) {
+    const double p = series.inputs(kChamber1, i);
+    EXPECT_NEAR(series.moment_inputs(kChamber1, i), p * (1.0 + 0.2 * p / 50e3), 1e-8);
+  }
+}
+
+TEST(ChamberMismatch, IsOneChambersGain) {
+  const TrialData trial = made_up(arm(), 2.0, [](double) { return Eigen::Vector4d(1e4, 2e4, 3e4, 6e4); });
+  const Series series = driven("chamber_mismatch", Eigen::Vector2d(0.05, 2.0), trial);
+  EXPECT_TRUE(series.moment_inputs.col(9).isApprox(Eigen::Vector4d(1e4, 2.1e4, 3e4, 6e4), 1e-12));
+  EXPECT_EQ(series.inputs, trial.series.inputs);
+}
+
+TEST(PressureOffset, IsASizeForEverySensorOfPressure) {
+  const TrialData trial = made_up(arm(), 2.0, [](double) { return Eigen::Vector4d(1e4, 2e4, 3e4, 6e4); });
+  Values values = Values::Zero(8);
+  values.head<5>() << 100.0, -200.0, 300.0, 400.0, 500.0;
+  const Series series = driven("pressure_offset", values, trial);
+  // A vacuum is what is below ambient: a sensor that reads too high hides some of it.
+  EXPECT_TRUE(series.inputs.col(9).isApprox(Eigen::Vector4d(9900.0, 20200.0, 29700.0, 60400.0), 1e-12));
+  EXPECT_EQ(series.inputs, series.moment_inputs);
+}
+
+TEST(PressureLeak, IsSteadyOrGrowsInHolds) {
+  // Stairs between frames, as of a slower regulator, and noise.
+  const TrialData trial = made_up(
+      arm(), 20.0,
+      [](double t_s) {
+        const double t = std::floor(t_s * 50.0) / 50.0;
+        const double up = std::clamp(t - 3.0, 0.0, 2.0), down = std::clamp(t - 15.0, 0.0, 2.0);
+        const double noise = 8.0 * std::sin(12345.6 * t_s);
+        return Eigen::Vector4d(2e4 + 5e3 * (up - down) + noise, 2e4, 0.0, 0.0);
+      },
+      0.0, 120.0, 0.05);
+  const Series steady = driven("pressure_leak", Eigen::Vector4d(0.05, 1.0, 0.0, 5.0), trial);
+  EXPECT_TRUE(steady.inputs.row(0).isApprox(0.95 * trial.series.inputs.row(0), 1e-12));
+  EXPECT_EQ(steady.inputs.row(1), trial.series.inputs.row(1));
+  const Series all = driven("pressure_leak", Eigen::Vector4d(0.05, 0.0, 0.0, 5.0), trial);
+  EXPECT_TRUE(all.inputs.topRows(3).isApprox(0.95 * trial.series.inputs.topRows(3), 1e-12));
+
+  const Series in_holds = driven("pressure_leak", Eigen::Vector4d(0.05, 1.0, 1.0, 2.0), trial);
+  const auto lost = [&](double t_s) {
+    const auto i = static_cast<Eigen::Index>(t_s * 120.0);
+    return 1.0 - in_holds.inputs(0, i) / trial.series.inputs(0, i);
+  };
+  EXPECT_NEAR(lost(2.5), 0.05, 1e-4);  // long settled
+  EXPECT_NEAR(lost(4.5), 0.0, 2e-4);   // made up for while it moves
+  EXPECT_NEAR(lost(5.15 + 2.0), 0.05 * (1.0 - std::exp(-1.0)), 3e-3);
+  EXPECT_NEAR(lost(14.5), 0.05, 1e-3);
+  EXPECT_NEAR(lost(16.5), 0.0, 2e-4);
+}
+
+TEST(StiffnessAndLength, FollowTheMeanPressureAndTheVacuum) {
+  ExtendedModel model(arm());
+  const TrialData trial = made_up(arm(), 1.0, [](double) { return Eigen::Vector4d(15e3, 30e3, 30e3, 40e3); });
+  const std::vector<Predicted> without = predict(model, arm(), {}, trial);
+  const auto ratio = [&](const std::string& id, double size, rod::ParameterKind kind) {
+    const std::vector<Predicted> with =
+        predict(model, arm(), {{find(id), Eigen::VectorXd::Constant(1, size)}}, trial);
+    for (std::size_t k = 0; k < model.rod().parameters().size(); ++k) {
+      const auto i = static_cast<Eigen::Index>(k);
+      const rod::Parameter& parameter = model.rod().parameters()[k];
+      if (parameter.kind == kind && parameter.index == 4 &&
+          parameter.component == (kind == rod::ParameterKind::kMoment))
+        return with[0].values[i] / without[0].values[i];
+    }
+    return 0.0;
+  };
+  using rod::ParameterKind;
+  EXPECT_NEAR(ratio("pressure_stiffening", 0.2, ParameterKind::kBendingCompliance), 1.0 / 1.1, 1e-9);
+  EXPECT_NEAR(ratio("radial_expansion", 0.2, ParameterKind::kBendingCompliance), 1.0 / 1.21, 1e-9);
+  EXPECT_NEAR(ratio("pressure_elongation", 0.04, ParameterKind::kLength), 1.02, 1e-9);
+  EXPECT_NEAR(ratio("vacuum_shortening", 0.03, ParameterKind::kLength), 0.98, 1e-9);
+  EXPECT_NEAR(ratio("vacuum_gain", 0.3, ParameterKind::kMoment), 0.8, 1e-9);
+  for (const char* id :
+       {"pressure_stiffening", "radial_expansion", "pressure_elongation", "vacuum_shortening"})
+    EXPECT_NEAR(ratio(id, 0.2, ParameterKind::kMoment), 1.0, 1e-12) << id;
+}
+
+TEST(RadialExpansion, MovesMarkersOnTheSkinOutwards) {
+  Arm with_marker = arm();
+  MeasuredBody marker = with_marker.bodies[0];
+  marker.kind = BodyKind::kSkinMarker;
+  marker.angle_rad = 0.7;
+  marker.radius_m = 0.02;
+  with_marker.bodies.push_back(marker);
+  ExtendedModel model(with_marker);
+  const TrialData trial =
+      made_up(with_marker, 1.0, [](double) { return Eigen::Vector4d(25e3, 25e3, 25e3, 0.0); });
+  const std::vector<Predicted> with =
+      predict(model, with_marker, {{find("radial_expansion"), Eigen::VectorXd::Constant(1, 0.1)}}, trial);
+  const Eigen::Vector3d out = with[0].p.col(3) - with[0].p.col(0);
+  EXPECT_NEAR(out.norm(), 0.02 * 1.05, 1e-9);
+}
+
+TEST(OfTheInputs, ActInTheCataloguesOrderWhateverTheirs) {
+  ExtendedModel model(arm());
+  const TrialData trial = made_up(arm(), 3.0, triangles(arm(), kChamber1, 20e3, 1.0));
+  const Present lag{find("pressure_lag"), Eigen::Vector2d(0.2, 0.2)};
+  const Present zone{find("pressure_dead_zone"), Eigen::Vector2d(4000.0, 4000.0)};
+  const std::vector<Predicted> a = predict(model, arm(), {lag, zone}, trial);
+  const std::vector<Predicted> b = predict(model, arm(), {zone, lag}, trial);
+  EXPECT_EQ(positions(a), positions(b));
+}
+
+}  // namespace
+}  // namespace softarm::effects::testing

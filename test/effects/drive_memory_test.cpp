@@ -1,0 +1,237 @@
+// Effects with memory look as the catalogue describes them.
+#include <array>
+
+#include "effects/drive_trials.h"
+
+namespace softarm::effects::testing {
+namespace {
+
+using Eigen::Vector4d;
+
+const Arm& arm() {
+  static const Arm loaded = shipped_arm("semi_physical_200mm");
+  return loaded;
+}
+constexpr int kChamber1 = 0;
+constexpr double kEI = 0.027, kGain = 6.1e-6, kPerJamming = 1.3e-6;
+
+/// No weight: moment and curvature are the same all along.
+TrialData weightless(const Arm& of, double duration_s, const InputsAt& inputs, double block_s = 0.1) {
+  TrialData trial = made_up(of, duration_s, inputs, 0.0, 50.0, block_s);
+  for (Block& block : trial.blocks) block.gravity_base.setZero();
+  return trial;
+}
+
+/// Curvature in the middle of a piece, towards x.
+double curvature(const Predicted& p, std::size_t piece = 5) {
+  EXPECT_TRUE(p.solved);
+  return p.shape.middles[piece].u.y();
+}
+
+/// How much further the arm is bent at a pressure while it falls than while it rises, by the last cycles.
+double loop_width(const std::string& id, const Values& values, double period_s) {
+  ExtendedModel model(arm());
+  const TrialData trial =
+      weightless(arm(), 3.0 * period_s + 1.0, triangles(arm(), kChamber1, 40e3, period_s), 0.04);
+  const std::vector<Predicted> path = predict(model, arm(), {{find(id), values}}, trial);
+  std::array<double, 2> at{};
+  for (std::size_t k = 1; k < path.size(); ++k) {
+    const auto pressure = [&](std::size_t i) {
+      const Block& block = trial.blocks[i];
+      return trial.series.inputs
+          .block(kChamber1, static_cast<Eigen::Index>(block.first), 1,
+                 static_cast<Eigen::Index>(block.last - block.first))
+          .mean();
+    };
+    const double a = pressure(k - 1) - 20e3, b = pressure(k) - 20e3;
+    if (a == b || (a < 0.0) == (b < 0.0)) continue;
+    at[b < a ? 1 : 0] = curvature(path[k - 1]) + a / (a - b) * (curvature(path[k]) - curvature(path[k - 1]));
+  }
+  return at[1] - at[0];
+}
+
+TEST(Hysteresis, OfTheMaterialIsTheSameLoopAtEverySpeed) {
+  // 2500 Pa are 1 / m; a share of 0.1 of that, less what the loop's own stiffness takes.
+  const Eigen::Vector3d values(0.1, 2500.0, 1.0);
+  const double slow = loop_width("hysteresis", values, 20.0), fast = loop_width("hysteresis", values, 2.0);
+  EXPECT_NEAR(slow, 0.1, 0.005);
+  EXPECT_NEAR(fast, slow, 0.003);
+}
+
+TEST(Creep, WidensItsLoopWhenSlowAndNotAtEverySpeedTheSame) {
+  const Eigen::Vector2d values(0.1, 2.0);
+  const double fast = loop_width("creep", values, 0.8), middle = loop_width("creep", values, 8.0);
+  EXPECT_GT(middle, 1.5 * fast);
+  EXPECT_GT(fast, 0.0);
+}
+
+TEST(Creep, DriftsInHoldsByItsShareAndTimeConstant) {
+  ExtendedModel model(arm());
+  const TrialData trial =
+      weightless(arm(), 30.0, [](double t_s) { return Vector4d(t_s < 1.0 ? 0.0 : 20e3, 0.0, 0.0, 0.0); });
+  const std::vector<Predicted> without = predict(model, arm(), {}, trial);
+  for (const double time_s : {0.5, 4.0}) {
+    const std::vector<Predicted> with =
+        predict(model, arm(), {{find("creep"), Eigen::Vector2d(0.2, time_s)}}, trial);
+    EXPECT_EQ(with[5].shape.middles[5].u, without[5].shape.middles[5].u);
+    for (std::size_t k = 11; k < with.size(); ++k) {
+      // The step is a line between two instants.
+      const double held_s = with[k].instant.t_s - 0.99;
+      const double grown = 1.0 + 0.2 * (1.0 - std::exp(-held_s / time_s));
+      EXPECT_NEAR(curvature(with[k]) / curvature(without[k]), grown, 2e-3) << time_s << " " << held_s;
+    }
+  }
+}
+
+TEST(Creep, HasLongHappenedToAnArmThatIsHeldAtTheBeginning) {
+  ExtendedModel model(arm());
+  const TrialData trial = weightless(arm(), 3.0, [](double) { return Vector4d(20e3, 0.0, 0.0, 0.0); });
+  const std::vector<Predicted> without = predict(model, arm(), {}, trial);
+  const std::vector<Predicted> with =
+      predict(model, arm(), {{find("creep"), Eigen::Vector2d(0.2, 1.0)}}, trial);
+  for (const Predicted& p : with) EXPECT_NEAR(curvature(p), 1.2 * curvature(without[0]), 1e-9);
+}
+
+TEST(Mullins, IsStifferInTheFirstCycleAlone) {
+  ExtendedModel model(arm());
+  const double period_s = 6.0;
+  const auto cycles = triangles(arm(), kChamber1, 20e3, period_s);
+  const TrialData trial = weightless(arm(), 1.0 + 4.0 * period_s, [&](double t_s) -> Eigen::VectorXd {
+    // Further in the fourth cycle.
+    return (t_s > 1.0 + 3.0 * period_s ? 1.5 : 1.0) * cycles(t_s);
+  });
+  const std::vector<Predicted> without = predict(model, arm(), {}, trial);
+  const std::vector<Predicted> with =
+      predict(model, arm(), {{find("mullins"), Eigen::Vector2d(0.2, 1.0)}}, trial);
+  const auto ratio = [&](double t_s) {
+    const auto k = static_cast<std::size_t>(10.0 * t_s);
+    return curvature(with[k]) / curvature(without[k]);
+  };
+  EXPECT_NEAR(ratio(1.0 + 1.5), 1.0 / 1.2, 1e-3);                   // up for the first time
+  EXPECT_NEAR(ratio(1.0 + 4.5), 1.0, 1e-3);                         // down
+  EXPECT_NEAR(ratio(1.0 + period_s + 1.5), 1.0, 1e-3);              // up again
+  EXPECT_NEAR(ratio(1.0 + 3.0 * period_s + 2.7), 1.0 / 1.2, 2e-3);  // further than ever
+}
+
+TEST(JammingMemory, KeepsTheShapeInWhichTheVacuumWasApplied) {
+  ExtendedModel model(arm());
+  // Bent, jammed, let go, released.
+  const TrialData trial = weightless(arm(), 12.0, [](double t_s) {
+    return Vector4d(t_s > 1.0 && t_s < 6.0 ? 20e3 : 0.0, 0.0, 0.0, t_s > 3.0 && t_s < 9.0 ? 60e3 : 0.0);
+  });
+  const Values share = Eigen::VectorXd::Constant(1, 0.6);
+  const std::vector<Predicted> with = predict(model, arm(), {{find("jamming_memory"), share}}, trial);
+  const std::vector<Predicted> without = predict(model, arm(), {}, trial);
+  const auto at = [](const std::vector<Predicted>& path, double t_s) {
+    return curvature(path[static_cast<std::size_t>(10.0 * t_s)]);
+  };
+  EXPECT_NEAR(at(with, 2.5), at(without, 2.5), 1e-9);  // nothing without vacuum
+  // Jammed while bent: the core begins without moment where it was bent when the vacuum came.
+  const double core = kPerJamming * 60e3, bent = at(without, 2.5);
+  EXPECT_NEAR(at(without, 8.0), 0.0, 1e-9);
+  EXPECT_GT(at(with, 5.0), at(without, 5.0) + 1.0);
+  // Let go, it stays bent by its share of the stiffness.
+  const double kept = at(with, 8.0) * (kEI + core) / (0.6 * core);
+  EXPECT_GT(kept, 0.7 * bent);
+  EXPECT_LT(kept, 1.01 * bent);
+  EXPECT_NEAR(at(with, 11.0), 0.0, 1e-9);
+}
+
+TEST(JammingYield, SoftensAtLargeCurvatureUnderVacuumAndKeepsWhatSlipped) {
+  ExtendedModel model(arm());
+  const double vacuum = 60e3, core = kPerJamming * vacuum, yield = 1.0;
+  const TrialData trial = weightless(
+      arm(), 21.0,
+      [=](double t_s) { return Vector4d(triangles(arm(), kChamber1, 40e3, 20.0)(t_s)[0], 0.0, 0.0, vacuum); },
+      0.04);
+  const std::vector<Predicted> with =
+      predict(model, arm(), {{find("jamming_yield"), Eigen::Vector2d(1.0, yield)}}, trial);
+  const std::vector<Predicted> without = predict(model, arm(), {}, trial);
+  bool slipped = false;
+  for (std::size_t k = 30; k < with.size(); ++k) {
+    const double p = with[k].instant.inputs[0];
+    const double ei = kEI + core + kPerJamming * p / 3.0;
+    if (!slipped && curvature(without[k]) < 0.98 * yield) {
+      EXPECT_NEAR(curvature(with[k]), curvature(without[k]), 1e-9);
+    } else if (with[k].instant.t_s < 10.9 && curvature(without[k]) > 1.05 * yield) {
+      slipped = true;
+      EXPECT_NEAR(curvature(with[k]), (kGain * p - core * yield) / (ei - core), 0.02);
+    }
+  }
+  ASSERT_TRUE(slipped);
+  EXPECT_GT(curvature(with[with.size() - 1]), 0.5);  // though the pressure is gone
+  // Without vacuum there is nothing to slip.
+  const TrialData loose = weightless(arm(), 5.0, triangles(arm(), kChamber1, 40e3, 4.0));
+  EXPECT_EQ(positions(predict(model, arm(), {{find("jamming_yield"), Eigen::Vector2d(1.0, yield)}}, loose)),
+            positions(predict(model, arm(), {}, loose)));
+}
+
+TEST(Drift, IsMonotoneInTheTimeOfTheSession) {
+  ExtendedModel model(arm());
+  TrialData trial = weightless(
+      arm(), 60.0, [](double) { return Vector4d(20e3, 0.0, 0.0, 0.0); }, 1.0);
+  const std::vector<Predicted> without = predict(model, arm(), {}, trial);
+  const auto ratio = [&](double gain, double stiffness, double time_s, std::size_t k) {
+    const Present drift{find("drift"), Eigen::Vector3d(gain, stiffness, time_s)};
+    return curvature(predict(model, arm(), {drift}, trial)[k]) / curvature(without[k]);
+  };
+  const double minutes = without[50].instant.t_s / 60.0;
+  EXPECT_NEAR(ratio(-0.06, 0.0, 1e8, 50), 1.0 - 0.06 * minutes, 1e-6);
+  EXPECT_NEAR(ratio(0.0, -0.06, 1e8, 50), 1.0 / (1.0 - 0.06 * minutes), 1e-6);
+  EXPECT_NEAR(ratio(-0.06, 0.0, 60.0, 50), 1.0 - 0.06 * (1.0 - std::exp(-minutes)), 1e-6);
+  trial.session_s = 600.0;
+  EXPECT_NEAR(ratio(-0.06, 0.0, 1e8, 50), 1.0 - 0.06 * (10.0 + minutes), 1e-5);
+}
+
+TEST(Drift, OfStiffnessLeavesWhatServosWindUp) {
+  const Arm wound = shipped_arm("cable_235mm");
+  ExtendedModel model(wound);
+  const auto rows = static_cast<Eigen::Index>(wound.inputs.scalars.size());
+  const TrialData trial = weightless(
+      wound, 10.0, [=](double) { return Eigen::VectorXd::Constant(rows, 0.5); }, 1.0);
+  const std::vector<Predicted> without = predict(model, wound, {}, trial);
+  const std::vector<Predicted> with =
+      predict(model, wound, {{find("drift"), Eigen::Vector3d(0.0, -0.5, 1e8)}}, trial);
+  EXPECT_GT(without.back().shape.middles[5].u.norm(), 0.1);
+  EXPECT_LT((with.back().shape.middles[5].u - without.back().shape.middles[5].u).norm(), 1e-6);
+}
+
+TEST(TendonFriction, LowersThePullAlongTheArmAndComesBackLate) {
+  const Arm pulled = tendon_arm();
+  ExtendedModel model(pulled);
+  const double coefficient = 0.3;
+  const TrialData trial = weightless(
+      pulled, 21.0,
+      [&](double t_s) -> Eigen::VectorXd {
+        return Vector4d::Constant(0.5).array() + triangles(pulled, 0, 8.0, 20.0)(t_s).array();
+      },
+      0.04);
+  const Present friction{find("tendon_friction"), Eigen::Vector3d(coefficient, coefficient, 0.0)};
+  const std::vector<Predicted> with = predict(model, pulled, {friction}, trial);
+  const std::vector<Predicted> without = predict(model, pulled, {}, trial);
+  const std::size_t rising = 150, falling = 399;  // the same tension
+  EXPECT_NEAR(with[rising].instant.inputs[0], with[falling].instant.inputs[0], 0.05);
+  // Of a pull that rises e^(-mu angle) arrives; the antagonist's 0.5 N has its own.
+  EXPECT_NEAR(curvature(with[rising], 0) / curvature(without[rising], 0), 1.0, 0.03);
+  double angle = 0.0;
+  for (std::size_t j = 0; j < 12; ++j) {
+    const double bent = curvature(with[rising], j) * 0.2 / 12.0;
+    const double here = angle + 0.5 * bent;
+    angle += bent;
+    const double tension = with[rising].instant.inputs[0];
+    // 0.5 N on the other side has not moved.
+    const double moment = 0.012 * (tension * std::exp(-coefficient * here) - 0.5);
+    EXPECT_NEAR(curvature(with[rising], j) * kEI, moment, 0.02 * moment) << j;
+    if (j > 0) {
+      EXPECT_LT(curvature(with[rising], j), curvature(with[rising], j - 1));
+    }
+  }
+  EXPECT_GT(angle, 0.3);
+  EXPECT_GT(curvature(with[falling], 11), 1.05 * curvature(with[rising], 11));
+  // Led around something before the base, all of the arm lacks it.
+  const Present led{find("tendon_friction"), Eigen::Vector3d(coefficient, coefficient, 1.0)};
+  EXPECT_LT(curvature(predict(model, pulled, {led}, trial)[rising], 0), 0.85 * curvature(without[rising], 0));
+}
+
+}  // namespace
+}  // namespace softarm::effects::testing

@@ -1,0 +1,196 @@
+// Trials for the tests of effects on inputs and with memory: made up, or by the virtual rig.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "softarm/effects/extended_model.h"
+#include "softarm/rig/hidden.h"
+#include "softarm/rig/simulator.h"
+#include "softarm/trial/arm_file.h"
+#include "softarm/trial/frame_assembler.h"
+
+namespace softarm::effects::testing {
+
+inline Arm shipped_arm(const std::string& name) {
+  return load_arm_file(std::string(SOFTARM_SOURCE_DIR) + "/config/arms/" + name + ".yaml");
+}
+
+/// The jammable arm with four tendons in place of its chambers.
+inline Arm tendon_arm() {
+  Arm arm = shipped_arm("online_200mm");
+  arm.segments[0].chambers.clear();
+  const std::vector<ScalarInput> pressures = arm.inputs.scalars;
+  arm.inputs.scalars.clear();
+  for (int k = 0; k < 4; ++k) {
+    const std::string name = "tendon_" + std::to_string(k + 1);
+    arm.segments[0].tendons.push_back({name, 0.5 * M_PI * k, 0.012});
+    ScalarInput input;
+    input.name = name;
+    input.kind = InputKind::kTension;
+    arm.inputs.scalars.push_back(input);
+  }
+  return arm;
+}
+
+using InputsAt = std::function<Eigen::VectorXd(double t_s)>;
+
+/// A trial of an arm whose base frame has z along gravity (hanging), every body seen in every block.
+inline TrialData made_up(const Arm& arm, double duration_s, const InputsAt& inputs, double payload_kg = 0.0,
+                         double rate_hz = 50.0, double block_s = 0.1) {
+  TrialData trial;
+  trial.name = "made_up";
+  const auto count = static_cast<Eigen::Index>(duration_s * rate_hz);
+  trial.series.t_s.resize(count);
+  trial.series.inputs.resize(static_cast<Eigen::Index>(arm.inputs.scalars.size()), count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    trial.series.t_s[i] = static_cast<double>(i) / rate_hz;
+    trial.series.inputs.col(i) = inputs(trial.series.t_s[i]);
+  }
+  trial.series.moment_inputs = trial.series.inputs;
+  trial.series.payload_kg = Eigen::VectorXd::Constant(count, payload_kg);
+  const auto step = static_cast<std::size_t>(block_s * rate_hz + 0.5);
+  for (std::size_t first = 0; first + step <= static_cast<std::size_t>(count); first += step) {
+    Block block;
+    block.first = first;
+    block.last = first + step;
+    block.begins = first == 0;
+    block.gravity_base = {0.0, 0.0, 9.80665};
+    for (std::size_t b = 0; b < arm.bodies.size(); ++b) {
+      Seen seen;
+      seen.body = static_cast<int>(b);
+      block.bodies.push_back(seen);
+    }
+    trial.blocks.push_back(block);
+  }
+  return trial;
+}
+
+/// One input goes 0, peak, 0, peak ... along straight lines; the others stay 0.
+inline InputsAt triangles(const Arm& arm, int row, double peak, double period_s, double begin_s = 1.0) {
+  const auto rows = static_cast<Eigen::Index>(arm.inputs.scalars.size());
+  return [=](double t_s) {
+    Eigen::VectorXd u = Eigen::VectorXd::Zero(rows);
+    const double x = std::max(0.0, t_s - begin_s) / period_s;
+    u[row] = peak * (1.0 - std::abs(2.0 * (x - std::floor(x)) - 1.0));
+    return u;
+  };
+}
+
+/// Values of an effect: usual ones, its sizes times `scale`.
+inline Values usual(const Effect& effect, double scale = 1.0) {
+  const Info& info = effect.info();
+  Values values(static_cast<Eigen::Index>(info.parameters.size()));
+  for (std::size_t k = 0; k < info.parameters.size(); ++k)
+    values[static_cast<Eigen::Index>(k)] =
+        info.parameters[k].usual * (static_cast<int>(k) < info.sizes ? scale : 1.0);
+  return values;
+}
+
+/// Positions of all bodies in all blocks, 3 x ..., in the rod's base frame. Fails where there is none.
+inline Eigen::Matrix3Xd positions(const std::vector<Predicted>& path) {
+  Eigen::Index count = 0;
+  for (const Predicted& p : path) count += p.solved ? p.p.cols() : 0;
+  Eigen::Matrix3Xd out(3, count);
+  Eigen::Index at = 0;
+  for (const Predicted& p : path) {
+    EXPECT_TRUE(p.solved) << "at " << p.instant.t_s << " s";
+    if (!p.solved) continue;
+    out.middleCols(at, p.p.cols()) = p.p;
+    at += p.p.cols();
+  }
+  return out;
+}
+
+inline Dynamics quasi_static() {
+  Dynamics dynamics;
+  dynamics.inertia = false;
+  return dynamics;
+}
+
+inline std::vector<Predicted> predict(ExtendedModel& model, const Arm& arm,
+                                      const std::vector<Present>& effects, const TrialData& trial,
+                                      const Dynamics& dynamics = quasi_static(), bool derivatives = false) {
+  std::vector<Predicted> path;
+  model.predict(arm, effects, dynamics, trial, derivatives, nullptr, path);
+  return path;
+}
+
+/// Distance of the tip from the rod's axis, towards x, block by block.
+inline std::vector<double> tip_x(const std::vector<Predicted>& path) {
+  std::vector<double> x;
+  for (const Predicted& p : path) x.push_back(p.shape.stations.back().p.x());
+  return x;
+}
+
+// ---- by the rig ----
+
+inline rig::Scenario shipped_scenario(const std::string& name) {
+  std::ifstream file(std::string(SOFTARM_SOURCE_DIR) + "/config/scenarios/" + name + ".yaml");
+  std::stringstream text;
+  text << file.rdbuf();
+  return rig::parse_scenario(text.str(), name);
+}
+
+/// Without noise, lost bodies or changes of payload.
+inline void make_clean(rig::Scenario& scenario) {
+  scenario.mocap.ring_noise = {};
+  scenario.mocap.base_noise = {};
+  scenario.mocap.dropout_probability = 0.0;
+  scenario.payload.schedule = {{0.0, {0.0}}};
+}
+
+/// Runs the rig and prepares what it recorded.
+inline TrialData recorded(const Arm& arm, const rig::Scenario& scenario) {
+  constexpr double kEpoch_s = 100.0;
+  rig::Simulator simulator(scenario);
+  FrameAssembler assembler(arm);
+  const auto row = [&](const rig::InputSample& input) {
+    const InputKind kind = input.kind == rig::InputKind::kVacuum   ? InputKind::kVacuum
+                           : input.kind == rig::InputKind::kTendon ? InputKind::kTension
+                           : input.kind == rig::InputKind::kServo  ? InputKind::kAngle
+                                                                   : InputKind::kPressure;
+    int left = input.number;
+    for (std::size_t i = 0; i < arm.inputs.scalars.size(); ++i) {
+      if (arm.inputs.scalars[i].kind == kind && left-- == 0) return static_cast<int>(i);
+    }
+    return -1;
+  };
+  while (const auto sample = simulator.next()) {
+    if (sample->payload) assembler.add_payload(kEpoch_s + sample->payload->stamp_s, sample->payload->kg);
+    for (const rig::InputSample& input : sample->inputs)
+      if (row(input) >= 0) assembler.add_input(row(input), kEpoch_s + input.stamp_s, input.value);
+    for (std::size_t i = 0; i < sample->bodies.size(); ++i) {
+      if (sample->bodies[i])
+        assembler.add_body(static_cast<int>(i) - 1, kEpoch_s + sample->mocap_stamp_s, sample->bodies[i]->p,
+                           sample->bodies[i]->q);
+    }
+  }
+  assembler.flush();
+  const Prepared prepared = prepare(arm, {{"rig", assembler.take()}});
+  return prepared.trials.at(0);
+}
+
+/// Root of the mean square distance of bodies from where they were seen, m.
+inline double rms_m(const std::vector<Predicted>& path, const TrialData& trial) {
+  double sum = 0.0;
+  int count = 0;
+  for (std::size_t k = 0; k < path.size(); ++k) {
+    if (!path[k].solved || trial.blocks[k].set_aside) continue;
+    for (std::size_t i = 0; i < trial.blocks[k].bodies.size(); ++i) {
+      sum += (path[k].p.col(static_cast<Eigen::Index>(i)) - trial.blocks[k].bodies[i].p_base).squaredNorm();
+      ++count;
+    }
+  }
+  return std::sqrt(sum / std::max(count, 1));
+}
+
+}  // namespace softarm::effects::testing
