@@ -9,7 +9,6 @@ namespace softarm::effects {
 namespace {
 
 constexpr double kMinute_s = 60.0;
-constexpr double kEndless_s = 1e8;  // a rate that does not fade
 constexpr double kLeastFactor = 0.05;
 
 /// What servos bend by winding their cables up is a curvature: stiffness drops out.
@@ -31,13 +30,14 @@ class Drift : public Described {
   using Described::Described;
   std::vector<Values> grid(const Arm&, const FineRod&) const override {
     std::vector<Values> list;
-    for (const double time_s : {kEndless_s, 60.0}) list.push_back((Values(3) << 0.0, 0.0, time_s).finished());
+    for (const double fading_per_min : {0.0, 1.0})
+      list.push_back((Values(3) << 0.0, 0.0, fading_per_min).finished());
     return list;
   }
   void act(const Arm& arm, const FineRod& fine, const Values& values, const Instant& instant, const Shape*,
            const Memory&, rod::Rod& rod) const override {
-    const double time_s = std::max(values[2], 1e-3);
-    const double minutes = -time_s / kMinute_s * std::expm1(-instant.session_s / time_s);
+    double minutes = instant.session_s / kMinute_s;
+    if (values[2] > 1e-9) minutes = -std::expm1(-values[2] * minutes) / values[2];
     const double gain = std::max(0.0, 1.0 + values[0] * minutes);
     const double stiffness = std::max(kLeastFactor, 1.0 + values[1] * minutes);
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
@@ -65,7 +65,7 @@ std::unique_ptr<Effect> make_drift() {
       {{"gain_per_min", "1/min", "change of all moments, as a share of them, at first", -1.0, 1.0, 0.03},
        {"stiffness_per_min", "1/min", "change of all stiffnesses, as a share of them, at first", -1.0, 1.0,
         0.03},
-       {"time_s", "s", "time constant with which the change fades", 1.0, kEndless_s, kEndless_s}},
+       {"fading_per_min", "1/min", "rate at which the change fades", 0.0, 60.0, 1.0}},
       2,
       {"mullins", "creep"},
       {"bending_stiffness", "moment_gain"}});

@@ -22,55 +22,47 @@ class JammingYield : public Described {
       list.push_back((Values(2) << 0.0, yield_per_m).finished());
     return list;
   }
-  void act(const Arm& arm, const FineRod& fine, const Values& values, const Instant& instant, const Shape*,
-           const Memory& memory, rod::Rod& rod) const override {
-    if (memory.empty()) return;
+  bool needs_shape() const override { return true; }
+  void act(const Arm& arm, const FineRod& fine, const Values& values, const Instant& instant,
+           const Shape* shape, const Memory& memory, rod::Rod& rod) const override {
+    if (values[0] == 0.0) return;
     const std::vector<double> cores = core_of_segments(arm, instant);
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
       const double now = cores[static_cast<std::size_t>(fine.pieces()[j].segment)];
       rod::Segment& piece = rod.segments[j];
-      const Core core = read(memory, j, now);
-      // M = EI (u - u*) - lost (u - e), e what of the curvature is elastic for the core. One that slipped
-      // goes on slipping, with the same e; one that did not keeps u - e.
+      const Vector2d u = shape->middles[j].u.head<2>();
+      const Core core = bend(memory, j, now, values, u);
+      // M = EI (u - u*) - lost (u - e), e what of the curvature is elastic for the core. While it slips its
+      // stiffness is lost along the bending and not across it: the shape is found with half of it.
       const double lost = std::min(values[0] * now, kMostLost / piece.bending_compliance);
-      if (core.slips) {
-        const Vector2d rest = piece.rest_curvature_per_m.head<2>();
-        piece.moment_nm.head<2>() += lost * (rest - core.elastic);
-        piece.bending_compliance /= 1.0 - lost * piece.bending_compliance;
-      } else {
-        piece.moment_nm.head<2>() += lost * core.slipped;
-      }
+      const double softer = core.slips ? 0.5 * lost * piece.bending_compliance : 0.0;
+      const Vector2d rest = piece.rest_curvature_per_m.head<2>();
+      piece.moment_nm.head<2>() += lost * (u - core.elastic) - softer / piece.bending_compliance * (u - rest);
+      piece.bending_compliance /= 1.0 - softer;
     }
   }
   bool remembers() const override { return true; }
   void remember(const Arm& arm, const FineRod& fine, const Values& values, const Instant& instant,
                 const Shape& shape, Memory& memory) const override {
     const std::vector<double> cores = core_of_segments(arm, instant);
-    const double yield = std::max(values[1], 1e-3);
     if (memory.empty()) memory.assign(fine.pieces().size() * kSize, 0.0);
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
       const double now = cores[static_cast<std::size_t>(fine.pieces()[j].segment)];
-      const Core core = read(memory, j, now);
       const Vector2d u = shape.middles[j].u.head<2>();
-      Vector2d elastic = u - core.slipped;
-      const bool slips = elastic.norm() > yield;
-      if (slips) elastic *= yield / elastic.norm();
+      const Core core = bend(memory, j, now, values, u);
       double* to = &memory[j * kSize];
-      to[0] = u.x() - elastic.x();
-      to[1] = u.y() - elastic.y();
-      to[2] = elastic.x();
-      to[3] = elastic.y();
-      to[4] = slips ? 1.0 : 0.0;
-      to[5] = now;
+      to[0] = u.x() - core.elastic.x();
+      to[1] = u.y() - core.elastic.y();
+      to[2] = now;
     }
   }
 
  private:
   struct Core {
-    Vector2d slipped = Vector2d::Zero(), elastic = Vector2d::Zero();  ///< curvature is their sum
+    Vector2d elastic = Vector2d::Zero();
     bool slips = false;
   };
-  static constexpr std::size_t kSize = 6;
+  static constexpr std::size_t kSize = 3;  ///< of a piece: curvature that slipped, stiffness
 
   static std::vector<double> core_of_segments(const Arm& arm, const Instant& instant) {
     std::vector<double> list;
@@ -79,10 +71,18 @@ class JammingYield : public Described {
     return list;
   }
   /// What stiffness comes in with the vacuum has not slipped yet.
-  static Core read(const Memory& memory, std::size_t piece, double now_nm2) {
-    const double* from = &memory[piece * kSize];
-    const double older = now_nm2 > from[5] ? from[5] / now_nm2 : 1.0;
-    return {older * Vector2d(from[0], from[1]), {from[2], from[3]}, from[4] > 0.5};
+  static Core bend(const Memory& memory, std::size_t piece, double now_nm2, const Values& values,
+                   const Vector2d& u) {
+    Core core;
+    core.elastic = u;
+    if (!memory.empty()) {
+      const double* from = &memory[piece * kSize];
+      core.elastic -= (now_nm2 > from[2] ? from[2] / now_nm2 : 1.0) * Vector2d(from[0], from[1]);
+    }
+    const double yield = std::max(values[1], 1e-3), size = core.elastic.norm();
+    core.slips = size > yield;
+    if (core.slips) core.elastic *= yield / size;
+    return core;
   }
 };
 

@@ -162,8 +162,10 @@ TEST(JammingYield, SoftensAtLargeCurvatureUnderVacuumAndKeepsWhatSlipped) {
   EXPECT_GT(curvature(with[with.size() - 1]), 0.5);  // though the pressure is gone
   // Without vacuum there is nothing to slip.
   const TrialData loose = weightless(arm(), 5.0, triangles(arm(), kChamber1, 40e3, 4.0));
-  EXPECT_EQ(positions(predict(model, arm(), {{find("jamming_yield"), Eigen::Vector2d(1.0, yield)}}, loose)),
-            positions(predict(model, arm(), {}, loose)));
+  const Present yields{find("jamming_yield"), Eigen::Vector2d(1.0, yield)};
+  EXPECT_LT((positions(predict(model, arm(), {yields}, loose)) - positions(predict(model, arm(), {}, loose)))
+                .norm(),
+            1e-7);
 }
 
 TEST(Drift, IsMonotoneInTheTimeOfTheSession) {
@@ -171,16 +173,16 @@ TEST(Drift, IsMonotoneInTheTimeOfTheSession) {
   TrialData trial = weightless(
       arm(), 60.0, [](double) { return Vector4d(20e3, 0.0, 0.0, 0.0); }, 1.0);
   const std::vector<Predicted> without = predict(model, arm(), {}, trial);
-  const auto ratio = [&](double gain, double stiffness, double time_s, std::size_t k) {
-    const Present drift{find("drift"), Eigen::Vector3d(gain, stiffness, time_s)};
+  const auto ratio = [&](double gain, double stiffness, double fading_per_min, std::size_t k) {
+    const Present drift{find("drift"), Eigen::Vector3d(gain, stiffness, fading_per_min)};
     return curvature(predict(model, arm(), {drift}, trial)[k]) / curvature(without[k]);
   };
   const double minutes = without[50].instant.t_s / 60.0;
-  EXPECT_NEAR(ratio(-0.06, 0.0, 1e8, 50), 1.0 - 0.06 * minutes, 1e-6);
-  EXPECT_NEAR(ratio(0.0, -0.06, 1e8, 50), 1.0 / (1.0 - 0.06 * minutes), 1e-6);
-  EXPECT_NEAR(ratio(-0.06, 0.0, 60.0, 50), 1.0 - 0.06 * (1.0 - std::exp(-minutes)), 1e-6);
+  EXPECT_NEAR(ratio(-0.06, 0.0, 0.0, 50), 1.0 - 0.06 * minutes, 1e-6);
+  EXPECT_NEAR(ratio(0.0, -0.06, 0.0, 50), 1.0 / (1.0 - 0.06 * minutes), 1e-6);
+  EXPECT_NEAR(ratio(-0.06, 0.0, 1.0, 50), 1.0 - 0.06 * (1.0 - std::exp(-minutes)), 1e-6);
   trial.session_s = 600.0;
-  EXPECT_NEAR(ratio(-0.06, 0.0, 1e8, 50), 1.0 - 0.06 * (10.0 + minutes), 1e-5);
+  EXPECT_NEAR(ratio(-0.06, 0.0, 0.0, 50), 1.0 - 0.06 * (10.0 + minutes), 1e-5);
 }
 
 TEST(Drift, OfStiffnessLeavesWhatServosWindUp) {
@@ -191,7 +193,7 @@ TEST(Drift, OfStiffnessLeavesWhatServosWindUp) {
       wound, 10.0, [=](double) { return Eigen::VectorXd::Constant(rows, 0.5); }, 1.0);
   const std::vector<Predicted> without = predict(model, wound, {}, trial);
   const std::vector<Predicted> with =
-      predict(model, wound, {{find("drift"), Eigen::Vector3d(0.0, -0.5, 1e8)}}, trial);
+      predict(model, wound, {{find("drift"), Eigen::Vector3d(0.0, -0.5, 0.0)}}, trial);
   EXPECT_GT(without.back().shape.middles[5].u.norm(), 0.1);
   EXPECT_LT((with.back().shape.middles[5].u - without.back().shape.middles[5].u).norm(), 1e-6);
 }

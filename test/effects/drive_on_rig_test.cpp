@@ -1,0 +1,114 @@
+// Effects against the virtual rig, whose laws and equations are others: with the effect in it at the hidden
+// size the model predicts what was recorded, without it it does not.
+#include "effects/drive_trials.h"
+
+namespace softarm::effects::testing {
+namespace {
+
+struct Hidden {
+  const char* name;
+  rig::HiddenChoice choice;
+  std::vector<double> values;  ///< of the effect of the same id
+  double left;                 ///< most of the baseline's error that may be left
+};
+
+/// What is left swings: the rig's arm rings after a kink in what drives it.
+const std::vector<Hidden>& on_chambers() {
+  static const std::vector<Hidden> list{
+      {"play",
+       {"hysteresis",
+        "play",
+        {{"loop_pa", 2500.0}, {"loop_n", 0.0}, {"loop_rad", 0.0}, {"loop_per_m", 0.3}, {"yield_per_m", 1.0}}},
+       {1.0, 2500.0, 0.0},
+       0.12},
+      {"maxwell", {"creep", "maxwell", {{"share", 0.15}, {"time_s", 5.0}}}, {0.15, 5.0}, 0.05},
+      {"first_order",
+       {"pressure_lag",
+        "first_order",
+        {{"time_constant_s", 0.3},
+         {"damping_ratio", 0.7},
+         {"vent_time_constant_s", 0.4},
+         {"supply_pa", 2e5}}},
+       {0.3, 0.3},
+       0.02},
+      {"clock_offset", {"clock_offset", "", {{"offset_s", 0.1}, {"drift_ppm", 0.0}}}, {0.1}, 0.03},
+      {"quadratic",
+       {"gain_nonlinearity", "quadratic", {{"share", 0.15}, {"reference_pa", 50e3}}},
+       {0.15},
+       0.03},
+      {"sharp", {"pressure_dead_zone", "sharp", {{"pressure_pa", 3000.0}}}, {3000.0, 3000.0}, 0.4},
+      {"ogden_roxburgh",
+       {"mullins", "ogden_roxburgh", {{"share", 0.15}, {"scale_per_m", 2.0}}},
+       {0.15, 2.0},
+       0.08},
+  };
+  return list;
+}
+
+const std::vector<Hidden>& on_the_core() {
+  static const std::vector<Hidden> list{
+      {"vacuum_shortening",
+       {"vacuum_shortening", "", {{"share", 0.015}, {"reference_pa", 60e3}}},
+       {0.015},
+       0.25},
+      {"jamming_memory", {"jamming_memory", "", {{"share", 0.6}}}, {0.6}, 0.1},
+      {"elastoplastic", {"jamming_yield", "elastoplastic", {{"yield_per_m", 1.0}}}, {1.0, 1.0}, 0.3},
+  };
+  return list;
+}
+
+void check(const Hidden& hidden, const Arm& arm, rig::Scenario scenario, double retardation_s) {
+  rig::hide(hidden.choice, scenario);
+  const TrialData trial = recorded(arm, scenario);
+  ExtendedModel model(arm);
+  Dynamics dynamics;
+  dynamics.retardation_s = retardation_s;
+  const Values values = Eigen::Map<const Eigen::VectorXd>(hidden.values.data(),
+                                                          static_cast<Eigen::Index>(hidden.values.size()));
+  const double without_m = rms_m(predict(model, arm, {}, trial, dynamics), trial);
+  const std::vector<Predicted> path =
+      predict(model, arm, {{find(hidden.choice.effect), values}}, trial, dynamics);
+  const double with_m = rms_m(path, trial);
+  EXPECT_GT(without_m, 1e-3) << hidden.name;
+  EXPECT_LT(with_m, hidden.left * without_m) << hidden.name;
+  EXPECT_LE(std::count_if(path.begin(), path.end(), [](const Predicted& p) { return !p.solved; }), 1)
+      << hidden.name;
+  ::testing::Test::RecordProperty(hidden.choice.effect, std::to_string(1e3 * without_m) + " mm without, " +
+                                                            std::to_string(1e3 * with_m) + " mm with");
+}
+
+TEST(OnTheRig, EffectsOfChambersArePredictedAtTheirSize) {
+  const Arm arm = shipped_arm("online_200mm");
+  rig::Scenario scenario = shipped_scenario("trial_10s");
+  make_clean(scenario);
+  for (const Hidden& hidden : on_chambers()) check(hidden, arm, scenario, 0.02);
+}
+
+TEST(OnTheRig, EffectsOfTheVacuumArePredictedAtTheirSize) {
+  const Arm arm = shipped_arm("semi_physical_200mm");
+  rig::Scenario scenario = shipped_scenario("semi_physical_200mm");
+  make_clean(scenario);
+  scenario.duration_s = 12.0;
+  scenario.vacuum.schedule = {{0.0, {0.0}}, {4.0, {60e3}}};
+  scenario.vacuum.ramp_s = 1.5;
+  for (const Hidden& hidden : on_the_core()) check(hidden, arm, scenario, 0.03);
+}
+
+TEST(OnTheRig, InputsBetweenTheirSamplesAreNotLate) {
+  const Arm arm = shipped_arm("online_200mm");
+  rig::Scenario scenario = shipped_scenario("trial_10s");
+  make_clean(scenario);
+  const TrialData trial = recorded(arm, scenario);
+  ExtendedModel model(arm);
+  Dynamics dynamics;
+  dynamics.retardation_s = 0.02;
+  const double nothing_m = rms_m(predict(model, arm, {}, trial, dynamics), trial);
+  EXPECT_LT(nothing_m, 5e-5);
+  for (const double offset_s : {-0.003, 0.003}) {
+    const Present late{find("clock_offset"), Eigen::VectorXd::Constant(1, offset_s)};
+    EXPECT_GT(rms_m(predict(model, arm, {late}, trial, dynamics), trial), 1.5 * nothing_m) << offset_s;
+  }
+}
+
+}  // namespace
+}  // namespace softarm::effects::testing
