@@ -12,6 +12,7 @@
 #include "softarm/arm/arm_yaml.h"
 #include "softarm/ros/input_topics.h"
 #include "softarm/ros/markers.h"
+#include "softarm/ros/mismatch_message.h"
 
 namespace softarm {
 namespace {
@@ -44,6 +45,11 @@ EstimatorNode::EstimatorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
       updater_(nh_, private_nh_, ros::this_node::getName()) {
   for (const MeasuredBody& body : params_.arm.bodies) body_names_.push_back(body.name);
   if (const std::string note = advice(params.options); !note.empty()) ROS_WARN("%s", note.c_str());
+  if (params_.monitor) {
+    monitor_.emplace(params_.arm, params_.alarm);
+    monitor_->set_unknown(params_.options.unknown);
+    mismatch_publisher_ = private_nh_.advertise<softarm_estimator::Mismatch>("mismatch", kPublisherQueue);
+  }
 
   estimate_publisher_ = private_nh_.advertise<softarm_estimator::ArmEstimate>("estimate", kPublisherQueue);
   markers_publisher_ = private_nh_.advertise<visualization_msgs::MarkerArray>("markers", 10);
@@ -56,6 +62,7 @@ EstimatorNode::EstimatorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
   updater_.add("frames", this, &EstimatorNode::diagnose_frames);
   updater_.add("inputs", this, &EstimatorNode::diagnose_inputs);
   updater_.add("fit", this, &EstimatorNode::diagnose_fit);
+  updater_.add("mismatch", this, &EstimatorNode::diagnose_mismatch);
   period_start_ = ros::WallTime::now();
   // Wall time: diagnostics must also come when simulated time stands still.
   diagnostics_timer_ = nh_.createWallTimer(ros::WallDuration(1.0),
@@ -116,6 +123,7 @@ void EstimatorNode::process() {
   if (assembler_.take_time_jump()) {
     ROS_WARN("time went back: starting afresh");
     estimator_.reset();
+    if (monitor_) monitor_->reset();
     last_marker_s_.reset();
   }
   for (const Frame& frame : assembler_.take()) handle(frame);
@@ -135,6 +143,8 @@ void EstimatorNode::handle(const Frame& frame) {
     return;
   }
   const std::chrono::duration<double> solve_time = std::chrono::steady_clock::now() - start;
+  // First: what is drawn of this frame has its mismatch in it.
+  watch(frame, *estimate);
   publish(*estimate, frame.stamp_s, solve_time.count());
 }
 
@@ -162,18 +172,13 @@ void EstimatorNode::publish(const Estimate& estimate, double stamp_s, double sol
   const bool due = !last_marker_s_ || std::abs(stamp_s - *last_marker_s_) * params_.marker_rate_hz >= 0.999;
   if (params_.marker_rate_hz > 0.0 && due && markers_publisher_.getNumSubscribers() > 0) {
     last_marker_s_ = stamp_s;
-    publish_finite(markers_publisher_, to_markers(estimate, context));
+    visualization_msgs::MarkerArray markers = to_markers(estimate, context);
+    if (ok && mismatch_) {
+      for (visualization_msgs::Marker& m : to_markers(*mismatch_, estimate, context).markers)
+        markers.markers.push_back(std::move(m));
+    }
+    publish_finite(markers_publisher_, markers);
   }
-}
-
-template <class Message>
-bool EstimatorNode::publish_finite(ros::Publisher& publisher, const Message& message) {
-  if (!all_finite(message)) {
-    ++statistics_.not_finite_messages;
-    return false;
-  }
-  publisher.publish(message);
-  return true;
 }
 
 ros::Time EstimatorNode::stamp_of(double stamp_s) const {
@@ -185,6 +190,7 @@ bool EstimatorNode::on_reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Res
   process();
   assembler_.reset();
   estimator_.reset();
+  if (monitor_) monitor_->reset();
   last_marker_s_.reset();
   response.success = true;
   response.message = "forgot all frames; the payload and the mode stay";
@@ -214,6 +220,7 @@ bool EstimatorNode::on_set_mode(softarm_estimator::SetMode::Request& request,
                                 softarm_estimator::SetMode::Response& response) {
   try {
     estimator_.set_unknown(parse_unknown(request.unknown));
+    if (monitor_) monitor_->set_unknown(estimator_.options().unknown);
     response.success = true;
     response.message = "unknown is " + to_string(estimator_.options().unknown);
     const std::string note = advice(estimator_.options());

@@ -124,6 +124,12 @@ NodeParams NodeParams::read(const ros::NodeHandle& private_nh) {
   params.marker_rate_hz = reader.number("marker_rate", 0.0, 1000.0).value_or(params.marker_rate_hz);
   params.publish_tf = reader.flag("publish_tf").value_or(params.publish_tf);
   params.mismatch_warning = reader.number("mismatch_warning", 0.0, 1e9).value_or(params.mismatch_warning);
+  params.monitor = reader.flag("monitor").value_or(params.monitor);
+  diagnose::MismatchMonitorParams& alarm = params.alarm;
+  alarm.threshold_sd = reader.number("alarm_threshold", 3.0, 1e6).value_or(alarm.threshold_sd);
+  alarm.payload_hold_off_s = reader.number("alarm_hold_off", 0.0, 600.0).value_or(alarm.payload_hold_off_s);
+  alarm.memory_s = reader.number("alarm_memory", 5.0, 86400.0).value_or(alarm.memory_s);
+  alarm.accept_after_s = reader.number("alarm_accept_after", 1.0, 86400.0).value_or(alarm.accept_after_s);
   reader.warn_of_unknown();
   return params;
 }

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "softarm/diagnose/mismatch_monitor.h"
 #include "softarm/fit/estimator.h"
 #include "softarm/ros/finite.h"
 #include "softarm/ros/input_topic.h"
@@ -29,8 +30,10 @@ namespace softarm {
 /// 2. Each closed frame is estimated and published on ~estimate, whatever its status; with status ok also
 /// ~backbone
 ///    (nav_msgs/Path), tf of base, rings and tip. ~markers follow at a lower rate.
-/// 3. A time jump resets the estimator.
-/// 4. Once a second /diagnostics says what arrives, what was rejected and why, and how the fit does.
+/// 3. The mismatch monitor sees every frame and its estimate: ~mismatch.
+/// 4. A time jump resets the estimator and the monitor.
+/// 5. Once a second, and when an alarm of the monitor begins or ends, /diagnostics says what arrives, what
+/// was rejected and why, how the fit does, and whether the arm does what its laws say.
 ///
 /// No message with a NaN or infinity leaves: it is held back and counted. Wall-clock time is only used to
 /// measure rates and solve times. All callbacks must run in one thread.
@@ -58,6 +61,7 @@ class EstimatorNode {
   void drain();
   void process();
   void handle(const Frame& frame);
+  void watch(const Frame& frame, const Estimate& estimate);
   void publish(const Estimate& estimate, double stamp_s, double solve_time_s);
   ros::Time stamp_of(double stamp_s) const;
   template <class Message>
@@ -72,6 +76,7 @@ class EstimatorNode {
   void diagnose_frames(diagnostic_updater::DiagnosticStatusWrapper& status);
   void diagnose_inputs(diagnostic_updater::DiagnosticStatusWrapper& status);
   void diagnose_fit(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void diagnose_mismatch(diagnostic_updater::DiagnosticStatusWrapper& status);
   void diagnose_bodies(diagnostic_updater::DiagnosticStatusWrapper& status);
   void diagnose_values(diagnostic_updater::DiagnosticStatusWrapper& status);
   void diagnose_rejections(diagnostic_updater::DiagnosticStatusWrapper& status);
@@ -83,12 +88,16 @@ class EstimatorNode {
   NodeParams params_;
   Estimator estimator_;
   FrameAssembler assembler_;
+  std::optional<diagnose::MismatchMonitor> monitor_;  // absent: not wanted
+  const diagnose::Mismatch* mismatch_ = nullptr;      // the newest; null before the first
+  std::optional<diagnose::Mismatch> last_alarm_;
+  std::uint64_t alarms_ = 0;
   std::vector<std::string> body_names_;
   std::vector<std::unique_ptr<Source>> sources_;
   std::uint64_t messages_ = 0;
   std::map<double, ros::Time> stamps_;  // of the messages, to the nanosecond: a double does not hold them
 
-  ros::Publisher estimate_publisher_, markers_publisher_, path_publisher_;
+  ros::Publisher estimate_publisher_, markers_publisher_, path_publisher_, mismatch_publisher_;
   tf2_ros::TransformBroadcaster tf_;
   std::vector<ros::ServiceServer> services_;
   std::optional<double> last_marker_s_;
@@ -104,5 +113,15 @@ class EstimatorNode {
   std::uint64_t samples_before_ = 0, time_jumps_before_ = 0, not_finite_before_ = 0, lost_before_ = 0;
   int diagnostics_count_ = 0;
 };
+
+template <class Message>
+bool EstimatorNode::publish_finite(ros::Publisher& publisher, const Message& message) {
+  if (!all_finite(message)) {
+    ++statistics_.not_finite_messages;
+    return false;
+  }
+  publisher.publish(message);
+  return true;
+}
 
 }  // namespace softarm

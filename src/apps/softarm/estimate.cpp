@@ -11,6 +11,7 @@
 #include <set>
 #include <vector>
 
+#include "softarm/alarm_list.h"
 #include "softarm/arm/arm_yaml.h"
 #include "softarm/command.h"
 #include "softarm/fit/estimator.h"
@@ -43,6 +44,9 @@ constexpr const char* kExamples = R"(Examples:
   softarm estimate --arm my_arm.yaml trial.bag --method end_orientation --payload 0.2
   softarm estimate --arm my_arm.yaml trial.bag --unknown both --prior on --window 0.5
 Writes OUT/<bag name>/estimates.csv (one row per frame and segment, SI units) and summary.txt.)";
+
+// Base and tip are all that is written; the alarms look at the shape in between.
+constexpr int kBackbonePoints = 21;
 
 /// One bag's way through the estimator.
 struct Job {
@@ -118,7 +122,7 @@ class Folder {
 void estimate_bag(const Arm& arm, bool use_payload, Job& job, Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
   Estimator estimator(arm);
-  estimator.set_backbone_points(2);  // base and tip are all that is written
+  estimator.set_backbone_points(kBackbonePoints);
   BagFrames bag(job.bag, arm, use_payload);
   job.warnings = bag.warnings();
   progress.add_total(static_cast<double>(bag.messages()));
@@ -129,15 +133,20 @@ void estimate_bag(const Arm& arm, bool use_payload, Job& job, Progress& progress
   std::ofstream rows(csv.temporary());
   rows << kEstimatesCsvHeader << '\n';
   EstimateSummary summary(arm);
+  AlarmList alarms(arm);
   std::uint64_t frames = 0;
   BagFrames::Callbacks callbacks;
   callbacks.on_frame = [&](const Frame& frame) {
     const Estimate& estimate = estimator.estimate(frame);
     write_estimate_rows(rows, estimate, arm.segments.size());
     summary.add(estimate);
+    alarms.add(frame, estimate);
     ++frames;
   };
-  callbacks.on_time_jump = [&] { estimator.reset(); };
+  callbacks.on_time_jump = [&] {
+    estimator.reset();
+    alarms.reset();
+  };
   callbacks.on_messages = [&](std::uint64_t messages) {
     progress.advance(static_cast<double>(messages), std::exchange(frames, 0));
   };
@@ -152,7 +161,7 @@ void estimate_bag(const Arm& arm, bool use_payload, Job& job, Progress& progress
                   "bag:", fs::path(job.bag).filename().string(), "arm:", arm.name,
                   "method:", to_string(arm.estimator.method), to_string(arm.estimator.unknown),
                   arm.estimator.prior.enabled ? "on" : "off", arm.estimator.window_s) +
-      summary.text(bag.assembler().rejected(), bag.assembler().samples());
+      summary.text(bag.assembler().rejected(), bag.assembler().samples()) + alarms.text();
   std::ofstream(text.temporary()) << table;
   if (!rows) throw Failure(fmt::format("{}: cannot be written", csv.path().string()));
   csv.commit();

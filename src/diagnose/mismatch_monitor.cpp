@@ -1,0 +1,397 @@
+#include "softarm/diagnose/mismatch_monitor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "mismatch_words.h"
+#include "monitor_changes.h"
+#include "monitor_reference.h"
+#include "monitor_shape.h"
+#include "monitor_window.h"
+
+namespace softarm::diagnose {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr std::size_t kFewestPoints = 5;
+constexpr double kTimeJump_s = 1.0;
+constexpr std::size_t kHistory = 100;  // windows, one per bin: 2.5 s
+constexpr double kSuspicion = 0.5;     // of the threshold: the reference waits
+constexpr double kSuspicious_s = 3.0;  // ... at most so long
+constexpr double kDoubt = 0.01;        // ... then it learns anew, so much at a time
+constexpr double kHand = 0.7;          // of the hold-off: nothing is learned of an arm that is held
+constexpr double kClear_s = 1.0;
+constexpr double kName_s = 1.0;  // while an alarm is so young, its kind, place and onset are looked at again
+constexpr double kChancePerRow = 2.5;  // chi-square per degree of freedom below which no change is looked for
+constexpr double kRising = 0.15;       // of a change's size: where it begins
+constexpr double kLongestOnset_s = 2.0;
+constexpr double kUnexplained = 0.5;  // share of a change below which its best explanation is none
+// Gain of the (doubled) log likelihood by which the likeliest change must lead, and as a share of its own.
+constexpr double kLead = 6.0, kLeadShare = 0.02;
+constexpr double kStraight = 0.02;  // tip off the base's axis, over the length: no plane of bending
+
+struct Past {
+  double to_s = 0.0;
+  Displacements innovation;
+};
+
+}  // namespace
+
+struct MismatchMonitor::Impl {
+  Impl(const Arm& arm_in, const MismatchMonitorParams& params_in)
+      : arm(arm_in),
+        params(params_in),
+        shape(arm),
+        window(arm.bodies.size()),
+        reference(arm, params.memory_s, typical_sd(arm)),
+        test(arm),
+        unknown(arm.estimator.unknown),
+        seen(arm.bodies.size(), 0),
+        history(kHistory) {
+    const auto rows = static_cast<Eigen::Index>(3 * arm.bodies.size());
+    discrepancy.setZero(rows);
+    place.setZero(rows);
+    inertia.setZero(rows);
+    innovation.setZero(rows);
+    for (Past& past : history) past.innovation.setZero(rows);
+    reset();
+  }
+
+  static double typical_sd(const Arm& arm) {
+    double square = 0.0;
+    for (const MeasuredBody& body : arm.bodies) square += body.position_sd_m * body.position_sd_m;
+    return std::sqrt(square / static_cast<double>(std::max<std::size_t>(1, arm.bodies.size())));
+  }
+
+  void reset();
+  void add(const Frame& frame, const Estimate& estimate);
+  void note_payload(const Frame& frame);
+  void step(double stamp_s);
+  void score();
+  void look_for_change();
+  void decide();
+  void name_change();
+  void end_alarm();
+  void learn(double dt_s);
+  double onset() const;
+  MismatchAxis axis_of(const Vector3d& displacement, int body) const;
+
+  Arm arm;
+  MismatchMonitorParams params;
+  MonitorShape shape;
+  MonitorWindow window;
+  SlowReference reference;
+  ChangeTest test;
+  Unknown unknown;
+  Mismatch mismatch;
+  Mismatch named;  ///< of the alarm: onset, kind, place
+
+  std::vector<char> seen;
+  Displacements discrepancy, place, inertia, innovation;
+  std::optional<std::vector<SegmentPrediction>> predictions;
+  std::vector<Past> history;  // a ring
+  std::size_t next_past = 0, pasts = 0;
+
+  std::optional<double> last_frame_s, last_step_s, first_s, payload_change_s, over_since_s, below_since_s,
+      suspicious_since_s, alarm_since_s;
+  std::optional<double> payload_kg;
+  double since_update_s = 0.0;
+  bool payload_seen = false, had_laws = false, winner_valid = false;
+  ChangeHypothesis winner;
+};
+
+void MismatchMonitor::Impl::reset() {
+  window.reset();
+  reference.reset();
+  mismatch = Mismatch();
+  pasts = 0;
+  last_frame_s.reset();
+  last_step_s.reset();
+  first_s.reset();
+  payload_change_s.reset();
+  over_since_s.reset();
+  below_since_s.reset();
+  suspicious_since_s.reset();
+  alarm_since_s.reset();
+  payload_kg.reset();
+  payload_seen = had_laws = winner_valid = false;
+  since_update_s = 0.0;
+}
+
+void MismatchMonitor::Impl::note_payload(const Frame& frame) {
+  if (payload_seen && frame.payload_kg != payload_kg) {
+    payload_change_s = frame.stamp_s;
+    over_since_s.reset();
+    if (!mismatch.alarm) reference.doubt(0.05);  // a scale's error, a hook's: other than before
+  }
+  payload_seen = true;
+  payload_kg = frame.payload_kg;
+}
+
+void MismatchMonitor::Impl::add(const Frame& frame, const Estimate& estimate) {
+  if (last_frame_s && frame.stamp_s < *last_frame_s - kTimeJump_s) reset();
+  last_frame_s = frame.stamp_s;
+  mismatch.stamp_s = frame.stamp_s;
+  if (last_step_s && frame.stamp_s - *last_step_s > 0.5) mismatch.valid = false;
+  note_payload(frame);
+  if (estimate.status != Status::kOk || estimate.backbone.size() < kFewestPoints) return;
+
+  predictions = predict(arm, frame.inputs);
+  const bool laws = predictions.has_value();
+  if (laws != had_laws) {
+    window.reset();
+    pasts = 0;
+    over_since_s.reset();
+    had_laws = laws;
+  }
+  mismatch.laws = laws;
+  shape.set(estimate);
+  shape.discrepancy(laws ? &*predictions : nullptr, discrepancy);
+  std::fill(seen.begin(), seen.end(), 0);
+  for (const BodyResidual& residual : estimate.residuals) {
+    seen[static_cast<std::size_t>(residual.body)] = 1;
+    place.segment<3>(3 * residual.body) = residual.measured_base;
+  }
+  if (!discrepancy.allFinite()) return;
+  if (window.add(frame.stamp_s, discrepancy, place, seen)) step(frame.stamp_s);
+}
+
+void MismatchMonitor::Impl::step(double stamp_s) {
+  const double dt_s = last_step_s ? std::clamp(stamp_s - *last_step_s, 0.0, 1.0) : 0.0;
+  last_step_s = stamp_s;
+  if (!first_s) first_s = stamp_s;
+  const WindowMotion& motion = window.motion();
+  inertia.setZero();
+  if (predictions) shape.by_inertia(motion.acceleration, motion.usable, inertia);
+  const bool payload_is_free = unknown != Unknown::kStiffness;
+  reference.set_shape(shape, predictions ? &*predictions : nullptr, motion.velocity, payload_is_free);
+  innovation = motion.discrepancy - reference.predicted() - inertia;
+  for (std::size_t i = 0; i < motion.usable.size(); ++i) {
+    if (!motion.usable[i]) innovation.segment<3>(static_cast<Eigen::Index>(3 * i)).setZero();
+  }
+  Past& past = history[next_past];
+  past.to_s = motion.to_s;
+  past.innovation = innovation;
+  next_past = (next_past + 1) % kHistory;
+  pasts = std::min(pasts + 1, kHistory);
+
+  mismatch.valid = true;
+  score();
+  look_for_change();
+  decide();
+  learn(dt_s);
+  mismatch.words = describe(mismatch, arm);
+}
+
+void MismatchMonitor::Impl::score() {
+  const WindowMotion& motion = window.motion();
+  double square = 0.0, square_m2 = 0.0, bend = -1.0;
+  int bodies = 0;
+  // Where: the body at which the discrepancy turns most away from the line through the two before it.
+  Vector3d before = Vector3d::Zero(), slope = Vector3d::Zero();
+  double before_s = 0.0;
+  mismatch.s_m = mismatch.s_from_m = mismatch.s_to_m = 0.0;
+  mismatch.body.reset();
+  mismatch.axis = MismatchAxis::kNone;
+  double previous_s = 0.0;
+  for (std::size_t i = 0; i < motion.usable.size(); ++i) {
+    if (!motion.usable[i]) continue;
+    const int body = static_cast<int>(i);
+    const Vector3d e = (motion.discrepancy - inertia).segment<3>(3 * body);
+    const double sd = arm.bodies[i].position_sd_m;
+    square += e.squaredNorm() / (3.0 * sd * sd);
+    square_m2 += e.squaredNorm();
+    ++bodies;
+    const double s = shape.arclength_m(body);
+    const double ds = std::max(1e-6, s - before_s);
+    const Vector3d off = e - before - ds * slope;
+    if (off.norm() > bend) {
+      bend = off.norm();
+      mismatch.s_from_m = previous_s;
+      mismatch.s_to_m = s;
+      mismatch.s_m = before_s;
+      mismatch.body = body;
+      mismatch.axis = axis_of(off, body);
+    }
+    slope = (e - before) / ds;
+    before = e;
+    previous_s = before_s;
+    before_s = s;
+  }
+  mismatch.score_sd = bodies > 0 ? std::sqrt(square / bodies) : 0.0;
+  mismatch.rms_m = bodies > 0 ? std::sqrt(square_m2 / bodies) : 0.0;
+}
+
+void MismatchMonitor::Impl::look_for_change() {
+  const std::vector<char>& usable = window.motion().usable;
+  const Eigen::LLT<Eigen::MatrixXd>& factor = reference.innovation_covariance(usable, inertia);
+  const double all = factor.matrixL().solve(innovation).squaredNorm();
+  const auto rows = 3.0 * static_cast<double>(std::count(usable.begin(), usable.end(), 1));
+  winner_valid = all > kChancePerRow * rows;
+  if (!winner_valid) {
+    mismatch.change_sd = std::sqrt(std::max(0.0, all - rows));
+    return;
+  }
+  winner = test.best(shape, innovation, factor, usable);
+  double change = winner.likelihood;
+  if (winner.likelihood < kUnexplained * all) {
+    winner.kind = ChangeKind::kUnclear;
+    change = std::max(change, all - rows);
+  }
+  mismatch.change_sd = std::sqrt(std::max(0.0, change));
+}
+
+void MismatchMonitor::Impl::decide() {
+  const double now_s = *last_step_s;
+  const bool held_off = now_s - *first_s < params.learn_s ||
+                        (payload_change_s && now_s - *payload_change_s < params.payload_hold_off_s);
+  mismatch.threshold_sd = held_off && !mismatch.alarm ? 0.0 : params.threshold_sd;
+  const bool over = mismatch.change_sd > params.threshold_sd;
+  if (!mismatch.alarm) {
+    if (!over || held_off) {
+      over_since_s.reset();
+    } else if (!over_since_s) {
+      over_since_s = now_s;
+    }
+    if (!over_since_s || now_s - *over_since_s < params.confirm_s - 1e-6) return;
+    mismatch.alarm = true;
+    alarm_since_s = now_s;
+    below_since_s.reset();
+  }
+  if (winner_valid && over && now_s - *alarm_since_s <= kName_s) name_change();
+  mismatch.onset_s = named.onset_s;
+  mismatch.kind = named.kind;
+  mismatch.or_kind = named.or_kind;
+  mismatch.size_m = named.size_m;
+  mismatch.s_m = named.s_m;
+  mismatch.s_from_m = named.s_from_m;
+  mismatch.s_to_m = named.s_to_m;
+  mismatch.body = named.body;
+  mismatch.axis = named.axis;
+
+  if (mismatch.change_sd > kSuspicion * params.threshold_sd) {
+    below_since_s.reset();
+  } else if (!below_since_s) {
+    below_since_s = now_s;
+  }
+  const bool accepted = now_s - *alarm_since_s > params.accept_after_s;
+  if (accepted) reference.doubt(1.0);
+  if (accepted || (below_since_s && now_s - *below_since_s > kClear_s)) end_alarm();
+}
+
+void MismatchMonitor::Impl::end_alarm() {
+  mismatch.alarm = false;
+  mismatch.onset_s.reset();
+  mismatch.kind = ChangeKind::kNone;
+  mismatch.or_kind.reset();
+  mismatch.size_m = 0.0;
+  alarm_since_s.reset();
+  over_since_s.reset();
+  suspicious_since_s.reset();
+}
+
+void MismatchMonitor::Impl::name_change() {
+  named.kind = winner.kind;
+  named.or_kind.reset();
+  const ChangeHypothesis* second = test.runner_up();
+  if (second && winner.kind != ChangeKind::kUnclear &&
+      second->penalised > (1.0 - kLeadShare) * winner.penalised - kLead) {
+    named.or_kind = second->kind;
+  }
+  named.s_m = 0.5 * (winner.s_from_m + winner.s_to_m);
+  test.widen(winner);
+  named.s_from_m = winner.s_from_m;
+  named.s_to_m = winner.s_to_m;
+  const Displacements moved = winner.signature * winner.amplitude;
+  named.size_m = 0.0;
+  int most = 0;
+  for (int body = 0; body < shape.bodies(); ++body) {
+    const double distance = moved.segment<3>(3 * body).norm();
+    if (distance <= named.size_m) continue;
+    named.size_m = distance;
+    most = body;
+  }
+  named.axis = axis_of(moved.segment<3>(3 * most), most);
+  named.body = most;
+  if (winner.kind == ChangeKind::kContact) {
+    for (int body = 0; body < shape.bodies(); ++body) {
+      if (std::abs(shape.arclength_m(body) - named.s_m) <
+          std::abs(shape.arclength_m(*named.body) - named.s_m))
+        named.body = body;
+    }
+  }
+  named.onset_s = onset();
+}
+
+double MismatchMonitor::Impl::onset() const {
+  // The innovations along the change, in units of the change: 1 now, about 0 before it.
+  const Displacements moved = winner.signature * winner.amplitude;
+  const double square = moved.squaredNorm();
+  double at_s = *last_step_s;
+  for (std::size_t k = 1; k <= pasts && square > 0.0; ++k) {
+    const Past& past = history[(next_past + kHistory - k) % kHistory];
+    if (*last_step_s - past.to_s > kLongestOnset_s) break;
+    if (moved.dot(past.innovation) / square < kRising) break;
+    at_s = past.to_s;
+  }
+  // A window's mean reaches this share of a step so much after it.
+  return at_s - kRising * MonitorWindow::kWindow_s;
+}
+
+MismatchAxis MismatchMonitor::Impl::axis_of(const Vector3d& displacement, int body) const {
+  const Eigen::Matrix3d section = shape.section(body);
+  const Vector3d along = section.col(2);
+  const double axial = std::abs(displacement.dot(along));
+  const Vector3d across = displacement - displacement.dot(along) * along;
+  if (axial > across.norm()) return MismatchAxis::kAxial;
+  const Vector3d tip = shape.place_at(shape.length_m());
+  if (tip.head<2>().norm() < kStraight * shape.length_m()) return MismatchAxis::kInPlane;
+  const Vector3d normal = Vector3d(-tip.y(), tip.x(), 0.0).normalized();
+  return std::abs(displacement.dot(normal)) > M_SQRT1_2 * across.norm() ? MismatchAxis::kOutOfPlane
+                                                                        : MismatchAxis::kInPlane;
+}
+
+void MismatchMonitor::Impl::learn(double dt_s) {
+  const double now_s = *last_step_s;
+  since_update_s += dt_s;
+  if (mismatch.alarm) return;
+  const bool hand = payload_change_s && now_s - *payload_change_s < kHand * params.payload_hold_off_s;
+  const bool suspicious =
+      mismatch.threshold_sd > 0.0 && mismatch.change_sd > kSuspicion * params.threshold_sd;
+  if (!suspicious) {
+    suspicious_since_s.reset();
+  } else if (!suspicious_since_s) {
+    suspicious_since_s = now_s;
+  }
+  if (hand || (suspicious_since_s && now_s - *suspicious_since_s < kSuspicious_s)) return;
+  const std::vector<char>& usable = window.motion().usable;
+  reference.learn_noise(innovation, usable, dt_s);
+  if (since_update_s < MonitorWindow::kWindow_s) return;
+  if (suspicious) reference.doubt(kDoubt);
+  reference.update(innovation);
+  reference.age(since_update_s);
+  since_update_s = 0.0;
+}
+
+MismatchMonitor::MismatchMonitor(const Arm& arm, const MismatchMonitorParams& params)
+    : impl_(std::make_unique<Impl>(arm, params)) {}
+MismatchMonitor::~MismatchMonitor() = default;
+MismatchMonitor::MismatchMonitor(MismatchMonitor&&) noexcept = default;
+MismatchMonitor& MismatchMonitor::operator=(MismatchMonitor&&) noexcept = default;
+
+void MismatchMonitor::set_unknown(Unknown unknown) {
+  impl_->unknown = unknown;
+}
+
+const Mismatch& MismatchMonitor::add(const Frame& frame, const Estimate& estimate) {
+  impl_->add(frame, estimate);
+  return impl_->mismatch;
+}
+
+void MismatchMonitor::reset() {
+  impl_->reset();
+}
+
+}  // namespace softarm::diagnose

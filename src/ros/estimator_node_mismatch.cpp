@@ -1,0 +1,63 @@
+// What the estimator node says of the arm's departures from its laws.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "softarm/ros/estimator_node.h"
+#include "softarm/ros/mismatch_message.h"
+
+namespace softarm {
+
+using diagnose::Mismatch;
+using diagnostic_msgs::DiagnosticStatus;
+
+void EstimatorNode::watch(const Frame& frame, const Estimate& estimate) {
+  if (!monitor_) return;
+  const bool was_alarm = mismatch_ && mismatch_->alarm;
+  mismatch_ = &monitor_->add(frame, estimate);
+  const MessageContext context{params_.arm, estimator_.options(), params_.frames, stamp_of(frame.stamp_s)};
+  publish_finite(mismatch_publisher_, to_message(*mismatch_, context));
+  if (mismatch_->alarm) {
+    last_alarm_ = *mismatch_;
+    alarms_ += !was_alarm;
+  }
+  if (mismatch_->alarm == was_alarm) return;
+  if (mismatch_->alarm) {
+    ROS_WARN("mismatch: %s", mismatch_->words.c_str());
+  } else {
+    ROS_INFO("mismatch: the alarm is over");
+  }
+  on_diagnostics_timer();  // at once: half a second counts
+}
+
+void EstimatorNode::diagnose_mismatch(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  if (!monitor_) {
+    status.summary(DiagnosticStatus::OK, "not watched (monitor is false)");
+    return;
+  }
+  if (!mismatch_ || !mismatch_->valid) {
+    status.summary(DiagnosticStatus::OK, "not enough frames yet");
+  } else if (mismatch_->alarm) {
+    status.summary(DiagnosticStatus::WARN,
+                   fmt::format("{}, for {:.1f} s (since {:.3f})", mismatch_->words,
+                               mismatch_->stamp_s - mismatch_->onset_s.value_or(mismatch_->stamp_s),
+                               mismatch_->onset_s.value_or(mismatch_->stamp_s)));
+  } else {
+    status.summary(DiagnosticStatus::OK, mismatch_->words);
+  }
+  if (mismatch_ && mismatch_->valid) {
+    status.add("score (sd of the noise)", fmt::format("{:.2f}", mismatch_->score_sd));
+    status.add("rms (mm)", fmt::format("{:.2f}", 1e3 * mismatch_->rms_m));
+    status.add("change (sd)", fmt::format("{:.1f}", mismatch_->change_sd));
+    status.add("threshold (sd)", fmt::format("{:g}", mismatch_->threshold_sd));
+    status.add("laws", mismatch_->laws ? "applied" : "inputs missing: only the fit's residuals are watched");
+  }
+  status.add("alarms", alarms_);
+  if (last_alarm_) {
+    status.add("last alarm", last_alarm_->words);
+    status.add("last alarm, kind", to_string(last_alarm_->kind));
+    status.add("last alarm, onset (s)", fmt::format("{:.3f}", last_alarm_->onset_s.value_or(0.0)));
+  }
+}
+
+}  // namespace softarm
