@@ -17,6 +17,7 @@ constexpr double kSettled_m = 1e-7;  // change of the stations at which a shape 
 constexpr int kMostRounds = 40;      // to get there
 constexpr int kPasses = 2;           // at rest, then with the inertia of that path
 constexpr std::size_t kHistory = 5;  // shapes that are mixed
+constexpr double kFirstScale = 1.0 / 256.0;  // of effects that are brought in by and by
 
 rod::SolverOptions solver_options() {
   rod::SolverOptions options;
@@ -179,14 +180,15 @@ struct ExtendedModel::Impl {
     instant.moment_inputs = series.moment_inputs.middleCols(first, count).rowwise().mean();
     instant.payload_kg = series.payload_kg.segment(first, count).mean();
     instant.gravity_base = block.gravity_base;
+    instant.q_base_mocap = block.q_base_mocap;
     instant.session_s = trial.session_s + instant.t_s;
     return instant;
   }
 
-  /// The rod that laws, dynamics and effects make of an instant.
+  /// The rod that laws, effects and dynamics make of an instant.
   bool make(const Arm& arm, const std::vector<Present>& effects, const std::vector<Memory>& memories,
-            const Instant& instant, const Shape* shape, const std::vector<Vector3d>* forces,
-            const std::vector<Vector3d>* rest, rod::Rod& out) {
+            const Dynamics& dynamics, const Instant& instant, const Shape* shape, const Motion& motion,
+            rod::Rod& out) {
     const auto predictions = softarm::predict(arm, input_values(instant.inputs));
     if (!predictions) return false;
     const bool same = instant.inputs == instant.moment_inputs;
@@ -198,19 +200,23 @@ struct ExtendedModel::Impl {
     fine.actuate(arm, *predictions, *moments, out);
     for (std::size_t i = 0; i < effects.size(); ++i)
       effects[i].effect->act(arm, fine, effects[i].values, instant, shape, memories[i], out);
-    if (forces != nullptr) {
-      for (std::size_t j = 0; j < forces->size(); ++j)
-        out.loads[FineRod::kFirstStation + j].force_n += (*forces)[j];
+    if (dynamics.inertia && !motion.acceleration_m_s2.empty()) {
+      const Eigen::VectorXd masses = fine.station_masses_kg(out);
+      for (std::size_t j = 0; j < motion.acceleration_m_s2.size(); ++j)
+        out.loads[FineRod::kFirstStation + j].force_n -=
+            masses[static_cast<Eigen::Index>(j)] * motion.acceleration_m_s2[j];
     }
-    if (rest != nullptr) {
-      for (std::size_t j = 0; j < rest->size(); ++j)
-        out.segments[j].moment_nm.head<2>() += (*rest)[j].head<2>() / out.segments[j].bending_compliance;
+    if (dynamics.retardation_s != 0.0) {
+      for (std::size_t j = 0; j < motion.curvature_rate.size(); ++j)
+        out.segments[j].rest_curvature_per_m.head<2>() -=
+            dynamics.retardation_s * motion.curvature_rate[j].head<2>();
     }
     return true;
   }
 
-  Shape shape_of_solution() const {
+  Shape shape_of_solution(const Motion& motion) const {
     Shape shape;
+    shape.motion = motion;
     const int b = static_cast<int>(bodies.size()), n = fine.stations();
     for (int k = 0; k < n; ++k) {
       shape.middles.push_back(values.station(b + k));
@@ -221,17 +227,14 @@ struct ExtendedModel::Impl {
     return shape;
   }
 
-  /// Where the inertia of what an instant carries pulls, and the rest curvature that the wall's delay makes.
-  void dynamics_of(const Dynamics& dynamics, const std::vector<Predicted>& path, std::size_t k,
-                   std::vector<Vector3d>& forces, std::vector<Vector3d>& rest) const {
-    const auto n = static_cast<std::size_t>(fine.stations());
-    forces.assign(n, Vector3d::Zero());
-    rest.assign(n, Vector3d::Zero());
-    if (k == 0 || k + 1 >= path.size()) return;
+  /// How the arm moves at an instant of a path of equilibria.
+  Motion motion_of(const std::vector<Predicted>& path, std::size_t k) const {
+    Motion motion;
+    if (k == 0 || k + 1 >= path.size()) return motion;
     const Predicted &before = path[k - 1], &now = path[k], &after = path[k + 1];
     if (!before.solved || !now.solved || !after.solved || now.instant.dt_s <= 0.0 ||
         after.instant.dt_s <= 0.0)
-      return;
+      return motion;
     const double a = now.instant.dt_s, b = after.instant.dt_s;
     const auto second = [&](const Vector3d& x0, const Vector3d& x1, const Vector3d& x2) {
       return Vector3d(2.0 * ((x2 - x1) / b - (x1 - x0) / a) / (a + b));
@@ -239,25 +242,15 @@ struct ExtendedModel::Impl {
     const auto first = [&](const Vector3d& x0, const Vector3d& x1, const Vector3d& x2) {
       return Vector3d((a * (x2 - x1) / b + b * (x1 - x0) / a) / (a + b));
     };
-    if (dynamics.inertia) {
-      const double payload_m = fine.layout().loads[rod::kPayloadLoad].s_m;
-      for (std::size_t j = 0; j < n; ++j) {
-        double mass = 0.5 * fine.layout().segments[j].mass_kg;
-        if (j + 1 < n) {
-          mass += 0.5 * fine.layout().segments[j + 1].mass_kg;
-        } else {
-          mass += fine.layout().loads[rod::kTipMassLoad].mass_kg;
-        }
-        mass += fine.share(payload_m, static_cast<int>(j)) * now.instant.payload_kg;
-        forces[j] =
-            -mass * second(before.shape.stations[j].p, now.shape.stations[j].p, after.shape.stations[j].p);
-      }
+    for (std::size_t j = 0; j < static_cast<std::size_t>(fine.stations()); ++j) {
+      const Vector3d &x0 = before.shape.stations[j].p, &x1 = now.shape.stations[j].p,
+                     &x2 = after.shape.stations[j].p;
+      motion.velocity_m_s.push_back(first(x0, x1, x2));
+      motion.acceleration_m_s2.push_back(second(x0, x1, x2));
+      motion.curvature_rate.push_back(
+          first(before.shape.middles[j].u, now.shape.middles[j].u, after.shape.middles[j].u));
     }
-    if (dynamics.retardation_s != 0.0) {
-      for (std::size_t j = 0; j < n; ++j)
-        rest[j] = -dynamics.retardation_s *
-                  first(before.shape.middles[j].u, now.shape.middles[j].u, after.shape.middles[j].u);
-    }
+    return motion;
   }
 
   bool solve(const Eigen::Quaterniond* start) {
@@ -265,6 +258,85 @@ struct ExtendedModel::Impl {
     if (start != nullptr) status = values.solve(rod, *start);
     if (status != rod::SolveStatus::kConverged) status = values.solve(rod);
     return status == rod::SolveStatus::kConverged;
+  }
+
+  /// What one instant is solved with.
+  struct Context {
+    const Arm& arm;
+    const std::vector<Memory>& memories;
+    const Dynamics& dynamics;
+    const Motion& motion;
+  };
+
+  /// Assumes a shape and sees what it causes, until both agree.
+  bool agree(const Context& at, const std::vector<Present>& effects, Shape assumed, Predicted& now) {
+    Mixer mixer;
+    Eigen::Quaterniond last = now.q_tip;
+    std::optional<Shape> good;  // the last that had an equilibrium
+    for (int round = 0; round < kMostRounds; ++round) {
+      if (!make(at.arm, effects, at.memories, at.dynamics, now.instant, &assumed, at.motion, rod))
+        return false;
+      if (!solve(&last)) {
+        if (!good) return false;
+        assumed = mix({*good, assumed}, Eigen::Vector2d(0.5, 0.5));
+        continue;
+      }
+      last = values.q_tip();
+      good = shape_of_solution(at.motion);
+      if (difference_m(*good, assumed).lpNorm<Eigen::Infinity>() < kSettled_m) {
+        now.shape = *good;
+        now.q_tip = last;
+        return true;
+      }
+      assumed = mixer.next(assumed, *good);
+    }
+    return false;
+  }
+
+  /// The equilibrium of an instant, its shape and rod.
+  /// @param near a shape believed to be near, or nullptr
+  bool settle(const Context& at, const std::vector<Present>& effects, const Eigen::Quaterniond* start,
+              const Shape* near, Predicted& now) {
+    const bool needs_shape =
+        std::any_of(effects.begin(), effects.end(), [](const Present& p) { return p.effect->needs_shape(); });
+    if (!needs_shape) {
+      if (!make(at.arm, effects, at.memories, at.dynamics, now.instant, nullptr, at.motion, rod) ||
+          !solve(start))
+        return false;
+      now.q_tip = values.q_tip();
+      now.shape = shape_of_solution(at.motion);
+      return true;
+    }
+    if (near != nullptr && start != nullptr) {
+      now.q_tip = *start;
+      Shape assumed = *near;
+      assumed.motion = at.motion;
+      if (agree(at, effects, std::move(assumed), now)) return true;
+    }
+    std::vector<Present> others;
+    std::vector<Memory> of_others;
+    for (std::size_t i = 0; i < effects.size(); ++i) {
+      if (effects[i].effect->needs_shape()) continue;
+      others.push_back(effects[i]);
+      of_others.push_back(at.memories[i]);
+    }
+    if (!make(at.arm, others, of_others, at.dynamics, now.instant, nullptr, at.motion, rod) || !solve(start))
+      return false;
+    now.q_tip = values.q_tip();
+    now.shape = shape_of_solution(at.motion);
+    if (agree(at, effects, Shape(now.shape), now)) return true;
+    // A stiff spring answers the arm without it with a force that nothing bears: bring it in by and by.
+    now.q_tip = values.q_tip();
+    std::vector<Present> some = effects;
+    for (double scale = kFirstScale; scale <= 1.0; scale *= 2.0) {
+      for (std::size_t i = 0; i < effects.size(); ++i) {
+        if (!effects[i].effect->needs_shape()) continue;
+        const int sizes = effects[i].effect->info().sizes;
+        some[i].values.head(sizes) = scale * effects[i].values.head(sizes);
+      }
+      if (!agree(at, some, Shape(now.shape), now)) return false;
+    }
+    return true;
   }
 
   void positions(const Arm& arm, const std::vector<Present>& effects, const Block& block,
@@ -323,11 +395,10 @@ void ExtendedModel::predict(const Arm& arm, const std::vector<Present>& effects,
                             std::vector<Predicted>& out) {
   Impl& m = *impl_;
   const Series series = Impl::driven(arm, effects, trial.series);
-  const bool needs_shape = std::any_of(effects.begin(), effects.end(),
-                                       [](const Present& present) { return present.effect->needs_shape(); });
-  const bool moves = dynamics.inertia || dynamics.retardation_s != 0.0;
+  const bool moves = dynamics.inertia || dynamics.retardation_s != 0.0 ||
+                     std::any_of(effects.begin(), effects.end(),
+                                 [](const Present& present) { return present.effect->needs_motion(); });
   std::vector<Predicted> path, resting;
-  std::vector<Vector3d> forces, rest;
   std::vector<Predicted> still;
   const int passes = moves ? kPasses : 1;
   for (int pass = 0; pass < passes; ++pass) {
@@ -336,53 +407,25 @@ void ExtendedModel::predict(const Arm& arm, const std::vector<Present>& effects,
     if (pass == 1) still = resting;
     path.assign(trial.blocks.size(), {});
     std::vector<Memory> memories(effects.size());
-    const Eigen::Quaterniond* last = nullptr;
+    const Predicted* last = nullptr;
     for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
       Predicted& now = path[k];
       now.instant = Impl::instant_of(series, trial, k);
       if (now.instant.dt_s <= 0.0) memories.assign(effects.size(), {});
-      if (moving) m.dynamics_of(dynamics, resting, k, forces, rest);
+      const Motion motion = moving ? m.motion_of(resting, k) : Motion();
       if (moving && resting[k].solved) {
-        last = &resting[k].q_tip;
+        last = &resting[k];
       } else if (start != nullptr && (*start)[k].solved) {
-        last = &(*start)[k].q_tip;
+        last = &(*start)[k];
       }
-      const Shape* assumed = nullptr;
-      Shape guess;
-      if (needs_shape) {
-        if (moving && resting[k].solved) {
-          guess = resting[k].shape;
-          assumed = &guess;
-        } else if (k > 0 && path[k - 1].solved) {
-          guess = path[k - 1].shape;
-          assumed = &guess;
-        } else {
-          // Without any effect to begin with.
-          if (!m.make(arm, {}, {}, now.instant, nullptr, nullptr, nullptr, m.rod) || !m.solve(last)) continue;
-          guess = m.shape_of_solution();
-          assumed = &guess;
-        }
-      }
-      Mixer mixer;
-      for (int round = 0; round < kMostRounds; ++round) {
-        if (!m.make(arm, effects, memories, now.instant, assumed, moving ? &forces : nullptr,
-                    moving ? &rest : nullptr, m.rod) ||
-            !m.solve(last))
-          break;
-        now.shape = m.shape_of_solution();
-        now.q_tip = m.values.q_tip();
-        if (!needs_shape || difference_m(now.shape, guess).lpNorm<Eigen::Infinity>() < kSettled_m) {
-          now.solved = true;
-          break;
-        }
-        guess = mixer.next(guess, now.shape);
-        last = &now.q_tip;
-      }
+      const Impl::Context context{arm, memories, dynamics, motion};
+      now.solved = m.settle(context, effects, last != nullptr ? &last->q_tip : nullptr,
+                            last != nullptr ? &last->shape : nullptr, now);
       if (!now.solved) {
         last = nullptr;
         continue;
       }
-      last = &now.q_tip;
+      last = &now;
       now.values = m.fine.values(m.rod);
       m.positions(arm, effects, trial.blocks[k], now);
       if (moving && still[k].solved && now.p.cols() > 0)
@@ -404,7 +447,8 @@ ExtendedModel::Varied ExtendedModel::vary(const Arm& arm, const std::vector<Pres
   const std::vector<Present>& all = effects;
   const Series series = Impl::driven(arm, all, trial.series);
   std::vector<Memory> memories(all.size());
-  std::vector<Vector3d> forces, rest;
+  const bool moves = std::any_of(all.begin(), all.end(),
+                                 [](const Present& present) { return present.effect->needs_motion(); });
   Varied varied;
   varied.values.resize(static_cast<Eigen::Index>(m.fine.parameters().size()),
                        static_cast<Eigen::Index>(trial.blocks.size()));
@@ -424,9 +468,10 @@ ExtendedModel::Varied ExtendedModel::vary(const Arm& arm, const std::vector<Pres
     }
     const Instant instant = Impl::instant_of(series, trial, k);
     if (instant.dt_s <= 0.0) memories.assign(all.size(), {});
-    m.dynamics_of(dynamics, baseline, k, forces, rest);
+    Shape shape = base.shape;
+    if (shape.motion.velocity_m_s.empty() && moves) shape.motion = m.motion_of(baseline, k);
     // What drives the arm beyond what the laws bear changes nothing.
-    if (m.make(arm, all, memories, instant, &base.shape, &forces, &rest, m.rod)) {
+    if (m.make(arm, all, memories, dynamics, instant, &shape, shape.motion, m.rod)) {
       varied.values.col(at) = m.fine.values(m.rod);
     } else {
       varied.values.col(at) = base.values;

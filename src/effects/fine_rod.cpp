@@ -143,6 +143,20 @@ void FineRod::add_force(double s_m, const Eigen::Vector3d& force_n, rod::Rod& ro
   }
 }
 
+Eigen::VectorXd FineRod::station_masses_kg(const rod::Rod& rod) const {
+  const Eigen::Index n = stations();
+  Eigen::VectorXd masses = Eigen::VectorXd::Zero(n);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const double half = 0.5 * rod.segments[static_cast<std::size_t>(j)].mass_kg;
+    masses[j] += half;
+    if (j > 0) masses[j - 1] += half;
+  }
+  masses[n - 1] += rod.loads[rod::kTipMassLoad].mass_kg;
+  const rod::PointLoad& payload = rod.loads[rod::kPayloadLoad];
+  for (int j = 0; j < stations(); ++j) masses[j] += share(payload.s_m, j) * payload.mass_kg;
+  return masses;
+}
+
 Eigen::VectorXd FineRod::values(const rod::Rod& rod) const {
   Eigen::VectorXd v(static_cast<Eigen::Index>(parameters_.size()));
   const Eigen::Vector3d turn = log_so3((rod.q_base * layout_.q_base.conjugate()).normalized());

@@ -1,4 +1,4 @@
-// EI(s) = EI (1 + a (2 s / L - 1)), along each segment.
+// EI(s) = EI (1 + a (2 s / L - 1)), along each segment; GJ likewise.
 #include "effects.h"
 
 namespace softarm::effects {
@@ -12,6 +12,7 @@ class StiffnessTaper : public Described {
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
       const double factor = 1.0 + values[0] * (2.0 * fine.pieces()[j].middle_fraction() - 1.0);
       rod.segments[j].bending_compliance /= factor;
+      rod.segments[j].torsional_compliance /= factor;
     }
   }
 };
@@ -27,7 +28,7 @@ std::unique_ptr<Effect> make_stiffness_taper() {
              0.9, 0.2}},
            1,
            {"actuation_taper", "mass_distribution"},
-           {"bending_stiffness"}});
+           {"bending_stiffness", "moment_gain"}});
 }
 
 }  // namespace softarm::effects

@@ -1,4 +1,4 @@
-// A hose or wire pulls the tip back to where it is when the arm hangs straight.
+// A hose or wire pulls the tip towards an anchor beside where it is when the arm is straight.
 #include "effects.h"
 
 namespace softarm::effects {
@@ -10,9 +10,11 @@ class Tether : public Described {
   bool needs_shape() const override { return true; }
   void act(const Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape* shape,
            const Memory&, rod::Rod& rod) const override {
-    const Eigen::Vector3d straight = rod.p_base + rod.q_base * Eigen::Vector3d(0.0, 0.0, fine.length_m());
-    rod.loads.back().force_n += values[0] * (straight - shape->stations.back().p) +
-                                values[0] * (rod.q_base * Eigen::Vector3d(values[1], values[2], 0.0));
+    // What it hangs on stands still, whatever the arm's base does.
+    const rod::Rod& rest = fine.layout();
+    const Eigen::Vector3d anchor =
+        rest.p_base + rest.q_base * Eigen::Vector3d(values[1], values[2], fine.length_m());
+    rod.loads.back().force_n += values[0] * (anchor - shape->stations.back().p);
   }
 };
 
@@ -27,7 +29,7 @@ std::unique_ptr<Effect> make_tether() {
             {"anchor_x_m", "m", "of the anchor beside the straight tip", -1.0, 1.0, 0.0},
             {"anchor_y_m", "m", "of the anchor beside the straight tip", -1.0, 1.0, 0.0}},
            1,
-           {"tip_mass", "strain_stiffening"},
+           {"tip_mass", "strain_stiffening", "contact"},
            {"bending_stiffness"}});
 }
 

@@ -133,6 +133,8 @@ class Preparing {
     Block block;
     block.first = first;
     block.last = last;
+    // The base turns by noise only, or slowly.
+    block.q_base_mocap = frames[(first + last) / 2].q_base_mocap;
     double centre = 0.0;
     for (std::size_t i = first; i < last; ++i) {
       centre += t[static_cast<Eigen::Index>(i)] / static_cast<double>(last - first);

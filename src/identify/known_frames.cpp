@@ -30,6 +30,7 @@ class Preparer {
     }
     const Eigen::Isometry3d& base = arm_.base.body ? base_ : arm_.base.fixed_pose;
     out.gravity_base = base.linear().transpose() * arm_.gravity_m_s2;
+    out.q_base_mocap = Eigen::Quaterniond(base.linear()).conjugate();
     out.inputs = frame.inputs;
     if (!predict(arm_, out.inputs)) return leave_out("inputs missing or beyond the laws");
     const Eigen::Isometry3d to_base = base.inverse();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <memory>
 #include <string>
 #include <vector>
@@ -50,12 +51,20 @@ struct Series {
   Eigen::VectorXd payload_kg;
 };
 
+/// How the arm moves, rod's base frame: from the equilibria of the instants before and after. Empty where
+/// there are none.
+struct Motion {
+  std::vector<Eigen::Vector3d> velocity_m_s, acceleration_m_s2;  ///< of the stations
+  std::vector<Eigen::Vector3d> curvature_rate;                   ///< of u at the pieces' middles, 1/(m s)
+};
+
 /// The equilibrium at one instant, in the rod's base frame.
 struct Shape {
   std::vector<rod::RodState> middles;                        ///< of the pieces
   std::vector<rod::RodState> stations;                       ///< of their ends; the last is the tip
   Eigen::Vector3d base_moment_nm = Eigen::Vector3d::Zero();  ///< m of the rod at s = 0
   Eigen::Vector3d base_force_n = Eigen::Vector3d::Zero();
+  Motion motion;
 };
 
 /// One instant of a trial: means over a short time.
@@ -65,6 +74,7 @@ struct Instant {
   Eigen::VectorXd inputs, moment_inputs;
   double payload_kg = 0.0;
   Eigen::Vector3d gravity_base = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond q_base_mocap = Eigen::Quaterniond::Identity();  ///< turns mocap's axes into the base's
   double session_s = 0.0;  ///< since the first trial's beginning where the stamps tell, else t_s
 };
 
@@ -98,6 +108,8 @@ class Effect {
   virtual void act(const Arm&, const FineRod&, const Values&, const Instant&, const Shape*, const Memory&,
                    rod::Rod&) const {}
   virtual bool needs_shape() const { return false; }
+  /// Whether act() looks at Shape::motion.
+  virtual bool needs_motion() const { return false; }
   /// Takes notice of an instant that is over.
   virtual bool remembers() const { return false; }
   virtual void remember(const Arm&, const FineRod&, const Values&, const Instant&, const Shape&,

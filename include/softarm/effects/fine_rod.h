@@ -51,6 +51,9 @@ class FineRod {
   /// The share of station `i` in what acts at s, 0 ... 1.
   double share(double s_m, int station) const;
 
+  /// Masses of the pieces, the tip and the payload of a rod, shared among the stations as add_force does.
+  Eigen::VectorXd station_masses_kg(const rod::Rod& rod) const;
+
   /// Everything that effects and laws may change, as the solver's parameters; values() in the same order.
   const std::vector<rod::Parameter>& parameters() const { return parameters_; }
   /// kBaseRotation is a rotation vector from layout().q_base, world frame.

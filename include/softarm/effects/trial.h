@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -28,6 +29,7 @@ struct Block {
   /// Not to be compared: a hand was on the arm, or it swung.
   bool set_aside = false;
   Eigen::Vector3d gravity_base = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond q_base_mocap = Eigen::Quaterniond::Identity();  ///< turns mocap's axes into the base's
   std::vector<Seen> bodies;
 };
 

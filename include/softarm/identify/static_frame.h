@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -28,6 +29,7 @@ struct StaticFrame {
   InputValues inputs;
   double payload_kg = 0.0;
   Eigen::Vector3d gravity_base = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond q_base_mocap = Eigen::Quaterniond::Identity();  ///< turns mocap's axes into the base's
   std::vector<SeenBody> bodies;
 };
 

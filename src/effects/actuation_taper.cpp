@@ -1,0 +1,31 @@
+// M0(s) = M0 (1 + a (2 s / L - 1)), along each segment: ends of chambers that do less, tendons that rub.
+#include "effects.h"
+
+namespace softarm::effects {
+namespace {
+
+class ActuationTaper : public Described {
+ public:
+  using Described::Described;
+  void act(const Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape*, const Memory&,
+           rod::Rod& rod) const override {
+    for (std::size_t j = 0; j < fine.pieces().size(); ++j)
+      rod.segments[j].moment_nm *= 1.0 + values[0] * (2.0 * fine.pieces()[j].middle_fraction() - 1.0);
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_actuation_taper() {
+  return std::make_unique<ActuationTaper>(
+      Info{"actuation_taper",
+           "the actuation does not bend all of the arm alike: less or more towards the tip",
+           Family::kActuation,
+           {{"share", "1", "by which its moment is higher at the tip, and lower at the base, than its mean",
+             -0.9, 0.9, 0.1}},
+           1,
+           {"stiffness_taper", "tendon_friction"},
+           {"moment_gain", "bending_stiffness"}});
+}
+
+}  // namespace softarm::effects

@@ -1,0 +1,84 @@
+#include "along.h"
+
+#include <algorithm>
+
+namespace softarm::effects {
+namespace {
+
+using Eigen::Vector3d;
+
+double width(const Piece& piece) {
+  return piece.s_to_m - piece.s_from_m;
+}
+
+/// Shares a length about a place between piece j and its neighbour k; beyond j, away from k, the latter's
+/// share is negative.
+void split(const FineRod& fine, double length, double centre, int j, int k, Eigen::VectorXd& shares) {
+  const Piece &at = fine.pieces()[static_cast<std::size_t>(j)],
+              &beside = fine.pieces()[static_cast<std::size_t>(k)];
+  const double part = (centre - at.middle_m()) / (beside.middle_m() - at.middle_m()) * length;
+  shares[k] += part / width(beside);
+  shares[j] += (length - part) / width(at);
+}
+
+Eigen::VectorXd cap(const FineRod& fine, double length_m, bool at_base) {
+  Eigen::VectorXd shares = Eigen::VectorXd::Zero(fine.stations());
+  const int count = fine.stations(), step = at_base ? 1 : -1;
+  double left = length_m;
+  for (int j = at_base ? 0 : count - 1; j >= 0 && j < count && left > 0.0; j += step) {
+    const Piece& piece = fine.pieces()[static_cast<std::size_t>(j)];
+    const double part = std::min(left, width(piece));
+    const int beside = j + step;
+    if (part >= width(piece) || beside < 0 || beside >= count) {
+      shares[j] += part / width(piece);
+    } else {
+      const double centre = at_base ? piece.s_from_m + 0.5 * part : piece.s_to_m - 0.5 * part;
+      split(fine, part, centre, j, beside, shares);
+    }
+    left -= part;
+  }
+  return shares;
+}
+
+}  // namespace
+
+Eigen::VectorXd cover(const FineRod& fine, double from_m, double to_m) {
+  const int count = fine.stations();
+  Eigen::VectorXd shares = Eigen::VectorXd::Zero(count);
+  for (int j = 0; j < count; ++j) {
+    const Piece& piece = fine.pieces()[static_cast<std::size_t>(j)];
+    const double from = std::max(from_m, piece.s_from_m), to = std::min(to_m, piece.s_to_m);
+    if (to <= from) continue;
+    const double centre = 0.5 * (from + to);
+    // Towards the neighbour on its side; at the ends of the arm away from the only one.
+    const bool up = centre > piece.middle_m();
+    const int beside = up ? (j + 1 < count ? j + 1 : j - 1) : (j > 0 ? j - 1 : j + 1);
+    split(fine, to - from, centre, j, beside, shares);
+  }
+  return shares;
+}
+
+Eigen::VectorXd cap_at_base(const FineRod& fine, double length_m) {
+  return cap(fine, length_m, true);
+}
+Eigen::VectorXd cap_at_tip(const FineRod& fine, double length_m) {
+  return cap(fine, length_m, false);
+}
+
+Vector3d position_at(const FineRod& fine, const rod::Rod& rod, const Shape& shape, double s_m) {
+  const std::vector<Piece>& pieces = fine.pieces();
+  std::size_t j = 0;
+  while (j + 1 < pieces.size() && s_m > pieces[j].s_to_m) ++j;
+  const rod::RodState& end = shape.stations[j];
+  const double h = width(pieces[j]), x = std::clamp((s_m - pieces[j].s_from_m) / h, 0.0, 1.0);
+  const double stretch = rod.segments[j].length_m;  // over the piece: derivative by x
+  const Vector3d p0 = j > 0 ? shape.stations[j - 1].p : rod.p_base;
+  const Vector3d d0 = stretch * (j > 0 ? Vector3d(shape.stations[j - 1].q * shape.stations[j - 1].v)
+                                       : Vector3d(rod.q_base * Vector3d::UnitZ()));
+  const Vector3d d1 = stretch * (end.q * end.v);
+  const double x2 = x * x, x3 = x2 * x;
+  return (2.0 * x3 - 3.0 * x2 + 1.0) * p0 + (x3 - 2.0 * x2 + x) * d0 + (3.0 * x2 - 2.0 * x3) * end.p +
+         (x3 - x2) * d1;
+}
+
+}  // namespace softarm::effects

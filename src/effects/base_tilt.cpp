@@ -1,0 +1,32 @@
+// The arm stands tilted on the body that is measured as its base.
+#include "along.h"
+#include "effects.h"
+#include "softarm/math/so3.h"
+
+namespace softarm::effects {
+namespace {
+
+class BaseTilt : public Described {
+ public:
+  using Described::Described;
+  void act(const Arm&, const FineRod&, const Values& values, const Instant&, const Shape*, const Memory&,
+           rod::Rod& rod) const override {
+    rod.q_base = exp_so3(turn_towards(values[0], values[1])) * rod.q_base;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_base_tilt() {
+  return std::make_unique<BaseTilt>(
+      Info{"base_tilt",
+           "the arm does not stand on its base as the arm file says: it is tilted there",
+           Family::kBoundary,
+           {{"towards_x_rad", "rad", "tilt of the arm towards x of the base frame", -0.5, 0.5, 0.0175},
+            {"towards_y_rad", "rad", "tilt of the arm towards y of the base frame", -0.5, 0.5, 0.0175}},
+           2,
+           {"rest_curvature", "gravity_direction"},
+           {"bending_stiffness", "moment_gain"}});
+}
+
+}  // namespace softarm::effects

@@ -1,0 +1,30 @@
+// All actuators sit turned about the arm's axis.
+#include "effects.h"
+
+namespace softarm::effects {
+namespace {
+
+class BendingPlaneOffset : public Described {
+ public:
+  using Described::Described;
+  void act(const Arm&, const FineRod&, const Values& values, const Instant&, const Shape*, const Memory&,
+           rod::Rod& rod) const override {
+    const Eigen::Rotation2Dd turn(values[0]);
+    for (rod::Segment& piece : rod.segments) piece.moment_nm.head<2>() = turn * piece.moment_nm.head<2>();
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_bending_plane_offset() {
+  return std::make_unique<BendingPlaneOffset>(
+      Info{"bending_plane_offset",
+           "what drives the arm bends it in another direction than the arm file says, turned about its axis",
+           Family::kActuation,
+           {{"angle_rad", "rad", "by which all directions are turned", -3.2, 3.2, 0.087}},
+           1,
+           {"chamber_mismatch", "torsion"},
+           {}});
+}
+
+}  // namespace softarm::effects

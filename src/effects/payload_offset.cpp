@@ -1,0 +1,31 @@
+// The payload's centre is not where the arm file has it.
+#include "effects.h"
+
+namespace softarm::effects {
+namespace {
+
+class PayloadOffset : public Described {
+ public:
+  using Described::Described;
+  void act(const Arm&, const FineRod&, const Values& values, const Instant&, const Shape*, const Memory&,
+           rod::Rod& rod) const override {
+    rod.loads[rod::kPayloadLoad].offset_m += values.head<3>();
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_payload_offset() {
+  return std::make_unique<PayloadOffset>(
+      Info{"payload_offset",
+           "the payload's centre is not where the arm file says",
+           Family::kLoad,
+           {{"x_m", "m", "across the arm, along the section's x", -0.2, 0.2, 0.01},
+            {"y_m", "m", "across the arm, along the section's y", -0.2, 0.2, 0.01},
+            {"z_m", "m", "along the arm, away from the base", -0.2, 0.2, 0.02}},
+           3,
+           {"mass_distribution", "payload_scale"},
+           {"bending_stiffness", "moment_gain"}});
+}
+
+}  // namespace softarm::effects

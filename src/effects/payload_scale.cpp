@@ -1,0 +1,28 @@
+// The scale was wrong: what is said to hang there is what hangs times 1 + share.
+#include "effects.h"
+
+namespace softarm::effects {
+namespace {
+
+class PayloadScale : public Described {
+ public:
+  using Described::Described;
+  void drive(const Arm&, const Values& values, Series& series) const override {
+    series.payload_kg /= 1.0 + values[0];
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_payload_scale() {
+  return std::make_unique<PayloadScale>(
+      Info{"payload_scale",
+           "payloads weigh less or more than said",
+           Family::kLoad,
+           {{"share", "1", "by which what was said is more than what hangs there", -0.5, 1.0, 0.05}},
+           1,
+           {"mass_distribution", "tip_mass", "payload_offset"},
+           {"bending_stiffness"}});
+}
+
+}  // namespace softarm::effects

@@ -1,0 +1,55 @@
+// EI and GJ lower by a share over a short stretch: a seam, a cut, a fitting below the skin.
+#include <algorithm>
+
+#include "along.h"
+#include "effects.h"
+
+namespace softarm::effects {
+namespace {
+
+constexpr double kWidth = 0.15;   // of the arm's length, where it is looked for
+constexpr double kSpacing = 0.5;  // of that width, from one place to the next
+
+class SoftSpot : public Described {
+ public:
+  using Described::Described;
+  std::vector<Values> grid(const Arm&, const FineRod& fine) const override {
+    const double length = fine.length_m(), width = kWidth * length;
+    std::vector<Values> list;
+    for (double centre = 0.5 * width; centre < length - 0.49 * width; centre += kSpacing * width)
+      list.push_back(Eigen::Vector3d(0.0, centre, width));
+    return list;
+  }
+  void act(const Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape*, const Memory&,
+           rod::Rod& rod) const override {
+    const double softer = 1.0 / (1.0 - std::min(values[0], kMost)) - 1.0;
+    const double centre = values[1], half = 0.5 * values[2], end = fine.length_m();
+    const Eigen::VectorXd shares =
+        cover(fine, std::clamp(centre - half, 0.0, end), std::clamp(centre + half, 0.0, end));
+    for (std::size_t j = 0; j < rod.segments.size(); ++j) {
+      const double factor = 1.0 + softer * shares[static_cast<Eigen::Index>(j)];
+      rod.segments[j].bending_compliance *= factor;
+      rod.segments[j].torsional_compliance *= factor;
+    }
+  }
+
+ private:
+  static constexpr double kMost = 0.95;
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_soft_spot() {
+  return std::make_unique<SoftSpot>(
+      Info{"soft_spot",
+           "the arm is softer over a short stretch",
+           Family::kConstitutive,
+           {{"share", "1", "by which EI is lower there", -1.0, 0.95, 0.3},
+            {"centre_m", "m", "middle of the stretch, arclength from the base", 0.0, 10.0, 0.1},
+            {"width_m", "m", "length of the stretch", 0.002, 1.0, 0.03}},
+           1,
+           {"rigid_ends", "contact", "stiffness_taper", "base_compliance"},
+           {"bending_stiffness"}});
+}
+
+}  // namespace softarm::effects

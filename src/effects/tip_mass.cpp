@@ -1,0 +1,28 @@
+// A fitting at the tip that nobody weighed.
+#include "effects.h"
+
+namespace softarm::effects {
+namespace {
+
+class TipMass : public Described {
+ public:
+  using Described::Described;
+  void act(const Arm&, const FineRod&, const Values& values, const Instant&, const Shape*, const Memory&,
+           rod::Rod& rod) const override {
+    rod.loads[rod::kTipMassLoad].mass_kg += values[0];
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_tip_mass() {
+  return std::make_unique<TipMass>(Info{"tip_mass",
+                                        "something hangs at the tip that the arm file does not have",
+                                        Family::kLoad,
+                                        {{"mass_kg", "kg", "its mass", 0.0, 2.0, 0.015}},
+                                        1,
+                                        {"mass_distribution", "tether", "payload_scale"},
+                                        {"bending_stiffness"}});
+}
+
+}  // namespace softarm::effects
