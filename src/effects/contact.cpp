@@ -44,7 +44,7 @@ std::unique_ptr<Effect> make_contact() {
       Info{"contact",
            "the arm touches something beside it",
            Family::kLoad,
-           {{"stiffness_n_per_m", "N/m", "of what it touches", 0.0, 1e5, 50.0},
+           {{"stiffness_n_per_m", "N/m", "of what it touches", 0.0, 2000.0, 50.0},
             {"place_m", "m", "where the arm touches it, arclength from the base", 0.0, 10.0, 0.14},
             {"azimuth_rad", "rad", "direction towards it, base frame, from x", -12.6, 12.6, 0.0},
             {"distance_m", "m", "of it from the axis of the straight arm", -1.0, 1.0, 0.02}},

@@ -14,9 +14,11 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kSettled_m = 1e-7;  // change of the stations at which a shape agrees with what it causes
-constexpr int kMostRounds = 40;      // to get there
-constexpr int kPasses = 2;           // at rest, then with the inertia of that path
-constexpr std::size_t kHistory = 5;  // shapes that are mixed
+// Of what answers many times over: the solver's own error is answered as well.
+constexpr double kSettledStiff_m = 2e-6, kStiffShare = 0.2;
+constexpr int kMostRounds = 80;              // to get there
+constexpr int kPasses = 2;                   // at rest, then with the inertia of that path
+constexpr std::size_t kHistory = 10;         // shapes that are mixed
 constexpr double kFirstScale = 1.0 / 256.0;  // of effects that are brought in by and by
 
 rod::SolverOptions solver_options() {
@@ -83,35 +85,70 @@ Eigen::VectorXd difference_m(const Shape& a, const Shape& b) {
   return d;
 }
 
-/// Anderson's mixing: from shapes that were assumed and those that followed, the next to assume.
+/// Anderson's mixing: from shapes that were assumed and those that followed, the next to assume. A shape that
+/// answers what is assumed many times over (a stiff spring) takes but a share of what followed.
 class Mixer {
  public:
-  Shape next(const Shape& assumed, const Shape& followed) {
-    shapes_.push_back(followed);
-    errors_.push_back(difference_m(followed, assumed));
-    if (shapes_.size() > kHistory) {
-      shapes_.erase(shapes_.begin());
-      errors_.erase(errors_.begin());
+  explicit Mixer(double share) : share_(share) {}
+  double share() const { return share_; }
+
+  /// @param followed nullptr if nothing did: what was assumed has no equilibrium
+  /// @return false after so many steps that made things worse that there is no hope
+  bool next(const Shape& assumed, const Shape* followed, Shape& out) {
+    const Eigen::VectorXd error =
+        followed != nullptr ? difference_m(*followed, assumed) : Eigen::VectorXd(Eigen::VectorXd::Zero(1));
+    const double size = error.lpNorm<Eigen::Infinity>();
+    if (followed == nullptr || (best_ && size > kWorse * least_)) {
+      // Back to the best, and a smaller step from there.
+      if (!best_ || ++resets_ > kMostResets) return false;
+      share_ *= 0.2;
+      assumed_ = {best_->first};
+      followed_ = {best_->second};
+      errors_ = {difference_m(best_->second, best_->first)};
+    } else {
+      if (!best_ || size < least_) {
+        best_.emplace(assumed, *followed);
+        least_ = size;
+      }
+      assumed_.push_back(assumed);
+      followed_.push_back(*followed);
+      errors_.push_back(error);
+      if (errors_.size() > kHistory) {
+        assumed_.erase(assumed_.begin());
+        followed_.erase(followed_.begin());
+        errors_.erase(errors_.begin());
+      }
     }
-    const auto count = static_cast<Eigen::Index>(shapes_.size());
-    if (count == 1) return followed;
-    Eigen::MatrixXd steps(errors_.back().size(), count - 1);
-    for (Eigen::Index i = 0; i + 1 < count; ++i)
-      steps.col(i) = errors_[static_cast<std::size_t>(i)] - errors_.back();
-    const Eigen::MatrixXd normal = steps.transpose() * steps;
-    const double ridge = 1e-12 * normal.trace();
-    const Eigen::VectorXd w = (normal + ridge * Eigen::MatrixXd::Identity(count - 1, count - 1))
-                                  .ldlt()
-                                  .solve(-steps.transpose() * errors_.back());
-    Eigen::VectorXd weights(count);
-    weights.head(count - 1) = w;
-    weights[count - 1] = 1.0 - w.sum();
-    if (!weights.allFinite() || weights.lpNorm<Eigen::Infinity>() > 20.0) return followed;
-    return mix(shapes_, weights);
+    const auto count = static_cast<Eigen::Index>(errors_.size());
+    Eigen::VectorXd weights = Eigen::VectorXd::Zero(count);
+    weights[count - 1] = 1.0;
+    if (count > 1) {
+      Eigen::MatrixXd steps(errors_.back().size(), count - 1);
+      for (Eigen::Index i = 0; i + 1 < count; ++i)
+        steps.col(i) = errors_[static_cast<std::size_t>(i)] - errors_.back();
+      Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
+      qr.setThreshold(kAlike);
+      const Eigen::VectorXd w = qr.compute(steps).solve(-errors_.back());
+      if (w.allFinite() && w.lpNorm<Eigen::Infinity>() < kMostWeight) {
+        weights.head(count - 1) = w;
+        weights[count - 1] = 1.0 - w.sum();
+      }
+    }
+    std::vector<Shape> shapes = assumed_;
+    shapes.insert(shapes.end(), followed_.begin(), followed_.end());
+    Eigen::VectorXd both(2 * count);
+    both << (1.0 - share_) * weights, share_ * weights;
+    out = mix(shapes, both);
+    return true;
   }
 
  private:
-  std::vector<Shape> shapes_;
+  static constexpr double kWorse = 4.0, kMostWeight = 1e5, kAlike = 1e-5;
+  static constexpr int kMostResets = 10;
+  double share_, least_ = 0.0;
+  int resets_ = 0;
+  std::optional<std::pair<Shape, Shape>> best_;
+  std::vector<Shape> assumed_, followed_;
   std::vector<Eigen::VectorXd> errors_;
 };
 
@@ -266,29 +303,31 @@ struct ExtendedModel::Impl {
     const std::vector<Memory>& memories;
     const Dynamics& dynamics;
     const Motion& motion;
+    double& share;  ///< of what follows that is assumed next; kept from one instant to the next
   };
 
   /// Assumes a shape and sees what it causes, until both agree.
   bool agree(const Context& at, const std::vector<Present>& effects, Shape assumed, Predicted& now) {
-    Mixer mixer;
+    Mixer mixer(at.share);
     Eigen::Quaterniond last = now.q_tip;
-    std::optional<Shape> good;  // the last that had an equilibrium
+    Shape followed, next;
     for (int round = 0; round < kMostRounds; ++round) {
       if (!make(at.arm, effects, at.memories, at.dynamics, now.instant, &assumed, at.motion, rod))
         return false;
-      if (!solve(&last)) {
-        if (!good) return false;
-        assumed = mix({*good, assumed}, Eigen::Vector2d(0.5, 0.5));
-        continue;
+      const bool solved = solve(&last);
+      if (solved) {
+        last = values.q_tip();
+        followed = shape_of_solution(at.motion);
+        const double settled = mixer.share() < kStiffShare ? kSettledStiff_m : kSettled_m;
+        if (difference_m(followed, assumed).lpNorm<Eigen::Infinity>() < settled) {
+          now.shape = followed;
+          now.q_tip = last;
+          at.share = std::min(1.0, 4.0 * mixer.share());
+          return true;
+        }
       }
-      last = values.q_tip();
-      good = shape_of_solution(at.motion);
-      if (difference_m(*good, assumed).lpNorm<Eigen::Infinity>() < kSettled_m) {
-        now.shape = *good;
-        now.q_tip = last;
-        return true;
-      }
-      assumed = mixer.next(assumed, *good);
+      if (!mixer.next(assumed, solved ? &followed : nullptr, next)) return false;
+      assumed = next;
     }
     return false;
   }
@@ -326,7 +365,6 @@ struct ExtendedModel::Impl {
     now.shape = shape_of_solution(at.motion);
     if (agree(at, effects, Shape(now.shape), now)) return true;
     // A stiff spring answers the arm without it with a force that nothing bears: bring it in by and by.
-    now.q_tip = values.q_tip();
     std::vector<Present> some = effects;
     for (double scale = kFirstScale; scale <= 1.0; scale *= 2.0) {
       for (std::size_t i = 0; i < effects.size(); ++i) {
@@ -407,6 +445,7 @@ void ExtendedModel::predict(const Arm& arm, const std::vector<Present>& effects,
     if (pass == 1) still = resting;
     path.assign(trial.blocks.size(), {});
     std::vector<Memory> memories(effects.size());
+    double share = 1.0;
     const Predicted* last = nullptr;
     for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
       Predicted& now = path[k];
@@ -418,7 +457,7 @@ void ExtendedModel::predict(const Arm& arm, const std::vector<Present>& effects,
       } else if (start != nullptr && (*start)[k].solved) {
         last = &(*start)[k];
       }
-      const Impl::Context context{arm, memories, dynamics, motion};
+      const Impl::Context context{arm, memories, dynamics, motion, share};
       now.solved = m.settle(context, effects, last != nullptr ? &last->q_tip : nullptr,
                             last != nullptr ? &last->shape : nullptr, now);
       if (!now.solved) {

@@ -25,7 +25,7 @@ std::unique_ptr<Effect> make_tether() {
       Info{"tether",
            "something, a hose or a wire, pulls at the tip",
            Family::kLoad,
-           {{"stiffness_n_per_m", "N/m", "of its pull", 0.0, 1e4, 2.0},
+           {{"stiffness_n_per_m", "N/m", "of its pull", 0.0, 300.0, 2.0},
             {"anchor_x_m", "m", "of the anchor beside the straight tip", -1.0, 1.0, 0.0},
             {"anchor_y_m", "m", "of the anchor beside the straight tip", -1.0, 1.0, 0.0}},
            1,

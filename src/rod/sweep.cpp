@@ -70,6 +70,12 @@ int Sweep::lane_of(int parameter) {
 void Sweep::set_rod(const Rod& rod, const Rod& load_direction) {
   rod_ = &rod;
   load_direction_ = &load_direction;
+  // A rigid section has derivatives by its compliances all the same.
+  const bool strains_wanted =
+      std::any_of(parameters_.begin(), parameters_.end(), [](const Parameter& parameter) {
+        return parameter.kind == ParameterKind::kAxialCompliance ||
+               parameter.kind == ParameterKind::kShearCompliance;
+      });
   for (std::size_t i = 0; i < sections_.size(); ++i) {
     const Segment& from = rod.segments[i];
     kernel::Section& to = sections_[i];
@@ -78,7 +84,7 @@ void Sweep::set_rod(const Rod& rod, const Rod& load_direction) {
     to.twist = from.torsional_compliance;
     to.axial = from.axial_compliance;
     to.shear = from.shear_compliance;
-    to.shearable = to.axial != 0.0 || to.shear != 0.0;
+    to.shearable = to.axial != 0.0 || to.shear != 0.0 || strains_wanted;
     for (int r = 0; r < 3; ++r) {
       to.rest[r] = from.rest_curvature_per_m[r];
       to.moment[r] = from.moment_nm[r];

@@ -24,7 +24,7 @@ struct Section {
   double rest[3];       // u*
   double moment[3];     // M_act
   double weight[3];     // weight per unit of s, world
-  bool shearable;       // axial or shear is not 0
+  bool shearable;       // axial or shear is not 0, or wanted
 };
 
 /// What the sweep of derivatives needs to know of the nominal one at a Runge-Kutta stage (world frame).

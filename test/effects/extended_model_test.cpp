@@ -1,0 +1,208 @@
+// The model with effects in it: absent ones, derivatives, stiff springs, motion.
+#include <gtest/gtest.h>
+
+#include "effects/body_table.h"
+
+namespace softarm::effects {
+namespace {
+
+using testing::Case;
+
+class OfBody : public ::testing::TestWithParam<Case> {};
+
+TrialData trial_for(const Arm& arm, const Case& of) {
+  const bool moves = find(of.id)->needs_motion();
+  return testing::trial_of(arm, moves ? testing::swinging(arm) : testing::various(arm), moves);
+}
+
+TEST_P(OfBody, IsDescribed) {
+  const Effect* effect = find(GetParam().id);
+  ASSERT_NE(effect, nullptr);
+  const Info& info = effect->info();
+  EXPECT_EQ(info.id, GetParam().id);
+  EXPECT_TRUE(std::islower(static_cast<unsigned char>(info.words.at(0)))) << info.words;
+  EXPECT_EQ(info.parameters.size(), GetParam().small.size());
+  EXPECT_FALSE(info.rivals.empty());
+  for (const std::string& rival : info.rivals) EXPECT_NE(rival, info.id);
+  for (std::size_t i = 0; i < info.parameters.size(); ++i) {
+    const Parameter& p = info.parameters[i];
+    EXPECT_LT(p.low, p.high) << p.symbol;
+    EXPECT_FALSE(p.symbol.empty() || p.unit.empty() || p.words.empty());
+    if (static_cast<int>(i) < info.sizes) {
+      EXPECT_LE(p.low, 0.0) << p.symbol;
+      EXPECT_GT(p.usual, 0.0) << p.symbol;
+    }
+    EXPECT_LE(p.low, p.usual) << p.symbol;
+    EXPECT_LE(p.usual, p.high) << p.symbol;
+  }
+}
+
+TEST_P(OfBody, WithoutSizeIsTheBaseline) {
+  const Arm arm = testing::shipped("online_200mm");
+  ExtendedModel model(arm);
+  const Effect* effect = find(GetParam().id);
+  const TrialData trial = trial_for(arm, GetParam());
+  const Dynamics dynamics{true, 0.02};
+  const Eigen::VectorXd baseline = testing::stacked(testing::predict(model, arm, {}, trial, dynamics));
+  std::vector<Values> list = effect->grid(arm, model.rod());
+  EXPECT_FALSE(list.empty());
+  if (list.size() > 4) list.resize(4);
+  for (const Values& values : list) {
+    ASSERT_EQ(values.size(), static_cast<Eigen::Index>(effect->info().parameters.size()));
+    EXPECT_TRUE(values.head(effect->info().sizes).isZero());
+    for (Eigen::Index i = effect->info().sizes; i < values.size(); ++i) {
+      EXPECT_GE(values[i], effect->info().parameters[static_cast<std::size_t>(i)].low);
+      EXPECT_LE(values[i], effect->info().parameters[static_cast<std::size_t>(i)].high);
+    }
+    const Eigen::VectorXd with =
+        testing::stacked(testing::predict(model, arm, {{effect, values}}, trial, dynamics));
+    // Solved from another start where the shape is assumed first.
+    EXPECT_LT((with - baseline).lpNorm<Eigen::Infinity>(), effect->needs_shape() ? 2e-9 : 1e-15);
+  }
+}
+
+TEST_P(OfBody, ASmallOneDoesWhatItsSignatureSays) {
+  const Arm arm = testing::shipped("online_200mm");
+  ExtendedModel model(arm);
+  const TrialData trial = trial_for(arm, GetParam());
+  const Dynamics dynamics{true, 0.02};
+  const Effect* effect = find(GetParam().id);
+  for (int i = 0; i < effect->info().sizes; ++i) {
+    Values values = testing::values_of(GetParam().small);
+    for (int k = 0; k < effect->info().sizes; ++k) {
+      if (k != i) values[k] = 0.0;
+    }
+    const Present by{effect, values};
+    const Eigen::VectorXd expected = testing::signature(model, arm, by, trial, dynamics);
+    const Eigen::VectorXd difference = testing::stacked(testing::predict(model, arm, {by}, trial, dynamics)) -
+                                       testing::stacked(testing::predict(model, arm, {}, trial, dynamics));
+    EXPECT_GT(testing::rms(expected), 5e-7) << effect->info().parameters[static_cast<std::size_t>(i)].symbol;
+    EXPECT_LT(testing::rms(difference - expected), 0.03 * testing::rms(expected) + 2e-8)
+        << effect->info().parameters[static_cast<std::size_t>(i)].symbol;
+  }
+}
+
+TEST_P(OfBody, ALargeOneIsSolved) {
+  const Arm arm = testing::shipped("online_200mm");
+  ExtendedModel model(arm);
+  const TrialData trial = trial_for(arm, GetParam());
+  const auto path =
+      testing::predict(model, arm, {testing::present(GetParam().id, testing::values_of(GetParam().large))},
+                       trial, {true, 0.02}, true);
+  for (const Predicted& now : path) {
+    EXPECT_TRUE(now.p.allFinite());
+    EXPECT_TRUE(now.by_rod.allFinite());
+    EXPECT_LT(now.p.colwise().norm().maxCoeff(), 2.0 * arm.total_length_m());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Effects, OfBody, ::testing::ValuesIn(testing::body_cases()),
+                         [](const auto& which) { return std::string(which.param.id); });
+
+TEST(Catalogue, IdsAreTheirOwnAndAllOfBodyAreThere) {
+  std::vector<std::string> ids;
+  for (const auto& effect : catalogue()) ids.push_back(effect->info().id);
+  std::vector<std::string> sorted = ids;
+  std::sort(sorted.begin(), sorted.end());
+  EXPECT_EQ(std::adjacent_find(sorted.begin(), sorted.end()), sorted.end());
+  for (const Case& of : testing::body_cases())
+    EXPECT_EQ(std::count(ids.begin(), ids.end(), of.id), 1) << of.id;
+  EXPECT_EQ(find("no_such_effect"), nullptr);
+}
+
+TEST(ExtendedModel, DerivativesByTheRodAgreeWithFiniteDifferences) {
+  Arm arm = testing::shipped("online_200mm");
+  MeasuredBody skin = arm.bodies[2];
+  skin.name = "skin";
+  skin.kind = BodyKind::kSkinMarker;
+  skin.angle_rad = 0.7;
+  skin.radius_m = 0.02;
+  arm.bodies.push_back(skin);
+  ExtendedModel model(arm);
+  const TrialData trial =
+      testing::trial_of(arm, {{testing::inputs_of(arm, 0.8), 0.1, testing::horizontal()}});
+  // Each change of the rod by way of an effect that makes it.
+  const auto check = [&](const char* id, std::initializer_list<double> list) {
+    const Present by = testing::present(id, testing::values_of(list));
+    const Eigen::VectorXd expected = testing::signature(model, arm, by, trial);
+    const Eigen::VectorXd difference = testing::stacked(testing::predict(model, arm, {by}, trial)) -
+                                       testing::stacked(testing::predict(model, arm, {}, trial));
+    EXPECT_LT((difference - expected).norm(), 0.01 * expected.norm()) << id;
+  };
+  check("base_tilt", {1e-3, 5e-4});
+  check("torsion", {0.2, 1e-3});
+  check("shear", {1e-4});
+  check("axial_compliance", {1e-4});
+  check("rest_curvature", {0.01, 0.02, 0.0});
+  check("payload_offset", {1e-4, 1e-4, 1e-4});
+}
+
+// The arm gives way at its tip by about L^3 / (3 EI), 0.1 m/N: what is assumed is answered up to a hundred
+// times over.
+TEST(ExtendedModel, StiffSpringsAreSolvedAndHold) {
+  const Arm arm = testing::shipped("online_200mm");
+  ExtendedModel model(arm);
+  const TrialData trial = testing::trial_of(arm, testing::various(arm));
+  const Eigen::Vector3d straight(0.0, 0.0, arm.total_length_m());
+  const auto tip = [](const Predicted& now) { return now.shape.stations.back().p; };
+  const auto free = testing::predict(model, arm, {}, trial);
+  for (const double stiffness : {30.0, 100.0, 300.0}) {
+    SCOPED_TRACE(stiffness);
+    const auto held = testing::predict(
+        model, arm, {testing::present("tether", testing::values_of({stiffness, 0.0, 0.0}))}, trial);
+    for (std::size_t k = 0; k < held.size(); ++k) {
+      EXPECT_LE((tip(held[k]) - straight).norm(), (tip(free[k]) - straight).norm() / 2.0 + 1e-4);
+      // What the tip's section bears is the spring, and what hangs there.
+      const Eigen::Vector3d weight =
+          trial.series.payload_kg[static_cast<Eigen::Index>(k)] * trial.blocks[k].gravity_base;
+      const Eigen::Vector3d pull = stiffness * (straight - tip(held[k]));
+      EXPECT_LT((held[k].shape.stations.back().n - weight - pull).norm(), 2e-3 + 3e-6 * stiffness);
+    }
+  }
+  const double distance = 0.015;
+  for (const double stiffness : {30.0, 100.0, 300.0, 1000.0}) {
+    SCOPED_TRACE(stiffness);
+    for (const double azimuth : {0.0, 2.1, 4.2}) {
+      const auto touching = testing::predict(
+          model, arm,
+          {testing::present("contact", testing::values_of({stiffness, 2.0 / 3.0 * 0.2, azimuth, distance}))},
+          trial);
+      const Eigen::Vector3d to_wall(std::cos(azimuth), std::sin(azimuth), 0.0);
+      double deepest = 0.0;
+      for (const Predicted& now : touching)
+        deepest = std::max(deepest, to_wall.dot(now.shape.stations[7].p) - distance);
+      EXPECT_LT(deepest, 3.0 / stiffness) << "no more than 3 N press here";
+      EXPECT_GT(deepest, 0.0);
+    }
+  }
+}
+
+TEST(ExtendedModel, InertiaOfTheKnownMassesIsThatOfTheSwingingArm) {
+  const Arm arm = testing::shipped("online_200mm");
+  ExtendedModel model(arm);
+  const TrialData trial = testing::trial_of(arm, testing::swinging(arm), true);
+  const auto still = testing::predict(model, arm, {}, trial);
+  const auto moving = testing::predict(model, arm, {}, trial, {true, 0.0});
+  // D'Alembert: the moment at the clamp changes by the moments of masses times accelerations.
+  for (std::size_t k = 2; k + 2 < still.size(); ++k) {
+    rod::Rod rod = model.rod().layout();
+    rod.loads[rod::kPayloadLoad].mass_kg = 0.1;
+    const Eigen::VectorXd masses = model.rod().station_masses_kg(rod);
+    Eigen::Vector3d moment = Eigen::Vector3d::Zero(), weights = Eigen::Vector3d::Zero();
+    for (std::size_t j = 0; j < still[k].shape.stations.size(); ++j) {
+      const Eigen::Vector3d a = (still[k + 1].shape.stations[j].p - 2.0 * still[k].shape.stations[j].p +
+                                 still[k - 1].shape.stations[j].p) /
+                                0.01;
+      const double mass = masses[static_cast<Eigen::Index>(j)];
+      moment -= moving[k].shape.stations[j].p.cross(mass * a);
+      weights += (moving[k].shape.stations[j].p - still[k].shape.stations[j].p)
+                     .cross(mass * trial.blocks[k].gravity_base);
+    }
+    EXPECT_LT((moving[k].shape.base_moment_nm - still[k].shape.base_moment_nm - moment - weights).norm(),
+              0.02 * moment.norm() + 1e-5);
+    EXPECT_GT(moving[k].inertial_m, 0.0);
+  }
+}
+
+}  // namespace
+}  // namespace softarm::effects
