@@ -88,4 +88,16 @@ Following following(double dt_s, double time_constant_s) {
   return f;
 }
 
+Eigen::Vector2d linear_curvature(const rod::Segment& piece, const rod::RodState& middle) {
+  const Eigen::Vector3d moment = middle.q.conjugate() * middle.m + piece.moment_nm;
+  return piece.rest_curvature_per_m.head<2>() + piece.bending_compliance * moment.head<2>();
+}
+
+void bend_to(const Eigen::Vector2d& curvature, double stiffness_ratio, const rod::RodState& middle,
+             rod::Segment& piece) {
+  const Eigen::Vector2d beyond = linear_curvature(piece, middle) - piece.rest_curvature_per_m.head<2>();
+  piece.bending_compliance /= stiffness_ratio;
+  piece.rest_curvature_per_m.head<2>() = curvature - beyond / stiffness_ratio;
+}
+
 }  // namespace softarm::effects

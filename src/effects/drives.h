@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "softarm/arm/arm.h"
+#include "softarm/rod/rod.h"
+#include "softarm/rod/solver.h"
 
 namespace softarm::effects {
 
@@ -41,5 +43,12 @@ struct Following {
   double kept = 1.0, weight_last = 0.0, weight_now = 0.0;
 };
 Following following(double dt_s, double time_constant_s);
+
+/// The curvature that a piece's linear law gives for the moment that acts on its middle in a shape, the axes
+/// across only: u* + (m + M_act) / EI.
+Eigen::Vector2d linear_curvature(const rod::Segment& piece, const rod::RodState& middle);
+/// Makes the piece have another curvature at that moment, and another stiffness about it.
+void bend_to(const Eigen::Vector2d& curvature, double stiffness_ratio, const rod::RodState& middle,
+             rod::Segment& piece);
 
 }  // namespace softarm::effects

@@ -30,39 +30,42 @@ class JammingYield : public Described {
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
       const double now = cores[static_cast<std::size_t>(fine.pieces()[j].segment)];
       rod::Segment& piece = rod.segments[j];
-      const Vector2d u = shape->middles[j].u.head<2>();
-      const Core core = bend(memory, j, now, values, u);
-      // M = EI (u - u*) - lost (u - e), e what of the curvature is elastic for the core. While it slips its
-      // stiffness is lost along the bending and not across it: the shape is found with half of it.
-      const double lost = std::min(values[0] * now, kMostLost / piece.bending_compliance);
-      const double softer = core.slips ? 0.5 * lost * piece.bending_compliance : 0.0;
-      const Vector2d rest = piece.rest_curvature_per_m.head<2>();
-      piece.moment_nm.head<2>() += lost * (u - core.elastic) - softer / piece.bending_compliance * (u - rest);
-      piece.bending_compliance /= 1.0 - softer;
+      const rod::RodState& middle = shape->middles[j];
+      // M = EI (u - u*) - lost (u - e), with e = u - slipped, no more than the yield. At the moment that
+      // acts, v = u - slipped before is along what it would be without yield, z.
+      const double lost = std::min(values[0] * now * piece.bending_compliance, kMostLost);
+      const double yield = std::max(values[1], 1e-3);
+      const Vector2d before = slipped(memory, j, now);
+      const Vector2d z = linear_curvature(piece, middle) - (1.0 - lost) * before;
+      const double size = z.norm();
+      if (size <= yield) {
+        bend_to(before + z, 1.0, middle, piece);
+      } else {
+        bend_to(before + (size - lost * yield) / (1.0 - lost) / size * z, 1.0 - lost, middle, piece);
+      }
     }
   }
   bool remembers() const override { return true; }
   void remember(const Arm& arm, const FineRod& fine, const Values& values, const Instant& instant,
                 const Shape& shape, Memory& memory) const override {
     const std::vector<double> cores = core_of_segments(arm, instant);
+    const double yield = std::max(values[1], 1e-3);
     if (memory.empty()) memory.assign(fine.pieces().size() * kSize, 0.0);
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
       const double now = cores[static_cast<std::size_t>(fine.pieces()[j].segment)];
       const Vector2d u = shape.middles[j].u.head<2>();
-      const Core core = bend(memory, j, now, values, u);
+      const Vector2d before = slipped(memory, j, now);
+      Vector2d elastic = u - before;
+      if (elastic.norm() > yield) elastic *= yield / elastic.norm();
       double* to = &memory[j * kSize];
-      to[0] = u.x() - core.elastic.x();
-      to[1] = u.y() - core.elastic.y();
+      to[0] = u.x() - elastic.x();
+      to[1] = u.y() - elastic.y();
       to[2] = now;
     }
   }
 
  private:
-  struct Core {
-    Vector2d elastic = Vector2d::Zero();
-    bool slips = false;
-  };
-  static constexpr std::size_t kSize = 3;  ///< of a piece: curvature that slipped, stiffness
+  static constexpr std::size_t kSize = 2 + 1;  ///< of a piece: curvature that slipped, stiffness
 
   static std::vector<double> core_of_segments(const Arm& arm, const Instant& instant) {
     std::vector<double> list;
@@ -71,18 +74,10 @@ class JammingYield : public Described {
     return list;
   }
   /// What stiffness comes in with the vacuum has not slipped yet.
-  static Core bend(const Memory& memory, std::size_t piece, double now_nm2, const Values& values,
-                   const Vector2d& u) {
-    Core core;
-    core.elastic = u;
-    if (!memory.empty()) {
-      const double* from = &memory[piece * kSize];
-      core.elastic -= (now_nm2 > from[2] ? from[2] / now_nm2 : 1.0) * Vector2d(from[0], from[1]);
-    }
-    const double yield = std::max(values[1], 1e-3), size = core.elastic.norm();
-    core.slips = size > yield;
-    if (core.slips) core.elastic *= yield / size;
-    return core;
+  static Vector2d slipped(const Memory& memory, std::size_t piece, double now_nm2) {
+    if (memory.empty()) return Vector2d::Zero();
+    const double* from = &memory[piece * kSize];
+    return (now_nm2 > from[2] ? from[2] / now_nm2 : 1.0) * Vector2d(from[0], from[1]);
   }
 };
 

@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "drives.h"
 #include "effects.h"
 
 namespace softarm::effects {
 namespace {
 
 using Eigen::Vector2d;
+
+constexpr int kBisections = 60;
 
 class Mullins : public Described {
  public:
@@ -24,18 +27,22 @@ class Mullins : public Described {
     if (values[0] == 0.0) return;
     const double scale2 = std::pow(std::max(values[1], 1e-2), 2);
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
-      const Vector2d u = shape->middles[j].u.head<2>();
-      const double square = u.squaredNorm();
-      const double most = memory.empty() ? square : std::max(square, memory[j]);
-      const double y = (most - square) / scale2;
-      const double secant = values[0] * std::erfc(y);
-      double tangent = secant;
-      if (y > 0.0) tangent += values[0] * 4.0 / std::sqrt(M_PI) * std::exp(-y * y) * square / scale2;
-      // Straight on from the shape, along its tangent.
+      const rod::RodState& middle = shape->middles[j];
       rod::Segment& piece = rod.segments[j];
-      const Vector2d elastic = u - piece.rest_curvature_per_m.head<2>() + secant * u;
-      piece.bending_compliance /= 1.0 + tangent;
-      piece.rest_curvature_per_m.head<2>() = u - elastic / (1.0 + tangent);
+      const Vector2d linear = linear_curvature(piece, middle);
+      const double wanted = linear.norm();
+      if (wanted < 1e-9) continue;
+      // At the moment that acts: u (1 + share erfc(...)) = linear.
+      const double most = memory.empty() ? 0.0 : memory[j];
+      double low = wanted / (1.0 + values[0]), high = wanted;
+      for (int i = 0; i < kBisections; ++i) {
+        const double u = 0.5 * (low + high);
+        (u * (1.0 + stiffer(values[0], scale2, most, u)) < wanted ? low : high) = u;
+      }
+      const double u = 0.5 * (low + high), y = (most - u * u) / scale2;
+      double tangent = stiffer(values[0], scale2, most, u);
+      if (y > 0.0) tangent += values[0] * 4.0 / std::sqrt(M_PI) * std::exp(-y * y) * u * u / scale2;
+      bend_to(u / wanted * linear, 1.0 + tangent, middle, piece);
     }
   }
   bool remembers() const override { return true; }
@@ -44,6 +51,12 @@ class Mullins : public Described {
     memory.resize(fine.pieces().size(), 0.0);
     for (std::size_t j = 0; j < fine.pieces().size(); ++j)
       memory[j] = std::max(memory[j], shape.middles[j].u.head<2>().squaredNorm());
+  }
+
+ private:
+  /// Share by which the material is stiffer at a curvature; most: square of the largest one before.
+  static double stiffer(double share, double scale2, double most, double u) {
+    return share * std::erfc(std::max(0.0, most - u * u) / scale2);
   }
 };
 
