@@ -16,7 +16,7 @@ class PressureLag : public Described {
   bool applies_to(const Arm& arm) const override { return has(arm, InputKind::kPressure); }
   std::vector<Values> grid(const Arm&, const FineRod&) const override {
     std::vector<Values> list;
-    for (const double time_s : {0.1, 0.25, 0.7, 2.0}) list.push_back((Values(2) << 0.0, time_s).finished());
+    for (const double time_s : {0.1, 0.25, 0.7, 2.0}) list.push_back(Eigen::Vector3d(0.0, time_s, 1.0));
     return list;
   }
   void drive(const Arm& arm, const Values& values, Series& series) const override {
@@ -26,7 +26,8 @@ class PressureLag : public Described {
       double last = row[0], state = row[0];
       for (Eigen::Index i = 1; i < row.size(); ++i) {
         const double now = row[i];
-        const Following f = following(series.t_s[i] - series.t_s[i - 1], time_s);
+        const double tau_s = 0.5 * (last + now) < state ? values[2] * time_s : time_s;
+        const Following f = following(series.t_s[i] - series.t_s[i - 1], std::max(tau_s, 1e-3));
         state = f.kept * state + f.weight_last * last + f.weight_now * now;
         last = now;
         row[i] = now - share * (now - state);
@@ -47,7 +48,8 @@ std::unique_ptr<Effect> make_pressure_lag() {
            "pressures follow their command late, the later the faster it changes",
            Family::kActuation,
            {{"delay_s", "s", "by which they are late in slow ramps", 0.0, 30.0, 0.2},
-            {"time_s", "s", "time constant with which they settle after a step", 0.02, 30.0, 0.3}},
+            {"time_s", "s", "time constant with which they settle after a step", 0.02, 30.0, 0.3},
+            {"fall", "1", "time constant of falling pressures over that of rising ones", 0.1, 10.0, 1.0}},
            1,
            {"clock_offset", "hysteresis", "inertia"},
            {}});

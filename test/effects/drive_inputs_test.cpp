@@ -63,7 +63,7 @@ TEST(Hysteresis, TakesEveryKindOfInputButTheVacuum) {
 }
 
 TEST(PressureLag, WidensItsLoopWithTheSpeed) {
-  const Eigen::Vector2d values(0.2, 0.2);
+  const Eigen::Vector3d values(0.2, 0.2, 1.0);
   const double slow = pressure_loop("pressure_lag", values, 40.0).width;
   const double fast = pressure_loop("pressure_lag", values, 10.0).width;
   // 2 x delay x rate
@@ -78,8 +78,8 @@ TEST(PressureLag, IsALineOfFirstOrderWhereDelayAndTimeConstantAgree) {
     u[kVacuum] = u[kChamber1];
     return u;
   });
-  const Series whole = driven("pressure_lag", Eigen::Vector2d(0.3, 0.3), trial);
-  const Series half = driven("pressure_lag", Eigen::Vector2d(0.15, 0.3), trial);
+  const Series whole = driven("pressure_lag", Eigen::Vector3d(0.3, 0.3, 1.0), trial);
+  const Series half = driven("pressure_lag", Eigen::Vector3d(0.15, 0.3, 1.0), trial);
   for (Eigen::Index i = 60; i < whole.t_s.size(); ++i) {
     // The step is a line between two frames of 20 ms.
     const double left = std::exp(-(whole.t_s[i] - 0.99) / 0.3);
@@ -88,6 +88,21 @@ TEST(PressureLag, IsALineOfFirstOrderWhereDelayAndTimeConstantAgree) {
   }
   EXPECT_EQ(whole.inputs.row(kVacuum), trial.series.inputs.row(kVacuum));
   EXPECT_EQ(whole.inputs.row(kChamber1), whole.moment_inputs.row(kChamber1));
+}
+
+TEST(PressureLag, MayFallMoreSlowlyThanItRises) {
+  const TrialData trial = made_up(arm(), 6.0, [](double t_s) {
+    return Eigen::Vector4d(t_s >= 1.0 && t_s < 4.0 ? 20e3 : 0.0, 0.0, 0.0, 0.0);
+  });
+  const Series series = driven("pressure_lag", Eigen::Vector3d(0.2, 0.2, 2.0), trial);
+  for (Eigen::Index i = 0; i < series.t_s.size(); ++i) {
+    const double t_s = series.t_s[i];
+    if (t_s > 1.1 && t_s < 3.9) {
+      EXPECT_NEAR(series.inputs(0, i), 20e3 * (1.0 - std::exp(-(t_s - 0.99) / 0.2)), 10.0);
+    } else if (t_s > 4.1) {
+      EXPECT_NEAR(series.inputs(0, i), 20e3 * std::exp(-(t_s - 3.99) / 0.4), 60.0);
+    }
+  }
 }
 
 TEST(ClockOffset, ShiftsAllInputsAtAnySpeed) {
@@ -232,7 +247,7 @@ TEST(RadialExpansion, MovesMarkersOnTheSkinOutwards) {
 TEST(OfTheInputs, ActInTheCataloguesOrderWhateverTheirs) {
   ExtendedModel model(arm());
   const TrialData trial = made_up(arm(), 3.0, triangles(arm(), kChamber1, 20e3, 1.0));
-  const Present lag{find("pressure_lag"), Eigen::Vector2d(0.2, 0.2)};
+  const Present lag{find("pressure_lag"), Eigen::Vector3d(0.2, 0.2, 1.0)};
   const Present zone{find("pressure_dead_zone"), Eigen::Vector2d(4000.0, 4000.0)};
   const std::vector<Predicted> a = predict(model, arm(), {lag, zone}, trial);
   const std::vector<Predicted> b = predict(model, arm(), {zone, lag}, trial);

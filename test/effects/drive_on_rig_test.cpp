@@ -29,7 +29,7 @@ const std::vector<Hidden>& on_chambers() {
          {"damping_ratio", 0.7},
          {"vent_time_constant_s", 0.4},
          {"supply_pa", 2e5}}},
-       {0.3, 0.3},
+       {0.3, 0.3, 1.0},
        0.02},
       {"clock_offset", {"clock_offset", "", {{"offset_s", 0.1}, {"drift_ppm", 0.0}}}, {0.1}, 0.03},
       {"quadratic",
