@@ -9,6 +9,9 @@ class BaseCompliance : public Described {
  public:
   using Described::Described;
   bool needs_shape() const override { return true; }
+  std::optional<std::pair<double, double>> place(const Arm&, const Values&) const override {
+    return std::make_pair(0.0, 0.0);
+  }
   void act(const Arm&, const FineRod&, const Values& values, const Instant&, const Shape* shape,
            const Memory&, rod::Rod& rod) const override {
     // What the rod exerts on the clamp, about the axes across it. Actuation is inside the arm and does not

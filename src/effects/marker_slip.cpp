@@ -13,6 +13,10 @@ class MarkerSlip : public Described {
       list.push_back((Values(4) << 0.0, 0.0, 0.0, static_cast<double>(b + 1)).finished());
     return list;
   }
+  std::optional<std::pair<double, double>> place(const Arm& arm, const Values& values) const override {
+    const double s = arm.bodies[static_cast<std::size_t>(values[3] + 0.5) - 1].arclength_m;
+    return std::make_pair(s, s);
+  }
   void observe(const Arm&, const Values& values, const Instant&, Bodies& bodies) const override {
     const auto b = static_cast<std::size_t>(values[3] + 0.5) - 1;
     if (b >= bodies.q.size()) return;

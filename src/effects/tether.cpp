@@ -8,6 +8,9 @@ class Tether : public Described {
  public:
   using Described::Described;
   bool needs_shape() const override { return true; }
+  std::optional<std::pair<double, double>> place(const Arm& arm, const Values&) const override {
+    return std::make_pair(arm.total_length_m(), arm.total_length_m());
+  }
   void act(const Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape* shape,
            const Memory&, rod::Rod& rod) const override {
     // What it hangs on stands still, whatever the arm's base does.

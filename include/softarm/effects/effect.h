@@ -4,7 +4,9 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "softarm/arm/arm.h"
@@ -114,6 +116,10 @@ class Effect {
   virtual bool remembers() const { return false; }
   virtual void remember(const Arm&, const FineRod&, const Values&, const Instant&, const Shape&,
                         Memory&) const {}
+  /// Where along the arm it sits, m from the base; nothing where it acts all along.
+  virtual std::optional<std::pair<double, double>> place(const Arm&, const Values&) const {
+    return std::nullopt;
+  }
   /// Changes where bodies are seen.
   virtual void observe(const Arm&, const Values&, const Instant&, Bodies&) const {}
 };

@@ -1,0 +1,208 @@
+#include "pictures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "contribution.h"
+#include "words.h"
+
+namespace softarm::diagnose {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr std::size_t kInstants = 300;  // of a trial's curves
+constexpr std::size_t kTypical = 2;     // pictures beside that of the largest error
+
+/// Index of a block's first row in a trial's vectors.
+std::vector<Eigen::Index> rows_of(const effects::TrialData& trial) {
+  std::vector<Eigen::Index> rows;
+  Eigen::Index row = 0;
+  for (const effects::Block& block : trial.blocks) {
+    rows.push_back(row);
+    row += 3 * static_cast<Eigen::Index>(block.bodies.size());
+  }
+  return rows;
+}
+
+std::string unit_of(InputKind kind) {
+  switch (kind) {
+    case InputKind::kTension:
+      return "N";
+    case InputKind::kAngle:
+      return "rad";
+    default:
+      return "Pa";
+  }
+}
+
+void add_curves(const JointModel& model, const Selection& selection, Diagnosis& d) {
+  const Unseen &before = selection.baseline_unseen, &after = selection.extended_unseen;
+  for (const ScalarInput& input : model.arm().inputs.scalars) d.input_units[input.name] = unit_of(input.kind);
+  d.input_units["payload"] = "kg";
+  for (std::size_t t = 0; t < model.trials().size(); ++t) {
+    const effects::TrialData& trial = model.trials()[t];
+    const std::vector<Eigen::Index> rows = rows_of(trial);
+    TrialCurves curves;
+    curves.name = trial.name;
+    curves.rms_before_m = before.rms_m[t];
+    curves.rms_after_m = after.rms_m[t];
+    for (const MeasuredBody& body : model.arm().bodies) {
+      curves.before_m[body.name];
+      curves.after_m[body.name];
+    }
+    const std::size_t step = std::max<std::size_t>(1, trial.blocks.size() / kInstants);
+    for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
+      const effects::Block& block = trial.blocks[k];
+      if (model.uses(t, k)) curves.frames += block.last - block.first;
+      if (k % step != 0) continue;
+      const effects::Instant& now = selection.baseline.predicted[t][k].instant;
+      curves.t_s.push_back(now.t_s);
+      for (std::size_t c = 0; c < model.arm().inputs.scalars.size(); ++c)
+        curves.inputs[model.arm().inputs.scalars[c].name].push_back(now.inputs[static_cast<Eigen::Index>(c)]);
+      curves.inputs["payload"].push_back(now.payload_kg);
+      std::vector<std::optional<double>> b(model.arm().bodies.size()), a(model.arm().bodies.size());
+      for (std::size_t i = 0; i < block.bodies.size(); ++i) {
+        const Eigen::Index row = rows[k] + 3 * static_cast<Eigen::Index>(i);
+        const auto body = static_cast<std::size_t>(block.bodies[i].body);
+        if (selection.baseline.root_weight[t][row] > 0.0) b[body] = before.residual[t].segment<3>(row).norm();
+        if (selection.extended.root_weight[t][row] > 0.0) a[body] = after.residual[t].segment<3>(row).norm();
+      }
+      for (std::size_t body = 0; body < b.size(); ++body) {
+        curves.before_m[model.arm().bodies[body].name].push_back(b[body]);
+        curves.after_m[model.arm().bodies[body].name].push_back(a[body]);
+      }
+    }
+    d.trials.push_back(std::move(curves));
+  }
+}
+
+void add_along(const JointModel& model, const Selection& selection, Diagnosis& d) {
+  const std::size_t bodies = model.arm().bodies.size();
+  for (const MeasuredBody& body : model.arm().bodies) {
+    d.along.bodies.push_back(body.name);
+    d.along.s_m.push_back(body.arclength_m);
+  }
+  const auto sums = [&](const Linearised& at, const Unseen& unseen, std::vector<Vector3d>& rms,
+                        std::vector<Vector3d>& mean) {
+    rms.assign(bodies, Vector3d::Zero());
+    mean.assign(bodies, Vector3d::Zero());
+    std::vector<double> count(bodies, 0.0);
+    for (std::size_t t = 0; t < model.trials().size(); ++t) {
+      Eigen::Index row = 0;
+      for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
+        for (const effects::Seen& seen : model.trials()[t].blocks[k].bodies) {
+          const auto b = static_cast<std::size_t>(seen.body);
+          if (at.root_weight[t][row] > 0.0) {
+            const Vector3d v = in_section(at.predicted[t][k], model.arm().bodies[b].arclength_m,
+                                          unseen.residual[t].segment<3>(row));
+            rms[b] += v.cwiseAbs2();
+            mean[b] += v;
+            count[b] += 1.0;
+          }
+          row += 3;
+        }
+      }
+    }
+    for (std::size_t b = 0; b < bodies; ++b) {
+      rms[b] = (rms[b] / std::max(1.0, count[b])).cwiseSqrt();
+      mean[b] /= std::max(1.0, count[b]);
+    }
+  };
+  sums(selection.baseline, selection.baseline_unseen, d.along.before_m, d.along.mean_before_m);
+  sums(selection.extended, selection.extended_unseen, d.along.after_m, d.along.mean_after_m);
+}
+
+std::vector<Vector3d> backbone(const effects::Predicted& predicted) {
+  std::vector<Vector3d> points{Vector3d::Zero()};
+  for (const rod::RodState& state : predicted.shape.stations) points.push_back(state.p);
+  return points;
+}
+
+void add_snapshots(const JointModel& model, const Selection& selection, Diagnosis& d) {
+  struct Instant {
+    std::size_t trial, block;
+    double error_m;
+  };
+  std::vector<Instant> all;
+  for (std::size_t t = 0; t < model.trials().size(); ++t) {
+    const std::vector<Eigen::Index> rows = rows_of(model.trials()[t]);
+    for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
+      const auto count = static_cast<Eigen::Index>(model.trials()[t].blocks[k].bodies.size());
+      if (!model.uses(t, k) || count == 0 || !selection.baseline.predicted[t][k].solved ||
+          !selection.extended.predicted[t][k].solved)
+        continue;
+      all.push_back(
+          {t, k,
+           std::sqrt(selection.baseline_unseen.residual[t].segment(rows[k], 3 * count).squaredNorm() /
+                     static_cast<double>(count))});
+    }
+  }
+  if (all.empty()) return;
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Instant& a, const Instant& b) { return a.error_m > b.error_m; });
+  const auto add = [&](const Instant& instant, const std::string& words) {
+    Snapshot snapshot;
+    snapshot.trial = model.trials()[instant.trial].name;
+    snapshot.words = words;
+    const effects::Predicted& b = selection.baseline.predicted[instant.trial][instant.block];
+    snapshot.t_s = b.instant.t_s;
+    for (const effects::Seen& seen : model.trials()[instant.trial].blocks[instant.block].bodies)
+      snapshot.measured.push_back(seen.p_base);
+    snapshot.backbone_before = backbone(b);
+    snapshot.backbone_after = backbone(selection.extended.predicted[instant.trial][instant.block]);
+    d.snapshots.push_back(std::move(snapshot));
+  };
+  add(all.front(), "largest error before");
+  for (std::size_t i = 1; i <= kTypical && all.size() > 10; ++i)
+    add(all[all.size() * i / (kTypical + 1)], "typical");
+}
+
+}  // namespace
+
+void add_pictures(const JointModel& model, const Selection& selection, Diagnosis& d) {
+  add_curves(model, selection, d);
+  add_along(model, selection, d);
+  add_snapshots(model, selection, d);
+}
+
+std::string summary_of(const Diagnosis& d) {
+  const std::string errors =
+      fmt::format("{} on trials left out, noise alone {}", millimetres(d.baseline.held_out_rms_m),
+                  millimetres(d.noise_floor_m));
+  std::vector<std::string> names;
+  for (const NamedEffect& effect : d.effects) names.push_back(effect.id);
+  std::string list;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    list += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
+  switch (d.verdict) {
+    case Verdict::kConsistent:
+      return fmt::format("The arm file explains the trials ({}); nothing of a size that matters is left out.",
+                         errors);
+    case Verdict::kExplained:
+      return fmt::format(
+          "The arm file leaves out {}: with it the error falls from {} to {} (noise alone {}).", list,
+          millimetres(d.baseline.held_out_rms_m), millimetres(d.extended.held_out_rms_m),
+          millimetres(d.noise_floor_m));
+    case Verdict::kPartlyExplained:
+      return fmt::format(
+          "{} explains {} of what could be explained: the error falls from {} to {}, and could to {}. "
+          "Something else is "
+          "left.",
+          list, percent(d.explained_share), millimetres(d.baseline.held_out_rms_m),
+          millimetres(d.extended.held_out_rms_m), millimetres(d.ceiling_rms_m));
+    case Verdict::kUnknown:
+      return fmt::format(
+          "Something is there that no effect of the catalogue explains ({}; a flexible model reaches {}).",
+          errors, millimetres(d.ceiling_rms_m));
+    case Verdict::kCannotTell:
+      return fmt::format(
+          "These trials cannot tell ({}): most effects would hide behind the arm's own constants.", errors);
+  }
+  return {};
+}
+
+}  // namespace softarm::diagnose
