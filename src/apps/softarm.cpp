@@ -1,5 +1,5 @@
-// softarm: checks recordings, estimates over recordings, identifies arms, imports recordings, simulates
-// trials.
+// softarm: checks recordings, estimates over them, identifies arms, diagnoses what their descriptions leave
+// out, imports recordings, simulates trials.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -31,6 +31,7 @@ int main(int argc, char** argv) {
   program.footer("softarm COMMAND --help shows the command's options with examples.");
   softarm::app::add_campaign(program);
   softarm::app::add_check(program);
+  softarm::app::add_diagnose(program);
   softarm::app::add_estimate(program);
   softarm::app::add_identify(program);
   softarm::app::add_import(program);

@@ -177,23 +177,6 @@ std::vector<Candidate> ranking_of(const Selection& selection, const Options& opt
   return list;
 }
 
-std::string sentence_for(const NamedEffect& effect, double gain_share) {
-  std::string text = effect.words;
-  text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
-  text += " (" + effect.id + ")";
-  std::string sizes;
-  for (const EffectValue& value : effect.parameters)
-    sizes += (sizes.empty() ? ": " : "; ") + label(value) + " " + with_interval(value);
-  text += sizes;
-  if (const std::string at = place(effect.where); !at.empty()) text += "; seen " + at;
-  text += fmt::format(". Probability {}", percent(effect.probability));
-  if (gain_share > 0.0)
-    text += fmt::format("; on trials left out the error falls by {}", millimetres(effect.held_out_gain_m));
-  if (!effect.confusable_with.empty())
-    text += fmt::format(". These trials cannot tell it from {}", one_of(effect.confusable_with));
-  return text + ".";
-}
-
 }  // namespace
 
 Diagnosis diagnose(const Arm& arm, const std::vector<identify::Trial>& trials, const Options& options,
@@ -254,7 +237,7 @@ Diagnosis diagnose(const Arm& arm, const std::vector<identify::Trial>& trials, c
                      .unseen.total_rms_m;
     named.held_out_gain_m = without - r.unseen.total_rms_m;
     for (const Effect* rival : round.rivals) named.confusable_with.push_back(rival->info().id);
-    named.sentence = sentence_for(named, d.explained_share);
+    named.sentence = sentence_of(named);
     d.effects.push_back(std::move(named));
   }
   d.ranking = ranking_of(selection, options);

@@ -24,6 +24,7 @@ struct Ended : std::exception {
 
 void add_campaign(CLI::App& program);
 void add_check(CLI::App& program);
+void add_diagnose(CLI::App& program);
 void add_estimate(CLI::App& program);
 void add_identify(CLI::App& program);
 void add_import(CLI::App& program);

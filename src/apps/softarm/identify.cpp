@@ -9,7 +9,6 @@
 #include <fstream>
 #include <memory>
 #include <optional>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -18,10 +17,9 @@
 #include "softarm/command.h"
 #include "softarm/identify/pull.h"
 #include "softarm/identify_tables.h"
-#include "softarm/math/parallel.h"
 #include "softarm/output_file.h"
 #include "softarm/progress.h"
-#include "softarm/ros/bag_frames.h"
+#include "softarm/read_trials.h"
 #include "softarm/shipped.h"
 #include "softarm/trial/arm_file.h"
 
@@ -49,58 +47,6 @@ constexpr const char* kExamples = R"(Examples:
   softarm identify --arm my_arm.yaml *.bag --procedure pull
 Constants are named <segment>.<what>: segment_1.chamber_2.moment_gain, segment_1.bending_stiffness.base,
 segment_1.tendon_1.offset, segment_1.length ...; patterns may have * and ?; the last part alone will do.)";
-
-struct Reading {
-  identify::Trial trial;
-  std::vector<std::string> warnings;
-};
-
-void read_bag(const std::string& path, const Arm& arm, bool use_payload, Reading& reading,
-              Progress& progress) {
-  BagFrames bag(path, arm, use_payload);
-  reading.warnings = bag.warnings();
-  progress.add_total(static_cast<double>(bag.messages()));
-  std::uint64_t frames = 0;
-  BagFrames::Callbacks callbacks;
-  callbacks.on_frame = [&](const Frame& frame) {
-    reading.trial.frames.push_back(frame);
-    ++frames;
-  };
-  callbacks.on_time_jump = [] {};
-  callbacks.on_messages = [&](std::uint64_t messages) {
-    progress.advance(static_cast<double>(messages), std::exchange(frames, 0));
-  };
-  bag.read(callbacks);
-  if (reading.trial.frames.empty())
-    throw Failure(
-        fmt::format("{}: no frame could be put together out of {} samples", path, bag.assembler().samples()));
-}
-
-std::vector<identify::Trial> read_bags(const Options& options, const Arm& arm) {
-  std::vector<Reading> readings;
-  std::set<std::string> names;
-  for (const std::string& bag : options.bags) {
-    std::error_code error;
-    if (!fs::is_regular_file(bag, error)) throw Failure(fmt::format("{}: no such bag", bag));
-    Reading reading;
-    reading.trial.name = fs::path(bag).stem().string();
-    if (!names.insert(reading.trial.name).second)
-      throw Failure(
-          fmt::format("{}: another trial is called {} too; rename one of the bags", bag, reading.trial.name));
-    readings.push_back(std::move(reading));
-  }
-  Progress progress("frames");
-  // One bad bag would silently change what is identified: the first ends it.
-  in_parallel(readings.size(), options.jobs, [&](std::size_t i) {
-    read_bag(options.bags[i], arm, !options.payload_kg, readings[i], progress);
-  });
-  std::vector<identify::Trial> trials;
-  for (Reading& reading : readings) {
-    for (const std::string& warning : reading.warnings) progress.line("softarm: warning: " + warning);
-    trials.push_back(std::move(reading.trial));
-  }
-  return trials;
-}
 
 std::string names_of(const identify::Result& result, bool held_out) {
   std::string names;
@@ -162,7 +108,8 @@ void fit(const Options& options, const Arm& arm) {
   const fs::path source = find_config("arms", options.arm);
   const std::string text = read_text(source);
 
-  const std::vector<identify::Trial> trials = read_bags(options, arm);
+  const std::vector<identify::Trial> trials =
+      read_trials(options.bags, arm, !options.payload_kg, options.jobs);
   identify::Result result;
   {
     Progress progress("steps");
@@ -191,7 +138,8 @@ void fit(const Options& options, const Arm& arm) {
 void pull(const Options& options, const Arm& arm) {
   std::optional<OutputFile> out;
   if (!options.out.empty()) out.emplace(options.out);
-  const std::vector<identify::Trial> trials = read_bags(options, arm);
+  const std::vector<identify::Trial> trials =
+      read_trials(options.bags, arm, !options.payload_kg, options.jobs);
   const std::vector<identify::Pull> pulls = identify::find_pulls(arm, trials);
   if (pulls.empty())
     throw Failure(

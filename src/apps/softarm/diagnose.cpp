@@ -1,0 +1,106 @@
+// softarm diagnose: trials to what the arm's description leaves out.
+#include "softarm/diagnose/diagnose.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include "softarm/arm/arm_yaml.h"
+#include "softarm/command.h"
+#include "softarm/diagnose/report_page.h"
+#include "softarm/identify/identify.h"
+#include "softarm/output_file.h"
+#include "softarm/progress.h"
+#include "softarm/read_trials.h"
+#include "softarm/report_page.h"
+#include "softarm/shipped.h"
+#include "softarm/trial/arm_file.h"
+
+namespace softarm::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string arm, out;
+  std::vector<std::string> bags;
+  diagnose::Options diagnosis;
+  std::optional<double> payload_kg;
+};
+
+constexpr const char* kExamples = R"(Examples:
+  softarm diagnose --arm my_arm.yaml trials/*.bag --out report
+What is written:
+  report/report.html   what was found, with pictures; one page that needs nothing else
+  report/report.json   the same for programs
+Trials that tell most: several speeds, several attitudes of the base, with and without payload.)";
+
+void write(OutputFile& file, const std::string& text) {
+  std::ofstream stream(file.temporary(), std::ios::binary);
+  stream << text;
+  stream.close();
+  if (!stream) throw Failure(fmt::format("{}: cannot be written", file.path().string()));
+}
+
+void run(Options options) {
+  Arm arm = load_arm_file(options.arm, config_folders("arms"));
+  if (options.payload_kg) arm.payload.default_kg = options.payload_kg;
+  const ReportPage page = find_report_page();
+  std::error_code error;
+  fs::create_directories(options.out, error);
+  if (error) throw Failure(fmt::format("--out {}: cannot be made: {}", options.out, error.message()));
+  OutputFile json(fs::path(options.out) / "report.json"), html(fs::path(options.out) / "report.html");
+
+  const std::vector<identify::Trial> trials =
+      read_trials(options.bags, arm, !options.payload_kg, options.diagnosis.jobs);
+  diagnose::Diagnosis diagnosis;
+  {
+    Progress progress("steps");
+    progress.add_total(1.0);
+    double done = 0.0;
+    diagnosis = diagnose::diagnose(arm, trials, options.diagnosis, [&](double share, const std::string&) {
+      progress.advance(std::max(0.0, share - done), 1);
+      done = std::max(done, share);
+    });
+  }
+  diagnosis.version = SOFTARM_VERSION;
+  if (!page.warning.empty()) fmt::print(stderr, "softarm: warning: {}\n", page.warning);
+  write(json, diagnose::to_json(diagnosis));
+  write(html, diagnose::to_html(diagnosis, page.files));
+  json.commit();
+  html.commit();
+  fmt::print("{}written: {}, {}\n", diagnose::describe(diagnosis), html.path().string(),
+             json.path().string());
+}
+
+}  // namespace
+
+void add_diagnose(CLI::App& program) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = program.add_subcommand(
+      "diagnose", "Find what an arm's description leaves out, where, and how large it is, from trials.");
+  command->add_option("--arm", options->arm, "arm file, or the name of one in config/arms")->required();
+  command->add_option("BAG", options->bags, "trial bags, each one trial; three or more")->required();
+  command->add_option("--out", options->out, "folder for the report")->required();
+  command->add_option("--block", options->diagnosis.block_s, "time over which frames are averaged, s")
+      ->check(CLI::Range(0.02, 2.0))
+      ->capture_default_str();
+  command->add_option("--most-effects", options->diagnosis.most_effects, "effects in one verdict at most")
+      ->check(CLI::Range(1, 8))
+      ->capture_default_str();
+  command
+      ->add_option("--payload", options->payload_kg,
+                   "the known payload, kg; the bags' payload topic is not read")
+      ->check(CLI::Range(0.0, 1000.0));
+  command->add_option("--jobs", options->diagnosis.jobs, "threads (default: one per core)")
+      ->check(CLI::Range(1u, 256u));
+  command->footer(kExamples);
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace softarm::app

@@ -1,0 +1,19 @@
+// Bags as trials.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "softarm/arm/arm.h"
+#include "softarm/identify/shape_error.h"
+
+namespace softarm::app {
+
+/// All frames of each bag, named after the bag, with progress.
+/// @param use_payload whether the payload's topic is read
+/// @param jobs bags at a time; 0: one per core
+/// @throws Failure for the first bag that is missing, unreadable, without a frame, or named like another
+std::vector<identify::Trial> read_trials(const std::vector<std::string>& bags, const Arm& arm,
+                                         bool use_payload, unsigned jobs);
+
+}  // namespace softarm::app
