@@ -9,7 +9,7 @@
 #include "softarm/effects/extended_model.h"
 #include "softarm/trial/arm_file.h"
 
-namespace softarm::effects::testing {
+namespace softarm::effects::body_testing {
 
 inline Arm shipped(const std::string& name) {
   return load_arm_file(std::string(SOFTARM_SOURCE_DIR) + "/config/arms/" + name + ".yaml");
@@ -141,4 +141,4 @@ inline double rms(const Eigen::VectorXd& v) {
   return v.size() == 0 ? 0.0 : std::sqrt(v.squaredNorm() / static_cast<double>(v.size()));
 }
 
-}  // namespace softarm::effects::testing
+}  // namespace softarm::effects::body_testing

@@ -5,7 +5,7 @@
 
 #include "effects/body_fixture.h"
 
-namespace softarm::effects::testing {
+namespace softarm::effects::body_testing {
 
 struct Case {
   friend std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.id; }
@@ -70,4 +70,4 @@ inline std::vector<Condition> swinging(const Arm& arm) {
   return list;
 }
 
-}  // namespace softarm::effects::testing
+}  // namespace softarm::effects::body_testing

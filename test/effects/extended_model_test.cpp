@@ -6,13 +6,13 @@
 namespace softarm::effects {
 namespace {
 
-using testing::Case;
+using body_testing::Case;
 
 class OfBody : public ::testing::TestWithParam<Case> {};
 
 TrialData trial_for(const Arm& arm, const Case& of) {
   const bool moves = find(of.id)->needs_motion();
-  return testing::trial_of(arm, moves ? testing::swinging(arm) : testing::various(arm), moves);
+  return body_testing::trial_of(arm, moves ? body_testing::swinging(arm) : body_testing::various(arm), moves);
 }
 
 TEST_P(OfBody, IsDescribed) {
@@ -38,12 +38,13 @@ TEST_P(OfBody, IsDescribed) {
 }
 
 TEST_P(OfBody, WithoutSizeIsTheBaseline) {
-  const Arm arm = testing::shipped("online_200mm");
+  const Arm arm = body_testing::shipped("online_200mm");
   ExtendedModel model(arm);
   const Effect* effect = find(GetParam().id);
   const TrialData trial = trial_for(arm, GetParam());
   const Dynamics dynamics{true, 0.02};
-  const Eigen::VectorXd baseline = testing::stacked(testing::predict(model, arm, {}, trial, dynamics));
+  const Eigen::VectorXd baseline =
+      body_testing::stacked(body_testing::predict(model, arm, {}, trial, dynamics));
   std::vector<Values> list = effect->grid(arm, model.rod());
   EXPECT_FALSE(list.empty());
   if (list.size() > 4) list.resize(4);
@@ -55,40 +56,42 @@ TEST_P(OfBody, WithoutSizeIsTheBaseline) {
       EXPECT_LE(values[i], effect->info().parameters[static_cast<std::size_t>(i)].high);
     }
     const Eigen::VectorXd with =
-        testing::stacked(testing::predict(model, arm, {{effect, values}}, trial, dynamics));
+        body_testing::stacked(body_testing::predict(model, arm, {{effect, values}}, trial, dynamics));
     // Solved from another start where the shape is assumed first.
     EXPECT_LT((with - baseline).lpNorm<Eigen::Infinity>(), effect->needs_shape() ? 2e-9 : 1e-15);
   }
 }
 
 TEST_P(OfBody, ASmallOneDoesWhatItsSignatureSays) {
-  const Arm arm = testing::shipped("online_200mm");
+  const Arm arm = body_testing::shipped("online_200mm");
   ExtendedModel model(arm);
   const TrialData trial = trial_for(arm, GetParam());
   const Dynamics dynamics{true, 0.02};
   const Effect* effect = find(GetParam().id);
   for (int i = 0; i < effect->info().sizes; ++i) {
-    Values values = testing::values_of(GetParam().small);
+    Values values = body_testing::values_of(GetParam().small);
     for (int k = 0; k < effect->info().sizes; ++k) {
       if (k != i) values[k] = 0.0;
     }
     const Present by{effect, values};
-    const Eigen::VectorXd expected = testing::signature(model, arm, by, trial, dynamics);
-    const Eigen::VectorXd difference = testing::stacked(testing::predict(model, arm, {by}, trial, dynamics)) -
-                                       testing::stacked(testing::predict(model, arm, {}, trial, dynamics));
-    EXPECT_GT(testing::rms(expected), 5e-7) << effect->info().parameters[static_cast<std::size_t>(i)].symbol;
-    EXPECT_LT(testing::rms(difference - expected), 0.03 * testing::rms(expected) + 2e-8)
+    const Eigen::VectorXd expected = body_testing::signature(model, arm, by, trial, dynamics);
+    const Eigen::VectorXd difference =
+        body_testing::stacked(body_testing::predict(model, arm, {by}, trial, dynamics)) -
+        body_testing::stacked(body_testing::predict(model, arm, {}, trial, dynamics));
+    EXPECT_GT(body_testing::rms(expected), 5e-7)
+        << effect->info().parameters[static_cast<std::size_t>(i)].symbol;
+    EXPECT_LT(body_testing::rms(difference - expected), 0.03 * body_testing::rms(expected) + 2e-8)
         << effect->info().parameters[static_cast<std::size_t>(i)].symbol;
   }
 }
 
 TEST_P(OfBody, ALargeOneIsSolved) {
-  const Arm arm = testing::shipped("online_200mm");
+  const Arm arm = body_testing::shipped("online_200mm");
   ExtendedModel model(arm);
   const TrialData trial = trial_for(arm, GetParam());
-  const auto path =
-      testing::predict(model, arm, {testing::present(GetParam().id, testing::values_of(GetParam().large))},
-                       trial, {true, 0.02}, true);
+  const auto path = body_testing::predict(
+      model, arm, {body_testing::present(GetParam().id, body_testing::values_of(GetParam().large))}, trial,
+      {true, 0.02}, true);
   for (const Predicted& now : path) {
     EXPECT_TRUE(now.p.allFinite());
     EXPECT_TRUE(now.by_rod.allFinite());
@@ -96,7 +99,7 @@ TEST_P(OfBody, ALargeOneIsSolved) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Effects, OfBody, ::testing::ValuesIn(testing::body_cases()),
+INSTANTIATE_TEST_SUITE_P(Effects, OfBody, ::testing::ValuesIn(body_testing::body_cases()),
                          [](const auto& which) { return std::string(which.param.id); });
 
 TEST(Catalogue, IdsAreTheirOwnAndAllOfBodyAreThere) {
@@ -105,13 +108,13 @@ TEST(Catalogue, IdsAreTheirOwnAndAllOfBodyAreThere) {
   std::vector<std::string> sorted = ids;
   std::sort(sorted.begin(), sorted.end());
   EXPECT_EQ(std::adjacent_find(sorted.begin(), sorted.end()), sorted.end());
-  for (const Case& of : testing::body_cases())
+  for (const Case& of : body_testing::body_cases())
     EXPECT_EQ(std::count(ids.begin(), ids.end(), of.id), 1) << of.id;
   EXPECT_EQ(find("no_such_effect"), nullptr);
 }
 
 TEST(ExtendedModel, DerivativesByTheRodAgreeWithFiniteDifferences) {
-  Arm arm = testing::shipped("online_200mm");
+  Arm arm = body_testing::shipped("online_200mm");
   MeasuredBody skin = arm.bodies[2];
   skin.name = "skin";
   skin.kind = BodyKind::kSkinMarker;
@@ -120,13 +123,13 @@ TEST(ExtendedModel, DerivativesByTheRodAgreeWithFiniteDifferences) {
   arm.bodies.push_back(skin);
   ExtendedModel model(arm);
   const TrialData trial =
-      testing::trial_of(arm, {{testing::inputs_of(arm, 0.8), 0.1, testing::horizontal()}});
+      body_testing::trial_of(arm, {{body_testing::inputs_of(arm, 0.8), 0.1, body_testing::horizontal()}});
   // Each change of the rod by way of an effect that makes it.
   const auto check = [&](const char* id, std::initializer_list<double> list) {
-    const Present by = testing::present(id, testing::values_of(list));
-    const Eigen::VectorXd expected = testing::signature(model, arm, by, trial);
-    const Eigen::VectorXd difference = testing::stacked(testing::predict(model, arm, {by}, trial)) -
-                                       testing::stacked(testing::predict(model, arm, {}, trial));
+    const Present by = body_testing::present(id, body_testing::values_of(list));
+    const Eigen::VectorXd expected = body_testing::signature(model, arm, by, trial);
+    const Eigen::VectorXd difference = body_testing::stacked(body_testing::predict(model, arm, {by}, trial)) -
+                                       body_testing::stacked(body_testing::predict(model, arm, {}, trial));
     EXPECT_LT((difference - expected).norm(), 0.01 * expected.norm()) << id;
   };
   check("base_tilt", {1e-3, 5e-4});
@@ -140,16 +143,16 @@ TEST(ExtendedModel, DerivativesByTheRodAgreeWithFiniteDifferences) {
 // The arm gives way at its tip by about L^3 / (3 EI), 0.1 m/N: what is assumed is answered up to a hundred
 // times over.
 TEST(ExtendedModel, StiffSpringsAreSolvedAndHold) {
-  const Arm arm = testing::shipped("online_200mm");
+  const Arm arm = body_testing::shipped("online_200mm");
   ExtendedModel model(arm);
-  const TrialData trial = testing::trial_of(arm, testing::various(arm));
+  const TrialData trial = body_testing::trial_of(arm, body_testing::various(arm));
   const Eigen::Vector3d straight(0.0, 0.0, arm.total_length_m());
   const auto tip = [](const Predicted& now) { return now.shape.stations.back().p; };
-  const auto free = testing::predict(model, arm, {}, trial);
+  const auto free = body_testing::predict(model, arm, {}, trial);
   for (const double stiffness : {30.0, 100.0, 300.0}) {
     SCOPED_TRACE(stiffness);
-    const auto held = testing::predict(
-        model, arm, {testing::present("tether", testing::values_of({stiffness, 0.0, 0.0}))}, trial);
+    const auto held = body_testing::predict(
+        model, arm, {body_testing::present("tether", body_testing::values_of({stiffness, 0.0, 0.0}))}, trial);
     for (std::size_t k = 0; k < held.size(); ++k) {
       EXPECT_LE((tip(held[k]) - straight).norm(), (tip(free[k]) - straight).norm() / 2.0 + 1e-4);
       // What the tip's section bears is the spring, and what hangs there.
@@ -163,9 +166,10 @@ TEST(ExtendedModel, StiffSpringsAreSolvedAndHold) {
   for (const double stiffness : {30.0, 100.0, 300.0, 1000.0}) {
     SCOPED_TRACE(stiffness);
     for (const double azimuth : {0.0, 2.1, 4.2}) {
-      const auto touching = testing::predict(
+      const auto touching = body_testing::predict(
           model, arm,
-          {testing::present("contact", testing::values_of({stiffness, 2.0 / 3.0 * 0.2, azimuth, distance}))},
+          {body_testing::present("contact",
+                                 body_testing::values_of({stiffness, 2.0 / 3.0 * 0.2, azimuth, distance}))},
           trial);
       const Eigen::Vector3d to_wall(std::cos(azimuth), std::sin(azimuth), 0.0);
       double deepest = 0.0;
@@ -178,11 +182,11 @@ TEST(ExtendedModel, StiffSpringsAreSolvedAndHold) {
 }
 
 TEST(ExtendedModel, InertiaOfTheKnownMassesIsThatOfTheSwingingArm) {
-  const Arm arm = testing::shipped("online_200mm");
+  const Arm arm = body_testing::shipped("online_200mm");
   ExtendedModel model(arm);
-  const TrialData trial = testing::trial_of(arm, testing::swinging(arm), true);
-  const auto still = testing::predict(model, arm, {}, trial);
-  const auto moving = testing::predict(model, arm, {}, trial, {true, 0.0});
+  const TrialData trial = body_testing::trial_of(arm, body_testing::swinging(arm), true);
+  const auto still = body_testing::predict(model, arm, {}, trial);
+  const auto moving = body_testing::predict(model, arm, {}, trial, {true, 0.0});
   // D'Alembert: the moment at the clamp changes by the moments of masses times accelerations.
   for (std::size_t k = 2; k + 2 < still.size(); ++k) {
     rod::Rod rod = model.rod().layout();

@@ -11,7 +11,7 @@ namespace {
 class Shipped : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(Shipped, InPiecesItIsTheSameRod) {
-  const Arm arm = testing::shipped(GetParam());
+  const Arm arm = body_testing::shipped(GetParam());
   std::vector<double> places;
   for (const double share : {0.13, 0.5, 0.77, 1.0}) places.push_back(share * arm.total_length_m());
   rod::SolverOptions exact;
@@ -22,7 +22,7 @@ TEST_P(Shipped, InPiecesItIsTheSameRod) {
   rod::Solver one(coarse, places, {}, exact), many(pieces, places, {}, exact);
   int solved = 0;
   for (const double level : {0.0, 0.4, 1.0}) {
-    const Eigen::VectorXd inputs = testing::inputs_of(arm, level);
+    const Eigen::VectorXd inputs = body_testing::inputs_of(arm, level);
     const auto laws = softarm::predict(arm, InputValues(inputs.data(), inputs.data() + inputs.size()));
     ASSERT_TRUE(laws);
     rod::actuate(arm, *laws, coarse);
@@ -46,7 +46,7 @@ INSTANTIATE_TEST_SUITE_P(Arms, Shipped,
                                            "pouch_arm_one_segment", "tendon_trunk"));
 
 TEST(FineRod, AStiffnessProfileIsCutWithThePieces) {
-  Arm arm = testing::shipped("online_200mm");
+  Arm arm = body_testing::shipped("online_200mm");
   arm.segments[0].stiffness_profile = {{0.0, 1.3}, {0.37, 0.8}, {0.61, 1.0}, {1.0, 0.6}};
   const FineRod fine(arm);
   rod::Rod coarse = rod::make_rod(arm), pieces = fine.layout();
@@ -63,7 +63,7 @@ TEST(FineRod, AStiffnessProfileIsCutWithThePieces) {
 }
 
 TEST(FineRod, AForceIsSharedByItsNeighboursWithTheSameMoment) {
-  const FineRod fine(testing::shipped("online_200mm"));
+  const FineRod fine(body_testing::shipped("online_200mm"));
   for (const double s : {0.004, 0.05, 0.0873, 0.1999, 0.2}) {
     rod::Rod rod = fine.layout();
     fine.add_force(s, {1.0, 0.0, 0.0}, rod);
@@ -76,7 +76,7 @@ TEST(FineRod, AForceIsSharedByItsNeighboursWithTheSameMoment) {
 }
 
 TEST(FineRod, MassesOfStationsHaveTheMomentOfTheArm) {
-  Arm arm = testing::shipped("two_segment");
+  Arm arm = body_testing::shipped("two_segment");
   arm.tip_mass_kg = 0.01;
   arm.payload.arclength_m = 0.6 * arm.total_length_m();
   const FineRod fine(arm);
@@ -94,7 +94,7 @@ TEST(FineRod, MassesOfStationsHaveTheMomentOfTheArm) {
 }
 
 TEST(Along, WhatCoversAStretchHasItsLengthAndItsMiddle) {
-  const FineRod fine(testing::shipped("two_segment"));
+  const FineRod fine(body_testing::shipped("two_segment"));
   const double length = fine.length_m();
   const auto expect = [&](const Eigen::VectorXd& shares, double from, double to) {
     double sum = 0.0, moment = 0.0;
@@ -121,7 +121,7 @@ TEST(Along, WhatCoversAStretchHasItsLengthAndItsMiddle) {
 }
 
 TEST(Along, PositionsBetweenStationsLieOnTheRod) {
-  const Arm arm = testing::shipped("online_200mm");
+  const Arm arm = body_testing::shipped("online_200mm");
   const FineRod fine(arm);
   rod::Rod rod = fine.layout();
   for (rod::Segment& piece : rod.segments) piece.moment_nm = {-0.1, 0.25, 0.0};

@@ -1,0 +1,193 @@
+// Effects of body, boundary and load against the virtual rig: hidden there, and in the model at the same
+// size.
+#include <map>
+#include <utility>
+
+#include "effects/drive_trials.h"
+
+namespace softarm::effects::testing {
+namespace {
+
+enum class Mount { kHanging, kHorizontal };
+
+struct HiddenInBody {
+  const char* name;
+  rig::HiddenChoice choice;
+  std::vector<double> values;  ///< of the effect of the same id
+  Mount mount = Mount::kHanging;
+  double baseline_m = 1e-3;  ///< at least so far off without it
+  double payload_kg = 0.1;
+  double swings_m = 0.0;  ///< what else moves: a payload off the tip, an arm that bounces off
+  friend std::ostream& operator<<(std::ostream& out, const HiddenInBody& h) { return out << h.name; }
+};
+
+constexpr double kDeg = M_PI / 180.0;
+
+/// The rig's soft spot has smooth edges, a quarter of its width each: a sharp one that turns as much has this
+/// share of its width.
+double sharp_width(double share) {
+  const int n = 2000;
+  double edge = 0.0;
+  for (int i = 0; i < n; ++i) {
+    const double x = (i + 0.5) / n, step = x * x * x * (10.0 + x * (6.0 * x - 15.0));
+    edge += (1.0 / (1.0 - share * step) - 1.0) / n;
+  }
+  return 0.5 + 0.5 * edge / (1.0 / (1.0 - share) - 1.0);
+}
+
+const std::vector<HiddenInBody>& hidden_in_body() {
+  static const std::vector<HiddenInBody> list{
+      {"stiffness_taper", {"stiffness_taper", "", {{"share", -0.25}}}, {-0.25}, Mount::kHorizontal},
+      {"actuation_taper", {"actuation_taper", "", {{"share", 0.15}}}, {0.15}},
+      {"soft_spot",
+       {"soft_spot", "", {{"centre_fraction", 0.4}, {"width_fraction", 0.2}, {"share", 0.4}}},
+       {0.4, 0.08, 0.04 * sharp_width(0.4)}},
+      {"rigid_ends", {"rigid_ends", "", {{"base_m", 0.012}, {"tip_m", 0.01}}}, {0.012, 0.01}},
+      {"base_compliance",
+       {"base_compliance", "", {{"stiffness_nm_per_rad", 5.0}}},
+       {0.2},
+       Mount::kHorizontal},
+      {"base_tilt",
+       {"base_tilt", "", {{"angle_deg", 1.0}, {"azimuth_deg", 40.0}}},
+       {kDeg * std::cos(40.0 * kDeg), kDeg * std::sin(40.0 * kDeg)}},
+      {"gravity_direction",
+       {"gravity_direction", "", {{"angle_deg", 1.5}, {"azimuth_deg", 120.0}}},
+       {1.5 * kDeg * std::cos(120.0 * kDeg), 1.5 * kDeg * std::sin(120.0 * kDeg)},
+       Mount::kHorizontal,
+       5e-4},
+      {"axial_compliance", {"axial_compliance", "", {{"axial_stiffness_n", 100.0}}}, {0.01}},
+      {"shear", {"shear", "", {{"shear_stiffness_n", 45.0}}}, {1.0 / 45.0}, Mount::kHorizontal},
+      {"strain_stiffening",
+       {"strain_stiffening", "cubic", {{"beta_m2", 1e-2}}},
+       {1e-2},
+       Mount::kHanging,
+       5e-4},
+      {"contact",
+       {"contact",
+        "spring_wall",
+        {{"stiffness_n_per_m", 100.0},
+         {"distance_m", 0.01},
+         {"azimuth_deg", 20.0},
+         {"fraction", 0.7},
+         {"inclination_deg", 0.0},
+         {"friction", 0.0}}},
+       {100.0, 0.14, 20.0 * kDeg, 0.01},
+       Mount::kHanging,
+       1e-3,
+       0.1,
+       2e-4},
+      {"tether",
+       {"tether",
+        "spring",
+        {{"stiffness_n_per_m", 3.0},
+         {"anchor_distance_m", 0.05},
+         {"azimuth_deg", 90.0},
+         {"slack_m", 0.0},
+         {"hose_kg", 0.0}}},
+       {3.0, 0.0, 0.05}},
+      {"payload_offset",
+       {"payload_offset", "", {{"axial_m", 0.02}, {"lateral_m", 0.01}, {"azimuth_deg", 60.0}}},
+       {0.01 * std::cos(60.0 * kDeg), 0.01 * std::sin(60.0 * kDeg), 0.02},
+       Mount::kHanging,
+       1e-3,
+       0.1,
+       4e-5},
+      {"tip_mass", {"tip_mass", "", {{"mass_kg", 0.015}}}, {0.015}, Mount::kHorizontal},
+      {"mass_distribution",
+       {"mass_distribution", "taper", {{"share", 0.3}, {"lump_fraction", 0.5}}},
+       {0.3},
+       Mount::kHorizontal,
+       1e-3,
+       0.0},
+      {"payload_scale", {"payload_scale", "", {{"share", 0.1}}}, {0.1}, Mount::kHorizontal},
+      {"torsion_under_load",
+       {"torsion",
+        "compliance",
+        {{"stiffness_ratio", 0.6}, {"twist_deg", 0.0}, {"reference_pa", 50e3}, {"reference_n", 3.0}}},
+       {1.0 / (0.6 * 0.027), 0.0},
+       Mount::kHorizontal,
+       5e-4},
+      {"torsion_by_pressure",
+       {"torsion",
+        "pressure",
+        {{"stiffness_ratio", 1.0}, {"twist_deg", 5.0}, {"reference_pa", 50e3}, {"reference_n", 3.0}}},
+       {0.0, 5.0 * kDeg},
+       Mount::kHanging,
+       3e-4},
+      {"rest_curvature",
+       {"rest_curvature", "", {{"curvature_per_m", 0.3}, {"azimuth_deg", 50.0}, {"segment", 0.0}}},
+       {0.3 * std::cos(50.0 * kDeg), 0.3 * std::sin(50.0 * kDeg), 0.0}},
+      {"bending_plane_offset", {"bending_plane_offset", "", {{"angle_deg", 5.0}}}, {5.0 * kDeg}},
+  };
+  return list;
+}
+
+rig::Scenario scenario_of(const HiddenInBody& hidden) {
+  rig::Scenario scenario = shipped_scenario("trial_10s");
+  make_clean(scenario);
+  scenario.duration_s = 6.0;
+  scenario.mocap.rate_hz = 60.0;
+  scenario.numerics.max_step_s = 1.0 / 480.0;
+  scenario.payload.schedule = {{0.0, {hidden.payload_kg}}};
+  if (hidden.mount == Mount::kHorizontal)
+    scenario.mount.q_mocap_base = Eigen::AngleAxisd(M_PI / 2.0, Eigen::Vector3d::UnitY());
+  return scenario;
+}
+
+/// Error where nothing is hidden: the rig's arm rings after the kinks of its pressures.
+double ringing_m(const HiddenInBody& as, ExtendedModel& model, const Arm& arm, const Dynamics& dynamics) {
+  static std::map<std::pair<Mount, double>, double> known;
+  const auto key = std::make_pair(as.mount, as.payload_kg);
+  if (known.count(key) == 0) {
+    const TrialData trial = recorded(arm, scenario_of(as));
+    known[key] = rms_m(predict(model, arm, {}, trial, dynamics), trial);
+  }
+  return known[key];
+}
+
+class InTheRigsBody : public ::testing::TestWithParam<HiddenInBody> {};
+
+TEST_P(InTheRigsBody, IsPredictedAtItsSize) {
+  const HiddenInBody& hidden = GetParam();
+  const Arm arm = shipped_arm("online_200mm");
+  rig::Scenario scenario = scenario_of(hidden);
+  rig::hide(hidden.choice, scenario);
+  const TrialData trial = recorded(arm, scenario);
+  ExtendedModel model(arm);
+  const Dynamics dynamics{true, 0.02};
+  const Values values = Eigen::Map<const Eigen::VectorXd>(hidden.values.data(),
+                                                          static_cast<Eigen::Index>(hidden.values.size()));
+  const double without_m = rms_m(predict(model, arm, {}, trial, dynamics), trial);
+  const auto path = predict(model, arm, {{find(hidden.choice.effect), values}}, trial, dynamics);
+  for (const Predicted& now : path) EXPECT_TRUE(now.solved);
+  const double with_m = rms_m(path, trial);
+  const double ringing = ringing_m(hidden, model, arm, dynamics);
+  EXPECT_LT(ringing, 2e-4);
+  EXPECT_GT(without_m, hidden.baseline_m);
+  EXPECT_LT(with_m, 1.25 * ringing + 1e-5 + hidden.swings_m);
+  EXPECT_LT(with_m, 0.25 * without_m);
+  RecordProperty("ringing_mm", std::to_string(1e3 * ringing));
+  RecordProperty("without_mm", std::to_string(1e3 * without_m));
+  RecordProperty("with_mm", std::to_string(1e3 * with_m));
+}
+
+INSTANTIATE_TEST_SUITE_P(Effects, InTheRigsBody, ::testing::ValuesIn(hidden_in_body()),
+                         [](const auto& which) { return std::string(which.param.name); });
+
+TEST(OnTheRig, AWallThatLagsMoreIsTheDelayOfInertia) {
+  const Arm arm = shipped_arm("online_200mm");
+  rig::Scenario scenario = scenario_of({"slow wall", {}, {}});
+  scenario.arm.segments[0].retardation_s = 0.08;
+  const TrialData trial = recorded(arm, scenario);
+  ExtendedModel model(arm);
+  const Dynamics dynamics{true, 0.02};
+  const double without_m = rms_m(predict(model, arm, {}, trial, dynamics), trial);
+  const double with_m =
+      rms_m(predict(model, arm, {{find("inertia"), Eigen::Vector2d(0.0, 0.06)}}, trial, dynamics), trial);
+  EXPECT_GT(without_m, 5e-4);
+  EXPECT_LT(with_m, 3e-4);
+  EXPECT_LT(with_m, 0.3 * without_m);
+}
+
+}  // namespace
+}  // namespace softarm::effects::testing
