@@ -8,9 +8,10 @@ namespace softarm::effects {
 namespace {
 
 // Looked for at these places, directions, and distances: of the way, place^2 / (2 length), by which a bend of
-// one radian over the arm would move the place.
-constexpr double kPlaces[] = {0.4, 0.55, 0.7, 0.85, 1.0};
-constexpr int kDirections = 8;
+// one radian over the arm would move the place. Where along the arm it touches hardly changes what it looks
+// like once gains and stiffness are fitted, the direction does much.
+constexpr double kPlaces[] = {0.55, 0.9};
+constexpr int kDirections = 18;
 constexpr double kWays[] = {0.15, 0.45, 0.9};
 
 class Contact : public Described {

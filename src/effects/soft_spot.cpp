@@ -7,8 +7,9 @@
 namespace softarm::effects {
 namespace {
 
-constexpr double kWidth = 0.15;   // of the arm's length, where it is looked for
-constexpr double kSpacing = 0.5;  // of that width, from one place to the next
+constexpr double kWidth = 0.15;  // of the arm's length, where it is looked for
+// Closer to one another where the fitted stiffness makes neighbours differ most.
+constexpr double kPlaces[] = {0.075, 0.13, 0.18, 0.22, 0.26, 0.3, 0.34, 0.39, 0.46, 0.55, 0.7, 0.88};
 
 class SoftSpot : public Described {
  public:
@@ -16,8 +17,7 @@ class SoftSpot : public Described {
   std::vector<Values> grid(const Arm&, const FineRod& fine) const override {
     const double length = fine.length_m(), width = kWidth * length;
     std::vector<Values> list;
-    for (double centre = 0.5 * width; centre < length - 0.49 * width; centre += kSpacing * width)
-      list.push_back(Eigen::Vector3d(0.0, centre, width));
+    for (const double place : kPlaces) list.push_back(Eigen::Vector3d(0.0, place * length, width));
     return list;
   }
   void act(const Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape*, const Memory&,
