@@ -5,6 +5,7 @@
 // vectors. A cycle wide against the loop has branches that lie share times its width apart.
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 #include "drives.h"
 #include "effects.h"
@@ -19,52 +20,59 @@ constexpr double kRadii[kPlays] = {0.1, 0.3, 0.5, 0.7, 0.9};  // of the width, e
 // The same share of these as the width is of kReferencePa.
 constexpr double kReference_n = 4.0, kReference_rad = 0.6, kReference_per_m = 20.0;
 
-double reference(InputKind kind) {
-  return kind == InputKind::kTension ? kReference_n
-         : kind == InputKind::kAngle ? kReference_rad
-                                     : kReferencePa;
+/// Where the loop is: the parameter `of`.
+enum class Of { kPressures = 0, kMaterial = 1, kTensions = 2, kAngles = 3 };
+
+Of of(const Values& values) {
+  return static_cast<Of>(std::clamp(static_cast<int>(std::lround(values[2])), 0, 3));
 }
 
 class Hysteresis : public Described {
  public:
   using Described::Described;
-  bool applies_to(const Arm& arm) const override {
-    return has(arm, InputKind::kPressure) || has(arm, InputKind::kTension) || has(arm, InputKind::kAngle);
-  }
-  std::vector<Values> grid(const Arm&, const FineRod&) const override {
+  std::vector<Values> grid(const Arm& arm, const FineRod&) const override {
     std::vector<Values> list;
-    for (const double width_pa : {700.0, 2000.0, 6000.0}) list.push_back(Eigen::Vector3d(0.0, width_pa, 0.0));
-    for (const double width_pa : {800.0, 2000.0, 5000.0}) list.push_back(Eigen::Vector3d(0.0, width_pa, 1.0));
+    const auto add = [&](Of where, std::initializer_list<double> widths_pa) {
+      for (const double width_pa : widths_pa)
+        list.push_back(Eigen::Vector3d(0.0, width_pa, static_cast<double>(where)));
+    };
+    if (has(arm, InputKind::kPressure)) add(Of::kPressures, {700.0, 2000.0, 6000.0});
+    if (has(arm, InputKind::kTension)) add(Of::kTensions, {700.0, 2000.0, 6000.0});
+    if (has(arm, InputKind::kAngle)) add(Of::kAngles, {700.0, 2000.0, 6000.0});
+    add(Of::kMaterial, {800.0, 2000.0, 5000.0});
     return list;
   }
 
   void drive(const Arm& arm, const Values& values, Series& series) const override {
-    if (of_material(values) || values[0] == 0.0) return;
-    for (Eigen::Index row = 0; row < series.inputs.rows(); ++row) {
-      const InputKind kind = arm.inputs.scalars[static_cast<std::size_t>(row)].kind;
-      if (kind == InputKind::kVacuum) continue;
-      const double width = values[1] / kReferencePa * reference(kind);
-      loop(values[0], width, series.inputs.row(row));
-      loop(values[0], width, series.moment_inputs.row(row));
+    const Of where = of(values);
+    if (where == Of::kMaterial || values[0] == 0.0) return;
+    const InputKind kind = where == Of::kTensions ? InputKind::kTension
+                           : where == Of::kAngles ? InputKind::kAngle
+                                                  : InputKind::kPressure;
+    const double reference = where == Of::kTensions ? kReference_n
+                             : where == Of::kAngles ? kReference_rad
+                                                    : kReferencePa;
+    for (const Eigen::Index row : rows_of(arm, kind)) {
+      loop(values[0], values[1] / kReferencePa * reference, series.inputs.row(row));
+      loop(values[0], values[1] / kReferencePa * reference, series.moment_inputs.row(row));
     }
   }
 
   void act(const Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape*,
            const Memory& memory, rod::Rod& rod) const override {
-    if (!of_material(values) || memory.empty()) return;
+    if (of(values) != Of::kMaterial || memory.empty()) return;
     const double share = values[0] / kPlays;
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
-      // Plays that slid go on sliding, those that did not stay: exact but for the instant of a turn.
+      const double* piece = &memory[j * kSize];
+      const Vector2d last(piece[0], piece[1]);
       double stiffer = 1.0;
       Vector2d rest = rod.segments[j].rest_curvature_per_m.head<2>();
       for (int k = 0; k < kPlays; ++k) {
-        const Play play = read(memory, j, k);
-        if (play.slid) {
-          rest -= share * play.strain;
-        } else {
-          stiffer += share;
-          rest += share * play.at;
-        }
+        const double *play = piece + 2 + 3 * k, held = play[2];
+        const Vector2d strain = last - Vector2d(play[0], play[1]);
+        // M = ... + EI share (strain + held (u - last))
+        stiffer += share * held;
+        rest -= share * (strain - held * last);
       }
       rod.segments[j].bending_compliance /= stiffer;
       rod.segments[j].rest_curvature_per_m.head<2>() = rest / stiffer;
@@ -73,47 +81,37 @@ class Hysteresis : public Described {
   bool remembers() const override { return true; }
   void remember(const Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape& shape,
                 Memory& memory) const override {
-    if (!of_material(values)) return;
+    if (of(values) != Of::kMaterial) return;
     const double width = values[1] / kReferencePa * kReference_per_m;
     const bool begins = memory.empty();
-    memory.resize(fine.pieces().size() * kPlays * kSize);
+    memory.resize(fine.pieces().size() * kSize);
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
+      double* piece = &memory[j * kSize];
       const Vector2d u = shape.middles[j].u.head<2>();
+      const Vector2d moved = begins ? Vector2d(Vector2d::Zero()) : Vector2d(u - Vector2d(piece[0], piece[1]));
+      piece[0] = u.x();
+      piece[1] = u.y();
       for (int k = 0; k < kPlays; ++k) {
-        Play play;
-        play.at = begins ? u : read(memory, j, k).at;
-        play.strain = u - play.at;
-        const double radius = kRadii[k] * width, beyond = play.strain.norm();
-        play.slid = beyond > radius;
-        if (play.slid) play.strain *= radius / beyond;
-        play.at = u - play.strain;
-        write(play, j, k, memory);
+        double* play = piece + 2 + 3 * k;
+        Vector2d strain = begins ? Vector2d(Vector2d::Zero()) : Vector2d(u - Vector2d(play[0], play[1]));
+        const double radius = kRadii[k] * width, beyond = strain.norm();
+        // How much of the play's stiffness there is in the next step, if it goes on as this one did: all of
+        // it while the play holds; once it slides, none along the strain and all across it.
+        double held = 1.0;
+        if (beyond > radius * (1.0 + 1e-9)) {
+          const double along = moved.dot(strain) / beyond;
+          held = moved.isZero() ? 1.0 : std::clamp(1.0 - along * along / moved.squaredNorm(), 0.0, 1.0);
+          strain *= radius / beyond;
+        }
+        play[0] = u.x() - strain.x();
+        play[1] = u.y() - strain.y();
+        play[2] = held;
       }
     }
   }
 
  private:
-  /// Of a section's material.
-  struct Play {
-    Vector2d at = Vector2d::Zero(), strain = Vector2d::Zero();  ///< curvature is their sum
-    bool slid = false;
-  };
-  static constexpr std::size_t kSize = 5;
-
-  static bool of_material(const Values& values) { return values[2] > 0.5; }
-
-  static Play read(const Memory& memory, std::size_t piece, int play) {
-    const double* from = &memory[(piece * kPlays + static_cast<std::size_t>(play)) * kSize];
-    return {{from[0], from[1]}, {from[2], from[3]}, from[4] > 0.5};
-  }
-  static void write(const Play& play, std::size_t piece, int number, Memory& memory) {
-    double* to = &memory[(piece * kPlays + static_cast<std::size_t>(number)) * kSize];
-    to[0] = play.at.x();
-    to[1] = play.at.y();
-    to[2] = play.strain.x();
-    to[3] = play.strain.y();
-    to[4] = play.slid ? 1.0 : 0.0;
-  }
+  static constexpr std::size_t kSize = 2 + 3 * kPlays;  ///< of a piece: curvature, then where each play is
 
   static void loop(double share, double width, Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) {
     double at[kPlays];
@@ -133,21 +131,24 @@ class Hysteresis : public Described {
 }  // namespace
 
 std::unique_ptr<Effect> make_hysteresis() {
-  return std::make_unique<Hysteresis>(Info{
-      "hysteresis",
-      "up and down differ: the arm lags behind what drives it by a loop that is the same at every speed",
-      Family::kMemory,
-      {{"share", "1", "of a loop of that width", -0.2, 5.0, 0.5},
-       {"width_pa", "Pa",
-        "width of the loop, of pressures; of tensions, angles and curvatures the same share of 4 N, 0.6 rad "
-        "and "
-        "20 / m as of 50 kPa",
-        50.0, 50e3, 2500.0},
-       {"of_material", "1", "0: between what is commanded and what acts; 1: between curvature and moment",
-        0.0, 1.0, 0.0, true}},
-      1,
-      {"creep", "pressure_lag", "clock_offset"},
-      {"moment_gain"}});
+  return std::make_unique<Hysteresis>(
+      Info{"hysteresis",
+           "up and down differ: the arm lags behind what drives it by a loop that is the same at every speed",
+           Family::kMemory,
+           {{"share", "1", "of a loop of that width", -0.2, 5.0, 0.5},
+            {"width_pa", "Pa",
+             "width of the loop, of pressures; of curvatures, tensions and angles the same share of 20 / m, "
+             "4 N and "
+             "0.6 rad as of 50 kPa",
+             50.0, 50e3, 2500.0},
+            {"of", "1",
+             "0: between pressures and what acts; 1: between the material's curvature and moment; 2: of "
+             "tensions; 3: of "
+             "angles",
+             0.0, 3.0, 0.0, true}},
+           1,
+           {"creep", "pressure_lag", "clock_offset"},
+           {"moment_gain"}});
 }
 
 }  // namespace softarm::effects

@@ -37,9 +37,11 @@ class TendonFriction : public Described {
         const double beyond = std::clamp(held, x - turn * angle, x + turn * angle) - x;
         const double more_n =
             tension_n * std::expm1(std::clamp(values[0] / turn * beyond, -kMostExponent, kMostExponent));
-        rod.segments[j].moment_nm += more_n * tendon.offset_m *
-                                     Eigen::Vector3d(-std::sin(tendon.bending_direction_rad),
-                                                     std::cos(tendon.bending_direction_rad), 0.0);
+        rod::Segment& piece = rod.segments[j];
+        piece.moment_nm += more_n * tendon.offset_m *
+                           Eigen::Vector3d(-std::sin(tendon.bending_direction_rad),
+                                           std::cos(tendon.bending_direction_rad), 0.0);
+        piece.length_m -= piece.rest_length_m * more_n * piece.axial_compliance;
       }
     }
   }

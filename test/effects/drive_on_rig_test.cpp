@@ -94,6 +94,17 @@ TEST(OnTheRig, EffectsOfTheVacuumArePredictedAtTheirSize) {
   for (const Hidden& hidden : on_the_core()) check(hidden, arm, scenario, 0.03);
 }
 
+TEST(OnTheRig, EffectsOfTendonsArePredictedAtTheirSize) {
+  rig::Scenario scenario = shipped_scenario("two_segment");
+  make_clean(scenario);
+  scenario.duration_s = 8.0;
+  check({"tendon_friction",
+         {"tendon_friction", "", {{"coefficient", 0.2}, {"routing_rad", 1.0}}},
+         {0.2, 0.2, 1.0},
+         0.15},
+        shipped_arm("two_segment"), scenario, scenario.arm.segments[0].retardation_s);
+}
+
 TEST(OnTheRig, InputsBetweenTheirSamplesAreNotLate) {
   const Arm arm = shipped_arm("online_200mm");
   rig::Scenario scenario = shipped_scenario("trial_10s");
