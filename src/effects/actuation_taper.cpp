@@ -1,4 +1,6 @@
 // M0(s) = M0 (1 + a (2 s / L - 1)), along each segment: ends of chambers that do less, tendons that rub.
+#include <algorithm>
+
 #include "effects.h"
 
 namespace softarm::effects {
@@ -7,6 +9,11 @@ namespace {
 class ActuationTaper : public Described {
  public:
   using Described::Described;
+  bool applies_to(const Arm& arm) const override {
+    return std::any_of(arm.segments.begin(), arm.segments.end(), [](const Segment& segment) {
+      return !segment.chambers.empty() || !segment.tendons.empty() || !segment.cables.empty();
+    });
+  }
   void act(const Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape*, const Memory&,
            rod::Rod& rod) const override {
     for (std::size_t j = 0; j < fine.pieces().size(); ++j)

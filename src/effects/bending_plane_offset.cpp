@@ -1,4 +1,6 @@
 // All actuators sit turned about the arm's axis.
+#include <algorithm>
+
 #include "effects.h"
 
 namespace softarm::effects {
@@ -7,6 +9,11 @@ namespace {
 class BendingPlaneOffset : public Described {
  public:
   using Described::Described;
+  bool applies_to(const Arm& arm) const override {
+    return std::any_of(arm.segments.begin(), arm.segments.end(), [](const Segment& segment) {
+      return !segment.chambers.empty() || !segment.tendons.empty() || !segment.cables.empty();
+    });
+  }
   void act(const Arm&, const FineRod&, const Values& values, const Instant&, const Shape*, const Memory&,
            rod::Rod& rod) const override {
     const Eigen::Rotation2Dd turn(values[0]);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "shape_mixer.h"
 #include "softarm/arm/laws.h"
 #include "softarm/math/so3.h"
 
@@ -18,7 +19,6 @@ constexpr double kSettled_m = 1e-7;  // change of the stations at which a shape 
 constexpr double kSettledStiff_m = 2e-6, kStiffShare = 0.2;
 constexpr int kMostRounds = 80;              // to get there
 constexpr int kPasses = 2;                   // at rest, then with the inertia of that path
-constexpr std::size_t kHistory = 10;         // shapes that are mixed
 constexpr double kFirstScale = 1.0 / 256.0;  // of effects that are brought in by and by
 
 rod::SolverOptions solver_options() {
@@ -32,125 +32,6 @@ rod::SolverOptions solver_options() {
 InputValues input_values(const Eigen::VectorXd& v) {
   return {v.data(), v.data() + v.size()};
 }
-
-rod::RodState mix(const std::vector<const rod::RodState*>& states, const Eigen::VectorXd& weights) {
-  rod::RodState out = *states.back();
-  Eigen::Vector4d q = Eigen::Vector4d::Zero();
-  out.p.setZero();
-  out.n.setZero();
-  out.m.setZero();
-  out.u.setZero();
-  out.v.setZero();
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    const double w = weights[static_cast<Eigen::Index>(i)];
-    const rod::RodState& a = *states[i];
-    out.p += w * a.p;
-    out.n += w * a.n;
-    out.m += w * a.m;
-    out.u += w * a.u;
-    out.v += w * a.v;
-    const double sign = a.q.coeffs().dot(states.back()->q.coeffs()) < 0.0 ? -1.0 : 1.0;
-    q += sign * w * a.q.coeffs();
-  }
-  out.q.coeffs() = q.normalized();
-  return out;
-}
-
-/// Sum of shapes, the weights' sum being 1.
-Shape mix(const std::vector<Shape>& shapes, const Eigen::VectorXd& weights) {
-  Shape out = shapes.back();
-  std::vector<const rod::RodState*> states(shapes.size());
-  for (std::size_t k = 0; k < out.middles.size(); ++k) {
-    for (std::size_t i = 0; i < shapes.size(); ++i) states[i] = &shapes[i].middles[k];
-    out.middles[k] = mix(states, weights);
-  }
-  for (std::size_t k = 0; k < out.stations.size(); ++k) {
-    for (std::size_t i = 0; i < shapes.size(); ++i) states[i] = &shapes[i].stations[k];
-    out.stations[k] = mix(states, weights);
-  }
-  out.base_moment_nm.setZero();
-  out.base_force_n.setZero();
-  for (std::size_t i = 0; i < shapes.size(); ++i) {
-    const double w = weights[static_cast<Eigen::Index>(i)];
-    out.base_moment_nm += w * shapes[i].base_moment_nm;
-    out.base_force_n += w * shapes[i].base_force_n;
-  }
-  return out;
-}
-
-Eigen::VectorXd difference_m(const Shape& a, const Shape& b) {
-  Eigen::VectorXd d(3 * static_cast<Eigen::Index>(a.stations.size()));
-  for (std::size_t k = 0; k < a.stations.size(); ++k)
-    d.segment<3>(3 * static_cast<Eigen::Index>(k)) = a.stations[k].p - b.stations[k].p;
-  return d;
-}
-
-/// Anderson's mixing: from shapes that were assumed and those that followed, the next to assume. A shape that
-/// answers what is assumed many times over (a stiff spring) takes but a share of what followed.
-class Mixer {
- public:
-  explicit Mixer(double share) : share_(share) {}
-  double share() const { return share_; }
-
-  /// @param followed nullptr if nothing did: what was assumed has no equilibrium
-  /// @return false after so many steps that made things worse that there is no hope
-  bool next(const Shape& assumed, const Shape* followed, Shape& out) {
-    const Eigen::VectorXd error =
-        followed != nullptr ? difference_m(*followed, assumed) : Eigen::VectorXd(Eigen::VectorXd::Zero(1));
-    const double size = error.lpNorm<Eigen::Infinity>();
-    if (followed == nullptr || (best_ && size > kWorse * least_)) {
-      // Back to the best, and a smaller step from there.
-      if (!best_ || ++resets_ > kMostResets) return false;
-      share_ *= 0.2;
-      assumed_ = {best_->first};
-      followed_ = {best_->second};
-      errors_ = {difference_m(best_->second, best_->first)};
-    } else {
-      if (!best_ || size < least_) {
-        best_.emplace(assumed, *followed);
-        least_ = size;
-      }
-      assumed_.push_back(assumed);
-      followed_.push_back(*followed);
-      errors_.push_back(error);
-      if (errors_.size() > kHistory) {
-        assumed_.erase(assumed_.begin());
-        followed_.erase(followed_.begin());
-        errors_.erase(errors_.begin());
-      }
-    }
-    const auto count = static_cast<Eigen::Index>(errors_.size());
-    Eigen::VectorXd weights = Eigen::VectorXd::Zero(count);
-    weights[count - 1] = 1.0;
-    if (count > 1) {
-      Eigen::MatrixXd steps(errors_.back().size(), count - 1);
-      for (Eigen::Index i = 0; i + 1 < count; ++i)
-        steps.col(i) = errors_[static_cast<std::size_t>(i)] - errors_.back();
-      Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
-      qr.setThreshold(kAlike);
-      const Eigen::VectorXd w = qr.compute(steps).solve(-errors_.back());
-      if (w.allFinite() && w.lpNorm<Eigen::Infinity>() < kMostWeight) {
-        weights.head(count - 1) = w;
-        weights[count - 1] = 1.0 - w.sum();
-      }
-    }
-    std::vector<Shape> shapes = assumed_;
-    shapes.insert(shapes.end(), followed_.begin(), followed_.end());
-    Eigen::VectorXd both(2 * count);
-    both << (1.0 - share_) * weights, share_ * weights;
-    out = mix(shapes, both);
-    return true;
-  }
-
- private:
-  static constexpr double kWorse = 4.0, kMostWeight = 1e5, kAlike = 1e-5;
-  static constexpr int kMostResets = 10;
-  double share_, least_ = 0.0;
-  int resets_ = 0;
-  std::optional<std::pair<Shape, Shape>> best_;
-  std::vector<Shape> assumed_, followed_;
-  std::vector<Eigen::VectorXd> errors_;
-};
 
 }  // namespace
 
@@ -308,7 +189,7 @@ struct ExtendedModel::Impl {
 
   /// Assumes a shape and sees what it causes, until both agree.
   bool agree(const Context& at, const std::vector<Present>& effects, Shape assumed, Predicted& now) {
-    Mixer mixer(at.share);
+    ShapeMixer mixer(at.share);
     Eigen::Quaterniond last = now.q_tip;
     Shape followed, next;
     for (int round = 0; round < kMostRounds; ++round) {

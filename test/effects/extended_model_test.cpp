@@ -7,6 +7,7 @@ namespace softarm::effects {
 namespace {
 
 using body_testing::Case;
+using body_testing::Condition;
 
 class OfBody : public ::testing::TestWithParam<Case> {};
 
@@ -112,6 +113,51 @@ TEST(Catalogue, IdsAreTheirOwnAndAllOfBodyAreThere) {
     EXPECT_EQ(std::count(ids.begin(), ids.end(), of.id), 1) << of.id;
   EXPECT_EQ(find("no_such_effect"), nullptr);
 }
+
+class OnEveryArm : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(OnEveryArm, UsualSizesAreSolvedAndMoveIt) {
+  const Arm arm = body_testing::shipped(GetParam());
+  ExtendedModel model(arm);
+  std::vector<Condition> conditions = body_testing::swinging(arm);
+  for (Condition& condition : conditions) {
+    condition.payload_kg = 0.02;
+    condition.q_mocap_base = body_testing::horizontal();
+    // Tendons that are pulled alike would not bend it.
+    if (condition.inputs.size() > 2) condition.inputs[1] *= 2.0;
+  }
+  const TrialData trial = body_testing::trial_of(arm, conditions, true);
+  const Dynamics dynamics{true, 0.02};
+  const Eigen::VectorXd baseline =
+      body_testing::stacked(body_testing::predict(model, arm, {}, trial, dynamics));
+  for (const Case& of : body_testing::body_cases()) {
+    SCOPED_TRACE(of.id);
+    const Effect* effect = find(of.id);
+    const bool axial_only =
+        std::string(GetParam()) == "single_chamber_85mm" &&
+        (effect->info().id == "actuation_taper" || effect->info().id == "bending_plane_offset");
+    EXPECT_EQ(effect->applies_to(arm), !axial_only) << "its chamber does not bend it";
+    if (axial_only) continue;
+    const std::vector<Values> grid = effect->grid(arm, model.rod());
+    double most = 0.0;
+    for (std::size_t g = 0; g < grid.size(); g += std::max<std::size_t>(1, grid.size() / 6)) {
+      Values values = grid[g];
+      for (int i = 0; i < effect->info().sizes; ++i)
+        values[i] = effect->info().parameters[static_cast<std::size_t>(i)].usual;
+      const auto path = body_testing::predict(model, arm, {{effect, values}}, trial, dynamics);
+      const Eigen::VectorXd with = body_testing::stacked(path);
+      ASSERT_TRUE(with.allFinite());
+      most = std::max(most, (with - baseline).lpNorm<Eigen::Infinity>());
+    }
+    EXPECT_GT(most, 1e-7);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Arms, OnEveryArm,
+                         ::testing::Values("online_200mm", "semi_physical_200mm", "single_chamber_85mm",
+                                           "hybrid_85mm", "cable_235mm", "two_segment", "pouch_arm",
+                                           "tendon_trunk"),
+                         [](const auto& which) { return std::string(which.param); });
 
 TEST(ExtendedModel, DerivativesByTheRodAgreeWithFiniteDifferences) {
   Arm arm = body_testing::shipped("online_200mm");
