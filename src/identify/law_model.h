@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "softarm/identify/constants.h"
-#include "softarm/rod/solver.h"
 #include "softarm/identify/static_frame.h"
+#include "softarm/rod/solver.h"
 
 namespace softarm::identify {
 

@@ -9,8 +9,8 @@
 #include <map>
 #include <stdexcept>
 
-#include "softarm/rod/solver.h"
 #include "softarm/identify/static_frame.h"
+#include "softarm/rod/solver.h"
 
 namespace softarm::identify {
 namespace {
