@@ -18,7 +18,7 @@ class JammingYield : public Described {
   bool applies_to(const Arm& arm) const override { return has_core(arm); }
   std::vector<Values> grid(const Arm&, const FineRod&) const override {
     std::vector<Values> list;
-    for (const double yield_per_m : {1.0, 1.7, 3.0, 5.0})
+    for (const double yield_per_m : {1.0, 1.4, 2.0, 2.8, 4.0, 5.6})
       list.push_back((Values(2) << 0.0, yield_per_m).finished());
     return list;
   }
