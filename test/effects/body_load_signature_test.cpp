@@ -1,0 +1,197 @@
+// What effects of boundary and load look like, as the catalogue says.
+#include <gtest/gtest.h>
+
+#include "effects/body_signatures.h"
+#include "softarm/math/so3.h"
+#include "softarm/rod/published.h"
+
+namespace softarm::effects {
+namespace {
+
+using body_testing::Condition;
+using body_testing::hanging;
+using body_testing::horizontal;
+using body_testing::standing;
+using Eigen::Matrix3Xd;
+using Eigen::Vector3d;
+
+class LoadSignatures : public body_testing::Signatures {};
+
+TEST_F(LoadSignatures, BaseTiltIsTheSameTurnAtEveryInput) {
+  const Present tilt = with("base_tilt", {0.02, -0.01});
+  Arm weightless = arm;
+  weightless.gravity_m_s2.setZero();
+  const auto trial = body_testing::trial_of(
+      weightless,
+      {{inputs(0.0), 0.0, hanging()}, {inputs(0.5), 0.0, hanging()}, {inputs(1.0, 1), 0.0, standing()}});
+  const auto before = body_testing::predict(model, arm, {}, trial);
+  const auto after = body_testing::predict(model, arm, {tilt}, trial);
+  const Eigen::Matrix3d turn = exp_so3(Vector3d(0.01, 0.02, 0.0)).toRotationMatrix();
+  for (std::size_t k = 0; k < before.size(); ++k) EXPECT_LT((after[k].p - turn * before[k].p).norm(), 1e-9);
+  // Towards x of the base frame.
+  EXPECT_GT((after[0].p - before[0].p).col(3).x(), 0.0);
+  EXPECT_LT((after[0].p - before[0].p).col(3).y(), 0.0);
+}
+
+TEST_F(LoadSignatures, BaseComplianceTurnsWithTheLoad) {
+  const Present yields = with("base_compliance", {0.2});
+  EXPECT_LT(tip(yields, {inputs(0.0), 0.2, hanging()}), 1e-9);
+  const auto trial = body_testing::trial_of(arm, {{inputs(0.0), 0.05, horizontal()}});
+  const auto path = body_testing::predict(model, arm, {yields}, trial);
+  // Moment of the weights about the clamp, x of the base frame down: the arm turns down there.
+  const auto& shape = path[0].shape;
+  EXPECT_NEAR(shape.base_moment_nm.y(), 0.2 * 9.80665 * 0.1 + 0.05 * 9.80665 * 0.2, 0.1);
+  const Matrix3Xd first = moved(yields, {{inputs(0.0), 0.05, horizontal()}});
+  EXPECT_NEAR(first(0, 0), 0.2 * shape.base_moment_nm.y() * 0.05, 3e-4);
+}
+
+TEST_F(LoadSignatures, GravityDirectionSagsOffAndChangesSignWithTheMounting) {
+  const Present off = with("gravity_direction", {0.0, 0.03});
+  // y of the mocap frame: hanging (turned about x) that is -y of the base frame, standing +y.
+  const Matrix3Xd hangs = moved(off, {{inputs(0.0), 0.1, hanging()}});
+  EXPECT_LT(hangs.col(3).y(), -5e-4);
+  const Matrix3Xd stands = moved(off, {{inputs(0.0), 0.0, standing()}});
+  EXPECT_GT(stands.col(3).y(), 5e-4);
+  // As the vector it says.
+  const Values values = off.values;
+  rod::Rod rod = model.rod().layout();
+  Instant instant;
+  instant.q_base_mocap = hanging().conjugate();
+  rod.gravity_m_s2 = instant.q_base_mocap * arm.gravity_m_s2;
+  off.effect->act(arm, model.rod(), values, instant, nullptr, {}, rod);
+  const Vector3d expected =
+      9.80665 * (hanging().conjugate() * Vector3d(0.0, std::sin(0.03), -std::cos(0.03)));
+  EXPECT_LT((rod.gravity_m_s2 - expected).norm(), 1e-9);
+}
+
+TEST_F(LoadSignatures, ContactDoesNothingBeforeItTouches) {
+  const Present wall = with("contact", {50.0, 0.15, 0.0, 0.02});
+  double last = 0.0;
+  bool touched = false, free = false;
+  for (const double level : {0.0, 0.2, 0.4, 0.6, 0.8, 1.0}) {
+    const Condition condition{inputs(level), 0.0, hanging()};
+    const auto alone = body_testing::predict(model, arm, {}, body_testing::trial_of(arm, {condition}));
+    const double by = tip(wall, condition);
+    if (alone[0].p.col(2).x() < 0.02) {
+      EXPECT_LT(by, 1e-9) << level;
+      free = true;
+    } else {
+      EXPECT_GT(by, last) << level;
+      touched = true;
+      last = by;
+    }
+  }
+  EXPECT_TRUE(touched && free);
+  EXPECT_GT(last, 2e-3);
+}
+
+TEST_F(LoadSignatures, TetherPullsInProportionToTheTipsWay) {
+  const Present hose = with("tether", {2.0, 0.0, 0.0});
+  EXPECT_LT(tip(hose, {inputs(0.0), 0.1, hanging()}), 1e-9);
+  const auto trial = body_testing::trial_of(arm, {{inputs(0.5), 0.1, hanging()}});
+  const auto path = body_testing::predict(model, arm, {hose}, trial);
+  const Vector3d tip_p = path[0].shape.stations.back().p;
+  const rod::Rod& layout = model.rod().layout();
+  const Vector3d weight = 0.1 * trial.blocks[0].gravity_base;
+  EXPECT_LT(
+      (path[0].shape.stations.back().n - weight - 2.0 * (Vector3d(0.0, 0.0, layout.rest_length_m()) - tip_p))
+          .norm(),
+      1e-4);
+}
+
+TEST_F(LoadSignatures, PayloadOffsetIsInProportionToThePayload) {
+  const Present off = with("payload_offset", {0.0, 0.0, 0.02});
+  EXPECT_LT(tip(off, {inputs(0.6), 0.0, hanging()}), 1e-9);
+  const double light = tip(off, {inputs(0.6), 0.01, hanging()}),
+               heavy = tip(off, {inputs(0.6), 0.02, hanging()});
+  EXPECT_NEAR(heavy / light, 2.0, 0.2);
+  // Along the axis of an arm that hangs straight it has no lever; across it has.
+  EXPECT_LT(tip(off, {inputs(0.0), 0.2, hanging()}), 1e-9);
+  EXPECT_GT(tip(with("payload_offset", {0.01, 0.0, 0.0}), {inputs(0.0), 0.2, hanging()}), 1e-3);
+}
+
+TEST_F(LoadSignatures, TipMassIsAPayloadWhereThereIsNone) {
+  const Matrix3Xd fitting = moved(with("tip_mass", {0.02}), {{inputs(0.3), 0.0, horizontal()}});
+  const auto unloaded =
+      body_testing::predict(model, arm, {}, body_testing::trial_of(arm, {{inputs(0.3), 0.0, horizontal()}}));
+  const auto loaded =
+      body_testing::predict(model, arm, {}, body_testing::trial_of(arm, {{inputs(0.3), 0.02, horizontal()}}));
+  EXPECT_LT((fitting - (loaded[0].p - unloaded[0].p)).norm(), 1e-9);
+  EXPECT_GT(fitting.norm(), 1e-3);
+}
+
+TEST_F(LoadSignatures, MassDistributionKeepsTheWeight) {
+  const auto trial = body_testing::trial_of(arm, {{inputs(0.0), 0.1, horizontal()}});
+  const auto before = body_testing::predict(model, arm, {}, trial);
+  const auto after = body_testing::predict(model, arm, {with("mass_distribution", {0.3})}, trial);
+  EXPECT_LT((after[0].shape.base_force_n - before[0].shape.base_force_n).norm(), 1e-9);
+  EXPECT_GT((after[0].p - before[0].p).col(3).x(), 1e-3) << "heavier towards the tip: it hangs lower";
+}
+
+TEST_F(LoadSignatures, PayloadScaleIsInProportionToThePayload) {
+  const Present wrong = with("payload_scale", {0.05});
+  EXPECT_EQ(tip(wrong, {inputs(0.5), 0.0, horizontal()}), 0.0);
+  const auto said = body_testing::trial_of(arm, {{inputs(0.5), 0.105, horizontal()}});
+  const auto hangs = body_testing::trial_of(arm, {{inputs(0.5), 0.1, horizontal()}});
+  const auto a = body_testing::predict(model, arm, {wrong}, said),
+             b = body_testing::predict(model, arm, {}, hangs);
+  EXPECT_LT((a[0].p - b[0].p).norm(), 1e-12);
+}
+
+TEST_F(LoadSignatures, InertiaActsOnlyOnWhatAccelerates) {
+  const auto swing = body_testing::trial_of(arm, body_testing::swinging(arm), true);
+  const Dynamics none{false, 0.0};
+  const Present moves = with("inertia", {1.0, 0.0}), lags = with("inertia", {0.0, 0.03});
+  // As much again as the known masses is what these alone do, and the wall's delay the wall's delay.
+  const auto beside = body_testing::predict(model, arm, {moves}, swing, none);
+  const auto known = body_testing::predict(model, arm, {}, swing, {true, 0.0});
+  EXPECT_LT((body_testing::stacked(beside) - body_testing::stacked(known)).lpNorm<Eigen::Infinity>(), 1e-6);
+  const auto late = body_testing::predict(model, arm, {lags}, swing, none);
+  const auto wall = body_testing::predict(model, arm, {}, swing, {false, 0.03});
+  EXPECT_LT((body_testing::stacked(late) - body_testing::stacked(wall)).lpNorm<Eigen::Infinity>(), 1e-6);
+  EXPECT_GT((body_testing::stacked(late) - body_testing::stacked(known)).lpNorm<Eigen::Infinity>(), 1e-4);
+  const std::vector<Condition> still(6, Condition{inputs(0.7), 0.1, hanging()});
+  const auto held = body_testing::trial_of(arm, still, true);
+  EXPECT_LT((body_testing::stacked(body_testing::predict(model, arm, {moves}, held)) -
+             body_testing::stacked(body_testing::predict(model, arm, {}, held)))
+                .lpNorm<Eigen::Infinity>(),
+            1e-9);
+}
+
+TEST_F(LoadSignatures, PublishedLoadLawIsTheOneThatThePapersPrint) {
+  Arm bending = arm;
+  bending.segments[0].bending_stiffness = {};
+  bending.segments[0].bending_stiffness.base_nm2 = 0.038;
+  for (Chamber& chamber : bending.segments[0].chambers) chamber.near_elongation_m_per_pa = 0.0;
+  ExtendedModel standing_arm(bending);
+  Eigen::VectorXd one = Eigen::VectorXd::Zero(3);
+  one[0] = 0.2 / bending.segments[0].chambers[0].moment_gain_nm_per_pa;
+  for (const double payload : {0.0, 0.1}) {
+    rod::PublishedArm printed;
+    printed.moment_nm = 0.2;
+    printed.bending_stiffness_nm2 = 0.038;
+    printed.length_m = 0.2;
+    printed.payload_n = payload * 9.80665;
+    printed.weight_n = 0.2 * 9.80665;
+    rod::PublishedOptions fine;
+    fine.nodes = 401;
+    fine.relaxation = rod::settling_relaxation(printed);
+    const auto trial = body_testing::trial_of(bending, {{one, payload, standing()}});
+    for (const bool as_printed : {false, true}) {
+      const auto expected =
+          rod::solve_published(printed, as_printed ? rod::LoadLaw::kPrinted : rod::LoadLaw::kStatics, fine);
+      ASSERT_EQ(expected.status, rod::SolveStatus::kConverged);
+      const auto path = body_testing::predict(standing_arm, bending,
+                                              {with("published_load_law", {as_printed ? 1.0 : 0.0})}, trial);
+      EXPECT_LT((path[0].p.col(3) - expected.p_m.col(400)).norm(), as_printed ? 2e-4 : 2e-6);
+      EXPECT_LT((path[0].p.col(1) - expected.p_m.col(200)).norm(), as_printed ? 2e-4 : 2e-6);
+    }
+    EXPECT_GT(body_testing::moved(standing_arm, bending, with("published_load_law", {1.0}), trial)
+                  .rightCols<1>()
+                  .norm(),
+              2e-3);
+  }
+}
+
+}  // namespace
+}  // namespace softarm::effects
