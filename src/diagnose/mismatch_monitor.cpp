@@ -18,6 +18,8 @@ using Eigen::Vector3d;
 constexpr std::size_t kFewestPoints = 5;
 constexpr double kTimeJump_s = 1.0;
 constexpr std::size_t kHistory = 100;  // windows, one per bin: 2.5 s
+constexpr std::size_t kWindowSteps = 10;
+const std::vector<SegmentPrediction> kNoLaws;
 constexpr double kSuspicion = 0.5;     // of the threshold: the reference waits
 constexpr double kSuspicious_s = 3.0;  // ... at most so long
 constexpr double kDoubt = 0.01;        // ... then it learns anew, so much at a time
@@ -35,6 +37,7 @@ constexpr double kStraight = 0.02;  // tip off the base's axis, over the length:
 struct Past {
   double to_s = 0.0;
   Displacements innovation;
+  std::vector<SegmentPrediction> laws;  ///< empty: none
 };
 
 }  // namespace
@@ -55,6 +58,7 @@ struct MismatchMonitor::Impl {
     place.setZero(rows);
     inertia.setZero(rows);
     innovation.setZero(rows);
+    over_innovation.setZero(rows);
     for (Past& past : history) past.innovation.setZero(rows);
     reset();
   }
@@ -90,6 +94,7 @@ struct MismatchMonitor::Impl {
 
   std::vector<char> seen;
   Displacements discrepancy, place, inertia, innovation;
+  Displacements over_innovation;  ///< when the change went over the threshold
   std::optional<std::vector<SegmentPrediction>> predictions;
   std::vector<Past> history;  // a ring
   std::size_t next_past = 0, pasts = 0;
@@ -166,7 +171,9 @@ void MismatchMonitor::Impl::step(double stamp_s) {
   inertia.setZero();
   if (predictions) shape.by_inertia(motion.acceleration, motion.usable, inertia);
   const bool payload_is_free = unknown != Unknown::kStiffness;
-  reference.set_shape(shape, predictions ? &*predictions : nullptr, motion.velocity, payload_is_free);
+  const std::vector<SegmentPrediction>& before =
+      pasts >= kWindowSteps ? history[(next_past + kHistory - kWindowSteps) % kHistory].laws : kNoLaws;
+  reference.set_shape(shape, predictions ? &*predictions : nullptr, before, motion.velocity, payload_is_free);
   innovation = motion.discrepancy - reference.predicted() - inertia;
   for (std::size_t i = 0; i < motion.usable.size(); ++i) {
     if (!motion.usable[i]) innovation.segment<3>(static_cast<Eigen::Index>(3 * i)).setZero();
@@ -174,6 +181,8 @@ void MismatchMonitor::Impl::step(double stamp_s) {
   Past& past = history[next_past];
   past.to_s = motion.to_s;
   past.innovation = innovation;
+  past.laws.clear();
+  if (predictions) past.laws = *predictions;
   next_past = (next_past + 1) % kHistory;
   pasts = std::min(pasts + 1, kHistory);
 
@@ -250,10 +259,13 @@ void MismatchMonitor::Impl::decide() {
   mismatch.threshold_sd = held_off && !mismatch.alarm ? 0.0 : params.threshold_sd;
   const bool over = mismatch.change_sd > params.threshold_sd;
   if (!mismatch.alarm) {
+    // What swings back was a vibration.
+    if (over_since_s && over_innovation.dot(innovation) <= 0.0) over_since_s.reset();
     if (!over || held_off) {
       over_since_s.reset();
     } else if (!over_since_s) {
       over_since_s = now_s;
+      over_innovation = innovation;
     }
     if (!over_since_s || now_s - *over_since_s < params.confirm_s - 1e-6) return;
     mismatch.alarm = true;

@@ -23,8 +23,10 @@ constexpr double kLearn_s = 30.0;
 constexpr double kFirstWeight_s = 1.0;  // of what is believed at first
 constexpr double kOutlier = 3.0;  // windows beyond this many times what is expected count as much as that
 // Shares to which is known what is allowed for.
-constexpr double kInertiaShare = 0.25;
+constexpr double kInertiaShare = 0.35;
 constexpr double kCorrectionShare = 0.15;
+constexpr double kAnyDirection = 0.1;     // of the variance, otherwise than its shape
+constexpr double kLawChangeShare = 0.15;  // of what the laws' predictions change by within a window
 constexpr double kDelayJitter_s = 0.006;
 constexpr double kCommon = 4.0;  // successive windows err alike: so many count as one
 constexpr double kUnseen_m2 = 1.0;
@@ -64,14 +66,17 @@ void SlowReference::reset() {
   noise_ = Eigen::MatrixXd::Identity(jacobian_.rows(), jacobian_.rows()) * (kAtFirst_m * kAtFirst_m);
   jacobian_.setZero();
   velocity_.setZero(jacobian_.rows());
+  law_change_.setZero(jacobian_.rows());
   free_columns_ = 0;
 }
 
 void SlowReference::set_shape(const MonitorShape& shape, const std::vector<SegmentPrediction>* predictions,
-                              const Displacements& velocity, bool payload_is_free) {
+                              const std::vector<SegmentPrediction>& before, const Displacements& velocity,
+                              bool payload_is_free) {
   const auto segments = static_cast<Eigen::Index>(arm_.segments.size());
   jacobian_.setZero();
   free_columns_ = 0;
+  law_change_.setZero();
   for (Eigen::Index i = 0; i < segments; ++i) {
     const int segment = static_cast<int>(i);
     auto x = jacobian_.col(kPerSegment * i), y = jacobian_.col(kPerSegment * i + 1);
@@ -100,6 +105,13 @@ void SlowReference::set_shape(const MonitorShape& shape, const std::vector<Segme
     jacobian_.col(kPerSegment * i + 6) = law.actuation_nm().norm() * length;
     x *= per_moment;
     y *= per_moment;
+    if (i < static_cast<Eigen::Index>(before.size())) {
+      const SegmentPrediction& was = before[static_cast<std::size_t>(i)];
+      const Eigen::Vector2d change = law.moment_nm - was.moment_nm +
+                                     law.bending_stiffness_nm2 * (law.curvature_per_m - was.curvature_per_m);
+      law_change_ += change.x() * x + change.y() * y + (law.length_m - was.length_m) * length +
+                     std::log(was.bending_stiffness_nm2 / law.bending_stiffness_nm2) * flexibility;
+    }
   }
   if (predictions) jacobian_.col(segments * kPerSegment) = -velocity;
   for (int body = 0; body < shape.bodies(); ++body) {
@@ -120,12 +132,14 @@ const Eigen::LLT<Eigen::MatrixXd>& SlowReference::innovation_covariance(const st
   total_ = noise_;
   total_.noalias() += work_ * jacobian_.transpose();
   total_.diagonal().array() += floor_m2_;
-  column_.noalias() = kCorrectionShare * (jacobian_ * state_);
-  total_.noalias() += column_ * column_.transpose();
-  column_ = kDelayJitter_s * velocity_;
-  total_.noalias() += column_ * column_.transpose();
-  column_ = kInertiaShare * inertia;
-  total_.noalias() += column_ * column_.transpose();
+  column_.noalias() = jacobian_ * state_;
+  allow(kCorrectionShare);
+  column_ = velocity_;
+  allow(kDelayJitter_s);
+  column_ = law_change_;
+  allow(kLawChangeShare);
+  column_ = inertia;
+  allow(kInertiaShare);
   expected_m2_ = total_.trace();
   if (free_columns_ > 0) {
     total_.noalias() += free_.leftCols(free_columns_) * free_.leftCols(free_columns_).transpose();
@@ -135,6 +149,12 @@ const Eigen::LLT<Eigen::MatrixXd>& SlowReference::innovation_covariance(const st
   }
   factor_.compute(total_);
   return factor_;
+}
+
+void SlowReference::allow(double share) {
+  // As it is, less or more, and a little of it in any direction.
+  total_.noalias() += (share * share) * (column_ * column_.transpose());
+  total_.diagonal().array() += (kAnyDirection * share * share) * column_.array().square();
 }
 
 void SlowReference::update(const Displacements& innovation) {

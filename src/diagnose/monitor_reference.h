@@ -22,8 +22,10 @@ class SlowReference {
 
   void reset();
   /// Takes the displacements per state at a shape. @param velocity of the bodies, m/s, three rows each
+  /// @param before predictions of a window ago; as empty as `predictions` is null
   void set_shape(const MonitorShape& shape, const std::vector<SegmentPrediction>* predictions,
-                 const Displacements& velocity, bool payload_is_free);
+                 const std::vector<SegmentPrediction>& before, const Displacements& velocity,
+                 bool payload_is_free);
   /// @return what the states say of the discrepancy
   Displacements predicted() const { return jacobian_ * state_; }
   /// Covariance of the innovation of one window. Rows of bodies that are not usable say nothing.
@@ -42,11 +44,14 @@ class SlowReference {
   void doubt(double share);
 
  private:
+  /// Adds column_ times a share, as an uncertainty.
+  void allow(double share);
+
   const Arm& arm_;
   double memory_s_;
   Eigen::VectorXd state_, prior_sd_;  // the state in its prior's standard deviations
   Eigen::MatrixXd covariance_, jacobian_, noise_, total_, work_, gain_, free_, information_;
-  Displacements column_, velocity_;
+  Displacements column_, velocity_, law_change_;
   double learned_s_ = 0.0, expected_m2_ = 0.0;
   int free_columns_ = 0;
   double floor_m2_;

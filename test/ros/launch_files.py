@@ -12,13 +12,15 @@ import rospkg
 import rostest
 
 FOLDER = os.path.join(rospkg.RosPack().get_path("softarm_estimator"), "launch")
-REQUIRED = {"estimate.launch": ["arm:=online_200mm"], "replay.launch": ["bag:=/a/recording.bag"]}
+REQUIRED = {"estimate.launch": ["arm:=online_200mm"], "replay.launch": ["bag:=/a/recording.bag"],
+            "diagnose.launch": ["arm:=online_200mm"]}
+MAIN = {"diagnose.launch": "diagnose_node"}  # of the others: the estimator
 
 
 class LaunchFiles(unittest.TestCase):
     def files(self):
         names = sorted(n for n in os.listdir(FOLDER) if n.endswith(".launch"))
-        self.assertTrue({"demo.launch", "estimate.launch", "replay.launch"} <= set(names))
+        self.assertTrue({"demo.launch", "diagnose.launch", "estimate.launch", "replay.launch"} <= set(names))
         return names
 
     def load(self, name, arguments):
@@ -28,7 +30,7 @@ class LaunchFiles(unittest.TestCase):
         for name in self.files():
             config = self.load(name, REQUIRED.get(name, []))
             self.assertEqual(config.config_errors, [], name)
-            self.assertIn("estimator_node", {node.type for node in config.nodes}, name)
+            self.assertIn(MAIN.get(name, "estimator_node"), {node.type for node in config.nodes}, name)
             for node in config.nodes:  # the programs exist
                 self.assertTrue(roslib.packages.find_node(node.package, node.type), "%s: %s" % (name, node.type))
 

@@ -1,0 +1,112 @@
+#!/usr/bin/python3
+"""diagnose.launch on a real roscore: the last seconds as trials, the program's exit status and report, recording meanwhile."""
+import os
+import re
+import sys
+import time
+import unittest
+
+import rosbag
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from softarm_estimator.msg import Mismatch
+from std_srvs.srv import Trigger
+
+HOME = os.environ["ROS_HOME"]
+POSES = ["/mocap/%s/pose" % body for body in ["base", "ring_1", "ring_2", "ring_3", "ring_4"]]
+TOPICS = set(POSES + ["/pressure/chamber_%d" % i for i in (1, 2, 3)] + ["/payload"])
+
+
+class DiagnoseNode(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("diagnose_node_test")
+        cls.statuses = {"softarm_diagnose": [], "fails": []}
+        cls.subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, cls.on_diagnostics, queue_size=100)
+        cls.alarms = rospy.Publisher("/test/mismatch", Mismatch, queue_size=10)
+        cls.diagnose = rospy.ServiceProxy("/softarm_diagnose/diagnose", Trigger)
+        cls.diagnose_failing = rospy.ServiceProxy("/fails/diagnose", Trigger)
+        cls.diagnose.wait_for_service(15.0)
+        cls.diagnose_failing.wait_for_service(15.0)
+
+    @classmethod
+    def on_diagnostics(cls, message):
+        for status in message.status:
+            for name, seen in cls.statuses.items():
+                if status.name.startswith(name + ":") or status.name.startswith("/" + name + ":"):
+                    seen.append((status, {v.key: v.value for v in status.values}))
+
+    def wait(self, condition, timeout=15.0):
+        end = time.time() + timeout
+        while time.time() < end and not condition():
+            time.sleep(0.05)
+        return condition()
+
+    def kept(self, name="softarm_diagnose"):
+        return float(self.statuses[name][-1][1]["kept (s)"]) if self.statuses[name] else 0.0
+
+    def test_a_too_early(self):
+        if self.kept() < 0.5:  # on a busy machine we may be late ourselves
+            answer = self.diagnose()
+            if not answer.success:
+                self.assertIn("have been recorded", answer.message)
+
+    def test_b_service(self):
+        self.assertTrue(self.wait(lambda: self.kept() > 5.5, 30.0))
+        seen = len(self.statuses["softarm_diagnose"])
+        answer = self.diagnose()
+        self.assertTrue(answer.success, answer.message)
+        self.assertIn("exit status 0", answer.message)
+        report = re.search(r"report: (\S+)", answer.message).group(1)
+        self.assertTrue(os.path.isfile(report))
+        self.assertTrue(report.startswith(os.path.join(HOME, "diagnoses")), report)
+        # Diagnostics came and messages were kept while it ran.
+        running = [v for _, v in self.statuses["softarm_diagnose"][seen:] if v["running"] == "yes"]
+        self.assertGreaterEqual(len(running), 1)
+
+        folder = os.path.dirname(os.path.dirname(report))
+        trials = sorted(os.listdir(os.path.join(folder, "trials")))
+        self.assertEqual(trials, ["trial_01.bag", "trial_02.bag", "trial_03.bag"])
+        with open(os.path.join(folder, "diagnose.log")) as log:
+            call = log.readline()
+        paths = " ".join(os.path.join(folder, "trials", t) for t in trials)
+        self.assertEqual(call.strip(), "called with: diagnose --arm online_200mm %s --out %s" %
+                         (paths, os.path.join(folder, "report")))
+        last_end = None
+        for trial in trials:
+            with rosbag.Bag(os.path.join(folder, "trials", trial)) as bag:
+                topics = bag.get_type_and_topic_info().topics
+                self.assertEqual(set(topics), TOPICS)  # the payload too, which was said once before all of it
+                self.assertAlmostEqual(bag.get_end_time() - bag.get_start_time(), 2.0, delta=0.2)
+                self.assertGreater(topics[POSES[0]].message_count, 150)
+                self.assertEqual(next(bag.read_messages("/payload")).message.data, 0.1)
+                if last_end is not None:
+                    self.assertLess(abs(bag.get_start_time() - last_end), 0.1)
+                last_end = bag.get_end_time()
+
+    def test_c_failure(self):
+        self.assertTrue(self.wait(lambda: self.kept("fails") > 3.0, 30.0))
+        answer = self.diagnose_failing()
+        self.assertFalse(answer.success)
+        self.assertIn("exit status 3", answer.message)
+        self.assertIn("what is wrong with it", answer.message)
+        warned = lambda: self.statuses["fails"][-1][0].level == DiagnosticStatus.WARN
+        self.assertTrue(self.wait(warned, 5.0))
+        self.assertIn("exit status 3", self.statuses["fails"][-1][0].message)
+
+    def test_d_alarm(self):
+        count = lambda: int(self.statuses["softarm_diagnose"][-1][1]["diagnoses"])
+        self.assertTrue(self.wait(lambda: self.alarms.get_num_connections() > 0))
+        before = count()
+        for alarm in [False, True, True, False, True]:
+            self.alarms.publish(Mismatch(alarm=alarm, words="a test"))
+        self.assertTrue(self.wait(lambda: count() == before + 1 and
+                                  self.statuses["softarm_diagnose"][-1][1]["running"] == "no", 15.0))
+        time.sleep(1.5)
+        self.assertEqual(count(), before + 1)  # once, however often
+        self.assertIn("exit status 0", self.statuses["softarm_diagnose"][-1][0].message)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("softarm_estimator", "diagnose_node", DiagnoseNode, sys.argv)
