@@ -21,6 +21,8 @@ ROWS = [
     ("frame_fit_warm", "one frame fit, from the last frame's", "us", 100),
     ("frame_fit_warm_p99", "  its 99th percentile", "us", 400),
     ("frame_fit_cold", "one frame fit, from nothing", "us", 150),
+    ("mismatch_frame_120hz", "live monitor, one frame at 120 Hz", "us", 5),
+    ("mismatch_frame_240hz", "  at 240 Hz", "us", 5),
     ("identify_30_trials_ms", "12 constants from 30 trials", "ms", 1000),
     ("offline_frames_per_s", "softarm estimate over a bag", "1/s", None),
     ("ratio_octave_sqp", "cold fit against Octave sqp", "x", 4000),

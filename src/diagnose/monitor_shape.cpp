@@ -10,6 +10,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
+constexpr std::size_t kPieces = 20;
+
 double profile_at(const Segment& segment, double fraction) {
   const std::vector<StiffnessKnot>& knots = segment.stiffness_profile;
   if (knots.empty()) return 1.0;
@@ -58,10 +60,13 @@ Matrix3d MonitorShape::section(int body) const {
 
 void MonitorShape::set(const Estimate& estimate) {
   const std::vector<BackbonePoint>& points = estimate.backbone;
-  pieces_.resize(points.size() - 1);
+  // More pieces than these gain nothing; a live backbone and an offline one give the same.
+  const std::size_t intervals = points.size() - 1;
+  const std::size_t step = intervals % kPieces == 0 ? intervals / kPieces : 1;
+  pieces_.resize(intervals / step);
   begin_.resize(pieces_.size());
-  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-    const BackbonePoint &a = points[i], &b = points[i + 1];
+  for (std::size_t i = 0; i < pieces_.size(); ++i) {
+    const BackbonePoint &a = points[i * step], &b = points[(i + 1) * step];
     Piece& piece = pieces_[i];
     const double mid = 0.5 * (a.arclength_m + b.arclength_m);
     begin_[i] = a.arclength_m;

@@ -105,7 +105,7 @@ class DiagnoseNode(unittest.TestCase):
                                   self.statuses["softarm_diagnose"][-1][1]["running"] == "no", 15.0))
         time.sleep(1.5)
         self.assertEqual(count(), before + 1)  # once, however often
-        self.assertIn("exit status 0", self.statuses["softarm_diagnose"][-1][0].message)
+        self.assertIn("exit status 0", self.statuses["softarm_diagnose"][-1][1]["last diagnosis"])
 
 
 if __name__ == "__main__":
