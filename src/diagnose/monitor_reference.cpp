@@ -18,12 +18,12 @@ constexpr double kOffset_m = 0.0015;
 
 // Of the innovations' covariance.
 constexpr double kFloor_m = 0.00008;   // what remains of model and mocap however long one looks
-constexpr double kAtFirst_m = 0.0006;  // before anything was learned
+constexpr double kAtFirst_m = 0.0005;  // before anything was learned
 constexpr double kLearn_s = 30.0;
-constexpr double kFirstWeight_s = 1.0;  // of what is believed at first
+constexpr double kFirstWeight_s = 0.5;  // of what is believed at first
 constexpr double kOutlier = 3.0;  // windows beyond this many times what is expected count as much as that
 // Shares to which is known what is allowed for.
-constexpr double kInertiaShare = 0.35;
+constexpr double kInertiaShare = 0.3;
 constexpr double kCorrectionShare = 0.15;
 constexpr double kAnyDirection = 0.1;     // of the variance, otherwise than its shape
 constexpr double kLawChangeShare = 0.15;  // of what the laws' predictions change by within a window

@@ -67,7 +67,7 @@ Marker sleeve(const diagnose::Mismatch& mismatch, const Estimate& estimate, cons
 
 /// Words in lines short enough for a label.
 std::string in_lines(const std::string& words) {
-  constexpr std::size_t kWidth = 34;
+  constexpr std::size_t kWidth = 22;
   std::string text;
   std::size_t line = 0;
   for (std::size_t at = 0; at < words.size();) {
@@ -99,7 +99,7 @@ Marker label(const diagnose::Mismatch& mismatch, const Estimate& estimate, const
   Eigen::Vector3d aside = estimate.base_in_mocap.linear() * (at.q_base * Eigen::Vector3d::UnitZ());
   aside = up.cross(aside);
   if (!up.allFinite() || aside.norm() < 0.1) aside = Eigen::Vector3d::UnitX();
-  m.pose = to_pose(place + 0.5 * unit_m * aside.normalized(), Eigen::Quaterniond::Identity());
+  m.pose = to_pose(place + 0.6 * unit_m * aside.normalized(), Eigen::Quaterniond::Identity());
   return m;
 }
 

@@ -59,7 +59,7 @@ struct Mismatch {
 };
 
 struct MismatchMonitorParams {
-  double threshold_sd = 6.5;        ///< change beyond which there is an alarm
+  double threshold_sd = 6.0;        ///< change beyond which there is an alarm
   double confirm_s = 0.15;          ///< it must last so long
   double learn_s = 4.0;             ///< no alarm before so much has been seen
   double payload_hold_off_s = 2.0;  ///< no alarm for so long after the payload changed: a hand was there
