@@ -8,6 +8,7 @@
 
 #include "random_stream.h"
 #include "scenario_parts.h"
+#include "softarm/rig/effect_size.h"
 
 namespace softarm::rig {
 namespace {
@@ -32,45 +33,60 @@ double usual(const HiddenParameter& parameter, double place) {
   return low + place * (high - low);
 }
 
-/// An effect's size is its first parameter that is a number of something physical.
-const HiddenParameter* size_of(const HiddenEffect& effect, const std::string& form) {
-  const auto found = std::find_if(
-      effect.parameters.begin(), effect.parameters.end(),
-      [&form](const HiddenParameter& parameter) { return !parameter.whole && parameter.is_of(form); });
-  return found == effect.parameters.end() ? nullptr : &*found;
+/// A size of either sign is given by its largest on both sides: no smaller than a fifth of that.
+double usual_size(const HiddenParameter& parameter, double place) {
+  if (parameter.usual_low < 0.0 && parameter.usual_high > 0.0)
+    return (0.2 + 0.8 * place) * parameter.usual_high;
+  return usual(parameter, place);
+}
+
+std::string drawn_form(const HiddenEffect& effect, FormChoice choice, RandomStream& random) {
+  if (effect.forms.empty()) return "";
+  if (choice == FormChoice::kDefault || effect.forms.size() == 1) return effect.forms.front();
+  const std::size_t from = choice == FormChoice::kOther ? 1 : 0;
+  return effect.forms[from + drawn_index(effect.forms.size() - from, random)];
 }
 
 /// @param size_place where in its usual range the size lies
 /// @param scale of the size: below 1, an effect that is too small to matter
-HiddenChoice draw_choice(const HiddenEffect& effect, double size_place, double scale, RandomStream& random) {
+HiddenChoice draw_choice(const HiddenEffect& effect, FormChoice forms, double size_place, double scale,
+                         RandomStream& random) {
   HiddenChoice choice;
   choice.effect = effect.id;
-  if (!effect.forms.empty()) choice.form = effect.forms[drawn_index(effect.forms.size(), random)];
-  const HiddenParameter* size = size_of(effect, choice.form);
+  choice.form = drawn_form(effect, forms, random);
+  const std::vector<std::string> sizes = size_of(effect, choice.form).keys;
   for (const HiddenParameter& parameter : effect.parameters) {
     const double place = random.uniform(), sign = random.uniform() < 0.5 ? -1.0 : 1.0;
-    double value = usual(parameter, &parameter == size ? size_place : place);
-    if (&parameter == size) {
-      value = std::max(scale * value, parameter.low);
-      if (parameter.low <= -value) value *= sign;  // usual sizes are given on one side
-    }
+    const bool is_size = std::find(sizes.begin(), sizes.end(), parameter.key) != sizes.end();
+    double value = is_size ? usual_size(parameter, size_place) : usual(parameter, place);
+    if (is_size && parameter.low <= -value) value *= sign;  // usual sizes are given on one side
     if (parameter.is_of(choice.form)) choice.values[parameter.key] = value;
   }
-  return choice;
+  return scale == 1.0 ? choice : scaled(choice, scale);
+}
+
+bool kept_apart(const CampaignSpec& spec, const std::string& a, const std::string& b) {
+  return std::any_of(spec.apart.begin(), spec.apart.end(), [&](const auto& pair) {
+    return (pair.first == a && pair.second == b) || (pair.first == b && pair.second == a);
+  });
 }
 
 /// Draws effects one by one and hides them in all trials; those that do not fit the arm are passed over.
-std::vector<HiddenChoice> hide_some(std::vector<std::string> from, std::size_t count, const Span& size,
-                                    double scale, std::vector<Scenario>& trials, RandomStream& random) {
+std::vector<HiddenChoice> hide_some(const CampaignSpec& spec, std::vector<std::string> from,
+                                    std::size_t count, const Span& size, double scale,
+                                    std::vector<Scenario>& trials, RandomStream& random) {
   std::vector<HiddenChoice> hidden;
   while (hidden.size() < count && !from.empty()) {
     const std::size_t i = drawn_index(from.size(), random);
     const HiddenEffect& effect = *find_hidden_effect(from[i]);
     from.erase(from.begin() + static_cast<std::ptrdiff_t>(i));
+    if (std::any_of(hidden.begin(), hidden.end(),
+                    [&](const HiddenChoice& other) { return kept_apart(spec, effect.id, other.effect); }))
+      continue;
     const double place = drawn(size, random), factor = scale < 1.0 ? scale * random.uniform() : 1.0;
     // This arm may have no tendons, no vacuum, ...; or fewer chambers than the drawn number.
     for (int draw = 0; draw < kDraws; ++draw) {
-      const HiddenChoice choice = draw_choice(effect, place, factor, random);
+      const HiddenChoice choice = draw_choice(effect, spec.forms, place, factor, random);
       std::vector<Scenario> with = trials;
       try {
         for (Scenario& trial : with) hide(choice, trial);
@@ -131,6 +147,12 @@ Scenario draw_trial(const CampaignSpec& spec, const Scenario& arm, int trial, Ra
   scenario.mocap.rate_hz = std::round(drawn(spec.mocap_rate_hz, random));
   scenario.mocap.ring_noise = {drawn(spec.position_sd_m, random), drawn(spec.orientation_sd_rad, random)};
   scenario.mocap.dropout_probability = drawn(spec.dropout_probability, random);
+  if (spec.slow_position_sd_m.high > 0.0) {
+    const double sd_m = drawn(spec.slow_position_sd_m, random);
+    const double correlation_s = drawn(spec.slow_correlation_s, random);
+    for (std::size_t ring = 1; ring <= scenario.mocap.ring_fractions.size(); ++ring)
+      scenario.sensors.correlated_noise.push_back({static_cast<int>(ring), {sd_m, 0.0}, correlation_s});
+  }
   return scenario;
 }
 
@@ -147,13 +169,14 @@ CampaignCase draw_case(const CampaignSpec& spec, const std::vector<Scenario>& ar
   for (int trial = 0; trial < spec.trials; ++trial)
     drawn_case.trials.push_back(draw_trial(spec, arm, trial, random));
 
+  drawn_case.plain = drawn_case.trials;
   double total = 0.0;
   for (double weight : spec.effect_count_weights) total += weight;
   double place = total * random.uniform();
   std::size_t count = 0;
   while (count + 1 < spec.effect_count_weights.size() && place >= spec.effect_count_weights[count])
     place -= spec.effect_count_weights[count++];
-  drawn_case.effects = hide_some(spec.effects, count, spec.effect_size, 1.0, drawn_case.trials, random);
+  drawn_case.effects = hide_some(spec, spec.effects, count, spec.effect_size, 1.0, drawn_case.trials, random);
   if (drawn_case.effects.size() < count)
     throw std::invalid_argument(fmt::format("campaign {}: scenario {} takes {} of the effects, {} were drawn",
                                             spec.name, arm.name, drawn_case.effects.size(), count));
@@ -164,7 +187,7 @@ CampaignCase draw_case(const CampaignSpec& spec, const std::vector<Scenario>& ar
       others.push_back(id);
   const std::size_t distractors = drawn_index(static_cast<std::size_t>(spec.most_distractors) + 1, random);
   drawn_case.distractors =
-      hide_some(others, distractors, {0.0, 0.0}, spec.distractor_size, drawn_case.trials, random);
+      hide_some(spec, others, distractors, {0.0, 0.0}, spec.distractor_size, drawn_case.trials, random);
   return drawn_case;
 }
 

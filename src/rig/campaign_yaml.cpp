@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 #include "scenario_parts.h"
 #include "softarm/rig/campaign.h"
@@ -37,7 +39,39 @@ std::vector<std::string> effect_ids(YamlMap& map, const std::string& key) {
   return ids;
 }
 
+std::pair<std::string, std::string> pair_of(YamlMap& map, const std::string& key, const std::string& word) {
+  const std::size_t plus = word.find('+');
+  const std::pair<std::string, std::string> ids{
+      word.substr(0, plus), plus == std::string::npos ? std::string() : word.substr(plus + 1)};
+  if (!find_hidden_effect(ids.first) || !find_hidden_effect(ids.second))
+    map.fail(key,
+             fmt::format("value {}, expected two effects: base_tilt+gravity_direction", word.substr(0, 120)));
+  return ids;
+}
+
+void parse_signal(YamlMap map, CampaignSpec& spec) {
+  SignalSpec signal;
+  signal.leftover_snr = span(map, "leftover_snr", {0.1, 1e4}, signal.leftover_snr);
+  signal.least_leftover_m = map.number("least_leftover_m", {0.0, 1.0}, signal.least_leftover_m);
+  signal.distractor_m = map.number("distractor_m", {0.0, 1.0}, signal.distractor_m);
+  if (map.has("raw_snr")) signal.raw_snr = map.number("raw_snr", {1.0, 1e4});
+  signal.per_frame_sd = map.number("per_frame_sd", {0.1, 1e4}, signal.per_frame_sd);
+  map.finish();
+  spec.signal = signal;
+}
+
 void parse_effects(YamlMap map, CampaignSpec& spec) {
+  const std::string forms = map.has("forms") ? map.word("forms") : "any";
+  if (forms != "any" && forms != "default" && forms != "other")
+    map.fail("forms", fmt::format("value {}, allowed any, default, other", forms.substr(0, 60)));
+  spec.forms = forms == "any"       ? FormChoice::kAny
+               : forms == "default" ? FormChoice::kDefault
+                                    : FormChoice::kOther;
+  spec.apart.clear();
+  for (const std::string& word : map.words("apart")) spec.apart.push_back(pair_of(map, "apart", word));
+  spec.signal.reset();
+  if (map.has("signal")) parse_signal(map.map("signal"), spec);
+
   if (map.has("count_weights")) {
     spec.effect_count_weights = map.numbers("count_weights", {0.0, 1e6}, 1, 10);
     if (*std::max_element(spec.effect_count_weights.begin(), spec.effect_count_weights.end()) <= 0.0)
@@ -88,12 +122,38 @@ void parse_sensors(YamlMap map, CampaignSpec& spec) {
   spec.position_sd_m = span(map, "position_sd_m", {0.0, 1.0}, spec.position_sd_m);
   spec.orientation_sd_rad = span(map, "orientation_sd_rad", {0.0, 3.0}, spec.orientation_sd_rad);
   spec.dropout_probability = span(map, "dropout_probability", {0.0, 1.0}, spec.dropout_probability);
+  spec.slow_position_sd_m = span(map, "slow_position_sd_m", {0.0, 1.0}, spec.slow_position_sd_m);
+  spec.slow_correlation_s = span(map, "slow_correlation_s", {1e-3, 1e4}, spec.slow_correlation_s);
   map.finish();
+}
+
+/// The kinds; the keys of the one that is wanted replace those of the document.
+void parse_kinds(YamlMap& document, const std::string& wanted, CampaignSpec& spec) {
+  std::optional<CampaignSpec> chosen;
+  std::vector<CampaignKind> kinds;
+  for (YamlMap& map : document.maps("kinds")) {
+    CampaignSpec of_kind = spec;
+    CampaignKind kind;
+    kind.name = map.plain_name("kind");
+    kind.sample = map.integer("sample", {0, 100000}, 0);
+    kind.full = map.integer("full", {0, 100000}, kind.sample);
+    if (map.has("effects")) parse_effects(map.map("effects"), of_kind);
+    if (map.has("distractors")) parse_distractors(map.map("distractors"), of_kind);
+    if (map.has("trials")) parse_trials(map.map("trials"), of_kind);
+    map.finish();
+    if (std::any_of(kinds.begin(), kinds.end(), [&](const CampaignKind& k) { return k.name == kind.name; }))
+      map.fail("kind", fmt::format("{} is there twice", kind.name));
+    if (kind.name == wanted) chosen = of_kind;
+    kinds.push_back(kind);
+  }
+  if (!wanted.empty() && !chosen) document.fail("kinds", fmt::format("no kind {}", wanted.substr(0, 60)));
+  if (chosen) spec = *chosen;
+  spec.kinds = std::move(kinds);
 }
 
 }  // namespace
 
-CampaignSpec parse_campaign(const std::string& text, const std::string& source) {
+CampaignSpec parse_campaign(const std::string& text, const std::string& source, const std::string& kind) {
   YamlMap map = load_document(text, source, "a campaign");
   CampaignSpec spec;
   if (map.integer("format", {1, 1}, 0) == 0) map.fail("format", "missing, required (1)");
@@ -111,6 +171,7 @@ CampaignSpec parse_campaign(const std::string& text, const std::string& source) 
   parse_spread(map.map("arm_spread"), spec);
   parse_trials(map.map("trials"), spec);
   parse_sensors(map.map("mocap"), spec);
+  parse_kinds(map, kind, spec);
   map.finish();
   return spec;
 }

@@ -4,9 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <iterator>
 #include <set>
 
 #include "scenario_text.h"
+#include "softarm/rig/effect_size.h"
 #include "softarm/rig/simulator.h"
 #include "softarm/rig/truth_yaml.h"
 
@@ -130,6 +133,9 @@ TEST(Campaign, MistakesAreOneLine) {
        "from: [hysteresis]",
        {"effects.from", "1 effects", "up to 2"}},
       {"count_weights: [1, 1, 1]", "count_weights: [0, 0]", {"effects.count_weights", "above 0"}},
+      {"size: [0.5, 1]", "forms: some", {"effects.forms", "some", "any, default, other"}},
+      {"size: [0.5, 1]", "apart: [creep]", {"effects.apart", "creep", "two effects"}},
+      {"size: [0.5, 1]", "signal: {leftover_snr: [9, 5]}", {"effects.signal.leftover_snr", "larger"}},
       {"size: [0.5, 1]", "size: [1, 0.5]", {"effects.size", "larger"}},
       {"attitudes: [hanging,", "attitudes: [lying,", {"trials.attitudes", "lying", "horizontal"}},
       {"stiffness: 0.1", "stiffness: 0.9", {"arm_spread.stiffness", "0.9", "0 ... 0.5"}},
@@ -149,6 +155,114 @@ TEST(Campaign, MistakesAreOneLine) {
       EXPECT_THAT(what, HasSubstr("campaign.yaml: ")) << mistake.to;
       for (const std::string& part : mistake.says) EXPECT_THAT(what, HasSubstr(part)) << mistake.to;
     }
+  }
+}
+
+constexpr char kKinds[] = R"(
+kinds:
+  - {kind: nothing, sample: 2, full: 9}
+  - kind: two
+    sample: 3
+    effects:
+      count_weights: [0, 0, 1]
+      from: [hysteresis, base_compliance, gain_nonlinearity, pressure_lag, creep]
+      forms: other
+      apart: [hysteresis+pressure_lag, base_compliance+creep]
+      signal: {leftover_snr: [5, 8], least_leftover_m: 6.0e-5}
+    trials: {count: 2, attitudes: [standing], seconds: 9}
+)";
+
+TEST(Campaign, AKindReplacesWhatItSays) {
+  const std::string text = std::string(kCampaign) + kKinds;
+  const CampaignSpec plain = parse_campaign(text, "campaign.yaml");
+  ASSERT_EQ(plain.kinds.size(), 2u);
+  EXPECT_EQ(plain.kinds[0].name, "nothing");
+  EXPECT_EQ(plain.kinds[0].full, 9);
+  EXPECT_EQ(plain.kinds[1].full, 3);  // as the sample
+  EXPECT_EQ(plain.trials, 4);
+  EXPECT_FALSE(plain.signal);
+  EXPECT_EQ(parse_campaign(text, "campaign.yaml", "nothing").trials, 4);
+  const CampaignSpec two = parse_campaign(text, "campaign.yaml", "two");
+  EXPECT_EQ(two.trials, 2);
+  EXPECT_EQ(two.attitudes, std::vector<std::string>{"standing"});
+  EXPECT_EQ(two.most_distractors, 2);  // of the document
+  ASSERT_TRUE(two.signal);
+  EXPECT_EQ(two.signal->leftover_snr.high, 8.0);
+  EXPECT_FALSE(two.signal->raw_snr);
+  EXPECT_THROW(parse_campaign(text, "campaign.yaml", "three"), ScenarioError);
+}
+
+TEST(Campaign, FormsAndPairsAreThoseThatAreAllowed) {
+  CampaignSpec spec = parse_campaign(std::string(kCampaign) + kKinds, "campaign.yaml", "two");
+  spec.most_distractors = 0;
+  for (const FormChoice forms : {FormChoice::kOther, FormChoice::kDefault}) {
+    spec.forms = forms;
+    for (int number = 0; number < 100; ++number) {
+      const CampaignCase one = draw_case(spec, arms(), 5, number);
+      ASSERT_EQ(one.effects.size(), 2u);
+      std::set<std::string> ids;
+      for (const HiddenChoice& choice : one.effects) {
+        ids.insert(choice.effect);
+        const HiddenEffect& effect = *find_hidden_effect(choice.effect);
+        if (effect.forms.empty()) continue;
+        EXPECT_EQ(choice.form == effect.forms.front(), forms == FormChoice::kDefault) << choice.effect;
+      }
+      EXPECT_NE(ids, (std::set<std::string>{"hysteresis", "pressure_lag"}));
+      EXPECT_NE(ids, (std::set<std::string>{"base_compliance", "creep"}));
+      ASSERT_EQ(one.plain.size(), one.trials.size());
+      EXPECT_TRUE(one.plain[0].hidden.empty());
+      EXPECT_EQ(one.plain[0].seed, one.trials[0].seed);
+    }
+  }
+}
+
+TEST(Campaign, ColouredNoiseIsOnEveryRing) {
+  std::string text = kCampaign;
+  text.replace(text.find("dropout_probability: [0, 0.01]"), 30,
+               "slow_position_sd_m: [1.0e-5, 2.0e-5], slow_correlation_s: 2");
+  for (const Scenario& trial : draw_case(parse_campaign(text, "campaign.yaml"), arms(), 1, 0).plain) {
+    ASSERT_EQ(trial.sensors.correlated_noise.size(), trial.mocap.ring_fractions.size());
+    for (const CorrelatedNoise& noise : trial.sensors.correlated_noise) {
+      EXPECT_GE(noise.sd.position_sd_m, 1e-5);
+      EXPECT_LE(noise.sd.position_sd_m, 2e-5);
+      EXPECT_EQ(noise.correlation_s, 2.0);
+    }
+  }
+}
+
+TEST(Campaign, EffectsAreScaledByWhatMakesThemLarger) {
+  const HiddenChoice soft{"base_compliance", "", {{"stiffness_nm_per_rad", 6.0}}};
+  EXPECT_DOUBLE_EQ(scaled(soft, 2.0).values.at("stiffness_nm_per_rad"), 3.0);
+  const HiddenChoice tilt{"base_tilt", "", {{"angle_deg", 1.0}, {"azimuth_deg", 77.0}}};
+  EXPECT_DOUBLE_EQ(scaled(tilt, 0.1).values.at("angle_deg"), 0.1);
+  EXPECT_DOUBLE_EQ(scaled(tilt, 0.1).values.at("azimuth_deg"), 77.0);
+  EXPECT_DOUBLE_EQ(scaled(tilt, 1e9).values.at("angle_deg"), 60.0);  // most that is allowed
+  const HiddenChoice spot{
+      "soft_spot", "", {{"centre_fraction", 0.4}, {"width_fraction", 0.2}, {"share", -0.3}}};
+  EXPECT_DOUBLE_EQ(scaled(spot, 0.5).values.at("share"), -0.15);
+  EXPECT_DOUBLE_EQ(scaled(spot, 0.5).values.at("centre_fraction"), 0.4);
+  // Every effect has a size of its own, whichever form it takes.
+  for (const HiddenEffect& effect : hidden_effects()) {
+    for (const std::string& form : effect.forms.empty() ? std::vector<std::string>{""} : effect.forms) {
+      const bool counts_only = effect.id == "frozen_body" || effect.id == "flipped_body" ||
+                               effect.id == "swapped_bodies" || effect.id == "gaps";
+      if (!counts_only) EXPECT_FALSE(size_of(effect, form).keys.empty()) << effect.id << ' ' << form;
+    }
+  }
+}
+
+TEST(Campaign, ShippedCampaignsAreRead) {
+  for (const char* name : {"development", "proof_development", "proof_final"}) {
+    const std::string path = std::string(SOFTARM_SOURCE_DIR) + "/config/campaigns/" + name + ".yaml";
+    std::ifstream file(path);
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    const CampaignSpec spec = parse_campaign(text, path);
+    for (const CampaignKind& kind : spec.kinds) {
+      const CampaignSpec of_kind = parse_campaign(text, path, kind.name);
+      EXPECT_EQ(of_kind.trials, 9) << name << ' ' << kind.name;
+      EXPECT_LE(kind.sample, kind.full);
+    }
+    EXPECT_EQ(spec.kinds.empty(), std::string(name) == "development");
   }
 }
 

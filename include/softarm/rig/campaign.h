@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "softarm/rig/hidden.h"
@@ -21,6 +23,29 @@ struct CampaignArm {
   std::string arm;       ///< the same
 };
 
+/// Which of an effect's functional forms are drawn.
+enum class FormChoice {
+  kAny,
+  kDefault,  ///< the first
+  kOther,    ///< not the first, where there are others
+};
+
+/// How large the effects of a case are made, by what they leave of themselves once the arm's constants are
+/// fitted anew; absent: as drawn. Whoever records the campaign measures that and scales them.
+struct SignalSpec {
+  Span leftover_snr{12.0, 36.0};  ///< of each effect, in standard deviations of the noise
+  double least_leftover_m = 0.0;  ///< rms over the bodies; of the two the larger
+  double distractor_m = 2e-5;     ///< so much at most, all distractors together
+  std::optional<double> raw_snr;  ///< compensated: this at least with the constants held ...
+  double per_frame_sd = 3.0;      ///< ... and below this in a chi^2 test of fits frame by frame
+};
+
+/// A kind of cases of a campaign, and how many of them make a sample and the whole.
+struct CampaignKind {
+  std::string name;
+  int sample = 0, full = 0;
+};
+
 /// The ranges. A case is one arm with one set of hidden effects, seen in several trials.
 struct CampaignSpec {
   std::string name;
@@ -28,6 +53,9 @@ struct CampaignSpec {
 
   std::vector<double> effect_count_weights{0.0, 1.0};  ///< of no effect, one, two ...
   std::vector<std::string> effects;                    ///< ids to draw from, each at most once in a case
+  FormChoice forms = FormChoice::kAny;
+  std::vector<std::pair<std::string, std::string>> apart;  ///< never in one case
+  std::optional<SignalSpec> signal;
   Span effect_size{0.0, 1.0};  ///< where in its usual range an effect's size lies, 0 its low end
   int most_distractors = 0;    ///< effects too small to matter: none to so many in a case
   std::vector<std::string> distractors;
@@ -45,6 +73,10 @@ struct CampaignSpec {
   Span position_sd_m{0.5e-3, 0.5e-3};
   Span orientation_sd_rad{0.01, 0.01};
   Span dropout_probability{0.0, 0.0};
+  Span slow_position_sd_m{0.0, 0.0};  ///< of coloured noise, each body its own
+  Span slow_correlation_s{1.0, 1.0};
+
+  std::vector<CampaignKind> kinds;  ///< what the document has, whichever was chosen
 };
 
 /// One case: what is recorded, and what is sealed.
@@ -53,12 +85,14 @@ struct CampaignCase {
   std::vector<HiddenChoice> effects;  ///< what is to be found
   std::vector<HiddenChoice> distractors;
   std::vector<Scenario> trials;
+  std::vector<Scenario> plain;  ///< the same trials, nothing hidden in them but coloured noise
 };
 
 /// Parses a campaign, see config/campaigns/development.yaml for every key.
 /// @param source name of the document for messages
+/// @param kind one of the document's kinds, whose keys replace the document's; empty: none of them
 /// @throws ScenarioError
-CampaignSpec parse_campaign(const std::string& text, const std::string& source);
+CampaignSpec parse_campaign(const std::string& text, const std::string& source, const std::string& kind = "");
 
 /// Draws case `number`; it depends on the seed, the number and the attempt alone.
 /// @param arms the scenarios of CampaignSpec::arms, in its order

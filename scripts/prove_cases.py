@@ -1,0 +1,255 @@
+#!/usr/bin/python3
+"""Draws, seals, diagnoses and scores the cases of the proof; scripts/prove builds and runs it."""
+import argparse
+import hashlib
+import json
+import os
+import random
+import shutil
+import subprocess
+import sys
+import time
+
+import prove_report
+import prove_score
+
+
+def say(text):
+    print(text, file=sys.stderr, flush=True)
+
+
+def run(command, log):
+    """Runs a program; returns its status, seconds and peak memory in bytes."""
+    started = time.monotonic()
+    with open(log, "w", encoding="utf-8") as text:
+        process = subprocess.Popen(command, stdout=text, stderr=subprocess.STDOUT)
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+    return process.returncode, time.monotonic() - started, 1024 * usage.ru_maxrss
+
+
+def last_line(path):
+    with open(path, encoding="utf-8", errors="replace") as text:
+        lines = [line.strip() for line in text.read().replace("\r", "\n").splitlines() if line.strip()]
+    return lines[-1] if lines else "no message"
+
+
+def read_json(path):
+    with open(path, encoding="utf-8") as text:
+        return json.load(text)
+
+
+def write_json(path, value):
+    """Beside and renamed: never half a file."""
+    with open(path + ".part", "w", encoding="utf-8") as text:
+        json.dump(value, text, indent=1)
+        text.write("\n")
+    os.replace(path + ".part", path)
+
+
+def each(what, todo, action):
+    """Does what is left of something, with progress and how long the rest will take."""
+    started = time.monotonic()
+    for done, item in enumerate(todo):
+        left = (time.monotonic() - started) / done * (len(todo) - done) if done else None
+        say(f"{what} {item} ({done + 1} of {len(todo)}" + (f", {left / 60:.0f} min left)" if left else ")"))
+        action(item)
+
+
+def engine(root):
+    """Commit of the checkout, with a mark where files differ from it."""
+    def git(*arguments):
+        return subprocess.run(["git", "-C", root, *arguments], capture_output=True, text=True, check=False).stdout.strip()
+
+    commit = git("rev-parse", "HEAD") or "unknown"
+    return commit + (" with changes" if git("status", "--porcelain", "--", "src", "include", "config") else "")
+
+
+class Proof:
+    def __init__(self, options):
+        self.options = options
+        size = "full" if options.full else "sample"
+        self.folder = options.out or os.path.join(options.work, f"{os.path.basename(options.campaign)}_{options.seed}_{size}")
+        self.cases = os.path.join(self.folder, "cases")
+        self.truth = os.path.join(self.folder, "truth")
+        self.reports = os.path.join(self.folder, "reports")
+        for path in (self.cases, self.truth, self.reports):
+            os.makedirs(path, exist_ok=True)
+        self.plan = self.planned()
+
+    def program(self, name):
+        return os.path.join(self.options.programs, name)
+
+    def planned(self):
+        """Case names to kinds and numbers, in an order that says nothing of them."""
+        listing = subprocess.run([self.program("prove"), "kinds", self.options.campaign], capture_output=True, text=True,
+                                 check=False)
+        if listing.returncode != 0:
+            sys.exit(listing.stderr.strip())
+        kinds = json.loads(listing.stdout)
+        wanted = self.options.kinds.split(",") if self.options.kinds else [kind["kind"] for kind in kinds]
+        unknown = set(wanted) - {kind["kind"] for kind in kinds}
+        if unknown:
+            sys.exit(f"prove: --kinds: no kind {', '.join(sorted(unknown))}")
+        plan = []
+        for kind in kinds:
+            count = kind["full" if self.options.full else "sample"] if self.options.cases is None else self.options.cases
+            if kind["kind"] in wanted:
+                plan += [(kind["kind"], number) for number in range(count)]
+        random.Random(self.options.seed).shuffle(plan)
+        named = {f"case_{i + 1:03}": case for i, case in enumerate(plan)}
+        path = os.path.join(self.truth, "plan.json")
+        stated = json.loads(json.dumps({"campaign": self.options.campaign, "seed": self.options.seed, "cases": named}))
+        if os.path.exists(path) and read_json(path) != stated:
+            sys.exit(f"prove: {self.folder} holds another proof; give another --out or remove it")
+        write_json(path, stated)
+        return named
+
+    def draw(self):
+        def one(case):
+            kind, number = self.plan[case]
+            log = os.path.join(self.truth, case + ".log")
+            command = [self.program("prove"), "draw", "--campaign", self.options.campaign, "--kind", kind, "--number",
+                       str(number), "--seed", str(self.options.seed), "--case", os.path.join(self.cases, case), "--truth",
+                       os.path.join(self.truth, case)] + self.jobs()
+            status, _, _ = run(command, log)
+            if status != 0:
+                with open(os.path.join(self.truth, case + ".failed"), "w", encoding="utf-8") as text:
+                    text.write(last_line(log) + "\n")
+            os.remove(log)
+
+        missing = [case for case in self.plan if not os.path.exists(os.path.join(self.truth, case, "case.json"))
+                   and not os.path.exists(os.path.join(self.truth, case + ".failed"))]
+        if missing and os.path.exists(self.seal_path()):
+            sys.exit(f"prove: {self.seal_path()} seals cases that are not there any more")
+        each("drawing", missing, one)
+
+    def jobs(self):
+        return ["--jobs", str(self.options.jobs)] if self.options.jobs else []
+
+    def seal_path(self):
+        return os.path.join(self.folder, "seal.json")
+
+    def seal(self):
+        lines = []
+        for folder, _, files in sorted(os.walk(self.truth)):
+            for name in sorted(files):
+                if name == "SHA256SUMS":
+                    continue
+                path = os.path.join(folder, name)
+                with open(path, "rb") as data:
+                    lines.append(f"{hashlib.sha256(data.read()).hexdigest()}  {os.path.relpath(path, self.truth)}\n")
+        sums = "".join(lines)
+        digest = hashlib.sha256(sums.encode()).hexdigest()
+        if os.path.exists(self.seal_path()):
+            sealed = read_json(self.seal_path())
+            if sealed["truth_sha256"] != digest:
+                sys.exit(f"prove: the truth in {self.truth} is not what was sealed")
+            if sealed["engine"] != engine(self.options.root):
+                say(f"The engine has changed since the seal ({sealed['engine']}): cases done before stay as they are.")
+        else:
+            with open(os.path.join(self.truth, "SHA256SUMS"), "w", encoding="utf-8") as text:
+                text.write(sums)
+            sealed = {"truth_sha256": digest, "engine": engine(self.options.root)}
+            write_json(self.seal_path(), sealed)
+        print(f"truth_sha256: {digest} (of {os.path.join(self.truth, 'SHA256SUMS')})", flush=True)
+        return sealed
+
+    def decide(self):
+        def one(case):
+            folder = os.path.join(self.reports, case)
+            os.makedirs(folder, exist_ok=True)
+            known = read_json(os.path.join(self.cases, case, "case.json"))
+            bags = [os.path.join(self.cases, case, bag) for bag in known["trials"]]
+            cost = {}
+            if not os.path.exists(os.path.join(folder, "report.json")):
+                log = os.path.join(folder, "diagnose.log")
+                status, seconds, memory = run([self.program("softarm"), "diagnose", "--arm", known["arm"], *bags, "--out",
+                                               folder] + self.jobs(), log)
+                cost = {"status": status, "seconds": seconds, "memory_bytes": memory}
+                if status != 0:
+                    cost["message"] = last_line(log)
+                write_json(os.path.join(folder, "cost.json"), cost)
+            if self.options.baselines and not os.path.exists(os.path.join(folder, "baselines.json")):
+                log = os.path.join(folder, "baselines.log")
+                status, _, _ = run([self.program("prove"), "decide", "--arm", known["arm"], "--out",
+                                    os.path.join(folder, "baselines.json"), *bags] + self.jobs(), log)
+                if status != 0:
+                    write_json(os.path.join(folder, "baselines.json"), {"failed": last_line(log)})
+            if self.options.full:
+                for bag in bags:  # tens of gigabytes; the seed makes them again
+                    os.remove(bag)
+                if os.path.exists(os.path.join(folder, "report.html")):
+                    os.remove(os.path.join(folder, "report.html"))
+
+        def is_done(case):
+            files = ["cost.json"] + (["baselines.json"] if self.options.baselines else [])
+            return all(os.path.exists(os.path.join(self.reports, case, name)) for name in files)
+
+        drawn = [case for case in self.plan if os.path.exists(os.path.join(self.cases, case, "case.json"))]
+        each("diagnosing", [case for case in drawn if not is_done(case)], one)
+
+    def results(self):
+        """One per case: truth, report, cost, decisions of the baselines; what is missing is None."""
+        results = []
+        for case, (kind, number) in self.plan.items():
+            def found(*parts):
+                path = os.path.join(self.folder, *parts)
+                return read_json(path) if os.path.exists(path) else None
+
+            failed = os.path.join(self.truth, case + ".failed")
+            results.append({
+                "case": case, "kind": kind, "number": number,
+                "not_drawn": last_line(failed) if os.path.exists(failed) else None,
+                "truth": found("truth", case, "case.json"), "report": found("reports", case, "report.json"),
+                "cost": found("reports", case, "cost.json"), "baselines": found("reports", case, "baselines.json")})
+        return results
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="prove", description=__doc__.splitlines()[0])
+    parser.add_argument("--root", required=True)
+    parser.add_argument("--work", required=True)
+    parser.add_argument("--programs", required=True)
+    parser.add_argument("--full", action="store_true")
+    parser.add_argument("--json", metavar="FILE")
+    parser.add_argument("--seed", type=int, default=20261)
+    parser.add_argument("--campaign", default="proof_final")
+    parser.add_argument("--cases", type=int)
+    parser.add_argument("--kinds")
+    parser.add_argument("--report", metavar="FILE")
+    parser.add_argument("--out", metavar="DIR")
+    parser.add_argument("--jobs", type=int)
+    parser.add_argument("--no-baselines", dest="baselines", action="store_false")
+    options = parser.parse_args()
+    for path in (options.json, options.report):
+        if path and not os.path.isdir(os.path.dirname(os.path.abspath(path))):
+            parser.error(f"{path}: no such folder")
+    if options.seed < 0 or (options.cases is not None and options.cases < 0):
+        parser.error("--seed and --cases must not be negative")
+    if shutil.which("git") is None:
+        say("No git: the engine's commit is not recorded.")
+
+    started = time.monotonic()
+    proof = Proof(options)
+    say(f"{len(proof.plan)} cases of {options.campaign}, seed {options.seed}, in {proof.folder}")
+    proof.draw()
+    sealed = proof.seal()
+    proof.decide()
+    results = proof.results()
+    figures = prove_score.figures(results)
+    figures.update({"campaign": options.campaign, "seed": options.seed, "full": options.full, **sealed})
+    print(prove_report.table(figures))
+    story = options.report or os.path.join(*([options.root, "doc"] if options.campaign == "proof_final" else [proof.folder]),
+                                           "proof.md")
+    with open(story + ".part", "w", encoding="utf-8") as text:
+        text.write(prove_report.story(figures, results))
+    os.replace(story + ".part", story)
+    say(f"written: {story}")
+    if options.json:
+        write_json(options.json, figures)
+    say(f"{(time.monotonic() - started) / 60:.1f} min")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,246 @@
+"""Scores of the proof: what a report says against what was hidden. Pure functions, no files.
+
+A result is {"kind", "truth", "report", "baselines", ...} as prove_cases.py collects them; `truth` as `prove draw` writes it,
+`report` a report.json. A decision is what a report, or a baseline, comes to:
+{"verdict", "named": [{"name", "probability", "confusable_with"}], "ranking": [names]}.
+"""
+import math
+import statistics
+
+KINDS = ["none", "single_strong", "single_weak", "pair", "outside", "compensated", "class_only"]
+RATES = ["top1", "top3", "right_class", "both_named", "false_alarm", "confident_wrong", "unknown", "found_or_cannot_tell"]
+FIGURES = ["parameter_median_error", "interval_coverage", "held_out_over_floor", "place_error_m", "calibration_error",
+           "confident_wrong", "bias_removed", "worse_than_baseline"]
+BASELINES = ["per_frame", "bic", "lasso", "gp"]
+CONFIDENT = 0.9
+CALIBRATION_BINS = 5
+LEAST_BIAS = 0.02  # of EI: a smaller one cannot be told from the fit's own error
+
+
+def decision_of_report(report):
+    return {"verdict": report["verdict"], "named": report["effects"], "ranking": [c["name"] for c in report["ranking"]],
+            "findings": {c["name"]: c.get("finding") for c in report["ranking"]}}
+
+
+def decision_of_baseline(item):
+    verdict = "consistent" if not item["alarm"] else "explained" if item["effects"] else "unknown"
+    return {"verdict": verdict, "named": item["effects"], "ranking": item["ranking"], "findings": {}}
+
+
+def hidden(truth):
+    """Ids that are right to name: the effects, and for one outside the catalogue that which nobody can tell from it."""
+    names = [effect["effect"] for effect in truth["effects"] if effect["catalogued"]]
+    return names + [effect["like"] for effect in truth["effects"] if effect.get("like")]
+
+
+def class_of(named):
+    return [named["name"], *named.get("confusable_with", [])]
+
+
+def right(named, truth):
+    """Whether a named effect, or a rival that it is said to be confusable with, is there; distractors are."""
+    there = set(hidden(truth)) | {effect["effect"] for effect in truth["distractors"]}
+    return any(name in there for name in class_of(named))
+
+
+def is_alarm(decision):
+    return bool(decision["named"]) or decision["verdict"] not in ("consistent", "cannot_tell")
+
+
+def is_confident_and_wrong(decision, truth):
+    return any((named.get("probability") or 0.0) > CONFIDENT and not right(named, truth) for named in decision["named"])
+
+
+def marks(kind, decision, truth):
+    """What counts for this kind: rate -> bool."""
+    names = [named["name"] for named in decision["named"]]
+    there = hidden(truth)
+    found = {"confident_wrong": is_confident_and_wrong(decision, truth)}
+    if kind == "none":
+        found["false_alarm"] = is_alarm(decision)
+    if kind in ("single_strong", "single_weak", "compensated", "class_only"):
+        found["top1"] = names[:1] == there[:1]
+        found["top3"] = is_alarm(decision) and any(name in there for name in decision["ranking"][:3])
+        found["right_class"] = bool(decision["named"]) and any(name in there for name in class_of(decision["named"][0]))
+    if kind == "pair":
+        found["both_named"] = all(name in names for name in there)
+        found["top1"] = bool(names) and names[0] in there
+        found["right_class"] = all(any(name in class_of(named) for named in decision["named"]) for name in there)
+    if kind == "outside":
+        found["unknown"] = decision["verdict"] == "unknown"
+    if kind == "compensated":
+        in_a_class = any(name in class_of(named) for named in decision["named"] for name in there)
+        found["found_or_cannot_tell"] = (in_a_class or decision["verdict"] == "cannot_tell"
+                                         or any(decision["findings"].get(name) == "cannot_tell" for name in there))
+    return found
+
+
+def polar(size, azimuth_deg):
+    return size * math.cos(math.radians(azimuth_deg)), size * math.sin(math.radians(azimuth_deg))
+
+
+def true_parameters(effect, length_m):
+    """The catalogue's parameters that a hidden effect has; empty where its form is another than the catalogue's."""
+    name, form, v = effect["effect"], effect.get("form", ""), effect["values"]
+    if name in ("stiffness_taper", "actuation_taper", "payload_scale", "vacuum_shortening", "vacuum_gain", "jamming_memory",
+                "chamber_mismatch", "pressure_elongation"):
+        return {"share": v["share"]}
+    if (name, form) in (("gain_nonlinearity", "quadratic"), ("pressure_stiffening", "linear"), ("pressure_leak", "steady"),
+                        ("mass_distribution", "taper"), ("creep", "maxwell")):
+        return {"share": v["share"], **({"time_s": v["time_s"]} if name == "creep" else {})}
+    if name == "soft_spot":
+        return {"share": v["share"]}
+    if name == "rigid_ends":
+        return {"base_m": v["base_m"], "tip_m": v["tip_m"]}
+    if name == "base_compliance":
+        return {"compliance_rad_per_nm": 1.0 / v["stiffness_nm_per_rad"]}
+    if name == "axial_compliance":
+        return {"compliance_per_n": 1.0 / v["axial_stiffness_n"]}
+    if name == "shear":
+        return {"compliance_per_n": 1.0 / v["shear_stiffness_n"]}
+    if name in ("base_tilt", "gravity_direction"):
+        return dict(zip(("towards_x_rad", "towards_y_rad"), polar(math.radians(v["angle_deg"]), v["azimuth_deg"])))
+    if name == "rest_curvature":
+        return dict(zip(("towards_x_per_m", "towards_y_per_m"), polar(v["curvature_per_m"], v["azimuth_deg"])))
+    if name == "payload_offset":
+        x, y = polar(v["lateral_m"], v["azimuth_deg"])
+        return {"x_m": x, "y_m": y, "z_m": v["axial_m"]}
+    if name == "tip_mass":
+        return {"mass_kg": v["mass_kg"]}
+    if (name, form) == ("tether", "spring") or (name, form) == ("contact", "spring_wall"):
+        return {"stiffness_n_per_m": v["stiffness_n_per_m"]}
+    if (name, form) == ("pressure_lag", "first_order"):
+        return {"delay_s": v["time_constant_s"]}
+    if name == "clock_offset":
+        return {"offset_s": v["offset_s"]}
+    if (name, form) == ("strain_stiffening", "cubic"):
+        return {"beta_m2": v["beta_m2"]}
+    if name == "bending_plane_offset":
+        return {"angle_rad": math.radians(v["angle_deg"])}
+    return {}
+
+
+def true_place_m(effect, length_m):
+    if effect["effect"] == "soft_spot":
+        return effect["values"]["centre_fraction"] * length_m
+    if effect["effect"] == "contact" and effect.get("form") == "spring_wall":
+        return effect["values"]["fraction"] * length_m
+    return None
+
+
+def sizes(result):
+    """Relative errors and hits of the 90 % intervals of the effects that were named rightly."""
+    errors, hits, places = [], [], []
+    length_m = 0.2  # of the arms of the campaigns
+    for effect in result["truth"]["effects"]:
+        for named in result["report"]["effects"]:
+            if named["name"] != effect["effect"]:
+                continue
+            true = {symbol: value for symbol, value in true_parameters(effect, length_m).items() if symbol in named["parameters"]}
+            norm = math.sqrt(sum(value * value for value in true.values()))
+            if norm > 0.0:
+                off = [named["parameters"][symbol]["value"] - value for symbol, value in true.items()]
+                errors.append(math.sqrt(sum(x * x for x in off)) / norm)
+                hits += [named["parameters"][s]["low"] <= value <= named["parameters"][s]["high"] for s, value in true.items()]
+            place, where = true_place_m(effect, length_m), named.get("where", {})
+            if place is not None and "s_from" in where and "s_to" in where:
+                places.append(abs(0.5 * (where["s_from"] + where["s_to"]) - place))
+    return errors, hits, places
+
+
+def bias_removed(result):
+    """Share of the error of the first bending stiffness that the extended model takes away; None: there was none."""
+    for shift in result["report"].get("shifts", []):
+        if "stiffness" not in shift["name"]:
+            continue
+        true = result["truth"]["constants"].get(shift["name"])
+        if not true or abs(shift["before"] / true - 1.0) < LEAST_BIAS:
+            return None
+        return 1.0 - abs(shift["after"] - true) / abs(shift["before"] - true)
+    return None
+
+
+def calibration_error(stated):
+    """Expected calibration error of (probability, was right), in bins of equal width."""
+    if not stated:
+        return None
+    bins = [[] for _ in range(CALIBRATION_BINS)]
+    for probability, hit in stated:
+        bins[min(CALIBRATION_BINS - 1, int(probability * CALIBRATION_BINS))].append((probability, hit))
+    return sum(abs(sum(p for p, _ in b) - sum(bool(hit) for _, hit in b)) for b in bins) / len(stated)
+
+
+def interval(hits, count):
+    """Wilson's 90 % interval of a rate."""
+    if count == 0:
+        return None
+    z, p = 1.6449, hits / count
+    middle = (p + z * z / (2 * count)) / (1 + z * z / count)
+    half = z / (1 + z * z / count) * math.sqrt(p * (1 - p) / count + z * z / (4 * count * count))
+    return max(0.0, middle - half), min(1.0, middle + half)
+
+
+def mean(values):
+    return sum(values) / len(values) if values else None
+
+
+def rates(pairs):
+    """pairs: (result, decision). Rates by kind."""
+    table = {}
+    for kind in KINDS:
+        found = [marks(kind, decision, result["truth"]) for result, decision in pairs if result["kind"] == kind]
+        table[kind] = {"trials": len(found)}
+        for rate in RATES:
+            table[kind][rate] = mean([m[rate] for m in found if rate in m])
+    return table
+
+
+def general(pairs, with_reports):
+    stated = [(named["probability"], right(named, result["truth"])) for result, decision in pairs
+              for named in decision["named"] if named.get("probability") is not None]
+    figures = dict.fromkeys(FIGURES)
+    figures["calibration_error"] = calibration_error(stated)
+    figures["confident_wrong"] = mean([is_confident_and_wrong(decision, result["truth"]) for result, decision in pairs])
+    if not with_reports:
+        return figures
+    errors, hits, places, removed, over, worse = [], [], [], [], [], []
+    for result, decision in pairs:
+        report = result["report"]
+        some_errors, some_hits, some_places = sizes(result)
+        errors += some_errors
+        hits += some_hits
+        places += some_places
+        if result["kind"] == "none":
+            worse.append(report["extended"]["held_out_rms_m"] > report["baseline"]["held_out_rms_m"])
+        elif result["kind"] != "outside" and report["noise_floor_m"] > 0.0:
+            over.append(report["extended"]["held_out_rms_m"] / report["noise_floor_m"])
+        if result["kind"] == "compensated" and decision["named"]:
+            share = bias_removed(result)
+            if share is not None:
+                removed.append(share)
+    figures["parameter_median_error"] = statistics.median(errors) if errors else None
+    figures["interval_coverage"] = mean(hits)
+    figures["place_error_m"] = statistics.median(places) if places else None
+    figures["held_out_over_floor"] = statistics.median(over) if over else None
+    figures["bias_removed"] = statistics.median(removed) if removed else None
+    figures["worse_than_baseline"] = mean(worse)
+    return figures
+
+
+def figures(results):
+    """All rates and figures; a case without a report counts as one that says nothing."""
+    silent = {"verdict": "failed", "named": [], "ranking": [], "findings": {}}
+    drawn = [result for result in results if result["truth"]]
+    pairs = [(r, decision_of_report(r["report"]) if r["report"] else silent) for r in drawn]
+    table = rates(pairs)
+    table.update(general([(r, d) for r, d in pairs if r["report"]], True))
+    table["not_drawn"] = len(results) - len(drawn)
+    table["failed"] = sum(1 for r in drawn if not r["report"])
+    seconds = [r["cost"]["seconds"] for r in drawn if r.get("cost")]
+    table["seconds_median"] = statistics.median(seconds) if seconds else None
+    table["baselines"] = {}
+    for method in BASELINES:
+        of_method = [(r, decision_of_baseline(r["baselines"][method])) for r in drawn
+                     if r.get("baselines") and method in r["baselines"]]
+        table["baselines"][method] = {**rates(of_method), **general(of_method, False)}
+    return table

@@ -1,0 +1,265 @@
+#include "prove/draw.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <random>
+
+#include "prove/signal.h"
+#include "softarm/command.h"
+#include "softarm/math/parallel.h"
+#include "softarm/output_file.h"
+#include "softarm/read_trials.h"
+#include "softarm/record_trial.h"
+#include "softarm/rig/campaign.h"
+#include "softarm/rig/effect_size.h"
+#include "softarm/rig/simulator.h"
+#include "softarm/shipped.h"
+#include "softarm/trial/arm_file.h"
+
+namespace softarm::prove {
+namespace {
+
+namespace fs = std::filesystem;
+using app::Failure;
+using Json = nlohmann::ordered_json;
+using rig::HiddenChoice;
+
+constexpr int kAttempts = 12;
+constexpr int kScalings = 4;         // simulations until an effect has its size
+constexpr double kFirstScale = 0.3;  // of a usual size: what is measured first is nearer to where it ends
+
+rig::CampaignSpec campaign_of(const std::string& name, const std::string& kind) {
+  const fs::path path = app::find_config("campaigns", name);
+  return rig::parse_campaign(app::read_text(path), path.string(), kind);
+}
+
+/// A case that cannot be made to what is asked for: drawn again.
+struct NotThisOne : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+class Case {
+ public:
+  Case(const rig::CampaignSpec& spec, const DrawOptions& options, int attempt)
+      : spec_(spec), options_(options), work_(options.folder.string() + ".partial") {
+    std::vector<rig::Scenario> arms;
+    for (const rig::CampaignArm& arm : spec.arms) {
+      const fs::path scenario = app::find_config("scenarios", arm.scenario);
+      arms.push_back(rig::parse_scenario(app::read_text(scenario), scenario.string()));
+    }
+    drawn_ = rig::draw_case(spec, arms, options.seed, options.number, attempt);
+    arm_ = load_arm_file(spec.arms[drawn_.arm].arm, app::config_folders("arms"));
+    random_.seed(options.seed * 1000003u + static_cast<std::uint64_t>(options.number) * 131u +
+                 static_cast<std::uint64_t>(attempt));
+    std::error_code ignored;
+    fs::remove_all(work_, ignored);
+    fs::create_directories(work_);
+  }
+  ~Case() {
+    std::error_code ignored;
+    fs::remove_all(work_, ignored);
+  }
+  Case(const Case&) = delete;
+  Case& operator=(const Case&) = delete;
+
+  void make() {
+    for (HiddenChoice& choice : drawn_.effects)
+      if (spec_.signal && !spec_.signal->raw_snr) choice = rig::scaled(choice, kFirstScale);
+    const std::vector<identify::Trial> plain = recorded({}, "plain");
+    reference_ = std::make_unique<Reference>(arm_, plain, options_.jobs);
+    const Residuals nothing = reference_->residuals(plain);
+    Residuals background = fit_distractors(nothing);
+    std::vector<Signal> signals;
+    for (HiddenChoice& choice : drawn_.effects) signals.push_back(fit_effect(choice, background));
+    // All together, for the record. A single one has just been recorded so.
+    const Residuals whole = reference_->residuals(recorded(drawn_.effects, "trials"));
+    const Signal all = reference_->signal(whole, nothing);
+    truth_["kind"] = options_.kind;
+    truth_["arm"] = spec_.arms[drawn_.arm].arm;
+    truth_["effects"] = Json::array();
+    for (std::size_t i = 0; i < signals.size(); ++i)
+      truth_["effects"].push_back(json_of(drawn_.effects[i], signals[i]));
+    if (signals.size() == 2) truth_["cosine"] = reference_->cosine(signals[0], signals[1]);
+    truth_["distractors"] = Json::array();
+    for (const HiddenChoice& choice : drawn_.distractors) truth_["distractors"].push_back(json_of(choice));
+    truth_["distractors_leave_m"] = distractors_leave_m_;
+    truth_["all"] = json_of(all);
+    truth_["ideal"] = Json::array();
+    if (!signals.empty()) {
+      for (const Ideal& ideal : reference_->ideal(all))
+        truth_["ideal"].push_back(
+            {{"effect", ideal.effect}, {"explains", ideal.explains}, {"cosine", ideal.cosine}});
+    }
+    truth_["constants"] = reference_->constants();
+  }
+
+  void keep() {
+    const fs::path trials = work_ / "trials", sealed = work_ / "sealed";
+    fs::create_directories(sealed);
+    Json known{{"arm", spec_.arms[drawn_.arm].arm}, {"trials", Json::array()}};
+    for (std::size_t i = 0; i < drawn_.plain.size(); ++i) {
+      const std::string name = name_of(i);
+      known["trials"].push_back(name + ".bag");
+      for (const char* end : {".truth.csv", ".truth.yaml"})
+        fs::rename(trials / (name + end), sealed / (name + end));
+      fs::remove(trials / (name + ".truth.sha256"));
+    }
+    write(sealed / "case.json", truth_);
+    write(trials / "case.json", known);
+    fs::create_directories(options_.folder.parent_path());
+    fs::create_directories(options_.truth.parent_path());
+    fs::remove_all(options_.truth);
+    fs::rename(sealed, options_.truth);
+    fs::rename(trials, options_.folder);
+  }
+
+ private:
+  static std::string name_of(std::size_t i) { return fmt::format("trial_{:02}", i + 1); }
+
+  static void write(const fs::path& path, const Json& json) {
+    std::ofstream file(path);
+    file << json.dump(1) << '\n';
+    file.close();
+    if (!file) throw Failure(fmt::format("{}: cannot be written", path.string()));
+  }
+
+  static Json json_of(const Signal& signal) {
+    return {{"raw_snr", signal.raw_snr},
+            {"leftover_snr", signal.leftover_snr},
+            {"per_frame_snr", signal.per_frame_snr},
+            {"per_frame_sd", signal.per_frame_sd},
+            {"raw_m", signal.raw_m},
+            {"leftover_m", signal.leftover_m}};
+  }
+
+  static Json json_of(const HiddenChoice& choice) {
+    const rig::HiddenEffect& effect = *rig::find_hidden_effect(choice.effect);
+    Json json{{"effect", choice.effect}, {"catalogued", effect.catalogued}};
+    if (!effect.like.empty()) json["like"] = effect.like;
+    if (!choice.form.empty()) json["form"] = choice.form;
+    json["values"] = choice.values;
+    return json;
+  }
+
+  static Json json_of(const HiddenChoice& choice, const Signal& signal) {
+    Json json = json_of(choice);
+    json["signal"] = json_of(signal);
+    return json;
+  }
+
+  /// Simulates all trials with these effects and the distractors as they are, and reads what was recorded.
+  std::vector<identify::Trial> recorded(const std::vector<HiddenChoice>& effects, const std::string& folder) {
+    const fs::path path = work_ / folder;
+    fs::remove_all(path);
+    fs::create_directories(path);
+    std::vector<std::string> bags;
+    for (std::size_t i = 0; i < drawn_.plain.size(); ++i)
+      bags.push_back((path / (name_of(i) + ".bag")).string());
+    const bool with_distractors = folder != "plain";
+    in_parallel(drawn_.plain.size(), options_.jobs, [&](std::size_t i) {
+      rig::Scenario scenario = drawn_.plain[i];
+      try {
+        for (const HiddenChoice& choice : effects) rig::hide(choice, scenario);
+        if (with_distractors)
+          for (const HiddenChoice& choice : drawn_.distractors) rig::hide(choice, scenario);
+      } catch (const std::invalid_argument& error) {
+        throw NotThisOne(error.what());
+      }
+      app::record_trial(scenario, bags[i], path / (name_of(i) + ".truth.csv"), [] {});
+    });
+    std::vector<identify::Trial> trials = app::read_trials(bags, arm_, true, options_.jobs);
+    if (folder != "trials") fs::remove_all(path);
+    return trials;
+  }
+
+  /// Scales the distractors until they are below what may be; @return the residuals with them.
+  Residuals fit_distractors(const Residuals& nothing) {
+    if (drawn_.distractors.empty()) return nothing;
+    const double most_m = spec_.signal ? spec_.signal->distractor_m : rig::SignalSpec().distractor_m;
+    for (int n = 0; n < kScalings; ++n) {
+      Residuals with = reference_->residuals(recorded({}, "background"));
+      distractors_leave_m_ = reference_->signal(with, nothing).leftover_m;
+      if (distractors_leave_m_ <= most_m) return with;
+      for (HiddenChoice& choice : drawn_.distractors)
+        choice = rig::scaled(choice, 0.7 * most_m / distractors_leave_m_);
+    }
+    throw NotThisOne("the distractors stay too large");
+  }
+
+  /// Scales an effect until it is as large as the campaign asks for.
+  Signal fit_effect(HiddenChoice& choice, const Residuals& background) {
+    std::optional<double> wanted;
+    const double place = std::uniform_real_distribution<double>()(random_);
+    Signal signal;
+    for (int n = 0; n <= kScalings; ++n) {
+      signal = reference_->signal(reference_->residuals(recorded({choice}, "trial")), background);
+      if (!spec_.signal) return signal;
+      const rig::SignalSpec& s = *spec_.signal;
+      if (s.raw_snr) {
+        if (signal.raw_snr < *s.raw_snr) throw NotThisOne(fmt::format("{} is too small", choice.effect));
+        if (signal.per_frame_sd < s.per_frame_sd) return signal;
+        choice = rig::scaled(choice, std::sqrt(0.6 * s.per_frame_sd / signal.per_frame_sd));
+        continue;
+      }
+      if (!(signal.leftover_snr > 0.0)) throw NotThisOne(fmt::format("{} leaves nothing", choice.effect));
+      const double least_snr = s.least_leftover_m * signal.leftover_snr / signal.leftover_m;
+      const double raised = std::max(1.0, least_snr / s.leftover_snr.low);
+      const double low = raised * s.leftover_snr.low, high = raised * s.leftover_snr.high;
+      if (!wanted) wanted = low * std::pow(high / low, place);
+      if (signal.leftover_snr >= 0.999 * low && signal.leftover_snr <= 1.05 * high) return signal;
+      const double target = std::clamp(*wanted, 1.03 * low, high);
+      const HiddenChoice before = choice;
+      choice = rig::scaled(choice, std::clamp(target / signal.leftover_snr, 0.02, 30.0));
+      if (choice.values == before.values)
+        throw NotThisOne(fmt::format("{} cannot be so large", choice.effect));
+    }
+    throw NotThisOne(fmt::format("{} does not come to its size: {:.3g}", choice.effect, signal.leftover_snr));
+  }
+
+  const rig::CampaignSpec& spec_;
+  const DrawOptions& options_;
+  const fs::path work_;
+  Arm arm_;
+  rig::CampaignCase drawn_;
+  std::mt19937_64 random_;
+  std::unique_ptr<Reference> reference_;
+  double distractors_leave_m_ = 0.0;
+  Json truth_;
+};
+
+}  // namespace
+
+std::string kinds_json(const std::string& campaign) {
+  Json list = Json::array();
+  for (const rig::CampaignKind& kind : campaign_of(campaign, "").kinds)
+    list.push_back({{"kind", kind.name}, {"sample", kind.sample}, {"full", kind.full}});
+  return list.dump();
+}
+
+void draw(const DrawOptions& options) {
+  const rig::CampaignSpec spec = campaign_of(options.campaign, options.kind);
+  std::string last;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    try {
+      Case one(spec, options, attempt);
+      one.make();
+      one.keep();
+      return;
+    } catch (const NotThisOne& error) {
+      last = error.what();
+    } catch (const rig::SimulationError& error) {
+      last = error.what();
+    } catch (const std::invalid_argument& error) {
+      last = error.what();
+    }
+  }
+  throw Failure(fmt::format("{}, kind {}, case {}: {} draws do not do, the last: {}", options.campaign,
+                            options.kind, options.number, kAttempts, last));
+}
+
+}  // namespace softarm::prove

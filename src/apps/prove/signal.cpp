@@ -1,0 +1,198 @@
+#include "prove/signal.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "diagnose/screen.h"
+#include "softarm/identify/constants.h"
+
+namespace softarm::prove {
+namespace {
+
+using diagnose::Chunk;
+using diagnose::Column;
+using diagnose::Linearised;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr double kTick_s = 0.05;    // two means of one body are further apart
+constexpr double kSameRank = 1e-6;  // of the derivatives in one mean, as a share of the largest
+
+std::pair<std::int64_t, int> key_of(const effects::TrialData& trial, const effects::Block& block, int body) {
+  return {std::llround(trial.series.t_s[static_cast<Eigen::Index>(block.first)] / kTick_s), body};
+}
+
+}  // namespace
+
+VectorXd per_frame_part(const diagnose::JointModel& model, const Linearised& at, const VectorXd& rows,
+                        double* freedom) {
+  VectorXd left = rows;
+  Eigen::Index begin = 0;
+  if (freedom != nullptr) *freedom = 0.0;
+  Eigen::Index constants = 0;
+  for (const Column& column : at.columns) constants += column.kind == Column::Kind::kConstant;
+  for (std::size_t t = 0; t < model.trials().size(); ++t) {
+    Eigen::Index row = 0;
+    for (const effects::Block& block : model.trials()[t].blocks) {
+      const auto count = 3 * static_cast<Eigen::Index>(block.bodies.size());
+      auto part = left.segment(begin + row, count);
+      const Eigen::Index used = (at.root_weight[t].segment(row, count).array() > 0.0).count();
+      if (used > 0) {
+        Eigen::ColPivHouseholderQR<MatrixXd> qr(at.derivative[t].block(row, 0, count, constants));
+        qr.setThreshold(kSameRank);
+        const MatrixXd q = MatrixXd(qr.householderQ()).leftCols(qr.rank());
+        part -= q * (q.transpose() * part).eval();
+        if (freedom != nullptr) *freedom += static_cast<double>(std::max<Eigen::Index>(0, used - qr.rank()));
+      }
+      row += count;
+    }
+    begin += row;
+  }
+  return left;
+}
+
+Reference::Reference(const Arm& arm, const std::vector<identify::Trial>& trials, unsigned jobs)
+    : arm_(arm), jobs_(jobs), prepared_(effects::prepare(arm, trials)), model_(arm_, prepared_.trials, jobs) {
+  at_ = model_.fit(model_.start(), {});
+  model_.allow_for_motion(at_.predicted);
+  at_ = model_.fit(at_.at, {}, &at_.predicted);
+}
+
+Residuals Reference::residuals(const std::vector<identify::Trial>& trials) const {
+  const effects::Prepared prepared = effects::prepare(arm_, trials);
+  diagnose::JointModel model(arm_, prepared.trials, jobs_);
+  std::vector<std::vector<effects::Predicted>> predicted;
+  model.predict(at_.at, false, nullptr, predicted);
+  Residuals residuals(prepared.trials.size());
+  for (std::size_t t = 0; t < prepared.trials.size(); ++t) {
+    const effects::TrialData& trial = prepared.trials[t];
+    for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
+      if (!predicted[t][k].solved) continue;
+      for (std::size_t i = 0; i < trial.blocks[k].bodies.size(); ++i) {
+        const effects::Seen& seen = trial.blocks[k].bodies[i];
+        residuals[t][key_of(trial, trial.blocks[k], seen.body)] =
+            seen.p_base - predicted[t][k].p.col(static_cast<Eigen::Index>(i));
+      }
+    }
+  }
+  return residuals;
+}
+
+VectorXd Reference::orthogonal(const VectorXd& difference) const {
+  const auto n = static_cast<Eigen::Index>(at_.columns.size());
+  MatrixXd information = MatrixXd::Zero(n, n);
+  for (const Chunk& chunk : at_.chunks) information += chunk.information;
+  VectorXd gradient = VectorXd::Zero(n);
+  Eigen::Index begin = 0;
+  for (const MatrixXd& j : at_.derivative) {
+    gradient += j.transpose() * difference.segment(begin, j.rows());
+    begin += j.rows();
+  }
+  information.diagonal() *= 1.0 + 1e-12;
+  const VectorXd absorbed = information.ldlt().solve(gradient);
+  VectorXd left = difference;
+  begin = 0;
+  for (const MatrixXd& j : at_.derivative) {
+    left.segment(begin, j.rows()) -= j * absorbed;
+    begin += j.rows();
+  }
+  return left;
+}
+
+double Reference::rms_m(const VectorXd& whitened) const {
+  double sum = 0.0, bodies = 0.0;
+  Eigen::Index begin = 0;
+  for (std::size_t t = 0; t < prepared_.trials.size(); ++t) {
+    Eigen::Index row = 0;
+    for (std::size_t k = 0; k < prepared_.trials[t].blocks.size(); ++k) {
+      for (const effects::Seen& seen : prepared_.trials[t].blocks[k].bodies) {
+        if (at_.root_weight[t][row] > 0.0) {
+          const double scale = model_.sd_m(t, k, seen) / at_.root_weight[t][row];
+          sum += scale * scale * whitened.segment<3>(begin + row).squaredNorm();
+          bodies += 1.0;
+        }
+        row += 3;
+      }
+    }
+    begin += row;
+  }
+  return bodies > 0.0 ? std::sqrt(sum / bodies) : 0.0;
+}
+
+Signal Reference::signal(const Residuals& with, const Residuals& without) const {
+  Eigen::Index rows = 0;
+  for (const VectorXd& r : at_.residual) rows += r.size();
+  Signal signal;
+  signal.difference = VectorXd::Zero(rows);
+  Eigen::Index row = 0;
+  for (std::size_t t = 0; t < prepared_.trials.size(); ++t) {
+    const effects::TrialData& trial = prepared_.trials[t];
+    Eigen::Index local = 0;
+    for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
+      for (const effects::Seen& seen : trial.blocks[k].bodies) {
+        const auto key = key_of(trial, trial.blocks[k], seen.body);
+        const auto a = with[t].find(key), b = without[t].find(key);
+        if (a != with[t].end() && b != without[t].end())
+          signal.difference.segment<3>(row) =
+              at_.root_weight[t][local] * (a->second - b->second) / model_.sd_m(t, k, seen);
+        row += 3;
+        local += 3;
+      }
+    }
+  }
+  const VectorXd left = orthogonal(signal.difference);
+  signal.raw_snr = signal.difference.norm();
+  signal.leftover_snr = left.norm();
+  signal.raw_m = rms_m(signal.difference);
+  signal.leftover_m = rms_m(left);
+  double freedom = 0.0;
+  signal.per_frame_snr = per_frame_part(model_, at_, signal.difference, &freedom).norm();
+  signal.per_frame_sd = signal.per_frame_snr * signal.per_frame_snr / std::sqrt(2.0 * std::max(1.0, freedom));
+  return signal;
+}
+
+std::vector<Ideal> Reference::ideal(const Signal& signal) {
+  // The fit as if its residuals were the signal.
+  Linearised at = at_;
+  at.gradient.setZero();
+  at.square = signal.difference.squaredNorm();
+  Eigen::Index begin = 0;
+  std::size_t c = 0;
+  for (std::size_t t = 0; t < at.residual.size(); ++t) {
+    at.residual[t] = signal.difference.segment(begin, at.residual[t].size());
+    begin += at.residual[t].size();
+    Eigen::Index row = 0;
+    for (; c < at.chunks.size() && at.chunks[c].trial == t; ++c) {
+      Chunk& chunk = at.chunks[c];
+      const auto r = at.residual[t].segment(row, chunk.all_rows);
+      chunk.gradient = at.derivative[t].middleRows(row, chunk.all_rows).transpose() * r;
+      chunk.square = r.squaredNorm();
+      row += chunk.all_rows;
+      at.gradient += chunk.gradient;
+    }
+  }
+  const std::vector<diagnose::Screened> screened = diagnose::screen(model_, at, jobs_, [](double) {});
+  const double whole = std::max(1e-12, signal.leftover_snr * signal.leftover_snr);
+  std::vector<Ideal> list;
+  for (const diagnose::Screened& s : screened)
+    list.push_back(
+        {s.effect->info().id, s.gain / whole, std::abs(s.direction.dot(screened.front().direction))});
+  return list;
+}
+
+double Reference::cosine(const Signal& a, const Signal& b) const {
+  const VectorXd x = orthogonal(a.difference), y = orthogonal(b.difference);
+  const double norm = x.norm() * y.norm();
+  return norm > 0.0 ? x.dot(y) / norm : 0.0;
+}
+
+std::map<std::string, double> Reference::constants() const {
+  std::map<std::string, double> values;
+  for (std::size_t j = 0; j < model_.constants().size(); ++j)
+    values[identify::name_of(arm_, model_.constants()[j])] = at_.at.constants[static_cast<Eigen::Index>(j)];
+  return values;
+}
+
+}  // namespace softarm::prove

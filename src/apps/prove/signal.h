@@ -1,0 +1,70 @@
+// How much of what is hidden in recordings a diagnosis could see: the same trials with and without it.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "diagnose/joint_model.h"
+#include "softarm/identify/shape_error.h"
+
+namespace softarm::prove {
+
+/// An effect as the difference of two recordings that are the same but for it: of the residuals that one set
+/// of the arm's constants leaves in both, in standard deviations of means over 0.1 s (white noise, and what
+/// the diagnosis allows for swinging), of the means that the diagnosis compares.
+struct Signal {
+  Eigen::VectorXd difference;  ///< whitened, all trials
+  double raw_snr = 0.0;        ///< its length
+  double leftover_snr = 0.0;   ///< the same, orthogonal to the derivatives of all of the arm's free constants
+  double per_frame_snr = 0.0;  ///< the same with those constants free in every mean
+  double per_frame_sd =
+      0.0;                  ///< excess of chi^2 of such fits in its standard deviations: snr^2 / sqrt(2 dof)
+  double raw_m = 0.0;       ///< rms distance of a body
+  double leftover_m = 0.0;  ///< the same of the orthogonal part
+};
+
+/// One effect of the catalogue against a noise-free signal.
+struct Ideal {
+  std::string effect;
+  double explains = 0.0;  ///< share of leftover_snr squared
+  double cosine = 0.0;    ///< with the best one's signature
+};
+
+/// Residuals of one recording under the reference's constants, m: by trial, time and body.
+using Residuals = std::vector<std::map<std::pair<std::int64_t, int>, Eigen::Vector3d>>;
+
+/// The trials without anything hidden, and the constants that fit them.
+class Reference {
+ public:
+  Reference(const Arm& arm, const std::vector<identify::Trial>& trials, unsigned jobs);
+
+  Residuals residuals(const std::vector<identify::Trial>& trials) const;
+  Signal signal(const Residuals& with, const Residuals& without) const;
+  /// The catalogue, best first, against the signal as if nothing else were in the recording: what an ideal
+  /// detector has to go by.
+  std::vector<Ideal> ideal(const Signal& signal);
+  /// Cosine between what two signals leave.
+  double cosine(const Signal& a, const Signal& b) const;
+  /// Names and values of the constants that fit.
+  std::map<std::string, double> constants() const;
+
+ private:
+  Eigen::VectorXd orthogonal(const Eigen::VectorXd& difference) const;
+  double rms_m(const Eigen::VectorXd& whitened) const;
+
+  const Arm arm_;
+  const unsigned jobs_;
+  effects::Prepared prepared_;
+  diagnose::JointModel model_;
+  diagnose::Linearised at_;
+};
+
+/// What is left of a vector of the whitened rows of all trials once the arm's constants are free in each
+/// mean, and by how many degrees of freedom.
+Eigen::VectorXd per_frame_part(const diagnose::JointModel& model, const diagnose::Linearised& at,
+                               const Eigen::VectorXd& rows, double* freedom);
+
+}  // namespace softarm::prove

@@ -1,0 +1,175 @@
+#!/usr/bin/python3
+"""The scores of the proof on made-up reports: each rate, calibration, coverage of intervals, places, the story."""
+import math
+import os
+import sys
+import unittest
+
+sys.path.insert(0, os.path.join(sys.argv[1] if len(sys.argv) > 1 else ".", "scripts"))
+import prove_report  # noqa: E402
+import prove_score as score  # noqa: E402
+
+
+def effect(name, values=None, form="", catalogued=True, **more):
+    return {"effect": name, "form": form, "values": values or {}, "catalogued": catalogued,
+            "signal": {"leftover_snr": 20.0, "leftover_m": 2e-4}, **more}
+
+
+def truth(*effects, distractors=(), constants=None):
+    return {"effects": list(effects), "distractors": list(distractors), "constants": constants or {},
+            "ideal": [{"effect": e["effect"], "explains": 0.9, "cosine": 1.0} for e in effects]}
+
+
+def named(name, probability=0.95, confusable=(), parameters=None, where=None):
+    return {"name": name, "probability": probability, "confusable_with": list(confusable),
+            "parameters": parameters or {}, "where": where or {}}
+
+
+def report(verdict, *effects, ranking=(), findings=None, before=1e-3, after=5e-4, shifts=()):
+    names = [e["name"] for e in effects] + list(ranking)
+    return {"verdict": verdict, "effects": list(effects), "shifts": list(shifts), "noise_floor_m": 4e-4,
+            "ranking": [{"name": n, "finding": (findings or {}).get(n, "absent")} for n in names],
+            "baseline": {"held_out_rms_m": before}, "extended": {"held_out_rms_m": after}}
+
+
+def result(kind, hidden, said, baselines=None):
+    return {"case": "case_001", "kind": kind, "number": 0, "truth": hidden, "report": said, "not_drawn": None,
+            "cost": {"seconds": 10.0}, "baselines": baselines}
+
+
+class Rates(unittest.TestCase):
+    def marks(self, kind, hidden, said):
+        return score.marks(kind, score.decision_of_report(said), hidden)
+
+    def test_nothing_hidden(self):
+        self.assertFalse(self.marks("none", truth(), report("consistent"))["false_alarm"])
+        self.assertFalse(self.marks("none", truth(), report("cannot_tell"))["false_alarm"])
+        self.assertTrue(self.marks("none", truth(), report("unknown"))["false_alarm"])
+        wrong = self.marks("none", truth(), report("explained", named("creep", 0.99)))
+        self.assertTrue(wrong["false_alarm"] and wrong["confident_wrong"])
+
+    def test_one_effect(self):
+        hidden = truth(effect("creep"))
+        good = self.marks("single_strong", hidden, report("explained", named("creep")))
+        self.assertEqual(good, {"confident_wrong": False, "top1": True, "top3": True, "right_class": True})
+        rival = self.marks("single_strong", hidden, report("explained", named("drift", 0.99, ["creep"]), ranking=["creep"]))
+        self.assertEqual(rival, {"confident_wrong": False, "top1": False, "top3": True, "right_class": True})
+        wrong = self.marks("single_weak", hidden, report("explained", named("drift"), ranking=["shear", "mullins", "creep"]))
+        self.assertEqual(wrong, {"confident_wrong": True, "top1": False, "top3": False, "right_class": False})
+        unsure = self.marks("single_weak", hidden, report("explained", named("drift", 0.6)))
+        self.assertFalse(unsure["confident_wrong"])
+        missed = self.marks("single_strong", hidden, report("consistent", ranking=["creep"]))
+        self.assertFalse(missed["top1"] or missed["top3"] or missed["right_class"])
+
+    def test_two_effects(self):
+        hidden = truth(effect("creep"), effect("shear"))
+        self.assertTrue(self.marks("pair", hidden, report("explained", named("shear"), named("creep")))["both_named"])
+        one = self.marks("pair", hidden, report("explained", named("shear", 0.99, ["creep"])))
+        self.assertFalse(one["both_named"])
+        self.assertTrue(one["right_class"])
+        third = self.marks("pair", hidden, report("explained", named("shear"), named("creep"), named("drift", 0.99)))
+        self.assertTrue(third["both_named"] and third["confident_wrong"])
+
+    def test_outside_the_catalogue(self):
+        hidden = truth(effect("valve_stiction", catalogued=False))
+        self.assertTrue(self.marks("outside", hidden, report("unknown"))["unknown"])
+        for verdict in ("explained", "consistent", "partly_explained"):
+            self.assertFalse(self.marks("outside", hidden, report(verdict))["unknown"])
+        self.assertTrue(self.marks("outside", hidden, report("explained", named("hysteresis")))["confident_wrong"])
+        like = truth(effect("line_delay", catalogued=False, like="clock_offset"))
+        self.assertFalse(self.marks("outside", like, report("explained", named("clock_offset")))["confident_wrong"])
+
+    def test_compensated(self):
+        hidden = truth(effect("base_compliance"))
+        for said in (report("explained", named("shear", 0.7, ["base_compliance"])), report("cannot_tell"),
+                     report("consistent", ranking=["base_compliance"], findings={"base_compliance": "cannot_tell"})):
+            self.assertTrue(self.marks("compensated", hidden, said)["found_or_cannot_tell"])
+        self.assertFalse(self.marks("compensated", hidden, report("consistent", ranking=["base_compliance"]))
+                         ["found_or_cannot_tell"])
+
+    def test_a_distractor_is_there(self):
+        hidden = truth(distractors=[effect("tip_mass")])
+        self.assertFalse(self.marks("none", hidden, report("explained", named("tip_mass", 0.99)))["confident_wrong"])
+
+    def test_shares(self):
+        results = [result("none", truth(), report("consistent"))] * 3 + [result("none", truth(), report("unknown"))]
+        results.append(result("single_strong", truth(effect("creep")), None))
+        figures = score.figures(results)
+        self.assertEqual(figures["none"]["trials"], 4)
+        self.assertAlmostEqual(figures["none"]["false_alarm"], 0.25)
+        self.assertIsNone(figures["none"]["top1"])
+        self.assertIsNone(figures["pair"]["both_named"])
+        self.assertEqual((figures["single_strong"]["top1"], figures["failed"]), (0.0, 1))
+
+
+class Figures(unittest.TestCase):
+    def test_calibration(self):
+        self.assertIsNone(score.calibration_error([]))
+        self.assertAlmostEqual(score.calibration_error([(0.9, True)] * 9 + [(0.9, False)]), 0.0)
+        self.assertAlmostEqual(score.calibration_error([(1.0, False), (0.5, True), (0.5, False), (1.0, True)]), 0.25)
+
+    def test_sizes_and_intervals(self):
+        hidden = truth(effect("base_compliance", {"stiffness_nm_per_rad": 5.0}))
+        for low, covers in ((0.19, True), (0.21, False)):
+            parameters = {"compliance_rad_per_nm": {"value": 0.22, "low": low, "high": 0.25, "unit": "rad/(N m)"}}
+            figures = score.figures([result("single_strong", hidden,
+                                            report("explained", named("base_compliance", parameters=parameters)))])
+            self.assertAlmostEqual(figures["parameter_median_error"], 0.1)
+            self.assertEqual(figures["interval_coverage"], float(covers))
+        tilt = score.true_parameters(effect("base_tilt", {"angle_deg": 2.0, "azimuth_deg": 90.0}), 0.2)
+        self.assertAlmostEqual(tilt["towards_y_rad"], math.radians(2.0))
+        self.assertAlmostEqual(tilt["towards_x_rad"], 0.0)
+        self.assertEqual(score.true_parameters(effect("creep", {"share": 0.1, "time_s": 9.0}, "prony"), 0.2), {})
+
+    def test_place(self):
+        hidden = truth(effect("soft_spot", {"share": 0.3, "centre_fraction": 0.5, "width_fraction": 0.2}))
+        said = report("explained", named("soft_spot", where={"s_from": 0.08, "s_to": 0.14}))
+        self.assertAlmostEqual(score.figures([result("single_strong", hidden, said)])["place_error_m"], 0.01)
+
+    def test_bias(self):
+        hidden = truth(effect("creep"), constants={"bending_stiffness": 0.03})
+        shift = {"name": "bending_stiffness", "before": 0.04, "after": 0.031}
+        said = report("explained", named("creep"), shifts=[shift])
+        self.assertAlmostEqual(score.figures([result("compensated", hidden, said)])["bias_removed"], 0.9)
+        small = dict(shift, before=0.0301)
+        self.assertIsNone(score.bias_removed(result("compensated", hidden, report("explained", shifts=[small]))))
+
+    def test_held_out(self):
+        results = [result("single_strong", truth(effect("creep")), report("explained", named("creep"), after=4.4e-4)),
+                   result("none", truth(), report("consistent", before=5e-4, after=6e-4)),
+                   result("none", truth(), report("consistent", before=5e-4, after=5e-4))]
+        figures = score.figures(results)
+        self.assertAlmostEqual(figures["held_out_over_floor"], 1.1)
+        self.assertAlmostEqual(figures["worse_than_baseline"], 0.5)
+
+    def test_interval_of_a_rate(self):
+        low, high = score.interval(9, 10)
+        self.assertTrue(0.6 < low < 0.9 < high < 1.0)
+        self.assertEqual(score.interval(0, 10)[0], 0.0)
+        self.assertIsNone(score.interval(0, 0))
+
+
+class Story(unittest.TestCase):
+    def test_every_trial_and_every_key(self):
+        bic = {"bic": {"alarm": True, "effects": [{"name": "creep", "probability": 0.8}], "ranking": ["creep", "drift"]},
+               "gp": {"alarm": True, "effects": [], "ranking": []}}
+        results = [result("single_strong", truth(effect("creep")), report("explained", named("drift", 0.99)), bic),
+                   dict(result("pair", None, None), not_drawn="the arm | flies")]
+        figures = score.figures(results)
+        self.assertEqual(figures["baselines"]["bic"]["single_strong"]["top1"], 1.0)
+        self.assertEqual(figures["baselines"]["gp"]["single_strong"]["top1"], 0.0)
+        self.assertIsNone(figures["baselines"]["lasso"]["single_strong"]["top1"])
+        for kind in score.KINDS:
+            self.assertEqual(set(figures[kind]), {"trials", *score.RATES})
+        for key in score.FIGURES:
+            self.assertIn(key, figures)
+            self.assertIn(key, figures["baselines"]["bic"])
+        figures.update({"campaign": "c", "seed": 1, "full": False, "truth_sha256": "abc", "engine": "def"})
+        text = prove_report.story(figures, results)
+        for words in ("drift 0.99", "confident_wrong", "not drawn: the arm / flies", "NOT MET", "`abc`", "creep 0.90"):
+            self.assertIn(words, text)
+        self.assertIn("single_strong: top1", prove_report.table(figures))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
