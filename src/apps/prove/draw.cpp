@@ -76,9 +76,11 @@ class Case {
     Residuals background = fit_distractors(nothing);
     std::vector<Signal> signals;
     for (HiddenChoice& choice : drawn_.effects) signals.push_back(fit_effect(choice, background));
-    // All together, for the record. A single one has just been recorded so.
-    const Residuals whole = reference_->residuals(recorded(drawn_.effects, "trials"));
-    const Signal all = reference_->signal(whole, nothing);
+    // Two are measured one by one, and recorded together. A single one has just been recorded.
+    if (signals.size() != 1)
+      signals_together(nothing, background);
+    else
+      all_ = signals.front();
     truth_["kind"] = options_.kind;
     truth_["arm"] = spec_.arms[drawn_.arm].arm;
     truth_["effects"] = Json::array();
@@ -88,10 +90,10 @@ class Case {
     truth_["distractors"] = Json::array();
     for (const HiddenChoice& choice : drawn_.distractors) truth_["distractors"].push_back(json_of(choice));
     truth_["distractors_leave_m"] = distractors_leave_m_;
-    truth_["all"] = json_of(all);
+    truth_["all"] = json_of(all_);
     truth_["ideal"] = Json::array();
     if (!signals.empty()) {
-      for (const Ideal& ideal : reference_->ideal(all))
+      for (const Ideal& ideal : reference_->ideal(all_))
         truth_["ideal"].push_back(
             {{"effect", ideal.effect}, {"explains", ideal.explains}, {"cosine", ideal.cosine}});
     }
@@ -105,9 +107,9 @@ class Case {
     for (std::size_t i = 0; i < drawn_.plain.size(); ++i) {
       const std::string name = name_of(i);
       known["trials"].push_back(name + ".bag");
-      for (const char* end : {".truth.csv", ".truth.yaml"})
-        fs::rename(trials / (name + end), sealed / (name + end));
-      fs::remove(trials / (name + ".truth.sha256"));
+      fs::rename(trials / (name + ".truth.yaml"), sealed / (name + ".truth.yaml"));
+      // Megabytes that nothing is scored by; the constants and the seed make them again.
+      for (const char* end : {".truth.csv", ".truth.sha256"}) fs::remove(trials / (name + end));
     }
     write(sealed / "case.json", truth_);
     write(trials / "case.json", known);
@@ -191,13 +193,20 @@ class Case {
     throw NotThisOne("the distractors stay too large");
   }
 
+  void signals_together(const Residuals& nothing, const Residuals& background) {
+    const Residuals whole = reference_->residuals(recorded(drawn_.effects, "trials"));
+    all_ = reference_->signal(whole, drawn_.effects.empty() ? nothing : background);
+  }
+
   /// Scales an effect until it is as large as the campaign asks for.
   Signal fit_effect(HiddenChoice& choice, const Residuals& background) {
     std::optional<double> wanted;
     const double place = std::uniform_real_distribution<double>()(random_);
     Signal signal;
     for (int n = 0; n <= kScalings; ++n) {
-      signal = reference_->signal(reference_->residuals(recorded({choice}, "trial")), background);
+      signal = reference_->signal(
+          reference_->residuals(recorded({choice}, drawn_.effects.size() == 1 ? "trials" : "trial")),
+          background);
       if (!spec_.signal) return signal;
       const rig::SignalSpec& s = *spec_.signal;
       if (s.raw_snr) {
@@ -229,6 +238,7 @@ class Case {
   std::mt19937_64 random_;
   std::unique_ptr<Reference> reference_;
   double distractors_leave_m_ = 0.0;
+  Signal all_;  ///< of the effects together, beside the distractors; of these where there are none
   Json truth_;
 };
 
