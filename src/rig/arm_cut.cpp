@@ -8,11 +8,11 @@
 namespace softarm::rig {
 namespace {
 
-constexpr double kSame = 1e-6;        // of the length: a payload there hangs at the segment's end
-constexpr double kLeastPart = 2e-3;   // of the length: what is hidden cuts no smaller piece
-constexpr int kElementsAtWall = 3;    // times as many, for where the arm lifts off lies between stations
-constexpr int kElementsOfYield = 2;   // likewise, for where a core begins to slip its curvature has a kink
-constexpr int kSoftSpotElements = 8;  // two for each of its edges
+constexpr double kSame = 1e-6;           // of the length: a payload there hangs at the segment's end
+constexpr double kLeastPart = 2e-3;      // of the length: what is hidden cuts no smaller piece
+constexpr double kElementsAtWall = 3.5;  // times as many, for where the arm lifts off lies between stations
+constexpr double kElementsOfYield = 2;   // likewise, for where a core begins to slip its curvature has a kink
+constexpr int kSoftSpotElements = 8;     // two for each of its edges
 
 /// The fractions within ]from, to[ where a segment is cut, ascending.
 std::vector<double> cuts_within(const Scenario& scenario, double from, double to) {
@@ -30,7 +30,7 @@ std::vector<double> cuts_within(const Scenario& scenario, double from, double to
 }
 
 /// How many times as many elements what is hidden needs.
-int finer(const BodySpec& body) {
+double finer(const BodySpec& body) {
   if (body.wall && body.wall->everywhere) return kElementsAtWall;
   return body.core && body.core->yield_per_m > 0.0 && !body.core->smooth ? kElementsOfYield : 1;
 }
@@ -79,7 +79,7 @@ RitzRodParams rod_params(const Scenario& scenario, const Cut& cut) {
                          ? std::max(part.least_elements,
                                     static_cast<int>(std::ceil(scenario.numerics.elements * part.share)))
                          : scenario.numerics.elements;
-    piece.elements *= finer(scenario.body);
+    piece.elements = static_cast<int>(std::ceil(piece.elements * finer(scenario.body)));
     piece.share = part.share * segment.length_m / scenario.arm.length_m();
     piece.mass_kg = part.share * segment.mass_kg;
     piece.diameter_m = segment.diameter_m;

@@ -21,6 +21,16 @@ Pose to_pose(const Eigen::Isometry3d& transform) {
   return {transform.translation(), Eigen::Quaterniond(transform.linear()).normalized()};
 }
 
+/// How many times as many steps what is hidden needs: where it has kinks in time the order falls to one.
+int finer_steps(const Scenario& scenario) {
+  constexpr int kAtSlewLimit = 3, kAtYield = 2;
+  if (scenario.input_path.slew_limit) return kAtSlewLimit;
+  const auto& core = scenario.body.core;
+  if (!core || core->smooth || core->yield_per_m == 0.0) return 1;
+  const bool slips = core->yield_per_m * scenario.arm.length_m() < 2.0 * M_PI;  // bent by less than a turn
+  return slips ? kAtYield : 1;
+}
+
 }  // namespace
 
 std::string topic_of(InputKind kind, int number) {
@@ -50,7 +60,8 @@ struct Simulator::Impl {
     for (std::size_t i = 1; i <= scenario.mocap.ring_fractions.size(); ++i)
       names.push_back(fmt::format("ring_{}", i));
     const double frame_s = 1.0 / scenario.mocap.rate_hz;
-    substeps = std::max(1, static_cast<int>(std::ceil(frame_s / scenario.numerics.max_step_s - 1e-9)));
+    substeps = std::max(1, static_cast<int>(std::ceil(frame_s / scenario.numerics.max_step_s - 1e-9))) *
+               finer_steps(scenario);
     settle();
   }
 
