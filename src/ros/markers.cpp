@@ -49,15 +49,6 @@ void set_scale(Marker& m, double size) {
   m.scale.x = m.scale.y = m.scale.z = size;
 }
 
-double diameter_at(const Arm& arm, double arclength_m) {
-  double end = 0.0;
-  for (const Segment& segment : arm.segments) {
-    end += segment.length_m;
-    if (arclength_m <= end) return segment.diameter_m;
-  }
-  return arm.segments.back().diameter_m;
-}
-
 Marker backbone_tube(const Estimate& estimate, const MessageContext& context) {
   Marker m = marker(estimate, context, "backbone", Marker::TRIANGLE_LIST);
   const double full_scale_per_m = kFullScale_rad / context.arm.total_length_m();

@@ -34,15 +34,6 @@ Marker marker(const MessageContext& context, const char* ns, int type) {
   return m;
 }
 
-double diameter_at(const Arm& arm, double arclength_m) {
-  double end = 0.0;
-  for (const Segment& segment : arm.segments) {
-    end += segment.length_m;
-    if (arclength_m <= end) return segment.diameter_m;
-  }
-  return arm.segments.back().diameter_m;
-}
-
 Marker sleeve(const diagnose::Mismatch& mismatch, const Estimate& estimate, const MessageContext& context) {
   const double length_m = context.arm.total_length_m();
   const double middle_m = 0.5 * (mismatch.s_from_m + mismatch.s_to_m);

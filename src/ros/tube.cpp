@@ -25,6 +25,15 @@ void add_triangle(const Corner& a, const Corner& b, const Corner& c, visualizati
 
 }  // namespace
 
+double diameter_at(const Arm& arm, double arclength_m) {
+  double end = 0.0;
+  for (const Segment& segment : arm.segments) {
+    end += segment.length_m;
+    if (arclength_m <= end) return segment.diameter_m;
+  }
+  return arm.segments.back().diameter_m;
+}
+
 std_msgs::ColorRGBA shade_color(double shade, float alpha) {
   using Rgb = std::array<double, 3>;
   constexpr std::array<Rgb, 5> kScale{Rgb{0.20, 0.45, 0.95}, Rgb{0.10, 0.75, 0.75}, Rgb{0.45, 0.85, 0.30},

@@ -6,6 +6,8 @@
 #include <Eigen/Geometry>
 #include <vector>
 
+#include "softarm/arm/arm.h"
+
 namespace softarm {
 
 /// One circular section of a tube.
@@ -15,6 +17,9 @@ struct TubeSection {
   double radius_m = 0.0;
   double shade = 0.0;  ///< 0 ... 1 on the colour scale
 };
+
+/// Of the segment that has this arclength of the arm at rest, m.
+double diameter_at(const Arm& arm, double arclength_m);
 
 /// Appends the surface between the sections, and its two end caps, to a TRIANGLE_LIST.
 void add_tube(const std::vector<TubeSection>& sections, float alpha, visualization_msgs::Marker* marker);

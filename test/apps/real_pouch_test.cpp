@@ -9,7 +9,6 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <boost/algorithm/string.hpp>
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -17,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/csv_rows.h"
 #include "apps/program.h"
 
 namespace softarm {
@@ -129,26 +129,6 @@ TEST(RealPouchArm, TheMountOfTheStepsDoesNotTurn) {
   // Half of the recorded quaternions are turned by 180 degrees.
   for (const auto& pose : read<geometry_msgs::PoseStamped>(dir / "a.bag", "/mocap/base/pose"))
     ASSERT_EQ(pose.pose.orientation.w, 1.0);
-}
-
-using Row = std::map<std::string, std::string>;
-
-std::vector<Row> csv_rows(const std::string& path) {
-  std::vector<Row> rows;
-  std::vector<std::string> names;
-  std::istringstream file(text_of(path));
-  for (std::string line; std::getline(file, line);) {
-    std::vector<std::string> cells;
-    boost::split(cells, line, [](char c) { return c == ','; });
-    if (names.empty()) {
-      names = cells;
-      continue;
-    }
-    Row row;
-    for (std::size_t i = 0; i < std::min(names.size(), cells.size()); ++i) row[names[i]] = cells[i];
-    rows.push_back(row);
-  }
-  return rows;
 }
 
 /// Median over the rows of a time of the recording, s.

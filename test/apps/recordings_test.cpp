@@ -8,13 +8,13 @@
 #include <std_msgs/Float64.h>
 
 #include <algorithm>
-#include <boost/algorithm/string.hpp>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <set>
 #include <vector>
 
+#include "apps/csv_rows.h"
 #include "apps/program.h"
 #include "softarm/trial/estimates_csv.h"
 
@@ -22,28 +22,6 @@ namespace softarm {
 namespace {
 
 using ::testing::HasSubstr;
-
-using Row = std::map<std::string, std::string>;
-
-/// Rows of a CSV file by column name.
-std::vector<Row> csv_rows(const std::string& path) {
-  std::vector<Row> rows;
-  std::vector<std::string> names;
-  std::istringstream file(text_of(path));
-  for (std::string line; std::getline(file, line);) {
-    std::vector<std::string> cells;
-    boost::split(cells, line, [](char c) { return c == ','; });
-    if (names.empty()) {
-      names = cells;
-      continue;
-    }
-    EXPECT_EQ(cells.size(), names.size()) << path << ": " << line;
-    Row row;
-    for (std::size_t i = 0; i < std::min(names.size(), cells.size()); ++i) row[names[i]] = cells[i];
-    rows.push_back(row);
-  }
-  return rows;
-}
 
 template <typename Message>
 std::vector<std::pair<double, Message>> read(const std::string& bag_path, const std::string& topic) {
