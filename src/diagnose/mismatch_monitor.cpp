@@ -1,14 +1,9 @@
-#include "softarm/diagnose/mismatch_monitor.h"
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "mismatch_monitor_impl.h"
 #include "mismatch_words.h"
-#include "monitor_changes.h"
-#include "monitor_reference.h"
-#include "monitor_shape.h"
-#include "monitor_window.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -17,7 +12,6 @@ using Eigen::Vector3d;
 
 constexpr std::size_t kFewestPoints = 5;
 constexpr double kTimeJump_s = 1.0;
-constexpr std::size_t kHistory = 100;  // windows, one per bin: 2.5 s
 constexpr std::size_t kWindowSteps = 10;
 const std::vector<SegmentPrediction> kNoLaws;
 constexpr double kSuspicion = 0.5;     // of the threshold: the reference waits
@@ -27,85 +21,9 @@ constexpr double kHand = 0.7;          // of the hold-off: nothing is learned of
 constexpr double kClear_s = 1.0;
 constexpr double kName_s = 1.0;  // while an alarm is so young, its kind, place and onset are looked at again
 constexpr double kChancePerRow = 2.5;  // chi-square per degree of freedom below which no change is looked for
-constexpr double kRising = 0.15;       // of a change's size: where it begins
-constexpr double kLongestOnset_s = 2.0;
-constexpr double kUnexplained = 0.5;  // share of a change below which its best explanation is none
-// Gain of the (doubled) log likelihood by which the likeliest change must lead, and as a share of its own.
-constexpr double kLead = 6.0, kLeadShare = 0.02;
-constexpr double kStraight = 0.02;  // tip off the base's axis, over the length: no plane of bending
-
-struct Past {
-  double to_s = 0.0;
-  Displacements innovation;
-  std::vector<SegmentPrediction> laws;  ///< empty: none
-};
+constexpr double kUnexplained = 0.5;   // share of a change below which its best explanation is none
 
 }  // namespace
-
-struct MismatchMonitor::Impl {
-  Impl(const Arm& arm_in, const MismatchMonitorParams& params_in)
-      : arm(arm_in),
-        params(params_in),
-        shape(arm),
-        window(arm.bodies.size()),
-        reference(arm, params.memory_s, typical_sd(arm)),
-        test(arm),
-        unknown(arm.estimator.unknown),
-        seen(arm.bodies.size(), 0),
-        history(kHistory) {
-    const auto rows = static_cast<Eigen::Index>(3 * arm.bodies.size());
-    discrepancy.setZero(rows);
-    place.setZero(rows);
-    inertia.setZero(rows);
-    innovation.setZero(rows);
-    over_innovation.setZero(rows);
-    for (Past& past : history) past.innovation.setZero(rows);
-    reset();
-  }
-
-  static double typical_sd(const Arm& arm) {
-    double square = 0.0;
-    for (const MeasuredBody& body : arm.bodies) square += body.position_sd_m * body.position_sd_m;
-    return std::sqrt(square / static_cast<double>(std::max<std::size_t>(1, arm.bodies.size())));
-  }
-
-  void reset();
-  void add(const Frame& frame, const Estimate& estimate);
-  void note_payload(const Frame& frame);
-  void step(double stamp_s);
-  void score();
-  void look_for_change();
-  void decide();
-  void name_change();
-  void end_alarm();
-  void learn(double dt_s);
-  double onset() const;
-  MismatchAxis axis_of(const Vector3d& displacement, int body) const;
-
-  Arm arm;
-  MismatchMonitorParams params;
-  MonitorShape shape;
-  MonitorWindow window;
-  SlowReference reference;
-  ChangeTest test;
-  Unknown unknown;
-  Mismatch mismatch;
-  Mismatch named;  ///< of the alarm: onset, kind, place
-
-  std::vector<char> seen;
-  Displacements discrepancy, place, inertia, innovation;
-  Displacements over_innovation;  ///< when the change went over the threshold
-  std::optional<std::vector<SegmentPrediction>> predictions;
-  std::vector<Past> history;  // a ring
-  std::size_t next_past = 0, pasts = 0;
-
-  std::optional<double> last_frame_s, last_step_s, first_s, payload_change_s, over_since_s, below_since_s,
-      suspicious_since_s, alarm_since_s;
-  std::optional<double> payload_kg;
-  double since_update_s = 0.0;
-  bool payload_seen = false, had_laws = false, winner_valid = false;
-  ChangeHypothesis winner;
-};
 
 void MismatchMonitor::Impl::reset() {
   window.reset();
@@ -302,67 +220,6 @@ void MismatchMonitor::Impl::end_alarm() {
   alarm_since_s.reset();
   over_since_s.reset();
   suspicious_since_s.reset();
-}
-
-void MismatchMonitor::Impl::name_change() {
-  named.kind = winner.kind;
-  named.or_kind.reset();
-  const ChangeHypothesis* second = test.runner_up();
-  if (second && winner.kind != ChangeKind::kUnclear &&
-      second->penalised > (1.0 - kLeadShare) * winner.penalised - kLead) {
-    named.or_kind = second->kind;
-  }
-  named.s_m = 0.5 * (winner.s_from_m + winner.s_to_m);
-  test.widen(winner);
-  named.s_from_m = winner.s_from_m;
-  named.s_to_m = winner.s_to_m;
-  const Displacements moved = winner.signature * winner.amplitude;
-  named.size_m = 0.0;
-  int most = 0;
-  for (int body = 0; body < shape.bodies(); ++body) {
-    const double distance = moved.segment<3>(3 * body).norm();
-    if (distance <= named.size_m) continue;
-    named.size_m = distance;
-    most = body;
-  }
-  named.axis = axis_of(moved.segment<3>(3 * most), most);
-  named.body = most;
-  if (winner.kind == ChangeKind::kContact) {
-    for (int body = 0; body < shape.bodies(); ++body) {
-      if (std::abs(shape.arclength_m(body) - named.s_m) <
-          std::abs(shape.arclength_m(*named.body) - named.s_m))
-        named.body = body;
-    }
-  }
-  named.onset_s = onset();
-}
-
-double MismatchMonitor::Impl::onset() const {
-  // The innovations along the change, in units of the change: 1 now, about 0 before it.
-  const Displacements moved = winner.signature * winner.amplitude;
-  const double square = moved.squaredNorm();
-  double at_s = *last_step_s;
-  for (std::size_t k = 1; k <= pasts && square > 0.0; ++k) {
-    const Past& past = history[(next_past + kHistory - k) % kHistory];
-    if (*last_step_s - past.to_s > kLongestOnset_s) break;
-    if (moved.dot(past.innovation) / square < kRising) break;
-    at_s = past.to_s;
-  }
-  // A window's mean reaches this share of a step so much after it.
-  return at_s - kRising * MonitorWindow::kWindow_s;
-}
-
-MismatchAxis MismatchMonitor::Impl::axis_of(const Vector3d& displacement, int body) const {
-  const Eigen::Matrix3d section = shape.section(body);
-  const Vector3d along = section.col(2);
-  const double axial = std::abs(displacement.dot(along));
-  const Vector3d across = displacement - displacement.dot(along) * along;
-  if (axial > across.norm()) return MismatchAxis::kAxial;
-  const Vector3d tip = shape.place_at(shape.length_m());
-  if (tip.head<2>().norm() < kStraight * shape.length_m()) return MismatchAxis::kInPlane;
-  const Vector3d normal = Vector3d(-tip.y(), tip.x(), 0.0).normalized();
-  return std::abs(displacement.dot(normal)) > M_SQRT1_2 * across.norm() ? MismatchAxis::kOutOfPlane
-                                                                        : MismatchAxis::kInPlane;
 }
 
 void MismatchMonitor::Impl::learn(double dt_s) {
