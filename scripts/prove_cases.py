@@ -19,13 +19,14 @@ def say(text):
 
 
 def run(command, log):
-    """Runs a program; returns its status, seconds and peak memory in bytes."""
+    """Runs a program; returns its status and what it cost: seconds, those of all cores, peak memory in bytes."""
     started = time.monotonic()
     with open(log, "w", encoding="utf-8") as text:
         process = subprocess.Popen(command, stdout=text, stderr=subprocess.STDOUT)
         _, status, usage = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
-    return process.returncode, time.monotonic() - started, 1024 * usage.ru_maxrss
+    return process.returncode, {"seconds": time.monotonic() - started, "core_seconds": usage.ru_utime + usage.ru_stime,
+                                "memory_bytes": 1024 * usage.ru_maxrss}
 
 
 def last_line(path):
@@ -112,7 +113,7 @@ class Proof:
             command = [self.program("prove"), "draw", "--campaign", self.options.campaign, "--kind", kind, "--number",
                        str(number), "--seed", str(self.options.seed), "--case", os.path.join(self.cases, case), "--truth",
                        os.path.join(self.truth, case)] + self.jobs()
-            status, _, _ = run(command, log)
+            status, _ = run(command, log)
             if status != 0:
                 with open(os.path.join(self.truth, case + ".failed"), "w", encoding="utf-8") as text:
                     text.write(last_line(log) + "\n")
@@ -161,19 +162,17 @@ class Proof:
             os.makedirs(folder, exist_ok=True)
             known = read_json(os.path.join(self.cases, case, "case.json"))
             bags = [os.path.join(self.cases, case, bag) for bag in known["trials"]]
-            cost = {}
             if not os.path.exists(os.path.join(folder, "report.json")):
                 log = os.path.join(folder, "diagnose.log")
-                status, seconds, memory = run([self.program("softarm"), "diagnose", "--arm", known["arm"], *bags, "--out",
-                                               folder] + self.jobs(), log)
-                cost = {"status": status, "seconds": seconds, "memory_bytes": memory}
+                status, cost = run([self.program("softarm"), "diagnose", "--arm", known["arm"], *bags, "--out", folder]
+                                   + self.jobs(), log)
                 if status != 0:
                     cost["message"] = last_line(log)
                 write_json(os.path.join(folder, "cost.json"), cost)
             if self.options.baselines and not os.path.exists(os.path.join(folder, "baselines.json")):
                 log = os.path.join(folder, "baselines.log")
-                status, _, _ = run([self.program("prove"), "decide", "--arm", known["arm"], "--out",
-                                    os.path.join(folder, "baselines.json"), *bags] + self.jobs(), log)
+                status, _ = run([self.program("prove"), "decide", "--arm", known["arm"], "--out",
+                                 os.path.join(folder, "baselines.json"), *bags] + self.jobs(), log)
                 if status != 0:
                     write_json(os.path.join(folder, "baselines.json"), {"failed": last_line(log)})
             if self.options.full:

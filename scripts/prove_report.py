@@ -108,6 +108,13 @@ def ideal_words(truth):
     return ", ".join(f"{item['effect']} {item['explains']:.2f}" for item in truth["ideal"][:3])
 
 
+def cost(figures):
+    if figures["seconds_median"] is None:
+        return "No diagnosis was made."
+    return (f"A diagnosis took {figures['seconds_median']:.0f} s (median), {figures['seconds_most']:.0f} s and "
+            f"{figures['memory_bytes_most'] / 2**20:.0f} MiB at most.")
+
+
 def story(figures, results):
     """doc/proof.md."""
     lines = [["case", "kind", "hidden", "an ideal detector", "said", "baseline -> extended (floor), mm", ""]]
@@ -128,7 +135,7 @@ def story(figures, results):
 Written by `scripts/prove`: {size} of the campaign `{figures['campaign']}`, seed {figures['seed']}. Engine: commit
 `{figures['engine']}`. SHA-256 of what was hidden, taken before the first diagnosis: `{figures['truth_sha256']}`.
 {figures['not_drawn']} cases could not be drawn, {figures['failed']} diagnoses failed (they count as having said nothing).
-Median time of a diagnosis: {number(figures['seconds_median'])} s.
+{cost(figures)}
 
 {markdown([HEADINGS] + rows(figures))}
 

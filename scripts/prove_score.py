@@ -238,6 +238,8 @@ def figures(results):
     table["failed"] = sum(1 for r in drawn if not r["report"])
     seconds = [r["cost"]["seconds"] for r in drawn if r.get("cost")]
     table["seconds_median"] = statistics.median(seconds) if seconds else None
+    table["seconds_most"] = max(seconds, default=None)
+    table["memory_bytes_most"] = max((r["cost"]["memory_bytes"] for r in drawn if r.get("cost")), default=None)
     table["baselines"] = {}
     for method in BASELINES:
         of_method = [(r, decision_of_baseline(r["baselines"][method])) for r in drawn

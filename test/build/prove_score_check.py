@@ -34,7 +34,7 @@ def report(verdict, *effects, ranking=(), findings=None, before=1e-3, after=5e-4
 
 def result(kind, hidden, said, baselines=None):
     return {"case": "case_001", "kind": kind, "number": 0, "truth": hidden, "report": said, "not_drawn": None,
-            "cost": {"seconds": 10.0}, "baselines": baselines}
+            "cost": {"seconds": 10.0, "memory_bytes": 2**28}, "baselines": baselines}
 
 
 class Rates(unittest.TestCase):
@@ -166,7 +166,7 @@ class Story(unittest.TestCase):
             self.assertIn(key, figures["baselines"]["bic"])
         figures.update({"campaign": "c", "seed": 1, "full": False, "truth_sha256": "abc", "engine": "def"})
         text = prove_report.story(figures, results)
-        for words in ("drift 0.99", "confident_wrong", "not drawn: the arm / flies", "NOT MET", "`abc`", "creep 0.90"):
+        for words in ("drift 0.99", "confident_wrong", "not drawn: the arm / flies", "NOT MET", "`abc`", "creep 0.90", "256 MiB"):
             self.assertIn(words, text)
         self.assertIn("single_strong: top1", prove_report.table(figures))
 
