@@ -6,6 +6,8 @@
 
 #include <boost/make_shared.hpp>
 
+#include "softarm/ros/open_bag.h"
+
 namespace softarm {
 
 ros::Time to_ros_time(double stamp_s) {
@@ -14,13 +16,12 @@ ros::Time to_ros_time(double stamp_s) {
   return time;
 }
 
-TrialBagWriter::TrialBagWriter(const std::string& path) {
-  bag_.open(path, rosbag::bagmode::Write);
-  bag_.setCompression(rosbag::compression::LZ4);
+TrialBagWriter::TrialBagWriter(const std::string& path) : bag_(new_bag(path)) {
+  bag_->setCompression(rosbag::compression::LZ4);
 }
 
 void TrialBagWriter::close() {
-  bag_.close();
+  bag_->close();
 }
 
 std_msgs::Header TrialBagWriter::header(const std::string& topic, double stamp_s, const std::string& frame) {
@@ -40,7 +41,7 @@ void TrialBagWriter::write(const std::string& topic, double receipt_s, const Mes
   (*connection)["md5sum"] = ros::message_traits::md5sum<Message>();
   (*connection)["message_definition"] = ros::message_traits::definition<Message>();
   if (latched) (*connection)["latching"] = "1";
-  bag_.write(topic, to_ros_time(receipt_s), message, connection);
+  bag_->write(topic, to_ros_time(receipt_s), message, connection);
   ++messages_;
 }
 

@@ -17,10 +17,10 @@ std::mutex& bag_lifetime() {
   return mutex;
 }
 
-std::shared_ptr<rosbag::Bag> opened(const std::string& path) {
+std::shared_ptr<rosbag::Bag> opened(const std::string& path, rosbag::bagmode::BagMode mode) {
   const std::lock_guard<std::mutex> lock(bag_lifetime());
   auto bag = std::make_unique<rosbag::Bag>();
-  bag->open(path, rosbag::bagmode::Read);
+  bag->open(path, mode);
   return {bag.release(), [](rosbag::Bag* finished) {
             const std::lock_guard<std::mutex> finish(bag_lifetime());
             delete finished;
@@ -42,7 +42,7 @@ std::string absolute_topic(const std::string& topic) {
 
 std::shared_ptr<rosbag::Bag> open_bag(const std::string& path) {
   try {
-    std::shared_ptr<rosbag::Bag> bag = opened(path);
+    std::shared_ptr<rosbag::Bag> bag = opened(path, rosbag::bagmode::Read);
     rosbag::View(*bag).getConnections();  // reads the index: a bag that was cut off has none
     return bag;
   } catch (const std::exception& e) {
@@ -55,6 +55,10 @@ std::shared_ptr<rosbag::Bag> open_bag(const std::string& path) {
     }
     throw BagError(fmt::format("{}: cannot be read as a ROS bag ({})", path, e.what()));
   }
+}
+
+std::shared_ptr<rosbag::Bag> new_bag(const std::string& path) {
+  return opened(path, rosbag::bagmode::Write);
 }
 
 }  // namespace softarm

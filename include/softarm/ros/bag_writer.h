@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -45,7 +46,7 @@ class TrialBagWriter {
   void write(const std::string& topic, double receipt_s, const Message& message, bool latched = false);
   std_msgs::Header header(const std::string& topic, double stamp_s, const std::string& frame);
 
-  rosbag::Bag bag_;
+  std::shared_ptr<rosbag::Bag> bag_;
   std::map<std::string, std::uint32_t> sequence_;
   std::uint64_t messages_ = 0;
 };

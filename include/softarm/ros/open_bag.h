@@ -23,4 +23,8 @@ std::shared_ptr<rosbag::Bag> open_bag(const std::string& path);
 /// The name with its leading slash, which recorders may have left out.
 std::string absolute_topic(const std::string& topic);
 
+/// A new bag to write. Bags may be written side by side, each by one thread.
+/// @throws rosbag::BagException if the file cannot be created
+std::shared_ptr<rosbag::Bag> new_bag(const std::string& path);
+
 }  // namespace softarm
