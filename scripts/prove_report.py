@@ -158,7 +158,7 @@ constants held is 20 or more, and a chi^2 test of fits frame by frame stays belo
 
 `top1`: the first effect named is the hidden one. `top3`: it is among the first three of the ranking, and something was said
 to be there. `right_class`: it is the first one named, or among those that this is said to be confusable with. `unknown`: that
-verdict. `found_or_cannot_tell`: named, or in the class of a named one, or said to be undecidable. Confident and wrong: an
+verdict, where the best effect of the catalogue leaves 8 standard deviations or more. `found_or_cannot_tell`: named, or in the class of a named one, or said to be undecidable. Confident and wrong: an
 effect named with a probability above 0.9 that is not there, nor any that it is said to be confusable with. A named distractor
 is there. An ideal detector: the effects of the catalogue against the noise-free difference, with the share of it that each
 explains; where the hidden one is not first there, its form differs from the catalogue's or no detector could do it.

@@ -14,6 +14,7 @@ FIGURES = ["parameter_median_error", "interval_coverage", "held_out_over_floor",
 BASELINES = ["per_frame", "bic", "lasso", "gp"]
 CONFIDENT = 0.9
 CALIBRATION_BINS = 5
+LEAST_BEYOND = 8.0  # standard deviations: less, and an effect of the catalogue says it as well
 LEAST_BIAS = 0.02  # of EI: a smaller one cannot be told from the fit's own error
 
 
@@ -51,6 +52,13 @@ def is_confident_and_wrong(decision, truth):
     return any((named.get("probability") or 0.0) > CONFIDENT and not right(named, truth) for named in decision["named"])
 
 
+def beyond_catalogue(truth):
+    """Signal to noise of what the best single effect of the catalogue leaves of what is hidden."""
+    explained = max((item["explains"] for item in truth["ideal"]), default=0.0)
+    snr = math.sqrt(sum(effect["signal"]["leftover_snr"] ** 2 for effect in truth["effects"]))
+    return snr * math.sqrt(max(0.0, 1.0 - explained))
+
+
 def marks(kind, decision, truth):
     """What counts for this kind: rate -> bool."""
     names = [named["name"] for named in decision["named"]]
@@ -66,7 +74,7 @@ def marks(kind, decision, truth):
         found["both_named"] = all(name in names for name in there)
         found["top1"] = bool(names) and names[0] in there
         found["right_class"] = all(any(name in class_of(named) for named in decision["named"]) for name in there)
-    if kind == "outside":
+    if kind == "outside" and beyond_catalogue(truth) >= LEAST_BEYOND:
         found["unknown"] = decision["verdict"] == "unknown"
     if kind == "compensated":
         in_a_class = any(name in class_of(named) for named in decision["named"] for name in there)
