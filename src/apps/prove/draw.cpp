@@ -38,6 +38,13 @@ rig::CampaignSpec campaign_of(const std::string& name, const std::string& kind) 
   return rig::parse_campaign(app::read_text(path), path.string(), kind);
 }
 
+/// Every kind has draws of its own: else the first case of each would be the same arm with the same effect.
+std::uint64_t seed_of(const DrawOptions& options) {
+  std::uint64_t hash = 14695981039346656037ULL;  // FNV-1a
+  for (const char c : options.kind) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+  return hash ^ (options.seed * 0x9e3779b97f4a7c15ULL);
+}
+
 /// A case that cannot be made to what is asked for: drawn again.
 struct NotThisOne : std::runtime_error {
   using std::runtime_error::runtime_error;
@@ -52,9 +59,9 @@ class Case {
       const fs::path scenario = app::find_config("scenarios", arm.scenario);
       arms.push_back(rig::parse_scenario(app::read_text(scenario), scenario.string()));
     }
-    drawn_ = rig::draw_case(spec, arms, options.seed, options.number, attempt);
+    drawn_ = rig::draw_case(spec, arms, seed_of(options), options.number, attempt);
     arm_ = load_arm_file(spec.arms[drawn_.arm].arm, app::config_folders("arms"));
-    random_.seed(options.seed * 1000003u + static_cast<std::uint64_t>(options.number) * 131u +
+    random_.seed(seed_of(options) * 1000003u + static_cast<std::uint64_t>(options.number) * 131u +
                  static_cast<std::uint64_t>(attempt));
     std::error_code ignored;
     fs::remove_all(work_, ignored);
