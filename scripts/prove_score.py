@@ -123,6 +123,8 @@ def true_parameters(effect, length_m):
         return {"offset_s": v["offset_s"]}
     if (name, form) == ("strain_stiffening", "cubic"):
         return {"beta_m2": v["beta_m2"]}
+    if (name, form) == ("pressure_offset", "pressure") and v["number"] >= 1:
+        return {f"offset_{v['number']:.0f}_pa": v["offset_pa"]}
     if name == "bending_plane_offset":
         return {"angle_rad": math.radians(v["angle_deg"])}
     return {}

@@ -121,6 +121,8 @@ class Figures(unittest.TestCase):
         tilt = score.true_parameters(effect("base_tilt", {"angle_deg": 2.0, "azimuth_deg": 90.0}), 0.2)
         self.assertAlmostEqual(tilt["towards_y_rad"], math.radians(2.0))
         self.assertAlmostEqual(tilt["towards_x_rad"], 0.0)
+        offset = effect("pressure_offset", {"number": 3.0, "offset_pa": 500.0}, "pressure")
+        self.assertEqual(score.true_parameters(offset, 0.2), {"offset_3_pa": 500.0})
         self.assertEqual(score.true_parameters(effect("creep", {"share": 0.1, "time_s": 9.0}, "prony"), 0.2), {})
 
     def test_place(self):
