@@ -13,6 +13,7 @@
 #include "softarm/arm/arm_yaml.h"
 #include "softarm/command.h"
 #include "softarm/diagnose/report_page.h"
+#include "softarm/effects/effect.h"
 #include "softarm/identify/identify.h"
 #include "softarm/output_file.h"
 #include "softarm/progress.h"
@@ -31,6 +32,7 @@ struct Options {
   std::vector<std::string> bags;
   diagnose::Options diagnosis;
   std::optional<double> payload_kg;
+  bool effects = false;
 };
 
 constexpr const char* kExamples = R"(Examples:
@@ -47,7 +49,24 @@ void write(OutputFile& file, const std::string& text) {
   if (!stream) throw Failure(fmt::format("{}: cannot be written", file.path().string()));
 }
 
+void list_effects() {
+  for (const auto& effect : effects::catalogue()) {
+    const effects::Info& info = effect->info();
+    fmt::print("{}\n  {}\n", info.id, info.words);
+    for (std::size_t k = 0; k < info.parameters.size(); ++k) {
+      const effects::Parameter& p = info.parameters[k];
+      fmt::print("  {:<26} {:<10} [{:g}, {:g}], usually {:g}{}: {}\n", p.symbol, p.unit, p.low, p.high,
+                 p.usual, k < static_cast<std::size_t>(info.sizes) ? " (0: absent)" : "", p.words);
+    }
+    fmt::print("\n");
+  }
+}
+
 void run(Options options) {
+  if (options.effects) return list_effects();
+  if (options.arm.empty()) throw Failure("--arm is needed: the arm file");
+  if (options.out.empty()) throw Failure("--out is needed: the folder for the report");
+  if (options.bags.empty()) throw Failure("no bag: name the trials' bags");
   Arm arm = load_arm_file(options.arm, config_folders("arms"));
   if (options.payload_kg) arm.payload.default_kg = options.payload_kg;
   const ReportPage page = find_report_page();
@@ -84,9 +103,10 @@ void add_diagnose(CLI::App& program) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand(
       "diagnose", "Find what an arm's description leaves out, where, and how large it is, from trials.");
-  command->add_option("--arm", options->arm, "arm file, or the name of one in config/arms")->required();
-  command->add_option("BAG", options->bags, "trial bags, each one trial; three or more")->required();
-  command->add_option("--out", options->out, "folder for the report")->required();
+  command->add_option("--arm", options->arm, "arm file, or the name of one in config/arms");
+  command->add_option("BAG", options->bags, "trial bags, each one trial; three or more");
+  command->add_option("--out", options->out, "folder for the report");
+  command->add_flag("--effects", options->effects, "list the catalogue: what is looked for");
   command->add_option("--block", options->diagnosis.block_s, "time over which frames are averaged, s")
       ->check(CLI::Range(0.02, 2.0))
       ->capture_default_str();
