@@ -253,44 +253,62 @@ std::vector<Screened> screen(JointModel& model, const Linearised& at, unsigned j
       same->usual_z = std::max(same->usual_z, judged[i].usual_z);
     }
   }
-  // Sizes in metres, and what of the signatures the constants leave.
+  // Sizes in metres, and what of the signatures the constants leave. A trial's model serves one thread.
   const Eigen::LDLT<MatrixXd> solver(at.information);
   Eigen::Index rows = 0;
-  for (const MatrixXd& j : at.derivative) rows += j.rows();
-  in_parallel(best.size(), jobs, [&](std::size_t b) {
-    Screened& s = best[b];
+  std::vector<Eigen::Index> begins;
+  for (const MatrixXd& j : at.derivative) {
+    begins.push_back(rows);
+    rows += j.rows();
+  }
+  std::vector<VectorXd> sizes, absorbed;
+  for (std::size_t b = 0; b < best.size(); ++b) {
     const Variant& variant = list[which[b]];
     const Sums all = sum_of(variant, at, model.trials().size());
-    VectorXd sizes = s.values.head(variant.usual.size()).cwiseQuotient(variant.usual);
-    if (sizes.isZero()) sizes.setOnes();
-    const VectorXd absorbed = solver.solve(all.mixed * sizes);
-    s.direction.resize(rows);
+    sizes.push_back(best[b].values.head(variant.usual.size()).cwiseQuotient(variant.usual));
+    if (sizes.back().isZero()) sizes.back().setOnes();
+    absorbed.push_back(solver.solve(all.mixed * sizes.back()));
+    best[b].direction.resize(rows);
+  }
+  struct Squares {
     double whole = 0.0, left = 0.0, bodies = 0.0;
-    Eigen::Index begin = 0;
-    for (std::size_t t = 0; t < model.trials().size(); ++t) {
-      const VectorXd d = signature_of(model, at, t, variant) * sizes;
-      const VectorXd o = d - at.derivative[t] * absorbed;
-      s.direction.segment(begin, d.size()) = o;
-      begin += d.size();
+  };
+  std::vector<std::vector<Squares>> squares(model.trials().size(), std::vector<Squares>(best.size()));
+  in_parallel(model.trials().size(), jobs, [&](std::size_t t) {
+    for (std::size_t b = 0; b < best.size(); ++b) {
+      const VectorXd d = signature_of(model, at, t, list[which[b]]) * sizes[b];
+      const VectorXd o = d - at.derivative[t] * absorbed[b];
+      best[b].direction.segment(begins[t], d.size()) = o;
+      Squares& sum = squares[t][b];
       Eigen::Index row = 0;
       for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
         for (const effects::Seen& seen : model.trials()[t].blocks[k].bodies) {
           if (at.root_weight[t][row] > 0.0) {
             const double scale = model.sd_m(t, k, seen) / at.root_weight[t][row];
-            whole += scale * scale * d.segment<3>(row).squaredNorm();
-            left += scale * scale * o.segment<3>(row).squaredNorm();
-            bodies += 1.0;
+            sum.whole += scale * scale * d.segment<3>(row).squaredNorm();
+            sum.left += scale * scale * o.segment<3>(row).squaredNorm();
+            sum.bodies += 1.0;
           }
           row += 3;
         }
       }
     }
-    const bool there = !s.values.head(variant.usual.size()).isZero();
-    s.size_m = there && bodies > 0.0 ? std::sqrt(whole / bodies) : 0.0;
-    s.leftover_m = there && bodies > 0.0 ? std::sqrt(left / bodies) : 0.0;
+  });
+  for (std::size_t b = 0; b < best.size(); ++b) {
+    Screened& s = best[b];
+    Squares sum;
+    for (const std::vector<Squares>& trial : squares) {
+      sum.whole += trial[b].whole;
+      sum.left += trial[b].left;
+      sum.bodies += trial[b].bodies;
+    }
+    if (!s.values.head(list[which[b]].usual.size()).isZero() && sum.bodies > 0.0) {
+      s.size_m = std::sqrt(sum.whole / sum.bodies);
+      s.leftover_m = std::sqrt(sum.left / sum.bodies);
+    }
     const double norm = s.direction.norm();
     if (norm > 0.0) s.direction /= norm;
-  });
+  }
   std::stable_sort(best.begin(), best.end(),
                    [](const Screened& a, const Screened& b) { return a.gain > b.gain; });
   return best;

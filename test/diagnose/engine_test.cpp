@@ -28,7 +28,7 @@ TEST(Diagnose, WhereNothingIsHiddenNothingIsNamed) {
   EXPECT_LT(d.baseline.held_out_rms_m, 1.5 * d.noise_floor_m);
   for (const Candidate& c : d.ranking) EXPECT_LT(c.probability, 0.5) << c.id;
   EXPECT_NEAR(shift_of(d, "segment_1.bending_stiffness.base").before,
-              recorded.truth[0].arm.segments[0].stiffness.base_nm2, 3e-4);
+              recorded.truth[0].arm.segments[0].stiffness_base_nm2, 3e-4);
 }
 
 TEST(Diagnose, ABaseThatYieldsIsFoundBehindALowerStiffness) {
@@ -48,7 +48,7 @@ TEST(Diagnose, ABaseThatYieldsIsFoundBehindALowerStiffness) {
   EXPECT_LT(d.extended.held_out_rms_m, 1.5 * d.noise_floor_m);
   EXPECT_GT(d.baseline.held_out_rms_m, 2.0 * d.extended.held_out_rms_m);
   // What hid it: the stiffness was too low, and is right now.
-  const double ei = recorded.truth[0].arm.segments[0].stiffness.base_nm2;
+  const double ei = recorded.truth[0].arm.segments[0].stiffness_base_nm2;
   const Shift& shift = shift_of(d, "segment_1.bending_stiffness.base");
   EXPECT_LT(shift.before, 0.97 * ei);
   EXPECT_NEAR(shift.after, ei, 0.01 * ei);
