@@ -167,14 +167,13 @@ double JointModel::sd_m(std::size_t trial, std::size_t block, const Seen& seen) 
                    std::pow(motion_sd_m_[trial][block], 2));
 }
 
-void JointModel::predict(const Parameters& parameters, bool derivatives,
-                         const std::vector<std::vector<Predicted>>* start,
+void JointModel::predict(const Parameters& parameters, const std::vector<std::vector<Predicted>>* start,
                          std::vector<std::vector<Predicted>>& out) {
   const Arm arm = arm_with(parameters.constants);
   std::vector<std::vector<Predicted>> made(trials_.size());
   in_parallel(trials_.size(), jobs_, [&](std::size_t t) {
     models_[t].predict(arm, parameters.effects, Dynamics{true, parameters.retardation_s}, trials_[t],
-                       derivatives, start != nullptr ? &(*start)[t] : nullptr, made[t]);
+                       start != nullptr ? &(*start)[t] : nullptr, made[t]);
   });
   out = std::move(made);
 }
@@ -257,39 +256,57 @@ void set_unknown(Parameters& p, const Column& c, double x) {
 
 }  // namespace
 
-Eigen::MatrixXd JointModel::signatures(const Linearised& at, std::size_t trial,
-                                       const std::vector<Parameters>& changed,
-                                       const std::vector<double>& steps) {
+effects::ExtendedModel::Varied JointModel::vary(std::size_t trial, const Parameters& parameters,
+                                                const std::vector<Predicted>& predicted) {
+  return models_[trial].vary(arm_with(parameters.constants), parameters.effects,
+                             Dynamics{true, parameters.retardation_s}, trials_[trial], predicted);
+}
+
+void JointModel::differentiate(const Parameters& at, std::size_t trial, const std::vector<bool>& wanted,
+                               std::vector<Predicted>& predicted) {
+  models_[trial].differentiate(arm_with(at.constants), at.effects, Dynamics{true, at.retardation_s},
+                               trials_[trial], wanted, predicted);
+}
+
+void JointModel::complete(Linearised& at) {
+  if (at.complete) return;
+  const std::vector<bool> all(rod().parameters().size(), true);
+  in_parallel(trials_.size(), jobs_, [&](std::size_t t) { differentiate(at.at, t, all, at.predicted[t]); });
+  at.complete = true;
+}
+
+VectorXd JointModel::signature(const Linearised& at, std::size_t trial,
+                               const effects::ExtendedModel::Varied& varied, double step) const {
   const TrialData& data = trials_[trial];
   const std::vector<Predicted>& predicted = at.predicted[trial];
   const effects::ExtendedModel::Varied& reference = at.reference[trial];
-  Eigen::Index rows = 0;
-  for (const Block& block : data.blocks) rows += 3 * static_cast<Eigen::Index>(block.bodies.size());
-  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(changed.size()));
-  for (std::size_t j = 0; j < changed.size(); ++j) {
-    const auto column = static_cast<Eigen::Index>(j);
-    const effects::ExtendedModel::Varied varied =
-        models_[trial].vary(arm_with(changed[j].constants), changed[j].effects,
-                            Dynamics{true, changed[j].retardation_s}, data, predicted);
-    Eigen::Index row = 0, body = 0;
-    for (std::size_t k = 0; k < data.blocks.size(); ++k) {
-      const Block& block = data.blocks[k];
-      const auto count = static_cast<Eigen::Index>(block.bodies.size());
-      if (used_[trial][k] && predicted[k].solved && count > 0) {
-        const auto at_block = static_cast<Eigen::Index>(k);
-        const VectorXd change = varied.values.col(at_block) - reference.values.col(at_block);
-        VectorXd moved = predicted[k].by_rod * change;
-        for (Eigen::Index i = 0; i < count; ++i) {
-          const double sd = sd_m(trial, k, block.bodies[static_cast<std::size_t>(i)]);
-          out.col(column).segment<3>(row + 3 * i) =
-              (moved.segment<3>(3 * i) + varied.seen.col(body + i) - reference.seen.col(body + i)) /
-              (steps[j] * sd);
-        }
+  VectorXd out = VectorXd::Zero(3 * reference.seen.cols());
+  Eigen::Index body = 0;
+  for (std::size_t k = 0; k < data.blocks.size(); ++k) {
+    const Block& block = data.blocks[k];
+    const auto count = static_cast<Eigen::Index>(block.bodies.size());
+    if (used_[trial][k] && predicted[k].solved && count > 0) {
+      const auto column = static_cast<Eigen::Index>(k);
+      const VectorXd moved = predicted[k].by_rod * (varied.values.col(column) - reference.values.col(column));
+      for (Eigen::Index i = 0; i < count; ++i) {
+        const double sd = sd_m(trial, k, block.bodies[static_cast<std::size_t>(i)]);
+        out.segment<3>(3 * (body + i)) =
+            (moved.segment<3>(3 * i) + varied.seen.col(body + i) - reference.seen.col(body + i)) /
+            (step * sd);
       }
-      row += 3 * count;
-      body += count;
     }
+    body += count;
   }
+  return out;
+}
+
+Eigen::MatrixXd JointModel::signatures(const Linearised& at, std::size_t trial,
+                                       const std::vector<Parameters>& changed,
+                                       const std::vector<double>& steps) {
+  Eigen::MatrixXd out(3 * at.reference[trial].seen.cols(), static_cast<Eigen::Index>(changed.size()));
+  for (std::size_t j = 0; j < changed.size(); ++j)
+    out.col(static_cast<Eigen::Index>(j)) =
+        signature(at, trial, vary(trial, changed[j], at.predicted[trial]), steps[j]);
   return out;
 }
 
@@ -298,7 +315,7 @@ Linearised JointModel::linearise(const Parameters& parameters,
   Linearised lin;
   lin.at = parameters;
   lin.columns = columns(parameters);
-  predict(parameters, true, start, lin.predicted);
+  predict(parameters, start, lin.predicted);
   const auto count = static_cast<Eigen::Index>(lin.columns.size());
   std::vector<Parameters> changed(lin.columns.size(), parameters);
   std::vector<double> steps(lin.columns.size(), kStep);
@@ -314,12 +331,22 @@ Linearised JointModel::linearise(const Parameters& parameters,
   lin.root_weight.resize(trials_.size());
   lin.reference.resize(trials_.size());
   std::vector<std::vector<Chunk>> chunks(trials_.size());
-  const Arm arm = arm_with(parameters.constants);
   in_parallel(trials_.size(), jobs_, [&](std::size_t t) {
-    lin.reference[t] = models_[t].vary(arm, parameters.effects, Dynamics{true, parameters.retardation_s},
-                                       trials_[t], lin.predicted[t]);
+    lin.reference[t] = vary(t, parameters, lin.predicted[t]);
+    std::vector<effects::ExtendedModel::Varied> varied;
+    std::vector<bool> touched(rod().parameters().size(), false);
+    for (const Parameters& other : changed) {
+      varied.push_back(vary(t, other, lin.predicted[t]));
+      for (std::size_t p = 0; p < touched.size(); ++p) {
+        const auto row = static_cast<Eigen::Index>(p);
+        touched[p] = touched[p] || varied.back().values.row(row) != lin.reference[t].values.row(row);
+      }
+    }
+    differentiate(parameters, t, touched, lin.predicted[t]);
     lin.residual[t] = residual(t, lin.predicted[t]);
-    lin.derivative[t] = signatures(lin, t, changed, steps);
+    lin.derivative[t].resize(3 * lin.reference[t].seen.cols(), count);
+    for (std::size_t c = 0; c < varied.size(); ++c)
+      lin.derivative[t].col(static_cast<Eigen::Index>(c)) = signature(lin, t, varied[c], steps[c]);
     lin.root_weight[t] = VectorXd::Zero(lin.residual[t].size());
     Eigen::Index row = 0;
     double from_s = -1e9;
@@ -374,7 +401,7 @@ Linearised JointModel::linearise(const Parameters& parameters,
 Linearised JointModel::fit(Parameters parameters, const FitOptions& options,
                            const std::vector<std::vector<Predicted>>* start) {
   std::vector<std::vector<Predicted>> predicted;
-  predict(parameters, false, start, predicted);
+  predict(parameters, start, predicted);
   set_threshold(predicted);
   Linearised lin;
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
@@ -420,7 +447,7 @@ Linearised JointModel::fit(Parameters parameters, const FitOptions& options,
       next = parameters;
       for (Eigen::Index j = 0; j < x.size(); ++j)
         set_unknown(next, lin.columns[static_cast<std::size_t>(j)], x[j] + share * step[j]);
-      predict(next, false, &lin.predicted, there);
+      predict(next, &lin.predicted, there);
       better = cost(next, there, lin.columns) <= before;
     }
     if (!better) break;

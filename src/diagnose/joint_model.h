@@ -56,6 +56,7 @@ struct Linearised {
   Eigen::VectorXd gradient;     ///< the same
   double square = 0.0;
   int rows = 0;
+  bool complete = false;  ///< Predicted::by_rod by all of the rod's parameters; else by those of the columns
 
   Eigen::VectorXd unknowns() const;  ///< values over scales
 };
@@ -77,11 +78,12 @@ class JointModel {
   std::vector<Column> columns(const Parameters& parameters) const;
 
   /// Predictions of all trials.
-  void predict(const Parameters& parameters, bool derivatives,
-               const std::vector<std::vector<effects::Predicted>>* start,
+  void predict(const Parameters& parameters, const std::vector<std::vector<effects::Predicted>>* start,
                std::vector<std::vector<effects::Predicted>>& out);
   Linearised linearise(const Parameters& parameters,
                        const std::vector<std::vector<effects::Predicted>>* start);
+  /// Derivatives by everything that an effect may change, for signatures() of new effects.
+  void complete(Linearised& at);
   /// Derivatives of whitened positions by changes of the model at `at`: one matrix per trial, the columns of
   /// which belong to `changed` (differences from `at` over `steps`).
   Eigen::MatrixXd signatures(const Linearised& at, std::size_t trial, const std::vector<Parameters>& changed,
@@ -110,6 +112,12 @@ class JointModel {
   double threshold() const { return threshold_; }
 
  private:
+  effects::ExtendedModel::Varied vary(std::size_t trial, const Parameters& parameters,
+                                      const std::vector<effects::Predicted>& predicted);
+  void differentiate(const Parameters& at, std::size_t trial, const std::vector<bool>& wanted,
+                     std::vector<effects::Predicted>& predicted);
+  Eigen::VectorXd signature(const Linearised& at, std::size_t trial,
+                            const effects::ExtendedModel::Varied& varied, double step) const;
   double cost(const Parameters& parameters, const std::vector<std::vector<effects::Predicted>>& predicted,
               const std::vector<Column>& columns) const;
   Eigen::VectorXd residual(std::size_t trial, const std::vector<effects::Predicted>& predicted) const;

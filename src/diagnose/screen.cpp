@@ -212,8 +212,9 @@ double inflation(const Linearised& at) {
   return std::max({1.0, misfit, count > 0 ? sum / count : 1.0});
 }
 
-std::vector<Screened> screen(JointModel& model, const Linearised& at, unsigned jobs,
+std::vector<Screened> screen(JointModel& model, Linearised& at, unsigned jobs,
                              const std::function<void(double)>& progress) {
+  model.complete(at);
   std::vector<Variant> list = variants(model, at);
   std::vector<std::vector<std::size_t>> chunks_of(model.trials().size());
   for (std::size_t c = 0; c < at.chunks.size(); ++c) chunks_of[at.chunks[c].trial].push_back(c);

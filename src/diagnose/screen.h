@@ -26,7 +26,7 @@ struct Screened {
 
 /// For one fit: signatures of all effects that are not in it, orthogonal to all its unknowns.
 /// @param exclude effects not to be tried
-std::vector<Screened> screen(JointModel& model, const Linearised& at, unsigned jobs,
+std::vector<Screened> screen(JointModel& model, Linearised& at, unsigned jobs,
                              const std::function<void(double)>& progress);
 
 /// How much wider than under independent residuals an estimate's spread is: from the sums of stretches.

@@ -25,9 +25,7 @@ std::vector<Values> Effect::grid(const Arm&, const FineRod&) const {
 }
 
 struct ExtendedModel::Impl : InstantSolver {
-  explicit Impl(const Arm& arm)
-      : InstantSolver(arm),
-        derivatives(fine.layout(), body_stations(arm), fine.parameters(), solver_options()) {}
+  explicit Impl(const Arm& arm) : InstantSolver(arm) {}
 
   /// Effects act on the inputs one after the other, in the catalogue's order.
   static Series driven(const Arm& arm, const std::vector<Present>& effects, const Series& series) {
@@ -112,26 +110,86 @@ struct ExtendedModel::Impl : InstantSolver {
       out.p.col(static_cast<Eigen::Index>(i)) = seen.p.col(block.bodies[i].body);
   }
 
-  void differentiate(const Block& block, Predicted& out) {
-    if (derivatives.solve(rod, out.q_tip) != rod::SolveStatus::kConverged) {
-      out.solved = false;
-      return;
-    }
-    out.by_rod.resize(3 * static_cast<Eigen::Index>(block.bodies.size()),
-                      static_cast<Eigen::Index>(fine.parameters().size()));
+  /// Of the rod that was made last, by the parameters that are wanted.
+  bool differentiate(const Block& block, Predicted& out) {
+    if (derivatives->solve(rod, out.q_tip) != rod::SolveStatus::kConverged) return false;
+    out.by_rod.setZero(3 * static_cast<Eigen::Index>(block.bodies.size()),
+                       static_cast<Eigen::Index>(fine.parameters().size()));
     for (std::size_t i = 0; i < block.bodies.size(); ++i) {
       const int b = block.bodies[i].body;
       const MeasuredBody& body = bodies[static_cast<std::size_t>(b)];
-      auto rows = out.by_rod.middleRows<3>(3 * static_cast<Eigen::Index>(i));
-      rows = derivatives.dp(b);
+      Eigen::MatrixXd rows = derivatives->dp(b);
       if (body.kind == BodyKind::kSkinMarker) {
         const Vector3d radial(std::cos(body.angle_rad), std::sin(body.angle_rad), 0.0);
-        rows -= skew(body.radius_m * (derivatives.station(b).q * radial)) * derivatives.drotation(b);
+        rows -= skew(body.radius_m * (derivatives->station(b).q * radial)) * derivatives->drotation(b);
+      }
+      for (std::size_t j = 0; j < columns.size(); ++j)
+        out.by_rod.block<3, 1>(3 * static_cast<Eigen::Index>(i), columns[j]) =
+            rows.col(static_cast<Eigen::Index>(j));
+    }
+    return true;
+  }
+
+  void want(const Arm& arm, const std::vector<bool>& which) {
+    if (which == wanted) return;
+    wanted = which;
+    columns.clear();
+    std::vector<rod::Parameter> parameters;
+    for (std::size_t j = 0; j < which.size(); ++j) {
+      if (!which[j]) continue;
+      columns.push_back(static_cast<Eigen::Index>(j));
+      parameters.push_back(fine.parameters()[j]);
+    }
+    derivatives.emplace(fine.layout(), body_stations(arm), parameters, solver_options());
+  }
+
+  /// Makes the rod of each block that has a prediction, with the shapes and motions of those.
+  /// @param use called with the block, its instant, and whether there is such a rod
+  template <typename Use>
+  void walk(const Arm& arm, const std::vector<Present>& effects, const Dynamics& dynamics,
+            const TrialData& trial, const std::vector<Predicted>& baseline, const Use& use) {
+    const Series series = driven(arm, effects, trial.series);
+    std::vector<Memory> memories(effects.size());
+    const bool moves = std::any_of(effects.begin(), effects.end(),
+                                   [](const Present& present) { return present.effect->needs_motion(); });
+    for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
+      const Predicted& base = baseline[k];
+      if (!base.solved) continue;
+      const Instant instant = instant_of(series, trial, k);
+      if (instant.dt_s <= 0.0) memories.assign(effects.size(), {});
+      Shape shape = base.shape;
+      if (shape.motion.velocity_m_s.empty() && moves) shape.motion = motion_of(baseline, k);
+      use(k, instant, make(arm, effects, memories, dynamics, instant, &shape, shape.motion, rod));
+      for (std::size_t i = 0; i < effects.size(); ++i) {
+        if (effects[i].effect->remembers())
+          effects[i].effect->remember(arm, fine, effects[i].values, instant, shape, memories[i]);
       }
     }
   }
 
-  rod::Solver derivatives;
+  /// Where bodies of a block are seen; one column per body of the arm.
+  Eigen::Matrix3Xd seen(const Arm& arm, const std::vector<Present>& effects, const Instant& instant,
+                        const Block& block, const Predicted& base) const {
+    Bodies seen;
+    seen.p = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(bodies.size()));
+    seen.q.assign(bodies.size(), Eigen::Quaterniond::Identity());
+    for (std::size_t i = 0; i < block.bodies.size(); ++i) {
+      const int b = block.bodies[i].body;
+      const double s_m = bodies[static_cast<std::size_t>(b)].arclength_m;
+      seen.p.col(b) = base.p.col(static_cast<Eigen::Index>(i));
+      const auto nearest = std::min_element(base.shape.stations.begin(), base.shape.stations.end(),
+                                            [&](const rod::RodState& x, const rod::RodState& y) {
+                                              return std::abs(x.s_m - s_m) < std::abs(y.s_m - s_m);
+                                            });
+      seen.q[static_cast<std::size_t>(b)] = nearest->q;
+    }
+    for (const Present& present : effects) present.effect->observe(arm, present.values, instant, seen);
+    return seen.p;
+  }
+
+  std::vector<bool> wanted;
+  std::vector<Eigen::Index> columns;
+  std::optional<rod::Solver> derivatives;  ///< by those
 };
 
 ExtendedModel::ExtendedModel(const Arm& arm) : impl_(std::make_unique<Impl>(arm)) {}
@@ -142,7 +200,7 @@ const FineRod& ExtendedModel::rod() const {
 }
 
 void ExtendedModel::predict(const Arm& arm, const std::vector<Present>& effects, const Dynamics& dynamics,
-                            const TrialData& trial, bool derivatives, const std::vector<Predicted>* start,
+                            const TrialData& trial, const std::vector<Predicted>* start,
                             std::vector<Predicted>& out) {
   Impl& m = *impl_;
   const Series series = Impl::driven(arm, effects, trial.series);
@@ -182,7 +240,6 @@ void ExtendedModel::predict(const Arm& arm, const std::vector<Present>& effects,
       m.positions(arm, effects, trial.blocks[k], now);
       if (moving && still[k].solved && now.p.cols() > 0)
         now.inertial_m = (now.p - still[k].p).colwise().norm().maxCoeff();
-      if (derivatives && pass + 1 == passes) m.differentiate(trial.blocks[k], now);
       for (std::size_t i = 0; i < effects.size(); ++i) {
         if (effects[i].effect->remembers())
           effects[i].effect->remember(arm, m.fine, effects[i].values, now.instant, now.shape, memories[i]);
@@ -196,64 +253,37 @@ ExtendedModel::Varied ExtendedModel::vary(const Arm& arm, const std::vector<Pres
                                           const Dynamics& dynamics, const TrialData& trial,
                                           const std::vector<Predicted>& baseline) {
   Impl& m = *impl_;
-  const std::vector<Present>& all = effects;
-  const Series series = Impl::driven(arm, all, trial.series);
-  std::vector<Memory> memories(all.size());
-  const bool moves = std::any_of(all.begin(), all.end(),
-                                 [](const Present& present) { return present.effect->needs_motion(); });
   Varied varied;
-  varied.values.resize(static_cast<Eigen::Index>(m.fine.parameters().size()),
-                       static_cast<Eigen::Index>(trial.blocks.size()));
+  varied.values = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(m.fine.parameters().size()),
+                                        static_cast<Eigen::Index>(trial.blocks.size()));
+  std::vector<Eigen::Index> begins;
   Eigen::Index bodies = 0;
-  for (const Block& block : trial.blocks) bodies += static_cast<Eigen::Index>(block.bodies.size());
+  for (const Block& block : trial.blocks) {
+    begins.push_back(bodies);
+    bodies += static_cast<Eigen::Index>(block.bodies.size());
+  }
   varied.seen = Eigen::MatrixXd::Zero(3, bodies);
-  Eigen::Index column = 0;
-  for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
+  m.walk(arm, effects, dynamics, trial, baseline, [&](std::size_t k, const Instant& instant, bool made) {
     const Block& block = trial.blocks[k];
     const Predicted& base = baseline[k];
-    const Eigen::Index begin = column;
-    column += static_cast<Eigen::Index>(block.bodies.size());
-    const auto at = static_cast<Eigen::Index>(k);
-    if (!base.solved) {
-      varied.values.col(at).setZero();
-      continue;
-    }
-    const Instant instant = Impl::instant_of(series, trial, k);
-    if (instant.dt_s <= 0.0) memories.assign(all.size(), {});
-    Shape shape = base.shape;
-    if (shape.motion.velocity_m_s.empty() && moves) shape.motion = m.motion_of(baseline, k);
     // What drives the arm beyond what the laws bear changes nothing.
-    if (m.make(arm, all, memories, dynamics, instant, &shape, shape.motion, m.rod)) {
-      varied.values.col(at) = m.fine.values(m.rod);
-    } else {
-      varied.values.col(at) = base.values;
-    }
-    Bodies seen;
-    seen.p = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(m.bodies.size()));
-    seen.q.assign(m.bodies.size(), Eigen::Quaterniond::Identity());
-    for (std::size_t i = 0; i < block.bodies.size(); ++i) {
-      const int b = block.bodies[i].body;
-      seen.p.col(b) = base.p.col(static_cast<Eigen::Index>(i));
-      const std::size_t nearest =
-          static_cast<std::size_t>(std::min_element(base.shape.stations.begin(), base.shape.stations.end(),
-                                                    [&](const rod::RodState& x, const rod::RodState& y) {
-                                                      const double s =
-                                                          m.bodies[static_cast<std::size_t>(b)].arclength_m;
-                                                      return std::abs(x.s_m - s) < std::abs(y.s_m - s);
-                                                    }) -
-                                   base.shape.stations.begin());
-      seen.q[static_cast<std::size_t>(b)] = base.shape.stations[nearest].q;
-    }
-    for (const Present& present : all) present.effect->observe(arm, present.values, instant, seen);
+    varied.values.col(static_cast<Eigen::Index>(k)) = made ? m.fine.values(m.rod) : base.values;
+    const Eigen::Matrix3Xd seen = m.seen(arm, effects, instant, block, base);
     for (std::size_t i = 0; i < block.bodies.size(); ++i)
-      varied.seen.col(begin + static_cast<Eigen::Index>(i)) =
-          seen.p.col(block.bodies[i].body) - base.p.col(static_cast<Eigen::Index>(i));
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      if (all[i].effect->remembers())
-        all[i].effect->remember(arm, m.fine, all[i].values, instant, base.shape, memories[i]);
-    }
-  }
+      varied.seen.col(begins[k] + static_cast<Eigen::Index>(i)) =
+          seen.col(block.bodies[i].body) - base.p.col(static_cast<Eigen::Index>(i));
+  });
   return varied;
+}
+
+void ExtendedModel::differentiate(const Arm& arm, const std::vector<Present>& effects,
+                                  const Dynamics& dynamics, const TrialData& trial,
+                                  const std::vector<bool>& wanted, std::vector<Predicted>& predicted) {
+  Impl& m = *impl_;
+  m.want(arm, wanted);
+  m.walk(arm, effects, dynamics, trial, predicted, [&](std::size_t k, const Instant&, bool made) {
+    predicted[k].solved = made && m.differentiate(trial.blocks[k], predicted[k]);
+  });
 }
 
 }  // namespace softarm::effects

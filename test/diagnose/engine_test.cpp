@@ -60,8 +60,12 @@ TEST(Diagnose, ABaseThatYieldsIsFoundBehindALowerStiffness) {
 }
 
 TEST(Diagnose, WhatIsNotInTheCatalogueIsNotNamedWithConfidence) {
-  const auto recorded = recorded_case("{count_weights: [0, 1], from: [curvature_gain], size: [0.9, 1]}", 5);
-  const Diagnosis d = diagnose(recorded.arm, recorded.trials);
+  const auto recorded =
+      recorded_case("{count_weights: [0, 1], from: [curvature_gain], size: [0.9, 1]}", 5, 4, 8.0);
+  Options few;
+  few.most_effects = 1;
+  few.refits = 2;
+  const Diagnosis d = diagnose(recorded.arm, recorded.trials, few);
   EXPECT_NE(d.verdict, Verdict::kConsistent) << describe(d);
   EXPECT_LE(d.explained_share, 1.0);
   EXPECT_LE(d.ceiling_rms_m, d.baseline.held_out_rms_m);

@@ -83,7 +83,10 @@ inline std::vector<Predicted> predict(ExtendedModel& model, const Arm& arm,
                                       const std::vector<Present>& effects, const TrialData& trial,
                                       const Dynamics& dynamics = {false, 0.0}, bool derivatives = false) {
   std::vector<Predicted> out;
-  model.predict(arm, effects, dynamics, trial, derivatives, nullptr, out);
+  model.predict(arm, effects, dynamics, trial, nullptr, out);
+  if (derivatives)
+    model.differentiate(arm, effects, dynamics, trial,
+                        std::vector<bool>(model.rod().parameters().size(), true), out);
   for (std::size_t k = 0; k < out.size(); ++k) {
     if (!out[k].solved) throw std::runtime_error("instant " + std::to_string(k) + " is not solved");
   }

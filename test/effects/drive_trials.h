@@ -120,7 +120,10 @@ inline std::vector<Predicted> predict(ExtendedModel& model, const Arm& arm,
                                       const std::vector<Present>& effects, const TrialData& trial,
                                       const Dynamics& dynamics = quasi_static(), bool derivatives = false) {
   std::vector<Predicted> path;
-  model.predict(arm, effects, dynamics, trial, derivatives, nullptr, path);
+  model.predict(arm, effects, dynamics, trial, nullptr, path);
+  if (derivatives)
+    model.differentiate(arm, effects, dynamics, trial,
+                        std::vector<bool>(model.rod().parameters().size(), true), path);
   return path;
 }
 

@@ -23,7 +23,7 @@ struct Predicted {
   bool solved = false;
   Eigen::Matrix3Xd p;      ///< one column per entry of Block::bodies, m, rod's base frame
   Eigen::VectorXd values;  ///< of the rod, FineRod::values
-  Eigen::MatrixXd by_rod;  ///< derivative of p, stacked, by those; where it was asked for
+  Eigen::MatrixXd by_rod;  ///< derivative of p, stacked, by those; by differentiate()
   Shape shape;
   Instant instant;
   Eigen::Quaterniond q_tip = Eigen::Quaterniond::Identity();
@@ -40,11 +40,9 @@ class ExtendedModel {
   const FineRod& rod() const;
 
   /// @param arm the one given to the constructor, perhaps with other constants of its laws
-  /// @param derivatives whether Predicted::by_rod is wanted
   /// @param start predictions of the same trial with similar parameters: where to begin; or nullptr
   void predict(const Arm& arm, const std::vector<Present>& effects, const Dynamics& dynamics,
-               const TrialData& trial, bool derivatives, const std::vector<Predicted>* start,
-               std::vector<Predicted>& out);
+               const TrialData& trial, const std::vector<Predicted>* start, std::vector<Predicted>& out);
 
   /// Rod values and places of bodies as other constants and effects would make them while shapes, and what
   /// follows from those, stay as they are in `baseline`. With `reference` what vary() gives for the
@@ -56,6 +54,12 @@ class ExtendedModel {
   };
   Varied vary(const Arm& arm, const std::vector<Present>& effects, const Dynamics& dynamics,
               const TrialData& trial, const std::vector<Predicted>& baseline);
+
+  /// Fills Predicted::by_rod of what predict() gave for the same arguments.
+  /// @param wanted by which of FineRod::parameters(); the other columns are 0
+  void differentiate(const Arm& arm, const std::vector<Present>& effects, const Dynamics& dynamics,
+                     const TrialData& trial, const std::vector<bool>& wanted,
+                     std::vector<Predicted>& predicted);
 
  private:
   struct Impl;
