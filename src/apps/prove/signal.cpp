@@ -64,7 +64,7 @@ Residuals Reference::residuals(const std::vector<identify::Trial>& trials) const
   const effects::Prepared prepared = effects::prepare(arm_, trials);
   diagnose::JointModel model(arm_, prepared.trials, jobs_);
   std::vector<std::vector<effects::Predicted>> predicted;
-  model.predict(at_.at, false, nullptr, predicted);
+  model.predict(at_.at, nullptr, predicted);
   Residuals residuals(prepared.trials.size());
   for (std::size_t t = 0; t < prepared.trials.size(); ++t) {
     const effects::TrialData& trial = prepared.trials[t];
