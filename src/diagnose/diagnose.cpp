@@ -26,6 +26,8 @@ constexpr double kInterval = 1.6449;  // of 90 %
 constexpr double kDetectableZ = 5.0;
 constexpr double kLeftover_m = 1e-4;    // what a flexible model finds beyond this is something
 constexpr double kLeftoverShare = 0.1;  // ... if it is that share of what is left, or more
+// chi^2 per degree of freedom on unseen trials, up to which residuals are taken for noise.
+constexpr double kAsNoise = 2.0;
 constexpr double kFewDetectable = 0.5;  // share of the catalogue below which "consistent" says too much
 
 /// Rms distance that white noise alone gives, weighted as the errors are.
@@ -158,12 +160,16 @@ std::vector<Candidate> ranking_of(const Selection& selection, const Options& opt
     if (known(s.effect)) continue;
     Candidate c;
     fill(s, c);
+    bool trivial = s.z >= options.least_z && s.leftover_m < options.trivial_m;
     for (const Refitted& r : last.refitted) {
-      if (r.effect == s.effect) c.probability = r.probability;
+      if (r.effect != s.effect) continue;
+      // Of being there at a size that matters.
+      trivial = r.z >= options.least_z && r.moved_m < options.trivial_m;
+      c.probability = r.moved_m < options.trivial_m ? 0.0 : r.probability;
     }
     if (!c.detectable) {
       c.finding = Finding::kCannotTell;
-    } else if (s.z >= options.least_z && s.leftover_m < options.trivial_m) {
+    } else if (trivial) {
       c.finding = Finding::kTrivial;
     } else {
       c.finding = Finding::kAbsent;
@@ -210,13 +216,15 @@ Diagnosis diagnose(const Arm& arm, const std::vector<identify::Trial>& trials, c
   d.extended = {after.fitted_rms_m, after.total_rms_m, log_score(after, selection.extended.rows)};
   const double base2 = std::pow(before.total_rms_m, 2), ext2 = std::pow(after.total_rms_m, 2);
   const double floor2 = std::pow(d.noise_floor_m, 2);
-  const double reach2 =
-      std::max(std::min(base2, floor2),
-               std::min({base2 * (1.0 - could_before.share), ext2 * (1.0 - could_after.share), ext2}));
-  d.ceiling_rms_m = std::sqrt(reach2);
-  d.explained_share = base2 > reach2 ? std::clamp((base2 - ext2) / (base2 - reach2), 0.0, 1.0) : 0.0;
   const double leftover_m = std::sqrt(ext2 * could_after.share);
-  const bool adequate = leftover_m < kLeftover_m || could_after.share < kLeftoverShare;
+  // What no flexible model learns may still be more than noise: a few trials teach it little.
+  const bool as_noise = after.total_chi2 < kAsNoise * std::max(1, selection.extended.rows);
+  const bool adequate = as_noise && (leftover_m < kLeftover_m || could_after.share < kLeftoverShare);
+  const double learnt2 =
+      std::min({base2 * (1.0 - could_before.share), ext2 * (1.0 - could_after.share), ext2});
+  d.ceiling_rms_m = std::sqrt(std::max(std::min(base2, floor2), learnt2));
+  const double reach2 = as_noise ? std::pow(d.ceiling_rms_m, 2) : std::min(base2, floor2);
+  d.explained_share = base2 > reach2 ? std::clamp((base2 - ext2) / (base2 - reach2), 0.0, 1.0) : 0.0;
 
   report(0.9, "where");
   const MatrixXd covariance = covariance_of(selection.extended, selection.inflation);

@@ -100,15 +100,15 @@ Selection select(JointModel& model, Linearised baseline, const Options& options,
       const double fall = current_unseen.total_chi2 - r.unseen.total_chi2;
       r.z = std::sqrt(std::max(0.0, fall / phi));
       r.gain = 0.5 * fall / phi;
+      r.moved_m = std::sqrt(
+          std::max(0.0, std::pow(current_unseen.total_rms_m, 2) - std::pow(r.unseen.total_rms_m, 2)));
     }
     std::stable_sort(round.refitted.begin(), round.refitted.end(),
                      [](const Refitted& a, const Refitted& b) { return a.gain > b.gain; });
     set_probabilities(round.refitted);
     for (std::size_t i = 0; i < round.refitted.size() && round.taken < 0; ++i) {
       const Refitted& r = round.refitted[i];
-      const double moved = std::sqrt(
-          std::max(0.0, std::pow(current_unseen.total_rms_m, 2) - std::pow(r.unseen.total_rms_m, 2)));
-      if (r.z >= options.least_z && r.physical && moved >= options.trivial_m)
+      if (r.z >= options.least_z && r.physical && r.moved_m >= options.trivial_m)
         round.taken = static_cast<int>(i);
       break;  // a worse one is not named in the place of a better one that cannot be right
     }
