@@ -23,6 +23,7 @@ constexpr double kChunk_s = 2.0;
 constexpr double kRetardation_s = 0.02;  // usual delay of a wall, and how well that is known
 constexpr double kMostRetardation_s = 0.2;
 constexpr double kStep = 1e-3;            // of derivatives, in scales
+constexpr double kWholeStep = 1e-2;       // of differences of whole predictions
 constexpr double kEffectPriorSd = 5.0;    // in usual sizes
 constexpr double kHuber = 4.0;            // times the typical distance
 constexpr double kMedianOfChi3 = 1.5382;  // of the length of a normal vector in three dimensions
@@ -310,20 +311,46 @@ Eigen::MatrixXd JointModel::signatures(const Linearised& at, std::size_t trial,
   return out;
 }
 
+Eigen::MatrixXd JointModel::differences(const Linearised& at, std::size_t trial,
+                                        const std::vector<Parameters>& changed,
+                                        const std::vector<double>& steps) {
+  const TrialData& data = trials_[trial];
+  const std::vector<Predicted>& predicted = at.predicted[trial];
+  Eigen::MatrixXd out =
+      Eigen::MatrixXd::Zero(3 * at.reference[trial].seen.cols(), static_cast<Eigen::Index>(changed.size()));
+  std::vector<Predicted> there;
+  for (std::size_t j = 0; j < changed.size(); ++j) {
+    models_[trial].predict(arm_with(changed[j].constants), changed[j].effects,
+                           Dynamics{true, changed[j].retardation_s}, data, &predicted, there);
+    Eigen::Index row = 0;
+    for (std::size_t k = 0; k < data.blocks.size(); ++k) {
+      for (std::size_t i = 0; i < data.blocks[k].bodies.size(); ++i, row += 3) {
+        if (!used_[trial][k] || !predicted[k].solved || !there[k].solved) continue;
+        const auto body = static_cast<Eigen::Index>(i);
+        out.col(static_cast<Eigen::Index>(j)).segment<3>(row) =
+            (there[k].p.col(body) - predicted[k].p.col(body)) /
+            (steps[j] * sd_m(trial, k, data.blocks[k].bodies[i]));
+      }
+    }
+  }
+  return out;
+}
+
 Linearised JointModel::linearise(const Parameters& parameters,
-                                 const std::vector<std::vector<Predicted>>* start) {
+                                 const std::vector<std::vector<Predicted>>* start, bool whole) {
+  const double size = whole ? kWholeStep : kStep;
   Linearised lin;
   lin.at = parameters;
   lin.columns = columns(parameters);
   predict(parameters, start, lin.predicted);
   const auto count = static_cast<Eigen::Index>(lin.columns.size());
   std::vector<Parameters> changed(lin.columns.size(), parameters);
-  std::vector<double> steps(lin.columns.size(), kStep);
+  std::vector<double> steps(lin.columns.size(), size);
   const VectorXd x = lin.unknowns();
   for (Eigen::Index j = 0; j < count; ++j) {
     const auto c = static_cast<std::size_t>(j);
     // Away from a limit that is near.
-    if ((x[j] + kStep) * lin.columns[c].scale > lin.columns[c].high) steps[c] = -kStep;
+    if ((x[j] + size) * lin.columns[c].scale > lin.columns[c].high) steps[c] = -size;
     set_unknown(changed[c], lin.columns[c], x[j] + steps[c]);
   }
   lin.residual.resize(trials_.size());
@@ -347,6 +374,7 @@ Linearised JointModel::linearise(const Parameters& parameters,
     lin.derivative[t].resize(3 * lin.reference[t].seen.cols(), count);
     for (std::size_t c = 0; c < varied.size(); ++c)
       lin.derivative[t].col(static_cast<Eigen::Index>(c)) = signature(lin, t, varied[c], steps[c]);
+    if (whole) lin.derivative[t] = differences(lin, t, changed, steps);
     lin.root_weight[t] = VectorXd::Zero(lin.residual[t].size());
     Eigen::Index row = 0;
     double from_s = -1e9;
@@ -459,7 +487,11 @@ Linearised JointModel::fit(Parameters parameters, const FitOptions& options,
     set_threshold(predicted);
     if ((step.array() / sd.array()).abs().maxCoeff() < options.tolerance * misfit) break;
   }
-  return linearise(parameters, &predicted);
+  // What depends on the shape that it causes, a spring or a wall, answers to every change: there the first
+  // order with shapes held is wrong by up to several times. It finds the way; intervals want the truth.
+  const bool feedback = std::any_of(parameters.effects.begin(), parameters.effects.end(),
+                                    [](const Present& present) { return present.effect->needs_shape(); });
+  return linearise(parameters, &predicted, feedback);
 }
 
 std::size_t JointModel::allow_for_motion(const std::vector<std::vector<Predicted>>& predicted) {

@@ -80,8 +80,10 @@ class JointModel {
   /// Predictions of all trials.
   void predict(const Parameters& parameters, const std::vector<std::vector<effects::Predicted>>* start,
                std::vector<std::vector<effects::Predicted>>& out);
+  /// @param whole derivatives as differences of whole predictions; else to first order with shapes held in
+  /// what depends on them
   Linearised linearise(const Parameters& parameters,
-                       const std::vector<std::vector<effects::Predicted>>* start);
+                       const std::vector<std::vector<effects::Predicted>>* start, bool whole = false);
   /// Derivatives by everything that an effect may change, for signatures() of new effects.
   void complete(Linearised& at);
   /// Derivatives of whitened positions by changes of the model at `at`: one matrix per trial, the columns of
@@ -116,6 +118,8 @@ class JointModel {
                                       const std::vector<effects::Predicted>& predicted);
   void differentiate(const Parameters& at, std::size_t trial, const std::vector<bool>& wanted,
                      std::vector<effects::Predicted>& predicted);
+  Eigen::MatrixXd differences(const Linearised& at, std::size_t trial, const std::vector<Parameters>& changed,
+                              const std::vector<double>& steps);
   Eigen::VectorXd signature(const Linearised& at, std::size_t trial,
                             const effects::ExtendedModel::Varied& varied, double step) const;
   double cost(const Parameters& parameters, const std::vector<std::vector<effects::Predicted>>& predicted,
