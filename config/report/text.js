@@ -83,7 +83,7 @@ function ranking() {
     {share: [bar(one.probability, ''), percent(one.probability)]}, {share: [bar(one.concealment, 'hidden-share'), percent(one.concealment)]},
     {number: present(one.z) ? one.z.toFixed(1).replace('-', '−') : '–'}, {number: mm(one.size_m)},
     {number: [sizeOf(one, one.estimate), one.symbol ? element('small', null, one.symbol) : null]}, {number: sizeOf(one, one.smallest_detectable)},
-    [one.meaning, one.detectable || one.finding === 'not_of_this_arm' ? null : element('small', null, 'a usual size would not be seen')]];
+    one.meaning];
   const looked = report.ranking.filter(one => one.finding !== 'not_of_this_arm');
   const others = report.ranking.filter(one => one.finding === 'not_of_this_arm');
   const most = 8;

@@ -12,6 +12,7 @@ namespace {
 constexpr std::size_t kWidth = 110;
 constexpr std::size_t kMostRanked = 8;
 constexpr double kTelling = 0.01;  ///< p below which a structure is worth a word
+constexpr double kTold = 0.5;      ///< relative standard deviation up to which an estimate is one
 
 /// Number of characters, not of bytes.
 std::size_t width_of(const std::string& text) {
@@ -61,7 +62,7 @@ std::string labelled(const std::string& label, const std::string& text) {
 std::string effect_text(std::size_t number, const NamedEffect& effect) {
   const std::string what = fmt::format("{} ({})", effect.words.empty() ? effect.id : effect.words, effect.id);
   const bool said = !effect.sentence.empty();
-  std::string text = paragraph(fmt::format("  {}. ", number), said ? effect.sentence : what, 5);
+  std::string text = paragraph(fmt::format("  {}. ", number), said ? effect.sentence : capitalised(what), 5);
   if (said) text += labelled("what", what);
   text += labelled("where", place(effect.where));
   for (const EffectValue& value : effect.parameters)
@@ -79,7 +80,7 @@ std::string effect_text(std::size_t number, const NamedEffect& effect) {
 std::string structure_text(const Diagnosis& d) {
   const Structure& left = d.after;
   std::string text =
-      fmt::format("The rest is {:.2f} times as large as the noise", std::sqrt(left.chi2_per_dof));
+      fmt::format("The rest is {} times as large as the noise", with_unit(std::sqrt(left.chi2_per_dof), ""));
   std::string shows;
   const auto add = [&](const std::string& what, double p) {
     if (p < kTelling)
@@ -104,7 +105,10 @@ std::string shifts_text(const Diagnosis& d) {
   for (const Shift& shift : d.shifts) {
     const ShownUnit shown = shown_unit(shift.unit);
     std::string change;
-    if (shift.before != 0.0 && shift.after != 0.0)
+    const auto told = [](double value, double sd) { return sd < kTold * std::abs(value); };
+    if (!told(shift.before, shift.sd_before) && !told(shift.after, shift.sd_after))
+      change = "not told by these trials";
+    else if (shift.before != 0.0 && shift.after != 0.0)
       change = fmt::format("{:+.1f} %", 100.0 * (shift.after / shift.before - 1.0));
     text += fmt::format("  {}  {:>9.4g} +- {:<8.2g} -> {:>9.4g} +- {:<8.2g} {:<8} {}\n",
                         padded(printable(shift.name), width), shown.scale * shift.before,
@@ -124,11 +128,10 @@ std::string ranking_text(const Diagnosis& d) {
   for (const Candidate& candidate : d.ranking) {
     if (candidate.finding == Finding::kNotOfThisArm) continue;
     if (++listed > kMostRanked) continue;
-    text += fmt::format("{:>2}. {}  {:>11}  {:>8}  {:>8.1f}  {:>10}  {}{}\n", listed,
+    text += fmt::format("{:>2}. {}  {:>11}  {:>8}  {:>8.1f}  {:>10}  {}\n", listed,
                         padded(printable(candidate.id), width), percent(candidate.probability),
                         percent(candidate.concealment), candidate.z, millimetres(candidate.size_m),
-                        meaning(candidate.finding),
-                        candidate.detectable ? "" : ", a usual size would not be seen");
+                        finding_words(candidate));
   }
   if (listed > kMostRanked) text += fmt::format("    and {} more in the report\n", listed - kMostRanked);
   return text + "hidden: share of its signature that the arm's own constants absorb\n";
@@ -143,7 +146,9 @@ std::string describe(const Diagnosis& d) {
   });
   std::string text =
       paragraph("", name + ": " + (d.summary.empty() ? meaning(d.verdict) + "." : d.summary), 0);
-  if (!d.effects.empty()) text += "\nLeft out of the model:\n";
+  if (!d.effects.empty())
+    text += d.verdict == Verdict::kUnknown ? "\nWhat helps, without being the whole explanation:\n"
+                                           : "\nLeft out of the model:\n";
   for (std::size_t i = 0; i < d.effects.size(); ++i) text += effect_text(i + 1, d.effects[i]);
   text += "\n";
   const std::string better = improvement(d);

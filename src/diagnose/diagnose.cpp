@@ -165,7 +165,9 @@ std::vector<Candidate> ranking_of(const Selection& selection, const Options& opt
       if (r.effect != s.effect) continue;
       // Of being there at a size that matters.
       trivial = r.z >= options.least_z && r.moved_m < options.trivial_m;
-      c.probability = r.moved_m < options.trivial_m ? 0.0 : r.probability;
+      c.probability = r.moved_m < options.trivial_m || !r.physical ? 0.0 : r.probability;
+      c.possible = r.physical;
+      c.log_score = r.gain / std::max(1, extended.rows / 3);
     }
     if (!c.detectable) {
       c.finding = Finding::kCannotTell;
@@ -245,7 +247,6 @@ Diagnosis diagnose(const Arm& arm, const std::vector<identify::Trial>& trials, c
                      .unseen.total_rms_m;
     named.held_out_gain_m = without - r.unseen.total_rms_m;
     for (const Effect* rival : round.rivals) named.confusable_with.push_back(rival->info().id);
-    named.sentence = sentence_of(named);
     d.effects.push_back(std::move(named));
   }
   d.ranking = ranking_of(selection, options);

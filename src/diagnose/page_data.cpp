@@ -103,7 +103,7 @@ void add_words(Json& report, const Diagnosis& d) {
       effect["sizes"].push_back({label(value), with_interval(value)});
   }
   for (std::size_t i = 0; i < d.ranking.size(); ++i)
-    report["ranking"][i]["meaning"] = meaning(d.ranking[i].finding);
+    report["ranking"][i]["meaning"] = finding_words(d.ranking[i]);
 }
 
 }  // namespace

@@ -16,6 +16,7 @@ using Eigen::VectorXd;
 
 constexpr std::size_t kInstants = 300;  // of a trial's curves
 constexpr std::size_t kTypical = 2;     // pictures beside that of the largest error
+constexpr double kNoBetter = 0.95;  // share of the error from which on a flexible model has learnt nothing
 
 /// Index of a block's first row in a trial's vectors.
 std::vector<Eigen::Index> rows_of(const effects::TrialData& trial) {
@@ -175,9 +176,7 @@ std::string summary_of(const Diagnosis& d) {
                   millimetres(d.noise_floor_m));
   std::vector<std::string> names;
   for (const NamedEffect& effect : d.effects) names.push_back(effect.id);
-  std::string list;
-  for (std::size_t i = 0; i < names.size(); ++i)
-    list += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
+  const std::string list = one_of(names, "and");
   switch (d.verdict) {
     case Verdict::kConsistent:
       return fmt::format("The arm file explains the trials ({}); nothing of a size that matters is left out.",
@@ -189,15 +188,26 @@ std::string summary_of(const Diagnosis& d) {
           millimetres(d.noise_floor_m));
     case Verdict::kPartlyExplained:
       return fmt::format(
-          "{} explains {} of what could be explained: the error falls from {} to {}, and could to {}. "
-          "Something else is "
-          "left.",
-          list, percent(d.explained_share), millimetres(d.baseline.held_out_rms_m),
-          millimetres(d.extended.held_out_rms_m), millimetres(d.ceiling_rms_m));
-    case Verdict::kUnknown:
-      return fmt::format(
-          "Something is there that no effect of the catalogue explains ({}; a flexible model reaches {}).",
-          errors, millimetres(d.ceiling_rms_m));
+          "{} {} {} of what could be explained: the error falls from {} to {}, and could to {}. "
+          "Something else is left.",
+          list, names.size() > 1 ? "explain" : "explains", percent(d.explained_share),
+          millimetres(d.baseline.held_out_rms_m), millimetres(d.extended.held_out_rms_m),
+          millimetres(d.ceiling_rms_m));
+    case Verdict::kUnknown: {
+      std::string text =
+          fmt::format("Something is there that no effect of the catalogue explains ({}).", errors);
+      if (!names.empty())
+        text += fmt::format(" {} {}, but leaves {}.", list, names.size() > 1 ? "help" : "helps",
+                            millimetres(d.extended.held_out_rms_m));
+      text += d.ceiling_rms_m > kNoBetter * d.extended.held_out_rms_m
+                  ? " Nor does a flexible model learn it from the other trials: it is not the same in all of "
+                    "them, or they are too few."
+                  : fmt::format(
+                        " A flexible model learns part of it, down to {}: it goes with inputs, payload, "
+                        "attitude or time.",
+                        millimetres(d.ceiling_rms_m));
+      return text;
+    }
     case Verdict::kCannotTell:
       return fmt::format(
           "These trials cannot tell ({}): most effects would hide behind the arm's own constants.", errors);

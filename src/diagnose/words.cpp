@@ -10,6 +10,7 @@ namespace softarm::diagnose {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
+constexpr double kStandsOut = 5.0;  ///< z of the screen from which "absent" would be too much
 
 /// Digits behind the point that show `digits` significant ones of a number of this size.
 int decimals(double size, int digits) {
@@ -60,11 +61,6 @@ std::string without_unit(std::string symbol) {
   }
   std::replace(symbol.begin(), symbol.end(), '_', ' ');
   return symbol;
-}
-
-std::string capitalised(std::string text) {
-  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
-  return text;
 }
 
 }  // namespace
@@ -119,22 +115,26 @@ std::string meaning(Verdict verdict) {
   throw std::logic_error("meaning: no such verdict");
 }
 
-std::string meaning(Finding finding) {
-  switch (finding) {
+std::string finding_words(const Candidate& candidate) {
+  switch (candidate.finding) {
     case Finding::kPresent:
       return "present";
-    case Finding::kAbsent:
-      return "absent";
     case Finding::kTrivial:
       return "too small to matter";
-    case Finding::kCannotTell:
-      return "cannot tell";
     case Finding::kRival:
       return "rival of one above";
     case Finding::kNotOfThisArm:
       return "not of this arm";
+    case Finding::kAbsent:
+    case Finding::kCannotTell:
+      break;
   }
-  throw std::logic_error("meaning: no such finding");
+  // What stands out and yet is not named: say why, "absent" would be too much.
+  if (!candidate.possible) return "fits, but only with a size that no arm has";
+  if (candidate.z >= kStandsOut)
+    return candidate.log_score ? "stands out, but does not earn its place on unseen trials"
+                               : "stands out, but less than those above";
+  return candidate.finding == Finding::kAbsent ? "absent" : "cannot tell: a usual size would not be seen";
 }
 
 const std::vector<ShownUnit>& shown_units() {
@@ -203,10 +203,15 @@ std::string place(const Where& where) {
   return text;
 }
 
-std::string one_of(const std::vector<std::string>& names) {
+std::string capitalised(std::string text) {
+  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
+  return text;
+}
+
+std::string one_of(const std::vector<std::string>& names, const std::string& last) {
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i)
-    text += (i == 0 ? "" : i + 1 == names.size() ? " or " : ", ") + names[i];
+    text += (i == 0 ? "" : i + 1 == names.size() ? " " + last + " " : ", ") + names[i];
   return text;
 }
 

@@ -39,14 +39,17 @@ std::string label(const EffectValue& value);
 /// is known.
 std::string place(const Where& where);
 
+/// With a capital letter in front.
+std::string capitalised(std::string text);
+
 /// "a, b or c".
-std::string one_of(const std::vector<std::string>& names);
+std::string one_of(const std::vector<std::string>& names, const std::string& last = "or");
 
 /// What the verdict means, for a reader who meets it for the first time.
 std::string meaning(Verdict verdict);
 
-/// What the finding means, in three words.
-std::string meaning(Finding finding);
+/// What became of it, in a few words.
+std::string finding_words(const Candidate& candidate);
 
 /// The effect's own sentence, or one made of its parts.
 std::string sentence_of(const NamedEffect& effect);

@@ -20,9 +20,9 @@ std::unique_ptr<Effect> make_payload_offset() {
       Info{"payload_offset",
            "the payload's centre is not where the arm file says",
            Family::kLoad,
-           {{"x_m", "m", "across the arm, along the section's x", -0.2, 0.2, 0.01},
-            {"y_m", "m", "across the arm, along the section's y", -0.2, 0.2, 0.01},
-            {"z_m", "m", "along the arm, away from the base", -0.2, 0.2, 0.02}},
+           {{"x_m", "m", "offset across the arm, along x of its section", -0.2, 0.2, 0.01},
+            {"y_m", "m", "offset across the arm, along y of its section", -0.2, 0.2, 0.01},
+            {"z_m", "m", "offset along the arm, away from the base", -0.2, 0.2, 0.02}},
            3,
            {"mass_distribution", "payload_scale"},
            {"bending_stiffness", "moment_gain"}});

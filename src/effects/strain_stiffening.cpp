@@ -42,7 +42,7 @@ std::unique_ptr<Effect> make_strain_stiffening() {
       Info{"strain_stiffening",
            "the arm is stiffer where it is bent far",
            Family::kConstitutive,
-           {{"beta_m2", "m^2", "in M = EI k (1 + beta k^2), k the curvature", 0.0, 0.05, 0.001}},
+           {{"beta_m2", "m^2", "beta in M = EI k (1 + beta k^2), k the curvature", 0.0, 0.05, 0.001}},
            1,
            {"pressure_stiffening", "contact", "gain_nonlinearity"},
            {"bending_stiffness", "moment_gain"}});

@@ -29,8 +29,8 @@ std::unique_ptr<Effect> make_tether() {
            "something, a hose or a wire, pulls at the tip",
            Family::kLoad,
            {{"stiffness_n_per_m", "N/m", "of its pull", 0.0, 300.0, 2.0},
-            {"anchor_x_m", "m", "of the anchor beside the straight tip", -1.0, 1.0, 0.0},
-            {"anchor_y_m", "m", "of the anchor beside the straight tip", -1.0, 1.0, 0.0}},
+            {"anchor_x_m", "m", "place of its anchor along x, from the straight tip", -1.0, 1.0, 0.0},
+            {"anchor_y_m", "m", "place of its anchor along y, from the straight tip", -1.0, 1.0, 0.0}},
            1,
            {"tip_mass", "strain_stiffening", "contact"},
            {"bending_stiffness"}});

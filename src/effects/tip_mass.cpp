@@ -19,7 +19,7 @@ std::unique_ptr<Effect> make_tip_mass() {
   return std::make_unique<TipMass>(Info{"tip_mass",
                                         "something hangs at the tip that the arm file does not have",
                                         Family::kLoad,
-                                        {{"mass_kg", "kg", "its mass", 0.0, 2.0, 0.015}},
+                                        {{"mass_kg", "kg", "mass of what hangs there", 0.0, 2.0, 0.015}},
                                         1,
                                         {"mass_distribution", "tether", "payload_scale"},
                                         {"bending_stiffness"}});

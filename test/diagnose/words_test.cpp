@@ -56,5 +56,22 @@ TEST(Words, PlacesSayWhatIsKnown) {
   EXPECT_EQ(one_of({"a", "b", "c"}), "a, b or c");
 }
 
+TEST(Words, WhatStandsOutIsNotCalledAbsent) {
+  Candidate candidate;
+  EXPECT_EQ(finding_words(candidate), "absent");
+  candidate.z = 12.0;
+  EXPECT_EQ(finding_words(candidate), "stands out, but less than those above");
+  candidate.log_score = -0.1;
+  EXPECT_EQ(finding_words(candidate), "stands out, but does not earn its place on unseen trials");
+  candidate.possible = false;
+  EXPECT_EQ(finding_words(candidate), "fits, but only with a size that no arm has");
+  candidate = {};
+  candidate.detectable = false;
+  candidate.finding = Finding::kCannotTell;
+  EXPECT_EQ(finding_words(candidate), "cannot tell: a usual size would not be seen");
+  candidate.finding = Finding::kPresent;
+  EXPECT_EQ(finding_words(candidate), "present");
+}
+
 }  // namespace
 }  // namespace softarm::diagnose

@@ -68,6 +68,7 @@ struct Candidate {
   double probability = 0.0;
   double concealment = 0.0;          ///< share of its signature that the arm's own constants absorb, 0 ... 1
   bool detectable = true;            ///< a usual size would be seen in these trials
+  bool possible = true;              ///< the size that fits best is one that an arm can have
   double z = 0.0;                    ///< of the score test, in standard deviations
   double size_m = 0.0;               ///< rms change of the bodies' positions that the screen ascribes to it
   double smallest_detectable = 0.0;  ///< in `symbol`'s unit

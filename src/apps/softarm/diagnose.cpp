@@ -79,13 +79,15 @@ void run(Options options) {
       read_trials(options.bags, arm, !options.payload_kg, options.diagnosis.jobs);
   diagnose::Diagnosis diagnosis;
   {
-    Progress progress("steps");
+    Progress progress("");
     progress.add_total(1.0);
     double done = 0.0;
-    diagnosis = diagnose::diagnose(arm, trials, options.diagnosis, [&](double share, const std::string&) {
-      progress.advance(std::max(0.0, share - done), 1);
-      done = std::max(done, share);
-    });
+    diagnosis =
+        diagnose::diagnose(arm, trials, options.diagnosis, [&](double share, const std::string& what) {
+          progress.doing(what);
+          progress.advance(std::max(0.0, share - done), 1);
+          done = std::max(done, share);
+        });
   }
   diagnosis.version = SOFTARM_VERSION;
   if (!page.warning.empty()) fmt::print(stderr, "softarm: warning: {}\n", page.warning);

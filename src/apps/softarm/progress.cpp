@@ -10,6 +10,8 @@ namespace softarm::app {
 namespace {
 
 constexpr auto kRedraw = std::chrono::milliseconds(100);
+constexpr auto kTick = std::chrono::seconds(1);
+constexpr auto kLine = std::chrono::seconds(10);  // where standard error is no terminal
 constexpr int kWidth = 30;
 
 double seconds(std::chrono::steady_clock::duration d) {
@@ -18,10 +20,25 @@ double seconds(std::chrono::steady_clock::duration d) {
 
 }  // namespace
 
-Progress::Progress(std::string unit) : unit_(std::move(unit)), terminal_(::isatty(STDERR_FILENO) == 1) {}
+Progress::Progress(std::string unit)
+    : unit_(std::move(unit)), terminal_(::isatty(STDERR_FILENO) == 1), ticker_([this] { tick(); }) {}
 
 Progress::~Progress() {
-  clear();
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ended_ = true;
+    clear();
+  }
+  end_.notify_all();
+  ticker_.join();
+}
+
+void Progress::tick() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (!end_.wait_for(lock, kTick, [this] { return ended_; })) {
+    const Clock::time_point now = Clock::now();
+    if (terminal_ ? visible_ && now - drawn_ >= kTick : now - drawn_ >= kLine) draw(now);
+  }
 }
 
 void Progress::add_total(double work) {
@@ -37,6 +54,11 @@ void Progress::advance(double work, std::uint64_t items) {
   if (terminal_ && now - drawn_ >= kRedraw) draw(now);
 }
 
+void Progress::doing(const std::string& what) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  doing_ = what;
+}
+
 void Progress::line(const std::string& text) {
   const std::lock_guard<std::mutex> lock(mutex_);
   clear();
@@ -48,17 +70,34 @@ void Progress::hide() {
   clear();
 }
 
+double Progress::share() const {
+  return total_ > 0.0 ? std::clamp(done_ / total_, 0.0, 1.0) : 0.0;
+}
+
+std::string Progress::rest(Clock::time_point now) const {
+  const double elapsed_s = seconds(now - start_), fraction = share();
+  std::string text;
+  const auto add = [&](const std::string& part) {
+    if (!part.empty()) text += (text.empty() ? "" : "  ") + part;
+  };
+  if (!unit_.empty())
+    add(fmt::format("{:.0f} {}/s", static_cast<double>(items_) / std::max(elapsed_s, 1e-3), unit_));
+  add(doing_);
+  if (fraction > 0.0 && fraction < 1.0)
+    add(fmt::format("{:.0f} s left", elapsed_s * (1.0 - fraction) / fraction));
+  return text;
+}
+
 void Progress::draw(Clock::time_point now) {
   drawn_ = now;
+  if (!terminal_) {
+    fmt::print(stderr, "{:.0f} s: {:.0f} %  {}\n", seconds(now - start_), 100.0 * share(), rest(now));
+    return;
+  }
   visible_ = true;
-  const double fraction = total_ > 0.0 ? std::clamp(done_ / total_, 0.0, 1.0) : 0.0;
-  const double elapsed_s = seconds(now - start_);
-  const int filled = static_cast<int>(fraction * kWidth);
-  const std::string eta =
-      fraction > 0.0 ? fmt::format("{:.0f} s left", elapsed_s * (1.0 - fraction) / fraction) : "";
-  fmt::print(stderr, "\r\033[K[{}{}] {:3.0f} %  {:.0f} {}/s  {}", std::string(filled, '#'),
-             std::string(kWidth - filled, '.'), 100.0 * fraction,
-             static_cast<double>(items_) / std::max(elapsed_s, 1e-3), unit_, eta);
+  const int filled = static_cast<int>(share() * kWidth);
+  fmt::print(stderr, "\r\033[K[{}{}] {:3.0f} %  {}", std::string(filled, '#'),
+             std::string(kWidth - filled, '.'), 100.0 * share(), rest(now));
   std::fflush(stderr);
 }
 

@@ -2,17 +2,19 @@
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <mutex>
 #include <string>
+#include <thread>
 
 namespace softarm::app {
 
-/// A bar with fraction, rate and remaining time, redrawn in place on a terminal; single lines otherwise.
-/// Thread-safe.
+/// A bar with fraction, rate and remaining time, redrawn in place on a terminal; a line every ten seconds
+/// otherwise. It goes on while nothing is reported, so that long steps do not look dead. Thread-safe.
 class Progress {
  public:
-  /// @param unit what is counted per second: "frames"
+  /// @param unit what is counted per second: "frames"; empty: no rate is shown
   explicit Progress(std::string unit);
   ~Progress();
   Progress(const Progress&) = delete;
@@ -22,6 +24,8 @@ class Progress {
   void add_total(double work);
   /// Work done since the last call, and items (frames) that came of it.
   void advance(double work, std::uint64_t items);
+  /// What is being done now, shown beside the bar.
+  void doing(const std::string& what);
   /// A line of its own, above the bar.
   void line(const std::string& text);
   /// Takes the bar away, before something is printed elsewhere.
@@ -29,7 +33,10 @@ class Progress {
 
  private:
   using Clock = std::chrono::steady_clock;
+  std::string rest(Clock::time_point now) const;  ///< behind the share: rate, what is done, time left
+  double share() const;
   void draw(Clock::time_point now);
+  void tick();
   void clear();
 
   const std::string unit_;
@@ -39,7 +46,11 @@ class Progress {
   bool visible_ = false;
   double total_ = 0.0, done_ = 0.0;
   std::uint64_t items_ = 0;
+  std::string doing_;
   std::mutex mutex_;
+  std::condition_variable end_;
+  bool ended_ = false;
+  std::thread ticker_;
 };
 
 }  // namespace softarm::app
