@@ -4,10 +4,11 @@
     scripts/plot_real_arms.py --data DATA --work work --out doc/images
 
 imports the recordings of the pouch arm (DATA/pouch_arm) with `softarm import`, fits with `softarm identify`, each trial
-held out in its turn, estimates with `softarm estimate`, prints the tables and draws
+held out in its turn, estimates with `softarm estimate`, diagnoses with `softarm diagnose`, prints the tables and draws
 
     real_pouch_one_segment.png, real_pouch_two_segments.png   measured and predicted paths of the tip (and mid)
     real_pouch_payload.png                                    the payload by bending, and by stretch
+    real_pouch_diagnosis.png                                  what `softarm diagnose` finds: error of unseen trials
 """
 import argparse
 import csv
@@ -18,6 +19,8 @@ import subprocess
 import sys
 
 import matplotlib
+
+import real_diagnosis
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
@@ -256,6 +259,14 @@ def main():
     for trial in ("set_2", "set_3"):
         columns.append((f"steps {trial}, fitted", trial, rows_of(work / "plot_steps/shapes.csv")))
     draw_paths(columns, [("tip", BLUE), ("mid", ORANGE)], arguments.out / "real_pouch_two_segments.png")
+
+    # What the arm file leaves out.
+    reports = {}
+    for name, folder in (("one segment", "one"), ("two segments", "two")):
+        reports[name] = real_diagnosis.diagnose(pouch.program, work / f"{folder}.yaml", sorted((work / folder).glob("*.bag")),
+                                                work / f"report_{folder}")
+        real_diagnosis.print_report(name, reports[name])
+    real_diagnosis.draw(reports, arguments.out / "real_pouch_diagnosis.png")
 
 
 if __name__ == "__main__":

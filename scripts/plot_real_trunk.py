@@ -3,12 +3,13 @@
 
     scripts/plot_real_trunk.py --data DATA --work work --out doc/images
 
-imports DATA/tendon_trunk with `softarm import`, fits with `softarm identify`, estimates with `softarm estimate`, prints
-the tables and draws
+imports DATA/tendon_trunk with `softarm import`, fits with `softarm identify`, estimates with `softarm estimate`,
+diagnoses with `softarm diagnose`, prints the tables and draws
 
     real_trunk_paths.png     measured and predicted paths of tip and mid discs under the same inputs, 0, 100 and 300 g
     real_trunk_payload.png   the payload estimated from the same
     real_trunk_decay.png     releases by hand: frequency and damping over the amplitude
+    real_trunk_diagnosis.png what `softarm diagnose` finds: error of unseen pieces
 """
 import argparse
 import csv
@@ -19,6 +20,8 @@ import sys
 
 import matplotlib
 import numpy as np
+
+import real_diagnosis
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
@@ -224,6 +227,11 @@ def main():
         print_payload(work, folder, HELD_OUT)
     draw_payload(work, "window", arguments.out / "real_trunk_payload.png")
     decay(data, arguments.out / "real_trunk_decay.png")
+
+    # What the arm file leaves out: from pieces of all three recordings.
+    report = real_diagnosis.diagnose(program, work / "both.yaml", bags, work / "report")
+    real_diagnosis.print_report("tendon trunk", report)
+    real_diagnosis.draw({"tendon trunk": report}, arguments.out / "real_trunk_diagnosis.png")
 
 
 if __name__ == "__main__":

@@ -196,7 +196,7 @@ Diagnosis diagnose(const Arm& arm, const std::vector<identify::Trial>& trials, c
   effects::Preparation how;
   how.block_s = options.block_s;
   const effects::Prepared prepared = effects::prepare(arm, trials, how);
-  JointModel model(arm, prepared.trials, options.jobs);
+  JointModel model(arm, prepared.trials, options.jobs, options.held, options.tied);
   report(0.05, "fitting the arm's constants");
   Linearised baseline = model.fit(model.start(), {});
   const std::size_t swinging = model.allow_for_motion(baseline.predicted);

@@ -78,7 +78,8 @@ VectorXd Linearised::unknowns() const {
   return x;
 }
 
-JointModel::JointModel(const Arm& arm, const std::vector<TrialData>& trials, unsigned jobs)
+JointModel::JointModel(const Arm& arm, const std::vector<TrialData>& trials, unsigned jobs,
+                       const std::vector<std::string>& held, const std::vector<std::string>& tied)
     : arm_(arm),
       trials_(trials),
       jobs_(jobs),
@@ -87,6 +88,13 @@ JointModel::JointModel(const Arm& arm, const std::vector<TrialData>& trials, uns
   for (const identify::ConstantRef& ref : identify::constants_of(arm)) {
     if (ref.kind == identify::ConstantKind::kLength) constants_.push_back(ref);
   }
+  for (const identify::ConstantRef& kept : identify::matching(arm, held)) {
+    const auto same = [&](const identify::ConstantRef& c) {
+      return c.kind == kept.kind && c.segment == kept.segment && c.index == kept.index;
+    };
+    constants_.erase(std::remove_if(constants_.begin(), constants_.end(), same), constants_.end());
+  }
+  constants_ = identify::tie_constants(arm, constants_, tied);
   models_.reserve(trials.size());
   for (const TrialData& trial : trials) {
     models_.emplace_back(arm);

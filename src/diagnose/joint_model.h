@@ -65,7 +65,10 @@ class JointModel {
  public:
   /// @param trials kept by reference
   /// @param jobs threads, 0: one per core
-  JointModel(const Arm& arm, const std::vector<effects::TrialData>& trials, unsigned jobs);
+  /// @param held, tied patterns, see Options
+  /// @throws std::invalid_argument for patterns that match nothing
+  JointModel(const Arm& arm, const std::vector<effects::TrialData>& trials, unsigned jobs,
+             const std::vector<std::string>& held = {}, const std::vector<std::string>& tied = {});
 
   const Arm& arm() const { return arm_; }
   const std::vector<identify::ConstantRef>& constants() const { return constants_; }

@@ -131,24 +131,19 @@ class Hysteresis : public Described {
 }  // namespace
 
 std::unique_ptr<Effect> make_hysteresis() {
-  return std::make_unique<Hysteresis>(
-      Info{"hysteresis",
-           "up and down differ: the arm lags behind what drives it by a loop that is the same at every speed",
-           Family::kMemory,
-           {{"share", "1", "of a loop of that width", -0.2, 5.0, 0.5},
-            {"width_pa", "Pa",
-             "width of the loop, of pressures; of curvatures, tensions and angles the same share of 20 / m, "
-             "4 N and "
-             "0.6 rad as of 50 kPa",
-             50.0, 50e3, 2500.0},
-            {"of", "1",
-             "0: between pressures and what acts; 1: between the material's curvature and moment; 2: of "
-             "tensions; 3: of "
-             "angles",
-             0.0, 3.0, 0.0, true}},
-           1,
-           {"creep", "pressure_lag", "clock_offset"},
-           {"moment_gain"}});
+  return std::make_unique<Hysteresis>(Info{
+      "hysteresis",
+      "up and down differ: the arm lags behind what drives it by a loop that is the same at every speed",
+      Family::kMemory,
+      {{"share", "1", "of a loop of that width", -0.2, 5.0, 0.5},
+       {"width_pa", "Pa",
+        "width of the loop; 1 kPa stands for 0.4 / m of curvature, 80 mN of tension, 12 mrad of angle", 50.0,
+        50e3, 2500.0},
+       {"of", "1", "what has the loop (0: pressures, 1: the material's curvature, 2: tensions, 3: angles)",
+        0.0, 3.0, 0.0, true}},
+      1,
+      {"creep", "pressure_lag", "clock_offset"},
+      {"moment_gain"}});
 }
 
 }  // namespace softarm::effects

@@ -18,6 +18,9 @@ struct Options {
   double least_z = 5.0;  ///< of an effect that is named
   /// Too small to matter: what an effect moves the bodies by beyond what the constants absorb, rms.
   double trivial_m = 5e-5;
+  /// Patterns of constants that keep the arm file's value, and of those that have one value in all segments,
+  /// as identify::matching() and identify::tie_constants() have them.
+  std::vector<std::string> held, tied;
   unsigned jobs = 0;  ///< threads; 0: one per core
 };
 
@@ -35,6 +38,7 @@ using Progress = std::function<void(double, const std::string&)>;
 ///    explained at all, before and after.
 /// 6. Verdict; a name only where no rival does as well.
 /// @throws identify::IdentifyError where the trials cannot be used
+/// @throws std::invalid_argument for patterns that match nothing
 Diagnosis diagnose(const Arm& arm, const std::vector<identify::Trial>& trials, const Options& options = {},
                    const Progress& progress = {});
 

@@ -37,6 +37,7 @@ struct Options {
 
 constexpr const char* kExamples = R"(Examples:
   softarm diagnose --arm my_arm.yaml trials/*.bag --out report
+  softarm diagnose --arm my_arm.yaml --hold '*.bending_stiffness.*' trials/*.bag --out report
 What is written:
   report/report.html   what was found, with pictures; one page that needs nothing else
   report/report.json   the same for programs
@@ -112,6 +113,13 @@ void add_diagnose(CLI::App& program) {
   command->add_option("--block", options->diagnosis.block_s, "time over which frames are averaged, s")
       ->check(CLI::Range(0.02, 2.0))
       ->capture_default_str();
+  const auto list = [&](const char* name, std::vector<std::string>& values, const char* meaning) {
+    // One value, or several with commas, so that a bag may follow.
+    command->add_option(name, values, meaning)->delimiter(',')->allow_extra_args(false);
+  };
+  list("--hold", options->diagnosis.held, "constants that keep the arm file's value, as in softarm identify");
+  list("--tie", options->diagnosis.tied,
+       "constants that have one value in all segments: '*.bending_stiffness.base' of segments of one make");
   command->add_option("--most-effects", options->diagnosis.most_effects, "effects in one verdict at most")
       ->check(CLI::Range(1, 8))
       ->capture_default_str();

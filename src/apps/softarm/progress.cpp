@@ -80,8 +80,8 @@ std::string Progress::rest(Clock::time_point now) const {
   const auto add = [&](const std::string& part) {
     if (!part.empty()) text += (text.empty() ? "" : "  ") + part;
   };
-  if (!unit_.empty())
-    add(fmt::format("{:.0f} {}/s", static_cast<double>(items_) / std::max(elapsed_s, 1e-3), unit_));
+  const double rate = static_cast<double>(items_) / std::max(elapsed_s, 1e-3);
+  if (!unit_.empty() && rate >= 0.5) add(fmt::format("{:.0f} {}/s", rate, unit_));
   add(doing_);
   if (fraction > 0.0 && fraction < 1.0)
     add(fmt::format("{:.0f} s left", elapsed_s * (1.0 - fraction) / fraction));

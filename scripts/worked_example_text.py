@@ -1,0 +1,134 @@
+"""The words of doc/worked_example.md, around what the program said."""
+import statistics
+
+EI = "segment_1.bending_stiffness.base"
+
+
+def wrapped(text, width=126):
+    """Paragraphs as the tree's pages have them; tables, lists of code and empty lines are left alone."""
+    import textwrap
+    out, code = [], False
+    for block in text.split("\n"):
+        if block.startswith("```"):
+            code = not code
+        if code or block.startswith(("|", "```", "#", "!")) or len(block) <= width:
+            out.append(block)
+        else:
+            indent = "  " if block.startswith("- ") else ""
+            out += textwrap.wrap(block, width, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
+    return "\n".join(out)
+
+
+def frames_table(found):
+    attitudes = ("hanging", "horizontal", "standing")
+    speeds = ("slow", "slow", "slow", "medium", "medium", "medium", "fast", "fast", "fast")
+    after = found["after_frames"]
+    rows = ["| trial | | EI of its frames, median |" + (" with the base in the model |" if after else "") + " residual |",
+            "|---|---|---|---|" + ("---|" if after else "")]
+    for i, (name, frame) in enumerate(sorted(found["frames"].items())):
+        rows.append(f"| {name} | {attitudes[i % 3]}, {speeds[i % 9]} | {1e3 * frame['EI']:.2f} mN m² |" +
+                    (f" {1e3 * after[name]['EI']:.2f} mN m² |" if after else "") + f" {1e3 * frame['residual']:.2f} mm |")
+    return "\n".join(rows)
+
+
+def page(found, steps, lines, percent):
+    report, truth = found["report"], found["truth"]
+    shift = next(s for s in report["shifts"] if s["name"] == EI)
+    gain = next(s for s in report["shifts"] if s["name"].endswith("chamber_1.moment_gain"))
+    value = report["effects"][0]["parameters"]["compliance_rad_per_nm"]
+    before, after = report["baseline"]["held_out_rms_m"], report["extended"]["held_out_rms_m"]
+    residual = statistics.median(f["residual"] for f in found["frames"].values())
+    frame_ei = statistics.median(f["EI"] for f in found["frames"].values())
+    covered = value["low"] <= truth["compliance"] <= value["high"]
+    half = 1.645 * shift["sd_after"]
+    estimate = "\n".join(found["estimate"].split("\n\n")[0].splitlines())
+    extended = ""
+    if found["extended"]:
+        frame_after = statistics.median(f["EI"] for f in found["after_frames"].values())
+        extended = f"""
+## 5. Use it
+
+`report/arm_extended.yaml` is the arm file with the yielding base in it. The estimator, and the node, load it as any other:
+
+```
+$ softarm estimate --arm report/arm_extended.yaml campaign/case_001/*.bag --out estimates_extended
+{lines(found["extended"].split(chr(10) + chr(10))[0], "^bag", "rms residual", "mismatch, median", "^EI, median")}
+```
+
+Over all trials the median EI of single frames is {1e3 * frame_after:.2f} mN m² now ({percent(frame_after, truth["EI"])} of the truth); it was {1e3 * frame_ei:.2f} ({percent(frame_ei, truth["EI"])}).
+"""
+    text = f"""# A worked example: a base that yields
+
+An arm whose clamp gives a little. Nobody sees it: the body `base`, which the cameras follow, sits on the part that does not move. What comes out of a fit looks good and is wrong. Here is how it is found, step by step, on the virtual rig, where the truth can be looked up at the end.
+
+This page is the output of `scripts/worked_example`: every figure and every line of the program's below is from that run.
+
+## 1. Record
+
+Nine trials of 30 s: three speeds, three mountings, without payload and with. That is the recipe of [doc/diagnose.md](diagnose.md); a laboratory records them on its arm, here the virtual rig does ([the campaign](../config/campaigns/worked_example.yaml)):
+
+```
+$ softarm campaign worked_example --cases 1 --seed 1 --out campaign
+```
+
+What is hidden in the arm lies sealed in `campaign/truth/`. Nothing of what follows reads it.
+
+## 2. Fit: plausible, and wrong
+
+```
+$ softarm identify --arm online_200mm campaign/case_001/*.bag --leave-one-out --out my_arm.yaml
+{lines(found["identify"], "^constant ", "^segment.*moment_gain", "^segment.*bending_stiffness", "^shape error", "fitted trials, after")}
+```
+
+Every constant is told, to two per cent or better, and the shape is predicted to about a per cent of the length, where published models of such arms leave two to five. Next, frame by frame with that arm file, EI unknown:
+
+```
+$ softarm estimate --arm my_arm.yaml campaign/case_001/*.bag --out estimates
+{lines(estimate, "^bag", "^frames ok", "rms residual", "mismatch, median", "^EI, median", "told in")}
+```
+
+Residuals of {1e3 * residual:.2f} mm where the noise alone (0.5 mm per coordinate) makes some 0.8: nothing to see. Nor is it EI that gives it away at a glance; it wanders from trial to trial by some per cent, as measured stiffnesses do:
+
+{frames_table(found)}
+
+## 3. Diagnose
+
+```
+$ softarm diagnose --arm my_arm.yaml campaign/case_001/*.bag --out report
+{found["diagnose"].rstrip()}
+```
+
+It took {steps.seconds["diagnose"]:.0f} s here. How to read it, from the top:
+
+- **Verdict.** `EXPLAINED`: what is named takes the error on trials that the fit has not seen from {1e3 * before:.2f} to {1e3 * after:.2f} mm. One set of constants must serve all mountings, speeds and payloads at once; that is where the error of {1e3 * before:.2f} mm comes from, which no single frame shows.
+- **hidden** ({100 * report["ranking"][0]["concealment"]:.0f} % in the list of candidates): so much of what a yielding base does looks like a softer arm. The rest is what gives it away: the turn sits at the base, before the first ring, and grows with the moment there.
+- **Estimates before, and with this**: the correction of EI and of the gains.
+- **mistaken for**: a spring at the base has rivals (clamped ends, shear); in other trials than these they might be left open, and would be listed.
+
+![The report](images/worked_example_report.png)
+
+## 4. The truth
+
+Now the seal is opened (`campaign/truth/case_001/trial_01.truth.yaml`):
+
+| | truth | without it in the model | with it |
+|---|---|---|---|
+| compliance of the base | {truth["compliance"]:.4f} rad/(N m) | none | {value["value"]:.4f}, 90 % interval {value["low"]:.4f} to {value["high"]:.4f} ({"holds the truth" if covered else "does not hold the truth"}) |
+| EI, all trials together | {1e3 * truth["EI"]:.3f} mN m² | {1e3 * shift["before"]:.3f} ({percent(shift["before"], truth["EI"])}); `identify`: {1e3 * found["identified"]:.3f} ({percent(found["identified"], truth["EI"])}) | {1e3 * shift["after"]:.3f} ± {1e3 * half:.3f} ({percent(shift["after"], truth["EI"])}) |
+| gain of chamber 1 | {1e6 * truth["gain"]:.3f} mN m/kPa | {1e6 * gain["before"]:.3f} ({percent(gain["before"], truth["gain"])}) | {1e6 * gain["after"]:.3f} ({percent(gain["after"], truth["gain"])}) |
+| error on unseen trials | noise alone {1e3 * report["noise_floor_m"]:.2f} mm | {1e3 * before:.2f} mm | {1e3 * after:.2f} mm |
+
+![Before and after](images/worked_example.png)
+
+The intervals of `identify` and of single frames, of a per cent or less, were those of the noise. They could not know what the model lacks.
+{extended}
+## On your own arm
+
+```
+scripts/softarm check --arm my_arm.yaml trials/*.bag         # is the recording sound?
+scripts/softarm diagnose --arm my_arm.yaml trials/*.bag --out report
+```
+
+[How it works, and what the report says](diagnose.md); [what it makes of recordings of real arms](real_arms.md), where things are less tidy.
+"""
+    return wrapped(text)
