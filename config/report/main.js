@@ -5,10 +5,10 @@ const withPlots = typeof Plotly !== 'undefined';
 
 /// A section's parts: nodes, and for plots what draws them once they are on the page.
 const sections = [
-  ['effects', 'Cause', 'What was left out of the model', effects],
+  ['effects', 'Cause', report.verdict === 'unknown' ? 'What helps, without being the whole explanation' : 'What was left out of the model', effects],
   ['next', 'Next', 'What to measure next', nextExperiment],
   ['held-out', 'Unseen trials', phases.length > 1 ? 'How much better on unseen trials' : 'On unseen trials', heldOut],
-  ['shifts', 'Estimates', 'Estimates that were biased before', shifts],
+  ['shifts', 'Estimates', 'Estimates, before and with this in the model', shifts],
   ['arm', 'Arm', phases.length > 1 ? 'The arm, before and after' : 'The arm, measured and modelled', arm, true],
   ['along', 'Along s', 'Where along the arm', along, true],
   ['time', 'In time', 'When', inTime, true],

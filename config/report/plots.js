@@ -179,7 +179,9 @@ function heldOut() {
       hovertemplate: '%{text}: %{x:.2f} mm', marker: {color: looks[phase].color, symbol: looks[phase].symbol, size: 14, line: {width: 3, color: looks[phase].color}}})));
     const levels = [];
     const sides = report.noise_floor_m > report.ceiling_rms_m ? ['left', 'right'] : ['right', 'left'];  // so that neither hides the other
-    if (report.noise_floor_m > 0) levels.push(level(1e3 * report.noise_floor_m, '\u00a0noise alone (dotted)\u00a0', 'dot', true, sides[0]));
+    const widest = Math.max(...trials.flatMap(t => [t.rms_before, t.rms_after || 0]), report.ceiling_rms_m || 0);
+    const crowded = report.noise_floor_m < 0.15 * widest && !(report.ceiling_rms_m - report.noise_floor_m < 0.3 * widest);  // its words would leave the plot
+    if (report.noise_floor_m > 0) levels.push(level(1e3 * report.noise_floor_m, '\u00a0noise alone (dotted)\u00a0', 'dot', true, crowded ? 'left' : sides[0]));
     if (present(report.ceiling_rms_m)) levels.push(level(1e3 * report.ceiling_rms_m, '\u00a0ceiling (dash-dot)\u00a0', 'dashdot', true, sides[1]));
     draw(place, traces, layout(130 + 34 * trials.length, {shapes: levels.map(one => one.shape), annotations: levels.map(one => one.note), margin: {l: 70, r: 20, t: 66, b: 60},
       legend: {orientation: 'h', x: 1, xanchor: 'right', y: 1, yanchor: 'bottom'},
@@ -191,7 +193,9 @@ function heldOut() {
 
 function shifts() {
   if (!report.shifts.length || !report.effects.length) return null;
-  const rows = report.shifts.filter(one => one.after);
+  // What the trials do not tell has bars that would hide the others; the table has it.
+  const told = one => 2 * (one.sd_after || 0) < Math.abs(one.after) && 2 * (one.sd_before || 0) < Math.abs(one.after);
+  const rows = report.shifts.filter(one => one.after && told(one));
   const place = plotPlace('estimates before, in percent of those with the effects in the model');
   const show = () => {
     const y = rows.map((_, i) => i);
@@ -201,5 +205,6 @@ function shifts() {
     draw(place, traces, layout(130 + 48 * rows.length, {xaxis: axis('off the estimate with the effects in the model / %', {zerolinewidth: 2, zerolinecolor: ink}),
       yaxis: axis('', {tickvals: y, ticktext: rows.map(one => plain(short(one.name))), autorange: 'reversed', zeroline: false})}));
   };
-  return {nodes: [rows.length ? place : null, shiftsTable(), element('p', {class: 'hint'}, '± and bars: 90 % intervals.')], draw: rows.length ? show : null};
+  return {nodes: [rows.length ? place : null, shiftsTable(), element('p', {class: 'hint'}, '± and bars: 90 % intervals.' +
+    (rows.length < report.shifts.length ? ' Not in the plot: what these trials do not tell to 50 %.' : ''))], draw: rows.length ? show : null};
 }

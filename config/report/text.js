@@ -120,7 +120,7 @@ function shiftsTable() {
       const unit = shownUnit(one.unit);
       const change = one.before && one.after ? 100 * (one.after / one.before - 1) : null;
       return [element('span', {class: 'name'}, one.name), {number: value(one.before, one.sd_before, unit)}, {number: value(one.after, one.sd_after, unit)}, unit.shown,
-        {number: present(change) ? (change < 0 ? '−' : '+') + Math.abs(change).toFixed(1) + ' %' : '–'}];
+        {number: 2 * (one.sd_before || 0) > Math.abs(one.before) && 2 * (one.sd_after || 0) > Math.abs(one.after) ? 'not told' : present(change) ? (change < 0 ? '−' : '+') + Math.abs(change).toFixed(1) + ' %' : '–'}];
     }));
 }
 
