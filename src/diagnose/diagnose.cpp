@@ -8,6 +8,7 @@
 
 #include "contribution.h"
 #include "flexible.h"
+#include "leftover.h"
 #include "pictures.h"
 #include "selection.h"
 #include "structure.h"
@@ -21,13 +22,18 @@ using effects::Present;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kExplained = 0.9, kPartly = 0.5;
+// Of what could be explained. Where something is left to see, one of 41 effects that fits best explains up to
+// three quarters of nearly anything: less than kPartly names nothing.
+constexpr double kExplained = 0.9, kPartly = 0.8;
+constexpr double kPoorFit = 10.0;  // chi^2 per degree of freedom: the first fit may have run away
+constexpr double kLeftoverZ = 2.33;
 constexpr double kInterval = 1.6449;  // of 90 %
 constexpr double kDetectableZ = 5.0;
 constexpr double kLeftover_m = 1e-4;    // what a flexible model finds beyond this is something
 constexpr double kLeftoverShare = 0.1;  // ... if it is that share of what is left, or more
 // chi^2 per degree of freedom on unseen trials, up to which residuals are taken for noise.
 constexpr double kAsNoise = 2.0;
+constexpr double kLone = 0.5;           // of the noise: what one body alone may show beyond the others
 constexpr double kFewDetectable = 0.5;  // share of the catalogue below which "consistent" says too much
 
 /// Rms distance that white noise alone gives, weighted as the errors are.
@@ -102,7 +108,7 @@ std::vector<EffectValue> values_of(const Linearised& at, std::size_t effect, con
 }
 
 /// The whole catalogue, best first: those taken, their rivals, the others of the last screen.
-std::vector<Candidate> ranking_of(const Selection& selection, const Options& options) {
+std::vector<Candidate> ranking_of(const Selection& selection, double doubt, const Options& options) {
   std::vector<Candidate> list;
   const auto known = [&](const Effect* effect) {
     return std::any_of(list.begin(), list.end(),
@@ -132,7 +138,7 @@ std::vector<Candidate> ranking_of(const Selection& selection, const Options& opt
     Candidate c;
     if (const auto s = screened(round, r.effect); s != round.screened.end()) fill(*s, c);
     c.finding = Finding::kPresent;
-    c.probability = r.probability;
+    c.probability = doubt * r.probability;
     c.z = r.z;
     c.estimate = extended.at.effects[e].values[0];
     c.log_score = r.gain / std::max(1, extended.rows / 3);
@@ -201,7 +207,15 @@ Diagnosis diagnose(const Arm& arm, const std::vector<identify::Trial>& trials, c
   Linearised baseline = model.fit(model.start(), {});
   const std::size_t swinging = model.allow_for_motion(baseline.predicted);
   report(0.2, "fitting the arm's constants");
-  baseline = model.fit(baseline.at, {}, &baseline.predicted);
+  // What is known beforehand counts against the misfit as it is, and that changes with what counts.
+  double misfit = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const double now = std::max(1.0, baseline.square / std::max(1, baseline.rows));
+    if (now > 0.8 * misfit && now < 1.25 * misfit) break;
+    misfit = now;
+    model.set_misfit(misfit);
+    baseline = model.fit(misfit > kPoorFit ? model.start() : baseline.at, {}, &baseline.predicted);
+  }
   const Selection selection =
       select(model, std::move(baseline), options,
              [&](double share, const std::string& what) { report(0.25 + 0.55 * share, what); });
@@ -221,13 +235,24 @@ Diagnosis diagnose(const Arm& arm, const std::vector<identify::Trial>& trials, c
   const double leftover_m = std::sqrt(ext2 * could_after.share);
   // What no flexible model learns may still be more than noise: a few trials teach it little.
   const bool as_noise = after.total_chi2 < kAsNoise * std::max(1, selection.extended.rows);
-  const bool adequate = as_noise && (leftover_m < kLeftover_m || could_after.share < kLeftoverShare);
+  const Leftover left_before = leftover(model, selection.baseline, before);
+  const Leftover left_after = extended ? leftover(model, selection.extended, after) : left_before;
+  const auto shared = [&](const Leftover& left) {
+    return left.shared_z > kLeftoverZ && left.shared_m > options.trivial_m;
+  };
+  const bool adequate = as_noise && !shared(left_after) && left_after.lone_m < kLone * d.noise_floor_m &&
+                        (leftover_m < kLeftover_m || could_after.share < kLeftoverShare);
   const double learnt2 =
       std::min({base2 * (1.0 - could_before.share), ext2 * (1.0 - could_after.share), ext2});
   d.ceiling_rms_m = std::sqrt(std::max(std::min(base2, floor2), learnt2));
   const double reach2 = as_noise ? std::pow(d.ceiling_rms_m, 2) : std::min(base2, floor2);
   d.explained_share = base2 > reach2 ? std::clamp((base2 - ext2) / (base2 - reach2), 0.0, 1.0) : 0.0;
 
+  // With the arm calm nothing but the arm's shape is in the way.
+  if (extended && !adequate && shared(left_before) && left_before.shared_m > left_after.shared_m)
+    d.explained_share = 1.0 - std::pow(left_after.shared_m / left_before.shared_m, 2);
+  // What explains a part may only be the nearest to what is there.
+  const double doubt = adequate ? 1.0 : d.explained_share;
   report(0.9, "where");
   const MatrixXd covariance = covariance_of(selection.extended, selection.inflation);
   for (std::size_t e = 0; e < selection.extended.at.effects.size(); ++e) {
@@ -237,7 +262,7 @@ Diagnosis diagnose(const Arm& arm, const std::vector<identify::Trial>& trials, c
     NamedEffect named;
     named.id = present.effect->info().id;
     named.words = present.effect->info().words;
-    named.probability = r.probability;
+    named.probability = doubt * r.probability;
     named.parameters = values_of(selection.extended, e, covariance);
     named.where = where_is(model, selection.extended, present, contribution(model, selection.extended, e));
     const double without =
@@ -249,9 +274,13 @@ Diagnosis diagnose(const Arm& arm, const std::vector<identify::Trial>& trials, c
     for (const Effect* rival : round.rivals) named.confusable_with.push_back(rival->info().id);
     d.effects.push_back(std::move(named));
   }
-  d.ranking = ranking_of(selection, options);
+  d.ranking = ranking_of(selection, doubt, options);
   d.before = structure_of(model, selection.baseline, before);
   d.after = extended ? structure_of(model, selection.extended, after) : d.before;
+  d.before.shared_m = left_before.shared_m;
+  d.before.shared_z = left_before.shared_z;
+  d.after.shared_m = left_after.shared_m;
+  d.after.shared_z = left_after.shared_z;
   d.shifts = shifts_of(model, selection);
 
   const auto detectable =

@@ -28,8 +28,8 @@ constexpr double kEffectPriorSd = 5.0;    // in usual sizes
 constexpr double kHuber = 4.0;            // times the typical distance
 constexpr double kMedianOfChi3 = 1.5382;  // of the length of a normal vector in three dimensions
 constexpr double kSwingDecay_s = 0.8;     // of what a sudden motion leaves
-constexpr double kMotionShare = 0.15;     // of what inertia and delay do that is not known
-constexpr double kSwing_m = 0.003;
+constexpr double kMotionShare = 0.3;      // of what inertia and delay do that is not known
+constexpr double kSwing_m = 0.0015;
 
 /// Size at which a constant matters: its own, or what makes the same difference as its fellows.
 double scale_of(const Arm& arm, const identify::ConstantRef& ref) {
@@ -241,7 +241,7 @@ double JointModel::cost(const Parameters& parameters, const std::vector<std::vec
   const VectorXd x = dummy.unknowns();
   for (Eigen::Index j = 0; j < x.size(); ++j) {
     const Column& c = columns[static_cast<std::size_t>(j)];
-    sum += std::pow((x[j] - c.start) / c.prior_sd, 2);
+    sum += misfit_ * std::pow((x[j] - c.start) / c.prior_sd, 2);
   }
   return sum;
 }
@@ -345,12 +345,17 @@ Eigen::MatrixXd JointModel::differences(const Linearised& at, std::size_t trial,
 }
 
 Linearised JointModel::linearise(const Parameters& parameters,
-                                 const std::vector<std::vector<Predicted>>* start, bool whole) {
+                                 const std::vector<std::vector<Predicted>>* start, Derivatives how,
+                                 bool known) {
+  const bool whole = how == Derivatives::kWhole;
   const double size = whole ? kWholeStep : kStep;
   Linearised lin;
   lin.at = parameters;
   lin.columns = columns(parameters);
-  predict(parameters, start, lin.predicted);
+  if (known)
+    lin.predicted = *start;
+  else
+    predict(parameters, start, lin.predicted);
   const auto count = static_cast<Eigen::Index>(lin.columns.size());
   std::vector<Parameters> changed(lin.columns.size(), parameters);
   std::vector<double> steps(lin.columns.size(), size);
@@ -427,7 +432,7 @@ Linearised JointModel::linearise(const Parameters& parameters,
   }
   for (Eigen::Index j = 0; j < count; ++j) {
     const Column& c = lin.columns[static_cast<std::size_t>(j)];
-    const double weight = 1.0 / (c.prior_sd * c.prior_sd);
+    const double weight = misfit_ / (c.prior_sd * c.prior_sd);
     lin.information(j, j) += weight;
     lin.gradient[j] += weight * (c.start - x[j]);
   }
@@ -440,8 +445,9 @@ Linearised JointModel::fit(Parameters parameters, const FitOptions& options,
   predict(parameters, start, predicted);
   set_threshold(predicted);
   Linearised lin;
+  const bool feedback = answers_itself(parameters);
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
-    lin = linearise(parameters, &predicted);
+    lin = linearise(parameters, &predicted, Derivatives::kShapesHeld, !feedback);
     const double before = cost(parameters, lin.predicted, lin.columns);
     const VectorXd x = lin.unknowns();
     VectorXd step = lin.information.ldlt().solve(lin.gradient);
@@ -495,11 +501,13 @@ Linearised JointModel::fit(Parameters parameters, const FitOptions& options,
     set_threshold(predicted);
     if ((step.array() / sd.array()).abs().maxCoeff() < options.tolerance * misfit) break;
   }
-  // What depends on the shape that it causes, a spring or a wall, answers to every change: there the first
-  // order with shapes held is wrong by up to several times. It finds the way; intervals want the truth.
-  const bool feedback = std::any_of(parameters.effects.begin(), parameters.effects.end(),
-                                    [](const Present& present) { return present.effect->needs_shape(); });
-  return linearise(parameters, &predicted, feedback);
+  return linearise(parameters, &predicted,
+                   feedback && options.whole ? Derivatives::kWhole : Derivatives::kShapesHeld, !feedback);
+}
+
+bool JointModel::answers_itself(const Parameters& parameters) {
+  return std::any_of(parameters.effects.begin(), parameters.effects.end(),
+                     [](const Present& present) { return present.effect->needs_shape(); });
 }
 
 std::size_t JointModel::allow_for_motion(const std::vector<std::vector<Predicted>>& predicted) {

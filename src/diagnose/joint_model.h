@@ -83,10 +83,18 @@ class JointModel {
   /// Predictions of all trials.
   void predict(const Parameters& parameters, const std::vector<std::vector<effects::Predicted>>* start,
                std::vector<std::vector<effects::Predicted>>& out);
-  /// @param whole derivatives as differences of whole predictions; else to first order with shapes held in
-  /// what depends on them
+  enum class Derivatives {
+    kShapesHeld,  ///< to first order with shapes held in what depends on them
+    kWhole,       ///< differences of whole predictions
+  };
+  /// @param start shapes to begin from
+  /// @param known that `start` are the predictions at `parameters`
   Linearised linearise(const Parameters& parameters,
-                       const std::vector<std::vector<effects::Predicted>>* start, bool whole = false);
+                       const std::vector<std::vector<effects::Predicted>>* start,
+                       Derivatives how = Derivatives::kShapesHeld, bool known = false);
+  /// What depends on the shape that it causes, a spring or a wall, answers to every change: there the first
+  /// order with shapes held is wrong by up to several times. It finds the way; intervals want the truth.
+  static bool answers_itself(const Parameters& parameters);
   /// Derivatives by everything that an effect may change, for signatures() of new effects.
   void complete(Linearised& at);
   /// Derivatives of whitened positions by changes of the model at `at`: one matrix per trial, the columns of
@@ -95,6 +103,8 @@ class JointModel {
                              const std::vector<double>& steps);
 
   struct FitOptions {
+    /// Of what answers itself: at the end, by differences of whole predictions.
+    bool whole = true;
     int iterations = 6;
     double tolerance = 0.02;  ///< of a step against the standard deviations
   };
@@ -106,7 +116,12 @@ class JointModel {
   /// Standard deviation that is not white, per body, m: added in squares to that of each mean.
   void set_slow_sd_m(const Eigen::VectorXd& sd) { slow_sd_m_ = sd; }
   const Eigen::VectorXd& slow_sd_m() const { return slow_sd_m_; }
+  /// chi^2 per degree of freedom of the model as it is: priors count as much as the residuals' own spread
+  /// lets them.
+  void set_misfit(double misfit) { misfit_ = misfit; }
   double sd_m(std::size_t trial, std::size_t block, const effects::Seen& seen) const;
+  /// What of the motion is not known, per axis, m: part of sd_m.
+  double motion_sd_m(std::size_t trial, std::size_t block) const { return motion_sd_m_[trial][block]; }
   /// Whether a block is compared.
   bool uses(std::size_t trial, std::size_t block) const { return used_[trial][block]; }
   /// Counts a share of what inertia and delay do to the arm, and of what is left of that a while later, as
@@ -138,6 +153,7 @@ class JointModel {
   Eigen::VectorXd slow_sd_m_;
   std::vector<std::vector<bool>> used_;
   std::vector<std::vector<double>> motion_sd_m_;
+  double misfit_ = 1.0;
   double threshold_ = 1e9;  ///< whitened distance beyond which a body's weight falls
 };
 

@@ -126,6 +126,7 @@ std::vector<Others> without_each(const JointModel& model, const Linearised& at) 
 
 Screened judge(const JointModel& model, const Linearised& at, const Variant& variant,
                const std::vector<Others>& others) {
+  const double misfit = std::max(1.0, at.square / std::max(1, at.rows));
   Screened out;
   out.effect = variant.effect;
   const auto k = variant.usual.size();
@@ -137,7 +138,7 @@ Screened judge(const JointModel& model, const Linearised& at, const Variant& var
   const VectorXd score = all.score - m.transpose() * at.gradient;
   MatrixXd information = orthogonal;
   for (Eigen::Index i = 0; i < k; ++i)
-    information(i, i) += 1.0 / (kSizePriorSd * kSizePriorSd) + kLeastVariance * all.own(i, i);
+    information(i, i) += misfit / (kSizePriorSd * kSizePriorSd) + kLeastVariance * all.own(i, i);
   const Eigen::LDLT<MatrixXd> own_solver(information);
   const VectorXd sizes = own_solver.solve(score);
   const VectorXd possible = into_range(variant, sizes);
@@ -172,7 +173,7 @@ Screened judge(const JointModel& model, const Linearised& at, const Variant& var
     const MatrixXd mt = s.solve(rest.mixed);
     MatrixXd h = rest.own - rest.mixed.transpose() * mt;
     for (Eigen::Index i = 0; i < k; ++i)
-      h(i, i) += 1.0 / (kSizePriorSd * kSizePriorSd) + kLeastVariance * rest.own(i, i);
+      h(i, i) += misfit / (kSizePriorSd * kSizePriorSd) + kLeastVariance * rest.own(i, i);
     const VectorXd a = into_range(variant, h.ldlt().solve(rest.score - mt.transpose() * others[t].gradient));
     const VectorXd with = alone - mt * a;
     double gain = 0.0;

@@ -14,11 +14,12 @@ namespace softarm::diagnose {
 /// A candidate of one round after its refit.
 struct Refitted {
   const effects::Effect* effect = nullptr;
-  double z = 0.0;            ///< sqrt of the fall of chi^2 on unseen trials over the inflation
-  double gain = 0.0;         ///< that fall over twice the inflation: of the log score
-  double probability = 0.0;  ///< against the other candidates of the round, and none
-  double moved_m = 0.0;      ///< root of the fall of the mean square error on unseen trials
-  bool physical = true;      ///< not at the end of its range
+  double z = 0.0;             ///< sqrt of the fall of chi^2 on unseen trials over the inflation
+  double gain = 0.0;          ///< that fall over twice the inflation: of the log score
+  std::vector<double> gains;  ///< the same by trial
+  double probability = 0.0;   ///< against the other candidates of the round, and none
+  double moved_m = 0.0;       ///< root of the fall of the mean square error on unseen trials
+  bool physical = true;       ///< not at the end of its range
   Linearised fit;
   Unseen unseen;
 };

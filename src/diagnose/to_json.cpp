@@ -66,6 +66,8 @@ Json json_of(const Structure& structure) {
           {"where", json_of(structure.where)},
           {"along_s_p", structure.along_s_p},
           {"chi2_per_dof", structure.chi2_per_dof},
+          {"shared_m", structure.shared_m},
+          {"shared_z", structure.shared_z},
           {"by_input_p", by_input}};
 }
 

@@ -31,8 +31,8 @@ std::unique_ptr<Effect> make_gravity_direction() {
       Info{"gravity_direction",
            "gravity is not along the direction that the arm file says",
            Family::kLoad,
-           {{"towards_x_rad", "rad", "turn of gravity towards x of the mocap frame", -0.5, 0.5, 0.0175},
-            {"towards_y_rad", "rad", "turn of gravity towards y of the mocap frame", -0.5, 0.5, 0.0175}},
+           {{"towards_x_rad", "rad", "turn of gravity towards x of the mocap frame", -0.15, 0.15, 0.0175},
+            {"towards_y_rad", "rad", "turn of gravity towards y of the mocap frame", -0.15, 0.15, 0.0175}},
            2,
            {"pressure_offset", "base_tilt"},
            {"bending_stiffness"}});

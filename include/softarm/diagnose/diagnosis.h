@@ -94,11 +94,14 @@ struct Shift {
 
 /// What is left of the residuals.
 struct Structure {
-  double whiteness_p = 1.0;                  ///< of residuals in time
-  double along_s_p = 1.0;                    ///< of their runs along the arm
-  double chi2_per_dof = 1.0;                 ///< against the noise
+  double whiteness_p = 1.0;   ///< of residuals in time
+  double along_s_p = 1.0;     ///< of their runs along the arm
+  double chi2_per_dof = 1.0;  ///< against the noise
   std::map<std::string, double> by_input_p;  ///< dependence on each input, on speed, payload, time, attitude
   Where where;
+  /// Rms error that neighbouring bodies share while the arm is calm, m, and its mean over its standard error:
+  /// noise of single bodies makes none.
+  double shared_m = 0.0, shared_z = 0.0;
 };
 
 struct NextExperiment {
