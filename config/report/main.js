@@ -14,6 +14,7 @@ const sections = [
   ['time', 'In time', 'When', inTime, true],
   ['inputs', 'Inputs', 'With which input', againstInputs, true],
   ['ranking', 'Candidates', 'All candidates', ranking],
+  ['ladder', 'Pooling', 'Where the mismatch hides', ladder],
   ['wander', 'Wander', 'Wander of the parameters', wander, true],
   ['left', 'Left over', 'What is left', leftOver],
   ['trials', 'Trials', 'Each trial', trialsTable],

@@ -61,8 +61,38 @@ function nextExperiment() {
   if (!next) return null;
   return [element('div', {class: 'next'},
     element('p', {class: 'lead'}, next.action.replace(/\.?$/, '.')),
+    next.sentence ? element('p', null, next.sentence) :
     next.separates.length ? element('p', null, 'It would tell apart ', names(next.separates),
-      next.expected_separation > 0 ? ', by about ' + next.expected_separation.toFixed(1) + ' standard deviations.' : '.') : null)];
+      next.expected_separation > 0 ? ', by about ' + next.expected_separation.toFixed(1) + ' standard deviations.' : '.') : null),
+    experimentMenu(next)];
+}
+
+/// What else could be done, and how much it would tell.
+function experimentMenu(next) {
+  const menu = next.menu || [];
+  if (!menu.length) return null;
+  const light = menu.some(one => (one.shows || []).length), most = Math.max(...menu.map(one => light ? (one.shows || []).length : one.separation));
+  const told = one => light ? String((one.shows || []).length) : one.separation.toFixed(one.separation < 10 ? 1 : 0);
+  const share = one => most > 0 ? (light ? (one.shows || []).length : one.separation) / most : 0;
+  const last = one => light ? (one.shows && one.shows.length ? names(one.shows) : '–') : one.hardest ? names(one.hardest) : '–';
+  return element('details', {open: ''}, element('summary', null, 'All ' + menu.length + ' experiments that were weighed'),
+    light ? null : element('p', {class: 'hint'}, 'Each predicted with every rival, constants fitted anew to today’s trials and the new one. Separation: of the pair that it tells apart worst, ' +
+      'whichever of the two is true; today’s trials alone: ' + (next.today || 0).toFixed(1) + '.'),
+    table(['', light ? 'hidden effects that it brings to light' : 'separation / standard deviations', light ? 'which' : 'hardest to tell apart'],
+      menu.map(one => [one.action + '.', {share: [bar(share(one), ''), told(one)]}, last(one)])));
+}
+
+/// The same trials with fewer and fewer free numbers.
+function ladder() {
+  const made = report.ladder;
+  if (!made || !made.rungs.length) return null;
+  const most = Math.max(report.noise_floor_m, ...made.rungs.map(one => one.rms_m));
+  const row = (words, unknowns, value, chi) => [words, {number: unknowns}, {share: [bar(most > 0 ? value / most : 0, ''), mm(value)]}, {number: chi.toFixed(2)}];
+  return [made.sentence ? element('p', {class: 'lead'}, made.sentence) : null,
+    table(['the model as it is, fitted to', {number: 'free numbers'}, 'rms error per body', {number: 'χ² per degree of freedom'}],
+      [...made.rungs.map(one => row(one.words, String(one.unknowns), one.rms_m, one.chi2_per_dof)), row('noise alone', '–', report.noise_floor_m, 1)]),
+    element('p', {class: 'hint'}, 'Errors are counted as if nothing had been fitted: the more free numbers, the more is added. What one arm cannot explain and single instants can ' +
+      'hides in the wander of EI, M0, φ and L.')];
 }
 
 function bar(share, kind) {

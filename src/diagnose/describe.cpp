@@ -154,15 +154,19 @@ std::string describe(const Diagnosis& d) {
   const std::string better = improvement(d);
   if (!better.empty()) text += paragraph("", better, 0);
   text += structure_text(d);
+  if (!d.ladder_sentence.empty()) text += paragraph("", d.ladder_sentence, 0);
   text += shifts_text(d);
   if (d.next_experiment) {
     std::string next = d.next_experiment->action;
     if (!next.empty() && next.back() != '.') next += ".";
-    if (!d.next_experiment->separates.empty())
+    const std::string& sentence = d.next_experiment->sentence;
+    if (!sentence.empty()) next += " " + sentence;
+    if (sentence.empty() && !d.next_experiment->separates.empty())
       next += " It would tell apart " + one_of(d.next_experiment->separates);
-    if (!d.next_experiment->separates.empty() && d.next_experiment->expected_separation > 0.0)
+    if (sentence.empty() && !d.next_experiment->separates.empty() &&
+        d.next_experiment->expected_separation > 0.0)
       next += fmt::format(" by about {:.1f} standard deviations", d.next_experiment->expected_separation);
-    if (!d.next_experiment->separates.empty()) next += ".";
+    if (sentence.empty() && !d.next_experiment->separates.empty()) next += ".";
     text += "\n" + paragraph("Measure next: ", next, 2);
   }
   text += ranking_text(d);

@@ -8,10 +8,13 @@
 
 #include "contribution.h"
 #include "flexible.h"
+#include "ladder.h"
 #include "leftover.h"
+#include "next_experiment.h"
 #include "pictures.h"
 #include "selection.h"
 #include "structure.h"
+#include "wander.h"
 #include "words.h"
 
 namespace softarm::diagnose {
@@ -216,7 +219,7 @@ Diagnosis diagnose(const Arm& arm, const std::vector<identify::Trial>& trials, c
     model.set_misfit(misfit);
     baseline = model.fit(misfit > kPoorFit ? model.start() : baseline.at, {}, &baseline.predicted);
   }
-  const Selection selection =
+  Selection selection =
       select(model, std::move(baseline), options,
              [&](double share, const std::string& what) { report(0.25 + 0.55 * share, what); });
 
@@ -314,7 +317,14 @@ Diagnosis diagnose(const Arm& arm, const std::vector<identify::Trial>& trials, c
     if (count > 0) d.notes.push_back(fmt::format("{} frames left out: {}", count, reason));
   if (trials.size() < 3)
     d.notes.push_back("Fewer than three trials: what helps on unseen ones cannot be told well. Record more.");
-  report(0.95, "pictures");
+  report(0.92, "what single instants say");
+  const std::vector<InstantFit> instants = fit_instants(model, selection.baseline, options.jobs);
+  d.ladder = pooling_ladder(model, selection.baseline, instants);
+  d.wander = wander_of(model, selection.baseline, instants);
+  d.ladder_sentence = where_it_hides(d.ladder, d.noise_floor_m, d.wander);
+  report(0.94, "what to measure next");
+  d.next_experiment = next_experiment(model, selection, d.verdict, options);
+  report(0.98, "pictures");
   add_pictures(model, selection, d);
   report(1.0, "");
   return d;

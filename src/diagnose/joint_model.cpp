@@ -246,8 +246,6 @@ double JointModel::cost(const Parameters& parameters, const std::vector<std::vec
   return sum;
 }
 
-namespace {
-
 void set_unknown(Parameters& p, const Column& c, double x) {
   const double value = std::clamp(x * c.scale, c.low, c.high);
   switch (c.kind) {
@@ -262,8 +260,6 @@ void set_unknown(Parameters& p, const Column& c, double x) {
       break;
   }
 }
-
-}  // namespace
 
 effects::ExtendedModel::Varied JointModel::vary(std::size_t trial, const Parameters& parameters,
                                                 const std::vector<Predicted>& predicted) {

@@ -157,6 +157,9 @@ class JointModel {
   double threshold_ = 1e9;  ///< whitened distance beyond which a body's weight falls
 };
 
+/// Sets an unknown to x scales, kept within its range.
+void set_unknown(Parameters& parameters, const Column& column, double x);
+
 /// What Huber's loss leaves of a body's whitened residual.
 double huber_weight(double distance, double threshold);
 

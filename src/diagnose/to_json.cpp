@@ -76,6 +76,30 @@ Json json_of(const Shift& shift) {
           {"sd_before", shift.sd_before}, {"after", shift.after}, {"sd_after", shift.sd_after}};
 }
 
+Json json_of(const NextExperiment& next) {
+  Json json{{"action", next.action},
+            {"separates", next.separates},
+            {"expected_separation", next.expected_separation},
+            {"today", next.today}};
+  if (!next.sentence.empty()) json["sentence"] = next.sentence;
+  json["menu"] = Json::array();
+  for (const WeighedExperiment& one : next.menu) {
+    Json item{{"action", one.action}, {"separation", one.separation}};
+    if (!one.hardest.empty()) item["hardest"] = one.hardest;
+    if (!one.shows.empty()) item["shows"] = one.shows;
+    json["menu"].push_back(item);
+  }
+  return json;
+}
+
+Json json_of(const Rung& rung) {
+  return {{"id", rung.id},
+          {"words", rung.words},
+          {"unknowns", rung.unknowns},
+          {"rms_m", rung.rms_m},
+          {"chi2_per_dof", rung.chi2_per_dof}};
+}
+
 }  // namespace
 
 Json report_json(const Diagnosis& d) {
@@ -87,10 +111,16 @@ Json report_json(const Diagnosis& d) {
   json["ranking"] = Json::array();
   for (const Candidate& candidate : d.ranking) json["ranking"].push_back(json_of(candidate));
   json["residual_structure"] = json_of(d.after);
-  if (d.next_experiment) {
-    json["next_experiment"] = {{"action", d.next_experiment->action},
-                               {"separates", d.next_experiment->separates},
-                               {"expected_separation", d.next_experiment->expected_separation}};
+  if (d.next_experiment) json["next_experiment"] = json_of(*d.next_experiment);
+  if (!d.ladder.empty()) {
+    json["ladder"] = {{"rungs", Json::array()}, {"sentence", d.ladder_sentence}};
+    for (const Rung& rung : d.ladder) json["ladder"]["rungs"].push_back(json_of(rung));
+  }
+  json["wander"] = Json::array();
+  for (const Wander& wander : d.wander) {
+    Json item{{"parameter", wander.parameter}, {"against", wander.against}, {"p", wander.p}};
+    if (!wander.sentence.empty()) item["sentence"] = wander.sentence;
+    json["wander"].push_back(item);
   }
 
   json["arm"] = d.arm;

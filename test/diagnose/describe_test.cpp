@@ -42,6 +42,12 @@ TEST(Describe, SaysHowMuchBetterAndWhatNext) {
   EXPECT_THAT(text, HasSubstr("That is 98 % of what could be explained."));
   EXPECT_THAT(text, HasSubstr("Measure next: Hang the arm sideways"));
   EXPECT_THAT(text,
+              HasSubstr("It would separate base_compliance, rigid_ends or shear from one another by 7.4 "
+                        "standard deviations, today's trials by 0.8."));
+  EXPECT_THAT(text, HasSubstr("it hides in the wander of their parameters."));
+  Diagnosis brief = testing::example_diagnosis();
+  brief.next_experiment->sentence.clear();
+  EXPECT_THAT(flowing(describe(brief)),
               HasSubstr("It would tell apart base_compliance, rigid_ends or shear by about 7.4 standard"));
   EXPECT_THAT(text, HasSubstr("EI 0.0341 +- 0.0004 -> 0.0379 +- 0.0006 N m^2 +11.1 %"));
   EXPECT_THAT(text, HasSubstr("payload 57.1 +- 2.1 -> 50.2 +- 1.4 g -12.1 %"));

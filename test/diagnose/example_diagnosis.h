@@ -147,6 +147,7 @@ inline std::vector<Wander> example_wander() {
     length.value.push_back(0.2 + 2e-4 * noise());
     length.law.push_back(0.2);
   }
+  ei.sentence = "Against what its law says, EI is 24 % more at payload of 0 g than at 100 g.";
   return {ei, m0, length};
 }
 
@@ -257,6 +258,17 @@ inline Diagnosis example_diagnosis() {
       "Hang the arm sideways and load it with 50 g, then 100 g, at zero pressure, and hold each for 10 s",
       {"base_compliance", "rigid_ends", "shear"},
       7.4};
+  d.next_experiment->today = 0.8;
+  d.next_experiment->sentence =
+      "It would separate base_compliance, rigid_ends or shear from one another by 7.4 standard deviations, "
+      "today's trials by 0.8.";
+  d.next_experiment->menu = {{d.next_experiment->action, 7.4, {"rigid_ends", "shear"}, {}},
+                             {"Record middle_down once more", 1.1, {"base_compliance", "shear"}, {}}};
+  d.ladder = {{"instants", "every instant by itself: EI, M0, φ, L", 28800, 0.00052, 1.4},
+              {"conditions", "one arm, EI free in each of 18 conditions", 28, 0.00083, 3.1},
+              {"one_arm", "one arm", 11, 0.0021, 17.0}};
+  d.ladder_sentence =
+      "Fits of single instants explain it, one arm does not: it hides in the wander of their parameters.";
   d.notes = {"ring_4 was not seen for 3.3 s of each trial; those frames were used without it.",
              "middle_down: 14 frames with a time jump were left out."};
   d.input_units = {{"chamber_1", "Pa"}, {"chamber_2", "Pa"}, {"payload", "kg"}};

@@ -43,8 +43,12 @@ inline void rename_all(Diagnosis& d) {
   d.after.by_input_p["constructor"] = 0.5;
   for (std::string& body : d.along.bodies) body += evil;
   for (Snapshot& snapshot : d.snapshots) snapshot.trial = snapshot.words = evil;
-  for (Wander& wander : d.wander) wander.against = wander.parameter = wander.unit = evil;
-  d.next_experiment->action = evil;
+  for (Wander& wander : d.wander) wander.against = wander.parameter = wander.unit = wander.sentence = evil;
+  d.next_experiment->action = d.next_experiment->sentence = d.ladder_sentence = evil;
+  for (WeighedExperiment& one : d.next_experiment->menu) {
+    one.action = evil;
+    one.hardest = {evil};
+  }
   d.next_experiment->separates = {evil};
 }
 

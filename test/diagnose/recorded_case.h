@@ -38,14 +38,18 @@ inline identify::Trial record(const Arm& arm, const rig::Scenario& scenario, con
   return {name, assembler.take()};
 }
 
+/// What is done in the trials, the campaign's keys.
+constexpr const char* kProtocol =
+    "attitudes: [hanging, horizontal, hanging], speeds: [0.5, 1, 2], payload_kg: [0, 0.1]";
+
 /// @param effects the campaign's list `effects`, YAML in one line
 inline RecordedCase recorded_case(const std::string& effects, std::uint64_t seed, int trials = 6,
-                                  double seconds = 12.0) {
+                                  double seconds = 12.0, const std::string& protocol = kProtocol) {
   const std::string root = SOFTARM_SOURCE_DIR "/config/";
   std::ostringstream text;
   text << "format: 1\nname: test\narms: [{scenario: demo, arm: online_200mm}]\neffects: " << effects
        << "\narm_spread: {stiffness: 0.15, gain: 0.1}\ntrials: {count: " << trials << ", seconds: " << seconds
-       << ", attitudes: [hanging, horizontal, hanging], speeds: [0.5, 1, 2], payload_kg: [0, 0.1]}\n"
+       << ", " << protocol << "}\n"
        << "mocap: {rate_hz: 60, position_sd_m: 0.0004}\n";
   std::ifstream file(root + "scenarios/demo.yaml");
   std::stringstream scenario;

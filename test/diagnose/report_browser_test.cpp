@@ -89,7 +89,7 @@ class ReportInBrowser : public ::testing::Test {
 };
 
 constexpr const char* kAll =
-    "effects next held-out shifts arm along time inputs ranking wander left trials notes";
+    "effects next held-out shifts arm along time inputs ranking ladder wander left trials notes";
 
 TEST_F(ReportInBrowser, DrawsEverythingWhateverTheNamesAre) {
   if (std::string(SOFTARM_PLOTLY).empty()) GTEST_SKIP() << "no plotly.js";
@@ -117,7 +117,7 @@ TEST_F(ReportInBrowser, EmptyPartsAndNoPlotsStayReadable) {
   const std::string html = opened(d, false);
   EXPECT_THAT(html, HasSubstr("data-errors=\"\""));
   EXPECT_THAT(html, HasSubstr("data-plots=\"0\""));
-  EXPECT_THAT(html, HasSubstr("data-sections=\"held-out ranking left trials\""));
+  EXPECT_THAT(html, HasSubstr("data-sections=\"held-out ranking ladder left trials\""));
   EXPECT_THAT(html, Not(HasSubstr("data-words=\"0\"")));
 }
 

@@ -34,6 +34,11 @@ TEST(ToJson, HasTheKeysOfTheContract) {
     EXPECT_THAT(keys(report[fit]), IsSupersetOf({"rms_m", "held_out_rms_m", "held_out_log_score"}));
   EXPECT_DOUBLE_EQ(report["extended"]["held_out_rms_m"], d.extended.held_out_rms_m);
   EXPECT_THAT(keys(report["next_experiment"]), IsSupersetOf({"action", "separates", "expected_separation"}));
+  EXPECT_EQ(report["next_experiment"]["menu"][0]["hardest"], (json{"rigid_ends", "shear"}));
+  EXPECT_DOUBLE_EQ(report["next_experiment"]["today"], 0.8);
+  EXPECT_EQ(report["ladder"]["rungs"].size(), 3U);
+  EXPECT_THAT(keys(report["ladder"]["rungs"][0]), IsSupersetOf({"id", "words", "unknowns", "rms_m"}));
+  EXPECT_EQ(report["wander"][0]["against"], "payload");
   EXPECT_THAT(keys(report["residual_structure"]), IsSupersetOf({"whiteness_p", "where"}));
   EXPECT_DOUBLE_EQ(report["residual_structure"]["whiteness_p"], d.after.whiteness_p);
   ASSERT_EQ(report["ranking"].size(), d.ranking.size());
@@ -70,6 +75,7 @@ TEST(ToJson, AbsentIsAbsent) {
   d.ranking.resize(1);
   const json report = json::parse(to_json(d));
   EXPECT_FALSE(report.contains("next_experiment"));
+  EXPECT_FALSE(report.contains("ladder"));
   EXPECT_FALSE(report.contains("ceiling_rms_m"));
   EXPECT_EQ(report["effects"][0]["where"], (json{{"s_from", 0.03}}));
   EXPECT_EQ(report["effects"][0]["parameters"], json::object());

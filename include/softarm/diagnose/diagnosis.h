@@ -104,10 +104,24 @@ struct Structure {
   double shared_m = 0.0, shared_z = 0.0;
 };
 
+/// An experiment of the menu, weighed against the others.
+struct WeighedExperiment {
+  std::string action;
+  double separation = 0.0;           ///< as NextExperiment::expected_separation, were this one done
+  std::vector<std::string> hardest;  ///< the two that it would tell apart worst
+  std::vector<std::string> shows;  ///< effects that it would bring to light where nothing is to be told apart
+};
+
+/// What to record next: of a menu what tells rivals apart best, or brings most hidden effects to light.
 struct NextExperiment {
   std::string action;  ///< in a sentence
   std::vector<std::string> separates;
-  double expected_separation = 0.0;  ///< in standard deviations
+  /// In standard deviations: of the two that it tells apart worst once all constants are fitted anew to old
+  /// and new trials; or of the least of the effects that it brings to light.
+  double expected_separation = 0.0;
+  double today = 0.0;                   ///< the same of the trials that there are
+  std::string sentence;                 ///< what it would do, after the action
+  std::vector<WeighedExperiment> menu;  ///< best first
 };
 
 // --- For the pictures ------------------------------------------------------------------------------------
@@ -139,12 +153,21 @@ struct Snapshot {
   std::vector<Eigen::Vector3d> measured, backbone_before, backbone_after;
 };
 
+/// One rung of the pooling ladder: the same trials under models with fewer and fewer free numbers.
+struct Rung {
+  std::string id, words;
+  int unknowns = 0;
+  double rms_m = 0.0;  ///< per body, as if no unknown had been fitted: the noise floor where chance is all
+  double chi2_per_dof = 1.0;  ///< against the noise and what is not known of the motion: 1 where that is all
+};
+
 /// A parameter of the per-frame fits (EI, M0, phi, L) against something it ought not to depend on, or depends
 /// on more than the arm's laws say.
 struct Wander {
   std::string parameter, unit, against, against_unit;
   std::vector<double> x, value, law;  ///< law: what the arm's laws say there
   double p = 1.0;                     ///< of no dependence beyond the laws
+  std::string sentence;               ///< by how much, from where to where; empty where none is seen
 };
 
 struct Diagnosis {
@@ -165,6 +188,8 @@ struct Diagnosis {
   std::map<std::string, std::string> input_units;  ///< "Pa", "N", "rad", "kg" by name of an input
   AlongArm along;
   std::vector<Snapshot> snapshots;
+  std::vector<Rung> ladder;     ///< from fits of single instants to one arm
+  std::string ladder_sentence;  ///< where the mismatch hides
   std::vector<Wander> wander;
 };
 

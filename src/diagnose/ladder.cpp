@@ -1,0 +1,204 @@
+#include "ladder.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "words.h"
+
+namespace softarm::diagnose {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kVacuumStep_pa = 10e3;
+constexpr double kPayloadStep_kg = 1e-3;
+constexpr double kStiffnessSd = 1.0;            // of the logarithm of EI of one condition: hardly held
+constexpr double kAsNoise = 1.2;                // chi^2 per degree of freedom: as good as noise
+constexpr double kMostly = 0.8, kLittle = 0.2;  // shares of what is beyond the noise
+constexpr double kTelling = 0.01;
+
+/// Number of a block's condition; equal ones are of one trial, payload and level of vacuum.
+class Conditions {
+ public:
+  explicit Conditions(const Arm& arm) : arm_(arm) {}
+  std::size_t operator()(std::size_t trial, const effects::Instant& now) {
+    double vacuum_pa = 0.0;
+    for (Eigen::Index k = 0; k < now.inputs.size(); ++k) {
+      if (arm_.inputs.scalars[static_cast<std::size_t>(k)].kind == InputKind::kVacuum)
+        vacuum_pa = std::max(vacuum_pa, now.inputs[k]);
+    }
+    const auto key = std::make_tuple(trial, std::lround(now.payload_kg / kPayloadStep_kg),
+                                     std::lround(vacuum_pa / kVacuumStep_pa));
+    return known_.try_emplace(key, known_.size()).first->second;
+  }
+  std::size_t size() const { return known_.size(); }
+
+ private:
+  const Arm& arm_;
+  std::map<std::tuple<std::size_t, long, long>, std::size_t> known_;
+};
+
+/// By which a block's bodies move as the logarithm of EI grows, all along the arm; m.
+VectorXd by_stiffness(const JointModel& model, const effects::Predicted& predicted) {
+  VectorXd sum = VectorXd::Zero(predicted.by_rod.rows());
+  const auto& parameters = model.rod().parameters();
+  for (std::size_t p = 0; p < parameters.size(); ++p) {
+    if (parameters[p].kind != rod::ParameterKind::kBendingCompliance) continue;
+    const auto column = static_cast<Eigen::Index>(p);
+    sum -= predicted.values[column] * predicted.by_rod.col(column);
+  }
+  return sum;
+}
+
+/// Sums over the bodies of chosen blocks.
+struct Error {
+  double square = 0.0, weight = 0.0;  ///< as InstantFit has them
+  int rows = 0;
+
+  Rung rung(const std::string& id, const std::string& words, int unknowns) const {
+    Rung rung{id, words, unknowns, 0.0, 1.0};
+    if (!(weight > 0.0) || rows <= unknowns) return rung;
+    rung.chi2_per_dof = square / (rows - unknowns);
+    rung.rms_m = std::sqrt(rung.chi2_per_dof * rows / weight);
+    return rung;
+  }
+};
+
+}  // namespace
+
+std::vector<Rung> pooling_ladder(const JointModel& model, const Linearised& at,
+                                 const std::vector<InstantFit>& instants) {
+  if (instants.empty()) return {};
+  const auto unknowns = static_cast<Eigen::Index>(at.columns.size());
+  std::vector<std::vector<bool>> chosen;
+  for (const effects::TrialData& trial : model.trials()) chosen.emplace_back(trial.blocks.size(), false);
+  Error single;
+  for (const InstantFit& fit : instants) {
+    chosen[fit.trial][fit.block] = true;
+    single.square += fit.square;
+    single.weight += fit.weight;
+    single.rows += fit.rows;
+  }
+
+  Conditions conditions(model.arm());
+  struct Stiffness {
+    std::size_t condition = 0;
+    Eigen::Index row = 0;
+    VectorXd d;  ///< weighted as the residuals are
+  };
+  std::vector<std::vector<Stiffness>> columns(model.trials().size());
+  for (std::size_t t = 0; t < model.trials().size(); ++t) {
+    Eigen::Index row = 0;
+    for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
+      const std::vector<effects::Seen>& bodies = model.trials()[t].blocks[k].bodies;
+      const effects::Predicted& predicted = at.predicted[t][k];
+      if (model.uses(t, k) && predicted.solved && !bodies.empty()) {
+        VectorXd d = by_stiffness(model, predicted);
+        for (std::size_t i = 0; i < bodies.size(); ++i) {
+          const auto from = 3 * static_cast<Eigen::Index>(i);
+          d.segment<3>(from) *= at.root_weight[t][row + from] / model.sd_m(t, k, bodies[i]);
+        }
+        columns[t].push_back({conditions(t, predicted.instant), row, std::move(d)});
+      }
+      row += 3 * static_cast<Eigen::Index>(bodies.size());
+    }
+  }
+  const auto count = static_cast<Eigen::Index>(conditions.size());
+  MatrixXd information = MatrixXd::Zero(unknowns + count, unknowns + count);
+  VectorXd gradient = VectorXd::Zero(unknowns + count);
+  information.topLeftCorner(unknowns, unknowns) = at.information;
+  information.bottomRightCorner(count, count).diagonal().setConstant(1.0 / (kStiffnessSd * kStiffnessSd));
+  gradient.head(unknowns) = at.gradient;
+  for (std::size_t t = 0; t < columns.size(); ++t) {
+    for (const Stiffness& column : columns[t]) {
+      const Eigen::Index c = unknowns + static_cast<Eigen::Index>(column.condition), n = column.d.size();
+      const VectorXd mixed = at.derivative[t].middleRows(column.row, n).transpose() * column.d;
+      information.col(c).head(unknowns) += mixed;
+      information.row(c).head(unknowns) += mixed.transpose();
+      information(c, c) += column.d.squaredNorm();
+      gradient[c] += column.d.dot(at.residual[t].segment(column.row, n));
+    }
+  }
+  const VectorXd step = information.ldlt().solve(gradient);
+  Error by_condition, one;
+  for (std::size_t t = 0; t < columns.size(); ++t) {
+    std::size_t next = 0;
+    Eigen::Index row = 0;
+    for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
+      const std::vector<effects::Seen>& bodies = model.trials()[t].blocks[k].bodies;
+      const auto n = 3 * static_cast<Eigen::Index>(bodies.size());
+      if (next < columns[t].size() && columns[t][next].row == row && n > 0) {
+        const Stiffness& column = columns[t][next++];
+        if (chosen[t][k]) {
+          const VectorXd before = at.residual[t].segment(row, n);
+          const VectorXd after = before - at.derivative[t].middleRows(row, n) * step.head(unknowns) -
+                                 column.d * step[unknowns + static_cast<Eigen::Index>(column.condition)];
+          for (std::size_t i = 0; i < bodies.size(); ++i) {
+            const auto from = 3 * static_cast<Eigen::Index>(i);
+            const double root = at.root_weight[t][row + from];
+            if (!(root > 0.0)) continue;
+            const double weight = 1.0 / std::pow(model.sd_m(t, k, bodies[i]), 2);
+            one.square += before.segment<3>(from).squaredNorm() / (root * root);
+            by_condition.square += after.segment<3>(from).squaredNorm() / (root * root);
+            for (Error* sum : {&one, &by_condition}) {
+              sum->weight += weight;
+              sum->rows += 3;
+            }
+          }
+        }
+      }
+      row += n;
+    }
+  }
+  const int per_instant = unknowns_of_instant(model.arm()) * static_cast<int>(instants.size());
+  const int constants = static_cast<int>(unknowns), free = static_cast<int>(unknowns + count) - 1;
+  return {
+      single.rung("instants", "every instant by itself: EI, M0, φ, L", per_instant),
+      by_condition.rung("conditions", fmt::format("one arm, EI free in each of {} conditions", count), free),
+      one.rung("one_arm", "one arm", constants)};
+}
+
+std::string where_it_hides(const std::vector<Rung>& ladder, double noise_floor_m,
+                           const std::vector<Wander>& wander) {
+  if (ladder.size() < 3) return "";
+  const Rung &single = ladder[0], &by_condition = ladder[1], &one = ladder[2];
+  if (one.chi2_per_dof <= kAsNoise)
+    return fmt::format(
+        "One arm explains all trials to the noise ({}; fits of single instants {}): nothing hides in the "
+        "wander of its parameters.",
+        millimetres(one.rms_m), millimetres(single.rms_m));
+  const auto beyond = [](const Rung& rung) { return std::max(0.0, rung.chi2_per_dof - 1.0); };
+  const double in_shape = beyond(single) / beyond(one),
+               in_conditions = 1.0 - beyond(by_condition) / beyond(one);
+  std::string text =
+      fmt::format("Fits of single instants leave {}, EI free per condition {}, one arm {} (noise {}). ",
+                  millimetres(single.rms_m), millimetres(by_condition.rms_m), millimetres(one.rms_m),
+                  millimetres(noise_floor_m));
+  if (in_shape > kMostly) {
+    text += "The mismatch is in the arm's shape itself: even fits of single instants show it.";
+  } else if (in_shape < kLittle) {
+    text +=
+        "Fits of single instants explain it, one arm does not: it hides in the wander of their parameters";
+    text += in_conditions > kMostly ? ", in an EI that differs from condition to condition." : ".";
+  } else {
+    text += fmt::format(
+        "Fits of single instants explain {} of what is beyond the noise; that part hides in the wander of "
+        "their parameters, the rest shows in the shape.",
+        percent(1.0 - in_shape));
+  }
+  std::size_t named = 0;
+  for (const Wander& one_wander : wander) {
+    if (one_wander.p >= kTelling || one_wander.sentence.empty() || named == 2) continue;
+    text += " " + one_wander.sentence;
+    ++named;
+  }
+  return text;
+}
+
+}  // namespace softarm::diagnose

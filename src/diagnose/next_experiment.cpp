@@ -1,0 +1,201 @@
+#include "next_experiment.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "weigh_experiments.h"
+#include "words.h"
+
+namespace softarm::diagnose {
+namespace {
+
+using effects::Effect;
+using effects::Present;
+using Eigen::MatrixXd;
+
+constexpr std::size_t kMostRivals = 4;          // told apart at once
+constexpr std::size_t kMostHidden = 12;         // brought to light at once
+constexpr double kCandidateZ = 3.0;             // of one that may be what no effect explains
+constexpr double kSeenZ = 5.0;                  // at which an effect of usual size is seen
+constexpr double kUseful = 2.0, kBetter = 1.5;  // separation, and that over today's, worth an experiment
+constexpr int kSteps = 2;                       // that bring a rival to the shapes of the other
+
+// --- What is to be told apart ----------------------------------------------------------------------------
+
+/// The named effect with the most doubt about it, and its rivals in its place.
+std::vector<Explanation> rivals_of(JointModel& model, const Selection& selection) {
+  const Linearised& extended = selection.extended;
+  for (std::size_t e = 0; e < extended.at.effects.size(); ++e) {
+    const Round& round = selection.rounds[selection.round_of[e]];
+    if (round.rivals.empty()) continue;
+    std::vector<Explanation> list{{extended.at.effects[e].effect->info().id, extended}};
+    for (const Effect* rival : round.rivals) {
+      if (list.size() == kMostRivals) break;
+      if (std::any_of(extended.at.effects.begin(), extended.at.effects.end(),
+                      [&](const Present& present) { return present.effect == rival; }))
+        continue;
+      Parameters start = extended.at;
+      const auto refitted = std::find_if(round.refitted.begin(), round.refitted.end(),
+                                         [&](const Refitted& r) { return r.effect == rival; });
+      const auto screened = std::find_if(round.screened.begin(), round.screened.end(),
+                                         [&](const Screened& s) { return s.effect == rival; });
+      if (refitted != round.refitted.end()) {
+        if (extended.at.effects.size() == refitted->fit.at.effects.size() &&
+            e + 1 == extended.at.effects.size()) {
+          list.push_back({rival->info().id, refitted->fit});
+          continue;
+        }
+        start.effects[e] = refitted->fit.at.effects.back();
+      } else if (screened != round.screened.end()) {
+        start.effects[e] = {rival, screened->values};
+      } else {
+        continue;
+      }
+      list.push_back({rival->info().id, fitted_to(model, extended, std::move(start), kSteps)});
+    }
+    if (list.size() > 1) return list;
+  }
+  return {};
+}
+
+/// Candidates upon the model so far that explain most of what is left.
+std::vector<Explanation> candidates_of(const Selection& selection) {
+  std::vector<Explanation> list;
+  for (const Refitted& r : selection.rounds.back().refitted) {
+    if (list.size() == kMostRivals) break;
+    if (r.z >= kCandidateZ && r.fit.at.effects.size() == selection.extended.at.effects.size() + 1)
+      list.push_back({r.effect->info().id, r.fit});
+  }
+  return list;
+}
+
+/// Effects of the arm that would not be seen at their usual size.
+std::vector<Present> hidden_of(const Selection& selection) {
+  std::vector<Present> list;
+  for (const Screened& s : selection.rounds.back().screened) {
+    if (s.usual_z >= kSeenZ || list.size() == kMostHidden) continue;
+    const effects::Info& info = s.effect->info();
+    Present present{s.effect, s.values};
+    for (int k = 0; k < info.sizes; ++k)
+      present.values[k] = info.parameters[static_cast<std::size_t>(k)].usual;
+    list.push_back(std::move(present));
+  }
+  return list;
+}
+
+// --- Choosing --------------------------------------------------------------------------------------------
+
+std::string sentence_of(const NextExperiment& next, bool to_light) {
+  if (to_light)
+    return fmt::format(
+        "It would show {} of usual size, which hide behind the arm's constants in today's trials: by {:.1f} "
+        "standard deviations the least of them.",
+        one_of(next.separates), next.expected_separation);
+  return fmt::format(
+      "It would separate {} by {:.{}f} standard deviations, today's trials by {:.1f}.",
+      [&] {
+        if (next.separates.size() == 2) return next.separates[0] + " from " + next.separates[1];
+        return one_of(next.separates) + " from one another";
+      }(),
+      next.expected_separation, next.expected_separation < 10.0 ? 1 : 0, next.today);
+}
+
+std::optional<NextExperiment> tell_apart(const JointModel& model, const std::vector<Explanation>& list,
+                                         const std::vector<Experiment>& menu, double inflation,
+                                         unsigned jobs) {
+  const Separations all = weigh_apart(model, list, menu, inflation, jobs);
+  const auto least = [&](MatrixXd separations, Eigen::Index& truth, Eigen::Index& fitted) {
+    separations.diagonal().setConstant(1e300);
+    return separations.minCoeff(&truth, &fitted);
+  };
+  NextExperiment next;
+  Eigen::Index truth = 0, fitted = 0;
+  next.today = least(all.today, truth, fitted);
+  for (std::size_t i = 0; i < menu.size(); ++i) {
+    if (!all.with[i]) continue;
+    const double separation = least(*all.with[i], truth, fitted);
+    next.menu.push_back(
+        {menu[i].action,
+         separation,
+         {list[static_cast<std::size_t>(truth)].id, list[static_cast<std::size_t>(fitted)].id},
+         {}});
+  }
+  std::stable_sort(
+      next.menu.begin(), next.menu.end(),
+      [](const WeighedExperiment& a, const WeighedExperiment& b) { return a.separation > b.separation; });
+  if (next.menu.empty()) return std::nullopt;
+  const double best = next.menu.front().separation;
+  if (best < kUseful || best < kBetter * next.today) return std::nullopt;
+  next.action = next.menu.front().action;
+  next.expected_separation = best;
+  for (const Explanation& one : list) next.separates.push_back(one.id);
+  next.sentence = sentence_of(next, false);
+  return next;
+}
+
+std::optional<NextExperiment> bring_to_light(JointModel& model, Linearised& at,
+                                             const std::vector<Present>& hidden,
+                                             const std::vector<Experiment>& menu, double inflation,
+                                             unsigned jobs) {
+  const Visibility all = weigh_hidden(model, at, hidden, menu, inflation, jobs);
+  NextExperiment next;
+  double most = 0.0;
+  for (std::size_t i = 0; i < menu.size(); ++i) {
+    if (!all.with[i]) continue;
+    const std::vector<double>& z = *all.with[i];
+    WeighedExperiment weighed;
+    weighed.action = menu[i].action;
+    double least = 1e300, sum = 0.0, today = 1e300;
+    for (std::size_t h = 0; h < hidden.size(); ++h) {
+      sum += std::min(1.0, z[h] / kSeenZ);
+      // What is seen already but for correlated residuals is no news.
+      if (z[h] < kSeenZ || all.today[h] >= kSeenZ / kBetter) continue;
+      weighed.shows.push_back(hidden[h].effect->info().id);
+      least = std::min(least, z[h]);
+      today = std::min(today, all.today[h]);
+    }
+    weighed.separation = weighed.shows.empty() ? 0.0 : least;
+    // First how many, then how far the others come.
+    const double worth =
+        static_cast<double>(weighed.shows.size()) + sum / (1.0 + static_cast<double>(hidden.size()));
+    if (!weighed.shows.empty() && worth > most) {
+      most = worth;
+      next.action = weighed.action;
+      next.separates = weighed.shows;
+      next.expected_separation = least;
+      next.today = today;
+    }
+    next.menu.push_back(std::move(weighed));
+  }
+  if (next.separates.empty()) return std::nullopt;
+  std::stable_sort(next.menu.begin(), next.menu.end(),
+                   [&](const WeighedExperiment& a, const WeighedExperiment& b) {
+                     if ((a.action == next.action) != (b.action == next.action))
+                       return a.action == next.action;
+                     return a.shows.size() > b.shows.size();
+                   });
+  next.sentence = sentence_of(next, true);
+  return next;
+}
+
+}  // namespace
+
+std::optional<NextExperiment> next_experiment(JointModel& model, Selection& selection, Verdict verdict,
+                                              const Options& options) {
+  if (selection.rounds.empty()) return std::nullopt;
+  std::vector<Explanation> list = rivals_of(model, selection);
+  const bool open = verdict != Verdict::kExplained && verdict != Verdict::kConsistent;
+  if (list.empty() && open) list = candidates_of(selection);
+  const auto menu = [&] { return experiment_menu(model.arm(), model.trials(), options.block_s); };
+  if (list.size() > 1) return tell_apart(model, list, menu(), selection.inflation, options.jobs);
+  if (verdict != Verdict::kConsistent && verdict != Verdict::kCannotTell) return std::nullopt;
+  const std::vector<Present> hidden = hidden_of(selection);
+  if (hidden.empty()) return std::nullopt;
+  return bring_to_light(model, selection.extended, hidden, menu(), selection.inflation, options.jobs);
+}
+
+}  // namespace softarm::diagnose

@@ -1,0 +1,147 @@
+#include "separation.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace softarm::diagnose {
+
+using effects::Predicted;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+DifferenceSums& DifferenceSums::operator+=(const DifferenceSums& other) {
+  information += other.information;
+  gradient += other.gradient;
+  square += other.square;
+  return *this;
+}
+
+DifferenceSums sums_between(const JointModel& model, const Linearised& truth, const Linearised& fitted) {
+  const auto of_truth = static_cast<Eigen::Index>(truth.columns.size());
+  const auto count = of_truth + static_cast<Eigen::Index>(fitted.columns.size());
+  DifferenceSums sums{MatrixXd::Zero(count, count), VectorXd::Zero(count), 0.0};
+  for (std::size_t t = 0; t < model.trials().size(); ++t) {
+    VectorXd difference = VectorXd::Zero(fitted.root_weight[t].size());
+    MatrixXd derivative(difference.size(), count);
+    derivative << truth.derivative[t], -fitted.derivative[t];
+    Eigen::Index row = 0;
+    for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
+      const std::vector<effects::Seen>& bodies = model.trials()[t].blocks[k].bodies;
+      const Predicted &there = truth.predicted[t][k], &here = fitted.predicted[t][k];
+      for (std::size_t i = 0; i < bodies.size(); ++i, row += 3) {
+        const double weight = fitted.root_weight[t][row];
+        if (!(weight > 0.0) || !(truth.root_weight[t][row] > 0.0) || !there.solved || !here.solved) {
+          derivative.middleRows<3>(row).setZero();
+          continue;
+        }
+        const auto body = static_cast<Eigen::Index>(i);
+        difference.segment<3>(row) =
+            weight * (there.p.col(body) - here.p.col(body)) / model.sd_m(t, k, bodies[i]);
+      }
+    }
+    sums.information.noalias() += derivative.transpose() * derivative;
+    sums.gradient.noalias() -= derivative.transpose() * difference;
+    sums.square += difference.squaredNorm();
+  }
+  return sums;
+}
+
+namespace {
+
+/// Range of an unknown's move.
+struct Room {
+  double low = 0.0, high = 0.0;
+};
+
+std::vector<Room> rooms_of(const Linearised& at) {
+  std::vector<Room> rooms;
+  const VectorXd x = at.unknowns();
+  for (std::size_t j = 0; j < at.columns.size(); ++j) {
+    const Column& c = at.columns[j];
+    const double here = x[static_cast<Eigen::Index>(j)];
+    rooms.push_back({std::min(0.0, c.low / c.scale - here), std::max(0.0, c.high / c.scale - here)});
+  }
+  return rooms;
+}
+
+/// The least of s - 2 g x + x H x within the rooms: unknowns that would leave theirs stay at its end, one
+/// round after the other.
+double least_within(const MatrixXd& information, const VectorXd& gradient, double square,
+                    const std::vector<Room>& rooms, VectorXd& move) {
+  const auto count = gradient.size();
+  move = information.ldlt().solve(gradient);
+  std::vector<bool> fixed(static_cast<std::size_t>(count), false);
+  for (bool more = true; more;) {
+    more = false;
+    MatrixXd h = information;
+    VectorXd g = gradient;
+    for (Eigen::Index j = 0; j < count; ++j) {
+      const auto u = static_cast<std::size_t>(j);
+      const double limit = std::clamp(move[j], rooms[u].low, rooms[u].high);
+      if (!fixed[u] && limit != move[j]) {
+        fixed[u] = more = true;
+        move[j] = limit;
+      }
+      if (fixed[u]) g -= information.col(j) * move[j];
+    }
+    if (!more) break;
+    for (Eigen::Index j = 0; j < count; ++j) {
+      if (!fixed[static_cast<std::size_t>(j)]) continue;
+      h.row(j).setZero();
+      h.col(j).setZero();
+      h(j, j) = 1.0;
+      g[j] = move[j];
+    }
+    move = h.ldlt().solve(g);
+  }
+  return std::max(0.0, square - 2.0 * move.dot(gradient) + move.dot(information * move));
+}
+
+void add_prior(const Linearised& at, Eigen::Ref<MatrixXd> information) {
+  for (Eigen::Index j = 0; j < information.rows(); ++j)
+    information(j, j) += 1.0 / std::pow(at.columns[static_cast<std::size_t>(j)].prior_sd, 2);
+}
+
+}  // namespace
+
+double least_square(const DifferenceSums& sums, const Linearised& truth, const Linearised& fitted) {
+  const Eigen::Index of_truth = truth.information.rows(), of_fitted = fitted.information.rows();
+  MatrixXd information = sums.information;
+  information.topLeftCorner(of_truth, of_truth) += truth.information;
+  add_prior(fitted, information.bottomRightCorner(of_fitted, of_fitted));
+  std::vector<Room> rooms = rooms_of(truth);
+  const std::vector<Room> others = rooms_of(fitted);
+  rooms.insert(rooms.end(), others.begin(), others.end());
+  VectorXd move;
+  return least_within(information, sums.gradient, sums.square, rooms, move);
+}
+
+double least_square_held(const DifferenceSums& sums, const Linearised& fitted, VectorXd& step) {
+  const Eigen::Index of_fitted = fitted.information.rows();
+  MatrixXd information = sums.information.bottomRightCorner(of_fitted, of_fitted);
+  add_prior(fitted, information);
+  return least_within(information, sums.gradient.tail(of_fitted), sums.square, rooms_of(fitted), step);
+}
+
+Linearised fitted_to(JointModel& model, const Linearised& truth, Parameters start, int steps) {
+  Linearised best = model.linearise(start, &truth.predicted);
+  DifferenceSums sums = sums_between(model, truth, best);
+  for (int i = 0; i < steps; ++i) {
+    VectorXd step;
+    least_square_held(sums, best, step);
+    Parameters next = best.at;
+    const VectorXd x = best.unknowns();
+    for (Eigen::Index j = 0; j < x.size(); ++j)
+      set_unknown(next, best.columns[static_cast<std::size_t>(j)], x[j] + step[j]);
+    Linearised there = model.linearise(next, &best.predicted);
+    DifferenceSums sums_there = sums_between(model, truth, there);
+    if (!(sums_there.square < sums.square)) break;
+    best = std::move(there);
+    sums = std::move(sums_there);
+  }
+  return best;
+}
+
+}  // namespace softarm::diagnose

@@ -1,0 +1,402 @@
+#include "wander.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <random>
+#include <set>
+#include <utility>
+
+#include "softarm/arm/laws.h"
+#include "words.h"
+
+namespace softarm::diagnose {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::VectorXd;
+
+constexpr std::size_t kMostPoints = 2000;  // of the statistics
+constexpr std::size_t kMostDots = 300;     // of a picture
+constexpr std::size_t kMostPictures = 8, kFewestPictures = 4;
+constexpr std::size_t kFewest = 40;  // points of a parameter
+constexpr std::size_t kBins = 6;
+constexpr int kShuffles = 499;
+constexpr double kTelling = 0.01;
+constexpr double kPast_s = 8.0;
+
+/// One instant of the grid that all parameters and covariates share.
+struct Point {
+  std::size_t trial = 0;
+  const InstantFit* fit = nullptr;  ///< null: none
+};
+
+struct Covariate {
+  std::string name, unit;
+  std::vector<double> x;       ///< by point
+  std::vector<int> bin;        ///< by point
+  std::vector<double> middle;  ///< of x, by bin
+};
+
+struct Parameter {
+  std::string name, unit;
+  bool ratio = false;                        ///< shown over its law; else less its law
+  std::vector<std::optional<double>> shown;  ///< by point
+  std::vector<double> rank;                  ///< by point, from -0.5 to 0.5; where shown
+};
+
+/// What happens at each instant, by trial.
+struct Happening {
+  double moment_nm = 0.0, rate_nm_s = 0.0, past_nm = 0.0, pressure_pa = 0.0, vacuum_pa = 0.0;
+  Vector2d direction = Vector2d::Zero();
+};
+
+std::vector<Happening> happenings(const JointModel& model, const Arm& arm, const Linearised& at,
+                                  std::size_t t) {
+  std::vector<Happening> list(model.trials()[t].blocks.size());
+  Vector2d last = Vector2d::Zero(), past = Vector2d::Zero();
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    const effects::Instant& now = at.predicted[t][k].instant;
+    Happening& h = list[k];
+    int pressures = 0;
+    for (Eigen::Index i = 0; i < now.inputs.size(); ++i) {
+      const InputKind kind = arm.inputs.scalars[static_cast<std::size_t>(i)].kind;
+      if (kind == InputKind::kVacuum) h.vacuum_pa = std::max(h.vacuum_pa, now.inputs[i]);
+      if (kind == InputKind::kPressure) {
+        h.pressure_pa += now.inputs[i];
+        ++pressures;
+      }
+    }
+    if (pressures > 0) h.pressure_pa /= pressures;
+    const auto laws = predict(arm, InputValues(now.inputs.data(), now.inputs.data() + now.inputs.size()));
+    if (!laws) continue;
+    Vector2d moment = Vector2d::Zero();
+    for (const SegmentPrediction& law : *laws) moment += law.actuation_nm();
+    if (now.dt_s <= 0.0) last = past = moment;
+    past += (now.dt_s > 0.0 ? 1.0 - std::exp(-now.dt_s / kPast_s) : 1.0) * (moment - past);
+    h.moment_nm = moment.norm();
+    if (h.moment_nm > 0.0) h.direction = moment / h.moment_nm;
+    // Growing or falling, along the direction in which the arm is bent.
+    if (now.dt_s > 0.0) h.rate_nm_s = h.direction.dot(moment - last) / now.dt_s;
+    h.past_nm = h.direction.dot(moment - past);
+    last = moment;
+  }
+  return list;
+}
+
+/// Bins of about as many points each, or one for each value where those are few.
+void fill_bins(Covariate& c, const std::vector<Point>& points) {
+  std::vector<double> values;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (points[i].fit != nullptr) values.push_back(c.x[i]);
+  if (values.empty()) return;
+  std::sort(values.begin(), values.end());
+  const double span = values.back() - values.front(), near = 1e-3 * span;
+  std::vector<double> levels;
+  for (const double v : values) {
+    if (levels.empty() || v - levels.back() > near) levels.push_back(v);
+    if (levels.size() > kBins) break;
+  }
+  std::vector<double> edges;  // lower ends of all bins but the first
+  if (levels.size() <= kBins) {
+    for (std::size_t i = 1; i < levels.size(); ++i) edges.push_back(levels[i] - 0.5 * near);
+  } else {
+    for (std::size_t i = 1; i < kBins; ++i) {
+      const double edge = values[i * values.size() / kBins];
+      if (edge > values.front() && (edges.empty() || edge > edges.back())) edges.push_back(edge);
+    }
+  }
+  c.bin.resize(points.size());
+  std::vector<std::vector<double>> members(edges.size() + 1);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    c.bin[i] = static_cast<int>(std::upper_bound(edges.begin(), edges.end(), c.x[i]) - edges.begin());
+    if (points[i].fit != nullptr) members[static_cast<std::size_t>(c.bin[i])].push_back(c.x[i]);
+  }
+  for (std::vector<double>& list : members) {
+    std::sort(list.begin(), list.end());
+    c.middle.push_back(list.empty() ? 0.0 : list[list.size() / 2]);
+  }
+}
+
+class Wandering {
+ public:
+  Wandering(const JointModel& model, const Linearised& at, const std::vector<InstantFit>& instants)
+      : model_(model), at_(at), arm_(model.arm_with(at.at.constants)) {
+    choose_points(instants);
+    add_covariates();
+    for (std::size_t i = 0; i < arm_.segments.size(); ++i) add_parameters(i);
+  }
+
+  std::vector<Wander> pictures() {
+    shuffle();
+    std::vector<std::size_t> order(tests_.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      const bool tells = tests_[a].p < kTelling;
+      if (tells != (tests_[b].p < kTelling)) return tells;
+      // Of those that are no chance the largest first.
+      return tells ? tests_[a].size > tests_[b].size : tests_[a].strength > tests_[b].strength;
+    });
+    std::vector<Wander> list;
+    std::set<std::size_t> shown;
+    for (const std::size_t i : order) {
+      if (tests_[i].p >= kTelling || list.size() == kMostPictures) break;
+      list.push_back(picture(tests_[i]));
+      shown.insert(tests_[i].parameter);
+    }
+    for (const std::size_t i : order) {
+      if (list.size() >= kFewestPictures) break;
+      if (!shown.insert(tests_[i].parameter).second) continue;
+      list.push_back(picture(tests_[i]));
+    }
+    return list;
+  }
+
+ private:
+  struct Test {
+    std::size_t parameter = 0, covariate = 0;
+    double size = 0.0, strength = 0.0,
+           p = 1.0;  ///< size: of the statistic; strength: over what chance makes of it
+  };
+
+  /// Evenly thinned blocks, in the order of their trials; also those without a fit, which keep the rhythm.
+  void choose_points(const std::vector<InstantFit>& instants) {
+    std::map<std::pair<std::size_t, std::size_t>, const InstantFit*> known;
+    for (const InstantFit& fit : instants) known[{fit.trial, fit.block}] = &fit;
+    std::size_t blocks = 0;
+    for (const effects::TrialData& trial : model_.trials()) blocks += trial.blocks.size();
+    const std::size_t step = std::max<std::size_t>(1, (blocks + kMostPoints - 1) / kMostPoints);
+    for (std::size_t t = 0; t < model_.trials().size(); ++t) {
+      begins_.push_back(points_.size());
+      for (std::size_t k = 0; k < model_.trials()[t].blocks.size(); k += step) {
+        const auto fit = known.find({t, k});
+        points_.push_back({t, fit != known.end() ? fit->second : nullptr});
+        blocks_.push_back(k);
+      }
+    }
+    begins_.push_back(points_.size());
+  }
+
+  void add(const std::string& name, const std::string& unit, std::vector<double> x) {
+    Covariate c;
+    c.name = name;
+    c.unit = unit;
+    c.x = std::move(x);
+    fill_bins(c, points_);
+    if (c.middle.size() > 1) covariates_.push_back(std::move(c));
+  }
+
+  void add_covariates() {
+    std::vector<std::vector<Happening>> all;
+    for (std::size_t t = 0; t < model_.trials().size(); ++t) all.push_back(happenings(model_, arm_, at_, t));
+    const auto by = [&](const std::function<double(const Happening&, const effects::Instant&)>& value) {
+      std::vector<double> x;
+      for (std::size_t i = 0; i < points_.size(); ++i)
+        x.push_back(
+            value(all[points_[i].trial][blocks_[i]], at_.predicted[points_[i].trial][blocks_[i]].instant));
+      return x;
+    };
+    const auto now = [](double Happening::*value) {
+      return [value](const Happening& h, const effects::Instant&) { return h.*value; };
+    };
+    add("moment of the law", "N m", by(now(&Happening::moment_nm)));
+    add("rate of the moment of the law", "N m/s", by(now(&Happening::rate_nm_s)));
+    add("moment above its mean of the last 8 s", "N m", by(now(&Happening::past_nm)));
+    add("direction of bending", "rad", by([](const Happening& h, const effects::Instant&) {
+          return std::atan2(h.direction.y(), h.direction.x());
+        }));
+    add("mean pressure", "Pa", by(now(&Happening::pressure_pa)));
+    add("vacuum", "Pa", by(now(&Happening::vacuum_pa)));
+    add("payload", "kg", by([](const Happening&, const effects::Instant& i) { return i.payload_kg; }));
+    add("attitude, from hanging", "rad", by([](const Happening&, const effects::Instant& i) {
+          return std::acos(std::clamp(i.gravity_base.normalized().z(), -1.0, 1.0));
+        }));
+    add("time in the trial", "s", by([](const Happening&, const effects::Instant& i) { return i.t_s; }));
+    std::vector<double> order;
+    for (const Point& point : points_) order.push_back(static_cast<double>(point.trial + 1));
+    if (model_.trials().size() > 2) add("number of the trial", "1", std::move(order));
+  }
+
+  void add_parameters(std::size_t segment) {
+    const std::string of = arm_.segments.size() > 1 ? " of " + arm_.segments[segment].name : "";
+    const struct {
+      const char* name;
+      const char* unit;
+      bool ratio;
+      std::optional<Told> SegmentFit::*told;
+    } all[] = {{"EI", "1", true, &SegmentFit::stiffness_nm2},
+               {"M0", "1", true, &SegmentFit::moment_nm},
+               {"φ", "rad", false, &SegmentFit::direction_rad},
+               {"L", "m", false, &SegmentFit::length_m}};
+    for (const auto& one : all) {
+      Parameter parameter;
+      parameter.name = one.name + of;
+      parameter.unit = one.unit;
+      parameter.ratio = one.ratio;
+      parameter.shown.resize(points_.size());
+      parameter.rank.resize(points_.size());
+      std::vector<std::pair<double, std::size_t>> standing;
+      for (std::size_t i = 0; i < points_.size(); ++i) {
+        if (points_[i].fit == nullptr) continue;
+        const std::optional<Told>& told = points_[i].fit->segments[segment].*one.told;
+        if (!told || !(told->sd > 0.0)) continue;
+        parameter.shown[i] = one.ratio ? told->value / told->law : told->value - told->law;
+        standing.push_back({(told->value - told->law) / told->sd, i});
+      }
+      if (standing.size() < kFewest) continue;
+      std::sort(standing.begin(), standing.end());
+      for (std::size_t r = 0; r < standing.size(); ++r)
+        parameter.rank[standing[r].second] =
+            (static_cast<double>(r) + 0.5) / static_cast<double>(standing.size()) - 0.5;
+      parameters_.push_back(std::move(parameter));
+    }
+  }
+
+  /// From where each point takes its values: its own, or of another trial and time.
+  std::vector<std::size_t> sources(std::mt19937_64* random) const {
+    const std::size_t trials = begins_.size() - 1;
+    std::vector<std::size_t> of(trials), from(points_.size());
+    std::iota(of.begin(), of.end(), 0);
+    const auto draw = [&](std::size_t below) { return static_cast<std::size_t>((*random)() % below); };
+    if (random != nullptr) {
+      for (std::size_t i = trials; i > 1; --i) std::swap(of[i - 1], of[draw(i)]);
+    }
+    for (std::size_t t = 0; t < trials; ++t) {
+      const std::size_t length = begins_[t + 1] - begins_[t];
+      const std::size_t there = begins_[of[t] + 1] - begins_[of[t]];
+      if (there == 0) continue;
+      const std::size_t turn = random != nullptr ? draw(there) : 0;
+      for (std::size_t i = 0; i < length; ++i)
+        from[begins_[t] + i] = begins_[of[t]] + (i * there / length + turn) % there;
+    }
+    return from;
+  }
+
+  /// Root of the mean square of the bins' mean ranks, by test.
+  std::vector<double> statistics(const std::vector<std::size_t>& from) const {
+    std::vector<double> all;
+    for (const Parameter& parameter : parameters_) {
+      for (const Covariate& covariate : covariates_) {
+        double sum[kBins + 1] = {}, count[kBins + 1] = {}, total = 0.0;
+        for (std::size_t i = 0; i < points_.size(); ++i) {
+          if (!parameter.shown[from[i]]) continue;
+          const auto bin = static_cast<std::size_t>(covariate.bin[i]);
+          sum[bin] += parameter.rank[from[i]];
+          count[bin] += 1.0;
+          total += 1.0;
+        }
+        double square = 0.0;
+        for (std::size_t b = 0; b <= kBins; ++b)
+          if (count[b] > 0.0) square += sum[b] * sum[b] / count[b];
+        all.push_back(std::sqrt(square / std::max(1.0, total)));
+      }
+    }
+    return all;
+  }
+
+  void shuffle() {
+    const std::vector<double> own = statistics(sources(nullptr));
+    std::mt19937_64 random(1);
+    std::vector<std::vector<double>> null;
+    std::vector<double> mean(own.size(), 0.0), variance(own.size(), 0.0);
+    for (int b = 0; b < kShuffles; ++b) {
+      null.push_back(statistics(sources(&random)));
+      for (std::size_t i = 0; i < own.size(); ++i) mean[i] += null.back()[i] / kShuffles;
+    }
+    for (const std::vector<double>& one : null) {
+      for (std::size_t i = 0; i < own.size(); ++i)
+        variance[i] += (one[i] - mean[i]) * (one[i] - mean[i]) / kShuffles;
+    }
+    const auto strength = [&](const std::vector<double>& statistic, std::size_t i) {
+      return variance[i] > 0.0 ? (statistic[i] - mean[i]) / std::sqrt(variance[i]) : 0.0;
+    };
+    std::vector<double> largest;
+    for (const std::vector<double>& one : null) {
+      double most = 0.0;
+      for (std::size_t i = 0; i < own.size(); ++i) most = std::max(most, strength(one, i));
+      largest.push_back(most);
+    }
+    for (std::size_t p = 0; p < parameters_.size(); ++p) {
+      for (std::size_t c = 0; c < covariates_.size(); ++c) {
+        const std::size_t i = p * covariates_.size() + c;
+        Test test{p, c, own[i], strength(own, i), 1.0};
+        const auto above =
+            std::count_if(largest.begin(), largest.end(), [&](double one) { return one >= test.strength; });
+        test.p = (1.0 + static_cast<double>(above)) / (1.0 + kShuffles);
+        tests_.push_back(test);
+      }
+    }
+  }
+
+  std::string sentence(const Parameter& parameter, const Covariate& covariate) const {
+    std::vector<std::vector<double>> bins(covariate.middle.size());
+    for (std::size_t i = 0; i < points_.size(); ++i)
+      if (parameter.shown[i]) bins[static_cast<std::size_t>(covariate.bin[i])].push_back(*parameter.shown[i]);
+    std::size_t high = 0, low = 0;
+    std::vector<double> medians(bins.size());
+    bool any = false;
+    for (std::size_t b = 0; b < bins.size(); ++b) {
+      if (bins[b].size() < 5) continue;
+      std::nth_element(bins[b].begin(), bins[b].begin() + static_cast<std::ptrdiff_t>(bins[b].size() / 2),
+                       bins[b].end());
+      medians[b] = bins[b][bins[b].size() / 2];
+      if (!any) high = low = b;
+      any = true;
+      if (medians[b] > medians[high]) high = b;
+      if (medians[b] < medians[low]) low = b;
+    }
+    if (!any || high == low) return "";
+    const std::string by = parameter.ratio
+                               ? fmt::format("{:.1f} %", 100.0 * (medians[high] / medians[low] - 1.0))
+                               : with_unit(medians[high] - medians[low], parameter.unit);
+    return fmt::format("Against what its law says, {} is {} more at {} of {} than at {}.", parameter.name, by,
+                       covariate.name, with_unit(covariate.middle[high], covariate.unit),
+                       with_unit(covariate.middle[low], covariate.unit));
+  }
+
+  Wander picture(const Test& test) const {
+    const Parameter& parameter = parameters_[test.parameter];
+    const Covariate& covariate = covariates_[test.covariate];
+    Wander wander;
+    wander.parameter = parameter.name + (parameter.ratio ? " over its law" : " less its law");
+    wander.unit = parameter.unit;
+    wander.against = covariate.name;
+    wander.against_unit = covariate.unit;
+    wander.p = test.p;
+    std::vector<std::size_t> there;
+    for (std::size_t i = 0; i < points_.size(); ++i)
+      if (parameter.shown[i]) there.push_back(i);
+    const std::size_t step = std::max<std::size_t>(1, (there.size() + kMostDots - 1) / kMostDots);
+    for (std::size_t i = 0; i < there.size(); i += step) {
+      wander.x.push_back(covariate.x[there[i]]);
+      wander.value.push_back(*parameter.shown[there[i]]);
+      wander.law.push_back(parameter.ratio ? 1.0 : 0.0);
+    }
+    if (test.p < kTelling) wander.sentence = sentence(parameter, covariate);
+    return wander;
+  }
+
+  const JointModel& model_;
+  const Linearised& at_;
+  const Arm arm_;
+  std::vector<Point> points_;
+  std::vector<std::size_t> blocks_, begins_;  ///< block of each point; first point of each trial, and the end
+  std::vector<Covariate> covariates_;
+  std::vector<Parameter> parameters_;
+  std::vector<Test> tests_;
+};
+
+}  // namespace
+
+std::vector<Wander> wander_of(const JointModel& model, const Linearised& at,
+                              const std::vector<InstantFit>& instants) {
+  if (instants.empty()) return {};
+  return Wandering(model, at, instants).pictures();
+}
+
+}  // namespace softarm::diagnose

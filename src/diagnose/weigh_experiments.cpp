@@ -1,0 +1,196 @@
+#include "weigh_experiments.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "softarm/math/parallel.h"
+
+namespace softarm::diagnose {
+namespace {
+
+using effects::Predicted;
+using effects::Present;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kLeastSolved = 0.7;  // share of an experiment in which the arm has an equilibrium
+
+bool has_feedback(const Parameters& parameters) {
+  return std::any_of(parameters.effects.begin(), parameters.effects.end(),
+                     [](const Present& present) { return present.effect->needs_shape(); });
+}
+
+/// A trial that nobody has recorded, with a model of its own: the arm has what the experiment adds to it.
+class Hypothetical {
+ public:
+  explicit Hypothetical(const Experiment& experiment)
+      : experiment_(experiment), trials_{experiment.trial}, model_(experiment.arm, trials_, 1) {}
+
+  /// @return whether the arm bears it; settles what is left out because it swings
+  bool prepare(const Parameters& parameters) {
+    model_.predict(with_loads(parameters), nullptr, predicted_);
+    std::size_t used = 0, solved = 0;
+    for (const Predicted& block : predicted_[0]) solved += block.solved;
+    model_.allow_for_motion(predicted_);
+    for (std::size_t k = 0; k < trials_[0].blocks.size(); ++k) used += model_.uses(0, k);
+    return static_cast<double>(solved) >= kLeastSolved * static_cast<double>(trials_[0].blocks.size()) &&
+           used > 0;
+  }
+  /// Nothing was seen, so residuals mean nothing; predictions and derivatives do.
+  Linearised linearise(const Parameters& parameters) {
+    return model_.linearise(with_loads(parameters), &predicted_, has_feedback(parameters));
+  }
+  JointModel& model() { return model_; }
+  Parameters with_loads(Parameters parameters) const {
+    for (const auto& load : experiment_.loads) parameters.effects.push_back({load.get(), effects::Values()});
+    return parameters;
+  }
+
+ private:
+  const Experiment& experiment_;
+  const std::vector<effects::TrialData> trials_;
+  JointModel model_;
+  std::vector<std::vector<Predicted>> predicted_;
+};
+
+/// The clock of the bodies ahead of the inputs', as a model has it.
+double clock_offset_s(const Parameters& parameters) {
+  for (const Present& present : parameters.effects)
+    if (present.effect->info().id == "clock_offset") return present.values[0];
+  return 0.0;
+}
+
+/// One more measurement for a fit: of the clocks.
+void add_clock(const Linearised& truth, const Linearised& fitted, double sd_s, DifferenceSums& sums) {
+  VectorXd row = VectorXd::Zero(sums.gradient.size());
+  Eigen::Index at = 0;
+  for (const Linearised* one : {&truth, &fitted}) {
+    for (const Column& c : one->columns) {
+      if (c.kind == Column::Kind::kEffect && c.parameter == 0 &&
+          one->at.effects[static_cast<std::size_t>(c.index)].effect->info().id == "clock_offset")
+        row[at] = (one == &truth ? 1.0 : -1.0) * c.scale / sd_s;
+      ++at;
+    }
+  }
+  const double difference = (clock_offset_s(truth.at) - clock_offset_s(fitted.at)) / sd_s;
+  sums.information += row * row.transpose();
+  sums.gradient -= difference * row;
+  sums.square += difference * difference;
+}
+
+/// A usual size of an effect, and the constants, in some trials.
+struct Signature {
+  MatrixXd own, mixed;
+};
+
+Signature signature_of(JointModel& model, const Linearised& at, const Parameters& base,
+                       const Present& hidden) {
+  const int sizes = hidden.effect->info().sizes;
+  constexpr double kStep = 0.05;
+  std::vector<Parameters> changed;
+  std::vector<double> steps;
+  for (int k = 0; k < sizes; ++k) {
+    Present one = hidden;
+    one.values.head(sizes).setZero();
+    const bool upwards = hidden.effect->info().parameters[static_cast<std::size_t>(k)].high > 0.0;
+    steps.push_back(upwards ? kStep : -kStep);
+    one.values[k] = steps.back() * hidden.values[k];
+    changed.push_back(base);
+    changed.back().effects.push_back(std::move(one));
+  }
+  const auto unknowns = static_cast<Eigen::Index>(at.columns.size());
+  Signature sum{MatrixXd::Zero(sizes, sizes), MatrixXd::Zero(unknowns, sizes)};
+  for (std::size_t t = 0; t < model.trials().size(); ++t) {
+    const MatrixXd d = at.root_weight[t].asDiagonal() * model.signatures(at, t, changed, steps);
+    sum.own += d.transpose() * d;
+    sum.mixed += at.derivative[t].transpose() * d;
+  }
+  return sum;
+}
+
+/// Standard deviations by which a usual size is seen.
+double z_of(const Signature& signature, const MatrixXd& information, double inflation) {
+  const auto k = signature.own.rows();
+  const MatrixXd left =
+      signature.own - signature.mixed.transpose() * information.ldlt().solve(signature.mixed);
+  const VectorXd one = VectorXd::Ones(k) / std::sqrt(static_cast<double>(k));
+  return std::sqrt(std::max(0.0, one.dot(left * one)) / inflation);
+}
+
+/// All pairs of models: `sums(truth, fitted)` of those that are not the same.
+template <typename Pair>
+MatrixXd separations(const std::vector<Explanation>& list, double inflation, const Pair& sums) {
+  const auto n = static_cast<Eigen::Index>(list.size());
+  MatrixXd all = MatrixXd::Zero(n, n);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    for (Eigen::Index k = 0; k < n; ++k) {
+      if (j == k) continue;
+      const auto truth = static_cast<std::size_t>(j), fitted = static_cast<std::size_t>(k);
+      all(j, k) = std::sqrt(least_square(sums(truth, fitted), list[truth].fit, list[fitted].fit) / inflation);
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+Separations weigh_apart(const JointModel& model, const std::vector<Explanation>& explanations,
+                        const std::vector<Experiment>& menu, double inflation, unsigned jobs) {
+  const std::size_t n = explanations.size();
+  std::vector<DifferenceSums> old(n * n);
+  for (std::size_t j = 0; j < n; ++j) {
+    for (std::size_t k = 0; k < n; ++k) {
+      if (j != k) old[j * n + k] = sums_between(model, explanations[j].fit, explanations[k].fit);
+    }
+  }
+  Separations out;
+  out.today =
+      separations(explanations, inflation, [&](std::size_t j, std::size_t k) { return old[j * n + k]; });
+  out.with.resize(menu.size());
+  in_parallel(menu.size(), jobs, [&](std::size_t i) {
+    Hypothetical trial(menu[i]);
+    if (!trial.prepare(explanations.front().fit.at)) return;
+    std::vector<Linearised> there;
+    for (const Explanation& one : explanations) there.push_back(trial.linearise(one.fit.at));
+    out.with[i] = separations(explanations, inflation, [&](std::size_t j, std::size_t k) {
+      DifferenceSums sums = sums_between(trial.model(), there[j], there[k]);
+      sums += old[j * n + k];
+      if (menu[i].clock_sd_s > 0.0)
+        add_clock(explanations[j].fit, explanations[k].fit, menu[i].clock_sd_s, sums);
+      return sums;
+    });
+  });
+  return out;
+}
+
+Visibility weigh_hidden(JointModel& model, Linearised& at, const std::vector<Present>& hidden,
+                        const std::vector<Experiment>& menu, double inflation, unsigned jobs) {
+  model.complete(at);
+  Visibility out;
+  std::vector<Signature> old;
+  for (const Present& one : hidden) {
+    old.push_back(signature_of(model, at, at.at, one));
+    out.today.push_back(z_of(old.back(), at.information, inflation));
+  }
+  out.with.resize(menu.size());
+  in_parallel(menu.size(), jobs, [&](std::size_t i) {
+    Hypothetical trial(menu[i]);
+    if (!trial.prepare(at.at)) return;
+    Linearised there = trial.linearise(at.at);
+    trial.model().complete(there);
+    MatrixXd information = at.information;
+    for (const Chunk& chunk : there.chunks) information += chunk.information;
+    out.with[i].emplace();
+    for (std::size_t h = 0; h < hidden.size(); ++h) {
+      Signature both = signature_of(trial.model(), there, there.at, hidden[h]);
+      both.own += old[h].own;
+      both.mixed += old[h].mixed;
+      out.with[i]->push_back(z_of(both, information, inflation));
+    }
+  });
+  return out;
+}
+
+}  // namespace softarm::diagnose

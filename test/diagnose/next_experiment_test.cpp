@@ -1,0 +1,136 @@
+// What an experiment is predicted to tell apart, against what it does when the virtual rig records it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "diagnose/looked.h"
+#include "diagnose/recorded_case.h"
+#include "screen.h"
+#include "softarm/diagnose/diagnose.h"
+#include "weigh_experiments.h"
+
+namespace softarm::diagnose {
+namespace {
+
+using testing::Looked;
+using testing::recorded_case;
+using testing::RecordedCase;
+
+/// A model fitted to trials with one effect of the catalogue in it.
+Linearised fit_with(JointModel& model, const Linearised& baseline, const std::string& id,
+                    const effects::Values& start) {
+  Parameters p = baseline.at;
+  p.effects.push_back({effects::find(id), start});
+  return model.fit(p, {}, &baseline.predicted);
+}
+
+/// A pair of effects, one of which is in the rig.
+struct Pair {
+  std::string truth, other;
+  effects::Values truth_start, other_start;
+};
+
+double measured(const RecordedCase& recorded, const Pair& pair, double inflation_of_truth) {
+  Looked looked(recorded.arm, recorded.trials);
+  const Linearised right = fit_with(looked.model, looked.baseline, pair.truth, pair.truth_start);
+  const Linearised wrong = fit_with(looked.model, looked.baseline, pair.other, pair.other_start);
+  return std::sqrt(std::max(0.0, wrong.square - right.square) / inflation_of_truth);
+}
+
+struct Predicted {
+  double today = 0.0, with = 0.0, inflation = 1.0;
+};
+
+/// @param id of the experiment
+Predicted predicted(const RecordedCase& recorded, const Pair& pair, const std::string& id) {
+  Looked looked(recorded.arm, recorded.trials);
+  const std::vector<Explanation> list{
+      {pair.truth, fit_with(looked.model, looked.baseline, pair.truth, pair.truth_start)},
+      {pair.other, fit_with(looked.model, looked.baseline, pair.other, pair.other_start)}};
+  Predicted out;
+  out.inflation = inflation(list[0].fit);
+  std::vector<Experiment> menu = experiment_menu(recorded.arm, looked.prepared.trials, 0.1);
+  const auto wanted = std::find_if(menu.begin(), menu.end(), [&](const Experiment& e) { return e.id == id; });
+  if (wanted == menu.end()) throw std::out_of_range(id);
+  const Separations all = weigh_apart(looked.model, list, {*wanted}, out.inflation, 0);
+  out.today = all.today(0, 1);
+  out.with = all.with.at(0).value()(0, 1);
+  return out;
+}
+
+/// Predicts the separation by an experiment, does it in the rig, and holds the two against each other.
+void expect_confirmed(const RecordedCase& recorded, const Pair& pair, const std::string& id,
+                      const std::function<void(rig::Scenario&)>& change) {
+  const Predicted says = predicted(recorded, pair, id);
+  EXPECT_GT(says.with, 6.0);
+  EXPECT_GT(says.with, 1.3 * says.today);
+  RecordedCase more = recorded;
+  rig::Scenario next = recorded.truth.front();
+  change(next);
+  more.trials.push_back(testing::record(recorded.arm, next, "next"));
+  const double today = measured(recorded, pair, says.inflation), then = measured(more, pair, says.inflation);
+  ::testing::Test::RecordProperty("today", std::to_string(says.today) + " " + std::to_string(today));
+  ::testing::Test::RecordProperty("then", std::to_string(says.with) + " " + std::to_string(then));
+  EXPECT_LT(today, 2.0 * says.today + 4.0) << "today's trials";  // chance is worth a few
+  EXPECT_GT(then, 0.5 * says.with);
+  EXPECT_LT(then, 2.0 * says.with);
+}
+
+void mount_on_side(rig::Scenario& scenario) {
+  // The base's x axis down.
+  scenario.mount.q_mocap_base =
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), -Eigen::Vector3d::UnitZ());
+}
+
+TEST(NextExperiment, TheArmOnItsSideTellsAMassAtTheTipFromAnotherDistribution) {
+  const auto recorded = recorded_case("{count_weights: [0, 1], from: [tip_mass], size: [0.2, 0.3]}", 11, 2,
+                                      24.0, "attitudes: [hanging], speeds: [0.5], payload_kg: [0, 0]");
+  expect_confirmed(recorded,
+                   {"tip_mass", "mass_distribution", effects::Values::Constant(1, 0.01),
+                    effects::Values::Constant(1, 0.1)},
+                   "attitude_side_down", mount_on_side);
+}
+
+TEST(NextExperiment, FasterPressuresTellALagFromAnOffsetOfTheClocks) {
+  const auto recorded = recorded_case("{count_weights: [0, 1], from: [pressure_lag], size: [0.2, 0.3]}", 12,
+                                      2, 24.0, "attitudes: [hanging], speeds: [0.5], payload_kg: [0, 0]");
+  expect_confirmed(
+      recorded,
+      {"pressure_lag", "clock_offset", Eigen::Vector3d(0.1, 0.25, 1.0), effects::Values::Constant(1, 0.05)},
+      "faster_2", [](rig::Scenario& scenario) {
+        scenario.pressures.random->lowest_hz *= 2.0;
+        scenario.pressures.random->highest_hz *= 2.0;
+      });
+}
+
+TEST(NextExperiment, StifferByPressureTellsARestCurvatureFromZerosOfTheSensors) {
+  const auto recorded = recorded_case("{count_weights: [0, 1], from: [rest_curvature], size: [0.5, 0.6]}", 13,
+                                      2, 24.0, "attitudes: [hanging], speeds: [0.5], payload_kg: [0, 0]");
+  expect_confirmed(recorded,
+                   {"rest_curvature", "pressure_offset", Eigen::Vector3d::Zero(), effects::Values::Zero(8)},
+                   "together", [&](rig::Scenario& scenario) {
+                     // As far as all of them went in the trials that there are.
+                     std::vector<double> most(3, 0.0);
+                     for (const identify::Trial& trial : recorded.trials) {
+                       for (const Frame& frame : trial.frames) {
+                         for (std::size_t k = 0; k < frame.inputs.size(); ++k)
+                           most[k] = std::max(most[k], frame.inputs[k].value_or(0.0));
+                       }
+                     }
+                     const double level = *std::min_element(most.begin(), most.end());
+                     scenario.pressures.random.reset();
+                     scenario.pressures.ramp_s = 2.0;
+                     scenario.pressures.schedule = {{0.0, std::vector<double>(3, 0.0)}};
+                     for (int i = 0; i < 6; ++i) {
+                       scenario.pressures.schedule.push_back({2.0 + 4.0 * i, std::vector<double>(3, level)});
+                       scenario.pressures.schedule.push_back({4.0 + 4.0 * i, std::vector<double>(3, 0.0)});
+                     }
+                     scenario.duration_s = 32.0;
+                   });
+}
+
+}  // namespace
+}  // namespace softarm::diagnose
