@@ -74,12 +74,16 @@ function experimentMenu(next) {
   const light = menu.some(one => (one.shows || []).length), most = Math.max(...menu.map(one => light ? (one.shows || []).length : one.separation));
   const told = one => light ? String((one.shows || []).length) : one.separation.toFixed(one.separation < 10 ? 1 : 0);
   const share = one => most > 0 ? (light ? (one.shows || []).length : one.separation) / most : 0;
+  const pair = !light && next.separates.length === 2;
   const last = one => light ? (one.shows && one.shows.length ? names(one.shows) : '–') : one.hardest ? names(one.hardest) : '–';
-  return element('details', {open: ''}, element('summary', null, 'All ' + menu.length + ' experiments that were weighed'),
+  const heads = ['', light ? 'hidden effects that it brings to light' : 'separation / standard deviations', ...(pair ? [] : [light ? 'which' : 'hardest to tell apart'])];
+  const part = list => table(heads, list.map(one => [one.action + '.', {share: [bar(share(one), ''), told(one)]}, ...(pair ? [] : [last(one)])]));
+  const first = 6;
+  return element('div', null,
     light ? null : element('p', {class: 'hint'}, 'Each predicted with every rival, constants fitted anew to today’s trials and the new one. Separation: of the pair that it tells apart worst, ' +
       'whichever of the two is true; today’s trials alone: ' + (next.today || 0).toFixed(1) + '.'),
-    table(['', light ? 'hidden effects that it brings to light' : 'separation / standard deviations', light ? 'which' : 'hardest to tell apart'],
-      menu.map(one => [one.action + '.', {share: [bar(share(one), ''), told(one)]}, last(one)])));
+    part(menu.slice(0, first)),
+    menu.length > first ? element('details', null, element('summary', null, (menu.length - first) + ' more experiments that were weighed'), part(menu.slice(first))) : null);
 }
 
 /// The same trials with fewer and fewer free numbers.

@@ -27,6 +27,7 @@ constexpr std::size_t kMostPictures = 8, kFewestPictures = 4;
 constexpr std::size_t kFewest = 40;  // points of a parameter
 constexpr std::size_t kBins = 6;
 constexpr int kShuffles = 499;
+constexpr double kStretch_s = 5.0, kFewestStretches = 12.0;  // that are exchanged
 constexpr double kTelling = 0.01;
 constexpr double kPast_s = 8.0;
 
@@ -257,22 +258,38 @@ class Wandering {
     }
   }
 
-  /// From where each point takes its values: its own, or of another trial and time.
-  std::vector<std::size_t> sources(std::mt19937_64* random) const {
+  /// First points of stretches of trials that may be exchanged, and the end.
+  std::vector<std::size_t> stretches() const {
     const std::size_t trials = begins_.size() - 1;
-    std::vector<std::size_t> of(trials), from(points_.size());
-    std::iota(of.begin(), of.end(), 0);
-    const auto draw = [&](std::size_t below) { return static_cast<std::size_t>((*random)() % below); };
-    if (random != nullptr) {
-      for (std::size_t i = trials; i > 1; --i) std::swap(of[i - 1], of[draw(i)]);
-    }
+    double seconds = 0.0;
+    for (const effects::TrialData& trial : model_.trials())
+      seconds += trial.series.t_s[trial.series.t_s.size() - 1] - trial.series.t_s[0];
+    const double each_s = std::min(kStretch_s, seconds / kFewestStretches);
+    std::vector<std::size_t> begins;
     for (std::size_t t = 0; t < trials; ++t) {
-      const std::size_t length = begins_[t + 1] - begins_[t];
-      const std::size_t there = begins_[of[t] + 1] - begins_[of[t]];
-      if (there == 0) continue;
-      const std::size_t turn = random != nullptr ? draw(there) : 0;
+      double from_s = -1e300;
+      for (std::size_t i = begins_[t]; i < begins_[t + 1]; ++i) {
+        const double now_s = at_.predicted[t][blocks_[i]].instant.t_s;
+        if (now_s < from_s + each_s) continue;
+        begins.push_back(i);
+        from_s = now_s;
+      }
+    }
+    begins.push_back(points_.size());
+    return begins;
+  }
+
+  /// From where each point takes its values: its own, or those of another stretch.
+  std::vector<std::size_t> sources(std::mt19937_64* random) const {
+    std::vector<std::size_t> of(stretches_.size() - 1), from(points_.size());
+    std::iota(of.begin(), of.end(), 0);
+    for (std::size_t i = of.size(); random != nullptr && i > 1; --i)
+      std::swap(of[i - 1], of[static_cast<std::size_t>((*random)() % i)]);
+    for (std::size_t s = 0; s < of.size(); ++s) {
+      const std::size_t length = stretches_[s + 1] - stretches_[s];
+      const std::size_t there = stretches_[of[s] + 1] - stretches_[of[s]];
       for (std::size_t i = 0; i < length; ++i)
-        from[begins_[t] + i] = begins_[of[t]] + (i * there / length + turn) % there;
+        from[stretches_[s] + i] = stretches_[of[s]] + i * there / length;
     }
     return from;
   }
@@ -300,6 +317,7 @@ class Wandering {
   }
 
   void shuffle() {
+    stretches_ = stretches();
     const std::vector<double> own = statistics(sources(nullptr));
     std::mt19937_64 random(1);
     std::vector<std::vector<double>> null;
@@ -386,6 +404,7 @@ class Wandering {
   const Arm arm_;
   std::vector<Point> points_;
   std::vector<std::size_t> blocks_, begins_;  ///< block of each point; first point of each trial, and the end
+  std::vector<std::size_t> stretches_;        ///< first point of each stretch, and the end
   std::vector<Covariate> covariates_;
   std::vector<Parameter> parameters_;
   std::vector<Test> tests_;

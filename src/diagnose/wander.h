@@ -13,9 +13,9 @@ namespace softarm::diagnose {
 /// its direction and rate, pressure, vacuum, payload, attitude, time and history.
 ///
 /// Each value is taken over its own standard deviation and by rank; the statistic is the spread of the means
-/// over up to six bins of what it is held against. Its null: whole trials exchanged and each turned round in
-/// time by a random amount, so that what is correlated in time stays so; p is that of the largest of all
-/// statistics (Westfall and Young 1993), so a whole page of pictures has one false alarm in 1 / p pages.
+/// over up to six bins of what it is held against. Its null: stretches of five seconds are exchanged, within
+/// trials and between them, so that what is correlated over shorter times stays so; p is that of the largest
+/// of all statistics (Westfall and Young 1993): a whole page of pictures has one false alarm in 1 / p pages.
 /// @return what wanders, the most telling first, then the best of the other parameters
 std::vector<Wander> wander_of(const JointModel& model, const Linearised& at,
                               const std::vector<InstantFit>& instants);

@@ -51,7 +51,7 @@ TEST(Ladder, OfAnArmThatHidesNothingEveryRungIsAtTheNoise) {
   ASSERT_EQ(c.ladder.size(), 3u);
   for (const Rung& rung : c.ladder) {
     EXPECT_LT(rung.chi2_per_dof, 1.2) << rung.id;
-    EXPECT_GT(rung.chi2_per_dof, 0.8) << rung.id;
+    EXPECT_GT(rung.chi2_per_dof, 0.6) << rung.id;  // what is not known of the motion counts as noise
   }
   EXPECT_NEAR(c.ladder[0].rms_m, c.noise_m, 0.15 * c.noise_m);
   EXPECT_GT(c.ladder[0].unknowns, c.ladder[1].unknowns);
