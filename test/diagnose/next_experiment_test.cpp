@@ -95,8 +95,9 @@ TEST(NextExperiment, TheArmOnItsSideTellsAMassAtTheTipFromAnotherDistribution) {
 }
 
 TEST(NextExperiment, FasterPressuresTellALagFromAnOffsetOfTheClocks) {
-  const auto recorded = recorded_case("{count_weights: [0, 1], from: [pressure_lag], size: [0.2, 0.3]}", 12,
-                                      2, 24.0, "attitudes: [hanging], speeds: [0.5], payload_kg: [0, 0]");
+  const auto recorded =
+      recorded_case("{count_weights: [0, 1], from: [pressure_lag], size: [0.5, 0.6], forms: default}", 12, 2,
+                    24.0, "attitudes: [hanging], speeds: [0.5], payload_kg: [0, 0]");
   expect_confirmed(
       recorded,
       {"pressure_lag", "clock_offset", Eigen::Vector3d(0.1, 0.25, 1.0), effects::Values::Constant(1, 0.05)},
