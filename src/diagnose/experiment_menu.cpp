@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "known_pull.h"
 #include "recorded_programme.h"
 #include "words.h"
 
@@ -26,25 +27,6 @@ constexpr double kPullBend = 0.3;          // force over EI / L^2: it moves the 
 constexpr double kBracket = 0.15;          // of the arm's length
 constexpr double kPayloadShare = 0.5;      // of the arm's weight, where none was ever hung on
 constexpr double kClock_s = 0.002;
-
-/// A dead force at the tip that is known: a thread over a pulley.
-class KnownPull : public effects::Effect {
- public:
-  explicit KnownPull(const Vector3d& force_n) : force_n_(force_n) {
-    info_.id = "known_pull";
-    info_.words = "a thread pulls at the tip";
-    info_.sizes = 0;
-  }
-  const effects::Info& info() const override { return info_; }
-  void act(const Arm&, const effects::FineRod& fine, const effects::Values&, const effects::Instant&,
-           const effects::Shape*, const effects::Memory&, rod::Rod& rod) const override {
-    fine.add_force(fine.length_m(), force_n_, rod);
-  }
-
- private:
-  effects::Info info_;
-  const Vector3d force_n_;
-};
 
 class Menu {
  public:

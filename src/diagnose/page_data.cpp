@@ -84,7 +84,7 @@ Json json_of(const Snapshot& snapshot) {
 Json json_of(const Wander& wander) {
   return {{"parameter", wander.parameter},       {"unit", wander.unit},    {"against", wander.against},
           {"against_unit", wander.against_unit}, {"x", list_of(wander.x)}, {"value", list_of(wander.value)},
-          {"law", list_of(wander.law)},          {"p", wander.p},         {"sentence", wander.sentence}};
+          {"law", list_of(wander.law)},          {"p", wander.p},          {"sentence", wander.sentence}};
 }
 
 /// What the scripts would otherwise have to put into words once more.

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -12,37 +11,19 @@
 #include <set>
 #include <utility>
 
-#include "softarm/arm/laws.h"
+#include "covariates.h"
 #include "words.h"
 
 namespace softarm::diagnose {
 namespace {
 
-using Eigen::Vector2d;
-using Eigen::VectorXd;
-
 constexpr std::size_t kMostPoints = 2000;  // of the statistics
 constexpr std::size_t kMostDots = 300;     // of a picture
 constexpr std::size_t kMostPictures = 8, kFewestPictures = 4;
 constexpr std::size_t kFewest = 40;  // points of a parameter
-constexpr std::size_t kBins = 6;
 constexpr int kShuffles = 499;
 constexpr double kStretch_s = 5.0, kFewestStretches = 12.0;  // that are exchanged
 constexpr double kTelling = 0.01;
-constexpr double kPast_s = 8.0;
-
-/// One instant of the grid that all parameters and covariates share.
-struct Point {
-  std::size_t trial = 0;
-  const InstantFit* fit = nullptr;  ///< null: none
-};
-
-struct Covariate {
-  std::string name, unit;
-  std::vector<double> x;       ///< by point
-  std::vector<int> bin;        ///< by point
-  std::vector<double> middle;  ///< of x, by bin
-};
 
 struct Parameter {
   std::string name, unit;
@@ -51,85 +32,12 @@ struct Parameter {
   std::vector<double> rank;                  ///< by point, from -0.5 to 0.5; where shown
 };
 
-/// What happens at each instant, by trial.
-struct Happening {
-  double moment_nm = 0.0, rate_nm_s = 0.0, past_nm = 0.0, pressure_pa = 0.0, vacuum_pa = 0.0;
-  Vector2d direction = Vector2d::Zero();
-};
-
-std::vector<Happening> happenings(const JointModel& model, const Arm& arm, const Linearised& at,
-                                  std::size_t t) {
-  std::vector<Happening> list(model.trials()[t].blocks.size());
-  Vector2d last = Vector2d::Zero(), past = Vector2d::Zero();
-  for (std::size_t k = 0; k < list.size(); ++k) {
-    const effects::Instant& now = at.predicted[t][k].instant;
-    Happening& h = list[k];
-    int pressures = 0;
-    for (Eigen::Index i = 0; i < now.inputs.size(); ++i) {
-      const InputKind kind = arm.inputs.scalars[static_cast<std::size_t>(i)].kind;
-      if (kind == InputKind::kVacuum) h.vacuum_pa = std::max(h.vacuum_pa, now.inputs[i]);
-      if (kind == InputKind::kPressure) {
-        h.pressure_pa += now.inputs[i];
-        ++pressures;
-      }
-    }
-    if (pressures > 0) h.pressure_pa /= pressures;
-    const auto laws = predict(arm, InputValues(now.inputs.data(), now.inputs.data() + now.inputs.size()));
-    if (!laws) continue;
-    Vector2d moment = Vector2d::Zero();
-    for (const SegmentPrediction& law : *laws) moment += law.actuation_nm();
-    if (now.dt_s <= 0.0) last = past = moment;
-    past += (now.dt_s > 0.0 ? 1.0 - std::exp(-now.dt_s / kPast_s) : 1.0) * (moment - past);
-    h.moment_nm = moment.norm();
-    if (h.moment_nm > 0.0) h.direction = moment / h.moment_nm;
-    // Growing or falling, along the direction in which the arm is bent.
-    if (now.dt_s > 0.0) h.rate_nm_s = h.direction.dot(moment - last) / now.dt_s;
-    h.past_nm = h.direction.dot(moment - past);
-    last = moment;
-  }
-  return list;
-}
-
-/// Bins of about as many points each, or one for each value where those are few.
-void fill_bins(Covariate& c, const std::vector<Point>& points) {
-  std::vector<double> values;
-  for (std::size_t i = 0; i < points.size(); ++i)
-    if (points[i].fit != nullptr) values.push_back(c.x[i]);
-  if (values.empty()) return;
-  std::sort(values.begin(), values.end());
-  const double span = values.back() - values.front(), near = 1e-3 * span;
-  std::vector<double> levels;
-  for (const double v : values) {
-    if (levels.empty() || v - levels.back() > near) levels.push_back(v);
-    if (levels.size() > kBins) break;
-  }
-  std::vector<double> edges;  // lower ends of all bins but the first
-  if (levels.size() <= kBins) {
-    for (std::size_t i = 1; i < levels.size(); ++i) edges.push_back(levels[i] - 0.5 * near);
-  } else {
-    for (std::size_t i = 1; i < kBins; ++i) {
-      const double edge = values[i * values.size() / kBins];
-      if (edge > values.front() && (edges.empty() || edge > edges.back())) edges.push_back(edge);
-    }
-  }
-  c.bin.resize(points.size());
-  std::vector<std::vector<double>> members(edges.size() + 1);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    c.bin[i] = static_cast<int>(std::upper_bound(edges.begin(), edges.end(), c.x[i]) - edges.begin());
-    if (points[i].fit != nullptr) members[static_cast<std::size_t>(c.bin[i])].push_back(c.x[i]);
-  }
-  for (std::vector<double>& list : members) {
-    std::sort(list.begin(), list.end());
-    c.middle.push_back(list.empty() ? 0.0 : list[list.size() / 2]);
-  }
-}
-
 class Wandering {
  public:
   Wandering(const JointModel& model, const Linearised& at, const std::vector<InstantFit>& instants)
       : model_(model), at_(at), arm_(model.arm_with(at.at.constants)) {
     choose_points(instants);
-    add_covariates();
+    covariates_ = covariates_of(model, arm_, at, points_);
     for (std::size_t i = 0; i < arm_.segments.size(); ++i) add_parameters(i);
   }
 
@@ -176,51 +84,10 @@ class Wandering {
       begins_.push_back(points_.size());
       for (std::size_t k = 0; k < model_.trials()[t].blocks.size(); k += step) {
         const auto fit = known.find({t, k});
-        points_.push_back({t, fit != known.end() ? fit->second : nullptr});
-        blocks_.push_back(k);
+        points_.push_back({t, k, fit != known.end() ? fit->second : nullptr});
       }
     }
     begins_.push_back(points_.size());
-  }
-
-  void add(const std::string& name, const std::string& unit, std::vector<double> x) {
-    Covariate c;
-    c.name = name;
-    c.unit = unit;
-    c.x = std::move(x);
-    fill_bins(c, points_);
-    if (c.middle.size() > 1) covariates_.push_back(std::move(c));
-  }
-
-  void add_covariates() {
-    std::vector<std::vector<Happening>> all;
-    for (std::size_t t = 0; t < model_.trials().size(); ++t) all.push_back(happenings(model_, arm_, at_, t));
-    const auto by = [&](const std::function<double(const Happening&, const effects::Instant&)>& value) {
-      std::vector<double> x;
-      for (std::size_t i = 0; i < points_.size(); ++i)
-        x.push_back(
-            value(all[points_[i].trial][blocks_[i]], at_.predicted[points_[i].trial][blocks_[i]].instant));
-      return x;
-    };
-    const auto now = [](double Happening::*value) {
-      return [value](const Happening& h, const effects::Instant&) { return h.*value; };
-    };
-    add("moment of the law", "N m", by(now(&Happening::moment_nm)));
-    add("rate of the moment of the law", "N m/s", by(now(&Happening::rate_nm_s)));
-    add("moment above its mean of the last 8 s", "N m", by(now(&Happening::past_nm)));
-    add("direction of bending", "rad", by([](const Happening& h, const effects::Instant&) {
-          return std::atan2(h.direction.y(), h.direction.x());
-        }));
-    add("mean pressure", "Pa", by(now(&Happening::pressure_pa)));
-    add("vacuum", "Pa", by(now(&Happening::vacuum_pa)));
-    add("payload", "kg", by([](const Happening&, const effects::Instant& i) { return i.payload_kg; }));
-    add("attitude, from hanging", "rad", by([](const Happening&, const effects::Instant& i) {
-          return std::acos(std::clamp(i.gravity_base.normalized().z(), -1.0, 1.0));
-        }));
-    add("time in the trial", "s", by([](const Happening&, const effects::Instant& i) { return i.t_s; }));
-    std::vector<double> order;
-    for (const Point& point : points_) order.push_back(static_cast<double>(point.trial + 1));
-    if (model_.trials().size() > 2) add("number of the trial", "1", std::move(order));
   }
 
   void add_parameters(std::size_t segment) {
@@ -269,7 +136,7 @@ class Wandering {
     for (std::size_t t = 0; t < trials; ++t) {
       double from_s = -1e300;
       for (std::size_t i = begins_[t]; i < begins_[t + 1]; ++i) {
-        const double now_s = at_.predicted[t][blocks_[i]].instant.t_s;
+        const double now_s = at_.predicted[t][points_[i].block].instant.t_s;
         if (now_s < from_s + each_s) continue;
         begins.push_back(i);
         from_s = now_s;
@@ -299,7 +166,7 @@ class Wandering {
     std::vector<double> all;
     for (const Parameter& parameter : parameters_) {
       for (const Covariate& covariate : covariates_) {
-        double sum[kBins + 1] = {}, count[kBins + 1] = {}, total = 0.0;
+        double sum[Covariate::kBins + 1] = {}, count[Covariate::kBins + 1] = {}, total = 0.0;
         for (std::size_t i = 0; i < points_.size(); ++i) {
           if (!parameter.shown[from[i]]) continue;
           const auto bin = static_cast<std::size_t>(covariate.bin[i]);
@@ -308,7 +175,7 @@ class Wandering {
           total += 1.0;
         }
         double square = 0.0;
-        for (std::size_t b = 0; b <= kBins; ++b)
+        for (std::size_t b = 0; b <= Covariate::kBins; ++b)
           if (count[b] > 0.0) square += sum[b] * sum[b] / count[b];
         all.push_back(std::sqrt(square / std::max(1.0, total)));
       }
@@ -402,9 +269,9 @@ class Wandering {
   const JointModel& model_;
   const Linearised& at_;
   const Arm arm_;
-  std::vector<Point> points_;
-  std::vector<std::size_t> blocks_, begins_;  ///< block of each point; first point of each trial, and the end
-  std::vector<std::size_t> stretches_;        ///< first point of each stretch, and the end
+  std::vector<GridPoint> points_;
+  std::vector<std::size_t> begins_;     ///< first point of each trial, and the end
+  std::vector<std::size_t> stretches_;  ///< first point of each stretch, and the end
   std::vector<Covariate> covariates_;
   std::vector<Parameter> parameters_;
   std::vector<Test> tests_;

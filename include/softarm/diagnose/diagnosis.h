@@ -119,9 +119,9 @@ struct NextExperiment {
   /// In standard deviations: of the two that it tells apart worst once all constants are fitted anew to old
   /// and new trials; or of the least of the effects that it brings to light.
   double expected_separation = 0.0;
-  double today = 0.0;                   ///< the same of the trials that there are
-  std::string sentence;                 ///< what it would do, after the action
-  std::vector<WeighedExperiment> menu;  ///< best first
+  double today = 0.0;                        ///< the same of the trials that there are
+  std::string sentence = {};                 ///< what it would do, after the action
+  std::vector<WeighedExperiment> menu = {};  ///< best first
 };
 
 // --- For the pictures ------------------------------------------------------------------------------------
@@ -167,7 +167,7 @@ struct Wander {
   std::string parameter, unit, against, against_unit;
   std::vector<double> x, value, law;  ///< law: what the arm's laws say there
   double p = 1.0;                     ///< of no dependence beyond the laws
-  std::string sentence;               ///< by how much, from where to where; empty where none is seen
+  std::string sentence = {};          ///< by how much, from where to where; empty where none is seen
 };
 
 struct Diagnosis {
