@@ -106,8 +106,8 @@ std::string sentence_of(const NextExperiment& next, bool to_light) {
 
 std::optional<NextExperiment> tell_apart(const JointModel& model, const std::vector<Explanation>& list,
                                          const std::vector<Experiment>& menu, double inflation,
-                                         unsigned jobs) {
-  const Separations all = weigh_apart(model, list, menu, inflation, jobs);
+                                         const Options& options) {
+  const Separations all = weigh_apart(model, list, menu, inflation, options);
   const auto least = [&](MatrixXd separations, Eigen::Index& truth, Eigen::Index& fitted) {
     separations.diagonal().setConstant(1e300);
     return separations.minCoeff(&truth, &fitted);
@@ -140,8 +140,8 @@ std::optional<NextExperiment> tell_apart(const JointModel& model, const std::vec
 std::optional<NextExperiment> bring_to_light(JointModel& model, Linearised& at,
                                              const std::vector<Present>& hidden,
                                              const std::vector<Experiment>& menu, double inflation,
-                                             unsigned jobs) {
-  const Visibility all = weigh_hidden(model, at, hidden, menu, inflation, jobs);
+                                             const Options& options) {
+  const Visibility all = weigh_hidden(model, at, hidden, menu, inflation, options);
   NextExperiment next;
   double most = 0.0;
   for (std::size_t i = 0; i < menu.size(); ++i) {
@@ -191,11 +191,11 @@ std::optional<NextExperiment> next_experiment(JointModel& model, Selection& sele
   const bool open = verdict != Verdict::kExplained && verdict != Verdict::kConsistent;
   if (list.empty() && open) list = candidates_of(selection);
   const auto menu = [&] { return experiment_menu(model.arm(), model.trials(), options.block_s); };
-  if (list.size() > 1) return tell_apart(model, list, menu(), selection.inflation, options.jobs);
+  if (list.size() > 1) return tell_apart(model, list, menu(), selection.inflation, options);
   if (verdict != Verdict::kConsistent && verdict != Verdict::kCannotTell) return std::nullopt;
   const std::vector<Present> hidden = hidden_of(selection);
   if (hidden.empty()) return std::nullopt;
-  return bring_to_light(model, selection.extended, hidden, menu(), selection.inflation, options.jobs);
+  return bring_to_light(model, selection.extended, hidden, menu(), selection.inflation, options);
 }
 
 }  // namespace softarm::diagnose

@@ -25,8 +25,10 @@ bool has_feedback(const Parameters& parameters) {
 /// A trial that nobody has recorded, with a model of its own: the arm has what the experiment adds to it.
 class Hypothetical {
  public:
-  explicit Hypothetical(const Experiment& experiment)
-      : experiment_(experiment), trials_{experiment.trial}, model_(experiment.arm, trials_, 1) {}
+  Hypothetical(const Experiment& experiment, const Options& options)
+      : experiment_(experiment),
+        trials_{experiment.trial},
+        model_(experiment.arm, trials_, 1, options.held, options.tied) {}
 
   /// @return whether the arm bears it; settles what is left out because it swings
   bool prepare(const Parameters& parameters) {
@@ -137,7 +139,7 @@ MatrixXd separations(const std::vector<Explanation>& list, double inflation, con
 }  // namespace
 
 Separations weigh_apart(const JointModel& model, const std::vector<Explanation>& explanations,
-                        const std::vector<Experiment>& menu, double inflation, unsigned jobs) {
+                        const std::vector<Experiment>& menu, double inflation, const Options& options) {
   const std::size_t n = explanations.size();
   std::vector<DifferenceSums> old(n * n);
   for (std::size_t j = 0; j < n; ++j) {
@@ -149,8 +151,8 @@ Separations weigh_apart(const JointModel& model, const std::vector<Explanation>&
   out.today =
       separations(explanations, inflation, [&](std::size_t j, std::size_t k) { return old[j * n + k]; });
   out.with.resize(menu.size());
-  in_parallel(menu.size(), jobs, [&](std::size_t i) {
-    Hypothetical trial(menu[i]);
+  in_parallel(menu.size(), options.jobs, [&](std::size_t i) {
+    Hypothetical trial(menu[i], options);
     if (!trial.prepare(explanations.front().fit.at)) return;
     std::vector<Linearised> there;
     for (const Explanation& one : explanations) there.push_back(trial.linearise(one.fit.at));
@@ -166,7 +168,7 @@ Separations weigh_apart(const JointModel& model, const std::vector<Explanation>&
 }
 
 Visibility weigh_hidden(JointModel& model, Linearised& at, const std::vector<Present>& hidden,
-                        const std::vector<Experiment>& menu, double inflation, unsigned jobs) {
+                        const std::vector<Experiment>& menu, double inflation, const Options& options) {
   model.complete(at);
   Visibility out;
   std::vector<Signature> old;
@@ -175,8 +177,8 @@ Visibility weigh_hidden(JointModel& model, Linearised& at, const std::vector<Pre
     out.today.push_back(z_of(old.back(), at.information, inflation));
   }
   out.with.resize(menu.size());
-  in_parallel(menu.size(), jobs, [&](std::size_t i) {
-    Hypothetical trial(menu[i]);
+  in_parallel(menu.size(), options.jobs, [&](std::size_t i) {
+    Hypothetical trial(menu[i], options);
     if (!trial.prepare(at.at)) return;
     Linearised there = trial.linearise(at.at);
     trial.model().complete(there);

@@ -7,6 +7,7 @@
 
 #include "experiment_menu.h"
 #include "separation.h"
+#include "softarm/diagnose/diagnose.h"
 
 namespace softarm::diagnose {
 
@@ -21,9 +22,9 @@ struct Separations {
 /// @param model of the trials that there are
 /// @param inflation of chi^2: how much residuals of neighbouring instants are worth less than independent
 /// ones
-/// @param jobs threads, 0: one per core
+/// @param options of the model: threads, constants held and tied
 Separations weigh_apart(const JointModel& model, const std::vector<Explanation>& explanations,
-                        const std::vector<Experiment>& menu, double inflation, unsigned jobs);
+                        const std::vector<Experiment>& menu, double inflation, const Options& options);
 
 /// Standard deviations by which effects of these sizes would be seen, all constants being fitted.
 struct Visibility {
@@ -34,6 +35,6 @@ struct Visibility {
 /// @param at the fit to the trials that there are; derivatives by everything are added to it
 /// @param hidden effects that are not in it, with their sizes
 Visibility weigh_hidden(JointModel& model, Linearised& at, const std::vector<effects::Present>& hidden,
-                        const std::vector<Experiment>& menu, double inflation, unsigned jobs);
+                        const std::vector<Experiment>& menu, double inflation, const Options& options);
 
 }  // namespace softarm::diagnose

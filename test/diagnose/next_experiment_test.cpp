@@ -55,7 +55,7 @@ Predicted predicted(const RecordedCase& recorded, const Pair& pair, const std::s
   std::vector<Experiment> menu = experiment_menu(recorded.arm, looked.prepared.trials, 0.1);
   const auto wanted = std::find_if(menu.begin(), menu.end(), [&](const Experiment& e) { return e.id == id; });
   if (wanted == menu.end()) throw std::out_of_range(id);
-  const Separations all = weigh_apart(looked.model, list, {*wanted}, out.inflation, 0);
+  const Separations all = weigh_apart(looked.model, list, {*wanted}, out.inflation, {});
   out.today = all.today(0, 1);
   out.with = all.with.at(0).value()(0, 1);
   return out;
