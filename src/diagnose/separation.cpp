@@ -99,9 +99,11 @@ double least_within(const MatrixXd& information, const VectorXd& gradient, doubl
   return std::max(0.0, square - 2.0 * move.dot(gradient) + move.dot(information * move));
 }
 
-void add_prior(const Linearised& at, Eigen::Ref<MatrixXd> information) {
-  for (Eigen::Index j = 0; j < information.rows(); ++j)
-    information(j, j) += 1.0 / std::pow(at.columns[static_cast<std::size_t>(j)].prior_sd, 2);
+/// What a fit's information holds beside its trials.
+MatrixXd prior_of(const Linearised& at) {
+  MatrixXd prior = at.information;
+  for (const Chunk& chunk : at.chunks) prior -= chunk.information;
+  return prior;
 }
 
 }  // namespace
@@ -110,7 +112,7 @@ double least_square(const DifferenceSums& sums, const Linearised& truth, const L
   const Eigen::Index of_truth = truth.information.rows(), of_fitted = fitted.information.rows();
   MatrixXd information = sums.information;
   information.topLeftCorner(of_truth, of_truth) += truth.information;
-  add_prior(fitted, information.bottomRightCorner(of_fitted, of_fitted));
+  information.bottomRightCorner(of_fitted, of_fitted) += prior_of(fitted);
   std::vector<Room> rooms = rooms_of(truth);
   const std::vector<Room> others = rooms_of(fitted);
   rooms.insert(rooms.end(), others.begin(), others.end());
@@ -121,7 +123,7 @@ double least_square(const DifferenceSums& sums, const Linearised& truth, const L
 double least_square_held(const DifferenceSums& sums, const Linearised& fitted, VectorXd& step) {
   const Eigen::Index of_fitted = fitted.information.rows();
   MatrixXd information = sums.information.bottomRightCorner(of_fitted, of_fitted);
-  add_prior(fitted, information);
+  information += prior_of(fitted);
   return least_within(information, sums.gradient.tail(of_fitted), sums.square, rooms_of(fitted), step);
 }
 

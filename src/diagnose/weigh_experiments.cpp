@@ -17,11 +17,6 @@ using Eigen::VectorXd;
 
 constexpr double kLeastSolved = 0.7;  // share of an experiment in which the arm has an equilibrium
 
-bool has_feedback(const Parameters& parameters) {
-  return std::any_of(parameters.effects.begin(), parameters.effects.end(),
-                     [](const Present& present) { return present.effect->needs_shape(); });
-}
-
 /// A trial that nobody has recorded, with a model of its own: the arm has what the experiment adds to it.
 class Hypothetical {
  public:
@@ -42,7 +37,9 @@ class Hypothetical {
   }
   /// Nothing was seen, so residuals mean nothing; predictions and derivatives do.
   Linearised linearise(const Parameters& parameters) {
-    return model_.linearise(with_loads(parameters), &predicted_, has_feedback(parameters));
+    return model_.linearise(with_loads(parameters), &predicted_,
+                            JointModel::answers_itself(parameters) ? JointModel::Derivatives::kWhole
+                                                                   : JointModel::Derivatives::kShapesHeld);
   }
   JointModel& model() { return model_; }
   Parameters with_loads(Parameters parameters) const {
