@@ -16,6 +16,7 @@ using Eigen::VectorXd;
 
 constexpr std::size_t kInstants = 300;  // of a trial's curves
 constexpr std::size_t kTypical = 2;     // pictures beside that of the largest error
+constexpr double kWorthAWord = 0.1;     // probability of one that is not named
 constexpr double kNoBetter = 0.95;  // share of the error from which on a flexible model has learnt nothing
 
 /// Index of a block's first row in a trial's vectors.
@@ -199,6 +200,12 @@ std::string summary_of(const Diagnosis& d) {
       if (!names.empty())
         text += fmt::format(" {} {}, but leaves {}.", list, names.size() > 1 ? "help" : "helps",
                             millimetres(d.extended.held_out_rms_m));
+      std::vector<std::string> likely;
+      for (const Candidate& c : d.ranking) {
+        if (c.finding != Finding::kPresent && c.finding != Finding::kRival && c.probability >= kWorthAWord)
+          likely.push_back(fmt::format("{} ({})", c.id, percent(c.probability)));
+      }
+      if (!likely.empty()) text += fmt::format(" Not surely enough to be named: {}.", one_of(likely));
       text += d.ceiling_rms_m > kNoBetter * d.extended.held_out_rms_m
                   ? " Nor does a flexible model learn it from the other trials: it is not the same in all of "
                     "them, or they are too few."

@@ -10,6 +10,7 @@ namespace softarm::diagnose {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
+constexpr double kLikely = 0.1;
 constexpr double kStandsOut = 5.0;  ///< z of the screen from which "absent" would be too much
 
 /// Digits behind the point that show `digits` significant ones of a number of this size.
@@ -131,6 +132,8 @@ std::string finding_words(const Candidate& candidate) {
   }
   // What stands out and yet is not named: say why, "absent" would be too much.
   if (!candidate.possible) return "fits, but only with a size that no arm has";
+  if (candidate.log_score && *candidate.log_score > 0.0 && candidate.probability >= kLikely)
+    return "helps, but not surely enough to be named";
   if (candidate.z >= kStandsOut)
     return candidate.log_score ? "stands out, but does not earn its place on unseen trials"
                                : "stands out, but less than those above";

@@ -63,6 +63,9 @@ TEST(Words, WhatStandsOutIsNotCalledAbsent) {
   EXPECT_EQ(finding_words(candidate), "stands out, but less than those above");
   candidate.log_score = -0.1;
   EXPECT_EQ(finding_words(candidate), "stands out, but does not earn its place on unseen trials");
+  candidate.log_score = 0.1;
+  candidate.probability = 0.4;
+  EXPECT_EQ(finding_words(candidate), "helps, but not surely enough to be named");
   candidate.possible = false;
   EXPECT_EQ(finding_words(candidate), "fits, but only with a size that no arm has");
   candidate = {};
