@@ -40,7 +40,11 @@ const KeyTable& arm_keys() {
        map("payload", "{}", "where a payload hangs and what it may weigh"),
        map("noise", "{}", "what measurements of bodies are trusted to; each body may override it"),
        list("bodies", kRequired, "measured bodies, from base to tip"),
-       map("inputs", "{}", "topics, types and units"), map("estimator", "{}", "choices of the estimator")}};
+       map("inputs", "{}", "topics, types and units"), map("estimator", "{}", "choices of the estimator"),
+       list("effects", "[]",
+            "physics beyond these laws that is in the model, as `softarm diagnose` found it; `softarm "
+            "diagnose "
+            "--effects` lists ids, parameters and ranges")}};
   return table;
 }
 
@@ -167,6 +171,16 @@ const KeyTable& prior_keys() {
   return table;
 }
 
+const KeyTable& effect_keys() {
+  static const KeyTable table{
+      "effects[]",
+      {text("id", kRequired, "of the catalogue: base_compliance, soft_spot, ..."),
+       other("parameters", KeyKind::kNumbers, kRequired,
+             "its numbers by name, SI units; one that is left out has its usual value, a size is 0"),
+       other("sd", KeyKind::kNumbers, "{}", "standard deviations of some of them; read by people only")}};
+  return table;
+}
+
 std::vector<const KeyTable*> all_key_tables() {
   return {&arm_keys(),
           &base_keys(),
@@ -192,7 +206,8 @@ std::vector<const KeyTable*> all_key_tables() {
           &tension_input_keys(),
           &angle_input_keys(),
           &estimator_keys(),
-          &prior_keys()};
+          &prior_keys(),
+          &effect_keys()};
 }
 
 std::string allowed_values(const KeySpec& key) {
@@ -216,6 +231,8 @@ std::string allowed_values(const KeySpec& key) {
       return "section";
     case KeyKind::kList:
       return "list of sections";
+    case KeyKind::kNumbers:
+      return "name: number, ...";
   }
   return "";
 }

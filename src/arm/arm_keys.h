@@ -18,6 +18,7 @@ enum class KeyKind {
   kVector,        ///< list of `count` numbers, each in [low, high]
   kMap,           ///< nested section
   kList,          ///< list of nested sections
+  kNumbers,       ///< names, each with a number of its own
 };
 
 /// One key. `fallback` is YAML text, read like a user's value; kRequired and kAbsent are the special cases.
@@ -69,6 +70,7 @@ const KeyTable& tension_input_keys();
 const KeyTable& angle_input_keys();
 const KeyTable& estimator_keys();
 const KeyTable& prior_keys();
+const KeyTable& effect_keys();
 
 /// All of them, in the order of the document.
 std::vector<const KeyTable*> all_key_tables();

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "softarm/arm/arm.h"
+#include "softarm/arm/effect_entry.h"
 #include "yaml_section.h"
 
 namespace softarm::yaml {
@@ -25,5 +26,8 @@ std::vector<MeasuredBody> read_bodies(const Section& arm, const std::optional<st
 PayloadMount read_payload(const Section& section, double total_length_m);
 /// Checks the options against what the arm offers.
 EstimatorOptions read_estimator(const Section& section, const Arm& arm);
+
+/// Ids, names and numbers as they stand; effects/ knows which there are.
+std::vector<EffectEntry> read_effects(const Section& arm);
 
 }  // namespace softarm::yaml

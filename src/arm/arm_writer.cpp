@@ -1,7 +1,9 @@
 #include "softarm/arm/arm_writer.h"
 
 #include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "softarm/arm/arm_yaml.h"
@@ -13,7 +15,8 @@ namespace {
 using yaml::Editor;
 using yaml::Path;
 
-constexpr const char* kHeader = "# softarm identify: ";
+constexpr const char* kHeader = "# softarm ";
+constexpr const char* kPrograms[] = {"identify", "diagnose"};
 constexpr double kSame = 1e-9;  // relative: what nine digits hold
 
 bool same(double a, double b) {
@@ -124,9 +127,12 @@ bool same_structure(const Arm& a, const Arm& b) {
   return true;
 }
 
-/// Without the header of an earlier identification.
+/// Without the header of an earlier identification or diagnosis.
 std::string without_header(std::string text) {
-  while (text.rfind(kHeader, 0) == 0) {
+  const auto begins = [&text](const char* program) {
+    return text.rfind(kHeader + std::string(program) + ": ", 0) == 0;
+  };
+  while (begins(kPrograms[0]) || begins(kPrograms[1])) {
     const std::size_t end = text.find('\n');
     if (end == std::string::npos) return "";
     text.erase(0, end + 1);
@@ -134,10 +140,56 @@ std::string without_header(std::string text) {
   return text;
 }
 
+bool same_effects(const std::vector<EffectEntry>& a, const std::vector<EffectEntry>& b) {
+  const auto same_number = [](const EffectNumber& x, const EffectNumber& y) {
+    return x.name == y.name && same(x.value, y.value) && x.sd.has_value() == y.sd.has_value() &&
+           (!x.sd || same(*x.sd, *y.sd));
+  };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](const EffectEntry& x, const EffectEntry& y) {
+    return x.id == y.id &&
+           std::equal(x.numbers.begin(), x.numbers.end(), y.numbers.begin(), y.numbers.end(), same_number);
+  });
+}
+
+std::string section_of(const std::vector<EffectEntry>& effects) {
+  if (effects.empty()) return "";
+  std::string text = "effects:  # beside the laws; what they are: softarm diagnose --effects\n";
+  for (const EffectEntry& effect : effects) {
+    std::string values, sds;
+    for (const EffectNumber& n : effect.numbers) {
+      values += (values.empty() ? "" : ", ") + n.name + ": " + number(n.value);
+      if (n.sd) sds += (sds.empty() ? "" : ", ") + n.name + ": " + number(*n.sd);
+    }
+    text += fmt::format("  - id: {}\n    parameters: {{{}}}\n", effect.id, values);
+    if (!sds.empty()) text += fmt::format("    sd: {{{}}}\n", sds);
+  }
+  return text;
+}
+
+/// The text with another section `effects`, at its end.
+std::string with_effects(std::string text, const std::vector<EffectEntry>& effects) {
+  const YAML::Node root = YAML::Load(text);
+  std::size_t from = text.size(), to = text.size();
+  for (const auto& entry : root) {
+    const auto at = static_cast<std::size_t>(entry.first.Mark().pos);
+    if (entry.first.Scalar() == "effects") from = at;
+    if (at > from) to = std::min(to, at);
+  }
+  text.erase(from, to - from);
+  if (!text.empty() && text.back() != '\n') text += '\n';
+  return text + section_of(effects);
+}
+
 }  // namespace
 
 std::string update_arm_text(const std::string& text, const std::string& source, const Arm& arm,
                             const std::vector<std::string>& header) {
+  return update_arm_text(text, source, arm, parse_effect_entries(text, source), header, "identify");
+}
+
+std::string update_arm_text(const std::string& text, const std::string& source, const Arm& arm,
+                            const std::vector<EffectEntry>& effects, const std::vector<std::string>& header,
+                            const std::string& program) {
   const Arm read = parse_arm(text, source);
   if (!same_structure(read, arm))
     throw ArmError(source + ": describes another arm than the one to be written");
@@ -160,10 +212,14 @@ std::string update_arm_text(const std::string& text, const std::string& source, 
     editor.set({"estimator", "prior", "enabled"}, arm.estimator.prior.enabled ? "true" : "false");
 
   std::string written;
-  for (const std::string& line : header) written += kHeader + line + "\n";
-  written += editor.text();
+  for (const std::string& line : header) written += kHeader + program + ": " + line + "\n";
+  written += same_effects(parse_effect_entries(text, source), effects) ? editor.text()
+                                                                       : with_effects(editor.text(), effects);
   // An alias would have changed another value too.
   const Arm again = parse_arm(written, source);
+  if (!same_effects(parse_effect_entries(written, source), effects))
+    throw ArmError(source +
+                   ": the section 'effects' cannot be replaced; write the file as a block, not in braces");
   visit_constants(again, arm, [&](const Path&, double a, double b) {
     if (!(std::abs(a - b) <= 10.0 * kSame * std::max(std::abs(a), std::abs(b))))
       throw ArmError(fmt::format("{}: {} cannot be replaced by {} alone; write out aliases", source, a, b));

@@ -87,6 +87,10 @@ std::string Section::path_of(const std::string& key) const {
   return path_.empty() ? key : path_ + "." + key;
 }
 
+std::string Section::place() const {
+  return fmt::format("{}:{}", quoted(source_), line_);
+}
+
 void Section::fail_at(int line, const std::string& path, const std::string& problem) const {
   throw ArmError(fmt::format("{}:{}: key '{}': {}", quoted(source_), line, path, problem));
 }
@@ -251,6 +255,30 @@ std::string Section::topic(const std::string& key, const std::string& placeholde
     fail(key, fmt::format("value '{}' is not a ROS topic: letters, digits, '_' and '/'", quoted(topic)));
   }
   return topic;
+}
+
+std::vector<std::pair<std::string, double>> Section::numbers(const std::string& key) const {
+  const YAML::Node node = value(key);
+  std::vector<std::pair<std::string, double>> list;
+  if (!node.IsMap()) fail_value(key, "is not a section of names with a number each");
+  for (const auto& entry : node) {
+    const int line = entry.second.Mark().line >= 0 ? entry.second.Mark().line + 1 : line_;
+    if (!entry.first.IsScalar()) fail_at(line, path_of(key), "a key must be a word");
+    const std::string name = entry.first.Scalar();
+    const std::string path = path_of(key) + "." + quoted(name);
+    const bool legal =
+        !name.empty() && is_letter(name.front()) && std::all_of(name.begin(), name.end(), is_name_char);
+    if (!legal) fail_at(line, path, "is not a name: a letter, then letters, digits or '_'");
+    const bool twice =
+        std::any_of(list.begin(), list.end(), [&](const auto& one) { return one.first == name; });
+    if (twice) fail_at(line, path, "is given twice");
+    const std::optional<double> number =
+        entry.second.IsScalar() ? to_number(entry.second.Scalar()) : std::nullopt;
+    if (!number || !std::isfinite(*number))
+      fail_at(line, path, fmt::format("value {} is not a finite number", shown(entry.second)));
+    list.emplace_back(name, *number);
+  }
+  return list;
 }
 
 Section Section::section(const std::string& key, const KeyTable& table) const {

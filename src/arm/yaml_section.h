@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "arm_keys.h"
@@ -42,6 +43,9 @@ class Section {
   std::string topic(const std::string& key, const std::string& placeholder = "") const;
 
   Section section(const std::string& key, const KeyTable& table) const;
+  /// Names with a finite number each, in their order. Names are as name() wants them.
+  std::vector<std::pair<std::string, double>> numbers(const std::string& key) const;
+
   /// One section per element.
   std::vector<Section> list(const std::string& key, const KeyTable& table) const;
 
@@ -52,6 +56,8 @@ class Section {
   /// The same with the value as the user wrote it: value X <problem>.
   [[noreturn]] void fail_value(const std::string& key, const std::string& problem) const;
   std::string path_of(const std::string& key) const;
+  /// Where it stands, `<source>:<line>`: what messages about it begin with.
+  std::string place() const;
 
  private:
   struct Given {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "contribution.h"
+#include "extended_arm.h"
 #include "flexible.h"
 #include "ladder.h"
 #include "leftover.h"
@@ -110,6 +111,12 @@ std::vector<EffectValue> values_of(const Linearised& at, std::size_t effect, con
   return list;
 }
 
+std::string known_ids(const Options& options) {
+  std::string ids;
+  for (const Present& present : options.known) ids += (ids.empty() ? "" : ", ") + present.effect->info().id;
+  return ids;
+}
+
 /// The whole catalogue, best first: those taken, their rivals, the others of the last screen.
 std::vector<Candidate> ranking_of(const Selection& selection, double doubt, const Options& options) {
   std::vector<Candidate> list;
@@ -205,7 +212,7 @@ Diagnosis diagnose(const Arm& arm, const std::vector<identify::Trial>& trials, c
   effects::Preparation how;
   how.block_s = options.block_s;
   const effects::Prepared prepared = effects::prepare(arm, trials, how);
-  JointModel model(arm, prepared.trials, options.jobs, options.held, options.tied);
+  JointModel model(arm, prepared.trials, options.jobs, options.held, options.tied, options.known);
   report(0.05, "fitting the arm's constants");
   Linearised baseline = model.fit(model.start(), {});
   const std::size_t swinging = model.allow_for_motion(baseline.predicted);
@@ -285,6 +292,7 @@ Diagnosis diagnose(const Arm& arm, const std::vector<identify::Trial>& trials, c
   d.after.shared_m = left_after.shared_m;
   d.after.shared_z = left_after.shared_z;
   d.shifts = shifts_of(model, selection);
+  d.extended_arm = extended_arm(model, selection.extended, covariance);
 
   const auto detectable =
       std::count_if(d.ranking.begin(), d.ranking.end(), [](const Candidate& c) { return c.detectable; });
@@ -313,6 +321,9 @@ Diagnosis diagnose(const Arm& arm, const std::vector<identify::Trial>& trials, c
   d.notes.push_back(
       fmt::format("Inertia of the arm's known masses and a delay of its wall ({:.0f} ms) are in both models.",
                   1e3 * selection.extended.at.retardation_s));
+  if (!options.known.empty())
+    d.notes.push_back(fmt::format("{} of the arm file {} in all models, at the file's values.",
+                                  known_ids(options), options.known.size() == 1 ? "is" : "are"));
   for (const auto& [reason, count] : prepared.left_out)
     if (count > 0) d.notes.push_back(fmt::format("{} frames left out: {}", count, reason));
   if (trials.size() < 3)

@@ -79,8 +79,10 @@ VectorXd Linearised::unknowns() const {
 }
 
 JointModel::JointModel(const Arm& arm, const std::vector<TrialData>& trials, unsigned jobs,
-                       const std::vector<std::string>& held, const std::vector<std::string>& tied)
+                       const std::vector<std::string>& held, const std::vector<std::string>& tied,
+                       const std::vector<Present>& known)
     : arm_(arm),
+      known_(known),
       trials_(trials),
       jobs_(jobs),
       slow_sd_m_(VectorXd::Zero(static_cast<Eigen::Index>(arm.bodies.size()))) {
@@ -103,6 +105,12 @@ JointModel::JointModel(const Arm& arm, const std::vector<TrialData>& trials, uns
     motion_sd_m_.emplace_back(used.size(), 0.0);
     used_.push_back(std::move(used));
   }
+}
+
+std::vector<Present> JointModel::all(const std::vector<Present>& fitted) const {
+  std::vector<Present> list = known_;
+  list.insert(list.end(), fitted.begin(), fitted.end());
+  return list;
 }
 
 Arm JointModel::arm_with(const VectorXd& constants) const {
@@ -181,7 +189,7 @@ void JointModel::predict(const Parameters& parameters, const std::vector<std::ve
   const Arm arm = arm_with(parameters.constants);
   std::vector<std::vector<Predicted>> made(trials_.size());
   in_parallel(trials_.size(), jobs_, [&](std::size_t t) {
-    models_[t].predict(arm, parameters.effects, Dynamics{true, parameters.retardation_s}, trials_[t],
+    models_[t].predict(arm, all(parameters.effects), Dynamics{true, parameters.retardation_s}, trials_[t],
                        start != nullptr ? &(*start)[t] : nullptr, made[t]);
   });
   out = std::move(made);
@@ -263,13 +271,13 @@ void set_unknown(Parameters& p, const Column& c, double x) {
 
 effects::ExtendedModel::Varied JointModel::vary(std::size_t trial, const Parameters& parameters,
                                                 const std::vector<Predicted>& predicted) {
-  return models_[trial].vary(arm_with(parameters.constants), parameters.effects,
+  return models_[trial].vary(arm_with(parameters.constants), all(parameters.effects),
                              Dynamics{true, parameters.retardation_s}, trials_[trial], predicted);
 }
 
 void JointModel::differentiate(const Parameters& at, std::size_t trial, const std::vector<bool>& wanted,
                                std::vector<Predicted>& predicted) {
-  models_[trial].differentiate(arm_with(at.constants), at.effects, Dynamics{true, at.retardation_s},
+  models_[trial].differentiate(arm_with(at.constants), all(at.effects), Dynamics{true, at.retardation_s},
                                trials_[trial], wanted, predicted);
 }
 
@@ -324,7 +332,7 @@ Eigen::MatrixXd JointModel::differences(const Linearised& at, std::size_t trial,
       Eigen::MatrixXd::Zero(3 * at.reference[trial].seen.cols(), static_cast<Eigen::Index>(changed.size()));
   std::vector<Predicted> there;
   for (std::size_t j = 0; j < changed.size(); ++j) {
-    models_[trial].predict(arm_with(changed[j].constants), changed[j].effects,
+    models_[trial].predict(arm_with(changed[j].constants), all(changed[j].effects),
                            Dynamics{true, changed[j].retardation_s}, data, &predicted, there);
     Eigen::Index row = 0;
     for (std::size_t k = 0; k < data.blocks.size(); ++k) {
@@ -501,9 +509,10 @@ Linearised JointModel::fit(Parameters parameters, const FitOptions& options,
                    feedback && options.whole ? Derivatives::kWhole : Derivatives::kShapesHeld, !feedback);
 }
 
-bool JointModel::answers_itself(const Parameters& parameters) {
-  return std::any_of(parameters.effects.begin(), parameters.effects.end(),
-                     [](const Present& present) { return present.effect->needs_shape(); });
+bool JointModel::answers_itself(const Parameters& parameters) const {
+  const std::vector<Present> present = all(parameters.effects);
+  return std::any_of(present.begin(), present.end(),
+                     [](const Present& one) { return one.effect->needs_shape(); });
 }
 
 std::size_t JointModel::allow_for_motion(const std::vector<std::vector<Predicted>>& predicted) {

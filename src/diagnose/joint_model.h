@@ -66,11 +66,14 @@ class JointModel {
   /// @param trials kept by reference
   /// @param jobs threads, 0: one per core
   /// @param held, tied patterns, see Options
+  /// @param known effects that are in every prediction, at their values
   /// @throws std::invalid_argument for patterns that match nothing
   JointModel(const Arm& arm, const std::vector<effects::TrialData>& trials, unsigned jobs,
-             const std::vector<std::string>& held = {}, const std::vector<std::string>& tied = {});
+             const std::vector<std::string>& held = {}, const std::vector<std::string>& tied = {},
+             const std::vector<effects::Present>& known = {});
 
   const Arm& arm() const { return arm_; }
+  const std::vector<effects::Present>& known() const { return known_; }
   const std::vector<identify::ConstantRef>& constants() const { return constants_; }
   const std::vector<effects::TrialData>& trials() const { return trials_; }
   const effects::FineRod& rod() const { return models_.front().rod(); }
@@ -94,7 +97,7 @@ class JointModel {
                        Derivatives how = Derivatives::kShapesHeld, bool known = false);
   /// What depends on the shape that it causes, a spring or a wall, answers to every change: there the first
   /// order with shapes held is wrong by up to several times. It finds the way; intervals want the truth.
-  static bool answers_itself(const Parameters& parameters);
+  bool answers_itself(const Parameters& parameters) const;
   /// Derivatives by everything that an effect may change, for signatures() of new effects.
   void complete(Linearised& at);
   /// Derivatives of whitened positions by changes of the model at `at`: one matrix per trial, the columns of
@@ -145,7 +148,11 @@ class JointModel {
   Eigen::VectorXd residual(std::size_t trial, const std::vector<effects::Predicted>& predicted) const;
   void set_threshold(const std::vector<std::vector<effects::Predicted>>& predicted);
 
+  /// The known effects, and these.
+  std::vector<effects::Present> all(const std::vector<effects::Present>& fitted) const;
+
   const Arm arm_;
+  const std::vector<effects::Present> known_;
   const std::vector<effects::TrialData>& trials_;
   const unsigned jobs_;
   std::vector<identify::ConstantRef> constants_;

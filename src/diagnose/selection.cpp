@@ -196,7 +196,7 @@ Selection select(JointModel& model, Linearised baseline, const Options& options,
       }
       current = first.fit;
       current_unseen = first.unseen;
-      if (JointModel::answers_itself(current.at)) {
+      if (model.answers_itself(current.at)) {
         current = model.linearise(first.fit.at, &first.fit.predicted, JointModel::Derivatives::kWhole);
         current_unseen = unseen(model, current);
       }

@@ -52,16 +52,21 @@ std::vector<double> InstantSolver::stations(const Arm& arm, const FineRod& fine)
 
 bool InstantSolver::make(const Arm& arm, const std::vector<Present>& effects,
                          const std::vector<Memory>& memories, const Dynamics& dynamics,
-                         const Instant& instant, const Shape* shape, const Motion& motion, rod::Rod& out) {
-  const auto predictions = softarm::predict(arm, input_values(instant.inputs));
-  if (!predictions) return false;
-  const bool same = instant.inputs == instant.moment_inputs;
-  const auto moments = same ? predictions : softarm::predict(arm, input_values(instant.moment_inputs));
-  if (!moments) return false;
+                         const Instant& instant, const Shape* shape, const Motion& motion, rod::Rod& out,
+                         const std::vector<SegmentPrediction>* given) {
   out = fine.layout();
   out.gravity_m_s2 = instant.gravity_base;
   out.loads[rod::kPayloadLoad].mass_kg = instant.payload_kg;
-  fine.actuate(arm, *predictions, *moments, out);
+  if (given != nullptr) {
+    fine.actuate(arm, *given, *given, out);
+  } else {
+    const auto predictions = softarm::predict(arm, input_values(instant.inputs));
+    if (!predictions) return false;
+    const bool same = instant.inputs == instant.moment_inputs;
+    const auto moments = same ? predictions : softarm::predict(arm, input_values(instant.moment_inputs));
+    if (!moments) return false;
+    fine.actuate(arm, *predictions, *moments, out);
+  }
   for (std::size_t i = 0; i < effects.size(); ++i)
     effects[i].effect->act(arm, fine, effects[i].values, instant, shape, memories[i], out);
   if (dynamics.inertia && !motion.acceleration_m_s2.empty()) {
@@ -104,7 +109,8 @@ bool InstantSolver::agree(const Context& at, const std::vector<Present>& effects
   Eigen::Quaterniond last = now.q_tip;
   Shape followed, next;
   for (int round = 0; round < kMostRounds; ++round) {
-    if (!make(at.arm, effects, at.memories, at.dynamics, now.instant, &assumed, at.motion, rod)) return false;
+    if (!make(at.arm, effects, at.memories, at.dynamics, now.instant, &assumed, at.motion, rod, at.given))
+      return false;
     const bool solved = solve(&last);
     if (solved) {
       last = values.q_tip();
@@ -128,7 +134,7 @@ bool InstantSolver::settle(const Context& at, const std::vector<Present>& effect
   const bool needs_shape =
       std::any_of(effects.begin(), effects.end(), [](const Present& p) { return p.effect->needs_shape(); });
   if (!needs_shape) {
-    if (!make(at.arm, effects, at.memories, at.dynamics, now.instant, nullptr, at.motion, rod) ||
+    if (!make(at.arm, effects, at.memories, at.dynamics, now.instant, nullptr, at.motion, rod, at.given) ||
         !solve(start))
       return false;
     now.q_tip = values.q_tip();
@@ -148,7 +154,8 @@ bool InstantSolver::settle(const Context& at, const std::vector<Present>& effect
     others.push_back(effects[i]);
     of_others.push_back(at.memories[i]);
   }
-  if (!make(at.arm, others, of_others, at.dynamics, now.instant, nullptr, at.motion, rod) || !solve(start))
+  if (!make(at.arm, others, of_others, at.dynamics, now.instant, nullptr, at.motion, rod, at.given) ||
+      !solve(start))
     return false;
   now.q_tip = values.q_tip();
   now.shape = shape_of_solution(at.motion);

@@ -21,13 +21,16 @@ class InstantSolver {
     const Dynamics& dynamics;
     const Motion& motion;
     double& share;  ///< of what follows that is assumed next; kept from one instant to the next
+    /// What stands in for what the laws make of the inputs, one per segment of the arm; nullptr: nothing
+    /// does.
+    const std::vector<SegmentPrediction>* given = nullptr;
   };
 
   /// The rod that laws, effects and dynamics make of an instant.
   /// @return false where the inputs lie beyond the laws
   bool make(const Arm& arm, const std::vector<Present>& effects, const std::vector<Memory>& memories,
             const Dynamics& dynamics, const Instant& instant, const Shape* shape, const Motion& motion,
-            rod::Rod& out);
+            rod::Rod& out, const std::vector<SegmentPrediction>* given = nullptr);
   /// The equilibrium of now.instant: its shape and tip; `rod` and `values` are left as they belong to it.
   /// @param start the tip's orientation, believed to be near, or nullptr
   /// @param near a shape believed to be near, or nullptr

@@ -150,7 +150,7 @@ Evidence evidence(const Problem& problem, const VectorXd& x) {
     add(problem.position(o) - o.p, problem.position_sd(o));
     if (!o.tangent) continue;
     problem.tangent_jacobian(o, j);
-    add(problem.solver().station(o.station).q * Eigen::Vector3d::UnitZ() - *o.tangent, problem.tangent_sd(o));
+    add(problem.tangent(o) - *o.tangent, problem.tangent_sd(o));
   }
   result.weighted += result.information * x;
   return result;

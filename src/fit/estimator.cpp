@@ -40,7 +40,8 @@ bool is_constant_curvature(Method method) {
   return method == Method::kCcPoints || method == Method::kCcEndpoint;
 }
 
-Estimator::Impl::Impl(const Arm& a, const EstimatorOptions& o) : arm(a), options(o), problem(arm, options) {
+Estimator::Impl::Impl(const Arm& a, const EstimatorOptions& o, const std::vector<effects::Present>& e)
+    : arm(a), options(o), problem(arm, options), effects(e) {
   check();
   for (int dof = 1; dof < 256; ++dof) {
     inflation_limit.push_back(quantile(boost::math::chi_squared(dof), kInflationLevel));
@@ -50,6 +51,8 @@ Estimator::Impl::Impl(const Arm& a, const EstimatorOptions& o) : arm(a), options
   solver.options.parameter_tolerance = 1e-9;
   solver.options.gradient_tolerance = 1e-9;
   estimate.segments.resize(arm.segments.size());
+  if (!effects.empty() && !is_constant_curvature(options.method))
+    extension = std::make_unique<fit::ExtendedFrame>(arm, effects, problem);
   if (options.window_s > 0.0 && !is_constant_curvature(options.method)) {
     std::vector<int> changing;
     for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
@@ -99,7 +102,8 @@ void Estimator::Impl::fail(Status status, std::string detail) {
 
 const Estimate& Estimator::Impl::run(const Frame& frame) {
   clear(frame);
-  if (!place_base(frame) || !observe(frame) || !set_knowns(frame)) return estimate;
+  if (!place_base(frame) || !observe(frame)) return estimate;
+  if (!set_knowns(extension ? extension->begin(frame, base) : frame)) return estimate;
   if (options.method == Method::kCcEndpoint) {
     x = fit::constant_curvature_through(arm, problem, end_bodies());
     if (!problem.evaluate(x, fit::constant_curvature_tip(problem, x))) {
@@ -107,7 +111,7 @@ const Estimate& Estimator::Impl::run(const Frame& frame) {
       return estimate;
     }
   } else {
-    if (!solve_with_window()) return estimate;
+    if (!solve_with_effects()) return estimate;
     estimate.status = Status::kOk;
     estimate.detail.clear();
     if (!allow_for_stretch() || !keep_to_bounds()) return estimate;
@@ -134,6 +138,8 @@ void Estimator::Impl::clear(const Frame& frame) {
   estimate.rms_residual_m = estimate.mismatch = 0.0;
   estimate.degrees_of_freedom = 0;
   estimate.solver = SolverSummary();
+  problem.set_effects(nullptr);
+  extended = false;
 }
 
 bool Estimator::Impl::place_base(const Frame& frame) {
@@ -233,6 +239,19 @@ bool Estimator::Impl::enough_beyond_every_joint() const {
   return true;
 }
 
+std::optional<std::vector<SegmentPrediction>> Estimator::Impl::predict_laws(const Frame& frame) const {
+  if (frame.inputs.size() != arm.inputs.scalars.size()) return std::nullopt;
+  std::optional<std::vector<SegmentPrediction>> predictions = predict(arm, frame.inputs);
+  if (!predictions || !extension || extension->moment_inputs() == frame.inputs) return predictions;
+  const auto moments = predict(arm, extension->moment_inputs());
+  if (!moments) return std::nullopt;
+  for (std::size_t i = 0; i < predictions->size(); ++i) {
+    (*predictions)[i].moment_nm = (*moments)[i].moment_nm;
+    (*predictions)[i].curvature_per_m = (*moments)[i].curvature_per_m;
+  }
+  return predictions;
+}
+
 bool Estimator::Impl::set_knowns(const Frame& frame) {
   const bool arcs = is_constant_curvature(options.method);
   const int segments = static_cast<int>(arm.segments.size());
@@ -251,8 +270,7 @@ bool Estimator::Impl::set_knowns(const Frame& frame) {
     return false;
   }
 
-  std::optional<std::vector<SegmentPrediction>> predictions;
-  if (frame.inputs.size() == arm.inputs.scalars.size()) predictions = predict(arm, frame.inputs);
+  std::optional<std::vector<SegmentPrediction>> predictions = predict_laws(frame);
   const bool believe_laws = options.prior.enabled && !arcs;
   for (int i = 0; i < segments && !predictions; ++i) {
     const Segment& segment = arm.segments[static_cast<std::size_t>(i)];
@@ -276,6 +294,7 @@ bool Estimator::Impl::set_knowns(const Frame& frame) {
     for (const Segment& segment : arm.segments)
       predictions->push_back(predict_segment(arm, segment, frame.inputs).value_or(at_rest(segment)));
   }
+  if (extension) laws_at_frame = *predictions;
   const bool believed = !arcs && (options.prior.enabled || window);
   if (believed) {
     law = fit::frame_law(arm, options.prior, *predictions, problem.reference_stiffnesses());
@@ -332,7 +351,10 @@ void Estimator::Impl::believe() {
 }
 
 Estimator::Estimator(const Arm& arm, const EstimatorOptions& options)
-    : impl_(std::make_unique<Impl>(arm, options)) {}
+    : Estimator(arm, options, std::vector<effects::Present>()) {}
+Estimator::Estimator(const Arm& arm, const EstimatorOptions& options,
+                     const std::vector<effects::Present>& effects)
+    : impl_(std::make_unique<Impl>(arm, options, effects)) {}
 Estimator::~Estimator() = default;
 Estimator::Estimator(Estimator&&) noexcept = default;
 Estimator& Estimator::operator=(Estimator&&) noexcept = default;
@@ -348,6 +370,7 @@ void Estimator::reset() {
   impl_->contradictions = 0;
   impl_->inputs_known.reset();
   impl_->problem.forget();
+  if (impl_->extension) impl_->extension->reset();
 }
 
 const Arm& Estimator::arm() const {
@@ -357,15 +380,22 @@ const EstimatorOptions& Estimator::options() const {
   return impl_->options;
 }
 
+std::vector<std::string> Estimator::effect_notes() const {
+  if (impl_->extension) return impl_->extension->notes();
+  if (impl_->effects.empty()) return {};
+  return {"none of the arm file's effects is in the model: constant curvature knows none"};
+}
+
 void Estimator::set_unknown(Unknown unknown) {
   if (unknown == impl_->options.unknown) return;
   EstimatorOptions options = impl_->options;
   options.unknown = unknown;
   const std::unique_ptr<Impl> before = std::move(impl_);
-  impl_ = std::make_unique<Impl>(before->arm, options);
+  impl_ = std::make_unique<Impl>(before->arm, options, before->effects);
   impl_->backbone_points = before->backbone_points;
   impl_->base = before->base;
   impl_->base_seen = before->base_seen;
+  if (impl_->extension && before->extension) impl_->extension = std::move(before->extension);
 }
 
 void Estimator::set_backbone_points(int count) {

@@ -4,11 +4,13 @@
 
 #include <ceres/tiny_solver.h>
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "covariance.h"
+#include "extended_frame.h"
 #include "problem.h"
 #include "softarm/fit/estimator.h"
 #include "window.h"
@@ -20,7 +22,7 @@ struct Estimator::Impl {
   using Problem = fit::Problem;
   using VectorXd = Eigen::VectorXd;
 
-  Impl(const Arm& a, const EstimatorOptions& o);
+  Impl(const Arm& a, const EstimatorOptions& o, const std::vector<effects::Present>& e);
   void check() const;
   /// The most distal ring of a segment that serves the method; -1 if there is none.
   int end_body(int segment) const;
@@ -37,6 +39,8 @@ struct Estimator::Impl {
   bool enough_beyond_every_joint() const;
 
   // --- what is known ---
+  /// What the laws say of the frame's inputs, all segments or nothing.
+  std::optional<std::vector<SegmentPrediction>> predict_laws(const Frame& frame) const;
   bool set_knowns(const Frame& frame);
   /// Gives the problem what the laws and the window's frames say of this one.
   void believe();
@@ -59,6 +63,11 @@ struct Estimator::Impl {
   bool contradicted(bool fitted) const;
   /// Adds what this frame says to the window; fits it again where that ends a change.
   bool share();
+
+  // --- steps 2 to 4 with effects of the arm file in the model ---
+  bool solve_with_effects();
+  /// The fit again, where the effects have been worked out anew. @param whole all bodies are used again
+  bool fit_again(bool whole);
 
   // --- step 4 ---
   /// How far the bodies used are from the fit, in standard deviations.
@@ -121,10 +130,14 @@ struct Estimator::Impl {
   fit::FrameLaw law;
   std::vector<double> stretch_m;  ///< with which `law` counts what is not known of EA
   std::optional<fit::Window> window;
-  int contradictions = 0;            ///< frames in a row that may be a change or a wrong body
-  std::optional<bool> inputs_known;  ///< of the last frame
-  VectorXd actuation_nm;             ///< by the laws, 2 per segment
-  std::vector<bool> estimated;       ///< free before any parameter was held at a bound
+  const std::vector<effects::Present> effects;
+  std::unique_ptr<fit::ExtendedFrame> extension;  ///< of an arm with effects
+  std::vector<SegmentPrediction> laws_at_frame;   ///< with the inputs as the effects change them
+  bool extended = false;                          ///< the frame's fit has the effects in it
+  int contradictions = 0;                         ///< frames in a row that may be a change or a wrong body
+  std::optional<bool> inputs_known;               ///< of the last frame
+  VectorXd actuation_nm;                          ///< by the laws, 2 per segment
+  std::vector<bool> estimated;                    ///< free before any parameter was held at a bound
   fit::Covariance covariance;
   VectorXd x, last_x;
   bool have_last = false;

@@ -65,6 +65,8 @@ void Estimator::Impl::finish() {
     fit::fill_segment(problem, i, x, covariance, estimated, options,
                       estimate.segments[static_cast<std::size_t>(i)]);
   }
+  // The shape is that of the whole model; where it has no equilibrium at the limits, that of the laws.
+  extended = extension && extension->keep(problem, x, laws_at_frame);
   bending_angles();
   payload();
   backbone();
@@ -143,7 +145,7 @@ void Estimator::Impl::residuals_and_mismatch() {
     chi2 += (r.estimated_base - r.measured_base).squaredNorm() / (sd * sd);
     rows += 3;
     if (o.tangent) {
-      const Vector3d e = problem.solver().station(o.station).q * Vector3d::UnitZ() - *o.tangent;
+      const Vector3d e = problem.tangent(o) - *o.tangent;
       chi2 += e.squaredNorm() / (problem.tangent_sd(o) * problem.tangent_sd(o));
       rows += 2;
     }
@@ -156,9 +158,14 @@ void Estimator::Impl::residuals_and_mismatch() {
 
 void Estimator::Impl::bending_angles() {
   Vector3d from = Vector3d::UnitZ();
+  double end_m = 0.0;
+  if (extended) from = extension->shape_at(0.0).q * from;
   for (std::size_t i = 0; i < arm.segments.size(); ++i) {
     const int station = static_cast<int>(arm.bodies.size() + i);
-    const Vector3d to = problem.solver().station(station).q * Vector3d::UnitZ();
+    end_m += arm.segments[i].length_m;
+    const Eigen::Quaterniond q = extended ? extension->shape_at(std::min(end_m, arm.total_length_m())).q
+                                          : problem.solver().station(station).q;
+    const Vector3d to = q * Vector3d::UnitZ();
     estimate.segments[i].bending_angle_rad = std::atan2(from.cross(to).norm(), from.dot(to));
     from = to;
   }
@@ -180,7 +187,8 @@ void Estimator::Impl::payload() {
 void Estimator::Impl::backbone() {
   const double length = arm.total_length_m();
   for (int i = 0; i < backbone_points; ++i) {
-    const rod::RodState state = problem.solver().at(length * i / std::max(1, backbone_points - 1));
+    const double s_m = length * i / std::max(1, backbone_points - 1);
+    const rod::RodState state = extended ? extension->shape_at(s_m) : problem.solver().at(s_m);
     estimate.backbone.push_back({state.s_m, state.p, state.q, state.u});
   }
 }

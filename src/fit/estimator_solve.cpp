@@ -170,7 +170,7 @@ bool Estimator::Impl::share() {
   for (const Observation& o : problem.observations()) {
     if (!o.used || !o.tangent) continue;
     tangents += 2.0;
-    const Vector3d off = problem.solver().station(o.station).q * Vector3d::UnitZ() - *o.tangent;
+    const Vector3d off = problem.tangent(o) - *o.tangent;
     tangent_chi2 += off.squaredNorm() / (problem.tangent_sd(o) * problem.tangent_sd(o));
   }
   entry.degrees_of_freedom = std::max(0.0, 3.0 * now.used + tangents - fit::determined_by_bodies(problem, x));

@@ -209,6 +209,28 @@ void Problem::chain(const Eigen::Ref<const Eigen::Matrix3Xd>& by_rod, Eigen::Mat
 }
 
 Vector3d Problem::position(const Observation& o) const {
+  if (effects_ == nullptr) return position_by_laws(o);
+  const EffectsAt::OnBody& effect = effects_->bodies[static_cast<std::size_t>(o.body)];
+  return position_by_laws(o) + effect.p + effect.p_by_x * (last_x_ - effects_->x);
+}
+
+Vector3d Problem::tangent(const Observation& o) const {
+  const Vector3d by_laws = solver_.station(o.station).q * Vector3d::UnitZ();
+  if (effects_ == nullptr) return by_laws;
+  const EffectsAt::OnBody& effect = effects_->bodies[static_cast<std::size_t>(o.body)];
+  return (by_laws + effect.tangent + effect.tangent_by_x * (last_x_ - effects_->x)).normalized();
+}
+
+Vector3d Problem::measured_for_laws(const Observation& o) const {
+  return effects_ == nullptr ? o.p : Vector3d(o.p - effects_->bodies[static_cast<std::size_t>(o.body)].p);
+}
+
+Vector3d Problem::tangent_for_laws(const Observation& o) const {
+  if (effects_ == nullptr) return *o.tangent;
+  return (*o.tangent - effects_->bodies[static_cast<std::size_t>(o.body)].tangent).normalized();
+}
+
+Vector3d Problem::position_by_laws(const Observation& o) const {
   const rod::RodState& state = solver_.station(o.station);
   const MeasuredBody& body = arm_.bodies[static_cast<std::size_t>(o.body)];
   if (body.kind == BodyKind::kRing) return state.p;
@@ -222,7 +244,14 @@ void Problem::position_jacobian(const Observation& o, Eigen::Matrix3Xd& j) const
   if (body.kind == BodyKind::kSkinMarker) {
     Eigen::Matrix3Xd turn(3, j.cols());
     chain(solver_.drotation(o.station), turn);
-    j -= skew(position(o) - solver_.station(o.station).p) * turn;
+    j -= skew(position_by_laws(o) - solver_.station(o.station).p) * turn;
+  }
+  if (effects_ != nullptr) add_free(effects_->bodies[static_cast<std::size_t>(o.body)].p_by_x, j);
+}
+
+void Problem::add_free(const Eigen::Matrix3Xd& by_x, Eigen::Matrix3Xd& j) const {
+  for (int k = 0; k < j.cols(); ++k) {
+    if (free_[static_cast<std::size_t>(k)]) j.col(k) += by_x.col(k);
   }
 }
 
@@ -233,6 +262,7 @@ Eigen::Matrix3d Problem::position_by_gravity(const Observation& o) const {
 void Problem::tangent_jacobian(const Observation& o, Eigen::Matrix3Xd& j) const {
   chain(solver_.drotation(o.station), j);
   j = (-skew(solver_.station(o.station).q * Vector3d::UnitZ()) * j).eval();
+  if (effects_ != nullptr) add_free(effects_->bodies[static_cast<std::size_t>(o.body)].tangent_by_x, j);
 }
 
 template <typename Columns>
@@ -285,8 +315,8 @@ bool Problem::operator()(const double* x, double* residuals, double* jacobian) c
     row += 3;
     if (o.tangent) {
       if (jacobian != nullptr) tangent_jacobian(o, block_);
-      add_block(solver_.station(o.station).q * Vector3d::UnitZ() - *o.tangent, block_, tangent_weight(o),
-                options_.robust, row, residuals, jacobian);
+      add_block(tangent(o) - *o.tangent, block_, tangent_weight(o), options_.robust, row, residuals,
+                jacobian);
       row += 3;
     }
   }
@@ -340,12 +370,13 @@ bool Problem::evaluate_free_tip(const double* x, const Eigen::Quaterniond& q_tip
     if (!o.used) continue;
     // Rings and markers alike by the backbone's place: this is only a way to a start.
     chain(solver_.dp(o.station), block_);
-    put(row, solver_.station(o.station).p - o.p, block_, solver_.dp_by_tip(o.station), 1.0 / position_sd(o));
+    put(row, solver_.station(o.station).p - measured_for_laws(o), block_, solver_.dp_by_tip(o.station),
+        1.0 / position_sd(o));
     row += 3;
     if (o.tangent) {  // as if the body sat at the tip, which for end_orientation it does
       const Vector3d tangent = solver_.station(o.station).q * Vector3d::UnitZ();
       chain(solver_.drotation(o.station), block_);
-      put(row, tangent - *o.tangent, -skew(tangent) * block_, -skew(tangent), 1.0 / tangent_sd(o));
+      put(row, tangent - tangent_for_laws(o), -skew(tangent) * block_, -skew(tangent), 1.0 / tangent_sd(o));
       row += 3;
     }
   }

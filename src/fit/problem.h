@@ -24,6 +24,17 @@ struct Observation {
   bool used = true;
 };
 
+/// What effects beyond the laws do to the bodies, about x: added to the rod of the laws.
+struct EffectsAt {
+  struct OnBody {
+    Eigen::Vector3d p = Eigen::Vector3d::Zero();        ///< shift, m
+    Eigen::Vector3d tangent = Eigen::Vector3d::Zero();  ///< change of the tangent
+    Eigen::Matrix3Xd p_by_x, tangent_by_x;
+  };
+  Eigen::VectorXd x;
+  std::vector<OnBody> bodies;  ///< by index into Arm::bodies
+};
+
 /// Residuals of one frame for ceres::TinySolver.
 ///
 /// Parameters, all dimensionless, chosen so that the shape is nearly linear in them:
@@ -54,6 +65,8 @@ class Problem {
   void set_laws(const std::optional<std::vector<SegmentPrediction>>& predictions);
   void set_belief(const std::optional<Belief>& belief);
   const std::optional<Belief>& belief() const { return belief_; }
+  /// @param effects kept by reference, until the next call; nullptr: none
+  void set_effects(const EffectsAt* effects) { effects_ = effects; }
   int station_of_body(int body) const { return body_station_[static_cast<std::size_t>(body)]; }
   /// Counts the rows and forgets cached evaluations: call after the frame's data change.
   void begin();
@@ -79,6 +92,12 @@ class Problem {
   const rod::Solver& solver() const { return solver_; }
   const rod::Rod& rod() const { return rod_; }
   Eigen::Vector3d position(const Observation& o) const;
+  Eigen::Vector3d tangent(const Observation& o) const;
+  /// The same of the laws' rod alone.
+  Eigen::Vector3d position_by_laws(const Observation& o) const;
+  /// What is measured, less what the effects do about their x: what the laws' rod is to explain.
+  Eigen::Vector3d measured_for_laws(const Observation& o) const;
+  Eigen::Vector3d tangent_for_laws(const Observation& o) const;
   /// d position / d x (3 x P), free or not.
   void position_jacobian(const Observation& o, Eigen::Matrix3Xd& j) const;
   /// d position / d gravity (base frame); only with a window.
@@ -114,6 +133,8 @@ class Problem {
   /// Weight c_i of a body as printed below equation (7): 1 / (i L), for the i-th body of the arm.
   double paper_weight(const Observation& o) const;
   void apply(const Eigen::VectorXd& x) const;
+  /// Adds the columns of what is free.
+  void add_free(const Eigen::Matrix3Xd& by_x, Eigen::Matrix3Xd& j) const;
   void chain(const Eigen::Ref<const Eigen::Matrix3Xd>& by_rod, Eigen::Matrix3Xd& by_x) const;
   template <typename Columns>
   void add_block(const Eigen::Vector3d& e, const Columns& de, double weight, bool robust, int row,
@@ -127,6 +148,7 @@ class Problem {
   std::vector<bool> free_;
   std::optional<Belief> belief_;
   Eigen::MatrixXd belief_rows_;
+  const EffectsAt* effects_ = nullptr;
   std::vector<double> reference_stiffness_;
   std::vector<int> body_station_;
   int rows_ = 0;

@@ -128,7 +128,7 @@ Start start_from_shape(const Arm& arm, const Problem& problem,
     const double s = arm.bodies[static_cast<std::size_t>(o->body)].arclength_m;
     if (s - last.s_to < 0.02 * arm.total_length_m()) continue;  // too close: the arc would be noise
     if (!o->tangent) {
-      last = arc_to(last, s, o->p);
+      last = arc_to(last, s, problem.measured_for_laws(*o));
       arcs.push_back(last);
       continue;
     }
@@ -138,7 +138,8 @@ Start start_from_shape(const Arm& arm, const Problem& problem,
     for (int i = 1; i <= kPieces; ++i) {
       const double f = static_cast<double>(i) / kPieces;
       last = arc_to(last, before.s_to + f * (s - before.s_to),
-                    cubic(before.p_to, tangent, o->p, *o->tangent, s - before.s_to, f));
+                    cubic(before.p_to, tangent, problem.measured_for_laws(*o), problem.tangent_for_laws(*o),
+                          s - before.s_to, f));
       arcs.push_back(last);
     }
   }

@@ -40,11 +40,12 @@ EstimatorNode::EstimatorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
     : nh_(nh),
       private_nh_(private_nh),
       params_(params),
-      estimator_(params.arm, params.options),
+      estimator_(params.arm, params.options, params.effects),
       assembler_(params.arm, assembler_params()),
       updater_(nh_, private_nh_, ros::this_node::getName()) {
   for (const MeasuredBody& body : params_.arm.bodies) body_names_.push_back(body.name);
   if (const std::string note = advice(params.options); !note.empty()) ROS_WARN("%s", note.c_str());
+  for (const std::string& note : estimator_.effect_notes()) ROS_INFO("effects: %s", note.c_str());
   if (params_.monitor) {
     monitor_.emplace(params_.arm, params_.alarm);
     monitor_->set_unknown(params_.options.unknown);

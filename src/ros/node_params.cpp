@@ -4,6 +4,7 @@
 
 #include <stdexcept>
 
+#include "softarm/effects/arm_effects.h"
 #include "softarm/ros/param_reader.h"
 #include "softarm/trial/arm_file.h"
 
@@ -30,6 +31,7 @@ NodeParams NodeParams::read(const ros::NodeHandle& private_nh) {
   std::vector<std::string> directories;
   if (const auto directory = reader.word("arms_dir")) directories.push_back(*directory);
   params.arm = load_arm_file(*arm, directories);
+  params.effects = effects::load_effects(params.arm, *arm, directories);
 
   EstimatorOptions& options = params.options;
   options = params.arm.estimator;

@@ -34,13 +34,18 @@ fs::path find_arm(const std::string& name, const std::vector<std::string>& direc
 
 }  // namespace
 
-Arm load_arm_file(const std::string& name, const std::vector<std::string>& directories) {
+ArmText read_arm_text(const std::string& name, const std::vector<std::string>& directories) {
   const fs::path path = find_arm(name, directories);
   std::ifstream file(path);
   std::ostringstream text;
   if (file) text << file.rdbuf();
   if (!file || !text) throw ArmError(path.string() + ": cannot be read");
-  return parse_arm(text.str(), path.string());
+  return {text.str(), path.string()};
+}
+
+Arm load_arm_file(const std::string& name, const std::vector<std::string>& directories) {
+  const ArmText file = read_arm_text(name, directories);
+  return parse_arm(file.text, file.source);
 }
 
 std::vector<std::string> arm_names(const std::vector<std::string>& directories) {

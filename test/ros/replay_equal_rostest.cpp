@@ -81,7 +81,8 @@ TEST(ReplayEqual, TheNodeAndTheProgramAgreeOnTheSameBag) {
   ASSERT_EQ(softarm_program("simulate trial_10s --out " + dir / "trial.bag").status, 0);
   // What the node beside this test was told.
   const auto options = ros::param::param<std::string>("~estimate_options", "");
-  ASSERT_EQ(softarm_program("estimate --arm online_200mm " + options + " " + dir / "trial.bag" + " --out " +
+  const auto arm = ros::param::param<std::string>("~estimate_arm", "online_200mm");
+  ASSERT_EQ(softarm_program("estimate --arm " + arm + " " + options + " " + dir / "trial.bag" + " --out " +
                             dir / "out")
                 .status,
             0);

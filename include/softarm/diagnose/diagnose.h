@@ -7,6 +7,7 @@
 
 #include "softarm/arm/arm.h"
 #include "softarm/diagnose/diagnosis.h"
+#include "softarm/effects/effect.h"
 #include "softarm/identify/shape_error.h"
 
 namespace softarm::diagnose {
@@ -22,6 +23,8 @@ struct Options {
   /// as identify::matching() and identify::tie_constants() have them.
   std::vector<std::string> held, tied;
   unsigned jobs = 0;  ///< threads; 0: one per core
+  /// Effects of the arm file: in the baseline and in everything else, at their values.
+  std::vector<effects::Present> known;
 };
 
 /// Called with the share of the work that is done, 0 ... 1, and what is being done.

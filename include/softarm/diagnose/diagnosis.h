@@ -10,6 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "softarm/arm/arm.h"
+#include "softarm/arm/effect_entry.h"
+
 namespace softarm::diagnose {
 
 enum class Verdict {
@@ -92,11 +95,17 @@ struct Shift {
   double after = 0.0, sd_after = 0.0;
 };
 
+/// What arm_extended.yaml holds.
+struct ExtendedArm {
+  Arm arm;  ///< with the constants fitted together with the effects
+  std::vector<EffectEntry> effects;
+};
+
 /// What is left of the residuals.
 struct Structure {
-  double whiteness_p = 1.0;   ///< of residuals in time
-  double along_s_p = 1.0;     ///< of their runs along the arm
-  double chi2_per_dof = 1.0;  ///< against the noise
+  double whiteness_p = 1.0;                  ///< of residuals in time
+  double along_s_p = 1.0;                    ///< of their runs along the arm
+  double chi2_per_dof = 1.0;                 ///< against the noise
   std::map<std::string, double> by_input_p;  ///< dependence on each input, on speed, payload, time, attitude
   Where where;
   /// Rms error that neighbouring bodies share while the arm is calm, m, and its mean over its standard error:
@@ -182,6 +191,7 @@ struct Diagnosis {
   std::vector<Candidate> ranking;    ///< every candidate, best first
   Structure before, after;
   std::vector<Shift> shifts;
+  ExtendedArm extended_arm;
   std::optional<NextExperiment> next_experiment;
   std::vector<std::string> notes;  ///< what was left out of the data and why, and other remarks
   std::vector<TrialCurves> trials;

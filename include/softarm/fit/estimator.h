@@ -3,10 +3,15 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "softarm/arm/arm.h"
 #include "softarm/fit/estimate.h"
 #include "softarm/fit/frame.h"
+
+namespace softarm::effects {
+struct Present;
+}
 
 namespace softarm {
 
@@ -19,6 +24,10 @@ namespace softarm {
 /// 4. A body that the others contradict is set aside and the fit repeated.
 /// 5. Covariance, which parameters the frame can tell, residuals, backbone.
 ///
+/// Effects of the arm file (effects/arm_effects.h) are in the model: what they do to the bodies at the
+/// estimate is added to the laws' rod, with its derivatives, and the fit repeated until both agree
+/// (fit/extended_frame.h). Estimates are those of the laws' constants, before the effects change them.
+///
 /// Not thread-safe; one instance per stream of frames.
 class Estimator {
  public:
@@ -26,6 +35,7 @@ class Estimator {
   /// orientation for end_orientation)
   explicit Estimator(const Arm& arm) : Estimator(arm, arm.estimator) {}
   Estimator(const Arm& arm, const EstimatorOptions& options);
+  Estimator(const Arm& arm, const EstimatorOptions& options, const std::vector<effects::Present>& effects);
   ~Estimator();
   Estimator(Estimator&&) noexcept;
   Estimator& operator=(Estimator&&) noexcept;
@@ -38,6 +48,9 @@ class Estimator {
 
   const Arm& arm() const;
   const EstimatorOptions& options() const;
+  /// For people: the effects that the fit has in it, and those that it cannot have and why, one line
+  /// each; empty for an arm without.
+  std::vector<std::string> effect_notes() const;
   void set_unknown(Unknown unknown);
   /// Number of evenly spaced points of Estimate::backbone (41 by default; 0: none, which saves their cost).
   void set_backbone_points(int count);

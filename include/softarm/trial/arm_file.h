@@ -15,6 +15,13 @@ namespace softarm {
 /// or if it is not a valid arm
 Arm load_arm_file(const std::string& name, const std::vector<std::string>& directories = {});
 
+/// The text of that file, and its path.
+struct ArmText {
+  std::string text, source;
+};
+/// @throws ArmError where load_arm_file() would but for the text itself
+ArmText read_arm_text(const std::string& name, const std::vector<std::string>& directories = {});
+
 /// Bare names of the arm files in these folders, sorted.
 std::vector<std::string> arm_names(const std::vector<std::string>& directories);
 

@@ -10,9 +10,11 @@
 #include <set>
 #include <utility>
 
+#include "softarm/arm/arm_writer.h"
 #include "softarm/arm/arm_yaml.h"
 #include "softarm/command.h"
 #include "softarm/diagnose/report_page.h"
+#include "softarm/effects/arm_effects.h"
 #include "softarm/effects/effect.h"
 #include "softarm/identify/identify.h"
 #include "softarm/output_file.h"
@@ -41,6 +43,7 @@ constexpr const char* kExamples = R"(Examples:
 What is written:
   report/report.html   what was found, with pictures; one page that needs nothing else
   report/report.json   the same for programs
+  report/arm_extended.yaml   the arm file with what was found in it: for estimate, identify, simulate, diagnose and the node
 Trials that tell most: several speeds, several attitudes of the base, with and without payload.)";
 
 void write(OutputFile& file, const std::string& text) {
@@ -63,18 +66,35 @@ void list_effects() {
   }
 }
 
+/// What stands in front of the extended arm file.
+std::vector<std::string> header_of(const diagnose::Diagnosis& diagnosis,
+                                   const std::vector<identify::Trial>& trials) {
+  std::string names;
+  for (const identify::Trial& trial : trials) names += (names.empty() ? "" : ", ") + trial.name;
+  std::vector<std::string> lines{"constants and effects fitted together to the trials " + names};
+  lines.push_back(fmt::format("verdict: {}; rms error on unseen trials {:.3g} mm, before {:.3g} mm",
+                              diagnose::to_string(diagnosis.verdict), 1e3 * diagnosis.extended.held_out_rms_m,
+                              1e3 * diagnosis.baseline.held_out_rms_m));
+  for (const diagnose::NamedEffect& effect : diagnosis.effects)
+    lines.push_back(fmt::format("{} ({:.0f} %): {}", effect.id, 100.0 * effect.probability, effect.words));
+  return lines;
+}
+
 void run(Options options) {
   if (options.effects) return list_effects();
   if (options.arm.empty()) throw Failure("--arm is needed: the arm file");
   if (options.out.empty()) throw Failure("--out is needed: the folder for the report");
   if (options.bags.empty()) throw Failure("no bag: name the trials' bags");
   Arm arm = load_arm_file(options.arm, config_folders("arms"));
+  const ArmText file = read_arm_text(options.arm, config_folders("arms"));
+  options.diagnosis.known = effects::effects_of(arm, parse_effect_entries(file.text, file.source));
   if (options.payload_kg) arm.payload.default_kg = options.payload_kg;
   const ReportPage page = find_report_page();
   std::error_code error;
   fs::create_directories(options.out, error);
   if (error) throw Failure(fmt::format("--out {}: cannot be made: {}", options.out, error.message()));
   OutputFile json(fs::path(options.out) / "report.json"), html(fs::path(options.out) / "report.html");
+  OutputFile extended(fs::path(options.out) / "arm_extended.yaml");
 
   const std::vector<identify::Trial> trials =
       read_trials(options.bags, arm, !options.payload_kg, options.diagnosis.jobs);
@@ -94,10 +114,13 @@ void run(Options options) {
   if (!page.warning.empty()) fmt::print(stderr, "softarm: warning: {}\n", page.warning);
   write(json, diagnose::to_json(diagnosis));
   write(html, diagnose::to_html(diagnosis, page.files));
+  write(extended, update_arm_text(file.text, file.source, diagnosis.extended_arm.arm,
+                                  diagnosis.extended_arm.effects, header_of(diagnosis, trials), "diagnose"));
   json.commit();
   html.commit();
-  fmt::print("{}written: {}, {}\n", diagnose::describe(diagnosis), html.path().string(),
-             json.path().string());
+  extended.commit();
+  fmt::print("{}written: {}, {}, {}\n", diagnose::describe(diagnosis), html.path().string(),
+             json.path().string(), extended.path().string());
 }
 
 }  // namespace

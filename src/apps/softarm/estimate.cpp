@@ -14,6 +14,7 @@
 #include "softarm/alarm_list.h"
 #include "softarm/arm/arm_yaml.h"
 #include "softarm/command.h"
+#include "softarm/effects/arm_effects.h"
 #include "softarm/fit/estimator.h"
 #include "softarm/math/parallel.h"
 #include "softarm/output_file.h"
@@ -43,6 +44,7 @@ constexpr const char* kExamples = R"(Examples:
   softarm estimate --arm my_arm.yaml *.bag --unknown payload --out results
   softarm estimate --arm my_arm.yaml trial.bag --method end_orientation --payload 0.2
   softarm estimate --arm my_arm.yaml trial.bag --unknown both --prior on --window 0.5
+  softarm estimate --arm report/arm_extended.yaml trial.bag    with what `softarm diagnose` found in the model
 Writes OUT/<bag name>/estimates.csv (one row per frame and segment, SI units) and summary.txt.)";
 
 // Base and tip are all that is written; the alarms look at the shape in between.
@@ -119,9 +121,17 @@ class Folder {
   std::vector<fs::path> made_;  // the innermost first
 };
 
-void estimate_bag(const Arm& arm, bool use_payload, Job& job, Progress& progress) {
+std::string effect_lines(const Estimator& estimator) {
+  std::string text;
+  for (const std::string& note : estimator.effect_notes())
+    text += fmt::format("{:<28}{}\n", "effects:", note);
+  return text;
+}
+
+void estimate_bag(const Arm& arm, const std::vector<effects::Present>& effects, bool use_payload, Job& job,
+                  Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
-  Estimator estimator(arm);
+  Estimator estimator(arm, arm.estimator, effects);
   estimator.set_backbone_points(kBackbonePoints);
   BagFrames bag(job.bag, arm, use_payload);
   job.warnings = bag.warnings();
@@ -161,7 +171,8 @@ void estimate_bag(const Arm& arm, bool use_payload, Job& job, Progress& progress
                   "bag:", fs::path(job.bag).filename().string(), "arm:", arm.name,
                   "method:", to_string(arm.estimator.method), to_string(arm.estimator.unknown),
                   arm.estimator.prior.enabled ? "on" : "off", arm.estimator.window_s) +
-      summary.text(bag.assembler().rejected(), bag.assembler().samples()) + alarms.text();
+      effect_lines(estimator) + summary.text(bag.assembler().rejected(), bag.assembler().samples()) +
+      alarms.text();
   std::ofstream(text.temporary()) << table;
   if (!rows) throw Failure(fmt::format("{}: cannot be written", csv.path().string()));
   csv.commit();
@@ -177,6 +188,10 @@ void estimate_bag(const Arm& arm, bool use_payload, Job& job, Progress& progress
 
 void run(const Options& options) {
   const Arm arm = load_arm(options);
+  const std::vector<effects::Present> effects =
+      effects::load_effects(arm, options.arm, config_folders("arms"));
+  for (const std::string& line : Estimator(arm, arm.estimator, effects).effect_notes())
+    fmt::print(stderr, "softarm: effects: {}\n", line);
   const std::string note = advice(arm.estimator);
   if (!note.empty()) fmt::print(stderr, "softarm: note: {}\n", note);
   std::vector<Job> jobs = make_jobs(options);
@@ -184,7 +199,7 @@ void run(const Options& options) {
     Progress progress("frames");
     in_parallel(jobs.size(), options.jobs, [&](std::size_t i) {
       try {
-        estimate_bag(arm, !options.payload_kg, jobs[i], progress);
+        estimate_bag(arm, effects, !options.payload_kg, jobs[i], progress);
       } catch (const std::exception& e) {  // the other bags go on
         jobs[i].failure = e.what();
       }

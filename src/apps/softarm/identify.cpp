@@ -15,6 +15,8 @@
 #include "softarm/arm/arm_writer.h"
 #include "softarm/arm/arm_yaml.h"
 #include "softarm/command.h"
+#include "softarm/effects/arm_effects.h"
+#include "softarm/effects/identify_extended.h"
 #include "softarm/identify/pull.h"
 #include "softarm/identify_tables.h"
 #include "softarm/output_file.h"
@@ -107,6 +109,11 @@ void fit(const Options& options, const Arm& arm) {
   }
   const fs::path source = find_config("arms", options.arm);
   const std::string text = read_text(source);
+  const std::vector<effects::Present> effects =
+      effects::effects_of(arm, parse_effect_entries(text, source.string()));
+  for (const effects::Present& present : effects)
+    fmt::print(stderr, "softarm: effects: {} is in the model, held at the arm file's values\n",
+               present.effect->info().id);
 
   const std::vector<identify::Trial> trials =
       read_trials(options.bags, arm, !options.payload_kg, options.jobs);
@@ -115,9 +122,9 @@ void fit(const Options& options, const Arm& arm) {
     Progress progress("steps");
     progress.add_total(1.0);
     double done = 0.0;
-    result = identify::identify(arm, trials, options.fit, [&](double share) {
-      progress.advance(share - std::exchange(done, share), 1);
-    });
+    result = effects::identify_extended(
+        arm, effects, trials, options.fit,
+        [&](double share) { progress.advance(share - std::exchange(done, share), 1); }, options.jobs);
   }
   write(out, update_arm_text(text, source.string(), result.arm, header_of(result)));
   if (json) write(*json, identify::to_json(result));
@@ -136,6 +143,9 @@ void fit(const Options& options, const Arm& arm) {
 }
 
 void pull(const Options& options, const Arm& arm) {
+  if (!effects::load_effects(arm, options.arm, config_folders("arms")).empty())
+    throw Failure(fmt::format("{}: key 'effects': the pull procedure knows no effects; leave --procedure out",
+                              options.arm));
   std::optional<OutputFile> out;
   if (!options.out.empty()) out.emplace(options.out);
   const std::vector<identify::Trial> trials =

@@ -13,6 +13,7 @@
 #include "softarm/progress.h"
 #include "softarm/record_trial.h"
 #include "softarm/rig/scenario.h"
+#include "softarm/scenario_file.h"
 #include "softarm/shipped.h"
 
 namespace softarm::app {
@@ -31,12 +32,13 @@ struct Options {
 constexpr const char* kExamples = R"(Examples:
   softarm simulate demo --seconds 30 --out trial.bag
   softarm simulate my_scenario.yaml --seed 7 --out trial.bag --truth /elsewhere/trial.csv
+A scenario whose `arm:` is the name or path of an arm file simulates that arm with its effects.
 The bag holds what the sensors saw and nothing else. The truth goes to files of its own: its time series
 (.truth.csv), what was hidden (.truth.yaml), and their digests (.truth.sha256; sha256sum -c checks them).)";
 
 void run(const Options& options) {
   const fs::path path = find_config("scenarios", options.scenario);
-  rig::Scenario scenario = rig::parse_scenario(read_text(path), path.string());
+  rig::Scenario scenario = load_scenario(options.scenario);
   if (options.seconds) scenario.duration_s = *options.seconds;
   if (options.seed) scenario.seed = *options.seed;
   if (!(scenario.duration_s > 0.0)) {

@@ -1,0 +1,28 @@
+// Effects as an arm file has them, and as models use them.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "softarm/arm/arm.h"
+#include "softarm/arm/effect_entry.h"
+#include "softarm/effects/effect.h"
+
+namespace softarm::effects {
+
+/// The effects of an arm file with all their numbers: those that the file leaves out are 0 where they are
+/// sizes, else as usual.
+/// @throws ArmError (file, key, value, allowed) for an effect that the catalogue does not have, that this arm
+/// cannot have, or whose numbers are unknown, missing or outside their range
+std::vector<Present> effects_of(const Arm& arm, const std::vector<EffectEntry>& entries);
+
+/// How an arm file names it. @param sd of its values where they are known; not positive: not of this one
+EffectEntry entry_of(const Present& present, const std::optional<Values>& sd = std::nullopt);
+
+/// Those of the file that load_arm_file() finds under this name.
+/// @throws ArmError as both
+std::vector<Present> load_effects(const Arm& arm, const std::string& name,
+                                  const std::vector<std::string>& directories = {});
+
+}  // namespace softarm::effects

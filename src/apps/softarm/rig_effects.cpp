@@ -1,0 +1,270 @@
+#include "softarm/rig_effects.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <functional>
+#include <map>
+#include <stdexcept>
+#include <utility>
+
+namespace softarm::app {
+namespace {
+
+using rig::HiddenChoice;
+using Choices = std::vector<HiddenChoice>;
+
+constexpr double kDegPerRad = 180.0 / M_PI;
+// What shares of the catalogue refer to.
+constexpr double kPressurePa = 50e3, kVacuumPa = 60e3, kTensionN = 3.0;
+constexpr double kLoopPa = 50e3, kLoopN = 4.0, kLoopRad = 0.6, kLoopPerM = 20.0;
+constexpr double kNearly = 0.1;  // share by which two numbers may differ that the rig has as one
+constexpr double kMinute_s = 60.0;
+
+/// An effect's numbers by name.
+class Numbers {
+ public:
+  Numbers(const Arm& arm, const effects::Present& present) : arm_(arm), present_(present) {}
+  double operator()(const std::string& symbol) const {
+    const auto& parameters = present_.effect->info().parameters;
+    for (std::size_t k = 0; k < parameters.size(); ++k)
+      if (parameters[k].symbol == symbol) return present_.values[static_cast<Eigen::Index>(k)];
+    throw std::logic_error(present_.effect->info().id + " has no " + symbol);
+  }
+  double size(const std::string& x, const std::string& y) const { return std::hypot((*this)(x), (*this)(y)); }
+  double azimuth_deg(const std::string& x, const std::string& y) const {
+    return kDegPerRad * std::atan2((*this)(y), (*this)(x));
+  }
+  const Arm& arm() const { return arm_; }
+  const std::string& id() const { return present_.effect->info().id; }
+
+ private:
+  const Arm& arm_;
+  const effects::Present& present_;
+};
+
+HiddenChoice choice(const std::string& id, const std::string& form, std::map<std::string, double> values) {
+  return {id, form, std::move(values)};
+}
+
+/// The same number under the same name.
+std::function<Choices(const Numbers&)> same(const std::string& form, const std::vector<std::string>& names,
+                                            const std::map<std::string, double>& more = {}) {
+  return [=](const Numbers& v) {
+    HiddenChoice one{v.id(), form, more};
+    for (const std::string& name : names) one.values[name] = v(name);
+    return Choices{one};
+  };
+}
+
+bool nearly(double a, double b) {
+  return std::abs(a - b) <= kNearly * std::max(std::abs(a), std::abs(b));
+}
+
+Choices hysteresis(const Numbers& v) {
+  const int of = static_cast<int>(std::lround(v("of")));
+  const double loop = v("share") * v("width_pa") / kLoopPa, width = v("width_pa") / kLoopPa;
+  if (of == 1)
+    return {choice("hysteresis", "material",
+                   {{"loop_per_m", loop * kLoopPerM}, {"yield_per_m", 0.5 * width * kLoopPerM}})};
+  return {choice("hysteresis", "play",
+                 {{"loop_pa", of == 0 ? loop * kLoopPa : 0.0},
+                  {"loop_n", of == 2 ? loop * kLoopN : 0.0},
+                  {"loop_rad", of == 3 ? loop * kLoopRad : 0.0}})};
+}
+
+Choices leak(const Numbers& v) {
+  const int only = static_cast<int>(std::lround(v("chamber")));
+  Choices list;
+  int number = 0;
+  for (const ScalarInput& input : v.arm().inputs.scalars) {
+    if (input.kind != InputKind::kPressure) continue;
+    ++number;
+    if (only != 0 && only != number) continue;
+    HiddenChoice one{"pressure_leak", v("in_holds") > 0.5 ? "in_holds" : "steady", {}};
+    one.values = {{"chamber", static_cast<double>(number)}, {"share", v("share")}, {"time_s", v("time_s")}};
+    list.push_back(one);
+  }
+  return list;
+}
+
+Choices pressure_offset(const Numbers& v) {
+  Choices list;
+  int sensor = 0, pressures = 0, vacuums = 0;
+  for (const ScalarInput& input : v.arm().inputs.scalars) {
+    const bool vacuum = input.kind == InputKind::kVacuum;
+    if (!vacuum && input.kind != InputKind::kPressure) continue;
+    const int number = vacuum ? ++vacuums : ++pressures;
+    if (++sensor > 8) break;
+    const double offset_pa = v(fmt::format("offset_{}_pa", sensor));
+    if (offset_pa != 0.0)
+      list.push_back(choice("pressure_offset", vacuum ? "vacuum" : "pressure",
+                            {{"number", static_cast<double>(number)}, {"offset_pa", offset_pa}}));
+  }
+  return list;
+}
+
+Choices drift(const Numbers& v) {
+  const double fading = v("fading_per_min");
+  const bool fades = fading > 1e-6;
+  const double minutes = fades ? 1.0 / fading : 1.0;
+  return {choice("drift", fades ? "saturating" : "linear",
+                 {{"gain_share", minutes * v("gain_per_min")},
+                  {"stiffness_share", minutes * v("stiffness_per_min")},
+                  {"over_s", minutes * kMinute_s}})};
+}
+
+Choices torsion(const Numbers& v) {
+  if (v("twist_rad") == 0.0) return {};
+  const double twist_deg = kDegPerRad * v("twist_rad");
+  for (const Segment& segment : v.arm().segments) {
+    if (!segment.chambers.empty() || segment.central_chamber)
+      return {choice("torsion", "pressure", {{"twist_deg", twist_deg}, {"reference_pa", kPressurePa}})};
+  }
+  return {choice("torsion", "tension", {{"twist_deg", twist_deg}, {"reference_n", kTensionN}})};
+}
+
+using Translation = std::function<Choices(const Numbers&)>;
+
+const std::map<std::string, Translation>& translations() {
+  static const auto nothing = [](const Numbers&) { return Choices(); };
+  static const std::map<std::string, Translation> table{
+      {"stiffness_taper", same("", {"share"})},
+      {"actuation_taper", same("", {"share"})},
+      {"rigid_ends", same("", {"base_m", "tip_m"})},
+      {"soft_spot",
+       [](const Numbers& v) {
+         const double length = v.arm().total_length_m();
+         return Choices{choice("soft_spot", "",
+                               {{"centre_fraction", v("centre_m") / length},
+                                {"width_fraction", v("width_m") / length},
+                                {"share", v("share")}})};
+       }},
+      {"base_compliance",
+       [](const Numbers& v) {
+         return Choices{
+             choice("base_compliance", "", {{"stiffness_nm_per_rad", 1.0 / v("compliance_rad_per_nm")}})};
+       }},
+      {"base_tilt",
+       [](const Numbers& v) {
+         return Choices{choice("base_tilt", "",
+                               {{"angle_deg", kDegPerRad * v.size("towards_x_rad", "towards_y_rad")},
+                                {"azimuth_deg", v.azimuth_deg("towards_x_rad", "towards_y_rad")}})};
+       }},
+      {"gravity_direction",
+       [](const Numbers& v) {
+         return Choices{choice("gravity_direction", "",
+                               {{"angle_deg", kDegPerRad * v.size("towards_x_rad", "towards_y_rad")},
+                                {"azimuth_deg", v.azimuth_deg("towards_x_rad", "towards_y_rad")}})};
+       }},
+      {"axial_compliance", nothing},
+      {"shear", nothing},
+      {"torsion", torsion},
+      {"pressure_elongation", same("", {"share"}, {{"reference_pa", kPressurePa}})},
+      {"vacuum_shortening", same("", {"share"}, {{"reference_pa", kVacuumPa}})},
+      {"vacuum_gain", same("", {"share"}, {{"reference_pa", kVacuumPa}})},
+      {"strain_stiffening", same("cubic", {"beta_m2"})},
+      {"gain_nonlinearity", same("quadratic", {"share"}, {{"reference_pa", kPressurePa}})},
+      {"pressure_stiffening", same("linear", {"share"}, {{"reference_pa", kPressurePa}})},
+      {"radial_expansion", same("square", {"share"}, {{"reference_pa", kPressurePa}})},
+      {"pressure_dead_zone",
+       [](const Numbers& v) {
+         if (!nearly(v("lost_pa"), v("edge_pa")))
+           throw std::invalid_argument("lost_pa differs from edge_pa, which the virtual rig has as one");
+         return Choices{choice("pressure_dead_zone", "sharp", {{"pressure_pa", v("lost_pa")}})};
+       }},
+      {"hysteresis", hysteresis},
+      {"creep", same("maxwell", {"share", "time_s"})},
+      {"pressure_lag",
+       [](const Numbers& v) {
+         if (!nearly(v("fall"), 1.0))
+           throw std::invalid_argument("the virtual rig's first-order line falls as fast as it rises");
+         return Choices{choice("pressure_lag", "first_order", {{"time_constant_s", v("delay_s")}})};
+       }},
+      {"clock_offset", same("", {"offset_s"})},
+      {"pressure_leak", leak},
+      {"pressure_offset", pressure_offset},
+      {"rest_curvature",
+       [](const Numbers& v) {
+         return Choices{choice("rest_curvature", "",
+                               {{"curvature_per_m", v.size("towards_x_per_m", "towards_y_per_m")},
+                                {"azimuth_deg", v.azimuth_deg("towards_x_per_m", "towards_y_per_m")},
+                                {"segment", static_cast<double>(static_cast<int>(v("segment") + 0.5))}})};
+       }},
+      {"mullins", same("ogden_roxburgh", {"share", "scale_per_m"})},
+      {"drift", drift},
+      {"contact",
+       [](const Numbers& v) {
+         return Choices{choice("contact", "spring_wall",
+                               {{"stiffness_n_per_m", v("stiffness_n_per_m")},
+                                {"distance_m", v("distance_m")},
+                                {"azimuth_deg", std::remainder(kDegPerRad * v("azimuth_rad"), 360.0)},
+                                {"fraction", v("place_m") / v.arm().total_length_m()}})};
+       }},
+      {"tether",
+       [](const Numbers& v) {
+         return Choices{choice("tether", "spring",
+                               {{"stiffness_n_per_m", v("stiffness_n_per_m")},
+                                {"anchor_distance_m", v.size("anchor_x_m", "anchor_y_m")},
+                                {"azimuth_deg", v.azimuth_deg("anchor_x_m", "anchor_y_m")}})};
+       }},
+      {"payload_offset",
+       [](const Numbers& v) {
+         return Choices{choice("payload_offset", "",
+                               {{"axial_m", v("z_m")},
+                                {"lateral_m", v.size("x_m", "y_m")},
+                                {"azimuth_deg", v.azimuth_deg("x_m", "y_m")}})};
+       }},
+      {"tip_mass", same("", {"mass_kg"})},
+      {"mass_distribution", same("taper", {"share"})},
+      {"payload_scale", same("", {"share"})},
+      {"jamming_memory", same("", {"share"})},
+      {"jamming_yield",
+       [](const Numbers& v) {
+         if (!nearly(v("share"), 1.0))
+           throw std::invalid_argument("a core of which only a share slips is nothing the virtual rig has");
+         return Choices{choice("jamming_yield", "elastoplastic", {{"yield_per_m", v("yield_per_m")}})};
+       }},
+      {"marker_slip",
+       [](const Numbers& v) {
+         return Choices{
+             choice("marker_bias", "given",
+                    {{"body", v("body")}, {"x_m", v("x_m")}, {"y_m", v("y_m")}, {"z_m", v("z_m")}})};
+       }},
+      {"bending_plane_offset",
+       [](const Numbers& v) {
+         return Choices{choice("bending_plane_offset", "", {{"angle_deg", kDegPerRad * v("angle_rad")}})};
+       }},
+      {"chamber_mismatch", same("", {"chamber", "share"})},
+      {"tendon_friction", same("", {"coefficient", "routing_rad"})},
+  };
+  return table;
+}
+
+}  // namespace
+
+std::vector<HiddenChoice> in_the_rig(const Arm& arm, const effects::Present& present) {
+  const effects::Info& info = present.effect->info();
+  if (present.values.head(info.sizes).isZero(0.0)) return {};
+  const auto found = translations().find(info.id);
+  if (found == translations().end())
+    throw std::invalid_argument(fmt::format("value '{}' has no counterpart in the virtual rig", info.id));
+  return found->second(Numbers(arm, present));
+}
+
+Arm with_compliances(Arm arm, const std::vector<effects::Present>& effects) {
+  const auto soften = [](std::optional<double>& stiffness, double compliance) {
+    if (compliance != 0.0) stiffness = 1.0 / ((stiffness ? 1.0 / *stiffness : 0.0) + compliance);
+  };
+  for (const effects::Present& present : effects) {
+    const std::string& id = present.effect->info().id;
+    for (Segment& segment : arm.segments) {
+      if (id == "axial_compliance") soften(segment.axial_stiffness_n, present.values[0]);
+      if (id == "shear") soften(segment.shear_stiffness_n, present.values[0]);
+      if (id == "torsion") soften(segment.torsional_stiffness_nm2, present.values[0]);
+    }
+  }
+  return arm;
+}
+
+}  // namespace softarm::app

@@ -1,0 +1,195 @@
+#include "softarm/scenario_file.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+
+#include "softarm/command.h"
+#include "softarm/effects/arm_effects.h"
+#include "softarm/rig_effects.h"
+#include "softarm/shipped.h"
+#include "softarm/trial/arm_file.h"
+
+namespace softarm::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kDegPerRad = 180.0 / M_PI;
+constexpr double kHardlyTwists_nm2 = 100.0;  // what is rigid in the arm file; the rig's sections always twist
+
+/// The arm in the keys of a scenario.
+class Translated {
+ public:
+  Translated(const Arm& arm, std::string source) : arm_(arm), source_(std::move(source)) {}
+
+  YAML::Node node() const {
+    YAML::Node node;
+    node["tip_mass_kg"] = arm_.tip_mass_kg;
+    for (std::size_t i = 0; i < arm_.segments.size(); ++i) node["segments"].push_back(segment(i));
+    return node;
+  }
+
+  /// What the rig has as something hidden.
+  std::vector<rig::HiddenChoice> hidden() const {
+    std::vector<rig::HiddenChoice> list;
+    for (std::size_t i = 0; i < arm_.segments.size(); ++i) {
+      const Eigen::Vector3d& u = arm_.segments[i].rest_curvature_per_m;
+      if (u.z() != 0.0) fail(fmt::format("segments[{}].rest_curvature_per_m", i), "twist at rest");
+      if (u.head<2>().isZero(0.0)) continue;
+      list.push_back({"rest_curvature",
+                      "",
+                      {{"curvature_per_m", u.head<2>().norm()},
+                       {"azimuth_deg", kDegPerRad * std::atan2(-u.x(), u.y())},
+                       {"segment", static_cast<double>(i + 1)}}});
+    }
+    const Eigen::Vector3d& offset = arm_.payload.offset_m;
+    if (!offset.isZero(0.0))
+      list.push_back({"payload_offset",
+                      "",
+                      {{"axial_m", offset.z()},
+                       {"lateral_m", offset.head<2>().norm()},
+                       {"azimuth_deg", kDegPerRad * std::atan2(offset.y(), offset.x())}}});
+    return list;
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& key, const std::string& what) const {
+    throw Failure(fmt::format("{}: key '{}': {} has no counterpart in the virtual rig", source_, key, what));
+  }
+
+  /// The rig's name of an input: its number among those of its kind.
+  std::string input(const std::string& name, InputKind kind, const std::string& prefix) const {
+    int number = 0;
+    for (const ScalarInput& one : arm_.inputs.scalars) {
+      if (one.kind != kind) continue;
+      ++number;
+      if (one.name == name) return fmt::format("{}_{}", prefix, number);
+    }
+    throw std::logic_error("input " + name);
+  }
+
+  YAML::Node segment(std::size_t index) const {
+    const Segment& from = arm_.segments[index];
+    if (!from.stiffness_profile.empty())
+      fail(fmt::format("segments[{}].bending_stiffness.profile", index), "a profile");
+    YAML::Node to;
+    to["length_m"] = from.length_m;
+    to["mass_kg"] = from.mass_per_length_kg_m * from.length_m;
+    if (from.diameter_m > 0.0) to["diameter_m"] = from.diameter_m;
+    YAML::Node stiffness = to["bending_stiffness"];
+    stiffness["base_nm2"] = from.bending_stiffness.base_nm2;
+    stiffness["per_min_pressure_nm2_per_pa"] = from.bending_stiffness.per_min_pressure_nm2_per_pa;
+    stiffness["per_jamming_pressure_nm2_per_pa"] = from.bending_stiffness.per_jamming_pressure_nm2_per_pa;
+    for (const PressureKnot& knot : from.bending_stiffness.by_pressure) {
+      YAML::Node one;
+      one["pressure_pa"] = knot.pressure_pa;
+      one["bending_stiffness_nm2"] = knot.bending_stiffness_nm2;
+      to["stiffness_by_pressure"].push_back(one);
+    }
+    to["torsional_stiffness_nm2"] = from.torsional_stiffness_nm2.value_or(kHardlyTwists_nm2);
+    if (from.axial_stiffness_n) to["axial_stiffness_n"] = *from.axial_stiffness_n;
+    if (from.shear_stiffness_n) to["shear_stiffness_n"] = *from.shear_stiffness_n;
+    if (from.material) {
+      to["material"]["c10_pa"] = from.material->c10_pa;
+      to["material"]["c01_pa"] = from.material->c01_pa;
+    }
+    for (const Chamber& chamber : from.chambers) {
+      YAML::Node one;
+      one["input"] = input(chamber.input, InputKind::kPressure, "chamber");
+      one["bending_direction_deg"] = kDegPerRad * chamber.bending_direction_rad;
+      one["moment_gain_nm_per_pa"] = chamber.moment_gain_nm_per_pa;
+      one["near_elongation_m_per_pa"] = chamber.near_elongation_m_per_pa;
+      one["far_elongation_m_per_pa"] = chamber.far_elongation_m_per_pa;
+      to["chambers"].push_back(one);
+    }
+    if (from.central_chamber) {
+      to["central_chamber"]["input"] = input(from.central_chamber->input, InputKind::kPressure, "chamber");
+      to["central_chamber"]["area_m2"] = from.central_chamber->area_m2;
+    }
+    for (const Tendon& tendon : from.tendons) {
+      YAML::Node one;
+      one["input"] = input(tendon.input, InputKind::kTension, "tendon");
+      one["azimuth_deg"] = kDegPerRad * tendon.bending_direction_rad;
+      one["offset_m"] = tendon.offset_m;
+      to["tendons"].push_back(one);
+    }
+    for (const Cable& cable : from.cables) {
+      // Only spool over lever counts.
+      const double lever = from.diameter_m > 0.0 ? 0.5 * from.diameter_m : 0.01;
+      YAML::Node one;
+      one["input"] = input(cable.input, InputKind::kAngle, "servo");
+      one["azimuth_deg"] = kDegPerRad * cable.bending_direction_rad;
+      one["lever_m"] = lever;
+      one["spool_radius_m"] = cable.curvature_gain_per_m_rad * from.length_m * lever;
+      to["cables"].push_back(one);
+    }
+    return to;
+  }
+
+  const Arm& arm_;
+  const std::string source_;
+};
+
+YAML::Node node_of(const rig::HiddenChoice& choice) {
+  YAML::Node node;
+  node["effect"] = choice.effect;
+  if (!choice.form.empty()) node["form"] = choice.form;
+  for (const auto& [key, value] : choice.values) {
+    // The rig's reader takes whole numbers as such.
+    if (value == std::floor(value) && std::abs(value) < 1e9)
+      node[key] = static_cast<long>(value);
+    else
+      node[key] = value;
+  }
+  return node;
+}
+
+std::string with_arm_of(const fs::path& scenario, YAML::Node document) {
+  const std::string name = document["arm"].Scalar();
+  std::error_code ignored;
+  const fs::path beside = scenario.parent_path() / name;
+  const std::string found =
+      fs::path(name).is_relative() && fs::is_regular_file(beside, ignored) ? beside.string() : name;
+  const ArmText file = read_arm_text(found, config_folders("arms"));
+  const Arm arm = parse_arm(file.text, file.source);
+  const std::vector<EffectEntry> entries = parse_effect_entries(file.text, file.source);
+  const std::vector<effects::Present> effects = effects::effects_of(arm, entries);
+  const Arm softened = with_compliances(arm, effects);
+  const Translated translated(softened, file.source);
+  document["arm"] = translated.node();
+  std::vector<rig::HiddenChoice> hidden = translated.hidden();
+  for (std::size_t i = 0; i < effects.size(); ++i) {
+    try {
+      for (const rig::HiddenChoice& choice : in_the_rig(arm, effects[i])) hidden.push_back(choice);
+    } catch (const std::invalid_argument& error) {
+      throw Failure(fmt::format("{}: key 'effects[{}].id': {}", entries[i].place, i, error.what()));
+    }
+  }
+  if (!document["hidden"] && !hidden.empty()) document["hidden"] = YAML::Node(YAML::NodeType::Sequence);
+  for (const rig::HiddenChoice& choice : hidden) document["hidden"].push_back(node_of(choice));
+  if (!document["payload"]["fraction"] && arm.payload.arclength_m < arm.total_length_m())
+    document["payload"]["fraction"] = arm.payload.arclength_m / arm.total_length_m();
+  YAML::Emitter out;
+  out << document;
+  return out.c_str();
+}
+
+}  // namespace
+
+rig::Scenario load_scenario(const std::string& name) {
+  const fs::path path = find_config("scenarios", name);
+  std::string text = read_text(path);
+  YAML::Node document;
+  try {
+    document = YAML::Load(text);
+  } catch (const YAML::Exception&) {  // the rig's own reader says where
+  }
+  if (document.IsMap() && document["arm"] && document["arm"].IsScalar()) text = with_arm_of(path, document);
+  return rig::parse_scenario(text, path.string());
+}
+
+}  // namespace softarm::app

@@ -1,0 +1,34 @@
+#include "extended_arm.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "softarm/effects/arm_effects.h"
+
+namespace softarm::diagnose {
+
+ExtendedArm extended_arm(const JointModel& model, const Linearised& fit, const Eigen::MatrixXd& covariance) {
+  ExtendedArm extended;
+  extended.arm = model.arm();
+  const auto& constants = model.constants();
+  // Lengths carry bodies and weight along: as the joint model has them, which keeps those where they are
+  // along the arm.
+  for (std::size_t j = 0; j < constants.size(); ++j)
+    identify::set_value(extended.arm, constants[j], fit.at.constants[static_cast<Eigen::Index>(j)]);
+  for (const effects::Present& present : model.known())
+    extended.effects.push_back(effects::entry_of(present));
+  for (std::size_t e = 0; e < fit.at.effects.size(); ++e) {
+    const effects::Present& present = fit.at.effects[e];
+    effects::Values sd = effects::Values::Zero(present.values.size());
+    for (std::size_t j = 0; j < fit.columns.size(); ++j) {
+      const Column& column = fit.columns[j];
+      const auto i = static_cast<Eigen::Index>(j);
+      if (column.kind == Column::Kind::kEffect && column.index == static_cast<int>(e))
+        sd[column.parameter] = column.scale * std::sqrt(std::max(0.0, covariance(i, i)));
+    }
+    extended.effects.push_back(effects::entry_of(present, sd));
+  }
+  return extended;
+}
+
+}  // namespace softarm::diagnose

@@ -1,0 +1,92 @@
+// What a diagnosis finds, in the model of everything else: a base that yields, hidden behind a lower EI.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "diagnose/recorded_case.h"
+#include "softarm/diagnose/diagnose.h"
+#include "softarm/effects/arm_effects.h"
+#include "softarm/effects/identify_extended.h"
+#include "softarm/fit/estimator.h"
+
+namespace softarm::diagnose {
+namespace {
+
+using testing::recorded_case;
+using testing::RecordedCase;
+
+/// Median over the frames that tell EI, of EI over the laws' at its inputs with the true base value.
+double stiffness_ratio(const Arm& arm, const std::vector<effects::Present>& effects,
+                       const RecordedCase& recorded) {
+  const double truth_nm2 = recorded.truth[0].arm.segments[0].stiffness_base_nm2;
+  std::vector<double> ratios;
+  for (const identify::Trial& trial : recorded.trials) {
+    Estimator estimator(arm, arm.estimator, effects);
+    estimator.set_backbone_points(0);
+    for (const Frame& frame : trial.frames) {
+      const Estimate& e = estimator.estimate(frame);
+      if (e.status != Status::kOk || !e.segments[0].tells_stiffness) continue;
+      const auto laws = predict(recorded.arm, frame.inputs);
+      if (!laws) continue;
+      const double by_inputs =
+          (*laws)[0].bending_stiffness_nm2 - recorded.arm.segments[0].bending_stiffness.base_nm2;
+      ratios.push_back(*e.segments[0].bending_stiffness_nm2 / (truth_nm2 + by_inputs));
+    }
+  }
+  if (ratios.size() < 200) throw std::runtime_error("too few frames tell EI");
+  std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2),
+                   ratios.end());
+  return ratios[ratios.size() / 2];
+}
+
+TEST(ExtendedArm, CarriesWhatWasFoundIntoEverythingElse) {
+  const RecordedCase recorded =
+      recorded_case("{count_weights: [0, 1], from: [base_compliance], size: [0.3, 0.6]}", 4);
+  const Diagnosis d = diagnose(recorded.arm, recorded.trials);
+  ASSERT_EQ(d.extended_arm.effects.size(), 1u) << describe(d);
+  const EffectEntry& entry = d.extended_arm.effects[0];
+  EXPECT_EQ(entry.id, "base_compliance");
+  ASSERT_EQ(entry.numbers.size(), 1u);
+  EXPECT_EQ(entry.numbers[0].value, d.effects.at(0).parameters.at(0).value);
+  ASSERT_TRUE(entry.numbers[0].sd);
+  EXPECT_NEAR(2.0 * 1.6449 * *entry.numbers[0].sd,
+              d.effects[0].parameters[0].high - d.effects[0].parameters[0].low, 1e-9);
+  const double truth_nm2 = recorded.truth[0].arm.segments[0].stiffness_base_nm2;
+  EXPECT_NEAR(d.extended_arm.arm.segments[0].bending_stiffness.base_nm2, truth_nm2, 0.01 * truth_nm2);
+  const std::vector<effects::Present> effects =
+      effects::effects_of(d.extended_arm.arm, d.extended_arm.effects);
+
+  // Single frames: EI was too low, and is right.
+  const double before = stiffness_ratio(recorded.arm, {}, recorded);
+  const double after = stiffness_ratio(d.extended_arm.arm, effects, recorded);
+  RecordProperty("ei_before", std::to_string(before));
+  RecordProperty("ei_after", std::to_string(after));
+  EXPECT_LT(before, 0.95);
+  EXPECT_NEAR(after, 1.0, 0.015);
+
+  // A second diagnosis finds nothing more.
+  Options options;
+  options.known = effects;
+  const Diagnosis again = diagnose(d.extended_arm.arm, recorded.trials, options);
+  EXPECT_EQ(again.verdict, Verdict::kConsistent) << describe(again);
+  EXPECT_NEAR(again.baseline.held_out_rms_m, d.extended.held_out_rms_m, 0.1 * d.extended.held_out_rms_m);
+  ASSERT_EQ(again.extended_arm.effects.size(), 1u);
+  EXPECT_EQ(again.extended_arm.effects[0].numbers[0].value, entry.numbers[0].value);
+
+  // Identification from the arm file that the laboratory had: wrong without the effect, right with it.
+  identify::Options all;
+  all.held_out_share = 0.0;
+  all.frames.prefer_static = false;
+  const double plain_nm2 =
+      identify::identify(recorded.arm, recorded.trials, all).arm.segments[0].bending_stiffness.base_nm2;
+  const double extended_nm2 = effects::identify_extended(recorded.arm, effects, recorded.trials, all)
+                                  .arm.segments[0]
+                                  .bending_stiffness.base_nm2;
+  EXPECT_LT(plain_nm2, 0.97 * truth_nm2);
+  EXPECT_NEAR(extended_nm2, truth_nm2, 0.02 * truth_nm2);
+}
+
+}  // namespace
+}  // namespace softarm::diagnose

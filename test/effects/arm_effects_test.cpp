@@ -1,0 +1,74 @@
+// Effects of arm files against the catalogue.
+#include "softarm/effects/arm_effects.h"
+
+#include <gtest/gtest.h>
+
+#include "effects/drive_trials.h"
+#include "softarm/arm/arm_yaml.h"
+
+namespace softarm::effects::testing {
+namespace {
+
+std::string refusal(const Arm& arm, const EffectEntry& entry) {
+  try {
+    effects_of(arm, {entry});
+  } catch (const ArmError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ArmEffects, EveryEffectOfTheCatalogueComesBackAsItWas) {
+  const Arm arm = shipped_arm("online_200mm");
+  int checked = 0;
+  for (const auto& effect : catalogue()) {
+    if (!effect->applies_to(arm)) continue;
+    const Present present{effect.get(),
+                          effect->grid(arm, FineRod(arm)).front() + usual(*effect) - usual(*effect, 0.0)};
+    EffectEntry entry = entry_of(present);
+    if (!refusal(arm, entry).empty()) continue;  // a usual size beyond the arm, in an effect for longer ones
+    const std::vector<Present> again = effects_of(arm, {entry});
+    ASSERT_EQ(again.size(), 1u);
+    EXPECT_EQ(again[0].effect, effect.get());
+    EXPECT_EQ(again[0].values, present.values) << effect->info().id;
+    ++checked;
+  }
+  EXPECT_GE(checked, 30);
+}
+
+TEST(ArmEffects, WhatIsLeftOutIsUsualAndSizesAreNought) {
+  const Arm arm = shipped_arm("online_200mm");
+  const std::vector<Present> list = effects_of(arm, {{"creep", {{"share", 0.2}}}, {"tether", {}}});
+  EXPECT_DOUBLE_EQ(list[0].values[1], list[0].effect->info().parameters[1].usual);
+  EXPECT_DOUBLE_EQ(list[1].values[0], 0.0);
+}
+
+TEST(ArmEffects, WhatTheCatalogueDoesNotKnowIsOneLine) {
+  const Arm arm = shipped_arm("online_200mm");
+  const struct {
+    EffectEntry entry;
+    std::string says;
+  } cases[] = {
+      {{"base_complaince", {}, "arm.yaml:9"},
+       "arm.yaml:9: key 'effects[0].id': value 'base_complaince' is no effect of the catalogue; did you mean "
+       "'base_compliance'?"},
+      {{"tendon_friction", {{"coefficient", 0.1}}, "arm.yaml:9"}, "is not for this arm"},
+      {{"base_compliance", {{"compliance", 0.1}}, "arm.yaml:9"},
+       "key 'effects[0].parameters.compliance': unknown key"},
+      {{"base_compliance", {{"compliance_rad_per_nm", 11.0}}, "arm.yaml:9"},
+       "value 11 is outside the allowed range [0, 10] rad/(N m)"},
+      {{"marker_slip", {{"x_m", 1e-3}}, "arm.yaml:9"}, "key 'effects[0].parameters.body': is missing"},
+      {{"marker_slip", {{"x_m", 1e-3}, {"body", 5.0}}, "arm.yaml:9"},
+       "value 5 is outside the allowed range [1, 4]"},
+      {{"marker_slip", {{"x_m", 1e-3}, {"body", 1.5}}, "arm.yaml:9"}, "value 1.5 is not an integer"},
+      {{"chamber_mismatch", {{"share", 0.1}, {"chamber", 4.0}}, "arm.yaml:9"}, "[1, 3]"},
+  };
+  for (const auto& c : cases) {
+    const std::string message = refusal(arm, c.entry);
+    EXPECT_NE(message.find(c.says), std::string::npos) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+  }
+}
+
+}  // namespace
+}  // namespace softarm::effects::testing
