@@ -102,6 +102,7 @@ void Estimator::Impl::fail(Status status, std::string detail) {
 
 const Estimate& Estimator::Impl::run(const Frame& frame) {
   clear(frame);
+  frame_given = &frame;
   if (!place_base(frame) || !observe(frame)) return estimate;
   if (!set_knowns(extension ? extension->begin(frame, base) : frame)) return estimate;
   if (options.method == Method::kCcEndpoint) {
@@ -122,6 +123,7 @@ const Estimate& Estimator::Impl::run(const Frame& frame) {
     }
   }
   finish();
+  if (extended) take_effects_out();
   return estimate;
 }
 
@@ -378,6 +380,11 @@ const Arm& Estimator::arm() const {
 }
 const EstimatorOptions& Estimator::options() const {
   return impl_->options;
+}
+
+Estimator::ByLaws Estimator::by_laws() const {
+  if (impl_->extended) return {impl_->frame_by_laws, impl_->estimate_by_laws};
+  return {*impl_->frame_given, impl_->estimate};
 }
 
 std::vector<std::string> Estimator::effect_notes() const {

@@ -69,4 +69,21 @@ bool Estimator::Impl::fit_again(bool whole) {
   return true;
 }
 
+void Estimator::Impl::take_effects_out() {
+  frame_by_laws = extension->frame();
+  frame_by_laws.inputs = extension->moment_inputs();
+  estimate_by_laws = estimate;
+  const double length = arm.total_length_m();
+  for (BackbonePoint& point : estimate_by_laws.backbone) {
+    const rod::RodState state = problem.solver().at(std::min(point.arclength_m, length));
+    point = {state.s_m, state.p, state.q, state.u};
+  }
+  for (std::size_t i = 0; i < estimate_by_laws.residuals.size(); ++i) {
+    BodyResidual& body = estimate_by_laws.residuals[i];
+    const Eigen::Vector3d off = body.measured_base - body.estimated_base;
+    body.estimated_base = problem.position_by_laws(problem.observations()[i]);
+    body.measured_base = body.estimated_base + off;
+  }
+}
+
 }  // namespace softarm

@@ -66,6 +66,8 @@ struct Estimator::Impl {
 
   // --- steps 2 to 4 with effects of the arm file in the model ---
   bool solve_with_effects();
+  /// Fills estimate_by_laws.
+  void take_effects_out();
   /// The fit again, where the effects have been worked out anew. @param whole all bodies are used again
   bool fit_again(bool whole);
 
@@ -139,6 +141,9 @@ struct Estimator::Impl {
   VectorXd actuation_nm;                          ///< by the laws, 2 per segment
   std::vector<bool> estimated;                    ///< free before any parameter was held at a bound
   fit::Covariance covariance;
+  const Frame* frame_given = nullptr;
+  Frame frame_by_laws;        ///< with `extended` only
+  Estimate estimate_by_laws;  ///< the same
   VectorXd x, last_x;
   bool have_last = false;
   Estimate estimate;

@@ -31,6 +31,8 @@ class ExtendedFrame {
 
   /// The frame with what effects make of its inputs and payload. @param base the rod's in mocap
   const Frame& begin(const Frame& frame, const Eigen::Isometry3d& base);
+  /// What begin() gave.
+  const Frame& frame() const { return frame_; }
   /// Of the frame that was begun: what acts as a moment where that is not what the laws' other parts follow.
   const InputValues& moment_inputs() const { return moment_inputs_; }
 

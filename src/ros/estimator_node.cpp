@@ -145,7 +145,7 @@ void EstimatorNode::handle(const Frame& frame) {
   }
   const std::chrono::duration<double> solve_time = std::chrono::steady_clock::now() - start;
   // First: what is drawn of this frame has its mismatch in it.
-  watch(frame, *estimate);
+  watch(frame);
   publish(*estimate, frame.stamp_s, solve_time.count());
 }
 

@@ -11,10 +11,11 @@ namespace softarm {
 using diagnose::Mismatch;
 using diagnostic_msgs::DiagnosticStatus;
 
-void EstimatorNode::watch(const Frame& frame, const Estimate& estimate) {
+void EstimatorNode::watch(const Frame& frame) {
   if (!monitor_) return;
   const bool was_alarm = mismatch_ && mismatch_->alarm;
-  mismatch_ = &monitor_->add(frame, estimate);
+  const Estimator::ByLaws plain = estimator_.by_laws();
+  mismatch_ = &monitor_->add(plain.frame, plain.estimate);
   const MessageContext context{params_.arm, estimator_.options(), params_.frames, stamp_of(frame.stamp_s)};
   publish_finite(mismatch_publisher_, to_message(*mismatch_, context));
   if (mismatch_->alarm) {

@@ -43,6 +43,15 @@ class Estimator {
   /// Never throws for bad measurements: they become a Status. The reference stays valid until the next call.
   const Estimate& estimate(const Frame& frame);
 
+  /// The last frame and its estimate as an arm without effects would have them: inputs as the effects change
+  /// them, bodies and backbone by the laws alone. For comparisons with the laws (diagnose::MismatchMonitor).
+  /// Without effects those that were given; valid until the next call of estimate().
+  struct ByLaws {
+    const Frame& frame;
+    const Estimate& estimate;
+  };
+  ByLaws by_laws() const;
+
   /// Forgets the last frame: the next one starts cold.
   void reset();
 

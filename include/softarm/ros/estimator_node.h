@@ -61,7 +61,7 @@ class EstimatorNode {
   void drain();
   void process();
   void handle(const Frame& frame);
-  void watch(const Frame& frame, const Estimate& estimate);
+  void watch(const Frame& frame);
   void publish(const Estimate& estimate, double stamp_s, double solve_time_s);
   ros::Time stamp_of(double stamp_s) const;
   template <class Message>

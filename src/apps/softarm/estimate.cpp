@@ -150,7 +150,8 @@ void estimate_bag(const Arm& arm, const std::vector<effects::Present>& effects, 
     const Estimate& estimate = estimator.estimate(frame);
     write_estimate_rows(rows, estimate, arm.segments.size());
     summary.add(estimate);
-    alarms.add(frame, estimate);
+    const Estimator::ByLaws plain = estimator.by_laws();
+    alarms.add(plain.frame, plain.estimate);
     ++frames;
   };
   callbacks.on_time_jump = [&] {

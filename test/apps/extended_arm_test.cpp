@@ -1,0 +1,107 @@
+// Arm files with effects, as a user has them: simulated, estimated, refused.
+#include <boost/algorithm/string.hpp>
+
+#include "apps/program.h"
+#include "softarm/arm/arm_writer.h"
+#include "softarm/arm/arm_yaml.h"
+#include "softarm/trial/arm_file.h"
+
+namespace softarm {
+namespace {
+
+std::string extended(const std::vector<EffectEntry>& effects) {
+  const ArmText file = read_arm_text(std::string(SOFTARM_SOURCE_DIR) + "/config/arms/online_200mm.yaml");
+  return update_arm_text(file.text, file.source, parse_arm(file.text, file.source), effects, {}, "diagnose");
+}
+
+const char* const kScenario = R"(format: 1
+name: of_an_arm_file
+seed: 3
+duration_s: 12
+arm: arm.yaml
+mount: {attitude: horizontal}
+pressures:
+  random: {min_pa: 0, max_pa: 50000, highest_hz: 0.08}
+payload:
+  schedule: [{t_s: 0, kg: 0.2}]
+mocap: {rate_hz: 60}
+)";
+
+/// Median of EI less what the pressures add, over the rows that tell it.
+double median_base_stiffness(const std::string& csv) {
+  std::istringstream file(text_of(csv));
+  std::vector<std::string> names, cells;
+  std::vector<double> values;
+  for (std::string line; std::getline(file, line);) {
+    boost::split(cells, line, [](char c) { return c == ','; });
+    if (names.empty()) {
+      names = cells;
+      continue;
+    }
+    const auto cell = [&](const std::string& name) {
+      return cells.at(static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin()));
+    };
+    if (cell("status") == "ok" && cell("tells_EI") == "1") values.push_back(std::stod(cell("EI")));
+  }
+  if (values.size() < 100) throw std::runtime_error("too few rows tell EI");
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                   values.end());
+  return values[values.size() / 2];
+}
+
+TEST(ExtendedArm, IsSimulatedAndEstimatedWithItsEffects) {
+  const TestFolder dir;
+  dir.write("arm.yaml", extended({{"base_compliance", {{"compliance_rad_per_nm", 0.2}}},
+                                  {"axial_compliance", {{"compliance_per_n", 0.005}}}}));
+  const std::string scenario = dir.write("scenario.yaml", kScenario);
+  const Outcome simulated = softarm_program("simulate " + scenario + " --out " + dir / "trial.bag");
+  ASSERT_EQ(simulated.status, 0) << simulated.err;
+  EXPECT_NE(text_of(dir / "trial.truth.yaml").find("base_compliance"), std::string::npos);
+  const Outcome with = softarm_program("estimate --arm " + dir / "arm.yaml" + " " + dir / "trial.bag" +
+                                       " --out " + dir / "with");
+  ASSERT_EQ(with.status, 0) << with.err;
+  EXPECT_NE(with.err.find("effects: in the model: base_compliance"), std::string::npos) << with.err;
+  ASSERT_EQ(softarm_program("estimate --arm online_200mm " + dir / "trial.bag" + " --out " + dir / "without")
+                .status,
+            0);
+  // The laws of this arm say 0.027 N m^2 and a few percent more with the pressures.
+  const double right = median_base_stiffness(dir / "with/trial/estimates.csv");
+  EXPECT_NEAR(right, 0.0275, 0.0008);
+  EXPECT_LT(median_base_stiffness(dir / "without/trial/estimates.csv"), 0.9 * right);
+}
+
+TEST(ExtendedArm, WhatTheRigDoesNotHaveIsOneLine) {
+  const TestFolder dir;
+  dir.write("arm.yaml", extended({{"tip_mass", {{"mass_kg", 0.01}}}, {"inertia", {{"mass_share", 0.5}}}}));
+  const Outcome outcome =
+      softarm_program("simulate " + dir.write("scenario.yaml", kScenario) + " --out " + dir / "trial.bag");
+  EXPECT_NE(outcome.status, 0);
+  EXPECT_NE(outcome.err.find("key 'effects[1].id': value 'inertia' has no counterpart in the virtual rig"),
+            std::string::npos)
+      << outcome.err;
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  EXPECT_EQ(dir.entries(), 2u);
+}
+
+TEST(ExtendedArm, EffectsThatCannotBeAreOneLineInEveryProgram) {
+  const TestFolder dir;
+  ASSERT_EQ(softarm_program("simulate trial_10s --seconds 6 --out " + dir / "trial.bag").status, 0);
+  const std::string arm = dir.write("arm.yaml", extended({{"soft_spot", {{"share", 7.0}}}}));
+  const std::size_t files = dir.entries();
+  for (const std::string& program :
+       {std::string("estimate --out ") + dir / "out", "identify --out " + dir / "new.yaml",
+        "diagnose --out " + dir / "report"}) {
+    const Outcome outcome = softarm_program(program + " --arm " + arm + " " + dir / "trial.bag");
+    EXPECT_NE(outcome.status, 0) << program;
+    EXPECT_NE(outcome.err.find("arm.yaml:"), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find(
+                  "key 'effects[0].parameters.share': value 7 is outside the allowed range [-1, 0.95]"),
+              std::string::npos)
+        << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_EQ(dir.entries(), files) << program;
+  }
+}
+
+}  // namespace
+}  // namespace softarm
