@@ -9,6 +9,7 @@
 
 #include "softarm/command.h"
 #include "softarm/effects/arm_effects.h"
+#include "softarm/output_file.h"
 #include "softarm/rig_effects.h"
 #include "softarm/shipped.h"
 #include "softarm/trial/arm_file.h"
