@@ -77,6 +77,10 @@ std::vector<std::string> header_of(const diagnose::Diagnosis& diagnosis,
                               1e3 * diagnosis.baseline.held_out_rms_m));
   for (const diagnose::NamedEffect& effect : diagnosis.effects)
     lines.push_back(fmt::format("{} ({:.0f} %): {}", effect.id, 100.0 * effect.probability, effect.words));
+  // Names of files may hold anything; a comment ends with its line.
+  for (std::string& line : lines)
+    std::replace_if(
+        line.begin(), line.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
   return lines;
 }
 
@@ -114,13 +118,19 @@ void run(Options options) {
   if (!page.warning.empty()) fmt::print(stderr, "softarm: warning: {}\n", page.warning);
   write(json, diagnose::to_json(diagnosis));
   write(html, diagnose::to_html(diagnosis, page.files));
-  write(extended, update_arm_text(file.text, file.source, diagnosis.extended_arm.arm,
-                                  diagnosis.extended_arm.effects, header_of(diagnosis, trials), "diagnose"));
   json.commit();
   html.commit();
-  extended.commit();
-  fmt::print("{}written: {}, {}, {}\n", diagnose::describe(diagnosis), html.path().string(),
-             json.path().string(), extended.path().string());
+  std::string written = fmt::format("{}, {}", html.path().string(), json.path().string());
+  try {
+    write(extended,
+          update_arm_text(file.text, file.source, diagnosis.extended_arm.arm, diagnosis.extended_arm.effects,
+                          header_of(diagnosis, trials), "diagnose"));
+    extended.commit();
+    written += ", " + extended.path().string();
+  } catch (const ArmError& why) {  // an arm file that cannot be edited is no reason to have no report
+    fmt::print(stderr, "softarm: warning: no {}: {}\n", extended.path().string(), why.what());
+  }
+  fmt::print("{}written: {}\n", diagnose::describe(diagnosis), written);
 }
 
 }  // namespace
