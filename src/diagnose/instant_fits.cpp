@@ -84,8 +84,9 @@ std::vector<InstantFit> fit_trial(const JointModel& model, const Linearised& at,
   // The arm file's own lengths are where bodies and loads sit; those of the fit are in the laws.
   effects::ExtendedModel statics(model.arm());
   std::vector<Predicted> still;
-  statics.predict(arm, at.at.effects, effects::Dynamics{false, 0.0}, trial, &at.predicted[t], still);
-  Estimator estimator(model.arm(), options_of(model.arm()));
+  statics.predict(arm, model.all(at.at.effects), effects::Dynamics{false, 0.0}, trial, &at.predicted[t],
+                  still);
+  Estimator estimator(model.arm(), options_of(model.arm()), model.known());
   estimator.set_backbone_points(0);
   std::vector<InstantFit> list;
   for (std::size_t k = 0; k < trial.blocks.size(); ++k) {

@@ -74,6 +74,8 @@ class JointModel {
 
   const Arm& arm() const { return arm_; }
   const std::vector<effects::Present>& known() const { return known_; }
+  /// The known effects, and these.
+  std::vector<effects::Present> all(const std::vector<effects::Present>& fitted) const;
   const std::vector<identify::ConstantRef>& constants() const { return constants_; }
   const std::vector<effects::TrialData>& trials() const { return trials_; }
   const effects::FineRod& rod() const { return models_.front().rod(); }
@@ -147,9 +149,6 @@ class JointModel {
               const std::vector<Column>& columns) const;
   Eigen::VectorXd residual(std::size_t trial, const std::vector<effects::Predicted>& predicted) const;
   void set_threshold(const std::vector<std::vector<effects::Predicted>>& predicted);
-
-  /// The known effects, and these.
-  std::vector<effects::Present> all(const std::vector<effects::Present>& fitted) const;
 
   const Arm arm_;
   const std::vector<effects::Present> known_;

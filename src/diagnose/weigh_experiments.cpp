@@ -23,7 +23,7 @@ class Hypothetical {
   Hypothetical(const Experiment& experiment, const Options& options)
       : experiment_(experiment),
         trials_{experiment.trial},
-        model_(experiment.arm, trials_, 1, options.held, options.tied) {}
+        model_(experiment.arm, trials_, 1, options.held, options.tied, options.known) {}
 
   /// @return whether the arm bears it; settles what is left out because it swings
   bool prepare(const Parameters& parameters) {
@@ -38,8 +38,8 @@ class Hypothetical {
   /// Nothing was seen, so residuals mean nothing; predictions and derivatives do.
   Linearised linearise(const Parameters& parameters) {
     return model_.linearise(with_loads(parameters), &predicted_,
-                            JointModel::answers_itself(parameters) ? JointModel::Derivatives::kWhole
-                                                                   : JointModel::Derivatives::kShapesHeld);
+                            model_.answers_itself(parameters) ? JointModel::Derivatives::kWhole
+                                                              : JointModel::Derivatives::kShapesHeld);
   }
   JointModel& model() { return model_; }
   Parameters with_loads(Parameters parameters) const {
