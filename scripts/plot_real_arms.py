@@ -264,7 +264,7 @@ def main():
     reports = {}
     for name, folder in (("one segment", "one"), ("two segments", "two")):
         reports[name] = real_diagnosis.diagnose(pouch.program, work / f"{folder}.yaml", sorted((work / folder).glob("*.bag")),
-                                                work / f"report_{folder}")
+                                                work / f"report_{folder}", "--hold", HOLD)
         real_diagnosis.print_report(name, reports[name])
     real_diagnosis.draw(reports, arguments.out / "real_pouch_diagnosis.png")
 

@@ -229,7 +229,8 @@ def main():
     decay(data, arguments.out / "real_trunk_decay.png")
 
     # What the arm file leaves out: from pieces of all three recordings.
-    report = real_diagnosis.diagnose(program, work / "both.yaml", bags, work / "report")
+    report = real_diagnosis.diagnose(program, work / "both.yaml", bags, work / "report", "--tie",
+                                     "*.bending_stiffness.base")
     real_diagnosis.print_report("tendon trunk", report)
     real_diagnosis.draw({"tendon trunk": report}, arguments.out / "real_trunk_diagnosis.png")
 
