@@ -46,7 +46,8 @@ std::vector<Explanation> rivals_of(JointModel& model, const Selection& selection
       if (refitted != round.refitted.end()) {
         if (extended.at.effects.size() == refitted->fit.at.effects.size() &&
             e + 1 == extended.at.effects.size()) {
-          list.push_back({rival->info().id, refitted->fit});
+          // Only where it is was kept of a refit.
+          list.push_back({rival->info().id, model.linearise(refitted->fit.at, &extended.predicted)});
           continue;
         }
         start.effects[e] = refitted->fit.at.effects.back();
@@ -63,12 +64,12 @@ std::vector<Explanation> rivals_of(JointModel& model, const Selection& selection
 }
 
 /// Candidates upon the model so far that explain most of what is left.
-std::vector<Explanation> candidates_of(const Selection& selection) {
+std::vector<Explanation> candidates_of(JointModel& model, const Selection& selection) {
   std::vector<Explanation> list;
   for (const Refitted& r : selection.rounds.back().refitted) {
     if (list.size() == kMostRivals) break;
     if (r.z >= kCandidateZ && r.fit.at.effects.size() == selection.extended.at.effects.size() + 1)
-      list.push_back({r.effect->info().id, r.fit});
+      list.push_back({r.effect->info().id, model.linearise(r.fit.at, &selection.extended.predicted)});
   }
   return list;
 }
@@ -189,7 +190,7 @@ std::optional<NextExperiment> next_experiment(JointModel& model, Selection& sele
   if (selection.rounds.empty()) return std::nullopt;
   std::vector<Explanation> list = rivals_of(model, selection);
   const bool open = verdict != Verdict::kExplained && verdict != Verdict::kConsistent;
-  if (list.empty() && open) list = candidates_of(selection);
+  if (list.empty() && open) list = candidates_of(model, selection);
   const auto menu = [&] { return experiment_menu(model.arm(), model.trials(), options.block_s); };
   if (list.size() > 1) return tell_apart(model, list, menu(), selection.inflation, options);
   if (verdict != Verdict::kConsistent && verdict != Verdict::kCannotTell) return std::nullopt;
