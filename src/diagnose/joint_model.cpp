@@ -516,6 +516,24 @@ bool JointModel::answers_itself(const Parameters& parameters) const {
 }
 
 std::size_t JointModel::allow_for_motion(const std::vector<std::vector<Predicted>>& predicted) {
+  // A swing spoils what is smaller than it is. Beside a model that is off by more, little would be won, and
+  // of an arm that never rests nearly everything lost.
+  std::vector<double> distances;
+  for (std::size_t t = 0; t < trials_.size(); ++t) {
+    const std::vector<Block>& blocks = trials_[t].blocks;
+    for (std::size_t k = 0; k < blocks.size(); ++k) {
+      if (!used_[t][k] || !predicted[t][k].solved) continue;
+      for (std::size_t i = 0; i < blocks[k].bodies.size(); ++i)
+        distances.push_back(
+            (blocks[k].bodies[i].p_base - predicted[t][k].p.col(static_cast<Eigen::Index>(i))).norm());
+    }
+  }
+  double swing_m = kSwing_m;
+  if (!distances.empty()) {
+    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+    std::nth_element(distances.begin(), middle, distances.end());
+    swing_m = std::max(kSwing_m, *middle);
+  }
   std::size_t aside = 0;
   for (std::size_t t = 0; t < trials_.size(); ++t) {
     double envelope_m = 0.0;
@@ -524,7 +542,7 @@ std::size_t JointModel::allow_for_motion(const std::vector<std::vector<Predicted
       envelope_m = now.instant.dt_s > 0.0 ? envelope_m * std::exp(-now.instant.dt_s / kSwingDecay_s) : 0.0;
       if (now.solved) envelope_m = std::max(envelope_m, now.inertial_m);
       motion_sd_m_[t][k] = kMotionShare * envelope_m;
-      if (envelope_m > kSwing_m && used_[t][k]) {
+      if (envelope_m > swing_m && used_[t][k]) {
         used_[t][k] = false;
         ++aside;
       }

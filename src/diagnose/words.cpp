@@ -133,7 +133,7 @@ std::string finding_words(const Candidate& candidate) {
   // What stands out and yet is not named: say why, "absent" would be too much.
   if (!candidate.possible) return "fits, but only with a size that no arm has";
   if (candidate.log_score && *candidate.log_score > 0.0 && candidate.probability >= kLikely)
-    return "helps, but not surely enough to be named";
+    return "helps, but by less than the 5 standard deviations that a name takes";
   if (candidate.z >= kStandsOut)
     return candidate.log_score ? "stands out, but does not earn its place on unseen trials"
                                : "stands out, but less than those above";

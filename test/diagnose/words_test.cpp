@@ -65,7 +65,7 @@ TEST(Words, WhatStandsOutIsNotCalledAbsent) {
   EXPECT_EQ(finding_words(candidate), "stands out, but does not earn its place on unseen trials");
   candidate.log_score = 0.1;
   candidate.probability = 0.4;
-  EXPECT_EQ(finding_words(candidate), "helps, but not surely enough to be named");
+  EXPECT_EQ(finding_words(candidate), "helps, but by less than the 5 standard deviations that a name takes");
   candidate.possible = false;
   EXPECT_EQ(finding_words(candidate), "fits, but only with a size that no arm has");
   candidate = {};
