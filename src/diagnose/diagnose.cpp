@@ -30,6 +30,7 @@ using Eigen::VectorXd;
 // three quarters of nearly anything: less than kPartly names nothing.
 constexpr double kExplained = 0.9, kPartly = 0.8;
 constexpr double kPoorFit = 10.0;  // chi^2 per degree of freedom: the first fit may have run away
+constexpr double kRefused = 0.5;   // most for what is not named: its size is not told
 constexpr double kLeftoverZ = 2.33;
 constexpr double kInterval = 1.6449;  // of 90 %
 constexpr double kDetectableZ = 5.0;
@@ -181,7 +182,7 @@ std::vector<Candidate> ranking_of(const Selection& selection, double doubt, cons
       if (r.effect != s.effect) continue;
       // Of being there at a size that matters.
       trivial = r.z >= options.least_z && r.moved_m < options.trivial_m;
-      c.probability = r.moved_m < options.trivial_m || !r.physical ? 0.0 : r.probability;
+      c.probability = r.moved_m < options.trivial_m || !r.physical ? 0.0 : std::min(r.probability, kRefused);
       c.possible = r.physical;
       c.log_score = r.gain / std::max(1, extended.rows / 3);
     }

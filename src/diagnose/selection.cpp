@@ -16,20 +16,39 @@ constexpr double kRivalGain = 0.5 * kRivalZ * kRivalZ;
 constexpr double kRivalCosine = 0.95;
 constexpr double kScreenZ = 3.5;    // of an effect that is worth a refit
 constexpr double kNoneOdds = 20.0;  // for none against one effect, before the data
+constexpr double kTold = 2.0;       // standard deviations
 constexpr std::size_t kAlwaysRefitted = 2;
 constexpr double kNearBest = 0.25;  // of the best one's gain in the screen
 constexpr int kBootstraps = 2000;
 constexpr std::uint64_t kBootstrapSeed = 1;
 
-/// At an end of its range that is not "absent".
-bool at_limit(const Present& present) {
+/// At an end of its range that is not "absent", and told: one size of several that the trials do not tell may
+/// be anywhere.
+bool at_limit(const Linearised& at) {
+  const Present& present = at.at.effects.back();
+  const Eigen::VectorXd variance =
+      at.information.ldlt()
+          .solve(Eigen::MatrixXd::Identity(at.information.rows(), at.information.rows()))
+          .diagonal() *
+      inflation(at);
+  const auto told = [&](std::size_t k) {
+    for (std::size_t j = 0; j < at.columns.size(); ++j) {
+      const Column& c = at.columns[j];
+      if (c.kind != Column::Kind::kEffect || c.index + 1 != static_cast<int>(at.at.effects.size()) ||
+          c.parameter != static_cast<int>(k))
+        continue;
+      const double sd = c.scale * std::sqrt(variance[static_cast<Eigen::Index>(j)]);
+      return std::abs(present.values[static_cast<Eigen::Index>(k)]) > kTold * sd;
+    }
+    return true;
+  };
   const effects::Info& info = present.effect->info();
   for (std::size_t k = 0; k < info.parameters.size(); ++k) {
     const effects::Parameter& p = info.parameters[k];
     if (p.counts || k >= static_cast<std::size_t>(info.sizes)) continue;
     const double value = present.values[static_cast<Eigen::Index>(k)];
     const double near = 1e-6 * (p.high - p.low);
-    if ((value <= p.low + near && p.low != 0.0) || value >= p.high - near) return true;
+    if (((value <= p.low + near && p.low != 0.0) || value >= p.high - near) && told(k)) return true;
   }
   return false;
 }
@@ -140,7 +159,7 @@ Selection select(JointModel& model, Linearised baseline, const Options& options,
       how.whole = false;
       r.fit = model.fit(p, how, &current.predicted);
       r.unseen = unseen(model, r.fit);
-      r.physical = !at_limit(r.fit.at.effects.back());
+      r.physical = !at_limit(r.fit);
       // Large, and had again where the catalogue is screened.
       for (std::vector<effects::Predicted>& trial : r.fit.predicted)
         for (effects::Predicted& predicted : trial) predicted.by_rod.resize(0, 0);
