@@ -97,17 +97,22 @@ std::vector<EffectValue> values_of(const Linearised& at, std::size_t effect, con
     value.unit = parameter.unit;
     value.words = parameter.words;
     value.value = value.low = value.high = present.values[static_cast<Eigen::Index>(k)];
+    bool of_this_arm = true;
     for (std::size_t j = 0; j < at.columns.size(); ++j) {
       const Column& c = at.columns[j];
       if (c.kind != Column::Kind::kEffect || c.index != static_cast<int>(effect) ||
           c.parameter != static_cast<int>(k))
         continue;
+      // An input that the arm does not have.
+      of_this_arm = std::any_of(at.derivative.begin(), at.derivative.end(), [&](const MatrixXd& d) {
+        return d.col(static_cast<Eigen::Index>(j)).cwiseAbs().maxCoeff() > 0.0;
+      });
       const double sd =
           c.scale * std::sqrt(covariance(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(j)));
       value.low = std::max(c.low, value.value - kInterval * sd);
       value.high = std::min(c.high, value.value + kInterval * sd);
     }
-    list.push_back(std::move(value));
+    if (of_this_arm) list.push_back(std::move(value));
   }
   return list;
 }
