@@ -29,8 +29,9 @@ using Eigen::VectorXd;
 // Of what could be explained. Where something is left to see, one of 41 effects that fits best explains up to
 // three quarters of nearly anything: less than kPartly names nothing.
 constexpr double kExplained = 0.9, kPartly = 0.8;
-constexpr double kPoorFit = 10.0;  // chi^2 per degree of freedom: the first fit may have run away
-constexpr double kRefused = 0.5;   // most for what is not named: its size is not told
+constexpr double kPoorFit = 10.0;     // chi^2 per degree of freedom: the first fit may have run away
+constexpr double kRefused = 0.5;      // most for what is not named: its size is not told
+constexpr double kShared_m = 7.5e-5;  // what the arm's motion and what is too small to matter leave of it
 constexpr double kLeftoverZ = 2.33;
 constexpr double kInterval = 1.6449;  // of 90 %
 constexpr double kDetectableZ = 5.0;
@@ -254,7 +255,7 @@ Diagnosis diagnose(const Arm& arm, const std::vector<identify::Trial>& trials, c
   const Leftover left_before = leftover(model, selection.baseline, before);
   const Leftover left_after = extended ? leftover(model, selection.extended, after) : left_before;
   const auto shared = [&](const Leftover& left) {
-    return left.shared_z > kLeftoverZ && left.shared_m > options.trivial_m;
+    return left.shared_z > kLeftoverZ && left.shared_m > kShared_m;
   };
   const bool adequate = as_noise && !shared(left_after) && left_after.lone_m < kLone * d.noise_floor_m &&
                         (leftover_m < kLeftover_m || could_after.share < kLeftoverShare);
