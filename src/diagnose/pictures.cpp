@@ -205,7 +205,9 @@ std::string summary_of(const Diagnosis& d) {
         if (c.finding != Finding::kPresent && c.finding != Finding::kRival && c.probability >= kWorthAWord)
           likely.push_back(fmt::format("{} ({})", c.id, percent(c.probability)));
       }
-      if (!likely.empty()) text += fmt::format(" Not surely enough to be named: {}.", one_of(likely));
+      if (!likely.empty())
+        text += fmt::format(" Likeliest, by less than the 5 standard deviations that a name takes: {}.",
+                            one_of(likely));
       text += d.ceiling_rms_m > kNoBetter * d.extended.held_out_rms_m
                   ? " Nor does a flexible model learn it from the other trials: it is not the same in all of "
                     "them, or they are too few."
