@@ -9,7 +9,6 @@ diagnoses with `softarm diagnose`, prints the tables and draws
     real_trunk_paths.png     measured and predicted paths of tip and mid discs under the same inputs, 0, 100 and 300 g
     real_trunk_payload.png   the payload estimated from the same
     real_trunk_decay.png     releases by hand: frequency and damping over the amplitude
-    real_trunk_diagnosis.png what `softarm diagnose` finds: error of unseen pieces
 """
 import argparse
 import csv
@@ -232,7 +231,6 @@ def main():
     report = real_diagnosis.diagnose(program, work / "both.yaml", bags, work / "report", "--tie",
                                      "*.bending_stiffness.base")
     real_diagnosis.print_report("tendon trunk", report)
-    real_diagnosis.draw({"tendon trunk": report}, arguments.out / "real_trunk_diagnosis.png")
 
 
 if __name__ == "__main__":
