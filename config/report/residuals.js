@@ -107,7 +107,7 @@ function wander() {
   });
   return {nodes: [element('p', {class: 'hint'}, 'EI, M0, φ and L that each frame alone asks for, against what they ought not to depend on, or not more than the law says. ' +
       'What a fit of single frames hides shows here. Dots: single frames; line: the arm’s law.'),
-    element('p', {class: 'hint'}, '▲: it goes with that beyond what chance makes of any of the pictures (p < 0.01). What chance makes is found by exchanging stretches of five seconds.'),
+    element('p', {class: 'hint'}, '▲: it goes with that beyond what chance makes of any of the pictures (p < 0.01). What chance makes is found by exchanging stretches of two seconds.'),
     element('div', {class: 'grid'}, list.map((one, i) => element('div', null,
       element('h3', null, (one.p < 0.01 ? '▲ ' : '') + one.parameter + ' against ' + one.against),
       element('p', null, (one.p < 0.01 ? 'wanders beyond the law' : 'no wander beyond the law seen') + ', p ' + (one.p < 1e-4 ? '' : '= ') + pValue(one.p)),

@@ -127,7 +127,7 @@ std::vector<Covariate> covariates_of(const JointModel& model, const Arm& arm, co
   add("mean pressure", "Pa", by(now(&Happening::pressure_pa)));
   add("vacuum", "Pa", by(now(&Happening::vacuum_pa)));
   add("payload", "kg", by([](const Happening&, const effects::Instant& i) { return i.payload_kg; }));
-  add("attitude, from hanging", "rad", by([](const Happening&, const effects::Instant& i) {
+  add("attitude (angle from hanging)", "rad", by([](const Happening&, const effects::Instant& i) {
         return std::acos(std::clamp(i.gravity_base.normalized().z(), -1.0, 1.0));
       }),
       kAttitude_rad);

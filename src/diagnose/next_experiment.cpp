@@ -105,10 +105,11 @@ std::string sentence_of(const NextExperiment& next, bool to_light) {
       next.expected_separation, next.expected_separation < 10.0 ? 1 : 0, next.today);
 }
 
-std::optional<NextExperiment> tell_apart(const JointModel& model, const std::vector<Explanation>& list,
+std::optional<NextExperiment> tell_apart(const JointModel& model, const Parameters& baseline,
+                                         const std::vector<Explanation>& list,
                                          const std::vector<Experiment>& menu, double inflation,
                                          const Options& options) {
-  const Separations all = weigh_apart(model, list, menu, inflation, options);
+  const Separations all = weigh_apart(model, baseline, list, menu, inflation, options);
   const auto least = [&](MatrixXd separations, Eigen::Index& truth, Eigen::Index& fitted) {
     separations.diagonal().setConstant(1e300);
     return separations.minCoeff(&truth, &fitted);
@@ -192,7 +193,8 @@ std::optional<NextExperiment> next_experiment(JointModel& model, Selection& sele
   const bool open = verdict != Verdict::kExplained && verdict != Verdict::kConsistent;
   if (list.empty() && open) list = candidates_of(model, selection);
   const auto menu = [&] { return experiment_menu(model.arm(), model.trials(), options.block_s); };
-  if (list.size() > 1) return tell_apart(model, list, menu(), selection.inflation, options);
+  if (list.size() > 1)
+    return tell_apart(model, selection.baseline.at, list, menu(), selection.inflation, options);
   if (verdict != Verdict::kConsistent && verdict != Verdict::kCannotTell) return std::nullopt;
   const std::vector<Present> hidden = hidden_of(selection);
   if (hidden.empty()) return std::nullopt;

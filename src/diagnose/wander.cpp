@@ -22,8 +22,9 @@ constexpr std::size_t kMostDots = 300;     // of a picture
 constexpr std::size_t kMostPictures = 8, kFewestPictures = 4;
 constexpr std::size_t kFewest = 40;  // points of a parameter
 constexpr int kShuffles = 499;
-constexpr double kStretch_s = 5.0, kFewestStretches = 12.0;  // that are exchanged
+constexpr double kStretch_s = 2.0, kFewestStretches = 12.0;  // that are exchanged
 constexpr double kTelling = 0.01;
+constexpr double kTimes = 2.0;  // from which on a ratio is said as one
 
 struct Parameter {
   std::string name, unit;
@@ -236,12 +237,20 @@ class Wandering {
       if (medians[b] < medians[low]) low = b;
     }
     if (!any || high == low) return "";
-    const std::string by = parameter.ratio
-                               ? fmt::format("{:.1f} %", 100.0 * (medians[high] / medians[low] - 1.0))
-                               : with_unit(medians[high] - medians[low], parameter.unit);
-    return fmt::format("Against what its law says, {} is {} more at {} of {} than at {}.", parameter.name, by,
-                       covariate.name, with_unit(covariate.middle[high], covariate.unit),
-                       with_unit(covariate.middle[low], covariate.unit));
+    const double ratio = medians[high] / medians[low];
+    const bool times = parameter.ratio && ratio >= kTimes;
+    const std::string by = times ? fmt::format("{:.1f} times as large", ratio)
+                           : parameter.ratio
+                               ? fmt::format("{:.1f} % more", 100.0 * (ratio - 1.0))
+                               : with_unit(medians[high] - medians[low], parameter.unit) + " more";
+    const double span = std::abs(covariate.middle.back() - covariate.middle.front());
+    const auto at = [&](std::size_t bin) {
+      const double x = covariate.middle[bin];
+      if (covariate.unit == "1") return fmt::format("{:.0f}", x);
+      return with_unit(std::abs(x) < 1e-3 * span ? 0.0 : x, covariate.unit);
+    };
+    return fmt::format("Against its law, {} is {} where the {} is {} {} where it is {}.", parameter.name, by,
+                       covariate.name, at(high), times ? "as" : "than", at(low));
   }
 
   Wander picture(const Test& test) const {

@@ -13,7 +13,7 @@ namespace softarm::diagnose {
 /// its direction and rate, pressure, vacuum, payload, attitude, time and history.
 ///
 /// Each value is taken over its own standard deviation and by rank; the statistic is the spread of the means
-/// over up to six bins of what it is held against. Its null: stretches of five seconds are exchanged, within
+/// over up to six bins of what it is held against. Its null: stretches of two seconds are exchanged, within
 /// trials and between them, so that what is correlated over shorter times stays so; p is that of the largest
 /// of all statistics (Westfall and Young 1993): a whole page of pictures has one false alarm in 1 / p pages.
 /// @return what wanders, the most telling first, then the best of the other parameters

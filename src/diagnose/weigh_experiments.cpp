@@ -135,8 +135,9 @@ MatrixXd separations(const std::vector<Explanation>& list, double inflation, con
 
 }  // namespace
 
-Separations weigh_apart(const JointModel& model, const std::vector<Explanation>& explanations,
-                        const std::vector<Experiment>& menu, double inflation, const Options& options) {
+Separations weigh_apart(const JointModel& model, const Parameters& baseline,
+                        const std::vector<Explanation>& explanations, const std::vector<Experiment>& menu,
+                        double inflation, const Options& options) {
   const std::size_t n = explanations.size();
   std::vector<DifferenceSums> old(n * n);
   for (std::size_t j = 0; j < n; ++j) {
@@ -150,7 +151,7 @@ Separations weigh_apart(const JointModel& model, const std::vector<Explanation>&
   out.with.resize(menu.size());
   in_parallel(menu.size(), options.jobs, [&](std::size_t i) {
     Hypothetical trial(menu[i], options);
-    if (!trial.prepare(explanations.front().fit.at)) return;
+    if (!trial.prepare(baseline)) return;
     std::vector<Linearised> there;
     for (const Explanation& one : explanations) there.push_back(trial.linearise(one.fit.at));
     out.with[i] = separations(explanations, inflation, [&](std::size_t j, std::size_t k) {

@@ -20,11 +20,13 @@ struct Separations {
 };
 
 /// @param model of the trials that there are
+/// @param baseline the fit without effects: what it takes for swinging will not be compared
 /// @param inflation of chi^2: how much residuals of neighbouring instants are worth less than independent
 /// ones
 /// @param options of the model: threads, constants held and tied
-Separations weigh_apart(const JointModel& model, const std::vector<Explanation>& explanations,
-                        const std::vector<Experiment>& menu, double inflation, const Options& options);
+Separations weigh_apart(const JointModel& model, const Parameters& baseline,
+                        const std::vector<Explanation>& explanations, const std::vector<Experiment>& menu,
+                        double inflation, const Options& options);
 
 /// Standard deviations by which effects of these sizes would be seen, all constants being fitted.
 struct Visibility {

@@ -147,7 +147,7 @@ inline std::vector<Wander> example_wander() {
     length.value.push_back(0.2 + 2e-4 * noise());
     length.law.push_back(0.2);
   }
-  ei.sentence = "Against what its law says, EI is 24 % more at payload of 0 g than at 100 g.";
+  ei.sentence = "Against its law, EI is 24.0 % more where the payload is 0.00 g than where it is 100 g.";
   return {ei, m0, length};
 }
 
