@@ -120,7 +120,7 @@ std::vector<Covariate> covariates_of(const JointModel& model, const Arm& arm, co
   };
   add("moment of the law", "N m", by(now(&Happening::moment_nm)));
   add("rate of the moment of the law", "N m/s", by(now(&Happening::rate_nm_s)));
-  add("moment above its mean of the last 8 s", "N m", by(now(&Happening::past_nm)));
+  add("moment above its 8 s mean", "N m", by(now(&Happening::past_nm)));
   add("direction of bending", "rad", by([](const Happening& h, const effects::Instant&) {
         return std::atan2(h.direction.y(), h.direction.x());
       }));
