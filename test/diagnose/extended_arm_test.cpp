@@ -43,7 +43,7 @@ double stiffness_ratio(const Arm& arm, const std::vector<effects::Present>& effe
 
 TEST(ExtendedArm, CarriesWhatWasFoundIntoEverythingElse) {
   const RecordedCase recorded =
-      recorded_case("{count_weights: [0, 1], from: [base_compliance], size: [0.3, 0.6]}", 4);
+      recorded_case("{count_weights: [0, 1], from: [base_compliance], size: [0.3, 0.6]}", 4, 4, 10.0);
   const Diagnosis d = diagnose(recorded.arm, recorded.trials);
   ASSERT_EQ(d.extended_arm.effects.size(), 1u) << describe(d);
   const EffectEntry& entry = d.extended_arm.effects[0];
