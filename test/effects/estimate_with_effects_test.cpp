@@ -121,7 +121,7 @@ const std::vector<Case>& cases() {
        {"base_compliance", {{"compliance_rad_per_nm", 0.2}}},
        0.05},
       {"load", {"tip_mass", "", {{"mass_kg", 0.04}}}, {"tip_mass", {{"mass_kg", 0.04}}}, 0.05},
-      {"actuation", {"actuation_taper", "", {{"share", 0.15}}}, {"actuation_taper", {{"share", 0.15}}}, 0.05},
+      {"actuation", {"actuation_taper", "", {{"share", 0.15}}}, {"actuation_taper", {{"share", 0.15}}}, 0.02},
       {"sensor",
        {"marker_bias", "given", {{"body", 2.0}, {"x_m", 0.002}, {"y_m", 0.0}, {"z_m", 0.001}}},
        {"marker_slip", {{"x_m", 0.002}, {"z_m", 0.001}, {"body", 2.0}}},
