@@ -111,12 +111,12 @@ function ranking() {
     {number: 'size found'}, {number: 'smallest size seen'}, 'finding'];
   const sizeOf = (one, value) => {
     const unit = shownUnit(one.unit || '');
-    return present(value) ? digits(unit.scale * value, 3) + (unit.shown ? '\u00a0' + unit.shown : '') : '–';
+    return present(value) ? [digits(unit.scale * value, 3), unit.shown ? element('small', null, unit.shown) : null] : '–';
   };
   const row = (one, i) => [String(i + 1), [element('code', null, one.name), element('small', null, one.words)],
     {share: [bar(one.probability, ''), percent(one.probability)]}, {share: [bar(one.concealment, 'hidden-share'), percent(one.concealment)]},
     {number: present(one.z) ? one.z.toFixed(1).replace('-', '−') : '–'}, {number: mm(one.size_m)},
-    {number: [sizeOf(one, one.estimate), one.symbol ? element('small', null, one.symbol) : null]}, {number: sizeOf(one, one.smallest_detectable)},
+    {number: sizeOf(one, one.estimate)}, {number: sizeOf(one, one.smallest_detectable)},
     one.meaning];
   const looked = report.ranking.filter(one => one.finding !== 'not_of_this_arm');
   const others = report.ranking.filter(one => one.finding === 'not_of_this_arm');
