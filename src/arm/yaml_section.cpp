@@ -17,6 +17,13 @@ namespace {
 
 constexpr std::size_t kLongestQuote = 60;
 
+/// A path, whole: who is told of a file must be able to open it.
+std::string path_shown(std::string path) {
+  for (char& c : path)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  return path;
+}
+
 /// What the user wrote, fit for one line of a message.
 std::string quoted(const std::string& text) {
   std::string clean;
@@ -88,11 +95,11 @@ std::string Section::path_of(const std::string& key) const {
 }
 
 std::string Section::place() const {
-  return fmt::format("{}:{}", quoted(source_), line_);
+  return fmt::format("{}:{}", path_shown(source_), line_);
 }
 
 void Section::fail_at(int line, const std::string& path, const std::string& problem) const {
-  throw ArmError(fmt::format("{}:{}: key '{}': {}", quoted(source_), line, path, problem));
+  throw ArmError(fmt::format("{}:{}: key '{}': {}", path_shown(source_), line, path, problem));
 }
 
 void Section::fail(const std::string& key, const std::string& problem) const {
@@ -300,7 +307,7 @@ std::vector<Section> Section::list(const std::string& key, const KeyTable& table
 }
 
 Section parse_document(const std::string& text, const std::string& source, const KeyTable& table) {
-  const std::string where = quoted(source);
+  const std::string where = path_shown(source);
   std::vector<YAML::Node> documents;
   try {
     documents = YAML::LoadAll(text);

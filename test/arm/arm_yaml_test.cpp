@@ -152,6 +152,16 @@ estimator:
     length_jitter_sd_m: 0.0002
 )";
 
+TEST(ArmYaml, APathIsSaidWhole) {
+  const std::string path = "/" + std::string(120, 'd') + "/arm.yaml";
+  try {
+    parse_arm("format: 7\n", path);
+    FAIL();
+  } catch (const ArmError& error) {
+    EXPECT_EQ(std::string(error.what()).rfind(path + ":", 0), 0u) << error.what();
+  }
+}
+
 TEST(ArmYaml, EverySegmentKey) {
   const Arm arm = parse_arm(kFullArm, "arm.yaml");
   ASSERT_EQ(arm.segments.size(), 2u);
