@@ -6,37 +6,38 @@
 #include <chrono>
 
 #include "frames.h"
+#include "softarm/arm/arm_file.h"
 #include "softarm/arm/laws.h"
-#include "softarm/trial/arm_file.h"
 
 namespace softarm::bench {
 namespace {
 
 /// A value that such an input takes in the papers' experiments.
-double random_value(InputKind kind, std::mt19937_64& random) {
+double random_value(arm::InputKind kind, std::mt19937_64& random) {
   const auto uniform = [&](double high) { return std::uniform_real_distribution<double>(0.0, high)(random); };
   switch (kind) {
-    case InputKind::kPressure:
+    case arm::InputKind::kPressure:
       return uniform(40e3);
-    case InputKind::kVacuum:
+    case arm::InputKind::kVacuum:
       return uniform(1.0) < 0.5 ? 0.0 : 60e3;
-    case InputKind::kTension:
+    case arm::InputKind::kTension:
       return uniform(3.0);
-    case InputKind::kAngle:
+    case arm::InputKind::kAngle:
       return uniform(0.7);
   }
   return 0.0;
 }
 
 /// Half of them hang, half are clamped level.
-std::vector<rod::Rod> random_rods(const Arm& arm) {
+std::vector<rod::Rod> random_rods(const arm::Arm& arm) {
   std::mt19937_64 random(11);
   rod::Rod rod = rod::make_rod(arm);
   rod::Solver solver(rod, {arm.total_length_m()}, {});
   std::vector<rod::Rod> rods;
   for (int tries = 0; rods.size() < 300 && tries < 5000; ++tries) {
-    InputValues inputs;
-    for (const ScalarInput& input : arm.inputs.scalars) inputs.emplace_back(random_value(input.kind, random));
+    arm::InputValues inputs;
+    for (const arm::ScalarInput& input : arm.inputs.scalars)
+      inputs.emplace_back(random_value(input.kind, random));
     const auto laws = predict(arm, inputs);
     if (!laws) continue;
     rod::actuate(arm, *laws, rod);
@@ -48,14 +49,14 @@ std::vector<rod::Rod> random_rods(const Arm& arm) {
   return rods;
 }
 
-void static_solve(benchmark::State& state, const Arm& arm) {
+void static_solve(benchmark::State& state, const arm::Arm& arm) {
   const std::vector<rod::Rod> rods = random_rods(arm);
   if (rods.size() < 100) {
     state.SkipWithError("too few equilibria");
     return;
   }
   std::vector<double> stations;
-  for (const MeasuredBody& body : arm.bodies) stations.push_back(body.arclength_m);
+  for (const arm::MeasuredBody& body : arm.bodies) stations.push_back(body.arclength_m);
   std::vector<rod::Parameter> parameters;
   for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
     parameters.push_back({rod::ParameterKind::kMoment, i, 0});
@@ -88,8 +89,8 @@ void static_solve(benchmark::State& state, const Arm& arm) {
 
 const bool kRegistered = [] {
   const std::vector<std::string> folders{std::string(SOFTARM_SOURCE_DIR) + "/config/arms"};
-  for (const std::string& name : arm_names(folders)) {
-    const Arm arm = load_arm_file(name, folders);
+  for (const std::string& name : arm::arm_names(folders)) {
+    const arm::Arm arm = arm::load_arm_file(name, folders);
     benchmark::RegisterBenchmark(("static_solve_" + name).c_str(),
                                  [arm](benchmark::State& state) { static_solve(state, arm); })
         ->UseManualTime()

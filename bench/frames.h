@@ -11,17 +11,17 @@
 #include <string>
 #include <vector>
 
-#include "softarm/arm/arm_yaml.h"
-#include "softarm/fit/frame.h"
+#include "softarm/arm/arm_file.h"
 #include "softarm/rod/solver.h"
+#include "softarm/trial/frame.h"
 
 namespace softarm::bench {
 
-inline Arm paper_arm() {
+inline arm::Arm paper_arm() {
   std::ifstream file(std::string(SOFTARM_SOURCE_DIR) + "/config/arms/online_200mm.yaml");
   std::stringstream text;
   text << file.rdbuf();
-  Arm arm = parse_arm(text.str(), "online_200mm.yaml");
+  arm::Arm arm = arm::parse_arm(text.str(), "online_200mm.yaml");
   arm.gravity_m_s2 = {0.0, 0.0, -9.81};
   return arm;
 }
@@ -31,7 +31,7 @@ struct Truth {
 };
 
 /// The rod of the paper's arm with these values, in its base frame.
-inline rod::Rod rod_of(const Arm& arm, const Truth& t, const Eigen::Vector3d& gravity_base) {
+inline rod::Rod rod_of(const arm::Arm& arm, const Truth& t, const Eigen::Vector3d& gravity_base) {
   rod::Rod rod = rod::make_rod(arm);
   rod.gravity_m_s2 = gravity_base;
   rod.segments[0].length_m = t.length;
@@ -60,20 +60,20 @@ inline Truth moving_truth(int i) {
 /// Frames of given truths with 0.5 mm of noise; the base at this attitude in mocap. Truths without
 /// equilibrium or with a tip angle beyond 150 degrees are left out.
 template <typename TruthOf>
-std::vector<Frame> make_frames(const Arm& arm, int count, const Eigen::Quaterniond& q_base,
-                               TruthOf truth_of) {
+std::vector<trial::Frame> make_frames(const arm::Arm& arm, int count, const Eigen::Quaterniond& q_base,
+                                      TruthOf truth_of) {
   std::mt19937_64 random(7);
   std::normal_distribution<double> noise(0.0, 0.0005);
   std::vector<double> stations;
-  for (const MeasuredBody& body : arm.bodies) stations.push_back(body.arclength_m);
+  for (const arm::MeasuredBody& body : arm.bodies) stations.push_back(body.arclength_m);
   const Eigen::Vector3d gravity = q_base.conjugate() * arm.gravity_m_s2;
   rod::Solver solver(rod::make_rod(arm), stations, {});
-  std::vector<Frame> frames;
+  std::vector<trial::Frame> frames;
   for (int i = 0; static_cast<int>(frames.size()) < count; ++i) {
     const Truth truth = truth_of(i, random);
     if (solver.solve(rod_of(arm, truth, gravity)) != rod::SolveStatus::kConverged) continue;
     if ((solver.station(solver.stations() - 1).q * Eigen::Vector3d::UnitZ()).z() < std::cos(2.6)) continue;
-    Frame frame;
+    trial::Frame frame;
     frame.stamp_s = i / 120.0;
     frame.base_body = Eigen::Isometry3d(q_base);
     frame.payload_kg = truth.payload;
@@ -92,8 +92,8 @@ inline Eigen::Quaterniond hanging() {
 }
 
 /// The baselines' frames (base at the origin, tangent along +z, gravity along +z), or nothing.
-inline std::vector<Frame> read_frames(const std::string& path) {
-  std::vector<Frame> frames;
+inline std::vector<trial::Frame> read_frames(const std::string& path) {
+  std::vector<trial::Frame> frames;
   std::ifstream file(path);
   std::string line;
   std::getline(file, line);
@@ -103,7 +103,7 @@ inline std::vector<Frame> read_frames(const std::string& path) {
     double id, payload, weight, fraction[4];
     row >> id >> payload >> weight;
     for (double& f : fraction) row >> f;
-    Frame frame;
+    trial::Frame frame;
     frame.stamp_s = id / 120.0;
     frame.base_body = Eigen::Isometry3d(hanging());
     frame.payload_kg = payload;
@@ -117,9 +117,9 @@ inline std::vector<Frame> read_frames(const std::string& path) {
   return frames;
 }
 
-inline std::vector<Frame> random_frames(const Arm& arm) {
+inline std::vector<trial::Frame> random_frames(const arm::Arm& arm) {
   const char* path = std::getenv("SOFTARM_FRAMES");
-  std::vector<Frame> frames = path != nullptr ? read_frames(path) : std::vector<Frame>();
+  std::vector<trial::Frame> frames = path != nullptr ? read_frames(path) : std::vector<trial::Frame>();
   if (!frames.empty()) return frames;
   return make_frames(arm, 200, hanging(), [](int, std::mt19937_64& random) { return random_truth(random); });
 }

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "frames.h"
-#include "softarm/diagnose/mismatch_monitor.h"
-#include "softarm/fit/estimator.h"
+#include "softarm/estimate/estimator.h"
+#include "softarm/monitor/mismatch_monitor.h"
 
 namespace softarm::bench {
 namespace {
@@ -14,17 +14,17 @@ namespace {
 /// @param inputs chamber pressures of frame i, gauge Pa
 template <typename InputsOf>
 void monitor(benchmark::State& state, double rate_hz, InputsOf inputs_of) {
-  const Arm arm = paper_arm();
-  std::vector<Frame> frames =
+  const arm::Arm arm = paper_arm();
+  std::vector<trial::Frame> frames =
       make_frames(arm, 2400, hanging(), [](int i, std::mt19937_64&) { return moving_truth(i); });
-  Estimator estimator(arm);
-  std::vector<Estimate> estimates;
+  estimate::Estimator estimator(arm);
+  std::vector<estimate::Estimate> estimates;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     frames[i].stamp_s = static_cast<double>(i) / rate_hz;
     frames[i].inputs = inputs_of(frames[i]);
     estimates.push_back(estimator.estimate(frames[i]));
   }
-  diagnose::MismatchMonitor mismatch(arm);
+  monitor::MismatchMonitor mismatch(arm);
   std::size_t i = 0;
   for (auto _ : state) {
     benchmark::DoNotOptimize(mismatch.add(frames[i], estimates[i]));
@@ -32,7 +32,7 @@ void monitor(benchmark::State& state, double rate_hz, InputsOf inputs_of) {
   }
 }
 
-InputValues some_pressures(const Frame& frame) {
+arm::InputValues some_pressures(const trial::Frame& frame) {
   const double a = 3e4 + 2e4 * std::sin(frame.stamp_s);
   return {a, 5e4 - a, 1e4};
 }
@@ -48,7 +48,7 @@ void mismatch_frame_240hz(benchmark::State& state) {
 BENCHMARK(mismatch_frame_240hz)->Unit(benchmark::kMicrosecond)->Iterations(24000);
 
 void mismatch_frame_without_laws(benchmark::State& state) {
-  monitor(state, 120.0, [](const Frame&) { return InputValues(); });
+  monitor(state, 120.0, [](const trial::Frame&) { return arm::InputValues(); });
 }
 BENCHMARK(mismatch_frame_without_laws)->Unit(benchmark::kMicrosecond)->Iterations(24000);
 

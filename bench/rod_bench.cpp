@@ -52,7 +52,7 @@ void solve_all(benchmark::State& state, const std::vector<rod::Rod>& rods, bool 
 }
 
 std::vector<rod::Rod> random_rods() {
-  const Arm arm = paper_arm();
+  const arm::Arm arm = paper_arm();
   std::mt19937_64 random(7);
   std::vector<rod::Rod> rods;
   rod::Solver solver(rod::make_rod(arm), {0.2}, {});
@@ -66,7 +66,7 @@ std::vector<rod::Rod> random_rods() {
 }
 
 std::vector<rod::Rod> moving_rods() {
-  const Arm arm = paper_arm();
+  const arm::Arm arm = paper_arm();
   std::vector<rod::Rod> rods;
   for (int i = 0; i < 2000; ++i) rods.push_back(rod_of(arm, moving_truth(i), {0.0, 0.0, 9.81}));
   return rods;

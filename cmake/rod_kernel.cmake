@@ -8,3 +8,5 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
 endif()
 # Vectors of 8 doubles never cross a library boundary by value, so their calling convention does not matter.
 set_source_files_properties(${ROD_KERNEL_SOURCES} PROPERTIES COMPILE_FLAGS "-Wno-psabi")
+# No header of a library in them, precompiled or not, and each on its own.
+set_source_files_properties(${ROD_KERNEL_SOURCES} PROPERTIES SKIP_PRECOMPILE_HEADERS ON SKIP_UNITY_BUILD_INCLUSION ON)

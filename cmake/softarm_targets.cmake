@@ -3,6 +3,50 @@
 # Warnings are errors in our own code.
 set(SOFTARM_WARNINGS -Wall -Wextra -Wpedantic -Wshadow -Werror)
 
+# softarm_precompile(<target> <header>...): what nearly every file of ours includes, and these headers, is parsed once.
+function(softarm_precompile target)
+  target_precompile_headers(${target} PRIVATE <Eigen/Dense> <Eigen/Geometry> <fmt/format.h> <algorithm> <cmath> <cstdint>
+    <functional> <map> <memory> <optional> <string> <utility> <vector> ${ARGN})
+endfunction()
+
+# softarm_headers(<name> LIBRARIES <library>... HEADERS <header>...): an empty program whose precompiled header others use
+# (REUSE_FROM): they wait for it, so it is none that needs more than libraries of others. Its flags and macros must be theirs.
+function(softarm_headers name)
+  cmake_parse_arguments(given "" "" "LIBRARIES;HEADERS" ${ARGN})
+  file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/headers/${name}.cpp CONTENT "int main() {}\n")
+  add_executable(${name} ${PROJECT_BINARY_DIR}/headers/${name}.cpp)
+  target_compile_options(${name} PRIVATE ${SOFTARM_WARNINGS})
+  target_link_libraries(${name} PRIVATE ${given_LIBRARIES})
+  softarm_precompile(${name} ${given_HEADERS})
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/headers)
+endfunction()
+
+# softarm_unity(<target> <files per chunk> <room>...): the files of a folder are compiled in chunks, so that what all of
+# them include and the templates of Eigen that all of them use are worked out once per chunk. A chunk never holds files of
+# two folders: a new file moves only its neighbours. A chunk is one translation unit, so names without linkage in it must
+# differ. The files of the rooms that are named stay on their own.
+function(softarm_unity target size)
+  if(NOT SOFTARM_UNITY OR CMAKE_VERSION VERSION_LESS 3.18)
+    return()
+  endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  get_target_property(sources ${target} SOURCES)
+  foreach(source IN LISTS sources)
+    if(NOT source MATCHES "\\.cpp$")
+      continue()
+    endif()
+    get_filename_component(folder ${source} DIRECTORY)
+    get_filename_component(room ${folder} NAME)
+    if(room IN_LIST ARGN)
+      set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+      continue()
+    endif()
+    math(EXPR number "0${${folder}_count} / ${size}")
+    math(EXPR ${folder}_count "0${${folder}_count} + 1")
+    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${room}_${number})
+  endforeach()
+endfunction()
+
 # softarm_sources(<variable> <room>...): the files src/<room>/**.cpp of these rooms.
 function(softarm_sources variable)
   set(sources)
@@ -18,13 +62,16 @@ endfunction()
 function(softarm_keep_ros_out_of)
   include_directories(SYSTEM ${CATKIN_DEVEL_PREFIX}/include)
   foreach(target IN LISTS ARGN)
-    set_target_properties(${target} PROPERTIES INCLUDE_DIRECTORIES ${PROJECT_SOURCE_DIR}/include)
+    set_target_properties(${target} PROPERTIES INCLUDE_DIRECTORIES "${PROJECT_SOURCE_DIR}/include;${PROJECT_SOURCE_DIR}/src")
   endforeach()
 endfunction()
 
 # softarm_programs(<library>...): one program per src/apps/<name>.cpp, with src/apps/<name>/**.cpp where its main() is
 # not all of it. Their names are left in the cache variable SOFTARM_PROGRAMS.
 function(softarm_programs)
+  softarm_headers(softarm_program_headers
+    LIBRARIES Eigen3::Eigen CLI11::CLI11 fmt::fmt nlohmann_json::nlohmann_json
+    HEADERS <CLI/CLI.hpp> <ros/ros.h> <filesystem> <fstream> <iostream>)
   set(names)
   file(GLOB mains CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/apps/*.cpp)
   foreach(main IN LISTS mains)
@@ -32,13 +79,13 @@ function(softarm_programs)
     file(GLOB_RECURSE parts CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/apps/${name}/*.cpp)
     add_executable(${name} ${main} ${parts})
     add_dependencies(${name} ${${PROJECT_NAME}_EXPORTED_TARGETS})
-    target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/src/apps)
+    target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/src/apps)
     target_compile_options(${name} PRIVATE ${SOFTARM_WARNINGS})
+    target_precompile_headers(${name} REUSE_FROM softarm_program_headers)
     target_compile_definitions(${name} PRIVATE
-      SOFTARM_VERSION="${${PROJECT_NAME}_VERSION}" SOFTARM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+      SOFTARM_VERSION="${SOFTARM_VERSION}" SOFTARM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
     target_link_libraries(${name} PRIVATE ${ARGN})
     set_target_properties(${name} PROPERTIES
-      INSTALL_RPATH "$ORIGIN/.."  # from lib/softarm_estimator to lib
       RUNTIME_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION})
     install(TARGETS ${name} RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
     list(APPEND names ${name})

@@ -21,6 +21,10 @@ ROWS = [
     ("frame_fit_warm", "one frame fit, from the last frame's", "us", 100),
     ("frame_fit_warm_p99", "  its 99th percentile", "us", 400),
     ("frame_fit_cold", "one frame fit, from nothing", "us", 150),
+    ("frame_fit_extended", "one frame fit, two effects in the model", "us", None),
+    ("frame_fit_extended_memory", "  two effects, one with memory", "us", None),
+    ("frame_fit_extended_ratio", "two effects against none, both warm", "x times", 2),
+    ("frame_fit_extended_memory_ratio", "  one with memory", "x times", 4),
     ("mismatch_frame_120hz", "live monitor, one frame at 120 Hz", "us", 5),
     ("mismatch_frame_240hz", "  at 240 Hz", "us", 5),
     ("identify_30_trials_ms", "12 constants from 30 trials", "ms", 1000),
@@ -76,9 +80,9 @@ def baseline_us(path):
 def verdict(unit, value, bound):
     if bound is None:
         return ""
-    time = unit in ("us", "ms")
-    met = value <= bound if time else value >= bound
-    return f"{'at most' if time else 'at least'} {bound:,}: {'met' if met else 'NOT MET'}"
+    upper = unit in ("us", "ms", "x times")
+    met = value <= bound if upper else value >= bound
+    return f"{'at most' if upper else 'at least'} {bound:,}: {'met' if met else 'NOT MET'}"
 
 
 def main():
@@ -90,6 +94,9 @@ def main():
     figures = benchmarks(arguments.folder)
     if "identify_30_trials" in figures:
         figures["identify_30_trials_ms"] = figures.pop("identify_30_trials") / 1e3
+    for key in ("frame_fit_extended", "frame_fit_extended_memory"):
+        if key in figures and figures.get("frame_fit_warm"):
+            figures[f"{key}_ratio"] = figures[key] / figures["frame_fit_warm"]
     rate = frames_per_second(arguments.folder)
     if rate is not None:
         figures["offline_frames_per_s"] = rate
@@ -116,7 +123,7 @@ def main():
         if key not in figures:
             print(f"{key:28}{meaning:42}{'not measured':>12}")
             continue
-        print(f"{key:28}{meaning:42}{figures[key]:12,.1f} {unit:4}{verdict(unit, figures[key], bound)}".rstrip())
+        print(f"{key:28}{meaning:42}{figures[key]:12,.1f} {unit.split()[0]:4}{verdict(unit, figures[key], bound)}".rstrip())
 
     if arguments.json:
         # Written beside and renamed: never half a file.

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """Draws estimates.csv of `softarm estimate`: tip angle, moment, stiffness, length and payload over time with their
-standard deviations. Frames that tell a value are drawn solid, the others faint.
+standard deviations. Frames in which a value is identifiable are drawn solid, the others faint.
 
     scripts/plot_estimates.py estimates/trial/estimates.csv --out trial.png
 """
@@ -14,13 +14,13 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
 
 NAN = float("nan")
-# Column, label, its standard deviation's column, the flag that says whether the frame tells it.
+# Column, label, its standard deviation's column, the flag that says whether the frame identifies it.
 PANELS = [
     ("theta_tip", "tip angle (rad)", None, None),
     ("M0", "$M_0$ (N m)", "sd_M0", None),
-    ("EI", "EI (N m²)", "sd_EI", "tells_EI"),
+    ("EI", "EI (N m²)", "sd_EI", "identifiable_EI"),
     ("L", "L (m)", "sd_L", None),
-    ("payload", "payload (kg)", "sd_payload", "tells_payload"),
+    ("payload", "payload (kg)", "sd_payload", "identifiable_payload"),
 ]
 
 
@@ -41,22 +41,22 @@ def finite(values):
 
 
 def draw(axes, rows, times, panel, colour):
-    column, name, sd_column, tells_column = panel
+    column, name, sd_column, identifiable_column = panel
     values = numbers(rows, column)
-    told = [row[tells_column] == "1" for row in rows] if tells_column else [True] * len(rows)
-    axes.plot(times, [v if not t else NAN for v, t in zip(values, told)], ".", ms=2, alpha=0.25, color=colour)
-    axes.plot(times, [v if t else NAN for v, t in zip(values, told)], ".", ms=3, color=colour)
+    identifiable = [row[identifiable_column] == "1" for row in rows] if identifiable_column else [True] * len(rows)
+    axes.plot(times, [v if not t else NAN for v, t in zip(values, identifiable)], ".", ms=2, alpha=0.25, color=colour)
+    axes.plot(times, [v if t else NAN for v, t in zip(values, identifiable)], ".", ms=3, color=colour)
     if sd_column:
         sds = numbers(rows, sd_column)
         axes.fill_between(times, [v - s for v, s in zip(values, sds)], [v + s for v, s in zip(values, sds)],
                           color=colour, alpha=0.15, lw=0)
     axes.set_ylabel(name)
     axes.grid(alpha=0.3)
-    if tells_column:
+    if identifiable_column:
         estimated = any(row[sd_column] for row in rows)
-        share = 100.0 * sum(told) / len(told)
+        share = 100.0 * sum(identifiable) / len(identifiable)
         if estimated:
-            note = f"told in {share:.0f} % of the frames"
+            note = f"identifiable in {share:.0f} % of the frames"
         else:  # a value that changes without a standard deviation rests on what the estimator takes for likely
             note = "given, not estimated" if len(set(finite(values))) <= 1 else "not determined in any frame"
         axes.text(0.995, 0.04, note, transform=axes.transAxes, ha="right", fontsize=8)

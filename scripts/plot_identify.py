@@ -83,10 +83,10 @@ def draw_constants(axes, rows):
         start, scale = float(row["initial"]), float(row["scale"])
         unit = abs(start) if start else scale
         value, half = float(row["value"]) / unit, 1.96 * float(row["sd"]) / unit
-        told = row["determined"] == "1"
-        axes.errorbar([value], [y], xerr=[min(half, 10.0)], fmt="o", ms=4, capsize=3, color="C0" if told else "0.6")
+        identifiable = row["determined"] == "1"
+        axes.errorbar([value], [y], xerr=[min(half, 10.0)], fmt="o", ms=4, capsize=3, color="C0" if identifiable else "0.6")
         axes.plot([start / unit], [y], "|", ms=12, color="k")
-        names.append(row["name"] + ("" if told else " (not told)"))
+        names.append(row["name"] + ("" if identifiable else " (not identifiable)"))
     axes.set_yticks(range(len(names)))
     axes.set_yticklabels(names, fontsize=8)
     values = [float(row["value"]) / (abs(float(row["initial"])) or float(row["scale"])) for row in rows]

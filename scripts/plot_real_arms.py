@@ -64,7 +64,7 @@ class Pouch:
             source = self.data / ("one_segment" if folder == "one" else "two_segment")
             for recording, trial, known in recordings:
                 self.run("import", layout, source / f"{recording}.txt", *known, "--out", self.work / folder / f"{trial}.bag")
-                if folder == "one":  # the whole trial, its payload told to nobody
+                if folder == "one":  # the whole trial, its payload not given
                     self.run("import", layout, source / f"{recording}.txt", "--out", self.work / "whole" / f"{trial}.bag")
         for number in (2, 3):
             self.run("import", "pouch_arm_steps", self.data / f"steps/set_{number}/data_collect_1.txt", "--out",
@@ -236,7 +236,7 @@ def main():
     # Its payload.
     bags = sorted((work / "whole").glob("*.bag"))
     pouch.run("estimate", "--arm", "pouch_arm_one_segment", *bags, "--out", work / "bending")
-    print("\npayload, kg, and its sd: 5-5.7 s, 11-30 s; share of frames that tell it")
+    print("\npayload, kg, and its sd: 5-5.7 s, 11-30 s; share of frames in which it is identifiable")
     for _, trial, _ in ONE:
         pouch.run("estimate", "--arm", work / f"one_without_{trial}.yaml", work / f"whole/{trial}.bag", "--out",
                   work / "stretch")
@@ -244,8 +244,8 @@ def main():
             rows = rows_of(work / name / trial / "estimates.csv")
             cells = [f"{median_of(rows, 'payload', *s):.2f} +- {median_of(rows, 'sd_payload', *s):.2f}"
                      for s in ((5, 5.7), (11, 30))]
-            told = sum(row["tells_payload"] == "1" for row in rows) / len(rows)
-            print(f"  {trial:<12}{name:<10}{cells[0]}   {cells[1]}   {told:.2f}")
+            identifiable = sum(row["identifiable_payload"] == "1" for row in rows) / len(rows)
+            print(f"  {trial:<12}{name:<10}{cells[0]}   {cells[1]}   {identifiable:.2f}")
     draw_payload(pouch, arguments.out / "real_pouch_payload.png")
 
     # Two segments. EA stays as in the arm file: only one of the two trials has a load.
@@ -262,7 +262,7 @@ def main():
     draw_paths(columns, [("tip", BLUE), ("mid", ORANGE)], arguments.out / "real_pouch_two_segments.png")
 
     # What the arm file leaves out.
-    # EI is a guess in the arm file; loaded frames, told the payload, say some 0.037 N m^2 instead.
+    # EI is a guess in the arm file; loaded frames, given the payload, say some 0.037 N m^2 instead.
     softer = re.sub(r"base_nm2: 0.15\b", "base_nm2: 0.037", (work / "one.yaml").read_text())
     softer = re.sub(r"moment_gain_nm_per_pa: ([0-9.e-]+)",
                     lambda gain: f"moment_gain_nm_per_pa: {float(gain.group(1)) * 0.037 / 0.15:.4g}", softer)

@@ -106,22 +106,22 @@ def payloads(work, folder, load, piece):
     first = rows[0]["segment"]
     rows = [r for r in rows if r["segment"] == first and r["sd_payload"]]
     return (np.array([float(r["stamp"]) - START_S for r in rows]), np.array([float(r["payload"]) for r in rows]),
-            np.array([float(r["sd_payload"]) for r in rows]), np.array([r["tells_payload"] == "1" for r in rows]))
+            np.array([float(r["sd_payload"]) for r in rows]), np.array([r["identifiable_payload"] == "1" for r in rows]))
 
 
 def print_payload(work, folder, pieces):
-    print(f"\n{folder}: payload (kg) of the last frame of each held-out piece; all frames: told, and told but 2 sd off")
+    print(f"\n{folder}: payload (kg) of the last frame of each held-out piece; all frames: identifiable, and so but 2 sd off")
     for load, (_, truth) in LOADS.items():
-        cells, told, wrong, inside, count = [], 0, 0, 0, 0
+        cells, identifiable, wrong, inside, count = [], 0, 0, 0, 0
         for piece in pieces:
-            _, kg, sd, tells = payloads(work, folder, load, piece)
+            _, kg, sd, flags = payloads(work, folder, load, piece)
             cells.append(f"{kg[-1]:.2f} +- {sd[-1]:.2f}")
             inside += np.sum(np.abs(kg - truth) < 1.96 * sd)
-            told += np.sum(tells)
-            wrong += np.sum(tells & (np.abs(kg - truth) > 1.96 * sd))
+            identifiable += np.sum(flags)
+            wrong += np.sum(flags & (np.abs(kg - truth) > 1.96 * sd))
             count += len(kg)
         print(f"  {load:<5}", "   ".join(cells), f"  95 % intervals hold it in {100 * inside / count:.0f} % of frames; "
-              f"told {100 * told / count:.0f} %, wrongly {100 * wrong / count:.1f} %")
+              f"identifiable {100 * identifiable / count:.0f} %, wrongly {100 * wrong / count:.1f} %")
 
 
 def draw_payload(work, folder, path):

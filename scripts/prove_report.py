@@ -1,7 +1,7 @@
 """The table of the proof and doc/proof.md, from prove_score.figures()."""
 import prove_score
 
-KIND_WORDS = {
+KIND_DESCRIPTION = {
     "none": "nothing hidden but distractors below the noise",
     "single_strong": "one effect of the catalogue",
     "single_weak": "one, barely above the noise",
@@ -21,7 +21,7 @@ TARGETS = [
     ("compensated", "found_or_cannot_tell", 0.95, True),
     ("class_only", "right_class", None, True),
 ]
-# (figure, words, target in words, met)
+# (figure, description, target, met)
 FIGURES = [
     ("confident_wrong", "confident (p > 0.9) and wrong, all trials", "<= 0.02", lambda x: x <= 0.02),
     ("calibration_error", "calibration error of stated probabilities", "<= 0.05", lambda x: x <= 0.05),
@@ -54,9 +54,9 @@ def rows(figures):
                       "-" if target is None or ours is None else "met" if is_met(ours, target, more) else "NOT MET"]
                      + [number(figures["baselines"][b][kind][rate]) for b in prove_score.BASELINES])
     trials = str(sum(figures[kind]["trials"] for kind in prove_score.KINDS))
-    for key, words, target, met in FIGURES:
+    for key, description, target, met in FIGURES:
         value = figures[key]
-        table.append([words, trials if key == "confident_wrong" else "", number(value), target,
+        table.append([description, trials if key == "confident_wrong" else "", number(value), target,
                       "-" if value is None else "met" if met(value) else "NOT MET"]
                      + [number(figures["baselines"][b][key]) for b in prove_score.BASELINES])
     return table
@@ -78,7 +78,7 @@ def markdown(lines):
     return "\n".join([row(lines[0]), "|" + "---|" * len(lines[0])] + [row(line) for line in lines[1:]])
 
 
-def effect_words(effect):
+def effect_description(effect):
     form = f" ({effect['form']})" if effect.get("form") else ""
     signal = effect.get("signal")
     size = f", {signal['leftover_snr']:.0f} sd, {1e3 * signal['leftover_m']:.2f} mm" if signal else ""
@@ -104,7 +104,7 @@ def judged(result):
         rate if rate in bad else f"not {rate}" for rate in wrong) + ("" if set(wrong) <= {"top1", "top3"} else "**")
 
 
-def ideal_words(truth):
+def ideal_description(truth):
     return ", ".join(f"{item['effect']} {item['explains']:.2f}" for item in truth["ideal"][:3])
 
 
@@ -126,10 +126,10 @@ def story(figures, results):
         errors = "" if report is None else (f"{1e3 * report['baseline']['held_out_rms_m']:.3f} -> "
                                             f"{1e3 * report['extended']['held_out_rms_m']:.3f} "
                                             f"({1e3 * report['noise_floor_m']:.3f})")
-        lines.append([result["case"], result["kind"], "; ".join(effect_words(e) for e in truth["effects"]) or "nothing",
-                      ideal_words(truth), said(result), errors, judged(result)])
+        lines.append([result["case"], result["kind"], "; ".join(effect_description(e) for e in truth["effects"]) or "nothing",
+                      ideal_description(truth), said(result), errors, judged(result)])
     size = "the whole" if figures["full"] else "a sample"
-    kinds = [["kind", "trials", "what is hidden"]] + [[k, figures[k]["trials"], KIND_WORDS[k]] for k in prove_score.KINDS]
+    kinds = [["kind", "trials", "what is hidden"]] + [[k, figures[k]["trials"], KIND_DESCRIPTION[k]] for k in prove_score.KINDS]
     return f"""# The proof of `softarm diagnose`
 
 Written by `scripts/prove`: {size} of the campaign `{figures['campaign']}`, seed {figures['seed']}. Engine: commit

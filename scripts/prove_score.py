@@ -15,7 +15,7 @@ BASELINES = ["per_frame", "bic", "lasso", "gp"]
 CONFIDENT = 0.9
 CALIBRATION_BINS = 5
 LEAST_BEYOND = 8.0  # standard deviations: less, and an effect of the catalogue says it as well
-LEAST_BIAS = 0.02  # of EI: a smaller one cannot be told from the fit's own error
+LEAST_BIAS = 0.02  # of EI: a smaller one cannot be distinguished from the fit's own error
 
 
 def decision_of_report(report):
@@ -29,7 +29,7 @@ def decision_of_baseline(item):
 
 
 def hidden(truth):
-    """Ids that are right to name: the effects, and for one outside the catalogue that which nobody can tell from it."""
+    """Ids that are right to name: the effects, and for one outside the catalogue that which no recording can distinguish from it."""
     names = [effect["effect"] for effect in truth["effects"] if effect["catalogued"]]
     return names + [effect["like"] for effect in truth["effects"] if effect.get("like")]
 

@@ -68,7 +68,7 @@ def print_report(name, report):
     named = {effect["name"] for effect in report["effects"]}
     for one in report["ranking"]:
         if one.get("z", 0) >= STANDS_OUT and one["name"] not in named:
-            print(f"  stands out: {one['name']}, z {one['z']:.1f}, hidden {100 * one['concealment']:.0f} %, "
+            print(f"  stands out: {one['name']}, z {one['z']:.1f}, collinearity {100 * one['collinearity']:.0f} %, "
                   f"p {one['probability']:.3f}, {one['finding']}")
     left = report["residual_structure"]
     inputs = ", ".join(f"{key} (p {p:.1g})" for key, p in left["by_input_p"].items() if p < TELLING)

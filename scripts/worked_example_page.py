@@ -62,11 +62,11 @@ def truth_of(folder):
 
 
 def frames_of(folder, trial):
-    """Frames of one trial: stamps and EI where it is told, median residual."""
+    """Frames of one trial: stamps and EI where it is identifiable, median residual."""
     with open(folder / trial / "estimates.csv", newline="") as file:
         rows = [row for row in csv.DictReader(file) if row["status"] == "ok"]
-    told = [row for row in rows if row["tells_EI"] == "1"]
-    return {"stamps": [float(row["stamp"]) for row in told], "EI": [float(row["EI"]) for row in told],
+    identifiable = [row for row in rows if row["identifiable_EI"] == "1"]
+    return {"stamps": [float(row["stamp"]) for row in identifiable], "EI": [float(row["EI"]) for row in identifiable],
             "residual": statistics.median(float(row["rms_residual"]) for row in rows)}
 
 

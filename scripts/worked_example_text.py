@@ -1,4 +1,4 @@
-"""The words of doc/worked_example.md, around what the program said."""
+"""The text of doc/worked_example.md, around what the program said."""
 import statistics
 
 EI = "segment_1.bending_stiffness.base"
@@ -51,7 +51,7 @@ def page(found, steps, lines, percent):
 
 ```
 $ softarm estimate --arm report/arm_extended.yaml campaign/case_001/*.bag --out estimates_extended
-{lines(found["extended"].split(chr(10) + chr(10))[0], "^bag", "rms residual", "mismatch, median", "^EI, median")}
+{lines(found["extended"].split(chr(10) + chr(10))[0], "^bag", "rms residual", "reduced chi-square, median", "^EI, median")}
 ```
 
 Against the truth of each instant (EI goes with the pressures), the median error of EI of single frames is {frame_after:+.1f} % now; it was {frame_error:+.1f} %. Their residuals fall from {1e3 * residual:.2f} to {1e3 * residual_after:.2f} mm.
@@ -79,14 +79,14 @@ $ softarm identify --arm online_200mm campaign/case_001/*.bag --leave-one-out --
 {lines(found["identify"], "^constant ", "^segment.*moment_gain", "^segment.*bending_stiffness", "^shape error", "fitted trials, after")}
 ```
 
-Every constant is told, to two per cent or better, and the shape is predicted to about a per cent of the length, where published models of such arms leave two to five. Next, frame by frame with that arm file, EI unknown:
+Every constant is identifiable, to two per cent or better, and the shape is predicted to about a per cent of the length, where published models of such arms leave two to five. Next, frame by frame with that arm file, EI unknown:
 
 ```
 $ softarm estimate --arm my_arm.yaml campaign/case_001/*.bag --out estimates
-{lines(estimate, "^bag", "^frames ok", "rms residual", "mismatch, median", "^EI, median", "told in")}
+{lines(estimate, "^bag", "^frames ok", "rms residual", "reduced chi-square, median", "^EI, median", "identifiable in")}
 ```
 
-Residuals of {1e3 * residual:.2f} mm where the noise alone (0.5 mm per coordinate) makes some 0.8: nothing to see. Nor does EI give it away at a glance; it wanders by some per cent, as measured stiffnesses do:
+Residuals of {1e3 * residual:.2f} mm where the noise alone (0.5 mm per coordinate) makes some 0.8: nothing to see. Nor does EI give it away at a glance; it varies by some per cent, as measured stiffnesses do:
 
 {frames_table(found)}
 
@@ -100,7 +100,7 @@ $ softarm diagnose --arm my_arm.yaml campaign/case_001/*.bag --out report
 It took {steps.seconds["diagnose"]:.0f} s here. How to read it, from the top:
 
 - **Verdict.** What is named takes the error on trials that the fit has not seen from {1e3 * before:.2f} to {1e3 * after:.2f} mm. One set of constants must serve all mountings, speeds and payloads at once; that is where the error of {1e3 * before:.2f} mm comes from, which no single frame shows.
-- **hidden** ({100 * report["ranking"][0]["concealment"]:.0f} % in the list of candidates): so much of what a yielding base does looks like a softer arm. The rest is what gives it away: the turn sits at the base, before the first ring, and grows with the moment there.
+- **collinearity** ({100 * report["ranking"][0]["collinearity"]:.0f} % in the list of candidates): so much of what a yielding base does looks like a softer arm. The rest is what gives it away: the turn sits at the base, before the first ring, and grows with the moment there.
 - **Estimates before, and with this**: the correction of EI and of the gains.
 - **mistaken for**: a spring at the base has rivals (clamped ends, shear); in other trials than these they might be left open, and would be listed.
 
@@ -119,7 +119,7 @@ Now the seal is opened (`campaign/truth/case_001/trial_01.truth.yaml`):
 
 ![Before and after](images/worked_example.png)
 
-Left: of the frames that tell EI, median and quartiles of its error.{' The verdict says that something is left: the rest is no larger than the noise, but not white. It hides nothing of the size of a millimetre.' if report['verdict'] == 'partly_explained' and report['residual_structure']['chi2_per_dof'] < 1.2 else ''}
+Left: of the frames in which EI is identifiable, median and quartiles of its error.{' The verdict says that something is left: the rest is no larger than the noise, but not white. It hides nothing of the size of a millimetre.' if report['verdict'] == 'partly_explained' and report['residual_structure']['chi2_per_dof'] < 1.2 else ''}
 
 The intervals of `identify` and of single frames, of a per cent or less, were those of the noise. They could not know what the model lacks.
 {extended}

@@ -15,7 +15,7 @@ const sections = [
   ['inputs', 'Inputs', 'With which input', againstInputs, true],
   ['ranking', 'Candidates', 'All candidates', ranking],
   ['ladder', 'Pooling', 'Where the mismatch hides', ladder],
-  ['wander', 'Wander', 'Wander of the parameters', wander, true],
+  ['parameter_variation', 'Variation', 'Parameter variation', parameterVariation, true],
   ['left', 'Left over', 'What is left', leftOver],
   ['trials', 'Trials', 'Each trial', trialsTable],
   ['notes', 'Notes', 'Notes', notes],

@@ -125,7 +125,7 @@ function arm() {
   };
   const turn = element('button', {type: 'button'}, 'show in 3D');
   turn.addEventListener('click', () => { space = !space; turn.textContent = space ? 'show in two planes' : 'show in 3D'; show(); });
-  const list = choice('instant', shots.map(shot => shot.words + ': ' + shot.trial + ', ' + shot.t.toFixed(1) + ' s'), i => { shown = i; show(); });
+  const list = choice('instant', shots.map(shot => shot.description + ': ' + shot.trial + ', ' + shot.t.toFixed(1) + ' s'), i => { shown = i; show(); });
   return {nodes: [element('div', {class: 'controls'}, list, turn), words, place], draw: show};
 }
 
@@ -193,9 +193,9 @@ function heldOut() {
 
 function shifts() {
   if (!report.shifts.length || !report.effects.length) return null;
-  // What the trials do not tell has bars that would hide the others; the table has it.
-  const told = one => 2 * (one.sd_after || 0) < Math.abs(one.after) && 2 * (one.sd_before || 0) < Math.abs(one.after);
-  const rows = report.shifts.filter(one => one.after && told(one));
+  // What is not identifiable has bars that would hide the others; the table has it.
+  const identifiable = one => 2 * (one.sd_after || 0) < Math.abs(one.after) && 2 * (one.sd_before || 0) < Math.abs(one.after);
+  const rows = report.shifts.filter(one => one.after && identifiable(one));
   const place = plotPlace('estimates before, in percent of those with the effects in the model');
   const show = () => {
     const y = rows.map((_, i) => i);
@@ -206,5 +206,5 @@ function shifts() {
       yaxis: axis('', {tickvals: y, ticktext: rows.map(one => plain(short(one.name))), autorange: 'reversed', zeroline: false})}));
   };
   return {nodes: [rows.length ? place : null, shiftsTable(), element('p', {class: 'hint'}, '± and bars: 90 % intervals.' +
-    (rows.length < report.shifts.length ? ' Not in the plot: what these trials do not tell to 50 %.' : ''))], draw: rows.length ? show : null};
+    (rows.length < report.shifts.length ? ' Not in the plot: what these trials do not identify to 50 %.' : ''))], draw: rows.length ? show : null};
 }

@@ -1,5 +1,5 @@
 'use strict';
-// Residuals in time and against inputs, and the wander of the parameters of single frames.
+// Residuals in time and against inputs, and the variation of the parameters of single frames.
 
 /// Distances of a trial in mm: of one body, or the rms of all at each instant (body < 0).
 function distances(trial, body, phase) {
@@ -93,8 +93,8 @@ function againstInputs() {
   return {nodes: [element('div', {class: 'controls'}, choice('input', list, i => { shown = i; show(); })), words, place], draw: show};
 }
 
-function wander() {
-  const list = data.wander.filter(one => one.x.length);
+function parameterVariation() {
+  const list = data.parameter_variation.filter(one => one.x.length);
   if (!list.length) return null;
   const places = list.map(one => plotPlace(one.parameter + ' of single frames against ' + one.against));
   const show = () => list.forEach((one, i) => {
@@ -110,6 +110,6 @@ function wander() {
     element('p', {class: 'hint'}, '▲: it goes with that beyond what chance makes of any of the pictures (p < 0.01). What chance makes is found by exchanging stretches of two seconds.'),
     element('div', {class: 'grid'}, list.map((one, i) => element('div', null,
       element('h3', null, (one.p < 0.01 ? '▲ ' : '') + one.parameter + ' against ' + one.against),
-      element('p', null, (one.p < 0.01 ? 'wanders beyond the law' : 'no wander beyond the law seen') + ', p ' + (one.p < 1e-4 ? '' : '= ') + pValue(one.p)),
+      element('p', null, (one.p < 0.01 ? 'varies beyond the law' : 'no variation beyond the law seen') + ', p ' + (one.p < 1e-4 ? '' : '= ') + pValue(one.p)),
       one.sentence ? element('p', null, one.sentence) : null, places[i])))], draw: show};
 }

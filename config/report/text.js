@@ -43,7 +43,7 @@ function strip(where) {
 function effects() {
   if (!report.effects.length) return null;
   return report.effects.map((effect, i) => element('div', {class: 'effect'},
-    element('h3', null, (i + 1) + '. ' + (effect.words || effect.name) + ' ', element('code', null, effect.name)),
+    element('h3', null, (i + 1) + '. ' + (effect.description || effect.name) + ' ', element('code', null, effect.name)),
     effect.said ? element('p', null, effect.sentence) : null,
     element('dl', null,
       effect.sizes.flatMap(([label, size]) => [element('dt', null, 'how large'), element('dd', null, label + ': ', element('b', null, size))]),
@@ -62,25 +62,25 @@ function nextExperiment() {
   return [element('div', {class: 'next'},
     element('p', {class: 'lead'}, next.action.replace(/\.?$/, '.')),
     next.sentence ? element('p', null, next.sentence) :
-    next.separates.length ? element('p', null, 'It would tell apart ', names(next.separates),
+    next.separates.length ? element('p', null, 'It would separate ', names(next.separates),
       next.expected_separation > 0 ? ', by about ' + next.expected_separation.toFixed(1) + ' standard deviations.' : '.') : null),
     experimentMenu(next)];
 }
 
-/// What else could be done, and how much it would tell.
+/// What else could be done, and how well it would separate them.
 function experimentMenu(next) {
   const menu = next.menu || [];
   if (!menu.length) return null;
   const light = menu.some(one => (one.shows || []).length), most = Math.max(...menu.map(one => light ? (one.shows || []).length : one.separation));
-  const told = one => light ? String((one.shows || []).length) : one.separation.toFixed(one.separation < 10 ? 1 : 0);
+  const gain = one => light ? String((one.shows || []).length) : one.separation.toFixed(one.separation < 10 ? 1 : 0);
   const share = one => most > 0 ? (light ? (one.shows || []).length : one.separation) / most : 0;
   const pair = !light && next.separates.length === 2;
   const last = one => light ? (one.shows && one.shows.length ? names(one.shows) : '–') : one.hardest ? names(one.hardest) : '–';
-  const heads = ['', light ? 'hidden effects that it brings to light' : 'separation / standard deviations', ...(pair ? [] : [light ? 'which' : 'hardest to tell apart'])];
-  const part = list => table(heads, list.map(one => [one.action + '.', {share: [bar(share(one), ''), told(one)]}, ...(pair ? [] : [last(one)])]));
+  const heads = ['', light ? 'collinear effects that it brings to light' : 'separation / standard deviations', ...(pair ? [] : [light ? 'which' : 'hardest to separate'])];
+  const part = list => table(heads, list.map(one => [one.action + '.', {share: [bar(share(one), ''), gain(one)]}, ...(pair ? [] : [last(one)])]));
   const first = 6;
   return element('div', null,
-    light ? null : element('p', {class: 'hint'}, 'Each predicted with every rival, constants fitted anew to today’s trials and the new one. Separation: of the pair that it tells apart worst, ' +
+    light ? null : element('p', {class: 'hint'}, 'Each predicted with every rival, constants fitted anew to today’s trials and the new one. Separation: of the pair that it separates worst, ' +
       'whichever of the two is true; today’s trials alone: ' + (next.today || 0).toFixed(1) + '.'),
     part(menu.slice(0, first)),
     menu.length > first ? element('details', null, element('summary', null, (menu.length - first) + ' more experiments that were weighed'), part(menu.slice(first))) : null);
@@ -94,9 +94,9 @@ function ladder() {
   const row = (words, unknowns, value, chi) => [words, {number: unknowns}, {share: [bar(most > 0 ? value / most : 0, ''), mm(value)]}, {number: chi.toFixed(2)}];
   return [made.sentence ? element('p', {class: 'lead'}, made.sentence) : null,
     table(['the model as it is, fitted to', {number: 'free numbers'}, 'rms error per body', {number: 'χ² per degree of freedom'}],
-      [...made.rungs.map(one => row(one.words, String(one.unknowns), one.rms_m, one.chi2_per_dof)), row('noise alone', '–', report.noise_floor_m, 1)]),
+      [...made.rungs.map(one => row(one.description, String(one.unknowns), one.rms_m, one.chi2_per_dof)), row('noise alone', '–', report.noise_floor_m, 1)]),
     element('p', {class: 'hint'}, 'Errors are counted as if nothing had been fitted: the more free numbers, the more is added. What one arm cannot explain and single instants can ' +
-      'hides in the wander of EI, M0, φ and L.')];
+      'hides in the variation of EI, M0, φ and L.')];
 }
 
 function bar(share, kind) {
@@ -107,14 +107,14 @@ function bar(share, kind) {
 
 function ranking() {
   if (!report.ranking.length) return null;
-  const heads = ['', 'effect', 'probability', 'hidden', {number: 'screen z'}, {number: 'rms effect'},
+  const heads = ['', 'effect', 'probability', 'collinearity', {number: 'screen z'}, {number: 'rms effect'},
     {number: 'size found'}, {number: 'smallest size seen'}, 'finding'];
   const sizeOf = (one, value) => {
     const unit = shownUnit(one.unit || '');
     return present(value) ? [digits(unit.scale * value, 3), unit.shown ? element('small', null, unit.shown) : null] : '–';
   };
-  const row = (one, i) => [String(i + 1), [element('code', null, one.name), element('small', null, one.words)],
-    {share: [bar(one.probability, ''), percent(one.probability)]}, {share: [bar(one.concealment, 'hidden-share'), percent(one.concealment)]},
+  const row = (one, i) => [String(i + 1), [element('code', null, one.name), element('small', null, one.description)],
+    {share: [bar(one.probability, ''), percent(one.probability)]}, {share: [bar(one.collinearity, 'absorbed'), percent(one.collinearity)]},
     {number: present(one.z) ? one.z.toFixed(1).replace('-', '−') : '–'}, {number: mm(one.size_m)},
     {number: sizeOf(one, one.estimate)}, {number: sizeOf(one, one.smallest_detectable)},
     one.meaning];
@@ -123,11 +123,11 @@ function ranking() {
   const most = 8;
   const part = (from, to) => table(heads, looked.slice(from, to).map((one, i) => row(one, from + i)), i => looked[from + i].finding);
   return [
-    element('p', {class: 'hint'}, '“Hidden” is the share of an effect’s signature that the arm’s own constants (EI, gains, length) absorb: ' +
+    element('p', {class: 'hint'}, 'Collinearity is the share of an effect’s signature that the arm’s own constants (EI, gains, length) absorb: ' +
       'the more of it, the less a small residual proves.'),
     part(0, most),
     looked.length > most ? element('details', null, element('summary', null, (looked.length - most) + ' more candidates'), part(most, looked.length)) : null,
-    others.length ? element('p', {class: 'hint'}, 'Not of this arm: ', others.map(one => one.words || one.name).join('; ') + '.') : null];
+    others.length ? element('p', {class: 'hint'}, 'Not of this arm: ', others.map(one => one.description || one.name).join('; ') + '.') : null];
 }
 
 function leftOver() {
@@ -135,14 +135,14 @@ function leftOver() {
   if (!(report.baseline.rms_m > 0)) return null;
   const inputs = [...new Set([...Object.keys(before.by_input_p), ...Object.keys(after.by_input_p)])];
   const own = (object, key) => Object.prototype.hasOwnProperty.call(object, key) ? object[key] : null;
-  const told = p => ({share: !present(p) ? '–' : pValue(p) + (p < 0.01 ? ' ▲ pattern' : ' no pattern')});
+  const judged = p => ({share: !present(p) ? '–' : pValue(p) + (p < 0.01 ? ' ▲ pattern' : ' no pattern')});
   const same = !report.effects.length;
   const columns = (b, a) => same ? [b] : [b, a];
   const rows = [
     ['size of the residuals over that of the noise', ...columns(before, after).map(one => present(one.chi2_per_dof) ? Math.sqrt(one.chi2_per_dof).toFixed(2) : '–')],
-    ['pattern in time, p', ...columns(told(before.whiteness_p), told(after.whiteness_p))],
-    ['pattern along the arm, p', ...columns(told(before.along_s_p), told(after.along_s_p))],
-    ...inputs.map(name => ['goes with ' + name + ', p', ...columns(told(own(before.by_input_p, name)), told(own(after.by_input_p, name)))]),
+    ['pattern in time, p', ...columns(judged(before.whiteness_p), judged(after.whiteness_p))],
+    ['pattern along the arm, p', ...columns(judged(before.along_s_p), judged(after.along_s_p))],
+    ...inputs.map(name => ['goes with ' + name + ', p', ...columns(judged(own(before.by_input_p, name)), judged(own(after.by_input_p, name)))]),
     ['where it sits', ...columns(before.place || '–', after.place || '–')]];
   return [table(['what is left of the residuals', ...(same ? ['model as it is'] : ['before', 'after'])], rows), restSits() ? strip(after.where) : null];
 }
@@ -154,7 +154,7 @@ function shiftsTable() {
       const unit = shownUnit(one.unit);
       const change = one.before && one.after ? 100 * (one.after / one.before - 1) : null;
       return [element('span', {class: 'name'}, one.name), {number: value(one.before, one.sd_before, unit)}, {number: value(one.after, one.sd_after, unit)}, unit.shown,
-        {number: 2 * (one.sd_before || 0) > Math.abs(one.before) && 2 * (one.sd_after || 0) > Math.abs(one.after) ? 'not told' : present(change) ? (change < 0 ? '−' : '+') + Math.abs(change).toFixed(1) + ' %' : '–'}];
+        {number: 2 * (one.sd_before || 0) > Math.abs(one.before) && 2 * (one.sd_after || 0) > Math.abs(one.after) ? 'not identifiable' : present(change) ? (change < 0 ? '−' : '+') + Math.abs(change).toFixed(1) + ' %' : '–'}];
     }));
 }
 

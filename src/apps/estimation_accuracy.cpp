@@ -13,15 +13,14 @@
 #include <system_error>
 #include <vector>
 
-#include "softarm/arm/arm_yaml.h"
-#include "softarm/fit/accuracy.h"
-#include "softarm/trial/arm_file.h"
+#include "estimate/accuracy.h"
+#include "softarm/arm/arm_file.h"
 
 namespace {
 
 namespace fs = std::filesystem;
-using softarm::AccuracyProtocol;
-using softarm::AccuracyReport;
+using softarm::estimate::AccuracyProtocol;
+using softarm::estimate::AccuracyReport;
 
 constexpr double kDegree = 0.017453292519943295;
 constexpr const char* kParameterNames[AccuracyReport::kParameters] = {"M0", "phi", "EI", "L"};
@@ -41,17 +40,17 @@ std::vector<std::string> arm_folders() {
 }
 
 /// The frames are those of a one-segment arm of about 0.2 m with rings along it.
-softarm::Arm load_arm(const std::string& name, const AccuracyProtocol& protocol) {
-  softarm::Arm arm = softarm::load_arm_file(name, arm_folders());
+softarm::arm::Arm load_arm(const std::string& name, const AccuracyProtocol& protocol) {
+  softarm::arm::Arm arm = softarm::arm::load_arm_file(name, arm_folders());
   const auto refuse = [&](const std::string& why) {
-    throw softarm::ArmError(fmt::format("--arm {}: {}", name, why));
+    throw softarm::arm::ArmError(fmt::format("--arm {}: {}", name, why));
   };
   if (arm.segments.size() != 1) {
     refuse(fmt::format("{} segments; the frames are those of one", arm.segments.size()));
   }
   if (arm.bodies.size() < 2) refuse("1 measured body; the frames need at least 2 along the arm");
-  for (const softarm::MeasuredBody& body : arm.bodies) {
-    if (body.kind != softarm::BodyKind::kRing) {
+  for (const softarm::arm::MeasuredBody& body : arm.bodies) {
+    if (body.kind != softarm::arm::BodyKind::kRing) {
       refuse(fmt::format("body '{}' is a skin marker; the frames are those of rings", body.name));
     }
   }
@@ -63,14 +62,14 @@ softarm::Arm load_arm(const std::string& name, const AccuracyProtocol& protocol)
   return arm;
 }
 
-AccuracyReport measure(const softarm::Arm& arm, const AccuracyProtocol& protocol) {
+AccuracyReport measure(const softarm::arm::Arm& arm, const AccuracyProtocol& protocol) {
   const bool live = isatty(STDERR_FILENO) != 0;
   const auto progress = [&](int done) {
     if (!live) return;
     fmt::print(stderr, "\r\033[K{} of {} frames", done, protocol.frames);
     std::fflush(stderr);
   };
-  AccuracyReport report = softarm::measure_accuracy(arm, protocol, progress);
+  AccuracyReport report = softarm::estimate::measure_accuracy(arm, protocol, progress);
   if (live) fmt::print(stderr, "\r\033[K");
   return report;
 }
@@ -108,7 +107,7 @@ void judge_convergence(const AccuracyReport& r, Verdict& verdict) {
 
 void judge_claims(const AccuracyReport& r, Verdict& verdict) {
   verdict.line(r.hopeless_claimed < 0.01 * r.hopeless || r.hopeless == 0,
-               "of the frames whose bound on EI is over 50 %, under 1 % claim to tell it",
+               "of the frames whose bound on EI is over 50 %, under 1 % claim it as identifiable",
                r.hopeless == 0 ? "there are none"
                                : fmt::format("{} of {}, {:.2f} %", r.hopeless_claimed, r.hopeless,
                                              100.0 * r.hopeless_claimed / r.hopeless));
@@ -118,12 +117,12 @@ int run(const Options& options) {
   AccuracyProtocol protocol;
   protocol.frames = options.frames;
   protocol.seed = options.seed;
-  const softarm::Arm arm = load_arm(options.arm, protocol);
+  const softarm::arm::Arm arm = load_arm(options.arm, protocol);
   Verdict verdict;
 
   fmt::print("{}: tip angle 20 ... 150 degrees, M0 0.05 ... 0.6 N m, seed {}\n", arm.name, options.seed);
   const AccuracyReport report = measure(arm, protocol);
-  fmt::print("{}\n", softarm::describe(report));
+  fmt::print("{}\n", softarm::estimate::describe(report));
   judge_convergence(report, verdict);
   verdict.within("rms error / Cramer-Rao bound at M0 >= 0.2 N m at most 1.05", report.efficiency, 0.0, 1.05,
                  1.0);
@@ -131,12 +130,12 @@ int run(const Options& options) {
   verdict.within("95 % intervals cover 93 ... 97 %", report.coverage, 0.93, 0.97, 100.0);
   judge_claims(report, verdict);
 
-  // Hardly bent, so that EI is often beyond what any estimator could tell.
+  // Hardly bent, so that EI is often not identifiable by any estimator.
   protocol.moment_nm = {0.0, 0.2};
   protocol.tip_angle_rad = {2.0 * kDegree, 20.0 * kDegree};
   fmt::print("\nthe same hardly bent: tip angle 2 ... 20 degrees, M0 0 ... 0.2 N m\n");
   const AccuracyReport straight = measure(arm, protocol);
-  fmt::print("{}\n", softarm::describe(straight));
+  fmt::print("{}\n", softarm::estimate::describe(straight));
   // Of standing arms at their buckling load a few are out of reach.
   verdict.line(straight.converged >= 0.999 * straight.frames, "at least 99.9 % of the frames converge",
                fmt::format("{} of {}", straight.converged, straight.frames));

@@ -1,5 +1,5 @@
 // The live estimator of one soft arm.
-#include "softarm/ros/estimator_node.h"
+#include "ros/estimator_node.h"
 
 #include <ros/ros.h>
 

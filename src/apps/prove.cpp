@@ -9,11 +9,11 @@
 
 #include "prove/deciders.h"
 #include "prove/draw.h"
+#include "softarm/arm/arm_file.h"
 #include "softarm/command.h"
 #include "softarm/output_file.h"
 #include "softarm/read_trials.h"
 #include "softarm/shipped.h"
-#include "softarm/trial/arm_file.h"
 
 namespace softarm::prove {
 namespace {
@@ -25,7 +25,7 @@ struct DecideOptions {
 };
 
 void write_decisions(const DecideOptions& options) {
-  const Arm arm = load_arm_file(options.arm, app::config_folders("arms"));
+  const arm::Arm arm = arm::load_arm_file(options.arm, app::config_folders("arms"));
   nlohmann::ordered_json json;
   for (const Decision& decision :
        decide(arm, app::read_trials(options.bags, arm, true, options.jobs), options.jobs)) {

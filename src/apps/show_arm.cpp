@@ -14,7 +14,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "softarm/trial/arm_file.h"
+#include "softarm/arm/arm_file.h"
 
 namespace {
 
@@ -42,9 +42,9 @@ std::optional<Eigen::Isometry3d> mounted(const Options& options) {
 }
 
 /// What the picture is to take in: the arm, also where its inputs may make it half as long again.
-double shown_length_m(const softarm::Arm& arm) {
+double shown_length_m(const softarm::arm::Arm& arm) {
   double longest_m = 0.0;
-  for (const softarm::Segment& segment : arm.segments) longest_m += segment.length_range_m.high;
+  for (const softarm::arm::Segment& segment : arm.segments) longest_m += segment.length_range_m.high;
   return std::max(arm.total_length_m(), 0.7 * longest_m);
 }
 
@@ -142,7 +142,7 @@ int main(int argc, char** argv) {
   app.add_option("--out", options.out, "write the configuration to this file and do not start rviz");
   CLI11_PARSE(app, argc, argv);
   try {
-    const softarm::Arm arm = softarm::load_arm_file(options.arm, {options.arms_dir});
+    const softarm::arm::Arm arm = softarm::arm::load_arm_file(options.arm, {options.arms_dir});
     std::optional<Eigen::Isometry3d> base;
     if (!arm.base.body) base = arm.base.fixed_pose;
     if (!base && options.wait_s > 0.0) {

@@ -15,8 +15,8 @@
 #include <sstream>
 #include <variant>
 
-#include "softarm/rig/receipt_queue.h"
-#include "softarm/rig/simulator.h"
+#include "rig/receipt_queue.h"
+#include "rig/simulator.h"
 
 namespace {
 

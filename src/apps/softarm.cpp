@@ -2,6 +2,7 @@
 // out, imports recordings, simulates trials.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
 #include <string>

@@ -5,7 +5,7 @@
 
 #include "arm_parts.h"
 
-namespace softarm::yaml {
+namespace softarm::arm::yaml {
 namespace {
 
 constexpr double kRadPerDeg = M_PI / 180.0;
@@ -97,4 +97,4 @@ Base read_base(const Section& section, const Eigen::Vector3d& gravity_m_s2) {
   return base;
 }
 
-}  // namespace softarm::yaml
+}  // namespace softarm::arm::yaml

@@ -6,7 +6,7 @@
 
 #include "arm_parts.h"
 
-namespace softarm::yaml {
+namespace softarm::arm::yaml {
 namespace {
 
 constexpr double kRoundingM = 1e-9;  // of sums of segment lengths
@@ -30,18 +30,19 @@ void read_ring(const Section& section, double default_orientation_sd_rad, Measur
   body->labelled_markers = read_labelled_markers(section);
   body->markers = section.integer("markers");
   if (body->markers == 2)
-    section.fail_value("markers", "do not tell the centre of a circle; allowed are 1 and 3 to 32");
+    section.fail_value("markers",
+                       "do not determine the centre of a marker cluster; allowed are 1 and 3 to 32");
   if (body->markers > 1) {
-    section.require("marker_circle_radius_m", "several markers need it");
-    body->marker_circle_radius_m = section.number("marker_circle_radius_m");
-  } else if (section.has("marker_circle_radius_m")) {
-    section.fail("marker_circle_radius_m", "applies to rings of 3 markers or more only");
+    section.require("marker_cluster_radius_m", "several markers need it");
+    body->marker_cluster_radius_m = section.number("marker_cluster_radius_m");
+  } else if (section.has("marker_cluster_radius_m")) {
+    section.fail("marker_cluster_radius_m", "applies to rings of 3 markers or more only");
   }
 }
 
 void read_skin_marker(const Section& section, double default_orientation_sd_rad, MeasuredBody* body) {
   for (const char* const key : {"orientation_usable", "section_in_body", "orientation_sd_rad",
-                                "labelled_markers", "markers", "marker_circle_radius_m"}) {
+                                "labelled_markers", "markers", "marker_cluster_radius_m"}) {
     if (section.has(key)) section.fail(key, "applies to bodies of kind ring only");
   }
   for (const char* const key : {"angle_deg", "radius_m"}) section.require(key, "a skin_marker needs it");
@@ -112,4 +113,4 @@ PayloadMount read_payload(const Section& section, double total_length_m) {
   return mount;
 }
 
-}  // namespace softarm::yaml
+}  // namespace softarm::arm::yaml

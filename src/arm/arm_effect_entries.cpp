@@ -5,7 +5,7 @@
 
 #include "arm_parts.h"
 
-namespace softarm::yaml {
+namespace softarm::arm::yaml {
 
 std::vector<EffectEntry> read_effects(const Section& arm) {
   std::vector<EffectEntry> list;
@@ -28,4 +28,4 @@ std::vector<EffectEntry> read_effects(const Section& arm) {
   return list;
 }
 
-}  // namespace softarm::yaml
+}  // namespace softarm::arm::yaml

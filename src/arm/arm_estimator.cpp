@@ -4,9 +4,9 @@
 #include <algorithm>
 
 #include "arm_parts.h"
-#include "softarm/arm/arm_yaml.h"
+#include "softarm/arm/arm_file.h"
 
-namespace softarm::yaml {
+namespace softarm::arm::yaml {
 namespace {
 
 bool is_driven(const Segment& segment) {
@@ -52,10 +52,10 @@ EstimatorOptions read_estimator(const Section& section, const Arm& arm) {
     options.weights = section.word("weights") == "paper" ? Weights::kPaper : Weights::kNoise;
   }
   options.robust = section.flag("robust");
-  options.tells_relative_sd = section.number("tells_relative_sd");
+  options.identifiable_relative_sd = section.number("identifiable_relative_sd");
   options.window_s = section.number("window_s");
   options.prior = read_prior(section.section("prior", prior_keys()), arm);
   return options;
 }
 
-}  // namespace softarm::yaml
+}  // namespace softarm::arm::yaml

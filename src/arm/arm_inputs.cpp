@@ -12,7 +12,7 @@
 #include "arm_parts.h"
 #include "body_source.h"
 
-namespace softarm::yaml {
+namespace softarm::arm::yaml {
 namespace {
 
 double pascals_per(const std::string& unit) {
@@ -84,6 +84,8 @@ ScalarInput read_source(const Section& section, InputKind kind) {
   input.element = section.integer("element");
   input.stamp = section.word("stamp") == "header" ? StampSource::kHeader : StampSource::kReceipt;
   input.latency_s = section.number("latency_s");
+  if (section.has("between"))
+    input.between = section.word("between") == "held" ? Between::kHeld : Between::kSampled;
   if (input.element != 0 && input.type.find("MultiArray") == std::string::npos) {
     section.fail_value("element", fmt::format("is an index of an array, but type {} {}", input.type,
                                               input.field.empty() ? "holds one value" : "has a field"));
@@ -162,4 +164,4 @@ Inputs read_inputs(const Section& section) {
   return inputs;
 }
 
-}  // namespace softarm::yaml
+}  // namespace softarm::arm::yaml

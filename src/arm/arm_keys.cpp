@@ -5,7 +5,7 @@
 
 #include "key_builders.h"
 
-namespace softarm::yaml {
+namespace softarm::arm::yaml {
 namespace {
 
 std::vector<KeySpec> pose_keys() {
@@ -81,7 +81,7 @@ const KeyTable& payload_keys() {
       {number_or("arclength_m", {"tip"}, "m", "tip", 0, 100,
                  "where it hangs along the backbone, at zero input"),
        vector("offset_m", 3, "m", "[0, 0, 0]", -1, 1, "its centre of mass in the section frame there"),
-       number("default_kg", "kg", kAbsent, 0, 100, "assumed while no topic tells it; absent: unknown"),
+       number("default_kg", "kg", kAbsent, 0, 100, "assumed while no topic gives it; absent: unknown"),
        vector("range_kg", 2, "kg", "[0, 5]", 0, 100, "sanity limits of an estimated payload")}};
   return table;
 }
@@ -108,11 +108,12 @@ const KeyTable& body_keys() {
               "skin markers only, required: azimuth in the section frame"),
        number("radius_m", "m", kAbsent, 0, 1, "skin markers only, required: distance from the backbone"),
        list("labelled_markers", "[]", kLabelledMarkersMeaning),
-       integer("markers", "1", 1, 32,
-               "rings known by unlabelled points only: how many markers sit on its circle (1: one point; or "
-               "3 and more)"),
-       number("marker_circle_radius_m", "m", kAbsent, 1e-3, 1,
-              "with markers: radius of the circle around the ring's centre"),
+       integer(
+           "markers", "1", 1, 32,
+           "rings known by unlabelled points only: how many markers its marker cluster has (1: one point; or "
+           "3 and more)"),
+       number("marker_cluster_radius_m", "m", kAbsent, 1e-3, 1,
+              "with markers: radius of the marker cluster's circle around the ring's centre"),
        number("position_sd_m", "m", kAbsent, 1e-6, 0.1,
               "standard deviation per coordinate; default: noise.position_sd_m"),
        number("orientation_sd_rad", "rad", kAbsent, 1e-5, 1,
@@ -126,7 +127,8 @@ const KeyTable& labelled_marker_keys() {
       {text("label", kRequired,
             "the driver's name of the marker (or subject/marker; phasespace: its id, in quotes)"),
        vector("position_m", 3, "m", kAbsent, -10, 10,
-              "where it sits in the body's frame; given for all of three or more: they tell the body's pose, "
+              "where it sits in the body's frame; given for all of three or more: they determine the body's "
+              "pose, "
               "and any three do; absent: its position is their centroid, and takes all")}};
   return table;
 }
@@ -143,8 +145,8 @@ const KeyTable& estimator_keys() {
        word("weights", {"noise", "paper"}, kAbsent,
             "noise: 1/sd; paper: 1/arclength; default: noise for least_squares, paper for sum_of_distances"),
        flag("robust", "true", "bound the influence of an outlying body and set it aside"),
-       number("tells_relative_sd", "", "0.25", 0.001, 10,
-              "a frame tells a parameter at this relative standard deviation or better"),
+       number("identifiable_relative_sd", "", "0.25", 0.001, 10,
+              "a parameter is identifiable in a frame at this relative standard deviation or better"),
        number("window_s", "s", "0", 0, 60,
               "frames of this last time share EI and payload; 0: each frame by itself"),
        map("prior", "{}", "trust in the arm's laws")}};
@@ -237,4 +239,4 @@ std::string allowed_values(const KeySpec& key) {
   return "";
 }
 
-}  // namespace softarm::yaml
+}  // namespace softarm::arm::yaml

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace softarm::yaml {
+namespace softarm::arm::yaml {
 
 enum class KeyKind {
   kNumber,        ///< one number in [low, high]
@@ -78,4 +78,4 @@ std::vector<const KeyTable*> all_key_tables();
 /// "[0.005, 10] m", or the words, or what else the key may be.
 std::string allowed_values(const KeySpec& key);
 
-}  // namespace softarm::yaml
+}  // namespace softarm::arm::yaml

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "softarm/arm/arm.h"
-#include "softarm/arm/effect_entry.h"
+#include "softarm/arm/arm_file.h"
 #include "yaml_section.h"
 
-namespace softarm::yaml {
+namespace softarm::arm::yaml {
 
 /// position_m with quaternion_xyzw or rpy_deg.
 Eigen::Isometry3d read_transform(const Section& section);
@@ -30,4 +30,4 @@ EstimatorOptions read_estimator(const Section& section, const Arm& arm);
 /// Ids, names and numbers as they stand; effects/ knows which there are.
 std::vector<EffectEntry> read_effects(const Section& arm);
 
-}  // namespace softarm::yaml
+}  // namespace softarm::arm::yaml

@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "arm_parts.h"
-#include "softarm/arm/mooney_rivlin.h"
+#include "mooney_rivlin.h"
 
-namespace softarm::yaml {
+namespace softarm::arm::yaml {
 namespace {
 
 const ScalarInput* find_input(const Inputs& inputs, const std::string& name) {
@@ -223,4 +223,4 @@ std::vector<Segment> read_segments(const Section& arm, const Inputs& inputs) {
   return segments;
 }
 
-}  // namespace softarm::yaml
+}  // namespace softarm::arm::yaml

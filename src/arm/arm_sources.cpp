@@ -6,13 +6,13 @@
 #include "arm_parts.h"
 #include "body_source.h"
 
-namespace softarm::yaml {
+namespace softarm::arm::yaml {
 namespace {
 
 constexpr std::size_t kFewestForAPose = 3;
-constexpr double kLeastSpreadM = 1e-3;  // of markers across their common line: less tells no orientation
+constexpr double kLeastSpreadM = 1e-3;  // of markers across their common line: less gives no orientation
 
-/// Markers that tell an orientation: all say where they sit, and not on one line.
+/// Markers that determine an orientation: all say where they sit, and not on one line.
 void check_template(const Section& section, const std::vector<LabelledMarker>& markers) {
   const auto has_place = [](const LabelledMarker& m) { return m.p_body.has_value(); };
   const auto places = std::count_if(markers.begin(), markers.end(), has_place);
@@ -33,7 +33,7 @@ void check_template(const Section& section, const std::vector<LabelledMarker>& m
   for (const LabelledMarker& m : markers) {
     spread = std::max(spread, along.normalized().cross(*m.p_body - origin).norm());
   }
-  if (!(spread > kLeastSpreadM)) section.fail(key, "sit on one line, which tells no orientation");
+  if (!(spread > kLeastSpreadM)) section.fail(key, "sit on one line, which gives no orientation");
 }
 
 void check_body(const Section& section, const std::vector<LabelledMarker>& markers,
@@ -47,8 +47,8 @@ void check_body(const Section& section, const std::vector<LabelledMarker>& marke
   }
 }
 
-/// Whether the source tells the orientation of a body with these markers.
-bool tells_orientation(const std::vector<LabelledMarker>& markers, const BodySource& source) {
+/// Whether the source gives the orientation of a body with these markers.
+bool gives_orientation(const std::vector<LabelledMarker>& markers, const BodySource& source) {
   const BodyMessage message = body_type(source.type).message;
   if (message == BodyMessage::kPose || message == BodyMessage::kFrames) return true;
   return source.labelled && !markers.empty() && markers.front().p_body.has_value();
@@ -75,7 +75,7 @@ void check_sources(const Section& root, const Arm& arm) {
   const Section base = root.section("base", base_keys());
   const BodySource& base_source = arm.inputs.base ? *arm.inputs.base : arm.inputs.bodies;
   check_body(base, arm.base.labelled_markers, base_source);
-  if (arm.base.body && !tells_orientation(arm.base.labelled_markers, base_source)) {
+  if (arm.base.body && !gives_orientation(arm.base.labelled_markers, base_source)) {
     base.fail_value("body", fmt::format("needs a pose, but {} has points only; give fixed instead, or "
                                         "inputs.base, or {}",
                                         base_source.type, kRemedy));
@@ -87,7 +87,7 @@ void check_sources(const Section& root, const Arm& arm) {
   for (const Section& item : root.list("bodies", body_keys())) {
     const MeasuredBody& body = arm.bodies.at(i++);
     check_body(item, body.labelled_markers, arm.inputs.bodies);
-    if (body.orientation_usable && !tells_orientation(body.labelled_markers, arm.inputs.bodies)) {
+    if (body.orientation_usable && !gives_orientation(body.labelled_markers, arm.inputs.bodies)) {
       item.fail_value("orientation_usable", fmt::format("needs a pose, but {} has points only; give {}",
                                                         arm.inputs.bodies.type, kRemedy));
     }
@@ -97,4 +97,4 @@ void check_sources(const Section& root, const Arm& arm) {
   }
 }
 
-}  // namespace softarm::yaml
+}  // namespace softarm::arm::yaml

@@ -1,4 +1,4 @@
-#include "softarm/arm/arm_writer.h"
+#include "arm_writer.h"
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "softarm/arm/arm_yaml.h"
+#include "softarm/arm/arm_file.h"
 #include "yaml_editor.h"
 
-namespace softarm {
+namespace softarm::arm {
 namespace {
 
 using yaml::Editor;
@@ -235,4 +235,4 @@ std::string update_arm_text(const std::string& text, const std::string& source, 
   return written;
 }
 
-}  // namespace softarm
+}  // namespace softarm::arm

@@ -1,10 +1,9 @@
-#include "softarm/arm/arm_yaml.h"
-
 #include <fmt/format.h>
 
 #include "arm_parts.h"
+#include "softarm/arm/arm_file.h"
 
-namespace softarm {
+namespace softarm::arm {
 
 Arm parse_arm(const std::string& text, const std::string& source) {
   const yaml::Section root = yaml::parse_document(text, source, yaml::arm_keys());
@@ -43,4 +42,4 @@ std::string describe_arm_keys() {
   return text;
 }
 
-}  // namespace softarm
+}  // namespace softarm::arm

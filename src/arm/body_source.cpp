@@ -6,7 +6,7 @@
 #include <map>
 #include <sstream>
 
-namespace softarm::yaml {
+namespace softarm::arm::yaml {
 namespace {
 
 constexpr char kBody[] = "<body>";
@@ -123,4 +123,4 @@ BodySource read_body_source(const Section& section) {
   return source;
 }
 
-}  // namespace softarm::yaml
+}  // namespace softarm::arm::yaml

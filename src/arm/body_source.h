@@ -7,7 +7,7 @@
 #include "softarm/arm/inputs.h"
 #include "yaml_section.h"
 
-namespace softarm::yaml {
+namespace softarm::arm::yaml {
 
 enum class BodyMessage {
   kPose,     ///< a pose of one body per topic
@@ -30,4 +30,4 @@ const BodyType& body_type(const std::string& type);
 
 BodySource read_body_source(const Section& section);
 
-}  // namespace softarm::yaml
+}  // namespace softarm::arm::yaml

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <numeric>
 
-namespace softarm::yaml {
+namespace softarm::arm::yaml {
 namespace {
 
 /// Levenshtein's distance, one row of the table at a time.
@@ -40,4 +40,4 @@ std::optional<std::string> nearest_word(const std::string& word, const std::vect
   return nearest;
 }
 
-}  // namespace softarm::yaml
+}  // namespace softarm::arm::yaml

@@ -7,7 +7,7 @@
 
 #include "arm_keys.h"
 
-namespace softarm::yaml {
+namespace softarm::arm::yaml {
 
 using Words = std::vector<std::string>;
 
@@ -66,4 +66,4 @@ inline KeySpec list(std::string name, std::string fallback, std::string meaning)
   return other(std::move(name), KeyKind::kList, std::move(fallback), std::move(meaning));
 }
 
-}  // namespace softarm::yaml
+}  // namespace softarm::arm::yaml

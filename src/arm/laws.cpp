@@ -6,9 +6,9 @@
 #include <set>
 #include <string>
 
-#include "softarm/arm/mooney_rivlin.h"
+#include "mooney_rivlin.h"
 
-namespace softarm {
+namespace softarm::arm {
 namespace {
 
 using Eigen::Vector2d;
@@ -205,4 +205,4 @@ std::string missing_inputs(const Arm& arm, const Segment& segment, const InputVa
   return missing;
 }
 
-}  // namespace softarm
+}  // namespace softarm::arm

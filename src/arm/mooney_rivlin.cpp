@@ -1,9 +1,9 @@
-#include "softarm/arm/mooney_rivlin.h"
+#include "mooney_rivlin.h"
 
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 
-namespace softarm {
+namespace softarm::arm {
 namespace {
 
 // Far beyond any rubber.
@@ -51,4 +51,4 @@ std::optional<double> MooneyRivlin::stretch_at(double wanted_pa) const {
   return std::nullopt;
 }
 
-}  // namespace softarm
+}  // namespace softarm::arm

@@ -2,7 +2,7 @@
 #include "body_source.h"
 #include "key_builders.h"
 
-namespace softarm::yaml {
+namespace softarm::arm::yaml {
 
 const KeyTable& segment_keys() {
   static const KeyTable table{
@@ -140,6 +140,13 @@ constexpr char kStampMeaning[] =
 constexpr char kLatencyMeaning[] =
     "subtracted from every stamp (the header's, or that of receipt): delay, and what that clock is ahead";
 
+KeySpec between_key() {
+  return word(
+      "between", {"sampled", "held"}, kAbsent,
+      "what it is between two samples: a sensor goes straight from one to the next, a latched command "
+      "holds the last; absent: sampled if they come at a steady rate of 2 Hz or more, else held");
+}
+
 }  // namespace
 
 namespace {
@@ -202,7 +209,7 @@ const KeyTable& pressure_input_keys() {
        word("unit", {"Pa", "kPa", "MPa", "bar", "mbar", "psi"}, "Pa", "unit of the values"),
        word("reference", {"absolute", "gauge"}, "absolute", "zero of the values: vacuum or ambient"),
        flag("vacuum", "false", "evacuates a jamming core: the value used is ambient minus absolute"),
-       number("latency_s", "s", "0", -3600, 3600, kLatencyMeaning)}};
+       number("latency_s", "s", "0", -3600, 3600, kLatencyMeaning), between_key()}};
   return table;
 }
 
@@ -219,7 +226,8 @@ std::vector<KeySpec> number_topic_keys(std::string who_refers) {
       integer("element", "0", 0, 1023, "index in an array message"),
       text("field", kAbsent, kFieldMeaning),
       word("stamp", {"header", "receipt"}, "header", kStampMeaning),
-      number("latency_s", "s", "0", -3600, 3600, kLatencyMeaning)};
+      number("latency_s", "s", "0", -3600, 3600, kLatencyMeaning),
+      between_key()};
 }
 
 }  // namespace
@@ -248,4 +256,4 @@ const KeyTable& angle_input_keys() {
   return table;
 }
 
-}  // namespace softarm::yaml
+}  // namespace softarm::arm::yaml

@@ -5,9 +5,9 @@
 
 #include <optional>
 
-#include "softarm/arm/arm_yaml.h"
+#include "softarm/arm/arm_file.h"
 
-namespace softarm::yaml {
+namespace softarm::arm::yaml {
 namespace {
 
 std::string words(const Path& path) {
@@ -96,4 +96,4 @@ void Editor::set(const Path& path, const std::string& value) {
   text_.replace(at, node.Scalar().size(), value);
 }
 
-}  // namespace softarm::yaml
+}  // namespace softarm::arm::yaml

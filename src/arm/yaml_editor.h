@@ -5,7 +5,7 @@
 #include <variant>
 #include <vector>
 
-namespace softarm::yaml {
+namespace softarm::arm::yaml {
 
 /// A key of a map or an index into a list.
 using Step = std::variant<std::string, std::size_t>;
@@ -33,4 +33,4 @@ class Editor {
   const std::string source_;
 };
 
-}  // namespace softarm::yaml
+}  // namespace softarm::arm::yaml

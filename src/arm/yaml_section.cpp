@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "edit_distance.h"
-#include "softarm/arm/arm_yaml.h"
+#include "softarm/arm/arm_file.h"
 
-namespace softarm::yaml {
+namespace softarm::arm::yaml {
 namespace {
 
 constexpr std::size_t kLongestQuote = 60;
@@ -327,4 +327,4 @@ Section parse_document(const std::string& text, const std::string& source, const
   return Section(source, documents.front(), "", table, 1);
 }
 
-}  // namespace softarm::yaml
+}  // namespace softarm::arm::yaml

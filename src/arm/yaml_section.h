@@ -13,7 +13,7 @@
 #include "arm_keys.h"
 #include "softarm/arm/arm.h"
 
-namespace softarm::yaml {
+namespace softarm::arm::yaml {
 
 /// Reads one section. Every getter takes default, unit and range of its key from the table, and throws
 /// ArmError with one line `<source>:<line>: key '<path>': ...`. The constructor refuses keys that are unknown
@@ -83,4 +83,4 @@ class Section {
 /// Parses the document. @throws ArmError on a syntax error, an empty document or more than one.
 Section parse_document(const std::string& text, const std::string& source, const KeyTable& table);
 
-}  // namespace softarm::yaml
+}  // namespace softarm::arm::yaml

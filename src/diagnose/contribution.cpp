@@ -7,21 +7,17 @@
 #include <map>
 
 #include "flexible.h"
+#include "policy.h"
 
 namespace softarm::diagnose {
 namespace {
 
-using effects::Block;
-using effects::Predicted;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
+using model::Block;
+using model::Predicted;
 
-constexpr double kStraight_m = 1e-4;  // deflection below which the arm has no plane
-constexpr double kGoesWith = 0.5;     // correlation
-constexpr double kMostly = 0.8;       // share of the squares within a stretch of the arm
-constexpr double kOnShare = 0.2, kSeldom = 0.6;
-
-const rod::RodState& nearest(const effects::Shape& shape, double s_m) {
+const rod::RodState& nearest(const model::Shape& shape, double s_m) {
   const rod::RodState* best = &shape.stations.front();
   for (const rod::RodState& state : shape.stations) {
     if (std::abs(state.s_m - s_m) < std::abs(best->s_m - s_m)) best = &state;
@@ -45,7 +41,7 @@ Squares squares_of(const JointModel& model, const Linearised& at, const std::vec
       const Block& block = model.trials()[t].blocks[k];
       const bool used = model.uses(t, k) && at.predicted[t][k].solved;
       double sum = 0.0;
-      for (const effects::Seen& seen : block.bodies) {
+      for (const model::Seen& seen : block.bodies) {
         if (used) {
           const Vector3d v = moved[t].segment<3>(row);
           const double s = model.arm().bodies[static_cast<std::size_t>(seen.body)].arclength_m;
@@ -77,7 +73,7 @@ Where common(const JointModel& model, const Linearised& at, const Squares& squar
       Eigen::Map<const VectorXd>(squares.block.data(), static_cast<Eigen::Index>(squares.block.size()));
   if (size.size() < 10) return where;
   const Features all = features(model, at);
-  double best = kGoesWith;
+  double best = kPolicy.place.goes_with;
   for (Eigen::Index c = 0; c < all.values.cols(); ++c) {
     const std::string& name = all.names[static_cast<std::size_t>(c)];
     VectorXd x = all.values.col(c);
@@ -90,9 +86,9 @@ Where common(const JointModel& model, const Linearised& at, const Squares& squar
     }
   }
   const double most = size.maxCoeff();
-  const double on =
-      static_cast<double>((size.array() > kOnShare * most).count()) / static_cast<double>(size.size());
-  where.when = on < kSeldom ? fmt::format("in {:.0f} % of the time", 100.0 * on) : "always";
+  const double on = static_cast<double>((size.array() > kPolicy.place.on_share * most).count()) /
+                    static_cast<double>(size.size());
+  where.when = on < kPolicy.place.seldom ? fmt::format("in {:.0f} % of the time", 100.0 * on) : "always";
   return where;
 }
 
@@ -103,21 +99,21 @@ Vector3d in_section(const Predicted& predicted, double s_m, const Vector3d& v_ba
   const Vector3d tangent = section.q * Vector3d::UnitZ();
   const Vector3d& tip = predicted.shape.stations.back().p;
   Vector3d lateral(tip.x(), tip.y(), 0.0);
-  if (lateral.norm() < kStraight_m) lateral = Vector3d::UnitX();
+  if (lateral.norm() < kPolicy.place.straight * tip.norm()) lateral = Vector3d::UnitX();
   const Vector3d normal = Vector3d::UnitZ().cross(lateral).normalized();  // of the plane of bending
   const Vector3d inside = normal.cross(tangent).normalized();
   return {v_base.dot(inside), v_base.dot(normal), v_base.dot(tangent)};
 }
 
 std::vector<VectorXd> contribution(JointModel& model, const Linearised& at, std::size_t effect) {
-  Parameters without = at.at;
+  JointParameters without = at.at;
   without.effects.erase(without.effects.begin() + static_cast<std::ptrdiff_t>(effect));
   std::vector<VectorXd> moved;
   for (std::size_t t = 0; t < model.trials().size(); ++t) {
     VectorXd d = model.signatures(at, t, {without}, {-1.0}).col(0);
     Eigen::Index row = 0;
     for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
-      for (const effects::Seen& seen : model.trials()[t].blocks[k].bodies) {
+      for (const model::Seen& seen : model.trials()[t].blocks[k].bodies) {
         d.segment<3>(row) *= model.sd_m(t, k, seen);
         row += 3;
       }
@@ -127,7 +123,7 @@ std::vector<VectorXd> contribution(JointModel& model, const Linearised& at, std:
   return moved;
 }
 
-Where where_is(const JointModel& model, const Linearised& at, const effects::Present& effect,
+Where where_is(const JointModel& model, const Linearised& at, const model::Present& effect,
                const std::vector<VectorXd>& moved) {
   Where where = common(model, at, squares_of(model, at, moved));
   if (const auto place = effect.effect->place(model.arm(), effect.values)) {
@@ -155,7 +151,7 @@ Where where_is(const JointModel& model, const Linearised& at, const std::vector<
         begin = i;
       }
     }
-    if (best < kMostly * all) continue;
+    if (best < kPolicy.place.mostly * all) continue;
     where.s_from_m = begin > 0 ? bodies[begin - 1].arclength_m : 0.0;
     where.s_to_m = bodies[begin + length - 1].arclength_m;
     break;

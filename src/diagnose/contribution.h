@@ -13,13 +13,13 @@ namespace softarm::diagnose {
 std::vector<Eigen::VectorXd> contribution(JointModel& model, const Linearised& at, std::size_t effect);
 
 /// Its axis, its place, what it goes with and when.
-Where where_is(const JointModel& model, const Linearised& at, const effects::Present& effect,
+Where where_is(const JointModel& model, const Linearised& at, const model::Present& effect,
                const std::vector<Eigen::VectorXd>& contribution);
 /// The same of residuals that no effect explains.
 Where where_is(const JointModel& model, const Linearised& at, const std::vector<Eigen::VectorXd>& residual);
 
 /// A vector of the base frame in the section's frame of the body of a block: in the plane in which the arm is
 /// bent, across it, along the arm.
-Eigen::Vector3d in_section(const effects::Predicted& predicted, double s_m, const Eigen::Vector3d& v_base);
+Eigen::Vector3d in_section(const model::Predicted& predicted, double s_m, const Eigen::Vector3d& v_base);
 
 }  // namespace softarm::diagnose

@@ -28,7 +28,7 @@ struct Covariate {
 /// The law's moment, its rate, history and direction, pressure, vacuum, payload, attitude, time, the trial:
 /// those that differ between points.
 /// @param arm with the constants of the fit
-std::vector<Covariate> covariates_of(const JointModel& model, const Arm& arm, const Linearised& at,
+std::vector<Covariate> covariates_of(const JointModel& model, const arm::Arm& arm, const Linearised& at,
                                      const std::vector<GridPoint>& points);
 
 }  // namespace softarm::diagnose

@@ -12,35 +12,23 @@
 #include "ladder.h"
 #include "leftover.h"
 #include "next_experiment.h"
+#include "parameter_variation.h"
 #include "pictures.h"
+#include "policy.h"
 #include "selection.h"
+#include "sentences.h"
+#include "softarm/identify/identify.h"
 #include "structure.h"
-#include "wander.h"
-#include "words.h"
 
 namespace softarm::diagnose {
 namespace {
 
-using effects::Effect;
-using effects::Present;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using model::Effect;
+using model::Present;
 
-// Of what could be explained. Where something is left to see, one of 41 effects that fits best explains up to
-// three quarters of nearly anything: less than kPartly names nothing.
-constexpr double kExplained = 0.9, kPartly = 0.8;
-constexpr double kPoorFit = 10.0;     // chi^2 per degree of freedom: the first fit may have run away
-constexpr double kRefused = 0.5;      // most for what is not named: its size is not told
-constexpr double kShared_m = 7.5e-5;  // what the arm's motion and what is too small to matter leave of it
-constexpr double kLeftoverZ = 2.33;
 constexpr double kInterval = 1.6449;  // of 90 %
-constexpr double kDetectableZ = 5.0;
-constexpr double kLeftover_m = 1e-4;    // what a flexible model finds beyond this is something
-constexpr double kLeftoverShare = 0.1;  // ... if it is that share of what is left, or more
-// chi^2 per degree of freedom on unseen trials, up to which residuals are taken for noise.
-constexpr double kAsNoise = 2.0;
-constexpr double kLone = 0.5;           // of the noise: what one body alone may show beyond the others
-constexpr double kFewDetectable = 0.5;  // share of the catalogue below which "consistent" says too much
 
 /// Rms distance that white noise alone gives, weighted as the errors are.
 double noise_floor(const JointModel& model) {
@@ -48,7 +36,7 @@ double noise_floor(const JointModel& model) {
   for (std::size_t t = 0; t < model.trials().size(); ++t) {
     for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
       if (!model.uses(t, k)) continue;
-      for (const effects::Seen& seen : model.trials()[t].blocks[k].bodies) {
+      for (const model::Seen& seen : model.trials()[t].blocks[k].bodies) {
         const double w = 1.0 / std::pow(model.sd_m(t, k, seen), 2);
         sum += 3.0 * w * seen.white_sd_m * seen.white_sd_m;
         weight += w;
@@ -90,18 +78,18 @@ std::vector<Shift> shifts_of(const JointModel& model, const Selection& selection
 std::vector<EffectValue> values_of(const Linearised& at, std::size_t effect, const MatrixXd& covariance) {
   std::vector<EffectValue> list;
   const Present& present = at.at.effects[effect];
-  const effects::Info& info = present.effect->info();
+  const model::Info& info = present.effect->info();
   for (std::size_t k = 0; k < info.parameters.size(); ++k) {
-    const effects::Parameter& parameter = info.parameters[k];
+    const model::Parameter& parameter = info.parameters[k];
     EffectValue value;
     value.symbol = parameter.symbol;
     value.unit = parameter.unit;
-    value.words = parameter.words;
+    value.description = parameter.description;
     value.value = value.low = value.high = present.values[static_cast<Eigen::Index>(k)];
     bool of_this_arm = true;
     for (std::size_t j = 0; j < at.columns.size(); ++j) {
-      const Column& c = at.columns[j];
-      if (c.kind != Column::Kind::kEffect || c.index != static_cast<int>(effect) ||
+      const JointUnknown& c = at.columns[j];
+      if (c.kind != JointUnknown::Kind::kEffect || c.index != static_cast<int>(effect) ||
           c.parameter != static_cast<int>(k))
         continue;
       // An input that the arm does not have.
@@ -124,83 +112,89 @@ std::string known_ids(const Options& options) {
   return ids;
 }
 
+/// What the screen says of a candidate.
+Candidate candidate_of(const Screened& s) {
+  const model::Info& info = s.effect->info();
+  Candidate c;
+  c.id = info.id;
+  c.description = info.description;
+  c.collinearity = s.collinearity;
+  c.z = s.z;
+  c.size_m = s.size_m;
+  c.symbol = info.parameters.front().symbol;
+  c.unit = info.parameters.front().unit;
+  c.estimate = s.values[0];
+  c.smallest_detectable = kPolicy.verdict.detectable_z * s.sd[0];
+  c.detectable = s.usual_z >= kPolicy.verdict.detectable_z;
+  return c;
+}
+
+Candidate candidate_of(const Round& round, const Effect* effect) {
+  const auto found = std::find_if(round.screened.begin(), round.screened.end(),
+                                  [&](const Screened& s) { return s.effect == effect; });
+  return found == round.screened.end() ? Candidate{} : candidate_of(*found);
+}
+
+const Refitted* refit_of(const Round& round, const Effect* effect) {
+  const auto found = std::find_if(round.refitted.begin(), round.refitted.end(),
+                                  [&](const Refitted& r) { return r.effect == effect; });
+  return found == round.refitted.end() ? nullptr : &*found;
+}
+
+/// One that was not taken, by the last screen.
+Candidate left_aside(const JointModel& model, const Selection& selection, const Screened& s) {
+  const double trivial_m = kPolicy.selection.trivial * model.arm().total_length_m();
+  Candidate c = candidate_of(s);
+  bool trivial = s.z >= kPolicy.selection.least_z && s.leftover_m < trivial_m;
+  if (const Refitted* r = refit_of(selection.rounds.back(), s.effect)) {
+    // Of being there at a size that matters.
+    trivial = r->z >= kPolicy.selection.least_z && r->moved_m < trivial_m;
+    c.probability =
+        r->moved_m < trivial_m || !r->physical ? 0.0 : std::min(r->probability, kPolicy.verdict.refused);
+    c.possible = r->physical;
+    c.log_score = r->gain / std::max(1, selection.extended.rows / 3);
+  }
+  c.finding = !c.detectable ? Finding::kCannotTell : trivial ? Finding::kTrivial : Finding::kAbsent;
+  return c;
+}
+
 /// The whole catalogue, best first: those taken, their rivals, the others of the last screen.
-std::vector<Candidate> ranking_of(const Selection& selection, double doubt, const Options& options) {
+std::vector<Candidate> ranking_of(const JointModel& model, const Selection& selection, double doubt) {
   std::vector<Candidate> list;
   const auto known = [&](const Effect* effect) {
     return std::any_of(list.begin(), list.end(),
                        [&](const Candidate& c) { return c.id == effect->info().id; });
   };
-  const auto fill = [&](const Screened& s, Candidate& c) {
-    const effects::Info& info = s.effect->info();
-    c.id = info.id;
-    c.words = info.words;
-    c.concealment = s.concealment;
-    c.z = s.z;
-    c.size_m = s.size_m;
-    c.symbol = info.parameters.front().symbol;
-    c.unit = info.parameters.front().unit;
-    c.estimate = s.values[0];
-    c.smallest_detectable = kDetectableZ * s.sd[0];
-    c.detectable = s.usual_z >= kDetectableZ;
-  };
-  const auto screened = [](const Round& round, const Effect* effect) {
-    return std::find_if(round.screened.begin(), round.screened.end(),
-                        [&](const Screened& s) { return s.effect == effect; });
-  };
   const Linearised& extended = selection.extended;
+  const double bodies = std::max(1, extended.rows / 3);
   for (std::size_t e = 0; e < extended.at.effects.size(); ++e) {
     const Round& round = selection.rounds[selection.round_of[e]];
     const Refitted& r = round.refitted[static_cast<std::size_t>(round.taken)];
-    Candidate c;
-    if (const auto s = screened(round, r.effect); s != round.screened.end()) fill(*s, c);
+    Candidate c = candidate_of(round, r.effect);
     c.finding = Finding::kPresent;
     c.probability = doubt * r.probability;
     c.z = r.z;
     c.estimate = extended.at.effects[e].values[0];
-    c.log_score = r.gain / std::max(1, extended.rows / 3);
+    c.log_score = r.gain / bodies;
     list.push_back(std::move(c));
   }
-  for (std::size_t e = 0; e < extended.at.effects.size(); ++e) {
-    const Round& round = selection.rounds[selection.round_of[e]];
+  for (const std::size_t n : selection.round_of) {
+    const Round& round = selection.rounds[n];
     for (const Effect* rival : round.rivals) {
       if (known(rival)) continue;
-      Candidate c;
-      if (const auto s = screened(round, rival); s != round.screened.end()) fill(*s, c);
+      Candidate c = candidate_of(round, rival);
       c.finding = Finding::kRival;
-      for (const Refitted& r : round.refitted) {
-        if (r.effect != rival) continue;
-        c.probability = r.probability;
-        c.z = r.z;
-        c.log_score = r.gain / std::max(1, extended.rows / 3);
+      if (const Refitted* r = refit_of(round, rival)) {
+        c.probability = r->probability;
+        c.z = r->z;
+        c.log_score = r->gain / bodies;
       }
       list.push_back(std::move(c));
     }
   }
-  const Round& last = selection.rounds.back();
   std::vector<Candidate> others;
-  for (const Screened& s : last.screened) {
-    if (known(s.effect)) continue;
-    Candidate c;
-    fill(s, c);
-    bool trivial = s.z >= options.least_z && s.leftover_m < options.trivial_m;
-    for (const Refitted& r : last.refitted) {
-      if (r.effect != s.effect) continue;
-      // Of being there at a size that matters.
-      trivial = r.z >= options.least_z && r.moved_m < options.trivial_m;
-      c.probability = r.moved_m < options.trivial_m || !r.physical ? 0.0 : std::min(r.probability, kRefused);
-      c.possible = r.physical;
-      c.log_score = r.gain / std::max(1, extended.rows / 3);
-    }
-    if (!c.detectable) {
-      c.finding = Finding::kCannotTell;
-    } else if (trivial) {
-      c.finding = Finding::kTrivial;
-    } else {
-      c.finding = Finding::kAbsent;
-    }
-    others.push_back(std::move(c));
-  }
+  for (const Screened& s : selection.rounds.back().screened)
+    if (!known(s.effect)) others.push_back(left_aside(model, selection, s));
   std::stable_sort(others.begin(), others.end(), [](const Candidate& a, const Candidate& b) {
     return a.probability != b.probability ? a.probability > b.probability : a.z > b.z;
   });
@@ -208,31 +202,178 @@ std::vector<Candidate> ranking_of(const Selection& selection, double doubt, cons
   return list;
 }
 
+/// The arm's constants alone.
+/// @param swinging counts what is left out because the arm swings
+Linearised fit_baseline(JointModel& model, std::size_t& swinging, const std::function<void()>& progress) {
+  Linearised baseline = model.fit(model.start(), {});
+  swinging = model.allow_for_motion(baseline.predicted);
+  progress();
+  // What is known beforehand counts against the misfit as it is, and that changes with what counts.
+  double misfit = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const double now = std::max(1.0, baseline.square / std::max(1, baseline.rows));
+    if (now * kPolicy.fit.same_misfit > misfit && now < kPolicy.fit.same_misfit * misfit) break;
+    misfit = now;
+    model.set_misfit(misfit);
+    const bool anew = misfit > kPolicy.fit.refit_from_start_chi2;
+    baseline = model.fit(anew ? model.start() : baseline.at, {}, &baseline.predicted);
+  }
+  return baseline;
+}
+
+/// What is left to see before and after the effects.
+struct Remains {
+  Leftover before, after;
+  bool adequate = false;  ///< nothing of a size that matters is left
+};
+
+bool is_shared(const Leftover& left, double length_m) {
+  return left.shared_z > kPolicy.verdict.shared_z && left.shared_m > kPolicy.verdict.shared * length_m;
+}
+
+/// Errors, the share of what could be explained, and what is left.
+Remains compare(const JointModel& model, const Selection& selection, Diagnosis& d) {
+  const Unseen &before = selection.baseline_unseen, &after = selection.extended_unseen;
+  const Ceiling could_before = ceiling(model, selection.baseline, before.residual);
+  const bool extended = !selection.extended.at.effects.empty();
+  const Ceiling could_after = extended ? ceiling(model, selection.extended, after.residual) : could_before;
+  d.noise_floor_m = noise_floor(model);
+  d.baseline = {before.fitted_rms_m, before.total_rms_m, log_score(before, selection.baseline.rows)};
+  d.extended = {after.fitted_rms_m, after.total_rms_m, log_score(after, selection.extended.rows)};
+
+  const double length_m = model.arm().total_length_m();
+  const double base2 = std::pow(before.total_rms_m, 2), ext2 = std::pow(after.total_rms_m, 2);
+  const double floor2 = std::pow(d.noise_floor_m, 2);
+  const double leftover_m = std::sqrt(ext2 * could_after.share);
+  // What no flexible model learns may still be more than noise: a few trials teach it little.
+  const bool as_noise =
+      after.total_chi2 < kPolicy.verdict.as_noise_chi2 * std::max(1, selection.extended.rows);
+  Remains left;
+  left.before = leftover(model, selection.baseline, before);
+  left.after = extended ? leftover(model, selection.extended, after) : left.before;
+  left.adequate = as_noise && !is_shared(left.after, length_m) &&
+                  left.after.lone_m < kPolicy.verdict.lone * d.noise_floor_m &&
+                  (leftover_m < kPolicy.verdict.flexible * length_m ||
+                   could_after.share < kPolicy.verdict.flexible_share);
+  const double learnt2 =
+      std::min({base2 * (1.0 - could_before.share), ext2 * (1.0 - could_after.share), ext2});
+  d.ceiling_rms_m = std::sqrt(std::max(std::min(base2, floor2), learnt2));
+  const double reach2 = as_noise ? std::pow(d.ceiling_rms_m, 2) : std::min(base2, floor2);
+  d.explained_share = base2 > reach2 ? std::clamp((base2 - ext2) / (base2 - reach2), 0.0, 1.0) : 0.0;
+  // With the arm calm nothing but the arm's shape is in the way.
+  if (extended && !left.adequate && is_shared(left.before, length_m) &&
+      left.before.shared_m > left.after.shared_m)
+    d.explained_share = 1.0 - std::pow(left.after.shared_m / left.before.shared_m, 2);
+  return left;
+}
+
+/// The effects of the model, with what they are worth and where they are.
+std::vector<NamedEffect> named_effects(JointModel& model, const Selection& selection,
+                                       const MatrixXd& covariance, double doubt) {
+  const auto taken_of = [](const Round& round) -> const Refitted& {
+    return round.refitted[static_cast<std::size_t>(round.taken)];
+  };
+  std::vector<NamedEffect> list;
+  for (std::size_t e = 0; e < selection.extended.at.effects.size(); ++e) {
+    const Present& present = selection.extended.at.effects[e];
+    const Round& round = selection.rounds[selection.round_of[e]];
+    const Refitted& r = taken_of(round);
+    NamedEffect named;
+    named.id = present.effect->info().id;
+    named.description = present.effect->info().description;
+    named.probability = doubt * r.probability;
+    named.parameters = values_of(selection.extended, e, covariance);
+    named.where = where_is(model, selection.extended, present, contribution(model, selection.extended, e));
+    const double without = e == 0 ? selection.baseline_unseen.total_rms_m
+                                  : taken_of(selection.rounds[selection.round_of[e - 1]]).unseen.total_rms_m;
+    named.held_out_gain_m = without - r.unseen.total_rms_m;
+    for (const Effect* rival : round.rivals) named.confusable_with.push_back(rival->info().id);
+    list.push_back(std::move(named));
+  }
+  return list;
+}
+
+Verdict verdict_of(const Diagnosis& d, bool extended, bool adequate) {
+  if (extended) {
+    if (d.explained_share >= kPolicy.verdict.explained && adequate) return Verdict::kExplained;
+    return d.explained_share >= kPolicy.verdict.partly ? Verdict::kPartlyExplained : Verdict::kUnknown;
+  }
+  if (!adequate) return Verdict::kUnknown;
+  const auto detectable =
+      std::count_if(d.ranking.begin(), d.ranking.end(), [](const Candidate& c) { return c.detectable; });
+  return static_cast<double>(detectable) >=
+                 kPolicy.verdict.few_detectable * static_cast<double>(d.ranking.size())
+             ? Verdict::kConsistent
+             : Verdict::kCannotTell;
+}
+
+/// Which fits did not come to an end; empty: all did.
+std::string unconverged(const Selection& selection) {
+  std::string text;
+  const auto add = [&](const std::string& what) { text += (text.empty() ? "" : ", ") + what; };
+  if (!selection.baseline.converged) add("the arm's constants alone");
+  if (!selection.extended.at.effects.empty() && !selection.extended.converged)
+    add("the effects that are named");
+  for (const Round& round : selection.rounds)
+    for (const Refitted& r : round.refitted)
+      if (!r.converged) add(r.effect->info().id);
+  return text;
+}
+
+std::vector<std::string> notes_of(const JointModel& model, const model::Prepared& prepared,
+                                  const Selection& selection, const Options& options, std::size_t swinging) {
+  std::vector<std::string> notes;
+  std::size_t frames = 0, used = 0, blocks = 0;
+  for (std::size_t t = 0; t < prepared.trials.size(); ++t) {
+    frames += static_cast<std::size_t>(prepared.trials[t].series.t_s.size());
+    blocks += prepared.trials[t].blocks.size();
+    for (std::size_t k = 0; k < prepared.trials[t].blocks.size(); ++k) used += model.uses(t, k);
+  }
+  notes.push_back(fmt::format(
+      "{} frames of {} trials, compared as {} means over {:.2g} s; {} are left out after a hand was on the "
+      "payload, {} "
+      "because the arm swung. Errors and the noise floor are those of such means.",
+      frames, prepared.trials.size(), blocks, options.block_s, blocks - used - swinging, swinging));
+  notes.push_back(
+      fmt::format("Inertia of the arm's known masses and a viscoelastic lag ({:.0f} ms) are in both models.",
+                  1e3 * selection.extended.at.viscoelastic_lag_s));
+  if (!options.known.empty())
+    notes.push_back(fmt::format("{} of the arm file {} in all models, at the file's values.",
+                                known_ids(options), options.known.size() == 1 ? "is" : "are"));
+  for (const auto& [reason, count] : prepared.left_out)
+    if (count > 0) notes.push_back(fmt::format("{} frames left out: {}", count, reason));
+  if (prepared.trials.size() < 3)
+    notes.push_back("Fewer than three trials: what helps on unseen ones is hardly known. Record more.");
+  const std::string open = unconverged(selection);
+  if (!open.empty())
+    notes.push_back(fmt::format("Fits that did not converge, and count for less: {}.", open));
+  return notes;
+}
+
+model::Prepared prepared_trials(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
+                                const model::Preparation& how) {
+  try {
+    return model::prepare(arm, trials, how);
+  } catch (const model::UnusableTrials& e) {
+    throw identify::IdentifyError(e.what());
+  }
+}
+
 }  // namespace
 
-Diagnosis diagnose(const Arm& arm, const std::vector<identify::Trial>& trials, const Options& options,
+Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials, const Options& options,
                    const Progress& progress) {
   const auto report = [&](double share, const std::string& what) {
     if (progress) progress(share, what);
   };
   report(0.0, "averaging frames");
-  effects::Preparation how;
+  model::Preparation how;
   how.block_s = options.block_s;
-  const effects::Prepared prepared = effects::prepare(arm, trials, how);
+  const model::Prepared prepared = prepared_trials(arm, trials, how);
   JointModel model(arm, prepared.trials, options.jobs, options.held, options.tied, options.known);
   report(0.05, "fitting the arm's constants");
-  Linearised baseline = model.fit(model.start(), {});
-  const std::size_t swinging = model.allow_for_motion(baseline.predicted);
-  report(0.2, "fitting the arm's constants");
-  // What is known beforehand counts against the misfit as it is, and that changes with what counts.
-  double misfit = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    const double now = std::max(1.0, baseline.square / std::max(1, baseline.rows));
-    if (now > 0.8 * misfit && now < 1.25 * misfit) break;
-    misfit = now;
-    model.set_misfit(misfit);
-    baseline = model.fit(misfit > kPoorFit ? model.start() : baseline.at, {}, &baseline.predicted);
-  }
+  std::size_t swinging = 0;
+  Linearised baseline = fit_baseline(model, swinging, [&] { report(0.2, "fitting the arm's constants"); });
   Selection selection =
       select(model, std::move(baseline), options,
              [&](double share, const std::string& what) { report(0.25 + 0.55 * share, what); });
@@ -240,106 +381,31 @@ Diagnosis diagnose(const Arm& arm, const std::vector<identify::Trial>& trials, c
   report(0.82, "what could be explained at all");
   Diagnosis d;
   d.arm = arm.name;
-  d.noise_floor_m = noise_floor(model);
-  const Unseen &before = selection.baseline_unseen, &after = selection.extended_unseen;
-  const Ceiling could_before = ceiling(model, selection.baseline, before.residual);
+  const Remains left = compare(model, selection, d);
   const bool extended = !selection.extended.at.effects.empty();
-  const Ceiling could_after = extended ? ceiling(model, selection.extended, after.residual) : could_before;
-  d.baseline = {before.fitted_rms_m, before.total_rms_m, log_score(before, selection.baseline.rows)};
-  d.extended = {after.fitted_rms_m, after.total_rms_m, log_score(after, selection.extended.rows)};
-  const double base2 = std::pow(before.total_rms_m, 2), ext2 = std::pow(after.total_rms_m, 2);
-  const double floor2 = std::pow(d.noise_floor_m, 2);
-  const double leftover_m = std::sqrt(ext2 * could_after.share);
-  // What no flexible model learns may still be more than noise: a few trials teach it little.
-  const bool as_noise = after.total_chi2 < kAsNoise * std::max(1, selection.extended.rows);
-  const Leftover left_before = leftover(model, selection.baseline, before);
-  const Leftover left_after = extended ? leftover(model, selection.extended, after) : left_before;
-  const auto shared = [&](const Leftover& left) {
-    return left.shared_z > kLeftoverZ && left.shared_m > kShared_m;
-  };
-  const bool adequate = as_noise && !shared(left_after) && left_after.lone_m < kLone * d.noise_floor_m &&
-                        (leftover_m < kLeftover_m || could_after.share < kLeftoverShare);
-  const double learnt2 =
-      std::min({base2 * (1.0 - could_before.share), ext2 * (1.0 - could_after.share), ext2});
-  d.ceiling_rms_m = std::sqrt(std::max(std::min(base2, floor2), learnt2));
-  const double reach2 = as_noise ? std::pow(d.ceiling_rms_m, 2) : std::min(base2, floor2);
-  d.explained_share = base2 > reach2 ? std::clamp((base2 - ext2) / (base2 - reach2), 0.0, 1.0) : 0.0;
-
-  // With the arm calm nothing but the arm's shape is in the way.
-  if (extended && !adequate && shared(left_before) && left_before.shared_m > left_after.shared_m)
-    d.explained_share = 1.0 - std::pow(left_after.shared_m / left_before.shared_m, 2);
   // What explains a part may only be the nearest to what is there.
-  const double doubt = adequate ? 1.0 : d.explained_share;
+  const double doubt = left.adequate ? 1.0 : d.explained_share;
   report(0.9, "where");
   const MatrixXd covariance = covariance_of(selection.extended, selection.inflation);
-  for (std::size_t e = 0; e < selection.extended.at.effects.size(); ++e) {
-    const Present& present = selection.extended.at.effects[e];
-    const Round& round = selection.rounds[selection.round_of[e]];
-    const Refitted& r = round.refitted[static_cast<std::size_t>(round.taken)];
-    NamedEffect named;
-    named.id = present.effect->info().id;
-    named.words = present.effect->info().words;
-    named.probability = doubt * r.probability;
-    named.parameters = values_of(selection.extended, e, covariance);
-    named.where = where_is(model, selection.extended, present, contribution(model, selection.extended, e));
-    const double without =
-        e == 0 ? before.total_rms_m
-               : selection.rounds[selection.round_of[e - 1]]
-                     .refitted[static_cast<std::size_t>(selection.rounds[selection.round_of[e - 1]].taken)]
-                     .unseen.total_rms_m;
-    named.held_out_gain_m = without - r.unseen.total_rms_m;
-    for (const Effect* rival : round.rivals) named.confusable_with.push_back(rival->info().id);
-    d.effects.push_back(std::move(named));
-  }
-  d.ranking = ranking_of(selection, doubt, options);
-  d.before = structure_of(model, selection.baseline, before);
-  d.after = extended ? structure_of(model, selection.extended, after) : d.before;
-  d.before.shared_m = left_before.shared_m;
-  d.before.shared_z = left_before.shared_z;
-  d.after.shared_m = left_after.shared_m;
-  d.after.shared_z = left_after.shared_z;
+  d.effects = named_effects(model, selection, covariance, doubt);
+  d.ranking = ranking_of(model, selection, doubt);
+  d.before = structure_of(model, selection.baseline, selection.baseline_unseen);
+  d.after = extended ? structure_of(model, selection.extended, selection.extended_unseen) : d.before;
+  d.before.shared_m = left.before.shared_m;
+  d.before.shared_z = left.before.shared_z;
+  d.after.shared_m = left.after.shared_m;
+  d.after.shared_z = left.after.shared_z;
   d.shifts = shifts_of(model, selection);
   d.extended_arm = extended_arm(model, selection.extended, covariance);
-
-  const auto detectable =
-      std::count_if(d.ranking.begin(), d.ranking.end(), [](const Candidate& c) { return c.detectable; });
-  const bool powerful =
-      static_cast<double>(detectable) >= kFewDetectable * static_cast<double>(d.ranking.size());
-  if (extended) {
-    d.verdict = d.explained_share >= kExplained && adequate ? Verdict::kExplained
-                : d.explained_share >= kPartly              ? Verdict::kPartlyExplained
-                                                            : Verdict::kUnknown;
-  } else {
-    d.verdict = !adequate ? Verdict::kUnknown : powerful ? Verdict::kConsistent : Verdict::kCannotTell;
-  }
+  d.verdict = verdict_of(d, extended, left.adequate);
   d.summary = summary_of(d);
+  d.notes = notes_of(model, prepared, selection, options, swinging);
 
-  std::size_t frames = 0, used = 0, blocks = 0;
-  for (std::size_t t = 0; t < prepared.trials.size(); ++t) {
-    frames += static_cast<std::size_t>(prepared.trials[t].series.t_s.size());
-    blocks += prepared.trials[t].blocks.size();
-    for (std::size_t k = 0; k < prepared.trials[t].blocks.size(); ++k) used += model.uses(t, k);
-  }
-  d.notes.push_back(fmt::format(
-      "{} frames of {} trials, compared as {} means over {:.2g} s; {} are left out after a hand was on the "
-      "payload, {} "
-      "because the arm swung. Errors and the noise floor are those of such means.",
-      frames, prepared.trials.size(), blocks, options.block_s, blocks - used - swinging, swinging));
-  d.notes.push_back(
-      fmt::format("Inertia of the arm's known masses and a delay of its wall ({:.0f} ms) are in both models.",
-                  1e3 * selection.extended.at.retardation_s));
-  if (!options.known.empty())
-    d.notes.push_back(fmt::format("{} of the arm file {} in all models, at the file's values.",
-                                  known_ids(options), options.known.size() == 1 ? "is" : "are"));
-  for (const auto& [reason, count] : prepared.left_out)
-    if (count > 0) d.notes.push_back(fmt::format("{} frames left out: {}", count, reason));
-  if (trials.size() < 3)
-    d.notes.push_back("Fewer than three trials: what helps on unseen ones cannot be told well. Record more.");
   report(0.92, "what single instants say");
   const std::vector<InstantFit> instants = fit_instants(model, selection.baseline, options.jobs);
   d.ladder = pooling_ladder(model, selection.baseline, instants);
-  d.wander = wander_of(model, selection.baseline, instants);
-  d.ladder_sentence = where_it_hides(d.ladder, d.noise_floor_m, d.wander);
+  d.parameter_variation = parameter_variation_of(model, selection.baseline, instants);
+  d.ladder_sentence = where_it_hides(d.ladder, d.noise_floor_m, d.parameter_variation);
   report(0.94, "what to measure next");
   d.next_experiment = next_experiment(model, selection, d.verdict, options);
   report(0.98, "pictures");

@@ -8,29 +8,21 @@
 #include <utility>
 
 #include "known_pull.h"
+#include "policy.h"
 #include "recorded_programme.h"
-#include "words.h"
+#include "sentences.h"
 
 namespace softarm::diagnose {
 namespace {
 
-using effects::Block;
-using effects::TrialData;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
-
-constexpr double kRest_s = 2.0, kMove_s = 2.0, kHold_s = 20.0, kAfter_s = 6.0;
-constexpr int kCycles = 6;
-constexpr double kNewAttitude_rad = 0.35;  // from all that were recorded
-constexpr double kMoved = 1e-3;            // share of the largest input below which it does nothing
-constexpr double kPullBend = 0.3;          // force over EI / L^2: it moves the tip by a tenth of the length
-constexpr double kBracket = 0.15;          // of the arm's length
-constexpr double kPayloadShare = 0.5;      // of the arm's weight, where none was ever hung on
-constexpr double kClock_s = 0.002;
+using model::Block;
+using model::TrialData;
 
 class Menu {
  public:
-  Menu(const Arm& arm, const std::vector<TrialData>& trials, double block_s)
+  Menu(const arm::Arm& arm, const std::vector<TrialData>& trials, double block_s)
       : arm_(arm), from_(arm, trials, block_s) {}
 
   std::vector<Experiment> experiments() {
@@ -58,7 +50,7 @@ class Menu {
     return list_.back();
   }
 
-  InputKind kind(Eigen::Index input) const {
+  arm::InputKind kind(Eigen::Index input) const {
     return arm_.inputs.scalars[static_cast<std::size_t>(input)].kind;
   }
   std::string name() const { return from_.base().name; }
@@ -73,7 +65,7 @@ class Menu {
 
   /// The direction in which the first input that bends the arm bends it, and its name.
   std::pair<double, std::string> first_direction() const {
-    const Segment& segment = arm_.segments.front();
+    const arm::Segment& segment = arm_.segments.front();
     if (!segment.chambers.empty())
       return {segment.chambers.front().bending_direction_rad, segment.chambers.front().input};
     if (!segment.tendons.empty())
@@ -94,7 +86,7 @@ class Menu {
                            : fmt::format("{} bending it {}", input, where);
     };
     const struct {
-      std::string id, words;
+      std::string id, description;
       Vector3d gravity;
     } all[] = {
         {"attitude_hanging", "hanging straight down", along},
@@ -109,40 +101,43 @@ class Menu {
       const bool known =
           std::any_of(from_.trials().begin(), from_.trials().end(), [&](const TrialData& recorded) {
             return std::any_of(recorded.blocks.begin(), recorded.blocks.end(), [&](const Block& block) {
-              return block.gravity_base.normalized().dot(attitude.gravity) > std::cos(kNewAttitude_rad);
+              return block.gravity_base.normalized().dot(attitude.gravity) >
+                     std::cos(kPolicy.experiment.new_attitude_rad);
             });
           });
       if (known) continue;
       add(attitude.id,
-          fmt::format("Mount the arm {}, and repeat {}{}", attitude.words, name(), minding_payload()),
+          fmt::format("Mount the arm {}, and repeat {}{}", attitude.description, name(), minding_payload()),
           from_.repeated(attitude.gravity, 1.0, from_.payload_kg()));
     }
   }
 
   void add_speeds() {
     const struct {
-      std::string id, words;
+      std::string id, description;
       double factor;
     } all[] = {{"faster_2", "twice as fast", 2.0},
                {"faster_4", "four times as fast", 4.0},
                {"slower_3", "three times as slowly", 1.0 / 3.0}};
     for (const auto& speed : all) {
       add(speed.id,
-          fmt::format("Repeat {}{} with its inputs changing {}", name(), minding_payload(), speed.words),
+          fmt::format("Repeat {}{} with its inputs changing {}", name(), minding_payload(),
+                      speed.description),
           from_.repeated(from_.gravity(), speed.factor, from_.payload_kg()));
     }
   }
 
-  /// At rest, to `to` within kMove_s, that held, and back.
+  /// At rest, to `to` within kPolicy.experiment.move_s, that held, and back.
   TrialData bend(const VectorXd& to, double hold_s, int times) const {
-    const double period_s = 2.0 * kMove_s + hold_s;
-    return from_.trial(kRest_s + times * period_s + kAfter_s, from_.gravity(),
-                       [&, period_s, hold_s, times](double t_s) {
+    const double period_s = 2.0 * kPolicy.experiment.move_s + hold_s;
+    return from_.trial(kPolicy.experiment.rest_s + times * period_s + kPolicy.experiment.after_s,
+                       from_.gravity(), [&, period_s, hold_s, times](double t_s) {
                          double share = 0.0;
-                         const double since_s = t_s - kRest_s;
+                         const double since_s = t_s - kPolicy.experiment.rest_s;
                          if (since_s > 0.0 && since_s < times * period_s) {
                            const double in_s = std::fmod(since_s, period_s);
-                           share = std::min({1.0, in_s / kMove_s, (period_s - in_s) / kMove_s});
+                           share = std::min({1.0, in_s / kPolicy.experiment.move_s,
+                                             (period_s - in_s) / kPolicy.experiment.move_s});
                          }
                          share = share * share * (3.0 - 2.0 * share);
                          return Driven{(1.0 - share) * from_.rest() + share * to, from_.payload_kg()};
@@ -153,45 +148,45 @@ class Menu {
     const std::string as_far =
         fmt::format("as far as {} did at {:.1f} s{}", name(), from_.peak_s(), minding_payload());
     if ((from_.peak() - from_.rest()).lpNorm<Eigen::Infinity>() >
-        kMoved * from_.peak().lpNorm<Eigen::Infinity>()) {
+        kPolicy.experiment.moved * from_.peak().lpNorm<Eigen::Infinity>()) {
       add("hold",
           fmt::format("Bend the arm {}, hold that for {:.0f} s, let go and wait for {:.0f} s", as_far,
-                      kHold_s, kAfter_s),
-          bend(from_.peak(), kHold_s, 1));
+                      kPolicy.experiment.hold_s, kPolicy.experiment.after_s),
+          bend(from_.peak(), kPolicy.experiment.hold_s, 1));
       add("cycle",
-          fmt::format("Bend the arm {} and back, {} times from rest, {:.0f} s each way", as_far, kCycles,
-                      kMove_s),
-          bend(from_.peak(), 0.0, kCycles));
+          fmt::format("Bend the arm {} and back, {} times from rest, {:.0f} s each way", as_far,
+                      kPolicy.experiment.cycles, kPolicy.experiment.move_s),
+          bend(from_.peak(), 0.0, kPolicy.experiment.cycles));
     }
     VectorXd all = from_.rest();
     double level = 1e300;
     int chambers = 0;
     for (Eigen::Index k = 0; k < all.size(); ++k) {
-      if (kind(k) != InputKind::kPressure) continue;
+      if (kind(k) != arm::InputKind::kPressure) continue;
       level = std::min(level, from_.high()[k]);
       ++chambers;
     }
     if (chambers < 2 || !(level > 0.0)) return;
     // Together they stiffen and stretch the arm and hardly bend it.
     for (Eigen::Index k = 0; k < all.size(); ++k)
-      if (kind(k) == InputKind::kPressure) all[k] = level;
+      if (kind(k) == arm::InputKind::kPressure) all[k] = level;
     add("together",
         fmt::format(
             "Raise all pressures together to {}{} and let them fall again, {} times, {:.0f} s each way",
-            with_unit(level, "Pa"), minding_payload(), kCycles, kMove_s),
-        bend(all, 0.0, kCycles));
+            with_unit(level, "Pa"), minding_payload(), kPolicy.experiment.cycles, kPolicy.experiment.move_s),
+        bend(all, 0.0, kPolicy.experiment.cycles));
   }
 
   double weight_kg() const {
     double sum = arm_.tip_mass_kg;
-    for (const Segment& segment : arm_.segments) sum += segment.mass_per_length_kg_m * segment.length_m;
+    for (const arm::Segment& segment : arm_.segments) sum += segment.mass_per_length_kg_m * segment.length_m;
     return sum;
   }
 
   /// A payload to take where more is wanted than was recorded; nothing where the arm cannot bear it.
   double heavier_kg() const {
-    const double more =
-        std::max(1.5 * from_.most_payload_kg(), from_.most_payload_kg() + kPayloadShare * weight_kg());
+    const double more = std::max(1.5 * from_.most_payload_kg(),
+                                 from_.most_payload_kg() + kPolicy.experiment.payload_share * weight_kg());
     return std::min(more, arm_.payload.range_kg.high);
   }
 
@@ -205,7 +200,7 @@ class Menu {
           from_.repeated(from_.gravity(), 1.0, 0.0));
     const double kg = from_.most_payload_kg() > 0.0 ? from_.most_payload_kg() : heavy;
     if (!(kg > 0.0)) return;
-    const double beside_m = kBracket * arm_.total_length_m();
+    const double beside_m = kPolicy.experiment.bracket * arm_.total_length_m();
     const auto [azimuth, input] = first_direction();
     const Vector3d direction(std::cos(azimuth), std::sin(azimuth), 0.0);
     Experiment& e = add(
@@ -219,11 +214,12 @@ class Menu {
 
   void add_pulls() {
     double softest = 1e300;
-    for (const Segment& segment : arm_.segments)
+    for (const arm::Segment& segment : arm_.segments)
       softest = std::min(softest, segment.bending_stiffness.by_pressure.empty()
                                       ? segment.bending_stiffness.base_nm2
                                       : segment.bending_stiffness.by_pressure.front().bending_stiffness_nm2);
-    const double length = arm_.total_length_m(), force_n = kPullBend * softest / (length * length);
+    const double length = arm_.total_length_m(),
+                 force_n = kPolicy.experiment.pull_bend * softest / (length * length);
     const auto [azimuth, input] = first_direction();
     for (const bool beside : {false, true}) {
       const double angle = azimuth + (beside ? M_PI_2 : 0.0);
@@ -244,7 +240,7 @@ class Menu {
     VectorXd evacuated = from_.rest();
     double most = 0.0;
     for (Eigen::Index k = 0; k < evacuated.size(); ++k) {
-      if (kind(k) != InputKind::kVacuum) continue;
+      if (kind(k) != arm::InputKind::kVacuum) continue;
       evacuated[k] = from_.high()[k];
       most = std::max(most, from_.high()[k]);
     }
@@ -262,7 +258,7 @@ class Menu {
           const double jammed = ramp(t_s, 5.0, 6.0) - ramp(t_s, 19.0, 20.0);
           Driven now{(1.0 - bent) * from_.rest() + bent * from_.peak(), from_.payload_kg()};
           for (Eigen::Index k = 0; k < now.inputs.size(); ++k) {
-            if (kind(k) == InputKind::kVacuum)
+            if (kind(k) == arm::InputKind::kVacuum)
               now.inputs[k] = (1.0 - jammed) * from_.low()[k] + jammed * evacuated[k];
           }
           return now;
@@ -272,7 +268,7 @@ class Menu {
   /// In the widest gap between those that there are.
   void add_body() {
     std::vector<double> places{0.0};
-    for (const MeasuredBody& body : arm_.bodies) places.push_back(body.arclength_m);
+    for (const arm::MeasuredBody& body : arm_.bodies) places.push_back(body.arclength_m);
     std::sort(places.begin(), places.end());
     double gap_m = 0.0, place_m = 0.0;
     for (std::size_t i = 1; i < places.size(); ++i) {
@@ -288,12 +284,12 @@ class Menu {
                         fmt::format("Put one more body on the arm, {:.0f} mm from the base, and repeat {}{}",
                                     1e3 * place_m, name(), minding_payload()),
                         from_.repeated(from_.gravity(), 1.0, from_.payload_kg()));
-    MeasuredBody body;
+    arm::MeasuredBody body;
     body.name = "one_more";
     body.arclength_m = place_m;
     body.position_sd_m = arm_.bodies.front().position_sd_m;
     e.arm.bodies.push_back(body);
-    effects::Seen seen;
+    model::Seen seen;
     seen.body = static_cast<int>(arm_.bodies.size());
     seen.white_sd_m = sd_m;
     for (Block& block : e.trial.blocks) {
@@ -308,19 +304,19 @@ class Menu {
         add("clocks",
             fmt::format("Let both clocks stamp one event, such as a lamp in the cameras' view that the "
                         "inputs' recorder switches, to {:.0f} ms, and record {} once more{}",
-                        1e3 * kClock_s, name(), minding_payload()),
+                        1e3 * kPolicy.experiment.clock_sd_s, name(), minding_payload()),
             from_.repeated(from_.gravity(), 1.0, from_.payload_kg()));
-    e.clock_sd_s = kClock_s;
+    e.clock_sd_s = kPolicy.experiment.clock_sd_s;
   }
 
-  const Arm& arm_;
+  const arm::Arm& arm_;
   const RecordedProgramme from_;
   std::vector<Experiment> list_;
 };
 
 }  // namespace
 
-std::vector<Experiment> experiment_menu(const Arm& arm, const std::vector<TrialData>& trials,
+std::vector<Experiment> experiment_menu(const arm::Arm& arm, const std::vector<TrialData>& trials,
                                         double block_s) {
   return Menu(arm, trials, block_s).experiments();
 }

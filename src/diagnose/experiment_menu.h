@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "model/effect.h"
+#include "model/prepared_trial.h"
 #include "softarm/arm/arm.h"
-#include "softarm/effects/effect.h"
-#include "softarm/effects/trial.h"
 
 namespace softarm::diagnose {
 
@@ -16,10 +16,10 @@ namespace softarm::diagnose {
 struct Experiment {
   std::string id;      ///< "attitude_level", "faster_2", ...
   std::string action;  ///< what to do, a sentence without its stop
-  Arm arm;             ///< with what the experiment adds to it: a bracket, one more body
+  arm::Arm arm;        ///< with what the experiment adds to it: a bracket, one more body
   /// What drives it, and when bodies are seen; not where (p_base is 0), but how well.
-  effects::TrialData trial;
-  std::vector<std::shared_ptr<const effects::Effect>> loads;  ///< known ones, without parameters
+  model::TrialData trial;
+  std::vector<std::shared_ptr<const model::Effect>> loads;  ///< known ones, without parameters
   double clock_sd_s = 0.0;  ///< > 0: it measures the difference of the clocks so well
 };
 
@@ -28,7 +28,7 @@ struct Experiment {
 /// arm can do: inputs and vacuum stay within what was recorded, payloads within the arm file's.
 /// @param trials that were recorded: the experiments are variations on the one that drives the arm most
 /// @param block_s over which frames are averaged
-std::vector<Experiment> experiment_menu(const Arm& arm, const std::vector<effects::TrialData>& trials,
+std::vector<Experiment> experiment_menu(const arm::Arm& arm, const std::vector<model::TrialData>& trials,
                                         double block_s);
 
 }  // namespace softarm::diagnose

@@ -15,15 +15,14 @@ ExtendedArm extended_arm(const JointModel& model, const Linearised& fit, const E
   // along the arm.
   for (std::size_t j = 0; j < constants.size(); ++j)
     identify::set_value(extended.arm, constants[j], fit.at.constants[static_cast<Eigen::Index>(j)]);
-  for (const effects::Present& present : model.known())
-    extended.effects.push_back(effects::entry_of(present));
+  for (const model::Present& present : model.known()) extended.effects.push_back(effects::entry_of(present));
   for (std::size_t e = 0; e < fit.at.effects.size(); ++e) {
-    const effects::Present& present = fit.at.effects[e];
-    effects::Values sd = effects::Values::Zero(present.values.size());
+    const model::Present& present = fit.at.effects[e];
+    model::Values sd = model::Values::Zero(present.values.size());
     for (std::size_t j = 0; j < fit.columns.size(); ++j) {
-      const Column& column = fit.columns[j];
+      const JointUnknown& column = fit.columns[j];
       const auto i = static_cast<Eigen::Index>(j);
-      if (column.kind == Column::Kind::kEffect && column.index == static_cast<int>(e))
+      if (column.kind == JointUnknown::Kind::kEffect && column.index == static_cast<int>(e))
         sd[column.parameter] = column.scale * std::sqrt(std::max(0.0, covariance(i, i)));
     }
     extended.effects.push_back(effects::entry_of(present, sd));

@@ -8,9 +8,9 @@
 namespace softarm::diagnose {
 namespace {
 
-using effects::Block;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using model::Block;
 
 constexpr std::size_t kMostBlocks = 1200;
 constexpr std::size_t kFolds = 3;
@@ -35,10 +35,12 @@ MatrixXd pick(const MatrixXd& from, const std::vector<Eigen::Index>& rows,
 Features features(const JointModel& model, const Linearised& at) {
   Features out;
   const auto inputs = static_cast<Eigen::Index>(model.arm().inputs.scalars.size());
-  for (const ScalarInput& input : model.arm().inputs.scalars) out.names.push_back(input.name);
-  for (const ScalarInput& input : model.arm().inputs.scalars) out.names.push_back("speed of " + input.name);
+  for (const arm::ScalarInput& input : model.arm().inputs.scalars) out.names.push_back(input.name);
+  for (const arm::ScalarInput& input : model.arm().inputs.scalars)
+    out.names.push_back("speed of " + input.name);
   for (int past = 0; past < 2; ++past) {
-    for (const ScalarInput& input : model.arm().inputs.scalars) out.names.push_back("past of " + input.name);
+    for (const arm::ScalarInput& input : model.arm().inputs.scalars)
+      out.names.push_back("past of " + input.name);
   }
   for (const char* name : {"payload", "attitude", "attitude", "attitude", "time in the trial"})
     out.names.push_back(name);
@@ -47,7 +49,7 @@ Features features(const JointModel& model, const Linearised& at) {
     VectorXd past[2];
     const auto& predicted = at.predicted[t];
     for (std::size_t k = 0; k < predicted.size(); ++k) {
-      const effects::Instant& now = predicted[k].instant;
+      const model::Instant& now = predicted[k].instant;
       VectorXd speed = VectorXd::Zero(inputs);
       for (int p = 0; p < 2; ++p) {
         if (now.dt_s <= 0.0 || past[p].size() != inputs) past[p] = now.inputs;

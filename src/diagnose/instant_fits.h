@@ -11,13 +11,13 @@
 namespace softarm::diagnose {
 
 /// A number of one segment at one instant beside what the arm's laws say.
-struct Told {
+struct Estimated {
   double value = 0.0, law = 0.0, sd = 0.0;
 };
 
-/// What the fit of one instant says of one segment; absent where the instant does not tell it.
+/// What the fit of one instant says of one segment; absent where the instant does not identify it.
 struct SegmentFit {
-  std::optional<Told> stiffness_nm2, moment_nm, direction_rad, length_m;
+  std::optional<Estimated> stiffness_nm2, moment_nm, direction_rad, length_m;
 };
 
 struct InstantFit {
@@ -29,10 +29,10 @@ struct InstantFit {
 };
 
 /// How many numbers a fit of one instant has free.
-int unknowns_of_instant(const Arm& arm);
+int unknowns_of_instant(const arm::Arm& arm);
 
 /// All used blocks of all trials that can be fitted by themselves, through the same rod. What inertia and the
-/// wall's delay do, as `at` has it, is taken off the measured positions first: a still arm is fitted.
+/// viscoelastic lag do, as `at` has it, is taken off the measured positions first: a still arm is fitted.
 /// @param at a fit without effects, whose constants the laws take
 std::vector<InstantFit> fit_instants(const JointModel& model, const Linearised& at, unsigned jobs);
 

@@ -3,64 +3,65 @@
 #include <cmath>
 
 #include "joint_model.h"
-#include "softarm/math/parallel.h"
+#include "math/parallel.h"
+#include "policy.h"
 
 namespace softarm::diagnose {
 namespace {
 
-using effects::Block;
-using effects::Dynamics;
-using effects::Predicted;
-using effects::Seen;
-using effects::TrialData;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
+using model::Block;
+using model::Dynamics;
+using model::Predicted;
+using model::Seen;
+using model::TrialData;
 
-constexpr double kChunk_s = 2.0;
 constexpr double kStep = 1e-3;       // of derivatives, in scales
 constexpr double kWholeStep = 1e-2;  // of differences of whole predictions
 
 }  // namespace
 
-void set_unknown(Parameters& p, const Column& c, double x) {
+void set_unknown(JointParameters& p, const JointUnknown& c, double x) {
   const double value = std::clamp(x * c.scale, c.low, c.high);
   switch (c.kind) {
-    case Column::Kind::kConstant:
+    case JointUnknown::Kind::kConstant:
       p.constants[c.index] = value;
       break;
-    case Column::Kind::kRetardation:
-      p.retardation_s = value;
+    case JointUnknown::Kind::kViscoelasticLag:
+      p.viscoelastic_lag_s = value;
       break;
-    case Column::Kind::kEffect:
+    case JointUnknown::Kind::kEffect:
       p.effects[static_cast<std::size_t>(c.index)].values[c.parameter] = value;
       break;
   }
 }
 
-effects::ExtendedModel::Varied JointModel::vary(std::size_t trial, const Parameters& parameters,
-                                                const std::vector<Predicted>& predicted) {
+model::ExtendedModel::Varied JointModel::vary(std::size_t trial, const JointParameters& parameters,
+                                              const std::vector<Predicted>& predicted) {
   return models_[trial].vary(arm_with(parameters.constants), all(parameters.effects),
-                             Dynamics{true, parameters.retardation_s}, trials_[trial], predicted);
+                             Dynamics{true, parameters.viscoelastic_lag_s}, trials_[trial], predicted);
 }
 
-void JointModel::differentiate(const Parameters& at, std::size_t trial, const std::vector<bool>& wanted,
+void JointModel::differentiate(const JointParameters& at, std::size_t trial, const std::vector<bool>& wanted,
                                std::vector<Predicted>& predicted) {
-  models_[trial].differentiate(arm_with(at.constants), all(at.effects), Dynamics{true, at.retardation_s},
+  models_[trial].differentiate(arm_with(at.constants), all(at.effects), Dynamics{true, at.viscoelastic_lag_s},
                                trials_[trial], wanted, predicted);
 }
 
 void JointModel::complete(Linearised& at) {
   if (at.complete) return;
   const std::vector<bool> all(rod().parameters().size(), true);
-  in_parallel(trials_.size(), jobs_, [&](std::size_t t) { differentiate(at.at, t, all, at.predicted[t]); });
+  math::in_parallel(trials_.size(), jobs_,
+                    [&](std::size_t t) { differentiate(at.at, t, all, at.predicted[t]); });
   at.complete = true;
 }
 
 VectorXd JointModel::signature(const Linearised& at, std::size_t trial,
-                               const effects::ExtendedModel::Varied& varied, double step) const {
+                               const model::ExtendedModel::Varied& varied, double step) const {
   const TrialData& data = trials_[trial];
   const std::vector<Predicted>& predicted = at.predicted[trial];
-  const effects::ExtendedModel::Varied& reference = at.reference[trial];
+  const model::ExtendedModel::Varied& reference = at.reference[trial];
   VectorXd out = VectorXd::Zero(3 * reference.seen.cols());
   Eigen::Index body = 0;
   for (std::size_t k = 0; k < data.blocks.size(); ++k) {
@@ -82,7 +83,7 @@ VectorXd JointModel::signature(const Linearised& at, std::size_t trial,
 }
 
 Eigen::MatrixXd JointModel::signatures(const Linearised& at, std::size_t trial,
-                                       const std::vector<Parameters>& changed,
+                                       const std::vector<JointParameters>& changed,
                                        const std::vector<double>& steps) {
   Eigen::MatrixXd out(3 * at.reference[trial].seen.cols(), static_cast<Eigen::Index>(changed.size()));
   for (std::size_t j = 0; j < changed.size(); ++j)
@@ -92,7 +93,7 @@ Eigen::MatrixXd JointModel::signatures(const Linearised& at, std::size_t trial,
 }
 
 Eigen::MatrixXd JointModel::differences(const Linearised& at, std::size_t trial,
-                                        const std::vector<Parameters>& changed,
+                                        const std::vector<JointParameters>& changed,
                                         const std::vector<double>& steps) {
   const TrialData& data = trials_[trial];
   const std::vector<Predicted>& predicted = at.predicted[trial];
@@ -101,7 +102,7 @@ Eigen::MatrixXd JointModel::differences(const Linearised& at, std::size_t trial,
   std::vector<Predicted> there;
   for (std::size_t j = 0; j < changed.size(); ++j) {
     models_[trial].predict(arm_with(changed[j].constants), all(changed[j].effects),
-                           Dynamics{true, changed[j].retardation_s}, data, &predicted, there);
+                           Dynamics{true, changed[j].viscoelastic_lag_s}, data, &predicted, there);
     Eigen::Index row = 0;
     for (std::size_t k = 0; k < data.blocks.size(); ++k) {
       for (std::size_t i = 0; i < data.blocks[k].bodies.size(); ++i, row += 3) {
@@ -116,7 +117,7 @@ Eigen::MatrixXd JointModel::differences(const Linearised& at, std::size_t trial,
   return out;
 }
 
-Linearised JointModel::linearise(const Parameters& parameters,
+Linearised JointModel::linearise(const JointParameters& parameters,
                                  const std::vector<std::vector<Predicted>>* start, Derivatives how,
                                  bool known) {
   const bool whole = how == Derivatives::kWhole;
@@ -128,26 +129,24 @@ Linearised JointModel::linearise(const Parameters& parameters,
     lin.predicted = *start;
   else
     predict(parameters, start, lin.predicted);
-  const auto count = static_cast<Eigen::Index>(lin.columns.size());
-  std::vector<Parameters> changed(lin.columns.size(), parameters);
+  std::vector<JointParameters> changed(lin.columns.size(), parameters);
   std::vector<double> steps(lin.columns.size(), size);
   const VectorXd x = lin.unknowns();
-  for (Eigen::Index j = 0; j < count; ++j) {
-    const auto c = static_cast<std::size_t>(j);
+  for (std::size_t c = 0; c < lin.columns.size(); ++c) {
+    const double at = x[static_cast<Eigen::Index>(c)];
     // Away from a limit that is near.
-    if ((x[j] + size) * lin.columns[c].scale > lin.columns[c].high) steps[c] = -size;
-    set_unknown(changed[c], lin.columns[c], x[j] + steps[c]);
+    if ((at + size) * lin.columns[c].scale > lin.columns[c].high) steps[c] = -size;
+    set_unknown(changed[c], lin.columns[c], at + steps[c]);
   }
   lin.residual.resize(trials_.size());
   lin.derivative.resize(trials_.size());
   lin.root_weight.resize(trials_.size());
   lin.reference.resize(trials_.size());
-  std::vector<std::vector<Chunk>> chunks(trials_.size());
-  in_parallel(trials_.size(), jobs_, [&](std::size_t t) {
+  math::in_parallel(trials_.size(), jobs_, [&](std::size_t t) {
     lin.reference[t] = vary(t, parameters, lin.predicted[t]);
-    std::vector<effects::ExtendedModel::Varied> varied;
+    std::vector<model::ExtendedModel::Varied> varied;
     std::vector<bool> touched(rod().parameters().size(), false);
-    for (const Parameters& other : changed) {
+    for (const JointParameters& other : changed) {
       varied.push_back(vary(t, other, lin.predicted[t]));
       for (std::size_t p = 0; p < touched.size(); ++p) {
         const auto row = static_cast<Eigen::Index>(p);
@@ -156,59 +155,86 @@ Linearised JointModel::linearise(const Parameters& parameters,
     }
     differentiate(parameters, t, touched, lin.predicted[t]);
     lin.residual[t] = residual(t, lin.predicted[t]);
-    lin.derivative[t].resize(3 * lin.reference[t].seen.cols(), count);
+    lin.root_weight[t] = (lin.residual[t].array() != 0.0).cast<double>();
+    if (whole) {
+      lin.derivative[t] = differences(lin, t, changed, steps);
+      return;
+    }
+    lin.derivative[t].resize(lin.residual[t].size(), static_cast<Eigen::Index>(varied.size()));
     for (std::size_t c = 0; c < varied.size(); ++c)
       lin.derivative[t].col(static_cast<Eigen::Index>(c)) = signature(lin, t, varied[c], steps[c]);
-    if (whole) lin.derivative[t] = differences(lin, t, changed, steps);
-    lin.root_weight[t] = VectorXd::Zero(lin.residual[t].size());
-    Eigen::Index row = 0;
-    double from_s = -1e9;
-    for (std::size_t k = 0; k < trials_[t].blocks.size(); ++k) {
-      const Block& block = trials_[t].blocks[k];
-      const double t_s = trials_[t].series.t_s[static_cast<Eigen::Index>(block.first)];
-      if (t_s >= from_s + kChunk_s) {
-        Chunk chunk;
-        chunk.trial = t;
-        chunk.information.setZero(count, count);
-        chunk.gradient.setZero(count);
-        chunks[t].push_back(std::move(chunk));
-        from_s = t_s;
-      }
-      Chunk& chunk = chunks[t].back();
-      chunk.all_rows += 3 * static_cast<Eigen::Index>(block.bodies.size());
-      for (std::size_t i = 0; i < block.bodies.size(); ++i, row += 3) {
-        const Vector3d r = lin.residual[t].segment<3>(row);
-        if (r.isZero()) continue;
-        const double w = std::sqrt(huber_weight(r.norm(), threshold_));
-        lin.root_weight[t].segment<3>(row).setConstant(w);
-        lin.residual[t].segment<3>(row) *= w;
-        lin.derivative[t].middleRows<3>(row) *= w;
-        const auto j = lin.derivative[t].middleRows<3>(row);
-        chunk.information.noalias() += j.transpose() * j;
-        chunk.gradient.noalias() += j.transpose() * (w * r);
-        chunk.square += w * w * r.squaredNorm();
-        chunk.rows += 3;
-      }
+  });
+  weigh(lin);
+  return lin;
+}
+
+void JointModel::weigh(Linearised& lin) const {
+  const auto count = static_cast<Eigen::Index>(lin.columns.size());
+  std::vector<std::vector<TimeStretch>> stretches(trials_.size());
+  math::in_parallel(trials_.size(), jobs_, [&](std::size_t t) {
+    VectorXd& root = lin.root_weight[t];
+    for (Eigen::Index row = 0; row < root.size(); row += 3) {
+      const double before = root.segment<3>(row).maxCoeff();
+      if (!(before > 0.0)) continue;
+      const double distance = lin.residual[t].segment<3>(row).norm() / before;
+      const double now = std::sqrt(huber_weight(distance, threshold_));
+      root.segment<3>(row).setConstant(now);
+      lin.residual[t].segment<3>(row) *= now / before;
+      lin.derivative[t].middleRows<3>(row) *= now / before;
     }
+    stretches[t] = stretches_of(lin, t);
   });
   lin.information.setZero(count, count);
   lin.gradient.setZero(count);
-  for (std::size_t t = 0; t < trials_.size(); ++t) {
-    for (Chunk& chunk : chunks[t]) {
-      lin.information += chunk.information;
-      lin.gradient += chunk.gradient;
-      lin.square += chunk.square;
-      lin.rows += chunk.rows;
-      lin.chunks.push_back(std::move(chunk));
+  lin.square = 0.0;
+  lin.rows = 0;
+  lin.stretches.clear();
+  for (std::vector<TimeStretch>& of_trial : stretches) {
+    for (TimeStretch& stretch : of_trial) {
+      lin.information += stretch.information;
+      lin.gradient += stretch.gradient;
+      lin.square += stretch.square;
+      lin.rows += stretch.rows;
+      lin.stretches.push_back(std::move(stretch));
     }
   }
+  const VectorXd x = lin.unknowns();
   for (Eigen::Index j = 0; j < count; ++j) {
-    const Column& c = lin.columns[static_cast<std::size_t>(j)];
+    const JointUnknown& c = lin.columns[static_cast<std::size_t>(j)];
     const double weight = misfit_ / (c.prior_sd * c.prior_sd);
     lin.information(j, j) += weight;
     lin.gradient[j] += weight * (c.start - x[j]);
   }
-  return lin;
+}
+
+std::vector<TimeStretch> JointModel::stretches_of(const Linearised& lin, std::size_t t) const {
+  const auto count = static_cast<Eigen::Index>(lin.columns.size());
+  std::vector<TimeStretch> list;
+  Eigen::Index row = 0;
+  double from_s = -1e9;
+  for (const Block& block : trials_[t].blocks) {
+    const double t_s = trials_[t].series.t_s[static_cast<Eigen::Index>(block.first)];
+    if (t_s >= from_s + kPolicy.fit.stretch_s) {
+      TimeStretch stretch;
+      stretch.trial = t;
+      stretch.information.setZero(count, count);
+      stretch.gradient.setZero(count);
+      list.push_back(std::move(stretch));
+      from_s = t_s;
+    }
+    TimeStretch& stretch = list.back();
+    stretch.all_rows += 3 * static_cast<Eigen::Index>(block.bodies.size());
+    for (std::size_t i = 0; i < block.bodies.size(); ++i, row += 3) {
+      if (!(lin.root_weight[t][row] > 0.0)) continue;
+      const auto j = lin.derivative[t].middleRows<3>(row);
+      const Vector3d r = lin.residual[t].segment<3>(row);
+      stretch.information.noalias() += j.transpose() * j;
+      stretch.gradient.noalias() += j.transpose() * r;
+      stretch.square += r.squaredNorm();
+      stretch.rows += 3;
+    }
+  }
+  return list;
 }
 
 }  // namespace softarm::diagnose

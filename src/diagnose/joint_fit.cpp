@@ -1,23 +1,34 @@
 // The fit of the joint model: robust weights, bounds, what the arm's motion spoils.
+#include <ceres/ceres.h>
+#include <ceres/normal_prior.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
+#include <utility>
 
 #include "joint_model.h"
+#include "math/ceres_callback.h"
+#include "math/statistics.h"
+#include "policy.h"
 
 namespace softarm::diagnose {
 namespace {
 
-using effects::Block;
-using effects::Predicted;
-using effects::Present;
+using Eigen::Vector3d;
 using Eigen::VectorXd;
+using model::Block;
+using model::Predicted;
+using model::Present;
 
-constexpr double kHuber = 4.0;            // times the typical distance
 constexpr double kMedianOfChi3 = 1.5382;  // of the length of a normal vector in three dimensions
-constexpr double kSwingDecay_s = 0.8;     // of what a sudden motion leaves
-constexpr double kMotionShare = 0.3;      // of what inertia and delay do that is not known
-constexpr double kSwing_m = 0.0015;
+constexpr double kUnsolved = 5.5;         // thresholds: a cost of ten of their squares
+constexpr double kSettled = 0.02;         // of the threshold
+constexpr double kAtBound = 1e-9;         // of an unknown's scale
+constexpr double kFirstRadius = 1e8;      // as good as none: the steps of Gauss and Newton
+constexpr int kShorterSteps = 5;          // tried where the whole one does not help
 
 }  // namespace
 
@@ -25,7 +36,7 @@ double huber_weight(double distance, double threshold) {
   return distance <= threshold ? 1.0 : threshold / distance;
 }
 
-void JointModel::set_threshold(const std::vector<std::vector<Predicted>>& predicted) {
+double JointModel::threshold_at(const std::vector<std::vector<Predicted>>& predicted) const {
   std::vector<double> distances;
   for (std::size_t t = 0; t < trials_.size(); ++t) {
     const VectorXd r = residual(t, predicted[t]);
@@ -34,105 +45,228 @@ void JointModel::set_threshold(const std::vector<std::vector<Predicted>>& predic
       if (d > 0.0) distances.push_back(d);
     }
   }
-  if (distances.empty()) return;
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  threshold_ = kHuber * std::max(1.0, *middle / kMedianOfChi3) * kMedianOfChi3;
+  if (distances.empty()) return threshold_;
+  return kPolicy.fit.huber * std::max(1.0, math::median(std::move(distances)) / kMedianOfChi3) *
+         kMedianOfChi3;
 }
 
-double JointModel::cost(const Parameters& parameters, const std::vector<std::vector<Predicted>>& predicted,
-                        const std::vector<Column>& columns) const {
-  double sum = 0.0;
-  for (std::size_t t = 0; t < trials_.size(); ++t) {
-    const VectorXd r = residual(t, predicted[t]);
-    for (Eigen::Index i = 0; i < r.size(); i += 3) {
-      const double d = r.segment<3>(i).norm();
-      sum += d <= threshold_ ? d * d : threshold_ * (2.0 * d - threshold_);
-    }
-    // A block without an equilibrium is as bad as one that is far off.
-    for (std::size_t k = 0; k < predicted[t].size(); ++k) {
-      if (used_[t][k] && !predicted[t][k].solved)
-        sum += 10.0 * threshold_ * threshold_ * static_cast<double>(trials_[t].blocks[k].bodies.size());
-    }
+/// All bodies at the unknowns where Ceres is: predicted, and where it wants derivatives, linearised. The
+/// costs of the bodies then only copy.
+class JointModel::Evaluation : public ceres::EvaluationCallback {
+ public:
+  Evaluation(JointModel& model, Linearised at)
+      : model_(model), at_(std::move(at)), x_at_(at_.unknowns()), x_(x_at_) {
+    x_there_.setConstant(x_.size(), std::numeric_limits<double>::quiet_NaN());
   }
-  Linearised dummy;
-  dummy.at = parameters;
-  dummy.columns = columns;
-  const VectorXd x = dummy.unknowns();
+
+  void PrepareForEvaluation(bool derivatives, bool) override {
+    if (x_ != x_at_ && x_ != x_there_) {
+      model_.predict(parameters(), &at_.predicted, there_);
+      residual_.resize(there_.size());
+      for (std::size_t t = 0; t < there_.size(); ++t) residual_[t] = model_.residual(t, there_[t]);
+      x_there_ = x_;
+    }
+    if (!derivatives || x_ == x_at_) return;
+    const JointParameters p = parameters();
+    at_ = model_.linearise(p, &there_, Derivatives::kShapesHeld, !model_.has_configuration_dependent_load(p));
+    x_at_ = x_;
+  }
+
+  /// Where derivatives were wanted last: at a step that was accepted.
+  Linearised& at() { return at_; }
+  const Linearised& at() const { return at_; }
+  VectorXd& x() { return x_; }
+  void back_to_accepted() { x_ = x_at_; }
+
+  /// Predicted less measured, whitened, of the body that begins at a row; 0 without an equilibrium.
+  Vector3d residual(std::size_t trial, Eigen::Index row) const {
+    if (x_ != x_at_) return -residual_[trial].segment<3>(row);
+    const double root = at_.root_weight[trial][row];
+    return root > 0.0 ? Vector3d(-at_.residual[trial].segment<3>(row) / root) : Vector3d::Zero();
+  }
+  /// Its derivative by the j-th unknown.
+  Vector3d derivative(std::size_t trial, Eigen::Index row, Eigen::Index j) const {
+    const double root = at_.root_weight[trial][row];
+    return root > 0.0 ? Vector3d(at_.derivative[trial].col(j).segment<3>(row) / root) : Vector3d::Zero();
+  }
+
+ private:
+  JointParameters parameters() const {
+    JointParameters p = at_.at;
+    for (Eigen::Index j = 0; j < x_.size(); ++j)
+      set_unknown(p, at_.columns[static_cast<std::size_t>(j)], x_[j]);
+    return p;
+  }
+
+  JointModel& model_;
+  Linearised at_;
+  std::vector<std::vector<Predicted>> there_;
+  std::vector<VectorXd> residual_;  ///< of there_, by trial
+  VectorXd x_at_, x_there_;         ///< where linearised last, and predicted; NaN: nowhere
+  VectorXd x_;                      ///< where Ceres is
+};
+
+/// One body of one block.
+class JointModel::BodyCost : public ceres::CostFunction {
+ public:
+  /// @param unsolved distance of a body whose arm has no equilibrium
+  BodyCost(const Evaluation& evaluation, std::size_t trial, Eigen::Index row, double unsolved)
+      : evaluation_(evaluation), trial_(trial), row_(row), unsolved_(unsolved) {
+    set_num_residuals(3);
+    mutable_parameter_block_sizes()->assign(evaluation.at().columns.size(), 1);
+  }
+  bool Evaluate(double const* const*, double* residuals, double** jacobians) const override {
+    Eigen::Map<Vector3d> r(residuals);
+    r = evaluation_.residual(trial_, row_);
+    if (r.isZero()) r.x() = unsolved_;
+    if (jacobians == nullptr) return true;
+    for (std::size_t j = 0; j < parameter_block_sizes().size(); ++j)
+      if (jacobians[j] != nullptr)
+        Eigen::Map<Vector3d>{jacobians[j]} =
+            evaluation_.derivative(trial_, row_, static_cast<Eigen::Index>(j));
+    return true;
+  }
+
+ private:
+  const Evaluation& evaluation_;
+  const std::size_t trial_;
+  const Eigen::Index row_;
+  const double unsolved_;
+};
+
+namespace {
+
+/// The unknowns that rest at an end of their range because the trials draw them beyond it.
+std::vector<bool> held_at_bounds(const Linearised& at) {
+  const VectorXd x = at.unknowns();
+  std::vector<bool> held;
   for (Eigen::Index j = 0; j < x.size(); ++j) {
-    const Column& c = columns[static_cast<std::size_t>(j)];
-    sum += misfit_ * std::pow((x[j] - c.start) / c.prior_sd, 2);
+    const JointUnknown& c = at.columns[static_cast<std::size_t>(j)];
+    const double value = x[j] * c.scale, near = kAtBound * c.scale;
+    held.push_back((value <= c.low + near && at.gradient[j] < 0.0) ||
+                   (value >= c.high - near && at.gradient[j] > 0.0));
   }
-  return sum;
+  return held;
 }
 
-Linearised JointModel::fit(Parameters parameters, const FitOptions& options,
+/// The step of Gauss and Newton that is left to the unknowns that are not held: the largest in standard
+/// deviations, those scaled by the misfit. Costs themselves are no measure: they change a little with the
+/// shapes from which a prediction begins.
+double step_left(const Linearised& at) {
+  const std::vector<bool> held = held_at_bounds(at);
+  Eigen::MatrixXd information = at.information;
+  VectorXd gradient = at.gradient;
+  for (Eigen::Index j = 0; j < gradient.size(); ++j) {
+    if (!held[static_cast<std::size_t>(j)]) continue;
+    const double own = information(j, j);
+    information.row(j).setZero();
+    information.col(j).setZero();
+    information(j, j) = own;
+    gradient[j] = 0.0;
+  }
+  const Eigen::LDLT<Eigen::MatrixXd> solver(information);
+  const VectorXd variance =
+      solver.solve(Eigen::MatrixXd::Identity(gradient.size(), gradient.size())).diagonal();
+  const double misfit = std::max(1.0, at.square / std::max(1, at.rows));
+  return (solver.solve(gradient).array() / variance.array().sqrt()).abs().maxCoeff() / std::sqrt(misfit);
+}
+
+/// Ends a pass at a point that will do, or behind which what the pass took for granted does not hold any
+/// more.
+class Watch : public ceres::IterationCallback {
+ public:
+  explicit Watch(std::function<bool()> enough) : enough_(std::move(enough)) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
+    return summary.step_is_successful && enough_() ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
+                                                   : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  const std::function<bool()> enough_;
+};
+
+}  // namespace
+
+/// One pass of Ceres, with one threshold of Huber's loss and one set of unknowns held at their bounds.
+/// @param iterations those left, less those made afterwards
+/// @return whether any step helped
+bool JointModel::minimise(Evaluation& evaluation, double tolerance, int& iterations) {
+  const std::vector<bool> held = held_at_bounds(evaluation.at());
+  const auto enough = [&] {
+    const double now = threshold_at(evaluation.at().predicted);
+    return std::abs(now - threshold_) > kSettled * threshold_ || held_at_bounds(evaluation.at()) != held ||
+           step_left(evaluation.at()) < tolerance;
+  };
+  ceres::Problem::Options problem_options;
+  problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  problem_options.disable_all_safety_checks = true;
+  ceres::Solver::Options options;
+  math::set_evaluation_callback(evaluation, problem_options, options);
+  ceres::Problem problem(problem_options);
+  std::vector<double*> unknowns;
+  for (std::size_t j = 0; j < held.size(); ++j) {
+    const JointUnknown& c = evaluation.at().columns[j];
+    double* x = &evaluation.x()[static_cast<Eigen::Index>(j)];
+    unknowns.push_back(x);
+    problem.AddParameterBlock(x, 1);
+    problem.SetParameterLowerBound(x, 0, c.low / c.scale);
+    problem.SetParameterUpperBound(x, 0, c.high / c.scale);
+    if (held[j]) problem.SetParameterBlockConstant(x);
+    problem.AddResidualBlock(
+        new ceres::NormalPrior(Eigen::MatrixXd::Constant(1, 1, std::sqrt(misfit_) / c.prior_sd),
+                               VectorXd::Constant(1, c.start)),
+        nullptr, x);
+  }
+  ceres::HuberLoss huber(threshold_);
+  for (std::size_t t = 0; t < trials_.size(); ++t) {
+    Eigen::Index row = 0;
+    for (std::size_t k = 0; k < trials_[t].blocks.size(); ++k) {
+      for (std::size_t i = 0; i < trials_[t].blocks[k].bodies.size(); ++i, row += 3) {
+        if (used_[t][k])
+          problem.AddResidualBlock(new BodyCost(evaluation, t, row, kUnsolved * threshold_), &huber,
+                                   unknowns);
+      }
+    }
+  }
+  Watch watch(enough);
+  options.callbacks.push_back(&watch);
+  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+  options.max_num_iterations = iterations;
+  options.initial_trust_region_radius = kFirstRadius;
+  options.line_search_interpolation_type = ceres::QUADRATIC;  // along a step, by predictions alone
+  options.max_num_line_search_step_size_iterations = kShorterSteps;
+  options.function_tolerance = tolerance * tolerance / std::max(1, evaluation.at().rows);
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  evaluation.back_to_accepted();
+  iterations -= std::max(1, static_cast<int>(summary.iterations.size()) - 1);
+  return summary.num_successful_steps > 1;  // the first is the start
+}
+
+Linearised JointModel::fit(JointParameters parameters, const FitOptions& options,
                            const std::vector<std::vector<Predicted>>* start) {
   std::vector<std::vector<Predicted>> predicted;
   predict(parameters, start, predicted);
-  set_threshold(predicted);
-  Linearised lin;
-  const bool feedback = answers_itself(parameters);
-  for (int iteration = 0; iteration < options.iterations; ++iteration) {
-    lin = linearise(parameters, &predicted, Derivatives::kShapesHeld, !feedback);
-    const double before = cost(parameters, lin.predicted, lin.columns);
-    const VectorXd x = lin.unknowns();
-    VectorXd step = lin.information.ldlt().solve(lin.gradient);
-    // Unknowns that would leave their range stay at its end, and the others are solved for again.
-    std::vector<bool> fixed(lin.columns.size(), false);
-    for (int round = 0; round < 5; ++round) {
-      bool more = false;
-      for (Eigen::Index j = 0; j < x.size(); ++j) {
-        const Column& c = lin.columns[static_cast<std::size_t>(j)];
-        if (fixed[static_cast<std::size_t>(j)]) continue;
-        const double wanted = (x[j] + step[j]) * c.scale;
-        if (wanted < c.low || wanted > c.high) {
-          fixed[static_cast<std::size_t>(j)] = true;
-          step[j] = (wanted < c.low ? c.low : c.high) / c.scale - x[j];
-          more = true;
-        }
-      }
-      if (!more) break;
-      Eigen::MatrixXd h = lin.information;
-      VectorXd g = lin.gradient;
-      for (Eigen::Index j = 0; j < x.size(); ++j) {
-        if (!fixed[static_cast<std::size_t>(j)]) continue;
-        g -= lin.information.col(j) * step[j];
-      }
-      for (Eigen::Index j = 0; j < x.size(); ++j) {
-        if (!fixed[static_cast<std::size_t>(j)]) continue;
-        h.row(j).setZero();
-        h.col(j).setZero();
-        h(j, j) = 1.0;
-        g[j] = step[j];
-      }
-      step = h.ldlt().solve(g);
-    }
-    double share = 1.0;
-    bool better = false;
-    Parameters next;
-    std::vector<std::vector<Predicted>> there;
-    for (int halving = 0; halving < 5 && !better; ++halving, share *= 0.4) {
-      next = parameters;
-      for (Eigen::Index j = 0; j < x.size(); ++j)
-        set_unknown(next, lin.columns[static_cast<std::size_t>(j)], x[j] + share * step[j]);
-      predict(next, &lin.predicted, there);
-      better = cost(next, there, lin.columns) <= before;
-    }
-    if (!better) break;
-    parameters = next;
-    predicted = std::move(there);
-    const VectorXd sd =
-        lin.information.ldlt().solve(Eigen::MatrixXd::Identity(x.size(), x.size())).diagonal().cwiseSqrt();
-    const double misfit = std::max(1.0, std::sqrt(lin.square / std::max(1, lin.rows)));
-    set_threshold(predicted);
-    if ((step.array() / sd.array()).abs().maxCoeff() < options.tolerance * misfit) break;
+  threshold_ = threshold_at(predicted);
+  const bool feedback = has_configuration_dependent_load(parameters);
+  Evaluation evaluation(*this, linearise(parameters, &predicted, Derivatives::kShapesHeld, !feedback));
+  for (int left = options.iterations; left > 0;) {
+    const bool moved = minimise(evaluation, options.tolerance, left);
+    const double before = threshold_;
+    threshold_ = threshold_at(evaluation.at().predicted);
+    weigh(evaluation.at());
+    if (step_left(evaluation.at()) < options.tolerance) break;
+    if (!moved && std::abs(threshold_ - before) <= kSettled * before) break;
   }
-  return linearise(parameters, &predicted,
-                   feedback && options.whole ? Derivatives::kWhole : Derivatives::kShapesHeld, !feedback);
+  const bool converged = step_left(evaluation.at()) < kPolicy.fit.converged_sd;
+  Linearised at = std::move(evaluation.at());
+  if (feedback && options.whole) at = linearise(at.at, &at.predicted, Derivatives::kWhole);
+  at.converged = converged;
+  return at;
 }
 
-bool JointModel::answers_itself(const Parameters& parameters) const {
+bool JointModel::has_configuration_dependent_load(const JointParameters& parameters) const {
   const std::vector<Present> present = all(parameters.effects);
   return std::any_of(present.begin(), present.end(),
                      [](const Present& one) { return one.effect->needs_shape(); });
@@ -151,20 +285,17 @@ std::size_t JointModel::allow_for_motion(const std::vector<std::vector<Predicted
             (blocks[k].bodies[i].p_base - predicted[t][k].p.col(static_cast<Eigen::Index>(i))).norm());
     }
   }
-  double swing_m = kSwing_m;
-  if (!distances.empty()) {
-    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-    std::nth_element(distances.begin(), middle, distances.end());
-    swing_m = std::max(kSwing_m, *middle);
-  }
+  const double swing_m = std::max(kPolicy.motion.swing * noise_m(arm_), math::median(std::move(distances)));
   std::size_t aside = 0;
   for (std::size_t t = 0; t < trials_.size(); ++t) {
     double envelope_m = 0.0;
     for (std::size_t k = 0; k < predicted[t].size(); ++k) {
       const Predicted& now = predicted[t][k];
-      envelope_m = now.instant.dt_s > 0.0 ? envelope_m * std::exp(-now.instant.dt_s / kSwingDecay_s) : 0.0;
+      envelope_m = now.instant.dt_s > 0.0
+                       ? envelope_m * std::exp(-now.instant.dt_s / kPolicy.motion.swing_decay_s)
+                       : 0.0;
       if (now.solved) envelope_m = std::max(envelope_m, now.inertial_m);
-      motion_sd_m_[t][k] = kMotionShare * envelope_m;
+      motion_sd_m_[t][k] = kPolicy.motion.share * envelope_m;
       if (envelope_m > swing_m && used_[t][k]) {
         used_[t][k] = false;
         ++aside;

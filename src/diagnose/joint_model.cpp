@@ -3,29 +3,26 @@
 #include <algorithm>
 #include <cmath>
 
-#include "softarm/math/parallel.h"
+#include "math/parallel.h"
+#include "policy.h"
 
 namespace softarm::diagnose {
 namespace {
 
-using effects::Block;
-using effects::Dynamics;
-using effects::Predicted;
-using effects::Present;
-using effects::Seen;
-using effects::TrialData;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
-
-constexpr double kRetardation_s = 0.02;  // usual delay of a wall, and how well that is known
-constexpr double kMostRetardation_s = 0.2;
-constexpr double kEffectPriorSd = 5.0;  // in usual sizes
+using model::Block;
+using model::Dynamics;
+using model::Predicted;
+using model::Present;
+using model::Seen;
+using model::TrialData;
 
 /// Size at which a constant matters: its own, or what makes the same difference as its fellows.
-double scale_of(const Arm& arm, const identify::ConstantRef& ref) {
+double scale_of(const arm::Arm& arm, const identify::ConstantRef& ref) {
   using identify::ConstantKind;
   const double value = std::abs(identify::value_of(arm, ref));
-  const Segment& segment = arm.segments[static_cast<std::size_t>(ref.segment)];
+  const arm::Segment& segment = arm.segments[static_cast<std::size_t>(ref.segment)];
   constexpr double kUsualPressure_pa = 5e4;
   double least = 0.0;
   switch (ref.kind) {
@@ -54,17 +51,17 @@ double scale_of(const Arm& arm, const identify::ConstantRef& ref) {
 VectorXd Linearised::unknowns() const {
   VectorXd x(static_cast<Eigen::Index>(columns.size()));
   for (Eigen::Index j = 0; j < x.size(); ++j) {
-    const Column& c = columns[static_cast<std::size_t>(j)];
-    const double value = c.kind == Column::Kind::kConstant ? at.constants[c.index]
-                         : c.kind == Column::Kind::kRetardation
-                             ? at.retardation_s
+    const JointUnknown& c = columns[static_cast<std::size_t>(j)];
+    const double value = c.kind == JointUnknown::Kind::kConstant ? at.constants[c.index]
+                         : c.kind == JointUnknown::Kind::kViscoelasticLag
+                             ? at.viscoelastic_lag_s
                              : at.effects[static_cast<std::size_t>(c.index)].values[c.parameter];
     x[j] = value / c.scale;
   }
   return x;
 }
 
-JointModel::JointModel(const Arm& arm, const std::vector<TrialData>& trials, unsigned jobs,
+JointModel::JointModel(const arm::Arm& arm, const std::vector<TrialData>& trials, unsigned jobs,
                        const std::vector<std::string>& held, const std::vector<std::string>& tied,
                        const std::vector<Present>& known)
     : arm_(arm),
@@ -99,8 +96,8 @@ std::vector<Present> JointModel::all(const std::vector<Present>& fitted) const {
   return list;
 }
 
-Arm JointModel::arm_with(const VectorXd& constants) const {
-  Arm arm = arm_;
+arm::Arm JointModel::arm_with(const VectorXd& constants) const {
+  arm::Arm arm = arm_;
   for (std::size_t j = 0; j < constants_.size(); ++j) {
     const double value = constants[static_cast<Eigen::Index>(j)];
     if (constants_[j].kind == identify::ConstantKind::kLength) {
@@ -114,51 +111,51 @@ Arm JointModel::arm_with(const VectorXd& constants) const {
   return arm;
 }
 
-Parameters JointModel::start() const {
-  Parameters p;
+JointParameters JointModel::start() const {
+  JointParameters p;
   p.constants.resize(static_cast<Eigen::Index>(constants_.size()));
   for (std::size_t j = 0; j < constants_.size(); ++j)
     p.constants[static_cast<Eigen::Index>(j)] = identify::value_of(arm_, constants_[j]);
-  p.retardation_s = kRetardation_s;
+  p.viscoelastic_lag_s = kPolicy.fit.viscoelastic_lag_s;
   return p;
 }
 
-std::vector<Column> JointModel::columns(const Parameters& parameters) const {
-  std::vector<Column> list;
+std::vector<JointUnknown> JointModel::columns(const JointParameters& parameters) const {
+  std::vector<JointUnknown> list;
   for (std::size_t j = 0; j < constants_.size(); ++j) {
-    const Range range = identify::allowed_range(arm_, constants_[j]);
-    Column c;
+    const arm::Range range = identify::allowed_range(arm_, constants_[j]);
+    JointUnknown c;
     c.index = static_cast<int>(j);
     c.scale = scale_of(arm_, constants_[j]);
     c.low = range.low;
     c.high = range.high;
     c.start = identify::value_of(arm_, constants_[j]) / c.scale;
-    c.prior_sd = 3.0;
+    c.prior_sd = kPolicy.fit.constant_sd;
     list.push_back(c);
   }
-  Column delay;
-  delay.kind = Column::Kind::kRetardation;
-  delay.scale = kRetardation_s;
-  delay.high = kMostRetardation_s;
+  JointUnknown delay;
+  delay.kind = JointUnknown::Kind::kViscoelasticLag;
+  delay.scale = kPolicy.fit.viscoelastic_lag_s;
+  delay.high = kPolicy.fit.most_viscoelastic_lag_s;
   delay.start = 1.0;
   delay.prior_sd = 1.0;
   list.push_back(delay);
   for (std::size_t e = 0; e < parameters.effects.size(); ++e) {
-    const effects::Info& info = parameters.effects[e].effect->info();
+    const model::Info& info = parameters.effects[e].effect->info();
     for (std::size_t k = 0; k < info.parameters.size(); ++k) {
-      const effects::Parameter& parameter = info.parameters[k];
+      const model::Parameter& parameter = info.parameters[k];
       if (parameter.counts) continue;
       const bool size = k < static_cast<std::size_t>(info.sizes);
       const double value = parameters.effects[e].values[static_cast<Eigen::Index>(k)];
-      Column c;
-      c.kind = Column::Kind::kEffect;
+      JointUnknown c;
+      c.kind = JointUnknown::Kind::kEffect;
       c.index = static_cast<int>(e);
       c.parameter = static_cast<int>(k);
       c.scale = parameter.usual != 0.0 ? std::abs(parameter.usual) : 0.1 * (parameter.high - parameter.low);
       c.low = parameter.low;
       c.high = parameter.high;
       c.start = size ? 0.0 : value / c.scale;
-      c.prior_sd = size ? kEffectPriorSd : 1.0;
+      c.prior_sd = size ? kPolicy.fit.size_sd : kPolicy.fit.shape_sd;
       list.push_back(c);
     }
   }
@@ -170,13 +167,13 @@ double JointModel::sd_m(std::size_t trial, std::size_t block, const Seen& seen) 
                    std::pow(motion_sd_m_[trial][block], 2));
 }
 
-void JointModel::predict(const Parameters& parameters, const std::vector<std::vector<Predicted>>* start,
+void JointModel::predict(const JointParameters& parameters, const std::vector<std::vector<Predicted>>* start,
                          std::vector<std::vector<Predicted>>& out) {
-  const Arm arm = arm_with(parameters.constants);
+  const arm::Arm arm = arm_with(parameters.constants);
   std::vector<std::vector<Predicted>> made(trials_.size());
-  in_parallel(trials_.size(), jobs_, [&](std::size_t t) {
-    models_[t].predict(arm, all(parameters.effects), Dynamics{true, parameters.retardation_s}, trials_[t],
-                       start != nullptr ? &(*start)[t] : nullptr, made[t]);
+  math::in_parallel(trials_.size(), jobs_, [&](std::size_t t) {
+    models_[t].predict(arm, all(parameters.effects), Dynamics{true, parameters.viscoelastic_lag_s},
+                       trials_[t], start != nullptr ? &(*start)[t] : nullptr, made[t]);
   });
   out = std::move(made);
 }

@@ -8,21 +8,21 @@
 #include <string>
 #include <vector>
 
-#include "softarm/effects/extended_model.h"
+#include "model/extended_model.h"
 #include "softarm/identify/constants.h"
 
 namespace softarm::diagnose {
 
-/// What is fitted: the arm's constants, the delay of its wall, and the effects in the model.
-struct Parameters {
+/// What is fitted: the arm's constants, its viscoelastic lag, and the effects in the model.
+struct JointParameters {
   Eigen::VectorXd constants;  ///< of JointModel::constants
-  double retardation_s = 0.0;
-  std::vector<effects::Present> effects;
+  double viscoelastic_lag_s = 0.0;
+  std::vector<model::Present> effects;
 };
 
 /// One column of the fit.
-struct Column {
-  enum class Kind { kConstant, kRetardation, kEffect } kind = Kind::kConstant;
+struct JointUnknown {
+  enum class Kind { kConstant, kViscoelasticLag, kEffect } kind = Kind::kConstant;
   int index = 0;       ///< of the constant, or the effect
   int parameter = 0;   ///< of the effect
   double scale = 1.0;  ///< the unknowns are values over scales
@@ -32,7 +32,7 @@ struct Column {
 
 /// Sums over a short stretch of one trial, of whitened residuals r and derivatives J. Stretches are taken for
 /// independent of each other.
-struct Chunk {
+struct TimeStretch {
   std::size_t trial = 0;
   Eigen::MatrixXd information;  ///< J^T J
   Eigen::VectorXd gradient;     ///< J^T r
@@ -43,20 +43,22 @@ struct Chunk {
 
 /// The model at one set of parameters, with derivatives.
 struct Linearised {
-  Parameters at;
-  std::vector<Column> columns;
-  std::vector<std::vector<effects::Predicted>> predicted;  ///< by trial
-  std::vector<effects::ExtendedModel::Varied> reference;   ///< by trial
+  JointParameters at;
+  std::vector<JointUnknown> columns;
+  std::vector<std::vector<model::Predicted>> predicted;  ///< by trial
+  std::vector<model::ExtendedModel::Varied> reference;   ///< by trial
   /// Whitened, used bodies of all blocks one after the other; per trial. 0 where not used.
   std::vector<Eigen::VectorXd> residual;
   std::vector<Eigen::MatrixXd> derivative;
   std::vector<Eigen::VectorXd> root_weight;  ///< Huber's, by row; both of the above are times it
-  std::vector<Chunk> chunks;
-  Eigen::MatrixXd information;  ///< sum of the chunks, with the prior
+  std::vector<TimeStretch> stretches;
+  Eigen::MatrixXd information;  ///< sum of the stretches, with the prior
   Eigen::VectorXd gradient;     ///< the same
   double square = 0.0;
   int rows = 0;
   bool complete = false;  ///< Predicted::by_rod by all of the rod's parameters; else by those of the columns
+  /// Of a fit: that no step of a size that matters is left.
+  bool converged = false;
 
   Eigen::VectorXd unknowns() const;  ///< values over scales
 };
@@ -68,55 +70,56 @@ class JointModel {
   /// @param held, tied patterns, see Options
   /// @param known effects that are in every prediction, at their values
   /// @throws std::invalid_argument for patterns that match nothing
-  JointModel(const Arm& arm, const std::vector<effects::TrialData>& trials, unsigned jobs,
+  JointModel(const arm::Arm& arm, const std::vector<model::TrialData>& trials, unsigned jobs,
              const std::vector<std::string>& held = {}, const std::vector<std::string>& tied = {},
-             const std::vector<effects::Present>& known = {});
+             const std::vector<model::Present>& known = {});
 
-  const Arm& arm() const { return arm_; }
-  const std::vector<effects::Present>& known() const { return known_; }
+  const arm::Arm& arm() const { return arm_; }
+  const std::vector<model::Present>& known() const { return known_; }
   /// The known effects, and these.
-  std::vector<effects::Present> all(const std::vector<effects::Present>& fitted) const;
+  std::vector<model::Present> all(const std::vector<model::Present>& fitted) const;
   const std::vector<identify::ConstantRef>& constants() const { return constants_; }
-  const std::vector<effects::TrialData>& trials() const { return trials_; }
-  const effects::FineRod& rod() const { return models_.front().rod(); }
-  Arm arm_with(const Eigen::VectorXd& constants) const;
+  const std::vector<model::TrialData>& trials() const { return trials_; }
+  const model::FineRod& rod() const { return models_.front().rod(); }
+  arm::Arm arm_with(const Eigen::VectorXd& constants) const;
 
   /// The arm file's constants, no effect.
-  Parameters start() const;
-  std::vector<Column> columns(const Parameters& parameters) const;
+  JointParameters start() const;
+  std::vector<JointUnknown> columns(const JointParameters& parameters) const;
 
   /// Predictions of all trials.
-  void predict(const Parameters& parameters, const std::vector<std::vector<effects::Predicted>>* start,
-               std::vector<std::vector<effects::Predicted>>& out);
+  void predict(const JointParameters& parameters, const std::vector<std::vector<model::Predicted>>* start,
+               std::vector<std::vector<model::Predicted>>& out);
   enum class Derivatives {
     kShapesHeld,  ///< to first order with shapes held in what depends on them
     kWhole,       ///< differences of whole predictions
   };
   /// @param start shapes to begin from
   /// @param known that `start` are the predictions at `parameters`
-  Linearised linearise(const Parameters& parameters,
-                       const std::vector<std::vector<effects::Predicted>>* start,
+  Linearised linearise(const JointParameters& parameters,
+                       const std::vector<std::vector<model::Predicted>>* start,
                        Derivatives how = Derivatives::kShapesHeld, bool known = false);
   /// What depends on the shape that it causes, a spring or a wall, answers to every change: there the first
   /// order with shapes held is wrong by up to several times. It finds the way; intervals want the truth.
-  bool answers_itself(const Parameters& parameters) const;
+  bool has_configuration_dependent_load(const JointParameters& parameters) const;
   /// Derivatives by everything that an effect may change, for signatures() of new effects.
   void complete(Linearised& at);
   /// Derivatives of whitened positions by changes of the model at `at`: one matrix per trial, the columns of
   /// which belong to `changed` (differences from `at` over `steps`).
-  Eigen::MatrixXd signatures(const Linearised& at, std::size_t trial, const std::vector<Parameters>& changed,
-                             const std::vector<double>& steps);
+  Eigen::MatrixXd signatures(const Linearised& at, std::size_t trial,
+                             const std::vector<JointParameters>& changed, const std::vector<double>& steps);
 
   struct FitOptions {
-    /// Of what answers itself: at the end, by differences of whole predictions.
+    /// Of a configuration-dependent load: at the end, by differences of whole predictions.
     bool whole = true;
-    int iterations = 6;
-    double tolerance = 0.02;  ///< of a step against the standard deviations
+    int iterations = 6;       ///< at most, each one prediction of all trials or few
+    double tolerance = 0.02;  ///< of the step that is left, in standard deviations
   };
-  /// Gauss and Newton with bounds, from `parameters`; halved steps where they do not help. Effects'
-  /// parameters are free unless they count.
-  Linearised fit(Parameters parameters, const FitOptions& options,
-                 const std::vector<std::vector<effects::Predicted>>* start = nullptr);
+  /// The constants and effects at which all trials are met best, from `parameters`: a problem of Ceres with
+  /// Huber's loss on each body, the columns' priors and bounds. Effects' parameters are free unless they
+  /// count. Linearised::converged says whether it came to an end.
+  Linearised fit(JointParameters parameters, const FitOptions& options,
+                 const std::vector<std::vector<model::Predicted>>* start = nullptr);
 
   /// Standard deviation that is not white, per body, m: added in squares to that of each mean.
   void set_slow_sd_m(const Eigen::VectorXd& sd) { slow_sd_m_ = sd; }
@@ -124,38 +127,42 @@ class JointModel {
   /// chi^2 per degree of freedom of the model as it is: priors count as much as the residuals' own spread
   /// lets them.
   void set_misfit(double misfit) { misfit_ = misfit; }
-  double sd_m(std::size_t trial, std::size_t block, const effects::Seen& seen) const;
+  double sd_m(std::size_t trial, std::size_t block, const model::Seen& seen) const;
   /// What of the motion is not known, per axis, m: part of sd_m.
   double motion_sd_m(std::size_t trial, std::size_t block) const { return motion_sd_m_[trial][block]; }
   /// Whether a block is compared.
   bool uses(std::size_t trial, std::size_t block) const { return used_[trial][block]; }
-  /// Counts a share of what inertia and delay do to the arm, and of what is left of that a while later, as
+  /// Counts a share of what inertia and lag do to the arm, and of what is left of that a while later, as
   /// noise: they are known to first order only. Blocks in which the arm swings are left out.
   /// @return how many are left out
-  std::size_t allow_for_motion(const std::vector<std::vector<effects::Predicted>>& predicted);
+  std::size_t allow_for_motion(const std::vector<std::vector<model::Predicted>>& predicted);
   /// Whitened distance beyond which a body's weight falls, see huber_weight().
   double threshold() const { return threshold_; }
 
  private:
-  effects::ExtendedModel::Varied vary(std::size_t trial, const Parameters& parameters,
-                                      const std::vector<effects::Predicted>& predicted);
-  void differentiate(const Parameters& at, std::size_t trial, const std::vector<bool>& wanted,
-                     std::vector<effects::Predicted>& predicted);
-  Eigen::MatrixXd differences(const Linearised& at, std::size_t trial, const std::vector<Parameters>& changed,
-                              const std::vector<double>& steps);
+  model::ExtendedModel::Varied vary(std::size_t trial, const JointParameters& parameters,
+                                    const std::vector<model::Predicted>& predicted);
+  void differentiate(const JointParameters& at, std::size_t trial, const std::vector<bool>& wanted,
+                     std::vector<model::Predicted>& predicted);
+  Eigen::MatrixXd differences(const Linearised& at, std::size_t trial,
+                              const std::vector<JointParameters>& changed, const std::vector<double>& steps);
   Eigen::VectorXd signature(const Linearised& at, std::size_t trial,
-                            const effects::ExtendedModel::Varied& varied, double step) const;
-  double cost(const Parameters& parameters, const std::vector<std::vector<effects::Predicted>>& predicted,
-              const std::vector<Column>& columns) const;
-  Eigen::VectorXd residual(std::size_t trial, const std::vector<effects::Predicted>& predicted) const;
-  void set_threshold(const std::vector<std::vector<effects::Predicted>>& predicted);
+                            const model::ExtendedModel::Varied& varied, double step) const;
+  class Evaluation;  ///< of the problem of fit()
+  class BodyCost;
+  bool minimise(Evaluation& evaluation, double tolerance, int& iterations);
+  /// Huber's weights by the present threshold, and all sums.
+  void weigh(Linearised& at) const;
+  std::vector<TimeStretch> stretches_of(const Linearised& at, std::size_t trial) const;
+  Eigen::VectorXd residual(std::size_t trial, const std::vector<model::Predicted>& predicted) const;
+  double threshold_at(const std::vector<std::vector<model::Predicted>>& predicted) const;
 
-  const Arm arm_;
-  const std::vector<effects::Present> known_;
-  const std::vector<effects::TrialData>& trials_;
+  const arm::Arm arm_;
+  const std::vector<model::Present> known_;
+  const std::vector<model::TrialData>& trials_;
   const unsigned jobs_;
   std::vector<identify::ConstantRef> constants_;
-  std::vector<effects::ExtendedModel> models_;  ///< per trial
+  std::vector<model::ExtendedModel> models_;  ///< per trial
   Eigen::VectorXd slow_sd_m_;
   std::vector<std::vector<bool>> used_;
   std::vector<std::vector<double>> motion_sd_m_;
@@ -164,7 +171,7 @@ class JointModel {
 };
 
 /// Sets an unknown to x scales, kept within its range.
-void set_unknown(Parameters& parameters, const Column& column, double x);
+void set_unknown(JointParameters& parameters, const JointUnknown& column, double x);
 
 /// What Huber's loss leaves of a body's whitened residual.
 double huber_weight(double distance, double threshold);

@@ -8,7 +8,8 @@
 #include <map>
 #include <tuple>
 
-#include "words.h"
+#include "policy.h"
+#include "sentences.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -16,36 +17,29 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kVacuumStep_pa = 10e3;
-constexpr double kPayloadStep_kg = 1e-3;
-constexpr double kStiffnessSd = 1.0;            // of the logarithm of EI of one condition: hardly held
-constexpr double kAsNoise = 1.2;                // chi^2 per degree of freedom: as good as noise
-constexpr double kMostly = 0.8, kLittle = 0.2;  // shares of what is beyond the noise
-constexpr double kTelling = 0.01;
-
 /// Number of a block's condition; equal ones are of one trial, payload and level of vacuum.
-class Conditions {
+class ConditionNumbers {
  public:
-  explicit Conditions(const Arm& arm) : arm_(arm) {}
-  std::size_t operator()(std::size_t trial, const effects::Instant& now) {
+  explicit ConditionNumbers(const arm::Arm& arm) : arm_(arm) {}
+  std::size_t operator()(std::size_t trial, const model::Instant& now) {
     double vacuum_pa = 0.0;
     for (Eigen::Index k = 0; k < now.inputs.size(); ++k) {
-      if (arm_.inputs.scalars[static_cast<std::size_t>(k)].kind == InputKind::kVacuum)
+      if (arm_.inputs.scalars[static_cast<std::size_t>(k)].kind == arm::InputKind::kVacuum)
         vacuum_pa = std::max(vacuum_pa, now.inputs[k]);
     }
-    const auto key = std::make_tuple(trial, std::lround(now.payload_kg / kPayloadStep_kg),
-                                     std::lround(vacuum_pa / kVacuumStep_pa));
+    const auto key = std::make_tuple(trial, std::lround(now.payload_kg / kPolicy.instants.payload_step_kg),
+                                     std::lround(vacuum_pa / kPolicy.instants.vacuum_step_pa));
     return known_.try_emplace(key, known_.size()).first->second;
   }
   std::size_t size() const { return known_.size(); }
 
  private:
-  const Arm& arm_;
+  const arm::Arm& arm_;
   std::map<std::tuple<std::size_t, long, long>, std::size_t> known_;
 };
 
 /// By which a block's bodies move as the logarithm of EI grows, all along the arm; m.
-VectorXd by_stiffness(const JointModel& model, const effects::Predicted& predicted) {
+VectorXd by_stiffness(const JointModel& model, const model::Predicted& predicted) {
   VectorXd sum = VectorXd::Zero(predicted.by_rod.rows());
   const auto& parameters = model.rod().parameters();
   for (std::size_t p = 0; p < parameters.size(); ++p) {
@@ -61,8 +55,8 @@ struct Error {
   double square = 0.0, weight = 0.0;  ///< as InstantFit has them
   int rows = 0;
 
-  Rung rung(const std::string& id, const std::string& words, int unknowns) const {
-    Rung rung{id, words, unknowns, 0.0, 1.0};
+  Rung rung(const std::string& id, const std::string& description, int unknowns) const {
+    Rung rung{id, description, unknowns, 0.0, 1.0};
     if (!(weight > 0.0) || rows <= unknowns) return rung;
     rung.chi2_per_dof = square / (rows - unknowns);
     rung.rms_m = std::sqrt(rung.chi2_per_dof * rows / weight);
@@ -77,7 +71,7 @@ std::vector<Rung> pooling_ladder(const JointModel& model, const Linearised& at,
   if (instants.empty()) return {};
   const auto unknowns = static_cast<Eigen::Index>(at.columns.size());
   std::vector<std::vector<bool>> chosen;
-  for (const effects::TrialData& trial : model.trials()) chosen.emplace_back(trial.blocks.size(), false);
+  for (const model::TrialData& trial : model.trials()) chosen.emplace_back(trial.blocks.size(), false);
   Error single;
   for (const InstantFit& fit : instants) {
     chosen[fit.trial][fit.block] = true;
@@ -86,7 +80,7 @@ std::vector<Rung> pooling_ladder(const JointModel& model, const Linearised& at,
     single.rows += fit.rows;
   }
 
-  Conditions conditions(model.arm());
+  ConditionNumbers conditions(model.arm());
   struct Stiffness {
     std::size_t condition = 0;
     Eigen::Index row = 0;
@@ -96,8 +90,8 @@ std::vector<Rung> pooling_ladder(const JointModel& model, const Linearised& at,
   for (std::size_t t = 0; t < model.trials().size(); ++t) {
     Eigen::Index row = 0;
     for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
-      const std::vector<effects::Seen>& bodies = model.trials()[t].blocks[k].bodies;
-      const effects::Predicted& predicted = at.predicted[t][k];
+      const std::vector<model::Seen>& bodies = model.trials()[t].blocks[k].bodies;
+      const model::Predicted& predicted = at.predicted[t][k];
       if (model.uses(t, k) && predicted.solved && !bodies.empty()) {
         VectorXd d = by_stiffness(model, predicted);
         for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -113,7 +107,9 @@ std::vector<Rung> pooling_ladder(const JointModel& model, const Linearised& at,
   MatrixXd information = MatrixXd::Zero(unknowns + count, unknowns + count);
   VectorXd gradient = VectorXd::Zero(unknowns + count);
   information.topLeftCorner(unknowns, unknowns) = at.information;
-  information.bottomRightCorner(count, count).diagonal().setConstant(1.0 / (kStiffnessSd * kStiffnessSd));
+  information.bottomRightCorner(count, count)
+      .diagonal()
+      .setConstant(1.0 / (kPolicy.instants.stiffness_sd * kPolicy.instants.stiffness_sd));
   gradient.head(unknowns) = at.gradient;
   for (std::size_t t = 0; t < columns.size(); ++t) {
     for (const Stiffness& column : columns[t]) {
@@ -131,7 +127,7 @@ std::vector<Rung> pooling_ladder(const JointModel& model, const Linearised& at,
     std::size_t next = 0;
     Eigen::Index row = 0;
     for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
-      const std::vector<effects::Seen>& bodies = model.trials()[t].blocks[k].bodies;
+      const std::vector<model::Seen>& bodies = model.trials()[t].blocks[k].bodies;
       const auto n = 3 * static_cast<Eigen::Index>(bodies.size());
       if (next < columns[t].size() && columns[t][next].row == row && n > 0) {
         const Stiffness& column = columns[t][next++];
@@ -165,13 +161,13 @@ std::vector<Rung> pooling_ladder(const JointModel& model, const Linearised& at,
 }
 
 std::string where_it_hides(const std::vector<Rung>& ladder, double noise_floor_m,
-                           const std::vector<Wander>& wander) {
+                           const std::vector<ParameterVariation>& variation) {
   if (ladder.size() < 3) return "";
   const Rung &single = ladder[0], &by_condition = ladder[1], &one = ladder[2];
-  if (one.chi2_per_dof <= kAsNoise)
+  if (one.chi2_per_dof <= kPolicy.instants.as_noise_chi2)
     return fmt::format(
         "One arm explains all trials to the noise ({}; fits of single instants {}): nothing hides in the "
-        "wander of its parameters.",
+        "variation of its parameters.",
         millimetres(one.rms_m), millimetres(single.rms_m));
   const auto beyond = [](const Rung& rung) { return std::max(0.0, rung.chi2_per_dof - 1.0); };
   const double in_shape = beyond(single) / beyond(one),
@@ -180,22 +176,23 @@ std::string where_it_hides(const std::vector<Rung>& ladder, double noise_floor_m
       fmt::format("Fits of single instants leave {}, EI free per condition {}, one arm {} (noise {}). ",
                   millimetres(single.rms_m), millimetres(by_condition.rms_m), millimetres(one.rms_m),
                   millimetres(noise_floor_m));
-  if (in_shape > kMostly) {
+  if (in_shape > kPolicy.instants.mostly) {
     text += "The mismatch is in the arm's shape itself: even fits of single instants show it.";
-  } else if (in_shape < kLittle) {
+  } else if (in_shape < kPolicy.instants.little) {
     text +=
-        "Fits of single instants explain it, one arm does not: it hides in the wander of their parameters";
-    text += in_conditions > kMostly ? ", in an EI that differs from condition to condition." : ".";
+        "Fits of single instants explain it, one arm does not: it hides in the variation of their parameters";
+    text += in_conditions > kPolicy.instants.mostly ? ", in an EI that differs from condition to condition."
+                                                    : ".";
   } else {
     text += fmt::format(
-        "Fits of single instants explain {} of what is beyond the noise; that part hides in the wander of "
+        "Fits of single instants explain {} of what is beyond the noise; that part hides in the variation of "
         "their parameters, the rest shows in the shape.",
         percent(1.0 - in_shape));
   }
   std::size_t named = 0;
-  for (const Wander& one_wander : wander) {
-    if (one_wander.p >= kTelling || one_wander.sentence.empty() || named == 2) continue;
-    text += " " + one_wander.sentence;
+  for (const ParameterVariation& one_variation : variation) {
+    if (one_variation.p >= kPolicy.instants.p || one_variation.sentence.empty() || named == 2) continue;
+    text += " " + one_variation.sentence;
     ++named;
   }
   return text;

@@ -16,8 +16,8 @@ std::vector<Rung> pooling_ladder(const JointModel& model, const Linearised& at,
                                  const std::vector<InstantFit>& instants);
 
 /// Where the mismatch hides, by what each rung leaves beyond the noise.
-/// @param wander sorted, the most telling first
+/// @param variation sorted, the most telling first
 std::string where_it_hides(const std::vector<Rung>& ladder, double noise_floor_m,
-                           const std::vector<Wander>& wander);
+                           const std::vector<ParameterVariation>& variation);
 
 }  // namespace softarm::diagnose

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
+
+#include "math/statistics.h"
+#include "policy.h"
 
 namespace softarm::diagnose {
 namespace {
-
-constexpr double kCalm_m = 5e-5;       // of what is not known of the motion, per axis
-constexpr std::size_t kCalmShare = 4;  // at least a quarter of the blocks is called calm
-constexpr double kLoneRatio = 1.7;     // of a body's mean square over the bodies' median
 
 double calm_limit_m(const JointModel& model) {
   std::vector<double> motion;
@@ -17,10 +17,9 @@ double calm_limit_m(const JointModel& model) {
     for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k)
       if (model.uses(t, k)) motion.push_back(model.motion_sd_m(t, k));
   }
-  if (motion.empty()) return kCalm_m;
-  const auto quarter = motion.begin() + static_cast<std::ptrdiff_t>(motion.size() / kCalmShare);
-  std::nth_element(motion.begin(), quarter, motion.end());
-  return std::max(kCalm_m, *quarter);
+  const double calm_m = kPolicy.motion.calm * noise_m(model.arm());
+  if (motion.empty()) return calm_m;
+  return std::max(calm_m, math::quantile(std::move(motion), kPolicy.motion.calm_share));
 }
 
 }  // namespace
@@ -32,15 +31,15 @@ Leftover leftover(const JointModel& model, const Linearised& at, const Unseen& u
   std::map<int, std::pair<double, int>> by_body;
   std::vector<Eigen::Index> row(model.trials().size(), 0);
   std::vector<std::size_t> block(model.trials().size(), 0);
-  for (const Chunk& chunk : at.chunks) {
-    const std::size_t t = chunk.trial;
-    const Eigen::Index end = row[t] + chunk.all_rows;
+  for (const TimeStretch& stretch : at.stretches) {
+    const std::size_t t = stretch.trial;
+    const Eigen::Index end = row[t] + stretch.all_rows;
     double of_stretch = 0.0;
     for (; row[t] < end; ++block[t]) {
-      const effects::Block& b = model.trials()[t].blocks[block[t]];
+      const model::Block& b = model.trials()[t].blocks[block[t]];
       const bool calm = model.motion_sd_m(t, block[t]) <= limit_m;
       Eigen::Vector3d before = Eigen::Vector3d::Zero();
-      for (const effects::Seen& seen : b.bodies) {
+      for (const model::Seen& seen : b.bodies) {
         Eigen::Vector3d r = Eigen::Vector3d::Zero();
         if (calm && at.root_weight[t][row[t]] > 0.0) {
           r = at.root_weight[t][row[t]] * unseen.residual[t].segment<3>(row[t]);
@@ -64,12 +63,11 @@ Leftover leftover(const JointModel& model, const Linearised& at, const Unseen& u
   std::vector<double> squares;
   for (const auto& [body, seen] : by_body) squares.push_back(seen.first / seen.second);
   if (squares.size() < 3) return out;
-  std::nth_element(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2),
-                   squares.end());
-  const double median = squares[squares.size() / 2];
+  const double median = math::median(std::move(squares));
   for (const auto& [body, seen] : by_body) {
     const double beyond = seen.first / seen.second - median;
-    if (seen.first / seen.second < kLoneRatio * median || std::sqrt(beyond) <= out.lone_m) continue;
+    if (seen.first / seen.second < kPolicy.verdict.lone_ratio * median || std::sqrt(beyond) <= out.lone_m)
+      continue;
     out.lone_m = std::sqrt(beyond);
     out.lone_body = body;
   }

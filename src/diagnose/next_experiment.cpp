@@ -7,24 +7,20 @@
 #include <cmath>
 #include <utility>
 
+#include "policy.h"
+#include "sentences.h"
 #include "weigh_experiments.h"
-#include "words.h"
 
 namespace softarm::diagnose {
 namespace {
 
-using effects::Effect;
-using effects::Present;
 using Eigen::MatrixXd;
+using model::Effect;
+using model::Present;
 
-constexpr std::size_t kMostRivals = 4;          // told apart at once
-constexpr std::size_t kMostHidden = 12;         // brought to light at once
-constexpr double kCandidateZ = 3.0;             // of one that may be what no effect explains
-constexpr double kSeenZ = 5.0;                  // at which an effect of usual size is seen
-constexpr double kUseful = 2.0, kBetter = 1.5;  // separation, and that over today's, worth an experiment
-constexpr int kSteps = 2;                       // that bring a rival to the shapes of the other
+constexpr int kSteps = 2;  // that bring a rival to the shapes of the other
 
-// --- What is to be told apart ----------------------------------------------------------------------------
+// --- What is to be separated ------------------------------------------------------------------------------
 
 /// The named effect with the most doubt about it, and its rivals in its place.
 std::vector<Explanation> rivals_of(JointModel& model, const Selection& selection) {
@@ -34,11 +30,11 @@ std::vector<Explanation> rivals_of(JointModel& model, const Selection& selection
     if (round.rivals.empty()) continue;
     std::vector<Explanation> list{{extended.at.effects[e].effect->info().id, extended}};
     for (const Effect* rival : round.rivals) {
-      if (list.size() == kMostRivals) break;
+      if (list.size() == kPolicy.experiment.most_rivals) break;
       if (std::any_of(extended.at.effects.begin(), extended.at.effects.end(),
                       [&](const Present& present) { return present.effect == rival; }))
         continue;
-      Parameters start = extended.at;
+      JointParameters start = extended.at;
       const auto refitted = std::find_if(round.refitted.begin(), round.refitted.end(),
                                          [&](const Refitted& r) { return r.effect == rival; });
       const auto screened = std::find_if(round.screened.begin(), round.screened.end(),
@@ -67,19 +63,20 @@ std::vector<Explanation> rivals_of(JointModel& model, const Selection& selection
 std::vector<Explanation> candidates_of(JointModel& model, const Selection& selection) {
   std::vector<Explanation> list;
   for (const Refitted& r : selection.rounds.back().refitted) {
-    if (list.size() == kMostRivals) break;
-    if (r.z >= kCandidateZ && r.fit.at.effects.size() == selection.extended.at.effects.size() + 1)
+    if (list.size() == kPolicy.experiment.most_rivals) break;
+    if (r.z >= kPolicy.experiment.candidate_z &&
+        r.fit.at.effects.size() == selection.extended.at.effects.size() + 1)
       list.push_back({r.effect->info().id, model.linearise(r.fit.at, &selection.extended.predicted)});
   }
   return list;
 }
 
 /// Effects of the arm that would not be seen at their usual size.
-std::vector<Present> hidden_of(const Selection& selection) {
+std::vector<Present> collinear_of(const Selection& selection) {
   std::vector<Present> list;
   for (const Screened& s : selection.rounds.back().screened) {
-    if (s.usual_z >= kSeenZ || list.size() == kMostHidden) continue;
-    const effects::Info& info = s.effect->info();
+    if (s.usual_z >= kPolicy.experiment.seen_z || list.size() == kPolicy.experiment.most_hidden) continue;
+    const model::Info& info = s.effect->info();
     Present present{s.effect, s.values};
     for (int k = 0; k < info.sizes; ++k)
       present.values[k] = info.parameters[static_cast<std::size_t>(k)].usual;
@@ -93,7 +90,8 @@ std::vector<Present> hidden_of(const Selection& selection) {
 std::string sentence_of(const NextExperiment& next, bool to_light) {
   if (to_light)
     return fmt::format(
-        "It would show {} of usual size, which hide behind the arm's constants in today's trials: by {:.1f} "
+        "It would show {} of usual size, which are collinear with the arm's constants in today's trials: by "
+        "{:.1f} "
         "standard deviations the least of them.",
         one_of(next.separates), next.expected_separation);
   return fmt::format(
@@ -105,7 +103,7 @@ std::string sentence_of(const NextExperiment& next, bool to_light) {
       next.expected_separation, next.expected_separation < 10.0 ? 1 : 0, next.today);
 }
 
-std::optional<NextExperiment> tell_apart(const JointModel& model, const Parameters& baseline,
+std::optional<NextExperiment> tell_apart(const JointModel& model, const JointParameters& baseline,
                                          const std::vector<Explanation>& list,
                                          const std::vector<Experiment>& menu, double inflation,
                                          const Options& options) {
@@ -131,7 +129,8 @@ std::optional<NextExperiment> tell_apart(const JointModel& model, const Paramete
       [](const WeighedExperiment& a, const WeighedExperiment& b) { return a.separation > b.separation; });
   if (next.menu.empty()) return std::nullopt;
   const double best = next.menu.front().separation;
-  if (best < kUseful || best < kBetter * next.today) return std::nullopt;
+  if (best < kPolicy.experiment.useful_z || best < kPolicy.experiment.better * next.today)
+    return std::nullopt;
   next.action = next.menu.front().action;
   next.expected_separation = best;
   for (const Explanation& one : list) next.separates.push_back(one.id);
@@ -143,7 +142,7 @@ std::optional<NextExperiment> bring_to_light(JointModel& model, Linearised& at,
                                              const std::vector<Present>& hidden,
                                              const std::vector<Experiment>& menu, double inflation,
                                              const Options& options) {
-  const Visibility all = weigh_hidden(model, at, hidden, menu, inflation, options);
+  const Visibility all = weigh_collinear(model, at, hidden, menu, inflation, options);
   NextExperiment next;
   double most = 0.0;
   for (std::size_t i = 0; i < menu.size(); ++i) {
@@ -153,9 +152,11 @@ std::optional<NextExperiment> bring_to_light(JointModel& model, Linearised& at,
     weighed.action = menu[i].action;
     double least = 1e300, sum = 0.0, today = 1e300;
     for (std::size_t h = 0; h < hidden.size(); ++h) {
-      sum += std::min(1.0, z[h] / kSeenZ);
+      sum += std::min(1.0, z[h] / kPolicy.experiment.seen_z);
       // What is seen already but for correlated residuals is no news.
-      if (z[h] < kSeenZ || all.today[h] >= kSeenZ / kBetter) continue;
+      if (z[h] < kPolicy.experiment.seen_z ||
+          all.today[h] >= kPolicy.experiment.seen_z / kPolicy.experiment.better)
+        continue;
       weighed.shows.push_back(hidden[h].effect->info().id);
       least = std::min(least, z[h]);
       today = std::min(today, all.today[h]);
@@ -196,7 +197,7 @@ std::optional<NextExperiment> next_experiment(JointModel& model, Selection& sele
   if (list.size() > 1)
     return tell_apart(model, selection.baseline.at, list, menu(), selection.inflation, options);
   if (verdict != Verdict::kConsistent && verdict != Verdict::kCannotTell) return std::nullopt;
-  const std::vector<Present> hidden = hidden_of(selection);
+  const std::vector<Present> hidden = collinear_of(selection);
   if (hidden.empty()) return std::nullopt;
   return bring_to_light(model, selection.extended, hidden, menu(), selection.inflation, options);
 }

@@ -1,4 +1,4 @@
-// Which experiment would tell what these trials cannot.
+// Which experiment would show what these trials cannot.
 #pragma once
 
 #include <optional>
@@ -14,9 +14,10 @@ namespace softarm::diagnose {
 ///    from another's once that has all its constants and its effect's numbers fitted anew to old and new
 ///    trials: the root of that chi^2, residuals being as correlated as those of the trials. The least over
 ///    all pairs, either being the truth, is the experiment's score.
-/// 3. Without rivals, effects that the constants conceal: the experiment that brings most of them to light.
+/// 3. Without rivals, effects that are collinear with the constants: the experiment that brings most of them
+/// to light.
 /// @param verdict of the diagnosis: decides which of the three it is
-/// @return nothing where nothing is to be told apart, or no experiment of the menu helps
+/// @return nothing where nothing is to be separated, or no experiment of the menu helps
 std::optional<NextExperiment> next_experiment(JointModel& model, Selection& selection, Verdict verdict,
                                               const Options& options);
 

@@ -6,7 +6,8 @@
 #include <cmath>
 
 #include "contribution.h"
-#include "words.h"
+#include "policy.h"
+#include "sentences.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -16,25 +17,23 @@ using Eigen::VectorXd;
 
 constexpr std::size_t kInstants = 300;  // of a trial's curves
 constexpr std::size_t kTypical = 2;     // pictures beside that of the largest error
-constexpr double kWorthAWord = 0.1;     // probability of one that is not named
-constexpr double kNoBetter = 0.95;  // share of the error from which on a flexible model has learnt nothing
 
 /// Index of a block's first row in a trial's vectors.
-std::vector<Eigen::Index> rows_of(const effects::TrialData& trial) {
+std::vector<Eigen::Index> rows_of(const model::TrialData& trial) {
   std::vector<Eigen::Index> rows;
   Eigen::Index row = 0;
-  for (const effects::Block& block : trial.blocks) {
+  for (const model::Block& block : trial.blocks) {
     rows.push_back(row);
     row += 3 * static_cast<Eigen::Index>(block.bodies.size());
   }
   return rows;
 }
 
-std::string unit_of(InputKind kind) {
+std::string unit_of(arm::InputKind kind) {
   switch (kind) {
-    case InputKind::kTension:
+    case arm::InputKind::kTension:
       return "N";
-    case InputKind::kAngle:
+    case arm::InputKind::kAngle:
       return "rad";
     default:
       return "Pa";
@@ -43,25 +42,26 @@ std::string unit_of(InputKind kind) {
 
 void add_curves(const JointModel& model, const Selection& selection, Diagnosis& d) {
   const Unseen &before = selection.baseline_unseen, &after = selection.extended_unseen;
-  for (const ScalarInput& input : model.arm().inputs.scalars) d.input_units[input.name] = unit_of(input.kind);
+  for (const arm::ScalarInput& input : model.arm().inputs.scalars)
+    d.input_units[input.name] = unit_of(input.kind);
   d.input_units["payload"] = "kg";
   for (std::size_t t = 0; t < model.trials().size(); ++t) {
-    const effects::TrialData& trial = model.trials()[t];
+    const model::TrialData& trial = model.trials()[t];
     const std::vector<Eigen::Index> rows = rows_of(trial);
     TrialCurves curves;
     curves.name = trial.name;
     curves.rms_before_m = before.rms_m[t];
     curves.rms_after_m = after.rms_m[t];
-    for (const MeasuredBody& body : model.arm().bodies) {
+    for (const arm::MeasuredBody& body : model.arm().bodies) {
       curves.before_m[body.name];
       curves.after_m[body.name];
     }
     const std::size_t step = std::max<std::size_t>(1, trial.blocks.size() / kInstants);
     for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
-      const effects::Block& block = trial.blocks[k];
+      const model::Block& block = trial.blocks[k];
       if (model.uses(t, k)) curves.frames += block.last - block.first;
       if (k % step != 0) continue;
-      const effects::Instant& now = selection.baseline.predicted[t][k].instant;
+      const model::Instant& now = selection.baseline.predicted[t][k].instant;
       curves.t_s.push_back(now.t_s);
       for (std::size_t c = 0; c < model.arm().inputs.scalars.size(); ++c)
         curves.inputs[model.arm().inputs.scalars[c].name].push_back(now.inputs[static_cast<Eigen::Index>(c)]);
@@ -84,7 +84,7 @@ void add_curves(const JointModel& model, const Selection& selection, Diagnosis& 
 
 void add_along(const JointModel& model, const Selection& selection, Diagnosis& d) {
   const std::size_t bodies = model.arm().bodies.size();
-  for (const MeasuredBody& body : model.arm().bodies) {
+  for (const arm::MeasuredBody& body : model.arm().bodies) {
     d.along.bodies.push_back(body.name);
     d.along.s_m.push_back(body.arclength_m);
   }
@@ -96,7 +96,7 @@ void add_along(const JointModel& model, const Selection& selection, Diagnosis& d
     for (std::size_t t = 0; t < model.trials().size(); ++t) {
       Eigen::Index row = 0;
       for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
-        for (const effects::Seen& seen : model.trials()[t].blocks[k].bodies) {
+        for (const model::Seen& seen : model.trials()[t].blocks[k].bodies) {
           const auto b = static_cast<std::size_t>(seen.body);
           if (at.root_weight[t][row] > 0.0) {
             const Vector3d v = in_section(at.predicted[t][k], model.arm().bodies[b].arclength_m,
@@ -118,7 +118,7 @@ void add_along(const JointModel& model, const Selection& selection, Diagnosis& d
   sums(selection.extended, selection.extended_unseen, d.along.after_m, d.along.mean_after_m);
 }
 
-std::vector<Vector3d> backbone(const effects::Predicted& predicted) {
+std::vector<Vector3d> backbone(const model::Predicted& predicted) {
   std::vector<Vector3d> points{Vector3d::Zero()};
   for (const rod::RodState& state : predicted.shape.stations) points.push_back(state.p);
   return points;
@@ -149,10 +149,10 @@ void add_snapshots(const JointModel& model, const Selection& selection, Diagnosi
   const auto add = [&](const Instant& instant, const std::string& words) {
     Snapshot snapshot;
     snapshot.trial = model.trials()[instant.trial].name;
-    snapshot.words = words;
-    const effects::Predicted& b = selection.baseline.predicted[instant.trial][instant.block];
+    snapshot.description = words;
+    const model::Predicted& b = selection.baseline.predicted[instant.trial][instant.block];
     snapshot.t_s = b.instant.t_s;
-    for (const effects::Seen& seen : model.trials()[instant.trial].blocks[instant.block].bodies)
+    for (const model::Seen& seen : model.trials()[instant.trial].blocks[instant.block].bodies)
       snapshot.measured.push_back(seen.p_base);
     snapshot.backbone_before = backbone(b);
     snapshot.backbone_after = backbone(selection.extended.predicted[instant.trial][instant.block]);
@@ -202,13 +202,14 @@ std::string summary_of(const Diagnosis& d) {
                             millimetres(d.extended.held_out_rms_m));
       std::vector<std::string> likely;
       for (const Candidate& c : d.ranking) {
-        if (c.finding != Finding::kPresent && c.finding != Finding::kRival && c.probability >= kWorthAWord)
+        if (c.finding != Finding::kPresent && c.finding != Finding::kRival &&
+            c.probability >= kPolicy.words.likely)
           likely.push_back(fmt::format("{} ({})", c.id, percent(c.probability)));
       }
       if (!likely.empty())
         text += fmt::format(" Likeliest, by less than the 5 standard deviations that a name takes: {}.",
                             one_of(likely));
-      text += d.ceiling_rms_m > kNoBetter * d.extended.held_out_rms_m
+      text += d.ceiling_rms_m > kPolicy.words.no_better * d.extended.held_out_rms_m
                   ? " Nor does a flexible model learn it from the other trials: it is not the same in all of "
                     "them, or they are too few."
                   : fmt::format(
@@ -219,7 +220,8 @@ std::string summary_of(const Diagnosis& d) {
     }
     case Verdict::kCannotTell:
       return fmt::format(
-          "These trials cannot tell ({}): most effects would hide behind the arm's own constants.", errors);
+          "These trials cannot tell ({}): most effects would be collinear with the arm's own constants.",
+          errors);
   }
   return {};
 }

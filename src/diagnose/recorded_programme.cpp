@@ -4,22 +4,24 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/statistics.h"
+#include "policy.h"
 #include "softarm/arm/laws.h"
 
 namespace softarm::diagnose {
 namespace {
 
-constexpr double kLength_s = 24.0;   // of a repeated trial
 constexpr double kFrames_hz = 50.0;  // of what drives it
 
 }  // namespace
 
-using effects::Block;
-using effects::TrialData;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
+using model::Block;
+using model::TrialData;
 
-RecordedProgramme::RecordedProgramme(const Arm& arm, const std::vector<TrialData>& trials, double block_s)
+RecordedProgramme::RecordedProgramme(const arm::Arm& arm, const std::vector<TrialData>& trials,
+                                     double block_s)
     : arm_(arm), trials_(trials), block_s_(block_s) {
   const auto inputs = static_cast<Eigen::Index>(arm.inputs.scalars.size());
   low_ = VectorXd::Constant(inputs, 1e300);
@@ -50,17 +52,17 @@ void RecordedProgramme::choose_base() {
     }
   }
   if (base_ == nullptr) return;
-  const effects::Series& series = base_->series;
+  const model::Series& series = base_->series;
   rest_ = series.inputs.col(0);
   payload_kg_ = series.payload_kg[series.payload_kg.size() - 1];
   gravity_ = base_->blocks.front().gravity_base.normalized();
   double strongest = -1.0;
   for (Eigen::Index i = 0; i < series.t_s.size(); ++i) {
     const VectorXd now = series.inputs.col(i);
-    const auto made = predict(arm_, InputValues(now.data(), now.data() + now.size()));
+    const auto made = predict(arm_, arm::InputValues(now.data(), now.data() + now.size()));
     if (!made) continue;
     double bend = 0.0;
-    for (const SegmentPrediction& segment : *made)
+    for (const arm::SegmentPrediction& segment : *made)
       bend += segment.actuation_nm().norm() / segment.bending_stiffness_nm2;
     if (bend > strongest) {
       strongest = bend;
@@ -76,19 +78,12 @@ void RecordedProgramme::find_precision() {
   std::vector<std::vector<double>> sd(arm_.bodies.size());
   for (const TrialData& trial : trials_) {
     for (const Block& block : trial.blocks) {
-      for (const effects::Seen& seen : block.bodies)
+      for (const model::Seen& seen : block.bodies)
         sd[static_cast<std::size_t>(seen.body)].push_back(seen.white_sd_m);
     }
   }
-  for (std::size_t b = 0; b < sd.size(); ++b) {
-    if (sd[b].empty()) {
-      white_sd_m_.push_back(0.0);  // never seen: nor will it be
-      continue;
-    }
-    const auto middle = sd[b].begin() + static_cast<std::ptrdiff_t>(sd[b].size() / 2);
-    std::nth_element(sd[b].begin(), middle, sd[b].end());
-    white_sd_m_.push_back(*middle);
-  }
+  // 0 of one that was never seen: nor will it be.
+  for (std::vector<double>& of_body : sd) white_sd_m_.push_back(math::median(std::move(of_body)));
 }
 
 VectorXd RecordedProgramme::base_inputs(double t_s) const {
@@ -127,7 +122,7 @@ TrialData RecordedProgramme::trial(double seconds, const Vector3d& gravity,
   block.gravity_base = arm_.gravity_m_s2.norm() * gravity;
   for (std::size_t b = 0; b < white_sd_m_.size(); ++b) {
     if (!(white_sd_m_[b] > 0.0)) continue;
-    effects::Seen seen;
+    model::Seen seen;
     seen.body = static_cast<int>(b);
     seen.frames = static_cast<int>(per_block);
     seen.white_sd_m = white_sd_m_[b];
@@ -146,7 +141,7 @@ TrialData RecordedProgramme::repeated(const Vector3d& gravity, double speed, dou
   const VectorXd& t = base_->series.t_s;
   // To its end and back again, as often as there is time for.
   const double way_s = t[t.size() - 1] - t[0];
-  return trial(kLength_s, gravity, [&](double t_s) {
+  return trial(kPolicy.experiment.seconds, gravity, [&](double t_s) {
     const double on_s = std::fmod(speed * t_s, 2.0 * way_s);
     return Driven{base_inputs(t[0] + std::min(on_s, 2.0 * way_s - on_s)), payload_kg};
   });

@@ -5,8 +5,8 @@
 #include <functional>
 #include <vector>
 
+#include "model/prepared_trial.h"
 #include "softarm/arm/arm.h"
-#include "softarm/effects/trial.h"
 
 namespace softarm::diagnose {
 
@@ -21,12 +21,12 @@ class RecordedProgramme {
  public:
   /// @param trials kept by reference
   /// @param block_s over which frames are averaged
-  RecordedProgramme(const Arm& arm, const std::vector<effects::TrialData>& trials, double block_s);
+  RecordedProgramme(const arm::Arm& arm, const std::vector<model::TrialData>& trials, double block_s);
 
   /// Whether there is a trial to vary.
   bool usable() const { return base_ != nullptr; }
-  const effects::TrialData& base() const { return *base_; }
-  const std::vector<effects::TrialData>& trials() const { return trials_; }
+  const model::TrialData& base() const { return *base_; }
+  const std::vector<model::TrialData>& trials() const { return trials_; }
 
   const Eigen::VectorXd& low() const { return low_; }    ///< of each input, in all trials
   const Eigen::VectorXd& high() const { return high_; }  ///< the same
@@ -42,22 +42,22 @@ class RecordedProgramme {
   /// A trial in which all bodies are seen all the time; positions are left at 0.
   /// @param gravity direction in the rod's base frame
   /// @param drive by the time from its begin, s; inputs are kept within low() and high()
-  effects::TrialData trial(double seconds, const Eigen::Vector3d& gravity,
-                           const std::function<Driven(double)>& drive) const;
+  model::TrialData trial(double seconds, const Eigen::Vector3d& gravity,
+                         const std::function<Driven(double)>& drive) const;
   /// The base trial's inputs once more, some 24 s of them.
-  effects::TrialData repeated(const Eigen::Vector3d& gravity, double speed, double payload_kg) const;
+  model::TrialData repeated(const Eigen::Vector3d& gravity, double speed, double payload_kg) const;
 
  private:
   void choose_base();
   void find_precision();
   Eigen::VectorXd base_inputs(double t_s) const;
 
-  const Arm& arm_;
-  const std::vector<effects::TrialData>& trials_;
+  const arm::Arm& arm_;
+  const std::vector<model::TrialData>& trials_;
   const double block_s_;
   Eigen::VectorXd low_, high_;
   double most_payload_kg_ = 0.0;
-  const effects::TrialData* base_ = nullptr;
+  const model::TrialData* base_ = nullptr;
   Eigen::VectorXd rest_, peak_;
   double peak_s_ = 0.0, payload_kg_ = 0.0;
   Eigen::Vector3d gravity_ = Eigen::Vector3d::UnitZ();

@@ -5,19 +5,20 @@
 #include <atomic>
 #include <cmath>
 
-#include "softarm/math/parallel.h"
+#include "effects/catalogue.h"
+#include "math/parallel.h"
+#include "policy.h"
 
 namespace softarm::diagnose {
 namespace {
 
-using effects::Effect;
-using effects::Present;
-using effects::Values;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using model::Effect;
+using model::Present;
+using model::Values;
 
 constexpr double kStep = 0.05;            // of a usual size: effects are linear in their sizes there
-constexpr double kSizePriorSd = 5.0;      // of usual sizes
 constexpr double kLeastVariance = 1e-12;  // of an orthogonal signature, as a share of the whole one
 
 /// One set of grid values of one effect, and its sums over the stretches.
@@ -37,7 +38,7 @@ std::vector<Variant> variants(const JointModel& model, const Linearised& at) {
     if (std::any_of(at.at.effects.begin(), at.at.effects.end(),
                     [&](const Present& present) { return present.effect == effect.get(); }))
       continue;
-    const effects::Info& info = effect->info();
+    const model::Info& info = effect->info();
     for (const Values& values : effect->grid(model.arm(), model.rod())) {
       Variant variant;
       variant.effect = effect.get();
@@ -45,9 +46,9 @@ std::vector<Variant> variants(const JointModel& model, const Linearised& at) {
       variant.usual.resize(info.sizes);
       for (int k = 0; k < info.sizes; ++k)
         variant.usual[k] = info.parameters[static_cast<std::size_t>(k)].usual;
-      variant.own.resize(at.chunks.size());
-      variant.mixed.resize(at.chunks.size());
-      variant.score.resize(at.chunks.size());
+      variant.own.resize(at.stretches.size());
+      variant.mixed.resize(at.stretches.size());
+      variant.score.resize(at.stretches.size());
       list.push_back(std::move(variant));
     }
   }
@@ -56,12 +57,12 @@ std::vector<Variant> variants(const JointModel& model, const Linearised& at) {
 
 /// Signatures by usual sizes, weighted as the residuals are.
 MatrixXd signature_of(JointModel& model, const Linearised& at, std::size_t trial, const Variant& variant) {
-  std::vector<Parameters> changed;
+  std::vector<JointParameters> changed;
   std::vector<double> steps;
   for (Eigen::Index k = 0; k < variant.usual.size(); ++k) {
-    Parameters p = at.at;
+    JointParameters p = at.at;
     Values values = variant.values;
-    const effects::Parameter& size = variant.effect->info().parameters[static_cast<std::size_t>(k)];
+    const model::Parameter& size = variant.effect->info().parameters[static_cast<std::size_t>(k)];
     const double sign = size.high > 0.0 ? 1.0 : -1.0;
     values[k] = sign * kStep * variant.usual[k];
     p.effects.push_back({variant.effect, values});
@@ -72,14 +73,15 @@ MatrixXd signature_of(JointModel& model, const Linearised& at, std::size_t trial
   return at.root_weight[trial].asDiagonal() * d;
 }
 
-/// Rows of the trial's stretches, in the order of Linearised::chunks.
-std::vector<std::pair<Eigen::Index, Eigen::Index>> rows_of_chunks(const Linearised& at, std::size_t trial) {
+/// Rows of the trial's stretches, in the order of Linearised::stretches.
+std::vector<std::pair<Eigen::Index, Eigen::Index>> rows_of_stretches(const Linearised& at,
+                                                                     std::size_t trial) {
   std::vector<std::pair<Eigen::Index, Eigen::Index>> rows;
   Eigen::Index begin = 0;
-  for (const Chunk& chunk : at.chunks) {
-    if (chunk.trial != trial) continue;
-    rows.push_back({begin, chunk.all_rows});
-    begin += chunk.all_rows;
+  for (const TimeStretch& stretch : at.stretches) {
+    if (stretch.trial != trial) continue;
+    rows.push_back({begin, stretch.all_rows});
+    begin += stretch.all_rows;
   }
   return rows;
 }
@@ -92,8 +94,8 @@ struct Sums {
 Sums sum_of(const Variant& variant, const Linearised& at, std::size_t but_trial) {
   const auto k = variant.usual.size();
   Sums sums{MatrixXd::Zero(k, k), MatrixXd::Zero(at.information.rows(), k), VectorXd::Zero(k)};
-  for (std::size_t c = 0; c < at.chunks.size(); ++c) {
-    if (at.chunks[c].trial == but_trial) continue;
+  for (std::size_t c = 0; c < at.stretches.size(); ++c) {
+    if (at.stretches[c].trial == but_trial) continue;
     sums.own += variant.own[c];
     sums.mixed += variant.mixed[c];
     sums.score += variant.score[c];
@@ -103,7 +105,7 @@ Sums sum_of(const Variant& variant, const Linearised& at, std::size_t but_trial)
 
 VectorXd into_range(const Variant& variant, VectorXd sizes) {
   for (Eigen::Index k = 0; k < sizes.size(); ++k) {
-    const effects::Parameter& p = variant.effect->info().parameters[static_cast<std::size_t>(k)];
+    const model::Parameter& p = variant.effect->info().parameters[static_cast<std::size_t>(k)];
     sizes[k] = std::clamp(sizes[k] * variant.usual[k], p.low, p.high) / variant.usual[k];
   }
   return sizes;
@@ -117,11 +119,36 @@ struct Others {
 
 std::vector<Others> without_each(const JointModel& model, const Linearised& at) {
   std::vector<Others> list(model.trials().size(), Others{at.information, at.gradient});
-  for (const Chunk& chunk : at.chunks) {
-    list[chunk.trial].information -= chunk.information;
-    list[chunk.trial].gradient -= chunk.gradient;
+  for (const TimeStretch& stretch : at.stretches) {
+    list[stretch.trial].information -= stretch.information;
+    list[stretch.trial].gradient -= stretch.gradient;
   }
   return list;
+}
+
+/// By which chi^2 of one trial falls with the variant's sizes, both as the others have them.
+double unseen_gain(const Linearised& at, const Variant& variant, const Others& others, std::size_t trial,
+                   double misfit) {
+  const Sums rest = sum_of(variant, at, trial);
+  const Eigen::LDLT<MatrixXd> solver(others.information);
+  const VectorXd alone = solver.solve(others.gradient);
+  const MatrixXd m = solver.solve(rest.mixed);
+  MatrixXd h = rest.own - rest.mixed.transpose() * m;
+  for (Eigen::Index i = 0; i < h.rows(); ++i)
+    h(i, i) += misfit / (kPolicy.fit.size_sd * kPolicy.fit.size_sd) + kLeastVariance * rest.own(i, i);
+  const VectorXd a = into_range(variant, h.ldlt().solve(rest.score - m.transpose() * others.gradient));
+  const VectorXd with = alone - m * a;
+  double gain = 0.0;
+  for (std::size_t c = 0; c < at.stretches.size(); ++c) {
+    const TimeStretch& stretch = at.stretches[c];
+    if (stretch.trial != trial) continue;
+    const auto fall = [&](const VectorXd& x) {
+      return 2.0 * x.dot(stretch.gradient) - x.dot(stretch.information * x);
+    };
+    gain += fall(with) - fall(alone) + 2.0 * a.dot(variant.score[c]) - a.dot(variant.own[c] * a) -
+            2.0 * with.dot(variant.mixed[c] * a);
+  }
+  return gain;
 }
 
 Screened judge(const JointModel& model, const Linearised& at, const Variant& variant,
@@ -138,7 +165,8 @@ Screened judge(const JointModel& model, const Linearised& at, const Variant& var
   const VectorXd score = all.score - m.transpose() * at.gradient;
   MatrixXd information = orthogonal;
   for (Eigen::Index i = 0; i < k; ++i)
-    information(i, i) += misfit / (kSizePriorSd * kSizePriorSd) + kLeastVariance * all.own(i, i);
+    information(i, i) +=
+        misfit / (kPolicy.fit.size_sd * kPolicy.fit.size_sd) + kLeastVariance * all.own(i, i);
   const Eigen::LDLT<MatrixXd> own_solver(information);
   const VectorXd sizes = own_solver.solve(score);
   const VectorXd possible = into_range(variant, sizes);
@@ -149,11 +177,11 @@ Screened judge(const JointModel& model, const Linearised& at, const Variant& var
 
   // The spread of the stretches' own scores at the estimate.
   MatrixXd spread = MatrixXd::Zero(k, k);
-  for (std::size_t c = 0; c < at.chunks.size(); ++c) {
-    const Chunk& chunk = at.chunks[c];
+  for (std::size_t c = 0; c < at.stretches.size(); ++c) {
+    const TimeStretch& stretch = at.stretches[c];
     const MatrixXd part = variant.own[c] - variant.mixed[c].transpose() * m -
-                          m.transpose() * variant.mixed[c] + m.transpose() * chunk.information * m;
-    const VectorXd g = variant.score[c] - m.transpose() * chunk.gradient - part * possible;
+                          m.transpose() * variant.mixed[c] + m.transpose() * stretch.information * m;
+    const VectorXd g = variant.score[c] - m.transpose() * stretch.gradient - part * possible;
     spread += g * g.transpose();
   }
   const MatrixXd inverse = own_solver.solve(MatrixXd::Identity(k, k));
@@ -164,31 +192,123 @@ Screened judge(const JointModel& model, const Linearised& at, const Variant& var
   out.usual_z = std::sqrt(std::max(0.0, one.dot(covariance.ldlt().solve(one))));
   const VectorXd which = possible.isZero() ? one : possible;
   const double whole = which.dot(all.own * which);
-  out.concealment = whole > 0.0 ? std::clamp(1.0 - which.dot(orthogonal * which) / whole, 0.0, 1.0) : 1.0;
+  out.collinearity = whole > 0.0 ? std::clamp(1.0 - which.dot(orthogonal * which) / whole, 0.0, 1.0) : 1.0;
 
-  for (std::size_t t = 0; t < none; ++t) {
-    const Sums rest = sum_of(variant, at, t);
-    const Eigen::LDLT<MatrixXd> s(others[t].information);
-    const VectorXd alone = s.solve(others[t].gradient);
-    const MatrixXd mt = s.solve(rest.mixed);
-    MatrixXd h = rest.own - rest.mixed.transpose() * mt;
-    for (Eigen::Index i = 0; i < k; ++i)
-      h(i, i) += misfit / (kSizePriorSd * kSizePriorSd) + kLeastVariance * rest.own(i, i);
-    const VectorXd a = into_range(variant, h.ldlt().solve(rest.score - mt.transpose() * others[t].gradient));
-    const VectorXd with = alone - mt * a;
-    double gain = 0.0;
-    for (std::size_t c = 0; c < at.chunks.size(); ++c) {
-      const Chunk& chunk = at.chunks[c];
-      if (chunk.trial != t) continue;
-      const auto fall = [&](const VectorXd& x) {
-        return 2.0 * x.dot(chunk.gradient) - x.dot(chunk.information * x);
-      };
-      gain += fall(with) - fall(alone) + 2.0 * a.dot(variant.score[c]) - a.dot(variant.own[c] * a) -
-              2.0 * with.dot(variant.mixed[c] * a);
-    }
-    out.unseen_gain += gain;
-  }
+  for (std::size_t t = 0; t < none; ++t) out.unseen_gain += unseen_gain(at, variant, others[t], t, misfit);
   return out;
+}
+
+/// The variants' sums over all stretches.
+void fill_sums(JointModel& model, const Linearised& at, std::vector<Variant>& list, unsigned jobs,
+               const std::function<void(double)>& progress) {
+  std::vector<std::vector<std::size_t>> stretches_of(model.trials().size());
+  for (std::size_t c = 0; c < at.stretches.size(); ++c) stretches_of[at.stretches[c].trial].push_back(c);
+  std::atomic<std::size_t> done{0};
+  math::in_parallel(model.trials().size(), jobs, [&](std::size_t t) {
+    const auto rows = rows_of_stretches(at, t);
+    for (Variant& variant : list) {
+      const MatrixXd d = signature_of(model, at, t, variant);
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        const auto part = d.middleRows(rows[i].first, rows[i].second);
+        const std::size_t c = stretches_of[t][i];
+        variant.own[c] = part.transpose() * part;
+        variant.mixed[c] = at.derivative[t].middleRows(rows[i].first, rows[i].second).transpose() * part;
+        variant.score[c] = part.transpose() * at.residual[t].segment(rows[i].first, rows[i].second);
+      }
+    }
+    progress(static_cast<double>(++done) / static_cast<double>(model.trials().size()));
+  });
+}
+
+/// An effect with that of its variants that explains most.
+struct Best {
+  Screened screened;
+  const Variant* variant = nullptr;
+  VectorXd sizes;     ///< that its signature is taken at, in usual sizes
+  VectorXd absorbed;  ///< by the unknowns of the fit
+};
+
+std::vector<Best> best_of_each(const std::vector<Variant>& list, const std::vector<Screened>& judged) {
+  std::vector<Best> best;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const auto same = std::find_if(best.begin(), best.end(),
+                                   [&](const Best& b) { return b.variant->effect == list[i].effect; });
+    if (same == best.end()) {
+      best.push_back({judged[i], &list[i], {}, {}});
+      continue;
+    }
+    // A detectable size anywhere on the grid is one of the effect.
+    const double usual_z = std::max(same->screened.usual_z, judged[i].usual_z);
+    if (judged[i].gain > same->screened.gain) *same = {judged[i], &list[i], {}, {}};
+    same->screened.usual_z = usual_z;
+  }
+  return best;
+}
+
+/// Sums of squares over the bodies, m^2: of a signature, and of what of it the constants leave.
+struct Squares {
+  double whole = 0.0, left = 0.0, bodies = 0.0;
+};
+
+/// @param d, left one trial's signature, and what of it the constants leave; weighted as the residuals are
+Squares squares_of(const JointModel& model, const Linearised& at, std::size_t trial, const VectorXd& d,
+                   const VectorXd& left) {
+  Squares sum;
+  Eigen::Index row = 0;
+  for (std::size_t k = 0; k < model.trials()[trial].blocks.size(); ++k) {
+    for (const model::Seen& seen : model.trials()[trial].blocks[k].bodies) {
+      if (at.root_weight[trial][row] > 0.0) {
+        const double scale = model.sd_m(trial, k, seen) / at.root_weight[trial][row];
+        sum.whole += scale * scale * d.segment<3>(row).squaredNorm();
+        sum.left += scale * scale * left.segment<3>(row).squaredNorm();
+        sum.bodies += 1.0;
+      }
+      row += 3;
+    }
+  }
+  return sum;
+}
+
+/// Sizes in metres, and what of the signatures the constants leave.
+void set_sizes(JointModel& model, const Linearised& at, std::vector<Best>& best, unsigned jobs) {
+  const Eigen::LDLT<MatrixXd> solver(at.information);
+  Eigen::Index rows = 0;
+  std::vector<Eigen::Index> begins;
+  for (const MatrixXd& j : at.derivative) {
+    begins.push_back(rows);
+    rows += j.rows();
+  }
+  for (Best& b : best) {
+    b.sizes = b.screened.values.head(b.variant->usual.size()).cwiseQuotient(b.variant->usual);
+    if (b.sizes.isZero()) b.sizes.setOnes();
+    b.absorbed = solver.solve(sum_of(*b.variant, at, model.trials().size()).mixed * b.sizes);
+    b.screened.direction.resize(rows);
+  }
+  // A trial's model serves one thread.
+  std::vector<std::vector<Squares>> squares(model.trials().size(), std::vector<Squares>(best.size()));
+  math::in_parallel(model.trials().size(), jobs, [&](std::size_t t) {
+    for (std::size_t b = 0; b < best.size(); ++b) {
+      const VectorXd d = signature_of(model, at, t, *best[b].variant) * best[b].sizes;
+      const VectorXd left = d - at.derivative[t] * best[b].absorbed;
+      best[b].screened.direction.segment(begins[t], d.size()) = left;
+      squares[t][b] = squares_of(model, at, t, d, left);
+    }
+  });
+  for (std::size_t b = 0; b < best.size(); ++b) {
+    Screened& s = best[b].screened;
+    Squares sum;
+    for (const std::vector<Squares>& trial : squares) {
+      sum.whole += trial[b].whole;
+      sum.left += trial[b].left;
+      sum.bodies += trial[b].bodies;
+    }
+    if (!s.values.head(best[b].variant->usual.size()).isZero() && sum.bodies > 0.0) {
+      s.size_m = std::sqrt(sum.whole / sum.bodies);
+      s.leftover_m = std::sqrt(sum.left / sum.bodies);
+    }
+    const double norm = s.direction.norm();
+    if (norm > 0.0) s.direction /= norm;
+  }
 }
 
 }  // namespace
@@ -202,9 +322,9 @@ double inflation(const Linearised& at) {
   for (Eigen::Index j = 0; j < at.information.rows(); ++j) {
     const VectorXd v = eigen.eigenvectors().col(j);
     double spread = 0.0, expected = 0.0;
-    for (const Chunk& chunk : at.chunks) {
-      spread += std::pow(v.dot(chunk.gradient), 2);
-      expected += v.dot(chunk.information * v);
+    for (const TimeStretch& stretch : at.stretches) {
+      spread += std::pow(v.dot(stretch.gradient), 2);
+      expected += v.dot(stretch.information * v);
     }
     if (!(expected > 1.0)) continue;
     sum += spread / expected;
@@ -217,103 +337,17 @@ std::vector<Screened> screen(JointModel& model, Linearised& at, unsigned jobs,
                              const std::function<void(double)>& progress) {
   model.complete(at);
   std::vector<Variant> list = variants(model, at);
-  std::vector<std::vector<std::size_t>> chunks_of(model.trials().size());
-  for (std::size_t c = 0; c < at.chunks.size(); ++c) chunks_of[at.chunks[c].trial].push_back(c);
-  std::atomic<std::size_t> done{0};
-  in_parallel(model.trials().size(), jobs, [&](std::size_t t) {
-    const auto rows = rows_of_chunks(at, t);
-    for (Variant& variant : list) {
-      const MatrixXd d = signature_of(model, at, t, variant);
-      for (std::size_t i = 0; i < rows.size(); ++i) {
-        const auto part = d.middleRows(rows[i].first, rows[i].second);
-        const std::size_t c = chunks_of[t][i];
-        variant.own[c] = part.transpose() * part;
-        variant.mixed[c] = at.derivative[t].middleRows(rows[i].first, rows[i].second).transpose() * part;
-        variant.score[c] = part.transpose() * at.residual[t].segment(rows[i].first, rows[i].second);
-      }
-    }
-    progress(static_cast<double>(++done) / static_cast<double>(model.trials().size()));
-  });
+  fill_sums(model, at, list, jobs, progress);
   const std::vector<Others> others = without_each(model, at);
-  std::vector<Screened> best;
-  std::vector<std::size_t> which;
   std::vector<Screened> judged(list.size());
-  in_parallel(list.size(), jobs, [&](std::size_t i) { judged[i] = judge(model, at, list[i], others); });
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    const auto same =
-        std::find_if(best.begin(), best.end(), [&](const Screened& s) { return s.effect == list[i].effect; });
-    if (same == best.end()) {
-      best.push_back(judged[i]);
-      which.push_back(i);
-    } else if (judged[i].gain > same->gain) {
-      // A detectable size anywhere on the grid is one of the effect.
-      const double usual_z = std::max(same->usual_z, judged[i].usual_z);
-      which[static_cast<std::size_t>(same - best.begin())] = i;
-      *same = judged[i];
-      same->usual_z = usual_z;
-    } else {
-      same->usual_z = std::max(same->usual_z, judged[i].usual_z);
-    }
-  }
-  // Sizes in metres, and what of the signatures the constants leave. A trial's model serves one thread.
-  const Eigen::LDLT<MatrixXd> solver(at.information);
-  Eigen::Index rows = 0;
-  std::vector<Eigen::Index> begins;
-  for (const MatrixXd& j : at.derivative) {
-    begins.push_back(rows);
-    rows += j.rows();
-  }
-  std::vector<VectorXd> sizes, absorbed;
-  for (std::size_t b = 0; b < best.size(); ++b) {
-    const Variant& variant = list[which[b]];
-    const Sums all = sum_of(variant, at, model.trials().size());
-    sizes.push_back(best[b].values.head(variant.usual.size()).cwiseQuotient(variant.usual));
-    if (sizes.back().isZero()) sizes.back().setOnes();
-    absorbed.push_back(solver.solve(all.mixed * sizes.back()));
-    best[b].direction.resize(rows);
-  }
-  struct Squares {
-    double whole = 0.0, left = 0.0, bodies = 0.0;
-  };
-  std::vector<std::vector<Squares>> squares(model.trials().size(), std::vector<Squares>(best.size()));
-  in_parallel(model.trials().size(), jobs, [&](std::size_t t) {
-    for (std::size_t b = 0; b < best.size(); ++b) {
-      const VectorXd d = signature_of(model, at, t, list[which[b]]) * sizes[b];
-      const VectorXd o = d - at.derivative[t] * absorbed[b];
-      best[b].direction.segment(begins[t], d.size()) = o;
-      Squares& sum = squares[t][b];
-      Eigen::Index row = 0;
-      for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
-        for (const effects::Seen& seen : model.trials()[t].blocks[k].bodies) {
-          if (at.root_weight[t][row] > 0.0) {
-            const double scale = model.sd_m(t, k, seen) / at.root_weight[t][row];
-            sum.whole += scale * scale * d.segment<3>(row).squaredNorm();
-            sum.left += scale * scale * o.segment<3>(row).squaredNorm();
-            sum.bodies += 1.0;
-          }
-          row += 3;
-        }
-      }
-    }
-  });
-  for (std::size_t b = 0; b < best.size(); ++b) {
-    Screened& s = best[b];
-    Squares sum;
-    for (const std::vector<Squares>& trial : squares) {
-      sum.whole += trial[b].whole;
-      sum.left += trial[b].left;
-      sum.bodies += trial[b].bodies;
-    }
-    if (!s.values.head(list[which[b]].usual.size()).isZero() && sum.bodies > 0.0) {
-      s.size_m = std::sqrt(sum.whole / sum.bodies);
-      s.leftover_m = std::sqrt(sum.left / sum.bodies);
-    }
-    const double norm = s.direction.norm();
-    if (norm > 0.0) s.direction /= norm;
-  }
-  std::stable_sort(best.begin(), best.end(),
+  math::in_parallel(list.size(), jobs, [&](std::size_t i) { judged[i] = judge(model, at, list[i], others); });
+  std::vector<Best> best = best_of_each(list, judged);
+  set_sizes(model, at, best, jobs);
+  std::vector<Screened> screened;
+  for (Best& b : best) screened.push_back(std::move(b.screened));
+  std::stable_sort(screened.begin(), screened.end(),
                    [](const Screened& a, const Screened& b) { return a.gain > b.gain; });
-  return best;
+  return screened;
 }
 
 }  // namespace softarm::diagnose

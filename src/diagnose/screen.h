@@ -11,13 +11,13 @@ namespace softarm::diagnose {
 
 /// An effect as the screen sees it, with the values of its grid that explain most.
 struct Screened {
-  const effects::Effect* effect = nullptr;
-  effects::Values values;     ///< sizes as estimated to first order, within their physical range
+  const model::Effect* effect = nullptr;
+  model::Values values;       ///< sizes as estimated to first order, within their physical range
   Eigen::VectorXd sizes, sd;  ///< the same before they were put into that range, and their sd
   double gain = 0.0;          ///< by which chi^2 falls
   double unseen_gain = 0.0;   ///< the same on each trial with sizes from the others
   double z = 0.0;             ///< sqrt of the Wald statistic, residuals of a stretch being correlated
-  double concealment = 0.0;   ///< share of the signature that the fitted constants absorb
+  double collinearity = 0.0;  ///< share of the signature that the fitted constants absorb
   double usual_z = 0.0;       ///< that a usual size would have
   double size_m = 0.0;        ///< rms of what it moves the bodies by, constants held
   double leftover_m = 0.0;    ///< the same with the constants fitted anew: what the residuals show of it

@@ -5,25 +5,26 @@
 #include <cmath>
 #include <random>
 
+#include "policy.h"
+
 namespace softarm::diagnose {
 namespace {
 
-using effects::Effect;
-using effects::Present;
+using model::Effect;
+using model::Present;
 
-constexpr double kRivalZ = 3.0;  // separation below which two effects are one class
-constexpr double kRivalGain = 0.5 * kRivalZ * kRivalZ;
-constexpr double kRivalCosine = 0.95;
-constexpr double kScreenZ = 3.5;    // of an effect that is worth a refit
-constexpr double kNoneOdds = 20.0;  // for none against one effect, before the data
-constexpr double kTold = 2.0;       // standard deviations
-constexpr std::size_t kAlwaysRefitted = 2;
-constexpr double kNearBest = 0.25;  // of the best one's gain in the screen
 constexpr int kBootstraps = 2000;
 constexpr std::uint64_t kBootstrapSeed = 1;
+constexpr int kRefitIterations = 4, kDropIterations = 3;
+constexpr double kRefitTolerance = 0.2;  // of a step against the standard deviations
 
-/// At an end of its range that is not "absent", and told: one size of several that the trials do not tell may
-/// be anywhere.
+/// Of what an effect moves the bodies by beyond what the constants absorb, rms.
+double trivial_m(const JointModel& model) {
+  return kPolicy.selection.trivial * model.arm().total_length_m();
+}
+
+/// At an end of its range that is not "absent", and determined: one size of several that the trials do not
+/// determine may be anywhere.
 bool at_limit(const Linearised& at) {
   const Present& present = at.at.effects.back();
   const Eigen::VectorXd variance =
@@ -31,33 +32,34 @@ bool at_limit(const Linearised& at) {
           .solve(Eigen::MatrixXd::Identity(at.information.rows(), at.information.rows()))
           .diagonal() *
       inflation(at);
-  const auto told = [&](std::size_t k) {
+  const auto determined = [&](std::size_t k) {
     for (std::size_t j = 0; j < at.columns.size(); ++j) {
-      const Column& c = at.columns[j];
-      if (c.kind != Column::Kind::kEffect || c.index + 1 != static_cast<int>(at.at.effects.size()) ||
+      const JointUnknown& c = at.columns[j];
+      if (c.kind != JointUnknown::Kind::kEffect || c.index + 1 != static_cast<int>(at.at.effects.size()) ||
           c.parameter != static_cast<int>(k))
         continue;
       const double sd = c.scale * std::sqrt(variance[static_cast<Eigen::Index>(j)]);
-      return std::abs(present.values[static_cast<Eigen::Index>(k)]) > kTold * sd;
+      return std::abs(present.values[static_cast<Eigen::Index>(k)]) > kPolicy.selection.identifiable_sd * sd;
     }
     return true;
   };
-  const effects::Info& info = present.effect->info();
+  const model::Info& info = present.effect->info();
   for (std::size_t k = 0; k < info.parameters.size(); ++k) {
-    const effects::Parameter& p = info.parameters[k];
+    const model::Parameter& p = info.parameters[k];
     if (p.counts || k >= static_cast<std::size_t>(info.sizes)) continue;
     const double value = present.values[static_cast<Eigen::Index>(k)];
     const double near = 1e-6 * (p.high - p.low);
-    if (((value <= p.low + near && p.low != 0.0) || value >= p.high - near) && told(k)) return true;
+    if (((value <= p.low + near && p.low != 0.0) || value >= p.high - near) && determined(k)) return true;
   }
   return false;
 }
 
-std::vector<std::size_t> worth_a_refit(const std::vector<Screened>& screened, const Options& options) {
+std::vector<std::size_t> worth_a_refit(const JointModel& model, const std::vector<Screened>& screened,
+                                       const Options& options) {
   std::vector<std::size_t> list;
   for (std::size_t i = 0; i < screened.size(); ++i) {
     const Screened& s = screened[i];
-    if (s.z < kScreenZ || s.leftover_m < options.trivial_m) continue;
+    if (s.z < kPolicy.selection.screen_z || s.leftover_m < trivial_m(model)) continue;
     list.push_back(i);
   }
   // What falls on unseen trials counts, but a first-order estimate may overshoot there.
@@ -70,8 +72,8 @@ std::vector<std::size_t> worth_a_refit(const std::vector<Screened>& screened, co
   if (list.size() > static_cast<std::size_t>(options.refits))
     list.resize(static_cast<std::size_t>(options.refits));
   // Refits cost most of the time: two always, others where they come near.
-  while (list.size() > kAlwaysRefitted &&
-         screened[list.back()].gain < kNearBest * screened[list.front()].gain)
+  while (list.size() > kPolicy.selection.always_refitted &&
+         screened[list.back()].gain < kPolicy.selection.near_best * screened[list.front()].gain)
     list.pop_back();
   return list;
 }
@@ -81,8 +83,8 @@ double z_of_sizes(const Linearised& at) {
   const Present& present = at.at.effects.back();
   std::vector<Eigen::Index> columns;
   for (std::size_t j = 0; j < at.columns.size(); ++j) {
-    const Column& c = at.columns[j];
-    if (c.kind == Column::Kind::kEffect && c.index + 1 == static_cast<int>(at.at.effects.size()) &&
+    const JointUnknown& c = at.columns[j];
+    if (c.kind == JointUnknown::Kind::kEffect && c.index + 1 == static_cast<int>(at.at.effects.size()) &&
         c.parameter < present.effect->info().sizes)
       columns.push_back(static_cast<Eigen::Index>(j));
   }
@@ -121,10 +123,156 @@ void set_probabilities(std::vector<Refitted>& list) {
     const Eigen::VectorXd sum = gains * share * (static_cast<double>(trials) / share.sum());
     const double best = std::max(0.0, sum.maxCoeff());
     const Eigen::VectorXd odds = (sum.array() - best).exp();
-    weights += odds / (odds.sum() + kNoneOdds * std::exp(-best));
+    weights += odds / (odds.sum() + kPolicy.selection.none_odds * std::exp(-best));
   }
   for (Eigen::Index i = 0; i < count; ++i)
     list[static_cast<std::size_t>(i)].probability = weights[i] / kBootstraps;
+}
+
+/// What the rounds stand upon: the model so far.
+struct Standing {
+  Linearised fit;
+  Unseen unseen;
+};
+
+JointModel::FitOptions refit_options(int iterations) {
+  JointModel::FitOptions how;
+  how.iterations = iterations;
+  how.tolerance = kRefitTolerance;
+  return how;
+}
+
+Refitted refit(JointModel& model, const Standing& current, const Screened& s) {
+  Refitted r;
+  r.effect = s.effect;
+  JointParameters p = current.fit.at;
+  p.effects.push_back({s.effect, s.values});
+  JointModel::FitOptions how = refit_options(kRefitIterations);
+  how.whole = false;
+  r.fit = model.fit(p, how, &current.fit.predicted);
+  r.unseen = unseen(model, r.fit);
+  r.physical = !at_limit(r.fit);
+  r.converged = r.fit.converged;
+  // Large, and had again where the catalogue is screened.
+  for (std::vector<model::Predicted>& trial : r.fit.predicted)
+    for (model::Predicted& predicted : trial) predicted.by_rod.resize(0, 0);
+  return r;
+}
+
+/// Root of the fall of the mean square error on unseen trials.
+double moved_m(const Unseen& without, const Unseen& with) {
+  return std::sqrt(std::max(0.0, std::pow(without.total_rms_m, 2) - std::pow(with.total_rms_m, 2)));
+}
+
+/// What each candidate gains, all against the spread that the best of them leaves; the best comes first.
+void compare(const Standing& current, std::vector<Refitted>& refitted) {
+  double least = current.unseen.total_chi2, phi = inflation(current.fit);
+  for (const Refitted& r : refitted) {
+    if (r.unseen.total_chi2 < least) {
+      least = r.unseen.total_chi2;
+      phi = inflation(r.fit);
+    }
+  }
+  for (Refitted& r : refitted) {
+    const double fall = current.unseen.total_chi2 - r.unseen.total_chi2;
+    r.z = std::min(std::sqrt(std::max(0.0, fall / phi)), z_of_sizes(r.fit));
+    r.gain = 0.5 * fall / phi;
+    r.gains.clear();
+    for (std::size_t t = 0; t < r.unseen.chi2.size(); ++t)
+      r.gains.push_back(0.5 * (current.unseen.chi2[t] - r.unseen.chi2[t]) / phi);
+    r.moved_m = moved_m(current.unseen, r.unseen);
+  }
+  std::stable_sort(refitted.begin(), refitted.end(),
+                   [](const Refitted& a, const Refitted& b) { return a.gain > b.gain; });
+  set_probabilities(refitted);
+}
+
+/// The best that can be named; -1: none. One whose fit did not converge is only taken where none that did is
+/// as good.
+int best_of(const JointModel& model, const std::vector<Refitted>& refitted) {
+  int open = -1;
+  for (std::size_t i = 0; i < refitted.size(); ++i) {
+    const Refitted& r = refitted[i];
+    // A worse one is not named in the place of a better one that cannot be right; one as good is.
+    if (refitted.front().gain - r.gain >= kPolicy.selection.rival_gain) break;
+    if (r.z < kPolicy.selection.least_z || !r.physical || r.moved_m < trivial_m(model)) continue;
+    if (r.converged) return static_cast<int>(i);
+    if (open < 0) open = static_cast<int>(i);
+  }
+  return open;
+}
+
+/// Those that explain the trials as well as the one taken, or are the same in them.
+std::vector<const Effect*> rivals_of(const Round& round) {
+  std::vector<const Effect*> rivals;
+  const Refitted& first = round.refitted[static_cast<std::size_t>(round.taken)];
+  for (const Refitted& r : round.refitted) {
+    if (r.effect != first.effect && r.physical && first.gain - r.gain < kPolicy.selection.rival_gain)
+      rivals.push_back(r.effect);
+  }
+  const auto own = std::find_if(round.screened.begin(), round.screened.end(),
+                                [&](const Screened& s) { return s.effect == first.effect; });
+  if (own == round.screened.end()) return rivals;
+  for (const Screened& s : round.screened) {
+    const bool refitted = std::any_of(round.refitted.begin(), round.refitted.end(),
+                                      [&](const Refitted& r) { return r.effect == s.effect; });
+    if (refitted) continue;
+    const double cosine = std::abs(s.direction.dot(own->direction));
+    if (cosine > kPolicy.selection.rival_cosine &&
+        first.z * std::sqrt(1.0 - cosine * cosine) < kPolicy.selection.rival_z)
+      rivals.push_back(s.effect);
+  }
+  return rivals;
+}
+
+/// Takes the round's best into the model.
+void take(JointModel& model, const Refitted& best, Standing& current) {
+  current = {best.fit, best.unseen};
+  if (!model.has_configuration_dependent_load(current.fit.at)) return;
+  current.fit = model.linearise(best.fit.at, &best.fit.predicted, JointModel::Derivatives::kWhole);
+  current.fit.converged = best.converged;
+  current.unseen = unseen(model, current.fit);
+}
+
+/// One round: screen, refits, and the best of them.
+Round look(JointModel& model, Standing& current, bool refits, const Options& options,
+           const std::function<void(double, const std::string&)>& progress) {
+  Round round;
+  model.set_misfit(std::max(1.0, current.fit.square / std::max(1, current.fit.rows)));
+  progress(0.0, "screening the catalogue");
+  round.screened = screen(model, current.fit, options.jobs, [](double) {});
+  const std::vector<std::size_t> worth =
+      refits ? worth_a_refit(model, round.screened, options) : std::vector<std::size_t>{};
+  for (std::size_t i = 0; i < worth.size(); ++i) {
+    const Screened& s = round.screened[worth[i]];
+    progress(0.1 + 0.9 * static_cast<double>(i) / static_cast<double>(worth.size()),
+             "refitting with " + s.effect->info().id);
+    round.refitted.push_back(refit(model, current, s));
+  }
+  compare(current, round.refitted);
+  round.taken = best_of(model, round.refitted);
+  if (round.taken >= 0) round.rivals = rivals_of(round);
+  return round;
+}
+
+/// Takes out of the model again what has become superfluous.
+void drop_superfluous(JointModel& model, Standing& current, std::vector<std::size_t>& round_of) {
+  for (std::size_t e = 0; current.fit.at.effects.size() > 1 && e < current.fit.at.effects.size();) {
+    JointParameters p = current.fit.at;
+    p.effects.erase(p.effects.begin() + static_cast<std::ptrdiff_t>(e));
+    Standing without;
+    without.fit = model.fit(p, refit_options(kDropIterations), &current.fit.predicted);
+    without.unseen = unseen(model, without.fit);
+    const double z2 = (without.unseen.total_chi2 - current.unseen.total_chi2) / inflation(current.fit);
+    if (z2 >= std::pow(kPolicy.selection.least_z, 2) &&
+        moved_m(without.unseen, current.unseen) >= trivial_m(model)) {
+      ++e;
+      continue;
+    }
+    current = std::move(without);
+    round_of.erase(round_of.begin() + static_cast<std::ptrdiff_t>(e));
+    e = 0;
+  }
 }
 
 }  // namespace
@@ -134,95 +282,18 @@ Selection select(JointModel& model, Linearised baseline, const Options& options,
   Selection selection;
   selection.baseline_unseen = unseen(model, baseline);
   selection.baseline = baseline;
-  Linearised current = std::move(baseline);
-  Unseen current_unseen = selection.baseline_unseen;
+  Standing current{std::move(baseline), selection.baseline_unseen};
   const double share = 1.0 / (options.most_effects + 1);
   for (int n = 0; n <= options.most_effects; ++n) {
-    Round round;
-    model.set_misfit(std::max(1.0, current.square / std::max(1, current.rows)));
-    const double begun = n * share;
-    progress(begun, "screening the catalogue");
-    round.screened = screen(model, current, options.jobs, [&](double) {});
-    const std::vector<std::size_t> worth =
-        n < options.most_effects ? worth_a_refit(round.screened, options) : std::vector<std::size_t>{};
-    for (std::size_t i = 0; i < worth.size(); ++i) {
-      const Screened& s = round.screened[worth[i]];
-      progress(begun + share * (0.1 + 0.9 * static_cast<double>(i) / static_cast<double>(worth.size())),
-               "refitting with " + s.effect->info().id);
-      Refitted r;
-      r.effect = s.effect;
-      Parameters p = current.at;
-      p.effects.push_back({s.effect, s.values});
-      JointModel::FitOptions how;
-      how.iterations = 4;
-      how.tolerance = 0.2;
-      how.whole = false;
-      r.fit = model.fit(p, how, &current.predicted);
-      r.unseen = unseen(model, r.fit);
-      r.physical = !at_limit(r.fit);
-      // Large, and had again where the catalogue is screened.
-      for (std::vector<effects::Predicted>& trial : r.fit.predicted)
-        for (effects::Predicted& predicted : trial) predicted.by_rod.resize(0, 0);
-      round.refitted.push_back(std::move(r));
-    }
-    // All against the spread that the best of them leaves.
-    double least = current_unseen.total_chi2, phi = inflation(current);
-    for (const Refitted& r : round.refitted) {
-      if (r.unseen.total_chi2 < least) {
-        least = r.unseen.total_chi2;
-        phi = inflation(r.fit);
-      }
-    }
-    for (Refitted& r : round.refitted) {
-      const double fall = current_unseen.total_chi2 - r.unseen.total_chi2;
-      r.z = std::min(std::sqrt(std::max(0.0, fall / phi)), z_of_sizes(r.fit));
-      r.gain = 0.5 * fall / phi;
-      r.gains.clear();
-      for (std::size_t t = 0; t < r.unseen.chi2.size(); ++t)
-        r.gains.push_back(0.5 * (current_unseen.chi2[t] - r.unseen.chi2[t]) / phi);
-      r.moved_m = std::sqrt(
-          std::max(0.0, std::pow(current_unseen.total_rms_m, 2) - std::pow(r.unseen.total_rms_m, 2)));
-    }
-    std::stable_sort(round.refitted.begin(), round.refitted.end(),
-                     [](const Refitted& a, const Refitted& b) { return a.gain > b.gain; });
-    set_probabilities(round.refitted);
-    for (std::size_t i = 0; i < round.refitted.size() && round.taken < 0; ++i) {
-      const Refitted& r = round.refitted[i];
-      // A worse one is not named in the place of a better one that cannot be right; one as good is.
-      if (round.refitted.front().gain - r.gain >= kRivalGain) break;
-      if (r.z >= options.least_z && r.physical && r.moved_m >= options.trivial_m)
-        round.taken = static_cast<int>(i);
-    }
+    Round round = look(model, current, n < options.most_effects, options,
+                       [&](double done, const std::string& what) { progress((n + done) * share, what); });
     const bool taken = round.taken >= 0;
     if (taken) {
-      const Refitted& first = round.refitted[static_cast<std::size_t>(round.taken)];
-      const auto screened_of = [&](const Effect* effect) {
-        return std::find_if(round.screened.begin(), round.screened.end(),
-                            [&](const Screened& s) { return s.effect == effect; });
-      };
-      const auto own = screened_of(first.effect);
-      for (const Refitted& r : round.refitted) {
-        if (r.effect != first.effect && r.physical && first.gain - r.gain < kRivalGain)
-          round.rivals.push_back(r.effect);
-      }
-      for (const Screened& s : round.screened) {
-        const bool refitted = std::any_of(round.refitted.begin(), round.refitted.end(),
-                                          [&](const Refitted& r) { return r.effect == s.effect; });
-        if (refitted || own == round.screened.end()) continue;
-        const double cosine = std::abs(s.direction.dot(own->direction));
-        if (cosine > kRivalCosine && first.z * std::sqrt(1.0 - cosine * cosine) < kRivalZ)
-          round.rivals.push_back(s.effect);
-      }
-      current = first.fit;
-      current_unseen = first.unseen;
-      if (model.answers_itself(current.at)) {
-        current = model.linearise(first.fit.at, &first.fit.predicted, JointModel::Derivatives::kWhole);
-        current_unseen = unseen(model, current);
-      }
+      take(model, round.refitted[static_cast<std::size_t>(round.taken)], current);
       selection.round_of.push_back(selection.rounds.size());
     }
     for (Refitted& r : round.refitted) {
-      Parameters at = std::move(r.fit.at);
+      JointParameters at = std::move(r.fit.at);
       r.fit = {};
       r.fit.at = std::move(at);
       r.unseen.residual.clear();
@@ -230,29 +301,9 @@ Selection select(JointModel& model, Linearised baseline, const Options& options,
     selection.rounds.push_back(std::move(round));
     if (!taken) break;
   }
-  // What has become superfluous goes.
-  for (std::size_t e = 0; current.at.effects.size() > 1 && e < current.at.effects.size();) {
-    Parameters p = current.at;
-    p.effects.erase(p.effects.begin() + static_cast<std::ptrdiff_t>(e));
-    JointModel::FitOptions how;
-    how.iterations = 3;
-    how.tolerance = 0.2;
-    const Linearised without = model.fit(p, how, &current.predicted);
-    const Unseen left = unseen(model, without);
-    const double z2 = (left.total_chi2 - current_unseen.total_chi2) / inflation(current);
-    const double moved =
-        std::sqrt(std::max(0.0, std::pow(left.total_rms_m, 2) - std::pow(current_unseen.total_rms_m, 2)));
-    if (z2 >= options.least_z * options.least_z && moved >= options.trivial_m) {
-      ++e;
-      continue;
-    }
-    current = without;
-    current_unseen = left;
-    selection.round_of.erase(selection.round_of.begin() + static_cast<std::ptrdiff_t>(e));
-    e = 0;
-  }
-  selection.extended = std::move(current);
-  selection.extended_unseen = std::move(current_unseen);
+  drop_superfluous(model, current, selection.round_of);
+  selection.extended = std::move(current.fit);
+  selection.extended_unseen = std::move(current.unseen);
   selection.inflation = inflation(selection.extended);
   return selection;
 }

@@ -7,9 +7,9 @@
 
 namespace softarm::diagnose {
 
-using effects::Predicted;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using model::Predicted;
 
 DifferenceSums& DifferenceSums::operator+=(const DifferenceSums& other) {
   information += other.information;
@@ -28,7 +28,7 @@ DifferenceSums sums_between(const JointModel& model, const Linearised& truth, co
     derivative << truth.derivative[t], -fitted.derivative[t];
     Eigen::Index row = 0;
     for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
-      const std::vector<effects::Seen>& bodies = model.trials()[t].blocks[k].bodies;
+      const std::vector<model::Seen>& bodies = model.trials()[t].blocks[k].bodies;
       const Predicted &there = truth.predicted[t][k], &here = fitted.predicted[t][k];
       for (std::size_t i = 0; i < bodies.size(); ++i, row += 3) {
         const double weight = fitted.root_weight[t][row];
@@ -59,7 +59,7 @@ std::vector<Room> rooms_of(const Linearised& at) {
   std::vector<Room> rooms;
   const VectorXd x = at.unknowns();
   for (std::size_t j = 0; j < at.columns.size(); ++j) {
-    const Column& c = at.columns[j];
+    const JointUnknown& c = at.columns[j];
     const double here = x[static_cast<Eigen::Index>(j)];
     rooms.push_back({std::min(0.0, c.low / c.scale - here), std::max(0.0, c.high / c.scale - here)});
   }
@@ -102,7 +102,7 @@ double least_within(const MatrixXd& information, const VectorXd& gradient, doubl
 /// What a fit's information holds beside its trials.
 MatrixXd prior_of(const Linearised& at) {
   MatrixXd prior = at.information;
-  for (const Chunk& chunk : at.chunks) prior -= chunk.information;
+  for (const TimeStretch& stretch : at.stretches) prior -= stretch.information;
   return prior;
 }
 
@@ -127,13 +127,13 @@ double least_square_held(const DifferenceSums& sums, const Linearised& fitted, V
   return least_within(information, sums.gradient.tail(of_fitted), sums.square, rooms_of(fitted), step);
 }
 
-Linearised fitted_to(JointModel& model, const Linearised& truth, Parameters start, int steps) {
+Linearised fitted_to(JointModel& model, const Linearised& truth, JointParameters start, int steps) {
   Linearised best = model.linearise(start, &truth.predicted);
   DifferenceSums sums = sums_between(model, truth, best);
   for (int i = 0; i < steps; ++i) {
     VectorXd step;
     least_square_held(sums, best, step);
-    Parameters next = best.at;
+    JointParameters next = best.at;
     const VectorXd x = best.unknowns();
     for (Eigen::Index j = 0; j < x.size(); ++j)
       set_unknown(next, best.columns[static_cast<std::size_t>(j)], x[j] + step[j]);

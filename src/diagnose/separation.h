@@ -39,6 +39,6 @@ double least_square(const DifferenceSums& sums, const Linearised& truth, const L
 double least_square_held(const DifferenceSums& sums, const Linearised& fitted, Eigen::VectorXd& step);
 
 /// A model with another effect, brought as near to what `truth` predicts as a few steps get it.
-Linearised fitted_to(JointModel& model, const Linearised& truth, Parameters start, int steps);
+Linearised fitted_to(JointModel& model, const Linearised& truth, JointParameters start, int steps);
 
 }  // namespace softarm::diagnose

@@ -31,10 +31,10 @@ Structure structure_of(const JointModel& model, const Linearised& at, const Unse
     std::map<int, Eigen::Vector3d> last;
     Eigen::Index row = 0;
     for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
-      const effects::Block& block = model.trials()[t].blocks[k];
+      const model::Block& block = model.trials()[t].blocks[k];
       std::map<int, Eigen::Vector3d> now;
       const Eigen::Vector3d* before = nullptr;
-      for (const effects::Seen& seen : block.bodies) {
+      for (const model::Seen& seen : block.bodies) {
         if (at.root_weight[t][row] > 0.0) {
           const Eigen::Vector3d r = unseen.residual[t].segment<3>(row) / model.sd_m(t, k, seen);
           if (!block.begins && last.count(seen.body) > 0) {
@@ -75,7 +75,7 @@ Structure structure_of(const JointModel& model, const Linearised& at, const Unse
       error = count = 0.0;
     };
     for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
-      const effects::Block& block = model.trials()[t].blocks[k];
+      const model::Block& block = model.trials()[t].blocks[k];
       const auto rows = 3 * static_cast<Eigen::Index>(block.bodies.size());
       if (model.uses(t, k) && at.predicted[t][k].solved) {
         const double t_s = at.predicted[t][k].instant.t_s;

@@ -12,9 +12,9 @@ Unseen unseen(const JointModel& model, const Linearised& at) {
   const std::size_t trials = model.trials().size();
   std::vector<MatrixXd> information(trials, at.information);
   std::vector<VectorXd> gradient(trials, at.gradient);
-  for (const Chunk& chunk : at.chunks) {
-    information[chunk.trial] -= chunk.information;
-    gradient[chunk.trial] -= chunk.gradient;
+  for (const TimeStretch& stretch : at.stretches) {
+    information[stretch.trial] -= stretch.information;
+    gradient[stretch.trial] -= stretch.gradient;
   }
   Unseen out;
   double all_sum = 0.0, all_weight = 0.0, fitted_sum = 0.0;
@@ -23,9 +23,9 @@ Unseen unseen(const JointModel& model, const Linearised& at) {
     VectorXd step = VectorXd::Zero(at.gradient.size());
     if (trials > 1) step = information[t].ldlt().solve(gradient[t]);
     double chi2 = 0.0;
-    for (const Chunk& chunk : at.chunks) {
-      if (chunk.trial == t)
-        chi2 += chunk.square - 2.0 * step.dot(chunk.gradient) + step.dot(chunk.information * step);
+    for (const TimeStretch& stretch : at.stretches) {
+      if (stretch.trial == t)
+        chi2 += stretch.square - 2.0 * step.dot(stretch.gradient) + step.dot(stretch.information * step);
     }
     out.chi2.push_back(chi2);
     out.total_chi2 += chi2;
@@ -34,7 +34,7 @@ Unseen unseen(const JointModel& model, const Linearised& at) {
     double sum = 0.0, weight = 0.0;
     Eigen::Index row = 0;
     for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
-      for (const effects::Seen& seen : model.trials()[t].blocks[k].bodies) {
+      for (const model::Seen& seen : model.trials()[t].blocks[k].bodies) {
         if (at.root_weight[t][row] > 0.0) {
           const double sd = model.sd_m(t, k, seen), w = 1.0 / (sd * sd);
           const double scale = sd / at.root_weight[t][row];

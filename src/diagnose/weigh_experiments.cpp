@@ -5,17 +5,16 @@
 #include <cmath>
 #include <utility>
 
-#include "softarm/math/parallel.h"
+#include "math/parallel.h"
+#include "policy.h"
 
 namespace softarm::diagnose {
 namespace {
 
-using effects::Predicted;
-using effects::Present;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double kLeastSolved = 0.7;  // share of an experiment in which the arm has an equilibrium
+using model::Predicted;
+using model::Present;
 
 /// A trial that nobody has recorded, with a model of its own: the arm has what the experiment adds to it.
 class Hypothetical {
@@ -26,36 +25,38 @@ class Hypothetical {
         model_(experiment.arm, trials_, 1, options.held, options.tied, options.known) {}
 
   /// @return whether the arm bears it; settles what is left out because it swings
-  bool prepare(const Parameters& parameters) {
+  bool prepare(const JointParameters& parameters) {
     model_.predict(with_loads(parameters), nullptr, predicted_);
     std::size_t used = 0, solved = 0;
     for (const Predicted& block : predicted_[0]) solved += block.solved;
     model_.allow_for_motion(predicted_);
     for (std::size_t k = 0; k < trials_[0].blocks.size(); ++k) used += model_.uses(0, k);
-    return static_cast<double>(solved) >= kLeastSolved * static_cast<double>(trials_[0].blocks.size()) &&
+    return static_cast<double>(solved) >=
+               kPolicy.experiment.least_solved * static_cast<double>(trials_[0].blocks.size()) &&
            used > 0;
   }
   /// Nothing was seen, so residuals mean nothing; predictions and derivatives do.
-  Linearised linearise(const Parameters& parameters) {
+  Linearised linearise(const JointParameters& parameters) {
     return model_.linearise(with_loads(parameters), &predicted_,
-                            model_.answers_itself(parameters) ? JointModel::Derivatives::kWhole
-                                                              : JointModel::Derivatives::kShapesHeld);
+                            model_.has_configuration_dependent_load(parameters)
+                                ? JointModel::Derivatives::kWhole
+                                : JointModel::Derivatives::kShapesHeld);
   }
   JointModel& model() { return model_; }
-  Parameters with_loads(Parameters parameters) const {
-    for (const auto& load : experiment_.loads) parameters.effects.push_back({load.get(), effects::Values()});
+  JointParameters with_loads(JointParameters parameters) const {
+    for (const auto& load : experiment_.loads) parameters.effects.push_back({load.get(), model::Values()});
     return parameters;
   }
 
  private:
   const Experiment& experiment_;
-  const std::vector<effects::TrialData> trials_;
+  const std::vector<model::TrialData> trials_;
   JointModel model_;
   std::vector<std::vector<Predicted>> predicted_;
 };
 
 /// The clock of the bodies ahead of the inputs', as a model has it.
-double clock_offset_s(const Parameters& parameters) {
+double clock_offset_s(const JointParameters& parameters) {
   for (const Present& present : parameters.effects)
     if (present.effect->info().id == "clock_offset") return present.values[0];
   return 0.0;
@@ -66,8 +67,8 @@ void add_clock(const Linearised& truth, const Linearised& fitted, double sd_s, D
   VectorXd row = VectorXd::Zero(sums.gradient.size());
   Eigen::Index at = 0;
   for (const Linearised* one : {&truth, &fitted}) {
-    for (const Column& c : one->columns) {
-      if (c.kind == Column::Kind::kEffect && c.parameter == 0 &&
+    for (const JointUnknown& c : one->columns) {
+      if (c.kind == JointUnknown::Kind::kEffect && c.parameter == 0 &&
           one->at.effects[static_cast<std::size_t>(c.index)].effect->info().id == "clock_offset")
         row[at] = (one == &truth ? 1.0 : -1.0) * c.scale / sd_s;
       ++at;
@@ -84,17 +85,17 @@ struct Signature {
   MatrixXd own, mixed;
 };
 
-Signature signature_of(JointModel& model, const Linearised& at, const Parameters& base,
+Signature signature_of(JointModel& model, const Linearised& at, const JointParameters& base,
                        const Present& hidden) {
   const int sizes = hidden.effect->info().sizes;
-  constexpr double kStep = 0.05;
-  std::vector<Parameters> changed;
+  constexpr double kShareOfUsual = 0.05;
+  std::vector<JointParameters> changed;
   std::vector<double> steps;
   for (int k = 0; k < sizes; ++k) {
     Present one = hidden;
     one.values.head(sizes).setZero();
     const bool upwards = hidden.effect->info().parameters[static_cast<std::size_t>(k)].high > 0.0;
-    steps.push_back(upwards ? kStep : -kStep);
+    steps.push_back(upwards ? kShareOfUsual : -kShareOfUsual);
     one.values[k] = steps.back() * hidden.values[k];
     changed.push_back(base);
     changed.back().effects.push_back(std::move(one));
@@ -135,7 +136,7 @@ MatrixXd separations(const std::vector<Explanation>& list, double inflation, con
 
 }  // namespace
 
-Separations weigh_apart(const JointModel& model, const Parameters& baseline,
+Separations weigh_apart(const JointModel& model, const JointParameters& baseline,
                         const std::vector<Explanation>& explanations, const std::vector<Experiment>& menu,
                         double inflation, const Options& options) {
   const std::size_t n = explanations.size();
@@ -149,7 +150,7 @@ Separations weigh_apart(const JointModel& model, const Parameters& baseline,
   out.today =
       separations(explanations, inflation, [&](std::size_t j, std::size_t k) { return old[j * n + k]; });
   out.with.resize(menu.size());
-  in_parallel(menu.size(), options.jobs, [&](std::size_t i) {
+  math::in_parallel(menu.size(), options.jobs, [&](std::size_t i) {
     Hypothetical trial(menu[i], options);
     if (!trial.prepare(baseline)) return;
     std::vector<Linearised> there;
@@ -165,8 +166,8 @@ Separations weigh_apart(const JointModel& model, const Parameters& baseline,
   return out;
 }
 
-Visibility weigh_hidden(JointModel& model, Linearised& at, const std::vector<Present>& hidden,
-                        const std::vector<Experiment>& menu, double inflation, const Options& options) {
+Visibility weigh_collinear(JointModel& model, Linearised& at, const std::vector<Present>& hidden,
+                           const std::vector<Experiment>& menu, double inflation, const Options& options) {
   model.complete(at);
   Visibility out;
   std::vector<Signature> old;
@@ -175,13 +176,13 @@ Visibility weigh_hidden(JointModel& model, Linearised& at, const std::vector<Pre
     out.today.push_back(z_of(old.back(), at.information, inflation));
   }
   out.with.resize(menu.size());
-  in_parallel(menu.size(), options.jobs, [&](std::size_t i) {
+  math::in_parallel(menu.size(), options.jobs, [&](std::size_t i) {
     Hypothetical trial(menu[i], options);
     if (!trial.prepare(at.at)) return;
     Linearised there = trial.linearise(at.at);
     trial.model().complete(there);
     MatrixXd information = at.information;
-    for (const Chunk& chunk : there.chunks) information += chunk.information;
+    for (const TimeStretch& stretch : there.stretches) information += stretch.information;
     out.with[i].emplace();
     for (std::size_t h = 0; h < hidden.size(); ++h) {
       Signature both = signature_of(trial.model(), there, there.at, hidden[h]);

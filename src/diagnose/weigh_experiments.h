@@ -1,4 +1,4 @@
-// What each experiment of a menu would tell.
+// What each experiment of a menu would separate or show.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,7 +24,7 @@ struct Separations {
 /// @param inflation of chi^2: how much residuals of neighbouring instants are worth less than independent
 /// ones
 /// @param options of the model: threads, constants held and tied
-Separations weigh_apart(const JointModel& model, const Parameters& baseline,
+Separations weigh_apart(const JointModel& model, const JointParameters& baseline,
                         const std::vector<Explanation>& explanations, const std::vector<Experiment>& menu,
                         double inflation, const Options& options);
 
@@ -36,7 +36,7 @@ struct Visibility {
 
 /// @param at the fit to the trials that there are; derivatives by everything are added to it
 /// @param hidden effects that are not in it, with their sizes
-Visibility weigh_hidden(JointModel& model, Linearised& at, const std::vector<effects::Present>& hidden,
-                        const std::vector<Experiment>& menu, double inflation, const Options& options);
+Visibility weigh_collinear(JointModel& model, Linearised& at, const std::vector<model::Present>& hidden,
+                           const std::vector<Experiment>& menu, double inflation, const Options& options);
 
 }  // namespace softarm::diagnose

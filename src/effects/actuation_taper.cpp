@@ -9,13 +9,13 @@ namespace {
 class ActuationTaper : public Described {
  public:
   using Described::Described;
-  bool applies_to(const Arm& arm) const override {
-    return std::any_of(arm.segments.begin(), arm.segments.end(), [](const Segment& segment) {
+  bool applies_to(const arm::Arm& arm) const override {
+    return std::any_of(arm.segments.begin(), arm.segments.end(), [](const arm::Segment& segment) {
       return !segment.chambers.empty() || !segment.tendons.empty() || !segment.cables.empty();
     });
   }
-  void act(const Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape*, const Memory&,
-           rod::Rod& rod) const override {
+  void act(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape*,
+           const Memory&, rod::Rod& rod) const override {
     for (std::size_t j = 0; j < fine.pieces().size(); ++j)
       rod.segments[j].moment_nm *= 1.0 + values[0] * (2.0 * fine.pieces()[j].middle_fraction() - 1.0);
   }

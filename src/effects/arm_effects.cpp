@@ -7,36 +7,37 @@
 #include <cmath>
 #include <string>
 
-#include "../arm/edit_distance.h"
+#include "arm/edit_distance.h"
+#include "catalogue.h"
 #include "drives.h"
-#include "softarm/arm/arm_yaml.h"
-#include "softarm/trial/arm_file.h"
+#include "softarm/arm/arm_file.h"
 
 namespace softarm::effects {
 namespace {
 
 /// The largest number that a parameter which numbers parts of the arm may have.
-double most(const Arm& arm, const Parameter& parameter) {
+double most(const arm::Arm& arm, const model::Parameter& parameter) {
   double count = parameter.high;
   if (parameter.symbol == "body") count = static_cast<double>(arm.bodies.size());
   if (parameter.symbol == "segment") count = static_cast<double>(arm.segments.size());
-  if (parameter.symbol == "chamber") count = static_cast<double>(rows_of(arm, InputKind::kPressure).size());
+  if (parameter.symbol == "chamber")
+    count = static_cast<double>(rows_of(arm, arm::InputKind::kPressure).size());
   return std::min(count, parameter.high);
 }
 
-[[noreturn]] void fail(const EffectEntry& entry, std::size_t index, const std::string& key,
+[[noreturn]] void fail(const arm::EffectEntry& entry, std::size_t index, const std::string& key,
                        const std::string& problem) {
-  throw ArmError(fmt::format("{}: key 'effects[{}].{}': {}", entry.place, index, key, problem));
+  throw arm::ArmError(fmt::format("{}: key 'effects[{}].{}': {}", entry.place, index, key, problem));
 }
 
 template <typename Names>
 std::string nearest(const std::string& word, const Names& names) {
-  const std::optional<std::string> near = yaml::nearest_word(word, names);
+  const std::optional<std::string> near = arm::yaml::nearest_word(word, names);
   return near ? fmt::format("; did you mean '{}'?", *near) : "";
 }
 
-Present present_of(const Arm& arm, const EffectEntry& entry, std::size_t index) {
-  const Effect* effect = find(entry.id);
+model::Present present_of(const arm::Arm& arm, const arm::EffectEntry& entry, std::size_t index) {
+  const model::Effect* effect = find(entry.id);
   if (effect == nullptr) {
     std::vector<std::string> ids;
     for (const auto& one : catalogue()) ids.push_back(one->info().id);
@@ -44,32 +45,32 @@ Present present_of(const Arm& arm, const EffectEntry& entry, std::size_t index) 
          fmt::format("value '{}' is no effect of the catalogue{} (softarm diagnose --effects lists them)",
                      entry.id, nearest(entry.id, ids)));
   }
-  const std::vector<Parameter>& parameters = effect->info().parameters;
+  const std::vector<model::Parameter>& parameters = effect->info().parameters;
   if (!effect->applies_to(arm))
     fail(entry, index, "id",
          fmt::format("value '{}' is not for this arm, which has nothing that it acts on", entry.id));
   std::vector<std::string> names;
-  for (const Parameter& parameter : parameters) names.push_back(parameter.symbol);
-  for (const EffectNumber& number : entry.numbers) {
+  for (const model::Parameter& parameter : parameters) names.push_back(parameter.symbol);
+  for (const arm::EffectNumber& number : entry.numbers) {
     if (std::find(names.begin(), names.end(), number.name) == names.end())
       fail(entry, index, "parameters." + number.name,
            fmt::format("unknown key{}; {} has {}", nearest(number.name, names), entry.id,
                        fmt::join(names, ", ")));
   }
-  Values values(static_cast<Eigen::Index>(parameters.size()));
+  model::Values values(static_cast<Eigen::Index>(parameters.size()));
   for (std::size_t k = 0; k < parameters.size(); ++k) {
-    const Parameter& parameter = parameters[k];
+    const model::Parameter& parameter = parameters[k];
     const std::string key = "parameters." + parameter.symbol;
     const auto given =
         std::find_if(entry.numbers.begin(), entry.numbers.end(),
-                     [&](const EffectNumber& number) { return number.name == parameter.symbol; });
+                     [&](const arm::EffectNumber& number) { return number.name == parameter.symbol; });
     const bool size = k < static_cast<std::size_t>(effect->info().sizes);
     const double high = parameter.counts ? most(arm, parameter) : parameter.high;
     const std::string allowed =
         fmt::format("[{:g}, {:g}]{}", parameter.low, high, parameter.unit == "1" ? "" : " " + parameter.unit);
     if (given == entry.numbers.end()) {
       if (parameter.counts && parameter.low > 0.0)
-        fail(entry, index, key, fmt::format("is missing; {}; allowed: {}", parameter.words, allowed));
+        fail(entry, index, key, fmt::format("is missing; {}; allowed: {}", parameter.description, allowed));
       values[static_cast<Eigen::Index>(k)] = size ? 0.0 : parameter.usual;
       continue;
     }
@@ -84,25 +85,25 @@ Present present_of(const Arm& arm, const EffectEntry& entry, std::size_t index) 
 
 }  // namespace
 
-std::vector<Present> effects_of(const Arm& arm, const std::vector<EffectEntry>& entries) {
-  std::vector<Present> list;
+std::vector<model::Present> effects_of(const arm::Arm& arm, const std::vector<arm::EffectEntry>& entries) {
+  std::vector<model::Present> list;
   for (std::size_t i = 0; i < entries.size(); ++i) list.push_back(present_of(arm, entries[i], i));
   return list;
 }
 
-std::vector<Present> load_effects(const Arm& arm, const std::string& name,
-                                  const std::vector<std::string>& directories) {
-  const ArmText file = read_arm_text(name, directories);
-  return effects_of(arm, parse_effect_entries(file.text, file.source));
+std::vector<model::Present> load_effects(const arm::Arm& arm, const std::string& name,
+                                         const std::vector<std::string>& directories) {
+  const arm::ArmText file = arm::read_arm_text(name, directories);
+  return effects_of(arm, arm::parse_effect_entries(file.text, file.source));
 }
 
-EffectEntry entry_of(const Present& present, const std::optional<Values>& sd) {
-  EffectEntry entry;
+arm::EffectEntry entry_of(const model::Present& present, const std::optional<model::Values>& sd) {
+  arm::EffectEntry entry;
   entry.id = present.effect->info().id;
-  const std::vector<Parameter>& parameters = present.effect->info().parameters;
+  const std::vector<model::Parameter>& parameters = present.effect->info().parameters;
   for (std::size_t k = 0; k < parameters.size(); ++k) {
     const auto i = static_cast<Eigen::Index>(k);
-    EffectNumber number{parameters[k].symbol, present.values[i], std::nullopt};
+    arm::EffectNumber number{parameters[k].symbol, present.values[i], std::nullopt};
     if (sd && (*sd)[i] > 0.0) number.sd = (*sd)[i];
     entry.numbers.push_back(std::move(number));
   }

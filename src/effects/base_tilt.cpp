@@ -1,7 +1,7 @@
 // The arm stands tilted on the body that is measured as its base.
 #include "along.h"
 #include "effects.h"
-#include "softarm/math/so3.h"
+#include "math/so3.h"
 
 namespace softarm::effects {
 namespace {
@@ -9,9 +9,10 @@ namespace {
 class BaseTilt : public Described {
  public:
   using Described::Described;
-  void act(const Arm&, const FineRod&, const Values& values, const Instant&, const Shape*, const Memory&,
+  bool varies_along() const override { return false; }
+  void act(const arm::Arm&, const FineRod&, const Values& values, const Instant&, const Shape*, const Memory&,
            rod::Rod& rod) const override {
-    rod.q_base = exp_so3(turn_towards(values[0], values[1])) * rod.q_base;
+    rod.q_base = math::exp_so3(turn_towards(values[0], values[1])) * rod.q_base;
   }
 };
 

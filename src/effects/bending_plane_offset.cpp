@@ -9,12 +9,13 @@ namespace {
 class BendingPlaneOffset : public Described {
  public:
   using Described::Described;
-  bool applies_to(const Arm& arm) const override {
-    return std::any_of(arm.segments.begin(), arm.segments.end(), [](const Segment& segment) {
+  bool varies_along() const override { return false; }
+  bool applies_to(const arm::Arm& arm) const override {
+    return std::any_of(arm.segments.begin(), arm.segments.end(), [](const arm::Segment& segment) {
       return !segment.chambers.empty() || !segment.tendons.empty() || !segment.cables.empty();
     });
   }
-  void act(const Arm&, const FineRod&, const Values& values, const Instant&, const Shape*, const Memory&,
+  void act(const arm::Arm&, const FineRod&, const Values& values, const Instant&, const Shape*, const Memory&,
            rod::Rod& rod) const override {
     const Eigen::Rotation2Dd turn(values[0]);
     for (rod::Segment& piece : rod.segments) piece.moment_nm.head<2>() = turn * piece.moment_nm.head<2>();

@@ -19,6 +19,7 @@ const std::vector<std::unique_ptr<Effect>>& catalogue() {
           make_tendon_friction, make_creep, make_mullins, make_jamming_memory, make_jamming_yield,
           make_drift})
       list.push_back(make());
+    for (std::size_t i = 0; i < list.size(); ++i) list[i]->set_rank(static_cast<int>(i));
     return list;
   }();
   return all;

@@ -8,14 +8,15 @@ namespace {
 class ChamberMismatch : public Described {
  public:
   using Described::Described;
-  bool applies_to(const Arm& arm) const override { return chamber_rows(arm).size() > 1; }
-  std::vector<Values> grid(const Arm& arm, const FineRod&) const override {
+  bool varies_along() const override { return false; }
+  bool applies_to(const arm::Arm& arm) const override { return chamber_rows(arm).size() > 1; }
+  std::vector<Values> grid(const arm::Arm& arm, const FineRod&) const override {
     std::vector<Values> list;
     for (std::size_t k = 0; k < chamber_rows(arm).size(); ++k)
       list.push_back((Values(2) << 0.0, static_cast<double>(k + 1)).finished());
     return list;
   }
-  void drive(const Arm& arm, const Values& values, Series& series) const override {
+  void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
     const Rows rows = chamber_rows(arm);
     const auto k = static_cast<std::size_t>(values[1] + 0.5) - 1;
     if (k < rows.size()) series.moment_inputs.row(rows[k]) *= 1.0 + values[0];

@@ -1,4 +1,6 @@
 // The clock of the motion capture is ahead of that of the inputs: a frame shows what they did before.
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "effects.h"
@@ -29,8 +31,16 @@ Eigen::MatrixXd shifted(const Eigen::VectorXd& t, const Eigen::MatrixXd& values,
 class ClockOffset : public Described {
  public:
   using Described::Described;
-  bool applies_to(const Arm& arm) const override { return !arm.inputs.scalars.empty(); }
-  void drive(const Arm&, const Values& values, Series& series) const override {
+  bool varies_along() const override { return false; }
+  bool applies_to(const arm::Arm& arm) const override { return !arm.inputs.scalars.empty(); }
+  bool looks_back() const override { return true; }
+  std::string live_obstacle(const Values& values) const override {
+    if (values[0] >= 0.0) return "";
+    return fmt::format(
+        "the inputs of a frame come {:.3g} s after it; take it into account as latency_s of the inputs",
+        -values[0]);
+  }
+  void drive(const arm::Arm&, const Values& values, Series& series) const override {
     if (values[0] == 0.0 || series.t_s.size() == 0) return;
     series.inputs = shifted(series.t_s, series.inputs, values[0]);
     series.moment_inputs = shifted(series.t_s, series.moment_inputs, values[0]);

@@ -18,7 +18,7 @@ class Contact : public Described {
  public:
   using Described::Described;
   bool needs_shape() const override { return true; }
-  std::vector<Values> grid(const Arm&, const FineRod& fine) const override {
+  std::vector<Values> grid(const arm::Arm&, const FineRod& fine) const override {
     const double length = fine.length_m();
     std::vector<Values> list;
     for (const double place : kPlaces) {
@@ -30,7 +30,7 @@ class Contact : public Described {
     }
     return list;
   }
-  void act(const Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape* shape,
+  void act(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape* shape,
            const Memory&, rod::Rod& rod) const override {
     const Eigen::Vector3d to_wall(std::cos(values[2]), std::sin(values[2]), 0.0);
     const double depth = to_wall.dot(position_at(fine, rod, *shape, values[1])) - values[3];

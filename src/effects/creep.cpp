@@ -13,12 +13,12 @@ using Eigen::Vector2d;
 class Creep : public Described {
  public:
   using Described::Described;
-  std::vector<Values> grid(const Arm&, const FineRod&) const override {
+  std::vector<Values> grid(const arm::Arm&, const FineRod&) const override {
     std::vector<Values> list;
     for (const double time_s : {0.5, 2.0, 8.0, 30.0}) list.push_back((Values(2) << 0.0, time_s).finished());
     return list;
   }
-  void act(const Arm&, const FineRod& fine, const Values& values, const Instant& instant, const Shape*,
+  void act(const arm::Arm&, const FineRod& fine, const Values& values, const Instant& instant, const Shape*,
            const Memory& memory, rod::Rod& rod) const override {
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
       const Crept crept = before(memory, j, values, instant);
@@ -30,7 +30,7 @@ class Creep : public Described {
     }
   }
   bool remembers() const override { return true; }
-  void remember(const Arm& arm, const FineRod& fine, const Values& values, const Instant& instant,
+  void remember(const arm::Arm& arm, const FineRod& fine, const Values& values, const Instant& instant,
                 const Shape& shape, Memory& memory) const override {
     const Memory last = memory;
     memory.resize(fine.pieces().size() * kSize);

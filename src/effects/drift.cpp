@@ -12,10 +12,10 @@ constexpr double kMinute_s = 60.0;
 constexpr double kLeastFactor = 0.05;
 
 /// What servos bend by winding their cables up is a curvature: stiffness drops out.
-Eigen::Vector3d cables_moment_nm(const Arm& arm, const Segment& segment, const Instant& instant,
+Eigen::Vector3d cables_moment_nm(const arm::Arm& arm, const arm::Segment& segment, const Instant& instant,
                                  double compliance) {
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();
-  for (const Cable& cable : segment.cables) {
+  for (const arm::Cable& cable : segment.cables) {
     const Eigen::Index row = row_of(arm, cable.input);
     if (row < 0) continue;
     moment +=
@@ -28,21 +28,25 @@ Eigen::Vector3d cables_moment_nm(const Arm& arm, const Segment& segment, const I
 class Drift : public Described {
  public:
   using Described::Described;
-  std::vector<Values> grid(const Arm&, const FineRod&) const override {
+  bool varies_along() const override { return false; }
+  std::vector<Values> grid(const arm::Arm&, const FineRod&) const override {
     std::vector<Values> list;
     for (const double fading_per_min : {0.0, 1.0})
       list.push_back((Values(3) << 0.0, 0.0, fading_per_min).finished());
     return list;
   }
-  void act(const Arm& arm, const FineRod& fine, const Values& values, const Instant& instant, const Shape*,
-           const Memory&, rod::Rod& rod) const override {
+  std::string live_obstacle(const Values&) const override {
+    return "it says how the arm changed during the trials diagnosed, not how it is now";
+  }
+  void act(const arm::Arm& arm, const FineRod& fine, const Values& values, const Instant& instant,
+           const Shape*, const Memory&, rod::Rod& rod) const override {
     double minutes = instant.session_s / kMinute_s;
     if (values[2] > 1e-9) minutes = -std::expm1(-values[2] * minutes) / values[2];
     const double gain = std::max(0.0, 1.0 + values[0] * minutes);
     const double stiffness = std::max(kLeastFactor, 1.0 + values[1] * minutes);
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
       rod::Segment& piece = rod.segments[j];
-      const Segment& segment = arm.segments[static_cast<std::size_t>(fine.pieces()[j].segment)];
+      const arm::Segment& segment = arm.segments[static_cast<std::size_t>(fine.pieces()[j].segment)];
       if (!segment.cables.empty())
         piece.moment_nm +=
             (stiffness - 1.0) * cables_moment_nm(arm, segment, instant, piece.bending_compliance);

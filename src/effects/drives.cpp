@@ -5,7 +5,7 @@
 
 namespace softarm::effects {
 
-Rows rows_of(const Arm& arm, InputKind kind) {
+Rows rows_of(const arm::Arm& arm, arm::InputKind kind) {
   Rows rows;
   for (std::size_t i = 0; i < arm.inputs.scalars.size(); ++i) {
     if (arm.inputs.scalars[i].kind == kind) rows.push_back(static_cast<Eigen::Index>(i));
@@ -13,35 +13,36 @@ Rows rows_of(const Arm& arm, InputKind kind) {
   return rows;
 }
 
-Rows chamber_rows(const Arm& arm) {
+Rows chamber_rows(const arm::Arm& arm) {
   Rows rows;
-  for (const Eigen::Index row : rows_of(arm, InputKind::kPressure)) {
+  for (const Eigen::Index row : rows_of(arm, arm::InputKind::kPressure)) {
     const std::string& name = arm.inputs.scalars[static_cast<std::size_t>(row)].name;
-    const bool bends = std::any_of(arm.segments.begin(), arm.segments.end(), [&](const Segment& segment) {
-      return std::any_of(segment.chambers.begin(), segment.chambers.end(),
-                         [&](const Chamber& chamber) { return chamber.input == name; });
-    });
+    const bool bends =
+        std::any_of(arm.segments.begin(), arm.segments.end(), [&](const arm::Segment& segment) {
+          return std::any_of(segment.chambers.begin(), segment.chambers.end(),
+                             [&](const arm::Chamber& chamber) { return chamber.input == name; });
+        });
     if (bends) rows.push_back(row);
   }
   return rows;
 }
 
-Rows gas_rows(const Arm& arm) {
-  Rows rows = rows_of(arm, InputKind::kPressure);
-  const Rows vacuums = rows_of(arm, InputKind::kVacuum);
+Rows gas_rows(const arm::Arm& arm) {
+  Rows rows = rows_of(arm, arm::InputKind::kPressure);
+  const Rows vacuums = rows_of(arm, arm::InputKind::kVacuum);
   rows.insert(rows.end(), vacuums.begin(), vacuums.end());
   std::sort(rows.begin(), rows.end());
   return rows;
 }
 
-Eigen::Index row_of(const Arm& arm, const std::string& name) {
+Eigen::Index row_of(const arm::Arm& arm, const std::string& name) {
   for (std::size_t i = 0; i < arm.inputs.scalars.size(); ++i) {
     if (arm.inputs.scalars[i].name == name) return static_cast<Eigen::Index>(i);
   }
   return -1;
 }
 
-double mean_pressure_pa(const Arm& arm, const Segment& segment, const Eigen::VectorXd& inputs) {
+double mean_pressure_pa(const arm::Arm& arm, const arm::Segment& segment, const Eigen::VectorXd& inputs) {
   double sum = 0.0;
   int count = 0;
   const auto add = [&](const std::string& name) {
@@ -50,28 +51,28 @@ double mean_pressure_pa(const Arm& arm, const Segment& segment, const Eigen::Vec
     sum += inputs[row];
     ++count;
   };
-  for (const Chamber& chamber : segment.chambers) add(chamber.input);
+  for (const arm::Chamber& chamber : segment.chambers) add(chamber.input);
   if (segment.central_chamber) add(segment.central_chamber->input);
   return count > 0 ? sum / count : 0.0;
 }
 
-double vacuum_pa(const Arm& arm, const Segment& segment, const Eigen::VectorXd& inputs) {
+double vacuum_pa(const arm::Arm& arm, const arm::Segment& segment, const Eigen::VectorXd& inputs) {
   if (segment.jamming_input) {
     const Eigen::Index row = row_of(arm, *segment.jamming_input);
     return row < 0 ? 0.0 : inputs[row];
   }
-  const Rows rows = rows_of(arm, InputKind::kVacuum);
+  const Rows rows = rows_of(arm, arm::InputKind::kVacuum);
   return rows.size() == 1 ? inputs[rows.front()] : 0.0;
 }
 
-double core_stiffness_nm2(const Arm& arm, const Segment& segment, const Eigen::VectorXd& inputs) {
+double core_stiffness_nm2(const arm::Arm& arm, const arm::Segment& segment, const Eigen::VectorXd& inputs) {
   if (!segment.jamming_input) return 0.0;
   return segment.bending_stiffness.per_jamming_pressure_nm2_per_pa *
          std::max(0.0, vacuum_pa(arm, segment, inputs));
 }
 
-bool has_core(const Arm& arm) {
-  return std::any_of(arm.segments.begin(), arm.segments.end(), [](const Segment& segment) {
+bool has_core(const arm::Arm& arm) {
+  return std::any_of(arm.segments.begin(), arm.segments.end(), [](const arm::Segment& segment) {
     return segment.jamming_input && segment.bending_stiffness.per_jamming_pressure_nm2_per_pa > 0.0;
   });
 }

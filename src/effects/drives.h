@@ -17,25 +17,25 @@ constexpr double kReferencePa = 50e3, kReferenceVacuumPa = 60e3;
 using Rows = std::vector<Eigen::Index>;
 
 /// Rows of Series::inputs that hold inputs of a kind, in order.
-Rows rows_of(const Arm& arm, InputKind kind);
-inline bool has(const Arm& arm, InputKind kind) {
+Rows rows_of(const arm::Arm& arm, arm::InputKind kind);
+inline bool has(const arm::Arm& arm, arm::InputKind kind) {
   return !rows_of(arm, kind).empty();
 }
 /// Those that bend a segment as a chamber's pressure.
-Rows chamber_rows(const Arm& arm);
+Rows chamber_rows(const arm::Arm& arm);
 /// Those of pressures or vacuums, in order.
-Rows gas_rows(const Arm& arm);
+Rows gas_rows(const arm::Arm& arm);
 /// The row of an input. @return -1 if there is none
-Eigen::Index row_of(const Arm& arm, const std::string& name);
+Eigen::Index row_of(const arm::Arm& arm, const std::string& name);
 
 /// Mean of all pressures that act in the segment, its chambers' and the central one's; 0 without any.
-double mean_pressure_pa(const Arm& arm, const Segment& segment, const Eigen::VectorXd& inputs);
+double mean_pressure_pa(const arm::Arm& arm, const arm::Segment& segment, const Eigen::VectorXd& inputs);
 /// Vacuum of the segment's core, of the arm's only one where it has no core; 0 without any.
-double vacuum_pa(const Arm& arm, const Segment& segment, const Eigen::VectorXd& inputs);
+double vacuum_pa(const arm::Arm& arm, const arm::Segment& segment, const Eigen::VectorXd& inputs);
 /// The share of the segment's EI, N m^2, that its jammed core bears.
-double core_stiffness_nm2(const Arm& arm, const Segment& segment, const Eigen::VectorXd& inputs);
+double core_stiffness_nm2(const arm::Arm& arm, const arm::Segment& segment, const Eigen::VectorXd& inputs);
 /// Whether some segment has a core that the vacuum stiffens.
-bool has_core(const Arm& arm);
+bool has_core(const arm::Arm& arm);
 
 /// What follows an input with a time constant, after dt in which the input went straight.
 /// @param weight_last,weight_now what is left: state = kept * state + weight_last * last + weight_now * now

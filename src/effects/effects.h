@@ -4,9 +4,28 @@
 #include <memory>
 #include <utility>
 
-#include "softarm/effects/effect.h"
+#include "catalogue.h"
+#include "model/effect.h"
 
 namespace softarm::effects {
+
+// An effect is written with the names of the model.
+using arm::Arm;
+using arm::InputKind;
+using model::Bodies;
+using model::Effect;
+using model::Family;
+using model::FineRod;
+using model::Info;
+using model::Instant;
+using model::Memory;
+using model::Motion;
+using model::Parameter;
+using model::Piece;
+using model::Present;
+using model::Series;
+using model::Shape;
+using model::Values;
 
 /// An effect with its description.
 class Described : public Effect {

@@ -8,8 +8,9 @@ namespace {
 class GainNonlinearity : public Described {
  public:
   using Described::Described;
-  bool applies_to(const Arm& arm) const override { return !chamber_rows(arm).empty(); }
-  void drive(const Arm& arm, const Values& values, Series& series) const override {
+  bool varies_along() const override { return false; }
+  bool applies_to(const arm::Arm& arm) const override { return !chamber_rows(arm).empty(); }
+  void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
     for (const Eigen::Index row : chamber_rows(arm)) {
       auto p = series.moment_inputs.row(row).array();
       p *= 1.0 + values[0] / kReferencePa * p.abs();

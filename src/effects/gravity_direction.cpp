@@ -11,7 +11,8 @@ using Eigen::Vector3d;
 class GravityDirection : public Described {
  public:
   using Described::Described;
-  void act(const Arm& arm, const FineRod&, const Values& values, const Instant& instant, const Shape*,
+  bool varies_along() const override { return false; }
+  void act(const arm::Arm& arm, const FineRod&, const Values& values, const Instant& instant, const Shape*,
            const Memory&, rod::Rod& rod) const override {
     const double size = arm.gravity_m_s2.norm(), off = values.head<2>().norm();
     if (size == 0.0 || off == 0.0) return;

@@ -30,25 +30,26 @@ Of of(const Values& values) {
 class Hysteresis : public Described {
  public:
   using Described::Described;
-  std::vector<Values> grid(const Arm& arm, const FineRod&) const override {
+  std::vector<Values> grid(const arm::Arm& arm, const FineRod&) const override {
     std::vector<Values> list;
     const auto add = [&](Of where, std::initializer_list<double> widths_pa) {
       for (const double width_pa : widths_pa)
         list.push_back(Eigen::Vector3d(0.0, width_pa, static_cast<double>(where)));
     };
-    if (has(arm, InputKind::kPressure)) add(Of::kPressures, {700.0, 2000.0, 6000.0});
-    if (has(arm, InputKind::kTension)) add(Of::kTensions, {700.0, 2000.0, 6000.0});
-    if (has(arm, InputKind::kAngle)) add(Of::kAngles, {700.0, 2000.0, 6000.0});
+    if (has(arm, arm::InputKind::kPressure)) add(Of::kPressures, {700.0, 2000.0, 6000.0});
+    if (has(arm, arm::InputKind::kTension)) add(Of::kTensions, {700.0, 2000.0, 6000.0});
+    if (has(arm, arm::InputKind::kAngle)) add(Of::kAngles, {700.0, 2000.0, 6000.0});
     add(Of::kMaterial, {800.0, 2000.0, 5000.0});
     return list;
   }
 
-  void drive(const Arm& arm, const Values& values, Series& series) const override {
+  bool looks_back() const override { return true; }
+  void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
     const Of where = of(values);
     if (where == Of::kMaterial || values[0] == 0.0) return;
-    const InputKind kind = where == Of::kTensions ? InputKind::kTension
-                           : where == Of::kAngles ? InputKind::kAngle
-                                                  : InputKind::kPressure;
+    const arm::InputKind kind = where == Of::kTensions ? arm::InputKind::kTension
+                                : where == Of::kAngles ? arm::InputKind::kAngle
+                                                       : arm::InputKind::kPressure;
     const double reference = where == Of::kTensions ? kReference_n
                              : where == Of::kAngles ? kReference_rad
                                                     : kReferencePa;
@@ -58,7 +59,7 @@ class Hysteresis : public Described {
     }
   }
 
-  void act(const Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape*,
+  void act(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape*,
            const Memory& memory, rod::Rod& rod) const override {
     if (of(values) != Of::kMaterial || memory.empty()) return;
     const double share = values[0] / kPlays;
@@ -79,8 +80,8 @@ class Hysteresis : public Described {
     }
   }
   bool remembers() const override { return true; }
-  void remember(const Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape& shape,
-                Memory& memory) const override {
+  void remember(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&,
+                const Shape& shape, Memory& memory) const override {
     if (of(values) != Of::kMaterial) return;
     const double width = values[1] / kReferencePa * kReference_per_m;
     const bool begins = memory.empty();

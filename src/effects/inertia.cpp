@@ -1,4 +1,4 @@
-// What moves with the arm beyond its known masses and the wall's known delay.
+// What moves with the arm beyond its known masses and its known viscoelastic lag.
 #include "effects.h"
 
 namespace softarm::effects {
@@ -9,7 +9,7 @@ class Inertia : public Described {
   using Described::Described;
   bool needs_shape() const override { return true; }
   bool needs_motion() const override { return true; }
-  void act(const Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape* shape,
+  void act(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape* shape,
            const Memory&, rod::Rod& rod) const override {
     const Motion& motion = shape->motion;
     if (motion.acceleration_m_s2.empty()) return;

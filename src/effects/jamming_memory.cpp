@@ -12,9 +12,9 @@ using Eigen::Vector2d;
 class JammingMemory : public Described {
  public:
   using Described::Described;
-  bool applies_to(const Arm& arm) const override { return has_core(arm); }
-  void act(const Arm& arm, const FineRod& fine, const Values& values, const Instant& instant, const Shape*,
-           const Memory& memory, rod::Rod& rod) const override {
+  bool applies_to(const arm::Arm& arm) const override { return has_core(arm); }
+  void act(const arm::Arm& arm, const FineRod& fine, const Values& values, const Instant& instant,
+           const Shape*, const Memory& memory, rod::Rod& rod) const override {
     if (memory.empty()) return;
     const std::vector<double> k = cores(arm, instant);
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
@@ -25,7 +25,7 @@ class JammingMemory : public Described {
     }
   }
   bool remembers() const override { return true; }
-  void remember(const Arm& arm, const FineRod& fine, const Values&, const Instant& instant,
+  void remember(const arm::Arm& arm, const FineRod& fine, const Values&, const Instant& instant,
                 const Shape& shape, Memory& memory) const override {
     const std::vector<double> k = cores(arm, instant);
     const bool begins = memory.empty();
@@ -48,9 +48,10 @@ class JammingMemory : public Described {
  private:
   static constexpr std::size_t kSize = 5;  ///< of a piece: r, curvature and K of the last instant
 
-  static std::vector<double> cores(const Arm& arm, const Instant& instant) {
+  static std::vector<double> cores(const arm::Arm& arm, const Instant& instant) {
     std::vector<double> k;
-    for (const Segment& segment : arm.segments) k.push_back(core_stiffness_nm2(arm, segment, instant.inputs));
+    for (const arm::Segment& segment : arm.segments)
+      k.push_back(core_stiffness_nm2(arm, segment, instant.inputs));
     return k;
   }
   static Vector2d reference(const double* memory, double now_nm2, const Vector2d& u) {

@@ -15,15 +15,15 @@ constexpr double kMostLost = 0.98;  // of EI, while slipping
 class JammingYield : public Described {
  public:
   using Described::Described;
-  bool applies_to(const Arm& arm) const override { return has_core(arm); }
-  std::vector<Values> grid(const Arm&, const FineRod&) const override {
+  bool applies_to(const arm::Arm& arm) const override { return has_core(arm); }
+  std::vector<Values> grid(const arm::Arm&, const FineRod&) const override {
     std::vector<Values> list;
     for (const double yield_per_m : {1.0, 1.4, 2.0, 2.8, 4.0, 5.6})
       list.push_back((Values(2) << 0.0, yield_per_m).finished());
     return list;
   }
   bool needs_shape() const override { return true; }
-  void act(const Arm& arm, const FineRod& fine, const Values& values, const Instant& instant,
+  void act(const arm::Arm& arm, const FineRod& fine, const Values& values, const Instant& instant,
            const Shape* shape, const Memory& memory, rod::Rod& rod) const override {
     if (values[0] == 0.0) return;
     const std::vector<double> cores = core_of_segments(arm, instant);
@@ -46,7 +46,7 @@ class JammingYield : public Described {
     }
   }
   bool remembers() const override { return true; }
-  void remember(const Arm& arm, const FineRod& fine, const Values& values, const Instant& instant,
+  void remember(const arm::Arm& arm, const FineRod& fine, const Values& values, const Instant& instant,
                 const Shape& shape, Memory& memory) const override {
     const std::vector<double> cores = core_of_segments(arm, instant);
     const double yield = std::max(values[1], 1e-3);
@@ -67,9 +67,9 @@ class JammingYield : public Described {
  private:
   static constexpr std::size_t kSize = 2 + 1;  ///< of a piece: curvature that slipped, stiffness
 
-  static std::vector<double> core_of_segments(const Arm& arm, const Instant& instant) {
+  static std::vector<double> core_of_segments(const arm::Arm& arm, const Instant& instant) {
     std::vector<double> list;
-    for (const Segment& segment : arm.segments)
+    for (const arm::Segment& segment : arm.segments)
       list.push_back(core_stiffness_nm2(arm, segment, instant.inputs));
     return list;
   }

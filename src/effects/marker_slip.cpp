@@ -7,17 +7,18 @@ namespace {
 class MarkerSlip : public Described {
  public:
   using Described::Described;
-  std::vector<Values> grid(const Arm& arm, const FineRod&) const override {
+  bool varies_along() const override { return false; }
+  std::vector<Values> grid(const arm::Arm& arm, const FineRod&) const override {
     std::vector<Values> list;
     for (std::size_t b = 0; b < arm.bodies.size(); ++b)
       list.push_back((Values(4) << 0.0, 0.0, 0.0, static_cast<double>(b + 1)).finished());
     return list;
   }
-  std::optional<std::pair<double, double>> place(const Arm& arm, const Values& values) const override {
+  std::optional<std::pair<double, double>> place(const arm::Arm& arm, const Values& values) const override {
     const double s = arm.bodies[static_cast<std::size_t>(values[3] + 0.5) - 1].arclength_m;
     return std::make_pair(s, s);
   }
-  void observe(const Arm&, const Values& values, const Instant&, Bodies& bodies) const override {
+  void observe(const arm::Arm&, const Values& values, const Instant&, Bodies& bodies) const override {
     const auto b = static_cast<std::size_t>(values[3] + 0.5) - 1;
     if (b >= bodies.q.size()) return;
     bodies.p.col(static_cast<Eigen::Index>(b)) += bodies.q[b] * values.head<3>();

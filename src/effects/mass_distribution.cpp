@@ -7,8 +7,8 @@ namespace {
 class MassDistribution : public Described {
  public:
   using Described::Described;
-  void act(const Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape*, const Memory&,
-           rod::Rod& rod) const override {
+  void act(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape*,
+           const Memory&, rod::Rod& rod) const override {
     for (std::size_t j = 0; j < fine.pieces().size(); ++j)
       rod.segments[j].mass_kg *= 1.0 + values[0] * (2.0 * fine.pieces()[j].middle_fraction() - 1.0);
   }

@@ -19,10 +19,10 @@ class Mullins : public Described {
  public:
   using Described::Described;
   bool needs_shape() const override { return true; }
-  std::vector<Values> grid(const Arm&, const FineRod&) const override {
+  std::vector<Values> grid(const arm::Arm&, const FineRod&) const override {
     return {Eigen::Vector2d(0.0, 1.5), Eigen::Vector2d(0.0, 3.0), Eigen::Vector2d(0.0, 6.0)};
   }
-  void act(const Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape* shape,
+  void act(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape* shape,
            const Memory& memory, rod::Rod& rod) const override {
     if (values[0] == 0.0) return;
     const double scale2 = std::pow(std::max(values[1], 1e-2), 2);
@@ -46,7 +46,7 @@ class Mullins : public Described {
     }
   }
   bool remembers() const override { return true; }
-  void remember(const Arm&, const FineRod& fine, const Values&, const Instant&, const Shape& shape,
+  void remember(const arm::Arm&, const FineRod& fine, const Values&, const Instant&, const Shape& shape,
                 Memory& memory) const override {
     memory.resize(fine.pieces().size(), 0.0);
     for (std::size_t j = 0; j < fine.pieces().size(); ++j)

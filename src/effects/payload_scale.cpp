@@ -7,7 +7,8 @@ namespace {
 class PayloadScale : public Described {
  public:
   using Described::Described;
-  void drive(const Arm&, const Values& values, Series& series) const override {
+  bool varies_along() const override { return false; }
+  void drive(const arm::Arm&, const Values& values, Series& series) const override {
     series.payload_kg /= 1.0 + values[0];
   }
 };

@@ -14,11 +14,12 @@ namespace {
 class PressureDeadZone : public Described {
  public:
   using Described::Described;
-  bool applies_to(const Arm& arm) const override { return !chamber_rows(arm).empty(); }
-  std::vector<Values> grid(const Arm&, const FineRod&) const override {
+  bool varies_along() const override { return false; }
+  bool applies_to(const arm::Arm& arm) const override { return !chamber_rows(arm).empty(); }
+  std::vector<Values> grid(const arm::Arm&, const FineRod&) const override {
     return {Eigen::Vector2d(0.0, 1500.0), Eigen::Vector2d(0.0, 3000.0), Eigen::Vector2d(0.0, 6000.0)};
   }
-  void drive(const Arm& arm, const Values& values, Series& series) const override {
+  void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
     if (values[0] == 0.0) return;
     const double edge_pa = std::max(values[1], 1.0);
     for (const Eigen::Index row : chamber_rows(arm)) {

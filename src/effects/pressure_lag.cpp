@@ -13,13 +13,15 @@ namespace {
 class PressureLag : public Described {
  public:
   using Described::Described;
-  bool applies_to(const Arm& arm) const override { return has(arm, InputKind::kPressure); }
-  std::vector<Values> grid(const Arm&, const FineRod&) const override {
+  bool varies_along() const override { return false; }
+  bool applies_to(const arm::Arm& arm) const override { return has(arm, arm::InputKind::kPressure); }
+  std::vector<Values> grid(const arm::Arm&, const FineRod&) const override {
     std::vector<Values> list;
     for (const double time_s : {0.1, 0.25, 0.7, 2.0}) list.push_back(Eigen::Vector3d(0.0, time_s, 1.0));
     return list;
   }
-  void drive(const Arm& arm, const Values& values, Series& series) const override {
+  bool looks_back() const override { return true; }
+  void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
     if (values[0] == 0.0) return;
     const double time_s = std::max(values[1], 1e-3), share = values[0] / time_s;
     const auto filter = [&](auto row) {
@@ -33,7 +35,7 @@ class PressureLag : public Described {
         row[i] = now - share * (now - state);
       }
     };
-    for (const Eigen::Index row : rows_of(arm, InputKind::kPressure)) {
+    for (const Eigen::Index row : rows_of(arm, arm::InputKind::kPressure)) {
       filter(series.inputs.row(row));
       filter(series.moment_inputs.row(row));
     }

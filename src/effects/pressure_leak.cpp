@@ -5,6 +5,7 @@
 
 #include "drives.h"
 #include "effects.h"
+#include "math/statistics.h"
 
 namespace softarm::effects {
 namespace {
@@ -20,12 +21,7 @@ std::vector<bool> holds(const Eigen::VectorXd& t, const Eigen::RowVectorXd& u) {
   const Eigen::Index n = u.size();
   std::vector<double> steps;
   for (Eigen::Index i = 1; i < n; ++i) steps.push_back(std::abs(u[i] - u[i - 1]));
-  double step = 0.0;
-  if (!steps.empty()) {
-    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-    std::nth_element(steps.begin(), middle, steps.end());
-    step = *middle;
-  }
+  const double step = math::median(std::move(steps));
   std::vector<bool> out(static_cast<std::size_t>(n));
   Eigen::Index first = 0, last = 0;
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -40,10 +36,11 @@ std::vector<bool> holds(const Eigen::VectorXd& t, const Eigen::RowVectorXd& u) {
 class PressureLeak : public Described {
  public:
   using Described::Described;
-  bool applies_to(const Arm& arm) const override { return has(arm, InputKind::kPressure); }
-  std::vector<Values> grid(const Arm& arm, const FineRod&) const override {
+  bool varies_along() const override { return false; }
+  bool applies_to(const arm::Arm& arm) const override { return has(arm, arm::InputKind::kPressure); }
+  std::vector<Values> grid(const arm::Arm& arm, const FineRod&) const override {
     std::vector<Values> list;
-    const auto count = static_cast<int>(rows_of(arm, InputKind::kPressure).size());
+    const auto count = static_cast<int>(rows_of(arm, arm::InputKind::kPressure).size());
     for (const double time_s : {0.0, 2.0, 10.0}) {
       for (int chamber = count > 1 ? 0 : 1; chamber <= count; ++chamber)
         list.push_back(Eigen::Vector4d(0.0, static_cast<double>(chamber), time_s > 0.0 ? 1.0 : 0.0,
@@ -51,9 +48,13 @@ class PressureLeak : public Described {
     }
     return list;
   }
-  void drive(const Arm& arm, const Values& values, Series& series) const override {
+  bool looks_back() const override { return true; }
+  std::string live_obstacle(const Values& values) const override {
+    return values[2] < 0.5 ? "" : "whether a command holds is seen only by what comes after it";
+  }
+  void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
     if (values[0] == 0.0 || series.t_s.size() == 0) return;
-    const Rows rows = rows_of(arm, InputKind::kPressure);
+    const Rows rows = rows_of(arm, arm::InputKind::kPressure);
     const auto chamber = static_cast<std::size_t>(values[1] + 0.5);
     for (std::size_t k = 0; k < rows.size(); ++k) {
       if (chamber != 0 && chamber != k + 1) continue;

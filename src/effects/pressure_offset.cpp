@@ -12,11 +12,13 @@ constexpr int kMostSensors = 8;
 class PressureOffset : public Described {
  public:
   using Described::Described;
-  bool applies_to(const Arm& arm) const override { return !gas_rows(arm).empty(); }
-  void drive(const Arm& arm, const Values& values, Series& series) const override {
+  bool varies_along() const override { return false; }
+  bool applies_to(const arm::Arm& arm) const override { return !gas_rows(arm).empty(); }
+  void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
     const Rows rows = gas_rows(arm);
     for (std::size_t k = 0; k < rows.size() && k < kMostSensors; ++k) {
-      const bool vacuum = arm.inputs.scalars[static_cast<std::size_t>(rows[k])].kind == InputKind::kVacuum;
+      const bool vacuum =
+          arm.inputs.scalars[static_cast<std::size_t>(rows[k])].kind == arm::InputKind::kVacuum;
       const double by = (vacuum ? 1.0 : -1.0) * values[static_cast<Eigen::Index>(k)];
       series.inputs.row(rows[k]).array() += by;
       series.moment_inputs.row(rows[k]).array() += by;

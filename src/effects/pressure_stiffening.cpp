@@ -7,18 +7,19 @@
 namespace softarm::effects {
 namespace {
 
-constexpr double kLeastFactor = 0.02;  // no law holds for what is left of EI then
+constexpr double kLeastStiffness = 0.02;  // no law holds for what is left of EI then
 
 class PressureStiffening : public Described {
  public:
   using Described::Described;
-  bool applies_to(const Arm& arm) const override { return has(arm, InputKind::kPressure); }
-  void act(const Arm& arm, const FineRod& fine, const Values& values, const Instant& instant, const Shape*,
-           const Memory&, rod::Rod& rod) const override {
+  bool varies_along() const override { return false; }
+  bool applies_to(const arm::Arm& arm) const override { return has(arm, arm::InputKind::kPressure); }
+  void act(const arm::Arm& arm, const FineRod& fine, const Values& values, const Instant& instant,
+           const Shape*, const Memory&, rod::Rod& rod) const override {
     std::vector<double> factor;
-    for (const Segment& segment : arm.segments)
+    for (const arm::Segment& segment : arm.segments)
       factor.push_back(std::max(
-          kLeastFactor, 1.0 + values[0] * mean_pressure_pa(arm, segment, instant.inputs) / kReferencePa));
+          kLeastStiffness, 1.0 + values[0] * mean_pressure_pa(arm, segment, instant.inputs) / kReferencePa));
     for (std::size_t j = 0; j < fine.pieces().size(); ++j)
       rod.segments[j].bending_compliance /= factor[static_cast<std::size_t>(fine.pieces()[j].segment)];
   }

@@ -17,7 +17,7 @@ class PublishedLoadLaw : public Described {
  public:
   using Described::Described;
   bool needs_shape() const override { return true; }
-  void act(const Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape* shape,
+  void act(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape* shape,
            const Memory&, rod::Rod& rod) const override {
     const double size = rod.gravity_m_s2.norm();
     if (size == 0.0) return;

@@ -13,11 +13,12 @@ constexpr double kLeastFactor = 0.2;  // of the radius
 class RadialExpansion : public Described {
  public:
   using Described::Described;
-  bool applies_to(const Arm& arm) const override { return has(arm, InputKind::kPressure); }
-  void act(const Arm& arm, const FineRod& fine, const Values& values, const Instant& instant, const Shape*,
-           const Memory&, rod::Rod& rod) const override {
+  bool varies_along() const override { return false; }
+  bool applies_to(const arm::Arm& arm) const override { return has(arm, arm::InputKind::kPressure); }
+  void act(const arm::Arm& arm, const FineRod& fine, const Values& values, const Instant& instant,
+           const Shape*, const Memory&, rod::Rod& rod) const override {
     std::vector<double> square;
-    for (const Segment& segment : arm.segments)
+    for (const arm::Segment& segment : arm.segments)
       square.push_back(std::pow(radius(arm, segment, values, instant), 2));
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
       const double factor = square[static_cast<std::size_t>(fine.pieces()[j].segment)];
@@ -26,13 +27,14 @@ class RadialExpansion : public Described {
     }
   }
   /// Markers on the skin move outwards.
-  void observe(const Arm& arm, const Values& values, const Instant& instant, Bodies& bodies) const override {
+  void observe(const arm::Arm& arm, const Values& values, const Instant& instant,
+               Bodies& bodies) const override {
     for (std::size_t b = 0; b < arm.bodies.size(); ++b) {
-      const MeasuredBody& body = arm.bodies[b];
-      if (body.kind != BodyKind::kSkinMarker) continue;
+      const arm::MeasuredBody& body = arm.bodies[b];
+      if (body.kind != arm::BodyKind::kSkinMarker) continue;
       double end_m = 0.0;
-      const Segment* on = &arm.segments.back();
-      for (const Segment& segment : arm.segments) {
+      const arm::Segment* on = &arm.segments.back();
+      for (const arm::Segment& segment : arm.segments) {
         end_m += segment.length_m;
         if (body.arclength_m > end_m) continue;
         on = &segment;
@@ -46,7 +48,8 @@ class RadialExpansion : public Described {
   }
 
  private:
-  static double radius(const Arm& arm, const Segment& segment, const Values& values, const Instant& instant) {
+  static double radius(const arm::Arm& arm, const arm::Segment& segment, const Values& values,
+                       const Instant& instant) {
     return std::max(kLeastFactor,
                     1.0 + values[0] * mean_pressure_pa(arm, segment, instant.inputs) / kReferencePa);
   }

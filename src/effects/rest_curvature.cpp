@@ -7,7 +7,8 @@ namespace {
 class RestCurvature : public Described {
  public:
   using Described::Described;
-  std::vector<Values> grid(const Arm& arm, const FineRod&) const override {
+  bool varies_along() const override { return false; }
+  std::vector<Values> grid(const arm::Arm& arm, const FineRod&) const override {
     std::vector<Values> list{Eigen::Vector3d::Zero()};
     if (arm.segments.size() > 1) {
       for (std::size_t i = 1; i <= arm.segments.size(); ++i)
@@ -15,8 +16,8 @@ class RestCurvature : public Described {
     }
     return list;
   }
-  void act(const Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape*, const Memory&,
-           rod::Rod& rod) const override {
+  void act(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape*,
+           const Memory&, rod::Rod& rod) const override {
     const int only = static_cast<int>(values[2] + 0.5) - 1;
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
       if (only >= 0 && fine.pieces()[j].segment != only) continue;

@@ -13,8 +13,8 @@ constexpr double kLeft = 1e-4;  // of the compliance
 class RigidEnds : public Described {
  public:
   using Described::Described;
-  void act(const Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape*, const Memory&,
-           rod::Rod& rod) const override {
+  void act(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape*,
+           const Memory&, rod::Rod& rod) const override {
     const double most = kMost * fine.length_m();
     const Eigen::VectorXd shares =
         cap_at_base(fine, std::min(values[0], most)) + cap_at_tip(fine, std::min(values[1], most));

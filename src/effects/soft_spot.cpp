@@ -14,14 +14,14 @@ constexpr double kPlaces[] = {0.075, 0.13, 0.18, 0.22, 0.26, 0.3, 0.34, 0.39, 0.
 class SoftSpot : public Described {
  public:
   using Described::Described;
-  std::vector<Values> grid(const Arm&, const FineRod& fine) const override {
+  std::vector<Values> grid(const arm::Arm&, const FineRod& fine) const override {
     const double length = fine.length_m(), width = kWidth * length;
     std::vector<Values> list;
     for (const double place : kPlaces) list.push_back(Eigen::Vector3d(0.0, place * length, width));
     return list;
   }
-  void act(const Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape*, const Memory&,
-           rod::Rod& rod) const override {
+  void act(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape*,
+           const Memory&, rod::Rod& rod) const override {
     const double softer = 1.0 / (1.0 - std::min(values[0], kMost)) - 1.0;
     const double centre = values[1], half = 0.5 * values[2], end = fine.length_m();
     const Eigen::VectorXd shares =

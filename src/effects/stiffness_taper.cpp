@@ -7,8 +7,8 @@ namespace {
 class StiffnessTaper : public Described {
  public:
   using Described::Described;
-  void act(const Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape*, const Memory&,
-           rod::Rod& rod) const override {
+  void act(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape*,
+           const Memory&, rod::Rod& rod) const override {
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
       const double factor = 1.0 + values[0] * (2.0 * fine.pieces()[j].middle_fraction() - 1.0);
       rod.segments[j].bending_compliance /= factor;

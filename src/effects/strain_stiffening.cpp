@@ -21,7 +21,7 @@ class StrainStiffening : public Described {
  public:
   using Described::Described;
   bool needs_shape() const override { return true; }
-  void act(const Arm&, const FineRod&, const Values& values, const Instant&, const Shape* shape,
+  void act(const arm::Arm&, const FineRod&, const Values& values, const Instant&, const Shape* shape,
            const Memory&, rod::Rod& rod) const override {
     // Solved for the curvature at the moment of the shape: this depends on the shape much less than the
     // curvature itself, which would ask for more rounds.

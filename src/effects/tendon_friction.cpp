@@ -17,21 +17,21 @@ constexpr double kMostExponent = 3.0;
 class TendonFriction : public Described {
  public:
   using Described::Described;
-  bool applies_to(const Arm& arm) const override {
+  bool applies_to(const arm::Arm& arm) const override {
     return std::any_of(arm.segments.begin(), arm.segments.end(),
-                       [](const Segment& segment) { return !segment.tendons.empty(); });
+                       [](const arm::Segment& segment) { return !segment.tendons.empty(); });
   }
-  std::vector<Values> grid(const Arm&, const FineRod&) const override {
+  std::vector<Values> grid(const arm::Arm&, const FineRod&) const override {
     return {Eigen::Vector3d(0.0, 0.15, 0.0), Eigen::Vector3d(0.0, 0.15, 1.0)};
   }
-  void act(const Arm& arm, const FineRod& fine, const Values& values, const Instant& instant, const Shape*,
-           const Memory& memory, rod::Rod& rod) const override {
+  void act(const arm::Arm& arm, const FineRod& fine, const Values& values, const Instant& instant,
+           const Shape*, const Memory& memory, rod::Rod& rod) const override {
     if (memory.empty()) return;  // settled, as everything at a trial's beginning
     const double turn = std::max(values[1], 1e-3);
     const double* state = memory.data();
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
       const double angle = *state++;
-      for (const Tendon& tendon : segment_of(arm, fine, j).tendons) {
+      for (const arm::Tendon& tendon : segment_of(arm, fine, j).tendons) {
         const double held = *state++;
         const double tension_n = tension(arm, tendon, instant), x = logarithm(tension_n);
         const double beyond = std::clamp(held, x - turn * angle, x + turn * angle) - x;
@@ -46,7 +46,7 @@ class TendonFriction : public Described {
     }
   }
   bool remembers() const override { return true; }
-  void remember(const Arm& arm, const FineRod& fine, const Values& values, const Instant& instant,
+  void remember(const arm::Arm& arm, const FineRod& fine, const Values& values, const Instant& instant,
                 const Shape& shape, Memory& memory) const override {
     const double turn = std::max(values[1], 1e-3);
     Memory next;
@@ -59,7 +59,7 @@ class TendonFriction : public Described {
       passed += bent;
       next.push_back(angle);
       ++at;
-      for (const Tendon& tendon : segment_of(arm, fine, j).tendons) {
+      for (const arm::Tendon& tendon : segment_of(arm, fine, j).tendons) {
         const double x = logarithm(tension(arm, tendon, instant));
         next.push_back(memory.empty() ? x : std::clamp(memory[at], x - turn * angle, x + turn * angle));
         ++at;
@@ -69,10 +69,10 @@ class TendonFriction : public Described {
   }
 
  private:
-  static const Segment& segment_of(const Arm& arm, const FineRod& fine, std::size_t piece) {
+  static const arm::Segment& segment_of(const arm::Arm& arm, const FineRod& fine, std::size_t piece) {
     return arm.segments[static_cast<std::size_t>(fine.pieces()[piece].segment)];
   }
-  static double tension(const Arm& arm, const Tendon& tendon, const Instant& instant) {
+  static double tension(const arm::Arm& arm, const arm::Tendon& tendon, const Instant& instant) {
     const Eigen::Index row = row_of(arm, tendon.input);
     return row < 0 ? 0.0 : std::max(0.0, instant.moment_inputs[row]);
   }

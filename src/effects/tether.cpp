@@ -7,11 +7,13 @@ namespace {
 class Tether : public Described {
  public:
   using Described::Described;
+  bool varies_along() const override { return false; }
+  bool needs_strains() const override { return false; }
   bool needs_shape() const override { return true; }
-  std::optional<std::pair<double, double>> place(const Arm& arm, const Values&) const override {
+  std::optional<std::pair<double, double>> place(const arm::Arm& arm, const Values&) const override {
     return std::make_pair(arm.total_length_m(), arm.total_length_m());
   }
-  void act(const Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape* shape,
+  void act(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape* shape,
            const Memory&, rod::Rod& rod) const override {
     // What it hangs on stands still, whatever the arm's base does.
     const rod::Rod& rest = fine.layout();

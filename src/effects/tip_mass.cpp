@@ -7,7 +7,8 @@ namespace {
 class TipMass : public Described {
  public:
   using Described::Described;
-  void act(const Arm&, const FineRod&, const Values& values, const Instant&, const Shape*, const Memory&,
+  bool varies_along() const override { return false; }
+  void act(const arm::Arm&, const FineRod&, const Values& values, const Instant&, const Shape*, const Memory&,
            rod::Rod& rod) const override {
     rod.loads[rod::kTipMassLoad].mass_kg += values[0];
   }

@@ -9,25 +9,25 @@ namespace {
 constexpr double kPressurePa = 50e3, kTensionN = 3.0, kAngleRad = 1.0;
 
 /// Mean of what drives a segment, over those.
-double drive_of(const Arm& arm, const Segment& segment, const Eigen::VectorXd& inputs) {
+double drive_of(const arm::Arm& arm, const arm::Segment& segment, const Eigen::VectorXd& inputs) {
   double sum = 0.0;
   int count = 0;
   const auto add = [&](const std::string& name) {
     for (std::size_t i = 0; i < arm.inputs.scalars.size(); ++i) {
-      const ScalarInput& input = arm.inputs.scalars[i];
+      const arm::ScalarInput& input = arm.inputs.scalars[i];
       if (input.name != name) continue;
-      sum += inputs[static_cast<Eigen::Index>(i)] / (input.kind == InputKind::kTension ? kTensionN
-                                                     : input.kind == InputKind::kAngle ? kAngleRad
-                                                                                       : kPressurePa);
+      sum += inputs[static_cast<Eigen::Index>(i)] / (input.kind == arm::InputKind::kTension ? kTensionN
+                                                     : input.kind == arm::InputKind::kAngle ? kAngleRad
+                                                                                            : kPressurePa);
       ++count;
     }
   };
-  for (const Chamber& chamber : segment.chambers) add(chamber.input);
+  for (const arm::Chamber& chamber : segment.chambers) add(chamber.input);
   if (segment.central_chamber) add(segment.central_chamber->input);
   // Tendons of an arm that has both turn with its wall.
   if (count == 0) {
-    for (const Tendon& tendon : segment.tendons) add(tendon.input);
-    for (const Cable& cable : segment.cables) add(cable.input);
+    for (const arm::Tendon& tendon : segment.tendons) add(tendon.input);
+    for (const arm::Cable& cable : segment.cables) add(cable.input);
   }
   return count > 0 ? sum / count : 0.0;
 }
@@ -35,11 +35,12 @@ double drive_of(const Arm& arm, const Segment& segment, const Eigen::VectorXd& i
 class Torsion : public Described {
  public:
   using Described::Described;
-  void act(const Arm& arm, const FineRod& fine, const Values& values, const Instant& instant, const Shape*,
-           const Memory&, rod::Rod& rod) const override {
+  bool varies_along() const override { return false; }
+  void act(const arm::Arm& arm, const FineRod& fine, const Values& values, const Instant& instant,
+           const Shape*, const Memory&, rod::Rod& rod) const override {
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
       const Piece& piece = fine.pieces()[j];
-      const Segment& segment = arm.segments[static_cast<std::size_t>(piece.segment)];
+      const arm::Segment& segment = arm.segments[static_cast<std::size_t>(piece.segment)];
       const double twist = values[1] * drive_of(arm, segment, instant.moment_inputs);
       rod.segments[j].torsional_compliance += values[0];
       rod.segments[j].rest_curvature_per_m.z() +=

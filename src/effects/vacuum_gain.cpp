@@ -8,11 +8,12 @@ namespace {
 class VacuumGain : public Described {
  public:
   using Described::Described;
-  bool applies_to(const Arm& arm) const override { return has(arm, InputKind::kVacuum); }
-  void act(const Arm& arm, const FineRod& fine, const Values& values, const Instant& instant, const Shape*,
-           const Memory&, rod::Rod& rod) const override {
+  bool varies_along() const override { return false; }
+  bool applies_to(const arm::Arm& arm) const override { return has(arm, arm::InputKind::kVacuum); }
+  void act(const arm::Arm& arm, const FineRod& fine, const Values& values, const Instant& instant,
+           const Shape*, const Memory&, rod::Rod& rod) const override {
     std::vector<double> factor;
-    for (const Segment& segment : arm.segments)
+    for (const arm::Segment& segment : arm.segments)
       factor.push_back(1.0 - values[0] * vacuum_pa(arm, segment, instant.inputs) / kReferenceVacuumPa);
     for (std::size_t j = 0; j < fine.pieces().size(); ++j)
       rod.segments[j].moment_nm *= factor[static_cast<std::size_t>(fine.pieces()[j].segment)];

@@ -35,7 +35,7 @@ std::string list_of(const Combination& combination) {
 
 }  // namespace
 
-void judge(const Arm& arm, const std::vector<StaticFrame>& frames, const Uncertainty& uncertainty,
+void judge(const arm::Arm& arm, const std::vector<trial::StaticFrame>& frames, const Uncertainty& uncertainty,
            const Eigen::VectorXd& scale, double determined_sd, Result& result) {
   const Conditions conditions(arm, frames);
   const int count = static_cast<int>(result.constants.size());
@@ -82,7 +82,7 @@ void judge(const Arm& arm, const std::vector<StaticFrame>& frames, const Uncerta
     if (members.size() == 1) {
       combination.sentence = first.name + " is not determined: " + lack;
     } else if (!alike.front().empty()) {
-      combination.sentence = list_of(combination) + " cannot be told apart: " + lack;
+      combination.sentence = list_of(combination) + " cannot be separated: " + lack;
     } else {
       combination.sentence =
           fmt::format("{} can change together and no trial would show it{}: {}", list_of(combination),

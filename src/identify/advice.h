@@ -1,11 +1,11 @@
-// Which constants the trials cannot tell, what they are taken for, and which trial would tell.
+// Which constants are not identifiable from the trials, what they are taken for, and which trial would help.
 #pragma once
 
 #include <Eigen/Core>
 #include <vector>
 
 #include "softarm/identify/identify.h"
-#include "softarm/identify/static_frame.h"
+#include "trial/static_frame.h"
 #include "uncertainty.h"
 
 namespace softarm::identify {
@@ -13,7 +13,7 @@ namespace softarm::identify {
 /// What the frames vary, for scales and advice.
 class Conditions {
  public:
-  Conditions(const Arm& arm, const std::vector<StaticFrame>& frames);
+  Conditions(const arm::Arm& arm, const std::vector<trial::StaticFrame>& frames);
 
   /// Size at which a constant matters where its value is zero or near it.
   double reference_scale(const ConstantRef& constant) const;
@@ -37,13 +37,13 @@ class Conditions {
   double largest_minimum(int segment) const;
   double largest_jamming(int segment) const;
 
-  const Arm& arm_;
-  const std::vector<StaticFrame>& frames_;
+  const arm::Arm& arm_;
+  const std::vector<trial::StaticFrame>& frames_;
 };
 
 /// Fills determined, confused_with and advice of the constants, and Result::undetermined.
 /// @param scale of each constant in Result::constants, against which uncertainty is in units of
-void judge(const Arm& arm, const std::vector<StaticFrame>& frames, const Uncertainty& uncertainty,
+void judge(const arm::Arm& arm, const std::vector<trial::StaticFrame>& frames, const Uncertainty& uncertainty,
            const Eigen::VectorXd& scale, double determined_sd, Result& result);
 
 }  // namespace softarm::identify

@@ -1,10 +1,10 @@
 // Which frames are worth fitting: known, at rest, and unlike each other.
+#include "choose_frames.h"
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <limits>
-
-#include "softarm/identify/static_frame.h"
 
 namespace softarm::identify {
 namespace {
@@ -16,7 +16,7 @@ constexpr double kStillInput = 0.01;      // share of an input's range over the 
 constexpr double kStillNoise = 5.0;       // ... or so many standard deviations of a measured input
 constexpr double kQuietShare = 0.9;       // of the steps from frame to frame: the largest are commanded ones
 constexpr double kStillSpeed_m_s = 0.01;  // of the farthest body
-constexpr double kBeforeChange_s = 0.5;   // of the payload, which is told in the middle of its change
+constexpr double kBeforeChange_s = 0.5;   // of the payload, which is announced in the middle of its change
 constexpr double kAfterChange_s = 1.5;
 constexpr std::size_t kFewestStatic = 3;   // frames at rest for which a trial's others are left out
 constexpr double kStaticRange = 0.7;       // ... and their share of the trial's range of every input
@@ -24,7 +24,7 @@ constexpr std::size_t kCandidates = 2000;  // of one trial
 constexpr double kTimeWeight = 0.1;        // of a whole trial against a whole range of an input
 
 /// Inputs (0 where absent) and payload as one vector.
-Eigen::VectorXd settings(const StaticFrame& frame) {
+Eigen::VectorXd settings(const trial::StaticFrame& frame) {
   Eigen::VectorXd v(static_cast<int>(frame.inputs.size()) + 1);
   for (std::size_t i = 0; i < frame.inputs.size(); ++i)
     v[static_cast<int>(i)] = frame.inputs[i].value_or(0.0);
@@ -33,10 +33,10 @@ Eigen::VectorXd settings(const StaticFrame& frame) {
 }
 
 /// Largest distance that one body has moved between two frames, m.
-double moved_m(const StaticFrame& a, const StaticFrame& b) {
+double moved_m(const trial::StaticFrame& a, const trial::StaticFrame& b) {
   double largest = 0.0;
-  for (const SeenBody& x : a.bodies) {
-    for (const SeenBody& y : b.bodies) {
+  for (const trial::SeenBody& x : a.bodies) {
+    for (const trial::SeenBody& y : b.bodies) {
       if (x.body == y.body) largest = std::max(largest, (x.p_base - y.p_base).norm());
     }
   }
@@ -64,11 +64,11 @@ Eigen::VectorXd noise_of(const std::vector<Eigen::VectorXd>& at) {
 
 /// For each frame whether inputs and payload have not changed for a while and the bodies do not move. A frame
 /// whose past is not recorded counts: recordings of single static shapes are made of such.
-std::vector<bool> at_rest(const std::vector<StaticFrame>& frames, double noise_m) {
+std::vector<bool> at_rest(const std::vector<trial::StaticFrame>& frames, double noise_m) {
   std::vector<bool> rest(frames.size(), true);
   if (frames.empty()) return rest;
   std::vector<Eigen::VectorXd> at;
-  for (const StaticFrame& frame : frames) at.push_back(settings(frame));
+  for (const trial::StaticFrame& frame : frames) at.push_back(settings(frame));
   Eigen::VectorXd low = at.front(), high = at.front();
   for (const Eigen::VectorXd& v : at) {
     if (v.size() != low.size()) continue;
@@ -93,7 +93,7 @@ std::vector<bool> at_rest(const std::vector<StaticFrame>& frames, double noise_m
 
 /// For each frame whether the payload is the same for a while before and after it: hanging a weight on takes
 /// time, and the arm swings afterwards.
-std::vector<bool> payload_settled(const std::vector<StaticFrame>& frames) {
+std::vector<bool> payload_settled(const std::vector<trial::StaticFrame>& frames) {
   std::vector<bool> settled(frames.size(), true);
   std::vector<double> changes_s;
   for (std::size_t i = 1; i < frames.size(); ++i) {
@@ -110,8 +110,9 @@ std::vector<bool> payload_settled(const std::vector<StaticFrame>& frames) {
   return settled;
 }
 
-std::vector<StaticFrame> those_of(const std::vector<StaticFrame>& frames, const std::vector<bool>& wanted) {
-  std::vector<StaticFrame> list;
+std::vector<trial::StaticFrame> those_of(const std::vector<trial::StaticFrame>& frames,
+                                         const std::vector<bool>& wanted) {
+  std::vector<trial::StaticFrame> list;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (wanted[i]) list.push_back(frames[i]);
   }
@@ -120,11 +121,11 @@ std::vector<StaticFrame> those_of(const std::vector<StaticFrame>& frames, const 
 
 /// Whether frames at rest go about as far, in inputs and payload, as all of the trial: a trial that moves
 /// from its start to its end is at rest only where nothing is on.
-bool stands_for(const std::vector<StaticFrame>& rest, const std::vector<StaticFrame>& all) {
+bool stands_for(const std::vector<trial::StaticFrame>& rest, const std::vector<trial::StaticFrame>& all) {
   if (rest.size() < kFewestStatic || rest.size() == all.size()) return false;
-  const auto range = [](const std::vector<StaticFrame>& frames) {
+  const auto range = [](const std::vector<trial::StaticFrame>& frames) {
     Eigen::VectorXd low = settings(frames.front()), high = low;
-    for (const StaticFrame& frame : frames) {
+    for (const trial::StaticFrame& frame : frames) {
       const Eigen::VectorXd v = settings(frame);
       if (v.size() != low.size()) continue;
       low = low.cwiseMin(v);
@@ -137,7 +138,7 @@ bool stands_for(const std::vector<StaticFrame>& rest, const std::vector<StaticFr
 }
 
 /// Greedy farthest points over inputs, payload and (weakly) time: deterministic, and dense nowhere.
-std::vector<std::size_t> spread(const std::vector<StaticFrame>& frames, const Eigen::VectorXd& range,
+std::vector<std::size_t> spread(const std::vector<trial::StaticFrame>& frames, const Eigen::VectorXd& range,
                                 std::size_t count) {
   std::vector<std::size_t> chosen;
   if (count == 0 || frames.size() <= count) {
@@ -169,21 +170,23 @@ std::vector<std::size_t> spread(const std::vector<StaticFrame>& frames, const Ei
 
 }  // namespace
 
-FrameSet choose_frames(const Arm& arm, const std::vector<Trial>& trials, const FrameChoice& choice) {
+FrameSet choose_frames(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
+                       const FrameChoice& choice) {
   FrameSet set;
   double noise_m = 0.0;
-  for (const MeasuredBody& body : arm.bodies) noise_m = std::max(noise_m, body.position_sd_m);
-  std::vector<std::vector<StaticFrame>> candidates(trials.size());
+  for (const arm::MeasuredBody& body : arm.bodies) noise_m = std::max(noise_m, body.position_sd_m);
+  std::vector<std::vector<trial::StaticFrame>> candidates(trials.size());
   for (std::size_t t = 0; t < trials.size(); ++t) {
-    std::vector<StaticFrame> known = known_frames(arm, t, trials[t].frames, set.left_out);
+    std::vector<trial::StaticFrame> known =
+        trial::known_frames(arm, t, trials[t], set.left_out, trial::InputsOf::kFrames);
     if (choice.prefer_static) {
-      std::vector<StaticFrame> settled = those_of(known, payload_settled(known));
+      std::vector<trial::StaticFrame> settled = those_of(known, payload_settled(known));
       // Recordings of single static shapes may have any stamps.
       if (2 * settled.size() > known.size()) {
         set.left_out["payload just changed"] += known.size() - settled.size();
         known = std::move(settled);
       }
-      std::vector<StaticFrame> quiet = those_of(known, at_rest(known, noise_m));
+      std::vector<trial::StaticFrame> quiet = those_of(known, at_rest(known, noise_m));
       if (stands_for(quiet, known)) {
         set.left_out["in motion"] += known.size() - quiet.size();
         known = std::move(quiet);
@@ -191,7 +194,7 @@ FrameSet choose_frames(const Arm& arm, const std::vector<Trial>& trials, const F
     }
     if (choice.frames_per_trial > 0 && known.size() > std::max(kCandidates, choice.frames_per_trial)) {
       const std::size_t keep = std::max(kCandidates, choice.frames_per_trial);
-      std::vector<StaticFrame> thinned;
+      std::vector<trial::StaticFrame> thinned;
       for (std::size_t i = 0; i < keep; ++i) thinned.push_back(std::move(known[i * known.size() / keep]));
       set.left_out["alike"] += known.size() - keep;
       known = std::move(thinned);
@@ -202,7 +205,7 @@ FrameSet choose_frames(const Arm& arm, const std::vector<Trial>& trials, const F
     reason = reason->second == 0 ? set.left_out.erase(reason) : std::next(reason);
   Eigen::VectorXd low, high;
   for (const auto& known : candidates) {
-    for (const StaticFrame& frame : known) {
+    for (const trial::StaticFrame& frame : known) {
       const Eigen::VectorXd v = settings(frame);
       if (low.size() != v.size()) low = high = v;
       low = low.cwiseMin(v);

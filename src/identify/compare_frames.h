@@ -2,11 +2,12 @@
 
 #include <vector>
 
-#include "softarm/identify/static_frame.h"
+#include "trial/static_frame.h"
 
 namespace softarm::identify {
 
 /// compare() of frames that are chosen already; bodies set aside are left out.
-std::vector<FrameComparison> compare_frames(const Arm& arm, const std::vector<StaticFrame>& frames);
+std::vector<FrameComparison> compare_frames(const arm::Arm& arm,
+                                            const std::vector<trial::StaticFrame>& frames);
 
 }  // namespace softarm::identify

@@ -19,13 +19,14 @@ constexpr double kAttitudeThatTells = 0.3;       // rad
 
 }  // namespace
 
-Conditions::Conditions(const Arm& arm, const std::vector<StaticFrame>& frames) : arm_(arm), frames_(frames) {}
+Conditions::Conditions(const arm::Arm& arm, const std::vector<trial::StaticFrame>& frames)
+    : arm_(arm), frames_(frames) {}
 
 std::vector<double> Conditions::values(const std::string& input) const {
   std::vector<double> list;
   for (std::size_t i = 0; i < arm_.inputs.scalars.size(); ++i) {
     if (arm_.inputs.scalars[i].name != input) continue;
-    for (const StaticFrame& frame : frames_) {
+    for (const trial::StaticFrame& frame : frames_) {
       list.push_back(i < frame.inputs.size() ? frame.inputs[i].value_or(0.0) : 0.0);
     }
   }
@@ -48,7 +49,7 @@ double Conditions::range(const std::string& input) const {
 double Conditions::largest_minimum(int segment) const {
   const auto& chambers = arm_.segments[static_cast<std::size_t>(segment)].chambers;
   std::vector<double> lowest;
-  for (const Chamber& chamber : chambers) {
+  for (const arm::Chamber& chamber : chambers) {
     const std::vector<double> one = values(chamber.input);
     if (lowest.empty()) lowest = one;
     for (std::size_t i = 0; i < one.size(); ++i) lowest[i] = std::min(lowest[i], one[i]);
@@ -57,19 +58,19 @@ double Conditions::largest_minimum(int segment) const {
 }
 
 double Conditions::largest_jamming(int segment) const {
-  const Segment& at = arm_.segments[static_cast<std::size_t>(segment)];
+  const arm::Segment& at = arm_.segments[static_cast<std::size_t>(segment)];
   double result = at.jamming_input ? largest(*at.jamming_input) : 0.0;
-  for (const Chamber& chamber : at.chambers)
+  for (const arm::Chamber& chamber : at.chambers)
     result += largest(chamber.input) / static_cast<double>(at.chambers.size());
   return result;
 }
 
 bool Conditions::vacuum_seen(int segment) const {
-  const Segment& at = arm_.segments[static_cast<std::size_t>(segment)];
+  const arm::Segment& at = arm_.segments[static_cast<std::size_t>(segment)];
   if (!at.jamming_input) return false;
   for (std::size_t i = 0; i < arm_.inputs.scalars.size(); ++i) {
     if (arm_.inputs.scalars[i].name != *at.jamming_input) continue;
-    for (const StaticFrame& frame : frames_) {
+    for (const trial::StaticFrame& frame : frames_) {
       if (i < frame.inputs.size() && frame.inputs[i]) return true;
     }
   }
@@ -77,7 +78,7 @@ bool Conditions::vacuum_seen(int segment) const {
 }
 
 std::string Conditions::input_of(const ConstantRef& constant) const {
-  const Segment& segment = arm_.segments[static_cast<std::size_t>(constant.segment)];
+  const arm::Segment& segment = arm_.segments[static_cast<std::size_t>(constant.segment)];
   const auto i = static_cast<std::size_t>(constant.index);
   switch (constant.kind) {
     case ConstantKind::kMomentGain:
@@ -106,7 +107,7 @@ std::string Conditions::advice_of_pair(const ConstantRef& a, const ConstantRef& 
 }
 
 double Conditions::reference_scale(const ConstantRef& constant) const {
-  const Segment& segment = arm_.segments[static_cast<std::size_t>(constant.segment)];
+  const arm::Segment& segment = arm_.segments[static_cast<std::size_t>(constant.segment)];
   const double ei = segment.bending_stiffness.by_pressure.empty()
                         ? segment.bending_stiffness.base_nm2
                         : segment.bending_stiffness.by_pressure.front().bending_stiffness_nm2;
@@ -158,8 +159,8 @@ bool Conditions::driven_alike(const ConstantRef& a, const ConstantRef& b) const 
 
 std::string Conditions::load_advice() const {
   double least = 1e300, most = 0.0, turn = 0.0, own_kg = arm_.tip_mass_kg;
-  for (const Segment& segment : arm_.segments) own_kg += segment.mass_per_length_kg_m * segment.length_m;
-  for (const StaticFrame& frame : frames_) {
+  for (const arm::Segment& segment : arm_.segments) own_kg += segment.mass_per_length_kg_m * segment.length_m;
+  for (const trial::StaticFrame& frame : frames_) {
     least = std::min(least, frame.payload_kg);
     most = std::max(most, frame.payload_kg);
     const Eigen::Vector3d& first = frames_.front().gravity_base;
@@ -174,7 +175,7 @@ std::string Conditions::load_advice() const {
 }
 
 std::string Conditions::advice(const ConstantRef& constant) const {
-  const Segment& segment = arm_.segments[static_cast<std::size_t>(constant.segment)];
+  const arm::Segment& segment = arm_.segments[static_cast<std::size_t>(constant.segment)];
   const std::string input = input_of(constant);
   if (!input.empty() && !(largest(input) > 0.0))
     return fmt::format("input {} is never on: record trials that use it", input_words(constant));

@@ -13,14 +13,14 @@ namespace softarm::identify {
 namespace {
 
 // What the format of an arm file allows, see config/arms/README.md.
-constexpr Range kMomentGain{0.0, 1e-3};
-constexpr Range kElongation{-1e-5, 1e-5};  // of the near one, which is changed
-constexpr Range kStiffness{1e-6, 1e3};
-constexpr Range kStiffnessGain{0.0, 1e-4};
-constexpr Range kTendonOffset{0.0, 0.5};
-constexpr Range kCableGain{0.0, 1e4};
-constexpr Range kAxialStiffness{0.1, 1e8};
-constexpr Range kRestCurvature{-200.0, 200.0};
+constexpr arm::Range kMomentGain{0.0, 1e-3};
+constexpr arm::Range kElongation{-1e-5, 1e-5};  // of the near one, which is changed
+constexpr arm::Range kStiffness{1e-6, 1e3};
+constexpr arm::Range kStiffnessGain{0.0, 1e-4};
+constexpr arm::Range kTendonOffset{0.0, 0.5};
+constexpr arm::Range kCableGain{0.0, 1e4};
+constexpr arm::Range kAxialStiffness{0.1, 1e8};
+constexpr arm::Range kRestCurvature{-200.0, 200.0};
 
 template <typename List>
 auto& at(List& list, int i) {
@@ -60,10 +60,10 @@ auto* number_of(SegmentType& segment, const ConstantRef& constant) {
   return &law.base_nm2;
 }
 
-void set_length(Arm& arm, int segment, double length_m) {
+void set_length(arm::Arm& arm, int segment, double length_m) {
   double begin = 0.0;
   for (int i = 0; i < segment; ++i) begin += at(arm.segments, i).length_m;
-  Segment& changed = at(arm.segments, segment);
+  arm::Segment& changed = at(arm.segments, segment);
   const double before = changed.length_m;
   const double end = begin + before;
   const auto carry = [&](double& s) {
@@ -73,7 +73,7 @@ void set_length(Arm& arm, int segment, double length_m) {
       s = begin + (s - begin) / before * length_m;
     }
   };
-  for (MeasuredBody& body : arm.bodies) carry(body.arclength_m);
+  for (arm::MeasuredBody& body : arm.bodies) carry(body.arclength_m);
   carry(arm.payload.arclength_m);
   changed.mass_per_length_kg_m *= before / length_m;
   changed.length_m = length_m;
@@ -81,7 +81,7 @@ void set_length(Arm& arm, int segment, double length_m) {
 
 }  // namespace
 
-std::string name_of(const Arm& arm, const ConstantRef& constant) {
+std::string name_of(const arm::Arm& arm, const ConstantRef& constant) {
   std::string segment = at(arm.segments, constant.segment).name;
   for (const int other : constant.tied) segment += "=" + at(arm.segments, other).name;
   const int number = constant.index + 1;
@@ -146,36 +146,36 @@ std::string unit_of(ConstantKind kind) {
   return "";
 }
 
-double value_of(const Arm& arm, const ConstantRef& constant) {
-  const Segment& segment = at(arm.segments, constant.segment);
+double value_of(const arm::Arm& arm, const ConstantRef& constant) {
+  const arm::Segment& segment = at(arm.segments, constant.segment);
   const double value = *number_of(segment, constant);
   if (constant.kind != ConstantKind::kElongation) return value;
   return value + at(segment.chambers, constant.index).far_elongation_m_per_pa;
 }
 
-void set_value(Arm& arm, const ConstantRef& constant, double value) {
+void set_value(arm::Arm& arm, const ConstantRef& constant, double value) {
   for (const int i : segments_of(constant)) {
     if (constant.kind == ConstantKind::kLength) {
       set_length(arm, i, value);
       continue;
     }
-    Segment& segment = at(arm.segments, i);
+    arm::Segment& segment = at(arm.segments, i);
     const bool is_sum = constant.kind == ConstantKind::kElongation;
     *number_of(segment, constant) =
         value - (is_sum ? at(segment.chambers, constant.index).far_elongation_m_per_pa : 0.0);
   }
 }
 
-Range allowed_range(const Arm& arm, const ConstantRef& constant) {
+arm::Range allowed_range(const arm::Arm& arm, const ConstantRef& constant) {
   if (!constant.tied.empty()) {
-    Range all{std::numeric_limits<double>::lowest(), std::numeric_limits<double>::max()};
+    arm::Range all{std::numeric_limits<double>::lowest(), std::numeric_limits<double>::max()};
     for (const int i : segments_of(constant)) {
-      const Range one = allowed_range(arm, ConstantRef{constant.kind, i, constant.index});
+      const arm::Range one = allowed_range(arm, ConstantRef{constant.kind, i, constant.index});
       all = {std::max(all.low, one.low), std::min(all.high, one.high)};
     }
     return all;
   }
-  const Segment& segment = at(arm.segments, constant.segment);
+  const arm::Segment& segment = at(arm.segments, constant.segment);
   switch (constant.kind) {
     case ConstantKind::kMomentGain:
       return kMomentGain;
@@ -207,14 +207,14 @@ Range allowed_range(const Arm& arm, const ConstantRef& constant) {
   return {};
 }
 
-bool strained_by_inputs(const Segment& segment) {
+bool strained_by_inputs(const arm::Segment& segment) {
   return segment.central_chamber || !segment.tendons.empty();
 }
 
-std::vector<ConstantRef> default_free(const Arm& arm) {
+std::vector<ConstantRef> default_free(const arm::Arm& arm) {
   std::vector<ConstantRef> list;
   for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
-    const Segment& segment = at(arm.segments, i);
+    const arm::Segment& segment = at(arm.segments, i);
     const auto add_all = [&](ConstantKind kind, std::size_t count) {
       for (int k = 0; k < static_cast<int>(count); ++k) list.push_back({kind, i, k});
     };
@@ -233,7 +233,7 @@ std::vector<ConstantRef> default_free(const Arm& arm) {
   return list;
 }
 
-std::vector<ConstantRef> constants_of(const Arm& arm) {
+std::vector<ConstantRef> constants_of(const arm::Arm& arm) {
   std::vector<ConstantRef> list = default_free(arm);
   for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
     const ConstantRef axial{ConstantKind::kAxialStiffness, i, 0};
@@ -251,7 +251,7 @@ std::vector<ConstantRef> constants_of(const Arm& arm) {
   return list;
 }
 
-std::vector<ConstantRef> matching(const Arm& arm, const std::vector<std::string>& patterns) {
+std::vector<ConstantRef> matching(const arm::Arm& arm, const std::vector<std::string>& patterns) {
   const std::vector<ConstantRef> all = constants_of(arm);
   std::vector<bool> wanted(all.size(), false);
   for (const std::string& pattern : patterns) {
@@ -274,7 +274,7 @@ std::vector<ConstantRef> matching(const Arm& arm, const std::vector<std::string>
   return list;
 }
 
-std::vector<ConstantRef> tie_constants(const Arm& arm, const std::vector<ConstantRef>& list,
+std::vector<ConstantRef> tie_constants(const arm::Arm& arm, const std::vector<ConstantRef>& list,
                                        const std::vector<std::string>& patterns) {
   std::vector<ConstantRef> result = list;
   for (const std::string& pattern : patterns) {

@@ -9,7 +9,7 @@
 namespace softarm::identify {
 namespace {
 
-constexpr double kStrongCorrelation = 0.9;
+constexpr double kCorrelationToSay = 0.9;
 constexpr std::size_t kMostCorrelations = 12;
 constexpr std::size_t kMostCombinations = 4;
 
@@ -40,9 +40,9 @@ std::string constants_table(const Result& result) {
   std::size_t width = 8;
   for (const Constant& c : result.constants) width = std::max(width, c.name.size());
   std::string text = fmt::format("{:<{}}  {:>12} {:>12} {:>8}  {:>12}  {:<10} {}\n", "constant", width,
-                                 "value", "+- sd", "of size", "before", "unit", "told");
+                                 "value", "+- sd", "of size", "before", "unit", "identifiable");
   for (const Constant& c : result.constants) {
-    // Beyond ten times the constant's size an sd is only another word for "not told".
+    // Beyond ten times the constant's size an sd is only another way to say "not identifiable".
     const bool sd_means_something = c.sd < 10.0 * c.scale;
     const std::string sd = sd_means_something ? fmt::format("{:.2g}", c.sd) : "-";
     const double relative = 100.0 * c.sd / c.scale;
@@ -63,12 +63,12 @@ std::string constants_table(const Result& result) {
   return text;
 }
 
-std::string told_text(const Result& result) {
+std::string identifiable_text(const Result& result) {
   // What several lack is said once.
   std::vector<std::pair<std::string, std::string>> lines;  // advice, names
   for (const Constant& c : result.constants) {
     if (c.determined && c.advice.empty()) continue;
-    const std::string said = at_limit(c) ? "AT ITS LIMIT, not told: " : "NOT TOLD: ";
+    const std::string said = at_limit(c) ? "AT ITS LIMIT, not identifiable: " : "NOT IDENTIFIABLE: ";
     auto line = std::find_if(lines.begin(), lines.end(), [&](const auto& one) {
       return one.first == c.advice && one.second.rfind(said, 0) == 0;
     });
@@ -83,11 +83,12 @@ std::string told_text(const Result& result) {
     std::string parts;
     for (const auto& [name, share] : combination.parts)
       parts += fmt::format("{}{:+.2f} {}", parts.empty() ? "" : ", ", share, name);
-    text += fmt::format("not told together: {}\n", parts);
+    text += fmt::format("not identifiable together: {}\n", parts);
   }
   if (combinations > kMostCombinations)
-    text += fmt::format("not told together: {} more combinations, told better than these (--json has all)\n",
-                        combinations - kMostCombinations);
+    text += fmt::format(
+        "not identifiable together: {} more combinations, better determined than these (--json has all)\n",
+        combinations - kMostCombinations);
   return text;
 }
 
@@ -99,7 +100,7 @@ std::string correlation_text(const Result& result) {
   std::vector<Pair> pairs;
   for (int j = 0; j < result.correlation.rows(); ++j) {
     for (int k = 0; k < j; ++k) {
-      if (std::abs(result.correlation(j, k)) >= kStrongCorrelation)
+      if (std::abs(result.correlation(j, k)) >= kCorrelationToSay)
         pairs.push_back({result.correlation(j, k), k, j});
     }
   }
@@ -152,7 +153,7 @@ std::string trials_text(const Result& result) {
 
 std::string describe(const Result& result) {
   std::string text = constants_table(result);
-  text += told_text(result);
+  text += identifiable_text(result);
   text += correlation_text(result);
   text += errors_table(result);
   text += "trials:\n" + trials_text(result);
@@ -172,10 +173,10 @@ std::string describe(const Result& result) {
         "are "
         "wrong there, not the frames; they are kept\n",
         count, body);
-  const LawPrior& prior = result.prior;
+  const arm::LawPrior& prior = result.prior;
   const bool stretches =
       std::any_of(result.arm.segments.begin(), result.arm.segments.end(),
-                  [](const Segment& segment) { return segment.axial_stiffness_n.has_value(); });
+                  [](const arm::Segment& segment) { return segment.axial_stiffness_n.has_value(); });
   text += fmt::format(
       "prior for the estimator: moment {:.4f} N m and {:.1f} %, EI {:.1f} %, length {:.2f} mm{}; from frame "
       "to "

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "advice.h"
+#include "choose_frames.h"
 #include "compare_frames.h"
 #include "joint_fit.h"
 #include "law_errors.h"
@@ -21,7 +22,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-std::vector<bool> choose_held_out(const std::vector<Trial>& trials, const Options& options) {
+std::vector<bool> choose_held_out(const std::vector<trial::Trial>& trials, const Options& options) {
   std::vector<bool> held(trials.size(), false);
   if (!options.held_out.empty()) {
     for (const std::string& name : options.held_out) {
@@ -32,7 +33,7 @@ std::vector<bool> choose_held_out(const std::vector<Trial>& trials, const Option
       }
       if (any) continue;
       std::string names;
-      for (const Trial& trial : trials) names += (names.empty() ? "" : ", ") + trial.name;
+      for (const trial::Trial& trial : trials) names += (names.empty() ? "" : ", ") + trial.name;
       throw std::invalid_argument(
           fmt::format("'{}' is no trial that could be held out; there are {}", name, names));
     }
@@ -58,7 +59,7 @@ std::vector<bool> choose_held_out(const std::vector<Trial>& trials, const Option
   return held;
 }
 
-std::vector<ConstantRef> choose_free(const Arm& arm, const Options& options) {
+std::vector<ConstantRef> choose_free(const arm::Arm& arm, const Options& options) {
   std::vector<ConstantRef> free = options.free.empty() ? default_free(arm) : matching(arm, options.free);
   const auto same = [](const ConstantRef& a, const ConstantRef& b) {
     return a.kind == b.kind && a.segment == b.segment && a.index == b.index;
@@ -85,7 +86,7 @@ std::string reasons(const std::map<std::string, std::uint64_t>& left_out) {
 }
 
 /// A law that has been zero so far needs its input as well once it may be otherwise.
-Arm with_all_inputs_needed(Arm arm, const std::vector<ConstantRef>& free) {
+arm::Arm with_all_inputs_needed(arm::Arm arm, const std::vector<ConstantRef>& free) {
   for (const ConstantRef& constant : free) {
     if (constant.kind == ConstantKind::kPerJammingPressure && value_of(arm, constant) == 0.0)
       set_value(arm, constant, 1e-30);
@@ -102,7 +103,8 @@ std::vector<FrameComparison> of_trial(const std::vector<FrameComparison>& all, s
 }
 
 /// Errors of chosen frames before and after, over all and trial by trial.
-void compare_all(const Arm& before, const std::vector<StaticFrame>& frames, bool held_out, Result& result) {
+void compare_all(const arm::Arm& before, const std::vector<trial::StaticFrame>& frames, bool held_out,
+                 Result& result) {
   const auto old_shapes = compare_frames(before, frames);
   const auto new_shapes = compare_frames(result.arm, frames);
   const double length = before.total_length_m(), new_length = result.arm.total_length_m();
@@ -117,8 +119,8 @@ void compare_all(const Arm& before, const std::vector<StaticFrame>& frames, bool
 }
 
 /// Each trial by the fit to all others.
-void leave_one_out(const Arm& arm, const std::vector<Trial>& trials, Options options, Result& result,
-                   const ProgressCallback& progress) {
+void leave_one_out(const arm::Arm& arm, const std::vector<trial::Trial>& trials, Options options,
+                   Result& result, const ProgressCallback& progress) {
   options.leave_one_out = false;
   std::vector<FrameComparison> before, after;
   const std::vector<FrameComparison> old_shapes = compare(arm, trials, options.frames);
@@ -136,54 +138,44 @@ void leave_one_out(const Arm& arm, const std::vector<Trial>& trials, Options opt
   result.left_out_one_after = summarise(after, result.arm.total_length_m());
 }
 
-}  // namespace
+/// The frames that can be used, those of held-out trials apart.
+struct Frames {
+  std::vector<trial::StaticFrame> fitted, others;
+};
 
-Result identify(const Arm& arm, const std::vector<Trial>& trials, const Options& options,
-                const ProgressCallback& progress) {
-  if (options.leave_one_out && (trials.size() < 2 || !options.held_out.empty()))
-    throw std::invalid_argument(
-        options.held_out.empty()
-            ? "each trial by the fit to the others: there is but one trial"
-            : "trials are held out by name, or each in its turn (leave one out), not both");
-  const double own_share = options.leave_one_out ? 1.0 / (1.0 + static_cast<double>(trials.size())) : 1.0;
-  const auto report = [&](double share) {
-    if (progress) progress(own_share * share);
-  };
-  std::vector<ConstantRef> free = choose_free(arm, options);
+/// @param free loses what the frames show nothing of
+Frames frames_of(const arm::Arm& arm, const std::vector<trial::Trial>& trials, const Options& options,
+                 std::vector<ConstantRef>& free, Result& result) {
   const std::vector<bool> held_out = choose_held_out(trials, options);
-
-  // 1. Frames.
-  Result result;
-  std::vector<StaticFrame> fitted, others;
-  {
-    FrameSet all = choose_frames(arm, trials, options.frames);
-    const Conditions conditions(arm, all.frames);
-    free.erase(std::remove_if(free.begin(), free.end(),
-                              [&](const ConstantRef& c) {
-                                return c.kind == ConstantKind::kPerJammingPressure &&
-                                       !conditions.vacuum_seen(c.segment);
-                              }),
-               free.end());
-    const Arm needing = with_all_inputs_needed(arm, free);
-    all.frames.erase(std::remove_if(all.frames.begin(), all.frames.end(),
-                                    [&](const StaticFrame& f) {
-                                      if (predict(needing, f.inputs)) return false;
-                                      ++all.left_out["inputs missing or beyond the laws"];
-                                      return true;
-                                    }),
-                     all.frames.end());
-    result.left_out = all.left_out;
-    for (std::size_t t = 0; t < trials.size(); ++t)
-      result.trials.push_back({trials[t].name, held_out[t], 0, {}, {}});
-    for (StaticFrame& frame : all.frames) {
-      ++result.trials[frame.trial].frames;
-      (held_out[frame.trial] ? others : fitted).push_back(std::move(frame));
-    }
+  FrameSet all = choose_frames(arm, trials, options.frames);
+  const Conditions conditions(arm, all.frames);
+  free.erase(std::remove_if(free.begin(), free.end(),
+                            [&](const ConstantRef& c) {
+                              return c.kind == ConstantKind::kPerJammingPressure &&
+                                     !conditions.vacuum_seen(c.segment);
+                            }),
+             free.end());
+  const arm::Arm needing = with_all_inputs_needed(arm, free);
+  all.frames.erase(std::remove_if(all.frames.begin(), all.frames.end(),
+                                  [&](const trial::StaticFrame& f) {
+                                    if (predict(needing, f.inputs)) return false;
+                                    ++all.left_out["inputs missing or beyond the laws"];
+                                    return true;
+                                  }),
+                   all.frames.end());
+  result.left_out = all.left_out;
+  for (std::size_t t = 0; t < trials.size(); ++t)
+    result.trials.push_back({trials[t].name, held_out[t], 0, {}, {}});
+  Frames frames;
+  for (trial::StaticFrame& frame : all.frames) {
+    ++result.trials[frame.trial].frames;
+    (held_out[frame.trial] ? frames.others : frames.fitted).push_back(std::move(frame));
   }
   // Its own weight alone stretches an arm always alike: EA and length would be one number.
-  const bool loads_differ = std::any_of(fitted.begin(), fitted.end(), [&](const StaticFrame& frame) {
-    return std::abs(frame.payload_kg - fitted.front().payload_kg) > 1e-6;
-  });
+  const bool loads_differ =
+      std::any_of(frames.fitted.begin(), frames.fitted.end(), [&](const trial::StaticFrame& frame) {
+        return std::abs(frame.payload_kg - frames.fitted.front().payload_kg) > 1e-6;
+      });
   free.erase(std::remove_if(free.begin(), free.end(),
                             [&](const ConstantRef& c) {
                               return c.kind == ConstantKind::kAxialStiffness && !loads_differ &&
@@ -191,29 +183,35 @@ Result identify(const Arm& arm, const std::vector<Trial>& trials, const Options&
                             }),
              free.end());
   if (free.empty()) throw IdentifyError("nothing is left to fit: EA needs trials with different payloads");
-  if (fitted.empty()) throw IdentifyError("no frame of the trials can be used: " + reasons(result.left_out));
-  report(0.05);
+  if (frames.fitted.empty())
+    throw IdentifyError("no frame of the trials can be used: " + reasons(result.left_out));
+  return frames;
+}
 
-  // 2. and 3. The fit.
+double scale_of(const Conditions& conditions, const ConstantRef& ref, double value) {
+  const double size = ref.kind == ConstantKind::kLength ? 0.0 : std::abs(value);
+  return std::max(size, conditions.reference_scale(ref));
+}
+
+std::vector<FreeConstant> scaled(const arm::Arm& arm, const Conditions& conditions,
+                                 const std::vector<ConstantRef>& free) {
   std::vector<FreeConstant> constants;
-  const Conditions conditions(arm, fitted);
   for (const ConstantRef& ref : free) {
     FreeConstant constant{ref, value_of(arm, ref), 1.0, allowed_range(arm, ref)};
-    const double size = ref.kind == ConstantKind::kLength ? 0.0 : std::abs(constant.initial);
-    constant.scale = std::max(size, conditions.reference_scale(ref));
+    constant.scale = scale_of(conditions, ref, constant.initial);
     constants.push_back(constant);
   }
-  const int count = static_cast<int>(constants.size());
-  JointProblem problem(arm, constants, fitted, options);
-  const Solution solution = solve(problem, constants, fitted, [&](int iteration) {
-    report(0.05 + 0.75 * iteration / (iteration + 10.0));
-  });
-  const JointFit& fit = solution.fit;
+  return constants;
+}
+
+/// What the fit used and set aside.
+void count_used(const arm::Arm& arm, const JointFit& fit, const std::vector<trial::StaticFrame>& fitted,
+                Result& result) {
   result.converged = fit.converged;
   result.iterations = fit.iterations;
   for (const bool solved : fit.solved) ++(solved ? result.frames : result.left_out["no equilibrium"]);
-  for (const StaticFrame& frame : fitted) {
-    for (const SeenBody& seen : frame.bodies) {
+  for (const trial::StaticFrame& frame : fitted) {
+    for (const trial::SeenBody& seen : frame.bodies) {
       if (seen.used) {
         ++result.bodies;
       } else {
@@ -221,29 +219,30 @@ Result identify(const Arm& arm, const std::vector<Trial>& trials, const Options&
       }
     }
   }
-
   for (const auto& [body, number] : fit.beyond_the_model)
     result.beyond_the_model[arm.bodies[static_cast<std::size_t>(body)].name] = number;
+}
 
-  // 4. How sure.
+/// Values, how sure they are, and the arm with them.
+void set_constants(const arm::Arm& arm, const std::vector<FreeConstant>& constants,
+                   const Conditions& conditions, const Solution& solution, const VectorXd& scale,
+                   Result& result) {
   const Uncertainty& sure = solution.sure;
   result.misfit = sure.misfit;
   result.position_rms_m = sure.position_rms_m;
   result.autocorrelation = sure.autocorrelation;
   result.uncertainty_factor = sure.factor;
   result.arm = arm;
-  VectorXd scale(count);
+  const int count = static_cast<int>(constants.size());
   for (int j = 0; j < count; ++j) {
     const FreeConstant& c = constants[static_cast<std::size_t>(j)];
-    scale[j] = c.scale;
     Constant made;
     made.ref = c.ref;
     made.name = name_of(arm, c.ref);
     made.unit = unit_of(c.ref.kind);
     made.initial = c.initial;
-    made.value = fit.theta[j];
-    const double size = c.ref.kind == ConstantKind::kLength ? 0.0 : std::abs(made.value);
-    made.scale = std::max(size, conditions.reference_scale(c.ref));
+    made.value = solution.fit.theta[j];
+    made.scale = scale_of(conditions, c.ref, made.value);
     const std::optional<double>& limit = solution.ran_to[static_cast<std::size_t>(j)];
     made.at_bound = limit.has_value();
     made.ran_to = limit.value_or(0.0);
@@ -260,18 +259,46 @@ Result identify(const Arm& arm, const std::vector<Trial>& trials, const Options&
       result.correlation(j, k) = result.correlation(k, j) = std::clamp(c, -1.0, 1.0);
     }
   }
+}
 
-  // 5. What is not told.
-  judge(arm, fitted, sure, scale, options.determined_sd, result);
+}  // namespace
+
+Result identify(const arm::Arm& arm, const std::vector<trial::Trial>& trials, const Options& options,
+                const ProgressCallback& progress) {
+  if (options.leave_one_out && (trials.size() < 2 || !options.held_out.empty()))
+    throw std::invalid_argument(
+        options.held_out.empty()
+            ? "each trial by the fit to the others: there is but one trial"
+            : "trials are held out by name, or each in its turn (leave one out), not both");
+  const double own_share = options.leave_one_out ? 1.0 / (1.0 + static_cast<double>(trials.size())) : 1.0;
+  const auto report = [&](double share) {
+    if (progress) progress(own_share * share);
+  };
+  std::vector<ConstantRef> free = choose_free(arm, options);
+  Result result;
+  Frames frames = frames_of(arm, trials, options, free, result);
+  report(0.05);
+
+  const Conditions conditions(arm, frames.fitted);
+  const std::vector<FreeConstant> constants = scaled(arm, conditions, free);
+  VectorXd scale(static_cast<Eigen::Index>(constants.size()));
+  for (Eigen::Index j = 0; j < scale.size(); ++j) scale[j] = constants[static_cast<std::size_t>(j)].scale;
+  JointProblem problem(arm, constants, frames.fitted, options);
+  const Solution solution = solve(problem, constants, frames.fitted, [&](int iteration) {
+    report(0.05 + 0.75 * iteration / (iteration + 10.0));
+  });
+  count_used(arm, solution.fit, frames.fitted, result);
+  set_constants(arm, constants, conditions, solution, scale, result);
+  judge(arm, frames.fitted, solution.sure, scale, options.determined_sd, result);
   report(0.85);
 
-  // 6. Errors, and what they leave to a prior.
-  compare_all(arm, fitted, false, result);
-  compare_all(arm, others, true, result);
+  // Errors, and what they leave to a prior.
+  compare_all(arm, frames.fitted, false, result);
+  compare_all(arm, frames.others, true, result);
   report(0.95);
-  std::vector<StaticFrame> all = fitted;
-  all.insert(all.end(), others.begin(), others.end());
-  problem.model().set(fit.theta);
+  std::vector<trial::StaticFrame> all = frames.fitted;
+  all.insert(all.end(), frames.others.begin(), frames.others.end());
+  problem.model().set(solution.fit.theta);
   result.prior = law_errors(arm, problem.model(), all, result.covariance, covariance_given_moduli(result));
   prior_of_moduli(arm, result);
   result.arm.estimator.prior = result.prior;

@@ -8,6 +8,8 @@
 #include <tuple>
 #include <utility>
 
+#include "math/ceres_callback.h"
+
 namespace softarm::identify {
 namespace {
 
@@ -15,7 +17,8 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr int kPasses = 8;
-// The prior that holds what is not told: about the start, in scales, and wider by what was moved already.
+// The prior that holds what is not determined: about the start, in scales, and wider by what was moved
+// already.
 constexpr double kWeakSd = 1.0;
 constexpr double kWeakSdPerMove = 3.0;
 constexpr double kStep = 1e-5;    // of central differences, in scales
@@ -57,7 +60,7 @@ class JointProblem::Callback : public ceres::EvaluationCallback {
 
 class JointProblem::BlockCost : public ceres::CostFunction {
  public:
-  BlockCost(const JointProblem& problem, const Callback& callback, const Block& block)
+  BlockCost(const JointProblem& problem, const Callback& callback, const ResidualBlock& block)
       : problem_(problem), callback_(callback), block_(block) {
     set_num_residuals(3);
     mutable_parameter_block_sizes()->push_back(static_cast<int>(problem.constants_.size()));
@@ -75,12 +78,12 @@ class JointProblem::BlockCost : public ceres::CostFunction {
  private:
   const JointProblem& problem_;
   const Callback& callback_;
-  const Block block_;
+  const ResidualBlock block_;
 };
 
 namespace {
 
-/// x stays near its start where nothing else tells it.
+/// x stays near its start where nothing else determines it.
 class WeakPrior : public ceres::CostFunction {
  public:
   WeakPrior(VectorXd start, VectorXd sd) : start_(std::move(start)), sd_(std::move(sd)) {
@@ -114,8 +117,8 @@ class Reporter : public ceres::IterationCallback {
 
 }  // namespace
 
-JointProblem::JointProblem(const Arm& arm, std::vector<FreeConstant> constants,
-                           std::vector<StaticFrame>& frames, const Options& options)
+JointProblem::JointProblem(const arm::Arm& arm, std::vector<FreeConstant> constants,
+                           std::vector<trial::StaticFrame>& frames, const Options& options)
     : arm_(arm),
       constants_(std::move(constants)),
       frames_(frames),
@@ -139,31 +142,31 @@ std::size_t JointProblem::evaluate(const VectorXd& theta) {
   return solved;
 }
 
-double JointProblem::sd(const Block& block) const {
-  const SeenBody& seen = frames_[block.frame].bodies[static_cast<std::size_t>(block.body)];
-  const MeasuredBody& body = arm_.bodies[static_cast<std::size_t>(seen.body)];
+double JointProblem::sd(const ResidualBlock& block) const {
+  const trial::SeenBody& seen = frames_[block.frame].bodies[static_cast<std::size_t>(block.body)];
+  const arm::MeasuredBody& body = arm_.bodies[static_cast<std::size_t>(seen.body)];
   return block.tangent ? body.orientation_sd_rad : body.position_sd_m;
 }
 
-Vector3d JointProblem::residual(const Block& block) const {
-  const SeenBody& seen = frames_[block.frame].bodies[static_cast<std::size_t>(block.body)];
+Vector3d JointProblem::residual(const ResidualBlock& block) const {
+  const trial::SeenBody& seen = frames_[block.frame].bodies[static_cast<std::size_t>(block.body)];
   const Prediction& predicted = predictions_[block.frame];
   if (block.tangent) return (predicted.tangent.col(block.body) - *seen.tangent_base) / sd(block);
   return (predicted.p.col(block.body) - seen.p_base) / sd(block);
 }
 
-Eigen::MatrixXd JointProblem::jacobian(const Block& block) const {
+Eigen::MatrixXd JointProblem::jacobian(const ResidualBlock& block) const {
   const Prediction& predicted = predictions_[block.frame];
   const auto& by_theta = block.tangent ? predicted.dtangent : predicted.dp;
   return by_theta.middleRows(3 * block.body, 3) * scale_.asDiagonal() / sd(block);
 }
 
-std::vector<Block> JointProblem::blocks() const {
-  std::vector<Block> list;
+std::vector<ResidualBlock> JointProblem::blocks() const {
+  std::vector<ResidualBlock> list;
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     if (!active_[i] || !solved_[i]) continue;
     for (std::size_t k = 0; k < frames_[i].bodies.size(); ++k) {
-      const SeenBody& seen = frames_[i].bodies[k];
+      const trial::SeenBody& seen = frames_[i].bodies[k];
       if (!seen.used) continue;
       list.push_back({i, static_cast<int>(k), false});
       if (seen.tangent_base) list.push_back({i, static_cast<int>(k), true});
@@ -198,7 +201,8 @@ void JointProblem::retry_cold(double threshold) {
 bool JointProblem::minimise(VectorXd& x, const std::function<void(int)>& progress) {
   Callback callback(*this, x);
   ceres::Problem::Options problem_options;
-  problem_options.evaluation_callback = &callback;
+  ceres::Solver::Options options;
+  math::set_evaluation_callback(callback, problem_options, options);
   problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   std::map<std::pair<int, bool>, std::unique_ptr<ceres::LossFunction>> losses;
   ceres::Problem problem(problem_options);
@@ -212,7 +216,7 @@ bool JointProblem::minimise(VectorXd& x, const std::function<void(int)>& progres
     x[j] = std::clamp(x[j], low, high);
     start[j] = std::clamp(constant.initial / constant.scale, low, high);
   }
-  for (const Block& block : blocks()) {
+  for (const ResidualBlock& block : blocks()) {
     const int body = frames_[block.frame].bodies[static_cast<std::size_t>(block.body)].body;
     std::unique_ptr<ceres::LossFunction>& loss = losses[{body, block.tangent}];
     if (options_.robust && !loss)
@@ -226,7 +230,6 @@ bool JointProblem::minimise(VectorXd& x, const std::function<void(int)>& progres
     sd[j] = kKeptSd;
   }
   problem.AddResidualBlock(new WeakPrior(start, sd), nullptr, x.data());
-  ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = options_.max_iterations;
   options.max_num_consecutive_invalid_steps = 30;

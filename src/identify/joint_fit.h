@@ -22,12 +22,12 @@ struct FreeConstant {
   ConstantRef ref;
   double initial = 0.0;
   double scale = 1.0;
-  Range range;
+  arm::Range range;
   bool kept = false;  ///< stays at its start
 };
 
 /// One block of residuals: position or tangent of one body of one frame.
-struct Block {
+struct ResidualBlock {
   std::size_t frame = 0;
   int body = 0;  ///< index into StaticFrame::bodies
   bool tangent = false;
@@ -46,8 +46,8 @@ struct JointFit {
 class JointProblem {
  public:
   /// @param frames bodies are set aside in it as outliers
-  JointProblem(const Arm& arm, std::vector<FreeConstant> constants, std::vector<StaticFrame>& frames,
-               const Options& options);
+  JointProblem(const arm::Arm& arm, std::vector<FreeConstant> constants,
+               std::vector<trial::StaticFrame>& frames, const Options& options);
 
   /// @param progress called after each iteration with their number over all passes
   JointFit solve(const std::function<void(int)>& progress);
@@ -57,15 +57,15 @@ class JointProblem {
 
   LawModel& model() { return model_; }
   /// Residual of a block at the last evaluation, whitened.
-  Eigen::Vector3d residual(const Block& block) const;
+  Eigen::Vector3d residual(const ResidualBlock& block) const;
   /// Predicted less measured, m; of blocks that are positions.
-  Eigen::Vector3d position_error_m(const Block& block) const { return residual(block) * sd(block); }
+  Eigen::Vector3d position_error_m(const ResidualBlock& block) const { return residual(block) * sd(block); }
   /// Its derivative by x.
-  Eigen::MatrixXd jacobian(const Block& block) const;
+  Eigen::MatrixXd jacobian(const ResidualBlock& block) const;
   /// Huber's weight of a squared whitened distance: 1 inside the threshold.
-  double weight(const Block& block, double squared_distance) const;
+  double weight(const ResidualBlock& block, double squared_distance) const;
   /// Blocks of used bodies of frames that have a shape.
-  std::vector<Block> blocks() const;
+  std::vector<ResidualBlock> blocks() const;
 
   /// Predicts all frames at theta. @return how many have a shape
   std::size_t evaluate(const Eigen::VectorXd& theta);
@@ -74,7 +74,7 @@ class JointProblem {
   class Callback;
   class BlockCost;
 
-  double sd(const Block& block) const;
+  double sd(const ResidualBlock& block) const;
   /// Misfit over noise, of all bodies and, where that of one is larger, of each.
   void measure_scales();
   double scale_of(int body, bool tangent) const;
@@ -84,9 +84,9 @@ class JointProblem {
   bool minimise(Eigen::VectorXd& x, const std::function<void(int)>& progress);
   bool evaluate_frame(std::size_t i, bool cold);
 
-  const Arm& arm_;
+  const arm::Arm& arm_;
   std::vector<FreeConstant> constants_;
-  std::vector<StaticFrame>& frames_;
+  std::vector<trial::StaticFrame>& frames_;
   const Options& options_;
   LawModel model_;
   Eigen::VectorXd scale_;

@@ -5,13 +5,14 @@
 #include <cmath>
 #include <map>
 
+#include "math/statistics.h"
+
 namespace softarm::identify {
 namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kLaws = 4;
 constexpr int kIterations = 40;
 constexpr std::size_t kFewestForShare = 8;  // trials from which an error is split into absolute and relative
 // What a law is never trusted beyond.
@@ -24,7 +25,7 @@ constexpr double kStartMoment_rel = 0.1;
 constexpr double kStartStiffness_rel = 0.2;
 constexpr double kStartLength_rel = 0.02;
 constexpr double kVisibleBend_rad = 0.1;
-// Beyond this a law says nothing: what the trials do not tell at all must stay a number.
+// Beyond this a law says nothing: what the trials do not determine at all must stay a number.
 constexpr double kMostMoment_rel = 5.0;
 constexpr double kMostStiffness_rel = 1.0;
 constexpr double kMostLength_rel = 0.5;
@@ -36,7 +37,7 @@ struct FrameInformation {
   VectorXd moment_nm;  ///< per segment
 };
 
-FrameInformation inform(const Arm& arm, LawModel& model, const StaticFrame& frame,
+FrameInformation inform(const arm::Arm& arm, LawModel& model, const trial::StaticFrame& frame,
                         const Prediction& predicted, double trust) {
   FrameInformation info;
   const int laws = static_cast<int>(predicted.laws.size());
@@ -51,10 +52,10 @@ FrameInformation inform(const Arm& arm, LawModel& model, const StaticFrame& fram
     info.y.noalias() += weight * j.transpose() * measured_less_predicted;
   };
   for (std::size_t k = 0; k < frame.bodies.size(); ++k) {
-    const SeenBody& seen = frame.bodies[k];
+    const trial::SeenBody& seen = frame.bodies[k];
     if (!seen.used) continue;
     const int column = static_cast<int>(k);
-    const MeasuredBody& body = arm.bodies[static_cast<std::size_t>(seen.body)];
+    const arm::MeasuredBody& body = arm.bodies[static_cast<std::size_t>(seen.body)];
     add(seen.p_base - predicted.p.col(column), dp.middleRows(3 * column, 3), body.position_sd_m);
     if (seen.tangent_base)
       add(*seen.tangent_base - predicted.tangent.col(column), dtangent.middleRows(3 * column, 3),
@@ -106,13 +107,6 @@ Components split(const std::map<std::size_t, std::vector<FrameInformation>>& tri
   return c;
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Squares of the moment's error as a sum of a constant and of a share of the moment squared, both >= 0.
 void split_moment(const std::vector<double>& error2, const std::vector<double>& moment2, double& absolute2,
                   double& relative2) {
@@ -133,25 +127,25 @@ void split_moment(const std::vector<double>& error2, const std::vector<double>& 
 
 }  // namespace
 
-LawPrior law_errors(const Arm& arm, LawModel& model, const std::vector<StaticFrame>& frames,
-                    const MatrixXd& of_constants, const MatrixXd& given_moduli) {
+arm::LawPrior law_errors(const arm::Arm& arm, LawModel& model, const std::vector<trial::StaticFrame>& frames,
+                         const MatrixXd& of_constants, const MatrixXd& given_moduli) {
   std::map<std::size_t, std::vector<FrameInformation>> trials;
   const int segments = static_cast<int>(arm.segments.size());
   std::vector<double> moments, bending_nm;  // the latter per radian
   std::vector<std::vector<double>> own(3);  // variances by the constants: moment, ln EI, length
-  for (const StaticFrame& frame : frames) {
+  for (const trial::StaticFrame& frame : frames) {
     std::optional<Equilibrium> equilibrium;
     Prediction predicted;
     if (!model.predict(frame, equilibrium, predicted)) continue;
     // A frame's largest residuals are of the laws as a rule; what no law explains must not rule.
     std::vector<double> distances;
     for (std::size_t k = 0; k < frame.bodies.size(); ++k) {
-      const SeenBody& seen = frame.bodies[k];
+      const trial::SeenBody& seen = frame.bodies[k];
       const double sd = arm.bodies[static_cast<std::size_t>(seen.body)].position_sd_m;
       distances.push_back((seen.p_base - predicted.p.col(static_cast<int>(k))).norm() / sd);
     }
     trials[frame.trial].push_back(
-        inform(arm, model, frame, predicted, kHuber * std::max(1.0, median(distances))));
+        inform(arm, model, frame, predicted, kHuber * std::max(1.0, math::median(distances))));
     const auto variances = [&](const MatrixXd& covariance) -> VectorXd {
       return (predicted.dlaws * covariance * predicted.dlaws.transpose()).diagonal().cwiseMax(0.0);
     };
@@ -164,12 +158,12 @@ LawPrior law_errors(const Arm& arm, LawModel& model, const std::vector<StaticFra
       own[2].push_back(given[kLaws * i + 3]);
     }
   }
-  LawPrior prior;
+  arm::LawPrior prior;
   if (trials.empty()) return prior;
   double square = 0.0;
   for (const double m : moments) square += m * m / static_cast<double>(moments.size());
   // Of frames that are hardly driven: what would bend the arm visibly.
-  const double typical_nm = std::max(kVisibleBend_rad * median(bending_nm), std::sqrt(square));
+  const double typical_nm = std::max(kVisibleBend_rad * math::median(bending_nm), std::sqrt(square));
   const double length_m = arm.total_length_m() / segments;
   VectorXd start(kLaws * segments);
   for (int i = 0; i < segments; ++i) {
@@ -201,17 +195,18 @@ LawPrior law_errors(const Arm& arm, LawModel& model, const std::vector<StaticFra
   double absolute2 = 0.0, relative2 = 0.0;
   split_moment(error2, moment2, absolute2, relative2);
   // Constants that the trials do not tell: off by all of the moment is what there is to be said.
-  const double own_moment2 = std::min(median(own[0]), typical_nm * typical_nm);
+  const double own_moment2 = std::min(math::median(own[0]), typical_nm * typical_nm);
   const double least_moment = kLeastMoment_rel * typical_nm;
   prior.enabled = true;
   prior.moment_sd_nm = std::min(kMostMoment_rel * typical_nm,
                                 std::sqrt(absolute2 + own_moment2 + least_moment * least_moment));
   prior.moment_sd_rel = std::sqrt(relative2);
-  prior.bending_stiffness_sd_rel = std::min(
-      kMostStiffness_rel, std::sqrt(stiffness2 + median(own[1]) + kLeastStiffness_rel * kLeastStiffness_rel));
+  prior.bending_stiffness_sd_rel =
+      std::min(kMostStiffness_rel,
+               std::sqrt(stiffness2 + math::median(own[1]) + kLeastStiffness_rel * kLeastStiffness_rel));
   const double least_length = kLeastLength_rel * length_m;
-  prior.length_sd_m =
-      std::min(kMostLength_rel * length_m, std::sqrt(length2 + median(own[2]) + least_length * least_length));
+  prior.length_sd_m = std::min(kMostLength_rel * length_m,
+                               std::sqrt(length2 + math::median(own[2]) + least_length * least_length));
   prior.moment_jitter_sd_nm = std::max(std::sqrt(moment_jitter2), kLeastJitter * prior.moment_sd_nm);
   prior.length_jitter_sd_m = std::max(std::sqrt(length_jitter2), kLeastJitter * prior.length_sd_m);
   return prior;

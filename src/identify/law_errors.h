@@ -14,10 +14,10 @@ namespace softarm::identify {
 /// of the laws at the frames' inputs to the lasting ones.
 /// @param model at the identified constants
 /// @param of_constants their covariance, in their units
-/// @param given_moduli the same given the moduli that are not told: what EI is off by takes the moment along,
-/// and is counted with EI
+/// @param given_moduli the same given the moduli that are not identifiable: what EI is off by takes the
+/// moment along, and is counted with EI
 /// @param frames of fitted and held-out trials
-LawPrior law_errors(const Arm& arm, LawModel& model, const std::vector<StaticFrame>& frames,
-                    const Eigen::MatrixXd& of_constants, const Eigen::MatrixXd& given_moduli);
+arm::LawPrior law_errors(const arm::Arm& arm, LawModel& model, const std::vector<trial::StaticFrame>& frames,
+                         const Eigen::MatrixXd& of_constants, const Eigen::MatrixXd& given_moduli);
 
 }  // namespace softarm::identify

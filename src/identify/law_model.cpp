@@ -2,8 +2,9 @@
 
 #include <cmath>
 
+#include "math/so3.h"
+#include "model/body_kinematics.h"
 #include "softarm/arm/laws.h"
-#include "softarm/math/so3.h"
 
 namespace softarm::identify {
 namespace {
@@ -11,11 +12,10 @@ namespace {
 using Eigen::Vector3d;
 using rod::ParameterKind;
 
-constexpr int kLaws = 4;               // moment x, y, ln EI, length
 constexpr double kWarmTurn_rad = 0.5;  // a tip predicted to turn further is solved from nothing
 
 /// Rod parameters that the laws or the constants change; the first four of a segment always.
-std::vector<rod::Parameter> rod_parameters(const Arm& arm, const std::vector<ConstantRef>& constants) {
+std::vector<rod::Parameter> rod_parameters(const arm::Arm& arm, const std::vector<ConstantRef>& constants) {
   std::vector<rod::Parameter> list;
   for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
     list.push_back({ParameterKind::kMoment, i, 0});
@@ -30,7 +30,7 @@ std::vector<rod::Parameter> rod_parameters(const Arm& arm, const std::vector<Con
     list.push_back({kind, segment, component});
   };
   const auto add_for = [&](const ConstantRef& constant, int i) {
-    const Segment& segment = arm.segments[static_cast<std::size_t>(i)];
+    const arm::Segment& segment = arm.segments[static_cast<std::size_t>(i)];
     if (constant.kind == ConstantKind::kTendonOffset && segment.torsional_stiffness_nm2)
       add(ParameterKind::kTorsionalCompliance, i, 0);
     if (constant.kind == ConstantKind::kAxialStiffness) {
@@ -48,9 +48,9 @@ std::vector<rod::Parameter> rod_parameters(const Arm& arm, const std::vector<Con
   return list;
 }
 
-std::vector<double> stations(const Arm& arm) {
+std::vector<double> stations(const arm::Arm& arm) {
   std::vector<double> list;
-  for (const MeasuredBody& body : arm.bodies) list.push_back(body.arclength_m);
+  for (const arm::MeasuredBody& body : arm.bodies) list.push_back(body.arclength_m);
   return list;
 }
 
@@ -64,7 +64,7 @@ rod::SolverOptions solver_options() {
 
 /// In the fit a length changes what the laws say of it; the layout of the rod, which carries the bodies
 /// along, keeps the arm's own.
-void set_law(Arm& arm, const ConstantRef& constant, double value) {
+void set_law(arm::Arm& arm, const ConstantRef& constant, double value) {
   if (constant.kind == ConstantKind::kLength) {
     for (const int i : segments_of(constant)) arm.segments[static_cast<std::size_t>(i)].length_m = value;
   } else {
@@ -72,14 +72,15 @@ void set_law(Arm& arm, const ConstantRef& constant, double value) {
   }
 }
 
-void put_rest_curvature(const Arm& arm, rod::Rod& rod) {
+void put_rest_curvature(const arm::Arm& arm, rod::Rod& rod) {
   for (std::size_t i = 0; i < rod.segments.size(); ++i)
     rod.segments[i].rest_curvature_per_m = arm.segments[i].rest_curvature_per_m;
 }
 
 }  // namespace
 
-LawModel::LawModel(const Arm& arm, const std::vector<ConstantRef>& constants, const Eigen::VectorXd& step)
+LawModel::LawModel(const arm::Arm& arm, const std::vector<ConstantRef>& constants,
+                   const Eigen::VectorXd& step)
     : constants_(constants),
       step_(step),
       bodies_(arm.bodies),
@@ -125,8 +126,8 @@ double LawModel::parameter(const rod::Rod& rod, const rod::Parameter& which) con
   }
 }
 
-bool LawModel::apply(const StaticFrame& frame) {
-  auto laws = softarm::predict(arm_, frame.inputs);
+bool LawModel::apply(const trial::StaticFrame& frame) {
+  auto laws = softarm::arm::predict(arm_, frame.inputs);
   if (!laws) return false;
   laws_ = *laws;
   rod_.gravity_m_s2 = frame.gravity_base;
@@ -143,13 +144,13 @@ bool LawModel::apply(const StaticFrame& frame) {
   return true;
 }
 
-bool LawModel::differentiate(const StaticFrame& frame, int column, int index,
-                             std::vector<SegmentPrediction>& laws) {
+bool LawModel::differentiate(const trial::StaticFrame& frame, int column, int index,
+                             std::vector<arm::SegmentPrediction>& laws) {
   const auto j = static_cast<std::size_t>(column), segment = static_cast<std::size_t>(index);
   const double sides[2] = {1.0, -1.0};
   for (const double side : sides) {
-    const Arm& arm = side > 0.0 ? above_[j] : below_[j];
-    const auto varied = predict_segment(arm, arm.segments[segment], frame.inputs);
+    const arm::Arm& arm = side > 0.0 ? above_[j] : below_[j];
+    const auto varied = arm::predict_segment(arm, arm.segments[segment], frame.inputs);
     if (!varied) return false;
     laws[segment] = *varied;
     rod::actuate(arm, laws, varied_);
@@ -170,24 +171,22 @@ bool LawModel::differentiate(const StaticFrame& frame, int column, int index,
 
 void LawModel::body_derivative(int body, const Eigen::MatrixXd& rod_by_x, Eigen::Ref<Eigen::MatrixXd> dp,
                                Eigen::Ref<Eigen::MatrixXd> dtangent) const {
-  const MeasuredBody& measured = bodies_[static_cast<std::size_t>(body)];
+  const arm::MeasuredBody& measured = bodies_[static_cast<std::size_t>(body)];
   const rod::RodState& state = solver_.station(body);
   const Eigen::MatrixXd turn = solver_.drotation(body) * rod_by_x;
-  dp.noalias() = solver_.dp(body) * rod_by_x;
-  if (measured.kind == BodyKind::kSkinMarker) {
-    const Vector3d radial(std::cos(measured.angle_rad), std::sin(measured.angle_rad), 0.0);
-    dp -= skew(measured.radius_m * (state.q * radial)) * turn;
-  }
-  dtangent.noalias() = -skew(state.q * Vector3d::UnitZ()) * turn;
+  Eigen::Matrix3Xd position = solver_.dp(body) * rod_by_x;
+  model::carry_position(measured, state, turn, position);
+  dp = position;
+  dtangent = model::tangent_derivative(state, turn);
 }
 
-bool LawModel::predict(const StaticFrame& frame, std::optional<Equilibrium>& state, Prediction& out) {
+bool LawModel::predict(const trial::StaticFrame& frame, std::optional<Equilibrium>& state, Prediction& out) {
   if (!apply(frame)) return false;
   rod::SolveStatus status = rod::SolveStatus::kNoConvergence;
   if (state) {
     const Vector3d turn = state->tip_by_theta * (theta_ - state->theta);
     if (turn.norm() < kWarmTurn_rad)
-      status = solver_.solve(rod_, (exp_so3(turn) * state->q_tip).normalized());
+      status = solver_.solve(rod_, (math::exp_so3(turn) * state->q_tip).normalized());
   }
   if (status != rod::SolveStatus::kConverged) status = solver_.solve(rod_);
   if (status != rod::SolveStatus::kConverged) return false;
@@ -204,14 +203,10 @@ bool LawModel::predict(const StaticFrame& frame, std::optional<Equilibrium>& sta
   out.dtangent.resize(3 * count, constants);
   for (int k = 0; k < count; ++k) {
     const int body = frame.bodies[static_cast<std::size_t>(k)].body;
-    const MeasuredBody& measured = bodies_[static_cast<std::size_t>(body)];
+    const arm::MeasuredBody& measured = bodies_[static_cast<std::size_t>(body)];
     const rod::RodState& at = solver_.station(body);
-    out.p.col(k) = at.p;
-    if (measured.kind == BodyKind::kSkinMarker) {
-      const Vector3d radial(std::cos(measured.angle_rad), std::sin(measured.angle_rad), 0.0);
-      out.p.col(k) += measured.radius_m * (at.q * radial);
-    }
-    out.tangent.col(k) = at.q * Vector3d::UnitZ();
+    out.p.col(k) = model::position_on(measured, at);
+    out.tangent.col(k) = model::tangent_of(at);
     body_derivative(body, rod_by_theta_, out.dp.middleRows(3 * k, 3), out.dtangent.middleRows(3 * k, 3));
   }
   out.laws.resize(kLaws * static_cast<int>(laws_.size()));
@@ -224,7 +219,7 @@ bool LawModel::predict(const StaticFrame& frame, std::optional<Equilibrium>& sta
   return true;
 }
 
-void LawModel::derivative_by_laws(const StaticFrame& frame, Eigen::MatrixXd& dp,
+void LawModel::derivative_by_laws(const trial::StaticFrame& frame, Eigen::MatrixXd& dp,
                                   Eigen::MatrixXd& dtangent) const {
   const int columns = kLaws * static_cast<int>(laws_.size());
   Eigen::MatrixXd rod_by_laws = Eigen::MatrixXd::Zero(static_cast<int>(parameters_.size()), columns);

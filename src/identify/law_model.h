@@ -7,10 +7,12 @@
 #include <vector>
 
 #include "softarm/identify/constants.h"
-#include "softarm/identify/static_frame.h"
 #include "softarm/rod/solver.h"
+#include "trial/static_frame.h"
 
 namespace softarm::identify {
+
+constexpr int kLaws = 4;  ///< of a segment: moment x, y, ln EI, length
 
 /// Where a frame's last equilibrium was: the start of its next one.
 struct Equilibrium {
@@ -34,36 +36,38 @@ struct Prediction {
 class LawModel {
  public:
   /// @param step size of each constant's central difference
-  LawModel(const Arm& arm, const std::vector<ConstantRef>& constants, const Eigen::VectorXd& step);
+  LawModel(const arm::Arm& arm, const std::vector<ConstantRef>& constants, const Eigen::VectorXd& step);
 
   void set(const Eigen::VectorXd& theta);
 
   /// @param state of this frame, empty at first; updated where there is an equilibrium
   /// @return false without one, or where the laws have no value
-  bool predict(const StaticFrame& frame, std::optional<Equilibrium>& state, Prediction& out);
+  bool predict(const trial::StaticFrame& frame, std::optional<Equilibrium>& state, Prediction& out);
 
   /// Derivative of a predicted body by the laws of the segments (4 per segment, in the order of
   /// Prediction::laws), valid after predict().
-  void derivative_by_laws(const StaticFrame& frame, Eigen::MatrixXd& dp, Eigen::MatrixXd& dtangent) const;
+  void derivative_by_laws(const trial::StaticFrame& frame, Eigen::MatrixXd& dp,
+                          Eigen::MatrixXd& dtangent) const;
 
  private:
-  bool apply(const StaticFrame& frame);
+  bool apply(const trial::StaticFrame& frame);
   /// Adds what a constant does to the laws of one of its segments.
   /// @param laws of this frame; as they were afterwards
-  bool differentiate(const StaticFrame& frame, int column, int segment, std::vector<SegmentPrediction>& laws);
+  bool differentiate(const trial::StaticFrame& frame, int column, int segment,
+                     std::vector<arm::SegmentPrediction>& laws);
   void body_derivative(int body, const Eigen::MatrixXd& rod_by_x, Eigen::Ref<Eigen::MatrixXd> dp,
                        Eigen::Ref<Eigen::MatrixXd> dtangent) const;
   double parameter(const rod::Rod& rod, const rod::Parameter& which) const;
 
   std::vector<ConstantRef> constants_;
   Eigen::VectorXd step_, theta_;
-  std::vector<MeasuredBody> bodies_;
-  Arm arm_;                         ///< with theta
-  std::vector<Arm> above_, below_;  ///< with one constant a step up or down
+  std::vector<arm::MeasuredBody> bodies_;
+  arm::Arm arm_;                         ///< with theta
+  std::vector<arm::Arm> above_, below_;  ///< with one constant a step up or down
   std::vector<rod::Parameter> parameters_;
   rod::Rod rod_, varied_;
   rod::Solver solver_;
-  std::vector<SegmentPrediction> laws_;
+  std::vector<arm::SegmentPrediction> laws_;
   Eigen::MatrixXd rod_by_theta_;   ///< parameters x constants
   Eigen::MatrixXd laws_by_theta_;  ///< 4 segments x constants
 };

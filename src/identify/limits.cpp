@@ -30,7 +30,7 @@ bool is_modulus(ConstantKind kind) {
 }  // namespace
 
 Solution solve(JointProblem& problem, const std::vector<FreeConstant>& constants,
-               const std::vector<StaticFrame>& frames, const std::function<void(int)>& progress) {
+               const std::vector<trial::StaticFrame>& frames, const std::function<void(int)>& progress) {
   const auto count = constants.size();
   const auto solve_once = [&](JointProblem& p) {
     Solution s{p.solve(progress), {}, std::vector<std::optional<double>>(count), std::vector<bool>(count)};
@@ -90,10 +90,10 @@ MatrixXd covariance_given_moduli(const Result& result) {
   return c;
 }
 
-void prior_of_moduli(const Arm& arm, Result& result) {
-  const LawPrior& before = arm.estimator.prior;
+void prior_of_moduli(const arm::Arm& arm, Result& result) {
+  const arm::LawPrior& before = arm.estimator.prior;
   std::optional<double> stretch;  // the worst of the segments
-  std::vector<bool> told(arm.segments.size(), false);
+  std::vector<bool> determined(arm.segments.size(), false);
   const auto note = [&](const Constant& c, const char* what, double sd_rel) {
     result.prior_notes.push_back(fmt::format("{} {:g} % as in the arm file, because {} ran into its limit",
                                              what, 100.0 * sd_rel, c.name));
@@ -105,8 +105,8 @@ void prior_of_moduli(const Arm& arm, Result& result) {
         note(c, "EA", before.axial_stiffness_sd_rel);
         continue;
       }
-      told[static_cast<std::size_t>(c.ref.segment)] = true;
-      for (const int other : c.ref.tied) told[static_cast<std::size_t>(other)] = true;
+      determined[static_cast<std::size_t>(c.ref.segment)] = true;
+      for (const int other : c.ref.tied) determined[static_cast<std::size_t>(other)] = true;
       const double sd_rel = std::clamp(c.sd / std::abs(c.value), kLeastAxial_rel, kMostAxial_rel);
       stretch = std::max(stretch.value_or(0.0), sd_rel);
     } else if (is_modulus(c.ref.kind) && c.at_bound && !stiffness_noted) {
@@ -116,7 +116,7 @@ void prior_of_moduli(const Arm& arm, Result& result) {
     }
   }
   for (std::size_t i = 0; i < arm.segments.size(); ++i) {
-    if (arm.segments[i].axial_stiffness_n && !told[i])
+    if (arm.segments[i].axial_stiffness_n && !determined[i])
       stretch = std::max(stretch.value_or(0.0), before.axial_stiffness_sd_rel);
   }
   result.prior.axial_stiffness_sd_rel = stretch.value_or(before.axial_stiffness_sd_rel);

@@ -1,4 +1,5 @@
-// Constants that the trials let run into a limit, and what the prior makes of moduli that are not told.
+// Constants that the trials let run into a limit, and what the prior makes of moduli that are not
+// identifiable.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,18 +20,18 @@ struct Solution {
   std::vector<bool> kept;                     ///< put back to its start
 };
 
-/// A modulus that the trials hardly tell runs as far as it may, and takes the gains along. Where it gains
-/// nothing by that it keeps its start, and the rest is fitted to that.
+/// A modulus that the trials hardly determine runs as far as it may, and takes the gains along. Where it
+/// gains nothing by that it keeps its start, and the rest is fitted to that.
 Solution solve(JointProblem& problem, const std::vector<FreeConstant>& constants,
-               const std::vector<StaticFrame>& frames, const std::function<void(int)>& progress);
+               const std::vector<trial::StaticFrame>& frames, const std::function<void(int)>& progress);
 
-/// Covariance of the constants given what is at a limit, EI where the trials do not tell it, and EA, which
-/// the prior has by itself: the gains that go with EI would be as wide as it, and the prior, which counts
-/// moment and EI one by one, would say nothing of either.
+/// Covariance of the constants given what is at a limit, EI where the trials do not identify it, and EA,
+/// which the prior has by itself: the gains that go with EI would be as wide as it, and the prior, which
+/// counts moment and EI one by one, would say nothing of either.
 Eigen::MatrixXd covariance_given_moduli(const Result& result);
 
-/// EI as the arm file has it where it ran into a limit; EA as the trials tell it, else as the arm file has
+/// EI as the arm file has it where it ran into a limit; EA as the trials say it, else as the arm file has
 /// it.
-void prior_of_moduli(const Arm& arm, Result& result);
+void prior_of_moduli(const arm::Arm& arm, Result& result);
 
 }  // namespace softarm::identify

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "joint_fit.h"
+#include "math/statistics.h"
 
 namespace softarm::identify {
 namespace {
@@ -18,13 +19,6 @@ constexpr double kShareThatScales = 0.85;
 constexpr double kShareOfChi3 = 2.3059, kShareOfChi2 = 1.9479;  // distances below which that share lies
 constexpr std::size_t kFewestOfTrial = 5;  // observations of a body from which their trial has a scale
 constexpr double kMisfitShare = 0.1;       // of a body's observations, to be said
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// The distance below which most of them lie; of few, all but one.
 double most_of(std::vector<double> values) {
@@ -38,7 +32,7 @@ double most_of(std::vector<double> values) {
 
 }  // namespace
 
-double JointProblem::weight(const Block& block, double squared_distance) const {
+double JointProblem::weight(const ResidualBlock& block, double squared_distance) const {
   if (!options_.robust) return 1.0;
   const int body = frames_[block.frame].bodies[static_cast<std::size_t>(block.body)].body;
   const double threshold = kHuber * scale_of(body, block.tangent);
@@ -52,7 +46,7 @@ void JointProblem::measure_scales() {
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     if (!active_[i] || !solved_[i]) continue;
     for (std::size_t k = 0; k < frames_[i].bodies.size(); ++k) {
-      const SeenBody& seen = frames_[i].bodies[k];
+      const trial::SeenBody& seen = frames_[i].bodies[k];
       for (const bool is_tangent : {false, true}) {
         if (is_tangent && !seen.tangent_base) continue;
         const double distance = residual({i, static_cast<int>(k), is_tangent}).norm();
@@ -61,8 +55,8 @@ void JointProblem::measure_scales() {
       }
     }
   }
-  position_scale_ = std::max(1.0, median(position) / kMedianOfChi3);
-  tangent_scale_ = std::max(1.0, median(tangent) / kMedianOfChi2);
+  position_scale_ = std::max(1.0, math::median(position) / kMedianOfChi3);
+  tangent_scale_ = std::max(1.0, math::median(tangent) / kMedianOfChi2);
   for (const int kind : {0, 1}) {
     body_scale_[kind].clear();
     for (const auto& [body, distances] : by_body[kind])
@@ -90,17 +84,17 @@ bool JointProblem::set_outliers_aside() {
   const auto distance = [&](std::size_t i, std::size_t k, bool tangent) {
     return residual({i, static_cast<int>(k), tangent}).norm();
   };
-  each([&](std::size_t i, std::size_t k, const SeenBody& seen) {
+  each([&](std::size_t i, std::size_t k, const trial::SeenBody& seen) {
     by_trial[{frames_[i].trial, seen.body, false}].push_back(distance(i, k, false));
     if (seen.tangent_base) by_trial[{frames_[i].trial, seen.body, true}].push_back(distance(i, k, true));
   });
   std::map<std::tuple<std::size_t, int, bool>, double> trial_scale;
   for (const auto& [which, distances] : by_trial) {
     if (distances.size() >= kFewestOfTrial)
-      trial_scale[which] = median(distances) / (std::get<2>(which) ? kMedianOfChi2 : kMedianOfChi3);
+      trial_scale[which] = math::median(distances) / (std::get<2>(which) ? kMedianOfChi2 : kMedianOfChi3);
   }
   bool changed = false;
-  each([&](std::size_t i, std::size_t k, SeenBody& seen) {
+  each([&](std::size_t i, std::size_t k, trial::SeenBody& seen) {
     const auto gross = [&](bool tangent) {
       const auto trial = trial_scale.find({frames_[i].trial, seen.body, tangent});
       const double scale =
@@ -116,7 +110,7 @@ bool JointProblem::set_outliers_aside() {
 
 std::map<int, std::uint64_t> JointProblem::beyond_the_model() const {
   std::map<int, std::uint64_t> off, all;
-  for (const Block& block : blocks()) {
+  for (const ResidualBlock& block : blocks()) {
     if (block.tangent) continue;
     const int body = frames_[block.frame].bodies[static_cast<std::size_t>(block.body)].body;
     ++all[body];

@@ -2,17 +2,20 @@
 
 #include <algorithm>
 
+#include "choose_frames.h"
 #include "compare_frames.h"
 #include "law_model.h"
+#include "math/statistics.h"
 
 namespace softarm::identify {
 
-std::vector<FrameComparison> compare_frames(const Arm& arm, const std::vector<StaticFrame>& frames) {
+std::vector<FrameComparison> compare_frames(const arm::Arm& arm,
+                                            const std::vector<trial::StaticFrame>& frames) {
   LawModel model(arm, {}, Eigen::VectorXd());
   model.set(Eigen::VectorXd());
   std::vector<FrameComparison> list;
   Prediction predicted;
-  for (const StaticFrame& frame : frames) {
+  for (const trial::StaticFrame& frame : frames) {
     // Each from nothing: the shape that the arm takes when it is loaded, whatever frame came before.
     std::optional<Equilibrium> equilibrium;
     if (!model.predict(frame, equilibrium, predicted)) continue;
@@ -22,7 +25,7 @@ std::vector<FrameComparison> compare_frames(const Arm& arm, const std::vector<St
     made.payload_kg = frame.payload_kg;
     made.inputs = frame.inputs;
     for (std::size_t k = 0; k < frame.bodies.size(); ++k) {
-      const SeenBody& seen = frame.bodies[k];
+      const trial::SeenBody& seen = frame.bodies[k];
       if (!seen.used) continue;
       made.bodies.push_back({seen.body, seen.p_base, predicted.p.col(static_cast<int>(k))});
       made.error_m += (made.bodies.back().measured_p_base - made.bodies.back().predicted_p_base).norm();
@@ -34,7 +37,7 @@ std::vector<FrameComparison> compare_frames(const Arm& arm, const std::vector<St
   return list;
 }
 
-std::vector<FrameComparison> compare(const Arm& arm, const std::vector<Trial>& trials,
+std::vector<FrameComparison> compare(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
                                      const FrameChoice& choice) {
   return compare_frames(arm, choose_frames(arm, trials, choice).frames);
 }
@@ -46,16 +49,16 @@ ShapeError summarise(const std::vector<FrameComparison>& frames, double length_m
   if (frames.empty()) return error;
   std::vector<double> all;
   for (const FrameComparison& frame : frames) all.push_back(frame.error_m);
-  std::sort(all.begin(), all.end());
-  for (const double e : all) error.mean_m += e / static_cast<double>(all.size());
-  const std::size_t middle = all.size() / 2;
-  error.median_m = all.size() % 2 == 1 ? all[middle] : 0.5 * (all[middle - 1] + all[middle]);
-  error.maximum_m = all.back();
-  error.minimum_m = all.front();
+  error.mean_m = math::mean(all);
+  error.median_m = math::median(all);
+  const auto [least, most] = std::minmax_element(all.begin(), all.end());
+  error.maximum_m = *most;
+  error.minimum_m = *least;
   return error;
 }
 
-ShapeError shape_error(const Arm& arm, const std::vector<Trial>& trials, const FrameChoice& choice) {
+ShapeError shape_error(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
+                       const FrameChoice& choice) {
   return summarise(compare(arm, trials, choice), arm.total_length_m());
 }
 

@@ -76,7 +76,7 @@ std::string to_json(const Result& result) {
                              {"after", json_of(result.left_out_one_after)},
                              {"trials", json_of(result.left_out_one)}};
   }
-  const LawPrior& prior = result.prior;
+  const arm::LawPrior& prior = result.prior;
   json["prior"] = {{"moment_sd_nm", prior.moment_sd_nm},
                    {"moment_sd_rel", prior.moment_sd_rel},
                    {"bending_stiffness_sd_rel", prior.bending_stiffness_sd_rel},

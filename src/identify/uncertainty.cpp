@@ -16,7 +16,7 @@ using Eigen::VectorXd;
 constexpr std::size_t kFewestClusters = 6;  // trials from which their spread says something
 constexpr std::size_t kClustersOfFewTrials = 8;
 constexpr double kLeastInformation = 1e-10;  // an sd of 1e5 scales stands for infinity
-constexpr double kTold = 1.0;                // information from which a direction's sd is below its scale
+constexpr double kIdentifiable = 1.0;        // information from which a direction's sd is below its scale
 constexpr double kLeastCorrelation = 0.05;
 
 /// Sums over the blocks of one trial.
@@ -26,14 +26,14 @@ struct Cluster {
 };
 
 /// Number of consecutive frames that are worth one: 1 + 2 sum of the autocorrelations of the residuals along
-/// the trials, up to the first that cannot be told from none.
-double autocorrelation_time(const JointProblem& problem, const std::vector<Block>& blocks,
-                            const std::vector<StaticFrame>& frames) {
+/// the trials, up to the first that cannot be distinguished from none.
+double autocorrelation_time(const JointProblem& problem, const std::vector<ResidualBlock>& blocks,
+                            const std::vector<trial::StaticFrame>& frames) {
   // Series of one body's residual along one trial, by (trial, body, kind).
   std::map<std::pair<std::size_t, int>, std::vector<Vector3d>> series;
   double longest = 1.0, square = 0.0, count = 0.0;
-  for (const Block& block : blocks) {
-    const StaticFrame& frame = frames[block.frame];
+  for (const ResidualBlock& block : blocks) {
+    const trial::StaticFrame& frame = frames[block.frame];
     const int body = frame.bodies[static_cast<std::size_t>(block.body)].body;
     auto& list = series[{frame.trial, 2 * body + (block.tangent ? 1 : 0)}];
     const Vector3d r = problem.residual(block);
@@ -62,14 +62,14 @@ double autocorrelation_time(const JointProblem& problem, const std::vector<Block
 
 /// For each frame the cluster whose frames may share an error: its trial, or, of few trials, a stretch of
 /// one.
-std::vector<std::size_t> cluster_frames(const std::vector<StaticFrame>& frames) {
+std::vector<std::size_t> cluster_frames(const std::vector<trial::StaticFrame>& frames) {
   std::map<std::size_t, std::size_t> counts;
-  for (const StaticFrame& frame : frames) ++counts[frame.trial];
+  for (const trial::StaticFrame& frame : frames) ++counts[frame.trial];
   const std::size_t trials = std::max<std::size_t>(1, counts.size());
   const std::size_t pieces = trials < kFewestClusters ? (kClustersOfFewTrials + trials - 1) / trials : 1;
   std::vector<std::size_t> clusters;
   std::map<std::size_t, std::size_t> done;
-  for (const StaticFrame& frame : frames)
+  for (const trial::StaticFrame& frame : frames)
     clusters.push_back(frame.trial * kClustersOfFewTrials +
                        done[frame.trial]++ * pieces / counts[frame.trial]);
   return clusters;
@@ -77,13 +77,14 @@ std::vector<std::size_t> cluster_frames(const std::vector<StaticFrame>& frames) 
 
 }  // namespace
 
-Uncertainty uncertainty(const JointProblem& problem, const std::vector<StaticFrame>& frames, int constants) {
-  const std::vector<Block> blocks = problem.blocks();
+Uncertainty uncertainty(const JointProblem& problem, const std::vector<trial::StaticFrame>& frames,
+                        int constants) {
+  const std::vector<ResidualBlock> blocks = problem.blocks();
   const std::vector<std::size_t> cluster_of = cluster_frames(frames);
   std::map<std::size_t, Cluster> clusters;
   MatrixXd information = MatrixXd::Zero(constants, constants);
   double chi2 = 0.0, rows = 0.0, square_m2 = 0.0, coordinates = 0.0;
-  for (const Block& block : blocks) {
+  for (const ResidualBlock& block : blocks) {
     const Vector3d r = problem.residual(block);
     const MatrixXd j = problem.jacobian(block);
     const double weight = problem.weight(block, r.squaredNorm());
@@ -105,16 +106,16 @@ Uncertainty uncertainty(const JointProblem& problem, const std::vector<StaticFra
 
   Uncertainty result;
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(information);
-  // Directions that the trials tell to a scale, and the others: kept apart, lest the rounding of an infinite
-  // variance spoils the finite ones.
+  // Directions that the trials determine to a scale, and the others: kept apart, lest the rounding of an
+  // infinite variance spoils the finite ones.
   const VectorXd lambda = eigen.eigenvalues().cwiseMax(kLeastInformation);
   const MatrixXd& directions = eigen.eigenvectors();
   VectorXd inside = lambda.cwiseInverse(), outside = inside;
-  for (int i = 0; i < constants; ++i) (lambda[i] > kTold ? outside : inside)[i] = 0.0;
+  for (int i = 0; i < constants; ++i) (lambda[i] > kIdentifiable ? outside : inside)[i] = 0.0;
   const MatrixXd inverse = directions * inside.asDiagonal() * directions.transpose();
-  const MatrixXd untold = directions * outside.asDiagonal() * directions.transpose();
-  const double told = (lambda.array() > kTold).count();
-  const double dof = std::max(1.0, rows - told);
+  const MatrixXd undetermined = directions * outside.asDiagonal() * directions.transpose();
+  const double determined = (lambda.array() > kIdentifiable).count();
+  const double dof = std::max(1.0, rows - determined);
   result.misfit = std::sqrt(chi2 / dof);
   result.chi2 = chi2;
   result.position_rms_m = coordinates > 0.0 ? std::sqrt(square_m2 / coordinates) : 0.0;
@@ -130,16 +131,16 @@ Uncertainty uncertainty(const JointProblem& problem, const std::vector<StaticFra
     taken += (share * share).trace();
   }
   const double clusters_count = static_cast<double>(clusters.size());
-  const bool by_spread = clusters.size() >= kFewestClusters && taken < 0.8 * told && told > 0.0;
+  const bool by_spread = clusters.size() >= kFewestClusters && taken < 0.8 * determined && determined > 0.0;
   if (by_spread) {
-    outer *= told / (told - taken);
-    spread = (inverse * outer).trace() / told;
+    outer *= determined / (determined - taken);
+    spread = (inverse * outer).trace() / determined;
   }
   const double base = std::max({1.0, chi2 / dof * result.autocorrelation, spread});
   result.covariance = base * inverse;
   if (by_spread) {
     // Direction by direction the spread of few trials is uncertain: it is mixed with its mean over all.
-    const double prior_trials = told + 1.0;
+    const double prior_trials = determined + 1.0;
     const MatrixXd score =
         (clusters_count * outer + prior_trials * base * information) / (clusters_count + prior_trials);
     result.covariance = inverse * score * inverse;
@@ -151,7 +152,7 @@ Uncertainty uncertainty(const JointProblem& problem, const std::vector<StaticFra
       result.covariance.col(j) *= widen;
     }
   }
-  result.covariance += base * untold;
+  result.covariance += base * undetermined;
   result.factor = std::sqrt(base);
   result.direction_sd = (base * lambda.cwiseInverse()).cwiseSqrt();  // ascending eigenvalues: largest first
   result.directions = directions;

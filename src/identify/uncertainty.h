@@ -20,6 +20,7 @@ struct Uncertainty {
 };
 
 /// At the fit's last evaluation.
-Uncertainty uncertainty(const JointProblem& problem, const std::vector<StaticFrame>& frames, int constants);
+Uncertainty uncertainty(const JointProblem& problem, const std::vector<trial::StaticFrame>& frames,
+                        int constants);
 
 }  // namespace softarm::identify

@@ -1,4 +1,4 @@
-#include "softarm/math/parallel.h"
+#include "parallel.h"
 
 #include <algorithm>
 #include <atomic>
@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-namespace softarm {
+namespace softarm::math {
 
 void in_parallel(std::size_t count, unsigned jobs, const std::function<void(std::size_t)>& work) {
   std::atomic<std::size_t> next{0};
@@ -32,4 +32,4 @@ void in_parallel(std::size_t count, unsigned jobs, const std::function<void(std:
   if (failure) std::rethrow_exception(failure);
 }
 
-}  // namespace softarm
+}  // namespace softarm::math

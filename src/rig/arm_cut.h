@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "softarm/rig/laws.h"
-#include "softarm/rig/ritz_rod.h"
-#include "softarm/rig/scenario.h"
+#include "laws.h"
+#include "ritz_rod.h"
+#include "scenario.h"
 
 namespace softarm::rig {
 

@@ -1,4 +1,4 @@
-#include "softarm/rig/campaign.h"
+#include "campaign.h"
 
 #include <fmt/format.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "effect_size.h"
 #include "random_stream.h"
 #include "scenario_parts.h"
-#include "softarm/rig/effect_size.h"
 
 namespace softarm::rig {
 namespace {

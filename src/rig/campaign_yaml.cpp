@@ -5,8 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include "campaign.h"
 #include "scenario_parts.h"
-#include "softarm/rig/campaign.h"
 
 namespace softarm::rig {
 namespace {

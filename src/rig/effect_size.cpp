@@ -1,4 +1,4 @@
-#include "softarm/rig/effect_size.h"
+#include "effect_size.h"
 
 #include <algorithm>
 #include <map>

@@ -1,4 +1,4 @@
-#include "softarm/rig/hidden.h"
+#include "hidden.h"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,8 @@
 #include <stdexcept>
 
 #include "hidden_tables.h"
+#include "scenario.h"
 #include "scenario_parts.h"
-#include "softarm/rig/scenario.h"
 
 namespace softarm::rig {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <vector>
 
+#include "hidden.h"
+#include "scenario.h"
 #include "scenario_parts.h"
-#include "softarm/rig/hidden.h"
-#include "softarm/rig/scenario.h"
 
 namespace softarm::rig {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "softarm/rig/hidden.h"
-#include "softarm/rig/scenario.h"
+#include "hidden.h"
+#include "scenario.h"
 
 namespace softarm::rig {
 

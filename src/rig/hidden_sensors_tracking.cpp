@@ -8,7 +8,7 @@
 namespace softarm::rig {
 namespace {
 
-constexpr double kRadPerDegree = M_PI / 180.0;
+constexpr double kDegree = M_PI / 180.0;
 
 void add_bursts(const HiddenChoice& choice, Scenario& scenario) {
   scenario.sensors.bursts.push_back(
@@ -17,9 +17,9 @@ void add_bursts(const HiddenChoice& choice, Scenario& scenario) {
 
 void add_occlusion(const HiddenChoice& choice, Scenario& scenario) {
   const auto& value = choice.values;
-  scenario.sensors.occlusions.push_back({body_of(choice, scenario), kRadPerDegree * value.at("beyond_deg"),
-                                         kRadPerDegree * value.at("towards_deg"),
-                                         kRadPerDegree * value.at("within_deg")});
+  scenario.sensors.occlusions.push_back({body_of(choice, scenario), kDegree * value.at("beyond_deg"),
+                                         kDegree * value.at("towards_deg"),
+                                         kDegree * value.at("within_deg")});
 }
 
 void add_swap(const HiddenChoice& choice, Scenario& scenario) {
@@ -45,7 +45,7 @@ void add_flip(const HiddenChoice& choice, Scenario& scenario) {
 void add_jumps(const HiddenChoice& choice, Scenario& scenario) {
   const auto& value = choice.values;
   scenario.sensors.jumps.push_back({body_of(choice, scenario), value.at("probability"), value.at("size_m"),
-                                    kRadPerDegree * value.at("turn_deg")});
+                                    kDegree * value.at("turn_deg")});
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "softarm/rig/hidden.h"
+#include "hidden.h"
 
 namespace softarm::rig {
 

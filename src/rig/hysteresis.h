@@ -6,8 +6,8 @@
 #include <variant>
 #include <vector>
 
+#include "input_path_spec.h"
 #include "play.h"
-#include "softarm/rig/input_path_spec.h"
 
 namespace softarm::rig {
 

@@ -1,4 +1,4 @@
-#include "softarm/rig/input_path.h"
+#include "input_path.h"
 
 #include <cmath>
 

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "input_path_spec.h"
 #include "play.h"
-#include "softarm/rig/input_path_spec.h"
 
 namespace softarm::rig {
 

@@ -1,7 +1,7 @@
 // How the laws of a segment depart from the ideal: private to the rig.
 #pragma once
 
-#include "softarm/rig/laws.h"
+#include "laws.h"
 
 namespace softarm::rig {
 

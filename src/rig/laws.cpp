@@ -1,4 +1,4 @@
-#include "softarm/rig/laws.h"
+#include "laws.h"
 
 #include <fmt/format.h>
 

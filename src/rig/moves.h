@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "softarm/rig/scenario.h"
+#include "scenario.h"
 
 namespace softarm::rig {
 

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "softarm/rig/point_load.h"
+#include "point_load.h"
 
 namespace softarm::rig {
 

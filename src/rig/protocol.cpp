@@ -1,4 +1,4 @@
-#include "softarm/rig/protocol.h"
+#include "protocol.h"
 
 #include <algorithm>
 #include <cmath>

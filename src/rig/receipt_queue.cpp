@@ -1,4 +1,4 @@
-#include "softarm/rig/receipt_queue.h"
+#include "receipt_queue.h"
 
 #include <utility>
 

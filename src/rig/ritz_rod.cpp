@@ -1,4 +1,4 @@
-#include "softarm/rig/ritz_rod.h"
+#include "ritz_rod.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "backbone_kinematics.h"
+#include "ritz_rod.h"
 #include "rod_mesh.h"
-#include "softarm/rig/ritz_rod.h"
 
 namespace softarm::rig {
 

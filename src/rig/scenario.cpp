@@ -1,4 +1,4 @@
-#include "softarm/rig/scenario.h"
+#include "scenario.h"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "protocol.h"
 #include "scenario_parts.h"
-#include "softarm/rig/protocol.h"
 
 namespace softarm::rig {
 namespace {

@@ -1,7 +1,7 @@
 // Parts of the scenario's parser: private to the rig.
 #pragma once
 
-#include "softarm/rig/scenario.h"
+#include "scenario.h"
 #include "yaml_reader.h"
 
 namespace softarm::rig {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "softarm/rig/section_law.h"
+#include "section_law.h"
 
 namespace softarm::rig {
 

@@ -4,13 +4,13 @@
 #include <optional>
 #include <vector>
 
+#include "protocol.h"
 #include "sensors_clocks.h"
 #include "sensors_inputs.h"
 #include "sensors_poses.h"
 #include "sensors_random.h"
 #include "sensors_tracking.h"
-#include "softarm/rig/protocol.h"
-#include "softarm/rig/simulator.h"
+#include "simulator.h"
 
 namespace softarm::rig {
 

@@ -5,10 +5,10 @@
 #include <utility>
 #include <vector>
 
+#include "protocol.h"
 #include "sensors_clocks.h"
 #include "sensors_random.h"
-#include "softarm/rig/protocol.h"
-#include "softarm/rig/simulator.h"
+#include "simulator.h"
 
 namespace softarm::rig {
 

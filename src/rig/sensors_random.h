@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "random_stream.h"
-#include "softarm/rig/sensor_spec.h"
+#include "sensor_spec.h"
 
 namespace softarm::rig {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "sensors_random.h"
-#include "softarm/rig/simulator.h"
+#include "simulator.h"
 
 namespace softarm::rig {
 

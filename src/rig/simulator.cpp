@@ -1,4 +1,4 @@
-#include "softarm/rig/simulator.h"
+#include "simulator.h"
 
 #include <fmt/format.h>
 
@@ -6,11 +6,11 @@
 #include <cmath>
 
 #include "arm_cut.h"
+#include "input_path.h"
+#include "laws.h"
+#include "protocol.h"
+#include "ritz_rod.h"
 #include "sensors.h"
-#include "softarm/rig/input_path.h"
-#include "softarm/rig/laws.h"
-#include "softarm/rig/protocol.h"
-#include "softarm/rig/ritz_rod.h"
 
 namespace softarm::rig {
 namespace {

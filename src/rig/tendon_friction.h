@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "softarm/rig/input_path.h"
+#include "input_path.h"
 
 namespace softarm::rig {
 

@@ -1,4 +1,4 @@
-#include "softarm/rig/truth_csv.h"
+#include "truth_csv.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "softarm/rig/truth_yaml.h"
+#include "truth_yaml.h"
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>

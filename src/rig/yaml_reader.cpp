@@ -7,7 +7,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "softarm/rig/scenario.h"
+#include "scenario.h"
 
 namespace softarm::rig {
 namespace {

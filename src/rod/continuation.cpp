@@ -40,7 +40,7 @@ SolveStatus Solver::Impl::follow(const SetPath& set_path, bool by_loads, double 
   while (t < 1.0) {
     const Quaterniond q_from = q_tip;
     const double next = std::min(1.0, t + dt);
-    q_tip = (exp_so3(slope * (next - t)) * q_from).normalized();
+    q_tip = (math::exp_so3(slope * (next - t)) * q_from).normalized();
     const Quaterniond q_base = set_path(next);
     const Quaterniond q_predicted = q_tip;
     const bool last = next >= 1.0;
@@ -55,12 +55,12 @@ SolveStatus Solver::Impl::follow(const SetPath& set_path, bool by_loads, double 
     }
     if (last) break;
     if (sweeps > budget) return SolveStatus::kNoConvergence;
-    q_tip = (exp_so3(correction) * q_tip).normalized();
-    const double miss = log_so3(q_tip * q_predicted.conjugate()).norm();
+    q_tip = (math::exp_so3(correction) * q_tip).normalized();
+    const double miss = math::log_so3(q_tip * q_predicted.conjugate()).norm();
     if (by_loads) {
       slope = tip_per_load_scale();
     } else {
-      slope = log_so3(q_tip * q_from.conjugate()) / (next - t);
+      slope = math::log_so3(q_tip * q_from.conjugate()) / (next - t);
     }
     dt = (next - t) * std::clamp(0.7 * std::sqrt(0.25 / std::max(miss, 1e-6)), 0.4, 3.0);
     dt = std::max(dt, options.smallest_continuation_step);
@@ -79,7 +79,7 @@ Solver::Impl::Newton Solver::Impl::newton(const Quaterniond& q_base, double larg
     ++sweeps;
     const int base = sweep.breakpoints() - 1;
     const kernel::State& y = sweep.node(base).y;
-    const Vector3d error = log_so3(Quaterniond(y.q[0], y.q[1], y.q[2], y.q[3]) * q_base.conjugate());
+    const Vector3d error = math::log_so3(Quaterniond(y.q[0], y.q[1], y.q[2], y.q[3]) * q_base.conjugate());
     if (!error.allFinite()) return Newton::kDiverged;
     base_per_tip = unknown_lanes(sweep.lanes(0, base).psi);
     inverse = base_per_tip.inverse();
@@ -94,7 +94,7 @@ Solver::Impl::Newton Solver::Impl::newton(const Quaterniond& q_base, double larg
     if (total > largest_change) return Newton::kFar;
     if (i > 0 && size > 0.5 * last) return Newton::kFar;
     last = size;
-    q_tip = (exp_so3(correction) * q_tip).normalized();
+    q_tip = (math::exp_so3(correction) * q_tip).normalized();
     correction.setZero();
   }
   return Newton::kDiverged;
@@ -151,7 +151,7 @@ Quaterniond Solver::Impl::unloaded_tip(const Rod& rod) const {
     for (int i = 0; i < pieces; ++i) {
       const double flex = flexibility_factor(segment.stiffness_profile, (i + 0.5) / pieces);
       const Vector3d u = segment.rest_curvature_per_m + flex * compliance.cwiseProduct(segment.moment_nm);
-      q = q * exp_so3(u * (segment.length_m / pieces));
+      q = q * math::exp_so3(u * (segment.length_m / pieces));
     }
   }
   return q.normalized();

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "arm/stiffness_profile.h"
+
 namespace softarm::rod {
 namespace {
 
@@ -16,17 +18,8 @@ constexpr double kSamePlace = 1e-9;  // of the rod's length
 
 }  // namespace
 
-double flexibility_factor(const std::vector<StiffnessKnot>& profile, double fraction) {
-  if (profile.empty()) return 1.0;
-  if (fraction <= profile.front().fraction) return 1.0 / profile.front().factor;
-  for (std::size_t i = 1; i < profile.size(); ++i) {
-    const StiffnessKnot &a = profile[i - 1], &b = profile[i];
-    if (fraction > b.fraction) continue;
-    const double width = b.fraction - a.fraction;
-    const double weight = width > 0.0 ? (fraction - a.fraction) / width : 1.0;
-    return 1.0 / (a.factor + weight * (b.factor - a.factor));
-  }
-  return 1.0 / profile.back().factor;
+double flexibility_factor(const std::vector<arm::StiffnessKnot>& profile, double fraction) {
+  return 1.0 / arm::stiffness_factor(profile, fraction);
 }
 
 Grid::Grid(const Rod& layout, const std::vector<double>& stations_m, int max_refinement) {
@@ -43,7 +36,7 @@ Grid::Grid(const Rod& layout, const std::vector<double>& stations_m, int max_ref
   for (const Segment& segment : layout.segments) {
     segment_start.push_back(s0);
     if (!(segment.rest_length_m > 0.0)) throw std::invalid_argument("rod: a segment has no length");
-    for (const StiffnessKnot& knot : segment.stiffness_profile) {
+    for (const arm::StiffnessKnot& knot : segment.stiffness_profile) {
       places.push_back(s0 + knot.fraction * segment.rest_length_m);
     }
     s0 += segment.rest_length_m;

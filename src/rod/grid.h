@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "kernel/kernel.h"
+#include "rod/kernel/kernel.h"
 #include "softarm/rod/rod.h"
 
 namespace softarm::rod {
@@ -38,6 +38,6 @@ struct Grid {
 };
 
 /// 1 / stiffness factor of a segment's profile at a fraction of its length.
-double flexibility_factor(const std::vector<StiffnessKnot>& profile, double fraction);
+double flexibility_factor(const std::vector<arm::StiffnessKnot>& profile, double fraction);
 
 }  // namespace softarm::rod

@@ -1,5 +1,7 @@
 #include "softarm/rod/rod.h"
 
+#include "actuation.h"
+
 namespace softarm::rod {
 
 double Rod::rest_length_m() const {
@@ -8,10 +10,10 @@ double Rod::rest_length_m() const {
   return sum;
 }
 
-Rod make_rod(const Arm& arm) {
+Rod make_rod(const arm::Arm& arm) {
   Rod rod;
   rod.gravity_m_s2 = arm.gravity_m_s2;
-  for (const softarm::Segment& from : arm.segments) {
+  for (const softarm::arm::Segment& from : arm.segments) {
     const auto compliance = [](const std::optional<double>& stiffness) {
       return stiffness ? 1.0 / *stiffness : 0.0;
     };
@@ -35,23 +37,23 @@ Rod make_rod(const Arm& arm) {
   return rod;
 }
 
-void actuate(const Arm& arm, const std::vector<SegmentPrediction>& predictions, Rod& rod) {
-  for (std::size_t i = 0; i < rod.segments.size(); ++i) {
-    const softarm::Segment& from = arm.segments[i];
-    const SegmentPrediction& now = predictions[i];
-    Segment& to = rod.segments[i];
-    const auto compliance = [&](const std::optional<double>& stiffness, double added) {
-      return stiffness ? 1.0 / (*stiffness * now.modulus_ratio + added) : 0.0;
-    };
-    to.length_m = now.length_m;
-    to.bending_compliance = 1.0 / now.bending_stiffness_nm2;
-    to.torsional_compliance = compliance(from.torsional_stiffness_nm2, now.tendon_torsional_stiffness_nm2);
-    to.axial_compliance = compliance(from.axial_stiffness_n, 0.0);
-    to.shear_compliance = compliance(from.shear_stiffness_n, now.tendon_shear_stiffness_n);
-    // Bending towards phi is a turn about the axis at phi + 90 degrees.
-    const Eigen::Vector2d moment = now.actuation_nm();
-    to.moment_nm = {-moment.y(), moment.x(), 0.0};
-  }
+void actuate(const arm::Segment& from, const arm::SegmentPrediction& now, const Eigen::Vector2d& actuation_nm,
+             double share, Segment& to) {
+  const auto compliance = [&](const std::optional<double>& stiffness, double added) {
+    return stiffness ? 1.0 / (*stiffness * now.modulus_ratio + added) : 0.0;
+  };
+  to.length_m = share * now.length_m;
+  to.bending_compliance = 1.0 / now.bending_stiffness_nm2;
+  to.torsional_compliance = compliance(from.torsional_stiffness_nm2, now.tendon_torsional_stiffness_nm2);
+  to.axial_compliance = compliance(from.axial_stiffness_n, 0.0);
+  to.shear_compliance = compliance(from.shear_stiffness_n, now.tendon_shear_stiffness_n);
+  // Bending towards phi is a turn about the axis at phi + 90 degrees.
+  to.moment_nm = {-actuation_nm.y(), actuation_nm.x(), 0.0};
+}
+
+void actuate(const arm::Arm& arm, const std::vector<arm::SegmentPrediction>& predictions, Rod& rod) {
+  for (std::size_t i = 0; i < rod.segments.size(); ++i)
+    actuate(arm.segments[i], predictions[i], predictions[i].actuation_nm(), 1.0, rod.segments[i]);
 }
 
 void interpolate(const Rod& a, const Rod& b, double weight, Rod& r) {

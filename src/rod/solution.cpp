@@ -1,6 +1,7 @@
 // What is read from the last sweep: states, derivatives, stability.
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 
 #include "solver_impl.h"
 
@@ -16,7 +17,7 @@ void Solver::Impl::finish(const Rod& rod) {
 }
 
 void Solver::Impl::correct_nodes(const Rod& rod) {
-  q_tip = (exp_so3(correction) * q_tip).normalized();
+  q_tip = (math::exp_so3(correction) * q_tip).normalized();
   for (int k = 0; k < sweep.breakpoints(); ++k) {
     const kernel::LaneState& lanes = sweep.lanes(0, k);
     Node& node = sweep.node(k);
@@ -24,7 +25,8 @@ void Solver::Impl::correct_nodes(const Rod& rod) {
     const Vector3d dm = unknown_lanes(lanes.mu) * correction;
     const Vector3d move = unknown_lanes(lanes.pi) * correction;
     const Vector3d dn = unknown_lanes(lanes.nu) * correction;
-    const Quaterniond q = exp_so3(turn) * Quaterniond(node.y.q[0], node.y.q[1], node.y.q[2], node.y.q[3]);
+    const Quaterniond q =
+        math::exp_so3(turn) * Quaterniond(node.y.q[0], node.y.q[1], node.y.q[2], node.y.q[3]);
     node.y.q[0] = q.w(), node.y.q[1] = q.x(), node.y.q[2] = q.y(), node.y.q[3] = q.z();
     for (int r = 0; r < 3; ++r) {
       node.y.m[r] += dm[r];
@@ -46,7 +48,7 @@ void Solver::Impl::shoot(const Rod& rod) {
   ++sweeps;
   const int base = sweep.breakpoints() - 1;
   const kernel::State& y = sweep.node(base).y;
-  base_error = log_so3(Quaterniond(y.q[0], y.q[1], y.q[2], y.q[3]) * rod.q_base.conjugate());
+  base_error = math::log_so3(Quaterniond(y.q[0], y.q[1], y.q[2], y.q[3]) * rod.q_base.conjugate());
   base_per_tip = unknown_lanes(sweep.lanes(0, base).psi);
   correction.setZero();
   correct_nodes(rod);

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "softarm/math/so3.h"
+#include "math/so3.h"
 #include "softarm/rod/solver.h"
 #include "sweep.h"
 
@@ -16,10 +16,6 @@ namespace softarm::rod {
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
-
-inline Vector3d lane(const kernel::Lanes v[3], int k) {
-  return {v[0].value[k], v[1].value[k], v[2].value[k]};
-}
 
 inline Matrix3d unknown_lanes(const kernel::Lanes v[3]) {
   Matrix3d m;

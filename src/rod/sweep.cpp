@@ -17,10 +17,6 @@ Eigen::Quaterniond quaternion(const kernel::State& y) {
   return {y.q[0], y.q[1], y.q[2], y.q[3]};
 }
 
-Vector3d lane(const kernel::Lanes v[3], int k) {
-  return {v[0].value[k], v[1].value[k], v[2].value[k]};
-}
-
 void add(kernel::Lanes v[3], int k, const Vector3d& w) {
   for (int r = 0; r < 3; ++r) v[r].value[k] += w[r];
 }

@@ -6,10 +6,15 @@
 #include <vector>
 
 #include "grid.h"
-#include "kernel/kernel.h"
+#include "rod/kernel/kernel.h"
 #include "softarm/rod/rod.h"
 
 namespace softarm::rod {
+
+/// Lane k of a vector.
+inline Eigen::Vector3d lane(const kernel::Lanes v[3], int k) {
+  return {v[0].value[k], v[1].value[k], v[2].value[k]};
+}
 
 /// Lanes of the first block that are not the caller's parameters.
 constexpr int kUnknownLanes = 3;                    ///< rotation of the tip about the world axes

@@ -55,9 +55,10 @@ std::optional<Markers> markers_of(const sensor_msgs::PointCloud2& message, const
 }
 
 template <class Message>
-std::vector<InputTopic> cloud_topic(const Arm& arm, const BodySource& source, const Bodies& bodies) {
+std::vector<InputTopic> cloud_topic(const arm::Arm& arm, const arm::BodySource& source,
+                                    const Bodies& bodies) {
   const auto convert = [reader = BodyReader(source), sink = associated_bodies(arm)](
-                           const Message& message, double receipt_s, FrameAssembler& assembler) {
+                           const Message& message, double receipt_s, trial::FrameAssembler& assembler) {
     if (!reader.reads(message.header.frame_id)) return assembler.count_rejected("other_frame", "markers");
     const std::optional<Markers> markers = markers_of(message, reader);
     if (!markers) return assembler.count_rejected("no_points", "markers");
@@ -68,15 +69,18 @@ std::vector<InputTopic> cloud_topic(const Arm& arm, const BodySource& source, co
 
 }  // namespace
 
-std::vector<InputTopic> point_cloud_topics(const Arm& arm, const BodySource& source, const Bodies& bodies) {
+std::vector<InputTopic> point_cloud_topics(const arm::Arm& arm, const arm::BodySource& source,
+                                           const Bodies& bodies) {
   return cloud_topic<sensor_msgs::PointCloud>(arm, source, bodies);
 }
 
-std::vector<InputTopic> point_cloud2_topics(const Arm& arm, const BodySource& source, const Bodies& bodies) {
+std::vector<InputTopic> point_cloud2_topics(const arm::Arm& arm, const arm::BodySource& source,
+                                            const Bodies& bodies) {
   return cloud_topic<sensor_msgs::PointCloud2>(arm, source, bodies);
 }
 
-std::vector<InputTopic> drawn_points_topics(const Arm& arm, const BodySource& source, const Bodies& bodies) {
+std::vector<InputTopic> drawn_points_topics(const arm::Arm& arm, const arm::BodySource& source,
+                                            const Bodies& bodies) {
   return cloud_topic<visualization_msgs::Marker>(arm, source, bodies);
 }
 

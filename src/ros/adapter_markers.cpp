@@ -9,7 +9,7 @@
 #include "any_input_topic.h"
 #include "body_reader.h"
 #include "marker_bodies.h"
-#include "softarm/ros/message_schema.h"
+#include "message_schema.h"
 
 namespace softarm {
 namespace {
@@ -73,11 +73,11 @@ ReportedMarker phasespace_marker(const json& marker, const BodyReader& reader) {
 
 using ReadMarker = ReportedMarker (*)(const json&, const BodyReader&);
 
-std::vector<InputTopic> list_topic(const Arm& arm, const BodySource& source, const Bodies& bodies,
+std::vector<InputTopic> list_topic(const arm::Arm& arm, const arm::BodySource& source, const Bodies& bodies,
                                    const char* list, ReadMarker read) {
   const MarkerSink sink = source.labelled ? labelled_bodies(arm, source, bodies) : associated_bodies(arm);
   const auto convert = [=, reader = BodyReader(source)](const json& message, double receipt_s,
-                                                        FrameAssembler& assembler) {
+                                                        trial::FrameAssembler& assembler) {
     if (!reader.reads(text_at(message, "header.frame_id"))) {
       return assembler.count_rejected("other_frame", "markers");
     }
@@ -86,7 +86,7 @@ std::vector<InputTopic> list_topic(const Arm& arm, const BodySource& source, con
     std::vector<ReportedMarker> markers;
     for (const json& entry : *entries) markers.push_back(read(entry, reader));
     double stamp_s = reader.stamp_s(header_stamp_s(message).value_or(receipt_s), receipt_s);
-    if (source.stamp == StampSource::kServer && !markers.empty()) {
+    if (source.stamp == arm::StampSource::kServer && !markers.empty()) {
       stamp_s = markers.front().server_s.value_or(0.0);
     }
     sink(stamp_s, markers, assembler);
@@ -96,20 +96,22 @@ std::vector<InputTopic> list_topic(const Arm& arm, const BodySource& source, con
 
 }  // namespace
 
-std::vector<InputTopic> vicon_marker_topics(const Arm& arm, const BodySource& source, const Bodies& bodies) {
+std::vector<InputTopic> vicon_marker_topics(const arm::Arm& arm, const arm::BodySource& source,
+                                            const Bodies& bodies) {
   return list_topic(arm, source, bodies, "markers", vicon_marker);
 }
 
-std::vector<InputTopic> mocap_marker_topics(const Arm& arm, const BodySource& source, const Bodies& bodies) {
+std::vector<InputTopic> mocap_marker_topics(const arm::Arm& arm, const arm::BodySource& source,
+                                            const Bodies& bodies) {
   return list_topic(arm, source, bodies, "markers", mocap_marker);
 }
 
-std::vector<InputTopic> phasespace_marker_topics(const Arm& arm, const BodySource& source,
+std::vector<InputTopic> phasespace_marker_topics(const arm::Arm& arm, const arm::BodySource& source,
                                                  const Bodies& bodies) {
   return list_topic(arm, source, bodies, "markers", phasespace_marker);
 }
 
-std::vector<InputTopic> phasespace_stamped_topics(const Arm& arm, const BodySource& source,
+std::vector<InputTopic> phasespace_stamped_topics(const arm::Arm& arm, const arm::BodySource& source,
                                                   const Bodies& bodies) {
   return list_topic(arm, source, bodies, "data", phasespace_marker);
 }

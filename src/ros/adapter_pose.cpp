@@ -45,13 +45,13 @@ Sample sample_of(const geometry_msgs::PointStamped& message) {
 }
 
 template <class Message>
-std::vector<InputTopic> topic_per_body(const BodySource& source, const Bodies& bodies) {
+std::vector<InputTopic> topic_per_body(const arm::BodySource& source, const Bodies& bodies) {
   std::vector<InputTopic> topics;
   for (const auto& [body_name, body] : bodies) {
     const std::string name = body_name;
     const int index = body;
     const auto convert = [reader = BodyReader(source), name, index](const Message& message, double receipt_s,
-                                                                    FrameAssembler& assembler) {
+                                                                    trial::FrameAssembler& assembler) {
       if (!reader.reads(message.header.frame_id)) return assembler.count_rejected("other_frame", name);
       const Sample sample = sample_of(message);
       std::optional<Eigen::Quaterniond> q;
@@ -66,19 +66,23 @@ std::vector<InputTopic> topic_per_body(const BodySource& source, const Bodies& b
 
 }  // namespace
 
-std::vector<InputTopic> pose_stamped_topics(const Arm&, const BodySource& source, const Bodies& bodies) {
+std::vector<InputTopic> pose_stamped_topics(const arm::Arm&, const arm::BodySource& source,
+                                            const Bodies& bodies) {
   return topic_per_body<geometry_msgs::PoseStamped>(source, bodies);
 }
 
-std::vector<InputTopic> transform_stamped_topics(const Arm&, const BodySource& source, const Bodies& bodies) {
+std::vector<InputTopic> transform_stamped_topics(const arm::Arm&, const arm::BodySource& source,
+                                                 const Bodies& bodies) {
   return topic_per_body<geometry_msgs::TransformStamped>(source, bodies);
 }
 
-std::vector<InputTopic> odometry_topics(const Arm&, const BodySource& source, const Bodies& bodies) {
+std::vector<InputTopic> odometry_topics(const arm::Arm&, const arm::BodySource& source,
+                                        const Bodies& bodies) {
   return topic_per_body<nav_msgs::Odometry>(source, bodies);
 }
 
-std::vector<InputTopic> point_stamped_topics(const Arm&, const BodySource& source, const Bodies& bodies) {
+std::vector<InputTopic> point_stamped_topics(const arm::Arm&, const arm::BodySource& source,
+                                             const Bodies& bodies) {
   return topic_per_body<geometry_msgs::PointStamped>(source, bodies);
 }
 

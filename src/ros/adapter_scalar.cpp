@@ -9,7 +9,7 @@
 
 #include "adapters.h"
 #include "any_input_topic.h"
-#include "softarm/ros/message_schema.h"
+#include "message_schema.h"
 
 namespace softarm {
 namespace {
@@ -19,26 +19,27 @@ struct Target {
   int element;
   double scale_to_si;
   std::string field;
-  StampSource stamp;
+  arm::StampSource stamp;
 };
 
 /// Stamp of a sample: the header's where it counts and is there (rigs that never stamp their commands leave
 /// zero), else that of receipt.
-double stamp_for(const Target& target, double header_s, double receipt_s, const FrameAssembler& assembler) {
-  const bool by_header = target.stamp == StampSource::kHeader && header_s > 0.0;
+double stamp_for(const Target& target, double header_s, double receipt_s,
+                 const trial::FrameAssembler& assembler) {
+  const bool by_header = target.stamp == arm::StampSource::kHeader && header_s > 0.0;
   return by_header ? header_s : headerless_stamp_s(receipt_s, assembler);
 }
 
-std::vector<Target> targets_of(const Arm& arm, const std::vector<int>& inputs) {
+std::vector<Target> targets_of(const arm::Arm& arm, const std::vector<int>& inputs) {
   std::vector<Target> targets;
   for (int i : inputs) {
-    const ScalarInput& input = arm.inputs.scalars.at(static_cast<std::size_t>(i));
+    const arm::ScalarInput& input = arm.inputs.scalars.at(static_cast<std::size_t>(i));
     targets.push_back({i, input.element, input.scale_to_si, input.field, input.stamp});
   }
   return targets;
 }
 
-std::string names_of(const Arm& arm, const std::vector<int>& inputs) {
+std::string names_of(const arm::Arm& arm, const std::vector<int>& inputs) {
   std::string names;
   for (int i : inputs) {
     names += (names.empty() ? "" : ", ") + arm.inputs.scalars.at(static_cast<std::size_t>(i)).name;
@@ -47,9 +48,9 @@ std::string names_of(const Arm& arm, const std::vector<int>& inputs) {
 }
 
 template <class Array>
-InputTopic array_topic(const Arm& arm, const std::string& topic, const std::vector<int>& inputs) {
+InputTopic array_topic(const arm::Arm& arm, const std::string& topic, const std::vector<int>& inputs) {
   const auto convert = [targets = targets_of(arm, inputs)](const Array& message, double receipt_s,
-                                                           FrameAssembler& assembler) {
+                                                           trial::FrameAssembler& assembler) {
     const double stamp_s = headerless_stamp_s(receipt_s, assembler);
     for (const Target& target : targets) {
       const auto element = static_cast<std::size_t>(target.element);
@@ -65,9 +66,11 @@ InputTopic array_topic(const Arm& arm, const std::string& topic, const std::vect
 
 }  // namespace
 
-InputTopic fluid_pressure_topic(const Arm& arm, const std::string& topic, const std::vector<int>& inputs) {
+InputTopic fluid_pressure_topic(const arm::Arm& arm, const std::string& topic,
+                                const std::vector<int>& inputs) {
   const auto convert = [targets = targets_of(arm, inputs)](const sensor_msgs::FluidPressure& message,
-                                                           double receipt_s, FrameAssembler& assembler) {
+                                                           double receipt_s,
+                                                           trial::FrameAssembler& assembler) {
     for (const Target& target : targets) {
       assembler.add_input(target.input, stamp_for(target, message.header.stamp.toSec(), receipt_s, assembler),
                           target.scale_to_si * message.fluid_pressure);
@@ -76,9 +79,9 @@ InputTopic fluid_pressure_topic(const Arm& arm, const std::string& topic, const 
   return make_input_topic<sensor_msgs::FluidPressure>(topic, names_of(arm, inputs), convert);
 }
 
-InputTopic float64_topic(const Arm& arm, const std::string& topic, const std::vector<int>& inputs) {
+InputTopic float64_topic(const arm::Arm& arm, const std::string& topic, const std::vector<int>& inputs) {
   const auto convert = [targets = targets_of(arm, inputs)](const std_msgs::Float64& message, double receipt_s,
-                                                           FrameAssembler& assembler) {
+                                                           trial::FrameAssembler& assembler) {
     const double stamp_s = headerless_stamp_s(receipt_s, assembler);
     for (const Target& target : targets) {
       assembler.add_input(target.input, stamp_s, target.scale_to_si * message.data);
@@ -87,17 +90,19 @@ InputTopic float64_topic(const Arm& arm, const std::string& topic, const std::ve
   return make_input_topic<std_msgs::Float64>(topic, names_of(arm, inputs), convert);
 }
 
-InputTopic float32_array_topic(const Arm& arm, const std::string& topic, const std::vector<int>& inputs) {
+InputTopic float32_array_topic(const arm::Arm& arm, const std::string& topic,
+                               const std::vector<int>& inputs) {
   return array_topic<std_msgs::Float32MultiArray>(arm, topic, inputs);
 }
 
-InputTopic float64_array_topic(const Arm& arm, const std::string& topic, const std::vector<int>& inputs) {
+InputTopic float64_array_topic(const arm::Arm& arm, const std::string& topic,
+                               const std::vector<int>& inputs) {
   return array_topic<std_msgs::Float64MultiArray>(arm, topic, inputs);
 }
 
-InputTopic field_topic(const Arm& arm, const std::string& topic, const std::vector<int>& inputs) {
+InputTopic field_topic(const arm::Arm& arm, const std::string& topic, const std::vector<int>& inputs) {
   const auto convert = [targets = targets_of(arm, inputs)](const nlohmann::json& message, double receipt_s,
-                                                           FrameAssembler& assembler) {
+                                                           trial::FrameAssembler& assembler) {
     const double header_s = header_stamp_s(message).value_or(0.0);
     for (const Target& target : targets) {
       // A field that is not there is no number: the assembler rejects and counts it under the input's name.

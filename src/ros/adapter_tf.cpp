@@ -9,11 +9,12 @@
 
 namespace softarm {
 
-std::vector<InputTopic> tf_topics(const Arm&, const BodySource& source, const Bodies& bodies) {
+std::vector<InputTopic> tf_topics(const arm::Arm&, const arm::BodySource& source, const Bodies& bodies) {
   std::map<std::string, std::pair<std::string, int>> by_frame;
   for (const auto& [name, index] : bodies) by_frame[with_body(source.child_frame, name)] = {name, index};
   const auto convert = [reader = BodyReader(source), by_frame](const tf2_msgs::TFMessage& message,
-                                                               double receipt_s, FrameAssembler& assembler) {
+                                                               double receipt_s,
+                                                               trial::FrameAssembler& assembler) {
     for (const geometry_msgs::TransformStamped& transform : message.transforms) {
       const auto found = by_frame.find(without_slash(transform.child_frame_id));
       if (found == by_frame.end()) continue;

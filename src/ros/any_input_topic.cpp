@@ -10,7 +10,7 @@
 #include <memory>
 #include <vector>
 
-#include "softarm/ros/message_schema.h"
+#include "message_schema.h"
 
 namespace softarm {
 namespace {
@@ -78,7 +78,7 @@ InputTopic make_any_input_topic(const std::string& topic, const std::string& typ
   input.type = type;
   input.feeds = feeds;
   const auto decoder = std::make_shared<Decoder>(type);
-  input.read = [=](const rosbag::MessageInstance& instance, FrameAssembler& assembler) {
+  input.read = [=](const rosbag::MessageInstance& instance, trial::FrameAssembler& assembler) {
     if (instance.getDataType() != type) return false;
     try {
       convert(decoder->decode(instance, instance.getMD5Sum(), instance.getMessageDefinition()),
@@ -88,7 +88,7 @@ InputTopic make_any_input_topic(const std::string& topic, const std::string& typ
     }
     return true;
   };
-  input.subscribe = [=](ros::NodeHandle& nh, FrameAssembler& assembler, OnMessage on_message) {
+  input.subscribe = [=](ros::NodeHandle& nh, trial::FrameAssembler& assembler, OnMessage on_message) {
     using Event = ros::MessageEvent<topic_tools::ShapeShifter const>;
     const boost::function<void(const Event&)> callback = [=, &assembler](const Event& event) {
       const topic_tools::ShapeShifter& message = *event.getConstMessage();

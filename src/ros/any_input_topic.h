@@ -5,12 +5,12 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "softarm/ros/input_topic.h"
+#include "input_topic.h"
 
 namespace softarm {
 
 /// Converts a decoded message: (message, receipt time in s, assembler).
-using ConvertAny = std::function<void(const nlohmann::json&, double, FrameAssembler&)>;
+using ConvertAny = std::function<void(const nlohmann::json&, double, trial::FrameAssembler&)>;
 
 /// An InputTopic of messages of `type`, read by the definition that comes with them (MessageSchema), so that
 /// versions of a definition that add or leave out fields are read too. A publisher that sends no definition

@@ -1,17 +1,18 @@
-#include "softarm/ros/backbone_sampling.h"
+#include "backbone_sampling.h"
 
 #include <algorithm>
 
 namespace softarm {
 
-BackbonePoint backbone_at(const std::vector<BackbonePoint>& backbone, double arclength_m) {
+estimate::BackbonePoint backbone_at(const std::vector<estimate::BackbonePoint>& backbone,
+                                    double arclength_m) {
   const auto after =
       std::upper_bound(backbone.begin(), backbone.end(), arclength_m,
-                       [](double s, const BackbonePoint& point) { return s < point.arclength_m; });
+                       [](double s, const estimate::BackbonePoint& point) { return s < point.arclength_m; });
   if (after == backbone.begin()) return backbone.front();
   if (after == backbone.end()) return backbone.back();
-  const BackbonePoint& a = *(after - 1);
-  const BackbonePoint& b = *after;
+  const estimate::BackbonePoint& a = *(after - 1);
+  const estimate::BackbonePoint& b = *after;
   const double u = (arclength_m - a.arclength_m) / (b.arclength_m - a.arclength_m);
   // The arm may be longer than at zero input: tangents are scaled to the distance that is really there.
   const double length_m = (b.p_base - a.p_base).norm();
@@ -19,7 +20,7 @@ BackbonePoint backbone_at(const std::vector<BackbonePoint>& backbone, double arc
   const Eigen::Vector3d tb = length_m * (b.q_base * Eigen::Vector3d::UnitZ());
   const double u2 = u * u;
   const double u3 = u2 * u;
-  BackbonePoint point;
+  estimate::BackbonePoint point;
   point.arclength_m = arclength_m;
   point.p_base = (2 * u3 - 3 * u2 + 1) * a.p_base + (u3 - 2 * u2 + u) * ta + (3 * u2 - 2 * u3) * b.p_base +
                  (u3 - u2) * tb;
@@ -28,8 +29,9 @@ BackbonePoint backbone_at(const std::vector<BackbonePoint>& backbone, double arc
   return point;
 }
 
-std::vector<BackbonePoint> resample_backbone(const std::vector<BackbonePoint>& backbone, int count) {
-  std::vector<BackbonePoint> samples;
+std::vector<estimate::BackbonePoint> resample_backbone(const std::vector<estimate::BackbonePoint>& backbone,
+                                                       int count) {
+  std::vector<estimate::BackbonePoint> samples;
   const double from = backbone.front().arclength_m;
   const double to = backbone.back().arclength_m;
   for (int i = 0; i < count; ++i)

@@ -1,4 +1,4 @@
-#include "softarm/ros/bag_frames.h"
+#include "bag_frames.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -6,18 +6,25 @@
 #include <rosbag/view.h>
 
 #include <algorithm>
+#include <utility>
 
-#include "softarm/ros/input_topics.h"
+#include "input_topics.h"
 
 namespace softarm {
 namespace {
 
 constexpr std::uint64_t kProgressMessages = 256;
 
+trial::FrameAssembler::Params all_of_a_record_time() {
+  trial::FrameAssembler::Params params;
+  params.close_when_taken = true;
+  return params;
+}
+
 }  // namespace
 
-BagFrames::BagFrames(const std::string& path, const Arm& arm, bool use_payload)
-    : path_(path), assembler_(arm), topics_(input_topics(arm)) {
+BagFrames::BagFrames(const std::string& path, const arm::Arm& arm, bool use_payload)
+    : path_(path), assembler_(arm, all_of_a_record_time()), topics_(input_topics(arm)) {
   if (!use_payload) {
     const auto is_payload = [&](const InputTopic& t) { return t.topic == arm.inputs.payload_topic; };
     topics_.erase(std::remove_if(topics_.begin(), topics_.end(), is_payload), topics_.end());
@@ -40,7 +47,7 @@ void BagFrames::open() {
   }
 }
 
-void BagFrames::compare(const Arm& arm) {
+void BagFrames::compare(const arm::Arm& arm) {
   std::vector<InputTopic> present;
   std::vector<std::string> expected;
   bool has_body = false, has_base = !arm.base.body;
@@ -78,7 +85,7 @@ void BagFrames::compare(const Arm& arm) {
 void BagFrames::deliver(const Callbacks& callbacks) {
   const bool jumped = assembler_.take_time_jump();
   if (jumped) callbacks.on_time_jump();
-  for (const Frame& frame : assembler_.take()) callbacks.on_frame(frame);
+  for (const trial::Frame& frame : assembler_.take()) callbacks.on_frame(frame);
 }
 
 void BagFrames::read(const Callbacks& callbacks) {
@@ -86,21 +93,23 @@ void BagFrames::read(const Callbacks& callbacks) {
   std::map<std::string, std::vector<const InputTopic*>> by_topic;
   for (const InputTopic& topic : topics_) by_topic[absolute_topic(topic.topic)].push_back(&topic);
   std::uint64_t unreported = 0;
+  ros::Time recorded;
   try {
     rosbag::View view(*bag_, rosbag::TopicQuery(names_));
     for (const rosbag::MessageInstance& message : view) {
+      if (message.getTime() != std::exchange(recorded, message.getTime())) deliver(callbacks);
       for (const InputTopic* topic : by_topic.at(absolute_topic(message.getTopic()))) {
         topic->read(message, assembler_);
       }
-      deliver(callbacks);
       if (++unreported == kProgressMessages) {
         callbacks.on_messages(unreported);
         unreported = 0;
       }
     }
   } catch (const ros::Exception& e) {
-    throw BagError(fmt::format("{}: damaged ({}); rosbag check tells more", path_, e.what()));
+    throw BagError(fmt::format("{}: damaged ({}); rosbag check says more", path_, e.what()));
   }
+  deliver(callbacks);
   assembler_.flush();
   deliver(callbacks);
   callbacks.on_messages(unreported);

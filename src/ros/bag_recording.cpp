@@ -1,4 +1,4 @@
-#include "softarm/ros/bag_recording.h"
+#include "bag_recording.h"
 
 #include <fmt/format.h>
 #include <rosbag/exceptions.h>
@@ -10,22 +10,22 @@
 #include <utility>
 #include <vector>
 
-#include "softarm/ros/input_topics.h"
-#include "softarm/ros/open_bag.h"
+#include "input_topics.h"
+#include "open_bag.h"
 
 namespace softarm {
 namespace {
 
-constexpr std::uint64_t kProgressMessages = 256;
+constexpr std::uint64_t kMessagesPerProgress = 256;
 constexpr double kFrameIntervalS = 0.1;  // of the frames that are kept
 
 /// What the arm listens to, and what the bag has of it.
-std::vector<RecordedTopic> compare(const std::vector<InputTopic>& topics, const Arm& arm,
-                                   std::map<std::string, std::string>& others) {
+std::vector<trial::RecordedTopic> compare(const std::vector<InputTopic>& topics, const arm::Arm& arm,
+                                          std::map<std::string, std::string>& others) {
   const std::map<std::string, std::string> in_bag = others;
-  std::vector<RecordedTopic> recorded;
+  std::vector<trial::RecordedTopic> recorded;
   for (const InputTopic& topic : topics) {
-    RecordedTopic r;
+    trial::RecordedTopic r;
     r.topic = topic.topic;
     r.type = topic.type;
     r.feeds = topic.feeds;
@@ -46,12 +46,12 @@ std::vector<RecordedTopic> compare(const std::vector<InputTopic>& topics, const 
 
 }  // namespace
 
-CheckRecording read_recording(const std::string& path, const Arm& arm,
-                              const std::function<void(std::uint64_t)>& on_total,
-                              const std::function<void(std::uint64_t)>& on_messages) {
+trial::CheckRecording read_recording(const std::string& path, const arm::Arm& arm,
+                                     const std::function<void(std::uint64_t)>& on_total,
+                                     const std::function<void(std::uint64_t)>& on_messages) {
   const std::vector<InputTopic> topics = input_topics(arm);
   const std::shared_ptr<rosbag::Bag> bag = open_bag(path);
-  CheckRecording recording;
+  trial::CheckRecording recording;
   recording.name = path;
   {
     rosbag::View all(*bag);
@@ -79,8 +79,11 @@ CheckRecording read_recording(const std::string& path, const Arm& arm,
   }
 
   double receipt_s = 0.0;
-  FrameAssembler assembler(arm);
-  FrameAssembler::Tap tap;
+  // As for the estimates: all messages of one record time count before a frame is closed.
+  trial::FrameAssembler::Params params;
+  params.close_when_taken = true;
+  trial::FrameAssembler assembler(arm, params);
+  trial::FrameAssembler::Tap tap;
   tap.body = [&](int body, double stamp_s, const Eigen::Vector3d& p,
                  const std::optional<Eigen::Quaterniond>& q) {
     recording.bodies.at(static_cast<std::size_t>(body + 1)).push_back({stamp_s, receipt_s, p, q});
@@ -93,7 +96,7 @@ CheckRecording read_recording(const std::string& path, const Arm& arm,
   };
   assembler.set_tap(std::move(tap));
   const auto keep_frames = [&] {
-    for (Frame& frame : assembler.take()) {
+    for (trial::Frame& frame : assembler.take()) {
       const bool first = recording.frames.empty();
       if (first || std::abs(frame.stamp_s - recording.frames.back().stamp_s) >= kFrameIntervalS) {
         recording.frames.push_back(std::move(frame));
@@ -101,20 +104,22 @@ CheckRecording read_recording(const std::string& path, const Arm& arm,
     }
   };
   std::uint64_t unreported = 0;
+  ros::Time recorded;
   try {
     rosbag::View view(*bag, rosbag::TopicQuery(names));
     on_total(view.size());
     for (const rosbag::MessageInstance& message : view) {
+      if (message.getTime() != std::exchange(recorded, message.getTime())) keep_frames();
       receipt_s = message.getTime().toSec();
       for (const std::size_t topic : by_topic.at(absolute_topic(message.getTopic()))) {
         if (topics[topic].read(message, assembler)) ++recording.topics[topic].messages;
       }
-      keep_frames();
-      if (++unreported == kProgressMessages) on_messages(std::exchange(unreported, 0));
+      if (++unreported == kMessagesPerProgress) on_messages(std::exchange(unreported, 0));
     }
   } catch (const ros::Exception& e) {
-    throw BagError(fmt::format("{}: damaged ({}); rosbag check tells more", path, e.what()));
+    throw BagError(fmt::format("{}: damaged ({}); rosbag check says more", path, e.what()));
   }
+  keep_frames();
   assembler.flush();
   keep_frames();
   on_messages(unreported);

@@ -1,4 +1,4 @@
-#include "softarm/ros/bag_writer.h"
+#include "bag_writer.h"
 
 #include <ros/message_traits.h>
 #include <sensor_msgs/FluidPressure.h>
@@ -6,7 +6,7 @@
 
 #include <boost/make_shared.hpp>
 
-#include "softarm/ros/open_bag.h"
+#include "open_bag.h"
 
 namespace softarm {
 

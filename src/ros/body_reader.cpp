@@ -10,7 +10,7 @@ std::string with_body(std::string text, const std::string& body) {
   return text;
 }
 
-BodyReader::BodyReader(const BodySource& source)
+BodyReader::BodyReader(const arm::BodySource& source)
     : scaled_axes_(source.scale_to_m * source.mocap_from_driver),
       mirrored_(source.mocap_from_driver.determinant() < 0.0),
       turn_(

@@ -19,7 +19,7 @@ std::string with_body(std::string text, const std::string& body);
 /// Units, axes, frame and stamps as BodySource says.
 class BodyReader {
  public:
-  explicit BodyReader(const BodySource& source);
+  explicit BodyReader(const arm::BodySource& source);
 
   /// A position as the driver reports it, to m in the mocap frame. NaN stays NaN, all zero all zero.
   Eigen::Vector3d position(double x, double y, double z) const {
@@ -35,7 +35,7 @@ class BodyReader {
     return frame_.empty() || frame_id.empty() || without_slash(frame_id) == frame_;
   }
   double stamp_s(double header_s, double receipt_s) const {
-    return stamp_ == StampSource::kReceipt ? receipt_s : header_s;
+    return stamp_ == arm::StampSource::kReceipt ? receipt_s : header_s;
   }
 
  private:
@@ -43,7 +43,7 @@ class BodyReader {
   bool mirrored_;
   Eigen::Quaterniond turn_;  // of the axes, or of their negative where mirrored
   std::string frame_;
-  StampSource stamp_;
+  arm::StampSource stamp_;
 };
 
 }  // namespace softarm

@@ -1,4 +1,4 @@
-#include "softarm/ros/estimator_node.h"
+#include "estimator_node.h"
 
 #include <ros/callback_queue.h>
 #include <std_msgs/Header.h>
@@ -9,10 +9,10 @@
 #include <cmath>
 #include <utility>
 
-#include "softarm/arm/arm_yaml.h"
-#include "softarm/ros/input_topics.h"
-#include "softarm/ros/markers.h"
-#include "softarm/ros/mismatch_message.h"
+#include "input_topics.h"
+#include "markers.h"
+#include "mismatch_message.h"
+#include "softarm/arm/arm_file.h"
 
 namespace softarm {
 namespace {
@@ -21,14 +21,16 @@ constexpr std::size_t kStampsKept = 8192;
 constexpr std::uint32_t kPublisherQueue = 1000;
 // A larger step of header.seq is another publisher, not a loss.
 constexpr std::uint32_t kLargestLoss = 10000;
-// More messages at once than come in a few milliseconds: the machine was busy elsewhere.
+// More messages, or more time by their stamps, at once than come in a few milliseconds: the machine was busy
+// elsewhere. Well below what frames wait for a body.
 constexpr std::uint64_t kHiccupMessages = 100;
-constexpr double kHiccupGrace_s = 0.005;
+constexpr double kHiccup_s = 0.1;
+constexpr double kHiccupGrace_s = 0.02;
 constexpr int kHiccupRounds = 8;  // a stream that never pauses is worked off as it comes
 constexpr double kIdle_s = 0.1;
 
-FrameAssembler::Params assembler_params() {
-  FrameAssembler::Params params;
+trial::FrameAssembler::Params assembler_params() {
+  trial::FrameAssembler::Params params;
   params.close_when_taken = true;
   return params;
 }
@@ -43,8 +45,8 @@ EstimatorNode::EstimatorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
       estimator_(params.arm, params.options, params.effects),
       assembler_(params.arm, assembler_params()),
       updater_(nh_, private_nh_, ros::this_node::getName()) {
-  for (const MeasuredBody& body : params_.arm.bodies) body_names_.push_back(body.name);
-  if (const std::string note = advice(params.options); !note.empty()) ROS_WARN("%s", note.c_str());
+  for (const arm::MeasuredBody& body : params_.arm.bodies) body_names_.push_back(body.name);
+  if (const std::string note = estimate::advice(params.options); !note.empty()) ROS_WARN("%s", note.c_str());
   for (const std::string& note : estimator_.effect_notes()) ROS_INFO("effects: %s", note.c_str());
   if (params_.monitor) {
     monitor_.emplace(params_.arm, params_.alarm);
@@ -88,12 +90,16 @@ void EstimatorNode::spin() {
 
 void EstimatorNode::drain() {
   // roscpp's network thread reads one socket after the other, and this one runs beside it: what came first
-  // may be decoded last. Where much has piled up it gets the time to read them all.
+  // may be decoded last. Where much has piled up, and where a stream begins, it gets the time to read them
+  // all: a frame must not be closed in vain while its bodies wait in a socket.
   ros::CallbackQueue& queue = *ros::getGlobalCallbackQueue();
   for (int round = 0; round < kHiccupRounds && ros::ok(); ++round) {
-    const std::uint64_t before = std::exchange(messages_, 0);
-    if (before < kHiccupMessages && queue.isEmpty()) return;
-    queue.callAvailable(ros::WallDuration(before < kHiccupMessages ? 0.0 : kHiccupGrace_s));
+    const std::uint64_t messages = std::exchange(messages_, 0);
+    const std::optional<double> before_s = std::exchange(drained_to_s_, assembler_.newest_s());
+    const bool leapt = drained_to_s_ && !(before_s && std::abs(*drained_to_s_ - *before_s) < kHiccup_s);
+    const bool hiccup = leapt || messages >= kHiccupMessages;
+    if (!hiccup && queue.isEmpty()) return;
+    queue.callAvailable(ros::WallDuration(hiccup ? kHiccupGrace_s : 0.0));
   }
 }
 
@@ -127,13 +133,13 @@ void EstimatorNode::process() {
     if (monitor_) monitor_->reset();
     last_marker_s_.reset();
   }
-  for (const Frame& frame : assembler_.take()) handle(frame);
+  for (const trial::Frame& frame : assembler_.take()) handle(frame);
 }
 
-void EstimatorNode::handle(const Frame& frame) {
+void EstimatorNode::handle(const trial::Frame& frame) {
   payload_kg_ = frame.payload_kg;
   const auto start = std::chrono::steady_clock::now();
-  const Estimate* estimate = nullptr;
+  const estimate::Estimate* estimate = nullptr;
   try {
     estimate = &estimator_.estimate(frame);
   } catch (const std::exception& e) {
@@ -149,7 +155,7 @@ void EstimatorNode::handle(const Frame& frame) {
   publish(*estimate, frame.stamp_s, solve_time.count());
 }
 
-void EstimatorNode::publish(const Estimate& estimate, double stamp_s, double solve_time_s) {
+void EstimatorNode::publish(const estimate::Estimate& estimate, double stamp_s, double solve_time_s) {
   const MessageContext context{params_.arm, estimator_.options(), params_.frames, stamp_of(stamp_s)};
   if (!publish_finite(estimate_publisher_, to_message(estimate, context, solve_time_s))) {
     ++statistics_.dropped["not_finite"];
@@ -158,7 +164,7 @@ void EstimatorNode::publish(const Estimate& estimate, double stamp_s, double sol
   }
   statistics_.add(estimate, (ros::Time::now() - context.stamp).toSec(), solve_time_s, body_names_);
 
-  const bool ok = estimate.status == Status::kOk && !estimate.backbone.empty();
+  const bool ok = estimate.status == estimate::Status::kOk && !estimate.backbone.empty();
   if (ok && params_.publish_tf) {
     tf2_msgs::TFMessage transforms;
     transforms.transforms = to_transforms(estimate, context);
@@ -200,7 +206,7 @@ bool EstimatorNode::on_reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Res
 
 bool EstimatorNode::on_set_payload(softarm_estimator::SetPayload::Request& request,
                                    softarm_estimator::SetPayload::Response& response) {
-  const Range& range = params_.arm.payload.range_kg;
+  const arm::Range& range = params_.arm.payload.range_kg;
   if (!request.unknown && !(request.payload >= range.low && request.payload <= range.high)) {
     response.success = false;
     response.message = "payload " + std::to_string(request.payload) + " kg is outside of the arm's range [" +
@@ -211,7 +217,7 @@ bool EstimatorNode::on_set_payload(softarm_estimator::SetPayload::Request& reque
                          request.unknown ? std::nullopt : std::optional(request.payload));
   response.success = true;
   response.message = request.unknown ? "the payload is unknown" : "the payload is known";
-  if (estimator_.options().unknown != Unknown::kStiffness) {
+  if (estimator_.options().unknown != arm::Unknown::kStiffness) {
     response.message += "; it is not used while the payload is what is estimated (see set_mode)";
   }
   return true;
@@ -220,11 +226,11 @@ bool EstimatorNode::on_set_payload(softarm_estimator::SetPayload::Request& reque
 bool EstimatorNode::on_set_mode(softarm_estimator::SetMode::Request& request,
                                 softarm_estimator::SetMode::Response& response) {
   try {
-    estimator_.set_unknown(parse_unknown(request.unknown));
+    estimator_.set_unknown(arm::parse_unknown(request.unknown));
     if (monitor_) monitor_->set_unknown(estimator_.options().unknown);
     response.success = true;
     response.message = "unknown is " + to_string(estimator_.options().unknown);
-    const std::string note = advice(estimator_.options());
+    const std::string note = estimate::advice(estimator_.options());
     if (!note.empty()) response.message += "; " + note;
   } catch (const std::invalid_argument& e) {
     response.success = false;

@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "softarm/arm/arm_yaml.h"
+#include "estimator_node.h"
+#include "input_topics.h"
+#include "math/statistics.h"
+#include "softarm/arm/arm_file.h"
 #include "softarm/arm/laws.h"
-#include "softarm/ros/estimator_node.h"
-#include "softarm/ros/input_topics.h"
 
 namespace softarm {
 namespace {
@@ -63,7 +64,7 @@ void EstimatorNode::diagnose_frames(DiagnosticStatusWrapper& status) {
   for (const auto& [reason, count] : statistics_.dropped) dropped[reason] = count;
   const Counts dropped_now = since(dropped, dropped_before_);
   const std::uint64_t lost = total(statistics_.lost);
-  const double latency_ms = 1e3 * quantile(period.latency_s, 0.5);
+  const double latency_ms = 1e3 * math::median(period.latency_s);
 
   status.summary(DiagnosticStatus::OK,
                  fmt::format("{:.1f} frames/s, latency {:.1f} ms",
@@ -89,7 +90,7 @@ void EstimatorNode::diagnose_frames(DiagnosticStatusWrapper& status) {
   }
   status.add("rate (Hz)", fmt::format("{:.1f}", static_cast<double>(period.frames) / period_s_));
   status.add("latency median (ms)", fmt::format("{:.2f}", latency_ms));
-  status.add("latency 99 % (ms)", fmt::format("{:.2f}", 1e3 * quantile(period.latency_s, 0.99)));
+  status.add("latency 99 % (ms)", fmt::format("{:.2f}", 1e3 * math::quantile(period.latency_s, 0.99)));
   status.add("frames received", assembler_.frames_seen());
   status.add("frames waiting for bodies", assembler_.frames_open());
   status.add("frames that waited for an input", assembler_.frames_that_waited());
@@ -144,14 +145,14 @@ void EstimatorNode::diagnose_bodies(DiagnosticStatusWrapper& status) {
 }
 
 bool EstimatorNode::is_needed(int input) const {
-  const EstimatorOptions& options = estimator_.options();
-  if (options.method == Method::kCcPoints || options.method == Method::kCcEndpoint) return false;
-  for (const Segment& segment : params_.arm.segments) {
+  const arm::EstimatorOptions& options = estimator_.options();
+  if (options.method == arm::Method::kCcPoints || options.method == arm::Method::kCcEndpoint) return false;
+  for (const arm::Segment& segment : params_.arm.segments) {
     if (!options.prior.enabled &&
-        !(options.unknown == Unknown::kPayload && stiffness_depends_on_inputs(segment))) {
+        !(options.unknown == arm::Unknown::kPayload && arm::stiffness_depends_on_inputs(segment))) {
       continue;
     }
-    const std::vector<int> needed = inputs_of(params_.arm, segment);
+    const std::vector<int> needed = arm::inputs_of(params_.arm, segment);
     if (std::find(needed.begin(), needed.end(), input) != needed.end()) return true;
   }
   return false;
@@ -161,7 +162,7 @@ void EstimatorNode::diagnose_values(DiagnosticStatusWrapper& status) {
   const std::optional<double> newest = assembler_.newest_s();
   std::string missing, unneeded;
   for (std::size_t i = 0; i < params_.arm.inputs.scalars.size(); ++i) {
-    const ScalarInput& input = params_.arm.inputs.scalars[i];
+    const arm::ScalarInput& input = params_.arm.inputs.scalars[i];
     const std::optional<double> accepted = assembler_.input_accepted_s(static_cast<int>(i));
     std::string state = "absent";
     bool here = accepted.has_value();
@@ -221,11 +222,11 @@ void EstimatorNode::diagnose_silent_topics(DiagnosticStatusWrapper& status) {
 
 void EstimatorNode::diagnose_fit(DiagnosticStatusWrapper& status) {
   const NodeStatistics::Period& period = statistics_.period;
-  const double mismatch = quantile(period.mismatch, 0.5);
+  const double reduced_chi_square = math::median(period.reduced_chi_square);
   const auto per_ok = [&](std::uint64_t count) {
     return period.ok > 0 ? static_cast<double>(count) / static_cast<double>(period.ok) : 0.0;
   };
-  const std::string note = advice(estimator_.options());
+  const std::string note = estimate::advice(estimator_.options());
   if (period.frames == 0) {
     status.summary(DiagnosticStatus::OK, "nothing to estimate");
   } else if (period.ok == 0) {
@@ -233,8 +234,8 @@ void EstimatorNode::diagnose_fit(DiagnosticStatusWrapper& status) {
                    "no estimate: " + list(period.refused) + " (" + period.refused_detail + ")");
   } else {
     status.summary(DiagnosticStatus::OK, fmt::format("residual {:.2f} mm, solved in {:.0f} us",
-                                                     1e3 * quantile(period.rms_residual_m, 0.5),
-                                                     1e6 * quantile(period.solve_time_s, 0.5)));
+                                                     1e3 * math::median(period.rms_residual_m),
+                                                     1e6 * math::median(period.solve_time_s)));
     if (!period.refused.empty()) {
       status.mergeSummary(DiagnosticStatus::WARN,
                           "refused: " + list(period.refused) + " (" + period.refused_detail + ")");
@@ -245,9 +246,10 @@ void EstimatorNode::diagnose_fit(DiagnosticStatusWrapper& status) {
                                       "right, has the ring slipped?",
                                       name, period.set_aside.at(name), period.ok));
     }
-    if (mismatch > params_.mismatch_warning) {
-      status.mergeSummary(DiagnosticStatus::WARN, fmt::format("mismatch {:.1f} (1 is ideal), most at {}",
-                                                              mismatch, period.worst_body));
+    if (reduced_chi_square > params_.reduced_chi_square_warning) {
+      status.mergeSummary(DiagnosticStatus::WARN,
+                          fmt::format("reduced chi-square {:.1f} (1 is ideal), most at {}",
+                                      reduced_chi_square, period.worst_body));
     }
   }
   if (!note.empty()) status.mergeSummary(DiagnosticStatus::WARN, note);
@@ -256,20 +258,22 @@ void EstimatorNode::diagnose_fit(DiagnosticStatusWrapper& status) {
   status.add("objective", to_string(estimator_.options().objective));
   status.add("prior", estimator_.options().prior.enabled ? "on" : "off");
   status.add("window (s)", fmt::format("{:g}", estimator_.options().window_s));
-  status.add("solve time median (us)", fmt::format("{:.0f}", 1e6 * quantile(period.solve_time_s, 0.5)));
-  status.add("solve time 99 % (us)", fmt::format("{:.0f}", 1e6 * quantile(period.solve_time_s, 0.99)));
+  status.add("solve time median (us)", fmt::format("{:.0f}", 1e6 * math::median(period.solve_time_s)));
+  status.add("solve time 99 % (us)", fmt::format("{:.0f}", 1e6 * math::quantile(period.solve_time_s, 0.99)));
   status.add("iterations per frame", fmt::format("{:.1f}", per_ok(period.iterations)));
   status.add("warm starts (%)", fmt::format("{:.0f}", 100.0 * per_ok(period.warm_starts)));
   status.add("final cost", fmt::format("{:.4g}", period.final_cost));
-  status.add("rms residual median (mm)", fmt::format("{:.3f}", 1e3 * quantile(period.rms_residual_m, 0.5)));
-  status.add("mismatch median", fmt::format("{:.2f}", mismatch));
+  status.add("rms residual median (mm)", fmt::format("{:.3f}", 1e3 * math::median(period.rms_residual_m)));
+  status.add("reduced chi-square median", fmt::format("{:.2f}", reduced_chi_square));
   status.add("bodies set aside", period.outliers);
   for (const auto& [name, count] : period.set_aside) status.add("frames that set aside " + name, count);
   status.add("worst body", period.worst_body.empty() ? std::string("none")
                                                      : fmt::format("{} ({:.2f} mm)", period.worst_body,
                                                                    1e3 * period.worst_residual_m));
-  status.add("frames that tell EI (%)", fmt::format("{:.0f}", 100.0 * per_ok(period.tells_stiffness)));
-  status.add("frames that tell the payload (%)", fmt::format("{:.0f}", 100.0 * per_ok(period.tells_payload)));
+  status.add("frames with identifiable EI (%)",
+             fmt::format("{:.0f}", 100.0 * per_ok(period.identifiable_stiffness)));
+  status.add("frames with identifiable payload (%)",
+             fmt::format("{:.0f}", 100.0 * per_ok(period.identifiable_payload)));
 }
 
 }  // namespace softarm

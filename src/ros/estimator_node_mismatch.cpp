@@ -3,18 +3,18 @@
 
 #include <cmath>
 
-#include "softarm/ros/estimator_node.h"
-#include "softarm/ros/mismatch_message.h"
+#include "estimator_node.h"
+#include "mismatch_message.h"
 
 namespace softarm {
 
-using diagnose::Mismatch;
 using diagnostic_msgs::DiagnosticStatus;
+using monitor::Mismatch;
 
-void EstimatorNode::watch(const Frame& frame) {
+void EstimatorNode::watch(const trial::Frame& frame) {
   if (!monitor_) return;
   const bool was_alarm = mismatch_ && mismatch_->alarm;
-  const Estimator::ByLaws plain = estimator_.by_laws();
+  const estimate::Estimator::ByLaws plain = estimator_.by_laws();
   mismatch_ = &monitor_->add(plain.frame, plain.estimate);
   const MessageContext context{params_.arm, estimator_.options(), params_.frames, stamp_of(frame.stamp_s)};
   publish_finite(mismatch_publisher_, to_message(*mismatch_, context));
@@ -24,7 +24,7 @@ void EstimatorNode::watch(const Frame& frame) {
   }
   if (mismatch_->alarm == was_alarm) return;
   if (mismatch_->alarm) {
-    ROS_WARN("mismatch: %s", mismatch_->words.c_str());
+    ROS_WARN("mismatch: %s", mismatch_->description.c_str());
   } else {
     ROS_INFO("mismatch: the alarm is over");
   }
@@ -40,11 +40,11 @@ void EstimatorNode::diagnose_mismatch(diagnostic_updater::DiagnosticStatusWrappe
     status.summary(DiagnosticStatus::OK, "not enough frames yet");
   } else if (mismatch_->alarm) {
     status.summary(DiagnosticStatus::WARN,
-                   fmt::format("{}, for {:.1f} s (since {:.3f})", mismatch_->words,
+                   fmt::format("{}, for {:.1f} s (since {:.3f})", mismatch_->description,
                                mismatch_->stamp_s - mismatch_->onset_s.value_or(mismatch_->stamp_s),
                                mismatch_->onset_s.value_or(mismatch_->stamp_s)));
   } else {
-    status.summary(DiagnosticStatus::OK, mismatch_->words);
+    status.summary(DiagnosticStatus::OK, mismatch_->description);
   }
   if (mismatch_ && mismatch_->valid) {
     status.add("score (sd of the noise)", fmt::format("{:.2f}", mismatch_->score_sd));
@@ -55,7 +55,7 @@ void EstimatorNode::diagnose_mismatch(diagnostic_updater::DiagnosticStatusWrappe
   }
   status.add("alarms", alarms_);
   if (last_alarm_) {
-    status.add("last alarm", last_alarm_->words);
+    status.add("last alarm", last_alarm_->description);
     status.add("last alarm, kind", to_string(last_alarm_->kind));
     status.add("last alarm, onset (s)", fmt::format("{:.3f}", last_alarm_->onset_s.value_or(0.0)));
   }

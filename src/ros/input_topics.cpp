@@ -1,4 +1,4 @@
-#include "softarm/ros/input_topics.h"
+#include "input_topics.h"
 
 #include <fmt/format.h>
 #include <std_msgs/Float64.h>
@@ -24,26 +24,27 @@ const auto& adapter_for(const Table& table, const std::string& type, const std::
       fmt::format("{}: type '{}' cannot be read, known types are {}", what, type, known));
 }
 
-InputTopic payload_topic(const Arm& arm) {
-  const auto convert = [](const std_msgs::Float64& message, double receipt_s, FrameAssembler& assembler) {
+InputTopic payload_topic(const arm::Arm& arm) {
+  const auto convert = [](const std_msgs::Float64& message, double receipt_s,
+                          trial::FrameAssembler& assembler) {
     assembler.add_payload(headerless_stamp_s(receipt_s, assembler), message.data);
   };
   return make_input_topic<std_msgs::Float64>(arm.inputs.payload_topic, "payload", convert);
 }
 
 /// The topics of the base's body and of the measured ones, which may come two ways.
-std::vector<InputTopic> body_topics(const Arm& arm) {
+std::vector<InputTopic> body_topics(const arm::Arm& arm) {
   Bodies base, rest;
   for (const auto& body : body_indices(arm)) {
-    (arm.inputs.base && body.second == FrameAssembler::kBaseBody ? base : rest).push_back(body);
+    (arm.inputs.base && body.second == trial::FrameAssembler::kBaseBody ? base : rest).push_back(body);
   }
   std::vector<InputTopic> topics;
-  const auto add = [&](const BodySource& source, const Bodies& bodies) {
+  const auto add = [&](const arm::BodySource& source, const Bodies& bodies) {
     for (InputTopic& topic :
          adapter_for(body_adapters(), source.type, "arm '" + arm.name + "', bodies")(arm, source, bodies)) {
       for (const auto& [name, index] : bodies) {
         if (topic.feeds != name && topic.feeds != names_of(bodies)) continue;
-        (index == FrameAssembler::kBaseBody ? topic.feeds_base : topic.feeds_bodies) = true;
+        (index == trial::FrameAssembler::kBaseBody ? topic.feeds_base : topic.feeds_bodies) = true;
       }
       topics.push_back(std::move(topic));
     }
@@ -83,34 +84,34 @@ const std::map<std::string, ScalarAdapter>& scalar_adapters() {
   return table;
 }
 
-std::string to_string(InputKind kind) {
+std::string to_string(arm::InputKind kind) {
   switch (kind) {
-    case InputKind::kPressure:
+    case arm::InputKind::kPressure:
       return "pressure";
-    case InputKind::kVacuum:
+    case arm::InputKind::kVacuum:
       return "vacuum";
-    case InputKind::kTension:
+    case arm::InputKind::kTension:
       return "tension";
-    case InputKind::kAngle:
+    case arm::InputKind::kAngle:
       return "angle";
   }
-  throw std::logic_error("kind of input without a word");
+  throw std::logic_error("kind of input without a name");
 }
 
-double headerless_stamp_s(double receipt_s, const FrameAssembler& assembler) {
+double headerless_stamp_s(double receipt_s, const trial::FrameAssembler& assembler) {
   const std::optional<double> newest = assembler.newest_s();
   return newest && std::abs(receipt_s - *newest) > kOtherClock_s ? *newest : receipt_s;
 }
 
-Bodies body_indices(const Arm& arm) {
+Bodies body_indices(const arm::Arm& arm) {
   Bodies indices;
-  if (arm.base.body) indices.emplace_back(*arm.base.body, FrameAssembler::kBaseBody);
+  if (arm.base.body) indices.emplace_back(*arm.base.body, trial::FrameAssembler::kBaseBody);
   for (std::size_t i = 0; i < arm.bodies.size(); ++i)
     indices.emplace_back(arm.bodies[i].name, static_cast<int>(i));
   return indices;
 }
 
-std::string body_topic(const Arm& arm, const std::string& body) {
+std::string body_topic(const arm::Arm& arm, const std::string& body) {
   const bool is_base = arm.inputs.base && arm.base.body == body;
   return with_body((is_base ? *arm.inputs.base : arm.inputs.bodies).topic, body);
 }
@@ -121,16 +122,16 @@ std::string names_of(const Bodies& bodies) {
   return names;
 }
 
-std::vector<InputTopic> input_topics(const Arm& arm) {
+std::vector<InputTopic> input_topics(const arm::Arm& arm) {
   std::vector<InputTopic> topics = body_topics(arm);
   std::map<std::pair<std::string, std::string>, std::vector<int>> by_topic;
   for (std::size_t i = 0; i < arm.inputs.scalars.size(); ++i) {
-    const ScalarInput& input = arm.inputs.scalars[i];
+    const arm::ScalarInput& input = arm.inputs.scalars[i];
     const std::string what = fmt::format("arm '{}', {} '{}'", arm.name, to_string(input.kind), input.name);
     by_topic[{input.topic, input.type}].push_back(static_cast<int>(i));
     if (!input.field.empty()) continue;
     const ScalarAdapter& adapter = adapter_for(scalar_adapters(), input.type, what);
-    const bool is_pressure = input.kind == InputKind::kPressure || input.kind == InputKind::kVacuum;
+    const bool is_pressure = input.kind == arm::InputKind::kPressure || input.kind == arm::InputKind::kVacuum;
     if (adapter.pressures_only && !is_pressure) {
       throw std::invalid_argument(
           fmt::format("{}: type '{}' is for pressures; use std_msgs/Float64 or an array", what, input.type));

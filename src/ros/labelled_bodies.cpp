@@ -12,12 +12,12 @@ constexpr double kLeastSpreadM = 1e-3;
 /// A body and the markers that make it up.
 struct Body {
   int index;
-  std::vector<LabelledMarker> markers;
+  std::vector<arm::LabelledMarker> markers;
   bool has_places;
 };
 
-Body body_of(const Arm& arm, const std::string& name, int index) {
-  const auto& markers = index == FrameAssembler::kBaseBody
+Body body_of(const arm::Arm& arm, const std::string& name, int index) {
+  const auto& markers = index == trial::FrameAssembler::kBaseBody
                             ? arm.base.labelled_markers
                             : arm.bodies.at(static_cast<std::size_t>(index)).labelled_markers;
   if (markers.empty()) return {index, {{name, std::nullopt}}, false};
@@ -50,7 +50,7 @@ Seen look(const Body& body, const ByLabel& markers) {
   const auto lose = [&](const char* reason) {
     if (!seen.lost) seen.lost = reason;
   };
-  for (const LabelledMarker& wanted : body.markers) {
+  for (const arm::LabelledMarker& wanted : body.markers) {
     const auto found = markers.find(wanted.label);
     if (found == markers.end()) {
       lose("not_reported");
@@ -109,15 +109,15 @@ Eigen::Vector3d centroid(const std::vector<Eigen::Vector3d>& points) {
 
 }  // namespace
 
-MarkerSink labelled_bodies(const Arm& arm, const BodySource& source, const Bodies& bodies) {
+MarkerSink labelled_bodies(const arm::Arm& arm, const arm::BodySource& source, const Bodies& bodies) {
   std::vector<Body> wanted;
   for (const auto& [name, index] : bodies) wanted.push_back(body_of(arm, name, index));
   return [wanted, source](double stamp_s, const std::vector<ReportedMarker>& markers,
-                          FrameAssembler& assembler) {
+                          trial::FrameAssembler& assembler) {
     const ByLabel labels = by_label(markers);
     for (const Body& body : wanted) {
       const Seen seen = look(body, labels);
-      const bool by_server = source.stamp == StampSource::kServer && seen.with_time > 0;
+      const bool by_server = source.stamp == arm::StampSource::kServer && seen.with_time > 0;
       const double when_s = by_server ? seen.server_s / static_cast<double>(seen.with_time) : stamp_s;
       if (!body.has_places) {
         if (seen.lost) {

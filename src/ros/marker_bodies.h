@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "softarm/ros/input_topics.h"
+#include "input_topics.h"
 
 namespace softarm {
 
@@ -19,15 +19,15 @@ struct ReportedMarker {
   std::optional<double> server_s = std::nullopt;  ///< when it was seen, by the motion capture's clock
 };
 
-/// Adds the bodies that the markers of one instant tell: (stamp in s, markers, assembler).
-using MarkerSink = std::function<void(double, const std::vector<ReportedMarker>&, FrameAssembler&)>;
+/// Adds the bodies that the markers of one instant give: (stamp in s, markers, assembler).
+using MarkerSink = std::function<void(double, const std::vector<ReportedMarker>&, trial::FrameAssembler&)>;
 
 /// Bodies by the labels of their markers (MeasuredBody::labelled_markers). A body whose markers are not all
 /// there (with positions on the body: fewer than three, or more than marker_tolerance_m off) is added as
 /// missing, with the reason, so that no frame waits for it.
-MarkerSink labelled_bodies(const Arm& arm, const BodySource& source, const Bodies& bodies);
+MarkerSink labelled_bodies(const arm::Arm& arm, const arm::BodySource& source, const Bodies& bodies);
 
-/// Bodies of points without labels, by PointAssociator.
-MarkerSink associated_bodies(const Arm& arm);
+/// Bodies of points without labels, by data association (PointAssociator).
+MarkerSink associated_bodies(const arm::Arm& arm);
 
 }  // namespace softarm

@@ -1,4 +1,4 @@
-#include "softarm/ros/message_schema.h"
+#include "message_schema.h"
 
 #include <fmt/format.h>
 
@@ -126,7 +126,7 @@ std::string MessageSchema::resolved(const std::string& type, const std::string& 
   if (builtins().count(type) || types_.count(type)) return type;
   const std::string full = type == "Header" ? "std_msgs/Header" : package + "/" + type;
   if (types_.count(full)) return full;
-  // A definition may come under another name than that of its package (our mirrors): the parts tell.
+  // A definition may come under another name than that of its package (our mirrors): the parts decide.
   for (const auto& [name, fields] : types_) {
     if (name.size() > type.size() + 1 &&
         name.compare(name.size() - type.size() - 1, type.size() + 1, "/" + type) == 0) {

@@ -1,11 +1,11 @@
-#include "softarm/ros/mismatch_message.h"
+#include "mismatch_message.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
+#include "backbone_sampling.h"
 #include "conversions.h"
-#include "softarm/ros/backbone_sampling.h"
 #include "tube.h"
 
 namespace softarm {
@@ -13,7 +13,7 @@ namespace {
 
 using visualization_msgs::Marker;
 
-constexpr double kLifetime_s = 0.5;
+constexpr double kMismatchLifetime_s = 0.5;
 constexpr double kShortest = 0.06;  // of the arm: a sleeve that can be seen
 constexpr int kSections = 12;
 
@@ -30,11 +30,12 @@ Marker marker(const MessageContext& context, const char* ns, int type) {
   m.color.g = 0.25f;
   m.color.b = 0.2f;
   m.color.a = 1.0f;
-  m.lifetime = ros::Duration(kLifetime_s);
+  m.lifetime = ros::Duration(kMismatchLifetime_s);
   return m;
 }
 
-Marker sleeve(const diagnose::Mismatch& mismatch, const Estimate& estimate, const MessageContext& context) {
+Marker sleeve(const monitor::Mismatch& mismatch, const estimate::Estimate& estimate,
+              const MessageContext& context) {
   const double length_m = context.arm.total_length_m();
   const double middle_m = 0.5 * (mismatch.s_from_m + mismatch.s_to_m);
   const double half_m = std::max(0.5 * (mismatch.s_to_m - mismatch.s_from_m), 0.5 * kShortest * length_m);
@@ -44,7 +45,7 @@ Marker sleeve(const diagnose::Mismatch& mismatch, const Estimate& estimate, cons
   std::vector<TubeSection> sections;
   for (int i = 0; i < kSections; ++i) {
     const double s = from_m + (to_m - from_m) * i / (kSections - 1);
-    const BackbonePoint at = backbone_at(estimate.backbone, s);
+    const estimate::BackbonePoint at = backbone_at(estimate.backbone, s);
     sections.push_back({at.p_base, at.q_base, 0.62 * diameter_at(context.arm, s), 1.0});
   }
   add_tube(sections, 0.55f, &m);
@@ -77,14 +78,15 @@ std::string in_lines(const std::string& words) {
   return text;
 }
 
-Marker label(const diagnose::Mismatch& mismatch, const Estimate& estimate, const MessageContext& context) {
+Marker label(const monitor::Mismatch& mismatch, const estimate::Estimate& estimate,
+             const MessageContext& context) {
   Marker m = marker(context, "alarm", Marker::TEXT_VIEW_FACING);
   const double unit_m = context.arm.total_length_m();
   m.scale.z = 0.07 * unit_m;
   const double since_s = mismatch.onset_s ? std::max(0.0, mismatch.stamp_s - *mismatch.onset_s) : 0.0;
-  m.text = in_lines(mismatch.words) + fmt::format("\n{:.1f} s ago", since_s);
+  m.text = in_lines(mismatch.description) + fmt::format("\n{:.1f} s ago", since_s);
   // Beside the place, off the arm's plane where it bends down or up: level and away from the base's axis.
-  const BackbonePoint at = backbone_at(estimate.backbone, mismatch.s_m);
+  const estimate::BackbonePoint at = backbone_at(estimate.backbone, mismatch.s_m);
   const Eigen::Vector3d place = estimate.base_in_mocap * at.p_base;
   const Eigen::Vector3d up = -context.arm.gravity_m_s2.normalized();
   Eigen::Vector3d aside = estimate.base_in_mocap.linear() * (at.q_base * Eigen::Vector3d::UnitZ());
@@ -96,7 +98,7 @@ Marker label(const diagnose::Mismatch& mismatch, const Estimate& estimate, const
 
 }  // namespace
 
-softarm_estimator::Mismatch to_message(const diagnose::Mismatch& mismatch, const MessageContext& context) {
+softarm_estimator::Mismatch to_message(const monitor::Mismatch& mismatch, const MessageContext& context) {
   softarm_estimator::Mismatch message;
   message.header.stamp = context.stamp;
   message.header.frame_id = context.frames.base();
@@ -116,11 +118,12 @@ softarm_estimator::Mismatch to_message(const diagnose::Mismatch& mismatch, const
   message.s_to = mismatch.s_to_m;
   if (mismatch.body) message.body = context.arm.bodies.at(static_cast<std::size_t>(*mismatch.body)).name;
   message.axis = to_string(mismatch.axis);
-  message.words = mismatch.words;
+  message.description = mismatch.description;
   return message;
 }
 
-visualization_msgs::MarkerArray to_markers(const diagnose::Mismatch& mismatch, const Estimate& estimate,
+visualization_msgs::MarkerArray to_markers(const monitor::Mismatch& mismatch,
+                                           const estimate::Estimate& estimate,
                                            const MessageContext& context) {
   visualization_msgs::MarkerArray array;
   if (!mismatch.alarm) return array;

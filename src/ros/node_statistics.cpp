@@ -1,15 +1,15 @@
-#include "softarm/ros/node_statistics.h"
+#include "node_statistics.h"
 
 #include <algorithm>
 
 namespace softarm {
 
-void NodeStatistics::add(const Estimate& estimate, double latency_s, double solve_time_s,
+void NodeStatistics::add(const estimate::Estimate& estimate, double latency_s, double solve_time_s,
                          const std::vector<std::string>& body_names) {
   ++period.frames;
   period.latency_s.push_back(latency_s);
   period.solve_time_s.push_back(solve_time_s);
-  if (estimate.status != Status::kOk) {
+  if (estimate.status != estimate::Status::kOk) {
     ++refused[to_string(estimate.status)];
     ++period.refused[to_string(estimate.status)];
     period.refused_detail = estimate.detail;
@@ -20,14 +20,15 @@ void NodeStatistics::add(const Estimate& estimate, double latency_s, double solv
   period.iterations += static_cast<std::uint64_t>(std::max(0, estimate.solver.iterations));
   period.warm_starts += estimate.solver.warm_start;
   period.final_cost = estimate.solver.final_cost;
-  if (estimate.degrees_of_freedom > 0) period.mismatch.push_back(estimate.mismatch);
+  if (estimate.degrees_of_freedom > 0) period.reduced_chi_square.push_back(estimate.reduced_chi_square);
   period.rms_residual_m.push_back(estimate.rms_residual_m);
-  period.tells_payload += estimate.tells_payload;
-  period.tells_stiffness += std::any_of(estimate.segments.begin(), estimate.segments.end(),
-                                        [](const SegmentEstimate& s) { return s.tells_stiffness; });
+  period.identifiable_payload += estimate.identifiable_payload;
+  period.identifiable_stiffness +=
+      std::any_of(estimate.segments.begin(), estimate.segments.end(),
+                  [](const estimate::SegmentEstimate& s) { return s.identifiable_stiffness; });
   period.worst_residual_m = 0.0;
   period.worst_body.clear();
-  for (const BodyResidual& residual : estimate.residuals) {
+  for (const estimate::BodyResidual& residual : estimate.residuals) {
     if (!residual.used) {
       ++period.outliers;
       ++period.set_aside[body_names.at(static_cast<std::size_t>(residual.body))];
@@ -46,13 +47,6 @@ std::vector<std::string> NodeStatistics::Period::mostly_set_aside() const {
     if (2 * count > ok) names.push_back(name);
   }
   return names;
-}
-
-double quantile(std::vector<double> values, double p) {
-  if (values.empty()) return 0.0;
-  const auto at = static_cast<std::ptrdiff_t>(p * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<std::size_t>(at)];
 }
 
 std::uint64_t total(const std::map<std::string, std::uint64_t>& counts) {

@@ -1,4 +1,4 @@
-#include "softarm/ros/open_bag.h"
+#include "open_bag.h"
 
 #include <fmt/format.h>
 #include <rosbag/view.h>

@@ -1,4 +1,4 @@
-#include "softarm/ros/recent_messages.h"
+#include "recent_messages.h"
 
 #include <fmt/format.h>
 #include <rosbag/bag.h>

@@ -25,9 +25,9 @@ void add_triangle(const Corner& a, const Corner& b, const Corner& c, visualizati
 
 }  // namespace
 
-double diameter_at(const Arm& arm, double arclength_m) {
+double diameter_at(const arm::Arm& arm, double arclength_m) {
   double end = 0.0;
-  for (const Segment& segment : arm.segments) {
+  for (const arm::Segment& segment : arm.segments) {
     end += segment.length_m;
     if (arclength_m <= end) return segment.diameter_m;
   }

@@ -19,7 +19,7 @@ struct TubeSection {
 };
 
 /// Of the segment that has this arclength of the arm at rest, m.
-double diameter_at(const Arm& arm, double arclength_m);
+double diameter_at(const arm::Arm& arm, double arclength_m);
 
 /// Appends the surface between the sections, and its two end caps, to a TRIANGLE_LIST.
 void add_tube(const std::vector<TubeSection>& sections, float alpha, visualization_msgs::Marker* marker);

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace softarm {
+namespace softarm::trial {
 namespace {
 
 constexpr double kSlackM = 0.004;         // of a mount: a marker is not exactly where the arm file says
@@ -183,4 +183,4 @@ ChainAnswer find_chain(const Eigen::Isometry3d& rod_base, const std::vector<Chai
   return search.answer();
 }
 
-}  // namespace softarm
+}  // namespace softarm::trial

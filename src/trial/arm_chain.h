@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-namespace softarm {
+namespace softarm::trial {
 
-/// A place where a body may be: a marker, or the centre of a circle of markers.
+/// A place where a body may be: a marker, or the centre of a marker cluster.
 struct Place {
   Eigen::Vector3d p = Eigen::Vector3d::Zero();  ///< mocap frame, m
   std::vector<int> points;                      ///< the markers that it is made of
@@ -52,4 +52,4 @@ struct ChainAnswer {
 ChainAnswer find_chain(const Eigen::Isometry3d& rod_base, const std::vector<ChainBody>& bodies,
                        const std::vector<Place>& places, const Choice& known, const ChainLimits& limits);
 
-}  // namespace softarm
+}  // namespace softarm::trial

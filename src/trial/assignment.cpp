@@ -3,7 +3,7 @@
 #include <cassert>
 #include <limits>
 
-namespace softarm {
+namespace softarm::trial {
 
 std::vector<int> cheapest_assignment(const Eigen::MatrixXd& cost) {
   const Eigen::Index rows = cost.rows(), columns = cost.cols();
@@ -68,4 +68,4 @@ double total_cost(const Eigen::MatrixXd& cost, const std::vector<int>& column_of
   return sum;
 }
 
-}  // namespace softarm
+}  // namespace softarm::trial

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace softarm {
+namespace softarm::trial {
 
 /// Hungarian method (Kuhn 1955, Munkres 1957) by shortest augmenting paths, O(rows^2 columns).
 /// @param cost rows <= columns; finite; a pair that is not allowed has kForbidden
@@ -17,4 +17,4 @@ constexpr double kForbidden = 1e9;
 /// Sum of the chosen entries.
 double total_cost(const Eigen::MatrixXd& cost, const std::vector<int>& column_of_row);
 
-}  // namespace softarm
+}  // namespace softarm::trial

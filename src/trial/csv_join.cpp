@@ -4,7 +4,7 @@
 
 #include "csv_table.h"
 
-namespace softarm {
+namespace softarm::trial {
 
 CsvJoin::CsvJoin(const CsvJoinLayout& layout, const std::string& path, const std::vector<CsvColumn>& columns)
     : path_(path) {
@@ -52,4 +52,4 @@ CsvJoinReport CsvJoin::report() const {
   return report;
 }
 
-}  // namespace softarm
+}  // namespace softarm::trial

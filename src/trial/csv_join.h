@@ -6,10 +6,10 @@
 #include <unordered_map>
 #include <vector>
 
-#include "softarm/trial/csv_layout.h"
-#include "softarm/trial/csv_recording.h"
+#include "csv_layout.h"
+#include "csv_recording.h"
 
-namespace softarm {
+namespace softarm::trial {
 
 /// An inputs file in memory.
 class CsvJoin {
@@ -35,4 +35,4 @@ class CsvJoin {
   CsvJoinReport report_;
 };
 
-}  // namespace softarm
+}  // namespace softarm::trial

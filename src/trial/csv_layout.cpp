@@ -1,4 +1,4 @@
-#include "softarm/trial/csv_layout.h"
+#include "csv_layout.h"
 
 #include <cctype>
 #include <map>
@@ -6,7 +6,7 @@
 
 #include "csv_layout_map.h"
 
-namespace softarm {
+namespace softarm::trial {
 namespace {
 
 const std::vector<CsvUnit> kTimeUnits{{"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}};
@@ -182,4 +182,4 @@ CsvLayout parse_csv_layout(const std::string& text, const std::string& source) {
   return layout;
 }
 
-}  // namespace softarm
+}  // namespace softarm::trial

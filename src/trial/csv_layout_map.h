@@ -14,9 +14,9 @@
 #include <utility>
 #include <vector>
 
-#include "softarm/trial/csv_layout.h"
+#include "csv_layout.h"
 
-namespace softarm {
+namespace softarm::trial {
 
 /// A unit's name and what one of it is in SI.
 using CsvUnit = std::pair<std::string, double>;
@@ -171,4 +171,4 @@ class CsvLayoutMap {
   std::string path_;
 };
 
-}  // namespace softarm
+}  // namespace softarm::trial

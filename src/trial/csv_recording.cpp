@@ -1,4 +1,4 @@
-#include "softarm/trial/csv_recording.h"
+#include "csv_recording.h"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@
 #include "csv_join.h"
 #include "csv_table.h"
 
-namespace softarm {
+namespace softarm::trial {
 namespace {
 
 constexpr std::size_t kMaxExamples = 5;
@@ -294,4 +294,4 @@ CsvReport read_csv_recording(const CsvLayout& layout, const std::string& path,
   return Reader(layout, path, on_row, sources).run();
 }
 
-}  // namespace softarm
+}  // namespace softarm::trial

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <utility>
 
-namespace softarm {
+namespace softarm::trial {
 namespace {
 
 void split(const std::string& line, char separator, std::vector<std::string>& cells) {
@@ -103,4 +103,4 @@ std::string csv_id(const std::string& cell) {
   return !cell.empty() && parse(cell, value) == Parsed::kNumber ? fmt::format("{}", value) : cell;
 }
 
-}  // namespace softarm
+}  // namespace softarm::trial

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "softarm/trial/csv_layout.h"
+#include "csv_layout.h"
 
-namespace softarm {
+namespace softarm::trial {
 
 /// Thrown for a row that is skipped; the reason is also its key in the reports.
 struct CsvBadRow {
@@ -54,4 +54,4 @@ class CsvTable {
 /// A cell that identifies a row, so that 7, 7.0 and 07 are the same one.
 std::string csv_id(const std::string& cell);
 
-}  // namespace softarm
+}  // namespace softarm::trial

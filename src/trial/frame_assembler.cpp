@@ -1,11 +1,11 @@
-#include "softarm/trial/frame_assembler.h"
+#include "frame_assembler.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-namespace softarm {
+namespace softarm::trial {
 namespace {
 
 /// The instant that a stamp means. A stamp that is none stays none.
@@ -15,7 +15,7 @@ double instant_of(double stamp_s, double latency_s) {
 
 }  // namespace
 
-FrameAssembler::FrameAssembler(const Arm& arm, const Params& params)
+FrameAssembler::FrameAssembler(const arm::Arm& arm, const Params& params)
     : params_(params),
       has_base_body_(arm.base.body.has_value()),
       body_latency_s_(arm.inputs.body_latency_s),
@@ -27,7 +27,7 @@ FrameAssembler::FrameAssembler(const Arm& arm, const Params& params)
       inputs_(arm.inputs.scalars.size()),
       input_streams_(arm.inputs.scalars.size()) {
   double finest_sd_m = std::numeric_limits<double>::max();
-  for (const MeasuredBody& body : arm.bodies) finest_sd_m = std::min(finest_sd_m, body.position_sd_m);
+  for (const arm::MeasuredBody& body : arm.bodies) finest_sd_m = std::min(finest_sd_m, body.position_sd_m);
   if (arm.bodies.empty()) finest_sd_m = 0.0;
   streams_.push_back({arm.base.body.value_or(""),
                       BodyGate({true, true, finest_sd_m, 0.0}, params.gate),
@@ -35,8 +35,8 @@ FrameAssembler::FrameAssembler(const Arm& arm, const Params& params)
                       {},
                       {},
                       {}});
-  for (const MeasuredBody& body : arm.bodies) {
-    const BodyGate::Body gate{body.kind == BodyKind::kRing && body.orientation_usable, false,
+  for (const arm::MeasuredBody& body : arm.bodies) {
+    const BodyGate::Body gate{body.kind == arm::BodyKind::kRing && body.orientation_usable, false,
                               body.position_sd_m, body.orientation_sd_rad};
     streams_.push_back({body.name, BodyGate(gate, params.gate), true, {}, {}, {}});
   }
@@ -152,7 +152,7 @@ void FrameAssembler::reset() {
   // What did not come before will hardly come now: it is not waited for again.
   for (Input& input : input_streams_) input.rhythm.reset();
   if (!payload_.empty()) {
-    payload_.front() = {-std::numeric_limits<double>::infinity(), payload_.back().value};
+    payload_.front() = {-std::numeric_limits<double>::infinity(), payload_.back().value, false};
     payload_.resize(1);
   }
 }
@@ -171,7 +171,7 @@ std::optional<double> FrameAssembler::changed_s() const {
 
 std::optional<double> FrameAssembler::changed_beside(std::size_t slot) const {
   const std::optional<double> others = others_changed_s(slot);
-  // A mount rests: where there is but one ring, what drives it must tell that it should move.
+  // A mount rests: where there is but one ring, what drives it must say that it should move.
   if (streams_.size() > 2 || !input_changed_s_) return others;
   return std::max(others.value_or(*input_changed_s_), *input_changed_s_);
 }
@@ -209,4 +209,4 @@ FrameAssembler::Pending* FrameAssembler::open_frame(double stamp_s) {
   return &*pending_.insert(after, Pending{stamp_s, false, std::vector<Slot>(streams_.size())});
 }
 
-}  // namespace softarm
+}  // namespace softarm::trial

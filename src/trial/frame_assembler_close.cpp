@@ -2,9 +2,9 @@
 #include <limits>
 #include <utility>
 
-#include "softarm/trial/frame_assembler.h"
+#include "frame_assembler.h"
 
-namespace softarm {
+namespace softarm::trial {
 
 void FrameAssembler::added() {
   if (!params_.close_when_taken) close_ready();
@@ -69,9 +69,10 @@ void FrameAssembler::emit(const Pending& pending) {
     return;
   }
   frame.stamp_s = stamp_s;
+  frame.samples = samples_until(stamp_s);
   frame.inputs = inputs_at(stamp_s);
   frame.payload_kg = payload_at(stamp_s);
   closed_.push_back(std::move(frame));
 }
 
-}  // namespace softarm
+}  // namespace softarm::trial

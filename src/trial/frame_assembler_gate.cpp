@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "softarm/trial/body_gate.h"
+#include "body_gate.h"
 
-namespace softarm {
+namespace softarm::trial {
 
 const char* BodyGate::name(Verdict verdict) {
   switch (verdict) {
@@ -115,4 +115,4 @@ bool BodyGate::is_jump(const Pose& now) {
          now.stamp_s - elsewhere_since_s_ < limits_.followed_after_s;
 }
 
-}  // namespace softarm
+}  // namespace softarm::trial

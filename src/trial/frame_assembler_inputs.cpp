@@ -2,18 +2,20 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
-#include "softarm/trial/frame_assembler.h"
+#include "frame_assembler.h"
 
-namespace softarm {
+namespace softarm::trial {
 namespace {
 
 constexpr std::size_t kLongestHistory = 20000;
+constexpr double kSame_s = 1e-6;  // stamps of one instant: a double of seconds holds a quarter of this
 
 }  // namespace
 
 void FrameAssembler::add_input(int input, double stamp_s, double value) {
-  const ScalarInput& source = scalars_.at(static_cast<std::size_t>(input));
+  const arm::ScalarInput& source = scalars_.at(static_cast<std::size_t>(input));
   std::deque<Value>& history = inputs_.at(static_cast<std::size_t>(input));
   Input& stream = input_streams_.at(static_cast<std::size_t>(input));
   ++samples_;
@@ -29,11 +31,12 @@ void FrameAssembler::add_input(int input, double stamp_s, double value) {
   stream.last = value;
   // One that always comes too late would hold up every frame, and in vain.
   if (!newest_s_ || stamp_s > *newest_s_ - 0.5 * params_.input_wait_s) stream.expected = true;
-  if (source.kind == InputKind::kTension || source.kind == InputKind::kAngle) {
-    insert(history, {stamp_s, value - source.zero_si});
+  if (source.kind == arm::InputKind::kTension || source.kind == arm::InputKind::kAngle) {
+    insert(history, {stamp_s, value - source.zero_si, false});
   } else {
-    const double gauge_pa = source.reference == PressureReference::kAbsolute ? value - ambient_pa_ : value;
-    insert(history, {stamp_s, source.kind == InputKind::kVacuum ? -gauge_pa : gauge_pa});
+    const double gauge_pa =
+        source.reference == arm::PressureReference::kAbsolute ? value - ambient_pa_ : value;
+    insert(history, {stamp_s, source.kind == arm::InputKind::kVacuum ? -gauge_pa : gauge_pa, false});
   }
   added();
 }
@@ -46,7 +49,7 @@ void FrameAssembler::add_payload(double stamp_s, std::optional<double> kg) {
     return reject("payload_out_of_range", "payload");
   }
   if (!std::isfinite(stamp_s)) return reject("bad_stamp", "payload");
-  insert(payload_, {stamp_s > 0.0 ? stamp_s : -std::numeric_limits<double>::infinity(), kg});
+  insert(payload_, {stamp_s > 0.0 ? stamp_s : -std::numeric_limits<double>::infinity(), kg, false});
 }
 
 void FrameAssembler::insert(std::deque<Value>& history, const Value& value) {
@@ -59,17 +62,31 @@ void FrameAssembler::insert(std::deque<Value>& history, const Value& value) {
 
 const FrameAssembler::Value* FrameAssembler::newest_at(std::deque<Value>& history, double stamp_s) {
   // Frames come in order of their stamps: what a newer value replaced is not asked for again.
-  while (history.size() > 1 && history[1].stamp_s <= stamp_s) history.pop_front();
-  return !history.empty() && history.front().stamp_s <= stamp_s ? &history.front() : nullptr;
+  while (history.size() > 1 && history[1].stamp_s <= stamp_s + kSame_s) history.pop_front();
+  return !history.empty() && history.front().stamp_s <= stamp_s + kSame_s ? &history.front() : nullptr;
 }
 
-InputValues FrameAssembler::inputs_at(double stamp_s) {
-  // Strictly before the frame: whether a command of the very same stamp came before or after the bodies is
-  // chance, and would tell a replayed bag from the live stream.
-  const double before_s = std::nextafter(stamp_s, 0.0);
-  InputValues values;
+std::vector<InputSample> FrameAssembler::samples_until(double stamp_s) {
+  std::vector<InputSample> samples;
+  for (std::size_t i = 0; i < inputs_.size(); ++i) {
+    for (Value& sample : inputs_[i]) {
+      if (sample.stamp_s > stamp_s + kSame_s) break;
+      if (std::exchange(sample.given, true)) continue;
+      samples.push_back({static_cast<int>(i), std::llround(1e9 * sample.stamp_s), *sample.value});
+    }
+  }
+  return samples;
+}
+
+std::vector<InputSample> FrameAssembler::take_samples() {
+  return samples_until(std::numeric_limits<double>::max());
+}
+
+arm::InputValues FrameAssembler::inputs_at(double stamp_s) {
+  // A sample of the very same stamp may come before or after the bodies: inputs_complete() has waited for it.
+  arm::InputValues values;
   for (auto& history : inputs_) {
-    const Value* held = newest_at(history, before_s);
+    const Value* held = newest_at(history, stamp_s);
     const bool fresh = held && stamp_s - held->stamp_s <= input_max_age_s_;
     values.push_back(fresh ? held->value : std::nullopt);
   }
@@ -86,4 +103,4 @@ std::optional<double> FrameAssembler::input_accepted_s(int input) const {
   return history.empty() ? std::nullopt : std::optional(history.back().stamp_s);
 }
 
-}  // namespace softarm
+}  // namespace softarm::trial

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <utility>
 
-#include "softarm/trial/frame_assembler.h"
+#include "frame_assembler.h"
 
-namespace softarm {
+namespace softarm::trial {
 
 bool FrameAssembler::check_time(Stream& stream, double stamp_s) {
   if (!(stamp_s > 0.0) || !std::isfinite(stamp_s)) {
@@ -81,4 +81,4 @@ void FrameAssembler::reset_time(double stamp_s) {
   ++time_jumps_;
 }
 
-}  // namespace softarm
+}  // namespace softarm::trial

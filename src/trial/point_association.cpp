@@ -1,4 +1,4 @@
-#include "softarm/trial/point_association.h"
+#include "point_association.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 
 #include "arm_chain.h"
 #include "assignment.h"
-#include "marker_circles.h"
+#include "marker_clusters.h"
 
-namespace softarm {
+namespace softarm::trial {
 namespace {
 
 constexpr double kVagueM = 0.01;        // a prediction with this standard deviation is no better than none
@@ -34,16 +34,16 @@ struct PointAssociator::Instant {
   Choice choice;
 };
 
-PointAssociator::PointAssociator(const Arm& arm, const AssociationLimits& limits)
+PointAssociator::PointAssociator(const arm::Arm& arm, const AssociationLimits& limits)
     : limits_(limits), base_(arm.base), bodies_(arm.bodies) {
   if (bodies_.empty())
     throw std::invalid_argument("arm '" + arm.name + "' has no bodies that points could belong to");
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    // Circles alike are of one kind: the first body's that has such a one.
+    // Clusters alike are of one kind: the first body's that has such a one.
     int kind = 0;
     for (std::size_t k = 0; k <= i && kind == 0 && bodies_[i].markers > 1; ++k) {
       const bool same = bodies_[k].markers == bodies_[i].markers &&
-                        bodies_[k].marker_circle_radius_m == bodies_[i].marker_circle_radius_m;
+                        bodies_[k].marker_cluster_radius_m == bodies_[i].marker_cluster_radius_m;
       if (same) kind = static_cast<int>(k) + 1;
     }
     kinds_.push_back(kind);
@@ -109,12 +109,12 @@ std::vector<std::optional<Eigen::Vector3d>> PointAssociator::update(
   }
   for (std::size_t i = 0; i < good.size(); ++i) instant.places.push_back({good[i], {static_cast<int>(i)}, 0});
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    const MeasuredBody& body = bodies_[i];
+    const arm::MeasuredBody& body = bodies_[i];
     const double off_axis_m =
-        body.kind == BodyKind::kRing ? body.section_in_body.translation().norm() : body.radius_m;
+        body.kind == arm::BodyKind::kRing ? body.section_in_body.translation().norm() : body.radius_m;
     instant.bodies.push_back({body.arclength_m, off_axis_m, kinds_[i]});
     if (kinds_[i] != static_cast<int>(i) + 1) continue;
-    for (Place& place : circles_through(good, body.markers, body.marker_circle_radius_m, kinds_[i]))
+    for (Place& place : clusters_through(good, body.markers, body.marker_cluster_radius_m, kinds_[i]))
       instant.places.push_back(std::move(place));
   }
 
@@ -273,4 +273,4 @@ void PointAssociator::remember(double stamp_s, std::size_t body, const Eigen::Ve
   track = now;
 }
 
-}  // namespace softarm
+}  // namespace softarm::trial

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/program.h"
+#include "program.h"
 
 namespace softarm {
 namespace {

@@ -11,7 +11,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "apps/program.h"
+#include "program.h"
 
 namespace softarm {
 namespace {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/program.h"
+#include "program.h"
 
 namespace softarm {
 

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "apps/program.h"
+#include "program.h"
 
 namespace softarm {
 namespace {

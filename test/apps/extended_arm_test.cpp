@@ -1,17 +1,18 @@
 // Arm files with effects, as a user has them: simulated, estimated, refused.
 #include <boost/algorithm/string.hpp>
 
-#include "apps/program.h"
-#include "softarm/arm/arm_writer.h"
-#include "softarm/arm/arm_yaml.h"
-#include "softarm/trial/arm_file.h"
+#include "arm/arm_writer.h"
+#include "program.h"
+#include "softarm/arm/arm_file.h"
 
 namespace softarm {
 namespace {
 
-std::string extended(const std::vector<EffectEntry>& effects) {
-  const ArmText file = read_arm_text(std::string(SOFTARM_SOURCE_DIR) + "/config/arms/online_200mm.yaml");
-  return update_arm_text(file.text, file.source, parse_arm(file.text, file.source), effects, {}, "diagnose");
+std::string extended(const std::vector<arm::EffectEntry>& effects) {
+  const arm::ArmText file =
+      arm::read_arm_text(std::string(SOFTARM_SOURCE_DIR) + "/config/arms/online_200mm.yaml");
+  return arm::update_arm_text(file.text, file.source, arm::parse_arm(file.text, file.source), effects, {},
+                              "diagnose");
 }
 
 const char* const kScenario = R"(format: 1
@@ -27,7 +28,7 @@ payload:
 mocap: {rate_hz: 60}
 )";
 
-/// Median of EI over the rows that tell it; of the truth over all.
+/// Median of EI over the rows in which it is identifiable; of the truth over all.
 double median_stiffness(const std::string& csv) {
   std::istringstream file(text_of(csv));
   std::vector<std::string> names, cells;
@@ -42,9 +43,10 @@ double median_stiffness(const std::string& csv) {
       return cells.at(static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin()));
     };
     const bool truth = std::find(names.begin(), names.end(), "status") == names.end();
-    if (truth || (cell("status") == "ok" && cell("tells_EI") == "1")) values.push_back(std::stod(cell("EI")));
+    if (truth || (cell("status") == "ok" && cell("identifiable_EI") == "1"))
+      values.push_back(std::stod(cell("EI")));
   }
-  if (values.size() < 100) throw std::runtime_error("too few rows tell EI");
+  if (values.size() < 100) throw std::runtime_error("too few rows with identifiable EI");
   std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
                    values.end());
   return values[values.size() / 2];

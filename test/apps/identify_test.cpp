@@ -4,8 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/program.h"
-#include "softarm/arm/arm_yaml.h"
+#include "program.h"
+#include "softarm/arm/arm_file.h"
 
 namespace softarm {
 namespace {
@@ -90,7 +90,7 @@ TEST(SoftarmIdentify, RigTrialsGiveAnArmThatEstimateLoads) {
   EXPECT_THAT(text,
               HasSubstr("# softarm identify: constants and prior identified from the trials t0, t1, t2\n"));
   EXPECT_THAT(text, HasSubstr("# a guess")) << "comments stay";
-  const Arm found = parse_arm(text, out);
+  const arm::Arm found = arm::parse_arm(text, out);
   EXPECT_NEAR(found.segments[0].chambers[0].moment_gain_nm_per_pa, 7.0e-6, 0.05 * 7.0e-6);
   EXPECT_NEAR(found.segments[0].bending_stiffness.base_nm2, 0.031, 0.05 * 0.031);
   EXPECT_NEAR(found.segments[0].chambers[0].near_elongation_m_per_pa, 5.0e-8, 1.0e-8);

@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/csv_rows.h"
-#include "apps/program.h"
+#include "csv_rows.h"
+#include "program.h"
 
 namespace softarm {
 namespace {
@@ -161,7 +161,7 @@ TEST(RealPouchArm, BothSegmentsAreFollowedAndThePayloadIsNotTold) {
     for (const Row& row : rows) {
       if (row.at("status") != "ok") continue;
       ++ok;
-      ASSERT_EQ(row.at("tells_payload"), "0") << row.at("stamp");
+      ASSERT_EQ(row.at("identifiable_payload"), "0") << row.at("stamp");
     }
     EXPECT_GT(ok, rows.size() * 99 / 100);
     EXPECT_LT(median(rows, "rms_residual", 0.0, 50.0), 2e-3);
@@ -238,7 +238,8 @@ TEST(RealPouchArm, StretchGivesThePayloadOfAnotherTrialWithinItsInterval) {
     EXPECT_LT(std::abs(full_kg - 0.4), 2.0 * full_sd);
     EXPECT_LT(full_sd, 0.3) << "from bending alone it is 0.7 kg and more";
     EXPECT_GT(full_kg, empty_kg + 0.1);
-    for (const Row& row : rows) ASSERT_EQ(row.at("tells_payload"), "0") << "0.2 kg is no 25 % of 0.4 kg";
+    for (const Row& row : rows)
+      ASSERT_EQ(row.at("identifiable_payload"), "0") << "0.2 kg is no 25 % of 0.4 kg";
     std::filesystem::remove(dir / "whole.bag");
   }
 }
@@ -278,7 +279,7 @@ TEST(RealPouchArm, AStiffnessAtItsLimitIsSaidAndLeavesAPriorThatMeansSomething) 
                       " --out " +
                       dir / "new.yaml --json " + dir / "result.json");
   ASSERT_EQ(o.status, 0) << o.err;
-  EXPECT_THAT(o.out, HasSubstr("AT ITS LIMIT, not told: segment_2.bending_stiffness.base"));
+  EXPECT_THAT(o.out, HasSubstr("AT ITS LIMIT, not identifiable: segment_2.bending_stiffness.base"));
   EXPECT_THAT(o.out, HasSubstr("prior: EI 100 % as in the arm file"));
   const auto json = nlohmann::json::parse(text_of(dir / "result.json"));
   double largest_nm = 0.0;

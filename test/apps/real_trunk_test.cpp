@@ -10,7 +10,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "apps/program.h"
+#include "program.h"
 
 namespace softarm {
 namespace {
@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 
 struct Payload {
   double kg = 0.0, sd_kg = 0.0;
-  bool told = false;
+  bool identifiable = false;
 };
 
 /// Of the last frame, whose window holds the most.
@@ -35,7 +35,7 @@ Payload last_payload(const std::string& path) {
     return cells.at(static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin()));
   };
   EXPECT_EQ(cell("status"), "ok") << path;
-  return {std::stod(cell("payload")), std::stod(cell("sd_payload")), cell("tells_payload") == "1"};
+  return {std::stod(cell("payload")), std::stod(cell("sd_payload")), cell("identifiable_payload") == "1"};
 }
 
 class RealTrunk : public ::testing::Test {
@@ -127,7 +127,7 @@ TEST_F(RealTrunk, ShapeFollowsFromTheMotorsAndPayloadsComeOutInOrderWithHonestIn
   EXPECT_NEAR(p300.kg, 0.3, 2.5 * p300.sd_kg);
   EXPECT_LE(p0.kg, p100.kg + 1e-6);
   EXPECT_LT(p100.kg, p300.kg);
-  EXPECT_FALSE(p0.told) << "nothing hangs on it";
+  EXPECT_FALSE(p0.identifiable) << "nothing hangs on it";
 }
 
 }  // namespace

@@ -14,9 +14,9 @@
 #include <set>
 #include <vector>
 
-#include "apps/csv_rows.h"
-#include "apps/program.h"
-#include "softarm/trial/estimates_csv.h"
+#include "csv_rows.h"
+#include "estimate/estimates_csv.h"
+#include "program.h"
 
 namespace softarm {
 namespace {
@@ -158,8 +158,9 @@ TEST(SoftarmEstimate, ASimulatedTrialIsEstimatedCloseToItsTruth) {
   const Outcome o = softarm_program("estimate --arm online_200mm " + dir / "a.bag" + " --out " + dir / "out");
   ASSERT_EQ(o.status, 0) << o.err;
   EXPECT_THAT(o.out, HasSubstr("frames_per_s: "));
-  EXPECT_EQ(text_of(dir / "out/a/estimates.csv").substr(0, std::string(kEstimatesCsvHeader).size() + 1),
-            std::string(kEstimatesCsvHeader) + "\n");
+  EXPECT_EQ(
+      text_of(dir / "out/a/estimates.csv").substr(0, std::string(estimate::kEstimatesCsvHeader).size() + 1),
+      std::string(estimate::kEstimatesCsvHeader) + "\n");
   EXPECT_THAT(text_of(dir / "out/a/summary.txt"), HasSubstr("frames ok"));
 
   std::map<long, Row> truth;
@@ -167,7 +168,7 @@ TEST(SoftarmEstimate, ASimulatedTrialIsEstimatedCloseToItsTruth) {
   for (const Row& row : csv_rows(dir / "a.truth.csv")) truth[key(row)] = row;
   const std::vector<Row> rows = csv_rows(dir / "out/a/estimates.csv");
   ASSERT_GT(rows.size(), 1100u);
-  std::size_t ok = 0, told = 0, told_close = 0;
+  std::size_t ok = 0, identifiable = 0, identifiable_close = 0;
   double sum_tip_m2 = 0.0;
   for (const Row& row : rows) {
     if (row.at("status") != "ok") continue;
@@ -175,16 +176,16 @@ TEST(SoftarmEstimate, ASimulatedTrialIsEstimatedCloseToItsTruth) {
     const Row& t = truth.at(key(row));
     for (const char* c : {"tip_x", "tip_y", "tip_z"})
       sum_tip_m2 += std::pow(std::stod(row.at(c)) - std::stod(t.at(c)), 2);
-    if (row.at("tells_EI") != "1" || t.at("payload_steadied") == "1") continue;
-    ++told;
-    told_close += std::abs(std::stod(row.at("EI")) / std::stod(t.at("EI")) - 1.0) < 0.75;
+    if (row.at("identifiable_EI") != "1" || t.at("payload_steadied") == "1") continue;
+    ++identifiable;
+    identifiable_close += std::abs(std::stod(row.at("EI")) / std::stod(t.at("EI")) - 1.0) < 0.75;
   }
   EXPECT_GT(ok, rows.size() * 95 / 100);
   // The markers' noise is 0.5 mm per coordinate; the rod's shape cannot be much worse than that.
   EXPECT_LT(std::sqrt(sum_tip_m2 / static_cast<double>(ok)), 1.5e-3);
-  ASSERT_GT(told, 50u);
-  // Told means a standard deviation of 25 % or less: three of them, in a trial that moves.
-  EXPECT_GT(told_close, told * 95 / 100);
+  ASSERT_GT(identifiable, 50u);
+  // Identifiable means a standard deviation of 25 % or less: three of them, in a trial that moves.
+  EXPECT_GT(identifiable_close, identifiable * 95 / 100);
 }
 
 /// Median of a column over the frames that are ok.
@@ -208,7 +209,7 @@ TEST(SoftarmEstimate, StiffnessAndPayloadAtOnceNeedThePriorAndGainByTheWindow) {
     EXPECT_EQ(o.status, 0) << o.err;
     return o;
   };
-  const std::string note = "softarm: note: one frame cannot tell EI and payload apart: enable the prior\n";
+  const std::string note = "softarm: note: one frame cannot separate EI and payload: enable the prior\n";
   EXPECT_EQ(run("").err, note);
   const double alone_kg = median_of(csv_rows(dir / "out/a/estimates.csv"), "sd_payload");
   EXPECT_EQ(run("--prior on").err, "");
@@ -271,8 +272,8 @@ TEST(SoftarmRecordings, PouchArmOneSegment) {
       ++ok;
       EXPECT_GT(std::stod(row.at("L")), 0.10);
       EXPECT_LT(std::stod(row.at("L")), 0.16);
-      // A payload that the frame tells must carry its standard deviation, of 25 % or better.
-      if (row.at("tells_payload") == "1") {
+      // A payload that is identifiable must carry its standard deviation, of 25 % or better.
+      if (row.at("identifiable_payload") == "1") {
         ASSERT_FALSE(row.at("sd_payload").empty());
         ++with_sd;
         in_sd += std::stod(row.at("sd_payload")) <= 0.2501 * std::stod(row.at("payload"));

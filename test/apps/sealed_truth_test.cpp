@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/program.h"
-#include "softarm/rig/hidden.h"
+#include "program.h"
+#include "rig/hidden.h"
 
 namespace softarm {
 namespace {

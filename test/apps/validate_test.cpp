@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "apps/program.h"
+#include "program.h"
 
 namespace softarm {
 namespace {

@@ -45,8 +45,8 @@ estimator: {unknown: both, window_s: 0.5, prior: {enabled: true}}
 )";
 
 TEST(ActuationYaml, EverySegmentKey) {
-  const Arm arm = parse_arm(kDriven, "arm.yaml");
-  const Segment& segment = arm.segments.at(0);
+  const arm::Arm arm = arm::parse_arm(kDriven, "arm.yaml");
+  const arm::Segment& segment = arm.segments.at(0);
   ASSERT_EQ(segment.bending_stiffness.by_pressure.size(), 2u);
   EXPECT_EQ(segment.bending_stiffness.by_pressure[1].pressure_pa, 1e4);
   EXPECT_EQ(segment.bending_stiffness.by_pressure[1].bending_stiffness_nm2, 0.002);
@@ -68,37 +68,37 @@ TEST(ActuationYaml, EverySegmentKey) {
 }
 
 TEST(ActuationYaml, NoneIsTheDefault) {
-  const Segment& segment = parse_arm(kSmallArm, "arm.yaml").segments.at(0);
+  const arm::Segment& segment = arm::parse_arm(kSmallArm, "arm.yaml").segments.at(0);
   EXPECT_FALSE(segment.material || segment.central_chamber);
   EXPECT_TRUE(segment.tendons.empty() && segment.cables.empty());
   EXPECT_TRUE(segment.bending_stiffness.by_pressure.empty());
 }
 
 TEST(ActuationYaml, EveryInputKey) {
-  const Arm arm = parse_arm(kDriven, "arm.yaml");
-  const std::vector<ScalarInput>& inputs = arm.inputs.scalars;
+  const arm::Arm arm = arm::parse_arm(kDriven, "arm.yaml");
+  const std::vector<arm::ScalarInput>& inputs = arm.inputs.scalars;
   ASSERT_EQ(inputs.size(), 5u);  // pressures, then tensions, then angles
-  EXPECT_EQ(inputs[0].kind, InputKind::kPressure);
-  EXPECT_EQ(inputs[1].kind, InputKind::kVacuum);
-  const ScalarInput& pull = inputs[2];
-  EXPECT_EQ(pull.kind, InputKind::kTension);
+  EXPECT_EQ(inputs[0].kind, arm::InputKind::kPressure);
+  EXPECT_EQ(inputs[1].kind, arm::InputKind::kVacuum);
+  const arm::ScalarInput& pull = inputs[2];
+  EXPECT_EQ(pull.kind, arm::InputKind::kTension);
   EXPECT_EQ(pull.name, "pull");
   EXPECT_EQ(pull.topic, "/tendon/1/tension");
   EXPECT_EQ(pull.type, "std_msgs/Float64");
   EXPECT_EQ(pull.element, 0);
   EXPECT_DOUBLE_EQ(pull.scale_to_si, 1e-3);
   EXPECT_DOUBLE_EQ(pull.zero_si, 0.25);
-  EXPECT_EQ(inputs[3].kind, InputKind::kAngle);
+  EXPECT_EQ(inputs[3].kind, arm::InputKind::kAngle);
   EXPECT_EQ(inputs[3].type, "std_msgs/Float64");
   EXPECT_EQ(inputs[3].scale_to_si, 1.0);
   EXPECT_EQ(inputs[3].zero_si, 0.0);
-  const ScalarInput& count = inputs[4];
-  EXPECT_EQ(count.kind, InputKind::kAngle);
+  const arm::ScalarInput& count = inputs[4];
+  EXPECT_EQ(count.kind, arm::InputKind::kAngle);
   EXPECT_EQ(count.type, "std_msgs/Float32MultiArray");
   EXPECT_EQ(count.element, 1);
   EXPECT_EQ(count.scale_to_si, -0.002);
   EXPECT_DOUBLE_EQ(count.zero_si, -2.73);
-  EXPECT_EQ(arm.estimator.unknown, Unknown::kBoth);
+  EXPECT_EQ(arm.estimator.unknown, arm::Unknown::kBoth);
   EXPECT_EQ(arm.estimator.window_s, 0.5);
   EXPECT_TRUE(arm.estimator.prior.enabled);
 }
@@ -107,15 +107,16 @@ TEST(ActuationYaml, Units) {
   const std::pair<const char*, double> tensions[] = {
       {"N", 1}, {"mN", 1e-3}, {"kgf", 9.80665}, {"gf", 9.80665e-3}};
   for (const auto& [word, scale] : tensions) {
-    const Arm arm = parse_arm(edited(kDriven, "unit: mN", std::string("unit: ") + word), "arm.yaml");
+    const arm::Arm arm =
+        arm::parse_arm(edited(kDriven, "unit: mN", std::string("unit: ") + word), "arm.yaml");
     EXPECT_DOUBLE_EQ(arm.inputs.scalars[2].scale_to_si, scale) << word;
     EXPECT_DOUBLE_EQ(arm.inputs.scalars[2].zero_si, 250 * scale) << word;
   }
   const std::pair<const char*, double> angles[] = {{"rad", 1}, {"deg", M_PI / 180}};
   for (const auto& [word, scale] : angles) {
-    const Arm arm =
-        parse_arm(edited(kDriven, "topic: /servo/1/angle", std::string("topic: a, zero: 90, unit: ") + word),
-                  "arm.yaml");
+    const arm::Arm arm = arm::parse_arm(
+        edited(kDriven, "topic: /servo/1/angle", std::string("topic: a, zero: 90, unit: ") + word),
+        "arm.yaml");
     EXPECT_DOUBLE_EQ(arm.inputs.scalars[3].scale_to_si, scale) << word;
     EXPECT_DOUBLE_EQ(arm.inputs.scalars[3].zero_si, 90 * scale) << word;
   }
@@ -134,7 +135,7 @@ TEST(ActuationYaml, PriorOfEveryKindOfActuation) {
        {"    central_chamber: {input: chamber_1, area_m2: 1e-5}\n",
         "    tendons: [{input: t, bending_direction_deg: 0, offset_m: 0.01}]\n",
         "    cables: [{input: a, bending_direction_deg: 0, curvature_gain_per_m_rad: 5}]\n"}) {
-    EXPECT_NO_THROW(parse_arm(edited(passive, "DRIVE", drive), "arm.yaml")) << drive;
+    EXPECT_NO_THROW(arm::parse_arm(edited(passive, "DRIVE", drive), "arm.yaml")) << drive;
   }
 }
 
@@ -275,8 +276,8 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(ActuationYaml, EveryTruncationIsRefusedOrRead) {
   for (std::size_t length = 0; length < kDriven.size(); ++length) {
     try {
-      parse_arm(kDriven.substr(0, length), "arm.yaml");
-    } catch (const ArmError& error) {
+      arm::parse_arm(kDriven.substr(0, length), "arm.yaml");
+    } catch (const arm::ArmError& error) {
       EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
     }
   }

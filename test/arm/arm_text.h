@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "softarm/arm/arm_yaml.h"
+#include "softarm/arm/arm_file.h"
 
 namespace softarm {
 
@@ -57,8 +57,8 @@ inline void PrintTo(const Refusal& refusal, std::ostream* out) {
 /// source.
 inline std::string refusal(const std::string& text) {
   try {
-    parse_arm(text, "arm.yaml");
-  } catch (const ArmError& error) {
+    arm::parse_arm(text, "arm.yaml");
+  } catch (const arm::ArmError& error) {
     const std::string message = error.what();
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
     EXPECT_EQ(message.rfind("arm.yaml:", 0), 0u) << message;

@@ -1,5 +1,5 @@
 // Constants written back into an arm's text.
-#include "softarm/arm/arm_writer.h"
+#include "arm/arm_writer.h"
 
 #include <gtest/gtest.h>
 
@@ -21,10 +21,10 @@ std::string shipped_text(const std::string& name) {
 }
 
 /// Each constant 3 % larger (rest curvatures from zero), and another prior.
-Arm changed(Arm arm) {
+arm::Arm changed(arm::Arm arm) {
   for (const identify::ConstantRef& constant : identify::constants_of(arm)) {
     const double value = identify::value_of(arm, constant);
-    const Range range = identify::allowed_range(arm, constant);
+    const arm::Range range = identify::allowed_range(arm, constant);
     const double other = value == 0.0 ? 0.01 * range.high : 1.03 * value;
     identify::set_value(arm, constant, std::min(other, range.high));
   }
@@ -38,7 +38,7 @@ Arm changed(Arm arm) {
   return arm;
 }
 
-void expect_same(const Arm& a, const Arm& b) {
+void expect_same(const arm::Arm& a, const arm::Arm& b) {
   for (const identify::ConstantRef& constant : identify::constants_of(b)) {
     const double value = identify::value_of(b, constant);
     EXPECT_NEAR(identify::value_of(a, constant), value, 1e-8 * std::abs(value))
@@ -68,11 +68,11 @@ class ArmWriter : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(ArmWriter, EveryConstantOfShippedArmsComesBackAndCommentsStay) {
   const std::string text = shipped_text(GetParam());
-  const Arm arm = changed(parse_arm(text, "arm.yaml"));
-  const std::string written = update_arm_text(text, "arm.yaml", arm);
-  expect_same(parse_arm(written, "written.yaml"), arm);
+  const arm::Arm arm = changed(arm::parse_arm(text, "arm.yaml"));
+  const std::string written = arm::update_arm_text(text, "arm.yaml", arm);
+  expect_same(arm::parse_arm(written, "written.yaml"), arm);
   EXPECT_EQ(comments(written), comments(text));
-  EXPECT_EQ(update_arm_text(written, "arm.yaml", arm), written) << "nothing is left to change";
+  EXPECT_EQ(arm::update_arm_text(written, "arm.yaml", arm), written) << "nothing is left to change";
 }
 
 INSTANTIATE_TEST_SUITE_P(Shipped, ArmWriter,
@@ -82,7 +82,7 @@ INSTANTIATE_TEST_SUITE_P(Shipped, ArmWriter,
 TEST(ArmWriterText, NothingChangesWhereNothingDiffers) {
   for (const char* name : {"online_200mm", "cable_235mm"}) {
     const std::string text = shipped_text(name);
-    EXPECT_EQ(update_arm_text(text, name, parse_arm(text, name)), text);
+    EXPECT_EQ(arm::update_arm_text(text, name, arm::parse_arm(text, name)), text);
   }
 }
 
@@ -93,51 +93,52 @@ TEST(ArmWriterText, AddsKeysToFlowAndBlockMapsAndToMapsThatAreMissing) {
         edited("estimator: {method: full_points}\n", "estimator:\n  method: full_points  # see the manual\n"),
         edited("estimator: {method: full_points}", "estimator: {prior: {enabled: false}}")}) {
     SCOPED_TRACE(text);
-    const Arm arm = changed(parse_arm(text, "arm.yaml"));
-    expect_same(parse_arm(update_arm_text(text, "arm.yaml", arm), "written.yaml"), arm);
+    const arm::Arm arm = changed(arm::parse_arm(text, "arm.yaml"));
+    expect_same(arm::parse_arm(arm::update_arm_text(text, "arm.yaml", arm), "written.yaml"), arm);
   }
 }
 
 TEST(ArmWriterText, KeepsItsPlaceBehindOtherAlphabetsAndLineEnds) {
   std::string text = "# Arm für Übungen – φ = 0°\n" + kSmallArm;
-  const Arm arm = changed(parse_arm(text, "arm.yaml"));
-  const std::string written = update_arm_text(text, "arm.yaml", arm);
-  expect_same(parse_arm(written, "written.yaml"), arm);
+  const arm::Arm arm = changed(arm::parse_arm(text, "arm.yaml"));
+  const std::string written = arm::update_arm_text(text, "arm.yaml", arm);
+  expect_same(arm::parse_arm(written, "written.yaml"), arm);
   EXPECT_EQ(written.rfind("# Arm für Übungen – φ = 0°\n", 0), 0u);
   std::string dos;
   for (const char c : text) dos += c == '\n' ? std::string("\r\n") : std::string(1, c);
-  expect_same(parse_arm(update_arm_text(dos, "arm.yaml", arm), "written.yaml"), arm);
+  expect_same(arm::parse_arm(arm::update_arm_text(dos, "arm.yaml", arm), "written.yaml"), arm);
 }
 
 TEST(ArmWriterText, TheHeaderIsReplacedNotRepeated) {
-  const Arm arm = parse_arm(kSmallArm, "arm.yaml");
-  const std::string once = update_arm_text(kSmallArm, "arm.yaml", arm, {"from a.bag", "error 1 mm"});
+  const arm::Arm arm = arm::parse_arm(kSmallArm, "arm.yaml");
+  const std::string once = arm::update_arm_text(kSmallArm, "arm.yaml", arm, {"from a.bag", "error 1 mm"});
   EXPECT_EQ(once, "# softarm identify: from a.bag\n# softarm identify: error 1 mm\n" + kSmallArm);
-  EXPECT_EQ(update_arm_text(once, "arm.yaml", arm, {"from b.bag"}),
+  EXPECT_EQ(arm::update_arm_text(once, "arm.yaml", arm, {"from b.bag"}),
             "# softarm identify: from b.bag\n" + kSmallArm);
 }
 
 TEST(ArmWriterText, RefusesAliasesQuotesAndOtherArms) {
-  const auto refused = [](const std::string& text, const Arm& arm) {
+  const auto refused = [](const std::string& text, const arm::Arm& arm) {
     try {
-      update_arm_text(text, "arm.yaml", arm);
-    } catch (const ArmError& error) {
+      arm::update_arm_text(text, "arm.yaml", arm);
+    } catch (const arm::ArmError& error) {
       const std::string message = error.what();
       EXPECT_EQ(message.rfind("arm.yaml:", 0), 0u) << message;
       return true;
     }
     return false;
   };
-  Arm arm = parse_arm(kSmallArm, "arm.yaml");
+  arm::Arm arm = arm::parse_arm(kSmallArm, "arm.yaml");
   arm.segments[0].bending_stiffness.base_nm2 = 0.05;
   // The same number twice: the stiffness would change the other with it.
   const std::string alias = edited(edited("diameter_m: 0.04", "diameter_m: &d 0.04"),
                                    "mass_per_length_kg_m: 1.0", "mass_per_length_kg_m: *d");
-  Arm heavier = parse_arm(edited("mass_per_length_kg_m: 1.0", "mass_per_length_kg_m: 0.04"), "arm.yaml");
+  arm::Arm heavier =
+      arm::parse_arm(edited("mass_per_length_kg_m: 1.0", "mass_per_length_kg_m: 0.04"), "arm.yaml");
   heavier.segments[0].mass_per_length_kg_m = 0.05;
   EXPECT_FALSE(refused(kSmallArm, arm));
   EXPECT_TRUE(refused(edited("base_nm2: 0.03", "base_nm2: \"0.03\""), arm));
-  Arm two = arm;
+  arm::Arm two = arm;
   two.segments.push_back(two.segments[0]);
   EXPECT_TRUE(refused(kSmallArm, two));
   EXPECT_TRUE(refused(alias, heavier));

@@ -264,7 +264,7 @@ TEST(ArmYamlRefusesDocument, DuplicateSegment) {
 
 TEST(ArmYamlRefusesDocument, EndOrientationWithoutTipOrientation) {
   const std::string end_orientation = edited("method: full_points", "method: end_orientation");
-  EXPECT_NO_THROW(parse_arm(end_orientation, "arm.yaml"));
+  EXPECT_NO_THROW(arm::parse_arm(end_orientation, "arm.yaml"));
   EXPECT_EQ(refusal(edited(end_orientation, "orientation_usable: true", "orientation_usable: false")),
             "arm.yaml:18: key 'estimator.method': value end_orientation needs a ring at the tip (0.2 m) with "
             "orientation_usable: true");
@@ -278,7 +278,7 @@ TEST(ArmYamlRefusesDocument, PriorWithoutChambers) {
   const std::string passive = edited(
       "    chambers:\n      - {input: chamber_1, bending_direction_deg: 90, moment_gain_nm_per_pa: 6.0e-6}\n",
       "");
-  EXPECT_NO_THROW(parse_arm(passive, "arm.yaml"));
+  EXPECT_NO_THROW(arm::parse_arm(passive, "arm.yaml"));
   EXPECT_EQ(refusal(edited(passive, "method: full_points", "prior: {enabled: true}")),
             "arm.yaml:16: key 'estimator.prior.enabled': value true needs segments with chambers, "
             "a central_chamber, tendons or cables");
@@ -299,8 +299,8 @@ TEST(ArmYamlRefusesDocument, EveryTruncationIsRefusedOrRead) {
   // Whatever is cut off, the answer is an arm or one line, never another exception.
   for (std::size_t length = 0; length < kSmallArm.size(); ++length) {
     try {
-      parse_arm(kSmallArm.substr(0, length), "arm.yaml");
-    } catch (const ArmError& error) {
+      arm::parse_arm(kSmallArm.substr(0, length), "arm.yaml");
+    } catch (const arm::ArmError& error) {
       EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
     }
   }

@@ -1,12 +1,11 @@
 // What parse_arm() reads.
-#include "softarm/arm/arm_yaml.h"
-
 #include <gtest/gtest.h>
 
 #include <clocale>
 #include <cmath>
 
 #include "arm_text.h"
+#include "softarm/arm/arm_file.h"
 
 namespace softarm {
 namespace {
@@ -14,12 +13,12 @@ namespace {
 constexpr double kDeg = M_PI / 180.0;
 
 TEST(ArmYaml, SmallArmWithDefaults) {
-  const Arm arm = parse_arm(kSmallArm, "arm.yaml");
+  const arm::Arm arm = arm::parse_arm(kSmallArm, "arm.yaml");
   EXPECT_EQ(arm.name, "small");
   EXPECT_EQ(arm.gravity_m_s2, Eigen::Vector3d(0, 0, -9.80665));
   EXPECT_EQ(arm.base.body, "base");
   ASSERT_EQ(arm.segments.size(), 1u);
-  const Segment& segment = arm.segments[0];
+  const arm::Segment& segment = arm.segments[0];
   EXPECT_DOUBLE_EQ(segment.length_m, 0.2);
   EXPECT_DOUBLE_EQ(segment.length_range_m.low, 0.14);
   EXPECT_NEAR(segment.length_range_m.high, 0.3, 1e-15);
@@ -39,8 +38,8 @@ TEST(ArmYaml, SmallArmWithDefaults) {
 }
 
 TEST(ArmYaml, DefaultsAreThoseOfTheStructs) {
-  const Arm arm = parse_arm(kSmallArm, "arm.yaml");
-  const Inputs inputs;
+  const arm::Arm arm = arm::parse_arm(kSmallArm, "arm.yaml");
+  const arm::Inputs inputs;
   EXPECT_EQ(arm.inputs.bodies.topic, inputs.bodies.topic);
   EXPECT_EQ(arm.inputs.bodies.type, inputs.bodies.type);
   EXPECT_EQ(arm.inputs.bodies.scale_to_m, inputs.bodies.scale_to_m);
@@ -48,20 +47,20 @@ TEST(ArmYaml, DefaultsAreThoseOfTheStructs) {
   EXPECT_EQ(arm.inputs.payload_topic, inputs.payload_topic);
   EXPECT_EQ(arm.inputs.body_sync_tolerance_s, inputs.body_sync_tolerance_s);
   EXPECT_EQ(arm.inputs.input_max_age_s, inputs.input_max_age_s);
-  const ScalarInput pressure;
+  const arm::ScalarInput pressure;
   ASSERT_EQ(arm.inputs.scalars.size(), 1u);
   EXPECT_EQ(arm.inputs.scalars[0].type, "sensor_msgs/FluidPressure");
   EXPECT_EQ(arm.inputs.scalars[0].element, pressure.element);
   EXPECT_EQ(arm.inputs.scalars[0].scale_to_si, pressure.scale_to_si);
   EXPECT_EQ(arm.inputs.scalars[0].reference, pressure.reference);
   EXPECT_EQ(arm.inputs.scalars[0].kind, pressure.kind);
-  const EstimatorOptions options;
+  const arm::EstimatorOptions options;
   EXPECT_EQ(arm.estimator.method, options.method);
   EXPECT_EQ(arm.estimator.unknown, options.unknown);
   EXPECT_EQ(arm.estimator.objective, options.objective);
   EXPECT_EQ(arm.estimator.weights, options.weights);
   EXPECT_EQ(arm.estimator.robust, options.robust);
-  EXPECT_EQ(arm.estimator.tells_relative_sd, options.tells_relative_sd);
+  EXPECT_EQ(arm.estimator.identifiable_relative_sd, options.identifiable_relative_sd);
   EXPECT_EQ(arm.estimator.prior.enabled, options.prior.enabled);
   EXPECT_EQ(arm.estimator.prior.moment_sd_nm, options.prior.moment_sd_nm);
   EXPECT_EQ(arm.estimator.prior.bending_stiffness_sd_rel, options.prior.bending_stiffness_sd_rel);
@@ -70,13 +69,13 @@ TEST(ArmYaml, DefaultsAreThoseOfTheStructs) {
   EXPECT_EQ(arm.estimator.prior.moment_jitter_sd_nm, options.prior.moment_jitter_sd_nm);
   EXPECT_EQ(arm.estimator.prior.length_jitter_sd_m, options.prior.length_jitter_sd_m);
   EXPECT_EQ(arm.estimator.window_s, options.window_s);
-  const PayloadMount payload;
+  const arm::PayloadMount payload;
   EXPECT_EQ(arm.payload.range_kg.low, payload.range_kg.low);
   EXPECT_EQ(arm.payload.range_kg.high, payload.range_kg.high);
-  const Segment segment;
+  const arm::Segment segment;
   EXPECT_EQ(arm.segments[0].bending_stiffness_range_nm2.low, segment.bending_stiffness_range_nm2.low);
   EXPECT_EQ(arm.segments[0].bending_stiffness_range_nm2.high, segment.bending_stiffness_range_nm2.high);
-  EXPECT_EQ(arm.base.hold_last, Base().hold_last);
+  EXPECT_EQ(arm.base.hold_last, arm::Base().hold_last);
 }
 
 /// Every key with a value other than its default.
@@ -140,7 +139,7 @@ estimator:
   objective: sum_of_distances
   weights: noise
   robust: false
-  tells_relative_sd: 0.5
+  identifiable_relative_sd: 0.5
   window_s: 0.5
   prior:
     enabled: true
@@ -155,18 +154,18 @@ estimator:
 TEST(ArmYaml, APathIsSaidWhole) {
   const std::string path = "/" + std::string(120, 'd') + "/arm.yaml";
   try {
-    parse_arm("format: 7\n", path);
+    arm::parse_arm("format: 7\n", path);
     FAIL();
-  } catch (const ArmError& error) {
+  } catch (const arm::ArmError& error) {
     EXPECT_EQ(std::string(error.what()).rfind(path + ":", 0), 0u) << error.what();
   }
 }
 
 TEST(ArmYaml, EverySegmentKey) {
-  const Arm arm = parse_arm(kFullArm, "arm.yaml");
+  const arm::Arm arm = arm::parse_arm(kFullArm, "arm.yaml");
   ASSERT_EQ(arm.segments.size(), 2u);
   EXPECT_NEAR(arm.total_length_m(), 0.3, 1e-15);
-  const Segment& lower = arm.segments[0];
+  const arm::Segment& lower = arm.segments[0];
   EXPECT_EQ(lower.length_range_m.high, 0.4);
   EXPECT_EQ(lower.mass_per_length_kg_m, 1.5);
   EXPECT_EQ(lower.diameter_m, 0.05);
@@ -188,20 +187,20 @@ TEST(ArmYaml, EverySegmentKey) {
 }
 
 TEST(ArmYaml, EveryBodyAndPayloadKey) {
-  const Arm arm = parse_arm(kFullArm, "arm.yaml");
+  const arm::Arm arm = arm::parse_arm(kFullArm, "arm.yaml");
   EXPECT_EQ(arm.tip_mass_kg, 0.015);
   EXPECT_EQ(arm.payload.arclength_m, 0.28);
   EXPECT_EQ(arm.payload.offset_m, Eigen::Vector3d(0.02, 0, 0.01));
   EXPECT_EQ(arm.payload.default_kg, 0.1);
   EXPECT_EQ(arm.payload.range_kg.high, 0.5);
   ASSERT_EQ(arm.bodies.size(), 3u);
-  EXPECT_EQ(arm.bodies[0].kind, BodyKind::kSkinMarker);
+  EXPECT_EQ(arm.bodies[0].kind, arm::BodyKind::kSkinMarker);
   EXPECT_DOUBLE_EQ(arm.bodies[0].angle_rad, 60 * kDeg);
   EXPECT_EQ(arm.bodies[0].radius_m, 0.025);
   EXPECT_EQ(arm.bodies[0].position_sd_m, 0.001);
   EXPECT_EQ(arm.bodies[1].position_sd_m, 0.002);
-  const MeasuredBody& end = arm.bodies[2];
-  EXPECT_EQ(end.kind, BodyKind::kRing);
+  const arm::MeasuredBody& end = arm.bodies[2];
+  EXPECT_EQ(end.kind, arm::BodyKind::kRing);
   EXPECT_EQ(end.orientation_sd_rad, 0.1);
   EXPECT_EQ(end.section_in_body.translation(), Eigen::Vector3d(0, 0, -0.01));
   EXPECT_NEAR((end.section_in_body.linear() * Eigen::Vector3d::UnitZ() + Eigen::Vector3d::UnitZ()).norm(), 0,
@@ -209,7 +208,7 @@ TEST(ArmYaml, EveryBodyAndPayloadKey) {
 }
 
 TEST(ArmYaml, EveryInputAndEstimatorKey) {
-  const Arm arm = parse_arm(kFullArm, "arm.yaml");
+  const arm::Arm arm = arm::parse_arm(kFullArm, "arm.yaml");
   EXPECT_EQ(arm.inputs.bodies.topic, "/vicon/<body>/pose");
   EXPECT_EQ(arm.inputs.bodies.scale_to_m, 1e-3);
   EXPECT_EQ(arm.inputs.body_sync_tolerance_s, 0.004);
@@ -217,18 +216,18 @@ TEST(ArmYaml, EveryInputAndEstimatorKey) {
   EXPECT_EQ(arm.inputs.scalars[0].topic, "valves");
   EXPECT_EQ(arm.inputs.scalars[0].element, 2);
   EXPECT_EQ(arm.inputs.scalars[0].scale_to_si, 1e3);
-  EXPECT_EQ(arm.inputs.scalars[0].reference, PressureReference::kGauge);
+  EXPECT_EQ(arm.inputs.scalars[0].reference, arm::PressureReference::kGauge);
   EXPECT_EQ(arm.inputs.scalars[1].scale_to_si, 100);
-  EXPECT_EQ(arm.inputs.scalars[1].kind, InputKind::kVacuum);
+  EXPECT_EQ(arm.inputs.scalars[1].kind, arm::InputKind::kVacuum);
   EXPECT_EQ(arm.inputs.ambient_pressure_pa, 98000);
   EXPECT_EQ(arm.inputs.input_max_age_s, 2);
   EXPECT_EQ(arm.inputs.payload_topic, "scale");
-  EXPECT_EQ(arm.estimator.method, Method::kEndOrientation);
-  EXPECT_EQ(arm.estimator.unknown, Unknown::kPayload);
-  EXPECT_EQ(arm.estimator.objective, Objective::kSumOfDistances);
-  EXPECT_EQ(arm.estimator.weights, Weights::kNoise);
+  EXPECT_EQ(arm.estimator.method, arm::Method::kEndOrientation);
+  EXPECT_EQ(arm.estimator.unknown, arm::Unknown::kPayload);
+  EXPECT_EQ(arm.estimator.objective, arm::Objective::kSumOfDistances);
+  EXPECT_EQ(arm.estimator.weights, arm::Weights::kNoise);
   EXPECT_FALSE(arm.estimator.robust);
-  EXPECT_EQ(arm.estimator.tells_relative_sd, 0.5);
+  EXPECT_EQ(arm.estimator.identifiable_relative_sd, 0.5);
   EXPECT_TRUE(arm.estimator.prior.enabled);
   EXPECT_EQ(arm.estimator.prior.moment_sd_nm, 0.05);
   EXPECT_EQ(arm.estimator.prior.moment_sd_rel, 0.1);
@@ -240,7 +239,7 @@ TEST(ArmYaml, EveryInputAndEstimatorKey) {
 }
 
 TEST(ArmYaml, MeasuredBase) {
-  const Arm arm = parse_arm(kFullArm, "arm.yaml");
+  const arm::Arm arm = arm::parse_arm(kFullArm, "arm.yaml");
   EXPECT_EQ(arm.gravity_m_s2, Eigen::Vector3d(0, -9.81, 0));
   EXPECT_EQ(arm.base.body, "rig/plate");
   EXPECT_FALSE(arm.base.hold_last);
@@ -254,7 +253,7 @@ TEST(ArmYaml, UnitsOfPressure) {
   const std::pair<const char*, double> units[] = {{"Pa", 1},    {"kPa", 1e3},  {"MPa", 1e6},
                                                   {"bar", 1e5}, {"mbar", 100}, {"psi", 6894.757293168}};
   for (const auto& [word, scale] : units) {
-    const Arm arm = parse_arm(
+    const arm::Arm arm = arm::parse_arm(
         edited("topic: /pressure/chamber_1", std::string("topic: /pressure/chamber_1, unit: ") + word),
         "arm.yaml");
     EXPECT_DOUBLE_EQ(arm.inputs.scalars[0].scale_to_si, scale) << word;
@@ -262,9 +261,9 @@ TEST(ArmYaml, UnitsOfPressure) {
 }
 
 Eigen::Isometry3d fixed_pose(const std::string& fixed, const std::string& gravity = "[0, 0, -9.81]") {
-  const Arm arm =
-      parse_arm(edited("base: {body: base}", "gravity_m_s2: " + gravity + "\nbase: {fixed: " + fixed + "}"),
-                "arm.yaml");
+  const arm::Arm arm = arm::parse_arm(
+      edited("base: {body: base}", "gravity_m_s2: " + gravity + "\nbase: {fixed: " + fixed + "}"),
+      "arm.yaml");
   EXPECT_FALSE(arm.base.body);
   return arm.base.fixed_pose;
 }
@@ -295,39 +294,40 @@ TEST(ArmYaml, FixedBaseByQuaternion) {
 }
 
 TEST(ArmYaml, SectionWhoseKeysAreAllCommentedOutIsDefault) {
-  EXPECT_EQ(parse_arm(edited("estimator: {method: full_points}", "estimator:\n  # method: x\n"), "arm.yaml")
-                .estimator.method,
-            Method::kFullPoints);
+  EXPECT_EQ(
+      arm::parse_arm(edited("estimator: {method: full_points}", "estimator:\n  # method: x\n"), "arm.yaml")
+          .estimator.method,
+      arm::Method::kFullPoints);
 }
 
 TEST(ArmYaml, NumbersDoNotDependOnTheLocale) {
   const std::string before = std::setlocale(LC_NUMERIC, nullptr);
   std::setlocale(LC_NUMERIC, "de_DE.UTF-8");  // where it is installed, its decimal comma must not matter
-  const Arm arm = parse_arm(edited("length_m: 0.2", "length_m: +2.5e-1"), "arm.yaml");
+  const arm::Arm arm = arm::parse_arm(edited("length_m: 0.2", "length_m: +2.5e-1"), "arm.yaml");
   std::setlocale(LC_NUMERIC, before.c_str());
   EXPECT_EQ(arm.segments[0].length_m, 0.25);
 }
 
 TEST(ArmWords, RoundTripAndRefuse) {
-  for (const Method m :
-       {Method::kFullPoints, Method::kEndOrientation, Method::kCcPoints, Method::kCcEndpoint}) {
-    EXPECT_EQ(parse_method(to_string(m)), m);
+  for (const arm::Method m : {arm::Method::kFullPoints, arm::Method::kEndOrientation, arm::Method::kCcPoints,
+                              arm::Method::kCcEndpoint}) {
+    EXPECT_EQ(arm::parse_method(to_string(m)), m);
   }
-  for (const Unknown u : {Unknown::kStiffness, Unknown::kPayload, Unknown::kBoth})
-    EXPECT_EQ(parse_unknown(to_string(u)), u);
-  for (const Objective o : {Objective::kLeastSquares, Objective::kSumOfDistances}) {
-    EXPECT_EQ(parse_objective(to_string(o)), o);
+  for (const arm::Unknown u : {arm::Unknown::kStiffness, arm::Unknown::kPayload, arm::Unknown::kBoth})
+    EXPECT_EQ(arm::parse_unknown(to_string(u)), u);
+  for (const arm::Objective o : {arm::Objective::kLeastSquares, arm::Objective::kSumOfDistances}) {
+    EXPECT_EQ(arm::parse_objective(to_string(o)), o);
   }
-  EXPECT_EQ(to_string(Method::kCcEndpoint), "cc_endpoint");
+  EXPECT_EQ(to_string(arm::Method::kCcEndpoint), "cc_endpoint");
   try {
-    parse_method("full_point");
+    arm::parse_method("full_point");
     FAIL();
   } catch (const std::invalid_argument& error) {
     EXPECT_STREQ(error.what(),
                  "method 'full_point' is none of: full_points, end_orientation, cc_points, cc_endpoint");
   }
-  EXPECT_THROW(parse_unknown("EI"), std::invalid_argument);
-  EXPECT_THROW(parse_objective(""), std::invalid_argument);
+  EXPECT_THROW(arm::parse_unknown("EI"), std::invalid_argument);
+  EXPECT_THROW(arm::parse_objective(""), std::invalid_argument);
 }
 
 }  // namespace

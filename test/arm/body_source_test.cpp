@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "softarm/arm/arm_yaml.h"
+#include "softarm/arm/arm_file.h"
 
 namespace softarm {
 namespace {
@@ -15,29 +15,29 @@ segments:
 const std::string kFixed = "base: {fixed: {attitude: hanging}}\n";
 const std::string kRings = "bodies:\n  - {name: ring_1, arclength_m: tip}\n";
 
-Arm parse(const std::string& parts) {
-  return parse_arm(kHead + parts, "arm.yaml");
+arm::Arm parse(const std::string& parts) {
+  return arm::parse_arm(kHead + parts, "arm.yaml");
 }
 
 TEST(BodySource, DefaultsOfEachType) {
-  const Arm vicon =
+  const arm::Arm vicon =
       parse(kFixed + kRings + "inputs: {bodies: {topic: /vicon/markers, type: vicon_bridge/Markers}}\n");
   EXPECT_EQ(vicon.inputs.bodies.scale_to_m, 1e-3);
   EXPECT_TRUE(vicon.inputs.bodies.labelled);
-  const Arm tf =
+  const arm::Arm tf =
       parse("base: {body: b}\n" + kRings +
             "inputs: {bodies: {type: tf2_msgs/TFMessage, frame: /world, child_frame: /v/<body>}}\n");
   EXPECT_EQ(tf.inputs.bodies.topic, "/tf");
   EXPECT_EQ(tf.inputs.bodies.frame, "world");
   EXPECT_EQ(tf.inputs.bodies.child_frame, "v/<body>");
-  const Arm cloud =
+  const arm::Arm cloud =
       parse(kFixed + kRings + "inputs: {bodies: {topic: /cloud, type: sensor_msgs/PointCloud, unit: cm}}\n");
   EXPECT_FALSE(cloud.inputs.bodies.labelled);
   EXPECT_EQ(cloud.inputs.bodies.scale_to_m, 1e-2);
 }
 
 TEST(BodySource, AxesAreTheDriversAlongOurs) {
-  const Arm arm = parse(kFixed + kRings + "inputs: {bodies: {axes: x -z y}}\n");
+  const arm::Arm arm = parse(kFixed + kRings + "inputs: {bodies: {axes: x -z y}}\n");
   // The driver's y is up: what it calls (1, 2, 3) is at (1, -3, 2).
   EXPECT_EQ(arm.inputs.bodies.mocap_from_driver * Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(1, -3, 2));
   EXPECT_EQ(arm.inputs.bodies.mocap_from_driver.determinant(), 1.0);
@@ -52,13 +52,13 @@ TEST(BodySource, EveryPlaceholderOfATopicIsAllowed) {
 }
 
 TEST(BodySource, FieldsOfOtherMessages) {
-  const Arm arm =
+  const arm::Arm arm =
       parse(kFixed + kRings +
             "inputs: {pressures: [{name: p, topic: /a, type: my/State, field: \"c[2].p\", stamp: receipt}, "
             "{name: q, topic: /a, type: my/State, field: \"c[3].p\"}]}\n");
   EXPECT_EQ(arm.inputs.scalars[0].field, "c[2].p");
-  EXPECT_EQ(arm.inputs.scalars[0].stamp, StampSource::kReceipt);
-  EXPECT_EQ(arm.inputs.scalars[1].stamp, StampSource::kHeader);
+  EXPECT_EQ(arm.inputs.scalars[0].stamp, arm::StampSource::kReceipt);
+  EXPECT_EQ(arm.inputs.scalars[1].stamp, arm::StampSource::kHeader);
 }
 
 struct Refusal {
@@ -70,7 +70,7 @@ TEST_P(BodySourceRefuses, WithOneClearLine) {
   try {
     parse(GetParam().parts);
     ADD_FAILURE() << "was accepted";
-  } catch (const ArmError& e) {
+  } catch (const arm::ArmError& e) {
     EXPECT_THAT(e.what(), ::testing::StartsWith(GetParam().message));
     EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos);
   }
@@ -145,10 +145,10 @@ INSTANTIATE_TEST_SUITE_P(
                     "0, 0]}, "
                     "{label: b, position_m: [0, 0, 1]}, {label: c, position_m: [0, 0, 2]}]}\n" +
                     kMarkers,
-                "arm.yaml:7: key 'bodies[0].labelled_markers': sit on one line, which tells no orientation"},
+                "arm.yaml:7: key 'bodies[0].labelled_markers': sit on one line, which gives no orientation"},
         Refusal{"circle_of_labels",
                 kFixed +
-                    "bodies:\n  - {name: r, arclength_m: tip, markers: 3, marker_circle_radius_m: 0.03}\n" +
+                    "bodies:\n  - {name: r, arclength_m: tip, markers: 3, marker_cluster_radius_m: 0.03}\n" +
                     kMarkers,
                 "arm.yaml:7: key 'bodies[0].markers': value 3 applies to points without labels only"},
         Refusal{"type_without_field",

@@ -3,20 +3,18 @@
 
 #include <string>
 
-#include "arm/arm_text.h"
-#include "softarm/arm/arm_writer.h"
-#include "softarm/arm/arm_yaml.h"
-#include "softarm/arm/effect_entry.h"
-#include "softarm/trial/arm_file.h"
+#include "arm/arm_writer.h"
+#include "arm_text.h"
+#include "softarm/arm/arm_file.h"
 
 namespace softarm {
 namespace {
 
 std::string shipped() {
-  return read_arm_text(std::string(SOFTARM_SOURCE_DIR) + "/config/arms/online_200mm.yaml").text;
+  return arm::read_arm_text(std::string(SOFTARM_SOURCE_DIR) + "/config/arms/online_200mm.yaml").text;
 }
 
-std::vector<EffectEntry> two_effects() {
+std::vector<arm::EffectEntry> two_effects() {
   return {{"base_compliance", {{"compliance_rad_per_nm", 0.161890123, 0.0003}}},
           {"marker_slip", {{"x_m", 1e-3}, {"y_m", -2.5e-4}, {"z_m", 0.0}, {"body", 2.0}}}};
 }
@@ -24,23 +22,24 @@ std::vector<EffectEntry> two_effects() {
 /// The message for the shipped arm with this section.
 std::string refusal(const std::string& section) {
   try {
-    parse_effect_entries(shipped() + section, "arm.yaml");
-  } catch (const ArmError& error) {
+    arm::parse_effect_entries(shipped() + section, "arm.yaml");
+  } catch (const arm::ArmError& error) {
     return error.what();
   }
   return "";
 }
 
 TEST(EffectEntries, AnArmWithoutHasNone) {
-  EXPECT_TRUE(parse_effect_entries(shipped(), "arm.yaml").empty());
+  EXPECT_TRUE(arm::parse_effect_entries(shipped(), "arm.yaml").empty());
 }
 
 TEST(EffectEntries, WhatIsWrittenIsRead) {
   const std::string text = shipped();
-  const Arm arm = parse_arm(text, "arm.yaml");
-  const std::string written = update_arm_text(text, "arm.yaml", arm, two_effects(), {"found"}, "diagnose");
+  const arm::Arm arm = arm::parse_arm(text, "arm.yaml");
+  const std::string written =
+      arm::update_arm_text(text, "arm.yaml", arm, two_effects(), {"found"}, "diagnose");
   EXPECT_EQ(written.rfind("# softarm diagnose: found\n", 0), 0u);
-  const std::vector<EffectEntry> read = parse_effect_entries(written, "arm.yaml");
+  const std::vector<arm::EffectEntry> read = arm::parse_effect_entries(written, "arm.yaml");
   ASSERT_EQ(read.size(), 2u);
   EXPECT_EQ(read[0].id, "base_compliance");
   ASSERT_EQ(read[0].numbers.size(), 1u);
@@ -54,28 +53,31 @@ TEST(EffectEntries, WhatIsWrittenIsRead) {
 }
 
 TEST(EffectEntries, RoundTripIsIdentical) {
-  const Arm arm = parse_arm(shipped(), "arm.yaml");
-  const std::string once = update_arm_text(shipped(), "arm.yaml", arm, two_effects(), {"found"}, "diagnose");
-  const std::string twice = update_arm_text(once, "arm.yaml", parse_arm(once, "arm.yaml"),
-                                            parse_effect_entries(once, "arm.yaml"), {"found"}, "diagnose");
+  const arm::Arm arm = arm::parse_arm(shipped(), "arm.yaml");
+  const std::string once =
+      arm::update_arm_text(shipped(), "arm.yaml", arm, two_effects(), {"found"}, "diagnose");
+  const std::string twice =
+      arm::update_arm_text(once, "arm.yaml", arm::parse_arm(once, "arm.yaml"),
+                           arm::parse_effect_entries(once, "arm.yaml"), {"found"}, "diagnose");
   EXPECT_EQ(once, twice);
   // Written anew over another section, it comes out the same too.
-  std::vector<EffectEntry> others = two_effects();
+  std::vector<arm::EffectEntry> others = two_effects();
   others.pop_back();
-  const std::string shorter = update_arm_text(once, "arm.yaml", arm, others, {"found"}, "diagnose");
-  EXPECT_EQ(parse_effect_entries(shorter, "arm.yaml").size(), 1u);
-  EXPECT_EQ(update_arm_text(shorter, "arm.yaml", arm, two_effects(), {"found"}, "diagnose"), once);
+  const std::string shorter = arm::update_arm_text(once, "arm.yaml", arm, others, {"found"}, "diagnose");
+  EXPECT_EQ(arm::parse_effect_entries(shorter, "arm.yaml").size(), 1u);
+  EXPECT_EQ(arm::update_arm_text(shorter, "arm.yaml", arm, two_effects(), {"found"}, "diagnose"), once);
   // And none leaves the file as it was, but for its header.
-  EXPECT_EQ(update_arm_text(once, "arm.yaml", arm, {}, {}, "diagnose"), shipped());
+  EXPECT_EQ(arm::update_arm_text(once, "arm.yaml", arm, {}, {}, "diagnose"), shipped());
 }
 
 TEST(EffectEntries, AnIdentificationKeepsThem) {
-  Arm arm = parse_arm(shipped(), "arm.yaml");
-  const std::string extended = update_arm_text(shipped(), "arm.yaml", arm, two_effects(), {}, "diagnose");
+  arm::Arm arm = arm::parse_arm(shipped(), "arm.yaml");
+  const std::string extended =
+      arm::update_arm_text(shipped(), "arm.yaml", arm, two_effects(), {}, "diagnose");
   arm.segments[0].bending_stiffness.base_nm2 = 0.0301;
-  const std::string identified = update_arm_text(extended, "arm.yaml", arm, {"constants"});
-  EXPECT_EQ(parse_effect_entries(identified, "arm.yaml").size(), 2u);
-  EXPECT_DOUBLE_EQ(parse_arm(identified, "arm.yaml").segments[0].bending_stiffness.base_nm2, 0.0301);
+  const std::string identified = arm::update_arm_text(extended, "arm.yaml", arm, {"constants"});
+  EXPECT_EQ(arm::parse_effect_entries(identified, "arm.yaml").size(), 2u);
+  EXPECT_DOUBLE_EQ(arm::parse_arm(identified, "arm.yaml").segments[0].bending_stiffness.base_nm2, 0.0301);
 }
 
 TEST(EffectEntries, ASectionThatCannotBeReadIsOneLine) {
@@ -101,7 +103,7 @@ TEST(EffectEntries, ASectionThatCannotBeReadIsOneLine) {
     EXPECT_EQ(message.rfind("arm.yaml:", 0), 0u) << message;
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
     // Programs that do not ask for effects refuse the file too.
-    EXPECT_THROW(parse_arm(shipped() + c.section, "arm.yaml"), ArmError) << c.section;
+    EXPECT_THROW(arm::parse_arm(shipped() + c.section, "arm.yaml"), arm::ArmError) << c.section;
   }
 }
 

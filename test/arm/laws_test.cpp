@@ -12,13 +12,13 @@ namespace {
 constexpr double kDeg = M_PI / 180.0;
 
 /// The semi-physical paper's arm (Table 1), in SI.
-Arm table_1_arm() {
-  Arm arm;
+arm::Arm table_1_arm() {
+  arm::Arm arm;
   arm.inputs.scalars.resize(4);
   const char* const names[] = {"chamber_1", "chamber_2", "chamber_3", "vacuum"};
   for (std::size_t i = 0; i < 4; ++i) arm.inputs.scalars[i].name = names[i];
-  arm.inputs.scalars[3].kind = InputKind::kVacuum;
-  Segment segment;
+  arm.inputs.scalars[3].kind = arm::InputKind::kVacuum;
+  arm::Segment segment;
   segment.length_m = 0.2;
   segment.bending_stiffness = {0.027, 3e-7, 1.3e-6, {}};
   segment.chambers = {{"chamber_1", 0.0, 6.1e-6, 6.58e-7, 0.0},
@@ -29,18 +29,19 @@ Arm table_1_arm() {
   return arm;
 }
 
-SegmentPrediction predicted(const Arm& arm, const InputValues& inputs) {
-  const std::optional<SegmentPrediction> prediction = predict_segment(arm, arm.segments.front(), inputs);
+arm::SegmentPrediction predicted(const arm::Arm& arm, const arm::InputValues& inputs) {
+  const std::optional<arm::SegmentPrediction> prediction =
+      arm::predict_segment(arm, arm.segments.front(), inputs);
   if (!prediction) throw std::runtime_error("no prediction");
   return *prediction;
 }
 
-double direction(const SegmentPrediction& prediction) {
+double direction(const arm::SegmentPrediction& prediction) {
   return std::atan2(prediction.moment_nm.y(), prediction.moment_nm.x());
 }
 
 TEST(Laws, RestIsTheUnloadedArm) {
-  const SegmentPrediction rest = predicted(table_1_arm(), {0.0, 0.0, 0.0, 0.0});
+  const arm::SegmentPrediction rest = predicted(table_1_arm(), {0.0, 0.0, 0.0, 0.0});
   EXPECT_DOUBLE_EQ(rest.length_m, 0.2);
   EXPECT_DOUBLE_EQ(rest.bending_stiffness_nm2, 0.027);
   EXPECT_DOUBLE_EQ(rest.moment_nm.norm(), 0.0);
@@ -52,7 +53,7 @@ TEST(Laws, LengthByHand) {
 }
 
 /// Equations (3)-(6) as printed, with the bending axis searched for and not substituted.
-double printed_length_m(const Segment& segment, const std::array<double, 3>& p) {
+double printed_length_m(const arm::Segment& segment, const std::array<double, 3>& p) {
   const auto& c = segment.chambers;
   const double shift[] = {0.0, 120 * kDeg, -120 * kDeg};  // signs of (3)
   double sine = 0.0;
@@ -73,7 +74,7 @@ double printed_length_m(const Segment& segment, const std::array<double, 3>& p) 
 }
 
 TEST(Laws, LengthIsThePrintedOneOnTheBendingAxis) {
-  const Arm arm = table_1_arm();
+  const arm::Arm arm = table_1_arm();
   for (const std::array<double, 3>& p : {std::array<double, 3>{50e3, 0, 0},
                                          {0, 50e3, 0},
                                          {0, 0, 50e3},
@@ -94,24 +95,24 @@ TEST(Laws, StiffnessByHand) {
 }
 
 TEST(Laws, MomentByHand) {
-  const SegmentPrediction only_1 = predicted(table_1_arm(), {50e3, 0.0, 0.0, 0.0});
+  const arm::SegmentPrediction only_1 = predicted(table_1_arm(), {50e3, 0.0, 0.0, 0.0});
   EXPECT_NEAR(only_1.moment_nm.x(), 0.305, 1e-12);
   EXPECT_NEAR(only_1.moment_nm.y(), 0.0, 1e-12);
   // x: 0.061 - (0.156 + 0.195) / 2, y: (0.156 - 0.195) sqrt(3) / 2
-  const SegmentPrediction all = predicted(table_1_arm(), {10e3, 20e3, 30e3, 0.0});
+  const arm::SegmentPrediction all = predicted(table_1_arm(), {10e3, 20e3, 30e3, 0.0});
   EXPECT_NEAR(all.moment_nm.x(), -0.1145, 1e-12);
   EXPECT_NEAR(all.moment_nm.y(), -0.039 * std::sqrt(3.0) / 2, 1e-12);
 }
 
 TEST(Laws, SideChambersPushOppositeWays) {
-  const Arm arm = table_1_arm();
+  const arm::Arm arm = table_1_arm();
   EXPECT_NEAR(direction(predicted(arm, {0.0, 30e3, 0.0, 0.0})), 120 * kDeg, 1e-12);
   EXPECT_NEAR(direction(predicted(arm, {0.0, 0.0, 30e3, 0.0})), -120 * kDeg, 1e-12);
 
   // Equation (11) as printed: M_y = c_2 sin(2 pi/3) P_2 - c_3 sin(-2 pi/3) P_3. Both side chambers would push
   // to +y, and no combination of pressures could bend the arm to -y.
   const auto printed_my = [&arm](double p2, double p3) {
-    const std::vector<Chamber>& c = arm.segments[0].chambers;
+    const std::vector<arm::Chamber>& c = arm.segments[0].chambers;
     return c[1].moment_gain_nm_per_pa * std::sin(2 * M_PI / 3) * p2 -
            c[2].moment_gain_nm_per_pa * std::sin(-2 * M_PI / 3) * p3;
   };
@@ -121,15 +122,15 @@ TEST(Laws, SideChambersPushOppositeWays) {
 }
 
 TEST(Laws, EqualChambersAreSymmetricUnderRotation) {
-  Arm arm = table_1_arm();
-  for (Chamber& chamber : arm.segments[0].chambers) {
+  arm::Arm arm = table_1_arm();
+  for (arm::Chamber& chamber : arm.segments[0].chambers) {
     chamber.moment_gain_nm_per_pa = 7e-6;
     chamber.near_elongation_m_per_pa = 3e-8;
     chamber.far_elongation_m_per_pa = 1e-8;
   }
-  const SegmentPrediction original = predicted(arm, {10e3, 25e3, 40e3, 20e3});
+  const arm::SegmentPrediction original = predicted(arm, {10e3, 25e3, 40e3, 20e3});
   // Moving every pressure to the next chamber turns the moment by 120 deg and changes nothing else.
-  const SegmentPrediction turned = predicted(arm, {40e3, 10e3, 25e3, 20e3});
+  const arm::SegmentPrediction turned = predicted(arm, {40e3, 10e3, 25e3, 20e3});
   const Eigen::Vector2d expected = Eigen::Rotation2Dd(120 * kDeg) * original.moment_nm;
   EXPECT_NEAR((turned.moment_nm - expected).norm(), 0.0, 1e-12);
   EXPECT_GT(original.moment_nm.norm(), 0.1);
@@ -140,35 +141,35 @@ TEST(Laws, EqualChambersAreSymmetricUnderRotation) {
 }
 
 TEST(Laws, TurningTheChambersTurnsTheMoment) {
-  Arm arm = table_1_arm();
-  const InputValues inputs{10e3, 25e3, 40e3, 0.0};
-  const SegmentPrediction original = predicted(arm, inputs);
-  for (Chamber& chamber : arm.segments[0].chambers) chamber.bending_direction_rad += 0.7;
+  arm::Arm arm = table_1_arm();
+  const arm::InputValues inputs{10e3, 25e3, 40e3, 0.0};
+  const arm::SegmentPrediction original = predicted(arm, inputs);
+  for (arm::Chamber& chamber : arm.segments[0].chambers) chamber.bending_direction_rad += 0.7;
   const Eigen::Vector2d expected = Eigen::Rotation2Dd(0.7) * original.moment_nm;
   EXPECT_NEAR((predicted(arm, inputs).moment_nm - expected).norm(), 0.0, 1e-12);
 }
 
 TEST(Laws, AbsentInputsGiveNothing) {
-  const Arm arm = table_1_arm();
-  const Segment& segment = arm.segments[0];
-  EXPECT_FALSE(predict_segment(arm, segment, {}));
-  EXPECT_FALSE(predict_segment(arm, segment, {0.0, 0.0, 0.0}));  // the vacuum is missing
-  EXPECT_FALSE(predict_segment(arm, segment, {0.0, std::nullopt, 0.0, 0.0}));
-  EXPECT_FALSE(predict_segment(arm, segment, {0.0, std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0}));
-  EXPECT_TRUE(predict_segment(arm, segment, {0.0, 0.0, 0.0, 0.0}));
+  const arm::Arm arm = table_1_arm();
+  const arm::Segment& segment = arm.segments[0];
+  EXPECT_FALSE(arm::predict_segment(arm, segment, {}));
+  EXPECT_FALSE(arm::predict_segment(arm, segment, {0.0, 0.0, 0.0}));  // the vacuum is missing
+  EXPECT_FALSE(arm::predict_segment(arm, segment, {0.0, std::nullopt, 0.0, 0.0}));
+  EXPECT_FALSE(arm::predict_segment(arm, segment, {0.0, std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0}));
+  EXPECT_TRUE(arm::predict_segment(arm, segment, {0.0, 0.0, 0.0, 0.0}));
 }
 
 TEST(Laws, VacuumIsNotNeededWithoutACore) {
-  Arm arm = table_1_arm();
+  arm::Arm arm = table_1_arm();
   arm.segments[0].bending_stiffness.per_jamming_pressure_nm2_per_pa = 0.0;
-  EXPECT_TRUE(predict_segment(arm, arm.segments[0], {0.0, 0.0, 0.0}));
+  EXPECT_TRUE(arm::predict_segment(arm, arm.segments[0], {0.0, 0.0, 0.0}));
 }
 
 TEST(Laws, PassiveSegmentNeedsNoInputs) {
-  Arm arm = table_1_arm();
+  arm::Arm arm = table_1_arm();
   arm.segments[0].chambers.clear();
   arm.segments[0].jamming_input.reset();
-  const SegmentPrediction passive = predicted(arm, {});
+  const arm::SegmentPrediction passive = predicted(arm, {});
   EXPECT_DOUBLE_EQ(passive.bending_stiffness_nm2, 0.027);
   EXPECT_DOUBLE_EQ(passive.length_m, 0.2);
 }
@@ -178,12 +179,12 @@ TEST(Laws, PressuresBelowAmbientTakeNoStiffnessAway) {
 }
 
 TEST(Laws, NoLengthIsNoPrediction) {
-  const Arm arm = table_1_arm();
-  EXPECT_FALSE(predict_segment(arm, arm.segments[0], {-1e6, -1e6, -1e6, 0.0}));
+  const arm::Arm arm = table_1_arm();
+  EXPECT_FALSE(arm::predict_segment(arm, arm.segments[0], {-1e6, -1e6, -1e6, 0.0}));
 }
 
 TEST(Laws, InputsAreFoundByName) {
-  Arm arm = table_1_arm();
+  arm::Arm arm = table_1_arm();
   std::swap(arm.inputs.scalars[0], arm.inputs.scalars[2]);
   EXPECT_NEAR(direction(predicted(arm, {0.0, 0.0, 50e3, 0.0})), 0.0, 1e-12);
 }

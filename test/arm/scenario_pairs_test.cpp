@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "softarm/arm/arm_yaml.h"
-#include "softarm/rig/scenario.h"
+#include "rig/scenario.h"
+#include "softarm/arm/arm_file.h"
 
 namespace softarm {
 namespace {
@@ -39,7 +39,7 @@ class ScenarioPairs : public ::testing::TestWithParam<Pair> {
  protected:
   const rig::Scenario scenario_ =
       rig::parse_scenario(read(kConfig / "scenarios" / (GetParam().scenario + ".yaml")), GetParam().scenario);
-  const Arm arm_ = parse_arm(read(kConfig / "arms" / (GetParam().arm + ".yaml")), GetParam().arm);
+  const arm::Arm arm_ = arm::parse_arm(read(kConfig / "arms" / (GetParam().arm + ".yaml")), GetParam().arm);
 
   /// The input's number within its kind, from 0, by its name.
   static int number(const std::string& input, const std::string& kind) {
@@ -60,12 +60,12 @@ TEST_P(ScenarioPairs, SameBodiesOfSegments) {
   ASSERT_EQ(arm_.segments.size(), scenario_.arm.segments.size());
   for (std::size_t i = 0; i < arm_.segments.size(); ++i) {
     SCOPED_TRACE(arm_.segments[i].name);
-    const Segment& ours = arm_.segments[i];
+    const arm::Segment& ours = arm_.segments[i];
     const rig::SegmentSpec& rigs = scenario_.arm.segments[i];
     EXPECT_DOUBLE_EQ(ours.length_m, rigs.length_m);
     EXPECT_NEAR(ours.mass_per_length_kg_m * ours.length_m, rigs.mass_kg, 1e-3 * rigs.mass_kg);
     EXPECT_DOUBLE_EQ(ours.diameter_m, rigs.diameter_m);
-    const StiffnessLaw& law = ours.bending_stiffness;
+    const arm::StiffnessLaw& law = ours.bending_stiffness;
     EXPECT_DOUBLE_EQ(law.base_nm2, rigs.stiffness_base_nm2);
     EXPECT_DOUBLE_EQ(law.per_min_pressure_nm2_per_pa, rigs.stiffness_per_min_nm2_per_pa);
     EXPECT_DOUBLE_EQ(law.per_jamming_pressure_nm2_per_pa, rigs.stiffness_per_jamming_nm2_per_pa);
@@ -96,7 +96,7 @@ TEST_P(ScenarioPairs, SameActuation) {
   ASSERT_EQ(arm_.segments.size(), scenario_.arm.segments.size());
   for (std::size_t i = 0; i < arm_.segments.size(); ++i) {
     SCOPED_TRACE(arm_.segments[i].name);
-    const Segment& ours = arm_.segments[i];
+    const arm::Segment& ours = arm_.segments[i];
     const rig::SegmentSpec& rigs = scenario_.arm.segments[i];
     ASSERT_EQ(ours.chambers.size(), rigs.chambers.size());
     for (std::size_t k = 0; k < ours.chambers.size(); ++k) {
@@ -130,25 +130,25 @@ TEST_P(ScenarioPairs, SameActuation) {
 
 /// The topics that the rig publishes on are those that the arm file listens to.
 TEST_P(ScenarioPairs, SameTopics) {
-  const auto has = [this](const std::string& topic, InputKind kind) {
-    for (const ScalarInput& input : arm_.inputs.scalars) {
+  const auto has = [this](const std::string& topic, arm::InputKind kind) {
+    for (const arm::ScalarInput& input : arm_.inputs.scalars) {
       if (input.topic == topic && input.kind == kind && input.scale_to_si == 1.0 && input.zero_si == 0.0)
         return true;
     }
     return false;
   };
   for (int i = 1; i <= scenario_.arm.chambers; ++i) {
-    EXPECT_TRUE(has("/pressure/chamber_" + std::to_string(i), InputKind::kPressure)) << i;
+    EXPECT_TRUE(has("/pressure/chamber_" + std::to_string(i), arm::InputKind::kPressure)) << i;
   }
   for (int i = 1; i <= scenario_.arm.tendons; ++i) {
-    EXPECT_TRUE(has("/tendon/" + std::to_string(i) + "/tension", InputKind::kTension)) << i;
+    EXPECT_TRUE(has("/tendon/" + std::to_string(i) + "/tension", arm::InputKind::kTension)) << i;
   }
   for (int i = 1; i <= scenario_.arm.servos; ++i) {
-    EXPECT_TRUE(has("/servo/" + std::to_string(i) + "/angle", InputKind::kAngle)) << i;
+    EXPECT_TRUE(has("/servo/" + std::to_string(i) + "/angle", arm::InputKind::kAngle)) << i;
   }
   const bool jammed = !scenario_.vacuum.schedule.empty();
   if (jammed) {
-    EXPECT_TRUE(has("/pressure/vacuum", InputKind::kVacuum));
+    EXPECT_TRUE(has("/pressure/vacuum", arm::InputKind::kVacuum));
   }
   const int driven = scenario_.arm.chambers + scenario_.arm.tendons + scenario_.arm.servos + (jammed ? 1 : 0);
   EXPECT_EQ(arm_.inputs.scalars.size(), static_cast<std::size_t>(driven));

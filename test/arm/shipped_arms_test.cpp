@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "softarm/arm/arm_yaml.h"
+#include "softarm/arm/arm_file.h"
 #include "softarm/arm/laws.h"
 
 namespace softarm {
@@ -25,8 +25,8 @@ std::string read(const std::filesystem::path& path) {
   return text.str();
 }
 
-Arm shipped(const std::string& name) {
-  return parse_arm(read(kArms / (name + ".yaml")), name + ".yaml");
+arm::Arm shipped(const std::string& name) {
+  return arm::parse_arm(read(kArms / (name + ".yaml")), name + ".yaml");
 }
 
 TEST(ShippedArms, AllParseAndAreNamedAsTheirFiles) {
@@ -37,7 +37,7 @@ TEST(ShippedArms, AllParseAndAreNamedAsTheirFiles) {
     names.push_back(name);
     try {
       EXPECT_EQ(shipped(name).name, name);
-    } catch (const ArmError& error) {
+    } catch (const arm::ArmError& error) {
       ADD_FAILURE() << error.what();
     }
   }
@@ -51,11 +51,11 @@ TEST(ShippedArms, EveryMethodWorksOnTheOnlineArm) {
   std::string text = read(kArms / "online_200mm.yaml");
   const std::string method = "method: full_points";
   text.replace(text.find(method), method.size(), "method: end_orientation");
-  EXPECT_NO_THROW(parse_arm(text, "online"));
+  EXPECT_NO_THROW(arm::parse_arm(text, "online"));
 }
 
 TEST(ShippedArms, OnlineArmIsThePapers) {
-  const Arm arm = shipped("online_200mm");
+  const arm::Arm arm = shipped("online_200mm");
   EXPECT_DOUBLE_EQ(arm.total_length_m(), 0.2);
   EXPECT_DOUBLE_EQ(arm.segments[0].mass_per_length_kg_m * arm.total_length_m(), 0.2);
   ASSERT_EQ(arm.bodies.size(), 4u);
@@ -64,18 +64,18 @@ TEST(ShippedArms, OnlineArmIsThePapers) {
     EXPECT_NEAR(arm.bodies[i].arclength_m, 0.05 * static_cast<double>(i + 1), 1e-12);
   }
   // 2.6 % at 50 kPa in all chambers.
-  const auto full = predict_segment(arm, arm.segments[0], {50e3, 50e3, 50e3});
+  const auto full = arm::predict_segment(arm, arm.segments[0], {50e3, 50e3, 50e3});
   ASSERT_TRUE(full);
   EXPECT_NEAR(full->length_m / 0.2 - 1.0, 0.026, 1e-4);
   EXPECT_NEAR(full->bending_stiffness_nm2, 0.042, 1e-12);
 }
 
 TEST(ShippedArms, SemiPhysicalArmIsTableOne) {
-  const Arm arm = shipped("semi_physical_200mm");
+  const arm::Arm arm = shipped("semi_physical_200mm");
   EXPECT_NEAR(arm.segments[0].mass_per_length_kg_m * arm.total_length_m(), 0.176, 1e-12);
   // 50 kPa in all chambers, 60 kPa of vacuum: 0.2 + 0.050 * 2.545, 0.027 + 0.015 + 0.0013 * 110,
   // x: 0.305 - (0.39 + 0.325) / 2, y: (0.39 - 0.325) sqrt(3) / 2.
-  const auto full = predict_segment(arm, arm.segments[0], {50e3, 50e3, 50e3, 60e3});
+  const auto full = arm::predict_segment(arm, arm.segments[0], {50e3, 50e3, 50e3, 60e3});
   ASSERT_TRUE(full);
   EXPECT_NEAR(full->length_m, 0.32725, 1e-9);
   EXPECT_NEAR(full->bending_stiffness_nm2, 0.185, 1e-9);
@@ -84,11 +84,13 @@ TEST(ShippedArms, SemiPhysicalArmIsTableOne) {
 }
 
 /// Values for all inputs of an arm, by kind.
-InputValues driven(const Arm& arm, double pressure_pa, double tension_n, double angle_rad) {
-  InputValues values;
-  for (const ScalarInput& input : arm.inputs.scalars) {
-    const bool is_pressure = input.kind == InputKind::kPressure || input.kind == InputKind::kVacuum;
-    values.push_back(is_pressure ? pressure_pa : input.kind == InputKind::kTension ? tension_n : angle_rad);
+arm::InputValues driven(const arm::Arm& arm, double pressure_pa, double tension_n, double angle_rad) {
+  arm::InputValues values;
+  for (const arm::ScalarInput& input : arm.inputs.scalars) {
+    const bool is_pressure = input.kind == arm::InputKind::kPressure || input.kind == arm::InputKind::kVacuum;
+    values.push_back(is_pressure                              ? pressure_pa
+                     : input.kind == arm::InputKind::kTension ? tension_n
+                                                              : angle_rad);
   }
   return values;
 }
@@ -105,9 +107,9 @@ TEST(ShippedArms, LawsStayWithinTheirLimits) {
         Highest{"single_chamber_85mm", 20e3, 0, 0}, Highest{"hybrid_85mm", 40e3, 3, 0},
         Highest{"hybrid_85mm", 0, 3, 0}, Highest{"cable_235mm", 0, 0, 0.71},
         Highest{"two_segment", 50e3, 8, 0}}) {
-    const Arm arm = shipped(highest.arm);
-    for (const Segment& segment : arm.segments) {
-      const auto full = predict_segment(
+    const arm::Arm arm = shipped(highest.arm);
+    for (const arm::Segment& segment : arm.segments) {
+      const auto full = arm::predict_segment(
           arm, segment, driven(arm, highest.pressure_pa, highest.tension_n, highest.angle_rad));
       ASSERT_TRUE(full) << highest.arm;
       EXPECT_GE(full->length_m, segment.length_range_m.low) << highest.arm;
@@ -129,35 +131,35 @@ TEST(ShippedArms, PriorsAreOffAndStated) {
     ASSERT_NE(prior, std::string::npos) << name;
     std::string on = text;
     on.replace(on.find("enabled: false", prior), 14, "enabled: true ");
-    EXPECT_TRUE(parse_arm(on, name).estimator.prior.enabled) << name;
+    EXPECT_TRUE(arm::parse_arm(on, name).estimator.prior.enabled) << name;
   }
 }
 
 TEST(ShippedArms, SingleChamberHasTheTablesStiffness) {
-  const Arm arm = shipped("single_chamber_85mm");
+  const arm::Arm arm = shipped("single_chamber_85mm");
   // 0.1076 kg/m * 85 mm of the slides' 1.04 g/cm^3: pi/4 (1.2^2 - 0.35^2) * 8.5 * 1.04 = 9.15 g.
   EXPECT_NEAR(arm.segments[0].mass_per_length_kg_m * arm.total_length_m(), 9.15e-3, 1e-5);
   // Tip force over 15 mm, mN/mm, at each pressure; exact statics and small deflections differ by a few
   // percent here.
   const double table[][2] = {{0, 3.4}, {4e3, 4.3}, {12e3, 4.9}, {20e3, 5.9}};
   for (const auto& [pressure_pa, stiffness_mn_mm] : table) {
-    const auto at = predict_segment(arm, arm.segments[0], {pressure_pa});
+    const auto at = arm::predict_segment(arm, arm.segments[0], {pressure_pa});
     ASSERT_TRUE(at);
     EXPECT_NEAR(3 * at->bending_stiffness_nm2 / std::pow(0.085, 3), stiffness_mn_mm, 0.03 * stiffness_mn_mm);
     EXPECT_EQ(at->moment_nm.norm(), 0.0);
   }
   // 20 kPa * 9.621 mm^2 = 0.1924 N over EA 70.6 N: 0.27 % of 85 mm, less the little the rubber stiffens.
-  const auto full = predict_segment(arm, arm.segments[0], {20e3});
+  const auto full = arm::predict_segment(arm, arm.segments[0], {20e3});
   EXPECT_NEAR(full->length_m - 0.085, 0.2317e-3, 0.002e-3);
   EXPECT_GT(full->modulus_ratio, 1.0);
 }
 
 TEST(ShippedArms, HybridBendsAQuarterTurnByOneTendon) {
-  const Arm arm = shipped("hybrid_85mm");
+  const arm::Arm arm = shipped("hybrid_85mm");
   for (std::size_t tendon = 0; tendon < 3; ++tendon) {
-    InputValues inputs = driven(arm, 0, 0, 0);
+    arm::InputValues inputs = driven(arm, 0, 0, 0);
     inputs[1 + tendon] = 3.0;
-    const auto bent = predict_segment(arm, arm.segments[0], inputs);
+    const auto bent = arm::predict_segment(arm, arm.segments[0], inputs);
     ASSERT_TRUE(bent);
     EXPECT_NEAR(bent->moment_nm.norm(), 0.012, 1e-12);  // 3 N * 4 mm
     EXPECT_NEAR(bent->moment_nm.norm() / bent->bending_stiffness_nm2 * 0.085, M_PI / 2, 0.01);
@@ -167,16 +169,16 @@ TEST(ShippedArms, HybridBendsAQuarterTurnByOneTendon) {
                 0.0, 1e-12);
   }
   // The paper's third experiment: 20 kPa, two tendons at 3 N. There must be an answer.
-  EXPECT_TRUE(predict_segment(arm, arm.segments[0], {20e3, 0.0, 3.0, 3.0}));
-  EXPECT_TRUE(predict_segment(arm, arm.segments[0], {0.0, 3.0, 3.0, 3.0}));
+  EXPECT_TRUE(arm::predict_segment(arm, arm.segments[0], {20e3, 0.0, 3.0, 3.0}));
+  EXPECT_TRUE(arm::predict_segment(arm, arm.segments[0], {0.0, 3.0, 3.0, 3.0}));
 }
 
 TEST(ShippedArms, CableAtThePapersPwm) {
-  const Arm arm = shipped("cable_235mm");
+  const arm::Arm arm = shipped("cable_235mm");
   // PWM 1600 from 1365: 235 / 2000 * 270 deg = 31.7 deg = 0.5537 rad; 20 mm of spool take in 11.07 mm, over a
   // lever of 10 mm a bend of 1.107 rad.
   const double angle_rad = 235.0 / 2000.0 * 1.5 * M_PI;
-  const auto bent = predict_segment(arm, arm.segments[0], {angle_rad});
+  const auto bent = arm::predict_segment(arm, arm.segments[0], {angle_rad});
   ASSERT_TRUE(bent);
   EXPECT_NEAR(bent->curvature_per_m.x() * 0.235, 1.1074, 1e-4);
   EXPECT_EQ(bent->curvature_per_m.y(), 0.0);
@@ -190,15 +192,15 @@ TEST(ShippedArms, CableAtThePapersPwm) {
   text.erase(rad, pwm - rad);
   for (std::size_t at = rad; text.compare(at, 6, "    # ") == 0; at = text.find('\n', at) + 1)
     text.erase(at + 4, 2);
-  const ScalarInput servo = parse_arm(text, "pwm").inputs.scalars.at(0);
+  const arm::ScalarInput servo = arm::parse_arm(text, "pwm").inputs.scalars.at(0);
   EXPECT_EQ(servo.topic, "/servo/1/pwm");
   EXPECT_NEAR(1600 * servo.scale_to_si - servo.zero_si, angle_rad, 1e-6);
 }
 
 TEST(ShippedArms, TwoSegmentsAreDrivenApart) {
-  const Arm arm = shipped("two_segment");
+  const arm::Arm arm = shipped("two_segment");
   ASSERT_EQ(arm.segments.size(), 2u);
-  const InputValues inputs{30e3, 0.0, 0.0, 0.0, 5.0};
+  const arm::InputValues inputs{30e3, 0.0, 0.0, 0.0, 5.0};
   const auto both = predict(arm, inputs);
   ASSERT_TRUE(both);
   EXPECT_NEAR(both->at(0).moment_nm.x(), 30e3 * 6.1e-6, 1e-12);
@@ -215,7 +217,7 @@ TEST(ShippedArms, TwoSegmentsAreDrivenApart) {
 /// A pose of the recordings (no_load/data_collect_1, first row), typed in: the tip hangs below the base and
 /// leans towards the rod's +x, and the measured tangent agrees.
 TEST(ShippedArms, PouchArmHangsAndBendsTowardsPhiZero) {
-  const Arm arm = shipped("pouch_arm_one_segment");
+  const arm::Arm arm = shipped("pouch_arm_one_segment");
   Eigen::Isometry3d base = Eigen::Isometry3d::Identity();
   base.translation() = Eigen::Vector3d(0.0059, -0.2092, 0.4738);
   Eigen::Isometry3d tip = Eigen::Isometry3d::Identity();
@@ -238,7 +240,7 @@ TEST(ShippedArms, PouchArmHangsAndBendsTowardsPhiZero) {
 
 TEST(ShippedArms, TemplateNamesEveryKey) {
   const std::string file = read(kArms / "online_200mm.yaml");
-  std::istringstream table(describe_arm_keys());
+  std::istringstream table(arm::describe_arm_keys());
   int keys = 0;
   for (std::string line; std::getline(table, line);) {
     if (line.rfind("| `", 0) != 0) continue;
@@ -250,9 +252,9 @@ TEST(ShippedArms, TemplateNamesEveryKey) {
 }
 
 TEST(ShippedArms, ReadmeHoldsTheTableOfKeys) {
-  EXPECT_NE(read(kArms / "README.md").find(describe_arm_keys()), std::string::npos)
+  EXPECT_NE(read(kArms / "README.md").find(arm::describe_arm_keys()), std::string::npos)
       << "config/arms/README.md must end with:\n"
-      << describe_arm_keys();
+      << arm::describe_arm_keys();
 }
 
 }  // namespace

@@ -30,16 +30,16 @@ def files(source):
 
 
 def dependencies(build):
-    """Maps each object file of the build (relative path) to the files that its compilation read (absolute paths)."""
+    """Maps each object file and precompiled header of the build (relative path) to the files that it was made from."""
     if os.path.exists(os.path.join(build, "build.ninja")):
         text = subprocess.run(["ninja", "-C", build, "-t", "deps"], stdout=subprocess.PIPE, check=True,
                               encoding="utf-8").stdout
-        blocks = re.findall(r"^(\S.*?\.o): #deps.*\n((?:    .*\n)*)", text, re.M)
+        blocks = re.findall(r"^(\S.*?\.(?:o|gch)): #deps.*\n((?:    .*\n)*)", text, re.M)
         read = {name: [line.strip() for line in lines.splitlines()] for name, lines in blocks}
     else:
         read = {}
         for folder, _, names in os.walk(build):
-            for name in (n for n in names if n.endswith(".o.d")):
+            for name in (n for n in names if n.endswith((".o.d", ".gch.d"))):
                 with open(os.path.join(folder, name), encoding="utf-8") as depfile:
                     words = depfile.read().replace("\\\n", " ").split(":", 1)[1].split()
                 read[os.path.relpath(os.path.join(folder, name[:-2]), build)] = words

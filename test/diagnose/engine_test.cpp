@@ -5,28 +5,29 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnose/recorded_case.h"
+#include "recorded_case.h"
 #include "softarm/diagnose/diagnose.h"
+#include "softarm/report/report.h"
 
 namespace softarm::diagnose {
 namespace {
 
 using testing::recorded_case;
 
-const Shift& shift_of(const Diagnosis& d, const std::string& name) {
-  const auto found =
-      std::find_if(d.shifts.begin(), d.shifts.end(), [&](const Shift& s) { return s.name == name; });
+const diagnose::Shift& shift_of(const diagnose::Diagnosis& d, const std::string& name) {
+  const auto found = std::find_if(d.shifts.begin(), d.shifts.end(),
+                                  [&](const diagnose::Shift& s) { return s.name == name; });
   if (found == d.shifts.end()) throw std::out_of_range(name);
   return *found;
 }
 
 TEST(Diagnose, WhereNothingIsHiddenNothingIsNamed) {
   const auto recorded = recorded_case("{count_weights: [1]}", 3);
-  const Diagnosis d = diagnose(recorded.arm, recorded.trials);
-  EXPECT_EQ(d.verdict, Verdict::kConsistent) << describe(d);
+  const diagnose::Diagnosis d = diagnose::diagnose(recorded.arm, recorded.trials);
+  EXPECT_EQ(d.verdict, diagnose::Verdict::kConsistent) << report::describe(d);
   EXPECT_TRUE(d.effects.empty());
   EXPECT_LT(d.baseline.held_out_rms_m, 1.5 * d.noise_floor_m);
-  for (const Candidate& c : d.ranking) EXPECT_LT(c.probability, 0.5) << c.id;
+  for (const diagnose::Candidate& c : d.ranking) EXPECT_LT(c.probability, 0.5) << c.id;
   EXPECT_NEAR(shift_of(d, "segment_1.bending_stiffness.base").before,
               recorded.truth[0].arm.segments[0].stiffness_base_nm2, 3e-4);
 }
@@ -34,10 +35,10 @@ TEST(Diagnose, WhereNothingIsHiddenNothingIsNamed) {
 TEST(Diagnose, ABaseThatYieldsIsFoundBehindALowerStiffness) {
   const auto recorded =
       recorded_case("{count_weights: [0, 1], from: [base_compliance], size: [0.3, 0.6]}", 4);
-  const Diagnosis d = diagnose(recorded.arm, recorded.trials);
-  EXPECT_EQ(d.verdict, Verdict::kExplained) << describe(d);
-  ASSERT_EQ(d.effects.size(), 1u) << describe(d);
-  const NamedEffect& named = d.effects[0];
+  const diagnose::Diagnosis d = diagnose::diagnose(recorded.arm, recorded.trials);
+  EXPECT_EQ(d.verdict, diagnose::Verdict::kExplained) << report::describe(d);
+  ASSERT_EQ(d.effects.size(), 1u) << report::describe(d);
+  const diagnose::NamedEffect& named = d.effects[0];
   EXPECT_EQ(named.id, "base_compliance");
   EXPECT_GT(named.probability, 0.9);
   ASSERT_TRUE(named.where.s_to_m);
@@ -49,24 +50,24 @@ TEST(Diagnose, ABaseThatYieldsIsFoundBehindALowerStiffness) {
   EXPECT_GT(d.baseline.held_out_rms_m, 2.0 * d.extended.held_out_rms_m);
   // What hid it: the stiffness was too low, and is right now.
   const double ei = recorded.truth[0].arm.segments[0].stiffness_base_nm2;
-  const Shift& shift = shift_of(d, "segment_1.bending_stiffness.base");
+  const diagnose::Shift& shift = shift_of(d, "segment_1.bending_stiffness.base");
   EXPECT_LT(shift.before, 0.97 * ei);
   EXPECT_NEAR(shift.after, ei, 0.01 * ei);
   const auto own = std::find_if(d.ranking.begin(), d.ranking.end(),
-                                [](const Candidate& c) { return c.id == "base_compliance"; });
+                                [](const diagnose::Candidate& c) { return c.id == "base_compliance"; });
   ASSERT_NE(own, d.ranking.end());
-  EXPECT_GT(own->concealment, 0.5);
-  EXPECT_EQ(own->finding, Finding::kPresent);
+  EXPECT_GT(own->collinearity, 0.5);
+  EXPECT_EQ(own->finding, diagnose::Finding::kPresent);
 }
 
 TEST(Diagnose, WhatIsNotInTheCatalogueIsNotNamedWithConfidence) {
   const auto recorded =
       recorded_case("{count_weights: [0, 1], from: [curvature_gain], size: [0.9, 1]}", 5, 4, 8.0);
-  Options few;
+  diagnose::Options few;
   few.most_effects = 1;
   few.refits = 2;
-  const Diagnosis d = diagnose(recorded.arm, recorded.trials, few);
-  EXPECT_NE(d.verdict, Verdict::kConsistent) << describe(d);
+  const diagnose::Diagnosis d = diagnose::diagnose(recorded.arm, recorded.trials, few);
+  EXPECT_NE(d.verdict, diagnose::Verdict::kConsistent) << report::describe(d);
   EXPECT_LE(d.explained_share, 1.0);
   EXPECT_LE(d.ceiling_rms_m, d.baseline.held_out_rms_m);
 }
@@ -74,27 +75,27 @@ TEST(Diagnose, WhatIsNotInTheCatalogueIsNotNamedWithConfidence) {
 TEST(Diagnose, TheSameTrialsGiveTheSameReportOnAnyNumberOfThreads) {
   const auto recorded =
       recorded_case("{count_weights: [0, 1], from: [base_tilt, tether], size: [0.5, 0.5]}", 6, 3, 8.0);
-  Options one, three;
+  diagnose::Options one, three;
   one.jobs = 1;
   three.jobs = 3;
-  EXPECT_EQ(to_json(diagnose(recorded.arm, recorded.trials, one)),
-            to_json(diagnose(recorded.arm, recorded.trials, three)));
+  EXPECT_EQ(report::to_json(diagnose::diagnose(recorded.arm, recorded.trials, one)),
+            report::to_json(diagnose::diagnose(recorded.arm, recorded.trials, three)));
 }
 
 TEST(Diagnose, ProgressRunsFromNothingToAll) {
   const auto recorded = recorded_case("{count_weights: [1]}", 7, 2, 6.0);
   std::vector<double> shares;
-  const Diagnosis d = diagnose(recorded.arm, recorded.trials, {},
-                               [&](double share, const std::string&) { shares.push_back(share); });
+  const diagnose::Diagnosis d = diagnose::diagnose(
+      recorded.arm, recorded.trials, {}, [&](double share, const std::string&) { shares.push_back(share); });
   EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
   EXPECT_DOUBLE_EQ(shares.back(), 1.0);
   EXPECT_THAT(d.notes, ::testing::Contains(::testing::HasSubstr("Fewer than three trials")));
 }
 
 TEST(Diagnose, TrialsThatCannotBeUsedAreRefusedInOneLine) {
-  const Arm arm = recorded_case("{count_weights: [1]}", 8, 1, 5.0).arm;
+  const arm::Arm arm = recorded_case("{count_weights: [1]}", 8, 1, 5.0).arm;
   try {
-    diagnose(arm, {{"empty", {}}});
+    diagnose::diagnose(arm, {{"empty", {}}});
     FAIL();
   } catch (const std::runtime_error& error) {
     EXPECT_THAT(error.what(), ::testing::Not(::testing::HasSubstr("\n")));

@@ -1,5 +1,5 @@
 // The menu of experiments: only what each arm can do.
-#include "experiment_menu.h"
+#include "diagnose/experiment_menu.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,40 +9,40 @@
 #include <filesystem>
 #include <set>
 
-#include "joint_model.h"
-#include "softarm/trial/arm_file.h"
+#include "diagnose/joint_model.h"
+#include "softarm/arm/arm_file.h"
 
 namespace softarm::diagnose {
 namespace {
 
-using effects::TrialData;
+using model::TrialData;
 
 constexpr double kBlock_s = 0.1;
 
-double largest(InputKind kind) {
+double largest(arm::InputKind kind) {
   switch (kind) {
-    case InputKind::kPressure:
+    case arm::InputKind::kPressure:
       return 2e4;
-    case InputKind::kVacuum:
+    case arm::InputKind::kVacuum:
       return 4e4;
-    case InputKind::kTension:
+    case arm::InputKind::kTension:
       return 1.0;
-    case InputKind::kAngle:
+    case arm::InputKind::kAngle:
       return 0.3;
   }
   return 0.0;
 }
 
 /// A trial of 20 s, hanging: inputs up and down one after the other.
-TrialData recorded(const Arm& arm, double payload_kg, bool with_vacuum = true) {
+TrialData recorded(const arm::Arm& arm, double payload_kg, bool with_vacuum = true) {
   TrialData data;
   data.name = "slow.bag";
   const Eigen::Index count = 1000;
   data.series.t_s = Eigen::VectorXd::LinSpaced(count, 0.0, 19.98);
   data.series.inputs.setZero(static_cast<Eigen::Index>(arm.inputs.scalars.size()), count);
   for (Eigen::Index k = 0; k < data.series.inputs.rows(); ++k) {
-    const InputKind kind = arm.inputs.scalars[static_cast<std::size_t>(k)].kind;
-    if (kind == InputKind::kVacuum && !with_vacuum) continue;
+    const arm::InputKind kind = arm.inputs.scalars[static_cast<std::size_t>(k)].kind;
+    if (kind == arm::InputKind::kVacuum && !with_vacuum) continue;
     for (Eigen::Index i = 0; i < count; ++i)
       data.series.inputs(k, i) =
           largest(kind) *
@@ -51,13 +51,13 @@ TrialData recorded(const Arm& arm, double payload_kg, bool with_vacuum = true) {
   data.series.moment_inputs = data.series.inputs;
   data.series.payload_kg = Eigen::VectorXd::Constant(count, payload_kg);
   for (std::size_t first = 0; first + 5 <= 1000; first += 5) {
-    effects::Block block;
+    model::Block block;
     block.first = first;
     block.last = first + 5;
     block.begins = first == 0;
     block.gravity_base = {0.0, 0.0, 9.80665};
     for (std::size_t b = 0; b < arm.bodies.size(); ++b) {
-      effects::Seen seen;
+      model::Seen seen;
       seen.body = static_cast<int>(b);
       seen.frames = 5;
       seen.white_sd_m = 2e-4;
@@ -68,14 +68,14 @@ TrialData recorded(const Arm& arm, double payload_kg, bool with_vacuum = true) {
   return data;
 }
 
-std::set<std::string> ids(const std::vector<Experiment>& menu) {
+std::set<std::string> ids(const std::vector<diagnose::Experiment>& menu) {
   std::set<std::string> all;
-  for (const Experiment& e : menu) all.insert(e.id);
+  for (const diagnose::Experiment& e : menu) all.insert(e.id);
   return all;
 }
 
-Arm shipped(const std::string& name) {
-  return load_arm_file(SOFTARM_SOURCE_DIR "/config/arms/" + name + ".yaml");
+arm::Arm shipped(const std::string& name) {
+  return arm::load_arm_file(SOFTARM_SOURCE_DIR "/config/arms/" + name + ".yaml");
 }
 
 TEST(ExperimentMenu, OfEveryShippedArmKeepsWithinWhatWasRecorded) {
@@ -83,18 +83,18 @@ TEST(ExperimentMenu, OfEveryShippedArmKeepsWithinWhatWasRecorded) {
   for (const auto& file : std::filesystem::directory_iterator(SOFTARM_SOURCE_DIR "/config/arms")) {
     if (file.path().extension() != ".yaml") continue;
     SCOPED_TRACE(file.path().filename().string());
-    const Arm arm = load_arm_file(file.path().string());
+    const arm::Arm arm = arm::load_arm_file(file.path().string());
     const double payload_kg = std::min(0.02, arm.payload.range_kg.high);
     const std::vector<TrialData> trials{recorded(arm, payload_kg)};
-    const std::vector<Experiment> menu = experiment_menu(arm, trials, kBlock_s);
+    const std::vector<diagnose::Experiment> menu = diagnose::experiment_menu(arm, trials, kBlock_s);
     EXPECT_EQ(ids(menu).size(), menu.size()) << "each once";
     EXPECT_GE(menu.size(), 10u);
     const Eigen::VectorXd low = trials[0].series.inputs.rowwise().minCoeff(),
                           high = trials[0].series.inputs.rowwise().maxCoeff();
-    for (const Experiment& e : menu) {
+    for (const diagnose::Experiment& e : menu) {
       SCOPED_TRACE(e.id);
       EXPECT_FALSE(e.action.empty());
-      const effects::Series& series = e.trial.series;
+      const model::Series& series = e.trial.series;
       EXPECT_TRUE(series.inputs.allFinite());
       EXPECT_TRUE((series.inputs.array() >= low.replicate(1, series.inputs.cols()).array()).all());
       EXPECT_TRUE((series.inputs.array() <= high.replicate(1, series.inputs.cols()).array()).all());
@@ -103,13 +103,14 @@ TEST(ExperimentMenu, OfEveryShippedArmKeepsWithinWhatWasRecorded) {
       ASSERT_FALSE(e.trial.blocks.empty());
       EXPECT_EQ(e.trial.blocks.back().last, static_cast<std::size_t>(series.t_s.size()));
       EXPECT_GE(series.t_s[series.t_s.size() - 1], 20.0);
-      const effects::Block& block = e.trial.blocks.front();
+      const model::Block& block = e.trial.blocks.front();
       EXPECT_NEAR(block.gravity_base.norm(), 9.80665, 1e-9);
       EXPECT_NEAR((block.q_base_mocap * arm.gravity_m_s2 - block.gravity_base).norm(), 0.0, 1e-9);
       EXPECT_EQ(block.bodies.size(), e.arm.bodies.size());
     }
-    const bool vacuum = std::any_of(arm.inputs.scalars.begin(), arm.inputs.scalars.end(),
-                                    [](const ScalarInput& i) { return i.kind == InputKind::kVacuum; });
+    const bool vacuum =
+        std::any_of(arm.inputs.scalars.begin(), arm.inputs.scalars.end(),
+                    [](const arm::ScalarInput& i) { return i.kind == arm::InputKind::kVacuum; });
     EXPECT_EQ(ids(menu).count("vacuum_while_bent"), vacuum ? 1u : 0u);
     EXPECT_EQ(ids(menu).count("attitude_hanging"), 0u) << "it was recorded";
     EXPECT_EQ(ids(menu).count("attitude_side_down"), 1u);
@@ -119,25 +120,28 @@ TEST(ExperimentMenu, OfEveryShippedArmKeepsWithinWhatWasRecorded) {
 }
 
 TEST(ExperimentMenu, AVacuumThatWasNeverOnIsNotProposed) {
-  const Arm arm = shipped("semi_physical_200mm");
-  EXPECT_EQ(ids(experiment_menu(arm, {recorded(arm, 0.1)}, kBlock_s)).count("vacuum_while_bent"), 1u);
-  EXPECT_EQ(ids(experiment_menu(arm, {recorded(arm, 0.1, false)}, kBlock_s)).count("vacuum_while_bent"), 0u);
+  const arm::Arm arm = shipped("semi_physical_200mm");
+  EXPECT_EQ(ids(diagnose::experiment_menu(arm, {recorded(arm, 0.1)}, kBlock_s)).count("vacuum_while_bent"),
+            1u);
+  EXPECT_EQ(
+      ids(diagnose::experiment_menu(arm, {recorded(arm, 0.1, false)}, kBlock_s)).count("vacuum_while_bent"),
+      0u);
 }
 
 TEST(ExperimentMenu, VariesTheTrialThatDrivesTheArmMost) {
-  const Arm arm = shipped("online_200mm");
+  const arm::Arm arm = shipped("online_200mm");
   TrialData still = recorded(arm, 0.0);
   still.name = "still.bag";
   still.series.inputs *= 0.1;
   still.series.moment_inputs = still.series.inputs;
   const std::vector<TrialData> trials{still, recorded(arm, 0.05)};
-  const std::vector<Experiment> menu = experiment_menu(arm, trials, kBlock_s);
+  const std::vector<diagnose::Experiment> menu = diagnose::experiment_menu(arm, trials, kBlock_s);
   const auto repeat =
-      std::find_if(menu.begin(), menu.end(), [](const Experiment& e) { return e.id == "repeat"; });
+      std::find_if(menu.begin(), menu.end(), [](const diagnose::Experiment& e) { return e.id == "repeat"; });
   ASSERT_NE(repeat, menu.end());
   EXPECT_THAT(repeat->action, ::testing::HasSubstr("slow.bag once more with 50.0 g"));
   // Out and back, as often as there is time for.
-  const effects::Series& series = repeat->trial.series;
+  const model::Series& series = repeat->trial.series;
   for (Eigen::Index i = 0; i < series.t_s.size(); i += 50) {
     const double t = series.t_s[i], there = std::min(t, 2.0 * 19.98 - t);
     EXPECT_NEAR(series.inputs(0, i), 2e4 * std::pow(std::sin(M_PI * there / 20.0), 2), 20.0);
@@ -147,19 +151,19 @@ TEST(ExperimentMenu, VariesTheTrialThatDrivesTheArmMost) {
 TEST(ExperimentMenu, OfArmsOfEveryKindCanBePredicted) {
   for (const char* name : {"semi_physical_200mm", "tendon_trunk", "cable_235mm", "pouch_arm"}) {
     SCOPED_TRACE(name);
-    const Arm arm = shipped(name);
+    const arm::Arm arm = shipped(name);
     const std::vector<TrialData> trials{recorded(arm, 0.0)};
     std::size_t possible = 0, all = 0;
-    for (const Experiment& e : experiment_menu(arm, trials, 0.5)) {
+    for (const diagnose::Experiment& e : diagnose::experiment_menu(arm, trials, 0.5)) {
       const std::vector<TrialData> next{e.trial};
-      JointModel model(e.arm, next, 1);
-      Parameters parameters = model.start();
-      for (const auto& load : e.loads) parameters.effects.push_back({load.get(), effects::Values()});
+      diagnose::JointModel model(e.arm, next, 1);
+      diagnose::JointParameters parameters = model.start();
+      for (const auto& load : e.loads) parameters.effects.push_back({load.get(), model::Values()});
       EXPECT_EQ(model.columns(parameters).size(), model.columns(model.start()).size()) << e.id;
-      std::vector<std::vector<effects::Predicted>> predicted;
+      std::vector<std::vector<model::Predicted>> predicted;
       model.predict(parameters, nullptr, predicted);
       const auto solved = std::count_if(predicted[0].begin(), predicted[0].end(),
-                                        [](const effects::Predicted& block) { return block.solved; });
+                                        [](const model::Predicted& block) { return block.solved; });
       if (solved > 0.9 * static_cast<double>(e.trial.blocks.size())) ++possible;
       ++all;
     }
@@ -168,8 +172,8 @@ TEST(ExperimentMenu, OfArmsOfEveryKindCanBePredicted) {
 }
 
 TEST(ExperimentMenu, OfNoTrialWorthRepeatingIsEmpty) {
-  const Arm arm = shipped("online_200mm");
-  EXPECT_TRUE(experiment_menu(arm, {}, kBlock_s).empty());
+  const arm::Arm arm = shipped("online_200mm");
+  EXPECT_TRUE(diagnose::experiment_menu(arm, {}, kBlock_s).empty());
 }
 
 }  // namespace

@@ -5,11 +5,12 @@
 #include <cmath>
 #include <vector>
 
-#include "diagnose/recorded_case.h"
+#include "identify/identify_extended.h"
+#include "recorded_case.h"
 #include "softarm/diagnose/diagnose.h"
 #include "softarm/effects/arm_effects.h"
-#include "softarm/effects/identify_extended.h"
-#include "softarm/fit/estimator.h"
+#include "softarm/estimate/estimator.h"
+#include "softarm/report/report.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -17,17 +18,18 @@ namespace {
 using testing::recorded_case;
 using testing::RecordedCase;
 
-/// Median over the frames that tell EI, of EI over the laws' at its inputs with the true base value.
-double stiffness_ratio(const Arm& arm, const std::vector<effects::Present>& effects,
+/// Median over the frames in which EI is identifiable, of EI over the laws' at its inputs with the true base
+/// value.
+double stiffness_ratio(const arm::Arm& arm, const std::vector<model::Present>& effects,
                        const RecordedCase& recorded) {
   const double truth_nm2 = recorded.truth[0].arm.segments[0].stiffness_base_nm2;
   std::vector<double> ratios;
-  for (const identify::Trial& trial : recorded.trials) {
-    Estimator estimator(arm, arm.estimator, effects);
+  for (const trial::Trial& trial : recorded.trials) {
+    estimate::Estimator estimator(arm, arm.estimator, effects);
     estimator.set_backbone_points(0);
-    for (const Frame& frame : trial.frames) {
-      const Estimate& e = estimator.estimate(frame);
-      if (e.status != Status::kOk || !e.segments[0].tells_stiffness) continue;
+    for (const trial::Frame& frame : trial.frames) {
+      const estimate::Estimate& e = estimator.estimate(frame);
+      if (e.status != estimate::Status::kOk || !e.segments[0].identifiable_stiffness) continue;
       const auto laws = predict(recorded.arm, frame.inputs);
       if (!laws) continue;
       const double by_inputs =
@@ -35,7 +37,7 @@ double stiffness_ratio(const Arm& arm, const std::vector<effects::Present>& effe
       ratios.push_back(*e.segments[0].bending_stiffness_nm2 / (truth_nm2 + by_inputs));
     }
   }
-  if (ratios.size() < 200) throw std::runtime_error("too few frames tell EI");
+  if (ratios.size() < 200) throw std::runtime_error("too few frames with identifiable EI");
   std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2),
                    ratios.end());
   return ratios[ratios.size() / 2];
@@ -44,9 +46,9 @@ double stiffness_ratio(const Arm& arm, const std::vector<effects::Present>& effe
 TEST(ExtendedArm, CarriesWhatWasFoundIntoEverythingElse) {
   const RecordedCase recorded =
       recorded_case("{count_weights: [0, 1], from: [base_compliance], size: [0.3, 0.6]}", 4, 4, 10.0);
-  const Diagnosis d = diagnose(recorded.arm, recorded.trials);
-  ASSERT_EQ(d.extended_arm.effects.size(), 1u) << describe(d);
-  const EffectEntry& entry = d.extended_arm.effects[0];
+  const diagnose::Diagnosis d = diagnose::diagnose(recorded.arm, recorded.trials);
+  ASSERT_EQ(d.extended_arm.effects.size(), 1u) << report::describe(d);
+  const arm::EffectEntry& entry = d.extended_arm.effects[0];
   EXPECT_EQ(entry.id, "base_compliance");
   ASSERT_EQ(entry.numbers.size(), 1u);
   EXPECT_EQ(entry.numbers[0].value, d.effects.at(0).parameters.at(0).value);
@@ -55,8 +57,7 @@ TEST(ExtendedArm, CarriesWhatWasFoundIntoEverythingElse) {
               d.effects[0].parameters[0].high - d.effects[0].parameters[0].low, 1e-9);
   const double truth_nm2 = recorded.truth[0].arm.segments[0].stiffness_base_nm2;
   EXPECT_NEAR(d.extended_arm.arm.segments[0].bending_stiffness.base_nm2, truth_nm2, 0.01 * truth_nm2);
-  const std::vector<effects::Present> effects =
-      effects::effects_of(d.extended_arm.arm, d.extended_arm.effects);
+  const std::vector<model::Present> effects = effects::effects_of(d.extended_arm.arm, d.extended_arm.effects);
 
   // Single frames: EI was too low, and is right.
   const double before = stiffness_ratio(recorded.arm, {}, recorded);
@@ -67,10 +68,10 @@ TEST(ExtendedArm, CarriesWhatWasFoundIntoEverythingElse) {
   EXPECT_NEAR(after, 1.0, 0.015);
 
   // A second diagnosis finds nothing more.
-  Options options;
+  diagnose::Options options;
   options.known = effects;
-  const Diagnosis again = diagnose(d.extended_arm.arm, recorded.trials, options);
-  EXPECT_EQ(again.verdict, Verdict::kConsistent) << describe(again);
+  const diagnose::Diagnosis again = diagnose::diagnose(d.extended_arm.arm, recorded.trials, options);
+  EXPECT_EQ(again.verdict, diagnose::Verdict::kConsistent) << report::describe(again);
   EXPECT_NEAR(again.baseline.held_out_rms_m, d.extended.held_out_rms_m, 0.1 * d.extended.held_out_rms_m);
   ASSERT_EQ(again.extended_arm.effects.size(), 1u);
   EXPECT_EQ(again.extended_arm.effects[0].numbers[0].value, entry.numbers[0].value);
@@ -81,7 +82,7 @@ TEST(ExtendedArm, CarriesWhatWasFoundIntoEverythingElse) {
   all.frames.prefer_static = false;
   const double plain_nm2 =
       identify::identify(recorded.arm, recorded.trials, all).arm.segments[0].bending_stiffness.base_nm2;
-  const double extended_nm2 = effects::identify_extended(recorded.arm, effects, recorded.trials, all)
+  const double extended_nm2 = identify::identify_extended(recorded.arm, effects, recorded.trials, all)
                                   .arm.segments[0]
                                   .bending_stiffness.base_nm2;
   EXPECT_LT(plain_nm2, 0.97 * truth_nm2);

@@ -3,21 +3,21 @@
 
 #include <vector>
 
-#include "joint_model.h"
-#include "softarm/effects/trial.h"
+#include "diagnose/joint_model.h"
+#include "model/prepared_trial.h"
 
 namespace softarm::diagnose::testing {
 
 struct Looked {
-  Looked(const Arm& arm, const std::vector<identify::Trial>& trials)
-      : prepared(effects::prepare(arm, trials)), model(arm, prepared.trials, 0) {
+  Looked(const arm::Arm& arm, const std::vector<trial::Trial>& trials)
+      : prepared(model::prepare(arm, trials)), model(arm, prepared.trials, 0) {
     baseline = model.fit(model.start(), {});
     model.allow_for_motion(baseline.predicted);
     baseline = model.fit(baseline.at, {}, &baseline.predicted);
   }
-  effects::Prepared prepared;
-  JointModel model;
-  Linearised baseline;  ///< without effects
+  model::Prepared prepared;
+  diagnose::JointModel model;
+  diagnose::Linearised baseline;  ///< without effects
 };
 
 }  // namespace softarm::diagnose::testing

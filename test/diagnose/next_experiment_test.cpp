@@ -1,4 +1,4 @@
-// What an experiment is predicted to tell apart, against what it does when the virtual rig records it.
+// What an experiment is predicted to separate, against what it does when the virtual rig records it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -6,11 +6,12 @@
 #include <cmath>
 #include <functional>
 
-#include "diagnose/looked.h"
-#include "diagnose/recorded_case.h"
-#include "screen.h"
+#include "diagnose/screen.h"
+#include "diagnose/weigh_experiments.h"
+#include "effects/catalogue.h"
+#include "looked.h"
+#include "recorded_case.h"
 #include "softarm/diagnose/diagnose.h"
-#include "weigh_experiments.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -20,9 +21,9 @@ using testing::recorded_case;
 using testing::RecordedCase;
 
 /// A model fitted to trials with one effect of the catalogue in it.
-Linearised fit_with(JointModel& model, const Linearised& baseline, const std::string& id,
-                    const effects::Values& start) {
-  Parameters p = baseline.at;
+diagnose::Linearised fit_with(diagnose::JointModel& model, const diagnose::Linearised& baseline,
+                              const std::string& id, const model::Values& start) {
+  diagnose::JointParameters p = baseline.at;
   p.effects.push_back({effects::find(id), start});
   return model.fit(p, {}, &baseline.predicted);
 }
@@ -30,13 +31,13 @@ Linearised fit_with(JointModel& model, const Linearised& baseline, const std::st
 /// A pair of effects, one of which is in the rig.
 struct Pair {
   std::string truth, other;
-  effects::Values truth_start, other_start;
+  model::Values truth_start, other_start;
 };
 
 double measured(const RecordedCase& recorded, const Pair& pair, double inflation_of_truth) {
   Looked looked(recorded.arm, recorded.trials);
-  const Linearised right = fit_with(looked.model, looked.baseline, pair.truth, pair.truth_start);
-  const Linearised wrong = fit_with(looked.model, looked.baseline, pair.other, pair.other_start);
+  const diagnose::Linearised right = fit_with(looked.model, looked.baseline, pair.truth, pair.truth_start);
+  const diagnose::Linearised wrong = fit_with(looked.model, looked.baseline, pair.other, pair.other_start);
   return std::sqrt(std::max(0.0, wrong.square - right.square) / inflation_of_truth);
 }
 
@@ -47,15 +48,18 @@ struct Predicted {
 /// @param id of the experiment
 Predicted predicted(const RecordedCase& recorded, const Pair& pair, const std::string& id) {
   Looked looked(recorded.arm, recorded.trials);
-  const std::vector<Explanation> list{
+  const std::vector<diagnose::Explanation> list{
       {pair.truth, fit_with(looked.model, looked.baseline, pair.truth, pair.truth_start)},
       {pair.other, fit_with(looked.model, looked.baseline, pair.other, pair.other_start)}};
   Predicted out;
-  out.inflation = inflation(list[0].fit);
-  std::vector<Experiment> menu = experiment_menu(recorded.arm, looked.prepared.trials, 0.1);
-  const auto wanted = std::find_if(menu.begin(), menu.end(), [&](const Experiment& e) { return e.id == id; });
+  out.inflation = diagnose::inflation(list[0].fit);
+  std::vector<diagnose::Experiment> menu =
+      diagnose::experiment_menu(recorded.arm, looked.prepared.trials, 0.1);
+  const auto wanted =
+      std::find_if(menu.begin(), menu.end(), [&](const diagnose::Experiment& e) { return e.id == id; });
   if (wanted == menu.end()) throw std::out_of_range(id);
-  const Separations all = weigh_apart(looked.model, looked.baseline.at, list, {*wanted}, out.inflation, {});
+  const diagnose::Separations all =
+      diagnose::weigh_apart(looked.model, looked.baseline.at, list, {*wanted}, out.inflation, {});
   out.today = all.today(0, 1);
   out.with = all.with.at(0).value()(0, 1);
   return out;
@@ -88,19 +92,20 @@ void mount_on_side(rig::Scenario& scenario) {
 TEST(NextExperiment, TheArmOnItsSideTellsAMassAtTheTipFromAnotherDistribution) {
   const auto recorded = recorded_case("{count_weights: [0, 1], from: [tip_mass], size: [0.2, 0.3]}", 11, 2,
                                       24.0, "attitudes: [hanging], speeds: [0.5], payload_kg: [0, 0]");
-  expect_confirmed(recorded,
-                   {"tip_mass", "mass_distribution", effects::Values::Constant(1, 0.01),
-                    effects::Values::Constant(1, 0.1)},
-                   "attitude_side_down", mount_on_side);
+  expect_confirmed(
+      recorded,
+      {"tip_mass", "mass_distribution", model::Values::Constant(1, 0.01), model::Values::Constant(1, 0.1)},
+      "attitude_side_down", mount_on_side);
 }
 
 TEST(NextExperiment, WhatWouldBeLeftOutAsSwingingIsNotPromised) {
-  // The baseline takes a lag for delay of the wall, and fast motion with much of that for swinging.
+  // The baseline takes a lag of the inputs for viscoelastic lag, and fast motion with much of that for
+  // swinging.
   auto recorded =
       recorded_case("{count_weights: [0, 1], from: [pressure_lag], size: [0, 0.02], forms: default}", 12, 2,
                     24.0, "attitudes: [hanging], speeds: [0.5], payload_kg: [0, 0]");
   const Pair pair{"pressure_lag", "clock_offset", Eigen::Vector3d(0.1, 0.1, 1.0),
-                  effects::Values::Constant(1, 0.1)};
+                  model::Values::Constant(1, 0.1)};
   const Predicted says = predicted(recorded, pair, "faster_2");
   rig::Scenario next = recorded.truth.front();
   next.pressures.random->lowest_hz *= 2.0;
@@ -114,12 +119,12 @@ TEST(NextExperiment, StifferByPressureTellsARestCurvatureFromZerosOfTheSensors) 
   const auto recorded = recorded_case("{count_weights: [0, 1], from: [rest_curvature], size: [0.5, 0.6]}", 13,
                                       2, 24.0, "attitudes: [hanging], speeds: [0.5], payload_kg: [0, 0]");
   expect_confirmed(recorded,
-                   {"rest_curvature", "pressure_offset", Eigen::Vector3d::Zero(), effects::Values::Zero(8)},
+                   {"rest_curvature", "pressure_offset", Eigen::Vector3d::Zero(), model::Values::Zero(8)},
                    "together", [&](rig::Scenario& scenario) {
                      // As far as all of them went in the trials that there are.
                      std::vector<double> most(3, 0.0);
-                     for (const identify::Trial& trial : recorded.trials) {
-                       for (const Frame& frame : trial.frames) {
+                     for (const trial::Trial& trial : recorded.trials) {
+                       for (const trial::Frame& frame : trial.frames) {
                          for (std::size_t k = 0; k < frame.inputs.size(); ++k)
                            most[k] = std::max(most[k], frame.inputs[k].value_or(0.0));
                        }

@@ -2,32 +2,40 @@
 #pragma once
 
 #include <fstream>
+#include <functional>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "rig/campaign.h"
+#include "rig/simulator.h"
+#include "softarm/arm/arm_file.h"
 #include "softarm/identify/shape_error.h"
-#include "softarm/rig/campaign.h"
-#include "softarm/rig/simulator.h"
-#include "softarm/trial/arm_file.h"
-#include "softarm/trial/frame_assembler.h"
+#include "trial/frame_assembler.h"
+#include "trial/trial_recorder.h"
 
 namespace softarm::diagnose::testing {
 
 struct RecordedCase {
-  Arm arm;  ///< what a laboratory would have
-  std::vector<identify::Trial> trials;
+  arm::Arm arm;  ///< what a laboratory would have
+  std::vector<trial::Trial> trials;
   std::vector<rig::Scenario> truth;
 };
 
-inline identify::Trial record(const Arm& arm, const rig::Scenario& scenario, const std::string& name) {
+/// Which samples of inputs are logged; by default all.
+using Logged = std::function<bool(const rig::InputSample&)>;
+
+inline trial::Trial record(
+    const arm::Arm& arm, const rig::Scenario& scenario, const std::string& name,
+    const Logged& logged = [](const rig::InputSample&) { return true; }) {
   constexpr double kBegin_s = 100.0;
   rig::Simulator simulator(scenario);
-  FrameAssembler assembler(arm);
+  trial::FrameAssembler assembler(arm);
   while (const auto sample = simulator.next()) {
     if (sample->payload) assembler.add_payload(kBegin_s + sample->payload->stamp_s, sample->payload->kg);
-    for (const rig::InputSample& input : sample->inputs)
-      assembler.add_input(input.number, kBegin_s + input.stamp_s, input.value);
+    for (const rig::InputSample& input : sample->inputs) {
+      if (logged(input)) assembler.add_input(input.number, kBegin_s + input.stamp_s, input.value);
+    }
     for (std::size_t i = 0; i < sample->bodies.size(); ++i) {
       if (sample->bodies[i])
         assembler.add_body(static_cast<int>(i) - 1, kBegin_s + sample->mocap_stamp_s, sample->bodies[i]->p,
@@ -35,16 +43,20 @@ inline identify::Trial record(const Arm& arm, const rig::Scenario& scenario, con
     }
   }
   assembler.flush();
-  return {name, assembler.take()};
+  trial::TrialRecorder recorder(arm, name);
+  for (trial::Frame& frame : assembler.take()) recorder.add(std::move(frame));
+  recorder.add(assembler.take_samples());
+  return recorder.take();
 }
 
 /// What is done in the trials, the campaign's keys.
 constexpr const char* kProtocol =
     "attitudes: [hanging, horizontal, hanging], speeds: [0.5, 1, 2], payload_kg: [0, 0.1]";
 
+/// The arm and what is to be recorded; no trials yet.
 /// @param effects the campaign's list `effects`, YAML in one line
-inline RecordedCase recorded_case(const std::string& effects, std::uint64_t seed, int trials = 6,
-                                  double seconds = 12.0, const std::string& protocol = kProtocol) {
+inline RecordedCase drawn_case(const std::string& effects, std::uint64_t seed, int trials = 6,
+                               double seconds = 12.0, const std::string& protocol = kProtocol) {
   const std::string root = SOFTARM_SOURCE_DIR "/config/";
   std::ostringstream text;
   text << "format: 1\nname: test\narms: [{scenario: demo, arm: online_200mm}]\neffects: " << effects
@@ -57,9 +69,14 @@ inline RecordedCase recorded_case(const std::string& effects, std::uint64_t seed
   const rig::CampaignSpec spec = rig::parse_campaign(text.str(), "test");
   const rig::CampaignCase drawn =
       rig::draw_case(spec, {rig::parse_scenario(scenario.str(), "demo")}, seed, 1);
-  RecordedCase out{load_arm_file(root + "arms/online_200mm.yaml"), {}, drawn.trials};
-  for (std::size_t i = 0; i < drawn.trials.size(); ++i)
-    out.trials.push_back(record(out.arm, drawn.trials[i], "trial_" + std::to_string(i + 1)));
+  return {arm::load_arm_file(root + "arms/online_200mm.yaml"), {}, drawn.trials};
+}
+
+inline RecordedCase recorded_case(const std::string& effects, std::uint64_t seed, int trials = 6,
+                                  double seconds = 12.0, const std::string& protocol = kProtocol) {
+  RecordedCase out = drawn_case(effects, seed, trials, seconds, protocol);
+  for (std::size_t i = 0; i < out.truth.size(); ++i)
+    out.trials.push_back(record(out.arm, out.truth[i], "trial_" + std::to_string(i + 1)));
   return out;
 }
 

@@ -3,31 +3,32 @@
 
 #include <gtest/gtest.h>
 
-#include "effects/drive_trials.h"
-#include "softarm/arm/arm_yaml.h"
+#include "drive_trials.h"
+#include "effects/catalogue.h"
+#include "softarm/arm/arm_file.h"
 
 namespace softarm::effects::testing {
 namespace {
 
-std::string refusal(const Arm& arm, const EffectEntry& entry) {
+std::string refusal(const arm::Arm& arm, const arm::EffectEntry& entry) {
   try {
-    effects_of(arm, {entry});
-  } catch (const ArmError& error) {
+    effects::effects_of(arm, {entry});
+  } catch (const arm::ArmError& error) {
     return error.what();
   }
   return "";
 }
 
 TEST(ArmEffects, EveryEffectOfTheCatalogueComesBackAsItWas) {
-  const Arm arm = shipped_arm("online_200mm");
+  const arm::Arm arm = shipped_arm("online_200mm");
   int checked = 0;
-  for (const auto& effect : catalogue()) {
+  for (const auto& effect : effects::catalogue()) {
     if (!effect->applies_to(arm)) continue;
-    const Present present{effect.get(),
-                          effect->grid(arm, FineRod(arm)).front() + usual(*effect) - usual(*effect, 0.0)};
-    EffectEntry entry = entry_of(present);
+    const model::Present present{
+        effect.get(), effect->grid(arm, model::FineRod(arm)).front() + usual(*effect) - usual(*effect, 0.0)};
+    arm::EffectEntry entry = effects::entry_of(present);
     if (!refusal(arm, entry).empty()) continue;  // a usual size beyond the arm, in an effect for longer ones
-    const std::vector<Present> again = effects_of(arm, {entry});
+    const std::vector<model::Present> again = effects::effects_of(arm, {entry});
     ASSERT_EQ(again.size(), 1u);
     EXPECT_EQ(again[0].effect, effect.get());
     EXPECT_EQ(again[0].values, present.values) << effect->info().id;
@@ -37,16 +38,17 @@ TEST(ArmEffects, EveryEffectOfTheCatalogueComesBackAsItWas) {
 }
 
 TEST(ArmEffects, WhatIsLeftOutIsUsualAndSizesAreNought) {
-  const Arm arm = shipped_arm("online_200mm");
-  const std::vector<Present> list = effects_of(arm, {{"creep", {{"share", 0.2}}}, {"tether", {}}});
+  const arm::Arm arm = shipped_arm("online_200mm");
+  const std::vector<model::Present> list =
+      effects::effects_of(arm, {{"creep", {{"share", 0.2}}}, {"tether", {}}});
   EXPECT_DOUBLE_EQ(list[0].values[1], list[0].effect->info().parameters[1].usual);
   EXPECT_DOUBLE_EQ(list[1].values[0], 0.0);
 }
 
 TEST(ArmEffects, WhatTheCatalogueDoesNotKnowIsOneLine) {
-  const Arm arm = shipped_arm("online_200mm");
+  const arm::Arm arm = shipped_arm("online_200mm");
   const struct {
-    EffectEntry entry;
+    arm::EffectEntry entry;
     std::string says;
   } cases[] = {
       {{"base_complaince", {}, "arm.yaml:9"},

@@ -6,13 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "softarm/effects/extended_model.h"
-#include "softarm/trial/arm_file.h"
+#include "effects/catalogue.h"
+#include "model/extended_model.h"
+#include "softarm/arm/arm_file.h"
 
 namespace softarm::effects::body_testing {
 
-inline Arm shipped(const std::string& name) {
-  return load_arm_file(std::string(SOFTARM_SOURCE_DIR) + "/config/arms/" + name + ".yaml");
+inline arm::Arm shipped(const std::string& name) {
+  return arm::load_arm_file(std::string(SOFTARM_SOURCE_DIR) + "/config/arms/" + name + ".yaml");
 }
 
 inline Eigen::Quaterniond hanging() {
@@ -34,12 +35,12 @@ struct Condition {
 
 /// One block of one frame per condition, `dt_s` apart, all bodies seen.
 /// @param path whether one lasts over to the next; else each stands for itself
-inline TrialData trial_of(const Arm& arm, const std::vector<Condition>& conditions, bool path = false,
-                          double dt_s = 0.1) {
-  TrialData trial;
+inline model::TrialData trial_of(const arm::Arm& arm, const std::vector<Condition>& conditions,
+                                 bool path = false, double dt_s = 0.1) {
+  model::TrialData trial;
   trial.name = "made";
   const auto count = static_cast<Eigen::Index>(conditions.size());
-  Series& series = trial.series;
+  model::Series& series = trial.series;
   series.t_s = Eigen::VectorXd::LinSpaced(count, 0.0, dt_s * static_cast<double>(count - 1));
   series.inputs.resize(static_cast<Eigen::Index>(arm.inputs.scalars.size()), count);
   series.payload_kg.resize(count);
@@ -47,14 +48,14 @@ inline TrialData trial_of(const Arm& arm, const std::vector<Condition>& conditio
     const Condition& now = conditions[static_cast<std::size_t>(i)];
     series.inputs.col(i) = now.inputs;
     series.payload_kg[i] = now.payload_kg;
-    Block block;
+    model::Block block;
     block.first = static_cast<std::size_t>(i);
     block.last = block.first + 1;
     block.begins = !path || i == 0;
     block.q_base_mocap = now.q_mocap_base.conjugate();
     block.gravity_base = block.q_base_mocap * arm.gravity_m_s2;
     for (std::size_t b = 0; b < arm.bodies.size(); ++b) {
-      Seen seen;
+      model::Seen seen;
       seen.body = static_cast<int>(b);
       seen.frames = 1;
       seen.white_sd_m = 5e-4;
@@ -67,22 +68,24 @@ inline TrialData trial_of(const Arm& arm, const std::vector<Condition>& conditio
 }
 
 /// Inputs that bend any of the shipped arms: a level of each kind, more of the first than of the others.
-inline Eigen::VectorXd inputs_of(const Arm& arm, double level, std::size_t first = 0) {
+inline Eigen::VectorXd inputs_of(const arm::Arm& arm, double level, std::size_t first = 0) {
   Eigen::VectorXd inputs(static_cast<Eigen::Index>(arm.inputs.scalars.size()));
   for (std::size_t i = 0; i < arm.inputs.scalars.size(); ++i) {
-    const InputKind kind = arm.inputs.scalars[i].kind;
-    const double full = kind == InputKind::kTension ? 1.0 : kind == InputKind::kAngle ? 0.4 : 3e4;
-    const double share = kind == InputKind::kVacuum ? 0.5 : i == first ? 1.0 : 0.25;
+    const arm::InputKind kind = arm.inputs.scalars[i].kind;
+    const double full = kind == arm::InputKind::kTension ? 1.0 : kind == arm::InputKind::kAngle ? 0.4 : 3e4;
+    const double share = kind == arm::InputKind::kVacuum ? 0.5 : i == first ? 1.0 : 0.25;
     inputs[static_cast<Eigen::Index>(i)] = level * share * full;
   }
   return inputs;
 }
 
 /// Prediction of a trial, all instants solved.
-inline std::vector<Predicted> predict(ExtendedModel& model, const Arm& arm,
-                                      const std::vector<Present>& effects, const TrialData& trial,
-                                      const Dynamics& dynamics = {false, 0.0}, bool derivatives = false) {
-  std::vector<Predicted> out;
+inline std::vector<model::Predicted> predict(model::ExtendedModel& model, const arm::Arm& arm,
+                                             const std::vector<model::Present>& effects,
+                                             const model::TrialData& trial,
+                                             const model::Dynamics& dynamics = {false, 0.0},
+                                             bool derivatives = false) {
+  std::vector<model::Predicted> out;
   model.predict(arm, effects, dynamics, trial, nullptr, out);
   if (derivatives)
     model.differentiate(arm, effects, dynamics, trial,
@@ -94,37 +97,38 @@ inline std::vector<Predicted> predict(ExtendedModel& model, const Arm& arm,
 }
 
 /// All bodies of all instants below one another.
-inline Eigen::VectorXd stacked(const std::vector<Predicted>& path) {
+inline Eigen::VectorXd stacked(const std::vector<model::Predicted>& path) {
   Eigen::Index rows = 0;
-  for (const Predicted& now : path) rows += now.p.size();
+  for (const model::Predicted& now : path) rows += now.p.size();
   Eigen::VectorXd all(rows);
   rows = 0;
-  for (const Predicted& now : path) {
+  for (const model::Predicted& now : path) {
     all.segment(rows, now.p.size()) = Eigen::Map<const Eigen::VectorXd>(now.p.data(), now.p.size());
     rows += now.p.size();
   }
   return all;
 }
 
-inline Present present(const std::string& id, const Values& values) {
-  const Effect* effect = find(id);
+inline model::Present present(const std::string& id, const model::Values& values) {
+  const model::Effect* effect = find(id);
   if (effect == nullptr) throw std::invalid_argument("no effect " + id);
   return {effect, values};
 }
 
 /// Bodies moved by an effect against the baseline, one column per body of each instant.
-inline Eigen::Matrix3Xd moved(ExtendedModel& model, const Arm& arm, const Present& by, const TrialData& trial,
-                              const Dynamics& dynamics = {false, 0.0}) {
+inline Eigen::Matrix3Xd moved(model::ExtendedModel& model, const arm::Arm& arm, const model::Present& by,
+                              const model::TrialData& trial, const model::Dynamics& dynamics = {false, 0.0}) {
   const Eigen::VectorXd difference =
       stacked(predict(model, arm, {by}, trial, dynamics)) - stacked(predict(model, arm, {}, trial, dynamics));
   return Eigen::Map<const Eigen::Matrix3Xd>(difference.data(), 3, difference.size() / 3);
 }
 
 /// What the change of an effect from the baseline does to the bodies, to first order.
-inline Eigen::VectorXd signature(ExtendedModel& model, const Arm& arm, const Present& by,
-                                 const TrialData& trial, const Dynamics& dynamics = {false, 0.0}) {
-  const std::vector<Predicted> base = predict(model, arm, {}, trial, dynamics, true);
-  Values none = by.values;
+inline Eigen::VectorXd signature(model::ExtendedModel& model, const arm::Arm& arm, const model::Present& by,
+                                 const model::TrialData& trial,
+                                 const model::Dynamics& dynamics = {false, 0.0}) {
+  const std::vector<model::Predicted> base = predict(model, arm, {}, trial, dynamics, true);
+  model::Values none = by.values;
   none.head(by.effect->info().sizes).setZero();
   const auto with = model.vary(arm, {by}, dynamics, trial, base);
   const auto without = model.vary(arm, {{by.effect, none}}, dynamics, trial, base);

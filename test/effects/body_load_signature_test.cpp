@@ -1,9 +1,9 @@
 // What effects of boundary and load look like, as the catalogue says.
 #include <gtest/gtest.h>
 
-#include "effects/body_signatures.h"
-#include "softarm/math/so3.h"
-#include "softarm/rod/published.h"
+#include "body_signatures.h"
+#include "math/so3.h"
+#include "published/published.h"
 
 namespace softarm::effects {
 namespace {
@@ -18,15 +18,15 @@ using Eigen::Vector3d;
 class LoadSignatures : public body_testing::Signatures {};
 
 TEST_F(LoadSignatures, BaseTiltIsTheSameTurnAtEveryInput) {
-  const Present tilt = with("base_tilt", {0.02, -0.01});
-  Arm weightless = arm;
+  const model::Present tilt = with("base_tilt", {0.02, -0.01});
+  arm::Arm weightless = arm;
   weightless.gravity_m_s2.setZero();
   const auto trial = body_testing::trial_of(
       weightless,
       {{inputs(0.0), 0.0, hanging()}, {inputs(0.5), 0.0, hanging()}, {inputs(1.0, 1), 0.0, standing()}});
   const auto before = body_testing::predict(model, arm, {}, trial);
   const auto after = body_testing::predict(model, arm, {tilt}, trial);
-  const Eigen::Matrix3d turn = exp_so3(Vector3d(0.01, 0.02, 0.0)).toRotationMatrix();
+  const Eigen::Matrix3d turn = math::exp_so3(Vector3d(0.01, 0.02, 0.0)).toRotationMatrix();
   for (std::size_t k = 0; k < before.size(); ++k) EXPECT_LT((after[k].p - turn * before[k].p).norm(), 1e-9);
   // Towards x of the base frame.
   EXPECT_GT((after[0].p - before[0].p).col(3).x(), 0.0);
@@ -34,7 +34,7 @@ TEST_F(LoadSignatures, BaseTiltIsTheSameTurnAtEveryInput) {
 }
 
 TEST_F(LoadSignatures, BaseComplianceTurnsWithTheLoad) {
-  const Present yields = with("base_compliance", {0.2});
+  const model::Present yields = with("base_compliance", {0.2});
   EXPECT_LT(tip(yields, {inputs(0.0), 0.2, hanging()}), 1e-9);
   const auto trial = body_testing::trial_of(arm, {{inputs(0.0), 0.05, horizontal()}});
   const auto path = body_testing::predict(model, arm, {yields}, trial);
@@ -46,16 +46,16 @@ TEST_F(LoadSignatures, BaseComplianceTurnsWithTheLoad) {
 }
 
 TEST_F(LoadSignatures, GravityDirectionSagsOffAndChangesSignWithTheMounting) {
-  const Present off = with("gravity_direction", {0.0, 0.03});
+  const model::Present off = with("gravity_direction", {0.0, 0.03});
   // y of the mocap frame: hanging (turned about x) that is -y of the base frame, standing +y.
   const Matrix3Xd hangs = moved(off, {{inputs(0.0), 0.1, hanging()}});
   EXPECT_LT(hangs.col(3).y(), -5e-4);
   const Matrix3Xd stands = moved(off, {{inputs(0.0), 0.0, standing()}});
   EXPECT_GT(stands.col(3).y(), 5e-4);
   // As the vector it says.
-  const Values values = off.values;
+  const model::Values values = off.values;
   rod::Rod rod = model.rod().layout();
-  Instant instant;
+  model::Instant instant;
   instant.q_base_mocap = hanging().conjugate();
   rod.gravity_m_s2 = instant.q_base_mocap * arm.gravity_m_s2;
   off.effect->act(arm, model.rod(), values, instant, nullptr, {}, rod);
@@ -65,7 +65,7 @@ TEST_F(LoadSignatures, GravityDirectionSagsOffAndChangesSignWithTheMounting) {
 }
 
 TEST_F(LoadSignatures, ContactDoesNothingBeforeItTouches) {
-  const Present wall = with("contact", {50.0, 0.15, 0.0, 0.02});
+  const model::Present wall = with("contact", {50.0, 0.15, 0.0, 0.02});
   double last = 0.0;
   bool touched = false, free = false;
   for (const double level : {0.0, 0.2, 0.4, 0.6, 0.8, 1.0}) {
@@ -86,7 +86,7 @@ TEST_F(LoadSignatures, ContactDoesNothingBeforeItTouches) {
 }
 
 TEST_F(LoadSignatures, TetherPullsInProportionToTheTipsWay) {
-  const Present hose = with("tether", {2.0, 0.0, 0.0});
+  const model::Present hose = with("tether", {2.0, 0.0, 0.0});
   EXPECT_LT(tip(hose, {inputs(0.0), 0.1, hanging()}), 1e-9);
   const auto trial = body_testing::trial_of(arm, {{inputs(0.5), 0.1, hanging()}});
   const auto path = body_testing::predict(model, arm, {hose}, trial);
@@ -100,7 +100,7 @@ TEST_F(LoadSignatures, TetherPullsInProportionToTheTipsWay) {
 }
 
 TEST_F(LoadSignatures, PayloadOffsetIsInProportionToThePayload) {
-  const Present off = with("payload_offset", {0.0, 0.0, 0.02});
+  const model::Present off = with("payload_offset", {0.0, 0.0, 0.02});
   EXPECT_LT(tip(off, {inputs(0.6), 0.0, hanging()}), 1e-9);
   const double light = tip(off, {inputs(0.6), 0.01, hanging()}),
                heavy = tip(off, {inputs(0.6), 0.02, hanging()});
@@ -129,7 +129,7 @@ TEST_F(LoadSignatures, MassDistributionKeepsTheWeight) {
 }
 
 TEST_F(LoadSignatures, PayloadScaleIsInProportionToThePayload) {
-  const Present wrong = with("payload_scale", {0.05});
+  const model::Present wrong = with("payload_scale", {0.05});
   EXPECT_EQ(tip(wrong, {inputs(0.5), 0.0, horizontal()}), 0.0);
   const auto said = body_testing::trial_of(arm, {{inputs(0.5), 0.105, horizontal()}});
   const auto hangs = body_testing::trial_of(arm, {{inputs(0.5), 0.1, horizontal()}});
@@ -140,8 +140,8 @@ TEST_F(LoadSignatures, PayloadScaleIsInProportionToThePayload) {
 
 TEST_F(LoadSignatures, InertiaActsOnlyOnWhatAccelerates) {
   const auto swing = body_testing::trial_of(arm, body_testing::swinging(arm), true);
-  const Dynamics none{false, 0.0};
-  const Present moves = with("inertia", {1.0, 0.0}), lags = with("inertia", {0.0, 0.03});
+  const model::Dynamics none{false, 0.0};
+  const model::Present moves = with("inertia", {1.0, 0.0}), lags = with("inertia", {0.0, 0.03});
   // As much again as the known masses is what these alone do, and the wall's delay the wall's delay.
   const auto beside = body_testing::predict(model, arm, {moves}, swing, none);
   const auto known = body_testing::predict(model, arm, {}, swing, {true, 0.0});
@@ -159,27 +159,27 @@ TEST_F(LoadSignatures, InertiaActsOnlyOnWhatAccelerates) {
 }
 
 TEST_F(LoadSignatures, PublishedLoadLawIsTheOneThatThePapersPrint) {
-  Arm bending = arm;
+  arm::Arm bending = arm;
   bending.segments[0].bending_stiffness = {};
   bending.segments[0].bending_stiffness.base_nm2 = 0.038;
-  for (Chamber& chamber : bending.segments[0].chambers) chamber.near_elongation_m_per_pa = 0.0;
-  ExtendedModel standing_arm(bending);
+  for (arm::Chamber& chamber : bending.segments[0].chambers) chamber.near_elongation_m_per_pa = 0.0;
+  model::ExtendedModel standing_arm(bending);
   Eigen::VectorXd one = Eigen::VectorXd::Zero(3);
   one[0] = 0.2 / bending.segments[0].chambers[0].moment_gain_nm_per_pa;
   for (const double payload : {0.0, 0.1}) {
-    rod::PublishedArm printed;
+    published::PublishedArm printed;
     printed.moment_nm = 0.2;
     printed.bending_stiffness_nm2 = 0.038;
     printed.length_m = 0.2;
     printed.payload_n = payload * 9.80665;
     printed.weight_n = 0.2 * 9.80665;
-    rod::PublishedOptions fine;
+    published::PublishedOptions fine;
     fine.nodes = 401;
-    fine.relaxation = rod::settling_relaxation(printed);
+    fine.relaxation = published::settling_relaxation(printed);
     const auto trial = body_testing::trial_of(bending, {{one, payload, standing()}});
     for (const bool as_printed : {false, true}) {
-      const auto expected =
-          rod::solve_published(printed, as_printed ? rod::LoadLaw::kPrinted : rod::LoadLaw::kStatics, fine);
+      const auto expected = published::solve_published(
+          printed, as_printed ? published::LoadLaw::kPrinted : published::LoadLaw::kStatics, fine);
       ASSERT_EQ(expected.status, rod::SolveStatus::kConverged);
       const auto path = body_testing::predict(standing_arm, bending,
                                               {with("published_load_law", {as_printed ? 1.0 : 0.0})}, trial);

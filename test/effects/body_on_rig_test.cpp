@@ -3,7 +3,8 @@
 #include <map>
 #include <utility>
 
-#include "effects/drive_trials.h"
+#include "drive_trials.h"
+#include "effects/catalogue.h"
 
 namespace softarm::effects::testing {
 namespace {
@@ -135,11 +136,12 @@ rig::Scenario scenario_of(const HiddenInBody& hidden) {
 }
 
 /// Error where nothing is hidden: the rig's arm rings after the kinks of its pressures.
-double ringing_m(const HiddenInBody& as, ExtendedModel& model, const Arm& arm, const Dynamics& dynamics) {
+double ringing_m(const HiddenInBody& as, model::ExtendedModel& model, const arm::Arm& arm,
+                 const model::Dynamics& dynamics) {
   static std::map<std::pair<Mount, double>, double> known;
   const auto key = std::make_pair(as.mount, as.payload_kg);
   if (known.count(key) == 0) {
-    const TrialData trial = recorded(arm, scenario_of(as));
+    const model::TrialData trial = recorded(arm, scenario_of(as));
     known[key] = rms_m(predict(model, arm, {}, trial, dynamics), trial);
   }
   return known[key];
@@ -149,17 +151,17 @@ class InTheRigsBody : public ::testing::TestWithParam<HiddenInBody> {};
 
 TEST_P(InTheRigsBody, IsPredictedAtItsSize) {
   const HiddenInBody& hidden = GetParam();
-  const Arm arm = shipped_arm("online_200mm");
+  const arm::Arm arm = shipped_arm("online_200mm");
   rig::Scenario scenario = scenario_of(hidden);
   rig::hide(hidden.choice, scenario);
-  const TrialData trial = recorded(arm, scenario);
-  ExtendedModel model(arm);
-  const Dynamics dynamics{true, 0.02};
-  const Values values = Eigen::Map<const Eigen::VectorXd>(hidden.values.data(),
-                                                          static_cast<Eigen::Index>(hidden.values.size()));
+  const model::TrialData trial = recorded(arm, scenario);
+  model::ExtendedModel model(arm);
+  const model::Dynamics dynamics{true, 0.02};
+  const model::Values values = Eigen::Map<const Eigen::VectorXd>(
+      hidden.values.data(), static_cast<Eigen::Index>(hidden.values.size()));
   const double without_m = rms_m(predict(model, arm, {}, trial, dynamics), trial);
   const auto path = predict(model, arm, {{find(hidden.choice.effect), values}}, trial, dynamics);
-  for (const Predicted& now : path) EXPECT_TRUE(now.solved);
+  for (const model::Predicted& now : path) EXPECT_TRUE(now.solved);
   const double with_m = rms_m(path, trial);
   const double ringing = ringing_m(hidden, model, arm, dynamics);
   EXPECT_LT(ringing, 2e-4);
@@ -175,12 +177,12 @@ INSTANTIATE_TEST_SUITE_P(Effects, InTheRigsBody, ::testing::ValuesIn(hidden_in_b
                          [](const auto& which) { return std::string(which.param.name); });
 
 TEST(OnTheRig, AWallThatLagsMoreIsTheDelayOfInertia) {
-  const Arm arm = shipped_arm("online_200mm");
+  const arm::Arm arm = shipped_arm("online_200mm");
   rig::Scenario scenario = scenario_of({"slow wall", {}, {}});
   scenario.arm.segments[0].retardation_s = 0.08;
-  const TrialData trial = recorded(arm, scenario);
-  ExtendedModel model(arm);
-  const Dynamics dynamics{true, 0.02};
+  const model::TrialData trial = recorded(arm, scenario);
+  model::ExtendedModel model(arm);
+  const model::Dynamics dynamics{true, 0.02};
   const double without_m = rms_m(predict(model, arm, {}, trial, dynamics), trial);
   const double with_m =
       rms_m(predict(model, arm, {{find("inertia"), Eigen::Vector2d(0.0, 0.06)}}, trial, dynamics), trial);

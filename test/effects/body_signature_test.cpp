@@ -1,7 +1,7 @@
 // What effects of the body look like, as the catalogue says.
 #include <gtest/gtest.h>
 
-#include "effects/body_signatures.h"
+#include "body_signatures.h"
 
 namespace softarm::effects {
 namespace {
@@ -15,10 +15,10 @@ using Eigen::Vector3d;
 class BodySignatures : public body_testing::Signatures {};
 
 TEST_F(BodySignatures, StiffnessTaperMovesNothingWithoutLoadOrActuationAndGrowsWithLoad) {
-  const Present taper = with("stiffness_taper", {0.2});
+  const model::Present taper = with("stiffness_taper", {0.2});
   EXPECT_LT(tip(taper, {inputs(0.0), 0.2, hanging()}), 1e-9);
   // Of an arm that sags little.
-  Arm stiff = arm;
+  arm::Arm stiff = arm;
   stiff.segments[0].bending_stiffness.base_nm2 = 0.3;
   const Matrix3Xd sag = body_testing::moved(
       model, stiff, taper,
@@ -28,13 +28,13 @@ TEST_F(BodySignatures, StiffnessTaperMovesNothingWithoutLoadOrActuationAndGrowsW
 }
 
 TEST_F(BodySignatures, ActuationTaperGrowsWithPressureAlone) {
-  const Present taper = with("actuation_taper", {0.1});
+  const model::Present taper = with("actuation_taper", {0.1});
   EXPECT_LT(tip(taper, {inputs(0.0), 0.1, horizontal()}), 1e-9);
   const double some = tip(taper, {inputs(0.3), 0.0, hanging()});
   EXPECT_NEAR(tip(taper, {inputs(0.6), 0.0, hanging()}) / some, 2.0, 0.2);
   // A tilt of the curvature: more at the base, less at the tip, the tip's tangent stays.
   const auto trial = body_testing::trial_of(arm, {{inputs(0.4), 0.0, hanging()}});
-  Arm weightless = arm;
+  arm::Arm weightless = arm;
   weightless.gravity_m_s2.setZero();
   auto free = body_testing::trial_of(weightless, {{inputs(0.4), 0.0, hanging()}});
   const auto before = body_testing::predict(model, arm, {}, free),
@@ -46,7 +46,7 @@ TEST_F(BodySignatures, ActuationTaperGrowsWithPressureAlone) {
 
 TEST_F(BodySignatures, SoftSpotKinksAtItsPlace) {
   const Condition loaded{inputs(0.5), 0.1, horizontal()};
-  Arm weightless = arm;
+  arm::Arm weightless = arm;
   weightless.gravity_m_s2.setZero();
   const Matrix3Xd at =
       body_testing::moved(model, arm, with("soft_spot", {0.3, 0.12, 0.03}),
@@ -69,7 +69,7 @@ TEST_F(BodySignatures, RigidEndsStayStraight) {
 }
 
 TEST_F(BodySignatures, AxialComplianceStretchesWithPayload) {
-  const Present soft = with("axial_compliance", {1.0 / 150.0});
+  const model::Present soft = with("axial_compliance", {1.0 / 150.0});
   const Matrix3Xd light = moved(soft, {{inputs(0.0), 0.0, hanging()}});
   const Matrix3Xd heavy = moved(soft, {{inputs(0.0), 0.2, hanging()}});
   // N L / EA of the payload, and half of the weight.
@@ -78,7 +78,7 @@ TEST_F(BodySignatures, AxialComplianceStretchesWithPayload) {
 }
 
 TEST_F(BodySignatures, ShearSlopesUnderAForceAcross) {
-  Arm stiff = arm;
+  arm::Arm stiff = arm;
   stiff.segments[0].bending_stiffness.base_nm2 = 0.5;
   const Matrix3Xd across =
       body_testing::moved(model, stiff, with("shear", {1.0 / 45.0}),
@@ -89,9 +89,9 @@ TEST_F(BodySignatures, ShearSlopesUnderAForceAcross) {
 }
 
 TEST_F(BodySignatures, StrainStiffeningGrowsWithTheCubeOfTheBend) {
-  Arm weightless = arm;
+  arm::Arm weightless = arm;
   weightless.gravity_m_s2.setZero();
-  const Present stiffer = with("strain_stiffening", {1e-3});
+  const model::Present stiffer = with("strain_stiffening", {1e-3});
   const auto trial =
       body_testing::trial_of(weightless, {{inputs(0.3), 0.0, hanging()}, {inputs(0.6), 0.0, hanging()}});
   const auto before = body_testing::predict(model, arm, {}, trial);
@@ -126,15 +126,15 @@ TEST_F(BodySignatures, TorsionTurnsWhatLiesAcrossThePlane) {
 }
 
 TEST_F(BodySignatures, RestCurvatureIsThereWithoutInput) {
-  Arm weightless = arm;
+  arm::Arm weightless = arm;
   weightless.gravity_m_s2.setZero();
   const auto trial = body_testing::trial_of(weightless, {{inputs(0.0), 0.0, hanging()}});
   const auto path = body_testing::predict(model, arm, {with("rest_curvature", {0.3, -0.2, 0.0})}, trial);
   // A circle: w = k s^2 / 2.
   EXPECT_NEAR(path[0].p(0, 3), 0.3 * 0.02, 1e-5);
   EXPECT_NEAR(path[0].p(1, 3), -0.2 * 0.02, 1e-5);
-  Arm two = body_testing::shipped("two_segment");
-  ExtendedModel of_two(two);
+  arm::Arm two = body_testing::shipped("two_segment");
+  model::ExtendedModel of_two(two);
   two.gravity_m_s2.setZero();
   const auto straight = body_testing::trial_of(two, {{body_testing::inputs_of(two, 0.0), 0.0, hanging()}});
   const auto second = body_testing::predict(of_two, two, {with("rest_curvature", {0.5, 0.0, 2.0})}, straight);
@@ -145,7 +145,7 @@ TEST_F(BodySignatures, RestCurvatureIsThereWithoutInput) {
 }
 
 TEST_F(BodySignatures, BendingPlaneOffsetTurnsTheDeflection) {
-  Arm weightless = arm;
+  arm::Arm weightless = arm;
   weightless.gravity_m_s2.setZero();
   const auto trial =
       body_testing::trial_of(weightless, {{inputs(0.3), 0.0, hanging()}, {inputs(0.9, 2), 0.0, hanging()}});

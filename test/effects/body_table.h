@@ -3,7 +3,7 @@
 
 #include <ostream>
 
-#include "effects/body_fixture.h"
+#include "body_fixture.h"
 
 namespace softarm::effects::body_testing {
 
@@ -43,12 +43,12 @@ inline const std::vector<Case>& body_cases() {
   return cases;
 }
 
-inline Values values_of(const std::vector<double>& list) {
+inline model::Values values_of(const std::vector<double>& list) {
   return Eigen::Map<const Eigen::VectorXd>(list.data(), static_cast<Eigen::Index>(list.size()));
 }
 
 /// Bent about several ways, with and without payload, in three mountings.
-inline std::vector<Condition> various(const Arm& arm) {
+inline std::vector<Condition> various(const arm::Arm& arm) {
   std::vector<Condition> list;
   const std::vector<Eigen::Quaterniond> mountings{hanging(), horizontal(), standing()};
   for (std::size_t m = 0; m < mountings.size(); ++m) {
@@ -62,7 +62,7 @@ inline std::vector<Condition> various(const Arm& arm) {
 }
 
 /// A second of smooth motion at about 1 Hz.
-inline std::vector<Condition> swinging(const Arm& arm) {
+inline std::vector<Condition> swinging(const arm::Arm& arm) {
   std::vector<Condition> list;
   for (int i = 0; i < 20; ++i)
     list.push_back({inputs_of(arm, 0.5 + 0.2 * std::sin(0.1 * i * 2.0 * M_PI), static_cast<std::size_t>(0)),

@@ -2,7 +2,8 @@
 // and whatever its values nothing but numbers comes out.
 #include <set>
 
-#include "effects/drive_trials.h"
+#include "drive_trials.h"
+#include "effects/catalogue.h"
 
 namespace softarm::effects::testing {
 namespace {
@@ -28,7 +29,7 @@ const std::set<std::string> kIds{"clock_offset",
                                  "drift"};
 
 /// All chambers move at three speeds, the vacuum comes and goes.
-TrialData busy_trial(const Arm& arm, double duration_s) {
+model::TrialData busy_trial(const arm::Arm& arm, double duration_s) {
   const auto rows = static_cast<Eigen::Index>(arm.inputs.scalars.size());
   return made_up(
       arm, duration_s,
@@ -36,12 +37,13 @@ TrialData busy_trial(const Arm& arm, double duration_s) {
         Eigen::VectorXd u(rows);
         const double begun = std::min(1.0, t_s), hz = 0.1 + 0.5 * std::pow(t_s / duration_s, 2);
         for (Eigen::Index i = 0; i < rows; ++i) {
-          const InputKind kind = arm.inputs.scalars[static_cast<std::size_t>(i)].kind;
+          const arm::InputKind kind = arm.inputs.scalars[static_cast<std::size_t>(i)].kind;
           const double wave = 0.5 - 0.5 * std::cos(2.0 * M_PI * hz * t_s + 2.0 * static_cast<double>(i));
-          u[i] = kind == InputKind::kPressure  ? begun * 25e3 * wave
-                 : kind == InputKind::kTension ? begun * 6.0 * wave
-                 : kind == InputKind::kVacuum  ? 60e3 * std::clamp(2.0 * (t_s - 0.3 * duration_s), 0.0, 1.0)
-                                               : begun * wave;
+          u[i] = kind == arm::InputKind::kPressure  ? begun * 25e3 * wave
+                 : kind == arm::InputKind::kTension ? begun * 6.0 * wave
+                 : kind == arm::InputKind::kVacuum
+                     ? 60e3 * std::clamp(2.0 * (t_s - 0.3 * duration_s), 0.0, 1.0)
+                     : begun * wave;
         }
         return u;
       },
@@ -49,13 +51,13 @@ TrialData busy_trial(const Arm& arm, double duration_s) {
 }
 
 struct Arena {
-  explicit Arena(Arm a) : arm(std::move(a)), trial(busy_trial(arm, 8.0)), model(arm) {
+  explicit Arena(arm::Arm a) : arm(std::move(a)), trial(busy_trial(arm, 8.0)), model(arm) {
     baseline = predict(model, arm, {}, trial, quasi_static(), true);
   }
-  Arm arm;
-  TrialData trial;
-  ExtendedModel model;
-  std::vector<Predicted> baseline;
+  arm::Arm arm;
+  model::TrialData trial;
+  model::ExtendedModel model;
+  std::vector<model::Predicted> baseline;
 };
 
 Arena& chambers() {
@@ -66,34 +68,34 @@ Arena& tendons() {
   static Arena arena(tendon_arm());
   return arena;
 }
-Arena& arena_of(const Effect& effect) {
+Arena& arena_of(const model::Effect& effect) {
   return effect.applies_to(chambers().arm) ? chambers() : tendons();
 }
 
-std::vector<const Effect*> effects() {
-  std::vector<const Effect*> list;
-  for (const auto& effect : catalogue()) {
+std::vector<const model::Effect*> effects() {
+  std::vector<const model::Effect*> list;
+  for (const auto& effect : effects::catalogue()) {
     if (kIds.count(effect->info().id)) list.push_back(effect.get());
   }
   return list;
 }
 
-double distance_m(const std::vector<Predicted>& a, const std::vector<Predicted>& b) {
+double distance_m(const std::vector<model::Predicted>& a, const std::vector<model::Predicted>& b) {
   return (positions(a) - positions(b)).colwise().norm().maxCoeff();
 }
 
 TEST(DrivesAndMemory, AreAllInTheCatalogue) {
   EXPECT_EQ(effects().size(), kIds.size());
-  for (const Effect* effect : effects()) {
-    const Info& info = effect->info();
+  for (const model::Effect* effect : effects()) {
+    const model::Info& info = effect->info();
     SCOPED_TRACE(info.id);
     ASSERT_GE(info.sizes, 1);
     ASSERT_LE(static_cast<std::size_t>(info.sizes), info.parameters.size());
-    EXPECT_TRUE(std::islower(static_cast<unsigned char>(info.words.at(0))));
+    EXPECT_TRUE(std::islower(static_cast<unsigned char>(info.description.at(0))));
     for (std::size_t k = 0; k < info.parameters.size(); ++k) {
-      const Parameter& parameter = info.parameters[k];
+      const model::Parameter& parameter = info.parameters[k];
       EXPECT_LT(parameter.low, parameter.high) << parameter.symbol;
-      EXPECT_FALSE(parameter.words.empty() || parameter.unit.empty()) << parameter.symbol;
+      EXPECT_FALSE(parameter.description.empty() || parameter.unit.empty()) << parameter.symbol;
       if (static_cast<int>(k) < info.sizes) {
         EXPECT_GT(parameter.usual, 0.0) << parameter.symbol;
         EXPECT_LE(parameter.low, 0.0) << parameter.symbol;
@@ -101,10 +103,10 @@ TEST(DrivesAndMemory, AreAllInTheCatalogue) {
     }
     const Arena& arena = arena_of(*effect);
     ASSERT_TRUE(effect->applies_to(arena.arm));
-    for (const Values& values : effect->grid(arena.arm, arena.model.rod())) {
+    for (const model::Values& values : effect->grid(arena.arm, arena.model.rod())) {
       ASSERT_EQ(values.size(), static_cast<Eigen::Index>(info.parameters.size()));
       for (Eigen::Index k = 0; k < values.size(); ++k) {
-        const Parameter& parameter = info.parameters[static_cast<std::size_t>(k)];
+        const model::Parameter& parameter = info.parameters[static_cast<std::size_t>(k)];
         EXPECT_TRUE(k < info.sizes ? values[k] == 0.0
                                    : values[k] >= parameter.low && values[k] <= parameter.high)
             << parameter.symbol;
@@ -114,7 +116,8 @@ TEST(DrivesAndMemory, AreAllInTheCatalogue) {
 }
 
 TEST(DrivesAndMemory, ApplyOnlyWhereTheArmHasWhatTheyActOn) {
-  const Arm with_vacuum = chambers().arm, with_tendons = tendons().arm, without = shipped_arm("online_200mm");
+  const arm::Arm with_vacuum = chambers().arm, with_tendons = tendons().arm,
+                 without = shipped_arm("online_200mm");
   for (const std::string id : {"vacuum_shortening", "vacuum_gain", "jamming_memory", "jamming_yield"}) {
     EXPECT_TRUE(find(id)->applies_to(with_vacuum)) << id;
     EXPECT_FALSE(find(id)->applies_to(without)) << id;
@@ -134,10 +137,11 @@ TEST(DrivesAndMemory, ApplyOnlyWhereTheArmHasWhatTheyActOn) {
 }
 
 TEST(DrivesAndMemory, OfNoSizeAreTheBaseline) {
-  for (const Effect* effect : effects()) {
+  for (const model::Effect* effect : effects()) {
     Arena& arena = arena_of(*effect);
-    for (const Values& values : effect->grid(arena.arm, arena.model.rod())) {
-      const std::vector<Predicted> with = predict(arena.model, arena.arm, {{effect, values}}, arena.trial);
+    for (const model::Values& values : effect->grid(arena.arm, arena.model.rod())) {
+      const std::vector<model::Predicted> with =
+          predict(arena.model, arena.arm, {{effect, values}}, arena.trial);
       ASSERT_EQ(with.size(), arena.baseline.size());
       for (std::size_t k = 0; k < with.size(); ++k) {
         ASSERT_TRUE(with[k].solved);
@@ -152,7 +156,7 @@ TEST(DrivesAndMemory, OfNoSizeAreTheBaseline) {
 }
 
 /// To first order, by ExtendedModel::vary.
-Eigen::Matrix3Xd first_order(Arena& arena, const Present& present) {
+Eigen::Matrix3Xd first_order(Arena& arena, const model::Present& present) {
   const auto without = arena.model.vary(arena.arm, {}, quasi_static(), arena.trial, arena.baseline);
   const auto with = arena.model.vary(arena.arm, {present}, quasi_static(), arena.trial, arena.baseline);
   Eigen::Matrix3Xd out = with.seen - without.seen;
@@ -168,15 +172,16 @@ Eigen::Matrix3Xd first_order(Arena& arena, const Present& present) {
 }
 
 TEST(DrivesAndMemory, ActInProportionWhenSmall) {
-  for (const Effect* effect : effects()) {
-    const Info& info = effect->info();
+  for (const model::Effect* effect : effects()) {
+    const model::Info& info = effect->info();
     Arena& arena = arena_of(*effect);
     double largest = 0.0;
-    for (const Values& values : effect->grid(arena.arm, arena.model.rod())) {
+    for (const model::Values& values : effect->grid(arena.arm, arena.model.rod())) {
       for (int size = 0; size < info.sizes; ++size) {
-        Values small = values;
+        model::Values small = values;
         small[size] = 0.01 * info.parameters[static_cast<std::size_t>(size)].usual;
-        const std::vector<Predicted> with = predict(arena.model, arena.arm, {{effect, small}}, arena.trial);
+        const std::vector<model::Predicted> with =
+            predict(arena.model, arena.arm, {{effect, small}}, arena.trial);
         const Eigen::Matrix3Xd full = positions(with) - positions(arena.baseline);
         const Eigen::Matrix3Xd linear = first_order(arena, {effect, small});
         // Near its steep flank the first loading is not linear for long.
@@ -192,32 +197,32 @@ TEST(DrivesAndMemory, ActInProportionWhenSmall) {
 }
 
 TEST(DrivesAndMemory, OfTheirUsualSizeLeaveAnEquilibrium) {
-  for (const Effect* effect : effects()) {
+  for (const model::Effect* effect : effects()) {
     Arena& arena = arena_of(*effect);
-    const std::vector<Predicted> with =
+    const std::vector<model::Predicted> with =
         predict(arena.model, arena.arm, {{effect, usual(*effect)}}, arena.trial);
-    EXPECT_TRUE(std::all_of(with.begin(), with.end(), [](const Predicted& p) { return p.solved; }))
+    EXPECT_TRUE(std::all_of(with.begin(), with.end(), [](const model::Predicted& p) { return p.solved; }))
         << effect->info().id;
   }
 }
 
 TEST(DrivesAndMemory, GiveNumbersAtTheEndsOfTheirRanges) {
   const std::vector<Arena*> arenas{&chambers(), &tendons()};
-  for (const Effect* effect : effects()) {
-    const Info& info = effect->info();
+  for (const model::Effect* effect : effects()) {
+    const model::Info& info = effect->info();
     Arena& arena = arena_of(*effect);
-    Arm arm = arena.arm;
-    TrialData trial = arena.trial;
+    arm::Arm arm = arena.arm;
+    model::TrialData trial = arena.trial;
     trial.blocks.resize(20);
-    const auto check = [&](const Values& values) {
-      const std::vector<Predicted> with = predict(arena.model, arm, {{effect, values}}, trial);
-      for (const Predicted& p : with) {
+    const auto check = [&](const model::Values& values) {
+      const std::vector<model::Predicted> with = predict(arena.model, arm, {{effect, values}}, trial);
+      for (const model::Predicted& p : with) {
         EXPECT_TRUE(!p.solved || (p.p.allFinite() && p.values.allFinite())) << info.id << values.transpose();
       }
       const auto varied = arena.model.vary(arm, {{effect, values}}, quasi_static(), trial, arena.baseline);
       EXPECT_TRUE(varied.values.allFinite() && varied.seen.allFinite()) << info.id << values.transpose();
     };
-    Values low = usual(*effect), high = low;
+    model::Values low = usual(*effect), high = low;
     for (int k = 0; k < info.sizes; ++k) {
       low[k] = info.parameters[static_cast<std::size_t>(k)].low;
       high[k] = info.parameters[static_cast<std::size_t>(k)].high;
@@ -226,7 +231,7 @@ TEST(DrivesAndMemory, GiveNumbersAtTheEndsOfTheirRanges) {
     check(high);
     for (auto k = static_cast<std::size_t>(info.sizes); k < info.parameters.size(); ++k) {
       for (const double end : {info.parameters[k].low, info.parameters[k].high}) {
-        Values values = usual(*effect);
+        model::Values values = usual(*effect);
         values[static_cast<Eigen::Index>(k)] = end;
         check(values);
       }
@@ -236,14 +241,14 @@ TEST(DrivesAndMemory, GiveNumbersAtTheEndsOfTheirRanges) {
 
 TEST(DrivesAndMemory, BeginAnewAfterAGap) {
   Arena& arena = chambers();
-  TrialData gapped = arena.trial;
+  model::TrialData gapped = arena.trial;
   gapped.blocks[40].begins = true;
-  TrialData rest = gapped;
+  model::TrialData rest = gapped;
   rest.blocks.erase(rest.blocks.begin(), rest.blocks.begin() + 40);
   for (const std::string id : {"creep", "mullins", "jamming_memory", "jamming_yield"}) {
-    const Present present{find(id), usual(*find(id))};
-    const std::vector<Predicted> whole = predict(arena.model, arena.arm, {present}, gapped);
-    const std::vector<Predicted> alone = predict(arena.model, arena.arm, {present}, rest);
+    const model::Present present{find(id), usual(*find(id))};
+    const std::vector<model::Predicted> whole = predict(arena.model, arena.arm, {present}, gapped);
+    const std::vector<model::Predicted> alone = predict(arena.model, arena.arm, {present}, rest);
     for (std::size_t k = 0; k < alone.size(); ++k)
       EXPECT_LT((whole[40 + k].p - alone[k].p).norm(), 1e-6) << id << " " << k;
   }

@@ -1,17 +1,17 @@
 // Effects on inputs look as the catalogue describes them.
-#include "effects/drive_trials.h"
+#include "drive_trials.h"
 
 namespace softarm::effects::testing {
 namespace {
 
-const Arm& arm() {
-  static const Arm loaded = shipped_arm("semi_physical_200mm");
+const arm::Arm& arm() {
+  static const arm::Arm loaded = shipped_arm("semi_physical_200mm");
   return loaded;
 }
 constexpr int kChamber1 = 0, kVacuum = 3;
 
-Series driven(const std::string& id, const Values& values, const TrialData& trial) {
-  Series series = trial.series;
+model::Series driven(const std::string& id, const model::Values& values, const model::TrialData& trial) {
+  model::Series series = trial.series;
   find(id)->drive(arm(), values, series);
   return series;
 }
@@ -36,8 +36,9 @@ Loop loop_at(const Eigen::RowVectorXd& commanded, const Eigen::RowVectorXd& acti
   return {down - up, 0.5 * (up + down)};
 }
 
-Loop pressure_loop(const std::string& id, const Values& values, double period_s) {
-  const TrialData trial = made_up(arm(), 4.0 * period_s + 1.0, triangles(arm(), kChamber1, 30e3, period_s));
+Loop pressure_loop(const std::string& id, const model::Values& values, double period_s) {
+  const model::TrialData trial =
+      made_up(arm(), 4.0 * period_s + 1.0, triangles(arm(), kChamber1, 30e3, period_s));
   return loop_at(trial.series.inputs.row(kChamber1), driven(id, values, trial).moment_inputs.row(kChamber1),
                  15e3);
 }
@@ -52,12 +53,12 @@ TEST(Hysteresis, IsTheSameLoopAtEverySpeedAndOfItsWidth) {
 }
 
 TEST(Hysteresis, OfPressuresLeavesTheVacuumAndOfTensionsHasItsOwnUnit) {
-  const TrialData trial = made_up(arm(), 6.0, triangles(arm(), kVacuum, 60e3, 5.0));
-  const Series series = driven("hysteresis", Eigen::Vector3d(1.0, 2500.0, 0.0), trial);
+  const model::TrialData trial = made_up(arm(), 6.0, triangles(arm(), kVacuum, 60e3, 5.0));
+  const model::Series series = driven("hysteresis", Eigen::Vector3d(1.0, 2500.0, 0.0), trial);
   EXPECT_EQ(series.inputs, trial.series.inputs);
-  const Arm with_tendons = tendon_arm();
-  const TrialData pulled = made_up(with_tendons, 21.0, triangles(with_tendons, 0, 6.0, 5.0));
-  Series tensions = pulled.series;
+  const arm::Arm with_tendons = tendon_arm();
+  const model::TrialData pulled = made_up(with_tendons, 21.0, triangles(with_tendons, 0, 6.0, 5.0));
+  model::Series tensions = pulled.series;
   find("hysteresis")->drive(with_tendons, Eigen::Vector3d(1.0, 2500.0, 2.0), tensions);
   EXPECT_NEAR(loop_at(pulled.series.inputs.row(0), tensions.moment_inputs.row(0), 3.0).width, 0.2, 0.002);
 }
@@ -72,14 +73,14 @@ TEST(PressureLag, WidensItsLoopWithTheSpeed) {
 }
 
 TEST(PressureLag, IsALineOfFirstOrderWhereDelayAndTimeConstantAgree) {
-  const TrialData trial = made_up(arm(), 4.0, [](double t_s) {
+  const model::TrialData trial = made_up(arm(), 4.0, [](double t_s) {
     Eigen::VectorXd u = Eigen::VectorXd::Zero(4);
     u[kChamber1] = t_s >= 1.0 ? 20e3 : 0.0;
     u[kVacuum] = u[kChamber1];
     return u;
   });
-  const Series whole = driven("pressure_lag", Eigen::Vector3d(0.3, 0.3, 1.0), trial);
-  const Series half = driven("pressure_lag", Eigen::Vector3d(0.15, 0.3, 1.0), trial);
+  const model::Series whole = driven("pressure_lag", Eigen::Vector3d(0.3, 0.3, 1.0), trial);
+  const model::Series half = driven("pressure_lag", Eigen::Vector3d(0.15, 0.3, 1.0), trial);
   for (Eigen::Index i = 60; i < whole.t_s.size(); ++i) {
     // The step is a line between two frames of 20 ms.
     const double left = std::exp(-(whole.t_s[i] - 0.99) / 0.3);
@@ -91,10 +92,10 @@ TEST(PressureLag, IsALineOfFirstOrderWhereDelayAndTimeConstantAgree) {
 }
 
 TEST(PressureLag, MayFallMoreSlowlyThanItRises) {
-  const TrialData trial = made_up(arm(), 6.0, [](double t_s) {
+  const model::TrialData trial = made_up(arm(), 6.0, [](double t_s) {
     return Eigen::Vector4d(t_s >= 1.0 && t_s < 4.0 ? 20e3 : 0.0, 0.0, 0.0, 0.0);
   });
-  const Series series = driven("pressure_lag", Eigen::Vector3d(0.2, 0.2, 2.0), trial);
+  const model::Series series = driven("pressure_lag", Eigen::Vector3d(0.2, 0.2, 2.0), trial);
   for (Eigen::Index i = 0; i < series.t_s.size(); ++i) {
     const double t_s = series.t_s[i];
     if (t_s > 1.1 && t_s < 3.9) {
@@ -106,11 +107,11 @@ TEST(PressureLag, MayFallMoreSlowlyThanItRises) {
 }
 
 TEST(ClockOffset, ShiftsAllInputsAtAnySpeed) {
-  const TrialData trial = made_up(arm(), 6.0, [](double t_s) {
+  const model::TrialData trial = made_up(arm(), 6.0, [](double t_s) {
     return Eigen::Vector4d(10e3 * std::sin(t_s), 5e3 * std::sin(3.0 * t_s), 0.0, 1e3 * t_s);
   });
   for (const double offset_s : {0.13, -0.07}) {
-    const Series series = driven("clock_offset", Eigen::VectorXd::Constant(1, offset_s), trial);
+    const model::Series series = driven("clock_offset", Eigen::VectorXd::Constant(1, offset_s), trial);
     for (Eigen::Index i = 20; i < 280; ++i) {
       const double then_s = series.t_s[i] - offset_s;
       EXPECT_NEAR(series.inputs(0, i), 10e3 * std::sin(then_s), 3.0);
@@ -122,18 +123,18 @@ TEST(ClockOffset, ShiftsAllInputsAtAnySpeed) {
 }
 
 TEST(PressureDeadZone, IsFlatNearZeroPressureAndMissesAConstantBeyond) {
-  const TrialData trial = made_up(arm(), 11.0, triangles(arm(), kChamber1, 30e3, 10.0));
-  const Series series = driven("pressure_dead_zone", Eigen::Vector2d(3000.0, 3000.0), trial);
+  const model::TrialData trial = made_up(arm(), 11.0, triangles(arm(), kChamber1, 30e3, 10.0));
+  const model::Series series = driven("pressure_dead_zone", Eigen::Vector2d(3000.0, 3000.0), trial);
   EXPECT_EQ(series.inputs, trial.series.inputs);
   for (Eigen::Index i = 0; i < series.t_s.size(); ++i)
     EXPECT_NEAR(series.moment_inputs(kChamber1, i), std::max(0.0, series.inputs(kChamber1, i) - 3000.0),
                 1e-9);
   // The arm itself does not move there.
-  ExtendedModel model(arm());
-  const Present present{find("pressure_dead_zone"), Eigen::Vector2d(3000.0, 3000.0)};
-  const std::vector<Predicted> without = predict(model, arm(), {}, trial);
-  const std::vector<Predicted> with = predict(model, arm(), {present}, trial);
-  const auto bend = [](const Predicted& p) { return p.shape.middles[5].u.head<2>().norm(); };
+  model::ExtendedModel model(arm());
+  const model::Present present{find("pressure_dead_zone"), Eigen::Vector2d(3000.0, 3000.0)};
+  const std::vector<model::Predicted> without = predict(model, arm(), {}, trial);
+  const std::vector<model::Predicted> with = predict(model, arm(), {present}, trial);
+  const auto bend = [](const model::Predicted& p) { return p.shape.middles[5].u.head<2>().norm(); };
   for (std::size_t k = 0; k < with.size(); ++k) {
     const double p_pa = without[k].instant.inputs[kChamber1];
     if (p_pa < 2900.0) {
@@ -146,8 +147,8 @@ TEST(PressureDeadZone, IsFlatNearZeroPressureAndMissesAConstantBeyond) {
 }
 
 TEST(GainNonlinearity, IsConvexAgainstThePressure) {
-  const TrialData trial = made_up(arm(), 11.0, triangles(arm(), kChamber1, 50e3, 10.0));
-  const Series series = driven("gain_nonlinearity", Eigen::VectorXd::Constant(1, 0.2), trial);
+  const model::TrialData trial = made_up(arm(), 11.0, triangles(arm(), kChamber1, 50e3, 10.0));
+  const model::Series series = driven("gain_nonlinearity", Eigen::VectorXd::Constant(1, 0.2), trial);
   EXPECT_EQ(series.inputs, trial.series.inputs);
   for (Eigen::Index i = 0; i < series.t_s.size(); ++i) {
     const double p = series.inputs(kChamber1, i);
@@ -156,17 +157,19 @@ TEST(GainNonlinearity, IsConvexAgainstThePressure) {
 }
 
 TEST(ChamberMismatch, IsOneChambersGain) {
-  const TrialData trial = made_up(arm(), 2.0, [](double) { return Eigen::Vector4d(1e4, 2e4, 3e4, 6e4); });
-  const Series series = driven("chamber_mismatch", Eigen::Vector2d(0.05, 2.0), trial);
+  const model::TrialData trial =
+      made_up(arm(), 2.0, [](double) { return Eigen::Vector4d(1e4, 2e4, 3e4, 6e4); });
+  const model::Series series = driven("chamber_mismatch", Eigen::Vector2d(0.05, 2.0), trial);
   EXPECT_TRUE(series.moment_inputs.col(9).isApprox(Eigen::Vector4d(1e4, 2.1e4, 3e4, 6e4), 1e-12));
   EXPECT_EQ(series.inputs, trial.series.inputs);
 }
 
 TEST(PressureOffset, IsASizeForEverySensorOfPressure) {
-  const TrialData trial = made_up(arm(), 2.0, [](double) { return Eigen::Vector4d(1e4, 2e4, 3e4, 6e4); });
-  Values values = Values::Zero(8);
+  const model::TrialData trial =
+      made_up(arm(), 2.0, [](double) { return Eigen::Vector4d(1e4, 2e4, 3e4, 6e4); });
+  model::Values values = model::Values::Zero(8);
   values.head<5>() << 100.0, -200.0, 300.0, 400.0, 500.0;
-  const Series series = driven("pressure_offset", values, trial);
+  const model::Series series = driven("pressure_offset", values, trial);
   // A vacuum is what is below ambient: a sensor that reads too high hides some of it.
   EXPECT_TRUE(series.inputs.col(9).isApprox(Eigen::Vector4d(9900.0, 20200.0, 29700.0, 60400.0), 1e-12));
   EXPECT_EQ(series.inputs, series.moment_inputs);
@@ -174,7 +177,7 @@ TEST(PressureOffset, IsASizeForEverySensorOfPressure) {
 
 TEST(PressureLeak, IsSteadyOrGrowsInHolds) {
   // Stairs between frames, as of a slower regulator, and noise.
-  const TrialData trial = made_up(
+  const model::TrialData trial = made_up(
       arm(), 20.0,
       [](double t_s) {
         const double t = std::floor(t_s * 50.0) / 50.0;
@@ -183,13 +186,13 @@ TEST(PressureLeak, IsSteadyOrGrowsInHolds) {
         return Eigen::Vector4d(2e4 + 5e3 * (up - down) + noise, 2e4, 0.0, 0.0);
       },
       0.0, 120.0, 0.05);
-  const Series steady = driven("pressure_leak", Eigen::Vector4d(0.05, 1.0, 0.0, 5.0), trial);
+  const model::Series steady = driven("pressure_leak", Eigen::Vector4d(0.05, 1.0, 0.0, 5.0), trial);
   EXPECT_TRUE(steady.inputs.row(0).isApprox(0.95 * trial.series.inputs.row(0), 1e-12));
   EXPECT_EQ(steady.inputs.row(1), trial.series.inputs.row(1));
-  const Series all = driven("pressure_leak", Eigen::Vector4d(0.05, 0.0, 0.0, 5.0), trial);
+  const model::Series all = driven("pressure_leak", Eigen::Vector4d(0.05, 0.0, 0.0, 5.0), trial);
   EXPECT_TRUE(all.inputs.topRows(3).isApprox(0.95 * trial.series.inputs.topRows(3), 1e-12));
 
-  const Series in_holds = driven("pressure_leak", Eigen::Vector4d(0.05, 1.0, 1.0, 2.0), trial);
+  const model::Series in_holds = driven("pressure_leak", Eigen::Vector4d(0.05, 1.0, 1.0, 2.0), trial);
   const auto lost = [&](double t_s) {
     const auto i = static_cast<Eigen::Index>(t_s * 120.0);
     return 1.0 - in_holds.inputs(0, i) / trial.series.inputs(0, i);
@@ -202,11 +205,12 @@ TEST(PressureLeak, IsSteadyOrGrowsInHolds) {
 }
 
 TEST(StiffnessAndLength, FollowTheMeanPressureAndTheVacuum) {
-  ExtendedModel model(arm());
-  const TrialData trial = made_up(arm(), 1.0, [](double) { return Eigen::Vector4d(15e3, 30e3, 30e3, 40e3); });
-  const std::vector<Predicted> without = predict(model, arm(), {}, trial);
+  model::ExtendedModel model(arm());
+  const model::TrialData trial =
+      made_up(arm(), 1.0, [](double) { return Eigen::Vector4d(15e3, 30e3, 30e3, 40e3); });
+  const std::vector<model::Predicted> without = predict(model, arm(), {}, trial);
   const auto ratio = [&](const std::string& id, double size, rod::ParameterKind kind) {
-    const std::vector<Predicted> with =
+    const std::vector<model::Predicted> with =
         predict(model, arm(), {{find(id), Eigen::VectorXd::Constant(1, size)}}, trial);
     for (std::size_t k = 0; k < model.rod().parameters().size(); ++k) {
       const auto i = static_cast<Eigen::Index>(k);
@@ -229,28 +233,28 @@ TEST(StiffnessAndLength, FollowTheMeanPressureAndTheVacuum) {
 }
 
 TEST(RadialExpansion, MovesMarkersOnTheSkinOutwards) {
-  Arm with_marker = arm();
-  MeasuredBody marker = with_marker.bodies[0];
-  marker.kind = BodyKind::kSkinMarker;
+  arm::Arm with_marker = arm();
+  arm::MeasuredBody marker = with_marker.bodies[0];
+  marker.kind = arm::BodyKind::kSkinMarker;
   marker.angle_rad = 0.7;
   marker.radius_m = 0.02;
   with_marker.bodies.push_back(marker);
-  ExtendedModel model(with_marker);
-  const TrialData trial =
+  model::ExtendedModel model(with_marker);
+  const model::TrialData trial =
       made_up(with_marker, 1.0, [](double) { return Eigen::Vector4d(25e3, 25e3, 25e3, 0.0); });
-  const std::vector<Predicted> with =
+  const std::vector<model::Predicted> with =
       predict(model, with_marker, {{find("radial_expansion"), Eigen::VectorXd::Constant(1, 0.1)}}, trial);
   const Eigen::Vector3d out = with[0].p.col(3) - with[0].p.col(0);
   EXPECT_NEAR(out.norm(), 0.02 * 1.05, 1e-9);
 }
 
 TEST(OfTheInputs, ActInTheCataloguesOrderWhateverTheirs) {
-  ExtendedModel model(arm());
-  const TrialData trial = made_up(arm(), 3.0, triangles(arm(), kChamber1, 20e3, 1.0));
-  const Present lag{find("pressure_lag"), Eigen::Vector3d(0.2, 0.2, 1.0)};
-  const Present zone{find("pressure_dead_zone"), Eigen::Vector2d(4000.0, 4000.0)};
-  const std::vector<Predicted> a = predict(model, arm(), {lag, zone}, trial);
-  const std::vector<Predicted> b = predict(model, arm(), {zone, lag}, trial);
+  model::ExtendedModel model(arm());
+  const model::TrialData trial = made_up(arm(), 3.0, triangles(arm(), kChamber1, 20e3, 1.0));
+  const model::Present lag{find("pressure_lag"), Eigen::Vector3d(0.2, 0.2, 1.0)};
+  const model::Present zone{find("pressure_dead_zone"), Eigen::Vector2d(4000.0, 4000.0)};
+  const std::vector<model::Predicted> a = predict(model, arm(), {lag, zone}, trial);
+  const std::vector<model::Predicted> b = predict(model, arm(), {zone, lag}, trial);
   EXPECT_EQ(positions(a), positions(b));
 }
 

@@ -1,43 +1,44 @@
 // Effects with memory look as the catalogue describes them.
 #include <array>
 
-#include "effects/drive_trials.h"
+#include "drive_trials.h"
 
 namespace softarm::effects::testing {
 namespace {
 
 using Eigen::Vector4d;
 
-const Arm& arm() {
-  static const Arm loaded = shipped_arm("semi_physical_200mm");
+const arm::Arm& arm() {
+  static const arm::Arm loaded = shipped_arm("semi_physical_200mm");
   return loaded;
 }
 constexpr int kChamber1 = 0;
 constexpr double kEI = 0.027, kGain = 6.1e-6, kPerJamming = 1.3e-6;
 
 /// No weight: moment and curvature are the same all along.
-TrialData weightless(const Arm& of, double duration_s, const InputsAt& inputs, double block_s = 0.1) {
-  TrialData trial = made_up(of, duration_s, inputs, 0.0, 50.0, block_s);
-  for (Block& block : trial.blocks) block.gravity_base.setZero();
+model::TrialData weightless(const arm::Arm& of, double duration_s, const InputsAt& inputs,
+                            double block_s = 0.1) {
+  model::TrialData trial = made_up(of, duration_s, inputs, 0.0, 50.0, block_s);
+  for (model::Block& block : trial.blocks) block.gravity_base.setZero();
   return trial;
 }
 
 /// Curvature in the middle of a piece, towards x.
-double curvature(const Predicted& p, std::size_t piece = 5) {
+double curvature(const model::Predicted& p, std::size_t piece = 5) {
   EXPECT_TRUE(p.solved);
   return p.shape.middles[piece].u.y();
 }
 
 /// How much further the arm is bent at a pressure while it falls than while it rises, by the last cycles.
-double loop_width(const std::string& id, const Values& values, double period_s) {
-  ExtendedModel model(arm());
-  const TrialData trial =
+double loop_width(const std::string& id, const model::Values& values, double period_s) {
+  model::ExtendedModel model(arm());
+  const model::TrialData trial =
       weightless(arm(), 3.0 * period_s + 1.0, triangles(arm(), kChamber1, 40e3, period_s), 0.04);
-  const std::vector<Predicted> path = predict(model, arm(), {{find(id), values}}, trial);
+  const std::vector<model::Predicted> path = predict(model, arm(), {{find(id), values}}, trial);
   std::array<double, 2> at{};
   for (std::size_t k = 1; k < path.size(); ++k) {
     const auto pressure = [&](std::size_t i) {
-      const Block& block = trial.blocks[i];
+      const model::Block& block = trial.blocks[i];
       return trial.series.inputs
           .block(kChamber1, static_cast<Eigen::Index>(block.first), 1,
                  static_cast<Eigen::Index>(block.last - block.first))
@@ -66,12 +67,12 @@ TEST(Creep, WidensItsLoopWhenSlowAndNotAtEverySpeedTheSame) {
 }
 
 TEST(Creep, DriftsInHoldsByItsShareAndTimeConstant) {
-  ExtendedModel model(arm());
-  const TrialData trial =
+  model::ExtendedModel model(arm());
+  const model::TrialData trial =
       weightless(arm(), 30.0, [](double t_s) { return Vector4d(t_s < 1.0 ? 0.0 : 20e3, 0.0, 0.0, 0.0); });
-  const std::vector<Predicted> without = predict(model, arm(), {}, trial);
+  const std::vector<model::Predicted> without = predict(model, arm(), {}, trial);
   for (const double time_s : {0.5, 4.0}) {
-    const std::vector<Predicted> with =
+    const std::vector<model::Predicted> with =
         predict(model, arm(), {{find("creep"), Eigen::Vector2d(0.2, time_s)}}, trial);
     EXPECT_EQ(with[5].shape.middles[5].u, without[5].shape.middles[5].u);
     for (std::size_t k = 11; k < with.size(); ++k) {
@@ -84,24 +85,24 @@ TEST(Creep, DriftsInHoldsByItsShareAndTimeConstant) {
 }
 
 TEST(Creep, HasLongHappenedToAnArmThatIsHeldAtTheBeginning) {
-  ExtendedModel model(arm());
-  const TrialData trial = weightless(arm(), 3.0, [](double) { return Vector4d(20e3, 0.0, 0.0, 0.0); });
-  const std::vector<Predicted> without = predict(model, arm(), {}, trial);
-  const std::vector<Predicted> with =
+  model::ExtendedModel model(arm());
+  const model::TrialData trial = weightless(arm(), 3.0, [](double) { return Vector4d(20e3, 0.0, 0.0, 0.0); });
+  const std::vector<model::Predicted> without = predict(model, arm(), {}, trial);
+  const std::vector<model::Predicted> with =
       predict(model, arm(), {{find("creep"), Eigen::Vector2d(0.2, 1.0)}}, trial);
-  for (const Predicted& p : with) EXPECT_NEAR(curvature(p), 1.2 * curvature(without[0]), 1e-9);
+  for (const model::Predicted& p : with) EXPECT_NEAR(curvature(p), 1.2 * curvature(without[0]), 1e-9);
 }
 
 TEST(Mullins, IsStifferInTheFirstCycleAlone) {
-  ExtendedModel model(arm());
+  model::ExtendedModel model(arm());
   const double period_s = 6.0;
   const auto cycles = triangles(arm(), kChamber1, 20e3, period_s);
-  const TrialData trial = weightless(arm(), 1.0 + 4.0 * period_s, [&](double t_s) -> Eigen::VectorXd {
+  const model::TrialData trial = weightless(arm(), 1.0 + 4.0 * period_s, [&](double t_s) -> Eigen::VectorXd {
     // Further in the fourth cycle.
     return (t_s > 1.0 + 3.0 * period_s ? 1.5 : 1.0) * cycles(t_s);
   });
-  const std::vector<Predicted> without = predict(model, arm(), {}, trial);
-  const std::vector<Predicted> with =
+  const std::vector<model::Predicted> without = predict(model, arm(), {}, trial);
+  const std::vector<model::Predicted> with =
       predict(model, arm(), {{find("mullins"), Eigen::Vector2d(0.2, 1.0)}}, trial);
   const auto ratio = [&](double t_s) {
     const auto k = static_cast<std::size_t>(10.0 * t_s);
@@ -114,15 +115,15 @@ TEST(Mullins, IsStifferInTheFirstCycleAlone) {
 }
 
 TEST(JammingMemory, KeepsTheShapeInWhichTheVacuumWasApplied) {
-  ExtendedModel model(arm());
+  model::ExtendedModel model(arm());
   // Bent, jammed, let go, released.
-  const TrialData trial = weightless(arm(), 12.0, [](double t_s) {
+  const model::TrialData trial = weightless(arm(), 12.0, [](double t_s) {
     return Vector4d(t_s > 1.0 && t_s < 6.0 ? 20e3 : 0.0, 0.0, 0.0, t_s > 3.0 && t_s < 9.0 ? 60e3 : 0.0);
   });
-  const Values share = Eigen::VectorXd::Constant(1, 0.6);
-  const std::vector<Predicted> with = predict(model, arm(), {{find("jamming_memory"), share}}, trial);
-  const std::vector<Predicted> without = predict(model, arm(), {}, trial);
-  const auto at = [](const std::vector<Predicted>& path, double t_s) {
+  const model::Values share = Eigen::VectorXd::Constant(1, 0.6);
+  const std::vector<model::Predicted> with = predict(model, arm(), {{find("jamming_memory"), share}}, trial);
+  const std::vector<model::Predicted> without = predict(model, arm(), {}, trial);
+  const auto at = [](const std::vector<model::Predicted>& path, double t_s) {
     return curvature(path[static_cast<std::size_t>(10.0 * t_s)]);
   };
   EXPECT_NEAR(at(with, 2.5), at(without, 2.5), 1e-9);  // nothing without vacuum
@@ -138,15 +139,15 @@ TEST(JammingMemory, KeepsTheShapeInWhichTheVacuumWasApplied) {
 }
 
 TEST(JammingYield, SoftensAtLargeCurvatureUnderVacuumAndKeepsWhatSlipped) {
-  ExtendedModel model(arm());
+  model::ExtendedModel model(arm());
   const double vacuum = 60e3, core = kPerJamming * vacuum, yield = 1.0;
-  const TrialData trial = weightless(
+  const model::TrialData trial = weightless(
       arm(), 21.0,
       [=](double t_s) { return Vector4d(triangles(arm(), kChamber1, 40e3, 20.0)(t_s)[0], 0.0, 0.0, vacuum); },
       0.04);
-  const std::vector<Predicted> with =
+  const std::vector<model::Predicted> with =
       predict(model, arm(), {{find("jamming_yield"), Eigen::Vector2d(1.0, yield)}}, trial);
-  const std::vector<Predicted> without = predict(model, arm(), {}, trial);
+  const std::vector<model::Predicted> without = predict(model, arm(), {}, trial);
   bool slipped = false;
   for (std::size_t k = 30; k < with.size(); ++k) {
     const double p = with[k].instant.inputs[0];
@@ -161,20 +162,20 @@ TEST(JammingYield, SoftensAtLargeCurvatureUnderVacuumAndKeepsWhatSlipped) {
   ASSERT_TRUE(slipped);
   EXPECT_GT(curvature(with[with.size() - 1]), 0.5);  // though the pressure is gone
   // Without vacuum there is nothing to slip.
-  const TrialData loose = weightless(arm(), 5.0, triangles(arm(), kChamber1, 40e3, 4.0));
-  const Present yields{find("jamming_yield"), Eigen::Vector2d(1.0, yield)};
+  const model::TrialData loose = weightless(arm(), 5.0, triangles(arm(), kChamber1, 40e3, 4.0));
+  const model::Present yields{find("jamming_yield"), Eigen::Vector2d(1.0, yield)};
   EXPECT_LT((positions(predict(model, arm(), {yields}, loose)) - positions(predict(model, arm(), {}, loose)))
                 .norm(),
             1e-7);
 }
 
 TEST(Drift, IsMonotoneInTheTimeOfTheSession) {
-  ExtendedModel model(arm());
-  TrialData trial = weightless(
+  model::ExtendedModel model(arm());
+  model::TrialData trial = weightless(
       arm(), 60.0, [](double) { return Vector4d(20e3, 0.0, 0.0, 0.0); }, 1.0);
-  const std::vector<Predicted> without = predict(model, arm(), {}, trial);
+  const std::vector<model::Predicted> without = predict(model, arm(), {}, trial);
   const auto ratio = [&](double gain, double stiffness, double fading_per_min, std::size_t k) {
-    const Present drift{find("drift"), Eigen::Vector3d(gain, stiffness, fading_per_min)};
+    const model::Present drift{find("drift"), Eigen::Vector3d(gain, stiffness, fading_per_min)};
     return curvature(predict(model, arm(), {drift}, trial)[k]) / curvature(without[k]);
   };
   const double minutes = without[50].instant.t_s / 60.0;
@@ -186,31 +187,31 @@ TEST(Drift, IsMonotoneInTheTimeOfTheSession) {
 }
 
 TEST(Drift, OfStiffnessLeavesWhatServosWindUp) {
-  const Arm wound = shipped_arm("cable_235mm");
-  ExtendedModel model(wound);
+  const arm::Arm wound = shipped_arm("cable_235mm");
+  model::ExtendedModel model(wound);
   const auto rows = static_cast<Eigen::Index>(wound.inputs.scalars.size());
-  const TrialData trial = weightless(
+  const model::TrialData trial = weightless(
       wound, 10.0, [=](double) { return Eigen::VectorXd::Constant(rows, 0.5); }, 1.0);
-  const std::vector<Predicted> without = predict(model, wound, {}, trial);
-  const std::vector<Predicted> with =
+  const std::vector<model::Predicted> without = predict(model, wound, {}, trial);
+  const std::vector<model::Predicted> with =
       predict(model, wound, {{find("drift"), Eigen::Vector3d(0.0, -0.5, 0.0)}}, trial);
   EXPECT_GT(without.back().shape.middles[5].u.norm(), 0.1);
   EXPECT_LT((with.back().shape.middles[5].u - without.back().shape.middles[5].u).norm(), 1e-6);
 }
 
 TEST(TendonFriction, LowersThePullAlongTheArmAndComesBackLate) {
-  const Arm pulled = tendon_arm();
-  ExtendedModel model(pulled);
+  const arm::Arm pulled = tendon_arm();
+  model::ExtendedModel model(pulled);
   const double coefficient = 0.3;
-  const TrialData trial = weightless(
+  const model::TrialData trial = weightless(
       pulled, 21.0,
       [&](double t_s) -> Eigen::VectorXd {
         return Vector4d::Constant(0.5).array() + triangles(pulled, 0, 8.0, 20.0)(t_s).array();
       },
       0.04);
-  const Present friction{find("tendon_friction"), Eigen::Vector3d(coefficient, coefficient, 0.0)};
-  const std::vector<Predicted> with = predict(model, pulled, {friction}, trial);
-  const std::vector<Predicted> without = predict(model, pulled, {}, trial);
+  const model::Present friction{find("tendon_friction"), Eigen::Vector3d(coefficient, coefficient, 0.0)};
+  const std::vector<model::Predicted> with = predict(model, pulled, {friction}, trial);
+  const std::vector<model::Predicted> without = predict(model, pulled, {}, trial);
   const std::size_t rising = 150, falling = 399;  // the same tension
   EXPECT_NEAR(with[rising].instant.inputs[0], with[falling].instant.inputs[0], 0.05);
   // Of a pull that rises e^(-mu angle) arrives; the antagonist's 0.5 N has its own.
@@ -231,7 +232,7 @@ TEST(TendonFriction, LowersThePullAlongTheArmAndComesBackLate) {
   EXPECT_GT(angle, 0.3);
   EXPECT_GT(curvature(with[falling], 11), 1.05 * curvature(with[rising], 11));
   // Led around something before the base, all of the arm lacks it.
-  const Present led{find("tendon_friction"), Eigen::Vector3d(coefficient, coefficient, 1.0)};
+  const model::Present led{find("tendon_friction"), Eigen::Vector3d(coefficient, coefficient, 1.0)};
   EXPECT_LT(curvature(predict(model, pulled, {led}, trial)[rising], 0), 0.85 * curvature(without[rising], 0));
 }
 

@@ -1,6 +1,6 @@
 // Effects against the virtual rig, whose laws and equations are others: with the effect in it at the hidden
 // size the model predicts what was recorded, without it it does not.
-#include "effects/drive_trials.h"
+#include "drive_trials.h"
 
 namespace softarm::effects::testing {
 namespace {
@@ -57,35 +57,35 @@ const std::vector<Hidden>& on_the_core() {
   return list;
 }
 
-void check(const Hidden& hidden, const Arm& arm, rig::Scenario scenario, double retardation_s) {
+void check(const Hidden& hidden, const arm::Arm& arm, rig::Scenario scenario, double viscoelastic_lag_s) {
   rig::hide(hidden.choice, scenario);
-  const TrialData trial = recorded(arm, scenario);
-  ExtendedModel model(arm);
-  Dynamics dynamics;
-  dynamics.retardation_s = retardation_s;
-  const Values values = Eigen::Map<const Eigen::VectorXd>(hidden.values.data(),
-                                                          static_cast<Eigen::Index>(hidden.values.size()));
+  const model::TrialData trial = recorded(arm, scenario);
+  model::ExtendedModel model(arm);
+  model::Dynamics dynamics;
+  dynamics.viscoelastic_lag_s = viscoelastic_lag_s;
+  const model::Values values = Eigen::Map<const Eigen::VectorXd>(
+      hidden.values.data(), static_cast<Eigen::Index>(hidden.values.size()));
   const double without_m = rms_m(predict(model, arm, {}, trial, dynamics), trial);
-  const std::vector<Predicted> path =
+  const std::vector<model::Predicted> path =
       predict(model, arm, {{find(hidden.choice.effect), values}}, trial, dynamics);
   const double with_m = rms_m(path, trial);
   EXPECT_GT(without_m, 1e-3) << hidden.name;
   EXPECT_LT(with_m, hidden.left * without_m) << hidden.name;
-  EXPECT_LE(std::count_if(path.begin(), path.end(), [](const Predicted& p) { return !p.solved; }), 1)
+  EXPECT_LE(std::count_if(path.begin(), path.end(), [](const model::Predicted& p) { return !p.solved; }), 1)
       << hidden.name;
   ::testing::Test::RecordProperty(hidden.choice.effect, std::to_string(1e3 * without_m) + " mm without, " +
                                                             std::to_string(1e3 * with_m) + " mm with");
 }
 
 TEST(OnTheRig, EffectsOfChambersArePredictedAtTheirSize) {
-  const Arm arm = shipped_arm("online_200mm");
+  const arm::Arm arm = shipped_arm("online_200mm");
   rig::Scenario scenario = shipped_scenario("trial_10s");
   make_clean(scenario);
   for (const Hidden& hidden : on_chambers()) check(hidden, arm, scenario, 0.02);
 }
 
 TEST(OnTheRig, EffectsOfTheVacuumArePredictedAtTheirSize) {
-  const Arm arm = shipped_arm("semi_physical_200mm");
+  const arm::Arm arm = shipped_arm("semi_physical_200mm");
   rig::Scenario scenario = shipped_scenario("semi_physical_200mm");
   make_clean(scenario);
   scenario.duration_s = 12.0;
@@ -106,17 +106,17 @@ TEST(OnTheRig, EffectsOfTendonsArePredictedAtTheirSize) {
 }
 
 TEST(OnTheRig, InputsBetweenTheirSamplesAreNotLate) {
-  const Arm arm = shipped_arm("online_200mm");
+  const arm::Arm arm = shipped_arm("online_200mm");
   rig::Scenario scenario = shipped_scenario("trial_10s");
   make_clean(scenario);
-  const TrialData trial = recorded(arm, scenario);
-  ExtendedModel model(arm);
-  Dynamics dynamics;
-  dynamics.retardation_s = 0.02;
+  const model::TrialData trial = recorded(arm, scenario);
+  model::ExtendedModel model(arm);
+  model::Dynamics dynamics;
+  dynamics.viscoelastic_lag_s = 0.02;
   const double nothing_m = rms_m(predict(model, arm, {}, trial, dynamics), trial);
   EXPECT_LT(nothing_m, 5e-5);
   for (const double offset_s : {-0.003, 0.003}) {
-    const Present late{find("clock_offset"), Eigen::VectorXd::Constant(1, offset_s)};
+    const model::Present late{find("clock_offset"), Eigen::VectorXd::Constant(1, offset_s)};
     EXPECT_GT(rms_m(predict(model, arm, {late}, trial, dynamics), trial), 1.5 * nothing_m) << offset_s;
   }
 }

@@ -12,30 +12,32 @@
 #include <string>
 #include <vector>
 
-#include "softarm/effects/extended_model.h"
-#include "softarm/rig/hidden.h"
-#include "softarm/rig/simulator.h"
-#include "softarm/trial/arm_file.h"
-#include "softarm/trial/frame_assembler.h"
+#include "effects/catalogue.h"
+#include "model/extended_model.h"
+#include "rig/hidden.h"
+#include "rig/simulator.h"
+#include "softarm/arm/arm_file.h"
+#include "trial/frame_assembler.h"
+#include "trial/trial_recorder.h"
 
 namespace softarm::effects::testing {
 
-inline Arm shipped_arm(const std::string& name) {
-  return load_arm_file(std::string(SOFTARM_SOURCE_DIR) + "/config/arms/" + name + ".yaml");
+inline arm::Arm shipped_arm(const std::string& name) {
+  return arm::load_arm_file(std::string(SOFTARM_SOURCE_DIR) + "/config/arms/" + name + ".yaml");
 }
 
 /// The jammable arm with four tendons in place of its chambers.
-inline Arm tendon_arm() {
-  Arm arm = shipped_arm("online_200mm");
+inline arm::Arm tendon_arm() {
+  arm::Arm arm = shipped_arm("online_200mm");
   arm.segments[0].chambers.clear();
-  const std::vector<ScalarInput> pressures = arm.inputs.scalars;
+  const std::vector<arm::ScalarInput> pressures = arm.inputs.scalars;
   arm.inputs.scalars.clear();
   for (int k = 0; k < 4; ++k) {
     const std::string name = "tendon_" + std::to_string(k + 1);
     arm.segments[0].tendons.push_back({name, 0.5 * M_PI * k, 0.012});
-    ScalarInput input;
+    arm::ScalarInput input;
     input.name = name;
-    input.kind = InputKind::kTension;
+    input.kind = arm::InputKind::kTension;
     arm.inputs.scalars.push_back(input);
   }
   return arm;
@@ -44,9 +46,9 @@ inline Arm tendon_arm() {
 using InputsAt = std::function<Eigen::VectorXd(double t_s)>;
 
 /// A trial of an arm whose base frame has z along gravity (hanging), every body seen in every block.
-inline TrialData made_up(const Arm& arm, double duration_s, const InputsAt& inputs, double payload_kg = 0.0,
-                         double rate_hz = 50.0, double block_s = 0.1) {
-  TrialData trial;
+inline model::TrialData made_up(const arm::Arm& arm, double duration_s, const InputsAt& inputs,
+                                double payload_kg = 0.0, double rate_hz = 50.0, double block_s = 0.1) {
+  model::TrialData trial;
   trial.name = "made_up";
   const auto count = static_cast<Eigen::Index>(duration_s * rate_hz);
   trial.series.t_s.resize(count);
@@ -59,13 +61,13 @@ inline TrialData made_up(const Arm& arm, double duration_s, const InputsAt& inpu
   trial.series.payload_kg = Eigen::VectorXd::Constant(count, payload_kg);
   const auto step = static_cast<std::size_t>(block_s * rate_hz + 0.5);
   for (std::size_t first = 0; first + step <= static_cast<std::size_t>(count); first += step) {
-    Block block;
+    model::Block block;
     block.first = first;
     block.last = first + step;
     block.begins = first == 0;
     block.gravity_base = {0.0, 0.0, 9.80665};
     for (std::size_t b = 0; b < arm.bodies.size(); ++b) {
-      Seen seen;
+      model::Seen seen;
       seen.body = static_cast<int>(b);
       block.bodies.push_back(seen);
     }
@@ -75,7 +77,7 @@ inline TrialData made_up(const Arm& arm, double duration_s, const InputsAt& inpu
 }
 
 /// One input goes 0, peak, 0, peak ... along straight lines; the others stay 0.
-inline InputsAt triangles(const Arm& arm, int row, double peak, double period_s, double begin_s = 1.0) {
+inline InputsAt triangles(const arm::Arm& arm, int row, double peak, double period_s, double begin_s = 1.0) {
   const auto rows = static_cast<Eigen::Index>(arm.inputs.scalars.size());
   return [=](double t_s) {
     Eigen::VectorXd u = Eigen::VectorXd::Zero(rows);
@@ -86,9 +88,9 @@ inline InputsAt triangles(const Arm& arm, int row, double peak, double period_s,
 }
 
 /// Values of an effect: usual ones, its sizes times `scale`.
-inline Values usual(const Effect& effect, double scale = 1.0) {
-  const Info& info = effect.info();
-  Values values(static_cast<Eigen::Index>(info.parameters.size()));
+inline model::Values usual(const model::Effect& effect, double scale = 1.0) {
+  const model::Info& info = effect.info();
+  model::Values values(static_cast<Eigen::Index>(info.parameters.size()));
   for (std::size_t k = 0; k < info.parameters.size(); ++k)
     values[static_cast<Eigen::Index>(k)] =
         info.parameters[k].usual * (static_cast<int>(k) < info.sizes ? scale : 1.0);
@@ -96,12 +98,12 @@ inline Values usual(const Effect& effect, double scale = 1.0) {
 }
 
 /// Positions of all bodies in all blocks, 3 x ..., in the rod's base frame. Fails where there is none.
-inline Eigen::Matrix3Xd positions(const std::vector<Predicted>& path) {
+inline Eigen::Matrix3Xd positions(const std::vector<model::Predicted>& path) {
   Eigen::Index count = 0;
-  for (const Predicted& p : path) count += p.solved ? p.p.cols() : 0;
+  for (const model::Predicted& p : path) count += p.solved ? p.p.cols() : 0;
   Eigen::Matrix3Xd out(3, count);
   Eigen::Index at = 0;
-  for (const Predicted& p : path) {
+  for (const model::Predicted& p : path) {
     EXPECT_TRUE(p.solved) << "at " << p.instant.t_s << " s";
     if (!p.solved) continue;
     out.middleCols(at, p.p.cols()) = p.p;
@@ -110,16 +112,18 @@ inline Eigen::Matrix3Xd positions(const std::vector<Predicted>& path) {
   return out;
 }
 
-inline Dynamics quasi_static() {
-  Dynamics dynamics;
+inline model::Dynamics quasi_static() {
+  model::Dynamics dynamics;
   dynamics.inertia = false;
   return dynamics;
 }
 
-inline std::vector<Predicted> predict(ExtendedModel& model, const Arm& arm,
-                                      const std::vector<Present>& effects, const TrialData& trial,
-                                      const Dynamics& dynamics = quasi_static(), bool derivatives = false) {
-  std::vector<Predicted> path;
+inline std::vector<model::Predicted> predict(model::ExtendedModel& model, const arm::Arm& arm,
+                                             const std::vector<model::Present>& effects,
+                                             const model::TrialData& trial,
+                                             const model::Dynamics& dynamics = quasi_static(),
+                                             bool derivatives = false) {
+  std::vector<model::Predicted> path;
   model.predict(arm, effects, dynamics, trial, nullptr, path);
   if (derivatives)
     model.differentiate(arm, effects, dynamics, trial,
@@ -128,9 +132,9 @@ inline std::vector<Predicted> predict(ExtendedModel& model, const Arm& arm,
 }
 
 /// Distance of the tip from the rod's axis, towards x, block by block.
-inline std::vector<double> tip_x(const std::vector<Predicted>& path) {
+inline std::vector<double> tip_x(const std::vector<model::Predicted>& path) {
   std::vector<double> x;
-  for (const Predicted& p : path) x.push_back(p.shape.stations.back().p.x());
+  for (const model::Predicted& p : path) x.push_back(p.shape.stations.back().p.x());
   return x;
 }
 
@@ -152,15 +156,15 @@ inline void make_clean(rig::Scenario& scenario) {
 }
 
 /// Runs the rig and prepares what it recorded.
-inline TrialData recorded(const Arm& arm, const rig::Scenario& scenario) {
+inline model::TrialData recorded(const arm::Arm& arm, const rig::Scenario& scenario) {
   constexpr double kEpoch_s = 100.0;
   rig::Simulator simulator(scenario);
-  FrameAssembler assembler(arm);
+  trial::FrameAssembler assembler(arm);
   const auto row = [&](const rig::InputSample& input) {
-    const InputKind kind = input.kind == rig::InputKind::kVacuum   ? InputKind::kVacuum
-                           : input.kind == rig::InputKind::kTendon ? InputKind::kTension
-                           : input.kind == rig::InputKind::kServo  ? InputKind::kAngle
-                                                                   : InputKind::kPressure;
+    const arm::InputKind kind = input.kind == rig::InputKind::kVacuum   ? arm::InputKind::kVacuum
+                                : input.kind == rig::InputKind::kTendon ? arm::InputKind::kTension
+                                : input.kind == rig::InputKind::kServo  ? arm::InputKind::kAngle
+                                                                        : arm::InputKind::kPressure;
     int left = input.number;
     for (std::size_t i = 0; i < arm.inputs.scalars.size(); ++i) {
       if (arm.inputs.scalars[i].kind == kind && left-- == 0) return static_cast<int>(i);
@@ -178,12 +182,15 @@ inline TrialData recorded(const Arm& arm, const rig::Scenario& scenario) {
     }
   }
   assembler.flush();
-  const Prepared prepared = prepare(arm, {{"rig", assembler.take()}});
+  trial::TrialRecorder recorder(arm, "rig");
+  for (trial::Frame& frame : assembler.take()) recorder.add(std::move(frame));
+  recorder.add(assembler.take_samples());
+  const model::Prepared prepared = model::prepare(arm, {recorder.take()});
   return prepared.trials.at(0);
 }
 
 /// Root of the mean square distance of bodies from where they were seen, m.
-inline double rms_m(const std::vector<Predicted>& path, const TrialData& trial) {
+inline double rms_m(const std::vector<model::Predicted>& path, const model::TrialData& trial) {
   double sum = 0.0;
   int count = 0;
   for (std::size_t k = 0; k < path.size(); ++k) {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "identify/synthetic.h"
+#include "synthetic.h"
 
 namespace softarm::identify {
 namespace {
@@ -15,18 +15,18 @@ struct Coverage {
   double share() const { return static_cast<double>(inside) / all; }
 };
 
-void count(const Result& result, const Arm& truth, Coverage& coverage) {
-  for (const Constant& c : result.constants) {
+void count(const identify::Result& result, const arm::Arm& truth, Coverage& coverage) {
+  for (const identify::Constant& c : result.constants) {
     ++coverage.all;
-    coverage.inside += std::abs(c.value - value_of(truth, c.ref)) <= 1.959964 * c.sd ? 1 : 0;
+    coverage.inside += std::abs(c.value - identify::value_of(truth, c.ref)) <= 1.959964 * c.sd ? 1 : 0;
   }
 }
 
 /// Every constant within `sds` of the truth, determined, and no further off than a share of its scale.
-void expect_recovered(const Result& result, const Arm& truth, double sds, double share) {
+void expect_recovered(const identify::Result& result, const arm::Arm& truth, double sds, double share) {
   EXPECT_TRUE(result.converged);
-  for (const Constant& c : result.constants) {
-    const double true_value = value_of(truth, c.ref);
+  for (const identify::Constant& c : result.constants) {
+    const double true_value = identify::value_of(truth, c.ref);
     EXPECT_NEAR(c.value, true_value, sds * c.sd) << c.name;
     EXPECT_NEAR(c.value, true_value, share * c.scale) << c.name;
     EXPECT_TRUE(c.determined) << c.name << ": sd " << c.sd << " of " << c.scale << "; " << c.advice;
@@ -34,12 +34,12 @@ void expect_recovered(const Result& result, const Arm& truth, double sds, double
 }
 
 TEST(Recovery, HundredRandomArmsAreCoveredByTheirIntervals) {
-  const Arm nominal = testing::pneumatic_arm();
+  const arm::Arm nominal = testing::pneumatic_arm();
   Coverage coverage;
   double worst = 0.0;
   for (int i = 0; i < 100; ++i) {
     std::mt19937_64 random(1000 + static_cast<std::uint64_t>(i));
-    const Arm truth = testing::perturbed(nominal, default_free(nominal), 0.35, random);
+    const arm::Arm truth = testing::perturbed(nominal, identify::default_free(nominal), 0.35, random);
     testing::Protocol protocol;
     protocol.trials = 20 + i % 11;
     protocol.draw = testing::paper_inputs;
@@ -48,9 +48,10 @@ TEST(Recovery, HundredRandomArmsAreCoveredByTheirIntervals) {
                                  : testing::horizontal();
     // A paper's load of 200 g, less where the arm stands and would fall over.
     protocol.payloads_kg = {0.0, i % 3 == 0 ? 0.05 : 0.2};
-    Options options;
+    identify::Options options;
     options.held_out_share = 0.0;
-    const Result result = identify(nominal, testing::make_trials(truth, protocol, random), options);
+    const identify::Result result =
+        identify::identify(nominal, testing::make_trials(truth, protocol, random), options);
     EXPECT_EQ(result.constants.size(), 9u);
     count(result, truth, coverage);
     worst = std::max(worst, result.fitted.mean_m);
@@ -64,29 +65,29 @@ TEST(Recovery, HundredRandomArmsAreCoveredByTheirIntervals) {
 
 TEST(Recovery, IntervalsStayHonestWhereTheModelIsNotPerfect) {
   // Each trial's gain is off by its own 3 % (a law that changes from day to day), beside the noise.
-  const Arm nominal = testing::pneumatic_arm();
+  const arm::Arm nominal = testing::pneumatic_arm();
   Coverage coverage, by_noise_alone;
   for (int i = 0; i < 25; ++i) {
     std::mt19937_64 random(2000 + static_cast<std::uint64_t>(i));
-    const Arm truth = testing::perturbed(nominal, default_free(nominal), 0.2, random);
+    const arm::Arm truth = testing::perturbed(nominal, identify::default_free(nominal), 0.2, random);
     testing::Protocol protocol;
     protocol.trials = 1;
     protocol.repeats = 2;
     protocol.draw = testing::paper_inputs;
-    std::vector<Trial> trials;
+    std::vector<trial::Trial> trials;
     for (int t = 0; t < 30; ++t) {
-      Arm today = truth;
+      arm::Arm today = truth;
       const double factor = 1.0 + 0.03 * testing::normal3(random).x();
-      for (Chamber& chamber : today.segments[0].chambers) chamber.moment_gain_nm_per_pa *= factor;
+      for (arm::Chamber& chamber : today.segments[0].chambers) chamber.moment_gain_nm_per_pa *= factor;
       trials.push_back(testing::make_trials(today, protocol, random).front());
     }
-    Options options;
+    identify::Options options;
     options.held_out_share = 0.0;
-    const Result result = identify(nominal, trials, options);
+    const identify::Result result = identify::identify(nominal, trials, options);
     EXPECT_GT(result.uncertainty_factor, 2.0);
     count(result, truth, coverage);
-    Result narrow = result;
-    for (Constant& c : narrow.constants) c.sd /= result.uncertainty_factor;
+    identify::Result narrow = result;
+    for (identify::Constant& c : narrow.constants) c.sd /= result.uncertainty_factor;
     count(narrow, truth, by_noise_alone);
   }
   RecordProperty("coverage", std::to_string(coverage.share()));
@@ -97,31 +98,31 @@ TEST(Recovery, IntervalsStayHonestWhereTheModelIsNotPerfect) {
 }
 
 TEST(Recovery, GrossErrorsDoNotMoveIt) {
-  const Arm nominal = testing::pneumatic_arm();
+  const arm::Arm nominal = testing::pneumatic_arm();
   std::mt19937_64 random(5);
-  const Arm truth = testing::perturbed(nominal, default_free(nominal), 0.3, random);
+  const arm::Arm truth = testing::perturbed(nominal, identify::default_free(nominal), 0.3, random);
   testing::Protocol protocol;
   protocol.repeats = 4;
   protocol.draw = testing::paper_inputs;
-  std::vector<Trial> trials = testing::make_trials(truth, protocol, random);
-  Options options;
+  std::vector<trial::Trial> trials = testing::make_trials(truth, protocol, random);
+  identify::Options options;
   options.held_out_share = 0.0;
-  const Result clean = identify(nominal, trials, options);
+  const identify::Result clean = identify::identify(nominal, trials, options);
   int bad = 0;
-  for (Trial& trial : trials) {
-    for (Frame& frame : trial.frames) {
+  for (trial::Trial& trial : trials) {
+    for (trial::Frame& frame : trial.frames) {
       if (testing::uniform(random, 0.0, 1.0) > 0.1) continue;
-      for (BodyObservation& body : frame.bodies) body.p_mocap += Eigen::Vector3d(0.03, 0.02, 0.04);
+      for (trial::BodyObservation& body : frame.bodies) body.p_mocap += Eigen::Vector3d(0.03, 0.02, 0.04);
       ++bad;
     }
   }
   ASSERT_GT(bad, 12);
-  const Result robust = identify(nominal, trials, options);
+  const identify::Result robust = identify::identify(nominal, trials, options);
   options.robust = false;
-  const Result plain = identify(nominal, trials, options);
+  const identify::Result plain = identify::identify(nominal, trials, options);
   double moved_plain = 0.0;
   for (std::size_t j = 0; j < clean.constants.size(); ++j) {
-    const Constant& c = clean.constants[j];
+    const identify::Constant& c = clean.constants[j];
     EXPECT_NEAR(robust.constants[j].value, c.value, 1.5 * c.sd) << c.name;
     moved_plain = std::max(moved_plain, std::abs(plain.constants[j].value - c.value) / c.sd);
   }
@@ -132,26 +133,27 @@ TEST(Recovery, GrossErrorsDoNotMoveIt) {
 }
 
 TEST(Recovery, TendonsWithACentralChamber) {
-  const Arm nominal = testing::shipped("hybrid_85mm");
+  const arm::Arm nominal = testing::shipped("hybrid_85mm");
   std::mt19937_64 random(6);
-  const Arm truth = testing::perturbed(nominal, default_free(nominal), 0.2, random);
+  const arm::Arm truth = testing::perturbed(nominal, identify::default_free(nominal), 0.2, random);
   testing::Protocol protocol;
   protocol.trials = 60;
   protocol.payloads_kg = {0.0, 0.02, 0.05};
   protocol.base = testing::horizontal();
   protocol.repeats = 2;
   protocol.draw = [&](std::mt19937_64& r) {
-    InputValues inputs;
-    for (const ScalarInput& input : nominal.inputs.scalars) {
-      const bool tension = input.kind == InputKind::kTension;
+    arm::InputValues inputs;
+    for (const arm::ScalarInput& input : nominal.inputs.scalars) {
+      const bool tension = input.kind == arm::InputKind::kTension;
       inputs.push_back(tension ? (testing::uniform(r, 0, 1) < 0.4 ? 0.0 : testing::uniform(r, 0.3, 2.5))
                                : 1e4 * std::floor(testing::uniform(r, 0.0, 5.0)));
     }
     return inputs;
   };
-  Options options;
+  identify::Options options;
   options.held_out_share = 0.0;
-  const Result result = identify(nominal, testing::make_trials(truth, protocol, random), options);
+  const identify::Result result =
+      identify::identify(nominal, testing::make_trials(truth, protocol, random), options);
   ASSERT_NE(find(result, "segment_1.tendon_3.offset"), nullptr);
   ASSERT_NE(find(result, "segment_1.bending_stiffness.by_pressure.5"), nullptr);
   ASSERT_NE(find(result, "segment_1.axial_stiffness"), nullptr);
@@ -160,94 +162,98 @@ TEST(Recovery, TendonsWithACentralChamber) {
 }
 
 TEST(Recovery, ServoCables) {
-  const Arm nominal = testing::shipped("cable_235mm");
+  const arm::Arm nominal = testing::shipped("cable_235mm");
   std::mt19937_64 random(7);
-  const Arm truth = testing::perturbed(nominal, default_free(nominal), 0.2, random);
+  const arm::Arm truth = testing::perturbed(nominal, identify::default_free(nominal), 0.2, random);
   testing::Protocol protocol;
   protocol.trials = 15;
   protocol.payloads_kg = {0.0, 0.02, 0.04};
   protocol.base = testing::horizontal();
-  protocol.draw = [](std::mt19937_64& r) { return InputValues{testing::uniform(r, 0.0, 0.5)}; };
-  Options options;
+  protocol.draw = [](std::mt19937_64& r) { return arm::InputValues{testing::uniform(r, 0.0, 0.5)}; };
+  identify::Options options;
   options.held_out_share = 0.0;
-  const Result result = identify(nominal, testing::make_trials(truth, protocol, random), options);
+  const identify::Result result =
+      identify::identify(nominal, testing::make_trials(truth, protocol, random), options);
   ASSERT_EQ(result.constants.size(), 2u);
   expect_recovered(result, truth, 4.0, 0.05);
 }
 
 TEST(Recovery, TwoSegments) {
-  const Arm nominal = testing::shipped("two_segment");
+  const arm::Arm nominal = testing::shipped("two_segment");
   std::mt19937_64 random(8);
-  const Arm truth = testing::perturbed(nominal, default_free(nominal), 0.2, random);
+  const arm::Arm truth = testing::perturbed(nominal, identify::default_free(nominal), 0.2, random);
   testing::Protocol protocol;
   protocol.trials = 60;
   protocol.payloads_kg = {0.0, 0.15};
   protocol.draw = [&](std::mt19937_64& r) {
-    InputValues inputs;
-    for (const ScalarInput& input : nominal.inputs.scalars) {
+    arm::InputValues inputs;
+    for (const arm::ScalarInput& input : nominal.inputs.scalars) {
       const double on = testing::uniform(r, 0.0, 1.0) < 0.3 ? 0.0 : 1.0;
-      const double size = input.kind == InputKind::kTension ? 3.0
-                          : input.kind == InputKind::kAngle ? 0.4
-                                                            : 40e3;
+      const double size = input.kind == arm::InputKind::kTension ? 3.0
+                          : input.kind == arm::InputKind::kAngle ? 0.4
+                                                                 : 40e3;
       inputs.push_back(on * size * testing::uniform(r, 0.2, 1.0));
     }
     return inputs;
   };
-  Options options;
+  identify::Options options;
   options.held_out_share = 0.0;
-  const Result result = identify(nominal, testing::make_trials(truth, protocol, random), options);
+  const identify::Result result =
+      identify::identify(nominal, testing::make_trials(truth, protocol, random), options);
   EXPECT_GE(result.constants.size(), 8u);
-  int told = 0;
-  for (const Constant& c : result.constants) {
-    EXPECT_NEAR(c.value, value_of(truth, c.ref), 4.0 * c.sd) << c.name;
-    told += c.determined ? 1 : 0;
+  int determined = 0;
+  for (const identify::Constant& c : result.constants) {
+    EXPECT_NEAR(c.value, identify::value_of(truth, c.ref), 4.0 * c.sd) << c.name;
+    determined += c.determined ? 1 : 0;
   }
-  EXPECT_GE(told, static_cast<int>(result.constants.size()) - 2);
+  EXPECT_GE(determined, static_cast<int>(result.constants.size()) - 2);
   EXPECT_LT(result.fitted.mean_m, 0.0011);
 }
 
 TEST(Recovery, LengthAndRestCurvatureWhereAsked) {
-  const Arm nominal = testing::pneumatic_arm();
+  const arm::Arm nominal = testing::pneumatic_arm();
   std::mt19937_64 random(9);
-  Arm truth = testing::perturbed(nominal, default_free(nominal), 0.2, random);
-  const ConstantRef length{ConstantKind::kLength, 0, 0}, x{ConstantKind::kRestCurvatureX, 0, 0},
-      y{ConstantKind::kRestCurvatureY, 0, 0};
-  set_value(truth, length, 0.206);
-  set_value(truth, x, 0.4);
-  set_value(truth, y, -0.7);
+  arm::Arm truth = testing::perturbed(nominal, identify::default_free(nominal), 0.2, random);
+  const identify::ConstantRef length{identify::ConstantKind::kLength, 0, 0},
+      x{identify::ConstantKind::kRestCurvatureX, 0, 0}, y{identify::ConstantKind::kRestCurvatureY, 0, 0};
+  identify::set_value(truth, length, 0.206);
+  identify::set_value(truth, x, 0.4);
+  identify::set_value(truth, y, -0.7);
   EXPECT_NEAR(truth.bodies[0].arclength_m, 0.206 / 3.0, 1e-6) << "bodies keep their fraction";
   EXPECT_NEAR(truth.segments[0].mass_per_length_kg_m * 0.206, 0.176, 1e-9) << "and the arm its mass";
   testing::Protocol protocol;
   protocol.draw = [](std::mt19937_64& r) {  // with the arm at rest now and then
-    return testing::uniform(r, 0.0, 1.0) < 0.2 ? InputValues{0.0, 0.0, 0.0, 0.0} : testing::paper_inputs(r);
+    return testing::uniform(r, 0.0, 1.0) < 0.2 ? arm::InputValues{0.0, 0.0, 0.0, 0.0}
+                                               : testing::paper_inputs(r);
   };
   const auto trials = testing::make_trials(truth, protocol, random);
-  Options options;
+  identify::Options options;
   options.held_out_share = 0.0;
   options.also_free = {"length", "rest_curvature.*"};
-  EXPECT_THROW(identify(nominal, trials, options), std::invalid_argument) << "a pattern of whole names";
+  EXPECT_THROW(identify::identify(nominal, trials, options), std::invalid_argument)
+      << "a pattern of whole names";
   options.also_free = {"length", "*.rest_curvature.*"};
-  const Result result = identify(nominal, trials, options);
+  const identify::Result result = identify::identify(nominal, trials, options);
   ASSERT_EQ(result.constants.size(), 12u);
   expect_recovered(result, truth, 4.0, 0.3);
   EXPECT_NEAR(result.arm.bodies[2].arclength_m, result.arm.segments[0].length_m, 1e-9);
 }
 
 TEST(Recovery, AxialStiffnessWhereThePayloadStretchesTheArm) {
-  Arm nominal = testing::pneumatic_arm();
+  arm::Arm nominal = testing::pneumatic_arm();
   nominal.segments[0].axial_stiffness_n = 200.0;
   std::mt19937_64 random(10);
-  Arm truth = nominal;
+  arm::Arm truth = nominal;
   truth.segments[0].axial_stiffness_n = 150.0;
   testing::Protocol protocol;
   protocol.draw = testing::paper_inputs;
   const auto trials = testing::make_trials(truth, protocol, random);
-  Options options;
+  identify::Options options;
   const std::string name = "segment_1.axial_stiffness";
-  EXPECT_EQ(testing::find(identify(nominal, trials, options), name), nullptr) << "only where asked";
+  EXPECT_EQ(testing::find(identify::identify(nominal, trials, options), name), nullptr) << "only where asked";
   options.also_free = {"axial_stiffness"};
-  const Result result = identify(nominal, trials, options);
-  const Constant* stiffness = testing::find(result, name);
+  const identify::Result result = identify::identify(nominal, trials, options);
+  const identify::Constant* stiffness = testing::find(result, name);
   ASSERT_NE(stiffness, nullptr);
   EXPECT_TRUE(stiffness->determined);
   EXPECT_NEAR(stiffness->value, 150.0, 4.0 * stiffness->sd);
@@ -256,9 +262,10 @@ TEST(Recovery, AxialStiffnessWhereThePayloadStretchesTheArm) {
 
   protocol.payloads_kg = {0.0};
   const auto unloaded = testing::make_trials(truth, protocol, random);
-  EXPECT_EQ(testing::find(identify(nominal, unloaded, options), name), nullptr) << "as long as any, then";
+  EXPECT_EQ(testing::find(identify::identify(nominal, unloaded, options), name), nullptr)
+      << "as long as any, then";
   options.free = {"axial_stiffness"};
-  EXPECT_THROW(identify(nominal, unloaded, options), IdentifyError);
+  EXPECT_THROW(identify::identify(nominal, unloaded, options), identify::IdentifyError);
 }
 
 }  // namespace

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "softarm/arm/arm_file.h"
 #include "softarm/identify/identify.h"
 #include "softarm/rod/solver.h"
-#include "softarm/trial/arm_file.h"
 
 namespace softarm::identify::testing {
 
@@ -35,15 +35,15 @@ inline Eigen::Isometry3d horizontal() {
   return Eigen::Isometry3d(Eigen::AngleAxisd(M_PI / 2.0, Eigen::Vector3d::UnitY()));
 }
 
-inline Arm shipped(const std::string& name) {
-  return load_arm_file(std::string(SOFTARM_SOURCE_DIR) + "/config/arms/" + name + ".yaml");
+inline arm::Arm shipped(const std::string& name) {
+  return arm::load_arm_file(std::string(SOFTARM_SOURCE_DIR) + "/config/arms/" + name + ".yaml");
 }
 
 /// The semi-physical paper's arm, its elongations a tenth of the printed ones (which would double its length)
 /// and a constant added to a chamber that the paper finds to be zero.
-inline Arm pneumatic_arm() {
-  Arm arm = shipped("semi_physical_200mm");
-  for (Chamber& chamber : arm.segments[0].chambers) {
+inline arm::Arm pneumatic_arm() {
+  arm::Arm arm = shipped("semi_physical_200mm");
+  for (arm::Chamber& chamber : arm.segments[0].chambers) {
     chamber.near_elongation_m_per_pa *= 0.1;
     chamber.far_elongation_m_per_pa *= 0.1;
   }
@@ -53,11 +53,12 @@ inline Arm pneumatic_arm() {
 /// Makes frames of an arm as its motion capture would see them.
 class FrameMaker {
  public:
-  explicit FrameMaker(const Arm& arm)
+  explicit FrameMaker(const arm::Arm& arm)
       : arm_(arm), rod_(rod::make_rod(arm)), solver_(rod_, stations(arm), {}) {}
 
   /// Nothing where the arm has no stable equilibrium or its tip bends beyond 150 degrees.
-  std::optional<Frame> make(const InputValues& inputs, double payload_kg, const Eigen::Isometry3d& rod_base) {
+  std::optional<trial::Frame> make(const arm::InputValues& inputs, double payload_kg,
+                                   const Eigen::Isometry3d& rod_base) {
     const auto laws = predict(arm_, inputs);
     if (!laws) return std::nullopt;
     rod::actuate(arm_, *laws, rod_);
@@ -69,16 +70,16 @@ class FrameMaker {
     if (solver_.solve(rod_) != rod::SolveStatus::kConverged || !solver_.stable()) return std::nullopt;
     const rod::RodState tip = solver_.at(rod_.rest_length_m());
     if ((rod_.q_base.conjugate() * tip.q * Eigen::Vector3d::UnitZ()).z() < std::cos(2.6)) return std::nullopt;
-    Frame frame;
+    trial::Frame frame;
     frame.inputs = inputs;
     frame.payload_kg = payload_kg;
     frame.base_body = rod_base * arm_.base.rod_in_body.inverse();
     for (int i = 0; i < static_cast<int>(arm_.bodies.size()); ++i) {
-      const MeasuredBody& body = arm_.bodies[static_cast<std::size_t>(i)];
+      const arm::MeasuredBody& body = arm_.bodies[static_cast<std::size_t>(i)];
       const rod::RodState& at = solver_.station(i);
-      BodyObservation seen;
+      trial::BodyObservation seen;
       seen.body = i;
-      if (body.kind == BodyKind::kRing) {
+      if (body.kind == arm::BodyKind::kRing) {
         Eigen::Isometry3d section = Eigen::Isometry3d(at.q);
         section.translation() = at.p;
         const Eigen::Isometry3d pose = section * body.section_in_body.inverse();
@@ -94,21 +95,21 @@ class FrameMaker {
   }
 
  private:
-  static std::vector<double> stations(const Arm& arm) {
+  static std::vector<double> stations(const arm::Arm& arm) {
     std::vector<double> list;
-    for (const MeasuredBody& body : arm.bodies) list.push_back(body.arclength_m);
+    for (const arm::MeasuredBody& body : arm.bodies) list.push_back(body.arclength_m);
     return list;
   }
 
-  const Arm arm_;
+  const arm::Arm arm_;
   rod::Rod rod_;
   rod::Solver solver_;
 };
 
 /// The frame with each body's stated noise on its position and, as a small turn, on its orientation.
-inline Frame with_noise(const Arm& arm, Frame frame, std::mt19937_64& random) {
-  for (BodyObservation& seen : frame.bodies) {
-    const MeasuredBody& body = arm.bodies[static_cast<std::size_t>(seen.body)];
+inline trial::Frame with_noise(const arm::Arm& arm, trial::Frame frame, std::mt19937_64& random) {
+  for (trial::BodyObservation& seen : frame.bodies) {
+    const arm::MeasuredBody& body = arm.bodies[static_cast<std::size_t>(seen.body)];
     seen.p_mocap += body.position_sd_m * normal3(random);
     if (!seen.q_mocap) continue;
     const Eigen::Vector3d turn = body.orientation_sd_rad * normal3(random);
@@ -121,13 +122,13 @@ struct Protocol {
   int trials = 30;  ///< static conditions, each of them one trial
   int repeats = 1;  ///< frames of each load in a trial
   std::vector<double> payloads_kg{0.0, 0.2};
-  std::function<InputValues(std::mt19937_64&)> draw;
+  std::function<arm::InputValues(std::mt19937_64&)> draw;
   Eigen::Isometry3d base = hanging();
 };
 
 /// The semi-physical paper's inputs: each chamber 10 to 50 kPa, off with 30 % chance; vacuum on or off.
-inline InputValues paper_inputs(std::mt19937_64& random) {
-  InputValues inputs;
+inline arm::InputValues paper_inputs(std::mt19937_64& random) {
+  arm::InputValues inputs;
   for (int i = 0; i < 3; ++i) {
     const double pressure = uniform(random, 10e3, 50e3);
     inputs.push_back(uniform(random, 0.0, 1.0) < 0.3 ? 0.0 : pressure);
@@ -137,12 +138,13 @@ inline InputValues paper_inputs(std::mt19937_64& random) {
 }
 
 /// Trials of one static condition each under every payload; conditions without a stable shape are redrawn.
-inline std::vector<Trial> make_trials(const Arm& truth, const Protocol& protocol, std::mt19937_64& random) {
+inline std::vector<trial::Trial> make_trials(const arm::Arm& truth, const Protocol& protocol,
+                                             std::mt19937_64& random) {
   FrameMaker maker(truth);
-  std::vector<Trial> trials;
+  std::vector<trial::Trial> trials;
   while (static_cast<int>(trials.size()) < protocol.trials) {
-    const InputValues inputs = protocol.draw(random);
-    Trial trial;
+    const arm::InputValues inputs = protocol.draw(random);
+    trial::Trial trial;
     trial.name = "trial_" + std::to_string(trials.size() + 1);
     for (const double payload_kg : protocol.payloads_kg) {
       const auto frame = maker.make(inputs, payload_kg, protocol.base);
@@ -159,15 +161,16 @@ inline std::vector<Trial> make_trials(const Arm& truth, const Protocol& protocol
 }
 
 /// The arm with each of these constants changed by up to a share of its value.
-inline Arm perturbed(Arm arm, const std::vector<ConstantRef>& constants, double share,
-                     std::mt19937_64& random) {
-  for (const ConstantRef& constant : constants)
-    set_value(arm, constant, value_of(arm, constant) * (1.0 + uniform(random, -share, share)));
+inline arm::Arm perturbed(arm::Arm arm, const std::vector<identify::ConstantRef>& constants, double share,
+                          std::mt19937_64& random) {
+  for (const identify::ConstantRef& constant : constants)
+    identify::set_value(arm, constant,
+                        identify::value_of(arm, constant) * (1.0 + uniform(random, -share, share)));
   return arm;
 }
 
-inline const Constant* find(const Result& result, const std::string& name) {
-  for (const Constant& constant : result.constants) {
+inline const identify::Constant* find(const identify::Result& result, const std::string& name) {
+  for (const identify::Constant& constant : result.constants) {
     if (constant.name == name) return &constant;
   }
   return nullptr;

@@ -1,10 +1,10 @@
-// What trials cannot tell is named, with what would tell it.
+// What is not identifiable from trials is named, with what would help.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "identify/synthetic.h"
+#include "synthetic.h"
 
 namespace softarm::identify {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 using testing::find;
 using ::testing::Test;
 
-bool confused(const Constant& c, const std::string& with) {
+bool confused(const identify::Constant& c, const std::string& with) {
   return std::any_of(c.confused_with.begin(), c.confused_with.end(),
                      [&](const auto& other) { return other.first == with; });
 }
@@ -21,25 +21,26 @@ bool says(const std::string& text, const std::string& words) {
   return text.find(words) != std::string::npos;
 }
 
-Result run(const Arm& nominal, const Arm& truth, const testing::Protocol& protocol, std::mt19937_64& random) {
-  Options options;
+identify::Result run(const arm::Arm& nominal, const arm::Arm& truth, const testing::Protocol& protocol,
+                     std::mt19937_64& random) {
+  identify::Options options;
   options.held_out_share = 0.0;
-  return identify(nominal, testing::make_trials(truth, protocol, random), options);
+  return identify::identify(nominal, testing::make_trials(truth, protocol, random), options);
 }
 
 TEST(Undetermined, WithoutLoadOnlyMomentOverStiffnessShows) {
-  Arm nominal = testing::pneumatic_arm();
+  arm::Arm nominal = testing::pneumatic_arm();
   nominal.segments[0].mass_per_length_kg_m = 0.0;
   std::mt19937_64 random(1);
-  const Arm truth = testing::perturbed(nominal, default_free(nominal), 0.15, random);
+  const arm::Arm truth = testing::perturbed(nominal, identify::default_free(nominal), 0.15, random);
   testing::Protocol protocol;
   protocol.payloads_kg = {0.0};
   protocol.repeats = 2;
   protocol.draw = testing::paper_inputs;
-  const Result result = run(nominal, truth, protocol, random);
+  const identify::Result result = run(nominal, truth, protocol, random);
   for (const char* name : {"segment_1.chamber_1.moment_gain", "segment_1.chamber_2.moment_gain",
                            "segment_1.chamber_3.moment_gain", "segment_1.bending_stiffness.base"}) {
-    const Constant* c = find(result, name);
+    const identify::Constant* c = find(result, name);
     ASSERT_NE(c, nullptr) << name;
     EXPECT_FALSE(c->determined) << name;
     EXPECT_TRUE(says(c->advice, "without a known payload")) << c->advice;
@@ -49,8 +50,8 @@ TEST(Undetermined, WithoutLoadOnlyMomentOverStiffnessShows) {
   EXPECT_TRUE(says(result.undetermined[0].sentence, "only moment over stiffness shows"));
   // All of them by the same share.
   for (const auto& [name, share] : result.undetermined[0].parts) EXPECT_GT(share, 0.0) << name;
-  for (const Constant& c : result.constants) {
-    if (c.ref.kind == ConstantKind::kElongation) {
+  for (const identify::Constant& c : result.constants) {
+    if (c.ref.kind == identify::ConstantKind::kElongation) {
       EXPECT_TRUE(c.determined) << c.name;
     }
   }
@@ -60,34 +61,34 @@ TEST(Undetermined, WithoutLoadOnlyMomentOverStiffnessShows) {
 }
 
 TEST(Undetermined, ThePayloadTellsItAfterAll) {
-  Arm nominal = testing::pneumatic_arm();
+  arm::Arm nominal = testing::pneumatic_arm();
   nominal.segments[0].mass_per_length_kg_m = 0.0;
   std::mt19937_64 random(1);
-  const Arm truth = testing::perturbed(nominal, default_free(nominal), 0.15, random);
+  const arm::Arm truth = testing::perturbed(nominal, identify::default_free(nominal), 0.15, random);
   testing::Protocol protocol;
   protocol.draw = testing::paper_inputs;
-  const Result result = run(nominal, truth, protocol, random);
+  const identify::Result result = run(nominal, truth, protocol, random);
   EXPECT_TRUE(result.undetermined.empty());
-  for (const Constant& c : result.constants) EXPECT_TRUE(c.determined) << c.name;
+  for (const identify::Constant& c : result.constants) EXPECT_TRUE(c.determined) << c.name;
 }
 
 TEST(Undetermined, JammingWithoutAVacuumInTheRecording) {
-  const Arm nominal = testing::pneumatic_arm();
+  const arm::Arm nominal = testing::pneumatic_arm();
   std::mt19937_64 random(2);
-  const Arm truth = testing::perturbed(nominal, default_free(nominal), 0.15, random);
+  const arm::Arm truth = testing::perturbed(nominal, identify::default_free(nominal), 0.15, random);
   testing::Protocol protocol;
   // One chamber at a time: pressures of 50 kPa / 3 are all that jams.
   protocol.draw = [](std::mt19937_64& r) {
-    InputValues inputs{0.0, 0.0, 0.0, 0.0};
+    arm::InputValues inputs{0.0, 0.0, 0.0, 0.0};
     inputs[r() % 3] = testing::uniform(r, 1e3, 5e3);
     return inputs;
   };
-  const Result result = run(nominal, truth, protocol, random);
-  const Constant* jamming = find(result, "segment_1.bending_stiffness.per_jamming_pressure");
+  const identify::Result result = run(nominal, truth, protocol, random);
+  const identify::Constant* jamming = find(result, "segment_1.bending_stiffness.per_jamming_pressure");
   ASSERT_NE(jamming, nullptr);
   EXPECT_FALSE(jamming->determined);
   EXPECT_TRUE(says(jamming->advice, "vacuum does not change")) << jamming->advice;
-  const Constant* minimum = find(result, "segment_1.bending_stiffness.per_min_pressure");
+  const identify::Constant* minimum = find(result, "segment_1.bending_stiffness.per_min_pressure");
   EXPECT_FALSE(minimum->determined);
   EXPECT_TRUE(says(minimum->advice, "all chambers")) << minimum->advice;
   EXPECT_EQ(minimum->value, nominal.segments[0].bending_stiffness.per_min_pressure_nm2_per_pa)
@@ -95,41 +96,41 @@ TEST(Undetermined, JammingWithoutAVacuumInTheRecording) {
 }
 
 TEST(Undetermined, ChambersThatAreAlwaysEqual) {
-  const Arm nominal = testing::pneumatic_arm();
+  const arm::Arm nominal = testing::pneumatic_arm();
   std::mt19937_64 random(3);
-  const Arm truth = testing::perturbed(nominal, default_free(nominal), 0.15, random);
+  const arm::Arm truth = testing::perturbed(nominal, identify::default_free(nominal), 0.15, random);
   testing::Protocol protocol;
   protocol.draw = [](std::mt19937_64& r) {
-    InputValues inputs = testing::paper_inputs(r);
+    arm::InputValues inputs = testing::paper_inputs(r);
     inputs[1] = inputs[0];
     return inputs;
   };
-  const Result result = run(nominal, truth, protocol, random);
-  const Constant* first = find(result, "segment_1.chamber_1.elongation");
-  const Constant* second = find(result, "segment_1.chamber_2.elongation");
+  const identify::Result result = run(nominal, truth, protocol, random);
+  const identify::Constant* first = find(result, "segment_1.chamber_1.elongation");
+  const identify::Constant* second = find(result, "segment_1.chamber_2.elongation");
   EXPECT_FALSE(first->determined);
   EXPECT_FALSE(second->determined);
   EXPECT_TRUE(confused(*first, second->name));
   EXPECT_TRUE(confused(*second, first->name));
   EXPECT_TRUE(says(first->advice, "each of them alone")) << first->advice;
   EXPECT_TRUE(find(result, "segment_1.chamber_3.elongation")->determined);
-  // Their sum is told, and the moments too: they act in different directions.
-  const double sum = value_of(truth, first->ref) + value_of(truth, second->ref);
+  // Their sum is identifiable, and the moments too: they act in different directions.
+  const double sum = identify::value_of(truth, first->ref) + identify::value_of(truth, second->ref);
   EXPECT_NEAR(first->value + second->value, sum, 0.05 * sum);
   EXPECT_TRUE(find(result, "segment_1.chamber_1.moment_gain")->determined);
 }
 
 TEST(Undetermined, AnInputThatIsNeverOn) {
-  const Arm nominal = testing::pneumatic_arm();
+  const arm::Arm nominal = testing::pneumatic_arm();
   std::mt19937_64 random(4);
   testing::Protocol protocol;
   protocol.draw = [](std::mt19937_64& r) {
-    InputValues inputs = testing::paper_inputs(r);
+    arm::InputValues inputs = testing::paper_inputs(r);
     inputs[2] = 0.0;
     return inputs;
   };
-  const Result result = run(nominal, nominal, protocol, random);
-  const Constant* gain = find(result, "segment_1.chamber_3.moment_gain");
+  const identify::Result result = run(nominal, nominal, protocol, random);
+  const identify::Constant* gain = find(result, "segment_1.chamber_3.moment_gain");
   EXPECT_FALSE(gain->determined);
   EXPECT_TRUE(says(gain->advice, "'chamber_3' (chamber 3 of segment_1) is never on")) << gain->advice;
   EXPECT_EQ(gain->value, gain->initial);
@@ -137,29 +138,29 @@ TEST(Undetermined, AnInputThatIsNeverOn) {
 }
 
 TEST(Undetermined, AVacuumThatIsNotRecordedIsNotFitted) {
-  Arm nominal = testing::pneumatic_arm();
+  arm::Arm nominal = testing::pneumatic_arm();
   nominal.segments[0].bending_stiffness.per_jamming_pressure_nm2_per_pa = 0.0;
   std::mt19937_64 random(4);
   testing::Protocol protocol;
   protocol.draw = [](std::mt19937_64& r) {
-    InputValues inputs = testing::paper_inputs(r);
+    arm::InputValues inputs = testing::paper_inputs(r);
     inputs[3].reset();
     return inputs;
   };
-  const Result result = run(nominal, nominal, protocol, random);
+  const identify::Result result = run(nominal, nominal, protocol, random);
   EXPECT_EQ(find(result, "segment_1.bending_stiffness.per_jamming_pressure"), nullptr);
   EXPECT_EQ(result.frames, 60u);
 }
 
 TEST(Undetermined, AGainOfTheWrongSignIsSaid) {
-  const Arm nominal = testing::pneumatic_arm();
-  Arm truth = nominal;
+  const arm::Arm nominal = testing::pneumatic_arm();
+  arm::Arm truth = nominal;
   truth.segments[0].chambers[1].bending_direction_rad += M_PI;  // the hose sits on the other side
   std::mt19937_64 random(4);
   testing::Protocol protocol;
   protocol.draw = testing::paper_inputs;
-  const Result result = run(nominal, truth, protocol, random);
-  const Constant* gain = find(result, "segment_1.chamber_2.moment_gain");
+  const identify::Result result = run(nominal, truth, protocol, random);
+  const identify::Constant* gain = find(result, "segment_1.chamber_2.moment_gain");
   EXPECT_TRUE(gain->at_bound);
   EXPECT_FALSE(gain->determined);
   EXPECT_TRUE(says(gain->advice, "bending direction")) << gain->advice;

@@ -1,4 +1,4 @@
-#include "softarm/math/so3.h"
+#include "math/so3.h"
 
 #include <gtest/gtest.h>
 
@@ -23,8 +23,8 @@ constexpr double kAngles[] = {0.0,  1e-300, 1e-12, 1e-9, 1e-6, 9.9e-5, 1.01e-4, 
 
 TEST(So3, SkewIsTheCrossProduct) {
   const Vector3d v(1.0, -2.0, 3.0), w(0.4, 5.0, -6.0);
-  EXPECT_TRUE((skew(v) * w).isApprox(v.cross(w), 1e-15));
-  EXPECT_TRUE((skew(v) + skew(v).transpose()).isZero());
+  EXPECT_TRUE((math::skew(v) * w).isApprox(v.cross(w), 1e-15));
+  EXPECT_TRUE((math::skew(v) + math::skew(v).transpose()).isZero());
 }
 
 TEST(So3, ExponentialTurnsByTheAngleAboutTheAxis) {
@@ -32,7 +32,7 @@ TEST(So3, ExponentialTurnsByTheAngleAboutTheAxis) {
   for (const double angle : kAngles) {
     const Vector3d axis = random_direction(random);
     const Matrix3d expected = Eigen::AngleAxisd(angle, axis).toRotationMatrix();
-    const Quaterniond q = exp_so3(angle * axis);
+    const Quaterniond q = math::exp_so3(angle * axis);
     EXPECT_NEAR(q.norm(), 1.0, 1e-15);
     EXPECT_LT((q.toRotationMatrix() - expected).norm(), 1e-14) << angle;
   }
@@ -44,7 +44,8 @@ TEST(So3, LogarithmInvertsTheExponential) {
     for (int i = 0; i < 20; ++i) {
       const Vector3d r = angle * random_direction(random);
       // The quaternion holds a tiny angle to full relative precision.
-      EXPECT_LE((log_so3(exp_so3(r)) - r).norm(), 1e-14 * angle + (angle > 3.0 ? 1e-13 : 0.0)) << angle;
+      EXPECT_LE((math::log_so3(math::exp_so3(r)) - r).norm(), 1e-14 * angle + (angle > 3.0 ? 1e-13 : 0.0))
+          << angle;
     }
   }
 }
@@ -52,12 +53,12 @@ TEST(So3, LogarithmInvertsTheExponential) {
 TEST(So3, LogarithmIsThatOfTheRotationNotOfTheQuaternionsSign) {
   std::mt19937_64 random(3);
   for (const double angle : kAngles) {
-    const Quaterniond q = exp_so3(angle * random_direction(random));
+    const Quaterniond q = math::exp_so3(angle * random_direction(random));
     const Quaterniond negative(-q.w(), -q.x(), -q.y(), -q.z());
-    EXPECT_TRUE(log_so3(negative).isApprox(log_so3(q), 1e-14)) << angle;
-    EXPECT_LE(log_so3(q).norm(), M_PI + 1e-12);
+    EXPECT_TRUE(math::log_so3(negative).isApprox(math::log_so3(q), 1e-14)) << angle;
+    EXPECT_LE(math::log_so3(q).norm(), M_PI + 1e-12);
   }
-  EXPECT_NEAR(log_so3(exp_so3(4.0 * Vector3d::UnitX())).x(), 4.0 - 2.0 * M_PI, 1e-12);
+  EXPECT_NEAR(math::log_so3(math::exp_so3(4.0 * Vector3d::UnitX())).x(), 4.0 - 2.0 * M_PI, 1e-12);
 }
 
 TEST(So3, LeftJacobianInverseIsTheDerivativeOfTheLogarithm) {
@@ -68,9 +69,11 @@ TEST(So3, LeftJacobianInverseIsTheDerivativeOfTheLogarithm) {
     const double h = 1e-5;
     for (int k = 0; k < 3; ++k) {
       const Vector3d d = h * Vector3d::Unit(k);
-      numeric.col(k) = (log_so3(exp_so3(d) * exp_so3(r)) - log_so3(exp_so3(-d) * exp_so3(r))) / (2.0 * h);
+      numeric.col(k) = (math::log_so3(math::exp_so3(d) * math::exp_so3(r)) -
+                        math::log_so3(math::exp_so3(-d) * math::exp_so3(r))) /
+                       (2.0 * h);
     }
-    EXPECT_LT((left_jacobian_inverse(r) - numeric).norm(), 1e-8) << angle;
+    EXPECT_LT((math::left_jacobian_inverse(r) - numeric).norm(), 1e-8) << angle;
   }
 }
 

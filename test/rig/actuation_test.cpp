@@ -5,8 +5,8 @@
 #include <cmath>
 #include <sstream>
 
-#include "softarm/rig/simulator.h"
-#include "softarm/rig/truth_csv.h"
+#include "rig/simulator.h"
+#include "rig/truth_csv.h"
 
 namespace softarm::rig {
 namespace {

@@ -1,5 +1,5 @@
 // Campaigns: what is drawn lies in its ranges, follows from the seed alone, and can be simulated.
-#include "softarm/rig/campaign.h"
+#include "rig/campaign.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,10 +9,10 @@
 #include <iterator>
 #include <set>
 
+#include "rig/effect_size.h"
+#include "rig/simulator.h"
+#include "rig/truth_yaml.h"
 #include "scenario_text.h"
-#include "softarm/rig/effect_size.h"
-#include "softarm/rig/simulator.h"
-#include "softarm/rig/truth_yaml.h"
 
 namespace softarm::rig {
 namespace {

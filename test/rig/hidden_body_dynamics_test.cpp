@@ -8,7 +8,7 @@
 #include "rig/hidden_arm.h"
 #include "rig/rods.h"
 #include "rig/scenario_text.h"
-#include "softarm/rig/simulator.h"
+#include "rig/simulator.h"
 
 namespace softarm::rig {
 namespace {

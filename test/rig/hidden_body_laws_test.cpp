@@ -126,7 +126,7 @@ TEST(HiddenSections, SeveralRelaxationsAddUp) {
 }
 
 TEST(HiddenSections, BoucWenAlongAnAxisAgainstFineIntegration) {
-  // z' = u' (1 - z^2 (1/2 + 1/2 sgn(z u'))), integrated with steps of 1e-5; sides are told by the sign alone.
+  // z' = u' (1 - z^2 (1/2 + 1/2 sgn(z u'))), integrated with steps of 1e-5; the sign alone gives the side.
   const double yield = 1.5, height = 0.5;
   Section section(bouc_wen(height, yield));
   double z = 0.0, u = 0.0;

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "softarm/rig/input_path.h"
-#include "softarm/rig/laws.h"
+#include "rig/input_path.h"
+#include "rig/laws.h"
 
 namespace softarm::rig {
 

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "rig/hidden_inputs.h"
-#include "softarm/rig/simulator.h"
+#include "rig/simulator.h"
 
 namespace softarm::rig {
 namespace {

@@ -8,8 +8,8 @@
 #include <set>
 #include <sstream>
 
-#include "softarm/rig/hidden.h"
-#include "softarm/rig/simulator.h"
+#include "rig/hidden.h"
+#include "rig/simulator.h"
 
 namespace softarm::rig {
 namespace {

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "rig/hidden.h"
+#include "rig/receipt_queue.h"
 #include "rig/scenario_text.h"
-#include "softarm/rig/hidden.h"
-#include "softarm/rig/receipt_queue.h"
-#include "softarm/rig/simulator.h"
+#include "rig/simulator.h"
 
 namespace softarm::rig {
 

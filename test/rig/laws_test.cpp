@@ -1,5 +1,5 @@
 // What the inputs make of a segment, against hand-computed cases.
-#include "softarm/rig/laws.h"
+#include "rig/laws.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Pressures, payload and vacuum over time, and the semi-physical laws.
-#include "softarm/rig/protocol.h"
+#include "rig/protocol.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "softarm/rig/ritz_rod.h"
+#include "rig/ritz_rod.h"
 
 namespace softarm::rig {
 

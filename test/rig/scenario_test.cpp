@@ -1,5 +1,5 @@
 // Scenario files: what they say, and one clear line for what they must not say.
-#include "softarm/rig/scenario.h"
+#include "rig/scenario.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 #include <sstream>
 
 #include "rig/scenario_text.h"
-#include "softarm/rig/simulator.h"
+#include "rig/simulator.h"
 
 namespace softarm::rig {
 namespace {

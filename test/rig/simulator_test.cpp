@@ -1,5 +1,5 @@
 // The whole rig: sensors, messages, determinism, truth.
-#include "softarm/rig/simulator.h"
+#include "rig/simulator.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <sstream>
 #include <vector>
 
+#include "rig/hidden.h"
 #include "rig/scenario_text.h"
-#include "softarm/rig/hidden.h"
-#include "softarm/rig/truth_csv.h"
+#include "rig/truth_csv.h"
 
 namespace softarm::rig {
 namespace {

@@ -39,22 +39,22 @@ namespace softarm::rod {
 namespace {
 
 TEST(Allocation, NoneWhileSolving) {
-  Rod rod = testing::complicated_rod();
-  Solver solver(rod, {0.1, 0.2, 0.32},
-                {{ParameterKind::kBendingCompliance, 0, 0}, {ParameterKind::kLength, 1, 0}});
-  ASSERT_EQ(solver.solve(rod), SolveStatus::kConverged);
-  const Rod before = rod;
+  rod::Rod rod = testing::complicated_rod();
+  rod::Solver solver(rod, {0.1, 0.2, 0.32},
+                     {{rod::ParameterKind::kBendingCompliance, 0, 0}, {rod::ParameterKind::kLength, 1, 0}});
+  ASSERT_EQ(solver.solve(rod), rod::SolveStatus::kConverged);
+  const rod::Rod before = rod;
   rod.segments[0].moment_nm.y() += 0.1;
   const long at_start = allocations;
-  const SolveStatus cold = solver.solve(rod);
-  const SolveStatus warm = solver.solve(rod, Eigen::Quaterniond(solver.q_tip()));
-  const SolveStatus from = solver.solve(rod, Eigen::Quaterniond(solver.q_tip()), &before);
-  const RodState middle = solver.at(0.17);
+  const rod::SolveStatus cold = solver.solve(rod);
+  const rod::SolveStatus warm = solver.solve(rod, Eigen::Quaterniond(solver.q_tip()));
+  const rod::SolveStatus from = solver.solve(rod, Eigen::Quaterniond(solver.q_tip()), &before);
+  const rod::RodState middle = solver.at(0.17);
   const long at_end = allocations;
   EXPECT_EQ(at_end - at_start, 0);
-  EXPECT_EQ(cold, SolveStatus::kConverged);
-  EXPECT_EQ(warm, SolveStatus::kConverged);
-  EXPECT_EQ(from, SolveStatus::kConverged);
+  EXPECT_EQ(cold, rod::SolveStatus::kConverged);
+  EXPECT_EQ(warm, rod::SolveStatus::kConverged);
+  EXPECT_EQ(from, rod::SolveStatus::kConverged);
   EXPECT_GT(middle.p.norm(), 0.0);
   EXPECT_GT(at_end, 0);  // the counter counts
 }

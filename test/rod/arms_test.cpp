@@ -4,9 +4,9 @@
 #include <cmath>
 #include <string>
 
+#include "softarm/arm/arm_file.h"
 #include "softarm/arm/laws.h"
 #include "softarm/rod/solver.h"
-#include "softarm/trial/arm_file.h"
 
 namespace softarm::rod {
 namespace {
@@ -14,21 +14,21 @@ namespace {
 const std::string kFolder = std::string(SOFTARM_SOURCE_DIR) + "/config/arms";
 
 /// Some input of the size that the papers use; different for each.
-InputValues some_inputs(const Arm& arm) {
-  InputValues inputs;
+arm::InputValues some_inputs(const arm::Arm& arm) {
+  arm::InputValues inputs;
   for (std::size_t i = 0; i < arm.inputs.scalars.size(); ++i) {
     const double share = 1.0 / (1.0 + static_cast<double>(i));
     switch (arm.inputs.scalars[i].kind) {
-      case InputKind::kPressure:
+      case arm::InputKind::kPressure:
         inputs.emplace_back(30e3 * share);
         break;
-      case InputKind::kVacuum:
+      case arm::InputKind::kVacuum:
         inputs.emplace_back(40e3);
         break;
-      case InputKind::kTension:
+      case arm::InputKind::kTension:
         inputs.emplace_back(1.5 * share);
         break;
-      case InputKind::kAngle:
+      case arm::InputKind::kAngle:
         inputs.emplace_back(0.4 * share);
         break;
     }
@@ -39,27 +39,28 @@ InputValues some_inputs(const Arm& arm) {
 /// The arm's backbone in its base frame, gravity along the base's z axis (hanging) times `gravity`.
 class Shape {
  public:
-  Shape(const Arm& arm, const InputValues& inputs, double gravity = 9.80665, double payload_kg = 0.0)
-      : rod_(make_rod(arm)), solver_(rod_, {arm.total_length_m()}, {}) {
+  Shape(const arm::Arm& arm, const arm::InputValues& inputs, double gravity = 9.80665,
+        double payload_kg = 0.0)
+      : rod_(rod::make_rod(arm)), solver_(rod_, {arm.total_length_m()}, {}) {
     const auto laws = predict(arm, inputs);
     if (!laws) throw std::logic_error("inputs outside the laws");
-    actuate(arm, *laws, rod_);
+    rod::actuate(arm, *laws, rod_);
     rod_.gravity_m_s2 = {0.0, 0.0, gravity};
-    rod_.loads[kPayloadLoad].mass_kg = payload_kg;
-    if (solver_.solve(rod_) != SolveStatus::kConverged) throw std::logic_error("no equilibrium");
+    rod_.loads[rod::kPayloadLoad].mass_kg = payload_kg;
+    if (solver_.solve(rod_) != rod::SolveStatus::kConverged) throw std::logic_error("no equilibrium");
   }
   Eigen::Vector3d at(double share) const { return solver_.at(share * rod_.rest_length_m()).p; }
 
  private:
-  Rod rod_;
-  Solver solver_;
+  rod::Rod rod_;
+  rod::Solver solver_;
 };
 
-void turn_actuators(Arm& arm, double angle_rad) {
-  for (softarm::Segment& segment : arm.segments) {
-    for (Chamber& chamber : segment.chambers) chamber.bending_direction_rad += angle_rad;
-    for (Tendon& tendon : segment.tendons) tendon.bending_direction_rad += angle_rad;
-    for (Cable& cable : segment.cables) cable.bending_direction_rad += angle_rad;
+void turn_actuators(arm::Arm& arm, double angle_rad) {
+  for (softarm::arm::Segment& segment : arm.segments) {
+    for (arm::Chamber& chamber : segment.chambers) chamber.bending_direction_rad += angle_rad;
+    for (arm::Tendon& tendon : segment.tendons) tendon.bending_direction_rad += angle_rad;
+    for (arm::Cable& cable : segment.cables) cable.bending_direction_rad += angle_rad;
     const double c = std::cos(angle_rad), s = std::sin(angle_rad);
     const Eigen::Vector3d rest = segment.rest_curvature_per_m;
     segment.rest_curvature_per_m = {c * rest.x() - s * rest.y(), s * rest.x() + c * rest.y(), rest.z()};
@@ -68,15 +69,15 @@ void turn_actuators(Arm& arm, double angle_rad) {
 
 class EveryArm : public ::testing::TestWithParam<std::string> {
  protected:
-  Arm arm() const { return load_arm_file(GetParam(), {kFolder}); }
+  arm::Arm arm() const { return arm::load_arm_file(GetParam(), {kFolder}); }
 };
 
 TEST_P(EveryArm, TurningItsActuatorsTurnsItsShape) {
-  const Arm before = arm();
-  Arm after = before;
+  const arm::Arm before = arm();
+  arm::Arm after = before;
   const double angle = 0.7;
   turn_actuators(after, angle);
-  const InputValues inputs = some_inputs(before);
+  const arm::InputValues inputs = some_inputs(before);
   const Shape shape(before, inputs, 9.80665, 0.02), turned(after, inputs, 9.80665, 0.02);
   const Eigen::AngleAxisd turn(angle, Eigen::Vector3d::UnitZ());
   for (const double share : {0.25, 0.5, 0.75, 1.0})
@@ -84,23 +85,23 @@ TEST_P(EveryArm, TurningItsActuatorsTurnsItsShape) {
 }
 
 TEST_P(EveryArm, HangsAsItIsMadeWithoutInput) {
-  Arm made = arm();
-  InputValues inputs(made.inputs.scalars.size(), 0.0);
-  for (softarm::Segment& segment : made.segments) segment.rest_curvature_per_m.setZero();
+  arm::Arm made = arm();
+  arm::InputValues inputs(made.inputs.scalars.size(), 0.0);
+  for (softarm::arm::Segment& segment : made.segments) segment.rest_curvature_per_m.setZero();
   const Shape shape(made, inputs, 0.0);
   EXPECT_LT((shape.at(1.0) - made.total_length_m() * Eigen::Vector3d::UnitZ()).norm(), 1e-9);
 }
 
 TEST_P(EveryArm, WithoutLoadEverySegmentIsAnArcOfItsCurvature) {
-  Arm made = arm();
+  arm::Arm made = arm();
   made.segments.resize(1);
   made.bodies.clear();
-  softarm::Segment& segment = made.segments[0];
+  softarm::arm::Segment& segment = made.segments[0];
   segment.rest_curvature_per_m.setZero();
   segment.stiffness_profile.clear();
   made.payload.arclength_m = segment.length_m;
-  const InputValues inputs = some_inputs(made);
-  const SegmentPrediction law = predict_segment(made, segment, inputs).value();
+  const arm::InputValues inputs = some_inputs(made);
+  const arm::SegmentPrediction law = arm::predict_segment(made, segment, inputs).value();
   segment.mass_per_length_kg_m = made.tip_mass_kg = 0.0;
   const Shape shape(made, inputs, 0.0);
   const Eigen::Vector2d bend = law.actuation_nm() / law.bending_stiffness_nm2;
@@ -115,19 +116,19 @@ TEST_P(EveryArm, WithoutLoadEverySegmentIsAnArcOfItsCurvature) {
   EXPECT_LT((tip.head<2>() - across * bend.normalized()).norm(), 1e-8);
 }
 
-INSTANTIATE_TEST_SUITE_P(Shipped, EveryArm, ::testing::ValuesIn(arm_names({kFolder})),
+INSTANTIATE_TEST_SUITE_P(Shipped, EveryArm, ::testing::ValuesIn(arm::arm_names({kFolder})),
                          [](const auto& arm) { return arm.param; });
 
 TEST(SeveralSegments, OfDifferentDriveAreTheOnesAloneInSeries) {
-  const Arm both = load_arm_file("two_segment", {kFolder});
-  const InputValues inputs = some_inputs(both);
-  Arm weightless = both;
-  for (softarm::Segment& segment : weightless.segments) segment.mass_per_length_kg_m = 0.0;
+  const arm::Arm both = arm::load_arm_file("two_segment", {kFolder});
+  const arm::InputValues inputs = some_inputs(both);
+  arm::Arm weightless = both;
+  for (softarm::arm::Segment& segment : weightless.segments) segment.mass_per_length_kg_m = 0.0;
   const Shape shape(weightless, inputs, 0.0);
   // Without load each segment is an arc by itself, the second on the end of the first.
   Eigen::Isometry3d end = Eigen::Isometry3d::Identity();
-  for (const softarm::Segment& segment : both.segments) {
-    const SegmentPrediction law = predict_segment(both, segment, inputs).value();
+  for (const softarm::arm::Segment& segment : both.segments) {
+    const arm::SegmentPrediction law = arm::predict_segment(both, segment, inputs).value();
     const Eigen::Vector2d bend = law.actuation_nm() / law.bending_stiffness_nm2;
     const double theta = bend.norm() * law.length_m;
     Eigen::Isometry3d arc = Eigen::Isometry3d::Identity();
@@ -141,11 +142,11 @@ TEST(SeveralSegments, OfDifferentDriveAreTheOnesAloneInSeries) {
 }
 
 TEST(Tendon, OnTheAxisOnlyShortens) {
-  Arm arm = load_arm_file("hybrid_85mm", {kFolder});
-  for (Tendon& tendon : arm.segments[0].tendons) tendon.offset_m = 0.0;
-  InputValues inputs(arm.inputs.scalars.size(), 0.0);
+  arm::Arm arm = arm::load_arm_file("hybrid_85mm", {kFolder});
+  for (arm::Tendon& tendon : arm.segments[0].tendons) tendon.offset_m = 0.0;
+  arm::InputValues inputs(arm.inputs.scalars.size(), 0.0);
   for (std::size_t i = 0; i < inputs.size(); ++i) {
-    if (arm.inputs.scalars[i].kind == InputKind::kTension) inputs[i] = 2.0;
+    if (arm.inputs.scalars[i].kind == arm::InputKind::kTension) inputs[i] = 2.0;
   }
   const Shape shape(arm, inputs, 0.0);
   const double shortened = arm.segments[0].length_m * (1.0 - 6.0 / *arm.segments[0].axial_stiffness_n);
@@ -153,13 +154,13 @@ TEST(Tendon, OnTheAxisOnlyShortens) {
 }
 
 TEST(Tendon, PulledInSequenceTurnsTheTipByAThirdOfATurnEachTime) {
-  const Arm arm = load_arm_file("hybrid_85mm", {kFolder});
+  const arm::Arm arm = arm::load_arm_file("hybrid_85mm", {kFolder});
   std::vector<Eigen::Vector3d> tips;
   for (int pulled = 0; pulled < 3; ++pulled) {
-    InputValues inputs;
+    arm::InputValues inputs;
     int tendon = 0;
-    for (const ScalarInput& input : arm.inputs.scalars)
-      inputs.emplace_back(input.kind == InputKind::kTension && tendon++ == pulled ? 2.0 : 0.0);
+    for (const arm::ScalarInput& input : arm.inputs.scalars)
+      inputs.emplace_back(input.kind == arm::InputKind::kTension && tendon++ == pulled ? 2.0 : 0.0);
     tips.push_back(Shape(arm, inputs).at(1.0));
   }
   const Eigen::AngleAxisd third(2.0 * M_PI / 3.0, Eigen::Vector3d::UnitZ());

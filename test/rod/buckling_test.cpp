@@ -11,11 +11,11 @@ namespace softarm::rod {
 namespace {
 
 /// Load at which the base no longer turns when the tip does: the loss of stability of the straight column.
-double critical(const std::function<Rod(double)>& column, double low, double high) {
+double critical(const std::function<rod::Rod(double)>& column, double low, double high) {
   const auto stable = [&](double load) {
-    const Rod rod = column(load);
-    Solver solver(rod, {rod.rest_length_m()}, {});
-    EXPECT_EQ(solver.solve(rod, rod.q_base), SolveStatus::kConverged) << load;
+    const rod::Rod rod = column(load);
+    rod::Solver solver(rod, {rod.rest_length_m()}, {});
+    EXPECT_EQ(solver.solve(rod, rod.q_base), rod::SolveStatus::kConverged) << load;
     EXPECT_EQ(solver.stable(), solver.base_per_tip_rotation()(0, 0) > 0.0) << load;
     return solver.stable();
   };
@@ -33,7 +33,7 @@ TEST(Buckling, EulerColumnUnderATipLoad) {
   const double expected = M_PI * M_PI * ei / (4.0 * length * length);
   const double found = critical(
       [&](double load) {
-        Rod rod = testing::plain_rod(length, ei);
+        rod::Rod rod = testing::plain_rod(length, ei);
         rod.loads[0].force_n = {0.0, 0.0, -load};
         return rod;
       },
@@ -45,7 +45,7 @@ TEST(Buckling, ColumnUnderItsOwnWeight) {
   const double length = 0.2, ei = 0.03;
   const double found = critical(
       [&](double number) {
-        Rod rod = testing::plain_rod(length, ei);
+        rod::Rod rod = testing::plain_rod(length, ei);
         rod.segments[0].mass_kg = number * ei / (length * length) / 9.81;
         rod.gravity_m_s2 = {0.0, 0.0, -9.81};
         return rod;

@@ -48,8 +48,8 @@ struct Weight {
 };
 
 /// Tip of a chain of n links; clamped half a link before the first joint.
-Eigen::Vector3d chain_tip(const Rod& rod, int n) {
-  const Segment& segment = rod.segments[0];
+Eigen::Vector3d chain_tip(const rod::Rod& rod, int n) {
+  const rod::Segment& segment = rod.segments[0];
   const double h = segment.length_m / n;
   std::vector<std::array<double, 3>> link(static_cast<std::size_t>(n), {0.0, 0.0, 0.0});
   std::array<double, 3> base = {0.0, 0.0, 0.0};
@@ -96,7 +96,7 @@ Eigen::Vector3d chain_tip(const Rod& rod, int n) {
   return tip;
 }
 
-void expect_agreement(const Rod& rod) {
+void expect_agreement(const rod::Rod& rod) {
   const double length = rod.segments[0].length_m;
   const Eigen::Vector3d coarse = chain_tip(rod, 100), middle = chain_tip(rod, 200),
                         fine = chain_tip(rod, 400);
@@ -104,8 +104,8 @@ void expect_agreement(const Rod& rod) {
   const Eigen::Vector3d first = (4.0 * middle - coarse) / 3.0, second = (4.0 * fine - middle) / 3.0;
   const Eigen::Vector3d limit = (16.0 * second - first) / 15.0;
   EXPECT_LT((limit - second).norm(), 1e-6 * length) << "the chain itself has not converged";
-  Solver solver(rod, {rod.rest_length_m()}, {});
-  ASSERT_EQ(solver.solve(rod), SolveStatus::kConverged);
+  rod::Solver solver(rod, {rod.rest_length_m()}, {});
+  ASSERT_EQ(solver.solve(rod), rod::SolveStatus::kConverged);
   EXPECT_TRUE(solver.stable());
   EXPECT_LT((solver.station(0).p - limit).norm(), 1e-6 * length)
       << solver.station(0).p.transpose() << " against " << limit.transpose();
@@ -116,7 +116,7 @@ TEST(Chain, LoadedArmInThreeDimensions) {
 }
 
 TEST(Chain, CurvedAndTwistedAtRest) {
-  Rod rod = testing::loaded_arm();
+  rod::Rod rod = testing::loaded_arm();
   rod.segments[0].rest_curvature_per_m = {1.0, -3.0, 6.0};
   rod.segments[0].moment_nm = {0.05, 0.2, -0.03};
   rod.gravity_m_s2 = {3.0, -6.0, 7.0};
@@ -124,7 +124,7 @@ TEST(Chain, CurvedAndTwistedAtRest) {
 }
 
 TEST(Chain, StandingSoftArm) {
-  Rod rod = testing::loaded_arm();
+  rod::Rod rod = testing::loaded_arm();
   rod.gravity_m_s2 = {0.0, 0.0, -9.81};
   rod.segments[0].moment_nm = {-0.02, 0.1, 0.0};
   rod.loads[0].mass_kg = 0.05;

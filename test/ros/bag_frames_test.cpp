@@ -1,5 +1,5 @@
 // Bags that several threads open at a time, as `softarm estimate *.bag` does.
-#include "softarm/ros/bag_frames.h"
+#include "ros/bag_frames.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -9,13 +9,13 @@
 #include <fstream>
 #include <thread>
 
-#include "softarm/trial/arm_file.h"
+#include "softarm/arm/arm_file.h"
 
 namespace softarm {
 namespace {
 
 TEST(BagFrames, ManyAreOpenedAndRefusedSideBySide) {
-  const Arm arm = load_arm_file(SOFTARM_SOURCE_DIR "/config/arms/online_200mm.yaml", {});
+  const arm::Arm arm = arm::load_arm_file(SOFTARM_SOURCE_DIR "/config/arms/online_200mm.yaml", {});
   const std::filesystem::path path =
       std::filesystem::temp_directory_path() / ("softarm_no_bag_" + std::to_string(::getpid()) + ".bag");
   std::ofstream(path) << "this is not a bag\n";

@@ -34,9 +34,9 @@ class DemoArms(unittest.TestCase):
         self.assertGreater(received, 500, table)
         self.assertGreater(estimated, 0.95 * received, table)
         self.assertLess(float(re.search(r"shape error +rms ([\d.]+) mm", table).group(1)), 1.0, table)
-        told = re.findall(r"EI, where told .* (\d+) % within 1.96 sd; (\d+) % of frames", table)
-        self.assertEqual(len(told), SEGMENTS.get(arm, 1), table)
-        for within, of in told:
+        found = re.findall(r"EI, where identifiable .* (\d+) % within 1.96 sd; (\d+) % of frames", table)
+        self.assertEqual(len(found), SEGMENTS.get(arm, 1), table)
+        for within, of in found:
             self.assertGreater(int(of), 30, table)
             self.assertGreater(int(within), 60, table)
         self.assertEqual(len(re.findall(r"moment +[\d.e-]+ mN m, error", table)), SEGMENTS.get(arm, 1), table)

@@ -20,7 +20,7 @@ class DemoGraph(unittest.TestCase):
         self.assertGreater(received, 8 * 120 * 0.8)
         self.assertGreater(estimated, 0.95 * received)
         self.assertLess(float(re.search(r"shape error +rms ([\d.]+) mm", done.stdout).group(1)), 2.0, done.stdout)
-        error = re.search(r"EI, where told .*error: median [\d.e-]+ \(([\d.]+) %\)", done.stdout)
+        error = re.search(r"EI, where identifiable .*error: median [\d.e-]+ \(([\d.]+) %\)", done.stdout)
         self.assertLess(float(error.group(1)), 15.0, done.stdout)
 
     def test_no_estimates_is_a_failure(self):

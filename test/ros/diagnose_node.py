@@ -100,7 +100,7 @@ class DiagnoseNode(unittest.TestCase):
         self.assertTrue(self.wait(lambda: self.alarms.get_num_connections() > 0))
         before = count()
         for alarm in [False, True, True, False, True]:
-            self.alarms.publish(Mismatch(alarm=alarm, words="a test"))
+            self.alarms.publish(Mismatch(alarm=alarm, description="a test"))
         self.assertTrue(self.wait(lambda: count() == before + 1 and
                                   self.statuses["softarm_diagnose"][-1][1]["running"] == "no", 15.0))
         time.sleep(1.5)

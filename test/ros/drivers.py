@@ -10,6 +10,7 @@ import tempfile
 import threading
 import time
 import unittest
+import warnings
 
 import rospy
 import rostest
@@ -76,7 +77,11 @@ class Driver:
         self.publishers[topic].publish(message)
 
     def advertise(self, topic, kind):
-        self.publishers[topic] = rospy.Publisher(topic, kind, queue_size=200, tcp_nodelay=True)
+        # Without a queue publish() sends: with one, a thread per connection does, and on a busy machine a body's thread may
+        # get its turn only after another body's has sent half a second of messages.
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", SyntaxWarning)
+            self.publishers[topic] = rospy.Publisher(topic, kind, queue_size=None, tcp_nodelay=True)
 
     def connected(self):
         return all(p.get_num_connections() > 0 for p in self.publishers.values())

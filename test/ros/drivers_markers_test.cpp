@@ -11,7 +11,7 @@
 
 #include <limits>
 
-#include "ros/drivers_support.h"
+#include "drivers_support.h"
 
 namespace softarm::drivers {
 namespace {
@@ -80,7 +80,7 @@ TEST(DriversVicon, MillimetresLabelsAndOcclusion) {
   const auto result = bag.read(arm_with(kViconArm));
   ASSERT_THAT(result.frames, SizeIs(20));
   for (int i = 0; i < 20; ++i) {
-    const Frame& frame = result.frames[static_cast<std::size_t>(i)];
+    const trial::Frame& frame = result.frames[static_cast<std::size_t>(i)];
     EXPECT_NEAR(frame.stamp_s, kStart_s + kPeriod_s * i, 1e-6);
     EXPECT_EQ(observed(frame, 0) != nullptr, i != 6 && i != 7) << i;
     EXPECT_EQ(observed(frame, 1) != nullptr, i != 5) << i;
@@ -106,7 +106,7 @@ TEST(DriversVicon, ALabelThatTwoMarkersHaveIsRefused) {
   }
   const auto result = bag.read(arm_with(kViconArm));
   EXPECT_THAT(result.rejected, Contains(Pair("ambiguous_label ring_2", 5u)));
-  for (const Frame& frame : result.frames) EXPECT_EQ(observed(frame, 1), nullptr);
+  for (const trial::Frame& frame : result.frames) EXPECT_EQ(observed(frame, 1), nullptr);
 }
 
 /// The version of vicon_bridge that has a quality, written by hand: no class of it is here.
@@ -352,7 +352,7 @@ inputs: {bodies: {topic: /phasespace/markers, type: phasespace_msgs/Markers, axe
 )"));
   ASSERT_THAT(result.frames, SizeIs(10));
   for (int i = 0; i < 10; ++i) {
-    const Frame& frame = result.frames[static_cast<std::size_t>(i)];
+    const trial::Frame& frame = result.frames[static_cast<std::size_t>(i)];
     EXPECT_NEAR(frame.stamp_s, 5.0 + 0.01 * i, 1e-9);
     expect_near(observed(frame, 1)->p_mocap, ring_at(1, i), 1e-6);
   }
@@ -370,7 +370,7 @@ void expect_rings(const TestBag::Result& result, int frames) {
   int found = 0;
   for (int i = 0; i < frames; ++i) {
     for (int k = 0; k < 2; ++k) {
-      const BodyObservation* ring = observed(result.frames[static_cast<std::size_t>(i)], k);
+      const trial::BodyObservation* ring = observed(result.frames[static_cast<std::size_t>(i)], k);
       if (!ring) continue;
       ++found;
       expect_near(ring->p_mocap, ring_at(k, i), 1e-6);

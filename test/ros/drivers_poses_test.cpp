@@ -15,8 +15,8 @@
 #include <iterator>
 #include <set>
 
-#include "ros/drivers_support.h"
-#include "softarm/ros/input_topics.h"
+#include "drivers_support.h"
+#include "ros/input_topics.h"
 
 namespace softarm::drivers {
 namespace {
@@ -59,11 +59,11 @@ void set(geometry_msgs::Quaternion* to, const Eigen::Matrix3d& rotation) {
 void expect_poses(const TestBag::Result& result, int frames) {
   ASSERT_THAT(result.frames, SizeIs(frames));
   for (int i = 0; i < frames; ++i) {
-    const Frame& frame = result.frames[static_cast<std::size_t>(i)];
+    const trial::Frame& frame = result.frames[static_cast<std::size_t>(i)];
     ASSERT_TRUE(frame.base_body) << i;
     EXPECT_TRUE(frame.base_body->isApprox(pose_of(0, i), 1e-9)) << i;
     for (int k = 0; k < 2; ++k) {
-      const BodyObservation* ring = observed(frame, k);
+      const trial::BodyObservation* ring = observed(frame, k);
       if (!ring) continue;
       EXPECT_LT((ring->p_mocap - pose_of(k + 1, i).translation()).norm(), 1e-9) << i;
       ASSERT_TRUE(ring->q_mocap);
@@ -196,7 +196,7 @@ TEST(DriversPoses, PointsWithStampsOfReceiptAndLatency) {
                         "type: geometry_msgs/PointStamped, stamp: receipt, latency_s: 0.002}}"));
   ASSERT_THAT(result.frames, SizeIs(10));
   for (int i = 0; i < 10; ++i) {
-    const Frame& frame = result.frames[static_cast<std::size_t>(i)];
+    const trial::Frame& frame = result.frames[static_cast<std::size_t>(i)];
     EXPECT_NEAR(frame.stamp_s, kStart_s + kPeriod_s * i - 0.002, 1e-6);
     ASSERT_THAT(frame.bodies, SizeIs(2));
     EXPECT_LT((observed(frame, 1)->p_mocap - ring_at(1, i)).norm(), 1e-9);
@@ -285,7 +285,7 @@ namespace softarm::drivers {
 namespace {
 
 TEST(DriversInputs, FieldsOfOwnMessagesUnitsAndStamps) {
-  const Arm arm = arm_with(kInputsOnPoints + R"(  pressures:
+  const arm::Arm arm = arm_with(kInputsOnPoints + R"(  pressures:
     - {name: p1, topic: /rig/state, type: my_rig_msgs/State, field: "channels[1].pressure", unit: bar}
     - {name: p2, topic: /valves, type: std_msgs/Float32MultiArray, element: 1, unit: kPa, reference: gauge}
     - {name: p3, topic: /sensor, stamp: receipt}
@@ -316,7 +316,7 @@ TEST(DriversInputs, FieldsOfOwnMessagesUnitsAndStamps) {
   }
   const auto result = bag.read(arm);
   ASSERT_THAT(result.frames, SizeIs(10));
-  const InputValues& values = result.frames[5].inputs;
+  const arm::InputValues& values = result.frames[5].inputs;
   ASSERT_THAT(values, SizeIs(6));
   EXPECT_NEAR(values[0].value(), 50000.0, 1e-6);
   EXPECT_NEAR(values[1].value(), 40000.0, 1e-6);
@@ -328,7 +328,7 @@ TEST(DriversInputs, FieldsOfOwnMessagesUnitsAndStamps) {
 }
 
 TEST(DriversInputs, BytesThatDoNotFitTheDefinitionAreCounted) {
-  const Arm arm =
+  const arm::Arm arm =
       arm_with(kInputsOnPoints +
                "  pressures:\n    - {name: p1, topic: /rig/state, type: my_rig_msgs/State, field: name}\n");
   TestBag bag;
@@ -357,7 +357,7 @@ TEST(DriversDoc, EverySnippetLoads) {
       inside = false;
       ++snippets;
       try {
-        const Arm arm = arm_with(snippet);
+        const arm::Arm arm = arm_with(snippet);
         EXPECT_FALSE(input_topics(arm).empty());
         types.insert(arm.inputs.bodies.type);
       } catch (const std::exception& e) {

@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "softarm/arm/arm_yaml.h"
-#include "softarm/ros/bag_frames.h"
+#include "ros/bag_frames.h"
+#include "softarm/arm/arm_file.h"
 
 namespace softarm::drivers {
 
 /// A light arm of 0.2 m; `parts` gives base, bodies and inputs; base and bodies are added where it has none.
-inline Arm arm_with(const std::string& parts) {
+inline arm::Arm arm_with(const std::string& parts) {
   std::string text = R"(format: 1
 name: any_driver
 segments:
@@ -33,7 +33,7 @@ payload: {default_kg: 0}
   if (!has("bodies")) {
     text += "bodies:\n  - {name: ring_1, arclength_m: 0.1}\n  - {name: ring_2, arclength_m: tip}\n";
   }
-  return parse_arm(text, "arm.yaml");
+  return arm::parse_arm(text, "arm.yaml");
 }
 
 constexpr char kFixedBase[] = "base: {fixed: {position_m: [0, 0, 1], attitude: hanging}}\n";
@@ -71,15 +71,16 @@ class TestBag {
   }
 
   struct Result {
-    std::vector<Frame> frames;
+    std::vector<trial::Frame> frames;
     std::map<std::string, std::uint64_t> rejected;
     std::vector<std::string> warnings;
   };
-  Result read(const Arm& arm) {
+  Result read(const arm::Arm& arm) {
     bag_.close();
     BagFrames bag(path_.string(), arm);
     Result result;
-    bag.read({[&](const Frame& frame) { result.frames.push_back(frame); }, [] {}, [](std::uint64_t) {}});
+    bag.read(
+        {[&](const trial::Frame& frame) { result.frames.push_back(frame); }, [] {}, [](std::uint64_t) {}});
     result.rejected = bag.assembler().rejected();
     result.warnings = bag.warnings();
     return result;
@@ -95,8 +96,8 @@ class TestBag {
 };
 
 /// The observation of a body in a frame, or null.
-inline const BodyObservation* observed(const Frame& frame, int body) {
-  for (const BodyObservation& observation : frame.bodies) {
+inline const trial::BodyObservation* observed(const trial::Frame& frame, int body) {
+  for (const trial::BodyObservation& observation : frame.bodies) {
     if (observation.body == body) return &observation;
   }
   return nullptr;

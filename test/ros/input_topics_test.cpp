@@ -1,10 +1,10 @@
 // Which messages an arm's inputs may come by.
-#include "softarm/ros/input_topics.h"
+#include "ros/input_topics.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "softarm/trial/arm_file.h"
+#include "softarm/arm/arm_file.h"
 
 namespace softarm {
 namespace {
@@ -12,11 +12,11 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-Arm shipped(const std::string& name) {
-  return load_arm_file(SOFTARM_SOURCE_DIR "/config/arms/" + name + ".yaml", {});
+arm::Arm shipped(const std::string& name) {
+  return arm::load_arm_file(SOFTARM_SOURCE_DIR "/config/arms/" + name + ".yaml", {});
 }
 
-std::map<std::string, InputTopic> topics_of(const Arm& arm) {
+std::map<std::string, InputTopic> topics_of(const arm::Arm& arm) {
   std::map<std::string, InputTopic> topics;
   for (const InputTopic& topic : input_topics(arm)) topics[topic.topic] = topic;
   return topics;
@@ -31,9 +31,9 @@ TEST(InputTopics, OfEveryKindAreThoseOfTheArm) {
 }
 
 TEST(InputTopics, OneArrayFeedsInputsOfSeveralKinds) {
-  Arm arm = shipped("two_segment");
+  arm::Arm arm = shipped("two_segment");
   int element = 0;
-  for (ScalarInput& input : arm.inputs.scalars) {
+  for (arm::ScalarInput& input : arm.inputs.scalars) {
     input.topic = "/rig/state";
     input.type = "std_msgs/Float64MultiArray";
     input.element = element++;
@@ -44,8 +44,8 @@ TEST(InputTopics, OneArrayFeedsInputsOfSeveralKinds) {
 
 TEST(InputTopics, APressureMessageIsRefusedForATensionOrAnAngle) {
   for (const std::string name : {"hybrid_85mm", "cable_235mm"}) {
-    Arm arm = shipped(name);
-    ScalarInput& input = arm.inputs.scalars.back();
+    arm::Arm arm = shipped(name);
+    arm::ScalarInput& input = arm.inputs.scalars.back();
     input.type = "sensor_msgs/FluidPressure";
     try {
       input_topics(arm);
@@ -59,7 +59,7 @@ TEST(InputTopics, APressureMessageIsRefusedForATensionOrAnAngle) {
 }
 
 TEST(InputTopics, AnUnknownTypeNamesTheKnownOnes) {
-  Arm arm = shipped("hybrid_85mm");
+  arm::Arm arm = shipped("hybrid_85mm");
   arm.inputs.scalars.back().type = "std_msgs/Int32";
   EXPECT_THAT(
       [&] { input_topics(arm); },

@@ -86,10 +86,10 @@ class LiveInputs(unittest.TestCase):
             segment = e.segments[0]
             self.assertTrue(e.prior)
             self.assertEqual(e.window, 0.25)
-            self.assertTrue(segment.tells_bending_stiffness)
+            self.assertTrue(segment.identifiable_bending_stiffness)
             self.assertLess(abs(segment.bending_stiffness - EI), 0.05 * EI)
             self.assertLess(abs(segment.moment - EI * segment.bending_angle / 0.2), 0.01)
-        self.assertLess(sum(e.mismatch for e in estimates) / len(estimates), 2.0)
+        self.assertLess(sum(e.reduced_chi_square for e in estimates) / len(estimates), 2.0)
 
     def test_c_the_one_that_stops_is_named(self):
         estimates = self.feed(150, silent=("tendon_1",))

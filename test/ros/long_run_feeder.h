@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "softarm/rig/simulator.h"
+#include "rig/simulator.h"
 
 namespace softarm::testing_long_run {
 

@@ -18,10 +18,10 @@
 #include <string>
 #include <vector>
 
-#include "ros/long_run_feeder.h"
-#include "softarm/rig/scenario.h"
-#include "softarm/rig/simulator.h"
-#include "softarm/ros/finite.h"
+#include "long_run_feeder.h"
+#include "rig/scenario.h"
+#include "rig/simulator.h"
+#include "ros/finite.h"
 
 namespace softarm {
 namespace {

@@ -5,25 +5,25 @@
 #include <limits>
 #include <set>
 
-#include "softarm/ros/backbone_sampling.h"
-#include "softarm/ros/estimate_message.h"
-#include "softarm/ros/finite.h"
-#include "softarm/ros/markers.h"
+#include "ros/backbone_sampling.h"
+#include "ros/estimate_message.h"
+#include "ros/finite.h"
+#include "ros/markers.h"
 
 namespace softarm {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-Arm one_ring_arm() {
-  Arm arm;
+arm::Arm one_ring_arm() {
+  arm::Arm arm;
   arm.name = "arm";
   arm.segments.resize(1);
   arm.segments[0].name = "segment_1";
   arm.segments[0].length_m = 0.2;
   arm.segments[0].diameter_m = 0.04;
   arm.segments[0].mass_per_length_kg_m = 1.0;
-  MeasuredBody ring;
+  arm::MeasuredBody ring;
   ring.name = "ring_1";
   ring.arclength_m = 0.1;
   arm.bodies.push_back(ring);
@@ -32,12 +32,12 @@ Arm one_ring_arm() {
 }
 
 /// A circle of a quarter turn in the plane of x and z.
-Estimate quarter_circle() {
-  Estimate estimate;
-  estimate.status = Status::kOk;
+estimate::Estimate quarter_circle() {
+  estimate::Estimate estimate;
+  estimate.status = estimate::Status::kOk;
   const double curvature = 0.5 * M_PI / 0.2;
   for (int i = 0; i <= 8; ++i) {
-    BackbonePoint point;
+    estimate::BackbonePoint point;
     point.arclength_m = 0.025 * i;
     const double angle = curvature * point.arclength_m;
     point.p_base = Eigen::Vector3d(1.0 - std::cos(angle), 0.0, std::sin(angle)) / curvature;
@@ -45,13 +45,13 @@ Estimate quarter_circle() {
     point.curvature_per_m = {0.0, curvature, 0.0};
     estimate.backbone.push_back(point);
   }
-  SegmentEstimate segment;
+  estimate::SegmentEstimate segment;
   segment.bending_stiffness_nm2 = 0.0312;
   segment.sd_bending_stiffness_nm2 = 0.0021;
-  segment.tells_stiffness = true;
+  segment.identifiable_stiffness = true;
   estimate.segments.push_back(segment);
   estimate.payload_kg = 0.2;
-  BodyResidual residual;
+  estimate::BodyResidual residual;
   residual.measured_base = backbone_at(estimate.backbone, 0.1).p_base + Eigen::Vector3d(0, 1e-3, 0);
   residual.estimated_base = backbone_at(estimate.backbone, 0.1).p_base;
   estimate.residuals.push_back(residual);
@@ -59,8 +59,8 @@ Estimate quarter_circle() {
 }
 
 struct Fixture {
-  Arm arm = one_ring_arm();
-  EstimatorOptions options;
+  arm::Arm arm = one_ring_arm();
+  arm::EstimatorOptions options;
   FrameNames frames{"mocap", "arm"};
   MessageContext context{arm, options, frames, ros::Time(100, 5)};
 };
@@ -74,10 +74,10 @@ std::set<std::string> namespaces(const visualization_msgs::MarkerArray& array, i
 }
 
 TEST(BackboneSampling, FollowsACircleBetweenItsPointsAndHoldsTheEnds) {
-  const Estimate estimate = quarter_circle();
+  const estimate::Estimate estimate = quarter_circle();
   const double radius = 0.2 / (0.5 * M_PI);
   for (int i = 0; i <= 100; ++i) {
-    const BackbonePoint point = backbone_at(estimate.backbone, 0.002 * i);
+    const estimate::BackbonePoint point = backbone_at(estimate.backbone, 0.002 * i);
     const double angle = 0.5 * M_PI * i / 100.0;
     const Eigen::Vector3d exact = radius * Eigen::Vector3d(1.0 - std::cos(angle), 0.0, std::sin(angle));
     EXPECT_LT((point.p_base - exact).norm(), 0.2e-3);
@@ -101,7 +101,7 @@ TEST(AllFinite, FindsWhatIsNotFiniteHoweverDeep) {
   broken.backbone.back().orientation.y = std::numeric_limits<double>::infinity();
   EXPECT_FALSE(all_finite(broken));
   broken = message;
-  broken.mismatch = kNan;
+  broken.reduced_chi_square = kNan;
   EXPECT_FALSE(all_finite(broken));
   visualization_msgs::MarkerArray markers = to_markers(quarter_circle(), f.context);
   EXPECT_TRUE(all_finite(markers));
@@ -117,7 +117,7 @@ TEST(EstimateMessage, CarriesValuesFlagsAndBackbone) {
   EXPECT_EQ(message.status, softarm_estimator::ArmEstimate::STATUS_OK);
   ASSERT_EQ(message.segments.size(), 1u);
   EXPECT_EQ(message.segments[0].name, "segment_1");
-  EXPECT_TRUE(message.segments[0].tells_bending_stiffness);
+  EXPECT_TRUE(message.segments[0].identifiable_bending_stiffness);
   EXPECT_DOUBLE_EQ(message.segments[0].bending_stiffness, 0.0312);
   EXPECT_FALSE(message.segments[0].has_moment);
   EXPECT_TRUE(message.payload_is_known);
@@ -129,8 +129,8 @@ TEST(EstimateMessage, CarriesValuesFlagsAndBackbone) {
 
 TEST(EstimateMessage, WithoutEstimateThereIsNoShape) {
   Fixture f;
-  Estimate estimate = quarter_circle();  // what was left in the estimator from before
-  estimate.status = Status::kNotEnoughBodies;
+  estimate::Estimate estimate = quarter_circle();  // what was left in the estimator from before
+  estimate.status = estimate::Status::kNotEnoughBodies;
   estimate.detail = "1 of 4 bodies";
   const auto message = to_message(estimate, f.context, 1e-4);
   EXPECT_EQ(message.status, softarm_estimator::ArmEstimate::STATUS_NOT_ENOUGH_BODIES);
@@ -142,7 +142,7 @@ TEST(EstimateMessage, WithoutEstimateThereIsNoShape) {
 
 TEST(EstimateMessage, TransformsAreBaseRingsAndTip) {
   Fixture f;
-  Estimate estimate = quarter_circle();
+  estimate::Estimate estimate = quarter_circle();
   estimate.base_in_mocap.translation() = Eigen::Vector3d(0, 0, 1);
   const auto transforms = to_transforms(estimate, f.context);
   ASSERT_EQ(transforms.size(), 3u);
@@ -171,7 +171,7 @@ TEST(Markers, ShowShapePointsLoadAndNumbers) {
 TEST(Markers, TendonsLieOnTheirSideOfTheBentArm) {
   Fixture f;
   f.arm.segments[0].tendons = {{"tendon_1", 0.0, 0.01}, {"tendon_2", M_PI, 0.01}};
-  const Estimate estimate = quarter_circle();
+  const estimate::Estimate estimate = quarter_circle();
   const auto array = to_markers(estimate, f.context);
   const auto found = std::find_if(array.markers.begin(), array.markers.end(),
                                   [](const auto& marker) { return marker.ns == "tendons"; });
@@ -192,21 +192,22 @@ TEST(Markers, TendonsLieOnTheirSideOfTheBentArm) {
 
 TEST(Markers, SayWhatAFrameDoesNotTell) {
   Fixture f;
-  Estimate estimate = quarter_circle();
-  estimate.segments[0].tells_stiffness = false;
-  EXPECT_EQ(estimate_text(estimate, f.arm, f.options), "EI not told by this frame\npayload 200.0 g (known)");
-  f.options.unknown = Unknown::kPayload;
+  estimate::Estimate estimate = quarter_circle();
+  estimate.segments[0].identifiable_stiffness = false;
   EXPECT_EQ(estimate_text(estimate, f.arm, f.options),
-            "EI 31.2 mN m² (known)\npayload not told by this frame");
-  estimate.tells_payload = true;
+            "EI not identifiable in this frame\npayload 200.0 g (known)");
+  f.options.unknown = arm::Unknown::kPayload;
+  EXPECT_EQ(estimate_text(estimate, f.arm, f.options),
+            "EI 31.2 mN m² (known)\npayload not identifiable in this frame");
+  estimate.identifiable_payload = true;
   estimate.sd_payload_kg = 0.01;
   EXPECT_EQ(estimate_text(estimate, f.arm, f.options), "EI 31.2 mN m² (known)\npayload 200.0 ± 10.0 g");
 }
 
 TEST(Markers, AreDeletedWithTheEstimate) {
   Fixture f;
-  Estimate estimate = quarter_circle();
-  estimate.status = Status::kMissingPayload;
+  estimate::Estimate estimate = quarter_circle();
+  estimate.status = estimate::Status::kMissingPayload;
   estimate.detail = "the payload is not known";
   const auto array = to_markers(estimate, f.context);
   EXPECT_EQ(namespaces(array, visualization_msgs::Marker::DELETE).size(), 7u);

@@ -67,7 +67,7 @@ class MismatchOfASlip(unittest.TestCase):
         self.assertGreater(seen, SLIP_S)
         self.assertLess(seen, SLIP_S + 0.5)
         self.assertAlmostEqual(self.alarm.onset.to_sec() - self.first, SLIP_S, delta=0.15)
-        self.assertEqual((self.alarm.kind, self.alarm.body), ("ring", "ring_2"), self.alarm.words)
+        self.assertEqual((self.alarm.kind, self.alarm.body), ("ring", "ring_2"), self.alarm.description)
         self.assertAlmostEqual(self.alarm.s, 0.1)
         self.assertAlmostEqual(self.alarm.size, 0.003, delta=0.001)
         self.assertGreater(self.alarm.change, self.alarm.threshold)

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "softarm/trial/csv_layout.h"
-#include "softarm/trial/csv_recording.h"
+#include "trial/csv_layout.h"
+#include "trial/csv_recording.h"
 
 namespace softarm {
 namespace {
@@ -53,28 +53,28 @@ class CsvJoinTest : public ::testing::Test {
 
   void read(const std::string& layout, const std::string& recording, const std::string& inputs = "") {
     rows_.clear();
-    CsvSources sources;
+    trial::CsvSources sources;
     if (!inputs.empty()) sources.inputs_path = file("inputs.csv", inputs);
     sources.on_bytes = [&](std::uint64_t bytes) { bytes_ += bytes; };
     bytes_ = 0;
-    report_ = read_csv_recording(
-        parse_csv_layout(layout, "lab.yaml"), file("recording.csv", recording),
-        [&](const CsvRow& row) { rows_.push_back(row); }, sources);
+    report_ = trial::read_csv_recording(
+        trial::parse_csv_layout(layout, "lab.yaml"), file("recording.csv", recording),
+        [&](const trial::CsvRow& row) { rows_.push_back(row); }, sources);
     EXPECT_EQ(bytes_, recording.size());
   }
 
   std::string error(const std::string& layout, const std::string& recording, const std::string& inputs = "") {
     try {
       read(layout, recording, inputs);
-    } catch (const CsvError& e) {
+    } catch (const trial::CsvError& e) {
       EXPECT_THAT(e.what(), Not(HasSubstr("\n")));
       return e.what();
     }
     return "no error";
   }
 
-  std::vector<CsvRow> rows_;
-  CsvReport report_;
+  std::vector<trial::CsvRow> rows_;
+  trial::CsvReport report_;
   std::uint64_t bytes_ = 0;
 
  private:
@@ -179,8 +179,8 @@ mocap: {unit: m, up: z, bodies: [{name: base, position: [2, 3, 4]}]}
 TEST_F(CsvJoinTest, KeysThatContradictAreRefused) {
   const auto refused = [](const std::string& from, const std::string& to) -> std::string {
     try {
-      parse_csv_layout(replaced(kLayout, from, to), "lab.yaml");
-    } catch (const CsvError& e) {
+      trial::parse_csv_layout(replaced(kLayout, from, to), "lab.yaml");
+    } catch (const trial::CsvError& e) {
       return e.what();
     }
     return "no error";

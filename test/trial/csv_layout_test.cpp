@@ -1,4 +1,4 @@
-#include "softarm/trial/csv_layout.h"
+#include "trial/csv_layout.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "softarm/trial/csv_recording.h"
+#include "trial/csv_recording.h"
 
 namespace softarm {
 namespace {
@@ -39,8 +39,8 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 
 std::string error_of(const std::string& text) {
   try {
-    parse_csv_layout(text, "lab.yaml");
-  } catch (const CsvError& e) {
+    trial::parse_csv_layout(text, "lab.yaml");
+  } catch (const trial::CsvError& e) {
     EXPECT_THAT(e.what(), Not(HasSubstr("\n")));
     return e.what();
   }
@@ -64,22 +64,22 @@ class TemporaryFile {
 };
 
 struct Read {
-  std::vector<CsvRow> rows;
-  CsvReport report;
+  std::vector<trial::CsvRow> rows;
+  trial::CsvReport report;
 };
 
 Read read(const std::string& layout, const std::string& csv) {
   const TemporaryFile file(csv);
   Read result;
-  result.report = read_csv_recording(parse_csv_layout(layout, "lab.yaml"), file.path(),
-                                     [&](const CsvRow& row) { result.rows.push_back(row); });
+  result.report = trial::read_csv_recording(trial::parse_csv_layout(layout, "lab.yaml"), file.path(),
+                                            [&](const trial::CsvRow& row) { result.rows.push_back(row); });
   return result;
 }
 
 std::string read_error(const std::string& layout, const std::string& csv) {
   try {
     read(layout, csv);
-  } catch (const CsvError& e) {
+  } catch (const trial::CsvError& e) {
     return e.what();
   }
   return "no error";
@@ -199,8 +199,9 @@ TEST(CsvRecording, AFileThatTheLayoutDoesNotFitIsRefused) {
   EXPECT_THAT(read_error(kMinimal, "0,1\n1,2\n2,3\n"),
               AllOf(HasSubstr("3 of 3 rows"), HasSubstr("line 1"), HasSubstr("layout")));
   EXPECT_THAT(read_error(kMinimal, ""), HasSubstr("no rows"));
-  const CsvLayout layout = parse_csv_layout(kMinimal, "lab.yaml");
-  EXPECT_THROW(read_csv_recording(layout, "/nonexistent/x.csv", [](const CsvRow&) {}), CsvError);
+  const trial::CsvLayout layout = trial::parse_csv_layout(kMinimal, "lab.yaml");
+  EXPECT_THROW(trial::read_csv_recording(layout, "/nonexistent/x.csv", [](const trial::CsvRow&) {}),
+               trial::CsvError);
 }
 
 TEST(CsvLayout, ErrorsNameFileKeyValueAndWhatIsAllowed) {
@@ -234,7 +235,7 @@ TEST(CsvLayout, EveryShippedLayoutLoads) {
   for (const auto& entry : std::filesystem::directory_iterator(SOFTARM_SOURCE_DIR "/config/layouts")) {
     std::ostringstream text;
     text << std::ifstream(entry.path()).rdbuf();
-    EXPECT_NO_THROW(parse_csv_layout(text.str(), entry.path().string())) << entry.path();
+    EXPECT_NO_THROW(trial::parse_csv_layout(text.str(), entry.path().string())) << entry.path();
     ++count;
   }
   EXPECT_GE(count, 2);

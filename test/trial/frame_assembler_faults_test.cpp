@@ -18,15 +18,15 @@ std::uint64_t count(const std::map<std::string, std::uint64_t>& counts, const st
   return found == counts.end() ? 0 : found->second;
 }
 
-bool has_body(const Frame& frame, int body) {
-  for (const BodyObservation& seen : frame.bodies) {
+bool has_body(const trial::Frame& frame, int body) {
+  for (const trial::BodyObservation& seen : frame.bodies) {
     if (seen.body == body) return true;
   }
   return false;
 }
 
 TEST(FrameAssemblerFrozen, RepeatedPoseIsDroppedUntilItChanges) {
-  FrameAssembler assembler(three_ring_arm(), without_waiting());
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   for (int k = 0; k < 720; ++k) {
     for (int body = -1; body < 3; ++body) {
@@ -45,7 +45,7 @@ TEST(FrameAssemblerFrozen, RepeatedPoseIsDroppedUntilItChanges) {
 }
 
 TEST(FrameAssemblerFrozen, AFewRepeatsOrACommonRestAreNoFault) {
-  FrameAssembler assembler(three_ring_arm(), without_waiting());
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   for (int k = 0; k < 240; ++k) {
     for (int body = -1; body < 3; ++body) feed.body_at(body, feed.stamp(k), k - k % 8);
@@ -59,9 +59,9 @@ TEST(FrameAssemblerFrozen, AFewRepeatsOrACommonRestAreNoFault) {
 }
 
 TEST(FrameAssemblerFrozen, AMountWithoutNoiseIsNoFaultButAFrozenTrackerIs) {
-  FrameAssembler still(three_ring_arm(), without_waiting());
+  trial::FrameAssembler still(three_ring_arm(), without_waiting());
   Feeder feed_still(still);
-  FrameAssembler stuck(three_ring_arm(), without_waiting());
+  trial::FrameAssembler stuck(three_ring_arm(), without_waiting());
   Feeder feed_stuck(stuck);
   for (int k = 0; k < 480; ++k) {
     for (int body = -1; body < 3; ++body) {
@@ -74,7 +74,7 @@ TEST(FrameAssemblerFrozen, AMountWithoutNoiseIsNoFaultButAFrozenTrackerIs) {
 }
 
 TEST(FrameAssemblerJump, ShortJumpIsDroppedAndARealMoveFollowed) {
-  FrameAssembler assembler(three_ring_arm(), without_waiting());
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   const auto add = [&](int body, int k, double offset) {
     assembler.add_body(body, feed.stamp(k), feed.position(body, k) + Eigen::Vector3d(offset, 0, 0),
@@ -101,7 +101,7 @@ TEST(FrameAssemblerJump, ShortJumpIsDroppedAndARealMoveFollowed) {
 }
 
 TEST(FrameAssemblerJump, OrientationThatFlipsIsAJumpWhereItIsNeeded) {
-  FrameAssembler assembler(three_ring_arm(), without_waiting());
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   const Eigen::Quaterniond flipped(0, 1, 0, 0);
   for (int k = 0; k < 100; ++k) {
@@ -116,7 +116,7 @@ TEST(FrameAssemblerJump, OrientationThatFlipsIsAJumpWhereItIsNeeded) {
 }
 
 TEST(FrameAssemblerTime, LoopOfABagIsOneJump) {
-  FrameAssembler assembler(three_ring_arm(), without_waiting());
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   assembler.add_payload(feed.stamp(0), 0.2);
   std::size_t frames = 0;
@@ -124,7 +124,7 @@ TEST(FrameAssemblerTime, LoopOfABagIsOneJump) {
   for (int loop = 0; loop < 3; ++loop) {
     for (int k = 0; k < 480; ++k) {
       for (int body = -1; body < 3; ++body) feed.body(body, k);
-      for (const Frame& frame : assembler.take()) {
+      for (const trial::Frame& frame : assembler.take()) {
         ++frames;
         ASSERT_TRUE(frame.payload_kg);  // a latched payload is not sent again
         EXPECT_EQ(*frame.payload_kg, 0.2);
@@ -138,7 +138,7 @@ TEST(FrameAssemblerTime, LoopOfABagIsOneJump) {
 }
 
 TEST(FrameAssemblerTime, LeftoversOfTheOldTimeAreNotANewTime) {
-  FrameAssembler assembler(three_ring_arm(), without_waiting());
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   feed.frames(0, 480);
   for (int k = 480; k < 485; ++k) feed.body(0, k);  // this topic is ahead of the others when the bag ends ...
@@ -160,7 +160,7 @@ TEST(FrameAssemblerTime, LeftoversOfTheOldTimeAreNotANewTime) {
 }
 
 TEST(FrameAssemblerTime, LoneDamagedStampsAndLaggingClocksAreNoJump) {
-  FrameAssembler assembler(three_ring_arm(), without_waiting());
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   for (int k = 0; k < 480; ++k) {
     for (int body = -1; body < 3; ++body) {
@@ -179,7 +179,7 @@ TEST(FrameAssemblerTime, LoneDamagedStampsAndLaggingClocksAreNoJump) {
 }
 
 TEST(FrameAssemblerTime, PauseIsFollowed) {
-  FrameAssembler assembler(three_ring_arm(), without_waiting());
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   feed.frames(0, 100);
   feed.frames(2500, 2600);
@@ -190,7 +190,7 @@ TEST(FrameAssemblerTime, PauseIsFollowed) {
 }
 
 TEST(FrameAssemblerInputs, NewestAtOrBeforeTheFrameHolds) {
-  FrameAssembler assembler(three_ring_arm(), without_waiting());
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   feed.frames(0, 1);  // before any pressure
   assembler.add_input(0, feed.stamp(0.5), 101325.0 + 2e4);
@@ -213,9 +213,9 @@ TEST(FrameAssemblerInputs, NewestAtOrBeforeTheFrameHolds) {
 }
 
 TEST(FrameAssemblerInputs, GaugeInputsAreUsedAsTheyAre) {
-  Arm arm = three_ring_arm();
-  for (ScalarInput& input : arm.inputs.scalars) input.reference = PressureReference::kGauge;
-  FrameAssembler assembler(arm, without_waiting());
+  arm::Arm arm = three_ring_arm();
+  for (arm::ScalarInput& input : arm.inputs.scalars) input.reference = arm::PressureReference::kGauge;
+  trial::FrameAssembler assembler(arm, without_waiting());
   Feeder feed(assembler);
   assembler.add_input(0, feed.stamp(0), 2e4);
   assembler.add_input(1, feed.stamp(0), -6e4);
@@ -227,7 +227,7 @@ TEST(FrameAssemblerInputs, GaugeInputsAreUsedAsTheyAre) {
 }
 
 TEST(FrameAssemblerPayload, HoldsFromItsStampAndRejectsNonsense) {
-  FrameAssembler assembler(three_ring_arm(), without_waiting());
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   feed.frames(0, 2);
   assembler.add_payload(feed.stamp(1.5), 0.2);

@@ -4,20 +4,20 @@
 #include <cmath>
 #include <random>
 
-#include "softarm/trial/frame_assembler.h"
+#include "trial/frame_assembler.h"
 
 namespace softarm::testing_assembler {
 
 constexpr double kRate = 240.0;
 
-inline Arm three_ring_arm() {
-  Arm arm;
+inline arm::Arm three_ring_arm() {
+  arm::Arm arm;
   arm.name = "three_rings";
   arm.base.body = "base";
   arm.segments.resize(1);
   arm.segments[0].length_m = 0.2;
   for (int i = 0; i < 3; ++i) {
-    MeasuredBody body;
+    arm::MeasuredBody body;
     body.name = "ring_" + std::to_string(i + 1);
     body.arclength_m = 0.2 * (i + 1) / 3.0;
     body.position_sd_m = 2e-4;
@@ -26,19 +26,19 @@ inline Arm three_ring_arm() {
     arm.bodies.push_back(body);
   }
   for (const char* name : {"chamber_1", "vacuum"}) {
-    ScalarInput input;
+    arm::ScalarInput input;
     input.name = name;
     input.topic = std::string("/pressure/") + name;
     input.type = "sensor_msgs/FluidPressure";
-    if (input.name == "vacuum") input.kind = InputKind::kVacuum;
+    if (input.name == "vacuum") input.kind = arm::InputKind::kVacuum;
     arm.inputs.scalars.push_back(input);
   }
   return arm;
 }
 
 /// For tests of bodies: frames close without waiting for the inputs, which never come.
-inline FrameAssembler::Params without_waiting() {
-  FrameAssembler::Params params;
+inline trial::FrameAssembler::Params without_waiting() {
+  trial::FrameAssembler::Params params;
   params.input_wait_s = 0.0;
   return params;
 }
@@ -46,7 +46,7 @@ inline FrameAssembler::Params without_waiting() {
 /// Feeds slowly moving bodies with noise, each sample a function of body and index alone.
 class Feeder {
  public:
-  explicit Feeder(FrameAssembler& assembler, double start_s = 1000.0)
+  explicit Feeder(trial::FrameAssembler& assembler, double start_s = 1000.0)
       : assembler_(assembler), start_s_(start_s) {}
 
   double stamp(double k) const { return start_s_ + k / kRate; }
@@ -72,7 +72,7 @@ class Feeder {
   }
 
  private:
-  FrameAssembler& assembler_;
+  trial::FrameAssembler& assembler_;
   double start_s_;
 };
 

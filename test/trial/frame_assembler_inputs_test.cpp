@@ -4,29 +4,29 @@
 #include <algorithm>
 #include <random>
 
-#include "softarm/trial/frame_assembler.h"
+#include "trial/frame_assembler.h"
 
 namespace softarm {
 namespace {
 
-Arm one_ring_arm() {
-  Arm arm;
-  Segment segment;
+arm::Arm one_ring_arm() {
+  arm::Arm arm;
+  arm::Segment segment;
   segment.length_m = 0.2;
   arm.segments.push_back(segment);
-  MeasuredBody ring;
+  arm::MeasuredBody ring;
   ring.name = "ring_1";
   ring.arclength_m = 0.2;
   arm.bodies.push_back(ring);
-  ScalarInput pressure;
+  arm::ScalarInput pressure;
   pressure.name = "chamber_1";
   arm.inputs.scalars.push_back(pressure);
   return arm;
 }
 
 std::vector<std::optional<double>> pressures(bool pressure_first) {
-  const Arm arm = one_ring_arm();
-  FrameAssembler assembler(arm);
+  const arm::Arm arm = one_ring_arm();
+  trial::FrameAssembler assembler(arm);
   std::vector<std::optional<double>> values;
   for (int i = 0; i < 20; ++i) {
     const double stamp_s = 100.0 + 0.01 * i;
@@ -36,10 +36,10 @@ std::vector<std::optional<double>> pressures(bool pressure_first) {
     if (pressure_first) add_pressure();
     assembler.add_body(0, stamp_s, {0.01 * i, 0.001 * i, 0.2}, std::nullopt);
     if (!pressure_first) add_pressure();
-    for (const Frame& frame : assembler.take()) values.push_back(frame.inputs.at(0));
+    for (const trial::Frame& frame : assembler.take()) values.push_back(frame.inputs.at(0));
   }
   assembler.flush();
-  for (const Frame& frame : assembler.take()) values.push_back(frame.inputs.at(0));
+  for (const trial::Frame& frame : assembler.take()) values.push_back(frame.inputs.at(0));
   return values;
 }
 
@@ -48,10 +48,8 @@ TEST(FrameInputs, AreTheSameWhateverArrivesFirst) {
   ASSERT_EQ(first.size(), 20u);
   ASSERT_EQ(last.size(), 20u);
   for (std::size_t i = 0; i < 20; ++i) {
-    ASSERT_EQ(first[i].has_value(), i > 0) << i;
-    ASSERT_EQ(last[i].has_value(), i > 0) << i;
-    if (i == 0) continue;
-    EXPECT_NEAR(*first[i], 1000.0 * (static_cast<double>(i) - 1.0), 1e-6) << i;
+    ASSERT_TRUE(first[i].has_value() && last[i].has_value()) << i;
+    EXPECT_NEAR(*first[i], 1000.0 * static_cast<double>(i), 1e-6) << i;  // that of its own stamp
     EXPECT_EQ(*first[i], *last[i]) << i;
   }
 }
@@ -73,13 +71,13 @@ struct Message {
 };
 
 Waiting run(const std::vector<Message>& sorted, bool when_taken = false, std::size_t batch = 1) {
-  const Arm arm = one_ring_arm();
-  FrameAssembler::Params params;
+  const arm::Arm arm = one_ring_arm();
+  trial::FrameAssembler::Params params;
   params.close_when_taken = when_taken;
-  FrameAssembler assembler(arm, params);
+  trial::FrameAssembler assembler(arm, params);
   Waiting result;
   const auto take = [&](double now_s) {
-    for (const Frame& frame : assembler.take()) {
+    for (const trial::Frame& frame : assembler.take()) {
       result.pressures.push_back(frame.inputs.at(0));
       if (frame.stamp_s > 101.0) result.longest_s = std::max(result.longest_s, now_s - frame.stamp_s);
     }
@@ -132,6 +130,77 @@ TEST(FrameInputs, OneThatIsLateIsWaitedForSoThatItsArrivalDoesNotMatter) {
   }
 }
 
+TEST(FrameInputs, OneOfTheFramesOwnStampIsWaitedFor) {
+  for (double step_s : {1.0 / 120.0, 1.0 / 60.0, 1.0 / 12.0, 1.0 / 1200.0}) {
+    const Waiting prompt = run(stream(step_s, 0.0, -1e-4));  // before the bodies
+    const int steps = static_cast<int>(std::lround(120.0 * step_s));
+    ASSERT_EQ(prompt.pressures.size(), 480u);
+    for (std::size_t i = 0; i < 479; ++i) {
+      const double newest =
+          steps > 0 ? std::floor(static_cast<double>(i) / steps) : 10.0 * static_cast<double>(i);
+      EXPECT_NEAR(*prompt.pressures[i], 10.0 * newest, 1e-6) << i << " " << step_s;
+    }
+    for (double delay_s : {1e-4, 0.002, 0.03}) {
+      const Waiting late = run(stream(step_s, 0.0, delay_s));
+      for (std::size_t i = 0; i < 479; ++i)
+        EXPECT_EQ(late.pressures[i], prompt.pressures[i]) << i << " " << step_s << " " << delay_s;
+      EXPECT_LE(late.longest_s, delay_s + 1.0 / 120.0 + 1e-6);
+      EXPECT_TRUE(late.in_vain.empty());
+    }
+  }
+}
+
+TEST(FrameInputs, APayloadOfTheFramesOwnStampCountsForIt) {
+  const arm::Arm arm = one_ring_arm();
+  trial::FrameAssembler::Params params;
+  params.close_when_taken = true;  // all messages of one instant are there before frames are taken
+  for (bool payload_first : {true, false}) {
+    trial::FrameAssembler assembler(arm, params);
+    std::vector<double> payloads;
+    for (int k = 0; k < 50; ++k) {
+      const double stamp_s = 100.0 + 0.04 * k;
+      if (payload_first) assembler.add_payload(stamp_s, 0.001 * k);
+      assembler.add_input(0, stamp_s, 2e5);
+      assembler.add_body(0, stamp_s, {0.001 * (k % 9), 0.0, 0.2}, std::nullopt);
+      if (!payload_first) assembler.add_payload(stamp_s, 0.001 * k);
+      for (const trial::Frame& frame : assembler.take()) payloads.push_back(frame.payload_kg.value());
+    }
+    ASSERT_EQ(payloads.size(), 50u);
+    for (std::size_t k = 0; k < 50; ++k) EXPECT_DOUBLE_EQ(payloads[k], 0.001 * static_cast<double>(k));
+  }
+}
+
+TEST(FrameInputs, SamplesGoWithTheFirstFrameAtOrAfterThemEachOnce) {
+  const arm::Arm arm = one_ring_arm();
+  trial::FrameAssembler assembler(arm);
+  std::vector<trial::InputSample> samples;
+  const auto take = [&] {
+    for (const trial::Frame& frame : assembler.take()) {
+      for (const trial::InputSample& sample : frame.samples) {
+        EXPECT_LE(1e-9 * static_cast<double>(sample.stamp_ns), frame.stamp_s + 1e-6);
+        samples.push_back(sample);
+      }
+      if (frame.samples.empty()) continue;
+      EXPECT_EQ(frame.samples.back().value, frame.inputs[0]);
+    }
+  };
+  for (const Message& m : stream(0.0031, 0.0, 0.002)) {
+    if (m.pressure) {
+      assembler.add_input(0, m.stamp_s, arm.inputs.ambient_pressure_pa + m.value);
+    } else {
+      assembler.add_body(0, m.stamp_s, {0.001 * m.value, 0.0, 0.2}, std::nullopt);
+    }
+    take();
+  }
+  assembler.flush();
+  take();
+  for (const trial::InputSample& sample : assembler.take_samples()) samples.push_back(sample);
+  ASSERT_EQ(samples.size(), 1291u);
+  for (std::size_t k = 0; k < samples.size(); ++k)
+    EXPECT_NEAR(1e-9 * static_cast<double>(samples[k].stamp_ns), 100.0 + 0.0031 * static_cast<double>(k),
+                1e-7);
+}
+
 TEST(FrameInputs, OneThatIsOnTimeDelaysNothing) {
   const Waiting at_once = run(stream(1.0 / 120.0, -0.002, 0.0));
   EXPECT_EQ(at_once.longest_s, 0.0);
@@ -182,10 +251,10 @@ TEST(FrameInputs, MessagesInBatchesGiveTheFramesOfMessagesOneByOne) {
 }
 
 TEST(FrameInputs, LatenciesAreSubtracted) {
-  Arm arm = one_ring_arm();
+  arm::Arm arm = one_ring_arm();
   arm.inputs.body_latency_s = 0.02;
   arm.inputs.scalars[0].latency_s = -0.005;
-  FrameAssembler assembler(arm);
+  trial::FrameAssembler assembler(arm);
   assembler.add_input(0, 99.97, arm.inputs.ambient_pressure_pa + 1.0);  // meant 99.975
   assembler.add_input(0, 99.98, arm.inputs.ambient_pressure_pa + 2.0);  // meant 99.985
   assembler.add_body(0, 100.0, {0.0, 0.0, 0.2}, std::nullopt);          // was there at 99.98
@@ -196,13 +265,13 @@ TEST(FrameInputs, LatenciesAreSubtracted) {
 }
 
 TEST(FrameInputs, ABodyThatTheDriverDoesNotSeeIsNotWaitedFor) {
-  Arm arm = one_ring_arm();
-  MeasuredBody second = arm.bodies[0];
+  arm::Arm arm = one_ring_arm();
+  arm::MeasuredBody second = arm.bodies[0];
   second.name = "ring_2";
   arm.bodies.push_back(second);
-  FrameAssembler::Params params;
+  trial::FrameAssembler::Params params;
   params.input_wait_s = 0.0;
-  FrameAssembler assembler(arm, params);
+  trial::FrameAssembler assembler(arm, params);
   for (int k = 0; k < 10; ++k) {
     assembler.add_body(0, 100.0 + 0.01 * k, {0.01 * k, 0.0, 0.2}, std::nullopt);
     assembler.add_missing_body(1, 100.0 + 0.01 * k, "occluded");
@@ -215,8 +284,8 @@ TEST(FrameInputs, ABodyThatTheDriverDoesNotSeeIsNotWaitedFor) {
 
 TEST(FrameInputs, ALoneBodyThatFreezesWhileItIsDrivenIsFound) {
   for (bool driven : {true, false}) {
-    const Arm arm = one_ring_arm();
-    FrameAssembler assembler(arm);
+    const arm::Arm arm = one_ring_arm();
+    trial::FrameAssembler assembler(arm);
     for (int k = 0; k < 240; ++k) {
       const double stamp_s = 100.0 + k / 120.0;
       assembler.add_input(0, stamp_s - 0.002, arm.inputs.ambient_pressure_pa + (driven ? 10.0 * k : 0.0));

@@ -1,4 +1,4 @@
-#include "softarm/trial/frame_assembler.h"
+#include "trial/frame_assembler.h"
 
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ using testing_assembler::without_waiting;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(FrameAssembler, FrameClosesWithItsLastBodyInAnyOrder) {
-  FrameAssembler assembler(three_ring_arm(), without_waiting());
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   std::mt19937 random(1);
   for (int k = 0; k < 200; ++k) {
@@ -38,7 +38,7 @@ TEST(FrameAssembler, FrameClosesWithItsLastBodyInAnyOrder) {
 TEST(FrameAssembler, FramesDoNotDependOnTheOrderOfTopics) {
   // Topics run ahead of one another by up to ten frames, as sockets read one after the other do.
   const auto run = [](int batch) {
-    FrameAssembler assembler(three_ring_arm(), without_waiting());
+    trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
     Feeder feed(assembler);
     for (int k = 0; k < 240; k += batch) {
       for (int body : {2, -1, 1, 0}) {
@@ -49,7 +49,7 @@ TEST(FrameAssembler, FramesDoNotDependOnTheOrderOfTopics) {
     EXPECT_TRUE(assembler.rejected().empty());
     return assembler.take();
   };
-  const std::vector<Frame> ordered = run(1), bursts = run(10);
+  const std::vector<trial::Frame> ordered = run(1), bursts = run(10);
   ASSERT_EQ(ordered.size(), 240u);
   ASSERT_EQ(bursts.size(), 240u);
   for (std::size_t k = 0; k < ordered.size(); ++k) {
@@ -64,7 +64,7 @@ TEST(FrameAssembler, FramesDoNotDependOnTheOrderOfTopics) {
 }
 
 TEST(FrameAssembler, StampsWithinTheToleranceAreOneFrame) {
-  FrameAssembler assembler(three_ring_arm(), without_waiting());
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   for (int k = 0; k < 100; ++k) {
     for (int body = -1; body < 3; ++body) feed.body_at(body, feed.stamp(k) + 2e-4 * body, k);
@@ -72,11 +72,11 @@ TEST(FrameAssembler, StampsWithinTheToleranceAreOneFrame) {
   assembler.flush();
   const auto frames = assembler.take();
   ASSERT_EQ(frames.size(), 100u);
-  for (const Frame& frame : frames) EXPECT_EQ(frame.bodies.size(), 3u);
+  for (const trial::Frame& frame : frames) EXPECT_EQ(frame.bodies.size(), 3u);
 }
 
 TEST(FrameAssembler, LostBodyDelaysFramesOnceAndReturns) {
-  FrameAssembler assembler(three_ring_arm(), without_waiting());
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   std::size_t emitted = 0;
   double longest_delay = 0.0;
@@ -86,7 +86,7 @@ TEST(FrameAssembler, LostBodyDelaysFramesOnceAndReturns) {
     for (int body = -1; body < 3; ++body) {
       if (!(lost && body == 1)) feed.body(body, k);
     }
-    for (const Frame& frame : assembler.take()) {
+    for (const trial::Frame& frame : assembler.take()) {
       ++emitted;
       const double delay = feed.stamp(k) - frame.stamp_s;
       longest_delay = std::max(longest_delay, delay);
@@ -104,7 +104,7 @@ TEST(FrameAssembler, LostBodyDelaysFramesOnceAndReturns) {
 }
 
 TEST(FrameAssembler, LateStartOfABodyHoldsNothingUp) {
-  FrameAssembler assembler(three_ring_arm(), without_waiting());
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   for (int k = 0; k < 480; ++k) {
     for (int body = -1; body < 3; ++body) {
@@ -118,7 +118,7 @@ TEST(FrameAssembler, LateStartOfABodyHoldsNothingUp) {
 }
 
 TEST(FrameAssembler, BodiesOfDifferentRatesGiveEveryFrame) {
-  FrameAssembler assembler(three_ring_arm(), without_waiting());
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   for (int k = 0; k < 240; ++k) {
     for (int body = -1; body < 3; ++body) {
@@ -134,7 +134,7 @@ TEST(FrameAssembler, BodiesOfDifferentRatesGiveEveryFrame) {
 }
 
 TEST(FrameAssembler, LateSamplesAreCountedNotUsed) {
-  FrameAssembler assembler(three_ring_arm(), without_waiting());
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   feed.frames(0, 100);
   assembler.take();
@@ -144,7 +144,7 @@ TEST(FrameAssembler, LateSamplesAreCountedNotUsed) {
 }
 
 TEST(FrameAssembler, DuplicatesAreCountedWhateverTheirStamp) {
-  FrameAssembler assembler(three_ring_arm(), without_waiting());
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   for (int k = 0; k < 100; ++k) {
     for (int body = -1; body < 3; ++body) {
@@ -160,7 +160,7 @@ TEST(FrameAssembler, DuplicatesAreCountedWhateverTheirStamp) {
 }
 
 TEST(FrameAssembler, BadNumbersAreRejectedByName) {
-  FrameAssembler assembler(three_ring_arm(), without_waiting());
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   feed.frames(0, 10);
   assembler.take();
@@ -188,17 +188,17 @@ TEST(FrameAssembler, BadNumbersAreRejectedByName) {
 }
 
 TEST(FrameAssembler, SignOfAQuaternionDoesNotMatter) {
-  FrameAssembler assembler(three_ring_arm(), without_waiting());
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   for (int k = 0; k < 100; ++k) {
     for (int body = -1; body < 3; ++body) feed.body(body, k, k % 2 ? -1.0 : 1.0);
   }
-  for (const Frame& frame : assembler.take()) EXPECT_GT(frame.bodies[2].q_mocap->w(), 0.9);
+  for (const trial::Frame& frame : assembler.take()) EXPECT_GT(frame.bodies[2].q_mocap->w(), 0.9);
   EXPECT_TRUE(assembler.rejected().empty());
 }
 
 TEST(FrameAssembler, BadStampsAreRejected) {
-  FrameAssembler assembler(three_ring_arm(), without_waiting());
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   feed.frames(0, 10);
   for (double stamp : {0.0, -1.0, kNan, std::numeric_limits<double>::infinity()}) {
@@ -210,17 +210,18 @@ TEST(FrameAssembler, BadStampsAreRejected) {
 }
 
 TEST(FrameAssembler, UnknownBodyOrInputThrows) {
-  FrameAssembler assembler(three_ring_arm(), without_waiting());
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
   EXPECT_THROW(assembler.add_body(3, 1.0, {0, 0, 1}, {}), std::out_of_range);
   EXPECT_THROW(assembler.add_input(2, 1.0, 1e5), std::out_of_range);
-  Arm fixed = three_ring_arm();
+  arm::Arm fixed = three_ring_arm();
   fixed.base.body.reset();
-  FrameAssembler without_base(fixed, without_waiting());
-  EXPECT_THROW(without_base.add_body(FrameAssembler::kBaseBody, 1.0, {0, 0, 1}, {}), std::out_of_range);
+  trial::FrameAssembler without_base(fixed, without_waiting());
+  EXPECT_THROW(without_base.add_body(trial::FrameAssembler::kBaseBody, 1.0, {0, 0, 1}, {}),
+               std::out_of_range);
 }
 
 TEST(FrameAssembler, EveryInstantIsEmittedDroppedOrOpen) {
-  FrameAssembler assembler(three_ring_arm(), without_waiting());
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
   std::mt19937 random(7);
   std::uniform_real_distribution<double> unit(0.0, 1.0);

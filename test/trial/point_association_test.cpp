@@ -1,5 +1,5 @@
 // Unlabelled points of a moving arm among ghosts: never another body's point, however much is missing.
-#include "softarm/trial/point_association.h"
+#include "trial/point_association.h"
 
 #include <gtest/gtest.h>
 
@@ -9,27 +9,27 @@
 #include <limits>
 #include <random>
 
-#include "../../src/trial/assignment.h"
+#include "trial/assignment.h"
 
 namespace softarm {
 namespace {
 
 using Points = std::vector<Eigen::Vector3d>;
-using Outcome = PointAssociator::Outcome;
+using Outcome = trial::PointAssociator::Outcome;
 
 constexpr double kLengthM = 0.2;
 constexpr double kNoiseM = 3e-4;
 
 /// A hanging arm with rings at equal distances.
-Arm hanging_arm(int rings) {
-  Arm arm;
+arm::Arm hanging_arm(int rings) {
+  arm::Arm arm;
   arm.name = "points";
   arm.base.fixed_pose.translation() = Eigen::Vector3d(0.3, 0.1, 1.0);
   arm.base.fixed_pose.linear() = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()).toRotationMatrix();
   arm.segments.resize(1);
   arm.segments[0].length_m = kLengthM;
   for (int i = 1; i <= rings; ++i) {
-    MeasuredBody body;
+    arm::MeasuredBody body;
     body.name = "ring_" + std::to_string(i);
     body.arclength_m = kLengthM * i / rings;
     body.position_sd_m = kNoiseM;
@@ -40,7 +40,7 @@ Arm hanging_arm(int rings) {
 
 /// Section frame of a constant-curvature arm that bends, turns, stretches: 2.2 rad at most, tip up to 0.8
 /// m/s.
-Eigen::Isometry3d section(const Arm& arm, double s, double t) {
+Eigen::Isometry3d section(const arm::Arm& arm, double s, double t) {
   const double bend = 0.2 + 2.0 * std::pow(std::sin(2.0 * M_PI * 0.35 * t), 2);
   const double azimuth = 1.7 * t;
   const double length = s * (1.08 + 0.08 * std::sin(2.0 * t));
@@ -66,8 +66,8 @@ struct Score {
 };
 
 /// Feeds shuffled points and compares with the truth.
-Score run(const Arm& arm, PointAssociator& associator, const Faults& faults, double rate_hz, int frames,
-          unsigned seed) {
+Score run(const arm::Arm& arm, trial::PointAssociator& associator, const Faults& faults, double rate_hz,
+          int frames, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(0.0, kNoiseM);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -116,17 +116,17 @@ TEST(Assignment, IsTheBestOfAllPermutations) {
     for (int j = 0; j < columns; ++j) order[static_cast<std::size_t>(j)] = j;
     double least = std::numeric_limits<double>::max();
     do {
-      least = std::min(least, total_cost(cost, {order.begin(), order.begin() + rows}));
+      least = std::min(least, trial::total_cost(cost, {order.begin(), order.begin() + rows}));
     } while (std::next_permutation(order.begin(), order.end()));
-    EXPECT_EQ(total_cost(cost, cheapest_assignment(cost)), least);
+    EXPECT_EQ(trial::total_cost(cost, trial::cheapest_assignment(cost)), least);
   }
 }
 
 TEST(PointAssociation, FollowsAMovingArmFromItsFirstInstant) {
   for (int rings : {1, 3, 4, 8}) {
     for (double rate_hz : {50.0, 120.0, 240.0}) {
-      const Arm arm = hanging_arm(rings);
-      PointAssociator associator(arm);
+      const arm::Arm arm = hanging_arm(rings);
+      trial::PointAssociator associator(arm);
       const Score score = run(arm, associator, {}, rate_hz, static_cast<int>(8 * rate_hz), 1);
       EXPECT_EQ(score.wrong, 0) << rings << " rings at " << rate_hz;
       EXPECT_EQ(score.absent, 0) << rings << " rings at " << rate_hz;
@@ -139,12 +139,12 @@ TEST(PointAssociation, FollowsAMovingArmFromItsFirstInstant) {
 TEST(PointAssociation, GhostsAndLossesSwapNothing) {
   int right = 0, wrong = 0, absent = 0;
   for (unsigned seed = 0; seed < 12; ++seed) {
-    const Arm arm = hanging_arm(4);
-    PointAssociator associator(arm);
+    const arm::Arm arm = hanging_arm(4);
+    trial::PointAssociator associator(arm);
     const Faults faults{0.05, 4, 0.02};
     const Score score = run(arm, associator, faults, 120.0, 2400, seed);
     right += score.right, wrong += score.wrong, absent += score.absent;
-    // A ghost that passes through a ring in the very frame in which it is lost cannot be told from it; it
+    // A ghost that passes through a ring in the very frame in which it is lost cannot be distinguished; it
     // may not stay.
     EXPECT_LT(score.longest_wrong, 12) << seed;
     EXPECT_LT(score.worst_m, 0.03) << seed;
@@ -156,8 +156,8 @@ TEST(PointAssociation, GhostsAndLossesSwapNothing) {
 
 TEST(PointAssociation, ABodyThatWasLongLostReturnsAsItself) {
   for (int ghosts : {0, 3}) {
-    const Arm arm = hanging_arm(4);
-    PointAssociator associator(arm);
+    const arm::Arm arm = hanging_arm(4);
+    trial::PointAssociator associator(arm);
     Faults faults;
     faults.ghosts = ghosts;
     faults.lost_from = 100;
@@ -170,13 +170,13 @@ TEST(PointAssociation, ABodyThatWasLongLostReturnsAsItself) {
 }
 
 TEST(PointAssociation, StartWithMissingAndStrangePoints) {
-  const Arm arm = hanging_arm(4);
+  const arm::Arm arm = hanging_arm(4);
   const auto place = [&](int i) {
     return Eigen::Vector3d(section(arm, kLengthM * i / 4, 1.0).translation());
   };
   const Eigen::Vector3d far(1.5, 0.0, 0.4);
   {  // three of four: which is missing follows from the spacing
-    PointAssociator associator(arm);
+    trial::PointAssociator associator(arm);
     const auto found = associator.update(1.0, {place(4), far, place(1), place(3)});
     EXPECT_TRUE(found[0] && found[2] && found[3] && !found[1]);
     EXPECT_NEAR((*found[2] - place(3)).norm(), 0.0, 1e-12);
@@ -185,14 +185,14 @@ TEST(PointAssociation, StartWithMissingAndStrangePoints) {
     EXPECT_EQ(associator.points_unused(), 1u);
   }
   {  // two points for the tip: it is absent, the others are not
-    PointAssociator associator(arm);
+    trial::PointAssociator associator(arm);
     const Eigen::Vector3d beside = place(4) + Eigen::Vector3d(0.006, 0.004, 0.0);
     const auto found = associator.update(1.0, {place(4), beside, place(1), place(3), place(2)});
     EXPECT_TRUE(found[0] && found[1] && found[2] && !found[3]);
     EXPECT_EQ(associator.outcomes()[3], Outcome::kAmbiguous);
   }
   {  // nothing but rubbish
-    PointAssociator associator(arm);
+    trial::PointAssociator associator(arm);
     const double nan = std::numeric_limits<double>::quiet_NaN();
     for (const auto& p : associator.update(1.0, {far, {nan, 0, 0}, -far})) EXPECT_FALSE(p);
     for (const auto& p : associator.update(1.1, {})) EXPECT_FALSE(p);
@@ -204,10 +204,10 @@ TEST(PointAssociation, StartWithMissingAndStrangePoints) {
 }
 
 TEST(PointAssociation, WithoutTheBaseNothingIsGuessed) {
-  Arm arm = hanging_arm(4);
+  arm::Arm arm = hanging_arm(4);
   arm.base.body = "base";
   const Eigen::Isometry3d base = arm.base.fixed_pose;
-  PointAssociator associator(arm);
+  trial::PointAssociator associator(arm);
   const auto points = [&](double t) {
     Points all;
     for (int i = 4; i > 0; --i) all.push_back(section(arm, kLengthM * i / 4, t).translation());
@@ -225,8 +225,8 @@ TEST(PointAssociation, WithoutTheBaseNothingIsGuessed) {
 }
 
 TEST(PointAssociation, TwoPointsForOneBodyAreNone) {
-  const Arm arm = hanging_arm(4);
-  PointAssociator associator(arm);
+  const arm::Arm arm = hanging_arm(4);
+  trial::PointAssociator associator(arm);
   for (int k = 0; k < 60; ++k) {
     const double t = k / 240.0;
     Points points;
@@ -241,8 +241,8 @@ TEST(PointAssociation, TwoPointsForOneBodyAreNone) {
 }
 
 TEST(PointAssociation, AnArmThatWasMovedOrATimeThatJumpedStartsAfreshAndSaysSo) {
-  const Arm arm = hanging_arm(4);
-  PointAssociator associator(arm);
+  const arm::Arm arm = hanging_arm(4);
+  trial::PointAssociator associator(arm);
   run(arm, associator, {}, 120.0, 240, 1);
   EXPECT_EQ(associator.restarts(), 0u);
   const Score again = run(arm, associator, {}, 120.0, 240, 2);  // a bag that starts again
@@ -251,12 +251,12 @@ TEST(PointAssociation, AnArmThatWasMovedOrATimeThatJumpedStartsAfreshAndSaysSo) 
 }
 
 TEST(PointAssociation, CirclesOfMarkersGiveTheirCentres) {
-  Arm arm = hanging_arm(3);
-  for (MeasuredBody& body : arm.bodies) {
+  arm::Arm arm = hanging_arm(3);
+  for (arm::MeasuredBody& body : arm.bodies) {
     body.markers = 4;
-    body.marker_circle_radius_m = 0.025;
+    body.marker_cluster_radius_m = 0.025;
   }
-  PointAssociator associator(arm);
+  trial::PointAssociator associator(arm);
   std::mt19937 random(1);
   std::normal_distribution<double> noise(0.0, 1e-4);
   int right = 0, hidden = 0;
@@ -291,8 +291,8 @@ TEST(PointAssociation, CirclesOfMarkersGiveTheirCentres) {
 }
 
 TEST(PointAssociation, IsFastEnoughForEveryFrameOfALiveStream) {
-  const Arm arm = hanging_arm(8);
-  PointAssociator associator(arm);
+  const arm::Arm arm = hanging_arm(8);
+  trial::PointAssociator associator(arm);
   const auto start = std::chrono::steady_clock::now();
   run(arm, associator, {0.02, 12, 0.1}, 240.0, 2400, 1);
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;

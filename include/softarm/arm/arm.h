@@ -16,7 +16,7 @@
 
 #include "softarm/arm/inputs.h"
 
-namespace softarm {
+namespace softarm::arm {
 
 /// A measured bending stiffness at a pressure of the central chamber.
 struct PressureKnot {
@@ -127,9 +127,9 @@ struct MeasuredBody {
   double radius_m = 0.0;            ///< skin markers: distance from the backbone
   /// Pose of the backbone's section frame in the body's own frame (rings).
   Eigen::Isometry3d section_in_body = Eigen::Isometry3d::Identity();
-  /// Rings known by unlabelled points: how many markers sit on a circle around its centre; 1: one point.
+  /// Rings known by unlabelled points: how many its marker cluster, a circle, has; 1: one point.
   int markers = 1;
-  double marker_circle_radius_m = 0.0;  ///< of that circle, where there are several
+  double marker_cluster_radius_m = 0.0;  ///< of that circle, where there are several
   /// Labelled markers that make up a ring, for drivers that report markers: its position is their centroid,
   /// or, where all say where they sit (three or more), pose of the body that fits them best. Empty: the
   /// body's name is the label of its only marker.
@@ -143,7 +143,7 @@ struct Base {
   std::optional<std::string> body;  ///< body whose pose carries the base; absent: fixed
   Eigen::Isometry3d rod_in_body = Eigen::Isometry3d::Identity();  ///< rod base frame in the body's frame
   Eigen::Isometry3d fixed_pose = Eigen::Isometry3d::Identity();   ///< rod base in mocap, if no body
-  std::vector<LabelledMarker> labelled_markers;  ///< that tell the body's pose, as for MeasuredBody
+  std::vector<LabelledMarker> labelled_markers;  ///< that fix the body's pose, as for MeasuredBody
   bool hold_last = true;  ///< while the body is lost, keep its last pose (the mount does not move)
 };
 
@@ -172,9 +172,9 @@ struct EstimatorOptions {
   Method method = Method::kFullPoints;
   Unknown unknown = Unknown::kStiffness;
   Objective objective = Objective::kLeastSquares;
-  std::optional<Weights> weights;   ///< absent: noise for least squares, the paper's for sum of distances
-  bool robust = true;               ///< bound the influence of an outlying body and drop it
-  double tells_relative_sd = 0.25;  ///< a parameter is told by a frame at this relative sd or better
+  std::optional<Weights> weights;  ///< absent: noise for least squares, the paper's for sum of distances
+  bool robust = true;              ///< bound the influence of an outlying body and drop it
+  double identifiable_relative_sd = 0.25;  ///< a parameter is identifiable in a frame at this relative sd
   LawPrior prior;
   /// Frames of this last time share bending stiffness and payload (and the lasting part of the laws' errors);
   /// 0: each frame by itself.
@@ -208,4 +208,4 @@ struct Arm {
   }
 };
 
-}  // namespace softarm
+}  // namespace softarm::arm

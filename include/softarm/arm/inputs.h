@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace softarm {
+namespace softarm::arm {
 
 /// A marker that the driver reports under a label.
 struct LabelledMarker {
@@ -30,6 +30,12 @@ enum class InputKind {
   kAngle,     ///< of a servo, rad
 };
 
+/// What an input was between two of its samples.
+enum class Between {
+  kSampled,  ///< a sensor: straight lines between samples that follow one another
+  kHeld,     ///< a command that is latched: the last value
+};
+
 /// One scalar input and where it comes from.
 struct ScalarInput {
   std::string name;  ///< referred to by chambers, jamming, tendons and cables
@@ -45,11 +51,12 @@ struct ScalarInput {
   double zero_si = 0.0;  ///< subtracted from tensions and angles: the reading at which the arm is not driven
   PressureReference reference = PressureReference::kAbsolute;  ///< of pressures
   double latency_s = 0.0;  ///< stamp minus the instant that it means: delay and what its clock is ahead
+  std::optional<Between> between;  ///< absent: what the rhythm of its samples says
 };
 
 /// Where poses or points of bodies come from, and what turns them into metres in the mocap frame.
 struct BodySource {
-  std::string topic = "/mocap/<body>/pose";  ///< <body> is replaced by the body's name
+  std::string topic = "/mocap/<body>/pose";  ///< `<body>` is replaced by the body's name
   std::string type = "geometry_msgs/PoseStamped";
   double scale_to_m = 1.0;
   /// The driver's axes to the mocap frame's: a permutation with signs; a determinant of -1 undoes a
@@ -74,4 +81,4 @@ struct Inputs {
   double input_max_age_s = 0.5;          ///< an older pressure, tension or angle is missing
 };
 
-}  // namespace softarm
+}  // namespace softarm::arm

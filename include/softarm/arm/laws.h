@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "softarm/arm/arm.h"
+#include "softarm/export.h"
 
-namespace softarm {
+namespace softarm::arm {
 
 /// Values of all inputs in the order of Arm::inputs.scalars, as InputKind says: chambers as gauge Pa, vacuum
 /// as Pa below ambient, tensions in N, angles in rad. An input that is not known is absent.
@@ -50,21 +51,22 @@ struct SegmentPrediction {
 /// @return nothing where an input that the segment needs is absent or not finite, or where the inputs lie so
 /// far outside the laws' validity that no positive length or stiffness, or no stable stretch of the material,
 /// remains. The vacuum is needed only by a segment whose stiffness depends on it.
-std::optional<SegmentPrediction> predict_segment(const Arm& arm, const Segment& segment,
-                                                 const InputValues& inputs);
+SOFTARM_EXPORT std::optional<SegmentPrediction> predict_segment(const Arm& arm, const Segment& segment,
+                                                                const InputValues& inputs);
 
 /// All segments, base to tip; nothing where one has nothing.
-std::optional<std::vector<SegmentPrediction>> predict(const Arm& arm, const InputValues& inputs);
+SOFTARM_EXPORT std::optional<std::vector<SegmentPrediction>> predict(const Arm& arm,
+                                                                     const InputValues& inputs);
 
 /// Whether EI of the segment depends on inputs.
-bool stiffness_depends_on_inputs(const Segment& segment);
+SOFTARM_EXPORT bool stiffness_depends_on_inputs(const Segment& segment);
 
 /// Indices into Arm::inputs.scalars of what the segment's laws need, increasing. The vacuum is among them
 /// only where the stiffness depends on it.
-std::vector<int> inputs_of(const Arm& arm, const Segment& segment);
+SOFTARM_EXPORT std::vector<int> inputs_of(const Arm& arm, const Segment& segment);
 
 /// Names of the inputs that the segment's laws need and that are absent or not finite: "chamber_1, tendon_2";
 /// empty if there is none.
-std::string missing_inputs(const Arm& arm, const Segment& segment, const InputValues& inputs);
+SOFTARM_EXPORT std::string missing_inputs(const Arm& arm, const Segment& segment, const InputValues& inputs);
 
-}  // namespace softarm
+}  // namespace softarm::arm

@@ -7,8 +7,9 @@
 
 #include "softarm/arm/arm.h"
 #include "softarm/diagnose/diagnosis.h"
-#include "softarm/effects/effect.h"
+#include "softarm/export.h"
 #include "softarm/identify/shape_error.h"
+#include "softarm/model/present.h"
 
 namespace softarm::diagnose {
 
@@ -16,15 +17,12 @@ struct Options {
   double block_s = 0.1;  ///< over which frames are averaged before they are compared
   int most_effects = 4;  ///< in one verdict
   int refits = 4;        ///< of the screen's best, per round
-  double least_z = 5.0;  ///< of an effect that is named
-  /// Too small to matter: what an effect moves the bodies by beyond what the constants absorb, rms.
-  double trivial_m = 5e-5;
   /// Patterns of constants that keep the arm file's value, and of those that have one value in all segments,
   /// as identify::matching() and identify::tie_constants() have them.
   std::vector<std::string> held, tied;
   unsigned jobs = 0;  ///< threads; 0: one per core
   /// Effects of the arm file: in the baseline and in everything else, at their values.
-  std::vector<effects::Present> known;
+  std::vector<model::Present> known;
 };
 
 /// Called with the share of the work that is done, 0 ... 1, and what is being done.
@@ -42,7 +40,7 @@ using Progress = std::function<void(double, const std::string&)>;
 /// 6. Verdict; a name only where no rival does as well.
 /// @throws identify::IdentifyError where the trials cannot be used
 /// @throws std::invalid_argument for patterns that match nothing
-Diagnosis diagnose(const Arm& arm, const std::vector<identify::Trial>& trials, const Options& options = {},
-                   const Progress& progress = {});
+SOFTARM_EXPORT Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
+                                  const Options& options = {}, const Progress& progress = {});
 
 }  // namespace softarm::diagnose

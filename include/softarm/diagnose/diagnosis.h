@@ -1,6 +1,6 @@
 // What a diagnosis says: where model and recordings differ, what was left out, and how sure that is.
 //
-// Plain values, made by diagnose() and turned into words, report.json and report.html.
+// Plain values, made by diagnose() and turned into sentences, report.json and report.html.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +11,8 @@
 #include <vector>
 
 #include "softarm/arm/arm.h"
-#include "softarm/arm/effect_entry.h"
+#include "softarm/arm/arm_file.h"
+#include "softarm/export.h"
 
 namespace softarm::diagnose {
 
@@ -20,16 +21,16 @@ enum class Verdict {
   kExplained,        ///< named effects explain at least 0.9 of what could be explained, and the rest is noise
   kPartlyExplained,  ///< named effects explain half of it or more
   kUnknown,          ///< something is there that no effect of the catalogue explains
-  kCannotTell,       ///< these trials cannot tell: what is there hides behind the arm's own constants, or
-                     ///< behind a rival
+  kCannotTell,  ///< these trials cannot tell: what is there is collinear with the arm's own constants, or
+                ///< with a rival
 };
 
 /// "consistent", "explained", "partly_explained", "unknown", "cannot_tell".
-std::string to_string(Verdict verdict);
+SOFTARM_EXPORT std::string to_string(Verdict verdict);
 
 /// A number of a named effect with its 90 % interval.
 struct EffectValue {
-  std::string symbol, unit, words;
+  std::string symbol, unit, description;
   double value = 0.0, low = 0.0, high = 0.0;
 };
 
@@ -43,8 +44,8 @@ struct Where {
 
 /// An effect that the verdict stands on.
 struct NamedEffect {
-  std::string id;     ///< of the catalogue
-  std::string words;  ///< what it is, for a user
+  std::string id;           ///< of the catalogue
+  std::string description;  ///< what it is, for a user
   double probability = 0.0;
   std::vector<EffectValue> parameters;
   Where where;
@@ -58,18 +59,18 @@ enum class Finding {
   kPresent,
   kAbsent,      ///< it would have been seen at a size that matters
   kTrivial,     ///< it may be there, too small to matter
-  kCannotTell,  ///< concealed, or not excited by these trials
+  kCannotTell,  ///< collinear with the constants, or not excited by these trials
   kRival,       ///< would explain the same as an effect that ranks before it
   kNotOfThisArm,
 };
-std::string to_string(Finding finding);
+SOFTARM_EXPORT std::string to_string(Finding finding);
 
 /// One candidate of the catalogue, after the screen and, for the best, the refit.
 struct Candidate {
-  std::string id, words;
+  std::string id, description;
   Finding finding = Finding::kAbsent;
   double probability = 0.0;
-  double concealment = 0.0;          ///< share of its signature that the arm's own constants absorb, 0 ... 1
+  double collinearity = 0.0;         ///< share of its signature that the arm's own constants absorb, 0 ... 1
   bool detectable = true;            ///< a usual size would be seen in these trials
   bool possible = true;              ///< the size that fits best is one that an arm can have
   double z = 0.0;                    ///< of the score test, in standard deviations
@@ -97,8 +98,8 @@ struct Shift {
 
 /// What arm_extended.yaml holds.
 struct ExtendedArm {
-  Arm arm;  ///< with the constants fitted together with the effects
-  std::vector<EffectEntry> effects;
+  arm::Arm arm;  ///< with the constants fitted together with the effects
+  std::vector<arm::EffectEntry> effects;
 };
 
 /// What is left of the residuals.
@@ -117,15 +118,15 @@ struct Structure {
 struct WeighedExperiment {
   std::string action;
   double separation = 0.0;           ///< as NextExperiment::expected_separation, were this one done
-  std::vector<std::string> hardest;  ///< the two that it would tell apart worst
-  std::vector<std::string> shows;  ///< effects that it would bring to light where nothing is to be told apart
+  std::vector<std::string> hardest;  ///< the two that it would separate worst
+  std::vector<std::string> shows;    ///< effects that it would bring to light where there are no rivals
 };
 
-/// What to record next: of a menu what tells rivals apart best, or brings most hidden effects to light.
+/// What to record next: of a menu what separates rivals best, or brings most collinear effects to light.
 struct NextExperiment {
   std::string action;  ///< in a sentence
   std::vector<std::string> separates;
-  /// In standard deviations: of the two that it tells apart worst once all constants are fitted anew to old
+  /// In standard deviations: of the two that it separates worst once all constants are fitted anew to old
   /// and new trials; or of the least of the effects that it brings to light.
   double expected_separation = 0.0;
   double today = 0.0;                        ///< the same of the trials that there are
@@ -157,14 +158,14 @@ struct AlongArm {
 
 /// One instant as a picture: base frame, m.
 struct Snapshot {
-  std::string trial, words;  ///< "largest error before", "typical"
+  std::string trial, description;  ///< "largest error before", "typical"
   double t_s = 0.0;
   std::vector<Eigen::Vector3d> measured, backbone_before, backbone_after;
 };
 
 /// One rung of the pooling ladder: the same trials under models with fewer and fewer free numbers.
 struct Rung {
-  std::string id, words;
+  std::string id, description;
   int unknowns = 0;
   double rms_m = 0.0;  ///< per body, as if no unknown had been fitted: the noise floor where chance is all
   double chi2_per_dof = 1.0;  ///< against the noise and what is not known of the motion: 1 where that is all
@@ -172,7 +173,7 @@ struct Rung {
 
 /// A parameter of the per-frame fits (EI, M0, phi, L) against something it ought not to depend on, or depends
 /// on more than the arm's laws say.
-struct Wander {
+struct ParameterVariation {
   std::string parameter, unit, against, against_unit;
   std::vector<double> x, value, law;  ///< law: what the arm's laws say there
   double p = 1.0;                     ///< of no dependence beyond the laws
@@ -199,13 +200,8 @@ struct Diagnosis {
   AlongArm along;
   std::vector<Snapshot> snapshots;
   std::vector<Rung> ladder;     ///< from fits of single instants to one arm
-  std::string ladder_sentence;  ///< where the mismatch hides
-  std::vector<Wander> wander;
+  std::string ladder_sentence;  ///< on which rung the mismatch shows
+  std::vector<ParameterVariation> parameter_variation;
 };
-
-/// For the terminal: sentences and a short table.
-std::string describe(const Diagnosis& diagnosis);
-/// report.json as doc/diagnose.md has it.
-std::string to_json(const Diagnosis& diagnosis);
 
 }  // namespace softarm::diagnose

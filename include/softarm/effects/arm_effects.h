@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "softarm/arm/arm.h"
-#include "softarm/arm/effect_entry.h"
-#include "softarm/effects/effect.h"
+#include "softarm/arm/arm_file.h"
+#include "softarm/export.h"
+#include "softarm/model/present.h"
 
 namespace softarm::effects {
 
@@ -15,14 +16,16 @@ namespace softarm::effects {
 /// sizes, else as usual.
 /// @throws ArmError (file, key, value, allowed) for an effect that the catalogue does not have, that this arm
 /// cannot have, or whose numbers are unknown, missing or outside their range
-std::vector<Present> effects_of(const Arm& arm, const std::vector<EffectEntry>& entries);
+SOFTARM_EXPORT std::vector<model::Present> effects_of(const arm::Arm& arm,
+                                                      const std::vector<arm::EffectEntry>& entries);
 
 /// How an arm file names it. @param sd of its values where they are known; not positive: not of this one
-EffectEntry entry_of(const Present& present, const std::optional<Values>& sd = std::nullopt);
+SOFTARM_EXPORT arm::EffectEntry entry_of(const model::Present& present,
+                                         const std::optional<model::Values>& sd = std::nullopt);
 
 /// Those of the file that load_arm_file() finds under this name.
 /// @throws ArmError as both
-std::vector<Present> load_effects(const Arm& arm, const std::string& name,
-                                  const std::vector<std::string>& directories = {});
+SOFTARM_EXPORT std::vector<model::Present> load_effects(const arm::Arm& arm, const std::string& name,
+                                                        const std::vector<std::string>& directories = {});
 
 }  // namespace softarm::effects

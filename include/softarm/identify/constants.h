@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "softarm/arm/arm.h"
+#include "softarm/export.h"
 
 namespace softarm::identify {
 
@@ -34,48 +35,51 @@ struct ConstantRef {
 };
 
 /// The constant's segment and those that are tied to it.
-std::vector<int> segments_of(const ConstantRef& constant);
+SOFTARM_EXPORT std::vector<int> segments_of(const ConstantRef& constant);
 
 /// "<segment>.<what>", counted from 1: "segment_1.chamber_2.moment_gain", "segment_1.chamber_2.elongation",
 /// "segment_1.bending_stiffness.base", ".per_min_pressure", ".per_jamming_pressure", ".by_pressure.3",
 /// "segment_1.tendon_1.offset", "segment_1.cable_1.curvature_gain", "segment_1.axial_stiffness",
 /// "segment_1.length", "segment_1.rest_curvature.x". Tied ones: "segment_1=segment_2.bending_stiffness.base".
-std::string name_of(const Arm& arm, const ConstantRef& constant);
+SOFTARM_EXPORT std::string name_of(const arm::Arm& arm, const ConstantRef& constant);
 /// SI, as a person writes it: "N m/Pa".
-std::string unit_of(ConstantKind kind);
+SOFTARM_EXPORT std::string unit_of(ConstantKind kind);
 
-double value_of(const Arm& arm, const ConstantRef& constant);
+SOFTARM_EXPORT double value_of(const arm::Arm& arm, const ConstantRef& constant);
 
 /// Sets one constant, in all of its segments.
 /// - kElongation changes near_elongation and leaves far_elongation.
 /// - kLength carries along what sits on the segment: bodies and payload keep their fraction of it, and its
 ///   mass stays what it weighs (mass_per_length changes).
-void set_value(Arm& arm, const ConstantRef& constant, double value);
+SOFTARM_EXPORT void set_value(arm::Arm& arm, const ConstantRef& constant, double value);
 
 /// What the description of an arm allows.
-Range allowed_range(const Arm& arm, const ConstantRef& constant);
+SOFTARM_EXPORT arm::Range allowed_range(const arm::Arm& arm, const ConstantRef& constant);
 
-/// Whether an input pulls along the segment: a central chamber or a tendon. Else only weights tell EA.
-bool strained_by_inputs(const Segment& segment);
+/// Whether an input pulls along the segment: a central chamber or a tendon. Else EA is identifiable by
+/// weights alone.
+SOFTARM_EXPORT bool strained_by_inputs(const arm::Segment& segment);
 
 /// Every constant that the arm has, base to tip: those of its actuation and stiffness laws, then EA where it
 /// is given, lengths and rest curvatures. A knot of by_pressure replaces base.
-std::vector<ConstantRef> constants_of(const Arm& arm);
+SOFTARM_EXPORT std::vector<ConstantRef> constants_of(const arm::Arm& arm);
 
 /// Those that identification frees unless told otherwise: all but lengths and rest curvatures, and EA only
 /// where an input strains the arm (what a payload stretches it by is often less than what the laws leave).
-std::vector<ConstantRef> default_free(const Arm& arm);
+SOFTARM_EXPORT std::vector<ConstantRef> default_free(const arm::Arm& arm);
 
 /// The constants whose name matches one of the shell patterns ("*.moment_gain", "segment_1.length"); a
 /// pattern without a dot matches the last part of a name ("length").
 /// @throws std::invalid_argument where a pattern matches none; the line lists the names
-std::vector<ConstantRef> matching(const Arm& arm, const std::vector<std::string>& patterns);
+SOFTARM_EXPORT std::vector<ConstantRef> matching(const arm::Arm& arm,
+                                                 const std::vector<std::string>& patterns);
 
 /// Ties constants of several segments to one value each: of those of `list` that match a pattern, such as
 /// "*.bending_stiffness.base", the ones of one kind and index become one constant.
 /// @throws std::invalid_argument where a pattern matches none of the arm's, or none of the list's in two
 /// segments
-std::vector<ConstantRef> tie_constants(const Arm& arm, const std::vector<ConstantRef>& list,
-                                       const std::vector<std::string>& patterns);
+SOFTARM_EXPORT std::vector<ConstantRef> tie_constants(const arm::Arm& arm,
+                                                      const std::vector<ConstantRef>& list,
+                                                      const std::vector<std::string>& patterns);
 
 }  // namespace softarm::identify

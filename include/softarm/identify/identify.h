@@ -11,13 +11,14 @@
 #include <vector>
 
 #include "softarm/arm/arm.h"
+#include "softarm/export.h"
 #include "softarm/identify/constants.h"
 #include "softarm/identify/shape_error.h"
 
 namespace softarm::identify {
 
 /// Trials that nothing can be identified from. what() is one line: what is wrong, and the remedy.
-class IdentifyError : public std::runtime_error {
+class SOFTARM_EXPORT IdentifyError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
@@ -82,7 +83,7 @@ struct TrialSummary {
 };
 
 struct Result {
-  Arm arm;  ///< the given arm with identified constants and prior; undetermined ones keep to their start
+  arm::Arm arm;  ///< the given arm with identified constants and prior; undetermined ones keep to their start
   std::vector<Constant> constants;
   Eigen::MatrixXd correlation;  ///< of the constants, in their order
   Eigen::MatrixXd covariance;   ///< in the units of the constants; see Constant::sd
@@ -95,7 +96,7 @@ struct Result {
   std::vector<TrialSummary> left_out_one;
   ShapeError left_out_one_before, left_out_one_after;
 
-  LawPrior prior;
+  arm::LawPrior prior;
   double misfit = 0.0;                            ///< sqrt(chi^2 / dof): rms residual over the stated noise
   double position_rms_m = 0.0;                    ///< per coordinate, of the fitted bodies
   double autocorrelation = 1.0;                   ///< number of consecutive fitted frames that are worth one
@@ -124,19 +125,20 @@ using ProgressCallback = std::function<void(double)>;
 ///    repeated. The misfit is that of all bodies, of 85 % of the body's own and of its trial, whichever is
 ///    largest: what is off in many frames is the model. A stiffness that runs into its limit without making
 ///    the fit clearly better is put back to its start and the rest fitted again.
-/// 4. Covariance (J^T W J)^-1 without the weak prior that holds what the trials do not tell, widened by the
+/// 4. Covariance (J^T W J)^-1 without the weak prior that holds what the trials do not determine, widened by
+/// the
 ///    misfit, by the autocorrelation of residuals, and by the spread of the trials' own gradients (clustered
 ///    sandwich, shrunk towards the former): never narrower than noise alone.
 /// 5. Small eigenvalues of the scaled information name the combinations that are not determined.
 /// 6. Errors on held-out trials before and after; the laws' remaining errors, lasting and passing, as prior.
 /// @throws IdentifyError without usable frames; the message counts why they were left out
 /// @throws std::invalid_argument for patterns or trial names that match nothing
-Result identify(const Arm& arm, const std::vector<Trial>& trials, const Options& options = {},
-                const ProgressCallback& progress = {});
+SOFTARM_EXPORT Result identify(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
+                               const Options& options = {}, const ProgressCallback& progress = {});
 
 /// Tables for people: constants, correlations, errors, what was left out.
-std::string describe(const Result& result);
+SOFTARM_EXPORT std::string describe(const Result& result);
 /// The same for programs, JSON.
-std::string to_json(const Result& result);
+SOFTARM_EXPORT std::string to_json(const Result& result);
 
 }  // namespace softarm::identify

@@ -8,15 +8,10 @@
 #include <vector>
 
 #include "softarm/arm/arm.h"
-#include "softarm/fit/frame.h"
+#include "softarm/export.h"
+#include "softarm/trial/trial.h"
 
 namespace softarm::identify {
-
-/// The frames of one recording.
-struct Trial {
-  std::string name;
-  std::vector<Frame> frames;
-};
 
 /// Error as Table 2 of the semi-physical paper states it: per frame the distance between measured and
 /// predicted bodies, averaged over the bodies; over all frames its mean, median, maximum and minimum. All 0
@@ -41,7 +36,7 @@ struct FrameComparison {
   std::size_t trial = 0;  ///< index into the trials
   double stamp_s = 0.0;
   double payload_kg = 0.0;
-  InputValues inputs;
+  arm::InputValues inputs;
   std::vector<BodyComparison> bodies;
   double error_m = 0.0;  ///< mean distance of the bodies
 };
@@ -57,12 +52,14 @@ struct FrameChoice {
 
 /// Predicts the chosen frames of each trial. Frames without known payload, base, inputs or bodies are left
 /// out, as are those for which the arm has no equilibrium.
-std::vector<FrameComparison> compare(const Arm& arm, const std::vector<Trial>& trials,
-                                     const FrameChoice& choice = {});
+SOFTARM_EXPORT std::vector<FrameComparison> compare(const arm::Arm& arm,
+                                                    const std::vector<trial::Trial>& trials,
+                                                    const FrameChoice& choice = {});
 
-ShapeError summarise(const std::vector<FrameComparison>& frames, double length_m);
+SOFTARM_EXPORT ShapeError summarise(const std::vector<FrameComparison>& frames, double length_m);
 
 /// summarise(compare(...)).
-ShapeError shape_error(const Arm& arm, const std::vector<Trial>& trials, const FrameChoice& choice = {});
+SOFTARM_EXPORT ShapeError shape_error(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
+                                      const FrameChoice& choice = {});
 
 }  // namespace softarm::identify

@@ -17,6 +17,7 @@
 
 #include "softarm/arm/arm.h"
 #include "softarm/arm/laws.h"
+#include "softarm/export.h"
 
 namespace softarm::rod {
 
@@ -32,7 +33,7 @@ struct Segment {
   double shear_compliance = 0.0;                                   ///< 1 / GA, 1 / N
   Eigen::Vector3d rest_curvature_per_m = Eigen::Vector3d::Zero();  ///< u*, section frame
   Eigen::Vector3d moment_nm = Eigen::Vector3d::Zero();             ///< M_act, section frame, uniform
-  std::vector<StiffnessKnot> stiffness_profile;  ///< factor on EI and GJ; fixed for a Solver
+  std::vector<arm::StiffnessKnot> stiffness_profile;  ///< factor on EI and GJ; fixed for a Solver
 };
 
 /// A load at one point. Force and moment are dead (fixed in the world) or follow the section.
@@ -42,10 +43,10 @@ struct PointLoad {
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();
   Eigen::Vector3d moment_nm = Eigen::Vector3d::Zero();
   double mass_kg = 0.0;                                ///< adds the dead force mass * gravity
-  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();  ///< point of attack in the section frame
+  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();  ///< point of application in the section frame
 };
 
-struct Rod {
+struct SOFTARM_EXPORT Rod {
   Eigen::Vector3d p_base = Eigen::Vector3d::Zero();
   Eigen::Quaterniond q_base =
       Eigen::Quaterniond::Identity();  ///< section frame at s = 0; z along the tangent
@@ -59,17 +60,18 @@ struct Rod {
 /// A rod for an arm with laws applied to no input: stiffness base value, straight up along z at the origin;
 /// gravity is rotated into the rod's base frame by the caller where needed. Loads: [0] tip mass (also when
 /// 0), [1] payload of 0 kg.
-Rod make_rod(const Arm& arm);
+SOFTARM_EXPORT Rod make_rod(const arm::Arm& arm);
 /// Puts what the inputs make of the arm's segments into a rod of make_rod's layout: lengths, stiffnesses,
 /// actuation. Nothing else is touched; allocates nothing.
 /// @param predictions one per segment
-void actuate(const Arm& arm, const std::vector<SegmentPrediction>& predictions, Rod& rod);
+SOFTARM_EXPORT void actuate(const arm::Arm& arm, const std::vector<arm::SegmentPrediction>& predictions,
+                            Rod& rod);
 constexpr int kTipMassLoad = 0;
 constexpr int kPayloadLoad = 1;
 
 /// Sets `out` to `weight` of b's values and 1 - weight of a's; all have the same layout. Allocates nothing if
 /// `out` had that layout before.
-void interpolate(const Rod& a, const Rod& b, double weight, Rod& out);
+SOFTARM_EXPORT void interpolate(const Rod& a, const Rod& b, double weight, Rod& out);
 
 /// What may be free in a fit; index is that of the segment or load, component the axis (0, 1, 2).
 enum class ParameterKind {

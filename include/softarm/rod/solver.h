@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "softarm/export.h"
 #include "softarm/rod/rod.h"
 
 namespace softarm::rod {
@@ -56,7 +57,7 @@ struct SolverOptions {
 /// 5. Error estimate of the integration; refine the grid where it is too large.
 ///
 /// All memory is allocated by the constructor. Not thread-safe.
-class Solver {
+class SOFTARM_EXPORT Solver {
  public:
   /// @param layout fixes the number of segments and loads, rest lengths, profiles and places of loads; values
   /// may change

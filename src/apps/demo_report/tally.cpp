@@ -1,12 +1,12 @@
-#include "demo_report/tally.h"
+#include "tally.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "softarm/ros/backbone_sampling.h"
-#include "softarm/ros/node_statistics.h"
+#include "math/statistics.h"
+#include "ros/backbone_sampling.h"
 
 namespace softarm {
 namespace {
@@ -22,8 +22,8 @@ std::string status_name(const ArmEstimate& estimate) {
 
 /// By the arclength of the arm as it is: the truth's points are at equal ones, the estimate's at equal ones
 /// of the arm at zero input, of which each segment has grown in its own way.
-std::vector<BackbonePoint> backbone_of(const ArmEstimate& estimate) {
-  std::vector<BackbonePoint> points(estimate.backbone.size());
+std::vector<estimate::BackbonePoint> backbone_of(const ArmEstimate& estimate) {
+  std::vector<estimate::BackbonePoint> points(estimate.backbone.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto& pose = estimate.backbone[i];
     points[i].p_base = {pose.position.x, pose.position.y, pose.position.z};
@@ -42,7 +42,7 @@ double rms(const std::vector<double>& values) {
 }
 
 std::string row(const std::string& name, const std::string& value) {
-  return fmt::format("  {:<18} {}\n", name, value);
+  return fmt::format("  {:<23} {}\n", name, value);
 }
 
 /// Finds the partner of a stamp and takes it; forgets what waited too long.
@@ -64,23 +64,23 @@ void keep(std::map<ros::Time, Message>& waiting, const Message& message) {
 }  // namespace
 
 void Tally::Errors::add(double value, double sd, double true_value) {
-  ++told;
+  ++count;
   absolute.push_back(std::abs(value - true_value));
   truth.push_back(true_value);
   within_two_sd += absolute.back() <= 1.96 * sd;
 }
 
 std::string Tally::Errors::text(const char* unit, double per_unit, std::uint64_t of) const {
-  if (told == 0) return fmt::format("0 of {} frames", of);
+  if (count == 0) return fmt::format("0 of {} frames", of);
   // A value that may be zero (a payload, a moment) has no error in per cent of itself: of the median truth.
-  const double typical = quantile(truth, 0.5), median = quantile(absolute, 0.5);
+  const double typical = math::median(truth), median = math::median(absolute);
   return fmt::format(
       "{:.4g} {}, error: median {:.3g}{}, 95 % below {:.3g}; {:.0f} % within 1.96 sd; {:.0f} % of frames",
       per_unit * typical, unit, per_unit * median,
       typical > 0.0 ? fmt::format(" ({:.1f} %)", 100.0 * median / typical) : "",
-      per_unit * quantile(absolute, 0.95),
-      100.0 * static_cast<double>(within_two_sd) / static_cast<double>(told),
-      100.0 * static_cast<double>(told) / static_cast<double>(of));
+      per_unit * math::quantile(absolute, 0.95),
+      100.0 * static_cast<double>(within_two_sd) / static_cast<double>(count),
+      100.0 * static_cast<double>(count) / static_cast<double>(of));
 }
 
 void Tally::add(const ArmEstimate& estimate, ros::Time received, ros::WallTime wall_time) {
@@ -95,8 +95,9 @@ void Tally::add(const ArmEstimate& estimate, ros::Time received, ros::WallTime w
   }
   ++ok_;
   residual_m_.push_back(estimate.rms_residual);
-  told_stiffness_ += !estimate.segments.empty() && estimate.segments[0].tells_bending_stiffness;
-  told_payload_ += estimate.tells_payload;
+  identifiable_stiffness_ +=
+      !estimate.segments.empty() && estimate.segments[0].identifiable_bending_stiffness;
+  identifiable_payload_ += estimate.identifiable_payload;
   if (const auto truth = take(unmatched_truth_, estimate.header.stamp)) {
     compare(estimate, *truth);
   } else {
@@ -117,7 +118,7 @@ void Tally::compare(const ArmEstimate& estimate, const Truth& truth) {
     ++steadied_;  // a hand carries part of the load: nothing to compare
     return;
   }
-  const std::vector<BackbonePoint> backbone = backbone_of(estimate);
+  const std::vector<estimate::BackbonePoint> backbone = backbone_of(estimate);
   if (backbone.empty() || truth.backbone.size() < 2) return;
   double sum = 0.0, last = 0.0;
   const double length_m = backbone.back().arclength_m;
@@ -136,7 +137,7 @@ void Tally::compare(const ArmEstimate& estimate, const Truth& truth) {
     const auto& segment = estimate.segments[i];
     SegmentErrors& errors = segments_[i];
     errors.name = segment.name;
-    if (segment.tells_bending_stiffness && segment.determined_bending_stiffness) {
+    if (segment.identifiable_bending_stiffness && segment.determined_bending_stiffness) {
       errors.stiffness_nm2.add(segment.bending_stiffness, segment.sd_bending_stiffness,
                                truth.bending_stiffness[i]);
     }
@@ -157,17 +158,17 @@ std::string Tally::line() const {
                                  seconds > 0.0 ? static_cast<double>(frames_ - 1) / seconds : 0.0);
   if (newest_->status != ArmEstimate::STATUS_OK) return text + "  no estimate: " + status_name(*newest_);
   for (const auto& segment : newest_->segments) {
-    text += segment.tells_bending_stiffness
+    text += segment.identifiable_bending_stiffness
                 ? fmt::format("  EI {:.3g} ± {:.2g} mN m²", 1e3 * segment.bending_stiffness,
                               1e3 * segment.sd_bending_stiffness)
-                : std::string("  EI not told         ");
+                : std::string("  EI not identifiable ");
   }
   if (newest_->payload_is_known) {
     text += fmt::format("  payload {:.1f} g", 1e3 * newest_->payload);
-  } else if (newest_->tells_payload) {
+  } else if (newest_->identifiable_payload) {
     text += fmt::format("  payload {:.1f} ± {:.1f} g", 1e3 * newest_->payload, 1e3 * newest_->sd_payload);
   } else {
-    text += "  payload not told";
+    text += "  payload not identifiable";
   }
   text += fmt::format("  residual {:.2f} mm", 1e3 * newest_->rms_residual);
   if (!shape_error_m_.empty()) text += fmt::format("  shape error {:.2f} mm", 1e3 * shape_error_m_.back());
@@ -184,12 +185,12 @@ std::string Tally::table(bool with_truth) const {
   text += row("rate", fmt::format("{:.1f} frames/s",
                                   seconds > 0.0 ? static_cast<double>(frames_ - 1) / seconds : 0.0));
   text += row("latency", fmt::format("median {:.2f} ms, 99 % below {:.2f} ms (stamp to receipt)",
-                                     1e3 * quantile(latency_s_, 0.5), 1e3 * quantile(latency_s_, 0.99)));
+                                     1e3 * math::median(latency_s_), 1e3 * math::quantile(latency_s_, 0.99)));
   text += row("residual",
-              fmt::format("median {:.2f} mm (rms of the measured bodies)", 1e3 * quantile(residual_m_, 0.5)));
+              fmt::format("median {:.2f} mm (rms of the measured bodies)", 1e3 * math::median(residual_m_)));
   if (!with_truth) {
-    text += row("EI", fmt::format("told by {} of {} frames", told_stiffness_, ok_));
-    text += row("payload", fmt::format("told by {} of {} frames", told_payload_, ok_));
+    text += row("EI", fmt::format("identifiable in {} of {} frames", identifiable_stiffness_, ok_));
+    text += row("payload", fmt::format("identifiable in {} of {} frames", identifiable_payload_, ok_));
     return text;
   }
   text +=
@@ -202,7 +203,7 @@ std::string Tally::table(bool with_truth) const {
   const std::string unknown = newest_ ? newest_->unknown : "";
   for (const SegmentErrors& errors : segments_) {
     if (segments_.size() > 1) text += row(errors.name, "");
-    text += row("EI, where told",
+    text += row("EI, where identifiable",
                 unknown == "payload" ? known : errors.stiffness_nm2.text("mN m²", 1e3, compared()));
     text += row("moment", errors.moment_nm.text("mN m", 1e3, compared()));
     text += row("length", errors.length_m.text("mm", 1e3, compared()));

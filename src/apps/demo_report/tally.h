@@ -32,7 +32,7 @@ class Tally {
  private:
   /// Of one estimated quantity, over the frames that determine it.
   struct Errors {
-    std::uint64_t told = 0, within_two_sd = 0;
+    std::uint64_t count = 0, within_two_sd = 0;
     std::vector<double> absolute, truth;
     void add(double value, double sd, double true_value);
     std::string text(const char* unit, double per_unit, std::uint64_t of) const;
@@ -48,7 +48,7 @@ class Tally {
   std::map<std::string, std::uint64_t> refused_;
   std::optional<ros::WallTime> first_, last_;
   std::vector<double> latency_s_, shape_error_m_, tip_error_m_, residual_m_;
-  std::uint64_t told_stiffness_ = 0, told_payload_ = 0;
+  std::uint64_t identifiable_stiffness_ = 0, identifiable_payload_ = 0;
   std::vector<SegmentErrors> segments_;  // from base to tip
   Errors payload_kg_;
   std::map<ros::Time, softarm_estimator::ArmEstimate> unmatched_estimates_;

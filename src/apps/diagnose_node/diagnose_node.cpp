@@ -1,12 +1,12 @@
-#include "diagnose_node/diagnose_node.h"
+#include "diagnose_node.h"
 
 #include <fmt/format.h>
 
 #include <ctime>
 #include <filesystem>
 
-#include "diagnose_node/child.h"
-#include "softarm/ros/input_topics.h"
+#include "child.h"
+#include "ros/input_topics.h"
 
 namespace softarm::app {
 namespace {
@@ -102,13 +102,13 @@ void DiagnoseNode::on_mismatch(const softarm_estimator::Mismatch& mismatch) {
   if (running_since_ || alarm_at_) return;
   if (last_alarm_run_ && (now - *last_alarm_run_).toSec() < params_.alarm_pause_s) return;
   alarm_at_ = now;
-  ROS_INFO("alarm (%s): a diagnosis in %.0f s", mismatch.words.c_str(), params_.alarm_wait_s);
+  ROS_INFO("alarm (%s): a diagnosis in %.0f s", mismatch.description.c_str(), params_.alarm_wait_s);
 }
 
 bool DiagnoseNode::on_diagnose(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
   const Outcome outcome = diagnose("the service was called");
   response.success = outcome.success;
-  response.message = outcome.words;
+  response.message = outcome.description;
   return true;
 }
 
@@ -128,12 +128,12 @@ DiagnoseNode::Outcome DiagnoseNode::diagnose(const std::string& why) {
   try {
     outcome = run(recent);
   } catch (const std::exception& e) {
-    outcome.words = e.what();
+    outcome.description = e.what();
   }
   if (outcome.success) {
-    ROS_INFO("diagnosis: %s", outcome.words.c_str());
+    ROS_INFO("diagnosis: %s", outcome.description.c_str());
   } else {
-    ROS_WARN("diagnosis: %s", outcome.words.c_str());
+    ROS_WARN("diagnosis: %s", outcome.description.c_str());
   }
   const std::lock_guard<std::mutex> lock(state_mutex_);
   running_since_.reset();
@@ -184,7 +184,7 @@ void DiagnoseNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
                                                           (ros::WallTime::now() - *running_since_).toSec()));
   } else if (last_) {
     status.mergeSummary(last_->success ? DiagnosticStatus::OK : DiagnosticStatus::WARN,
-                        "last diagnosis: " + last_->words);
+                        "last diagnosis: " + last_->description);
   }
   if (dropped > 0) {
     status.mergeSummary(DiagnosticStatus::WARN, fmt::format("less than {:.0f} s fit into max_mb {:g}",
@@ -195,7 +195,7 @@ void DiagnoseNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.add("kept (MB)", fmt::format("{:.1f}", mb));
   status.add("diagnoses", runs_);
   status.add("running", running_since_ ? "yes" : "no");
-  if (last_) status.add("last diagnosis", last_->words);
+  if (last_) status.add("last diagnosis", last_->description);
 }
 
 }  // namespace softarm::app

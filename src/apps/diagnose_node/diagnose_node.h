@@ -14,15 +14,15 @@
 #include <thread>
 #include <vector>
 
+#include "ros/recent_messages.h"
 #include "softarm/arm/arm.h"
-#include "softarm/ros/recent_messages.h"
 
 namespace softarm::app {
 
 /// Parameters, documented in launch/diagnose.launch.
 struct DiagnoseNodeParams {
   std::string arm_name;  ///< as `softarm diagnose --arm` is given it
-  Arm arm;
+  arm::Arm arm;
   double keep_s = 300.0, trial_s = 30.0, most_mb = 1000.0;
   std::string out, program;
   std::vector<std::string> arguments;
@@ -50,7 +50,7 @@ class DiagnoseNode {
  private:
   struct Outcome {
     bool success = false;
-    std::string words;
+    std::string description;
   };
   using Event = ros::MessageEvent<topic_tools::ShapeShifter const>;
 

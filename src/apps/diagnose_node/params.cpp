@@ -1,10 +1,10 @@
 #include <cstdlib>
 #include <sstream>
 
-#include "diagnose_node/child.h"
-#include "diagnose_node/diagnose_node.h"
-#include "softarm/ros/param_reader.h"
-#include "softarm/trial/arm_file.h"
+#include "child.h"
+#include "diagnose_node.h"
+#include "ros/param_reader.h"
+#include "softarm/arm/arm_file.h"
 
 namespace softarm::app {
 namespace {
@@ -26,7 +26,7 @@ DiagnoseNodeParams DiagnoseNodeParams::read(const ros::NodeHandle& private_nh) {
   std::vector<std::string> directories;
   if (const auto directory = reader.word("arms_dir")) directories.push_back(*directory);
   params.arm_name = *arm;
-  params.arm = load_arm_file(*arm, directories);
+  params.arm = arm::load_arm_file(*arm, directories);
   params.keep_s = 60.0 * reader.number("minutes", 0.05, 240.0).value_or(params.keep_s / 60.0);
   params.trial_s = reader.number("trial_s", 1.0, 3600.0).value_or(params.trial_s);
   if (params.trial_s > params.keep_s) {

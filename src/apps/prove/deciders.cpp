@@ -1,4 +1,4 @@
-#include "prove/deciders.h"
+#include "deciders.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "diagnose/flexible.h"
 #include "diagnose/screen.h"
 #include "diagnose/unseen.h"
-#include "prove/signal.h"
+#include "signal.h"
 
 namespace softarm::prove {
 namespace {
@@ -88,8 +88,8 @@ Decision flexible(const JointModel& model, const Linearised& at) {
 
 }  // namespace
 
-std::vector<Decision> decide(const Arm& arm, const std::vector<identify::Trial>& trials, unsigned jobs) {
-  const effects::Prepared prepared = effects::prepare(arm, trials);
+std::vector<Decision> decide(const arm::Arm& arm, const std::vector<trial::Trial>& trials, unsigned jobs) {
+  const model::Prepared prepared = model::prepare(arm, trials);
   JointModel model(arm, prepared.trials, jobs);
   Linearised at = model.fit(model.start(), {});
   model.allow_for_motion(at.predicted);

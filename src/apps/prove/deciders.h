@@ -44,6 +44,6 @@ Eigen::VectorXd lasso_at(const Eigen::MatrixXd& gram, const Eigen::VectorXd& sco
 
 /// All four: per_frame (residuals of fits frame by frame), bic, lasso, gp (a flexible model alone: it never
 /// names).
-std::vector<Decision> decide(const Arm& arm, const std::vector<identify::Trial>& trials, unsigned jobs);
+std::vector<Decision> decide(const arm::Arm& arm, const std::vector<trial::Trial>& trials, unsigned jobs);
 
 }  // namespace softarm::prove

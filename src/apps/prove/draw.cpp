@@ -1,4 +1,4 @@
-#include "prove/draw.h"
+#include "draw.h"
 
 #include <fmt/format.h>
 
@@ -9,17 +9,17 @@
 #include <optional>
 #include <random>
 
-#include "prove/signal.h"
+#include "math/parallel.h"
+#include "rig/campaign.h"
+#include "rig/effect_size.h"
+#include "rig/simulator.h"
+#include "signal.h"
+#include "softarm/arm/arm_file.h"
 #include "softarm/command.h"
-#include "softarm/math/parallel.h"
 #include "softarm/output_file.h"
 #include "softarm/read_trials.h"
 #include "softarm/record_trial.h"
-#include "softarm/rig/campaign.h"
-#include "softarm/rig/effect_size.h"
-#include "softarm/rig/simulator.h"
 #include "softarm/shipped.h"
-#include "softarm/trial/arm_file.h"
 
 namespace softarm::prove {
 namespace {
@@ -60,7 +60,7 @@ class Case {
       arms.push_back(rig::parse_scenario(app::read_text(scenario), scenario.string()));
     }
     drawn_ = rig::draw_case(spec, arms, seed_of(options), options.number, attempt);
-    arm_ = load_arm_file(spec.arms[drawn_.arm].arm, app::config_folders("arms"));
+    arm_ = arm::load_arm_file(spec.arms[drawn_.arm].arm, app::config_folders("arms"));
     random_.seed(seed_of(options) * 1000003u + static_cast<std::uint64_t>(options.number) * 131u +
                  static_cast<std::uint64_t>(attempt));
     std::error_code ignored;
@@ -77,7 +77,7 @@ class Case {
   void make() {
     for (HiddenChoice& choice : drawn_.effects)
       if (spec_.signal && !spec_.signal->raw_snr) choice = rig::scaled(choice, kFirstScale);
-    const std::vector<identify::Trial> plain = recorded({}, "plain");
+    const std::vector<trial::Trial> plain = recorded({}, "plain");
     reference_ = std::make_unique<Reference>(arm_, plain, options_.jobs);
     const Residuals nothing = reference_->residuals(plain);
     Residuals background = fit_distractors(nothing);
@@ -162,7 +162,7 @@ class Case {
   }
 
   /// Simulates all trials with these effects and the distractors as they are, and reads what was recorded.
-  std::vector<identify::Trial> recorded(const std::vector<HiddenChoice>& effects, const std::string& folder) {
+  std::vector<trial::Trial> recorded(const std::vector<HiddenChoice>& effects, const std::string& folder) {
     const fs::path path = work_ / folder;
     fs::remove_all(path);
     fs::create_directories(path);
@@ -170,7 +170,7 @@ class Case {
     for (std::size_t i = 0; i < drawn_.plain.size(); ++i)
       bags.push_back((path / (name_of(i) + ".bag")).string());
     const bool with_distractors = folder != "plain";
-    in_parallel(drawn_.plain.size(), options_.jobs, [&](std::size_t i) {
+    math::in_parallel(drawn_.plain.size(), options_.jobs, [&](std::size_t i) {
       rig::Scenario scenario = drawn_.plain[i];
       try {
         for (const HiddenChoice& choice : effects) rig::hide(choice, scenario);
@@ -181,7 +181,7 @@ class Case {
       }
       app::record_trial(scenario, bags[i], path / (name_of(i) + ".truth.csv"), [] {});
     });
-    std::vector<identify::Trial> trials = app::read_trials(bags, arm_, true, options_.jobs);
+    std::vector<trial::Trial> trials = app::read_trials(bags, arm_, true, options_.jobs);
     if (folder != "trials") fs::remove_all(path);
     return trials;
   }
@@ -240,7 +240,7 @@ class Case {
   const rig::CampaignSpec& spec_;
   const DrawOptions& options_;
   const fs::path work_;
-  Arm arm_;
+  arm::Arm arm_;
   rig::CampaignCase drawn_;
   std::mt19937_64 random_;
   std::unique_ptr<Reference> reference_;

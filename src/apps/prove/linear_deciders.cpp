@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "prove/deciders.h"
+#include "deciders.h"
 
 namespace softarm::prove {
 namespace {

@@ -1,4 +1,4 @@
-#include "prove/signal.h"
+#include "signal.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -10,9 +10,9 @@
 namespace softarm::prove {
 namespace {
 
-using diagnose::Chunk;
-using diagnose::Column;
+using diagnose::JointUnknown;
 using diagnose::Linearised;
+using diagnose::TimeStretch;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
@@ -20,7 +20,7 @@ using Eigen::VectorXd;
 constexpr double kTick_s = 0.05;    // two means of one body are further apart
 constexpr double kSameRank = 1e-6;  // of the derivatives in one mean, as a share of the largest
 
-std::pair<std::int64_t, int> key_of(const effects::TrialData& trial, const effects::Block& block, int body) {
+std::pair<std::int64_t, int> key_of(const model::TrialData& trial, const model::Block& block, int body) {
   return {std::llround(trial.series.t_s[static_cast<Eigen::Index>(block.first)] / kTick_s), body};
 }
 
@@ -32,10 +32,10 @@ VectorXd per_frame_part(const diagnose::JointModel& model, const Linearised& at,
   Eigen::Index begin = 0;
   if (freedom != nullptr) *freedom = 0.0;
   Eigen::Index constants = 0;
-  for (const Column& column : at.columns) constants += column.kind == Column::Kind::kConstant;
+  for (const JointUnknown& column : at.columns) constants += column.kind == JointUnknown::Kind::kConstant;
   for (std::size_t t = 0; t < model.trials().size(); ++t) {
     Eigen::Index row = 0;
-    for (const effects::Block& block : model.trials()[t].blocks) {
+    for (const model::Block& block : model.trials()[t].blocks) {
       const auto count = 3 * static_cast<Eigen::Index>(block.bodies.size());
       auto part = left.segment(begin + row, count);
       const Eigen::Index used = (at.root_weight[t].segment(row, count).array() > 0.0).count();
@@ -53,25 +53,25 @@ VectorXd per_frame_part(const diagnose::JointModel& model, const Linearised& at,
   return left;
 }
 
-Reference::Reference(const Arm& arm, const std::vector<identify::Trial>& trials, unsigned jobs)
-    : arm_(arm), jobs_(jobs), prepared_(effects::prepare(arm, trials)), model_(arm_, prepared_.trials, jobs) {
+Reference::Reference(const arm::Arm& arm, const std::vector<trial::Trial>& trials, unsigned jobs)
+    : arm_(arm), jobs_(jobs), prepared_(model::prepare(arm, trials)), model_(arm_, prepared_.trials, jobs) {
   at_ = model_.fit(model_.start(), {});
   model_.allow_for_motion(at_.predicted);
   at_ = model_.fit(at_.at, {}, &at_.predicted);
 }
 
-Residuals Reference::residuals(const std::vector<identify::Trial>& trials) const {
-  const effects::Prepared prepared = effects::prepare(arm_, trials);
+Residuals Reference::residuals(const std::vector<trial::Trial>& trials) const {
+  const model::Prepared prepared = model::prepare(arm_, trials);
   diagnose::JointModel model(arm_, prepared.trials, jobs_);
-  std::vector<std::vector<effects::Predicted>> predicted;
+  std::vector<std::vector<model::Predicted>> predicted;
   model.predict(at_.at, nullptr, predicted);
   Residuals residuals(prepared.trials.size());
   for (std::size_t t = 0; t < prepared.trials.size(); ++t) {
-    const effects::TrialData& trial = prepared.trials[t];
+    const model::TrialData& trial = prepared.trials[t];
     for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
       if (!predicted[t][k].solved) continue;
       for (std::size_t i = 0; i < trial.blocks[k].bodies.size(); ++i) {
-        const effects::Seen& seen = trial.blocks[k].bodies[i];
+        const model::Seen& seen = trial.blocks[k].bodies[i];
         residuals[t][key_of(trial, trial.blocks[k], seen.body)] =
             seen.p_base - predicted[t][k].p.col(static_cast<Eigen::Index>(i));
       }
@@ -83,7 +83,7 @@ Residuals Reference::residuals(const std::vector<identify::Trial>& trials) const
 VectorXd Reference::orthogonal(const VectorXd& difference) const {
   const auto n = static_cast<Eigen::Index>(at_.columns.size());
   MatrixXd information = MatrixXd::Zero(n, n);
-  for (const Chunk& chunk : at_.chunks) information += chunk.information;
+  for (const TimeStretch& stretch : at_.stretches) information += stretch.information;
   VectorXd gradient = VectorXd::Zero(n);
   Eigen::Index begin = 0;
   for (const MatrixXd& j : at_.derivative) {
@@ -107,7 +107,7 @@ double Reference::rms_m(const VectorXd& whitened) const {
   for (std::size_t t = 0; t < prepared_.trials.size(); ++t) {
     Eigen::Index row = 0;
     for (std::size_t k = 0; k < prepared_.trials[t].blocks.size(); ++k) {
-      for (const effects::Seen& seen : prepared_.trials[t].blocks[k].bodies) {
+      for (const model::Seen& seen : prepared_.trials[t].blocks[k].bodies) {
         if (at_.root_weight[t][row] > 0.0) {
           const double scale = model_.sd_m(t, k, seen) / at_.root_weight[t][row];
           sum += scale * scale * whitened.segment<3>(begin + row).squaredNorm();
@@ -128,10 +128,10 @@ Signal Reference::signal(const Residuals& with, const Residuals& without) const 
   signal.difference = VectorXd::Zero(rows);
   Eigen::Index row = 0;
   for (std::size_t t = 0; t < prepared_.trials.size(); ++t) {
-    const effects::TrialData& trial = prepared_.trials[t];
+    const model::TrialData& trial = prepared_.trials[t];
     Eigen::Index local = 0;
     for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
-      for (const effects::Seen& seen : trial.blocks[k].bodies) {
+      for (const model::Seen& seen : trial.blocks[k].bodies) {
         const auto key = key_of(trial, trial.blocks[k], seen.body);
         const auto a = with[t].find(key), b = without[t].find(key);
         if (a != with[t].end() && b != without[t].end())
@@ -164,13 +164,13 @@ std::vector<Ideal> Reference::ideal(const Signal& signal) {
     at.residual[t] = signal.difference.segment(begin, at.residual[t].size());
     begin += at.residual[t].size();
     Eigen::Index row = 0;
-    for (; c < at.chunks.size() && at.chunks[c].trial == t; ++c) {
-      Chunk& chunk = at.chunks[c];
-      const auto r = at.residual[t].segment(row, chunk.all_rows);
-      chunk.gradient = at.derivative[t].middleRows(row, chunk.all_rows).transpose() * r;
-      chunk.square = r.squaredNorm();
-      row += chunk.all_rows;
-      at.gradient += chunk.gradient;
+    for (; c < at.stretches.size() && at.stretches[c].trial == t; ++c) {
+      TimeStretch& stretch = at.stretches[c];
+      const auto r = at.residual[t].segment(row, stretch.all_rows);
+      stretch.gradient = at.derivative[t].middleRows(row, stretch.all_rows).transpose() * r;
+      stretch.square = r.squaredNorm();
+      row += stretch.all_rows;
+      at.gradient += stretch.gradient;
     }
   }
   const std::vector<diagnose::Screened> screened = diagnose::screen(model_, at, jobs_, [](double) {});

@@ -39,9 +39,9 @@ using Residuals = std::vector<std::map<std::pair<std::int64_t, int>, Eigen::Vect
 /// The trials without anything hidden, and the constants that fit them.
 class Reference {
  public:
-  Reference(const Arm& arm, const std::vector<identify::Trial>& trials, unsigned jobs);
+  Reference(const arm::Arm& arm, const std::vector<trial::Trial>& trials, unsigned jobs);
 
-  Residuals residuals(const std::vector<identify::Trial>& trials) const;
+  Residuals residuals(const std::vector<trial::Trial>& trials) const;
   Signal signal(const Residuals& with, const Residuals& without) const;
   /// The catalogue, best first, against the signal as if nothing else were in the recording: what an ideal
   /// detector has to go by.
@@ -55,9 +55,9 @@ class Reference {
   Eigen::VectorXd orthogonal(const Eigen::VectorXd& difference) const;
   double rms_m(const Eigen::VectorXd& whitened) const;
 
-  const Arm arm_;
+  const arm::Arm arm_;
   const unsigned jobs_;
-  effects::Prepared prepared_;
+  model::Prepared prepared_;
   diagnose::JointModel model_;
   diagnose::Linearised at_;
 };

@@ -1,4 +1,4 @@
-#include "rig_accuracy/convergence.h"
+#include "convergence.h"
 
 #include <fmt/format.h>
 
@@ -8,11 +8,11 @@
 #include <random>
 #include <stdexcept>
 
-#include "rig_accuracy/paths.h"
-#include "softarm/arm/arm_yaml.h"
+#include "paths.h"
+#include "rig/laws.h"
+#include "rig/ritz_rod.h"
+#include "softarm/arm/arm_file.h"
 #include "softarm/arm/laws.h"
-#include "softarm/rig/laws.h"
-#include "softarm/rig/ritz_rod.h"
 #include "softarm/rod/solver.h"
 
 namespace softarm::rig_accuracy {
@@ -52,29 +52,30 @@ rig::RitzRodParams rod_of(const rig::Scenario& scenario, const Eigen::Vector3d& 
   return params;
 }
 
-double largest(softarm::InputKind kind) {
+double largest(softarm::arm::InputKind kind) {
   switch (kind) {
-    case softarm::InputKind::kPressure:
+    case softarm::arm::InputKind::kPressure:
       return 40e3;
-    case softarm::InputKind::kVacuum:
+    case softarm::arm::InputKind::kVacuum:
       return 0.0;
-    case softarm::InputKind::kTension:
+    case softarm::arm::InputKind::kTension:
       return 2.0;
-    case softarm::InputKind::kAngle:
+    case softarm::arm::InputKind::kAngle:
       return 0.6;
   }
   return 0.0;
 }
 
 /// At rest, hanging and level, with random inputs and payloads: the rings of the two rods.
-Errors against_statics(const rig::Scenario& scenario, const Arm& arm, const Options& options, int elements) {
+Errors against_statics(const rig::Scenario& scenario, const arm::Arm& arm, const Options& options,
+                       int elements) {
   std::mt19937_64 random(options.seed);
   const auto uniform = [&](double high) {
     return high * static_cast<double>(random() >> 11) * 0x1.0p-53;  // the same on every machine
   };
   rod::Rod ours = rod::make_rod(arm);
   std::vector<double> stations;
-  for (const softarm::MeasuredBody& body : arm.bodies) stations.push_back(body.arclength_m);
+  for (const softarm::arm::MeasuredBody& body : arm.bodies) stations.push_back(body.arclength_m);
   rod::SolverOptions tight;
   tight.position_tolerance = 1e-9;
   rod::Solver solver(ours, stations, {}, tight);
@@ -82,17 +83,17 @@ Errors against_statics(const rig::Scenario& scenario, const Arm& arm, const Opti
   fine.numerics.elements = elements;
   Errors errors;
   for (int i = 0; i < options.poses; ++i) {
-    softarm::InputValues inputs;
+    softarm::arm::InputValues inputs;
     rig::Acting acting;
-    for (const softarm::ScalarInput& input : arm.inputs.scalars) {
+    for (const softarm::arm::ScalarInput& input : arm.inputs.scalars) {
       const double value = uniform(largest(input.kind));
       inputs.emplace_back(value);
-      if (input.kind == softarm::InputKind::kPressure) acting.pressures_pa.push_back(value);
-      if (input.kind == softarm::InputKind::kTension) acting.tensions_n.push_back(value);
-      if (input.kind == softarm::InputKind::kAngle) acting.angles_rad.push_back(value);
+      if (input.kind == softarm::arm::InputKind::kPressure) acting.pressures_pa.push_back(value);
+      if (input.kind == softarm::arm::InputKind::kTension) acting.tensions_n.push_back(value);
+      if (input.kind == softarm::arm::InputKind::kAngle) acting.angles_rad.push_back(value);
     }
     const double payload_kg = uniform(0.1 * arm.payload.range_kg.high);
-    const auto laws = softarm::predict(arm, inputs);
+    const auto laws = softarm::arm::predict(arm, inputs);
     if (!laws) continue;
     rod::actuate(arm, *laws, ours);
     const double g = scenario.gravity_m_s2;
@@ -157,7 +158,7 @@ int measure_convergence(const ConvergenceOptions& options) {
     const std::string file = options.config + "/scenarios/" + pair.scenario + ".yaml";
     const rig::Scenario scenario = rig::parse_scenario(read(file), file);
     const std::string arm_file = options.config + "/arms/" + pair.arm + ".yaml";
-    const Arm arm = softarm::parse_arm(read(arm_file), arm_file);
+    const arm::Arm arm = softarm::arm::parse_arm(read(arm_file), arm_file);
     double static_mm = 0.0;
     // A payload within the arm needs another cut of the rod than this program makes.
     if (scenario.payload.fraction == 1.0)

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "softarm/rig/hidden.h"
-#include "softarm/rig/scenario.h"
+#include "rig/hidden.h"
+#include "rig/scenario.h"
 
 namespace softarm::rig_accuracy {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "softarm/rig/simulator.h"
+#include "rig/simulator.h"
 
 namespace softarm::rig_accuracy {
 

@@ -1,4 +1,4 @@
-#include "softarm/alarm_list.h"
+#include "alarm_list.h"
 
 #include <fmt/format.h>
 
@@ -11,9 +11,9 @@ constexpr std::size_t kMostAlarms = 20;
 
 }  // namespace
 
-void AlarmList::add(const Frame& frame, const Estimate& estimate) {
+void AlarmList::add(const trial::Frame& frame, const estimate::Estimate& estimate) {
   if (!first_s_) first_s_ = frame.stamp_s;
-  const diagnose::Mismatch& mismatch = monitor_.add(frame, estimate);
+  const monitor::Mismatch& mismatch = monitor_.add(frame, estimate);
   if (mismatch.alarm) {
     if (!alarmed_) {
       if (alarms_.size() < kMostAlarms) {
@@ -24,7 +24,7 @@ void AlarmList::add(const Frame& frame, const Estimate& estimate) {
     }
     if (more_ == 0) {
       alarms_.back() = {mismatch.onset_s.value_or(frame.stamp_s) - *first_s_, frame.stamp_s - *first_s_,
-                        mismatch.words};
+                        mismatch.description};
     }
   }
   alarmed_ = mismatch.alarm;
@@ -40,7 +40,7 @@ std::string AlarmList::text() const {
   std::string text = fmt::format("{:<28}{}\n", "alarms (sudden changes):", alarms_.size() + more_);
   for (const Alarm& alarm : alarms_) {
     text += fmt::format("  {:<26}{}\n", fmt::format("{:.2f} ... {:.2f} s", alarm.onset_s, alarm.seen_s),
-                        alarm.words);
+                        alarm.description);
   }
   if (more_ > 0) text += fmt::format("  ... and {} more\n", more_);
   return text;

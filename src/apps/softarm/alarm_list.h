@@ -6,16 +6,16 @@
 #include <string>
 #include <vector>
 
-#include "softarm/diagnose/mismatch_monitor.h"
+#include "softarm/monitor/mismatch_monitor.h"
 
 namespace softarm::app {
 
 /// Runs the live monitor over a recording and keeps its alarms.
 class AlarmList {
  public:
-  explicit AlarmList(const Arm& arm) : monitor_(arm) {}
+  explicit AlarmList(const arm::Arm& arm) : monitor_(arm) {}
 
-  void add(const Frame& frame, const Estimate& estimate);
+  void add(const trial::Frame& frame, const estimate::Estimate& estimate);
   void reset();
 
   /// "alarms: 2" and a line each: when (s from the first frame), for how long, what. Ends with a line break.
@@ -24,9 +24,9 @@ class AlarmList {
  private:
   struct Alarm {
     double onset_s = 0.0, seen_s = 0.0;
-    std::string words;
+    std::string description;
   };
-  diagnose::MismatchMonitor monitor_;
+  monitor::MismatchMonitor monitor_;
   std::optional<double> first_s_;
   std::vector<Alarm> alarms_;
   std::uint64_t more_ = 0;  // than are kept

@@ -1,21 +1,22 @@
 // softarm campaign: many random trials of the virtual rig, the truth of all of them sealed.
-#include "softarm/rig/campaign.h"
+#include "rig/campaign.h"
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "softarm/command.h"
-#include "softarm/math/parallel.h"
-#include "softarm/output_file.h"
-#include "softarm/progress.h"
-#include "softarm/record_trial.h"
-#include "softarm/rig/simulator.h"
-#include "softarm/shipped.h"
+#include "command.h"
+#include "math/parallel.h"
+#include "output_file.h"
+#include "progress.h"
+#include "record_trial.h"
+#include "rig/simulator.h"
+#include "shipped.h"
 
 namespace softarm::app {
 namespace {
@@ -150,7 +151,7 @@ void run(const Options& options) {
   Progress progress("trials");
   progress.add_total(static_cast<double>(count) * spec.trials);
   try {
-    in_parallel(count, options.jobs, [&](std::size_t i) {
+    math::in_parallel(count, options.jobs, [&](std::size_t i) {
       cases[i] = record_case(spec, arms, options, i, out.temporary(), progress);
     });
   } catch (const std::invalid_argument& error) {

@@ -1,21 +1,22 @@
 // softarm check: what is wrong with a recording, before anyone trusts it.
-#include "softarm/trial/check.h"
+#include "softarm/check/check.h"
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <vector>
 
-#include "softarm/command.h"
-#include "softarm/math/parallel.h"
-#include "softarm/output_file.h"
-#include "softarm/progress.h"
-#include "softarm/ros/bag_recording.h"
-#include "softarm/ros/open_bag.h"
-#include "softarm/shipped.h"
-#include "softarm/trial/arm_file.h"
+#include "command.h"
+#include "math/parallel.h"
+#include "output_file.h"
+#include "progress.h"
+#include "ros/bag_recording.h"
+#include "ros/open_bag.h"
+#include "shipped.h"
+#include "softarm/arm/arm_file.h"
 
 namespace softarm::app {
 namespace {
@@ -38,11 +39,11 @@ constexpr const char* kExamples = R"(Examples:
 Exit status: 0 nothing serious, 1 something that spoils estimates, 2 bad usage. doc/check.md lists all findings.)";
 
 /// A bag that cannot be read at all is a finding, too: the others are still looked at.
-CheckReport unreadable(const std::string& bag, const std::string& what) {
-  CheckReport report;
+check::CheckReport unreadable(const std::string& bag, const std::string& what) {
+  check::CheckReport report;
   report.name = bag;
-  CheckFinding finding;
-  finding.severity = Severity::kSerious;
+  check::CheckFinding finding;
+  finding.severity = check::Severity::kSerious;
   finding.id = "unreadable";
   finding.what = what;
   finding.remedy = "rosbag reindex saves what a killed recorder left; else record again";
@@ -50,42 +51,42 @@ CheckReport unreadable(const std::string& bag, const std::string& what) {
   return report;
 }
 
-CheckReport check_bag(const std::string& bag, const Arm& arm, Progress& progress) {
+check::CheckReport check_bag(const std::string& bag, const arm::Arm& arm, Progress& progress) {
   try {
-    const CheckRecording recording = read_recording(
+    const trial::CheckRecording recording = read_recording(
         bag, arm, [&](std::uint64_t total) { progress.add_total(static_cast<double>(total)); },
         [&](std::uint64_t messages) { progress.advance(static_cast<double>(messages), messages); });
-    return check_recording(recording, arm);
+    return check::check_recording(recording, arm);
   } catch (const BagError& e) {
     return unreadable(bag, e.what());
   }
 }
 
-std::vector<CheckReport> check_all(const Options& options, const Arm& arm) {
-  std::vector<CheckReport> reports(options.bags.size());
+std::vector<check::CheckReport> check_all(const Options& options, const arm::Arm& arm) {
+  std::vector<check::CheckReport> reports(options.bags.size());
   Progress progress("messages");
-  in_parallel(options.bags.size(), options.jobs,
-              [&](std::size_t i) { reports[i] = check_bag(options.bags[i], arm, progress); });
+  math::in_parallel(options.bags.size(), options.jobs,
+                    [&](std::size_t i) { reports[i] = check_bag(options.bags[i], arm, progress); });
   return reports;
 }
 
-Arm load(const Options& options) {
+arm::Arm load(const Options& options) {
   for (const std::string& bag : options.bags) {
     std::error_code error;
     if (!fs::is_regular_file(bag, error)) throw Failure(fmt::format("{}: no such bag", bag), kBadUsage);
   }
   try {
-    return load_arm_file(options.arm, config_folders("arms"));
+    return arm::load_arm_file(options.arm, config_folders("arms"));
   } catch (const std::exception& e) {
     throw Failure(e.what(), kBadUsage);
   }
 }
 
 void run(const Options& options) {
-  const Arm arm = load(options);
+  const arm::Arm arm = load(options);
   std::unique_ptr<OutputFile> json;
   if (!options.json.empty()) json = std::make_unique<OutputFile>(options.json);
-  std::vector<CheckReport> reports;
+  std::vector<check::CheckReport> reports;
   try {
     reports = check_all(options, arm);
   } catch (const std::invalid_argument& e) {  // the arm file names a type that no adapter reads
@@ -94,7 +95,7 @@ void run(const Options& options) {
   bool serious = false;
   for (std::size_t i = 0; i < reports.size(); ++i) {
     fmt::print("{}{}", i == 0 ? "" : "\n", to_text(reports[i], !options.quiet));
-    serious = serious || reports[i].worst() == Severity::kSerious;
+    serious = serious || reports[i].worst() == check::Severity::kSerious;
   }
   if (json) {
     std::ofstream(json->temporary()) << to_json(reports, arm.name);

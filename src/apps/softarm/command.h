@@ -1,10 +1,13 @@
 // The subcommands of `softarm`: each adds itself to the program's command line.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <exception>
 #include <stdexcept>
 #include <string>
+
+namespace CLI {
+class App;
+}
 
 namespace softarm::app {
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -10,19 +11,19 @@
 #include <set>
 #include <utility>
 
-#include "softarm/arm/arm_writer.h"
-#include "softarm/arm/arm_yaml.h"
-#include "softarm/command.h"
-#include "softarm/diagnose/report_page.h"
+#include "arm/arm_writer.h"
+#include "command.h"
+#include "effects/catalogue.h"
+#include "model/effect.h"
+#include "output_file.h"
+#include "progress.h"
+#include "read_trials.h"
+#include "report_page.h"
+#include "shipped.h"
+#include "softarm/arm/arm_file.h"
 #include "softarm/effects/arm_effects.h"
-#include "softarm/effects/effect.h"
 #include "softarm/identify/identify.h"
-#include "softarm/output_file.h"
-#include "softarm/progress.h"
-#include "softarm/read_trials.h"
-#include "softarm/report_page.h"
-#include "softarm/shipped.h"
-#include "softarm/trial/arm_file.h"
+#include "softarm/report/report.h"
 
 namespace softarm::app {
 namespace {
@@ -44,7 +45,7 @@ What is written:
   report/report.html   what was found, with pictures; one page that needs nothing else
   report/report.json   the same for programs
   report/arm_extended.yaml   the arm file with what was found in it: for estimate, identify, simulate, diagnose and the node
-Trials that tell most: several speeds, several attitudes of the base, with and without payload.)";
+Trials that say most: several speeds, several attitudes of the base, with and without payload.)";
 
 void write(OutputFile& file, const std::string& text) {
   std::ofstream stream(file.temporary(), std::ios::binary);
@@ -55,12 +56,12 @@ void write(OutputFile& file, const std::string& text) {
 
 void list_effects() {
   for (const auto& effect : effects::catalogue()) {
-    const effects::Info& info = effect->info();
-    fmt::print("{}\n  {}\n", info.id, info.words);
+    const model::Info& info = effect->info();
+    fmt::print("{}\n  {}\n", info.id, info.description);
     for (std::size_t k = 0; k < info.parameters.size(); ++k) {
-      const effects::Parameter& p = info.parameters[k];
+      const model::Parameter& p = info.parameters[k];
       fmt::print("  {:<26} {:<10} [{:g}, {:g}], usually {:g}{}: {}\n", p.symbol, p.unit, p.low, p.high,
-                 p.usual, k < static_cast<std::size_t>(info.sizes) ? " (0: absent)" : "", p.words);
+                 p.usual, k < static_cast<std::size_t>(info.sizes) ? " (0: absent)" : "", p.description);
     }
     fmt::print("\n");
   }
@@ -68,15 +69,16 @@ void list_effects() {
 
 /// What stands in front of the extended arm file.
 std::vector<std::string> header_of(const diagnose::Diagnosis& diagnosis,
-                                   const std::vector<identify::Trial>& trials) {
+                                   const std::vector<trial::Trial>& trials) {
   std::string names;
-  for (const identify::Trial& trial : trials) names += (names.empty() ? "" : ", ") + trial.name;
+  for (const trial::Trial& trial : trials) names += (names.empty() ? "" : ", ") + trial.name;
   std::vector<std::string> lines{"constants and effects fitted together to the trials " + names};
   lines.push_back(fmt::format("verdict: {}; rms error on unseen trials {:.3g} mm, before {:.3g} mm",
                               diagnose::to_string(diagnosis.verdict), 1e3 * diagnosis.extended.held_out_rms_m,
                               1e3 * diagnosis.baseline.held_out_rms_m));
   for (const diagnose::NamedEffect& effect : diagnosis.effects)
-    lines.push_back(fmt::format("{} ({:.0f} %): {}", effect.id, 100.0 * effect.probability, effect.words));
+    lines.push_back(
+        fmt::format("{} ({:.0f} %): {}", effect.id, 100.0 * effect.probability, effect.description));
   // Names of files may hold anything; a comment ends with its line.
   for (std::string& line : lines)
     std::replace_if(
@@ -89,9 +91,9 @@ void run(Options options) {
   if (options.arm.empty()) throw Failure("--arm is needed: the arm file");
   if (options.out.empty()) throw Failure("--out is needed: the folder for the report");
   if (options.bags.empty()) throw Failure("no bag: name the trials' bags");
-  Arm arm = load_arm_file(options.arm, config_folders("arms"));
-  const ArmText file = read_arm_text(options.arm, config_folders("arms"));
-  options.diagnosis.known = effects::effects_of(arm, parse_effect_entries(file.text, file.source));
+  arm::Arm arm = arm::load_arm_file(options.arm, config_folders("arms"));
+  const arm::ArmText file = arm::read_arm_text(options.arm, config_folders("arms"));
+  options.diagnosis.known = effects::effects_of(arm, arm::parse_effect_entries(file.text, file.source));
   if (options.payload_kg) arm.payload.default_kg = options.payload_kg;
   const ReportPage page = find_report_page();
   std::error_code error;
@@ -100,7 +102,7 @@ void run(Options options) {
   OutputFile json(fs::path(options.out) / "report.json"), html(fs::path(options.out) / "report.html");
   OutputFile extended(fs::path(options.out) / "arm_extended.yaml");
 
-  const std::vector<identify::Trial> trials =
+  const std::vector<trial::Trial> trials =
       read_trials(options.bags, arm, !options.payload_kg, options.diagnosis.jobs);
   diagnose::Diagnosis diagnosis;
   {
@@ -116,21 +118,21 @@ void run(Options options) {
   }
   diagnosis.version = SOFTARM_VERSION;
   if (!page.warning.empty()) fmt::print(stderr, "softarm: warning: {}\n", page.warning);
-  write(json, diagnose::to_json(diagnosis));
-  write(html, diagnose::to_html(diagnosis, page.files));
+  write(json, report::to_json(diagnosis));
+  write(html, report::to_html(diagnosis, page.files));
   json.commit();
   html.commit();
   std::string written = fmt::format("{}, {}", html.path().string(), json.path().string());
   try {
     write(extended,
-          update_arm_text(file.text, file.source, diagnosis.extended_arm.arm, diagnosis.extended_arm.effects,
-                          header_of(diagnosis, trials), "diagnose"));
+          arm::update_arm_text(file.text, file.source, diagnosis.extended_arm.arm,
+                               diagnosis.extended_arm.effects, header_of(diagnosis, trials), "diagnose"));
     extended.commit();
     written += ", " + extended.path().string();
-  } catch (const ArmError& why) {  // an arm file that cannot be edited is no reason to have no report
+  } catch (const arm::ArmError& why) {  // an arm file that cannot be edited is no reason to have no report
     fmt::print(stderr, "softarm: warning: no {}: {}\n", extended.path().string(), why.what());
   }
-  fmt::print("{}written: {}\n", diagnose::describe(diagnosis), written);
+  fmt::print("{}written: {}\n", report::describe(diagnosis), written);
 }
 
 }  // namespace

@@ -1,11 +1,11 @@
-#include "softarm/effects_list.h"
+#include "effects_list.h"
 
 #include <fmt/format.h>
 
 #include <map>
 #include <vector>
 
-#include "softarm/rig/hidden.h"
+#include "rig/hidden.h"
 
 namespace softarm::app {
 namespace {

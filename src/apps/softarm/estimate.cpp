@@ -1,6 +1,7 @@
 // softarm estimate: the live node's estimator over recorded bags.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <exception>
@@ -11,19 +12,18 @@
 #include <set>
 #include <vector>
 
-#include "softarm/alarm_list.h"
-#include "softarm/arm/arm_yaml.h"
-#include "softarm/command.h"
+#include "alarm_list.h"
+#include "command.h"
+#include "estimate/estimate_summary.h"
+#include "estimate/estimates_csv.h"
+#include "math/parallel.h"
+#include "output_file.h"
+#include "progress.h"
+#include "ros/bag_frames.h"
+#include "shipped.h"
+#include "softarm/arm/arm_file.h"
 #include "softarm/effects/arm_effects.h"
-#include "softarm/fit/estimator.h"
-#include "softarm/math/parallel.h"
-#include "softarm/output_file.h"
-#include "softarm/progress.h"
-#include "softarm/ros/bag_frames.h"
-#include "softarm/shipped.h"
-#include "softarm/trial/arm_file.h"
-#include "softarm/trial/estimate_summary.h"
-#include "softarm/trial/estimates_csv.h"
+#include "softarm/estimate/estimator.h"
 
 namespace softarm::app {
 namespace {
@@ -68,15 +68,16 @@ auto word(const char* option, const std::string& text, Parse parse) {
   }
 }
 
-Arm load_arm(const Options& options) {
-  Arm arm = load_arm_file(options.arm, config_folders("arms"));
-  if (options.method) arm.estimator.method = word("--method", *options.method, parse_method);
-  if (options.unknown) arm.estimator.unknown = word("--unknown", *options.unknown, parse_unknown);
-  if (options.objective) arm.estimator.objective = word("--objective", *options.objective, parse_objective);
+arm::Arm load_arm(const Options& options) {
+  arm::Arm arm = arm::load_arm_file(options.arm, config_folders("arms"));
+  if (options.method) arm.estimator.method = word("--method", *options.method, arm::parse_method);
+  if (options.unknown) arm.estimator.unknown = word("--unknown", *options.unknown, arm::parse_unknown);
+  if (options.objective)
+    arm.estimator.objective = word("--objective", *options.objective, arm::parse_objective);
   if (options.prior) arm.estimator.prior.enabled = *options.prior == "on";
   if (options.window_s) arm.estimator.window_s = *options.window_s;
   if (options.payload_kg) {
-    const Range& range = arm.payload.range_kg;
+    const arm::Range& range = arm.payload.range_kg;
     if (!(*options.payload_kg >= range.low && *options.payload_kg <= range.high)) {
       throw Failure(fmt::format("--payload {}: must be from {} to {} kg for the arm {}", *options.payload_kg,
                                 range.low, range.high, arm.name));
@@ -121,17 +122,17 @@ class Folder {
   std::vector<fs::path> made_;  // the innermost first
 };
 
-std::string effect_lines(const Estimator& estimator) {
+std::string effect_lines(const estimate::Estimator& estimator) {
   std::string text;
   for (const std::string& note : estimator.effect_notes())
     text += fmt::format("{:<28}{}\n", "effects:", note);
   return text;
 }
 
-void estimate_bag(const Arm& arm, const std::vector<effects::Present>& effects, bool use_payload, Job& job,
+void estimate_bag(const arm::Arm& arm, const std::vector<model::Present>& effects, bool use_payload, Job& job,
                   Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
-  Estimator estimator(arm, arm.estimator, effects);
+  estimate::Estimator estimator(arm, arm.estimator, effects);
   estimator.set_backbone_points(kBackbonePoints);
   BagFrames bag(job.bag, arm, use_payload);
   job.warnings = bag.warnings();
@@ -141,16 +142,16 @@ void estimate_bag(const Arm& arm, const std::vector<effects::Present>& effects, 
   OutputFile csv(job.folder / "estimates.csv");
   OutputFile text(job.folder / "summary.txt");
   std::ofstream rows(csv.temporary());
-  rows << kEstimatesCsvHeader << '\n';
-  EstimateSummary summary(arm);
+  rows << estimate::kEstimatesCsvHeader << '\n';
+  estimate::EstimateSummary summary(arm);
   AlarmList alarms(arm);
   std::uint64_t frames = 0;
   BagFrames::Callbacks callbacks;
-  callbacks.on_frame = [&](const Frame& frame) {
-    const Estimate& estimate = estimator.estimate(frame);
-    write_estimate_rows(rows, estimate, arm.segments.size());
+  callbacks.on_frame = [&](const trial::Frame& frame) {
+    const estimate::Estimate& estimate = estimator.estimate(frame);
+    estimate::write_estimate_rows(rows, estimate, arm.segments.size());
     summary.add(estimate);
-    const Estimator::ByLaws plain = estimator.by_laws();
+    const estimate::Estimator::ByLaws plain = estimator.by_laws();
     alarms.add(plain.frame, plain.estimate);
     ++frames;
   };
@@ -188,17 +189,16 @@ void estimate_bag(const Arm& arm, const std::vector<effects::Present>& effects, 
 }
 
 void run(const Options& options) {
-  const Arm arm = load_arm(options);
-  const std::vector<effects::Present> effects =
-      effects::load_effects(arm, options.arm, config_folders("arms"));
-  for (const std::string& line : Estimator(arm, arm.estimator, effects).effect_notes())
+  const arm::Arm arm = load_arm(options);
+  const std::vector<model::Present> effects = effects::load_effects(arm, options.arm, config_folders("arms"));
+  for (const std::string& line : estimate::Estimator(arm, arm.estimator, effects).effect_notes())
     fmt::print(stderr, "softarm: effects: {}\n", line);
-  const std::string note = advice(arm.estimator);
+  const std::string note = estimate::advice(arm.estimator);
   if (!note.empty()) fmt::print(stderr, "softarm: note: {}\n", note);
   std::vector<Job> jobs = make_jobs(options);
   {
     Progress progress("frames");
-    in_parallel(jobs.size(), options.jobs, [&](std::size_t i) {
+    math::in_parallel(jobs.size(), options.jobs, [&](std::size_t i) {
       try {
         estimate_bag(arm, effects, !options.payload_kg, jobs[i], progress);
       } catch (const std::exception& e) {  // the other bags go on

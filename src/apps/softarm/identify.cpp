@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <exception>
 #include <filesystem>
@@ -12,18 +13,18 @@
 #include <utility>
 #include <vector>
 
-#include "softarm/arm/arm_writer.h"
-#include "softarm/arm/arm_yaml.h"
-#include "softarm/command.h"
+#include "arm/arm_writer.h"
+#include "command.h"
+#include "identify/identify_extended.h"
+#include "identify_tables.h"
+#include "model/effect.h"
+#include "output_file.h"
+#include "progress.h"
+#include "published/pull.h"
+#include "read_trials.h"
+#include "shipped.h"
+#include "softarm/arm/arm_file.h"
 #include "softarm/effects/arm_effects.h"
-#include "softarm/effects/identify_extended.h"
-#include "softarm/identify/pull.h"
-#include "softarm/identify_tables.h"
-#include "softarm/output_file.h"
-#include "softarm/progress.h"
-#include "softarm/read_trials.h"
-#include "softarm/shipped.h"
-#include "softarm/trial/arm_file.h"
 
 namespace softarm::app {
 namespace {
@@ -94,7 +95,7 @@ void write(OutputFile& file, const std::string& text) {
   if (!stream) throw Failure(fmt::format("{}: cannot be written", file.path().string()));
 }
 
-void fit(const Options& options, const Arm& arm) {
+void fit(const Options& options, const arm::Arm& arm) {
   if (options.out.empty()) throw Failure("--out is needed: the arm file to be written");
   // Before any work: whether the results have a place.
   OutputFile out(options.out);
@@ -109,24 +110,23 @@ void fit(const Options& options, const Arm& arm) {
   }
   const fs::path source = find_config("arms", options.arm);
   const std::string text = read_text(source);
-  const std::vector<effects::Present> effects =
-      effects::effects_of(arm, parse_effect_entries(text, source.string()));
-  for (const effects::Present& present : effects)
+  const std::vector<model::Present> effects =
+      effects::effects_of(arm, arm::parse_effect_entries(text, source.string()));
+  for (const model::Present& present : effects)
     fmt::print(stderr, "softarm: effects: {} is in the model, held at the arm file's values\n",
                present.effect->info().id);
 
-  const std::vector<identify::Trial> trials =
-      read_trials(options.bags, arm, !options.payload_kg, options.jobs);
+  const std::vector<trial::Trial> trials = read_trials(options.bags, arm, !options.payload_kg, options.jobs);
   identify::Result result;
   {
     Progress progress("steps");
     progress.add_total(1.0);
     double done = 0.0;
-    result = effects::identify_extended(
+    result = identify::identify_extended(
         arm, effects, trials, options.fit,
         [&](double share) { progress.advance(share - std::exchange(done, share), 1); }, options.jobs);
   }
-  write(out, update_arm_text(text, source.string(), result.arm, header_of(result)));
+  write(out, arm::update_arm_text(text, source.string(), result.arm, header_of(result)));
   if (json) write(*json, identify::to_json(result));
   if (shapes) {
     write(*shapes, shapes_csv(arm, result, trials,
@@ -142,26 +142,27 @@ void fit(const Options& options, const Arm& arm) {
     fmt::print("written: {0}; scripts/plot_identify.py {0} --out picture.png draws it\n", options.plot);
 }
 
-void pull(const Options& options, const Arm& arm) {
+void pull(const Options& options, const arm::Arm& arm) {
   if (!effects::load_effects(arm, options.arm, config_folders("arms")).empty())
     throw Failure(fmt::format("{}: key 'effects': the pull procedure knows no effects; leave --procedure out",
                               options.arm));
   std::optional<OutputFile> out;
   if (!options.out.empty()) out.emplace(options.out);
-  const std::vector<identify::Trial> trials =
-      read_trials(options.bags, arm, !options.payload_kg, options.jobs);
-  const std::vector<identify::Pull> pulls = identify::find_pulls(arm, trials);
+  const std::vector<trial::Trial> trials = read_trials(options.bags, arm, !options.payload_kg, options.jobs);
+  const std::vector<published::Pull> pulls = published::find_pulls(arm, trials);
   if (pulls.empty())
     throw Failure(
         "no pull in these trials: the payload must change while the inputs are held, and the arm come "
         "to rest before and after");
-  fmt::print("{}", identify::describe(arm, trials, pulls));
+  fmt::print("{}", published::describe(arm, trials, pulls));
   if (!out) return;
-  const identify::ThreeTruths truths = identify::fit_three_truths(arm, pulls, rod::LoadLaw::kStatics, true);
+  const published::ThreeTruths truths =
+      published::fit_three_truths(arm, pulls, published::LoadLaw::kStatics, true);
   const fs::path source = find_config("arms", options.arm);
   const std::string text = read_text(source);
-  write(*out, update_arm_text(text, source.string(), truths.arm,
-                              {fmt::format("constants by the pull procedure from {} pulls", truths.pulls)}));
+  write(*out,
+        arm::update_arm_text(text, source.string(), truths.arm,
+                             {fmt::format("constants by the pull procedure from {} pulls", truths.pulls)}));
   out->commit();
   fmt::print(
       "laws fitted to {} pulls: they leave {:.2f} mm of length, {:.5f} N m^2 of stiffness, {:.4f} N m of "
@@ -170,9 +171,9 @@ void pull(const Options& options, const Arm& arm) {
 }
 
 void run(Options options) {
-  Arm arm = load_arm_file(options.arm, config_folders("arms"));
+  arm::Arm arm = arm::load_arm_file(options.arm, config_folders("arms"));
   if (options.payload_kg) {
-    const Range& range = arm.payload.range_kg;
+    const arm::Range& range = arm.payload.range_kg;
     if (!(*options.payload_kg >= range.low && *options.payload_kg <= range.high))
       throw Failure(fmt::format("--payload {}: must be from {} to {} kg for the arm {}", *options.payload_kg,
                                 range.low, range.high, arm.name));

@@ -1,4 +1,4 @@
-#include "softarm/identify_tables.h"
+#include "identify_tables.h"
 
 #include <fmt/format.h>
 
@@ -16,10 +16,10 @@ std::string cells(const Eigen::Vector3d& p) {
 
 }  // namespace
 
-std::string shapes_csv(const Arm& before, const identify::Result& result,
-                       const std::vector<identify::Trial>& trials, const identify::FrameChoice& choice) {
+std::string shapes_csv(const arm::Arm& before, const identify::Result& result,
+                       const std::vector<trial::Trial>& trials, const identify::FrameChoice& choice) {
   std::string text = "trial,held_out,stamp,payload";
-  for (const ScalarInput& input : before.inputs.scalars) text += "," + input.name;
+  for (const arm::ScalarInput& input : before.inputs.scalars) text += "," + input.name;
   text +=
       ",body,measured_x,measured_y,measured_z,before_x,before_y,before_z,after_x,after_y,after_z,error_"
       "before,"

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <rosbag/exceptions.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -14,12 +15,12 @@
 #include <utility>
 #include <vector>
 
-#include "softarm/command.h"
-#include "softarm/import_bags.h"
-#include "softarm/output_file.h"
-#include "softarm/progress.h"
-#include "softarm/shipped.h"
-#include "softarm/trial/csv_recording.h"
+#include "command.h"
+#include "import_bags.h"
+#include "output_file.h"
+#include "progress.h"
+#include "shipped.h"
+#include "trial/csv_recording.h"
 
 namespace softarm::app {
 namespace {
@@ -83,8 +84,8 @@ std::optional<std::pair<double, double>> pair_of(const std::string& text) {
   return std::pair(*first, *second);
 }
 
-std::vector<CsvPayloadStep> payload_of(const std::vector<std::string>& texts) {
-  std::vector<CsvPayloadStep> steps;
+std::vector<trial::CsvPayloadStep> payload_of(const std::vector<std::string>& texts) {
+  std::vector<trial::CsvPayloadStep> steps;
   for (const std::string& text : texts) {
     const std::optional<double> from_start = number(text);
     const auto later = pair_of(text);
@@ -93,9 +94,9 @@ std::vector<CsvPayloadStep> payload_of(const std::vector<std::string>& texts) {
       throw Failure(fmt::format(
           "--payload {}: must be KG from the start, or S:KG from the recording's time S on; 0 to 100 kg",
           text));
-    const CsvPayloadStep step = from_start
-                                    ? CsvPayloadStep{std::numeric_limits<double>::lowest(), *from_start}
-                                    : CsvPayloadStep{later->first, later->second};
+    const trial::CsvPayloadStep step =
+        from_start ? trial::CsvPayloadStep{std::numeric_limits<double>::lowest(), *from_start}
+                   : trial::CsvPayloadStep{later->first, later->second};
     if (!steps.empty() && !(step.from_s > steps.back().from_s))
       throw Failure(fmt::format("--payload {}: must be later than the one before", text));
     steps.push_back(step);
@@ -128,21 +129,21 @@ double bytes_of(const std::vector<std::string>& files) {
 
 struct Imported {
   std::unique_ptr<ImportBags> bags;
-  CsvReport report;
+  trial::CsvReport report;
   std::uint64_t left_out_rows = 0;
 };
 
-Imported import_file(const CsvLayout& layout, const Options& options, const std::string& file,
+Imported import_file(const trial::CsvLayout& layout, const Options& options, const std::string& file,
                      const fs::path& path, const std::vector<Span>& left_out, Progress& progress) {
   Imported result;
   result.bags = std::make_unique<ImportBags>(layout, path, options.split_every_s);
   std::uint64_t rows = 0;
-  CsvSources sources;
+  trial::CsvSources sources;
   sources.inputs_path = options.inputs;
   sources.on_bytes = [&](std::uint64_t bytes) {
     progress.advance(static_cast<double>(bytes), std::exchange(rows, 0));
   };
-  const auto on_row = [&](const CsvRow& row) {
+  const auto on_row = [&](const trial::CsvRow& row) {
     ++rows;
     if (std::any_of(left_out.begin(), left_out.end(),
                     [&](const Span& span) { return row.time_s >= span.from_s && row.time_s < span.to_s; })) {
@@ -151,13 +152,13 @@ Imported import_file(const CsvLayout& layout, const Options& options, const std:
     }
     result.bags->write(row);
   };
-  result.report = read_csv_recording(layout, file, on_row, sources);
+  result.report = trial::read_csv_recording(layout, file, on_row, sources);
   result.bags->close();
   if (result.bags->bags().empty()) throw Failure(fmt::format("{}: --leave-out leaves nothing of it", file));
   return result;
 }
 
-void print_join(const std::string& inputs, const CsvJoinReport& join) {
+void print_join(const std::string& inputs, const trial::CsvJoinReport& join) {
   if (join.unmatched) fmt::print("  rows whose id {} lacks: {}\n", inputs, join.unmatched);
   if (join.unused_ids) fmt::print("  ids of {} that no row has: {}\n", inputs, join.unused_ids);
   for (const auto& [reason, count] : join.bad_rows)
@@ -166,7 +167,7 @@ void print_join(const std::string& inputs, const CsvJoinReport& join) {
 }
 
 void print_report(const Options& options, const std::string& file, const Imported& imported) {
-  const CsvReport& report = imported.report;
+  const trial::CsvReport& report = imported.report;
   const std::vector<ImportBags::Bag>& bags = imported.bags->bags();
   std::uint64_t messages = 0;
   for (const ImportBags::Bag& bag : bags) messages += bag.messages;
@@ -187,7 +188,7 @@ void print_report(const Options& options, const std::string& file, const Importe
 
 void run(const Options& options) {
   const fs::path layout_path = find_config("layouts", options.layout);
-  CsvLayout layout = parse_csv_layout(read_text(layout_path), layout_path.string());
+  trial::CsvLayout layout = trial::parse_csv_layout(read_text(layout_path), layout_path.string());
   if (!options.payload.empty()) {
     layout.payload = payload_of(options.payload);
     layout.payload_column.reset();

@@ -1,4 +1,4 @@
-#include "softarm/import_bags.h"
+#include "import_bags.h"
 
 #include <fmt/format.h>
 
@@ -7,15 +7,15 @@
 #include <cmath>
 #include <utility>
 
-#include "softarm/command.h"
+#include "command.h"
 
 namespace softarm::app {
 
-ImportBags::ImportBags(const CsvLayout& layout, std::filesystem::path path,
+ImportBags::ImportBags(const trial::CsvLayout& layout, std::filesystem::path path,
                        std::optional<double> split_every_s)
     : layout_(layout), path_(std::move(path)), split_every_s_(split_every_s) {}
 
-void ImportBags::enter(const CsvRow& row) {
+void ImportBags::enter(const trial::CsvRow& row) {
   const bool new_trial = bags_.empty() || row.trial != trial_;
   if (new_trial) {
     trial_ = row.trial;
@@ -52,7 +52,7 @@ void ImportBags::enter(const CsvRow& row) {
   payload_kg_.reset();
 }
 
-void ImportBags::payload(const CsvRow& row) {
+void ImportBags::payload(const trial::CsvRow& row) {
   if (row.payload_kg && row.payload_kg != payload_kg_) {
     payload_kg_ = row.payload_kg;
     writer_->payload(row.stamp_s, *row.payload_kg);
@@ -61,13 +61,13 @@ void ImportBags::payload(const CsvRow& row) {
   while (last < layout_.payload.size() && layout_.payload[last].from_s <= row.time_s) ++last;
   if (last == next_step_) return;
   // What holds when a bag begins counts from its first row on.
-  const CsvPayloadStep& step = layout_.payload[last - 1];
+  const trial::CsvPayloadStep& step = layout_.payload[last - 1];
   const bool first = writer_->messages() == 0;
   writer_->payload(first ? row.stamp_s : step.from_s + layout_.start_stamp_s, step.kg);
   next_step_ = last;
 }
 
-void ImportBags::write(const CsvRow& row) {
+void ImportBags::write(const trial::CsvRow& row) {
   enter(row);
   payload(row);
   for (std::size_t i = 0; i < row.pressures_pa.size(); ++i) {
@@ -77,7 +77,7 @@ void ImportBags::write(const CsvRow& row) {
     if (row.scalars[i]) writer_->scalar(layout_.scalars[i].topic, row.stamp_s, *row.scalars[i]);
   }
   for (std::size_t i = 0; i < row.bodies.size(); ++i) {
-    const std::optional<CsvPose>& pose = row.bodies[i];
+    const std::optional<trial::CsvPose>& pose = row.bodies[i];
     if (!pose) continue;
     // Drivers of single markers say by a zero quaternion that they know no orientation.
     const Eigen::Quaterniond none(0.0, 0.0, 0.0, 0.0);

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "softarm/output_file.h"
-#include "softarm/ros/bag_writer.h"
-#include "softarm/trial/csv_recording.h"
+#include "output_file.h"
+#include "ros/bag_writer.h"
+#include "trial/csv_recording.h"
 
 namespace softarm::app {
 
@@ -19,9 +19,9 @@ class ImportBags {
  public:
   /// @param path the bag; of several ones the stem that "_<trial>" and "_<piece from 0>" are added to
   /// @param split_every_s length of the pieces; absent: one piece
-  ImportBags(const CsvLayout& layout, std::filesystem::path path, std::optional<double> split_every_s);
+  ImportBags(const trial::CsvLayout& layout, std::filesystem::path path, std::optional<double> split_every_s);
 
-  void write(const CsvRow& row);
+  void write(const trial::CsvRow& row);
   /// Completes the last bag.
   void close();
   void commit();
@@ -33,10 +33,10 @@ class ImportBags {
   const std::vector<Bag>& bags() const { return bags_; }
 
  private:
-  void enter(const CsvRow& row);
-  void payload(const CsvRow& row);
+  void enter(const trial::CsvRow& row);
+  void payload(const trial::CsvRow& row);
 
-  const CsvLayout& layout_;
+  const trial::CsvLayout& layout_;
   std::filesystem::path path_;
   std::optional<double> split_every_s_;
   std::vector<Bag> bags_;

@@ -1,4 +1,4 @@
-#include "softarm/output_file.h"
+#include "output_file.h"
 
 #include <fmt/format.h>
 #include <openssl/evp.h>
@@ -11,7 +11,7 @@
 #include <sstream>
 #include <system_error>
 
-#include "softarm/command.h"
+#include "command.h"
 
 namespace softarm::app {
 namespace fs = std::filesystem;

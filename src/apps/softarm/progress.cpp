@@ -1,4 +1,4 @@
-#include "softarm/progress.h"
+#include "progress.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "softarm/read_trials.h"
+#include "read_trials.h"
 
 #include <fmt/format.h>
 
@@ -6,10 +6,11 @@
 #include <set>
 #include <utility>
 
-#include "softarm/command.h"
-#include "softarm/math/parallel.h"
-#include "softarm/progress.h"
-#include "softarm/ros/bag_frames.h"
+#include "command.h"
+#include "math/parallel.h"
+#include "progress.h"
+#include "ros/bag_frames.h"
+#include "trial/trial_recorder.h"
 
 namespace softarm::app {
 namespace {
@@ -17,19 +18,20 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Reading {
-  identify::Trial trial;
+  trial::Trial trial;
   std::vector<std::string> warnings;
 };
 
-void read_bag(const std::string& path, const Arm& arm, bool use_payload, Reading& reading,
+void read_bag(const std::string& path, const arm::Arm& arm, bool use_payload, Reading& reading,
               Progress& progress) {
   BagFrames bag(path, arm, use_payload);
   reading.warnings = bag.warnings();
   progress.add_total(static_cast<double>(bag.messages()));
   std::uint64_t frames = 0;
   BagFrames::Callbacks callbacks;
-  callbacks.on_frame = [&](const Frame& frame) {
-    reading.trial.frames.push_back(frame);
+  trial::TrialRecorder recorder(arm, reading.trial.name);
+  callbacks.on_frame = [&](const trial::Frame& frame) {
+    recorder.add(frame);
     ++frames;
   };
   callbacks.on_time_jump = [] {};
@@ -37,6 +39,8 @@ void read_bag(const std::string& path, const Arm& arm, bool use_payload, Reading
     progress.advance(static_cast<double>(messages), std::exchange(frames, 0));
   };
   bag.read(callbacks);
+  recorder.add(bag.take_samples());
+  reading.trial = recorder.take();
   if (reading.trial.frames.empty())
     throw Failure(
         fmt::format("{}: no frame could be put together out of {} samples", path, bag.assembler().samples()));
@@ -44,8 +48,8 @@ void read_bag(const std::string& path, const Arm& arm, bool use_payload, Reading
 
 }  // namespace
 
-std::vector<identify::Trial> read_trials(const std::vector<std::string>& bags, const Arm& arm,
-                                         bool use_payload, unsigned jobs) {
+std::vector<trial::Trial> read_trials(const std::vector<std::string>& bags, const arm::Arm& arm,
+                                      bool use_payload, unsigned jobs) {
   std::vector<Reading> readings;
   std::set<std::string> names;
   for (const std::string& bag : bags) {
@@ -60,9 +64,9 @@ std::vector<identify::Trial> read_trials(const std::vector<std::string>& bags, c
   }
   Progress progress("frames");
   // One bad bag would silently change what is identified: the first ends it.
-  in_parallel(readings.size(), jobs,
-              [&](std::size_t i) { read_bag(bags[i], arm, use_payload, readings[i], progress); });
-  std::vector<identify::Trial> trials;
+  math::in_parallel(readings.size(), jobs,
+                    [&](std::size_t i) { read_bag(bags[i], arm, use_payload, readings[i], progress); });
+  std::vector<trial::Trial> trials;
   for (Reading& reading : readings) {
     for (const std::string& warning : reading.warnings) progress.line("softarm: warning: " + warning);
     trials.push_back(std::move(reading.trial));

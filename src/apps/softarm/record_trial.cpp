@@ -1,4 +1,4 @@
-#include "softarm/record_trial.h"
+#include "record_trial.h"
 
 #include <fmt/format.h>
 
@@ -6,13 +6,13 @@
 #include <limits>
 #include <variant>
 
-#include "softarm/command.h"
-#include "softarm/output_file.h"
-#include "softarm/rig/receipt_queue.h"
-#include "softarm/rig/simulator.h"
-#include "softarm/rig/truth_csv.h"
-#include "softarm/rig/truth_yaml.h"
-#include "softarm/ros/bag_writer.h"
+#include "command.h"
+#include "output_file.h"
+#include "rig/receipt_queue.h"
+#include "rig/simulator.h"
+#include "rig/truth_csv.h"
+#include "rig/truth_yaml.h"
+#include "ros/bag_writer.h"
 
 namespace softarm::app {
 namespace {

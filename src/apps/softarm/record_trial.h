@@ -6,7 +6,7 @@
 #include <functional>
 #include <string>
 
-#include "softarm/rig/scenario.h"
+#include "rig/scenario.h"
 
 namespace softarm::app {
 

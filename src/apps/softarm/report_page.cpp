@@ -1,4 +1,4 @@
-#include "softarm/report_page.h"
+#include "report_page.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -7,9 +7,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include "softarm/command.h"
-#include "softarm/output_file.h"
-#include "softarm/shipped.h"
+#include "command.h"
+#include "output_file.h"
+#include "shipped.h"
 
 namespace softarm::app {
 namespace {
@@ -29,7 +29,7 @@ ReportPage find_report_page() {
   for (const std::string& folder : folders) {
     if (!page.files.empty() || !is_there(fs::path(folder) / "page.html")) continue;
     try {
-      page.files = diagnose::read_page_files(folder);
+      page.files = report::read_page_files(folder);
     } catch (const std::runtime_error& error) {
       throw Failure(error.what());
     }
@@ -40,13 +40,13 @@ ReportPage find_report_page() {
 
   // The build's own first; Debian's is the same, only larger.
   std::vector<fs::path> places;
-  for (const std::string& folder : folders) places.push_back(fs::path(folder) / diagnose::kPlotly);
+  for (const std::string& folder : folders) places.push_back(fs::path(folder) / report::kPlotly);
   places.emplace_back("/usr/share/python3-plotly/plotly.js");
   for (const fs::path& place : places) {
-    if (page.files.count(diagnose::kPlotly) == 0 && is_there(place))
-      page.files[diagnose::kPlotly] = read_text(place);
+    if (page.files.count(report::kPlotly) == 0 && is_there(place))
+      page.files[report::kPlotly] = read_text(place);
   }
-  if (page.files.count(diagnose::kPlotly) == 0)
+  if (page.files.count(report::kPlotly) == 0)
     page.warning =
         "report.html has no plots, because plotly.js was not found; to have them: apt-get install "
         "python3-plotly";

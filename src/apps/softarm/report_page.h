@@ -3,12 +3,12 @@
 
 #include <string>
 
-#include "softarm/diagnose/report_page.h"
+#include "softarm/report/report.h"
 
 namespace softarm::app {
 
 struct ReportPage {
-  diagnose::PageFiles files;
+  report::PageFiles files;
   std::string warning;  ///< one line where the plotting library is missing; else empty
 };
 

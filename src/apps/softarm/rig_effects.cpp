@@ -1,4 +1,4 @@
-#include "softarm/rig_effects.h"
+#include "rig_effects.h"
 
 #include <fmt/format.h>
 
@@ -24,7 +24,7 @@ constexpr double kMinute_s = 60.0;
 /// An effect's numbers by name.
 class Numbers {
  public:
-  Numbers(const Arm& arm, const effects::Present& present) : arm_(arm), present_(present) {}
+  Numbers(const arm::Arm& arm, const model::Present& present) : arm_(arm), present_(present) {}
   double operator()(const std::string& symbol) const {
     const auto& parameters = present_.effect->info().parameters;
     for (std::size_t k = 0; k < parameters.size(); ++k)
@@ -35,12 +35,12 @@ class Numbers {
   double azimuth_deg(const std::string& x, const std::string& y) const {
     return kDegPerRad * std::atan2((*this)(y), (*this)(x));
   }
-  const Arm& arm() const { return arm_; }
+  const arm::Arm& arm() const { return arm_; }
   const std::string& id() const { return present_.effect->info().id; }
 
  private:
-  const Arm& arm_;
-  const effects::Present& present_;
+  const arm::Arm& arm_;
+  const model::Present& present_;
 };
 
 HiddenChoice choice(const std::string& id, const std::string& form, std::map<std::string, double> values) {
@@ -77,8 +77,8 @@ Choices leak(const Numbers& v) {
   const int only = static_cast<int>(std::lround(v("chamber")));
   Choices list;
   int number = 0;
-  for (const ScalarInput& input : v.arm().inputs.scalars) {
-    if (input.kind != InputKind::kPressure) continue;
+  for (const arm::ScalarInput& input : v.arm().inputs.scalars) {
+    if (input.kind != arm::InputKind::kPressure) continue;
     ++number;
     if (only != 0 && only != number) continue;
     HiddenChoice one{"pressure_leak", v("in_holds") > 0.5 ? "in_holds" : "steady", {}};
@@ -91,9 +91,9 @@ Choices leak(const Numbers& v) {
 Choices pressure_offset(const Numbers& v) {
   Choices list;
   int sensor = 0, pressures = 0, vacuums = 0;
-  for (const ScalarInput& input : v.arm().inputs.scalars) {
-    const bool vacuum = input.kind == InputKind::kVacuum;
-    if (!vacuum && input.kind != InputKind::kPressure) continue;
+  for (const arm::ScalarInput& input : v.arm().inputs.scalars) {
+    const bool vacuum = input.kind == arm::InputKind::kVacuum;
+    if (!vacuum && input.kind != arm::InputKind::kPressure) continue;
     const int number = vacuum ? ++vacuums : ++pressures;
     if (++sensor > 8) break;
     const double offset_pa = v(fmt::format("offset_{}_pa", sensor));
@@ -117,7 +117,7 @@ Choices drift(const Numbers& v) {
 Choices torsion(const Numbers& v) {
   if (v("twist_rad") == 0.0) return {};
   const double twist_deg = kDegPerRad * v("twist_rad");
-  for (const Segment& segment : v.arm().segments) {
+  for (const arm::Segment& segment : v.arm().segments) {
     if (!segment.chambers.empty() || segment.central_chamber)
       return {choice("torsion", "pressure", {{"twist_deg", twist_deg}, {"reference_pa", kPressurePa}})};
   }
@@ -243,8 +243,8 @@ const std::map<std::string, Translation>& translations() {
 
 }  // namespace
 
-std::vector<HiddenChoice> in_the_rig(const Arm& arm, const effects::Present& present) {
-  const effects::Info& info = present.effect->info();
+std::vector<HiddenChoice> in_the_rig(const arm::Arm& arm, const model::Present& present) {
+  const model::Info& info = present.effect->info();
   if (present.values.head(info.sizes).isZero(0.0)) return {};
   const auto found = translations().find(info.id);
   if (found == translations().end())
@@ -252,13 +252,13 @@ std::vector<HiddenChoice> in_the_rig(const Arm& arm, const effects::Present& pre
   return found->second(Numbers(arm, present));
 }
 
-Arm with_compliances(Arm arm, const std::vector<effects::Present>& effects) {
+arm::Arm with_compliances(arm::Arm arm, const std::vector<model::Present>& effects) {
   const auto soften = [](std::optional<double>& stiffness, double compliance) {
     if (compliance != 0.0) stiffness = 1.0 / ((stiffness ? 1.0 / *stiffness : 0.0) + compliance);
   };
-  for (const effects::Present& present : effects) {
+  for (const model::Present& present : effects) {
     const std::string& id = present.effect->info().id;
-    for (Segment& segment : arm.segments) {
+    for (arm::Segment& segment : arm.segments) {
       if (id == "axial_compliance") soften(segment.axial_stiffness_n, present.values[0]);
       if (id == "shear") soften(segment.shear_stiffness_n, present.values[0]);
       if (id == "torsion") soften(segment.torsional_stiffness_nm2, present.values[0]);

@@ -4,18 +4,18 @@
 #include <string>
 #include <vector>
 
+#include "model/effect.h"
+#include "rig/hidden.h"
 #include "softarm/arm/arm.h"
-#include "softarm/effects/effect.h"
-#include "softarm/rig/hidden.h"
 
 namespace softarm::app {
 
 /// What a scenario has to hide so that the rig has the effect; the rig's own law where it has several forms,
 /// the nearest. Nothing for an effect that acts by changing stiffnesses of the arm, see with_compliances().
 /// @throws std::invalid_argument, a line without a beginning, where the rig has no such thing
-std::vector<rig::HiddenChoice> in_the_rig(const Arm& arm, const effects::Present& present);
+std::vector<rig::HiddenChoice> in_the_rig(const arm::Arm& arm, const model::Present& present);
 
 /// The arm with compliances that effects add to those of its segments.
-Arm with_compliances(Arm arm, const std::vector<effects::Present>& effects);
+arm::Arm with_compliances(arm::Arm arm, const std::vector<model::Present>& effects);
 
 }  // namespace softarm::app

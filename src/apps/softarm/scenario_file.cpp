@@ -1,4 +1,4 @@
-#include "softarm/scenario_file.h"
+#include "scenario_file.h"
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
@@ -7,12 +7,12 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "softarm/command.h"
+#include "command.h"
+#include "output_file.h"
+#include "rig_effects.h"
+#include "shipped.h"
+#include "softarm/arm/arm_file.h"
 #include "softarm/effects/arm_effects.h"
-#include "softarm/output_file.h"
-#include "softarm/rig_effects.h"
-#include "softarm/shipped.h"
-#include "softarm/trial/arm_file.h"
 
 namespace softarm::app {
 namespace {
@@ -25,7 +25,7 @@ constexpr double kHardlyTwists_nm2 = 100.0;  // what is rigid in the arm file; t
 /// The arm in the keys of a scenario.
 class Translated {
  public:
-  Translated(const Arm& arm, std::string source) : arm_(arm), source_(std::move(source)) {}
+  Translated(const arm::Arm& arm, std::string source) : arm_(arm), source_(std::move(source)) {}
 
   YAML::Node node() const {
     YAML::Node node;
@@ -63,9 +63,9 @@ class Translated {
   }
 
   /// The rig's name of an input: its number among those of its kind.
-  std::string input(const std::string& name, InputKind kind, const std::string& prefix) const {
+  std::string input(const std::string& name, arm::InputKind kind, const std::string& prefix) const {
     int number = 0;
-    for (const ScalarInput& one : arm_.inputs.scalars) {
+    for (const arm::ScalarInput& one : arm_.inputs.scalars) {
       if (one.kind != kind) continue;
       ++number;
       if (one.name == name) return fmt::format("{}_{}", prefix, number);
@@ -74,7 +74,7 @@ class Translated {
   }
 
   YAML::Node segment(std::size_t index) const {
-    const Segment& from = arm_.segments[index];
+    const arm::Segment& from = arm_.segments[index];
     if (!from.stiffness_profile.empty())
       fail(fmt::format("segments[{}].bending_stiffness.profile", index), "a profile");
     YAML::Node to;
@@ -85,7 +85,7 @@ class Translated {
     stiffness["base_nm2"] = from.bending_stiffness.base_nm2;
     stiffness["per_min_pressure_nm2_per_pa"] = from.bending_stiffness.per_min_pressure_nm2_per_pa;
     stiffness["per_jamming_pressure_nm2_per_pa"] = from.bending_stiffness.per_jamming_pressure_nm2_per_pa;
-    for (const PressureKnot& knot : from.bending_stiffness.by_pressure) {
+    for (const arm::PressureKnot& knot : from.bending_stiffness.by_pressure) {
       YAML::Node one;
       one["pressure_pa"] = knot.pressure_pa;
       one["bending_stiffness_nm2"] = knot.bending_stiffness_nm2;
@@ -98,9 +98,9 @@ class Translated {
       to["material"]["c10_pa"] = from.material->c10_pa;
       to["material"]["c01_pa"] = from.material->c01_pa;
     }
-    for (const Chamber& chamber : from.chambers) {
+    for (const arm::Chamber& chamber : from.chambers) {
       YAML::Node one;
-      one["input"] = input(chamber.input, InputKind::kPressure, "chamber");
+      one["input"] = input(chamber.input, arm::InputKind::kPressure, "chamber");
       one["bending_direction_deg"] = kDegPerRad * chamber.bending_direction_rad;
       one["moment_gain_nm_per_pa"] = chamber.moment_gain_nm_per_pa;
       one["near_elongation_m_per_pa"] = chamber.near_elongation_m_per_pa;
@@ -108,21 +108,22 @@ class Translated {
       to["chambers"].push_back(one);
     }
     if (from.central_chamber) {
-      to["central_chamber"]["input"] = input(from.central_chamber->input, InputKind::kPressure, "chamber");
+      to["central_chamber"]["input"] =
+          input(from.central_chamber->input, arm::InputKind::kPressure, "chamber");
       to["central_chamber"]["area_m2"] = from.central_chamber->area_m2;
     }
-    for (const Tendon& tendon : from.tendons) {
+    for (const arm::Tendon& tendon : from.tendons) {
       YAML::Node one;
-      one["input"] = input(tendon.input, InputKind::kTension, "tendon");
+      one["input"] = input(tendon.input, arm::InputKind::kTension, "tendon");
       one["azimuth_deg"] = kDegPerRad * tendon.bending_direction_rad;
       one["offset_m"] = tendon.offset_m;
       to["tendons"].push_back(one);
     }
-    for (const Cable& cable : from.cables) {
+    for (const arm::Cable& cable : from.cables) {
       // Only spool over lever counts.
       const double lever = from.diameter_m > 0.0 ? 0.5 * from.diameter_m : 0.01;
       YAML::Node one;
-      one["input"] = input(cable.input, InputKind::kAngle, "servo");
+      one["input"] = input(cable.input, arm::InputKind::kAngle, "servo");
       one["azimuth_deg"] = kDegPerRad * cable.bending_direction_rad;
       one["lever_m"] = lever;
       one["spool_radius_m"] = cable.curvature_gain_per_m_rad * from.length_m * lever;
@@ -131,7 +132,7 @@ class Translated {
     return to;
   }
 
-  const Arm& arm_;
+  const arm::Arm& arm_;
   const std::string source_;
 };
 
@@ -155,11 +156,11 @@ std::string with_arm_of(const fs::path& scenario, YAML::Node document) {
   const fs::path beside = scenario.parent_path() / name;
   const std::string found =
       fs::path(name).is_relative() && fs::is_regular_file(beside, ignored) ? beside.string() : name;
-  const ArmText file = read_arm_text(found, config_folders("arms"));
-  const Arm arm = parse_arm(file.text, file.source);
-  const std::vector<EffectEntry> entries = parse_effect_entries(file.text, file.source);
-  const std::vector<effects::Present> effects = effects::effects_of(arm, entries);
-  const Arm softened = with_compliances(arm, effects);
+  const arm::ArmText file = arm::read_arm_text(found, config_folders("arms"));
+  const arm::Arm arm = arm::parse_arm(file.text, file.source);
+  const std::vector<arm::EffectEntry> entries = arm::parse_effect_entries(file.text, file.source);
+  const std::vector<model::Present> effects = effects::effects_of(arm, entries);
+  const arm::Arm softened = with_compliances(arm, effects);
   const Translated translated(softened, file.source);
   document["arm"] = translated.node();
   std::vector<rig::HiddenChoice> hidden = translated.hidden();

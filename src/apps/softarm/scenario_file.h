@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "softarm/rig/scenario.h"
+#include "rig/scenario.h"
 
 namespace softarm::app {
 

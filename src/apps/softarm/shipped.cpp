@@ -1,4 +1,4 @@
-#include "softarm/shipped.h"
+#include "shipped.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -7,7 +7,7 @@
 #include <system_error>
 #include <vector>
 
-#include "softarm/command.h"
+#include "command.h"
 
 namespace softarm::app {
 namespace fs = std::filesystem;

@@ -1,20 +1,21 @@
 // softarm simulate: a trial of the virtual rig as a bag, the truth beside it.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <memory>
 #include <optional>
 
-#include "softarm/command.h"
-#include "softarm/effects_list.h"
-#include "softarm/output_file.h"
-#include "softarm/progress.h"
-#include "softarm/record_trial.h"
-#include "softarm/rig/scenario.h"
-#include "softarm/scenario_file.h"
-#include "softarm/shipped.h"
+#include "command.h"
+#include "effects_list.h"
+#include "output_file.h"
+#include "progress.h"
+#include "record_trial.h"
+#include "rig/scenario.h"
+#include "scenario_file.h"
+#include "shipped.h"
 
 namespace softarm::app {
 namespace {

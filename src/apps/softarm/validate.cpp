@@ -1,6 +1,7 @@
 // softarm validate: the papers' published figures, ours beside theirs.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -9,9 +10,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "softarm/command.h"
-#include "softarm/output_file.h"
-#include "softarm/progress.h"
+#include "command.h"
+#include "output_file.h"
+#include "progress.h"
 #include "softarm/validate/papers.h"
 
 namespace softarm::app {

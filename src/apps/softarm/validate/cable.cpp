@@ -8,12 +8,12 @@
 #include <limits>
 #include <optional>
 
+#include "cable_model.h"
+#include "experiment.h"
+#include "math/parallel.h"
+#include "papers.h"
+#include "published/published_cable.h"
 #include "softarm/identify/identify.h"
-#include "softarm/math/parallel.h"
-#include "softarm/rod/published_cable.h"
-#include "softarm/validate/cable_model.h"
-#include "softarm/validate/experiment.h"
-#include "softarm/validate/papers.h"
 
 namespace softarm::app::validate {
 namespace {
@@ -41,8 +41,8 @@ constexpr std::array<Truth, 3> kTruths{{{"ideal", Quality::kIdeal, false},
                                         {"ideal, weightless", Quality::kIdeal, true}}};
 
 double servo_rad(double pwm) {
-  const rod::CableDrive drive;
-  return *rod::steering_angle_rad(pwm) - *rod::steering_angle_rad(drive.straight_pwm);
+  const published::CableDrive drive;
+  return *published::steering_angle_rad(pwm) - *published::steering_angle_rad(drive.straight_pwm);
 }
 
 Hold hold_at(double pwm, double payload_kg) {
@@ -50,8 +50,8 @@ Hold hold_at(double pwm, double payload_kg) {
 }
 
 /// The paper follows marks on a picture: places alone.
-Arm marks_only(Arm arm, const Truth& truth) {
-  for (MeasuredBody& body : arm.bodies) body.orientation_usable = false;
+arm::Arm marks_only(arm::Arm arm, const Truth& truth) {
+  for (arm::MeasuredBody& body : arm.bodies) body.orientation_usable = false;
   if (truth.weightless) arm.segments.front().mass_per_length_kg_m = kNearlyWeightlessKg / kCableLengthM;
   return arm;
 }
@@ -63,7 +63,7 @@ rig::Scenario scenario_for(const Truth& truth) {
   return scenario;
 }
 
-std::vector<Held> run(const Truth& truth, const Arm& arm, const std::vector<Hold>& holds,
+std::vector<Held> run(const Truth& truth, const arm::Arm& arm, const std::vector<Hold>& holds,
                       double load_fraction, std::uint64_t seed) {
   rig::Scenario scenario = scenario_for(truth);
   scenario.payload.fraction = load_fraction;
@@ -72,16 +72,16 @@ std::vector<Held> run(const Truth& truth, const Arm& arm, const std::vector<Hold
   return run_holds(scenario, arm, holds, seed, timing);
 }
 
-identify::Trial trial_of(const std::vector<Held>& held) {
-  identify::Trial trial{"shapes", {}};
+trial::Trial trial_of(const std::vector<Held>& held) {
+  trial::Trial trial{"shapes", {}};
   for (const Held& h : held) trial.frames.insert(trial.frames.end(), h.frames.begin(), h.frames.end());
   return trial;
 }
 
-std::vector<Eigen::Vector3d> measured_points(const Frame& frame, const Arm& arm) {
+std::vector<Eigen::Vector3d> measured_points(const trial::Frame& frame, const arm::Arm& arm) {
   const Eigen::Isometry3d base = *frame.base_body * arm.base.rod_in_body;
   std::vector<Eigen::Vector3d> points;
-  for (const BodyObservation& body : frame.bodies) points.emplace_back(base.inverse() * body.p_mocap);
+  for (const trial::BodyObservation& body : frame.bodies) points.emplace_back(base.inverse() * body.p_mocap);
   return points;
 }
 
@@ -94,13 +94,13 @@ double error_rate(const std::vector<Eigen::Vector3d>& model, const std::vector<E
 }
 
 /// EI at which their model for a tip load, (7)-(9), lies nearest to the shapes; golden section on ln EI.
-double their_stiffness(const std::vector<Held>& shapes, const Arm& arm) {
+double their_stiffness(const std::vector<Held>& shapes, const arm::Arm& arm) {
   const auto cost = [&](double log_ei) {
     double sum = 0.0;
     for (std::size_t i = 0; i < shapes.size(); ++i) {
       const auto model = cable_paper_shape(
           cable_paper_arm(std::exp(log_ei), kFittingPwm[i], kCableFittingLoadKg, kCableLengthM),
-          rod::CableLaw::kPrinted, arm);
+          published::CableLaw::kPrinted, arm);
       const auto measured = measured_points(shapes[i].frames.front(), arm);
       for (std::size_t k = 0; k < measured.size(); ++k)
         sum += model.empty() ? 1.0 : (model[k] - measured[k]).squaredNorm();
@@ -131,7 +131,7 @@ double their_stiffness(const std::vector<Held>& shapes, const Arm& arm) {
 /// What one truth gave.
 struct Outcome {
   double ours_nm2 = kNone, ours_sd_nm2 = kNone, theirs_nm2 = kNone;
-  Arm identified;
+  arm::Arm identified;
   std::vector<std::array<double, 2>> tip, mid;  ///< error rate of ours and theirs; tip by load then PWM
   std::vector<double> mid_to_the_letter, mid_statics;
   double moving_m = 0.0;
@@ -139,7 +139,7 @@ struct Outcome {
 };
 
 Outcome experiment(const Truth& truth, std::size_t number, const Settings& settings) {
-  const Arm arm = marks_only(shipped_arm("cable_235mm"), truth);
+  const arm::Arm arm = marks_only(shipped_arm("cable_235mm"), truth);
   const auto seed = [&](std::uint64_t part) { return seed_of(settings.seed, kPaper, 100 * number + part); };
   Outcome result;
   const auto watch = [&](const std::vector<Held>& held) {
@@ -150,7 +150,7 @@ Outcome experiment(const Truth& truth, std::size_t number, const Settings& setti
   for (double pwm : kFittingPwm) holds.push_back(hold_at(pwm, kCableFittingLoadKg));
   const std::vector<Held> shapes = run(truth, arm, holds, 1.0, seed(0));
   watch(shapes);
-  Arm start = arm;
+  arm::Arm start = arm;
   start.segments.front().bending_stiffness.base_nm2 = 0.01;  // not what is to be found
   identify::Options options;
   options.free = {"*.bending_stiffness.base"};
@@ -164,7 +164,7 @@ Outcome experiment(const Truth& truth, std::size_t number, const Settings& setti
 
   const auto compare = [&](const std::vector<Held>& held, const std::vector<double>& pwm, double load_kg,
                            double load_arclength_m, std::vector<std::array<double, 2>>& out) {
-    Arm model = found.arm;
+    arm::Arm model = found.arm;
     model.payload.arclength_m = load_arclength_m;
     identify::FrameChoice all;
     all.frames_per_trial = 0;
@@ -177,16 +177,16 @@ Outcome experiment(const Truth& truth, std::size_t number, const Settings& setti
         if (f.stamp_s != held[i].frames.front().stamp_s) continue;
         for (const identify::BodyComparison& body : f.bodies) ours.push_back(body.predicted_p_base);
       }
-      const rod::CableArm their = cable_paper_arm(result.theirs_nm2, pwm[i], load_kg, load_arclength_m);
+      const published::CableArm their = cable_paper_arm(result.theirs_nm2, pwm[i], load_kg, load_arclength_m);
       const bool mid = load_arclength_m < kCableLengthM;
-      const auto theirs =
-          cable_paper_shape(their, mid ? rod::CableLaw::kPrintedForce : rod::CableLaw::kPrinted, model);
+      const auto theirs = cable_paper_shape(
+          their, mid ? published::CableLaw::kPrintedForce : published::CableLaw::kPrinted, model);
       out.push_back({error_rate(ours, measured), error_rate(theirs, measured)});
       if (mid) {
         result.mid_to_the_letter.push_back(
-            error_rate(cable_paper_shape(their, rod::CableLaw::kPrinted, model), measured));
+            error_rate(cable_paper_shape(their, published::CableLaw::kPrinted, model), measured));
         result.mid_statics.push_back(
-            error_rate(cable_paper_shape(their, rod::CableLaw::kStatics, model), measured));
+            error_rate(cable_paper_shape(their, published::CableLaw::kStatics, model), measured));
       }
       for (std::size_t k = 0; k < measured.size(); ++k) {
         const auto x = [&](const std::vector<Eigen::Vector3d>& p, int axis) {
@@ -218,8 +218,8 @@ Outcome experiment(const Truth& truth, std::size_t number, const Settings& setti
 Result cable(const Settings& settings, Progress& progress) {
   progress.line("cable: shapes under 39.2 g, loads at the tip and at mid-span");
   std::array<Outcome, kTruths.size()> outcomes;
-  in_parallel(outcomes.size(), settings.jobs,
-              [&](std::size_t i) { outcomes[i] = experiment(kTruths[i], i, settings); });
+  math::in_parallel(outcomes.size(), settings.jobs,
+                    [&](std::size_t i) { outcomes[i] = experiment(kTruths[i], i, settings); });
 
   Table fit{"cable.ei", "3.2: EI from five shapes under 39.2 g (N m2); the rig's arm has 0.007", {}, {}, {}};
   Row ours{"exact statics, weight included", "", {}, "identify, from 0.01"},

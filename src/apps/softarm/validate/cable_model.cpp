@@ -1,4 +1,4 @@
-#include "softarm/validate/cable_model.h"
+#include "cable_model.h"
 
 #include <fmt/format.h>
 
@@ -14,24 +14,25 @@ constexpr double kSmallestLoadKg = 0.01463, kLargestTipLoadKg = 0.02921;
 }  // namespace
 
 /// Their plane: x along the clamped tangent, y downwards. The arm's base frame: z along, x upwards.
-rod::CableArm cable_paper_arm(double stiffness_nm2, double pwm, double load_kg, double load_arclength_m) {
-  const rod::CableDrive drive;
-  rod::CableArm arm;
+published::CableArm cable_paper_arm(double stiffness_nm2, double pwm, double load_kg,
+                                    double load_arclength_m) {
+  const published::CableDrive drive;
+  published::CableArm arm;
   arm.bending_stiffness_nm2 = stiffness_nm2;
   arm.length_m = kCableLengthM;
-  arm.curvature_per_m = -rod::curvature_per_m(drive, *rod::cable_change_m(drive, pwm));
+  arm.curvature_per_m = -published::curvature_per_m(drive, *published::cable_change_m(drive, pwm));
   arm.load_n = kGravity * load_kg;
   arm.load_arclength_m = load_arclength_m;
   return arm;
 }
 
 /// Their model at the marks, base frame.
-std::vector<Eigen::Vector3d> cable_paper_shape(const rod::CableArm& arm, rod::CableLaw law,
-                                               const Arm& marks) {
-  const rod::CableShape shape = solve_cable(arm, law);
+std::vector<Eigen::Vector3d> cable_paper_shape(const published::CableArm& arm, published::CableLaw law,
+                                               const arm::Arm& marks) {
+  const published::CableShape shape = solve_cable(arm, law);
   std::vector<Eigen::Vector3d> points;
   if (shape.status != rod::SolveStatus::kConverged) return points;
-  for (const MeasuredBody& body : marks.bodies) {
+  for (const arm::MeasuredBody& body : marks.bodies) {
     Eigen::Index i = 1;
     while (i + 1 < shape.s_m.size() && shape.s_m[i] < body.arclength_m) ++i;
     const double share = (body.arclength_m - shape.s_m[i - 1]) / (shape.s_m[i] - shape.s_m[i - 1]);
@@ -60,10 +61,10 @@ Table cable_arithmetic() {
       "N m2; only above that would the loads be invisible");
   add("own weight over the largest load", cell("{:.2f}", 0.128 * kCableLengthM / kCableFittingLoadKg),
       "30 g of tube (estimated: 0.93 g/cm3) against 39.2 g: (7) leaves it out");
-  const rod::CableDrive drive;
+  const published::CableDrive drive;
   add("bend without load at PWM 1665 (deg)",
-      cell("{:.0f}",
-           180.0 / M_PI * kCableLengthM * rod::curvature_per_m(drive, *rod::cable_change_m(drive, 1665.0))),
+      cell("{:.0f}", 180.0 / M_PI * kCableLengthM *
+                         published::curvature_per_m(drive, *published::cable_change_m(drive, 1665.0))),
       "(5) with (15), the angle counted from PWM 1365");
   return table;
 }

@@ -4,9 +4,9 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "published/published_cable.h"
 #include "softarm/arm/arm.h"
-#include "softarm/rod/published_cable.h"
-#include "softarm/validate/table.h"
+#include "table.h"
 
 namespace softarm::app::validate {
 
@@ -14,11 +14,13 @@ constexpr double kCableLengthM = 0.235;
 constexpr double kCableFittingLoadKg = 0.0392;
 
 /// The arm under the servo's PWM and a load.
-rod::CableArm cable_paper_arm(double stiffness_nm2, double pwm, double load_kg, double load_arclength_m);
+published::CableArm cable_paper_arm(double stiffness_nm2, double pwm, double load_kg,
+                                    double load_arclength_m);
 
 /// Their model at the bodies of an arm, in its base frame (z along the arm, x upwards); empty where it has no
 /// shape.
-std::vector<Eigen::Vector3d> cable_paper_shape(const rod::CableArm& arm, rod::CableLaw law, const Arm& marks);
+std::vector<Eigen::Vector3d> cable_paper_shape(const published::CableArm& arm, published::CableLaw law,
+                                               const arm::Arm& marks);
 
 /// Does the printed EI go with the printed loads?
 Table cable_arithmetic();

@@ -1,4 +1,4 @@
-#include "softarm/validate/circle_fit.h"
+#include "circle_fit.h"
 
 #include <cmath>
 #include <unsupported/Eigen/NonLinearOptimization>

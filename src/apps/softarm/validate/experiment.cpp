@@ -1,17 +1,16 @@
-#include "softarm/validate/experiment.h"
+#include "experiment.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
-#include "softarm/arm/arm_yaml.h"
+#include "math/statistics.h"
+#include "softarm/arm/arm_file.h"
 #include "softarm/command.h"
 #include "softarm/output_file.h"
 #include "softarm/shipped.h"
-#include "softarm/trial/arm_file.h"
 
 namespace softarm::app::validate {
 namespace {
@@ -41,21 +40,21 @@ void schedule(rig::DriveSpec& drive, const std::vector<Hold>& holds, const HoldT
 }
 
 /// In the order of Arm::inputs.scalars.
-InputValues input_values(const Arm& arm, const Hold& hold) {
+arm::InputValues input_values(const arm::Arm& arm, const Hold& hold) {
   std::size_t pressure = 0, tension = 0, angle = 0;
-  InputValues values;
-  for (const ScalarInput& input : arm.inputs.scalars) {
+  arm::InputValues values;
+  for (const arm::ScalarInput& input : arm.inputs.scalars) {
     switch (input.kind) {
-      case InputKind::kPressure:
+      case arm::InputKind::kPressure:
         values.emplace_back(hold.pressures_pa.at(pressure++));
         break;
-      case InputKind::kVacuum:
+      case arm::InputKind::kVacuum:
         values.emplace_back(hold.vacuum_pa);
         break;
-      case InputKind::kTension:
+      case arm::InputKind::kTension:
         values.emplace_back(hold.tensions_n.at(tension++));
         break;
-      case InputKind::kAngle:
+      case arm::InputKind::kAngle:
         values.emplace_back(hold.angles_rad.at(angle++));
         break;
     }
@@ -63,9 +62,9 @@ InputValues input_values(const Arm& arm, const Hold& hold) {
   return values;
 }
 
-Frame frame_of(const rig::Sample& sample, const std::vector<std::string>& names, const Arm& arm,
-               const Hold& hold) {
-  Frame frame;
+trial::Frame frame_of(const rig::Sample& sample, const std::vector<std::string>& names, const arm::Arm& arm,
+                      const Hold& hold) {
+  trial::Frame frame;
   frame.stamp_s = sample.stamp_s;
   frame.inputs = input_values(arm, hold);
   frame.payload_kg = hold.payload_kg;
@@ -85,8 +84,8 @@ Frame frame_of(const rig::Sample& sample, const std::vector<std::string>& names,
 
 }  // namespace
 
-Arm shipped_arm(const std::string& name) {
-  return load_arm_file(name, config_folders("arms"));
+arm::Arm shipped_arm(const std::string& name) {
+  return arm::load_arm_file(name, config_folders("arms"));
 }
 
 rig::Scenario shipped_scenario(const std::string& name) {
@@ -106,14 +105,14 @@ void make_real_like(rig::Scenario& scenario, double tension_range_n, double angl
   scenario.input_path.angle_play_rad = 0.05 * angle_range_rad;
 }
 
-std::vector<Held> run_holds(rig::Scenario scenario, const Arm& arm, const std::vector<Hold>& holds,
+std::vector<Held> run_holds(rig::Scenario scenario, const arm::Arm& arm, const std::vector<Hold>& holds,
                             std::uint64_t seed, const HoldTiming& timing) {
   scenario.seed = seed;
   scenario.duration_s = 0.0;
   scenario.mocap.rate_hz = kRateHz;
   scenario.mocap.dropout_probability = 0.0;
   scenario.numerics.max_step_s = 0.01;
-  for (rig::SegmentSpec& segment : scenario.arm.segments) segment.retardation_s = timing.retardation_s;
+  for (rig::SegmentSpec& segment : scenario.arm.segments) segment.retardation_s = timing.viscoelastic_lag_s;
   schedule(scenario.pressures, holds, timing, &Hold::pressures_pa);
   schedule(scenario.tensions, holds, timing, &Hold::tensions_n);
   schedule(scenario.angles, holds, timing, &Hold::angles_rad);
@@ -123,8 +122,9 @@ std::vector<Held> run_holds(rig::Scenario scenario, const Arm& arm, const std::v
   scenario.payload.ramp_s = timing.ramp_s;
   scenario.payload.steady_s = timing.ramp_s;
   scenario.payload.repeat_s = 0.0;
-  const bool vacuum = std::any_of(arm.inputs.scalars.begin(), arm.inputs.scalars.end(),
-                                  [](const ScalarInput& i) { return i.kind == InputKind::kVacuum; });
+  const bool vacuum =
+      std::any_of(arm.inputs.scalars.begin(), arm.inputs.scalars.end(),
+                  [](const arm::ScalarInput& i) { return i.kind == arm::InputKind::kVacuum; });
   if (vacuum) scenario.vacuum.schedule.push_back({0.0, {0.0}});
   for (std::size_t i = 0; i < holds.size(); ++i) {
     const double t_s = last_time_s(i, timing);
@@ -169,12 +169,11 @@ Statistics statistics(std::vector<double> values) {
     s.mean = s.median = s.maximum = s.minimum = s.sd = std::numeric_limits<double>::quiet_NaN();
     return s;
   }
-  std::sort(values.begin(), values.end());
   const double n = static_cast<double>(values.size());
-  s.minimum = values.front();
-  s.maximum = values.back();
-  s.median = 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
-  s.mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
+  s.minimum = *std::min_element(values.begin(), values.end());
+  s.maximum = *std::max_element(values.begin(), values.end());
+  s.median = math::median(values);
+  s.mean = math::mean(values);
   double squares = 0.0;
   for (double v : values) squares += (v - s.mean) * (v - s.mean);
   s.sd = values.size() > 1 ? std::sqrt(squares / (n - 1.0)) : 0.0;

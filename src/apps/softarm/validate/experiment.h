@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "rig/scenario.h"
+#include "rig/simulator.h"
 #include "softarm/arm/arm.h"
-#include "softarm/fit/frame.h"
-#include "softarm/rig/scenario.h"
-#include "softarm/rig/simulator.h"
-#include "softarm/validate/table.h"
+#include "softarm/trial/frame.h"
+#include "table.h"
 
 namespace softarm::app::validate {
 
@@ -27,18 +27,18 @@ struct HoldTiming {
   int frames = 1;        ///< measured at the end of each
   /// Kelvin-Voigt damping of all segments: half of critical or more brings the arm to rest within a hold. It
   /// slows down an arm near buckling.
-  double retardation_s = 0.1;
+  double viscoelastic_lag_s = 0.1;
 };
 
 /// What was measured while a hold lasted.
 struct Held {
-  std::vector<Frame> frames;  ///< inputs and payload as commanded
-  rig::Truth truth;           ///< at the last of them
-  double moving_m = 0.0;      ///< how far a ring still moved between the first and the last
+  std::vector<trial::Frame> frames;  ///< inputs and payload as commanded
+  rig::Truth truth;                  ///< at the last of them
+  double moving_m = 0.0;             ///< how far a ring still moved between the first and the last
 };
 
 /// The shipped arm and scenario of a name, for the same arm.
-Arm shipped_arm(const std::string& name);
+arm::Arm shipped_arm(const std::string& name);
 rig::Scenario shipped_scenario(const std::string& name);
 
 /// What a real arm has and an ideal one has not; sizes stated once for all papers (see doc/validation.md).
@@ -53,7 +53,7 @@ void make_real_like(rig::Scenario& scenario, double tension_range_n, double angl
 /// Runs the holds one after another, from rest, and measures at the end of each. The rig's damping is raised
 /// and its time step lengthened, which shortens the way to rest and does not change where that is.
 /// @param seed of the noise
-std::vector<Held> run_holds(rig::Scenario scenario, const Arm& arm, const std::vector<Hold>& holds,
+std::vector<Held> run_holds(rig::Scenario scenario, const arm::Arm& arm, const std::vector<Hold>& holds,
                             std::uint64_t seed, const HoldTiming& timing);
 
 /// Reproducible on every platform, unlike the distributions of <random>.

@@ -7,12 +7,12 @@
 #include <cmath>
 #include <limits>
 
+#include "experiment.h"
+#include "hybrid_modulus.h"
+#include "math/parallel.h"
+#include "papers.h"
+#include "published/published_hybrid.h"
 #include "softarm/identify/identify.h"
-#include "softarm/math/parallel.h"
-#include "softarm/rod/published_hybrid.h"
-#include "softarm/validate/experiment.h"
-#include "softarm/validate/hybrid_modulus.h"
-#include "softarm/validate/papers.h"
 
 namespace softarm::app::validate {
 namespace {
@@ -26,7 +26,7 @@ int repeats_of(const Settings& settings) {
 constexpr std::array<double, 6> kPressuresPa{0.0, 10e3, 20e3, 25e3, 30e3, 40e3};
 
 /// The paper's sensor: the tip's place, nothing else.
-Arm tip_only(Arm arm) {
+arm::Arm tip_only(arm::Arm arm) {
   arm.bodies = {arm.bodies.back()};
   arm.bodies.front().orientation_usable = false;
   return arm;
@@ -40,7 +40,7 @@ HoldTiming timing() {
   HoldTiming t;
   t.ramp_s = 0.3;
   t.dwell_s = 0.9;
-  t.retardation_s = 0.05;
+  t.viscoelastic_lag_s = 0.05;
   return t;
 }
 
@@ -50,8 +50,8 @@ rig::Scenario scenario_for(Quality quality) {
   return scenario;
 }
 
-identify::Trial trial_of(const std::string& name, const std::vector<Held>& held, double& moving_m) {
-  identify::Trial trial{name, {}};
+trial::Trial trial_of(const std::string& name, const std::vector<Held>& held, double& moving_m) {
+  trial::Trial trial{name, {}};
   for (const Held& h : held) {
     trial.frames.insert(trial.frames.end(), h.frames.begin(), h.frames.end());
     moving_m = std::max(moving_m, h.moving_m);
@@ -74,12 +74,13 @@ struct Rigidity {
 };
 
 /// EI at one pressure: three trials, each tendon once.
-Rigidity identify_at(const Arm& arm, Quality quality, double pressure_pa, int repeats, std::uint64_t seed) {
-  Arm start = tip_only(arm);
-  StiffnessLaw& law = start.segments.front().bending_stiffness;
+Rigidity identify_at(const arm::Arm& arm, Quality quality, double pressure_pa, int repeats,
+                     std::uint64_t seed) {
+  arm::Arm start = tip_only(arm);
+  arm::StiffnessLaw& law = start.segments.front().bending_stiffness;
   law.by_pressure.clear();
   law.base_nm2 = 5e-4;  // not what is to be found
-  std::vector<identify::Trial> trials;
+  std::vector<trial::Trial> trials;
   double moving_m = 0.0;
   Rigidity result;
   for (int r = 0; r < repeats; ++r) {
@@ -103,9 +104,9 @@ Rigidity identify_at(const Arm& arm, Quality quality, double pressure_pa, int re
 
 using Curve = std::array<Rigidity, kPressuresPa.size()>;
 
-Curve rigidity_curve(const Arm& arm, Quality quality, const Settings& settings) {
+Curve rigidity_curve(const arm::Arm& arm, Quality quality, const Settings& settings) {
   Curve curve;
-  in_parallel(curve.size(), settings.jobs, [&](std::size_t i) {
+  math::in_parallel(curve.size(), settings.jobs, [&](std::size_t i) {
     curve[i] =
         identify_at(arm, quality, kPressuresPa[i], repeats_of(settings),
                     seed_of(settings.seed, kPaper, 10 * i + 1000 * static_cast<std::uint64_t>(quality)));
@@ -193,13 +194,13 @@ std::vector<Hold> sequence(std::size_t experiment) {
 }
 
 /// The printed equations (5), (6), (16) at the same rigidity; tip in the base frame.
-std::optional<Eigen::Vector3d> printed_tip(double stiffness_nm2, const InputValues& inputs) {
-  rod::HybridArm arm = rod::hybrid_paper_arm(stiffness_nm2 / hybrid_second_moment_m4());
+std::optional<Eigen::Vector3d> printed_tip(double stiffness_nm2, const arm::InputValues& inputs) {
+  published::HybridArm arm = published::hybrid_paper_arm(stiffness_nm2 / hybrid_second_moment_m4());
   arm.weight_n = Eigen::Vector3d(0.0, 0.0, 1070.0 * hybrid_wall_area_m2() * kHybridLengthM * kGravity);
-  rod::HybridLoad load;
+  published::HybridLoad load;
   load.pressure_pa = *inputs[0];
   load.tension_n = {*inputs[1], *inputs[2], *inputs[3]};
-  const rod::HybridShape shape = solve_hybrid(arm, load, rod::HybridLaw::kPrinted);
+  const published::HybridShape shape = solve_hybrid(arm, load, published::HybridLaw::kPrinted);
   if (shape.status != rod::SolveStatus::kConverged) return std::nullopt;
   return Eigen::Vector3d(shape.p_m.rightCols<1>());
 }
@@ -210,9 +211,9 @@ struct Prediction {
   std::vector<std::vector<double>> tips;  ///< rows of the series
 };
 
-Prediction predict_experiment(const Arm& arm, Quality quality, std::size_t experiment, int repeats,
+Prediction predict_experiment(const arm::Arm& arm, Quality quality, std::size_t experiment, int repeats,
                               std::uint64_t seed) {
-  const Arm model = tip_only(arm);
+  const arm::Arm model = tip_only(arm);
   Prediction result;
   for (int r = 0; r < repeats; ++r) {
     const std::vector<Held> held = run_holds(scenario_for(quality), model, sequence(experiment),
@@ -224,7 +225,7 @@ Prediction predict_experiment(const Arm& arm, Quality quality, std::size_t exper
          identify::compare(model, {trial_of("trial", held, result.moving_m)}, all)) {
       const identify::BodyComparison& tip = frame.bodies.front();
       result.ours.push_back(100.0 * frame.error_m / kHybridLengthM);
-      const auto law = predict_segment(model, model.segments.front(), frame.inputs);
+      const auto law = arm::predict_segment(model, model.segments.front(), frame.inputs);
       const auto printed = law ? printed_tip(law->bending_stiffness_nm2, frame.inputs) : std::nullopt;
       if (printed) result.printed.push_back(100.0 * (*printed - tip.measured_p_base).norm() / kHybridLengthM);
       if (r > 0) continue;
@@ -239,15 +240,16 @@ Prediction predict_experiment(const Arm& arm, Quality quality, std::size_t exper
   return result;
 }
 
-Arm identified(Arm arm, const Curve& curve) {
-  std::vector<PressureKnot>& knots = arm.segments.front().bending_stiffness.by_pressure;
+arm::Arm identified(arm::Arm arm, const Curve& curve) {
+  std::vector<arm::PressureKnot>& knots = arm.segments.front().bending_stiffness.by_pressure;
   knots.clear();
   for (std::size_t i = 0; i < kPressuresPa.size(); ++i)
     if (i != 3) knots.push_back({kPressuresPa[i], curve[i].value_nm2});  // 25 kPa is the validation point
   return arm;
 }
 
-Table table_3(const Arm& arm, const std::array<Curve, 2>& curves, const Settings& settings, Series& series) {
+Table table_3(const arm::Arm& arm, const std::array<Curve, 2>& curves, const Settings& settings,
+              Series& series) {
   Table table{"hybrid.table_3",
               "Table 3: error of the tip, mean over the sequence, percent of the length",
               {"ideal", "ideal, printed equations", "real-like", "real-like, printed equations"},
@@ -258,7 +260,7 @@ Table table_3(const Arm& arm, const std::array<Curve, 2>& curves, const Settings
              "measured_z", "ours_x", "ours_y", "ours_z", "printed_x", "printed_y", "printed_z"},
             {}};
   std::array<std::array<Prediction, kExperiments.size()>, 2> predictions;
-  in_parallel(2 * kExperiments.size(), settings.jobs, [&](std::size_t i) {
+  math::in_parallel(2 * kExperiments.size(), settings.jobs, [&](std::size_t i) {
     const std::size_t q = i / kExperiments.size(), e = i % kExperiments.size();
     predictions[q][e] =
         predict_experiment(identified(arm, curves[q]), static_cast<Quality>(q), e, repeats_of(settings),
@@ -312,7 +314,7 @@ Table table_3(const Arm& arm, const std::array<Curve, 2>& curves, const Settings
 }  // namespace
 
 Result hybrid(const Settings& settings, Progress& progress) {
-  const Arm arm = shipped_arm("hybrid_85mm");
+  const arm::Arm arm = shipped_arm("hybrid_85mm");
   Result result{"hybrid",
                 "Hyperelastic Modeling and Validation of Hybrid-Actuated Soft Robot with Pressure-Stiffening",
                 {},

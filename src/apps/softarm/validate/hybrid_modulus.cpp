@@ -1,4 +1,4 @@
-#include "softarm/validate/hybrid_modulus.h"
+#include "hybrid_modulus.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "softarm/rod/mooney_rivlin.h"
+#include "published/mooney_rivlin.h"
 
 namespace softarm::app::validate {
 namespace {
@@ -14,7 +14,7 @@ namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 // Table 2 of the paper.
 constexpr double kOuterM = 0.012, kInnerM = 0.003, kOffsetM = 0.004;
-constexpr MooneyRivlin kPrintedRubber{18800.0, -14000.0};
+constexpr arm::MooneyRivlin kPrintedRubber{18800.0, -14000.0};
 
 double chamber_area_m2() {
   return M_PI / 4.0 * kInnerM * kInnerM;
@@ -44,8 +44,8 @@ Table hybrid_moduli(Series& series) {
     if (!stretch) continue;
     const double strain = 0.5 * (*stretch * *stretch - 1.0);
     const std::array<double, 3> ei{
-        rod::published_modulus_pa(kPrintedRubber, strain).value_or(kNone) * inertia,
-        rod::published_chain_rule_modulus_pa(kPrintedRubber, strain).value_or(kNone) * inertia,
+        published::published_modulus_pa(kPrintedRubber, strain).value_or(kNone) * inertia,
+        published::published_chain_rule_modulus_pa(kPrintedRubber, strain).value_or(kNone) * inertia,
         kPrintedRubber.tangent_modulus_pa(*stretch) * inertia};
     series.rows.push_back({1e3 * kpa, ei[0], ei[1], ei[2]});
     if (kpa == 0) at_rest = ei;

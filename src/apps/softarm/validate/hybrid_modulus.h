@@ -1,7 +1,7 @@
 // The hybrid paper's arm (Table 2) and what its rubber's constants make of it.
 #pragma once
 
-#include "softarm/validate/table.h"
+#include "table.h"
 
 namespace softarm::app::validate {
 

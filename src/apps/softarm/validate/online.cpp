@@ -6,11 +6,11 @@
 #include <cmath>
 #include <functional>
 
-#include "softarm/arm/arm_yaml.h"
-#include "softarm/fit/estimator.h"
-#include "softarm/validate/online_series.h"
-#include "softarm/validate/online_statistics.h"
-#include "softarm/validate/papers.h"
+#include "online_series.h"
+#include "online_statistics.h"
+#include "papers.h"
+#include "softarm/arm/arm_file.h"
+#include "softarm/estimate/estimator.h"
 
 namespace softarm::app::validate {
 namespace {
@@ -187,7 +187,7 @@ Table payloads(const Runs& runs) {
 }
 
 Table additions(const Runs& runs) {
-  Table table{"online.additions", "Beside the paper: what only a rig can tell", runs.names, {}, {}};
+  Table table{"online.additions", "Beside the paper: what only a rig can show", runs.names, {}, {}};
   const auto add_truth = [&](const char* name, const OnlinePick& pick) {
     table.rows.push_back({fmt::format("{}: shape against truth", name), "",
                           runs.cells("{:.2f} %",
@@ -210,20 +210,20 @@ Table additions(const Runs& runs) {
   add_truth("full, least squares", online_fit(0, kSquares));
   add_truth("end, sum of distances", online_fit(1, kPrinted));
   add_truth("end, least squares", online_fit(1, kSquares));
-  const auto told = [&](const char* name, std::size_t method, Load load) {
-    table.rows.push_back({fmt::format("{}: says it tells EI", name), "",
-                          runs.cells("{:.0f} %",
-                                     [&](const OnlineExperiment& e) {
-                                       return summarise(
-                                                  e, load, online_fit(method, kSquares),
-                                                  [](const OnlineFit& f) { return f.tells ? 100.0 : 0.0; })
-                                           .all.mean;
-                                     }),
-                          "frames that determine EI to a standard deviation of 25 %"});
+  const auto identifiable = [&](const char* name, std::size_t method, Load load) {
+    table.rows.push_back(
+        {fmt::format("{}: EI identifiable", name), "",
+         runs.cells("{:.0f} %",
+                    [&](const OnlineExperiment& e) {
+                      return summarise(e, load, online_fit(method, kSquares),
+                                       [](const OnlineFit& f) { return f.identifiable ? 100.0 : 0.0; })
+                          .all.mean;
+                    }),
+         "frames that determine EI to a standard deviation of 25 %"});
   };
-  told("full, loaded", 0, Load::kLoaded);
-  told("full, no load", 0, Load::kNone);
-  told("end, loaded", 1, Load::kLoaded);
+  identifiable("full, loaded", 0, Load::kLoaded);
+  identifiable("full, no load", 0, Load::kNone);
+  identifiable("end, loaded", 1, Load::kLoaded);
   constexpr std::array<const char*, 4> kNames{"full points", "end orientation", "CC all points",
                                               "CC end point"};
   for (std::size_t m = 0; m < kNames.size(); ++m) {
@@ -278,13 +278,13 @@ double cpu_seconds() {
 }
 
 /// Seconds of one frame from nothing, in this thread alone.
-Statistics times(const OnlineExperiment& sets, Method method, Objective objective) {
-  const Arm arm = shipped_arm("online_200mm");
-  EstimatorOptions options = arm.estimator;
+Statistics times(const OnlineExperiment& sets, arm::Method method, arm::Objective objective) {
+  const arm::Arm arm = shipped_arm("online_200mm");
+  arm::EstimatorOptions options = arm.estimator;
   options.method = method;
   options.objective = objective;
-  options.robust = objective == Objective::kLeastSquares;  // as in the tables
-  Estimator estimator(arm, options);
+  options.robust = objective == arm::Objective::kLeastSquares;  // as in the tables
+  estimate::Estimator estimator(arm, options);
   std::vector<double> seconds;
   for (const OnlineSet& set : sets) {
     for (const auto& frames : set.datasets) {
@@ -302,9 +302,9 @@ Statistics times(const OnlineExperiment& sets, Method method, Objective objectiv
 Table table_1(const OnlineExperiment& sets) {
   Table table{
       "online.table_1", "Table I: processing time of one frame (s)", {"ours", "ours, least squares"}, {}, {}};
-  const auto add = [&](const char* name, Method method, const std::array<const char*, 3>& published) {
-    const Statistics a = times(sets, method, Objective::kSumOfDistances),
-                     b = times(sets, method, Objective::kLeastSquares);
+  const auto add = [&](const char* name, arm::Method method, const std::array<const char*, 3>& published) {
+    const Statistics a = times(sets, method, arm::Objective::kSumOfDistances),
+                     b = times(sets, method, arm::Objective::kLeastSquares);
     const auto row = [&](const char* what, const char* theirs, double x, double y,
                          const std::string& remark) {
       table.rows.push_back(
@@ -314,9 +314,9 @@ Table table_1(const OnlineExperiment& sets) {
     row("max", published[1], a.maximum, b.maximum, "");
     row("std", published[2], a.sd, b.sd, "");
   };
-  add("full points", Method::kFullPoints, {"0.236", "0.776", "0.121"});
-  add("end orientation", Method::kEndOrientation, {"0.123", "0.342", "0.033"});
-  add("CC all points", Method::kCcPoints, {"0.025", "0.041", "0.005"});
+  add("full points", arm::Method::kFullPoints, {"0.236", "0.776", "0.121"});
+  add("end orientation", arm::Method::kEndOrientation, {"0.123", "0.342", "0.033"});
+  add("CC all points", arm::Method::kCcPoints, {"0.025", "0.041", "0.005"});
   table.notes = {
       "Theirs: MATLAB's fmincon on an i5-7600K. Ours: this machine, processor time, every frame from nothing "
       "(no "

@@ -1,11 +1,11 @@
-#include "softarm/validate/online_data.h"
+#include "online_data.h"
 
 #include <cmath>
 
-#include "softarm/fit/estimator.h"
-#include "softarm/math/parallel.h"
-#include "softarm/validate/circle_fit.h"
-#include "softarm/validate/printed_fit.h"
+#include "circle_fit.h"
+#include "math/parallel.h"
+#include "printed_fit.h"
+#include "softarm/estimate/estimator.h"
 
 namespace softarm::app::validate {
 namespace {
@@ -31,9 +31,10 @@ std::vector<double> draw_pressures(std::size_t set, bool standing, Draw& draw) {
 }
 
 /// Measured points in the rod's base frame; the true ones, for the same bodies, are those of the rig.
-std::vector<Eigen::Vector3d> measured_points(const Frame& frame, const Eigen::Isometry3d& base_in_mocap) {
+std::vector<Eigen::Vector3d> measured_points(const trial::Frame& frame,
+                                             const Eigen::Isometry3d& base_in_mocap) {
   std::vector<Eigen::Vector3d> points;
-  for (const BodyObservation& body : frame.bodies)
+  for (const trial::BodyObservation& body : frame.bodies)
     points.emplace_back(base_in_mocap.inverse() * body.p_mocap);
   return points;
 }
@@ -56,13 +57,13 @@ OnlineFit judge(const std::vector<Eigen::Vector3d>& shape, const std::vector<Eig
 /// The estimators of one experiment; one per thread.
 class Methods {
  public:
-  explicit Methods(const Arm& arm) : arm_(arm) {
+  explicit Methods(const arm::Arm& arm) : arm_(arm) {
     for (std::size_t m = 0; m < kOnlineMethods.size(); ++m)
       for (std::size_t o = 0; o < kOnlineObjectives.size(); ++o)
-        estimators_.push_back(make(kOnlineMethods[m], kOnlineObjectives[o], Unknown::kStiffness, arm));
+        estimators_.push_back(make(kOnlineMethods[m], kOnlineObjectives[o], arm::Unknown::kStiffness, arm));
   }
 
-  OnlineFrame estimate(const Frame& frame, const rig::Truth& truth, bool standing, bool printed) {
+  OnlineFrame estimate(const trial::Frame& frame, const rig::Truth& truth, bool standing, bool printed) {
     OnlineFrame result;
     result.frame = frame;
     result.payload_kg = *frame.payload_kg;
@@ -79,21 +80,21 @@ class Methods {
     result.fits[2][0] = judge(fit_circle(seen, length_m), seen, truth, length_m);
     if (!printed) return result;
     // The printed law, from where the exact one ended.
-    Estimator& exact = estimators_[1];
+    estimate::Estimator& exact = estimators_[1];
     exact.reset();
-    const Estimate& estimate = exact.estimate(frame);
-    if (estimate.status != Status::kOk) return result;
-    const SegmentEstimate& segment = estimate.segments.front();
-    rod::PublishedArm start;
+    const estimate::Estimate& estimate = exact.estimate(frame);
+    if (estimate.status != estimate::Status::kOk) return result;
+    const estimate::SegmentEstimate& segment = estimate.segments.front();
+    published::PublishedArm start;
     start.moment_nm = segment.moment_nm.value_or(0.1);
     start.direction_rad = segment.direction_rad.value_or(0.0);
     start.bending_stiffness_nm2 = segment.bending_stiffness_nm2.value_or(0.03);
     start.length_m = segment.length_m.value_or(length_m);
     start.payload_n = kGravity * *frame.payload_kg;
     start.weight_n = kGravity * arm_.segments.front().mass_per_length_kg_m * length_m;
-    start.mounting = standing ? rod::Mounting::kStanding : rod::Mounting::kHanging;
+    start.mounting = standing ? published::Mounting::kStanding : published::Mounting::kHanging;
     const std::vector<Eigen::Vector3d> points = measured_points(frame, estimate.base_in_mocap);
-    if (const auto fit = fit_printed(points, start, rod::LoadLaw::kPrinted)) {
+    if (const auto fit = fit_printed(points, start, published::LoadLaw::kPrinted)) {
       result.printed = judge(fit->p_base, points, truth, length_m);
       result.printed.bending_stiffness_nm2 = fit->bending_stiffness_nm2;
     }
@@ -101,46 +102,49 @@ class Methods {
   }
 
   /// The payload, EI given.
-  OnlineFit weigh(const Frame& frame, const rig::Truth& truth, double stiffness_nm2, Objective objective) {
-    Arm arm = arm_;
-    StiffnessLaw& law = arm.segments.front().bending_stiffness;
+  OnlineFit weigh(const trial::Frame& frame, const rig::Truth& truth, double stiffness_nm2,
+                  arm::Objective objective) {
+    arm::Arm arm = arm_;
+    arm::StiffnessLaw& law = arm.segments.front().bending_stiffness;
     law.base_nm2 = stiffness_nm2;
     law.per_min_pressure_nm2_per_pa = 0.0;
-    Estimator estimator = make(Method::kFullPoints, objective, Unknown::kPayload, arm);
-    Frame unknown = frame;
+    estimate::Estimator estimator = make(arm::Method::kFullPoints, objective, arm::Unknown::kPayload, arm);
+    trial::Frame unknown = frame;
     unknown.payload_kg.reset();
     return run(estimator, unknown, truth);
   }
 
  private:
-  static Estimator make(Method method, Objective objective, Unknown unknown, const Arm& arm) {
-    EstimatorOptions options = arm.estimator;
+  static estimate::Estimator make(arm::Method method, arm::Objective objective, arm::Unknown unknown,
+                                  const arm::Arm& arm) {
+    arm::EstimatorOptions options = arm.estimator;
     options.method = method;
     options.objective = objective;
     options.unknown = unknown;
-    options.robust = objective == Objective::kLeastSquares;  // the paper sets no point aside
-    Estimator estimator(arm, options);
+    options.robust = objective == arm::Objective::kLeastSquares;  // the paper sets no point aside
+    estimate::Estimator estimator(arm, options);
     estimator.set_backbone_points(static_cast<int>(arm.bodies.size()) + 1);  // at i L / K
     return estimator;
   }
 
-  OnlineFit run(Estimator& estimator, const Frame& frame, const rig::Truth& truth) const {
+  OnlineFit run(estimate::Estimator& estimator, const trial::Frame& frame, const rig::Truth& truth) const {
     estimator.reset();
-    const Estimate& estimate = estimator.estimate(frame);
-    if (estimate.status != Status::kOk) return {};
+    const estimate::Estimate& estimate = estimator.estimate(frame);
+    if (estimate.status != estimate::Status::kOk) return {};
     std::vector<Eigen::Vector3d> shape;
     for (std::size_t i = 1; i < estimate.backbone.size(); ++i) shape.push_back(estimate.backbone[i].p_base);
     OnlineFit fit =
         judge(shape, measured_points(frame, estimate.base_in_mocap), truth, arm_.total_length_m());
     fit.bending_stiffness_nm2 = estimate.segments.front().bending_stiffness_nm2;
     fit.payload_kg = estimate.payload_kg;
-    fit.tells = estimator.options().unknown == Unknown::kPayload ? estimate.tells_payload
-                                                                 : estimate.segments.front().tells_stiffness;
+    fit.identifiable = estimator.options().unknown == arm::Unknown::kPayload
+                           ? estimate.identifiable_payload
+                           : estimate.segments.front().identifiable_stiffness;
     return fit;
   }
 
-  Arm arm_;
-  std::vector<Estimator> estimators_;
+  arm::Arm arm_;
+  std::vector<estimate::Estimator> estimators_;
 };
 
 /// EI of the first data set: the mean of the loaded estimates of one repeat.
@@ -172,7 +176,7 @@ double online_error_percent(const std::vector<Eigen::Vector3d>& errors_m, double
 
 std::vector<OnlineSet> online_experiment(const OnlineSetting& setting, const Settings& settings, int sets,
                                          int repeats) {
-  const Arm arm = shipped_arm("online_200mm");
+  const arm::Arm arm = shipped_arm("online_200mm");
   rig::Scenario scenario = shipped_scenario("demo");
   if (setting.standing) scenario.mount.q_mocap_base = Eigen::Quaterniond::Identity();
   if (setting.quality == Quality::kRealLike) make_real_like(scenario, 0.0, 0.0);
@@ -187,7 +191,7 @@ std::vector<OnlineSet> online_experiment(const OnlineSetting& setting, const Set
     unseen_kg.push_back(draw.uniform(0.14, 0.24));
   }
 
-  in_parallel(result.size(), settings.jobs, [&](std::size_t i) {
+  math::in_parallel(result.size(), settings.jobs, [&](std::size_t i) {
     OnlineSet& set = result[i];
     std::vector<Hold> holds;
     for (double kg : online_payloads_kg()) holds.push_back({set.pressures_pa, {}, {}, 0.0, kg});
@@ -198,7 +202,7 @@ std::vector<OnlineSet> online_experiment(const OnlineSetting& setting, const Set
     if (setting.standing) {
       timing.dwell_s = 6.0;  // near buckling it comes to rest slowly
     } else {
-      timing.retardation_s = 0.15;
+      timing.viscoelastic_lag_s = 0.15;
     }
     const std::vector<Held> held = run_holds(
         scenario, arm, holds, seed_of(settings.seed, kPaper, 100 + 10 * i + setting.standing), timing);
@@ -207,7 +211,7 @@ std::vector<OnlineSet> online_experiment(const OnlineSetting& setting, const Set
       set.moving_m = std::max(set.moving_m, held[h].moving_m);
       if (h == online_payloads_kg().size()) continue;  // at rest
       std::vector<OnlineFrame> frames;
-      for (const Frame& frame : held[h].frames)
+      for (const trial::Frame& frame : held[h].frames)
         frames.push_back(methods.estimate(frame, held[h].truth, setting.standing, frames.empty()));
       if (h < online_payloads_kg().size()) {
         set.datasets.push_back(std::move(frames));

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "softarm/fit/estimate.h"
-#include "softarm/validate/experiment.h"
+#include "experiment.h"
+#include "softarm/estimate/estimate.h"
 
 namespace softarm::app::validate {
 
@@ -21,9 +21,10 @@ constexpr std::array<OnlineSetting, 4> kOnlineSettings{{{"ideal, standing", Qual
                                                         {"ideal, hanging", Quality::kIdeal, false},
                                                         {"real-like, hanging", Quality::kRealLike, false}}};
 
-constexpr std::array<Method, 4> kOnlineMethods{Method::kFullPoints, Method::kEndOrientation,
-                                               Method::kCcPoints, Method::kCcEndpoint};
-constexpr std::array<Objective, 2> kOnlineObjectives{Objective::kSumOfDistances, Objective::kLeastSquares};
+constexpr std::array<arm::Method, 4> kOnlineMethods{arm::Method::kFullPoints, arm::Method::kEndOrientation,
+                                                    arm::Method::kCcPoints, arm::Method::kCcEndpoint};
+constexpr std::array<arm::Objective, 2> kOnlineObjectives{arm::Objective::kSumOfDistances,
+                                                          arm::Objective::kLeastSquares};
 
 /// One frame by one method.
 struct OnlineFit {
@@ -32,11 +33,11 @@ struct OnlineFit {
   double truth_percent = 0.0;  ///< against their true places
   double tip_mm = 0.0;         ///< tip against its true place
   std::optional<double> bending_stiffness_nm2, payload_kg;
-  bool tells = false;  ///< EI, or the payload where that is the unknown
+  bool identifiable = false;  ///< EI, or the payload where that is the unknown
 };
 
 struct OnlineFrame {
-  Frame frame;  ///< as measured
+  trial::Frame frame;  ///< as measured
   double payload_kg = 0.0;
   double true_stiffness_nm2 = 0.0;
   double tip_angle_rad = 0.0;

@@ -1,4 +1,4 @@
-#include "softarm/validate/online_series.h"
+#include "online_series.h"
 
 #include <cmath>
 
@@ -14,7 +14,7 @@ Series online_frames_series(const std::vector<OnlineSetting>& settings,
   Series series{"online_frames",
                 {"standing", "real_like", "set", "baseline_pa", "payload_kg", "tip_angle_rad", "true_EI",
                  "full_percent", "end_percent", "cc_points_percent", "cc_end_percent", "full_EI", "end_EI",
-                 "full_EI_least_squares", "printed_EI", "tells_EI"},
+                 "full_EI_least_squares", "printed_EI", "identifiable_EI"},
                 {}};
   for (std::size_t k = 0; k < experiments.size(); ++k) {
     for (std::size_t i = 0; i < experiments[k].size(); ++i) {
@@ -29,7 +29,7 @@ Series online_frames_series(const std::vector<OnlineSetting>& settings,
                static_cast<double>(i + 1), experiments[k][i].baseline_pa, f.payload_kg, f.tip_angle_rad,
                f.true_stiffness_nm2, error(0), error(1), error(2), error(3), ei(f.fits[0][kPrinted]),
                ei(f.fits[1][kPrinted]), ei(f.fits[0][kSquares]), ei(f.printed),
-               f.fits[0][kSquares].tells ? 1.0 : 0.0});
+               f.fits[0][kSquares].identifiable ? 1.0 : 0.0});
         }
       }
     }

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "softarm/validate/online_statistics.h"
+#include "online_statistics.h"
 
 namespace softarm::app::validate {
 

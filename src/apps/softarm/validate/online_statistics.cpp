@@ -1,4 +1,4 @@
-#include "softarm/validate/online_statistics.h"
+#include "online_statistics.h"
 
 #include <algorithm>
 #include <cmath>

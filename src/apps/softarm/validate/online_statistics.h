@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "softarm/validate/online_data.h"
+#include "online_data.h"
 
 namespace softarm::app::validate {
 

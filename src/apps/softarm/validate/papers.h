@@ -1,7 +1,7 @@
 // The papers, one function each: runs its experiments, returns its tables.
 #pragma once
 
-#include "softarm/validate/table.h"
+#include "table.h"
 
 namespace softarm::app::validate {
 

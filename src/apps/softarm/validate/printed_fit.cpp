@@ -1,4 +1,4 @@
-#include "softarm/validate/printed_fit.h"
+#include "printed_fit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,12 +12,12 @@ constexpr double kLengthScale = 0.1;
 
 struct Problem {
   const std::vector<Eigen::Vector3d>& points;
-  const rod::PublishedArm& start;
-  rod::LoadLaw law;
+  const published::PublishedArm& start;
+  published::LoadLaw law;
 
   /// x: curvature components M0 / EI times the length of the start, ln EI over that of the start, L.
-  rod::PublishedArm arm(const Eigen::VectorXd& x) const {
-    rod::PublishedArm a = start;
+  published::PublishedArm arm(const Eigen::VectorXd& x) const {
+    published::PublishedArm a = start;
     a.bending_stiffness_nm2 = start.bending_stiffness_nm2 * std::exp(x[2]);
     a.moment_nm = x.head<2>().norm() / start.length_m * a.bending_stiffness_nm2;
     a.direction_rad = std::atan2(x[1], x[0]);
@@ -25,12 +25,12 @@ struct Problem {
     return a;
   }
   std::optional<std::vector<Eigen::Vector3d>> shape(const Eigen::VectorXd& x) const {
-    const rod::PublishedArm a = arm(x);
+    const published::PublishedArm a = arm(x);
     if (!(a.length_m > 0.0) || std::abs(x[2]) > 4.0) return std::nullopt;
-    rod::PublishedOptions options;
+    published::PublishedOptions options;
     options.nodes = kNodes;
-    options.relaxation = rod::settling_relaxation(a);
-    const rod::PublishedShape s = rod::solve_published(a, law, options);
+    options.relaxation = published::settling_relaxation(a);
+    const published::PublishedShape s = published::solve_published(a, law, options);
     if (s.status != rod::SolveStatus::kConverged) return std::nullopt;
     std::vector<Eigen::Vector3d> p;
     const int step = (kNodes - 1) / static_cast<int>(points.size());
@@ -64,7 +64,7 @@ struct Problem {
 }  // namespace
 
 std::optional<PrintedFit> fit_printed(const std::vector<Eigen::Vector3d>& points,
-                                      const rod::PublishedArm& start, rod::LoadLaw law) {
+                                      const published::PublishedArm& start, published::LoadLaw law) {
   Problem problem{points, start, law};
   Eigen::VectorXd x(4);
   const double turn = start.moment_nm / start.bending_stiffness_nm2 * start.length_m;
@@ -82,7 +82,7 @@ std::optional<PrintedFit> fit_printed(const std::vector<Eigen::Vector3d>& points
   solver.minimize(x);
   const auto p = problem.shape(x);
   if (!p) return std::nullopt;
-  const rod::PublishedArm arm = problem.arm(x);
+  const published::PublishedArm arm = problem.arm(x);
   return PrintedFit{arm.moment_nm, arm.bending_stiffness_nm2, arm.length_m, *p};
 }
 

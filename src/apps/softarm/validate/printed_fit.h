@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "softarm/rod/published.h"
+#include "published/published.h"
 
 namespace softarm::app::validate {
 
@@ -20,6 +20,6 @@ struct PrintedFit {
 /// @param start a rod nearby: its payload, weight and mounting are kept
 /// @return nothing where the printed iteration has no settled shape
 std::optional<PrintedFit> fit_printed(const std::vector<Eigen::Vector3d>& points,
-                                      const rod::PublishedArm& start, rod::LoadLaw law);
+                                      const published::PublishedArm& start, published::LoadLaw law);
 
 }  // namespace softarm::app::validate

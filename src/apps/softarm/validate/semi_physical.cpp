@@ -8,12 +8,12 @@
 #include <functional>
 #include <optional>
 
+#include "experiment.h"
+#include "math/parallel.h"
+#include "papers.h"
+#include "published/published.h"
+#include "published/pull.h"
 #include "softarm/identify/identify.h"
-#include "softarm/identify/pull.h"
-#include "softarm/math/parallel.h"
-#include "softarm/rod/published.h"
-#include "softarm/validate/experiment.h"
-#include "softarm/validate/papers.h"
 
 namespace softarm::app::validate {
 namespace {
@@ -39,17 +39,17 @@ constexpr std::array<Constant, 9> kConstants{{{"a1 + a2 (mm/kPa)", "0.658", "*.c
                                               {"c2 (N m/kPa)", "0.0078", "*.chamber_2.moment_gain", 1e3},
                                               {"c3 (N m/kPa)", "0.0065", "*.chamber_3.moment_gain", 1e3}}};
 
-double value_in(const Arm& arm, const Constant& constant) {
+double value_in(const arm::Arm& arm, const Constant& constant) {
   return constant.scale * identify::value_of(arm, identify::matching(arm, {constant.pattern}).front());
 }
 
 /// The start of the fit knows nothing of the chambers' differences.
-Arm start_of(Arm arm) {
-  Segment& segment = arm.segments.front();
+arm::Arm start_of(arm::Arm arm) {
+  arm::Segment& segment = arm.segments.front();
   segment.bending_stiffness.base_nm2 = 0.04;
   segment.bending_stiffness.per_min_pressure_nm2_per_pa = 0.0;
   segment.bending_stiffness.per_jamming_pressure_nm2_per_pa = 0.8e-6;
-  for (Chamber& chamber : segment.chambers) {
+  for (arm::Chamber& chamber : segment.chambers) {
     chamber.moment_gain_nm_per_pa = 6e-6;
     chamber.near_elongation_m_per_pa = 5e-7;
     chamber.far_elongation_m_per_pa = 0.0;
@@ -72,25 +72,26 @@ std::vector<Hold> draw_pair(Draw& draw) {
 }
 
 /// The printed model's shape at the bodies, base frame: constant moment from the laws, (14) to (17).
-std::optional<std::vector<Eigen::Vector3d>> printed_shape(const Arm& arm, const InputValues& inputs,
+std::optional<std::vector<Eigen::Vector3d>> printed_shape(const arm::Arm& arm, const arm::InputValues& inputs,
                                                           double payload_kg) {
-  const auto law = predict_segment(arm, arm.segments.front(), inputs);
+  const auto law = arm::predict_segment(arm, arm.segments.front(), inputs);
   if (!law) return std::nullopt;
-  const Segment& segment = arm.segments.front();
-  rod::PublishedArm model;
+  const arm::Segment& segment = arm.segments.front();
+  published::PublishedArm model;
   model.moment_nm = law->moment_nm.norm();
   model.direction_rad = std::atan2(law->moment_nm.y(), law->moment_nm.x());
   model.bending_stiffness_nm2 = law->bending_stiffness_nm2;
   model.length_m = law->length_m;
   model.payload_n = kGravity * payload_kg;
   model.weight_n = kGravity * segment.mass_per_length_kg_m * segment.length_m;
-  rod::PublishedOptions options;
+  published::PublishedOptions options;
   options.nodes = 301;
-  options.relaxation = rod::settling_relaxation(model);
-  const rod::PublishedShape shape = rod::solve_published(model, rod::LoadLaw::kPrinted, options);
+  options.relaxation = published::settling_relaxation(model);
+  const published::PublishedShape shape =
+      published::solve_published(model, published::LoadLaw::kPrinted, options);
   if (shape.status != rod::SolveStatus::kConverged) return std::nullopt;
   std::vector<Eigen::Vector3d> points;
-  for (const MeasuredBody& body : arm.bodies)
+  for (const arm::MeasuredBody& body : arm.bodies)
     points.emplace_back(
         shape.p_m.col(std::lround(body.arclength_m / segment.length_m * (options.nodes - 1))));
   return points;
@@ -108,7 +109,7 @@ struct Errors {
 
 struct Outcome {
   identify::Result ours;
-  std::optional<identify::ThreeTruths> theirs;
+  std::optional<published::ThreeTruths> theirs;
   std::string failure;  ///< of their procedure
   Errors our_errors, their_errors;
   double largest_angle_rad = 0.0, largest_length_m = 0.0, moving_m = 0.0;
@@ -116,14 +117,14 @@ struct Outcome {
 };
 
 Outcome experiment(Quality quality, const Settings& settings, std::size_t fitted, std::size_t checked) {
-  const Arm arm = start_of(shipped_arm("semi_physical_200mm"));
+  const arm::Arm arm = start_of(shipped_arm("semi_physical_200mm"));
   rig::Scenario scenario = shipped_scenario("semi_physical_200mm");
   if (quality == Quality::kRealLike) make_real_like(scenario, 0.0, 0.0);
   Draw draw(seed_of(settings.seed, kPaper, 0));  // the same conditions for both arms
   std::vector<std::vector<Hold>> pairs;
   for (std::size_t i = 0; i < fitted + checked; ++i) pairs.push_back(draw_pair(draw));
   std::vector<std::vector<Held>> held(pairs.size());
-  in_parallel(pairs.size(), settings.jobs, [&](std::size_t i) {
+  math::in_parallel(pairs.size(), settings.jobs, [&](std::size_t i) {
     HoldTiming timing;
     timing.frames = kFrames;
     timing.dwell_s = 6.0;
@@ -133,7 +134,7 @@ Outcome experiment(Quality quality, const Settings& settings, std::size_t fitted
   });
 
   Outcome result;
-  std::vector<identify::Trial> trials;
+  std::vector<trial::Trial> trials;
   identify::Options options;
   options.frames.frames_per_trial = 0;
   options.frames.prefer_static = false;
@@ -149,11 +150,11 @@ Outcome experiment(Quality quality, const Settings& settings, std::size_t fitted
   }
   result.ours = identify::identify(arm, trials, options);
 
-  const std::vector<identify::Trial> fit_trials(trials.begin(), trials.begin() + static_cast<long>(fitted));
-  const std::vector<identify::Trial> check_trials(trials.begin() + static_cast<long>(fitted), trials.end());
+  const std::vector<trial::Trial> fit_trials(trials.begin(), trials.begin() + static_cast<long>(fitted));
+  const std::vector<trial::Trial> check_trials(trials.begin() + static_cast<long>(fitted), trials.end());
   try {
-    result.theirs =
-        identify::fit_three_truths(arm, identify::find_pulls(arm, fit_trials), rod::LoadLaw::kPrinted, false);
+    result.theirs = published::fit_three_truths(arm, published::find_pulls(arm, fit_trials),
+                                                published::LoadLaw::kPrinted, false);
   } catch (const std::invalid_argument& e) {
     result.failure = e.what();
   }
@@ -188,7 +189,7 @@ Table table_1(const Outcomes& outcomes) {
     table.columns.push_back(fmt::format("{}: identify", name));
     table.columns.push_back(fmt::format("{}: their procedure", name));
   }
-  const Arm truth = shipped_arm("semi_physical_200mm");
+  const arm::Arm truth = shipped_arm("semi_physical_200mm");
   for (const Constant& constant : kConstants) {
     Row row{constant.name, constant.published, {}, ""};
     const double true_value = value_in(truth, constant);
@@ -219,13 +220,13 @@ Table table_1(const Outcomes& outcomes) {
       "length and angle of the circle from base to tip, EI from the change of that angle by 200 g with (2) "
       "and (17), "
       "least squares on each law by itself; all as printed. Near and far elongations (a1 and a2) cannot be "
-      "told apart "
+      "separated "
       "by shapes: equation (6) has only their sums."};
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     const Outcome& o = outcomes[i];
     if (o.theirs)
       table.notes.push_back(fmt::format(
-          "{}: {} of 20 pulls tell a stiffness by their procedure; it leaves {:.1f} mm of "
+          "{}: {} of 20 pulls identify a stiffness by their procedure; it leaves {:.1f} mm of "
           "length and {:.4f} N m2 of EI unexplained (rms).",
           kQualityNames[i], o.theirs->pulls, 1e3 * o.theirs->length_rms_m, o.theirs->stiffness_rms_nm2));
     if (!o.failure.empty()) table.notes.push_back(fmt::format("{}: {}", kQualityNames[i], o.failure));
@@ -281,9 +282,9 @@ Table table_2(const Outcomes& outcomes) {
 
 Table arithmetic() {
   Table table{"semi_physical.arithmetic", "What the printed constants make of the arm", {"ours"}, {}, {}};
-  const Arm arm = shipped_arm("semi_physical_200mm");
+  const arm::Arm arm = shipped_arm("semi_physical_200mm");
   const auto at = [&](double p1, double p2, double p3, double vacuum) {
-    return *predict_segment(arm, arm.segments.front(), {1e3 * p1, 1e3 * p2, 1e3 * p3, 1e3 * vacuum});
+    return *arm::predict_segment(arm, arm.segments.front(), {1e3 * p1, 1e3 * p2, 1e3 * p3, 1e3 * vacuum});
   };
   const auto add = [&](const char* what, Cell ours, const std::string& remark) {
     table.rows.push_back({what, "", {std::move(ours)}, remark});
@@ -295,7 +296,7 @@ Table arithmetic() {
   add("a_near + a_far for 2.6 % there (mm/kPa)", cell("{:.4f}", 1e3 * 0.026 * 0.2 / 150.0),
       "of each chamber, a plausible size; the printed ones are 0.85 on average, 24 times as much");
   const double degrees = 180.0 / M_PI;
-  const SegmentPrediction one = at(50, 0, 0, 0);
+  const arm::SegmentPrediction one = at(50, 0, 0, 0);
   add("bend by chamber 1 at 50 kPa (deg)",
       cell("{:.0f}", degrees * one.moment_nm.norm() / one.bending_stiffness_nm2 * one.length_m),
       "without loads; their Figure 5 shows 90: gains and stiffness go together");

@@ -7,15 +7,15 @@
 #include <limits>
 #include <optional>
 
-#include "softarm/rod/published_single_chamber.h"
-#include "softarm/validate/papers.h"
+#include "papers.h"
+#include "published/published_single_chamber.h"
 
 namespace softarm::app::validate {
 namespace {
 
-using rod::ChamberLaw;
-using rod::ChamberSolution;
-using rod::SingleChamberArm;
+using published::ChamberLaw;
+using published::ChamberSolution;
+using published::SingleChamberArm;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDisplacementM = 0.015;
@@ -35,7 +35,7 @@ constexpr std::array<Published, 4> kPublished{{{0.0, 0.051, "14.4", "3.4"},
 /// How far the force moves the tip along itself, m.
 double displacement(const SingleChamberArm& arm, const Published& row, ChamberLaw law,
                     ChamberSolution solution) {
-  const auto stiffness = rod::tip_stiffness(arm, kAcross, row.force_n, row.pressure_pa, law, solution);
+  const auto stiffness = published::tip_stiffness(arm, kAcross, row.force_n, row.pressure_pa, law, solution);
   return stiffness ? stiffness->displacement_m.dot(kAcross) : kNone;
 }
 
@@ -58,7 +58,7 @@ SingleChamberArm with_weight(SingleChamberArm arm) {
 }
 
 Table comparison() {
-  const SingleChamberArm arm = rod::slides_arm();
+  const SingleChamberArm arm = published::slides_arm();
   Table table{"single_chamber.comparison",
               "Comparison of the model with experiments: constants as printed",
               {"boundary values", "initial values", "printed law, initial"},
@@ -101,7 +101,7 @@ Table comparison() {
 }
 
 Table arithmetic() {
-  const SingleChamberArm arm = rod::slides_arm();
+  const SingleChamberArm arm = published::slides_arm();
   Table table{
       "single_chamber.arithmetic", "Why the printed constants cannot give these curves", {"ours"}, {}, {}};
   const double modulus = arm.material.initial_modulus_pa(), inertia = arm.section.second_moment_m4(),
@@ -120,7 +120,7 @@ Table arithmetic() {
         fmt::format("{:.2f} times the printed; EI {:.3e} N m2; level, lifted against its weight: {:.0f} kPa",
                     e / modulus, e * inertia, weighted / 1e3));
   }
-  const auto at_20 = rod::pressurise(arm, 20e3);
+  const auto at_20 = published::pressurise(arm, 20e3);
   if (at_20) {
     add("pull of 20 kPa on the wall, P A_ch (N)", "", cell("{:.3f}", 20e3 * arm.section.chamber_area_m2()),
         fmt::format("{:.2f} % of EA = {:.1f} N",
@@ -168,7 +168,7 @@ double fitted_modulus(const SingleChamberArm& arm, double pressure_pa) {
 }
 
 void surface(bool quick, Table& table, Series& series) {
-  const SingleChamberArm arm = rod::slides_arm();
+  const SingleChamberArm arm = published::slides_arm();
   table = {"single_chamber.surface",
            "Stiffness surface: tangent k (mN/mm) over force and pressure",
            {"0 kPa", "4 kPa", "12 kPa", "20 kPa"},
@@ -196,8 +196,8 @@ void surface(bool quick, Table& table, Series& series) {
       if (kKinds[kind].fitted) one.modulus_pa = fitted_modulus(arm, pressure);
       std::vector<double> row;
       for (double force : forces) {
-        const auto s =
-            rod::tip_stiffness(one, kAcross, force, pressure, ChamberLaw::kStatics, kKinds[kind].solution);
+        const auto s = published::tip_stiffness(one, kAcross, force, pressure, ChamberLaw::kStatics,
+                                                kKinds[kind].solution);
         row.push_back(s ? s->tangent_n_m : kNone);
       }
       k[kind].push_back(row);

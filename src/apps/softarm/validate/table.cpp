@@ -1,4 +1,4 @@
-#include "softarm/validate/table.h"
+#include "table.h"
 
 #include <fmt/format.h>
 

@@ -1,0 +1,79 @@
+// What is wrong with a recording, before anyone trusts it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "softarm/arm/arm.h"
+#include "softarm/export.h"
+#include "softarm/trial/recording.h"
+
+namespace softarm::check {
+
+enum class Severity {
+  kInformation,  ///< worth knowing; nothing to repair
+  kWarning,      ///< costs accuracy, or may; look at it
+  kSerious,      ///< spoils estimates as long as it is not repaired
+};
+
+SOFTARM_EXPORT std::string to_string(Severity severity);  ///< "information", "warning", "serious"
+
+/// A stretch of the recording, s since its first sample.
+struct CheckSpan {
+  double from_s = 0.0;
+  double to_s = 0.0;
+};
+
+/// One thing that was found.
+struct CheckFinding {
+  Severity severity = Severity::kInformation;
+  std::string id;                   ///< stable, for programs: "frozen_body"; doc/check.md lists them
+  std::string where;                ///< body, input or topic; empty: the recording
+  std::string what;                 ///< one sentence with the figures
+  std::vector<CheckSpan> spans;     ///< the longest first dozen, in order; empty: throughout
+  std::optional<double> figure;     ///< the measured size, SI
+  std::string unit;                 ///< of the figure: "m", "s", "Pa", "rad", "1"
+  std::optional<double> figure_sd;  ///< its standard deviation, where it is an estimate
+  std::string remedy;               ///< a sentence
+  std::string setting;              ///< key and value that repair it, as the file has them; empty: none does
+};
+
+/// Noise and extent of a recording's streams, for pictures.
+struct CheckStream {
+  std::string name;
+  bool is_body = false;
+  double rate_hz = 0.0;  ///< median
+  std::uint64_t samples = 0;
+  std::optional<double> rest_level;  ///< inputs: mean at rest, SI; pressures as gauge, vacuum below ambient
+  std::optional<double> noise_sd;    ///< bodies: white noise of a coordinate, m; inputs: SI
+};
+
+struct SOFTARM_EXPORT CheckReport {
+  std::string name;
+  double duration_s = 0.0;
+  std::vector<CheckStream> streams;
+  std::vector<CheckFinding> findings;  ///< most serious first
+
+  /// The worst of all findings; nothing where there is none.
+  std::optional<Severity> worst() const;
+};
+
+/// Looks at a recording with the eyes of one who knows what goes wrong with motion capture, pressure sensors
+/// and clocks. The same recording gives the same report.
+///
+/// 1. Topics; stamps and receipt; numbers that are none.
+/// 2. Bodies: exchanged, frozen, lost, jumping, turned over; a mount that moves.
+/// 3. Against the arm: units, order and spacing, base attitude, gravity, places that drift.
+/// 4. Inputs: units, levels at rest, noise, steps, stuck and saturated values.
+/// 5. The trial: rest at both ends, payload, noise; the clocks of bodies and inputs against each other.
+SOFTARM_EXPORT CheckReport check_recording(const trial::CheckRecording& recording, const arm::Arm& arm);
+
+/// For people: one finding after another, the most serious first, each with its remedy.
+/// @param with_information false: findings that are mere information are left out
+SOFTARM_EXPORT std::string to_text(const CheckReport& report, bool with_information = true);
+
+/// All reports as one JSON document, {"format": 1, "recordings": [...]}. Indented, ends with a line end.
+SOFTARM_EXPORT std::string to_json(const std::vector<CheckReport>& reports, const std::string& arm);
+
+}  // namespace softarm::check

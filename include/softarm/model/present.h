@@ -1,0 +1,19 @@
+// An effect of the catalogue with its values, as it is handed around.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace softarm::model {
+
+class Effect;
+
+/// Values of an effect's parameters, in their order.
+using Values = Eigen::VectorXd;
+
+/// An effect with its values.
+struct Present {
+  const Effect* effect = nullptr;
+  Values values;
+};
+
+}  // namespace softarm::model

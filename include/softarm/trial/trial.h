@@ -1,0 +1,51 @@
+// A recording as the rooms that pool trials see it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "softarm/arm/inputs.h"
+#include "softarm/export.h"
+#include "softarm/trial/frame.h"
+
+namespace softarm::trial {
+
+/// What the steps between the stamps of one input are like.
+struct StepPattern {
+  double median_s = 0.0;
+  bool irregular = false;  ///< all over the place: published on change, say
+};
+
+/// One input over a trial, by its own stamps.
+struct SOFTARM_EXPORT InputSeries {
+  std::vector<std::int64_t> stamp_ns;  ///< increasing; latency is subtracted
+  std::vector<double> value;           ///< as in Frame::inputs: gauge Pa, Pa below ambient, N, rad
+  arm::Between between = arm::Between::kHeld;
+  /// kSampled: samples further apart do not follow one another, and the earlier one is held.
+  std::int64_t longest_line_ns = 0;
+
+  /// Adds a sample at its place in time; one of the same stamp is replaced.
+  void add(std::int64_t at_ns, double sample);
+  /// Decides on `between` and the longest line.
+  /// @param stated by the arm file; absent: sampled if the samples come at a steady rate of 2 Hz or more
+  void decide(std::optional<arm::Between> stated);
+  /// @param pattern of its steps, where it is known; absent: too few
+  void decide(std::optional<arm::Between> stated, const std::optional<StepPattern>& pattern);
+  /// Its value at an instant; absent before the first sample.
+  std::optional<double> at(double stamp_s) const;
+  /// Drops samples that no instant from then on needs, once they are more than a number.
+  void forget_before(double stamp_s, std::size_t at_most);
+};
+
+/// The frames of one recording, and what drove the arm meanwhile.
+struct Trial {
+  std::string name;
+  std::vector<trial::Frame> frames;
+  /// One per Arm::inputs.scalars, or none: then what the frames hold is all that is known.
+  std::vector<InputSeries> inputs = {};
+};
+
+}  // namespace softarm::trial

@@ -1,0 +1,109 @@
+#include "softarm/check/check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "context.h"
+#include "policy.h"
+
+namespace softarm::check {
+namespace {
+
+std::vector<CheckStream> streams_of(const Context& context) {
+  std::vector<CheckStream> streams;
+  for (const Track& track : context.tracks) {
+    if (track.poses.empty()) continue;
+    CheckStream stream;
+    stream.name = track.name;
+    stream.is_body = true;
+    stream.samples = track.poses.size();
+    if (track.period_s > 0.0) stream.rate_hz = 1.0 / track.period_s;
+    if (track.white_sd_m > 0.0) stream.noise_sd = track.white_sd_m;
+    streams.push_back(std::move(stream));
+  }
+  for (const Signal& signal : context.signals) {
+    if (signal.points.empty()) continue;
+    CheckStream stream;
+    stream.name = signal.input->name;
+    stream.samples = signal.points.size();
+    if (signal.period_s > 0.0) stream.rate_hz = 1.0 / signal.period_s;
+    if (const auto rest = context.rest()) stream.rest_level = signal.mean(rest->from_s, rest->to_s);
+    if (signal.is_measured) stream.noise_sd = signal.noise_sd;
+    streams.push_back(std::move(stream));
+  }
+  return streams;
+}
+
+/// At the same time, or both throughout.
+bool same_times(const CheckFinding& a, const CheckFinding& b) {
+  if (a.spans.size() != b.spans.size()) return false;
+  return std::equal(a.spans.begin(), a.spans.end(), b.spans.begin(),
+                    [](const CheckSpan& x, const CheckSpan& y) {
+                      return std::abs(x.from_s - y.from_s) < kPolicy.timing.same_event_s &&
+                             std::abs(x.to_s - y.to_s) < kPolicy.timing.same_event_s;
+                    });
+}
+
+/// What is wrong with the stamps, or stands still, mostly is so for all bodies, or all inputs, of a driver:
+/// one finding for them.
+void merge_alike(std::vector<CheckFinding>& findings) {
+  const std::set<std::string> kOfDrivers{"irregular_stamps", "duplicates",    "gap",          "low_rate",
+                                         "receipt",          "zero_stamps",   "out_of_order", "time_jump",
+                                         "stamps_ahead",     "late_receipt",  "clock_drift",  "other_epoch",
+                                         "frozen_body",      "repeated_poses"};
+  const std::set<std::string> kOfTimes{"gap", "time_jump", "frozen_body"};
+  std::vector<CheckFinding> merged;
+  for (CheckFinding& f : findings) {
+    const auto same = std::find_if(merged.begin(), merged.end(), [&](const CheckFinding& m) {
+      if (m.id != f.id || m.severity != f.severity || !m.figure || !f.figure) return false;
+      return kOfDrivers.count(f.id) > 0 && std::abs(*m.figure - *f.figure) <= 0.1 * std::abs(*m.figure) &&
+             (kOfTimes.count(f.id) == 0 || same_times(m, f));
+    });
+    if (same == merged.end()) {
+      merged.push_back(std::move(f));
+      continue;
+    }
+    same->where += ", " + f.where;
+    const std::string key = f.setting.substr(0, f.setting.find(':'));
+    if (!key.empty() && same->setting.find(key) == std::string::npos) same->setting += "; " + f.setting;
+  }
+  findings = std::move(merged);
+}
+
+}  // namespace
+
+std::optional<Severity> CheckReport::worst() const {
+  if (findings.empty()) return std::nullopt;
+  return std::max_element(
+             findings.begin(), findings.end(),
+             [](const CheckFinding& a, const CheckFinding& b) { return a.severity < b.severity; })
+      ->severity;
+}
+
+CheckReport check_recording(const trial::CheckRecording& recording, const arm::Arm& arm) {
+  using namespace check;
+  Context context(recording, arm);
+  using Step = void (*)(Context&);
+  // What one finds wrong the next leaves out: labels first, then single poses, then the arm as a whole.
+  constexpr Step kSteps[] = {check_topics,         check_timing,       check_receipt,       check_numbers,
+                             check_exchanged,      check_frozen,       check_turned_over,   check_jumps,
+                             check_losses,         update_noise,       find_rest,           check_rest,
+                             check_units,          check_order,        check_attitude,      check_base_moves,
+                             check_noise,          check_spacing,      check_places,        check_gravity,
+                             check_pressure_units, check_input_levels, check_input_signals, check_payload,
+                             check_clocks};
+  for (const Step step : kSteps) step(context);
+
+  CheckReport report;
+  report.name = recording.name;
+  report.duration_s = context.duration_s;
+  report.streams = streams_of(context);
+  report.findings = std::move(context.findings);
+  merge_alike(report.findings);
+  std::stable_sort(report.findings.begin(), report.findings.end(),
+                   [](const CheckFinding& a, const CheckFinding& b) { return a.severity > b.severity; });
+  return report;
+}
+
+}  // namespace softarm::check

@@ -1,0 +1,298 @@
+#include "context.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "math/statistics.h"
+#include "policy.h"
+
+namespace softarm::check {
+namespace {
+
+/// More than any queue delays a message: stamps that far from receipt are of another clock.
+constexpr std::size_t kMostSpans = 12;
+
+template <typename Sample>
+double epoch(const std::vector<Sample>& samples) {
+  std::vector<double> ahead;
+  for (const Sample& s : samples) {
+    if (s.stamp_s > 0.0 && std::isfinite(s.stamp_s)) ahead.push_back(s.stamp_s - s.receipt_s);
+  }
+  const double middle = math::median(std::move(ahead));
+  return std::abs(middle) > kPolicy.timing.other_epoch_s ? middle : 0.0;
+}
+
+bool usable(const trial::RecordedPose& pose) {
+  return pose.stamp_s > 0.0 && std::isfinite(pose.stamp_s) && pose.p_mocap.allFinite() &&
+         pose.p_mocap.squaredNorm() > 0.0;
+}
+
+std::optional<Eigen::Quaterniond> unit(const std::optional<Eigen::Quaterniond>& q) {
+  if (!q || !q->coeffs().allFinite() || std::abs(q->norm() - 1.0) > 0.1) return std::nullopt;
+  return q->normalized();
+}
+
+template <typename Point>
+void sort_in_time(std::vector<Point>& points) {
+  std::stable_sort(points.begin(), points.end(),
+                   [](const Point& a, const Point& b) { return a.t_s < b.t_s; });
+  points.erase(std::unique(points.begin(), points.end(),
+                           [](const Point& a, const Point& b) { return b.t_s - a.t_s < 1e-6; }),
+               points.end());
+}
+
+template <typename Point>
+double median_step(const std::vector<Point>& points) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < points.size(); ++i) steps.push_back(points[i].t_s - points[i - 1].t_s);
+  return math::median(std::move(steps));
+}
+
+double used_value(const arm::ScalarInput& input, double value, double ambient_pa) {
+  const double gauge = value - (input.reference == arm::PressureReference::kAbsolute ? ambient_pa : 0.0);
+  switch (input.kind) {
+    case arm::InputKind::kPressure:
+      return gauge;
+    case arm::InputKind::kVacuum:
+      return -gauge;
+    case arm::InputKind::kTension:
+    case arm::InputKind::kAngle:
+      break;
+  }
+  return value - input.zero_si;
+}
+
+/// Noise turns round from sample to sample; a command holds or moves on.
+bool turns_round(const std::vector<ValuePoint>& points) {
+  constexpr double kShare = 0.15;
+  constexpr int kLeast = 20;
+  int steps = 0, turns = 0;
+  double last = 0.0;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const double step = points[i].value - points[i - 1].value;
+    if (step == 0.0) continue;
+    ++steps;
+    if (step * last < 0.0) ++turns;
+    last = step;
+  }
+  return steps >= kLeast && turns > kShare * steps;
+}
+
+/// White noise from third differences, which a smooth course hardly has.
+double white_noise(const std::vector<ValuePoint>& points) {
+  std::vector<double> thirds;
+  for (std::size_t i = 3; i < points.size(); ++i) {
+    thirds.push_back(std::abs(points[i].value - 3.0 * points[i - 1].value + 3.0 * points[i - 2].value -
+                              points[i - 3].value));
+  }
+  return math::kSdPerMad * math::median(std::move(thirds)) / std::sqrt(20.0);
+}
+
+/// The quantum of which all steps are multiples; 0 where there is none.
+double quantum_of(const std::vector<ValuePoint>& points, double range) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const double step = std::abs(points[i].value - points[i - 1].value);
+    if (step > 1e-9 * std::max(range, 1e-12)) steps.push_back(step);
+  }
+  if (steps.size() < 12 || range <= 0.0) return 0.0;
+  const double least = math::quantile(steps, 0.02);
+  // The smallest steps agree, and the others are multiples of them: refined by the small ones among them.
+  double sum = 0.0, count = 0.0;
+  std::size_t multiples = 0, twice = 0;
+  for (const double step : steps) {
+    const double n = std::round(step / least);
+    if (n > 40.0) continue;
+    if (std::abs(step / least - n) < 0.05 * std::max(1.0, 0.2 * n)) {
+      ++multiples;
+      twice += n == 1.0;
+      sum += step;
+      count += n;
+    }
+  }
+  const bool holds = multiples > 0.95 * static_cast<double>(steps.size()) && twice > 3;
+  return holds && least > 1e-5 * range ? sum / count : 0.0;
+}
+
+Signal make_signal(const arm::ScalarInput& input, const std::vector<trial::RecordedValue>& values,
+                   double begin_s, double epoch_s, double ambient_pa) {
+  Signal signal;
+  signal.input = &input;
+  for (const trial::RecordedValue& v : values) {
+    if (!std::isfinite(v.value) || !(v.stamp_s > 0.0)) continue;
+    signal.points.push_back(
+        {v.stamp_s - input.latency_s - begin_s - epoch_s, used_value(input, v.value, ambient_pa)});
+  }
+  sort_in_time(signal.points);
+  signal.period_s = median_step(signal.points);
+  if (signal.points.empty()) return signal;
+  std::vector<double> all;
+  for (const ValuePoint& p : signal.points) all.push_back(p.value);
+  const auto [low, high] = std::minmax_element(all.begin(), all.end());
+  signal.low = *low;
+  signal.high = *high;
+  signal.is_measured = turns_round(signal.points);
+  signal.quantum = quantum_of(signal.points, signal.range());
+  // A coarse sensor mostly repeats itself: then rounding is the noise.
+  if (signal.is_measured)
+    signal.noise_sd = std::max(white_noise(signal.points), signal.quantum / std::sqrt(12.0));
+  return signal;
+}
+
+Track make_track(const std::vector<trial::RecordedPose>& poses, const Context& context) {
+  Track track;
+  for (const trial::RecordedPose& pose : poses) {
+    if (!usable(pose)) continue;
+    track.poses.push_back({context.seconds(pose.stamp_s - context.arm.inputs.body_latency_s), pose.p_mocap,
+                           unit(pose.q_mocap), true});
+  }
+  sort_in_time(track.poses);
+  track.period_s = median_step(track.poses);
+  return track;
+}
+
+}  // namespace
+
+std::optional<Eigen::Vector3d> Track::mean_position(double from_s, double to_s) const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  int count = 0;
+  for (const TrackPose& pose : poses) {
+    if (!pose.good || pose.t_s < from_s || pose.t_s > to_s) continue;
+    sum += pose.p;
+    ++count;
+  }
+  return count >= 3 ? std::optional<Eigen::Vector3d>(sum / count) : std::nullopt;
+}
+
+std::optional<Eigen::Quaterniond> Track::mean_orientation(double from_s, double to_s) const {
+  Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+  int count = 0;
+  for (const TrackPose& pose : poses) {
+    if (!pose.good || !pose.q || pose.t_s < from_s || pose.t_s > to_s) continue;
+    const Eigen::Vector4d q = pose.q->coeffs();
+    sum += sum.dot(q) < 0.0 ? Eigen::Vector4d(-q) : q;
+    ++count;
+  }
+  if (count < 3 || !(sum.norm() > 0.5 * count)) return std::nullopt;
+  return Eigen::Quaterniond(Eigen::Vector4d(sum.normalized()));
+}
+
+double Signal::at(double t_s) const {
+  const auto after = std::lower_bound(points.begin(), points.end(), t_s,
+                                      [](const ValuePoint& p, double t) { return p.t_s < t; });
+  if (after == points.begin()) return points.front().value;
+  if (after == points.end()) return points.back().value;
+  const ValuePoint& a = *(after - 1);
+  return a.value + (after->value - a.value) * (t_s - a.t_s) / (after->t_s - a.t_s);
+}
+
+std::optional<double> Signal::mean(double from_s, double to_s) const {
+  double sum = 0.0;
+  int count = 0;
+  for (const ValuePoint& p : points) {
+    if (p.t_s < from_s || p.t_s > to_s) continue;
+    sum += p.value;
+    ++count;
+  }
+  return count > 0 ? std::optional<double>(sum / count) : std::nullopt;
+}
+
+Context::Context(const trial::CheckRecording& recorded, const arm::Arm& described)
+    : recording(recorded), arm(described) {
+  double begin = std::numeric_limits<double>::infinity(), end = -begin;
+  const auto extend = [&](double receipt_s) {
+    begin = std::min(begin, receipt_s);
+    end = std::max(end, receipt_s);
+  };
+  std::vector<trial::RecordedPose> all;
+  for (const auto& body : recording.bodies) {
+    for (const trial::RecordedPose& pose : body) extend(pose.receipt_s);
+    all.insert(all.end(), body.begin(), body.end());
+  }
+  for (const auto& input : recording.inputs) {
+    for (const trial::RecordedValue& value : input) extend(value.receipt_s);
+    input_epoch_s.push_back(epoch(input));
+  }
+  for (const trial::RecordedValue& value : recording.payload) extend(value.receipt_s);
+  if (begin <= end) {
+    begin_s = begin;
+    duration_s = end - begin;
+  }
+  body_epoch_s = epoch(all);
+  for (std::size_t i = 0; i < recording.bodies.size(); ++i) {
+    tracks.push_back(make_track(recording.bodies[i], *this));
+    Track& track = tracks.back();
+    track.name = i == 0 ? arm.base.body.value_or("") : arm.bodies[i - 1].name;
+    if (i > 0) {
+      track.body = &arm.bodies[i - 1];
+      track.arclength_m = arm.bodies[i - 1].arclength_m;
+    }
+  }
+  for (std::size_t i = 0; i < recording.inputs.size(); ++i) {
+    signals.push_back(make_signal(arm.inputs.scalars[i], recording.inputs[i], begin_s, input_epoch_s[i],
+                                  arm.inputs.ambient_pressure_pa));
+  }
+  for (const trial::RecordedValue& v : recording.payload) payload.push_back({v.receipt_s - begin_s, v.value});
+  update_noise(*this);
+}
+
+CheckFinding& Context::add(Severity severity, const std::string& id, const std::string& where,
+                           const std::string& what) {
+  CheckFinding finding;
+  finding.severity = severity;
+  finding.id = id;
+  finding.where = where;
+  finding.what = what;
+  findings.push_back(std::move(finding));
+  return findings.back();
+}
+
+std::optional<Eigen::Isometry3d> Context::rod_base() const {
+  if (!arm.base.body) return arm.base.fixed_pose;
+  const CheckSpan span = rest().value_or(CheckSpan{0.0, duration_s});
+  const auto p = tracks[0].mean_position(span.from_s, span.to_s);
+  const auto q = tracks[0].mean_orientation(span.from_s, span.to_s);
+  if (!p || !q) return std::nullopt;
+  Eigen::Isometry3d body = Eigen::Isometry3d::Identity();
+  body.translation() = *p;
+  body.linear() = q->toRotationMatrix();
+  return body * arm.base.rod_in_body;
+}
+
+std::vector<CheckSpan> spans_of(const std::vector<double>& times_s, double gap_s) {
+  std::vector<CheckSpan> spans;
+  for (const double t : times_s) {
+    if (!spans.empty() && t - spans.back().to_s <= gap_s) {
+      spans.back().to_s = std::max(spans.back().to_s, t);
+    } else {
+      spans.push_back({t, t});
+    }
+  }
+  if (spans.size() <= kMostSpans) return spans;
+  std::stable_sort(spans.begin(), spans.end(), [](const CheckSpan& a, const CheckSpan& b) {
+    return a.to_s - a.from_s > b.to_s - b.from_s;
+  });
+  spans.resize(kMostSpans);
+  std::sort(spans.begin(), spans.end(),
+            [](const CheckSpan& a, const CheckSpan& b) { return a.from_s < b.from_s; });
+  return spans;
+}
+
+std::string description(const std::vector<CheckSpan>& spans) {
+  constexpr std::size_t kShown = 3;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(spans.size(), kShown); ++i) {
+    const CheckSpan& s = spans[i];
+    if (i > 0) text += ", ";
+    text += s.to_s - s.from_s < 0.05 ? fmt::format("{:.2f}", s.from_s)
+                                     : fmt::format("{:.2f}-{:.2f}", s.from_s, s.to_s);
+  }
+  if (!text.empty()) text += " s";
+  if (spans.size() > kShown) text += " and more";
+  return text;
+}
+
+}  // namespace softarm::check

@@ -1,0 +1,130 @@
+// A recording made ready for the checks: sorted, numbers only, in one time.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "softarm/check/check.h"
+
+namespace softarm::check {
+
+struct TrackPose {
+  double t_s = 0.0;  ///< stamp, since the recording's first sample
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();
+  std::optional<Eigen::Quaterniond> q;  ///< unit
+  bool good = true;                     ///< false: a check found it wrong; the others leave it out
+};
+
+/// One body: its valid poses, strictly increasing in time.
+struct Track {
+  std::string name;
+  const arm::MeasuredBody* body = nullptr;  ///< null: the base's
+  double arclength_m = 0.0;
+  std::vector<TrackPose> poses;
+  double period_s = 0.0;      ///< median step of the stamps
+  double white_sd_m = 0.0;    ///< of a coordinate, from sample to sample
+  double slow_sd_m = 0.0;     ///< of a coordinate at rest, what does not average out; 0: unknown
+  double white_sd_rad = 0.0;  ///< of a rotation about an axis
+
+  bool is_base() const { return body == nullptr; }
+  /// Mean position of the good poses in [from, to]; nothing below three of them.
+  std::optional<Eigen::Vector3d> mean_position(double from_s, double to_s) const;
+  /// Their mean orientation.
+  std::optional<Eigen::Quaterniond> mean_orientation(double from_s, double to_s) const;
+};
+
+struct ValuePoint {
+  double t_s = 0.0;
+  double value = 0.0;
+};
+
+/// One input: pressures as gauge Pa, vacuum as Pa below ambient, tensions and angles from their zero.
+struct Signal {
+  const arm::ScalarInput* input = nullptr;
+  std::vector<ValuePoint> points;  ///< strictly increasing in time
+  double period_s = 0.0;
+  double low = 0.0, high = 0.0;
+  double noise_sd = 0.0;  ///< white, from sample to sample
+  double quantum = 0.0;   ///< all steps are multiples of it; 0: of none
+  /// A command is exact: it repeats itself or moves smoothly. A sensor has noise or steps.
+  bool is_measured = false;
+
+  double range() const { return high - low; }
+  /// Linear in between, held beyond the ends. Precondition: points is not empty.
+  double at(double t_s) const;
+  std::optional<double> mean(double from_s, double to_s) const;
+};
+
+/// The recording and what the checks have found out so far.
+struct Context {
+  Context(const trial::CheckRecording& recording, const arm::Arm& arm);
+
+  const trial::CheckRecording& recording;
+  const arm::Arm& arm;
+  double begin_s = 0.0;  ///< receipt of the first sample
+  double duration_s = 0.0;
+  /// What the bodies' and the inputs' clocks are ahead of receipt, where that is another epoch altogether
+  /// (more than two seconds); else 0.
+  double body_epoch_s = 0.0;
+  std::vector<double> input_epoch_s;
+  std::vector<Track> tracks;  ///< [0] the base (empty poses where it is fixed or absent), then Arm::bodies
+  std::vector<Signal> signals;
+  std::vector<ValuePoint> payload;
+  std::optional<CheckSpan> rest_begin, rest_end;  ///< the arm is still and nothing drives it anew
+  bool held_at_end = false;                       ///< some input is then far above its least value
+
+  std::vector<CheckFinding> findings;
+
+  /// A share of the arm's length, m.
+  double of_length(double share) const { return share * arm.total_length_m(); }
+  double seconds(double stamp_s) const { return stamp_s - begin_s - body_epoch_s; }
+  /// Appends a finding and returns it for the rest to be filled in.
+  CheckFinding& add(Severity severity, const std::string& id, const std::string& where,
+                    const std::string& what);
+
+  /// Pose of the rod's base in the mocap frame at rest (or the median of the recording).
+  std::optional<Eigen::Isometry3d> rod_base() const;
+  /// The stretch in which shapes and levels at rest are looked at: at the beginning, else at the end unless
+  /// the inputs hold the arm there.
+  std::optional<CheckSpan> rest() const {
+    return rest_begin ? rest_begin : held_at_end ? std::nullopt : rest_end;
+  }
+};
+
+/// Recomputes what depends on which poses are good: noise of the tracks, rest.
+void update_noise(Context& context);
+void find_rest(Context& context);
+
+/// Joins times that lie within `gap_s` to spans; no more than a dozen, the longest, in order.
+std::vector<CheckSpan> spans_of(const std::vector<double>& times_s, double gap_s);
+/// "2.1-3.4 s, 7-7.5 s and 12 more"
+std::string description(const std::vector<CheckSpan>& spans);
+
+// The checks, in the order in which they are made: what one finds wrong the next leaves out.
+void check_topics(Context& context);
+void check_timing(Context& context);
+void check_receipt(Context& context);
+void check_numbers(Context& context);
+void check_exchanged(Context& context);
+void check_frozen(Context& context);
+void check_jumps(Context& context);
+void check_turned_over(Context& context);
+void check_losses(Context& context);
+void check_units(Context& context);
+void check_order(Context& context);
+void check_attitude(Context& context);
+void check_base_moves(Context& context);
+void check_rest(Context& context);
+void check_spacing(Context& context);
+void check_places(Context& context);
+void check_gravity(Context& context);
+void check_pressure_units(Context& context);
+void check_input_levels(Context& context);
+void check_input_signals(Context& context);
+void check_payload(Context& context);
+void check_noise(Context& context);
+void check_clocks(Context& context);
+
+}  // namespace softarm::check

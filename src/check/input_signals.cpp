@@ -1,0 +1,183 @@
+// Inputs that stick, clip, move in steps, are noisy or never move.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "context.h"
+#include "math/statistics.h"
+#include "policy.h"
+
+namespace softarm::check {
+namespace {
+
+const char* unit_of(const arm::ScalarInput& input) {
+  switch (input.kind) {
+    case arm::InputKind::kTension:
+      return "N";
+    case arm::InputKind::kAngle:
+      return "rad";
+    case arm::InputKind::kPressure:
+    case arm::InputKind::kVacuum:
+      break;
+  }
+  return "Pa";
+}
+
+/// A run of equal values.
+struct Run {
+  std::size_t from = 0, to = 0;  // [from, to)
+};
+
+std::vector<Run> runs_of(const std::vector<ValuePoint>& points) {
+  std::vector<Run> runs;
+  for (std::size_t i = 0; i < points.size();) {
+    std::size_t j = i + 1;
+    while (j < points.size() && points[j].value == points[i].value) ++j;
+    runs.push_back({i, j});
+    i = j;
+  }
+  return runs;
+}
+
+/// Largest step among a few samples beside a run; 0 beyond the ends.
+double steps_beside(const std::vector<ValuePoint>& points, std::size_t from, std::size_t to) {
+  std::vector<double> steps;
+  for (std::size_t i = std::max<std::size_t>(from, 1); i < std::min(to, points.size()); ++i) {
+    steps.push_back(std::abs(points[i].value - points[i - 1].value));
+  }
+  return math::median(steps);
+}
+
+void say_stuck(Context& context, const Signal& signal) {
+  const auto& points = signal.points;
+  std::vector<CheckSpan> stuck, clipped;
+  double longest = 0.0;
+  const double usual_hold_s = [&] {
+    std::vector<double> holds;
+    for (const Run& run : runs_of(points)) holds.push_back(points[run.to - 1].t_s - points[run.from].t_s);
+    return math::quantile(holds, 0.9);
+  }();
+  for (const Run& run : runs_of(points)) {
+    const double for_s = points[run.to - 1].t_s - points[run.from].t_s;
+    if (run.to - run.from < kPolicy.inputs.stuck_samples || for_s < kPolicy.inputs.stuck_s) continue;
+    const double value = points[run.from].value;
+    // Steps before and after it. A command that holds comes to rest smoothly or at once, and leaves so; a
+    // sensor that sticks stops in the middle of a motion (or of its noise) and goes on where the truth is.
+    const double before = steps_beside(points, run.from > 6 ? run.from - 6 : 0, run.from + 1);
+    const double after = steps_beside(points, run.to + 1, run.to + 7);
+    const double leap = run.to < points.size() ? std::abs(points[run.to].value - value) : 0.0;
+    const bool noisy =
+        signal.is_measured && signal.noise_sd > 0.0 && for_s > 4.0 * usual_hold_s + kPolicy.inputs.stuck_s;
+    const bool stops =
+        before > 0.0 && std::abs(points[run.from].value - points[run.from > 0 ? run.from - 1 : 0].value) >
+                            kPolicy.inputs.sharp * before;
+    const bool goes_on = run.to == points.size() || leap > 4.0 * std::max(after, before);
+    const bool at_limit = value == signal.high || value == signal.low;
+    if (at_limit && value != 0.0 && noisy && leap < 4.0 * std::max(after, 4.0 * signal.noise_sd)) {
+      clipped.push_back({points[run.from].t_s, points[run.to - 1].t_s});
+    } else if (noisy || (stops && goes_on && before > 1e-4 * signal.range() && leap > 0.0)) {
+      stuck.push_back({points[run.from].t_s, points[run.to - 1].t_s});
+      longest = std::max(longest, for_s);
+    }
+  }
+  if (!stuck.empty()) {
+    CheckFinding& finding = context.add(
+        longest > 0.2 * context.duration_s ? Severity::kSerious : Severity::kWarning, "stuck_input",
+        signal.input->name,
+        fmt::format(
+            "repeats one value to the last bit for up to {:.2f} s in the middle of a motion ({} time{})",
+            longest, stuck.size(), stuck.size() == 1 ? "" : "s"));
+    finding.figure = longest;
+    finding.unit = "s";
+    if (stuck.size() > 12) stuck.resize(12);
+    finding.spans = stuck;
+    finding.remedy =
+        "sensor, bus or driver hangs: leave these stretches out; let the driver send nothing when it "
+        "has nothing new, so that input_max_age_s notices";
+  }
+  if (clipped.size() >= 2) {
+    CheckFinding& finding =
+        context.add(Severity::kWarning, "saturated_input", signal.input->name,
+                    fmt::format("sits at its limit of {:.4g} {} {} times, without its noise", signal.high,
+                                unit_of(*signal.input), clipped.size()));
+    finding.figure = signal.high;
+    finding.unit = unit_of(*signal.input);
+    finding.spans = clipped;
+    finding.remedy =
+        "beyond the sensor's range the real value is larger: a sensor of a wider range, or less drive";
+  }
+}
+
+void say_coarse(Context& context, const Signal& signal) {
+  const double range = signal.range();
+  if (range <= 0.0) return;
+  const char* unit = unit_of(*signal.input);
+  if (const double quantum = signal.quantum; quantum > 0.0) {
+    std::vector<double> distinct;
+    for (const ValuePoint& p : signal.points) distinct.push_back(p.value);
+    std::sort(distinct.begin(), distinct.end());
+    distinct.erase(std::unique(distinct.begin(), distinct.end(),
+                               [&](double a, double b) { return b - a < 0.1 * quantum; }),
+                   distinct.end());
+    if (distinct.size() >= 6) {
+      const bool coarse = quantum > kPolicy.inputs.coarse_share * range;
+      CheckFinding& finding = context.add(coarse ? Severity::kWarning : Severity::kInformation,
+                                          "coarse_steps", signal.input->name,
+                                          fmt::format("moves in steps of {:.3g} {} ({:.1f} % of its range)",
+                                                      quantum, unit, 100.0 * quantum / range));
+      finding.figure = quantum;
+      finding.unit = unit;
+      finding.remedy =
+          "a converter of more bits, or a sensor of a narrower range; the error is a third of a step";
+    }
+  }
+  // Rounding, and flicker between two steps, have had their word.
+  if (signal.is_measured && signal.noise_sd > std::max(1e-4 * range, 0.5 * signal.quantum)) {
+    const bool noisy = signal.noise_sd > kPolicy.inputs.coarse_share * range;
+    CheckFinding& finding =
+        context.add(noisy ? Severity::kWarning : Severity::kInformation, "noisy_input", signal.input->name,
+                    fmt::format("noise of {:.3g} {} from sample to sample ({:.1f} % of its range)",
+                                signal.noise_sd, unit, 100.0 * signal.noise_sd / range));
+    finding.figure = signal.noise_sd;
+    finding.unit = unit;
+    finding.remedy = "shielding, an RC filter before the converter; inputs are held, not averaged";
+  }
+}
+
+}  // namespace
+
+void check_input_signals(Context& context) {
+  bool any_moves = false;
+  for (const Signal& s : context.signals) any_moves = any_moves || s.range() > 6.0 * s.noise_sd;
+  for (std::size_t i = 0; i < context.signals.size(); ++i) {
+    const Signal& signal = context.signals[i];
+    std::size_t not_numbers = 0;
+    for (const trial::RecordedValue& v : context.recording.inputs[i]) not_numbers += !std::isfinite(v.value);
+    if (not_numbers > 0) {
+      CheckFinding& finding = context.add(
+          Severity::kWarning, "input_not_number", signal.input->name,
+          fmt::format("{} of {} values are not a number", not_numbers, context.recording.inputs[i].size()));
+      finding.figure =
+          static_cast<double>(not_numbers) / static_cast<double>(context.recording.inputs[i].size());
+      finding.unit = "1";
+      finding.remedy = "element of the array, wiring of the sensor";
+    }
+    if (signal.points.size() < 20) continue;
+    if (signal.range() <= 8.0 * signal.noise_sd || signal.range() <= 8.0 * signal.quantum ||
+        signal.range() == 0.0) {
+      if (any_moves) {
+        context
+            .add(Severity::kInformation, "never_driven", signal.input->name,
+                 fmt::format("never changes ({:.4g} {}): this trial says nothing of it", signal.high,
+                             unit_of(*signal.input)))
+            .remedy = "if it was driven, its sensor is dead or its topic another's";
+      }
+      continue;
+    }
+    say_stuck(context, signal);
+    say_coarse(context, signal);
+  }
+}
+
+}  // namespace softarm::check

@@ -1,0 +1,156 @@
+// Rings that sit beside their places, moved during the trial, or are loose: what remains when the estimator
+// has fitted them all. One ring that is off pulls the fit, and the others with it: of what follows from one
+// another only the first is said.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+
+#include "context.h"
+#include "policy.h"
+#include "residuals.h"
+
+namespace softarm::check {
+namespace {
+
+constexpr std::size_t kMostFrames = 300;
+constexpr double kDegree = M_PI / 180.0;
+
+/// The worst ring of all in some respect.
+struct Worst {
+  std::size_t body = 0;
+  double size = 0.0, se = 0.0, t_s = 0.0;
+
+  void take(std::size_t b, double size_now, double se_now = 0.0, double t_now = 0.0) {
+    if (size_now > size) *this = {b, size_now, se_now, t_now};
+  }
+};
+
+bool found(const Context& context, std::initializer_list<const char*> ids, bool serious_only = false) {
+  return std::any_of(context.findings.begin(), context.findings.end(), [&](const CheckFinding& f) {
+    return (!serious_only || f.severity == Severity::kSerious) &&
+           std::any_of(ids.begin(), ids.end(), [&](const char* id) { return f.id == id; });
+  });
+}
+
+void say_slips(Context& context, const Worst& slip) {
+  const std::string& name = context.arm.bodies[slip.body].name;
+  CheckFinding& finding = context.add(
+      Severity::kWarning, "ring_slips", name,
+      fmt::format("against the other bodies it moves by {:.1f} mm during the trial, about t = {:.1f} s",
+                  1e3 * slip.size, slip.t_s));
+  finding.figure = slip.size;
+  finding.unit = "m";
+  finding.spans = {{slip.t_s, slip.t_s}};
+  finding.remedy =
+      "fix the ring to the skin; leave out what comes before or after, with the arclength that "
+      "holds there. An arm whose bending is not the model's moves the residuals as well";
+  finding.setting = "bodies[" + name + "].arclength_m";
+}
+
+void say_beside(Context& context, const Worst& off) {
+  const std::string& name = context.arm.bodies[off.body].name;
+  CheckFinding& finding = context.add(
+      Severity::kWarning, "ring_beside", name,
+      fmt::format("on average {:.1f} mm beside any shape of the arm that fits the others", 1e3 * off.size));
+  finding.figure = off.size;
+  finding.figure_sd = off.se;
+  finding.unit = "m";
+  finding.remedy =
+      "its centre is not on the backbone (correct it in the mocap software), it sits at another "
+      "arclength, or a section of the arm is not as the file says";
+  finding.setting = fmt::format("bodies[{0}].section_in_body.position_m, bodies[{0}].arclength_m", name);
+}
+
+void say_wanders(Context& context, const Worst& lasting) {
+  const std::string& name = context.arm.bodies[lasting.body].name;
+  CheckFinding& finding = context.add(
+      Severity::kWarning, "ring_wanders", name,
+      fmt::format(
+          "against the other bodies it is off by {:.2g} mm (rms), now here, now there, for longer than "
+          "a tenth of a second",
+          1e3 * lasting.size));
+  finding.figure = lasting.size;
+  finding.unit = "m";
+  finding.remedy =
+      "a loose ring, noise that is correlated in time (it does not average out: state the sum), or an "
+      "arm that bends otherwise than its model";
+  if (found(context, {"noise_understated"})) return;  // that one sets it
+  finding.setting = fmt::format("noise.position_sd_m: {:.2g}",
+                                std::hypot(lasting.size, context.tracks[lasting.body + 1].white_sd_m));
+}
+
+/// @param tilt_rad what the rings that are off may make of the fitted tangents
+void say_tangents(Context& context, const Residuals& residuals, double tilt_rad) {
+  for (std::size_t b = 0; b < context.arm.bodies.size(); ++b) {
+    const arm::MeasuredBody& body = context.arm.bodies[b];
+    const ResidualSeries& series = residuals.tangents[b];
+    if (series.size() < kPolicy.places.least_frames) continue;
+    const double lasting = lasting_of(series);
+    const double off = std::hypot(lasting, mean_of(series).head<2>().norm());
+    if (off < kPolicy.places.tilt_rad + tilt_rad || off > 1.0)
+      continue;  // beyond it is turned over: check_attitude
+    CheckFinding& finding = context.add(
+        body.orientation_usable ? Severity::kWarning : Severity::kInformation, "tangent_off", body.name,
+        fmt::format(
+            "its z axis is {:.1f} deg off the backbone's tangent that the positions say ({:.1f} deg of "
+            "it come and go)",
+            off / kDegree, lasting / kDegree));
+    finding.figure = off;
+    finding.unit = "rad";
+    finding.remedy =
+        "a loose ring, noise that is correlated in time, or a frame that was not aligned with the arm: align "
+        "it at rest, or do without its orientation";
+    if (body.orientation_usable) finding.setting = "bodies[" + body.name + "].orientation_usable: false";
+  }
+}
+
+}  // namespace
+
+void check_places(Context& context) {
+  if (context.arm.bodies.size() < 3 || context.recording.frames.size() < kPolicy.places.least_frames) return;
+  // Residuals mean nothing where the geometry is not right yet.
+  if (found(context, {"length_unit", "body_order", "base_upside_down", "base_attitude"}, true)) return;
+  const arm::Arm arm = repaired_arm(context);
+  const Residuals residuals = residuals_of(context, arm, kMostFrames, true);
+  Worst off, lasting, slip;
+  for (std::size_t b = 0; b < arm.bodies.size(); ++b) {
+    const ResidualSeries& series = residuals.bodies[b];
+    if (series.size() < kPolicy.places.least_frames) continue;
+    off.take(b, mean_of(series).norm(),
+             spread_of(series) / std::sqrt(static_cast<double>(series.size()) / kFramesPerValue));
+    lasting.take(b, lasting_of(series));
+    const Slip change = slip_of(series);
+    if (change.change > context.of_length(kPolicy.places.slip) && change.significance > 5.0)
+      slip.take(b, change.change, 0.0, change.t_s);
+  }
+  if (slip.size > 0.0) {
+    for (CheckFinding& f : context.findings) {
+      if (f.id != "base_bumped" || f.spans.empty()) continue;
+      if (std::abs(f.spans.front().from_s - slip.t_s) > kPolicy.places.same_event_s) continue;
+      f.what += "; the rings do not move along: its markers slipped, or the arm in its mount";
+      return;
+    }
+    say_slips(context, slip);
+  } else if (off.size > context.of_length(kPolicy.places.off) + 4.0 * off.se) {
+    say_beside(context, off);
+  } else {
+    double slow_m = 0.0;
+    for (const Track& track : context.tracks) slow_m = std::max(slow_m, track.slow_sd_m);
+    // Frames may then hold bodies of several instants. (Of inputs it is mere information.)
+    const bool mixed =
+        std::any_of(context.findings.begin(), context.findings.end(), [](const CheckFinding& f) {
+          return f.id == "split_frames" ||
+                 (f.id == "irregular_stamps" && f.severity != Severity::kInformation);
+        });
+    if (!mixed && lasting.size > context.of_length(kPolicy.places.lasting) + 3.0 * slow_m &&
+        lasting.size > 0.3 * context.tracks[lasting.body + 1].white_sd_m) {
+      say_wanders(context, lasting);
+    }
+  }
+  const double spacing_m = arm.total_length_m() / static_cast<double>(arm.bodies.size());
+  say_tangents(context, residuals, 4.0 * std::max({slip.size, off.size, lasting.size}) / spacing_m);
+}
+
+}  // namespace softarm::check

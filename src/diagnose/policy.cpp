@@ -1,0 +1,14 @@
+#include "policy.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace softarm::diagnose {
+
+double noise_m(const arm::Arm& arm) {
+  double square = 0.0;
+  for (const arm::MeasuredBody& body : arm.bodies) square += body.position_sd_m * body.position_sd_m;
+  return std::sqrt(square / static_cast<double>(std::max<std::size_t>(1, arm.bodies.size())));
+}
+
+}  // namespace softarm::diagnose

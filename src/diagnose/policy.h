@@ -1,0 +1,131 @@
+// What the diagnosis decides by. Nothing else in this room decides: constants beside the code are tolerances
+// of its numbers, sizes of tables and physics.
+#pragma once
+
+#include <cstddef>
+
+#include "softarm/arm/arm.h"
+
+namespace softarm::diagnose {
+
+/// Where not said otherwise the values were chosen on simulated campaigns (config/campaigns/development.yaml
+/// and proof_development.yaml), and hold for the proof's final draw (scripts/prove). Distances were chosen on
+/// the arm online_200mm, 0.2 m long and seen with 0.5 mm per coordinate, and stand here as shares of that
+/// length or of that noise.
+struct Policy {
+  /// What is taken for known beforehand, and how the fit meets bodies that lie off.
+  struct Fit {
+    double constant_sd = 3.0;          ///< of a constant of the arm about the file's value, in its scales
+    double size_sd = 5.0;              ///< of an effect's sizes about 0, in usual sizes
+    double shape_sd = 1.0;             ///< of an effect's other parameters about the screen's, in usual ones
+    double viscoelastic_lag_s = 0.02;  ///< usual lag of a wall of silicone, and its standard deviation
+    double most_viscoelastic_lag_s = 0.2;  ///< end of its range
+    double converged_sd = 0.5;  ///< step left to a fit that is called converged, in standard deviations
+    double huber = 4.0;         ///< threshold of Huber's loss over the bodies' typical distance
+    double stretch_s = 2.0;     ///< residuals further apart than that count as independent
+    double refit_from_start_chi2 = 10.0;  ///< chi^2 per degree of freedom: the first fit may have run away
+    double same_misfit = 1.25;  ///< ratio within which two misfits are one: priors need no other weight
+  } fit;
+
+  /// What of the arm's motion is not known.
+  struct Motion {
+    double swing_decay_s = 0.8;  ///< in which what a sudden motion leaves falls to 1/e
+    double share = 0.3;          ///< of what inertia and lag do that is not known
+    double swing = 3.0;          ///< of the noise: what inertia moves beyond it is left out
+    double calm = 0.1;           ///< of the noise, per axis: what is not known of the motion of a calm arm
+    double calm_share = 0.25;    ///< of the blocks, at least, is called calm
+  } motion;
+
+  /// Which effects go into the model.
+  struct Selection {
+    double trivial = 2.5e-4;  ///< of the length: an effect that moves less beyond the constants is too small
+    double least_z = 5.0;     ///< of an effect that is named
+    double screen_z = 3.5;    ///< of one that is worth a refit
+    std::size_t always_refitted = 2;  ///< of those
+    double near_best = 0.25;  ///< share of the best one's gain in the screen from which on others are too
+    double rival_z = 3.0;     ///< separation below which two effects are one class
+    double rival_gain = 0.5 * 3.0 * 3.0;  ///< the same as a difference of log scores
+    double rival_cosine = 0.95;           ///< of the signatures of two effects that may be one class
+    double none_odds = 20.0;              ///< for none against one effect, before the data
+    double identifiable_sd = 2.0;         ///< from 0, of a size that is identifiable
+  } selection;
+
+  /// What is said of the whole.
+  struct Verdict {
+    /// Shares of what could be explained. Where something is left to see, the one of 41 effects that fits
+    /// best explains up to three quarters of nearly anything: less than `partly` names nothing.
+    double explained = 0.9, partly = 0.8;
+    double refused = 0.5;  ///< most probability of what is not named: its size is not identifiable
+    double as_noise_chi2 =
+        2.0;  ///< chi^2 per degree of freedom on unseen trials, up to which residuals are noise
+    double shared = 3.75e-4;      ///< of the length: what motion and trivial effects leave that bodies share
+    double shared_z = 2.33;       ///< from which on that is no chance: one in a hundred
+    double flexible = 5e-4;       ///< of the length: what a flexible model finds beyond this is something
+    double flexible_share = 0.1;  ///< ... if it is that share of what is left, or more
+    double lone = 0.5;            ///< of the noise floor: what one body alone may show beyond the others
+    double lone_ratio = 1.7;      ///< of that body's mean square over the bodies' median
+    double detectable_z = 5.0;    ///< that an effect of usual size must have to be detectable
+    double few_detectable = 0.5;  ///< share of the catalogue below which "consistent" says too much
+  } verdict;
+
+  /// Where along the arm, and when, an effect is.
+  struct Place {
+    double straight =
+        5e-4;  ///< of the tip's distance from the base: deflection below which an arm has no plane of bending
+    double goes_with = 0.5;      ///< correlation from which on an effect goes with an input
+    double mostly = 0.8;         ///< share of the squares that a stretch of the arm must hold
+    double on_share = 0.2;       ///< of an effect's largest size, from which on it is there
+    double seldom = 0.6;         ///< share of the time below which it is not always there
+    double attitude_rad = 0.05;  ///< spread of gravity's direction below which it is the mount's own noise
+    double past_s = 8.0;         ///< over which an arm's past is averaged for a picture
+  } place;
+
+  /// What single instants, and their pooling, say.
+  struct Instants {
+    double identifiable = 0.15;         ///< relative sd of EI and M0 up to which they are worth a dot
+    double identifiable_rad = 0.2;      ///< the same, of phi
+    double vacuum_step_pa = 10e3;       ///< of two conditions of an arm
+    double payload_step_kg = 1e-3;      ///< the same
+    double stiffness_sd = 1.0;          ///< of the logarithm of EI of one condition: hardly held
+    double as_noise_chi2 = 1.2;         ///< chi^2 per degree of freedom up to which one arm explains all
+    double mostly = 0.8, little = 0.2;  ///< shares of what is beyond the noise
+    std::size_t fewest = 40;            ///< of a parameter, for a test of its variation
+    double fewest_stretches = 12.0;     ///< that are exchanged in that test
+    double p = 0.01;                    ///< of a variation that is said
+    double times = 2.0;                 ///< from which on a ratio is said as one
+  } instants;
+
+  /// What to record next.
+  struct Experiment {
+    std::size_t most_rivals = 4;     ///< told apart at once
+    std::size_t most_hidden = 12;    ///< brought to light at once
+    double candidate_z = 3.0;        ///< of one that may be what no effect explains
+    double seen_z = 5.0;             ///< at which an effect of usual size is seen
+    double useful_z = 2.0;           ///< separation that is worth an experiment ...
+    double better = 1.5;             ///< ... if it is that many times today's
+    double least_solved = 0.7;       ///< share of it in which the arm has an equilibrium
+    double new_attitude_rad = 0.35;  ///< from all that were recorded
+    double moved = 1e-3;             ///< share of the largest input below which an input does nothing
+    double pull_bend = 0.3;          ///< force over EI / L^2: it moves the tip by a tenth of the length
+    double bracket = 0.15;           ///< of the length: beside the arm
+    double payload_share = 0.5;      ///< of the arm's weight, where none was ever hung on
+    double clock_sd_s = 0.002;       ///< of stamps of one clock
+    double rest_s = 2.0, move_s = 2.0, hold_s = 20.0, after_s = 6.0;
+    int cycles = 6;
+    double seconds = 24.0;  ///< of a trial that is recorded again
+  } experiment;
+
+  /// What is worth a word.
+  struct Words {
+    double likely = 0.1;      ///< probability of one that is not named
+    double stands_out = 5.0;  ///< z of the screen from which on "absent" would be too much
+    double no_better = 0.95;  ///< share of the error from which on a flexible model has learnt nothing
+  } words;
+};
+inline constexpr Policy kPolicy{};
+
+/// Standard deviation of the mocap's noise, per coordinate: what the arm file says, root mean square of its
+/// bodies, m.
+double noise_m(const arm::Arm& arm);
+
+}  // namespace softarm::diagnose

@@ -1,0 +1,249 @@
+#include "sentences.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "policy.h"
+
+namespace softarm::diagnose {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// Digits behind the point that show `digits` significant ones of a number of this size.
+int decimals(double size, int digits) {
+  if (!(std::abs(size) > 0.0) || !std::isfinite(size)) return digits - 1;
+  return std::clamp(digits - 1 - static_cast<int>(std::floor(std::log10(std::abs(size)))), 0, 9);
+}
+
+std::string number(double value, int digits) {
+  if (!std::isfinite(value)) return "not known";
+  if (value != 0.0 && (std::abs(value) >= 1e6 || std::abs(value) < 1e-6))
+    return fmt::format("{:.{}e}", value, digits - 1);
+  return fmt::format("{:.{}f}", value, decimals(value, digits));
+}
+
+/// A unit as it is put behind a number: nothing where the number is a share.
+std::string behind(const std::string& unit) {
+  return unit.empty() || unit == "1" || unit == "-" ? "" : " " + unit;
+}
+
+std::string axis_description(const std::string& axis) {
+  if (axis == "in_plane") return "in the plane of bending";
+  if (axis == "out_of_plane") return "across the plane of bending";
+  if (axis == "axial") return "along the arm";
+  if (axis == "twist") return "in twist";
+  return axis;
+}
+
+std::string stretch_description(const Where& where) {
+  const auto mm = [](double m) { return fmt::format("{:.0f}", 1e3 * m); };
+  const auto &from = where.s_from_m, &to = where.s_to_m;
+  if (to && *to < 1e-3) return "at the base";
+  if (from && to && *to - *from < 1e-3) return fmt::format("{} mm from the base", mm(*from));
+  if (from && to) return fmt::format("{} to {} mm from the base", mm(*from), mm(*to));
+  if (from) return fmt::format("from {} mm from the base on", mm(*from));
+  if (to) return fmt::format("up to {} mm from the base", mm(*to));
+  return "";
+}
+
+/// "delay" of "delay_s".
+std::string without_unit(std::string symbol) {
+  for (const char* unit : {"_rad_per_nm", "_n_per_m", "_per_min", "_per_m", "_per_s", "_pa", "_rad", "_kg",
+                           "_nm", "_n", "_s", "_m"}) {
+    const std::string end = unit;
+    if (symbol.size() <= end.size() || symbol.compare(symbol.size() - end.size(), end.size(), end) != 0)
+      continue;
+    symbol.resize(symbol.size() - end.size());
+    break;
+  }
+  std::replace(symbol.begin(), symbol.end(), '_', ' ');
+  return symbol;
+}
+
+}  // namespace
+
+std::string to_string(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kConsistent:
+      return "consistent";
+    case Verdict::kExplained:
+      return "explained";
+    case Verdict::kPartlyExplained:
+      return "partly_explained";
+    case Verdict::kUnknown:
+      return "unknown";
+    case Verdict::kCannotTell:
+      return "cannot_tell";
+  }
+  throw std::logic_error("to_string: no such verdict");
+}
+
+std::string to_string(Finding finding) {
+  switch (finding) {
+    case Finding::kPresent:
+      return "present";
+    case Finding::kAbsent:
+      return "absent";
+    case Finding::kTrivial:
+      return "trivial";
+    case Finding::kCannotTell:
+      return "cannot_tell";
+    case Finding::kRival:
+      return "rival";
+    case Finding::kNotOfThisArm:
+      return "not_of_this_arm";
+  }
+  throw std::logic_error("to_string: no such finding");
+}
+
+std::string meaning(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kConsistent:
+      return "The model agrees with the recordings";
+    case Verdict::kExplained:
+      return "The mismatch is explained";
+    case Verdict::kPartlyExplained:
+      return "The mismatch is partly explained";
+    case Verdict::kUnknown:
+      return "Something is there that the catalogue does not have";
+    case Verdict::kCannotTell:
+      return "These recordings cannot tell";
+  }
+  throw std::logic_error("meaning: no such verdict");
+}
+
+std::string finding_description(const Candidate& candidate) {
+  switch (candidate.finding) {
+    case Finding::kPresent:
+      return "present";
+    case Finding::kTrivial:
+      return "too small to matter";
+    case Finding::kRival:
+      return "rival of one above";
+    case Finding::kNotOfThisArm:
+      return "not of this arm";
+    case Finding::kAbsent:
+    case Finding::kCannotTell:
+      break;
+  }
+  // What stands out and yet is not named: say why, "absent" would be too much.
+  if (!candidate.possible) return "fits, but only with a size that no arm has";
+  if (candidate.log_score && *candidate.log_score > 0.0 && candidate.probability >= kPolicy.words.likely)
+    return "helps, but by less than the 5 standard deviations that a name takes";
+  if (candidate.z >= kPolicy.words.stands_out)
+    return candidate.log_score ? "stands out, but does not earn its place on unseen trials"
+                               : "stands out, but less than those above";
+  return candidate.finding == Finding::kAbsent ? "absent" : "cannot tell: a usual size would not be seen";
+}
+
+const std::vector<ShownUnit>& shown_units() {
+  static const std::vector<ShownUnit> units{
+      {"m", "mm", 1e3}, {"Pa", "kPa", 1e-3}, {"rad", "deg", 180.0 / kPi}, {"kg", "g", 1e3}};
+  return units;
+}
+
+ShownUnit shown_unit(const std::string& unit) {
+  for (const ShownUnit& shown : shown_units()) {
+    if (shown.unit == unit) return shown;
+  }
+  return {unit, unit == "1" || unit == "-" ? "" : unit, 1.0};
+}
+
+std::string with_unit(double value, const std::string& unit) {
+  const ShownUnit shown = shown_unit(unit);
+  return number(shown.scale * value, 3) + behind(shown.shown);
+}
+
+std::string millimetres(double metres) {
+  if (!std::isfinite(metres)) return "not known";
+  return fmt::format("{:.{}f} mm", 1e3 * metres, std::abs(metres) < 0.01 ? 2 : 1);
+}
+
+std::string percent(double probability) {
+  if (!std::isfinite(probability)) return "not known";
+  if (probability > 0.99) return "over 99 %";
+  if (probability < 0.01) return "under 1 %";
+  return fmt::format("{:.0f} %", 100.0 * probability);
+}
+
+std::string with_interval(const EffectValue& value) {
+  const ShownUnit shown = shown_unit(value.unit);
+  const double v = shown.scale * value.value, low = shown.scale * value.low, high = shown.scale * value.high;
+  const bool counts = shown.shown.empty() && v == std::round(v) && !(high > low);
+  if (counts) return fmt::format("{:.0f}", v);
+  if (!std::isfinite(low) || !std::isfinite(high) || !(high > low)) return with_unit(value.value, value.unit);
+  const double largest = std::max({std::abs(v), std::abs(low), std::abs(high)});
+  if (largest >= 1e6 || largest < 1e-6)
+    return fmt::format("{:.2e}{} (90 % interval {:.2e} to {:.2e})", v, behind(shown.shown), low, high);
+  const int digits = decimals(high - low, 2);
+  return fmt::format("{:.{}f}{} (90 % interval {:.{}f} to {:.{}f})", v, digits, behind(shown.shown), low,
+                     digits, high, digits);
+}
+
+std::string label(const EffectValue& value) {
+  const std::string &words = value.description, name = without_unit(value.symbol);
+  if (words.empty()) return name;
+  for (const char* goes_on : {"of ", "by ", "across ", "along ", "that ", "around "}) {
+    if (words.rfind(goes_on, 0) == 0) return name + " " + words;
+  }
+  if (words.rfind("its ", 0) == 0) return name + ", " + words;
+  return words[0] >= '0' && words[0] <= '9' ? name + " (" + words + ")" : words;
+}
+
+std::string place(const Where& where) {
+  std::string text;
+  const auto add = [&](const std::string& part) {
+    if (!part.empty()) text += (text.empty() ? "" : ", ") + part;
+  };
+  add(stretch_description(where));
+  add(axis_description(where.axis));
+  add(where.when);
+  if (!where.input.empty()) add("goes with " + where.input);
+  return text;
+}
+
+std::string capitalised(std::string text) {
+  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
+  return text;
+}
+
+std::string one_of(const std::vector<std::string>& names, const std::string& last) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == names.size() ? " " + last + " " : ", ") + names[i];
+  return text;
+}
+
+std::string sentence_of(const NamedEffect& effect) {
+  if (!effect.sentence.empty()) return effect.sentence;
+  std::string text = capitalised(effect.description.empty() ? effect.id : effect.description);
+  const std::string where = place(effect.where);
+  if (!where.empty()) text += ", " + where;
+  std::string sizes;
+  for (const EffectValue& value : effect.parameters)
+    sizes += "; " + label(value) + ": " + with_interval(value);
+  return text + sizes + "; probability " + percent(effect.probability) + ".";
+}
+
+std::string improvement(const Diagnosis& d) {
+  const double before = d.baseline.held_out_rms_m, after = d.extended.held_out_rms_m;
+  if (!(before > 0.0) || !(after > 0.0)) return "";
+  const bool same = d.effects.empty() || std::abs(before - after) < 5e-6;
+  std::string text =
+      same ? fmt::format("On trials it had not seen the model is {} off (rms per body)", millimetres(before))
+           : fmt::format("On trials it had not seen the rms error per body {} from {} to {}",
+                         after < before ? "falls" : "rises", millimetres(before), millimetres(after));
+  if (d.noise_floor_m > 0.0) text += fmt::format("; noise alone makes {}", millimetres(d.noise_floor_m));
+  if (d.ceiling_rms_m > 0.0)
+    text += fmt::format(", a flexible model of the residuals reaches {}", millimetres(d.ceiling_rms_m));
+  text += ".";
+  if (!same && d.ceiling_rms_m > 0.0 && d.ceiling_rms_m < before && std::isfinite(d.explained_share))
+    text += fmt::format(" That is {:.0f} % of what could be explained.", 100.0 * d.explained_share);
+  return text;
+}
+
+}  // namespace softarm::diagnose

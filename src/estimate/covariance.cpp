@@ -1,0 +1,274 @@
+#include "covariance.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "policy.h"
+
+namespace softarm::estimate {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Directions with less than this share of the information come from rounding errors only.
+constexpr double kLeastInformation = 1e-14;
+// Share of a shape parameter's information that must not be some other shape parameter's.
+constexpr double kLeastShapeInformation = 1e-9;
+
+/// Weight of a block's information in the estimating equations, and of its variance.
+struct BlockWeight {
+  double information;
+  double variance;
+};
+
+/// @param weight by which the block is multiplied in the fit, @param sd of its true error
+BlockWeight block_weight(bool sum_of_distances, double weight, double sd, int dimension) {
+  if (!sum_of_distances) return {weight * weight, std::pow(weight * weight * sd, 2)};
+  // The gradient of a distance is a unit vector: E[I - r r'] / |r| and E[r r'] of an isotropic normal error.
+  const double mean_inverse = dimension == 3 ? std::sqrt(2.0 / M_PI) / sd : std::sqrt(M_PI / 2.0) / sd;
+  return {weight * (dimension - 1.0) / dimension * mean_inverse, weight * weight / dimension};
+}
+
+/// Whether curvature and length of every segment follow from the bodies, were stiffness and payload known: an
+/// arm at rest says nothing of those, and still has a shape.
+bool determines_shape(const MatrixXd& information, const std::vector<bool>& free) {
+  std::vector<int> columns;
+  for (int i = 0; i + 1 < static_cast<int>(free.size()); ++i) {
+    if (free[static_cast<std::size_t>(i)] && i % kSegmentParameters != 2) columns.push_back(i);
+  }
+  const int n = static_cast<int>(columns.size());
+  MatrixXd a(n, n);
+  for (int i = 0; i < n; ++i) {
+    for (int k = 0; k < n; ++k) {
+      const double scale =
+          std::sqrt(information(columns[i], columns[i]) * information(columns[k], columns[k]));
+      if (!(scale > 0.0)) return false;
+      a(i, k) = information(columns[i], columns[k]) / scale;
+    }
+  }
+  return Eigen::LDLT<MatrixXd>(a).vectorD().minCoeff() > kLeastShapeInformation;
+}
+
+}  // namespace
+
+Covariance covariance(const Problem& problem, const std::vector<bool>& free,
+                      const arm::EstimatorOptions& options) {
+  const int count = problem.NumParameters();
+  const bool sum = options.objective == arm::Objective::kSumOfDistances;
+  MatrixXd information = MatrixXd::Zero(count, count), variance = information;
+  Eigen::Matrix3Xd j(3, count);
+  for (const Observation& o : problem.observations()) {
+    if (!o.used) continue;
+    problem.position_jacobian(o, j);
+    const BlockWeight w = block_weight(sum, problem.position_weight(o), problem.position_sd(o), 3);
+    const MatrixXd jj = j.transpose() * j;
+    information += w.information * jj;
+    variance += w.variance * jj;
+    if (o.tangent) {
+      problem.tangent_jacobian(o, j);
+      const MatrixXd tt = j.transpose() * j;
+      const BlockWeight a = block_weight(sum, problem.tangent_weight(o), problem.tangent_sd(o), 2);
+      information += a.information * tt;
+      variance += a.variance * tt;
+    }
+  }
+  if (problem.belief()) {
+    for (int i = 0; i < count; ++i) {
+      for (int k = 0; k < count; ++k) {
+        if (!free[static_cast<std::size_t>(i)] || !free[static_cast<std::size_t>(k)]) continue;
+        information(i, k) += problem.belief()->information(i, k);
+        variance(i, k) += problem.belief()->information(i, k);
+      }
+    }
+  }
+
+  Covariance result;
+  result.x = MatrixXd::Zero(count, count);
+  result.determined.assign(static_cast<std::size_t>(count), false);
+  std::vector<int> columns;
+  for (int i = 0; i < count; ++i) {
+    if (free[static_cast<std::size_t>(i)] && information(i, i) > 0.0) columns.push_back(i);
+  }
+  const int n = static_cast<int>(columns.size());
+  VectorXd scale(n);
+  MatrixXd a(n, n), b(n, n);
+  for (int i = 0; i < n; ++i) scale[i] = 1.0 / std::sqrt(information(columns[i], columns[i]));
+  for (int i = 0; i < n; ++i) {
+    for (int k = 0; k < n; ++k) {
+      a(i, k) = scale[i] * scale[k] * information(columns[i], columns[k]);
+      b(i, k) = scale[i] * scale[k] * variance(columns[i], columns[k]);
+    }
+  }
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(a);
+  VectorXd inverse(n);
+  VectorXd lost = VectorXd::Zero(n);
+  for (int k = 0; k < n; ++k) {
+    const bool determined = eigen.eigenvalues()[k] > kLeastInformation * eigen.eigenvalues()[n - 1];
+    inverse[k] = determined ? 1.0 / eigen.eigenvalues()[k] : 0.0;
+    if (!determined) lost += eigen.eigenvectors().col(k).cwiseAbs2();
+  }
+  const MatrixXd a_inverse = eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+  const bool best = !sum && problem.noise_weights();
+  const MatrixXd scaled = best ? a_inverse : MatrixXd(a_inverse * b * a_inverse);
+  for (int i = 0; i < n; ++i) {
+    const double sd = scale[i] * std::sqrt(std::max(0.0, scaled(i, i)));
+    const double absurd = columns[i] == count - 1
+                              ? kPolicy.determined.absurd_payload_sd
+                              : kPolicy.determined.absurd_sd[columns[i] % kSegmentParameters];
+    result.determined[static_cast<std::size_t>(columns[i])] =
+        lost[i] < kPolicy.determined.lost_share && sd < absurd;
+  }
+  for (int i = 0; i < n; ++i) {
+    for (int k = 0; k < n; ++k) {
+      const bool both = result.determined[static_cast<std::size_t>(columns[i])] &&
+                        result.determined[static_cast<std::size_t>(columns[k])];
+      if (both) {
+        result.x(columns[i], columns[k]) = scale[i] * scale[k] * scaled(i, k);
+      }
+    }
+  }
+  result.shape_determined = determines_shape(information, free);
+  return result;
+}
+
+Evidence evidence(const Problem& problem, const VectorXd& x) {
+  const int count = problem.NumParameters();
+  Evidence result{MatrixXd::Zero(count, count), VectorXd::Zero(count)};
+  Eigen::Matrix3Xd j(3, count);
+  const auto add = [&](const Eigen::Vector3d& e, double sd) {
+    const double weight = problem.bounded_influence(e.norm() / sd) / (sd * sd);
+    result.information.noalias() += weight * j.transpose() * j;
+    result.weighted.noalias() -= weight * j.transpose() * e;
+  };
+  for (const Observation& o : problem.observations()) {
+    if (!o.used) continue;
+    problem.position_jacobian(o, j);
+    add(problem.position(o) - o.p, problem.position_sd(o));
+    if (!o.tangent) continue;
+    problem.tangent_jacobian(o, j);
+    add(problem.tangent(o) - *o.tangent, problem.tangent_sd(o));
+  }
+  result.weighted += result.information * x;
+  return result;
+}
+
+double determined_by_bodies(const Problem& problem, const VectorXd& x) {
+  const MatrixXd h = evidence(problem, x).information;
+  MatrixXd all = h;
+  if (problem.belief()) all += problem.belief()->information;
+  VectorXd scale(h.rows());
+  for (Eigen::Index i = 0; i < h.rows(); ++i) scale[i] = h(i, i) > 0.0 ? 1.0 / std::sqrt(all(i, i)) : 0.0;
+  MatrixXd scaled = scale.asDiagonal() * all * scale.asDiagonal();
+  scaled.diagonal().array() += 1e-12;
+  for (Eigen::Index i = 0; i < h.rows(); ++i) {
+    if (scale[i] == 0.0) scaled(i, i) = 1.0;
+  }
+  return Eigen::LDLT<MatrixXd>(scaled).solve(MatrixXd(scale.asDiagonal() * h * scale.asDiagonal())).trace();
+}
+
+VectorXd error_by_gravity(const Problem& problem, const std::vector<bool>& free, const MatrixXd& belief,
+                          const Eigen::Vector3d& error) {
+  const int count = problem.NumParameters();
+  MatrixXd information = MatrixXd::Zero(count, count);
+  VectorXd pull = VectorXd::Zero(count);
+  Eigen::Matrix3Xd j(3, count);
+  for (const Observation& o : problem.observations()) {
+    if (!o.used) continue;
+    problem.position_jacobian(o, j);
+    const double weight = 1.0 / (problem.position_sd(o) * problem.position_sd(o));
+    information.noalias() += weight * j.transpose() * j;
+    pull.noalias() -= weight * j.transpose() * (problem.position_by_gravity(o) * error);
+  }
+  VectorXd scale = VectorXd::Zero(count);
+  information += belief;
+  for (int i = 0; i < count; ++i) {
+    if (free[static_cast<std::size_t>(i)] && information(i, i) > 0.0)
+      scale[i] = 1.0 / std::sqrt(information(i, i));
+  }
+  MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
+  scaled.diagonal().array() += 1e-9;
+  return scale.cwiseProduct(Eigen::LDLT<MatrixXd>(scaled).solve(scale.cwiseProduct(pull)));
+}
+
+void fill_segment(const Problem& problem, int segment, const VectorXd& x, const Covariance& covariance,
+                  const std::vector<bool>& free, const arm::EstimatorOptions& options, SegmentEstimate& out) {
+  const int ia = Problem::column(segment, 0), ib = ia + 1, ic = ia + 2, il = ia + 3;
+  const auto determined = [&](int i) { return covariance.determined[static_cast<std::size_t>(i)]; };
+  const double rest = problem.rest_length(segment);
+  const double reference = problem.reference_stiffness(segment);
+  const double a = x[ia] / rest, b = x[ib] / rest;
+  const double bend = std::hypot(a, b);
+  const bool arcs = options.method == arm::Method::kCcPoints || options.method == arm::Method::kCcEndpoint;
+
+  out.length_m = x[il] * rest;
+  out.actuation_curvature_per_m = bend;
+  out.direction_rad = std::atan2(b, a);
+  const double cos_phi = bend > 0.0 ? a / bend : 1.0, sin_phi = bend > 0.0 ? b / bend : 0.0;
+
+  // The fit is nearly linear in the flexibility c, whose errors are therefore normal; those of EI = EI_base /
+  // c are not. To second order E[1/c] is too large by var(c) / c^3, and E[k/c] by that and cov(k, c): both
+  // are taken out, in a form that stays bounded in the tails.
+  double ei = reference / x[ic];
+  double moment = bend * ei;
+  if (free[static_cast<std::size_t>(ic)] && determined(ic)) {
+    const double variance = std::min(covariance.x(ic, ic), x[ic] * x[ic]);
+    const double with_bend = determined(ia) && determined(ib)
+                                 ? (cos_phi * covariance.x(ia, ic) + sin_phi * covariance.x(ib, ic)) / rest
+                                 : 0.0;
+    const double shrink = x[ic] / (x[ic] * x[ic] + variance);
+    ei = reference * shrink;
+    moment = std::max(0.0, reference * (bend + with_bend / x[ic]) * shrink);
+  }
+  if (!arcs) {
+    out.bending_stiffness_nm2 = ei;
+    out.moment_nm = moment;
+  }
+
+  // Rows: M0, phi, EI, L; columns: a, b, c, l.
+  Eigen::Matrix4d g = Eigen::Matrix4d::Zero();
+  if (!arcs) {
+    // With the uncorrected values: the intervals they give cover what they should.
+    const double fitted = reference / x[ic];
+    g(0, 0) = cos_phi * fitted / rest;
+    g(0, 1) = sin_phi * fitted / rest;
+    g(0, 2) = -bend * fitted / x[ic];
+    g(2, 2) = -fitted / x[ic];
+  }
+  if (bend > 0.0) {
+    g(1, 0) = -sin_phi / (bend * rest);
+    g(1, 1) = cos_phi / (bend * rest);
+  }
+  g(3, 3) = rest;
+  const Eigen::Matrix4d c = covariance.x.block<4, 4>(ia, ia);
+  out.covariance = g * c * g.transpose();
+
+  const bool flexibility_known = !free[static_cast<std::size_t>(ic)];
+  const bool curvature_identifiable = determined(ia) && determined(ib);
+  const auto sd = [&](int i) { return std::sqrt(std::max(0.0, out.covariance(i, i))); };
+  if (curvature_identifiable) {
+    const Eigen::Vector2d along(cos_phi, sin_phi);
+    out.sd_actuation_curvature_per_m =
+        std::sqrt(std::max(0.0, along.dot(c.topLeftCorner<2, 2>() * along))) / rest;
+    // A direction is not determined by less than a uniform guess would know.
+    if (bend > 0.0 && sd(1) < M_PI / std::sqrt(3.0)) out.sd_direction_rad = sd(1);
+    if (!arcs && (flexibility_known || determined(ic))) out.sd_moment_nm = sd(0);
+  }
+  if (!arcs && !flexibility_known && determined(ic)) out.sd_bending_stiffness_nm2 = sd(2);
+  if (determined(il)) out.sd_length_m = sd(3);
+  const bool has[4] = {out.sd_moment_nm.has_value(), out.sd_direction_rad.has_value(),
+                       out.sd_bending_stiffness_nm2.has_value(), out.sd_length_m.has_value()};
+  for (int i = 0; i < 4; ++i) {
+    if (has[i]) continue;
+    out.covariance.row(i).setZero();
+    out.covariance.col(i).setZero();
+  }
+  const double limit = options.identifiable_relative_sd;
+  // Relative to what the fit found, before the correction: that never makes a frame identify more.
+  out.identifiable_stiffness =
+      out.sd_bending_stiffness_nm2 && std::sqrt(covariance.x(ic, ic)) <= limit * x[ic];
+  out.identifiable_moment = out.sd_moment_nm && *out.sd_moment_nm <= limit * moment;
+}
+
+}  // namespace softarm::estimate

@@ -1,0 +1,42 @@
+// How well a frame determines its parameters.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "problem.h"
+#include "softarm/estimate/estimate.h"
+
+namespace softarm::estimate {
+
+/// Covariance of the fit's parameters x; rows and columns of what is fixed or undetermined are zero.
+struct Covariance {
+  Eigen::MatrixXd x;
+  std::vector<bool> determined;
+  bool shape_determined = true;  ///< curvature and length of every segment are: else there are too few bodies
+};
+
+/// At the last evaluation of the problem. For weights other than those of the noise, and for the sum of
+/// distances, it is that of the estimator used (sandwich), not that of the best one.
+Covariance covariance(const Problem& problem, const std::vector<bool>& free,
+                      const arm::EstimatorOptions& options);
+
+/// What the bodies in use say of x at the last evaluation, by the stated noise: Gauss-Newton information and
+/// information times optimum. Columns of what is fixed are zero.
+Evidence evidence(const Problem& problem, const Eigen::VectorXd& x);
+
+/// Number of parameters that the bodies determine, the rest being believed: trace of the share of the
+/// information that is theirs.
+double determined_by_bodies(const Problem& problem, const Eigen::VectorXd& x);
+
+/// By how much a fit errs whose gravity is off by `error` (m/s^2, base frame), with `belief` the information
+/// of what is believed besides the bodies.
+Eigen::VectorXd error_by_gravity(const Problem& problem, const std::vector<bool>& free,
+                                 const Eigen::MatrixXd& belief, const Eigen::Vector3d& error);
+
+/// Translates parameters and covariance into a segment's estimate.
+/// @param free the parameters that were estimated
+void fill_segment(const Problem& problem, int segment, const Eigen::VectorXd& x, const Covariance& covariance,
+                  const std::vector<bool>& free, const arm::EstimatorOptions& options, SegmentEstimate& out);
+
+}  // namespace softarm::estimate

@@ -1,0 +1,154 @@
+// The estimator's state and steps; estimator.cpp holds the frame's side, estimator_solve.cpp the fit,
+// estimator_report.cpp what is said of it.
+#pragma once
+
+#include <ceres/tiny_solver.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "covariance.h"
+#include "extended_frame.h"
+#include "problem.h"
+#include "softarm/estimate/estimator.h"
+#include "window.h"
+
+namespace softarm::estimate {
+
+struct Estimator::Impl {
+  using VectorXd = Eigen::VectorXd;
+
+  Impl(const arm::Arm& a, const arm::EstimatorOptions& o, const std::vector<model::Present>& e);
+  void check() const;
+  /// The most distal ring of a segment that serves the method; -1 if there is none.
+  int end_body(int segment) const;
+  void fail(Status status, std::string detail);
+  const Estimate& run(const trial::Frame& frame);
+  void clear(const trial::Frame& frame);
+
+  // --- step 1 ---
+  bool place_base(const trial::Frame& frame);
+  std::vector<int> end_bodies() const;
+  bool observe(const trial::Frame& frame);
+  /// Each segment has three unknowns of shape, each body three coordinates: from every joint to the tip there
+  /// must be as many bodies as segments.
+  bool enough_beyond_every_joint() const;
+
+  // --- what is known ---
+  /// What the laws say of the frame's inputs, all segments or nothing.
+  std::optional<std::vector<arm::SegmentPrediction>> predict_laws(const trial::Frame& frame) const;
+  bool set_knowns(const trial::Frame& frame);
+  /// Gives the problem what the laws and the window's frames say of this one.
+  void believe();
+  /// A gain that is off is a lasting error of the moment only while the actuation lasts: by as much as it has
+  /// moved away from that of the window's frames, the relative error is this frame's own.
+  void allow_for_gain(const std::vector<arm::SegmentPrediction>& predictions);
+
+  // --- steps 2 and 3 ---
+  void impose_knowns(VectorXd& v) const;
+  void refresh_covariance();
+  double rms() const;
+  /// @param free_tip go by way of a rod whose base is not yet clamped
+  bool start_cold(bool free_tip = false);
+  bool minimise();
+  bool solve();
+  /// The same with outliers set aside and, where the window's frames stand against this one, without them.
+  bool solve_with_window();
+  bool solve_without_window();
+  /// Some body is an outlier of the fit, or there is none.
+  bool contradicted(bool fitted) const;
+  /// Adds what this frame says to the window; fits it again where that ends a change.
+  bool share();
+
+  // --- steps 2 to 4 with effects of the arm file in the model ---
+  bool solve_with_effects();
+  /// Fills estimate_by_laws.
+  void take_effects_out();
+  /// The fit again, where the effects have been worked out anew. @param whole all bodies are used again
+  bool fit_again(bool whole);
+
+  // --- step 4 ---
+  /// How far the bodies used are from the fit, in standard deviations.
+  struct Distances {
+    double largest = 0.0, sum_of_squares = 0.0;
+    int used = 0;
+  };
+  double distance(const Observation& o) const;
+  Distances distances() const;
+  /// The fit without each body in turn: an outlier pulls the fit so much that its own residual need not be
+  /// the largest. The body is set aside whose absence leaves the least, if the rest then contradicts it.
+  /// @param fitted x is a fit to all bodies in use
+  /// @return false where everything stays as it was
+  bool set_one_aside(bool fitted);
+  /// @param fitted x is a fit to all bodies
+  bool set_outliers_aside(bool fitted);
+  int estimated_parameters() const;
+  /// A flexibility, length or payload outside its physical range is held at the limit and the rest fitted
+  /// again.
+  bool keep_to_bounds();
+
+  // --- step 4b ---
+  /// What the loads stretch each segment by at x, m; the payload as in its range.
+  std::vector<double> stretch_by_loads() const;
+  /// What is not known of EA counts with the stretch at the solution, which is fitted again until the two
+  /// agree.
+  bool allow_for_stretch();
+
+  // --- step 5 ---
+  /// For the detail of a refusal: both lengths where the way from the base through the bodies is less than
+  /// half or more than twice that of the arm file; else nothing.
+  std::string length_hint() const;
+  void finish();
+  /// With a window the noise averages out, and what is left is that the arm moves: what its inertia does to
+  /// the estimates is added to their covariance.
+  void allow_for_motion();
+  /// Near a buckling load the shape is so sensitive to the stiffness that the linear covariance promises
+  /// much, while another stiffness with another moment explains the bodies nearly as well. There, EI is
+  /// identifiable only if fits with EI moved by twice the relative standard deviation that is asked for are
+  /// worse by what such a deviation would make them.
+  void confirm_stiffness();
+  void residuals_and_chi_square();
+  void bending_angles();
+  void payload();
+  void backbone();
+
+  // --- state ---
+  const arm::Arm arm;
+  arm::EstimatorOptions options;
+  Problem problem;
+  ceres::TinySolver<Problem> solver;
+  std::vector<double> inflation_limit;
+  int backbone_points = 41;
+  Eigen::Isometry3d base = Eigen::Isometry3d::Identity();
+  bool base_seen = false;
+  std::vector<std::string> far;
+  std::optional<double> payload_known;
+  std::vector<std::optional<double>> known_flexibility;
+  std::vector<std::optional<double>> start_flexibility;  ///< known, or believed by the laws
+  FrameLaw law;
+  std::vector<double> stretch_m;  ///< with which `law` counts what is not known of EA
+  std::optional<Window> window;
+  const std::vector<model::Present> effects;
+  std::unique_ptr<ExtendedFrame> extension;           ///< of an arm with effects
+  std::vector<arm::SegmentPrediction> laws_at_frame;  ///< with the inputs as the effects change them
+  bool extended = false;                              ///< the frame's fit has the effects in it
+  int contradictions = 0;            ///< frames in a row that may be a change or a wrong body
+  std::optional<bool> inputs_known;  ///< of the last frame
+  VectorXd actuation_nm;             ///< by the laws, 2 per segment
+  std::vector<bool> estimated;       ///< free before any parameter was held at a bound
+  Covariance covariance;
+  const trial::Frame* frame_given = nullptr;
+  trial::Frame frame_by_laws;  ///< with `extended` only
+  Estimate estimate_by_laws;   ///< the same
+  VectorXd x, last_x;
+  bool have_last = false;
+  Estimate estimate;
+};
+
+bool is_constant_curvature(arm::Method method);
+inline constexpr const char* kUnitsHint =
+    "are the units (inputs.bodies.unit) and the lengths of the arm file right?";
+
+}  // namespace softarm::estimate

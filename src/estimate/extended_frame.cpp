@@ -1,0 +1,238 @@
+#include "extended_frame.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace softarm::estimate {
+namespace {
+
+using Eigen::VectorXd;
+
+// Steps of differences, by parameter of a segment and of the payload: bodies move by about a millimetre.
+constexpr double kStep[kSegmentParameters] = {0.02, 0.02, 0.03, 0.005};
+constexpr double kPayloadStep = 0.05;
+// By how much parameters, gravity and time may have moved on before D is worked out anew; c by its share.
+constexpr double kFar[kSegmentParameters] = {0.15, 0.15, 0.2, 0.01};
+constexpr double kPayloadFar = 0.5, kGravityFar_m_s2 = 0.5, kOld_s = 0.5;
+constexpr double kLeastLength = 0.5, kMostLength = 2.0;
+constexpr double kTypicalWay = 0.2, kForgets = 0.9;
+constexpr double kShortWay = 0.02;  // in these shares: what is seen on it is the solver's own error
+
+}  // namespace
+
+ExtendedFrame::ExtendedFrame(const arm::Arm& arm, const std::vector<model::Present>& effects,
+                             const Problem& problem)
+    : arm_(arm), online_(arm, effects) {
+  at_.x = VectorXd::Zero(problem.NumParameters());
+  for (std::size_t b = 0; b < arm.bodies.size(); ++b) {
+    EffectsAt::OnBody body;
+    body.p_by_x = Eigen::Matrix3Xd::Zero(3, problem.NumParameters());
+    body.tangent_by_x = body.p_by_x;
+    at_.bodies.push_back(std::move(body));
+  }
+}
+
+void ExtendedFrame::reset() {
+  online_.reset();
+  line_ = false;
+  solved_x_.reset();
+  derivative_of_.clear();
+}
+
+const trial::Frame& ExtendedFrame::begin(const trial::Frame& frame, const Eigen::Isometry3d& base) {
+  std::optional<double> payload_kg = arm_.payload.default_kg;
+  if (frame.payload_kg && std::isfinite(*frame.payload_kg)) payload_kg = frame.payload_kg;
+  const model::OnlineEffects::Driven& driven =
+      online_.begin(frame.stamp_s, frame.inputs, payload_kg, base, frame.samples);
+  frame_ = frame;
+  frame_.inputs = driven.inputs;
+  frame_.payload_kg = driven.payload_kg;
+  moment_inputs_ = driven.moment_inputs;
+  solved_x_.reset();
+  return frame_;
+}
+
+VectorXd ExtendedFrame::within_range(const Problem& problem, const VectorXd& x) const {
+  VectorXd y = x;
+  for (int i = 0; i < static_cast<int>(arm_.segments.size()); ++i) {
+    const arm::Range& range = arm_.segments[static_cast<std::size_t>(i)].bending_stiffness_range_nm2;
+    const double reference = problem.reference_stiffness(i);
+    double& c = y[Problem::column(i, 2)];
+    c = std::clamp(c, reference / range.high, reference / range.low);
+    double& l = y[Problem::column(i, 3)];
+    l = std::clamp(l, kLeastLength, kMostLength);
+  }
+  double& payload = y[problem.payload_column()];
+  payload = std::clamp(payload, arm_.payload.range_kg.low / Problem::kPayloadUnit,
+                       arm_.payload.range_kg.high / Problem::kPayloadUnit);
+  return y;
+}
+
+bool ExtendedFrame::solve(const Problem& problem, const VectorXd& x,
+                          const std::vector<arm::SegmentPrediction>& laws) {
+  if (solved_x_ && *solved_x_ == x) return true;
+  std::vector<arm::SegmentPrediction> segments = laws;
+  for (int i = 0; i < static_cast<int>(segments.size()); ++i) {
+    arm::SegmentPrediction& segment = segments[static_cast<std::size_t>(i)];
+    const double rest = problem.rest_length(i);
+    segment.bending_stiffness_nm2 = problem.reference_stiffness(i) / x[Problem::column(i, 2)];
+    segment.moment_nm = segment.bending_stiffness_nm2 / rest * x.segment<2>(Problem::column(i, 0)).matrix();
+    segment.curvature_per_m.setZero();
+    segment.length_m = rest * x[Problem::column(i, 3)];
+  }
+  solved_x_.reset();
+  if (!online_.solve(segments, Problem::kPayloadUnit * x[problem.payload_column()])) return false;
+  solved_x_ = x;
+  return true;
+}
+
+std::optional<ExtendedFrame::Difference> ExtendedFrame::difference(
+    Problem& problem, const VectorXd& x, const std::vector<arm::SegmentPrediction>& laws) {
+  if (!solve(problem, x, laws) || !problem.evaluate(x)) return std::nullopt;
+  const model::Bodies& with = online_.bodies();
+  Difference d{with.p, Eigen::Matrix3Xd::Zero(3, with.p.cols())};
+  for (int b = 0; b < static_cast<int>(with.p.cols()); ++b) {
+    Observation o;
+    o.body = b;
+    o.station = problem.station_of_body(b);
+    d.p.col(b) -= problem.position_by_laws(o);
+    d.tangent.col(b) = (with.q[static_cast<std::size_t>(b)].toRotationMatrix() -
+                        problem.solver().station(b).q.toRotationMatrix())
+                           .col(2);
+  }
+  return d;
+}
+
+VectorXd ExtendedFrame::reach(const Problem& problem) const {
+  VectorXd far(problem.NumParameters());
+  for (int i = 0; i < static_cast<int>(arm_.segments.size()); ++i) {
+    for (int k = 0; k < kSegmentParameters; ++k) {
+      const int j = Problem::column(i, k);
+      far[j] = k == 2 ? kFar[k] * std::abs(derivative_x_[j]) : kFar[k];
+    }
+  }
+  far[problem.payload_column()] = kPayloadFar;
+  return far;
+}
+
+double ExtendedFrame::way_to(const Problem& problem, const VectorXd& x) const {
+  return ((x - at_.x).array() / reach(problem).array()).matrix().lpNorm<Eigen::Infinity>();
+}
+
+double ExtendedFrame::expected_off_sd(const Problem& problem, const VectorXd& x) const {
+  return off_sd_per_way_ * way_to(problem, x);
+}
+
+bool ExtendedFrame::derivative_holds(const Problem& problem, const VectorXd& x) const {
+  return derivative_of_ == problem.free() &&
+         ((x - derivative_x_).cwiseAbs().array() < reach(problem).array()).all() &&
+         (problem.rod().gravity_m_s2 - derivative_gravity_).norm() < kGravityFar_m_s2 &&
+         std::abs(frame_.stamp_s - derivative_stamp_s_) < kOld_s;
+}
+
+bool ExtendedFrame::line_reaches(const Problem& problem, const VectorXd& x) const {
+  return line_ && derivative_holds(problem, within_range(problem, x));
+}
+
+bool ExtendedFrame::differentiate(Problem& problem, const VectorXd& x,
+                                  const std::vector<arm::SegmentPrediction>& laws, const Difference& here) {
+  for (EffectsAt::OnBody& body : at_.bodies) {
+    body.p_by_x.setZero();
+    body.tangent_by_x.setZero();
+  }
+  for (int j = 0; j < problem.NumParameters(); ++j) {
+    if (!problem.free()[static_cast<std::size_t>(j)]) continue;
+    const double size = j == problem.payload_column() ? kPayloadStep : kStep[j % kSegmentParameters];
+    std::optional<Difference> there;
+    double step = size;
+    for (const double side : {1.0, -1.0}) {
+      VectorXd y = x;
+      y[j] += side * size;
+      there = difference(problem, y, laws);
+      step = side * size;
+      if (there) break;
+    }
+    if (!there) return false;
+    for (std::size_t b = 0; b < at_.bodies.size(); ++b) {
+      const auto column = static_cast<Eigen::Index>(b);
+      at_.bodies[b].p_by_x.col(j) = (there->p.col(column) - here.p.col(column)) / step;
+      at_.bodies[b].tangent_by_x.col(j) = (there->tangent.col(column) - here.tangent.col(column)) / step;
+    }
+  }
+  derivative_x_ = x;
+  derivative_of_ = problem.free();
+  derivative_gravity_ = problem.rod().gravity_m_s2;
+  derivative_stamp_s_ = frame_.stamp_s;
+  return true;
+}
+
+void ExtendedFrame::put_line(const VectorXd& x, const Difference& difference) {
+  at_.x = x;
+  for (std::size_t b = 0; b < at_.bodies.size(); ++b) {
+    at_.bodies[b].p = difference.p.col(static_cast<Eigen::Index>(b));
+    at_.bodies[b].tangent = difference.tangent.col(static_cast<Eigen::Index>(b));
+  }
+  line_ = true;
+}
+
+bool ExtendedFrame::linearise(Problem& problem, const VectorXd& x,
+                              const std::vector<arm::SegmentPrediction>& laws, bool anew) {
+  const VectorXd y = within_range(problem, x);
+  const std::optional<Difference> here = difference(problem, y, laws);
+  if (!here) return false;
+  online_.start_here();
+  if ((anew || !derivative_holds(problem, y)) && !differentiate(problem, y, laws, *here)) {
+    derivative_of_.clear();
+    return false;
+  }
+  put_line(y, *here);
+  return true;
+}
+
+std::optional<double> ExtendedFrame::move_line(Problem& problem, const VectorXd& x,
+                                               const std::vector<arm::SegmentPrediction>& laws) {
+  const VectorXd y = within_range(problem, x);
+  const std::optional<Difference> here = difference(problem, y, laws);
+  if (y != x) problem.evaluate(x);
+  if (!here) return std::nullopt;
+  online_.start_here();
+  const VectorXd way = y - at_.x;
+  const double share = way_to(problem, y);
+  double off_sd = 0.0;
+  Difference more = *here;
+  for (std::size_t b = 0; b < at_.bodies.size(); ++b) {
+    const EffectsAt::OnBody& body = at_.bodies[b];
+    more.p.col(static_cast<Eigen::Index>(b)) -= body.p + body.p_by_x * way;
+    more.tangent.col(static_cast<Eigen::Index>(b)) -= body.tangent + body.tangent_by_x * way;
+  }
+  for (const Observation& o : problem.observations())
+    off_sd = std::max(off_sd, more.p.col(o.body).norm() / problem.position_sd(o));
+  off_sd_per_way_ = std::max(off_sd / std::max(share, kTypicalWay), kForgets * off_sd_per_way_);
+  if (share > kShortWay) correct_derivative(problem, way, more);
+  put_line(y, *here);
+  return off_sd;
+}
+
+void ExtendedFrame::correct_derivative(const Problem& problem, const VectorXd& way, const Difference& more) {
+  const VectorXd far = reach(problem);
+  VectorXd weight = VectorXd::Zero(way.size());
+  for (int j = 0; j < problem.NumParameters(); ++j) {
+    if (problem.free()[static_cast<std::size_t>(j)]) weight[j] = way[j] / (far[j] * far[j]);
+  }
+  const double square = weight.dot(way);
+  if (!(square > kShortWay * kShortWay)) return;
+  weight /= square;
+  for (std::size_t b = 0; b < at_.bodies.size(); ++b) {
+    at_.bodies[b].p_by_x += more.p.col(static_cast<Eigen::Index>(b)) * weight.transpose();
+    at_.bodies[b].tangent_by_x += more.tangent.col(static_cast<Eigen::Index>(b)) * weight.transpose();
+  }
+}
+
+bool ExtendedFrame::keep(const Problem& problem, const VectorXd& x,
+                         const std::vector<arm::SegmentPrediction>& laws) {
+  if (!solve(problem, within_range(problem, x), laws)) return false;
+  online_.keep();
+  return true;
+}
+
+}  // namespace softarm::estimate

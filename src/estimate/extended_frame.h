@@ -1,0 +1,97 @@
+// Effects of the arm file in the fit of one frame.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "model/online_effects.h"
+#include "problem.h"
+#include "softarm/arm/arm.h"
+#include "softarm/trial/frame.h"
+
+namespace softarm::estimate {
+
+/// What effects do to the bodies, as a linear function of the fit's parameters about the last place where it
+/// was asked for:
+///
+///   p(x) = p_laws(x) + g + D (x - x_0),   g = p_effects(x_0) - p_laws(x_0),   D = dg / dx
+///
+/// Problem adds g and D to the rod of the laws: a fit costs what it costs without effects, and its covariance
+/// has their derivatives. A fit begins with the line of the frame before it. At its end the arm with effects
+/// is solved once, which says how far the line was off; where that is a share of the noise, the fit goes on
+/// from there: Newton's method, and exact where that ends. D changes little from frame to frame: each
+/// solution corrects it along the way that the fit went (Broyden's update), and it is worked out anew when
+/// the parameters or the loads have moved on.
+class ExtendedFrame {
+ public:
+  ExtendedFrame(const arm::Arm& arm, const std::vector<model::Present>& effects, const Problem& problem);
+
+  const std::vector<std::string>& notes() const { return online_.notes(); }
+  void reset();
+
+  /// The frame with what effects make of its inputs and payload. @param base the rod's in mocap
+  const trial::Frame& begin(const trial::Frame& frame, const Eigen::Isometry3d& base);
+  /// What begin() gave.
+  const trial::Frame& frame() const { return frame_; }
+  /// Of the frame that was begun: what acts as a moment where that is not what the laws' other parts follow.
+  const arm::InputValues& moment_inputs() const { return moment_inputs_; }
+
+  /// Works out g at x, and D where it is not known near x. @param laws predictions at the frame's inputs
+  /// @param anew D in any case
+  /// @return false where the arm has no equilibrium with effects there
+  bool linearise(Problem& problem, const Eigen::VectorXd& x, const std::vector<arm::SegmentPrediction>& laws,
+                 bool anew);
+  const EffectsAt& at() const { return at_; }
+  /// Whether the line of the frame before may serve a fit that begins at x.
+  bool line_reaches(const Problem& problem, const Eigen::VectorXd& x) const;
+  /// Moves the line to x, where a fit ended.
+  /// @return by how much it was off there, in standard deviations of the body for which that is largest;
+  /// nothing where there is no equilibrium with effects
+  std::optional<double> move_line(Problem& problem, const Eigen::VectorXd& x,
+                                  const std::vector<arm::SegmentPrediction>& laws);
+  /// By how much it may be off at x, as the last lines were on their ways.
+  double expected_off_sd(const Problem& problem, const Eigen::VectorXd& x) const;
+  /// x is the frame's estimate: shapes are its from now on. @return false as linearise()
+  bool keep(const Problem& problem, const Eigen::VectorXd& x,
+            const std::vector<arm::SegmentPrediction>& laws);
+  /// After keep().
+  rod::RodState shape_at(double s_m) const { return online_.at(s_m); }
+
+ private:
+  struct Difference {
+    Eigen::Matrix3Xd p, tangent;  ///< by body: with effects less without
+  };
+  Eigen::VectorXd within_range(const Problem& problem, const Eigen::VectorXd& x) const;
+  bool solve(const Problem& problem, const Eigen::VectorXd& x,
+             const std::vector<arm::SegmentPrediction>& laws);
+  std::optional<Difference> difference(Problem& problem, const Eigen::VectorXd& x,
+                                       const std::vector<arm::SegmentPrediction>& laws);
+  void put_line(const Eigen::VectorXd& x, const Difference& difference);
+  bool differentiate(Problem& problem, const Eigen::VectorXd& x,
+                     const std::vector<arm::SegmentPrediction>& laws, const Difference& here);
+  bool derivative_holds(const Problem& problem, const Eigen::VectorXd& x) const;
+  /// By what each parameter may move on before D is worked out anew.
+  Eigen::VectorXd reach(const Problem& problem) const;
+  /// Way from the line's place, in shares of reach().
+  double way_to(const Problem& problem, const Eigen::VectorXd& x) const;
+  /// D as it must be for g to have changed by so much more than it says on the way that the line went.
+  void correct_derivative(const Problem& problem, const Eigen::VectorXd& way, const Difference& more);
+
+  const arm::Arm arm_;
+  model::OnlineEffects online_;
+  trial::Frame frame_;
+  arm::InputValues moment_inputs_;
+  EffectsAt at_;
+  bool line_ = false;                        ///< at_ is the line of this frame or the last
+  double off_sd_per_way_ = 0.0;              ///< of the last lines, about the largest
+  std::optional<Eigen::VectorXd> solved_x_;  ///< of the last solution with effects
+  // Where D is of.
+  Eigen::VectorXd derivative_x_;
+  std::vector<bool> derivative_of_;  ///< parameters
+  Eigen::Vector3d derivative_gravity_ = Eigen::Vector3d::Zero();
+  double derivative_stamp_s_ = 0.0;
+};
+
+}  // namespace softarm::estimate

@@ -1,0 +1,55 @@
+// What the estimation decides by, beside what an arm file sets (arm::EstimatorOptions). Nothing else in this
+// room decides: constants beside the code are tolerances of its numbers and steps of its solvers.
+#pragma once
+
+namespace softarm::estimate {
+
+/// Found on the virtual rig and on the recordings of laboratories (test/estimate, scripts/demo).
+struct Policy {
+  /// Which bodies count.
+  struct Bodies {
+    double far = 1.5;      ///< of the arm's length from the base: beyond it is no measurement
+    double huber = 3.5;    ///< distance in standard deviations beyond which the robust loss bends
+    double outlier = 6.0;  ///< standard deviations at which a body may be set aside ...
+    double outlier_against_rest = 4.0;  ///< ... if it is also that many times worse than the others
+    double look_again_sd = 1.0;         ///< change of a fit beyond which another body may be an outlier
+  } bodies;
+
+  /// Which fits count.
+  struct Fit {
+    double bad_start = 0.05;    ///< rms distance over the arm's length above which the last frame is no start
+    double inconsistent = 0.1;  ///< the same above which a converged fit is inconsistent
+    double inflation_level = 0.999;     ///< of chi^2: above it standard deviations are scaled by the misfit
+    double near_buckling = 4.0;         ///< tip's turn per turn of the base, norm; that of a stiff rod is 1.7
+    double other_direction_chi2 = 3.0;  ///< two standard deviations, less some allowance for curvature
+    /// What a frame does not determine stays where an arm could have it: the flexibility near that of the
+    /// base stiffness, the payload near none. Far weaker than any measurement that matters, and left out of
+    /// the covariance.
+    double weak_flexibility_sd = 3.0;  ///< relative
+    double weak_payload_sd_kg = 5.0;
+  } fit;
+
+  /// Which parameters are determined.
+  struct Determined {
+    double lost_share = 1e-6;  ///< of a parameter in directions of no information, from which on it is not
+    /// Nor is it where its standard deviation exceeds anything an arm could have: three radians of actuated
+    /// bending, several times the base's flexibility, half the length, tens of kilograms.
+    double absurd_sd[4] = {3.0, 3.0, 5.0, 0.5};  ///< in the order of a segment's parameters
+    double absurd_payload_sd = 500.0;            ///< in units of the problem's payload
+  } determined;
+
+  /// Windows of frames.
+  struct Window {
+    double change_probability =
+        1e-7;                     ///< of a shared value, below which it has changed: at 240 Hz one in hours
+    double misfit_level = 0.999;  ///< of chi^2: above it the frames have an error of the model in common
+    double longest_spacing_s = 0.2;  ///< frames further apart have a gap between them
+    double swing_s = 0.2;            ///< the laws' passing errors, lag and damping, last as long as a swing
+    double acceleration_s = 0.25;    ///< over which the tip's acceleration is fitted
+    int acceleration_frames = 6;     ///< at least
+    double acceleration_chi2 = 3.8;  ///< 99 % of chi^2 of three degrees of freedom, over 3
+  } window;
+};
+inline constexpr Policy kPolicy{};
+
+}  // namespace softarm::estimate

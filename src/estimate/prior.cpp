@@ -1,0 +1,136 @@
+#include "prior.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "problem.h"
+
+namespace softarm::estimate {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Share of the largest (scaled) information below which a direction is free.
+constexpr double kFree = 1e-13;
+
+}  // namespace
+
+MatrixXd Belief::rows() const {
+  const auto n = information.rows();
+  VectorXd scale(n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    scale[i] = information(i, i) > 0.0 ? std::sqrt(information(i, i)) : 1.0;
+  const VectorXd inverse = scale.cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(inverse.asDiagonal() * information *
+                                                      inverse.asDiagonal());
+  VectorXd root = eigen.eigenvalues();
+  for (double& value : root) value = value > kFree ? std::sqrt(value) : 0.0;
+  return root.asDiagonal() * eigen.eigenvectors().transpose() * scale.asDiagonal();
+}
+
+FrameLaw frame_law(const arm::Arm& arm, const arm::LawPrior& prior,
+                   const std::vector<arm::SegmentPrediction>& predictions,
+                   const std::vector<double>& reference_stiffness) {
+  const int count = static_cast<int>(arm.segments.size()) * kSegmentParameters + 1;
+  FrameLaw law;
+  law.centre = VectorXd::Zero(count);
+  law.shared = MatrixXd::Identity(count, count);
+  law.jitter_variance = VectorXd::Zero(count);
+  law.information = VectorXd::Zero(count);
+  for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
+    const auto index = static_cast<std::size_t>(i);
+    const arm::SegmentPrediction& now = predictions[index];
+    const double rest = arm.segments[index].length_m;
+    const double reference = reference_stiffness[index];
+    const double flexibility = reference / now.bending_stiffness_nm2;
+    const double curvature_per_moment = rest * flexibility / reference;
+    const int ic = Problem::column(i, 2), il = Problem::column(i, 3);
+    // At another flexibility the law's moment makes another curvature; a cable's curvature stays.
+    for (int k = 0; k < 2; ++k) {
+      const int j = Problem::column(i, k);
+      law.centre[j] = rest * (now.moment_nm[k] * flexibility / reference + now.curvature_per_m[k]);
+      law.shared(j, j) = curvature_per_moment;
+      law.shared(j, ic) = curvature_per_moment * now.moment_nm[k];
+      const double jitter = curvature_per_moment * prior.moment_jitter_sd_nm;
+      law.jitter_variance[j] = prior.enabled ? jitter * jitter : -1.0;
+      if (prior.enabled) {
+        const double share = prior.moment_sd_rel * now.actuation_nm().norm();
+        law.information[j] = 1.0 / (prior.moment_sd_nm * prior.moment_sd_nm + share * share);
+      }
+    }
+    law.centre[ic] = flexibility;
+    law.shared(ic, ic) = flexibility;
+    law.centre[il] = now.length_m / rest;
+    law.shared(il, il) = 1.0 / rest;
+    const double jitter = prior.length_jitter_sd_m / rest;
+    law.jitter_variance[il] = prior.enabled ? jitter * jitter : -1.0;
+    if (prior.enabled) {
+      law.information[ic] = 1.0 / (prior.bending_stiffness_sd_rel * prior.bending_stiffness_sd_rel);
+      law.information[il] = 1.0 / (prior.length_sd_m * prior.length_sd_m);
+    }
+  }
+  return law;
+}
+
+void allow_for_axial_stiffness(const arm::LawPrior& prior, const std::vector<double>& stretch_m,
+                               FrameLaw& law) {
+  if (!prior.enabled) return;
+  for (std::size_t i = 0; i < stretch_m.size(); ++i) {
+    const double by_stiffness = prior.axial_stiffness_sd_rel * stretch_m[i];
+    law.information[Problem::column(static_cast<int>(i), 3)] =
+        1.0 / (prior.length_sd_m * prior.length_sd_m + by_stiffness * by_stiffness);
+  }
+}
+
+namespace {
+
+/// h with the bounded and unbounded jitter of x integrated out, and what that makes of h times the optimum of
+/// x - centre.
+Evidence without_jitter(const FrameLaw& law, MatrixXd h, VectorXd weighted, double repeats = 1.0) {
+  // One parameter at a time: eliminating e with its own information 1/q is the rank-one update
+  // h - h_e h_e^T / (h_ee + 1/q).
+  for (Eigen::Index e = 0; e < h.rows(); ++e) {
+    const double variance = repeats * law.jitter_variance[e];
+    if (variance == 0.0 || !(h(e, e) > 0.0)) continue;
+    const double pivot = h(e, e) + (variance > 0.0 ? 1.0 / variance : 0.0);
+    const VectorXd column = h.col(e) / pivot;
+    const double own = weighted[e];
+    h -= pivot * column * column.transpose();
+    weighted -= column * own;
+    if (variance < 0.0) {  // exactly nothing is left of it
+      h.col(e).setZero();
+      h.row(e).setZero();
+      weighted[e] = 0.0;
+    }
+  }
+  return {h, weighted};
+}
+
+}  // namespace
+
+Evidence evidence_on_shared(const FrameLaw& law, const MatrixXd& h, const VectorXd& hx, double repeats) {
+  const Evidence x = without_jitter(law, h, hx - h * law.centre, repeats);
+  return {law.shared.transpose() * x.information * law.shared, law.shared.transpose() * x.weighted};
+}
+
+Belief belief_of_frame(const FrameLaw& law, const MatrixXd& z_information, const VectorXd& z_weighted) {
+  // In x: y = shared^-1 (x - centre) is z without the jitter.
+  const MatrixXd inverse = law.shared.inverse();
+  const Evidence x =
+      without_jitter(law, inverse.transpose() * z_information * inverse, inverse.transpose() * z_weighted);
+  Belief belief;
+  belief.information = x.information;
+  // The mean in the directions that are determined; the centre in the others.
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> solve;
+  VectorXd scale(x.information.rows());
+  for (Eigen::Index i = 0; i < scale.size(); ++i)
+    scale[i] = x.information(i, i) > 0.0 ? 1.0 / std::sqrt(x.information(i, i)) : 1.0;
+  solve.setThreshold(kFree);
+  solve.compute(scale.asDiagonal() * x.information * scale.asDiagonal());
+  belief.mean = law.centre + scale.asDiagonal() * solve.solve(scale.asDiagonal() * x.weighted);
+  return belief;
+}
+
+}  // namespace softarm::estimate

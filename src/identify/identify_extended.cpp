@@ -1,0 +1,47 @@
+#include "identify_extended.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "without_effects.h"
+
+namespace softarm::identify {
+namespace {
+
+constexpr int kMostRounds = 6;
+constexpr double kSame = 0.05;  // of a standard deviation
+
+}  // namespace
+
+Result identify_extended(const arm::Arm& arm, const std::vector<model::Present>& effects,
+                         const std::vector<trial::Trial>& trials, const Options& options,
+                         const ProgressCallback& progress, unsigned jobs) {
+  if (effects.empty()) return identify(arm, trials, options, progress);
+  double done = 0.0;
+  const auto report = [&](double share) {
+    if (progress) progress(done = std::max(done, share));
+  };
+  arm::Arm now = arm;
+  Result result;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const std::vector<trial::Trial> plain = without_effects(now, effects, trials, jobs);
+    Result next = identify(arm, plain, options, [&](double share) {
+      // Two rounds are usual; the bar slows down where there are more.
+      const double left = std::pow(0.4, round);
+      report(1.0 - left + 0.6 * left * share);
+    });
+    bool same = round > 0;
+    for (std::size_t k = 0; k < next.constants.size() && same; ++k) {
+      const Constant &a = result.constants[k], &b = next.constants[k];
+      same = std::abs(a.value - b.value) <= kSame * b.sd;
+    }
+    result = std::move(next);
+    now = result.arm;
+    if (same) break;
+  }
+  report(1.0);
+  return result;
+}
+
+}  // namespace softarm::identify

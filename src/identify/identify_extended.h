@@ -1,0 +1,25 @@
+// Identification of an arm's constants with effects in the model.
+#pragma once
+
+#include <vector>
+
+#include "model/effect.h"
+#include "softarm/arm/arm.h"
+#include "softarm/identify/identify.h"
+
+namespace softarm::identify {
+
+/// identify::identify() with the effects held at their values.
+///
+/// 1. What the effects do to every body of every frame, by the constants known so far, is taken from what was
+///    measured (differences of whole predictions, memories included).
+/// 2. The constants are identified from that.
+/// 3. Again from 1, until no constant moves by a share of its standard deviation: there the laws with the
+///    effects fit what was measured. Standard deviations are those of the laws about that.
+/// Without effects it is identify::identify().
+/// @throws as that
+Result identify_extended(const arm::Arm& arm, const std::vector<model::Present>& effects,
+                         const std::vector<trial::Trial>& trials, const Options& options = {},
+                         const ProgressCallback& progress = {}, unsigned jobs = 0);
+
+}  // namespace softarm::identify

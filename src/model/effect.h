@@ -1,0 +1,147 @@
+// What a model may leave out: one effect of the catalogue.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fine_rod.h"
+#include "softarm/arm/arm.h"
+#include "softarm/model/present.h"
+
+namespace softarm::model {
+
+/// A number of an effect.
+struct Parameter {
+  std::string symbol;  ///< with its unit where it has one: "compliance_rad_per_nm"
+  std::string unit;    ///< SI, as a person writes it: "rad/(N m)"; "1" for a share
+  std::string description;
+  double low = 0.0, high = 0.0;  ///< physically possible
+  /// Of a size (see Effect::sizes): standard deviation expected before anything was measured. Else a usual
+  /// value.
+  double usual = 0.0;
+  bool counts = false;  ///< it numbers something, and cannot be varied a little
+};
+
+/// Where an effect sits in the model; also who its natural rivals are.
+enum class Family { kConstitutive, kBoundary, kLoad, kActuation, kSensor, kMemory };
+
+struct Info {
+  std::string id;  ///< stable; as in reports
+  std::string
+      description;  ///< what it is, for a user, beginning in lower case: "the base turns under the load"
+  Family family = Family::kConstitutive;
+  /// The first `sizes` are sizes: 0 where the effect is absent, and small ones act in proportion. The others
+  /// (thresholds, places, time constants) say what it is like.
+  std::vector<Parameter> parameters;
+  int sizes = 1;
+  /// Ids of what it is most easily mistaken for, and of the constants of the arm that absorb it.
+  std::vector<std::string> rivals, absorbed_by;
+};
+
+/// What drives one trial, at each of its frames. Effects on inputs change it.
+struct Series {
+  Eigen::VectorXd t_s;     ///< by the clock of the bodies, from the trial's first frame
+  Eigen::MatrixXd inputs;  ///< one row per Arm::inputs.scalars, in their units; one column per frame
+  /// What the actuation's moments follow; the same as inputs unless an effect says otherwise.
+  Eigen::MatrixXd moment_inputs;
+  Eigen::VectorXd payload_kg;
+};
+
+/// How the arm moves, rod's base frame: from the equilibria of the instants before and after. Empty where
+/// there are none.
+struct Motion {
+  std::vector<Eigen::Vector3d> velocity_m_s, acceleration_m_s2;  ///< of the stations
+  std::vector<Eigen::Vector3d> curvature_rate;                   ///< of u at the pieces' middles, 1/(m s)
+};
+
+/// The equilibrium at one instant, in the rod's base frame.
+struct Shape {
+  std::vector<rod::RodState> middles;                        ///< of the pieces
+  std::vector<rod::RodState> stations;                       ///< of their ends; the last is the tip
+  Eigen::Vector3d base_moment_nm = Eigen::Vector3d::Zero();  ///< m of the rod at s = 0
+  Eigen::Vector3d base_force_n = Eigen::Vector3d::Zero();
+  Motion motion;
+};
+
+/// One instant of a trial: means over a short time.
+struct Instant {
+  double t_s = 0.0;   ///< since the trial's first frame
+  double dt_s = 0.0;  ///< since the instant before; 0: none, memories begin anew
+  Eigen::VectorXd inputs, moment_inputs;
+  double payload_kg = 0.0;
+  Eigen::Vector3d gravity_base = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond q_base_mocap = Eigen::Quaterniond::Identity();  ///< turns mocap's axes into the base's
+  double session_s = 0.0;  ///< since the first trial's beginning where the stamps say it, else t_s
+};
+
+/// What an effect remembers within a trial, in whatever order it likes; empty at its beginning.
+using Memory = std::vector<double>;
+
+/// Predicted bodies, one column per Arm::bodies: positions in the rod's base frame, and the sections there.
+struct Bodies {
+  Eigen::Matrix3Xd p;
+  std::vector<Eigen::Quaterniond> q;
+};
+
+/// One effect. Stateless: values and memories are arguments. All hooks do nothing by default, and nothing
+/// where the sizes are 0.
+class Effect {
+ public:
+  virtual ~Effect() = default;
+  virtual const Info& info() const = 0;
+  /// Place in the catalogue: effects act on the inputs in this order.
+  int rank() const { return rank_; }
+  void set_rank(int rank) { rank_ = rank; }
+
+  /// Whether the arm has what the effect acts on (tendons, a vacuum, ...).
+  virtual bool applies_to(const arm::Arm&) const { return true; }
+  /// What to look for: values of the parameters that are no sizes, all combinations that differ enough to be
+  /// separated; sizes 0. One entry of zeros and usual values by default.
+  virtual std::vector<Values> grid(const arm::Arm& arm, const FineRod& rod) const;
+
+  /// Changes what drives the trial.
+  virtual void drive(const arm::Arm&, const Values&, Series&) const {}
+  /// Changes the rod of one instant, which the laws have actuated.
+  /// The shape is the equilibrium: of the instant before this effect where it is looked for, of this instant
+  /// with all effects where it is modelled. Only for those that need it, else nullptr
+  virtual void act(const arm::Arm&, const FineRod&, const Values&, const Instant&, const Shape*,
+                   const Memory&, rod::Rod&) const {}
+  virtual bool needs_shape() const { return false; }
+  /// Whether act() or remember() look at Shape::middles.
+  virtual bool needs_strains() const { return needs_shape() || remembers(); }
+  /// Whether it changes one piece of a segment otherwise than another, or acts between their ends: then the
+  /// arm is cut into many.
+  virtual bool varies_along() const { return true; }
+  /// Whether act() looks at Shape::motion.
+  virtual bool needs_motion() const { return false; }
+  /// Takes notice of an instant that is over.
+  virtual bool remembers() const { return false; }
+  virtual void remember(const arm::Arm&, const FineRod&, const Values&, const Instant&, const Shape&,
+                        Memory&) const {}
+  /// Where along the arm it sits, m from the base; nothing where it acts all along.
+  virtual std::optional<std::pair<double, double>> place(const arm::Arm&, const Values&) const {
+    return std::nullopt;
+  }
+  /// Changes where bodies are seen.
+  virtual void observe(const arm::Arm&, const Values&, const Instant&, Bodies&) const {}
+
+  /// Whether drive() needs inputs from before the instant.
+  virtual bool looks_back() const { return false; }
+  /// Why it cannot be in a model that knows nothing of what comes later; empty: it can.
+  virtual std::string live_obstacle(const Values&) const {
+    return needs_motion() ? "accelerations need what comes after a frame" : "";
+  }
+
+ private:
+  int rank_ = 0;
+};
+
+/// In the order in which they act on the inputs.
+std::vector<Present> in_order(std::vector<Present> effects);
+
+}  // namespace softarm::model

@@ -1,0 +1,69 @@
+// The arm's laws and rod with effects in them, over a trial.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "effect.h"
+#include "prepared_trial.h"
+
+namespace softarm::model {
+
+/// What moves with the arm beside its statics, known well enough to be no effect: inertia of its known
+/// masses, and its viscoelastic lag.
+struct Dynamics {
+  bool inertia = true;
+  double viscoelastic_lag_s = 0.0;  ///< moment of the wall = EI (u + lag du/dt)
+};
+
+/// Prediction of one block.
+struct Predicted {
+  bool solved = false;
+  Eigen::Matrix3Xd p;      ///< one column per entry of Block::bodies, m, rod's base frame
+  Eigen::VectorXd values;  ///< of the rod, FineRod::values
+  Eigen::MatrixXd by_rod;  ///< derivative of p, stacked, by those; by differentiate()
+  Shape shape;
+  Instant instant;
+  Eigen::Quaterniond q_tip = Eigen::Quaterniond::Identity();
+  double inertial_m = 0.0;  ///< by which inertia and lag moved the body that they moved most
+};
+
+/// Over one trial after the other; keeps its scratch memory. Not thread-safe.
+class ExtendedModel {
+ public:
+  explicit ExtendedModel(const arm::Arm& arm);
+  ~ExtendedModel();
+  ExtendedModel(ExtendedModel&&) noexcept;
+
+  const FineRod& rod() const;
+
+  /// @param arm the one given to the constructor, perhaps with other constants of its laws
+  /// @param start predictions of the same trial with similar parameters: where to begin; or nullptr
+  void predict(const arm::Arm& arm, const std::vector<Present>& effects, const Dynamics& dynamics,
+               const TrialData& trial, const std::vector<Predicted>* start, std::vector<Predicted>& out);
+
+  /// Rod values and places of bodies as other constants and effects would make them while shapes, and what
+  /// follows from those, stay as they are in `baseline`. With `reference` what vary() gives for the
+  /// parameters of the baseline, by_rod times the difference of `values`, plus that of `seen`, is what the
+  /// change does to the bodies, to first order.
+  struct Varied {
+    Eigen::MatrixXd values;  ///< one column per block; FineRod::values
+    Eigen::MatrixXd seen;    ///< 3 x all bodies of all blocks, in order: by which effects move what is seen
+  };
+  Varied vary(const arm::Arm& arm, const std::vector<Present>& effects, const Dynamics& dynamics,
+              const TrialData& trial, const std::vector<Predicted>& baseline);
+
+  /// Fills Predicted::by_rod of what predict() gave for the same arguments.
+  /// @param wanted by which of FineRod::parameters(); the other columns are 0
+  void differentiate(const arm::Arm& arm, const std::vector<Present>& effects, const Dynamics& dynamics,
+                     const TrialData& trial, const std::vector<bool>& wanted,
+                     std::vector<Predicted>& predicted);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace softarm::model

@@ -1,0 +1,231 @@
+#include "instant_solver.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "body_kinematics.h"
+#include "shape_mixer.h"
+#include "softarm/arm/laws.h"
+
+namespace softarm::model {
+namespace {
+
+// Of what answers many times over: the solver's own error is answered as well.
+constexpr double kSettledStiff_m = 2e-6, kStiffShare = 0.2;
+constexpr int kMostRounds = 80;              // to get there
+constexpr int kMostPlainRounds = 5;          // without mixing
+constexpr double kSoft = 0.25;               // of a change, that it may cause anew without mixing
+constexpr double kFirstScale = 1.0 / 256.0;  // of effects, at which their continuation begins
+
+arm::InputValues input_values(const Eigen::VectorXd& v) {
+  return {v.data(), v.data() + v.size()};
+}
+
+}  // namespace
+
+Mesh Mesh::of(const std::vector<Present>& effects, double settled_m) {
+  Mesh mesh;
+  const auto any = [&](bool (Effect::*asks)() const) {
+    return std::any_of(effects.begin(), effects.end(),
+                       [&](const Present& present) { return (present.effect->*asks)(); });
+  };
+  mesh.pieces = any(&Effect::varies_along) ? FineRod::kPieces : 1;
+  mesh.strains = any(&Effect::needs_strains);
+  mesh.settled_m = settled_m;
+  return mesh;
+}
+
+InstantSolver::InstantSolver(const arm::Arm& arm, const Mesh& mesh)
+    : fine(arm, mesh.pieces),
+      bodies(arm.bodies),
+      values(fine.layout(), stations(arm, fine, mesh), {}, solver_options()),
+      rod(fine.layout()),
+      mesh_(mesh) {}
+
+rod::SolverOptions InstantSolver::solver_options() {
+  rod::SolverOptions options;
+  options.linear_correction_rad = 1e-4;
+  options.orientation_tolerance_rad = 1e-10;
+  options.position_tolerance = 1e-6;
+  return options;
+}
+
+std::vector<double> InstantSolver::body_stations(const arm::Arm& arm) {
+  std::vector<double> list;
+  for (const arm::MeasuredBody& body : arm.bodies)
+    list.push_back(std::min(body.arclength_m, arm.total_length_m()));
+  return list;
+}
+
+std::vector<double> InstantSolver::stations(const arm::Arm& arm, const FineRod& fine, const Mesh& mesh) {
+  std::vector<double> list = body_stations(arm);
+  for (const Piece& piece : fine.pieces()) list.push_back(piece.s_to_m);
+  list.push_back(0.0);
+  for (const Piece& piece : fine.pieces()) {
+    if (mesh.strains) list.push_back(piece.middle_m());
+  }
+  return list;
+}
+
+bool InstantSolver::make(const arm::Arm& arm, const std::vector<Present>& effects,
+                         const std::vector<Memory>& memories, const Dynamics& dynamics,
+                         const Instant& instant, const Shape* shape, const Motion& motion, rod::Rod& out,
+                         const std::vector<arm::SegmentPrediction>* given) {
+  out = fine.layout();
+  out.gravity_m_s2 = instant.gravity_base;
+  out.loads[rod::kPayloadLoad].mass_kg = instant.payload_kg;
+  if (given != nullptr) {
+    fine.actuate(arm, *given, *given, out);
+  } else {
+    const auto predictions = softarm::arm::predict(arm, input_values(instant.inputs));
+    if (!predictions) return false;
+    const bool same = instant.inputs == instant.moment_inputs;
+    const auto moments = same ? predictions : softarm::arm::predict(arm, input_values(instant.moment_inputs));
+    if (!moments) return false;
+    fine.actuate(arm, *predictions, *moments, out);
+  }
+  for (std::size_t i = 0; i < effects.size(); ++i)
+    effects[i].effect->act(arm, fine, effects[i].values, instant, shape, memories[i], out);
+  if (dynamics.inertia && !motion.acceleration_m_s2.empty()) {
+    const Eigen::VectorXd masses = fine.station_masses_kg(out);
+    for (std::size_t j = 0; j < motion.acceleration_m_s2.size(); ++j)
+      out.loads[FineRod::kFirstStation + j].force_n -=
+          masses[static_cast<Eigen::Index>(j)] * motion.acceleration_m_s2[j];
+  }
+  if (dynamics.viscoelastic_lag_s != 0.0) {
+    for (std::size_t j = 0; j < motion.curvature_rate.size(); ++j)
+      out.segments[j].rest_curvature_per_m.head<2>() -=
+          dynamics.viscoelastic_lag_s * motion.curvature_rate[j].head<2>();
+  }
+  return true;
+}
+
+void InstantSolver::shape_of_solution(const Motion& motion, Shape& shape) const {
+  const int b = static_cast<int>(bodies.size()), n = fine.stations();
+  shape.motion = motion;
+  shape.stations.clear();
+  shape.middles.clear();
+  for (int k = 0; k < n; ++k) {
+    shape.stations.push_back(values.station(b + k));
+    if (mesh_.strains) shape.middles.push_back(values.station(b + n + 1 + k));
+  }
+  shape.base_moment_nm = values.station(b + n).m;
+  shape.base_force_n = values.station(b + n).n;
+}
+
+void InstantSolver::bodies_of_solution(Bodies& out) const {
+  out.p.resize(3, static_cast<Eigen::Index>(bodies.size()));
+  out.q.clear();
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const rod::RodState& section = values.station(static_cast<int>(b));
+    out.p.col(static_cast<Eigen::Index>(b)) = position_on(bodies[b], section);
+    out.q.push_back(section.q);
+  }
+}
+
+bool InstantSolver::solve(const Eigen::Quaterniond* start) {
+  rod::SolveStatus status = rod::SolveStatus::kNoConvergence;
+  if (start != nullptr) status = values.solve(rod, *start);
+  if (status != rod::SolveStatus::kConverged) status = values.solve(rod);
+  return status == rod::SolveStatus::kConverged;
+}
+
+bool InstantSolver::agree(const Context& at, const std::vector<Present>& effects, Shape assumed,
+                          Predicted& now) {
+  ShapeMixer mixer(at.share);
+  Eigen::Quaterniond last = now.q_tip;
+  Shape followed, next;
+  for (int round = 0; round < kMostRounds; ++round) {
+    if (!make(at.arm, effects, at.memories, at.dynamics, now.instant, &assumed, at.motion, rod, at.given))
+      return false;
+    const bool solved = solve(&last);
+    if (solved) {
+      last = values.q_tip();
+      shape_of_solution(at.motion, followed);
+      const double settled = mixer.share() < kStiffShare ? kSettledStiff_m : mesh_.settled_m;
+      if (difference_m(followed, assumed).lpNorm<Eigen::Infinity>() < settled) {
+        now.shape = followed;
+        now.q_tip = last;
+        at.share = std::min(1.0, 4.0 * mixer.share());
+        return true;
+      }
+    }
+    if (!mixer.next(assumed, solved ? &followed : nullptr, next)) return false;
+    assumed = next;
+  }
+  return false;
+}
+
+bool InstantSolver::agree_at_once(const Context& at, const std::vector<Present>& effects, Predicted& now) {
+  double before_m = 0.0;
+  for (int round = 0; round < kMostPlainRounds; ++round) {
+    if (!make(at.arm, effects, at.memories, at.dynamics, now.instant, &now.shape, at.motion, rod, at.given) ||
+        !solve(&now.q_tip))
+      return false;
+    now.q_tip = values.q_tip();
+    double moved_m = 0.0;
+    for (int k = 0; k < fine.stations(); ++k)
+      moved_m = std::max(moved_m, (values.station(static_cast<int>(bodies.size()) + k).p -
+                                   now.shape.stations[static_cast<std::size_t>(k)].p)
+                                      .lpNorm<Eigen::Infinity>());
+    shape_of_solution(at.motion, now.shape);
+    if (moved_m < mesh_.settled_m) return true;
+    if (round > 0) {
+      const double again = moved_m / before_m;  // of a change, what it causes anew
+      if (again > kSoft) return false;
+      if (moved_m * again / (1.0 - again) < mesh_.settled_m) return true;
+    }
+    before_m = moved_m;
+  }
+  return false;
+}
+
+bool InstantSolver::settle(const Context& at, const std::vector<Present>& effects,
+                           const Eigen::Quaterniond* start, const Shape* near, Predicted& now) {
+  const bool needs_shape =
+      std::any_of(effects.begin(), effects.end(), [](const Present& p) { return p.effect->needs_shape(); });
+  if (!needs_shape) {
+    if (!make(at.arm, effects, at.memories, at.dynamics, now.instant, nullptr, at.motion, rod, at.given) ||
+        !solve(start))
+      return false;
+    now.q_tip = values.q_tip();
+    shape_of_solution(at.motion, now.shape);
+    return true;
+  }
+  if (near != nullptr && start != nullptr) {
+    now.q_tip = *start;
+    now.shape = *near;
+    now.shape.motion = at.motion;
+    if (agree_at_once(at, effects, now)) return true;
+    now.q_tip = *start;
+    Shape assumed = *near;
+    assumed.motion = at.motion;
+    if (agree(at, effects, std::move(assumed), now)) return true;
+  }
+  std::vector<Present> others;
+  std::vector<Memory> of_others;
+  for (std::size_t i = 0; i < effects.size(); ++i) {
+    if (effects[i].effect->needs_shape()) continue;
+    others.push_back(effects[i]);
+    of_others.push_back(at.memories[i]);
+  }
+  if (!make(at.arm, others, of_others, at.dynamics, now.instant, nullptr, at.motion, rod, at.given) ||
+      !solve(start))
+    return false;
+  now.q_tip = values.q_tip();
+  shape_of_solution(at.motion, now.shape);
+  if (agree(at, effects, Shape(now.shape), now)) return true;
+  // A stiff spring answers the arm without it with a force that nothing bears: continuation from a soft one.
+  std::vector<Present> some = effects;
+  for (double scale = kFirstScale; scale <= 1.0; scale *= 2.0) {
+    for (std::size_t i = 0; i < effects.size(); ++i) {
+      if (!effects[i].effect->needs_shape()) continue;
+      const int sizes = effects[i].effect->info().sizes;
+      some[i].values.head(sizes) = scale * effects[i].values.head(sizes);
+    }
+    if (!agree(at, some, Shape(now.shape), now)) return false;
+  }
+  return true;
+}
+
+}  // namespace softarm::model

@@ -1,0 +1,75 @@
+// The equilibrium of one instant with effects in it, also where they depend on the shape that they cause.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "extended_model.h"
+#include "softarm/rod/solver.h"
+
+namespace softarm::model {
+
+/// How finely an arm is cut, and what is looked at: as the effects in it ask.
+struct Mesh {
+  int pieces = FineRod::kPieces;
+  bool strains = true;      ///< the pieces' middles are part of its shapes
+  double settled_m = 1e-7;  ///< change of the stations at which a shape agrees with what it causes
+
+  /// What these effects need, for shapes that are right to `settled_m`.
+  static Mesh of(const std::vector<Present>& effects, double settled_m);
+};
+
+class InstantSolver {
+ public:
+  explicit InstantSolver(const arm::Arm& arm, const Mesh& mesh = {});
+
+  /// What one instant is solved with.
+  struct Context {
+    const arm::Arm& arm;
+    const std::vector<Memory>& memories;
+    const Dynamics& dynamics;
+    const Motion& motion;
+    double& share;  ///< of what follows that is assumed next; kept from one instant to the next
+    /// What stands in for what the laws make of the inputs, one per segment of the arm; nullptr: nothing
+    /// does.
+    const std::vector<arm::SegmentPrediction>* given = nullptr;
+  };
+
+  /// The rod that laws, effects and dynamics make of an instant.
+  /// @return false where the inputs lie beyond the laws
+  bool make(const arm::Arm& arm, const std::vector<Present>& effects, const std::vector<Memory>& memories,
+            const Dynamics& dynamics, const Instant& instant, const Shape* shape, const Motion& motion,
+            rod::Rod& out, const std::vector<arm::SegmentPrediction>* given = nullptr);
+  /// The equilibrium of now.instant: its shape and tip; `rod` and `values` are left as they belong to it.
+  /// @param start the tip's orientation, believed to be near, or nullptr
+  /// @param near a shape believed to be near, or nullptr
+  bool settle(const Context& at, const std::vector<Present>& effects, const Eigen::Quaterniond* start,
+              const Shape* near, Predicted& now);
+
+  /// The arm's bodies on the last solution, before effects move where they are seen.
+  void bodies_of_solution(Bodies& out) const;
+
+  FineRod fine;
+  std::vector<arm::MeasuredBody> bodies;
+  /// Stations: the bodies, the pieces' middles, their ends, the base.
+  rod::Solver values;
+  rod::Rod rod;
+
+ protected:
+  static rod::SolverOptions solver_options();
+  static std::vector<double> body_stations(const arm::Arm& arm);
+
+ private:
+  static std::vector<double> stations(const arm::Arm& arm, const FineRod& fine, const Mesh& mesh);
+  void shape_of_solution(const Motion& motion, Shape& shape) const;
+  bool solve(const Eigen::Quaterniond* start);
+  /// Assumes a shape and sees what it causes, until both agree.
+  bool agree(const Context& at, const std::vector<Present>& effects, Shape assumed, Predicted& now);
+  /// The same by taking for granted what followed, where that soon ends: most springs are soft.
+  bool agree_at_once(const Context& at, const std::vector<Present>& effects, Predicted& now);
+
+  const Mesh mesh_;
+};
+
+}  // namespace softarm::model

@@ -1,0 +1,205 @@
+#include "online_effects.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace softarm::model {
+namespace {
+
+constexpr double kLongestPause_s = 0.5;  // between frames, after which nothing lasts over
+constexpr double kSettled_m = 1e-6;      // of shapes: a thousandth of what cameras see
+constexpr double kBlock_s = 0.1;         // over which shapes are averaged before memories take notice
+
+std::string with_values(const Present& present) {
+  std::string text = present.effect->info().id;
+  const std::vector<Parameter>& parameters = present.effect->info().parameters;
+  for (std::size_t k = 0; k < parameters.size(); ++k)
+    text += fmt::format("{}{} {:.4g}", k == 0 ? " (" : ", ", parameters[k].symbol,
+                        present.values[static_cast<Eigen::Index>(k)]);
+  return text + ")";
+}
+
+void add(const rod::RodState& from, rod::RodState& to) {
+  to.s_m = from.s_m;
+  to.p += from.p;
+  const double sign = to.q.dot(from.q) < 0.0 ? -1.0 : 1.0;
+  to.q.coeffs() += sign * from.q.coeffs();
+  to.n += from.n;
+  to.m += from.m;
+  to.u += from.u;
+  to.v += from.v;
+}
+
+void divide(rod::RodState& state, double by) {
+  state.p /= by;
+  state.q.normalize();
+  state.n /= by;
+  state.m /= by;
+  state.u /= by;
+  state.v /= by;
+}
+
+}  // namespace
+
+OnlineEffects::OnlineEffects(const arm::Arm& arm, const std::vector<Present>& effects)
+    : arm_(arm), effects_(choose(effects)), solver_(arm, Mesh::of(effects_, kSettled_m)), history_(arm) {
+  reset();
+}
+
+std::vector<Present> OnlineEffects::choose(std::vector<Present> all) {
+  std::vector<Present> chosen;
+  std::string used;
+  std::vector<std::string> others;
+  for (Present& present : in_order(std::move(all))) {
+    const std::string why_not = present.effect->live_obstacle(present.values);
+    if (why_not.empty()) {
+      used += (used.empty() ? "" : ", ") + with_values(present);
+      looks_back_ = looks_back_ || present.effect->looks_back();
+      chosen.push_back(std::move(present));
+    } else {
+      others.push_back(fmt::format("{} is NOT in the model: {}", with_values(present), why_not));
+    }
+  }
+  if (!used.empty()) notes_.push_back("in the model: " + used);
+  notes_.insert(notes_.end(), others.begin(), others.end());
+  return chosen;
+}
+
+void OnlineEffects::reset() {
+  history_.clear();
+  near_.reset();
+  share_ = 1.0;
+  memories_.assign(effects_.size(), {});
+  sum_.reset();
+  first_s_.reset();
+  last_s_.reset();
+  remembered_s_.reset();
+  values_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(arm_.inputs.scalars.size()));
+}
+
+const OnlineEffects::Driven& OnlineEffects::begin(double stamp_s, const arm::InputValues& inputs,
+                                                  std::optional<double> payload_kg,
+                                                  const Eigen::Isometry3d& base,
+                                                  const std::vector<trial::InputSample>& samples) {
+  if (last_s_ && !(stamp_s > *last_s_ && stamp_s - *last_s_ < kLongestPause_s)) reset();
+  if (!first_s_) first_s_ = stamp_s;
+  last_s_ = stamp_s;
+  const auto known = [&](std::size_t k) {
+    return k < inputs.size() && inputs[k] && std::isfinite(*inputs[k]);
+  };
+  for (Eigen::Index k = 0; k < values_.size(); ++k) {
+    if (known(static_cast<std::size_t>(k))) values_[k] = *inputs[static_cast<std::size_t>(k)];
+  }
+  const double t_s = stamp_s - *first_s_;
+  Series series;
+  if (looks_back_) {
+    history_.add(stamp_s, values_, samples);
+    series = history_.series(*first_s_, payload_kg.value_or(0.0));
+  } else {
+    series.t_s = Eigen::VectorXd::Constant(1, t_s);
+    series.inputs = series.moment_inputs = values_;
+    series.payload_kg = Eigen::VectorXd::Constant(1, payload_kg.value_or(0.0));
+  }
+  for (const Present& present : effects_) present.effect->drive(arm_, present.values, series);
+  const Eigen::Index end = series.t_s.size() - 1;
+
+  now_.t_s = t_s;
+  now_.dt_s = remembered_s_ ? t_s - *remembered_s_ : 0.0;
+  now_.inputs = series.inputs.col(end);
+  now_.moment_inputs = series.moment_inputs.col(end);
+  now_.payload_kg = series.payload_kg[end];
+  now_.gravity_base = base.linear().transpose() * arm_.gravity_m_s2;
+  now_.q_base_mocap = Eigen::Quaterniond(base.linear()).conjugate();
+  now_.session_s = t_s;
+
+  driven_.inputs = driven_.moment_inputs = inputs;
+  for (std::size_t k = 0; k < inputs.size(); ++k) {
+    if (!known(k)) continue;
+    driven_.inputs[k] = now_.inputs[static_cast<Eigen::Index>(k)];
+    driven_.moment_inputs[k] = now_.moment_inputs[static_cast<Eigen::Index>(k)];
+  }
+  driven_.payload_kg = payload_kg;
+  if (payload_kg) driven_.payload_kg = now_.payload_kg;
+  return driven_;
+}
+
+bool OnlineEffects::solve(const std::vector<arm::SegmentPrediction>& segments, double payload_kg) {
+  static const Dynamics kStill{false, 0.0};
+  static const Motion kNoMotion;
+  last_.instant = now_;
+  last_.instant.payload_kg = payload_kg;
+  double share = share_;
+  const InstantSolver::Context context{arm_, memories_, kStill, kNoMotion, share, &segments};
+  last_.solved = solver_.settle(context, effects_, near_ ? &near_->q_tip : nullptr,
+                                near_ ? &near_->shape : nullptr, last_);
+  if (!last_.solved) return false;
+  share_ = share;
+  observe();
+  return true;
+}
+
+void OnlineEffects::observe() {
+  solver_.bodies_of_solution(bodies_);
+  for (const Present& present : effects_)
+    present.effect->observe(arm_, present.values, last_.instant, bodies_);
+}
+
+void OnlineEffects::start_here() {
+  if (last_.solved) near_ = last_;
+}
+
+void OnlineEffects::keep() {
+  start_here();
+  const bool remembers = std::any_of(effects_.begin(), effects_.end(),
+                                     [](const Present& present) { return present.effect->remembers(); });
+  if (!remembers || !last_.solved) return;
+  // By the stamps, so that it does not matter with which frame a stream began.
+  const double block = std::floor(*last_s_ / kBlock_s);
+  if (sum_ && sum_->block != block) remember();
+  const Instant& now = last_.instant;
+  if (!sum_) {
+    sum_ = Sum{block, 1, now, last_.shape};
+    return;
+  }
+  Sum& sum = *sum_;
+  ++sum.count;
+  sum.instant.t_s += now.t_s;
+  sum.instant.inputs += now.inputs;
+  sum.instant.moment_inputs += now.moment_inputs;
+  sum.instant.payload_kg += now.payload_kg;
+  sum.instant.gravity_base = now.gravity_base;
+  sum.instant.q_base_mocap = now.q_base_mocap;
+  for (std::size_t j = 0; j < sum.shape.middles.size(); ++j)
+    add(last_.shape.middles[j], sum.shape.middles[j]);
+  for (std::size_t j = 0; j < sum.shape.stations.size(); ++j)
+    add(last_.shape.stations[j], sum.shape.stations[j]);
+  sum.shape.base_moment_nm += last_.shape.base_moment_nm;
+  sum.shape.base_force_n += last_.shape.base_force_n;
+}
+
+void OnlineEffects::remember() {
+  Sum mean = std::move(*sum_);
+  sum_.reset();
+  const double count = mean.count;
+  mean.instant.t_s /= count;
+  mean.instant.inputs /= count;
+  mean.instant.moment_inputs /= count;
+  mean.instant.payload_kg /= count;
+  mean.instant.dt_s = remembered_s_ ? mean.instant.t_s - *remembered_s_ : 0.0;
+  mean.instant.session_s = mean.instant.t_s;
+  for (rod::RodState& middle : mean.shape.middles) divide(middle, count);
+  for (rod::RodState& station : mean.shape.stations) divide(station, count);
+  mean.shape.base_moment_nm /= count;
+  mean.shape.base_force_n /= count;
+  for (std::size_t i = 0; i < effects_.size(); ++i) {
+    if (effects_[i].effect->remembers())
+      effects_[i].effect->remember(arm_, solver_.fine, effects_[i].values, mean.instant, mean.shape,
+                                   memories_[i]);
+  }
+  remembered_s_ = mean.instant.t_s;
+}
+
+}  // namespace softarm::model

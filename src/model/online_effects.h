@@ -1,0 +1,84 @@
+// Effects of an arm file frame by frame, with nothing known of what comes later: for the live node and for
+// recordings alike.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drive_history.h"
+#include "effect.h"
+#include "instant_solver.h"
+#include "softarm/arm/arm.h"
+#include "softarm/arm/laws.h"
+
+namespace softarm::model {
+
+/// 1. begin(): what drives the frame, as effects on inputs and payload change it.
+/// 2. solve(), as often as wanted: the equilibrium with all effects, whose segments have given values.
+/// 3. keep(): the last solution is the frame's. Memories take notice of means over a tenth of a second, as
+///    those from which a diagnosis found the effects.
+/// A gap of half a second, or a step back in time, is a new beginning: memories are empty, as at the
+/// beginning of a trial. Not thread-safe.
+class OnlineEffects {
+ public:
+  OnlineEffects(const arm::Arm& arm, const std::vector<Present>& effects);
+
+  /// Which effects are in the model, and which cannot be and why; one line each.
+  const std::vector<std::string>& notes() const { return notes_; }
+  void reset();
+
+  struct Driven {
+    arm::InputValues inputs, moment_inputs;  ///< absent where they were
+    std::optional<double> payload_kg;        ///< known; what really hangs there
+  };
+  /// @param payload_kg known; @param base rod's base frame in mocap
+  /// @param samples of the inputs since the frame before, see trial::Frame
+  const Driven& begin(double stamp_s, const arm::InputValues& inputs, std::optional<double> payload_kg,
+                      const Eigen::Isometry3d& base, const std::vector<trial::InputSample>& samples = {});
+
+  /// @param segments what stands for the laws' predictions
+  /// @return false where there is no equilibrium with the effects
+  bool solve(const std::vector<arm::SegmentPrediction>& segments, double payload_kg);
+  /// The next solves begin at the last solution.
+  void start_here();
+  /// Of the last solution: bodies of the arm as they are seen, rod's base frame.
+  const Bodies& bodies() const { return bodies_; }
+  /// Of the last solution.
+  rod::RodState at(double s_m) const { return solver_.values.at(s_m); }
+  /// The last solution is the frame's.
+  void keep();
+
+ private:
+  /// Of a tenth of a second, by the stamps.
+  struct Sum {
+    double block = 0.0;
+    int count = 0;
+    Instant instant;
+    Shape shape;
+  };
+  std::vector<Present> choose(std::vector<Present> all);
+  void observe();
+  void remember();
+
+  const arm::Arm arm_;
+  std::vector<std::string> notes_;  ///< these two by choose()
+  bool looks_back_ = false;
+  const std::vector<Present> effects_;
+  InstantSolver solver_;
+  DriveHistory history_;
+  Driven driven_;
+  Instant now_;
+  Predicted last_;                 ///< solution
+  std::optional<Predicted> near_;  ///< where solves begin
+  Bodies bodies_;
+  double share_ = 1.0;
+  std::vector<Memory> memories_;
+  std::optional<Sum> sum_;
+  std::optional<double> first_s_, last_s_, remembered_s_;
+  Eigen::VectorXd values_;  ///< of the inputs, the last ones known
+};
+
+}  // namespace softarm::model

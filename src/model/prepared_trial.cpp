@@ -1,0 +1,237 @@
+#include "prepared_trial.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "trial/static_frame.h"
+
+namespace softarm::model {
+namespace {
+
+using Eigen::Vector3d;
+using trial::SeenBody;
+using trial::StaticFrame;
+
+constexpr double kGap_s = 0.5;        // between frames, after which nothing lasts over
+constexpr std::size_t kFewest = 3;    // frames of a mean
+constexpr double kOutlier = 5.0;      // standard deviations from the line through a body's positions
+constexpr double kFewestShare = 0.6;  // of the block's frames in which a body must be seen
+
+/// Positions of one body over a block, as a straight line in time.
+struct Line {
+  Vector3d at_centre = Vector3d::Zero();
+  double sum2 = 0.0;  ///< of residuals
+  int frames = 0, dof = 0;
+  double variance_factor = 1.0;  ///< of at_centre against that of a frame
+};
+
+Line fit_line(const std::vector<double>& t, const std::vector<Vector3d>& p, const std::vector<bool>& used) {
+  Line line;
+  double st = 0.0, stt = 0.0;
+  Vector3d sp = Vector3d::Zero(), stp = Vector3d::Zero();
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    if (!used[i]) continue;
+    ++line.frames;
+    st += t[i];
+    stt += t[i] * t[i];
+    sp += p[i];
+    stp += t[i] * p[i];
+  }
+  const double n = line.frames, determinant = n * stt - st * st;
+  const bool sloped = line.frames >= 4 && determinant > 1e-12;
+  const Vector3d slope = sloped ? Vector3d((n * stp - st * sp) / determinant) : Vector3d::Zero();
+  line.at_centre = (sp - slope * st) / n;
+  line.variance_factor = sloped ? stt / determinant : 1.0 / n;
+  line.dof = 3 * (line.frames - (sloped ? 2 : 1));
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    if (used[i]) line.sum2 += (p[i] - line.at_centre - slope * t[i]).squaredNorm();
+  }
+  return line;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+class Preparing {
+ public:
+  Preparing(const arm::Arm& arm, const Preparation& how)
+      : arm_(arm), how_(how), scatter_(arm.bodies.size()) {}
+
+  TrialData prepare(const trial::Trial& trial, std::size_t index,
+                    std::map<std::string, std::uint64_t>& left_out) {
+    const std::vector<StaticFrame> frames = trial::known_frames(arm_, index, trial, left_out);
+    TrialData data;
+    data.name = trial.name;
+    if (frames.empty()) return data;
+    data.begin_s = frames.front().stamp_s;
+    const auto count = static_cast<Eigen::Index>(frames.size());
+    Series& series = data.series;
+    series.t_s.resize(count);
+    series.inputs.resize(static_cast<Eigen::Index>(arm_.inputs.scalars.size()), count);
+    series.payload_kg.resize(count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const StaticFrame& frame = frames[static_cast<std::size_t>(i)];
+      series.t_s[i] = frame.stamp_s - data.begin_s;
+      series.payload_kg[i] = frame.payload_kg;
+      for (Eigen::Index k = 0; k < series.inputs.rows(); ++k) {
+        const auto channel = static_cast<std::size_t>(k);
+        series.inputs(k, i) = channel < frame.inputs.size() ? frame.inputs[channel].value_or(0.0) : 0.0;
+      }
+    }
+    series.moment_inputs = series.inputs;
+    cut(frames, data, left_out);
+    set_aside(data);
+    return data;
+  }
+
+  Eigen::VectorXd white_sd() const {
+    Eigen::VectorXd sd(static_cast<Eigen::Index>(arm_.bodies.size()));
+    for (std::size_t b = 0; b < arm_.bodies.size(); ++b) {
+      const double stated = arm_.bodies[b].position_sd_m;
+      // The median bears blocks in which the arm does not move along a line.
+      const double variance = median(scatter_[b]);
+      sd[static_cast<Eigen::Index>(b)] = variance > 0.0 ? std::sqrt(variance) : stated;
+    }
+    return sd;
+  }
+
+ private:
+  void cut(const std::vector<StaticFrame>& frames, TrialData& data,
+           std::map<std::string, std::uint64_t>& left_out) {
+    const Eigen::VectorXd& t = data.series.t_s;
+    std::size_t first = 0;
+    bool begins = true;
+    for (std::size_t i = 1; i <= frames.size(); ++i) {
+      const bool gap =
+          i < frames.size() && t[static_cast<Eigen::Index>(i)] - t[static_cast<Eigen::Index>(i - 1)] > kGap_s;
+      const bool full =
+          i < frames.size() &&
+          t[static_cast<Eigen::Index>(i)] - t[static_cast<Eigen::Index>(first)] >= how_.block_s - 1e-6;
+      if (i < frames.size() && !gap && !full) continue;
+      if (i - first >= kFewest) {
+        data.blocks.push_back(mean(frames, first, i, t));
+        data.blocks.back().begins = begins;
+        begins = gap;
+      } else {
+        left_out["alone between gaps"] += i - first;
+        begins = begins || gap;
+      }
+      first = i;
+    }
+  }
+
+  Block mean(const std::vector<StaticFrame>& frames, std::size_t first, std::size_t last,
+             const Eigen::VectorXd& t) {
+    Block block;
+    block.first = first;
+    block.last = last;
+    // The base turns by noise only, or slowly.
+    block.q_base_mocap = frames[(first + last) / 2].q_base_mocap;
+    double centre = 0.0;
+    for (std::size_t i = first; i < last; ++i) {
+      centre += t[static_cast<Eigen::Index>(i)] / static_cast<double>(last - first);
+      block.gravity_base += frames[i].gravity_base / static_cast<double>(last - first);
+    }
+    for (std::size_t b = 0; b < arm_.bodies.size(); ++b) {
+      std::vector<double> when;
+      std::vector<Vector3d> where;
+      for (std::size_t i = first; i < last; ++i) {
+        for (const SeenBody& seen : frames[i].bodies) {
+          if (seen.body != static_cast<int>(b)) continue;
+          when.push_back(t[static_cast<Eigen::Index>(i)] - centre);
+          where.push_back(seen.p_base);
+        }
+      }
+      if (when.size() < std::max<std::size_t>(kFewest, static_cast<std::size_t>(
+                                                           kFewestShare * static_cast<double>(last - first))))
+        continue;
+      std::vector<bool> used(when.size(), true);
+      Line line = fit_line(when, where, used);
+      // A jump in one frame lies far from the others' middle.
+      std::vector<double> x, y, z;
+      for (const Vector3d& p : where) {
+        x.push_back(p.x());
+        y.push_back(p.y());
+        z.push_back(p.z());
+      }
+      const Vector3d middle(median(x), median(y), median(z));
+      std::vector<double> off;
+      for (const Vector3d& p : where) off.push_back((p - middle).norm());
+      const double limit = kOutlier * std::max(median(off), arm_.bodies[b].position_sd_m);
+      bool dropped = false;
+      for (std::size_t i = 0; i < where.size(); ++i) {
+        if (off[i] > limit) {
+          used[i] = false;
+          dropped = true;
+        }
+      }
+      if (dropped) line = fit_line(when, where, used);
+      if (line.frames < static_cast<int>(kFewest)) continue;
+      Seen seen;
+      seen.body = static_cast<int>(b);
+      seen.p_base = line.at_centre;
+      seen.frames = line.frames;
+      seen.white_sd_m = std::sqrt(line.variance_factor);  // times the body's, see prepare()
+      if (line.dof > 0) scatter_[b].push_back(line.sum2 / line.dof);
+      block.bodies.push_back(seen);
+    }
+    return block;
+  }
+
+  /// Around changes of the payload a hand is on the arm, and afterwards it swings.
+  void set_aside(TrialData& data) const {
+    const Series& series = data.series;
+    std::vector<double> changes_s;
+    for (Eigen::Index i = 1; i < series.t_s.size(); ++i) {
+      if (series.payload_kg[i] != series.payload_kg[i - 1]) changes_s.push_back(series.t_s[i]);
+    }
+    for (Block& block : data.blocks) {
+      const double from = series.t_s[static_cast<Eigen::Index>(block.first)];
+      const double to = series.t_s[static_cast<Eigen::Index>(block.last - 1)];
+      for (const double change : changes_s) {
+        if (to > change - how_.before_payload_s && from < change + how_.after_payload_s)
+          block.set_aside = true;
+      }
+    }
+  }
+
+  const arm::Arm& arm_;
+  const Preparation how_;
+  std::vector<std::vector<double>> scatter_;  ///< variance per coordinate and frame, by body
+};
+
+}  // namespace
+
+Prepared prepare(const arm::Arm& arm, const std::vector<trial::Trial>& trials, const Preparation& how) {
+  Prepared prepared;
+  Preparing preparing(arm, how);
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    TrialData data = preparing.prepare(trials[i], i, prepared.left_out);
+    if (!data.blocks.empty()) prepared.trials.push_back(std::move(data));
+  }
+  if (prepared.trials.empty()) {
+    std::string reasons;
+    for (const auto& [reason, count] : prepared.left_out)
+      reasons += (reasons.empty() ? "" : ", ") + reason + " (" + std::to_string(count) + ")";
+    throw UnusableTrials("no frame of these trials can be compared with the model: " +
+                         (reasons.empty() ? std::string("they are empty") : reasons));
+  }
+  double earliest_s = prepared.trials.front().begin_s;
+  for (const TrialData& trial : prepared.trials) earliest_s = std::min(earliest_s, trial.begin_s);
+  for (TrialData& trial : prepared.trials) trial.session_s = trial.begin_s - earliest_s;
+  prepared.white_sd_m = preparing.white_sd();
+  for (TrialData& trial : prepared.trials) {
+    for (Block& block : trial.blocks) {
+      for (Seen& seen : block.bodies) seen.white_sd_m *= prepared.white_sd_m[seen.body];
+    }
+  }
+  return prepared;
+}
+
+}  // namespace softarm::model

@@ -1,0 +1,73 @@
+// One topic that an arm listens to: the same conversion serves the live node and the reader of bags.
+#pragma once
+
+#include <ros/message_event.h>
+#include <ros/ros.h>
+#include <rosbag/message_instance.h>
+#include <std_msgs/Header.h>
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "trial/frame_assembler.h"
+
+namespace softarm {
+
+/// How many messages of a topic may wait: 4 s at 240 Hz.
+constexpr std::uint32_t kSubscriberQueue = 1000;
+
+/// Called after a live message has been added, with its header (null if the type has none).
+using OnMessage = std::function<void(const std_msgs::Header*)>;
+
+/// A topic, its type, and what to do with its messages.
+struct InputTopic {
+  std::string topic;
+  std::string type;                      ///< ROS type, "geometry_msgs/PoseStamped"
+  std::string feeds;                     ///< for people: "ring_1", "chamber_1, chamber_2", "payload"
+  std::vector<std::string> other_types;  ///< that old recordings have for the same message
+  bool feeds_base = false;               ///< the base's body
+  bool feeds_bodies = false;             ///< measured bodies
+  /// Adds one message of a bag to the assembler. @return false if the message has another type
+  std::function<bool(const rosbag::MessageInstance&, trial::FrameAssembler&)> read;
+  /// Subscribes; the assembler must outlive the subscriber.
+  std::function<ros::Subscriber(ros::NodeHandle&, trial::FrameAssembler&, OnMessage)> subscribe;
+};
+
+/// Stamp of a message without a header: when it was received (ROS time, or the time of the bag's record).
+/// Where the bodies' stamps are of another clock (a bag replayed without simulated time, a driver with its
+/// own epoch), it is the newest of theirs. Zero (no clock yet) stays zero.
+double headerless_stamp_s(double receipt_s, const trial::FrameAssembler& assembler);
+
+/// Makes an InputTopic of a conversion.
+/// @param convert adds the samples of one message: (message, receipt time in s, assembler)
+template <class Message>
+InputTopic make_input_topic(const std::string& topic, const std::string& feeds,
+                            std::function<void(const Message&, double, trial::FrameAssembler&)> convert) {
+  InputTopic input;
+  input.topic = topic;
+  input.type = ros::message_traits::DataType<Message>::value();
+  input.feeds = feeds;
+  input.read = [convert](const rosbag::MessageInstance& instance, trial::FrameAssembler& assembler) {
+    const boost::shared_ptr<Message> message = instance.instantiate<Message>();
+    if (message) convert(*message, instance.getTime().toSec(), assembler);
+    return message != nullptr;
+  };
+  input.subscribe = [topic, convert](ros::NodeHandle& nh, trial::FrameAssembler& assembler,
+                                     OnMessage on_message) {
+    // The time of receipt, not of this call: a node that is busy must not shift what has no stamp of its own.
+    using Event = ros::MessageEvent<Message const>;
+    const boost::function<void(const Event&)> callback = [convert, &assembler,
+                                                          on_message](const Event& event) {
+      const Message& message = *event.getConstMessage();
+      convert(message, event.getReceiptTime().toSec(), assembler);
+      on_message(ros::message_traits::header(message));
+    };
+    return nh.subscribe<Message, const Event&>(topic, kSubscriberQueue, callback, ros::VoidConstPtr(),
+                                               ros::TransportHints().tcpNoDelay());
+  };
+  return input;
+}
+
+}  // namespace softarm

@@ -1,0 +1,104 @@
+// Frames in the rod's base frame, with everything known that a prediction needs.
+#include "static_frame.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "softarm/arm/laws.h"
+
+namespace softarm::trial {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kFarFromArm = 5.0;  // in lengths of the arm: units, or another object
+
+/// Frames of one trial in the rod's base frame.
+class Preparer {
+ public:
+  Preparer(const arm::Arm& arm, const std::vector<InputSeries>& inputs,
+           std::map<std::string, std::uint64_t>& left_out)
+      : arm_(arm), inputs_(inputs), left_out_(left_out) {}
+
+  std::optional<StaticFrame> prepare(const Frame& frame) {
+    StaticFrame out;
+    out.stamp_s = frame.stamp_s;
+    const std::optional<double> payload = frame.payload_kg ? frame.payload_kg : arm_.payload.default_kg;
+    if (!payload || !std::isfinite(*payload)) return leave_out("payload not known");
+    out.payload_kg = *payload;
+    if (arm_.base.body) {
+      const bool now = frame.base_body && frame.base_body->matrix().allFinite();
+      if (now) base_ = *frame.base_body * arm_.base.rod_in_body;
+      base_seen_ = base_seen_ || now;
+      if (!now && !(arm_.base.hold_last && base_seen_)) return leave_out("base not seen");
+    }
+    const Eigen::Isometry3d& base = arm_.base.body ? base_ : arm_.base.fixed_pose;
+    out.gravity_base = base.linear().transpose() * arm_.gravity_m_s2;
+    out.q_base_mocap = Eigen::Quaterniond(base.linear()).conjugate();
+    out.inputs = inputs_of(frame);
+    if (!predict(arm_, out.inputs)) return leave_out("inputs missing or beyond the laws");
+    const Eigen::Isometry3d to_base = base.inverse();
+    for (const BodyObservation& seen : frame.bodies) add_body(seen, to_base, out);
+    if (out.bodies.empty()) return leave_out("no body seen");
+    return out;
+  }
+
+ private:
+  std::optional<StaticFrame> leave_out(const char* reason) {
+    ++left_out_[reason];
+    return std::nullopt;
+  }
+
+  arm::InputValues inputs_of(const Frame& frame) const {
+    arm::InputValues values = frame.inputs;
+    for (std::size_t i = 0; i < std::min(values.size(), inputs_.size()); ++i) {
+      // What is missing for its age stays missing.
+      if (!values[i]) continue;
+      if (const std::optional<double> value = inputs_[i].at(frame.stamp_s)) values[i] = value;
+    }
+    return values;
+  }
+
+  void add_body(const BodyObservation& seen, const Eigen::Isometry3d& to_base, StaticFrame& out) const {
+    if (seen.body < 0 || seen.body >= static_cast<int>(arm_.bodies.size()) || !seen.p_mocap.allFinite())
+      return;
+    const arm::MeasuredBody& body = arm_.bodies[static_cast<std::size_t>(seen.body)];
+    SeenBody made;
+    made.body = seen.body;
+    if (seen.q_mocap && seen.q_mocap->coeffs().allFinite() && seen.q_mocap->norm() > 0.5) {
+      const Eigen::Quaterniond q = seen.q_mocap->normalized();
+      made.p_base = to_base * (seen.p_mocap + q * body.section_in_body.translation());
+      if (body.orientation_usable && body.kind == arm::BodyKind::kRing)
+        made.tangent_base = to_base.linear() * (q * (body.section_in_body.linear() * Vector3d::UnitZ()));
+    } else {
+      // Without an orientation an offset in the body's frame has no direction.
+      if (!body.section_in_body.translation().isZero()) return;
+      made.p_base = to_base * seen.p_mocap;
+    }
+    if (made.p_base.norm() < kFarFromArm * arm_.total_length_m()) out.bodies.push_back(made);
+  }
+
+  const arm::Arm& arm_;
+  const std::vector<InputSeries>& inputs_;
+  std::map<std::string, std::uint64_t>& left_out_;
+  Eigen::Isometry3d base_ = Eigen::Isometry3d::Identity();  ///< of the rod, when last seen
+  bool base_seen_ = false;
+};
+
+}  // namespace
+
+std::vector<StaticFrame> known_frames(const arm::Arm& arm, std::size_t index, const Trial& trial,
+                                      std::map<std::string, std::uint64_t>& left_out, InputsOf inputs) {
+  static const std::vector<InputSeries> kNone;
+  Preparer preparer(arm, inputs == InputsOf::kSeries ? trial.inputs : kNone, left_out);
+  std::vector<StaticFrame> known;
+  for (const Frame& frame : trial.frames) {
+    if (std::optional<StaticFrame> made = preparer.prepare(frame)) {
+      made->trial = index;
+      known.push_back(std::move(*made));
+    }
+  }
+  return known;
+}
+
+}  // namespace softarm::trial

@@ -1,0 +1,84 @@
+#!/usr/bin/python3
+"""What the pages say of the tree is so: links, paths, constants of the code, the plan of the rooms, the glossary's order."""
+import fnmatch
+import os
+import re
+import subprocess
+import sys
+import urllib.parse
+
+import tree
+
+TOP = ("src", "include", "test", "scripts", "config", "doc", "launch", "msg", "srv", "cmake", "bench", "rviz")
+ROOMS = re.compile(r"<!-- rooms: generated -->\n(.*?)<!-- end -->\n", re.S)
+
+
+def anchors(text):
+    """Anchors of a page's headings, as GitHub makes them."""
+    headings = re.findall(r"^#+ +(.*)$", re.sub(r"^```.*?^```", "", text, flags=re.S | re.M), re.M)
+    return {re.sub(r"[^\w\- ]", "", re.sub(r"\[(.*?)\]\(.*?\)", r"\1", heading).lower()).replace(" ", "-")
+            for heading in headings}
+
+
+def links(name, text, pages, names):
+    for target in re.findall(r"\]\(([^)\s]+)\)", re.sub(r"^```.*?^```", "", text, flags=re.S | re.M)):
+        path, _, anchor = urllib.parse.unquote(target).partition("#")
+        if re.match(r"[a-z]+:", path):
+            continue
+        path = os.path.normpath(os.path.join(os.path.dirname(name), path)) if path else name
+        if path not in names and not any(other.startswith(path + "/") for other in names):
+            yield f"{name}: link to {target}: no such file"
+        elif anchor and path in pages and anchor not in anchors(pages[path]):
+            yield f"{name}: link to {target}: no such heading"
+
+
+def paths(name, text, names):
+    """Paths of the tree in code marks: `src/rod/rod.cpp`, `test/build/*_check.py`, `src/rod/`."""
+    for path in re.findall(r"`((?:%s)/[\w./*-]+)`" % "|".join(TOP), text):
+        if not any(other.startswith(path.rstrip("/") + "/") for other in names) and not fnmatch.filter(names, path):
+            yield f"{name}: `{path}`: not in the tree"
+
+
+def constants(name, text, code):
+    for constant in set(re.findall(r"`(k[A-Z]\w+)`", text)):
+        if not re.search(rf"\b{constant}\b", code):
+            yield f"{name}: `{constant}`: no such constant in the code"
+
+
+def rooms(pages, source):
+    printed = subprocess.run([sys.executable, os.path.join(source, "test/build/rooms_check.py"), "--picture"],
+                             stdout=subprocess.PIPE, encoding="utf-8", check=True).stdout
+    page = pages["doc/architecture.md"]
+    found = ROOMS.search(page)
+    if not found or found.group(1) != printed:
+        yield "doc/architecture.md: between its marks must stand what test/build/rooms_check.py --picture prints"
+    described = re.findall(r"^\| `(\w+)` \|", page[:found.start()] if found else page, re.M)
+    if described != re.findall(r"^\| `(\w+)` \|", printed, re.M):
+        yield "doc/architecture.md: its table of rooms and the plan have different rooms, or another order"
+
+
+def glossary(pages):
+    terms = re.findall(r"^\| (?!term \|)(?!-)([^|]+?) \|", pages["doc/glossary.md"], re.M)
+    if len(terms) < 10:
+        yield "doc/glossary.md: no table of terms"
+    ordered = sorted(terms, key=str.casefold)
+    for term, expected in zip(terms, ordered):
+        if term != expected:
+            yield f"doc/glossary.md: '{term}' stands where '{expected}' should"
+            break
+
+
+source, _ = tree.directories()
+names = tree.files(source)
+pages, code = {}, ""
+for name in names:
+    if name.endswith((".md", ".h", ".cpp")):
+        with open(os.path.join(source, name), encoding="utf-8") as content:
+            if name.endswith(".md"):
+                pages[name] = content.read()
+            elif name.startswith(("src/", "include/")):
+                code += content.read()
+findings = [*rooms(pages, source), *glossary(pages)]
+for name, text in sorted(pages.items()):
+    findings += [*links(name, text, pages, names), *paths(name, text, names), *constants(name, text, code)]
+tree.finish(findings, "pages against the tree")

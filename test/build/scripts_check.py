@@ -1,0 +1,131 @@
+#!/usr/bin/python3
+"""What scripts/lib.sh takes for up to date, on a small project: quiet and without the lock where nothing changed, and a
+build after every kind of change."""
+import fcntl
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import tree
+
+source, build = tree.directories()
+CMAKE = """cmake_minimum_required(VERSION 3.16)
+project(small NONE)
+option(EXTRA "" OFF)
+add_custom_command(OUTPUT program DEPENDS src/a.txt
+  COMMAND ${CMAKE_COMMAND} -E copy ${CMAKE_SOURCE_DIR}/src/a.txt program)
+add_custom_target(programs DEPENDS program)
+add_custom_command(OUTPUT tests DEPENDS test/t.txt
+  COMMAND ${CMAKE_COMMAND} -E copy ${CMAKE_SOURCE_DIR}/test/t.txt tests)
+add_custom_target(both ALL DEPENDS program tests)
+install(FILES ${CMAKE_BINARY_DIR}/program DESTINATION bin)
+"""
+
+
+class UpToDate(unittest.TestCase):
+    def setUp(self):
+        self.root = tempfile.mkdtemp(dir=build, prefix="scripts_check_")
+        self.addCleanup(shutil.rmtree, self.root)
+        for name in "cmake config include launch msg rviz src srv bench test scripts".split():
+            os.mkdir(os.path.join(self.root, name))
+        shutil.copy(os.path.join(source, "scripts/lib.sh"), os.path.join(self.root, "scripts"))
+        self.write("CMakeLists.txt", CMAKE)
+        for name in ("package.xml", "src/a.txt", "src/b.txt", "test/t.txt"):
+            self.write(name, "first")
+        for target in ("programs", "all"):
+            self.call(target)
+        self.age()
+
+    def path(self, name):
+        return os.path.join(self.root, name)
+
+    def write(self, name, text):
+        with open(self.path(name), "w", encoding="utf-8") as file:
+            file.write(text)
+
+    def age(self):
+        """Makes everything as old as if the builds had been a while ago: stamps bear a time two seconds before theirs."""
+        past = time.time() - 60.0
+        for name in ("CMakeLists.txt", "package.xml", *"cmake config include launch msg rviz src srv bench test".split()):
+            for folder, _, files in os.walk(self.path(name)):
+                for path in (folder, *(os.path.join(folder, file) for file in files)):
+                    os.utime(path, (past, past))
+            os.utime(self.path(name), (past, past))
+
+    def call(self, target, *arguments):
+        """Runs build() of lib.sh; returns what it printed and whether it got as far as the lock."""
+        log = self.path("build/build.log")
+        if os.path.exists(log):
+            os.remove(log)
+        done = subprocess.run(["bash", "-c", 'source "$0/scripts/lib.sh"; build "$@"', self.root, target, *arguments],
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8", check=False,
+                              env={**os.environ, "SOFTARM_BUILD_DIR": self.path("build")}, timeout=120)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        return done.stdout, os.path.exists(log)
+
+    def assert_builds(self, target, *arguments):
+        self.assertTrue(self.call(target, *arguments)[1], "taken for up to date")
+
+    def assert_up_to_date(self, target, *arguments):
+        printed, built = self.call(target, *arguments)
+        self.assertEqual((printed, built), ("", False))
+
+    def test_nothing_changed(self):
+        self.assert_up_to_date("programs")
+        self.assert_up_to_date("all")
+        # Somebody builds something else meanwhile and has the lock.
+        with open(self.path("build/.lock"), "w", encoding="utf-8") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            self.assert_up_to_date("programs")
+
+    def test_a_source_changed(self):
+        time.sleep(1.1)  # what is younger by less than a second is not installed again by CMake
+        self.write("src/a.txt", "second")
+        self.assert_builds("programs")
+        with open(self.path("build/install/bin/program"), encoding="utf-8") as file:
+            self.assertEqual(file.read(), "second")
+        self.assert_builds("all")
+
+    def test_a_file_came_or_went_or_was_renamed(self):
+        self.write("src/c.txt", "")
+        self.assert_builds("programs")
+        self.age()
+        self.assert_up_to_date("programs")
+        os.remove(self.path("src/c.txt"))
+        self.assert_builds("programs")
+        self.age()
+        os.rename(self.path("src/b.txt"), self.path("src/d.txt"))
+        self.assert_builds("programs")
+
+    def test_what_only_tests_need(self):
+        self.write("test/t.txt", "second")
+        self.assert_up_to_date("programs")
+        self.assert_builds("all")
+
+    def test_configuration(self):
+        self.assert_builds("programs", "-DEXTRA=ON")
+        self.assert_up_to_date("programs", "-DEXTRA=ON")
+        self.assert_up_to_date("programs")
+        self.assert_builds("all")
+        subprocess.run(["cmake", "-DEXTRA=OFF", self.path("build")], stdout=subprocess.DEVNULL, check=True)
+        self.assert_builds("programs")
+
+    def test_what_was_installed_is_gone(self):
+        os.remove(self.path("build/install/bin/program"))
+        self.assert_builds("programs")
+        self.assertTrue(os.path.exists(self.path("build/install/bin/program")))
+
+    def test_a_build_that_failed_leaves_no_stamp(self):
+        os.remove(self.path("src/a.txt"))
+        with self.assertRaises(AssertionError):
+            self.call("programs")
+        with self.assertRaises(AssertionError):
+            self.call("programs")
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

@@ -1,0 +1,327 @@
+// Faults put into a clean recording, one at a time: each is found, and the clean one is left in peace.
+#include "softarm/check/check.h"
+
+#include <gmock/gmock.h>
+
+#include "check_fixture.h"
+
+namespace softarm {
+namespace {
+
+using namespace testing_check;
+using ::testing::HasSubstr;
+
+constexpr std::size_t at(double t_s) {
+  return static_cast<std::size_t>(t_s * kRate);
+}
+
+class Check : public ::testing::Test {
+ protected:
+  check::CheckReport report() const { return check::check_recording(recording, arm); }
+  void expect(const std::string& id, check::Severity severity, const std::string& where = "") const {
+    const check::CheckReport r = report();
+    const check::CheckFinding* f = find(r, id, where);
+    ASSERT_NE(f, nullptr) << id << " is missing; found:\n" << complaints(r);
+    EXPECT_EQ(f->severity, severity) << f->what;
+    EXPECT_FALSE(f->remedy.empty()) << id;
+  }
+  void expect_only(const std::string& id, check::Severity severity, const std::string& where = "") const {
+    expect(id, severity, where);
+    for (const check::CheckFinding& f : report().findings) {
+      if (f.severity == check::Severity::kInformation) continue;
+      EXPECT_EQ(f.id, id) << f.where << ": " << f.what;
+    }
+  }
+
+  arm::Arm arm = hanging_arm();
+  trial::CheckRecording recording = clean();
+};
+
+TEST_F(Check, LeavesACleanRecordingInPeace) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    recording = clean(seed);
+    EXPECT_EQ(complaints(report()), "") << "seed " << seed;
+  }
+}
+
+TEST_F(Check, NothingAtAllIsSaidNotCrashed) {
+  recording.bodies.assign(4, {});
+  recording.inputs.assign(2, {});
+  recording.payload.clear();
+  recording.frames.clear();
+  for (trial::RecordedTopic& t : recording.topics) t.found_type.clear();
+  EXPECT_EQ(report().worst(), check::Severity::kSerious);
+}
+
+TEST_F(Check, MissingTopicIsNamedWithTheNearestOne) {
+  recording.topics[2].found_type.clear();
+  recording.bodies[2].clear();
+  recording.other_topics["/mocap/ring2/pose"] = "geometry_msgs/PoseStamped";
+  expect("missing_topic", check::Severity::kWarning, "/mocap/ring_2/pose");
+  EXPECT_THAT(find(report(), "missing_topic")->setting, HasSubstr("/mocap/ring2/pose"));
+}
+
+TEST_F(Check, MissingBaseAndWrongTypeAreSerious) {
+  recording.topics[0].found_type = "geometry_msgs/TransformStamped";
+  recording.bodies[0].clear();
+  expect("wrong_type", check::Severity::kSerious, "/mocap/base/pose");
+}
+
+TEST_F(Check, ZeroStampsDuplicatesAndGaps) {
+  for (int k = 0; k < 100; ++k) recording.bodies[1][at(3) + k].stamp_s = 0.0;
+  expect("zero_stamps", check::Severity::kSerious, "ring_1");
+  recording = clean();
+  for (int k = 0; k < 30; ++k)
+    recording.bodies[1][at(3) + 2 * k].stamp_s = recording.bodies[1][at(3) + 2 * k - 1].stamp_s;
+  expect("duplicates", check::Severity::kWarning, "ring_1");
+  recording = clean();
+  for (auto& body : recording.bodies) body.erase(body.begin() + at(5), body.begin() + at(5.8));
+  expect("gap", check::Severity::kWarning, "mocap");
+  EXPECT_NEAR(*find(report(), "gap")->figure, 0.8, 0.02);
+}
+
+TEST_F(Check, StepOfTheClock) {
+  for (auto& body : recording.bodies) {
+    for (std::size_t k = at(12); k < body.size(); ++k) body[k].stamp_s -= 30.0;
+  }
+  expect("time_jump", check::Severity::kSerious);
+  EXPECT_NEAR(*find(report(), "time_jump")->figure, -30.0, 0.02);
+}
+
+TEST_F(Check, IrregularStamps) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> jitter(-0.003, 0.003);
+  for (std::size_t k = 0; k < recording.bodies[0].size(); ++k) {
+    const double d = jitter(random);
+    for (auto& body : recording.bodies) body[k].stamp_s += d;
+  }
+  expect("irregular_stamps", check::Severity::kWarning, "ring_2");
+}
+
+TEST_F(Check, BodiesOfOneFrameStampedApart) {
+  for (auto& pose : recording.bodies[3]) pose.stamp_s += 0.0035;
+  expect("split_frames", check::Severity::kSerious);
+}
+
+TEST_F(Check, StampsAheadOfReceiptAndDrift) {
+  for (auto& body : recording.bodies) {
+    for (auto& pose : body) pose.stamp_s += 0.02 + 2e-4 * (pose.stamp_s - kStart);
+  }
+  expect("stamps_ahead", check::Severity::kWarning, "mocap");
+  const check::CheckReport r = report();
+  ASSERT_NE(find(r, "clock_drift"), nullptr);
+  EXPECT_NEAR(*find(r, "clock_drift")->figure, 2e-4, 3e-5);
+}
+
+TEST_F(Check, FrozenBody) {
+  for (std::size_t k = at(6); k < at(8.5); ++k) {
+    recording.bodies[2][k].p_mocap = recording.bodies[2][at(6)].p_mocap;
+    recording.bodies[2][k].q_mocap = recording.bodies[2][at(6)].q_mocap;
+  }
+  expect("frozen_body", check::Severity::kSerious, "ring_2");
+  EXPECT_NEAR(*find(report(), "frozen_body")->figure, 2.5, 0.05);
+}
+
+TEST_F(Check, LostBody) {
+  recording.bodies[3].erase(recording.bodies[3].begin() + at(6), recording.bodies[3].begin() + at(7));
+  expect_only("lost_body", check::Severity::kWarning, "ring_3");
+}
+
+TEST_F(Check, ExchangedForAWhileAndThroughout) {
+  for (std::size_t k = at(6); k < at(9); ++k) {
+    std::swap(recording.bodies[1][k].p_mocap, recording.bodies[3][k].p_mocap);
+    std::swap(recording.bodies[1][k].q_mocap, recording.bodies[3][k].q_mocap);
+  }
+  expect("exchanged_bodies", check::Severity::kSerious, "ring_1, ring_3");
+  const check::CheckReport r = report();
+  const auto& spans = find(r, "exchanged_bodies")->spans;
+  ASSERT_EQ(spans.size(), 1u);
+  EXPECT_NEAR(spans[0].from_s, 6.0, 0.03);
+  EXPECT_NEAR(spans[0].to_s, 9.0, 0.03);
+
+  recording = clean();
+  std::swap(recording.bodies[1], recording.bodies[2]);
+  expect("body_order", check::Severity::kSerious);
+}
+
+TEST_F(Check, JumpsAndQuaternionSpikes) {
+  for (int k = 0; k < 10; ++k) recording.bodies[2][at(3) + 80 * k].p_mocap.x() += 0.012;
+  expect("jumping_body", check::Severity::kWarning, "ring_2");
+  EXPECT_EQ(find(report(), "jumping_body")->spans.size(), 10u);
+  recording = clean();
+  for (int k = 0; k < 30; ++k) {
+    auto& q = recording.bodies[0][at(2) + 50 * k].q_mocap;
+    *q = *q * Eigen::AngleAxisd(0.9, Eigen::Vector3d::UnitX());
+  }
+  expect("quaternion_spikes", check::Severity::kSerious, "base");
+}
+
+TEST_F(Check, TurnedOverForAWhile) {
+  for (std::size_t k = at(6); k < at(8); ++k) {
+    auto& q = recording.bodies[3][k].q_mocap;
+    *q = *q * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX());
+  }
+  expect("turned_over", check::Severity::kSerious, "ring_3");
+  const check::CheckReport r = report();
+  EXPECT_THAT(find(r, "turned_over")->what, HasSubstr("x axis"));
+  EXPECT_NEAR(find(r, "turned_over")->spans.front().from_s, 6.0, 0.03);
+  EXPECT_NEAR(find(r, "turned_over")->spans.front().to_s, 8.0, 0.03);
+}
+
+TEST_F(Check, SignOfAQuaternionIsHarmless) {
+  for (std::size_t k = 0; k < recording.bodies[3].size(); k += 3)
+    recording.bodies[3][k].q_mocap->coeffs() *= -1.0;
+  EXPECT_EQ(complaints(report()), "");
+  EXPECT_NE(find(report(), "quaternion_sign", "ring_3"), nullptr);
+}
+
+TEST_F(Check, TangentBackwardsAndTurnedAboutIt) {
+  for (auto& pose : recording.bodies[3])
+    *pose.q_mocap = *pose.q_mocap * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitY());
+  expect("tangent_backwards", check::Severity::kSerious, "ring_3");
+  recording = clean();
+  for (auto& pose : recording.bodies[3])
+    *pose.q_mocap = *pose.q_mocap * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ());
+  expect("turned_about_tangent", check::Severity::kWarning, "ring_3");
+}
+
+TEST_F(Check, BaseUpsideDown) {
+  for (auto& pose : recording.bodies[0])
+    *pose.q_mocap = *pose.q_mocap * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitY());
+  expect("base_upside_down", check::Severity::kSerious, "base");
+}
+
+TEST_F(Check, BaseIsBumped) {
+  for (std::size_t k = at(9); k < recording.bodies[0].size(); ++k) {
+    for (auto& body : recording.bodies) body[k].p_mocap += Eigen::Vector3d(0.002, 0.0, 0.001);
+  }
+  expect("base_bumped", check::Severity::kWarning, "base");
+  EXPECT_NEAR(find(report(), "base_bumped")->spans.front().from_s, 9.0, 0.6);
+}
+
+TEST_F(Check, MillimetresAsMetres) {
+  for (auto& body : recording.bodies) {
+    for (auto& pose : body) pose.p_mocap *= 1000.0;
+  }
+  expect("length_unit", check::Severity::kSerious);
+  EXPECT_EQ(find(report(), "length_unit")->setting, "inputs.bodies.unit: mm");
+}
+
+TEST_F(Check, RingElsewhereAndStretchedArm) {
+  arm.bodies[1].arclength_m += 0.004;
+  expect("ring_misplaced", check::Severity::kWarning, "ring_2");
+  EXPECT_NEAR(*find(report(), "ring_misplaced")->figure, -0.004, 4e-4);
+  arm = hanging_arm();
+  arm.segments[0].length_m *= 0.95;
+  arm.payload.arclength_m *= 0.95;
+  for (auto& body : arm.bodies) body.arclength_m *= 0.95;
+  expect("stretched", check::Severity::kWarning);
+  EXPECT_NEAR(*find(report(), "stretched")->figure, 1.0 / 0.95 - 1.0, 0.003);
+}
+
+TEST_F(Check, PressureUnits) {
+  const auto scale = [&](double factor, double offset) {
+    recording = clean();
+    for (auto& input : recording.inputs) {
+      for (auto& v : input) v.value = (v.value - offset) * factor;
+    }
+  };
+  scale(1e-3, 0.0);
+  expect("pressure_unit", check::Severity::kSerious, "chamber_1");
+  EXPECT_THAT(find(report(), "pressure_unit")->what, HasSubstr("kPa absolute"));
+  scale(1.0, 101325.0);
+  EXPECT_THAT(find(report(), "pressure_unit")->setting, HasSubstr("unit: Pa, reference: gauge"));
+  scale(1.0 / 6894.757, 101325.0);
+  EXPECT_THAT(find(report(), "pressure_unit")->what, HasSubstr("psi gauge"));
+}
+
+TEST_F(Check, SensorsOffAtRest) {
+  for (auto& v : recording.inputs[0]) v.value += 1000.0;
+  for (auto& v : recording.inputs[1]) v.value -= 2000.0;
+  expect("offset_at_rest", check::Severity::kWarning, "chamber_1");
+  expect("offset_at_rest", check::Severity::kWarning, "chamber_2");
+  EXPECT_NEAR(*find(report(), "offset_at_rest", "chamber_1")->figure, 1000.0, 1.0);
+  EXPECT_THAT(find(report(), "offset_at_rest", "chamber_2")->what, HasSubstr("below ambient"));
+}
+
+TEST_F(Check, StuckCoarseNoisyAndStillInputs) {
+  for (std::size_t k = at(5) / 2; k < at(6.5) / 2; ++k)
+    recording.inputs[0][k].value = recording.inputs[0][at(5) / 2].value;
+  expect("stuck_input", check::Severity::kWarning, "chamber_1");
+  EXPECT_NEAR(*find(report(), "stuck_input")->figure, 1.5, 0.05);
+  recording = clean();
+  for (auto& v : recording.inputs[0]) v.value = 101325.0 + 640.0 * std::round((v.value - 101325.0) / 640.0);
+  expect("coarse_steps", check::Severity::kWarning, "chamber_1");
+  EXPECT_NEAR(*find(report(), "coarse_steps")->figure, 640.0, 1.0);
+  recording = clean();
+  std::mt19937 random(5);
+  std::normal_distribution<double> noise(0.0, 500.0);
+  for (auto& v : recording.inputs[0]) v.value += noise(random);
+  expect("noisy_input", check::Severity::kWarning, "chamber_1");
+  EXPECT_NEAR(*find(report(), "noisy_input")->figure, 500.0, 60.0);
+  recording = clean();
+  for (auto& v : recording.inputs[1]) v.value = 101325.0;
+  EXPECT_NE(find(report(), "never_driven", "chamber_2"), nullptr);
+}
+
+TEST_F(Check, TrialThatDoesNotRest) {
+  const auto cut = [](auto& samples) {
+    using Sample = typename std::decay_t<decltype(samples)>::value_type;
+    samples.erase(
+        std::remove_if(samples.begin(), samples.end(),
+                       [](const Sample& s) { return s.stamp_s < kStart + 4.0 || s.stamp_s > kStart + 15.0; }),
+        samples.end());
+  };
+  for (auto& body : recording.bodies) cut(body);
+  for (auto& input : recording.inputs) cut(input);
+  expect("no_rest_at_start", check::Severity::kWarning);
+  expect("no_rest_at_end", check::Severity::kWarning);
+}
+
+TEST_F(Check, NoiseBeyondTheArmFiles) {
+  for (auto& body : arm.bodies) body.position_sd_m = 0.5 * kNoiseM;
+  expect("noise_understated", check::Severity::kWarning);
+  EXPECT_NEAR(*find(report(), "noise_understated")->figure, kNoiseM, 0.2 * kNoiseM);
+}
+
+TEST_F(Check, ClocksAgainstEachOtherWithTheirInterval) {
+  for (const double lag_s : {-0.12, 0.0, 0.03, 0.2}) {
+    recording = clean(7, lag_s);
+    const check::CheckReport r = report();
+    const check::CheckFinding* f = find(r, "clock_offset_or_lag");
+    ASSERT_NE(f, nullptr) << lag_s << "\n" << to_text(r);
+    EXPECT_NEAR(*f->figure, lag_s, 0.004);
+    EXPECT_LT(*f->figure_sd, 0.01);
+    EXPECT_EQ(f->severity != check::Severity::kInformation, lag_s < -0.03 || lag_s > 0.09) << f->what;
+  }
+  recording = clean(7, 0.2);
+  arm.inputs.body_latency_s = 0.2;  // what it proposes repairs it
+  EXPECT_EQ(complaints(report()), "");
+}
+
+TEST_F(Check, ClocksCannotBeToldWithoutMotion) {
+  for (auto& input : recording.inputs) {
+    for (auto& v : input) v.value = 101325.0;
+  }
+  EXPECT_NE(find(report(), "clock_cannot_tell"), nullptr);
+}
+
+TEST_F(Check, PayloadInGrams) {
+  recording.payload.push_back({kStart + 5.0, kStart + 5.0, 200.0});
+  expect("payload_range", check::Severity::kSerious, "/payload");
+  recording.payload.clear();
+  EXPECT_NE(find(report(), "payload_unknown"), nullptr);
+}
+
+TEST_F(Check, SaysItInWordsAndInJson) {
+  std::swap(recording.bodies[1], recording.bodies[2]);
+  const check::CheckReport r = report();
+  EXPECT_THAT(to_text(r), HasSubstr("remedy: "));
+  EXPECT_THAT(to_text(r, false), ::testing::Not(HasSubstr("information")));
+  const std::string json = check::to_json({r}, arm.name);
+  EXPECT_THAT(json, HasSubstr("\"body_order\""));
+  EXPECT_THAT(json, ::testing::Not(HasSubstr("nan")));
+}
+
+}  // namespace
+}  // namespace softarm

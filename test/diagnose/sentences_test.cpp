@@ -1,0 +1,82 @@
+// Numbers and places in words.
+#include "diagnose/sentences.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace softarm::diagnose {
+namespace {
+
+TEST(Words, LabelsGoOnFromTheSymbol) {
+  const auto label_of = [](const std::string& symbol, const std::string& words) {
+    return label({symbol, "", words, 0.0, 0.0, 0.0});
+  };
+  EXPECT_EQ(label_of("share", "of EI, by which it grows"), "share of EI, by which it grows");
+  EXPECT_EQ(label_of("delay_s", "by which they are late"), "delay by which they are late");
+  EXPECT_EQ(label_of("time_s", "time constant"), "time constant");
+  EXPECT_EQ(label_of("body", "its number, from the base"), "body, its number, from the base");
+  EXPECT_EQ(label_of("in_holds", "0: always; 1: during holds"), "in holds (0: always; 1: during holds)");
+  EXPECT_EQ(label_of("compliance_rad_per_nm", ""), "compliance");
+}
+
+TEST(Words, NumbersHaveTheDigitsThatTheirIntervalIsWorth) {
+  const auto text = [](double value, double low, double high, const std::string& unit) {
+    return diagnose::with_interval({"x", unit, "", value, low, high});
+  };
+  EXPECT_EQ(text(0.1923, 0.17, 0.21, "rad/(N m)"), "0.192 rad/(N m) (90 % interval 0.170 to 0.210)");
+  EXPECT_EQ(text(0.0012, 0.0002, 0.0022, "m"), "1.2 mm (90 % interval 0.2 to 2.2)");
+  EXPECT_EQ(text(-0.0312, -0.05, -0.01, "1"), "-0.031 (90 % interval -0.050 to -0.010)");
+  EXPECT_EQ(text(2.0, 2.0, 2.0, "1"), "2");
+  EXPECT_EQ(text(3000.0, 3000.0, 3000.0, "Pa"), "3.00 kPa");
+  EXPECT_EQ(text(1.0, -std::numeric_limits<double>::infinity(), 2.0, "s"), "1.00 s");
+  EXPECT_EQ(text(4.2e-9, 4e-9, 4.4e-9, "N m/Pa"), "4.20e-09 N m/Pa (90 % interval 4.00e-09 to 4.40e-09)");
+}
+
+TEST(Words, ProbabilitiesAreNeverCertain) {
+  EXPECT_EQ(diagnose::percent(0.999), "over 99 %");
+  EXPECT_EQ(diagnose::percent(0.0004), "under 1 %");
+  EXPECT_EQ(diagnose::percent(0.5), "50 %");
+  EXPECT_EQ(diagnose::percent(std::numeric_limits<double>::quiet_NaN()), "not known");
+}
+
+TEST(Words, PlacesSayWhatIsKnown) {
+  diagnose::Where where;
+  EXPECT_EQ(place(where), "");
+  where.s_from_m = 0.04;
+  EXPECT_EQ(place(where), "from 40 mm from the base on");
+  where.s_to_m = 0.0404;
+  EXPECT_EQ(place(where), "40 mm from the base");
+  where.s_to_m = 0.08;
+  where.axis = "out_of_plane";
+  where.when = "from 12.3 s on in trial_3";
+  EXPECT_EQ(place(where),
+            "40 to 80 mm from the base, across the plane of bending, from 12.3 s on in trial_3");
+  EXPECT_EQ(diagnose::one_of({}), "");
+  EXPECT_EQ(diagnose::one_of({"a", "b", "c"}), "a, b or c");
+}
+
+TEST(Words, WhatStandsOutIsNotCalledAbsent) {
+  diagnose::Candidate candidate;
+  EXPECT_EQ(diagnose::finding_description(candidate), "absent");
+  candidate.z = 12.0;
+  EXPECT_EQ(diagnose::finding_description(candidate), "stands out, but less than those above");
+  candidate.log_score = -0.1;
+  EXPECT_EQ(diagnose::finding_description(candidate),
+            "stands out, but does not earn its place on unseen trials");
+  candidate.log_score = 0.1;
+  candidate.probability = 0.4;
+  EXPECT_EQ(diagnose::finding_description(candidate),
+            "helps, but by less than the 5 standard deviations that a name takes");
+  candidate.possible = false;
+  EXPECT_EQ(diagnose::finding_description(candidate), "fits, but only with a size that no arm has");
+  candidate = {};
+  candidate.detectable = false;
+  candidate.finding = diagnose::Finding::kCannotTell;
+  EXPECT_EQ(diagnose::finding_description(candidate), "cannot tell: a usual size would not be seen");
+  candidate.finding = diagnose::Finding::kPresent;
+  EXPECT_EQ(diagnose::finding_description(candidate), "present");
+}
+
+}  // namespace
+}  // namespace softarm::diagnose

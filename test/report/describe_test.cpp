@@ -1,0 +1,104 @@
+// What the terminal says.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <limits>
+#include <sstream>
+
+#include "example_diagnosis.h"
+#include "softarm/report/report.h"
+
+namespace softarm::diagnose {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+/// Without line breaks and indents: what is said, not how it is laid out.
+std::string flowing(const std::string& text) {
+  std::istringstream words(text);
+  std::string all, word;
+  while (words >> word) all += (all.empty() ? "" : " ") + word;
+  return all;
+}
+
+TEST(Describe, SaysWhereWhatHowLargeAndHowSure) {
+  const std::string text = flowing(report::describe(testing::example_diagnosis()));
+  EXPECT_THAT(text, StartsWith("EXPLAINED: The base yields under load"));
+  EXPECT_THAT(text, HasSubstr("where at the base, in the plane of bending, always, goes with payload"));
+  EXPECT_THAT(text, HasSubstr("what the base yields under load (base_compliance)"));
+  EXPECT_THAT(
+      text, HasSubstr("how large rotational stiffness of the base: 5.2 N m/rad (90 % interval 4.6 to 5.9)"));
+  EXPECT_THAT(text, HasSubstr("how sure 93 %"));
+  EXPECT_THAT(text, HasSubstr("mistaken for rigid_ends or shear"));
+  EXPECT_THAT(text, HasSubstr("how large half width of the loop: 2.48 kPa (90 % interval 2.21 to 2.76)"));
+  EXPECT_THAT(text, HasSubstr("where 30 to 170 mm from the base"));
+}
+
+TEST(Describe, SaysHowMuchBetterAndWhatNext) {
+  const std::string text = flowing(report::describe(testing::example_diagnosis()));
+  EXPECT_THAT(text,
+              HasSubstr("the rms error per body falls from 2.44 mm to 0.87 mm; noise alone makes 0.87 mm"));
+  EXPECT_THAT(text, HasSubstr("That is 98 % of what could be explained."));
+  EXPECT_THAT(text, HasSubstr("Measure next: Hang the arm sideways"));
+  EXPECT_THAT(text,
+              HasSubstr("It would separate base_compliance, rigid_ends or shear from one another by 7.4 "
+                        "standard deviations, today's trials by 0.8."));
+  EXPECT_THAT(text, HasSubstr("it hides in the variation of their parameters."));
+  diagnose::Diagnosis brief = testing::example_diagnosis();
+  brief.next_experiment->sentence.clear();
+  EXPECT_THAT(flowing(report::describe(brief)),
+              HasSubstr("It would separate base_compliance, rigid_ends or shear by about 7.4 standard"));
+  EXPECT_THAT(text, HasSubstr("EI 0.0341 +- 0.0004 -> 0.0379 +- 0.0006 N m^2 +11.1 %"));
+  EXPECT_THAT(text, HasSubstr("payload 57.1 +- 2.1 -> 50.2 +- 1.4 g -12.1 %"));
+  EXPECT_THAT(text, HasSubstr("and has no pattern left"));
+}
+
+TEST(Describe, ListsWhatIsLeft) {
+  diagnose::Diagnosis d = testing::example_diagnosis();
+  d.verdict = diagnose::Verdict::kUnknown;
+  d.effects.clear();
+  d.after = d.before;
+  d.extended = d.baseline;
+  const std::string text = flowing(report::describe(d));
+  EXPECT_THAT(text, StartsWith("UNKNOWN: "));
+  EXPECT_THAT(text, HasSubstr("still depends on: time (p < 0.0001)"));
+  EXPECT_THAT(text, HasSubstr("payload (p < 0.0001)"));
+  EXPECT_THAT(text, Not(HasSubstr("chamber_2 (p")));
+  EXPECT_THAT(text,
+              HasSubstr("It sits 0 to 50 mm from the base, in the plane of bending, goes with payload."));
+  EXPECT_THAT(text, HasSubstr("On trials it had not seen the model is 2.44 mm off"));
+  EXPECT_THAT(text, Not(HasSubstr("what could be explained")));
+}
+
+TEST(Describe, RankingHidesWhatTheArmCannotHaveAndIsShort) {
+  const std::string text = report::describe(testing::example_diagnosis());
+  EXPECT_THAT(text, Not(HasSubstr("tendon_friction")));
+  EXPECT_THAT(flowing(text), HasSubstr("1. base_compliance 93 % 88 % 41.2 2.10 mm present"));
+  EXPECT_THAT(text, HasSubstr("and 2 more in the report"));
+}
+
+TEST(Describe, FitsTheTerminalAndKeepsItClean) {
+  diagnose::Diagnosis d = testing::example_diagnosis();
+  d.notes.push_back("evil\x1b[31m name\r\n" + std::string(300, 'x') + " end");
+  const std::string text = report::describe(d);
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\x1b'), 0);
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\r'), 0);
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find("xxx") != std::string::npos) continue;
+    EXPECT_LE(line.size(), 110U) << line;
+  }
+}
+
+TEST(Describe, OfNothingIsReadable) {
+  diagnose::Diagnosis d;
+  d.baseline.held_out_rms_m = std::numeric_limits<double>::quiet_NaN();
+  const std::string text = report::describe(d);
+  EXPECT_THAT(text, StartsWith("CANNOT TELL: These recordings cannot tell."));
+  EXPECT_THAT(text, Not(HasSubstr("nan")));
+}
+
+}  // namespace
+}  // namespace softarm::diagnose

@@ -1,0 +1,125 @@
+// report.html in a real browser, offline: everything is drawn, every choice works, nothing fails.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <regex>
+
+#include "example_diagnosis.h"
+#include "hostile_names.h"
+#include "softarm/report/report.h"
+
+namespace softarm::diagnose {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// Goes through the choices, prints, and leaves what it saw on the page's first element.
+constexpr const char* kProbe = R"(
+window.alert = () => errors.push('alert');
+document.querySelectorAll('select').forEach(list => {
+  for (const i of [list.options.length - 1, 1]) { list.selectedIndex = i; list.dispatchEvent(new Event('change')); }
+});
+window.dispatchEvent(new Event('beforeprint'));
+window.dispatchEvent(new Event('afterprint'));
+const seen = document.documentElement.dataset;
+seen.sections = [...document.querySelectorAll('section')].map(one => one.id).join(' ');
+seen.svgs = [...document.querySelectorAll('.picture')].map(one => one.querySelectorAll('.main-svg .trace, .main-svg .points').length > 0 ? 1 : 0).join('');
+seen.foreign = document.querySelectorAll('#page img, #page script, #page iframe, #page a:not([href^="#"]):not(.modebar-btn), [onerror]').length;
+seen.loaded = performance.getEntriesByType('resource').length;
+seen.chosen = document.querySelectorAll('select option').length;
+seen.description = document.getElementById('page').innerText.length;
+)";
+
+std::string browser() {
+  for (const char* name : {"chromium", "chromium-browser", "google-chrome"}) {
+    if (std::system(fmt::format("command -v {} > /dev/null 2>&1", name).c_str()) == 0) return name;
+  }
+  return "";
+}
+
+report::PageFiles page_files(bool with_plots) {
+  report::PageFiles files = report::read_page_files(SOFTARM_SOURCE_DIR "/config/report");
+  if (with_plots) {
+    std::ifstream plotly(SOFTARM_PLOTLY, std::ios::binary);
+    files[report::kPlotly] = std::string(std::istreambuf_iterator<char>(plotly), {});
+  }
+  files["main.js"] += kProbe;
+  return files;
+}
+
+/// The page's <html ...> after its scripts ran.
+std::string opened(const diagnose::Diagnosis& d, bool with_plots) {
+  const fs::path folder = fs::path(::testing::TempDir()) / fmt::format("report_{}_{}", getpid(), with_plots);
+  fs::create_directories(folder);
+  std::ofstream(folder / "report.html") << report::to_html(d, page_files(with_plots));
+  const std::string command = fmt::format(
+      "timeout 100 {} --headless --no-sandbox --disable-gpu --disable-extensions "
+      "--disable-background-networking "
+      "--no-first-run --user-data-dir='{}' --host-resolver-rules='MAP * ~NOTFOUND' --window-size=1280,720 "
+      "--virtual-time-budget=3000 --dump-dom 'file://{}' 2> '{}'",
+      browser(), (folder / "profile").string(), (folder / "report.html").string(),
+      (folder / "errors").string());
+  std::FILE* pipe = popen(command.c_str(), "r");
+  std::string dom;
+  char buffer[65536];
+  for (std::size_t n = 1; n > 0;) dom.append(buffer, n = std::fread(buffer, 1, sizeof(buffer), pipe));
+  const int status = pclose(pipe);
+  EXPECT_EQ(WEXITSTATUS(status), 0) << command;
+  std::error_code error;
+  fs::remove_all(folder, error);
+  std::smatch found;
+  const std::string head = dom.substr(0, 4000);
+  return std::regex_search(head, found, std::regex("<html[^>]*>")) ? found[0].str() : "no page: " + head;
+}
+
+class ReportInBrowser : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (browser().empty()) GTEST_SKIP() << "no chromium";
+  }
+};
+
+constexpr const char* kAll =
+    "effects next held-out shifts arm along time inputs ranking ladder parameter_variation left trials notes";
+
+TEST_F(ReportInBrowser, DrawsEverythingWhateverTheNamesAre) {
+  if (std::string(SOFTARM_PLOTLY).empty()) GTEST_SKIP() << "no plotly.js";
+  diagnose::Diagnosis d = testing::example_diagnosis();
+  testing::rename_all(d);
+  const std::string html = opened(d, true);
+  EXPECT_THAT(html, HasSubstr("data-errors=\"\""));
+  EXPECT_THAT(html, HasSubstr("data-plots=\"9\""));
+  EXPECT_THAT(html, HasSubstr(fmt::format("data-sections=\"{}\"", kAll)));
+  EXPECT_THAT(html, HasSubstr("data-svgs=\"111111111\""));
+  EXPECT_THAT(html, HasSubstr("data-foreign=\"0\""));
+  EXPECT_THAT(html, HasSubstr("data-loaded=\"0\""));
+  EXPECT_THAT(
+      html,
+      HasSubstr("data-chosen=\"23\""));  // 3 instants, 2 residuals, 9 trials, 5 bodies and all, 3 inputs
+}
+
+TEST_F(ReportInBrowser, EmptyPartsAndNoPlotsStayReadable) {
+  diagnose::Diagnosis d = testing::example_diagnosis();
+  d.verdict = diagnose::Verdict::kUnknown;
+  d.effects.clear();
+  d.shifts.clear();
+  d.next_experiment.reset();
+  d.notes.clear();
+  const std::string html = opened(d, false);
+  EXPECT_THAT(html, HasSubstr("data-errors=\"\""));
+  EXPECT_THAT(html, HasSubstr("data-plots=\"0\""));
+  EXPECT_THAT(html, HasSubstr("data-sections=\"held-out ranking ladder left trials\""));
+  EXPECT_THAT(html, Not(HasSubstr("data-words=\"0\"")));
+}
+
+}  // namespace
+}  // namespace softarm::diagnose
