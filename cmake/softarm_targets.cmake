@@ -66,12 +66,16 @@ function(softarm_keep_ros_out_of)
   endforeach()
 endfunction()
 
-# softarm_programs(<library>...): one program per src/apps/<name>.cpp, with src/apps/<name>/**.cpp where its main() is
-# not all of it. Their names are left in the cache variable SOFTARM_PROGRAMS.
+# softarm_programs(LIVE <program>... STUDY <library> LIBRARIES <library>...): one program per src/apps/<name>.cpp, with
+# src/apps/<name>/**.cpp where its main() is not all of it. Those named LIVE do without the library STUDY. Their names are
+# left in the cache variable SOFTARM_PROGRAMS.
 function(softarm_programs)
+  cmake_parse_arguments(given "" "STUDY" "LIVE;LIBRARIES" ${ARGN})
   softarm_headers(softarm_program_headers
     LIBRARIES Eigen3::Eigen CLI11::CLI11 fmt::fmt nlohmann_json::nlohmann_json
-    HEADERS <CLI/CLI.hpp> <ros/ros.h> <filesystem> <fstream> <iostream>)
+    HEADERS <CLI/CLI.hpp> <nlohmann/json.hpp> <ros/ros.h> <filesystem> <fstream> <iostream>)
+  # Not -fPIE, as programs are by default: the library of the room ros has these precompiled headers, too.
+  target_compile_options(softarm_program_headers PRIVATE -fPIC)
   set(names)
   file(GLOB mains CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/apps/*.cpp)
   foreach(main IN LISTS mains)
@@ -80,17 +84,23 @@ function(softarm_programs)
     add_executable(${name} ${main} ${parts})
     add_dependencies(${name} ${${PROJECT_NAME}_EXPORTED_TARGETS})
     target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/src/apps)
-    target_compile_options(${name} PRIVATE ${SOFTARM_WARNINGS})
+    target_compile_options(${name} PRIVATE ${SOFTARM_WARNINGS} -fPIC)
     target_precompile_headers(${name} REUSE_FROM softarm_program_headers)
     target_compile_definitions(${name} PRIVATE
       SOFTARM_VERSION="${SOFTARM_VERSION}" SOFTARM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-    target_link_libraries(${name} PRIVATE ${ARGN})
+    if(NOT name IN_LIST given_LIVE)
+      target_link_libraries(${name} PRIVATE ${given_STUDY})
+    endif()
+    target_link_libraries(${name} PRIVATE ${given_LIBRARIES})
+    softarm_unity(${name} 8)
     set_target_properties(${name} PROPERTIES
       RUNTIME_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION})
-    install(TARGETS ${name} RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+    # What is built is installed: scripts/demo builds no more than it needs.
+    install(TARGETS ${name} OPTIONAL RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
     list(APPEND names ${name})
   endforeach()
   set(SOFTARM_PROGRAMS "${names}" CACHE INTERNAL "programs of src/apps")
-  # What scripts/demo and scripts/softarm need: no tests.
+  # What scripts/demo needs, and what scripts/softarm needs: no tests.
+  add_custom_target(live DEPENDS ${given_LIVE} ${${PROJECT_NAME}_EXPORTED_TARGETS})
   add_custom_target(programs DEPENDS ${names} ${${PROJECT_NAME}_EXPORTED_TARGETS})
 endfunction()

@@ -108,7 +108,7 @@ configuration_state() { (cd "$SOFTARM_BUILD_DIR" && stat -c '%n %s %y' CMakeCach
 up_to_date() {
   local target=$1 stamp=$SOFTARM_STAMPS/$1 inputs=("${PROGRAMS_INPUTS[@]}") state file
   shift
-  [ "$target" = programs ] || inputs=("${ALL_INPUTS[@]}")
+  [ "$target" != all ] || inputs=("${ALL_INPUTS[@]}")
   [ -f "$stamp" ] && configured "$@" || return 1
   [ ! /var/lib/dpkg/status -nt "$stamp" ] || return 1
   [ -z "$(cd "$SOFTARM_ROOT" && find "${inputs[@]}" -name __pycache__ -prune -o -newer "$stamp" -print -quit 2>&1)" ] || return 1
@@ -132,9 +132,9 @@ write_stamp() {
   mv "$stamp.new" "$stamp"
 }
 
-# build TARGET [CMAKE_ARGUMENT...]: TARGET is programs or all. Configures where needed, builds and installs; silent, and
-# without waiting for anybody, where the target is up to date. There is one ninja in a build folder at a time: who has
-# something to build waits. The log stays in the build folder; its end is shown on failure.
+# build TARGET [CMAKE_ARGUMENT...]: TARGET is live (what it takes to watch an arm), programs or all. Configures where needed,
+# builds and installs; silent, and without waiting for anybody, where the target is up to date. There is one ninja in a build
+# folder at a time: who has something to build waits. The log stays in the build folder; its end is shown on failure.
 build() {
   local target=$1 log=$SOFTARM_BUILD_DIR/build.log started=$SECONDS begun
   ! up_to_date "$@" || return 0

@@ -11,6 +11,7 @@
 #include "flexible.h"
 #include "ladder.h"
 #include "leftover.h"
+#include "math/symmetric.h"
 #include "next_experiment.h"
 #include "parameter_variation.h"
 #include "pictures.h"
@@ -52,9 +53,12 @@ double log_score(const Unseen& unseen, int rows) {
   return -0.5 * 3.0 * (std::log(2.0 * M_PI * variance) + 1.0);
 }
 
+Fit fit_of(const Unseen& unseen, int rows) {
+  return {unseen.fitted_rms_m, unseen.total_rms_m, unseen.mean_m, unseen.max_m, log_score(unseen, rows)};
+}
+
 MatrixXd covariance_of(const Linearised& at, double inflation) {
-  const Eigen::Index n = at.information.rows();
-  return inflation * at.information.ldlt().solve(MatrixXd::Identity(n, n));
+  return inflation * math::inverse_of_symmetric(at.information);
 }
 
 std::vector<Shift> shifts_of(const JointModel& model, const Selection& selection) {
@@ -238,8 +242,9 @@ Remains compare(const JointModel& model, const Selection& selection, Diagnosis& 
   const bool extended = !selection.extended.at.effects.empty();
   const Ceiling could_after = extended ? ceiling(model, selection.extended, after.residual) : could_before;
   d.noise_floor_m = noise_floor(model);
-  d.baseline = {before.fitted_rms_m, before.total_rms_m, log_score(before, selection.baseline.rows)};
-  d.extended = {after.fitted_rms_m, after.total_rms_m, log_score(after, selection.extended.rows)};
+  d.baseline = fit_of(before, selection.baseline.rows);
+  d.extended = fit_of(after, selection.extended.rows);
+  d.discrepancy_share = could_after.share;
 
   const double length_m = model.arm().total_length_m();
   const double base2 = std::pow(before.total_rms_m, 2), ext2 = std::pow(after.total_rms_m, 2);
@@ -320,20 +325,31 @@ std::string unconverged(const Selection& selection) {
   return text;
 }
 
-std::vector<std::string> notes_of(const JointModel& model, const model::Prepared& prepared,
+/// How much of the recordings is compared with models.
+struct Compared {
+  std::size_t frames = 0, blocks = 0, used = 0;
+};
+
+Compared compared(const JointModel& model) {
+  Compared count;
+  for (std::size_t t = 0; t < model.trials().size(); ++t) {
+    const model::TrialData& trial = model.trials()[t];
+    count.frames += static_cast<std::size_t>(trial.series.t_s.size());
+    count.blocks += trial.blocks.size();
+    for (std::size_t k = 0; k < trial.blocks.size(); ++k) count.used += model.uses(t, k);
+  }
+  return count;
+}
+
+std::vector<std::string> notes_of(const Compared& all, const model::Prepared& prepared,
                                   const Selection& selection, const Options& options, std::size_t swinging) {
   std::vector<std::string> notes;
-  std::size_t frames = 0, used = 0, blocks = 0;
-  for (std::size_t t = 0; t < prepared.trials.size(); ++t) {
-    frames += static_cast<std::size_t>(prepared.trials[t].series.t_s.size());
-    blocks += prepared.trials[t].blocks.size();
-    for (std::size_t k = 0; k < prepared.trials[t].blocks.size(); ++k) used += model.uses(t, k);
-  }
   notes.push_back(fmt::format(
       "{} frames of {} trials, compared as {} means over {:.2g} s; {} are left out after a hand was on the "
       "payload, {} "
       "because the arm swung. Errors and the noise floor are those of such means.",
-      frames, prepared.trials.size(), blocks, options.block_s, blocks - used - swinging, swinging));
+      all.frames, prepared.trials.size(), all.blocks, options.block_s, all.blocks - all.used - swinging,
+      swinging));
   notes.push_back(
       fmt::format("Inertia of the arm's known masses and a viscoelastic lag ({:.0f} ms) are in both models.",
                   1e3 * selection.extended.at.viscoelastic_lag_s));
@@ -399,7 +415,9 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   d.extended_arm = extended_arm(model, selection.extended, covariance);
   d.verdict = verdict_of(d, extended, left.adequate);
   d.summary = summary_of(d);
-  d.notes = notes_of(model, prepared, selection, options, swinging);
+  const Compared count = compared(model);
+  d.left_out_share = 1.0 - static_cast<double>(count.used) / static_cast<double>(count.blocks);
+  d.notes = notes_of(count, prepared, selection, options, swinging);
 
   report(0.92, "what single instants say");
   const std::vector<InstantFit> instants = fit_instants(model, selection.baseline, options.jobs);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "math/symmetric.h"
+
 namespace softarm::diagnose {
 namespace {
 
@@ -133,7 +135,9 @@ Ceiling ceiling(const JointModel& model, const Linearised& at, const std::vector
         if (train.empty() || test.empty()) continue;
         MatrixXd k = pick(kernel, train, &train);
         k.diagonal().array() += noise;
-        const MatrixXd weights = k.llt().solve(pick(y, train, nullptr));
+        math::CholeskyFactor factor;
+        factor.compute(k);
+        const MatrixXd weights = factor.solve_columns(pick(y, train, nullptr));
         left += (pick(y, test, nullptr) - pick(kernel, test, &train) * weights).squaredNorm();
       }
       best = std::min(best, left / static_cast<double>(count * static_cast<Eigen::Index>(bodies)));

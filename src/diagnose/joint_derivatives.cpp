@@ -31,6 +31,9 @@ void set_unknown(JointParameters& p, const JointUnknown& c, double x) {
     case JointUnknown::Kind::kViscoelasticLag:
       p.viscoelastic_lag_s = value;
       break;
+    case JointUnknown::Kind::kMount:
+      p.mounts(c.parameter, c.index) = value;
+      break;
     case JointUnknown::Kind::kEffect:
       p.effects[static_cast<std::size_t>(c.index)].values[c.parameter] = value;
       break;
@@ -57,16 +60,17 @@ void JointModel::complete(Linearised& at) {
   at.complete = true;
 }
 
-VectorXd JointModel::signature(const Linearised& at, std::size_t trial,
+VectorXd JointModel::signature(const Linearised& at, std::size_t trial, const JointParameters& changed,
                                const model::ExtendedModel::Varied& varied, double step) const {
   const TrialData& data = trials_[trial];
   const std::vector<Predicted>& predicted = at.predicted[trial];
   const model::ExtendedModel::Varied& reference = at.reference[trial];
-  VectorXd out = VectorXd::Zero(3 * reference.seen.cols());
-  Eigen::Index body = 0;
+  VectorXd out = VectorXd::Zero(at.residual[trial].size());
+  Eigen::Index body = 0, row = 3 * reference.seen.cols();
   for (std::size_t k = 0; k < data.blocks.size(); ++k) {
     const Block& block = data.blocks[k];
     const auto count = static_cast<Eigen::Index>(block.bodies.size());
+    const auto tangents = static_cast<Eigen::Index>(block.tangents.size());
     if (used_[trial][k] && predicted[k].solved && count > 0) {
       const auto column = static_cast<Eigen::Index>(k);
       const VectorXd moved = predicted[k].by_rod * (varied.values.col(column) - reference.values.col(column));
@@ -76,8 +80,16 @@ VectorXd JointModel::signature(const Linearised& at, std::size_t trial,
             (moved.segment<3>(3 * i) + varied.seen.col(body + i) - reference.seen.col(body + i)) /
             (step * sd);
       }
+      for (Eigen::Index i = 0; i < tangents; ++i) {
+        const model::SeenTangent& seen = block.tangents[static_cast<std::size_t>(i)];
+        const Eigen::Quaterniond& q = predicted[k].q_tangents[static_cast<std::size_t>(i)];
+        out.segment<3>(row + 3 * i) = (moved.segment<3>(3 * (count + i)) + by_mount(changed, q, seen.body) -
+                                       by_mount(at.at, q, seen.body)) /
+                                      (step * sd_rad(trial, k, seen));
+      }
     }
     body += count;
+    row += 3 * tangents;
   }
   return out;
 }
@@ -85,10 +97,10 @@ VectorXd JointModel::signature(const Linearised& at, std::size_t trial,
 Eigen::MatrixXd JointModel::signatures(const Linearised& at, std::size_t trial,
                                        const std::vector<JointParameters>& changed,
                                        const std::vector<double>& steps) {
-  Eigen::MatrixXd out(3 * at.reference[trial].seen.cols(), static_cast<Eigen::Index>(changed.size()));
+  Eigen::MatrixXd out(at.residual[trial].size(), static_cast<Eigen::Index>(changed.size()));
   for (std::size_t j = 0; j < changed.size(); ++j)
     out.col(static_cast<Eigen::Index>(j)) =
-        signature(at, trial, vary(trial, changed[j], at.predicted[trial]), steps[j]);
+        signature(at, trial, changed[j], vary(trial, changed[j], at.predicted[trial]), steps[j]);
   return out;
 }
 
@@ -98,11 +110,12 @@ Eigen::MatrixXd JointModel::differences(const Linearised& at, std::size_t trial,
   const TrialData& data = trials_[trial];
   const std::vector<Predicted>& predicted = at.predicted[trial];
   Eigen::MatrixXd out =
-      Eigen::MatrixXd::Zero(3 * at.reference[trial].seen.cols(), static_cast<Eigen::Index>(changed.size()));
+      Eigen::MatrixXd::Zero(at.residual[trial].size(), static_cast<Eigen::Index>(changed.size()));
   std::vector<Predicted> there;
   for (std::size_t j = 0; j < changed.size(); ++j) {
     models_[trial].predict(arm_with(changed[j].constants), all(changed[j].effects),
                            Dynamics{true, changed[j].viscoelastic_lag_s}, data, &predicted, there);
+    mount(changed[j], trial, there);
     Eigen::Index row = 0;
     for (std::size_t k = 0; k < data.blocks.size(); ++k) {
       for (std::size_t i = 0; i < data.blocks[k].bodies.size(); ++i, row += 3) {
@@ -111,6 +124,15 @@ Eigen::MatrixXd JointModel::differences(const Linearised& at, std::size_t trial,
         out.col(static_cast<Eigen::Index>(j)).segment<3>(row) =
             (there[k].p.col(body) - predicted[k].p.col(body)) /
             (steps[j] * sd_m(trial, k, data.blocks[k].bodies[i]));
+      }
+    }
+    for (std::size_t k = 0; k < data.blocks.size(); ++k) {
+      for (std::size_t i = 0; i < data.blocks[k].tangents.size(); ++i, row += 3) {
+        if (!used_[trial][k] || !predicted[k].solved || !there[k].solved) continue;
+        const auto column = static_cast<Eigen::Index>(i);
+        out.col(static_cast<Eigen::Index>(j)).segment<3>(row) =
+            (there[k].tangents.col(column) - predicted[k].tangents.col(column)) /
+            (steps[j] * sd_rad(trial, k, data.blocks[k].tangents[i]));
       }
     }
   }
@@ -162,7 +184,8 @@ Linearised JointModel::linearise(const JointParameters& parameters,
     }
     lin.derivative[t].resize(lin.residual[t].size(), static_cast<Eigen::Index>(varied.size()));
     for (std::size_t c = 0; c < varied.size(); ++c)
-      lin.derivative[t].col(static_cast<Eigen::Index>(c)) = signature(lin, t, varied[c], steps[c]);
+      lin.derivative[t].col(static_cast<Eigen::Index>(c)) =
+          signature(lin, t, changed[c], varied[c], steps[c]);
   });
   weigh(lin);
   return lin;
@@ -224,17 +247,24 @@ std::vector<TimeStretch> JointModel::stretches_of(const Linearised& lin, std::si
     }
     TimeStretch& stretch = list.back();
     stretch.all_rows += 3 * static_cast<Eigen::Index>(block.bodies.size());
-    for (std::size_t i = 0; i < block.bodies.size(); ++i, row += 3) {
-      if (!(lin.root_weight[t][row] > 0.0)) continue;
-      const auto j = lin.derivative[t].middleRows<3>(row);
-      const Vector3d r = lin.residual[t].segment<3>(row);
-      stretch.information.noalias() += j.transpose() * j;
-      stretch.gradient.noalias() += j.transpose() * r;
-      stretch.square += r.squaredNorm();
-      stretch.rows += 3;
-    }
+    for (std::size_t i = 0; i < block.bodies.size(); ++i, row += 3) add_to(stretch, lin, row, 3);
+    stretch.tangent_rows += 3 * static_cast<Eigen::Index>(block.tangents.size());
+  }
+  for (TimeStretch& stretch : list) {
+    for (Eigen::Index end = row + stretch.tangent_rows; row < end; row += 3) add_to(stretch, lin, row, 2);
   }
   return list;
+}
+
+void JointModel::add_to(TimeStretch& stretch, const Linearised& lin, Eigen::Index row,
+                        int degrees_of_freedom) const {
+  if (!(lin.root_weight[stretch.trial][row] > 0.0)) return;
+  const auto j = lin.derivative[stretch.trial].middleRows<3>(row);
+  const Vector3d r = lin.residual[stretch.trial].segment<3>(row);
+  stretch.information.noalias() += j.transpose() * j;
+  stretch.gradient.noalias() += j.transpose() * r;
+  stretch.square += r.squaredNorm();
+  stretch.rows += degrees_of_freedom;
 }
 
 }  // namespace softarm::diagnose

@@ -12,6 +12,7 @@
 #include "joint_model.h"
 #include "math/ceres_callback.h"
 #include "math/statistics.h"
+#include "math/symmetric.h"
 #include "policy.h"
 
 namespace softarm::diagnose {
@@ -106,7 +107,7 @@ class JointModel::Evaluation : public ceres::EvaluationCallback {
   VectorXd x_;                      ///< where Ceres is
 };
 
-/// One body of one block.
+/// The place or the tangent of one body of one block.
 class JointModel::BodyCost : public ceres::CostFunction {
  public:
   /// @param unsolved distance of a body whose arm has no equilibrium
@@ -164,9 +165,8 @@ double step_left(const Linearised& at) {
     information(j, j) = own;
     gradient[j] = 0.0;
   }
-  const Eigen::LDLT<Eigen::MatrixXd> solver(information);
-  const VectorXd variance =
-      solver.solve(Eigen::MatrixXd::Identity(gradient.size(), gradient.size())).diagonal();
+  const math::SymmetricSolver solver(information);
+  const VectorXd variance = solver.inverse().diagonal();
   const double misfit = std::max(1.0, at.square / std::max(1, at.rows));
   return (solver.solve(gradient).array() / variance.array().sqrt()).abs().maxCoeff() / std::sqrt(misfit);
 }
@@ -222,6 +222,13 @@ bool JointModel::minimise(Evaluation& evaluation, double tolerance, int& iterati
     Eigen::Index row = 0;
     for (std::size_t k = 0; k < trials_[t].blocks.size(); ++k) {
       for (std::size_t i = 0; i < trials_[t].blocks[k].bodies.size(); ++i, row += 3) {
+        if (used_[t][k])
+          problem.AddResidualBlock(new BodyCost(evaluation, t, row, kUnsolved * threshold_), &huber,
+                                   unknowns);
+      }
+    }
+    for (std::size_t k = 0; k < trials_[t].blocks.size(); ++k) {
+      for (std::size_t i = 0; i < trials_[t].blocks[k].tangents.size(); ++i, row += 3) {
         if (used_[t][k])
           problem.AddResidualBlock(new BodyCost(evaluation, t, row, kUnsolved * threshold_), &huber,
                                    unknowns);

@@ -16,6 +16,7 @@ using model::Dynamics;
 using model::Predicted;
 using model::Present;
 using model::Seen;
+using model::SeenTangent;
 using model::TrialData;
 
 /// Size at which a constant matters: its own, or what makes the same difference as its fellows.
@@ -48,15 +49,25 @@ double scale_of(const arm::Arm& arm, const identify::ConstantRef& ref) {
 
 }  // namespace
 
+double value_of(const JointParameters& p, const JointUnknown& c) {
+  switch (c.kind) {
+    case JointUnknown::Kind::kConstant:
+      return p.constants[c.index];
+    case JointUnknown::Kind::kViscoelasticLag:
+      return p.viscoelastic_lag_s;
+    case JointUnknown::Kind::kMount:
+      return p.mounts(c.parameter, c.index);
+    case JointUnknown::Kind::kEffect:
+      break;
+  }
+  return p.effects[static_cast<std::size_t>(c.index)].values[c.parameter];
+}
+
 VectorXd Linearised::unknowns() const {
   VectorXd x(static_cast<Eigen::Index>(columns.size()));
   for (Eigen::Index j = 0; j < x.size(); ++j) {
     const JointUnknown& c = columns[static_cast<std::size_t>(j)];
-    const double value = c.kind == JointUnknown::Kind::kConstant ? at.constants[c.index]
-                         : c.kind == JointUnknown::Kind::kViscoelasticLag
-                             ? at.viscoelastic_lag_s
-                             : at.effects[static_cast<std::size_t>(c.index)].values[c.parameter];
-    x[j] = value / c.scale;
+    x[j] = value_of(at, c) / c.scale;
   }
   return x;
 }
@@ -64,11 +75,7 @@ VectorXd Linearised::unknowns() const {
 JointModel::JointModel(const arm::Arm& arm, const std::vector<TrialData>& trials, unsigned jobs,
                        const std::vector<std::string>& held, const std::vector<std::string>& tied,
                        const std::vector<Present>& known)
-    : arm_(arm),
-      known_(known),
-      trials_(trials),
-      jobs_(jobs),
-      slow_sd_m_(VectorXd::Zero(static_cast<Eigen::Index>(arm.bodies.size()))) {
+    : arm_(arm), known_(known), trials_(trials), jobs_(jobs) {
   constants_ = identify::default_free(arm);
   for (const identify::ConstantRef& ref : identify::constants_of(arm)) {
     if (ref.kind == identify::ConstantKind::kLength) constants_.push_back(ref);
@@ -84,7 +91,11 @@ JointModel::JointModel(const arm::Arm& arm, const std::vector<TrialData>& trials
   for (const TrialData& trial : trials) {
     models_.emplace_back(arm);
     std::vector<bool> used;
-    for (const Block& block : trial.blocks) used.push_back(!block.set_aside);
+    turned_.resize(arm.bodies.size(), false);
+    for (const Block& block : trial.blocks) {
+      used.push_back(!block.set_aside);
+      for (const SeenTangent& seen : block.tangents) turned_[static_cast<std::size_t>(seen.body)] = true;
+    }
     motion_sd_m_.emplace_back(used.size(), 0.0);
     used_.push_back(std::move(used));
   }
@@ -117,6 +128,7 @@ JointParameters JointModel::start() const {
   for (std::size_t j = 0; j < constants_.size(); ++j)
     p.constants[static_cast<Eigen::Index>(j)] = identify::value_of(arm_, constants_[j]);
   p.viscoelastic_lag_s = kPolicy.fit.viscoelastic_lag_s;
+  p.mounts = Eigen::Matrix2Xd::Zero(2, static_cast<Eigen::Index>(arm_.bodies.size()));
   return p;
 }
 
@@ -140,6 +152,20 @@ std::vector<JointUnknown> JointModel::columns(const JointParameters& parameters)
   delay.start = 1.0;
   delay.prior_sd = 1.0;
   list.push_back(delay);
+  for (int b = 0; b < static_cast<int>(turned_.size()); ++b) {
+    if (!turned_[static_cast<std::size_t>(b)]) continue;
+    for (int axis = 0; axis < 2; ++axis) {
+      JointUnknown c;
+      c.kind = JointUnknown::Kind::kMount;
+      c.index = b;
+      c.parameter = axis;
+      c.scale = kPolicy.fit.mount_sd_rad;
+      c.low = -kPolicy.fit.most_mount_rad;
+      c.high = kPolicy.fit.most_mount_rad;
+      c.prior_sd = 1.0;
+      list.push_back(c);
+    }
+  }
   for (std::size_t e = 0; e < parameters.effects.size(); ++e) {
     const model::Info& info = parameters.effects[e].effect->info();
     for (std::size_t k = 0; k < info.parameters.size(); ++k) {
@@ -163,8 +189,28 @@ std::vector<JointUnknown> JointModel::columns(const JointParameters& parameters)
 }
 
 double JointModel::sd_m(std::size_t trial, std::size_t block, const Seen& seen) const {
-  return std::sqrt(seen.white_sd_m * seen.white_sd_m + std::pow(slow_sd_m_[seen.body], 2) +
-                   std::pow(motion_sd_m_[trial][block], 2));
+  return std::hypot(seen.white_sd_m, motion_sd_m_[trial][block]);
+}
+
+double JointModel::sd_rad(std::size_t trial, std::size_t block, const SeenTangent& seen) const {
+  // Where an arc of this length is off by so much at its end, it is turned by twice that over its length.
+  return std::hypot(seen.white_sd_rad, 2.0 * motion_sd_m_[trial][block] / arm_.total_length_m());
+}
+
+Vector3d JointModel::by_mount(const JointParameters& parameters, const Eigen::Quaterniond& q_section,
+                              int body) const {
+  const auto askew = parameters.mounts.col(body);
+  return q_section * Vector3d(askew.y(), -askew.x(), 0.0);
+}
+
+void JointModel::mount(const JointParameters& parameters, std::size_t trial,
+                       std::vector<Predicted>& predicted) const {
+  for (std::size_t k = 0; k < predicted.size(); ++k) {
+    const std::vector<SeenTangent>& tangents = trials_[trial].blocks[k].tangents;
+    for (std::size_t i = 0; i < tangents.size() && predicted[k].solved; ++i)
+      predicted[k].tangents.col(static_cast<Eigen::Index>(i)) +=
+          by_mount(parameters, predicted[k].q_tangents[i], tangents[i].body);
+  }
 }
 
 void JointModel::predict(const JointParameters& parameters, const std::vector<std::vector<Predicted>>* start,
@@ -174,6 +220,7 @@ void JointModel::predict(const JointParameters& parameters, const std::vector<st
   math::in_parallel(trials_.size(), jobs_, [&](std::size_t t) {
     models_[t].predict(arm, all(parameters.effects), Dynamics{true, parameters.viscoelastic_lag_s},
                        trials_[t], start != nullptr ? &(*start)[t] : nullptr, made[t]);
+    mount(parameters, t, made[t]);
   });
   out = std::move(made);
 }
@@ -181,7 +228,8 @@ void JointModel::predict(const JointParameters& parameters, const std::vector<st
 VectorXd JointModel::residual(std::size_t trial, const std::vector<Predicted>& predicted) const {
   const TrialData& data = trials_[trial];
   Eigen::Index rows = 0;
-  for (const Block& block : data.blocks) rows += 3 * static_cast<Eigen::Index>(block.bodies.size());
+  for (const Block& block : data.blocks)
+    rows += 3 * static_cast<Eigen::Index>(block.bodies.size() + block.tangents.size());
   VectorXd r = VectorXd::Zero(rows);
   Eigen::Index row = 0;
   for (std::size_t k = 0; k < data.blocks.size(); ++k) {
@@ -191,6 +239,14 @@ VectorXd JointModel::residual(std::size_t trial, const std::vector<Predicted>& p
       const Vector3d e =
           (seen.p_base - predicted[k].p.col(static_cast<Eigen::Index>(i))) / sd_m(trial, k, seen);
       r.segment<3>(row) = e;
+    }
+  }
+  for (std::size_t k = 0; k < data.blocks.size(); ++k) {
+    for (std::size_t i = 0; i < data.blocks[k].tangents.size(); ++i, row += 3) {
+      if (!used_[trial][k] || !predicted[k].solved) continue;
+      const SeenTangent& seen = data.blocks[k].tangents[i];
+      r.segment<3>(row) = (seen.tangent_base - predicted[k].tangents.col(static_cast<Eigen::Index>(i))) /
+                          sd_rad(trial, k, seen);
     }
   }
   return r;

@@ -17,14 +17,17 @@ namespace softarm::diagnose {
 struct JointParameters {
   Eigen::VectorXd constants;  ///< of JointModel::constants
   double viscoelastic_lag_s = 0.0;
+  /// By which each body's marker cluster is mounted askew, rad: rotation about x and y of its section, one
+  /// column per body.
+  Eigen::Matrix2Xd mounts;
   std::vector<model::Present> effects;
 };
 
 /// One column of the fit.
 struct JointUnknown {
-  enum class Kind { kConstant, kViscoelasticLag, kEffect } kind = Kind::kConstant;
-  int index = 0;       ///< of the constant, or the effect
-  int parameter = 0;   ///< of the effect
+  enum class Kind { kConstant, kViscoelasticLag, kMount, kEffect } kind = Kind::kConstant;
+  int index = 0;       ///< of the constant, the body, or the effect
+  int parameter = 0;   ///< of the effect; the axis of a mount
   double scale = 1.0;  ///< the unknowns are values over scales
   double low = 0.0, high = 0.0;
   double start = 0.0, prior_sd = 0.0;  ///< in scales, about start
@@ -34,11 +37,12 @@ struct JointUnknown {
 /// independent of each other.
 struct TimeStretch {
   std::size_t trial = 0;
-  Eigen::MatrixXd information;  ///< J^T J
-  Eigen::VectorXd gradient;     ///< J^T r
-  double square = 0.0;          ///< r^T r
-  int rows = 0;                 ///< that count
-  Eigen::Index all_rows = 0;    ///< of the trial's vectors that belong to it
+  Eigen::MatrixXd information;    ///< J^T J
+  Eigen::VectorXd gradient;       ///< J^T r
+  double square = 0.0;            ///< r^T r
+  int rows = 0;                   ///< that count
+  Eigen::Index all_rows = 0;      ///< of the trial's vectors that belong to it: of bodies
+  Eigen::Index tangent_rows = 0;  ///< and of tangents
 };
 
 /// The model at one set of parameters, with derivatives.
@@ -47,7 +51,8 @@ struct Linearised {
   std::vector<JointUnknown> columns;
   std::vector<std::vector<model::Predicted>> predicted;  ///< by trial
   std::vector<model::ExtendedModel::Varied> reference;   ///< by trial
-  /// Whitened, used bodies of all blocks one after the other; per trial. 0 where not used.
+  /// Whitened, used bodies of all blocks one after the other, then the tangents of all blocks; per trial. 0
+  /// where not used.
   std::vector<Eigen::VectorXd> residual;
   std::vector<Eigen::MatrixXd> derivative;
   std::vector<Eigen::VectorXd> root_weight;  ///< Huber's, by row; both of the above are times it
@@ -121,13 +126,11 @@ class JointModel {
   Linearised fit(JointParameters parameters, const FitOptions& options,
                  const std::vector<std::vector<model::Predicted>>* start = nullptr);
 
-  /// Standard deviation that is not white, per body, m: added in squares to that of each mean.
-  void set_slow_sd_m(const Eigen::VectorXd& sd) { slow_sd_m_ = sd; }
-  const Eigen::VectorXd& slow_sd_m() const { return slow_sd_m_; }
   /// chi^2 per degree of freedom of the model as it is: priors count as much as the residuals' own spread
   /// lets them.
   void set_misfit(double misfit) { misfit_ = misfit; }
   double sd_m(std::size_t trial, std::size_t block, const model::Seen& seen) const;
+  double sd_rad(std::size_t trial, std::size_t block, const model::SeenTangent& seen) const;
   /// What of the motion is not known, per axis, m: part of sd_m.
   double motion_sd_m(std::size_t trial, std::size_t block) const { return motion_sd_m_[trial][block]; }
   /// Whether a block is compared.
@@ -140,14 +143,20 @@ class JointModel {
   double threshold() const { return threshold_; }
 
  private:
+  /// What askew mounts make of predicted tangents.
+  void mount(const JointParameters& parameters, std::size_t trial,
+             std::vector<model::Predicted>& predicted) const;
+  Eigen::Vector3d by_mount(const JointParameters& parameters, const Eigen::Quaterniond& q_section,
+                           int body) const;
   model::ExtendedModel::Varied vary(std::size_t trial, const JointParameters& parameters,
                                     const std::vector<model::Predicted>& predicted);
   void differentiate(const JointParameters& at, std::size_t trial, const std::vector<bool>& wanted,
                      std::vector<model::Predicted>& predicted);
   Eigen::MatrixXd differences(const Linearised& at, std::size_t trial,
                               const std::vector<JointParameters>& changed, const std::vector<double>& steps);
-  Eigen::VectorXd signature(const Linearised& at, std::size_t trial,
+  Eigen::VectorXd signature(const Linearised& at, std::size_t trial, const JointParameters& changed,
                             const model::ExtendedModel::Varied& varied, double step) const;
+  void add_to(TimeStretch& stretch, const Linearised& at, Eigen::Index row, int degrees_of_freedom) const;
   class Evaluation;  ///< of the problem of fit()
   class BodyCost;
   bool minimise(Evaluation& evaluation, double tolerance, int& iterations);
@@ -163,13 +172,14 @@ class JointModel {
   const unsigned jobs_;
   std::vector<identify::ConstantRef> constants_;
   std::vector<model::ExtendedModel> models_;  ///< per trial
-  Eigen::VectorXd slow_sd_m_;
+  std::vector<bool> turned_;                  ///< bodies whose tangents are seen
   std::vector<std::vector<bool>> used_;
   std::vector<std::vector<double>> motion_sd_m_;
   double misfit_ = 1.0;
   double threshold_ = 1e9;  ///< whitened distance beyond which a body's weight falls
 };
 
+double value_of(const JointParameters& parameters, const JointUnknown& column);
 /// Sets an unknown to x scales, kept within its range.
 void set_unknown(JointParameters& parameters, const JointUnknown& column, double x);
 

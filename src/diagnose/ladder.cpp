@@ -8,6 +8,7 @@
 #include <map>
 #include <tuple>
 
+#include "math/symmetric.h"
 #include "policy.h"
 #include "sentences.h"
 
@@ -93,7 +94,7 @@ std::vector<Rung> pooling_ladder(const JointModel& model, const Linearised& at,
       const std::vector<model::Seen>& bodies = model.trials()[t].blocks[k].bodies;
       const model::Predicted& predicted = at.predicted[t][k];
       if (model.uses(t, k) && predicted.solved && !bodies.empty()) {
-        VectorXd d = by_stiffness(model, predicted);
+        VectorXd d = by_stiffness(model, predicted).head(3 * static_cast<Eigen::Index>(bodies.size()));
         for (std::size_t i = 0; i < bodies.size(); ++i) {
           const auto from = 3 * static_cast<Eigen::Index>(i);
           d.segment<3>(from) *= at.root_weight[t][row + from] / model.sd_m(t, k, bodies[i]);
@@ -121,7 +122,7 @@ std::vector<Rung> pooling_ladder(const JointModel& model, const Linearised& at,
       gradient[c] += column.d.dot(at.residual[t].segment(column.row, n));
     }
   }
-  const VectorXd step = information.ldlt().solve(gradient);
+  const VectorXd step = math::solve_symmetric(information, gradient);
   Error by_condition, one;
   for (std::size_t t = 0; t < columns.size(); ++t) {
     std::size_t next = 0;

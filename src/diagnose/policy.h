@@ -2,6 +2,7 @@
 // of its numbers, sizes of tables and physics.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 
 #include "softarm/arm/arm.h"
@@ -19,7 +20,9 @@ struct Policy {
     double size_sd = 5.0;              ///< of an effect's sizes about 0, in usual sizes
     double shape_sd = 1.0;             ///< of an effect's other parameters about the screen's, in usual ones
     double viscoelastic_lag_s = 0.02;  ///< usual lag of a wall of silicone, and its standard deviation
-    double most_viscoelastic_lag_s = 0.2;  ///< end of its range
+    double most_viscoelastic_lag_s = 0.2;      ///< end of its range
+    double mount_sd_rad = 0.5 * M_PI / 180.0;  ///< by which a body's marker cluster is usually mounted askew
+    double most_mount_rad = 0.2;               ///< end of its range
     double converged_sd = 0.5;  ///< step left to a fit that is called converged, in standard deviations
     double huber = 4.0;         ///< threshold of Huber's loss over the bodies' typical distance
     double stretch_s = 2.0;     ///< residuals further apart than that count as independent

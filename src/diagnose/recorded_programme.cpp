@@ -75,15 +75,18 @@ void RecordedProgramme::choose_base() {
 
 /// Bodies are seen as well as they mostly were.
 void RecordedProgramme::find_precision() {
-  std::vector<std::vector<double>> sd(arm_.bodies.size());
+  std::vector<std::vector<double>> sd(arm_.bodies.size()), sd_rad(arm_.bodies.size());
   for (const TrialData& trial : trials_) {
     for (const Block& block : trial.blocks) {
       for (const model::Seen& seen : block.bodies)
         sd[static_cast<std::size_t>(seen.body)].push_back(seen.white_sd_m);
+      for (const model::SeenTangent& seen : block.tangents)
+        sd_rad[static_cast<std::size_t>(seen.body)].push_back(seen.white_sd_rad);
     }
   }
   // 0 of one that was never seen: nor will it be.
   for (std::vector<double>& of_body : sd) white_sd_m_.push_back(math::median(std::move(of_body)));
+  for (std::vector<double>& of_body : sd_rad) white_sd_rad_.push_back(math::median(std::move(of_body)));
 }
 
 VectorXd RecordedProgramme::base_inputs(double t_s) const {
@@ -127,6 +130,8 @@ TrialData RecordedProgramme::trial(double seconds, const Vector3d& gravity,
     seen.frames = static_cast<int>(per_block);
     seen.white_sd_m = white_sd_m_[b];
     block.bodies.push_back(seen);
+    if (white_sd_rad_[b] > 0.0)
+      block.tangents.push_back({static_cast<int>(b), Vector3d::UnitZ(), white_sd_rad_[b]});
   }
   for (std::size_t k = 0; k < blocks; ++k) {
     block.first = k * per_block;

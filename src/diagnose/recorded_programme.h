@@ -61,7 +61,7 @@ class RecordedProgramme {
   Eigen::VectorXd rest_, peak_;
   double peak_s_ = 0.0, payload_kg_ = 0.0;
   Eigen::Vector3d gravity_ = Eigen::Vector3d::UnitZ();
-  std::vector<double> white_sd_m_;
+  std::vector<double> white_sd_m_, white_sd_rad_;
 };
 
 }  // namespace softarm::diagnose

@@ -2,11 +2,13 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 
 #include "effects/catalogue.h"
 #include "math/parallel.h"
+#include "math/symmetric.h"
 #include "policy.h"
 
 namespace softarm::diagnose {
@@ -73,15 +75,21 @@ MatrixXd signature_of(JointModel& model, const Linearised& at, std::size_t trial
   return at.root_weight[trial].asDiagonal() * d;
 }
 
-/// Rows of the trial's stretches, in the order of Linearised::stretches.
-std::vector<std::pair<Eigen::Index, Eigen::Index>> rows_of_stretches(const Linearised& at,
-                                                                     std::size_t trial) {
-  std::vector<std::pair<Eigen::Index, Eigen::Index>> rows;
-  Eigen::Index begin = 0;
+/// Rows of a stretch in its trial's vectors: first one and number, of its bodies and of its tangents.
+using StretchRows = std::array<std::pair<Eigen::Index, Eigen::Index>, 2>;
+
+/// Of the trial's stretches, in the order of Linearised::stretches.
+std::vector<StretchRows> rows_of_stretches(const Linearised& at, std::size_t trial) {
+  std::vector<StretchRows> rows;
+  Eigen::Index begin = 0, tangents = 0;
+  for (const TimeStretch& stretch : at.stretches) {
+    if (stretch.trial == trial) tangents += stretch.all_rows;
+  }
   for (const TimeStretch& stretch : at.stretches) {
     if (stretch.trial != trial) continue;
-    rows.push_back({begin, stretch.all_rows});
+    rows.push_back({{{begin, stretch.all_rows}, {tangents, stretch.tangent_rows}}});
     begin += stretch.all_rows;
+    tangents += stretch.tangent_rows;
   }
   return rows;
 }
@@ -130,13 +138,14 @@ std::vector<Others> without_each(const JointModel& model, const Linearised& at) 
 double unseen_gain(const Linearised& at, const Variant& variant, const Others& others, std::size_t trial,
                    double misfit) {
   const Sums rest = sum_of(variant, at, trial);
-  const Eigen::LDLT<MatrixXd> solver(others.information);
+  const math::SymmetricSolver solver(others.information);
   const VectorXd alone = solver.solve(others.gradient);
-  const MatrixXd m = solver.solve(rest.mixed);
+  const MatrixXd m = solver.solve_columns(rest.mixed);
   MatrixXd h = rest.own - rest.mixed.transpose() * m;
   for (Eigen::Index i = 0; i < h.rows(); ++i)
     h(i, i) += misfit / (kPolicy.fit.size_sd * kPolicy.fit.size_sd) + kLeastVariance * rest.own(i, i);
-  const VectorXd a = into_range(variant, h.ldlt().solve(rest.score - m.transpose() * others.gradient));
+  const VectorXd a =
+      into_range(variant, math::solve_symmetric(h, rest.score - m.transpose() * others.gradient));
   const VectorXd with = alone - m * a;
   double gain = 0.0;
   for (std::size_t c = 0; c < at.stretches.size(); ++c) {
@@ -159,15 +168,15 @@ Screened judge(const JointModel& model, const Linearised& at, const Variant& var
   const auto k = variant.usual.size();
   const std::size_t none = model.trials().size();
   const Sums all = sum_of(variant, at, none);
-  const Eigen::LDLT<MatrixXd> solver(at.information);
-  const MatrixXd m = solver.solve(all.mixed);
+  const math::SymmetricSolver solver(at.information);
+  const MatrixXd m = solver.solve_columns(all.mixed);
   const MatrixXd orthogonal = all.own - all.mixed.transpose() * m;
   const VectorXd score = all.score - m.transpose() * at.gradient;
   MatrixXd information = orthogonal;
   for (Eigen::Index i = 0; i < k; ++i)
     information(i, i) +=
         misfit / (kPolicy.fit.size_sd * kPolicy.fit.size_sd) + kLeastVariance * all.own(i, i);
-  const Eigen::LDLT<MatrixXd> own_solver(information);
+  const math::SymmetricSolver own_solver(information);
   const VectorXd sizes = own_solver.solve(score);
   const VectorXd possible = into_range(variant, sizes);
   out.sizes = sizes.cwiseProduct(variant.usual);
@@ -184,12 +193,13 @@ Screened judge(const JointModel& model, const Linearised& at, const Variant& var
     const VectorXd g = variant.score[c] - m.transpose() * stretch.gradient - part * possible;
     spread += g * g.transpose();
   }
-  const MatrixXd inverse = own_solver.solve(MatrixXd::Identity(k, k));
+  const MatrixXd inverse = own_solver.inverse();
   const MatrixXd covariance = inverse + inverse * spread * inverse;
+  const math::SymmetricSolver precision(covariance);
   out.sd = covariance.diagonal().cwiseSqrt().cwiseProduct(variant.usual);
-  out.z = std::sqrt(std::max(0.0, possible.dot(covariance.ldlt().solve(possible))));
+  out.z = std::sqrt(std::max(0.0, possible.dot(precision.solve(possible))));
   const VectorXd one = VectorXd::Ones(k) / std::sqrt(static_cast<double>(k));
-  out.usual_z = std::sqrt(std::max(0.0, one.dot(covariance.ldlt().solve(one))));
+  out.usual_z = std::sqrt(std::max(0.0, one.dot(precision.solve(one))));
   const VectorXd which = possible.isZero() ? one : possible;
   const double whole = which.dot(all.own * which);
   out.collinearity = whole > 0.0 ? std::clamp(1.0 - which.dot(orthogonal * which) / whole, 0.0, 1.0) : 1.0;
@@ -209,11 +219,16 @@ void fill_sums(JointModel& model, const Linearised& at, std::vector<Variant>& li
     for (Variant& variant : list) {
       const MatrixXd d = signature_of(model, at, t, variant);
       for (std::size_t i = 0; i < rows.size(); ++i) {
-        const auto part = d.middleRows(rows[i].first, rows[i].second);
         const std::size_t c = stretches_of[t][i];
-        variant.own[c] = part.transpose() * part;
-        variant.mixed[c] = at.derivative[t].middleRows(rows[i].first, rows[i].second).transpose() * part;
-        variant.score[c] = part.transpose() * at.residual[t].segment(rows[i].first, rows[i].second);
+        variant.own[c] = MatrixXd::Zero(d.cols(), d.cols());
+        variant.mixed[c] = MatrixXd::Zero(at.derivative[t].cols(), d.cols());
+        variant.score[c] = VectorXd::Zero(d.cols());
+        for (const auto& [first, count] : rows[i]) {
+          const auto part = d.middleRows(first, count);
+          variant.own[c].noalias() += part.transpose() * part;
+          variant.mixed[c].noalias() += at.derivative[t].middleRows(first, count).transpose() * part;
+          variant.score[c].noalias() += part.transpose() * at.residual[t].segment(first, count);
+        }
       }
     }
     progress(static_cast<double>(++done) / static_cast<double>(model.trials().size()));
@@ -271,7 +286,7 @@ Squares squares_of(const JointModel& model, const Linearised& at, std::size_t tr
 
 /// Sizes in metres, and what of the signatures the constants leave.
 void set_sizes(JointModel& model, const Linearised& at, std::vector<Best>& best, unsigned jobs) {
-  const Eigen::LDLT<MatrixXd> solver(at.information);
+  const math::SymmetricSolver solver(at.information);
   Eigen::Index rows = 0;
   std::vector<Eigen::Index> begins;
   for (const MatrixXd& j : at.derivative) {
@@ -315,12 +330,12 @@ void set_sizes(JointModel& model, const Linearised& at, std::vector<Best>& best,
 
 double inflation(const Linearised& at) {
   // Along each eigenvector of the information, stretches' gradients against what independence would give.
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(at.information);
+  const math::Eigensystem eigen = math::eigensystem_of(at.information);
   const double misfit = at.square / std::max(1, at.rows);
   double sum = 0.0;
   int count = 0;
   for (Eigen::Index j = 0; j < at.information.rows(); ++j) {
-    const VectorXd v = eigen.eigenvectors().col(j);
+    const VectorXd v = eigen.vectors.col(j);
     double spread = 0.0, expected = 0.0;
     for (const TimeStretch& stretch : at.stretches) {
       spread += std::pow(v.dot(stretch.gradient), 2);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "math/symmetric.h"
 #include "policy.h"
 
 namespace softarm::diagnose {
@@ -27,11 +28,7 @@ double trivial_m(const JointModel& model) {
 /// determine may be anywhere.
 bool at_limit(const Linearised& at) {
   const Present& present = at.at.effects.back();
-  const Eigen::VectorXd variance =
-      at.information.ldlt()
-          .solve(Eigen::MatrixXd::Identity(at.information.rows(), at.information.rows()))
-          .diagonal() *
-      inflation(at);
+  const Eigen::VectorXd variance = math::inverse_of_symmetric(at.information).diagonal() * inflation(at);
   const auto determined = [&](std::size_t k) {
     for (std::size_t j = 0; j < at.columns.size(); ++j) {
       const JointUnknown& c = at.columns[j];
@@ -89,8 +86,7 @@ double z_of_sizes(const Linearised& at) {
       columns.push_back(static_cast<Eigen::Index>(j));
   }
   const auto n = static_cast<Eigen::Index>(columns.size());
-  const Eigen::MatrixXd all =
-      at.information.ldlt().solve(Eigen::MatrixXd::Identity(at.information.rows(), at.information.rows()));
+  const Eigen::MatrixXd all = math::inverse_of_symmetric(at.information);
   const Eigen::VectorXd unknowns = at.unknowns();
   Eigen::VectorXd sizes(n);
   Eigen::MatrixXd covariance(n, n);
@@ -99,7 +95,7 @@ double z_of_sizes(const Linearised& at) {
     sizes[i] = unknowns[row];
     for (Eigen::Index j = 0; j < n; ++j) covariance(i, j) = all(row, columns[static_cast<std::size_t>(j)]);
   }
-  return std::sqrt(std::max(0.0, sizes.dot(covariance.ldlt().solve(sizes)) / inflation(at)));
+  return std::sqrt(std::max(0.0, sizes.dot(math::solve_symmetric(covariance, sizes)) / inflation(at)));
 }
 
 /// Weights of the candidates, and of none of them, by what each gains on unseen trials: the mean over the

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "math/symmetric.h"
+
 namespace softarm::diagnose {
 
 using Eigen::MatrixXd;
@@ -41,6 +43,20 @@ DifferenceSums sums_between(const JointModel& model, const Linearised& truth, co
             weight * (there.p.col(body) - here.p.col(body)) / model.sd_m(t, k, bodies[i]);
       }
     }
+    for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
+      const std::vector<model::SeenTangent>& tangents = model.trials()[t].blocks[k].tangents;
+      const Predicted &there = truth.predicted[t][k], &here = fitted.predicted[t][k];
+      for (std::size_t i = 0; i < tangents.size(); ++i, row += 3) {
+        const double weight = fitted.root_weight[t][row];
+        if (!(weight > 0.0) || !(truth.root_weight[t][row] > 0.0) || !there.solved || !here.solved) {
+          derivative.middleRows<3>(row).setZero();
+          continue;
+        }
+        const auto column = static_cast<Eigen::Index>(i);
+        difference.segment<3>(row) = weight * (there.tangents.col(column) - here.tangents.col(column)) /
+                                     model.sd_rad(t, k, tangents[i]);
+      }
+    }
     sums.information.noalias() += derivative.transpose() * derivative;
     sums.gradient.noalias() -= derivative.transpose() * difference;
     sums.square += difference.squaredNorm();
@@ -71,7 +87,7 @@ std::vector<Room> rooms_of(const Linearised& at) {
 double least_within(const MatrixXd& information, const VectorXd& gradient, double square,
                     const std::vector<Room>& rooms, VectorXd& move) {
   const auto count = gradient.size();
-  move = information.ldlt().solve(gradient);
+  move = math::solve_symmetric(information, gradient);
   std::vector<bool> fixed(static_cast<std::size_t>(count), false);
   for (bool more = true; more;) {
     more = false;
@@ -94,7 +110,7 @@ double least_within(const MatrixXd& information, const VectorXd& gradient, doubl
       h(j, j) = 1.0;
       g[j] = move[j];
     }
-    move = h.ldlt().solve(g);
+    move = math::solve_symmetric(h, g);
   }
   return std::max(0.0, square - 2.0 * move.dot(gradient) + move.dot(information * move));
 }

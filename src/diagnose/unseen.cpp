@@ -3,6 +3,8 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "math/symmetric.h"
+
 namespace softarm::diagnose {
 
 using Eigen::MatrixXd;
@@ -17,11 +19,12 @@ Unseen unseen(const JointModel& model, const Linearised& at) {
     gradient[stretch.trial] -= stretch.gradient;
   }
   Unseen out;
+  std::size_t bodies = 0;
   double all_sum = 0.0, all_weight = 0.0, fitted_sum = 0.0;
   for (std::size_t t = 0; t < trials; ++t) {
     // One trial alone has no others: its own fit is all there is.
     VectorXd step = VectorXd::Zero(at.gradient.size());
-    if (trials > 1) step = information[t].ldlt().solve(gradient[t]);
+    if (trials > 1) step = math::solve_symmetric(information[t], gradient[t]);
     double chi2 = 0.0;
     for (const TimeStretch& stretch : at.stretches) {
       if (stretch.trial == t)
@@ -39,6 +42,10 @@ Unseen unseen(const JointModel& model, const Linearised& at) {
           const double sd = model.sd_m(t, k, seen), w = 1.0 / (sd * sd);
           const double scale = sd / at.root_weight[t][row];
           metres.segment<3>(row) = scale * r.segment<3>(row);
+          const double distance_m = metres.segment<3>(row).norm();
+          out.mean_m += distance_m;
+          out.max_m = std::max(out.max_m, distance_m);
+          ++bodies;
           sum += w * metres.segment<3>(row).squaredNorm();
           fitted_sum += w * scale * scale * at.residual[t].segment<3>(row).squaredNorm();
           weight += w;
@@ -51,6 +58,7 @@ Unseen unseen(const JointModel& model, const Linearised& at) {
     all_sum += sum;
     all_weight += weight;
   }
+  if (bodies > 0) out.mean_m /= static_cast<double>(bodies);
   if (all_weight > 0.0) {
     out.total_rms_m = std::sqrt(all_sum / all_weight);
     out.fitted_rms_m = std::sqrt(fitted_sum / all_weight);

@@ -15,6 +15,7 @@ struct Unseen {
   std::vector<double> rms_m;              ///< by trial, of a body's mean position; weighted by precision
   double total_chi2 = 0.0;
   double total_rms_m = 0.0, fitted_rms_m = 0.0;
+  double mean_m = 0.0, max_m = 0.0;  ///< distances of all bodies, unweighted
 };
 Unseen unseen(const JointModel& model, const Linearised& at);
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "math/parallel.h"
+#include "math/symmetric.h"
 #include "policy.h"
 
 namespace softarm::diagnose {
@@ -113,8 +114,8 @@ Signature signature_of(JointModel& model, const Linearised& at, const JointParam
 /// Standard deviations by which a usual size is seen.
 double z_of(const Signature& signature, const MatrixXd& information, double inflation) {
   const auto k = signature.own.rows();
-  const MatrixXd left =
-      signature.own - signature.mixed.transpose() * information.ldlt().solve(signature.mixed);
+  const MatrixXd left = signature.own - signature.mixed.transpose() *
+                                            math::SymmetricSolver(information).solve_columns(signature.mixed);
   const VectorXd one = VectorXd::Ones(k) / std::sqrt(static_cast<double>(k));
   return std::sqrt(std::max(0.0, one.dot(left * one)) / inflation);
 }

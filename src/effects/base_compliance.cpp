@@ -11,6 +11,7 @@ class BaseCompliance : public Described {
   bool varies_along() const override { return false; }
   bool needs_strains() const override { return false; }
   bool needs_shape() const override { return true; }
+  bool answers_evenly() const override { return true; }
   std::optional<std::pair<double, double>> place(const arm::Arm&, const Values&) const override {
     return std::make_pair(0.0, 0.0);
   }

@@ -10,6 +10,7 @@ class Tether : public Described {
   bool varies_along() const override { return false; }
   bool needs_strains() const override { return false; }
   bool needs_shape() const override { return true; }
+  bool answers_evenly() const override { return true; }
   std::optional<std::pair<double, double>> place(const arm::Arm& arm, const Values&) const override {
     return std::make_pair(arm.total_length_m(), arm.total_length_m());
   }

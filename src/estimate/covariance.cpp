@@ -1,9 +1,8 @@
 #include "covariance.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "math/symmetric.h"
 #include "policy.h"
 
 namespace softarm::estimate {
@@ -48,7 +47,7 @@ bool determines_shape(const MatrixXd& information, const std::vector<bool>& free
       a(i, k) = information(columns[i], columns[k]) / scale;
     }
   }
-  return Eigen::LDLT<MatrixXd>(a).vectorD().minCoeff() > kLeastShapeInformation;
+  return math::SymmetricSolver(a).least_pivot() > kLeastShapeInformation;
 }
 
 }  // namespace
@@ -101,15 +100,15 @@ Covariance covariance(const Problem& problem, const std::vector<bool>& free,
       b(i, k) = scale[i] * scale[k] * variance(columns[i], columns[k]);
     }
   }
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(a);
+  const math::Eigensystem eigen = math::eigensystem_of(a);
   VectorXd inverse(n);
   VectorXd lost = VectorXd::Zero(n);
   for (int k = 0; k < n; ++k) {
-    const bool determined = eigen.eigenvalues()[k] > kLeastInformation * eigen.eigenvalues()[n - 1];
-    inverse[k] = determined ? 1.0 / eigen.eigenvalues()[k] : 0.0;
-    if (!determined) lost += eigen.eigenvectors().col(k).cwiseAbs2();
+    const bool determined = eigen.values[k] > kLeastInformation * eigen.values[n - 1];
+    inverse[k] = determined ? 1.0 / eigen.values[k] : 0.0;
+    if (!determined) lost += eigen.vectors.col(k).cwiseAbs2();
   }
-  const MatrixXd a_inverse = eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+  const MatrixXd a_inverse = eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose();
   const bool best = !sum && problem.noise_weights();
   const MatrixXd scaled = best ? a_inverse : MatrixXd(a_inverse * b * a_inverse);
   for (int i = 0; i < n; ++i) {
@@ -165,7 +164,7 @@ double determined_by_bodies(const Problem& problem, const VectorXd& x) {
   for (Eigen::Index i = 0; i < h.rows(); ++i) {
     if (scale[i] == 0.0) scaled(i, i) = 1.0;
   }
-  return Eigen::LDLT<MatrixXd>(scaled).solve(MatrixXd(scale.asDiagonal() * h * scale.asDiagonal())).trace();
+  return math::SymmetricSolver(scaled).solve_columns(scale.asDiagonal() * h * scale.asDiagonal()).trace();
 }
 
 VectorXd error_by_gravity(const Problem& problem, const std::vector<bool>& free, const MatrixXd& belief,
@@ -189,7 +188,7 @@ VectorXd error_by_gravity(const Problem& problem, const std::vector<bool>& free,
   }
   MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
   scaled.diagonal().array() += 1e-9;
-  return scale.cwiseProduct(Eigen::LDLT<MatrixXd>(scaled).solve(scale.cwiseProduct(pull)));
+  return scale.cwiseProduct(math::solve_symmetric(scaled, scale.cwiseProduct(pull)));
 }
 
 void fill_segment(const Problem& problem, int segment, const VectorXd& x, const Covariance& covariance,

@@ -182,7 +182,6 @@ bool Estimator::Impl::observe(const trial::Frame& frame) {
     }
     Observation o;
     o.body = seen.body;
-    o.station = problem.station_of_body(seen.body);
     const bool offset = !body.section_in_body.translation().isZero();
     if (seen.q_mocap && seen.q_mocap->coeffs().allFinite() && seen.q_mocap->norm() > 0.5) {
       const Eigen::Quaterniond q = seen.q_mocap->normalized();

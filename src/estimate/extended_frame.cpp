@@ -94,7 +94,6 @@ std::optional<ExtendedFrame::Difference> ExtendedFrame::difference(
   for (int b = 0; b < static_cast<int>(with.p.cols()); ++b) {
     Observation o;
     o.body = b;
-    o.station = problem.station_of_body(b);
     d.p.col(b) -= problem.position_by_laws(o);
     d.tangent.col(b) = (with.q[static_cast<std::size_t>(b)].toRotationMatrix() -
                         problem.solver().station(b).q.toRotationMatrix())

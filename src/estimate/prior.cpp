@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "math/symmetric.h"
 #include "problem.h"
 
 namespace softarm::estimate {
@@ -23,11 +24,11 @@ MatrixXd Belief::rows() const {
   for (Eigen::Index i = 0; i < n; ++i)
     scale[i] = information(i, i) > 0.0 ? std::sqrt(information(i, i)) : 1.0;
   const VectorXd inverse = scale.cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(inverse.asDiagonal() * information *
-                                                      inverse.asDiagonal());
-  VectorXd root = eigen.eigenvalues();
+  const math::Eigensystem eigen =
+      math::eigensystem_of(inverse.asDiagonal() * information * inverse.asDiagonal());
+  VectorXd root = eigen.values;
   for (double& value : root) value = value > kFree ? std::sqrt(value) : 0.0;
-  return root.asDiagonal() * eigen.eigenvectors().transpose() * scale.asDiagonal();
+  return root.asDiagonal() * eigen.vectors.transpose() * scale.asDiagonal();
 }
 
 FrameLaw frame_law(const arm::Arm& arm, const arm::LawPrior& prior,

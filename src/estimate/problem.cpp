@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "math/so3.h"
+#include "model/arm_rod.h"
 #include "model/body_kinematics.h"
 #include "policy.h"
 
@@ -16,26 +17,18 @@ constexpr double kSumOfDistancesSmoothing = 1e-5;  // m: below it the distance i
 constexpr double kRejected = 1e8;  // residual where the rod has no equilibrium: the step is refused
 // A step this small in flexibility stands for none, where a moment is a curvature over a flexibility.
 constexpr double kLeastFlexibility = 1e-6;
+constexpr double kFarthestTurn_rad = 1.0;  // of the tip, that a step may ask for
 
-/// The rod's parameters behind those of the fit, segment by segment, then the payload.
-enum RodColumn { kMomentX, kMomentY, kCompliance, kLengthColumn, kRodColumns };
-
+/// The rod's parameters behind those of the fit: of the segments, then the payload.
 std::vector<rod::Parameter> rod_parameters(const arm::Arm& arm, bool gravity) {
-  std::vector<rod::Parameter> list;
-  for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
-    list.push_back({rod::ParameterKind::kMoment, i, 0});
-    list.push_back({rod::ParameterKind::kMoment, i, 1});
-    list.push_back({rod::ParameterKind::kBendingCompliance, i, 0});
-    list.push_back({rod::ParameterKind::kLength, i, 0});
-  }
+  std::vector<rod::Parameter> list = model::segment_parameters(arm);
   list.push_back({rod::ParameterKind::kLoadMass, rod::kPayloadLoad, 0});
   for (int c = 0; c < 3 && gravity; ++c) list.push_back({rod::ParameterKind::kGravity, 0, c});
   return list;
 }
 
 std::vector<double> stations(const arm::Arm& arm) {
-  std::vector<double> list;
-  for (const arm::MeasuredBody& body : arm.bodies) list.push_back(body.arclength_m);
+  std::vector<double> list = model::body_stations(arm);
   double end = 0.0;
   for (const arm::Segment& segment : arm.segments) list.push_back(end += segment.length_m);
   return list;
@@ -43,15 +36,6 @@ std::vector<double> stations(const arm::Arm& arm) {
 
 bool has_constant_curvature(arm::Method method) {
   return method == arm::Method::kCcPoints || method == arm::Method::kCcEndpoint;
-}
-
-rod::SolverOptions solver_options() {
-  rod::SolverOptions options;
-  // The fit's own steps are of this order near its end; positions are exact to its square.
-  options.linear_correction_rad = 1e-4;
-  options.orientation_tolerance_rad = 1e-9;
-  options.position_tolerance = 1e-6;  // a thousandth of what cameras see
-  return options;
 }
 
 rod::Rod layout(const arm::Arm& arm, bool constant_curvature) {
@@ -74,16 +58,14 @@ Problem::Problem(const arm::Arm& arm, const arm::EstimatorOptions& options)
       free_(arm.segments.size() * kSegmentParameters + 1, true),
       rod_(layout(arm, constant_curvature_)),
       unactuated_(rod_),
-      solver_(rod_, stations(arm), rod_parameters(arm, options.window_s > 0.0), solver_options()),
+      solver_(rod_, stations(arm), rod_parameters(arm, options.window_s > 0.0), model::solver_options(1e-9)),
       x_(Eigen::VectorXd::Zero(static_cast<int>(free_.size()))),
       last_x_(x_),
-      anchor_x_(x_),
-      tip_by_x_(Eigen::Matrix3Xd::Zero(3, static_cast<int>(free_.size()))),
+      anchor_{Eigen::Quaterniond::Identity(), x_, Eigen::Matrix3Xd::Zero(3, x_.size())},
       block_(Eigen::Matrix3Xd::Zero(3, static_cast<int>(free_.size()))) {
   accepted_x_ = x_;
   for (const arm::Segment& segment : arm.segments)
     reference_stiffness_.push_back(segment.bending_stiffness.base_nm2);
-  for (int i = 0; i < static_cast<int>(arm.bodies.size()); ++i) body_station_.push_back(i);
 }
 
 void Problem::set_laws(const std::optional<std::vector<arm::SegmentPrediction>>& predictions) {
@@ -161,8 +143,7 @@ bool Problem::evaluate(const Eigen::VectorXd& x, const std::optional<Eigen::Quat
   } else if (anchored_) {
     // The tip turns as the last equilibrium says it would. A step too large for that is refused: the next is
     // smaller.
-    const Vector3d turn = tip_by_x_ * (x - anchor_x_);
-    if (turn.norm() < 1.0) status = solver_.solve(rod_, (math::exp_so3(turn) * tip_).normalized());
+    if (const auto q_tip = anchor_.tip_at(x, kFarthestTurn_rad)) status = solver_.solve(rod_, *q_tip);
     // The way back from a refused step may be longer than the step was.
     if (status != rod::SolveStatus::kConverged && x == accepted_x_)
       status = solver_.solve(rod_, accepted_tip_);
@@ -173,9 +154,9 @@ bool Problem::evaluate(const Eigen::VectorXd& x, const std::optional<Eigen::Quat
   if (valid_) {
     last_x_ = x;
     anchored_ = true;
-    anchor_x_ = x;
-    tip_ = solver_.q_tip();
-    chain(solver_.drotation_tip(), tip_by_x_);
+    anchor_.x = x;
+    anchor_.q_tip = solver_.q_tip();
+    chain(solver_.drotation_tip(), anchor_.tip_by_x);
   }
   return valid_;
 }
@@ -184,22 +165,22 @@ void Problem::chain(const Eigen::Ref<const Eigen::Matrix3Xd>& by_rod, Eigen::Mat
   by_x.setZero();
   for (int i = 0; i < static_cast<int>(rod_.segments.size()); ++i) {
     const rod::Segment& segment = rod_.segments[static_cast<std::size_t>(i)];
-    const int first = i * kRodColumns;
+    const int first = i * model::kSegmentColumns;
     const double curvature_to_moment = 1.0 / (segment.rest_length_m * segment.bending_compliance);
-    by_x.col(column(i, 0)) = curvature_to_moment * by_rod.col(first + kMomentY);
-    by_x.col(column(i, 1)) = -curvature_to_moment * by_rod.col(first + kMomentX);
+    by_x.col(column(i, 0)) = curvature_to_moment * by_rod.col(first + model::kMomentY);
+    by_x.col(column(i, 1)) = -curvature_to_moment * by_rod.col(first + model::kMomentX);
     // At a given actuation curvature a more flexible segment has a smaller moment.
-    by_x.col(column(i, 2)) =
-        (by_rod.col(first + kCompliance) - (segment.moment_nm.x() * by_rod.col(first + kMomentX) +
-                                            segment.moment_nm.y() * by_rod.col(first + kMomentY)) /
-                                               segment.bending_compliance) /
-        reference_stiffness(i);
-    by_x.col(column(i, 3)) = segment.rest_length_m * by_rod.col(first + kLengthColumn);
+    by_x.col(column(i, 2)) = (by_rod.col(first + model::kBendingCompliance) -
+                              (segment.moment_nm.x() * by_rod.col(first + model::kMomentX) +
+                               segment.moment_nm.y() * by_rod.col(first + model::kMomentY)) /
+                                  segment.bending_compliance) /
+                             reference_stiffness(i);
+    by_x.col(column(i, 3)) = segment.rest_length_m * by_rod.col(first + model::kLengthColumn);
   }
   by_x.col(payload_column()) =
-      constant_curvature_
-          ? Vector3d(Vector3d::Zero())
-          : Vector3d(kPayloadUnit * by_rod.col(static_cast<int>(rod_.segments.size()) * kRodColumns));
+      constant_curvature_ ? Vector3d(Vector3d::Zero())
+                          : Vector3d(kPayloadUnit * by_rod.col(static_cast<int>(rod_.segments.size()) *
+                                                               model::kSegmentColumns));
   for (int j = 0; j < by_x.cols(); ++j) {
     if (!free_[static_cast<std::size_t>(j)]) by_x.col(j).setZero();
   }
@@ -212,7 +193,7 @@ Vector3d Problem::position(const Observation& o) const {
 }
 
 Vector3d Problem::tangent(const Observation& o) const {
-  const Vector3d by_laws = model::tangent_of(solver_.station(o.station));
+  const Vector3d by_laws = model::tangent_of(solver_.station(o.body));
   if (effects_ == nullptr) return by_laws;
   const EffectsAt::OnBody& effect = effects_->bodies[static_cast<std::size_t>(o.body)];
   return (by_laws + effect.tangent + effect.tangent_by_x * (last_x_ - effects_->x)).normalized();
@@ -228,15 +209,14 @@ Vector3d Problem::tangent_for_laws(const Observation& o) const {
 }
 
 Vector3d Problem::position_by_laws(const Observation& o) const {
-  return model::position_on(body_of(o), solver_.station(o.station));
+  return model::position_on(body_of(o), solver_.station(o.body));
 }
 
 void Problem::position_jacobian(const Observation& o, Eigen::Matrix3Xd& j) const {
-  chain(solver_.dp(o.station), j);
   if (model::is_off_axis(body_of(o))) {
-    Eigen::Matrix3Xd turn(3, j.cols());
-    chain(solver_.drotation(o.station), turn);
-    model::carry_position(body_of(o), solver_.station(o.station), turn, j);
+    chain(model::position_by_rod(body_of(o), o.body, solver_), j);
+  } else {  // the same without a copy
+    chain(solver_.dp(o.body), j);
   }
   if (effects_ != nullptr) add_free(effects_->bodies[static_cast<std::size_t>(o.body)].p_by_x, j);
 }
@@ -248,12 +228,12 @@ void Problem::add_free(const Eigen::Matrix3Xd& by_x, Eigen::Matrix3Xd& j) const 
 }
 
 Eigen::Matrix3d Problem::position_by_gravity(const Observation& o) const {
-  return solver_.dp(o.station).rightCols<3>();
+  return solver_.dp(o.body).rightCols<3>();
 }
 
 void Problem::tangent_jacobian(const Observation& o, Eigen::Matrix3Xd& j) const {
-  chain(solver_.drotation(o.station), j);
-  j = model::tangent_derivative(solver_.station(o.station), j);
+  chain(solver_.drotation(o.body), j);
+  j = model::tangent_derivative(solver_.station(o.body), j);
   if (effects_ != nullptr) add_free(effects_->bodies[static_cast<std::size_t>(o.body)].tangent_by_x, j);
 }
 
@@ -361,13 +341,13 @@ bool Problem::evaluate_free_tip(const double* x, const Eigen::Quaterniond& q_tip
   for (const Observation& o : observations_) {
     if (!o.used) continue;
     // Rings and markers alike by the backbone's place: this is only a way to a start.
-    chain(solver_.dp(o.station), block_);
-    put(row, solver_.station(o.station).p - measured_for_laws(o), block_, solver_.dp_by_tip(o.station),
+    chain(solver_.dp(o.body), block_);
+    put(row, solver_.station(o.body).p - measured_for_laws(o), block_, solver_.dp_by_tip(o.body),
         1.0 / position_sd(o));
     row += 3;
     if (o.tangent) {  // as if the body sat at the tip, which for end_orientation it does
-      const Vector3d tangent = solver_.station(o.station).q * Vector3d::UnitZ();
-      chain(solver_.drotation(o.station), block_);
+      const Vector3d tangent = solver_.station(o.body).q * Vector3d::UnitZ();
+      chain(solver_.drotation(o.body), block_);
       put(row, tangent - tangent_for_laws(o), -math::skew(tangent) * block_, -math::skew(tangent),
           1.0 / tangent_sd(o));
       row += 3;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "model/arm_rod.h"
 #include "prior.h"
 #include "softarm/arm/arm.h"
 #include "softarm/arm/laws.h"
@@ -17,8 +18,7 @@ constexpr int kSegmentParameters = 4;  ///< a, b, c, l of each segment, see Prob
 
 /// One measured body, in the rod's base frame.
 struct Observation {
-  int body = 0;
-  int station = 0;
+  int body = 0;  ///< its index, and its station of the solver
   Eigen::Vector3d p = Eigen::Vector3d::Zero();
   std::optional<Eigen::Vector3d> tangent;  ///< used by end_orientation
   bool used = true;
@@ -67,7 +67,6 @@ class Problem {
   const std::optional<Belief>& belief() const { return belief_; }
   /// @param effects kept by reference, until the next call; nullptr: none
   void set_effects(const EffectsAt* effects) { effects_ = effects; }
-  int station_of_body(int body) const { return body_station_[static_cast<std::size_t>(body)]; }
   /// Counts the rows and forgets cached evaluations: call after the frame's data change.
   void begin();
   /// Forgets the last tip orientation as well: the next evaluation is not tied to an earlier frame.
@@ -149,7 +148,6 @@ class Problem {
   Eigen::MatrixXd belief_rows_;
   const EffectsAt* effects_ = nullptr;
   std::vector<double> reference_stiffness_;
-  std::vector<int> body_station_;
   int rows_ = 0;
 
   // Scratch and the last evaluation; evaluating is const for TinySolver.
@@ -158,10 +156,8 @@ class Problem {
   mutable rod::Solver solver_;
   mutable Eigen::VectorXd x_, last_x_;
   mutable bool valid_ = false;     ///< solver_ holds the rod at last_x_
-  mutable bool anchored_ = false;  ///< tip_ and tip_by_x_ are those of some equilibrium, at anchor_x_
-  mutable Eigen::VectorXd anchor_x_;
-  mutable Eigen::Quaterniond tip_ = Eigen::Quaterniond::Identity();
-  mutable Eigen::Matrix3Xd tip_by_x_;
+  mutable bool anchored_ = false;  ///< anchor_ is some equilibrium
+  mutable model::Equilibrium anchor_;
   mutable Eigen::VectorXd accepted_x_;  ///< where the Jacobian was last asked for, and the tip there
   mutable Eigen::Quaterniond accepted_tip_ = Eigen::Quaterniond::Identity();
   mutable int rod_solves_ = 0;

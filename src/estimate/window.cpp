@@ -1,10 +1,10 @@
 #include "window.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 
+#include "math/symmetric.h"
 #include "policy.h"
 
 namespace softarm::estimate {
@@ -141,9 +141,9 @@ bool Window::forget_before_change(const VectorXd& law_information) {
     b = scale.cwiseProduct(b);
     // What nothing is said of stays where it is.
     a.diagonal().array() += kNothing;
-    const Eigen::LDLT<MatrixXd> with(a);
-    const Eigen::LDLT<MatrixXd> without(a.topLeftCorner(n, n));
-    if (with.info() != Eigen::Success || without.info() != Eigen::Success) continue;
+    const math::SymmetricSolver with(a);
+    const math::SymmetricSolver without(a.topLeftCorner(n, n));
+    if (!with.ok() || !without.ok()) continue;
     const double gain = b.dot(with.solve(b)) - b.head(n).dot(without.solve(b.head(n)));
     if (gain > largest) {
       largest = gain;

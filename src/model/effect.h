@@ -112,6 +112,9 @@ class Effect {
   virtual void act(const arm::Arm&, const FineRod&, const Values&, const Instant&, const Shape*,
                    const Memory&, rod::Rod&) const {}
   virtual bool needs_shape() const { return false; }
+  /// Of one that needs the shape: whether what it makes of a small change of it hardly differs from one
+  /// instant to the next. A stop that is suddenly reached does not.
+  virtual bool answers_evenly() const { return false; }
   /// Whether act() or remember() look at Shape::middles.
   virtual bool needs_strains() const { return needs_shape() || remembers(); }
   /// Whether it changes one piece of a segment otherwise than another, or acts between their ends: then the

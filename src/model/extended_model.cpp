@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "body_kinematics.h"
+#include "arm_rod.h"
 #include "instant_solver.h"
 
 namespace softarm::model {
@@ -82,22 +82,28 @@ struct ExtendedModel::Impl : InstantSolver {
     out.p.resize(3, static_cast<Eigen::Index>(block.bodies.size()));
     for (std::size_t i = 0; i < block.bodies.size(); ++i)
       out.p.col(static_cast<Eigen::Index>(i)) = seen.p.col(block.bodies[i].body);
+    out.tangents.resize(3, static_cast<Eigen::Index>(block.tangents.size()));
+    out.q_tangents.clear();
+    for (std::size_t i = 0; i < block.tangents.size(); ++i) {
+      out.q_tangents.push_back(seen.q[static_cast<std::size_t>(block.tangents[i].body)]);
+      out.tangents.col(static_cast<Eigen::Index>(i)) = out.q_tangents.back() * Vector3d::UnitZ();
+    }
   }
 
   /// Of the rod that was made last, by the parameters that are wanted.
   bool differentiate(const Block& block, Predicted& out) {
     if (derivatives->solve(rod, out.q_tip) != rod::SolveStatus::kConverged) return false;
-    out.by_rod.setZero(3 * static_cast<Eigen::Index>(block.bodies.size()),
+    out.by_rod.setZero(3 * static_cast<Eigen::Index>(block.bodies.size() + block.tangents.size()),
                        static_cast<Eigen::Index>(fine.parameters().size()));
-    for (std::size_t i = 0; i < block.bodies.size(); ++i) {
-      const int b = block.bodies[i].body;
-      const arm::MeasuredBody& body = bodies[static_cast<std::size_t>(b)];
-      Eigen::Matrix3Xd rows = derivatives->dp(b);
-      carry_position(body, derivatives->station(b), derivatives->drotation(b), rows);
+    Eigen::Index row = 0;
+    const auto put = [&](const Eigen::Matrix3Xd& rows) {
       for (std::size_t j = 0; j < columns.size(); ++j)
-        out.by_rod.block<3, 1>(3 * static_cast<Eigen::Index>(i), columns[j]) =
-            rows.col(static_cast<Eigen::Index>(j));
-    }
+        out.by_rod.block<3, 1>(row, columns[j]) = rows.col(static_cast<Eigen::Index>(j));
+      row += 3;
+    };
+    for (const Seen& seen : block.bodies)
+      put(position_by_rod(bodies[static_cast<std::size_t>(seen.body)], seen.body, *derivatives));
+    for (const SeenTangent& seen : block.tangents) put(tangent_by_rod(seen.body, *derivatives));
     return true;
   }
 
@@ -111,7 +117,7 @@ struct ExtendedModel::Impl : InstantSolver {
       columns.push_back(static_cast<Eigen::Index>(j));
       parameters.push_back(fine.parameters()[j]);
     }
-    derivatives.emplace(fine.layout(), body_stations(arm), parameters, solver_options());
+    derivatives.emplace(fine.layout(), body_stations(arm), parameters, solver_options(1e-10));
   }
 
   /// Makes the rod of each block that has a prediction, with the shapes and motions of those.
@@ -187,7 +193,7 @@ void ExtendedModel::predict(const arm::Arm& arm, const std::vector<Present>& eff
     if (pass == 1) still = resting;
     path.assign(trial.blocks.size(), {});
     std::vector<Memory> memories(effects.size());
-    double share = 1.0;
+    Feedback feedback;
     const Predicted* last = nullptr;
     for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
       Predicted& now = path[k];
@@ -199,7 +205,7 @@ void ExtendedModel::predict(const arm::Arm& arm, const std::vector<Present>& eff
       } else if (start != nullptr && (*start)[k].solved) {
         last = &(*start)[k];
       }
-      const Impl::Context context{arm, memories, dynamics, motion, share};
+      const Impl::Context context{arm, memories, dynamics, motion, feedback};
       now.solved = m.settle(context, effects, last != nullptr ? &last->q_tip : nullptr,
                             last != nullptr ? &last->shape : nullptr, now);
       if (!now.solved) {

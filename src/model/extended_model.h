@@ -21,9 +21,12 @@ struct Dynamics {
 /// Prediction of one block.
 struct Predicted {
   bool solved = false;
-  Eigen::Matrix3Xd p;      ///< one column per entry of Block::bodies, m, rod's base frame
-  Eigen::VectorXd values;  ///< of the rod, FineRod::values
-  Eigen::MatrixXd by_rod;  ///< derivative of p, stacked, by those; by differentiate()
+  Eigen::Matrix3Xd p;                          ///< one column per entry of Block::bodies, m, rod's base frame
+  Eigen::Matrix3Xd tangents;                   ///< one per entry of Block::tangents
+  std::vector<Eigen::Quaterniond> q_tangents;  ///< of the sections there
+  Eigen::VectorXd values;                      ///< of the rod, FineRod::values
+  /// Derivative of p and, below, of the tangents, stacked, by those; by differentiate().
+  Eigen::MatrixXd by_rod;
   Shape shape;
   Instant instant;
   Eigen::Quaterniond q_tip = Eigen::Quaterniond::Identity();

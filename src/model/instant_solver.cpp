@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "arm_rod.h"
 #include "body_kinematics.h"
 #include "shape_mixer.h"
 #include "softarm/arm/laws.h"
@@ -14,7 +15,7 @@ namespace {
 constexpr double kSettledStiff_m = 2e-6, kStiffShare = 0.2;
 constexpr int kMostRounds = 80;              // to get there
 constexpr int kMostPlainRounds = 5;          // without mixing
-constexpr double kSoft = 0.25;               // of a change, that it may cause anew without mixing
+constexpr double kSoft = 0.25;               // answer up to which no mixing is needed
 constexpr double kFirstScale = 1.0 / 256.0;  // of effects, at which their continuation begins
 
 arm::InputValues input_values(const Eigen::VectorXd& v) {
@@ -38,24 +39,9 @@ Mesh Mesh::of(const std::vector<Present>& effects, double settled_m) {
 InstantSolver::InstantSolver(const arm::Arm& arm, const Mesh& mesh)
     : fine(arm, mesh.pieces),
       bodies(arm.bodies),
-      values(fine.layout(), stations(arm, fine, mesh), {}, solver_options()),
+      values(fine.layout(), stations(arm, fine, mesh), {}, solver_options(1e-10)),
       rod(fine.layout()),
       mesh_(mesh) {}
-
-rod::SolverOptions InstantSolver::solver_options() {
-  rod::SolverOptions options;
-  options.linear_correction_rad = 1e-4;
-  options.orientation_tolerance_rad = 1e-10;
-  options.position_tolerance = 1e-6;
-  return options;
-}
-
-std::vector<double> InstantSolver::body_stations(const arm::Arm& arm) {
-  std::vector<double> list;
-  for (const arm::MeasuredBody& body : arm.bodies)
-    list.push_back(std::min(body.arclength_m, arm.total_length_m()));
-  return list;
-}
 
 std::vector<double> InstantSolver::stations(const arm::Arm& arm, const FineRod& fine, const Mesh& mesh) {
   std::vector<double> list = body_stations(arm);
@@ -132,7 +118,7 @@ bool InstantSolver::solve(const Eigen::Quaterniond* start) {
 
 bool InstantSolver::agree(const Context& at, const std::vector<Present>& effects, Shape assumed,
                           Predicted& now) {
-  ShapeMixer mixer(at.share);
+  ShapeMixer mixer(at.feedback.share);
   Eigen::Quaterniond last = now.q_tip;
   Shape followed, next;
   for (int round = 0; round < kMostRounds; ++round) {
@@ -146,7 +132,7 @@ bool InstantSolver::agree(const Context& at, const std::vector<Present>& effects
       if (difference_m(followed, assumed).lpNorm<Eigen::Infinity>() < settled) {
         now.shape = followed;
         now.q_tip = last;
-        at.share = std::min(1.0, 4.0 * mixer.share());
+        at.feedback.share = std::min(1.0, 4.0 * mixer.share());
         return true;
       }
     }
@@ -158,6 +144,10 @@ bool InstantSolver::agree(const Context& at, const std::vector<Present>& effects
 
 bool InstantSolver::agree_at_once(const Context& at, const std::vector<Present>& effects, Predicted& now) {
   double before_m = 0.0;
+  const bool evenly = std::all_of(effects.begin(), effects.end(), [](const Present& p) {
+    return !p.effect->needs_shape() || p.effect->answers_evenly();
+  });
+  const double remembered = evenly ? at.feedback.answer : 1.0;
   for (int round = 0; round < kMostPlainRounds; ++round) {
     if (!make(at.arm, effects, at.memories, at.dynamics, now.instant, &now.shape, at.motion, rod, at.given) ||
         !solve(&now.q_tip))
@@ -170,11 +160,13 @@ bool InstantSolver::agree_at_once(const Context& at, const std::vector<Present>&
                                       .lpNorm<Eigen::Infinity>());
     shape_of_solution(at.motion, now.shape);
     if (moved_m < mesh_.settled_m) return true;
+    double answer = remembered;
     if (round > 0) {
-      const double again = moved_m / before_m;  // of a change, what it causes anew
-      if (again > kSoft) return false;
-      if (moved_m * again / (1.0 - again) < mesh_.settled_m) return true;
+      answer = moved_m / before_m;
+      if (answer > kSoft) return false;
+      at.feedback.answer = answer;
     }
+    if (answer <= kSoft && moved_m * answer / (1.0 - answer) < mesh_.settled_m) return true;
     before_m = moved_m;
   }
   return false;

@@ -20,6 +20,12 @@ struct Mesh {
   static Mesh of(const std::vector<Present>& effects, double settled_m);
 };
 
+/// How a shape answers what it causes; kept from one instant to the next, where it changes little.
+struct Feedback {
+  double share = 1.0;   ///< of what follows that is assumed next
+  double answer = 1.0;  ///< share of a change of the shape by which it changes anew; 1: not known
+};
+
 class InstantSolver {
  public:
   explicit InstantSolver(const arm::Arm& arm, const Mesh& mesh = {});
@@ -30,7 +36,7 @@ class InstantSolver {
     const std::vector<Memory>& memories;
     const Dynamics& dynamics;
     const Motion& motion;
-    double& share;  ///< of what follows that is assumed next; kept from one instant to the next
+    Feedback& feedback;
     /// What stands in for what the laws make of the inputs, one per segment of the arm; nullptr: nothing
     /// does.
     const std::vector<arm::SegmentPrediction>* given = nullptr;
@@ -55,10 +61,6 @@ class InstantSolver {
   /// Stations: the bodies, the pieces' middles, their ends, the base.
   rod::Solver values;
   rod::Rod rod;
-
- protected:
-  static rod::SolverOptions solver_options();
-  static std::vector<double> body_stations(const arm::Arm& arm);
 
  private:
   static std::vector<double> stations(const arm::Arm& arm, const FineRod& fine, const Mesh& mesh);

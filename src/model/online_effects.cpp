@@ -71,7 +71,7 @@ std::vector<Present> OnlineEffects::choose(std::vector<Present> all) {
 void OnlineEffects::reset() {
   history_.clear();
   near_.reset();
-  share_ = 1.0;
+  feedback_ = {};
   memories_.assign(effects_.size(), {});
   sum_.reset();
   first_s_.reset();
@@ -131,12 +131,12 @@ bool OnlineEffects::solve(const std::vector<arm::SegmentPrediction>& segments, d
   static const Motion kNoMotion;
   last_.instant = now_;
   last_.instant.payload_kg = payload_kg;
-  double share = share_;
-  const InstantSolver::Context context{arm_, memories_, kStill, kNoMotion, share, &segments};
+  Feedback feedback = feedback_;
+  const InstantSolver::Context context{arm_, memories_, kStill, kNoMotion, feedback, &segments};
   last_.solved = solver_.settle(context, effects_, near_ ? &near_->q_tip : nullptr,
                                 near_ ? &near_->shape : nullptr, last_);
   if (!last_.solved) return false;
-  share_ = share;
+  feedback_ = feedback;
   observe();
   return true;
 }

@@ -74,7 +74,7 @@ class OnlineEffects {
   Predicted last_;                 ///< solution
   std::optional<Predicted> near_;  ///< where solves begin
   Bodies bodies_;
-  double share_ = 1.0;
+  Feedback feedback_;
   std::vector<Memory> memories_;
   std::optional<Sum> sum_;
   std::optional<double> first_s_, last_s_, remembered_s_;

@@ -3,8 +3,10 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
+#include "math/statistics.h"
 #include "trial/static_frame.h"
 
 namespace softarm::model {
@@ -51,17 +53,48 @@ Line fit_line(const std::vector<double>& t, const std::vector<Vector3d>& p, cons
   return line;
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+/// The mean of one vector of a body over a block.
+struct Mean {
+  Vector3d value = Vector3d::Zero();
+  int frames = 0;
+  double variance_factor = 1.0;
+};
+
+/// The line through a body's values, without what jumped in single frames.
+/// @param sd of a value as the arm file states it
+/// @param scatter gets the variance per coordinate and frame
+std::optional<Mean> mean_of(const std::vector<double>& when, const std::vector<Vector3d>& values, double sd,
+                            std::vector<double>& scatter) {
+  std::vector<bool> used(when.size(), true);
+  Line line = fit_line(when, values, used);
+  // A jump in one frame lies far from the others' middle.
+  std::vector<double> x, y, z;
+  for (const Vector3d& v : values) {
+    x.push_back(v.x());
+    y.push_back(v.y());
+    z.push_back(v.z());
+  }
+  const Vector3d middle(math::median(x), math::median(y), math::median(z));
+  std::vector<double> off;
+  for (const Vector3d& v : values) off.push_back((v - middle).norm());
+  const double limit = kOutlier * std::max(math::median(off), sd);
+  bool dropped = false;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (off[i] > limit) {
+      used[i] = false;
+      dropped = true;
+    }
+  }
+  if (dropped) line = fit_line(when, values, used);
+  if (line.frames < static_cast<int>(kFewest)) return std::nullopt;
+  if (line.dof > 0) scatter.push_back(line.sum2 / line.dof);
+  return Mean{line.at_centre, line.frames, line.variance_factor};
 }
 
 class Preparing {
  public:
   Preparing(const arm::Arm& arm, const Preparation& how)
-      : arm_(arm), how_(how), scatter_(arm.bodies.size()) {}
+      : arm_(arm), how_(how), scatter_(arm.bodies.size()), tangent_scatter_(arm.bodies.size()) {}
 
   TrialData prepare(const trial::Trial& trial, std::size_t index,
                     std::map<std::string, std::uint64_t>& left_out) {
@@ -90,18 +123,25 @@ class Preparing {
     return data;
   }
 
-  Eigen::VectorXd white_sd() const {
+  Eigen::VectorXd white_sd_m() const {
+    return white_sd(scatter_, [](const arm::MeasuredBody& body) { return body.position_sd_m; });
+  }
+  Eigen::VectorXd white_sd_rad() const {
+    return white_sd(tangent_scatter_, [](const arm::MeasuredBody& body) { return body.orientation_sd_rad; });
+  }
+
+ private:
+  template <typename Stated>
+  Eigen::VectorXd white_sd(const std::vector<std::vector<double>>& scatter, const Stated& stated) const {
     Eigen::VectorXd sd(static_cast<Eigen::Index>(arm_.bodies.size()));
     for (std::size_t b = 0; b < arm_.bodies.size(); ++b) {
-      const double stated = arm_.bodies[b].position_sd_m;
       // The median bears blocks in which the arm does not move along a line.
-      const double variance = median(scatter_[b]);
-      sd[static_cast<Eigen::Index>(b)] = variance > 0.0 ? std::sqrt(variance) : stated;
+      const double variance = scatter[b].empty() ? 0.0 : math::median(scatter[b]);
+      sd[static_cast<Eigen::Index>(b)] = variance > 0.0 ? std::sqrt(variance) : stated(arm_.bodies[b]);
     }
     return sd;
   }
 
- private:
   void cut(const std::vector<StaticFrame>& frames, TrialData& data,
            std::map<std::string, std::uint64_t>& left_out) {
     const Eigen::VectorXd& t = data.series.t_s;
@@ -139,47 +179,32 @@ class Preparing {
       block.gravity_base += frames[i].gravity_base / static_cast<double>(last - first);
     }
     for (std::size_t b = 0; b < arm_.bodies.size(); ++b) {
-      std::vector<double> when;
-      std::vector<Vector3d> where;
+      std::vector<double> when, when_turned;
+      std::vector<Vector3d> where, tangents;
       for (std::size_t i = first; i < last; ++i) {
         for (const SeenBody& seen : frames[i].bodies) {
           if (seen.body != static_cast<int>(b)) continue;
           when.push_back(t[static_cast<Eigen::Index>(i)] - centre);
           where.push_back(seen.p_base);
+          if (!seen.tangent_base) continue;
+          when_turned.push_back(when.back());
+          tangents.push_back(*seen.tangent_base);
         }
       }
-      if (when.size() < std::max<std::size_t>(kFewest, static_cast<std::size_t>(
-                                                           kFewestShare * static_cast<double>(last - first))))
-        continue;
-      std::vector<bool> used(when.size(), true);
-      Line line = fit_line(when, where, used);
-      // A jump in one frame lies far from the others' middle.
-      std::vector<double> x, y, z;
-      for (const Vector3d& p : where) {
-        x.push_back(p.x());
-        y.push_back(p.y());
-        z.push_back(p.z());
-      }
-      const Vector3d middle(median(x), median(y), median(z));
-      std::vector<double> off;
-      for (const Vector3d& p : where) off.push_back((p - middle).norm());
-      const double limit = kOutlier * std::max(median(off), arm_.bodies[b].position_sd_m);
-      bool dropped = false;
-      for (std::size_t i = 0; i < where.size(); ++i) {
-        if (off[i] > limit) {
-          used[i] = false;
-          dropped = true;
-        }
-      }
-      if (dropped) line = fit_line(when, where, used);
-      if (line.frames < static_cast<int>(kFewest)) continue;
-      Seen seen;
-      seen.body = static_cast<int>(b);
-      seen.p_base = line.at_centre;
-      seen.frames = line.frames;
-      seen.white_sd_m = std::sqrt(line.variance_factor);  // times the body's, see prepare()
-      if (line.dof > 0) scatter_[b].push_back(line.sum2 / line.dof);
-      block.bodies.push_back(seen);
+      const std::size_t fewest = std::max<std::size_t>(
+          kFewest, static_cast<std::size_t>(kFewestShare * static_cast<double>(last - first)));
+      if (when.size() < fewest) continue;
+      const arm::MeasuredBody& body = arm_.bodies[b];
+      // Their sd are factors of the bodies' own, see prepare().
+      const std::optional<Mean> place = mean_of(when, where, body.position_sd_m, scatter_[b]);
+      if (!place) continue;
+      block.bodies.push_back(
+          {static_cast<int>(b), place->value, place->frames, std::sqrt(place->variance_factor)});
+      if (tangents.size() < fewest) continue;
+      if (const std::optional<Mean> mean =
+              mean_of(when_turned, tangents, body.orientation_sd_rad, tangent_scatter_[b]))
+        block.tangents.push_back(
+            {static_cast<int>(b), mean->value.normalized(), std::sqrt(mean->variance_factor)});
     }
     return block;
   }
@@ -203,7 +228,8 @@ class Preparing {
 
   const arm::Arm& arm_;
   const Preparation how_;
-  std::vector<std::vector<double>> scatter_;  ///< variance per coordinate and frame, by body
+  std::vector<std::vector<double>> scatter_;          ///< variance per coordinate and frame, by body
+  std::vector<std::vector<double>> tangent_scatter_;  ///< the same of tangents
 };
 
 }  // namespace
@@ -225,10 +251,12 @@ Prepared prepare(const arm::Arm& arm, const std::vector<trial::Trial>& trials, c
   double earliest_s = prepared.trials.front().begin_s;
   for (const TrialData& trial : prepared.trials) earliest_s = std::min(earliest_s, trial.begin_s);
   for (TrialData& trial : prepared.trials) trial.session_s = trial.begin_s - earliest_s;
-  prepared.white_sd_m = preparing.white_sd();
+  prepared.white_sd_m = preparing.white_sd_m();
+  prepared.white_sd_rad = preparing.white_sd_rad();
   for (TrialData& trial : prepared.trials) {
     for (Block& block : trial.blocks) {
       for (Seen& seen : block.bodies) seen.white_sd_m *= prepared.white_sd_m[seen.body];
+      for (SeenTangent& seen : block.tangents) seen.white_sd_rad *= prepared.white_sd_rad[seen.body];
     }
   }
   return prepared;

@@ -29,6 +29,13 @@ struct Seen {
   double white_sd_m = 0;  ///< of the mean, per coordinate, as the frames' scatter says
 };
 
+/// The same of a body's tangent.
+struct SeenTangent {
+  int body = 0;
+  Eigen::Vector3d tangent_base = Eigen::Vector3d::UnitZ();  ///< of length 1
+  double white_sd_rad = 0;                                  ///< per axis across it
+};
+
 /// Frames [first, last) of the series, and the means of what was seen in them.
 struct Block {
   std::size_t first = 0, last = 0;
@@ -38,6 +45,7 @@ struct Block {
   Eigen::Vector3d gravity_base = Eigen::Vector3d::Zero();
   Eigen::Quaterniond q_base_mocap = Eigen::Quaterniond::Identity();  ///< turns mocap's axes into the base's
   std::vector<Seen> bodies;
+  std::vector<SeenTangent> tangents;  ///< of those whose orientation can be trusted
 };
 
 struct TrialData {
@@ -58,6 +66,7 @@ struct Prepared {
   std::vector<TrialData> trials;
   std::map<std::string, std::uint64_t> left_out;  ///< frames, by reason
   Eigen::VectorXd white_sd_m;                     ///< per body, per coordinate and frame
+  Eigen::VectorXd white_sd_rad;                   ///< the same of tangents
 };
 
 /// @throws UnusableTrials where no trial has a usable frame

@@ -3,6 +3,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
+#include "math/symmetric.h"
+
 namespace softarm::model {
 namespace {
 
@@ -92,9 +94,7 @@ bool ShapeMixer::next(const Shape& assumed, const Shape* followed, Shape& out) {
     Eigen::MatrixXd steps(errors_.back().size(), count - 1);
     for (Eigen::Index i = 0; i + 1 < count; ++i)
       steps.col(i) = errors_[static_cast<std::size_t>(i)] - errors_.back();
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
-    qr.setThreshold(kAlike);
-    const Eigen::VectorXd w = qr.compute(steps).solve(-errors_.back());
+    const Eigen::VectorXd w = math::least_squares(steps, -errors_.back(), kAlike);
     if (w.allFinite() && w.lpNorm<Eigen::Infinity>() < kMostWeight) {
       weights.head(count - 1) = w;
       weights[count - 1] = 1.0 - w.sum();

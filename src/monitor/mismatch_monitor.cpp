@@ -146,8 +146,8 @@ void MismatchMonitor::Impl::score() {
 
 void MismatchMonitor::Impl::look_for_change() {
   const std::vector<char>& usable = window.motion().usable;
-  const Eigen::LLT<Eigen::MatrixXd>& factor = reference.innovation_covariance(usable, inertia);
-  const double all = factor.matrixL().solve(innovation).squaredNorm();
+  const math::CholeskyFactor& factor = reference.innovation_covariance(usable, inertia);
+  const double all = factor.whiten_vector(innovation).squaredNorm();
   const auto rows = 3.0 * static_cast<double>(std::count(usable.begin(), usable.end(), 1));
   winner_valid = all > kPolicy.alarm.chance_chi2 * rows;
   if (!winner_valid) {

@@ -69,9 +69,9 @@ void ChangeTest::signature(const MonitorShape& shape, ChangeHypothesis& h) const
 }
 
 const ChangeHypothesis& ChangeTest::best(const MonitorShape& shape, const Displacements& innovation,
-                                         const Eigen::LLT<Eigen::MatrixXd>& factor,
+                                         const math::CholeskyFactor& factor,
                                          const std::vector<char>& usable) {
-  const Eigen::VectorXd y = factor.matrixL().solve(innovation);
+  const Eigen::VectorXd y = factor.whiten_vector(innovation);
   best_ = 0;
   double most = -1e300;
   for (std::size_t i = 0; i < hypotheses_.size(); ++i) {
@@ -81,9 +81,8 @@ const ChangeHypothesis& ChangeTest::best(const MonitorShape& shape, const Displa
     h.penalised = -kPolicy.naming.per_value * static_cast<double>(h.amplitude.size());
     if (h.kind == ChangeKind::kRing && !usable[static_cast<std::size_t>(h.index)]) continue;
     signature(shape, h);
-    whitened_ = factor.matrixL().solve(h.signature);
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(whitened_);
-    h.amplitude = qr.solve(y);
+    whitened_ = factor.whiten(h.signature);
+    h.amplitude = math::least_squares(whitened_, y);
     h.likelihood = y.squaredNorm() - (y - whitened_ * h.amplitude).squaredNorm();
     h.penalised += h.likelihood;
     if (h.penalised > most) {

@@ -1,11 +1,11 @@
 // Which change, and where, explains an innovation best.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <optional>
 #include <vector>
 
+#include "math/symmetric.h"
 #include "monitor_shape.h"
 #include "softarm/monitor/mismatch_monitor.h"
 
@@ -30,7 +30,7 @@ class ChangeTest {
   /// @param factor of the innovation's covariance
   /// @return the likeliest change. Its total is that of any change at all
   const ChangeHypothesis& best(const MonitorShape& shape, const Displacements& innovation,
-                               const Eigen::LLT<Eigen::MatrixXd>& factor, const std::vector<char>& usable);
+                               const math::CholeskyFactor& factor, const std::vector<char>& usable);
   /// The best of another kind than the winner's; null where there is none.
   const ChangeHypothesis* runner_up() const;
   /// Interval of places that the winner's kind explains nearly as well.

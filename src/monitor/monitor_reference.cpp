@@ -108,8 +108,8 @@ void SlowReference::set_shape(const MonitorShape& shape,
   }
 }
 
-const Eigen::LLT<Eigen::MatrixXd>& SlowReference::innovation_covariance(const std::vector<char>& usable,
-                                                                        const Displacements& inertia) {
+const math::CholeskyFactor& SlowReference::innovation_covariance(const std::vector<char>& usable,
+                                                                 const Displacements& inertia) {
   work_.noalias() = jacobian_ * covariance_;
   total_ = noise_;
   total_.noalias() += work_ * jacobian_.transpose();
@@ -141,12 +141,11 @@ void SlowReference::allow(double share) {
 
 void SlowReference::update(const Displacements& innovation) {
   // A window far off is more likely something of the moment than the laws' error of a lifetime.
-  const double far =
-      factor_.matrixL().solve(innovation).squaredNorm() / static_cast<double>(innovation.size());
+  const double far = factor_.whiten_vector(innovation).squaredNorm() / static_cast<double>(innovation.size());
   total_ += (kPolicy.expected.common * std::max(1.0, far / kPolicy.expected.outlier) - 1.0) * noise_;
   factor_.compute(total_);
   // work_ is J P.
-  gain_ = factor_.solve(work_);
+  gain_ = factor_.solve_columns(work_);
   state_.noalias() += gain_.transpose() * innovation;
   covariance_.noalias() -= gain_.transpose() * work_;
   covariance_ = 0.5 * (covariance_ + covariance_.transpose()).eval();
@@ -159,7 +158,7 @@ void SlowReference::learn_noise(const Displacements& innovation, const std::vect
       std::min(1.0, dt_s / std::min(kPolicy.expected.learn_s, kPolicy.expected.first_weight_s + learned_s_));
   double seen = 0.0;
   for (const char is_usable : usable) seen += is_usable ? 3.0 : 0.0;
-  const double far = factor_.matrixL().solve(innovation).squaredNorm();
+  const double far = factor_.whiten_vector(innovation).squaredNorm();
   // Of what is off only the share that nothing else accounts for is noise.
   const double own = noise_.trace() + floor_m2_ * static_cast<double>(noise_.rows());
   const double share = std::sqrt(own / std::max(own, expected_m2_));
@@ -178,10 +177,9 @@ void SlowReference::learn_noise(const Displacements& innovation, const std::vect
 void SlowReference::age(double dt_s) {
   // Information counts less with time; the prior's own does not.
   const double keep = std::exp(-dt_s / memory_s_);
-  const auto n = covariance_.rows();
-  information_ = covariance_.ldlt().solve(Eigen::MatrixXd::Identity(n, n)) * keep;
+  information_ = math::inverse_of_symmetric(covariance_) * keep;
   information_.diagonal().array() += 1.0 - keep;
-  covariance_ = information_.ldlt().solve(Eigen::MatrixXd::Identity(n, n));
+  covariance_ = math::inverse_of_symmetric(information_);
   covariance_ = 0.5 * (covariance_ + covariance_.transpose()).eval();
 }
 

@@ -1,10 +1,10 @@
 // What an arm lastingly does otherwise than its laws say: learned slowly, doubted slowly.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <vector>
 
+#include "math/symmetric.h"
 #include "monitor_shape.h"
 #include "softarm/arm/arm.h"
 
@@ -30,8 +30,8 @@ class SlowReference {
   Displacements predicted() const { return jacobian_ * state_; }
   /// Covariance of the innovation of one window. Rows of bodies that are not usable say nothing.
   /// @param inertia displacements that the innovation allows for, known to a share
-  const Eigen::LLT<Eigen::MatrixXd>& innovation_covariance(const std::vector<char>& usable,
-                                                           const Displacements& inertia);
+  const math::CholeskyFactor& innovation_covariance(const std::vector<char>& usable,
+                                                    const Displacements& inertia);
 
   /// A window of its own, not overlapping the last one. @param innovation of the shape that was set
   /// To be called after innovation_covariance().
@@ -56,7 +56,7 @@ class SlowReference {
   double learned_s_ = 0.0, expected_m2_ = 0.0;
   int free_columns_ = 0;
   double floor_m2_;
-  Eigen::LLT<Eigen::MatrixXd> factor_;
+  math::CholeskyFactor factor_;
 };
 
 }  // namespace softarm::monitor

@@ -20,6 +20,8 @@ Json json_of(const diagnose::Where& where) {
 Json json_of(const diagnose::Fit& fit) {
   return {{"rms_m", fit.rms_m},
           {"held_out_rms_m", fit.held_out_rms_m},
+          {"held_out_mean_m", fit.held_out_mean_m},
+          {"held_out_max_m", fit.held_out_max_m},
           {"held_out_log_score", fit.held_out_log_score}};
 }
 
@@ -106,6 +108,8 @@ Json report_json(const diagnose::Diagnosis& d) {
   Json json{{"format", 1}, {"verdict", to_string(d.verdict)}, {"noise_floor_m", d.noise_floor_m}};
   json["baseline"] = json_of(d.baseline);
   json["extended"] = json_of(d.extended);
+  json["left_out_share"] = d.left_out_share;
+  json["discrepancy_share"] = d.discrepancy_share;
   json["effects"] = Json::array();
   for (const diagnose::NamedEffect& effect : d.effects) json["effects"].push_back(json_of(effect));
   json["ranking"] = Json::array();

@@ -11,7 +11,7 @@ import sys
 
 import tree
 
-TARGETS = ("softarm_core_objects", "softarm_rig")
+TARGETS = ("softarm_live", "softarm_study", "softarm_rig")
 
 source, build = tree.directories()
 generated = os.path.join(build, "devel", "include") + os.sep

@@ -24,7 +24,7 @@ ALLOWED = {
     "estimate": "math arm trial rod model",
     "identify": "math arm trial rod model",
     "check": "math arm trial estimate",
-    "monitor": "arm trial estimate",
+    "monitor": "math arm trial estimate",
     "diagnose": "math arm model effects estimate identify",
     "report": "diagnose",
     "published": "arm rod identify",
@@ -34,6 +34,7 @@ ALLOWED = {
 }
 ALLOWED = {room: set(others.split()) for room, others in ALLOWED.items()}
 CORE = [room for room in ALLOWED if room not in ("rig", "ros", "apps")]
+LIVE = [room for room in CORE if room not in ("identify", "check", "diagnose", "report", "published")]
 
 
 def room_of(path):
@@ -111,7 +112,7 @@ for room, others in ALLOWED.items():
         findings += [f"{room} -> {other} is allowed and not used: take the arrow out of the plan"
                      for other in sorted(others) if not used[room, other] and (room, other) != ("rig", "math")]
 
-for target, rooms in (("softarm_rig", ("rig", "math")), ("softarm_core_objects", CORE)):
+for target, rooms in (("softarm_rig", ("rig", "math")), ("softarm_live", LIVE), ("softarm_study", CORE)):
     for name, paths in tree.objects_of(build, target).items():
         for path in paths:
             inside = os.path.relpath(path, source)

@@ -1,12 +1,14 @@
 // However the inputs of clean trials are logged, what is fitted to them is the same.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
+#include <optional>
+#include <stdexcept>
+#include <utility>
 
-#include "effects/catalogue.h"
-#include "looked.h"
 #include "recorded_case.h"
+#include "softarm/diagnose/diagnose.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -23,64 +25,86 @@ constexpr Logging kLoggings[] = {{"at the stamps of the poses", 10, 0},
                                  {"at a tenth of the rate of the poses", 100, 0},
                                  {"at ten times the rate of the poses", 1, 0}};
 
-/// The arm's constants fitted, and by how much the clocks differ.
-struct Fitted {
-  Eigen::VectorXd constants, sd;
-  double offset_s = 0.0, offset_sd_s = 0.0;
-};
-
-Fitted fitted(const testing::RecordedCase& drawn, const Logging& logging) {
-  std::vector<trial::Trial> trials;
-  const auto logged = [&](const rig::InputSample& sample) {
-    return (std::lround(sample.stamp_s * kFinest_hz) - logging.first) % logging.every == 0;
-  };
-  for (rig::Scenario scenario : drawn.truth) {
+/// Drives that are slow against a tenth of the poses' rate: what straight lines cut off the curves lies below
+/// the noise.
+std::vector<rig::Scenario> slowly(std::vector<rig::Scenario> scenarios) {
+  for (rig::Scenario& scenario : scenarios) {
     scenario.mocap.rate_hz = kPoses_hz;
     scenario.pressures.rate_hz = kFinest_hz;
-    // Slow against a tenth of the poses' rate: what straight lines cut off the curves lies below the noise.
     scenario.pressures.ramp_s = 12.0;
     scenario.pressures.random->lowest_hz = 0.02;
     scenario.pressures.random->highest_hz = 0.033;
-    scenario.mocap.ring_noise.position_sd_m = 0.0016;
-    trials.push_back(
-        testing::record(drawn.arm, scenario, "trial_" + std::to_string(trials.size() + 1), logged));
+    scenario.mocap.ring_noise = {0.002, 0.02};
   }
-  testing::Looked looked(drawn.arm, trials);
-  JointParameters parameters = looked.baseline.at;
-  parameters.effects.push_back({effects::find("clock_offset"), Eigen::VectorXd::Zero(1)});
-  const Linearised with = looked.model.fit(parameters, {}, &looked.baseline.predicted);
-
-  Fitted out;
-  out.constants = with.at.constants;
-  out.sd = Eigen::VectorXd::Zero(out.constants.size());
-  const auto n = static_cast<Eigen::Index>(with.columns.size());
-  const Eigen::MatrixXd covariance = with.information.ldlt().solve(Eigen::MatrixXd::Identity(n, n));
-  for (Eigen::Index j = 0; j < n; ++j) {
-    const JointUnknown& column = with.columns[static_cast<std::size_t>(j)];
-    const double sd = column.scale * std::sqrt(covariance(j, j));
-    if (column.kind == JointUnknown::Kind::kConstant) out.sd[column.index] = sd;
-    if (column.kind == JointUnknown::Kind::kEffect) out.offset_sd_s = sd;
-  }
-  out.offset_s = with.at.effects.at(0).values[0];
-  return out;
+  return scenarios;
 }
 
-TEST(InputStamps, CleanTrialsAreTheSameHoweverTheirInputsAreLogged) {
+const Candidate& clock_offset_of(const Diagnosis& said) {
+  const auto clock = std::find_if(said.ranking.begin(), said.ranking.end(),
+                                  [](const Candidate& c) { return c.id == "clock_offset"; });
+  if (clock == said.ranking.end()) throw std::runtime_error("no clock_offset in the ranking");
+  return *clock;
+}
+
+trial::Trial recorded(const arm::Arm& arm, const rig::Scenario& scenario, const Logging& logging,
+                      std::size_t number) {
+  return testing::record(
+      arm, scenario, "trial_" + std::to_string(number), [&](const rig::InputSample& sample) {
+        return (std::lround(sample.stamp_s * scenario.pressures.rate_hz) - logging.first) % logging.every ==
+               0;
+      });
+}
+
+TEST(InputStamps, ConstantsAreTheSameHoweverInputsAreLogged) {
   const testing::RecordedCase drawn =
       testing::drawn_case("{count_weights: [1]}", 11, 2, 26.0,
                           "attitudes: [hanging, horizontal], speeds: [1], payload_kg: [0, 0.1]");
-  const Fitted first = fitted(drawn, kLoggings[0]);
-  EXPECT_LT(first.offset_sd_s, 0.5 / kPoses_hz) << "half a sample would not be seen";
+  std::optional<Diagnosis> first;
   for (const Logging& logging : kLoggings) {
-    const Fitted fit = &logging == kLoggings ? first : fitted(drawn, logging);
-    SCOPED_TRACE(std::string(logging.name) + ": offset " + std::to_string(fit.offset_s) + " +/- " +
-                 std::to_string(fit.offset_sd_s) + " s");
-    EXPECT_LT(std::abs(fit.offset_s), 3.0 * fit.offset_sd_s);
-    EXPECT_LT(std::abs(fit.offset_s - first.offset_s), first.offset_sd_s);
-    for (Eigen::Index i = 0; i < fit.constants.size(); ++i)
-      EXPECT_LE(std::abs(fit.constants[i] - first.constants[i]), first.sd[i]) << i;
+    SCOPED_TRACE(logging.name);
+    std::vector<trial::Trial> trials;
+    for (const rig::Scenario& scenario : slowly(drawn.truth))
+      trials.push_back(recorded(drawn.arm, scenario, logging, trials.size() + 1));
+    const Diagnosis said = diagnose(drawn.arm, trials);
+    for (const NamedEffect& named : said.effects) ADD_FAILURE() << named.sentence;
+    if (!first) first = said;
+    EXPECT_LT(clock_offset_of(said).z, 3.0);
+    EXPECT_LT(std::abs(clock_offset_of(said).estimate), 0.5 / kPoses_hz) << "half a sample";
+    ASSERT_EQ(said.shifts.size(), first->shifts.size());
+    for (std::size_t i = 0; i < said.shifts.size(); ++i)
+      EXPECT_LE(std::abs(said.shifts[i].before - first->shifts[i].before), first->shifts[i].sd_before)
+          << said.shifts[i].name;
   }
 }
+
+/// Rate of the poses, and how inputs are logged, of usual trials with usual noise. At a tenth of the rate
+/// such inputs would not be known.
+class UsualTrials : public ::testing::TestWithParam<std::pair<int, int>> {};
+
+TEST_P(UsualTrials, AreConsistent) {
+  const double rate_hz = GetParam().first;
+  const Logging& logging = kLoggings[GetParam().second];
+  SCOPED_TRACE(logging.name);
+  testing::RecordedCase drawn =
+      testing::drawn_case("{count_weights: [1]}", 23, 4, 15.0,
+                          "attitudes: [hanging, horizontal], speeds: [0.5, 1], payload_kg: [0, 0.1]");
+  for (rig::Scenario& scenario : drawn.truth) {
+    scenario.mocap.rate_hz = rate_hz;
+    scenario.pressures.rate_hz = 10.0 * rate_hz;
+    drawn.trials.push_back(recorded(drawn.arm, scenario, logging, drawn.trials.size() + 1));
+  }
+  const double logged_hz = 10.0 * rate_hz / logging.every;
+  for (const trial::InputSeries& series : drawn.trials.front().inputs)
+    ASSERT_NEAR(static_cast<double>(series.stamp_ns.size()), 15.0 * logged_hz, 0.2 * logged_hz);
+  const Diagnosis said = diagnose(drawn.arm, drawn.trials);
+  for (const NamedEffect& named : said.effects) ADD_FAILURE() << named.sentence;
+  EXPECT_EQ(said.verdict, Verdict::kConsistent) << said.summary;
+  EXPECT_LT(std::abs(clock_offset_of(said).estimate), 0.25 / rate_hz) << "a quarter of a sample";
+}
+
+INSTANTIATE_TEST_SUITE_P(InputStamps, UsualTrials,
+                         ::testing::Values(std::make_pair(25, 0), std::make_pair(30, 0),
+                                           std::make_pair(30, 1), std::make_pair(30, 3)));
 
 }  // namespace
 }  // namespace softarm::diagnose

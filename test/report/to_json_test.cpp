@@ -32,8 +32,12 @@ TEST(ToJson, HasTheKeysOfTheContract) {
   EXPECT_EQ(report["verdict"], "explained");
   EXPECT_DOUBLE_EQ(report["noise_floor_m"], d.noise_floor_m);
   for (const char* fit : {"baseline", "extended"})
-    EXPECT_THAT(keys(report[fit]), IsSupersetOf({"rms_m", "held_out_rms_m", "held_out_log_score"}));
+    EXPECT_THAT(keys(report[fit]), IsSupersetOf({"rms_m", "held_out_rms_m", "held_out_mean_m",
+                                                 "held_out_max_m", "held_out_log_score"}));
   EXPECT_DOUBLE_EQ(report["extended"]["held_out_rms_m"], d.extended.held_out_rms_m);
+  EXPECT_DOUBLE_EQ(report["extended"]["held_out_max_m"], 1e-3);
+  EXPECT_DOUBLE_EQ(report["left_out_share"], d.left_out_share);
+  EXPECT_DOUBLE_EQ(report["discrepancy_share"], d.discrepancy_share);
   EXPECT_THAT(keys(report["next_experiment"]), IsSupersetOf({"action", "separates", "expected_separation"}));
   EXPECT_EQ(report["next_experiment"]["menu"][0]["hardest"], (json{"rigid_ends", "shear"}));
   EXPECT_DOUBLE_EQ(report["next_experiment"]["today"], 0.8);

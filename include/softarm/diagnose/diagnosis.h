@@ -84,7 +84,9 @@ struct Candidate {
 /// How well a model fits.
 struct Fit {
   double rms_m = 0.0;           ///< per body, of the trials that were fitted
-  double held_out_rms_m = 0.0;  ///< of each trial by a fit to the others
+  double held_out_rms_m = 0.0;  ///< of each trial by a fit to the others, weighted by precision
+  /// The same trials' plain errors, every body's distance counted alike.
+  double held_out_mean_m = 0.0, held_out_max_m = 0.0;
   double held_out_log_score = 0.0;
 };
 
@@ -187,6 +189,10 @@ struct Diagnosis {
   double noise_floor_m = 0.0;    ///< rms distance of a body that noise alone makes
   double ceiling_rms_m = 0.0;    ///< held-out rms that a flexible model of the residuals reaches
   double explained_share = 0.0;  ///< of what lies between baseline and ceiling, by the named effects
+  /// Of the squared held-out error with the effects: what a flexible model of it still learns, so what is
+  /// neither named nor noise.
+  double discrepancy_share = 0.0;
+  double left_out_share = 0.0;  ///< of the recordings' means that no model is compared with
   Fit baseline, extended;
   std::vector<NamedEffect> effects;  ///< what the verdict stands on, best first
   std::vector<Candidate> ranking;    ///< every candidate, best first

@@ -24,6 +24,11 @@ std::pair<std::int64_t, int> key_of(const model::TrialData& trial, const model::
   return {std::llround(trial.series.t_s[static_cast<Eigen::Index>(block.first)] / kTick_s), body};
 }
 
+std::pair<std::int64_t, int> key_of_tangent(const model::TrialData& trial, const model::Block& block,
+                                            int body) {
+  return key_of(trial, block, -1 - body);
+}
+
 }  // namespace
 
 VectorXd per_frame_part(const diagnose::JointModel& model, const Linearised& at, const VectorXd& rows,
@@ -48,7 +53,7 @@ VectorXd per_frame_part(const diagnose::JointModel& model, const Linearised& at,
       }
       row += count;
     }
-    begin += row;
+    begin += at.residual[t].size();
   }
   return left;
 }
@@ -74,6 +79,11 @@ Residuals Reference::residuals(const std::vector<trial::Trial>& trials) const {
         const model::Seen& seen = trial.blocks[k].bodies[i];
         residuals[t][key_of(trial, trial.blocks[k], seen.body)] =
             seen.p_base - predicted[t][k].p.col(static_cast<Eigen::Index>(i));
+      }
+      for (std::size_t i = 0; i < trial.blocks[k].tangents.size(); ++i) {
+        const model::SeenTangent& seen = trial.blocks[k].tangents[i];
+        residuals[t][key_of_tangent(trial, trial.blocks[k], seen.body)] =
+            seen.tangent_base - predicted[t][k].tangents.col(static_cast<Eigen::Index>(i));
       }
     }
   }
@@ -116,7 +126,7 @@ double Reference::rms_m(const VectorXd& whitened) const {
         row += 3;
       }
     }
-    begin += row;
+    begin += at_.residual[t].size();
   }
   return bodies > 0.0 ? std::sqrt(sum / bodies) : 0.0;
 }
@@ -137,6 +147,17 @@ Signal Reference::signal(const Residuals& with, const Residuals& without) const 
         if (a != with[t].end() && b != without[t].end())
           signal.difference.segment<3>(row) =
               at_.root_weight[t][local] * (a->second - b->second) / model_.sd_m(t, k, seen);
+        row += 3;
+        local += 3;
+      }
+    }
+    for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
+      for (const model::SeenTangent& seen : trial.blocks[k].tangents) {
+        const auto key = key_of_tangent(trial, trial.blocks[k], seen.body);
+        const auto a = with[t].find(key), b = without[t].find(key);
+        if (a != with[t].end() && b != without[t].end())
+          signal.difference.segment<3>(row) =
+              at_.root_weight[t][local] * (a->second - b->second) / model_.sd_rad(t, k, seen);
         row += 3;
         local += 3;
       }
@@ -164,13 +185,21 @@ std::vector<Ideal> Reference::ideal(const Signal& signal) {
     at.residual[t] = signal.difference.segment(begin, at.residual[t].size());
     begin += at.residual[t].size();
     Eigen::Index row = 0;
+    const auto take = [&](Eigen::Index count, TimeStretch& stretch) {
+      const auto r = at.residual[t].segment(row, count);
+      stretch.gradient += at.derivative[t].middleRows(row, count).transpose() * r;
+      stretch.square += r.squaredNorm();
+      row += count;
+    };
+    const std::size_t first = c;
     for (; c < at.stretches.size() && at.stretches[c].trial == t; ++c) {
-      TimeStretch& stretch = at.stretches[c];
-      const auto r = at.residual[t].segment(row, stretch.all_rows);
-      stretch.gradient = at.derivative[t].middleRows(row, stretch.all_rows).transpose() * r;
-      stretch.square = r.squaredNorm();
-      row += stretch.all_rows;
-      at.gradient += stretch.gradient;
+      at.stretches[c].gradient.setZero();
+      at.stretches[c].square = 0.0;
+      take(at.stretches[c].all_rows, at.stretches[c]);
+    }
+    for (std::size_t i = first; i < c; ++i) {
+      take(at.stretches[i].tangent_rows, at.stretches[i]);
+      at.gradient += at.stretches[i].gradient;
     }
   }
   const std::vector<diagnose::Screened> screened = diagnose::screen(model_, at, jobs_, [](double) {});

@@ -33,7 +33,8 @@ struct Ideal {
   double cosine = 0.0;    ///< with the best one's signature
 };
 
-/// Residuals of one recording under the reference's constants, m: by trial, time and body.
+/// Residuals of one recording under the reference's constants, m: by trial, time and body (below 0: of its
+/// tangent, rad).
 using Residuals = std::vector<std::map<std::pair<std::int64_t, int>, Eigen::Vector3d>>;
 
 /// The trials without anything hidden, and the constants that fit them.

@@ -1,0 +1,75 @@
+#include "symmetric.h"
+
+#include <Eigen/Dense>
+
+namespace softarm::math {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+struct SymmetricSolver::Factors {
+  Eigen::LDLT<MatrixXd> ldlt;
+};
+
+SymmetricSolver::SymmetricSolver(const MatrixXd& a) : factors_(new Factors{Eigen::LDLT<MatrixXd>(a)}) {}
+SymmetricSolver::~SymmetricSolver() = default;
+SymmetricSolver::SymmetricSolver(SymmetricSolver&&) noexcept = default;
+
+bool SymmetricSolver::ok() const {
+  return factors_->ldlt.info() == Eigen::Success;
+}
+
+VectorXd SymmetricSolver::solve(const VectorXd& b) const {
+  return factors_->ldlt.solve(b);
+}
+
+MatrixXd SymmetricSolver::solve_columns(const MatrixXd& b) const {
+  return factors_->ldlt.solve(b);
+}
+
+MatrixXd SymmetricSolver::inverse() const {
+  const Eigen::Index n = factors_->ldlt.rows();
+  return solve_columns(MatrixXd::Identity(n, n));
+}
+
+double SymmetricSolver::least_pivot() const {
+  return factors_->ldlt.vectorD().minCoeff();
+}
+
+VectorXd solve_symmetric(const MatrixXd& a, const VectorXd& b) {
+  return SymmetricSolver(a).solve(b);
+}
+
+MatrixXd inverse_of_symmetric(const MatrixXd& a) {
+  return SymmetricSolver(a).inverse();
+}
+
+Eigensystem eigensystem_of(const MatrixXd& a) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(a);
+  return {eigen.eigenvalues(), eigen.eigenvectors()};
+}
+
+void CholeskyFactor::compute(const MatrixXd& a) {
+  l_ = a;
+  Eigen::LLT<Eigen::Ref<MatrixXd>> in_place(l_);
+}
+
+MatrixXd CholeskyFactor::whiten(const MatrixXd& b) const {
+  return l_.triangularView<Eigen::Lower>().solve(b);
+}
+
+VectorXd CholeskyFactor::whiten_vector(const VectorXd& b) const {
+  return l_.triangularView<Eigen::Lower>().solve(b);
+}
+
+MatrixXd CholeskyFactor::solve_columns(const MatrixXd& b) const {
+  return l_.transpose().triangularView<Eigen::Upper>().solve(whiten(b));
+}
+
+VectorXd least_squares(const MatrixXd& a, const VectorXd& b, double threshold) {
+  Eigen::ColPivHouseholderQR<MatrixXd> qr;
+  if (threshold > 0.0) qr.setThreshold(threshold);
+  return qr.compute(a).solve(b);
+}
+
+}  // namespace softarm::math
