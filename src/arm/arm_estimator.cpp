@@ -1,17 +1,25 @@
 // Choices of the estimator, checked against what the arm offers.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
+#include "actuators/actuator.h"
 #include "arm_parts.h"
 #include "softarm/arm/arm_file.h"
 
 namespace softarm::arm::yaml {
 namespace {
 
-bool is_driven(const Segment& segment) {
-  return !segment.chambers.empty() || segment.central_chamber || !segment.tendons.empty() ||
-         !segment.cables.empty();
+/// "chambers, a central_chamber, tendons or cables"
+std::string ways_to_drive() {
+  std::vector<std::string> words;
+  for (const ActuatorKind* kind : actuator_kinds()) {
+    if (kind->traits().drives) words.emplace_back(kind->traits().words);
+  }
+  const std::string last = words.back();
+  words.pop_back();
+  return fmt::format("{} or {}", fmt::join(words, ", "), last);
 }
 
 LawPrior read_prior(const Section& section, const Arm& arm) {
@@ -25,7 +33,7 @@ LawPrior read_prior(const Section& section, const Arm& arm) {
   prior.moment_jitter_sd_nm = section.number("moment_jitter_sd_nm");
   prior.length_jitter_sd_m = section.number("length_jitter_sd_m");
   if (prior.enabled && std::none_of(arm.segments.begin(), arm.segments.end(), is_driven)) {
-    section.fail_value("enabled", "needs segments with chambers, a central_chamber, tendons or cables");
+    section.fail_value("enabled", "needs segments with " + ways_to_drive());
   }
   return prior;
 }

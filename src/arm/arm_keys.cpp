@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "actuators/actuator.h"
 #include "key_builders.h"
 
 namespace softarm::arm::yaml {
@@ -184,32 +185,18 @@ const KeyTable& effect_keys() {
 }
 
 std::vector<const KeyTable*> all_key_tables() {
-  return {&arm_keys(),
-          &base_keys(),
-          &fixed_base_keys(),
-          &transform_keys(),
-          &segment_keys(),
-          &stiffness_keys(),
-          &pressure_knot_keys(),
-          &profile_keys(),
-          &material_keys(),
-          &chamber_keys(),
-          &central_chamber_keys(),
-          &tendon_keys(),
-          &cable_keys(),
-          &payload_keys(),
-          &noise_keys(),
-          &body_keys(),
-          &labelled_marker_keys(),
-          &inputs_keys(),
-          &body_input_keys(),
-          &base_input_keys(),
-          &pressure_input_keys(),
-          &tension_input_keys(),
-          &angle_input_keys(),
-          &estimator_keys(),
-          &prior_keys(),
-          &effect_keys()};
+  std::vector<const KeyTable*> all{&arm_keys(),       &base_keys(),    &fixed_base_keys(),
+                                   &transform_keys(), &segment_keys(), &stiffness_keys()};
+  const auto append = [&](const std::vector<const KeyTable*>& more) {
+    all.insert(all.end(), more.begin(), more.end());
+  };
+  for (const ActuatorKind* kind : actuator_kinds()) append(kind->stiffness_tables());
+  append({&profile_keys(), &material_keys()});
+  for (const ActuatorKind* kind : actuator_kinds()) append(kind->segment_tables());
+  append({&payload_keys(), &noise_keys(), &body_keys(), &labelled_marker_keys(), &inputs_keys(),
+          &body_input_keys(), &base_input_keys(), &pressure_input_keys(), &tension_input_keys(),
+          &angle_input_keys(), &estimator_keys(), &prior_keys(), &effect_keys()});
+  return all;
 }
 
 std::string allowed_values(const KeySpec& key) {

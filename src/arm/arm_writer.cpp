@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "actuators/actuator.h"
 #include "softarm/arm/arm_file.h"
 #include "yaml_editor.h"
 
@@ -27,46 +28,26 @@ std::string number(double value) {
   return fmt::format("{:.10g}", value);
 }
 
+void visit_segment(const Segment& read, const Segment& wanted, const Path& at, const VisitNumber& visit) {
+  visit({at / "length_m", read.length_m, wanted.length_m});
+  visit({at / "mass_per_length_kg_m", read.mass_per_length_kg_m, wanted.mass_per_length_kg_m});
+  visit({at / "bending_stiffness" / "base_nm2", read.bending_stiffness.base_nm2,
+         wanted.bending_stiffness.base_nm2});
+  if (read.axial_stiffness_n && wanted.axial_stiffness_n)
+    visit({at / "axial_stiffness_n", *read.axial_stiffness_n, *wanted.axial_stiffness_n});
+  for (const ActuatorKind* kind : actuator_kinds()) kind->visit_numbers(read, wanted, at, visit);
+}
+
 /// Visits every constant that may be written: its path, its value as read, its value as wanted.
-template <typename Visit>
-void visit_constants(const Arm& read, const Arm& wanted, const Visit& visit) {
-  for (std::size_t i = 0; i < wanted.segments.size(); ++i) {
-    const Segment &a = read.segments[i], &b = wanted.segments[i];
-    const auto path = [&](std::initializer_list<yaml::Step> rest) {
-      Path p{"segments", i};
-      p.insert(p.end(), rest);
-      return p;
-    };
-    visit(path({"length_m"}), a.length_m, b.length_m);
-    visit(path({"mass_per_length_kg_m"}), a.mass_per_length_kg_m, b.mass_per_length_kg_m);
-    const StiffnessLaw &x = a.bending_stiffness, &y = b.bending_stiffness;
-    visit(path({"bending_stiffness", "base_nm2"}), x.base_nm2, y.base_nm2);
-    visit(path({"bending_stiffness", "per_min_pressure_nm2_per_pa"}), x.per_min_pressure_nm2_per_pa,
-          y.per_min_pressure_nm2_per_pa);
-    visit(path({"bending_stiffness", "per_jamming_pressure_nm2_per_pa"}), x.per_jamming_pressure_nm2_per_pa,
-          y.per_jamming_pressure_nm2_per_pa);
-    for (std::size_t k = 0; k < y.by_pressure.size(); ++k)
-      visit(path({"bending_stiffness", "by_pressure", k, "bending_stiffness_nm2"}),
-            x.by_pressure[k].bending_stiffness_nm2, y.by_pressure[k].bending_stiffness_nm2);
-    if (a.axial_stiffness_n && b.axial_stiffness_n)
-      visit(path({"axial_stiffness_n"}), *a.axial_stiffness_n, *b.axial_stiffness_n);
-    for (std::size_t k = 0; k < b.chambers.size(); ++k) {
-      const Chamber &c = a.chambers[k], &d = b.chambers[k];
-      visit(path({"chambers", k, "moment_gain_nm_per_pa"}), c.moment_gain_nm_per_pa, d.moment_gain_nm_per_pa);
-      visit(path({"chambers", k, "near_elongation_m_per_pa"}), c.near_elongation_m_per_pa,
-            d.near_elongation_m_per_pa);
-      visit(path({"chambers", k, "far_elongation_m_per_pa"}), c.far_elongation_m_per_pa,
-            d.far_elongation_m_per_pa);
-    }
-    for (std::size_t k = 0; k < b.tendons.size(); ++k)
-      visit(path({"tendons", k, "offset_m"}), a.tendons[k].offset_m, b.tendons[k].offset_m);
-  }
+void visit_constants(const Arm& read, const Arm& wanted, const VisitNumber& visit) {
+  for (std::size_t i = 0; i < wanted.segments.size(); ++i)
+    visit_segment(read.segments[i], wanted.segments[i], Path{"segments", i}, visit);
   for (std::size_t k = 0; k < wanted.bodies.size(); ++k)
-    visit(Path{"bodies", k, "arclength_m"}, read.bodies[k].arclength_m, wanted.bodies[k].arclength_m);
-  visit(Path{"payload", "arclength_m"}, read.payload.arclength_m, wanted.payload.arclength_m);
+    visit({Path{"bodies", k, "arclength_m"}, read.bodies[k].arclength_m, wanted.bodies[k].arclength_m});
+  visit({Path{"payload", "arclength_m"}, read.payload.arclength_m, wanted.payload.arclength_m});
   const LawPrior &p = read.estimator.prior, &q = wanted.estimator.prior;
   const auto prior = [&](const char* key, double a, double b) {
-    visit(Path{"estimator", "prior", key}, a, b);
+    visit({Path{"estimator", "prior", key}, a, b});
   };
   prior("moment_sd_nm", p.moment_sd_nm, q.moment_sd_nm);
   prior("moment_sd_rel", p.moment_sd_rel, q.moment_sd_rel);
@@ -75,6 +56,14 @@ void visit_constants(const Arm& read, const Arm& wanted, const Visit& visit) {
   prior("axial_stiffness_sd_rel", p.axial_stiffness_sd_rel, q.axial_stiffness_sd_rel);
   prior("moment_jitter_sd_nm", p.moment_jitter_sd_nm, q.moment_jitter_sd_nm);
   prior("length_jitter_sd_m", p.length_jitter_sd_m, q.length_jitter_sd_m);
+}
+
+void write_number(Editor& editor, const WrittenNumber& constant) {
+  if (!constant.or_path.empty() && editor.has(constant.or_path)) {
+    if (!same(constant.or_factor, 1.0)) editor.scale(constant.or_path, constant.or_factor);
+  } else if (!same(constant.before, constant.after)) {
+    editor.set(constant.path, number(constant.after));
+  }
 }
 
 void set_rest_curvature(Editor& editor, std::size_t segment, const Eigen::Vector3d& before,
@@ -94,35 +83,14 @@ void set_rest_curvature(Editor& editor, std::size_t segment, const Eigen::Vector
   }
 }
 
-/// A gain may be written as the spool's radius over the lever and the segment's length.
-void set_cable(Editor& editor, std::size_t segment, std::size_t cable, const Arm& read, const Arm& wanted) {
-  const double gain = wanted.segments[segment].cables[cable].curvature_gain_per_m_rad;
-  const Path path{"segments", segment, "cables", cable};
-  const auto with = [&](const char* key) {
-    Path p = path;
-    p.emplace_back(key);
-    return p;
-  };
-  if (editor.has(with("spool_radius_m"))) {
-    const Segment& before = read.segments[segment];
-    const double radius_per_gain = wanted.segments[segment].length_m / before.length_m;
-    const double factor = gain / before.cables[cable].curvature_gain_per_m_rad * radius_per_gain;
-    if (same(factor, 1.0)) return;
-    // The radius is what is least well known: where the cable leaves the spool.
-    editor.scale(with("spool_radius_m"), factor);
-  } else if (!same(read.segments[segment].cables[cable].curvature_gain_per_m_rad, gain)) {
-    editor.set(with("curvature_gain_per_m_rad"), number(gain));
-  }
-}
-
 bool same_structure(const Arm& a, const Arm& b) {
   if (a.segments.size() != b.segments.size() || a.bodies.size() != b.bodies.size()) return false;
   for (std::size_t i = 0; i < a.segments.size(); ++i) {
     const Segment &x = a.segments[i], &y = b.segments[i];
-    if (x.chambers.size() != y.chambers.size() || x.tendons.size() != y.tendons.size() ||
-        x.cables.size() != y.cables.size() ||
-        x.bending_stiffness.by_pressure.size() != y.bending_stiffness.by_pressure.size())
-      return false;
+    if (x.bending_stiffness.by_pressure.size() != y.bending_stiffness.by_pressure.size()) return false;
+    for (const ActuatorKind* kind : actuator_kinds()) {
+      if (kind->count(x) != kind->count(y)) return false;
+    }
   }
   return true;
 }
@@ -194,20 +162,17 @@ std::string update_arm_text(const std::string& text, const std::string& source, 
   if (!same_structure(read, arm))
     throw ArmError(source + ": describes another arm than the one to be written");
   Editor editor(without_header(text), source);
-  visit_constants(read, arm, [&](const Path& path, double before, double after) {
-    if (same(before, after)) return;
-    const auto* key = std::get_if<std::string>(&path.back());
+  visit_constants(read, arm, [&](const WrittenNumber& constant) {
+    const auto* key = std::get_if<std::string>(&constant.path.back());
     // What sits at the tip is said to, and stays there.
-    if (key != nullptr && *key == "arclength_m" && same(after, arm.total_length_m()) &&
-        same(before, read.total_length_m()))
-      return;
-    editor.set(path, number(after));
+    const bool at_tip = key != nullptr && *key == "arclength_m" &&
+                        same(constant.after, arm.total_length_m()) &&
+                        same(constant.before, read.total_length_m());
+    if (!at_tip) write_number(editor, constant);
   });
-  for (std::size_t i = 0; i < arm.segments.size(); ++i) {
+  for (std::size_t i = 0; i < arm.segments.size(); ++i)
     set_rest_curvature(editor, i, read.segments[i].rest_curvature_per_m,
                        arm.segments[i].rest_curvature_per_m);
-    for (std::size_t k = 0; k < arm.segments[i].cables.size(); ++k) set_cable(editor, i, k, read, arm);
-  }
   if (read.estimator.prior.enabled != arm.estimator.prior.enabled)
     editor.set({"estimator", "prior", "enabled"}, arm.estimator.prior.enabled ? "true" : "false");
 
@@ -220,18 +185,11 @@ std::string update_arm_text(const std::string& text, const std::string& source, 
   if (!same_effects(parse_effect_entries(written, source), effects))
     throw ArmError(source +
                    ": the section 'effects' cannot be replaced; write the file as a block, not in braces");
-  visit_constants(again, arm, [&](const Path&, double a, double b) {
+  visit_constants(again, arm, [&](const WrittenNumber& constant) {
+    const double a = constant.before, b = constant.after;
     if (!(std::abs(a - b) <= 10.0 * kSame * std::max(std::abs(a), std::abs(b))))
       throw ArmError(fmt::format("{}: {} cannot be replaced by {} alone; write out aliases", source, a, b));
   });
-  for (std::size_t i = 0; i < arm.segments.size(); ++i) {
-    for (std::size_t k = 0; k < arm.segments[i].cables.size(); ++k) {
-      const double a = again.segments[i].cables[k].curvature_gain_per_m_rad;
-      const double b = arm.segments[i].cables[k].curvature_gain_per_m_rad;
-      if (!(std::abs(a - b) <= 10.0 * kSame * std::abs(b)))
-        throw ArmError(fmt::format("{}: {} cannot be replaced by {} alone; write out aliases", source, a, b));
-    }
-  }
   return written;
 }
 

@@ -22,6 +22,11 @@ double MooneyRivlin::tangent_modulus_pa(double stretch) const {
   return 2.0 * c10_pa * (1.0 + 2.0 / cube) + 6.0 * c01_pa / (cube * stretch);
 }
 
+double MooneyRivlin::tangent_modulus_slope_pa(double stretch) const {
+  const double fourth = stretch * stretch * stretch * stretch;
+  return -12.0 * c10_pa / fourth - 24.0 * c01_pa / (fourth * stretch);
+}
+
 std::optional<double> MooneyRivlin::stretch_at(double wanted_pa) const {
   if (!std::isfinite(wanted_pa) || !(initial_modulus_pa() > 0.0)) return std::nullopt;
   if (wanted_pa == 0.0) return 1.0;

@@ -20,6 +20,8 @@ struct MooneyRivlin {
   double cauchy_stress_pa(double stretch) const { return stretch * nominal_stress_pa(stretch); }
   /// Derivative of the nominal stress by the stretch, Pa.
   double tangent_modulus_pa(double stretch) const;
+  /// Derivative of the tangent modulus by the stretch, Pa.
+  double tangent_modulus_slope_pa(double stretch) const;
   /// The stretch under a nominal stress, on the branch that is stable from the unstretched state on (positive
   /// tangent modulus all the way); nothing where the material has none, or is unstable when unstretched.
   std::optional<double> stretch_at(double nominal_stress_pa) const;

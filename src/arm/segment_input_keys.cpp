@@ -1,46 +1,51 @@
-// The keys of segments, of what drives them, and of their inputs.
+// The keys of segments and of their inputs. What drives a segment has its keys in actuators/.
+#include "actuators/actuator.h"
 #include "body_source.h"
 #include "key_builders.h"
 
 namespace softarm::arm::yaml {
 
+namespace {
+
+void append(const std::vector<KeySpec>& more, std::vector<KeySpec>& keys) {
+  keys.insert(keys.end(), more.begin(), more.end());
+}
+
+}  // namespace
+
 const KeyTable& segment_keys() {
-  static const KeyTable table{
-      "segments[]",
-      {text("name", kRequired, "unique name: letters, digits, _"),
-       number("length_m", "m", kRequired, 0.005, 10, "backbone length at zero input"),
-       vector("length_range_m", 2, "m", kAbsent, 0.001, 20,
-              "sanity limits of an estimated length; default: 0.7 and 1.5 times length_m"),
-       number("mass_per_length_kg_m", "kg/m", kRequired, 0, 50, "mass per length, uniform"),
-       number("diameter_m", "m", kRequired, 0.0005, 1, "outer diameter (pictures, markers on the skin)"),
-       map("bending_stiffness", kRequired, "EI and how pressures change it"),
-       number_or("torsional_stiffness_nm2", {"rigid"}, "N m^2", "rigid", 1e-7, 1e4, "GJ"),
-       number_or("axial_stiffness_n", {"rigid"}, "N", "rigid", 0.1, 1e8, "EA"),
-       number_or("shear_stiffness_n", {"rigid"}, "N", "rigid", 0.1, 1e8, "GA"),
-       vector("rest_curvature_per_m", 3, "1/m", "[0, 0, 0]", -200, 200,
-              "strain u at rest in the section frame (x, y: bending, z: twist)"),
-       map("material", kAbsent, "rubber whose moduli change with axial stretch; absent: linear"),
-       list("chambers", "[]", "pneumatic chambers along the segment, off its axis"),
-       map("central_chamber", kAbsent, "pneumatic chamber on the segment's axis; absent: none"),
-       list("tendons", "[]", "tendons pulled by known tensions"),
-       list("cables", "[]", "cables wound up by servos"),
-       text("jamming_input", kAbsent, "vacuum input of the jamming core; absent: no core")}};
+  static const KeyTable table = [] {
+    KeyTable keys{
+        "segments[]",
+        {text("name", kRequired, "unique name: letters, digits, _"),
+         number("length_m", "m", kRequired, 0.005, 10, "backbone length at zero input"),
+         vector("length_range_m", 2, "m", kAbsent, 0.001, 20,
+                "sanity limits of an estimated length; default: 0.7 and 1.5 times length_m"),
+         number("mass_per_length_kg_m", "kg/m", kRequired, 0, 50, "mass per length, uniform"),
+         number("diameter_m", "m", kRequired, 0.0005, 1, "outer diameter (pictures, markers on the skin)"),
+         map("bending_stiffness", kRequired, "EI and how pressures change it"),
+         number_or("torsional_stiffness_nm2", {"rigid"}, "N m^2", "rigid", 1e-7, 1e4, "GJ"),
+         number_or("axial_stiffness_n", {"rigid"}, "N", "rigid", 0.1, 1e8, "EA"),
+         number_or("shear_stiffness_n", {"rigid"}, "N", "rigid", 0.1, 1e8, "GA"),
+         vector("rest_curvature_per_m", 3, "1/m", "[0, 0, 0]", -200, 200,
+                "strain u at rest in the section frame (x, y: bending, z: twist)"),
+         map("material", kAbsent, "rubber whose moduli change with axial stretch; absent: linear")}};
+    for (const ActuatorKind* kind : actuator_kinds()) append(kind->segment_keys(), keys.keys);
+    return keys;
+  }();
   return table;
 }
 
 const KeyTable& stiffness_keys() {
-  static const KeyTable table{
-      "segments[].bending_stiffness",
-      {number("base_nm2", "N m^2", kRequired, 1e-6, 1e3, "b1: EI at zero input"),
-       number("per_min_pressure_nm2_per_pa", "N m^2/Pa", "0", 0, 1e-4,
-              "b2: EI per Pa of the lowest chamber pressure"),
-       number("per_jamming_pressure_nm2_per_pa", "N m^2/Pa", "0", 0, 1e-4,
-              "b3: EI per Pa of vacuum plus mean chamber pressure"),
-       list(
-           "by_pressure", "[]",
-           "knots of EI over the central chamber's pressure, instead of b1 and of the material's stiffening"),
-       vector("range_nm2", 2, "N m^2", "[0.0001, 10]", 1e-7, 1e4, "sanity limits of an estimated EI"),
-       list("profile", "[]", "knots of a factor on EI and GJ along the segment; empty: uniform")}};
+  static const KeyTable table = [] {
+    KeyTable keys{"segments[].bending_stiffness",
+                  {number("base_nm2", "N m^2", kRequired, 1e-6, 1e3, "b1: EI at zero input")}};
+    for (const ActuatorKind* kind : actuator_kinds()) append(kind->stiffness_keys(), keys.keys);
+    append({vector("range_nm2", 2, "N m^2", "[0.0001, 10]", 1e-7, 1e4, "sanity limits of an estimated EI"),
+            list("profile", "[]", "knots of a factor on EI and GJ along the segment; empty: uniform")},
+           keys.keys);
+    return keys;
+  }();
   return table;
 }
 
@@ -53,68 +58,12 @@ const KeyTable& profile_keys() {
   return table;
 }
 
-const KeyTable& pressure_knot_keys() {
-  static const KeyTable table{
-      "segments[].bending_stiffness.by_pressure[]",
-      {number("pressure_pa", "Pa", kRequired, -1.2e5, 1e7, "gauge pressure, increasing from knot to knot"),
-       number("bending_stiffness_nm2", "N m^2", kRequired, 1e-6, 1e3,
-              "EI there; linear in between, constant beyond the ends")}};
-  return table;
-}
-
 const KeyTable& material_keys() {
   static const KeyTable table{"segments[].material",
                               {number("c10_pa", "Pa", kRequired, -1e9, 1e9,
                                       "C10 of two-term Mooney-Rivlin rubber (hybrid paper (13))"),
                                number("c01_pa", "Pa", kRequired, -1e9, 1e9,
                                       "C01; 6 (C10 + C01), the modulus at rest, must be positive")}};
-  return table;
-}
-
-const KeyTable& chamber_keys() {
-  static const KeyTable table{
-      "segments[].chambers[]",
-      {text("input", kRequired, "name of the pressure input (inputs.pressures) that feeds it"),
-       number("bending_direction_deg", "deg", kRequired, -360, 360,
-              "azimuth towards which the arm bends when it is inflated"),
-       number("moment_gain_nm_per_pa", "N m/Pa", kRequired, 0, 1e-3, "c: bending moment per gauge pressure"),
-       number("near_elongation_m_per_pa", "m/Pa", "0", -1e-5, 1e-5,
-              "a1, a3, a5: elongation at the chamber's side"),
-       number("far_elongation_m_per_pa", "m/Pa", "0", -1e-5, 1e-5,
-              "a2, a4, a6: elongation opposite the chamber")}};
-  return table;
-}
-
-const KeyTable& central_chamber_keys() {
-  static const KeyTable table{
-      "segments[].central_chamber",
-      {text("input", kRequired, "name of the pressure input (inputs.pressures) that feeds it"),
-       number("area_m2", "m^2", kRequired, 1e-9, 0.1,
-              "cross-section of the chamber: its gauge pressure times this stretches the wall")}};
-  return table;
-}
-
-const KeyTable& tendon_keys() {
-  static const KeyTable table{"segments[].tendons[]",
-                              {text("input", kRequired, "name of the tension input (inputs.tensions)"),
-                               number("bending_direction_deg", "deg", kRequired, -360, 360,
-                                      "azimuth of the tendon: towards which the arm bends when it is pulled"),
-                               number("offset_m", "m", kRequired, 0, 0.5,
-                                      "distance from the segment's axis; 0: it only compresses")}};
-  return table;
-}
-
-const KeyTable& cable_keys() {
-  static const KeyTable table{
-      "segments[].cables[]",
-      {text("input", kRequired, "name of the angle input (inputs.angles) of the servo that winds it up"),
-       number("bending_direction_deg", "deg", kRequired, -360, 360,
-              "azimuth of the cable: towards which the arm bends for positive angles"),
-       number("curvature_gain_per_m_rad", "1/(m rad)", kAbsent, 0, 1e4,
-              "curvature of the unloaded segment per angle (or spool_radius_m and lever_m)"),
-       number("spool_radius_m", "m", kAbsent, 1e-4, 1,
-              "r_s: radius of the spool; the gain is spool_radius_m / (length_m * lever_m)"),
-       number("lever_m", "m", kAbsent, 1e-4, 1, "r + r_t: distance of the cable from the segment's axis")}};
   return table;
 }
 

@@ -25,7 +25,7 @@ std::string path_shown(std::string path) {
 }
 
 /// What the user wrote, fit for one line of a message.
-std::string quoted(const std::string& text) {
+std::string one_line(const std::string& text) {
   std::string clean;
   for (const char c : text) {
     if (clean.size() >= kLongestQuote) {
@@ -39,13 +39,13 @@ std::string quoted(const std::string& text) {
 
 std::string shown(const YAML::Node& node) {
   if (node.IsNull()) return "(nothing)";
-  if (node.IsScalar()) return quoted(node.Scalar());
+  if (node.IsScalar()) return one_line(node.Scalar());
   if (node.IsMap()) return "(a section)";
   std::string items;
   for (const YAML::Node& item : node) {
     items += (items.empty() ? "" : ", ") + (item.IsScalar() ? item.Scalar() : std::string("..."));
   }
-  return quoted("[" + items + "]");
+  return one_line("[" + items + "]");
 }
 
 /// A number in YAML's notation, independent of the locale. Infinite and NaN are numbers here; callers refuse
@@ -115,7 +115,7 @@ void Section::fail_unknown(const std::string& key, int line) const {
   std::vector<std::string> names;
   for (const KeySpec& spec : table_->keys) names.push_back(spec.name);
   const std::optional<std::string> nearest = nearest_word(key, names);
-  fail_at(line, path_of(quoted(key)),
+  fail_at(line, path_of(one_line(key)),
           nearest ? fmt::format("unknown key; did you mean '{}'?", *nearest)
                   : fmt::format("unknown key; allowed here: {}", fmt::join(names, ", ")));
 }
@@ -158,13 +158,13 @@ double Section::checked_number(const std::string& key, const std::string& path,
   if (!number) {
     const std::string words =
         key_spec.words.empty() ? "" : fmt::format(" nor one of: {}", fmt::join(key_spec.words, ", "));
-    fail_at(line, path, fmt::format("value '{}' is not a number in {}{}", quoted(text), range, words));
+    fail_at(line, path, fmt::format("value '{}' is not a number in {}{}", one_line(text), range, words));
   }
   if (!std::isfinite(*number)) {
-    fail_at(line, path, fmt::format("value {} is not finite; allowed: {}", quoted(text), range));
+    fail_at(line, path, fmt::format("value {} is not finite; allowed: {}", one_line(text), range));
   }
   if (!(*number >= key_spec.low && *number <= key_spec.high)) {
-    fail_at(line, path, fmt::format("value {} is outside the allowed range {}", quoted(text), range));
+    fail_at(line, path, fmt::format("value {} is outside the allowed range {}", one_line(text), range));
   }
   return *number;
 }
@@ -191,7 +191,7 @@ std::string Section::word(const std::string& key) const {
   const std::vector<std::string>& words = spec(key).words;
   const std::string text = scalar(key, fmt::format("one of: {}", fmt::join(words, ", ")));
   if (std::find(words.begin(), words.end(), text) == words.end()) {
-    fail(key, fmt::format("value '{}' is none of: {}", quoted(text), fmt::join(words, ", ")));
+    fail(key, fmt::format("value '{}' is none of: {}", one_line(text), fmt::join(words, ", ")));
   }
   return text;
 }
@@ -238,7 +238,7 @@ std::string Section::name(const std::string& key, const std::string& also) const
                      });
   if (!legal) {
     fail(key, fmt::format("value '{}' is not a name: a letter, then letters, digits or any of '_{}'",
-                          quoted(name), also));
+                          one_line(name), also));
   }
   return name;
 }
@@ -248,7 +248,7 @@ std::string Section::topic(const std::string& key, const std::string& placeholde
   std::string bare = topic;
   if (!placeholder.empty()) {
     if (bare.find(placeholder) == std::string::npos) {
-      fail(key, fmt::format("value '{}' does not contain {}", quoted(topic), placeholder));
+      fail(key, fmt::format("value '{}' does not contain {}", one_line(topic), placeholder));
     }
     for (std::size_t at; (at = bare.find(placeholder)) != std::string::npos;) {
       bare.replace(at, placeholder.size(), "x");
@@ -259,7 +259,7 @@ std::string Section::topic(const std::string& key, const std::string& placeholde
       bare.find("//") == std::string::npos &&
       std::all_of(bare.begin() + 1, bare.end(), [](char c) { return is_name_char(c) || c == '/'; });
   if (!legal) {
-    fail(key, fmt::format("value '{}' is not a ROS topic: letters, digits, '_' and '/'", quoted(topic)));
+    fail(key, fmt::format("value '{}' is not a ROS topic: letters, digits, '_' and '/'", one_line(topic)));
   }
   return topic;
 }
@@ -272,7 +272,7 @@ std::vector<std::pair<std::string, double>> Section::numbers(const std::string& 
     const int line = entry.second.Mark().line >= 0 ? entry.second.Mark().line + 1 : line_;
     if (!entry.first.IsScalar()) fail_at(line, path_of(key), "a key must be a word");
     const std::string name = entry.first.Scalar();
-    const std::string path = path_of(key) + "." + quoted(name);
+    const std::string path = path_of(key) + "." + one_line(name);
     const bool legal =
         !name.empty() && is_letter(name.front()) && std::all_of(name.begin(), name.end(), is_name_char);
     if (!legal) fail_at(line, path, "is not a name: a letter, then letters, digits or '_'");
@@ -314,7 +314,7 @@ Section parse_document(const std::string& text, const std::string& source, const
   } catch (const YAML::Exception& error) {
     // what() repeats the position; msg is the bare reason.
     throw ArmError(
-        fmt::format("{}:{}: not YAML: {}", where, std::max(0, error.mark.line) + 1, quoted(error.msg)));
+        fmt::format("{}:{}: not YAML: {}", where, std::max(0, error.mark.line) + 1, one_line(error.msg)));
   }
   if (documents.empty() || documents.front().IsNull()) throw ArmError(where + ":1: the document is empty");
   if (documents.size() > 1) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "arm/actuators/actuator.h"
 #include "known_pull.h"
 #include "policy.h"
 #include "recorded_programme.h"
@@ -66,12 +67,11 @@ class Menu {
   /// The direction in which the first input that bends the arm bends it, and its name.
   std::pair<double, std::string> first_direction() const {
     const arm::Segment& segment = arm_.segments.front();
-    if (!segment.chambers.empty())
-      return {segment.chambers.front().bending_direction_rad, segment.chambers.front().input};
-    if (!segment.tendons.empty())
-      return {segment.tendons.front().bending_direction_rad, segment.tendons.front().input};
-    if (!segment.cables.empty())
-      return {segment.cables.front().bending_direction_rad, segment.cables.front().input};
+    for (const arm::ActuatorKind* kind : arm::actuator_kinds()) {
+      if (kind->count(segment) == 0) continue;
+      if (const auto azimuth_rad = kind->bending_direction_rad(segment, 0))
+        return {*azimuth_rad, kind->input(segment, 0)};
+    }
     return {0.0, ""};
   }
 
@@ -215,9 +215,7 @@ class Menu {
   void add_pulls() {
     double softest = 1e300;
     for (const arm::Segment& segment : arm_.segments)
-      softest = std::min(softest, segment.bending_stiffness.by_pressure.empty()
-                                      ? segment.bending_stiffness.base_nm2
-                                      : segment.bending_stiffness.by_pressure.front().bending_stiffness_nm2);
+      softest = std::min(softest, arm::unloaded_stiffness_nm2(segment));
     const double length = arm_.total_length_m(),
                  force_n = kPolicy.experiment.pull_bend * softest / (length * length);
     const auto [azimuth, input] = first_direction();

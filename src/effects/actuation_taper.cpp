@@ -1,6 +1,7 @@
 // M0(s) = M0 (1 + a (2 s / L - 1)), along each segment: ends of chambers that do less, tendons that rub.
 #include <algorithm>
 
+#include "arm/actuators/actuator.h"
 #include "effects.h"
 
 namespace softarm::effects {
@@ -10,9 +11,7 @@ class ActuationTaper : public Described {
  public:
   using Described::Described;
   bool applies_to(const arm::Arm& arm) const override {
-    return std::any_of(arm.segments.begin(), arm.segments.end(), [](const arm::Segment& segment) {
-      return !segment.chambers.empty() || !segment.tendons.empty() || !segment.cables.empty();
-    });
+    return std::any_of(arm.segments.begin(), arm.segments.end(), arm::is_bent);
   }
   void act(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape*,
            const Memory&, rod::Rod& rod) const override {

@@ -1,6 +1,7 @@
 // All actuators sit turned about the arm's axis.
 #include <algorithm>
 
+#include "arm/actuators/actuator.h"
 #include "effects.h"
 
 namespace softarm::effects {
@@ -11,9 +12,7 @@ class BendingPlaneOffset : public Described {
   using Described::Described;
   bool varies_along() const override { return false; }
   bool applies_to(const arm::Arm& arm) const override {
-    return std::any_of(arm.segments.begin(), arm.segments.end(), [](const arm::Segment& segment) {
-      return !segment.chambers.empty() || !segment.tendons.empty() || !segment.cables.empty();
-    });
+    return std::any_of(arm.segments.begin(), arm.segments.end(), arm::is_bent);
   }
   void act(const arm::Arm&, const FineRod&, const Values& values, const Instant&, const Shape*, const Memory&,
            rod::Rod& rod) const override {

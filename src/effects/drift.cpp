@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "arm/drive.h"
 #include "drives.h"
 #include "effects.h"
 
@@ -11,18 +12,16 @@ namespace {
 constexpr double kMinute_s = 60.0;
 constexpr double kLeastFactor = 0.05;
 
-/// What servos bend by winding their cables up is a curvature: stiffness drops out.
-Eigen::Vector3d cables_moment_nm(const arm::Arm& arm, const arm::Segment& segment, const Instant& instant,
-                                 double compliance) {
-  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
-  for (const arm::Cable& cable : segment.cables) {
-    const Eigen::Index row = row_of(arm, cable.input);
-    if (row < 0) continue;
-    moment +=
-        cable.curvature_gain_per_m_rad * instant.moment_inputs[row] / compliance *
-        Eigen::Vector3d(-std::sin(cable.bending_direction_rad), std::cos(cable.bending_direction_rad), 0.0);
+/// What servos bend by winding cables up is a curvature: stiffness drops out. As a turn about the section's
+/// axes, per segment.
+std::vector<Eigen::Vector3d> driven_curvature_per_m(const arm::Arm& arm, const Instant& instant) {
+  std::vector<Eigen::Vector3d> list;
+  const arm::InputReader inputs(arm, instant.moment_inputs);
+  for (const arm::Segment& segment : arm.segments) {
+    const Eigen::Vector2d towards = arm::drive_of(segment, inputs).value_or(arm::Drive()).curvature_per_m;
+    list.emplace_back(-towards.y(), towards.x(), 0.0);
   }
-  return moment;
+  return list;
 }
 
 class Drift : public Described {
@@ -44,12 +43,11 @@ class Drift : public Described {
     if (values[2] > 1e-9) minutes = -std::expm1(-values[2] * minutes) / values[2];
     const double gain = std::max(0.0, 1.0 + values[0] * minutes);
     const double stiffness = std::max(kLeastFactor, 1.0 + values[1] * minutes);
+    const std::vector<Eigen::Vector3d> curvature_per_m = driven_curvature_per_m(arm, instant);
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
       rod::Segment& piece = rod.segments[j];
-      const arm::Segment& segment = arm.segments[static_cast<std::size_t>(fine.pieces()[j].segment)];
-      if (!segment.cables.empty())
-        piece.moment_nm +=
-            (stiffness - 1.0) * cables_moment_nm(arm, segment, instant, piece.bending_compliance);
+      const auto segment = static_cast<std::size_t>(fine.pieces()[j].segment);
+      piece.moment_nm += (stiffness - 1.0) / piece.bending_compliance * curvature_per_m[segment];
       piece.moment_nm *= gain;
       piece.bending_compliance /= stiffness;
       piece.torsional_compliance /= stiffness;

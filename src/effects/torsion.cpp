@@ -1,5 +1,6 @@
 // The arm twists: under the loads, by 1 / GJ, and with what drives it (chambers or tendons that wind about
 // it).
+#include "arm/actuators/actuator.h"
 #include "effects.h"
 
 namespace softarm::effects {
@@ -22,13 +23,15 @@ double drive_of(const arm::Arm& arm, const arm::Segment& segment, const Eigen::V
       ++count;
     }
   };
-  for (const arm::Chamber& chamber : segment.chambers) add(chamber.input);
-  if (segment.central_chamber) add(segment.central_chamber->input);
+  const auto add_all = [&](bool gas) {
+    for (const arm::ActuatorKind* kind : arm::actuator_kinds()) {
+      if (!kind->traits().drives || (kind->traits().input_kind == arm::InputKind::kPressure) != gas) continue;
+      for (int i = 0; i < kind->count(segment); ++i) add(kind->input(segment, i));
+    }
+  };
+  add_all(true);
   // Tendons of an arm that has both turn with its wall.
-  if (count == 0) {
-    for (const arm::Tendon& tendon : segment.tendons) add(tendon.input);
-    for (const arm::Cable& cable : segment.cables) add(cable.input);
-  }
+  if (count == 0) add_all(false);
   return count > 0 ? sum / count : 0.0;
 }
 

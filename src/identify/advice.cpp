@@ -12,18 +12,17 @@ constexpr double kPartThatCounts = 0.2;  // of a direction of unit norm
 constexpr double kStrongCorrelation = 0.9;
 
 bool is_gain(ConstantKind kind) {
-  return kind == ConstantKind::kMomentGain || kind == ConstantKind::kTendonOffset;
+  return role_of(kind) == ConstantRole::kMoment;
 }
 
 bool is_stiffness(ConstantKind kind) {
-  return kind == ConstantKind::kBendingStiffness || kind == ConstantKind::kPerMinPressure ||
-         kind == ConstantKind::kPerJammingPressure || kind == ConstantKind::kByPressure;
+  const ConstantRole role = role_of(kind);
+  return role == ConstantRole::kBendingStiffness || role == ConstantRole::kBendingStiffnessSlope;
 }
 
 /// At a limit that the truth is unlikely to lie at. (Stiffness that pressure does not change is common.)
 bool refused(const Constant& c) {
-  const bool slope =
-      c.ref.kind == ConstantKind::kPerMinPressure || c.ref.kind == ConstantKind::kPerJammingPressure;
+  const bool slope = role_of(c.ref.kind) == ConstantRole::kBendingStiffnessSlope;
   return c.at_bound && !c.kept && !(slope && c.value <= 1e-6 * c.scale);
 }
 

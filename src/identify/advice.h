@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "arm/constant_spec.h"
 #include "softarm/identify/identify.h"
 #include "trial/static_frame.h"
 #include "uncertainty.h"
@@ -11,7 +12,7 @@
 namespace softarm::identify {
 
 /// What the frames vary, for scales and advice.
-class Conditions {
+class Conditions : public arm::RecordedInputs {
  public:
   Conditions(const arm::Arm& arm, const std::vector<trial::StaticFrame>& frames);
 
@@ -25,17 +26,14 @@ class Conditions {
   bool driven_alike(const ConstantRef& a, const ConstantRef& b) const;
   bool vacuum_seen(int segment) const;
 
+  std::vector<double> values(const std::string& input) const override;
+  std::string load_advice() const override;
+
  private:
-  std::string load_advice() const;
+  const arm::Segment& segment_of(const ConstantRef& constant) const;
   /// Its input, and whose it is: "chamber_4 (chamber 1 of segment_2)".
   std::string input_words(const ConstantRef& constant) const;
   std::string input_of(const ConstantRef& constant) const;
-  double largest(const std::string& input) const;
-  double range(const std::string& input) const;
-  std::vector<double> values(const std::string& input) const;
-  /// Per frame: lowest chamber pressure, and vacuum plus mean chamber pressure.
-  double largest_minimum(int segment) const;
-  double largest_jamming(int segment) const;
 
   const arm::Arm& arm_;
   const std::vector<trial::StaticFrame>& frames_;

@@ -9,13 +9,8 @@
 namespace softarm::identify {
 namespace {
 
-constexpr double kUsualPressure_pa = 50e3;
-constexpr double kElongationThatMatters = 0.02;  // of the length at the largest pressure
-constexpr double kStiffnessThatMatters = 0.2;    // of EI at the largest pressure
-constexpr double kLengthThatMatters = 0.04;      // of the length
-constexpr double kBendThatMatters_rad = 0.1;     // over the length
-constexpr double kLoadThatTells = 0.3;           // change of the payload's weight over the arm's own
-constexpr double kAttitudeThatTells = 0.3;       // rad
+constexpr double kLoadThatTells = 0.3;      // change of the payload's weight over the arm's own
+constexpr double kAttitudeThatTells = 0.3;  // rad
 
 }  // namespace
 
@@ -33,38 +28,6 @@ std::vector<double> Conditions::values(const std::string& input) const {
   return list;
 }
 
-double Conditions::largest(const std::string& input) const {
-  double result = 0.0;
-  for (const double value : values(input)) result = std::max(result, std::abs(value));
-  return result;
-}
-
-double Conditions::range(const std::string& input) const {
-  const std::vector<double> list = values(input);
-  if (list.empty()) return 0.0;
-  const auto [low, high] = std::minmax_element(list.begin(), list.end());
-  return *high - *low;
-}
-
-double Conditions::largest_minimum(int segment) const {
-  const auto& chambers = arm_.segments[static_cast<std::size_t>(segment)].chambers;
-  std::vector<double> lowest;
-  for (const arm::Chamber& chamber : chambers) {
-    const std::vector<double> one = values(chamber.input);
-    if (lowest.empty()) lowest = one;
-    for (std::size_t i = 0; i < one.size(); ++i) lowest[i] = std::min(lowest[i], one[i]);
-  }
-  return lowest.empty() ? 0.0 : std::max(0.0, *std::max_element(lowest.begin(), lowest.end()));
-}
-
-double Conditions::largest_jamming(int segment) const {
-  const arm::Segment& at = arm_.segments[static_cast<std::size_t>(segment)];
-  double result = at.jamming_input ? largest(*at.jamming_input) : 0.0;
-  for (const arm::Chamber& chamber : at.chambers)
-    result += largest(chamber.input) / static_cast<double>(at.chambers.size());
-  return result;
-}
-
 bool Conditions::vacuum_seen(int segment) const {
   const arm::Segment& at = arm_.segments[static_cast<std::size_t>(segment)];
   if (!at.jamming_input) return false;
@@ -77,28 +40,18 @@ bool Conditions::vacuum_seen(int segment) const {
   return false;
 }
 
+const arm::Segment& Conditions::segment_of(const ConstantRef& constant) const {
+  return arm_.segments[static_cast<std::size_t>(constant.segment)];
+}
+
 std::string Conditions::input_of(const ConstantRef& constant) const {
-  const arm::Segment& segment = arm_.segments[static_cast<std::size_t>(constant.segment)];
-  const auto i = static_cast<std::size_t>(constant.index);
-  switch (constant.kind) {
-    case ConstantKind::kMomentGain:
-    case ConstantKind::kElongation:
-      return segment.chambers[i].input;
-    case ConstantKind::kTendonOffset:
-      return segment.tendons[i].input;
-    case ConstantKind::kCableGain:
-      return segment.cables[i].input;
-    default:
-      return "";
-  }
+  const arm::ConstantSpec& spec = arm::spec_of(constant.kind);
+  return spec.input == nullptr ? "" : spec.input(segment_of(constant), constant.index);
 }
 
 std::string Conditions::input_words(const ConstantRef& constant) const {
-  const char* const what = constant.kind == ConstantKind::kTendonOffset ? "tendon"
-                           : constant.kind == ConstantKind::kCableGain  ? "cable"
-                                                                        : "chamber";
-  const std::string& segment = arm_.segments[static_cast<std::size_t>(constant.segment)].name;
-  return fmt::format("'{}' ({} {} of {})", input_of(constant), what, constant.index + 1, segment);
+  return arm::input_words(segment_of(constant), arm::spec_of(constant.kind).item, input_of(constant),
+                          constant.index);
 }
 
 std::string Conditions::advice_of_pair(const ConstantRef& a, const ConstantRef& b) const {
@@ -107,41 +60,7 @@ std::string Conditions::advice_of_pair(const ConstantRef& a, const ConstantRef& 
 }
 
 double Conditions::reference_scale(const ConstantRef& constant) const {
-  const arm::Segment& segment = arm_.segments[static_cast<std::size_t>(constant.segment)];
-  const double ei = segment.bending_stiffness.by_pressure.empty()
-                        ? segment.bending_stiffness.base_nm2
-                        : segment.bending_stiffness.by_pressure.front().bending_stiffness_nm2;
-  const std::string input = input_of(constant);
-  const double most = input.empty() ? 0.0 : largest(input);
-  switch (constant.kind) {
-    case ConstantKind::kMomentGain:
-      return kBendThatMatters_rad * ei / segment.length_m / (most > 0.0 ? most : kUsualPressure_pa);
-    case ConstantKind::kElongation:
-      return kElongationThatMatters * segment.length_m / (most > 0.0 ? most : kUsualPressure_pa);
-    case ConstantKind::kPerMinPressure: {
-      const double lowest = largest_minimum(constant.segment);
-      return kStiffnessThatMatters * ei / (lowest > 0.0 ? lowest : kUsualPressure_pa);
-    }
-    case ConstantKind::kPerJammingPressure: {
-      const double jamming = largest_jamming(constant.segment);
-      return kStiffnessThatMatters * ei / (jamming > 0.0 ? jamming : kUsualPressure_pa);
-    }
-    case ConstantKind::kBendingStiffness:
-    case ConstantKind::kByPressure:
-      return 0.1 * ei;
-    case ConstantKind::kTendonOffset:
-      return kBendThatMatters_rad * ei / segment.length_m / (most > 0.0 ? most : 1.0);
-    case ConstantKind::kCableGain:
-      return kBendThatMatters_rad / segment.length_m / (most > 0.0 ? most : 1.0);
-    case ConstantKind::kAxialStiffness:
-      return 0.1 * segment.axial_stiffness_n.value_or(1.0);
-    case ConstantKind::kLength:
-      return kLengthThatMatters * segment.length_m;
-    case ConstantKind::kRestCurvatureX:
-    case ConstantKind::kRestCurvatureY:
-      return kBendThatMatters_rad / segment.length_m;
-  }
-  return 1.0;
+  return arm::spec_of(constant.kind).scale(segment_of(constant), constant.index, *this);
 }
 
 bool Conditions::driven_alike(const ConstantRef& a, const ConstantRef& b) const {
@@ -175,58 +94,10 @@ std::string Conditions::load_advice() const {
 }
 
 std::string Conditions::advice(const ConstantRef& constant) const {
-  const arm::Segment& segment = arm_.segments[static_cast<std::size_t>(constant.segment)];
   const std::string input = input_of(constant);
   if (!input.empty() && !(largest(input) > 0.0))
     return fmt::format("input {} is never on: record trials that use it", input_words(constant));
-  switch (constant.kind) {
-    case ConstantKind::kMomentGain:
-    case ConstantKind::kTendonOffset:
-    case ConstantKind::kBendingStiffness:
-      return load_advice();
-    case ConstantKind::kCableGain:
-      return fmt::format("input {} moves the arm too little: record trials with larger angles",
-                         input_words(constant));
-    case ConstantKind::kElongation:
-      return fmt::format(
-          "the length hardly answers to {}: record trials with it at higher pressure, and others at rest",
-          input_words(constant));
-    case ConstantKind::kPerMinPressure: {
-      if (!(largest_minimum(constant.segment) > 0.0))
-        return fmt::format(
-            "at no time are all chambers of {} inflated: record trials with all of them "
-            "pressurised, with and without a payload",
-            segment.name);
-      return "record trials with all chambers at high pressure and with a payload beside such with one "
-             "chamber off; " +
-             load_advice();
-    }
-    case ConstantKind::kPerJammingPressure:
-      if (!segment.jamming_input || !(range(*segment.jamming_input) > 0.0))
-        return "the vacuum does not change: record trials with the vacuum on and others with it off";
-      return "record trials with the vacuum on and off, with a payload; " + load_advice();
-    case ConstantKind::kByPressure: {
-      const auto& knots = segment.bending_stiffness.by_pressure;
-      const double at_pa = knots[static_cast<std::size_t>(constant.index)].pressure_pa;
-      double nearest = 1e300;
-      if (segment.central_chamber) {
-        for (const double value : values(segment.central_chamber->input))
-          nearest = std::min(nearest, std::abs(value - at_pa));
-      }
-      if (nearest > 0.25 * (knots.back().pressure_pa - knots.front().pressure_pa) /
-                        std::max(1.0, static_cast<double>(knots.size() - 1)))
-        return fmt::format("no trial is near that pressure: record some at {:g} kPa", at_pa * 1e-3);
-      return load_advice();
-    }
-    case ConstantKind::kAxialStiffness:
-      return "the arm is strained too little along its axis: record trials with higher central pressure or "
-             "tension, or a heavier payload";
-    case ConstantKind::kLength:
-    case ConstantKind::kRestCurvatureX:
-    case ConstantKind::kRestCurvatureY:
-      return "record the arm at rest, without any input";
-  }
-  return "";
+  return arm::spec_of(constant.kind).advice(segment_of(constant), constant.index, *this);
 }
 
 }  // namespace softarm::identify

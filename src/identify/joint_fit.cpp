@@ -21,7 +21,6 @@ constexpr int kPasses = 8;
 // already.
 constexpr double kWeakSd = 1.0;
 constexpr double kWeakSdPerMove = 3.0;
-constexpr double kStep = 1e-5;    // of central differences, in scales
 constexpr double kKeptSd = 1e-6;  // of a constant that keeps its start, in scales
 
 VectorXd scales(const std::vector<FreeConstant>& constants) {
@@ -123,7 +122,7 @@ JointProblem::JointProblem(const arm::Arm& arm, std::vector<FreeConstant> consta
       constants_(std::move(constants)),
       frames_(frames),
       options_(options),
-      model_(arm, refs(constants_), kStep * scales(constants_)),
+      model_(arm, refs(constants_)),
       scale_(scales(constants_)),
       equilibria_(frames.size()),
       predictions_(frames.size()),

@@ -31,16 +31,14 @@ std::vector<rod::Parameter> rod_parameters(const arm::Arm& arm, const std::vecto
   };
   const auto add_for = [&](const ConstantRef& constant, int i) {
     const arm::Segment& segment = arm.segments[static_cast<std::size_t>(i)];
-    if (constant.kind == ConstantKind::kTendonOffset && segment.torsional_stiffness_nm2)
+    const unsigned moves = arm::spec_of(constant.kind).moves;
+    const bool modulus = (moves & arm::kMovesModulus) != 0;
+    if (modulus && segment.axial_stiffness_n) add(ParameterKind::kAxialCompliance, i, 0);
+    if ((modulus || (moves & arm::kMovesTwist) != 0) && segment.torsional_stiffness_nm2)
       add(ParameterKind::kTorsionalCompliance, i, 0);
-    if (constant.kind == ConstantKind::kAxialStiffness) {
-      add(ParameterKind::kAxialCompliance, i, 0);
-      // The modulus goes with the stretch.
-      if (segment.torsional_stiffness_nm2) add(ParameterKind::kTorsionalCompliance, i, 0);
-      if (segment.shear_stiffness_n) add(ParameterKind::kShearCompliance, i, 0);
-    }
-    if (constant.kind == ConstantKind::kRestCurvatureX) add(ParameterKind::kRestCurvature, i, 0);
-    if (constant.kind == ConstantKind::kRestCurvatureY) add(ParameterKind::kRestCurvature, i, 1);
+    if (modulus && segment.shear_stiffness_n) add(ParameterKind::kShearCompliance, i, 0);
+    if ((moves & arm::kMovesRestX) != 0) add(ParameterKind::kRestCurvature, i, 0);
+    if ((moves & arm::kMovesRestY) != 0) add(ParameterKind::kRestCurvature, i, 1);
   };
   for (const ConstantRef& constant : constants) {
     for (const int i : segments_of(constant)) add_for(constant, i);
@@ -62,16 +60,6 @@ rod::SolverOptions solver_options() {
   return options;
 }
 
-/// In the fit a length changes what the laws say of it; the layout of the rod, which carries the bodies
-/// along, keeps the arm's own.
-void set_law(arm::Arm& arm, const ConstantRef& constant, double value) {
-  if (constant.kind == ConstantKind::kLength) {
-    for (const int i : segments_of(constant)) arm.segments[static_cast<std::size_t>(i)].length_m = value;
-  } else {
-    set_value(arm, constant, value);
-  }
-}
-
 void put_rest_curvature(const arm::Arm& arm, rod::Rod& rod) {
   for (std::size_t i = 0; i < rod.segments.size(); ++i)
     rod.segments[i].rest_curvature_per_m = arm.segments[i].rest_curvature_per_m;
@@ -79,17 +67,12 @@ void put_rest_curvature(const arm::Arm& arm, rod::Rod& rod) {
 
 }  // namespace
 
-LawModel::LawModel(const arm::Arm& arm, const std::vector<ConstantRef>& constants,
-                   const Eigen::VectorXd& step)
+LawModel::LawModel(const arm::Arm& arm, const std::vector<ConstantRef>& constants)
     : constants_(constants),
-      step_(step),
       bodies_(arm.bodies),
       arm_(arm),
-      above_(constants.size(), arm),
-      below_(constants.size(), arm),
       parameters_(rod_parameters(arm, constants)),
       rod_(rod::make_rod(arm)),
-      varied_(rod_),
       solver_(rod_, stations(arm), parameters_, solver_options()),
       rod_by_theta_(static_cast<int>(parameters_.size()), static_cast<int>(constants.size())),
       laws_by_theta_(kLaws * static_cast<int>(arm.segments.size()), static_cast<int>(constants.size())) {}
@@ -97,39 +80,25 @@ LawModel::LawModel(const arm::Arm& arm, const std::vector<ConstantRef>& constant
 void LawModel::set(const Eigen::VectorXd& theta) {
   theta_ = theta;
   for (std::size_t j = 0; j < constants_.size(); ++j) {
-    const int column = static_cast<int>(j);
-    set_law(arm_, constants_[j], theta[column]);
-    for (std::size_t k = 0; k < constants_.size(); ++k) {
-      set_law(above_[k], constants_[j], theta[column] + (j == k ? step_[column] : 0.0));
-      set_law(below_[k], constants_[j], theta[column] - (j == k ? step_[column] : 0.0));
-    }
-  }
-}
-
-double LawModel::parameter(const rod::Rod& rod, const rod::Parameter& which) const {
-  const rod::Segment& segment = rod.segments[static_cast<std::size_t>(which.index)];
-  switch (which.kind) {
-    case ParameterKind::kMoment:
-      return segment.moment_nm[which.component];
-    case ParameterKind::kBendingCompliance:
-      return segment.bending_compliance;
-    case ParameterKind::kTorsionalCompliance:
-      return segment.torsional_compliance;
-    case ParameterKind::kAxialCompliance:
-      return segment.axial_compliance;
-    case ParameterKind::kShearCompliance:
-      return segment.shear_compliance;
-    case ParameterKind::kLength:
-      return segment.length_m;
-    default:
-      return segment.rest_curvature_per_m[which.component];
+    const ConstantRef& constant = constants_[j];
+    // In the fit a length changes what the laws say of it; the layout of the rod, which carries the bodies
+    // along, keeps the arm's own: hence not set_value().
+    for (const int i : segments_of(constant))
+      arm::spec_of(constant.kind)
+          .set(arm_.segments[static_cast<std::size_t>(i)], constant.index, theta[static_cast<int>(j)]);
   }
 }
 
 bool LawModel::apply(const trial::StaticFrame& frame) {
-  auto laws = softarm::arm::predict(arm_, frame.inputs);
-  if (!laws) return false;
-  laws_ = *laws;
+  const arm::InputReader inputs(arm_, frame.inputs);
+  responses_.clear();
+  laws_.clear();
+  for (const arm::Segment& segment : arm_.segments) {
+    const auto response = arm::respond(segment, inputs);
+    if (!response) return false;
+    responses_.push_back(*response);
+    laws_.push_back(response->prediction);
+  }
   rod_.gravity_m_s2 = frame.gravity_base;
   rod_.loads[rod::kPayloadLoad].mass_kg = frame.payload_kg;
   rod::actuate(arm_, laws_, rod_);
@@ -138,34 +107,57 @@ bool LawModel::apply(const trial::StaticFrame& frame) {
   laws_by_theta_.setZero();
   for (std::size_t j = 0; j < constants_.size(); ++j) {
     for (const int i : segments_of(constants_[j])) {
-      if (!differentiate(frame, static_cast<int>(j), i, *laws)) return false;
+      if (!differentiate(inputs, static_cast<int>(j), i)) return false;
     }
   }
   return true;
 }
 
-bool LawModel::differentiate(const trial::StaticFrame& frame, int column, int index,
-                             std::vector<arm::SegmentPrediction>& laws) {
-  const auto j = static_cast<std::size_t>(column), segment = static_cast<std::size_t>(index);
-  const double sides[2] = {1.0, -1.0};
-  for (const double side : sides) {
-    const arm::Arm& arm = side > 0.0 ? above_[j] : below_[j];
-    const auto varied = arm::predict_segment(arm, arm.segments[segment], frame.inputs);
-    if (!varied) return false;
-    laws[segment] = *varied;
-    rod::actuate(arm, laws, varied_);
-    put_rest_curvature(arm, varied_);
-    laws[segment] = laws_[segment];
-    const double weight = side / (2.0 * step_[column]);
-    for (std::size_t r = 0; r < parameters_.size(); ++r) {
-      if (parameters_[r].index == index)
-        rod_by_theta_(static_cast<int>(r), column) += weight * parameter(varied_, parameters_[r]);
+double LawModel::parameter_derivative(const rod::Parameter& which, const arm::SegmentDerivative& by) const {
+  const auto index = static_cast<std::size_t>(which.index);
+  const arm::Segment& segment = arm_.segments[index];
+  const rod::Segment& rod = rod_.segments[index];
+  const arm::SegmentPrediction& p = by.prediction;
+  const auto compliance = [](double value, double stiffness) { return -value * value * stiffness; };
+  switch (which.kind) {
+    case ParameterKind::kMoment: {
+      // Bending towards phi is a turn about the axis at phi + 90 degrees.
+      const Eigen::Vector2d actuation = by.actuation_nm(laws_[index]);
+      return which.component == 0 ? -actuation.y() : actuation.x();
     }
-    const Eigen::Vector2d moment = varied->actuation_nm();
-    laws_by_theta_.col(column).segment<kLaws>(kLaws * index) +=
-        weight *
-        Eigen::Vector4d(moment.x(), moment.y(), std::log(varied->bending_stiffness_nm2), varied->length_m);
+    case ParameterKind::kBendingCompliance:
+      return compliance(rod.bending_compliance, p.bending_stiffness_nm2);
+    case ParameterKind::kTorsionalCompliance:
+      return compliance(
+          rod.torsional_compliance,
+          segment.torsional_stiffness_nm2.value_or(0.0) * p.modulus_ratio + p.tendon_torsional_stiffness_nm2);
+    case ParameterKind::kAxialCompliance:
+      return compliance(rod.axial_compliance, by.axial_stiffness_n * laws_[index].modulus_ratio +
+                                                  segment.axial_stiffness_n.value_or(0.0) * p.modulus_ratio);
+    case ParameterKind::kShearCompliance:
+      return compliance(rod.shear_compliance, segment.shear_stiffness_n.value_or(0.0) * p.modulus_ratio +
+                                                  p.tendon_shear_stiffness_n);
+    case ParameterKind::kLength:
+      return p.length_m;
+    default:
+      return by.rest_curvature_per_m[which.component];
   }
+}
+
+bool LawModel::differentiate(const arm::InputReader& inputs, int column, int index) {
+  const auto i = static_cast<std::size_t>(index);
+  const ConstantRef& constant = constants_[static_cast<std::size_t>(column)];
+  arm::Change change;
+  if (!arm::spec_of(constant.kind).change(arm_.segments[i], constant.index, inputs, change)) return false;
+  const arm::SegmentDerivative by = arm::differentiate(arm_.segments[i], responses_[i], change);
+  for (std::size_t r = 0; r < parameters_.size(); ++r) {
+    if (parameters_[r].index == index)
+      rod_by_theta_(static_cast<int>(r), column) += parameter_derivative(parameters_[r], by);
+  }
+  const Eigen::Vector2d moment = by.actuation_nm(laws_[i]);
+  laws_by_theta_.col(column).segment<kLaws>(kLaws * index) += Eigen::Vector4d(
+      moment.x(), moment.y(), by.prediction.bending_stiffness_nm2 / laws_[i].bending_stiffness_nm2,
+      by.prediction.length_m);
   return true;
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "arm/constant_spec.h"
 #include "softarm/identify/constants.h"
 #include "softarm/rod/solver.h"
 #include "trial/static_frame.h"
@@ -35,8 +36,7 @@ struct Prediction {
 /// Not thread-safe.
 class LawModel {
  public:
-  /// @param step size of each constant's central difference
-  LawModel(const arm::Arm& arm, const std::vector<ConstantRef>& constants, const Eigen::VectorXd& step);
+  LawModel(const arm::Arm& arm, const std::vector<ConstantRef>& constants);
 
   void set(const Eigen::VectorXd& theta);
 
@@ -52,21 +52,20 @@ class LawModel {
  private:
   bool apply(const trial::StaticFrame& frame);
   /// Adds what a constant does to the laws of one of its segments.
-  /// @param laws of this frame; as they were afterwards
-  bool differentiate(const trial::StaticFrame& frame, int column, int segment,
-                     std::vector<arm::SegmentPrediction>& laws);
+  bool differentiate(const arm::InputReader& inputs, int column, int segment);
+  /// Derivative of a parameter of the rod where its segment's laws change.
+  double parameter_derivative(const rod::Parameter& which, const arm::SegmentDerivative& by) const;
   void body_derivative(int body, const Eigen::MatrixXd& rod_by_x, Eigen::Ref<Eigen::MatrixXd> dp,
                        Eigen::Ref<Eigen::MatrixXd> dtangent) const;
-  double parameter(const rod::Rod& rod, const rod::Parameter& which) const;
 
   std::vector<ConstantRef> constants_;
-  Eigen::VectorXd step_, theta_;
+  Eigen::VectorXd theta_;
   std::vector<arm::MeasuredBody> bodies_;
-  arm::Arm arm_;                         ///< with theta
-  std::vector<arm::Arm> above_, below_;  ///< with one constant a step up or down
+  arm::Arm arm_;  ///< with theta
   std::vector<rod::Parameter> parameters_;
-  rod::Rod rod_, varied_;
+  rod::Rod rod_;
   rod::Solver solver_;
+  std::vector<arm::SegmentResponse> responses_;  ///< of the segments
   std::vector<arm::SegmentPrediction> laws_;
   Eigen::MatrixXd rod_by_theta_;   ///< parameters x constants
   Eigen::MatrixXd laws_by_theta_;  ///< 4 segments x constants

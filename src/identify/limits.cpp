@@ -23,8 +23,8 @@ bool is_at_bound(const FreeConstant& c, double value) {
 }
 
 bool is_modulus(ConstantKind kind) {
-  return kind == ConstantKind::kBendingStiffness || kind == ConstantKind::kByPressure ||
-         kind == ConstantKind::kAxialStiffness;
+  const ConstantRole role = role_of(kind);
+  return role == ConstantRole::kBendingStiffness || role == ConstantRole::kAxialStiffness;
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace softarm::identify {
 
 std::vector<FrameComparison> compare_frames(const arm::Arm& arm,
                                             const std::vector<trial::StaticFrame>& frames) {
-  LawModel model(arm, {}, Eigen::VectorXd());
+  LawModel model(arm, {});
   model.set(Eigen::VectorXd());
   std::vector<FrameComparison> list;
   Prediction predicted;

@@ -75,6 +75,34 @@ std::vector<std::size_t> cluster_frames(const std::vector<trial::StaticFrame>& f
   return clusters;
 }
 
+struct Decomposition {
+  VectorXd values;  ///< ascending
+  MatrixXd directions;
+};
+
+/// Constants of which the trials show nothing at all are directions of their own: a solver would give any mix
+/// of them.
+Decomposition decompose(const MatrixXd& information) {
+  const Eigen::Index count = information.rows();
+  std::vector<Eigen::Index> order, shown;
+  for (Eigen::Index j = 0; j < count; ++j) (information(j, j) > 0.0 ? shown : order).push_back(j);
+  const auto silent = static_cast<Eigen::Index>(order.size()), rest = count - silent;
+  order.insert(order.end(), shown.begin(), shown.end());
+  const auto at = [&](Eigen::Index j) { return order[static_cast<std::size_t>(j)]; };
+  MatrixXd part(rest, rest);
+  for (Eigen::Index j = 0; j < rest; ++j) {
+    for (Eigen::Index k = 0; k < rest; ++k) part(j, k) = information(at(silent + j), at(silent + k));
+  }
+  Decomposition result{VectorXd::Zero(count), MatrixXd::Zero(count, count)};
+  for (Eigen::Index j = 0; j < silent; ++j) result.directions(at(j), j) = 1.0;
+  if (rest == 0) return result;
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(part);
+  result.values.tail(rest) = eigen.eigenvalues();
+  for (Eigen::Index j = 0; j < rest; ++j)
+    result.directions.row(at(silent + j)).tail(rest) = eigen.eigenvectors().row(j);
+  return result;
+}
+
 }  // namespace
 
 Uncertainty uncertainty(const JointProblem& problem, const std::vector<trial::StaticFrame>& frames,
@@ -105,11 +133,11 @@ Uncertainty uncertainty(const JointProblem& problem, const std::vector<trial::St
   for (const auto& [trial, cluster] : clusters) information += cluster.information;
 
   Uncertainty result;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(information);
+  const Decomposition eigen = decompose(information);
   // Directions that the trials determine to a scale, and the others: kept apart, lest the rounding of an
   // infinite variance spoils the finite ones.
-  const VectorXd lambda = eigen.eigenvalues().cwiseMax(kLeastInformation);
-  const MatrixXd& directions = eigen.eigenvectors();
+  const VectorXd lambda = eigen.values.cwiseMax(kLeastInformation);
+  const MatrixXd& directions = eigen.directions;
   VectorXd inside = lambda.cwiseInverse(), outside = inside;
   for (int i = 0; i < constants; ++i) (lambda[i] > kIdentifiable ? outside : inside)[i] = 0.0;
   const MatrixXd inverse = directions * inside.asDiagonal() * directions.transpose();

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "arm/actuators/actuator.h"
 #include "backbone_sampling.h"
 #include "conversions.h"
 #include "tube.h"
@@ -82,14 +83,14 @@ Marker rings(const estimate::Estimate& estimate, const MessageContext& context) 
   return m;
 }
 
-/// Tendons, and cables (whose distance from the axis no arm file has: drawn on the skin), as lines.
+/// Actuators whose place in the section is known (tendons, cables), as lines.
 std::optional<Marker> tendons(const estimate::Estimate& estimate, const MessageContext& context) {
   Marker m = marker(estimate, context, "tendons", Marker::LINE_LIST);
   m.scale.x = 0.006 * context.arm.total_length_m();
   m.color = color(0.98, 0.9, 0.55, 1.0);
   double begin_m = 0.0;
-  const auto add = [&](const arm::Segment& segment, double azimuth_rad, double offset_m) {
-    const Eigen::Vector3d offset(offset_m * std::cos(azimuth_rad), offset_m * std::sin(azimuth_rad), 0.0);
+  const auto add = [&](const arm::Segment& segment, const Eigen::Vector2d& place_m) {
+    const Eigen::Vector3d offset(place_m.x(), place_m.y(), 0.0);
     const auto at = [&](int i) {
       const estimate::BackbonePoint point =
           backbone_at(estimate.backbone, begin_m + segment.length_m * i / kTendonPieces);
@@ -101,10 +102,10 @@ std::optional<Marker> tendons(const estimate::Estimate& estimate, const MessageC
     }
   };
   for (const arm::Segment& segment : context.arm.segments) {
-    for (const arm::Tendon& tendon : segment.tendons)
-      add(segment, tendon.bending_direction_rad, tendon.offset_m);
-    for (const arm::Cable& cable : segment.cables) {
-      add(segment, cable.bending_direction_rad, 0.5 * segment.diameter_m);
+    for (const arm::ActuatorKind* kind : arm::actuator_kinds()) {
+      for (int i = 0; i < kind->count(segment); ++i) {
+        if (const auto place_m = kind->place_m(segment, i)) add(segment, *place_m);
+      }
     }
     begin_m += segment.length_m;
   }

@@ -57,7 +57,7 @@ TEST_P(Derivatives, OfEveryBodyByEveryConstantAgreeWithFiniteDifferences) {
   frame.gravity_base = {3.0, -4.0, 8.0};
   for (int i = 0; i < static_cast<int>(arm.bodies.size()); ++i) frame.bodies.emplace_back().body = i;
 
-  identify::LawModel model(arm, constants, step);
+  identify::LawModel model(arm, constants);
   const auto at = [&](const Eigen::VectorXd& values) {
     identify::Prediction prediction;
     std::optional<identify::Equilibrium> equilibrium;
@@ -98,7 +98,8 @@ TEST_P(Derivatives, OfEveryBodyByEveryConstantAgreeWithFiniteDifferences) {
 
 INSTANTIATE_TEST_SUITE_P(Arms, Derivatives,
                          ::testing::Values("semi_physical_200mm", "hybrid_85mm", "cable_235mm", "two_segment",
-                                           "single_chamber_85mm"));
+                                           "single_chamber_85mm", "online_200mm", "tendon_trunk", "pouch_arm",
+                                           "pouch_arm_one_segment"));
 
 TEST(HeldOut, EveryThirdTrialUnlessNamedOrDrawn) {
   const arm::Arm arm = testing::pneumatic_arm();

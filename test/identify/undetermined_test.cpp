@@ -137,6 +137,35 @@ TEST(Undetermined, AnInputThatIsNeverOn) {
   EXPECT_TRUE(find(result, "segment_1.chamber_1.moment_gain")->determined);
 }
 
+TEST(Undetermined, KnotsThatNoTrialComesNearAreEachByThemselves) {
+  const arm::Arm nominal = testing::shipped("hybrid_85mm");
+  std::mt19937_64 random(6);
+  const arm::Arm truth = testing::perturbed(nominal, identify::default_free(nominal), 0.1, random);
+  testing::Protocol protocol;
+  protocol.draw = [&](std::mt19937_64& r) {
+    arm::InputValues inputs;
+    for (const arm::ScalarInput& input : nominal.inputs.scalars)
+      inputs.emplace_back(testing::uniform(r, 0.0, input.kind == arm::InputKind::kTension ? 1.5 : 9e3));
+    return inputs;
+  };
+  identify::Options options;
+  options.also_free = {"*.length", "*.rest_curvature.*"};
+  const identify::Result result =
+      identify::identify(nominal, testing::make_trials(truth, protocol, random), options);
+  int alone = 0;
+  for (const identify::Combination& combination : result.undetermined) {
+    for (const auto& [name, share] : combination.parts) {
+      if (name < "segment_1.bending_stiffness.by_pressure.3" ||
+          name > "segment_1.bending_stiffness.by_pressure.5")
+        continue;
+      EXPECT_EQ(combination.parts.size(), 1u) << combination.sentence;
+      EXPECT_EQ(std::abs(share), 1.0);
+      ++alone;
+    }
+  }
+  EXPECT_EQ(alone, 3);
+}
+
 TEST(Undetermined, AVacuumThatIsNotRecordedIsNotFitted) {
   arm::Arm nominal = testing::pneumatic_arm();
   nominal.segments[0].bending_stiffness.per_jamming_pressure_nm2_per_pa = 0.0;

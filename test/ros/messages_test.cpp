@@ -5,6 +5,7 @@
 #include <limits>
 #include <set>
 
+#include "arm/actuators/actuator.h"
 #include "ros/backbone_sampling.h"
 #include "ros/estimate_message.h"
 #include "ros/finite.h"
@@ -188,6 +189,36 @@ TEST(Markers, TendonsLieOnTheirSideOfTheBentArm) {
   };
   EXPECT_NEAR(length_m(0), 0.2 - 0.01 * 0.5 * M_PI, 5e-4);
   EXPECT_NEAR(length_m(found->points.size() / 2), 0.2 + 0.01 * 0.5 * M_PI, 5e-4);
+}
+
+TEST(Markers, EveryActuatorWhosePlaceIsKnownIsDrawnThere) {
+  Fixture f;
+  arm::Segment& segment = f.arm.segments[0];
+  segment.tendons = {{"tendon_1", 0.3, 0.01}};
+  segment.cables = {{"servo_1", 2.0, 5.0}, {"servo_2", -2.0, 5.0}};
+  segment.chambers = {{"chamber_1", 1.0, 6e-6, 0.0, 0.0}};
+  segment.central_chamber = {"chamber_2", 1e-4};
+  segment.jamming_input = "vacuum";
+  const estimate::Estimate estimate = quarter_circle();
+  const auto array = to_markers(estimate, f.context);
+  const auto found = std::find_if(array.markers.begin(), array.markers.end(),
+                                  [](const auto& marker) { return marker.ns == "tendons"; });
+  ASSERT_NE(found, array.markers.end());
+  std::size_t lines = 0;
+  for (const arm::ActuatorKind* kind : arm::actuator_kinds()) {
+    EXPECT_GT(kind->count(segment), 0) << kind->traits().name << ": add some";
+    for (int i = 0; i < kind->count(segment); ++i) {
+      const auto place_m = kind->place_m(segment, i);
+      if (!place_m) continue;
+      ++lines;
+      // At the base the section lies in the plane of x and y.
+      EXPECT_TRUE(std::any_of(found->points.begin(), found->points.end(), [&](const auto& point) {
+        return std::hypot(std::hypot(point.x - place_m->x(), point.y - place_m->y()), point.z) < 1e-9;
+      })) << kind->traits().name;
+    }
+  }
+  EXPECT_EQ(lines, 3u);
+  EXPECT_EQ(found->points.size() % lines, 0u);
 }
 
 TEST(Markers, SayWhatAFrameDoesNotTell) {

@@ -1,72 +1,27 @@
-// The constants of an arm's laws, each by a name: what identification may change.
+// Which constants of an arm's laws (softarm/arm/constants.h) identification is to fit.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "softarm/arm/arm.h"
+#include "softarm/arm/constants.h"
 #include "softarm/export.h"
 
 namespace softarm::identify {
 
-enum class ConstantKind {
-  kMomentGain,          ///< c_i of a chamber, N m / Pa
-  kElongation,          ///< a_near + a_far of a chamber, m / Pa: only the sum enters a backbone's length, (6)
-  kBendingStiffness,    ///< b1, EI without input, N m^2
-  kPerMinPressure,      ///< b2, N m^2 / Pa
-  kPerJammingPressure,  ///< b3, N m^2 / Pa
-  kByPressure,          ///< EI at one knot of StiffnessLaw::by_pressure, N m^2
-  kTendonOffset,        ///< m
-  kCableGain,           ///< 1 / (m rad)
-  kAxialStiffness,      ///< EA, N
-  kLength,              ///< backbone length at zero input, m
-  kRestCurvatureX,      ///< u*_x, a turn about the section's x axis, 1 / m
-  kRestCurvatureY,
-};
-
-/// One constant of one segment.
-struct ConstantRef {
-  ConstantKind kind = ConstantKind::kMomentGain;
-  int segment = 0;  ///< index into Arm::segments
-  int index = 0;    ///< of the chamber, tendon, cable or knot
-  /// Other segments whose constant of this kind and index has the same value: a stiffness that all share,
-  /// say.
-  std::vector<int> tied = {};
-};
-
-/// The constant's segment and those that are tied to it.
-SOFTARM_EXPORT std::vector<int> segments_of(const ConstantRef& constant);
-
-/// "<segment>.<what>", counted from 1: "segment_1.chamber_2.moment_gain", "segment_1.chamber_2.elongation",
-/// "segment_1.bending_stiffness.base", ".per_min_pressure", ".per_jamming_pressure", ".by_pressure.3",
-/// "segment_1.tendon_1.offset", "segment_1.cable_1.curvature_gain", "segment_1.axial_stiffness",
-/// "segment_1.length", "segment_1.rest_curvature.x". Tied ones: "segment_1=segment_2.bending_stiffness.base".
-SOFTARM_EXPORT std::string name_of(const arm::Arm& arm, const ConstantRef& constant);
-/// SI, as a person writes it: "N m/Pa".
-SOFTARM_EXPORT std::string unit_of(ConstantKind kind);
-
-SOFTARM_EXPORT double value_of(const arm::Arm& arm, const ConstantRef& constant);
-
-/// Sets one constant, in all of its segments.
-/// - kElongation changes near_elongation and leaves far_elongation.
-/// - kLength carries along what sits on the segment: bodies and payload keep their fraction of it, and its
-///   mass stays what it weighs (mass_per_length changes).
-SOFTARM_EXPORT void set_value(arm::Arm& arm, const ConstantRef& constant, double value);
-
-/// What the description of an arm allows.
-SOFTARM_EXPORT arm::Range allowed_range(const arm::Arm& arm, const ConstantRef& constant);
-
-/// Whether an input pulls along the segment: a central chamber or a tendon. Else EA is identifiable by
-/// weights alone.
-SOFTARM_EXPORT bool strained_by_inputs(const arm::Segment& segment);
-
-/// Every constant that the arm has, base to tip: those of its actuation and stiffness laws, then EA where it
-/// is given, lengths and rest curvatures. A knot of by_pressure replaces base.
-SOFTARM_EXPORT std::vector<ConstantRef> constants_of(const arm::Arm& arm);
-
-/// Those that identification frees unless told otherwise: all but lengths and rest curvatures, and EA only
-/// where an input strains the arm (what a payload stretches it by is often less than what the laws leave).
-SOFTARM_EXPORT std::vector<ConstantRef> default_free(const arm::Arm& arm);
+using arm::allowed_range;
+using arm::ConstantKind;
+using arm::ConstantRef;
+using arm::ConstantRole;
+using arm::constants_of;
+using arm::default_free;
+using arm::name_of;
+using arm::role_of;
+using arm::segments_of;
+using arm::set_value;
+using arm::strained_by_inputs;
+using arm::unit_of;
+using arm::value_of;
 
 /// The constants whose name matches one of the shell patterns ("*.moment_gain", "segment_1.length"); a
 /// pattern without a dot matches the last part of a name ("length").

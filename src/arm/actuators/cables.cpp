@@ -1,0 +1,142 @@
+// Cables wound up by servos: a curvature proportional to the servo's angle (cable paper (4), (5), (15)).
+#include <fmt/format.h>
+
+#include "actuator.h"
+#include "arm/key_builders.h"
+#include "arm/yaml_section.h"
+
+namespace softarm::arm {
+namespace {
+
+const Cable& cable(const Segment& segment, int i) {
+  return segment.cables[static_cast<std::size_t>(i)];
+}
+
+const std::string& cable_input(const Segment& segment, int i) {
+  return cable(segment, i).input;
+}
+
+ConstantSpec curvature_gain() {
+  ConstantSpec c{ConstantKind::kCableGain,
+                 ConstantRole::kOther,
+                 "cable_{}.curvature_gain",
+                 "1/(m rad)",
+                 "cable",
+                 cable_input};
+  c.count = [](const Segment& s) { return static_cast<int>(s.cables.size()); };
+  c.value = [](const Segment& s, int i) { return cable(s, i).curvature_gain_per_m_rad; };
+  c.set = [](Segment& s, int i, double value) {
+    s.cables[static_cast<std::size_t>(i)].curvature_gain_per_m_rad = value;
+  };
+  c.allowed = [](const Segment&, int) { return Range{0.0, 1e4}; };
+  c.change = [](const Segment& s, int i, const InputReader& inputs, Change& change) {
+    const std::optional<double> angle_rad = inputs(cable(s, i).input);
+    if (angle_rad) change.drive.curvature_per_m = *angle_rad * towards(cable(s, i).bending_direction_rad);
+    return angle_rad.has_value();
+  };
+  c.scale = [](const Segment& s, int i, const RecordedInputs& recorded) {
+    return kBendThatMatters_rad / s.length_m / largest_or(recorded, cable_input(s, i), 1.0);
+  };
+  c.advice = [](const Segment& s, int i, const RecordedInputs&) {
+    return fmt::format("input {} moves the arm too little: record trials with larger angles",
+                       input_words(s, "cable", cable_input(s, i), i));
+  };
+  return c;
+}
+
+class Cables final : public ActuatorKind {
+ public:
+  Cables() : ActuatorKind({"cables", "cables", InputKind::kAngle, true, false}) {}
+  int count(const Segment& segment) const override { return static_cast<int>(segment.cables.size()); }
+  const std::string& input(const Segment& segment, int i) const override { return cable_input(segment, i); }
+  std::optional<double> bending_direction_rad(const Segment& segment, int i) const override {
+    return cable(segment, i).bending_direction_rad;
+  }
+  /// On the skin: no arm file has its distance from the axis.
+  std::optional<Eigen::Vector2d> place_m(const Segment& segment, int i) const override {
+    return 0.5 * segment.diameter_m * towards(cable(segment, i).bending_direction_rad);
+  }
+
+  bool drive(const Segment& segment, const InputReader& inputs, Drive& drive) const override {
+    for (const Cable& one : segment.cables) {
+      const std::optional<double> angle_rad = inputs(one.input);
+      if (!angle_rad) return false;
+      drive.curvature_per_m += one.curvature_gain_per_m_rad * *angle_rad * towards(one.bending_direction_rad);
+    }
+    return true;
+  }
+
+  const std::vector<ConstantSpec>& constants() const override {
+    static const std::vector<ConstantSpec> list{curvature_gain()};
+    return list;
+  }
+
+  std::vector<yaml::KeySpec> segment_keys() const override {
+    return {yaml::list("cables", "[]", "cables wound up by servos")};
+  }
+  std::vector<const yaml::KeyTable*> segment_tables() const override { return {&keys()}; }
+
+  void read(const yaml::Section& section, const yaml::Section&, const Inputs& inputs,
+            Segment& segment) const override {
+    for (const yaml::Section& item : section.list("cables", keys())) {
+      Cable one;
+      one.input = yaml::read_input(item, "input", inputs, InputKind::kAngle, "a cable");
+      one.bending_direction_rad = yaml::read_direction_rad(item);
+      one.curvature_gain_per_m_rad = read_gain(item, segment.length_m);
+      segment.cables.push_back(one);
+    }
+  }
+
+  /// A gain may be written as the spool's radius over the lever and the segment's length. The radius is what
+  /// is least well known: where the cable leaves the spool.
+  void visit_numbers(const Segment& before, const Segment& after, const yaml::Path& at,
+                     const VisitNumber& visit) const override {
+    const double longer = after.length_m / before.length_m;
+    for (std::size_t k = 0; k < after.cables.size(); ++k) {
+      const double a = before.cables[k].curvature_gain_per_m_rad,
+                   b = after.cables[k].curvature_gain_per_m_rad;
+      const yaml::Path path = at / "cables" / k;
+      visit({path / "curvature_gain_per_m_rad", a, b, path / "spool_radius_m", b / a * longer});
+    }
+  }
+
+ private:
+  static double read_gain(const yaml::Section& section, double length_m) {
+    constexpr const char* kParts[] = {"spool_radius_m", "lever_m"};
+    if (section.has("curvature_gain_per_m_rad")) {
+      for (const char* const key : kParts) {
+        if (section.has(key))
+          section.fail(key, "is given beside curvature_gain_per_m_rad, which it is part of");
+      }
+      return section.number("curvature_gain_per_m_rad");
+    }
+    for (const char* const key : kParts)
+      section.require(key, "a cable needs it, or curvature_gain_per_m_rad");
+    return section.number("spool_radius_m") / (length_m * section.number("lever_m"));
+  }
+
+  static const yaml::KeyTable& keys() {
+    static const yaml::KeyTable table{
+        "segments[].cables[]",
+        {yaml::text("input", yaml::kRequired,
+                    "name of the angle input (inputs.angles) of the servo that winds it up"),
+         yaml::number("bending_direction_deg", "deg", yaml::kRequired, -360, 360,
+                      "azimuth of the cable: towards which the arm bends for positive angles"),
+         yaml::number("curvature_gain_per_m_rad", "1/(m rad)", yaml::kAbsent, 0, 1e4,
+                      "curvature of the unloaded segment per angle (or spool_radius_m and lever_m)"),
+         yaml::number("spool_radius_m", "m", yaml::kAbsent, 1e-4, 1,
+                      "r_s: radius of the spool; the gain is spool_radius_m / (length_m * lever_m)"),
+         yaml::number("lever_m", "m", yaml::kAbsent, 1e-4, 1,
+                      "r + r_t: distance of the cable from the segment's axis")}};
+    return table;
+  }
+};
+
+}  // namespace
+
+const ActuatorKind& cables_kind() {
+  static const Cables kind;
+  return kind;
+}
+
+}  // namespace softarm::arm

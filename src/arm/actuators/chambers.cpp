@@ -1,0 +1,236 @@
+// Pneumatic chambers along a segment, off its axis: length law (3)-(6), stiffness law (7)-(9) and moment law
+// (10)-(13) of the semi-physical paper.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "actuator.h"
+#include "arm/key_builders.h"
+#include "arm/yaml_section.h"
+
+namespace softarm::arm {
+namespace {
+
+constexpr double kElongationThatMatters = 0.02;  // of the length at the largest pressure
+
+const Chamber& chamber(const Segment& segment, int i) {
+  return segment.chambers[static_cast<std::size_t>(i)];
+}
+
+const std::string& chamber_input(const Segment& segment, int i) {
+  return chamber(segment, i).input;
+}
+
+int chamber_count(const Segment& segment) {
+  return static_cast<int>(segment.chambers.size());
+}
+
+/// The stiffness law holds for P >= 0: a sensor whose zero lies a little low must not take stiffness away.
+double stiffening_pressure_pa(double lowest_pa) {
+  return lowest_pa < std::numeric_limits<double>::max() ? std::max(0.0, lowest_pa) : 0.0;
+}
+
+ConstantSpec moment_gain() {
+  ConstantSpec c{ConstantKind::kMomentGain,
+                 ConstantRole::kMoment,
+                 "chamber_{}.moment_gain",
+                 "N m/Pa",
+                 "chamber",
+                 chamber_input};
+  c.count = chamber_count;
+  c.value = [](const Segment& s, int i) { return chamber(s, i).moment_gain_nm_per_pa; };
+  c.set = [](Segment& s, int i, double value) {
+    s.chambers[static_cast<std::size_t>(i)].moment_gain_nm_per_pa = value;
+  };
+  c.allowed = [](const Segment&, int) { return Range{0.0, 1e-3}; };
+  c.change = [](const Segment& s, int i, const InputReader& inputs, Change& change) {
+    const std::optional<double> pressure_pa = inputs(chamber(s, i).input);
+    if (pressure_pa) change.drive.moment_nm = *pressure_pa * towards(chamber(s, i).bending_direction_rad);
+    return pressure_pa.has_value();
+  };
+  c.scale = [](const Segment& s, int i, const RecordedInputs& recorded) {
+    return kBendThatMatters_rad * unloaded_stiffness_nm2(s) / s.length_m /
+           largest_or(recorded, chamber_input(s, i), kUsualPressure_pa);
+  };
+  c.advice = [](const Segment&, int, const RecordedInputs& recorded) { return recorded.load_advice(); };
+  return c;
+}
+
+ConstantSpec elongation() {
+  ConstantSpec c{ConstantKind::kElongation,
+                 ConstantRole::kOther,
+                 "chamber_{}.elongation",
+                 "m/Pa",
+                 "chamber",
+                 chamber_input};
+  c.count = chamber_count;
+  c.value = [](const Segment& s, int i) {
+    return chamber(s, i).near_elongation_m_per_pa + chamber(s, i).far_elongation_m_per_pa;
+  };
+  c.set = [](Segment& s, int i, double value) {
+    Chamber& changed = s.chambers[static_cast<std::size_t>(i)];
+    changed.near_elongation_m_per_pa = value - changed.far_elongation_m_per_pa;
+  };
+  c.allowed = [](const Segment& s, int i) {  // of the near one, which is changed
+    const double far = chamber(s, i).far_elongation_m_per_pa;
+    return Range{-1e-5 + far, 1e-5 + far};
+  };
+  c.change = [](const Segment& s, int i, const InputReader& inputs, Change& change) {
+    const std::optional<double> pressure_pa = inputs(chamber(s, i).input);
+    change.drive.length_m = pressure_pa.value_or(0.0);
+    return pressure_pa.has_value();
+  };
+  c.scale = [](const Segment& s, int i, const RecordedInputs& recorded) {
+    return kElongationThatMatters * s.length_m / largest_or(recorded, chamber_input(s, i), kUsualPressure_pa);
+  };
+  c.advice = [](const Segment& s, int i, const RecordedInputs&) {
+    return fmt::format(
+        "the length hardly answers to {}: record trials with it at higher pressure, and others at rest",
+        input_words(s, "chamber", chamber_input(s, i), i));
+  };
+  return c;
+}
+
+/// Over the frames: of the lowest chamber pressure, the largest.
+double largest_minimum_pa(const Segment& segment, const RecordedInputs& recorded) {
+  std::vector<double> lowest;
+  for (const Chamber& one : segment.chambers) {
+    const std::vector<double> values = recorded.values(one.input);
+    if (lowest.empty()) lowest = values;
+    for (std::size_t i = 0; i < values.size(); ++i) lowest[i] = std::min(lowest[i], values[i]);
+  }
+  return lowest.empty() ? 0.0 : std::max(0.0, *std::max_element(lowest.begin(), lowest.end()));
+}
+
+ConstantSpec per_min_pressure() {
+  ConstantSpec c{ConstantKind::kPerMinPressure, ConstantRole::kBendingStiffnessSlope,
+                 "bending_stiffness.per_min_pressure", "N m^2/Pa"};
+  // With one or two chambers the lowest pressure is a law as well, (7) is of antagonists.
+  c.count = [](const Segment& s) { return s.chambers.size() >= 2 ? 1 : 0; };
+  c.value = [](const Segment& s, int) { return s.bending_stiffness.per_min_pressure_nm2_per_pa; };
+  c.set = [](Segment& s, int, double value) { s.bending_stiffness.per_min_pressure_nm2_per_pa = value; };
+  c.allowed = [](const Segment&, int) { return Range{0.0, 1e-4}; };
+  c.change = [](const Segment& s, int, const InputReader& inputs, Change& change) {
+    double lowest_pa = std::numeric_limits<double>::max();
+    for (const Chamber& one : s.chambers) {
+      const std::optional<double> pressure_pa = inputs(one.input);
+      if (!pressure_pa) return false;
+      lowest_pa = std::min(lowest_pa, *pressure_pa);
+    }
+    change.drive.added_stiffness_nm2 = stiffening_pressure_pa(lowest_pa);
+    return true;
+  };
+  c.scale = [](const Segment& s, int, const RecordedInputs& recorded) {
+    const double lowest_pa = largest_minimum_pa(s, recorded);
+    return kStiffnessThatMatters * unloaded_stiffness_nm2(s) /
+           (lowest_pa > 0.0 ? lowest_pa : kUsualPressure_pa);
+  };
+  c.advice = [](const Segment& s, int, const RecordedInputs& recorded) {
+    if (!(largest_minimum_pa(s, recorded) > 0.0))
+      return fmt::format(
+          "at no time are all chambers of {} inflated: record trials with all of them "
+          "pressurised, with and without a payload",
+          s.name);
+    return "record trials with all chambers at high pressure and with a payload beside such with one "
+           "chamber off; " +
+           recorded.load_advice();
+  };
+  return c;
+}
+
+class Chambers final : public ActuatorKind {
+ public:
+  Chambers() : ActuatorKind({"chambers", "chambers", InputKind::kPressure, true, false}) {}
+  int count(const Segment& segment) const override { return chamber_count(segment); }
+  const std::string& input(const Segment& segment, int i) const override { return chamber_input(segment, i); }
+  bool stiffens(const Segment& segment) const override {
+    return segment.bending_stiffness.per_min_pressure_nm2_per_pa != 0.0;
+  }
+  std::optional<double> bending_direction_rad(const Segment& segment, int i) const override {
+    return chamber(segment, i).bending_direction_rad;
+  }
+
+  /// Every chamber pulls towards its own azimuth. On the bending axis, a quarter turn from there, the cosine
+  /// terms of (3) cancel, and what is left is L0 + sum P_i (a_near + a_far).
+  bool drive(const Segment& segment, const InputReader& inputs, Drive& drive) const override {
+    double lowest_pa = std::numeric_limits<double>::max();
+    for (const Chamber& one : segment.chambers) {
+      const std::optional<double> pressure_pa = inputs(one.input);
+      if (!pressure_pa) return false;
+      drive.length_m += *pressure_pa * (one.near_elongation_m_per_pa + one.far_elongation_m_per_pa);
+      drive.moment_nm += one.moment_gain_nm_per_pa * *pressure_pa * towards(one.bending_direction_rad);
+      lowest_pa = std::min(lowest_pa, *pressure_pa);
+    }
+    drive.added_stiffness_nm2 +=
+        segment.bending_stiffness.per_min_pressure_nm2_per_pa * stiffening_pressure_pa(lowest_pa);
+    return true;
+  }
+
+  const std::vector<ConstantSpec>& constants() const override {
+    static const std::vector<ConstantSpec> list{moment_gain(), elongation(), per_min_pressure()};
+    return list;
+  }
+
+  std::vector<yaml::KeySpec> segment_keys() const override {
+    return {yaml::list("chambers", "[]", "pneumatic chambers along the segment, off its axis")};
+  }
+  std::vector<yaml::KeySpec> stiffness_keys() const override {
+    return {yaml::number("per_min_pressure_nm2_per_pa", "N m^2/Pa", "0", 0, 1e-4,
+                         "b2: EI per Pa of the lowest chamber pressure")};
+  }
+  std::vector<const yaml::KeyTable*> segment_tables() const override { return {&keys()}; }
+
+  void read(const yaml::Section& section, const yaml::Section& stiffness, const Inputs& inputs,
+            Segment& segment) const override {
+    segment.bending_stiffness.per_min_pressure_nm2_per_pa = stiffness.number("per_min_pressure_nm2_per_pa");
+    for (const yaml::Section& item : section.list("chambers", keys())) {
+      Chamber one;
+      one.input = yaml::read_input(item, "input", inputs, InputKind::kPressure, "a chamber");
+      one.bending_direction_rad = yaml::read_direction_rad(item);
+      one.moment_gain_nm_per_pa = item.number("moment_gain_nm_per_pa");
+      one.near_elongation_m_per_pa = item.number("near_elongation_m_per_pa");
+      one.far_elongation_m_per_pa = item.number("far_elongation_m_per_pa");
+      segment.chambers.push_back(one);
+    }
+  }
+
+  void visit_numbers(const Segment& before, const Segment& after, const yaml::Path& at,
+                     const VisitNumber& visit) const override {
+    visit({at / "bending_stiffness" / "per_min_pressure_nm2_per_pa",
+           before.bending_stiffness.per_min_pressure_nm2_per_pa,
+           after.bending_stiffness.per_min_pressure_nm2_per_pa});
+    for (std::size_t k = 0; k < after.chambers.size(); ++k) {
+      const Chamber &a = before.chambers[k], &b = after.chambers[k];
+      const yaml::Path path = at / "chambers" / k;
+      visit({path / "moment_gain_nm_per_pa", a.moment_gain_nm_per_pa, b.moment_gain_nm_per_pa});
+      visit({path / "near_elongation_m_per_pa", a.near_elongation_m_per_pa, b.near_elongation_m_per_pa});
+      visit({path / "far_elongation_m_per_pa", a.far_elongation_m_per_pa, b.far_elongation_m_per_pa});
+    }
+  }
+
+ private:
+  static const yaml::KeyTable& keys() {
+    static const yaml::KeyTable table{
+        "segments[].chambers[]",
+        {yaml::text("input", yaml::kRequired, "name of the pressure input (inputs.pressures) that feeds it"),
+         yaml::number("bending_direction_deg", "deg", yaml::kRequired, -360, 360,
+                      "azimuth towards which the arm bends when it is inflated"),
+         yaml::number("moment_gain_nm_per_pa", "N m/Pa", yaml::kRequired, 0, 1e-3,
+                      "c: bending moment per gauge pressure"),
+         yaml::number("near_elongation_m_per_pa", "m/Pa", "0", -1e-5, 1e-5,
+                      "a1, a3, a5: elongation at the chamber's side"),
+         yaml::number("far_elongation_m_per_pa", "m/Pa", "0", -1e-5, 1e-5,
+                      "a2, a4, a6: elongation opposite the chamber")}};
+    return table;
+  }
+};
+
+}  // namespace
+
+const ActuatorKind& chambers_kind() {
+  static const Chambers kind;
+  return kind;
+}
+
+}  // namespace softarm::arm
