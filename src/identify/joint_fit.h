@@ -90,7 +90,7 @@ class JointProblem {
   const Options& options_;
   LawModel model_;
   Eigen::VectorXd scale_;
-  std::vector<std::optional<Equilibrium>> equilibria_;
+  std::vector<std::optional<model::Equilibrium>> equilibria_;
   std::vector<Prediction> predictions_;
   std::vector<bool> solved_;  ///< at the last evaluation
   std::vector<bool> active_;  ///< part of the present pass

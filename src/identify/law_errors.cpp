@@ -134,7 +134,7 @@ arm::LawPrior law_errors(const arm::Arm& arm, LawModel& model, const std::vector
   std::vector<double> moments, bending_nm;  // the latter per radian
   std::vector<std::vector<double>> own(3);  // variances by the constants: moment, ln EI, length
   for (const trial::StaticFrame& frame : frames) {
-    std::optional<Equilibrium> equilibrium;
+    std::optional<model::Equilibrium> equilibrium;
     Prediction predicted;
     if (!model.predict(frame, equilibrium, predicted)) continue;
     // A frame's largest residuals are of the laws as a rule; what no law explains must not rule.

@@ -2,27 +2,19 @@
 
 #include <cmath>
 
-#include "math/so3.h"
 #include "model/body_kinematics.h"
 #include "softarm/arm/laws.h"
 
 namespace softarm::identify {
 namespace {
 
-using Eigen::Vector3d;
 using rod::ParameterKind;
 
 constexpr double kWarmTurn_rad = 0.5;  // a tip predicted to turn further is solved from nothing
 
 /// Rod parameters that the laws or the constants change; the first four of a segment always.
 std::vector<rod::Parameter> rod_parameters(const arm::Arm& arm, const std::vector<ConstantRef>& constants) {
-  std::vector<rod::Parameter> list;
-  for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
-    list.push_back({ParameterKind::kMoment, i, 0});
-    list.push_back({ParameterKind::kMoment, i, 1});
-    list.push_back({ParameterKind::kBendingCompliance, i, 0});
-    list.push_back({ParameterKind::kLength, i, 0});
-  }
+  std::vector<rod::Parameter> list = model::segment_parameters(arm);
   const auto add = [&](ParameterKind kind, int segment, int component) {
     for (const rod::Parameter& p : list) {
       if (p.kind == kind && p.index == segment && p.component == component) return;
@@ -46,20 +38,6 @@ std::vector<rod::Parameter> rod_parameters(const arm::Arm& arm, const std::vecto
   return list;
 }
 
-std::vector<double> stations(const arm::Arm& arm) {
-  std::vector<double> list;
-  for (const arm::MeasuredBody& body : arm.bodies) list.push_back(body.arclength_m);
-  return list;
-}
-
-rod::SolverOptions solver_options() {
-  rod::SolverOptions options;
-  options.linear_correction_rad = 1e-4;
-  options.orientation_tolerance_rad = 1e-9;
-  options.position_tolerance = 1e-6;
-  return options;
-}
-
 void put_rest_curvature(const arm::Arm& arm, rod::Rod& rod) {
   for (std::size_t i = 0; i < rod.segments.size(); ++i)
     rod.segments[i].rest_curvature_per_m = arm.segments[i].rest_curvature_per_m;
@@ -73,7 +51,7 @@ LawModel::LawModel(const arm::Arm& arm, const std::vector<ConstantRef>& constant
       arm_(arm),
       parameters_(rod_parameters(arm, constants)),
       rod_(rod::make_rod(arm)),
-      solver_(rod_, stations(arm), parameters_, solver_options()),
+      solver_(rod_, model::body_stations(arm), parameters_, model::solver_options(1e-9)),
       rod_by_theta_(static_cast<int>(parameters_.size()), static_cast<int>(constants.size())),
       laws_by_theta_(kLaws * static_cast<int>(arm.segments.size()), static_cast<int>(constants.size())) {}
 
@@ -163,29 +141,20 @@ bool LawModel::differentiate(const arm::InputReader& inputs, int column, int ind
 
 void LawModel::body_derivative(int body, const Eigen::MatrixXd& rod_by_x, Eigen::Ref<Eigen::MatrixXd> dp,
                                Eigen::Ref<Eigen::MatrixXd> dtangent) const {
-  const arm::MeasuredBody& measured = bodies_[static_cast<std::size_t>(body)];
-  const rod::RodState& state = solver_.station(body);
-  const Eigen::MatrixXd turn = solver_.drotation(body) * rod_by_x;
-  Eigen::Matrix3Xd position = solver_.dp(body) * rod_by_x;
-  model::carry_position(measured, state, turn, position);
-  dp = position;
-  dtangent = model::tangent_derivative(state, turn);
+  dp = model::position_by_rod(bodies_[static_cast<std::size_t>(body)], body, solver_) * rod_by_x;
+  dtangent = model::tangent_by_rod(body, solver_) * rod_by_x;
 }
 
-bool LawModel::predict(const trial::StaticFrame& frame, std::optional<Equilibrium>& state, Prediction& out) {
+bool LawModel::predict(const trial::StaticFrame& frame, std::optional<model::Equilibrium>& state,
+                       Prediction& out) {
   if (!apply(frame)) return false;
   rod::SolveStatus status = rod::SolveStatus::kNoConvergence;
   if (state) {
-    const Vector3d turn = state->tip_by_theta * (theta_ - state->theta);
-    if (turn.norm() < kWarmTurn_rad)
-      status = solver_.solve(rod_, (math::exp_so3(turn) * state->q_tip).normalized());
+    if (const auto q_tip = state->tip_at(theta_, kWarmTurn_rad)) status = solver_.solve(rod_, *q_tip);
   }
   if (status != rod::SolveStatus::kConverged) status = solver_.solve(rod_);
   if (status != rod::SolveStatus::kConverged) return false;
-  if (!state) state.emplace();
-  state->q_tip = solver_.q_tip();
-  state->theta = theta_;
-  state->tip_by_theta = solver_.drotation_tip() * rod_by_theta_;
+  state = {solver_.q_tip(), theta_, solver_.drotation_tip() * rod_by_theta_};
 
   const int count = static_cast<int>(frame.bodies.size());
   const int constants = static_cast<int>(constants_.size());
@@ -218,10 +187,11 @@ void LawModel::derivative_by_laws(const trial::StaticFrame& frame, Eigen::Matrix
   for (int i = 0; i < static_cast<int>(laws_.size()); ++i) {
     // The order of rod_parameters(). Bending towards the azimuth (a, b) is a turn about (-b, a).
     const int column = kLaws * i;
-    rod_by_laws(column + 1, column) = 1.0;
-    rod_by_laws(column, column + 1) = -1.0;
-    rod_by_laws(column + 2, column + 2) = -rod_.segments[static_cast<std::size_t>(i)].bending_compliance;
-    rod_by_laws(column + 3, column + 3) = 1.0;
+    rod_by_laws(column + model::kMomentY, column) = 1.0;
+    rod_by_laws(column + model::kMomentX, column + 1) = -1.0;
+    rod_by_laws(column + model::kBendingCompliance, column + 2) =
+        -rod_.segments[static_cast<std::size_t>(i)].bending_compliance;
+    rod_by_laws(column + model::kLengthColumn, column + 3) = 1.0;
   }
   const int count = static_cast<int>(frame.bodies.size());
   dp.resize(3 * count, columns);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "arm/constant_spec.h"
+#include "model/arm_rod.h"
 #include "softarm/identify/constants.h"
 #include "softarm/rod/solver.h"
 #include "trial/static_frame.h"
@@ -14,13 +15,6 @@
 namespace softarm::identify {
 
 constexpr int kLaws = 4;  ///< of a segment: moment x, y, ln EI, length
-
-/// Where a frame's last equilibrium was: the start of its next one.
-struct Equilibrium {
-  Eigen::Quaterniond q_tip = Eigen::Quaterniond::Identity();
-  Eigen::VectorXd theta;          ///< constants there
-  Eigen::Matrix3Xd tip_by_theta;  ///< turn of the tip per unit of each
-};
 
 /// The predicted frame: rows 3 k to 3 k + 2 of body k (in the order of StaticFrame::bodies).
 struct Prediction {
@@ -40,9 +34,9 @@ class LawModel {
 
   void set(const Eigen::VectorXd& theta);
 
-  /// @param state of this frame, empty at first; updated where there is an equilibrium
+  /// @param state this frame's last equilibrium, by the constants; empty at first; updated where there is one
   /// @return false without one, or where the laws have no value
-  bool predict(const trial::StaticFrame& frame, std::optional<Equilibrium>& state, Prediction& out);
+  bool predict(const trial::StaticFrame& frame, std::optional<model::Equilibrium>& state, Prediction& out);
 
   /// Derivative of a predicted body by the laws of the segments (4 per segment, in the order of
   /// Prediction::laws), valid after predict().

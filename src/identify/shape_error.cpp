@@ -17,7 +17,7 @@ std::vector<FrameComparison> compare_frames(const arm::Arm& arm,
   Prediction predicted;
   for (const trial::StaticFrame& frame : frames) {
     // Each from nothing: the shape that the arm takes when it is loaded, whatever frame came before.
-    std::optional<Equilibrium> equilibrium;
+    std::optional<model::Equilibrium> equilibrium;
     if (!model.predict(frame, equilibrium, predicted)) continue;
     FrameComparison made;
     made.trial = frame.trial;

@@ -60,7 +60,7 @@ TEST_P(Derivatives, OfEveryBodyByEveryConstantAgreeWithFiniteDifferences) {
   identify::LawModel model(arm, constants);
   const auto at = [&](const Eigen::VectorXd& values) {
     identify::Prediction prediction;
-    std::optional<identify::Equilibrium> equilibrium;
+    std::optional<model::Equilibrium> equilibrium;
     model.set(values);
     EXPECT_TRUE(model.predict(frame, equilibrium, prediction));
     return prediction;
