@@ -4,8 +4,8 @@
 
 namespace softarm::check {
 
-// The table of the checks: <name>.cpp has make_<name>(). Labels come first, then single poses, then the arm
-// as a whole.
+// The table of the checks: <name>.cpp has make_<name>(), but for the two of rest.cpp that only make ready
+// what others look at. Labels come first, then single poses, then the arm as a whole.
 // clang-format off
 #define SOFTARM_CHECKS(check) \
   check(topics)               \
