@@ -64,20 +64,9 @@ void refuse_unless(bool applies, const Section& section, const char* key, const 
 }  // namespace
 
 const std::vector<BodyType>& body_types() {
-  static const std::vector<BodyType> types{
-      {"geometry_msgs/PoseStamped", BodyMessage::kPose, "m", false},
-      {"geometry_msgs/TransformStamped", BodyMessage::kPose, "m", false},
-      {"nav_msgs/Odometry", BodyMessage::kPose, "m", false},
-      {"geometry_msgs/PointStamped", BodyMessage::kPoint, "m", false},
-      {"tf2_msgs/TFMessage", BodyMessage::kFrames, "m", false},
-      {"vicon_bridge/Markers", BodyMessage::kMarkers, "mm", false},
-      {"mocap_base/MarkerList", BodyMessage::kMarkers, "m", false},
-      {"phasespace_msgs/Markers", BodyMessage::kMarkers, "m", true},
-      {"phasespace_msgs/MarkersStamped", BodyMessage::kMarkers, "m", true},
-      {"sensor_msgs/PointCloud", BodyMessage::kCloud, "m", false},
-      {"sensor_msgs/PointCloud2", BodyMessage::kCloud, "m", false},
-      {"visualization_msgs/Marker", BodyMessage::kCloud, "m", false},
-  };
+#define SOFTARM_ROW(name, type, message, unit, server_time) {type, message, unit, server_time},
+  static const std::vector<BodyType> types{SOFTARM_BODY_TYPES(SOFTARM_ROW)};
+#undef SOFTARM_ROW
   return types;
 }
 

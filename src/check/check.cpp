@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
+#include "checks.h"
 #include "context.h"
 #include "policy.h"
 
@@ -45,20 +45,24 @@ bool same_times(const CheckFinding& a, const CheckFinding& b) {
                     });
 }
 
+Alike alike_of(const std::string& id) {
+  for (const Check& check : checks()) {
+    if (const Statement* statement = check.statement(id)) return statement->alike;
+  }
+  return Alike::kOnePerPlace;
+}
+
 /// What is wrong with the stamps, or stands still, mostly is so for all bodies, or all inputs, of a driver:
 /// one finding for them.
 void merge_alike(std::vector<CheckFinding>& findings) {
-  const std::set<std::string> kOfDrivers{"irregular_stamps", "duplicates",    "gap",          "low_rate",
-                                         "receipt",          "zero_stamps",   "out_of_order", "time_jump",
-                                         "stamps_ahead",     "late_receipt",  "clock_drift",  "other_epoch",
-                                         "frozen_body",      "repeated_poses"};
-  const std::set<std::string> kOfTimes{"gap", "time_jump", "frozen_body"};
   std::vector<CheckFinding> merged;
   for (CheckFinding& f : findings) {
     const auto same = std::find_if(merged.begin(), merged.end(), [&](const CheckFinding& m) {
       if (m.id != f.id || m.severity != f.severity || !m.figure || !f.figure) return false;
-      return kOfDrivers.count(f.id) > 0 && std::abs(*m.figure - *f.figure) <= 0.1 * std::abs(*m.figure) &&
-             (kOfTimes.count(f.id) == 0 || same_times(m, f));
+      const Alike alike = alike_of(f.id);
+      return alike != Alike::kOnePerPlace &&
+             std::abs(*m.figure - *f.figure) <= kPolicy.timing.same_figure * std::abs(*m.figure) &&
+             (alike == Alike::kOnePerDriver || same_times(m, f));
     });
     if (same == merged.end()) {
       merged.push_back(std::move(f));
@@ -82,18 +86,11 @@ std::optional<Severity> CheckReport::worst() const {
 }
 
 CheckReport check_recording(const trial::CheckRecording& recording, const arm::Arm& arm) {
-  using namespace check;
   Context context(recording, arm);
-  using Step = void (*)(Context&);
-  // What one finds wrong the next leaves out: labels first, then single poses, then the arm as a whole.
-  constexpr Step kSteps[] = {check_topics,         check_timing,       check_receipt,       check_numbers,
-                             check_exchanged,      check_frozen,       check_turned_over,   check_jumps,
-                             check_losses,         update_noise,       find_rest,           check_rest,
-                             check_units,          check_order,        check_attitude,      check_base_moves,
-                             check_noise,          check_spacing,      check_places,        check_gravity,
-                             check_pressure_units, check_input_levels, check_input_signals, check_payload,
-                             check_clocks};
-  for (const Step step : kSteps) step(context);
+  for (const Check& check : checks()) {
+    context.check = &check;
+    check.look(context);
+  }
 
   CheckReport report;
   report.name = recording.name;

@@ -17,10 +17,9 @@
 namespace softarm::check {
 namespace {
 
-constexpr double kScanS = 0.1;
-constexpr double kStepS = 0.05;  // of the samples that are fitted
-constexpr double kHatS = 5.0;
-constexpr double kBlockS = 2.0;
+constexpr double kScanS = kPolicy.clocks.scan_s;
+constexpr double kStepS = kPolicy.clocks.sample_s;
+constexpr double kBlockS = kPolicy.clocks.block_s;
 
 struct Problem {
   std::vector<double> t_s;
@@ -48,7 +47,7 @@ std::optional<std::pair<double, Eigen::Vector3d>> place_at(const Track& track, s
 }
 
 void add_plays(const Eigen::VectorXd& u, double range, std::vector<Eigen::VectorXd>* columns) {
-  for (const double width : {0.08, 0.25}) {
+  for (const double width : kPolicy.clocks.plays) {
     Eigen::VectorXd play(u.size());
     double x = u(0);
     for (Eigen::Index k = 0; k < u.size(); ++k) {
@@ -76,11 +75,12 @@ Eigen::MatrixXd regressors(const Problem& problem, double shift_s) {
     if (problem.with_plays) add_plays(u, 2.0, &columns);
   }
   // A place on a bent arm is no linear function of its bending: without the cubes the plays would stand in.
-  const bool few = linear.size() <= 3;
+  const bool few = linear.size() <= kPolicy.clocks.few_inputs;
   for (std::size_t i = 0; i < linear.size(); ++i) {
     const Eigen::VectorXd square = linear[i].cwiseProduct(linear[i]);
     for (std::size_t j = 0; j < linear.size(); ++j) {
-      if (j >= i && (i == j || linear.size() <= 4)) columns.push_back(linear[i].cwiseProduct(linear[j]));
+      if (j >= i && (i == j || linear.size() <= kPolicy.clocks.some_inputs))
+        columns.push_back(linear[i].cwiseProduct(linear[j]));
       if (i == j || few) columns.push_back(square.cwiseProduct(linear[j]));
     }
   }
@@ -106,63 +106,84 @@ Fit fit(const Problem& problem, const Eigen::MatrixXd& a) {
   return result;
 }
 
-std::optional<Problem> pose_problem(const Context& context) {
-  Problem problem;
+/// The body farthest along the arm; null where none is seen often enough.
+const Track* outermost(const Context& context) {
   const Track* tip = nullptr;
   for (const Track& track : context.tracks) {
-    if (!track.is_base() && track.poses.size() > 60 && (!tip || track.arclength_m >= tip->arclength_m))
+    if (!track.is_base() && track.poses.size() > kPolicy.clocks.least_poses &&
+        (!tip || track.arclength_m >= tip->arclength_m))
       tip = &track;
   }
-  if (!tip) return std::nullopt;
-  double from_s = tip->poses.front().t_s, to_s = tip->poses.back().t_s;
-  for (const Signal& signal : context.signals) {
-    if (signal.points.size() < 20 || signal.range() <= 10.0 * signal.noise_sd || signal.range() == 0.0)
-      continue;
-    if (signal.input->kind == arm::InputKind::kPressure && signal.range() < kPolicy.clocks.driven_pa)
-      continue;
-    problem.signals.push_back(&signal);
-    from_s = std::max(from_s, signal.points.front().t_s);
-    to_s = std::min(to_s, signal.points.back().t_s);
-  }
-  if (problem.signals.empty() || to_s - from_s < 4.0) return std::nullopt;
-  std::vector<Eigen::Vector3d> places;
-  std::size_t at = 0;
-  for (double t = from_s; t <= to_s; t += kStepS) {
-    const auto place = place_at(*tip, at, t);
-    if (!place) continue;
-    problem.t_s.push_back(place->first);
-    problem.block.push_back(static_cast<int>((t - from_s) / kBlockS));
-    places.push_back(place->second);
-  }
-  const auto n = static_cast<Eigen::Index>(places.size());
-  if (n < 80) return std::nullopt;
-  const int hats = std::max(2, std::min(40, static_cast<int>((to_s - from_s) / kHatS) + 1));
-  const double spacing = (to_s - from_s) / (hats - 1);
-  Eigen::MatrixXd h = Eigen::MatrixXd::Zero(n, hats);
-  problem.y.resize(n, 3);
-  for (Eigen::Index k = 0; k < n; ++k) {
-    problem.y.row(k) = places[static_cast<std::size_t>(k)].transpose();
-    const double x = (problem.t_s[static_cast<std::size_t>(k)] - from_s) / spacing;
+  return tip;
+}
+
+bool drives(const Signal& signal) {
+  if (signal.points.size() < kPolicy.clocks.least_values) return false;
+  if (signal.range() <= kPolicy.clocks.driven_noises * signal.noise_sd || signal.range() == 0.0) return false;
+  return signal.input->kind != arm::InputKind::kPressure || signal.range() >= kPolicy.clocks.driven_pa;
+}
+
+/// Hat functions over the time of the samples, one per column: they take up what is slow.
+Eigen::MatrixXd hat_functions(const std::vector<double>& t_s, const CheckSpan& span) {
+  const double length_s = span.to_s - span.from_s;
+  const int hats =
+      std::max(2, std::min(kPolicy.clocks.most_slow, static_cast<int>(length_s / kPolicy.clocks.slow_s) + 1));
+  const double spacing = length_s / (hats - 1);
+  Eigen::MatrixXd h = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(t_s.size()), hats);
+  for (Eigen::Index k = 0; k < h.rows(); ++k) {
+    const double x = (t_s[static_cast<std::size_t>(k)] - span.from_s) / spacing;
     const int i = std::min(hats - 2, static_cast<int>(x));
     h(k, i) = 1.0 - (x - i);
     h(k, i + 1) = x - i;
   }
-  // Known payloads: a step each. (Hats take up what is slow, not what is sudden.)
+  return h;
+}
+
+/// Known payloads: a step each. (Hats take up what is slow, not what is sudden.)
+Eigen::MatrixXd payload_steps(const std::vector<double>& t_s, const std::vector<ValuePoint>& payload) {
   std::vector<double> steps;
-  for (std::size_t i = 1; i < context.payload.size(); ++i) {
-    if (context.payload[i].value != context.payload[i - 1].value) steps.push_back(context.payload[i].t_s);
+  for (std::size_t i = 1; i < payload.size(); ++i) {
+    if (payload[i].value != payload[i - 1].value) steps.push_back(payload[i].t_s);
   }
-  if (!steps.empty() && steps.size() < 30) {
-    Eigen::MatrixXd more(n, hats + static_cast<Eigen::Index>(steps.size()));
-    more.leftCols(hats) = h;
-    for (std::size_t s = 0; s < steps.size(); ++s) {
-      for (Eigen::Index k = 0; k < n; ++k) {
-        more(k, hats + static_cast<Eigen::Index>(s)) =
-            problem.t_s[static_cast<std::size_t>(k)] >= steps[s] ? 1.0 : 0.0;
-      }
+  if (steps.size() >= kPolicy.clocks.most_steps) steps.clear();
+  Eigen::MatrixXd columns(static_cast<Eigen::Index>(t_s.size()), static_cast<Eigen::Index>(steps.size()));
+  for (Eigen::Index s = 0; s < columns.cols(); ++s) {
+    for (Eigen::Index k = 0; k < columns.rows(); ++k) {
+      columns(k, s) = t_s[static_cast<std::size_t>(k)] >= steps[static_cast<std::size_t>(s)] ? 1.0 : 0.0;
     }
-    h = more;
   }
+  return columns;
+}
+
+std::optional<Problem> pose_problem(const Context& context) {
+  Problem problem;
+  const Track* tip = outermost(context);
+  if (!tip) return std::nullopt;
+  CheckSpan span{tip->poses.front().t_s, tip->poses.back().t_s};
+  for (const Signal& signal : context.signals) {
+    if (!drives(signal)) continue;
+    problem.signals.push_back(&signal);
+    span.from_s = std::max(span.from_s, signal.points.front().t_s);
+    span.to_s = std::min(span.to_s, signal.points.back().t_s);
+  }
+  if (problem.signals.empty() || span.to_s - span.from_s < kPolicy.clocks.least_s) return std::nullopt;
+  std::vector<Eigen::Vector3d> places;
+  std::size_t at = 0;
+  for (double t = span.from_s; t <= span.to_s; t += kStepS) {
+    const auto place = place_at(*tip, at, t);
+    if (!place) continue;
+    problem.t_s.push_back(place->first);
+    problem.block.push_back(static_cast<int>((t - span.from_s) / kBlockS));
+    places.push_back(place->second);
+  }
+  const auto n = static_cast<Eigen::Index>(places.size());
+  if (n < kPolicy.clocks.least_samples) return std::nullopt;
+  problem.y.resize(n, 3);
+  for (Eigen::Index k = 0; k < n; ++k) problem.y.row(k) = places[static_cast<std::size_t>(k)].transpose();
+  const Eigen::MatrixXd hats = hat_functions(problem.t_s, span);
+  const Eigen::MatrixXd steps = payload_steps(problem.t_s, context.payload);
+  Eigen::MatrixXd h(n, hats.cols() + steps.cols());
+  h << hats, steps;
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(h);
   const Eigen::MatrixXd q = qr.householderQ() * Eigen::MatrixXd::Identity(n, qr.rank());
   problem.hats = q;
@@ -245,7 +266,8 @@ std::optional<ClockShift> clock_shift(const Context& context) {
   // How much hysteresis there is nobody knows: with and without it differ by what the model leaves open.
   Problem plain = *problem;
   plain.with_plays = false;
-  shift.sd_s = std::hypot(shift.sd_s, 0.5 * (solve(plain).shift_s - shift.shift_s));
+  shift.sd_s =
+      std::hypot(shift.sd_s, kPolicy.clocks.hysteresis_share * (solve(plain).shift_s - shift.shift_s));
   // What the model leaves unexplained may pull: the halves of the trial then disagree.
   if (shift.explained < kPolicy.clocks.explained_well) {
     double sum = 0.0, weights = 0.0;

@@ -5,15 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "math/statistics.h"
 #include "policy.h"
 
 namespace softarm::check {
 namespace {
-
-/// More than any queue delays a message: stamps that far from receipt are of another clock.
-constexpr std::size_t kMostSpans = 12;
 
 template <typename Sample>
 double epoch(const std::vector<Sample>& samples) {
@@ -31,7 +29,8 @@ bool usable(const trial::RecordedPose& pose) {
 }
 
 std::optional<Eigen::Quaterniond> unit(const std::optional<Eigen::Quaterniond>& q) {
-  if (!q || !q->coeffs().allFinite() || std::abs(q->norm() - 1.0) > 0.1) return std::nullopt;
+  if (!q || !q->coeffs().allFinite() || std::abs(q->norm() - 1.0) > kPolicy.tracking.unit_norm)
+    return std::nullopt;
   return q->normalized();
 }
 
@@ -67,8 +66,6 @@ double used_value(const arm::ScalarInput& input, double value, double ambient_pa
 
 /// Noise turns round from sample to sample; a command holds or moves on.
 bool turns_round(const std::vector<ValuePoint>& points) {
-  constexpr double kShare = 0.15;
-  constexpr int kLeast = 20;
   int steps = 0, turns = 0;
   double last = 0.0;
   for (std::size_t i = 1; i < points.size(); ++i) {
@@ -78,7 +75,7 @@ bool turns_round(const std::vector<ValuePoint>& points) {
     if (step * last < 0.0) ++turns;
     last = step;
   }
-  return steps >= kLeast && turns > kShare * steps;
+  return steps >= kPolicy.signals.least_turns && turns > kPolicy.signals.turns_share * steps;
 }
 
 /// White noise from third differences, which a smooth course hardly has.
@@ -93,28 +90,30 @@ double white_noise(const std::vector<ValuePoint>& points) {
 
 /// The quantum of which all steps are multiples; 0 where there is none.
 double quantum_of(const std::vector<ValuePoint>& points, double range) {
+  constexpr const Policy::Signals& kBy = kPolicy.signals;
   std::vector<double> steps;
   for (std::size_t i = 1; i < points.size(); ++i) {
     const double step = std::abs(points[i].value - points[i - 1].value);
     if (step > 1e-9 * std::max(range, 1e-12)) steps.push_back(step);
   }
-  if (steps.size() < 12 || range <= 0.0) return 0.0;
-  const double least = math::quantile(steps, 0.02);
+  if (steps.size() < kBy.least_steps || range <= 0.0) return 0.0;
+  const double least = math::quantile(steps, kBy.single_quantile);
   // The smallest steps agree, and the others are multiples of them: refined by the small ones among them.
   double sum = 0.0, count = 0.0;
   std::size_t multiples = 0, twice = 0;
   for (const double step : steps) {
     const double n = std::round(step / least);
-    if (n > 40.0) continue;
-    if (std::abs(step / least - n) < 0.05 * std::max(1.0, 0.2 * n)) {
+    if (n > kBy.most_quanta) continue;
+    if (std::abs(step / least - n) < kBy.off_quanta * std::max(1.0, kBy.off_per_quantum * n)) {
       ++multiples;
       twice += n == 1.0;
       sum += step;
       count += n;
     }
   }
-  const bool holds = multiples > 0.95 * static_cast<double>(steps.size()) && twice > 3;
-  return holds && least > 1e-5 * range ? sum / count : 0.0;
+  const bool holds =
+      multiples > kBy.quanta_share * static_cast<double>(steps.size()) && twice > kBy.few_single;
+  return holds && least > kBy.finest * range ? sum / count : 0.0;
 }
 
 Signal make_signal(const arm::ScalarInput& input, const std::vector<trial::RecordedValue>& values,
@@ -239,15 +238,45 @@ Context::Context(const trial::CheckRecording& recorded, const arm::Arm& describe
   update_noise(*this);
 }
 
-CheckFinding& Context::add(Severity severity, const std::string& id, const std::string& where,
-                           const std::string& what) {
+namespace {
+
+CheckFinding& appended(Context& context, Severity severity, const std::string& id, const std::string& where,
+                       const std::string& what) {
   CheckFinding finding;
   finding.severity = severity;
   finding.id = id;
   finding.where = where;
   finding.what = what;
-  findings.push_back(std::move(finding));
-  return findings.back();
+  context.findings.push_back(std::move(finding));
+  return context.findings.back();
+}
+
+/// What the check that is looking states of an id.
+const Statement& stated(const Check* check, const std::string& id, bool with_severity) {
+  const Statement* statement = check ? check->statement(id) : nullptr;
+  if (!statement) throw std::logic_error("finding '" + id + "' is stated by no check that is looking");
+  if (statement->severity.has_value() != with_severity) {
+    throw std::logic_error("finding '" + id + "': its severity is given twice, or not at all");
+  }
+  return *statement;
+}
+
+}  // namespace
+
+CheckFinding& Context::add(const std::string& id, const std::string& where, const std::string& what) {
+  return appended(*this, *stated(check, id, true).severity, id, where, what);
+}
+
+CheckFinding& Context::add(Severity severity, const std::string& id, const std::string& where,
+                           const std::string& what) {
+  stated(check, id, false);
+  return appended(*this, severity, id, where, what);
+}
+
+bool Context::found(std::initializer_list<const char*> ids) const {
+  return std::any_of(findings.begin(), findings.end(), [&](const CheckFinding& f) {
+    return std::any_of(ids.begin(), ids.end(), [&](const char* id) { return f.id == id; });
+  });
 }
 
 std::optional<Eigen::Isometry3d> Context::rod_base() const {

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "checks.h"
 #include "softarm/check/check.h"
 
 namespace softarm::check {
@@ -51,6 +53,9 @@ struct Signal {
   /// A command is exact: it repeats itself or moves smoothly. A sensor has noise or steps.
   bool is_measured = false;
 
+  bool is_pressure() const {
+    return input->kind == arm::InputKind::kPressure || input->kind == arm::InputKind::kVacuum;
+  }
   double range() const { return high - low; }
   /// Linear in between, held beyond the ends. Precondition: points is not empty.
   double at(double t_s) const;
@@ -75,14 +80,21 @@ struct Context {
   std::optional<CheckSpan> rest_begin, rest_end;  ///< the arm is still and nothing drives it anew
   bool held_at_end = false;                       ///< some input is then far above its least value
 
+  const Check* check = nullptr;  ///< that is looking
   std::vector<CheckFinding> findings;
 
   /// A share of the arm's length, m.
   double of_length(double share) const { return share * arm.total_length_m(); }
   double seconds(double stamp_s) const { return stamp_s - begin_s - body_epoch_s; }
-  /// Appends a finding and returns it for the rest to be filled in.
+  /// Appends a finding of the check that is looking, and returns it for the rest to be filled in; its
+  /// severity is what the check states of the id.
+  /// @throws std::logic_error where the check does not state the id, or the other call is meant
+  CheckFinding& add(const std::string& id, const std::string& where, const std::string& what);
+  /// The same, where the severity depends on what was found.
   CheckFinding& add(Severity severity, const std::string& id, const std::string& where,
                     const std::string& what);
+  /// Whether any of these was found already.
+  bool found(std::initializer_list<const char*> ids) const;
 
   /// Pose of the rod's base in the mocap frame at rest (or the median of the recording).
   std::optional<Eigen::Isometry3d> rod_base() const;
@@ -93,38 +105,14 @@ struct Context {
   }
 };
 
-/// Recomputes what depends on which poses are good: noise of the tracks, rest.
+/// Recomputes the noise of the tracks, which depends on which poses are good.
 void update_noise(Context& context);
-void find_rest(Context& context);
 
-/// Joins times that lie within `gap_s` to spans; no more than a dozen, the longest, in order.
+/// How many spans a finding has at most.
+constexpr std::size_t kMostSpans = 12;
+/// Joins times that lie within `gap_s` to spans; no more than kMostSpans, the longest, in order.
 std::vector<CheckSpan> spans_of(const std::vector<double>& times_s, double gap_s);
 /// "2.1-3.4 s, 7-7.5 s and 12 more"
 std::string description(const std::vector<CheckSpan>& spans);
-
-// The checks, in the order in which they are made: what one finds wrong the next leaves out.
-void check_topics(Context& context);
-void check_timing(Context& context);
-void check_receipt(Context& context);
-void check_numbers(Context& context);
-void check_exchanged(Context& context);
-void check_frozen(Context& context);
-void check_jumps(Context& context);
-void check_turned_over(Context& context);
-void check_losses(Context& context);
-void check_units(Context& context);
-void check_order(Context& context);
-void check_attitude(Context& context);
-void check_base_moves(Context& context);
-void check_rest(Context& context);
-void check_spacing(Context& context);
-void check_places(Context& context);
-void check_gravity(Context& context);
-void check_pressure_units(Context& context);
-void check_input_levels(Context& context);
-void check_input_signals(Context& context);
-void check_payload(Context& context);
-void check_noise(Context& context);
-void check_clocks(Context& context);
 
 }  // namespace softarm::check

@@ -18,7 +18,7 @@ struct Pair {
 
 std::vector<Pair> together(const Track& first, const Track& second) {
   std::vector<Pair> pairs;
-  const double tolerance_s = 0.4 * std::max(first.period_s, second.period_s);
+  const double tolerance_s = kPolicy.tracking.one_instant * std::max(first.period_s, second.period_s);
   std::size_t j = 0;
   for (std::size_t i = 0; i < first.poses.size(); ++i) {
     while (j < second.poses.size() && second.poses[j].t_s < first.poses[i].t_s - tolerance_s) ++j;
@@ -39,7 +39,7 @@ double misfit(const Context& context, const std::vector<std::optional<Eigen::Vec
     if (last) {
       const double spacing = context.tracks[b].arclength_m - last_s;
       const double chord = (*places[b] - *last).norm();
-      const double off = chord > spacing ? chord - spacing : 0.5 * (spacing - chord);
+      const double off = chord > spacing ? chord - spacing : kPolicy.tracking.short_chord * (spacing - chord);
       sum += off * off;
     }
     last = &*places[b];
@@ -85,7 +85,8 @@ bool crossed_is_right(const Context& context, std::size_t i, std::size_t j, cons
                       const std::vector<bool>& crossed) {
   double when_crossed = 0.0, when_not = 0.0;
   std::size_t n_crossed = 0, n_not = 0;
-  for (std::size_t k = 0; k < pairs.size(); k += std::max<std::size_t>(1, pairs.size() / 400)) {
+  for (std::size_t k = 0; k < pairs.size();
+       k += std::max<std::size_t>(1, pairs.size() / kPolicy.tracking.most_compared)) {
     std::vector<std::optional<Eigen::Vector3d>> places(context.tracks.size());
     const double t = context.tracks[i].poses[pairs[k].first_at].t_s;
     for (std::size_t b = 0; b < places.size(); ++b) {
@@ -118,7 +119,7 @@ void check_pair(Context& context, std::size_t i, std::size_t j) {
   if (times.empty()) return;
   exchange(first, second, pairs, crossed);
   // Where only one of the two was seen nobody knows which.
-  const std::vector<CheckSpan> spans = spans_of(times, 4.0 * first.period_s);
+  const std::vector<CheckSpan> spans = spans_of(times, kPolicy.tracking.exchanged_periods * first.period_s);
   for (auto [track, is_first] : {std::pair{&first, true}, std::pair{&second, false}}) {
     std::vector<bool> paired(track->poses.size(), false);
     for (const Pair& pair : pairs) paired[is_first ? pair.first_at : pair.second_at] = true;
@@ -131,7 +132,7 @@ void check_pair(Context& context, std::size_t i, std::size_t j) {
   }
   const double share = static_cast<double>(times.size()) / static_cast<double>(pairs.size());
   CheckFinding& finding =
-      context.add(Severity::kSerious, "exchanged_bodies", first.name + ", " + second.name,
+      context.add("exchanged_bodies", first.name + ", " + second.name,
                   fmt::format("their labels are exchanged in {:.1f} % of the frames", 100.0 * share));
   finding.figure = share;
   finding.unit = "1";
@@ -141,12 +142,16 @@ void check_pair(Context& context, std::size_t i, std::size_t j) {
       "rename the bodies there. Further checks have them the right way round";
 }
 
-}  // namespace
-
 void check_exchanged(Context& context) {
   for (std::size_t i = 0; i < context.tracks.size(); ++i) {
     for (std::size_t j = i + 1; j < context.tracks.size(); ++j) check_pair(context, i, j);
   }
+}
+
+}  // namespace
+
+Check make_exchanged() {
+  return {check_exchanged, {{"exchanged_bodies", Severity::kSerious}}};
 }
 
 }  // namespace softarm::check

@@ -12,27 +12,25 @@
 namespace softarm::check {
 namespace {
 
-constexpr std::size_t kFrames = 40;
-
-}  // namespace
-
 void check_gravity(Context& context) {
   const arm::Arm& arm = context.arm;
-  if (arm.gravity_m_s2.norm() < 1.0 || context.recording.frames.size() < 20) return;
-  if (arm.bodies.size() < 3) return;  // too few to see the shape of a sag
+  if (arm.gravity_m_s2.norm() < kPolicy.gravity.none_m_s2 ||
+      context.recording.frames.size() < kPolicy.gravity.least_frames)
+    return;
+  if (arm.bodies.size() < kPolicy.gravity.least_bodies) return;
   double noise_m = 0.0;
   for (const Track& track : context.tracks) noise_m = std::max(noise_m, track.white_sd_m);
-  const Residuals as_is = residuals_of(context, arm, kFrames, false);
-  if (as_is.rms_m.size() < 10) return;
+  const Residuals as_is = residuals_of(context, arm, kPolicy.gravity.most_frames, false);
+  if (as_is.rms_m.size() < kPolicy.gravity.least_fits) return;
   const double now_m = math::median(as_is.rms_m);
-  if (now_m < 3.0 * noise_m + context.of_length(kPolicy.places.sag)) return;
+  if (now_m < kPolicy.gravity.sag_noises * noise_m + context.of_length(kPolicy.gravity.sag)) return;
   double least_m = now_m;
   Eigen::Vector3d best = arm.gravity_m_s2;
   for (int k = 0; k < 6; ++k) {
     arm::Arm turned = arm;
     turned.gravity_m_s2 = (k % 2 ? 1.0 : -1.0) * arm.gravity_m_s2.norm() * Eigen::Vector3d::Unit(k / 2);
-    if ((turned.gravity_m_s2 - arm.gravity_m_s2).norm() < 0.1) continue;
-    const Residuals other = residuals_of(context, turned, kFrames, false);
+    if ((turned.gravity_m_s2 - arm.gravity_m_s2).norm() < kPolicy.gravity.same_m_s2) continue;
+    const Residuals other = residuals_of(context, turned, kPolicy.gravity.most_frames, false);
     if (other.rms_m.size() < as_is.rms_m.size() / 2) continue;
     const double rms_m = math::median(other.rms_m);
     if (rms_m < least_m) {
@@ -40,9 +38,9 @@ void check_gravity(Context& context) {
       best = turned.gravity_m_s2;
     }
   }
-  if (least_m > 0.5 * now_m) return;
+  if (least_m > kPolicy.gravity.better * now_m) return;
   CheckFinding& finding = context.add(
-      Severity::kSerious, "gravity", "",
+      "gravity", "",
       fmt::format(
           "the arm sags as if gravity were ({:.1f}, {:.1f}, {:.1f}) m/s^2: shapes then fit to {:.2g} mm "
           "instead of {:.2g} mm",
@@ -54,6 +52,12 @@ void check_gravity(Context& context) {
       "in the import layout (mocap.up) or in the arm file";
   finding.setting = fmt::format("inputs.bodies.axes, or gravity_m_s2: [{:.3f}, {:.3f}, {:.3f}]", best.x(),
                                 best.y(), best.z());
+}
+
+}  // namespace
+
+Check make_gravity() {
+  return {check_gravity, {{"gravity", Severity::kSerious}}};
 }
 
 }  // namespace softarm::check

@@ -49,56 +49,69 @@ double steps_beside(const std::vector<ValuePoint>& points, std::size_t from, std
   return math::median(steps);
 }
 
-void say_stuck(Context& context, const Signal& signal) {
-  const auto& points = signal.points;
+/// Stretches in which an input holds one value for no good reason.
+struct Holds {
   std::vector<CheckSpan> stuck, clipped;
-  double longest = 0.0;
-  const double usual_hold_s = [&] {
-    std::vector<double> holds;
-    for (const Run& run : runs_of(points)) holds.push_back(points[run.to - 1].t_s - points[run.from].t_s);
-    return math::quantile(holds, 0.9);
-  }();
-  for (const Run& run : runs_of(points)) {
+  double longest_stuck_s = 0.0;
+};
+
+/// Steps before and after a hold. A command that holds comes to rest smoothly or at once, and leaves so; a
+/// sensor that sticks stops in the middle of a motion (or of its noise) and goes on where the truth is.
+Holds holds_of(const Signal& signal) {
+  constexpr std::size_t kBeside = kPolicy.signals.beside;
+  constexpr double kLeap = kPolicy.signals.leap;
+  const auto& points = signal.points;
+  const std::vector<Run> runs = runs_of(points);
+  Holds found;
+  std::vector<double> all_s;
+  for (const Run& run : runs) all_s.push_back(points[run.to - 1].t_s - points[run.from].t_s);
+  const double usual_s = math::quantile(all_s, kPolicy.signals.usual_hold);
+  for (const Run& run : runs) {
     const double for_s = points[run.to - 1].t_s - points[run.from].t_s;
-    if (run.to - run.from < kPolicy.inputs.stuck_samples || for_s < kPolicy.inputs.stuck_s) continue;
+    if (run.to - run.from < kPolicy.signals.stuck_samples || for_s < kPolicy.signals.stuck_s) continue;
     const double value = points[run.from].value;
-    // Steps before and after it. A command that holds comes to rest smoothly or at once, and leaves so; a
-    // sensor that sticks stops in the middle of a motion (or of its noise) and goes on where the truth is.
-    const double before = steps_beside(points, run.from > 6 ? run.from - 6 : 0, run.from + 1);
-    const double after = steps_beside(points, run.to + 1, run.to + 7);
+    const double before = steps_beside(points, run.from > kBeside ? run.from - kBeside : 0, run.from + 1);
+    const double after = steps_beside(points, run.to + 1, run.to + 1 + kBeside);
     const double leap = run.to < points.size() ? std::abs(points[run.to].value - value) : 0.0;
-    const bool noisy =
-        signal.is_measured && signal.noise_sd > 0.0 && for_s > 4.0 * usual_hold_s + kPolicy.inputs.stuck_s;
+    const bool noisy = signal.is_measured && signal.noise_sd > 0.0 &&
+                       for_s > kPolicy.signals.stuck_holds * usual_s + kPolicy.signals.stuck_s;
     const bool stops =
         before > 0.0 && std::abs(points[run.from].value - points[run.from > 0 ? run.from - 1 : 0].value) >
-                            kPolicy.inputs.sharp * before;
-    const bool goes_on = run.to == points.size() || leap > 4.0 * std::max(after, before);
+                            kPolicy.signals.sharp * before;
+    const bool goes_on = run.to == points.size() || leap > kLeap * std::max(after, before);
     const bool at_limit = value == signal.high || value == signal.low;
-    if (at_limit && value != 0.0 && noisy && leap < 4.0 * std::max(after, 4.0 * signal.noise_sd)) {
-      clipped.push_back({points[run.from].t_s, points[run.to - 1].t_s});
-    } else if (noisy || (stops && goes_on && before > 1e-4 * signal.range() && leap > 0.0)) {
-      stuck.push_back({points[run.from].t_s, points[run.to - 1].t_s});
-      longest = std::max(longest, for_s);
+    const CheckSpan span{points[run.from].t_s, points[run.to - 1].t_s};
+    if (at_limit && value != 0.0 && noisy && leap < kLeap * std::max(after, kLeap * signal.noise_sd)) {
+      found.clipped.push_back(span);
+    } else if (noisy || (stops && goes_on && before > kPolicy.signals.still * signal.range() && leap > 0.0)) {
+      found.stuck.push_back(span);
+      found.longest_stuck_s = std::max(found.longest_stuck_s, for_s);
     }
   }
+  return found;
+}
+
+void say_stuck(Context& context, const Signal& signal) {
+  auto [stuck, clipped, longest] = holds_of(signal);
   if (!stuck.empty()) {
     CheckFinding& finding = context.add(
-        longest > 0.2 * context.duration_s ? Severity::kSerious : Severity::kWarning, "stuck_input",
-        signal.input->name,
+        longest > kPolicy.signals.serious_stuck_share * context.duration_s ? Severity::kSerious
+                                                                           : Severity::kWarning,
+        "stuck_input", signal.input->name,
         fmt::format(
             "repeats one value to the last bit for up to {:.2f} s in the middle of a motion ({} time{})",
             longest, stuck.size(), stuck.size() == 1 ? "" : "s"));
     finding.figure = longest;
     finding.unit = "s";
-    if (stuck.size() > 12) stuck.resize(12);
+    if (stuck.size() > kMostSpans) stuck.resize(kMostSpans);
     finding.spans = stuck;
     finding.remedy =
         "sensor, bus or driver hangs: leave these stretches out; let the driver send nothing when it "
         "has nothing new, so that input_max_age_s notices";
   }
-  if (clipped.size() >= 2) {
+  if (clipped.size() >= kPolicy.signals.least_clipped) {
     CheckFinding& finding =
-        context.add(Severity::kWarning, "saturated_input", signal.input->name,
+        context.add("saturated_input", signal.input->name,
                     fmt::format("sits at its limit of {:.4g} {} {} times, without its noise", signal.high,
                                 unit_of(*signal.input), clipped.size()));
     finding.figure = signal.high;
@@ -117,11 +130,12 @@ void say_coarse(Context& context, const Signal& signal) {
     std::vector<double> distinct;
     for (const ValuePoint& p : signal.points) distinct.push_back(p.value);
     std::sort(distinct.begin(), distinct.end());
-    distinct.erase(std::unique(distinct.begin(), distinct.end(),
-                               [&](double a, double b) { return b - a < 0.1 * quantum; }),
-                   distinct.end());
-    if (distinct.size() >= 6) {
-      const bool coarse = quantum > kPolicy.inputs.coarse_share * range;
+    distinct.erase(
+        std::unique(distinct.begin(), distinct.end(),
+                    [&](double a, double b) { return b - a < kPolicy.signals.one_value * quantum; }),
+        distinct.end());
+    if (distinct.size() >= kPolicy.signals.least_distinct) {
+      const bool coarse = quantum > kPolicy.signals.coarse_share * range;
       CheckFinding& finding = context.add(coarse ? Severity::kWarning : Severity::kInformation,
                                           "coarse_steps", signal.input->name,
                                           fmt::format("moves in steps of {:.3g} {} ({:.1f} % of its range)",
@@ -133,8 +147,9 @@ void say_coarse(Context& context, const Signal& signal) {
     }
   }
   // Rounding, and flicker between two steps, have had their word.
-  if (signal.is_measured && signal.noise_sd > std::max(1e-4 * range, 0.5 * signal.quantum)) {
-    const bool noisy = signal.noise_sd > kPolicy.inputs.coarse_share * range;
+  if (signal.is_measured && signal.noise_sd > std::max(kPolicy.signals.least_noise * range,
+                                                       kPolicy.signals.flicker * signal.quantum)) {
+    const bool noisy = signal.noise_sd > kPolicy.signals.coarse_share * range;
     CheckFinding& finding =
         context.add(noisy ? Severity::kWarning : Severity::kInformation, "noisy_input", signal.input->name,
                     fmt::format("noise of {:.3g} {} from sample to sample ({:.1f} % of its range)",
@@ -145,30 +160,29 @@ void say_coarse(Context& context, const Signal& signal) {
   }
 }
 
-}  // namespace
-
 void check_input_signals(Context& context) {
   bool any_moves = false;
-  for (const Signal& s : context.signals) any_moves = any_moves || s.range() > 6.0 * s.noise_sd;
+  for (const Signal& s : context.signals)
+    any_moves = any_moves || s.range() > kPolicy.signals.moves_noises * s.noise_sd;
   for (std::size_t i = 0; i < context.signals.size(); ++i) {
     const Signal& signal = context.signals[i];
     std::size_t not_numbers = 0;
     for (const trial::RecordedValue& v : context.recording.inputs[i]) not_numbers += !std::isfinite(v.value);
     if (not_numbers > 0) {
       CheckFinding& finding = context.add(
-          Severity::kWarning, "input_not_number", signal.input->name,
+          "input_not_number", signal.input->name,
           fmt::format("{} of {} values are not a number", not_numbers, context.recording.inputs[i].size()));
       finding.figure =
           static_cast<double>(not_numbers) / static_cast<double>(context.recording.inputs[i].size());
       finding.unit = "1";
       finding.remedy = "element of the array, wiring of the sensor";
     }
-    if (signal.points.size() < 20) continue;
-    if (signal.range() <= 8.0 * signal.noise_sd || signal.range() <= 8.0 * signal.quantum ||
-        signal.range() == 0.0) {
+    if (signal.points.size() < kPolicy.signals.least_values) continue;
+    if (signal.range() <= kPolicy.signals.driven_noises * signal.noise_sd ||
+        signal.range() <= kPolicy.signals.driven_noises * signal.quantum || signal.range() == 0.0) {
       if (any_moves) {
         context
-            .add(Severity::kInformation, "never_driven", signal.input->name,
+            .add("never_driven", signal.input->name,
                  fmt::format("never changes ({:.4g} {}): this trial says nothing of it", signal.high,
                              unit_of(*signal.input)))
             .remedy = "if it was driven, its sensor is dead or its topic another's";
@@ -178,6 +192,18 @@ void check_input_signals(Context& context) {
     say_stuck(context, signal);
     say_coarse(context, signal);
   }
+}
+
+}  // namespace
+
+Check make_input_signals() {
+  return {check_input_signals,
+          {{"input_not_number", Severity::kWarning},
+           {"never_driven", Severity::kInformation},
+           {"stuck_input", {}},
+           {"saturated_input", Severity::kWarning},
+           {"coarse_steps", {}},
+           {"noisy_input", {}}}};
 }
 
 }  // namespace softarm::check

@@ -13,8 +13,8 @@
 namespace softarm::check {
 namespace {
 
-constexpr int kReach = 3;         // neighbours on either side
-constexpr double kReachS = 0.12;  // ... no further away
+constexpr int kReach = kPolicy.tracking.neighbours;
+constexpr double kReachS = kPolicy.tracking.neighbours_s;
 
 using Offsets = std::vector<double>;
 
@@ -55,9 +55,10 @@ void offsets_of(const Track& track, Offsets* distance_m, Offsets* angle_rad) {
         turns.push_back(rotation_between(*pose.q, *after.q));
       }
     }
-    if (points.size() < 4) continue;
+    if (points.size() < kPolicy.tracking.least_neighbours) continue;
     (*distance_m)[static_cast<std::size_t>(i)] = (median_of(points) - pose.p).norm();
-    if (turns.size() >= 4) (*angle_rad)[static_cast<std::size_t>(i)] = median_of(turns).norm();
+    if (turns.size() >= kPolicy.tracking.least_neighbours)
+      (*angle_rad)[static_cast<std::size_t>(i)] = median_of(turns).norm();
   }
 }
 
@@ -88,15 +89,15 @@ bool goes_on(const Track& track, std::size_t at, double limit_m) {
   return false;
 }
 
-/// Typical offset about each sample: what the motion makes of it there. Median over half a second, in blocks.
+/// Typical offset about each sample: what the motion makes of it there. Medians of blocks.
 Offsets typical(const Track& track, const Offsets& offsets) {
   Offsets result(offsets.size(), 0.0);
-  constexpr double kBlockS = 0.4;
   std::vector<double> block;
   std::size_t from = 0;
   for (std::size_t i = 0; i < offsets.size(); ++i) {
     if (offsets[i] >= 0.0) block.push_back(offsets[i]);
-    if (i + 1 == offsets.size() || track.poses[i + 1].t_s - track.poses[from].t_s > kBlockS) {
+    if (i + 1 == offsets.size() ||
+        track.poses[i + 1].t_s - track.poses[from].t_s > kPolicy.tracking.usual_s) {
       std::fill(result.begin() + static_cast<std::ptrdiff_t>(from),
                 result.begin() + static_cast<std::ptrdiff_t>(i) + 1, math::median(block));
       block.clear();
@@ -111,7 +112,8 @@ void say(Context& context, const Track& track, const std::string& id, const std:
   const double share = static_cast<double>(times.size()) / static_cast<double>(track.poses.size());
   const bool matters = track.is_base() || !rotation || track.body->orientation_usable ||
                        !track.body->section_in_body.translation().isZero();
-  const bool serious = matters && (share > 0.05 || (track.is_base() && share > 0.005));
+  const bool serious = matters && (share > kPolicy.tracking.serious_jump_share ||
+                                   (track.is_base() && share > kPolicy.tracking.serious_base_share));
   CheckFinding& finding =
       context.add(serious   ? Severity::kSerious
                   : matters ? Severity::kWarning
@@ -123,7 +125,7 @@ void say(Context& context, const Track& track, const std::string& id, const std:
                                          1e3 * worst, times.size(), 100.0 * share));
   finding.figure = worst;
   finding.unit = rotation ? "rad" : "m";
-  finding.spans = spans_of(times, 2.0 * track.period_s);
+  finding.spans = spans_of(times, kPolicy.tracking.jump_periods * track.period_s);
   if (rotation && track.is_base()) {
     finding.remedy =
         "the mount does not turn like that: make its marker set less symmetric, or give the base's "
@@ -140,8 +142,6 @@ void say(Context& context, const Track& track, const std::string& id, const std:
   }
 }
 
-}  // namespace
-
 void check_jumps(Context& context) {
   for (Track& track : context.tracks) {
     Offsets distance, angle;
@@ -152,10 +152,10 @@ void check_jumps(Context& context) {
     for (std::size_t i = 0; i < track.poses.size(); ++i) {
       TrackPose& pose = track.poses[i];
       const double limit_m =
-          context.of_length(kPolicy.tracking.jump) +
-          std::max(kPolicy.tracking.jump_noise * track.white_sd_m, kPolicy.tracking.jump_motion * usual_m[i]);
+          context.of_length(kPolicy.tracking.jump) + std::max(kPolicy.tracking.jump_noises * track.white_sd_m,
+                                                              kPolicy.tracking.jump_motion * usual_m[i]);
       const double limit_rad =
-          kPolicy.tracking.jump_rad + std::max(kPolicy.tracking.jump_noise * track.white_sd_rad,
+          kPolicy.tracking.jump_rad + std::max(kPolicy.tracking.jump_noises * track.white_sd_rad,
                                                kPolicy.tracking.jump_motion * usual_rad[i]);
       if (pose.good && distance[i] > limit_m && !goes_on(track, i, limit_m)) {
         jumps.push_back(pose.t_s);
@@ -171,6 +171,12 @@ void check_jumps(Context& context) {
     if (!jumps.empty()) say(context, track, "jumping_body", jumps, worst_m, false);
     if (!spikes.empty()) say(context, track, "quaternion_spikes", spikes, worst_rad, true);
   }
+}
+
+}  // namespace
+
+Check make_jumps() {
+  return {check_jumps, {{"jumping_body", {}}, {"quaternion_spikes", {}}}};
 }
 
 }  // namespace softarm::check

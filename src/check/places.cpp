@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 
 #include "context.h"
 #include "policy.h"
@@ -13,9 +12,6 @@
 
 namespace softarm::check {
 namespace {
-
-constexpr std::size_t kMostFrames = 300;
-constexpr double kDegree = M_PI / 180.0;
 
 /// The worst ring of all in some respect.
 struct Worst {
@@ -27,17 +23,10 @@ struct Worst {
   }
 };
 
-bool found(const Context& context, std::initializer_list<const char*> ids, bool serious_only = false) {
-  return std::any_of(context.findings.begin(), context.findings.end(), [&](const CheckFinding& f) {
-    return (!serious_only || f.severity == Severity::kSerious) &&
-           std::any_of(ids.begin(), ids.end(), [&](const char* id) { return f.id == id; });
-  });
-}
-
 void say_slips(Context& context, const Worst& slip) {
   const std::string& name = context.arm.bodies[slip.body].name;
   CheckFinding& finding = context.add(
-      Severity::kWarning, "ring_slips", name,
+      "ring_slips", name,
       fmt::format("against the other bodies it moves by {:.1f} mm during the trial, about t = {:.1f} s",
                   1e3 * slip.size, slip.t_s));
   finding.figure = slip.size;
@@ -52,7 +41,7 @@ void say_slips(Context& context, const Worst& slip) {
 void say_beside(Context& context, const Worst& off) {
   const std::string& name = context.arm.bodies[off.body].name;
   CheckFinding& finding = context.add(
-      Severity::kWarning, "ring_beside", name,
+      "ring_beside", name,
       fmt::format("on average {:.1f} mm beside any shape of the arm that fits the others", 1e3 * off.size));
   finding.figure = off.size;
   finding.figure_sd = off.se;
@@ -66,7 +55,7 @@ void say_beside(Context& context, const Worst& off) {
 void say_wanders(Context& context, const Worst& lasting) {
   const std::string& name = context.arm.bodies[lasting.body].name;
   CheckFinding& finding = context.add(
-      Severity::kWarning, "ring_wanders", name,
+      "ring_wanders", name,
       fmt::format(
           "against the other bodies it is off by {:.2g} mm (rms), now here, now there, for longer than "
           "a tenth of a second",
@@ -76,7 +65,7 @@ void say_wanders(Context& context, const Worst& lasting) {
   finding.remedy =
       "a loose ring, noise that is correlated in time (it does not average out: state the sum), or an "
       "arm that bends otherwise than its model";
-  if (found(context, {"noise_understated"})) return;  // that one sets it
+  if (context.found({"noise_understated"})) return;  // that one sets it
   finding.setting = fmt::format("noise.position_sd_m: {:.2g}",
                                 std::hypot(lasting.size, context.tracks[lasting.body + 1].white_sd_m));
 }
@@ -89,8 +78,7 @@ void say_tangents(Context& context, const Residuals& residuals, double tilt_rad)
     if (series.size() < kPolicy.places.least_frames) continue;
     const double lasting = lasting_of(series);
     const double off = std::hypot(lasting, mean_of(series).head<2>().norm());
-    if (off < kPolicy.places.tilt_rad + tilt_rad || off > 1.0)
-      continue;  // beyond it is turned over: check_attitude
+    if (off < kPolicy.places.tilt_rad + tilt_rad || off > kPolicy.places.most_tilt_rad) continue;
     CheckFinding& finding = context.add(
         body.orientation_usable ? Severity::kWarning : Severity::kInformation, "tangent_off", body.name,
         fmt::format(
@@ -106,23 +94,25 @@ void say_tangents(Context& context, const Residuals& residuals, double tilt_rad)
   }
 }
 
-}  // namespace
-
 void check_places(Context& context) {
-  if (context.arm.bodies.size() < 3 || context.recording.frames.size() < kPolicy.places.least_frames) return;
+  if (context.arm.bodies.size() < kPolicy.places.least_bodies ||
+      context.recording.frames.size() < kPolicy.places.least_frames)
+    return;
   // Residuals mean nothing where the geometry is not right yet.
-  if (found(context, {"length_unit", "body_order", "base_upside_down", "base_attitude"}, true)) return;
+  if (context.found({"length_unit", "body_order", "base_upside_down", "base_attitude"})) return;
   const arm::Arm arm = repaired_arm(context);
-  const Residuals residuals = residuals_of(context, arm, kMostFrames, true);
+  const Residuals residuals = residuals_of(context, arm, kPolicy.places.most_frames, true);
   Worst off, lasting, slip;
   for (std::size_t b = 0; b < arm.bodies.size(); ++b) {
     const ResidualSeries& series = residuals.bodies[b];
     if (series.size() < kPolicy.places.least_frames) continue;
-    off.take(b, mean_of(series).norm(),
-             spread_of(series) / std::sqrt(static_cast<double>(series.size()) / kFramesPerValue));
+    off.take(
+        b, mean_of(series).norm(),
+        spread_of(series) / std::sqrt(static_cast<double>(series.size()) / kPolicy.places.frames_per_value));
     lasting.take(b, lasting_of(series));
     const Slip change = slip_of(series);
-    if (change.change > context.of_length(kPolicy.places.slip) && change.significance > 5.0)
+    if (change.change > context.of_length(kPolicy.places.slip) &&
+        change.significance > kPolicy.places.slip_errors)
       slip.take(b, change.change, 0.0, change.t_s);
   }
   if (slip.size > 0.0) {
@@ -133,7 +123,7 @@ void check_places(Context& context) {
       return;
     }
     say_slips(context, slip);
-  } else if (off.size > context.of_length(kPolicy.places.off) + 4.0 * off.se) {
+  } else if (off.size > context.of_length(kPolicy.places.off) + kPolicy.places.off_errors * off.se) {
     say_beside(context, off);
   } else {
     double slow_m = 0.0;
@@ -144,13 +134,25 @@ void check_places(Context& context) {
           return f.id == "split_frames" ||
                  (f.id == "irregular_stamps" && f.severity != Severity::kInformation);
         });
-    if (!mixed && lasting.size > context.of_length(kPolicy.places.lasting) + 3.0 * slow_m &&
-        lasting.size > 0.3 * context.tracks[lasting.body + 1].white_sd_m) {
+    if (!mixed &&
+        lasting.size > context.of_length(kPolicy.places.lasting) + kPolicy.places.lasting_slow * slow_m &&
+        lasting.size > kPolicy.places.lasting_of_white * context.tracks[lasting.body + 1].white_sd_m) {
       say_wanders(context, lasting);
     }
   }
   const double spacing_m = arm.total_length_m() / static_cast<double>(arm.bodies.size());
-  say_tangents(context, residuals, 4.0 * std::max({slip.size, off.size, lasting.size}) / spacing_m);
+  say_tangents(context, residuals,
+               kPolicy.places.tilt_of_off * std::max({slip.size, off.size, lasting.size}) / spacing_m);
+}
+
+}  // namespace
+
+Check make_places() {
+  return {check_places,
+          {{"ring_slips", Severity::kWarning},
+           {"ring_beside", Severity::kWarning},
+           {"ring_wanders", Severity::kWarning},
+           {"tangent_off", {}}}};
 }
 
 }  // namespace softarm::check

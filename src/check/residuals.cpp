@@ -103,7 +103,7 @@ Residuals residuals_of(const Context& context, const arm::Arm& arm, std::size_t 
     if (!clean(context, &frame)) continue;
     const estimate::Estimate& e = estimator.estimate(frame);
     if (e.status != estimate::Status::kOk && e.status != estimate::Status::kInconsistent) continue;
-    if (e.residuals.size() < 3 && with_sections) continue;
+    if (e.residuals.size() < kPolicy.places.least_bodies && with_sections) continue;
     if (e.residuals.empty() || !std::isfinite(e.rms_residual_m)) continue;
     result.rms_m.push_back(e.rms_residual_m);
     const double t_s = seconds_of(context, frame);
@@ -163,7 +163,9 @@ double lasting_of(const ResidualSeries& residuals) {
     variance += (residuals[i].r - mean).squaredNorm();
     ++count;
   }
-  if (count < 40 || !(covariance > kPolicy.places.chance * variance)) return 0.0;
+  if (count < static_cast<int>(kPolicy.places.least_frames) ||
+      !(covariance > kPolicy.places.chance * variance))
+    return 0.0;
   return std::sqrt(covariance / count);
 }
 
@@ -175,10 +177,10 @@ Slip slip_of(const ResidualSeries& residuals) {
   const Eigen::Vector3d all = mean_of(residuals) * static_cast<double>(n);
   for (std::size_t k = 1; k < n; ++k) {
     before += residuals[k - 1].r;
-    if (k < n / 8 || k > n - n / 8) continue;
+    if (k < n / kPolicy.places.ends || k > n - n / kPolicy.places.ends) continue;
     const double a = static_cast<double>(k), b = static_cast<double>(n - k);
     const Eigen::Vector3d change = (all - before) / b - before / a;
-    const double z = change.norm() / (sd * std::sqrt(kFramesPerValue * (1.0 / a + 1.0 / b)));
+    const double z = change.norm() / (sd * std::sqrt(kPolicy.places.frames_per_value * (1.0 / a + 1.0 / b)));
     if (z > worst.significance) worst = {change.norm(), residuals[k].t_s, z};
   }
   return worst;

@@ -49,7 +49,4 @@ struct Slip {
 /// The instant before and after which the means differ most, in standard errors.
 Slip slip_of(const ResidualSeries& residuals);
 
-/// Frames of the estimator (ten a second) that are counted as one independent value.
-constexpr double kFramesPerValue = 10;
-
 }  // namespace softarm::check

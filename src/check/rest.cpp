@@ -13,41 +13,42 @@
 namespace softarm::check {
 namespace {
 
-constexpr double kBlockS = 0.1;
-
 /// White noise of one number from second differences of evenly spaced samples, taken where the arm moves
-/// least: windows of half a second, of whose estimates the lower quartile holds.
+/// least: of the estimates of short windows a low one holds.
 double white_sd(const std::vector<TrackPose>& poses, double period_s,
                 const std::function<std::optional<Eigen::Vector3d>(std::size_t)>& second_difference) {
-  constexpr double kWindowS = 0.5;
+  constexpr double kWindowS = kPolicy.rest.noise_window_s;
   std::vector<double> windows, current;
   double window_end_s = poses.empty() ? 0.0 : poses.front().t_s + kWindowS;
   const auto close = [&] {
-    if (current.size() >= 6) windows.push_back(math::kSdPerMad * math::median(current) / std::sqrt(6.0));
+    if (current.size() >= kPolicy.rest.least_steps)
+      windows.push_back(math::kSdPerMad * math::median(current) / std::sqrt(6.0));
     current.clear();
   };
   for (std::size_t i = 1; i + 1 < poses.size(); ++i) {
-    if (poses[i].t_s > window_end_s && current.size() >= 24) {
+    if (poses[i].t_s > window_end_s && current.size() >= kPolicy.rest.window_steps) {
       close();
       window_end_s = poses[i].t_s + kWindowS;
     }
     const TrackPose &a = poses[i - 1], &b = poses[i], &c = poses[i + 1];
     if (!a.good || !b.good || !c.good) continue;
     const double first = b.t_s - a.t_s, second = c.t_s - b.t_s;
-    if (std::abs(first - second) > 0.3 * period_s || first > 2.0 * period_s) continue;
+    if (std::abs(first - second) > kPolicy.rest.uneven_steps * period_s ||
+        first > kPolicy.rest.longest_step * period_s)
+      continue;
     if (const auto d = second_difference(i)) {
       for (int k = 0; k < 3; ++k) current.push_back(std::abs((*d)(k)));
     }
   }
   close();
-  return math::quantile(windows, 0.25);
+  return math::quantile(windows, kPolicy.rest.quiet_windows);
 }
 
 /// Grows a stretch of stillness from one end. @param still_m by which a mean may wander
 /// @param sign +1 from the beginning, -1 from the end
 double still_for(const Track& track, double still_m, double from_s, int sign, double duration_s) {
   std::optional<Eigen::Vector3d> reference;
-  const double block_s = std::max(kBlockS, 4.0 * track.period_s);
+  const double block_s = std::max(kPolicy.rest.block_s, kPolicy.rest.block_periods * track.period_s);
   double still_s = 0.0;
   for (double t = 0.0; t + block_s <= duration_s; t += block_s) {
     const double a = from_s + sign * t, b = from_s + sign * (t + block_s);
@@ -55,7 +56,8 @@ double still_for(const Track& track, double still_m, double from_s, int sign, do
     if (mean) {
       if (!reference) reference = mean;
       const double n = std::max(3.0, block_s / std::max(track.period_s, 1e-4));
-      if ((*mean - *reference).norm() > still_m + 6.0 * track.white_sd_m / std::sqrt(n)) break;
+      if ((*mean - *reference).norm() > still_m + kPolicy.rest.still_noises * track.white_sd_m / std::sqrt(n))
+        break;
     }
     still_s = t + block_s;
   }
@@ -65,10 +67,11 @@ double still_for(const Track& track, double still_m, double from_s, int sign, do
 double still_for(const Signal& signal, double from_s, int sign, double duration_s) {
   const auto& points = signal.points;
   if (points.empty()) return duration_s;
-  const double tolerance = kPolicy.rest.rest_share * signal.range() + 6.0 * signal.noise_sd +
-                           (signal.is_measured ? 1.1 * signal.quantum : 0.0);
+  const double tolerance = kPolicy.rest.rest_share * signal.range() +
+                           kPolicy.rest.rest_noises * signal.noise_sd +
+                           (signal.is_measured ? kPolicy.rest.rest_steps * signal.quantum : 0.0);
   std::vector<double> first;
-  for (std::size_t i = 0; i < std::min<std::size_t>(points.size(), 7); ++i) {
+  for (std::size_t i = 0; i < std::min(points.size(), kPolicy.rest.first_values); ++i) {
     first.push_back((sign > 0 ? points[i] : points[points.size() - 1 - i]).value);
   }
   const double reference = signal.is_measured ? math::median(first) : first.front();
@@ -79,7 +82,85 @@ double still_for(const Signal& signal, double from_s, int sign, double duration_
   return duration_s;
 }
 
+/// Notes the stretches of stillness at both ends.
+void find_rest(Context& context) {
+  context.rest_begin.reset();
+  context.rest_end.reset();
+  double begin_s = context.duration_s, end_s = begin_s;
+  double first_s = context.duration_s, last_s = 0.0;
+  bool has_body = false;
+  for (const Track& track : context.tracks) {
+    if (track.is_base() || track.poses.size() < kPolicy.rest.least_poses) continue;
+    has_body = true;
+    first_s = std::min(first_s, track.poses.front().t_s);
+    last_s = std::max(last_s, track.poses.back().t_s);
+  }
+  if (!has_body || last_s - first_s < 2.0 * kPolicy.rest.least_s) return;
+  const double length_s = last_s - first_s, still_m = context.of_length(kPolicy.rest.still);
+  for (const Track& track : context.tracks) {
+    if (track.is_base() || track.poses.size() < kPolicy.rest.least_poses) continue;
+    begin_s = std::min(begin_s, still_for(track, still_m, first_s, +1, length_s));
+    end_s = std::min(end_s, still_for(track, still_m, last_s, -1, length_s));
+  }
+  for (const Signal& signal : context.signals) {
+    begin_s = std::min(begin_s, still_for(signal, first_s, +1, length_s));
+    end_s = std::min(end_s, still_for(signal, last_s, -1, length_s));
+  }
+  // Where stillness was seen to end, it ended a little before.
+  const auto trimmed = [&](double still_s) {
+    return still_s < length_s ? still_s - kPolicy.rest.trimmed * still_s : still_s;
+  };
+  if (begin_s >= kPolicy.rest.least_s) context.rest_begin = CheckSpan{first_s, first_s + trimmed(begin_s)};
+  if (end_s >= kPolicy.rest.least_s) context.rest_end = CheckSpan{last_s - trimmed(end_s), last_s};
+  context.held_at_end = false;
+  for (const Signal& signal : context.signals) {
+    if (!context.rest_end || signal.range() <= kPolicy.rest.driven_noises * signal.noise_sd) continue;
+    const auto level = signal.mean(context.rest_end->from_s, context.rest_end->to_s);
+    if (level && *level - signal.low > kPolicy.rest.held_share * signal.range()) context.held_at_end = true;
+  }
+}
+
+void check_rest(Context& context) {
+  std::size_t longest = 0;
+  for (const Track& track : context.tracks) longest = std::max(longest, track.poses.size());
+  if (longest < kPolicy.rest.least_poses) return;
+  const auto say = [&](const char* id, const char* verb, const char* loses) {
+    CheckFinding& finding =
+        context.add(id, "",
+                    fmt::format("the trial does not {} at rest: the arm or an input moves within {:g} s",
+                                verb, kPolicy.rest.least_s));
+    finding.remedy = fmt::format("record two seconds of stillness, undriven, there; without it {}", loses);
+  };
+  if (!context.rest_begin) {
+    say("no_rest_at_start", "begin", "zeros of the inputs, noise and spacing of the rings cannot be seen");
+  }
+  if (!context.rest_end) {
+    say("no_rest_at_end", "end", "drift of zeros and rings that slipped cannot be distinguished from creep");
+  }
+  const auto total = [](const std::optional<CheckSpan>& s) { return s ? s->to_s - s->from_s : 0.0; };
+  if (context.rest_begin && context.rest_end) {
+    context.add("rest", "",
+                fmt::format("at rest for {:.1f} s at the beginning and {:.1f} s at the end",
+                            total(context.rest_begin), total(context.rest_end)));
+  }
+}
+
 }  // namespace
+
+Check make_track_noise() {
+  return {update_noise, {}};
+}
+
+Check make_still_spans() {
+  return {find_rest, {}};
+}
+
+Check make_rest() {
+  return {check_rest,
+          {{"no_rest_at_start", Severity::kWarning},
+           {"no_rest_at_end", Severity::kWarning},
+           {"rest", Severity::kInformation}}};
+}
 
 void update_noise(Context& context) {
   for (Track& track : context.tracks) {
@@ -93,68 +174,6 @@ void update_noise(Context& context) {
           if (!a.q || !b.q || !c.q) return std::nullopt;
           return rotation_between(*b.q, *c.q) + rotation_between(*b.q, *a.q);
         });
-  }
-}
-
-void find_rest(Context& context) {
-  context.rest_begin.reset();
-  context.rest_end.reset();
-  double begin_s = context.duration_s, end_s = begin_s;
-  double first_s = context.duration_s, last_s = 0.0;
-  bool has_body = false;
-  for (const Track& track : context.tracks) {
-    if (track.is_base() || track.poses.size() < 10) continue;
-    has_body = true;
-    first_s = std::min(first_s, track.poses.front().t_s);
-    last_s = std::max(last_s, track.poses.back().t_s);
-  }
-  if (!has_body || last_s - first_s < 2.0 * kPolicy.rest.least_s) return;
-  const double length_s = last_s - first_s, still_m = context.of_length(kPolicy.rest.still);
-  for (const Track& track : context.tracks) {
-    if (track.is_base() || track.poses.size() < 10) continue;
-    begin_s = std::min(begin_s, still_for(track, still_m, first_s, +1, length_s));
-    end_s = std::min(end_s, still_for(track, still_m, last_s, -1, length_s));
-  }
-  for (const Signal& signal : context.signals) {
-    begin_s = std::min(begin_s, still_for(signal, first_s, +1, length_s));
-    end_s = std::min(end_s, still_for(signal, last_s, -1, length_s));
-  }
-  // Where stillness was seen to end, it ended a little before.
-  const auto trimmed = [&](double still_s) {
-    return still_s < length_s ? still_s - 0.15 * still_s : still_s;
-  };
-  if (begin_s >= kPolicy.rest.least_s) context.rest_begin = CheckSpan{first_s, first_s + trimmed(begin_s)};
-  if (end_s >= kPolicy.rest.least_s) context.rest_end = CheckSpan{last_s - trimmed(end_s), last_s};
-  context.held_at_end = false;
-  for (const Signal& signal : context.signals) {
-    if (!context.rest_end || signal.range() <= 20.0 * signal.noise_sd) continue;
-    const auto level = signal.mean(context.rest_end->from_s, context.rest_end->to_s);
-    if (level && *level - signal.low > kPolicy.rest.held_share * signal.range()) context.held_at_end = true;
-  }
-}
-
-void check_rest(Context& context) {
-  std::size_t longest = 0;
-  for (const Track& track : context.tracks) longest = std::max(longest, track.poses.size());
-  if (longest < 10) return;
-  const auto say = [&](const char* id, const char* verb, const char* loses) {
-    CheckFinding& finding =
-        context.add(Severity::kWarning, id, "",
-                    fmt::format("the trial does not {} at rest: the arm or an input moves within {:g} s",
-                                verb, kPolicy.rest.least_s));
-    finding.remedy = fmt::format("record two seconds of stillness, undriven, there; without it {}", loses);
-  };
-  if (!context.rest_begin) {
-    say("no_rest_at_start", "begin", "zeros of the inputs, noise and spacing of the rings cannot be seen");
-  }
-  if (!context.rest_end) {
-    say("no_rest_at_end", "end", "drift of zeros and rings that slipped cannot be distinguished from creep");
-  }
-  const auto total = [](const std::optional<CheckSpan>& s) { return s ? s->to_s - s->from_s : 0.0; };
-  if (context.rest_begin && context.rest_end) {
-    context.add(Severity::kInformation, "rest", "",
-                fmt::format("at rest for {:.1f} s at the beginning and {:.1f} s at the end",
-                            total(context.rest_begin), total(context.rest_end)));
   }
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "policy.h"
+
 namespace softarm::check {
 
 std::vector<Place> places_in(const Context& context, const CheckSpan& span) {
@@ -30,8 +32,19 @@ std::vector<Place> places_in(const Context& context, const CheckSpan& span) {
   return places;
 }
 
+std::optional<double> length_ratio(const std::vector<Place>& places) {
+  if (places.empty() || !(places.back().arclength_m > 0.0)) return std::nullopt;
+  Eigen::Vector3d last = Eigen::Vector3d::Zero();
+  double sum = 0.0;
+  for (const Place& place : places) {
+    sum += (place.p_base - last).norm();
+    last = place.p_base;
+  }
+  return sum / places.back().arclength_m;
+}
+
 CheckSpan shape_span(const Context& context) {
-  return context.rest().value_or(CheckSpan{0.0, std::min(1.0, context.duration_s)});
+  return context.rest().value_or(CheckSpan{0.0, std::min(kPolicy.rest.first_s, context.duration_s)});
 }
 
 }  // namespace softarm::check

@@ -21,6 +21,9 @@ struct Place {
 /// left out: they are not on the backbone.
 std::vector<Place> places_in(const Context& context, const CheckSpan& span);
 
+/// Length of the chain base - bodies in order of arclength, over what the arm file says.
+std::optional<double> length_ratio(const std::vector<Place>& places);
+
 /// The stretch in which the shape is looked at: rest, else all of the recording's first second.
 CheckSpan shape_span(const Context& context);
 

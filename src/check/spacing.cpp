@@ -46,9 +46,9 @@ std::vector<double> arclengths(const std::vector<Place>& places, double* bend_ra
 /// One ring alone: against the line through base and the others, which must agree far better without it.
 void say_misplaced(Context& context, const std::vector<Place>& places, const std::vector<double>& measured,
                    double noise_m) {
-  if (places.size() < 3) return;
+  if (places.size() < kPolicy.places.least_bodies) return;
   std::size_t worst = 0;
-  double worst_share = 0.4, place_m = 0.0;  // what the others are off, over what it is
+  double worst_share = kPolicy.places.ring_alone, place_m = 0.0;  // what the others are off, over what it is
   for (std::size_t k = 0; k < places.size(); ++k) {
     double xy = 0.0, xx = 0.0;
     for (std::size_t j = 0; j < places.size(); ++j) {
@@ -63,7 +63,8 @@ void say_misplaced(Context& context, const std::vector<Place>& places, const std
       if (j != k) rest_m = std::max(rest_m, std::abs(measured[j] - slope * places[j].arclength_m));
     }
     const double here_m = measured[k] / slope, off_m = std::abs(here_m - places[k].arclength_m);
-    if (off_m < context.of_length(kPolicy.places.ring_off) + 6.0 * noise_m || rest_m >= worst_share * off_m)
+    if (off_m < context.of_length(kPolicy.places.ring_off) + kPolicy.places.ring_noises * noise_m ||
+        rest_m >= worst_share * off_m)
       continue;
     worst = k;
     worst_share = rest_m / off_m;
@@ -73,7 +74,8 @@ void say_misplaced(Context& context, const std::vector<Place>& places, const std
   const Track& track = context.tracks[places[worst].track];
   const double off_m = place_m - places[worst].arclength_m;
   CheckFinding& finding = context.add(
-      std::abs(off_m) > 0.05 * places.back().arclength_m ? Severity::kSerious : Severity::kWarning,
+      std::abs(off_m) > kPolicy.places.serious_ring * places.back().arclength_m ? Severity::kSerious
+                                                                                : Severity::kWarning,
       "ring_misplaced", track.name,
       fmt::format("at rest it sits {:.1f} mm {} than the arm file says (arclength {:.1f} mm, not {:.1f} mm)",
                   1e3 * std::abs(off_m), off_m > 0.0 ? "further towards the tip" : "nearer to the base",
@@ -83,8 +85,6 @@ void say_misplaced(Context& context, const std::vector<Place>& places, const std
   finding.remedy = "push it back, or say where it is now";
   finding.setting = fmt::format("bodies[{}].arclength_m: {:.4f}", track.name, place_m);
 }
-
-}  // namespace
 
 void check_spacing(Context& context) {
   const auto span = context.rest();
@@ -108,9 +108,10 @@ void check_spacing(Context& context) {
   }
   if (!(xx > 0.0)) return;
   const double stretch = xy / xx, off = stretch - 1.0;
-  if (off < -0.3 || off > 0.6) return;  // another matter: units, order
+  if (off < kPolicy.places.shortest || off > kPolicy.places.longest) return;  // another matter: units, order
   const double length_m = places.back().arclength_m;
-  if (std::abs(off) > kPolicy.places.stretch_tell && std::abs(off) * length_m > 5.0 * noise) {
+  if (std::abs(off) > kPolicy.places.stretch_tell &&
+      std::abs(off) * length_m > kPolicy.places.stretch_noises * noise) {
     const bool warn = std::abs(off) > kPolicy.places.stretch_warn &&
                       std::abs(off) * length_m > context.of_length(kPolicy.places.stretched);
     CheckFinding& finding = context.add(
@@ -126,6 +127,12 @@ void check_spacing(Context& context) {
     finding.setting = fmt::format("segments[].length_m and bodies[].arclength_m: times {:.4f}", stretch);
   }
   say_misplaced(context, places, measured, noise);
+}
+
+}  // namespace
+
+Check make_spacing() {
+  return {check_spacing, {{"stretched", {}}, {"ring_misplaced", {}}}};
 }
 
 }  // namespace softarm::check

@@ -65,23 +65,24 @@ void say_backward(Context& context, const Stream& stream) {
     newest = leaps ? stream.stamp_s[i] : std::max(newest, stream.stamp_s[i]);
   }
   const double all = static_cast<double>(std::max<std::size_t>(1, stream.samples));
-  if (static_cast<double>(duplicates.size()) > std::max(2.0, kPolicy.timing.duplicate_share * all)) {
+  if (static_cast<double>(duplicates.size()) >
+      std::max(kPolicy.timing.few_duplicates, kPolicy.timing.duplicate_share * all)) {
     CheckFinding& finding =
-        context.add(Severity::kWarning, "duplicates", stream.name,
+        context.add("duplicates", stream.name,
                     fmt::format("{} of {} samples have the stamp of the one before ({:.1f} %)",
                                 duplicates.size(), stream.samples, 100.0 * duplicates.size() / all));
     finding.figure = duplicates.size() / all;
     finding.unit = "1";
-    finding.spans = spans_of(duplicates, 0.1);
+    finding.spans = spans_of(duplicates, kPolicy.timing.one_stretch_s);
     finding.remedy = "only the first is used; look for two drivers or a relay on one topic";
   }
-  if (late.size() > 2) {
+  if (late.size() > kPolicy.timing.few_late) {
     CheckFinding& finding = context.add(
-        Severity::kWarning, "out_of_order", stream.name,
+        "out_of_order", stream.name,
         fmt::format("{} of {} samples are older than one that came before", late.size(), stream.samples));
     finding.figure = late.size() / all;
     finding.unit = "1";
-    finding.spans = spans_of(late, 0.1);
+    finding.spans = spans_of(late, kPolicy.timing.one_stretch_s);
     finding.remedy = "one publisher per topic, over TCP; two machines that stamp need one clock (chrony)";
   }
   if (!jumps.empty()) {
@@ -91,7 +92,7 @@ void say_backward(Context& context, const Stream& stream) {
                                 jumps.size(), jumps.size() == 1 ? "" : "s", worst));
     finding.figure = worst;
     finding.unit = "s";
-    finding.spans = spans_of(jumps, 0.1);
+    finding.spans = spans_of(jumps, kPolicy.timing.one_stretch_s);
     finding.remedy =
         "cut the recording there (rosbag filter), and keep the clock from being set during a "
         "trial (chrony makestep off; no restart of the mocap software)";
@@ -105,18 +106,18 @@ void say_regularity(Context& context, const Stream& stream, double period_s) {
     const double step = sorted[i] - sorted[i - 1];
     if (step > 0.0) steps.push_back(step);
   }
-  if (steps.size() < 20) return;
+  if (steps.size() < kPolicy.timing.least_steps) return;
   // Only single steps show irregularity; lost frames make multiples.
   std::vector<double> single;
   for (const double step : steps) {
-    if (step < 1.6 * period_s) single.push_back(step);
+    if (step < kPolicy.timing.single_step * period_s) single.push_back(step);
   }
   const double spread_s = std::max(math::robust_sd(single),
                                    0.25 * (math::quantile(single, 0.975) - math::quantile(single, 0.025)));
   const double long_share = 1.0 - static_cast<double>(single.size()) / static_cast<double>(steps.size());
   const bool very = spread_s > kPolicy.timing.very_irregular_share * period_s;
   const double share = stream.is_body ? kPolicy.timing.irregular_share : kPolicy.timing.irregular_input_share;
-  if (spread_s > std::max(share * period_s, 5e-5)) {
+  if (spread_s > std::max(share * period_s, kPolicy.timing.irregular_s)) {
     CheckFinding& finding = context.add(
         stream.is_body ? Severity::kWarning : Severity::kInformation, "irregular_stamps", stream.name,
         fmt::format("steps between stamps scatter by {:.2g} ms about {:.3g} ms ({:.0f} % are over one and a "
@@ -137,7 +138,7 @@ void say_regularity(Context& context, const Stream& stream, double period_s) {
   }
   if (1.0 / period_s < kPolicy.timing.slow_hz && stream.is_body) {
     CheckFinding& finding = context.add(
-        Severity::kInformation, "low_rate", stream.name,
+        "low_rate", stream.name,
         fmt::format("{:.3g} Hz: motions faster than a tenth of that are not followed", 1.0 / period_s));
     finding.figure = 1.0 / period_s;
     finding.unit = "Hz";
@@ -157,7 +158,7 @@ void say_gaps(Context& context, const Stream& stream, double period_s, double ep
   sorted.push_back(std::max(end_s, sorted.back()));
   std::vector<CheckSpan> gaps;
   double longest = 0.0, total = 0.0;
-  const double limit_s = std::max(stream.max_age_s, 8.0 * period_s);
+  const double limit_s = std::max(stream.max_age_s, kPolicy.timing.gap_periods * period_s);
   for (std::size_t i = 1; i < sorted.size(); ++i) {
     const double step = sorted[i] - sorted[i - 1];
     if (!(step > limit_s)) continue;
@@ -167,14 +168,15 @@ void say_gaps(Context& context, const Stream& stream, double period_s, double ep
   }
   if (gaps.empty()) return;
   CheckFinding& finding = context.add(
-      stream.is_body && total > 0.2 * context.duration_s ? Severity::kSerious : Severity::kWarning, "gap",
-      stream.name,
+      stream.is_body && total > kPolicy.timing.serious_gap_share * context.duration_s ? Severity::kSerious
+                                                                                      : Severity::kWarning,
+      "gap", stream.name,
       fmt::format("nothing for up to {:.2f} s ({} gap{}, {:.1f} s in all){}", longest, gaps.size(),
                   gaps.size() == 1 ? "" : "s", total,
                   end_s - last_s > limit_s ? "; it ends before the others" : ""));
   finding.figure = longest;
   finding.unit = "s";
-  if (gaps.size() > 12) gaps.resize(12);
+  if (gaps.size() > kMostSpans) gaps.resize(kMostSpans);
   finding.spans = gaps;
   if (stream.is_body) {
     finding.remedy = "frames are missing there; look at the driver's log, the network, the disk";
@@ -199,19 +201,20 @@ void say_split_frames(Context& context) {
   std::sort(stamps.begin(), stamps.end());
   std::vector<double> spreads;
   for (std::size_t i = 0; i < stamps.size();) {
-    // One frame: all that come within half a period, no body twice.
+    // One frame: all that come at once, no body twice.
     std::vector<bool> seen(context.tracks.size(), false);
     std::size_t j = i;
-    while (j < stamps.size() && stamps[j].first - stamps[i].first < 0.5 * period_s && !seen[stamps[j].second])
+    while (j < stamps.size() && stamps[j].first - stamps[i].first < kPolicy.timing.one_frame * period_s &&
+           !seen[stamps[j].second])
       seen[stamps[j++].second] = true;
     if (j - i > 1) spreads.push_back(stamps[j - 1].first - stamps[i].first);
     i = std::max(j, i + 1);
   }
   const double tolerance_s = context.arm.inputs.body_sync_tolerance_s;
-  const double wide_s = math::quantile(spreads, 0.95);
-  if (spreads.size() < 20 || wide_s <= tolerance_s) return;
+  const double wide_s = math::quantile(spreads, kPolicy.timing.most_frames);
+  if (spreads.size() < kPolicy.timing.least_frames || wide_s <= tolerance_s) return;
   CheckFinding& finding = context.add(
-      Severity::kSerious, "split_frames", "",
+      "split_frames", "",
       fmt::format("the bodies of one frame are stamped up to {:.2g} ms apart, the arm file allows {:.2g} ms: "
                   "frames fall to pieces",
                   1e3 * wide_s, 1e3 * tolerance_s));
@@ -223,15 +226,13 @@ void say_split_frames(Context& context) {
                                 std::min(0.5 * period_s, std::max(1.5 * wide_s, period_s / 3.0)));
 }
 
-}  // namespace
-
 void check_timing(Context& context) {
   for (std::size_t b = 0; b < context.tracks.size(); ++b) {
     Stream stream = stream_of(context.tracks[b].name, context.recording.bodies[b]);
     if (stream.samples == 0) continue;
     stream.is_body = true;
     stream.is_base = b == 0;
-    stream.max_age_s = 0.25;
+    stream.max_age_s = kPolicy.timing.body_gap_s;
     say_zero_stamps(context, stream);
     say_backward(context, stream);
     say_regularity(context, stream, context.tracks[b].period_s);
@@ -240,7 +241,7 @@ void check_timing(Context& context) {
   Stream mocap;
   mocap.name = "mocap";
   mocap.is_body = true;
-  mocap.max_age_s = 0.25;
+  mocap.max_age_s = kPolicy.timing.body_gap_s;
   double period_s = 0.0;
   for (std::size_t b = 0; b < context.tracks.size(); ++b) {
     for (const TrackPose& pose : context.tracks[b].poses) mocap.stamp_s.push_back(pose.t_s + context.begin_s);
@@ -257,6 +258,20 @@ void check_timing(Context& context) {
     say_regularity(context, stream, context.signals[i].period_s);
     say_gaps(context, stream, context.signals[i].period_s, context.input_epoch_s[i]);
   }
+}
+
+}  // namespace
+
+Check make_timing() {
+  return {check_timing,
+          {{"zero_stamps", {}, Alike::kOnePerDriver},
+           {"duplicates", Severity::kWarning, Alike::kOnePerDriver},
+           {"out_of_order", Severity::kWarning, Alike::kOnePerDriver},
+           {"time_jump", {}, Alike::kOnePerEvent},
+           {"irregular_stamps", {}, Alike::kOnePerDriver},
+           {"low_rate", Severity::kInformation, Alike::kOnePerDriver},
+           {"gap", {}, Alike::kOnePerEvent},
+           {"split_frames", Severity::kSerious}}};
 }
 
 }  // namespace softarm::check

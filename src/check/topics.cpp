@@ -55,8 +55,6 @@ void say_missing(Context& context, const trial::RecordedTopic& topic, bool no_bo
   }
 }
 
-}  // namespace
-
 void check_topics(Context& context) {
   const auto& topics = context.recording.topics;
   const bool no_body = std::none_of(topics.begin(), topics.end(), [](const trial::RecordedTopic& t) {
@@ -80,6 +78,12 @@ void check_topics(Context& context) {
           .remedy = "look whether the driver sees the body, or the sensor is connected";
     }
   }
+}
+
+}  // namespace
+
+Check make_topics() {
+  return {check_topics, {{"missing_topic", {}}, {"wrong_type", {}}, {"empty_topic", {}}}};
 }
 
 }  // namespace softarm::check

@@ -11,8 +11,6 @@
 namespace softarm::check {
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
-
 std::string axis_description(const Eigen::Vector3d& axis) {
   constexpr const char* kNames[] = {"x", "y", "z"};
   for (int k = 0; k < 3; ++k) {
@@ -81,14 +79,12 @@ std::size_t sign_changes(const std::vector<trial::RecordedPose>& poses) {
   return changes;
 }
 
-}  // namespace
-
 void check_turned_over(Context& context) {
   for (std::size_t b = 0; b < context.tracks.size(); ++b) {
     Track& track = context.tracks[b];
     if (const std::size_t changes = sign_changes(context.recording.bodies[b])) {
       context.add(
-          Severity::kInformation, "quaternion_sign", track.name,
+          "quaternion_sign", track.name,
           fmt::format("its quaternion changes to its negative {} times: the same orientation, harmless",
                       changes));
     }
@@ -108,8 +104,8 @@ void check_turned_over(Context& context) {
     const bool matters = track.is_base() || track.body->orientation_usable ||
                          !track.body->section_in_body.translation().isZero();
     const double share = static_cast<double>(turns.count) / static_cast<double>(turns.poses);
-    const bool serious = track.is_base() || (matters && share > 0.02);
-    const std::vector<CheckSpan> spans = spans_of(times, 2.5 * track.period_s);
+    const bool serious = track.is_base() || (matters && share > kPolicy.tracking.serious_over_share);
+    const std::vector<CheckSpan> spans = spans_of(times, kPolicy.tracking.over_periods * track.period_s);
     CheckFinding& finding = context.add(
         serious   ? Severity::kSerious
         : matters ? Severity::kWarning
@@ -132,6 +128,12 @@ void check_turned_over(Context& context) {
       finding.remedy += "Here its orientation is not used, so it does no harm";
     }
   }
+}
+
+}  // namespace
+
+Check make_turned_over() {
+  return {check_turned_over, {{"quaternion_sign", Severity::kInformation}, {"turned_over", {}}}};
 }
 
 }  // namespace softarm::check

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "math/statistics.h"
@@ -90,10 +91,8 @@ class Generator {
   rod::Solver solver_;
 };
 
-}  // namespace
-
-AccuracyReport measure_accuracy(arm::Arm arm, const AccuracyProtocol& protocol,
-                                const std::function<void(int)>& progress) {
+/// The protocol's arm: one segment that hangs or stands on a body, with the weight that it states.
+arm::Arm arm_of(arm::Arm arm, const AccuracyProtocol& protocol) {
   arm.segments.resize(1);
   arm.segments[0].mass_per_length_kg_m = protocol.weight_kg / arm.segments[0].length_m;
   arm.tip_mass_kg = 0.0;
@@ -101,60 +100,52 @@ AccuracyReport measure_accuracy(arm::Arm arm, const AccuracyProtocol& protocol,
   arm.base.body = "base";
   arm.base.rod_in_body.setIdentity();
   arm.gravity_m_s2 = {0.0, 0.0, -9.80665};
+  return arm;
+}
 
+arm::EstimatorOptions options_of_accuracy() {
   arm::EstimatorOptions options;
   options.method = arm::Method::kFullPoints;
   options.objective = arm::Objective::kLeastSquares;
   options.unknown = arm::Unknown::kStiffness;
-  Estimator estimator(arm, options);
-  estimator.set_backbone_points(0);
-  Generator generator(arm, protocol.position_sd_m);
-  std::mt19937_64 random(protocol.seed);
+  return options;
+}
 
-  constexpr int n = AccuracyReport::kParameters;
-  AccuracyReport report;
-  std::array<double, n> squared_error{}, variance{};
-  std::array<std::vector<double>, n> relative;
-  std::array<int, n> covered{};
-  std::vector<double> shape;
-  std::vector<Vector3d> points;
-  Eigen::Vector4d bound;
-  while (report.frames < protocol.frames) {
-    Truth t;
-    t.moment = uniform(random, protocol.moment_nm);
-    t.phi = uniform(random, {-M_PI, M_PI});
-    t.stiffness = uniform(random, protocol.bending_stiffness_nm2);
-    t.length = uniform(random, protocol.length_m);
-    t.payload = uniform(random, protocol.payload_kg);
-    t.hanging = report.frames % 2 == 0;
-    if (!generator.make(t, protocol.tip_angle_rad, points, bound)) continue;
-    ++report.frames;
-    if (progress && report.frames % 100 == 0) progress(report.frames);
+Truth draw_truth(std::mt19937_64& random, const AccuracyProtocol& protocol, bool hanging) {
+  Truth t;
+  t.moment = uniform(random, protocol.moment_nm);
+  t.phi = uniform(random, {-M_PI, M_PI});
+  t.stiffness = uniform(random, protocol.bending_stiffness_nm2);
+  t.length = uniform(random, protocol.length_m);
+  t.payload = uniform(random, protocol.payload_kg);
+  t.hanging = hanging;
+  return t;
+}
 
-    trial::Frame frame;
-    frame.payload_kg = t.payload;
-    // Hanging: turned by 180 degrees about x, so that the base's z axis points down.
-    Eigen::Isometry3d base = Eigen::Isometry3d::Identity();
-    if (t.hanging) base.linear() = Eigen::AngleAxisd(M_PI, Vector3d::UnitX()).toRotationMatrix();
-    frame.base_body = base;
-    for (int i = 0; i < static_cast<int>(points.size()); ++i) {
-      const Vector3d noise(normal(random), normal(random), normal(random));
-      trial::BodyObservation seen;
-      seen.body = i;
-      seen.p_mocap = base * (points[static_cast<std::size_t>(i)] + protocol.position_sd_m * noise);
-      frame.bodies.push_back(seen);
-    }
-    if (!protocol.warm) estimator.reset();
-    const Estimate& estimate = estimator.estimate(frame);
-    if (estimate.status != Status::kOk) continue;
-    ++report.converged;
-    double sum = 0.0;
-    for (const BodyResidual& r : estimate.residuals) {
-      sum += (r.estimated_base - points[static_cast<std::size_t>(r.body)]).squaredNorm();
-    }
-    shape.push_back(std::sqrt(sum / static_cast<double>(points.size())));
+/// What a noisy motion capture sees of points in the base frame.
+trial::Frame frame_of(const Truth& truth, const std::vector<Vector3d>& points, double position_sd_m,
+                      std::mt19937_64& random) {
+  trial::Frame frame;
+  frame.payload_kg = truth.payload;
+  // Hanging: turned by 180 degrees about x, so that the base's z axis points down.
+  Eigen::Isometry3d base = Eigen::Isometry3d::Identity();
+  if (truth.hanging) base.linear() = Eigen::AngleAxisd(M_PI, Vector3d::UnitX()).toRotationMatrix();
+  frame.base_body = base;
+  for (int i = 0; i < static_cast<int>(points.size()); ++i) {
+    const Vector3d noise(normal(random), normal(random), normal(random));
+    trial::BodyObservation seen;
+    seen.body = i;
+    seen.p_mocap = base * (points[static_cast<std::size_t>(i)] + position_sd_m * noise);
+    frame.bodies.push_back(seen);
+  }
+  return frame;
+}
 
-    const SegmentEstimate& s = estimate.segments[0];
+/// Adds up what the report is made of.
+class Score {
+ public:
+  /// @param bound variances by Cramér and Rao
+  void add(const Truth& t, const SegmentEstimate& s, const Eigen::Vector4d& bound, AccuracyReport& report) {
     const double values[n] = {*s.moment_nm, *s.direction_rad, *s.bending_stiffness_nm2, *s.length_m};
     const double truths[n] = {t.moment, t.phi, t.stiffness, t.length};
     const std::optional<double> sds[n] = {s.sd_moment_nm, s.sd_direction_rad, s.sd_bending_stiffness_nm2,
@@ -168,13 +159,13 @@ AccuracyReport measure_accuracy(arm::Arm arm, const AccuracyProtocol& protocol,
       double error = values[k] - truths[k];
       if (k == 1) error = std::remainder(error, 2.0 * M_PI);
       if (strong) {
-        squared_error[i] += error * error;
-        variance[i] += bound[k];
+        squared_error_[i] += error * error;
+        variance_[i] += bound[k];
       }
-      relative[i].push_back(std::abs(error) / std::sqrt(bound[k]));
+      relative_[i].push_back(std::abs(error) / std::sqrt(bound[k]));
       if (identifiable[k] && sds[k]) {
         ++report.identifiable[i];
-        if (std::abs(error) <= 1.959964 * *sds[k]) ++covered[i];
+        if (std::abs(error) <= 1.959964 * *sds[k]) ++covered_[i];
       }
     }
     const double ei_bound = std::sqrt(bound[2]) / t.stiffness;
@@ -186,13 +177,60 @@ AccuracyReport measure_accuracy(arm::Arm arm, const AccuracyProtocol& protocol,
       report.clear_claimed += s.identifiable_stiffness ? 1 : 0;
     }
   }
-  for (std::size_t i = 0; i < n; ++i) {
-    report.efficiency[i] = variance[i] > 0.0 ? std::sqrt(squared_error[i] / variance[i]) : 0.0;
-    report.median_error_over_bound[i] = math::median(relative[i]);
-    report.coverage[i] =
-        report.identifiable[i] > 0 ? static_cast<double>(covered[i]) / report.identifiable[i] : 0.0;
+
+  void add_shape(const Estimate& estimate, const std::vector<Vector3d>& points) {
+    double sum = 0.0;
+    for (const BodyResidual& r : estimate.residuals) {
+      sum += (r.estimated_base - points[static_cast<std::size_t>(r.body)]).squaredNorm();
+    }
+    shape_m_.push_back(std::sqrt(sum / static_cast<double>(points.size())));
   }
-  report.median_shape_error_m = math::median(shape);
+
+  void write(AccuracyReport& report) const {
+    for (std::size_t i = 0; i < n; ++i) {
+      report.efficiency[i] = variance_[i] > 0.0 ? std::sqrt(squared_error_[i] / variance_[i]) : 0.0;
+      report.median_error_over_bound[i] = math::median(relative_[i]);
+      report.coverage[i] =
+          report.identifiable[i] > 0 ? static_cast<double>(covered_[i]) / report.identifiable[i] : 0.0;
+    }
+    report.median_shape_error_m = math::median(shape_m_);
+  }
+
+ private:
+  static constexpr int n = AccuracyReport::kParameters;
+  std::array<double, n> squared_error_{}, variance_{};
+  std::array<std::vector<double>, n> relative_;
+  std::array<int, n> covered_{};
+  std::vector<double> shape_m_;
+};
+
+}  // namespace
+
+AccuracyReport measure_accuracy(arm::Arm given, const AccuracyProtocol& protocol,
+                                const std::function<void(int)>& progress) {
+  const arm::Arm arm = arm_of(std::move(given), protocol);
+  Estimator estimator(arm, options_of_accuracy());
+  estimator.set_backbone_points(0);
+  Generator generator(arm, protocol.position_sd_m);
+  std::mt19937_64 random(protocol.seed);
+  AccuracyReport report;
+  Score score;
+  std::vector<Vector3d> points;
+  Eigen::Vector4d bound;
+  while (report.frames < protocol.frames) {
+    const Truth t = draw_truth(random, protocol, report.frames % 2 == 0);
+    if (!generator.make(t, protocol.tip_angle_rad, points, bound)) continue;
+    ++report.frames;
+    if (progress && report.frames % 100 == 0) progress(report.frames);
+    const trial::Frame frame = frame_of(t, points, protocol.position_sd_m, random);
+    if (!protocol.warm) estimator.reset();
+    const Estimate& estimate = estimator.estimate(frame);
+    if (estimate.status != Status::kOk) continue;
+    ++report.converged;
+    score.add_shape(estimate, points);
+    score.add(t, estimate.segments[0], bound, report);
+  }
+  score.write(report);
   return report;
 }
 

@@ -1,6 +1,8 @@
 #include "covariance.h"
 
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include "math/symmetric.h"
 #include "policy.h"
@@ -50,13 +52,17 @@ bool determines_shape(const MatrixXd& information, const std::vector<bool>& free
   return math::SymmetricSolver(a).least_pivot() > kLeastShapeInformation;
 }
 
-}  // namespace
+/// Of the parameters at the last evaluation: what the estimator takes for the information in the
+/// measurements, and the variance of its gradient. They are the same where the weights are those of the
+/// noise.
+struct Sandwich {
+  MatrixXd information, variance;
+};
 
-Covariance covariance(const Problem& problem, const std::vector<bool>& free,
-                      const arm::EstimatorOptions& options) {
+Sandwich sandwich(const Problem& problem, const std::vector<bool>& free, bool sum) {
   const int count = problem.NumParameters();
-  const bool sum = options.objective == arm::Objective::kSumOfDistances;
-  MatrixXd information = MatrixXd::Zero(count, count), variance = information;
+  Sandwich result{MatrixXd::Zero(count, count), MatrixXd::Zero(count, count)};
+  MatrixXd &information = result.information, &variance = result.variance;
   Eigen::Matrix3Xd j(3, count);
   for (const Observation& o : problem.observations()) {
     if (!o.used) continue;
@@ -73,16 +79,43 @@ Covariance covariance(const Problem& problem, const std::vector<bool>& free,
       variance += a.variance * tt;
     }
   }
-  if (problem.belief()) {
-    for (int i = 0; i < count; ++i) {
-      for (int k = 0; k < count; ++k) {
-        if (!free[static_cast<std::size_t>(i)] || !free[static_cast<std::size_t>(k)]) continue;
-        information(i, k) += problem.belief()->information(i, k);
-        variance(i, k) += problem.belief()->information(i, k);
-      }
+  if (!problem.belief()) return result;
+  for (int i = 0; i < count; ++i) {
+    for (int k = 0; k < count; ++k) {
+      if (!free[static_cast<std::size_t>(i)] || !free[static_cast<std::size_t>(k)]) continue;
+      information(i, k) += problem.belief()->information(i, k);
+      variance(i, k) += problem.belief()->information(i, k);
     }
   }
+  return result;
+}
 
+/// Inverse of an information of unit diagonal without the directions that it does not determine.
+struct Inverse {
+  MatrixXd inverse;
+  VectorXd lost;  ///< share of each parameter that lies in those directions
+};
+
+Inverse determined_inverse(const MatrixXd& scaled) {
+  const math::Eigensystem eigen = math::eigensystem_of(scaled);
+  const Eigen::Index n = scaled.rows();
+  VectorXd inverse(n);
+  VectorXd lost = VectorXd::Zero(n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const bool determined = eigen.values[k] > kLeastInformation * eigen.values[n - 1];
+    inverse[k] = determined ? 1.0 / eigen.values[k] : 0.0;
+    if (!determined) lost += eigen.vectors.col(k).cwiseAbs2();
+  }
+  return {eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose(), lost};
+}
+
+}  // namespace
+
+Covariance covariance(const Problem& problem, const std::vector<bool>& free,
+                      const arm::EstimatorOptions& options) {
+  const int count = problem.NumParameters();
+  const bool sum = options.objective == arm::Objective::kSumOfDistances;
+  const auto [information, variance] = sandwich(problem, free, sum);
   Covariance result;
   result.x = MatrixXd::Zero(count, count);
   result.determined.assign(static_cast<std::size_t>(count), false);
@@ -100,32 +133,21 @@ Covariance covariance(const Problem& problem, const std::vector<bool>& free,
       b(i, k) = scale[i] * scale[k] * variance(columns[i], columns[k]);
     }
   }
-  const math::Eigensystem eigen = math::eigensystem_of(a);
-  VectorXd inverse(n);
-  VectorXd lost = VectorXd::Zero(n);
-  for (int k = 0; k < n; ++k) {
-    const bool determined = eigen.values[k] > kLeastInformation * eigen.values[n - 1];
-    inverse[k] = determined ? 1.0 / eigen.values[k] : 0.0;
-    if (!determined) lost += eigen.vectors.col(k).cwiseAbs2();
-  }
-  const MatrixXd a_inverse = eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose();
+  const auto [a_inverse, lost] = determined_inverse(a);
   const bool best = !sum && problem.noise_weights();
   const MatrixXd scaled = best ? a_inverse : MatrixXd(a_inverse * b * a_inverse);
+  const auto determined = [&](int i) { return result.determined[static_cast<std::size_t>(columns[i])]; };
   for (int i = 0; i < n; ++i) {
     const double sd = scale[i] * std::sqrt(std::max(0.0, scaled(i, i)));
     const double absurd = columns[i] == count - 1
                               ? kPolicy.determined.absurd_payload_sd
                               : kPolicy.determined.absurd_sd[columns[i] % kSegmentParameters];
-    result.determined[static_cast<std::size_t>(columns[i])] =
-        lost[i] < kPolicy.determined.lost_share && sd < absurd;
+    determined(i) = lost[i] < kPolicy.determined.lost_share && sd < absurd;
   }
   for (int i = 0; i < n; ++i) {
     for (int k = 0; k < n; ++k) {
-      const bool both = result.determined[static_cast<std::size_t>(columns[i])] &&
-                        result.determined[static_cast<std::size_t>(columns[k])];
-      if (both) {
+      if (determined(i) && determined(k))
         result.x(columns[i], columns[k]) = scale[i] * scale[k] * scaled(i, k);
-      }
     }
   }
   result.shape_determined = determines_shape(information, free);
@@ -191,71 +213,65 @@ VectorXd error_by_gravity(const Problem& problem, const std::vector<bool>& free,
   return scale.cwiseProduct(math::solve_symmetric(scaled, scale.cwiseProduct(pull)));
 }
 
-void fill_segment(const Problem& problem, int segment, const VectorXd& x, const Covariance& covariance,
-                  const std::vector<bool>& free, const arm::EstimatorOptions& options, SegmentEstimate& out) {
-  const int ia = Problem::column(segment, 0), ib = ia + 1, ic = ia + 2, il = ia + 3;
-  const auto determined = [&](int i) { return covariance.determined[static_cast<std::size_t>(i)]; };
+namespace {
+
+/// A segment's parameters in the estimate's terms.
+struct Bend {
+  double rest_m, reference_nm2;
+  double curvature_per_m, cos_phi, sin_phi;
+  double flexibility;  ///< c of EI = EI_base / c
+};
+
+Bend bend_of(const Problem& problem, int segment, const VectorXd& x) {
+  const int ia = Problem::column(segment, 0), ib = ia + 1, ic = ia + 2;
   const double rest = problem.rest_length(segment);
-  const double reference = problem.reference_stiffness(segment);
   const double a = x[ia] / rest, b = x[ib] / rest;
   const double bend = std::hypot(a, b);
-  const bool arcs = options.method == arm::Method::kCcPoints || options.method == arm::Method::kCcEndpoint;
+  return {rest,
+          problem.reference_stiffness(segment),
+          bend,
+          bend > 0.0 ? a / bend : 1.0,
+          bend > 0.0 ? b / bend : 0.0,
+          x[ic]};
+}
 
-  out.length_m = x[il] * rest;
-  out.actuation_curvature_per_m = bend;
-  out.direction_rad = std::atan2(b, a);
-  const double cos_phi = bend > 0.0 ? a / bend : 1.0, sin_phi = bend > 0.0 ? b / bend : 0.0;
-
-  // The fit is nearly linear in the flexibility c, whose errors are therefore normal; those of EI = EI_base /
-  // c are not. To second order E[1/c] is too large by var(c) / c^3, and E[k/c] by that and cov(k, c): both
-  // are taken out, in a form that stays bounded in the tails.
-  double ei = reference / x[ic];
-  double moment = bend * ei;
-  if (free[static_cast<std::size_t>(ic)] && determined(ic)) {
-    const double variance = std::min(covariance.x(ic, ic), x[ic] * x[ic]);
-    const double with_bend = determined(ia) && determined(ib)
-                                 ? (cos_phi * covariance.x(ia, ic) + sin_phi * covariance.x(ib, ic)) / rest
-                                 : 0.0;
-    const double shrink = x[ic] / (x[ic] * x[ic] + variance);
-    ei = reference * shrink;
-    moment = std::max(0.0, reference * (bend + with_bend / x[ic]) * shrink);
-  }
-  if (!arcs) {
-    out.bending_stiffness_nm2 = ei;
-    out.moment_nm = moment;
-  }
-
-  // Rows: M0, phi, EI, L; columns: a, b, c, l.
+/// Rows: M0, phi, EI, L; columns: a, b, c, l. With the uncorrected values: the intervals they give cover what
+/// they should.
+/// @param arcs the method knows neither moment nor stiffness
+Eigen::Matrix4d derivatives(const Bend& bend, bool arcs) {
   Eigen::Matrix4d g = Eigen::Matrix4d::Zero();
   if (!arcs) {
-    // With the uncorrected values: the intervals they give cover what they should.
-    const double fitted = reference / x[ic];
-    g(0, 0) = cos_phi * fitted / rest;
-    g(0, 1) = sin_phi * fitted / rest;
-    g(0, 2) = -bend * fitted / x[ic];
-    g(2, 2) = -fitted / x[ic];
+    const double fitted = bend.reference_nm2 / bend.flexibility;
+    g(0, 0) = bend.cos_phi * fitted / bend.rest_m;
+    g(0, 1) = bend.sin_phi * fitted / bend.rest_m;
+    g(0, 2) = -bend.curvature_per_m * fitted / bend.flexibility;
+    g(2, 2) = -fitted / bend.flexibility;
   }
-  if (bend > 0.0) {
-    g(1, 0) = -sin_phi / (bend * rest);
-    g(1, 1) = cos_phi / (bend * rest);
+  if (bend.curvature_per_m > 0.0) {
+    g(1, 0) = -bend.sin_phi / (bend.curvature_per_m * bend.rest_m);
+    g(1, 1) = bend.cos_phi / (bend.curvature_per_m * bend.rest_m);
   }
-  g(3, 3) = rest;
-  const Eigen::Matrix4d c = covariance.x.block<4, 4>(ia, ia);
-  out.covariance = g * c * g.transpose();
+  g(3, 3) = bend.rest_m;
+  return g;
+}
 
-  const bool flexibility_known = !free[static_cast<std::size_t>(ic)];
-  const bool curvature_identifiable = determined(ia) && determined(ib);
-  const auto sd = [&](int i) { return std::sqrt(std::max(0.0, out.covariance(i, i))); };
-  if (curvature_identifiable) {
-    const Eigen::Vector2d along(cos_phi, sin_phi);
-    out.sd_actuation_curvature_per_m =
-        std::sqrt(std::max(0.0, along.dot(c.topLeftCorner<2, 2>() * along))) / rest;
-    // A direction is not determined by less than a uniform guess would know.
-    if (bend > 0.0 && sd(1) < M_PI / std::sqrt(3.0)) out.sd_direction_rad = sd(1);
-    if (!arcs && (flexibility_known || determined(ic))) out.sd_moment_nm = sd(0);
-  }
-  if (!arcs && !flexibility_known && determined(ic)) out.sd_bending_stiffness_nm2 = sd(2);
-  if (determined(il)) out.sd_length_m = sd(3);
+/// Stiffness and moment. The fit is nearly linear in the flexibility c, whose errors are therefore normal;
+/// those of EI = EI_base / c are not. To second order E[1/c] is too large by var(c) / c^3, and E[k/c] by that
+/// and cov(k, c): both are taken out, in a form that stays bounded in the tails.
+/// @param c covariance of a, b, c, l
+/// @param with_curvature a and b are determined
+std::pair<double, double> without_bias(const Bend& bend, const Eigen::Matrix4d& c, bool with_curvature) {
+  const double x = bend.flexibility;
+  const double variance = std::min(c(2, 2), x * x);
+  const double with_bend =
+      with_curvature ? (bend.cos_phi * c(0, 2) + bend.sin_phi * c(1, 2)) / bend.rest_m : 0.0;
+  const double shrink = x / (x * x + variance);
+  return {bend.reference_nm2 * shrink,
+          std::max(0.0, bend.reference_nm2 * (bend.curvature_per_m + with_bend / x) * shrink)};
+}
+
+/// Rows and columns of what has no standard deviation are zero.
+void clear_undetermined(SegmentEstimate& out) {
   const bool has[4] = {out.sd_moment_nm.has_value(), out.sd_direction_rad.has_value(),
                        out.sd_bending_stiffness_nm2.has_value(), out.sd_length_m.has_value()};
   for (int i = 0; i < 4; ++i) {
@@ -263,10 +279,49 @@ void fill_segment(const Problem& problem, int segment, const VectorXd& x, const 
     out.covariance.row(i).setZero();
     out.covariance.col(i).setZero();
   }
+}
+
+}  // namespace
+
+void fill_segment(const Problem& problem, int segment, const VectorXd& x, const Covariance& covariance,
+                  const std::vector<bool>& free, const arm::EstimatorOptions& options, SegmentEstimate& out) {
+  const int ia = Problem::column(segment, 0), ib = ia + 1, ic = ia + 2, il = ia + 3;
+  const auto determined = [&](int i) { return covariance.determined[static_cast<std::size_t>(i)]; };
+  const bool arcs = options.method == arm::Method::kCcPoints || options.method == arm::Method::kCcEndpoint;
+  const bool flexibility_known = !free[static_cast<std::size_t>(ic)];
+  const bool curvature_determined = determined(ia) && determined(ib);
+  const Bend bend = bend_of(problem, segment, x);
+  const Eigen::Matrix4d c = covariance.x.block<4, 4>(ia, ia);
+
+  out.length_m = x[il] * bend.rest_m;
+  out.actuation_curvature_per_m = bend.curvature_per_m;
+  out.direction_rad = std::atan2(x[ib] / bend.rest_m, x[ia] / bend.rest_m);
+  double ei = bend.reference_nm2 / bend.flexibility;
+  double moment = bend.curvature_per_m * ei;
+  if (!flexibility_known && determined(ic))
+    std::tie(ei, moment) = without_bias(bend, c, curvature_determined);
+  if (!arcs) {
+    out.bending_stiffness_nm2 = ei;
+    out.moment_nm = moment;
+  }
+
+  const Eigen::Matrix4d g = derivatives(bend, arcs);
+  out.covariance = g * c * g.transpose();
+  const auto sd = [&](int i) { return std::sqrt(std::max(0.0, out.covariance(i, i))); };
+  if (curvature_determined) {
+    const Eigen::Vector2d along(bend.cos_phi, bend.sin_phi);
+    out.sd_actuation_curvature_per_m =
+        std::sqrt(std::max(0.0, along.dot(c.topLeftCorner<2, 2>() * along))) / bend.rest_m;
+    // A direction is not determined by less than a uniform guess would know.
+    if (bend.curvature_per_m > 0.0 && sd(1) < M_PI / std::sqrt(3.0)) out.sd_direction_rad = sd(1);
+    if (!arcs && (flexibility_known || determined(ic))) out.sd_moment_nm = sd(0);
+  }
+  if (!arcs && !flexibility_known && determined(ic)) out.sd_bending_stiffness_nm2 = sd(2);
+  if (determined(il)) out.sd_length_m = sd(3);
+  clear_undetermined(out);
   const double limit = options.identifiable_relative_sd;
   // Relative to what the fit found, before the correction: that never makes a frame identify more.
-  out.identifiable_stiffness =
-      out.sd_bending_stiffness_nm2 && std::sqrt(covariance.x(ic, ic)) <= limit * x[ic];
+  out.identifiable_stiffness = out.sd_bending_stiffness_nm2 && std::sqrt(c(2, 2)) <= limit * bend.flexibility;
   out.identifiable_moment = out.sd_moment_nm && *out.sd_moment_nm <= limit * moment;
 }
 

@@ -8,13 +8,76 @@
 namespace softarm::estimate {
 namespace {
 
-void append(std::string& row, const std::optional<double>& value) {
-  row += ',';
+void append(std::string& cell, const std::optional<double>& value) {
   // NaN never leaves the program: an empty cell is how this file says that there is no value.
-  if (value && std::isfinite(*value)) fmt::format_to(std::back_inserter(row), "{:.9g}", *value);
+  if (value && std::isfinite(*value)) fmt::format_to(std::back_inserter(cell), "{:.9g}", *value);
+}
+
+void append_flag(std::string& cell, bool flag) {
+  cell += flag ? '1' : '0';
+}
+
+void append_tip(std::string& cell, const EstimateRow& row, int axis) {
+  if (!row.frame.backbone.empty()) append(cell, row.frame.backbone.back().p_base(axis));
 }
 
 }  // namespace
+
+const std::vector<EstimateColumn>& estimate_columns() {
+  using Row = EstimateRow;
+  using Cell = std::string;
+  static const std::vector<EstimateColumn> columns{
+      {"stamp", "s", "stamp of the frame, to 1e-7 s: what a double holds of a date",
+       [](Cell& c, const Row& r) { fmt::format_to(std::back_inserter(c), "{:.7f}", r.frame.stamp_s); }},
+      {"segment", "", "number of the segment, from 1 at the base",
+       [](Cell& c, const Row& r) { c += std::to_string(r.number); }},
+      {"status", "", "`ok`, or why the frame has no estimate",
+       [](Cell& c, const Row& r) { c += to_string(r.frame.status); }},
+      {"M0", "N m", "actuation moment of the segment",
+       [](Cell& c, const Row& r) { append(c, r.segment.moment_nm); }},
+      {"phi", "rad", "direction in which the segment bends, about the z axis of its base",
+       [](Cell& c, const Row& r) { append(c, r.segment.direction_rad); }},
+      {"EI", "N m²", "bending stiffness of the segment, estimated or known",
+       [](Cell& c, const Row& r) { append(c, r.segment.bending_stiffness_nm2); }},
+      {"L", "m", "length of the segment's backbone",
+       [](Cell& c, const Row& r) { append(c, r.segment.length_m); }},
+      {"payload", "kg", "payload of the arm, estimated or known",
+       [](Cell& c, const Row& r) { append(c, r.frame.payload_kg); }},
+      {"sd_M0", "N m", "standard deviation of M0; empty where it is not determined, as of all sd",
+       [](Cell& c, const Row& r) { append(c, r.segment.sd_moment_nm); }},
+      {"sd_phi", "rad", "standard deviation of phi",
+       [](Cell& c, const Row& r) { append(c, r.segment.sd_direction_rad); }},
+      {"sd_EI", "N m²", "standard deviation of EI; empty where it is known",
+       [](Cell& c, const Row& r) { append(c, r.segment.sd_bending_stiffness_nm2); }},
+      {"sd_L", "m", "standard deviation of L",
+       [](Cell& c, const Row& r) { append(c, r.segment.sd_length_m); }},
+      {"sd_payload", "kg", "standard deviation of the payload; empty where it is known",
+       [](Cell& c, const Row& r) { append(c, r.frame.sd_payload_kg); }},
+      {"identifiable_EI", "", "1: the frame determines EI well enough to use it, 0: it does not",
+       [](Cell& c, const Row& r) { append_flag(c, r.segment.identifiable_stiffness); }},
+      {"identifiable_payload", "", "the same of the payload",
+       [](Cell& c, const Row& r) { append_flag(c, r.frame.identifiable_payload); }},
+      {"theta_tip", "rad", "angle between the tangents at the arm's base and tip",
+       [](Cell& c, const Row& r) { append(c, tip_angle_rad(r.frame)); }},
+      {"tip_x", "m", "the tip in the rod's base frame", [](Cell& c, const Row& r) { append_tip(c, r, 0); }},
+      {"tip_y", "m", "the same, y", [](Cell& c, const Row& r) { append_tip(c, r, 1); }},
+      {"tip_z", "m", "the same, z", [](Cell& c, const Row& r) { append_tip(c, r, 2); }},
+      {"rms_residual", "m", "root mean square distance of the bodies used, measured to estimated",
+       [](Cell& c, const Row& r) {
+         if (!r.frame.residuals.empty()) append(c, r.frame.rms_residual_m);
+       }},
+  };
+  return columns;
+}
+
+std::string estimates_csv_header() {
+  std::string header;
+  for (const EstimateColumn& column : estimate_columns()) {
+    if (!header.empty()) header += ',';
+    header += column.name;
+  }
+  return header;
+}
 
 std::optional<double> tip_angle_rad(const Estimate& estimate) {
   if (estimate.backbone.empty()) return std::nullopt;
@@ -25,38 +88,16 @@ std::optional<double> tip_angle_rad(const Estimate& estimate) {
 
 void write_estimate_rows(std::ostream& out, const Estimate& estimate, std::size_t segments) {
   static const SegmentEstimate kNone;
+  const std::vector<EstimateColumn>& columns = estimate_columns();
   std::string rows;
+  rows.reserve(segments * 16 * columns.size());
   for (std::size_t i = 0; i < segments; ++i) {
-    const bool present = i < estimate.segments.size();
-    const SegmentEstimate& s = present ? estimate.segments[i] : kNone;
-    fmt::format_to(std::back_inserter(rows), "{:.7f},{},{}", estimate.stamp_s, i + 1,
-                   to_string(estimate.status));
-    append(rows, s.moment_nm);
-    append(rows, s.direction_rad);
-    append(rows, s.bending_stiffness_nm2);
-    append(rows, s.length_m);
-    append(rows, estimate.payload_kg);
-    append(rows, s.sd_moment_nm);
-    append(rows, s.sd_direction_rad);
-    append(rows, s.sd_bending_stiffness_nm2);
-    append(rows, s.sd_length_m);
-    append(rows, estimate.sd_payload_kg);
-    fmt::format_to(std::back_inserter(rows), ",{},{}", s.identifiable_stiffness ? 1 : 0,
-                   estimate.identifiable_payload ? 1 : 0);
-    append(rows, tip_angle_rad(estimate));
-    std::optional<double> x, y, z, rms;
-    if (!estimate.backbone.empty()) {
-      const Eigen::Vector3d& tip = estimate.backbone.back().p_base;
-      x = tip.x();
-      y = tip.y();
-      z = tip.z();
+    const EstimateRow row{estimate, i < estimate.segments.size() ? estimate.segments[i] : kNone, i + 1};
+    for (const EstimateColumn& column : columns) {
+      column.append(rows, row);
+      rows += ',';
     }
-    if (!estimate.residuals.empty()) rms = estimate.rms_residual_m;
-    append(rows, x);
-    append(rows, y);
-    append(rows, z);
-    append(rows, rms);
-    rows += '\n';
+    rows.back() = '\n';
   }
   out << rows;
 }

@@ -4,24 +4,35 @@
 #include <cstddef>
 #include <optional>
 #include <ostream>
+#include <string>
+#include <vector>
 
 #include "softarm/estimate/estimate.h"
 
 namespace softarm::estimate {
 
-/// The columns of estimates.csv, SI (N m, rad, N m^2, m, kg): one row per frame and segment. Without a line
-/// end.
-inline constexpr const char* kEstimatesCsvHeader =
-    "stamp,segment,status,M0,phi,EI,L,payload,sd_M0,sd_phi,sd_EI,sd_L,sd_payload,identifiable_EI,"
-    "identifiable_payload,"
-    "theta_tip,tip_x,tip_y,tip_z,rms_residual";
+/// What a row of estimates.csv is about: one segment of one frame.
+struct EstimateRow {
+  const Estimate& frame;
+  const SegmentEstimate& segment;  ///< all absent where the frame has none
+  std::size_t number = 1;          ///< of the segment, counted from the base
+};
 
-/// Writes the rows of one frame, one per segment of the arm, counted from 1 at the base.
-///
-/// A cell is empty where its value does not exist: neither estimated nor known, or no estimate at all.
-/// theta_tip is the angle (rad) between the tangents at the arm's base and tip; tip_x, tip_y, tip_z (m) are
-/// in the rod's base frame. Numbers have nine significant digits, stamps 1e-7 s, which is what a double holds
-/// of a date.
+/// A column of estimates.csv; doc/estimates_csv.md has the same rows.
+struct EstimateColumn {
+  const char* name;
+  const char* unit;  ///< SI; empty: none
+  const char* meaning;
+  void (*append)(std::string& cell, const EstimateRow& row);  ///< nothing where the value does not exist
+};
+
+/// In the order of the file. Readers may count: a new one stands at the end.
+const std::vector<EstimateColumn>& estimate_columns();
+
+/// The first line of estimates.csv, without a line end.
+std::string estimates_csv_header();
+
+/// Writes the rows of one frame, one per segment of the arm.
 /// @param segments number of segments of the arm: a frame without estimate has a row for each, too
 void write_estimate_rows(std::ostream& out, const Estimate& estimate, std::size_t segments);
 

@@ -106,14 +106,9 @@ double flexibility_from(const std::vector<Sample>& samples) {
   return xy / xx;
 }
 
-}  // namespace
-
-Start start_from_shape(const arm::Arm& arm, const Problem& problem,
-                       const std::vector<std::optional<double>>& flexibility, double payload_kg) {
-  const int segments = static_cast<int>(arm.segments.size());
-  Start start;
-  start.x = Eigen::VectorXd::Zero(segments * kSegmentParameters + 1);
-
+/// Arcs from the base through the places of the bodies in use, in order of arclength; where a tangent is
+/// measured, several up to it.
+std::vector<Arc> arcs_through(const arm::Arm& arm, const Problem& problem) {
   std::vector<const Observation*> seen;
   for (const Observation& o : problem.observations()) {
     if (o.used) seen.push_back(&o);
@@ -143,6 +138,52 @@ Start start_from_shape(const arm::Arm& arm, const Problem& problem,
       arcs.push_back(last);
     }
   }
+  return arcs;
+}
+
+/// What the arcs say of the segment from `begin` to `end`, m.
+struct Covered {
+  Vector3d turn = Vector3d::Zero();
+  double covered_m = 0.0, length_m = 0.0;
+  std::vector<Sample> samples;
+};
+
+Covered covered_by(const std::vector<Arc>& arcs, const rod::Rod& rod, double begin, double end,
+                   double reference_stiffness_nm2) {
+  Covered result;
+  for (const Arc& arc : arcs) {
+    // A segment beyond the last arc continues it.
+    const double to = &arc == &arcs.back() ? std::max(arc.s_to, end) : arc.s_to;
+    const double overlap = std::min(to, end) - std::max(arc.s_from, begin);
+    if (overlap <= 0.0) continue;
+    const double span = arc.s_to - arc.s_from;
+    result.turn += overlap / span * arc.turn;
+    result.length_m += overlap / span * arc.length;
+    result.covered_m += overlap;
+    const Eigen::Quaterniond q = arc.q_from * math::exp_so3(0.5 * arc.turn);
+    const Vector3d moment =
+        q.conjugate() * load_moment(rod, arcs, 0.5 * (arc.s_from + arc.s_to), 0.5 * (arc.p_from + arc.p_to));
+    result.samples.push_back({overlap, arc.turn / arc.length, moment / reference_stiffness_nm2});
+  }
+  return result;
+}
+
+double stretch_of(const Covered& seen, const arm::Segment& segment, double rest_m) {
+  const double stretch = seen.covered_m > 0.0 ? seen.length_m / seen.covered_m : 1.0;
+  if (segment.length_range_m.high > 0.0) {
+    return std::clamp(stretch, segment.length_range_m.low / rest_m, segment.length_range_m.high / rest_m);
+  }
+  return std::clamp(stretch, 0.7, 1.5);
+}
+
+}  // namespace
+
+Start start_from_shape(const arm::Arm& arm, const Problem& problem,
+                       const std::vector<std::optional<double>>& flexibility, double payload_kg) {
+  const int segments = static_cast<int>(arm.segments.size());
+  Start start;
+  start.x = Eigen::VectorXd::Zero(segments * kSegmentParameters + 1);
+  const std::vector<Arc> arcs = arcs_through(arm, problem);
   rod::Rod rod = problem.rod();
   rod.loads[rod::kPayloadLoad].mass_kg = payload_kg;
 
@@ -150,47 +191,25 @@ Start start_from_shape(const arm::Arm& arm, const Problem& problem,
   start.q_tip = Eigen::Quaterniond::Identity();
   for (int i = 0; i < segments; ++i) {
     const double rest = problem.rest_length(i);
+    const double reference = problem.reference_stiffness(i);
     const double end = begin + rest;
-    Vector3d turn = Vector3d::Zero();
-    double covered = 0.0, length = 0.0;
-    std::vector<Sample> samples;
-    for (const Arc& arc : arcs) {
-      // A segment beyond the last arc continues it.
-      const double to = &arc == &arcs.back() ? std::max(arc.s_to, end) : arc.s_to;
-      const double overlap = std::min(to, end) - std::max(arc.s_from, begin);
-      if (overlap <= 0.0) continue;
-      const double span = arc.s_to - arc.s_from;
-      turn += overlap / span * arc.turn;
-      length += overlap / span * arc.length;
-      covered += overlap;
-      const Eigen::Quaterniond q = arc.q_from * math::exp_so3(0.5 * arc.turn);
-      const Vector3d moment = q.conjugate() * load_moment(rod, arcs, 0.5 * (arc.s_from + arc.s_to),
-                                                          0.5 * (arc.p_from + arc.p_to));
-      samples.push_back({overlap, arc.turn / arc.length, moment / problem.reference_stiffness(i)});
-    }
+    const Covered seen = covered_by(arcs, rod, begin, end, reference);
     const arm::Segment& segment = arm.segments[static_cast<std::size_t>(i)];
-    double stretch = covered > 0.0 ? length / covered : 1.0;
-    if (segment.length_range_m.high > 0.0) {
-      stretch = std::clamp(stretch, segment.length_range_m.low / rest, segment.length_range_m.high / rest);
-    } else {
-      stretch = std::clamp(stretch, 0.7, 1.5);
-    }
     const auto& given = flexibility[static_cast<std::size_t>(i)];
-    const double c =
-        given ? *given
-              : std::clamp(flexibility_from(samples),
-                           problem.reference_stiffness(i) / segment.bending_stiffness_range_nm2.high,
-                           problem.reference_stiffness(i) / segment.bending_stiffness_range_nm2.low);
-    if (covered > 0.0) {
+    const double c = given ? *given
+                           : std::clamp(flexibility_from(seen.samples),
+                                        reference / segment.bending_stiffness_range_nm2.high,
+                                        reference / segment.bending_stiffness_range_nm2.low);
+    if (seen.covered_m > 0.0) {
       Vector3d actuation = -segment.rest_curvature_per_m;
-      for (const Sample& sample : samples)
-        actuation += sample.weight / covered * (sample.curvature - c * sample.load);
+      for (const Sample& sample : seen.samples)
+        actuation += sample.weight / seen.covered_m * (sample.curvature - c * sample.load);
       start.x[Problem::column(i, 0)] = actuation.y() * rest;
       start.x[Problem::column(i, 1)] = -actuation.x() * rest;
-      start.q_tip = start.q_tip * math::exp_so3(turn * rest / covered);
+      start.q_tip = start.q_tip * math::exp_so3(seen.turn * rest / seen.covered_m);
     }
     start.x[Problem::column(i, 2)] = c;
-    start.x[Problem::column(i, 3)] = stretch;
+    start.x[Problem::column(i, 3)] = stretch_of(seen, segment, rest);
     begin = end;
   }
   start.q_tip.normalize();

@@ -1,34 +1,23 @@
 #include "any_input_topic.h"
 
 #include <ros/serialization.h>
-#include <softarm_estimator/MocapMarkerList.h>
-#include <softarm_estimator/PhasespaceMarkers.h>
-#include <softarm_estimator/ViconMarkers.h>
 #include <topic_tools/shape_shifter.h>
 
 #include <map>
 #include <memory>
 #include <vector>
 
+#include "body_driver.h"
 #include "message_schema.h"
 
 namespace softarm {
 namespace {
 
-template <class Mirror>
-std::pair<const std::string, std::string> definition_by_md5() {
-  return {ros::message_traits::md5sum<Mirror>(), ros::message_traits::definition<Mirror>()};
-}
-
 std::string mirrored_definition(const std::string& md5) {
-  static const std::map<std::string, std::string> definitions{
-      definition_by_md5<softarm_estimator::ViconMarkers>(),
-      definition_by_md5<softarm_estimator::MocapMarkerList>(),
-      definition_by_md5<softarm_estimator::PhasespaceMarkers>(),
-  };
-  const auto found = definitions.find(md5);
-  if (found == definitions.end()) throw SchemaError("its publisher sends no definition");
-  return found->second;
+  for (const auto& [type, driver] : body_drivers()) {
+    if (driver.mirror && driver.mirror->md5 == md5) return driver.mirror->definition;
+  }
+  throw SchemaError("its publisher sends no definition");
 }
 
 /// Decodes the messages of one topic; publishers of several versions may share it.

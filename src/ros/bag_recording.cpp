@@ -44,6 +44,84 @@ std::vector<trial::RecordedTopic> compare(const std::vector<InputTopic>& topics,
   return recorded;
 }
 
+/// Which topics of the bag feed which of the arm's, by absolute name. Two sources may share a topic: base and
+/// rings on /tf, under frames of their own.
+using ByTopic = std::map<std::string, std::vector<std::size_t>>;
+
+ByTopic by_name(const std::vector<InputTopic>& topics, const std::vector<trial::RecordedTopic>& recorded) {
+  ByTopic by_topic;
+  for (std::size_t i = 0; i < topics.size(); ++i) {
+    if (recorded[i].found_type == topics[i].type) by_topic[absolute_topic(topics[i].topic)].push_back(i);
+  }
+  return by_topic;
+}
+
+/// With and without the slash in front: bags have both.
+std::vector<std::string> names_in_bag(const ByTopic& by_topic) {
+  std::vector<std::string> names;
+  for (const auto& entry : by_topic) {
+    names.push_back(entry.first);
+    names.push_back(entry.first.substr(1));
+  }
+  return names;
+}
+
+/// Writes what comes by the converters into a recording: every sample, and frames at a steady pace.
+class Recorder {
+ public:
+  Recorder(const arm::Arm& arm, trial::CheckRecording& recording)
+      : recording_(recording), assembler_(arm, params()) {
+    trial::FrameAssembler::Tap tap;
+    tap.body = [this](int body, double stamp_s, const Eigen::Vector3d& p,
+                      const std::optional<Eigen::Quaterniond>& q) {
+      recording_.bodies.at(static_cast<std::size_t>(body + 1)).push_back({stamp_s, receipt_s_, p, q});
+    };
+    tap.input = [this](int input, double stamp_s, double value) {
+      recording_.inputs.at(static_cast<std::size_t>(input)).push_back({stamp_s, receipt_s_, value});
+    };
+    tap.payload = [this](double stamp_s, std::optional<double> kg) {
+      if (kg) recording_.payload.push_back({stamp_s, receipt_s_, *kg});
+    };
+    assembler_.set_tap(std::move(tap));
+  }
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
+
+  /// Before the messages of a record time.
+  void at(const ros::Time& recorded) {
+    if (recorded != std::exchange(recorded_, recorded)) keep_frames();
+    receipt_s_ = recorded.toSec();
+  }
+  trial::FrameAssembler& assembler() { return assembler_; }
+  void finish() {
+    keep_frames();
+    assembler_.flush();
+    keep_frames();
+    recording_.rejected = assembler_.rejected();
+  }
+
+ private:
+  /// As for the estimates: all messages of one record time count before a frame is closed.
+  static trial::FrameAssembler::Params params() {
+    trial::FrameAssembler::Params params;
+    params.close_when_taken = true;
+    return params;
+  }
+  void keep_frames() {
+    for (trial::Frame& frame : assembler_.take()) {
+      const bool first = recording_.frames.empty();
+      if (first || std::abs(frame.stamp_s - recording_.frames.back().stamp_s) >= kFrameIntervalS) {
+        recording_.frames.push_back(std::move(frame));
+      }
+    }
+  }
+
+  trial::CheckRecording& recording_;
+  trial::FrameAssembler assembler_;
+  double receipt_s_ = 0.0;
+  ros::Time recorded_;
+};
+
 }  // namespace
 
 trial::CheckRecording read_recording(const std::string& path, const arm::Arm& arm,
@@ -62,68 +140,28 @@ trial::CheckRecording read_recording(const std::string& path, const arm::Arm& ar
   recording.topics = compare(topics, arm, recording.other_topics);
   recording.bodies.resize(arm.bodies.size() + 1);
   recording.inputs.resize(arm.inputs.scalars.size());
-
-  std::vector<std::string> names;
-  // Two sources may share a topic: base and rings on /tf, under frames of their own.
-  std::map<std::string, std::vector<std::size_t>> by_topic;
-  for (std::size_t i = 0; i < topics.size(); ++i) {
-    if (recording.topics[i].found_type != topics[i].type) continue;
-    const std::string name = absolute_topic(topics[i].topic);
-    by_topic[name].push_back(i);
-    names.push_back(name);
-    names.push_back(name.substr(1));
-  }
-  if (names.empty()) {
+  const ByTopic by_topic = by_name(topics, recording.topics);
+  if (by_topic.empty()) {
     on_total(0);
     return recording;
   }
-
-  double receipt_s = 0.0;
-  // As for the estimates: all messages of one record time count before a frame is closed.
-  trial::FrameAssembler::Params params;
-  params.close_when_taken = true;
-  trial::FrameAssembler assembler(arm, params);
-  trial::FrameAssembler::Tap tap;
-  tap.body = [&](int body, double stamp_s, const Eigen::Vector3d& p,
-                 const std::optional<Eigen::Quaterniond>& q) {
-    recording.bodies.at(static_cast<std::size_t>(body + 1)).push_back({stamp_s, receipt_s, p, q});
-  };
-  tap.input = [&](int input, double stamp_s, double value) {
-    recording.inputs.at(static_cast<std::size_t>(input)).push_back({stamp_s, receipt_s, value});
-  };
-  tap.payload = [&](double stamp_s, std::optional<double> kg) {
-    if (kg) recording.payload.push_back({stamp_s, receipt_s, *kg});
-  };
-  assembler.set_tap(std::move(tap));
-  const auto keep_frames = [&] {
-    for (trial::Frame& frame : assembler.take()) {
-      const bool first = recording.frames.empty();
-      if (first || std::abs(frame.stamp_s - recording.frames.back().stamp_s) >= kFrameIntervalS) {
-        recording.frames.push_back(std::move(frame));
-      }
-    }
-  };
+  Recorder recorder(arm, recording);
   std::uint64_t unreported = 0;
-  ros::Time recorded;
   try {
-    rosbag::View view(*bag, rosbag::TopicQuery(names));
+    rosbag::View view(*bag, rosbag::TopicQuery(names_in_bag(by_topic)));
     on_total(view.size());
     for (const rosbag::MessageInstance& message : view) {
-      if (message.getTime() != std::exchange(recorded, message.getTime())) keep_frames();
-      receipt_s = message.getTime().toSec();
+      recorder.at(message.getTime());
       for (const std::size_t topic : by_topic.at(absolute_topic(message.getTopic()))) {
-        if (topics[topic].read(message, assembler)) ++recording.topics[topic].messages;
+        if (topics[topic].read(message, recorder.assembler())) ++recording.topics[topic].messages;
       }
       if (++unreported == kMessagesPerProgress) on_messages(std::exchange(unreported, 0));
     }
   } catch (const ros::Exception& e) {
     throw BagError(fmt::format("{}: damaged ({}); rosbag check says more", path, e.what()));
   }
-  keep_frames();
-  assembler.flush();
-  keep_frames();
+  recorder.finish();
   on_messages(unreported);
-  recording.rejected = assembler.rejected();
   return recording;
 }
 

@@ -6,13 +6,14 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "adapters.h"
+#include "body_driver.h"
 #include "body_reader.h"
+#include "scalar_adapters.h"
 
 namespace softarm {
 namespace {
 
-constexpr double kOtherClock_s = 2.0;  // more than any queue delays a message
+constexpr double kOtherEpoch_s = 2.0;  // more than any queue delays a message
 
 template <class Table>
 const auto& adapter_for(const Table& table, const std::string& type, const std::string& what) {
@@ -40,8 +41,8 @@ std::vector<InputTopic> body_topics(const arm::Arm& arm) {
   }
   std::vector<InputTopic> topics;
   const auto add = [&](const arm::BodySource& source, const Bodies& bodies) {
-    for (InputTopic& topic :
-         adapter_for(body_adapters(), source.type, "arm '" + arm.name + "', bodies")(arm, source, bodies)) {
+    for (InputTopic& topic : adapter_for(body_drivers(), source.type, "arm '" + arm.name + "', bodies")
+                                 .topics(arm, source, bodies)) {
       for (const auto& [name, index] : bodies) {
         if (topic.feeds != name && topic.feeds != names_of(bodies)) continue;
         (index == trial::FrameAssembler::kBaseBody ? topic.feeds_base : topic.feeds_bodies) = true;
@@ -55,24 +56,6 @@ std::vector<InputTopic> body_topics(const arm::Arm& arm) {
 }
 
 }  // namespace
-
-const std::map<std::string, BodyAdapter>& body_adapters() {
-  static const std::map<std::string, BodyAdapter> table{
-      {"geometry_msgs/PoseStamped", pose_stamped_topics},
-      {"geometry_msgs/TransformStamped", transform_stamped_topics},
-      {"geometry_msgs/PointStamped", point_stamped_topics},
-      {"nav_msgs/Odometry", odometry_topics},
-      {"tf2_msgs/TFMessage", tf_topics},
-      {"vicon_bridge/Markers", vicon_marker_topics},
-      {"mocap_base/MarkerList", mocap_marker_topics},
-      {"phasespace_msgs/Markers", phasespace_marker_topics},
-      {"phasespace_msgs/MarkersStamped", phasespace_stamped_topics},
-      {"sensor_msgs/PointCloud", point_cloud_topics},
-      {"sensor_msgs/PointCloud2", point_cloud2_topics},
-      {"visualization_msgs/Marker", drawn_points_topics},
-  };
-  return table;
-}
 
 const std::map<std::string, ScalarAdapter>& scalar_adapters() {
   static const std::map<std::string, ScalarAdapter> table{
@@ -100,7 +83,7 @@ std::string to_string(arm::InputKind kind) {
 
 double headerless_stamp_s(double receipt_s, const trial::FrameAssembler& assembler) {
   const std::optional<double> newest = assembler.newest_s();
-  return newest && std::abs(receipt_s - *newest) > kOtherClock_s ? *newest : receipt_s;
+  return newest && std::abs(receipt_s - *newest) > kOtherEpoch_s ? *newest : receipt_s;
 }
 
 Bodies body_indices(const arm::Arm& arm) {

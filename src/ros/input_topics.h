@@ -20,12 +20,6 @@ std::vector<InputTopic> input_topics(const arm::Arm& arm);
 /// Names and indices (into Arm::bodies, or FrameAssembler::kBaseBody) of bodies.
 using Bodies = std::vector<std::pair<std::string, int>>;
 
-/// Makes the topics that feed these bodies of an arm from one source.
-using BodyAdapter = std::vector<InputTopic> (*)(const arm::Arm& arm, const arm::BodySource& source,
-                                                const Bodies& bodies);
-/// By BodySource::type. A new driver is one new file and one line in this table.
-const std::map<std::string, BodyAdapter>& body_adapters();
-
 /// Makes one topic that feeds the given inputs (indices into Inputs::scalars), whatever their kind.
 struct ScalarAdapter {
   InputTopic (*make)(const arm::Arm& arm, const std::string& topic, const std::vector<int>& inputs) = nullptr;

@@ -74,15 +74,8 @@ const char* PointAssociator::name(Outcome outcome) {
   return "unknown";
 }
 
-std::vector<std::optional<Eigen::Vector3d>> PointAssociator::update(
-    double stamp_s, const std::vector<Eigen::Vector3d>& points,
-    const std::optional<Eigen::Isometry3d>& base_body) {
-  if (stamp_s_ && !(std::abs(stamp_s - *stamp_s_) <= limits_.time_jump_s)) {
-    reset();
-    ++restarts_;
-  }
-  stamp_s_ = std::max(stamp_s_.value_or(stamp_s), stamp_s);
-
+/// Finite points, each once.
+std::vector<Eigen::Vector3d> PointAssociator::distinct(const std::vector<Eigen::Vector3d>& points) const {
   std::vector<Eigen::Vector3d> good;
   for (const Eigen::Vector3d& p : points) {
     const bool known = std::any_of(good.begin(), good.end(), [&](const Eigen::Vector3d& other) {
@@ -90,14 +83,13 @@ std::vector<std::optional<Eigen::Vector3d>> PointAssociator::update(
     });
     if (p.allFinite() && !known) good.push_back(p);
   }
-  std::vector<std::optional<Eigen::Vector3d>> result(bodies_.size());
-  outcomes_.assign(bodies_.size(), Outcome::kNoPoint);
-  if (good.size() > limits_.max_points) {
-    outcomes_.assign(bodies_.size(), Outcome::kAmbiguous);
-    points_unused_ += good.size();
-    return result;
-  }
+  return good;
+}
 
+/// Nothing is chosen in it yet.
+PointAssociator::Instant PointAssociator::instant_of(
+    double stamp_s, const std::vector<Eigen::Vector3d>& points,
+    const std::optional<Eigen::Isometry3d>& base_body) const {
   Instant instant;
   instant.stamp_s = stamp_s;
   instant.limits = {limits_.stretch, limits_.ambiguity, limits_.missing_cost};
@@ -107,31 +99,56 @@ std::vector<std::optional<Eigen::Vector3d>> PointAssociator::update(
   } else if (base_body) {
     instant.rod_base = *base_body * base_.rod_in_body;
   }
-  for (std::size_t i = 0; i < good.size(); ++i) instant.places.push_back({good[i], {static_cast<int>(i)}, 0});
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    instant.places.push_back({points[i], {static_cast<int>(i)}, 0});
+  }
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const arm::MeasuredBody& body = bodies_[i];
     const double off_axis_m =
         body.kind == arm::BodyKind::kRing ? body.section_in_body.translation().norm() : body.radius_m;
     instant.bodies.push_back({body.arclength_m, off_axis_m, kinds_[i]});
     if (kinds_[i] != static_cast<int>(i) + 1) continue;
-    for (Place& place : clusters_through(good, body.markers, body.marker_cluster_radius_m, kinds_[i]))
+    for (Place& place : clusters_through(points, body.markers, body.marker_cluster_radius_m, kinds_[i]))
       instant.places.push_back(std::move(place));
   }
+  return instant;
+}
 
+/// Everything is looked for afresh from the next instant on; this one keeps its outcomes.
+void PointAssociator::start_afresh(double stamp_s) {
+  const auto outcomes = outcomes_;
+  reset();
+  stamp_s_ = stamp_s;
+  outcomes_ = outcomes;
+  ++restarts_;
+}
+
+std::vector<std::optional<Eigen::Vector3d>> PointAssociator::update(
+    double stamp_s, const std::vector<Eigen::Vector3d>& points,
+    const std::optional<Eigen::Isometry3d>& base_body) {
+  if (stamp_s_ && !(std::abs(stamp_s - *stamp_s_) <= limits_.time_jump_s)) {
+    reset();
+    ++restarts_;
+  }
+  stamp_s_ = std::max(stamp_s_.value_or(stamp_s), stamp_s);
+
+  const std::vector<Eigen::Vector3d> good = distinct(points);
+  std::vector<std::optional<Eigen::Vector3d>> result(bodies_.size());
+  outcomes_.assign(bodies_.size(), Outcome::kNoPoint);
+  if (good.size() > limits_.max_points) {
+    outcomes_.assign(bodies_.size(), Outcome::kAmbiguous);
+    points_unused_ += good.size();
+    return result;
+  }
+  Instant instant = instant_of(stamp_s, good, base_body);
   follow(instant);
   look_for(instant);
-  if (!holds(instant)) {
-    if (++broken_ >= limits_.broken_after_samples) {
-      const auto outcomes = outcomes_;
-      reset();
-      stamp_s_ = stamp_s;
-      outcomes_ = outcomes;
-      ++restarts_;
-      points_unused_ += good.size();
-      return result;
-    }
-  } else {
+  if (holds(instant)) {
     broken_ = 0;
+  } else if (++broken_ >= limits_.broken_after_samples) {
+    start_afresh(stamp_s);
+    points_unused_ += good.size();
+    return result;
   }
   std::vector<bool> used(good.size(), false);
   for (std::size_t body = 0; body < bodies_.size(); ++body) {

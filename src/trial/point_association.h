@@ -78,6 +78,10 @@ class PointAssociator {
   };
   struct Instant;  // the points of one call and what has been made of them
 
+  std::vector<Eigen::Vector3d> distinct(const std::vector<Eigen::Vector3d>& points) const;
+  Instant instant_of(double stamp_s, const std::vector<Eigen::Vector3d>& points,
+                     const std::optional<Eigen::Isometry3d>& base_body) const;
+  void start_afresh(double stamp_s);
   bool is_predicted(std::size_t body, double stamp_s) const;
   void follow(Instant& instant);
   void look_for(Instant& instant);

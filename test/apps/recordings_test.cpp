@@ -158,9 +158,8 @@ TEST(SoftarmEstimate, ASimulatedTrialIsEstimatedCloseToItsTruth) {
   const Outcome o = softarm_program("estimate --arm online_200mm " + dir / "a.bag" + " --out " + dir / "out");
   ASSERT_EQ(o.status, 0) << o.err;
   EXPECT_THAT(o.out, HasSubstr("frames_per_s: "));
-  EXPECT_EQ(
-      text_of(dir / "out/a/estimates.csv").substr(0, std::string(estimate::kEstimatesCsvHeader).size() + 1),
-      std::string(estimate::kEstimatesCsvHeader) + "\n");
+  EXPECT_EQ(text_of(dir / "out/a/estimates.csv").substr(0, estimate::estimates_csv_header().size() + 1),
+            estimate::estimates_csv_header() + "\n");
   EXPECT_THAT(text_of(dir / "out/a/summary.txt"), HasSubstr("frames ok"));
 
   std::map<long, Row> truth;

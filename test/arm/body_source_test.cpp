@@ -2,6 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <iterator>
+
+#include "arm/body_types.h"
 #include "softarm/arm/arm_file.h"
 
 namespace softarm {
@@ -34,6 +38,17 @@ TEST(BodySource, DefaultsOfEachType) {
       parse(kFixed + kRings + "inputs: {bodies: {topic: /cloud, type: sensor_msgs/PointCloud, unit: cm}}\n");
   EXPECT_FALSE(cloud.inputs.bodies.labelled);
   EXPECT_EQ(cloud.inputs.bodies.scale_to_m, 1e-2);
+}
+
+TEST(BodySource, ThePageOfKeysNamesEveryTypeAndItsUnit) {
+  std::ifstream file(SOFTARM_SOURCE_DIR "/config/arms/README.md");
+  const std::string page((std::istreambuf_iterator<char>(file)), {});
+  for (const arm::yaml::BodyType& row : arm::yaml::body_types()) {
+    EXPECT_THAT(page, ::testing::HasSubstr(row.type));
+    if (row.unit != "m") {
+      EXPECT_THAT(page, ::testing::HasSubstr("of " + row.type + " " + row.unit));
+    }
+  }
 }
 
 TEST(BodySource, AxesAreTheDriversAlongOurs) {

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <boost/algorithm/string.hpp>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <sstream>
 
@@ -57,14 +59,30 @@ estimate::Estimate quarter_circle() {
 }
 
 TEST(EstimatesCsv, HeaderIsThatOfTheContract) {
-  EXPECT_STREQ(estimate::kEstimatesCsvHeader,
-               "stamp,segment,status,M0,phi,EI,L,payload,sd_M0,sd_phi,sd_EI,sd_L,sd_payload,identifiable_EI,"
-               "identifiable_payload,"
-               "theta_tip,tip_x,tip_y,tip_z,rms_residual");
+  EXPECT_EQ(estimate::estimates_csv_header(),
+            "stamp,segment,status,M0,phi,EI,L,payload,sd_M0,sd_phi,sd_EI,sd_L,sd_payload,identifiable_EI,"
+            "identifiable_payload,"
+            "theta_tip,tip_x,tip_y,tip_z,rms_residual");
+}
+
+/// The table of the columns as the page has it.
+std::string table_of_columns() {
+  std::string table = "| column | unit | meaning |\n|---|---|---|\n";
+  for (const estimate::EstimateColumn& column : estimate::estimate_columns()) {
+    table += std::string("| `") + column.name + "` | " + column.unit + (*column.unit ? " | " : "| ") +
+             column.meaning + " |\n";
+  }
+  return table;
+}
+
+TEST(EstimatesCsv, ThePageHasTheTableOfTheColumns) {
+  std::ifstream file(SOFTARM_SOURCE_DIR "/doc/estimates_csv.md");
+  const std::string page((std::istreambuf_iterator<char>(file)), {});
+  EXPECT_THAT(page, HasSubstr(table_of_columns())) << "put this table into doc/estimates_csv.md";
 }
 
 TEST(EstimatesCsv, CellsStandUnderTheirNames) {
-  const auto names = cells(estimate::kEstimatesCsvHeader);
+  const auto names = cells(estimate::estimates_csv_header());
   const auto all = rows(quarter_circle(), 1);
   ASSERT_EQ(all.size(), 1u);
   const auto row = cells(all[0]);
@@ -98,7 +116,7 @@ TEST(EstimatesCsv, NoEstimateHasARowPerSegmentWithEmptyCells) {
   const auto all = rows(e, 2);
   ASSERT_EQ(all.size(), 2u);
   EXPECT_EQ(all[1], "12.5000000,2," + to_string(e.status) + ",,,,,,,,,,,0,0,,,,,");
-  EXPECT_EQ(cells(all[1]).size(), cells(estimate::kEstimatesCsvHeader).size());
+  EXPECT_EQ(cells(all[1]).size(), cells(estimate::estimates_csv_header()).size());
 }
 
 TEST(EstimatesCsv, NotANumberIsAnEmptyCell) {

@@ -11,11 +11,17 @@
 #include <std_msgs/Float32MultiArray.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
+#include <regex>
 #include <set>
+#include <sstream>
 
+#include "arm/body_types.h"
 #include "drivers_support.h"
+#include "ros/body_driver.h"
 #include "ros/input_topics.h"
 
 namespace softarm::drivers {
@@ -368,12 +374,74 @@ TEST(DriversDoc, EverySnippetLoads) {
     }
   }
   EXPECT_GE(snippets, 10);
-  // A snippet for each kind of driver, and the table names every type that can be read.
-  EXPECT_GE(types.size(), 9u);
-  std::ifstream again(SOFTARM_SOURCE_DIR "/doc/drivers.md");
-  const std::string text((std::istreambuf_iterator<char>(again)), {});
-  for (const auto& [type, adapter] : body_adapters())
-    EXPECT_NE(text.find("`" + type + "`"), std::string::npos) << type;
+  EXPECT_GE(types.size(), 9u);  // a snippet for each kind of driver
+}
+
+/// The third cells of the table of drivers, and the rows that they stand in.
+std::map<std::string, std::string> types_of_page() {
+  std::ifstream file(SOFTARM_SOURCE_DIR "/doc/drivers.md");
+  std::map<std::string, std::string> types;
+  bool inside = false;
+  for (std::string line; std::getline(file, line);) {
+    if (line.rfind("| driver | publishes | `inputs.bodies.type` |", 0) == 0) inside = true;
+    if (line.empty()) inside = false;
+    if (!inside || line.find("| driver |") == 0) continue;
+    std::istringstream row(line);
+    std::string cell;
+    for (int column = 0; column <= 3; ++column) std::getline(row, cell, '|');
+    for (std::size_t from = cell.find('`'); from != std::string::npos;) {
+      const std::size_t to = cell.find('`', from + 1);
+      types[cell.substr(from + 1, to - from - 1)] += line + "\n";
+      from = cell.find('`', to + 1);
+    }
+  }
+  return types;
+}
+
+TEST(DriversDoc, TheTableOfThePageIsTheTableOfTheDrivers) {
+  auto page = types_of_page();
+  for (const arm::yaml::BodyType& row : arm::yaml::body_types()) {
+    EXPECT_EQ(page.count(row.type), 1u) << row.type << " has no row in doc/drivers.md";
+    if (row.unit == "mm") {
+      EXPECT_NE(page[row.type].find("millimetres"), std::string::npos) << row.type;
+    }
+    page.erase(row.type);
+  }
+  for (const auto& left : page) ADD_FAILURE() << "doc/drivers.md: no driver has the type " << left.first;
+}
+
+TEST(DriversTable, EveryRowHasAConverterAndEveryConverterARow) {
+  std::set<std::string> rows, defined;
+#define SOFTARM_NAME(name, type, message, unit, server_time) rows.insert(#name);
+  SOFTARM_BODY_TYPES(SOFTARM_NAME)
+#undef SOFTARM_NAME
+  const std::regex definition(R"(BodyDriver driver_(\w+)\(\) \{)");
+  for (const auto& file : std::filesystem::directory_iterator(SOFTARM_SOURCE_DIR "/src/ros")) {
+    std::ifstream in(file.path());
+    const std::string text((std::istreambuf_iterator<char>(in)), {});
+    for (std::sregex_iterator found(text.begin(), text.end(), definition), end; found != end; ++found)
+      defined.insert((*found)[1]);
+  }
+  EXPECT_EQ(rows, defined) << "rows of arm/body_types.h, and driver_...() of src/ros";
+  EXPECT_EQ(body_drivers().size(), arm::yaml::body_types().size());
+}
+
+TEST(DriversTable, AConverterMakesTopicsOfItsRowsTypeAndKind) {
+  const Bodies bodies{{"ring_1", 0}, {"ring_2", 1}};
+  const arm::Arm arm = arm_with("");
+  for (const arm::yaml::BodyType& row : arm::yaml::body_types()) {
+    using Kind = arm::yaml::BodyMessage;
+    const bool one_per_body = row.message == Kind::kPose || row.message == Kind::kPoint;
+    arm::BodySource source = arm.inputs.bodies;
+    source.type = row.type;
+    source.topic = one_per_body ? "/mocap/<body>" : "/mocap";
+    source.child_frame = "<body>";
+    source.labelled = row.message == Kind::kMarkers;
+    const std::vector<InputTopic> topics = body_drivers().at(row.type).topics(arm, source, bodies);
+    ASSERT_EQ(topics.size(), one_per_body ? 2u : 1u) << row.type;
+    EXPECT_EQ(topics[0].type, row.type);
+    EXPECT_EQ(topics[0].feeds, one_per_body ? "ring_1" : "ring_1, ring_2") << row.type;
+  }
 }
 
 }  // namespace

@@ -142,7 +142,7 @@ void estimate_bag(const arm::Arm& arm, const std::vector<model::Present>& effect
   OutputFile csv(job.folder / "estimates.csv");
   OutputFile text(job.folder / "summary.txt");
   std::ofstream rows(csv.temporary());
-  rows << estimate::kEstimatesCsvHeader << '\n';
+  rows << estimate::estimates_csv_header() << '\n';
   estimate::EstimateSummary summary(arm);
   AlarmList alarms(arm);
   std::uint64_t frames = 0;

@@ -124,6 +124,86 @@ Choices torsion(const Numbers& v) {
   return {choice("torsion", "tension", {{"twist_deg", twist_deg}, {"reference_n", kTensionN}})};
 }
 
+Choices soft_spot(const Numbers& v) {
+  const double length = v.arm().total_length_m();
+  return {choice("soft_spot", "",
+                 {{"centre_fraction", v("centre_m") / length},
+                  {"width_fraction", v("width_m") / length},
+                  {"share", v("share")}})};
+}
+
+Choices base_compliance(const Numbers& v) {
+  return {choice("base_compliance", "", {{"stiffness_nm_per_rad", 1.0 / v("compliance_rad_per_nm")}})};
+}
+
+Choices base_tilt(const Numbers& v) {
+  return {choice("base_tilt", "",
+                 {{"angle_deg", kDegPerRad * v.size("towards_x_rad", "towards_y_rad")},
+                  {"azimuth_deg", v.azimuth_deg("towards_x_rad", "towards_y_rad")}})};
+}
+
+Choices gravity_direction(const Numbers& v) {
+  return {choice("gravity_direction", "",
+                 {{"angle_deg", kDegPerRad * v.size("towards_x_rad", "towards_y_rad")},
+                  {"azimuth_deg", v.azimuth_deg("towards_x_rad", "towards_y_rad")}})};
+}
+
+Choices pressure_dead_zone(const Numbers& v) {
+  if (!nearly(v("lost_pa"), v("edge_pa")))
+    throw std::invalid_argument("lost_pa differs from edge_pa, which the virtual rig has as one");
+  return {choice("pressure_dead_zone", "sharp", {{"pressure_pa", v("lost_pa")}})};
+}
+
+Choices pressure_lag(const Numbers& v) {
+  if (!nearly(v("fall"), 1.0))
+    throw std::invalid_argument("the virtual rig's first-order line falls as fast as it rises");
+  return {choice("pressure_lag", "first_order", {{"time_constant_s", v("delay_s")}})};
+}
+
+Choices rest_curvature(const Numbers& v) {
+  return {choice("rest_curvature", "",
+                 {{"curvature_per_m", v.size("towards_x_per_m", "towards_y_per_m")},
+                  {"azimuth_deg", v.azimuth_deg("towards_x_per_m", "towards_y_per_m")},
+                  {"segment", static_cast<double>(static_cast<int>(v("segment") + 0.5))}})};
+}
+
+Choices contact(const Numbers& v) {
+  return {choice("contact", "spring_wall",
+                 {{"stiffness_n_per_m", v("stiffness_n_per_m")},
+                  {"distance_m", v("distance_m")},
+                  {"azimuth_deg", std::remainder(kDegPerRad * v("azimuth_rad"), 360.0)},
+                  {"fraction", v("place_m") / v.arm().total_length_m()}})};
+}
+
+Choices tether(const Numbers& v) {
+  return {choice("tether", "spring",
+                 {{"stiffness_n_per_m", v("stiffness_n_per_m")},
+                  {"anchor_distance_m", v.size("anchor_x_m", "anchor_y_m")},
+                  {"azimuth_deg", v.azimuth_deg("anchor_x_m", "anchor_y_m")}})};
+}
+
+Choices payload_offset(const Numbers& v) {
+  return {choice("payload_offset", "",
+                 {{"axial_m", v("z_m")},
+                  {"lateral_m", v.size("x_m", "y_m")},
+                  {"azimuth_deg", v.azimuth_deg("x_m", "y_m")}})};
+}
+
+Choices jamming_yield(const Numbers& v) {
+  if (!nearly(v("share"), 1.0))
+    throw std::invalid_argument("a core of which only a share slips is nothing the virtual rig has");
+  return {choice("jamming_yield", "elastoplastic", {{"yield_per_m", v("yield_per_m")}})};
+}
+
+Choices marker_slip(const Numbers& v) {
+  return {choice("marker_bias", "given",
+                 {{"body", v("body")}, {"x_m", v("x_m")}, {"y_m", v("y_m")}, {"z_m", v("z_m")}})};
+}
+
+Choices bending_plane_offset(const Numbers& v) {
+  return {choice("bending_plane_offset", "", {{"angle_deg", kDegPerRad * v("angle_rad")}})};
+}
+
 using Translation = std::function<Choices(const Numbers&)>;
 
 const std::map<std::string, Translation>& translations() {
@@ -132,31 +212,10 @@ const std::map<std::string, Translation>& translations() {
       {"stiffness_taper", same("", {"share"})},
       {"actuation_taper", same("", {"share"})},
       {"rigid_ends", same("", {"base_m", "tip_m"})},
-      {"soft_spot",
-       [](const Numbers& v) {
-         const double length = v.arm().total_length_m();
-         return Choices{choice("soft_spot", "",
-                               {{"centre_fraction", v("centre_m") / length},
-                                {"width_fraction", v("width_m") / length},
-                                {"share", v("share")}})};
-       }},
-      {"base_compliance",
-       [](const Numbers& v) {
-         return Choices{
-             choice("base_compliance", "", {{"stiffness_nm_per_rad", 1.0 / v("compliance_rad_per_nm")}})};
-       }},
-      {"base_tilt",
-       [](const Numbers& v) {
-         return Choices{choice("base_tilt", "",
-                               {{"angle_deg", kDegPerRad * v.size("towards_x_rad", "towards_y_rad")},
-                                {"azimuth_deg", v.azimuth_deg("towards_x_rad", "towards_y_rad")}})};
-       }},
-      {"gravity_direction",
-       [](const Numbers& v) {
-         return Choices{choice("gravity_direction", "",
-                               {{"angle_deg", kDegPerRad * v.size("towards_x_rad", "towards_y_rad")},
-                                {"azimuth_deg", v.azimuth_deg("towards_x_rad", "towards_y_rad")}})};
-       }},
+      {"soft_spot", soft_spot},
+      {"base_compliance", base_compliance},
+      {"base_tilt", base_tilt},
+      {"gravity_direction", gravity_direction},
       {"axial_compliance", nothing},
       {"shear", nothing},
       {"torsion", torsion},
@@ -167,74 +226,26 @@ const std::map<std::string, Translation>& translations() {
       {"gain_nonlinearity", same("quadratic", {"share"}, {{"reference_pa", kPressurePa}})},
       {"pressure_stiffening", same("linear", {"share"}, {{"reference_pa", kPressurePa}})},
       {"radial_expansion", same("square", {"share"}, {{"reference_pa", kPressurePa}})},
-      {"pressure_dead_zone",
-       [](const Numbers& v) {
-         if (!nearly(v("lost_pa"), v("edge_pa")))
-           throw std::invalid_argument("lost_pa differs from edge_pa, which the virtual rig has as one");
-         return Choices{choice("pressure_dead_zone", "sharp", {{"pressure_pa", v("lost_pa")}})};
-       }},
+      {"pressure_dead_zone", pressure_dead_zone},
       {"hysteresis", hysteresis},
       {"creep", same("maxwell", {"share", "time_s"})},
-      {"pressure_lag",
-       [](const Numbers& v) {
-         if (!nearly(v("fall"), 1.0))
-           throw std::invalid_argument("the virtual rig's first-order line falls as fast as it rises");
-         return Choices{choice("pressure_lag", "first_order", {{"time_constant_s", v("delay_s")}})};
-       }},
+      {"pressure_lag", pressure_lag},
       {"clock_offset", same("", {"offset_s"})},
       {"pressure_leak", leak},
       {"pressure_offset", pressure_offset},
-      {"rest_curvature",
-       [](const Numbers& v) {
-         return Choices{choice("rest_curvature", "",
-                               {{"curvature_per_m", v.size("towards_x_per_m", "towards_y_per_m")},
-                                {"azimuth_deg", v.azimuth_deg("towards_x_per_m", "towards_y_per_m")},
-                                {"segment", static_cast<double>(static_cast<int>(v("segment") + 0.5))}})};
-       }},
+      {"rest_curvature", rest_curvature},
       {"mullins", same("ogden_roxburgh", {"share", "scale_per_m"})},
       {"drift", drift},
-      {"contact",
-       [](const Numbers& v) {
-         return Choices{choice("contact", "spring_wall",
-                               {{"stiffness_n_per_m", v("stiffness_n_per_m")},
-                                {"distance_m", v("distance_m")},
-                                {"azimuth_deg", std::remainder(kDegPerRad * v("azimuth_rad"), 360.0)},
-                                {"fraction", v("place_m") / v.arm().total_length_m()}})};
-       }},
-      {"tether",
-       [](const Numbers& v) {
-         return Choices{choice("tether", "spring",
-                               {{"stiffness_n_per_m", v("stiffness_n_per_m")},
-                                {"anchor_distance_m", v.size("anchor_x_m", "anchor_y_m")},
-                                {"azimuth_deg", v.azimuth_deg("anchor_x_m", "anchor_y_m")}})};
-       }},
-      {"payload_offset",
-       [](const Numbers& v) {
-         return Choices{choice("payload_offset", "",
-                               {{"axial_m", v("z_m")},
-                                {"lateral_m", v.size("x_m", "y_m")},
-                                {"azimuth_deg", v.azimuth_deg("x_m", "y_m")}})};
-       }},
+      {"contact", contact},
+      {"tether", tether},
+      {"payload_offset", payload_offset},
       {"tip_mass", same("", {"mass_kg"})},
       {"mass_distribution", same("taper", {"share"})},
       {"payload_scale", same("", {"share"})},
       {"jamming_memory", same("", {"share"})},
-      {"jamming_yield",
-       [](const Numbers& v) {
-         if (!nearly(v("share"), 1.0))
-           throw std::invalid_argument("a core of which only a share slips is nothing the virtual rig has");
-         return Choices{choice("jamming_yield", "elastoplastic", {{"yield_per_m", v("yield_per_m")}})};
-       }},
-      {"marker_slip",
-       [](const Numbers& v) {
-         return Choices{
-             choice("marker_bias", "given",
-                    {{"body", v("body")}, {"x_m", v("x_m")}, {"y_m", v("y_m")}, {"z_m", v("z_m")}})};
-       }},
-      {"bending_plane_offset",
-       [](const Numbers& v) {
-         return Choices{choice("bending_plane_offset", "", {{"angle_deg", kDegPerRad * v("angle_rad")}})};
-       }},
+      {"jamming_yield", jamming_yield},
+      {"marker_slip", marker_slip},
+      {"bending_plane_offset", bending_plane_offset},
       {"chamber_mismatch", same("", {"chamber", "share"})},
       {"tendon_friction", same("", {"coefficient", "routing_rad"})},
   };

@@ -138,18 +138,8 @@ struct Outcome {
   std::vector<std::vector<double>> marks;  ///< rows of the series
 };
 
-Outcome experiment(const Truth& truth, std::size_t number, const Settings& settings) {
-  const arm::Arm arm = marks_only(shipped_arm("cable_235mm"), truth);
-  const auto seed = [&](std::uint64_t part) { return seed_of(settings.seed, kPaper, 100 * number + part); };
-  Outcome result;
-  const auto watch = [&](const std::vector<Held>& held) {
-    for (const Held& h : held) result.moving_m = std::max(result.moving_m, h.moving_m);
-  };
-
-  std::vector<Hold> holds;
-  for (double pwm : kFittingPwm) holds.push_back(hold_at(pwm, kCableFittingLoadKg));
-  const std::vector<Held> shapes = run(truth, arm, holds, 1.0, seed(0));
-  watch(shapes);
+/// EI by both, from shapes under one load.
+identify::Result fit_stiffness(const std::vector<Held>& shapes, const arm::Arm& arm, Outcome& result) {
   arm::Arm start = arm;
   start.segments.front().bending_stiffness.base_nm2 = 0.01;  // not what is to be found
   identify::Options options;
@@ -157,90 +147,115 @@ Outcome experiment(const Truth& truth, std::size_t number, const Settings& setti
   options.held_out_share = 0.0;
   options.frames.frames_per_trial = 0;
   options.frames.prefer_static = false;
-  const identify::Result found = identify::identify(start, {trial_of(shapes)}, options);
+  identify::Result found = identify::identify(start, {trial_of(shapes)}, options);
   result.ours_nm2 = found.constants.front().value;
   result.ours_sd_nm2 = found.constants.front().sd;
   result.theirs_nm2 = their_stiffness(shapes, arm);
+  return found;
+}
 
-  const auto compare = [&](const std::vector<Held>& held, const std::vector<double>& pwm, double load_kg,
-                           double load_arclength_m, std::vector<std::array<double, 2>>& out) {
-    arm::Arm model = found.arm;
-    model.payload.arclength_m = load_arclength_m;
-    identify::FrameChoice all;
-    all.frames_per_trial = 0;
-    all.prefer_static = false;
-    const auto frames = identify::compare(model, {trial_of(held)}, all);
-    for (std::size_t i = 0; i < held.size(); ++i) {
-      const auto measured = measured_points(held[i].frames.front(), model);
-      std::vector<Eigen::Vector3d> ours;
-      for (const identify::FrameComparison& f : frames) {
-        if (f.stamp_s != held[i].frames.front().stamp_s) continue;
-        for (const identify::BodyComparison& body : f.bodies) ours.push_back(body.predicted_p_base);
-      }
-      const published::CableArm their = cable_paper_arm(result.theirs_nm2, pwm[i], load_kg, load_arclength_m);
-      const bool mid = load_arclength_m < kCableLengthM;
-      const auto theirs = cable_paper_shape(
-          their, mid ? published::CableLaw::kPrintedForce : published::CableLaw::kPrinted, model);
-      out.push_back({error_rate(ours, measured), error_rate(theirs, measured)});
-      if (mid) {
-        result.mid_to_the_letter.push_back(
-            error_rate(cable_paper_shape(their, published::CableLaw::kPrinted, model), measured));
-        result.mid_statics.push_back(
-            error_rate(cable_paper_shape(their, published::CableLaw::kStatics, model), measured));
-      }
-      for (std::size_t k = 0; k < measured.size(); ++k) {
-        const auto x = [&](const std::vector<Eigen::Vector3d>& p, int axis) {
-          return p.size() == measured.size() ? p[k][axis] : kNone;
-        };
-        result.marks.push_back({static_cast<double>(number), mid ? 1.0 : 0.0, load_kg, pwm[i],
-                                measured[k].z(), measured[k].x(), x(ours, 2), x(ours, 0), x(theirs, 2),
-                                x(theirs, 0)});
-      }
+/// A load that hangs at one place, and the tensions under which it was measured.
+struct Loaded {
+  std::vector<double> pwm;
+  double load_kg = 0.0, arclength_m = 0.0;
+};
+
+/// Adds the error rates of both models, and the marks, of each hold.
+void compare(const arm::Arm& identified, std::size_t number, const std::vector<Held>& held,
+             const Loaded& loaded, Outcome& result) {
+  arm::Arm model = identified;
+  model.payload.arclength_m = loaded.arclength_m;
+  identify::FrameChoice all;
+  all.frames_per_trial = 0;
+  all.prefer_static = false;
+  const auto frames = identify::compare(model, {trial_of(held)}, all);
+  const bool mid = loaded.arclength_m < kCableLengthM;
+  for (std::size_t i = 0; i < held.size(); ++i) {
+    const auto measured = measured_points(held[i].frames.front(), model);
+    std::vector<Eigen::Vector3d> ours;
+    for (const identify::FrameComparison& f : frames) {
+      if (f.stamp_s != held[i].frames.front().stamp_s) continue;
+      for (const identify::BodyComparison& body : f.bodies) ours.push_back(body.predicted_p_base);
     }
-    watch(held);
-  };
-
-  for (std::size_t l = 0; l < kTipLoadsKg.size(); ++l) {
-    holds.clear();
-    for (double pwm : kTipPwm) holds.push_back(hold_at(pwm, kTipLoadsKg[l]));
-    compare(run(truth, arm, holds, 1.0, seed(1 + l)), {kTipPwm.begin(), kTipPwm.end()}, kTipLoadsKg[l],
-            kCableLengthM, result.tip);
+    const published::CableArm their =
+        cable_paper_arm(result.theirs_nm2, loaded.pwm[i], loaded.load_kg, loaded.arclength_m);
+    const auto theirs = cable_paper_shape(
+        their, mid ? published::CableLaw::kPrintedForce : published::CableLaw::kPrinted, model);
+    (mid ? result.mid : result.tip).push_back({error_rate(ours, measured), error_rate(theirs, measured)});
+    if (mid) {
+      result.mid_to_the_letter.push_back(
+          error_rate(cable_paper_shape(their, published::CableLaw::kPrinted, model), measured));
+      result.mid_statics.push_back(
+          error_rate(cable_paper_shape(their, published::CableLaw::kStatics, model), measured));
+    }
+    for (std::size_t k = 0; k < measured.size(); ++k) {
+      const auto x = [&](const std::vector<Eigen::Vector3d>& p, int axis) {
+        return p.size() == measured.size() ? p[k][axis] : kNone;
+      };
+      result.marks.push_back({static_cast<double>(number), mid ? 1.0 : 0.0, loaded.load_kg, loaded.pwm[i],
+                              measured[k].z(), measured[k].x(), x(ours, 2), x(ours, 0), x(theirs, 2),
+                              x(theirs, 0)});
+    }
   }
-  holds.clear();
-  for (double pwm : kMidPwm) holds.push_back(hold_at(pwm, kMidLoadKg));
-  compare(run(truth, arm, holds, kMidSpanM / kCableLengthM, seed(20)), {kMidPwm.begin(), kMidPwm.end()},
-          kMidLoadKg, kMidSpanM, result.mid);
+}
+
+Outcome experiment(const Truth& truth, std::size_t number, const Settings& settings) {
+  const arm::Arm arm = marks_only(shipped_arm("cable_235mm"), truth);
+  const auto seed = [&](std::uint64_t part) { return seed_of(settings.seed, kPaper, 100 * number + part); };
+  Outcome result;
+  const auto measure = [&](const auto& pwms, double load_kg, double fraction, std::uint64_t part) {
+    std::vector<Hold> holds;
+    for (double pwm : pwms) holds.push_back(hold_at(pwm, load_kg));
+    const std::vector<Held> held = run(truth, arm, holds, fraction, seed(part));
+    for (const Held& h : held) result.moving_m = std::max(result.moving_m, h.moving_m);
+    return held;
+  };
+  const identify::Result found =
+      fit_stiffness(measure(kFittingPwm, kCableFittingLoadKg, 1.0, 0), arm, result);
+  for (std::size_t l = 0; l < kTipLoadsKg.size(); ++l) {
+    compare(found.arm, number, measure(kTipPwm, kTipLoadsKg[l], 1.0, 1 + l),
+            {{kTipPwm.begin(), kTipPwm.end()}, kTipLoadsKg[l], kCableLengthM}, result);
+  }
+  compare(found.arm, number, measure(kMidPwm, kMidLoadKg, kMidSpanM / kCableLengthM, 20),
+          {{kMidPwm.begin(), kMidPwm.end()}, kMidLoadKg, kMidSpanM}, result);
   return result;
 }
 
-}  // namespace
+using Outcomes = std::array<Outcome, kTruths.size()>;
 
-Result cable(const Settings& settings, Progress& progress) {
-  progress.line("cable: shapes under 39.2 g, loads at the tip and at mid-span");
-  std::array<Outcome, kTruths.size()> outcomes;
-  math::in_parallel(outcomes.size(), settings.jobs,
-                    [&](std::size_t i) { outcomes[i] = experiment(kTruths[i], i, settings); });
+/// Columns of the tables that have both models for each truth.
+std::vector<std::string> both_models() {
+  std::vector<std::string> both;
+  for (const Truth& truth : kTruths) {
+    both.push_back(fmt::format("{}: ours", truth.name));
+    both.push_back(fmt::format("{}: theirs", truth.name));
+  }
+  return both;
+}
 
+Table stiffness_table(const Outcomes& outcomes, Series& ei) {
   Table fit{"cable.ei", "3.2: EI from five shapes under 39.2 g (N m2); the rig's arm has 0.007", {}, {}, {}};
   Row ours{"exact statics, weight included", "", {}, "identify, from 0.01"},
       theirs{"their model (7)-(9)", "0.007", {}, "without weight, k by (5)"};
-  Series ei{"cable_ei", {"truth", "ours", "ours_sd", "theirs"}, {}};
-  std::vector<std::string> both;
+  ei = {"cable_ei", {"truth", "ours", "ours_sd", "theirs"}, {}};
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     const Outcome& o = outcomes[i];
-    fit.columns.assign(kTruths.size(), "");
+    fit.columns.push_back(kTruths[i].name);
     ours.ours.push_back({fmt::format("{:.5f} +- {:.5f}", o.ours_nm2, o.ours_sd_nm2), o.ours_nm2});
     theirs.ours.push_back(cell("{:.5f}", o.theirs_nm2));
     ei.rows.push_back({static_cast<double>(i), o.ours_nm2, o.ours_sd_nm2, o.theirs_nm2});
-    both.push_back(fmt::format("{}: ours", kTruths[i].name));
-    both.push_back(fmt::format("{}: theirs", kTruths[i].name));
   }
-  for (std::size_t i = 0; i < kTruths.size(); ++i) fit.columns[i] = kTruths[i].name;
   fit.rows = {ours, theirs};
   fit.notes = {"PWM 1415, 1485, 1535, 1600, 1660; five marks, 0.5 mm noise."};
+  return fit;
+}
 
-  Table tip{
-      "cable.tip", "Figure 8: load at the tip, largest error rate (16) over PWM 1600 ... 1665", both, {}, {}};
+Table tip_table(const Outcomes& outcomes) {
+  Table tip{"cable.tip",
+            "Figure 8: load at the tip, largest error rate (16) over PWM 1600 ... 1665",
+            both_models(),
+            {},
+            {}};
   for (std::size_t l = 0; l < kTipLoadsKg.size(); ++l) {
     Row row{fmt::format("{:.2f} g", 1e3 * kTipLoadsKg[l]), kTipTheirs[l], {}, ""};
     for (const Outcome& o : outcomes) {
@@ -257,8 +272,11 @@ Result cable(const Settings& settings, Progress& progress) {
       "(16) read as the largest distance of a mark from the model over the length. PWM 1600, 1620, 1645, "
       "1665. Each "
       "model with the EI it found above, its own."};
+  return tip;
+}
 
-  Table mid{"cable.mid", "Figure 9: 29.21 g at 0.12 m, largest error rate (16)", both, {}, {}};
+Table mid_table(const Outcomes& outcomes, Series& marks) {
+  Table mid{"cable.mid", "Figure 9: 29.21 g at 0.12 m, largest error rate (16)", both_models(), {}, {}};
   for (std::size_t p = 0; p < kMidPwm.size(); ++p) {
     Row row{fmt::format("PWM {:.0f}", kMidPwm[p]), kMidTheirs[p], {}, ""};
     for (const Outcome& o : outcomes)
@@ -270,10 +288,10 @@ Result cable(const Settings& settings, Progress& progress) {
     mid.rows.push_back(row);
   }
   double moving_m = 0.0;
-  Series marks{"cable_marks",
-               {"truth", "mid_span", "load_kg", "pwm", "measured_along", "measured_up", "ours_along",
-                "ours_up", "theirs_along", "theirs_up"},
-               {}};
+  marks = {"cable_marks",
+           {"truth", "mid_span", "load_kg", "pwm", "measured_along", "measured_up", "ours_along", "ours_up",
+            "theirs_along", "theirs_up"},
+           {}};
   for (const Outcome& o : outcomes) {
     moving_m = std::max(moving_m, o.moving_m);
     marks.rows.insert(marks.rows.end(), o.marks.begin(), o.marks.end());
@@ -285,9 +303,21 @@ Result cable(const Settings& settings, Progress& progress) {
                   "1635; four values "
                   "are taken. Rings moved by at most {:.3f} mm while they were measured.",
                   1e3 * moving_m)};
+  return mid;
+}
+
+}  // namespace
+
+Result cable(const Settings& settings, Progress& progress) {
+  progress.line("cable: shapes under 39.2 g, loads at the tip and at mid-span");
+  Outcomes outcomes;
+  math::in_parallel(outcomes.size(), settings.jobs,
+                    [&](std::size_t i) { outcomes[i] = experiment(kTruths[i], i, settings); });
+  Series ei, marks;
+  const Table fit = stiffness_table(outcomes, ei), mid = mid_table(outcomes, marks);
   return {"cable",
           "Model Analysis of Robotic Soft Arms including External Force Effects",
-          {cable_arithmetic(), fit, tip, mid},
+          {cable_arithmetic(), fit, tip_table(outcomes), mid},
           {ei, marks}};
 }
 

@@ -248,6 +248,20 @@ arm::Arm identified(arm::Arm arm, const Curve& curve) {
   return arm;
 }
 
+/// By quality, then experiment.
+using Predictions = std::array<std::array<Prediction, kExperiments.size()>, 2>;
+
+Predictions predict_all(const arm::Arm& arm, const std::array<Curve, 2>& curves, const Settings& settings) {
+  Predictions predictions;
+  math::in_parallel(2 * kExperiments.size(), settings.jobs, [&](std::size_t i) {
+    const std::size_t q = i / kExperiments.size(), e = i % kExperiments.size();
+    predictions[q][e] =
+        predict_experiment(identified(arm, curves[q]), static_cast<Quality>(q), e, repeats_of(settings),
+                           seed_of(settings.seed, kPaper, 5000 + 10 * i));
+  });
+  return predictions;
+}
+
 Table table_3(const arm::Arm& arm, const std::array<Curve, 2>& curves, const Settings& settings,
               Series& series) {
   Table table{"hybrid.table_3",
@@ -259,13 +273,7 @@ Table table_3(const arm::Arm& arm, const std::array<Curve, 2>& curves, const Set
             {"real_like", "experiment", "tension_1", "tension_2", "tension_3", "measured_x", "measured_y",
              "measured_z", "ours_x", "ours_y", "ours_z", "printed_x", "printed_y", "printed_z"},
             {}};
-  std::array<std::array<Prediction, kExperiments.size()>, 2> predictions;
-  math::in_parallel(2 * kExperiments.size(), settings.jobs, [&](std::size_t i) {
-    const std::size_t q = i / kExperiments.size(), e = i % kExperiments.size();
-    predictions[q][e] =
-        predict_experiment(identified(arm, curves[q]), static_cast<Quality>(q), e, repeats_of(settings),
-                           seed_of(settings.seed, kPaper, 5000 + 10 * i));
-  });
+  const Predictions predictions = predict_all(arm, curves, settings);
   std::array<std::vector<double>, 4> means;
   double moving_m = 0.0;
   std::vector<double> largest(4, 0.0);

@@ -186,86 +186,81 @@ Table payloads(const Runs& runs) {
   return table;
 }
 
+/// What the rig's truth says of one method.
+void add_truth(Table& table, const Runs& runs, const char* name, const OnlinePick& pick) {
+  const auto shape = [&](const OnlineExperiment& e) {
+    return summarise(e, Load::kLoaded, pick, [](const OnlineFit& f) { return f.truth_percent; }).all.mean;
+  };
+  const auto tip = [&](const OnlineExperiment& e) {
+    return summarise(e, Load::kLoaded, pick, [](const OnlineFit& f) { return f.tip_mm; }).all.mean;
+  };
+  table.rows.push_back({fmt::format("{}: shape against truth", name), "", runs.cells("{:.2f} %", shape),
+                        "formula (7), true places of the points"});
+  table.rows.push_back({fmt::format("{}: tip against truth", name), "", runs.cells("{:.2f} mm", tip), ""});
+}
+
+void add_identifiable(Table& table, const Runs& runs, const char* name, std::size_t method, Load load) {
+  const auto share = [&](const OnlineExperiment& e) {
+    return summarise(e, load, online_fit(method, kSquares),
+                     [](const OnlineFit& f) { return f.identifiable ? 100.0 : 0.0; })
+        .all.mean;
+  };
+  table.rows.push_back({fmt::format("{}: EI identifiable", name), "", runs.cells("{:.0f} %", share),
+                        "frames that determine EI to a standard deviation of 25 %"});
+}
+
+double without_estimate_percent(const OnlineExperiment& e, std::size_t method) {
+  std::vector<double> missing;
+  for (const OnlineSet& set : e)
+    for (const auto& frames : set.datasets)
+      for (const OnlineFrame& f : frames) missing.push_back(f.fits[method][kPrinted].ok ? 0.0 : 100.0);
+  return statistics(missing).mean;
+}
+
+/// Of the data sets' first frames.
+std::vector<double> tip_angles_deg(const OnlineExperiment& e) {
+  std::vector<double> angles;
+  for (const OnlineSet& set : e)
+    for (const auto& frames : set.datasets) angles.push_back(kDeg * frames.front().tip_angle_rad);
+  return angles;
+}
+
+double moving_mm(const OnlineExperiment& e) {
+  double most = 0.0;
+  for (const OnlineSet& set : e) most = std::max(most, 1e3 * set.moving_m);
+  return most;
+}
+
 Table additions(const Runs& runs) {
   Table table{"online.additions", "Beside the paper: what only a rig can show", runs.names, {}, {}};
-  const auto add_truth = [&](const char* name, const OnlinePick& pick) {
-    table.rows.push_back({fmt::format("{}: shape against truth", name), "",
-                          runs.cells("{:.2f} %",
-                                     [&](const OnlineExperiment& e) {
-                                       return summarise(e, Load::kLoaded, pick,
-                                                        [](const OnlineFit& f) { return f.truth_percent; })
-                                           .all.mean;
-                                     }),
-                          "formula (7), true places of the points"});
-    table.rows.push_back(
-        {fmt::format("{}: tip against truth", name), "",
-         runs.cells(
-             "{:.2f} mm",
-             [&](const OnlineExperiment& e) {
-               return summarise(e, Load::kLoaded, pick, [](const OnlineFit& f) { return f.tip_mm; }).all.mean;
-             }),
-         ""});
-  };
-  add_truth("full, sum of distances", online_fit(0, kPrinted));
-  add_truth("full, least squares", online_fit(0, kSquares));
-  add_truth("end, sum of distances", online_fit(1, kPrinted));
-  add_truth("end, least squares", online_fit(1, kSquares));
-  const auto identifiable = [&](const char* name, std::size_t method, Load load) {
-    table.rows.push_back(
-        {fmt::format("{}: EI identifiable", name), "",
-         runs.cells("{:.0f} %",
-                    [&](const OnlineExperiment& e) {
-                      return summarise(e, load, online_fit(method, kSquares),
-                                       [](const OnlineFit& f) { return f.identifiable ? 100.0 : 0.0; })
-                          .all.mean;
-                    }),
-         "frames that determine EI to a standard deviation of 25 %"});
-  };
-  identifiable("full, loaded", 0, Load::kLoaded);
-  identifiable("full, no load", 0, Load::kNone);
-  identifiable("end, loaded", 1, Load::kLoaded);
+  add_truth(table, runs, "full, sum of distances", online_fit(0, kPrinted));
+  add_truth(table, runs, "full, least squares", online_fit(0, kSquares));
+  add_truth(table, runs, "end, sum of distances", online_fit(1, kPrinted));
+  add_truth(table, runs, "end, least squares", online_fit(1, kSquares));
+  add_identifiable(table, runs, "full, loaded", 0, Load::kLoaded);
+  add_identifiable(table, runs, "full, no load", 0, Load::kNone);
+  add_identifiable(table, runs, "end, loaded", 1, Load::kLoaded);
   constexpr std::array<const char*, 4> kNames{"full points", "end orientation", "CC all points",
                                               "CC end point"};
   for (std::size_t m = 0; m < kNames.size(); ++m) {
-    table.rows.push_back({fmt::format("{}: no estimate", kNames[m]), "",
-                          runs.cells("{:.1f} %",
-                                     [&](const OnlineExperiment& e) {
-                                       std::vector<double> missing;
-                                       for (const OnlineSet& set : e)
-                                         for (const auto& frames : set.datasets)
-                                           for (const OnlineFrame& f : frames)
-                                             missing.push_back(f.fits[m][kPrinted].ok ? 0.0 : 100.0);
-                                       return statistics(missing).mean;
-                                     }),
-                          m == 0 ? "of all frames, sum of distances; they are in no figure above" : ""});
+    table.rows.push_back(
+        {fmt::format("{}: no estimate", kNames[m]), "",
+         runs.cells("{:.1f} %", [&](const OnlineExperiment& e) { return without_estimate_percent(e, m); }),
+         m == 0 ? "of all frames, sum of distances; they are in no figure above" : ""});
   }
-  table.rows.push_back({"tip angle, least", "",
-                        runs.cells("{:.0f} deg",
-                                   [](const OnlineExperiment& e) {
-                                     double least = 1e9;
-                                     for (const OnlineSet& set : e)
-                                       for (const auto& frames : set.datasets)
-                                         least = std::min(least, kDeg * frames.front().tip_angle_rad);
-                                     return least;
-                                   }),
-                        ""});
-  table.rows.push_back({"tip angle, greatest", "under 180 deg",
-                        runs.cells("{:.0f} deg",
-                                   [](const OnlineExperiment& e) {
-                                     double greatest = 0.0;
-                                     for (const OnlineSet& set : e)
-                                       for (const auto& frames : set.datasets)
-                                         greatest = std::max(greatest, kDeg * frames.front().tip_angle_rad);
-                                     return greatest;
-                                   }),
-                        ""});
-  table.rows.push_back({"still moving, at most", "",
-                        runs.cells("{:.3f} mm",
-                                   [](const OnlineExperiment& e) {
-                                     double most = 0.0;
-                                     for (const OnlineSet& set : e) most = std::max(most, 1e3 * set.moving_m);
-                                     return most;
-                                   }),
+  const auto least = [](const OnlineExperiment& e) {
+    double angle = 1e9;
+    for (const double deg : tip_angles_deg(e)) angle = std::min(angle, deg);
+    return angle;
+  };
+  const auto greatest = [](const OnlineExperiment& e) {
+    double angle = 0.0;
+    for (const double deg : tip_angles_deg(e)) angle = std::max(angle, deg);
+    return angle;
+  };
+  table.rows.push_back({"tip angle, least", "", runs.cells("{:.0f} deg", least), ""});
+  table.rows.push_back({"tip angle, greatest", "under 180 deg", runs.cells("{:.0f} deg", greatest), ""});
+  table.rows.push_back({"still moving, at most", "", runs.cells("{:.3f} mm", moving_mm),
                         "a ring, while a data set was measured"});
   return table;
 }

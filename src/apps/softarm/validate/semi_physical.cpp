@@ -116,13 +116,14 @@ struct Outcome {
   std::vector<std::vector<double>> rows;
 };
 
-Outcome experiment(Quality quality, const Settings& settings, std::size_t fitted, std::size_t checked) {
-  const arm::Arm arm = start_of(shipped_arm("semi_physical_200mm"));
+/// What the rig measured in so many pairs of trials. The same conditions for both qualities.
+std::vector<std::vector<Held>> record_pairs(Quality quality, const arm::Arm& arm, const Settings& settings,
+                                            std::size_t trials) {
   rig::Scenario scenario = shipped_scenario("semi_physical_200mm");
   if (quality == Quality::kRealLike) make_real_like(scenario, 0.0, 0.0);
-  Draw draw(seed_of(settings.seed, kPaper, 0));  // the same conditions for both arms
+  Draw draw(seed_of(settings.seed, kPaper, 0));
   std::vector<std::vector<Hold>> pairs;
-  for (std::size_t i = 0; i < fitted + checked; ++i) pairs.push_back(draw_pair(draw));
+  for (std::size_t i = 0; i < trials; ++i) pairs.push_back(draw_pair(draw));
   std::vector<std::vector<Held>> held(pairs.size());
   math::in_parallel(pairs.size(), settings.jobs, [&](std::size_t i) {
     HoldTiming timing;
@@ -132,7 +133,36 @@ Outcome experiment(Quality quality, const Settings& settings, std::size_t fitted
                         seed_of(settings.seed, kPaper, 100 + i + 1000 * static_cast<std::uint64_t>(quality)),
                         timing);
   });
+  return held;
+}
 
+/// Errors of both models on trials that neither was fitted to.
+void compare_models(Quality quality, const std::vector<trial::Trial>& trials,
+                    const identify::FrameChoice& choice, Outcome& result) {
+  for (const identify::FrameComparison& frame : identify::compare(result.ours.arm, trials, choice)) {
+    result.our_errors.add(frame.error_m, frame.payload_kg);
+    double their_error = std::nan("");
+    if (result.theirs) {
+      const auto shape = printed_shape(result.theirs->arm, frame.inputs, frame.payload_kg);
+      if (shape) {
+        double sum = 0.0;
+        for (const identify::BodyComparison& body : frame.bodies)
+          sum += ((*shape)[static_cast<std::size_t>(body.body)] - body.measured_p_base).norm();
+        their_error = sum / static_cast<double>(frame.bodies.size());
+        result.their_errors.add(their_error, frame.payload_kg);
+      } else {
+        ++result.their_errors.none;
+      }
+    }
+    result.rows.push_back({static_cast<double>(quality), static_cast<double>(frame.trial + 1),
+                           frame.payload_kg, *frame.inputs[0], *frame.inputs[1], *frame.inputs[2],
+                           *frame.inputs[3], frame.error_m, their_error});
+  }
+}
+
+Outcome experiment(Quality quality, const Settings& settings, std::size_t fitted, std::size_t checked) {
+  const arm::Arm arm = start_of(shipped_arm("semi_physical_200mm"));
+  const std::vector<std::vector<Held>> held = record_pairs(quality, arm, settings, fitted + checked);
   Outcome result;
   std::vector<trial::Trial> trials;
   identify::Options options;
@@ -158,26 +188,7 @@ Outcome experiment(Quality quality, const Settings& settings, std::size_t fitted
   } catch (const std::invalid_argument& e) {
     result.failure = e.what();
   }
-  for (const identify::FrameComparison& frame :
-       identify::compare(result.ours.arm, check_trials, options.frames)) {
-    result.our_errors.add(frame.error_m, frame.payload_kg);
-    double their_error = std::nan("");
-    if (result.theirs) {
-      const auto shape = printed_shape(result.theirs->arm, frame.inputs, frame.payload_kg);
-      if (shape) {
-        double sum = 0.0;
-        for (const identify::BodyComparison& body : frame.bodies)
-          sum += ((*shape)[static_cast<std::size_t>(body.body)] - body.measured_p_base).norm();
-        their_error = sum / static_cast<double>(frame.bodies.size());
-        result.their_errors.add(their_error, frame.payload_kg);
-      } else {
-        ++result.their_errors.none;
-      }
-    }
-    result.rows.push_back({static_cast<double>(quality), static_cast<double>(frame.trial + 1),
-                           frame.payload_kg, *frame.inputs[0], *frame.inputs[1], *frame.inputs[2],
-                           *frame.inputs[3], frame.error_m, their_error});
-  }
+  compare_models(quality, check_trials, options.frames, result);
   return result;
 }
 

@@ -4,10 +4,11 @@
 
 #include <map>
 
-#include "adapters.h"
+#include "body_driver.h"
 #include "body_reader.h"
 
 namespace softarm {
+namespace {
 
 std::vector<InputTopic> tf_topics(const arm::Arm&, const arm::BodySource& source, const Bodies& bodies) {
   std::map<std::string, std::pair<std::string, int>> by_frame;
@@ -33,6 +34,12 @@ std::vector<InputTopic> tf_topics(const arm::Arm&, const arm::BodySource& source
   InputTopic topic = make_input_topic<tf2_msgs::TFMessage>(source.topic, names_of(bodies), convert);
   topic.other_types = {"tf/tfMessage"};  // the same message, in old bags
   return {topic};
+}
+
+}  // namespace
+
+BodyDriver driver_tf() {
+  return {tf_topics};
 }
 
 }  // namespace softarm

@@ -1,5 +1,7 @@
 // Pressures, tensions, angles: std_msgs numbers and arrays without a stamp; pressures also as
 // sensor_msgs/FluidPressure, with its own; and fields of messages of any other type.
+#include "scalar_adapters.h"
+
 #include <sensor_msgs/FluidPressure.h>
 #include <std_msgs/Float32MultiArray.h>
 #include <std_msgs/Float64.h>
@@ -7,7 +9,6 @@
 
 #include <limits>
 
-#include "adapters.h"
 #include "any_input_topic.h"
 #include "message_schema.h"
 

@@ -5,8 +5,10 @@
 #include <cmath>
 
 #include "context.h"
+#include "policy.h"
 
 namespace softarm::check {
+namespace {
 
 void check_payload(Context& context) {
   const arm::Arm& arm = context.arm;
@@ -16,7 +18,7 @@ void check_payload(Context& context) {
     const bool assumed = arm.payload.default_kg.has_value();
     const bool asked = arm.estimator.unknown != arm::Unknown::kStiffness;
     CheckFinding& finding = context.add(
-        Severity::kInformation, "payload_unknown", arm.inputs.payload_topic,
+        "payload_unknown", arm.inputs.payload_topic,
         topic != context.recording.topics.end() && !topic->found_type.empty()
             ? "is there, but nothing was published on it: the payload is unknown throughout"
             : fmt::format("is not in the recording: the payload is unknown throughout{}",
@@ -35,10 +37,10 @@ void check_payload(Context& context) {
   }
   if (!(low >= arm.payload.range_kg.low && high <= arm.payload.range_kg.high)) {
     CheckFinding& finding =
-        context.add(Severity::kSerious, "payload_range", arm.inputs.payload_topic,
+        context.add("payload_range", arm.inputs.payload_topic,
                     fmt::format("says {:g} to {:g} kg, the arm file allows {:g} to {:g} kg: refused{}", low,
                                 high, arm.payload.range_kg.low, arm.payload.range_kg.high,
-                                high > 20.0 * arm.payload.range_kg.high ? "; grams?" : ""));
+                                high > kPolicy.payload.grams * arm.payload.range_kg.high ? "; grams?" : ""));
     finding.figure = high;
     finding.unit = "kg";
     finding.remedy = "publish kilograms, or widen the range";
@@ -46,15 +48,24 @@ void check_payload(Context& context) {
                                   std::max(high, arm.payload.range_kg.high));
   }
   const double first_s = context.payload.front().t_s;
-  if (first_s > 1.0) {
+  if (first_s > kPolicy.payload.late_s) {
     CheckFinding& finding =
-        context.add(Severity::kInformation, "payload_late", arm.inputs.payload_topic,
+        context.add("payload_late", arm.inputs.payload_topic,
                     fmt::format("is first said after {:.1f} s: unknown until then", first_s));
     finding.figure = first_s;
     finding.unit = "s";
     finding.spans = {{0.0, first_s}};
     finding.remedy = "publish it latched before the recording begins";
   }
+}
+
+}  // namespace
+
+Check make_payload() {
+  return {check_payload,
+          {{"payload_unknown", Severity::kInformation},
+           {"payload_range", Severity::kSerious},
+           {"payload_late", Severity::kInformation}}};
 }
 
 }  // namespace softarm::check
