@@ -13,7 +13,7 @@
 
 #include "softarm/arm/arm_file.h"
 #include "softarm/rod/solver.h"
-#include "softarm/trial/frame.h"
+#include "softarm/trial/trial.h"
 
 namespace softarm::bench {
 

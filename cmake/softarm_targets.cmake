@@ -92,7 +92,7 @@ function(softarm_programs)
       target_link_libraries(${name} PRIVATE ${given_STUDY})
     endif()
     target_link_libraries(${name} PRIVATE ${given_LIBRARIES})
-    softarm_unity(${name} 8)
+    softarm_unity(${name} 8 validate)  # a file per paper, with the paper's names
     set_target_properties(${name} PROPERTIES
       RUNTIME_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION})
     # What is built is installed: scripts/demo builds no more than it needs.

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "body_types.h"
-#include "softarm/arm/inputs.h"
+#include "softarm/arm/arm.h"
 #include "yaml_section.h"
 
 namespace softarm::arm::yaml {

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/linear_algebra.h"
 #include "policy.h"
 
 namespace softarm::check {
@@ -100,7 +101,7 @@ Fit fit(const Problem& problem, const Eigen::MatrixXd& a) {
   Eigen::MatrixXd normal = a.transpose() * a;
   normal.diagonal().array() += 1e-8 * (1.0 + normal.diagonal().maxCoeff());
   Fit result;
-  result.coefficients = normal.ldlt().solve(a.transpose() * problem.y);
+  result.coefficients = math::SymmetricSolver(normal).solve_columns(a.transpose() * problem.y);
   result.residual = problem.y - a * result.coefficients;
   result.cost = result.residual.squaredNorm();
   return result;
@@ -184,10 +185,8 @@ std::optional<Problem> pose_problem(const Context& context) {
   const Eigen::MatrixXd steps = payload_steps(problem.t_s, context.payload);
   Eigen::MatrixXd h(n, hats.cols() + steps.cols());
   h << hats, steps;
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(h);
-  const Eigen::MatrixXd q = qr.householderQ() * Eigen::MatrixXd::Identity(n, qr.rank());
-  problem.hats = q;
-  problem.y -= q * (q.transpose() * problem.y);
+  problem.hats = math::basis_of_columns(h);
+  problem.y -= problem.hats * (problem.hats.transpose() * problem.y);
   return problem;
 }
 
@@ -214,7 +213,7 @@ ClockShift solve(const Problem& problem) {
     Eigen::MatrixXd d = slope * now.coefficients;
     Eigen::MatrixXd normal = a.transpose() * a;
     normal.diagonal().array() += 1e-8 * (1.0 + normal.diagonal().maxCoeff());
-    d -= a * normal.ldlt().solve(a.transpose() * d);
+    d -= a * math::SymmetricSolver(normal).solve_columns(a.transpose() * d);
     const double information = d.squaredNorm();
     result.explained = 1.0 - now.cost / std::max(problem.y.squaredNorm(), 1e-300);
     if (!(information > 0.0)) {
@@ -245,8 +244,7 @@ Problem half_of(const Problem& problem, bool second) {
   half.t_s.assign(problem.t_s.begin() + from, problem.t_s.begin() + from + count);
   half.block.assign(problem.block.begin() + from, problem.block.begin() + from + count);
   for (int& block : half.block) block -= problem.block[static_cast<std::size_t>(from)];
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(problem.hats.middleRows(from, count));
-  half.hats = qr.householderQ() * Eigen::MatrixXd::Identity(count, qr.rank());
+  half.hats = math::basis_of_columns(problem.hats.middleRows(from, count));
   half.y = problem.y.middleRows(from, count);
   half.y -= half.hats * (half.hats.transpose() * half.y);
   return half;

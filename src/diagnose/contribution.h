@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "joint_model.h"
-#include "softarm/diagnose/diagnosis.h"
+#include "softarm/diagnose/diagnose.h"
 
 namespace softarm::diagnose {
 

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 
 #include "joint_model.h"
-#include "softarm/diagnose/diagnosis.h"
+#include "softarm/diagnose/diagnose.h"
 
 namespace softarm::diagnose {
 

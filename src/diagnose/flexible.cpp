@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "math/symmetric.h"
+#include "math/linear_algebra.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -16,6 +16,7 @@ using model::Block;
 
 constexpr std::size_t kMostBlocks = 1200;
 constexpr std::size_t kFolds = 3;
+constexpr Eigen::Index kFewestInstants = 20;
 constexpr double kPast_s[] = {1.0, 8.0};       // time constants of what is remembered of the inputs
 constexpr double kReach[] = {1.0, 2.5};        // length scales, in standard deviations of each feature
 constexpr double kNoise[] = {0.03, 0.3, 3.0};  // variance of the noise over that of what is learnt
@@ -30,6 +31,77 @@ MatrixXd pick(const MatrixXd& from, const std::vector<Eigen::Index>& rows,
       out(static_cast<Eigen::Index>(i), j) = from(rows[i], column);
   }
   return out;
+}
+
+/// Instants that show all bodies, every n-th of them: features as multiples of their spread, residuals of the
+/// bodies.
+struct Instants {
+  MatrixXd x, y;
+  std::vector<std::size_t> trial;
+};
+
+Instants instants_of(const JointModel& model, const Linearised& at, const std::vector<VectorXd>& residual) {
+  const Features all = features(model, at);
+  const std::size_t bodies = model.arm().bodies.size();
+  std::vector<std::vector<Eigen::Index>> begin(model.trials().size());
+  for (std::size_t t = 0; t < model.trials().size(); ++t) {
+    Eigen::Index row = 0;
+    for (const Block& block : model.trials()[t].blocks) {
+      begin[t].push_back(row);
+      row += 3 * static_cast<Eigen::Index>(block.bodies.size());
+    }
+  }
+  std::vector<std::size_t> whole;
+  for (std::size_t i = 0; i < all.trial.size(); ++i) {
+    if (model.trials()[all.trial[i]].blocks[all.block[i]].bodies.size() == bodies) whole.push_back(i);
+  }
+  const std::size_t keep = std::min(whole.size(), kMostBlocks);
+  Instants out;
+  out.x.resize(static_cast<Eigen::Index>(keep), all.values.cols());
+  out.y.resize(out.x.rows(), 3 * static_cast<Eigen::Index>(bodies));
+  for (std::size_t i = 0; i < keep; ++i) {
+    const std::size_t w = whole[i * whole.size() / keep];
+    const auto row = static_cast<Eigen::Index>(i);
+    out.x.row(row) = all.values.row(static_cast<Eigen::Index>(w));
+    out.y.row(row) =
+        residual[all.trial[w]].segment(begin[all.trial[w]][all.block[w]], out.y.cols()).transpose();
+    out.trial.push_back(all.trial[w]);
+  }
+  for (Eigen::Index c = 0; c < out.x.cols() && keep > 0; ++c) {
+    const double mean = out.x.col(c).mean();
+    const double sd = std::sqrt((out.x.col(c).array() - mean).square().mean());
+    out.x.col(c) = (out.x.col(c).array() - mean) / (sd > 1e-12 * (1.0 + std::abs(mean)) ? sd : 1e300);
+  }
+  return out;
+}
+
+/// Mean squares per feature.
+MatrixXd distances2(const MatrixXd& x) {
+  const VectorXd square = x.rowwise().squaredNorm();
+  return (square.replicate(1, x.rows()) + square.transpose().replicate(x.rows(), 1) - 2.0 * x * x.transpose())
+             .cwiseMax(0.0) /
+         static_cast<double>(x.cols());
+}
+
+/// Squares that kernel regression leaves of the folds' instants, each by the other folds.
+double left_by_regression(const Instants& instants, const MatrixXd& kernel, double noise, std::size_t folds) {
+  double left = 0.0;
+  for (std::size_t fold = 0; fold < folds; ++fold) {
+    std::vector<Eigen::Index> train, test;
+    for (Eigen::Index i = 0; i < kernel.rows(); ++i) {
+      // Campaigns go round attitudes and speeds: a turn that is not theirs.
+      const std::size_t t = instants.trial[static_cast<std::size_t>(i)];
+      ((t + t / folds) % folds == fold ? test : train).push_back(i);
+    }
+    if (train.empty() || test.empty()) continue;
+    MatrixXd k = pick(kernel, train, &train);
+    k.diagonal().array() += noise;
+    math::CholeskyFactor factor;
+    factor.compute(k);
+    const MatrixXd weights = factor.solve_columns(pick(instants.y, train, nullptr));
+    left += (pick(instants.y, test, nullptr) - pick(kernel, test, &train) * weights).squaredNorm();
+  }
+  return left;
 }
 
 }  // namespace
@@ -75,73 +147,19 @@ Features features(const JointModel& model, const Linearised& at) {
 
 Ceiling ceiling(const JointModel& model, const Linearised& at, const std::vector<VectorXd>& residual) {
   Ceiling result;
-  const Features all = features(model, at);
-  const std::size_t bodies = model.arm().bodies.size();
-  // Every n-th block that shows all bodies.
-  std::vector<std::size_t> chosen;
-  std::vector<VectorXd> targets;
-  {
-    std::vector<std::vector<Eigen::Index>> begin(model.trials().size());
-    for (std::size_t t = 0; t < model.trials().size(); ++t) {
-      Eigen::Index row = 0;
-      for (const Block& block : model.trials()[t].blocks) {
-        begin[t].push_back(row);
-        row += 3 * static_cast<Eigen::Index>(block.bodies.size());
-      }
-    }
-    std::vector<std::size_t> whole;
-    for (std::size_t i = 0; i < all.trial.size(); ++i) {
-      if (model.trials()[all.trial[i]].blocks[all.block[i]].bodies.size() == bodies) whole.push_back(i);
-    }
-    const std::size_t keep = std::min(whole.size(), kMostBlocks);
-    for (std::size_t i = 0; i < keep; ++i) {
-      const std::size_t w = whole[i * whole.size() / keep];
-      chosen.push_back(w);
-      targets.push_back(residual[all.trial[w]].segment(begin[all.trial[w]][all.block[w]],
-                                                       3 * static_cast<Eigen::Index>(bodies)));
-    }
-  }
-  const auto count = static_cast<Eigen::Index>(chosen.size());
-  if (count < 20 || model.trials().size() < 2) return result;
-  MatrixXd x(count, all.values.cols()), y(count, 3 * static_cast<Eigen::Index>(bodies));
-  for (Eigen::Index i = 0; i < count; ++i) {
-    x.row(i) = all.values.row(static_cast<Eigen::Index>(chosen[static_cast<std::size_t>(i)]));
-    y.row(i) = targets[static_cast<std::size_t>(i)].transpose();
-  }
-  for (Eigen::Index c = 0; c < x.cols(); ++c) {
-    const double mean = x.col(c).mean();
-    const double sd = std::sqrt((x.col(c).array() - mean).square().mean());
-    x.col(c) = (x.col(c).array() - mean) / (sd > 1e-12 * (1.0 + std::abs(mean)) ? sd : 1e300);
-  }
-  const VectorXd square = x.rowwise().squaredNorm();
-  const MatrixXd distance2 =
-      (square.replicate(1, count) + square.transpose().replicate(count, 1) - 2.0 * x * x.transpose())
-          .cwiseMax(0.0) /
-      static_cast<double>(x.cols());
-  const double before = y.squaredNorm() / static_cast<double>(count * static_cast<Eigen::Index>(bodies));
+  const Instants instants = instants_of(model, at, residual);
+  if (instants.x.rows() < kFewestInstants || model.trials().size() < 2) return result;
+  const auto bodies =
+      static_cast<double>(instants.x.rows() * static_cast<Eigen::Index>(model.arm().bodies.size()));
+  const MatrixXd distance2 = distances2(instants.x);
+  const double before = instants.y.squaredNorm() / bodies;
   double best = before;
-  const std::size_t folds = std::min(kFolds, model.trials().size());
   for (const double reach : kReach) {
     const MatrixXd kernel = (-0.5 * distance2.array() / (reach * reach)).exp();
-    for (const double noise : kNoise) {
-      double left = 0.0;
-      for (std::size_t fold = 0; fold < folds; ++fold) {
-        std::vector<Eigen::Index> train, test;
-        for (Eigen::Index i = 0; i < count; ++i) {
-          // Campaigns go round attitudes and speeds: a turn that is not theirs.
-          const std::size_t t = all.trial[chosen[static_cast<std::size_t>(i)]];
-          ((t + t / folds) % folds == fold ? test : train).push_back(i);
-        }
-        if (train.empty() || test.empty()) continue;
-        MatrixXd k = pick(kernel, train, &train);
-        k.diagonal().array() += noise;
-        math::CholeskyFactor factor;
-        factor.compute(k);
-        const MatrixXd weights = factor.solve_columns(pick(y, train, nullptr));
-        left += (pick(y, test, nullptr) - pick(kernel, test, &train) * weights).squaredNorm();
-      }
-      best = std::min(best, left / static_cast<double>(count * static_cast<Eigen::Index>(bodies)));
-    }
+    for (const double noise : kNoise)
+      best = std::min(
+          best,
+          left_by_regression(instants, kernel, noise, std::min(kFolds, model.trials().size())) / bodies);
   }
   result.before_rms_m = std::sqrt(before);
   result.after_rms_m = std::sqrt(best);

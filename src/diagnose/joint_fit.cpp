@@ -11,8 +11,8 @@
 
 #include "joint_model.h"
 #include "math/ceres_callback.h"
+#include "math/linear_algebra.h"
 #include "math/statistics.h"
-#include "math/symmetric.h"
 #include "policy.h"
 
 namespace softarm::diagnose {

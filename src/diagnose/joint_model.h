@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "model/extended_model.h"
-#include "softarm/identify/constants.h"
+#include "softarm/identify/identify.h"
 
 namespace softarm::diagnose {
 

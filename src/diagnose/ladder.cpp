@@ -8,7 +8,7 @@
 #include <map>
 #include <tuple>
 
-#include "math/symmetric.h"
+#include "math/linear_algebra.h"
 #include "policy.h"
 #include "sentences.h"
 
@@ -65,29 +65,17 @@ struct Error {
   }
 };
 
-}  // namespace
+/// By which the bodies of one block move with the EI of its condition.
+struct StiffnessColumn {
+  std::size_t condition = 0, block = 0;
+  Eigen::Index row = 0;
+  VectorXd d;  ///< weighted as the residuals are
+};
 
-std::vector<Rung> pooling_ladder(const JointModel& model, const Linearised& at,
-                                 const std::vector<InstantFit>& instants) {
-  if (instants.empty()) return {};
-  const auto unknowns = static_cast<Eigen::Index>(at.columns.size());
-  std::vector<std::vector<bool>> chosen;
-  for (const model::TrialData& trial : model.trials()) chosen.emplace_back(trial.blocks.size(), false);
-  Error single;
-  for (const InstantFit& fit : instants) {
-    chosen[fit.trial][fit.block] = true;
-    single.square += fit.square;
-    single.weight += fit.weight;
-    single.rows += fit.rows;
-  }
-
-  ConditionNumbers conditions(model.arm());
-  struct Stiffness {
-    std::size_t condition = 0;
-    Eigen::Index row = 0;
-    VectorXd d;  ///< weighted as the residuals are
-  };
-  std::vector<std::vector<Stiffness>> columns(model.trials().size());
+/// Of all blocks that are compared, by trial.
+std::vector<std::vector<StiffnessColumn>> stiffness_columns(const JointModel& model, const Linearised& at,
+                                                            ConditionNumbers& conditions) {
+  std::vector<std::vector<StiffnessColumn>> columns(model.trials().size());
   for (std::size_t t = 0; t < model.trials().size(); ++t) {
     Eigen::Index row = 0;
     for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
@@ -99,21 +87,27 @@ std::vector<Rung> pooling_ladder(const JointModel& model, const Linearised& at,
           const auto from = 3 * static_cast<Eigen::Index>(i);
           d.segment<3>(from) *= at.root_weight[t][row + from] / model.sd_m(t, k, bodies[i]);
         }
-        columns[t].push_back({conditions(t, predicted.instant), row, std::move(d)});
+        columns[t].push_back({conditions(t, predicted.instant), k, row, std::move(d)});
       }
       row += 3 * static_cast<Eigen::Index>(bodies.size());
     }
   }
-  const auto count = static_cast<Eigen::Index>(conditions.size());
-  MatrixXd information = MatrixXd::Zero(unknowns + count, unknowns + count);
-  VectorXd gradient = VectorXd::Zero(unknowns + count);
+  return columns;
+}
+
+/// The step of the fit's unknowns, then of the logarithm of EI of each condition.
+VectorXd step_with_conditions(const Linearised& at, const std::vector<std::vector<StiffnessColumn>>& columns,
+                              Eigen::Index conditions) {
+  const auto unknowns = static_cast<Eigen::Index>(at.columns.size());
+  MatrixXd information = MatrixXd::Zero(unknowns + conditions, unknowns + conditions);
+  VectorXd gradient = VectorXd::Zero(unknowns + conditions);
   information.topLeftCorner(unknowns, unknowns) = at.information;
-  information.bottomRightCorner(count, count)
+  information.bottomRightCorner(conditions, conditions)
       .diagonal()
       .setConstant(1.0 / (kPolicy.instants.stiffness_sd * kPolicy.instants.stiffness_sd));
   gradient.head(unknowns) = at.gradient;
   for (std::size_t t = 0; t < columns.size(); ++t) {
-    for (const Stiffness& column : columns[t]) {
+    for (const StiffnessColumn& column : columns[t]) {
       const Eigen::Index c = unknowns + static_cast<Eigen::Index>(column.condition), n = column.d.size();
       const VectorXd mixed = at.derivative[t].middleRows(column.row, n).transpose() * column.d;
       information.col(c).head(unknowns) += mixed;
@@ -122,35 +116,55 @@ std::vector<Rung> pooling_ladder(const JointModel& model, const Linearised& at,
       gradient[c] += column.d.dot(at.residual[t].segment(column.row, n));
     }
   }
-  const VectorXd step = math::solve_symmetric(information, gradient);
+  return math::solve_symmetric(information, gradient);
+}
+
+/// Adds the bodies of one block.
+/// @param residual weighted, of those bodies
+void add_bodies(const JointModel& model, const Linearised& at, std::size_t t, const StiffnessColumn& column,
+                const VectorXd& residual, Error& sum) {
+  const std::vector<model::Seen>& bodies = model.trials()[t].blocks[column.block].bodies;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const auto from = 3 * static_cast<Eigen::Index>(i);
+    const double root = at.root_weight[t][column.row + from];
+    if (!(root > 0.0)) continue;
+    sum.square += residual.segment<3>(from).squaredNorm() / (root * root);
+    sum.weight += 1.0 / std::pow(model.sd_m(t, column.block, bodies[i]), 2);
+    sum.rows += 3;
+  }
+}
+
+}  // namespace
+
+std::vector<Rung> pooling_ladder(const JointModel& model, const Linearised& at,
+                                 const std::vector<InstantFit>& instants) {
+  if (instants.empty()) return {};
+  std::vector<std::vector<bool>> chosen;
+  for (const model::TrialData& trial : model.trials()) chosen.emplace_back(trial.blocks.size(), false);
+  Error single;
+  for (const InstantFit& fit : instants) {
+    chosen[fit.trial][fit.block] = true;
+    single.square += fit.square;
+    single.weight += fit.weight;
+    single.rows += fit.rows;
+  }
+
+  ConditionNumbers conditions(model.arm());
+  const std::vector<std::vector<StiffnessColumn>> columns = stiffness_columns(model, at, conditions);
+  const auto unknowns = static_cast<Eigen::Index>(at.columns.size());
+  const auto count = static_cast<Eigen::Index>(conditions.size());
+  const VectorXd step = step_with_conditions(at, columns, count);
   Error by_condition, one;
   for (std::size_t t = 0; t < columns.size(); ++t) {
-    std::size_t next = 0;
-    Eigen::Index row = 0;
-    for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
-      const std::vector<model::Seen>& bodies = model.trials()[t].blocks[k].bodies;
-      const auto n = 3 * static_cast<Eigen::Index>(bodies.size());
-      if (next < columns[t].size() && columns[t][next].row == row && n > 0) {
-        const Stiffness& column = columns[t][next++];
-        if (chosen[t][k]) {
-          const VectorXd before = at.residual[t].segment(row, n);
-          const VectorXd after = before - at.derivative[t].middleRows(row, n) * step.head(unknowns) -
-                                 column.d * step[unknowns + static_cast<Eigen::Index>(column.condition)];
-          for (std::size_t i = 0; i < bodies.size(); ++i) {
-            const auto from = 3 * static_cast<Eigen::Index>(i);
-            const double root = at.root_weight[t][row + from];
-            if (!(root > 0.0)) continue;
-            const double weight = 1.0 / std::pow(model.sd_m(t, k, bodies[i]), 2);
-            one.square += before.segment<3>(from).squaredNorm() / (root * root);
-            by_condition.square += after.segment<3>(from).squaredNorm() / (root * root);
-            for (Error* sum : {&one, &by_condition}) {
-              sum->weight += weight;
-              sum->rows += 3;
-            }
-          }
-        }
-      }
-      row += n;
+    for (const StiffnessColumn& column : columns[t]) {
+      if (!chosen[t][column.block]) continue;
+      const Eigen::Index n = column.d.size();
+      const VectorXd before = at.residual[t].segment(column.row, n);
+      add_bodies(model, at, t, column, before, one);
+      add_bodies(model, at, t, column,
+                 before - at.derivative[t].middleRows(column.row, n) * step.head(unknowns) -
+                     column.d * step[unknowns + static_cast<Eigen::Index>(column.condition)],
+                 by_condition);
     }
   }
   const int per_instant = unknowns_of_instant(model.arm()) * static_cast<int>(instants.size());

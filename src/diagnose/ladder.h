@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "instant_fits.h"
-#include "softarm/diagnose/diagnosis.h"
+#include "softarm/diagnose/diagnose.h"
 
 namespace softarm::diagnose {
 

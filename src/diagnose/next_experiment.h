@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "selection.h"
-#include "softarm/diagnose/diagnosis.h"
+#include "softarm/diagnose/diagnose.h"
 
 namespace softarm::diagnose {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "selection.h"
-#include "softarm/diagnose/diagnosis.h"
+#include "softarm/diagnose/diagnose.h"
 
 namespace softarm::diagnose {
 

@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "effects/catalogue.h"
+#include "math/linear_algebra.h"
 #include "math/parallel.h"
-#include "math/symmetric.h"
 #include "policy.h"
 
 namespace softarm::diagnose {

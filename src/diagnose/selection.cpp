@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "math/symmetric.h"
+#include "math/linear_algebra.h"
 #include "policy.h"
 
 namespace softarm::diagnose {

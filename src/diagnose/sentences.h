@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "softarm/diagnose/diagnosis.h"
+#include "softarm/diagnose/diagnose.h"
 
 namespace softarm::diagnose {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "math/symmetric.h"
+#include "math/linear_algebra.h"
 
 namespace softarm::diagnose {
 

@@ -9,58 +9,62 @@
 
 #include "contribution.h"
 #include "flexible.h"
+#include "policy.h"
 
 namespace softarm::diagnose {
 namespace {
 
 using Eigen::VectorXd;
 
+constexpr Eigen::Index kFewestStretches = 8;  // of a correlation
+
 double two_sided(double z) {
   return 2.0 * boost::math::cdf(boost::math::complement(boost::math::normal(), std::abs(z)));
 }
 
-}  // namespace
+/// In time: products of a body's neighbouring residuals; along the arm: of neighbouring bodies at one
+/// instant. Under noise alone each has mean 0.
+struct Products {
+  double sum = 0.0, squares = 0.0;
 
-Structure structure_of(const JointModel& model, const Linearised& at, const Unseen& unseen) {
-  Structure out;
-  out.chi2_per_dof = unseen.total_chi2 / std::max(1, at.rows);
-  // In time: products of a body's neighbouring residuals; along the arm: of neighbouring bodies at one
-  // instant. Under noise alone each has mean 0.
-  double time = 0.0, time2 = 0.0, along = 0.0, along2 = 0.0;
-  for (std::size_t t = 0; t < model.trials().size(); ++t) {
-    std::map<int, Eigen::Vector3d> last;
-    Eigen::Index row = 0;
-    for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
-      const model::Block& block = model.trials()[t].blocks[k];
-      std::map<int, Eigen::Vector3d> now;
-      const Eigen::Vector3d* before = nullptr;
-      for (const model::Seen& seen : block.bodies) {
-        if (at.root_weight[t][row] > 0.0) {
-          const Eigen::Vector3d r = unseen.residual[t].segment<3>(row) / model.sd_m(t, k, seen);
-          if (!block.begins && last.count(seen.body) > 0) {
-            const double product = r.dot(last[seen.body]);
-            time += product;
-            time2 += product * product;
-          }
-          if (before != nullptr) {
-            const double product = r.dot(*before);
-            along += product;
-            along2 += product * product;
-          }
-          before = &(now[seen.body] = r);
-        }
-        row += 3;
-      }
-      last = std::move(now);
-    }
+  void add(double product) {
+    sum += product;
+    squares += product * product;
   }
-  if (time2 > 0.0) out.whiteness_p = two_sided(time / std::sqrt(time2));
-  if (along2 > 0.0) out.along_s_p = two_sided(along / std::sqrt(along2));
+  double p() const { return squares > 0.0 ? two_sided(sum / std::sqrt(squares)) : 1.0; }
+};
 
-  // Residuals by what drives the arm: per stretch of a trial, the mean in the plane against the mean input.
-  const Features all = features(model, at);
-  std::vector<VectorXd> inputs;
-  std::vector<double> errors;
+void add_products(const JointModel& model, const Linearised& at, const Unseen& unseen, std::size_t t,
+                  Products& time, Products& along) {
+  std::map<int, Eigen::Vector3d> last;
+  Eigen::Index row = 0;
+  for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
+    const model::Block& block = model.trials()[t].blocks[k];
+    std::map<int, Eigen::Vector3d> now;
+    const Eigen::Vector3d* before = nullptr;
+    for (const model::Seen& seen : block.bodies) {
+      if (at.root_weight[t][row] > 0.0) {
+        const Eigen::Vector3d r = unseen.residual[t].segment<3>(row) / model.sd_m(t, k, seen);
+        if (!block.begins && last.count(seen.body) > 0) time.add(r.dot(last[seen.body]));
+        if (before != nullptr) along.add(r.dot(*before));
+        before = &(now[seen.body] = r);
+      }
+      row += 3;
+    }
+    last = std::move(now);
+  }
+}
+
+/// The last body's mean residual in the plane of bending, by stretch of a trial, and what drove the arm
+/// there.
+struct ByStretch {
+  std::vector<VectorXd> features;
+  std::vector<double> error_m;
+};
+
+ByStretch last_body_by_stretch(const JointModel& model, const Linearised& at, const Unseen& unseen,
+                               const Features& all) {
+  ByStretch out;
   std::size_t i = 0;
   for (std::size_t t = 0; t < model.trials().size(); ++t) {
     Eigen::Index row = 0;
@@ -68,8 +72,8 @@ Structure structure_of(const JointModel& model, const Linearised& at, const Unse
     double error = 0.0, count = 0.0, from_s = -1e9;
     const auto close = [&] {
       if (count > 0.0) {
-        inputs.push_back(sum / count);
-        errors.push_back(error / count);
+        out.features.push_back(sum / count);
+        out.error_m.push_back(error / count);
       }
       sum.setZero();
       error = count = 0.0;
@@ -79,14 +83,13 @@ Structure structure_of(const JointModel& model, const Linearised& at, const Unse
       const auto rows = 3 * static_cast<Eigen::Index>(block.bodies.size());
       if (model.uses(t, k) && at.predicted[t][k].solved) {
         const double t_s = at.predicted[t][k].instant.t_s;
-        if (t_s > from_s + 2.0) {
+        if (t_s > from_s + kPolicy.fit.stretch_s) {
           close();
           from_s = t_s;
         }
         if (!block.bodies.empty()) {
-          const auto& seen = block.bodies.back();
-          error += in_section(at.predicted[t][k],
-                              model.arm().bodies[static_cast<std::size_t>(seen.body)].arclength_m,
+          const auto body = static_cast<std::size_t>(block.bodies.back().body);
+          error += in_section(at.predicted[t][k], model.arm().bodies[body].arclength_m,
                               unseen.residual[t].segment<3>(row + rows - 3))
                        .x();
           sum += all.values.row(static_cast<Eigen::Index>(i)).transpose();
@@ -98,25 +101,46 @@ Structure structure_of(const JointModel& model, const Linearised& at, const Unse
     }
     close();
   }
-  const auto n = static_cast<Eigen::Index>(errors.size());
-  if (n >= 8) {
-    VectorXd e = Eigen::Map<const VectorXd>(errors.data(), n);
-    e.array() -= e.mean();
-    for (Eigen::Index c = 0; c < all.values.cols(); ++c) {
-      VectorXd x(n);
-      for (Eigen::Index r = 0; r < n; ++r) x[r] = inputs[static_cast<std::size_t>(r)][c];
-      x.array() -= x.mean();
-      const double norm = x.norm() * e.norm();
-      if (!(norm > 1e-15)) continue;
-      const double r = std::clamp(x.dot(e) / norm, -0.999999, 0.999999);
-      const double dof = static_cast<double>(n - 2), t = r * std::sqrt(dof / (1.0 - r * r));
-      const double p =
-          2.0 * boost::math::cdf(boost::math::complement(boost::math::students_t(dof), std::abs(t)));
-      const std::string& name = all.names[static_cast<std::size_t>(c)];
-      const auto known = out.by_input_p.find(name);
-      out.by_input_p[name] = known == out.by_input_p.end() ? p : std::min(p, known->second);
-    }
+  return out;
+}
+
+/// Of no correlation of two series of this length, by Student's t.
+double p_of_correlation(const VectorXd& x, const VectorXd& y) {
+  const double r = std::clamp(x.dot(y) / (x.norm() * y.norm()), -0.999999, 0.999999);
+  const double dof = static_cast<double>(x.size() - 2), t = r * std::sqrt(dof / (1.0 - r * r));
+  return 2.0 * boost::math::cdf(boost::math::complement(boost::math::students_t(dof), std::abs(t)));
+}
+
+/// Residuals by what drives the arm.
+std::map<std::string, double> p_by_input(const Features& all, const ByStretch& stretches) {
+  std::map<std::string, double> p;
+  const auto n = static_cast<Eigen::Index>(stretches.error_m.size());
+  if (n < kFewestStretches) return p;
+  VectorXd e = Eigen::Map<const VectorXd>(stretches.error_m.data(), n);
+  e.array() -= e.mean();
+  for (Eigen::Index c = 0; c < all.values.cols(); ++c) {
+    VectorXd x(n);
+    for (Eigen::Index r = 0; r < n; ++r) x[r] = stretches.features[static_cast<std::size_t>(r)][c];
+    x.array() -= x.mean();
+    if (!(x.norm() * e.norm() > 1e-15)) continue;
+    const double one = p_of_correlation(x, e);
+    const auto known = p.try_emplace(all.names[static_cast<std::size_t>(c)], one).first;
+    known->second = std::min(known->second, one);
   }
+  return p;
+}
+
+}  // namespace
+
+Structure structure_of(const JointModel& model, const Linearised& at, const Unseen& unseen) {
+  Structure out;
+  out.chi2_per_dof = unseen.total_chi2 / std::max(1, at.rows);
+  Products time, along;
+  for (std::size_t t = 0; t < model.trials().size(); ++t) add_products(model, at, unseen, t, time, along);
+  out.whiteness_p = time.p();
+  out.along_s_p = along.p();
+  const Features all = features(model, at);
+  out.by_input_p = p_by_input(all, last_body_by_stretch(model, at, unseen, all));
   out.where = where_is(model, at, unseen.residual);
   return out;
 }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "joint_model.h"
-#include "softarm/diagnose/diagnosis.h"
+#include "softarm/diagnose/diagnose.h"
 #include "unseen.h"
 
 namespace softarm::diagnose {

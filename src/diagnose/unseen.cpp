@@ -3,7 +3,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "math/symmetric.h"
+#include "math/linear_algebra.h"
 
 namespace softarm::diagnose {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "math/linear_algebra.h"
 #include "math/parallel.h"
-#include "math/symmetric.h"
 #include "policy.h"
 
 namespace softarm::diagnose {

@@ -4,7 +4,7 @@
 #include <tuple>
 #include <utility>
 
-#include "math/symmetric.h"
+#include "math/linear_algebra.h"
 #include "policy.h"
 
 namespace softarm::estimate {

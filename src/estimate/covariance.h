@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "problem.h"
-#include "softarm/estimate/estimate.h"
+#include "softarm/estimate/estimator.h"
 
 namespace softarm::estimate {
 

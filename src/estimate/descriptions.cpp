@@ -1,4 +1,3 @@
-#include "softarm/estimate/estimate.h"
 #include "softarm/estimate/estimator.h"
 
 namespace softarm::estimate {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "softarm/arm/arm.h"
-#include "softarm/estimate/estimate.h"
+#include "softarm/estimate/estimator.h"
 
 namespace softarm::estimate {
 

@@ -251,6 +251,22 @@ std::optional<std::vector<arm::SegmentPrediction>> Estimator::Impl::predict_laws
   return predictions;
 }
 
+bool Estimator::Impl::has_needed_inputs(const trial::Frame& frame, bool estimate_stiffness) {
+  const bool believe_laws = options.prior.enabled;
+  for (const arm::Segment& segment : arm.segments) {
+    const bool needed = believe_laws || (!estimate_stiffness && arm::stiffness_depends_on_inputs(segment));
+    if (!needed || arm::predict_segment(arm, segment, frame.inputs)) continue;
+    const std::string missing = arm::missing_inputs(arm, segment, frame.inputs);
+    const char* why = believe_laws ? "the prior needs" : "its stiffness depends on";
+    fail(missing.empty() ? Status::kInvalidInput : Status::kMissingInputs,
+         missing.empty()
+             ? fmt::format("segment '{}': {} inputs that are outside of its laws", segment.name, why)
+             : fmt::format("segment '{}': {} {}, absent or too old", segment.name, why, missing));
+    return false;
+  }
+  return true;
+}
+
 bool Estimator::Impl::set_knowns(const trial::Frame& frame) {
   const bool arcs = is_constant_curvature(options.method);
   const int segments = static_cast<int>(arm.segments.size());
@@ -270,20 +286,7 @@ bool Estimator::Impl::set_knowns(const trial::Frame& frame) {
   }
 
   std::optional<std::vector<arm::SegmentPrediction>> predictions = predict_laws(frame);
-  const bool believe_laws = options.prior.enabled && !arcs;
-  for (int i = 0; i < segments && !predictions; ++i) {
-    const arm::Segment& segment = arm.segments[static_cast<std::size_t>(i)];
-    const bool needed =
-        believe_laws || (!estimate_stiffness && !arcs && arm::stiffness_depends_on_inputs(segment));
-    if (!needed || arm::predict_segment(arm, segment, frame.inputs)) continue;
-    const std::string missing = arm::missing_inputs(arm, segment, frame.inputs);
-    const char* why = believe_laws ? "the prior needs" : "its stiffness depends on";
-    fail(missing.empty() ? Status::kInvalidInput : Status::kMissingInputs,
-         missing.empty()
-             ? fmt::format("segment '{}': {} inputs that are outside of its laws", segment.name, why)
-             : fmt::format("segment '{}': {} {}, absent or too old", segment.name, why, missing));
-    return false;
-  }
+  if (!predictions && !arcs && !has_needed_inputs(frame, estimate_stiffness)) return false;
   problem.set_laws(predictions);
   // What frames share is counted from the laws at their inputs: without inputs it is something else.
   if (window && inputs_known && *inputs_known != predictions.has_value()) window->clear();

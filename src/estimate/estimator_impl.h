@@ -39,6 +39,8 @@ struct Estimator::Impl {
   // --- what is known ---
   /// What the laws say of the frame's inputs, all segments or nothing.
   std::optional<std::vector<arm::SegmentPrediction>> predict_laws(const trial::Frame& frame) const;
+  /// Whether the laws that this fit needs have their inputs; fails where not.
+  bool has_needed_inputs(const trial::Frame& frame, bool estimate_stiffness);
   bool set_knowns(const trial::Frame& frame);
   /// Gives the problem what the laws and the window's frames say of this one.
   void believe();

@@ -9,7 +9,7 @@
 #include "model/online_effects.h"
 #include "problem.h"
 #include "softarm/arm/arm.h"
-#include "softarm/trial/frame.h"
+#include "softarm/trial/trial.h"
 
 namespace softarm::estimate {
 

@@ -4,7 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "math/symmetric.h"
+#include "math/linear_algebra.h"
 #include "problem.h"
 
 namespace softarm::estimate {

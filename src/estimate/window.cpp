@@ -4,7 +4,7 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 
-#include "math/symmetric.h"
+#include "math/linear_algebra.h"
 #include "policy.h"
 
 namespace softarm::estimate {

@@ -32,6 +32,95 @@ std::string list_of(const Combination& combination) {
   return names;
 }
 
+/// Of each member of a combination: what it and another member, whose inputs always go together with its own,
+/// both lack; empty where there is no such member.
+std::vector<std::string> lacks_of_pairs(const Conditions& conditions, const Result& result,
+                                        const std::vector<int>& members) {
+  const auto ref = [&](std::size_t m) -> const ConstantRef& {
+    return result.constants[static_cast<std::size_t>(members[m])].ref;
+  };
+  std::vector<std::string> lacks(members.size());
+  for (std::size_t a = 0; a < members.size(); ++a) {
+    for (std::size_t b = 0; b < members.size() && lacks[a].empty(); ++b) {
+      if (a != b && conditions.driven_alike(ref(a), ref(b)))
+        lacks[a] = conditions.advice_of_pair(ref(a), ref(b));
+    }
+  }
+  return lacks;
+}
+
+/// @param lack of its largest part; @param of_pair whether another part lacks the same
+std::string sentence_of(const Combination& combination, const Constant& largest, bool gains_and_stiffness,
+                        const std::string& lack, bool of_pair) {
+  if (combination.parts.size() == 1) return largest.name + " is not determined: " + lack;
+  if (of_pair) return list_of(combination) + " cannot be separated: " + lack;
+  return fmt::format("{} can change together and no trial would show it{}: {}", list_of(combination),
+                     gains_and_stiffness ? " (only moment over stiffness shows)" : "", lack);
+}
+
+/// Tells the members of a combination what they lack, and whom they are mistaken for.
+void advise_members(const Conditions& conditions, const std::vector<int>& members,
+                    const std::vector<std::string>& lacks, Result& result) {
+  const auto constant = [&](int j) -> Constant& { return result.constants[static_cast<std::size_t>(j)]; };
+  for (std::size_t m = 0; m < members.size(); ++m) {
+    const int j = members[m];
+    Constant& c = constant(j);
+    if (c.determined) continue;
+    // Each by its own conditions: those of the combination's largest part are of another input, or law.
+    if (c.advice.empty()) c.advice = lacks[m].empty() ? conditions.advice(c.ref) : lacks[m];
+    for (const int k : members) {
+      const auto known = std::find_if(c.confused_with.begin(), c.confused_with.end(),
+                                      [&](const auto& other) { return other.first == constant(k).name; });
+      if (k != j && known == c.confused_with.end())
+        c.confused_with.emplace_back(constant(k).name, result.correlation(j, k));
+    }
+  }
+}
+
+/// A direction in which the constants, in units of their own final scales, may be off by more than is
+/// allowed.
+/// @param v of length 1
+void add_combination(const Conditions& conditions, const Eigen::VectorXd& v, double relative_sd,
+                     Result& result) {
+  const auto constant = [&](int j) -> Constant& { return result.constants[static_cast<std::size_t>(j)]; };
+  std::vector<int> members;
+  for (int j = 0; j < static_cast<int>(v.size()); ++j) {
+    if (std::abs(v[j]) >= kPartThatCounts) members.push_back(j);
+  }
+  std::sort(members.begin(), members.end(), [&](int a, int b) { return std::abs(v[a]) > std::abs(v[b]); });
+  Combination combination;
+  combination.relative_sd = relative_sd;
+  bool gains = false, stiffness = false;
+  const double sign = v[members.front()] < 0.0 ? -1.0 : 1.0;
+  for (const int j : members) {
+    combination.parts.emplace_back(constant(j).name, sign * v[j]);
+    gains = gains || is_gain(constant(j).ref.kind);
+    stiffness = stiffness || is_stiffness(constant(j).ref.kind);
+  }
+  const std::vector<std::string> lacks = lacks_of_pairs(conditions, result, members);
+  const Constant& largest = constant(members.front());
+  const bool of_pair = !lacks.front().empty();
+  combination.sentence = sentence_of(combination, largest, gains && stiffness,
+                                     of_pair ? lacks.front() : conditions.advice(largest.ref), of_pair);
+  advise_members(conditions, members, lacks, result);
+  result.undetermined.push_back(std::move(combination));
+}
+
+/// What is still to be said of a constant.
+void advise(const Conditions& conditions, Constant& c) {
+  if (c.kept) {
+    c.advice = fmt::format("ran to {:g} {}; kept at {:g} as in the arm file; {}", c.ran_to, c.unit, c.value,
+                           conditions.advice(c.ref));
+  } else if (refused(c)) {
+    c.advice =
+        fmt::format("the fit ran into the limit of what an arm may have, {:g} {}; check {}", c.value, c.unit,
+                    is_gain(c.ref.kind) ? "the bending direction and which input feeds it"
+                                        : "the arm's other values and the trials");
+  } else if (!c.determined && c.advice.empty()) {
+    c.advice = conditions.advice(c.ref);
+  }
+}
+
 }  // namespace
 
 void judge(const arm::Arm& arm, const std::vector<trial::StaticFrame>& frames, const Uncertainty& uncertainty,
@@ -47,75 +136,13 @@ void judge(const arm::Arm& arm, const std::vector<trial::StaticFrame>& frames, c
         c.confused_with.emplace_back(constant(k).name, result.correlation(j, k));
     }
   }
-  // Directions in units of each constant's own final scale.
   for (int i = 0; i < count; ++i) {
     Eigen::VectorXd v = uncertainty.directions.col(i) * uncertainty.direction_sd[i];
     for (int j = 0; j < count; ++j) v[j] *= scale[j] / constant(j).scale;
     const double sd = v.norm();
-    if (sd <= determined_sd) continue;
-    v /= sd;
-    Combination combination;
-    combination.relative_sd = sd;
-    std::vector<int> members;
-    for (int j = 0; j < count; ++j) {
-      if (std::abs(v[j]) >= kPartThatCounts) members.push_back(j);
-    }
-    std::sort(members.begin(), members.end(), [&](int a, int b) { return std::abs(v[a]) > std::abs(v[b]); });
-    bool gains = false, stiffness = false;
-    const double sign = v[members.front()] < 0.0 ? -1.0 : 1.0;
-    for (const int j : members) {
-      combination.parts.emplace_back(constant(j).name, sign * v[j]);
-      gains = gains || is_gain(constant(j).ref.kind);
-      stiffness = stiffness || is_stiffness(constant(j).ref.kind);
-    }
-    // Whose inputs always go together with those of another member: the one thing that both lack.
-    std::vector<std::string> alike(members.size());
-    for (std::size_t a = 0; a < members.size(); ++a) {
-      for (std::size_t b = 0; b < members.size() && alike[a].empty(); ++b) {
-        const ConstantRef &one = constant(members[a]).ref, &other = constant(members[b]).ref;
-        if (a != b && conditions.driven_alike(one, other)) alike[a] = conditions.advice_of_pair(one, other);
-      }
-    }
-    const Constant& first = constant(members.front());
-    const std::string lack = alike.front().empty() ? conditions.advice(first.ref) : alike.front();
-    if (members.size() == 1) {
-      combination.sentence = first.name + " is not determined: " + lack;
-    } else if (!alike.front().empty()) {
-      combination.sentence = list_of(combination) + " cannot be separated: " + lack;
-    } else {
-      combination.sentence =
-          fmt::format("{} can change together and no trial would show it{}: {}", list_of(combination),
-                      gains && stiffness ? " (only moment over stiffness shows)" : "", lack);
-    }
-    for (std::size_t m = 0; m < members.size(); ++m) {
-      const int j = members[m];
-      Constant& c = constant(j);
-      if (c.determined) continue;
-      // Each by its own conditions: those of the combination's largest part are of another input, or law.
-      if (c.advice.empty()) c.advice = alike[m].empty() ? conditions.advice(c.ref) : alike[m];
-      for (const int k : members) {
-        const auto known = std::find_if(c.confused_with.begin(), c.confused_with.end(),
-                                        [&](const auto& other) { return other.first == constant(k).name; });
-        if (k != j && known == c.confused_with.end())
-          c.confused_with.emplace_back(constant(k).name, result.correlation(j, k));
-      }
-    }
-    result.undetermined.push_back(std::move(combination));
+    if (sd > determined_sd) add_combination(conditions, v / sd, sd, result);
   }
-  for (int j = 0; j < count; ++j) {
-    Constant& c = constant(j);
-    if (c.kept) {
-      c.advice = fmt::format("ran to {:g} {}; kept at {:g} as in the arm file; {}", c.ran_to, c.unit, c.value,
-                             conditions.advice(c.ref));
-    } else if (refused(c)) {
-      c.advice = fmt::format("the fit ran into the limit of what an arm may have, {:g} {}; check {}", c.value,
-                             c.unit,
-                             is_gain(c.ref.kind) ? "the bending direction and which input feeds it"
-                                                 : "the arm's other values and the trials");
-    } else if (!c.determined && c.advice.empty()) {
-      c.advice = conditions.advice(c.ref);
-    }
-  }
+  for (Constant& c : result.constants) advise(conditions, c);
 }
 
 }  // namespace softarm::identify

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "softarm/arm/arm.h"
-#include "softarm/identify/shape_error.h"
+#include "softarm/identify/identify.h"
 #include "trial/static_frame.h"
 
 namespace softarm::identify {

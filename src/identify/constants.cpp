@@ -1,11 +1,11 @@
-#include "softarm/identify/constants.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <fnmatch.h>
 
 #include <algorithm>
 #include <stdexcept>
+
+#include "softarm/identify/identify.h"
 
 namespace softarm::identify {
 

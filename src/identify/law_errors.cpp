@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "math/linear_algebra.h"
 #include "math/statistics.h"
 
 namespace softarm::identify {
@@ -85,11 +86,11 @@ Components split(const std::map<std::size_t, std::vector<FrameInformation>>& tri
       VectorXd pull = VectorXd::Zero(laws);
       std::vector<MatrixXd> spread;  // posterior covariance of what passes, given what lasts
       for (const FrameInformation& info : infos) {
-        spread.push_back((info.f + passing_information).ldlt().solve(MatrixXd::Identity(laws, laws)));
+        spread.push_back(math::inverse_of_symmetric(info.f + passing_information));
         information += info.f - info.f * spread.back() * info.f;
         pull += info.y - info.f * spread.back() * info.y;
       }
-      const MatrixXd covariance = information.ldlt().solve(MatrixXd::Identity(laws, laws));
+      const MatrixXd covariance = math::inverse_of_symmetric(information);
       const VectorXd mean = covariance * pull;
       c.lasting_by_trial.emplace_back(mean.cwiseAbs2() + covariance.diagonal());
       lasting += c.lasting_by_trial.back();
@@ -125,14 +126,16 @@ void split_moment(const std::vector<double>& error2, const std::vector<double>& 
   absolute2 = std::max(0.0, mean_e - relative2 * mean_m);
 }
 
-}  // namespace
-
-arm::LawPrior law_errors(const arm::Arm& arm, LawModel& model, const std::vector<trial::StaticFrame>& frames,
-                         const MatrixXd& of_constants, const MatrixXd& given_moduli) {
+/// What frames say of the laws, and what the constants' own uncertainty makes of them there.
+struct Gathered {
   std::map<std::size_t, std::vector<FrameInformation>> trials;
-  const int segments = static_cast<int>(arm.segments.size());
-  std::vector<double> moments, bending_nm;  // the latter per radian
-  std::vector<std::vector<double>> own(3);  // variances by the constants: moment, ln EI, length
+  std::vector<double> moments, bending_nm;                          ///< the latter per radian
+  std::vector<double> own_moment2, own_ln_stiffness2, own_length2;  ///< variances by the constants
+};
+
+Gathered gather(const arm::Arm& arm, LawModel& model, const std::vector<trial::StaticFrame>& frames,
+                const MatrixXd& of_constants, const MatrixXd& given_moduli) {
+  Gathered out;
   for (const trial::StaticFrame& frame : frames) {
     std::optional<model::Equilibrium> equilibrium;
     Prediction predicted;
@@ -144,45 +147,30 @@ arm::LawPrior law_errors(const arm::Arm& arm, LawModel& model, const std::vector
       const double sd = arm.bodies[static_cast<std::size_t>(seen.body)].position_sd_m;
       distances.push_back((seen.p_base - predicted.p.col(static_cast<int>(k))).norm() / sd);
     }
-    trials[frame.trial].push_back(
+    out.trials[frame.trial].push_back(
         inform(arm, model, frame, predicted, kHuber * std::max(1.0, math::median(distances))));
     const auto variances = [&](const MatrixXd& covariance) -> VectorXd {
       return (predicted.dlaws * covariance * predicted.dlaws.transpose()).diagonal().cwiseMax(0.0);
     };
     const VectorXd all = variances(of_constants), given = variances(given_moduli);
-    for (int i = 0; i < segments; ++i) {
-      moments.push_back(predicted.laws.segment<2>(kLaws * i).norm());
-      bending_nm.push_back(std::exp(predicted.laws[kLaws * i + 2]) / predicted.laws[kLaws * i + 3]);
-      own[0].push_back(given.segment<2>(kLaws * i).mean());
-      own[1].push_back(all[kLaws * i + 2]);
-      own[2].push_back(given[kLaws * i + 3]);
+    for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
+      out.moments.push_back(predicted.laws.segment<2>(kLaws * i).norm());
+      out.bending_nm.push_back(std::exp(predicted.laws[kLaws * i + 2]) / predicted.laws[kLaws * i + 3]);
+      out.own_moment2.push_back(given.segment<2>(kLaws * i).mean());
+      out.own_ln_stiffness2.push_back(all[kLaws * i + 2]);
+      out.own_length2.push_back(given[kLaws * i + 3]);
     }
   }
-  arm::LawPrior prior;
-  if (trials.empty()) return prior;
-  double square = 0.0;
-  for (const double m : moments) square += m * m / static_cast<double>(moments.size());
-  // Of frames that are hardly driven: what would bend the arm visibly.
-  const double typical_nm = std::max(kVisibleBend_rad * math::median(bending_nm), std::sqrt(square));
-  const double length_m = arm.total_length_m() / segments;
-  VectorXd start(kLaws * segments);
-  for (int i = 0; i < segments; ++i) {
-    const double moment = kStartMoment_rel * typical_nm, length = kStartLength_rel * length_m;
-    start.segment<kLaws>(kLaws * i) << moment * moment, moment * moment,
-        kStartStiffness_rel * kStartStiffness_rel, length * length;
-  }
-  const Components components = split(trials, start);
+  return out;
+}
 
-  double stiffness2 = 0.0, length2 = 0.0, moment_jitter2 = 0.0, length_jitter2 = 0.0;
-  for (int i = 0; i < segments; ++i) {  // the prior has one value for all segments: the worst
-    stiffness2 = std::max(stiffness2, components.lasting[kLaws * i + 2]);
-    length2 = std::max(length2, components.lasting[kLaws * i + 3]);
-    moment_jitter2 = std::max(moment_jitter2, components.passing.segment<2>(kLaws * i).mean());
-    length_jitter2 = std::max(length_jitter2, components.passing[kLaws * i + 3]);
-  }
+/// Of the moment: the part of the lasting error's variance that is the same everywhere, and that relative to
+/// the moment.
+void moment_errors(const Gathered& gathered, const Components& components, int segments, double& absolute2,
+                   double& relative2) {
   std::vector<double> error2, moment2;
   std::size_t t = 0;
-  for (const auto& [trial, infos] : trials) {
+  for (const auto& [trial, infos] : gathered.trials) {
     for (int i = 0; i < segments; ++i) {
       double mean = 0.0;
       for (const FrameInformation& info : infos)
@@ -192,21 +180,53 @@ arm::LawPrior law_errors(const arm::Arm& arm, LawModel& model, const std::vector
     }
     ++t;
   }
-  double absolute2 = 0.0, relative2 = 0.0;
   split_moment(error2, moment2, absolute2, relative2);
+}
+
+}  // namespace
+
+arm::LawPrior law_errors(const arm::Arm& arm, LawModel& model, const std::vector<trial::StaticFrame>& frames,
+                         const MatrixXd& of_constants, const MatrixXd& given_moduli) {
+  const Gathered gathered = gather(arm, model, frames, of_constants, given_moduli);
+  const int segments = static_cast<int>(arm.segments.size());
+  arm::LawPrior prior;
+  if (gathered.trials.empty()) return prior;
+  double square = 0.0;
+  for (const double m : gathered.moments) square += m * m / static_cast<double>(gathered.moments.size());
+  // Of frames that are hardly driven: what would bend the arm visibly.
+  const double typical_nm = std::max(kVisibleBend_rad * math::median(gathered.bending_nm), std::sqrt(square));
+  const double length_m = arm.total_length_m() / segments;
+  VectorXd start(kLaws * segments);
+  for (int i = 0; i < segments; ++i) {
+    const double moment = kStartMoment_rel * typical_nm, length = kStartLength_rel * length_m;
+    start.segment<kLaws>(kLaws * i) << moment * moment, moment * moment,
+        kStartStiffness_rel * kStartStiffness_rel, length * length;
+  }
+  const Components components = split(gathered.trials, start);
+
+  double stiffness2 = 0.0, length2 = 0.0, moment_jitter2 = 0.0, length_jitter2 = 0.0;
+  for (int i = 0; i < segments; ++i) {  // the prior has one value for all segments: the worst
+    stiffness2 = std::max(stiffness2, components.lasting[kLaws * i + 2]);
+    length2 = std::max(length2, components.lasting[kLaws * i + 3]);
+    moment_jitter2 = std::max(moment_jitter2, components.passing.segment<2>(kLaws * i).mean());
+    length_jitter2 = std::max(length_jitter2, components.passing[kLaws * i + 3]);
+  }
+  double absolute2 = 0.0, relative2 = 0.0;
+  moment_errors(gathered, components, segments, absolute2, relative2);
   // Constants that the trials do not tell: off by all of the moment is what there is to be said.
-  const double own_moment2 = std::min(math::median(own[0]), typical_nm * typical_nm);
+  const double own_moment2 = std::min(math::median(gathered.own_moment2), typical_nm * typical_nm);
   const double least_moment = kLeastMoment_rel * typical_nm;
   prior.enabled = true;
   prior.moment_sd_nm = std::min(kMostMoment_rel * typical_nm,
                                 std::sqrt(absolute2 + own_moment2 + least_moment * least_moment));
   prior.moment_sd_rel = std::sqrt(relative2);
   prior.bending_stiffness_sd_rel =
-      std::min(kMostStiffness_rel,
-               std::sqrt(stiffness2 + math::median(own[1]) + kLeastStiffness_rel * kLeastStiffness_rel));
+      std::min(kMostStiffness_rel, std::sqrt(stiffness2 + math::median(gathered.own_ln_stiffness2) +
+                                             kLeastStiffness_rel * kLeastStiffness_rel));
   const double least_length = kLeastLength_rel * length_m;
-  prior.length_sd_m = std::min(kMostLength_rel * length_m,
-                               std::sqrt(length2 + math::median(own[2]) + least_length * least_length));
+  prior.length_sd_m =
+      std::min(kMostLength_rel * length_m,
+               std::sqrt(length2 + math::median(gathered.own_length2) + least_length * least_length));
   prior.moment_jitter_sd_nm = std::max(std::sqrt(moment_jitter2), kLeastJitter * prior.moment_sd_nm);
   prior.length_jitter_sd_m = std::max(std::sqrt(length_jitter2), kLeastJitter * prior.length_sd_m);
   return prior;

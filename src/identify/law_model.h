@@ -8,7 +8,7 @@
 
 #include "arm/constant_spec.h"
 #include "model/arm_rod.h"
-#include "softarm/identify/constants.h"
+#include "softarm/identify/identify.h"
 #include "softarm/rod/solver.h"
 #include "trial/static_frame.h"
 

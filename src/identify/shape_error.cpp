@@ -1,11 +1,10 @@
-#include "softarm/identify/shape_error.h"
-
 #include <algorithm>
 
 #include "choose_frames.h"
 #include "compare_frames.h"
 #include "law_model.h"
 #include "math/statistics.h"
+#include "softarm/identify/identify.h"
 
 namespace softarm::identify {
 

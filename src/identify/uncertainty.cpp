@@ -6,6 +6,8 @@
 #include <map>
 #include <utility>
 
+#include "math/linear_algebra.h"
+
 namespace softarm::identify {
 namespace {
 
@@ -96,11 +98,61 @@ Decomposition decompose(const MatrixXd& information) {
   Decomposition result{VectorXd::Zero(count), MatrixXd::Zero(count, count)};
   for (Eigen::Index j = 0; j < silent; ++j) result.directions(at(j), j) = 1.0;
   if (rest == 0) return result;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(part);
-  result.values.tail(rest) = eigen.eigenvalues();
+  const math::Eigensystem eigen = math::eigensystem_of(part);
+  result.values.tail(rest) = eigen.values;
   for (Eigen::Index j = 0; j < rest; ++j)
-    result.directions.row(at(silent + j)).tail(rest) = eigen.eigenvectors().row(j);
+    result.directions.row(at(silent + j)).tail(rest) = eigen.vectors.row(j);
   return result;
+}
+
+/// Sums over all residuals of a fit.
+struct Sums {
+  std::map<std::size_t, Cluster> clusters;
+  MatrixXd information;
+  double chi2 = 0.0, rows = 0.0, square_m2 = 0.0, coordinates = 0.0;
+};
+
+Sums sum_up(const JointProblem& problem, const std::vector<ResidualBlock>& blocks,
+            const std::vector<std::size_t>& cluster_of, int constants) {
+  Sums sums;
+  for (const ResidualBlock& block : blocks) {
+    const Vector3d r = problem.residual(block);
+    const MatrixXd j = problem.jacobian(block);
+    const double weight = problem.weight(block, r.squaredNorm());
+    Cluster& cluster = sums.clusters[cluster_of[block.frame]];
+    if (cluster.gradient.size() == 0) {
+      cluster.information = MatrixXd::Zero(constants, constants);
+      cluster.gradient = VectorXd::Zero(constants);
+    }
+    cluster.information.noalias() += weight * j.transpose() * j;
+    cluster.gradient.noalias() += weight * j.transpose() * r;
+    sums.chi2 += weight * r.squaredNorm();
+    sums.rows += block.tangent ? 2.0 : 3.0;  // a tangent has no error along itself
+    if (!block.tangent) {
+      sums.square_m2 += problem.position_error_m(block).squaredNorm();
+      sums.coordinates += 3.0;
+    }
+  }
+  sums.information = MatrixXd::Zero(constants, constants);
+  for (const auto& [trial, cluster] : sums.clusters) sums.information += cluster.information;
+  return sums;
+}
+
+/// Direction by direction the spread of few trials is uncertain: it is mixed with its mean over all.
+/// @param outer spread of the trials' gradients; @param inverse of the information
+MatrixXd by_spread_of_trials(const Sums& sums, const MatrixXd& outer, const MatrixXd& inverse, double base,
+                             double determined) {
+  const double trials = static_cast<double>(sums.clusters.size()), prior_trials = determined + 1.0;
+  const MatrixXd score = (trials * outer + prior_trials * base * sums.information) / (trials + prior_trials);
+  MatrixXd covariance = inverse * score * inverse;
+  // Never narrower than noise alone.
+  for (Eigen::Index j = 0; j < covariance.rows(); ++j) {
+    if (!(covariance(j, j) > 0.0)) continue;
+    const double widen = std::max(1.0, std::sqrt(inverse(j, j) / covariance(j, j)));
+    covariance.row(j) *= widen;
+    covariance.col(j) *= widen;
+  }
+  return covariance;
 }
 
 }  // namespace
@@ -108,32 +160,9 @@ Decomposition decompose(const MatrixXd& information) {
 Uncertainty uncertainty(const JointProblem& problem, const std::vector<trial::StaticFrame>& frames,
                         int constants) {
   const std::vector<ResidualBlock> blocks = problem.blocks();
-  const std::vector<std::size_t> cluster_of = cluster_frames(frames);
-  std::map<std::size_t, Cluster> clusters;
-  MatrixXd information = MatrixXd::Zero(constants, constants);
-  double chi2 = 0.0, rows = 0.0, square_m2 = 0.0, coordinates = 0.0;
-  for (const ResidualBlock& block : blocks) {
-    const Vector3d r = problem.residual(block);
-    const MatrixXd j = problem.jacobian(block);
-    const double weight = problem.weight(block, r.squaredNorm());
-    Cluster& cluster = clusters[cluster_of[block.frame]];
-    if (cluster.gradient.size() == 0) {
-      cluster.information = MatrixXd::Zero(constants, constants);
-      cluster.gradient = VectorXd::Zero(constants);
-    }
-    cluster.information.noalias() += weight * j.transpose() * j;
-    cluster.gradient.noalias() += weight * j.transpose() * r;
-    chi2 += weight * r.squaredNorm();
-    rows += block.tangent ? 2.0 : 3.0;  // a tangent has no error along itself
-    if (!block.tangent) {
-      square_m2 += problem.position_error_m(block).squaredNorm();
-      coordinates += 3.0;
-    }
-  }
-  for (const auto& [trial, cluster] : clusters) information += cluster.information;
-
+  const Sums sums = sum_up(problem, blocks, cluster_frames(frames), constants);
   Uncertainty result;
-  const Decomposition eigen = decompose(information);
+  const Decomposition eigen = decompose(sums.information);
   // Directions that the trials determine to a scale, and the others: kept apart, lest the rounding of an
   // infinite variance spoils the finite ones.
   const VectorXd lambda = eigen.values.cwiseMax(kLeastInformation);
@@ -143,44 +172,31 @@ Uncertainty uncertainty(const JointProblem& problem, const std::vector<trial::St
   const MatrixXd inverse = directions * inside.asDiagonal() * directions.transpose();
   const MatrixXd undetermined = directions * outside.asDiagonal() * directions.transpose();
   const double determined = (lambda.array() > kIdentifiable).count();
-  const double dof = std::max(1.0, rows - determined);
-  result.misfit = std::sqrt(chi2 / dof);
-  result.chi2 = chi2;
-  result.position_rms_m = coordinates > 0.0 ? std::sqrt(square_m2 / coordinates) : 0.0;
+  const double dof = std::max(1.0, sums.rows - determined);
+  result.misfit = std::sqrt(sums.chi2 / dof);
+  result.chi2 = sums.chi2;
+  result.position_rms_m = sums.coordinates > 0.0 ? std::sqrt(sums.square_m2 / sums.coordinates) : 0.0;
   result.autocorrelation = autocorrelation_time(problem, blocks, frames);
 
   // The gradients of the trials sum to zero at the optimum; their spread shows what frames of a trial share,
   // bodies of a frame included. Without model error its mean is the information, less what the fit took.
   double spread = 1.0, taken = 0.0;
   MatrixXd outer = MatrixXd::Zero(constants, constants);
-  for (const auto& [trial, cluster] : clusters) {
+  for (const auto& [trial, cluster] : sums.clusters) {
     outer += cluster.gradient * cluster.gradient.transpose();
     const MatrixXd share = inverse * cluster.information;
     taken += (share * share).trace();
   }
-  const double clusters_count = static_cast<double>(clusters.size());
-  const bool by_spread = clusters.size() >= kFewestClusters && taken < 0.8 * determined && determined > 0.0;
+  const bool by_spread =
+      sums.clusters.size() >= kFewestClusters && taken < 0.8 * determined && determined > 0.0;
   if (by_spread) {
     outer *= determined / (determined - taken);
     spread = (inverse * outer).trace() / determined;
   }
-  const double base = std::max({1.0, chi2 / dof * result.autocorrelation, spread});
-  result.covariance = base * inverse;
-  if (by_spread) {
-    // Direction by direction the spread of few trials is uncertain: it is mixed with its mean over all.
-    const double prior_trials = determined + 1.0;
-    const MatrixXd score =
-        (clusters_count * outer + prior_trials * base * information) / (clusters_count + prior_trials);
-    result.covariance = inverse * score * inverse;
-    // Never narrower than noise alone.
-    for (int j = 0; j < constants; ++j) {
-      if (!(result.covariance(j, j) > 0.0)) continue;
-      const double widen = std::max(1.0, std::sqrt(inverse(j, j) / result.covariance(j, j)));
-      result.covariance.row(j) *= widen;
-      result.covariance.col(j) *= widen;
-    }
-  }
-  result.covariance += base * undetermined;
+  const double base = std::max({1.0, sums.chi2 / dof * result.autocorrelation, spread});
+  result.covariance = base * undetermined;
+  result.covariance +=
+      by_spread ? by_spread_of_trials(sums, outer, inverse, base, determined) : MatrixXd(base * inverse);
   result.factor = std::sqrt(base);
   result.direction_sd = (base * lambda.cwiseInverse()).cwiseSqrt();  // ascending eigenvalues: largest first
   result.directions = directions;

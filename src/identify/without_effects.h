@@ -5,7 +5,7 @@
 
 #include "model/effect.h"
 #include "softarm/arm/arm.h"
-#include "softarm/identify/shape_error.h"
+#include "softarm/identify/identify.h"
 
 namespace softarm::identify {
 

@@ -3,7 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
-#include "math/symmetric.h"
+#include "math/linear_algebra.h"
 
 namespace softarm::model {
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "math/symmetric.h"
+#include "math/linear_algebra.h"
 #include "monitor_shape.h"
 #include "softarm/monitor/mismatch_monitor.h"
 

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "math/symmetric.h"
+#include "math/linear_algebra.h"
 #include "monitor_shape.h"
 #include "softarm/arm/arm.h"
 

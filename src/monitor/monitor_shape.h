@@ -6,7 +6,7 @@
 
 #include "softarm/arm/arm.h"
 #include "softarm/arm/laws.h"
-#include "softarm/estimate/estimate.h"
+#include "softarm/estimate/estimator.h"
 
 namespace softarm::monitor {
 

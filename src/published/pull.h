@@ -12,7 +12,7 @@
 
 #include "published.h"
 #include "softarm/arm/arm.h"
-#include "softarm/identify/shape_error.h"
+#include "softarm/identify/identify.h"
 
 namespace softarm::published {
 

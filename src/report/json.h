@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "softarm/diagnose/diagnosis.h"
+#include "softarm/diagnose/diagnose.h"
 
 namespace softarm::report {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "softarm/estimate/estimate.h"
+#include "softarm/estimate/estimator.h"
 
 namespace softarm {
 

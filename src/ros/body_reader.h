@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <string>
 
-#include "softarm/arm/inputs.h"
+#include "softarm/arm/arm.h"
 
 namespace softarm {
 

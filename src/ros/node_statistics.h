@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "softarm/estimate/estimate.h"
+#include "softarm/estimate/estimator.h"
 
 namespace softarm {
 

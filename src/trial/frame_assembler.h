@@ -13,7 +13,7 @@
 #include "body_gate.h"
 #include "input_rhythm.h"
 #include "softarm/arm/arm.h"
-#include "softarm/trial/frame.h"
+#include "softarm/trial/trial.h"
 
 namespace softarm::trial {
 

@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "arm_text.h"
-#include "softarm/identify/constants.h"
+#include "softarm/identify/identify.h"
 
 namespace softarm {
 namespace {

@@ -10,7 +10,7 @@
 #include "rig/campaign.h"
 #include "rig/simulator.h"
 #include "softarm/arm/arm_file.h"
-#include "softarm/identify/shape_error.h"
+#include "softarm/identify/identify.h"
 #include "trial/frame_assembler.h"
 #include "trial/trial_recorder.h"
 

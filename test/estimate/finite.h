@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include "softarm/estimate/estimate.h"
+#include "softarm/estimate/estimator.h"
 
 namespace softarm::estimate::testing {
 

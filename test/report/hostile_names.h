@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-#include "softarm/diagnose/diagnosis.h"
+#include "softarm/diagnose/diagnose.h"
 
 namespace softarm::diagnose::testing {
 

@@ -1,17 +1,94 @@
 // One frame to one estimate.
 #pragma once
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "softarm/arm/arm.h"
-#include "softarm/estimate/estimate.h"
 #include "softarm/export.h"
 #include "softarm/model/present.h"
-#include "softarm/trial/frame.h"
+#include "softarm/trial/trial.h"
 
 namespace softarm::estimate {
+
+/// Why a frame has, or has not, an estimate.
+enum class Status {
+  kOk,
+  kNoBasePose,       ///< the base has never been seen
+  kNotEnoughBodies,  ///< what was measured cannot determine the unknowns
+  kMissingPayload,   ///< stiffness is asked for, but the payload is not known
+  kMissingInputs,    ///< the prior or the known stiffness needs pressures, tensions or angles that are absent
+  kInvalidInput,     ///< non-finite or absurd numbers (kilometres, zero quaternion)
+  kNoConvergence,    ///< the solver found no fit
+  kInconsistent,     ///< converged, but to a shape that the measurements contradict grossly
+};
+
+SOFTARM_EXPORT std::string to_string(Status status);
+
+/// Estimates of one segment. sd_... is absent where the frame does not determine the value at all (a value
+/// without sd is then the assumed one); a value is absent where it is neither estimated nor known.
+struct SegmentEstimate {
+  std::optional<double> moment_nm;                  ///< M0 >= 0
+  std::optional<double> direction_rad;              ///< phi, (-pi, pi], in the base frame of the segment
+  std::optional<double> bending_stiffness_nm2;      ///< EI
+  std::optional<double> length_m;                   ///< L
+  std::optional<double> actuation_curvature_per_m;  ///< M0 / EI: observable even without load
+  std::optional<double> sd_moment_nm, sd_direction_rad, sd_bending_stiffness_nm2, sd_length_m,
+      sd_actuation_curvature_per_m;
+  bool identifiable_stiffness =
+      false;  ///< this frame determines EI to EstimatorOptions::identifiable_relative_sd
+  bool identifiable_moment = false;
+  double bending_angle_rad = 0.0;  ///< angle between the tangents at the segment's ends
+  /// Covariance of (M0, phi, EI, L); NaN-free: rows of undetermined parameters are zero, see the sd_...
+  /// fields.
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
+};
+
+/// The backbone at one arclength, in the base frame of the rod.
+struct BackbonePoint {
+  double arclength_m = 0.0;  ///< along the arm at zero input
+  Eigen::Vector3d p_base = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond q_base = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d curvature_per_m = Eigen::Vector3d::Zero();  ///< strain u in the section frame
+};
+
+/// Estimated against measured position of one body.
+struct BodyResidual {
+  int body = 0;
+  Eigen::Vector3d measured_base = Eigen::Vector3d::Zero();
+  Eigen::Vector3d estimated_base = Eigen::Vector3d::Zero();
+  bool used = true;  ///< false: set aside as an outlier
+};
+
+struct SolverSummary {
+  int iterations = 0;
+  int rod_solves = 0;
+  double initial_cost = 0.0;
+  double final_cost = 0.0;
+  bool warm_start = false;
+};
+
+/// One frame's estimate.
+struct Estimate {
+  double stamp_s = 0.0;
+  Status status = Status::kNotEnoughBodies;
+  std::string detail;  ///< one line for people where status is not kOk
+  std::vector<SegmentEstimate> segments;
+  std::optional<double> payload_kg;     ///< estimated or known
+  std::optional<double> sd_payload_kg;  ///< absent when known or undetermined
+  bool identifiable_payload = false;
+  Eigen::Isometry3d base_in_mocap = Eigen::Isometry3d::Identity();  ///< rod base frame
+  std::vector<BackbonePoint> backbone;
+  std::vector<BodyResidual> residuals;
+  double rms_residual_m = 0.0;      ///< root mean square distance over the bodies used
+  double reduced_chi_square = 0.0;  ///< chi-square per degree of freedom against the stated noise
+  int degrees_of_freedom = 0;
+  SolverSummary solver;
+};
 
 /// Fits the rod model of an arm to one frame at a time; the node, the offline program and the tests all use
 /// it.

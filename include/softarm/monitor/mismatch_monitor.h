@@ -6,9 +6,9 @@
 #include <string>
 
 #include "softarm/arm/arm.h"
-#include "softarm/estimate/estimate.h"
+#include "softarm/estimate/estimator.h"
 #include "softarm/export.h"
-#include "softarm/trial/frame.h"
+#include "softarm/trial/trial.h"
 
 namespace softarm::monitor {
 

@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "softarm/diagnose/diagnosis.h"
+#include "softarm/diagnose/diagnose.h"
 #include "softarm/export.h"
 
 namespace softarm::report {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "softarm/trial/frame.h"
+#include "softarm/trial/trial.h"
 
 namespace softarm::trial {
 

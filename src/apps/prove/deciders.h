@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "softarm/identify/shape_error.h"
+#include "softarm/identify/identify.h"
 
 namespace softarm::prove {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "diagnose/screen.h"
-#include "softarm/identify/constants.h"
+#include "softarm/identify/identify.h"
 
 namespace softarm::prove {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "diagnose/joint_model.h"
-#include "softarm/identify/shape_error.h"
+#include "softarm/identify/identify.h"
 
 namespace softarm::prove {
 

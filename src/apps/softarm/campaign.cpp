@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 constexpr int kAttempts = 20;
 
-struct Options {
+struct CampaignOptions {
   std::string campaign;
   std::string out;
   int cases = 10;
@@ -33,7 +33,7 @@ struct Options {
   unsigned jobs = 0;
 };
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kCampaignExamples = R"(Examples:
   softarm campaign development --cases 20 --seed 1 --out campaign
 What is written:
   campaign/campaign.json              cases, their arm files and trials: all that a laboratory would know
@@ -84,7 +84,7 @@ std::string case_name(std::size_t number) {
 
 /// Records one case; draws it again where an effect drives the arm where nothing holds it.
 RecordedCase record_case(const rig::CampaignSpec& spec, const std::vector<rig::Scenario>& arms,
-                         const Options& options, std::size_t number, const fs::path& folder,
+                         const CampaignOptions& options, std::size_t number, const fs::path& folder,
                          Progress& progress) {
   const std::string name = case_name(number);
   for (int attempt = 0;; ++attempt) {
@@ -136,7 +136,7 @@ void write_text(const fs::path& path, const std::string& text) {
   if (!file) throw Failure(fmt::format("{}: cannot be written", path.string()));
 }
 
-void run(const Options& options) {
+void run_campaign(const CampaignOptions& options) {
   const fs::path path = find_config("campaigns", options.campaign);
   const rig::CampaignSpec spec = rig::parse_campaign(read_text(path), path.string());
   std::vector<rig::Scenario> arms;
@@ -188,7 +188,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_campaign(CLI::App& program) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CampaignOptions>();
   CLI::App* command = program.add_subcommand(
       "campaign", "Draw many random trials with something hidden in them, and record them.");
   command->add_option("CAMPAIGN", options->campaign, "campaign file, or the name of one in config/campaigns")
@@ -199,8 +199,8 @@ void add_campaign(CLI::App& program) {
   command
       ->add_option("--jobs", options->jobs, "how many cases at a time (default: as many as there are cores)")
       ->check(CLI::Range(1, 1024));
-  command->footer(kExamples);
-  command->callback([options] { run(*options); });
+  command->footer(kCampaignExamples);
+  command->callback([options] { run_campaign(*options); });
 }
 
 }  // namespace softarm::app

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 constexpr int kFound = 1, kBadUsage = 2;
 
-struct Options {
+struct CheckOptions {
   std::string arm;
   std::vector<std::string> bags;
   std::string json;
@@ -33,7 +33,7 @@ struct Options {
   unsigned jobs = 0;
 };
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kCheckExamples = R"(Examples:
   softarm check --arm online_200mm trial.bag
   softarm check --arm my_arm.yaml trials/*.bag --quiet --json findings.json
 Exit status: 0 nothing serious, 1 something that spoils estimates, 2 bad usage. doc/check.md lists all findings.)";
@@ -62,7 +62,7 @@ check::CheckReport check_bag(const std::string& bag, const arm::Arm& arm, Progre
   }
 }
 
-std::vector<check::CheckReport> check_all(const Options& options, const arm::Arm& arm) {
+std::vector<check::CheckReport> check_all(const CheckOptions& options, const arm::Arm& arm) {
   std::vector<check::CheckReport> reports(options.bags.size());
   Progress progress("messages");
   math::in_parallel(options.bags.size(), options.jobs,
@@ -70,7 +70,7 @@ std::vector<check::CheckReport> check_all(const Options& options, const arm::Arm
   return reports;
 }
 
-arm::Arm load(const Options& options) {
+arm::Arm load(const CheckOptions& options) {
   for (const std::string& bag : options.bags) {
     std::error_code error;
     if (!fs::is_regular_file(bag, error)) throw Failure(fmt::format("{}: no such bag", bag), kBadUsage);
@@ -82,7 +82,7 @@ arm::Arm load(const Options& options) {
   }
 }
 
-void run(const Options& options) {
+void run_check(const CheckOptions& options) {
   const arm::Arm arm = load(options);
   std::unique_ptr<OutputFile> json;
   if (!options.json.empty()) json = std::make_unique<OutputFile>(options.json);
@@ -107,7 +107,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_check(CLI::App& program) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CheckOptions>();
   CLI::App* command = program.add_subcommand("check", "Say what is wrong with recordings, and the remedy.");
   command->add_option("--arm", options->arm, "arm file, or the name of one in config/arms")->required();
   command->add_option("BAG", options->bags, "trial bags")->required();
@@ -115,8 +115,8 @@ void add_check(CLI::App& program) {
   command->add_flag("--quiet", options->quiet, "leave out what is mere information");
   command->add_option("--jobs", options->jobs, "bags worked on at a time (default: one per processor)")
       ->check(CLI::Range(1u, 256u));
-  command->footer(kExamples);
-  command->callback([options] { run(*options); });
+  command->footer(kCheckExamples);
+  command->callback([options] { run_check(*options); });
 }
 
 }  // namespace softarm::app

@@ -30,7 +30,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct DiagnoseOptions {
   std::string arm, out;
   std::vector<std::string> bags;
   diagnose::Options diagnosis;
@@ -38,7 +38,7 @@ struct Options {
   bool effects = false;
 };
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kDiagnoseExamples = R"(Examples:
   softarm diagnose --arm my_arm.yaml trials/*.bag --out report
   softarm diagnose --arm my_arm.yaml --hold '*.bending_stiffness.*' trials/*.bag --out report
 What is written:
@@ -86,7 +86,7 @@ std::vector<std::string> header_of(const diagnose::Diagnosis& diagnosis,
   return lines;
 }
 
-void run(Options options) {
+void run_diagnose(DiagnoseOptions options) {
   if (options.effects) return list_effects();
   if (options.arm.empty()) throw Failure("--arm is needed: the arm file");
   if (options.out.empty()) throw Failure("--out is needed: the folder for the report");
@@ -138,7 +138,7 @@ void run(Options options) {
 }  // namespace
 
 void add_diagnose(CLI::App& program) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<DiagnoseOptions>();
   CLI::App* command = program.add_subcommand(
       "diagnose", "Find what an arm's description leaves out, where, and how large it is, from trials.");
   command->add_option("--arm", options->arm, "arm file, or the name of one in config/arms");
@@ -164,8 +164,8 @@ void add_diagnose(CLI::App& program) {
       ->check(CLI::Range(0.0, 1000.0));
   command->add_option("--jobs", options->diagnosis.jobs, "threads (default: one per core)")
       ->check(CLI::Range(1u, 256u));
-  command->footer(kExamples);
-  command->callback([options] { run(*options); });
+  command->footer(kDiagnoseExamples);
+  command->callback([options] { run_diagnose(*options); });
 }
 
 }  // namespace softarm::app

@@ -30,7 +30,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct EstimateOptions {
   std::string arm;
   std::vector<std::string> bags;
   std::optional<std::string> method, unknown, objective, prior;
@@ -39,7 +39,7 @@ struct Options {
   unsigned jobs = 0;
 };
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kEstimateExamples = R"(Examples:
   softarm estimate --arm online_200mm trial.bag
   softarm estimate --arm my_arm.yaml *.bag --unknown payload --out results
   softarm estimate --arm my_arm.yaml trial.bag --method end_orientation --payload 0.2
@@ -68,7 +68,7 @@ auto word(const char* option, const std::string& text, Parse parse) {
   }
 }
 
-arm::Arm load_arm(const Options& options) {
+arm::Arm load_arm(const EstimateOptions& options) {
   arm::Arm arm = arm::load_arm_file(options.arm, config_folders("arms"));
   if (options.method) arm.estimator.method = word("--method", *options.method, arm::parse_method);
   if (options.unknown) arm.estimator.unknown = word("--unknown", *options.unknown, arm::parse_unknown);
@@ -87,7 +87,7 @@ arm::Arm load_arm(const Options& options) {
   return arm;
 }
 
-std::vector<Job> make_jobs(const Options& options) {
+std::vector<Job> make_jobs(const EstimateOptions& options) {
   std::vector<Job> jobs;
   std::set<fs::path> folders;
   for (const std::string& bag : options.bags) {
@@ -188,7 +188,7 @@ void estimate_bag(const arm::Arm& arm, const std::vector<model::Present>& effect
   if (summary.ok() == 0) job.warnings.push_back(fmt::format("{}: not one frame could be estimated", job.bag));
 }
 
-void run(const Options& options) {
+void run_estimate(const EstimateOptions& options) {
   const arm::Arm arm = load_arm(options);
   const std::vector<model::Present> effects = effects::load_effects(arm, options.arm, config_folders("arms"));
   for (const std::string& line : estimate::Estimator(arm, arm.estimator, effects).effect_notes())
@@ -223,7 +223,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_estimate(CLI::App& program) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<EstimateOptions>();
   CLI::App* command = program.add_subcommand("estimate", "Estimate every frame of recorded bags.");
   command->add_option("--arm", options->arm, "arm file, or the name of one in config/arms")->required();
   command->add_option("BAG", options->bags, "trial bags")->required();
@@ -246,8 +246,8 @@ void add_estimate(CLI::App& program) {
   command->add_option("--out", options->out, "folder of the results")->capture_default_str();
   command->add_option("--jobs", options->jobs, "bags worked on at a time (default: one per processor)")
       ->check(CLI::Range(1u, 256u));
-  command->footer(kExamples);
-  command->callback([options] { run(*options); });
+  command->footer(kEstimateExamples);
+  command->callback([options] { run_estimate(*options); });
 }
 
 }  // namespace softarm::app

@@ -31,7 +31,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct IdentifyOptions {
   std::string arm;
   std::vector<std::string> bags;
   std::string out, json, plot;
@@ -42,7 +42,7 @@ struct Options {
   unsigned jobs = 0;
 };
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kIdentifyExamples = R"(Examples:
   softarm identify --arm my_arm.yaml trials/*.bag --out my_arm_identified.yaml
   softarm identify --arm my_arm.yaml *.bag --out new.yaml --hold-out trial_7 --also-free length
   softarm identify --arm my_arm.yaml *.bag --out new.yaml --free '*.moment_gain,*.bending_stiffness.*'
@@ -88,14 +88,14 @@ std::vector<std::string> header_of(const identify::Result& result) {
   return lines;
 }
 
-void write(OutputFile& file, const std::string& text) {
+void write_file(OutputFile& file, const std::string& text) {
   std::ofstream stream(file.temporary());
   stream << text;
   stream.close();
   if (!stream) throw Failure(fmt::format("{}: cannot be written", file.path().string()));
 }
 
-void fit(const Options& options, const arm::Arm& arm) {
+void fit(const IdentifyOptions& options, const arm::Arm& arm) {
   if (options.out.empty()) throw Failure("--out is needed: the arm file to be written");
   // Before any work: whether the results have a place.
   OutputFile out(options.out);
@@ -126,12 +126,12 @@ void fit(const Options& options, const arm::Arm& arm) {
         arm, effects, trials, options.fit,
         [&](double share) { progress.advance(share - std::exchange(done, share), 1); }, options.jobs);
   }
-  write(out, arm::update_arm_text(text, source.string(), result.arm, header_of(result)));
-  if (json) write(*json, identify::to_json(result));
+  write_file(out, arm::update_arm_text(text, source.string(), result.arm, header_of(result)));
+  if (json) write_file(*json, identify::to_json(result));
   if (shapes) {
-    write(*shapes, shapes_csv(arm, result, trials,
-                              options.plot_all ? identify::FrameChoice{0, false} : options.fit.frames));
-    write(*constants, constants_csv(result));
+    write_file(*shapes, shapes_csv(arm, result, trials,
+                                   options.plot_all ? identify::FrameChoice{0, false} : options.fit.frames));
+    write_file(*constants, constants_csv(result));
   }
   out.commit();
   if (json) json->commit();
@@ -142,7 +142,7 @@ void fit(const Options& options, const arm::Arm& arm) {
     fmt::print("written: {0}; scripts/plot_identify.py {0} --out picture.png draws it\n", options.plot);
 }
 
-void pull(const Options& options, const arm::Arm& arm) {
+void pull(const IdentifyOptions& options, const arm::Arm& arm) {
   if (!effects::load_effects(arm, options.arm, config_folders("arms")).empty())
     throw Failure(fmt::format("{}: key 'effects': the pull procedure knows no effects; leave --procedure out",
                               options.arm));
@@ -160,9 +160,9 @@ void pull(const Options& options, const arm::Arm& arm) {
       published::fit_three_truths(arm, pulls, published::LoadLaw::kStatics, true);
   const fs::path source = find_config("arms", options.arm);
   const std::string text = read_text(source);
-  write(*out,
-        arm::update_arm_text(text, source.string(), truths.arm,
-                             {fmt::format("constants by the pull procedure from {} pulls", truths.pulls)}));
+  write_file(*out, arm::update_arm_text(
+                       text, source.string(), truths.arm,
+                       {fmt::format("constants by the pull procedure from {} pulls", truths.pulls)}));
   out->commit();
   fmt::print(
       "laws fitted to {} pulls: they leave {:.2f} mm of length, {:.5f} N m^2 of stiffness, {:.4f} N m of "
@@ -170,7 +170,7 @@ void pull(const Options& options, const arm::Arm& arm) {
       truths.pulls, 1e3 * truths.length_rms_m, truths.stiffness_rms_nm2, truths.moment_rms_nm, options.out);
 }
 
-void run(Options options) {
+void run_identify(IdentifyOptions options) {
   arm::Arm arm = arm::load_arm_file(options.arm, config_folders("arms"));
   if (options.payload_kg) {
     const arm::Range& range = arm.payload.range_kg;
@@ -195,7 +195,7 @@ void run(Options options) {
 }  // namespace
 
 void add_identify(CLI::App& program) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<IdentifyOptions>();
   CLI::App* command =
       program.add_subcommand("identify", "Fit the constants of an arm's laws to trials, with uncertainties.");
   command->add_option("--arm", options->arm, "arm file, or the name of one in config/arms: the start")
@@ -239,8 +239,8 @@ void add_identify(CLI::App& program) {
                       "the known payload, kg; the bags' payload topic is not read");
   command->add_option("--jobs", options->jobs, "bags read at a time (default: one per processor)")
       ->check(CLI::Range(1u, 256u));
-  command->footer(kExamples);
-  command->callback([options] { run(*options); });
+  command->footer(kIdentifyExamples);
+  command->callback([options] { run_identify(*options); });
 }
 
 }  // namespace softarm::app

@@ -27,7 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct ImportOptions {
   std::string layout;
   std::vector<std::string> files;
   std::string out, inputs;
@@ -39,7 +39,7 @@ struct Span {
   double from_s = 0.0, to_s = 0.0;
 };
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kImportExamples = R"(Examples:
   softarm import pouch_arm_one_segment trial.txt --out trial.bag
   softarm import my_layout.yaml day1/*.csv --out bags/
   softarm import my_layout.yaml loaded.csv --payload 0 --payload 10.5:0.4 --leave-out 7:10.5 --out loaded.bag
@@ -48,7 +48,7 @@ config/layouts/template.yaml shows every key of a layout. Where it becomes sever
 
 /// One bag per file. A name that two files share gets its folder's name in front.
 /// @param several the files become more than one bag
-std::vector<fs::path> bag_paths(const Options& options, bool several) {
+std::vector<fs::path> bag_paths(const ImportOptions& options, bool several) {
   std::error_code error;
   const bool is_folder = several || options.out.back() == '/' || fs::is_directory(options.out, error);
   if (!is_folder) return {options.out};
@@ -133,7 +133,7 @@ struct Imported {
   std::uint64_t left_out_rows = 0;
 };
 
-Imported import_file(const trial::CsvLayout& layout, const Options& options, const std::string& file,
+Imported import_file(const trial::CsvLayout& layout, const ImportOptions& options, const std::string& file,
                      const fs::path& path, const std::vector<Span>& left_out, Progress& progress) {
   Imported result;
   result.bags = std::make_unique<ImportBags>(layout, path, options.split_every_s);
@@ -166,7 +166,7 @@ void print_join(const std::string& inputs, const trial::CsvJoinReport& join) {
   for (const std::string& example : join.examples) fmt::print(stderr, "softarm: {}\n", example);
 }
 
-void print_report(const Options& options, const std::string& file, const Imported& imported) {
+void print_report(const ImportOptions& options, const std::string& file, const Imported& imported) {
   const trial::CsvReport& report = imported.report;
   const std::vector<ImportBags::Bag>& bags = imported.bags->bags();
   std::uint64_t messages = 0;
@@ -186,7 +186,7 @@ void print_report(const Options& options, const std::string& file, const Importe
   for (const std::string& example : report.examples) fmt::print(stderr, "softarm: {}\n", example);
 }
 
-void run(const Options& options) {
+void run_import(const ImportOptions& options) {
   const fs::path layout_path = find_config("layouts", options.layout);
   trial::CsvLayout layout = trial::parse_csv_layout(read_text(layout_path), layout_path.string());
   if (!options.payload.empty()) {
@@ -223,7 +223,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_import(CLI::App& program) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ImportOptions>();
   CLI::App* command =
       program.add_subcommand("import", "Turn CSV recordings into trial bags by a column layout.");
   command->add_option("LAYOUT", options->layout, "layout file, or the name of one in config/layouts")
@@ -247,8 +247,8 @@ void add_import(CLI::App& program) {
           "--leave-out", options->leave_out,
           "FROM:TO, times (s) whose rows are not written, such as while a hand is at the arm; repeat")
       ->allow_extra_args(false);
-  command->footer(kExamples);
-  command->callback([options] { run(*options); });
+  command->footer(kImportExamples);
+  command->callback([options] { run_import(*options); });
 }
 
 }  // namespace softarm::app

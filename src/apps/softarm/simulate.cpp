@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct SimulateOptions {
   std::string scenario;
   std::string out;
   std::string truth;
@@ -30,14 +30,14 @@ struct Options {
   std::optional<std::uint64_t> seed;
 };
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kSimulateExamples = R"(Examples:
   softarm simulate demo --seconds 30 --out trial.bag
   softarm simulate my_scenario.yaml --seed 7 --out trial.bag --truth /elsewhere/trial.csv
 A scenario whose `arm:` is the name or path of an arm file simulates that arm with its effects.
 The bag holds what the sensors saw and nothing else. The truth goes to files of its own: its time series
 (.truth.csv), what was hidden (.truth.yaml), and their digests (.truth.sha256; sha256sum -c checks them).)";
 
-void run(const Options& options) {
+void run_simulate(const SimulateOptions& options) {
   const fs::path path = find_config("scenarios", options.scenario);
   rig::Scenario scenario = load_scenario(options.scenario);
   if (options.seconds) scenario.duration_s = *options.seconds;
@@ -68,7 +68,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_simulate(CLI::App& program) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SimulateOptions>();
   CLI::App* command = program.add_subcommand("simulate", "Record a trial of the virtual rig as a bag.");
   command->add_option("SCENARIO", options->scenario, "scenario file, or the name of one in config/scenarios")
       ->required();
@@ -89,8 +89,8 @@ void add_simulate(CLI::App& program) {
           },
           "list all that a scenario can hide in the arm, its inputs and its sensors, and exit")
       ->trigger_on_parse();
-  command->footer(kExamples);
-  command->callback([options] { run(*options); });
+  command->footer(kSimulateExamples);
+  command->callback([options] { run_simulate(*options); });
 }
 
 }  // namespace softarm::app

@@ -30,7 +30,7 @@ constexpr std::array<Paper, 5> kPapers{{{"semi_physical", validate::semi_physica
                                         {"hybrid", validate::hybrid},
                                         {"cable", validate::cable}}};
 
-struct Options {
+struct ValidateOptions {
   std::vector<std::string> only;
   bool quick = false;
   std::string out;
@@ -38,7 +38,7 @@ struct Options {
   unsigned jobs = 0;
 };
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kValidateExamples = R"(Examples:
   softarm validate
   softarm validate --only online cable --quick
   softarm validate --out validation && scripts/plot_validation.py validation
@@ -70,7 +70,7 @@ class Outputs {
   std::vector<std::unique_ptr<OutputFile>> files_;
 };
 
-void run(const Options& options) {
+void run_validate(const ValidateOptions& options) {
   validate::Settings settings;
   settings.seed = options.seed;
   settings.quick = options.quick;
@@ -106,7 +106,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_validate(CLI::App& program) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ValidateOptions>();
   CLI::App* command = program.add_subcommand(
       "validate", "Reproduce the published figures of the papers, ours beside theirs.");
   std::vector<std::string> names;
@@ -117,8 +117,8 @@ void add_validate(CLI::App& program) {
   command->add_option("--seed", options->seed, "of conditions and noise")->capture_default_str();
   command->add_option("--jobs", options->jobs, "experiments worked on at a time (default: one per processor)")
       ->check(CLI::Range(1u, 256u));
-  command->footer(kExamples);
-  command->callback([options] { run(*options); });
+  command->footer(kValidateExamples);
+  command->callback([options] { run_validate(*options); });
 }
 
 }  // namespace softarm::app

@@ -9,7 +9,7 @@
 #include "rig/scenario.h"
 #include "rig/simulator.h"
 #include "softarm/arm/arm.h"
-#include "softarm/trial/frame.h"
+#include "softarm/trial/trial.h"
 #include "table.h"
 
 namespace softarm::app::validate {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "experiment.h"
-#include "softarm/estimate/estimate.h"
+#include "softarm/estimate/estimator.h"
 
 namespace softarm::app::validate {
 

@@ -1,5 +1,5 @@
-// Symmetric matrices of any size. What Eigen's templates make of them is compiled once, behind these
-// functions: each of them costs a file that uses it seconds of compilation.
+// Decompositions of matrices of any size. What Eigen's templates make of them is compiled once, behind these
+// functions: each costs a file that uses it seconds of compilation.
 #pragma once
 
 #include <Eigen/Core>
@@ -55,5 +55,8 @@ class CholeskyFactor {
 /// The least squares solution of a x = b by QR with pivots; 0 in what a leaves free.
 /// @param threshold pivots below this share of the largest count as none; 0: Eigen's own
 Eigen::VectorXd least_squares(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, double threshold = 0.0);
+
+/// An orthonormal basis of what the columns of a span, one vector per column.
+Eigen::MatrixXd basis_of_columns(const Eigen::MatrixXd& a);
 
 }  // namespace softarm::math

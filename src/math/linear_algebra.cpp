@@ -1,4 +1,4 @@
-#include "symmetric.h"
+#include "linear_algebra.h"
 
 #include <Eigen/Dense>
 
@@ -70,6 +70,11 @@ VectorXd least_squares(const MatrixXd& a, const VectorXd& b, double threshold) {
   Eigen::ColPivHouseholderQR<MatrixXd> qr;
   if (threshold > 0.0) qr.setThreshold(threshold);
   return qr.compute(a).solve(b);
+}
+
+MatrixXd basis_of_columns(const MatrixXd& a) {
+  const Eigen::ColPivHouseholderQR<MatrixXd> qr(a);
+  return qr.householderQ() * MatrixXd::Identity(a.rows(), qr.rank());
 }
 
 }  // namespace softarm::math

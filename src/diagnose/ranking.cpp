@@ -1,0 +1,103 @@
+#include "ranking.h"
+
+#include <algorithm>
+
+#include "policy.h"
+
+namespace softarm::diagnose {
+namespace {
+
+using model::Effect;
+
+/// What the screen says of a candidate.
+Candidate candidate_of(const Screened& s) {
+  const model::Info& info = s.effect->info();
+  Candidate c;
+  c.id = info.id;
+  c.description = info.description;
+  c.collinearity = s.collinearity;
+  c.z = s.z;
+  c.size_m = s.size_m;
+  c.symbol = info.parameters.front().symbol;
+  c.unit = info.parameters.front().unit;
+  c.estimate = s.values[0];
+  c.smallest_detectable = kPolicy.verdict.detectable_z * s.sd[0];
+  c.detectable = s.usual_z >= kPolicy.verdict.detectable_z;
+  return c;
+}
+
+Candidate candidate_of(const Round& round, const Effect* effect) {
+  const auto found = std::find_if(round.screened.begin(), round.screened.end(),
+                                  [&](const Screened& s) { return s.effect == effect; });
+  return found == round.screened.end() ? Candidate{} : candidate_of(*found);
+}
+
+const Refitted* refit_of(const Round& round, const Effect* effect) {
+  const auto found = std::find_if(round.refitted.begin(), round.refitted.end(),
+                                  [&](const Refitted& r) { return r.effect == effect; });
+  return found == round.refitted.end() ? nullptr : &*found;
+}
+
+/// One that was not taken, by the last screen.
+Candidate left_aside(const JointModel& model, const Selection& selection, const Screened& s) {
+  const double trivial_m = kPolicy.selection.trivial * model.arm().total_length_m();
+  Candidate c = candidate_of(s);
+  bool trivial = s.z >= kPolicy.selection.least_z && s.leftover_m < trivial_m;
+  if (const Refitted* r = refit_of(selection.rounds.back(), s.effect)) {
+    // Of being there at a size that matters.
+    trivial = r->z >= kPolicy.selection.least_z && r->moved_m < trivial_m;
+    c.probability =
+        r->moved_m < trivial_m || !r->physical ? 0.0 : std::min(r->probability, kPolicy.verdict.refused);
+    c.possible = r->physical;
+    c.log_score = r->gain / std::max(1, selection.extended.rows / 3);
+  }
+  c.finding = !c.detectable ? Finding::kCannotTell : trivial ? Finding::kTrivial : Finding::kAbsent;
+  return c;
+}
+
+}  // namespace
+
+std::vector<Candidate> ranking_of(const JointModel& model, const Selection& selection, double doubt) {
+  std::vector<Candidate> list;
+  const auto known = [&](const Effect* effect) {
+    return std::any_of(list.begin(), list.end(),
+                       [&](const Candidate& c) { return c.id == effect->info().id; });
+  };
+  const Linearised& extended = selection.extended;
+  const double bodies = std::max(1, extended.rows / 3);
+  for (std::size_t e = 0; e < extended.at.effects.size(); ++e) {
+    const Round& round = selection.rounds[selection.round_of[e]];
+    const Refitted& r = round.refitted[static_cast<std::size_t>(round.taken)];
+    Candidate c = candidate_of(round, r.effect);
+    c.finding = Finding::kPresent;
+    c.probability = doubt * r.probability;
+    c.z = r.z;
+    c.estimate = extended.at.effects[e].values[0];
+    c.log_score = r.gain / bodies;
+    list.push_back(std::move(c));
+  }
+  for (const std::size_t n : selection.round_of) {
+    const Round& round = selection.rounds[n];
+    for (const Effect* rival : round.rivals) {
+      if (known(rival)) continue;
+      Candidate c = candidate_of(round, rival);
+      c.finding = Finding::kRival;
+      if (const Refitted* r = refit_of(round, rival)) {
+        c.probability = r->probability;
+        c.z = r->z;
+        c.log_score = r->gain / bodies;
+      }
+      list.push_back(std::move(c));
+    }
+  }
+  std::vector<Candidate> others;
+  for (const Screened& s : selection.rounds.back().screened)
+    if (!known(s.effect)) others.push_back(left_aside(model, selection, s));
+  std::stable_sort(others.begin(), others.end(), [](const Candidate& a, const Candidate& b) {
+    return a.probability != b.probability ? a.probability > b.probability : a.z > b.z;
+  });
+  list.insert(list.end(), others.begin(), others.end());
+  return list;
+}
+
+}  // namespace softarm::diagnose
