@@ -29,7 +29,7 @@ if(PLOTLY_JS)
       COMMAND ${CMAKE_COMMAND} -E copy_if_different ${SOFTARM_PLOTLY}
       ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_SHARE_DESTINATION}/config/report/plotly.min.js VERBATIM)
     add_dependencies(programs report_page)
-    install(FILES ${SOFTARM_PLOTLY} DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION}/config/report)
+    install(FILES ${SOFTARM_PLOTLY} DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION}/config/report OPTIONAL)
   endif()
 else()
   message(STATUS "No plotly.js (Debian: python3-plotly; or -DPLOTLY_JS=FILE): report.html will have no plots")

@@ -72,8 +72,8 @@ endfunction()
 function(softarm_programs)
   cmake_parse_arguments(given "" "STUDY" "LIVE;LIBRARIES" ${ARGN})
   softarm_headers(softarm_program_headers
-    LIBRARIES Eigen3::Eigen CLI11::CLI11 fmt::fmt nlohmann_json::nlohmann_json
-    HEADERS <CLI/CLI.hpp> <nlohmann/json.hpp> <ros/ros.h> <filesystem> <fstream> <iostream>)
+    LIBRARIES Eigen3::Eigen fmt::fmt
+    HEADERS <ros/ros.h> <filesystem> <fstream> <iostream>)
   # Not -fPIE, as programs are by default: the library of the room ros has these precompiled headers, too.
   target_compile_options(softarm_program_headers PRIVATE -fPIC)
   set(names)

@@ -8,6 +8,8 @@ shopt -s extglob
 # Debian's ROS belongs to /usr/bin/python3: whatever python3 the user has first on PATH must not run it.
 export PATH="/usr/sbin:/usr/bin:/sbin:/bin:$PATH"
 unset PYTHONHOME
+# Messages for C++ and Python: nobody here reads the other three languages.
+export ROS_LANG_DISABLE=geneus:genlisp:gennodejs
 
 SOFTARM_ROOT=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
 SOFTARM_BUILD_DIR=$(realpath -m -- "${SOFTARM_BUILD_DIR:-$SOFTARM_ROOT/build}")

@@ -34,8 +34,9 @@ bool Estimator::Impl::solve_with_effects() {
          fmt::format("with its effects the arm has no equilibrium near the {}", where));
     return false;
   };
-  if (!(have_last && extension->line_reaches(problem, at)) &&
-      !extension->linearise(problem, at, laws_at_frame, false))
+  if (have_last && extension->line_reaches(problem, at))
+    extension->carry_line_on();
+  else if (!extension->linearise(problem, at, laws_at_frame, false))
     return lost("bodies");
   problem.set_effects(&extension->at());
   if (!fit_again(true)) return false;

@@ -15,6 +15,7 @@ constexpr double kPayloadStep = 0.05;
 constexpr double kFar[kSegmentParameters] = {0.15, 0.15, 0.2, 0.01};
 constexpr double kPayloadFar = 0.5, kGravityFar_m_s2 = 0.5, kOld_s = 0.5;
 constexpr double kLeastLength = 0.5, kMostLength = 2.0;
+constexpr double kRateGain = 0.3;  // of what was seen last, in the line's rate: noise of frames is in it
 constexpr double kTypicalWay = 0.2, kForgets = 0.9;
 constexpr double kShortWay = 0.02;  // in these shares: what is seen on it is the solver's own error
 
@@ -30,6 +31,7 @@ ExtendedFrame::ExtendedFrame(const arm::Arm& arm, const std::vector<model::Prese
     body.tangent_by_x = body.p_by_x;
     at_.bodies.push_back(std::move(body));
   }
+  rate_.p = rate_.tangent = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(arm.bodies.size()));
 }
 
 void ExtendedFrame::reset() {
@@ -133,6 +135,15 @@ bool ExtendedFrame::line_reaches(const Problem& problem, const VectorXd& x) cons
   return line_ && derivative_holds(problem, within_range(problem, x));
 }
 
+void ExtendedFrame::carry_line_on() {
+  const double dt_s = frame_.stamp_s - line_stamp_s_;
+  for (std::size_t b = 0; b < at_.bodies.size(); ++b) {
+    const auto column = static_cast<Eigen::Index>(b);
+    at_.bodies[b].p += dt_s * rate_.p.col(column);
+    at_.bodies[b].tangent += dt_s * rate_.tangent.col(column);
+  }
+}
+
 bool ExtendedFrame::differentiate(Problem& problem, const VectorXd& x,
                                   const std::vector<arm::SegmentPrediction>& laws, const Difference& here) {
   for (EffectsAt::OnBody& body : at_.bodies) {
@@ -172,6 +183,7 @@ void ExtendedFrame::put_line(const VectorXd& x, const Difference& difference) {
     at_.bodies[b].tangent = difference.tangent.col(static_cast<Eigen::Index>(b));
   }
   line_ = true;
+  line_stamp_s_ = frame_.stamp_s;
 }
 
 bool ExtendedFrame::linearise(Problem& problem, const VectorXd& x,
@@ -185,6 +197,8 @@ bool ExtendedFrame::linearise(Problem& problem, const VectorXd& x,
     return false;
   }
   put_line(y, *here);
+  rate_.p.setZero();
+  rate_.tangent.setZero();
   return true;
 }
 
@@ -208,6 +222,11 @@ std::optional<double> ExtendedFrame::move_line(Problem& problem, const VectorXd&
     off_sd = std::max(off_sd, more.p.col(o.body).norm() / problem.position_sd(o));
   off_sd_per_way_ = std::max(off_sd / std::max(share, kTypicalWay), kForgets * off_sd_per_way_);
   if (share > kShortWay) correct_derivative(problem, way, more);
+  const double dt_s = frame_.stamp_s - line_stamp_s_;
+  if (dt_s > 0.0) {  // the first move of this frame
+    rate_.p += kRateGain / dt_s * more.p;
+    rate_.tangent += kRateGain / dt_s * more.tangent;
+  }
   put_line(y, *here);
   return off_sd;
 }

@@ -46,6 +46,8 @@ class ExtendedFrame {
   const EffectsAt& at() const { return at_; }
   /// Whether the line of the frame before may serve a fit that begins at x.
   bool line_reaches(const Problem& problem, const Eigen::VectorXd& x) const;
+  /// Lets the line of the frame before go on as it went: memories and the arm's motion change it steadily.
+  void carry_line_on();
   /// Moves the line to x, where a fit ended.
   /// @return by how much it was off there, in standard deviations of the body for which that is largest;
   /// nothing where there is no equilibrium with effects
@@ -86,6 +88,8 @@ class ExtendedFrame {
   EffectsAt at_;
   bool line_ = false;                        ///< at_ is the line of this frame or the last
   double off_sd_per_way_ = 0.0;              ///< of the last lines, about the largest
+  double line_stamp_s_ = 0.0;                ///< of the frame that the line was worked out in
+  Difference rate_;                          ///< per second, by which the line changed beyond what it says
   std::optional<Eigen::VectorXd> solved_x_;  ///< of the last solution with effects
   // Where D is of.
   Eigen::VectorXd derivative_x_;

@@ -1,0 +1,50 @@
+// The catalogue: one line per effect, make_<name>() in the file of that name.
+//
+// First those of body, boundary and load, and of where bodies are seen; then sensors of the inputs, actuation and memory, in
+// the order in which they act on the inputs.
+#pragma once
+
+// clang-format off
+#define SOFTARM_EFFECTS(EFFECT) \
+  EFFECT(stiffness_taper) \
+  EFFECT(soft_spot) \
+  EFFECT(rigid_ends) \
+  EFFECT(actuation_taper) \
+  EFFECT(base_compliance) \
+  EFFECT(base_tilt) \
+  EFFECT(gravity_direction) \
+  EFFECT(axial_compliance) \
+  EFFECT(shear) \
+  EFFECT(strain_stiffening) \
+  EFFECT(contact) \
+  EFFECT(tether) \
+  EFFECT(payload_offset) \
+  EFFECT(tip_mass) \
+  EFFECT(mass_distribution) \
+  EFFECT(payload_scale) \
+  EFFECT(marker_slip) \
+  EFFECT(bending_plane_offset) \
+  EFFECT(torsion) \
+  EFFECT(rest_curvature) \
+  EFFECT(inertia) \
+  EFFECT(published_load_law) \
+  EFFECT(clock_offset) \
+  EFFECT(pressure_offset) \
+  EFFECT(pressure_lag) \
+  EFFECT(pressure_leak) \
+  EFFECT(hysteresis) \
+  EFFECT(pressure_dead_zone) \
+  EFFECT(gain_nonlinearity) \
+  EFFECT(chamber_mismatch) \
+  EFFECT(pressure_stiffening) \
+  EFFECT(radial_expansion) \
+  EFFECT(pressure_elongation) \
+  EFFECT(vacuum_shortening) \
+  EFFECT(vacuum_gain) \
+  EFFECT(tendon_friction) \
+  EFFECT(creep) \
+  EFFECT(mullins) \
+  EFFECT(jamming_memory) \
+  EFFECT(jamming_yield) \
+  EFFECT(drift)
+// clang-format on
