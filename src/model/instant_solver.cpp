@@ -16,6 +16,7 @@ constexpr double kSettledStiff_m = 2e-6, kStiffShare = 0.2;
 constexpr int kMostRounds = 80;              // to get there
 constexpr int kMostPlainRounds = 5;          // without mixing
 constexpr double kSoft = 0.25;               // answer up to which no mixing is needed
+constexpr int kPiecesOfSmooth = 6;           // 0.01 mm from twelve, on an arm of 0.2 m
 constexpr double kFirstScale = 1.0 / 256.0;  // of effects, at which their continuation begins
 
 arm::InputValues input_values(const Eigen::VectorXd& v) {
@@ -30,7 +31,13 @@ Mesh Mesh::of(const std::vector<Present>& effects, double settled_m) {
     return std::any_of(effects.begin(), effects.end(),
                        [&](const Present& present) { return (present.effect->*asks)(); });
   };
-  mesh.pieces = any(&Effect::varies_along) ? FineRod::kPieces : 1;
+  mesh.pieces = 1;
+  for (const Present& present : effects) {
+    if (!present.effect->varies_along()) continue;
+    // A memory of the wall's own curvature is as smooth along the arm as that is.
+    const bool smooth = present.effect->remembers() && !present.effect->needs_shape();
+    mesh.pieces = std::max(mesh.pieces, smooth ? kPiecesOfSmooth : FineRod::kPieces);
+  }
   mesh.strains = any(&Effect::needs_strains);
   mesh.settled_m = settled_m;
   return mesh;
