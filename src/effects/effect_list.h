@@ -1,7 +1,7 @@
 // The catalogue: one line per effect, make_<name>() in the file of that name.
 //
-// First those of body, boundary and load, and of where bodies are seen; then sensors of the inputs, actuation and memory, in
-// the order in which they act on the inputs.
+// First those of body, boundary and load, and of where bodies are seen; then sensors of the inputs, actuation
+// and memory, in the order in which they act on the inputs.
 #pragma once
 
 // clang-format off
