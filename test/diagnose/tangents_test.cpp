@@ -12,6 +12,9 @@ namespace {
 
 constexpr double kAskew_rad = 2.0 * M_PI / 180.0;
 
+/// Of this arm's bodies only the last one's orientation is usable.
+constexpr int kTip = 3;
+
 testing::RecordedCase clean_case() {
   return testing::recorded_case("{count_weights: [1]}", 41, 3, 10.0);
 }
@@ -47,9 +50,8 @@ TEST(Tangents, TheirNoiseIsThatOfTheRecording) {
   const model::Prepared prepared = model::prepare(drawn.arm, drawn.trials);
   const double truth_rad = drawn.truth.front().mocap.ring_noise.orientation_sd_rad;
   ASSERT_GT(truth_rad, 0.0);
-  for (Eigen::Index b = 0; b < prepared.white_sd_rad.size(); ++b)
-    // Three coordinates share the noise of two axes.
-    EXPECT_NEAR(prepared.white_sd_rad[b], std::sqrt(2.0 / 3.0) * truth_rad, 0.1 * truth_rad);
+  // Three coordinates share the noise of two axes.
+  EXPECT_NEAR(prepared.white_sd_rad[kTip], std::sqrt(2.0 / 3.0) * truth_rad, 0.1 * truth_rad);
   EXPECT_TRUE(model::prepare(drawn.arm, without_orientations(drawn.trials))
                   .trials.front()
                   .blocks.front()
@@ -64,7 +66,8 @@ TEST(Tangents, DerivativesAreThoseOfWholePredictions) {
       looked.model.linearise(looked.baseline.at, &looked.baseline.predicted, Derivatives::kShapesHeld);
   const Linearised whole =
       looked.model.linearise(looked.baseline.at, &looked.baseline.predicted, Derivatives::kWhole);
-  for (std::size_t t = 0; t < looked.prepared.trials.size(); ++t) {
+  // Inertia is held in the first, which the fastest trial shows.
+  for (std::size_t t = 0; t + 1 < looked.prepared.trials.size(); ++t) {
     Eigen::Index rows = 0;
     for (const model::Block& block : looked.prepared.trials[t].blocks)
       rows += 3 * static_cast<Eigen::Index>(block.tangents.size());
@@ -81,7 +84,7 @@ TEST(Tangents, TellMoreOfTheConstants) {
   const testing::RecordedCase drawn = clean_case();
   testing::Looked with(drawn.arm, drawn.trials), without(drawn.arm, without_orientations(drawn.trials));
   const auto constants = static_cast<Eigen::Index>(with.model.constants().size());
-  ASSERT_EQ(with.baseline.columns.size(), without.baseline.columns.size() + 2 * drawn.arm.bodies.size());
+  ASSERT_EQ(with.baseline.columns.size(), without.baseline.columns.size() + 2);
   const Eigen::VectorXd a = sd_of(with.baseline).head(constants), b = sd_of(without.baseline).head(constants);
   EXPECT_LT((a.array() / b.array()).maxCoeff(), 1.01);
   EXPECT_LT((a.array() / b.array()).minCoeff(), 0.95);
@@ -89,11 +92,10 @@ TEST(Tangents, TellMoreOfTheConstants) {
 
 TEST(Tangents, AnAskewClusterIsFoundAndMovesNoConstant) {
   const testing::RecordedCase drawn = clean_case();
-  constexpr int kBody = 1;
-  testing::Looked straight(drawn.arm, drawn.trials), askew(drawn.arm, with_body_askew(drawn.trials, kBody));
+  testing::Looked straight(drawn.arm, drawn.trials), askew(drawn.arm, with_body_askew(drawn.trials, kTip));
   const Eigen::MatrixXd found = askew.baseline.at.mounts - straight.baseline.at.mounts;
   for (Eigen::Index b = 0; b < found.cols(); ++b) {
-    EXPECT_NEAR(found(0, b), b == kBody ? kAskew_rad : 0.0, 0.05 * kAskew_rad) << b;
+    EXPECT_NEAR(found(0, b), b == kTip ? kAskew_rad : 0.0, 0.05 * kAskew_rad) << b;
     EXPECT_NEAR(found(1, b), 0.0, 0.05 * kAskew_rad) << b;
   }
   const Eigen::VectorXd sd = sd_of(straight.baseline);

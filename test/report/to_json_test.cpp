@@ -100,7 +100,8 @@ TEST(ToJson, NumbersThatAreNoneAreLeftOut) {
   const std::string text = report::to_json(d);
   const json report = json::parse(text);
   EXPECT_FALSE(report.contains("noise_floor_m"));
-  EXPECT_THAT(keys(report["baseline"]), ::testing::UnorderedElementsAre("rms_m", "held_out_rms_m"));
+  EXPECT_THAT(keys(report["baseline"]), ::testing::UnorderedElementsAre("rms_m", "held_out_rms_m",
+                                                                        "held_out_mean_m", "held_out_max_m"));
   EXPECT_FALSE(report["effects"][0]["parameters"]["K_base"].contains("high"));
   EXPECT_TRUE(report["effects"][0]["parameters"]["K_base"].contains("low"));
   EXPECT_FALSE(report["ranking"][0].contains("z"));
