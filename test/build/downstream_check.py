@@ -47,7 +47,7 @@ read = re.findall(r"(\S+\.h)\b", subprocess.run(["ninja", "-C", here, "-t", "dep
                                                 encoding="utf-8").stdout)
 findings = [f"{path} was read: private" for path in read if os.path.realpath(path).startswith(source + "/src/")]
 public = {name[len("include/"):] for name in tree.files(source) if name.startswith("include/")}
-used = {match.group(0) for match in (re.search(r"softarm/.*", path) for path in read) if match}
+used = {match.group(1) for match in (re.search(r".*/include/(softarm/.*)", path) for path in read) if match}
 findings += [f"include/{name} is read by nobody here: use it, or make it private" for name in sorted(public - used)]
 run(program, os.path.join(source, "config/arms/online_200mm.yaml"))
 tree.finish(findings, "headers that a downstream package reads")
