@@ -108,7 +108,7 @@ struct Context {
 /// Recomputes the noise of the tracks, which depends on which poses are good.
 void update_noise(Context& context);
 
-/// How many spans a finding has at most.
+/// How many spans a finding lists at most: a table that is still read; it decides nothing.
 constexpr std::size_t kMostSpans = 12;
 /// Joins times that lie within `gap_s` to spans; no more than kMostSpans, the longest, in order.
 std::vector<CheckSpan> spans_of(const std::vector<double>& times_s, double gap_s);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "math/statistics.h"
+#include "model/arm_rod.h"
 #include "softarm/estimate/estimator.h"
 #include "softarm/rod/solver.h"
 
@@ -38,7 +39,7 @@ double normal(std::mt19937_64& random) {
 class Generator {
  public:
   Generator(const arm::Arm& arm, double sd)
-      : sd_(sd), rod_(rod::make_rod(arm)), solver_(rod_, stations(arm), parameters()) {}
+      : sd_(sd), rod_(rod::make_rod(arm)), solver_(rod_, stations(arm), model::segment_parameters(arm)) {}
 
   /// @return false where the truth has no stable equilibrium with a tip angle in the range
   bool make(const Truth& t, const arm::Range& tip_angle, std::vector<Vector3d>& points,
@@ -60,10 +61,11 @@ class Generator {
       points.push_back(solver_.station(i).p);
       const Eigen::Matrix3Xd d = solver_.dp(i);
       Eigen::Matrix<double, 3, 4> j;
-      j.col(0) = -std::sin(t.phi) * d.col(0) + std::cos(t.phi) * d.col(1);
-      j.col(1) = t.moment * (-std::cos(t.phi) * d.col(0) - std::sin(t.phi) * d.col(1));
-      j.col(2) = -d.col(2) / (t.stiffness * t.stiffness);
-      j.col(3) = d.col(3);
+      j.col(0) = -std::sin(t.phi) * d.col(model::kMomentX) + std::cos(t.phi) * d.col(model::kMomentY);
+      j.col(1) =
+          t.moment * (-std::cos(t.phi) * d.col(model::kMomentX) - std::sin(t.phi) * d.col(model::kMomentY));
+      j.col(2) = -d.col(model::kBendingCompliance) / (t.stiffness * t.stiffness);
+      j.col(3) = d.col(model::kLengthColumn);
       information += j.transpose() * j / (sd_ * sd_);
     }
     const Eigen::Vector4d scale = information.diagonal().cwiseSqrt().cwiseInverse();
@@ -74,16 +76,9 @@ class Generator {
 
  private:
   static std::vector<double> stations(const arm::Arm& arm) {
-    std::vector<double> list;
-    for (const arm::MeasuredBody& body : arm.bodies) list.push_back(body.arclength_m);
+    std::vector<double> list = model::body_stations(arm);
     list.push_back(arm.total_length_m());
     return list;
-  }
-  static std::vector<rod::Parameter> parameters() {
-    return {{rod::ParameterKind::kMoment, 0, 0},
-            {rod::ParameterKind::kMoment, 0, 1},
-            {rod::ParameterKind::kBendingCompliance, 0, 0},
-            {rod::ParameterKind::kLength, 0, 0}};
   }
 
   double sd_;

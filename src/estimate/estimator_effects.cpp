@@ -10,7 +10,10 @@
 namespace softarm::estimate {
 namespace {
 
-constexpr double kAgrees_sd = 0.03;  // between the line of the effects and what they do at the fit
+// Between the line of the effects and what they do at the fit: a tenth of a standard deviation adds half a
+// per cent to the variance.
+constexpr double kAgrees_sd = 0.1;
+constexpr int kStepsByOldLine = 2;  // after them x is as near its end as another line's place must be
 constexpr int kMostPasses = 8, kOldDerivativePasses = 2;
 
 }  // namespace
@@ -34,13 +37,14 @@ bool Estimator::Impl::solve_with_effects() {
          fmt::format("with its effects the arm has no equilibrium near the {}", where));
     return false;
   };
-  if (have_last && extension->line_reaches(problem, at))
-    extension->carry_line_on();
-  else if (!extension->linearise(problem, at, laws_at_frame, false))
-    return lost("bodies");
+  line_is_old = have_last && extension->line_reaches(problem, at);
+  if (!line_is_old && !extension->linearise(problem, at, laws_at_frame, false)) return lost("bodies");
   problem.set_effects(&extension->at());
   if (!fit_again(true)) return false;
   for (int pass = 0; pass < kMostPasses; ++pass) {
+    // What a line is off by grows with the way: after a short one it need not be looked at again.
+    const std::optional<double> expected_sd = extension->expected_off_sd(problem, x);
+    if (expected_sd && *expected_sd < kAgrees_sd) break;
     const std::optional<double> off_sd = extension->move_line(problem, x, laws_at_frame);
     if (!off_sd) return lost("fit");
     if (*off_sd < kAgrees_sd) break;
@@ -54,10 +58,18 @@ bool Estimator::Impl::solve_with_effects() {
     if (pass >= kOldDerivativePasses && !extension->linearise(problem, x, laws_at_frame, true))
       return lost("fit");
     if (!fit_again(whole)) return false;
-    // What a line is off by grows with the way: after a short one it need not be looked at again.
-    if (!whole && extension->expected_off_sd(problem, x) < kAgrees_sd) break;
   }
   return true;
+}
+
+void Estimator::Impl::move_old_line() {
+  if (!line_is_old) return;
+  line_is_old = false;
+  const int iterations = solver.options.max_num_iterations;
+  solver.options.max_num_iterations = kStepsByOldLine;
+  iterate();
+  solver.options.max_num_iterations = iterations;
+  extension->move_line(problem, x, laws_at_frame);
 }
 
 bool Estimator::Impl::fit_again(bool whole) {

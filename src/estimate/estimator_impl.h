@@ -54,6 +54,7 @@ struct Estimator::Impl {
   double rms() const;
   /// @param free_tip go by way of a rod whose base is not yet clamped
   bool start_cold(bool free_tip = false);
+  void iterate();
   bool minimise();
   bool solve();
   /// The same with outliers set aside and, where the window's frames stand against this one, without them.
@@ -66,6 +67,8 @@ struct Estimator::Impl {
 
   // --- steps 2 to 4 with effects of the arm file in the model ---
   bool solve_with_effects();
+  /// Where the line of effects is that of the frame before: first steps, and the line moved to their end.
+  void move_old_line();
   /// Fills estimate_by_laws.
   void take_effects_out();
   /// The fit again, where the effects have been worked out anew. @param whole all bodies are used again
@@ -136,6 +139,7 @@ struct Estimator::Impl {
   std::unique_ptr<ExtendedFrame> extension;           ///< of an arm with effects
   std::vector<arm::SegmentPrediction> laws_at_frame;  ///< with the inputs as the effects change them
   bool extended = false;                              ///< the frame's fit has the effects in it
+  bool line_is_old = false;                           ///< that of the effects
   int contradictions = 0;            ///< frames in a row that may be a change or a wrong body
   std::optional<bool> inputs_known;  ///< of the last frame
   VectorXd actuation_nm;             ///< by the laws, 2 per segment

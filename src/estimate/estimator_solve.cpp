@@ -51,11 +51,16 @@ bool Estimator::Impl::start_cold(bool free_tip) {
   return problem.evaluate(x, start.q_tip) || problem.evaluate(x);
 }
 
-bool Estimator::Impl::minimise() {
+void Estimator::Impl::iterate() {
   solver.Solve(problem, &x);
   estimate.solver.iterations += solver.summary.iterations;
   if (estimate.solver.initial_cost == 0.0) estimate.solver.initial_cost = solver.summary.initial_cost;
   estimate.solver.final_cost = solver.summary.final_cost;
+}
+
+bool Estimator::Impl::minimise() {
+  move_old_line();
+  iterate();
   return problem.evaluate(x) && x.allFinite();
 }
 

@@ -11,12 +11,13 @@ using Eigen::VectorXd;
 // Steps of differences, by parameter of a segment and of the payload: bodies move by about a millimetre.
 constexpr double kStep[kSegmentParameters] = {0.02, 0.02, 0.03, 0.005};
 constexpr double kPayloadStep = 0.05;
-// By how much parameters, gravity and time may have moved on before D is worked out anew; c by its share.
-constexpr double kFar[kSegmentParameters] = {0.15, 0.15, 0.2, 0.01};
+// By how much parameters, gravity and time may have moved on before D is worked out anew, c by its share:
+// less far, the corrections on the way are all it needs.
+constexpr double kFar[kSegmentParameters] = {0.6, 0.6, 0.8, 0.04};
 constexpr double kPayloadFar = 0.5, kGravityFar_m_s2 = 0.5, kOld_s = 0.5;
 constexpr double kLeastLength = 0.5, kMostLength = 2.0;
-constexpr double kRateGain = 0.3;  // of what was seen last, in the line's rate: noise of frames is in it
 constexpr double kTypicalWay = 0.2, kForgets = 0.9;
+constexpr double kSame_sd = 0.1;    // of a body: from a solution to an estimate that it serves
 constexpr double kShortWay = 0.02;  // in these shares: what is seen on it is the solver's own error
 
 }  // namespace
@@ -25,18 +26,20 @@ ExtendedFrame::ExtendedFrame(const arm::Arm& arm, const std::vector<model::Prese
                              const Problem& problem)
     : arm_(arm), online_(arm, effects) {
   at_.x = VectorXd::Zero(problem.NumParameters());
+  solved_by_laws_.setZero(3, static_cast<Eigen::Index>(arm.bodies.size()));
   for (std::size_t b = 0; b < arm.bodies.size(); ++b) {
     EffectsAt::OnBody body;
     body.p_by_x = Eigen::Matrix3Xd::Zero(3, problem.NumParameters());
     body.tangent_by_x = body.p_by_x;
     at_.bodies.push_back(std::move(body));
   }
-  rate_.p = rate_.tangent = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(arm.bodies.size()));
 }
 
 void ExtendedFrame::reset() {
   online_.reset();
   line_ = false;
+  near_tip_.reset();
+  off_sd_per_way_.reset();
   solved_x_.reset();
   derivative_of_.clear();
 }
@@ -50,6 +53,7 @@ const trial::Frame& ExtendedFrame::begin(const trial::Frame& frame, const Eigen:
   frame_.inputs = driven.inputs;
   frame_.payload_kg = driven.payload_kg;
   moment_inputs_ = driven.moment_inputs;
+  of_this_frame_ = false;
   solved_x_.reset();
   return frame_;
 }
@@ -83,20 +87,24 @@ bool ExtendedFrame::solve(const Problem& problem, const VectorXd& x,
     segment.length_m = rest * x[Problem::column(i, 3)];
   }
   solved_x_.reset();
-  if (!online_.solve(segments, Problem::kPayloadUnit * x[problem.payload_column()])) return false;
+  const Eigen::Quaterniond& tip = problem.solver().q_tip();
+  const Eigen::Quaterniond turned = near_tip_ ? tip * near_tip_->conjugate() : Eigen::Quaterniond::Identity();
+  if (!online_.solve(segments, Problem::kPayloadUnit * x[problem.payload_column()], turned)) return false;
+  solved_tip_ = tip;
   solved_x_ = x;
   return true;
 }
 
 std::optional<ExtendedFrame::Difference> ExtendedFrame::difference(
     Problem& problem, const VectorXd& x, const std::vector<arm::SegmentPrediction>& laws) {
-  if (!solve(problem, x, laws) || !problem.evaluate(x)) return std::nullopt;
+  if (!problem.evaluate(x) || !solve(problem, x, laws)) return std::nullopt;
   const model::Bodies& with = online_.bodies();
   Difference d{with.p, Eigen::Matrix3Xd::Zero(3, with.p.cols())};
   for (int b = 0; b < static_cast<int>(with.p.cols()); ++b) {
     Observation o;
     o.body = b;
-    d.p.col(b) -= problem.position_by_laws(o);
+    solved_by_laws_.col(b) = problem.position_by_laws(o);
+    d.p.col(b) -= solved_by_laws_.col(b);
     d.tangent.col(b) = (with.q[static_cast<std::size_t>(b)].toRotationMatrix() -
                         problem.solver().station(b).q.toRotationMatrix())
                            .col(2);
@@ -120,8 +128,14 @@ double ExtendedFrame::way_to(const Problem& problem, const VectorXd& x) const {
   return ((x - at_.x).array() / reach(problem).array()).matrix().lpNorm<Eigen::Infinity>();
 }
 
-double ExtendedFrame::expected_off_sd(const Problem& problem, const VectorXd& x) const {
-  return off_sd_per_way_ * way_to(problem, x);
+std::optional<double> ExtendedFrame::expected_off_sd(const Problem& problem, const VectorXd& x) const {
+  if (!of_this_frame_ || !off_sd_per_way_) return std::nullopt;
+  return *off_sd_per_way_ * way_to(problem, x);
+}
+
+void ExtendedFrame::start_here() {
+  online_.start_here();
+  near_tip_ = solved_tip_;
 }
 
 bool ExtendedFrame::derivative_holds(const Problem& problem, const VectorXd& x) const {
@@ -133,15 +147,6 @@ bool ExtendedFrame::derivative_holds(const Problem& problem, const VectorXd& x) 
 
 bool ExtendedFrame::line_reaches(const Problem& problem, const VectorXd& x) const {
   return line_ && derivative_holds(problem, within_range(problem, x));
-}
-
-void ExtendedFrame::carry_line_on() {
-  const double dt_s = frame_.stamp_s - line_stamp_s_;
-  for (std::size_t b = 0; b < at_.bodies.size(); ++b) {
-    const auto column = static_cast<Eigen::Index>(b);
-    at_.bodies[b].p += dt_s * rate_.p.col(column);
-    at_.bodies[b].tangent += dt_s * rate_.tangent.col(column);
-  }
 }
 
 bool ExtendedFrame::differentiate(Problem& problem, const VectorXd& x,
@@ -183,7 +188,7 @@ void ExtendedFrame::put_line(const VectorXd& x, const Difference& difference) {
     at_.bodies[b].tangent = difference.tangent.col(static_cast<Eigen::Index>(b));
   }
   line_ = true;
-  line_stamp_s_ = frame_.stamp_s;
+  of_this_frame_ = true;
 }
 
 bool ExtendedFrame::linearise(Problem& problem, const VectorXd& x,
@@ -191,14 +196,12 @@ bool ExtendedFrame::linearise(Problem& problem, const VectorXd& x,
   const VectorXd y = within_range(problem, x);
   const std::optional<Difference> here = difference(problem, y, laws);
   if (!here) return false;
-  online_.start_here();
+  start_here();
   if ((anew || !derivative_holds(problem, y)) && !differentiate(problem, y, laws, *here)) {
     derivative_of_.clear();
     return false;
   }
   put_line(y, *here);
-  rate_.p.setZero();
-  rate_.tangent.setZero();
   return true;
 }
 
@@ -208,7 +211,7 @@ std::optional<double> ExtendedFrame::move_line(Problem& problem, const VectorXd&
   const std::optional<Difference> here = difference(problem, y, laws);
   if (y != x) problem.evaluate(x);
   if (!here) return std::nullopt;
-  online_.start_here();
+  start_here();
   const VectorXd way = y - at_.x;
   const double share = way_to(problem, y);
   double off_sd = 0.0;
@@ -220,13 +223,8 @@ std::optional<double> ExtendedFrame::move_line(Problem& problem, const VectorXd&
   }
   for (const Observation& o : problem.observations())
     off_sd = std::max(off_sd, more.p.col(o.body).norm() / problem.position_sd(o));
-  off_sd_per_way_ = std::max(off_sd / std::max(share, kTypicalWay), kForgets * off_sd_per_way_);
+  off_sd_per_way_ = std::max(off_sd / std::max(share, kTypicalWay), kForgets * off_sd_per_way_.value_or(0.0));
   if (share > kShortWay) correct_derivative(problem, way, more);
-  const double dt_s = frame_.stamp_s - line_stamp_s_;
-  if (dt_s > 0.0) {  // the first move of this frame
-    rate_.p += kRateGain / dt_s * more.p;
-    rate_.tangent += kRateGain / dt_s * more.tangent;
-  }
   put_line(y, *here);
   return off_sd;
 }
@@ -246,10 +244,19 @@ void ExtendedFrame::correct_derivative(const Problem& problem, const VectorXd& w
   }
 }
 
+bool ExtendedFrame::is_solved_near(const Problem& problem) const {
+  if (!solved_x_) return false;
+  return std::all_of(problem.observations().begin(), problem.observations().end(), [&](const Observation& o) {
+    const double moved_m = (problem.position_by_laws(o) - solved_by_laws_.col(o.body)).norm();
+    return moved_m < kSame_sd * problem.position_sd(o);
+  });
+}
+
 bool ExtendedFrame::keep(const Problem& problem, const VectorXd& x,
                          const std::vector<arm::SegmentPrediction>& laws) {
-  if (!solve(problem, within_range(problem, x), laws)) return false;
+  if (!is_solved_near(problem) && !solve(problem, within_range(problem, x), laws)) return false;
   online_.keep();
+  near_tip_ = solved_tip_;
   return true;
 }
 

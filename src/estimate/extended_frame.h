@@ -19,11 +19,12 @@ namespace softarm::estimate {
 ///   p(x) = p_laws(x) + g + D (x - x_0),   g = p_effects(x_0) - p_laws(x_0),   D = dg / dx
 ///
 /// Problem adds g and D to the rod of the laws: a fit costs what it costs without effects, and its covariance
-/// has their derivatives. A fit begins with the line of the frame before it. At its end the arm with effects
-/// is solved once, which says how far the line was off; where that is a share of the noise, the fit goes on
-/// from there: Newton's method, and exact where that ends. D changes little from frame to frame: each
-/// solution corrects it along the way that the fit went (Broyden's update), and it is worked out anew when
-/// the parameters or the loads have moved on.
+/// has their derivatives. A fit begins with the line of the frame before it. Its first steps lead nearly to
+/// its end: there the arm with effects is solved, and the fit goes on with the line through that place. Where
+/// it ends so far from there that the line may be off by a share of the noise, the arm is solved again:
+/// Newton's method, and exact where that ends. D changes little from frame to frame: each solution corrects
+/// it along the way that the fit went (Broyden's update), and it is worked out anew when the parameters or
+/// the loads have moved on.
 class ExtendedFrame {
  public:
   ExtendedFrame(const arm::Arm& arm, const std::vector<model::Present>& effects, const Problem& problem);
@@ -46,16 +47,16 @@ class ExtendedFrame {
   const EffectsAt& at() const { return at_; }
   /// Whether the line of the frame before may serve a fit that begins at x.
   bool line_reaches(const Problem& problem, const Eigen::VectorXd& x) const;
-  /// Lets the line of the frame before go on as it went: memories and the arm's motion change it steadily.
-  void carry_line_on();
-  /// Moves the line to x, where a fit ended.
+  /// Moves the line to x.
   /// @return by how much it was off there, in standard deviations of the body for which that is largest;
   /// nothing where there is no equilibrium with effects
   std::optional<double> move_line(Problem& problem, const Eigen::VectorXd& x,
                                   const std::vector<arm::SegmentPrediction>& laws);
-  /// By how much it may be off at x, as the last lines were on their ways.
-  double expected_off_sd(const Problem& problem, const Eigen::VectorXd& x) const;
-  /// x is the frame's estimate: shapes are its from now on. @return false as linearise()
+  /// By how much it may be off at x, as the last lines were on their ways; nothing where none of this frame
+  /// or none before has shown it.
+  std::optional<double> expected_off_sd(const Problem& problem, const Eigen::VectorXd& x) const;
+  /// x is the frame's estimate, and what was evaluated last: shapes are its from now on, or those of the last
+  /// solution where that is the same within a small share of the noise. @return false as linearise()
   bool keep(const Problem& problem, const Eigen::VectorXd& x,
             const std::vector<arm::SegmentPrediction>& laws);
   /// After keep().
@@ -65,7 +66,11 @@ class ExtendedFrame {
   struct Difference {
     Eigen::Matrix3Xd p, tangent;  ///< by body: with effects less without
   };
+  /// The bodies of what was evaluated last are those of the last solution.
+  bool is_solved_near(const Problem& problem) const;
+  void start_here();
   Eigen::VectorXd within_range(const Problem& problem, const Eigen::VectorXd& x) const;
+  /// x is what was evaluated last.
   bool solve(const Problem& problem, const Eigen::VectorXd& x,
              const std::vector<arm::SegmentPrediction>& laws);
   std::optional<Difference> difference(Problem& problem, const Eigen::VectorXd& x,
@@ -86,11 +91,13 @@ class ExtendedFrame {
   trial::Frame frame_;
   arm::InputValues moment_inputs_;
   EffectsAt at_;
-  bool line_ = false;                        ///< at_ is the line of this frame or the last
-  double off_sd_per_way_ = 0.0;              ///< of the last lines, about the largest
-  double line_stamp_s_ = 0.0;                ///< of the frame that the line was worked out in
-  Difference rate_;                          ///< per second, by which the line changed beyond what it says
-  std::optional<Eigen::VectorXd> solved_x_;  ///< of the last solution with effects
+  bool line_ = false;                           ///< at_ is the line of this frame or the last
+  bool of_this_frame_ = false;                  ///< the line
+  std::optional<double> off_sd_per_way_;        ///< of the last lines, about the largest
+  std::optional<Eigen::VectorXd> solved_x_;     ///< of the last solution with effects
+  Eigen::Quaterniond solved_tip_;               ///< by the laws alone there
+  std::optional<Eigen::Quaterniond> near_tip_;  ///< the same of where solutions begin
+  Eigen::Matrix3Xd solved_by_laws_;             ///< where the laws alone have the bodies there
   // Where D is of.
   Eigen::VectorXd derivative_x_;
   std::vector<bool> derivative_of_;  ///< parameters

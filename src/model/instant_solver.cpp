@@ -1,6 +1,7 @@
 #include "instant_solver.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "arm_rod.h"
@@ -13,10 +14,11 @@ namespace {
 
 // Of what answers many times over: the solver's own error is answered as well.
 constexpr double kSettledStiff_m = 2e-6, kStiffShare = 0.2;
+// Of the square root of what is asked for, to which the last step's square is small; rad.
+constexpr double kCorrection = 0.14;
 constexpr int kMostRounds = 80;              // to get there
 constexpr int kMostPlainRounds = 5;          // without mixing
 constexpr double kSoft = 0.25;               // answer up to which no mixing is needed
-constexpr int kPiecesOfSmooth = 6;           // 0.01 mm from twelve, on an arm of 0.2 m
 constexpr double kFirstScale = 1.0 / 256.0;  // of effects, at which their continuation begins
 
 arm::InputValues input_values(const Eigen::VectorXd& v) {
@@ -31,13 +33,7 @@ Mesh Mesh::of(const std::vector<Present>& effects, double settled_m) {
     return std::any_of(effects.begin(), effects.end(),
                        [&](const Present& present) { return (present.effect->*asks)(); });
   };
-  mesh.pieces = 1;
-  for (const Present& present : effects) {
-    if (!present.effect->varies_along()) continue;
-    // A memory of the wall's own curvature is as smooth along the arm as that is.
-    const bool smooth = present.effect->remembers() && !present.effect->needs_shape();
-    mesh.pieces = std::max(mesh.pieces, smooth ? kPiecesOfSmooth : FineRod::kPieces);
-  }
+  mesh.pieces = any(&Effect::varies_along) ? FineRod::kPieces : 1;
   mesh.strains = any(&Effect::needs_strains);
   mesh.settled_m = settled_m;
   return mesh;
@@ -46,18 +42,21 @@ Mesh Mesh::of(const std::vector<Present>& effects, double settled_m) {
 InstantSolver::InstantSolver(const arm::Arm& arm, const Mesh& mesh)
     : fine(arm, mesh.pieces),
       bodies(arm.bodies),
-      values(fine.layout(), stations(arm, fine, mesh), {}, solver_options(1e-10)),
+      values(fine.layout(), stations(arm, fine), {}, options(arm, mesh)),
       rod(fine.layout()),
       mesh_(mesh) {}
 
-std::vector<double> InstantSolver::stations(const arm::Arm& arm, const FineRod& fine, const Mesh& mesh) {
+std::vector<double> InstantSolver::stations(const arm::Arm& arm, const FineRod& fine) {
   std::vector<double> list = body_stations(arm);
   for (const Piece& piece : fine.pieces()) list.push_back(piece.s_to_m);
   list.push_back(0.0);
-  for (const Piece& piece : fine.pieces()) {
-    if (mesh.strains) list.push_back(piece.middle_m());
-  }
   return list;
+}
+
+rod::SolverOptions InstantSolver::options(const arm::Arm& arm, const Mesh& mesh) {
+  rod::SolverOptions options = solver_options(1e-10);
+  options.linear_correction_rad = kCorrection * std::sqrt(mesh.settled_m / arm.total_length_m());
+  return options;
 }
 
 bool InstantSolver::make(const arm::Arm& arm, const std::vector<Present>& effects,
@@ -100,7 +99,8 @@ void InstantSolver::shape_of_solution(const Motion& motion, Shape& shape) const 
   shape.middles.clear();
   for (int k = 0; k < n; ++k) {
     shape.stations.push_back(values.station(b + k));
-    if (mesh_.strains) shape.middles.push_back(values.station(b + n + 1 + k));
+    if (mesh_.strains)
+      shape.middles.push_back(values.at(fine.pieces()[static_cast<std::size_t>(k)].middle_m()));
   }
   shape.base_moment_nm = values.station(b + n).m;
   shape.base_force_n = values.station(b + n).n;

@@ -58,12 +58,13 @@ class InstantSolver {
 
   FineRod fine;
   std::vector<arm::MeasuredBody> bodies;
-  /// Stations: the bodies, the pieces' middles, their ends, the base.
+  /// Stations: the bodies, the pieces' ends, the base.
   rod::Solver values;
   rod::Rod rod;
 
  private:
-  static std::vector<double> stations(const arm::Arm& arm, const FineRod& fine, const Mesh& mesh);
+  static std::vector<double> stations(const arm::Arm& arm, const FineRod& fine);
+  static rod::SolverOptions options(const arm::Arm& arm, const Mesh& mesh);
   void shape_of_solution(const Motion& motion, Shape& shape) const;
   bool solve(const Eigen::Quaterniond* start);
   /// Assumes a shape and sees what it causes, until both agree.

@@ -126,15 +126,17 @@ const OnlineEffects::Driven& OnlineEffects::begin(double stamp_s, const arm::Inp
   return driven_;
 }
 
-bool OnlineEffects::solve(const std::vector<arm::SegmentPrediction>& segments, double payload_kg) {
+bool OnlineEffects::solve(const std::vector<arm::SegmentPrediction>& segments, double payload_kg,
+                          const Eigen::Quaterniond& turned) {
   static const Dynamics kStill{false, 0.0};
   static const Motion kNoMotion;
   last_.instant = now_;
   last_.instant.payload_kg = payload_kg;
   Feedback feedback = feedback_;
   const InstantSolver::Context context{arm_, memories_, kStill, kNoMotion, feedback, &segments};
-  last_.solved = solver_.settle(context, effects_, near_ ? &near_->q_tip : nullptr,
-                                near_ ? &near_->shape : nullptr, last_);
+  const Eigen::Quaterniond tip = near_ ? turned * near_->q_tip : turned;
+  last_.solved =
+      solver_.settle(context, effects_, near_ ? &tip : nullptr, near_ ? &near_->shape : nullptr, last_);
   if (!last_.solved) return false;
   feedback_ = feedback;
   observe();

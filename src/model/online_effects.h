@@ -40,8 +40,10 @@ class OnlineEffects {
                       const Eigen::Isometry3d& base, const std::vector<trial::InputSample>& samples = {});
 
   /// @param segments what stands for the laws' predictions
+  /// @param turned of the tip, since start_here(), as far as that is known
   /// @return false where there is no equilibrium with the effects
-  bool solve(const std::vector<arm::SegmentPrediction>& segments, double payload_kg);
+  bool solve(const std::vector<arm::SegmentPrediction>& segments, double payload_kg,
+             const Eigen::Quaterniond& turned = Eigen::Quaterniond::Identity());
   /// The next solves begin at the last solution.
   void start_here();
   /// Of the last solution: bodies of the arm as they are seen, rod's base frame.
