@@ -12,6 +12,7 @@
 #include "advice.h"
 #include "choose_frames.h"
 #include "compare_frames.h"
+#include "effect_lines.h"
 #include "joint_fit.h"
 #include "law_errors.h"
 #include "limits.h"
@@ -118,15 +119,18 @@ void compare_all(const arm::Arm& before, const std::vector<trial::StaticFrame>& 
   }
 }
 
+Result fit_of(const arm::Arm& arm, const std::vector<trial::Trial>& trials, const EffectLines* lines,
+              const Options& options, const ProgressCallback& progress);
+
 /// Each trial by the fit to all others.
-void leave_one_out(const arm::Arm& arm, const std::vector<trial::Trial>& trials, Options options,
-                   Result& result, const ProgressCallback& progress) {
+void leave_one_out(const arm::Arm& arm, const std::vector<trial::Trial>& trials, const EffectLines* lines,
+                   Options options, Result& result, const ProgressCallback& progress) {
   options.leave_one_out = false;
   std::vector<FrameComparison> before, after;
   const std::vector<FrameComparison> old_shapes = compare(arm, trials, options.frames);
   for (std::size_t t = 0; t < trials.size(); ++t) {
     options.held_out = {trials[t].name};
-    const Result fold = identify(arm, trials, options, [&](double share) {
+    const Result fold = fit_of(arm, trials, lines, options, [&](double share) {
       progress((static_cast<double>(t) + share) / static_cast<double>(trials.size()));
     });
     result.left_out_one.push_back(fold.trials[t]);
@@ -261,10 +265,9 @@ void set_constants(const arm::Arm& arm, const std::vector<FreeConstant>& constan
   }
 }
 
-}  // namespace
-
-Result identify(const arm::Arm& arm, const std::vector<trial::Trial>& trials, const Options& options,
-                const ProgressCallback& progress) {
+/// @param lines whose trials these are, or nullptr
+Result fit_of(const arm::Arm& arm, const std::vector<trial::Trial>& trials, const EffectLines* lines,
+              const Options& options, const ProgressCallback& progress) {
   if (options.leave_one_out && (trials.size() < 2 || !options.held_out.empty()))
     throw std::invalid_argument(
         options.held_out.empty()
@@ -284,6 +287,7 @@ Result identify(const arm::Arm& arm, const std::vector<trial::Trial>& trials, co
   VectorXd scale(static_cast<Eigen::Index>(constants.size()));
   for (Eigen::Index j = 0; j < scale.size(); ++j) scale[j] = constants[static_cast<std::size_t>(j)].scale;
   JointProblem problem(arm, constants, frames.fitted, options);
+  if (lines != nullptr) problem.add(lines->slopes(constants, frames.fitted));
   const Solution solution = solve(problem, constants, frames.fitted, [&](int iteration) {
     report(0.05 + 0.75 * iteration / (iteration + 10.0));
   });
@@ -304,10 +308,22 @@ Result identify(const arm::Arm& arm, const std::vector<trial::Trial>& trials, co
   result.arm.estimator.prior = result.prior;
   report(1.0);
   if (options.leave_one_out)
-    leave_one_out(arm, trials, options, result, [&](double share) {
+    leave_one_out(arm, trials, lines, options, result, [&](double share) {
       if (progress) progress(own_share + (1.0 - own_share) * share);
     });
   return result;
+}
+
+}  // namespace
+
+Result identify(const arm::Arm& arm, const std::vector<trial::Trial>& trials, const Options& options,
+                const ProgressCallback& progress) {
+  return fit_of(arm, trials, nullptr, options, progress);
+}
+
+Result identify_with(const arm::Arm& arm, const EffectLines& lines, const Options& options,
+                     const ProgressCallback& progress) {
+  return fit_of(arm, lines.without_effects(), &lines, options, progress);
 }
 
 }  // namespace softarm::identify

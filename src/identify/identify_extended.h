@@ -11,11 +11,11 @@ namespace softarm::identify {
 
 /// identify::identify() with the effects held at their values.
 ///
-/// 1. What the effects do to every body of every frame, by the constants known so far, is taken from what was
-///    measured (differences of whole predictions, memories included).
-/// 2. The constants are identified from that.
-/// 3. Again from 1, until no constant moves by a share of its standard deviation: there the laws with the
-///    effects fit what was measured. Standard deviations are those of the laws about that.
+/// 1. What the effects do to every body of every frame, and how that changes with the constants, is worked
+///    out at the constants known so far (memories included).
+/// 2. The constants are fitted to what was measured, with that line beside the laws.
+/// 3. Again from 1, until no constant moves by a share of its standard deviation: Newton's method for the
+///    constants of the whole model. Standard deviations are those of that model.
 /// Without effects it is identify::identify().
 /// @throws as that
 Result identify_extended(const arm::Arm& arm, const std::vector<model::Present>& effects,

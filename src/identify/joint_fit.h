@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "law_model.h"
@@ -33,6 +34,11 @@ struct ResidualBlock {
   bool tangent = false;
 };
 
+/// What is not in the laws, of a frame: derivatives of its bodies by the constants, 3 bodies x constants.
+struct Slopes {
+  Eigen::MatrixXd p, tangent;
+};
+
 struct JointFit {
   Eigen::VectorXd theta;
   bool converged = false;
@@ -51,6 +57,9 @@ class JointProblem {
 
   /// @param progress called after each iteration with their number over all passes
   JointFit solve(const std::function<void(int)>& progress);
+
+  /// Adds what else changes in the frames where constants leave their start.
+  void add(std::vector<Slopes> slopes) { slopes_ = std::move(slopes); }
 
   /// From now on the constant keeps its start, or does so no more; for another solve().
   void keep(int constant, bool kept) { constants_[static_cast<std::size_t>(constant)].kept = kept; }
@@ -92,8 +101,10 @@ class JointProblem {
   Eigen::VectorXd scale_;
   std::vector<std::optional<model::Equilibrium>> equilibria_;
   std::vector<Prediction> predictions_;
-  std::vector<bool> solved_;  ///< at the last evaluation
-  std::vector<bool> active_;  ///< part of the present pass
+  std::vector<Slopes> slopes_;  ///< of the frames, or empty
+  Eigen::VectorXd start_;       ///< of the constants
+  std::vector<bool> solved_;    ///< at the last evaluation
+  std::vector<bool> active_;    ///< part of the present pass
   double position_scale_ = 1.0, tangent_scale_ = 1.0;
   std::map<int, double> body_scale_[2];  ///< of positions, of tangents
   int iterations_ = 0;

@@ -33,6 +33,7 @@ class LawModel {
   LawModel(const arm::Arm& arm, const std::vector<ConstantRef>& constants);
 
   void set(const Eigen::VectorXd& theta);
+  const Eigen::VectorXd& theta() const { return theta_; }
 
   /// @param state this frame's last equilibrium, by the constants; empty at first; updated where there is one
   /// @return false without one, or where the laws have no value

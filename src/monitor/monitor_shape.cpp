@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "arm/stiffness_profile.h"
+#include "rod/actuation.h"
 
 namespace softarm::monitor {
 namespace {
@@ -14,14 +15,10 @@ using Eigen::Vector3d;
 
 constexpr std::size_t kPieces = 20;
 
-/// A bending moment or curvature towards (cos phi, sin phi) as a vector in the section frame.
-Vector3d about(const Eigen::Vector2d& towards) {
-  return {-towards.y(), towards.x(), 0.0};
-}
-
 }  // namespace
 
-MonitorShape::MonitorShape(const arm::Arm& arm) : arm_(arm), length_m_(arm.total_length_m()) {
+MonitorShape::MonitorShape(const arm::Arm& arm)
+    : arm_(arm), length_m_(arm.total_length_m()), rod_(rod::make_rod(arm)), hung_(rod_.loads.size()) {
   double end = 0.0;
   for (const arm::Segment& segment : arm.segments) segment_end_.push_back(end += segment.length_m);
   for (const arm::MeasuredBody& body : arm.bodies) body_s_.push_back(body.arclength_m);
@@ -69,7 +66,8 @@ void MonitorShape::set(const estimate::Estimate& estimate) {
     const arm::Segment& segment = arm_.segments[segment_index];
     const double from = segment_end_[segment_index] - segment.length_m;
     piece.factor = 1.0 / arm::stiffness_factor(segment.stiffness_profile, (mid - from) / segment.length_m);
-    piece.weight_kg = segment.mass_per_length_kg_m * piece.ds;
+    const rod::Segment& part = rod_.segments[segment_index];
+    piece.weight_kg = part.mass_kg / part.rest_length_m * piece.ds;
     Eigen::Quaterniond q = a.q_base;
     if (q.dot(b.q_base) < 0.0) {
       q.coeffs() -= b.q_base.coeffs();
@@ -99,24 +97,26 @@ void MonitorShape::set(const estimate::Estimate& estimate) {
     residual_.emplace_back(residual.body, residual.measured_base - residual.estimated_base);
   }
   gravity_ = estimate.base_in_mocap.linear().transpose() * arm_.gravity_m_s2;
-  payload_kg_ = estimate.payload_kg.value_or(0.0);
-  tip_ = points.back().p_base;
-  const double mount = std::min(arm_.payload.arclength_m, length_m_ * (1.0 - 1e-9));
-  payload_place_ = place_at(mount) + section_at(mount) * arm_.payload.offset_m;
+  rod_.loads[rod::kPayloadLoad].mass_kg = estimate.payload_kg.value_or(0.0);
+  for (std::size_t i = 0; i < hung_.size(); ++i) {
+    const rod::PointLoad& load = rod_.loads[i];
+    const double s_m = std::min(load.s_m, length_m_ * (1.0 - 1e-9));
+    hung_[i] = {load.s_m, place_at(std::min(load.s_m, length_m_)) + section_at(s_m) * load.offset_m,
+                load.mass_kg};
+  }
+  std::sort(hung_.begin(), hung_.end(), [](const Hung& x, const Hung& y) { return x.s_m > y.s_m; });
 }
 
 void MonitorShape::loads() {
   // From the tip: the weight beyond, and its moment about the place.
-  Vector3d force = arm_.tip_mass_kg * gravity_;
-  Vector3d moment_about_origin = tip_.cross(force);
-  bool payload = false;
+  Vector3d force = Vector3d::Zero(), moment_about_origin = Vector3d::Zero();
+  auto next = hung_.begin();
   for (std::size_t i = pieces_.size(); i-- > 0;) {
     Piece& piece = pieces_[i];
-    if (!payload && begin_[i] < arm_.payload.arclength_m) {
-      const Vector3d weight = payload_kg_ * gravity_;
+    for (; next != hung_.end() && begin_[i] < next->s_m; ++next) {
+      const Vector3d weight = next->kg * gravity_;
       force += weight;
-      moment_about_origin += payload_place_.cross(weight);
-      payload = true;
+      moment_about_origin += next->place.cross(weight);
     }
     const Vector3d half = 0.5 * piece.weight_kg * gravity_;
     force += half;
@@ -164,51 +164,36 @@ void MonitorShape::integrate(TurnOf turn_of, StretchOf stretch_of, Eigen::Ref<Di
 }
 
 void MonitorShape::discrepancy(const std::vector<arm::SegmentPrediction>* predictions, Displacements& e) {
-  laws_ = predictions != nullptr;
-  if (laws_) {
-    predictions_ = *predictions;
+  if (predictions != nullptr) {
+    rod::actuate(arm_, *predictions, rod_);
   } else {
     // Signatures still need some stiffness: that at no input.
-    predictions_.resize(arm_.segments.size());
     for (std::size_t i = 0; i < arm_.segments.size(); ++i) {
-      predictions_[i] = arm::SegmentPrediction();
-      predictions_[i].bending_stiffness_nm2 =
-          arm_.segments[i].bending_stiffness.by_pressure.empty()
-              ? arm_.segments[i].bending_stiffness.base_nm2
-              : arm_.segments[i].bending_stiffness.by_pressure.front().bending_stiffness_nm2;
-      predictions_[i].length_m = arm_.segments[i].length_m;
+      const arm::StiffnessLaw& law = arm_.segments[i].bending_stiffness;
+      rod_.segments[i].bending_compliance =
+          1.0 / (law.by_pressure.empty() ? law.base_nm2 : law.by_pressure.front().bending_stiffness_nm2);
+      rod_.segments[i].length_m = arm_.segments[i].length_m;
     }
   }
   loads();
   for (Piece& piece : pieces_) {
-    const auto i = static_cast<std::size_t>(piece.segment);
-    piece.compliance = predictions_[i].length_m / arm_.segments[i].length_m * piece.factor /
-                       predictions_[i].bending_stiffness_nm2;
+    const rod::Segment& part = rod_.segments[static_cast<std::size_t>(piece.segment)];
+    piece.compliance = part.length_m / part.rest_length_m * piece.factor * part.bending_compliance;
   }
   Displacements& shift = e;
-  if (laws_) {
+  if (predictions != nullptr) {
     const auto turn_of = [&](const Piece& piece) -> Vector3d {
-      const auto i = static_cast<std::size_t>(piece.segment);
-      const arm::SegmentPrediction& law = predictions_[i];
-      const double k = law.length_m / arm_.segments[i].length_m;
-      Vector3d turn = piece.compliance * (about(law.moment_nm) + piece.load_moment) +
-                      k * (about(law.curvature_per_m) + arm_.segments[i].rest_curvature_per_m) - piece.turn;
+      const rod::Segment& part = rod_.segments[static_cast<std::size_t>(piece.segment)];
+      Vector3d turn = piece.compliance * (part.moment_nm + piece.load_moment) +
+                      part.length_m / part.rest_length_m * part.rest_curvature_per_m - piece.turn;
       turn.z() = 0.0;
       return turn;
     };
     const auto stretch_of = [&](const Piece& piece) -> Vector3d {
-      const auto i = static_cast<std::size_t>(piece.segment);
-      const arm::Segment& segment = arm_.segments[i];
-      const arm::SegmentPrediction& law = predictions_[i];
-      Vector3d v = Vector3d::UnitZ();
-      if (segment.axial_stiffness_n) {
-        v.z() += piece.force.z() / (*segment.axial_stiffness_n * law.modulus_ratio);
-      }
-      if (segment.shear_stiffness_n) {
-        const double ga = *segment.shear_stiffness_n * law.modulus_ratio + law.tendon_shear_stiffness_n;
-        v.head<2>() += piece.force.head<2>() / ga;
-      }
-      return law.length_m / segment.length_m * v - piece.stretch;
+      const rod::Segment& part = rod_.segments[static_cast<std::size_t>(piece.segment)];
+      const Vector3d compliance(part.shear_compliance, part.shear_compliance, part.axial_compliance);
+      const Vector3d v = Vector3d::UnitZ() + compliance.cwiseProduct(piece.force);
+      return part.length_m / part.rest_length_m * v - piece.stretch;
     };
     integrate(turn_of, stretch_of, shift);
   } else {
@@ -293,17 +278,16 @@ void MonitorShape::by_inertia(const Displacements& acceleration, const std::vect
     }
     return a;
   };
-  Vector3d force = -arm_.tip_mass_kg * at(length_m_), moment = tip_.cross(force);
-  bool payload = false;
+  Vector3d force = Vector3d::Zero(), moment = Vector3d::Zero();
   std::vector<Vector3d>& moments = inertia_;
   moments.resize(pieces_.size());
+  auto next = hung_.begin();
   for (std::size_t i = pieces_.size(); i-- > 0;) {
     const Piece& piece = pieces_[i];
-    if (!payload && begin_[i] < arm_.payload.arclength_m) {
-      const Vector3d inertia = -payload_kg_ * at(arm_.payload.arclength_m);
+    for (; next != hung_.end() && begin_[i] < next->s_m; ++next) {
+      const Vector3d inertia = -next->kg * at(next->s_m);
       force += inertia;
-      moment += payload_place_.cross(inertia);
-      payload = true;
+      moment += next->place.cross(inertia);
     }
     const Vector3d half = -0.5 * piece.weight_kg * at(begin_[i] + 0.5 * piece.ds);
     force += 2.0 * half;

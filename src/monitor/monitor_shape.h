@@ -7,6 +7,7 @@
 #include "softarm/arm/arm.h"
 #include "softarm/arm/laws.h"
 #include "softarm/estimate/estimator.h"
+#include "softarm/rod/rod.h"
 
 namespace softarm::monitor {
 
@@ -62,6 +63,12 @@ class MonitorShape {
     Eigen::Matrix3d r;
     Eigen::Vector3d turn, stretch;  // of the fit, per length at zero input, section frame
   };
+  /// A mass on the arm.
+  struct Hung {
+    double s_m = 0.0;
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();
+    double kg = 0.0;
+  };
   int piece_at(double s_m) const;
   double overlap(const Piece& piece, std::size_t i, double s_m) const;
   template <class TurnOf, class StretchOf>
@@ -70,17 +77,15 @@ class MonitorShape {
 
   const arm::Arm& arm_;
   double length_m_;
+  rod::Rod rod_;            // what the arm is made of and what acts on it, as everywhere else
+  std::vector<Hung> hung_;  // from the tip
   std::vector<double> segment_end_, body_s_;
   std::vector<Piece> pieces_;
   std::vector<double> begin_;  // of each piece
   std::vector<int> body_piece_;
   std::vector<Eigen::Vector3d> bodies_;  // estimated places
   std::vector<std::pair<int, Eigen::Vector3d>> residual_;
-  std::vector<arm::SegmentPrediction> predictions_;
-  Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero(), payload_place_ = Eigen::Vector3d::Zero(),
-                  tip_ = Eigen::Vector3d::Zero();
-  double payload_kg_ = 0.0;
-  bool laws_ = false;
+  Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();
   mutable std::vector<Eigen::Vector3d> inertia_;  // scratch
 };
 

@@ -24,7 +24,7 @@ ALLOWED = {
     "estimate": "math arm trial rod model",
     "identify": "math arm trial rod model",
     "check": "math arm trial estimate",
-    "monitor": "math arm trial estimate",
+    "monitor": "math arm trial rod estimate",
     "diagnose": "math arm model effects estimate identify",
     "report": "diagnose",
     "published": "arm rod identify",

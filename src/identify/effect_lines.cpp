@@ -1,0 +1,214 @@
+#include "effect_lines.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "math/parallel.h"
+
+namespace softarm::identify {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using model::Predicted;
+
+constexpr double kFarthest_s = 0.15;  // from a mean, beyond which a frame is left out
+constexpr double kStep = 1e-2;        // of differences of whole predictions, in scales
+const model::Dynamics kAtRest{false, 0.0};
+
+Eigen::Quaterniond section_at(const model::Shape& shape, double s_m) {
+  const auto nearest = std::min_element(shape.stations.begin(), shape.stations.end(),
+                                        [&](const rod::RodState& x, const rod::RodState& y) {
+                                          return std::abs(x.s_m - s_m) < std::abs(y.s_m - s_m);
+                                        });
+  return nearest->q;
+}
+
+Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& q) {
+  const Eigen::AngleAxisd turn(q.w() < 0.0 ? Eigen::Quaterniond(-q.coeffs()) : q);
+  return turn.angle() * turn.axis();
+}
+
+model::Prepared prepare(const arm::Arm& arm, const std::vector<trial::Trial>& trials) {
+  try {
+    return model::prepare(arm, trials);
+  } catch (const model::UnusableTrials& e) {
+    throw IdentifyError(e.what());
+  }
+}
+
+/// The constants one step on, one after the other.
+arm::Arm stepped(const arm::Arm& arm, const FreeConstant& constant, double& step) {
+  step = kStep * constant.scale;
+  if (constant.initial + step > constant.range.high) step = -step;
+  arm::Arm there = arm;
+  for (const int i : segments_of(constant.ref))
+    arm::spec_of(constant.ref.kind)
+        .set(there.segments[static_cast<std::size_t>(i)], constant.ref.index, constant.initial + step);
+  return there;
+}
+
+/// Positions, then tangents, of the bodies of a block.
+VectorXd stacked(const Predicted& predicted) {
+  VectorXd all(predicted.p.size() + predicted.tangents.size());
+  all << Eigen::Map<const VectorXd>(predicted.p.data(), predicted.p.size()),
+      Eigen::Map<const VectorXd>(predicted.tangents.data(), predicted.tangents.size());
+  return all;
+}
+
+}  // namespace
+
+EffectLines::EffectLines(const arm::Arm& arm, std::vector<model::Present> effects,
+                         const std::vector<trial::Trial>& trials, unsigned jobs)
+    : arm_(arm), effects_(std::move(effects)), jobs_(jobs), trials_(trials.size()), without_(trials.size()) {
+  const model::Prepared prepared = prepare(arm_, trials);
+  math::in_parallel(trials.size(), jobs_, [&](std::size_t t) {
+    without_[t].name = trials[t].name;
+    const auto data = std::find_if(prepared.trials.begin(), prepared.trials.end(),
+                                   [&](const model::TrialData& one) { return one.name == trials[t].name; });
+    if (data == prepared.trials.end()) return;
+    trials_[t].data = *data;
+    predict(trials_[t]);
+    without_[t] = corrected(trials_[t], trials[t]);
+  });
+}
+
+void EffectLines::predict(OfTrial& trial) const {
+  const model::TrialData& data = trial.data;
+  model::ExtendedModel model(arm_);
+  model.predict(arm_, {}, kAtRest, data, nullptr, trial.without);
+  model.predict(arm_, effects_, kAtRest, data, &trial.without, trial.with);
+  trial.moved.resize(arm_.bodies.size());
+  for (std::size_t k = 0; k < data.blocks.size(); ++k) {
+    const Predicted &with = trial.with[k], &without = trial.without[k];
+    if (!with.solved || !without.solved) continue;
+    for (std::size_t i = 0; i < data.blocks[k].bodies.size(); ++i) {
+      const auto b = static_cast<std::size_t>(data.blocks[k].bodies[i].body);
+      const auto column = static_cast<Eigen::Index>(i);
+      const double s_m = arm_.bodies[b].arclength_m;
+      Moved moved;
+      moved.stamp_s = data.begin_s + with.instant.t_s;
+      moved.block = k;
+      moved.p = with.p.col(column) - without.p.col(column);
+      moved.turn = rotation_vector(section_at(with.shape, s_m) * section_at(without.shape, s_m).conjugate());
+      trial.moved[b].push_back(moved);
+    }
+  }
+}
+
+EffectLines::Between EffectLines::between(const std::vector<Moved>& list, double stamp_s) {
+  const auto after = std::lower_bound(list.begin(), list.end(), stamp_s,
+                                      [](const Moved& moved, double s) { return moved.stamp_s < s; });
+  const bool has_after = after != list.end() && after->stamp_s - stamp_s < kFarthest_s;
+  const bool has_before = after != list.begin() && stamp_s - std::prev(after)->stamp_s < kFarthest_s;
+  if (!has_after && !has_before) return {};
+  if (!has_before) return {&*after, &*after, 0.0};
+  const Moved& before = *std::prev(after);
+  if (!has_after) return {&before, &before, 0.0};
+  return {&before, &*after, (stamp_s - before.stamp_s) / (after->stamp_s - before.stamp_s)};
+}
+
+trial::Trial EffectLines::corrected(const OfTrial& of, const trial::Trial& trial) const {
+  trial::Trial out;
+  out.name = trial.name;
+  out.inputs = trial.inputs;
+  Eigen::Matrix3d base = arm_.base.fixed_pose.linear();
+  bool placed = !arm_.base.body;
+  for (const trial::Frame& frame : trial.frames) {
+    if (arm_.base.body && frame.base_body && frame.base_body->matrix().allFinite()) {
+      base = (*frame.base_body * arm_.base.rod_in_body).linear();
+      placed = true;
+    }
+    if (!placed) continue;
+    trial::Frame changed = frame;
+    changed.bodies.clear();
+    for (trial::BodyObservation seen : frame.bodies) {
+      if (seen.body < 0 || seen.body >= static_cast<int>(of.moved.size())) continue;
+      const Between at = between(of.moved[static_cast<std::size_t>(seen.body)], frame.stamp_s);
+      if (at.before == nullptr) continue;
+      if (seen.q_mocap) {
+        // About the section's place, which may be off the body's origin.
+        const Eigen::Vector3d turn = base * at.mean(&Moved::turn);
+        const double angle = turn.norm();
+        const Eigen::Quaterniond back(Eigen::AngleAxisd(
+            -angle, angle > 0.0 ? Eigen::Vector3d(turn / angle) : Eigen::Vector3d::UnitZ()));
+        const arm::MeasuredBody& body = arm_.bodies[static_cast<std::size_t>(seen.body)];
+        const Eigen::Vector3d lever = *seen.q_mocap * body.section_in_body.translation();
+        seen.q_mocap = back * *seen.q_mocap;
+        seen.p_mocap += lever - back * lever;
+      }
+      seen.p_mocap -= base * at.mean(&Moved::p);
+      changed.bodies.push_back(seen);
+    }
+    if (!changed.bodies.empty()) out.frames.push_back(std::move(changed));
+  }
+  return out;
+}
+
+std::vector<MatrixXd> EffectLines::slopes_of_blocks(const OfTrial& of,
+                                                    const std::vector<FreeConstant>& constants) const {
+  model::ExtendedModel model(arm_);
+  std::vector<MatrixXd> slopes(of.with.size());
+  for (std::size_t k = 0; k < slopes.size(); ++k) {
+    if (of.with[k].solved && of.without[k].solved)
+      slopes[k] = MatrixXd::Zero(3 * (of.with[k].p.cols() + of.with[k].tangents.cols()),
+                                 static_cast<Eigen::Index>(constants.size()));
+  }
+  std::vector<Predicted> with, without;
+  for (std::size_t j = 0; j < constants.size(); ++j) {
+    double step = 0.0;
+    const arm::Arm there = stepped(arm_, constants[j], step);
+    model.predict(there, {}, kAtRest, of.data, &of.without, without);
+    model.predict(there, effects_, kAtRest, of.data, &of.with, with);
+    for (std::size_t k = 0; k < slopes.size(); ++k) {
+      if (slopes[k].size() == 0 || !with[k].solved || !without[k].solved) continue;
+      slopes[k].col(static_cast<Eigen::Index>(j)) =
+          (stacked(with[k]) - stacked(without[k]) - stacked(of.with[k]) + stacked(of.without[k])) / step;
+    }
+  }
+  return slopes;
+}
+
+Slopes EffectLines::slopes_of_frame(const OfTrial& of, const std::vector<MatrixXd>& by_block,
+                                    const trial::StaticFrame& frame, Eigen::Index constants) const {
+  const auto count = 3 * static_cast<Eigen::Index>(frame.bodies.size());
+  Slopes slopes{MatrixXd::Zero(count, constants), MatrixXd::Zero(count, constants)};
+  for (std::size_t k = 0; k < frame.bodies.size(); ++k) {
+    const int body = frame.bodies[k].body;
+    const Between at = between(of.moved[static_cast<std::size_t>(body)], frame.stamp_s);
+    if (at.before == nullptr) continue;
+    const auto add = [&](const Moved& moved, double share) {
+      const MatrixXd& rows = by_block[moved.block];
+      if (rows.size() == 0) return;
+      const model::Block& block = of.data.blocks[moved.block];
+      const auto is_it = [&](const auto& seen) { return seen.body == body; };
+      const auto place = std::find_if(block.bodies.begin(), block.bodies.end(), is_it) - block.bodies.begin();
+      const auto turned = std::find_if(block.tangents.begin(), block.tangents.end(), is_it);
+      const auto to = 3 * static_cast<Eigen::Index>(k);
+      slopes.p.middleRows<3>(to) += share * rows.middleRows<3>(3 * place);
+      if (turned == block.tangents.end()) return;
+      const auto from = static_cast<std::ptrdiff_t>(block.bodies.size()) + (turned - block.tangents.begin());
+      slopes.tangent.middleRows<3>(to) += share * rows.middleRows<3>(3 * from);
+    };
+    add(*at.before, 1.0 - at.share);
+    add(*at.after, at.share);
+  }
+  return slopes;
+}
+
+std::vector<Slopes> EffectLines::slopes(const std::vector<FreeConstant>& constants,
+                                        const std::vector<trial::StaticFrame>& frames) const {
+  std::vector<std::vector<MatrixXd>> by_block(trials_.size());
+  math::in_parallel(trials_.size(), jobs_,
+                    [&](std::size_t t) { by_block[t] = slopes_of_blocks(trials_[t], constants); });
+  std::vector<Slopes> list;
+  for (const trial::StaticFrame& frame : frames)
+    list.push_back(slopes_of_frame(trials_[frame.trial], by_block[frame.trial], frame,
+                                   static_cast<Eigen::Index>(constants.size())));
+  return list;
+}
+
+}  // namespace softarm::identify
