@@ -82,7 +82,7 @@ class ActuatorKind {
   const Traits traits_;
 };
 
-/// All there are. Laws are summed in this order, keys are documented in it.
+/// All there are.
 const std::vector<const ActuatorKind*>& actuator_kinds();
 
 /// Whether anything bends or strains the segment; bends it.

@@ -6,13 +6,25 @@
 
 namespace softarm::arm {
 
-using Kind = const ActuatorKind&();
-Kind chambers_kind, jamming_kind, central_chamber_kind, tendons_kind, cables_kind;  // each in its own file
+// One line per kind, <name>_kind() in the file of that name. Laws are summed in this order, keys are
+// documented in it.
+// clang-format off
+#define SOFTARM_ACTUATORS(ACTUATOR) \
+  ACTUATOR(chambers) \
+  ACTUATOR(jamming) \
+  ACTUATOR(central_chamber) \
+  ACTUATOR(tendons) \
+  ACTUATOR(cables)
+// clang-format on
+
+#define SOFTARM_DECLARE(name) const ActuatorKind& name##_kind();
+SOFTARM_ACTUATORS(SOFTARM_DECLARE)
+#undef SOFTARM_DECLARE
 
 const std::vector<const ActuatorKind*>& actuator_kinds() {
-  static const std::vector<const ActuatorKind*> table{
-      &chambers_kind(), &jamming_kind(), &central_chamber_kind(), &tendons_kind(), &cables_kind(),
-  };
+#define SOFTARM_ROW(name) &name##_kind(),
+  static const std::vector<const ActuatorKind*> table{SOFTARM_ACTUATORS(SOFTARM_ROW)};
+#undef SOFTARM_ROW
   return table;
 }
 
