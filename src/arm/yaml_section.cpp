@@ -4,12 +4,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
 
 #include "edit_distance.h"
+#include "math/parse_number.h"
 #include "softarm/arm/arm_file.h"
 
 namespace softarm::arm::yaml {
@@ -57,12 +57,7 @@ std::optional<double> to_number(std::string text) {
   std::transform(bare.begin(), bare.end(), bare.begin(), [](unsigned char c) { return std::tolower(c); });
   if (bare == ".inf") return HUGE_VAL;
   if (bare == ".nan") return std::nan("");
-  double value = 0.0;
-  const char* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (stop != end || error == std::errc::invalid_argument) return std::nullopt;
-  if (error == std::errc::result_out_of_range) return HUGE_VAL;
-  return value;
+  return math::parse_number(text);
 }
 
 bool is_letter(char c) {

@@ -75,7 +75,7 @@ std::vector<Explanation> candidates_of(JointModel& model, const Selection& selec
 std::vector<Present> collinear_of(const Selection& selection) {
   std::vector<Present> list;
   for (const Screened& s : selection.rounds.back().screened) {
-    if (s.usual_z >= kPolicy.experiment.seen_z || list.size() == kPolicy.experiment.most_hidden) continue;
+    if (s.usual_z >= kPolicy.experiment.seen_z || list.size() == kPolicy.experiment.most_collinear) continue;
     const model::Info& info = s.effect->info();
     Present present{s.effect, s.values};
     for (int k = 0; k < info.sizes; ++k)

@@ -100,19 +100,19 @@ struct Policy {
 
   /// What to record next.
   struct Experiment {
-    std::size_t most_rivals = 4;     ///< told apart at once
-    std::size_t most_hidden = 12;    ///< brought to light at once
-    double candidate_z = 3.0;        ///< of one that may be what no effect explains
-    double seen_z = 5.0;             ///< at which an effect of usual size is seen
-    double useful_z = 2.0;           ///< separation that is worth an experiment ...
-    double better = 1.5;             ///< ... if it is that many times today's
-    double least_solved = 0.7;       ///< share of it in which the arm has an equilibrium
-    double new_attitude_rad = 0.35;  ///< from all that were recorded
-    double moved = 1e-3;             ///< share of the largest input below which an input does nothing
-    double pull_bend = 0.3;          ///< force over EI / L^2: it moves the tip by a tenth of the length
-    double bracket = 0.15;           ///< of the length: beside the arm
-    double payload_share = 0.5;      ///< of the arm's weight, where none was ever hung on
-    double clock_sd_s = 0.002;       ///< of stamps of one clock
+    std::size_t most_rivals = 4;      ///< told apart at once
+    std::size_t most_collinear = 12;  ///< brought to light at once
+    double candidate_z = 3.0;         ///< of one that may be what no effect explains
+    double seen_z = 5.0;              ///< at which an effect of usual size is seen
+    double useful_z = 2.0;            ///< separation that is worth an experiment ...
+    double better = 1.5;              ///< ... if it is that many times today's
+    double least_solved = 0.7;        ///< share of it in which the arm has an equilibrium
+    double new_attitude_rad = 0.35;   ///< from all that were recorded
+    double moved = 1e-3;              ///< share of the largest input below which an input does nothing
+    double pull_bend = 0.3;           ///< force over EI / L^2: it moves the tip by a tenth of the length
+    double bracket = 0.15;            ///< of the length: beside the arm
+    double payload_share = 0.5;       ///< of the arm's weight, where none was ever hung on
+    double clock_sd_s = 0.002;        ///< of stamps of one clock
     double rest_s = 2.0, move_s = 2.0, hold_s = 20.0, after_s = 6.0;
     int cycles = 6;
     double seconds = 24.0;  ///< of a trial that is recorded again

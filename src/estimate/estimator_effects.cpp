@@ -10,26 +10,36 @@
 namespace softarm::estimate {
 namespace {
 
-// Between the line of the effects and what they do at the fit: a tenth of a standard deviation adds half a
-// per cent to the variance.
+// Between the line of the effects and what they do at the fit: a tenth of a standard deviation makes an error
+// half a per cent larger.
 constexpr double kAgrees_sd = 0.1;
-constexpr int kStepsByOldLine = 2;  // after them x is as near its end as another line's place must be
+constexpr int kStepsByOldLine = 1;  // after it x is as near its end as another line's place must be
 constexpr int kMostPasses = 8, kOldDerivativePasses = 2;
 
 }  // namespace
 
 bool Estimator::Impl::solve_with_effects() {
   if (!extension) return solve_with_window();
+  line_is_old = false;
   const std::optional<Window> window_before = window;
   const int contradictions_before = contradictions;
+  const auto begin_again = [&] {
+    for (Observation& o : problem.observations()) o.used = true;
+    window = window_before;
+    contradictions = contradictions_before;
+    believe();
+  };
   VectorXd at;
   if (have_last) {
     at = last_x;
     impose_knowns(at);
   } else if (start_cold()) {
     at = x;
+  } else if (solve_with_window()) {
+    at = x;
+    begin_again();
   } else {
-    return solve_with_window();
+    return false;
   }
   const auto lost = [&](const char* where) {
     have_last = false;
@@ -44,29 +54,26 @@ bool Estimator::Impl::solve_with_effects() {
   for (int pass = 0; pass < kMostPasses; ++pass) {
     // What a line is off by grows with the way: after a short one it need not be looked at again.
     const std::optional<double> expected_sd = extension->expected_off_sd(problem, x);
-    if (expected_sd && *expected_sd < kAgrees_sd) break;
+    if (expected_sd && *expected_sd < kAgrees_sd) return true;
     const std::optional<double> off_sd = extension->move_line(problem, x, laws_at_frame);
     if (!off_sd) return lost("fit");
-    if (*off_sd < kAgrees_sd) break;
+    if (*off_sd < kAgrees_sd) return true;
     const bool whole = *off_sd >= kPolicy.bodies.look_again_sd;
-    if (whole) {
-      for (Observation& o : problem.observations()) o.used = true;
-      window = window_before;
-      contradictions = contradictions_before;
-      believe();
-    }
+    if (whole) begin_again();
     if (pass >= kOldDerivativePasses && !extension->linearise(problem, x, laws_at_frame, true))
       return lost("fit");
     if (!fit_again(whole)) return false;
   }
-  return true;
+  have_last = false;
+  fail(Status::kNoConvergence, "the fit and what the arm's effects do there do not come to agree");
+  return false;
 }
 
 void Estimator::Impl::move_old_line() {
   if (!line_is_old) return;
   line_is_old = false;
   const int iterations = solver.options.max_num_iterations;
-  solver.options.max_num_iterations = kStepsByOldLine;
+  solver.options.max_num_iterations = kStepsByOldLine + 1;  // TinySolver counts its start
   iterate();
   solver.options.max_num_iterations = iterations;
   extension->move_line(problem, x, laws_at_frame);

@@ -67,7 +67,7 @@ struct Estimator::Impl {
 
   // --- steps 2 to 4 with effects of the arm file in the model ---
   bool solve_with_effects();
-  /// Where the line of effects is that of the frame before: first steps, and the line moved to their end.
+  /// Where the line of effects is that of the frame before: a first step, and the line moved to its end.
   void move_old_line();
   /// Fills estimate_by_laws.
   void take_effects_out();

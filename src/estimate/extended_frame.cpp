@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/body_kinematics.h"
+
 namespace softarm::estimate {
 namespace {
 
@@ -26,7 +28,8 @@ ExtendedFrame::ExtendedFrame(const arm::Arm& arm, const std::vector<model::Prese
                              const Problem& problem)
     : arm_(arm), online_(arm, effects) {
   at_.x = VectorXd::Zero(problem.NumParameters());
-  solved_by_laws_.setZero(3, static_cast<Eigen::Index>(arm.bodies.size()));
+  const auto bodies = static_cast<Eigen::Index>(arm.bodies.size());
+  solved_by_laws_ = {Eigen::Matrix3Xd::Zero(3, bodies), Eigen::Matrix3Xd::Zero(3, bodies)};
   for (std::size_t b = 0; b < arm.bodies.size(); ++b) {
     EffectsAt::OnBody body;
     body.p_by_x = Eigen::Matrix3Xd::Zero(3, problem.NumParameters());
@@ -103,11 +106,11 @@ std::optional<ExtendedFrame::Difference> ExtendedFrame::difference(
   for (int b = 0; b < static_cast<int>(with.p.cols()); ++b) {
     Observation o;
     o.body = b;
-    solved_by_laws_.col(b) = problem.position_by_laws(o);
-    d.p.col(b) -= solved_by_laws_.col(b);
-    d.tangent.col(b) = (with.q[static_cast<std::size_t>(b)].toRotationMatrix() -
-                        problem.solver().station(b).q.toRotationMatrix())
-                           .col(2);
+    solved_by_laws_.p.col(b) = problem.position_by_laws(o);
+    solved_by_laws_.tangent.col(b) = model::tangent_of(problem.solver().station(b));
+    d.p.col(b) -= solved_by_laws_.p.col(b);
+    d.tangent.col(b) =
+        with.q[static_cast<std::size_t>(b)] * Eigen::Vector3d::UnitZ() - solved_by_laws_.tangent.col(b);
   }
   return d;
 }
@@ -221,8 +224,10 @@ std::optional<double> ExtendedFrame::move_line(Problem& problem, const VectorXd&
     more.p.col(static_cast<Eigen::Index>(b)) -= body.p + body.p_by_x * way;
     more.tangent.col(static_cast<Eigen::Index>(b)) -= body.tangent + body.tangent_by_x * way;
   }
-  for (const Observation& o : problem.observations())
+  for (const Observation& o : problem.observations()) {
     off_sd = std::max(off_sd, more.p.col(o.body).norm() / problem.position_sd(o));
+    if (o.tangent) off_sd = std::max(off_sd, more.tangent.col(o.body).norm() / problem.tangent_sd(o));
+  }
   off_sd_per_way_ = std::max(off_sd / std::max(share, kTypicalWay), kForgets * off_sd_per_way_.value_or(0.0));
   if (share > kShortWay) correct_derivative(problem, way, more);
   put_line(y, *here);
@@ -247,8 +252,11 @@ void ExtendedFrame::correct_derivative(const Problem& problem, const VectorXd& w
 bool ExtendedFrame::is_solved_near(const Problem& problem) const {
   if (!solved_x_) return false;
   return std::all_of(problem.observations().begin(), problem.observations().end(), [&](const Observation& o) {
-    const double moved_m = (problem.position_by_laws(o) - solved_by_laws_.col(o.body)).norm();
-    return moved_m < kSame_sd * problem.position_sd(o);
+    const double moved_m = (problem.position_by_laws(o) - solved_by_laws_.p.col(o.body)).norm();
+    if (moved_m >= kSame_sd * problem.position_sd(o)) return false;
+    const Eigen::Vector3d tangent = model::tangent_of(problem.solver().station(o.body));
+    const double turned = (tangent - solved_by_laws_.tangent.col(o.body)).norm();
+    return !o.tangent || turned < kSame_sd * problem.tangent_sd(o);
   });
 }
 

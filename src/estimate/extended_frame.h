@@ -19,7 +19,7 @@ namespace softarm::estimate {
 ///   p(x) = p_laws(x) + g + D (x - x_0),   g = p_effects(x_0) - p_laws(x_0),   D = dg / dx
 ///
 /// Problem adds g and D to the rod of the laws: a fit costs what it costs without effects, and its covariance
-/// has their derivatives. A fit begins with the line of the frame before it. Its first steps lead nearly to
+/// has their derivatives. A fit begins with the line of the frame before it. Its first step leads nearly to
 /// its end: there the arm with effects is solved, and the fit goes on with the line through that place. Where
 /// it ends so far from there that the line may be off by a share of the noise, the arm is solved again:
 /// Newton's method, and exact where that ends. D changes little from frame to frame: each solution corrects
@@ -63,9 +63,10 @@ class ExtendedFrame {
   rod::RodState shape_at(double s_m) const { return online_.at(s_m); }
 
  private:
-  struct Difference {
-    Eigen::Matrix3Xd p, tangent;  ///< by body: with effects less without
+  struct OfBodies {
+    Eigen::Matrix3Xd p, tangent;
   };
+  using Difference = OfBodies;  ///< with effects less without
   /// The bodies of what was evaluated last are those of the last solution.
   bool is_solved_near(const Problem& problem) const;
   void start_here();
@@ -91,13 +92,13 @@ class ExtendedFrame {
   trial::Frame frame_;
   arm::InputValues moment_inputs_;
   EffectsAt at_;
-  bool line_ = false;                           ///< at_ is the line of this frame or the last
-  bool of_this_frame_ = false;                  ///< the line
-  std::optional<double> off_sd_per_way_;        ///< of the last lines, about the largest
-  std::optional<Eigen::VectorXd> solved_x_;     ///< of the last solution with effects
-  Eigen::Quaterniond solved_tip_;               ///< by the laws alone there
-  std::optional<Eigen::Quaterniond> near_tip_;  ///< the same of where solutions begin
-  Eigen::Matrix3Xd solved_by_laws_;             ///< where the laws alone have the bodies there
+  bool line_ = false;                        ///< at_ is the line of this frame or the last
+  bool of_this_frame_ = false;               ///< the line
+  std::optional<double> off_sd_per_way_;     ///< of the last lines, about the largest
+  std::optional<Eigen::VectorXd> solved_x_;  ///< of the last solution with effects
+  Eigen::Quaterniond solved_tip_ = Eigen::Quaterniond::Identity();  ///< by the laws alone there
+  std::optional<Eigen::Quaterniond> near_tip_;                      ///< the same of where solutions begin
+  OfBodies solved_by_laws_;  ///< where the laws alone have the bodies there
   // Where D is of.
   Eigen::VectorXd derivative_x_;
   std::vector<bool> derivative_of_;  ///< parameters

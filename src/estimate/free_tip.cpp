@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "math/so3.h"
+#include "math/tiny_solver_tolerance.h"
 
 namespace softarm::estimate {
 namespace {
@@ -64,7 +65,7 @@ bool refine_with_free_tip(const Problem& problem, Start& start) {
     x.head(count) = start.x;
     ceres::TinySolver<FreeTip> solver;
     solver.options.max_num_iterations = 60;
-    solver.options.function_tolerance = 1e-6;
+    math::set_function_tolerance(solver.options, 1e-6, 0);
     solver.Solve(function, &x);
     if (!x.allFinite()) return false;
     start.q_tip = function.tip(x.data());

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <string>
 #include <utility>
 
 #include "math/parallel.h"
@@ -15,8 +13,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using model::Predicted;
 
-constexpr double kFarthest_s = 0.15;  // from a mean, beyond which a frame is left out
-constexpr double kStep = 1e-2;        // of differences of whole predictions, in scales
+constexpr double kFarthest_s = 0.5;  // from a mean, beyond which a frame is left out
+constexpr double kStep = 1e-2;       // of differences of whole predictions, in scales
 const model::Dynamics kAtRest{false, 0.0};
 
 Eigen::Quaterniond section_at(const model::Shape& shape, double s_m) {
@@ -40,14 +38,15 @@ model::Prepared prepare(const arm::Arm& arm, const std::vector<trial::Trial>& tr
   }
 }
 
-/// The constants one step on, one after the other.
+/// The arm with one constant a step on.
 arm::Arm stepped(const arm::Arm& arm, const FreeConstant& constant, double& step) {
+  const double value = value_of(arm, constant.ref);
   step = kStep * constant.scale;
-  if (constant.initial + step > constant.range.high) step = -step;
+  if (value + step > constant.range.high) step = -step;
   arm::Arm there = arm;
   for (const int i : segments_of(constant.ref))
     arm::spec_of(constant.ref.kind)
-        .set(there.segments[static_cast<std::size_t>(i)], constant.ref.index, constant.initial + step);
+        .set(there.segments[static_cast<std::size_t>(i)], constant.ref.index, value + step);
   return there;
 }
 
@@ -199,16 +198,26 @@ Slopes EffectLines::slopes_of_frame(const OfTrial& of, const std::vector<MatrixX
   return slopes;
 }
 
-std::vector<Slopes> EffectLines::slopes(const std::vector<FreeConstant>& constants,
-                                        const std::vector<trial::StaticFrame>& frames) const {
-  std::vector<std::vector<MatrixXd>> by_block(trials_.size());
-  math::in_parallel(trials_.size(), jobs_,
-                    [&](std::size_t t) { by_block[t] = slopes_of_blocks(trials_[t], constants); });
-  std::vector<Slopes> list;
+Line EffectLines::line(const std::vector<FreeConstant>& constants,
+                       const std::vector<trial::StaticFrame>& frames) {
+  const auto count = static_cast<Eigen::Index>(constants.size());
+  Line line;
+  line.about.resize(count);
+  std::vector<std::string> names;
+  for (Eigen::Index j = 0; j < count; ++j) {
+    const ConstantRef& ref = constants[static_cast<std::size_t>(j)].ref;
+    line.about[j] = value_of(arm_, ref);
+    names.push_back(name_of(arm_, ref));
+  }
+  if (names != names_) {
+    by_block_.resize(trials_.size());
+    math::in_parallel(trials_.size(), jobs_,
+                      [&](std::size_t t) { by_block_[t] = slopes_of_blocks(trials_[t], constants); });
+    names_ = names;
+  }
   for (const trial::StaticFrame& frame : frames)
-    list.push_back(slopes_of_frame(trials_[frame.trial], by_block[frame.trial], frame,
-                                   static_cast<Eigen::Index>(constants.size())));
-  return list;
+    line.frames.push_back(slopes_of_frame(trials_[frame.trial], by_block_[frame.trial], frame, count));
+  return line;
 }
 
 }  // namespace softarm::identify

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
 #include "joint_fit.h"
@@ -23,9 +24,9 @@ class EffectLines {
   /// out.
   const std::vector<trial::Trial>& without_effects() const { return without_; }
 
-  /// How that changes with the constants, for frames of without_effects().
-  std::vector<Slopes> slopes(const std::vector<FreeConstant>& constants,
-                             const std::vector<trial::StaticFrame>& frames) const;
+  /// How that changes with the constants, for frames of without_effects(); the last constants asked for are
+  /// kept.
+  Line line(const std::vector<FreeConstant>& constants, const std::vector<trial::StaticFrame>& frames);
 
  private:
   /// One body of one block.
@@ -62,10 +63,13 @@ class EffectLines {
   const unsigned jobs_;
   std::vector<OfTrial> trials_;
   std::vector<trial::Trial> without_;
+  // Of the last constants asked for, and by trial and block.
+  std::vector<std::string> names_;
+  std::vector<std::vector<Eigen::MatrixXd>> by_block_;
 };
 
 /// identify::identify() of the trials of `lines`, whose slopes belong to the model.
-Result identify_with(const arm::Arm& arm, const EffectLines& lines, const Options& options,
+Result identify_with(const arm::Arm& arm, EffectLines& lines, const Options& options,
                      const ProgressCallback& progress);
 
 }  // namespace softarm::identify

@@ -119,11 +119,11 @@ void compare_all(const arm::Arm& before, const std::vector<trial::StaticFrame>& 
   }
 }
 
-Result fit_of(const arm::Arm& arm, const std::vector<trial::Trial>& trials, const EffectLines* lines,
+Result fit_of(const arm::Arm& arm, const std::vector<trial::Trial>& trials, EffectLines* lines,
               const Options& options, const ProgressCallback& progress);
 
 /// Each trial by the fit to all others.
-void leave_one_out(const arm::Arm& arm, const std::vector<trial::Trial>& trials, const EffectLines* lines,
+void leave_one_out(const arm::Arm& arm, const std::vector<trial::Trial>& trials, EffectLines* lines,
                    Options options, Result& result, const ProgressCallback& progress) {
   options.leave_one_out = false;
   std::vector<FrameComparison> before, after;
@@ -266,7 +266,7 @@ void set_constants(const arm::Arm& arm, const std::vector<FreeConstant>& constan
 }
 
 /// @param lines whose trials these are, or nullptr
-Result fit_of(const arm::Arm& arm, const std::vector<trial::Trial>& trials, const EffectLines* lines,
+Result fit_of(const arm::Arm& arm, const std::vector<trial::Trial>& trials, EffectLines* lines,
               const Options& options, const ProgressCallback& progress) {
   if (options.leave_one_out && (trials.size() < 2 || !options.held_out.empty()))
     throw std::invalid_argument(
@@ -287,7 +287,7 @@ Result fit_of(const arm::Arm& arm, const std::vector<trial::Trial>& trials, cons
   VectorXd scale(static_cast<Eigen::Index>(constants.size()));
   for (Eigen::Index j = 0; j < scale.size(); ++j) scale[j] = constants[static_cast<std::size_t>(j)].scale;
   JointProblem problem(arm, constants, frames.fitted, options);
-  if (lines != nullptr) problem.add(lines->slopes(constants, frames.fitted));
+  if (lines != nullptr) problem.add(lines->line(constants, frames.fitted));
   const Solution solution = solve(problem, constants, frames.fitted, [&](int iteration) {
     report(0.05 + 0.75 * iteration / (iteration + 10.0));
   });
@@ -321,7 +321,7 @@ Result identify(const arm::Arm& arm, const std::vector<trial::Trial>& trials, co
   return fit_of(arm, trials, nullptr, options, progress);
 }
 
-Result identify_with(const arm::Arm& arm, const EffectLines& lines, const Options& options,
+Result identify_with(const arm::Arm& arm, EffectLines& lines, const Options& options,
                      const ProgressCallback& progress) {
   return fit_of(arm, lines.without_effects(), &lines, options, progress);
 }

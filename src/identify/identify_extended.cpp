@@ -12,16 +12,6 @@ namespace {
 constexpr int kMostRounds = 6;
 constexpr double kSame = 0.05;  // of a standard deviation
 
-/// What was before is what was before the first round.
-void put_start(const Result& first, Result& result) {
-  for (std::size_t k = 0; k < result.constants.size(); ++k)
-    result.constants[k].initial = first.constants[k].initial;
-  result.fitted_before = first.fitted_before;
-  result.held_out_before = first.held_out_before;
-  result.left_out_one_before = first.left_out_one_before;
-  for (std::size_t t = 0; t < result.trials.size(); ++t) result.trials[t].before = first.trials[t].before;
-}
-
 }  // namespace
 
 Result identify_extended(const arm::Arm& arm, const std::vector<model::Present>& effects,
@@ -32,25 +22,32 @@ Result identify_extended(const arm::Arm& arm, const std::vector<model::Present>&
   const auto report = [&](double share) {
     if (progress) progress(done = std::max(done, share));
   };
+  // Each trial in its turn only about the constants that are found.
+  Options rounds = options;
+  rounds.leave_one_out = false;
+  if (options.leave_one_out) rounds.held_out_share = 0.0;
   arm::Arm now = arm;
-  Result first, result;
-  for (int round = 0; round < kMostRounds; ++round) {
-    Result next = identify_with(now, EffectLines(now, effects, trials, jobs), options, [&](double share) {
+  Result result;
+  bool same = false;
+  for (int round = 0; round < kMostRounds && !same; ++round) {
+    EffectLines lines(now, effects, trials, jobs);
+    Result next = identify_with(arm, lines, rounds, [&](double share) {
       // Two rounds are usual; the bar slows down where there are more.
       const double left = std::pow(0.4, round);
       report(1.0 - left + 0.6 * left * share);
     });
-    if (round == 0) first = next;
-    bool same = round > 0;
+    same = round > 0;
     for (std::size_t k = 0; k < next.constants.size() && same; ++k) {
       const Constant &a = result.constants[k], &b = next.constants[k];
       same = std::abs(a.value - b.value) <= kSame * b.sd;
     }
     result = std::move(next);
     now = result.arm;
-    if (same) break;
   }
-  put_start(first, result);
+  if (options.leave_one_out) {
+    EffectLines lines(now, effects, trials, jobs);
+    result = identify_with(arm, lines, options, report);
+  }
   report(1.0);
   return result;
 }

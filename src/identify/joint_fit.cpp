@@ -29,12 +29,6 @@ VectorXd scales(const std::vector<FreeConstant>& constants) {
   return scale;
 }
 
-VectorXd starts(const std::vector<FreeConstant>& constants) {
-  VectorXd start(static_cast<int>(constants.size()));
-  for (int j = 0; j < start.size(); ++j) start[j] = constants[static_cast<std::size_t>(j)].initial;
-  return start;
-}
-
 std::vector<ConstantRef> refs(const std::vector<FreeConstant>& constants) {
   std::vector<ConstantRef> list;
   for (const FreeConstant& constant : constants) list.push_back(constant.ref);
@@ -132,7 +126,6 @@ JointProblem::JointProblem(const arm::Arm& arm, std::vector<FreeConstant> consta
       scale_(scales(constants_)),
       equilibria_(frames.size()),
       predictions_(frames.size()),
-      start_(starts(constants_)),
       solved_(frames.size(), false),
       active_(frames.size(), true) {}
 
@@ -140,13 +133,13 @@ bool JointProblem::evaluate_frame(std::size_t i, bool cold) {
   if (cold) equilibria_[i].reset();
   Prediction& predicted = predictions_[i];
   solved_[i] = model_.predict(frames_[i], equilibria_[i], predicted);
-  if (!solved_[i] || slopes_.empty()) return solved_[i];
-  const VectorXd way = model_.theta() - start_;
-  Eigen::Map<VectorXd>(predicted.p.data(), predicted.p.size()) += slopes_[i].p * way;
-  Eigen::Map<VectorXd>(predicted.tangent.data(), predicted.tangent.size()) += slopes_[i].tangent * way;
-  predicted.tangent.colwise().normalize();
-  predicted.dp += slopes_[i].p;
-  predicted.dtangent += slopes_[i].tangent;
+  if (!solved_[i] || line_.frames.empty()) return solved_[i];
+  const Slopes& slopes = line_.frames[i];
+  const VectorXd way = model_.theta() - line_.about;
+  Eigen::Map<VectorXd>(predicted.p.data(), predicted.p.size()) += slopes.p * way;
+  Eigen::Map<VectorXd>(predicted.tangent.data(), predicted.tangent.size()) += slopes.tangent * way;
+  predicted.dp += slopes.p;
+  predicted.dtangent += slopes.tangent;
   return true;
 }
 
@@ -260,7 +253,8 @@ bool JointProblem::minimise(VectorXd& x, const std::function<void(int)>& progres
 }
 
 JointFit JointProblem::solve(const std::function<void(int)>& progress) {
-  VectorXd theta = start_;
+  VectorXd theta(scale_.size());
+  for (int j = 0; j < theta.size(); ++j) theta[j] = constants_[static_cast<std::size_t>(j)].initial;
   JointFit fit;
   evaluate(theta);
   active_ = solved_;

@@ -38,6 +38,11 @@ struct ResidualBlock {
 struct Slopes {
   Eigen::MatrixXd p, tangent;
 };
+/// The same of all frames, at these constants.
+struct Line {
+  Eigen::VectorXd about;
+  std::vector<Slopes> frames;
+};
 
 struct JointFit {
   Eigen::VectorXd theta;
@@ -58,8 +63,8 @@ class JointProblem {
   /// @param progress called after each iteration with their number over all passes
   JointFit solve(const std::function<void(int)>& progress);
 
-  /// Adds what else changes in the frames where constants leave their start.
-  void add(std::vector<Slopes> slopes) { slopes_ = std::move(slopes); }
+  /// Adds what else changes in the frames where the constants leave those of the line.
+  void add(Line line) { line_ = std::move(line); }
 
   /// From now on the constant keeps its start, or does so no more; for another solve().
   void keep(int constant, bool kept) { constants_[static_cast<std::size_t>(constant)].kept = kept; }
@@ -101,10 +106,9 @@ class JointProblem {
   Eigen::VectorXd scale_;
   std::vector<std::optional<model::Equilibrium>> equilibria_;
   std::vector<Prediction> predictions_;
-  std::vector<Slopes> slopes_;  ///< of the frames, or empty
-  Eigen::VectorXd start_;       ///< of the constants
-  std::vector<bool> solved_;    ///< at the last evaluation
-  std::vector<bool> active_;    ///< part of the present pass
+  Line line_;                 ///< empty: nothing does
+  std::vector<bool> solved_;  ///< at the last evaluation
+  std::vector<bool> active_;  ///< part of the present pass
   double position_scale_ = 1.0, tangent_scale_ = 1.0;
   std::map<int, double> body_scale_[2];  ///< of positions, of tangents
   int iterations_ = 0;

@@ -16,9 +16,11 @@ using Eigen::Vector3d;
 using trial::SeenBody;
 using trial::StaticFrame;
 
-constexpr double kGap_s = 0.5;        // between frames, after which nothing lasts over
-constexpr std::size_t kFewest = 3;    // frames of a mean
-constexpr double kOutlier = 5.0;      // standard deviations from the line through a body's positions
+constexpr double kGap_s = 0.5;      // between frames, after which nothing lasts over
+constexpr std::size_t kFewest = 3;  // frames of a mean
+constexpr std::size_t kEnough =
+    4;                            // so slow a recording has longer means: a line of its own, and its scatter
+constexpr double kOutlier = 5.0;  // standard deviations from the line through a body's positions
 constexpr double kFewestShare = 0.6;  // of the block's frames in which a body must be seen
 
 /// Positions of one body over a block, as a straight line in time.
@@ -151,7 +153,7 @@ class Preparing {
       const bool gap =
           i < frames.size() && t[static_cast<Eigen::Index>(i)] - t[static_cast<Eigen::Index>(i - 1)] > kGap_s;
       const bool full =
-          i < frames.size() &&
+          i < frames.size() && i - first >= kEnough &&
           t[static_cast<Eigen::Index>(i)] - t[static_cast<Eigen::Index>(first)] >= how_.block_s - 1e-6;
       if (i < frames.size() && !gap && !full) continue;
       if (i - first >= kFewest) {

@@ -180,7 +180,6 @@ void MonitorShape::discrepancy(const std::vector<arm::SegmentPrediction>* predic
     const rod::Segment& part = rod_.segments[static_cast<std::size_t>(piece.segment)];
     piece.compliance = part.length_m / part.rest_length_m * piece.factor * part.bending_compliance;
   }
-  Displacements& shift = e;
   if (predictions != nullptr) {
     const auto turn_of = [&](const Piece& piece) -> Vector3d {
       const rod::Segment& part = rod_.segments[static_cast<std::size_t>(piece.segment)];
@@ -195,9 +194,9 @@ void MonitorShape::discrepancy(const std::vector<arm::SegmentPrediction>* predic
       const Vector3d v = Vector3d::UnitZ() + compliance.cwiseProduct(piece.force);
       return part.length_m / part.rest_length_m * v - piece.stretch;
     };
-    integrate(turn_of, stretch_of, shift);
+    integrate(turn_of, stretch_of, e);
   } else {
-    for (const auto& entry : residual_) shift.segment<3>(3 * entry.first).setZero();
+    for (const auto& entry : residual_) e.segment<3>(3 * entry.first).setZero();
   }
   for (const auto& [body, residual] : residual_) e.segment<3>(3 * body) = residual - e.segment<3>(3 * body);
 }

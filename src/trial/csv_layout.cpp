@@ -19,11 +19,27 @@ const std::vector<CsvUnit> kAngleUnits{{"rad", 1.0}, {"deg", 0.01745329251994329
 const std::vector<CsvUnit> kForceUnits{{"N", 1.0}, {"mN", 1e-3}, {"kgf", 9.80665}, {"gf", 9.80665e-3}};
 const std::vector<CsvUnit> kMassUnits{{"kg", 1.0}, {"g", 1e-3}};
 
+char read_separator(const CsvLayoutMap& m) {
+  const std::map<std::string, char> names{{"comma", ','}, {"semicolon", ';'}, {"tab", '\t'}, {"space", ' '}};
+  constexpr const char* kAllowed =
+      "comma, semicolon, tab, space, or one character in quotes that is no part of a number";
+  const std::string text = m.text("separator", kAllowed);
+  if (const auto found = names.find(text); found != names.end()) return found->second;
+  const bool one = text.size() == 1 && !std::isalnum(static_cast<unsigned char>(text[0])) &&
+                   std::string("+-.\"#").find(text[0]) == std::string::npos;
+  if (!one) m.fail("separator", "'" + text + "'", kAllowed);
+  return text[0];
+}
+
 CsvFormat read_format(const CsvLayoutMap& m) {
-  const std::map<std::string, char> separators{
-      {"comma", ','}, {"semicolon", ';'}, {"tab", '\t'}, {"space", ' '}};
   CsvFormat format;
-  format.separator = separators.at(m.word("separator", "comma", {"comma", "semicolon", "tab", "space"}));
+  if (m.has("separator")) format.separator = read_separator(m);
+  const std::string decimal = m.word("decimal", "point", {"point", "comma"});
+  if (decimal == "comma") {
+    format.decimal = ',';
+    if (format.separator == ',')
+      m.fail("decimal", "'comma'", "'point' where the separator is a comma; name the separator");
+  }
   format.header = m.flag("header", false);
   format.skip_lines = static_cast<int>(m.number("skip_lines", 0.0, 0, 10000));
   return format;
@@ -157,16 +173,17 @@ CsvLayout parse_csv_layout(const std::string& text, const std::string& source) {
     throw CsvError(fmt::format("{}:{}: not YAML: {}", source, e.mark.line + 1, e.msg));
   }
   const CsvLayoutMap top(document, source, "",
-                         {"separator", "header", "skip_lines", "time", "trial", "join", "mocap", "pressures",
-                          "angles", "tensions", "payload"});
+                         {"separator", "decimal", "header", "skip_lines", "time", "trial", "join", "mocap",
+                          "pressures", "angles", "tensions", "payload"});
   CsvLayout layout;
   layout.format = read_format(top);
   read_time(top.map("time", {"column", "unit", "period_s", "start_stamp_s"}), layout);
   if (top.has("trial"))
     layout.trial_column = top.map("trial", {"column"}).column("column", layout.format.header);
   if (top.has("join")) {
-    layout.join = read_join(top.map("join", {"id", "inputs_id", "separator", "header", "skip_lines"}),
-                            layout.format.header);
+    layout.join =
+        read_join(top.map("join", {"id", "inputs_id", "separator", "decimal", "header", "skip_lines"}),
+                  layout.format.header);
   }
   read_mocap(top.map("mocap", {"unit", "up", "drop_repeated", "bodies"}), layout);
   std::set<std::string> topics;

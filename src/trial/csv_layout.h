@@ -25,6 +25,7 @@ struct CsvColumn {
 /// What the lines of a file look like.
 struct CsvFormat {
   char separator = ',';  ///< ' ' stands for any white space
+  char decimal = '.';
   bool header = false;
   int skip_lines = 0;  ///< lines before the header (or the data)
 };

@@ -8,27 +8,53 @@
 #include <cmath>
 #include <utility>
 
+#include "math/parse_number.h"
+
 namespace softarm::trial {
 namespace {
 
+/// Cells in quotes may hold the separator, and a quote as two.
 void split(const std::string& line, char separator, std::vector<std::string>& cells) {
-  if (separator == ' ') {
-    const std::string trimmed = boost::trim_copy(line);
-    boost::split(cells, trimmed, boost::is_any_of(" \t"), boost::token_compress_on);
-  } else {
-    boost::split(cells, line, [separator](char c) { return c == separator; });
+  const bool blanks = separator == ' ';
+  const auto separates = [&](char c) { return c == separator || (blanks && c == '\t'); };
+  cells.assign(1, "");
+  bool quoted = false, was_quoted = false;
+  const auto end_cell = [&] {
+    if (!was_quoted) boost::trim(cells.back());
+    was_quoted = false;
+  };
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (quoted) {
+      const bool two = c == '"' && i + 1 < line.size() && line[i + 1] == '"';
+      if (two) ++i;
+      if (c != '"' || two)
+        cells.back() += c;
+      else
+        quoted = false;
+    } else if (c == '"' && boost::all(cells.back(), boost::is_space())) {
+      cells.back().clear();
+      quoted = was_quoted = true;
+    } else if (separates(c)) {
+      if (blanks && cells.back().empty() && !was_quoted) continue;
+      end_cell();
+      cells.emplace_back();
+    } else if (!was_quoted || !boost::is_space()(c)) {
+      cells.back() += c;
+    }
   }
-  for (std::string& cell : cells) boost::trim_if(cell, boost::is_any_of(" \t\r\""));
+  end_cell();
+  if (blanks && cells.size() > 1 && cells.back().empty()) cells.pop_back();
 }
 
 enum class Parsed { kNumber, kNotFinite, kText };
 
-Parsed parse(const std::string& cell, double& value) {
-  const char* first = cell.data() + (!cell.empty() && cell.front() == '+' ? 1 : 0);
-  const char* last = cell.data() + cell.size();
-  const auto [end, error] = std::from_chars(first, last, value);
-  if (end != last || error == std::errc::invalid_argument) return Parsed::kText;
-  return error != std::errc() || !std::isfinite(value) ? Parsed::kNotFinite : Parsed::kNumber;
+Parsed parse(std::string cell, char decimal, double& value) {
+  if (decimal != '.') std::replace(cell.begin(), cell.end(), decimal, '.');
+  const std::optional<double> number = math::parse_number(cell);
+  if (!number) return Parsed::kText;
+  value = *number;
+  return std::isfinite(value) ? Parsed::kNumber : Parsed::kNotFinite;
 }
 
 }  // namespace
@@ -39,8 +65,6 @@ CsvTable::CsvTable(std::string path, const CsvFormat& format)
   std::string line;
   for (int i = 0; i < format_.skip_lines && get_line(line); ++i) continue;
   if (format_.header && get_line(line)) {
-    // Spreadsheets put a byte order mark in front.
-    if (line.compare(0, 3, "\xEF\xBB\xBF") == 0) line.erase(0, 3);
     split(line, format_.separator, header_);
   }
 }
@@ -49,6 +73,8 @@ bool CsvTable::get_line(std::string& line) {
   if (!std::getline(file_, line)) return false;
   ++line_;
   bytes_ += line.size() + 1;
+  // Spreadsheets put a byte order mark in front.
+  if (line_ == 1 && line.compare(0, 3, "\xEF\xBB\xBF") == 0) line.erase(0, 3);
   return true;
 }
 
@@ -87,7 +113,7 @@ std::optional<double> CsvTable::number(std::size_t column) const {
   const std::string& cell = text(column);
   if (cell.empty()) return std::nullopt;
   double value = 0.0;
-  switch (parse(cell, value)) {
+  switch (parse(cell, format_.decimal, value)) {
     case Parsed::kNumber:
       return value;
     case Parsed::kNotFinite:
@@ -100,7 +126,7 @@ std::optional<double> CsvTable::number(std::size_t column) const {
 
 std::string csv_id(const std::string& cell) {
   double value = 0.0;
-  return !cell.empty() && parse(cell, value) == Parsed::kNumber ? fmt::format("{}", value) : cell;
+  return !cell.empty() && parse(cell, '.', value) == Parsed::kNumber ? fmt::format("{}", value) : cell;
 }
 
 }  // namespace softarm::trial

@@ -16,8 +16,8 @@ import tree
 
 ALLOWED = {
     "math": "",
-    "arm": "",
-    "trial": "arm",
+    "arm": "math",
+    "trial": "math arm",
     "rod": "math arm",
     "model": "math arm trial rod",
     "effects": "math arm rod model",

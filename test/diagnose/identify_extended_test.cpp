@@ -54,13 +54,13 @@ TEST_P(EffectLinesOf, SlopesAreDifferencesOfWholePredictions) {
   const RecordedCase& recorded = a_base_that_yields();
   const std::vector<model::Present> effects = effects::effects_of(recorded.arm, {entry_of(GetParam())});
   const std::vector<trial::Trial> trials{recorded.trials[0]};
-  const identify::EffectLines here(recorded.arm, effects, trials, 1);
+  identify::EffectLines here(recorded.arm, effects, trials, 1);
   const std::vector<trial::StaticFrame> frames = frames_of(recorded.arm, here.without_effects()[0]);
   ASSERT_GT(frames.size(), 300u);
   const std::vector<identify::FreeConstant> constants = free_constants(recorded.arm);
-  const std::vector<identify::Slopes> slopes = here.slopes(constants, frames);
-  ASSERT_EQ(slopes.size(), frames.size());
-  double largest_m = 0.0;
+  const identify::Line line = here.line(constants, frames);
+  ASSERT_EQ(line.frames.size(), frames.size());
+  double largest_m = 0.0, largest_turn = 0.0;
   for (std::size_t j = 0; j < constants.size(); ++j) {
     SCOPED_TRACE(identify::name_of(recorded.arm, constants[j].ref));
     const double step = 0.02 * constants[j].scale;
@@ -69,21 +69,28 @@ TEST_P(EffectLinesOf, SlopesAreDifferencesOfWholePredictions) {
     const identify::EffectLines moved(there, effects, trials, 1);
     const std::vector<trial::StaticFrame> after = frames_of(recorded.arm, moved.without_effects()[0]);
     ASSERT_EQ(after.size(), frames.size());
-    double off = 0.0, square = 0.0;
+    double off = 0.0, square = 0.0, turn_off = 0.0, turn_square = 0.0;
     for (std::size_t i = 0; i < frames.size(); ++i) {
       for (std::size_t k = 0; k < frames[i].bodies.size(); ++k) {
         // What is left when the effects are taken out goes the other way.
         const Eigen::Vector3d whole = frames[i].bodies[k].p_base - after[i].bodies[k].p_base;
-        const Eigen::Vector3d line =
-            step * slopes[i].p.block<3, 1>(3 * static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(j));
-        off += (line - whole).squaredNorm();
+        const auto row = 3 * static_cast<Eigen::Index>(k), column = static_cast<Eigen::Index>(j);
+        off += (step * line.frames[i].p.block<3, 1>(row, column) - whole).squaredNorm();
         square += whole.squaredNorm();
         largest_m = std::max(largest_m, whole.norm());
+        if (!frames[i].bodies[k].tangent_base) continue;
+        const Eigen::Vector3d turned = *frames[i].bodies[k].tangent_base - *after[i].bodies[k].tangent_base;
+        turn_off += (step * line.frames[i].tangent.block<3, 1>(row, column) - turned).squaredNorm();
+        turn_square += turned.squaredNorm();
+        largest_turn = std::max(largest_turn, turned.norm());
       }
     }
     EXPECT_LT(std::sqrt(off),
               0.05 * std::sqrt(square) + 1e-6 * std::sqrt(static_cast<double>(frames.size())));
+    EXPECT_LT(std::sqrt(turn_off),
+              0.1 * std::sqrt(turn_square) + 1e-5 * std::sqrt(static_cast<double>(frames.size())));
   }
+  EXPECT_GT(largest_turn, 5e-4) << "no tangent was tested";
   EXPECT_GT(largest_m, 5e-5) << "nothing was tested";
 }
 

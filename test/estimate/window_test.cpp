@@ -53,7 +53,7 @@ arm::EstimatorOptions with_window(double window_s, arm::Unknown unknown, bool pr
 MatrixXd random_positive(std::mt19937_64& random, int n) {
   std::normal_distribution<double> normal;
   MatrixXd a(n, n);
-  for (double& value : a.reshaped()) value = normal(random);
+  for (Eigen::Index i = 0; i < a.size(); ++i) a.data()[i] = normal(random);
   return a * a.transpose() + 0.1 * MatrixXd::Identity(n, n);
 }
 

@@ -154,6 +154,44 @@ TEST(CsvLayout, ColumnsByNameOfTheHeader) {
               AllOf(HasSubstr("p1"), HasSubstr("pressures.inputs[0].column"), HasSubstr("q1")));
 }
 
+/// One recording, written as different programs write it.
+TEST(CsvRecording, IsReadAsProgramsWriteIt) {
+  const Read plain = read(kMinimal, "500, 100.5, 200, 300, 0, 0, 0, 1, -2.25\n");
+  ASSERT_EQ(plain.rows.size(), 1u);
+  const struct {
+    const char *what, *keys, *csv;
+  } written[] = {
+      {"another character", "separator: '|'", "500|100.5|200|300|0|0|0|1|-2.25\n"},
+      {"blanks", "separator: space", "  500 100.5\t200   300 0 0 0 1 -2.25 \n"},
+      {"quotes", "", "\"500\",\"100.5\" , \"200\",300,0,0,0,1,\"-2.25\"\n"},
+      {"a separator at the end", "", "500,100.5,200,300,0,0,0,1,-2.25,\n"},
+      {"a carriage return", "", "500,100.5,200,300,0,0,0,1,-2.25\r\n"},
+      {"a byte order mark", "",
+       "\xEF\xBB\xBF"
+       "500,100.5,200,300,0,0,0,1,-2.25\n"},
+      {"signs and exponents", "", "+5e2,1.005e+02,200,300,0,0,0,1,-.225E1\n"},
+      {"decimal commas", "separator: semicolon\ndecimal: comma", "500;100,5;200;300;0;0;0;1;-2,25\n"},
+      {"decimal commas in quotes", "separator: tab\ndecimal: comma",
+       "500\t\"100,5\"\t200\t300\t0\t0\t0\t1\t\"-2,25\"\n"},
+  };
+  for (const auto& [what, keys, csv] : written) {
+    SCOPED_TRACE(what);
+    const Read r = read(std::string(keys) + kMinimal, csv);
+    ASSERT_EQ(r.rows.size(), 1u);
+    EXPECT_EQ(r.rows[0].stamp_s, plain.rows[0].stamp_s);
+    EXPECT_EQ(r.rows[0].bodies[0]->p_mocap, plain.rows[0].bodies[0]->p_mocap);
+    EXPECT_EQ(*r.rows[0].pressures_pa[0], *plain.rows[0].pressures_pa[0]);
+  }
+}
+
+TEST(CsvRecording, ANameInQuotesMayHoldTheSeparator) {
+  const std::string named =
+      replaced("header: true" + std::string(kMinimal), "column: 9}", "column: 'p, \"left\"'}");
+  const Read r = read(named, "t,x,y,z,a,b,c,d,\"p, \"\"left\"\"\"\n0,0,0,0,0,0,0,1,3\n");
+  ASSERT_EQ(r.rows.size(), 1u);
+  EXPECT_NEAR(*r.rows[0].pressures_pa[0], 100000 + 3 * 6894.757293168, 1e-6);
+}
+
 TEST(CsvRecording, BadRowsAreSkippedAndCountedWithTheirLine) {
   const Read r = read(kMinimal,
                       "0,0,0,0,0,0,0,1,0\n"
@@ -220,6 +258,12 @@ TEST(CsvLayout, ErrorsNameFileKeyValueAndWhatIsAllowed) {
               AllOf(HasSubstr("100"), HasSubstr("50000")));
   EXPECT_THAT(error_of(replaced(kMinimal, "ambient_pa: 100000", "ambient_pa: .nan")),
               HasSubstr("ambient_pa"));
+  for (const char* separator : {"'||'", "'.'", "'5'", "pipe"})
+    EXPECT_THAT(error_of("separator: " + std::string(separator) + kMinimal),
+                AllOf(HasSubstr("'separator'"), HasSubstr("one character in quotes")));
+  EXPECT_THAT(error_of("separator: |" + std::string(kMinimal)), HasSubstr("one character in quotes"));
+  EXPECT_THAT(error_of("decimal: comma" + std::string(kMinimal)),
+              AllOf(HasSubstr("'decimal'"), HasSubstr("name the separator")));
   EXPECT_THAT(error_of(std::string(kMinimal) + "colour: blue\n"),
               AllOf(HasSubstr("colour"), HasSubstr("lab.yaml:14"), HasSubstr("unknown")));
   EXPECT_THAT(error_of("time: {column: 1, unit: s}\n"), AllOf(HasSubstr("mocap"), HasSubstr("missing")));

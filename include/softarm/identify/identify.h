@@ -199,7 +199,7 @@ using ProgressCallback = std::function<void(double)>;
 /// 1. Choose frames: payload, inputs, base and bodies known; at rest where there are such; spread over inputs
 ///    and payload. The shape of each follows from the laws and the rod's statics, nothing else.
 /// 2. Levenberg-Marquardt (Ceres) on all frames together, scaled, within allowed_range(); residuals by the
-///    stated noise; derivatives of the rod analytic, of the laws by central differences.
+///    stated noise; derivatives of the rod and of the laws analytic.
 /// 3. Huber's loss by body at 3.5 times the misfit; bodies beyond 6 times it are dropped, and the fit
 ///    repeated. The misfit is that of all bodies, of 85 % of the body's own and of its trial, whichever is
 ///    largest: what is off in many frames is the model. A stiffness that runs into its limit without making

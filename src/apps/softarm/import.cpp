@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -17,6 +16,7 @@
 
 #include "command.h"
 #include "import_bags.h"
+#include "math/parse_number.h"
 #include "output_file.h"
 #include "progress.h"
 #include "shipped.h"
@@ -68,11 +68,8 @@ std::vector<fs::path> bag_paths(const ImportOptions& options, bool several) {
 }
 
 std::optional<double> number(const std::string& text) {
-  double value = 0.0;
-  const char* last = text.data() + text.size();
-  const auto [end, error] = std::from_chars(text.data(), last, value);
-  if (end != last || error != std::errc() || !std::isfinite(value)) return std::nullopt;
-  return value;
+  const std::optional<double> value = math::parse_number(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 /// The numbers on both sides of a colon.

@@ -1,0 +1,16 @@
+// What differs between the versions of Ceres' TinySolver that are in use: 1.14 (Ubuntu 20.04) and 2.
+#pragma once
+
+namespace softarm::math {
+
+/// Ends a solve where the cost falls by no more than this share; 1.14 has no such tolerance and goes on to
+/// the others.
+template <typename Options>
+auto set_function_tolerance(Options& options, double tolerance, int)
+    -> decltype(options.function_tolerance, void()) {
+  options.function_tolerance = tolerance;
+}
+template <typename Options>
+void set_function_tolerance(Options&, double, long) {}
+
+}  // namespace softarm::math

@@ -1,0 +1,55 @@
+// What prepare() makes of frames: means over a tenth of a second, or over as much as a slow recording needs.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "effects/drive_trials.h"
+#include "model/prepared_trial.h"
+
+namespace softarm::model {
+namespace {
+
+constexpr double kNoise_m = 5e-4, kDuration_s = 40.0;
+
+/// A marker that moves along a line to and fro.
+trial::Trial recorded(const arm::Arm& arm, double rate_hz) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> noise(0.0, kNoise_m);
+  trial::TrialRecorder recorder(arm, "trial");
+  for (int i = 0; i < static_cast<int>(rate_hz * kDuration_s); ++i) {
+    trial::Frame frame;
+    frame.stamp_s = 1.6e9 + i / rate_hz;
+    frame.inputs.assign(arm.inputs.scalars.size(), arm.inputs.ambient_pressure_pa);
+    frame.payload_kg = 0.0;
+    frame.base_body = Eigen::Isometry3d::Identity();
+    const double t_s = i / rate_hz;
+    frame.bodies.push_back(
+        {0, {0.02 * std::sin(t_s) + noise(random), noise(random), 0.05 + noise(random)}, std::nullopt});
+    recorder.add(frame);
+  }
+  return recorder.take();
+}
+
+class PreparedFrames : public ::testing::TestWithParam<double> {};
+
+TEST_P(PreparedFrames, AreUsedAtAnyRateAndTellTheirNoise) {
+  arm::Arm arm = effects::testing::shipped_arm("online_200mm");
+  arm.bodies.resize(1);
+  arm.bodies[0].orientation_usable = false;
+  const trial::Trial trial = recorded(arm, GetParam());
+  const Prepared prepared = prepare(arm, {trial});
+  ASSERT_EQ(prepared.trials.size(), 1u);
+  const TrialData& data = prepared.trials[0];
+  std::size_t used = 0;
+  for (const Block& block : data.blocks) used += block.last - block.first;
+  EXPECT_GE(used + 3, trial.frames.size());  // a few may be left at the end
+  const double mean_s = kDuration_s / static_cast<double>(data.blocks.size());
+  EXPECT_NEAR(mean_s, std::max(0.1, 4.0 / GetParam()), 0.55 / GetParam());
+  // The noise of a body, not its motion.
+  EXPECT_NEAR(prepared.white_sd_m[0], kNoise_m, 0.2 * kNoise_m);
+}
+
+INSTANTIATE_TEST_SUITE_P(Hz, PreparedFrames, ::testing::Values(5.0, 10.0, 20.0, 25.0, 30.0, 60.0, 120.0));
+
+}  // namespace
+}  // namespace softarm::model
