@@ -217,7 +217,7 @@ struct Policy {
     double ring_alone = 0.4;                ///< of it: the others must agree so well without it
     double serious_ring = 0.05;             ///< of the outermost arclength
     double stretch_warn = 0.015;            ///< of all rings together
-    double stretch_tell = 0.003;            ///< the same, worth a word
+    double stretch_notable = 0.003;         ///< the same, worth a word
     double stretch_noises = 5.0;            ///< the same
     double stretched = 0.005;               ///< of the length: what the stretch must come to for a warning
     double shortest = -0.3, longest = 0.6;  ///< stretches; beyond, it is units or order

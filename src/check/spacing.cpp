@@ -110,7 +110,7 @@ void check_spacing(Context& context) {
   const double stretch = xy / xx, off = stretch - 1.0;
   if (off < kPolicy.places.shortest || off > kPolicy.places.longest) return;  // another matter: units, order
   const double length_m = places.back().arclength_m;
-  if (std::abs(off) > kPolicy.places.stretch_tell &&
+  if (std::abs(off) > kPolicy.places.stretch_notable &&
       std::abs(off) * length_m > kPolicy.places.stretch_noises * noise) {
     const bool warn = std::abs(off) > kPolicy.places.stretch_warn &&
                       std::abs(off) * length_m > context.of_length(kPolicy.places.stretched);

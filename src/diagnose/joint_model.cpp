@@ -145,13 +145,13 @@ std::vector<JointUnknown> JointModel::columns(const JointParameters& parameters)
     c.prior_sd = kPolicy.fit.constant_sd;
     list.push_back(c);
   }
-  JointUnknown delay;
-  delay.kind = JointUnknown::Kind::kViscoelasticLag;
-  delay.scale = kPolicy.fit.viscoelastic_lag_s;
-  delay.high = kPolicy.fit.most_viscoelastic_lag_s;
-  delay.start = 1.0;
-  delay.prior_sd = 1.0;
-  list.push_back(delay);
+  JointUnknown lag;
+  lag.kind = JointUnknown::Kind::kViscoelasticLag;
+  lag.scale = kPolicy.fit.viscoelastic_lag_s;
+  lag.high = kPolicy.fit.most_viscoelastic_lag_s;
+  lag.start = 1.0;
+  lag.prior_sd = 1.0;
+  list.push_back(lag);
   for (int b = 0; b < static_cast<int>(turned_.size()); ++b) {
     if (!turned_[static_cast<std::size_t>(b)]) continue;
     for (int axis = 0; axis < 2; ++axis) {

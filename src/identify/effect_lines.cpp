@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "math/parallel.h"
+#include "math/so3.h"
 
 namespace softarm::identify {
 namespace {
@@ -50,11 +51,18 @@ arm::Arm stepped(const arm::Arm& arm, const FreeConstant& constant, double& step
   return there;
 }
 
-/// Positions, then tangents, of the bodies of a block.
-VectorXd stacked(const Predicted& predicted) {
-  VectorXd all(predicted.p.size() + predicted.tangents.size());
-  all << Eigen::Map<const VectorXd>(predicted.p.data(), predicted.p.size()),
-      Eigen::Map<const VectorXd>(predicted.tangents.data(), predicted.tangents.size());
+/// What effects do to the bodies of a block, 6 for each: by how much they move and, a rotation vector, turn
+/// them.
+VectorXd moved_and_turned(const arm::Arm& arm, const model::Block& block, const Predicted& with,
+                          const Predicted& without) {
+  VectorXd all(6 * with.p.cols());
+  for (Eigen::Index i = 0; i < with.p.cols(); ++i) {
+    const int body = block.bodies[static_cast<std::size_t>(i)].body;
+    const double s_m = arm.bodies[static_cast<std::size_t>(body)].arclength_m;
+    all.segment<3>(6 * i) = with.p.col(i) - without.p.col(i);
+    all.segment<3>(6 * i + 3) =
+        rotation_vector(section_at(with.shape, s_m) * section_at(without.shape, s_m).conjugate());
+  }
   return all;
 }
 
@@ -82,18 +90,12 @@ void EffectLines::predict(OfTrial& trial) const {
   model.predict(arm_, effects_, kAtRest, data, &trial.without, trial.with);
   trial.moved.resize(arm_.bodies.size());
   for (std::size_t k = 0; k < data.blocks.size(); ++k) {
-    const Predicted &with = trial.with[k], &without = trial.without[k];
-    if (!with.solved || !without.solved) continue;
+    if (!trial.with[k].solved || !trial.without[k].solved) continue;
+    const VectorXd all = moved_and_turned(arm_, data.blocks[k], trial.with[k], trial.without[k]);
     for (std::size_t i = 0; i < data.blocks[k].bodies.size(); ++i) {
-      const auto b = static_cast<std::size_t>(data.blocks[k].bodies[i].body);
-      const auto column = static_cast<Eigen::Index>(i);
-      const double s_m = arm_.bodies[b].arclength_m;
-      Moved moved;
-      moved.stamp_s = data.begin_s + with.instant.t_s;
-      moved.block = k;
-      moved.p = with.p.col(column) - without.p.col(column);
-      moved.turn = rotation_vector(section_at(with.shape, s_m) * section_at(without.shape, s_m).conjugate());
-      trial.moved[b].push_back(moved);
+      const auto row = 6 * static_cast<Eigen::Index>(i);
+      trial.moved[static_cast<std::size_t>(data.blocks[k].bodies[i].body)].push_back(
+          {data.begin_s + trial.with[k].instant.t_s, k, all.segment<3>(row), all.segment<3>(row + 3)});
     }
   }
 }
@@ -153,8 +155,7 @@ std::vector<MatrixXd> EffectLines::slopes_of_blocks(const OfTrial& of,
   std::vector<MatrixXd> slopes(of.with.size());
   for (std::size_t k = 0; k < slopes.size(); ++k) {
     if (of.with[k].solved && of.without[k].solved)
-      slopes[k] = MatrixXd::Zero(3 * (of.with[k].p.cols() + of.with[k].tangents.cols()),
-                                 static_cast<Eigen::Index>(constants.size()));
+      slopes[k] = MatrixXd::Zero(6 * of.with[k].p.cols(), static_cast<Eigen::Index>(constants.size()));
   }
   std::vector<Predicted> with, without;
   for (std::size_t j = 0; j < constants.size(); ++j) {
@@ -164,8 +165,16 @@ std::vector<MatrixXd> EffectLines::slopes_of_blocks(const OfTrial& of,
     model.predict(there, effects_, kAtRest, of.data, &of.with, with);
     for (std::size_t k = 0; k < slopes.size(); ++k) {
       if (slopes[k].size() == 0 || !with[k].solved || !without[k].solved) continue;
-      slopes[k].col(static_cast<Eigen::Index>(j)) =
-          (stacked(with[k]) - stacked(without[k]) - stacked(of.with[k]) + stacked(of.without[k])) / step;
+      const model::Block& block = of.data.blocks[k];
+      const VectorXd here = moved_and_turned(arm_, block, of.with[k], of.without[k]);
+      VectorXd more = moved_and_turned(arm_, block, with[k], without[k]);
+      for (Eigen::Index row = 0; row < here.size(); row += 6) {
+        more.segment<3>(row) -= here.segment<3>(row);
+        // On what is turned back already.
+        more.segment<3>(row + 3) = rotation_vector(math::exp_so3(here.segment<3>(row + 3)).conjugate() *
+                                                   math::exp_so3(more.segment<3>(row + 3)));
+      }
+      slopes[k].col(static_cast<Eigen::Index>(j)) = more / step;
     }
   }
   return slopes;
@@ -183,14 +192,14 @@ Slopes EffectLines::slopes_of_frame(const OfTrial& of, const std::vector<MatrixX
       const MatrixXd& rows = by_block[moved.block];
       if (rows.size() == 0) return;
       const model::Block& block = of.data.blocks[moved.block];
-      const auto is_it = [&](const auto& seen) { return seen.body == body; };
-      const auto place = std::find_if(block.bodies.begin(), block.bodies.end(), is_it) - block.bodies.begin();
-      const auto turned = std::find_if(block.tangents.begin(), block.tangents.end(), is_it);
+      const auto place = std::find_if(block.bodies.begin(), block.bodies.end(),
+                                      [&](const model::Seen& seen) { return seen.body == body; }) -
+                         block.bodies.begin();
       const auto to = 3 * static_cast<Eigen::Index>(k);
-      slopes.p.middleRows<3>(to) += share * rows.middleRows<3>(3 * place);
-      if (turned == block.tangents.end()) return;
-      const auto from = static_cast<std::ptrdiff_t>(block.bodies.size()) + (turned - block.tangents.begin());
-      slopes.tangent.middleRows<3>(to) += share * rows.middleRows<3>(3 * from);
+      slopes.p.middleRows<3>(to) += share * rows.middleRows<3>(6 * place);
+      if (!frame.bodies[k].tangent_base) return;
+      const Eigen::Matrix3Xd turn = rows.middleRows<3>(6 * place + 3);
+      slopes.tangent.middleRows<3>(to) -= share * math::skew(*frame.bodies[k].tangent_base) * turn;
     };
     add(*at.before, 1.0 - at.share);
     add(*at.after, at.share);

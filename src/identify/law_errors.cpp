@@ -213,7 +213,8 @@ arm::LawPrior law_errors(const arm::Arm& arm, LawModel& model, const std::vector
   }
   double absolute2 = 0.0, relative2 = 0.0;
   moment_errors(gathered, components, segments, absolute2, relative2);
-  // Constants that the trials do not tell: off by all of the moment is what there is to be said.
+  // Constants that are not identifiable from the trials: off by all of the moment is what there is to be
+  // said.
   const double own_moment2 = std::min(math::median(gathered.own_moment2), typical_nm * typical_nm);
   const double least_moment = kLeastMoment_rel * typical_nm;
   prior.enabled = true;

@@ -44,7 +44,7 @@ Line fit_line(const std::vector<double>& t, const std::vector<Vector3d>& p, cons
     stp += t[i] * p[i];
   }
   const double n = line.frames, determinant = n * stt - st * st;
-  const bool sloped = line.frames >= 4 && determinant > 1e-12;
+  const bool sloped = line.frames >= 3 && determinant > 1e-12;
   const Vector3d slope = sloped ? Vector3d((n * stp - st * sp) / determinant) : Vector3d::Zero();
   line.at_centre = (sp - slope * st) / n;
   line.variance_factor = sloped ? stt / determinant : 1.0 / n;
@@ -153,7 +153,7 @@ class Preparing {
       const bool gap =
           i < frames.size() && t[static_cast<Eigen::Index>(i)] - t[static_cast<Eigen::Index>(i - 1)] > kGap_s;
       const bool full =
-          i < frames.size() && i - first >= kEnough &&
+          i < frames.size() && i - first >= kFewest &&
           t[static_cast<Eigen::Index>(i)] - t[static_cast<Eigen::Index>(first)] >= how_.block_s - 1e-6;
       if (i < frames.size() && !gap && !full) continue;
       if (i - first >= kFewest) {

@@ -57,7 +57,7 @@ struct TrialData {
 };
 
 struct Preparation {
-  double block_s = 0.1;           ///< over which frames are averaged; longer where four of them are
+  double block_s = 0.1;           ///< over which frames are averaged; longer where three of them are
   double before_payload_s = 0.5;  ///< of a change, and after it, nothing is compared
   double after_payload_s = 2.0;
 };

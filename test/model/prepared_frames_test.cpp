@@ -44,7 +44,7 @@ TEST_P(PreparedFrames, AreUsedAtAnyRateAndTellTheirNoise) {
   for (const Block& block : data.blocks) used += block.last - block.first;
   EXPECT_GE(used + 3, trial.frames.size());  // a few may be left at the end
   const double mean_s = kDuration_s / static_cast<double>(data.blocks.size());
-  EXPECT_NEAR(mean_s, std::max(0.1, 4.0 / GetParam()), 0.55 / GetParam());
+  EXPECT_NEAR(mean_s, std::max(0.1, 3.0 / GetParam()), 0.55 / GetParam());
   // The noise of a body, not its motion.
   EXPECT_NEAR(prepared.white_sd_m[0], kNoise_m, 0.2 * kNoise_m);
 }

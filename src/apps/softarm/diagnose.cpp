@@ -2,6 +2,7 @@
 #include "softarm/diagnose/diagnose.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -63,6 +64,14 @@ void list_effects() {
       fmt::print("  {:<26} {:<10} [{:g}, {:g}], usually {:g}{}: {}\n", p.symbol, p.unit, p.low, p.high,
                  p.usual, k < static_cast<std::size_t>(info.sizes) ? " (0: absent)" : "", p.description);
     }
+    fmt::print("  easily mistaken for {}\n", fmt::join(info.rivals, ", "));
+    if (!info.absorbed_by.empty())
+      fmt::print("  absorbed by the constants {}\n", fmt::join(info.absorbed_by, ", "));
+    model::Values usual(static_cast<Eigen::Index>(info.parameters.size()));
+    for (std::size_t k = 0; k < info.parameters.size(); ++k)
+      usual[static_cast<Eigen::Index>(k)] = info.parameters[k].usual;
+    if (const std::string why_not = effect->live_obstacle(usual); !why_not.empty())
+      fmt::print("  not live: {}\n", why_not);
     fmt::print("\n");
   }
 }
