@@ -42,7 +42,7 @@ Estimator::Impl::Impl(const arm::Arm& a, const arm::EstimatorOptions& o, const s
     inflation_limit.push_back(quantile(boost::math::chi_squared(dof), kPolicy.fit.inflation_level));
   }
   solver.options.max_num_iterations = 60;
-  math::set_function_tolerance(solver.options, 1e-6, 0);  // of the cost in units of the noise
+  math::set_function_tolerance(solver.options, 1e-6);  // of the cost in units of the noise
   solver.options.parameter_tolerance = 1e-9;
   solver.options.gradient_tolerance = 1e-9;
   estimate.segments.resize(arm.segments.size());

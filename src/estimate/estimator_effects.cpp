@@ -10,10 +10,7 @@
 namespace softarm::estimate {
 namespace {
 
-// Between the line of the effects and what they do at the fit: a tenth of a standard deviation makes an error
-// half a per cent larger.
-constexpr double kAgrees_sd = 0.1;
-constexpr int kStepsByOldLine = 1;  // after it x is as near its end as another line's place must be
+constexpr int kOneStep = 2;  // TinySolver counts its start
 constexpr int kMostPasses = 8, kOldDerivativePasses = 2;
 
 }  // namespace
@@ -54,10 +51,10 @@ bool Estimator::Impl::solve_with_effects() {
   for (int pass = 0; pass < kMostPasses; ++pass) {
     // What a line is off by grows with the way: after a short one it need not be looked at again.
     const std::optional<double> expected_sd = extension->expected_off_sd(problem, x);
-    if (expected_sd && *expected_sd < kAgrees_sd) return true;
+    if (expected_sd && *expected_sd < kPolicy.effects.agrees_sd) return true;
     const std::optional<double> off_sd = extension->move_line(problem, x, laws_at_frame);
     if (!off_sd) return lost("fit");
-    if (*off_sd < kAgrees_sd) return true;
+    if (*off_sd < kPolicy.effects.agrees_sd) return true;
     const bool whole = *off_sd >= kPolicy.bodies.look_again_sd;
     if (whole) begin_again();
     if (pass >= kOldDerivativePasses && !extension->linearise(problem, x, laws_at_frame, true))
@@ -73,7 +70,7 @@ void Estimator::Impl::move_old_line() {
   if (!line_is_old) return;
   line_is_old = false;
   const int iterations = solver.options.max_num_iterations;
-  solver.options.max_num_iterations = kStepsByOldLine + 1;  // TinySolver counts its start
+  solver.options.max_num_iterations = kOneStep;
   iterate();
   solver.options.max_num_iterations = iterations;
   extension->move_line(problem, x, laws_at_frame);

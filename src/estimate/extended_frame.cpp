@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "model/body_kinematics.h"
+#include "policy.h"
 
 namespace softarm::estimate {
 namespace {
@@ -13,13 +14,10 @@ using Eigen::VectorXd;
 // Steps of differences, by parameter of a segment and of the payload: bodies move by about a millimetre.
 constexpr double kStep[kSegmentParameters] = {0.02, 0.02, 0.03, 0.005};
 constexpr double kPayloadStep = 0.05;
-// By how much parameters, gravity and time may have moved on before D is worked out anew, c by its share:
-// less far, the corrections on the way are all it needs.
-constexpr double kFar[kSegmentParameters] = {0.6, 0.6, 0.8, 0.04};
+// The same as kPolicy.effects.slope_holds, of payload (its unit), gravity and time.
 constexpr double kPayloadFar = 0.5, kGravityFar_m_s2 = 0.5, kOld_s = 0.5;
 constexpr double kLeastLength = 0.5, kMostLength = 2.0;
 constexpr double kTypicalWay = 0.2, kForgets = 0.9;
-constexpr double kSame_sd = 0.1;    // of a body: from a solution to an estimate that it serves
 constexpr double kShortWay = 0.02;  // in these shares: what is seen on it is the solver's own error
 
 }  // namespace
@@ -120,7 +118,8 @@ VectorXd ExtendedFrame::reach(const Problem& problem) const {
   for (int i = 0; i < static_cast<int>(arm_.segments.size()); ++i) {
     for (int k = 0; k < kSegmentParameters; ++k) {
       const int j = Problem::column(i, k);
-      far[j] = k == 2 ? kFar[k] * std::abs(derivative_x_[j]) : kFar[k];
+      far[j] = k == 2 ? kPolicy.effects.slope_holds[k] * std::abs(derivative_x_[j])
+                      : kPolicy.effects.slope_holds[k];
     }
   }
   far[problem.payload_column()] = kPayloadFar;
@@ -253,10 +252,10 @@ bool ExtendedFrame::is_solved_near(const Problem& problem) const {
   if (!solved_x_) return false;
   return std::all_of(problem.observations().begin(), problem.observations().end(), [&](const Observation& o) {
     const double moved_m = (problem.position_by_laws(o) - solved_by_laws_.p.col(o.body)).norm();
-    if (moved_m >= kSame_sd * problem.position_sd(o)) return false;
+    if (moved_m >= kPolicy.effects.agrees_sd * problem.position_sd(o)) return false;
     const Eigen::Vector3d tangent = model::tangent_of(problem.solver().station(o.body));
     const double turned = (tangent - solved_by_laws_.tangent.col(o.body)).norm();
-    return !o.tangent || turned < kSame_sd * problem.tangent_sd(o);
+    return !o.tangent || turned < kPolicy.effects.agrees_sd * problem.tangent_sd(o);
   });
 }
 

@@ -65,7 +65,7 @@ bool refine_with_free_tip(const Problem& problem, Start& start) {
     x.head(count) = start.x;
     ceres::TinySolver<FreeTip> solver;
     solver.options.max_num_iterations = 60;
-    math::set_function_tolerance(solver.options, 1e-6, 0);
+    math::set_function_tolerance(solver.options, 1e-6);
     solver.Solve(function, &x);
     if (!x.allFinite()) return false;
     start.q_tip = function.tip(x.data());

@@ -49,6 +49,18 @@ struct Policy {
     int acceleration_frames = 6;     ///< at least
     double acceleration_chi2 = 3.8;  ///< 99 % of chi^2 of three degrees of freedom, over 3
   } window;
+
+  /// Effects of the arm file, which a fit has as a line about a place.
+  struct Effects {
+    /// Between the line and what the effects do, at a body, in its standard deviations; also between the
+    /// shape that is kept and the estimate. A tenth makes the error of an estimate half a per cent larger.
+    double agrees_sd = 0.1;
+    /// By how much a fit may have moved on before the line's slope is differenced anew; on the way each
+    /// solution corrects it. Bending to two sides (rad), flexibility (share), length (share). Estimates are
+    /// 0.01 sd (rms) from those of full convergence, as with a quarter of these, which takes 1.1 to 1.8 times
+    /// as long.
+    double slope_holds[4] = {0.6, 0.6, 0.8, 0.04};
+  } effects;
 };
 inline constexpr Policy kPolicy{};
 

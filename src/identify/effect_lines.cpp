@@ -14,8 +14,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using model::Predicted;
 
-constexpr double kFarthest_s = 0.5;  // from a mean, beyond which a frame is left out
-constexpr double kStep = 1e-2;       // of differences of whole predictions, in scales
+constexpr double kStep = 1e-2;  // of differences of whole predictions, in scales
 const model::Dynamics kAtRest{false, 0.0};
 
 Eigen::Quaterniond section_at(const model::Shape& shape, double s_m) {
@@ -103,8 +102,9 @@ void EffectLines::predict(OfTrial& trial) const {
 EffectLines::Between EffectLines::between(const std::vector<Moved>& list, double stamp_s) {
   const auto after = std::lower_bound(list.begin(), list.end(), stamp_s,
                                       [](const Moved& moved, double s) { return moved.stamp_s < s; });
-  const bool has_after = after != list.end() && after->stamp_s - stamp_s < kFarthest_s;
-  const bool has_before = after != list.begin() && stamp_s - std::prev(after)->stamp_s < kFarthest_s;
+  const bool has_after = after != list.end() && after->stamp_s - stamp_s < model::kLongestPause_s;
+  const bool has_before =
+      after != list.begin() && stamp_s - std::prev(after)->stamp_s < model::kLongestPause_s;
   if (!has_after && !has_before) return {};
   if (!has_before) return {&*after, &*after, 0.0};
   const Moved& before = *std::prev(after);

@@ -2,9 +2,8 @@
 #pragma once
 
 namespace softarm::math {
+namespace detail {
 
-/// Ends a solve where the cost falls by no more than this share; 1.14 has no such tolerance and goes on to
-/// the others.
 template <typename Options>
 auto set_function_tolerance(Options& options, double tolerance, int)
     -> decltype(options.function_tolerance, void()) {
@@ -12,5 +11,14 @@ auto set_function_tolerance(Options& options, double tolerance, int)
 }
 template <typename Options>
 void set_function_tolerance(Options&, double, long) {}
+
+}  // namespace detail
+
+/// Ends a solve where the cost falls by no more than this share; 1.14 has no such tolerance and goes on to
+/// the others.
+template <typename Options>
+void set_function_tolerance(Options& options, double tolerance) {
+  detail::set_function_tolerance(options, tolerance, 0);
+}
 
 }  // namespace softarm::math

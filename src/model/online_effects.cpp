@@ -9,9 +9,8 @@
 namespace softarm::model {
 namespace {
 
-constexpr double kLongestPause_s = 0.5;  // between frames, after which nothing lasts over
-constexpr double kSettled_m = 1e-6;      // of shapes: a thousandth of what cameras see
-constexpr double kBlock_s = 0.1;         // over which shapes are averaged before memories take notice
+constexpr double kSettled_m = 1e-6;  // of shapes: a thousandth of what cameras see
+constexpr double kBlock_s = 0.1;     // over which shapes are averaged before memories take notice
 
 std::string with_values(const Present& present) {
   std::string text = present.effect->info().id;

@@ -16,11 +16,8 @@ using Eigen::Vector3d;
 using trial::SeenBody;
 using trial::StaticFrame;
 
-constexpr double kGap_s = 0.5;      // between frames, after which nothing lasts over
-constexpr std::size_t kFewest = 3;  // frames of a mean
-constexpr std::size_t kEnough =
-    4;                            // so slow a recording has longer means: a line of its own, and its scatter
-constexpr double kOutlier = 5.0;  // standard deviations from the line through a body's positions
+constexpr std::size_t kFewest = 3;    // frames of a mean
+constexpr double kOutlier = 5.0;      // standard deviations from the line through a body's positions
 constexpr double kFewestShare = 0.6;  // of the block's frames in which a body must be seen
 
 /// Positions of one body over a block, as a straight line in time.
@@ -151,7 +148,8 @@ class Preparing {
     bool begins = true;
     for (std::size_t i = 1; i <= frames.size(); ++i) {
       const bool gap =
-          i < frames.size() && t[static_cast<Eigen::Index>(i)] - t[static_cast<Eigen::Index>(i - 1)] > kGap_s;
+          i < frames.size() &&
+          t[static_cast<Eigen::Index>(i)] - t[static_cast<Eigen::Index>(i - 1)] > kLongestPause_s;
       const bool full =
           i < frames.size() && i - first >= kFewest &&
           t[static_cast<Eigen::Index>(i)] - t[static_cast<Eigen::Index>(first)] >= how_.block_s - 1e-6;

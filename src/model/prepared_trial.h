@@ -56,6 +56,9 @@ struct TrialData {
   std::vector<Block> blocks;
 };
 
+/// Between frames, after which nothing lasts over, s.
+constexpr double kLongestPause_s = 0.5;
+
 struct Preparation {
   double block_s = 0.1;           ///< over which frames are averaged; longer where three of them are
   double before_payload_s = 0.5;  ///< of a change, and after it, nothing is compared

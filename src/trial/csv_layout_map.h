@@ -99,7 +99,7 @@ class CsvLayoutMap {
 
   std::string text(const std::string& key, const std::string& what) const {
     const YAML::Node value = require(key, what);
-    if (!value.IsScalar() || value.Scalar().empty()) fail(key, text_of(value), what);
+    if (!value.IsScalar() || value.Scalar().empty()) fail(key, "'" + text_of(value) + "'", what);
     return value.Scalar();
   }
 

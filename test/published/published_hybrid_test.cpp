@@ -58,7 +58,7 @@ class WholeSections {
   Vector3d tip() const {
     ceres::TinySolver<WholeSections> solver;
     solver.options.gradient_tolerance = 0.0;
-    math::set_function_tolerance(solver.options, 0.0, 0);
+    math::set_function_tolerance(solver.options, 0.0);
     solver.options.parameter_tolerance = 1e-15;
     solver.options.cost_threshold = 1e-26;
     solver.options.max_num_iterations = 60;
