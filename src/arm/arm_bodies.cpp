@@ -86,6 +86,8 @@ std::vector<MeasuredBody> read_bodies(const Section& arm, const std::optional<st
     body.kind = item.word("kind") == "ring" ? BodyKind::kRing : BodyKind::kSkinMarker;
     body.arclength_m = read_arclength(item, total_length_m);
     body.position_sd_m = item.has("position_sd_m") ? item.number("position_sd_m") : default_position_sd_m;
+    body.placement_sd_m = noise.number("placement_sd_m");
+    body.placement_sd_rad = noise.number("placement_sd_deg") * M_PI / 180.0;
     if (body.kind == BodyKind::kRing) {
       read_ring(item, default_orientation_sd_rad, &body);
     } else {

@@ -91,7 +91,12 @@ const KeyTable& noise_keys() {
   static const KeyTable table{
       "noise",
       {number("position_sd_m", "m", "0.0005", 1e-6, 0.1, "standard deviation of a position, per coordinate"),
-       number("orientation_sd_rad", "rad", "0.02", 1e-5, 1, "standard deviation of a tangent, per axis")}};
+       number("orientation_sd_rad", "rad", "0.02", 1e-5, 1, "standard deviation of a tangent, per axis"),
+       number(
+           "placement_sd_m", "m", "0.001", 0, 0.1,
+           "how well it is known where bodies sit on the arm, per coordinate; the same error in all frames"),
+       number("placement_sd_deg", "deg", "0.5", 0, 30,
+              "how well their tangents are known to be the arm's, per axis; the same error in all frames")}};
   return table;
 }
 

@@ -113,9 +113,15 @@ Inverse determined_inverse(const MatrixXd& scaled) {
 
 Covariance covariance(const Problem& problem, const std::vector<bool>& free,
                       const arm::EstimatorOptions& options) {
-  const int count = problem.NumParameters();
   const bool sum = options.objective == arm::Objective::kSumOfDistances;
   const auto [information, variance] = sandwich(problem, free, sum);
+  const bool best = !sum && problem.noise_weights();
+  return covariance_from(information, free, best ? nullptr : &variance);
+}
+
+Covariance covariance_from(const MatrixXd& information, const std::vector<bool>& free,
+                           const MatrixXd* variance) {
+  const auto count = static_cast<int>(information.rows());
   Covariance result;
   result.x = MatrixXd::Zero(count, count);
   result.determined.assign(static_cast<std::size_t>(count), false);
@@ -125,17 +131,17 @@ Covariance covariance(const Problem& problem, const std::vector<bool>& free,
   }
   const int n = static_cast<int>(columns.size());
   VectorXd scale(n);
-  MatrixXd a(n, n), b(n, n);
   for (int i = 0; i < n; ++i) scale[i] = 1.0 / std::sqrt(information(columns[i], columns[i]));
-  for (int i = 0; i < n; ++i) {
-    for (int k = 0; k < n; ++k) {
-      a(i, k) = scale[i] * scale[k] * information(columns[i], columns[k]);
-      b(i, k) = scale[i] * scale[k] * variance(columns[i], columns[k]);
+  const auto scaled_part = [&](const MatrixXd& of) {
+    MatrixXd part(n, n);
+    for (int i = 0; i < n; ++i) {
+      for (int k = 0; k < n; ++k) part(i, k) = scale[i] * scale[k] * of(columns[i], columns[k]);
     }
-  }
-  const auto [a_inverse, lost] = determined_inverse(a);
-  const bool best = !sum && problem.noise_weights();
-  const MatrixXd scaled = best ? a_inverse : MatrixXd(a_inverse * b * a_inverse);
+    return part;
+  };
+  const auto [inverse, lost] = determined_inverse(scaled_part(information));
+  const MatrixXd scaled =
+      variance == nullptr ? inverse : MatrixXd(inverse * scaled_part(*variance) * inverse);
   const auto determined = [&](int i) { return result.determined[static_cast<std::size_t>(columns[i])]; };
   for (int i = 0; i < n; ++i) {
     const double sd = scale[i] * std::sqrt(std::max(0.0, scaled(i, i)));
@@ -284,7 +290,8 @@ void clear_undetermined(SegmentEstimate& out) {
 }  // namespace
 
 void fill_segment(const Problem& problem, int segment, const VectorXd& x, const Covariance& covariance,
-                  const std::vector<bool>& free, const arm::EstimatorOptions& options, SegmentEstimate& out) {
+                  const std::vector<bool>& free, double believed_information,
+                  const arm::EstimatorOptions& options, SegmentEstimate& out) {
   const int ia = Problem::column(segment, 0), ib = ia + 1, ic = ia + 2, il = ia + 3;
   const auto determined = [&](int i) { return covariance.determined[static_cast<std::size_t>(i)]; };
   const bool arcs = options.method == arm::Method::kCcPoints || options.method == arm::Method::kCcEndpoint;
@@ -321,7 +328,14 @@ void fill_segment(const Problem& problem, int segment, const VectorXd& x, const 
   clear_undetermined(out);
   const double limit = options.identifiable_relative_sd;
   // Relative to what the fit found, before the correction: that never makes a frame identify more.
-  out.identifiable_stiffness = out.sd_bending_stiffness_nm2 && std::sqrt(c(2, 2)) <= limit * bend.flexibility;
+  out.stiffness_why_not = WhyNot::kNotDetermined;
+  if (out.sd_bending_stiffness_nm2 && std::sqrt(c(2, 2)) <= limit * bend.flexibility) {
+    // What the laws know is not told by the frame: without it the interval must be as narrow.
+    const double by_bodies = 1.0 / c(2, 2) - believed_information;
+    const double asked = 1.0 / std::pow(limit * bend.flexibility, 2);
+    out.stiffness_why_not = by_bodies >= asked ? WhyNot::kIdentifiable : WhyNot::kByLawsAlone;
+  }
+  out.identifiable_stiffness = out.sd_bending_stiffness_nm2 && out.stiffness_why_not == WhyNot::kIdentifiable;
   out.identifiable_moment = out.sd_moment_nm && *out.sd_moment_nm <= limit * moment;
 }
 

@@ -21,6 +21,10 @@ struct Covariance {
 Covariance covariance(const Problem& problem, const std::vector<bool>& free,
                       const arm::EstimatorOptions& options);
 
+/// That of parameters with this information (and, where it is another, variance of its gradient).
+Covariance covariance_from(const Eigen::MatrixXd& information, const std::vector<bool>& free,
+                           const Eigen::MatrixXd* variance = nullptr);
+
 /// What the bodies in use say of x at the last evaluation, by the stated noise: Gauss-Newton information and
 /// information times optimum. Columns of what is fixed are zero.
 Evidence evidence(const Problem& problem, const Eigen::VectorXd& x);
@@ -36,7 +40,9 @@ Eigen::VectorXd error_by_gravity(const Problem& problem, const std::vector<bool>
 
 /// Translates parameters and covariance into a segment's estimate.
 /// @param free the parameters that were estimated
+/// @param believed_information on the segment's flexibility by the laws as a prior; 0: none
 void fill_segment(const Problem& problem, int segment, const Eigen::VectorXd& x, const Covariance& covariance,
-                  const std::vector<bool>& free, const arm::EstimatorOptions& options, SegmentEstimate& out);
+                  const std::vector<bool>& free, double believed_information,
+                  const arm::EstimatorOptions& options, SegmentEstimate& out);
 
 }  // namespace softarm::estimate

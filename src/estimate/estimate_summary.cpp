@@ -44,6 +44,21 @@ class Table {
   std::string text_;
 };
 
+const char* words_of(WhyNot why) {
+  switch (why) {
+    case WhyNot::kByLawsAlone:
+      return "it is what the laws say, the bodies say nothing of it";
+    case WhyNot::kNearBuckling:
+      return "near the buckling load another EI with another moment has the same shape; hang a known payload "
+             "on "
+             "the arm, or hold EI by the laws (--unknown payload)";
+    default:
+      return "no load bends the arm enough to tell it; hang a known payload on the arm, or hold EI by the "
+             "laws "
+             "(--unknown payload)";
+  }
+}
+
 }  // namespace
 
 EstimateSummary::EstimateSummary(const arm::Arm& arm)
@@ -51,7 +66,7 @@ EstimateSummary::EstimateSummary(const arm::Arm& arm)
   const arm::Method method = arm.estimator.method;
   const bool arcs = method == arm::Method::kCcPoints || method == arm::Method::kCcEndpoint;
   payload_known_ = arcs || arm.estimator.unknown == arm::Unknown::kStiffness;
-  stiffness_known_ = !arcs && arm.estimator.unknown == arm::Unknown::kPayload;
+  stiffness_known_ = !arcs && arm.estimator.unknown == arm::Unknown::kPayload && !arm.estimator.prior.enabled;
   for (const arm::MeasuredBody& body : arm.bodies) body_names_.push_back(body.name);
 }
 
@@ -83,6 +98,8 @@ void EstimateSummary::add(const Estimate& e) {
     segments_[i].bending_stiffness_nm2.push_back(*s.bending_stiffness_nm2);
     if (s.identifiable_stiffness)
       segments_[i].identifiable_bending_stiffness_nm2.push_back(*s.bending_stiffness_nm2);
+    else
+      ++segments_[i].why_not[s.stiffness_why_not];
   }
 }
 
@@ -116,6 +133,8 @@ std::string EstimateSummary::text(const std::map<std::string, std::uint64_t>& re
     } else {
       table.estimated(prefix + "EI, median", s.bending_stiffness_nm2, s.identifiable_bending_stiffness_nm2,
                       ok_, "N m^2");
+      for (const auto& [why, frames] : s.why_not)
+        table.line("  not in", fmt::format("{} frames: {}", frames, words_of(why)));
     }
   }
   if (payload_known_) {

@@ -36,7 +36,7 @@ bool is_constant_curvature(arm::Method method) {
 }
 
 Estimator::Impl::Impl(const arm::Arm& a, const arm::EstimatorOptions& o, const std::vector<model::Present>& e)
-    : arm(a), options(o), problem(arm, options), effects(e) {
+    : arm(a), options(o), problem(arm, options), noise(arm), effects(e) {
   check();
   for (int dof = 1; dof < 256; ++dof) {
     inflation_limit.push_back(quantile(boost::math::chi_squared(dof), kPolicy.fit.inflation_level));
@@ -54,7 +54,7 @@ Estimator::Impl::Impl(const arm::Arm& a, const arm::EstimatorOptions& o, const s
       if (options.unknown != arm::Unknown::kPayload) changing.push_back(Problem::column(i, 2));
     }
     if (options.unknown != arm::Unknown::kStiffness) changing.push_back(problem.payload_column());
-    window.emplace(options.window_s, std::move(changing));
+    window.emplace(options.window_s, std::move(changing), kPolicy.window.posture * arm.total_length_m());
   }
 }
 
@@ -113,6 +113,7 @@ const Estimate& Estimator::Impl::run(const trial::Frame& frame) {
     estimate.status = Status::kOk;
     estimate.detail.clear();
     if (!allow_for_stretch() || !keep_to_bounds()) return estimate;
+    settle();
     if (!share()) {
       have_last = false;
       fail(Status::kNoConvergence, "the fit was lost when the window's frames were forgotten");
@@ -277,7 +278,9 @@ bool Estimator::Impl::set_knowns(const trial::Frame& frame) {
   else
     payload_known = arm.payload.default_kg;
   const bool estimate_payload = !arcs && options.unknown != arm::Unknown::kStiffness;
-  const bool estimate_stiffness = !arcs && options.unknown != arm::Unknown::kPayload;
+  // Believed laws say what EI is as well as they know it.
+  const bool estimate_stiffness =
+      !arcs && (options.unknown != arm::Unknown::kPayload || options.prior.enabled);
   if (estimate_payload) {
     payload_known.reset();
   } else if (!arcs && !payload_known) {
@@ -300,7 +303,7 @@ bool Estimator::Impl::set_knowns(const trial::Frame& frame) {
   if (extension) laws_at_frame = *predictions;
   const bool believed = !arcs && (options.prior.enabled || window);
   if (believed) {
-    law = frame_law(arm, options.prior, *predictions, problem.reference_stiffnesses());
+    law = frame_law(arm, options.prior, *predictions, problem.reference_stiffnesses(), window.has_value());
     if (!have_last) stretch_m.assign(arm.segments.size(), 0.0);
     allow_for_axial_stiffness(options.prior, stretch_m, law);
   }
@@ -320,37 +323,12 @@ bool Estimator::Impl::set_knowns(const trial::Frame& frame) {
   problem.free()[static_cast<std::size_t>(problem.payload_column())] = estimate_payload;
   if (window) {
     window->advance(frame.stamp_s);
-    allow_for_gain(*predictions);
+    noise.add(frame.stamp_s, problem.observations());
+    window->enter(problem.observations(), passing_variance());
   }
   believe();
   problem.begin();
   return true;
-}
-
-void Estimator::Impl::allow_for_gain(const std::vector<arm::SegmentPrediction>& predictions) {
-  actuation_nm.resize(static_cast<Eigen::Index>(2 * predictions.size()));
-  for (std::size_t i = 0; i < predictions.size(); ++i)
-    actuation_nm.segment<2>(static_cast<Eigen::Index>(2 * i)) = predictions[i].actuation_nm();
-  const std::optional<VectorXd> before = window->actuation_nm();
-  if (!before || !options.prior.enabled) return;
-  for (int i = 0; i < static_cast<int>(predictions.size()); ++i) {
-    const double moved = options.prior.moment_sd_rel * (actuation_nm - *before).segment<2>(2 * i).norm();
-    for (int k = 0; k < 2; ++k) {
-      const int j = Problem::column(i, k);
-      law.jitter_variance[j] += std::pow(law.shared(j, j) * moved, 2);
-    }
-  }
-}
-
-void Estimator::Impl::believe() {
-  const bool frames = window && window->frames() > 0;
-  if (is_constant_curvature(options.method) || (!options.prior.enabled && !frames)) {
-    problem.set_belief(std::nullopt);
-    return;
-  }
-  Evidence z{law.information.asDiagonal(), VectorXd::Zero(law.information.size())};
-  if (frames) z = window->belief(law.information);
-  problem.set_belief(belief_of_frame(law, z.information, z.weighted));
 }
 
 Estimator::Estimator(const arm::Arm& arm, const arm::EstimatorOptions& options)
@@ -370,6 +348,7 @@ void Estimator::reset() {
   impl_->have_last = false;
   impl_->base_seen = false;
   if (impl_->window) impl_->window->clear();
+  impl_->noise.forget();
   impl_->contradictions = 0;
   impl_->inputs_known.reset();
   impl_->problem.forget();

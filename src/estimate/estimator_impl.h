@@ -13,6 +13,7 @@
 #include "extended_frame.h"
 #include "problem.h"
 #include "softarm/estimate/estimator.h"
+#include "white_noise.h"
 #include "window.h"
 
 namespace softarm::estimate {
@@ -44,9 +45,6 @@ struct Estimator::Impl {
   bool set_knowns(const trial::Frame& frame);
   /// Gives the problem what the laws and the window's frames say of this one.
   void believe();
-  /// A gain that is off is a lasting error of the moment only while the actuation lasts: by as much as it has
-  /// moved away from that of the window's frames, the relative error is this frame's own.
-  void allow_for_gain(const std::vector<arm::SegmentPrediction>& predictions);
 
   // --- steps 2 and 3 ---
   void impose_knowns(VectorXd& v) const;
@@ -62,6 +60,19 @@ struct Estimator::Impl {
   bool solve_without_window();
   /// Some body is an outlier of the fit, or there is none.
   bool contradicted(bool fitted) const;
+
+  // --- frames that share, estimator_window.cpp ---
+  Eigen::VectorXd passing_variance() const;
+  Eigen::VectorXd placement_variance() const;
+  Eigen::VectorXd posture_variance() const;
+  /// The fit took what bodies are off by for noise of this frame. It is the same in others: of x and of that,
+  /// together, this is the most probable by the bodies and what other frames say of either, and its
+  /// covariance.
+  void settle();
+  /// Takes the most probable x within its bounds. @param of x - the fit's
+  void move_to(const Evidence& of);
+  BodyRows rows() const;
+  Window::Entry entry() const;
   /// Adds what this frame says to the window; fits it again where that ends a change.
   bool share();
 
@@ -90,6 +101,8 @@ struct Estimator::Impl {
   /// @param fitted x is a fit to all bodies
   bool set_outliers_aside(bool fitted);
   int estimated_parameters() const;
+  /// Of x: the arm file's physical ranges.
+  std::vector<arm::Range> bounds() const;
   /// A flexibility, length or payload outside its physical range is held at the limit and the rest fitted
   /// again.
   bool keep_to_bounds();
@@ -135,6 +148,8 @@ struct Estimator::Impl {
   FrameLaw law;
   std::vector<double> stretch_m;  ///< with which `law` counts what is not known of EA
   std::optional<Window> window;
+  WhiteNoise noise;    ///< with a window only
+  VectorXd influence;  ///< of each block of rows of the bodies, see settle()
   const std::vector<model::Present> effects;
   std::unique_ptr<ExtendedFrame> extension;           ///< of an arm with effects
   std::vector<arm::SegmentPrediction> laws_at_frame;  ///< with the inputs as the effects change them
@@ -142,7 +157,6 @@ struct Estimator::Impl {
   bool line_is_old = false;                           ///< that of the effects
   int contradictions = 0;            ///< frames in a row that may be a change or a wrong body
   std::optional<bool> inputs_known;  ///< of the last frame
-  VectorXd actuation_nm;             ///< by the laws, 2 per segment
   std::vector<bool> estimated;       ///< free before any parameter was held at a bound
   Covariance covariance;
   const trial::Frame* frame_given = nullptr;

@@ -56,7 +56,11 @@ void Estimator::Impl::finish() {
   }
   if (window) allow_for_motion();
   for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
-    fill_segment(problem, i, x, covariance, estimated, options,
+    const int c = Problem::column(i, 2);
+    const double believed = options.prior.enabled && law.information.size() > 0
+                                ? law.information[c] / std::pow(law.shared(c, c), 2)
+                                : 0.0;
+    fill_segment(problem, i, x, covariance, estimated, believed, options,
                  estimate.segments[static_cast<std::size_t>(i)]);
   }
   // The shape is that of the whole model; where it has no equilibrium at the limits, that of the laws.
@@ -67,24 +71,6 @@ void Estimator::Impl::finish() {
   last_x = x;
   have_last = options.method != arm::Method::kCcEndpoint;
   confirm_stiffness();
-}
-
-void Estimator::Impl::allow_for_motion() {
-  // Inertia is like a gravity that is off by the acceleration. The window's frames all have it, so it does
-  // not average out: they err together as one of them would in which the laws' lasting errors count once for
-  // all.
-  FrameLaw lasting = law;
-  lasting.information /= static_cast<double>(std::max(1, window->frames()));
-  const Belief alone = belief_of_frame(lasting, lasting.information.asDiagonal(), VectorXd::Zero(x.size()));
-  const VectorXd error =
-      error_by_gravity(problem, estimated, alone.information, window->tip_acceleration_m_s2());
-  for (int i = 0; i < x.size(); ++i) {
-    for (int k = 0; k < x.size(); ++k) {
-      if (covariance.determined[static_cast<std::size_t>(i)] &&
-          covariance.determined[static_cast<std::size_t>(k)])
-        covariance.x(i, k) += error[i] * error[k];
-    }
-  }
 }
 
 void Estimator::Impl::confirm_stiffness() {
@@ -114,8 +100,10 @@ void Estimator::Impl::confirm_stiffness() {
         solver.Solve(problem, &x);
         cost = std::min(cost, solver.summary.final_cost);
       }
-      if (2.0 * (cost - estimate.solver.final_cost) < kPolicy.fit.other_direction_chi2)
+      if (2.0 * (cost - estimate.solver.final_cost) < kPolicy.fit.other_direction_chi2) {
         segment.identifiable_stiffness = false;
+        segment.stiffness_why_not = WhyNot::kNearBuckling;
+      }
     }
     problem.free()[static_cast<std::size_t>(column)] = true;
   }

@@ -152,40 +152,6 @@ bool Estimator::Impl::solve_with_window() {
   return solve_without_window();
 }
 
-bool Estimator::Impl::share() {
-  if (!window || rms() > kPolicy.fit.inconsistent * arm.total_length_m()) return true;
-  const Evidence bodies = evidence(problem, x);
-  Window::Entry entry;
-  entry.stamp_s = estimate.stamp_s;
-  entry.actuation_nm = actuation_nm;
-  entry.p_tip = problem.solver().station(static_cast<int>(arm.bodies.size() + arm.segments.size()) - 1).p;
-  entry.evidence = evidence_on_shared(law, bodies.information, bodies.weighted,
-                                      std::max(1.0, kPolicy.window.swing_s / window->spacing_s()));
-  const Distances now = distances();
-  double tangents = 0.0, tangent_chi2 = 0.0;
-  for (const Observation& o : problem.observations()) {
-    if (!o.used || !o.tangent) continue;
-    tangents += 2.0;
-    const Vector3d off = problem.tangent(o) - *o.tangent;
-    tangent_chi2 += off.squaredNorm() / (problem.tangent_sd(o) * problem.tangent_sd(o));
-  }
-  entry.degrees_of_freedom = std::max(0.0, 3.0 * now.used + tangents - determined_by_bodies(problem, x));
-  if (entry.degrees_of_freedom > 0.0)
-    entry.misfit = (now.sum_of_squares + tangent_chi2) / entry.degrees_of_freedom;
-  window->add(std::move(entry));
-  if (!window->forget_before_change(law.information)) return true;
-  // This frame was fitted with what is now forgotten.
-  const Window with_this = *window;
-  window->drop_last();
-  believe();
-  problem.begin();
-  bool good = problem.evaluate(x) && minimise();
-  if (good) refresh_covariance();
-  good = good && keep_to_bounds();
-  *window = with_this;
-  return good;
-}
-
 bool Estimator::Impl::set_one_aside(bool fitted) {
   std::vector<Observation>& observations = problem.observations();
   const VectorXd x_before = x;
@@ -254,25 +220,34 @@ int Estimator::Impl::estimated_parameters() const {
   return static_cast<int>(std::count(problem.free().begin(), problem.free().end(), true));
 }
 
-bool Estimator::Impl::keep_to_bounds() {
-  estimated = problem.free();
-  bool moved = false;
-  const auto hold = [&](int column, double low, double high) {
-    if (!estimated[static_cast<std::size_t>(column)] || (x[column] >= low && x[column] <= high)) return;
-    x[column] = std::clamp(x[column], low, high);
-    problem.free()[static_cast<std::size_t>(column)] = false;
-    moved = true;
-  };
+std::vector<arm::Range> Estimator::Impl::bounds() const {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  std::vector<arm::Range> ranges(static_cast<std::size_t>(x.size()), {-kInfinity, kInfinity});
+  const auto at = [&](int column) -> arm::Range& { return ranges[static_cast<std::size_t>(column)]; };
   for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
     const arm::Segment& segment = arm.segments[static_cast<std::size_t>(i)];
     const double reference = problem.reference_stiffness(i), rest = problem.rest_length(i);
-    hold(Problem::column(i, 2), reference / segment.bending_stiffness_range_nm2.high,
-         reference / segment.bending_stiffness_range_nm2.low);
+    at(Problem::column(i, 2)) = {reference / segment.bending_stiffness_range_nm2.high,
+                                 reference / segment.bending_stiffness_range_nm2.low};
     const arm::Range& length = segment.length_range_m;
-    if (length.high > 0.0) hold(Problem::column(i, 3), length.low / rest, length.high / rest);
+    if (length.high > 0.0) at(Problem::column(i, 3)) = {length.low / rest, length.high / rest};
   }
-  hold(problem.payload_column(), arm.payload.range_kg.low / Problem::kPayloadUnit,
-       arm.payload.range_kg.high / Problem::kPayloadUnit);
+  at(problem.payload_column()) = {arm.payload.range_kg.low / Problem::kPayloadUnit,
+                                  arm.payload.range_kg.high / Problem::kPayloadUnit};
+  return ranges;
+}
+
+bool Estimator::Impl::keep_to_bounds() {
+  estimated = problem.free();
+  bool moved = false;
+  const std::vector<arm::Range> ranges = bounds();
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    double& value = x[static_cast<Eigen::Index>(i)];
+    if (!estimated[i] || (value >= ranges[i].low && value <= ranges[i].high)) continue;
+    value = std::clamp(value, ranges[i].low, ranges[i].high);
+    problem.free()[i] = false;
+    moved = true;
+  }
   if (!moved) return true;
   problem.begin();
   bool good = problem.evaluate(x) && minimise();

@@ -48,6 +48,15 @@ struct Policy {
     double acceleration_s = 0.25;    ///< over which the tip's acceleration is fitted
     int acceleration_frames = 6;     ///< at least
     double acceleration_chi2 = 3.8;  ///< 99 % of chi^2 of three degrees of freedom, over 3
+    /// Bodies within this share of the arm's length of where they were: the same posture, in which the laws'
+    /// passing errors and the model's stay as they are. They depend on pressures and shape, smoothly: a tenth
+    /// is a fraction of what an arm moves. Larger is more careful.
+    double posture = 0.1;
+    int groups = 64;               ///< in which frames leave the window
+    int noise_frames = 200;        ///< over which the noise from frame to frame is averaged
+    double least_noise = 0.01;     ///< of the stated one: what is less is rounding
+    double least_offset_m = 1e-6;  ///< what bodies are off by where nothing is said of it: also numbers round
+    double least_offset_rad = 1e-5;
   } window;
 
   /// Effects of the arm file, which a fit has as a line about a place.

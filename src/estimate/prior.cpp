@@ -15,6 +15,7 @@ using Eigen::VectorXd;
 
 // Share of the largest (scaled) information below which a direction is free.
 constexpr double kFree = 1e-13;
+constexpr double kLeastGain = 1e-4;  // error that a gain has at least: none would not be a number
 
 }  // namespace
 
@@ -33,13 +34,18 @@ MatrixXd Belief::rows() const {
 
 FrameLaw frame_law(const arm::Arm& arm, const arm::LawPrior& prior,
                    const std::vector<arm::SegmentPrediction>& predictions,
-                   const std::vector<double>& reference_stiffness) {
+                   const std::vector<double>& reference_stiffness, bool gains_apart) {
   const int count = static_cast<int>(arm.segments.size()) * kSegmentParameters + 1;
   FrameLaw law;
   law.centre = VectorXd::Zero(count);
   law.shared = MatrixXd::Identity(count, count);
   law.jitter_variance = VectorXd::Zero(count);
   law.information = VectorXd::Zero(count);
+  law.gains = MatrixXd::Zero(count, 2 * static_cast<Eigen::Index>(arm.segments.size()));
+  if (gains_apart) {
+    const double sd = prior.enabled ? std::max(prior.moment_sd_rel, kLeastGain) : kLeastGain;
+    law.gain_variance = sd * sd;
+  }
   for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
     const auto index = static_cast<std::size_t>(i);
     const arm::SegmentPrediction& now = predictions[index];
@@ -57,10 +63,14 @@ FrameLaw frame_law(const arm::Arm& arm, const arm::LawPrior& prior,
       const double jitter = curvature_per_moment * prior.moment_jitter_sd_nm;
       law.jitter_variance[j] = prior.enabled ? jitter * jitter : -1.0;
       if (prior.enabled) {
-        const double share = prior.moment_sd_rel * now.actuation_nm().norm();
+        const double share = gains_apart ? 0.0 : prior.moment_sd_rel * now.actuation_nm().norm();
         law.information[j] = 1.0 / (prior.moment_sd_nm * prior.moment_sd_nm + share * share);
+        law.passing.push_back(j);
       }
     }
+    const Eigen::Vector2d along = curvature_per_moment * now.actuation_nm();
+    law.gains.block<2, 1>(Problem::column(i, 0), 2 * i) = along;
+    law.gains.block<2, 1>(Problem::column(i, 0), 2 * i + 1) = Eigen::Vector2d(-along.y(), along.x());
     law.centre[ic] = flexibility;
     law.shared(ic, ic) = flexibility;
     law.centre[il] = now.length_m / rest;
@@ -70,6 +80,7 @@ FrameLaw frame_law(const arm::Arm& arm, const arm::LawPrior& prior,
     if (prior.enabled) {
       law.information[ic] = 1.0 / (prior.bending_stiffness_sd_rel * prior.bending_stiffness_sd_rel);
       law.information[il] = 1.0 / (prior.length_sd_m * prior.length_sd_m);
+      law.passing.push_back(il);
     }
   }
   return law;
@@ -85,42 +96,40 @@ void allow_for_axial_stiffness(const arm::LawPrior& prior, const std::vector<dou
   }
 }
 
-namespace {
-
-/// h with the bounded and unbounded jitter of x integrated out, and what that makes of h times the optimum of
-/// x - centre.
-Evidence without_jitter(const FrameLaw& law, MatrixXd h, VectorXd weighted, double repeats = 1.0) {
-  // One parameter at a time: eliminating e with its own information 1/q is the rank-one update
+void integrate_out(const VectorXd& variance, Evidence& of) {
+  // One parameter at a time: eliminating an error e with its own information 1/q is the rank-one update
   // h - h_e h_e^T / (h_ee + 1/q).
+  MatrixXd& h = of.information;
   for (Eigen::Index e = 0; e < h.rows(); ++e) {
-    const double variance = repeats * law.jitter_variance[e];
-    if (variance == 0.0 || !(h(e, e) > 0.0)) continue;
-    const double pivot = h(e, e) + (variance > 0.0 ? 1.0 / variance : 0.0);
+    if (variance[e] == 0.0 || !(h(e, e) > 0.0)) continue;
+    const double pivot = h(e, e) + (variance[e] > 0.0 ? 1.0 / variance[e] : 0.0);
     const VectorXd column = h.col(e) / pivot;
-    const double own = weighted[e];
-    h -= pivot * column * column.transpose();
-    weighted -= column * own;
-    if (variance < 0.0) {  // exactly nothing is left of it
+    const double own = of.weighted[e];
+    h.noalias() -= pivot * column * column.transpose();
+    of.weighted -= column * own;
+    if (variance[e] < 0.0) {  // exactly nothing is left of it
       h.col(e).setZero();
       h.row(e).setZero();
-      weighted[e] = 0.0;
+      of.weighted[e] = 0.0;
     }
   }
-  return {h, weighted};
 }
 
-}  // namespace
-
 Evidence evidence_on_shared(const FrameLaw& law, const MatrixXd& h, const VectorXd& hx, double repeats) {
-  const Evidence x = without_jitter(law, h, hx - h * law.centre, repeats);
+  Evidence x{h, hx - h * law.centre};
+  integrate_out(repeats * law.jitter_variance, x);
   return {law.shared.transpose() * x.information * law.shared, law.shared.transpose() * x.weighted};
 }
 
 Belief belief_of_frame(const FrameLaw& law, const MatrixXd& z_information, const VectorXd& z_weighted) {
   // In x: y = shared^-1 (x - centre) is z without the jitter.
   const MatrixXd inverse = law.shared.inverse();
-  const Evidence x =
-      without_jitter(law, inverse.transpose() * z_information * inverse, inverse.transpose() * z_weighted);
+  Evidence x{inverse.transpose() * z_information * inverse, inverse.transpose() * z_weighted};
+  integrate_out(law.jitter_variance, x);
+  return belief_about_centre(law, x);
+}
+
+Belief belief_about_centre(const FrameLaw& law, const Evidence& x) {
   Belief belief;
   belief.information = x.information;
   // The mean in the directions that are determined; the centre in the others.

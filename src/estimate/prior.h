@@ -30,13 +30,19 @@ struct FrameLaw {
   Eigen::MatrixXd shared;           ///< P x P
   Eigen::VectorXd jitter_variance;  ///< of x; 0: none; negative: unbounded
   Eigen::VectorXd information;      ///< on z, of the laws themselves (diagonal); 0: nothing is known
+  std::vector<int> passing;         ///< columns of x whose jitter is bounded
+  /// What errors of the gains add to x: two per segment, of the moment along it and across. A gain that is
+  /// off errs with the moment: frames of different moments tell it from a constant error, which z has.
+  Eigen::MatrixXd gains;
+  double gain_variance = 0.0;  ///< of each; where it is 0 their error is in `information`
 };
 
 /// @param predictions one per segment where the inputs are known; else those of the laws at no input
 /// @param reference_stiffness the flexibility 1 of each segment
+/// @param gains_apart gains err by themselves, not as a constant error of this frame's size
 FrameLaw frame_law(const arm::Arm& arm, const arm::LawPrior& prior,
                    const std::vector<arm::SegmentPrediction>& predictions,
-                   const std::vector<double>& reference_stiffness);
+                   const std::vector<double>& reference_stiffness, bool gains_apart = false);
 
 /// Adds what is not known of EA to the lasting error of the lengths: at stretches by the loads of so many
 /// metres, length_sd_m^2 + (axial_stiffness_sd_rel stretch)^2. Only where the prior is enabled.
@@ -48,17 +54,23 @@ FrameLaw frame_law(const arm::Arm& arm, const arm::LawPrior& prior,
 void allow_for_axial_stiffness(const arm::LawPrior& prior, const std::vector<double>& stretch_m,
                                FrameLaw& law);
 
-/// The belief about x that a belief about z (information and information times mean) implies under a frame's
-/// law.
-Belief belief_of_frame(const FrameLaw& law, const Eigen::MatrixXd& z_information,
-                       const Eigen::VectorXd& z_weighted);
-
-/// What a frame's bodies say about z: quadratic form of a measurement with information `h` on x and h times
-/// its optimum `hx`, with the jitter integrated out.
+/// A Gaussian, or what measurements say: information, and information times mean.
 struct Evidence {
   Eigen::MatrixXd information;
   Eigen::VectorXd weighted;
 };
+
+/// Adds to each parameter an error of zero mean and of this variance, its own; 0: none; negative: unbounded.
+void integrate_out(const Eigen::VectorXd& variance, Evidence& of);
+
+/// The belief about x that a belief about z implies under a frame's law.
+Belief belief_of_frame(const FrameLaw& law, const Eigen::MatrixXd& z_information,
+                       const Eigen::VectorXd& z_weighted);
+/// The same from what is believed of x - centre.
+Belief belief_about_centre(const FrameLaw& law, const Evidence& of);
+
+/// What a frame's bodies say about z: quadratic form of a measurement with information `h` on x and h times
+/// its optimum `hx`, with the jitter integrated out.
 /// @param repeats how many frames in a row have the same jitter: each of them says as much less of z
 Evidence evidence_on_shared(const FrameLaw& law, const Eigen::MatrixXd& h, const Eigen::VectorXd& hx,
                             double repeats);

@@ -66,6 +66,11 @@ Problem::Problem(const arm::Arm& arm, const arm::EstimatorOptions& options)
   accepted_x_ = x_;
   for (const arm::Segment& segment : arm.segments)
     reference_stiffness_.push_back(segment.bending_stiffness.base_nm2);
+  const double placed = options.window_s > 0.0 && !constant_curvature_ ? 1.0 : 0.0;
+  for (const arm::MeasuredBody& body : arm.bodies) {
+    position_sd_.push_back(std::hypot(body.position_sd_m, placed * body.placement_sd_m));
+    tangent_sd_.push_back(std::hypot(body.orientation_sd_rad, placed * body.placement_sd_rad));
+  }
 }
 
 void Problem::set_laws(const std::optional<std::vector<arm::SegmentPrediction>>& predictions) {

@@ -105,8 +105,9 @@ class Problem {
   const arm::MeasuredBody& body_of(const Observation& o) const {
     return arm_.bodies[static_cast<std::size_t>(o.body)];
   }
-  double position_sd(const Observation& o) const { return body_of(o).position_sd_m; }
-  double tangent_sd(const Observation& o) const { return body_of(o).orientation_sd_rad; }
+  /// Of a frame by itself; with a window what bodies are off by for good is in it.
+  double position_sd(const Observation& o) const { return position_sd_[static_cast<std::size_t>(o.body)]; }
+  double tangent_sd(const Observation& o) const { return tangent_sd_[static_cast<std::size_t>(o.body)]; }
   /// By what the residuals of a body's position and of its tangent are multiplied: 1/sd, or the paper's
   /// weights.
   double position_weight(const Observation& o) const;
@@ -147,7 +148,7 @@ class Problem {
   std::optional<Belief> belief_;
   Eigen::MatrixXd belief_rows_;
   const EffectsAt* effects_ = nullptr;
-  std::vector<double> reference_stiffness_;
+  std::vector<double> reference_stiffness_, position_sd_, tangent_sd_;
   int rows_ = 0;
 
   // Scratch and the last evaluation; evaluating is const for TinySolver.

@@ -20,32 +20,118 @@ constexpr double kNothing = 1e-10;
 
 }  // namespace
 
-Window::Window(double length_s, std::vector<int> changing)
+Window::Window(double length_s, std::vector<int> changing, double posture_m)
     : length_s_(length_s),
+      posture_m_(posture_m),
       changing_(std::move(changing)),
       changed_(changing_.empty()
                    ? 0.0
                    : quantile(complement(boost::math::chi_squared(static_cast<double>(changing_.size())),
                                          kPolicy.window.change_probability))) {}
 
+void Window::clear() {
+  frames_.clear();
+  groups_.clear();
+  // The posture that was entered is the next frame's.
+  postures_.erase(std::remove_if(postures_.begin(), postures_.end(),
+                                 [&](const Posture& posture) { return posture.id != posture_; }),
+                  postures_.end());
+  for (Posture& posture : postures_) posture.sums = Sums();
+}
+
+Window::Posture* Window::find(int id) {
+  const auto found = std::find_if(postures_.begin(), postures_.end(),
+                                  [&](const Posture& posture) { return posture.id == id; });
+  return found == postures_.end() ? nullptr : &*found;
+}
+
+void Window::Sums::add(const Sums& more, double sign) {
+  if (frames == 0) {
+    *this = more;
+    return;
+  }
+  frames += sign > 0.0 ? more.frames : -more.frames;
+  measured += sign * more.measured;
+  weight += sign * more.weight;
+  centre += sign * more.centre;
+  jitter += sign * more.jitter;
+  shared += sign * more.shared;
+  gains += sign * more.gains;
+}
+
+Window::Sums Window::sums_of(const Entry& entry) {
+  VectorXd weight(entry.rows.measured.size());
+  for (Eigen::Index block = 0; block < entry.rows.blocks(); ++block)
+    weight.segment<3>(3 * block).setConstant(entry.rows.weight[block]);
+  return {1,
+          weight.cwiseProduct(entry.rows.measured),
+          weight,
+          entry.law.centre,
+          entry.law.jitter_variance,
+          entry.law.shared,
+          entry.law.gains};
+}
+
+void Window::drop(const Group& group) {
+  Posture* posture = find(group.posture);
+  if (posture == nullptr) return;
+  if (posture->sums.frames <= group.sums.frames)
+    posture->sums = Sums();
+  else
+    posture->sums.add(group.sums, -1.0);
+}
+
+void Window::forget_before(double stamp_s) {
+  while (!frames_.empty() && frames_.front().stamp_s < stamp_s) frames_.pop_front();
+  while (!groups_.empty() && groups_.front().first_s < stamp_s) {
+    drop(groups_.front());
+    groups_.pop_front();
+  }
+}
+
 void Window::advance(double stamp_s) {
-  while (!frames_.empty() && frames_.front().stamp_s < stamp_s - length_s_) frames_.pop_front();
-  if (!frames_.empty() && frames_.back().stamp_s == stamp_s) frames_.pop_back();  // the same frame again
-  if (!frames_.empty() && !(frames_.back().stamp_s < stamp_s)) frames_.clear();
+  forget_before(stamp_s - length_s_);
+  if (!frames_.empty() && frames_.back().stamp_s == stamp_s) {  // the same frame again
+    frames_.pop_back();
+    if (!groups_.empty()) {
+      drop({stamp_s, groups_.back().posture, newest_});
+      if (groups_.back().sums.frames > 1)
+        groups_.back().sums.add(newest_, -1.0);
+      else
+        groups_.pop_back();
+    }
+  }
+  if (!frames_.empty() && !(frames_.back().stamp_s < stamp_s)) clear();
   const double spacing = last_stamp_s_ ? stamp_s - *last_stamp_s_ : 0.0;
   if (spacing > 0.0 && spacing < kPolicy.window.longest_spacing_s) spacing_s_ = spacing;
   last_stamp_s_ = stamp_s;
 }
 
-Evidence Window::sum(std::size_t from, std::size_t to) const {
-  Evidence total{MatrixXd::Zero(frames_.front().evidence.information.rows(),
-                                frames_.front().evidence.information.cols()),
-                 VectorXd::Zero(frames_.front().evidence.weighted.size())};
-  double chi2 = 0.0;
-  double dof = 0.0;
+void Window::enter(const std::vector<Observation>& bodies, const VectorXd& passing) {
+  // The nearest posture that the arm has had.
+  double nearest_m = posture_m_;
+  std::optional<int> at;
+  for (const Posture& posture : postures_) {
+    double farthest_m = -1.0;
+    for (const Observation& now : bodies) {
+      for (const Observation& then : posture.bodies) {
+        if (now.body == then.body) farthest_m = std::max(farthest_m, (now.p - then.p).norm());
+      }
+    }
+    if (farthest_m < 0.0 || farthest_m > nearest_m) continue;
+    nearest_m = farthest_m;
+    at = posture.id;
+  }
+  posture_ = at ? *at : ++postures_seen_;
+  postures_.erase(std::remove_if(postures_.begin(), postures_.end(),
+                                 [&](const Posture& p) { return p.sums.frames == 0 && p.id != posture_; }),
+                  postures_.end());
+  if (!at) postures_.push_back({posture_, bodies, passing, Sums(), BodyRows()});
+}
+
+double Window::weight_of_misfit(std::size_t from, std::size_t to) const {
+  double chi2 = 0.0, dof = 0.0;
   for (std::size_t i = from; i < to; ++i) {
-    total.information += frames_[i].evidence.information;
-    total.weighted += frames_[i].evidence.weighted;
     chi2 += frames_[i].misfit * frames_[i].degrees_of_freedom;
     dof += frames_[i].degrees_of_freedom;
   }
@@ -53,45 +139,86 @@ Evidence Window::sum(std::size_t from, std::size_t to) const {
   // 1 and an error of variance k in all of n frames, n frames say as much as n / (1 + n k).
   const double expected =
       dof > 0.0 ? quantile(boost::math::chi_squared(dof), kPolicy.window.misfit_level) : 0.0;
-  if (dof > 0.0 && chi2 > expected) {
-    const double weight = 1.0 / (1.0 + static_cast<double>(to - from) * (chi2 - expected) / dof);
-    total.information *= weight;
-    total.weighted *= weight;
+  if (!(dof > 0.0 && chi2 > expected)) return 1.0;
+  return 1.0 / (1.0 + static_cast<double>(to - from) * (chi2 - expected) / dof);
+}
+
+Evidence Window::sum(std::size_t from, std::size_t to) const {
+  Evidence total{MatrixXd::Zero(frames_.front().evidence.information.rows(),
+                                frames_.front().evidence.information.cols()),
+                 VectorXd::Zero(frames_.front().evidence.weighted.size())};
+  for (std::size_t i = from; i < to; ++i) {
+    total.information += frames_[i].evidence.information;
+    total.weighted += frames_[i].evidence.weighted;
   }
+  const double weight = weight_of_misfit(from, to);
+  total.information *= weight;
+  total.weighted *= weight;
   return total;
 }
 
-Evidence Window::belief(const VectorXd& law_information) const {
-  Evidence belief{law_information.asDiagonal(), VectorXd::Zero(law_information.size())};
-  if (frames_.empty()) return belief;
-  const Evidence said = sum(0, frames_.size());
-  belief.information += said.information;
-  belief.weighted += said.weighted;
-  return belief;
+Evidence Window::common(const Posture& posture, const FrameLaw& law, const BodyRows& rows) const {
+  const Sums& sums = posture.sums;
+  const double count = sums.frames;
+  const VectorXd mean =
+      (sums.weight.array() > 0.0).select(sums.measured.cwiseQuotient(sums.weight.cwiseMax(1e-300)), 0.0);
+  FrameLaw of_mean = law;
+  of_mean.centre = sums.centre / count;
+  of_mean.shared = sums.shared / count;
+  of_mean.gains = sums.gains / count;
+  of_mean.jitter_variance = sums.jitter / count;
+  // Frames of a swing have the same jitter.
+  const double repeats = std::min(count, std::max(1.0, kPolicy.window.swing_s / spacing_s_));
+  return evidence_on_errors(of_mean, rows.evidence(mean, sums.weight), repeats / count);
 }
 
-std::optional<VectorXd> Window::actuation_nm() const {
-  if (frames_.empty()) return std::nullopt;
-  VectorXd sum = VectorXd::Zero(frames_.front().actuation_nm.size());
-  for (const Entry& entry : frames_) sum += entry.actuation_nm;
-  return sum / static_cast<double>(frames_.size());
+Evidence Window::belief(const FrameLaw& law, const VectorXd& placement, const VectorXd& posture_variance,
+                        const BodyRows* rows) const {
+  const Eigen::Index n = law.centre.size(), m = placement.size();
+  Evidence lasting{MatrixXd::Zero(n + m, n + m), VectorXd::Zero(n + m)};
+  lasting.information.diagonal() << law.information, placement.cwiseInverse();
+  const double weight = frames_.empty() ? 1.0 : weight_of_misfit(0, frames_.size());
+  CommonErrors errors{VectorXd(), placement, posture_variance};
+  const Posture* here = nullptr;
+  Evidence of_here;
+  for (const Posture& posture : postures_) {
+    if (posture.id == posture_) here = &posture;
+    if (posture.sums.frames == 0) continue;
+    Evidence of = common(posture, law, &posture == here && rows != nullptr ? *rows : posture.rows);
+    of.information *= weight;
+    of.weighted *= weight;
+    if (&posture == here) {
+      of_here = std::move(of);
+      continue;
+    }
+    errors.passing = posture.passing;
+    const Evidence said = beyond_posture(of, errors);
+    lasting.information += said.information;
+    lasting.weighted += said.weighted;
+  }
+  errors.passing = here != nullptr ? here->passing : VectorXd();
+  return belief_with_offsets(law, errors, lasting, of_here.weighted.size() > 0 ? &of_here : nullptr);
 }
 
 Eigen::Vector3d Window::tip_acceleration_m_s2() const {
-  const double now = frames_.empty() ? 0.0 : frames_.back().stamp_s;
-  std::vector<const Entry*> recent;
-  for (const Entry& entry : frames_) {
-    if (entry.stamp_s >= now - kPolicy.window.acceleration_s) recent.push_back(&entry);
+  // The newest quarter of a second; of a slow recording the newest few frames, if they are not much older.
+  std::vector<const Frame*> recent;
+  for (auto frame = frames_.rbegin(); frame != frames_.rend(); ++frame) {
+    const double age_s = frames_.back().stamp_s - frame->stamp_s;
+    const bool few = static_cast<int>(recent.size()) < kPolicy.window.acceleration_frames;
+    if (age_s > (few ? 2.0 : 1.0) * kPolicy.window.acceleration_s) break;
+    recent.push_back(&*frame);
   }
   const auto n = static_cast<Eigen::Index>(recent.size());
   if (n < kPolicy.window.acceleration_frames) return Eigen::Vector3d::Zero();
   // p = p0 + v t + a t^2 / 2 by least squares; its own residual gives its noise.
+  const double middle_s = 0.5 * (recent.front()->stamp_s + recent.back()->stamp_s);
   Eigen::MatrixX3d t(n, 3), p(n, 3);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const double dt =
-        recent[static_cast<std::size_t>(i)]->stamp_s - now + 0.5 * kPolicy.window.acceleration_s;
+    const Frame& frame = *recent[static_cast<std::size_t>(i)];
+    const double dt = frame.stamp_s - middle_s;
     t.row(i) << 1.0, dt, 0.5 * dt * dt;
-    p.row(i) = recent[static_cast<std::size_t>(i)]->p_tip;
+    p.row(i) = frame.p_tip;
   }
   const Eigen::Matrix3d inverse = (t.transpose() * t).inverse();
   const Eigen::Matrix3d fit = inverse * (t.transpose() * p);
@@ -101,17 +228,37 @@ Eigen::Vector3d Window::tip_acceleration_m_s2() const {
   return std::sqrt(1.0 - noise / squared) * fit.row(2).transpose();
 }
 
-void Window::add(Entry entry) {
+void Window::add(const Entry& entry) {
   if (!std::isfinite(entry.stamp_s) || !entry.evidence.information.allFinite() ||
-      !entry.evidence.weighted.allFinite())
+      !entry.evidence.weighted.allFinite() || !entry.rows.j.allFinite() || !entry.rows.measured.allFinite())
     return;
-  frames_.push_back(std::move(entry));
+  Posture* posture = find(posture_);
+  if (posture == nullptr) return;
+  frames_.push_back({entry.stamp_s, entry.p_tip, entry.evidence, entry.misfit, entry.degrees_of_freedom});
+  newest_ = sums_of(entry);
+  posture->sums.add(newest_);
+  posture->rows = entry.rows;
+  if (groups_.empty() || groups_.back().posture != posture_ ||
+      entry.stamp_s - groups_.back().first_s > length_s_ / kPolicy.window.groups)
+    groups_.push_back({entry.stamp_s, posture_, Sums()});
+  groups_.back().sums.add(newest_);
 }
 
-bool Window::forget_before_change(const VectorXd& law_information) {
+bool Window::forget_before_change(const Entry& newest, const VectorXd& law_information) {
+  frames_.push_back(
+      {newest.stamp_s, newest.p_tip, newest.evidence, newest.misfit, newest.degrees_of_freedom});
+  const std::size_t split = where_changed(law_information);
+  const double from_s = frames_[split].stamp_s;
+  frames_.pop_back();
+  if (split == 0) return false;
+  forget_before(from_s);
+  return true;
+}
+
+std::size_t Window::where_changed(const VectorXd& law_information) const {
   const auto n = law_information.size();
   const auto m = static_cast<Eigen::Index>(changing_.size());
-  if (m == 0) return false;
+  if (m == 0) return 0;
   // A frame may not contradict those before it by more than its own misfit allows, whatever the split: all
   // splits are tried, and the most improbable decides.
   std::size_t best = 0;
@@ -150,9 +297,7 @@ bool Window::forget_before_change(const VectorXd& law_information) {
       best = split;
     }
   }
-  if (best == 0) return false;
-  frames_.erase(frames_.begin(), frames_.begin() + static_cast<std::ptrdiff_t>(best));
-  return true;
+  return best;
 }
 
 }  // namespace softarm::estimate

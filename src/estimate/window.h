@@ -6,12 +6,14 @@
 #include <optional>
 #include <vector>
 
-#include "prior.h"
+#include "body_rows.h"
+#include "common_errors.h"
+#include "problem.h"
 
 namespace softarm::estimate {
 
-/// Collects what each frame's bodies say of the shared quantities z (see FrameLaw), and hands the next frame
-/// what all of them say together.
+/// Collects what each frame's bodies say of the shared quantities z (see FrameLaw) and of the errors that
+/// frames have in common (CommonErrors), and hands the next frame what all of them say together.
 ///
 /// A frame's evidence is its Gauss-Newton information at its fit. The fit itself starts from the belief of
 /// the other frames, so every frame is linearised near the common optimum. Each time, the newest frames are
@@ -20,52 +22,105 @@ class Window {
  public:
   /// @param changing the columns of z that a change may concern: stiffness of each segment and payload, if
   /// free
-  Window(double length_s, std::vector<int> changing);
+  /// @param posture_m bodies within this distance of where they were have the same posture
+  Window(double length_s, std::vector<int> changing, double posture_m);
 
-  void clear() { frames_.clear(); }
-  void drop_last() { frames_.pop_back(); }
+  void clear();
   int frames() const { return static_cast<int>(frames_.size()); }
 
   /// Forgets what is older than the window at this stamp (or newer than it: time went back).
   void advance(double stamp_s);
+  /// Finds the posture of a frame with these bodies.
+  /// @param passing variances of the laws' passing errors, should it be a new one
+  void enter(const std::vector<Observation>& bodies, const Eigen::VectorXd& passing);
 
-  /// Belief about z: what the laws know and what the window's frames say.
-  Evidence belief(const Eigen::VectorXd& law_information) const;
+  /// Belief about (x - centre, b) of a frame with the posture that was entered.
+  /// @param placement, posture variances of b, see CommonErrors
+  /// @param rows of that frame, about whose x its posture's other frames are linearised as well; nullptr: as
+  /// the last of them was
+  Evidence belief(const FrameLaw& law, const Eigen::VectorXd& placement, const Eigen::VectorXd& posture,
+                  const BodyRows* rows) const;
 
   struct Entry {
     double stamp_s = 0.0;
-    Eigen::VectorXd actuation_nm;  ///< of the segments by the laws, 2 each
     Eigen::Vector3d p_tip = Eigen::Vector3d::Zero();
-    Evidence evidence;
+    Evidence evidence;  ///< on z, each frame's errors being its own
+    BodyRows rows;
+    FrameLaw law;
     double misfit = 1.0;  ///< chi-square of its bodies per degree of freedom
     double degrees_of_freedom = 0.0;
   };
-  /// Adds a frame; one that is not finite is not added.
-  void add(Entry entry);
+  /// Adds a frame of the posture that was entered; one that is not finite is not added.
+  void add(const Entry& entry);
 
   /// Time between frames as last seen, s; gaps do not count. Survives clear().
   double spacing_s() const { return spacing_s_; }
-
-  /// Mean actuation of the window's frames; absent without frames.
-  std::optional<Eigen::VectorXd> actuation_nm() const;
 
   /// Acceleration of the tip over the newest quarter of a second, as far as it is more than noise, m/s^2: an
   /// arm that swings is not the static rod that is fitted to it.
   Eigen::Vector3d tip_acceleration_m_s2() const;
 
-  /// Compares the newest frames with the rest, over several numbers of newest frames.
+  /// Compares the newest frames, this one among them, with the rest, over several numbers of newest frames.
   /// @return true if the rest was forgotten because they contradict each other
-  bool forget_before_change(const Eigen::VectorXd& law_information);
+  bool forget_before_change(const Entry& newest, const Eigen::VectorXd& law_information);
 
  private:
+  /// What stays of a frame by itself.
+  struct Frame {
+    double stamp_s = 0.0;
+    Eigen::Vector3d p_tip = Eigen::Vector3d::Zero();
+    Evidence evidence;
+    double misfit = 1.0;
+    double degrees_of_freedom = 0.0;
+  };
+  /// Sums over frames of one posture.
+  struct Sums {
+    int frames = 0;
+    Eigen::VectorXd measured,
+        weight;                      ///< three a block: of what is measured times its weight, of the weights
+    Eigen::VectorXd centre, jitter;  ///< of FrameLaw's
+    Eigen::MatrixXd shared, gains;
+    void add(const Sums& more, double sign = 1.0);
+  };
+  /// Frames that leave the window together.
+  struct Group {
+    double first_s = 0.0;
+    int posture = 0;
+    Sums sums;
+  };
+  /// Where the arm was, within posture_m. Its frames count as one, their mean, linearised at one place: a
+  /// measurement that is repeated says no more of what it does not determine, while linearised at another x
+  /// each time it would seem to.
+  struct Posture {
+    int id = 0;
+    std::vector<Observation> bodies;
+    Eigen::VectorXd passing;
+    Sums sums;
+    BodyRows rows;  ///< of its last frame
+  };
+  static Sums sums_of(const Entry& entry);
+  /// On (z, e, b), linearised as `rows` are.
+  Evidence common(const Posture& posture, const FrameLaw& law, const BodyRows& rows) const;
   Evidence sum(std::size_t from, std::size_t to) const;
+  /// By what evidence counts less for the misfit of these frames beyond the noise.
+  double weight_of_misfit(std::size_t from, std::size_t to) const;
+  /// Number of the first frame behind a change; 0: there is none.
+  std::size_t where_changed(const Eigen::VectorXd& law_information) const;
+  Posture* find(int id);
+  void drop(const Group& group);
+  void forget_before(double stamp_s);
 
-  double length_s_;
+  double length_s_, posture_m_;
   std::vector<int> changing_;
   double changed_;  ///< likelihood ratio (chi-square) at which a change is seen
   double spacing_s_ = 1.0 / 120.0;
   std::optional<double> last_stamp_s_;
-  std::deque<Entry> frames_;
+  std::deque<Frame> frames_;
+  std::deque<Group> groups_;
+  std::vector<Posture> postures_;
+  Sums newest_;      ///< the last frame that was added
+  int posture_ = 0;  ///< id of the frame's
+  int postures_seen_ = 0;
 };
 
 }  // namespace softarm::estimate

@@ -2,6 +2,8 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <map>
 
@@ -108,6 +110,17 @@ Components split(const std::map<std::size_t, std::vector<FrameInformation>>& tri
   return c;
 }
 
+/// Variances for errors of a trial that is yet to come. From a few trials a variance is itself a guess: that
+/// of Student's distribution counts, with a degree of freedom less than there are trials (the constants were
+/// fitted to them), as far as it is less than what is thought without any trial.
+VectorXd of_a_new_trial(const VectorXd& found, std::size_t trials, const VectorXd& without_trials) {
+  if (trials < 2) return found.cwiseMax(without_trials);
+  constexpr double kLevel = 0.975;  // where intervals of two standard deviations end
+  const double normal = quantile(boost::math::normal(), kLevel);
+  const double wider = quantile(boost::math::students_t(static_cast<double>(trials - 1)), kLevel) / normal;
+  return (wider * wider * found).cwiseMin(found.cwiseMax(without_trials));
+}
+
 /// Squares of the moment's error as a sum of a constant and of a share of the moment squared, both >= 0.
 void split_moment(const std::vector<double>& error2, const std::vector<double>& moment2, double& absolute2,
                   double& relative2) {
@@ -202,7 +215,10 @@ arm::LawPrior law_errors(const arm::Arm& arm, LawModel& model, const std::vector
     start.segment<kLaws>(kLaws * i) << moment * moment, moment * moment,
         kStartStiffness_rel * kStartStiffness_rel, length * length;
   }
-  const Components components = split(gathered.trials, start);
+  Components components = split(gathered.trials, start);
+  components.lasting = of_a_new_trial(components.lasting, gathered.trials.size(), start);
+  for (VectorXd& of_trial : components.lasting_by_trial)
+    of_trial = of_a_new_trial(of_trial, gathered.trials.size(), start);
 
   double stiffness2 = 0.0, length2 = 0.0, moment_jitter2 = 0.0, length_jitter2 = 0.0;
   for (int i = 0; i < segments; ++i) {  // the prior has one value for all segments: the worst

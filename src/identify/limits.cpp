@@ -94,26 +94,35 @@ void prior_of_moduli(const arm::Arm& arm, Result& result) {
   const arm::LawPrior& before = arm.estimator.prior;
   std::optional<double> stretch;  // the worst of the segments
   std::vector<bool> determined(arm.segments.size(), false);
-  const auto note = [&](const Constant& c, const char* what, double sd_rel) {
-    result.prior_notes.push_back(fmt::format("{} {:g} % as in the arm file, because {} ran into its limit",
-                                             what, 100.0 * sd_rel, c.name));
+  const auto note = [&](const char* what, double sd_rel, const std::string& why) {
+    result.prior_notes.push_back(
+        fmt::format("{} {:g} % as in the arm file, because {}", what, 100.0 * sd_rel, why));
   };
-  bool stiffness_noted = false;
+  bool stiffness_noted = false, stiffness_fitted = false;
   for (const Constant& c : result.constants) {
     if (c.ref.kind == ConstantKind::kAxialStiffness) {
       if (c.at_bound) {
-        note(c, "EA", before.axial_stiffness_sd_rel);
+        note("EA", before.axial_stiffness_sd_rel, c.name + " ran into its limit");
         continue;
       }
       determined[static_cast<std::size_t>(c.ref.segment)] = true;
       for (const int other : c.ref.tied) determined[static_cast<std::size_t>(other)] = true;
       const double sd_rel = std::clamp(c.sd / std::abs(c.value), kLeastAxial_rel, kMostAxial_rel);
       stretch = std::max(stretch.value_or(0.0), sd_rel);
-    } else if (is_modulus(c.ref.kind) && c.at_bound && !stiffness_noted) {
+      continue;
+    }
+    stiffness_fitted = stiffness_fitted || arm::role_of(c.ref.kind) == arm::ConstantRole::kBendingStiffness;
+    if (is_modulus(c.ref.kind) && c.at_bound && !stiffness_noted) {
       stiffness_noted = true;
       result.prior.bending_stiffness_sd_rel = before.bending_stiffness_sd_rel;
-      note(c, "EI", before.bending_stiffness_sd_rel);
+      note("EI", before.bending_stiffness_sd_rel, c.name + " ran into its limit");
     }
+  }
+  // Without load only gain over EI shows: that a fit follows the bodies says nothing of an EI that it was
+  // given.
+  if (!stiffness_fitted && result.prior.bending_stiffness_sd_rel < before.bending_stiffness_sd_rel) {
+    result.prior.bending_stiffness_sd_rel = before.bending_stiffness_sd_rel;
+    note("EI", before.bending_stiffness_sd_rel, "it was not fitted");
   }
   for (std::size_t i = 0; i < arm.segments.size(); ++i) {
     if (arm.segments[i].axial_stiffness_n && !determined[i])

@@ -30,8 +30,8 @@ Solution solve(JointProblem& problem, const std::vector<FreeConstant>& constants
 /// counts moment and EI one by one, would say nothing of either.
 Eigen::MatrixXd covariance_given_moduli(const Result& result);
 
-/// EI as the arm file has it where it ran into a limit; EA as the trials say it, else as the arm file has
-/// it.
+/// EI as the arm file has it where it ran into a limit or was not fitted; EA as the trials say it, else as
+/// the arm file has it.
 void prior_of_moduli(const arm::Arm& arm, Result& result);
 
 }  // namespace softarm::identify

@@ -16,7 +16,7 @@ constexpr double kAxialStiffness_n = 170.0;
 
 /// The paper's arm, of a fabric that 0.4 kg stretches by 4.6 mm, and laws that know its moment badly.
 arm::Arm stretching_arm() {
-  arm::Arm arm = paper_arm();
+  arm::Arm arm = placed_exactly(paper_arm());
   arm.segments[0].axial_stiffness_n = kAxialStiffness_n;
   arm.segments[0].length_range_m = {0.1, 0.4};
   arm.payload.range_kg = {0.0, 5.0};
@@ -59,8 +59,7 @@ Coverage coverage_of_payload(arm::Arm arm, const Case& which, double believed_sd
     const arm::SegmentPrediction law = arm::predict_segment(arm, arm.segments[0], inputs).value();
     const Eigen::Vector2d moment =
         law.moment_nm + drawn.moment_sd_nm * Eigen::Vector2d(normal(random), normal(random));
-    const double stiffness_error =
-        which.unknown == arm::Unknown::kBoth ? drawn.bending_stiffness_sd_rel * draw(2.0) : 0.0;
+    const double stiffness_error = drawn.bending_stiffness_sd_rel * draw(2.0);
     const Truth truth{{{moment.norm(), std::atan2(moment.y(), moment.x()),
                         law.bending_stiffness_nm2 * (1.0 + stiffness_error),
                         law.length_m + drawn.length_sd_m * normal(random)}},

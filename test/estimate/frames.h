@@ -90,6 +90,12 @@ inline arm::Arm precisely_measured(arm::Arm arm) {
   return arm;
 }
 
+/// The arm with bodies that are known to sit exactly where the arm file says.
+inline arm::Arm placed_exactly(arm::Arm arm) {
+  for (arm::MeasuredBody& body : arm.bodies) body.placement_sd_m = body.placement_sd_rad = 0.0;
+  return arm;
+}
+
 /// Makes frames of an arm with the rod's statics: the arm's model is exact in these tests.
 class FrameMaker {
  public:

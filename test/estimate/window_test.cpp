@@ -143,7 +143,7 @@ LastOfWindow last_of_window(const arm::Arm& arm, int frames, std::uint64_t seed)
 }
 
 TEST(Window, SpreadFallsWithTheRootOfTheNumberOfFrames) {
-  const arm::Arm arm = paper_arm();
+  const arm::Arm arm = placed_exactly(paper_arm());
   constexpr int kRepeats = 60;
   double one = 0.0;
   for (const int frames : {1, 4, 16, 64}) {
@@ -163,8 +163,49 @@ TEST(Window, SpreadFallsWithTheRootOfTheNumberOfFrames) {
   }
 }
 
+TEST(Window, SpreadFallsToWhatBodiesAreOffBy) {
+  arm::Arm arm = placed_exactly(paper_arm());
+  const Truth truth = truth_of(arm, kInputs, {}, 0.2);
+  std::mt19937_64 random(17);
+  std::normal_distribution<double> normal;
+  constexpr int kArms = 60, kFrames = 240;
+  int covered = 0;
+  double squares = 0.0, sd_one = 0.0;
+  std::vector<double> fell;
+  for (int k = 0; k < kArms; ++k) {
+    trial::Frame exact = make_frame(arm, truth);
+    arm::Arm misplaced = arm;
+    for (std::size_t i = 0; i < arm.bodies.size(); ++i) {
+      misplaced.bodies[i].placement_sd_m = 0.001;
+      exact.bodies[i].p_mocap += 0.001 * Eigen::Vector3d(normal(random), normal(random), normal(random));
+    }
+    estimate::Estimator estimator(misplaced, with_window(100.0, arm::Unknown::kStiffness, false));
+    for (int i = 0; i < kFrames; ++i) {
+      trial::Frame frame = with_noise(misplaced, exact, random);
+      frame.inputs = kInputs;
+      frame.stamp_s = 1.0 + i / kRate_hz;
+      const estimate::Estimate& estimate = estimator.estimate(frame);
+      ASSERT_EQ(estimate.status, estimate::Status::kOk) << estimate.detail;
+      const double sd = estimate.segments[0].sd_bending_stiffness_nm2.value();
+      const double relative = sd / *estimate.segments[0].bending_stiffness_nm2;
+      if (i == 0) sd_one = relative;
+      if (i + 1 < kFrames) continue;
+      fell.push_back(relative / sd_one);
+      const double error =
+          *estimate.segments[0].bending_stiffness_nm2 - truth.segments[0].bending_stiffness_nm2;
+      squares += error * error / (sd * sd);
+      covered += std::abs(error) < 1.96 * sd;
+    }
+  }
+  // 0.5 mm of noise in each frame beside 1 mm in all of them.
+  std::sort(fell.begin(), fell.end());
+  EXPECT_NEAR(fell[kArms / 2], 1.0 / std::hypot(1.0, 0.5), 0.06);
+  EXPECT_GE(covered, 0.9 * kArms);
+  EXPECT_NEAR(std::sqrt(squares / kArms), 1.0, 0.3);
+}
+
 TEST(Window, PayloadPutOnIsFollowed) {
-  const arm::Arm arm = paper_arm();
+  const arm::Arm arm = placed_exactly(paper_arm());
   for (const double added_kg : {0.02, 0.1, 0.3, -0.1}) {
     SCOPED_TRACE(added_kg);
     estimate::Estimator estimator(arm, with_window(2.0, arm::Unknown::kBoth, true));
@@ -191,7 +232,7 @@ TEST(Window, PayloadPutOnIsFollowed) {
 }
 
 TEST(Window, StiffnessThatThePressuresChangeIsFollowedWithoutLaws) {
-  arm::Arm arm = paper_arm();
+  arm::Arm arm = placed_exactly(paper_arm());
   arm.segments[0].bending_stiffness.per_min_pressure_nm2_per_pa = 0.0;  // the estimator does not know of it
   const LawError stiffer{Eigen::Vector2d::Zero(), 0.35, 0.0};
   estimate::Estimator estimator(arm, with_window(2.0, arm::Unknown::kStiffness, false));
@@ -211,7 +252,7 @@ TEST(Window, StiffnessThatThePressuresChangeIsFollowedWithoutLaws) {
 }
 
 TEST(Window, IsKeptWhileNothingChanges) {
-  const arm::Arm arm = paper_arm();
+  const arm::Arm arm = placed_exactly(paper_arm());
   estimate::Estimator estimator(arm, with_window(1.0, arm::Unknown::kBoth, true));
   std::mt19937_64 random(13);
   const trial::Frame exact = make_frame(arm, truth_of(arm, kInputs, {}, 0.15));
@@ -247,7 +288,7 @@ class AtRest : public ::testing::Test {
     return last;
   }
 
-  const arm::Arm arm_ = paper_arm();
+  const arm::Arm arm_ = placed_exactly(paper_arm());
   estimate::Estimator estimator_;
   std::mt19937_64 random_{21};
   double stamp_s_ = 1.0;
@@ -300,7 +341,7 @@ TEST_F(AtRest, AFrameThatComesTwiceCountsOnce) {
 }
 
 TEST(Window, InputsThatGoMissingAreNoChangeOfStiffness) {
-  const arm::Arm arm = paper_arm();
+  const arm::Arm arm = placed_exactly(paper_arm());
   const arm::InputValues inputs{75e3, 30e3, 32e3};  // EI a third above that without pressure
   const Truth truth = truth_of(arm, inputs, {}, 0.2);
   const double ei = truth.segments[0].bending_stiffness_nm2;
@@ -323,7 +364,7 @@ TEST(Window, InputsThatGoMissingAreNoChangeOfStiffness) {
 }
 
 TEST(Both, IntervalsCoverAfterAPressureStepWhenTheGainsErr) {
-  const arm::Arm arm = paper_arm();
+  const arm::Arm arm = placed_exactly(paper_arm());
   arm::EstimatorOptions options = with_window(0.5, arm::Unknown::kBoth, true);
   options.prior.moment_sd_rel = 0.1;
   options.prior.moment_sd_nm = options.prior.moment_jitter_sd_nm = 0.001;
@@ -365,7 +406,7 @@ TEST(Both, IntervalsCoverAfterAPressureStepWhenTheGainsErr) {
 }
 
 TEST(Both, IntervalsCoverWhenTheLawsErrAsTheySay) {
-  const arm::Arm arm = paper_arm();
+  const arm::Arm arm = placed_exactly(paper_arm());
   std::mt19937_64 random(14);
   std::normal_distribution<double> normal;
   for (const double window_s : {0.0, 0.5}) {
@@ -421,7 +462,7 @@ TEST(Both, IntervalsCoverWhenTheLawsErrAsTheySay) {
 }
 
 TEST(Both, WithoutPriorNoFrameClaimsEither) {
-  const arm::Arm arm = paper_arm();
+  const arm::Arm arm = placed_exactly(paper_arm());
   estimate::Estimator estimator(arm, with_window(0.0, arm::Unknown::kBoth, false));
   std::mt19937_64 random(15);
   int claims = 0;

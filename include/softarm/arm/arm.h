@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -207,6 +208,10 @@ struct MeasuredBody {
   std::vector<LabelledMarker> labelled_markers;
   double position_sd_m = 0.0;       ///< standard deviation per coordinate
   double orientation_sd_rad = 0.0;  ///< standard deviation of the tangent per axis
+  /// How well it is known where the body sits on the arm: the same in all frames, per coordinate and per
+  /// axis.
+  double placement_sd_m = 0.001;
+  double placement_sd_rad = 0.5 * M_PI / 180.0;
 };
 
 /// Where the base of the rod is in the mocap frame.

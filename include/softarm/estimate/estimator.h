@@ -29,6 +29,14 @@ enum class Status {
 
 SOFTARM_EXPORT std::string to_string(Status status);
 
+/// Why EI is not identifiable in a frame.
+enum class WhyNot {
+  kIdentifiable,
+  kNotDetermined,  ///< no load bends the arm enough: its interval is too wide
+  kByLawsAlone,    ///< the interval is that of the laws as a prior; the bodies say nothing of it
+  kNearBuckling,   ///< the shape follows EI closely, but another EI with another moment has nearly the same
+};
+
 /// Estimates of one segment. sd_... is absent where the frame does not determine the value at all (a value
 /// without sd is then the assumed one); a value is absent where it is neither estimated nor known.
 struct SegmentEstimate {
@@ -41,6 +49,7 @@ struct SegmentEstimate {
       sd_actuation_curvature_per_m;
   bool identifiable_stiffness =
       false;  ///< this frame determines EI to EstimatorOptions::identifiable_relative_sd
+  WhyNot stiffness_why_not = WhyNot::kIdentifiable;
   bool identifiable_moment = false;
   double bending_angle_rad = 0.0;  ///< angle between the tangents at the segment's ends
   /// Covariance of (M0, phi, EI, L); NaN-free: rows of undetermined parameters are zero, see the sd_...

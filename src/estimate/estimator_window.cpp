@@ -1,0 +1,230 @@
+// Frames that share: what others say of this one, and it of them.
+#include <algorithm>
+#include <cmath>
+
+#include "estimator_impl.h"
+#include "math/linear_algebra.h"
+#include "policy.h"
+
+namespace softarm::estimate {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+// What a parameter's information has added, relative to it, for a system to be solved that leaves some free.
+constexpr double kLeftFree = 1e-12;
+constexpr double kLeastPassing = 1e-12;  // variance, of x: what is less is rounding
+
+/// The most probable, but for what is held at zero.
+VectorXd most_probable(const Evidence& of, const std::vector<bool>& held) {
+  VectorXd scale(of.weighted.size());
+  for (Index i = 0; i < scale.size(); ++i) {
+    const bool free = (i >= static_cast<Index>(held.size()) || !held[static_cast<std::size_t>(i)]) &&
+                      of.information(i, i) > 0.0;
+    scale[i] = free ? 1.0 / std::sqrt(of.information(i, i)) : 0.0;
+  }
+  MatrixXd a = scale.asDiagonal() * of.information * scale.asDiagonal();
+  for (Index i = 0; i < scale.size(); ++i) a(i, i) = scale[i] > 0.0 ? 1.0 + kLeftFree : 1.0;
+  return scale.cwiseProduct(math::solve_symmetric(a, scale.cwiseProduct(of.weighted)));
+}
+
+std::vector<bool> negated(std::vector<bool> list) {
+  list.flip();
+  return list;
+}
+
+}  // namespace
+
+VectorXd Estimator::Impl::passing_variance() const {
+  VectorXd variance(static_cast<Index>(law.passing.size()));
+  for (std::size_t i = 0; i < law.passing.size(); ++i)
+    variance[static_cast<Index>(i)] = std::max(law.jitter_variance[law.passing[i]], kLeastPassing);
+  return variance;
+}
+
+VectorXd Estimator::Impl::placement_variance() const {
+  const Index offsets = offsets_of_body(options);
+  VectorXd variance(offsets * static_cast<Index>(arm.bodies.size()) + law.gains.cols());
+  variance.tail(law.gains.cols()).setConstant(law.gain_variance);
+  for (std::size_t i = 0; i < arm.bodies.size(); ++i) {
+    const auto of = variance.segment(offsets * static_cast<Index>(i), offsets);
+    const double place_m = std::max(arm.bodies[i].placement_sd_m, kPolicy.window.least_offset_m);
+    const double turn_rad = std::max(arm.bodies[i].placement_sd_rad, kPolicy.window.least_offset_rad);
+    variance.segment<3>(offsets * static_cast<Index>(i)).setConstant(place_m * place_m);
+    if (of.size() > 3)
+      variance.segment<2>(offsets * static_cast<Index>(i) + 3).setConstant(turn_rad * turn_rad);
+  }
+  return variance;
+}
+
+VectorXd Estimator::Impl::posture_variance() const {
+  const Index offsets = offsets_of_body(options);
+  VectorXd variance = VectorXd::Zero(offsets * static_cast<Index>(arm.bodies.size()) + law.gains.cols());
+  for (int i = 0; i < static_cast<int>(arm.bodies.size()); ++i) {
+    const arm::MeasuredBody& body = arm.bodies[static_cast<std::size_t>(i)];
+    variance.segment<3>(offsets * i)
+        .setConstant(body.position_sd_m * body.position_sd_m - noise.position_variance(i));
+    if (offsets > 3)
+      variance.segment<2>(offsets * i + 3)
+          .setConstant(body.orientation_sd_rad * body.orientation_sd_rad - noise.tangent_variance(i));
+  }
+  return variance.cwiseMax(0.0);
+}
+
+void Estimator::Impl::believe() {
+  if (is_constant_curvature(options.method) || (!options.prior.enabled && !window)) {
+    problem.set_belief(std::nullopt);
+    return;
+  }
+  if (!window) {
+    problem.set_belief(
+        belief_of_frame(law, law.information.asDiagonal(), VectorXd::Zero(law.information.size())));
+    return;
+  }
+  const VectorXd placement = placement_variance();
+  const Evidence common = window->belief(law, placement, posture_variance(), nullptr);
+  if (!options.prior.enabled && window->frames() == 0)
+    problem.set_belief(std::nullopt);
+  else
+    problem.set_belief(belief_about_centre(law, without_last(common, placement.size())));
+}
+
+BodyRows Estimator::Impl::rows() const {
+  const Index offsets = offsets_of_body(options), bodies = static_cast<Index>(arm.bodies.size());
+  return body_rows(problem, x, noise, offsets, bodies, offsets * bodies + law.gains.cols());
+}
+
+void Estimator::Impl::settle() {
+  if (!window) return;
+  BodyRows own = rows();
+  influence = VectorXd::Ones(own.blocks());
+  if (options.objective != arm::Objective::kLeastSquares || !problem.noise_weights()) return;
+  const Index n = problem.NumParameters();
+  const VectorXd placement = placement_variance();
+  Evidence believed = window->belief(law, placement, posture_variance(), &own);
+  believed.weighted -= believed.information.leftCols(n) * (x - law.centre);
+  const auto with_bodies = [&] {
+    Evidence all = own.evidence();
+    all.weighted += believed.weighted - all.information.leftCols(n) * x;
+    all.information += believed.information;
+    return all;
+  };
+  // A body that is off by more than it ever was has its influence bounded.
+  const VectorXd d = most_probable(with_bodies(), negated(estimated));
+  for (Index block = 0; block < own.blocks(); ++block)
+    influence[block] = problem.bounded_influence(own.distance(block, d));
+  own.weight = own.weight.cwiseProduct(influence);
+  const Evidence of_x = without_last(with_bodies(), placement.size());
+  covariance = covariance_from(of_x.information, estimated);
+  move_to(of_x);
+}
+
+void Estimator::Impl::move_to(const Evidence& of) {
+  const int payload = problem.payload_column();
+  Evidence pulled = of;
+  const auto pull = [&](int column, double to, double sd) {
+    pulled.information(column, column) += 1.0 / (sd * sd);
+    pulled.weighted[column] += (to - x[column]) / (sd * sd);
+  };
+  for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i)
+    pull(Problem::column(i, 2), 1.0, kPolicy.fit.weak_flexibility_sd);
+  pull(payload, 0.0, kPolicy.fit.weak_payload_sd_kg / Problem::kPayloadUnit);
+  std::vector<bool> held = negated(estimated);
+  const std::vector<arm::Range> ranges = bounds();
+  VectorXd d = VectorXd::Zero(x.size());
+  while (true) {
+    // What is held at a bound moves the rest by its own way there.
+    Evidence rest = pulled;
+    rest.weighted -= pulled.information * d;
+    VectorXd more = most_probable(rest, held);
+    bool moved = false;
+    for (Index i = 0; i < x.size(); ++i) {
+      if (held[static_cast<std::size_t>(i)]) continue;
+      const arm::Range& range = ranges[static_cast<std::size_t>(i)];
+      const double to = x[i] + d[i] + more[i];
+      if (to >= range.low && to <= range.high) continue;
+      d[i] = std::clamp(to, range.low, range.high) - x[i];
+      held[static_cast<std::size_t>(i)] = moved = true;
+    }
+    if (moved) continue;
+    d += more;
+    break;
+  }
+  const VectorXd before = x;
+  x += d;
+  if (x.allFinite() && problem.evaluate(x)) return;
+  x = before;
+  problem.evaluate(x);
+}
+
+Window::Entry Estimator::Impl::entry() const {
+  Window::Entry entry;
+  entry.stamp_s = estimate.stamp_s;
+  entry.p_tip = problem.solver().station(static_cast<int>(arm.bodies.size() + arm.segments.size()) - 1).p;
+  const double repeats = std::max(1.0, kPolicy.window.swing_s / window->spacing_s());
+  entry.rows = rows();
+  // By the stated noise, and nothing else: what bodies are off by is the same before a change and after it.
+  VectorXd stated(entry.rows.measured.size());
+  const Index per_body = stated.size() / (3 * static_cast<Index>(arm.bodies.size()));
+  for (Index block = 0; block < entry.rows.blocks(); ++block) {
+    const arm::MeasuredBody& body = arm.bodies[static_cast<std::size_t>(block / per_body)];
+    const double sd = block % per_body == 0 ? body.position_sd_m : body.orientation_sd_rad;
+    stated.segment<3>(3 * block).setConstant(entry.rows.weight[block] > 0.0 ? influence[block] / (sd * sd)
+                                                                            : 0.0);
+  }
+  const Evidence bodies = entry.rows.evidence(entry.rows.measured, stated);
+  entry.evidence = evidence_on_shared(law, bodies.information.topLeftCorner(x.size(), x.size()),
+                                      bodies.weighted.head(x.size()), repeats);
+  entry.rows.weight = entry.rows.weight.cwiseProduct(influence);
+  entry.law = law;
+  const Distances now = distances();
+  double tangents = 0.0, tangent_chi2 = 0.0;
+  for (const Observation& o : problem.observations()) {
+    if (!o.used || !o.tangent) continue;
+    tangents += 2.0;
+    const Vector3d off = problem.tangent(o) - *o.tangent;
+    tangent_chi2 += off.squaredNorm() / (problem.tangent_sd(o) * problem.tangent_sd(o));
+  }
+  entry.degrees_of_freedom = std::max(0.0, 3.0 * now.used + tangents - determined_by_bodies(problem, x));
+  if (entry.degrees_of_freedom > 0.0)
+    entry.misfit = (now.sum_of_squares + tangent_chi2) / entry.degrees_of_freedom;
+  return entry;
+}
+
+bool Estimator::Impl::share() {
+  if (!window || rms() > kPolicy.fit.inconsistent * arm.total_length_m()) return true;
+  if (window->forget_before_change(entry(), law.information)) {
+    // This frame was fitted with what is now forgotten.
+    believe();
+    problem.begin();
+    bool good = problem.evaluate(x) && minimise();
+    if (good) refresh_covariance();
+    if (!good || !keep_to_bounds()) return false;
+    settle();
+  }
+  window->add(entry());
+  return true;
+}
+
+void Estimator::Impl::allow_for_motion() {
+  // Inertia is like a gravity that is off by the acceleration. The window's frames all have it, so it does
+  // not average out: they err together as one of them would in which the laws' lasting errors count once for
+  // all.
+  FrameLaw lasting = law;
+  lasting.information /= static_cast<double>(std::max(1, window->frames()));
+  const Belief alone = belief_of_frame(lasting, lasting.information.asDiagonal(), VectorXd::Zero(x.size()));
+  const VectorXd error =
+      error_by_gravity(problem, estimated, alone.information, window->tip_acceleration_m_s2());
+  for (int i = 0; i < x.size(); ++i) {
+    for (int k = 0; k < x.size(); ++k) {
+      if (covariance.determined[static_cast<std::size_t>(i)] &&
+          covariance.determined[static_cast<std::size_t>(k)])
+        covariance.x(i, k) += error[i] * error[k];
+    }
+  }
+}
+
+}  // namespace softarm::estimate
