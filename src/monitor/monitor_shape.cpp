@@ -179,11 +179,15 @@ void MonitorShape::discrepancy(const std::vector<arm::SegmentPrediction>* predic
   for (Piece& piece : pieces_) {
     const rod::Segment& part = rod_.segments[static_cast<std::size_t>(piece.segment)];
     piece.compliance = part.length_m / part.rest_length_m * piece.factor * part.bending_compliance;
+    // A joint at the segment's start, spread over the piece behind it.
+    const bool first = &piece == pieces_.data() || (&piece - 1)->segment != piece.segment;
+    piece.joint = first ? part.joint_compliance / piece.ds : 0.0;
   }
   if (predictions != nullptr) {
     const auto turn_of = [&](const Piece& piece) -> Vector3d {
       const rod::Segment& part = rod_.segments[static_cast<std::size_t>(piece.segment)];
       Vector3d turn = piece.compliance * (part.moment_nm + piece.load_moment) +
+                      piece.joint * piece.load_moment +
                       part.length_m / part.rest_length_m * part.rest_curvature_per_m - piece.turn;
       turn.z() = 0.0;
       return turn;
@@ -257,7 +261,7 @@ void MonitorShape::by_force(double s_m, const Vector3d& force, Eigen::Ref<Displa
           mean.z() = 0.0;
           moment = mean;
         }
-        return piece.compliance * moment;
+        return (piece.compliance + piece.joint) * moment;
       },
       kNoStretch, out);
 }
@@ -296,7 +300,7 @@ void MonitorShape::by_inertia(const Displacements& acceleration, const std::vect
   }
   integrate(
       [&](const Piece& piece) -> Vector3d {
-        return piece.compliance * moments[static_cast<std::size_t>(&piece - pieces_.data())];
+        return (piece.compliance + piece.joint) * moments[static_cast<std::size_t>(&piece - pieces_.data())];
       },
       kNoStretch, out);
 }
