@@ -126,6 +126,9 @@ void MonitorShape::loads() {
     piece.load_moment.z() = 0.0;
     force += half;
     moment_about_origin += piece.p.cross(half);
+    const Vector3d begin = piece.p - 0.5 * piece.ds * piece.t;
+    piece.joint_moment = piece.r.transpose() * (moment_about_origin - begin.cross(force));
+    piece.joint_moment.z() = 0.0;
   }
 }
 
@@ -187,7 +190,7 @@ void MonitorShape::discrepancy(const std::vector<arm::SegmentPrediction>* predic
     const auto turn_of = [&](const Piece& piece) -> Vector3d {
       const rod::Segment& part = rod_.segments[static_cast<std::size_t>(piece.segment)];
       Vector3d turn = piece.compliance * (part.moment_nm + piece.load_moment) +
-                      piece.joint * piece.load_moment +
+                      piece.joint * piece.joint_moment +
                       part.length_m / part.rest_length_m * part.rest_curvature_per_m - piece.turn;
       turn.z() = 0.0;
       return turn;
@@ -196,7 +199,9 @@ void MonitorShape::discrepancy(const std::vector<arm::SegmentPrediction>* predic
       const rod::Segment& part = rod_.segments[static_cast<std::size_t>(piece.segment)];
       const Vector3d compliance(part.shear_compliance, part.shear_compliance, part.axial_compliance);
       const Vector3d v = Vector3d::UnitZ() + compliance.cwiseProduct(piece.force);
-      return part.length_m / part.rest_length_m * v - piece.stretch;
+      // Behind a joint the chord is turned by all of its turn, the frame in the middle by half of it.
+      const Vector3d half_turn = 0.5 * piece.ds * piece.joint * piece.joint_moment;
+      return part.length_m / part.rest_length_m * v + half_turn.cross(Vector3d::UnitZ()) - piece.stretch;
     };
     integrate(turn_of, stretch_of, e);
   } else {

@@ -60,7 +60,7 @@ class MonitorShape {
     double weight_kg = 0.0;   // of the arm itself
     double compliance = 0.0;  // of the laws, with the profile, per length at zero input: k / EI
     double joint = 0.0;       // of a joint at its begin, likewise; against loads alone
-    Eigen::Vector3d p, t, load_moment, force;
+    Eigen::Vector3d p, t, load_moment, joint_moment, force;  // joint_moment: the load's at its begin
     Eigen::Matrix3d r;
     Eigen::Vector3d turn, stretch;  // of the fit, per length at zero input, section frame
   };
