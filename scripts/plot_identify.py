@@ -3,9 +3,11 @@
 and held-out trials, and each constant with its 95 % interval against its start.
 
     scripts/plot_identify.py DIR --out identify.png
+    scripts/plot_identify.py --laws --out doc/images/identify_saturation.png    # how moments saturate and EI grows
 """
 import argparse
 import csv
+import math
 import os
 import sys
 
@@ -95,11 +97,54 @@ def draw_constants(axes, rows):
     axes.grid(alpha=0.3, axis="x")
 
 
+def draw_laws(path):
+    """Moment and EI over pressure by the laws of an arm file; dashed, by the virtual rig's own."""
+    figure, (own, common, growth) = plt.subplots(1, 3, figsize=(12, 3.8))
+    gain, kpa = 6e-6, [0.5 * i for i in range(201)]
+    for k, a in enumerate((0.0, 5e-6, 2e-5, 5e-5)):
+        own.plot(kpa, [gain * 1e3 * p / (1 + a * 1e3 * p) for p in kpa], color=f"C{k}",
+                 label=f"a = {a:.0e} /Pa" if a else "in proportion")
+        if a:  # the same slope at 0: 1 - z + ... is 1 - z / 2 + ... of twice the saturation
+            rig = [gain * (1 - math.exp(-2 * a * 1e3 * p)) / (2 * a) for p in kpa]
+            own.plot(kpa, rig, "--", lw=1, color=f"C{k}")
+    own.plot([], [], "k--", lw=1, label="the virtual rig's law")
+    own.set_title("one chamber alone: c p / (1 + a p)", fontsize=10)
+    for k, b in enumerate((0.0, 5e-6, 2e-5)):
+        for other, style in ((0.0, "-"), (50e3, ":")):
+            common.plot(kpa, [gain * 1e3 * p / (1 + b * (1e3 * p + other)) for p in kpa], style, color=f"C{k}",
+                        label=(f"b = {b:.0e} /Pa" if b else "in proportion") if not other else None)
+    common.plot([], [], "k:", label="another chamber at 50 kPa")
+    common.set_title("all chambers: c p / (1 + b (sum of all))", fontsize=10)
+    for k, slope in enumerate((0.0, 1e-7, 3e-7)):
+        growth.plot(kpa, [0.027 + slope * 1e3 * p for p in kpa], color=f"C{k}",
+                    label=f"{slope:.0e} N m²/Pa" if slope else "constant")
+        if slope:
+            growth.plot(kpa, [0.027 + slope * 5e4 * (p / 50) ** 0.7 for p in kpa], "--", lw=1, color=f"C{k}")
+    growth.plot([], [], "k--", lw=1, label="the virtual rig's law")
+    growth.set_title("EI = base + per_mean_pressure * mean", fontsize=10)
+    growth.set_ylim(0, None)
+    for axes, across, up in ((own, "pressure (kPa)", "moment (N m)"), (common, "pressure of one (kPa)", "its moment (N m)"),
+                             (growth, "mean pressure (kPa)", "EI (N m²)")):
+        axes.set_xlabel(across)
+        axes.set_ylabel(up)
+        axes.set_xlim(0, 100)
+        axes.grid(alpha=0.3)
+        axes.legend(fontsize=8)
+    figure.tight_layout()
+    figure.savefig(path, dpi=75)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", help="what --plot named")
+    parser.add_argument("folder", nargs="?", help="what --plot named")
+    parser.add_argument("--laws", action="store_true", help="draw saturation and growth of EI, of no recording")
     parser.add_argument("--out", required=True, help="the picture, .png or .pdf")
     arguments = parser.parse_args()
+    if arguments.laws:
+        draw_laws(arguments.out)
+        return
+    if not arguments.folder:
+        parser.error("name the folder that `softarm identify --plot` wrote, or give --laws")
     shapes = read(arguments.folder, "shapes.csv")
     constants = read(arguments.folder, "constants.csv")
     figure, grid = plt.subplots(2, 3, figsize=(15, 9))

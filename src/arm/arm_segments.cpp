@@ -73,6 +73,8 @@ Segment read_segment(const Section& section, const Inputs& inputs) {
   segment.torsional_stiffness_nm2 = section.number_or_word("torsional_stiffness_nm2");
   segment.axial_stiffness_n = section.number_or_word("axial_stiffness_n");
   segment.shear_stiffness_n = section.number_or_word("shear_stiffness_n");
+  if (section.has("joint_compliance_rad_per_nm"))
+    segment.joint_compliance_rad_per_nm = section.number("joint_compliance_rad_per_nm");
   segment.rest_curvature_per_m = section.vector("rest_curvature_per_m");
   for (const ActuatorKind* kind : actuator_kinds()) kind->read(section, stiffness, inputs, segment);
   if (section.has("material")) {

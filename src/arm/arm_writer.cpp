@@ -35,6 +35,8 @@ void visit_segment(const Segment& read, const Segment& wanted, const Path& at, c
          wanted.bending_stiffness.base_nm2});
   if (read.axial_stiffness_n && wanted.axial_stiffness_n)
     visit({at / "axial_stiffness_n", *read.axial_stiffness_n, *wanted.axial_stiffness_n});
+  visit({at / "joint_compliance_rad_per_nm", read.joint_compliance_rad_per_nm.value_or(0.0),
+         wanted.joint_compliance_rad_per_nm.value_or(0.0)});
   for (const ActuatorKind* kind : actuator_kinds()) kind->visit_numbers(read, wanted, at, visit);
 }
 

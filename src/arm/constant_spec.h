@@ -33,6 +33,7 @@ enum : unsigned {
   kMovesModulus = 2,  ///< EA, and the modulus with the stretch
   kMovesRestX = 4,
   kMovesRestY = 8,
+  kMovesJoint = 16,
 };
 
 /// One kind of constant. Functions take a segment that has it and, where it has several, the index.
@@ -47,6 +48,8 @@ struct ConstantSpec {
   unsigned moves = 0;
 
   int (*count)(const Segment&) = nullptr;
+  /// Whether the arm has a value for it; one that it has not is 0, and free on demand alone.
+  bool (*stated)(const Segment&, int) = [](const Segment&, int) { return true; };
   bool (*free_by_default)(const Segment&) = [](const Segment&) { return true; };
   double (*value)(const Segment&, int) = nullptr;
   void (*set)(Segment&, int, double) = nullptr;

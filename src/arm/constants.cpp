@@ -40,6 +40,10 @@ const std::vector<const ConstantSpec*>& specs() {
   return list;
 }
 
+bool is_free_by_default(const ConstantSpec& spec, const Segment& segment, int index) {
+  return spec.free_by_default(segment) && spec.stated(segment, index);
+}
+
 void set_length(Arm& arm, int segment, double length_m) {
   double begin = 0.0;
   for (int i = 0; i < segment; ++i) begin += at(arm.segments, i).length_m;
@@ -133,13 +137,18 @@ Range allowed_range(const Arm& arm, const ConstantRef& constant) {
   return all;
 }
 
+bool is_stated(const Arm& arm, const ConstantRef& constant) {
+  return spec_of(constant.kind).stated(at(arm.segments, constant.segment), constant.index);
+}
+
 std::vector<ConstantRef> default_free(const Arm& arm) {
   std::vector<ConstantRef> list;
   for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
     const Segment& segment = at(arm.segments, i);
     for (const ConstantSpec* spec : specs()) {
-      if (!spec->free_by_default(segment)) continue;
-      for (int k = 0; k < spec->count(segment); ++k) list.push_back({spec->kind, i, k});
+      for (int k = 0; k < spec->count(segment); ++k) {
+        if (is_free_by_default(*spec, segment, k)) list.push_back({spec->kind, i, k});
+      }
     }
   }
   return list;
@@ -151,8 +160,10 @@ std::vector<ConstantRef> constants_of(const Arm& arm) {
     for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
       const Segment& segment = at(arm.segments, i);
       for (const ConstantSpec* spec : specs()) {
-        if (spec->kind < first || spec->kind > last || spec->free_by_default(segment)) continue;
-        for (int k = 0; k < spec->count(segment); ++k) list.push_back({spec->kind, i, k});
+        if (spec->kind < first || spec->kind > last) continue;
+        for (int k = 0; k < spec->count(segment); ++k) {
+          if (!is_free_by_default(*spec, segment, k)) list.push_back({spec->kind, i, k});
+        }
       }
     }
   };

@@ -31,6 +31,7 @@ inline Eigen::Vector2d towards(double azimuth_rad) {
 struct Change {
   Drive drive;  ///< derivative of the drive
   double axial_stiffness_n = 0.0;
+  double joint_compliance_rad_per_nm = 0.0;
   Eigen::Vector2d rest_curvature_per_m = Eigen::Vector2d::Zero();
 };
 
@@ -53,6 +54,7 @@ struct SegmentResponse {
 struct SegmentDerivative {
   SegmentPrediction prediction;  ///< field by field: modulus_ratio is 0 where it does not change
   double axial_stiffness_n = 0.0;
+  double joint_compliance_rad_per_nm = 0.0;
   Eigen::Vector2d rest_curvature_per_m = Eigen::Vector2d::Zero();
 
   /// Of SegmentPrediction::actuation_nm(). @param at which the derivative was taken

@@ -77,6 +77,7 @@ SegmentDerivative differentiate(const Segment& segment, const SegmentResponse& a
   p.tendon_shear_stiffness_n = by.shear_stiffness_n;
   p.tendon_torsional_stiffness_nm2 = by.torsional_stiffness_nm2;
   d.axial_stiffness_n = change.axial_stiffness_n;
+  d.joint_compliance_rad_per_nm = change.joint_compliance_rad_per_nm;
   d.rest_curvature_per_m = change.rest_curvature_per_m;
   return d;
 }

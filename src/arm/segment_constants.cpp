@@ -7,6 +7,7 @@ namespace softarm::arm {
 namespace {
 
 constexpr double kLengthThatMatters = 0.04;  // of the length
+constexpr double kJointThatMatters = 0.1;    // of what the segment itself turns by under a moment at its end
 
 int one_of(const Segment&) {
   return 1;
@@ -36,6 +37,27 @@ ConstantSpec base_stiffness() {
   };
   c.scale = [](const Segment& s, int, const RecordedInputs&) { return 0.1 * unloaded_stiffness_nm2(s); };
   c.advice = [](const Segment&, int, const RecordedInputs& recorded) { return recorded.load_advice(); };
+  return c;
+}
+
+ConstantSpec joint_compliance() {
+  ConstantSpec c{ConstantKind::kJointCompliance, ConstantRole::kJoint, "joint_compliance", "rad/(N m)"};
+  c.moves = kMovesJoint;
+  c.count = one_of;
+  c.stated = [](const Segment& s, int) { return s.joint_compliance_rad_per_nm.has_value(); };
+  c.value = [](const Segment& s, int) { return s.joint_compliance_rad_per_nm.value_or(0.0); };
+  c.set = [](Segment& s, int, double value) { s.joint_compliance_rad_per_nm = value; };
+  c.allowed = [](const Segment&, int) { return Range{0.0, 100.0}; };
+  c.change = [](const Segment&, int, const InputReader&, Change& change) {
+    change.joint_compliance_rad_per_nm = 1.0;
+    return true;
+  };
+  c.scale = [](const Segment& s, int, const RecordedInputs&) {
+    return kJointThatMatters * s.length_m / unloaded_stiffness_nm2(s);
+  };
+  c.advice = [](const Segment&, int, const RecordedInputs& recorded) {
+    return "the joint turns by the moment of weights alone: " + recorded.load_advice();
+  };
   return c;
 }
 
@@ -102,7 +124,10 @@ ConstantSpec rest_curvature(ConstantKind kind, const char* name) {
 
 const std::vector<ConstantSpec>& segment_constants() {
   static const std::vector<ConstantSpec> list{
-      base_stiffness(), axial_stiffness(), length(),
+      base_stiffness(),
+      joint_compliance(),
+      axial_stiffness(),
+      length(),
       rest_curvature<0>(ConstantKind::kRestCurvatureX, "rest_curvature.x"),
       rest_curvature<1>(ConstantKind::kRestCurvatureY, "rest_curvature.y")};
   return list;

@@ -27,6 +27,10 @@ const KeyTable& segment_keys() {
          number_or("torsional_stiffness_nm2", {"rigid"}, "N m^2", "rigid", 1e-7, 1e4, "GJ"),
          number_or("axial_stiffness_n", {"rigid"}, "N", "rigid", 0.1, 1e8, "EA"),
          number_or("shear_stiffness_n", {"rigid"}, "N", "rigid", 0.1, 1e8, "GA"),
+         number(
+             "joint_compliance_rad_per_nm", "rad/(N m)", kAbsent, 0, 100,
+             "turn of the joint at the segment's start (to the base, or to the segment before) per bending "
+             "moment that it bears; absent: rigid"),
          vector("rest_curvature_per_m", 3, "1/m", "[0, 0, 0]", -200, 200,
                 "strain u at rest in the section frame (x, y: bending, z: twist)"),
          map("material", kAbsent, "rubber whose moduli change with axial stretch; absent: linear")}};

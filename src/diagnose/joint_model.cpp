@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "arm/constant_spec.h"
 #include "math/parallel.h"
 #include "policy.h"
 
@@ -18,6 +19,12 @@ using model::Present;
 using model::Seen;
 using model::SeenTangent;
 using model::TrialData;
+
+/// For scales that do not depend on what was recorded.
+struct NothingRecorded : arm::RecordedInputs {
+  std::vector<double> values(const std::string&) const override { return {}; }
+  std::string load_advice() const override { return {}; }
+};
 
 /// Size at which a constant matters: its own, or what makes the same difference as its fellows.
 double scale_of(const arm::Arm& arm, const identify::ConstantRef& ref) {
@@ -36,6 +43,19 @@ double scale_of(const arm::Arm& arm, const identify::ConstantRef& ref) {
     case ConstantKind::kPerMinPressure:
     case ConstantKind::kPerJammingPressure:
       least = 0.3 * segment.bending_stiffness.base_nm2 / kUsualPressure_pa;
+      break;
+    case ConstantKind::kChamberSaturation:
+    case ConstantKind::kChambersSaturation:
+    case ConstantKind::kTendonSaturation:
+    case ConstantKind::kTendonsSaturation:
+    case ConstantKind::kCableSaturation:
+    case ConstantKind::kCablesSaturation:
+    case ConstantKind::kPerMeanPressure:
+    case ConstantKind::kPerChamber:
+    case ConstantKind::kPerTension:
+    case ConstantKind::kPerAngle:
+    case ConstantKind::kJointCompliance:
+      least = arm::spec_of(ref.kind).scale(segment, ref.index, NothingRecorded());
       break;
     case ConstantKind::kRestCurvatureX:
     case ConstantKind::kRestCurvatureY:

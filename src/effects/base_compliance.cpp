@@ -36,7 +36,7 @@ std::unique_ptr<Effect> make_base_compliance() {
              10.0, 0.2}},
            1,
            {"rigid_ends", "shear", "soft_spot"},
-           {"bending_stiffness"}});
+           {"bending_stiffness", "joint_compliance"}});
 }
 
 }  // namespace softarm::effects

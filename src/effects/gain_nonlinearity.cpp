@@ -28,7 +28,7 @@ std::unique_ptr<Effect> make_gain_nonlinearity() {
            {{"share", "1", "of the moment at 50 kPa, beyond the proportional one", -0.9, 5.0, 0.15}},
            1,
            {"pressure_stiffening", "pressure_dead_zone"},
-           {"moment_gain"}});
+           {"moment_gain", "saturation", "per_mean_pressure"}});
 }
 
 }  // namespace softarm::effects

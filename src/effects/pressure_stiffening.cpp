@@ -28,14 +28,14 @@ class PressureStiffening : public Described {
 }  // namespace
 
 std::unique_ptr<Effect> make_pressure_stiffening() {
-  return std::make_unique<PressureStiffening>(
-      Info{"pressure_stiffening",
-           "the bending stiffness changes with the pressure, beyond what the arm file says",
-           Family::kConstitutive,
-           {{"share", "1", "of EI, by which it grows up to a mean pressure of 50 kPa", -0.9, 5.0, 0.15}},
-           1,
-           {"radial_expansion", "gain_nonlinearity"},
-           {"bending_stiffness", "per_min_pressure", "per_jamming_pressure"}});
+  return std::make_unique<PressureStiffening>(Info{
+      "pressure_stiffening",
+      "the bending stiffness changes with the pressure, beyond what the arm file says",
+      Family::kConstitutive,
+      {{"share", "1", "of EI, by which it grows up to a mean pressure of 50 kPa", -0.9, 5.0, 0.15}},
+      1,
+      {"radial_expansion", "gain_nonlinearity"},
+      {"bending_stiffness", "per_min_pressure", "per_mean_pressure", "per_jamming_pressure", "saturation"}});
 }
 
 }  // namespace softarm::effects

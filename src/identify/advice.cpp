@@ -11,8 +11,17 @@ namespace {
 constexpr double kPartThatCounts = 0.2;  // of a direction of unit norm
 constexpr double kStrongCorrelation = 0.9;
 
+// As on the command line; with every EI and its growth held, gains and saturation are those of the ratio.
+constexpr const char* kHoldStiffness =
+    "; or hold EI and fit moment over stiffness: --hold '*.bending_stiffness.*'";
+
 bool is_gain(ConstantKind kind) {
   return role_of(kind) == ConstantRole::kMoment;
+}
+
+/// Of the moment: its gain, and how it falls behind its input.
+bool is_actuation(ConstantKind kind) {
+  return is_gain(kind) || role_of(kind) == ConstantRole::kSaturation;
 }
 
 bool is_stiffness(ConstantKind kind) {
@@ -20,10 +29,9 @@ bool is_stiffness(ConstantKind kind) {
   return role == ConstantRole::kBendingStiffness || role == ConstantRole::kBendingStiffnessSlope;
 }
 
-/// At a limit that the truth is unlikely to lie at. (Stiffness that pressure does not change is common.)
+/// At a limit that the truth is unlikely to lie at.
 bool refused(const Constant& c) {
-  const bool slope = role_of(c.ref.kind) == ConstantRole::kBendingStiffnessSlope;
-  return c.at_bound && !c.kept && !(slope && c.value <= 1e-6 * c.scale);
+  return c.at_bound && !c.kept && !is_none(c);
 }
 
 std::string list_of(const Combination& combination) {
@@ -59,14 +67,18 @@ std::string sentence_of(const Combination& combination, const Constant& largest,
 }
 
 /// Tells the members of a combination what they lack, and whom they are mistaken for.
+/// @param ratio whether moments and stiffness are among them
 void advise_members(const Conditions& conditions, const std::vector<int>& members,
-                    const std::vector<std::string>& lacks, Result& result) {
+                    const std::vector<std::string>& lacks, bool ratio, Result& result) {
   const auto constant = [&](int j) -> Constant& { return result.constants[static_cast<std::size_t>(j)]; };
   for (std::size_t m = 0; m < members.size(); ++m) {
     const int j = members[m];
     Constant& c = constant(j);
     if (c.determined) continue;
     // Each by its own conditions: those of the combination's largest part are of another input, or law.
+    if (c.advice.empty() && lacks[m].empty() && ratio &&
+        (is_actuation(c.ref.kind) || is_stiffness(c.ref.kind)))
+      c.advice = conditions.load_advice() + kHoldStiffness;
     if (c.advice.empty()) c.advice = lacks[m].empty() ? conditions.advice(c.ref) : lacks[m];
     for (const int k : members) {
       const auto known = std::find_if(c.confused_with.begin(), c.confused_with.end(),
@@ -94,15 +106,16 @@ void add_combination(const Conditions& conditions, const Eigen::VectorXd& v, dou
   const double sign = v[members.front()] < 0.0 ? -1.0 : 1.0;
   for (const int j : members) {
     combination.parts.emplace_back(constant(j).name, sign * v[j]);
-    gains = gains || is_gain(constant(j).ref.kind);
+    gains = gains || is_actuation(constant(j).ref.kind);
     stiffness = stiffness || is_stiffness(constant(j).ref.kind);
   }
   const std::vector<std::string> lacks = lacks_of_pairs(conditions, result, members);
   const Constant& largest = constant(members.front());
   const bool of_pair = !lacks.front().empty();
-  combination.sentence = sentence_of(combination, largest, gains && stiffness,
-                                     of_pair ? lacks.front() : conditions.advice(largest.ref), of_pair);
-  advise_members(conditions, members, lacks, result);
+  const bool ratio = gains && stiffness;
+  const std::string own = ratio ? conditions.load_advice() + kHoldStiffness : conditions.advice(largest.ref);
+  combination.sentence = sentence_of(combination, largest, ratio, of_pair ? lacks.front() : own, of_pair);
+  advise_members(conditions, members, lacks, ratio, result);
   result.undetermined.push_back(std::move(combination));
 }
 
@@ -122,6 +135,13 @@ void advise(const Conditions& conditions, Constant& c) {
 }
 
 }  // namespace
+
+bool is_none(const Constant& c) {
+  const ConstantRole role = role_of(c.ref.kind);
+  const bool may_be_none = role == ConstantRole::kBendingStiffnessSlope ||
+                           role == ConstantRole::kSaturation || role == ConstantRole::kJoint;
+  return may_be_none && c.value <= 1e-6 * c.scale;
+}
 
 void judge(const arm::Arm& arm, const std::vector<trial::StaticFrame>& frames, const Uncertainty& uncertainty,
            const Eigen::VectorXd& scale, double determined_sd, Result& result) {

@@ -39,6 +39,10 @@ class Conditions : public arm::RecordedInputs {
   const std::vector<trial::StaticFrame>& frames_;
 };
 
+/// A law that the fit has made nothing of: that EI does not grow, moments do not saturate or joints do not
+/// yield is common, and no failure.
+bool is_none(const Constant& c);
+
 /// Fills determined, confused_with and advice of the constants, and Result::undetermined.
 /// @param scale of each constant in Result::constants, against which uncertainty is in units of
 void judge(const arm::Arm& arm, const std::vector<trial::StaticFrame>& frames, const Uncertainty& uncertainty,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "advice.h"
 #include "softarm/identify/identify.h"
 
 namespace softarm::identify {
@@ -21,7 +22,7 @@ std::string error_row(const std::string& name, const ShapeError& e, std::size_t 
 
 /// Moved there by the fit: not a law that is off from the start.
 bool at_limit(const Constant& c) {
-  return c.kept || (c.at_bound && c.value != c.initial);
+  return c.kept || (c.at_bound && c.value != c.initial && !is_none(c));
 }
 
 /// What the percentages are of, where that is not the value itself.

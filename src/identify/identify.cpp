@@ -60,15 +60,36 @@ std::vector<bool> choose_held_out(const std::vector<trial::Trial>& trials, const
   return held;
 }
 
+/// Those that patterns free: what the arm does not state only where a pattern ends in its name.
+std::vector<ConstantRef> freed_by(const arm::Arm& arm, const std::vector<std::string>& patterns) {
+  std::vector<std::string> named;
+  for (const std::string& pattern : patterns) {
+    const std::string last = pattern.substr(pattern.rfind('.') + 1);
+    if (last.find_first_of("*?[") == std::string::npos) named.push_back(pattern);
+  }
+  const std::vector<ConstantRef> by_name = matching(arm, named);
+  std::vector<ConstantRef> list = matching(arm, patterns);
+  list.erase(std::remove_if(list.begin(), list.end(),
+                            [&](const ConstantRef& c) {
+                              return !is_stated(arm, c) &&
+                                     std::none_of(by_name.begin(), by_name.end(),
+                                                  [&](const ConstantRef& one) {
+                                                    return name_of(arm, one) == name_of(arm, c);
+                                                  });
+                            }),
+             list.end());
+  return list;
+}
+
 std::vector<ConstantRef> choose_free(const arm::Arm& arm, const Options& options) {
-  std::vector<ConstantRef> free = options.free.empty() ? default_free(arm) : matching(arm, options.free);
+  std::vector<ConstantRef> free = options.free.empty() ? default_free(arm) : freed_by(arm, options.free);
   const auto same = [](const ConstantRef& a, const ConstantRef& b) {
     return a.kind == b.kind && a.segment == b.segment && a.index == b.index;
   };
   const auto contains = [&](const std::vector<ConstantRef>& list, const ConstantRef& one) {
     return std::any_of(list.begin(), list.end(), [&](const ConstantRef& other) { return same(one, other); });
   };
-  for (const ConstantRef& one : matching(arm, options.also_free)) {
+  for (const ConstantRef& one : freed_by(arm, options.also_free)) {
     if (!contains(free, one)) free.push_back(one);
   }
   const std::vector<ConstantRef> held = matching(arm, options.held);
@@ -251,6 +272,7 @@ void set_constants(const arm::Arm& arm, const std::vector<FreeConstant>& constan
     made.at_bound = limit.has_value();
     made.ran_to = limit.value_or(0.0);
     made.kept = solution.kept[static_cast<std::size_t>(j)];
+    if (made.at_bound && is_none(made)) made.value = 0.0;
     result.constants.push_back(made);
     set_value(result.arm, c.ref, made.value);
   }

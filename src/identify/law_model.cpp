@@ -29,6 +29,7 @@ std::vector<rod::Parameter> rod_parameters(const arm::Arm& arm, const std::vecto
     if ((modulus || (moves & arm::kMovesTwist) != 0) && segment.torsional_stiffness_nm2)
       add(ParameterKind::kTorsionalCompliance, i, 0);
     if (modulus && segment.shear_stiffness_n) add(ParameterKind::kShearCompliance, i, 0);
+    if ((moves & arm::kMovesJoint) != 0) add(ParameterKind::kJointCompliance, i, 0);
     if ((moves & arm::kMovesRestX) != 0) add(ParameterKind::kRestCurvature, i, 0);
     if ((moves & arm::kMovesRestY) != 0) add(ParameterKind::kRestCurvature, i, 1);
   };
@@ -38,9 +39,12 @@ std::vector<rod::Parameter> rod_parameters(const arm::Arm& arm, const std::vecto
   return list;
 }
 
-void put_rest_curvature(const arm::Arm& arm, rod::Rod& rod) {
-  for (std::size_t i = 0; i < rod.segments.size(); ++i)
+/// What inputs do not change.
+void put_constants(const arm::Arm& arm, rod::Rod& rod) {
+  for (std::size_t i = 0; i < rod.segments.size(); ++i) {
     rod.segments[i].rest_curvature_per_m = arm.segments[i].rest_curvature_per_m;
+    rod.segments[i].joint_compliance = arm.segments[i].joint_compliance_rad_per_nm.value_or(0.0);
+  }
 }
 
 }  // namespace
@@ -80,7 +84,7 @@ bool LawModel::apply(const trial::StaticFrame& frame) {
   rod_.gravity_m_s2 = frame.gravity_base;
   rod_.loads[rod::kPayloadLoad].mass_kg = frame.payload_kg;
   rod::actuate(arm_, laws_, rod_);
-  put_rest_curvature(arm_, rod_);
+  put_constants(arm_, rod_);
   rod_by_theta_.setZero();
   laws_by_theta_.setZero();
   for (std::size_t j = 0; j < constants_.size(); ++j) {
@@ -115,6 +119,8 @@ double LawModel::parameter_derivative(const rod::Parameter& which, const arm::Se
     case ParameterKind::kShearCompliance:
       return compliance(rod.shear_compliance, segment.shear_stiffness_n.value_or(0.0) * p.modulus_ratio +
                                                   p.tendon_shear_stiffness_n);
+    case ParameterKind::kJointCompliance:
+      return by.joint_compliance_rad_per_nm;
     case ParameterKind::kLength:
       return p.length_m;
     default:

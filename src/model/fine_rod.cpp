@@ -54,6 +54,7 @@ FineRod::FineRod(const arm::Arm& arm, int pieces) {
       part.length_m = share * segment.length_m;
       part.mass_kg = share * segment.mass_kg;
       part.stiffness_profile = profile_of(segment.stiffness_profile, piece);
+      if (k > 0) part.joint_compliance = 0.0;
       layout_.segments.push_back(part);
       pieces_.push_back(piece);
     }
@@ -74,6 +75,8 @@ FineRod::FineRod(const arm::Arm& arm, int pieces) {
                                      ParameterKind::kAxialCompliance, ParameterKind::kShearCompliance,
                                      ParameterKind::kLength, ParameterKind::kSegmentMass})
       parameters_.push_back({kind, j, 0});
+    if (pieces_[static_cast<std::size_t>(j)].fraction_from == 0.0)
+      parameters_.push_back({ParameterKind::kJointCompliance, j, 0});
     for (const int axis : {0, 1, 2}) parameters_.push_back({ParameterKind::kMoment, j, axis});
     for (const int axis : {0, 1, 2}) parameters_.push_back({ParameterKind::kRestCurvature, j, axis});
   }
@@ -101,6 +104,8 @@ void FineRod::actuate(const arm::Arm& arm, const std::vector<arm::SegmentPredict
     rod::actuate(arm.segments[i], predictions[i], actuation_nm, piece.fraction_to - piece.fraction_from, to);
     to.mass_kg = layout_.segments[j].mass_kg;
     to.rest_curvature_per_m = arm.segments[i].rest_curvature_per_m;
+    if (piece.fraction_from == 0.0)
+      to.joint_compliance = arm.segments[i].joint_compliance_rad_per_nm.value_or(0.0);
   }
 }
 
@@ -162,6 +167,9 @@ Eigen::VectorXd FineRod::values(const rod::Rod& rod) const {
         break;
       case ParameterKind::kShearCompliance:
         v[k] = rod.segments[index].shear_compliance;
+        break;
+      case ParameterKind::kJointCompliance:
+        v[k] = rod.segments[index].joint_compliance;
         break;
       case ParameterKind::kLength:
         v[k] = rod.segments[index].length_m;

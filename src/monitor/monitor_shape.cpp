@@ -126,6 +126,9 @@ void MonitorShape::loads() {
     piece.load_moment.z() = 0.0;
     force += half;
     moment_about_origin += piece.p.cross(half);
+    const Vector3d begin = piece.p - 0.5 * piece.ds * piece.t;
+    piece.joint_moment = piece.r.transpose() * (moment_about_origin - begin.cross(force));
+    piece.joint_moment.z() = 0.0;
   }
 }
 
@@ -179,11 +182,15 @@ void MonitorShape::discrepancy(const std::vector<arm::SegmentPrediction>* predic
   for (Piece& piece : pieces_) {
     const rod::Segment& part = rod_.segments[static_cast<std::size_t>(piece.segment)];
     piece.compliance = part.length_m / part.rest_length_m * piece.factor * part.bending_compliance;
+    // A joint at the segment's start, spread over the piece behind it.
+    const bool first = &piece == pieces_.data() || (&piece - 1)->segment != piece.segment;
+    piece.joint = first ? part.joint_compliance / piece.ds : 0.0;
   }
   if (predictions != nullptr) {
     const auto turn_of = [&](const Piece& piece) -> Vector3d {
       const rod::Segment& part = rod_.segments[static_cast<std::size_t>(piece.segment)];
       Vector3d turn = piece.compliance * (part.moment_nm + piece.load_moment) +
+                      piece.joint * piece.joint_moment +
                       part.length_m / part.rest_length_m * part.rest_curvature_per_m - piece.turn;
       turn.z() = 0.0;
       return turn;
@@ -192,7 +199,9 @@ void MonitorShape::discrepancy(const std::vector<arm::SegmentPrediction>* predic
       const rod::Segment& part = rod_.segments[static_cast<std::size_t>(piece.segment)];
       const Vector3d compliance(part.shear_compliance, part.shear_compliance, part.axial_compliance);
       const Vector3d v = Vector3d::UnitZ() + compliance.cwiseProduct(piece.force);
-      return part.length_m / part.rest_length_m * v - piece.stretch;
+      // Behind a joint the chord is turned by all of its turn, the frame in the middle by half of it.
+      const Vector3d half_turn = 0.5 * piece.ds * piece.joint * piece.joint_moment;
+      return part.length_m / part.rest_length_m * v + half_turn.cross(Vector3d::UnitZ()) - piece.stretch;
     };
     integrate(turn_of, stretch_of, e);
   } else {
@@ -257,7 +266,7 @@ void MonitorShape::by_force(double s_m, const Vector3d& force, Eigen::Ref<Displa
           mean.z() = 0.0;
           moment = mean;
         }
-        return piece.compliance * moment;
+        return (piece.compliance + piece.joint) * moment;
       },
       kNoStretch, out);
 }
@@ -296,7 +305,7 @@ void MonitorShape::by_inertia(const Displacements& acceleration, const std::vect
   }
   integrate(
       [&](const Piece& piece) -> Vector3d {
-        return piece.compliance * moments[static_cast<std::size_t>(&piece - pieces_.data())];
+        return (piece.compliance + piece.joint) * moments[static_cast<std::size_t>(&piece - pieces_.data())];
       },
       kNoStretch, out);
 }

@@ -59,7 +59,8 @@ class MonitorShape {
     double factor = 1.0;      // 1 / profile
     double weight_kg = 0.0;   // of the arm itself
     double compliance = 0.0;  // of the laws, with the profile, per length at zero input: k / EI
-    Eigen::Vector3d p, t, load_moment, force;
+    double joint = 0.0;       // of a joint at its begin, likewise; against loads alone
+    Eigen::Vector3d p, t, load_moment, joint_moment, force;  // joint_moment: the load's at its begin
     Eigen::Matrix3d r;
     Eigen::Vector3d turn, stretch;  // of the fit, per length at zero input, section frame
   };

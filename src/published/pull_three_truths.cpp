@@ -101,7 +101,12 @@ ThreeTruths fit_three_truths(const arm::Arm& arm, const std::vector<Pull>& pulls
     arm::Chamber& chamber = fitted.chambers[k];
     chamber.near_elongation_m_per_pa = a[static_cast<Eigen::Index>(k)] - chamber.far_elongation_m_per_pa;
     chamber.moment_gain_nm_per_pa = c[static_cast<Eigen::Index>(k)];
+    // The paper's laws have none of these.
+    chamber.saturation_per_pa.reset();
+    chamber.stiffness_gain_nm2_per_pa.reset();
   }
+  fitted.saturation.chambers_per_pa.reset();
+  fitted.bending_stiffness.per_mean_pressure_nm2_per_pa.reset();
   fitted.bending_stiffness.base_nm2 = b[0];
   fitted.bending_stiffness.per_min_pressure_nm2_per_pa = b[1];
   fitted.bending_stiffness.per_jamming_pressure_nm2_per_pa = b[2];

@@ -109,6 +109,7 @@ void spread_constants(const CampaignSpec& spec, ArmSpec& arm, RandomStream& rand
     segment.stiffness_base_nm2 *= stiffness;
     segment.stiffness_per_min_nm2_per_pa *= stiffness;
     segment.stiffness_per_jamming_nm2_per_pa *= stiffness;
+    for (StiffnessGrowth& growth : segment.stiffness_growth) growth.added_nm2 *= stiffness;
     segment.torsional_stiffness_nm2 *= stiffness;
     for (StiffnessAtPressure& knot : segment.stiffness_by_pressure) knot.bending_stiffness_nm2 *= stiffness;
     segment.mass_kg *= factor(spec.mass_spread);

@@ -32,6 +32,50 @@ double interpolated(const std::vector<StiffnessAtPressure>& knots, double pressu
   return knots.back().bending_stiffness_nm2;
 }
 
+/// Share of what an actuator would do in proportion.
+double share_at(const SaturationSpec& law, double z) {
+  if (!(z > 0.0)) return 1.0;
+  return law.exponential ? -std::expm1(-z) / z : 1.0 / (1.0 + z);
+}
+
+double over(double x, const std::optional<double>& saturation) {
+  return saturation ? x / *saturation : 0.0;
+}
+
+/// Sums of what drives a segment, each not below zero.
+struct Sums {
+  Sums(const SegmentSpec& segment, const Acting& acting) {
+    for (const ChamberSpec& one : segment.chambers)
+      pressures_pa += std::max(0.0, at(acting.pressures_pa, one.input));
+    for (const TendonSpec& one : segment.tendons) tensions_n += at(acting.tensions_n, one.input);
+    for (const CableSpec& one : segment.cables) angles_rad += std::abs(at(acting.angles_rad, one.input));
+  }
+  double pressures_pa = 0.0, tensions_n = 0.0, angles_rad = 0.0;
+};
+
+double growth_nm2(const SegmentSpec& segment, const Acting& acting, const Sums& sums) {
+  double sum_nm2 = 0.0;
+  for (const StiffnessGrowth& growth : segment.stiffness_growth) {
+    double x = 0.0;
+    switch (growth.by) {
+      case StiffnessGrowth::By::kMeanPressure:
+        x = sums.pressures_pa / static_cast<double>(segment.chambers.size());
+        break;
+      case StiffnessGrowth::By::kChamber:
+        x = std::max(0.0, at(acting.pressures_pa, growth.input));
+        break;
+      case StiffnessGrowth::By::kTensions:
+        x = sums.tensions_n;
+        break;
+      case StiffnessGrowth::By::kAngles:
+        x = sums.angles_rad;
+        break;
+    }
+    sum_nm2 += growth.added_nm2 * std::pow(std::max(0.0, x) / growth.at, growth.exponent);
+  }
+  return sum_nm2;
+}
+
 }  // namespace
 
 std::optional<WallStretch> wall_stretch(double force_n, double axial_stiffness_n,
@@ -60,6 +104,8 @@ std::optional<WallStretch> wall_stretch(double force_n, double axial_stiffness_n
 
 Actuation apply_laws(const SegmentSpec& segment, const Acting& acting, const LawSpec& hidden) {
   const LawDepartures departures(segment, acting, hidden);
+  const Sums sums(segment, acting);
+  const SaturationSpec& saturation = segment.saturation;
   Actuation actuation;
   double length_m = segment.length_m;
   double least_pa = 0.0, mean_pa = 0.0;
@@ -67,18 +113,21 @@ Actuation apply_laws(const SegmentSpec& segment, const Acting& acting, const Law
     const double p = at(acting.pressures_pa, chamber.input);
     least_pa = &chamber == &segment.chambers.front() ? p : std::min(least_pa, p);
     mean_pa += p / static_cast<double>(segment.chambers.size());
-    actuation.moment_nm += chamber.moment_gain_nm_per_pa * departures.moment_pressure_pa(chamber) *
+    const double share = share_at(saturation, over(std::max(0.0, p), chamber.saturation_pa) +
+                                                  over(sums.pressures_pa, saturation.chambers_pa));
+    actuation.moment_nm += share * chamber.moment_gain_nm_per_pa * departures.moment_pressure_pa(chamber) *
                            towards(departures.azimuth_rad(chamber.direction_rad));
     length_m += (chamber.near_elongation_m_per_pa + chamber.far_elongation_m_per_pa) * p;
   }
 
-  double force_n = 0.0, tensions_n = 0.0, twist_stiffness_nm2 = 0.0;
+  double force_n = 0.0, twist_stiffness_nm2 = 0.0;
   for (const TendonSpec& tendon : segment.tendons) {
     const double tension = at(acting.tensions_n, tendon.input);
     force_n -= tension;
-    tensions_n += tension;
     twist_stiffness_nm2 += tension * tendon.offset_m * tendon.offset_m;
-    const Eigen::Vector2d direction = towards(departures.azimuth_rad(tendon.azimuth_rad));
+    const double share = share_at(
+        saturation, over(tension, tendon.saturation_n) + over(sums.tensions_n, saturation.tendons_n));
+    const Eigen::Vector2d direction = share * towards(departures.azimuth_rad(tendon.azimuth_rad));
     actuation.moment_nm += tension * tendon.offset_m * direction;
     if (!acting.tension_change_n.empty())
       actuation.moment_change_nm += at(acting.tension_change_n, tendon.input) * tendon.offset_m * direction;
@@ -103,7 +152,7 @@ Actuation apply_laws(const SegmentSpec& segment, const Acting& acting, const Law
                                         ? wall.modulus_ratio * segment.stiffness_base_nm2
                                         : interpolated(segment.stiffness_by_pressure, central_pa);
   actuation.bending_stiffness_nm2 +=
-      segment.stiffness_per_min_nm2_per_pa * least_pa +
+      growth_nm2(segment, acting, sums) + segment.stiffness_per_min_nm2_per_pa * least_pa +
       segment.stiffness_per_jamming_nm2_per_pa * (departures.jamming_pa() + mean_pa);
   actuation.bending_stiffness_nm2 *= departures.bending();
   actuation.core_stiffness_nm2 =
@@ -112,12 +161,15 @@ Actuation apply_laws(const SegmentSpec& segment, const Acting& acting, const Law
   actuation.torsional_stiffness_nm2 = wall_torsion_nm2 + twist_stiffness_nm2;
   if (segment.shear_stiffness_n)
     actuation.shear_stiffness_n =
-        departures.material() * wall.modulus_ratio * *segment.shear_stiffness_n + tensions_n;
+        departures.material() * wall.modulus_ratio * *segment.shear_stiffness_n + sums.tensions_n;
   if (segment.axial_stiffness_n)
     actuation.axial_stiffness_n =
         departures.material() * wall.stretch * wall.modulus_ratio * *segment.axial_stiffness_n;
   for (const CableSpec& cable : segment.cables) {
-    const double wound_m = cable.spool_radius_m * at(acting.angles_rad, cable.input);
+    const double angle_rad = at(acting.angles_rad, cable.input);
+    const double share = share_at(saturation, over(std::abs(angle_rad), cable.saturation_rad) +
+                                                  over(sums.angles_rad, saturation.cables_rad));
+    const double wound_m = share * cable.spool_radius_m * angle_rad;
     actuation.moment_nm += departures.gain() * actuation.bending_stiffness_nm2 * wound_m /
                            (segment.length_m * cable.lever_m) *
                            towards(departures.azimuth_rad(cable.azimuth_rad));

@@ -45,6 +45,7 @@ class LawError : public std::runtime_error {
 /// - The wall's stretch under the axial force: see wall_stretch(). An incompressible wall that contracts
 ///   sideways freely has, per actual length, EI = E_t I with the tangent modulus E_t and the undeformed I.
 /// - Cables: see CableSpec.
+/// - Any of these may saturate and stiffen the segment: see SaturationSpec and StiffnessGrowth.
 /// @param acting what acts in the segment, in the scenario's numbering
 /// @param hidden departures from the laws above: see LawSpec
 /// @throws LawError

@@ -29,11 +29,12 @@ class ScenarioError : public std::runtime_error {
 
 /// One pneumatic chamber along its segment.
 struct ChamberSpec {
-  int input = 0;                          ///< number of the pressure, from 0 (chamber_1)
-  double direction_rad = 0.0;             ///< azimuth towards which the arm bends when it is inflated
-  double moment_gain_nm_per_pa = 0.0;     ///< c_i of the semi-physical paper
-  double near_elongation_m_per_pa = 0.0;  ///< a_1, a_3, a_5
-  double far_elongation_m_per_pa = 0.0;   ///< a_2, a_4, a_6
+  int input = 0;                             ///< number of the pressure, from 0 (chamber_1)
+  double direction_rad = 0.0;                ///< azimuth towards which the arm bends when it is inflated
+  double moment_gain_nm_per_pa = 0.0;        ///< c_i of the semi-physical paper
+  double near_elongation_m_per_pa = 0.0;     ///< a_1, a_3, a_5
+  double far_elongation_m_per_pa = 0.0;      ///< a_2, a_4, a_6
+  std::optional<double> saturation_pa = {};  ///< see SaturationSpec
 };
 
 /// A chamber on the axis: pulls the wall with pressure times area and does not bend it.
@@ -48,6 +49,7 @@ struct TendonSpec {
   int input = 0;  ///< number of the tension, from 0 (tendon_1)
   double azimuth_rad = 0.0;
   double offset_m = 0.0;
+  std::optional<double> saturation_n = {};  ///< see SaturationSpec
 };
 
 /// A cable from the segment's end to a servo's spool. Unloaded, the segment's curvature is that which takes
@@ -57,6 +59,24 @@ struct CableSpec {
   double azimuth_rad = 0.0;
   double lever_m = 0.0;
   double spool_radius_m = 0.0;
+  std::optional<double> saturation_rad = {};  ///< see SaturationSpec
+};
+
+/// Actuators that do less the more they do already. With x the input of one and z = x / its own saturation +
+/// sum of all of its kind in the segment / the common one, it acts as by x (1 - e^-z) / z (exponential) or x
+/// / (1 + z) (hyperbolic). Both grow with x, the former to a limit sooner.
+struct SaturationSpec {
+  bool exponential = true;
+  std::optional<double> chambers_pa, tendons_n, cables_rad;  ///< the common ones; absent: none
+};
+
+/// EI grows by `added_nm2` (x / at)^exponent.
+struct StiffnessGrowth {
+  enum class By { kMeanPressure, kChamber, kTensions, kAngles };
+  By by =
+      By::kMeanPressure;  ///< x: of the chambers, of one of them, the sum of the segment's tensions or angles
+  int input = 0;          ///< of the one chamber, from 0
+  double added_nm2 = 0.0, at = 1.0, exponent = 1.0;
 };
 
 /// Two-term Mooney-Rivlin rubber. Only the ratio of its constants matters: the stiffnesses are given.
@@ -79,6 +99,8 @@ struct SegmentSpec {
   double stiffness_base_nm2 = 0.03;               ///< b1
   double stiffness_per_min_nm2_per_pa = 0.0;      ///< b2
   double stiffness_per_jamming_nm2_per_pa = 0.0;  ///< b3
+  std::vector<StiffnessGrowth> stiffness_growth;
+  SaturationSpec saturation;
   std::vector<StiffnessAtPressure> stiffness_by_pressure;  ///< replaces b1 and the material's stiffening
   double torsional_stiffness_nm2 = 0.03;
   std::optional<double> axial_stiffness_n;  ///< EA of the unstretched wall; absent: rigid

@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kMaxInputs = 16;
 constexpr std::size_t kMaxSegments = 8;
+constexpr Allowed kSaturationPressure{1.0, 1e9}, kSaturationTension{1e-3, 1e6}, kSaturationAngle{1e-3, 1e6};
 
 /// The inputs of one kind that the segments name: chamber_1, chamber_2 ...
 class InputNames {
@@ -55,6 +56,51 @@ struct Names {
   InputNames chambers{"chamber"}, tendons{"tendon"}, servos{"servo"};
 };
 
+std::optional<double> optional_number(YamlMap& map, const char* key, const Allowed& allowed) {
+  return map.has(key) ? std::optional(map.number(key, allowed)) : std::nullopt;
+}
+
+/// One entry of `growth`: what EI grows with is said by the unit of `at_...`.
+StiffnessGrowth parse_growth(YamlMap& entry, const SegmentSpec& segment) {
+  StiffnessGrowth growth;
+  growth.added_nm2 = entry.number("added_nm2", {0.0, 1e3});
+  growth.exponent = entry.number("exponent", {0.1, 10.0}, growth.exponent);
+  const auto need = [&](bool present, const char* key, const char* what) {
+    if (!present) entry.fail(key, fmt::format("the segment has no {}", what));
+  };
+  if (entry.has("at_n")) {
+    growth.by = StiffnessGrowth::By::kTensions;
+    growth.at = entry.number("at_n", {1e-3, 1e4});
+    need(!segment.tendons.empty(), "at_n", "tendons");
+  } else if (entry.has("at_rad")) {
+    growth.by = StiffnessGrowth::By::kAngles;
+    growth.at = entry.number("at_rad", {1e-3, 1e3});
+    need(!segment.cables.empty(), "at_rad", "cables");
+  } else {
+    growth.at = entry.number("at_pa", {1.0, 1e7});
+    need(!segment.chambers.empty(), "at_pa", "chambers");
+    if (entry.has("chamber")) {
+      growth.by = StiffnessGrowth::By::kChamber;
+      const int chamber = entry.integer("chamber", {1, static_cast<double>(segment.chambers.size())}, 1);
+      growth.input = segment.chambers[static_cast<std::size_t>(chamber - 1)].input;
+    }
+  }
+  return growth;
+}
+
+void parse_saturation(YamlMap& map, SegmentSpec& segment) {
+  if (!map.has("saturation")) return;
+  YamlMap entry = map.map("saturation");
+  const std::string form = entry.has("form") ? entry.word("form") : "exponential";
+  if (form != "exponential" && form != "hyperbolic")
+    entry.fail("form", fmt::format("value {}, allowed exponential, hyperbolic", form.substr(0, 60)));
+  segment.saturation.exponential = form == "exponential";
+  segment.saturation.chambers_pa = optional_number(entry, "chambers_pa", kSaturationPressure);
+  segment.saturation.tendons_n = optional_number(entry, "tendons_n", kSaturationTension);
+  segment.saturation.cables_rad = optional_number(entry, "cables_rad", kSaturationAngle);
+  entry.finish();
+}
+
 void parse_stiffness(YamlMap& map, SegmentSpec& segment) {
   double last_pa = -1e9;
   for (YamlMap& entry : map.maps("stiffness_by_pressure")) {
@@ -78,6 +124,10 @@ void parse_stiffness(YamlMap& map, SegmentSpec& segment) {
   segment.stiffness_per_min_nm2_per_pa = stiffness.number("per_min_pressure_nm2_per_pa", {-1e-4, 1e-4}, 0.0);
   segment.stiffness_per_jamming_nm2_per_pa =
       stiffness.number("per_jamming_pressure_nm2_per_pa", {-1e-4, 1e-4}, 0.0);
+  for (YamlMap& entry : stiffness.maps("growth")) {
+    segment.stiffness_growth.push_back(parse_growth(entry, segment));
+    entry.finish();
+  }
   stiffness.finish();
   segment.torsional_stiffness_nm2 =
       map.number("torsional_stiffness_nm2", {1e-7, 1e4}, segment.stiffness_base_nm2);
@@ -110,6 +160,7 @@ SegmentSpec parse_segment(YamlMap& map, Names& names) {
     chamber.moment_gain_nm_per_pa = entry.number("moment_gain_nm_per_pa", {0.0, 1e-3});
     chamber.near_elongation_m_per_pa = entry.number("near_elongation_m_per_pa", {-1e-5, 1e-5}, 0.0);
     chamber.far_elongation_m_per_pa = entry.number("far_elongation_m_per_pa", {-1e-5, 1e-5}, 0.0);
+    chamber.saturation_pa = optional_number(entry, "saturation_pa", kSaturationPressure);
     entry.finish();
     segment.chambers.push_back(chamber);
   }
@@ -126,6 +177,7 @@ SegmentSpec parse_segment(YamlMap& map, Names& names) {
     tendon.input = names.tendons.take(entry);
     tendon.azimuth_rad = kRadPerDeg * entry.number("azimuth_deg", {-360.0, 360.0});
     tendon.offset_m = entry.number("offset_m", {0.0, 1.0});
+    tendon.saturation_n = optional_number(entry, "saturation_n", kSaturationTension);
     entry.finish();
     segment.tendons.push_back(tendon);
   }
@@ -135,10 +187,12 @@ SegmentSpec parse_segment(YamlMap& map, Names& names) {
     cable.azimuth_rad = kRadPerDeg * entry.number("azimuth_deg", {-360.0, 360.0});
     cable.lever_m = entry.number("lever_m", {1e-4, 1.0});
     cable.spool_radius_m = entry.number("spool_radius_m", {1e-4, 1.0});
+    cable.saturation_rad = optional_number(entry, "saturation_rad", kSaturationAngle);
     entry.finish();
     segment.cables.push_back(cable);
   }
   parse_stiffness(map, segment);
+  parse_saturation(map, segment);
   return segment;
 }
 

@@ -19,6 +19,33 @@ void write(YAML::Emitter& out, const char* key, const std::optional<double>& val
   if (value) write(out, key, *value);
 }
 
+void write(YAML::Emitter& out, const std::vector<StiffnessGrowth>& list) {
+  if (list.empty()) return;
+  out << YAML::Key << "stiffness_growth" << YAML::Value << YAML::BeginSeq;
+  for (const StiffnessGrowth& growth : list) {
+    using By = StiffnessGrowth::By;
+    out << YAML::Flow << YAML::BeginMap << YAML::Key << "by" << YAML::Value
+        << (growth.by == By::kMeanPressure ? "mean_pressure"
+            : growth.by == By::kTensions   ? "tensions"
+            : growth.by == By::kAngles     ? "angles"
+                                           : fmt::format("chamber_{}", growth.input + 1));
+    write(out, "added_nm2", growth.added_nm2);
+    write(out, "at", growth.at);
+    write(out, "exponent", growth.exponent);
+    out << YAML::EndMap;
+  }
+  out << YAML::EndSeq;
+}
+
+void write(YAML::Emitter& out, const SaturationSpec& saturation) {
+  out << YAML::Key << "saturation" << YAML::Value << YAML::Flow << YAML::BeginMap << YAML::Key << "form"
+      << YAML::Value << (saturation.exponential ? "exponential" : "hyperbolic");
+  write(out, "chambers_pa", saturation.chambers_pa);
+  write(out, "tendons_n", saturation.tendons_n);
+  write(out, "cables_rad", saturation.cables_rad);
+  out << YAML::EndMap;
+}
+
 void write(YAML::Emitter& out, const SegmentSpec& segment) {
   out << YAML::BeginMap;
   write(out, "length_m", segment.length_m);
@@ -26,6 +53,8 @@ void write(YAML::Emitter& out, const SegmentSpec& segment) {
   write(out, "stiffness_base_nm2", segment.stiffness_base_nm2);
   write(out, "stiffness_per_min_nm2_per_pa", segment.stiffness_per_min_nm2_per_pa);
   write(out, "stiffness_per_jamming_nm2_per_pa", segment.stiffness_per_jamming_nm2_per_pa);
+  write(out, segment.stiffness_growth);
+  write(out, segment.saturation);
   write(out, "torsional_stiffness_nm2", segment.torsional_stiffness_nm2);
   write(out, "axial_stiffness_n", segment.axial_stiffness_n);
   write(out, "shear_stiffness_n", segment.shear_stiffness_n);
@@ -49,6 +78,7 @@ void write(YAML::Emitter& out, const SegmentSpec& segment) {
       write(out, "moment_gain_nm_per_pa", chamber.moment_gain_nm_per_pa);
       write(out, "near_elongation_m_per_pa", chamber.near_elongation_m_per_pa);
       write(out, "far_elongation_m_per_pa", chamber.far_elongation_m_per_pa);
+      write(out, "saturation_pa", chamber.saturation_pa);
       out << YAML::EndMap;
     }
     out << YAML::EndSeq;
@@ -60,6 +90,7 @@ void write(YAML::Emitter& out, const SegmentSpec& segment) {
       out << YAML::Key << "input" << YAML::Value << fmt::format("tendon_{}", tendon.input + 1);
       write(out, "azimuth_rad", tendon.azimuth_rad);
       write(out, "offset_m", tendon.offset_m);
+      write(out, "saturation_n", tendon.saturation_n);
       out << YAML::EndMap;
     }
     out << YAML::EndSeq;
@@ -72,6 +103,7 @@ void write(YAML::Emitter& out, const SegmentSpec& segment) {
       write(out, "azimuth_rad", cable.azimuth_rad);
       write(out, "lever_m", cable.lever_m);
       write(out, "spool_radius_m", cable.spool_radius_m);
+      write(out, "saturation_rad", cable.saturation_rad);
       out << YAML::EndMap;
     }
     out << YAML::EndSeq;

@@ -63,6 +63,8 @@ Grid::Grid(const Rod& layout, const std::vector<double>& stations_m, int max_ref
       interval.segment = static_cast<int>(i);
       if (middle < end) break;
     }
+    const double start = segment_start[static_cast<std::size_t>(interval.segment)];
+    interval.from_joint = std::abs(interval.s_proximal - start) < kSamePlace * length;
     interval.coarse_steps = std::max(
         1, static_cast<int>(std::ceil((places[k] - places[k + 1]) / (kLongestStep * length) - 1e-6)));
     coarse += interval.coarse_steps;

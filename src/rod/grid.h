@@ -14,8 +14,9 @@ struct Interval {
   int segment = 0;
   double s_distal = 0.0;
   double s_proximal = 0.0;
-  int coarse_steps = 1;  ///< at refinement 1
-  int first_step = 0;    ///< in Grid::steps
+  int coarse_steps = 1;     ///< at refinement 1
+  int first_step = 0;       ///< in Grid::steps
+  bool from_joint = false;  ///< its proximal end is its segment's start
 };
 
 struct Grid {

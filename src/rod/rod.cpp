@@ -26,6 +26,7 @@ Rod make_rod(const arm::Arm& arm) {
     to.axial_compliance = compliance(from.axial_stiffness_n);
     to.shear_compliance = compliance(from.shear_stiffness_n);
     to.rest_curvature_per_m = from.rest_curvature_per_m;
+    to.joint_compliance = from.joint_compliance_rad_per_nm.value_or(0.0);
     to.stiffness_profile = from.stiffness_profile;
     rod.segments.push_back(to);
   }
@@ -74,6 +75,7 @@ void interpolate(const Rod& a, const Rod& b, double weight, Rod& r) {
     mix(to.shear_compliance, from.shear_compliance);
     mix(to.rest_curvature_per_m, from.rest_curvature_per_m);
     mix(to.moment_nm, from.moment_nm);
+    mix(to.joint_compliance, from.joint_compliance);
   }
   for (std::size_t i = 0; i < r.loads.size(); ++i) {
     PointLoad& to = r.loads[i];

@@ -13,10 +13,11 @@ bool finite_and_physical(const Rod& rod) {
   bool good = ok(rod.p_base) && rod.q_base.coeffs().allFinite() && ok(rod.gravity_m_s2);
   for (const Segment& s : rod.segments) {
     good = good && s.length_m > 0.0 && s.mass_kg >= 0.0 && s.torsional_compliance >= 0.0 &&
-           s.axial_compliance >= 0.0 && s.shear_compliance >= 0.0 && ok(s.rest_curvature_per_m) &&
-           ok(s.moment_nm) && std::isfinite(s.length_m) && std::isfinite(s.mass_kg) &&
-           std::isfinite(s.bending_compliance) && std::isfinite(s.torsional_compliance) &&
-           std::isfinite(s.axial_compliance) && std::isfinite(s.shear_compliance);
+           s.axial_compliance >= 0.0 && s.shear_compliance >= 0.0 && std::isfinite(s.joint_compliance) &&
+           ok(s.rest_curvature_per_m) && ok(s.moment_nm) && std::isfinite(s.length_m) &&
+           std::isfinite(s.mass_kg) && std::isfinite(s.bending_compliance) &&
+           std::isfinite(s.torsional_compliance) && std::isfinite(s.axial_compliance) &&
+           std::isfinite(s.shear_compliance);
   }
   for (const PointLoad& load : rod.loads) {
     good = good && ok(load.force_n) && ok(load.moment_nm) && ok(load.offset_m) && std::isfinite(load.mass_kg);

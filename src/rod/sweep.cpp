@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "math/so3.h"
+
 namespace softarm::rod {
 namespace {
 
@@ -47,6 +49,7 @@ Sweep::Sweep(const Rod& layout, const std::vector<double>& stations_m,
       sections_(layout.segments.size()),
       nodes_(static_cast<std::size_t>(grid_.breakpoints())),
       distal_(nodes_.size()),
+      beyond_joint_(grid_.intervals.size(), Eigen::Quaterniond::Identity()),
       stages_(grid_.steps.size() * kernel::kStages) {
   const int count = static_cast<int>(parameters.size());
   const std::size_t blocks = count == 0 ? 1 : static_cast<std::size_t>(block_of(count - 1)) + 1;
@@ -143,6 +146,7 @@ void Sweep::set_sources(int block) {
           for (int r = 0; r < 3; ++r) sources[j].weight[r].value[k] = sections_[j].weight[r];
         }
         break;
+      case ParameterKind::kJointCompliance:
       case ParameterKind::kLoadForce:
       case ParameterKind::kLoadMoment:
       case ParameterKind::kLoadMass:
@@ -215,6 +219,56 @@ void Sweep::apply_loads(int block, int breakpoint, const Node& before, LaneState
   }
 }
 
+namespace {
+
+/// Turn of a joint in its section's frame: about the axes across the tangent, by the moment that it bears.
+Vector3d joint_turn(double compliance, const Eigen::Quaterniond& q, const Vector3d& moment) {
+  const Vector3d local = q.conjugate() * moment;
+  return {compliance * local.x(), compliance * local.y(), 0.0};
+}
+
+}  // namespace
+
+void Sweep::turn_joint(std::size_t interval, Node& node) {
+  const int segment = grid_.intervals[interval].segment;
+  const Eigen::Quaterniond q = quaternion(node.y).normalized();
+  beyond_joint_[interval] = q;
+  const double compliance = rod_->segments[static_cast<std::size_t>(segment)].joint_compliance;
+  if (compliance == 0.0) return;
+  const Vector3d moment(node.y.m[0], node.y.m[1], node.y.m[2]);
+  const Eigen::Quaterniond before = q * math::exp_so3(-joint_turn(compliance, q, moment));
+  node.y.q[0] = before.w(), node.y.q[1] = before.x(), node.y.q[2] = before.y(), node.y.q[3] = before.z();
+}
+
+void Sweep::turn_joint(int block, std::size_t interval, LaneState& y) const {
+  const int segment = grid_.intervals[interval].segment;
+  const double compliance = rod_->segments[static_cast<std::size_t>(segment)].joint_compliance;
+  const bool wanted = std::any_of(parameters_.begin(), parameters_.end(), [&](const Parameter& parameter) {
+    return parameter.kind == ParameterKind::kJointCompliance && parameter.index == segment;
+  });
+  if (compliance == 0.0 && !wanted) return;
+  const Eigen::Quaterniond q = beyond_joint_[interval];
+  const kernel::State& at = distal_[interval + 1].y;
+  const Vector3d moment(at.m[0], at.m[1], at.m[2]);
+  // R_before = R exp(-w): the turn of the proximal side is that of the distal one less R J_r(w) dw.
+  const Eigen::Matrix3d by_turn =
+      q.toRotationMatrix() * math::left_jacobian_inverse(-joint_turn(compliance, q, moment)).inverse();
+  const auto source = [&](int k, const Vector3d& dmoment, double dcompliance) {
+    const Vector3d dw = joint_turn(compliance, q, dmoment) + joint_turn(dcompliance, q, moment);
+    add(y.psi, k, -by_turn * dw);
+  };
+  for (int k = 0; k < kernel::kLanes; ++k) {
+    const Vector3d psi = lane(y.psi, k);
+    source(k, lane(y.mu, k) - psi.cross(moment), 0.0);
+  }
+  for (int p = 0; p < static_cast<int>(parameters_.size()); ++p) {
+    const Parameter& parameter = parameters_[static_cast<std::size_t>(p)];
+    if (block_of(p) == block && parameter.kind == ParameterKind::kJointCompliance &&
+        parameter.index == segment)
+      source(lane_of(p), Vector3d::Zero(), 1.0);
+  }
+}
+
 double Sweep::integrate(const Eigen::Quaterniond& q_tip) {
   Node node{};
   node.y.q[0] = q_tip.w();
@@ -235,6 +289,7 @@ double Sweep::integrate(const Eigen::Quaterniond& q_tip) {
       kernel_.nominal_step(step, node.n, node.y, &stages_[s * kernel::kStages], &error);
       for (int r = 0; r < 3; ++r) node.n[r] -= step.h * step.section->weight[r];
     }
+    if (interval.from_joint) turn_joint(k, node);
     lever += sections_[static_cast<std::size_t>(interval.segment)].stretch *
              (interval.s_distal - interval.s_proximal);
   }
@@ -261,6 +316,7 @@ void Sweep::differentiate(int block) {
       kernel_.tangent_step(grid_.steps[s], &stages_[s * kernel::kStages],
                            sources[static_cast<std::size_t>(interval.segment)], y);
     }
+    if (interval.from_joint) turn_joint(block, k, y);
   }
   apply_loads(block, grid_.breakpoints() - 1, distal_.back(), y);
   lanes.back() = y;

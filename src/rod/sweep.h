@@ -63,6 +63,9 @@ class Sweep {
   void set_sources(int block);
   void apply_loads(int breakpoint, Node& node) const;
   void apply_loads(int block, int breakpoint, const Node& before, kernel::LaneState& y) const;
+  /// From the distal side of the joint at an interval's proximal end to its proximal side.
+  void turn_joint(std::size_t interval, Node& node);
+  void turn_joint(int block, std::size_t interval, kernel::LaneState& y) const;
 
   Grid grid_;
   std::vector<Parameter> parameters_;
@@ -72,7 +75,8 @@ class Sweep {
   int refinement_ = 0;
   std::vector<kernel::Section> sections_;
   std::vector<Node> nodes_;
-  std::vector<Node> distal_;  ///< the same nodes before their loads
+  std::vector<Node> distal_;                      ///< the same nodes before their loads
+  std::vector<Eigen::Quaterniond> beyond_joint_;  ///< by interval: the distal side of the joint at its begin
   std::vector<kernel::Stage> stages_;
   std::vector<std::vector<kernel::LaneState>> lanes_;     ///< [block][breakpoint]
   std::vector<std::vector<kernel::LaneSource>> sources_;  ///< [block][segment]

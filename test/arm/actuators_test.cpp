@@ -29,24 +29,32 @@ segments:
     axial_stiffness_n: 300
     torsional_stiffness_nm2: 0.02
     shear_stiffness_n: 100
+    joint_compliance_rad_per_nm: 0.3
+    chambers_saturation_per_pa: 3.0e-6
+    tendons_saturation_per_n: 0.05
+    cables_saturation_per_rad: 0.2
     bending_stiffness:
       base_nm2: 0.03
       per_min_pressure_nm2_per_pa: 2.0e-7
       per_jamming_pressure_nm2_per_pa: 3.0e-7
+      per_mean_pressure_nm2_per_pa: 1.0e-7
+      per_tension_nm2_per_n: 1.0e-3
+      per_angle_nm2_per_rad: 2.0e-3
       by_pressure:
         - {pressure_pa: 0, bending_stiffness_nm2: 0.03}
         - {pressure_pa: 10000, bending_stiffness_nm2: 0.035}
         - {pressure_pa: 30000, bending_stiffness_nm2: 0.05}
     chambers:
-      - {input: p1, bending_direction_deg: 90, moment_gain_nm_per_pa: 6.0e-6, near_elongation_m_per_pa: 1.0e-7}
+      - {input: p1, bending_direction_deg: 90, moment_gain_nm_per_pa: 6.0e-6, near_elongation_m_per_pa: 1.0e-7,
+         saturation_per_pa: 1.0e-5, stiffness_gain_nm2_per_pa: 5.0e-8}
       - {input: p2, bending_direction_deg: 210, moment_gain_nm_per_pa: 7.0e-6}
     jamming_input: v1
     central_chamber: {input: p3, area_m2: 1.0e-4}
     tendons:
-      - {input: t1, bending_direction_deg: 20, offset_m: 0.01}
+      - {input: t1, bending_direction_deg: 20, offset_m: 0.01, saturation_per_n: 0.1}
       - {input: t2, bending_direction_deg: 140, offset_m: 0.012}
     cables:
-      - {input: a1, bending_direction_deg: -30, curvature_gain_per_m_rad: 5}
+      - {input: a1, bending_direction_deg: -30, curvature_gain_per_m_rad: 5, saturation_per_rad: 0.4}
       - {input: a2, bending_direction_deg: 60, spool_radius_m: 0.01, lever_m: 0.02}
 bodies:
   - {name: ring_1, arclength_m: tip}
@@ -85,10 +93,10 @@ std::size_t row_of_input(const arm::Arm& arm, const std::string& name) {
 
 /// What the laws and the segment hand to the rod.
 Eigen::VectorXd numbers_of(const arm::SegmentPrediction& p, double ea = 0.0,
-                           const Eigen::Vector2d& rest = Eigen::Vector2d::Zero()) {
-  Eigen::VectorXd all(12);
+                           const Eigen::Vector2d& rest = Eigen::Vector2d::Zero(), double joint = 0.0) {
+  Eigen::VectorXd all(13);
   all << p.moment_nm, p.curvature_per_m, p.bending_stiffness_nm2, p.length_m, p.modulus_ratio,
-      p.tendon_shear_stiffness_n, p.tendon_torsional_stiffness_nm2, ea, rest;
+      p.tendon_shear_stiffness_n, p.tendon_torsional_stiffness_nm2, ea, rest, joint;
   return all;
 }
 
@@ -100,7 +108,8 @@ Eigen::VectorXd numbers_at(const arm::Arm& arm, const arm::ConstantRef& constant
   const auto p = arm::predict_segment(arm, segment, inputs);
   EXPECT_TRUE(p);
   return numbers_of(p.value_or(arm::SegmentPrediction()), segment.axial_stiffness_n.value_or(0.0),
-                    segment.rest_curvature_per_m.head<2>());
+                    segment.rest_curvature_per_m.head<2>(),
+                    segment.joint_compliance_rad_per_nm.value_or(0.0));
 }
 
 void expect_derivative(const arm::Arm& arm, const arm::ConstantRef& constant,
@@ -119,7 +128,8 @@ void expect_derivative(const arm::Arm& arm, const arm::ConstantRef& constant,
       1e-4 * (value != 0.0 ? std::abs(value) : 1e-2 * spec.allowed(segment, constant.index).high);
   const Eigen::VectorXd above = numbers_at(arm, constant, value + h, inputs);
   const Eigen::VectorXd below = numbers_at(arm, constant, value - h, inputs);
-  const Eigen::VectorXd analytic = numbers_of(by.prediction, by.axial_stiffness_n, by.rest_curvature_per_m);
+  const Eigen::VectorXd analytic = numbers_of(by.prediction, by.axial_stiffness_n, by.rest_curvature_per_m,
+                                              by.joint_compliance_rad_per_nm);
   for (Eigen::Index k = 0; k < analytic.size(); ++k) {
     const double difference = above[k] - below[k];
     const double rounding = 1e-14 * (std::abs(above[k]) + std::abs(below[k]));
@@ -297,6 +307,7 @@ TEST(ConstantDerivatives, AtTheKinksAreThoseOfOneSide) {
   *inputs[0] = -500.0;                      // a sensor's zero: no chamber stiffens
   *inputs[2] = 10000.0;                     // on a knot
   *inputs[row_of_input(arm, "t1")] = -0.2;  // slack
+  *inputs[row_of_input(arm, "a1")] = -0.3;  // the other way
   for (const arm::ConstantRef& constant : arm::constants_of(arm)) expect_derivative(arm, constant, inputs);
 }
 

@@ -20,7 +20,7 @@ arm::Arm table_1_arm() {
   arm.inputs.scalars[3].kind = arm::InputKind::kVacuum;
   arm::Segment segment;
   segment.length_m = 0.2;
-  segment.bending_stiffness = {0.027, 3e-7, 1.3e-6, {}};
+  segment.bending_stiffness = {0.027, 3e-7, 1.3e-6};
   segment.chambers = {{"chamber_1", 0.0, 6.1e-6, 6.58e-7, 0.0},
                       {"chamber_2", 120 * kDeg, 7.8e-6, 2.75e-7, 1.30e-7},
                       {"chamber_3", -120 * kDeg, 6.5e-6, 1.25e-6, 2.32e-7}};

@@ -155,8 +155,9 @@ inline void make_clean(rig::Scenario& scenario) {
   scenario.payload.schedule = {{0.0, {0.0}}};
 }
 
-/// Runs the rig and prepares what it recorded.
-inline model::TrialData recorded(const arm::Arm& arm, const rig::Scenario& scenario) {
+/// Runs the rig and records what it publishes.
+inline trial::Trial recorded_trial(const arm::Arm& arm, const rig::Scenario& scenario,
+                                   const std::string& name = "rig") {
   constexpr double kEpoch_s = 100.0;
   rig::Simulator simulator(scenario);
   trial::FrameAssembler assembler(arm);
@@ -182,10 +183,15 @@ inline model::TrialData recorded(const arm::Arm& arm, const rig::Scenario& scena
     }
   }
   assembler.flush();
-  trial::TrialRecorder recorder(arm, "rig");
+  trial::TrialRecorder recorder(arm, name);
   for (trial::Frame& frame : assembler.take()) recorder.add(std::move(frame));
   recorder.add(assembler.take_samples());
-  const model::Prepared prepared = model::prepare(arm, {recorder.take()});
+  return recorder.take();
+}
+
+/// The same, prepared for the model.
+inline model::TrialData recorded(const arm::Arm& arm, const rig::Scenario& scenario) {
+  const model::Prepared prepared = model::prepare(arm, {recorded_trial(arm, scenario)});
   return prepared.trials.at(0);
 }
 

@@ -62,6 +62,30 @@ TEST(FullPoints, TwoSegmentsEachHaveTheirOwnEstimate) {
   }
 }
 
+/// A joint that yields is neither flexibility of the segment nor payload, once the arm file has it.
+TEST(FullPoints, KnowJointsThatYield) {
+  arm::Arm arm = precisely_measured(two_segment_arm());
+  const arm::Arm rigid = arm;
+  arm.segments[0].joint_compliance_rad_per_nm = 0.5;
+  arm.segments[1].joint_compliance_rad_per_nm = 0.9;
+  estimate::Estimator estimator(arm, with_method(arm::Method::kFullPoints)),
+      unaware(rigid, with_method(arm::Method::kFullPoints));
+  for (const Eigen::Isometry3d& base : {hanging(), horizontal(), odd_base()}) {
+    const Truth truth{{{0.3, 0.5, 0.035, 0.205}, {0.2, -1.9, 0.018, 0.148}}, 0.1, base};
+    estimator.reset();
+    expect_truth(estimator.estimate(make_frame(arm, truth)), truth, 10.0 * kExact);
+    unaware.reset();
+    const estimate::Estimate& wrong = unaware.estimate(make_frame(arm, truth));
+    ASSERT_EQ(wrong.status, estimate::Status::kOk) << wrong.detail;
+    double off = 0.0;  // the shape is fitted, by a stiffness that is not the arm's
+    for (std::size_t i = 0; i < truth.segments.size(); ++i) {
+      const double stiffness = truth.segments[i].bending_stiffness_nm2;
+      off = std::max(off, std::abs(wrong.segments[i].bending_stiffness_nm2.value() / stiffness - 1.0));
+    }
+    EXPECT_GT(off, 0.01);
+  }
+}
+
 TEST(FullPoints, SkinMarkersSitOffTheBackbone) {
   arm::Arm arm = precisely_measured(paper_arm());
   arm::MeasuredBody marker = arm.bodies[0];

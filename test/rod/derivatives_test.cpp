@@ -38,6 +38,9 @@ void move(rod::Rod& rod, const rod::Parameter& p, double by) {
     case rod::ParameterKind::kShearCompliance:
       rod.segments[i].shear_compliance += by;
       break;
+    case rod::ParameterKind::kJointCompliance:
+      rod.segments[i].joint_compliance += by;
+      break;
     case rod::ParameterKind::kLength:
       rod.segments[i].length_m += by;
       break;
@@ -89,6 +92,7 @@ std::vector<Case> every_parameter() {
     cases.push_back({"torsion", {rod::ParameterKind::kTorsionalCompliance, segment, 0}, 1e-2});
     cases.push_back({"axial", {rod::ParameterKind::kAxialCompliance, segment, 0}, 1e-4});
     cases.push_back({"shear", {rod::ParameterKind::kShearCompliance, segment, 0}, 1e-4});
+    cases.push_back({"joint", {rod::ParameterKind::kJointCompliance, segment, 0}, 1e-3});
     cases.push_back({"length", {rod::ParameterKind::kLength, segment, 0}, 1e-4});
     cases.push_back({"mass", {rod::ParameterKind::kSegmentMass, segment, 0}, 1e-4});
   }
@@ -99,7 +103,9 @@ std::vector<Case> every_parameter() {
 }
 
 TEST(Derivatives, AgreeWithCentralDifferences) {
-  const rod::Rod rod = testing::complicated_rod();
+  rod::Rod rod = testing::complicated_rod();
+  rod.segments[0].joint_compliance = 0.4;
+  rod.segments[1].joint_compliance = 0.9;
   const std::vector<double> stations = {0.04, 0.15, 0.26, 0.32};
   const std::vector<Case> cases = every_parameter();
   std::vector<rod::Parameter> parameters;

@@ -98,14 +98,19 @@ struct PressureKnot {
 
 /// Bending stiffness of a segment from its pressures, equation (9) of the semi-physical paper:
 /// EI = base + per_min_pressure * min(P_i) + per_jamming_pressure * (V + mean(P_i)), with P_i the gauge
-/// pressures of the segment's chambers and V >= 0 the vacuum below ambient.
+/// pressures of the segment's chambers and V >= 0 the vacuum below ambient. Beyond the paper it may grow with
+/// the mean pressure, with each chamber's own (Chamber::stiffness_gain_nm2_per_pa), and with the sum of the
+/// tensions or of the angles' sizes. Absent: as 0, and not to be identified unless asked for.
 struct StiffnessLaw {
   double base_nm2 = 0.03;                      ///< b1, N m^2
   double per_min_pressure_nm2_per_pa = 0.0;    ///< b2, N m^2 / Pa
   double per_jamming_pressure_nm2_per_pa = 0;  ///< b3, N m^2 / Pa
   /// EI identified at pressures of the central chamber (hybrid paper, Fig. 8): linear in between, constant
   /// beyond the ends, increasing pressures. Replaces the base and the material's stiffening where not empty.
-  std::vector<PressureKnot> by_pressure;
+  std::vector<PressureKnot> by_pressure = {};
+  std::optional<double> per_mean_pressure_nm2_per_pa = {};
+  std::optional<double> per_tension_nm2_per_n = {};
+  std::optional<double> per_angle_nm2_per_rad = {};
 };
 
 /// Two-term Mooney-Rivlin rubber (hybrid paper (13), single-chamber slides): gives how the moduli change with
@@ -128,6 +133,7 @@ struct Tendon {
   std::string input;  ///< name of the tension input
   double bending_direction_rad = 0.0;
   double offset_m = 0.0;
+  std::optional<double> saturation_per_n = {};  ///< see Saturation
 };
 
 /// A cable wound up by a servo: a curvature proportional to the servo's angle (cable paper (4), (5), (15):
@@ -136,16 +142,28 @@ struct Tendon {
 struct Cable {
   std::string input;  ///< name of the angle input
   double bending_direction_rad = 0.0;
-  double curvature_gain_per_m_rad = 0.0;  ///< curvature per angle, r_s / (L (r + r_t)), 1 / (m rad)
+  double curvature_gain_per_m_rad = 0.0;          ///< curvature per angle, r_s / (L (r + r_t)), 1 / (m rad)
+  std::optional<double> saturation_per_rad = {};  ///< see Saturation
 };
 
 /// One pneumatic chamber running along a segment.
 struct Chamber {
-  std::string input;                    ///< name of the pressure input that feeds it
-  double bending_direction_rad = 0.0;   ///< azimuth towards which the arm bends when it is inflated
-  double moment_gain_nm_per_pa = 0.0;   ///< c_i: bending moment per gauge pressure
-  double near_elongation_m_per_pa = 0;  ///< a_1, a_3, a_5: elongation at the chamber's own side
-  double far_elongation_m_per_pa = 0;   ///< a_2, a_4, a_6: elongation opposite the chamber
+  std::string input;                             ///< name of the pressure input that feeds it
+  double bending_direction_rad = 0.0;            ///< azimuth towards which the arm bends when it is inflated
+  double moment_gain_nm_per_pa = 0.0;            ///< c_i: bending moment per gauge pressure
+  double near_elongation_m_per_pa = 0;           ///< a_1, a_3, a_5: elongation at the chamber's own side
+  double far_elongation_m_per_pa = 0;            ///< a_2, a_4, a_6: elongation opposite the chamber
+  std::optional<double> saturation_per_pa = {};  ///< see Saturation
+  std::optional<double> stiffness_gain_nm2_per_pa = {};  ///< EI per gauge pressure of this chamber
+};
+
+/// Actuation that falls behind its input: what input i does is divided by
+///   1 + a_i |x_i| + b sum_j |x_j|,
+/// a_i of the chamber, tendon or cable, b of all of a segment's together; |x| is 0 for pressures and tensions
+/// below zero. It grows with its own input everywhere, and keeps its sign. Absent: as 0, proportional, and
+/// not to be identified unless asked for.
+struct Saturation {
+  std::optional<double> chambers_per_pa, tendons_per_n, cables_per_rad;  ///< b
 };
 
 /// A factor on the segment's stiffness at a fraction of its length (piecewise linear in between).
@@ -167,9 +185,13 @@ struct Segment {
   double mass_per_length_kg_m = 0.0;
   double diameter_m = 0.0;
   StiffnessLaw bending_stiffness;
-  std::optional<double> torsional_stiffness_nm2;                   ///< GJ; absent: rigid
-  std::optional<double> axial_stiffness_n;                         ///< EA; absent: rigid
-  std::optional<double> shear_stiffness_n;                         ///< GA; absent: rigid
+  Saturation saturation;
+  std::optional<double> torsional_stiffness_nm2;  ///< GJ; absent: rigid
+  std::optional<double> axial_stiffness_n;        ///< EA; absent: rigid
+  std::optional<double> shear_stiffness_n;        ///< GA; absent: rigid
+  /// Turn of the joint at the segment's start, where it meets the base or the segment before it, per bending
+  /// moment that the joint bears, rad / (N m); absent: rigid.
+  std::optional<double> joint_compliance_rad_per_nm;
   std::vector<StiffnessKnot> stiffness_profile;                    ///< empty: uniform
   Eigen::Vector3d rest_curvature_per_m = Eigen::Vector3d::Zero();  ///< u* in the section frame, 1/m
   std::vector<Chamber> chambers;

@@ -47,6 +47,8 @@ struct SegmentPrediction {
 ///   free to contract sideways: EI per actual length is E_t I of the undeformed section. A tendon's moment is
 ///   its tension times its offset. Negative tensions and absolute pressures are slack: 0.
 /// - Cables: curvature, see Cable.
+/// - Moments and cables' curvatures may fall behind their inputs, see Saturation; EI may grow with them, see
+///   StiffnessLaw. Pressures and tensions below zero count as 0 there.
 /// @param inputs in the order of Arm::inputs.scalars; a shorter list lacks its last inputs
 /// @return nothing where an input that the segment needs is absent or not finite, or where the inputs lie so
 /// far outside the laws' validity that no positive length or stiffness, or no stable stretch of the material,

@@ -25,6 +25,7 @@ using arm::ConstantRef;
 using arm::ConstantRole;
 using arm::constants_of;
 using arm::default_free;
+using arm::is_stated;
 using arm::name_of;
 using arm::role_of;
 using arm::segments_of;
@@ -104,7 +105,8 @@ class SOFTARM_EXPORT IdentifyError : public std::runtime_error {
 
 /// What is fitted, and to which frames.
 struct Options {
-  /// Patterns of the constants that are free, see matching(); empty: default_free().
+  /// Patterns of the constants that are free, see matching(); empty: default_free(). What the arm does not
+  /// state is freed by its name alone: by "saturation" or "*.per_mean_pressure", not by "segment_1.*".
   std::vector<std::string> free;
   std::vector<std::string> also_free;  ///< freed beside those
   std::vector<std::string>

@@ -33,6 +33,9 @@ struct Segment {
   double shear_compliance = 0.0;                                   ///< 1 / GA, 1 / N
   Eigen::Vector3d rest_curvature_per_m = Eigen::Vector3d::Zero();  ///< u*, section frame
   Eigen::Vector3d moment_nm = Eigen::Vector3d::Zero();             ///< M_act, section frame, uniform
+  /// Of a joint at the segment's start that turns, about the axes across it, by this times the moment m that
+  /// it bears, rad / (N m). Actuation is inside the segment and does not reach it.
+  double joint_compliance = 0.0;
   std::vector<arm::StiffnessKnot> stiffness_profile;  ///< factor on EI and GJ; fixed for a Solver
 };
 
@@ -81,6 +84,7 @@ enum class ParameterKind {
   kTorsionalCompliance,  ///< 1 / GJ
   kAxialCompliance,      ///< 1 / EA
   kShearCompliance,      ///< 1 / GA
+  kJointCompliance,      ///< of the joint at a segment's start, rad / (N m)
   kLength,               ///< length of a segment, m
   kSegmentMass,          ///< mass of a segment, kg
   kLoadForce,            ///< force component of a load, N

@@ -47,9 +47,11 @@ constexpr const char* kIdentifyExamples = R"(Examples:
   softarm identify --arm my_arm.yaml *.bag --out new.yaml --hold-out trial_7 --also-free length
   softarm identify --arm my_arm.yaml *.bag --out new.yaml --free '*.moment_gain,*.bending_stiffness.*'
   softarm identify --arm my_arm.yaml few/*.bag --out new.yaml --leave-one-out
+  softarm identify --arm my_arm.yaml *.bag --out new.yaml --hold '*.bending_stiffness.*' --also-free saturation
   softarm identify --arm my_arm.yaml *.bag --procedure pull
 Constants are named <segment>.<what>: segment_1.chamber_2.moment_gain, segment_1.bending_stiffness.base,
-segment_1.tendon_1.offset, segment_1.length ...; patterns may have * and ?; the last part alone will do.)";
+segment_1.tendon_1.offset, segment_1.length ...; patterns may have * and ?; the last part alone will do.
+What the arm file has no value for (saturation, growth of EI, joint_compliance) is 0, and freed by its name alone.)";
 
 std::string names_of(const identify::Result& result, bool held_out) {
   std::string names;
@@ -80,9 +82,10 @@ std::vector<std::string> header_of(const identify::Result& result) {
   for (const identify::Constant& constant : result.constants) {
     if (!constant.determined)
       lines.push_back(fmt::format("NOT determined by these trials: {}{}", constant.name,
-                                  constant.kept       ? " (ran into its limit; as it was)"
-                                  : constant.at_bound ? " (at its limit)"
-                                                      : ""));
+                                  constant.kept           ? " (ran into its limit; as it was)"
+                                  : !constant.at_bound    ? ""
+                                  : constant.value == 0.0 ? " (none was found)"
+                                                          : " (at its limit)"));
   }
   for (const std::string& note : result.prior_notes) lines.push_back("prior: " + note);
   return lines;

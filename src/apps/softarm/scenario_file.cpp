@@ -47,6 +47,12 @@ class Translated {
                        {"azimuth_deg", kDegPerRad * std::atan2(-u.x(), u.y())},
                        {"segment", static_cast<double>(i + 1)}}});
     }
+    for (std::size_t i = 0; i < arm_.segments.size(); ++i) {
+      const double compliance = arm_.segments[i].joint_compliance_rad_per_nm.value_or(0.0);
+      if (compliance == 0.0) continue;
+      if (i > 0) fail(fmt::format("segments[{}].joint_compliance_rad_per_nm", i), "a joint between segments");
+      list.push_back({"base_compliance", "", {{"stiffness_nm_per_rad", 1.0 / compliance}}});
+    }
     const Eigen::Vector3d& offset = arm_.payload.offset_m;
     if (!offset.isZero(0.0))
       list.push_back({"payload_offset",
@@ -73,6 +79,37 @@ class Translated {
     throw std::logic_error("input " + name);
   }
 
+  /// What EI grows with; the rig has its own exponent, of which 1 is ours.
+  static void growth(const arm::Segment& from, YAML::Node stiffness) {
+    const auto add = [&](const std::optional<double>& slope, const char* key, double at, int chamber = 0) {
+      if (slope.value_or(0.0) == 0.0) return;
+      YAML::Node one;
+      one["added_nm2"] = *slope * at;
+      one[key] = at;
+      if (chamber > 0) one["chamber"] = chamber;
+      stiffness["growth"].push_back(one);
+    };
+    constexpr double kAt_pa = 50e3;
+    add(from.bending_stiffness.per_mean_pressure_nm2_per_pa, "at_pa", kAt_pa);
+    for (std::size_t k = 0; k < from.chambers.size(); ++k)
+      add(from.chambers[k].stiffness_gain_nm2_per_pa, "at_pa", kAt_pa, static_cast<int>(k) + 1);
+    add(from.bending_stiffness.per_tension_nm2_per_n, "at_n", 1.0);
+    add(from.bending_stiffness.per_angle_nm2_per_rad, "at_rad", 1.0);
+  }
+
+  /// Where actuation is down to half: the inverse of ours. Of the rig's two forms the one that is ours.
+  static void saturation(const std::optional<double>& from, const char* key, YAML::Node to) {
+    if (from.value_or(0.0) > 0.0) to[key] = 1.0 / *from;
+  }
+  static void saturation(const arm::Segment& from, YAML::Node to) {
+    YAML::Node node;
+    node["form"] = "hyperbolic";
+    saturation(from.saturation.chambers_per_pa, "chambers_pa", node);
+    saturation(from.saturation.tendons_per_n, "tendons_n", node);
+    saturation(from.saturation.cables_per_rad, "cables_rad", node);
+    to["saturation"] = node;
+  }
+
   YAML::Node segment(std::size_t index) const {
     const arm::Segment& from = arm_.segments[index];
     if (!from.stiffness_profile.empty())
@@ -91,6 +128,8 @@ class Translated {
       one["bending_stiffness_nm2"] = knot.bending_stiffness_nm2;
       to["stiffness_by_pressure"].push_back(one);
     }
+    growth(from, stiffness);
+    saturation(from, to);
     to["torsional_stiffness_nm2"] = from.torsional_stiffness_nm2.value_or(kHardlyTwists_nm2);
     if (from.axial_stiffness_n) to["axial_stiffness_n"] = *from.axial_stiffness_n;
     if (from.shear_stiffness_n) to["shear_stiffness_n"] = *from.shear_stiffness_n;
@@ -105,6 +144,7 @@ class Translated {
       one["moment_gain_nm_per_pa"] = chamber.moment_gain_nm_per_pa;
       one["near_elongation_m_per_pa"] = chamber.near_elongation_m_per_pa;
       one["far_elongation_m_per_pa"] = chamber.far_elongation_m_per_pa;
+      saturation(chamber.saturation_per_pa, "saturation_pa", one);
       to["chambers"].push_back(one);
     }
     if (from.central_chamber) {
@@ -117,6 +157,7 @@ class Translated {
       one["input"] = input(tendon.input, arm::InputKind::kTension, "tendon");
       one["azimuth_deg"] = kDegPerRad * tendon.bending_direction_rad;
       one["offset_m"] = tendon.offset_m;
+      saturation(tendon.saturation_per_n, "saturation_n", one);
       to["tendons"].push_back(one);
     }
     for (const arm::Cable& cable : from.cables) {
@@ -127,6 +168,7 @@ class Translated {
       one["azimuth_deg"] = kDegPerRad * cable.bending_direction_rad;
       one["lever_m"] = lever;
       one["spool_radius_m"] = cable.curvature_gain_per_m_rad * from.length_m * lever;
+      saturation(cable.saturation_per_rad, "saturation_rad", one);
       to["cables"].push_back(one);
     }
     return to;

@@ -1,12 +1,30 @@
 // Cables wound up by servos: a curvature proportional to the servo's angle (cable paper (4), (5), (15)).
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "actuator.h"
 #include "arm/key_builders.h"
 #include "arm/yaml_section.h"
+#include "saturation.h"
 
 namespace softarm::arm {
 namespace {
+
+struct CableLaw {
+  using Item = Cable;
+  static constexpr std::vector<Cable> Segment::*kItems = &Segment::cables;
+  static constexpr std::optional<double> Cable::*kOwn = &Cable::saturation_per_rad;
+  static constexpr std::optional<double> Saturation::*kCommon = &Saturation::cables_per_rad;
+  static constexpr const char *kItem = "cable", *kInputs = "angles";
+  static constexpr double kUsual = 1.0, kMost = 100.0, kMostGrowth = 100.0;
+  static double size(double angle_rad) { return std::abs(angle_rad); }
+  static double acting(double angle_rad) { return angle_rad; }
+  static void bend(const Cable& one, double angle_rad, Drive& drive) {
+    drive.curvature_per_m += one.curvature_gain_per_m_rad * angle_rad * towards(one.bending_direction_rad);
+  }
+};
+using ByAngle = Growth<CableLaw, &StiffnessLaw::per_angle_nm2_per_rad, false>;
 
 const Cable& cable(const Segment& segment, int i) {
   return segment.cables[static_cast<std::size_t>(i)];
@@ -30,9 +48,12 @@ ConstantSpec curvature_gain() {
   };
   c.allowed = [](const Segment&, int) { return Range{0.0, 1e4}; };
   c.change = [](const Segment& s, int i, const InputReader& inputs, Change& change) {
-    const std::optional<double> angle_rad = inputs(cable(s, i).input);
-    if (angle_rad) change.drive.curvature_per_m = *angle_rad * towards(cable(s, i).bending_direction_rad);
-    return angle_rad.has_value();
+    const Cable& one = cable(s, i);
+    const std::optional<double> angle_rad = inputs(one.input), sum = sum_of_sizes<CableLaw>(s, inputs);
+    if (!angle_rad || !sum) return false;
+    change.drive.curvature_per_m =
+        *angle_rad / divisor<CableLaw>(s, one, *angle_rad, *sum) * towards(one.bending_direction_rad);
+    return true;
   };
   c.scale = [](const Segment& s, int i, const RecordedInputs& recorded) {
     return kBendThatMatters_rad / s.length_m / largest_or(recorded, cable_input(s, i), 1.0);
@@ -49,6 +70,7 @@ class Cables final : public ActuatorKind {
   Cables() : ActuatorKind({"cables", "cables", InputKind::kAngle, true, false}) {}
   int count(const Segment& segment) const override { return static_cast<int>(segment.cables.size()); }
   const std::string& input(const Segment& segment, int i) const override { return cable_input(segment, i); }
+  bool stiffens(const Segment& segment) const override { return ByAngle::stiffens(segment); }
   std::optional<double> bending_direction_rad(const Segment& segment, int i) const override {
     return cable(segment, i).bending_direction_rad;
   }
@@ -58,31 +80,48 @@ class Cables final : public ActuatorKind {
   }
 
   bool drive(const Segment& segment, const InputReader& inputs, Drive& drive) const override {
+    const std::optional<double> sum_rad = sum_of_sizes<CableLaw>(segment, inputs);
+    if (!sum_rad) return false;
     for (const Cable& one : segment.cables) {
-      const std::optional<double> angle_rad = inputs(one.input);
-      if (!angle_rad) return false;
-      drive.curvature_per_m += one.curvature_gain_per_m_rad * *angle_rad * towards(one.bending_direction_rad);
+      const double angle_rad = *inputs(one.input);
+      CableLaw::bend(one, angle_rad / divisor<CableLaw>(segment, one, angle_rad, *sum_rad), drive);
     }
+    drive.added_stiffness_nm2 += ByAngle::added_nm2(segment, *sum_rad);
     return true;
   }
 
   const std::vector<ConstantSpec>& constants() const override {
-    static const std::vector<ConstantSpec> list{curvature_gain()};
+    static const std::vector<ConstantSpec> list{
+        curvature_gain(),
+        own_saturation<CableLaw>(ConstantKind::kCableSaturation, "cable_{}.saturation", "1/rad"),
+        common_saturation<CableLaw>(ConstantKind::kCablesSaturation, "cables.saturation", "1/rad"),
+        ByAngle::constant(ConstantKind::kPerAngle, "bending_stiffness.per_angle", "N m^2/rad")};
     return list;
   }
 
   std::vector<yaml::KeySpec> segment_keys() const override {
-    return {yaml::list("cables", "[]", "cables wound up by servos")};
+    return {
+        yaml::list("cables", "[]", "cables wound up by servos"),
+        yaml::number("cables_saturation_per_rad", "1/rad", yaml::kAbsent, 0, CableLaw::kMost,
+                     "b: the curvatures by all cables are divided by 1 + b times the sum of their angles' "
+                     "sizes, beside their own saturation_per_rad")};
+  }
+  std::vector<yaml::KeySpec> stiffness_keys() const override {
+    return {yaml::number("per_angle_nm2_per_rad", "N m^2/rad", yaml::kAbsent, 0, CableLaw::kMostGrowth,
+                         "EI per rad of the sum of the servo angles' sizes")};
   }
   std::vector<const yaml::KeyTable*> segment_tables() const override { return {&keys()}; }
 
-  void read(const yaml::Section& section, const yaml::Section&, const Inputs& inputs,
+  void read(const yaml::Section& section, const yaml::Section& stiffness, const Inputs& inputs,
             Segment& segment) const override {
+    segment.saturation.cables_per_rad = number_if_given(section, "cables_saturation_per_rad");
+    segment.bending_stiffness.per_angle_nm2_per_rad = number_if_given(stiffness, "per_angle_nm2_per_rad");
     for (const yaml::Section& item : section.list("cables", keys())) {
       Cable one;
       one.input = yaml::read_input(item, "input", inputs, InputKind::kAngle, "a cable");
       one.bending_direction_rad = yaml::read_direction_rad(item);
       one.curvature_gain_per_m_rad = read_gain(item, segment.length_m);
+      one.saturation_per_rad = number_if_given(item, "saturation_per_rad");
       segment.cables.push_back(one);
     }
   }
@@ -92,11 +131,18 @@ class Cables final : public ActuatorKind {
   void visit_numbers(const Segment& before, const Segment& after, const yaml::Path& at,
                      const VisitNumber& visit) const override {
     const double longer = after.length_m / before.length_m;
+    visit({at / "cables_saturation_per_rad", before.saturation.cables_per_rad.value_or(0.0),
+           after.saturation.cables_per_rad.value_or(0.0)});
+    visit({at / "bending_stiffness" / "per_angle_nm2_per_rad",
+           before.bending_stiffness.per_angle_nm2_per_rad.value_or(0.0),
+           after.bending_stiffness.per_angle_nm2_per_rad.value_or(0.0)});
     for (std::size_t k = 0; k < after.cables.size(); ++k) {
       const double a = before.cables[k].curvature_gain_per_m_rad,
                    b = after.cables[k].curvature_gain_per_m_rad;
       const yaml::Path path = at / "cables" / k;
       visit({path / "curvature_gain_per_m_rad", a, b, path / "spool_radius_m", b / a * longer});
+      visit({path / "saturation_per_rad", before.cables[k].saturation_per_rad.value_or(0.0),
+             after.cables[k].saturation_per_rad.value_or(0.0)});
     }
   }
 
@@ -127,7 +173,10 @@ class Cables final : public ActuatorKind {
          yaml::number("spool_radius_m", "m", yaml::kAbsent, 1e-4, 1,
                       "r_s: radius of the spool; the gain is spool_radius_m / (length_m * lever_m)"),
          yaml::number("lever_m", "m", yaml::kAbsent, 1e-4, 1,
-                      "r + r_t: distance of the cable from the segment's axis")}};
+                      "r + r_t: distance of the cable from the segment's axis"),
+         yaml::number(
+             "saturation_per_rad", "1/rad", yaml::kAbsent, 0, CableLaw::kMost,
+             "a: its curvature is divided by 1 + a times the size of its angle; absent: proportional")}};
     return table;
   }
 };

@@ -8,11 +8,28 @@
 #include "actuator.h"
 #include "arm/key_builders.h"
 #include "arm/yaml_section.h"
+#include "saturation.h"
 
 namespace softarm::arm {
 namespace {
 
 constexpr double kElongationThatMatters = 0.02;  // of the length at the largest pressure
+
+/// A pressure below zero is a sensor's zero: its moment is in proportion, and it holds nothing back.
+struct ChamberLaw {
+  using Item = Chamber;
+  static constexpr std::vector<Chamber> Segment::*kItems = &Segment::chambers;
+  static constexpr std::optional<double> Chamber::*kOwn = &Chamber::saturation_per_pa;
+  static constexpr std::optional<double> Saturation::*kCommon = &Saturation::chambers_per_pa;
+  static constexpr const char *kItem = "chamber", *kInputs = "pressures";
+  static constexpr double kUsual = kUsualPressure_pa, kMost = 1e-2, kMostGrowth = 1e-4;
+  static double size(double pressure_pa) { return std::max(0.0, pressure_pa); }
+  static double acting(double pressure_pa) { return pressure_pa; }
+  static void bend(const Chamber& one, double pressure_pa, Drive& drive) {
+    drive.moment_nm += one.moment_gain_nm_per_pa * pressure_pa * towards(one.bending_direction_rad);
+  }
+};
+using ByMeanPressure = Growth<ChamberLaw, &StiffnessLaw::per_mean_pressure_nm2_per_pa, true>;
 
 const Chamber& chamber(const Segment& segment, int i) {
   return segment.chambers[static_cast<std::size_t>(i)];
@@ -45,9 +62,12 @@ ConstantSpec moment_gain() {
   };
   c.allowed = [](const Segment&, int) { return Range{0.0, 1e-3}; };
   c.change = [](const Segment& s, int i, const InputReader& inputs, Change& change) {
-    const std::optional<double> pressure_pa = inputs(chamber(s, i).input);
-    if (pressure_pa) change.drive.moment_nm = *pressure_pa * towards(chamber(s, i).bending_direction_rad);
-    return pressure_pa.has_value();
+    const Chamber& one = chamber(s, i);
+    const std::optional<double> pressure_pa = inputs(one.input), sum = sum_of_sizes<ChamberLaw>(s, inputs);
+    if (!pressure_pa || !sum) return false;
+    change.drive.moment_nm =
+        *pressure_pa / divisor<ChamberLaw>(s, one, *pressure_pa, *sum) * towards(one.bending_direction_rad);
+    return true;
   };
   c.scale = [](const Segment& s, int i, const RecordedInputs& recorded) {
     return kBendThatMatters_rad * unloaded_stiffness_nm2(s) / s.length_m /
@@ -139,13 +159,46 @@ ConstantSpec per_min_pressure() {
   return c;
 }
 
+ConstantSpec per_chamber() {
+  ConstantSpec c{ConstantKind::kPerChamber,
+                 ConstantRole::kBendingStiffnessSlope,
+                 "bending_stiffness.per_chamber_{}",
+                 "N m^2/Pa",
+                 "chamber",
+                 chamber_input};
+  c.count = chamber_count;
+  c.stated = [](const Segment& s, int i) { return chamber(s, i).stiffness_gain_nm2_per_pa.has_value(); };
+  c.value = [](const Segment& s, int i) { return chamber(s, i).stiffness_gain_nm2_per_pa.value_or(0.0); };
+  c.set = [](Segment& s, int i, double value) {
+    s.chambers[static_cast<std::size_t>(i)].stiffness_gain_nm2_per_pa = value;
+  };
+  c.allowed = [](const Segment&, int) { return Range{0.0, ChamberLaw::kMostGrowth}; };
+  c.change = [](const Segment& s, int i, const InputReader& inputs, Change& change) {
+    const std::optional<double> pressure_pa = inputs(chamber(s, i).input);
+    change.drive.added_stiffness_nm2 = ChamberLaw::size(pressure_pa.value_or(0.0));
+    return pressure_pa.has_value();
+  };
+  c.scale = [](const Segment& s, int i, const RecordedInputs& recorded) {
+    return kStiffnessThatMatters * unloaded_stiffness_nm2(s) /
+           largest_or(recorded, chamber_input(s, i), kUsualPressure_pa);
+  };
+  c.advice = [](const Segment& s, int i, const RecordedInputs& recorded) {
+    return fmt::format("record trials with {} high and low, each with and without a payload; {}",
+                       input_words(s, "chamber", chamber_input(s, i), i), recorded.load_advice());
+  };
+  return c;
+}
+
 class Chambers final : public ActuatorKind {
  public:
   Chambers() : ActuatorKind({"chambers", "chambers", InputKind::kPressure, true, false}) {}
   int count(const Segment& segment) const override { return chamber_count(segment); }
   const std::string& input(const Segment& segment, int i) const override { return chamber_input(segment, i); }
   bool stiffens(const Segment& segment) const override {
-    return segment.bending_stiffness.per_min_pressure_nm2_per_pa != 0.0;
+    return segment.bending_stiffness.per_min_pressure_nm2_per_pa != 0.0 ||
+           ByMeanPressure::stiffens(segment) ||
+           std::any_of(segment.chambers.begin(), segment.chambers.end(),
+                       [](const Chamber& one) { return one.stiffness_gain_nm2_per_pa.value_or(0.0) != 0.0; });
   }
   std::optional<double> bending_direction_rad(const Segment& segment, int i) const override {
     return chamber(segment, i).bending_direction_rad;
@@ -154,36 +207,58 @@ class Chambers final : public ActuatorKind {
   /// Every chamber pulls towards its own azimuth. On the bending axis, a quarter turn from there, the cosine
   /// terms of (3) cancel, and what is left is L0 + sum P_i (a_near + a_far).
   bool drive(const Segment& segment, const InputReader& inputs, Drive& drive) const override {
+    const std::optional<double> sum_pa = sum_of_sizes<ChamberLaw>(segment, inputs);
+    if (!sum_pa) return false;
     double lowest_pa = std::numeric_limits<double>::max();
     for (const Chamber& one : segment.chambers) {
-      const std::optional<double> pressure_pa = inputs(one.input);
-      if (!pressure_pa) return false;
-      drive.length_m += *pressure_pa * (one.near_elongation_m_per_pa + one.far_elongation_m_per_pa);
-      drive.moment_nm += one.moment_gain_nm_per_pa * *pressure_pa * towards(one.bending_direction_rad);
-      lowest_pa = std::min(lowest_pa, *pressure_pa);
+      const double pressure_pa = *inputs(one.input);
+      drive.length_m += pressure_pa * (one.near_elongation_m_per_pa + one.far_elongation_m_per_pa);
+      ChamberLaw::bend(one, pressure_pa / divisor<ChamberLaw>(segment, one, pressure_pa, *sum_pa), drive);
+      drive.added_stiffness_nm2 +=
+          one.stiffness_gain_nm2_per_pa.value_or(0.0) * ChamberLaw::size(pressure_pa);
+      lowest_pa = std::min(lowest_pa, pressure_pa);
     }
+    drive.added_stiffness_nm2 += ByMeanPressure::added_nm2(segment, *sum_pa);
     drive.added_stiffness_nm2 +=
         segment.bending_stiffness.per_min_pressure_nm2_per_pa * stiffening_pressure_pa(lowest_pa);
     return true;
   }
 
   const std::vector<ConstantSpec>& constants() const override {
-    static const std::vector<ConstantSpec> list{moment_gain(), elongation(), per_min_pressure()};
+    static const std::vector<ConstantSpec> list{
+        moment_gain(),
+        own_saturation<ChamberLaw>(ConstantKind::kChamberSaturation, "chamber_{}.saturation", "1/Pa"),
+        common_saturation<ChamberLaw>(ConstantKind::kChambersSaturation, "chambers.saturation", "1/Pa"),
+        elongation(),
+        per_min_pressure(),
+        ByMeanPressure::constant(ConstantKind::kPerMeanPressure, "bending_stiffness.per_mean_pressure",
+                                 "N m^2/Pa"),
+        per_chamber()};
     return list;
   }
 
   std::vector<yaml::KeySpec> segment_keys() const override {
-    return {yaml::list("chambers", "[]", "pneumatic chambers along the segment, off its axis")};
+    return {yaml::list("chambers", "[]", "pneumatic chambers along the segment, off its axis"),
+            yaml::number("chambers_saturation_per_pa", "1/Pa", yaml::kAbsent, 0, ChamberLaw::kMost,
+                         "b: the moments of all chambers are divided by 1 + b times the sum of their "
+                         "pressures, beside their own saturation_per_pa")};
   }
   std::vector<yaml::KeySpec> stiffness_keys() const override {
-    return {yaml::number("per_min_pressure_nm2_per_pa", "N m^2/Pa", "0", 0, 1e-4,
-                         "b2: EI per Pa of the lowest chamber pressure")};
+    return {
+        yaml::number("per_min_pressure_nm2_per_pa", "N m^2/Pa", "0", 0, 1e-4,
+                     "b2: EI per Pa of the lowest chamber pressure"),
+        yaml::number("per_mean_pressure_nm2_per_pa", "N m^2/Pa", yaml::kAbsent, 0, ChamberLaw::kMostGrowth,
+                     "EI per Pa of the mean chamber pressure (see also stiffness_gain_nm2_per_pa of a "
+                     "chamber)")};
   }
   std::vector<const yaml::KeyTable*> segment_tables() const override { return {&keys()}; }
 
   void read(const yaml::Section& section, const yaml::Section& stiffness, const Inputs& inputs,
             Segment& segment) const override {
     segment.bending_stiffness.per_min_pressure_nm2_per_pa = stiffness.number("per_min_pressure_nm2_per_pa");
+    segment.bending_stiffness.per_mean_pressure_nm2_per_pa =
+        number_if_given(stiffness, "per_mean_pressure_nm2_per_pa");
+    segment.saturation.chambers_per_pa = number_if_given(section, "chambers_saturation_per_pa");
     for (const yaml::Section& item : section.list("chambers", keys())) {
       Chamber one;
       one.input = yaml::read_input(item, "input", inputs, InputKind::kPressure, "a chamber");
@@ -191,6 +266,8 @@ class Chambers final : public ActuatorKind {
       one.moment_gain_nm_per_pa = item.number("moment_gain_nm_per_pa");
       one.near_elongation_m_per_pa = item.number("near_elongation_m_per_pa");
       one.far_elongation_m_per_pa = item.number("far_elongation_m_per_pa");
+      one.saturation_per_pa = number_if_given(item, "saturation_per_pa");
+      one.stiffness_gain_nm2_per_pa = number_if_given(item, "stiffness_gain_nm2_per_pa");
       segment.chambers.push_back(one);
     }
   }
@@ -200,12 +277,21 @@ class Chambers final : public ActuatorKind {
     visit({at / "bending_stiffness" / "per_min_pressure_nm2_per_pa",
            before.bending_stiffness.per_min_pressure_nm2_per_pa,
            after.bending_stiffness.per_min_pressure_nm2_per_pa});
+    visit({at / "bending_stiffness" / "per_mean_pressure_nm2_per_pa",
+           before.bending_stiffness.per_mean_pressure_nm2_per_pa.value_or(0.0),
+           after.bending_stiffness.per_mean_pressure_nm2_per_pa.value_or(0.0)});
+    visit({at / "chambers_saturation_per_pa", before.saturation.chambers_per_pa.value_or(0.0),
+           after.saturation.chambers_per_pa.value_or(0.0)});
     for (std::size_t k = 0; k < after.chambers.size(); ++k) {
       const Chamber &a = before.chambers[k], &b = after.chambers[k];
       const yaml::Path path = at / "chambers" / k;
       visit({path / "moment_gain_nm_per_pa", a.moment_gain_nm_per_pa, b.moment_gain_nm_per_pa});
       visit({path / "near_elongation_m_per_pa", a.near_elongation_m_per_pa, b.near_elongation_m_per_pa});
       visit({path / "far_elongation_m_per_pa", a.far_elongation_m_per_pa, b.far_elongation_m_per_pa});
+      visit(
+          {path / "saturation_per_pa", a.saturation_per_pa.value_or(0.0), b.saturation_per_pa.value_or(0.0)});
+      visit({path / "stiffness_gain_nm2_per_pa", a.stiffness_gain_nm2_per_pa.value_or(0.0),
+             b.stiffness_gain_nm2_per_pa.value_or(0.0)});
     }
   }
 
@@ -221,7 +307,11 @@ class Chambers final : public ActuatorKind {
          yaml::number("near_elongation_m_per_pa", "m/Pa", "0", -1e-5, 1e-5,
                       "a1, a3, a5: elongation at the chamber's side"),
          yaml::number("far_elongation_m_per_pa", "m/Pa", "0", -1e-5, 1e-5,
-                      "a2, a4, a6: elongation opposite the chamber")}};
+                      "a2, a4, a6: elongation opposite the chamber"),
+         yaml::number("saturation_per_pa", "1/Pa", yaml::kAbsent, 0, ChamberLaw::kMost,
+                      "a: its moment is c p / (1 + a p), which tends to c / a; absent: proportional"),
+         yaml::number("stiffness_gain_nm2_per_pa", "N m^2/Pa", yaml::kAbsent, 0, ChamberLaw::kMostGrowth,
+                      "EI of the segment per gauge pressure of this chamber")}};
     return table;
   }
 };

@@ -1,0 +1,179 @@
+// Laws that chambers, tendons and cables share: actuation that falls behind its input (arm::Saturation), and
+// EI that grows with the inputs. One set of templates; a kind says what is its own:
+//
+//   struct Law {
+//     using Item = ...;                                      // Chamber, Tendon, Cable
+//     static constexpr std::vector<Item> Segment::*kItems;
+//     static constexpr std::optional<double> Item::*kOwn;    // a_i
+//     static constexpr std::optional<double> Saturation::*kCommon;            // b
+//     static constexpr const char* kItem, *kInputs;          // words: "chamber", "pressures"
+//     static constexpr double kUsual, kMost;                 // an input that is usual; largest a_i, b
+//     static double size(double input);                      // |x|, 0 where the input does nothing
+//     static double acting(double input);                    // the input as it bends: 0 where slack
+//     static void bend(const Item&, double input, Drive&);   // adds what it does in proportion, of any sign
+//   };
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "arm/constant_spec.h"
+#include "arm/yaml_section.h"
+
+namespace softarm::arm {
+
+constexpr double kSaturationThatMatters = 0.2;  // of the actuation, at the largest input
+
+template <typename Law>
+const typename Law::Item& item_of(const Segment& segment, int i) {
+  return (segment.*Law::kItems)[static_cast<std::size_t>(i)];
+}
+
+template <typename Law>
+int count_of(const Segment& segment) {
+  return static_cast<int>((segment.*Law::kItems).size());
+}
+
+template <typename Law>
+const std::string& input_of(const Segment& segment, int i) {
+  return item_of<Law>(segment, i).input;
+}
+
+/// sum_j |x_j|. @return nothing where one of them is absent
+template <typename Law>
+std::optional<double> sum_of_sizes(const Segment& segment, const InputReader& inputs) {
+  double sum = 0.0;
+  for (const typename Law::Item& one : segment.*Law::kItems) {
+    const std::optional<double> value = inputs(one.input);
+    if (!value) return std::nullopt;
+    sum += Law::size(*value);
+  }
+  return sum;
+}
+
+/// 1 + a_i |x_i| + b sum_j |x_j|: what the actuation is divided by.
+template <typename Law>
+double divisor(const Segment& segment, const typename Law::Item& item, double value, double sum) {
+  return 1.0 + (item.*Law::kOwn).value_or(0.0) * Law::size(value) +
+         (segment.saturation.*Law::kCommon).value_or(0.0) * sum;
+}
+
+/// Over the frames, the largest sum of sizes; what is usual where there is none.
+template <typename Law>
+double largest_sum(const Segment& segment, const RecordedInputs& recorded) {
+  std::vector<double> sums;
+  for (const typename Law::Item& one : segment.*Law::kItems) {
+    const std::vector<double> values = recorded.values(one.input);
+    sums.resize(std::max(sums.size(), values.size()), 0.0);
+    for (std::size_t k = 0; k < values.size(); ++k) sums[k] += Law::size(values[k]);
+  }
+  const double most = sums.empty() ? 0.0 : *std::max_element(sums.begin(), sums.end());
+  return most > 0.0 ? most : Law::kUsual;
+}
+
+/// a_i
+template <typename Law>
+ConstantSpec own_saturation(ConstantKind kind, const char* name, const char* unit) {
+  ConstantSpec c{kind, ConstantRole::kSaturation, name, unit, Law::kItem, input_of<Law>};
+  c.count = count_of<Law>;
+  c.stated = [](const Segment& s, int i) { return (item_of<Law>(s, i).*Law::kOwn).has_value(); };
+  c.value = [](const Segment& s, int i) { return (item_of<Law>(s, i).*Law::kOwn).value_or(0.0); };
+  c.set = [](Segment& s, int i, double value) {
+    (s.*Law::kItems)[static_cast<std::size_t>(i)].*Law::kOwn = value;
+  };
+  c.allowed = [](const Segment&, int) { return Range{0.0, Law::kMost}; };
+  c.change = [](const Segment& s, int i, const InputReader& inputs, Change& change) {
+    const typename Law::Item& item = item_of<Law>(s, i);
+    const std::optional<double> value = inputs(item.input), sum = sum_of_sizes<Law>(s, inputs);
+    if (!value || !sum) return false;
+    const double by = divisor<Law>(s, item, *value, *sum);
+    Law::bend(item, -Law::acting(*value) * Law::size(*value) / (by * by), change.drive);
+    return true;
+  };
+  c.scale = [](const Segment& s, int i, const RecordedInputs& recorded) {
+    return kSaturationThatMatters / largest_or(recorded, input_of<Law>(s, i), Law::kUsual);
+  };
+  c.advice = [](const Segment& s, int i, const RecordedInputs&) {
+    return fmt::format("record trials with small and large values of {}, the other {} at rest",
+                       input_words(s, Law::kItem, input_of<Law>(s, i), i), Law::kInputs);
+  };
+  return c;
+}
+
+/// b
+template <typename Law>
+ConstantSpec common_saturation(ConstantKind kind, const char* name, const char* unit) {
+  ConstantSpec c{kind, ConstantRole::kSaturation, name, unit};
+  c.count = [](const Segment& s) { return (s.*Law::kItems).empty() ? 0 : 1; };
+  c.stated = [](const Segment& s, int) { return (s.saturation.*Law::kCommon).has_value(); };
+  c.value = [](const Segment& s, int) { return (s.saturation.*Law::kCommon).value_or(0.0); };
+  c.set = [](Segment& s, int, double value) { s.saturation.*Law::kCommon = value; };
+  c.allowed = [](const Segment&, int) { return Range{0.0, Law::kMost}; };
+  c.change = [](const Segment& s, int, const InputReader& inputs, Change& change) {
+    const std::optional<double> sum = sum_of_sizes<Law>(s, inputs);
+    if (!sum) return false;
+    for (const typename Law::Item& item : s.*Law::kItems) {
+      const double value = *inputs(item.input), by = divisor<Law>(s, item, value, *sum);
+      Law::bend(item, -Law::acting(value) * *sum / (by * by), change.drive);
+    }
+    return true;
+  };
+  c.scale = [](const Segment& s, int, const RecordedInputs& recorded) {
+    return kSaturationThatMatters / largest_sum<Law>(s, recorded);
+  };
+  c.advice = [](const Segment& s, int, const RecordedInputs&) {
+    return fmt::format("record trials of {} with all {} low and all high, and in changing mixtures", s.name,
+                       Law::kInputs);
+  };
+  return c;
+}
+
+/// EI per sum of the sizes, or per their mean.
+/// @tparam kSlope the member of StiffnessLaw
+template <typename Law, std::optional<double> StiffnessLaw::*kSlope, bool kMean>
+struct Growth {
+  static double added_nm2(const Segment& segment, double sum) {
+    return (segment.bending_stiffness.*kSlope).value_or(0.0) * size(segment, sum);
+  }
+  static double size(const Segment& segment, double sum) {
+    return kMean && !(segment.*Law::kItems).empty() ? sum / count_of<Law>(segment) : sum;
+  }
+  static bool stiffens(const Segment& segment) {
+    return (segment.bending_stiffness.*kSlope).value_or(0.0) != 0.0;
+  }
+
+  /// @param most the largest slope
+  static ConstantSpec constant(ConstantKind kind, const char* name, const char* unit) {
+    ConstantSpec c{kind, ConstantRole::kBendingStiffnessSlope, name, unit};
+    c.count = [](const Segment& s) { return (s.*Law::kItems).empty() ? 0 : 1; };
+    c.stated = [](const Segment& s, int) { return (s.bending_stiffness.*kSlope).has_value(); };
+    c.value = [](const Segment& s, int) { return (s.bending_stiffness.*kSlope).value_or(0.0); };
+    c.set = [](Segment& s, int, double value) { s.bending_stiffness.*kSlope = value; };
+    c.allowed = [](const Segment&, int) { return Range{0.0, Law::kMostGrowth}; };
+    c.change = [](const Segment& s, int, const InputReader& inputs, Change& change) {
+      const std::optional<double> sum = sum_of_sizes<Law>(s, inputs);
+      if (!sum) return false;
+      change.drive.added_stiffness_nm2 = size(s, *sum);
+      return true;
+    };
+    c.scale = [](const Segment& s, int, const RecordedInputs& recorded) {
+      return kStiffnessThatMatters * unloaded_stiffness_nm2(s) / size(s, largest_sum<Law>(s, recorded));
+    };
+    c.advice = [](const Segment& s, int, const RecordedInputs& recorded) {
+      return fmt::format("record trials of {} with high and low {}, each with and without a payload; {}",
+                         s.name, Law::kInputs, recorded.load_advice());
+    };
+    return c;
+  }
+};
+
+/// A number that an arm file may leave out, and that means 0 then.
+inline std::optional<double> number_if_given(const yaml::Section& section, const char* key) {
+  return section.has(key) ? std::optional(section.number(key)) : std::nullopt;
+}
+
+}  // namespace softarm::arm
