@@ -130,10 +130,17 @@ struct Imported {
   std::uint64_t left_out_rows = 0;
 };
 
-Imported import_file(const trial::CsvLayout& layout, const ImportOptions& options, const std::string& file,
+/// A layout as read, and its text.
+struct Layout {
+  trial::CsvLayout layout;
+  std::string text;
+};
+
+Imported import_file(const Layout& by, const ImportOptions& options, const std::string& file,
                      const fs::path& path, const std::vector<Span>& left_out, Progress& progress) {
+  const trial::CsvLayout& layout = by.layout;
   Imported result;
-  result.bags = std::make_unique<ImportBags>(layout, path, options.split_every_s);
+  result.bags = std::make_unique<ImportBags>(layout, by.text, path, options.split_every_s);
   std::uint64_t rows = 0;
   trial::CsvSources sources;
   sources.inputs_path = options.inputs;
@@ -144,7 +151,11 @@ Imported import_file(const trial::CsvLayout& layout, const ImportOptions& option
     ++rows;
     if (std::any_of(left_out.begin(), left_out.end(),
                     [&](const Span& span) { return row.time_s >= span.from_s && row.time_s < span.to_s; })) {
-      ++result.left_out_rows;
+      // With two clocks a row comes as its inputs and as its bodies: counted once.
+      const bool has_body =
+          std::any_of(row.bodies.begin(), row.bodies.end(), [](const auto& b) { return b.has_value(); });
+      result.left_out_rows += layout.bodies_ahead_s == 0.0 || !has_body;
+      result.bags->leave_out();
       return;
     }
     result.bags->write(row);
@@ -179,13 +190,17 @@ void print_report(const ImportOptions& options, const std::string& file, const I
   for (const auto& [reason, count] : report.bad_rows) fmt::print("  rows skipped, {}: {}\n", reason, count);
   if (report.repeated) fmt::print("  rows whose poses only repeat the row before: {}\n", report.repeated);
   for (const auto& [reason, count] : report.lost) fmt::print("  absent, {}: {}\n", reason, count);
+  if (report.one_clock_only)
+    fmt::print("  poses or inputs left out, the other clock has no time for them: {}\n",
+               report.one_clock_only);
   if (report.join) print_join(options.inputs, *report.join);
   for (const std::string& example : report.examples) fmt::print(stderr, "softarm: {}\n", example);
 }
 
 void run_import(const ImportOptions& options) {
   const fs::path layout_path = find_config("layouts", options.layout);
-  trial::CsvLayout layout = trial::parse_csv_layout(read_text(layout_path), layout_path.string());
+  Layout by{{}, read_text(layout_path)};
+  trial::CsvLayout& layout = by.layout = trial::parse_csv_layout(by.text, layout_path.string());
   if (!options.payload.empty()) {
     layout.payload = payload_of(options.payload);
     layout.payload_column.reset();
@@ -204,7 +219,7 @@ void run_import(const ImportOptions& options) {
   std::vector<Imported> imported;
   std::set<fs::path> taken;
   for (std::size_t i = 0; i < options.files.size(); ++i) {
-    imported.push_back(import_file(layout, options, options.files[i], paths[i], left_out, progress));
+    imported.push_back(import_file(by, options, options.files[i], paths[i], left_out, progress));
     for (const ImportBags::Bag& bag : imported.back().bags->bags()) {
       if (!taken.insert(bag.file->path()).second)
         throw Failure(
