@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <map>
 #include <memory>
@@ -21,6 +22,7 @@
 #include "progress.h"
 #include "shipped.h"
 #include "trial/csv_recording.h"
+#include "trial/layout_guess.h"
 
 namespace softarm::app {
 namespace {
@@ -30,7 +32,7 @@ namespace fs = std::filesystem;
 struct ImportOptions {
   std::string layout;
   std::vector<std::string> files;
-  std::string out, inputs;
+  std::string out, inputs, guess;
   std::optional<double> split_every_s;
   std::vector<std::string> payload, leave_out;  ///< as typed
 };
@@ -40,6 +42,7 @@ struct Span {
 };
 
 constexpr const char* kImportExamples = R"(Examples:
+  softarm import --guess trial.csv --out my_layout.yaml
   softarm import pouch_arm_one_segment trial.txt --out trial.bag
   softarm import my_layout.yaml day1/*.csv --out bags/
   softarm import my_layout.yaml loaded.csv --payload 0 --payload 10.5:0.4 --leave-out 7:10.5 --out loaded.bag
@@ -197,7 +200,31 @@ void print_report(const ImportOptions& options, const std::string& file, const I
   for (const std::string& example : report.examples) fmt::print(stderr, "softarm: {}\n", example);
 }
 
+/// Writes a draft of a layout, or prints it.
+void run_guess(const ImportOptions& options) {
+  if (!options.layout.empty()) throw Failure("--guess takes one recording, and no layout");
+  bytes_of({options.guess});
+  const trial::LayoutGuess guess = trial::guess_layout(options.guess);
+  const std::string text = to_yaml(guess, fs::path(options.guess).filename().string());
+  if (options.out.empty()) {
+    fmt::print("{}", text);
+    return;
+  }
+  OutputFile file(options.out);
+  std::ofstream(file.temporary()) << text;
+  file.commit();
+  const std::size_t open = blanks(guess);
+  fmt::print("{} -> {}: {}\n", options.guess, options.out,
+             open == 0 ? "nothing is left to fill in; check what was guessed"
+                       : fmt::format("{} value{} to fill in (FILL IN); check what was guessed", open,
+                                     open == 1 ? "" : "s"));
+}
+
 void run_import(const ImportOptions& options) {
+  if (!options.guess.empty()) return run_guess(options);
+  if (options.layout.empty()) throw Failure("LAYOUT is missing; softarm import --guess FILE drafts one");
+  if (options.files.empty()) throw Failure("FILE is missing: the recordings");
+  if (options.out.empty()) throw Failure("--out is missing: the bag, or a folder for one bag per recording");
   const fs::path layout_path = find_config("layouts", options.layout);
   Layout by{{}, read_text(layout_path)};
   trial::CsvLayout& layout = by.layout = trial::parse_csv_layout(by.text, layout_path.string());
@@ -238,10 +265,13 @@ void add_import(CLI::App& program) {
   const auto options = std::make_shared<ImportOptions>();
   CLI::App* command =
       program.add_subcommand("import", "Turn CSV recordings into trial bags by a column layout.");
-  command->add_option("LAYOUT", options->layout, "layout file, or the name of one in config/layouts")
-      ->required();
-  command->add_option("FILE", options->files, "recordings")->required();
-  command->add_option("--out", options->out, "the bag, or a folder for one bag per recording")->required();
+  command->add_option("LAYOUT", options->layout, "layout file, or the name of one in config/layouts");
+  command->add_option("FILE", options->files, "recordings");
+  command->add_option("--out", options->out,
+                      "the bag, or a folder for one bag per recording; with --guess the layout");
+  command->add_option(
+      "--guess", options->guess,
+      "draft an annotated layout for this recording, in place of importing (to --out, else printed)");
   command->add_option(
       "--inputs", options->inputs,
       "file whose rows are joined to the recordings' by an id, where the layout has a key 'join'");
