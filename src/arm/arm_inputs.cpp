@@ -99,6 +99,7 @@ ScalarInput read_pressure(const Section& section) {
   input.scale_to_si = pascals_per(section.word("unit"));
   input.reference =
       section.word("reference") == "gauge" ? PressureReference::kGauge : PressureReference::kAbsolute;
+  input.zero_si = section.number("zero") * input.scale_to_si;
   return input;
 }
 

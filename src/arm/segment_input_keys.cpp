@@ -161,6 +161,7 @@ const KeyTable& pressure_input_keys() {
        word("stamp", {"header", "receipt"}, "header", kStampMeaning),
        word("unit", {"Pa", "kPa", "MPa", "bar", "mbar", "psi"}, "Pa", "unit of the values"),
        word("reference", {"absolute", "gauge"}, "absolute", "zero of the values: vacuum or ambient"),
+       number("zero", "", "0", -1e7, 1e7, "what the sensor shows too much, in that unit; it is subtracted"),
        flag("vacuum", "false", "evacuates a jamming core: the value used is ambient minus absolute"),
        number("latency_s", "s", "0", -3600, 3600, kLatencyMeaning), between_key()}};
   return table;

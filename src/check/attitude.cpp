@@ -7,6 +7,7 @@
 #include "context.h"
 #include "math_of_poses.h"
 #include "policy.h"
+#include "settings.h"
 #include "shape.h"
 
 namespace softarm::check {
@@ -39,13 +40,10 @@ void say_base(Context& context, const Place& first, double off) {
                          "(an up axis that was not converted turns it by 90 deg)";
   // The rotation that brings z to the arm, in the body's frame.
   const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), first.p_base);
-  const Eigen::Quaterniond q = Eigen::Quaterniond(context.arm.base.rod_in_body.linear()) * turn;
-  finding.setting = context.arm.base.body
-                        ? fmt::format(
-                              "base.rod_in_body.quaternion_xyzw: [{:.3f}, {:.3f}, {:.3f}, {:.3f}], up to "
-                              "the bend of the arm at rest and a turn about z",
-                              q.x(), q.y(), q.z(), q.w())
-                        : "base.fixed.attitude";
+  Eigen::Isometry3d pose = context.arm.base.body ? context.arm.base.rod_in_body : context.arm.base.fixed_pose;
+  pose.linear() = (pose.linear() * turn).eval();
+  finding.remedy += "; this is so up to the bend of the arm at rest and a turn about z";
+  finding.setting = (context.arm.base.body ? "base.rod_in_body: " : "base.fixed: ") + pose_value(pose);
 }
 
 void say_backwards(Context& context, const Track& track, double tilt) {
@@ -59,11 +57,9 @@ void say_backwards(Context& context, const Track& track, double tilt) {
   finding.unit = "rad";
   finding.remedy = usable ? "turn the section in the body's frame"
                           : "its orientation is not used yet; turn the section before it is";
-  const Eigen::Quaterniond q = Eigen::Quaterniond(track.body->section_in_body.linear()) *
-                               Eigen::Quaterniond(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitY()));
-  finding.setting =
-      fmt::format("bodies[{}].section_in_body.quaternion_xyzw: [{:.3f}, {:.3f}, {:.3f}, {:.3f}]", track.name,
-                  q.x(), q.y(), q.z(), q.w());
+  const Eigen::Isometry3d section =
+      track.body->section_in_body * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitY());
+  finding.setting = fmt::format("bodies[{}].section_in_body: {}", track.name, pose_value(section));
 }
 
 void say_turned(Context& context, const Track& track, double turn_rad) {
@@ -76,8 +72,9 @@ void say_turned(Context& context, const Track& track, double turn_rad) {
   finding.remedy =
       "the tangent is right, so estimates of bending suffer no harm; positions do where "
       "section_in_body has an offset across the arm. Look whether the other trials have it too";
-  finding.setting =
-      fmt::format("bodies[{}].section_in_body.rpy_deg: half a turn about the backbone", track.name);
+  const Eigen::Isometry3d section =
+      track.body->section_in_body * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ());
+  finding.setting = fmt::format("bodies[{}].section_in_body: {}", track.name, pose_value(section));
 }
 
 void check_attitude(Context& context) {
@@ -99,7 +96,7 @@ void check_attitude(Context& context) {
     const Track& track = context.tracks[place.track];
     const Eigen::Vector3d chord = place.p_base - last;
     last = place.p_base;
-    if (!place.q_base) continue;
+    if (!place.q_base || track.body->kind != arm::BodyKind::kRing) continue;
     const double tilt = angle_between(*place.q_base * Eigen::Vector3d::UnitZ(), chord);
     const double turn_rad = turn_about_tangent(*place.q_base);
     if (tilt > kPolicy.geometry.backwards_rad) {

@@ -97,6 +97,7 @@ CheckReport check_recording(const trial::CheckRecording& recording, const arm::A
   report.duration_s = context.duration_s;
   report.streams = streams_of(context);
   report.findings = std::move(context.findings);
+  report.zeros = std::move(context.zeros);
   merge_alike(report.findings);
   std::stable_sort(report.findings.begin(), report.findings.end(),
                    [](const CheckFinding& a, const CheckFinding& b) { return a.severity > b.severity; });

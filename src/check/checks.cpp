@@ -32,7 +32,8 @@ namespace softarm::check {
   check(input_levels)         \
   check(input_signals)        \
   check(payload)              \
-  check(clocks)
+  check(clocks)               \
+  check(dead_inputs)
 // clang-format on
 
 #define SOFTARM_DECLARE(name) Check make_##name();

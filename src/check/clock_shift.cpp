@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "clock_problem.h"
 #include "math/linear_algebra.h"
 #include "policy.h"
 
@@ -19,84 +20,13 @@ namespace softarm::check {
 namespace {
 
 constexpr double kScanS = kPolicy.clocks.scan_s;
-constexpr double kStepS = kPolicy.clocks.sample_s;
-constexpr double kBlockS = kPolicy.clocks.block_s;
-
-struct Problem {
-  std::vector<double> t_s;
-  Eigen::MatrixXd y;     // samples x 3, m
-  Eigen::MatrixXd hats;  // orthonormal columns
-  std::vector<int> block;
-  std::vector<const Signal*> signals;
-  bool with_plays = true;
-};
-
-/// Mean place of the track about a time, and the mean of the times; absent where it was not seen.
-std::optional<std::pair<double, Eigen::Vector3d>> place_at(const Track& track, std::size_t& at, double t_s) {
-  while (at < track.poses.size() && track.poses[at].t_s < t_s - 0.5 * kStepS) ++at;
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  double time = 0.0;
-  int count = 0;
-  for (std::size_t i = at; i < track.poses.size() && track.poses[i].t_s < t_s + 0.5 * kStepS; ++i) {
-    if (!track.poses[i].good) continue;
-    sum += track.poses[i].p;
-    time += track.poses[i].t_s;
-    ++count;
-  }
-  if (count == 0) return std::nullopt;
-  return std::make_pair(time / count, Eigen::Vector3d(sum / count));
-}
-
-void add_plays(const Eigen::VectorXd& u, double range, std::vector<Eigen::VectorXd>* columns) {
-  for (const double width : kPolicy.clocks.plays) {
-    Eigen::VectorXd play(u.size());
-    double x = u(0);
-    for (Eigen::Index k = 0; k < u.size(); ++k) {
-      const double half = 0.5 * width * range;
-      x = std::clamp(x, u(k) - half, u(k) + half);
-      play(k) = x;
-    }
-    columns->push_back(play);
-  }
-}
-
-/// The regressors at a shift: the arm at t answers to the inputs at t - shift. Hats are projected out.
-Eigen::MatrixXd regressors(const Problem& problem, double shift_s) {
-  const auto n = static_cast<Eigen::Index>(problem.t_s.size());
-  std::vector<Eigen::VectorXd> linear;
-  std::vector<Eigen::VectorXd> columns;
-  for (const Signal* signal : problem.signals) {
-    Eigen::VectorXd u(n);
-    const double middle = 0.5 * (signal->low + signal->high), half = std::max(0.5 * signal->range(), 1e-12);
-    for (Eigen::Index k = 0; k < n; ++k) {
-      u(k) = (signal->at(problem.t_s[static_cast<std::size_t>(k)] - shift_s) - middle) / half;
-    }
-    linear.push_back(u);
-    columns.push_back(u);
-    if (problem.with_plays) add_plays(u, 2.0, &columns);
-  }
-  // A place on a bent arm is no linear function of its bending: without the cubes the plays would stand in.
-  const bool few = linear.size() <= kPolicy.clocks.few_inputs;
-  for (std::size_t i = 0; i < linear.size(); ++i) {
-    const Eigen::VectorXd square = linear[i].cwiseProduct(linear[i]);
-    for (std::size_t j = 0; j < linear.size(); ++j) {
-      if (j >= i && (i == j || linear.size() <= kPolicy.clocks.some_inputs))
-        columns.push_back(linear[i].cwiseProduct(linear[j]));
-      if (i == j || few) columns.push_back(square.cwiseProduct(linear[j]));
-    }
-  }
-  Eigen::MatrixXd a(n, static_cast<Eigen::Index>(columns.size()));
-  for (std::size_t c = 0; c < columns.size(); ++c) a.col(static_cast<Eigen::Index>(c)) = columns[c];
-  a -= problem.hats * (problem.hats.transpose() * a);
-  return a;
-}
 
 struct Fit {
   double cost = 0.0;
   Eigen::MatrixXd residual, coefficients;
 };
 
-Fit fit(const Problem& problem, const Eigen::MatrixXd& a) {
+Fit fit(const ClockProblem& problem, const Eigen::MatrixXd& a) {
   // A small ridge: inputs that move together leave the split between them open, not the fit.
   Eigen::MatrixXd normal = a.transpose() * a;
   normal.diagonal().array() += 1e-8 * (1.0 + normal.diagonal().maxCoeff());
@@ -107,90 +37,7 @@ Fit fit(const Problem& problem, const Eigen::MatrixXd& a) {
   return result;
 }
 
-/// The body farthest along the arm; null where none is seen often enough.
-const Track* outermost(const Context& context) {
-  const Track* tip = nullptr;
-  for (const Track& track : context.tracks) {
-    if (!track.is_base() && track.poses.size() > kPolicy.clocks.least_poses &&
-        (!tip || track.arclength_m >= tip->arclength_m))
-      tip = &track;
-  }
-  return tip;
-}
-
-bool drives(const Signal& signal) {
-  if (signal.points.size() < kPolicy.clocks.least_values) return false;
-  if (signal.range() <= kPolicy.clocks.driven_noises * signal.noise_sd || signal.range() == 0.0) return false;
-  return signal.input->kind != arm::InputKind::kPressure || signal.range() >= kPolicy.clocks.driven_pa;
-}
-
-/// Hat functions over the time of the samples, one per column: they take up what is slow.
-Eigen::MatrixXd hat_functions(const std::vector<double>& t_s, const CheckSpan& span) {
-  const double length_s = span.to_s - span.from_s;
-  const int hats =
-      std::max(2, std::min(kPolicy.clocks.most_slow, static_cast<int>(length_s / kPolicy.clocks.slow_s) + 1));
-  const double spacing = length_s / (hats - 1);
-  Eigen::MatrixXd h = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(t_s.size()), hats);
-  for (Eigen::Index k = 0; k < h.rows(); ++k) {
-    const double x = (t_s[static_cast<std::size_t>(k)] - span.from_s) / spacing;
-    const int i = std::min(hats - 2, static_cast<int>(x));
-    h(k, i) = 1.0 - (x - i);
-    h(k, i + 1) = x - i;
-  }
-  return h;
-}
-
-/// Known payloads: a step each. (Hats take up what is slow, not what is sudden.)
-Eigen::MatrixXd payload_steps(const std::vector<double>& t_s, const std::vector<ValuePoint>& payload) {
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < payload.size(); ++i) {
-    if (payload[i].value != payload[i - 1].value) steps.push_back(payload[i].t_s);
-  }
-  if (steps.size() >= kPolicy.clocks.most_steps) steps.clear();
-  Eigen::MatrixXd columns(static_cast<Eigen::Index>(t_s.size()), static_cast<Eigen::Index>(steps.size()));
-  for (Eigen::Index s = 0; s < columns.cols(); ++s) {
-    for (Eigen::Index k = 0; k < columns.rows(); ++k) {
-      columns(k, s) = t_s[static_cast<std::size_t>(k)] >= steps[static_cast<std::size_t>(s)] ? 1.0 : 0.0;
-    }
-  }
-  return columns;
-}
-
-std::optional<Problem> pose_problem(const Context& context) {
-  Problem problem;
-  const Track* tip = outermost(context);
-  if (!tip) return std::nullopt;
-  CheckSpan span{tip->poses.front().t_s, tip->poses.back().t_s};
-  for (const Signal& signal : context.signals) {
-    if (!drives(signal)) continue;
-    problem.signals.push_back(&signal);
-    span.from_s = std::max(span.from_s, signal.points.front().t_s);
-    span.to_s = std::min(span.to_s, signal.points.back().t_s);
-  }
-  if (problem.signals.empty() || span.to_s - span.from_s < kPolicy.clocks.least_s) return std::nullopt;
-  std::vector<Eigen::Vector3d> places;
-  std::size_t at = 0;
-  for (double t = span.from_s; t <= span.to_s; t += kStepS) {
-    const auto place = place_at(*tip, at, t);
-    if (!place) continue;
-    problem.t_s.push_back(place->first);
-    problem.block.push_back(static_cast<int>((t - span.from_s) / kBlockS));
-    places.push_back(place->second);
-  }
-  const auto n = static_cast<Eigen::Index>(places.size());
-  if (n < kPolicy.clocks.least_samples) return std::nullopt;
-  problem.y.resize(n, 3);
-  for (Eigen::Index k = 0; k < n; ++k) problem.y.row(k) = places[static_cast<std::size_t>(k)].transpose();
-  const Eigen::MatrixXd hats = hat_functions(problem.t_s, span);
-  const Eigen::MatrixXd steps = payload_steps(problem.t_s, context.payload);
-  Eigen::MatrixXd h(n, hats.cols() + steps.cols());
-  h << hats, steps;
-  problem.hats = math::basis_of_columns(h);
-  problem.y -= problem.hats * (problem.hats.transpose() * problem.y);
-  return problem;
-}
-
-ClockShift solve(const Problem& problem) {
+ClockShift solve(const ClockProblem& problem) {
   ClockShift result;
   double least = -1.0;
   for (double shift = -kPolicy.clocks.most_shift_s; shift <= kPolicy.clocks.most_shift_s + 1e-9;
@@ -237,10 +84,10 @@ ClockShift solve(const Problem& problem) {
 }
 
 /// One half of it.
-Problem half_of(const Problem& problem, bool second) {
+ClockProblem half_of(const ClockProblem& problem, bool second) {
   const auto n = static_cast<Eigen::Index>(problem.t_s.size());
   const Eigen::Index from = second ? n / 2 : 0, count = second ? n - n / 2 : n / 2;
-  Problem half = problem;
+  ClockProblem half = problem;
   half.t_s.assign(problem.t_s.begin() + from, problem.t_s.begin() + from + count);
   half.block.assign(problem.block.begin() + from, problem.block.begin() + from + count);
   for (int& block : half.block) block -= problem.block[static_cast<std::size_t>(from)];
@@ -252,8 +99,8 @@ Problem half_of(const Problem& problem, bool second) {
 
 }  // namespace
 
-std::optional<ClockShift> clock_shift(const Context& context) {
-  const auto problem = pose_problem(context);
+std::optional<ClockShift> clock_shift(const Context& context, double centre_s) {
+  const auto problem = clock_problem(context, centre_s, kPolicy.clocks.sample_s);
   if (!problem) return std::nullopt;
   if (problem->block.back() + 1 < kPolicy.clocks.least_blocks) {
     ClockShift nothing;
@@ -262,7 +109,7 @@ std::optional<ClockShift> clock_shift(const Context& context) {
   }
   ClockShift shift = solve(*problem);
   // How much hysteresis there is nobody knows: with and without it differ by what the model leaves open.
-  Problem plain = *problem;
+  ClockProblem plain = *problem;
   plain.with_plays = false;
   shift.sd_s =
       std::hypot(shift.sd_s, kPolicy.clocks.hysteresis_share * (solve(plain).shift_s - shift.shift_s));
@@ -277,6 +124,7 @@ std::optional<ClockShift> clock_shift(const Context& context) {
     }
     shift.sd_s = std::hypot(shift.sd_s, std::sqrt(0.5 * sum / weights));
   }
+  shift.shift_s += centre_s;
   return shift;
 }
 

@@ -15,7 +15,8 @@ struct ClockShift {
   bool too_short = false;  ///< nothing else holds then
 };
 
+/// @param centre_s shifts within a second of it are looked for
 /// @return nothing where no input changes while a body is seen
-std::optional<ClockShift> clock_shift(const Context& context);
+std::optional<ClockShift> clock_shift(const Context& context, double centre_s = 0.0);
 
 }  // namespace softarm::check

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "clock_search.h"
 #include "clock_shift.h"
 #include "context.h"
 #include "math/statistics.h"
 #include "policy.h"
+#include "settings.h"
 
 namespace softarm::check {
 namespace {
@@ -69,14 +71,54 @@ void say(Context& context, const ClockShift& shift) {
               "behind. Synchronise the clocks, or shift the stamps"
             : "a lag of valves, lines and the arm itself looks the same: only a test of the clocks (a LED "
               "or a tap that both see) can tell. Either way a model without lag wants the stamps shifted";
-  const double known_s = context.arm.inputs.body_latency_s;
-  if (leads || lags || shown_s == 0.0) {
-    finding.setting = fmt::format("inputs.bodies.latency_s: {:.3f}", known_s + shift.shift_s);
+  if (leads || lags || shown_s == 0.0) finding.setting = clock_setting(context, shift.shift_s);
+}
+
+std::string percent(double explained) {
+  return fmt::format("{:.0f} %", 100.0 * std::max(0.0, explained));
+}
+
+/// Clocks that are apart by more than any lag.
+void say_apart(Context& context, const ClockSearch& search) {
+  const std::optional<ClockShift> fine = clock_shift(context, *search.shift_s);
+  const bool is_fine = fine && !fine->too_short && !fine->at_edge && fine->sd_s < kPolicy.clocks.most_shift_s;
+  const double shift_s = is_fine ? fine->shift_s : *search.shift_s;
+  std::string what = fmt::format(
+      "bodies and inputs are of different times: as stamped the inputs explain {} of the motion, but {} "
+      "where the "
+      "bodies are taken {:.2f} s {}",
+      percent(search.as_stamped), percent(search.explained), std::abs(shift_s),
+      shift_s > 0.0 ? "earlier" : "later");
+  if (is_fine)
+    what += fmt::format(" (95 %: {:.2f} to {:.2f} s)", std::abs(shift_s) - 1.96 * fine->sd_s,
+                        std::abs(shift_s) + 1.96 * fine->sd_s);
+  if (search.other_s) {
+    what += fmt::format("; ambiguous: {} at {:.1f} s {}, as inputs that repeat themselves make it",
+                        percent(search.other_explained), std::abs(*search.other_s),
+                        *search.other_s > 0.0 ? "earlier" : "later");
   }
+  CheckFinding& finding =
+      context.add(search.other_s ? Severity::kWarning : Severity::kSerious, "clocks_apart", "", what);
+  finding.figure = shift_s;
+  if (is_fine) finding.figure_sd = fine->sd_s;
+  finding.unit = "s";
+  finding.remedy =
+      "two clocks, or two recordings that were begun apart: synchronise them, and shift these stamps";
+  if (search.other_s) {
+    finding.remedy += "; a trial with one quick step that is not repeated tells which shift it is";
+    return;
+  }
+  finding.setting = clock_setting(context, shift_s);
+  if (finding.setting.empty())
+    finding.remedy += ". A live frame cannot wait for its inputs so long: record anew, or shift the bag";
 }
 
 void check_clocks(Context& context) {
   if (context.signals.empty()) return;
+  if (const std::optional<ClockSearch> search = clock_search(context)) {
+    context.explained = search->shift_s ? search->explained : search->as_stamped;
+    if (search->shift_s) return say_apart(context, *search);
+  }
   const std::optional<ClockShift> found = clock_shift(context);
   const auto cannot = [&](const std::string& why) {
     context.add("clock_cannot_tell", "", "clocks of inputs and mocap against each other: cannot tell, " + why)
@@ -100,7 +142,8 @@ void check_clocks(Context& context) {
 }  // namespace
 
 Check make_clocks() {
-  return {check_clocks, {{"clock_offset_or_lag", {}}, {"clock_cannot_tell", Severity::kInformation}}};
+  return {check_clocks,
+          {{"clocks_apart", {}}, {"clock_offset_or_lag", {}}, {"clock_cannot_tell", Severity::kInformation}}};
 }
 
 }  // namespace softarm::check

@@ -13,14 +13,17 @@
 namespace softarm::check {
 namespace {
 
+/// @param latency_s that the arm file has; it may account for another epoch
 template <typename Sample>
-double epoch(const std::vector<Sample>& samples) {
+ClockEpoch epoch_of(const std::vector<Sample>& samples, double latency_s) {
   std::vector<double> ahead;
   for (const Sample& s : samples) {
     if (s.stamp_s > 0.0 && std::isfinite(s.stamp_s)) ahead.push_back(s.stamp_s - s.receipt_s);
   }
   const double middle = math::median(std::move(ahead));
-  return std::abs(middle) > kPolicy.timing.other_epoch_s ? middle : 0.0;
+  if (!(std::abs(middle) > kPolicy.timing.other_epoch_s)) return {};
+  if (std::abs(middle - latency_s) > kPolicy.timing.other_epoch_s) return {middle, 0.0};
+  return {0.0, latency_s};
 }
 
 bool usable(const trial::RecordedPose& pose) {
@@ -51,6 +54,7 @@ double median_step(const std::vector<Point>& points) {
 }
 
 double used_value(const arm::ScalarInput& input, double value, double ambient_pa) {
+  value -= input.zero_si;
   const double gauge = value - (input.reference == arm::PressureReference::kAbsolute ? ambient_pa : 0.0);
   switch (input.kind) {
     case arm::InputKind::kPressure:
@@ -61,7 +65,7 @@ double used_value(const arm::ScalarInput& input, double value, double ambient_pa
     case arm::InputKind::kAngle:
       break;
   }
-  return value - input.zero_si;
+  return value;
 }
 
 /// Noise turns round from sample to sample; a command holds or moves on.
@@ -133,6 +137,7 @@ Signal make_signal(const arm::ScalarInput& input, const std::vector<trial::Recor
   const auto [low, high] = std::minmax_element(all.begin(), all.end());
   signal.low = *low;
   signal.high = *high;
+  signal.least = math::quantile(all, kPolicy.signals.few_values);
   signal.is_measured = turns_round(signal.points);
   signal.quantum = quantum_of(signal.points, signal.range());
   // A coarse sensor mostly repeats itself: then rounding is the noise.
@@ -188,6 +193,10 @@ double Signal::at(double t_s) const {
   return a.value + (after->value - a.value) * (t_s - a.t_s) / (after->t_s - a.t_s);
 }
 
+bool Signal::is_driven() const {
+  return range() > 0.0 && range() > kPolicy.signals.driven_noises * std::max(noise_sd, quantum);
+}
+
 std::optional<double> Signal::mean(double from_s, double to_s) const {
   double sum = 0.0;
   int count = 0;
@@ -211,16 +220,16 @@ Context::Context(const trial::CheckRecording& recorded, const arm::Arm& describe
     for (const trial::RecordedPose& pose : body) extend(pose.receipt_s);
     all.insert(all.end(), body.begin(), body.end());
   }
-  for (const auto& input : recording.inputs) {
-    for (const trial::RecordedValue& value : input) extend(value.receipt_s);
-    input_epoch_s.push_back(epoch(input));
+  for (std::size_t i = 0; i < recording.inputs.size(); ++i) {
+    for (const trial::RecordedValue& value : recording.inputs[i]) extend(value.receipt_s);
+    input_epochs.push_back(epoch_of(recording.inputs[i], arm.inputs.scalars[i].latency_s));
   }
   for (const trial::RecordedValue& value : recording.payload) extend(value.receipt_s);
   if (begin <= end) {
     begin_s = begin;
     duration_s = end - begin;
   }
-  body_epoch_s = epoch(all);
+  body_epoch = epoch_of(all, arm.inputs.body_latency_s);
   for (std::size_t i = 0; i < recording.bodies.size(); ++i) {
     tracks.push_back(make_track(recording.bodies[i], *this));
     Track& track = tracks.back();
@@ -231,10 +240,18 @@ Context::Context(const trial::CheckRecording& recorded, const arm::Arm& describe
     }
   }
   for (std::size_t i = 0; i < recording.inputs.size(); ++i) {
-    signals.push_back(make_signal(arm.inputs.scalars[i], recording.inputs[i], begin_s, input_epoch_s[i],
-                                  arm.inputs.ambient_pressure_pa));
+    signals.push_back(make_signal(arm.inputs.scalars[i], recording.inputs[i], begin_s,
+                                  input_epochs[i].unknown_s, arm.inputs.ambient_pressure_pa));
   }
   for (const trial::RecordedValue& v : recording.payload) payload.push_back({v.receipt_s - begin_s, v.value});
+  for (const auto& [from_s, to_s] : recording.left_out)
+    left_out.push_back({from_s - begin_s, to_s - begin_s});
+  if (!recording.import_layout.empty()) {
+    try {
+      layout = trial::parse_csv_layout(recording.import_layout, "layout");
+    } catch (const trial::CsvError&) {  // of another version: the recording is looked at without
+    }
+  }
   update_noise(*this);
 }
 
@@ -276,6 +293,13 @@ CheckFinding& Context::add(Severity severity, const std::string& id, const std::
 bool Context::found(std::initializer_list<const char*> ids) const {
   return std::any_of(findings.begin(), findings.end(), [&](const CheckFinding& f) {
     return std::any_of(ids.begin(), ids.end(), [&](const char* id) { return f.id == id; });
+  });
+}
+
+bool Context::is_left_out(double from_s, double to_s) const {
+  return std::any_of(left_out.begin(), left_out.end(), [&](const CheckSpan& span) {
+    const double grain_s = kPolicy.timing.left_out_grain * (span.to_s - span.from_s);
+    return from_s > span.from_s - grain_s && to_s < span.to_s + grain_s;
   });
 }
 

@@ -9,6 +9,7 @@
 
 #include "checks.h"
 #include "softarm/check/check.h"
+#include "trial/csv_layout.h"
 
 namespace softarm::check {
 
@@ -48,6 +49,7 @@ struct Signal {
   std::vector<ValuePoint> points;  ///< strictly increasing in time
   double period_s = 0.0;
   double low = 0.0, high = 0.0;
+  double least = 0.0;     ///< as low, but for a few values that are none
   double noise_sd = 0.0;  ///< white, from sample to sample
   double quantum = 0.0;   ///< all steps are multiples of it; 0: of none
   /// A command is exact: it repeats itself or moves smoothly. A sensor has noise or steps.
@@ -57,9 +59,19 @@ struct Signal {
     return input->kind == arm::InputKind::kPressure || input->kind == arm::InputKind::kVacuum;
   }
   double range() const { return high - low; }
+  /// Whether it changes beyond its noise and its steps.
+  bool is_driven() const;
   /// Linear in between, held beyond the ends. Precondition: points is not empty.
   double at(double t_s) const;
   std::optional<double> mean(double from_s, double to_s) const;
+};
+
+/// What a clock is ahead of receipt, where that is another epoch altogether (more than two seconds); else 0.
+struct ClockEpoch {
+  double unknown_s = 0.0;  ///< what the arm file does not know of
+  double known_s = 0.0;    ///< its latency_s, where that accounts for it
+
+  double all_s() const { return unknown_s + known_s; }
 };
 
 /// The recording and what the checks have found out so far.
@@ -70,22 +82,27 @@ struct Context {
   const arm::Arm& arm;
   double begin_s = 0.0;  ///< receipt of the first sample
   double duration_s = 0.0;
-  /// What the bodies' and the inputs' clocks are ahead of receipt, where that is another epoch altogether
-  /// (more than two seconds); else 0.
-  double body_epoch_s = 0.0;
-  std::vector<double> input_epoch_s;
+  ClockEpoch body_epoch;
+  std::vector<ClockEpoch> input_epochs;
   std::vector<Track> tracks;  ///< [0] the base (empty poses where it is fixed or absent), then Arm::bodies
   std::vector<Signal> signals;
   std::vector<ValuePoint> payload;
-  std::optional<CheckSpan> rest_begin, rest_end;  ///< the arm is still and nothing drives it anew
-  bool held_at_end = false;                       ///< some input is then far above its least value
+  std::optional<trial::CsvLayout> layout;  ///< by which it was imported
+  std::vector<CheckSpan> left_out;         ///< by the import, as told
+  /// The arm and its inputs are still. Held: some input is then far above its least value.
+  std::optional<CheckSpan> still_begin, still_end;
+  std::string held_at_begin, held_at_end;  ///< the first input that is held; empty: undriven
+
+  std::vector<ZeroAtRest> zeros;
+  std::optional<double>
+      explained;  ///< share of the motion that the inputs explain, where clocks were compared
 
   const Check* check = nullptr;  ///< that is looking
   std::vector<CheckFinding> findings;
 
   /// A share of the arm's length, m.
   double of_length(double share) const { return share * arm.total_length_m(); }
-  double seconds(double stamp_s) const { return stamp_s - begin_s - body_epoch_s; }
+  double seconds(double stamp_s) const { return stamp_s - begin_s - body_epoch.unknown_s; }
   /// Appends a finding of the check that is looking, and returns it for the rest to be filled in; its
   /// severity is what the check states of the id.
   /// @throws std::logic_error where the check does not state the id, or the other call is meant
@@ -98,11 +115,19 @@ struct Context {
 
   /// Pose of the rod's base in the mocap frame at rest (or the median of the recording).
   std::optional<Eigen::Isometry3d> rod_base() const;
-  /// The stretch in which shapes and levels at rest are looked at: at the beginning, else at the end unless
+  /// The stretch in which shapes and levels at rest are looked at: at the beginning, else at the end, unless
   /// the inputs hold the arm there.
   std::optional<CheckSpan> rest() const {
-    return rest_begin ? rest_begin : held_at_end ? std::nullopt : rest_end;
+    if (still_begin && held_at_begin.empty()) return still_begin;
+    return held_at_end.empty() ? still_end : std::nullopt;
   }
+  /// The same, whether the inputs hold the arm or not.
+  std::optional<CheckSpan> still() const {
+    if (const auto undriven = rest()) return undriven;
+    return still_begin ? still_begin : still_end;
+  }
+  /// Whether the import left out all between these times, but for a sample at either end.
+  bool is_left_out(double from_s, double to_s) const;
 };
 
 /// Recomputes the noise of the tracks, which depends on which poses are good.

@@ -6,6 +6,7 @@
 
 #include "context.h"
 #include "policy.h"
+#include "settings.h"
 
 namespace softarm::check {
 namespace {
@@ -89,7 +90,7 @@ void say_repeated(Context& context, const Track& track, double share) {
   finding.figure = share;
   finding.unit = "1";
   finding.remedy = "the logger is faster than the cameras: log on arrival; a CSV layout can drop them";
-  finding.setting = "mocap.drop_repeated: true (of the layout)";
+  if (context.layout) finding.setting = "mocap.drop_repeated: true (of the layout)";
 }
 
 void check_track(Context& context, Track& track) {

@@ -49,9 +49,8 @@ void check_gravity(Context& context) {
   finding.unit = "m";
   finding.remedy =
       "the mocap frame's up axis is not what the arm file says: set it in the mocap software (z up), "
-      "in the import layout (mocap.up) or in the arm file";
-  finding.setting = fmt::format("inputs.bodies.axes, or gravity_m_s2: [{:.3f}, {:.3f}, {:.3f}]", best.x(),
-                                best.y(), best.z());
+      "in the import layout (mocap.up) or in the arm file (inputs.bodies.axes, or gravity)";
+  finding.setting = fmt::format("gravity_m_s2: [{:.3f}, {:.3f}, {:.3f}]", best.x(), best.y(), best.z());
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "context.h"
 #include "math/statistics.h"
 #include "policy.h"
+#include "settings.h"
 
 namespace softarm::check {
 namespace {
@@ -15,6 +16,17 @@ struct Level {
   const Signal* signal = nullptr;
   double value = 0.0;
   double error = 0.0;  // standard error
+
+  /// A chamber or a tendon that falls below its level later was not at its zero there.
+  bool falls_below() const {
+    if (signal->input->kind == arm::InputKind::kAngle) return false;
+    const double grain =
+        kPolicy.rest.rest_steps * signal->quantum + kPolicy.inputs.below_noises * signal->noise_sd;
+    return value > 0.0 &&
+           signal->least < value - std::max(grain, kPolicy.inputs.below_share * signal->range());
+  }
+  /// What never changes and is above its zero may as well be held there.
+  bool may_be_held() const { return value > 0.0 && !signal->is_driven(); }
 };
 
 /// Of the inputs whose unit is right.
@@ -69,13 +81,15 @@ double limit_of(const Level& level) {
   return std::max(kPolicy.inputs.least_offset_pa, std::min(kPolicy.inputs.offset_pa, share)) + error;
 }
 
-std::string words_of(const Level& level) {
+std::string words_of(const Context& context, const Level& level) {
   const Signal& signal = *level.signal;
   const arm::InputKind kind = signal.input->kind;
   std::string what;
   if (signal.is_pressure()) {
-    what = fmt::format("rests {:.2f} kPa ({:.2f} psi) {} ambient", 1e-3 * std::abs(level.value),
-                       std::abs(level.value) / 6894.757,
+    what = fmt::format("rests {:.2f} kPa ({}) {} ambient", 1e-3 * std::abs(level.value),
+                       zero_of(context, signal).of_layout
+                           ? in_unit(zero_of(context, signal), level.value)
+                           : fmt::format("{:.2f} psi", std::abs(level.value) / 6894.757),
                        (level.value < 0.0) != (kind == arm::InputKind::kVacuum) ? "below" : "above");
   } else {
     what = fmt::format("rests at {:.3g} {}", level.value, kind == arm::InputKind::kTension ? "N" : "rad");
@@ -93,26 +107,31 @@ void say_offset(Context& context, const Level& level, const CheckSpan& rest) {
   const bool is_tension = input.kind == arm::InputKind::kTension;
   // A servo or a tendon may well be commanded to rest at a value; one that is exact is no sensor.
   const bool commanded = !signal.is_pressure() && !signal.is_measured;
-  CheckFinding& finding = context.add(commanded ? Severity::kInformation : Severity::kWarning,
-                                      "offset_at_rest", input.name, words_of(level));
+  const bool held = level.may_be_held();
+  CheckFinding& finding = context.add(
+      commanded || held ? Severity::kInformation : Severity::kWarning, "offset_at_rest", input.name,
+      words_of(context, level) + (held ? " and never changes: held there, or its zero is off" : ""));
   finding.figure = level.value;
   finding.figure_sd = level.error;
   finding.unit = signal.is_pressure() ? "Pa" : is_tension ? "N" : "rad";
   finding.spans = {rest};
-  if (signal.is_pressure()) {
-    finding.remedy =
-        "if it is not really driven at rest, the sensor's zero is off: subtract it (vent before each "
-        "trial and take the zero there). If all sensors are off alike, it is the day's ambient";
-    const double raw_zero = input.kind == arm::InputKind::kVacuum ? -level.value : level.value;
-    finding.setting = fmt::format(
-        "zero of the column in the import layout: {:.4g} more, in its unit ({:.0f} Pa); if all are off "
-        "alike, inputs.ambient_pressure_pa: {:.0f}",
-        raw_zero / input.scale_to_si, raw_zero, context.arm.inputs.ambient_pressure_pa + raw_zero);
-  } else {
-    finding.remedy = "if the arm is not driven at rest, subtract it";
-    finding.setting = fmt::format("inputs.{}[{}].zero: {:.4g}", is_tension ? "tensions" : "angles",
-                                  input.name, (input.zero_si + level.value) / input.scale_to_si);
-  }
+  if (held) return;
+  finding.remedy =
+      signal.is_pressure()
+          ? "if it is not really driven at rest, the sensor's zero is off: subtract it (vent before each "
+            "trial and take the zero there). If all sensors are off alike, it is the day's ambient "
+            "(inputs.ambient_pressure_pa)"
+          : "if the arm is not driven at rest, subtract it";
+  finding.setting = zero_setting(zero_of(context, signal), level.value);
+}
+
+/// For what several trials say together.
+ZeroAtRest zero_at(const Context& context, const Level& level, double limit) {
+  ZeroAtRest zero = zero_of(context, *level.signal);
+  zero.level = level.value;
+  zero.limit = limit;
+  zero.may_be_held = level.may_be_held() || (!level.signal->is_pressure() && !level.signal->is_measured);
+  return zero;
 }
 
 void check_input_levels(Context& context) {
@@ -122,7 +141,10 @@ void check_input_levels(Context& context) {
   const bool held = held_at_one_level(context, levels);
   for (const Level& level : levels) {
     if (held && level.signal->input->kind == arm::InputKind::kPressure) continue;
-    if (std::abs(level.value) >= limit_of(level)) say_offset(context, level, *rest);
+    if (level.falls_below()) continue;
+    const double limit = limit_of(level);
+    context.zeros.push_back(zero_at(context, level, limit));
+    if (std::abs(level.value) >= limit) say_offset(context, level, *rest);
   }
 }
 

@@ -29,11 +29,14 @@ struct Run {
   std::size_t from = 0, to = 0;  // [from, to)
 };
 
-std::vector<Run> runs_of(const std::vector<ValuePoint>& points) {
+/// @param gap_s beyond which nobody knows what was between two values
+std::vector<Run> runs_of(const std::vector<ValuePoint>& points, double gap_s) {
   std::vector<Run> runs;
   for (std::size_t i = 0; i < points.size();) {
     std::size_t j = i + 1;
-    while (j < points.size() && points[j].value == points[i].value) ++j;
+    while (j < points.size() && points[j].value == points[i].value &&
+           points[j].t_s - points[j - 1].t_s < gap_s)
+      ++j;
     runs.push_back({i, j});
     i = j;
   }
@@ -61,7 +64,7 @@ Holds holds_of(const Signal& signal) {
   constexpr std::size_t kBeside = kPolicy.signals.beside;
   constexpr double kLeap = kPolicy.signals.leap;
   const auto& points = signal.points;
-  const std::vector<Run> runs = runs_of(points);
+  const std::vector<Run> runs = runs_of(points, kPolicy.timing.gap_periods * signal.period_s);
   Holds found;
   std::vector<double> all_s;
   for (const Run& run : runs) all_s.push_back(points[run.to - 1].t_s - points[run.from].t_s);
@@ -178,8 +181,7 @@ void check_input_signals(Context& context) {
       finding.remedy = "element of the array, wiring of the sensor";
     }
     if (signal.points.size() < kPolicy.signals.least_values) continue;
-    if (signal.range() <= kPolicy.signals.driven_noises * signal.noise_sd ||
-        signal.range() <= kPolicy.signals.driven_noises * signal.quantum || signal.range() == 0.0) {
+    if (!signal.is_driven()) {
       if (any_moves) {
         context
             .add("never_driven", signal.input->name,

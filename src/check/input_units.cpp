@@ -8,6 +8,7 @@
 #include "context.h"
 #include "math/statistics.h"
 #include "policy.h"
+#include "settings.h"
 
 namespace softarm::check {
 namespace {
@@ -19,9 +20,9 @@ struct Unit {
 constexpr std::array<Unit, 6> kUnits{
     {{"Pa", 1.0}, {"kPa", 1e3}, {"MPa", 1e6}, {"bar", 1e5}, {"mbar", 100.0}, {"psi", 6894.757293168}}};
 
-/// Level at rest (or the least of all) and extremes of the raw values.
+/// What is shown first, and extremes of the raw values, in their unit.
 struct Raw {
-  double rest = 0.0, low = 0.0, high = 0.0;
+  double first = 0.0, low = 0.0, high = 0.0;
 };
 
 Raw raw_of(const Context& context, std::size_t i) {
@@ -36,16 +37,24 @@ Raw raw_of(const Context& context, std::size_t i) {
   raw.high = math::quantile(numbers, 1.0 - kPolicy.inputs.spikes);
   first.assign(numbers.begin(), numbers.begin() + static_cast<std::ptrdiff_t>(
                                                       std::min(numbers.size(), kPolicy.inputs.first_values)));
-  raw.rest = math::median(first);
+  raw.first = math::median(first);
   return raw;
 }
 
-bool plausible(const Raw& raw, double scale, bool absolute, bool vacuum, double ambient_pa) {
+/// Whether values can be of such a unit at all. A trial may begin driven, and an arm may be under pressure
+/// throughout: only what no chamber stands, or what would be the air's own pressure, is impossible.
+bool possible(const Raw& raw, double scale, bool absolute, bool vacuum, double ambient_pa) {
   const double zero = absolute ? ambient_pa : 0.0;
-  const double rest = raw.rest * scale - zero, low = raw.low * scale - zero, high = raw.high * scale - zero;
+  const double low = raw.low * scale - zero, high = raw.high * scale - zero;
   if (vacuum) return high < kPolicy.inputs.most_rest_pa && low > kPolicy.inputs.least_vacuum_pa;
-  return std::abs(rest) < kPolicy.inputs.most_rest_pa && high < kPolicy.inputs.most_gauge_pa &&
-         low > kPolicy.inputs.least_gauge_pa;
+  const bool is_ambient = !absolute && std::abs(low - ambient_pa) < kPolicy.inputs.near_ambient * ambient_pa;
+  return high < kPolicy.inputs.most_gauge_pa && low > kPolicy.inputs.least_gauge_pa && !is_ambient;
+}
+
+/// Whether they look like one: the least of them is near ambient.
+bool plausible(const Raw& raw, double scale, bool absolute, bool vacuum, double ambient_pa) {
+  const double low = raw.low * scale - (absolute ? ambient_pa : 0.0);
+  return possible(raw, scale, absolute, vacuum, ambient_pa) && (vacuum || low < kPolicy.inputs.most_rest_pa);
 }
 
 bool never_driven(const Raw& raw, double scale) {
@@ -64,7 +73,7 @@ void say_unit(Context& context, std::size_t i) {
   // As gauge, values below a kPa that nonetheless change are of another unit.
   const bool tiny =
       !absolute && still && span > kPolicy.inputs.tiny && std::abs(raw.high) > kPolicy.inputs.tiny;
-  if (plausible(raw, input.scale_to_si, absolute, vacuum, ambient) && !tiny) return;
+  if (possible(raw, input.scale_to_si, absolute, vacuum, ambient) && !tiny) return;
   std::vector<std::string> fits, settings;
   for (const Unit& unit : kUnits) {
     for (const bool as_absolute : {true, false}) {
@@ -74,8 +83,8 @@ void say_unit(Context& context, std::size_t i) {
       const double low = raw.low * unit.pa - (as_absolute ? ambient : 0.0);
       if (span > 0.0 && std::max(std::abs(high), std::abs(low)) < kPolicy.inputs.least_most_pa) continue;
       fits.push_back(fmt::format("{} {}", unit.name, as_absolute ? "absolute" : "gauge"));
-      settings.push_back(
-          fmt::format("unit: {}, reference: {}", unit.name, as_absolute ? "absolute" : "gauge"));
+      settings.push_back(fmt::format("{0}.unit: {1}; {0}.reference: {2}", path_of(input), unit.name,
+                                     as_absolute ? "absolute" : "gauge"));
     }
   }
   std::string list;
@@ -84,16 +93,13 @@ void say_unit(Context& context, std::size_t i) {
   CheckFinding& finding = context.add(
       "pressure_unit", input.name,
       fmt::format("values of {:.4g} to {:.4g} (first {:.4g}) cannot be {} as the arm file has them{}",
-                  raw.low, raw.high, raw.rest, absolute ? "absolute pressures" : "gauge pressures",
+                  raw.low, raw.high, raw.first, absolute ? "absolute pressures" : "gauge pressures",
                   list.empty() ? "" : "; they look like " + list));
-  finding.figure = raw.rest * input.scale_to_si;
+  finding.figure = raw.first * input.scale_to_si;
   finding.unit = "Pa";
-  finding.remedy = "name unit and reference as the source has them";
-  if (settings.size() == 1) {
-    finding.setting = fmt::format("inputs.pressures[{}]: {{{}}}", input.name, settings.front());
-  } else if (!settings.empty()) {
-    finding.setting = fmt::format("inputs.pressures[{}].unit, .reference (several fit)", input.name);
-  }
+  finding.remedy = "name unit and reference as the source has them, in the arm file or in the import layout";
+  // An import has converted it already: the unit is the layout's to say.
+  if (settings.size() == 1 && !context.layout) finding.setting = settings.front();
 }
 
 void say_angle_unit(Context& context, std::size_t i) {
@@ -107,7 +113,7 @@ void say_angle_unit(Context& context, std::size_t i) {
   finding.figure = most;
   finding.unit = "rad";
   finding.remedy = "name the unit";
-  finding.setting = fmt::format("inputs.angles[{}].unit: deg", signal.input->name);
+  finding.setting = path_of(*signal.input) + ".unit: deg";
 }
 
 void say_tension_unit(Context& context, std::size_t i) {
@@ -119,7 +125,7 @@ void say_tension_unit(Context& context, std::size_t i) {
   finding.figure = signal.high;
   finding.unit = "N";
   finding.remedy = "name the unit (mN, gf)";
-  finding.setting = fmt::format("inputs.tensions[{}].unit: mN", signal.input->name);
+  finding.setting = path_of(*signal.input) + ".unit: mN";
 }
 
 void check_input_units(Context& context) {

@@ -9,6 +9,7 @@
 #include "math/statistics.h"
 #include "math_of_poses.h"
 #include "policy.h"
+#include "settings.h"
 
 namespace softarm::check {
 namespace {
@@ -130,11 +131,10 @@ void say(Context& context, const Track& track, const std::string& id, const std:
     finding.remedy =
         "the mount does not turn like that: make its marker set less symmetric, or give the base's "
         "attitude as fixed (a CSV layout takes fixed_orientation)";
-    finding.setting =
-        "base.fixed (of the arm), or mocap.bodies[" + track.name + "].fixed_orientation (of the layout)";
+    finding.setting = fixed_base(context);
   } else if (rotation) {
     finding.remedy = "a less symmetric marker set; where its tangent is not needed do not use it";
-    finding.setting = "bodies[" + track.name + "].orientation_usable: false";
+    finding.setting = without_orientation(context, track);
   } else {
     finding.remedy =
         "ghosts and exchanged markers: asymmetric marker sets, mask reflections; jumps beyond 1 cm "

@@ -6,6 +6,7 @@
 
 #include "context.h"
 #include "policy.h"
+#include "settings.h"
 
 namespace softarm::check {
 namespace {
@@ -46,16 +47,17 @@ double slow_sd(const Track& track, const CheckSpan& span) {
 struct Measured {
   double worst = 0.0;  // noise over what the arm file states
   double stated_m = 0.0;
-  std::string worst_name, table;
+  std::string worst_name, worst_setting, table;
   std::string wandering;  // names of those whose noise does not average out
-  double slowest_m = 0.0, largest_m = 0.0;
+  double slowest_m = 0.0;
+  std::vector<std::string> too_small;  // settings of those whose noise is more than the arm file's
 
   double noise_m() const { return worst * stated_m; }
 };
 
 /// Also notes at each track what does not average out.
 Measured measure(Context& context) {
-  const auto rest = context.rest();
+  const auto rest = context.still();
   const bool moved = context.found({"base_bumped", "base_drifts"});
   Measured all;
   for (Track& track : context.tracks) {
@@ -73,13 +75,14 @@ Measured measure(Context& context) {
         slow > kPolicy.noise.slow_of_stated * usual) {
       all.wandering += (all.wandering.empty() ? "" : ", ") + track.name;
       all.slowest_m = std::max(all.slowest_m, slow);
-      all.largest_m = std::max(all.largest_m, total);
+      if (total > usual) all.too_small.push_back(position_sd_setting(track, total));
     }
     if (track.is_base()) continue;
-    all.stated_m = track.body->position_sd_m;
-    if (total / all.stated_m > all.worst) {
-      all.worst = total / all.stated_m;
+    if (total / usual > all.worst) {
+      all.stated_m = usual;
+      all.worst = total / usual;
       all.worst_name = track.name;
+      all.worst_setting = position_sd_setting(track, total);
     }
   }
   return all;
@@ -98,7 +101,7 @@ void say_correlated(Context& context, const Measured& all) {
       "reflections; or the arm was not at rest";
   // The one setting there is says noise_understated.
   if (all.worst <= kPolicy.noise.too_small) {
-    finding.setting = fmt::format("noise.position_sd_m: {:.2g}", all.largest_m);
+    finding.setting = joined(all.too_small);
   }
 }
 
@@ -110,17 +113,15 @@ void say_understated(Context& context, const Measured& all) {
   finding.figure = all.noise_m();
   finding.unit = "m";
   finding.remedy = "state it, or find its cause (calibration, few markers)";
-  finding.setting = fmt::format("noise.position_sd_m: {:.2g}", all.noise_m());
+  finding.setting = all.worst_setting;
 }
 
 void say_overstated(Context& context, const Measured& all) {
-  context
-      .add("noise_overstated", "",
-           fmt::format(
-               "the arm file states {:.2g} mm where no body has more than {:.2g} mm: right if it stands "
-               "for the model's errors",
-               1e3 * all.stated_m, 1e3 * all.worst * all.stated_m))
-      .setting = fmt::format("noise.position_sd_m: {:.2g}", all.noise_m());
+  // No setting: what identify writes stands for the model's errors, and is right.
+  context.add("noise_overstated", "",
+              fmt::format("the arm file states {:.2g} mm where no body has more than {:.2g} mm: right if it "
+                          "stands for the model's errors",
+                          1e3 * all.stated_m, 1e3 * all.noise_m()));
 }
 
 void check_noise(Context& context) {

@@ -5,6 +5,7 @@
 
 #include "context.h"
 #include "policy.h"
+#include "settings.h"
 
 namespace softarm::check {
 namespace {
@@ -48,7 +49,7 @@ void say_not_numbers(Context& context, const Track& track, const std::vector<tri
     finding.figure = share(no_rotation);
     finding.unit = "1";
     if (needed) finding.remedy = "send a rigid body's pose, not a single marker; or give the base as fixed";
-    if (needed && !track.is_base()) finding.setting = "bodies[" + track.name + "].orientation_usable: false";
+    if (needed) finding.setting = without_orientation(context, track);
   }
 }
 

@@ -65,7 +65,12 @@ void check_order(Context& context) {
   finding.figure = std::sqrt(as_is / places.size());
   finding.unit = "m";
   finding.remedy = "exchange the names in the mocap software, or the arclengths in the arm file";
-  finding.setting = "bodies, from base to tip: " + fits;
+  // Entries change their names, and keep their places.
+  for (std::size_t k = 0; k < best.size(); ++k) {
+    if (best[k] == k) continue;
+    finding.setting += fmt::format("{}bodies[{}].name: {}", finding.setting.empty() ? "" : "; ",
+                                   places[k].track - 1, context.tracks[places[best[k]].track].name);
+  }
   // Everything that follows is about places along the arm: with the names as they should be.
   std::vector<Track> renamed(best.size());
   for (std::size_t k = 0; k < best.size(); ++k) renamed[k] = context.tracks[places[best[k]].track];

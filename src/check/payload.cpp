@@ -26,7 +26,7 @@ void check_payload(Context& context) {
     if (!asked && !assumed) {
       finding.what += "; estimating the stiffness needs it";
       finding.remedy = "publish it latched (0 for none), estimate with --payload KG, or with --unknown both";
-      finding.setting = "payload.default_kg: 0";
+      if (arm.payload.range_kg.low <= 0.0) finding.setting = "payload.default_kg: 0";
     }
     return;
   }
@@ -44,8 +44,12 @@ void check_payload(Context& context) {
     finding.figure = high;
     finding.unit = "kg";
     finding.remedy = "publish kilograms, or widen the range";
-    finding.setting = fmt::format("payload.range_kg: [{:g}, {:g}]", std::min(low, arm.payload.range_kg.low),
-                                  std::max(high, arm.payload.range_kg.high));
+    const bool grams = high > kPolicy.payload.grams * arm.payload.range_kg.high;
+    if (low >= 0.0 && high <= kPolicy.payload.most_kg && !grams) {
+      finding.setting =
+          fmt::format("payload.range_kg: [{:.6g}, {:.6g}]", std::min(low, arm.payload.range_kg.low),
+                      std::max(high, arm.payload.range_kg.high));
+    }
   }
   const double first_s = context.payload.front().t_s;
   if (first_s > kPolicy.payload.late_s) {

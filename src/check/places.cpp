@@ -9,6 +9,7 @@
 #include "context.h"
 #include "policy.h"
 #include "residuals.h"
+#include "settings.h"
 
 namespace softarm::check {
 namespace {
@@ -35,7 +36,6 @@ void say_slips(Context& context, const Worst& slip) {
   finding.remedy =
       "fix the ring to the skin; leave out what comes before or after, with the arclength that "
       "holds there. An arm whose bending is not the model's moves the residuals as well";
-  finding.setting = "bodies[" + name + "].arclength_m";
 }
 
 void say_beside(Context& context, const Worst& off) {
@@ -47,9 +47,9 @@ void say_beside(Context& context, const Worst& off) {
   finding.figure_sd = off.se;
   finding.unit = "m";
   finding.remedy =
-      "its centre is not on the backbone (correct it in the mocap software), it sits at another "
-      "arclength, or a section of the arm is not as the file says";
-  finding.setting = fmt::format("bodies[{0}].section_in_body.position_m, bodies[{0}].arclength_m", name);
+      "its centre is not on the backbone (correct it in the mocap software, or by "
+      "section_in_body.position_m), it "
+      "sits at another arclength_m, or a section of the arm is not as the file says";
 }
 
 void say_wanders(Context& context, const Worst& lasting) {
@@ -66,8 +66,9 @@ void say_wanders(Context& context, const Worst& lasting) {
       "a loose ring, noise that is correlated in time (it does not average out: state the sum), or an "
       "arm that bends otherwise than its model";
   if (context.found({"noise_understated"})) return;  // that one sets it
-  finding.setting = fmt::format("noise.position_sd_m: {:.2g}",
-                                std::hypot(lasting.size, context.tracks[lasting.body + 1].white_sd_m));
+  const Track& track = context.tracks[lasting.body + 1];
+  const double sd_m = std::hypot(lasting.size, track.white_sd_m);
+  if (sd_m > track.body->position_sd_m) finding.setting = position_sd_setting(track, sd_m);
 }
 
 /// @param tilt_rad what the rings that are off may make of the fitted tangents
@@ -90,7 +91,7 @@ void say_tangents(Context& context, const Residuals& residuals, double tilt_rad)
     finding.remedy =
         "a loose ring, noise that is correlated in time, or a frame that was not aligned with the arm: align "
         "it at rest, or do without its orientation";
-    if (body.orientation_usable) finding.setting = "bodies[" + body.name + "].orientation_usable: false";
+    finding.setting = without_orientation(context, context.tracks[b + 1]);
   }
 }
 

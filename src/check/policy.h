@@ -32,14 +32,15 @@ struct Policy {
     double slow_hz = 10.0;               ///< bodies seen less often miss the arm's motion
     double body_gap_s = 0.25;            ///< as the frame gate: frames do without bodies from then on
     double gap_periods = 8.0;            ///< a shorter gap is a few lost samples
-    double serious_gap_share = 0.2;      ///< of the recording
-    double never_held_s = 2.0;           ///< no input should be held for longer
-    double one_frame = 0.5;              ///< periods: stamps so close together are of one frame
-    std::size_t least_frames = 20;       ///< for how far apart the stamps of a frame are
-    double most_frames = 0.95;           ///< of all must come within the tolerance
-    double one_stretch_s = 0.1;          ///< wrong stamps so close together are said as one stretch
-    double same_event_s = 0.5;           ///< findings of all drivers so close together are one
-    double same_figure = 0.1;            ///< of it: findings of a driver that differ by less are one
+    double left_out_grain = 0.1;     ///< of what the import left out: a slow stream's gap is longer by that
+    double serious_gap_share = 0.2;  ///< of the recording
+    double never_held_s = 2.0;       ///< no input should be held for longer
+    double one_frame = 0.5;          ///< periods: stamps so close together are of one frame
+    std::size_t least_frames = 20;   ///< for how far apart the stamps of a frame are
+    double most_frames = 0.95;       ///< of all must come within the tolerance
+    double one_stretch_s = 0.1;      ///< wrong stamps so close together are said as one stretch
+    double same_event_s = 0.5;       ///< findings of all drivers so close together are one
+    double same_figure = 0.1;        ///< of it: findings of a driver that differ by less are one
   } timing;
 
   /// Receipt against stamps.
@@ -80,12 +81,25 @@ struct Policy {
     double hysteresis_share = 0.5;   ///< of what the plays change: a standard deviation
     double most_shift_s = 1.0;       ///< looked for
     double scan_s = 0.1;             ///< the steps in which it is
-    double explained_well = 0.995;   ///< of the motion: no model is wrong enough to matter
-    double least_explained = 0.3;    ///< of the motion by the inputs
-    double least_sd_s = 0.04;        ///< a standard deviation beyond it says nothing
-    double lag_s = 0.08;             ///< of an arm's own: beyond it a lag is worth a warning
-    double lead_s = 0.02;            ///< the arm cannot come before its inputs
-    double sds = 2.0;                ///< standard deviations by which either must be exceeded
+    double bin_s = 0.1;              ///< of what moves when, over the whole recording
+    double most_bins = 4000.0;       ///< of a long one: the bins are longer there
+    double most_samples = 3000.0;    ///< the same, of the motion that is fitted at each peak
+    std::size_t most_peaks = 12;     ///< of the correlation that are looked at
+    double least_overlap_s = 18.0;   ///< of bodies and inputs at a shift
+    double least_overlap = 0.25;     ///< the same, of the recording
+    double piece_s = 6.0;            ///< every other one is fitted, the others judge
+    double ridge = 1e-3;             ///< of a regressor's mean square, against those that a half hardly has
+    double explained_as_stamped = 0.8;  ///< of the motion, across the halves: no other shift is looked for
+    double explained_elsewhere = 0.6;   ///< the same, at a shift that is believed,
+    double left_elsewhere = 0.5;        ///< ... and so much at most of what is left as stamped
+    double apart_s = 1.5;               ///< shifts closer together are one
+    double as_good = 1.6;               ///< of what the best leaves: another shift is nearly as good
+    double explained_well = 0.995;      ///< of the motion: no model is wrong enough to matter
+    double least_explained = 0.3;       ///< of the motion by the inputs
+    double least_sd_s = 0.04;           ///< a standard deviation beyond it says nothing
+    double lag_s = 0.08;                ///< of an arm's own: beyond it a lag is worth a warning
+    double lead_s = 0.02;               ///< the arm cannot come before its inputs
+    double sds = 2.0;                   ///< standard deviations by which either must be exceeded
   } clocks;
 
   /// Labels and lost, frozen, leaping, turned bodies.
@@ -138,6 +152,7 @@ struct Policy {
 
   /// Mocap noise against the arm file's.
   struct Noise {
+    double most_sd_m = 0.1;        ///< that the arm file takes
     double too_small = 1.6;        ///< measured over stated
     double too_large = 3.0;        ///< stated over measured
     double lag_s = 0.1;            ///< at which white noise is not correlated any more
@@ -156,6 +171,9 @@ struct Policy {
     double still_noises = 6.0;     ///< the same, in noises of that mean
     double block_s = 0.1;          ///< of that mean
     double block_periods = 4.0;    ///< the same, of a slow stream
+    double drift = 5e-3;           ///< of the length: a straight line through a rest may change by so much
+    double shortened = 0.2;        ///< of a rest that drifts, until it does not
+    double drift_errors = 3.0;     ///< ... and by so many standard errors
     double rest_share = 0.005;     ///< of an input's range, by which it may wander
     double rest_noises = 6.0;      ///< the same
     double rest_steps = 1.1;       ///< the same, in steps of its converter
@@ -212,6 +230,7 @@ struct Policy {
     double neighbours_s = 0.5;      ///< residuals so close together ought to differ by noise alone
     double chance = 0.25;           ///< of the variance: covariance of neighbours that is chance
 
+    double grain_m = 1e-4;                  ///< rings closer together are at one place
     double ring_off = 3e-3;                 ///< of the length: one ring along the arm, by spacing
     double ring_noises = 6.0;               ///< the same
     double ring_alone = 0.4;                ///< of it: the others must agree so well without it
@@ -255,6 +274,7 @@ struct Policy {
     double spikes = 0.01;             ///< quantile at either end
     double most_gauge_pa = 7e5;       ///< what soft arms stand
     double most_rest_pa = 4e4;        ///< of a level at rest that may be real
+    double near_ambient = 0.15;       ///< of ambient: a least gauge pressure that is the air's own
     double least_gauge_pa = -6e4;     ///< chambers are hardly evacuated
     double least_vacuum_pa = -1.1e5;  ///< there is no less than nothing
     double least_most_pa = 500.0;     ///< a chamber that is driven at all
@@ -267,11 +287,14 @@ struct Policy {
     double least_tension_n = 0.02;    ///< of what may be friction
     double least_angle_rad = 0.02;    ///< of what may be play
     double offset_errors = 5.0;       ///< standard errors of the level, on top
+    double below_noises = 4.0;        ///< by which it falls below a level that is then no zero,
+    double below_share = 0.01;        ///< ... and of the range
     double one_level_pa = 1.0;        ///< chambers that rest so close together are commanded there
   } inputs;
 
   /// Courses of the inputs.
   struct Signals {
+    double few_values = 0.01;       ///< of a course that may be no values of it, such as single zeros
     int least_turns = 20;           ///< steps, for telling a sensor from a command
     double turns_share = 0.15;      ///< of the steps: noise turns round, a command holds or moves on
     std::size_t least_steps = 12;   ///< for a quantum
@@ -303,10 +326,20 @@ struct Policy {
     double flicker = 0.5;              ///< of a quantum: less noise is between two values
   } signals;
 
+  /// Inputs that are dead.
+  struct Dead {
+    double most_places = 0.98;     ///< quantile of the places, at either end: few are jumps
+    double swings_s = 3.0;         ///< after a payload is hung on or taken off
+    double hung_on_s = 1.0;        ///< before that is said
+    double moves = 0.04;           ///< of the length: the arm is driven by something; sag and creep are less
+    double least_explained = 0.3;  ///< of the motion by the inputs that change
+  } dead;
+
   /// The payload that is announced.
   struct Payload {
-    double grams = 20.0;  ///< times the most that the arm file allows: another unit
-    double late_s = 1.0;  ///< after the first sample
+    double most_kg = 100.0;  ///< that the arm file takes
+    double grams = 20.0;     ///< times the most that the arm file allows: another unit
+    double late_s = 1.0;     ///< after the first sample
   } payload;
 };
 inline constexpr Policy kPolicy{};

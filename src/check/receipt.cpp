@@ -7,6 +7,7 @@
 #include "context.h"
 #include "math/statistics.h"
 #include "policy.h"
+#include "settings.h"
 
 namespace softarm::check {
 namespace {
@@ -67,7 +68,7 @@ std::optional<Transport> transport_of(const Samples& all, double begin_s) {
 struct Stamped {
   std::string name;
   Transport transport;
-  std::string key;       // of its latency_s in the arm file
+  std::string path;      // in the arm file
   double known_s = 0.0;  // that latency_s
 };
 
@@ -82,9 +83,10 @@ void say_other_epoch(Context& context, const Stamped& stamped) {
       "let the driver translate its clock to ROS time (mocap drivers have a switch for it), or "
       "subtract the difference";
   // latency_s of the arm file has an end; a stamp of receipt costs the jitter of transport.
-  finding.setting = std::abs(delay_s) < kPolicy.receipt.most_latency_s
-                        ? fmt::format("{}: {:.4g}", stamped.key, -delay_s)
-                        : stamped.key.substr(0, stamped.key.rfind('.')) + ".stamp: receipt";
+  const double latency_s = -delay_s;
+  finding.setting = std::abs(latency_s) < kPolicy.receipt.most_latency_s
+                        ? fmt::format("{}.latency_s: {:.4g}", stamped.path, latency_s)
+                        : stamped.path + ".stamp: receipt";
 }
 
 void say_ahead(Context& context, const Stamped& stamped, double least_s) {
@@ -96,7 +98,7 @@ void say_ahead(Context& context, const Stamped& stamped, double least_s) {
   finding.unit = "s";
   finding.remedy =
       "synchronise the machines (chrony), or subtract it; the transport's own delay comes on top";
-  finding.setting = fmt::format("{}: {:.4g}", stamped.key, -stamped.transport.least_s);
+  finding.setting = fmt::format("{}.latency_s: {:.4g}", stamped.path, -stamped.transport.least_s);
 }
 
 void say_late(Context& context, const Stamped& stamped) {
@@ -139,7 +141,11 @@ void say_receipt(Context& context, const Stamped& stamped) {
 void say(Context& context, const Stamped& stamped) {
   const Transport& transport = stamped.transport;
   const double least_s = transport.least_s + stamped.known_s;  // stamps are ahead by what the arm file says
-  if (std::abs(transport.delay_s) > kPolicy.timing.other_epoch_s) return say_other_epoch(context, stamped);
+  // An import has no times of receipt but the stamps themselves.
+  if (transport.delay_s == 0.0 && transport.jitter_s == 0.0) return;
+  if (std::min(std::abs(transport.delay_s), std::abs(transport.delay_s + stamped.known_s)) >
+      kPolicy.timing.other_epoch_s)
+    return say_other_epoch(context, stamped);
   const bool drifts = std::abs(transport.drift) > kPolicy.receipt.drift &&
                       std::abs(transport.drift) * context.duration_s > kPolicy.receipt.drifted_s;
   // A clock that runs away gets ahead by so much; that is said once.
@@ -164,18 +170,14 @@ void say(Context& context, const Stamped& stamped) {
 
 void check_receipt(Context& context) {
   if (const auto mocap = transport_of(context.recording.bodies, context.begin_s)) {
-    say(context, {"mocap", *mocap, "inputs.bodies.latency_s", context.arm.inputs.body_latency_s});
+    say(context, {"mocap", *mocap, "inputs.bodies", context.arm.inputs.body_latency_s});
   }
   for (std::size_t i = 0; i < context.signals.size(); ++i) {
     const std::vector<std::vector<trial::RecordedValue>> one{context.recording.inputs[i]};
     const auto transport = transport_of(one, context.begin_s);
     if (!transport) continue;
     const arm::ScalarInput& input = *context.signals[i].input;
-    const char* list = input.kind == arm::InputKind::kTension ? "tensions"
-                       : input.kind == arm::InputKind::kAngle ? "angles"
-                                                              : "pressures";
-    say(context,
-        {input.name, *transport, fmt::format("inputs.{}[{}].latency_s", list, input.name), input.latency_s});
+    say(context, {input.name, *transport, path_of(input), input.latency_s});
   }
 }
 

@@ -60,6 +60,19 @@ ordered_json json_of(const CheckStream& s) {
   return j;
 }
 
+std::string lines_of(const CheckFinding& f, bool with_information) {
+  if (f.severity == Severity::kInformation && !with_information) return "";
+  const std::string when = description(f.spans);
+  std::string text =
+      wrapped(fmt::format("{:<12}{}{}{}{}", to_string(f.severity), f.where, f.where.empty() ? "" : ": ",
+                          f.what, when.empty() ? "" : "; at " + when),
+              2);
+  if (f.severity == Severity::kInformation) return text;
+  if (!f.remedy.empty()) text += wrapped("remedy: " + f.remedy, 14);
+  if (!f.setting.empty()) text += wrapped("setting: " + f.setting, 14);
+  return text;
+}
+
 }  // namespace
 
 std::string to_string(Severity severity) {
@@ -84,20 +97,19 @@ std::string to_text(const CheckReport& report, bool with_information) {
       fmt::format("{}: {:.1f} s, {}\n", report.name, report.duration_s,
                   serious + warnings == 0 ? "nothing wrong was found"
                                           : fmt::format("{} serious, {} to look at", serious, warnings));
-  for (const CheckFinding& f : report.findings) {
-    if (f.severity == Severity::kInformation && !with_information) continue;
-    const std::string when = description(f.spans);
-    text += wrapped(fmt::format("{:<12}{}{}{}{}", to_string(f.severity), f.where, f.where.empty() ? "" : ": ",
-                                f.what, when.empty() ? "" : "; at " + when),
-                    2);
-    if (f.severity == Severity::kInformation) continue;
-    if (!f.remedy.empty()) text += wrapped("remedy: " + f.remedy, 14);
-    if (!f.setting.empty()) text += wrapped("setting: " + f.setting, 14);
-  }
+  for (const CheckFinding& f : report.findings) text += lines_of(f, with_information);
   return text;
 }
 
-std::string to_json(const std::vector<CheckReport>& reports, const std::string& arm) {
+std::string to_text(const std::vector<CheckFinding>& together, std::size_t recordings,
+                    bool with_information) {
+  std::string text;
+  for (const CheckFinding& f : together) text += lines_of(f, with_information);
+  return text.empty() ? "" : fmt::format("all {} recordings together:\n", recordings) + text;
+}
+
+std::string to_json(const std::vector<CheckReport>& reports, const std::string& arm,
+                    const std::vector<CheckFinding>& together) {
   ordered_json document;
   document["format"] = 1;
   document["arm"] = arm;
@@ -112,6 +124,10 @@ std::string to_json(const std::vector<CheckReport>& reports, const std::string& 
     j["findings"] = ordered_json::array();
     for (const CheckFinding& f : report.findings) j["findings"].push_back(json_of(f));
     document["recordings"].push_back(std::move(j));
+  }
+  if (reports.size() > 1) {
+    document["together"] = ordered_json::array();
+    for (const CheckFinding& f : together) document["together"].push_back(json_of(f));
   }
   return document.dump(2) + "\n";
 }

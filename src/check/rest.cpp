@@ -82,10 +82,89 @@ double still_for(const Signal& signal, double from_s, int sign, double duration_
   return duration_s;
 }
 
+/// What a straight line through numbers over time changes from the first to the last, in each coordinate.
+Eigen::Vector3d change_over(const std::vector<double>& t_s, const std::vector<Eigen::Vector3d>& values) {
+  if (t_s.size() < 3) return Eigen::Vector3d::Zero();
+  double middle = 0.0;
+  for (const double t : t_s) middle += t / static_cast<double>(t_s.size());
+  Eigen::Vector3d slope = Eigen::Vector3d::Zero();
+  double spread = 0.0;
+  for (std::size_t i = 0; i < t_s.size(); ++i) {
+    slope += (t_s[i] - middle) * values[i];
+    spread += (t_s[i] - middle) * (t_s[i] - middle);
+  }
+  return spread > 0.0 ? Eigen::Vector3d(slope / spread * (t_s.back() - t_s.front())) : slope;
+}
+
+/// Standard deviation of that change, by white noise.
+double error_of_change(double noise, std::size_t values) {
+  return noise * std::sqrt(12.0 / std::max(3.0, static_cast<double>(values)));
+}
+
+bool drifts(const Context& context, const Track& track, const CheckSpan& span) {
+  std::vector<double> t_s;
+  std::vector<Eigen::Vector3d> places;
+  for (const TrackPose& pose : track.poses) {
+    if (!pose.good || pose.t_s < span.from_s || pose.t_s > span.to_s) continue;
+    t_s.push_back(pose.t_s);
+    places.push_back(pose.p);
+  }
+  return change_over(t_s, places).norm() >
+         context.of_length(kPolicy.rest.drift) +
+             kPolicy.rest.drift_errors * error_of_change(track.white_sd_m, t_s.size());
+}
+
+bool drifts(const Signal& signal, const CheckSpan& span) {
+  if (signal.range() == 0.0) return false;
+  std::vector<double> t_s;
+  std::vector<Eigen::Vector3d> values;
+  for (const ValuePoint& p : signal.points) {
+    if (p.t_s < span.from_s || p.t_s > span.to_s) continue;
+    t_s.push_back(p.t_s);
+    values.emplace_back(p.value, 0.0, 0.0);
+  }
+  const double grain = signal.is_measured ? kPolicy.rest.rest_steps * signal.quantum : 0.0;
+  return change_over(t_s, values).norm() >
+         std::max(kPolicy.rest.rest_share * signal.range(), grain) +
+             kPolicy.rest.drift_errors * error_of_change(signal.noise_sd, t_s.size());
+}
+
+/// A slow ramp stays within the noise for a while, and is no rest: what is left of a stretch from one end in
+/// which neither the arm nor an input goes on in one direction.
+std::optional<CheckSpan> without_drift(const Context& context, CheckSpan span, bool from_begin) {
+  while (span.to_s - span.from_s >= kPolicy.rest.least_s) {
+    const bool moves =
+        std::any_of(context.tracks.begin(), context.tracks.end(),
+                    [&](const Track& t) { return !t.is_base() && drifts(context, t, span); }) ||
+        std::any_of(context.signals.begin(), context.signals.end(),
+                    [&](const Signal& s) { return drifts(s, span); });
+    if (!moves) return span;
+    const double less_s = kPolicy.rest.shortened * (span.to_s - span.from_s);
+    (from_begin ? span.to_s : span.from_s) += from_begin ? -less_s : less_s;
+  }
+  return std::nullopt;
+}
+
+/// The first input that is far above its least value in a stretch. Servos have no value at which nothing
+/// drives.
+std::string held_in(const Context& context, const std::optional<CheckSpan>& span) {
+  if (!span) return "";
+  for (const Signal& signal : context.signals) {
+    if (signal.input->kind == arm::InputKind::kAngle ||
+        signal.range() <= kPolicy.rest.driven_noises * signal.noise_sd)
+      continue;
+    const auto level = signal.mean(span->from_s, span->to_s);
+    const double least = signal.is_pressure() ? kPolicy.inputs.offset_pa : kPolicy.inputs.least_tension_n;
+    if (level && *level - signal.least > std::max(kPolicy.rest.held_share * signal.range(), least))
+      return signal.input->name;
+  }
+  return "";
+}
+
 /// Notes the stretches of stillness at both ends.
 void find_rest(Context& context) {
-  context.rest_begin.reset();
-  context.rest_end.reset();
+  context.still_begin.reset();
+  context.still_end.reset();
   double begin_s = context.duration_s, end_s = begin_s;
   double first_s = context.duration_s, last_s = 0.0;
   bool has_body = false;
@@ -110,38 +189,42 @@ void find_rest(Context& context) {
   const auto trimmed = [&](double still_s) {
     return still_s < length_s ? still_s - kPolicy.rest.trimmed * still_s : still_s;
   };
-  if (begin_s >= kPolicy.rest.least_s) context.rest_begin = CheckSpan{first_s, first_s + trimmed(begin_s)};
-  if (end_s >= kPolicy.rest.least_s) context.rest_end = CheckSpan{last_s - trimmed(end_s), last_s};
-  context.held_at_end = false;
-  for (const Signal& signal : context.signals) {
-    if (!context.rest_end || signal.range() <= kPolicy.rest.driven_noises * signal.noise_sd) continue;
-    const auto level = signal.mean(context.rest_end->from_s, context.rest_end->to_s);
-    if (level && *level - signal.low > kPolicy.rest.held_share * signal.range()) context.held_at_end = true;
-  }
+  if (begin_s >= kPolicy.rest.least_s)
+    context.still_begin = without_drift(context, {first_s, first_s + trimmed(begin_s)}, true);
+  if (end_s >= kPolicy.rest.least_s)
+    context.still_end = without_drift(context, {last_s - trimmed(end_s), last_s}, false);
+  context.held_at_begin = held_in(context, context.still_begin);
+  context.held_at_end = held_in(context, context.still_end);
 }
 
 void check_rest(Context& context) {
   std::size_t longest = 0;
   for (const Track& track : context.tracks) longest = std::max(longest, track.poses.size());
   if (longest < kPolicy.rest.least_poses) return;
-  const auto say = [&](const char* id, const char* verb, const char* loses) {
-    CheckFinding& finding =
-        context.add(id, "",
-                    fmt::format("the trial does not {} at rest: the arm or an input moves within {:g} s",
-                                verb, kPolicy.rest.least_s));
+  const auto say = [&](const char* id, const char* verb, const std::string& held, const char* loses) {
+    CheckFinding& finding = context.add(
+        id, "",
+        held.empty()
+            ? fmt::format("the trial does not {} at rest: the arm or an input moves within {:g} s", verb,
+                          kPolicy.rest.least_s)
+            : fmt::format("the trial does not {} at rest: the arm is still, but {} is driven", verb, held));
     finding.remedy = fmt::format("record two seconds of stillness, undriven, there; without it {}", loses);
   };
-  if (!context.rest_begin) {
-    say("no_rest_at_start", "begin", "zeros of the inputs, noise and spacing of the rings cannot be seen");
+  const bool rest_begin = context.still_begin && context.held_at_begin.empty(),
+             rest_end = context.still_end && context.held_at_end.empty();
+  if (!rest_begin) {
+    say("no_rest_at_start", "begin", context.held_at_begin,
+        "zeros of the inputs, noise and spacing of the rings cannot be seen");
   }
-  if (!context.rest_end) {
-    say("no_rest_at_end", "end", "drift of zeros and rings that slipped cannot be distinguished from creep");
+  if (!context.still_end) {
+    say("no_rest_at_end", "end", "",
+        "drift of zeros and rings that slipped cannot be distinguished from creep");
   }
   const auto total = [](const std::optional<CheckSpan>& s) { return s ? s->to_s - s->from_s : 0.0; };
-  if (context.rest_begin && context.rest_end) {
+  if (rest_begin && rest_end) {
     context.add("rest", "",
                 fmt::format("at rest for {:.1f} s at the beginning and {:.1f} s at the end",
-                            total(context.rest_begin), total(context.rest_end)));
+                            total(context.still_begin), total(context.still_end)));
   }
 }
 

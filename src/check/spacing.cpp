@@ -7,6 +7,7 @@
 #include "context.h"
 #include "math_of_poses.h"
 #include "policy.h"
+#include "settings.h"
 #include "shape.h"
 #include "softarm/arm/laws.h"
 
@@ -83,7 +84,34 @@ void say_misplaced(Context& context, const std::vector<Place>& places, const std
   finding.figure = off_m;
   finding.unit = "m";
   finding.remedy = "push it back, or say where it is now";
-  finding.setting = fmt::format("bodies[{}].arclength_m: {:.4f}", track.name, place_m);
+  // The arm file takes places on the arm, in order.
+  const double before_m = worst > 0 ? places[worst - 1].arclength_m : 0.0,
+               after_m =
+                   worst + 1 < places.size() ? places[worst + 1].arclength_m : context.arm.total_length_m();
+  if (place_m > before_m + kPolicy.places.grain_m && place_m < after_m - kPolicy.places.grain_m)
+    finding.setting = fmt::format("bodies[{}].arclength_m: {:.4f}", track.name, place_m);
+}
+
+/// All lengths of an arm that is longer by so much.
+std::string stretched_arm(const arm::Arm& arm, double stretch) {
+  // To the micrometre, and no body beyond the sum of the rounded segments.
+  const auto rounded = [](double x) { return std::round(1e6 * x) * 1e-6; };
+  std::vector<std::string> settings;
+  double total_m = 0.0;
+  for (const arm::Segment& segment : arm.segments) {
+    const double length_m = rounded(stretch * segment.length_m);
+    total_m += length_m;
+    settings.push_back(fmt::format("segments[{}].length_m: {:.6f}", segment.name, length_m));
+    // Limits that it leaves would be refused with it.
+    settings.push_back(fmt::format("segments[{}].length_range_m: [{:.6f}, {:.6f}]", segment.name,
+                                   stretch * segment.length_range_m.low,
+                                   stretch * segment.length_range_m.high));
+  }
+  const auto place = [&](double arclength_m) { return std::min(total_m, rounded(stretch * arclength_m)); };
+  for (const arm::MeasuredBody& body : arm.bodies)
+    settings.push_back(fmt::format("bodies[{}].arclength_m: {:.6f}", body.name, place(body.arclength_m)));
+  settings.push_back(fmt::format("payload.arclength_m: {:.6f}", place(arm.payload.arclength_m)));
+  return joined(settings);
 }
 
 void check_spacing(Context& context) {
@@ -124,7 +152,7 @@ void check_spacing(Context& context) {
     finding.remedy =
         "measure the arm at rest along its backbone; an arm that is pressurised at rest or hangs "
         "with weight is longer; else the mocap's calibration (wand length)";
-    finding.setting = fmt::format("segments[].length_m and bodies[].arclength_m: times {:.4f}", stretch);
+    finding.setting = stretched_arm(context.arm, stretch);
   }
   say_misplaced(context, places, measured, noise);
 }

@@ -130,11 +130,7 @@ void say_regularity(Context& context, const Stream& stream, double period_s) {
         !stream.is_body ? "a publisher on a timer, stamped when the value was read"
         : very ? "let the driver stamp by the cameras' frame number or exposure, not by receipt or by the "
                  "logger's loop; slow motions (quasi-static trials) suffer little"
-               : "stamps by exposure instead of receipt; where bodies of one frame are stamped apart, widen "
-                 "the tolerance to a third of the frame interval";
-    if (stream.is_body) {
-      finding.setting = fmt::format("inputs.bodies.sync_tolerance_s: {:.2g}", period_s / 3.0);
-    }
+               : "stamps by exposure instead of receipt";
   }
   if (1.0 / period_s < kPolicy.timing.slow_hz && stream.is_body) {
     CheckFinding& finding = context.add(
@@ -162,6 +158,7 @@ void say_gaps(Context& context, const Stream& stream, double period_s, double ep
   for (std::size_t i = 1; i < sorted.size(); ++i) {
     const double step = sorted[i] - sorted[i - 1];
     if (!(step > limit_s)) continue;
+    if (context.is_left_out(sorted[i - 1] - context.begin_s, sorted[i] - context.begin_s)) continue;
     gaps.push_back({sorted[i - 1] - context.begin_s, sorted[i] - context.begin_s});
     longest = std::max(longest, step);
     total += step;
@@ -226,7 +223,20 @@ void say_split_frames(Context& context) {
                                 std::min(0.5 * period_s, std::max(1.5 * wide_s, period_s / 3.0)));
 }
 
+void say_left_out(Context& context) {
+  if (context.left_out.empty()) return;
+  double total_s = 0.0;
+  for (const CheckSpan& span : context.left_out) total_s += span.to_s - span.from_s;
+  CheckFinding& finding =
+      context.add("left_out", "", fmt::format("the import left out {:.1f} s, as it was told", total_s));
+  finding.figure = total_s;
+  finding.unit = "s";
+  finding.spans = context.left_out;
+  if (finding.spans.size() > kMostSpans) finding.spans.resize(kMostSpans);
+}
+
 void check_timing(Context& context) {
+  say_left_out(context);
   for (std::size_t b = 0; b < context.tracks.size(); ++b) {
     Stream stream = stream_of(context.tracks[b].name, context.recording.bodies[b]);
     if (stream.samples == 0) continue;
@@ -242,9 +252,12 @@ void check_timing(Context& context) {
   mocap.name = "mocap";
   mocap.is_body = true;
   mocap.max_age_s = kPolicy.timing.body_gap_s;
+  // Between receipts: what a clock is known to be ahead makes no gap at the ends.
+  const double latency_s = context.arm.inputs.body_latency_s - context.body_epoch.known_s;
   double period_s = 0.0;
   for (std::size_t b = 0; b < context.tracks.size(); ++b) {
-    for (const TrackPose& pose : context.tracks[b].poses) mocap.stamp_s.push_back(pose.t_s + context.begin_s);
+    for (const TrackPose& pose : context.tracks[b].poses)
+      mocap.stamp_s.push_back(pose.t_s + context.begin_s + latency_s);
     if (context.tracks[b].poses.size() > 1) period_s = std::max(period_s, context.tracks[b].period_s);
   }
   say_gaps(context, mocap, period_s, 0.0);
@@ -256,7 +269,7 @@ void check_timing(Context& context) {
     say_zero_stamps(context, stream);
     say_backward(context, stream);
     say_regularity(context, stream, context.signals[i].period_s);
-    say_gaps(context, stream, context.signals[i].period_s, context.input_epoch_s[i]);
+    say_gaps(context, stream, context.signals[i].period_s, context.input_epochs[i].all_s());
   }
 }
 
@@ -271,6 +284,7 @@ Check make_timing() {
            {"irregular_stamps", {}, Alike::kOnePerDriver},
            {"low_rate", Severity::kInformation, Alike::kOnePerDriver},
            {"gap", {}, Alike::kOnePerEvent},
+           {"left_out", Severity::kInformation},
            {"split_frames", Severity::kSerious}}};
 }
 

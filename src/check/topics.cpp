@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <boost/algorithm/string.hpp>
 
+#include "arm/body_types.h"
 #include "arm/edit_distance.h"
 #include "context.h"
+#include "settings.h"
 
 namespace softarm::check {
 namespace {
@@ -34,8 +36,67 @@ std::string listed(const trial::CheckRecording& recording) {
   return text.empty() ? "no topic that the arm does not use" : "also " + text;
 }
 
-const char* key_of(const trial::RecordedTopic& topic) {
-  return topic.of_bodies ? "inputs.bodies.topic" : "inputs.….topic";
+/// Inputs that come by a topic.
+std::vector<const arm::ScalarInput*> inputs_by(const Context& context, const trial::RecordedTopic& topic) {
+  std::vector<const arm::ScalarInput*> inputs;
+  for (const arm::ScalarInput& input : context.arm.inputs.scalars) {
+    if (input.topic == topic.topic) inputs.push_back(&input);
+  }
+  return inputs;
+}
+
+/// Where the arm file names a topic: of an input, of all bodies, or, where <body> stands in it, the body.
+std::string renamed(const Context& context, const trial::RecordedTopic& topic, const std::string& name) {
+  if (!topic.of_bodies) {
+    std::vector<std::string> settings;
+    for (const arm::ScalarInput* input : inputs_by(context, topic))
+      settings.push_back(path_of(*input) + ".topic: " + name);
+    return joined(settings);
+  }
+  const arm::Inputs& inputs = context.arm.inputs;
+  const bool own_source = topic.is_base && inputs.base;
+  const std::string& pattern = (own_source ? *inputs.base : inputs.bodies).topic;
+  const std::string key = own_source ? "inputs.base.topic: " : "inputs.bodies.topic: ";
+  const std::string word = "<body>";
+  const std::size_t at = pattern.find(word);
+  if (at == std::string::npos) return key + name;
+  const std::string before = pattern.substr(0, at), after = pattern.substr(at + word.size());
+  const bool fits = name.size() > before.size() + after.size() && boost::starts_with(name, before) &&
+                    boost::ends_with(name, after);
+  if (fits) {
+    const std::string body = name.substr(before.size(), name.size() - before.size() - after.size());
+    if (boost::contains(body, "/")) return "";
+    return (topic.is_base ? "base.body" : "bodies[" + topic.feeds + "].name") + std::string(": ") + body;
+  }
+  // Another place for all of them, if the body's name stands there as it does here.
+  std::string other = name;
+  boost::replace_all(other, topic.feeds, word);
+  return other != name ? key + other : "";
+}
+
+/// Where the arm file names a type; empty where more than the type would differ.
+std::string retyped(const Context& context, const trial::RecordedTopic& topic) {
+  if (topic.of_bodies) {
+    const auto& types = arm::yaml::body_types();
+    const auto message_of = [&](const std::string& type) {
+      const auto known = std::find_if(types.begin(), types.end(),
+                                      [&](const arm::yaml::BodyType& t) { return t.type == type; });
+      return known == types.end() ? std::nullopt : std::optional(known->message);
+    };
+    const bool poses = message_of(topic.found_type) == arm::yaml::BodyMessage::kPose &&
+                       message_of(topic.type) == arm::yaml::BodyMessage::kPose;
+    const bool own_source = topic.is_base && context.arm.inputs.base;
+    return poses ? (own_source ? "inputs.base.type: " : "inputs.bodies.type: ") + topic.found_type : "";
+  }
+  std::vector<std::string> settings;
+  for (const arm::ScalarInput* input : inputs_by(context, topic)) {
+    const bool pressure = input->kind == arm::InputKind::kPressure || input->kind == arm::InputKind::kVacuum;
+    const bool plain = topic.found_type == "std_msgs/Float64" ||
+                       (pressure && topic.found_type == "sensor_msgs/FluidPressure");
+    if (!plain || !input->field.empty() || input->element != 0) return "";
+    settings.push_back(path_of(*input) + ".type: " + topic.found_type);
+  }
+  return joined(settings);
 }
 
 void say_missing(Context& context, const trial::RecordedTopic& topic, bool no_body_at_all) {
@@ -51,7 +112,7 @@ void say_missing(Context& context, const trial::RecordedTopic& topic, bool no_bo
   if (const auto near = near_miss(topic, context.recording)) {
     finding.remedy =
         fmt::format("{} is meant? Then name it so in the arm file, or rename it with rosbag filter", *near);
-    finding.setting = fmt::format("{}: {}", key_of(topic), *near);
+    finding.setting = renamed(context, topic, *near);
   }
 }
 
@@ -69,8 +130,7 @@ void check_topics(Context& context) {
           serious ? Severity::kSerious : Severity::kWarning, "wrong_type", topic.topic,
           fmt::format("is {}, the arm expects {} ({})", topic.found_type, topic.type, topic.feeds));
       finding.remedy = "name the type that the driver publishes in the arm file";
-      finding.setting =
-          fmt::format("{}: {}", topic.of_bodies ? "inputs.bodies.type" : "inputs.….type", topic.found_type);
+      finding.setting = retyped(context, topic);
     } else if (topic.messages == 0 && !topic.of_payload) {
       context
           .add(topic.is_base ? Severity::kSerious : Severity::kWarning, "empty_topic", topic.topic,

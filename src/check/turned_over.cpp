@@ -7,6 +7,7 @@
 #include "context.h"
 #include "math_of_poses.h"
 #include "policy.h"
+#include "settings.h"
 
 namespace softarm::check {
 namespace {
@@ -119,11 +120,10 @@ void check_turned_over(Context& context) {
     finding.remedy = "a marker set that looks the same from two sides: rearrange it. ";
     if (track.is_base()) {
       finding.remedy += "The mount does not turn: give its attitude as fixed";
-      finding.setting =
-          "base.fixed (of the arm), or mocap.bodies[" + track.name + "].fixed_orientation (of the layout)";
+      finding.setting = fixed_base(context);
     } else if (matters) {
       finding.remedy += "Do without its orientation, or leave these stretches out";
-      finding.setting = "bodies[" + track.name + "].orientation_usable: false";
+      finding.setting = without_orientation(context, track);
     } else {
       finding.remedy += "Here its orientation is not used, so it does no harm";
     }

@@ -37,7 +37,6 @@ void check_units(Context& context) {
   finding.remedy =
       "another arm's file, another body's name for the base, or arclengths that are wrong: measure "
       "from the clamp along the backbone";
-  finding.setting = "bodies[].arclength_m, base";
 }
 
 }  // namespace

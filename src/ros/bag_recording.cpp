@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <rosbag/exceptions.h>
 #include <rosbag/view.h>
+#include <std_msgs/Float64MultiArray.h>
+#include <std_msgs/String.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "bag_writer.h"
 #include "input_topics.h"
 #include "open_bag.h"
 
@@ -122,6 +125,20 @@ class Recorder {
   ros::Time recorded_;
 };
 
+/// What an import says of itself.
+void read_import(const rosbag::Bag& bag, trial::CheckRecording& recording) {
+  rosbag::View view(bag,
+                    rosbag::TopicQuery(std::vector<std::string>{kImportLayoutTopic, kImportLeftOutTopic}));
+  for (const rosbag::MessageInstance& message : view) {
+    if (const auto layout = message.instantiate<std_msgs::String>()) recording.import_layout = layout->data;
+    const auto left_out = message.instantiate<std_msgs::Float64MultiArray>();
+    if (left_out && left_out->data.size() == 2)
+      recording.left_out.emplace_back(left_out->data[0], left_out->data[1]);
+  }
+  recording.other_topics.erase(kImportLayoutTopic);
+  recording.other_topics.erase(kImportLeftOutTopic);
+}
+
 }  // namespace
 
 trial::CheckRecording read_recording(const std::string& path, const arm::Arm& arm,
@@ -148,6 +165,7 @@ trial::CheckRecording read_recording(const std::string& path, const arm::Arm& ar
   Recorder recorder(arm, recording);
   std::uint64_t unreported = 0;
   try {
+    read_import(*bag, recording);
     rosbag::View view(*bag, rosbag::TopicQuery(names_in_bag(by_topic)));
     on_total(view.size());
     for (const rosbag::MessageInstance& message : view) {

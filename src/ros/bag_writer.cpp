@@ -3,6 +3,8 @@
 #include <ros/message_traits.h>
 #include <sensor_msgs/FluidPressure.h>
 #include <std_msgs/Float64.h>
+#include <std_msgs/Float64MultiArray.h>
+#include <std_msgs/String.h>
 
 #include <boost/make_shared.hpp>
 
@@ -81,6 +83,18 @@ void TrialBagWriter::payload(double stamp_s, double kg) {
   // Readers order messages by their times, in no certain order where these are equal: recorded a microsecond
   // before the poses of its stamp, it is known when they come.
   write("/payload", stamp_s - 1e-6, m, true);
+}
+
+void TrialBagWriter::import_layout(double stamp_s, const std::string& text) {
+  std_msgs::String m;
+  m.data = text;
+  write(kImportLayoutTopic, stamp_s, m, true);
+}
+
+void TrialBagWriter::left_out(double from_s, double to_s) {
+  std_msgs::Float64MultiArray m;
+  m.data = {from_s, to_s};
+  write(kImportLeftOutTopic, to_s, m);
 }
 
 }  // namespace softarm

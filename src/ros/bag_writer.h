@@ -14,6 +14,9 @@
 
 namespace softarm {
 
+/// What an import says of itself in its bags.
+inline constexpr char kImportLayoutTopic[] = "/import/layout", kImportLeftOutTopic[] = "/import/left_out";
+
 /// Writes the topics of a trial bag in SI units, each message recorded at the time of its receipt.
 ///
 /// The same calls give the same bytes: nothing in the file depends on the clock, the machine or the process.
@@ -35,6 +38,11 @@ class TrialBagWriter {
   void scalar(const std::string& topic, double receipt_s, double value);
   /// /payload, std_msgs/Float64 in kg, latched; holds from `stamp_s` on, recorded 1 us before it.
   void payload(double stamp_s, double kg);
+
+  /// /import/layout, std_msgs/String, latched: the column layout that a recording was imported by.
+  void import_layout(double stamp_s, const std::string& text);
+  /// /import/left_out, std_msgs/Float64MultiArray: the stamps between which an import left rows out as told.
+  void left_out(double from_s, double to_s);
 
   /// Completes the file. Without it the bag has no index.
   void close();

@@ -112,6 +112,7 @@ void read_mocap(const CsvLayoutMap& m, CsvLayout& layout) {
   layout.position_scale_to_m = m.unit("unit", kLengthUnits);
   layout.up = m.word("up", std::nullopt, {"z", "y"}) == "y" ? UpAxis::kY : UpAxis::kZ;
   layout.drop_repeated = m.flag("drop_repeated", false);
+  layout.bodies_ahead_s = m.number("ahead_s", 0.0, -3600.0, 3600.0);
   m.require("bodies", "the rigid bodies");
   std::set<std::string> names;
   for (const CsvLayoutMap& body :
@@ -131,7 +132,7 @@ void read_pressures(const CsvLayoutMap& m, std::set<std::string>& topics, CsvLay
   m.require("inputs", "the pressure columns");
   for (const CsvLayoutMap& input : m.list("inputs", {"topic", "column", "from", "zero"})) {
     layout.pressures.push_back({read_topic(input, "/pressure/chamber_1", topics),
-                                read_input_column(input, layout), scale, gauge,
+                                read_input_column(input, layout), m.text("unit", ""), scale, gauge,
                                 input.number("zero", 0.0, -1e7, 1e7)});
   }
 }
@@ -141,8 +142,8 @@ void read_scalars(const CsvLayoutMap& m, const std::vector<CsvUnit>& units, cons
   const double scale = m.unit("unit", units);
   m.require("inputs", "the columns");
   for (const CsvLayoutMap& input : m.list("inputs", {"topic", "column", "from", "zero"})) {
-    layout.scalars.push_back({read_topic(input, example, topics), read_input_column(input, layout), scale,
-                              input.number("zero", 0.0, -1e7, 1e7)});
+    layout.scalars.push_back({read_topic(input, example, topics), read_input_column(input, layout),
+                              m.text("unit", ""), scale, input.number("zero", 0.0, -1e7, 1e7)});
   }
 }
 
@@ -185,7 +186,7 @@ CsvLayout parse_csv_layout(const std::string& text, const std::string& source) {
         read_join(top.map("join", {"id", "inputs_id", "separator", "decimal", "header", "skip_lines"}),
                   layout.format.header);
   }
-  read_mocap(top.map("mocap", {"unit", "up", "drop_repeated", "bodies"}), layout);
+  read_mocap(top.map("mocap", {"unit", "up", "ahead_s", "drop_repeated", "bodies"}), layout);
   std::set<std::string> topics;
   if (top.has("pressures")) {
     read_pressures(top.map("pressures", {"unit", "reference", "ambient_pa", "inputs"}), topics, layout);

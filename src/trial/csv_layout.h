@@ -44,6 +44,7 @@ struct CsvBody {
 struct CsvPressure {
   std::string topic;
   CsvColumn column;
+  std::string unit;  ///< as the layout has it
   double scale_to_pa = 1.0;
   bool gauge = false;
   double zero = 0.0;  ///< what the sensor reads too much, in the recording's unit
@@ -53,6 +54,7 @@ struct CsvPressure {
 struct CsvScalar {
   std::string topic;
   CsvColumn column;
+  std::string unit;  ///< as the layout has it
   double scale_to_si = 1.0;
   double zero = 0.0;  ///< in the recording's unit
 };
@@ -86,6 +88,7 @@ struct CsvLayout {
   double start_stamp_s = 1600000000.0;   ///< added to every time; a constant, so that bags are reproducible
   double position_scale_to_m = 1.0;
   UpAxis up = UpAxis::kZ;
+  double bodies_ahead_s = 0.0;  ///< what the clock of the poses is ahead of the inputs', subtracted from it
   /// Whose value says to which trial a row belongs, where a file holds several. Rows of a trial are together.
   std::optional<CsvColumn> trial_column;
   std::optional<CsvJoinLayout> join;

@@ -50,6 +50,9 @@ class CsvLayoutMap {
     if (!has(key))
       throw CsvError(
           fmt::format("{}:{}: key '{}': missing; it gives {}", source_, line_of(node_), name(key), what));
+    if (node_[key].IsNull())
+      throw CsvError(fmt::format("{}:{}: key '{}': is left blank; it gives {}", source_, line_of(node_[key]),
+                                 name(key), what));
     return node_[key];
   }
 

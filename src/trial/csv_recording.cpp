@@ -9,6 +9,7 @@
 #include <set>
 #include <unordered_set>
 
+#include "csv_clocks.h"
 #include "csv_join.h"
 #include "csv_table.h"
 
@@ -58,6 +59,7 @@ class Reader {
       }
     }
     if (sources_.on_bytes) sources_.on_bytes(table_.bytes() - told);
+    hand_on_held();
     finish();
     return std::move(report_);
   }
@@ -141,7 +143,15 @@ class Reader {
     if (payload_) payload(read(*payload_, inputs, "/payload"), out);
     last_time_s_ = out.time_s;
     ++report_.used;
-    on_row_(out);
+    if (layout_.bodies_ahead_s == 0.0) return on_row_(out);
+    if (!held_.empty() && held_.back().trial != out.trial) hand_on_held();
+    held_.push_back(std::move(out));
+  }
+
+  /// Rows of a trial whose clocks differ; there are none where they do not.
+  void hand_on_held() {
+    report_.one_clock_only += put_clocks_right(held_, layout_.bodies_ahead_s, on_row_);
+    held_.clear();
   }
 
   void enter_trial(const std::string& cell, CsvRow& out) {
@@ -282,6 +292,7 @@ class Reader {
   std::uint64_t rows_of_trial_ = 0;
   std::vector<std::optional<double>> last_numbers_;
   double last_time_s_ = -std::numeric_limits<double>::infinity();
+  std::vector<CsvRow> held_;  // of one trial, until its end
   std::uint64_t bad_ = 0;
   std::string first_bad_;
   CsvReport report_;

@@ -46,6 +46,7 @@ struct CsvReport {
   std::uint64_t used = 0;                         ///< rows that were delivered
   std::map<std::string, std::uint64_t> bad_rows;  ///< skipped rows by reason
   std::map<std::string, std::uint64_t> lost;      ///< absent values by reason: "tip: not a number"
+  std::uint64_t one_clock_only = 0;   ///< poses or inputs of rows that the other clock has no time for
   std::uint64_t repeated = 0;         ///< rows whose poses only repeat the last row (drop_repeated)
   std::vector<std::string> examples;  ///< "file:line: what", the first few
   std::optional<CsvJoinReport> join;

@@ -37,6 +37,7 @@ class CsvTable {
   /// @throws CsvBadRow where the row is too short or the cell holds text
   std::optional<double> number(std::size_t column) const;
 
+  const std::vector<std::string>& header() const { return header_; }  ///< empty without one
   const std::string& path() const { return path_; }
   std::uint64_t line() const { return line_; }    ///< of this row, from 1
   std::uint64_t bytes() const { return bytes_; }  ///< read so far

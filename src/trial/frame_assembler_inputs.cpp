@@ -31,8 +31,9 @@ void FrameAssembler::add_input(int input, double stamp_s, double value) {
   stream.last = value;
   // One that always comes too late would hold up every frame, and in vain.
   if (!newest_s_ || stamp_s > *newest_s_ - 0.5 * params_.input_wait_s) stream.expected = true;
+  value -= source.zero_si;
   if (source.kind == arm::InputKind::kTension || source.kind == arm::InputKind::kAngle) {
-    insert(history, {stamp_s, value - source.zero_si, false});
+    insert(history, {stamp_s, value, false});
   } else {
     const double gauge_pa =
         source.reference == arm::PressureReference::kAbsolute ? value - ambient_pa_ : value;

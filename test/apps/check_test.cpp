@@ -202,7 +202,7 @@ TEST_F(RealArms, QuaternionOfTheBaseTurnsOver) {
   EXPECT_GT(finding(all, "turned_over", "base")->at("figure"), 2.8);
 }
 
-TEST_F(RealArms, StepsRestOffZeroAndTurnOverBaseAndTip) {
+TEST_F(RealArms, StepsTurnOverBaseAndTipAndHaveNoZeros) {
   const TestFolder dir;
   std::string layout = kSteps;
   for (const int column : {6, 7, 11, 12, 13}) {
@@ -218,12 +218,11 @@ TEST_F(RealArms, StepsRestOffZeroAndTurnOverBaseAndTip) {
   ASSERT_NE(finding(all, "turned_over", "base"), nullptr) << all.dump(1);
   EXPECT_EQ(finding(all, "base_attitude"), nullptr) << all.dump(1);
   EXPECT_EQ(finding(all, "base_upside_down"), nullptr) << all.dump(1);
-  constexpr double kPaPerPsi = 6894.757;
-  for (int chamber = 1; chamber <= 6; ++chamber) {
-    const auto* offset = finding(all, "offset_at_rest", "chamber_" + std::to_string(chamber));
-    ASSERT_NE(offset, nullptr) << chamber << ": " << all.dump(1);
-    EXPECT_GT(offset->at("figure"), 0.6 * kPaPerPsi);
-    EXPECT_LT(offset->at("figure"), 2.45 * kPaPerPsi);
+  // Pressure is left in all six (set_1, vented, shows their zeros within 0.2 psi): no zero may be proposed.
+  for (const auto& f : all) {
+    if (f.at("id") != "offset_at_rest") continue;
+    EXPECT_EQ(f.at("severity"), "information") << f.dump(1);
+    EXPECT_FALSE(f.contains("setting")) << f.dump(1);
   }
 }
 

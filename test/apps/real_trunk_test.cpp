@@ -80,7 +80,7 @@ TEST_F(RealTrunk, ImportJoinsTheInputsAndTurnsYUp) {
       EXPECT_NEAR(m.instantiate<std_msgs::Float64>()->data, 3.7647425014272926 * M_PI / 180.0, 1e-12);
     }
   }
-  EXPECT_EQ(counts.size(), 3u + 6u + 6u + 1u);
+  EXPECT_EQ(counts.size(), 3u + 6u + 6u + 1u + 1u) << "discs, angles, commands, payload, the layout";
   EXPECT_EQ(counts["/servo/6/command"], 1500);
 }
 

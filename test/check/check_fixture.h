@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <random>
 #include <string>
 
@@ -59,9 +60,11 @@ inline double pressure_pa(int chamber, double t_s) {
          (1.0 + 0.5 * std::sin(1.9 * t_s + phase) + 0.45 * std::sin(0.7 * t_s - 2.0 * phase));
 }
 
-inline double curvature_per_m(double t_s) {
-  return 2.0e-4 * (pressure_pa(0, t_s) - pressure_pa(1, t_s));
-}
+/// What drives an arm, and for how long: gauge pressure of a chamber at a time, before the beginning too.
+struct Course {
+  double seconds = kSeconds;
+  std::function<double(int, double)> pressure_pa = testing_check::pressure_pa;
+};
 
 /// Base pose of the body `base`: z down along the arm.
 inline Eigen::Isometry3d base_pose() {
@@ -72,7 +75,7 @@ inline Eigen::Isometry3d base_pose() {
 }
 
 /// @param lag_s the arm answers so much later than its inputs
-inline trial::CheckRecording clean(unsigned seed = 1, double lag_s = 0.0) {
+inline trial::CheckRecording clean(unsigned seed = 1, double lag_s = 0.0, const Course& course = {}) {
   const arm::Arm arm = hanging_arm();
   trial::CheckRecording recording;
   recording.name = "clean";
@@ -89,9 +92,9 @@ inline trial::CheckRecording clean(unsigned seed = 1, double lag_s = 0.0) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   const auto normal3 = [&] { return Eigen::Vector3d(normal(random), normal(random), normal(random)); };
-  for (int k = 0; k < static_cast<int>(kSeconds * kRate); ++k) {
+  for (int k = 0; k < static_cast<int>(course.seconds * kRate); ++k) {
     const double t = k / kRate, stamp = kStart + t;
-    const double kappa = curvature_per_m(t - lag_s);
+    const double kappa = 2.0e-4 * (course.pressure_pa(0, t - lag_s) - course.pressure_pa(1, t - lag_s));
     for (int b = 0; b < 4; ++b) {
       const double s = b == 0 ? 0.0 : arm.bodies[static_cast<std::size_t>(b - 1)].arclength_m;
       const double angle = kappa * s;
@@ -109,7 +112,8 @@ inline trial::CheckRecording clean(unsigned seed = 1, double lag_s = 0.0) {
     }
     if (k % 2 == 0) {
       for (int i = 0; i < 2; ++i) {
-        recording.inputs[static_cast<std::size_t>(i)].push_back({stamp, stamp, 101325.0 + pressure_pa(i, t)});
+        recording.inputs[static_cast<std::size_t>(i)].push_back(
+            {stamp, stamp, 101325.0 + course.pressure_pa(i, t)});
       }
     }
     if (k % 10 == 0) {

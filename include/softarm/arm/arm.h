@@ -57,7 +57,7 @@ struct ScalarInput {
   std::string field;  ///< of a message of any other type: "chambers[2].pressure"; empty for the types above
   StampSource stamp = StampSource::kHeader;
   double scale_to_si = 1.0;  ///< from the configured unit
-  double zero_si = 0.0;  ///< subtracted from tensions and angles: the reading at which the arm is not driven
+  double zero_si = 0.0;      ///< subtracted from every value: the reading at which it does not drive the arm
   PressureReference reference = PressureReference::kAbsolute;  ///< of pressures
   double latency_s = 0.0;  ///< stamp minus the instant that it means: delay and what its clock is ahead
   std::optional<Between> between;  ///< absent: what the rhythm of its samples says

@@ -49,11 +49,26 @@ struct CheckStream {
   std::optional<double> noise_sd;    ///< bodies: white noise of a coordinate, m; inputs: SI
 };
 
+/// What an input shows at rest, and how a file says that this is its zero.
+struct ZeroAtRest {
+  std::string input;
+  double level = 0.0;        ///< mean at rest, SI; pressures as gauge, vacuum below ambient
+  double limit = 0.0;        ///< less is no offset, SI
+  std::string unit_si;       ///< "Pa", "N" or "rad"
+  bool may_be_held = false;  ///< nothing tells an offset from an input that is held there
+  std::string path;          ///< of its zero, in the layout by which it was imported, else in the arm file
+  bool of_layout = false;
+  std::string unit;          ///< in which that zero is given
+  double si_per_unit = 1.0;  ///< negative where the level counts downwards (vacuum)
+  double zero = 0.0;         ///< that it has now, in that unit
+};
+
 struct SOFTARM_EXPORT CheckReport {
   std::string name;
   double duration_s = 0.0;
   std::vector<CheckStream> streams;
   std::vector<CheckFinding> findings;  ///< most serious first
+  std::vector<ZeroAtRest> zeros;       ///< of the inputs whose level at rest may be their zero
 
   /// The worst of all findings; nothing where there is none.
   std::optional<Severity> worst() const;
@@ -69,11 +84,22 @@ struct SOFTARM_EXPORT CheckReport {
 /// 5. The trial: rest at both ends, payload, noise; the clocks of bodies and inputs against each other.
 SOFTARM_EXPORT CheckReport check_recording(const trial::CheckRecording& recording, const arm::Arm& arm);
 
+/// What several recordings of one arm say together: zeros of sensors, from all trials with a rest. The
+/// reports' own findings of zeros are then information and propose the common one, or, where the trials
+/// disagree, none. Nothing below two recordings.
+SOFTARM_EXPORT std::vector<CheckFinding> check_together(std::vector<CheckReport>& reports);
+
 /// For people: one finding after another, the most serious first, each with its remedy.
 /// @param with_information false: findings that are mere information are left out
 SOFTARM_EXPORT std::string to_text(const CheckReport& report, bool with_information = true);
 
 /// All reports as one JSON document, {"format": 1, "recordings": [...]}. Indented, ends with a line end.
-SOFTARM_EXPORT std::string to_json(const std::vector<CheckReport>& reports, const std::string& arm);
+/// @param together of check_together()
+SOFTARM_EXPORT std::string to_json(const std::vector<CheckReport>& reports, const std::string& arm,
+                                   const std::vector<CheckFinding>& together = {});
+/// Those for people; empty where there are none.
+/// @param recordings how many
+SOFTARM_EXPORT std::string to_text(const std::vector<CheckFinding>& together, std::size_t recordings,
+                                   bool with_information = true);
 
 }  // namespace softarm::check

@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "softarm/trial/trial.h"
@@ -49,6 +50,8 @@ struct CheckRecording {
   std::vector<std::vector<RecordedValue>> inputs;  ///< as Arm::inputs.scalars
   std::vector<RecordedValue> payload;
   std::vector<Frame> frames;  ///< as the estimator sees them, about ten a second
+  std::string import_layout;  ///< text of the layout by which it was imported; empty: it was not
+  std::vector<std::pair<double, double>> left_out;  ///< stamps between which the import left rows out as told
   /// What the assembler of frames rejected, by reason and source: "frozen ring_2".
   std::map<std::string, std::uint64_t> rejected;
 };

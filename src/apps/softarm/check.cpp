@@ -92,13 +92,16 @@ void run_check(const CheckOptions& options) {
   } catch (const std::invalid_argument& e) {  // the arm file names a type that no adapter reads
     throw Failure(e.what(), kBadUsage);
   }
+  const std::vector<check::CheckFinding> together = check::check_together(reports);
   bool serious = false;
   for (std::size_t i = 0; i < reports.size(); ++i) {
     fmt::print("{}{}", i == 0 ? "" : "\n", to_text(reports[i], !options.quiet));
     serious = serious || reports[i].worst() == check::Severity::kSerious;
   }
+  const std::string of_all = to_text(together, reports.size(), !options.quiet);
+  if (!of_all.empty()) fmt::print("\n{}", of_all);
   if (json) {
-    std::ofstream(json->temporary()) << to_json(reports, arm.name);
+    std::ofstream(json->temporary()) << to_json(reports, arm.name, together);
     json->commit();
   }
   if (serious) throw Ended(kFound);

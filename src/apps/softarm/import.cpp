@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <map>
 #include <memory>
@@ -21,6 +22,7 @@
 #include "progress.h"
 #include "shipped.h"
 #include "trial/csv_recording.h"
+#include "trial/layout_guess.h"
 
 namespace softarm::app {
 namespace {
@@ -30,7 +32,7 @@ namespace fs = std::filesystem;
 struct ImportOptions {
   std::string layout;
   std::vector<std::string> files;
-  std::string out, inputs;
+  std::string out, inputs, guess;
   std::optional<double> split_every_s;
   std::vector<std::string> payload, leave_out;  ///< as typed
 };
@@ -40,6 +42,7 @@ struct Span {
 };
 
 constexpr const char* kImportExamples = R"(Examples:
+  softarm import --guess trial.csv --out my_layout.yaml
   softarm import pouch_arm_one_segment trial.txt --out trial.bag
   softarm import my_layout.yaml day1/*.csv --out bags/
   softarm import my_layout.yaml loaded.csv --payload 0 --payload 10.5:0.4 --leave-out 7:10.5 --out loaded.bag
@@ -130,10 +133,17 @@ struct Imported {
   std::uint64_t left_out_rows = 0;
 };
 
-Imported import_file(const trial::CsvLayout& layout, const ImportOptions& options, const std::string& file,
+/// A layout as read, and its text.
+struct Layout {
+  trial::CsvLayout layout;
+  std::string text;
+};
+
+Imported import_file(const Layout& by, const ImportOptions& options, const std::string& file,
                      const fs::path& path, const std::vector<Span>& left_out, Progress& progress) {
+  const trial::CsvLayout& layout = by.layout;
   Imported result;
-  result.bags = std::make_unique<ImportBags>(layout, path, options.split_every_s);
+  result.bags = std::make_unique<ImportBags>(layout, by.text, path, options.split_every_s);
   std::uint64_t rows = 0;
   trial::CsvSources sources;
   sources.inputs_path = options.inputs;
@@ -144,7 +154,11 @@ Imported import_file(const trial::CsvLayout& layout, const ImportOptions& option
     ++rows;
     if (std::any_of(left_out.begin(), left_out.end(),
                     [&](const Span& span) { return row.time_s >= span.from_s && row.time_s < span.to_s; })) {
-      ++result.left_out_rows;
+      // With two clocks a row comes as its inputs and as its bodies: counted once.
+      const bool has_body =
+          std::any_of(row.bodies.begin(), row.bodies.end(), [](const auto& b) { return b.has_value(); });
+      result.left_out_rows += layout.bodies_ahead_s == 0.0 || !has_body;
+      result.bags->leave_out();
       return;
     }
     result.bags->write(row);
@@ -179,13 +193,41 @@ void print_report(const ImportOptions& options, const std::string& file, const I
   for (const auto& [reason, count] : report.bad_rows) fmt::print("  rows skipped, {}: {}\n", reason, count);
   if (report.repeated) fmt::print("  rows whose poses only repeat the row before: {}\n", report.repeated);
   for (const auto& [reason, count] : report.lost) fmt::print("  absent, {}: {}\n", reason, count);
+  if (report.one_clock_only)
+    fmt::print("  poses or inputs left out, the other clock has no time for them: {}\n",
+               report.one_clock_only);
   if (report.join) print_join(options.inputs, *report.join);
   for (const std::string& example : report.examples) fmt::print(stderr, "softarm: {}\n", example);
 }
 
+/// Writes a draft of a layout, or prints it.
+void run_guess(const ImportOptions& options) {
+  if (!options.layout.empty()) throw Failure("--guess takes one recording, and no layout");
+  bytes_of({options.guess});
+  const trial::LayoutGuess guess = trial::guess_layout(options.guess);
+  const std::string text = to_yaml(guess, fs::path(options.guess).filename().string());
+  if (options.out.empty()) {
+    fmt::print("{}", text);
+    return;
+  }
+  OutputFile file(options.out);
+  std::ofstream(file.temporary()) << text;
+  file.commit();
+  const std::size_t open = blanks(guess);
+  fmt::print("{} -> {}: {}\n", options.guess, options.out,
+             open == 0 ? "nothing is left to fill in; check what was guessed"
+                       : fmt::format("{} value{} to fill in (FILL IN); check what was guessed", open,
+                                     open == 1 ? "" : "s"));
+}
+
 void run_import(const ImportOptions& options) {
+  if (!options.guess.empty()) return run_guess(options);
+  if (options.layout.empty()) throw Failure("LAYOUT is missing; softarm import --guess FILE drafts one");
+  if (options.files.empty()) throw Failure("FILE is missing: the recordings");
+  if (options.out.empty()) throw Failure("--out is missing: the bag, or a folder for one bag per recording");
   const fs::path layout_path = find_config("layouts", options.layout);
-  trial::CsvLayout layout = trial::parse_csv_layout(read_text(layout_path), layout_path.string());
+  Layout by{{}, read_text(layout_path)};
+  trial::CsvLayout& layout = by.layout = trial::parse_csv_layout(by.text, layout_path.string());
   if (!options.payload.empty()) {
     layout.payload = payload_of(options.payload);
     layout.payload_column.reset();
@@ -204,7 +246,7 @@ void run_import(const ImportOptions& options) {
   std::vector<Imported> imported;
   std::set<fs::path> taken;
   for (std::size_t i = 0; i < options.files.size(); ++i) {
-    imported.push_back(import_file(layout, options, options.files[i], paths[i], left_out, progress));
+    imported.push_back(import_file(by, options, options.files[i], paths[i], left_out, progress));
     for (const ImportBags::Bag& bag : imported.back().bags->bags()) {
       if (!taken.insert(bag.file->path()).second)
         throw Failure(
@@ -223,10 +265,13 @@ void add_import(CLI::App& program) {
   const auto options = std::make_shared<ImportOptions>();
   CLI::App* command =
       program.add_subcommand("import", "Turn CSV recordings into trial bags by a column layout.");
-  command->add_option("LAYOUT", options->layout, "layout file, or the name of one in config/layouts")
-      ->required();
-  command->add_option("FILE", options->files, "recordings")->required();
-  command->add_option("--out", options->out, "the bag, or a folder for one bag per recording")->required();
+  command->add_option("LAYOUT", options->layout, "layout file, or the name of one in config/layouts");
+  command->add_option("FILE", options->files, "recordings");
+  command->add_option("--out", options->out,
+                      "the bag, or a folder for one bag per recording; with --guess the layout");
+  command->add_option(
+      "--guess", options->guess,
+      "draft an annotated layout for this recording, in place of importing (to --out, else printed)");
   command->add_option(
       "--inputs", options->inputs,
       "file whose rows are joined to the recordings' by an id, where the layout has a key 'join'");

@@ -11,9 +11,9 @@
 
 namespace softarm::app {
 
-ImportBags::ImportBags(const trial::CsvLayout& layout, std::filesystem::path path,
-                       std::optional<double> split_every_s)
-    : layout_(layout), path_(std::move(path)), split_every_s_(split_every_s) {}
+ImportBags::ImportBags(const trial::CsvLayout& layout, const std::string& layout_text,
+                       std::filesystem::path path, std::optional<double> split_every_s)
+    : layout_(layout), layout_text_(layout_text), path_(std::move(path)), split_every_s_(split_every_s) {}
 
 void ImportBags::enter(const trial::CsvRow& row) {
   const bool new_trial = bags_.empty() || row.trial != trial_;
@@ -48,8 +48,11 @@ void ImportBags::enter(const trial::CsvRow& row) {
   }
   bags_.push_back({std::make_unique<OutputFile>(path), 0});
   writer_ = std::make_unique<TrialBagWriter>(bags_.back().file->temporary().string());
+  writer_->import_layout(row.stamp_s, layout_text_);
   next_step_ = 0;
   payload_kg_.reset();
+  last_stamp_s_.reset();
+  left_out_ = false;
 }
 
 void ImportBags::payload(const trial::CsvRow& row) {
@@ -62,7 +65,7 @@ void ImportBags::payload(const trial::CsvRow& row) {
   if (last == next_step_) return;
   // What holds when a bag begins counts from its first row on.
   const trial::CsvPayloadStep& step = layout_.payload[last - 1];
-  const bool first = writer_->messages() == 0;
+  const bool first = !last_stamp_s_;
   writer_->payload(first ? row.stamp_s : step.from_s + layout_.start_stamp_s, step.kg);
   next_step_ = last;
 }
@@ -70,6 +73,9 @@ void ImportBags::payload(const trial::CsvRow& row) {
 void ImportBags::write(const trial::CsvRow& row) {
   enter(row);
   payload(row);
+  if (left_out_ && last_stamp_s_) writer_->left_out(*last_stamp_s_, row.stamp_s);
+  left_out_ = false;
+  last_stamp_s_ = row.stamp_s;
   for (std::size_t i = 0; i < row.pressures_pa.size(); ++i) {
     if (row.pressures_pa[i]) writer_->pressure(layout_.pressures[i].topic, row.stamp_s, *row.pressures_pa[i]);
   }

@@ -19,9 +19,13 @@ class ImportBags {
  public:
   /// @param path the bag; of several ones the stem that "_<trial>" and "_<piece from 0>" are added to
   /// @param split_every_s length of the pieces; absent: one piece
-  ImportBags(const trial::CsvLayout& layout, std::filesystem::path path, std::optional<double> split_every_s);
+  /// @param layout_text the document that `layout` was read from; each bag keeps it
+  ImportBags(const trial::CsvLayout& layout, const std::string& layout_text, std::filesystem::path path,
+             std::optional<double> split_every_s);
 
   void write(const trial::CsvRow& row);
+  /// Notes that rows between the last one and the next are left out as told: `check` takes that for no gap.
+  void leave_out() { left_out_ = true; }
   /// Completes the last bag.
   void close();
   void commit();
@@ -37,6 +41,7 @@ class ImportBags {
   void payload(const trial::CsvRow& row);
 
   const trial::CsvLayout& layout_;
+  const std::string layout_text_;
   std::filesystem::path path_;
   std::optional<double> split_every_s_;
   std::vector<Bag> bags_;
@@ -44,8 +49,10 @@ class ImportBags {
   std::string trial_;
   double trial_start_s_ = 0.0;
   long piece_ = 0;
-  std::size_t next_step_ = 0;         // of the layout's payload
-  std::optional<double> payload_kg_;  // last published
+  std::size_t next_step_ = 0;           // of the layout's payload
+  std::optional<double> payload_kg_;    // last published
+  std::optional<double> last_stamp_s_;  // of the bag's last row
+  bool left_out_ = false;
 };
 
 }  // namespace softarm::app

@@ -1,0 +1,157 @@
+#include "csv_shape.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "csv_table.h"
+#include "math/statistics.h"
+
+namespace softarm::trial {
+namespace {
+
+constexpr std::size_t kRowsForFormat = 200;
+constexpr std::size_t kMostRows = 50000;  // hours at the rates of mocap; the rest says nothing new
+constexpr std::size_t kFirstValues = 15;  // whose median is the level at first
+constexpr double kMostNumbers = 0.6;      // of the cells of a row of data: the others may be empty or text
+constexpr double kFewQuantile = 0.01;     // of values that are none, such as single zeros
+
+/// Numbers among the cells of a row; nothing where a cell of it cannot be split further.
+std::size_t numbers_in(const CsvTable& table) {
+  std::size_t count = 0;
+  for (std::size_t c = 0; c < table.cells().size(); ++c) {
+    try {
+      count += table.number(c).has_value();
+    } catch (const CsvBadRow&) {
+    }
+  }
+  return count;
+}
+
+std::size_t cells_in(const CsvTable& table) {
+  std::size_t count = table.cells().size();
+  // A separator at the end of the line makes no column.
+  return count > 1 && table.cells().back().empty() ? count - 1 : count;
+}
+
+bool is_data(const CsvTable& table) {
+  return static_cast<double>(numbers_in(table)) > kMostNumbers * static_cast<double>(cells_in(table));
+}
+
+/// How many numbers the rows of data have together, as read in a format; 0 where rows differ in length.
+double numbers_by(const std::string& path, const CsvFormat& format) {
+  CsvTable table(path, format);
+  std::map<std::size_t, std::size_t> lengths;
+  double numbers = 0.0, cells = 0.0;
+  for (std::size_t row = 0; row < kRowsForFormat && table.next(); ++row) {
+    if (!is_data(table)) continue;
+    ++lengths[cells_in(table)];
+    numbers += static_cast<double>(numbers_in(table));
+    cells += static_cast<double>(cells_in(table));
+  }
+  if (lengths.empty()) return 0.0;
+  std::size_t usual = 0, all = 0;
+  for (const auto& [length, count] : lengths) {
+    usual = std::max(usual, count);
+    all += count;
+  }
+  // Numbers count twice where nothing else is in the rows: "1,5;2,5" is two numbers by the one format, and
+  // two of four cells by another.
+  return 10 * usual < 9 * all ? 0.0 : numbers * numbers / cells;
+}
+
+CsvFormat find_format(const std::string& path) {
+  CsvFormat best;
+  double most = 0.0;
+  for (const char separator : {',', ';', '\t', '|', ':', ' '}) {
+    for (const char decimal : {'.', ','}) {
+      if (separator == decimal) continue;
+      CsvFormat format;
+      format.separator = separator;
+      format.decimal = decimal;
+      const double numbers = numbers_by(path, format);
+      if (numbers > most * (1.0 + 1e-9)) {
+        most = numbers;
+        best = format;
+      }
+    }
+  }
+  if (most == 0.0) throw CsvError(fmt::format("{}: no rows of numbers are found in it", path));
+  return best;
+}
+
+/// Lines to pass over before the header, or the data.
+void find_header(const std::string& path, CsvFormat* format) {
+  CsvTable table(path, *format);
+  std::uint64_t before_line = 0;
+  std::size_t before_cells = 0;
+  bool junk = false;
+  while (table.next()) {
+    if (is_data(table)) {
+      format->header = before_line > 0 && before_cells == cells_in(table);
+      if (format->header)
+        format->skip_lines = static_cast<int>(before_line) - 1;
+      else if (junk)
+        format->skip_lines = static_cast<int>(table.line()) - 1;
+      return;
+    }
+    junk = true;
+    before_line = table.line();
+    before_cells = cells_in(table);
+  }
+}
+
+void summarise(CsvNumbers* column) {
+  std::vector<double> finite, steps;
+  for (const double x : column->values) {
+    if (!std::isfinite(x)) continue;
+    if (!finite.empty()) steps.push_back(x - finite.back());
+    finite.push_back(x);
+  }
+  column->count = finite.size();
+  if (finite.empty()) return;
+  column->distinct = std::set<double>(finite.begin(), finite.end()).size();
+  column->level = math::median(
+      {finite.begin(), finite.begin() + static_cast<std::ptrdiff_t>(std::min(finite.size(), kFirstValues))});
+  for (const double x : finite) column->mean += x / static_cast<double>(finite.size());
+  column->increases =
+      !steps.empty() && std::all_of(steps.begin(), steps.end(), [](double d) { return d > 0.0; });
+  column->never_falls =
+      !steps.empty() && std::all_of(steps.begin(), steps.end(), [](double d) { return d >= 0.0; });
+  column->median_step = math::median(steps);
+  column->low = math::quantile(finite, kFewQuantile);
+  column->high = math::quantile(finite, 1.0 - kFewQuantile);
+}
+
+}  // namespace
+
+CsvShape read_shape(const std::string& path) {
+  CsvShape shape;
+  shape.format = find_format(path);
+  find_header(path, &shape.format);
+  CsvTable table(path, shape.format);
+  while (shape.rows < kMostRows && table.next()) {
+    if (!is_data(table)) continue;
+    if (shape.columns.empty()) {
+      shape.columns.resize(cells_in(table));
+      for (std::size_t c = 0; c < shape.columns.size() && c < table.header().size(); ++c)
+        shape.columns[c].name = table.header()[c];
+    }
+    ++shape.rows;
+    for (std::size_t c = 0; c < shape.columns.size(); ++c) {
+      double value = std::numeric_limits<double>::quiet_NaN();
+      try {
+        value = table.number(c).value_or(value);
+      } catch (const CsvBadRow&) {
+      }
+      shape.columns[c].values.push_back(value);
+    }
+  }
+  for (CsvNumbers& column : shape.columns) summarise(&column);
+  return shape;
+}
+
+}  // namespace softarm::trial

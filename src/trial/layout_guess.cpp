@@ -1,0 +1,303 @@
+#include "layout_guess.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <boost/algorithm/string.hpp>
+#include <cctype>
+#include <cmath>
+#include <set>
+
+#include "guess_bodies.h"
+
+namespace softarm::trial {
+namespace {
+
+constexpr double kFastest = 5e-4, kSlowest = 1.0;  // s between rows of a recording
+constexpr double kAmbientPa = 101325.0, kNearAmbient = 0.06;
+// What soft arms are driven with, at most; beyond either end a unit is hardly meant.
+constexpr double kLeastGaugePa = -6e4;  // chambers are hardly evacuated
+constexpr double kLeastDrivePa = 4e3, kMostDrivePa = 4e5;
+constexpr std::size_t kFewValues = 5;  // of a column that a command may be
+constexpr double kDiscrete = 0.15;     // distinct values per row of a converter's, or a command's, column
+constexpr double kMostRad = 7.0;       // of a servo that is in radians
+constexpr double kBothSigns = 0.2;     // of the larger side: an angle goes both ways, a pressure does not
+
+bool named(const CsvNumbers& column, std::initializer_list<const char*> words) {
+  const std::string name = boost::to_lower_copy(column.name);
+  return std::any_of(words.begin(), words.end(), [&](const char* w) { return boost::contains(name, w); });
+}
+
+/// A unit in a header: "t [ms]", "pressure_kPa".
+std::string unit_in(const std::string& name, const std::vector<std::string>& units) {
+  std::string found;
+  for (const std::string& unit : units) {
+    const std::size_t at = name.rfind(unit);
+    if (at == std::string::npos || unit.size() <= found.size()) continue;
+    const auto letter = [&](std::size_t i) {
+      return i < name.size() && std::isalpha(static_cast<unsigned char>(name[i]));
+    };
+    if ((at == 0 || !letter(at - 1)) && !letter(at + unit.size())) found = unit;
+  }
+  return found;
+}
+
+std::string label(const LayoutGuess& guess, std::size_t column) {
+  const std::string& name = guess.shape.columns[column].name;
+  return name.empty() ? fmt::format("column {}", column + 1) : name;
+}
+
+Guess time_unit(const CsvNumbers& column) {
+  const std::string said = unit_in(column.name, {"s", "ms", "us", "ns", "sec", "nsec", "usec", "msec"});
+  static const std::vector<std::pair<std::string, double>> kUnits{
+      {"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}};
+  if (!said.empty()) return {said == "sec" ? "s" : said.substr(0, said.find("ec")), "as the header says"};
+  for (const auto& [unit, s] : kUnits) {
+    const double step_s = column.median_step * s;
+    if (step_s >= kFastest && step_s < kSlowest)
+      return {unit, fmt::format("a row each {:.4g} {}, {:.3g} Hz", column.median_step, unit, 1.0 / step_s)};
+  }
+  return {"",
+          fmt::format("s, ms, us or ns: the column goes on by {:.4g} from row to row", column.median_step)};
+}
+
+void find_time(LayoutGuess* guess, std::set<std::size_t>* used) {
+  const auto& columns = guess->shape.columns;
+  std::vector<std::size_t> rising;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    if (columns[c].increases && columns[c].count == guess->shape.rows) rising.push_back(c);
+  }
+  const auto is_counter = [&](std::size_t c) {
+    return columns[c].median_step == 1.0 &&
+           columns[c].values.front() == std::floor(columns[c].values.front());
+  };
+  std::stable_sort(rising.begin(), rising.end(), [&](std::size_t a, std::size_t b) {
+    const auto rank = [&](std::size_t c) {
+      return (named(columns[c], {"time", "stamp", "sec"}) ? 0 : 2) + (is_counter(c) ? 1 : 0);
+    };
+    return rank(a) < rank(b);
+  });
+  if (!rising.empty()) {
+    guess->time = rising.front();
+    used->insert(rising.begin(), rising.end());
+    guess->counts_samples =
+        is_counter(*guess->time) && unit_in(columns[*guess->time].name, {"s", "ms", "us", "ns"}).empty();
+    if (!guess->counts_samples) guess->time_unit = time_unit(columns[*guess->time]);
+    for (const double s : {1.0, 1e-3, 1e-6, 1e-9}) {
+      const double first_s = columns[*guess->time].values.front() * s;
+      guess->from_epoch = guess->from_epoch || (first_s > 1e9 && first_s < 4e9);
+    }
+    for (std::size_t i = 1; i < rising.size(); ++i)
+      guess->not_used.push_back(label(*guess, rising[i]) + ": rises like a time, too");
+    return;
+  }
+  guess->counts_samples = true;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    const CsvNumbers& column = columns[c];
+    // A number that goes up now and then: of a trial.
+    const bool whole =
+        std::all_of(column.values.begin(), column.values.end(), [](double x) { return x == std::floor(x); });
+    if (!whole || !column.never_falls || column.is_constant() || column.distinct * 20 > guess->shape.rows)
+      continue;
+    guess->trial = c;
+    used->insert(c);
+    return;
+  }
+}
+
+/// One of several columns' extremes together.
+struct Range {
+  double low = 0.0, high = 0.0, level = 0.0;
+};
+
+Range range_of(const LayoutGuess& guess, const std::vector<GuessedInput>& inputs) {
+  Range range{1e300, -1e300, 1e300};
+  for (const GuessedInput& input : inputs) {
+    const CsvNumbers& column = guess.shape.columns[input.column];
+    range.low = std::min(range.low, column.low);
+    range.high = std::max(range.high, column.high);
+    range.level = std::min(range.level, column.level);
+  }
+  return range;
+}
+
+struct PressureUnit {
+  const char* name;
+  double pa;
+};
+constexpr std::array<PressureUnit, 4> kUsual{
+    {{"Pa", 1.0}, {"kPa", 1e3}, {"bar", 1e5}, {"psi", 6894.757293168}}};
+
+void guess_pressure_unit(const LayoutGuess& guess, GuessedInputs* pressures) {
+  const Range range = range_of(guess, pressures->inputs);
+  const std::string said = unit_in(guess.shape.columns[pressures->inputs.front().column].name,
+                                   {"Pa", "hPa", "kPa", "MPa", "mbar", "bar", "psi"});
+  std::string could;
+  for (const PressureUnit& unit : kUsual) {
+    if (!said.empty() && said != unit.name) continue;
+    const double low = range.low * unit.pa, high = range.high * unit.pa;
+    if (std::abs(low - kAmbientPa) < kNearAmbient * kAmbientPa && high - kAmbientPa < kMostDrivePa) {
+      pressures->unit = {unit.name, fmt::format("the least, {:.4g}, is the air's own pressure", range.low)};
+      pressures->reference = {"absolute", "the same"};
+      return;
+    }
+    if (high < kLeastDrivePa || high > kMostDrivePa || low < kLeastGaugePa) continue;
+    could += fmt::format("{}{} (then {:.3g} to {:.3g} kPa)", could.empty() ? "" : " or ", unit.name,
+                         1e-3 * low, 1e-3 * high);
+    pressures->unit.text = pressures->unit.text.empty() ? unit.name : "?";
+  }
+  pressures->reference = {"gauge", fmt::format("the least is {:.3g}: not the air's own pressure", range.low)};
+  if (!said.empty()) {
+    pressures->unit = {said, "as the header says"};
+  } else if (pressures->unit.text == "?" || pressures->unit.text.empty()) {
+    pressures->unit = {
+        "", could.empty()
+                ? fmt::format("Pa, hPa, kPa, MPa, mbar, bar or psi: {:.4g} to {:.4g}", range.low, range.high)
+                : could};
+  } else {
+    pressures->unit.why = could;
+  }
+}
+
+void guess_angle_unit(const LayoutGuess& guess, GuessedInputs* angles) {
+  const Range range = range_of(guess, angles->inputs);
+  const std::string said = unit_in(guess.shape.columns[angles->inputs.front().column].name, {"rad", "deg"});
+  const double most = std::max(std::abs(range.low), std::abs(range.high));
+  if (!said.empty())
+    angles->unit = {said, "as the header says"};
+  else if (most > kMostRad)
+    angles->unit = {"deg", fmt::format("up to {:.3g}: more than a turn in rad", most)};
+  else
+    angles->unit = {"", fmt::format("rad or deg: up to {:.3g}", most)};
+}
+
+void guess_tension_unit(const LayoutGuess& guess, GuessedInputs* tensions) {
+  const Range range = range_of(guess, tensions->inputs);
+  const std::string said =
+      unit_in(guess.shape.columns[tensions->inputs.front().column].name, {"N", "mN", "kgf", "gf"});
+  tensions->unit = said.empty()
+                       ? Guess{"", fmt::format("N, mN, kgf or gf: {:.3g} to {:.3g}", range.low, range.high)}
+                       : Guess{said, "as the header says"};
+}
+
+/// Which of the sections a column belongs to, by its name.
+std::string section_by_name(const CsvNumbers& column) {
+  if (named(column, {"press", "chamber", "psi", "bar", "kpa", "vacuum"})) return "pressures";
+  if (named(column, {"tension", "force", "load"})) return "tensions";
+  if (named(column, {"angle", "phi", "servo", "motor", "theta"})) return "angles";
+  const std::string name = boost::to_lower_copy(column.name);
+  const bool numbered = name.size() > 1 && std::all_of(name.begin() + 1, name.end(), [](char c) {
+                          return c == '_' || std::isdigit(static_cast<unsigned char>(c));
+                        });
+  if (numbered && name[0] == 'p') return "pressures";
+  return "";
+}
+
+std::string topic_of(const std::string& section, std::size_t number) {
+  if (section == "pressures") return fmt::format("/pressure/chamber_{}", number);
+  return section == "angles" ? fmt::format("/servo/{}/angle", number)
+                             : fmt::format("/tendon/{}/tension", number);
+}
+
+void add_input(LayoutGuess* guess, const std::string& section, std::size_t column, const std::string& why) {
+  auto found = std::find_if(guess->inputs.begin(), guess->inputs.end(),
+                            [&](const GuessedInputs& i) { return i.section == section; });
+  if (found == guess->inputs.end()) {
+    guess->inputs.push_back({section, {}, {}, {}});
+    found = guess->inputs.end() - 1;
+  }
+  found->inputs.push_back({topic_of(section, found->inputs.size() + 1), column, why});
+}
+
+/// "14-17, 43"
+std::string list_of(const LayoutGuess& guess, const std::vector<std::size_t>& columns) {
+  std::string text;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    std::size_t last = i;
+    while (last + 1 < columns.size() && columns[last + 1] == columns[last] + 1) ++last;
+    text += text.empty() ? "" : ", ";
+    text += label(guess, columns[i]);
+    if (last > i) text += " to " + label(guess, columns[last]);
+    i = last;
+  }
+  return text;
+}
+
+void find_inputs(LayoutGuess* guess, const std::set<std::size_t>& used) {
+  const auto& columns = guess->shape.columns;
+  std::vector<std::size_t> constant, commands, unknown, discrete;
+  bool by_name = false;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    if (used.count(c) || columns[c].count == 0) continue;
+    const std::string section = section_by_name(columns[c]);
+    if (!section.empty()) {
+      add_input(guess, section, c, "");
+      by_name = true;
+    } else if (columns[c].is_constant()) {
+      constant.push_back(c);
+    } else if (!columns[c].name.empty()) {
+      unknown.push_back(c);
+    } else if (columns[c].distinct < kFewValues) {
+      commands.push_back(c);
+    } else if (static_cast<double>(columns[c].distinct) <
+               kDiscrete * static_cast<double>(guess->shape.rows)) {
+      discrete.push_back(c);
+    } else {
+      unknown.push_back(c);
+    }
+  }
+  const bool has_discrete = !discrete.empty();
+  // Without names: what comes in the steps of a converter; else the few values that a command has; else what
+  // is left.
+  std::vector<std::size_t>& inputs = has_discrete                                                ? discrete
+                                     : !unknown.empty() && columns[unknown.front()].name.empty() ? unknown
+                                                                                                 : commands;
+  if (!by_name && !inputs.empty() && columns[inputs.front()].name.empty()) {
+    const char* why = has_discrete ? "moves in steps, as a converter's values do" : "what is left over";
+    for (const std::size_t c : inputs) {
+      const bool both = columns[c].low < -kBothSigns * std::max(columns[c].high, 0.0) &&
+                        columns[c].low + columns[c].high < columns[c].high;
+      const bool angle =
+          both && std::abs(columns[c].low) > kBothSigns * (columns[c].high - columns[c].low) * 2.0;
+      add_input(guess, angle ? "angles" : "pressures", c, why);
+    }
+    inputs.clear();
+  }
+  if (!commands.empty())
+    guess->not_used.push_back(list_of(*guess, commands) +
+                              ": fewer than five values, as commands have; measured ones are better");
+  if (!constant.empty()) guess->not_used.push_back(list_of(*guess, constant) + ": constant");
+  unknown.insert(unknown.end(), discrete.begin(), discrete.end());
+  std::sort(unknown.begin(), unknown.end());
+  if (!unknown.empty()) guess->not_used.push_back(list_of(*guess, unknown) + ": not understood");
+  for (GuessedInputs& group : guess->inputs) {
+    if (group.section == "pressures") guess_pressure_unit(*guess, &group);
+    if (group.section == "angles") guess_angle_unit(*guess, &group);
+    if (group.section == "tensions") guess_tension_unit(*guess, &group);
+  }
+}
+
+}  // namespace
+
+LayoutGuess guess_layout(const std::string& path) {
+  LayoutGuess guess;
+  guess.shape = read_shape(path);
+  std::set<std::size_t> used;
+  find_time(&guess, &used);
+  find_bodies(&guess, &used);
+  find_inputs(&guess, used);
+  return guess;
+}
+
+std::size_t blanks(const LayoutGuess& guess) {
+  std::size_t count = guess.counts_samples ? 1 : guess.time_unit.text.empty();
+  count += guess.length_unit.text.empty() + guess.up.text.empty();
+  for (const GuessedBody& body : guess.bodies) count += !body.orientation.empty() && body.order.text.empty();
+  for (const GuessedInputs& group : guess.inputs)
+    count += group.unit.text.empty() + (group.section == "pressures" && group.reference.text.empty());
+  return count + guess.bodies.empty();
+}
+
+}  // namespace softarm::trial

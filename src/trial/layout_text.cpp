@@ -1,0 +1,130 @@
+// A guessed layout as an annotated document.
+#include <fmt/format.h>
+
+#include <map>
+
+#include "layout_guess.h"
+
+namespace softarm::trial {
+namespace {
+
+/// "  key: value" with its reason, or blank with what to fill in.
+std::string line(const std::string& indent, const std::string& key, const Guess& guess) {
+  if (guess.text.empty()) return fmt::format("{}# FILL IN: {}\n{}{}:\n", indent, guess.why, indent, key);
+  return fmt::format("{}# Guessed: {}\n{}{}: {}\n", indent, guess.why, indent, key, guess.text);
+}
+
+std::string column(const LayoutGuess& guess, std::size_t c) {
+  const std::string& name = guess.shape.columns[c].name;
+  if (name.empty()) return std::to_string(c + 1);
+  for (std::size_t other = 0; other < guess.shape.columns.size(); ++other) {
+    if (other != c && guess.shape.columns[other].name == name)
+      return std::to_string(c + 1);  // twice in the header
+  }
+  const bool plain =
+      name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_") ==
+      std::string::npos;
+  if (plain && name.find_first_not_of("0123456789_") != std::string::npos && name != "y" && name != "Y" &&
+      name != "n" && name != "N")
+    return name;
+  // A name that YAML would read as something else.
+  std::string quoted = "'";
+  for (const char letter : name) quoted += letter == '\'' ? std::string("''") : std::string(1, letter);
+  return name.find_first_not_of("0123456789") == std::string::npos ? std::to_string(c + 1) : quoted + "'";
+}
+
+std::string columns(const LayoutGuess& guess, const std::vector<std::size_t>& list) {
+  std::string text;
+  for (const std::size_t c : list) text += (text.empty() ? "" : ", ") + column(guess, c);
+  return "[" + text + "]";
+}
+
+std::string format_text(const CsvFormat& format) {
+  static const std::map<char, std::string> names{
+      {',', "comma"}, {';', "semicolon"}, {'\t', "tab"}, {' ', "space"}};
+  const auto name = names.find(format.separator);
+  std::string text =
+      "separator: " + (name == names.end() ? fmt::format("'{}'", format.separator) : name->second) + "\n";
+  if (format.decimal == ',') text += "decimal: comma\n";
+  if (format.header) text += "header: true\n";
+  if (format.skip_lines > 0)
+    text += fmt::format("# Lines before the header, or the data\nskip_lines: {}\n", format.skip_lines);
+  return text;
+}
+
+std::string time_text(const LayoutGuess& guess) {
+  std::string text = "time:\n";
+  if (guess.time)
+    text += "  # Guessed: it rises from row to row\n  column: " + column(guess, *guess.time) + "\n";
+  if (guess.counts_samples) {
+    text += line("  ", "period_s",
+                 {"", guess.time ? "s per unit of the column, which counts samples (0.01: 100 Hz)"
+                                 : "s per row: no column is a time (0.01: 100 Hz)"});
+  } else {
+    text += line("  ", "unit", guess.time_unit);
+  }
+  if (guess.from_epoch) text += "  # Guessed: the times are dates already\n  start_stamp_s: 0\n";
+  if (guess.trial)
+    text +=
+        "# Guessed: a whole number that goes up now and then: which trial a row belongs to, a bag "
+        "each\ntrial:\n  column: " +
+        column(guess, *guess.trial) + "\n";
+  return text;
+}
+
+std::string mocap_text(const LayoutGuess& guess) {
+  std::string text = "mocap:\n" + line("  ", "unit", guess.length_unit) + line("  ", "up", guess.up);
+  if (guess.drop_repeated)
+    text += "  # Guessed: rows repeat the poses of the row before to the last digit\n  drop_repeated: true\n";
+  if (guess.bodies.empty())
+    return text + "  # FILL IN: no column looks like a pose; see config/layouts/template.yaml\n  bodies:\n";
+  text += "  # From base to tip, with the names that the arm file has for them\n  bodies:\n";
+  for (const GuessedBody& body : guess.bodies) {
+    text += fmt::format("    # Guessed: {}\n    - name: {}\n      position: {}\n", body.why, body.name,
+                        columns(guess, body.position));
+    if (body.orientation.empty()) continue;
+    text += "      orientation: " + columns(guess, body.orientation) + "\n" +
+            line("      ", "orientation_order", body.order);
+  }
+  return text;
+}
+
+std::string inputs_text(const LayoutGuess& guess, const GuessedInputs& group) {
+  std::string text = group.section + ":\n" + line("  ", "unit", group.unit);
+  if (group.section == "pressures") text += line("  ", "reference", group.reference);
+  text += group.section == "pressures" ? "  # `zero`: what a sensor shows without pressure; softarm check "
+                                         "finds it in trials that begin vented\n"
+                                       : "";
+  text += "  inputs:\n";
+  for (const GuessedInput& input : group.inputs) {
+    const CsvNumbers& numbers = guess.shape.columns[input.column];
+    text += fmt::format("    # {}{:.4g} to {:.4g}, at first {:.4g}\n    - topic: {}\n      column: {}\n",
+                        input.why.empty() ? "" : "Guessed: " + input.why + "; ", numbers.low, numbers.high,
+                        numbers.level, input.topic, column(guess, input.column));
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string to_yaml(const LayoutGuess& guess, const std::string& source) {
+  std::string text = fmt::format(
+      "# Column layout for softarm import, drafted by softarm import --guess from {} ({} columns, {} rows "
+      "looked at).\n"
+      "# Lines of \"Guessed\" are to be checked. Where \"FILL IN\" stands the file does not tell: an import "
+      "refuses the\n"
+      "# layout until it is there. config/layouts/template.yaml shows every key.\n",
+      source, guess.shape.columns.size(), guess.shape.rows);
+  text += format_text(guess.shape.format) + time_text(guess) + mocap_text(guess);
+  for (const GuessedInputs& group : guess.inputs) text += inputs_text(guess, group);
+  if (!guess.not_used.empty()) {
+    text += "# Not used:\n";
+    for (const std::string& what : guess.not_used) text += "#   " + what + "\n";
+  }
+  return text +
+         "# The payload in kg, from these times of the recording on; without it, it is unknown, or given by "
+         "--payload.\n"
+         "# payload:\n#   - from_s: 0\n#     kg: 0\n";
+}
+
+}  // namespace softarm::trial
