@@ -153,7 +153,9 @@ std::string trials_text(const Result& result) {
 }  // namespace
 
 std::string describe(const Result& result) {
-  std::string text = constants_table(result);
+  std::string text;
+  for (const std::string& warning : result.warnings) text += warning + "\n";
+  text += constants_table(result);
   text += identifiable_text(result);
   text += correlation_text(result);
   text += errors_table(result);

@@ -20,6 +20,9 @@
 namespace softarm::identify {
 namespace {
 
+// A fit that is worse than its start by this factor has gone astray; less is which frames were chosen.
+constexpr double kWorse = 1.05;
+
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
@@ -141,7 +144,7 @@ void compare_all(const arm::Arm& before, const std::vector<trial::StaticFrame>& 
 }
 
 Result fit_of(const arm::Arm& arm, const std::vector<trial::Trial>& trials, EffectLines* lines,
-              const Options& options, const ProgressCallback& progress);
+              const Options& options, const ProgressCallback& progress, bool better_of_both);
 
 /// Each trial by the fit to all others.
 void leave_one_out(const arm::Arm& arm, const std::vector<trial::Trial>& trials, EffectLines* lines,
@@ -151,9 +154,12 @@ void leave_one_out(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   const std::vector<FrameComparison> old_shapes = compare(arm, trials, options.frames);
   for (std::size_t t = 0; t < trials.size(); ++t) {
     options.held_out = {trials[t].name};
-    const Result fold = fit_of(arm, trials, lines, options, [&](double share) {
-      progress((static_cast<double>(t) + share) / static_cast<double>(trials.size()));
-    });
+    const Result fold = fit_of(
+        arm, trials, lines, options,
+        [&](double share) {
+          progress((static_cast<double>(t) + share) / static_cast<double>(trials.size()));
+        },
+        false);
     result.left_out_one.push_back(fold.trials[t]);
     for (const FrameComparison& f : of_trial(old_shapes, t)) before.push_back(f);
     for (const FrameComparison& f : of_trial(compare(fold.arm, trials, options.frames), t))
@@ -287,9 +293,32 @@ void set_constants(const arm::Arm& arm, const std::vector<FreeConstant>& constan
   }
 }
 
+VectorXd initial_of(const std::vector<FreeConstant>& constants) {
+  VectorXd initial(static_cast<Eigen::Index>(constants.size()));
+  for (Eigen::Index j = 0; j < initial.size(); ++j)
+    initial[j] = constants[static_cast<std::size_t>(j)].initial;
+  return initial;
+}
+
+/// Puts the arm file's constants back where they predict better, trials that were not fitted if there are
+/// such. @return whether it did
+bool keep_the_better(const std::vector<FreeConstant>& constants, Result& result) {
+  const bool unseen = result.held_out.frames > 0;
+  const ShapeError& before = unseen ? result.held_out_before : result.fitted_before;
+  const ShapeError& after = unseen ? result.held_out : result.fitted;
+  if (after.frames == 0 || !(after.mean_m > kWorse * before.mean_m)) return false;
+  result.warnings.push_back(fmt::format(
+      "THE FIT IS NO BETTER THAN THE ARM FILE: {} are off by {:.2f} mm with the fitted constants, by {:.2f} "
+      "mm with those of the arm file, which are kept",
+      unseen ? "trials that were not fitted" : "the trials", 1e3 * after.mean_m, 1e3 * before.mean_m));
+  for (const FreeConstant& constant : constants) set_value(result.arm, constant.ref, constant.initial);
+  return true;
+}
+
 /// @param lines whose trials these are, or nullptr
+/// @param better_of_both the arm file's constants stay where they predict better
 Result fit_of(const arm::Arm& arm, const std::vector<trial::Trial>& trials, EffectLines* lines,
-              const Options& options, const ProgressCallback& progress) {
+              const Options& options, const ProgressCallback& progress, bool better_of_both) {
   if (options.leave_one_out && (trials.size() < 2 || !options.held_out.empty()))
     throw std::invalid_argument(
         options.held_out.empty()
@@ -324,7 +353,8 @@ Result fit_of(const arm::Arm& arm, const std::vector<trial::Trial>& trials, Effe
   report(0.95);
   std::vector<trial::StaticFrame> all = frames.fitted;
   all.insert(all.end(), frames.others.begin(), frames.others.end());
-  problem.model().set(solution.fit.theta);
+  const bool kept = better_of_both && keep_the_better(constants, result);
+  problem.model().set(kept ? initial_of(constants) : solution.fit.theta);
   result.prior = law_errors(arm, problem.model(), all, result.covariance, covariance_given_moduli(result));
   prior_of_moduli(arm, result);
   result.arm.estimator.prior = result.prior;
@@ -340,12 +370,12 @@ Result fit_of(const arm::Arm& arm, const std::vector<trial::Trial>& trials, Effe
 
 Result identify(const arm::Arm& arm, const std::vector<trial::Trial>& trials, const Options& options,
                 const ProgressCallback& progress) {
-  return fit_of(arm, trials, nullptr, options, progress);
+  return fit_of(arm, trials, nullptr, options, progress, true);
 }
 
 Result identify_with(const arm::Arm& arm, EffectLines& lines, const Options& options,
                      const ProgressCallback& progress) {
-  return fit_of(arm, lines.without_effects(), &lines, options, progress);
+  return fit_of(arm, lines.without_effects(), &lines, options, progress, false);
 }
 
 }  // namespace softarm::identify

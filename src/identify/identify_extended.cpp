@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "belonging.h"
 #include "effect_lines.h"
 
 namespace softarm::identify {
@@ -12,12 +13,9 @@ namespace {
 constexpr int kMostRounds = 6;
 constexpr double kSame = 0.05;  // of a standard deviation
 
-}  // namespace
-
-Result identify_extended(const arm::Arm& arm, const std::vector<model::Present>& effects,
-                         const std::vector<trial::Trial>& trials, const Options& options,
-                         const ProgressCallback& progress, unsigned jobs) {
-  if (effects.empty()) return identify(arm, trials, options, progress);
+Result in_rounds(const arm::Arm& arm, const std::vector<model::Present>& effects,
+                 const std::vector<trial::Trial>& trials, const Options& options,
+                 const ProgressCallback& progress, unsigned jobs) {
   double done = 0.0;
   const auto report = [&](double share) {
     if (progress) progress(done = std::max(done, share));
@@ -49,6 +47,18 @@ Result identify_extended(const arm::Arm& arm, const std::vector<model::Present>&
     result = identify_with(arm, lines, options, report);
   }
   report(1.0);
+  return result;
+}
+
+}  // namespace
+
+Result identify_extended(const arm::Arm& arm, const std::vector<model::Present>& effects,
+                         const std::vector<trial::Trial>& trials, const Options& options,
+                         const ProgressCallback& progress, unsigned jobs) {
+  const std::string apart = describe(belonging(arm, trials));
+  Result result = effects.empty() ? identify(arm, trials, options, progress)
+                                  : in_rounds(arm, effects, trials, options, progress, jobs);
+  if (!apart.empty()) result.warnings.insert(result.warnings.begin(), apart);
   return result;
 }
 

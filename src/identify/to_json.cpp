@@ -95,6 +95,7 @@ std::string to_json(const Result& result) {
   json["left_out"] = result.left_out;
   json["bodies_set_aside"] = result.bodies_set_aside;
   json["beyond_the_model"] = result.beyond_the_model;
+  json["warnings"] = result.warnings;
   json["prior_notes"] = result.prior_notes;
   return json.dump(2) + "\n";
 }

@@ -244,6 +244,62 @@ TEST(RealPouchArm, StretchGivesThePayloadOfAnotherTrialWithinItsInterval) {
   }
 }
 
+/// Of the frames in which the payload is known: those that claim to tell it, and those that are more than two
+/// standard deviations off.
+struct Claims {
+  std::size_t frames = 0, identifiable = 0, off = 0;
+};
+
+/// @param loaded 0.4 kg after a hand's time from begin_s to end_s; else nothing
+Claims claims_of(const std::string& csv, bool loaded, double begin_s, double end_s) {
+  Claims claims;
+  for (const Row& row : csv_rows(csv)) {
+    const double t = std::stod(row.at("stamp")) - 1.6e9;
+    if (row.at("status") != "ok" || (loaded && t >= begin_s && t <= end_s)) continue;
+    ++claims.frames;
+    claims.identifiable += row.at("identifiable_payload") == "1";
+    if (row.at("sd_payload").empty()) continue;
+    const double truth_kg = loaded && t > end_s ? 0.4 : 0.0;
+    claims.off += std::abs(std::stod(row.at("payload")) - truth_kg) > 2.0 * std::stod(row.at("sd_payload"));
+  }
+  return claims;
+}
+
+TEST(RealPouchArm, FramesThatShareInventNoPayload) {
+  SKIP_WITHOUT_RECORDINGS();
+  const TestFolder dir;
+  ASSERT_NO_FATAL_FAILURE(import_known(dir));
+  const std::string arm = arm_with_axial_stiffness(dir);
+  for (const std::string trial : {"load_1", "load_3"})  // whole, the payload unknown
+    import("pouch_arm_one_segment", pouch("one_segment/load_400g") + "data_collect_" + trial.back() + ".txt",
+           "", dir / "whole_" + trial + ".bag");
+  for (const std::string laws : {"1", "3"}) {
+    const Outcome o = softarm_program("identify --arm " + arm + " " + dir / "no_load_" + laws + ".bag" +
+                                      " --hold '*.bending_stiffness.*,*.chamber_3.*,*.chamber_1.*'"
+                                      " --also-free 'length,*.rest_curvature.*' --not-robust --out " +
+                                      dir / "laws.yaml");
+    ASSERT_EQ(o.status, 0) << o.err;
+    const std::string other = laws == "1" ? "3" : "1";
+    for (const std::string options :
+         {"--unknown both --window 0.5", "--unknown payload --window 5", "--unknown payload --window 30"}) {
+      SCOPED_TRACE("laws from no_load_" + laws + ", " + options);
+      const Outcome e =
+          softarm_program("estimate --arm " + dir / "laws.yaml " + dir / "no_load_" + other + ".bag " +
+                          dir / "whole_load_?.bag --prior on " + options + " --out " + dir / "out");
+      ASSERT_EQ(e.status, 0) << e.err;
+      const auto expect_honest = [&](const std::string& name, const Claims& claims) {
+        SCOPED_TRACE(name);
+        ASSERT_GT(claims.frames, 400u);
+        EXPECT_LT(claims.identifiable, claims.frames / 100);
+        EXPECT_LT(claims.off, claims.frames / 20);
+      };
+      expect_honest("unloaded", claims_of(dir / "out/no_load_" + other + "/estimates.csv", false, 0, 0));
+      expect_honest("load_1", claims_of(dir / "out/whole_load_1/estimates.csv", true, 7.0, 10.3));
+      expect_honest("load_3", claims_of(dir / "out/whole_load_3/estimates.csv", true, 5.7, 10.5));
+    }
+  }
+}
+
 /// Numbers by name, added up.
 double sum(const nlohmann::json& counts) {
   double total = 0.0;

@@ -87,6 +87,7 @@ std::vector<std::string> header_of(const identify::Result& result) {
                                   : constant.value == 0.0 ? " (none was found)"
                                                           : " (at its limit)"));
   }
+  for (const std::string& warning : result.warnings) lines.push_back(warning);
   for (const std::string& note : result.prior_notes) lines.push_back("prior: " + note);
   return lines;
 }

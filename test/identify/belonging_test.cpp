@@ -1,0 +1,107 @@
+// Recordings that were read with other axes, units or quaternions than the arm file is for.
+#include "identify/belonging.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "synthetic.h"
+
+namespace softarm::identify::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+class Belongs : public ::testing::Test {
+ protected:
+  Belongs() {
+    std::mt19937_64 random(4);
+    Protocol protocol;
+    protocol.trials = 6;
+    protocol.draw = paper_inputs;
+    trials_ = make_trials(arm_, protocol, random);
+  }
+
+  /// The trials as a reader with other ideas of positions and quaternions has them.
+  template <typename P, typename Q>
+  std::vector<trial::Trial> misread(const P& p, const Q& q) const {
+    std::vector<trial::Trial> trials = trials_;
+    for (trial::Trial& trial : trials) {
+      for (trial::Frame& frame : trial.frames) {
+        Eigen::Isometry3d base(q(Eigen::Quaterniond(frame.base_body->linear())));
+        base.translation() = p(frame.base_body->translation());
+        frame.base_body = base;
+        for (trial::BodyObservation& body : frame.bodies) {
+          body.p_mocap = p(body.p_mocap);
+          if (body.q_mocap) body.q_mocap = q(*body.q_mocap);
+        }
+      }
+    }
+    return trials;
+  }
+
+  const arm::Arm arm_ = pneumatic_arm();
+  std::vector<trial::Trial> trials_;
+};
+
+Eigen::Vector3d same(const Eigen::Vector3d& p) {
+  return p;
+}
+
+TEST_F(Belongs, WhatBelongsTogetherIsSaidNothingOf) {
+  ASSERT_TRUE(arm_.base.body);
+  const Belonging found = belonging(arm_, trials_);
+  EXPECT_TRUE(found.together);
+  EXPECT_LT(found.mean_m, 2e-3);
+  EXPECT_EQ(describe(found), "");
+  // Laws that are off by half are no other arm.
+  arm::Arm rough = arm_;
+  for (arm::Chamber& chamber : rough.segments[0].chambers) chamber.moment_gain_nm_per_pa *= 0.5;
+  EXPECT_TRUE(belonging(rough, trials_).together);
+}
+
+TEST_F(Belongs, OtherUnitsAreFound) {
+  const Belonging found =
+      belonging(arm_, misread([](const Eigen::Vector3d& p) { return Eigen::Vector3d(1e3 * p); },
+                              [](const Eigen::Quaterniond& q) { return q; }));
+  ASSERT_FALSE(found.together);
+  EXPECT_EQ(found.tried.front().name, "positions in mm");
+  EXPECT_LT(found.tried.front().mean_m, 2e-3);
+  EXPECT_THAT(describe(found), HasSubstr("DO NOT BELONG TOGETHER"));
+  EXPECT_THAT(describe(found), HasSubstr("positions in mm would leave"));
+}
+
+TEST_F(Belongs, AnotherOrderOfTheQuaternionIsFound) {
+  // w first where x should be.
+  const Belonging found = belonging(arm_, misread(same, [](const Eigen::Quaterniond& q) {
+                                      return Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y());
+                                    }));
+  ASSERT_FALSE(found.together);
+  EXPECT_LT(found.tried.front().mean_m, 0.1 * found.mean_m);
+}
+
+TEST_F(Belongs, AnotherUpAxisIsFoundWithAFixedBase) {
+  arm::Arm fixed = arm_;
+  fixed.base.body.reset();
+  fixed.base.fixed_pose = hanging();
+  Eigen::Matrix3d y_up;
+  y_up << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+  const Eigen::Quaterniond turn(y_up);
+  const Belonging found =
+      belonging(fixed, misread([&](const Eigen::Vector3d& p) { return Eigen::Vector3d(y_up * p); },
+                               [&](const Eigen::Quaterniond& q) { return turn * q * turn.conjugate(); }));
+  ASSERT_FALSE(found.together);
+  EXPECT_THAT(found.tried.front().name, HasSubstr("axes 'x -z y'"));
+  EXPECT_LT(found.tried.front().mean_m, 2e-3);
+}
+
+TEST_F(Belongs, WhatNothingExplainsIsSaidSo) {
+  std::mt19937_64 random(9);
+  const Belonging found = belonging(
+      arm_, misread([&](const Eigen::Vector3d& p) { return Eigen::Vector3d(p + 0.3 * normal3(random)); },
+                    [](const Eigen::Quaterniond& q) { return q; }));
+  ASSERT_FALSE(found.together);
+  EXPECT_THAT(describe(found), HasSubstr("None of them explains it"));
+}
+
+}  // namespace
+}  // namespace softarm::identify::testing
