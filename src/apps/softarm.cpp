@@ -36,6 +36,7 @@ int main(int argc, char** argv) {
   softarm::app::add_estimate(program);
   softarm::app::add_identify(program);
   softarm::app::add_import(program);
+  softarm::app::add_new_arm(program);
   softarm::app::add_simulate(program);
   softarm::app::add_validate(program);
   try {

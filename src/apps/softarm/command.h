@@ -31,6 +31,7 @@ void add_diagnose(CLI::App& program);
 void add_estimate(CLI::App& program);
 void add_identify(CLI::App& program);
 void add_import(CLI::App& program);
+void add_new_arm(CLI::App& program);
 void add_simulate(CLI::App& program);
 void add_validate(CLI::App& program);
 

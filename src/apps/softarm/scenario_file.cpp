@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kDegPerRad = 180.0 / M_PI;
+constexpr double kDegreesPerRad = 180.0 / M_PI;
 constexpr double kHardlyTwists_nm2 = 100.0;  // what is rigid in the arm file; the rig's sections always twist
 
 /// The arm in the keys of a scenario.
@@ -44,7 +44,7 @@ class Translated {
       list.push_back({"rest_curvature",
                       "",
                       {{"curvature_per_m", u.head<2>().norm()},
-                       {"azimuth_deg", kDegPerRad * std::atan2(-u.x(), u.y())},
+                       {"azimuth_deg", kDegreesPerRad * std::atan2(-u.x(), u.y())},
                        {"segment", static_cast<double>(i + 1)}}});
     }
     for (std::size_t i = 0; i < arm_.segments.size(); ++i) {
@@ -59,7 +59,7 @@ class Translated {
                       "",
                       {{"axial_m", offset.z()},
                        {"lateral_m", offset.head<2>().norm()},
-                       {"azimuth_deg", kDegPerRad * std::atan2(offset.y(), offset.x())}}});
+                       {"azimuth_deg", kDegreesPerRad * std::atan2(offset.y(), offset.x())}}});
     return list;
   }
 
@@ -140,7 +140,7 @@ class Translated {
     for (const arm::Chamber& chamber : from.chambers) {
       YAML::Node one;
       one["input"] = input(chamber.input, arm::InputKind::kPressure, "chamber");
-      one["bending_direction_deg"] = kDegPerRad * chamber.bending_direction_rad;
+      one["bending_direction_deg"] = kDegreesPerRad * chamber.bending_direction_rad;
       one["moment_gain_nm_per_pa"] = chamber.moment_gain_nm_per_pa;
       one["near_elongation_m_per_pa"] = chamber.near_elongation_m_per_pa;
       one["far_elongation_m_per_pa"] = chamber.far_elongation_m_per_pa;
@@ -155,7 +155,7 @@ class Translated {
     for (const arm::Tendon& tendon : from.tendons) {
       YAML::Node one;
       one["input"] = input(tendon.input, arm::InputKind::kTension, "tendon");
-      one["azimuth_deg"] = kDegPerRad * tendon.bending_direction_rad;
+      one["azimuth_deg"] = kDegreesPerRad * tendon.bending_direction_rad;
       one["offset_m"] = tendon.offset_m;
       saturation(tendon.saturation_per_n, "saturation_n", one);
       to["tendons"].push_back(one);
@@ -165,7 +165,7 @@ class Translated {
       const double lever = from.diameter_m > 0.0 ? 0.5 * from.diameter_m : 0.01;
       YAML::Node one;
       one["input"] = input(cable.input, arm::InputKind::kAngle, "servo");
-      one["azimuth_deg"] = kDegPerRad * cable.bending_direction_rad;
+      one["azimuth_deg"] = kDegreesPerRad * cable.bending_direction_rad;
       one["lever_m"] = lever;
       one["spool_radius_m"] = cable.curvature_gain_per_m_rad * from.length_m * lever;
       saturation(cable.saturation_per_rad, "saturation_rad", one);
