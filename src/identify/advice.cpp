@@ -144,13 +144,21 @@ bool is_none(const Constant& c) {
 }
 
 void judge(const arm::Arm& arm, const std::vector<trial::StaticFrame>& frames, const Uncertainty& uncertainty,
-           const Eigen::VectorXd& scale, double determined_sd, Result& result) {
+           const Eigen::VectorXd& scale, double determined_sd, bool near_buckling, Result& result) {
   const Conditions conditions(arm, frames);
   const int count = static_cast<int>(result.constants.size());
   const auto constant = [&](int j) -> Constant& { return result.constants[static_cast<std::size_t>(j)]; };
   for (int j = 0; j < count; ++j) {
     Constant& c = constant(j);
     c.determined = c.sd <= determined_sd * c.scale && !refused(c) && !c.kept;
+    if (c.determined && near_buckling && !conditions.load_varies() &&
+        role_of(c.ref.kind) == ConstantRole::kBendingStiffness) {
+      c.determined = false;
+      c.advice = std::string(
+                     "the arm stands near the load at which it buckles, and no other load tells EI: the fit "
+                     "finds the EI of that load, whatever the arm has; ") +
+                 conditions.load_advice() + kHoldStiffness;
+    }
     for (int k = 0; k < count; ++k) {
       if (k != j && std::abs(result.correlation(j, k)) >= kStrongCorrelation)
         c.confused_with.emplace_back(constant(k).name, result.correlation(j, k));

@@ -25,6 +25,8 @@ class Conditions : public arm::RecordedInputs {
   /// The two are driven by inputs that always stand in the same ratio.
   bool driven_alike(const ConstantRef& a, const ConstantRef& b) const;
   bool vacuum_seen(int segment) const;
+  /// The payload differs from frame to frame, or the direction of gravity.
+  bool load_varies() const;
 
   std::vector<double> values(const std::string& input) const override;
   std::string load_advice() const override;
@@ -44,8 +46,10 @@ class Conditions : public arm::RecordedInputs {
 bool is_none(const Constant& c);
 
 /// Fills determined, confused_with and advice of the constants, and Result::undetermined.
+/// @param near_buckling the frames are of an arm near its buckling load: without other loads EI only looks
+/// determined there, as its shapes follow EI closely, and with it all that the laws leave out
 /// @param scale of each constant in Result::constants, against which uncertainty is in units of
 void judge(const arm::Arm& arm, const std::vector<trial::StaticFrame>& frames, const Uncertainty& uncertainty,
-           const Eigen::VectorXd& scale, double determined_sd, Result& result);
+           const Eigen::VectorXd& scale, double determined_sd, bool near_buckling, Result& result);
 
 }  // namespace softarm::identify

@@ -76,7 +76,7 @@ bool Conditions::driven_alike(const ConstantRef& a, const ConstantRef& b) const 
   return xx > 0.0 && yy > 0.0 && xy * xy > 0.999 * xx * yy;
 }
 
-std::string Conditions::load_advice() const {
+bool Conditions::load_varies() const {
   double least = 1e300, most = 0.0, turn = 0.0, own_kg = arm_.tip_mass_kg;
   for (const arm::Segment& segment : arm_.segments) own_kg += segment.mass_per_length_kg_m * segment.length_m;
   for (const trial::StaticFrame& frame : frames_) {
@@ -85,8 +85,11 @@ std::string Conditions::load_advice() const {
     const Eigen::Vector3d& first = frames_.front().gravity_base;
     turn = std::max(turn, std::atan2(first.cross(frame.gravity_base).norm(), first.dot(frame.gravity_base)));
   }
-  const bool load_varies = most - least > kLoadThatTells * std::max(1e-3, own_kg);
-  if (!load_varies && turn < kAttitudeThatTells) {
+  return most - least > kLoadThatTells * std::max(1e-3, own_kg) || turn >= kAttitudeThatTells;
+}
+
+std::string Conditions::load_advice() const {
+  if (!load_varies()) {
     return "the load hardly changes, and without load only moment over stiffness shows: record trials with "
            "and without a known payload, or with the base at another attitude";
   }

@@ -22,6 +22,9 @@ namespace {
 
 // A fit that is worse than its start by this factor has gone astray; less is which frames were chosen.
 constexpr double kWorse = 1.05;
+// Tip's turn per turn of the base, norm, from which an arm is near its buckling load, as in the estimator:
+// that of a stiff rod is 1.7.
+constexpr double kNearBuckling = 4.0;
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -293,6 +296,19 @@ void set_constants(const arm::Arm& arm, const std::vector<FreeConstant>& constan
   }
 }
 
+/// Whether half of the frames or more are of an arm near its buckling load.
+bool near_buckling(LawModel& model, const std::vector<trial::StaticFrame>& frames) {
+  std::size_t near = 0, all = 0;
+  for (const trial::StaticFrame& frame : frames) {
+    std::optional<model::Equilibrium> equilibrium;
+    Prediction predicted;
+    if (!model.predict(frame, equilibrium, predicted)) continue;
+    ++all;
+    if (predicted.tip_per_base > kNearBuckling) ++near;
+  }
+  return all > 0 && 2 * near >= all;
+}
+
 VectorXd initial_of(const std::vector<FreeConstant>& constants) {
   VectorXd initial(static_cast<Eigen::Index>(constants.size()));
   for (Eigen::Index j = 0; j < initial.size(); ++j)
@@ -344,7 +360,9 @@ Result fit_of(const arm::Arm& arm, const std::vector<trial::Trial>& trials, Effe
   });
   count_used(arm, solution.fit, frames.fitted, result);
   set_constants(arm, constants, conditions, solution, scale, result);
-  judge(arm, frames.fitted, solution.sure, scale, options.determined_sd, result);
+  problem.model().set(solution.fit.theta);
+  judge(arm, frames.fitted, solution.sure, scale, options.determined_sd,
+        near_buckling(problem.model(), frames.fitted), result);
   report(0.85);
 
   // Errors, and what they leave to a prior.

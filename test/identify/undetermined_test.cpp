@@ -72,6 +72,39 @@ TEST(Undetermined, ThePayloadTellsItAfterAll) {
   for (const identify::Constant& c : result.constants) EXPECT_TRUE(c.determined) << c.name;
 }
 
+TEST(Undetermined, AnArmThatStandsNearItsBucklingLoadTellsNoStiffnessByItsWeightAlone) {
+  arm::Arm arm = testing::pneumatic_arm();
+  arm::Segment& segment = arm.segments[0];
+  segment.bending_stiffness.per_min_pressure_nm2_per_pa = 0.0;
+  segment.bending_stiffness.per_jamming_pressure_nm2_per_pa = 0.0;
+  for (arm::Chamber& chamber : segment.chambers)
+    chamber.near_elongation_m_per_pa = chamber.far_elongation_m_per_pa = 0.0;
+  std::mt19937_64 random(8);
+  testing::Protocol protocol;
+  protocol.base = testing::standing();
+  protocol.draw = [](std::mt19937_64& r) {
+    arm::InputValues inputs{0.0, 0.0, 0.0, 0.0};
+    inputs[r() % 3] = testing::uniform(r, 0.2e3, 2e3);
+    return inputs;
+  };
+  protocol.payloads_kg = {0.0};
+  for (const double share : {0.85, 0.2}) {
+    SCOPED_TRACE(share);
+    // Greenhill: a standing rod buckles by its own weight at q L^3 = 7.84 EI.
+    segment.mass_per_length_kg_m =
+        share * 7.84 * segment.bending_stiffness.base_nm2 / (9.80665 * std::pow(segment.length_m, 3));
+    const identify::Result result = run(arm, arm, protocol, random);
+    const identify::Constant* stiffness = find(result, "segment_1.bending_stiffness.base");
+    ASSERT_NE(stiffness, nullptr);
+    EXPECT_EQ(says(stiffness->advice, "buckles"), share == 0.85) << stiffness->advice;
+    if (share < 0.85) continue;
+    EXPECT_LT(stiffness->sd, 0.25 * stiffness->value)
+        << "the curvature of the cost says that it is determined";
+    EXPECT_FALSE(stiffness->determined);
+    EXPECT_TRUE(says(stiffness->advice, "--hold '*.bending_stiffness.*'"));
+  }
+}
+
 TEST(Undetermined, JammingWithoutAVacuumInTheRecording) {
   const arm::Arm nominal = testing::pneumatic_arm();
   std::mt19937_64 random(2);
