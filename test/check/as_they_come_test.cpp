@@ -193,7 +193,7 @@ TEST_F(AsTheyCome, ASensorThatShowsOneValueOnBothSidesOfAGapDoesNotStick) {
   for (auto& v : recording.inputs[0]) v.value += noise(random);
   auto& values = recording.inputs[0];
   values.erase(values.begin() + 250, values.begin() + 400);
-  values[250].value = values[249].value;
+  for (std::size_t k = 244; k < 256; ++k) values[k].value = values[244].value;
   EXPECT_EQ(find(report(), "stuck_input"), nullptr) << complaints(report());
 }
 
@@ -213,6 +213,23 @@ TEST_F(AsTheyCome, RestIsNotTakenFromARamp) {
     const check::CheckReport found = report();
     EXPECT_EQ(find(found, "offset_at_rest"), nullptr) << complaints(found);
     EXPECT_NE(find(found, "no_rest_at_start"), nullptr) << to_text(found);
+  }
+}
+
+/// The arm sticks while a chamber fills under its sensor's noise.
+TEST_F(AsTheyCome, ADriftThatNoiseHidesIsNoRest) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const auto drive = [](int i, double t) {
+      return t < 3.0 ? 0.0 : (i == 0 ? 20e3 : 14e3) * (1.0 - std::cos((i == 0 ? 0.9 : 1.3) * (t - 3.0)));
+    };
+    recording = clean(seed, 0.0, {kSeconds, drive});
+    std::mt19937 random(seed);
+    std::normal_distribution<double> noise(0.0, 1.9e3);
+    for (auto& input : recording.inputs) {
+      for (auto& v : input) v.value += noise(random);
+    }
+    for (auto& v : recording.inputs[0]) v.value += std::min(2.0e3 * (v.stamp_s - kStart), 6e3);
+    EXPECT_EQ(find(report(), "offset_at_rest"), nullptr) << seed << ": " << complaints(report());
   }
 }
 
