@@ -18,7 +18,7 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 
 constexpr double kFarthest = 0.4;          // of the length, mean over bodies and frames
-constexpr double kExplains = 0.3;          // of the error that another reading may leave to be named
+constexpr double kExplains = 0.2;          // of the length, that a reading may leave to be named
 constexpr std::size_t kFramesOfTrial = 8;  // that each reading is tried on
 
 /// What one reading makes of a pose as it was read.
@@ -114,9 +114,8 @@ Belonging belonging(const arm::Arm& arm, const std::vector<trial::Trial>& trials
   result.length_m = arm.total_length_m();
   const std::vector<trial::Trial> few = thinned(arm, trials);
   const std::optional<double> given = error_of(arm, few);
-  if (!given) return result;
-  result.mean_m = *given;
-  result.together = result.mean_m <= kFarthest * result.length_m;
+  result.mean_m = given;
+  result.together = given && *given <= kFarthest * result.length_m;
   if (result.together) return result;
   const auto try_reading = [&](const std::string& name, const arm::Arm& with,
                                const std::vector<trial::Trial>& read) {
@@ -134,7 +133,7 @@ Belonging belonging(const arm::Arm& arm, const std::vector<trial::Trial>& trials
     if (!arm.base.body) continue;
     arm::Arm turned = arm;
     turned.base.rod_in_body.linear() = turned.base.rod_in_body.linear() * m;
-    try_reading(fmt::format("the base's axes '{}' of what base.rod_in_body says", axes_name(m)), turned, few);
+    try_reading(fmt::format("base.rod_in_body turned to its axes '{}'", axes_name(m)), turned, few);
   }
   for (const auto& [factor, name] :
        {std::pair(1e-3, "positions in mm"), std::pair(1e3, "positions in km, or divided by 1000 twice"),
@@ -159,16 +158,22 @@ Belonging belonging(const arm::Arm& arm, const std::vector<trial::Trial>& trials
 }
 
 std::string describe(const Belonging& belonging) {
-  if (belonging.together) return "";
-  std::string line = fmt::format(
-      "THE RECORDINGS AND THE ARM FILE DO NOT BELONG TOGETHER: by its laws the bodies are {:.0f} mm off, on "
-      "an arm "
-      "of {:.0f} mm. Tried: other axes, units, orders of the quaternion, attitudes of the base. ",
-      1e3 * belonging.mean_m, 1e3 * belonging.length_m);
-  if (belonging.tried.empty() || belonging.tried.front().mean_m > kExplains * belonging.mean_m)
+  const bool explained =
+      !belonging.tried.empty() && belonging.tried.front().mean_m <= kExplains * belonging.length_m;
+  // Frames of which none can be used may lack anything.
+  if (belonging.together || (!belonging.mean_m && !explained)) return "";
+  const std::string far =
+      belonging.mean_m ? fmt::format("by its laws the bodies are {:.0f} mm off", 1e3 * *belonging.mean_m)
+                       : "as they are read no frame can be used";
+  const std::string line = fmt::format(
+      "THE RECORDINGS AND THE ARM FILE DO NOT BELONG TOGETHER: {}, on an arm of {:.0f} mm. Tried: other "
+      "axes, "
+      "units, orders of the quaternion, attitudes of the base. ",
+      far, 1e3 * belonging.length_m);
+  if (!explained)
     return line +
            "None of them explains it: is it this arm, are the lengths and the bodies' arclengths right?";
-  return line + fmt::format("{} would leave {:.0f} mm", belonging.tried.front().name,
+  return line + fmt::format("With {} {:.0f} mm would be left", belonging.tried.front().name,
                             1e3 * belonging.tried.front().mean_m);
 }
 

@@ -1,6 +1,7 @@
 // Whether recordings and an arm file belong together, and how they would.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,7 @@ struct Reading {
 
 /// How far the bodies are from where the arm file's laws have them, before any fit.
 struct Belonging {
-  double mean_m = 0.0;
+  std::optional<double> mean_m;  ///< absent: no frame can be used
   double length_m = 0.0;
   bool together = true;
   std::vector<Reading> tried;  ///< best first; only where they are not together

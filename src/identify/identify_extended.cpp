@@ -56,8 +56,14 @@ Result identify_extended(const arm::Arm& arm, const std::vector<model::Present>&
                          const std::vector<trial::Trial>& trials, const Options& options,
                          const ProgressCallback& progress, unsigned jobs) {
   const std::string apart = describe(belonging(arm, trials));
-  Result result = effects.empty() ? identify(arm, trials, options, progress)
-                                  : in_rounds(arm, effects, trials, options, progress, jobs);
+  Result result;
+  try {
+    result = effects.empty() ? identify(arm, trials, options, progress)
+                             : in_rounds(arm, effects, trials, options, progress, jobs);
+  } catch (const IdentifyError& error) {
+    if (apart.empty()) throw;
+    throw IdentifyError(apart + "; " + error.what());
+  }
   if (!apart.empty()) result.warnings.insert(result.warnings.begin(), apart);
   return result;
 }

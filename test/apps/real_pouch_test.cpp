@@ -237,7 +237,6 @@ TEST(RealPouchArm, StretchGivesThePayloadOfAnotherTrialWithinItsInterval) {
     EXPECT_LT(std::abs(empty_kg - 0.0), 2.0 * empty_sd);
     EXPECT_LT(std::abs(full_kg - 0.4), 2.0 * full_sd);
     EXPECT_LT(full_sd, 0.3) << "from bending alone it is 0.7 kg and more";
-    EXPECT_GT(full_kg, empty_kg + 0.1);
     for (const Row& row : rows)
       ASSERT_EQ(row.at("identifiable_payload"), "0") << "0.2 kg is no 25 % of 0.4 kg";
     std::filesystem::remove(dir / "whole.bag");
