@@ -101,7 +101,9 @@ def draw(reports, path):
         for side in ("top", "right"):
             axes.spines[side].set_visible(False)
     grid[0][0].set_ylabel("rms error, trial not fitted (mm)")
-    grid[0][0].legend(fontsize=7, frameon=False)
+    # Above the bars, whatever their heights.
+    grid[0][0].set_ylim(top=1.35 * grid[0][0].get_ylim()[1])
+    grid[0][0].legend(fontsize=7, frameon=False, loc="upper left", ncol=1)
     figure.tight_layout()
     figure.savefig(path, dpi=75)
     plt.close(figure)

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <functional>
 
-#include "choose_frames.h"
 #include "compare_frames.h"
 
 namespace softarm::identify {
@@ -17,9 +16,9 @@ using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 
-constexpr double kFarthest = 0.4;          // of the length, mean over bodies and frames
-constexpr double kExplains = 0.2;          // of the length, that a reading may leave to be named
-constexpr std::size_t kFramesOfTrial = 8;  // that each reading is tried on
+constexpr double kFarthest = 0.4;           // of the length, mean over bodies and frames
+constexpr double kExplains = 0.2;           // of the length, that a reading may leave to be named
+constexpr std::size_t kFramesOfTrial = 20;  // that each reading is tried on
 
 /// What one reading makes of a pose as it was read.
 using OfPosition = std::function<Eigen::Vector3d(const Eigen::Vector3d&)>;
@@ -51,20 +50,14 @@ Quaterniond same_orientation(const Quaterniond& q) {
   return q;
 }
 
-/// A few frames of each trial.
-std::vector<trial::Trial> thinned(const arm::Arm& arm, const std::vector<trial::Trial>& trials) {
+/// A few frames of each trial, evenly spaced: which are usable depends on how they are read.
+std::vector<trial::Trial> thinned(const std::vector<trial::Trial>& trials) {
   std::vector<trial::Trial> few;
-  FrameChoice choice;
-  choice.frames_per_trial = kFramesOfTrial;
-  const std::vector<trial::StaticFrame> chosen = choose_frames(arm, trials, choice).frames;
-  for (std::size_t t = 0; t < trials.size(); ++t) {
-    trial::Trial some{trials[t].name, {}, trials[t].inputs};
-    for (const trial::Frame& frame : trials[t].frames) {
-      const bool wanted = std::any_of(chosen.begin(), chosen.end(), [&](const trial::StaticFrame& c) {
-        return c.trial == t && c.stamp_s == frame.stamp_s;
-      });
-      if (wanted) some.frames.push_back(frame);
-    }
+  for (const trial::Trial& trial : trials) {
+    trial::Trial some{trial.name, {}, trial.inputs};
+    const std::size_t count = std::min(kFramesOfTrial, trial.frames.size());
+    for (std::size_t k = 0; k < count; ++k)
+      some.frames.push_back(trial.frames[k * trial.frames.size() / count]);
     few.push_back(std::move(some));
   }
   return few;
@@ -112,7 +105,7 @@ std::vector<Matrix3d> turns() {
 Belonging belonging(const arm::Arm& arm, const std::vector<trial::Trial>& trials) {
   Belonging result;
   result.length_m = arm.total_length_m();
-  const std::vector<trial::Trial> few = thinned(arm, trials);
+  const std::vector<trial::Trial> few = thinned(trials);
   const std::optional<double> given = error_of(arm, few);
   result.mean_m = given;
   result.together = given && *given <= kFarthest * result.length_m;
