@@ -15,9 +15,8 @@ namespace softarm::estimate {
 /// Frames then say as much of z as these errors leave: with ever more frames the standard deviations go to
 /// theirs, not to zero. Vectors and matrices have z (or x) first, then e, then b.
 struct CommonErrors {
-  Eigen::VectorXd passing;    ///< variances of e
-  Eigen::VectorXd placement;  ///< variances of what b has for good
-  Eigen::VectorXd posture;    ///< variances of what b has besides, in one posture
+  Eigen::VectorXd passing;  ///< variances of e
+  Eigen::VectorXd posture;  ///< variances of what b has in one posture, beside what it has for good
 };
 
 /// What a frame's bodies say of (z, e, b).

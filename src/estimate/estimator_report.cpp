@@ -74,7 +74,7 @@ void Estimator::Impl::finish() {
 }
 
 void Estimator::Impl::confirm_stiffness() {
-  if (problem.solver().base_per_tip_rotation().inverse().norm() < kPolicy.fit.near_buckling) return;
+  if (!model::near_buckling(problem.solver())) return;
   const double moved = 1.0 + 2.0 * options.identifiable_relative_sd;
   for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
     SegmentEstimate& segment = estimate.segments[static_cast<std::size_t>(i)];

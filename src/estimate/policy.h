@@ -20,7 +20,6 @@ struct Policy {
     double bad_start = 0.05;    ///< rms distance over the arm's length above which the last frame is no start
     double inconsistent = 0.1;  ///< the same above which a converged fit is inconsistent
     double inflation_level = 0.999;     ///< of chi^2: above it standard deviations are scaled by the misfit
-    double near_buckling = 4.0;         ///< tip's turn per turn of the base, norm; that of a stiff rod is 1.7
     double other_direction_chi2 = 3.0;  ///< two standard deviations, less some allowance for curvature
     /// What a frame does not determine stays where an arm could have it: the flexibility near that of the
     /// base stiffness, the payload near none. Far weaker than any measurement that matters, and left out of

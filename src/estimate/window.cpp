@@ -178,7 +178,7 @@ Evidence Window::belief(const FrameLaw& law, const VectorXd& placement, const Ve
   Evidence lasting{MatrixXd::Zero(n + m, n + m), VectorXd::Zero(n + m)};
   lasting.information.diagonal() << law.information, placement.cwiseInverse();
   const double weight = frames_.empty() ? 1.0 : weight_of_misfit(0, frames_.size());
-  CommonErrors errors{VectorXd(), placement, posture_variance};
+  CommonErrors errors{VectorXd(), posture_variance};
   const Posture* here = nullptr;
   Evidence of_here;
   for (const Posture& posture : postures_) {

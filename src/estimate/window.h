@@ -15,9 +15,9 @@ namespace softarm::estimate {
 /// Collects what each frame's bodies say of the shared quantities z (see FrameLaw) and of the errors that
 /// frames have in common (CommonErrors), and hands the next frame what all of them say together.
 ///
-/// A frame's evidence is its Gauss-Newton information at its fit. The fit itself starts from the belief of
-/// the other frames, so every frame is linearised near the common optimum. Each time, the newest frames are
-/// compared with the rest: where they cannot share stiffness and payload any more, the rest is forgotten.
+/// Frames of one posture are one measurement, see Posture; what they say is linearised at its last frame, or
+/// at the frame that asks. Each time, the newest frames are compared with the rest, each by its own
+/// Gauss-Newton information: where they cannot share stiffness and payload any more, the rest is forgotten.
 class Window {
  public:
   /// @param changing the columns of z that a change may concern: stiffness of each segment and payload, if
@@ -35,7 +35,7 @@ class Window {
   void enter(const std::vector<Observation>& bodies, const Eigen::VectorXd& passing);
 
   /// Belief about (x - centre, b) of a frame with the posture that was entered.
-  /// @param placement, posture variances of b, see CommonErrors
+  /// @param placement, posture variances of b: of what it has for good, and in one posture
   /// @param rows of that frame, about whose x its posture's other frames are linearised as well; nullptr: as
   /// the last of them was
   Evidence belief(const FrameLaw& law, const Eigen::VectorXd& placement, const Eigen::VectorXd& posture,

@@ -22,9 +22,6 @@ namespace {
 
 // A fit that is worse than its start by this factor has gone astray; less is which frames were chosen.
 constexpr double kWorse = 1.05;
-// Tip's turn per turn of the base, norm, from which an arm is near its buckling load, as in the estimator:
-// that of a stiff rod is 1.7.
-constexpr double kNearBuckling = 4.0;
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -304,7 +301,7 @@ bool near_buckling(LawModel& model, const std::vector<trial::StaticFrame>& frame
     Prediction predicted;
     if (!model.predict(frame, equilibrium, predicted)) continue;
     ++all;
-    if (predicted.tip_per_base > kNearBuckling) ++near;
+    if (predicted.near_buckling) ++near;
   }
   return all > 0 && 2 * near >= all;
 }

@@ -183,7 +183,7 @@ bool LawModel::predict(const trial::StaticFrame& frame, std::optional<model::Equ
         std::log(laws_[i].bending_stiffness_nm2), laws_[i].length_m;
   }
   out.dlaws = laws_by_theta_;
-  out.tip_per_base = solver_.base_per_tip_rotation().inverse().norm();
+  out.near_buckling = model::near_buckling(solver_);
   return true;
 }
 

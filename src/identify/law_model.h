@@ -25,8 +25,7 @@ struct Prediction {
   /// Laws of the segments: moment x, y (N m), ln EI, length (m); and by the constants.
   Eigen::VectorXd laws;
   Eigen::MatrixXd dlaws;
-  /// Tip's turn per turn of the base, norm: 1.7 of a stiff rod, without bound at a buckling load.
-  double tip_per_base = 0.0;
+  bool near_buckling = false;
 };
 
 /// Not thread-safe.

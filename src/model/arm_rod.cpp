@@ -49,4 +49,9 @@ std::optional<Eigen::Quaterniond> Equilibrium::tip_at(const Eigen::VectorXd& at,
   return (math::exp_so3(turn) * q_tip).normalized();
 }
 
+bool near_buckling(const rod::Solver& solver) {
+  constexpr double kTipPerBase = 4.0;
+  return solver.base_per_tip_rotation().inverse().norm() >= kTipPerBase;
+}
+
 }  // namespace softarm::model

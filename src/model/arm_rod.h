@@ -31,6 +31,11 @@ rod::SolverOptions solver_options(double orientation_tolerance_rad);
 Eigen::Matrix3Xd position_by_rod(const arm::MeasuredBody& measured, int body, const rod::Solver& solver);
 Eigen::Matrix3Xd tangent_by_rod(int body, const rod::Solver& solver);
 
+/// Whether the solution is so near a buckling load that shapes follow EI closely, and with EI all that a
+/// model leaves out: tip's turn per turn of the base, norm, 1.7 for a stiff rod and without bound at the load
+/// itself, of four or more.
+bool near_buckling(const rod::Solver& solver);
+
 /// An equilibrium that others are looked for from.
 struct Equilibrium {
   Eigen::Quaterniond q_tip = Eigen::Quaterniond::Identity();

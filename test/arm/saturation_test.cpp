@@ -205,6 +205,14 @@ TEST(Saturation, BadValuesGiveOneLine) {
     EXPECT_NE(line.find("is outside the allowed range"), std::string::npos) << line;
     EXPECT_EQ(line.find('\n'), std::string::npos);
   }
+  // Of tendons where there are none.
+  for (std::string yaml : {text("", "", "", "    tendons_saturation_per_n: 0\n"),
+                           text("", "", "", "", ", per_tension_nm2_per_n: 0.1")}) {
+    const std::size_t from = yaml.find("    tendons:\n");
+    yaml.erase(from, yaml.find("    cables:\n") - from);
+    EXPECT_NE(refusal(yaml).find("applies to segments with tendons only"), std::string::npos)
+        << refusal(yaml);
+  }
 }
 
 }  // namespace

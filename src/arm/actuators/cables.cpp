@@ -114,8 +114,10 @@ class Cables final : public ActuatorKind {
 
   void read(const yaml::Section& section, const yaml::Section& stiffness, const Inputs& inputs,
             Segment& segment) const override {
-    segment.saturation.cables_per_rad = number_if_given(section, "cables_saturation_per_rad");
-    segment.bending_stiffness.per_angle_nm2_per_rad = number_if_given(stiffness, "per_angle_nm2_per_rad");
+    segment.saturation.cables_per_rad =
+        number_with_items<CableLaw>(section, "cables_saturation_per_rad", section);
+    segment.bending_stiffness.per_angle_nm2_per_rad =
+        number_with_items<CableLaw>(stiffness, "per_angle_nm2_per_rad", section);
     for (const yaml::Section& item : section.list("cables", keys())) {
       Cable one;
       one.input = yaml::read_input(item, "input", inputs, InputKind::kAngle, "a cable");

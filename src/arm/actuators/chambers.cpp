@@ -257,8 +257,9 @@ class Chambers final : public ActuatorKind {
             Segment& segment) const override {
     segment.bending_stiffness.per_min_pressure_nm2_per_pa = stiffness.number("per_min_pressure_nm2_per_pa");
     segment.bending_stiffness.per_mean_pressure_nm2_per_pa =
-        number_if_given(stiffness, "per_mean_pressure_nm2_per_pa");
-    segment.saturation.chambers_per_pa = number_if_given(section, "chambers_saturation_per_pa");
+        number_with_items<ChamberLaw>(stiffness, "per_mean_pressure_nm2_per_pa", section);
+    segment.saturation.chambers_per_pa =
+        number_with_items<ChamberLaw>(section, "chambers_saturation_per_pa", section);
     for (const yaml::Section& item : section.list("chambers", keys())) {
       Chamber one;
       one.input = yaml::read_input(item, "input", inputs, InputKind::kPressure, "a chamber");

@@ -176,4 +176,15 @@ inline std::optional<double> number_if_given(const yaml::Section& section, const
   return section.has(key) ? std::optional(section.number(key)) : std::nullopt;
 }
 
+/// The same of a number for all items of a segment, which one that has none cannot take.
+/// @param section in which it stands; @param segment whose items they are
+template <typename Law>
+std::optional<double> number_with_items(const yaml::Section& section, const char* key,
+                                        const yaml::Section& segment) {
+  const std::optional<double> value = number_if_given(section, key);
+  const std::string items = std::string(Law::kItem) + "s";
+  if (value && !segment.has(items)) section.fail(key, "applies to segments with " + items + " only");
+  return value;
+}
+
 }  // namespace softarm::arm

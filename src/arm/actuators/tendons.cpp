@@ -114,8 +114,10 @@ class Tendons final : public ActuatorKind {
 
   void read(const yaml::Section& section, const yaml::Section& stiffness, const Inputs& inputs,
             Segment& segment) const override {
-    segment.saturation.tendons_per_n = number_if_given(section, "tendons_saturation_per_n");
-    segment.bending_stiffness.per_tension_nm2_per_n = number_if_given(stiffness, "per_tension_nm2_per_n");
+    segment.saturation.tendons_per_n =
+        number_with_items<TendonLaw>(section, "tendons_saturation_per_n", section);
+    segment.bending_stiffness.per_tension_nm2_per_n =
+        number_with_items<TendonLaw>(stiffness, "per_tension_nm2_per_n", section);
     for (const yaml::Section& item : section.list("tendons", keys())) {
       Tendon one;
       one.input = yaml::read_input(item, "input", inputs, InputKind::kTension, "a tendon");
