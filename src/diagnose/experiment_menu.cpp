@@ -183,6 +183,14 @@ class Menu {
     return sum;
   }
 
+  /// What a pull may be: no more than what the arm is known to bear, its own weight or the heaviest payload
+  /// that was on it.
+  double most_pull_n() const {
+    const double kg = std::max(weight_kg(), from_.most_payload_kg());
+    const double most_kg = arm_.payload.range_kg.high;
+    return arm_.gravity_m_s2.norm() * (kg > 0.0 ? std::min(kg, most_kg) : most_kg);
+  }
+
   /// A payload to take where more is wanted than was recorded; nothing where the arm cannot bear it.
   double heavier_kg() const {
     const double more = std::max(1.5 * from_.most_payload_kg(),
@@ -216,8 +224,10 @@ class Menu {
     double softest = 1e300;
     for (const arm::Segment& segment : arm_.segments)
       softest = std::min(softest, arm::unloaded_stiffness_nm2(segment));
-    const double length = arm_.total_length_m(),
-                 force_n = kPolicy.experiment.pull_bend * softest / (length * length);
+    const double length = arm_.total_length_m();
+    const double force_n =
+        std::min(kPolicy.experiment.pull_bend * softest / (length * length), most_pull_n());
+    if (!(force_n > 0.0)) return;
     const auto [azimuth, input] = first_direction();
     for (const bool beside : {false, true}) {
       const double angle = azimuth + (beside ? M_PI_2 : 0.0);

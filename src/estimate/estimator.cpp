@@ -55,6 +55,7 @@ Estimator::Impl::Impl(const arm::Arm& a, const arm::EstimatorOptions& o, const s
     }
     if (options.unknown != arm::Unknown::kStiffness) changing.push_back(problem.payload_column());
     window.emplace(options.window_s, std::move(changing), kPolicy.window.posture * arm.total_length_m());
+    past = std::make_unique<Problem>(arm, options);
   }
 }
 
@@ -292,6 +293,7 @@ bool Estimator::Impl::set_knowns(const trial::Frame& frame) {
   std::optional<std::vector<arm::SegmentPrediction>> predictions = predict_laws(frame);
   if (!predictions && !arcs && !has_needed_inputs(frame, estimate_stiffness)) return false;
   problem.set_laws(predictions);
+  laws_given = predictions;
   // What frames share is counted from the laws at their inputs: without inputs it is something else.
   if (window && inputs_known && *inputs_known != predictions.has_value()) window->clear();
   inputs_known = predictions.has_value();

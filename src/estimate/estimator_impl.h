@@ -65,6 +65,11 @@ struct Estimator::Impl {
   Eigen::VectorXd passing_variance() const;
   Eigen::VectorXd placement_variance() const;
   Eigen::VectorXd posture_variance() const;
+  /// Linearises postures anew, about this frame's stiffness and payload.
+  void linearise_postures();
+  /// A posture's own parameters, given those that it shares with this frame: a Gauss-Newton step.
+  VectorXd parameters_of(const Window::Posture& posture) const;
+  std::optional<BodyRows> rows_of(Window::Posture& posture, const VectorXd& at);
   /// The fit took what bodies are off by for noise of this frame. It is the same in others: of x and of that,
   /// together, this is the most probable by the bodies and what other frames say of either, and its
   /// covariance.
@@ -148,7 +153,10 @@ struct Estimator::Impl {
   FrameLaw law;
   std::vector<double> stretch_m;  ///< with which `law` counts what is not known of EA
   std::optional<Window> window;
-  WhiteNoise noise;    ///< with a window only
+  std::unique_ptr<Problem> past;                                  ///< with a window: of its postures
+  VectorXd last_offsets;                                          ///< b of the last frame
+  std::optional<std::vector<arm::SegmentPrediction>> laws_given;  ///< to the problem
+  WhiteNoise noise;                                               ///< with a window only
   VectorXd influence;  ///< of each block of rows of the bodies, see settle()
   const std::vector<model::Present> effects;
   std::unique_ptr<ExtendedFrame> extension;           ///< of an arm with effects

@@ -85,7 +85,7 @@ void Estimator::Impl::believe() {
     return;
   }
   const VectorXd placement = placement_variance();
-  const Evidence common = window->belief(law, placement, posture_variance(), nullptr);
+  const Evidence common = window->belief(law, placement, posture_variance());
   if (!options.prior.enabled && window->frames() == 0)
     problem.set_belief(std::nullopt);
   else
@@ -97,6 +97,76 @@ BodyRows Estimator::Impl::rows() const {
   return body_rows(problem, x, noise, offsets, bodies, offsets * bodies + law.gains.cols());
 }
 
+std::optional<BodyRows> Estimator::Impl::rows_of(Window::Posture& posture, const VectorXd& at) {
+  Window::Place& place = posture.place;
+  const VectorXd& weight = posture.sums.weight;
+  const Index blocks = weight.size() / (3 * static_cast<Index>(arm.bodies.size()));
+  past->observations().clear();
+  for (int body = 0; body < static_cast<int>(arm.bodies.size()); ++body) {
+    const Index row = 3 * blocks * body;
+    Observation seen;
+    seen.body = body;
+    if (blocks > 1 && weight[row + 3] > 0.0) seen.tangent = Vector3d::UnitZ();
+    if (weight[row] > 0.0) past->observations().push_back(seen);
+  }
+  past->set_gravity(place.gravity_base);
+  past->set_laws(place.laws);
+  past->set_effects(place.effects ? &*place.effects : nullptr);
+  past->free() = problem.free();
+  past->begin();
+  if (!at.allFinite() || !past->evaluate(at, place.q_tip)) return std::nullopt;
+  place.q_tip = past->solver().q_tip();
+  return body_rows(*past, at, noise, offsets_of_body(options), static_cast<Index>(arm.bodies.size()),
+                   posture.rows.j.cols() - at.size());
+}
+
+VectorXd Estimator::Impl::parameters_of(const Window::Posture& posture) const {
+  const Index n = x.size(), errors = posture.rows.j.cols() - n;
+  const auto shared = [&](Index i) { return i == n - 1 || i % kSegmentParameters == 2; };
+  VectorXd at = posture.rows.x;
+  for (Index i = 0; i < n; ++i) {
+    if (shared(i)) at[i] = x[i];
+  }
+  const FrameLaw mean = posture.sums.mean_law(law);
+  VectorXd by_law = mean.centre;
+  for (Index i = 0; i < n; ++i) {
+    if (shared(i)) by_law += mean.shared.col(i) * (at[i] - mean.centre[i]) / mean.shared(i, i);
+  }
+  Evidence own = posture.rows.evidence(posture.rows.measured, posture.sums.weight);
+  own.weighted -= own.information.leftCols(n) * at;
+  if (last_offsets.size() == errors) own.weighted -= own.information.rightCols(errors) * last_offsets;
+  std::vector<bool> held(static_cast<std::size_t>(n + errors), true);
+  for (Index i = 0; i < n; ++i) {
+    if (shared(i)) continue;
+    held[static_cast<std::size_t>(i)] = false;
+    if (!(law.information[i] > 0.0)) continue;
+    const double variance = mean.shared(i, i) * mean.shared(i, i) / law.information[i] +
+                            law.jitter_variance[i] + law.gain_variance * mean.gains.row(i).squaredNorm();
+    own.information(i, i) += 1.0 / variance;
+    own.weighted[i] += (by_law[i] - at[i]) / variance;
+  }
+  return at + most_probable(own, held).head(n);
+}
+
+void Estimator::Impl::linearise_postures() {
+  for (Window::Posture* posture : window->to_linearise()) {
+    if (posture->changed) {
+      const VectorXd mean = posture->sums.x / posture->sums.frames;
+      const std::optional<BodyRows> there = rows_of(*posture, mean);
+      if (!there) continue;
+      posture->rows = *there;
+      posture->rows.measured = there->model + posture->sums.mean_off();
+      posture->changed = false;
+    }
+    const VectorXd measured = posture->rows.measured;
+    std::optional<BodyRows> anew = rows_of(*posture, parameters_of(*posture));
+    if (!anew) continue;
+    posture->rows = std::move(*anew);
+    posture->rows.measured = measured;
+    posture->age = 0;
+  }
+}
+
 void Estimator::Impl::settle() {
   if (!window) return;
   BodyRows own = rows();
@@ -104,7 +174,9 @@ void Estimator::Impl::settle() {
   if (options.objective != arm::Objective::kLeastSquares || !problem.noise_weights()) return;
   const Index n = problem.NumParameters();
   const VectorXd placement = placement_variance();
-  Evidence believed = window->belief(law, placement, posture_variance(), &own);
+  linearise_postures();
+  window->see_from(own);
+  Evidence believed = window->belief(law, placement, posture_variance());
   believed.weighted -= believed.information.leftCols(n) * (x - law.centre);
   const auto with_bodies = [&] {
     Evidence all = own.evidence();
@@ -117,6 +189,7 @@ void Estimator::Impl::settle() {
   for (Index block = 0; block < own.blocks(); ++block)
     influence[block] = problem.bounded_influence(own.distance(block, d));
   own.weight = own.weight.cwiseProduct(influence);
+  last_offsets = most_probable(with_bodies(), negated(estimated)).tail(placement.size());
   const Evidence of_x = without_last(with_bodies(), placement.size());
   covariance = covariance_from(of_x.information, estimated);
   move_to(of_x);
@@ -180,6 +253,9 @@ Window::Entry Estimator::Impl::entry() const {
                                       bodies.weighted.head(x.size()), repeats);
   entry.rows.weight = entry.rows.weight.cwiseProduct(influence);
   entry.law = law;
+  entry.place = {problem.rod().gravity_m_s2, laws_given,
+                 extension ? std::optional<EffectsAt>(extension->at()) : std::nullopt,
+                 problem.solver().q_tip()};
   const Distances now = distances();
   double tangents = 0.0, tangent_chi2 = 0.0;
   for (const Observation& o : problem.observations()) {

@@ -2,6 +2,8 @@
 // room decides: constants beside the code are tolerances of its numbers and steps of its solvers.
 #pragma once
 
+#include <cstddef>
+
 namespace softarm::estimate {
 
 /// Found on the virtual rig and on the recordings of laboratories (test/estimate, scripts/demo).
@@ -51,6 +53,7 @@ struct Policy {
     /// passing errors and the model's stay as they are. They depend on pressures and shape, smoothly: a tenth
     /// is a fraction of what an arm moves. Larger is more careful.
     double posture = 0.1;
+    std::size_t linearised = 8;    ///< postures that are linearised anew at each frame
     int groups = 64;               ///< in which frames leave the window
     int noise_frames = 200;        ///< over which the noise from frame to frame is averaged
     double least_noise = 0.01;     ///< of the stated one: what is less is rounding

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
+#include <limits>
 
 #include "math/linear_algebra.h"
 #include "policy.h"
@@ -51,7 +52,8 @@ void Window::Sums::add(const Sums& more, double sign) {
     return;
   }
   frames += sign > 0.0 ? more.frames : -more.frames;
-  measured += sign * more.measured;
+  off += sign * more.off;
+  x += sign * more.x;
   weight += sign * more.weight;
   centre += sign * more.centre;
   jitter += sign * more.jitter;
@@ -64,8 +66,9 @@ Window::Sums Window::sums_of(const Entry& entry) {
   for (Eigen::Index block = 0; block < entry.rows.blocks(); ++block)
     weight.segment<3>(3 * block).setConstant(entry.rows.weight[block]);
   return {1,
-          weight.cwiseProduct(entry.rows.measured),
+          weight.cwiseProduct(entry.rows.measured - entry.rows.model),
           weight,
+          entry.rows.x,
           entry.law.centre,
           entry.law.jitter_variance,
           entry.law.shared,
@@ -75,6 +78,7 @@ Window::Sums Window::sums_of(const Entry& entry) {
 void Window::drop(const Group& group) {
   Posture* posture = find(group.posture);
   if (posture == nullptr) return;
+  posture->changed = true;
   if (posture->sums.frames <= group.sums.frames)
     posture->sums = Sums();
   else
@@ -123,10 +127,14 @@ void Window::enter(const std::vector<Observation>& bodies, const VectorXd& passi
     at = posture.id;
   }
   posture_ = at ? *at : ++postures_seen_;
+  for (Posture& posture : postures_) {
+    if (posture.id != posture_) posture.seen_from.reset();
+  }
   postures_.erase(std::remove_if(postures_.begin(), postures_.end(),
                                  [&](const Posture& p) { return p.sums.frames == 0 && p.id != posture_; }),
                   postures_.end());
-  if (!at) postures_.push_back({posture_, bodies, passing, Sums(), BodyRows()});
+  if (!at)
+    postures_.push_back({posture_, bodies, passing, Sums(), Place(), BodyRows(), true, 0, std::nullopt});
 }
 
 double Window::weight_of_misfit(std::size_t from, std::size_t to) const {
@@ -157,23 +165,60 @@ Evidence Window::sum(std::size_t from, std::size_t to) const {
   return total;
 }
 
-Evidence Window::common(const Posture& posture, const FrameLaw& law, const BodyRows& rows) const {
-  const Sums& sums = posture.sums;
-  const double count = sums.frames;
-  const VectorXd mean =
-      (sums.weight.array() > 0.0).select(sums.measured.cwiseQuotient(sums.weight.cwiseMax(1e-300)), 0.0);
-  FrameLaw of_mean = law;
-  of_mean.centre = sums.centre / count;
-  of_mean.shared = sums.shared / count;
-  of_mean.gains = sums.gains / count;
-  of_mean.jitter_variance = sums.jitter / count;
-  // Frames of a swing have the same jitter.
-  const double repeats = std::min(count, std::max(1.0, kPolicy.window.swing_s / spacing_s_));
-  return evidence_on_errors(of_mean, rows.evidence(mean, sums.weight), repeats / count);
+VectorXd Window::Sums::mean_off() const {
+  return (weight.array() > 0.0).select(off.cwiseQuotient(weight.cwiseMax(1e-300)), 0.0);
 }
 
-Evidence Window::belief(const FrameLaw& law, const VectorXd& placement, const VectorXd& posture_variance,
-                        const BodyRows* rows) const {
+FrameLaw Window::Sums::mean_law(const FrameLaw& like) const {
+  FrameLaw mean = like;
+  const double count = frames;
+  mean.centre = centre / count;
+  mean.shared = shared / count;
+  mean.gains = gains / count;
+  mean.jitter_variance = jitter / count;
+  return mean;
+}
+
+Evidence Window::common(const Posture& posture, const FrameLaw& law) const {
+  const Sums& sums = posture.sums;
+  const double count = sums.frames;
+  // Frames of a swing have the same jitter.
+  const double repeats = std::min(count, std::max(1.0, kPolicy.window.swing_s / spacing_s_));
+  FrameLaw mean = sums.mean_law(law);
+  if (posture.seen_from) {
+    mean.shared = law.shared;
+    mean.gains = law.gains;
+  }
+  const BodyRows& rows = posture.seen_from ? *posture.seen_from : posture.rows;
+  return evidence_on_errors(mean, rows.evidence(rows.measured, sums.weight), repeats / count);
+}
+
+void Window::see_from(const BodyRows& own) {
+  Posture* here = find(posture_);
+  if (here == nullptr || here->sums.frames == 0) return;
+  const BodyRows& rows = here->rows;
+  here->seen_from = own;
+  here->seen_from->measured =
+      own.model + own.j.leftCols(own.x.size()) * (rows.x - own.x) + rows.measured - rows.model;
+}
+
+std::vector<Window::Posture*> Window::to_linearise() {
+  std::vector<Posture*> list;
+  for (Posture& posture : postures_) {
+    ++posture.age;
+    if (posture.sums.frames > 0) list.push_back(&posture);
+  }
+  const auto waited = [&](const Posture* posture) {
+    return posture->id == posture_ ? std::numeric_limits<int>::max() : posture->age;
+  };
+  std::stable_sort(list.begin(), list.end(),
+                   [&](const Posture* a, const Posture* b) { return waited(a) > waited(b); });
+  if (list.size() > kPolicy.window.linearised) list.resize(kPolicy.window.linearised);
+  return list;
+}
+
+Evidence Window::belief(const FrameLaw& law, const VectorXd& placement,
+                        const VectorXd& posture_variance) const {
   const Eigen::Index n = law.centre.size(), m = placement.size();
   Evidence lasting{MatrixXd::Zero(n + m, n + m), VectorXd::Zero(n + m)};
   lasting.information.diagonal() << law.information, placement.cwiseInverse();
@@ -184,7 +229,7 @@ Evidence Window::belief(const FrameLaw& law, const VectorXd& placement, const Ve
   for (const Posture& posture : postures_) {
     if (posture.id == posture_) here = &posture;
     if (posture.sums.frames == 0) continue;
-    Evidence of = common(posture, law, &posture == here && rows != nullptr ? *rows : posture.rows);
+    Evidence of = common(posture, law);
     of.information *= weight;
     of.weighted *= weight;
     if (&posture == here) {
@@ -236,8 +281,11 @@ void Window::add(const Entry& entry) {
   if (posture == nullptr) return;
   frames_.push_back({entry.stamp_s, entry.p_tip, entry.evidence, entry.misfit, entry.degrees_of_freedom});
   newest_ = sums_of(entry);
+  // Linearised once, the frames before it stay where they are until all are linearised anew.
+  if (posture->sums.frames == 0) posture->rows = entry.rows;
   posture->sums.add(newest_);
-  posture->rows = entry.rows;
+  posture->place = entry.place;
+  posture->changed = true;
   if (groups_.empty() || groups_.back().posture != posture_ ||
       entry.stamp_s - groups_.back().first_s > length_s_ / kPolicy.window.groups)
     groups_.push_back({entry.stamp_s, posture_, Sums()});

@@ -15,8 +15,8 @@ namespace softarm::estimate {
 /// Collects what each frame's bodies say of the shared quantities z (see FrameLaw) and of the errors that
 /// frames have in common (CommonErrors), and hands the next frame what all of them say together.
 ///
-/// Frames of one posture are one measurement, see Posture; what they say is linearised at its last frame, or
-/// at the frame that asks. Each time, the newest frames are compared with the rest, each by its own
+/// Frames of one posture are one measurement, see Posture; what they say is linearised anew as the shared
+/// quantities move. Each time, the newest frames are compared with the rest, each by its own
 /// Gauss-Newton information: where they cannot share stiffness and payload any more, the rest is forgotten.
 class Window {
  public:
@@ -34,12 +34,13 @@ class Window {
   /// @param passing variances of the laws' passing errors, should it be a new one
   void enter(const std::vector<Observation>& bodies, const Eigen::VectorXd& passing);
 
-  /// Belief about (x - centre, b) of a frame with the posture that was entered.
-  /// @param placement, posture variances of b: of what it has for good, and in one posture
-  /// @param rows of that frame, about whose x its posture's other frames are linearised as well; nullptr: as
-  /// the last of them was
-  Evidence belief(const FrameLaw& law, const Eigen::VectorXd& placement, const Eigen::VectorXd& posture,
-                  const BodyRows* rows) const;
+  /// What the rod of a frame stands in.
+  struct Place {
+    Eigen::Vector3d gravity_base = Eigen::Vector3d::Zero();
+    std::optional<std::vector<arm::SegmentPrediction>> laws;
+    std::optional<EffectsAt> effects;
+    Eigen::Quaterniond q_tip = Eigen::Quaterniond::Identity();
+  };
 
   struct Entry {
     double stamp_s = 0.0;
@@ -47,9 +48,54 @@ class Window {
     Evidence evidence;  ///< on z, each frame's errors being its own
     BodyRows rows;
     FrameLaw law;
+    Place place;
     double misfit = 1.0;  ///< chi-square of its bodies per degree of freedom
     double degrees_of_freedom = 0.0;
   };
+
+  /// Sums over frames of one posture.
+  struct Sums {
+    int frames = 0;
+    Eigen::VectorXd off, weight;     ///< three a block: by what bodies are off, times its weight; the weights
+    Eigen::VectorXd x;               ///< as estimated
+    Eigen::VectorXd centre, jitter;  ///< of FrameLaw's
+    Eigen::MatrixXd shared, gains;
+    void add(const Sums& more, double sign = 1.0);
+    Eigen::VectorXd mean_off() const;
+    /// The frames' law on average, with `like`'s information and passing errors.
+    FrameLaw mean_law(const FrameLaw& like) const;
+  };
+  /// Where the arm was, within posture_m. Its frames count as one, their mean, linearised at one place: a
+  /// measurement that is repeated says no more of what it does not determine, while linearised at another x
+  /// each time it would seem to.
+  struct Posture {
+    int id = 0;
+    std::vector<Observation> bodies;
+    Eigen::VectorXd passing;
+    Sums sums;
+    Place place;  ///< of its last frame
+    /// As last linearised. As measured: where the mean of its estimates has the bodies, and by what these
+    /// were off. The mean of what was measured lies beside the curves that bodies go through.
+    BodyRows rows;
+    bool changed = true;                ///< since `rows` has what was measured
+    int age = 0;                        ///< of the linearisation, frames
+    std::optional<BodyRows> seen_from;  ///< see see_from()
+  };
+  /// Postures to be linearised anew at this frame: that which was entered, and of the others those that have
+  /// waited longest. Their frames said what they did about a stiffness and payload of then; about others, the
+  /// differences between postures would tell what they do not hold.
+  std::vector<Posture*> to_linearise();
+
+  /// What the posture that was entered says is carried to this frame's place, where both have the same
+  /// derivatives: errors that are nearly the same within a posture are not exactly so, and how they change
+  /// with the shape is not to tell stiffness or payload.
+  void see_from(const BodyRows& own);
+
+  /// Belief about (x - centre, b) of a frame with the posture that was entered.
+  /// @param placement, posture variances of b: of what it has for good, and in one posture
+  Evidence belief(const FrameLaw& law, const Eigen::VectorXd& placement,
+                  const Eigen::VectorXd& posture) const;
+
   /// Adds a frame of the posture that was entered; one that is not finite is not added.
   void add(const Entry& entry);
 
@@ -73,34 +119,15 @@ class Window {
     double misfit = 1.0;
     double degrees_of_freedom = 0.0;
   };
-  /// Sums over frames of one posture.
-  struct Sums {
-    int frames = 0;
-    Eigen::VectorXd measured,
-        weight;                      ///< three a block: of what is measured times its weight, of the weights
-    Eigen::VectorXd centre, jitter;  ///< of FrameLaw's
-    Eigen::MatrixXd shared, gains;
-    void add(const Sums& more, double sign = 1.0);
-  };
   /// Frames that leave the window together.
   struct Group {
     double first_s = 0.0;
     int posture = 0;
     Sums sums;
   };
-  /// Where the arm was, within posture_m. Its frames count as one, their mean, linearised at one place: a
-  /// measurement that is repeated says no more of what it does not determine, while linearised at another x
-  /// each time it would seem to.
-  struct Posture {
-    int id = 0;
-    std::vector<Observation> bodies;
-    Eigen::VectorXd passing;
-    Sums sums;
-    BodyRows rows;  ///< of its last frame
-  };
   static Sums sums_of(const Entry& entry);
-  /// On (z, e, b), linearised as `rows` are.
-  Evidence common(const Posture& posture, const FrameLaw& law, const BodyRows& rows) const;
+  /// On (z, e, b).
+  Evidence common(const Posture& posture, const FrameLaw& law) const;
   Evidence sum(std::size_t from, std::size_t to) const;
   /// By what evidence counts less for the misfit of these frames beyond the noise.
   double weight_of_misfit(std::size_t from, std::size_t to) const;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <set>
+#include <sstream>
 
 #include "diagnose/joint_model.h"
 #include "softarm/arm/arm_file.h"
@@ -126,6 +127,36 @@ TEST(ExperimentMenu, AVacuumThatWasNeverOnIsNotProposed) {
   EXPECT_EQ(
       ids(diagnose::experiment_menu(arm, {recorded(arm, 0.1, false)}, kBlock_s)).count("vacuum_while_bent"),
       0u);
+}
+
+/// Of the pull at the tip that is proposed, N.
+double pull_n(const arm::Arm& arm, double payload_kg) {
+  for (const diagnose::Experiment& e :
+       diagnose::experiment_menu(arm, {recorded(arm, payload_kg)}, kBlock_s)) {
+    if (e.id != "pull_along") continue;
+    std::istringstream words(e.action.substr(e.action.find(" with ") + 6));
+    double value = 0.0;
+    std::string unit;
+    words >> value >> unit;
+    return unit == "mN" ? 1e-3 * value : value;
+  }
+  return 0.0;
+}
+
+TEST(ExperimentMenu, PullsNoHarderThanTheArmIsKnownToBear) {
+  arm::Arm arm = shipped("online_200mm");
+  const double weight_n =
+      9.80665 * (arm.segments[0].mass_per_length_kg_m * arm.segments[0].length_m + arm.tip_mass_kg);
+  const double by_stiffness_n = pull_n(arm, 0.0);
+  ASSERT_GT(by_stiffness_n, 0.0);
+  ASSERT_LT(by_stiffness_n, weight_n);
+  arm.segments[0].bending_stiffness.base_nm2 = 50.0;  // a wrong constant is no reason to pull with a tonne
+  EXPECT_NEAR(pull_n(arm, 0.0), weight_n, 0.01 * weight_n);
+  arm.payload.range_kg.high = 0.05;
+  EXPECT_NEAR(pull_n(arm, 0.0), 0.49, 0.01);
+  arm.segments[0].mass_per_length_kg_m = arm.tip_mass_kg = 0.0;
+  arm.payload.range_kg.high = 5.0;
+  EXPECT_NEAR(pull_n(arm, 0.3), 2.94, 0.02);
 }
 
 TEST(ExperimentMenu, VariesTheTrialThatDrivesTheArmMost) {

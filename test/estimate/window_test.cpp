@@ -499,5 +499,53 @@ TEST(Both, OneBodyPerSegmentIsEnoughWithTheLaws) {
   EXPECT_NEAR(estimate.payload_kg.value(), 0.1, 0.01);
 }
 
+/// The arm of test/ros swings by its inputs, whose laws are exact, and nothing hangs on it. Once a frame's
+/// stiffness and payload are far from the truth, what frames of other postures say must be linearised where
+/// that frame is: else their differences tell what they do not hold.
+TEST(Both, AnArmThatMovesInventsNoPayload) {
+  const arm::Arm arm = arm::load_arm_file(std::string(SOFTARM_SOURCE_DIR) + "/test/ros/mixed_arm.yaml");
+  const double stiffness = arm.segments[0].bending_stiffness.base_nm2, length = arm.segments[0].length_m;
+  std::normal_distribution<double> normal;
+  for (const double window_s : {0.25, 2.0}) {
+    int count = 0, covered_payload = 0, covered_stiffness = 0, far = 0;
+    for (int trial = 0; trial < 24; ++trial) {
+      std::mt19937_64 random(static_cast<std::uint64_t>(100 + trial));
+      arm::EstimatorOptions options = arm.estimator;
+      options.unknown = arm::Unknown::kBoth;
+      options.window_s = window_s;
+      options.prior.enabled = true;
+      estimate::Estimator estimator(arm, options);
+      estimator.set_backbone_points(0);
+      const double payload = trial % 2 == 0 ? 0.0 : 0.05;
+      const double first = uniform(random, 0.0, 600.0), noise_m = trial % 3 == 0 ? 3e-4 : 1e-4;
+      for (int i = 0; i < 240; ++i) {
+        const double moment_nm = stiffness * (0.8 + 0.4 * std::sin(0.01 * (first + i))) / length;
+        const double angle_rad = 10.0 * M_PI / 180.0, by_cable_per_m = 5.0 * angle_rad;
+        Truth truth{{{moment_nm, 0.0, stiffness, length}}, payload, hanging()};
+        trial::Frame frame = make_frame(arm, truth);
+        for (trial::BodyObservation& seen : frame.bodies) seen.p_mocap += noise_m * normal3(random);
+        frame.inputs = {5e3, (moment_nm - stiffness * by_cable_per_m - 6e-6 * 5e3) / 0.01, angle_rad};
+        frame.payload_kg.reset();
+        frame.stamp_s = 1.0 + i / kRate_hz;
+        const estimate::Estimate& estimate = estimator.estimate(frame);
+        if (estimate.status != estimate::Status::kOk || !estimate.sd_payload_kg ||
+            !estimate.segments[0].sd_bending_stiffness_nm2)
+          continue;
+        const double dp = (*estimate.payload_kg - payload) / *estimate.sd_payload_kg;
+        const double de = (*estimate.segments[0].bending_stiffness_nm2 - stiffness) /
+                          *estimate.segments[0].sd_bending_stiffness_nm2;
+        ++count;
+        covered_payload += std::abs(dp) < 1.96;
+        covered_stiffness += std::abs(de) < 1.96;
+        far += std::abs(dp) > 3.0 || std::abs(de) > 3.0;
+      }
+    }
+    ASSERT_GT(count, 5000);
+    EXPECT_GE(covered_payload, 0.92 * count);
+    EXPECT_GE(covered_stiffness, 0.92 * count);
+    EXPECT_LT(far, 0.01 * count);
+  }
+}
+
 }  // namespace
 }  // namespace softarm::estimate::testing
