@@ -7,7 +7,8 @@ A result is {"kind", "truth", "report", "baselines", ...} as prove_cases.py coll
 import math
 import statistics
 
-KINDS = ["none", "single_strong", "single_weak", "pair", "outside", "compensated", "class_only"]
+KINDS = ["none", "single_strong", "single_weak", "pair", "outside", "compensated", "class_only", "untidy_none",
+         "untidy_single", "untidy_outside"]
 RATES = ["top1", "top3", "right_class", "both_named", "false_alarm", "confident_wrong", "unknown", "found_or_cannot_tell"]
 FIGURES = ["parameter_median_error", "interval_coverage", "held_out_over_floor", "place_error_m", "calibration_error",
            "confident_wrong", "bias_removed", "worse_than_baseline"]
@@ -66,7 +67,9 @@ def marks(kind, decision, truth):
     found = {"confident_wrong": is_confident_and_wrong(decision, truth)}
     if kind == "none":
         found["false_alarm"] = is_alarm(decision)
-    if kind in ("single_strong", "single_weak", "compensated", "class_only"):
+    if kind == "untidy_none":  # small departures are there, and may be named
+        found["false_alarm"] = any(not right(named, truth) for named in decision["named"])
+    if kind in ("single_strong", "single_weak", "compensated", "class_only", "untidy_single"):
         found["top1"] = names[:1] == there[:1]
         found["top3"] = is_alarm(decision) and any(name in there for name in decision["ranking"][:3])
         found["right_class"] = bool(decision["named"]) and any(name in there for name in class_of(decision["named"][0]))
@@ -74,7 +77,7 @@ def marks(kind, decision, truth):
         found["both_named"] = all(name in names for name in there)
         found["top1"] = bool(names) and names[0] in there
         found["right_class"] = all(any(name in class_of(named) for named in decision["named"]) for name in there)
-    if kind == "outside" and beyond_catalogue(truth) >= LEAST_BEYOND:
+    if kind in ("outside", "untidy_outside") and beyond_catalogue(truth) >= LEAST_BEYOND:
         found["unknown"] = decision["verdict"] == "unknown"
     if kind == "compensated":
         in_a_class = any(name in class_of(named) for named in decision["named"] for name in there)

@@ -186,7 +186,9 @@ CampaignCase draw_case(const CampaignSpec& spec, const std::vector<Scenario>& ar
     if (std::none_of(drawn_case.effects.begin(), drawn_case.effects.end(),
                      [&](const HiddenChoice& effect) { return effect.effect == id; }))
       others.push_back(id);
-  const std::size_t distractors = drawn_index(static_cast<std::size_t>(spec.most_distractors) + 1, random);
+  const std::size_t distractors =
+      static_cast<std::size_t>(spec.fewest_distractors) +
+      drawn_index(static_cast<std::size_t>(spec.most_distractors - spec.fewest_distractors) + 1, random);
   drawn_case.distractors =
       hide_some(spec, others, distractors, {0.0, 0.0}, spec.distractor_size, drawn_case.trials, random);
   return drawn_case;

@@ -36,6 +36,8 @@ struct SignalSpec {
   Span leftover_snr{12.0, 36.0};  ///< of each effect, in standard deviations of the noise
   double least_leftover_m = 0.0;  ///< rms over the bodies; of the two the larger
   double distractor_m = 2e-5;     ///< so much at most, all distractors together
+  std::optional<Span>
+      background_m;               ///< instead: so much do they leave, an arm of which nothing is quite right
   std::optional<double> raw_snr;  ///< compensated: this at least with the constants held ...
   double per_frame_sd = 3.0;      ///< ... and below this in a chi^2 test of fits frame by frame
 };
@@ -57,7 +59,8 @@ struct CampaignSpec {
   std::vector<std::pair<std::string, std::string>> apart;  ///< never in one case
   std::optional<SignalSpec> signal;
   Span effect_size{0.0, 1.0};  ///< where in its usual range an effect's size lies, 0 its low end
-  int most_distractors = 0;    ///< effects too small to matter: none to so many in a case
+  int most_distractors = 0;    ///< effects too small to matter: so many at most in a case
+  int fewest_distractors = 0;
   std::vector<std::string> distractors;
   double distractor_size = 0.1;  ///< at most so much of the smallest usual size
 

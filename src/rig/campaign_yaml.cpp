@@ -54,6 +54,7 @@ void parse_signal(YamlMap map, CampaignSpec& spec) {
   signal.leftover_snr = span(map, "leftover_snr", {0.1, 1e4}, signal.leftover_snr);
   signal.least_leftover_m = map.number("least_leftover_m", {0.0, 1.0}, signal.least_leftover_m);
   signal.distractor_m = map.number("distractor_m", {0.0, 1.0}, signal.distractor_m);
+  if (map.has("background_m")) signal.background_m = span(map, "background_m", {1e-6, 1.0}, {});
   if (map.has("raw_snr")) signal.raw_snr = map.number("raw_snr", {1.0, 1e4});
   signal.per_frame_sd = map.number("per_frame_sd", {0.1, 1e4}, signal.per_frame_sd);
   map.finish();
@@ -87,6 +88,8 @@ void parse_effects(YamlMap map, CampaignSpec& spec) {
 
 void parse_distractors(YamlMap map, CampaignSpec& spec) {
   spec.most_distractors = map.integer("at_most", {0, 10}, spec.most_distractors);
+  spec.fewest_distractors = map.integer("at_least", {0, static_cast<double>(spec.most_distractors)},
+                                        std::min(spec.fewest_distractors, spec.most_distractors));
   spec.distractors = effect_ids(map, "from");
   spec.distractor_size = map.number("size", {0.0, 1.0}, spec.distractor_size);
   if (spec.most_distractors > 0 && spec.distractors.empty())

@@ -48,6 +48,17 @@ class Rates(unittest.TestCase):
         wrong = self.marks("none", truth(), report("explained", named("creep", 0.99)))
         self.assertTrue(wrong["false_alarm"] and wrong["confident_wrong"])
 
+    def test_untidy(self):
+        hidden = truth(distractors=[effect("creep")])
+        for said in (report("unknown"), report("explained", named("creep"))):
+            self.assertFalse(self.marks("untidy_none", hidden, said)["false_alarm"])
+        self.assertTrue(self.marks("untidy_none", hidden, report("explained", named("drift")))["false_alarm"])
+        single = self.marks("untidy_single", truth(effect("drift"), distractors=[effect("creep")]),
+                            report("partly_explained", named("creep"), named("drift")))
+        self.assertEqual(single, {"confident_wrong": False, "top1": False, "top3": True, "right_class": False})
+        outside = truth(effect("temperature", catalogued=False))
+        self.assertTrue(self.marks("untidy_outside", outside, report("unknown"))["unknown"])
+
     def test_one_effect(self):
         hidden = truth(effect("creep"))
         good = self.marks("single_strong", hidden, report("explained", named("creep")))

@@ -193,6 +193,25 @@ TEST(Campaign, AKindReplacesWhatItSays) {
   EXPECT_THROW(parse_campaign(text, "campaign.yaml", "three"), ScenarioError);
 }
 
+TEST(Campaign, ABackgroundHasSoManyDeparturesAtLeast) {
+  std::string text = std::string(kCampaign) + kKinds;
+  const std::string plain = "distractors: {at_most: 2, from: [catalogue], size: 0.1}";
+  text.replace(text.find(plain), plain.size(),
+               "distractors: {at_least: 3, at_most: 5, from: [catalogue], size: 0.1}");
+  const std::string signal = "signal: {leftover_snr: [5, 8],";
+  text.replace(text.find(signal), signal.size(), signal + " background_m: [2.0e-4, 8.0e-4],");
+  const CampaignSpec spec = parse_campaign(text, "campaign.yaml", "two");
+  ASSERT_TRUE(spec.signal && spec.signal->background_m);
+  EXPECT_EQ(spec.signal->background_m->low, 2e-4);
+  EXPECT_EQ(spec.signal->background_m->high, 8e-4);
+  std::set<std::size_t> counts;
+  for (int number = 0; number < 30; ++number)
+    counts.insert(draw_case(spec, arms(), 5, number).distractors.size());
+  EXPECT_EQ(counts, (std::set<std::size_t>{3, 4, 5}));
+  text.replace(text.find("at_least: 3"), 11, "at_least: 6");
+  EXPECT_THROW(parse_campaign(text, "campaign.yaml"), ScenarioError);
+}
+
 TEST(Campaign, FormsAndPairsAreThoseThatAreAllowed) {
   CampaignSpec spec = parse_campaign(std::string(kCampaign) + kKinds, "campaign.yaml", "two");
   spec.most_distractors = 0;

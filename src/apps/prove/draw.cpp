@@ -186,18 +186,25 @@ class Case {
     return trials;
   }
 
-  /// Scales the distractors until they are below what may be; @return the residuals with them.
+  /// Scales the distractors until they are below what may be, or as large as asked for; @return the residuals
+  /// with them.
   Residuals fit_distractors(const Residuals& nothing) {
     if (drawn_.distractors.empty()) return nothing;
-    const double most_m = spec_.signal ? spec_.signal->distractor_m : rig::SignalSpec().distractor_m;
-    for (int n = 0; n < kScalings; ++n) {
+    const rig::SignalSpec spec = spec_.signal.value_or(rig::SignalSpec());
+    double most_m = spec.distractor_m, least_m = 0.0, wanted_m = 0.7 * most_m;
+    if (spec.background_m) {
+      least_m = spec.background_m->low;
+      most_m = spec.background_m->high;
+      wanted_m = least_m * std::pow(most_m / least_m, std::uniform_real_distribution<double>()(random_));
+    }
+    for (int n = 0; n <= kScalings; ++n) {
       Residuals with = reference_->residuals(recorded({}, "background"));
       distractors_leave_m_ = reference_->signal(with, nothing).leftover_m;
-      if (distractors_leave_m_ <= most_m) return with;
+      if (distractors_leave_m_ >= least_m && distractors_leave_m_ <= most_m) return with;
       for (HiddenChoice& choice : drawn_.distractors)
-        choice = rig::scaled(choice, 0.7 * most_m / distractors_leave_m_);
+        choice = rig::scaled(choice, std::clamp(wanted_m / distractors_leave_m_, 0.02, 30.0));
     }
-    throw NotThisOne("the distractors stay too large");
+    throw NotThisOne("the distractors do not come to their size");
   }
 
   void signals_together(const Residuals& nothing, const Residuals& background) {
