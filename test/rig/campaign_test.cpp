@@ -276,7 +276,7 @@ TEST(Campaign, EffectsAreScaledByWhatMakesThemLarger) {
 }
 
 TEST(Campaign, ShippedCampaignsAreRead) {
-  for (const char* name : {"development", "proof_development", "proof_final"}) {
+  for (const char* name : {"development", "proof_development", "proof_final", "untidy_development"}) {
     const std::string path = std::string(SOFTARM_SOURCE_DIR) + "/config/campaigns/" + name + ".yaml";
     std::ifstream file(path);
     const std::string text{std::istreambuf_iterator<char>(file), {}};
