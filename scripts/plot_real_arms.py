@@ -7,6 +7,7 @@ imports the recordings of the pouch arm (DATA/pouch_arm) with `softarm import`, 
 held out in its turn, estimates with `softarm estimate`, diagnoses with `softarm diagnose`, prints the tables and draws
 
     real_pouch_one_segment.png, real_pouch_two_segments.png   measured and predicted paths of the tip (and mid)
+    real_pouch_loops.png                                      the same over pressure
     real_pouch_payload.png                                    the payload by bending, and by stretch
     real_pouch_diagnosis.png                                  what `softarm diagnose` finds: error of unseen trials
 """
@@ -19,15 +20,20 @@ import statistics
 import subprocess
 import sys
 
-import matplotlib
+try:
+    import matplotlib
 
-import real_diagnosis
+    import real_diagnosis
+    import real_regression
+except ImportError as error:
+    sys.exit(f"{error}: apt-get install python3-matplotlib python3-sklearn")
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
 START_S = 1.6e9  # of every imported recording, see config/layouts/template.yaml
 HOLD = "*.bending_stiffness.*,*.chamber_3.*,*.chamber_1.*"
+PAST_S = (0.3, 1, 3, 10)  # lags of the inputs in the black box
 BLUE, ORANGE, GREY = "#1f6fb4", "#d9730d", "0.55"
 
 # recording, trial, what is known of its payload
@@ -70,10 +76,29 @@ class Pouch:
             self.run("import", "pouch_arm_steps", self.data / f"steps/set_{number}/data_collect_1.txt", "--out",
                      self.work / "steps" / f"set_{number}.bag")
 
-    def identify(self, name, arm, folder, *options):
+    def identify(self, name, arm, folder, *options, plot="--plot-all"):
+        """plot: --plot-all draws all frames; None those that are fitted or judged."""
         bags = sorted((self.work / folder).glob("*.bag"))
         return self.run("identify", "--arm", arm, *bags, "--not-robust", "--out", self.work / f"{name}.yaml", "--plot",
-                        self.work / f"plot_{name}", "--plot-all", *options)
+                        self.work / f"plot_{name}", *([plot] if plot else []), *options)
+
+    def each_by_the_others(self, name, arm, folder, trials, *options):
+        """Prints the table of --leave-one-out; the trials as predicted by fits to the others, and a black box beside them."""
+        said = self.identify(name, arm, folder, *options, "--leave-one-out", plot=None)
+        print(said)
+        by_others = said[said.index("each trial by the fit to the others"):]
+        judged = {trial: found.time for trial, found in real_regression.sequences_of(self.work / f"plot_{name}/shapes.csv").items()}
+        unseen, table = {}, {}
+        for trial in trials:
+            self.identify(f"{name}_without_{trial}", arm, folder, *options, "--hold-out", trial)
+            shapes = self.work / f"plot_{name}_without_{trial}/shapes.csv"
+            sequences = real_regression.sequences_of(shapes)
+            unseen[trial] = [row for row in rows_of(shapes) if row["trial"] == trial]
+            table.update(real_regression.errors(sequences, [trial], PAST_S, judged, step=2))
+            # --hold-out keeps the arm file's constants where they predict better; --leave-one-out does not.
+            table[trial]["physics"] = float(re.search(rf"^ +{trial} +([0-9.]+) mm", by_others, re.M).group(1))
+        real_regression.print_errors(name, table)
+        return unseen
 
 
 def rows_of(path):
@@ -126,6 +151,32 @@ def draw_paths(columns, bodies, path):
     grid[1][0].set_ylabel("along the arm (mm)")
     many = len(bodies) > 1
     grid[1 if many else 0][0].legend(fontsize=8, frameon=False, loc="center" if many else "lower right")
+    figure.tight_layout()
+    figure.savefig(path, dpi=75)
+    plt.close(figure)
+
+
+def draw_loops(columns, path):
+    """columns: title, input, rows of a trial's shapes.csv; the tip towards the bend over a pressure (lag 0.3 s, against its
+    noise), from the dot on."""
+    figure, grid = plt.subplots(2, 4, figsize=(13, 6.2))
+    for axes, (title, name, rows) in zip(grid.flat, columns):
+        rows = [row for row in rows if row["body"] == "tip"]
+        times = real_regression.np.array([time_of(row) for row in rows])
+        noisy = real_regression.np.array([[1e-3 * float(row[name])] for row in rows])
+        pressure = list(real_regression.lagged(times, noisy, 0.3)[:, 0])
+        for column, width, colour, what in (("after_x", 0.7, ORANGE, "predicted"), ("measured_x", 1.6, BLUE, "measured")):
+            values = [1e3 * float(row[column]) for row in rows]
+            axes.plot(with_gaps(times, pressure)[1], with_gaps(times, values)[1], color=colour, lw=width, label=what)
+            axes.plot(pressure[0], values[0], "o", color=colour, ms=5)
+        axes.set_title(title, fontsize=10)
+        axes.set_xlabel(f"{name} (kPa over ambient)")
+        axes.grid(alpha=0.25)
+        for side in ("top", "right"):
+            axes.spines[side].set_visible(False)
+    for row in grid:
+        row[0].set_ylabel("tip, towards the bend (mm)")
+    grid[0][0].legend(fontsize=8, frameon=False, loc="center")
     figure.tight_layout()
     figure.savefig(path, dpi=75)
     plt.close(figure)
@@ -222,12 +273,8 @@ def main():
     text = (root / "config/arms/pouch_arm_one_segment.yaml").read_text()
     (work / "start.yaml").write_text(text.replace("axial_stiffness_n: rigid", "axial_stiffness_n: 190"))
     free = "length,*.rest_curvature.*,axial_stiffness"
-    print(pouch.identify("one", work / "start.yaml", "one", "--hold", HOLD, "--also-free", free, "--leave-one-out"))
-    shapes = {}
-    for _, trial, _ in ONE:
-        pouch.identify(f"one_without_{trial}", work / "start.yaml", "one", "--hold", HOLD, "--also-free", free,
-                       "--hold-out", trial)
-        shapes[trial] = [r for r in rows_of(work / f"plot_one_without_{trial}/shapes.csv") if r["trial"] == trial]
+    shapes = pouch.each_by_the_others("one", work / "start.yaml", "one", [trial for _, trial, _ in ONE], "--hold", HOLD,
+                                      "--also-free", free)
     draw_paths([(trial, trial, shapes[trial]) for _, trial, _ in ONE], [("tip", BLUE)],
                arguments.out / "real_pouch_one_segment.png")
     print_rest(shapes)
@@ -250,16 +297,20 @@ def main():
 
     # Two segments. EA stays as in the arm file: only one of the two trials has a load.
     free = "length,*.rest_curvature.*"
-    print(pouch.identify("two", "pouch_arm", "two", "--hold", HOLD, "--also-free", free, "--leave-one-out"))
-    columns = []
-    for _, trial, _ in TWO:
-        pouch.identify(f"two_without_{trial}", "pouch_arm", "two", "--hold", HOLD, "--also-free", free, "--hold-out", trial)
-        columns.append((f"two_segment {trial}, held out", trial, rows_of(work / f"plot_two_without_{trial}/shapes.csv")))
+    two = pouch.each_by_the_others("two", "pouch_arm", "two", [trial for _, trial, _ in TWO], "--hold", HOLD, "--also-free", free)
+    columns = [(f"two_segment {trial}, held out", trial, two[trial]) for _, trial, _ in TWO]
     hold = HOLD.replace("*.chamber_1.*", "*.chamber_1.elongation")
-    print(pouch.identify("steps", "pouch_arm", "steps", "--hold", hold, "--also-free", free, "--leave-one-out"))
+    pouch.identify("steps_fitted", "pouch_arm", "steps", "--hold", hold, "--also-free", free, "--leave-one-out")
+    fitted = rows_of(work / "plot_steps_fitted/shapes.csv")
+    pouch.each_by_the_others("steps", "pouch_arm", "steps", ["set_2", "set_3"], "--hold", hold, "--also-free", free)
     for trial in ("set_2", "set_3"):
-        columns.append((f"steps {trial}, fitted", trial, rows_of(work / "plot_steps/shapes.csv")))
+        columns.append((f"steps {trial}, fitted", trial, [row for row in fitted if row["trial"] == trial]))
     draw_paths(columns, [("tip", BLUE), ("mid", ORANGE)], arguments.out / "real_pouch_two_segments.png")
+
+    loops = [(f"one segment, {trial}, held out", "chamber_2", shapes[trial]) for _, trial, _ in ONE]
+    for title, trial, rows in columns:
+        loops.append((title.replace("two_segment", "two segments,"), "chamber_2", rows))
+    draw_loops(loops, arguments.out / "real_pouch_loops.png")
 
     # What the arm file leaves out.
     # EI is a guess in the arm file; loaded frames, given the payload, say some 0.037 N m^2 instead.

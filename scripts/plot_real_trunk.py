@@ -7,6 +7,7 @@ imports DATA/tendon_trunk with `softarm import`, fits with `softarm identify`, e
 diagnoses with `softarm diagnose`, prints the tables and draws
 
     real_trunk_paths.png     measured and predicted paths of tip and mid discs under the same inputs, 0, 100 and 300 g
+    real_trunk_loops.png     the same over the angle of a motor
     real_trunk_payload.png   the payload estimated from the same
     real_trunk_decay.png     releases by hand: frequency and damping over the amplitude
 """
@@ -17,10 +18,14 @@ import shutil
 import subprocess
 import sys
 
-import matplotlib
-import numpy as np
+try:
+    import matplotlib
+    import numpy as np
 
-import real_diagnosis
+    import real_diagnosis
+    import real_regression
+except ImportError as error:
+    sys.exit(f"{error}: apt-get install python3-matplotlib python3-sklearn")
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
@@ -30,6 +35,7 @@ PIECE_S = 15
 HELD_OUT = (2, 5, 8)  # pieces of the recordings with 0 and 300 g; of 100 g all
 LOADS = {"0g": ("observations_controlled_1", 0.0), "100g": ("observations_controlled_1_100g", 0.1),
          "300g": ("observations_controlled_1_300g", 0.3)}
+PAST_S = (0.1, 0.3, 1, 3)  # lags of the angles in the black box
 COLOURS = {"0g": "#1f6fb4", "100g": "#3a923a", "300g": "#d9730d"}
 FIT = ["--tie", "*.bending_stiffness.base", "--also-free", "*.rest_curvature.*", "--not-robust", "--frames", "100"]
 
@@ -96,6 +102,48 @@ def draw_paths(rows, path, piece=5):
     grid[0].legend(fontsize=8, frameon=False, loc="upper right", ncol=4)
     grid[0].set_title("a piece that was not fitted, the same inputs with 0 and 300 g", fontsize=10)
     grid[-1].set_xlabel("time (s)")
+    figure.tight_layout()
+    figure.savefig(path, dpi=75)
+    plt.close(figure)
+
+
+def print_repeatability(data):
+    """The same commands three times: 100 g against what 0 and 300 g say at the same instant, linear in the payload. Of three runs
+    with errors of one size each, that difference has 1 + 4/9 + 1/9 times the variance of one."""
+    runs = {load: 1e3 * np.genfromtxt(data / f"{name}.csv", delimiter=",", skip_header=1)[:15000, 1:10]
+            for load, (name, _) in LOADS.items()}
+    off = (runs["100g"] - (2 * runs["0g"] + runs["300g"]) / 3).reshape(-1, 3, 3)
+    each = np.linalg.norm(off, axis=2).mean(axis=0)
+    print("\nthe same commands again, mean distance of discs 1, 2, 3 and all, mm")
+    for label, scale in (("from the two other runs", 1.0), ("of a run", np.sqrt(9 / 14))):
+        print(f"  {label:<24}" + ", ".join(f"{scale * x:.1f}" for x in (*each, each.mean())))
+
+
+def draw_loops(rows, path, piece=5, motors=(1, 2, 3)):
+    """Lowest disc along the direction in which a motor moves it, over the angle of that motor."""
+    figure, grid = plt.subplots(2, len(motors), figsize=(11, 6.4), sharey=True)
+    for line, load in zip(grid, ("0g", "300g")):
+        some = sorted((r for r in rows if r["trial"] == f"{load}_{piece}" and r["body"] == "disc_3"),
+                      key=lambda r: float(r["stamp"]))
+        angles = np.array([[float(r[f"motor_{i}"]) for i in range(1, 7)] for r in some])
+        read = np.r_[True, np.abs(np.diff(angles, axis=0)).max(axis=1) > 0]  # repeated in between
+        some, angles = [r for r, new in zip(some, read) if new], angles[read]
+        places = {what: 1e3 * np.array([[float(r[f"{what}_{axis}"]) for axis in "xy"] for r in some])
+                  for what in ("measured", "after")}
+        slopes = np.linalg.lstsq(np.column_stack([angles, np.ones(len(angles))]), places["measured"], rcond=None)[0]
+        for axes, motor in zip(line, motors):
+            along = slopes[motor - 1] / np.linalg.norm(slopes[motor - 1])
+            others = np.delete(angles, motor - 1, axis=1) @ np.delete(slopes[:6], motor - 1, axis=0)
+            for what, colour, label in (("measured", COLOURS["0g"], "measured"), ("after", COLOURS["300g"], "predicted")):
+                axes.plot(57.29578 * angles[:, motor - 1], (places[what] - others) @ along, color=colour, lw=0.9, label=label)
+            axes.set_title(f"motor {motor}, {load[:-1]} g", fontsize=10)
+            axes.grid(alpha=0.25)
+            for side in ("top", "right"):
+                axes.spines[side].set_visible(False)
+        line[0].set_ylabel("lowest disc, less the other motors (mm)")
+    for axes in grid[-1]:
+        axes.set_xlabel("angle of the motor (deg)")
+    grid[0][0].legend(fontsize=8, frameon=False)
     figure.tight_layout()
     figure.savefig(path, dpi=75)
     plt.close(figure)
@@ -218,6 +266,11 @@ def main():
     shapes = rows_of(work / "plot_both/shapes.csv")
     print_shape(shapes)
     draw_paths(shapes, arguments.out / "real_trunk_paths.png")
+    draw_loops(shapes, arguments.out / "real_trunk_loops.png")
+    unseen = held_out + [f"100g_{i}" for i in range(10)]
+    table = real_regression.errors(real_regression.sequences_of(work / "plot_both/shapes.csv"), unseen, PAST_S, step=8)
+    real_regression.print_errors("every frame of the held-out pieces", table)
+    print_repeatability(data)
 
     bags = [work / f"pieces/{load}_{i}.bag" for load in LOADS for i in HELD_OUT]
     for folder, arm, window in (("frame", "both", 0), ("window", "both", PIECE_S), ("window_unloaded", "unloaded", PIECE_S)):
