@@ -3,6 +3,7 @@
 and held-out trials, and each constant with its 95 % interval against its start.
 
     scripts/plot_identify.py DIR --out identify.png
+    scripts/plot_identify.py --wall --out doc/images/identify_wall.png          # how a viscoelastic wall follows
     scripts/plot_identify.py --laws --out doc/images/identify_saturation.png    # how moments saturate and EI grows
 """
 import argparse
@@ -134,17 +135,68 @@ def draw_laws(path):
     figure.savefig(path, dpi=75)
 
 
+def follow(drive, step_s, time_s, begin):
+    """An element's state: exact where the drive goes straight."""
+    kept = math.exp(-step_s / time_s)
+    mean = (1 - kept) * time_s / step_s
+    state = [begin]
+    for last, now in zip(drive, drive[1:]):
+        state.append(kept * state[-1] + (mean - kept) * last + (1 - mean) * now)
+    return state
+
+
+def draw_wall(path):
+    """Share of the laws' curvature over time, and over pressure, of walls with one element and two."""
+    walls = (("no wall", [], "0.6"), ("0.8 s: 0.3", [(0.8, 0.3)], "C0"),
+             ("0.8 s: 0.2, 10 s: 0.3", [(0.8, 0.2), (10, 0.3)], "C1"))
+    figure, (hold, loop, start) = plt.subplots(1, 3, figsize=(12, 3.8))
+    step_s = 0.02
+    times = [step_s * i for i in range(1501)]
+    for name, elements, colour in walls:
+        def present(drive, begin=0.0):
+            out = list(drive)
+            for time_s, share in elements:
+                state = follow(drive, step_s, time_s, drive[0] + begin)
+                out = [o - share * (u - w) for o, u, w in zip(out, drive, state)]
+            return out
+        stepped = [0.0 if t < 1 else 1.0 if t < 16 else 0.0 for t in times]
+        hold.plot(times, present(stepped), color=colour, label=name)
+        for period, style in ((4.0, "-"), (20.0, ":")):
+            ramp = [1 - abs(2 * ((t / period) % 1) - 1) for t in times]
+            last = int(2 * period / step_s) if period < 10 else len(ramp) - int(10 / step_s)
+            first = last - int(period / step_s)
+            if elements or period < 10:
+                loop.plot([50 * r for r in ramp[max(0, first):last]], present(ramp)[max(0, first):last], style, color=colour,
+                          label=f"{name}, {period:.0f} s" if elements else name)
+        start.plot(times, present([1.0] * len(times), -0.5), color=colour, label=name)
+    hold.set_title("inflated for 15 s", fontsize=10)
+    loop.set_title("up and down, in 4 and 20 s", fontsize=10)
+    start.set_title("at constant inputs, begun at half", fontsize=10)
+    for axes, across in ((hold, "time (s)"), (loop, "pressure (kPa)"), (start, "time (s)")):
+        axes.set_xlabel(across)
+        axes.set_ylim(0, 1.05)
+        axes.grid(alpha=0.3)
+        axes.legend(fontsize=8, loc="lower right" if axes is not hold else "center")
+    hold.set_ylabel("curvature / the laws' at full inflation")
+    figure.tight_layout()
+    figure.savefig(path, dpi=75)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", nargs="?", help="what --plot named")
     parser.add_argument("--laws", action="store_true", help="draw saturation and growth of EI, of no recording")
+    parser.add_argument("--wall", action="store_true", help="draw how a viscoelastic wall follows, of no recording")
     parser.add_argument("--out", required=True, help="the picture, .png or .pdf")
     arguments = parser.parse_args()
     if arguments.laws:
         draw_laws(arguments.out)
         return
+    if arguments.wall:
+        draw_wall(arguments.out)
+        return
     if not arguments.folder:
-        parser.error("name the folder that `softarm identify --plot` wrote, or give --laws")
+        parser.error("name the folder that `softarm identify --plot` wrote, or give --laws or --wall")
     shapes = read(arguments.folder, "shapes.csv")
     constants = read(arguments.folder, "constants.csv")
     figure, grid = plt.subplots(2, 3, figsize=(15, 9))

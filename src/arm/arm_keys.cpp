@@ -196,7 +196,7 @@ std::vector<const KeyTable*> all_key_tables() {
     all.insert(all.end(), more.begin(), more.end());
   };
   for (const ActuatorKind* kind : actuator_kinds()) append(kind->stiffness_tables());
-  append({&profile_keys(), &material_keys()});
+  append({&profile_keys(), &material_keys(), &wall_keys(), &bending_element_keys(), &axial_element_keys()});
   for (const ActuatorKind* kind : actuator_kinds()) append(kind->segment_tables());
   append({&payload_keys(), &noise_keys(), &body_keys(), &labelled_marker_keys(), &inputs_keys(),
           &body_input_keys(), &base_input_keys(), &pressure_input_keys(), &tension_input_keys(),

@@ -6,6 +6,7 @@
 #include "actuators/actuator.h"
 #include "arm_parts.h"
 #include "mooney_rivlin.h"
+#include "wall_memory.h"
 
 namespace softarm::arm::yaml {
 namespace {
@@ -52,6 +53,34 @@ Material read_material(const Section& section, const Segment& segment) {
   return material;
 }
 
+std::vector<WallElement> read_elements(const Section& wall, const char* key, const KeyTable& keys) {
+  std::vector<WallElement> elements;
+  double sum = 0.0;
+  for (const Section& item : wall.list(key, keys)) {
+    elements.push_back({item.number("time_s"), item.number("share")});
+    sum += elements.back().share;
+    if (sum > kMostWallShare + 1e-9)
+      item.fail_value("share", fmt::format("makes {:g} of all shares of {} together; at most {:g} comes late",
+                                           sum, key, kMostWallShare));
+  }
+  if (elements.size() > kMostWallElements)
+    wall.fail(key, fmt::format("has {} elements; at most {}", elements.size(), kMostWallElements));
+  return elements;
+}
+
+Wall read_wall(const Section& section) {
+  Wall wall;
+  wall.bending = read_elements(section, "bending", bending_element_keys());
+  wall.axial = read_elements(section, "axial", axial_element_keys());
+  const auto optional = [&](const char* key, std::optional<double>& value) {
+    if (section.has(key)) value = section.number(key);
+  };
+  optional("slows_per_pa", wall.slows_per_pa);
+  optional("initial_curvature_sd_per_m", wall.initial_curvature_sd_per_m);
+  optional("initial_length_sd_m", wall.initial_length_sd_m);
+  return wall;
+}
+
 Range read_length_range(const Section& section, double length_m) {
   if (!section.has("length_range_m")) return {0.7 * length_m, 1.5 * length_m};
   const Range range = section.range("length_range_m");
@@ -80,6 +109,7 @@ Segment read_segment(const Section& section, const Inputs& inputs) {
   if (section.has("material")) {
     segment.material = read_material(section.section("material", material_keys()), segment);
   }
+  if (section.has("wall")) segment.wall = read_wall(section.section("wall", wall_keys()));
   return segment;
 }
 

@@ -28,6 +28,14 @@ std::string number(double value) {
   return fmt::format("{:.10g}", value);
 }
 
+void visit_elements(const std::vector<WallElement>& read, const std::vector<WallElement>& wanted,
+                    const Path& at, const VisitNumber& visit) {
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    visit({at / k / "time_s", read[k].time_s, wanted[k].time_s});
+    visit({at / k / "share", read[k].share, wanted[k].share});
+  }
+}
+
 void visit_segment(const Segment& read, const Segment& wanted, const Path& at, const VisitNumber& visit) {
   visit({at / "length_m", read.length_m, wanted.length_m});
   visit({at / "mass_per_length_kg_m", read.mass_per_length_kg_m, wanted.mass_per_length_kg_m});
@@ -37,6 +45,10 @@ void visit_segment(const Segment& read, const Segment& wanted, const Path& at, c
     visit({at / "axial_stiffness_n", *read.axial_stiffness_n, *wanted.axial_stiffness_n});
   visit({at / "joint_compliance_rad_per_nm", read.joint_compliance_rad_per_nm.value_or(0.0),
          wanted.joint_compliance_rad_per_nm.value_or(0.0)});
+  visit_elements(read.wall.bending, wanted.wall.bending, at / "wall" / "bending", visit);
+  visit_elements(read.wall.axial, wanted.wall.axial, at / "wall" / "axial", visit);
+  visit({at / "wall" / "slows_per_pa", read.wall.slows_per_pa.value_or(0.0),
+         wanted.wall.slows_per_pa.value_or(0.0)});
   for (const ActuatorKind* kind : actuator_kinds()) kind->visit_numbers(read, wanted, at, visit);
 }
 
@@ -90,6 +102,8 @@ bool same_structure(const Arm& a, const Arm& b) {
   for (std::size_t i = 0; i < a.segments.size(); ++i) {
     const Segment &x = a.segments[i], &y = b.segments[i];
     if (x.bending_stiffness.by_pressure.size() != y.bending_stiffness.by_pressure.size()) return false;
+    if (x.wall.bending.size() != y.wall.bending.size() || x.wall.axial.size() != y.wall.axial.size())
+      return false;
     for (const ActuatorKind* kind : actuator_kinds()) {
       if (kind->count(x) != kind->count(y)) return false;
     }

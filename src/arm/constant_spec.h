@@ -6,6 +6,7 @@
 
 #include "drive.h"
 #include "softarm/arm/constants.h"
+#include "wall_memory.h"
 
 namespace softarm::arm {
 
@@ -57,6 +58,8 @@ struct ConstantSpec {
   /// What one unit of it changes. @return false where an input that it needs is absent
   bool (*change)(const Segment&, int, const InputReader&, Change&) = nullptr;
 
+  /// What one unit of it changes of the wall; null: nothing.
+  WallChange (*wall)(const Segment&, int) = nullptr;
   /// Size at which it matters where its value is zero or near it.
   double (*scale)(const Segment&, int, const RecordedInputs&) = nullptr;
   /// One sentence: what trials lack for it, though its input was on.

@@ -7,6 +7,7 @@ namespace softarm::arm {
 namespace {
 
 constexpr double kLengthThatMatters = 0.04;  // of the length
+constexpr double kShareThatMatters = 0.1;    // of what the laws say, that comes late
 constexpr double kJointThatMatters = 0.1;    // of what the segment itself turns by under a moment at its end
 
 int one_of(const Segment&) {
@@ -58,6 +59,83 @@ ConstantSpec joint_compliance() {
   c.advice = [](const Segment&, int, const RecordedInputs& recorded) {
     return "the joint turns by the moment of weights alone: " + recorded.load_advice();
   };
+  return c;
+}
+
+std::string wall_advice(const Segment&, int, const RecordedInputs&) {
+  return "change the inputs in steps and hold them for some times as long as the wall creeps, without "
+         "leaving "
+         "frames out";
+}
+
+const std::vector<WallElement>& elements_of(const Segment& s, bool axial) {
+  return axial ? s.wall.axial : s.wall.bending;
+}
+
+/// What is common to time and share of an element.
+template <bool kAxial>
+ConstantSpec wall_element(ConstantKind kind, const char* name, const char* unit) {
+  ConstantSpec c{kind, ConstantRole::kWall, name, unit};
+  c.count = [](const Segment& s) { return static_cast<int>(elements_of(s, kAxial).size()); };
+  c.change = [](const Segment&, int, const InputReader&, Change&) { return true; };
+  c.advice = wall_advice;
+  return c;
+}
+
+template <bool kAxial>
+WallElement& element_at(Segment& s, int i) {
+  return (kAxial ? s.wall.axial : s.wall.bending)[static_cast<std::size_t>(i)];
+}
+
+template <bool kAxial>
+int element_number(const Segment& s, int i) {
+  return kAxial ? static_cast<int>(s.wall.bending.size()) + i : i;
+}
+
+template <bool kAxial>
+ConstantSpec wall_time(ConstantKind kind, const char* name) {
+  ConstantSpec c = wall_element<kAxial>(kind, name, "s");
+  c.value = [](const Segment& s, int i) {
+    return elements_of(s, kAxial)[static_cast<std::size_t>(i)].time_s;
+  };
+  c.set = [](Segment& s, int i, double value) { element_at<kAxial>(s, i).time_s = value; };
+  c.allowed = [](const Segment&, int) { return Range{kLeastWallTime_s, kMostWallTime_s}; };
+  c.wall = [](const Segment& s, int i) { return WallChange{element_number<kAxial>(s, i), 1.0, 0.0, 0.0}; };
+  c.scale = [](const Segment& s, int i, const RecordedInputs&) {
+    return 0.5 * elements_of(s, kAxial)[static_cast<std::size_t>(i)].time_s;
+  };
+  return c;
+}
+
+template <bool kAxial>
+ConstantSpec wall_share(ConstantKind kind, const char* name) {
+  ConstantSpec c = wall_element<kAxial>(kind, name, "1");
+  c.value = [](const Segment& s, int i) { return elements_of(s, kAxial)[static_cast<std::size_t>(i)].share; };
+  c.set = [](Segment& s, int i, double value) { element_at<kAxial>(s, i).share = value; };
+  // Each may grow by its part of what the shares leave, so that they never take all.
+  c.allowed = [](const Segment& s, int i) {
+    const std::vector<WallElement>& all = elements_of(s, kAxial);
+    double sum = 0.0;
+    for (const WallElement& e : all) sum += e.share;
+    return Range{0.0, all[static_cast<std::size_t>(i)].share +
+                          std::max(0.0, kMostWallShare - sum) / static_cast<double>(all.size())};
+  };
+  c.wall = [](const Segment& s, int i) { return WallChange{element_number<kAxial>(s, i), 0.0, 1.0, 0.0}; };
+  c.scale = [](const Segment&, int, const RecordedInputs&) { return kShareThatMatters; };
+  return c;
+}
+
+ConstantSpec wall_slowing() {
+  ConstantSpec c{ConstantKind::kWallSlowing, ConstantRole::kWall, "wall.slowing", "1/Pa"};
+  c.count = [](const Segment& s) { return s.wall.empty() ? 0 : 1; };
+  c.stated = [](const Segment& s, int) { return s.wall.slows_per_pa.has_value(); };
+  c.value = [](const Segment& s, int) { return s.wall.slows_per_pa.value_or(0.0); };
+  c.set = [](Segment& s, int, double value) { s.wall.slows_per_pa = value; };
+  c.allowed = [](const Segment&, int) { return Range{0.0, 0.001}; };
+  c.change = [](const Segment&, int, const InputReader&, Change&) { return true; };
+  c.wall = [](const Segment&, int) { return WallChange{-1, 0.0, 0.0, 1.0}; };
+  c.scale = [](const Segment&, int, const RecordedInputs&) { return 0.5 / kUsualPressure_pa; };
+  c.advice = wall_advice;
   return c;
 }
 
@@ -126,6 +204,11 @@ const std::vector<ConstantSpec>& segment_constants() {
   static const std::vector<ConstantSpec> list{
       base_stiffness(),
       joint_compliance(),
+      wall_time<false>(ConstantKind::kWallBendingTime, "wall.bending_{}.time"),
+      wall_share<false>(ConstantKind::kWallBendingShare, "wall.bending_{}.share"),
+      wall_time<true>(ConstantKind::kWallAxialTime, "wall.axial_{}.time"),
+      wall_share<true>(ConstantKind::kWallAxialShare, "wall.axial_{}.share"),
+      wall_slowing(),
       axial_stiffness(),
       length(),
       rest_curvature<0>(ConstantKind::kRestCurvatureX, "rest_curvature.x"),

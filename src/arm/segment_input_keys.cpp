@@ -2,6 +2,7 @@
 #include "actuators/actuator.h"
 #include "body_source.h"
 #include "key_builders.h"
+#include "wall_memory.h"
 
 namespace softarm::arm::yaml {
 
@@ -33,7 +34,9 @@ const KeyTable& segment_keys() {
              "moment that it bears; absent: rigid"),
          vector("rest_curvature_per_m", 3, "1/m", "[0, 0, 0]", -200, 200,
                 "strain u at rest in the section frame (x, y: bending, z: twist)"),
-         map("material", kAbsent, "rubber whose moduli change with axial stretch; absent: linear")}};
+         map("material", kAbsent, "rubber whose moduli change with axial stretch; absent: linear"),
+         map("wall", kAbsent,
+             "viscoelastic wall: shares of what the laws say come late; absent: all comes at once")}};
     for (const ActuatorKind* kind : actuator_kinds()) append(kind->segment_keys(), keys.keys);
     return keys;
   }();
@@ -68,6 +71,43 @@ const KeyTable& material_keys() {
                                       "C10 of two-term Mooney-Rivlin rubber (hybrid paper (13))"),
                                number("c01_pa", "Pa", kRequired, -1e9, 1e9,
                                       "C01; 6 (C10 + C01), the modulus at rest, must be positive")}};
+  return table;
+}
+
+const KeyTable& wall_keys() {
+  static const KeyTable table{
+      "segments[].wall",
+      {list("bending", "[]", "Kelvin-Voigt elements of the curvature by actuation, at most 3"),
+       list("axial", "[]", "the same of the length, at most 3"),
+       number("slows_per_pa", "1/Pa", kAbsent, 0, 0.001,
+              "time constants grow by 1 + this times the mean gauge pressure of the segment's chambers; "
+              "absent: not at all"),
+       number("initial_curvature_sd_per_m", "1/m", kAbsent, 1e-6, 1000,
+              "how far each element of bending may be from the laws' value when a recording begins, standard "
+              "deviation per component; default: 0.2 rad over length_m"),
+       number("initial_length_sd_m", "m", kAbsent, 1e-9, 1,
+              "the same of each axial element; default: 2 % of length_m")}};
+  return table;
+}
+
+namespace {
+
+std::vector<KeySpec> element_keys() {
+  return {
+      number("time_s", "s", kRequired, kLeastWallTime_s, kMostWallTime_s, "time constant without pressure"),
+      number("share", "", kRequired, 0, kMostWallShare,
+             "of what the laws say, that comes with this time; all of a list together at most 0.98")};
+}
+
+}  // namespace
+
+const KeyTable& bending_element_keys() {
+  static const KeyTable table{"segments[].wall.bending[]", element_keys()};
+  return table;
+}
+
+const KeyTable& axial_element_keys() {
+  static const KeyTable table{"segments[].wall.axial[]", element_keys()};
   return table;
 }
 

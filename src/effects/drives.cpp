@@ -77,18 +77,6 @@ bool has_core(const arm::Arm& arm) {
   });
 }
 
-Following following(double dt_s, double time_constant_s) {
-  Following f;
-  if (!(dt_s > 0.0)) return f;
-  if (!(time_constant_s > 0.0)) return {0.0, 0.0, 1.0};
-  const double h = dt_s / time_constant_s;
-  const double passed = -std::expm1(-h);
-  f.kept = 1.0 - passed;
-  f.weight_now = h > 1e-4 ? 1.0 - passed / h : 0.5 * h - h * h / 6.0;
-  f.weight_last = passed - f.weight_now;
-  return f;
-}
-
 Eigen::Vector2d linear_curvature(const rod::Segment& piece, const rod::RodState& middle) {
   const Eigen::Vector3d moment = middle.q.conjugate() * middle.m + piece.moment_nm;
   return piece.rest_curvature_per_m.head<2>() + piece.bending_compliance * moment.head<2>();

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "math/following.h"
 #include "softarm/arm/arm.h"
 #include "softarm/rod/rod.h"
 #include "softarm/rod/solver.h"
@@ -37,12 +38,8 @@ double core_stiffness_nm2(const arm::Arm& arm, const arm::Segment& segment, cons
 /// Whether some segment has a core that the vacuum stiffens.
 bool has_core(const arm::Arm& arm);
 
-/// What follows an input with a time constant, after dt in which the input went straight.
-/// @param weight_last,weight_now what is left: state = kept * state + weight_last * last + weight_now * now
-struct Following {
-  double kept = 1.0, weight_last = 0.0, weight_now = 0.0;
-};
-Following following(double dt_s, double time_constant_s);
+using math::following;
+using math::Following;
 
 /// The curvature that a piece's linear law gives for the moment that acts on its middle in a shape, the axes
 /// across only: u* + (m + M_act) / EI.

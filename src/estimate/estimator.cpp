@@ -36,7 +36,7 @@ bool is_constant_curvature(arm::Method method) {
 }
 
 Estimator::Impl::Impl(const arm::Arm& a, const arm::EstimatorOptions& o, const std::vector<model::Present>& e)
-    : arm(a), options(o), problem(arm, options), noise(arm), effects(e) {
+    : arm(a), options(o), problem(arm, options), memory(arm), noise(arm), effects(e) {
   check();
   for (int dof = 1; dof < 256; ++dof) {
     inflation_limit.push_back(quantile(boost::math::chi_squared(dof), kPolicy.fit.inflation_level));
@@ -101,7 +101,10 @@ void Estimator::Impl::fail(Status status, std::string detail) {
 const Estimate& Estimator::Impl::run(const trial::Frame& frame) {
   clear(frame);
   frame_given = &frame;
-  if (!place_base(frame) || !observe(frame)) return estimate;
+  if (!place_base(frame) || !observe(frame)) {
+    if (!extension) predict_laws(frame);  // walls go on while bodies are hidden
+    return estimate;
+  }
   if (!set_knowns(extension ? extension->begin(frame, base) : frame)) return estimate;
   if (options.method == arm::Method::kCcEndpoint) {
     x = constant_curvature_through(arm, problem, end_bodies());
@@ -240,17 +243,19 @@ bool Estimator::Impl::enough_beyond_every_joint() const {
   return true;
 }
 
-std::optional<std::vector<arm::SegmentPrediction>> Estimator::Impl::predict_laws(
-    const trial::Frame& frame) const {
+std::optional<std::vector<arm::SegmentPrediction>> Estimator::Impl::predict_laws(const trial::Frame& frame) {
   if (frame.inputs.size() != arm.inputs.scalars.size()) return std::nullopt;
   std::optional<std::vector<arm::SegmentPrediction>> predictions = predict(arm, frame.inputs);
-  if (!predictions || !extension || extension->moment_inputs() == frame.inputs) return predictions;
-  const auto moments = predict(arm, extension->moment_inputs());
-  if (!moments) return std::nullopt;
-  for (std::size_t i = 0; i < predictions->size(); ++i) {
-    (*predictions)[i].moment_nm = (*moments)[i].moment_nm;
-    (*predictions)[i].curvature_per_m = (*moments)[i].curvature_per_m;
+  if (!predictions) return predictions;
+  if (extension && extension->moment_inputs() != frame.inputs) {
+    const auto moments = predict(arm, extension->moment_inputs());
+    if (!moments) return std::nullopt;
+    for (std::size_t i = 0; i < predictions->size(); ++i) {
+      (*predictions)[i].moment_nm = (*moments)[i].moment_nm;
+      (*predictions)[i].curvature_per_m = (*moments)[i].curvature_per_m;
+    }
   }
+  memory.follow(frame.stamp_s, frame.inputs, *predictions);
   return predictions;
 }
 
@@ -306,6 +311,7 @@ bool Estimator::Impl::set_knowns(const trial::Frame& frame) {
   const bool believed = !arcs && (options.prior.enabled || window);
   if (believed) {
     law = frame_law(arm, options.prior, *predictions, problem.reference_stiffnesses(), window.has_value());
+    allow_for_memory(options.prior, memory, *predictions, law);
     if (!have_last) stretch_m.assign(arm.segments.size(), 0.0);
     allow_for_axial_stiffness(options.prior, stretch_m, law);
   }
@@ -354,6 +360,7 @@ void Estimator::reset() {
   impl_->contradictions = 0;
   impl_->inputs_known.reset();
   impl_->problem.forget();
+  impl_->memory.reset();
   if (impl_->extension) impl_->extension->reset();
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "arm/wall_memory.h"
 #include "covariance.h"
 #include "extended_frame.h"
 #include "problem.h"
@@ -39,7 +40,7 @@ struct Estimator::Impl {
 
   // --- what is known ---
   /// What the laws say of the frame's inputs, all segments or nothing.
-  std::optional<std::vector<arm::SegmentPrediction>> predict_laws(const trial::Frame& frame) const;
+  std::optional<std::vector<arm::SegmentPrediction>> predict_laws(const trial::Frame& frame);
   /// Whether the laws that this fit needs have their inputs; fails where not.
   bool has_needed_inputs(const trial::Frame& frame, bool estimate_stiffness);
   bool set_knowns(const trial::Frame& frame);
@@ -150,6 +151,7 @@ struct Estimator::Impl {
   std::optional<double> payload_known;
   std::vector<std::optional<double>> known_flexibility;
   std::vector<std::optional<double>> start_flexibility;  ///< known, or believed by the laws
+  arm::LawMemory memory;                                 ///< of the walls
   FrameLaw law;
   std::vector<double> stretch_m;  ///< with which `law` counts what is not known of EA
   std::optional<Window> window;

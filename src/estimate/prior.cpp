@@ -41,6 +41,7 @@ FrameLaw frame_law(const arm::Arm& arm, const arm::LawPrior& prior,
   law.shared = MatrixXd::Identity(count, count);
   law.jitter_variance = VectorXd::Zero(count);
   law.information = VectorXd::Zero(count);
+  law.memory_variance = VectorXd::Zero(count);
   law.gains = MatrixXd::Zero(count, 2 * static_cast<Eigen::Index>(arm.segments.size()));
   if (gains_apart) {
     const double sd = prior.enabled ? std::max(prior.moment_sd_rel, kLeastGain) : kLeastGain;
@@ -86,13 +87,30 @@ FrameLaw frame_law(const arm::Arm& arm, const arm::LawPrior& prior,
   return law;
 }
 
+void allow_for_memory(const arm::LawPrior& prior, const arm::LawMemory& memory,
+                      const std::vector<arm::SegmentPrediction>& predictions, FrameLaw& law) {
+  if (!prior.enabled || memory.empty()) return;
+  for (std::size_t i = 0; i < predictions.size(); ++i) {
+    const Eigen::Vector3d variance = memory.variance(i);
+    const double stiffness = predictions[i].bending_stiffness_nm2;
+    const auto add = [&](int k, double more) {
+      const int j = Problem::column(static_cast<int>(i), k);
+      law.memory_variance[j] = more;
+      law.information[j] = 1.0 / (1.0 / law.information[j] + more);
+    };
+    for (int k = 0; k < 2; ++k) add(k, variance[k] * stiffness * stiffness);
+    add(3, variance.z());
+  }
+}
+
 void allow_for_axial_stiffness(const arm::LawPrior& prior, const std::vector<double>& stretch_m,
                                FrameLaw& law) {
   if (!prior.enabled) return;
   for (std::size_t i = 0; i < stretch_m.size(); ++i) {
     const double by_stiffness = prior.axial_stiffness_sd_rel * stretch_m[i];
-    law.information[Problem::column(static_cast<int>(i), 3)] =
-        1.0 / (prior.length_sd_m * prior.length_sd_m + by_stiffness * by_stiffness);
+    const int j = Problem::column(static_cast<int>(i), 3);
+    law.information[j] =
+        1.0 / (prior.length_sd_m * prior.length_sd_m + by_stiffness * by_stiffness + law.memory_variance[j]);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "arm/wall_memory.h"
 #include "softarm/arm/arm.h"
 #include "softarm/arm/laws.h"
 
@@ -30,6 +31,7 @@ struct FrameLaw {
   Eigen::MatrixXd shared;           ///< P x P
   Eigen::VectorXd jitter_variance;  ///< of x; 0: none; negative: unbounded
   Eigen::VectorXd information;      ///< on z, of the laws themselves (diagonal); 0: nothing is known
+  Eigen::VectorXd memory_variance;  ///< of z, for what the walls' memory lacks; it is in `information`
   std::vector<int> passing;         ///< columns of x whose jitter is bounded
   /// What errors of the gains add to x: two per segment, of the moment along it and across. A gain that is
   /// off errs with the moment: frames of different moments tell it from a constant error, which z has.
@@ -43,6 +45,11 @@ struct FrameLaw {
 FrameLaw frame_law(const arm::Arm& arm, const arm::LawPrior& prior,
                    const std::vector<arm::SegmentPrediction>& predictions,
                    const std::vector<double>& reference_stiffness, bool gains_apart = false);
+
+/// Adds what is not known of the walls' memory: of how they were when the recording began, and of gaps. Only
+/// where the prior is enabled.
+void allow_for_memory(const arm::LawPrior& prior, const arm::LawMemory& memory,
+                      const std::vector<arm::SegmentPrediction>& predictions, FrameLaw& law);
 
 /// Adds what is not known of EA to the lasting error of the lengths: at stretches by the loads of so many
 /// metres, length_sd_m^2 + (axial_stiffness_sd_rel stretch)^2. Only where the prior is enabled.

@@ -139,7 +139,8 @@ void advise(const Conditions& conditions, Constant& c) {
 bool is_none(const Constant& c) {
   const ConstantRole role = role_of(c.ref.kind);
   const bool may_be_none = role == ConstantRole::kBendingStiffnessSlope ||
-                           role == ConstantRole::kSaturation || role == ConstantRole::kJoint;
+                           role == ConstantRole::kSaturation || role == ConstantRole::kJoint ||
+                           role == ConstantRole::kWall;
   return may_be_none && c.value <= 1e-6 * c.scale;
 }
 

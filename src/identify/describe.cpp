@@ -20,6 +20,16 @@ std::string error_row(const std::string& name, const ShapeError& e, std::size_t 
                      cell(e.maximum_m), cell(e.minimum_m), e.frames);
 }
 
+/// How the trials found the walls.
+std::string starts_of(const Result& result) {
+  if (result.starts.empty()) return "";
+  std::string text = "walls when the trials began, beyond what the laws say:\n";
+  for (const WallStart& s : result.starts)
+    text += fmt::format("  {:<32}{:<32}{:>9.3g} +- {:.2g} {}\n", s.trial, s.segment + ".wall." + s.element,
+                        s.value, s.sd, s.unit);
+  return text;
+}
+
 /// Moved there by the fit: not a law that is off from the start.
 bool at_limit(const Constant& c) {
   return c.kept || (c.at_bound && c.value != c.initial && !is_none(c));
@@ -159,7 +169,7 @@ std::string describe(const Result& result) {
   text += identifiable_text(result);
   text += correlation_text(result);
   text += errors_table(result);
-  text += "trials:\n" + trials_text(result);
+  text += "trials:\n" + trials_text(result) + starts_of(result);
   text += fmt::format(
       "fit: {} frames, {} bodies, {} iterations{}; misfit {:.2f} times the stated noise ({:.2f} mm rms per "
       "coordinate);\n     {:.1f} consecutive frames are worth one; intervals {:.2f} times those of noise "

@@ -128,10 +128,11 @@ std::vector<FrameComparison> of_trial(const std::vector<FrameComparison>& all, s
 }
 
 /// Errors of chosen frames before and after, over all and trial by trial.
+/// @param starts of the walls, of the trials that were fitted
 void compare_all(const arm::Arm& before, const std::vector<trial::StaticFrame>& frames, bool held_out,
-                 Result& result) {
+                 const std::map<std::size_t, VectorXd>& starts, Result& result) {
   const auto old_shapes = compare_frames(before, frames);
-  const auto new_shapes = compare_frames(result.arm, frames);
+  const auto new_shapes = compare_frames(result.arm, frames, starts);
   const double length = before.total_length_m(), new_length = result.arm.total_length_m();
   (held_out ? result.held_out_before : result.fitted_before) = summarise(old_shapes, length);
   (held_out ? result.held_out : result.fitted) = summarise(new_shapes, new_length);
@@ -293,6 +294,27 @@ void set_constants(const arm::Arm& arm, const std::vector<FreeConstant>& constan
   }
 }
 
+/// How the trials found the walls, and how sure that is.
+void set_starts(const LawModel& model, const Solution& solution, Result& result) {
+  if (model.start_sd().size() == 0) return;
+  for (const auto& [trial, start] : solution.fit.starts) {
+    const auto known = solution.sure.start_sd.find(trial);
+    const VectorXd& sd = known == solution.sure.start_sd.end() ? model.start_sd() : known->second;
+    Eigen::Index k = 0;
+    const auto add = [&](const arm::Segment& segment, const std::string& element, const char* unit) {
+      result.starts.push_back({result.trials[trial].name, segment.name, element, unit, start[k], sd[k]});
+      ++k;
+    };
+    for (const arm::Segment& segment : result.arm.segments) {
+      for (std::size_t e = 1; e <= segment.wall.bending.size(); ++e) {
+        for (const char* axis : {"x", "y"}) add(segment, fmt::format("bending_{}.{}", e, axis), "1/m");
+      }
+      for (std::size_t e = 1; e <= segment.wall.axial.size(); ++e)
+        add(segment, fmt::format("axial_{}", e), "m");
+    }
+  }
+}
+
 /// Whether half of the frames or more are of an arm near its buckling load.
 bool near_buckling(LawModel& model, const std::vector<trial::StaticFrame>& frames) {
   std::size_t near = 0, all = 0;
@@ -363,8 +385,9 @@ Result fit_of(const arm::Arm& arm, const std::vector<trial::Trial>& trials, Effe
   report(0.85);
 
   // Errors, and what they leave to a prior.
-  compare_all(arm, frames.fitted, false, result);
-  compare_all(arm, frames.others, true, result);
+  compare_all(arm, frames.fitted, false, solution.fit.starts, result);
+  compare_all(arm, frames.others, true, {}, result);
+  set_starts(problem.model(), solution, result);
   report(0.95);
   std::vector<trial::StaticFrame> all = frames.fitted;
   all.insert(all.end(), frames.others.begin(), frames.others.end());

@@ -44,6 +44,7 @@ class JointProblem::Callback : public ceres::EvaluationCallback {
   void PrepareForEvaluation(bool, bool new_point) override {
     if (!new_point) return;
     problem_.model_.set(problem_.scale_.cwiseProduct(x_));
+    problem_.set_starts();
     valid_ = true;
     for (std::size_t i = 0; i < problem_.frames_.size() && valid_; ++i) {
       if (problem_.active_[i]) valid_ = problem_.evaluate_frame(i, false);
@@ -63,14 +64,19 @@ class JointProblem::BlockCost : public ceres::CostFunction {
       : problem_(problem), callback_(callback), block_(block) {
     set_num_residuals(3);
     mutable_parameter_block_sizes()->push_back(static_cast<int>(problem.constants_.size()));
+    const auto starts = static_cast<int>(problem.model_.start_sd().size());
+    if (starts > 0) mutable_parameter_block_sizes()->push_back(starts);
   }
   bool Evaluate(double const* const*, double* residuals, double** jacobians) const override {
     if (!callback_.valid()) return false;
     Eigen::Map<Vector3d>{residuals} = problem_.residual(block_);
-    if (jacobians != nullptr && jacobians[0] != nullptr) {
-      Eigen::Map<Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>>(
-          jacobians[0], 3, static_cast<int>(problem_.constants_.size())) = problem_.jacobian(block_);
-    }
+    const auto write = [&](std::size_t which, const Eigen::MatrixXd& jacobian) {
+      if (jacobians == nullptr || jacobians[which] == nullptr) return;
+      Eigen::Map<Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>>(jacobians[which], 3,
+                                                                            jacobian.cols()) = jacobian;
+    };
+    write(0, problem_.jacobian(block_));
+    if (parameter_block_sizes().size() > 1) write(1, problem_.jacobian_by_start(block_));
     return true;
   }
 
@@ -127,7 +133,15 @@ JointProblem::JointProblem(const arm::Arm& arm, std::vector<FreeConstant> consta
       equilibria_(frames.size()),
       predictions_(frames.size()),
       solved_(frames.size(), false),
-      active_(frames.size(), true) {}
+      active_(frames.size(), true) {
+  const auto numbers = model_.start_sd().size();
+  if (numbers == 0) return;
+  for (const trial::StaticFrame& frame : frames_) starts_[frame.trial] = VectorXd::Zero(numbers);
+}
+
+void JointProblem::set_starts() {
+  for (const auto& [trial, start] : starts_) model_.set_start(trial, start.cwiseProduct(model_.start_sd()));
+}
 
 bool JointProblem::evaluate_frame(std::size_t i, bool cold) {
   if (cold) equilibria_[i].reset();
@@ -145,6 +159,7 @@ bool JointProblem::evaluate_frame(std::size_t i, bool cold) {
 
 std::size_t JointProblem::evaluate(const VectorXd& theta) {
   model_.set(theta);
+  set_starts();
   std::size_t solved = 0;
   for (std::size_t i = 0; i < frames_.size(); ++i) solved += evaluate_frame(i, false) ? 1 : 0;
   return solved;
@@ -167,6 +182,12 @@ Eigen::MatrixXd JointProblem::jacobian(const ResidualBlock& block) const {
   const Prediction& predicted = predictions_[block.frame];
   const auto& by_theta = block.tangent ? predicted.dtangent : predicted.dp;
   return by_theta.middleRows(3 * block.body, 3) * scale_.asDiagonal() / sd(block);
+}
+
+Eigen::MatrixXd JointProblem::jacobian_by_start(const ResidualBlock& block) const {
+  const Prediction& predicted = predictions_[block.frame];
+  const auto& by_start = block.tangent ? predicted.dtangent_by_start : predicted.dp_by_start;
+  return by_start.middleRows(3 * block.body, 3) * model_.start_sd().asDiagonal() / sd(block);
 }
 
 std::vector<ResidualBlock> JointProblem::blocks() const {
@@ -229,7 +250,14 @@ bool JointProblem::minimise(VectorXd& x, const std::function<void(int)>& progres
     std::unique_ptr<ceres::LossFunction>& loss = losses[{body, block.tangent}];
     if (options_.robust && !loss)
       loss = std::make_unique<ceres::HuberLoss>(kHuber * scale_of(body, block.tangent));
-    problem.AddResidualBlock(new BlockCost(*this, callback, block), loss.get(), x.data());
+    std::vector<double*> unknowns{x.data()};
+    if (!starts_.empty()) unknowns.push_back(starts_.at(frames_[block.frame].trial).data());
+    problem.AddResidualBlock(new BlockCost(*this, callback, block), loss.get(), unknowns);
+  }
+  for (auto& [trial, walls] : starts_) {
+    const auto numbers = walls.size();
+    problem.AddResidualBlock(new WeakPrior(VectorXd::Zero(numbers), VectorXd::Ones(numbers)), nullptr,
+                             walls.data());
   }
   VectorXd sd = (kWeakSdPerMove * (x - start).cwiseAbs()).cwiseMax(kWeakSd);
   for (int j = 0; j < x.size(); ++j) {
@@ -288,6 +316,7 @@ JointFit JointProblem::solve(const std::function<void(int)>& progress) {
     if (!changed && pass > 0) break;
   }
   fit.theta = theta;
+  for (const auto& [trial, start] : starts_) fit.starts[trial] = start.cwiseProduct(model_.start_sd());
   fit.iterations = iterations_;
   fit.position_scale = position_scale_;
   fit.tangent_scale = tangent_scale_;

@@ -46,6 +46,7 @@ struct Line {
 
 struct JointFit {
   Eigen::VectorXd theta;
+  std::map<std::size_t, Eigen::VectorXd> starts;  ///< of the walls, by trial, see LawModel::start_sd()
   bool converged = false;
   int iterations = 0;
   double position_scale = 1.0, tangent_scale = 1.0;  ///< misfit over noise, robust, at least 1
@@ -70,12 +71,16 @@ class JointProblem {
   void keep(int constant, bool kept) { constants_[static_cast<std::size_t>(constant)].kept = kept; }
 
   LawModel& model() { return model_; }
+  const LawModel& model() const { return model_; }
   /// Residual of a block at the last evaluation, whitened.
   Eigen::Vector3d residual(const ResidualBlock& block) const;
   /// Predicted less measured, m; of blocks that are positions.
   Eigen::Vector3d position_error_m(const ResidualBlock& block) const { return residual(block) * sd(block); }
   /// Its derivative by x.
   Eigen::MatrixXd jacobian(const ResidualBlock& block) const;
+  /// Its derivative by the state of the walls at the beginning of its trial, in standard deviations; no
+  /// columns where no segment has a wall.
+  Eigen::MatrixXd jacobian_by_start(const ResidualBlock& block) const;
   /// Huber's weight of a squared whitened distance: 1 inside the threshold.
   double weight(const ResidualBlock& block, double squared_distance) const;
   /// Blocks of used bodies of frames that have a shape.
@@ -95,6 +100,7 @@ class JointProblem {
   bool set_outliers_aside();
   std::map<int, std::uint64_t> beyond_the_model() const;
   void retry_cold(double threshold);
+  void set_starts();
   bool minimise(Eigen::VectorXd& x, const std::function<void(int)>& progress);
   bool evaluate_frame(std::size_t i, bool cold);
 
@@ -106,6 +112,8 @@ class JointProblem {
   Eigen::VectorXd scale_;
   std::vector<std::optional<model::Equilibrium>> equilibria_;
   std::vector<Prediction> predictions_;
+  /// Of the walls when a trial begins, in standard deviations, by trial; empty where no segment has a wall.
+  std::map<std::size_t, Eigen::VectorXd> starts_;
   Line line_;                 ///< empty: nothing does
   std::vector<bool> solved_;  ///< at the last evaluation
   std::vector<bool> active_;  ///< part of the present pass

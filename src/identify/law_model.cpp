@@ -1,5 +1,6 @@
 #include "law_model.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "model/body_kinematics.h"
@@ -57,10 +58,23 @@ LawModel::LawModel(const arm::Arm& arm, const std::vector<ConstantRef>& constant
       rod_(rod::make_rod(arm)),
       solver_(rod_, model::body_stations(arm), parameters_, model::solver_options(1e-9)),
       rod_by_theta_(static_cast<int>(parameters_.size()), static_cast<int>(constants.size())),
-      laws_by_theta_(kLaws * static_cast<int>(arm.segments.size()), static_cast<int>(constants.size())) {}
+      laws_by_theta_(kLaws * static_cast<int>(arm.segments.size()), static_cast<int>(constants.size())) {
+  std::vector<double> sd;
+  for (const arm::Segment& segment : arm.segments) {
+    const Eigen::VectorXd own = arm::WallMemory(segment).start_sd();
+    sd.insert(sd.end(), own.data(), own.data() + own.size());
+  }
+  start_sd_ = Eigen::Map<const Eigen::VectorXd>(sd.data(), static_cast<Eigen::Index>(sd.size()));
+}
+
+void LawModel::set_start(std::size_t trial, const Eigen::VectorXd& start) {
+  starts_[trial] = start;
+  walks_.erase(trial);
+}
 
 void LawModel::set(const Eigen::VectorXd& theta) {
   theta_ = theta;
+  walks_.clear();
   for (std::size_t j = 0; j < constants_.size(); ++j) {
     const ConstantRef& constant = constants_[j];
     // In the fit a length changes what the laws say of it; the layout of the rod, which carries the bodies
@@ -81,6 +95,8 @@ bool LawModel::apply(const trial::StaticFrame& frame) {
     responses_.push_back(*response);
     laws_.push_back(response->prediction);
   }
+  walked_ = nullptr;
+  if (frame.drive && start_sd_.size() > 0 && !keep_back(frame)) return false;
   rod_.gravity_m_s2 = frame.gravity_base;
   rod_.loads[rod::kPayloadLoad].mass_kg = frame.payload_kg;
   rod::actuate(arm_, laws_, rod_);
@@ -128,20 +144,32 @@ double LawModel::parameter_derivative(const rod::Parameter& which, const arm::Se
   }
 }
 
+std::optional<arm::SegmentDerivative> LawModel::by_constant(const ConstantRef& constant, std::size_t segment,
+                                                            const arm::SegmentResponse& at,
+                                                            const arm::InputReader& inputs) const {
+  const std::vector<int> of = segments_of(constant);
+  if (std::find(of.begin(), of.end(), static_cast<int>(segment)) == of.end())
+    return arm::differentiate(arm_.segments[segment], at, {});
+  arm::Change change;
+  if (!arm::spec_of(constant.kind).change(arm_.segments[segment], constant.index, inputs, change))
+    return std::nullopt;
+  return arm::differentiate(arm_.segments[segment], at, change);
+}
+
 bool LawModel::differentiate(const arm::InputReader& inputs, int column, int index) {
   const auto i = static_cast<std::size_t>(index);
   const ConstantRef& constant = constants_[static_cast<std::size_t>(column)];
-  arm::Change change;
-  if (!arm::spec_of(constant.kind).change(arm_.segments[i], constant.index, inputs, change)) return false;
-  const arm::SegmentDerivative by = arm::differentiate(arm_.segments[i], responses_[i], change);
+  std::optional<arm::SegmentDerivative> by = by_constant(constant, i, responses_[i], inputs);
+  if (!by) return false;
+  if (walked_ != nullptr) arm::take_off(walked_->by[instant_].block<3, 1>(3 * index, column), by->prediction);
   for (std::size_t r = 0; r < parameters_.size(); ++r) {
     if (parameters_[r].index == index)
-      rod_by_theta_(static_cast<int>(r), column) += parameter_derivative(parameters_[r], by);
+      rod_by_theta_(static_cast<int>(r), column) += parameter_derivative(parameters_[r], *by);
   }
-  const Eigen::Vector2d moment = by.actuation_nm(laws_[i]);
+  const Eigen::Vector2d moment = by->actuation_nm(laws_[i]);
   laws_by_theta_.col(column).segment<kLaws>(kLaws * index) += Eigen::Vector4d(
-      moment.x(), moment.y(), by.prediction.bending_stiffness_nm2 / laws_[i].bending_stiffness_nm2,
-      by.prediction.length_m);
+      moment.x(), moment.y(), by->prediction.bending_stiffness_nm2 / laws_[i].bending_stiffness_nm2,
+      by->prediction.length_m);
   return true;
 }
 
@@ -168,12 +196,18 @@ bool LawModel::predict(const trial::StaticFrame& frame, std::optional<model::Equ
   out.tangent.resize(3, count);
   out.dp.resize(3 * count, constants);
   out.dtangent.resize(3 * count, constants);
+  const Eigen::MatrixXd by_start = rod_by_start();
+  out.dp_by_start.resize(3 * count, by_start.cols());
+  out.dtangent_by_start.resize(3 * count, by_start.cols());
   for (int k = 0; k < count; ++k) {
     const int body = frame.bodies[static_cast<std::size_t>(k)].body;
     const arm::MeasuredBody& measured = bodies_[static_cast<std::size_t>(body)];
     const rod::RodState& at = solver_.station(body);
     out.p.col(k) = model::position_on(measured, at);
     out.tangent.col(k) = model::tangent_of(at);
+    if (walked_ != nullptr)
+      body_derivative(body, by_start, out.dp_by_start.middleRows(3 * k, 3),
+                      out.dtangent_by_start.middleRows(3 * k, 3));
     body_derivative(body, rod_by_theta_, out.dp.middleRows(3 * k, 3), out.dtangent.middleRows(3 * k, 3));
   }
   out.laws.resize(kLaws * static_cast<int>(laws_.size()));

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -22,6 +23,8 @@ struct Prediction {
   Eigen::Matrix3Xd tangent;  ///< unit, one column per body
   Eigen::MatrixXd dp;        ///< 3 bodies x constants
   Eigen::MatrixXd dtangent;
+  /// By how the trial found the walls, see LawModel::start_sd(): 3 bodies x numbers.
+  Eigen::MatrixXd dp_by_start, dtangent_by_start;
   /// Laws of the segments: moment x, y (N m), ln EI, length (m); and by the constants.
   Eigen::VectorXd laws;
   Eigen::MatrixXd dlaws;
@@ -36,6 +39,12 @@ class LawModel {
   void set(const Eigen::VectorXd& theta);
   const Eigen::VectorXd& theta() const { return theta_; }
 
+  /// How far the walls of all segments may be from the laws' values when a trial begins, base to tip, see
+  /// arm::WallMemory. Empty where no segment has a wall.
+  const Eigen::VectorXd& start_sd() const { return start_sd_; }
+  /// How they were, of one trial; zero where it was never said.
+  void set_start(std::size_t trial, const Eigen::VectorXd& start);
+
   /// @param state this frame's last equilibrium, by the constants; empty at first; updated where there is one
   /// @return false without one, or where the laws have no value
   bool predict(const trial::StaticFrame& frame, std::optional<model::Equilibrium>& state, Prediction& out);
@@ -46,7 +55,22 @@ class LawModel {
                           Eigen::MatrixXd& dtangent) const;
 
  private:
+  /// What the walls keep back at each frame of a trial's record: of all segments, one below the other.
+  struct Walk {
+    std::vector<Eigen::VectorXd> lag;
+    std::vector<Eigen::MatrixXd> by, by_start;
+  };
   bool apply(const trial::StaticFrame& frame);
+  const Walk& walk(const trial::StaticFrame& frame);
+  bool walk_segment(std::size_t segment, const trial::DriveRecord& record, const Eigen::VectorXd& start,
+                    Eigen::Index first_start, Walk& out) const;
+  /// Takes off what the walls keep back. @return false where the frame is none of its record
+  bool keep_back(const trial::StaticFrame& frame);
+  /// What one unit of a constant changes of a segment's laws.
+  std::optional<arm::SegmentDerivative> by_constant(const ConstantRef& constant, std::size_t segment,
+                                                    const arm::SegmentResponse& at,
+                                                    const arm::InputReader& inputs) const;
+  Eigen::MatrixXd rod_by_start() const;
   /// Adds what a constant does to the laws of one of its segments.
   bool differentiate(const arm::InputReader& inputs, int column, int segment);
   /// Derivative of a parameter of the rod where its segment's laws change.
@@ -65,6 +89,11 @@ class LawModel {
   std::vector<arm::SegmentPrediction> laws_;
   Eigen::MatrixXd rod_by_theta_;   ///< parameters x constants
   Eigen::MatrixXd laws_by_theta_;  ///< 4 segments x constants
+  Eigen::VectorXd start_sd_;
+  std::map<std::size_t, Eigen::VectorXd> starts_;  ///< by trial
+  std::map<std::size_t, Walk> walks_;              ///< by trial, at theta and these starts
+  const Walk* walked_ = nullptr;                   ///< of the frame, null without walls
+  std::size_t instant_ = 0;                        ///< its place in the record
 };
 
 }  // namespace softarm::identify

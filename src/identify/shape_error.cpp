@@ -9,9 +9,11 @@
 namespace softarm::identify {
 
 std::vector<FrameComparison> compare_frames(const arm::Arm& arm,
-                                            const std::vector<trial::StaticFrame>& frames) {
+                                            const std::vector<trial::StaticFrame>& frames,
+                                            const std::map<std::size_t, Eigen::VectorXd>& starts) {
   LawModel model(arm, {});
   model.set(Eigen::VectorXd());
+  for (const auto& [trial, start] : starts) model.set_start(trial, start);
   std::vector<FrameComparison> list;
   Prediction predicted;
   for (const trial::StaticFrame& frame : frames) {

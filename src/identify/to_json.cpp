@@ -37,6 +37,18 @@ Json parts_of(const std::vector<std::pair<std::string, double>>& list) {
   return object;
 }
 
+Json json_of(const std::vector<WallStart>& starts) {
+  Json list = Json::array();
+  for (const WallStart& s : starts)
+    list.push_back({{"trial", s.trial},
+                    {"segment", s.segment},
+                    {"element", s.element},
+                    {"value", s.value},
+                    {"sd", s.sd},
+                    {"unit", s.unit}});
+  return list;
+}
+
 }  // namespace
 
 std::string to_json(const Result& result) {
@@ -76,6 +88,7 @@ std::string to_json(const Result& result) {
                              {"after", json_of(result.left_out_one_after)},
                              {"trials", json_of(result.left_out_one)}};
   }
+  json["starts"] = json_of(result.starts);
   const arm::LawPrior& prior = result.prior;
   json["prior"] = {{"moment_sd_nm", prior.moment_sd_nm},
                    {"moment_sd_rel", prior.moment_sd_rel},

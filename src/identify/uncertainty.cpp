@@ -109,11 +109,24 @@ Decomposition decompose(const MatrixXd& information) {
 struct Sums {
   std::map<std::size_t, Cluster> clusters;
   MatrixXd information;
+  /// By trial, of the state of its walls at the beginning: their own, and with the constants.
+  std::map<std::size_t, MatrixXd> of_start, with_start;
   double chi2 = 0.0, rows = 0.0, square_m2 = 0.0, coordinates = 0.0;
 };
 
+/// The state of the walls at the beginning is not known: what a trial says of it, it does not say of the
+/// constants.
+void give_to_starts(Sums& sums) {
+  for (const auto& [trial, own] : sums.of_start) {
+    const MatrixXd& shared = sums.with_start.at(trial);
+    const MatrixXd with_prior = own + MatrixXd::Identity(own.rows(), own.cols());
+    sums.information -= shared * with_prior.ldlt().solve(shared.transpose());
+  }
+}
+
 Sums sum_up(const JointProblem& problem, const std::vector<ResidualBlock>& blocks,
-            const std::vector<std::size_t>& cluster_of, int constants) {
+            const std::vector<std::size_t>& cluster_of, const std::vector<trial::StaticFrame>& frames,
+            int constants) {
   Sums sums;
   for (const ResidualBlock& block : blocks) {
     const Vector3d r = problem.residual(block);
@@ -126,6 +139,15 @@ Sums sum_up(const JointProblem& problem, const std::vector<ResidualBlock>& block
     }
     cluster.information.noalias() += weight * j.transpose() * j;
     cluster.gradient.noalias() += weight * j.transpose() * r;
+    if (const MatrixXd k = problem.jacobian_by_start(block); k.cols() > 0) {
+      MatrixXd& own = sums.of_start.try_emplace(frames[block.frame].trial, MatrixXd::Zero(k.cols(), k.cols()))
+                          .first->second;
+      own.noalias() += weight * k.transpose() * k;
+      MatrixXd& shared =
+          sums.with_start.try_emplace(frames[block.frame].trial, MatrixXd::Zero(constants, k.cols()))
+              .first->second;
+      shared.noalias() += weight * j.transpose() * k;
+    }
     sums.chi2 += weight * r.squaredNorm();
     sums.rows += block.tangent ? 2.0 : 3.0;  // a tangent has no error along itself
     if (!block.tangent) {
@@ -135,6 +157,7 @@ Sums sum_up(const JointProblem& problem, const std::vector<ResidualBlock>& block
   }
   sums.information = MatrixXd::Zero(constants, constants);
   for (const auto& [trial, cluster] : sums.clusters) sums.information += cluster.information;
+  give_to_starts(sums);
   return sums;
 }
 
@@ -160,7 +183,7 @@ MatrixXd by_spread_of_trials(const Sums& sums, const MatrixXd& outer, const Matr
 Uncertainty uncertainty(const JointProblem& problem, const std::vector<trial::StaticFrame>& frames,
                         int constants) {
   const std::vector<ResidualBlock> blocks = problem.blocks();
-  const Sums sums = sum_up(problem, blocks, cluster_frames(frames), constants);
+  const Sums sums = sum_up(problem, blocks, cluster_frames(frames), frames, constants);
   Uncertainty result;
   const Decomposition eigen = decompose(sums.information);
   // Directions that the trials determine to a scale, and the others: kept apart, lest the rounding of an
@@ -197,6 +220,10 @@ Uncertainty uncertainty(const JointProblem& problem, const std::vector<trial::St
   result.covariance = base * undetermined;
   result.covariance +=
       by_spread ? by_spread_of_trials(sums, outer, inverse, base, determined) : MatrixXd(base * inverse);
+  for (const auto& [trial, own] : sums.of_start) {
+    const MatrixXd known = own / base + MatrixXd::Identity(own.rows(), own.cols());
+    result.start_sd[trial] = known.inverse().diagonal().cwiseSqrt().cwiseProduct(problem.model().start_sd());
+  }
   result.factor = std::sqrt(base);
   result.direction_sd = (base * lambda.cwiseInverse()).cwiseSqrt();  // ascending eigenvalues: largest first
   result.directions = directions;

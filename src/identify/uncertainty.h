@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <map>
 
 #include "joint_fit.h"
 
@@ -10,9 +11,10 @@ namespace softarm::identify {
 /// Everything in the scaled constants x of JointProblem.
 struct Uncertainty {
   Eigen::MatrixXd covariance;
-  Eigen::VectorXd direction_sd;  ///< of the eigenvectors, largest first
-  Eigen::MatrixXd directions;    ///< eigenvectors of the information, one column each
-  double misfit = 0.0;           ///< sqrt(chi^2 / dof)
+  Eigen::VectorXd direction_sd;                     ///< of the eigenvectors, largest first
+  Eigen::MatrixXd directions;                       ///< eigenvectors of the information, one column each
+  std::map<std::size_t, Eigen::VectorXd> start_sd;  ///< of LawModel's starts, by trial; for these constants
+  double misfit = 0.0;                              ///< sqrt(chi^2 / dof)
   double chi2 = 0.0;
   double position_rms_m = 0.0;  ///< per coordinate
   double autocorrelation = 1.0;

@@ -76,6 +76,8 @@ struct Instant {
   double payload_kg = 0.0;
   Eigen::Vector3d gravity_base = Eigen::Vector3d::Zero();
   Eigen::Quaterniond q_base_mocap = Eigen::Quaterniond::Identity();  ///< turns mocap's axes into the base's
+  /// By the walls of the segments, of what the laws say: curvature (x, y) and length. Empty: nothing.
+  std::vector<Eigen::Vector3d> kept_back = {};
   double session_s = 0.0;  ///< since the first trial's beginning where the stamps say it, else t_s
 };
 

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <utility>
 
+#include "arm/wall_memory.h"
 #include "arm_rod.h"
 #include "instant_solver.h"
+#include "softarm/arm/laws.h"
 
 namespace softarm::model {
 namespace {
@@ -24,6 +26,31 @@ struct ExtendedModel::Impl : InstantSolver {
     Series out = series;
     for (const Present& present : in_order(effects)) present.effect->drive(arm, present.values, out);
     return out;
+  }
+
+  /// What the walls keep back in each block, mean over its frames; empty where no segment has a wall.
+  static std::vector<std::vector<Vector3d>> kept_back(const arm::Arm& arm, const Series& series,
+                                                      const TrialData& trial) {
+    std::vector<std::vector<Vector3d>> list;
+    arm::LawMemory memory(arm);
+    if (memory.empty()) return list;
+    std::vector<std::vector<Vector3d>> at;  // of the frames
+    for (Eigen::Index i = 0; i < series.t_s.size(); ++i) {
+      const Eigen::VectorXd moving = series.moment_inputs.col(i);
+      const arm::InputValues inputs(moving.data(), moving.data() + moving.size());
+      auto predictions = softarm::arm::predict(arm, inputs);
+      if (predictions) memory.follow(series.t_s[i], inputs, *predictions);
+      at.push_back(memory.kept_back());
+    }
+    for (const Block& block : trial.blocks) {
+      std::vector<Vector3d> mean(arm.segments.size(), Vector3d::Zero());
+      for (std::size_t i = block.first; i < block.last; ++i) {
+        for (std::size_t s = 0; s < mean.size(); ++s)
+          mean[s] += at[i][s] / static_cast<double>(block.last - block.first);
+      }
+      list.push_back(std::move(mean));
+    }
+    return list;
   }
 
   static Instant instant_of(const Series& series, const TrialData& trial, std::size_t k) {
@@ -126,13 +153,15 @@ struct ExtendedModel::Impl : InstantSolver {
   void walk(const arm::Arm& arm, const std::vector<Present>& effects, const Dynamics& dynamics,
             const TrialData& trial, const std::vector<Predicted>& baseline, const Use& use) {
     const Series series = driven(arm, effects, trial.series);
+    const auto walls = kept_back(arm, series, trial);
     std::vector<Memory> memories(effects.size());
     const bool moves = std::any_of(effects.begin(), effects.end(),
                                    [](const Present& present) { return present.effect->needs_motion(); });
     for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
       const Predicted& base = baseline[k];
       if (!base.solved) continue;
-      const Instant instant = instant_of(series, trial, k);
+      Instant instant = instant_of(series, trial, k);
+      if (!walls.empty()) instant.kept_back = walls[k];
       if (instant.dt_s <= 0.0) memories.assign(effects.size(), {});
       Shape shape = base.shape;
       if (shape.motion.velocity_m_s.empty() && moves) shape.motion = motion_of(baseline, k);
@@ -181,6 +210,7 @@ void ExtendedModel::predict(const arm::Arm& arm, const std::vector<Present>& eff
                             const std::vector<Predicted>* start, std::vector<Predicted>& out) {
   Impl& m = *impl_;
   const Series series = Impl::driven(arm, effects, trial.series);
+  const auto walls = Impl::kept_back(arm, series, trial);
   const bool moves = dynamics.inertia || dynamics.viscoelastic_lag_s != 0.0 ||
                      std::any_of(effects.begin(), effects.end(),
                                  [](const Present& present) { return present.effect->needs_motion(); });
@@ -198,6 +228,7 @@ void ExtendedModel::predict(const arm::Arm& arm, const std::vector<Present>& eff
     for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
       Predicted& now = path[k];
       now.instant = Impl::instant_of(series, trial, k);
+      if (!walls.empty()) now.instant.kept_back = walls[k];
       if (now.instant.dt_s <= 0.0) memories.assign(effects.size(), {});
       const Motion motion = moving ? m.motion_of(resting, k) : Motion();
       if (moving && resting[k].solved) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "arm/wall_memory.h"
 #include "arm_rod.h"
 #include "body_kinematics.h"
 #include "shape_mixer.h"
@@ -69,11 +70,15 @@ bool InstantSolver::make(const arm::Arm& arm, const std::vector<Present>& effect
   if (given != nullptr) {
     fine.actuate(arm, *given, *given, out);
   } else {
-    const auto predictions = softarm::arm::predict(arm, input_values(instant.inputs));
+    auto predictions = softarm::arm::predict(arm, input_values(instant.inputs));
     if (!predictions) return false;
     const bool same = instant.inputs == instant.moment_inputs;
-    const auto moments = same ? predictions : softarm::arm::predict(arm, input_values(instant.moment_inputs));
+    auto moments = same ? predictions : softarm::arm::predict(arm, input_values(instant.moment_inputs));
     if (!moments) return false;
+    for (std::size_t i = 0; i < instant.kept_back.size(); ++i) {
+      softarm::arm::take_off(instant.kept_back[i], (*predictions)[i]);
+      softarm::arm::take_off(instant.kept_back[i], (*moments)[i]);
+    }
     fine.actuate(arm, *predictions, *moments, out);
   }
   for (std::size_t i = 0; i < effects.size(); ++i)

@@ -51,9 +51,10 @@ void MismatchMonitor::Impl::add(const trial::Frame& frame, const estimate::Estim
   mismatch.stamp_s = frame.stamp_s;
   if (last_step_s && frame.stamp_s - *last_step_s > kPolicy.window.stale_s) mismatch.valid = false;
   note_payload(frame);
+  predictions = predict(arm, frame.inputs);
+  if (predictions) memory.follow(frame.stamp_s, frame.inputs, *predictions);
   if (estimate.status != estimate::Status::kOk || estimate.backbone.size() < kFewestPoints) return;
 
-  predictions = predict(arm, frame.inputs);
   const bool laws = predictions.has_value();
   if (laws != had_laws) {
     window.reset();

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "arm/wall_memory.h"
 #include "monitor_changes.h"
 #include "monitor_reference.h"
 #include "monitor_shape.h"
@@ -26,6 +27,7 @@ struct Past {
 struct MismatchMonitor::Impl {
   Impl(const arm::Arm& arm_in, const MismatchMonitorParams& params_in)
       : arm(arm_in),
+        memory(arm),
         params(params_in),
         shape(arm),
         window(arm.bodies.size()),
@@ -64,6 +66,7 @@ struct MismatchMonitor::Impl {
   MismatchAxis axis_of(const Eigen::Vector3d& displacement, int body) const;
 
   arm::Arm arm;
+  arm::LawMemory memory;  ///< of the walls
   MismatchMonitorParams params;
   MonitorShape shape;
   MonitorWindow window;

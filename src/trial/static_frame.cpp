@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "arm/wall_memory.h"
 #include "softarm/arm/laws.h"
 
 namespace softarm::trial {
@@ -18,11 +19,17 @@ class Preparer {
  public:
   Preparer(const arm::Arm& arm, const std::vector<InputSeries>& inputs,
            std::map<std::string, std::uint64_t>& left_out)
-      : arm_(arm), inputs_(inputs), left_out_(left_out) {}
+      : arm_(arm), inputs_(inputs), left_out_(left_out) {
+    if (arm::has_wall(arm)) drive_ = std::make_shared<DriveRecord>();
+  }
 
   std::optional<StaticFrame> prepare(const Frame& frame) {
     StaticFrame out;
     out.stamp_s = frame.stamp_s;
+    out.inputs = inputs_of(frame);
+    const bool predicted = predict(arm_, out.inputs).has_value();
+    if (predicted) record(out);
+    out.drive = drive_;
     const std::optional<double> payload = frame.payload_kg ? frame.payload_kg : arm_.payload.default_kg;
     if (!payload || !std::isfinite(*payload)) return leave_out("payload not known");
     out.payload_kg = *payload;
@@ -35,8 +42,7 @@ class Preparer {
     const Eigen::Isometry3d& base = arm_.base.body ? base_ : arm_.base.fixed_pose;
     out.gravity_base = base.linear().transpose() * arm_.gravity_m_s2;
     out.q_base_mocap = Eigen::Quaterniond(base.linear()).conjugate();
-    out.inputs = inputs_of(frame);
-    if (!predict(arm_, out.inputs)) return leave_out("inputs missing or beyond the laws");
+    if (!predicted) return leave_out("inputs missing or beyond the laws");
     const Eigen::Isometry3d to_base = base.inverse();
     for (const BodyObservation& seen : frame.bodies) add_body(seen, to_base, out);
     if (out.bodies.empty()) return leave_out("no body seen");
@@ -47,6 +53,13 @@ class Preparer {
   std::optional<StaticFrame> leave_out(const char* reason) {
     ++left_out_[reason];
     return std::nullopt;
+  }
+
+  /// Of a clock that went back the wall knows nothing: those frames count as one.
+  void record(const StaticFrame& frame) {
+    if (!drive_ || (!drive_->stamp_s.empty() && !(frame.stamp_s > drive_->stamp_s.back()))) return;
+    drive_->stamp_s.push_back(frame.stamp_s);
+    drive_->inputs.push_back(frame.inputs);
   }
 
   arm::InputValues inputs_of(const Frame& frame) const {
@@ -83,6 +96,7 @@ class Preparer {
   std::map<std::string, std::uint64_t>& left_out_;
   Eigen::Isometry3d base_ = Eigen::Isometry3d::Identity();  ///< of the rod, when last seen
   bool base_seen_ = false;
+  std::shared_ptr<DriveRecord> drive_;
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +23,12 @@ struct SeenBody {
   bool used = true;                             ///< false: set aside as an outlier
 };
 
+/// Inputs of all frames of a trial that have them, for walls, which remember: they go straight in between.
+struct DriveRecord {
+  std::vector<double> stamp_s;  ///< increasing
+  std::vector<arm::InputValues> inputs;
+};
+
 /// One frame of which only the shape is not prescribed.
 struct StaticFrame {
   std::size_t trial = 0;
@@ -31,6 +38,8 @@ struct StaticFrame {
   Eigen::Vector3d gravity_base = Eigen::Vector3d::Zero();
   Eigen::Quaterniond q_base_mocap = Eigen::Quaterniond::Identity();  ///< turns mocap's axes into the base's
   std::vector<SeenBody> bodies;
+  /// Of its trial, up to it and beyond, its own stamp among them; null where no segment has a wall.
+  std::shared_ptr<const DriveRecord> drive = nullptr;
 };
 
 /// All frames of a trial whose payload, base and inputs are known and that show a body, in the rod's base

@@ -59,8 +59,16 @@ class FrameMaker {
   /// Nothing where the arm has no stable equilibrium or its tip bends beyond 150 degrees.
   std::optional<trial::Frame> make(const arm::InputValues& inputs, double payload_kg,
                                    const Eigen::Isometry3d& rod_base) {
-    const auto laws = predict(arm_, inputs);
+    return make_lagging(inputs, payload_kg, rod_base, Eigen::Vector3d::Zero());
+  }
+
+  /// @param lag curvature (x, y) and length of the first segment that are still to come
+  std::optional<trial::Frame> make_lagging(const arm::InputValues& inputs, double payload_kg,
+                                           const Eigen::Isometry3d& rod_base, const Eigen::Vector3d& lag) {
+    auto laws = predict(arm_, inputs);
     if (!laws) return std::nullopt;
+    laws->front().curvature_per_m -= lag.head<2>();
+    laws->front().length_m -= lag.z();
     rod::actuate(arm_, *laws, rod_);
     for (std::size_t i = 0; i < arm_.segments.size(); ++i)
       rod_.segments[i].rest_curvature_per_m = arm_.segments[i].rest_curvature_per_m;

@@ -166,6 +166,29 @@ struct Saturation {
   std::optional<double> chambers_per_pa, tendons_per_n, cables_per_rad;  ///< b
 };
 
+/// One Kelvin-Voigt element of a segment's wall.
+struct WallElement {
+  double time_s = 1.0;  ///< time constant without pressure
+  double share = 0.0;   ///< of what the static laws say, that comes with this time
+};
+
+/// A viscoelastic wall: of the curvature and length that the static laws give for the inputs, shares come
+/// late. With u(t) what those laws say, curvature M0 / EI + that of cables, or length, an arm whose loads
+/// are taken out has
+///   u - sum_j share_j (u - w_j),  tau_j w_j' = u - w_j,
+///   tau_j = time_j (1 + slows_per_pa * mean of the segment's gauge pressures above zero).
+/// The laws thus mean what is reached when all has crept; at once comes 1 - sum_j share_j of it. What loads
+/// make creep is not in it. A recording begins with w_j(0) = u(0) + an error of standard deviation
+/// initial_..., which is forgotten with tau_j.
+struct Wall {
+  std::vector<WallElement> bending, axial;
+  std::optional<double> slows_per_pa = {};
+  std::optional<double> initial_curvature_sd_per_m = {};  ///< absent: see wall_start_sd()
+  std::optional<double> initial_length_sd_m = {};
+
+  bool empty() const { return bending.empty() && axial.empty(); }
+};
+
 /// A factor on the segment's stiffness at a fraction of its length (piecewise linear in between).
 struct StiffnessKnot {
   double fraction = 0.0;  ///< s / length, 0 ... 1
@@ -200,6 +223,7 @@ struct Segment {
   std::vector<Tendon> tendons;
   std::vector<Cable> cables;
   std::optional<Material> material;  ///< absent: linear, moduli do not change with stretch
+  Wall wall;                         ///< empty: what the laws say comes at once
   Range bending_stiffness_range_nm2{1e-4, 10.0};
   Range length_range_m{0.0, 0.0};
 };

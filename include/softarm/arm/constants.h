@@ -30,9 +30,14 @@ enum class ConstantKind {
   kPerAngle,            ///< N m^2 / rad
   kPerJammingPressure,  ///< b3, N m^2 / Pa
   kJointCompliance,     ///< of the joint at a segment's start, rad / (N m)
-  kAxialStiffness,      ///< EA, N
-  kLength,              ///< backbone length at zero input, m
-  kRestCurvatureX,      ///< u*_x, a turn about the section's x axis, 1 / m
+  kWallBendingTime,     ///< of an element of Wall, s
+  kWallBendingShare,
+  kWallAxialTime,
+  kWallAxialShare,
+  kWallSlowing,     ///< Wall::slows_per_pa, 1 / Pa
+  kAxialStiffness,  ///< EA, N
+  kLength,          ///< backbone length at zero input, m
+  kRestCurvatureX,  ///< u*_x, a turn about the section's x axis, 1 / m
   kRestCurvatureY,
 };
 
@@ -43,6 +48,7 @@ enum class ConstantRole {
   kBendingStiffness,       ///< an EI
   kBendingStiffnessSlope,  ///< EI per input; that there is none is common
   kJoint,                  ///< compliance of a joint; that there is none is common
+  kWall,                   ///< of a wall's element; that there is none is common
   kAxialStiffness,         ///< EA
   kOther,
 };
@@ -64,7 +70,9 @@ SOFTARM_EXPORT std::vector<int> segments_of(const ConstantRef& constant);
 /// "segment_1.bending_stiffness.base", ".per_min_pressure", ".per_jamming_pressure", ".by_pressure.3",
 /// ".per_mean_pressure", ".per_chamber_2", ".per_tension", ".per_angle", "segment_1.chamber_2.saturation",
 /// "segment_1.chambers.saturation" (of all together; tendons and cables alike), "segment_1.tendon_1.offset",
-/// "segment_1.cable_1.curvature_gain", "segment_1.joint_compliance", "segment_1.axial_stiffness",
+/// "segment_1.cable_1.curvature_gain", "segment_1.joint_compliance", "segment_1.wall.bending_1.time",
+/// ".wall.bending_1.share", ".wall.axial_1.time", ".wall.axial_1.share", ".wall.slowing",
+/// "segment_1.axial_stiffness",
 /// "segment_1.length", "segment_1.rest_curvature.x". Tied ones: "segment_1=segment_2.bending_stiffness.base".
 SOFTARM_EXPORT std::string name_of(const Arm& arm, const ConstantRef& constant);
 /// SI, as a person writes it: "N m/Pa".

@@ -156,6 +156,15 @@ struct Combination {
   std::string sentence;
 };
 
+/// How a trial found one element of a wall, see arm::Wall: what it had beyond the laws' value at the inputs
+/// of the trial's first frame.
+struct WallStart {
+  std::string trial, segment;
+  std::string element;  ///< "bending_1.x", "bending_1.y", "axial_1"
+  std::string unit;     ///< "1/m" or "m"
+  double value = 0.0, sd = 0.0;
+};
+
 struct TrialSummary {
   std::string name;
   bool held_out = false;
@@ -173,6 +182,7 @@ struct Result {
   ShapeError fitted_before, fitted;      ///< on the trials that were fitted
   ShapeError held_out_before, held_out;  ///< on those that were not; no frames where none were held out
   std::vector<TrialSummary> trials;
+  std::vector<WallStart> starts;  ///< of the trials that were fitted; empty where no segment has a Wall
   /// With Options::leave_one_out each trial by the fit to the others, and all of them together.
   std::vector<TrialSummary> left_out_one;
   ShapeError left_out_one_before, left_out_one_after;
