@@ -45,7 +45,13 @@ class LawModel {
   void derivative_by_laws(const trial::StaticFrame& frame, Eigen::MatrixXd& dp,
                           Eigen::MatrixXd& dtangent) const;
 
+  /// Derivative of the segments' laws by the frame's inputs, over these steps to either side; a step of 0, an
+  /// absent input and one that the laws do not allow give 0.
+  Eigen::MatrixXd laws_by_inputs(const trial::StaticFrame& frame, const Eigen::VectorXd& steps) const;
+
  private:
+  /// Prediction::laws of inputs, or nothing where they have no value.
+  std::optional<Eigen::VectorXd> laws_of(const arm::InputValues& inputs) const;
   bool apply(const trial::StaticFrame& frame);
   /// Adds what a constant does to the laws of one of its segments.
   bool differentiate(const arm::InputReader& inputs, int column, int segment);
