@@ -93,20 +93,28 @@ ScalarInput read_source(const Section& section, InputKind kind) {
   return input;
 }
 
+/// What a value may be off by; in the unit of the values, which is known by now.
+void read_errors(const Section& section, ScalarInput* input) {
+  input->zero_si = section.number("zero") * input->scale_to_si;
+  const double size = std::abs(input->scale_to_si);  // a count may turn the other way
+  if (section.has("noise_sd")) input->noise_sd_si = section.number("noise_sd") * size;
+  input->zero_sd_si = section.number("zero_sd") * size;
+}
+
 ScalarInput read_pressure(const Section& section) {
   ScalarInput input =
       read_source(section, section.flag("vacuum") ? InputKind::kVacuum : InputKind::kPressure);
   input.scale_to_si = pascals_per(section.word("unit"));
   input.reference =
       section.word("reference") == "gauge" ? PressureReference::kGauge : PressureReference::kAbsolute;
-  input.zero_si = section.number("zero") * input.scale_to_si;
+  read_errors(section, &input);
   return input;
 }
 
 ScalarInput read_tension(const Section& section) {
   ScalarInput input = read_source(section, InputKind::kTension);
   input.scale_to_si = newtons_per(section.word("unit"));
-  input.zero_si = section.number("zero") * input.scale_to_si;
+  read_errors(section, &input);
   return input;
 }
 
@@ -119,7 +127,7 @@ ScalarInput read_angle(const Section& section) {
   } else {
     input.scale_to_si = radians_per(section.word("unit"));
   }
-  input.zero_si = section.number("zero") * input.scale_to_si;
+  read_errors(section, &input);
   return input;
 }
 

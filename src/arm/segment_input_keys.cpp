@@ -133,6 +133,17 @@ constexpr char kStampMeaning[] =
 constexpr char kLatencyMeaning[] =
     "subtracted from every stamp (the header's, or that of receipt): delay, and what that clock is ahead";
 
+KeySpec noise_sd_key() {
+  return number("noise_sd", "", kAbsent, 0, 1e6,
+                "standard deviation of one value's noise, in that unit, for identify; absent: as measured "
+                "from the recording");
+}
+
+KeySpec zero_sd_key() {
+  return number("zero_sd", "", "0", 0, 1e6,
+                "standard deviation of what zero is off by, in that unit: identify fits one per trial");
+}
+
 KeySpec between_key() {
   return word(
       "between", {"sampled", "held"}, kAbsent,
@@ -202,6 +213,7 @@ const KeyTable& pressure_input_keys() {
        word("unit", {"Pa", "kPa", "MPa", "bar", "mbar", "psi"}, "Pa", "unit of the values"),
        word("reference", {"absolute", "gauge"}, "absolute", "zero of the values: vacuum or ambient"),
        number("zero", "", "0", -1e7, 1e7, "what the sensor shows too much, in that unit; it is subtracted"),
+       noise_sd_key(), zero_sd_key(),
        flag("vacuum", "false", "evacuates a jamming core: the value used is ambient minus absolute"),
        number("latency_s", "s", "0", -3600, 3600, kLatencyMeaning), between_key()}};
   return table;
@@ -231,6 +243,8 @@ const KeyTable& tension_input_keys() {
     KeyTable keys{"inputs.tensions[]", number_topic_keys("tendons")};
     keys.keys.push_back(word("unit", {"N", "mN", "kgf", "gf"}, "N", "unit of the values"));
     keys.keys.push_back(number("zero", "", "0", -1e6, 1e6, "value when the tendon is slack, in that unit"));
+    keys.keys.push_back(noise_sd_key());
+    keys.keys.push_back(zero_sd_key());
     return keys;
   }();
   return table;
@@ -245,6 +259,8 @@ const KeyTable& angle_input_keys() {
                "instead of unit: rad per count, say of a PWM; negative where it turns the other way"));
     keys.keys.push_back(
         number("zero", "", "0", -1e6, 1e6, "value when the arm is straight, in that unit or in counts"));
+    keys.keys.push_back(noise_sd_key());
+    keys.keys.push_back(zero_sd_key());
     return keys;
   }();
   return table;

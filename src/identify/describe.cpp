@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "advice.h"
+#include "input_report.h"
 #include "softarm/identify/identify.h"
 
 namespace softarm::identify {
@@ -176,6 +177,7 @@ std::string describe(const Result& result) {
       "alone\n",
       result.frames, result.bodies, result.iterations, result.converged ? "" : " (NOT converged)",
       result.misfit, 1e3 * result.position_rms_m, result.autocorrelation, result.uncertainty_factor);
+  text += describe_input_errors(result);
   for (const auto& [reason, count] : result.left_out)
     text += fmt::format("left out: {} frames: {}\n", count, reason);
   for (const auto& [body, count] : result.bodies_set_aside)

@@ -13,6 +13,7 @@
 #include "choose_frames.h"
 #include "compare_frames.h"
 #include "effect_lines.h"
+#include "input_report.h"
 #include "joint_fit.h"
 #include "law_errors.h"
 #include "limits.h"
@@ -374,11 +375,15 @@ Result fit_of(const arm::Arm& arm, const std::vector<trial::Trial>& trials, Effe
   for (Eigen::Index j = 0; j < scale.size(); ++j) scale[j] = constants[static_cast<std::size_t>(j)].scale;
   JointProblem problem(arm, constants, frames.fitted, options);
   if (lines != nullptr) problem.add(lines->line(constants, frames.fitted));
+  const bool exact = lines != nullptr || options.exact_inputs;
+  const SensorErrors errors = exact ? SensorErrors() : sensor_errors(arm, trials);
+  problem.add(errors);
   const Solution solution = solve(problem, constants, frames.fitted, [&](int iteration) {
     report(0.05 + 0.75 * iteration / (iteration + 10.0));
   });
   count_used(arm, solution.fit, frames.fitted, result);
   set_constants(arm, constants, conditions, solution, scale, result);
+  report_input_errors(arm, trials, errors, problem, scale, result);
   problem.model().set(solution.fit.theta);
   judge(arm, frames.fitted, solution.sure, scale, options.determined_sd,
         near_buckling(problem.model(), frames.fitted), result);

@@ -17,6 +17,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr int kPasses = 8;
+constexpr int kPassesOfInputs = 25;  // with errors of inputs, whose estimate follows that of the constants
 // The prior that holds what is not determined: about the start, in scales, and wider by what was moved
 // already.
 constexpr double kWeakSd = 1.0;
@@ -65,7 +66,10 @@ class JointProblem::BlockCost : public ceres::CostFunction {
     set_num_residuals(3);
     mutable_parameter_block_sizes()->push_back(static_cast<int>(problem.constants_.size()));
     const auto starts = static_cast<int>(problem.model_.start_sd().size());
-    if (starts > 0) mutable_parameter_block_sizes()->push_back(starts);
+    has_starts_ = starts > 0;
+    if (has_starts_) mutable_parameter_block_sizes()->push_back(starts);
+    if (problem.has_zeros())
+      mutable_parameter_block_sizes()->push_back(static_cast<int>(problem.errors_.zero_sd.size()));
   }
   bool Evaluate(double const* const*, double* residuals, double** jacobians) const override {
     if (!callback_.valid()) return false;
@@ -76,7 +80,8 @@ class JointProblem::BlockCost : public ceres::CostFunction {
                                                                             jacobian.cols()) = jacobian;
     };
     write(0, problem_.jacobian(block_));
-    if (parameter_block_sizes().size() > 1) write(1, problem_.jacobian_by_start(block_));
+    if (has_starts_) write(1, problem_.jacobian_by_start(block_));
+    if (problem_.has_zeros()) write(has_starts_ ? 2 : 1, problem_.jacobian_by_zero(block_));
     return true;
   }
 
@@ -84,6 +89,7 @@ class JointProblem::BlockCost : public ceres::CostFunction {
   const JointProblem& problem_;
   const Callback& callback_;
   const ResidualBlock block_;
+  bool has_starts_ = false;
 };
 
 namespace {
@@ -146,8 +152,12 @@ void JointProblem::set_starts() {
 bool JointProblem::evaluate_frame(std::size_t i, bool cold) {
   if (cold) equilibria_[i].reset();
   Prediction& predicted = predictions_[i];
-  solved_[i] = model_.predict(frames_[i], equilibria_[i], predicted);
-  if (!solved_[i] || line_.frames.empty()) return solved_[i];
+  solved_[i] = model_.predict(inputs_.empty() ? frames_[i] : inputs_[i].frame(), equilibria_[i], predicted);
+  if (!solved_[i]) return false;
+  if (line_.frames.empty()) {
+    reduce(i);
+    return true;
+  }
   const Slopes& slopes = line_.frames[i];
   const VectorXd way = model_.theta() - line_.about;
   Eigen::Map<VectorXd>(predicted.p.data(), predicted.p.size()) += slopes.p * way;
@@ -172,6 +182,7 @@ double JointProblem::sd(const ResidualBlock& block) const {
 }
 
 Vector3d JointProblem::residual(const ResidualBlock& block) const {
+  if (!inputs_.empty()) return reduced_[block.frame].segment<3>(6 * block.body + (block.tangent ? 3 : 0));
   const trial::SeenBody& seen = frames_[block.frame].bodies[static_cast<std::size_t>(block.body)];
   const Prediction& predicted = predictions_[block.frame];
   if (block.tangent) return (predicted.tangent.col(block.body) - *seen.tangent_base) / sd(block);
@@ -179,6 +190,13 @@ Vector3d JointProblem::residual(const ResidualBlock& block) const {
 }
 
 Eigen::MatrixXd JointProblem::jacobian(const ResidualBlock& block) const {
+  if (!inputs_.empty()) {
+    const int row = 6 * block.body + (block.tangent ? 3 : 0);
+    Eigen::MatrixXd by_x = inputs_[block.frame].whitening().middleRows(row, 3) * rows_by_x(block.frame);
+    const auto zeros = zeros_by_x_.find(frames_[block.frame].trial);
+    if (zeros != zeros_by_x_.end()) by_x -= jacobian_by_zero(block) * zeros->second;
+    return by_x;
+  }
   const Prediction& predicted = predictions_[block.frame];
   const auto& by_theta = block.tangent ? predicted.dtangent : predicted.dp;
   return by_theta.middleRows(3 * block.body, 3) * scale_.asDiagonal() / sd(block);
@@ -252,6 +270,7 @@ bool JointProblem::minimise(VectorXd& x, const std::function<void(int)>& progres
       loss = std::make_unique<ceres::HuberLoss>(kHuber * scale_of(body, block.tangent));
     std::vector<double*> unknowns{x.data()};
     if (!starts_.empty()) unknowns.push_back(starts_.at(frames_[block.frame].trial).data());
+    if (has_zeros()) unknowns.push_back(zeros_[frames_[block.frame].trial].data());
     problem.AddResidualBlock(new BlockCost(*this, callback, block), loss.get(), unknowns);
   }
   for (auto& [trial, walls] : starts_) {
@@ -266,6 +285,12 @@ bool JointProblem::minimise(VectorXd& x, const std::function<void(int)>& progres
     sd[j] = kKeptSd;
   }
   problem.AddResidualBlock(new WeakPrior(start, sd), nullptr, x.data());
+  zeros_by_x_.clear();
+  for (auto& [trial, zero] : zeros_) {
+    const VectorXd none = VectorXd::Zero(zero.size());
+    problem.AddResidualBlock(new WeakPrior(none, VectorXd::Constant(zero.size(), 1.0 / misfit())), nullptr,
+                             zero.data());
+  }
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = options_.max_iterations;
   options.max_num_consecutive_invalid_steps = 30;
@@ -291,7 +316,8 @@ JointFit JointProblem::solve(const std::function<void(int)>& progress) {
         "the arm as described has no equilibrium under the load of any frame; check its "
         "stiffness, mass and attitude, and the payload");
   measure_scales();
-  for (int pass = 0; pass < kPasses; ++pass) {
+  update_inputs();
+  for (int pass = 0; pass < (inputs_.empty() ? kPasses : kPassesOfInputs); ++pass) {
     VectorXd x = theta.cwiseQuotient(scale_);
     fit.converged = minimise(x, progress);
     theta = x.cwiseProduct(scale_);
@@ -302,7 +328,8 @@ JointFit JointProblem::solve(const std::function<void(int)>& progress) {
     retry_cold(kGross * position_scale_);
     active_ = solved_;
     measure_scales();
-    bool changed = options_.robust && set_outliers_aside();
+    bool changed = update_inputs();
+    changed = (options_.robust && set_outliers_aside()) || changed;
     changed = changed || active_ != before;
     // The scales decide what Huber's loss bounds: they have settled when they change no more.
     const auto moved = [](double now, double then) { return std::abs(now - then) > 0.02 * then; };
@@ -315,6 +342,7 @@ JointFit JointProblem::solve(const std::function<void(int)>& progress) {
     }
     if (!changed && pass > 0) break;
   }
+  if (has_zeros()) eliminate_zeros();
   fit.theta = theta;
   for (const auto& [trial, start] : starts_) fit.starts[trial] = start.cwiseProduct(model_.start_sd());
   fit.iterations = iterations_;

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "input_errors.h"
 #include "law_model.h"
 #include "softarm/identify/identify.h"
 
@@ -55,6 +56,17 @@ struct JointFit {
   std::map<int, std::uint64_t> beyond_the_model;
 };
 
+/// What the noise of one input does: mean squares over the rows of positions.
+struct NoiseAtBodies {
+  std::vector<double> square_m2;  ///< by input
+  double all_m2 = 0.0;
+};
+
+/// The zeros of one trial's sensors, over their zero_sd.
+struct TrialZeros {
+  Eigen::VectorXd value, sd;  ///< by input
+};
+
 class JointProblem {
  public:
   /// @param frames bodies are set aside in it as outliers
@@ -67,6 +79,18 @@ class JointProblem {
   /// Adds what else changes in the frames where the constants leave those of the line.
   void add(Line line) { line_ = std::move(line); }
 
+  /// Takes noise and zeros of the inputs for unknowns.
+  void add(SensorErrors errors);
+  NoiseAtBodies noise_at_bodies() const;
+  /// By trial, as of the fit's end. @param covariance of the constants, in x; @param factor of standard
+  /// deviations
+  std::map<std::size_t, TrialZeros> zeros(const Eigen::MatrixXd& covariance, double factor) const;
+  /// Direction cosines between what the zeros, alike in all trials, and what the constants do: inputs x
+  /// constants.
+  Eigen::MatrixXd alike() const;
+  /// What the prior of the zeros adds to the information about x.
+  const Eigen::MatrixXd& information_of_zeros() const { return information_of_zeros_; }
+
   /// From now on the constant keeps its start, or does so no more; for another solve().
   void keep(int constant, bool kept) { constants_[static_cast<std::size_t>(constant)].kept = kept; }
 
@@ -75,8 +99,8 @@ class JointProblem {
   /// Residual of a block at the last evaluation, whitened.
   Eigen::Vector3d residual(const ResidualBlock& block) const;
   /// Predicted less measured, m; of blocks that are positions.
-  Eigen::Vector3d position_error_m(const ResidualBlock& block) const { return residual(block) * sd(block); }
-  /// Its derivative by x.
+  Eigen::Vector3d position_error_m(const ResidualBlock& block) const;
+  /// Its derivative by x, with the zeros following where there are such.
   Eigen::MatrixXd jacobian(const ResidualBlock& block) const;
   /// Its derivative by the state of the walls at the beginning of its trial, in standard deviations; no
   /// columns where no segment has a wall.
@@ -103,6 +127,16 @@ class JointProblem {
   void set_starts();
   bool minimise(Eigen::VectorXd& x, const std::function<void(int)>& progress);
   bool evaluate_frame(std::size_t i, bool cold);
+  // joint_fit_inputs.cpp
+  Eigen::VectorXd rows(
+      std::size_t frame) const;  ///< predicted less measured over sd, as FrameInputs has them
+  Eigen::MatrixXd rows_by_x(std::size_t frame) const;
+  void reduce(std::size_t frame);
+  bool update_inputs();
+  double misfit() const;
+  bool has_zeros() const { return errors_.any() && errors_.zero_sd.any(); }
+  Eigen::MatrixXd jacobian_by_zero(const ResidualBlock& block) const;
+  void eliminate_zeros();
 
   const arm::Arm& arm_;
   std::vector<FreeConstant> constants_;
@@ -120,6 +154,12 @@ class JointProblem {
   double position_scale_ = 1.0, tangent_scale_ = 1.0;
   std::map<int, double> body_scale_[2];  ///< of positions, of tangents
   int iterations_ = 0;
+  SensorErrors errors_;                           ///< of no size: inputs are exact
+  std::vector<FrameInputs> inputs_;               ///< per frame; empty: the same
+  std::vector<Eigen::VectorXd> reduced_;          ///< per frame: whitened, as FrameInputs has its rows
+  std::map<std::size_t, Eigen::VectorXd> zeros_;  ///< by trial, over zero_sd
+  std::map<std::size_t, Eigen::MatrixXd> zeros_by_x_, zeros_information_;  ///< by trial
+  Eigen::MatrixXd information_of_zeros_;
 };
 
 }  // namespace softarm::identify

@@ -221,6 +221,33 @@ bool LawModel::predict(const trial::StaticFrame& frame, std::optional<model::Equ
   return true;
 }
 
+std::optional<Eigen::VectorXd> LawModel::laws_of(const arm::InputValues& inputs) const {
+  Eigen::VectorXd laws(kLaws * static_cast<int>(arm_.segments.size()));
+  for (std::size_t i = 0; i < arm_.segments.size(); ++i) {
+    const auto response = arm::respond(arm_.segments[i], arm::InputReader(arm_, inputs));
+    if (!response) return std::nullopt;
+    const Eigen::Vector2d moment = response->prediction.actuation_nm();
+    laws.segment<kLaws>(kLaws * static_cast<int>(i)) << moment.x(), moment.y(),
+        std::log(response->prediction.bending_stiffness_nm2), response->prediction.length_m;
+  }
+  return laws;
+}
+
+Eigen::MatrixXd LawModel::laws_by_inputs(const trial::StaticFrame& frame,
+                                         const Eigen::VectorXd& steps) const {
+  Eigen::MatrixXd by = Eigen::MatrixXd::Zero(kLaws * static_cast<int>(arm_.segments.size()), steps.size());
+  for (int k = 0; k < steps.size(); ++k) {
+    const auto input = static_cast<std::size_t>(k);
+    if (!(steps[k] > 0.0) || input >= frame.inputs.size() || !frame.inputs[input]) continue;
+    arm::InputValues low = frame.inputs, high = frame.inputs;
+    low[input] = *low[input] - steps[k];
+    high[input] = *high[input] + steps[k];
+    const auto before = laws_of(low), after = laws_of(high);
+    if (before && after) by.col(k) = (*after - *before) / (2.0 * steps[k]);
+  }
+  return by;
+}
+
 void LawModel::derivative_by_laws(const trial::StaticFrame& frame, Eigen::MatrixXd& dp,
                                   Eigen::MatrixXd& dtangent) const {
   const int columns = kLaws * static_cast<int>(laws_.size());

@@ -54,12 +54,18 @@ class LawModel {
   void derivative_by_laws(const trial::StaticFrame& frame, Eigen::MatrixXd& dp,
                           Eigen::MatrixXd& dtangent) const;
 
+  /// Derivative of the segments' laws by the frame's inputs, over these steps to either side; a step of 0, an
+  /// absent input and one that the laws do not allow give 0.
+  Eigen::MatrixXd laws_by_inputs(const trial::StaticFrame& frame, const Eigen::VectorXd& steps) const;
+
  private:
   /// What the walls keep back at each frame of a trial's record: of all segments, one below the other.
   struct Walk {
     std::vector<Eigen::VectorXd> lag;
     std::vector<Eigen::MatrixXd> by, by_start;
   };
+  /// Prediction::laws of inputs, or nothing where they have no value.
+  std::optional<Eigen::VectorXd> laws_of(const arm::InputValues& inputs) const;
   bool apply(const trial::StaticFrame& frame);
   const Walk& walk(const trial::StaticFrame& frame);
   bool walk_segment(std::size_t segment, const trial::DriveRecord& record, const Eigen::VectorXd& start,

@@ -31,6 +31,20 @@ Json json_of(const std::vector<TrialSummary>& trials) {
   return list;
 }
 
+Json json_of(const InputErrors& one) {
+  Json json{{"input", one.input},
+            {"unit", one.unit},
+            {"noise_sd", one.noise_sd},
+            {"stated", one.stated},
+            {"at_bodies_m", one.at_bodies_m},
+            {"zero_sd", one.zero_sd}};
+  json["zeros"] = Json::array();
+  for (const FittedZero& zero : one.zeros)
+    json["zeros"].push_back({{"trial", zero.trial}, {"value", zero.value}, {"sd", zero.sd}});
+  json["confused_with"] = one.confused_with;
+  return json;
+}
+
 Json parts_of(const std::vector<std::pair<std::string, double>>& list) {
   Json object = Json::object();
   for (const auto& [name, value] : list) object[name] = value;
@@ -105,6 +119,9 @@ std::string to_json(const Result& result) {
                  {"position_rms_m", result.position_rms_m},
                  {"autocorrelation_frames", result.autocorrelation},
                  {"uncertainty_factor", result.uncertainty_factor}};
+  json["fit"]["noise_share"] = result.noise_share;
+  json["inputs"] = Json::array();
+  for (const InputErrors& one : result.input_errors) json["inputs"].push_back(json_of(one));
   json["left_out"] = result.left_out;
   json["bodies_set_aside"] = result.bodies_set_aside;
   json["beyond_the_model"] = result.beyond_the_model;

@@ -158,6 +158,7 @@ Sums sum_up(const JointProblem& problem, const std::vector<ResidualBlock>& block
   sums.information = MatrixXd::Zero(constants, constants);
   for (const auto& [trial, cluster] : sums.clusters) sums.information += cluster.information;
   give_to_starts(sums);
+  if (problem.information_of_zeros().size() > 0) sums.information += problem.information_of_zeros();
   return sums;
 }
 

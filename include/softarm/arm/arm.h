@@ -60,7 +60,9 @@ struct ScalarInput {
   double zero_si = 0.0;      ///< subtracted from every value: the reading at which it does not drive the arm
   PressureReference reference = PressureReference::kAbsolute;  ///< of pressures
   double latency_s = 0.0;  ///< stamp minus the instant that it means: delay and what its clock is ahead
-  std::optional<Between> between;  ///< absent: what the rhythm of its samples says
+  std::optional<Between> between;     ///< absent: what the rhythm of its samples says
+  std::optional<double> noise_sd_si;  ///< of one value; absent: as measured from the recording
+  double zero_sd_si = 0.0;            ///< what zero_si may be off by, another in each trial; 0: it is right
 };
 
 /// Where poses or points of bodies come from, and what turns them into metres in the mocap frame.

@@ -125,6 +125,8 @@ struct Options {
   bool robust = true;
   /// A constant is determined at this standard deviation or better, as a share of its scale, see Constant.
   double determined_sd = 0.25;
+  /// Inputs are taken as they were recorded; false: with their sensors' noise and zeros, see InputErrors.
+  bool exact_inputs = false;
   int max_iterations = 60;  ///< per pass
 };
 
@@ -165,6 +167,26 @@ struct WallStart {
   double value = 0.0, sd = 0.0;
 };
 
+/// The zero of one sensor in one trial, fitted beside the constants.
+struct FittedZero {
+  std::string trial;
+  double value = 0.0, sd = 0.0;  ///< what the sensor shows too much, in SI as ScalarInput::zero_si
+};
+
+/// What one sensor is off by, and what that does to the bodies.
+struct InputErrors {
+  std::string input;
+  std::string unit;          ///< SI: Pa, N, rad
+  double noise_sd = 0.0;     ///< of one value; over the trials, rms
+  bool stated = false;       ///< by the arm file; else measured from the recordings
+  double at_bodies_m = 0.0;  ///< what the noise makes of predicted bodies, rms per coordinate
+  double zero_sd = 0.0;      ///< stated; 0: the zero is taken to be right
+  std::vector<FittedZero> zeros;
+  /// Free constants that do what the zero does (of direction cosine 0.9 or more): it cannot be told from
+  /// them.
+  std::vector<std::string> confused_with;
+};
+
 struct TrialSummary {
   std::string name;
   bool held_out = false;
@@ -188,12 +210,14 @@ struct Result {
   ShapeError left_out_one_before, left_out_one_after;
 
   arm::LawPrior prior;
-  double misfit = 0.0;                            ///< sqrt(chi^2 / dof): rms residual over the stated noise
-  double position_rms_m = 0.0;                    ///< per coordinate, of the fitted bodies
-  double autocorrelation = 1.0;                   ///< number of consecutive fitted frames that are worth one
-  double uncertainty_factor = 1.0;                ///< typical sd over that of noise alone
-  std::size_t frames = 0, bodies = 0;             ///< fitted
-  std::map<std::string, std::uint64_t> left_out;  ///< frames not used, by reason
+  double misfit = 0.0;                    ///< sqrt(chi^2 / dof): rms residual over the stated noise
+  double position_rms_m = 0.0;            ///< per coordinate, of the fitted bodies
+  double autocorrelation = 1.0;           ///< number of consecutive fitted frames that are worth one
+  std::vector<InputErrors> input_errors;  ///< of inputs that move a body and are off by something
+  double noise_share = 0.0;  ///< of the mean square of position_rms_m: what noise of the inputs explains
+  double uncertainty_factor = 1.0;                        ///< typical sd over that of noise alone
+  std::size_t frames = 0, bodies = 0;                     ///< fitted
+  std::map<std::string, std::uint64_t> left_out;          ///< frames not used, by reason
   std::map<std::string, std::uint64_t> bodies_set_aside;  ///< observations dropped as outliers, by body
   /// Observations as far off as an outlier, but so many of the body's (more than a tenth) that the model is
   /// wrong there, not the frames: they are kept. By body.

@@ -239,6 +239,8 @@ void add_identify(CLI::App& program) {
   command->add_flag("--moving", options->moving,
                     "use frames in motion as well where a trial has some at rest");
   command->add_flag("--not-robust", options->not_robust, "plain least squares: no body is set aside");
+  command->add_flag("--exact-inputs", options->fit.exact_inputs,
+                    "take inputs as recorded, without noise and zeros of their sensors");
   command->add_option("--payload", options->payload_kg,
                       "the known payload, kg; the bags' payload topic is not read");
   command->add_option("--jobs", options->jobs, "bags read at a time (default: one per processor)")
