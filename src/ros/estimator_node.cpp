@@ -26,6 +26,9 @@ constexpr std::uint32_t kLargestLoss = 10000;
 constexpr std::uint64_t kHiccupMessages = 100;
 constexpr double kHiccup_s = 0.1;
 constexpr double kHiccupGrace_s = 0.02;
+// A body or an input that has been on time until now is given up so long after it was missed: once, not by
+// frame.
+constexpr double kGiveUp_s = 0.2;
 constexpr int kHiccupRounds = 8;  // a stream that never pauses is worked off as it comes
 constexpr double kIdle_s = 0.1;
 
@@ -93,13 +96,15 @@ void EstimatorNode::drain() {
   // may be decoded last. Where much has piled up, and where a stream begins, it gets the time to read them
   // all: a frame must not be closed in vain while its bodies wait in a socket.
   ros::CallbackQueue& queue = *ros::getGlobalCallbackQueue();
-  for (int round = 0; round < kHiccupRounds && ros::ok(); ++round) {
+  const ros::WallTime give_up = ros::WallTime::now() + ros::WallDuration(kGiveUp_s);
+  for (int round = 0; ros::ok(); ++round) {
     const std::uint64_t messages = std::exchange(messages_, 0);
     const std::optional<double> before_s = std::exchange(drained_to_s_, assembler_.newest_s());
     const bool leapt = drained_to_s_ && !(before_s && std::abs(*drained_to_s_ - *before_s) < kHiccup_s);
     const bool hiccup = leapt || messages >= kHiccupMessages;
-    if (!hiccup && queue.isEmpty()) return;
-    queue.callAvailable(ros::WallDuration(hiccup ? kHiccupGrace_s : 0.0));
+    const bool in_vain = assembler_.gives_up() && ros::WallTime::now() < give_up;
+    if (!in_vain && (round >= kHiccupRounds || (!hiccup && queue.isEmpty()))) return;
+    queue.callAvailable(ros::WallDuration(hiccup || in_vain ? kHiccupGrace_s : 0.0));
   }
 }
 

@@ -91,6 +91,9 @@ class FrameAssembler {
 
   /// Closed frames in order of their stamps; each is returned once.
   std::vector<Frame> take();
+  /// True if take() would close a frame without a body or an input that has been on time until now. Who reads
+  /// several sources, and has just been busy elsewhere, may have their messages at hand a moment later.
+  bool gives_up() const;
   /// Closes what is still open, at the end of a recording.
   void flush();
   /// Samples of inputs that went with no frame yet: at the end of a recording those after the last one.
@@ -170,6 +173,10 @@ class FrameAssembler {
   std::optional<double> changed_beside(std::size_t slot) const;
   void added();
   void close_ready();
+  bool awaits_body(const Pending& frame, std::size_t i) const;
+  bool awaits_input(const Pending& frame, std::size_t i) const;
+  bool waited_for_bodies(const Pending& frame) const;
+  bool waited_for_inputs(const Pending& frame) const;
   bool bodies_complete(const Pending& frame);
   bool inputs_complete(Pending& frame);
   void emit(const Pending& pending);

@@ -10,32 +10,56 @@ void FrameAssembler::added() {
   if (!params_.close_when_taken) close_ready();
 }
 
+bool FrameAssembler::awaits_body(const Pending& frame, std::size_t i) const {
+  const Stream& stream = streams_[i];
+  return stream.expected && !frame.slots[i].reported &&
+         !(stream.newest_s && *stream.newest_s > frame.reference_s + tolerance_s_);
+}
+
+bool FrameAssembler::awaits_input(const Pending& frame, std::size_t i) const {
+  const Input& input = input_streams_[i];
+  return params_.input_wait_s > 0.0 && input.expected && input.rhythm.is_due(frame.reference_s);
+}
+
+bool FrameAssembler::waited_for_bodies(const Pending& frame) const {
+  return *newest_s_ > frame.reference_s + params_.reorder_window_s;
+}
+
+bool FrameAssembler::waited_for_inputs(const Pending& frame) const {
+  return *newest_s_ > frame.reference_s + params_.input_wait_s;
+}
+
+bool FrameAssembler::gives_up() const {
+  for (const Pending& frame : pending_) {
+    if (waited_for_bodies(frame)) {
+      for (std::size_t i = 0; i < streams_.size(); ++i)
+        if (awaits_body(frame, i)) return true;
+    }
+    if (waited_for_inputs(frame)) {
+      for (std::size_t i = 0; i < input_streams_.size(); ++i)
+        if (awaits_input(frame, i)) return true;
+    }
+  }
+  return false;
+}
+
 bool FrameAssembler::bodies_complete(const Pending& frame) {
-  const auto awaited = [&](std::size_t i) {
-    const Stream& stream = streams_[i];
-    return stream.expected && !frame.slots[i].reported &&
-           !(stream.newest_s && *stream.newest_s > frame.reference_s + tolerance_s_);
-  };
-  const bool in_vain = *newest_s_ > frame.reference_s + params_.reorder_window_s;
   for (std::size_t i = 0; i < streams_.size(); ++i) {
-    if (!awaited(i)) continue;
-    if (!in_vain) return false;
+    if (!awaits_body(frame, i)) continue;
+    if (!waited_for_bodies(frame)) return false;
     streams_[i].expected = false;
   }
   return true;
 }
 
 bool FrameAssembler::inputs_complete(Pending& frame) {
-  if (!(params_.input_wait_s > 0.0)) return true;
-  const bool in_vain = *newest_s_ > frame.reference_s + params_.input_wait_s;
   for (std::size_t i = 0; i < input_streams_.size(); ++i) {
-    Input& input = input_streams_[i];
-    if (!input.expected || !input.rhythm.is_due(frame.reference_s)) continue;
-    if (!in_vain) {
+    if (!awaits_input(frame, i)) continue;
+    if (!waited_for_inputs(frame)) {
       frames_that_waited_ += !std::exchange(frame.waited, true);
       return false;
     }
-    input.expected = false;
+    input_streams_[i].expected = false;
     ++waited_in_vain_[scalars_[i].name];
   }
   return true;

@@ -1,6 +1,7 @@
 """Feeds the estimator node the way a mocap driver does, and listens to all it says."""
 import math
 import random
+import sys
 import threading
 import time
 
@@ -14,6 +15,8 @@ from visualization_msgs.msg import MarkerArray
 
 BODIES = ["base", "ring_1", "ring_2", "ring_3", "ring_4"]
 NODE = "/softarm_estimator"
+# A send gives the interpreter away, and what decodes estimates would keep it for 5 ms each time.
+sys.setswitchinterval(2e-4)
 
 
 def first_nan(message, path=""):
@@ -37,9 +40,12 @@ class Feeder:
     """Publishes an arc of a circle that swings, hanging from a base at 1 m, with noise."""
 
     def __init__(self, seed=1):
-        self.publishers = {b: rospy.Publisher("/mocap/%s/pose" % b, PoseStamped, queue_size=2000) for b in BODIES}
+        # No queues: each would be sent by a thread of its own, and on a busy machine one body lags the others by frames.
+        self.publishers = {b: rospy.Publisher("/mocap/%s/pose" % b, PoseStamped, queue_size=None, tcp_nodelay=True)
+                           for b in BODIES}
         self.random = random.Random(seed)
         self.index = 0
+        self.swings = True
 
     def wait_for_subscribers(self, timeout=15.0):
         end = time.time() + timeout
@@ -72,12 +78,16 @@ class Feeder:
     def feed(self, frames, rate=240.0, start=None, fault=None):
         """Publishes frames in real time. fault(body, k, message) returns the message to send, or None to lose it.
 
-        Returns the stamps."""
-        first = rospy.Time.now() if start is None else start
-        begin = time.time()
+        Like a camera: stamps are of now, and where the machine was busy elsewhere frames are not made up for. start: stamp of the first frame, another time than now. Returns the stamps."""
+        ahead = rospy.Duration(0) if start is None else start - rospy.Time.now()
+        due = time.time()
         stamps = []
         for k in range(frames):
-            stamp = first + rospy.Duration.from_sec(k / rate)
+            time.sleep(max(0.0, due - time.time()))
+            if time.time() > due + 1.0 / rate:
+                due = time.time()
+            stamp = rospy.Time.from_sec(due) + ahead
+            due += 1.0 / rate
             stamps.append(stamp)
             for body in BODIES:
                 message = self.pose(body, stamp)
@@ -85,50 +95,56 @@ class Feeder:
                     message = fault(body, k, message)
                 if message is not None:
                     self.publishers[body].publish(message)
-            self.index += 1
-            ahead = begin + (k + 1) / rate - time.time()
-            if ahead > 0:
-                time.sleep(ahead)
+            self.index += self.swings
         return stamps
 
 
 class Listener:
-    """Keeps estimates and diagnostics, and looks for NaN in everything the node publishes."""
+    """Keeps estimates and diagnostics, and looks for NaN in everything the node publishes.
+
+    What comes often is kept as it came and decoded when it is asked for: a feeder beside it needs the time."""
+
+    KINDS = {"estimate": ArmEstimate, "backbone": Path, "markers": MarkerArray, "tf": TFMessage}
 
     def __init__(self):
         self.lock = threading.Lock()
-        self.estimates = []
-        self.markers = []
-        self.not_finite = []
+        self.raw = {name: [] for name in self.KINDS}
+        self.checked = dict.fromkeys(self.KINDS, 0)
         self.diagnostics = {}
         self.diagnostics_count = 0
-        self.frames = set()
-        rospy.Subscriber(NODE + "/estimate", ArmEstimate, self.on_estimate, queue_size=5000, tcp_nodelay=True)
-        rospy.Subscriber(NODE + "/backbone", Path, self.check, queue_size=5000)
-        rospy.Subscriber(NODE + "/markers", MarkerArray, self.on_markers, queue_size=100)
-        rospy.Subscriber("/tf", TFMessage, self.on_tf, queue_size=5000)
+        for name in self.KINDS:
+            rospy.Subscriber("/tf" if name == "tf" else "%s/%s" % (NODE, name), rospy.AnyMsg, self.on_message, name,
+                             queue_size=5000, tcp_nodelay=True)
         rospy.Subscriber("/diagnostics", DiagnosticArray, self.on_diagnostics)
 
-    def check(self, message):
-        found = first_nan(message)
-        if found:
-            with self.lock:
-                self.not_finite.append("%s%s" % (message._type, found))
-
-    def on_estimate(self, message):
-        self.check(message)
+    def on_message(self, message, name):
         with self.lock:
-            self.estimates.append(message)
+            self.raw[name].append(message._buff)
 
-    def on_markers(self, message):
-        self.check(message)
+    def since(self, count, name="estimate"):
+        """The messages of a kind from the count-th on."""
         with self.lock:
-            self.markers.append(message)
+            raw = self.raw[name][count:]
+        return [self.KINDS[name]().deserialize(r) for r in raw]
 
-    def on_tf(self, message):
-        self.check(message)
+    def count(self):
         with self.lock:
-            self.frames.update((t.header.frame_id, t.child_frame_id) for t in message.transforms)
+            return len(self.raw["estimate"])
+
+    def not_finite(self):
+        """Paths of the NaN in what has come since the last call."""
+        found = []
+        for name in self.KINDS:
+            messages = self.since(self.checked[name], name)
+            self.checked[name] += len(messages)
+            found += [path for path in map(first_nan, messages) if path]
+        return found
+
+    def frames(self):
+        return {(t.header.frame_id, t.child_frame_id) for m in self.since(0, "tf") for t in m.transforms}
+
+    def newest_markers(self):
+        return self.since(-1, "markers")[0].markers
 
     def on_diagnostics(self, message):
         with self.lock:
@@ -161,11 +177,3 @@ class Listener:
                 return True
             time.sleep(0.02)
         return condition()
-
-    def since(self, count):
-        with self.lock:
-            return self.estimates[count:]
-
-    def count(self):
-        with self.lock:
-            return len(self.estimates)
