@@ -147,9 +147,6 @@ double LawModel::parameter_derivative(const rod::Parameter& which, const arm::Se
 std::optional<arm::SegmentDerivative> LawModel::by_constant(const ConstantRef& constant, std::size_t segment,
                                                             const arm::SegmentResponse& at,
                                                             const arm::InputReader& inputs) const {
-  const std::vector<int> of = segments_of(constant);
-  if (std::find(of.begin(), of.end(), static_cast<int>(segment)) == of.end())
-    return arm::differentiate(arm_.segments[segment], at, {});
   arm::Change change;
   if (!arm::spec_of(constant.kind).change(arm_.segments[segment], constant.index, inputs, change))
     return std::nullopt;

@@ -72,7 +72,7 @@ class LawModel {
                     Eigen::Index first_start, Walk& out) const;
   /// Takes off what the walls keep back. @return false where the frame is none of its record
   bool keep_back(const trial::StaticFrame& frame);
-  /// What one unit of a constant changes of a segment's laws.
+  /// What one unit of a constant changes of the laws of one of its segments.
   std::optional<arm::SegmentDerivative> by_constant(const ConstantRef& constant, std::size_t segment,
                                                     const arm::SegmentResponse& at,
                                                     const arm::InputReader& inputs) const;

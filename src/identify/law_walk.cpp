@@ -25,15 +25,21 @@ Eigen::Vector3d drive_by(const arm::SegmentPrediction& at, const arm::SegmentDer
 bool LawModel::walk_segment(std::size_t segment, const trial::DriveRecord& record,
                             const Eigen::VectorXd& start, Eigen::Index first_start, Walk& out) const {
   const arm::Segment& own = arm_.segments[segment];
+  if (own.wall.empty()) return true;
   arm::WallMemory memory(own);
   const auto count = static_cast<Eigen::Index>(constants_.size());
   const auto row = 3 * static_cast<Eigen::Index>(segment);
   std::vector<arm::WallChange> changes(constants_.size());
+  std::vector<Eigen::Index> of_laws;  // the columns of constants that change what drives this wall
   for (std::size_t j = 0; j < constants_.size(); ++j) {
     const std::vector<int> of = segments_of(constants_[j]);
+    if (std::find(of.begin(), of.end(), static_cast<int>(segment)) == of.end()) continue;
     const arm::ConstantSpec& spec = arm::spec_of(constants_[j].kind);
-    if (spec.wall != nullptr && std::find(of.begin(), of.end(), static_cast<int>(segment)) != of.end())
+    if (spec.wall != nullptr) {
       changes[j] = spec.wall(own, constants_[j].index);
+    } else {
+      of_laws.push_back(static_cast<Eigen::Index>(j));
+    }
   }
   for (std::size_t i = 0; i < record.stamp_s.size(); ++i) {
     const arm::InputReader inputs(arm_, record.inputs[i]);
@@ -41,8 +47,8 @@ bool LawModel::walk_segment(std::size_t segment, const trial::DriveRecord& recor
     if (!response) return false;
     arm::WallDrive drive =
         arm::wall_drive(own, response->prediction, arm::mean_pressure_pa(arm_, own, record.inputs[i]));
-    drive.by.resize(3, count);
-    for (Eigen::Index j = 0; j < count; ++j) {
+    drive.by.setZero(3, count);
+    for (const Eigen::Index j : of_laws) {
       const auto by = by_constant(constants_[static_cast<std::size_t>(j)], segment, *response, inputs);
       if (!by) return false;
       drive.by.col(j) = drive_by(response->prediction, *by);
