@@ -3,6 +3,7 @@
 and held-out trials, and each constant with its 95 % interval against its start.
 
     scripts/plot_identify.py DIR --out identify.png
+    scripts/plot_identify.py --joints --out doc/images/identify_joints.png      # how joints that yield bend an arm
     scripts/plot_identify.py --wall --out doc/images/identify_wall.png          # how a viscoelastic wall follows
     scripts/plot_identify.py --laws --out doc/images/identify_saturation.png    # how moments saturate and EI grows
 """
@@ -182,21 +183,93 @@ def draw_wall(path):
     figure.savefig(path, dpi=75)
 
 
+def sagging(compliances, stiffness_nm2, tip_n, weight_n=1.0, segment_m=0.1, pieces=100):
+    """Slope (rad, below the horizontal) along an arm of segments of one length, clamped level: under a force at the tip
+    and its own weight, by repeated integration of m = EI dtheta/ds with a turn by compliance times m at each joint."""
+    count = pieces * len(compliances)
+    ds = segment_m / pieces
+    slope = [0.0] * (count + 1)
+    for _ in range(200):
+        moment, arms = [0.0] * (count + 1), 0.0
+        for i in range(count - 1, -1, -1):  # what hangs beyond, by its horizontal distance
+            beyond = tip_n + weight_n * (count - i - 0.5) / count
+            arms += ds * math.cos(0.5 * (slope[i] + slope[i + 1])) * beyond
+            moment[i] = arms
+        new, turned = [], 0.0
+        for i in range(count + 1):
+            if i < count and i % pieces == 0:
+                turned += compliances[i // pieces] * moment[i]
+            new.append(turned)
+            if i < count:
+                turned += 0.5 * (moment[i] + moment[i + 1]) / stiffness_nm2 * ds
+        change = max(abs(a - b) for a, b in zip(new, slope))
+        slope = [0.5 * (a + b) for a, b in zip(new, slope)]
+        if change < 1e-9:
+            break
+    x, z = [0.0], [0.0]
+    for a, b in zip(slope, slope[1:]):
+        x.append(x[-1] + ds * math.cos(0.5 * (a + b)))
+        z.append(z[-1] - ds * math.sin(0.5 * (a + b)))
+    return slope, x, z
+
+
+def draw_joints(path):
+    """Two segments held level: shape, sag and slope with joints that yield, beside a softer arm of the same sag."""
+    figure, (shape, sag, turn) = plt.subplots(1, 3, figsize=(12, 3.8))
+    stiffness, load = 0.06, 0.5
+
+    def softer(low, high, target):
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if sagging((0, 0), middle, load)[2][-1] < target else (low, middle)
+        return low
+
+    rows = [("rigid joints", (0.0, 0.0), stiffness, "0.6"), ("base: 1 rad/(N m)", (1.0, 0.0), stiffness, "C0"),
+            ("between: 2 rad/(N m)", (0.0, 2.0), stiffness, "C1")]
+    target = sagging(rows[1][1], stiffness, load)[2][-1]
+    soft = softer(0.01, stiffness, target)
+    rows.append((f"rigid joints, EI {stiffness} → {soft:.3f} N m²", (0.0, 0.0), soft, "C0"))
+    for k, (name, compliances, bending, colour) in enumerate(rows):
+        style = "--" if k == 3 else "-"
+        slope, x, z = sagging(compliances, bending, load)
+        shape.plot([1e3 * v for v in x], [1e3 * v for v in z], style, color=colour, label=name)
+        turn.plot([1e3 * 0.2 * i / (len(slope) - 1) for i in range(len(slope))], [math.degrees(v) for v in slope], style,
+                  color=colour)
+        loads = [0.05 * i for i in range(21)]
+        sag.plot(loads, [-1e3 * sagging(compliances, bending, n)[2][-1] for n in loads], style, color=colour, label=name)
+    shape.set_aspect("equal", adjustable="datalim")
+    for axes, title, across, up in ((shape, f"held level, {load} N at the tip, 1 N of its own", "x (mm)", "z (mm)"),
+                                    (sag, "sag of the tip", "force at the tip (N)", "mm"),
+                                    (turn, "slope: a joint turns at once, EI along the arm", "arclength (mm)", "degrees")):
+        axes.set_title(title, fontsize=10)
+        axes.set_xlabel(across)
+        axes.set_ylabel(up)
+        axes.grid(alpha=0.3)
+    sag.set_ylim(0, 150)
+    sag.legend(fontsize=8, loc="upper left")
+    figure.tight_layout()
+    figure.savefig(path, dpi=75)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", nargs="?", help="what --plot named")
     parser.add_argument("--laws", action="store_true", help="draw saturation and growth of EI, of no recording")
+    parser.add_argument("--joints", action="store_true", help="draw how joints that yield bend an arm, of no recording")
     parser.add_argument("--wall", action="store_true", help="draw how a viscoelastic wall follows, of no recording")
     parser.add_argument("--out", required=True, help="the picture, .png or .pdf")
     arguments = parser.parse_args()
     if arguments.laws:
         draw_laws(arguments.out)
         return
+    if arguments.joints:
+        draw_joints(arguments.out)
+        return
     if arguments.wall:
         draw_wall(arguments.out)
         return
     if not arguments.folder:
-        parser.error("name the folder that `softarm identify --plot` wrote, or give --laws or --wall")
+        parser.error("name the folder that `softarm identify --plot` wrote, or give --laws, --joints or --wall")
     shapes = read(arguments.folder, "shapes.csv")
     constants = read(arguments.folder, "constants.csv")
     figure, grid = plt.subplots(2, 3, figsize=(15, 9))

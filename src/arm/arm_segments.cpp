@@ -78,6 +78,7 @@ Wall read_wall(const Section& section) {
   optional("slows_per_pa", wall.slows_per_pa);
   optional("initial_curvature_sd_per_m", wall.initial_curvature_sd_per_m);
   optional("initial_length_sd_m", wall.initial_length_sd_m);
+  optional("lag_s", wall.lag_s);
   return wall;
 }
 

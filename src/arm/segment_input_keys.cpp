@@ -86,7 +86,10 @@ const KeyTable& wall_keys() {
               "how far each element of bending may be from the laws' value when a recording begins, standard "
               "deviation per component; default: 0.2 rad over length_m"),
        number("initial_length_sd_m", "m", kAbsent, 1e-9, 1,
-              "the same of each axial element; default: 2 % of length_m")}};
+              "the same of each axial element; default: 2 % of length_m"),
+       number("lag_s", "s", kAbsent, 0, 10,
+              "by which the bent wall follows its moments, those of loads too, where motion is in the model "
+              "(diagnose fits it from here); absent: 0.02")}};
   return table;
 }
 

@@ -15,6 +15,9 @@ ExtendedArm extended_arm(const JointModel& model, const Linearised& fit, const E
   // along the arm.
   for (std::size_t j = 0; j < constants.size(); ++j)
     identify::set_value(extended.arm, constants[j], fit.at.constants[static_cast<Eigen::Index>(j)]);
+  for (arm::Segment& segment : extended.arm.segments) {
+    if (segment.wall.lag_s) segment.wall.lag_s = fit.at.viscoelastic_lag_s;
+  }
   for (const model::Present& present : model.known()) extended.effects.push_back(effects::entry_of(present));
   for (std::size_t e = 0; e < fit.at.effects.size(); ++e) {
     const model::Present& present = fit.at.effects[e];

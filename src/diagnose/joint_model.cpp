@@ -142,12 +142,22 @@ arm::Arm JointModel::arm_with(const VectorXd& constants) const {
   return arm;
 }
 
+/// One for the arm: its segments' by their lengths.
+double JointModel::viscoelastic_lag_s() const {
+  double sum_s = 0.0, length_m = 0.0;
+  for (const arm::Segment& segment : arm_.segments) {
+    sum_s += segment.length_m * segment.wall.lag_s.value_or(arm::Wall::kUsualLag_s);
+    length_m += segment.length_m;
+  }
+  return sum_s / length_m;
+}
+
 JointParameters JointModel::start() const {
   JointParameters p;
   p.constants.resize(static_cast<Eigen::Index>(constants_.size()));
   for (std::size_t j = 0; j < constants_.size(); ++j)
     p.constants[static_cast<Eigen::Index>(j)] = identify::value_of(arm_, constants_[j]);
-  p.viscoelastic_lag_s = kPolicy.fit.viscoelastic_lag_s;
+  p.viscoelastic_lag_s = std::min(viscoelastic_lag_s(), kPolicy.fit.most_viscoelastic_lag_s);
   p.mounts = Eigen::Matrix2Xd::Zero(2, static_cast<Eigen::Index>(arm_.bodies.size()));
   return p;
 }
@@ -167,9 +177,9 @@ std::vector<JointUnknown> JointModel::columns(const JointParameters& parameters)
   }
   JointUnknown lag;
   lag.kind = JointUnknown::Kind::kViscoelasticLag;
-  lag.scale = kPolicy.fit.viscoelastic_lag_s;
+  lag.scale = std::max(viscoelastic_lag_s(), arm::Wall::kUsualLag_s);
   lag.high = kPolicy.fit.most_viscoelastic_lag_s;
-  lag.start = 1.0;
+  lag.start = start().viscoelastic_lag_s / lag.scale;
   lag.prior_sd = 1.0;
   list.push_back(lag);
   for (int b = 0; b < static_cast<int>(turned_.size()); ++b) {

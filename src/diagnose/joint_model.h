@@ -90,6 +90,7 @@ class JointModel {
 
   /// The arm file's constants, no effect.
   JointParameters start() const;
+  double viscoelastic_lag_s() const;  ///< by the arm file
   std::vector<JointUnknown> columns(const JointParameters& parameters) const;
 
   /// Predictions of all trials.

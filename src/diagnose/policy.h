@@ -19,7 +19,6 @@ struct Policy {
     double constant_sd = 3.0;          ///< of a constant of the arm about the file's value, in its scales
     double size_sd = 5.0;              ///< of an effect's sizes about 0, in usual sizes
     double shape_sd = 1.0;             ///< of an effect's other parameters about the screen's, in usual ones
-    double viscoelastic_lag_s = 0.02;  ///< usual lag of a wall of silicone, and its standard deviation
     double most_viscoelastic_lag_s = 0.2;      ///< end of its range
     double mount_sd_rad = 0.5 * M_PI / 180.0;  ///< by which a body's marker cluster is usually mounted askew
     double most_mount_rad = 0.2;               ///< end of its range

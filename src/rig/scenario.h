@@ -79,6 +79,19 @@ struct StiffnessGrowth {
   double added_nm2 = 0.0, at = 1.0, exponent = 1.0;
 };
 
+/// A wall that creeps: shares of the moment and of the length that drive a segment come late. A share has a
+/// whole spectrum of times, log-normal about `time_s`, as fabrics and rubbers have.
+struct CreepSpec {
+  struct Part {
+    double time_s = 1.0, share = 0.0;
+    double decades = 0.3;  ///< standard deviation of the decimal logarithm of the times
+  };
+  std::vector<Part> moment, length;
+  /// At the beginning of the recording, beyond what drives it then.
+  Eigen::Vector2d before_moment_nm = Eigen::Vector2d::Zero();
+  double before_length_m = 0.0;
+};
+
 /// Two-term Mooney-Rivlin rubber. Only the ratio of its constants matters: the stiffnesses are given.
 struct MaterialSpec {
   double c10_pa = 0.0;
@@ -101,6 +114,7 @@ struct SegmentSpec {
   double stiffness_per_jamming_nm2_per_pa = 0.0;  ///< b3
   std::vector<StiffnessGrowth> stiffness_growth;
   SaturationSpec saturation;
+  CreepSpec creep;
   std::vector<StiffnessAtPressure> stiffness_by_pressure;  ///< replaces b1 and the material's stiffening
   double torsional_stiffness_nm2 = 0.03;
   std::optional<double> axial_stiffness_n;  ///< EA of the unstretched wall; absent: rigid

@@ -101,6 +101,37 @@ void parse_saturation(YamlMap& map, SegmentSpec& segment) {
   entry.finish();
 }
 
+std::vector<CreepSpec::Part> parse_creep_parts(YamlMap& map, const char* key) {
+  std::vector<CreepSpec::Part> parts;
+  double sum = 0.0;
+  for (YamlMap& entry : map.maps(key)) {
+    CreepSpec::Part part;
+    part.time_s = entry.number("time_s", {1e-3, 1e5});
+    part.share = entry.number("share", {0.0, 0.98});
+    part.decades = entry.number("decades", {0.0, 2.0}, part.decades);
+    sum += part.share;
+    if (sum > 0.98)
+      entry.fail("share",
+                 fmt::format("value {}, with the others {}, allowed together [0, 0.98]", part.share, sum));
+    entry.finish();
+    parts.push_back(part);
+  }
+  return parts;
+}
+
+void parse_creep(YamlMap& map, SegmentSpec& segment) {
+  if (!map.has("creep")) return;
+  YamlMap entry = map.map("creep");
+  segment.creep.moment = parse_creep_parts(entry, "moment");
+  segment.creep.length = parse_creep_parts(entry, "length");
+  if (entry.has("before_moment_nm")) {
+    const std::vector<double> before = entry.numbers("before_moment_nm", {-100.0, 100.0}, 2, 2);
+    segment.creep.before_moment_nm = {before[0], before[1]};
+  }
+  segment.creep.before_length_m = entry.number("before_length_m", {-1.0, 1.0}, 0.0);
+  entry.finish();
+}
+
 void parse_stiffness(YamlMap& map, SegmentSpec& segment) {
   double last_pa = -1e9;
   for (YamlMap& entry : map.maps("stiffness_by_pressure")) {
@@ -193,6 +224,7 @@ SegmentSpec parse_segment(YamlMap& map, Names& names) {
   }
   parse_stiffness(map, segment);
   parse_saturation(map, segment);
+  parse_creep(map, segment);
   return segment;
 }
 

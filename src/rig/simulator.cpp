@@ -11,6 +11,7 @@
 #include "protocol.h"
 #include "ritz_rod.h"
 #include "sensors.h"
+#include "wall_creep.h"
 
 namespace softarm::rig {
 namespace {
@@ -57,6 +58,7 @@ struct Simulator::Impl {
         commands(protocol.at(0.0)),
         input_path(scenario, commands) {
     if (scenario.mocap.base_measured) names.emplace_back("base");
+    for (const SegmentSpec& segment : scenario.arm.segments) walls.emplace_back(segment.creep);
     for (std::size_t i = 1; i <= scenario.mocap.ring_fractions.size(); ++i)
       names.push_back(fmt::format("ring_{}", i));
     const double frame_s = 1.0 / scenario.mocap.rate_hz;
@@ -110,6 +112,7 @@ struct Simulator::Impl {
     for (const SegmentSpec& segment : scenario.arm.segments) {
       try {
         actuation.push_back(apply_laws(segment, acting.at(actuation.size()), scenario.input_path.laws));
+        walls.at(actuation.size() - 1).act(t_s, actuation.back());
       } catch (const LawError& error) {
         throw SimulationError(fmt::format("scenario {}: at t = {:.3f} s in segment {}: {}", scenario.name,
                                           t_s, actuation.size() + 1, error.what()));
@@ -184,6 +187,7 @@ struct Simulator::Impl {
   Commands commands;
   InputPath input_path;
   std::vector<Actuation> actuation;  ///< per segment
+  std::vector<WallCreep> walls;      ///< per segment
   /// Per segment, after the last step and after the next; empty: not felt.
   std::vector<double> bends_rad, next_bends_rad;
   std::size_t frame = 0;

@@ -46,6 +46,29 @@ void write(YAML::Emitter& out, const SaturationSpec& saturation) {
   out << YAML::EndMap;
 }
 
+void write(YAML::Emitter& out, const char* key, const std::vector<CreepSpec::Part>& parts) {
+  out << YAML::Key << key << YAML::Value << YAML::BeginSeq;
+  for (const CreepSpec::Part& part : parts) {
+    out << YAML::Flow << YAML::BeginMap;
+    write(out, "time_s", part.time_s);
+    write(out, "share", part.share);
+    write(out, "decades", part.decades);
+    out << YAML::EndMap;
+  }
+  out << YAML::EndSeq;
+}
+
+void write(YAML::Emitter& out, const CreepSpec& creep) {
+  if (creep.moment.empty() && creep.length.empty()) return;
+  out << YAML::Key << "creep" << YAML::Value << YAML::BeginMap;
+  write(out, "moment", creep.moment);
+  write(out, "length", creep.length);
+  write(out, "before_moment_x_nm", creep.before_moment_nm.x());
+  write(out, "before_moment_y_nm", creep.before_moment_nm.y());
+  write(out, "before_length_m", creep.before_length_m);
+  out << YAML::EndMap;
+}
+
 void write(YAML::Emitter& out, const SegmentSpec& segment) {
   out << YAML::BeginMap;
   write(out, "length_m", segment.length_m);
@@ -55,6 +78,7 @@ void write(YAML::Emitter& out, const SegmentSpec& segment) {
   write(out, "stiffness_per_jamming_nm2_per_pa", segment.stiffness_per_jamming_nm2_per_pa);
   write(out, segment.stiffness_growth);
   write(out, segment.saturation);
+  write(out, segment.creep);
   write(out, "torsional_stiffness_nm2", segment.torsional_stiffness_nm2);
   write(out, "axial_stiffness_n", segment.axial_stiffness_n);
   write(out, "shear_stiffness_n", segment.shear_stiffness_n);

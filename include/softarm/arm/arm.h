@@ -187,7 +187,12 @@ struct Wall {
   std::optional<double> slows_per_pa = {};
   std::optional<double> initial_curvature_sd_per_m = {};  ///< absent: see wall_start_sd()
   std::optional<double> initial_length_sd_m = {};
+  /// Of the whole wall, under loads too, where motion is in a model: moment = EI (u + lag_s du/dt). Absent:
+  /// kUsualLag_s.
+  std::optional<double> lag_s = {};
 
+  static constexpr double kUsualLag_s = 0.02;  ///< silicone
+  /// Nothing that laws at rest remember.
   bool empty() const { return bending.empty() && axial.empty(); }
 };
 
