@@ -98,7 +98,7 @@ def said(result):
     if report is None:
         return "failed: " + ((result.get("cost") or {}).get("message") or "no report")
     named = [f"{e['name']} {e['probability']:.2f}" + (f" [{', '.join(e['confusable_with'])}]" if e["confusable_with"] else "")
-             for e in report["effects"]]
+             for e in prove_score.named_in(report)]
     return report["verdict"] + (": " + "; ".join(named) if named else "")
 
 

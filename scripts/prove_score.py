@@ -19,8 +19,14 @@ LEAST_BEYOND = 8.0  # standard deviations: less, and an effect of the catalogue 
 LEAST_BIAS = 0.02  # of EI: a smaller one cannot be distinguished from the fit's own error
 
 
+def named_in(report):
+    """Small departures, too, were found, and count as such."""
+    return report["effects"] + report.get("small_departures", [])
+
+
 def decision_of_report(report):
-    return {"verdict": report["verdict"], "named": report["effects"], "ranking": [c["name"] for c in report["ranking"]],
+    return {"verdict": report["verdict"], "named": named_in(report),
+            "ranking": [c["name"] for c in report["ranking"]],
             "findings": {c["name"]: c.get("finding") for c in report["ranking"]}}
 
 
@@ -146,7 +152,7 @@ def sizes(result):
     errors, hits, places = [], [], []
     length_m = 0.2  # of the arms of the campaigns
     for effect in result["truth"]["effects"]:
-        for named in result["report"]["effects"]:
+        for named in named_in(result["report"]):
             if named["name"] != effect["effect"]:
                 continue
             true = {symbol: value for symbol, value in true_parameters(effect, length_m).items() if symbol in named["parameters"]}

@@ -4,6 +4,8 @@
 
 const data = JSON.parse(document.getElementById('data').textContent);
 const report = data.report;
+/// Whether there is an "after".
+const anyEffect = report.effects.length + report.small_departures.length > 0;
 
 const errors = [];
 

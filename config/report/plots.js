@@ -12,7 +12,7 @@ const font = {family: 'system-ui, "Segoe UI", Roboto, Arial, "DejaVu Sans", sans
 const drawn = [];  // places of plots, for print
 
 /// Keys of looks that differ in this diagnosis: without effects there is no "after".
-const phases = report.effects.length ? ['before', 'after'] : ['before'];
+const phases = anyEffect ? ['before', 'after'] : ['before'];
 if (phases.length === 1) looks.before.name = 'model as it is';
 
 function axis(title, more) {
@@ -192,7 +192,7 @@ function heldOut() {
 }
 
 function shifts() {
-  if (!report.shifts.length || !report.effects.length) return null;
+  if (!report.shifts.length || !anyEffect) return null;
   // What is not identifiable has bars that would hide the others; the table has it.
   const identifiable = one => 2 * (one.sd_after || 0) < Math.abs(one.after) && 2 * (one.sd_before || 0) < Math.abs(one.after);
   const rows = report.shifts.filter(one => one.after && identifiable(one));

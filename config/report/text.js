@@ -4,7 +4,7 @@
 function header() {
   const baseline = report.baseline, extended = report.extended;
   const figure = (value, words) => element('div', {class: 'figure'}, element('b', null, value), element('span', null, words));
-  const same = !report.effects.length || baseline.held_out_rms_m === extended.held_out_rms_m;
+  const same = !anyEffect || baseline.held_out_rms_m === extended.held_out_rms_m;
   const measured = baseline.held_out_rms_m > 0;
   return element('header', null,
     element('p', {class: 'kicker'}, 'Model against recordings: ' + report.arm + (report.version ? ' · softarm ' + report.version : '')),
@@ -54,6 +54,12 @@ function effects() {
       present(effect.held_out_gain) ? [element('dt', null, 'on unseen trials'),
         element('dd', null, mm(Math.abs(effect.held_out_gain)) + (effect.held_out_gain < 0 ? ' more' : ' less') + ' rms error with it in the model')] : null),
     strip(effect.where)));
+}
+
+/// What every arm has: a line each.
+function smallDepartures() {
+  if (!report.small_departures.length) return null;
+  return element('ul', null, report.small_departures.map(effect => element('li', null, element('code', null, effect.name), ' ', effect.sentence)));
 }
 
 function nextExperiment() {
@@ -136,7 +142,7 @@ function leftOver() {
   const inputs = [...new Set([...Object.keys(before.by_input_p), ...Object.keys(after.by_input_p)])];
   const own = (object, key) => Object.prototype.hasOwnProperty.call(object, key) ? object[key] : null;
   const judged = p => ({share: !present(p) ? '–' : pValue(p) + (p < 0.01 ? ' ▲ pattern' : ' no pattern')});
-  const same = !report.effects.length;
+  const same = !anyEffect;
   const columns = (b, a) => same ? [b] : [b, a];
   const rows = [
     ['size of the residuals over that of the noise', ...columns(before, after).map(one => present(one.chi2_per_dof) ? Math.sqrt(one.chi2_per_dof).toFixed(2) : '–')],

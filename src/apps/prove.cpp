@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -37,10 +36,7 @@ void write_decisions(const DecideOptions& options) {
     }
   }
   app::OutputFile file(options.out);
-  std::ofstream stream(file.temporary());
-  stream << json.dump(1) << '\n';
-  stream.close();
-  if (!stream) throw app::Failure(fmt::format("{}: cannot be written", options.out));
+  file.write(json.dump(1) + "\n");
   file.commit();
 }
 

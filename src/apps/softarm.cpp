@@ -3,10 +3,15 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <iostream>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "arm/edit_distance.h"
 #include "softarm/command.h"
 
 namespace {
@@ -18,6 +23,18 @@ std::string one_line(std::string text) {
   }
   while (!text.empty() && text.back() == ' ') text.pop_back();
   return text;
+}
+
+/// What to say of a first word that is no command; empty where it is one, or an option.
+std::string no_command(const CLI::App& program, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return "";
+  std::vector<std::string> names;
+  for (const CLI::App* command : program.get_subcommands({})) names.push_back(command->get_name());
+  const std::string word = argv[1];
+  if (std::find(names.begin(), names.end(), word) != names.end()) return "";
+  const auto near = softarm::arm::yaml::nearest_word(word, names);
+  return fmt::format("no command '{}'{}; there are {}", word.substr(0, 60),
+                     near ? fmt::format("; did you mean '{}'?", *near) : "", fmt::join(names, ", "));
 }
 
 }  // namespace
@@ -40,7 +57,13 @@ int main(int argc, char** argv) {
   softarm::app::add_simulate(program);
   softarm::app::add_validate(program);
   try {
+    if (const std::string why = no_command(program, argc, argv); !why.empty())
+      throw softarm::app::Failure(why, 2);
     program.parse(argc, argv);
+    std::cout.flush();
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) || !std::cout)
+      throw softarm::app::Failure(
+          "the standard output cannot be written: what was to be said is not all there");
   } catch (const CLI::ParseError& error) {
     return program.exit(error) == 0 ? 0 : 2;
   } catch (const softarm::app::Ended& end) {

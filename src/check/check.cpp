@@ -86,7 +86,9 @@ std::optional<Severity> CheckReport::worst() const {
 }
 
 CheckReport check_recording(const trial::CheckRecording& recording, const arm::Arm& arm) {
-  Context context(recording, arm);
+  const Strays sorted = without_strays(recording, arm);
+  Context context(sorted.kept, arm);
+  context.strays = sorted.by_source;
   for (const Check& check : checks()) {
     context.check = &check;
     check.look(context);

@@ -9,6 +9,7 @@ namespace softarm::check {
 // clang-format off
 #define SOFTARM_CHECKS(check) \
   check(topics)               \
+  check(strays)               \
   check(timing)               \
   check(receipt)              \
   check(numbers)              \

@@ -158,14 +158,20 @@ Track make_track(const std::vector<trial::RecordedPose>& poses, const Context& c
   return track;
 }
 
+template <typename Point>
+auto first_from(const std::vector<Point>& points, double t_s) {
+  return std::lower_bound(points.begin(), points.end(), t_s,
+                          [](const Point& p, double t) { return p.t_s < t; });
+}
+
 }  // namespace
 
 std::optional<Eigen::Vector3d> Track::mean_position(double from_s, double to_s) const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   int count = 0;
-  for (const TrackPose& pose : poses) {
-    if (!pose.good || pose.t_s < from_s || pose.t_s > to_s) continue;
-    sum += pose.p;
+  for (auto pose = first_from(poses, from_s); pose != poses.end() && pose->t_s <= to_s; ++pose) {
+    if (!pose->good) continue;
+    sum += pose->p;
     ++count;
   }
   return count >= 3 ? std::optional<Eigen::Vector3d>(sum / count) : std::nullopt;
@@ -174,9 +180,9 @@ std::optional<Eigen::Vector3d> Track::mean_position(double from_s, double to_s) 
 std::optional<Eigen::Quaterniond> Track::mean_orientation(double from_s, double to_s) const {
   Eigen::Vector4d sum = Eigen::Vector4d::Zero();
   int count = 0;
-  for (const TrackPose& pose : poses) {
-    if (!pose.good || !pose.q || pose.t_s < from_s || pose.t_s > to_s) continue;
-    const Eigen::Vector4d q = pose.q->coeffs();
+  for (auto pose = first_from(poses, from_s); pose != poses.end() && pose->t_s <= to_s; ++pose) {
+    if (!pose->good || !pose->q) continue;
+    const Eigen::Vector4d q = pose->q->coeffs();
     sum += sum.dot(q) < 0.0 ? Eigen::Vector4d(-q) : q;
     ++count;
   }
@@ -185,8 +191,7 @@ std::optional<Eigen::Quaterniond> Track::mean_orientation(double from_s, double 
 }
 
 double Signal::at(double t_s) const {
-  const auto after = std::lower_bound(points.begin(), points.end(), t_s,
-                                      [](const ValuePoint& p, double t) { return p.t_s < t; });
+  const auto after = first_from(points, t_s);
   if (after == points.begin()) return points.front().value;
   if (after == points.end()) return points.back().value;
   const ValuePoint& a = *(after - 1);
@@ -200,9 +205,8 @@ bool Signal::is_driven() const {
 std::optional<double> Signal::mean(double from_s, double to_s) const {
   double sum = 0.0;
   int count = 0;
-  for (const ValuePoint& p : points) {
-    if (p.t_s < from_s || p.t_s > to_s) continue;
-    sum += p.value;
+  for (auto p = first_from(points, from_s); p != points.end() && p->t_s <= to_s; ++p) {
+    sum += p->value;
     ++count;
   }
   return count > 0 ? std::optional<double>(sum / count) : std::nullopt;

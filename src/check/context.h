@@ -3,12 +3,14 @@
 
 #include <Eigen/Geometry>
 #include <initializer_list>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "checks.h"
 #include "softarm/check/check.h"
+#include "strays.h"
 #include "trial/csv_layout.h"
 
 namespace softarm::check {
@@ -80,7 +82,8 @@ struct Context {
 
   const trial::CheckRecording& recording;
   const arm::Arm& arm;
-  double begin_s = 0.0;  ///< receipt of the first sample
+  std::map<std::string, Stray> strays;  ///< that the recording does not have any more
+  double begin_s = 0.0;                 ///< receipt of the first sample
   double duration_s = 0.0;
   ClockEpoch body_epoch;
   std::vector<ClockEpoch> input_epochs;

@@ -19,6 +19,9 @@ struct Policy {
   /// Stamps and streams.
   struct Timing {
     double other_epoch_s = 2.0;          ///< stamps further from receipt are of another clock altogether
+    double stray_s = 3600.0;             ///< a longer pause, or another clock, is not of one recording
+    std::size_t few_strays = 10;         ///< messages beyond such a pause that are called lost
+    double longest_s = 7.0 * 86400.0;    ///< of a recording: what lasts longer is more than one
     double jump_s = 1.0;                 ///< as the frame assembler: a smaller step back is a late sample
     double duplicate_share = 0.001;      ///< fewer are not worth a word
     double few_duplicates = 2.0;         ///< the same, however short the recording

@@ -202,10 +202,50 @@ std::vector<NamedEffect> named_effects(JointModel& model, const Selection& selec
     const double without = e == 0 ? selection.baseline_unseen.total_rms_m
                                   : taken_of(selection.rounds[selection.round_of[e - 1]]).unseen.total_rms_m;
     named.held_out_gain_m = without - r.unseen.total_rms_m;
+    named.share = std::max(0.0, without * without - r.unseen.total_rms_m * r.unseen.total_rms_m);
     for (const model::Effect* rival : round.rivals) named.confusable_with.push_back(rival->info().id);
     list.push_back(std::move(named));
   }
+  double sum = 0.0;
+  for (const NamedEffect& named : list) sum += named.share;
+  for (NamedEffect& named : list) named.share = sum > 0.0 ? named.share / sum : 0.0;
   return list;
+}
+
+/// Whether bodies or the base are no further from where the arm file has them than it says to be usual.
+bool is_placed_well(const arm::Arm& arm, const Present& present) {
+  const model::Info& info = present.effect->info();
+  if (!info.of_placement) return false;
+  double length2 = 0.0, angle2 = 0.0;
+  for (int k = 0; k < info.sizes; ++k) {
+    const std::string& unit = info.parameters[static_cast<std::size_t>(k)].unit;
+    const double value2 = present.values[k] * present.values[k];
+    (unit == "m" ? length2 : angle2) += value2;
+  }
+  const auto most = [&](double arm::MeasuredBody::*sd) {
+    double largest = 0.0;
+    for (const arm::MeasuredBody& body : arm.bodies) largest = std::max(largest, body.*sd);
+    return largest * largest;
+  };
+  return length2 <= most(&arm::MeasuredBody::placement_sd_m) &&
+         angle2 <= most(&arm::MeasuredBody::placement_sd_rad);
+}
+
+/// Takes from the effects, in the model's order, what every arm has: placement within what the arm file
+/// allows, and little of what is explained. The rest stands in the order of what it explains.
+std::vector<NamedEffect> take_small(const JointModel& model, const Selection& selection,
+                                    std::vector<NamedEffect>& effects) {
+  std::vector<NamedEffect> small, rest;
+  for (std::size_t e = 0; e < effects.size(); ++e) {
+    const bool is_small = effects[e].share < kPolicy.words.small_share ||
+                          is_placed_well(model.arm(), selection.extended.at.effects[e]);
+    (is_small ? small : rest).push_back(std::move(effects[e]));
+  }
+  for (std::vector<NamedEffect>* list : {&small, &rest})
+    std::stable_sort(list->begin(), list->end(),
+                     [](const NamedEffect& a, const NamedEffect& b) { return a.share > b.share; });
+  effects = std::move(rest);
+  return small;
 }
 
 Verdict verdict_of(const Diagnosis& d, bool extended, bool adequate) {
@@ -314,6 +354,7 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   report(0.9, "where");
   const MatrixXd covariance = covariance_of(selection.extended, selection.inflation);
   d.effects = named_effects(model, selection, covariance, doubt);
+  d.small_departures = take_small(model, selection, d.effects);
   d.ranking = ranking_of(model, selection, doubt);
   d.before = structure_of(model, selection.baseline, selection.baseline_unseen);
   d.after = extended ? structure_of(model, selection.extended, selection.extended_unseen) : d.before;
@@ -323,7 +364,7 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   d.after.shared_z = left.after.shared_z;
   d.shifts = shifts_of(model, selection);
   d.extended_arm = extended_arm(model, selection.extended, covariance);
-  d.verdict = verdict_of(d, extended, left.adequate);
+  d.verdict = verdict_of(d, !d.effects.empty(), left.adequate);
   d.summary = summary_of(d);
   const Compared count = compared(model);
   d.left_out_share = 1.0 - static_cast<double>(count.used) / static_cast<double>(count.blocks);

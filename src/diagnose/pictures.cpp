@@ -175,18 +175,23 @@ std::string summary_of(const Diagnosis& d) {
   const std::string errors =
       fmt::format("{} on trials left out, noise alone {}", millimetres(d.baseline.held_out_rms_m),
                   millimetres(d.noise_floor_m));
-  std::vector<std::string> names;
+  std::vector<std::string> names, small;
   for (const NamedEffect& effect : d.effects) names.push_back(effect.id);
+  for (const NamedEffect& effect : d.small_departures) small.push_back(effect.id);
   const std::string list = one_of(names, "and");
+  const std::string beside =
+      small.empty() ? "" : fmt::format(" Small departures, as every arm has them: {}.", one_of(small, "and"));
   switch (d.verdict) {
     case Verdict::kConsistent:
       return fmt::format("The arm file explains the trials ({}); nothing of a size that matters is left out.",
-                         errors);
+                         errors) +
+             beside;
     case Verdict::kExplained:
       return fmt::format(
-          "The arm file leaves out {}: with it the error falls from {} to {} (noise alone {}).", list,
-          millimetres(d.baseline.held_out_rms_m), millimetres(d.extended.held_out_rms_m),
-          millimetres(d.noise_floor_m));
+                 "The arm file leaves out {}: with it the error falls from {} to {} (noise alone {}).", list,
+                 millimetres(d.baseline.held_out_rms_m), millimetres(d.extended.held_out_rms_m),
+                 millimetres(d.noise_floor_m)) +
+             beside;
     case Verdict::kPartlyExplained:
       return fmt::format(
           "{} {} {} of what could be explained: the error falls from {} to {}, and could to {}. "

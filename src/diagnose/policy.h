@@ -16,9 +16,9 @@ namespace softarm::diagnose {
 struct Policy {
   /// What is taken for known beforehand, and how the fit meets bodies that lie off.
   struct Fit {
-    double constant_sd = 3.0;          ///< of a constant of the arm about the file's value, in its scales
-    double size_sd = 5.0;              ///< of an effect's sizes about 0, in usual sizes
-    double shape_sd = 1.0;             ///< of an effect's other parameters about the screen's, in usual ones
+    double constant_sd = 3.0;  ///< of a constant of the arm about the file's value, in its scales
+    double size_sd = 5.0;      ///< of an effect's sizes about 0, in usual sizes
+    double shape_sd = 1.0;     ///< of an effect's other parameters about the screen's, in usual ones
     double most_viscoelastic_lag_s = 0.2;      ///< end of its range
     double mount_sd_rad = 0.5 * M_PI / 180.0;  ///< by which a body's marker cluster is usually mounted askew
     double most_mount_rad = 0.2;               ///< end of its range
@@ -119,9 +119,10 @@ struct Policy {
 
   /// What is worth a word.
   struct Words {
-    double likely = 0.1;      ///< probability of one that is not named
-    double stands_out = 5.0;  ///< z of the screen from which on "absent" would be too much
-    double no_better = 0.95;  ///< share of the error from which on a flexible model has learnt nothing
+    double likely = 0.1;       ///< probability of one that is not named
+    double small_share = 0.1;  ///< of what all effects explain, below which one is a small departure
+    double stands_out = 5.0;   ///< z of the screen from which on "absent" would be too much
+    double no_better = 0.95;   ///< share of the error from which on a flexible model has learnt nothing
   } words;
 };
 inline constexpr Policy kPolicy{};

@@ -232,7 +232,7 @@ std::string sentence_of(const NamedEffect& effect) {
 std::string improvement(const Diagnosis& d) {
   const double before = d.baseline.held_out_rms_m, after = d.extended.held_out_rms_m;
   if (!(before > 0.0) || !(after > 0.0)) return "";
-  const bool same = d.effects.empty() || std::abs(before - after) < 5e-6;
+  const bool same = (d.effects.empty() && d.small_departures.empty()) || std::abs(before - after) < 5e-6;
   std::string text =
       same ? fmt::format("On trials it had not seen the model is {} off (rms per body)", millimetres(before))
            : fmt::format("On trials it had not seen the rms error per body {} from {} to {}",

@@ -27,7 +27,8 @@ std::unique_ptr<Effect> make_base_tilt() {
             {"towards_y_rad", "rad", "tilt of the arm towards y of the base frame", -0.5, 0.5, 0.0175}},
            2,
            {"rest_curvature", "gravity_direction"},
-           {"bending_stiffness", "moment_gain"}});
+           {"bending_stiffness", "moment_gain"},
+           true});
 }
 
 }  // namespace softarm::effects

@@ -36,7 +36,8 @@ std::unique_ptr<Effect> make_gravity_direction() {
             {"towards_y_rad", "rad", "turn of gravity towards y of the mocap frame", -0.15, 0.15, 0.0175}},
            2,
            {"pressure_offset", "base_tilt"},
-           {"bending_stiffness"}});
+           {"bending_stiffness"},
+           true});
 }
 
 }  // namespace softarm::effects

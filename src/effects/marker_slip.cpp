@@ -38,7 +38,8 @@ std::unique_ptr<Effect> make_marker_slip() {
             {"body", "1", "its number, from the base", 1.0, 64.0, 1.0, true}},
            3,
            {"pressure_elongation"},
-           {}});
+           {},
+           true});
 }
 
 }  // namespace softarm::effects

@@ -41,6 +41,8 @@ struct Info {
   int sizes = 1;
   /// Ids of what it is most easily mistaken for, and of the constants of the arm that absorb it.
   std::vector<std::string> rivals, absorbed_by;
+  /// Where bodies and base are: of sizes within the arm file's placement_sd every arm has it.
+  bool of_placement = false;
 };
 
 /// What drives one trial, at each of its frames. Effects on inputs change it.

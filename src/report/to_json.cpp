@@ -35,6 +35,7 @@ Json json_of(const diagnose::NamedEffect& effect) {
   }
   json["where"] = json_of(effect.where);
   json["held_out_gain"] = effect.held_out_gain_m;
+  json["share"] = effect.share;
   json["confusable_with"] = effect.confusable_with;
   json["sentence"] = diagnose::sentence_of(effect);
   json["description"] = effect.description;
@@ -112,6 +113,9 @@ Json report_json(const diagnose::Diagnosis& d) {
   json["discrepancy_share"] = d.discrepancy_share;
   json["effects"] = Json::array();
   for (const diagnose::NamedEffect& effect : d.effects) json["effects"].push_back(json_of(effect));
+  json["small_departures"] = Json::array();
+  for (const diagnose::NamedEffect& effect : d.small_departures)
+    json["small_departures"].push_back(json_of(effect));
   json["ranking"] = Json::array();
   for (const diagnose::Candidate& candidate : d.ranking) json["ranking"].push_back(json_of(candidate));
   json["residual_structure"] = json_of(d.after);

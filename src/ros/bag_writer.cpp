@@ -1,5 +1,6 @@
 #include "bag_writer.h"
 
+#include <fmt/format.h>
 #include <ros/message_traits.h>
 #include <sensor_msgs/FluidPressure.h>
 #include <std_msgs/Float64.h>
@@ -18,12 +19,29 @@ ros::Time to_ros_time(double stamp_s) {
   return time;
 }
 
-TrialBagWriter::TrialBagWriter(const std::string& path) : bag_(new_bag(path)) {
-  bag_->setCompression(rosbag::compression::LZ4);
+namespace {
+
+/// @throws BagError with the file's name where the bag throws
+template <typename Do>
+void written(const std::string& path, const Do& what) {
+  try {
+    what();
+  } catch (const rosbag::BagException& e) {
+    throw BagError(fmt::format("{}: cannot be written ({})", path, e.what()));
+  }
+}
+
+}  // namespace
+
+TrialBagWriter::TrialBagWriter(const std::string& path) : path_(path) {
+  written(path_, [&] {
+    bag_ = new_bag(path_);
+    bag_->setCompression(rosbag::compression::LZ4);
+  });
 }
 
 void TrialBagWriter::close() {
-  bag_->close();
+  written(path_, [&] { bag_->close(); });
 }
 
 std_msgs::Header TrialBagWriter::header(const std::string& topic, double stamp_s, const std::string& frame) {
@@ -43,7 +61,7 @@ void TrialBagWriter::write(const std::string& topic, double receipt_s, const Mes
   (*connection)["md5sum"] = ros::message_traits::md5sum<Message>();
   (*connection)["message_definition"] = ros::message_traits::definition<Message>();
   if (latched) (*connection)["latching"] = "1";
-  bag_->write(topic, to_ros_time(receipt_s), message, connection);
+  written(path_, [&] { bag_->write(topic, to_ros_time(receipt_s), message, connection); });
   ++messages_;
 }
 

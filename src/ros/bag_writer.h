@@ -23,7 +23,7 @@ inline constexpr char kImportLayoutTopic[] = "/import/layout", kImportLeftOutTop
 /// Times are s since the epoch, those of receipt must be given in their order. Not thread-safe.
 class TrialBagWriter {
  public:
-  /// @throws rosbag::BagException if the file cannot be created
+  /// It and all that writes: @throws BagError where the file cannot be written, with its name
   explicit TrialBagWriter(const std::string& path);
 
   /// /mocap/<body>/pose, geometry_msgs/PoseStamped in frame `mocap`.
@@ -54,6 +54,7 @@ class TrialBagWriter {
   void write(const std::string& topic, double receipt_s, const Message& message, bool latched = false);
   std_msgs::Header header(const std::string& topic, double stamp_s, const std::string& frame);
 
+  std::string path_;
   std::shared_ptr<rosbag::Bag> bag_;
   std::map<std::string, std::uint32_t> sequence_;
   std::uint64_t messages_ = 0;

@@ -11,6 +11,7 @@
 
 #include "input_topics.h"
 #include "markers.h"
+#include "master_watch.h"
 #include "mismatch_message.h"
 #include "softarm/arm/arm_file.h"
 
@@ -84,6 +85,7 @@ EstimatorNode::EstimatorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
 }
 
 void EstimatorNode::spin() {
+  const MasterWatch watch(services_);
   while (ros::ok()) {
     ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(kIdle_s));
     drain();

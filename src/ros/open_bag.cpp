@@ -23,6 +23,12 @@ std::shared_ptr<rosbag::Bag> opened(const std::string& path, rosbag::bagmode::Ba
   bag->open(path, mode);
   return {bag.release(), [](rosbag::Bag* finished) {
             const std::lock_guard<std::mutex> finish(bag_lifetime());
+            try {
+              finished->close();
+            } catch (const std::exception&) {
+              // A full disk. Its destructor would try again, and throw: better a few kilobytes that stay.
+              return;
+            }
             delete finished;
           }};
 }

@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "open_bag.h"
+
 namespace softarm {
 namespace {
 
@@ -75,17 +77,16 @@ std::vector<std::string> write_trials(const RecentMessages& recent, const std::s
     const fs::path path = fs::path(folder) / fmt::format("trial_{:02}.bag", i + 1);
     const fs::path temporary = path.string() + ".active";
     try {
-      rosbag::Bag bag;
-      bag.open(temporary.string(), rosbag::bagmode::Write);
-      bag.setCompression(rosbag::compression::LZ4);
+      const std::shared_ptr<rosbag::Bag> bag = new_bag(temporary.string());
+      bag->setCompression(rosbag::compression::LZ4);
       const ros::Time begin = next != messages.end() ? next->receipt : messages.back().receipt;
-      for (const auto& entry : held) write(bag, entry.second, begin);
+      for (const auto& entry : held) write(*bag, entry.second, begin);
       const ros::Time end = messages.front().receipt + ros::Duration(each_s * static_cast<double>(i + 1));
       for (; next != messages.end() && (i + 1 == count || next->receipt < end); ++next) {
-        write(bag, *next, next->receipt);
+        write(*bag, *next, next->receipt);
         if (next->latched()) held[next->topic] = *next;
       }
-      bag.close();
+      bag->close();
     } catch (const std::exception& e) {
       fs::remove(temporary, error);
       throw std::runtime_error(fmt::format("{}: cannot be written: {}", path.string(), e.what()));

@@ -1,6 +1,7 @@
 // What the program says to bad input: one line, a non-zero exit status, nothing left behind.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "program.h"
 
@@ -36,6 +37,7 @@ void expect_refused(const TestFolder& folder, const std::string& arguments,
 TEST(SoftarmErrors, CommandLine) {
   const TestFolder dir;
   expect_refused(dir, "", HasSubstr("subcommand"));
+  expect_refused(dir, "estmate x.bag", AllOf(HasSubstr("'estmate'"), HasSubstr("did you mean 'estimate'?")));
   expect_refused(dir, "estimate x.bag", HasSubstr("--arm"));
   expect_refused(dir, "estimate --arm online_200mm", HasSubstr("BAG"));
   expect_refused(dir, "simulate demo --seconds -1 --out " + dir / "x.bag", HasSubstr("--seconds"));
@@ -53,6 +55,73 @@ TEST(SoftarmErrors, HelpAndVersion) {
       EXPECT_THAT(o.out, HasSubstr("Examples:"));
     }
   }
+}
+
+/// No file may become longer than that: to a program it is as a disk that is full.
+std::string disk_with(int bytes) {
+  return "trap '' XFSZ; ulimit -f " + std::to_string(bytes / 512) + "; ";
+}
+
+TEST(SoftarmErrors, FullDisk) {
+  const TestFolder dir;
+  const std::string bag = dir / "trial.bag", out = " --out " + dir / "out";
+  ASSERT_EQ(softarm_program("simulate demo --seconds 10 --seed 3 --out " + bag).status, 0);
+  const std::string arm = " --arm online_200mm ";
+  for (const std::string& arguments :
+       {"simulate demo --seconds 10 --seed 3" + out + ".bag", "campaign development --cases 1 --seed 1" + out,
+        "estimate" + arm + bag + out, "check --quiet" + arm + "--json " + dir / "out.json " + bag,
+        "new-arm --kind chambers --segments 1 --length 0.2 --mass 0.2 --diameter 0.04 --actuators 3 --bodies "
+        "4" +
+            out + ".yaml"}) {
+    SCOPED_TRACE(arguments);
+    const std::size_t before = dir.entries();
+    const Outcome o = softarm_program(arguments, disk_with(1024));
+    EXPECT_GT(o.status, 0);
+    EXPECT_THAT(o.err, HasSubstr("cannot be written")) << o.out;
+    EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+    EXPECT_EQ(dir.entries(), before) << "something was left behind";
+  }
+}
+
+TEST(SoftarmErrors, StandardOutputThatIsFull) {
+  const std::string stem = std::string(::testing::TempDir()) + "/softarm_full_output.err";
+  const int raw =
+      std::system((SOFTARM_PROGRAM_DIR "/softarm diagnose --effects >/dev/full 2>" + stem).c_str());
+  ASSERT_TRUE(WIFEXITED(raw));
+  EXPECT_GT(WEXITSTATUS(raw), 0);
+  EXPECT_THAT(text_of(stem), HasSubstr("standard output cannot be written"));
+  std::filesystem::remove(stem);
+}
+
+TEST(SoftarmErrors, WhatAKilledProcessLeftIsRemovedAndWhatALivingOneWritesIsNot) {
+  const TestFolder dir;
+  // No process has that number: it is beyond what the kernel gives.
+  dir.write(".x.bag.2147483646.partial", "half a bag");
+  dir.write(".x.bag.1.partial", "another's");
+  dir.write(".x.bag.note.partial", "no process at all");
+  ASSERT_EQ(softarm_program("simulate demo --seconds 1 --seed 3 --out " + dir / "x.bag").status, 0);
+  EXPECT_FALSE(std::filesystem::exists(dir / ".x.bag.2147483646.partial"));
+  EXPECT_TRUE(std::filesystem::exists(dir / ".x.bag.1.partial"));
+  EXPECT_TRUE(std::filesystem::exists(dir / ".x.bag.note.partial"));
+}
+
+TEST(SoftarmErrors, TwoCampaignsWithOneFolder) {
+  const TestFolder dir;
+  const std::string campaign = "campaign development --cases 2 --seed 1 --out " + dir / "out";
+  const std::string first = SOFTARM_PROGRAM_DIR "/softarm " + campaign + " >/dev/null 2>&1 & ";
+  const Outcome second =
+      softarm_program(campaign, first + "first=$!; while ! [ -e " + dir / "out.partial/case_001" +
+                                    " ]; do kill -0 $first || exit 9; sleep 0.01; done; ");
+  EXPECT_EQ(second.status, 1) << second.err;
+  EXPECT_THAT(second.err, HasSubstr("another campaign is being written there"));
+  while (std::filesystem::exists(dir / "out.partial")) usleep(20000);
+  EXPECT_TRUE(std::filesystem::exists(dir / "out/campaign.json"));
+  // Of one that was killed.
+  std::filesystem::create_directories(dir / "late.partial/case_001");
+  dir.write("late.partial/case_001/left.bag", "half");
+  const Outcome late = softarm_program("campaign development --cases 1 --seed 1 --out " + dir / "late");
+  EXPECT_EQ(late.status, 0) << late.err;
+  EXPECT_FALSE(std::filesystem::exists(dir / "late/case_001/left.bag"));
 }
 
 TEST(SoftarmErrors, Estimate) {

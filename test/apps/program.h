@@ -62,12 +62,13 @@ struct Outcome {
 };
 
 /// @param arguments as typed in a shell
-inline Outcome softarm_program(const std::string& arguments) {
+/// @param before what the shell does first
+inline Outcome softarm_program(const std::string& arguments, const std::string& before = "") {
   // Outside of the test's folder, whose files are counted.
   const std::string stem = std::string(::testing::TempDir()) + "/softarm_run_" +
                            file_name_of(::testing::UnitTest::GetInstance()->current_test_info()->name());
-  const std::string command =
-      SOFTARM_PROGRAM_DIR "/softarm " + arguments + " >" + stem + ".out 2>" + stem + ".err </dev/null";
+  const std::string command = before + SOFTARM_PROGRAM_DIR "/softarm " + arguments + " >" + stem + ".out 2>" +
+                              stem + ".err </dev/null";
   const int raw = std::system(command.c_str());
   Outcome outcome;
   if (WIFEXITED(raw)) outcome.status = WEXITSTATUS(raw);

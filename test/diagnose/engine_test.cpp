@@ -6,13 +6,17 @@
 #include <cmath>
 
 #include "recorded_case.h"
+#include "rig/hidden.h"
 #include "softarm/diagnose/diagnose.h"
 #include "softarm/report/report.h"
 
 namespace softarm::diagnose {
 namespace {
 
+using testing::drawn_case;
+using testing::record;
 using testing::recorded_case;
+using testing::RecordedCase;
 
 const diagnose::Shift& shift_of(const diagnose::Diagnosis& d, const std::string& name) {
   const auto found = std::find_if(d.shifts.begin(), d.shifts.end(),
@@ -58,6 +62,53 @@ TEST(Diagnose, ABaseThatYieldsIsFoundBehindALowerStiffness) {
   ASSERT_NE(own, d.ranking.end());
   EXPECT_GT(own->collinearity, 0.5);
   EXPECT_EQ(own->finding, diagnose::Finding::kPresent);
+}
+
+/// The trials of a case with a ring so far along the arm from where it should be.
+RecordedCase with_ring_off(const std::string& effects, std::uint64_t seed, double along_m) {
+  RecordedCase out = drawn_case(effects, seed);
+  for (std::size_t i = 0; i < out.truth.size(); ++i) {
+    rig::hide({"marker_slip",
+               "",
+               {{"body", 3.0}, {"along_m", along_m}, {"sideways_m", 0.0}, {"direction_deg", 0.0}, {"from_s", 0.0}}},
+              out.truth[i]);
+    out.trials.push_back(record(out.arm, out.truth[i], "trial_" + std::to_string(i + 1)));
+  }
+  return out;
+}
+
+std::vector<std::string> ids(const std::vector<diagnose::NamedEffect>& effects) {
+  std::vector<std::string> list;
+  for (const diagnose::NamedEffect& effect : effects) list.push_back(effect.id);
+  return list;
+}
+
+TEST(Diagnose, ARingALittleOffIsWhatEveryArmHas) {
+  const RecordedCase recorded = with_ring_off("{count_weights: [1]}", 3, 0.6e-3);
+  const diagnose::Diagnosis d = diagnose::diagnose(recorded.arm, recorded.trials);
+  EXPECT_EQ(d.verdict, diagnose::Verdict::kConsistent) << report::describe(d);
+  EXPECT_TRUE(d.effects.empty());
+  ASSERT_EQ(ids(d.small_departures), std::vector<std::string>{"marker_slip"}) << report::describe(d);
+  const auto& along = d.small_departures[0].parameters.at(2);
+  EXPECT_NEAR(along.value, 0.6e-3, 0.1e-3);
+  EXPECT_THAT(d.summary, ::testing::HasSubstr("Small departures, as every arm has them: marker_slip."));
+}
+
+TEST(Diagnose, BesideSomethingLargeItIsNotInTheHeadline) {
+  const RecordedCase recorded =
+      with_ring_off("{count_weights: [0, 1], from: [base_compliance], size: [0.3, 0.6]}", 4, 0.6e-3);
+  const diagnose::Diagnosis d = diagnose::diagnose(recorded.arm, recorded.trials);
+  EXPECT_EQ(d.verdict, diagnose::Verdict::kExplained) << report::describe(d);
+  EXPECT_EQ(ids(d.effects), std::vector<std::string>{"base_compliance"}) << report::describe(d);
+  EXPECT_EQ(ids(d.small_departures), std::vector<std::string>{"marker_slip"}) << report::describe(d);
+  EXPECT_GT(d.effects[0].share, 0.7);
+}
+
+TEST(Diagnose, ARingThatIsFarOffIsNamed) {
+  const RecordedCase recorded = with_ring_off("{count_weights: [1]}", 3, 3e-3);
+  const diagnose::Diagnosis d = diagnose::diagnose(recorded.arm, recorded.trials);
+  EXPECT_EQ(d.verdict, diagnose::Verdict::kExplained) << report::describe(d);
+  EXPECT_EQ(ids(d.effects), std::vector<std::string>{"marker_slip"}) << report::describe(d);
 }
 
 TEST(Diagnose, WhatIsNotInTheCatalogueIsNotNamedWithConfidence) {

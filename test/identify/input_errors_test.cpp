@@ -51,7 +51,8 @@ TEST(InputErrors, DerivativeByInputsIsThatOfPredictions) {
   frame.inputs = {32e3, 18e3, 25e3, 40e3};
   frame.payload_kg = 0.1;
   frame.gravity_base = {0.0, 0.0, 9.81};
-  for (int body = 0; body < static_cast<int>(arm.bodies.size()); ++body) frame.bodies.push_back({body});
+  for (int body = 0; body < static_cast<int>(arm.bodies.size()); ++body)
+    frame.bodies.emplace_back().body = body;
   const auto predicted = [&](const trial::StaticFrame& at) {
     Prediction out;
     std::optional<model::Equilibrium> state;

@@ -221,6 +221,19 @@ inline std::vector<diagnose::NamedEffect> example_effects() {
   return {base, loop};
 }
 
+inline diagnose::NamedEffect example_small_departure() {
+  diagnose::NamedEffect ring;
+  ring.id = "marker_slip";
+  ring.description = "a ring sits elsewhere than the arm file says";
+  ring.probability = 0.995;
+  ring.parameters = {{"z_m", "m", "offset along the arm", 0.00031, 0.00022, 0.0004}};
+  ring.where.s_from_m = 0.1;
+  ring.where.s_to_m = 0.1;
+  ring.held_out_gain_m = 0.02e-3;
+  ring.share = 0.004;
+  return ring;
+}
+
 inline diagnose::Diagnosis example_diagnosis() {
   diagnose::Diagnosis d;
   d.arm = "online_200mm";
@@ -244,6 +257,7 @@ inline diagnose::Diagnosis example_diagnosis() {
   d.ceiling_rms_m = 0.99 * d.extended.held_out_rms_m;
   d.explained_share = 0.98;
   d.effects = example_effects();
+  d.small_departures = {example_small_departure()};
   d.ranking = example_ranking();
   d.before = {
       1e-12, 2e-9, 9.4, {{"chamber_1", 1e-8}, {"chamber_2", 0.03}, {"payload", 2e-14}, {"time", 0.6}}, {}};

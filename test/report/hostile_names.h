@@ -29,6 +29,7 @@ inline void rename_all(diagnose::Diagnosis& d) {
     effect.description = effect.where.input = effect.where.when = evil;
     effect.confusable_with = {evil, "__proto__"};
   }
+  for (diagnose::NamedEffect& effect : d.small_departures) effect.description = effect.where.when = evil;
   for (diagnose::Candidate& candidate : d.ranking)
     candidate.description = candidate.symbol = candidate.unit = evil;
   for (diagnose::Shift& shift : d.shifts) shift.name += evil;

@@ -57,6 +57,11 @@ TEST(ToJson, SaysWhatAnEffectIs) {
   EXPECT_THAT(keys(effects[0]), IsSupersetOf({"name", "probability", "parameters", "where", "held_out_gain",
                                               "confusable_with", "sentence"}));
   EXPECT_EQ(effects[0]["name"], "base_compliance");
+  const json small = json::parse(report::to_json(testing::example_diagnosis()))["small_departures"];
+  ASSERT_EQ(small.size(), 1U);
+  EXPECT_EQ(small[0]["name"], "marker_slip");
+  EXPECT_EQ(keys(small[0]), keys(effects[0]));
+  EXPECT_DOUBLE_EQ(small[0]["share"], 0.004);
   const json& stiffness = effects[0]["parameters"]["K_base"];
   EXPECT_THAT(keys(stiffness), IsSupersetOf({"value", "low", "high", "unit"}));
   EXPECT_DOUBLE_EQ(stiffness["value"], 5.21);

@@ -51,6 +51,7 @@ struct NamedEffect {
   std::vector<EffectValue> parameters;
   Where where;
   double held_out_gain_m = 0.0;  ///< by which it lowers the rms error on trials that were not fitted
+  double share = 0.0;            ///< of the squares of those errors that all effects together explain
   std::vector<std::string> confusable_with;
   std::string sentence;  ///< where, what, how large, how sure
 };

@@ -7,6 +7,7 @@
 
 #include "child.h"
 #include "ros/input_topics.h"
+#include "ros/master_watch.h"
 
 namespace softarm::app {
 namespace {
@@ -69,6 +70,7 @@ DiagnoseNode::~DiagnoseNode() {
 }
 
 void DiagnoseNode::spin() {
+  const MasterWatch watch({service_});
   ros::spin();
 }
 

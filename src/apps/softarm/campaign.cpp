@@ -1,12 +1,14 @@
 // softarm campaign: many random trials of the virtual rig, the truth of all of them sealed.
 #include "rig/campaign.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -49,13 +51,21 @@ class OutputFolder {
     if (fs::exists(path_) && !(fs::is_directory(path_) && fs::is_empty(path_, error)))
       throw Failure(
           fmt::format("--out {}: is there already, expected a new or empty folder", path_.string()));
-    fs::remove_all(temporary_, error);
     fs::create_directories(temporary_, error);
     if (error) throw Failure(fmt::format("--out {}: {}", path_.string(), error.message()));
+    // Locked as long as its process lives: what is there and not locked was left by one that was killed.
+    lock_ = ::open(temporary_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (lock_ < 0 || ::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
+      if (lock_ >= 0) ::close(lock_);
+      throw Failure(fmt::format("--out {}: another campaign is being written there", path_.string()));
+    }
+    for (const fs::directory_entry& left : fs::directory_iterator(temporary_, error))
+      fs::remove_all(left.path(), error);
   }
   ~OutputFolder() {
     std::error_code ignored;
-    fs::remove_all(temporary_, ignored);
+    if (!committed_) fs::remove_all(temporary_, ignored);
+    ::close(lock_);
   }
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
@@ -65,10 +75,13 @@ class OutputFolder {
     fs::remove(path_, error);
     fs::rename(temporary_, path_, error);
     if (error) throw Failure(fmt::format("--out {}: {}", path_.string(), error.message()));
+    committed_ = true;
   }
 
  private:
   fs::path path_, temporary_;
+  int lock_ = -1;
+  bool committed_ = false;
 };
 
 struct RecordedCase {
@@ -127,13 +140,6 @@ nlohmann::ordered_json to_json(const std::vector<rig::HiddenChoice>& choices) {
     list.push_back(item);
   }
   return list;
-}
-
-void write_text(const fs::path& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) throw Failure(fmt::format("{}: cannot be written", path.string()));
 }
 
 void run_campaign(const CampaignOptions& options) {

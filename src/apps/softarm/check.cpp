@@ -5,7 +5,6 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <vector>
 
@@ -101,7 +100,7 @@ void run_check(const CheckOptions& options) {
   const std::string of_all = to_text(together, reports.size(), !options.quiet);
   if (!of_all.empty()) fmt::print("\n{}", of_all);
   if (json) {
-    std::ofstream(json->temporary()) << to_json(reports, arm.name, together);
+    json->write(to_json(reports, arm.name, together));
     json->commit();
   }
   if (serious) throw Ended(kFound);

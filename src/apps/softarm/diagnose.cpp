@@ -7,7 +7,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <set>
 #include <utility>
@@ -47,13 +46,6 @@ What is written:
   report/report.json   the same for programs
   report/arm_extended.yaml   the arm file with what was found in it: for estimate, identify, simulate, diagnose and the node
 Trials that say most: several speeds, several attitudes of the base, with and without payload.)";
-
-void write(OutputFile& file, const std::string& text) {
-  std::ofstream stream(file.temporary(), std::ios::binary);
-  stream << text;
-  stream.close();
-  if (!stream) throw Failure(fmt::format("{}: cannot be written", file.path().string()));
-}
 
 void list_effects() {
   for (const auto& effect : effects::catalogue()) {
@@ -127,21 +119,24 @@ void run_diagnose(DiagnoseOptions options) {
   }
   diagnosis.version = SOFTARM_VERSION;
   if (!page.warning.empty()) fmt::print(stderr, "softarm: warning: {}\n", page.warning);
-  write(json, report::to_json(diagnosis));
-  write(html, report::to_html(diagnosis, page.files));
+  // First: it took minutes, and a full disk must not take it away.
+  fmt::print("{}", report::describe(diagnosis));
+  std::fflush(stdout);
+  json.write(report::to_json(diagnosis));
+  html.write(report::to_html(diagnosis, page.files));
   json.commit();
   html.commit();
   std::string written = fmt::format("{}, {}", html.path().string(), json.path().string());
   try {
-    write(extended,
-          arm::update_arm_text(file.text, file.source, diagnosis.extended_arm.arm,
-                               diagnosis.extended_arm.effects, header_of(diagnosis, trials), "diagnose"));
+    extended.write(arm::update_arm_text(file.text, file.source, diagnosis.extended_arm.arm,
+                                        diagnosis.extended_arm.effects, header_of(diagnosis, trials),
+                                        "diagnose"));
     extended.commit();
     written += ", " + extended.path().string();
   } catch (const arm::ArmError& why) {  // an arm file that cannot be edited is no reason to have no report
     fmt::print(stderr, "softarm: warning: no {}: {}\n", extended.path().string(), why.what());
   }
-  fmt::print("{}written: {}\n", report::describe(diagnosis), written);
+  fmt::print("written: {}\n", written);
 }
 
 }  // namespace

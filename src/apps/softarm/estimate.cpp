@@ -167,7 +167,7 @@ void estimate_bag(const arm::Arm& arm, const std::vector<model::Present>& effect
     throw Failure(fmt::format("{}: no frame could be put together out of {} samples", job.bag,
                               bag.assembler().samples()));
   }
-  rows.close();
+  finish(rows, csv.path());
   const std::string table =
       fmt::format("{:<28}{}\n{:<28}{}\n{:<28}{}, unknown: {}, prior: {}, window: {:g} s\n",
                   "bag:", fs::path(job.bag).filename().string(), "arm:", arm.name,
@@ -175,8 +175,7 @@ void estimate_bag(const arm::Arm& arm, const std::vector<model::Present>& effect
                   arm.estimator.prior.enabled ? "on" : "off", arm.estimator.window_s) +
       effect_lines(estimator) + summary.text(bag.assembler().rejected(), bag.assembler().samples()) +
       alarms.text();
-  std::ofstream(text.temporary()) << table;
-  if (!rows) throw Failure(fmt::format("{}: cannot be written", csv.path().string()));
+  text.write(table);
   csv.commit();
   text.commit();
 

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -92,13 +91,6 @@ std::vector<std::string> header_of(const identify::Result& result) {
   return lines;
 }
 
-void write_file(OutputFile& file, const std::string& text) {
-  std::ofstream stream(file.temporary());
-  stream << text;
-  stream.close();
-  if (!stream) throw Failure(fmt::format("{}: cannot be written", file.path().string()));
-}
-
 void fit(const IdentifyOptions& options, const arm::Arm& arm) {
   if (options.out.empty()) throw Failure("--out is needed: the arm file to be written");
   // Before any work: whether the results have a place.
@@ -130,12 +122,12 @@ void fit(const IdentifyOptions& options, const arm::Arm& arm) {
         arm, effects, trials, options.fit,
         [&](double share) { progress.advance(share - std::exchange(done, share), 1); }, options.jobs);
   }
-  write_file(out, arm::update_arm_text(text, source.string(), result.arm, header_of(result)));
-  if (json) write_file(*json, identify::to_json(result));
+  out.write(arm::update_arm_text(text, source.string(), result.arm, header_of(result)));
+  if (json) json->write(identify::to_json(result));
   if (shapes) {
-    write_file(*shapes, shapes_csv(arm, result, trials,
-                                   options.plot_all ? identify::FrameChoice{0, false} : options.fit.frames));
-    write_file(*constants, constants_csv(result));
+    shapes->write(shapes_csv(arm, result, trials,
+                             options.plot_all ? identify::FrameChoice{0, false} : options.fit.frames));
+    constants->write(constants_csv(result));
   }
   out.commit();
   if (json) json->commit();
@@ -164,9 +156,9 @@ void pull(const IdentifyOptions& options, const arm::Arm& arm) {
       published::fit_three_truths(arm, pulls, published::LoadLaw::kStatics, true);
   const fs::path source = find_config("arms", options.arm);
   const std::string text = read_text(source);
-  write_file(*out, arm::update_arm_text(
-                       text, source.string(), truths.arm,
-                       {fmt::format("constants by the pull procedure from {} pulls", truths.pulls)}));
+  out->write(
+      arm::update_arm_text(text, source.string(), truths.arm,
+                           {fmt::format("constants by the pull procedure from {} pulls", truths.pulls)}));
   out->commit();
   fmt::print(
       "laws fitted to {} pulls: they leave {:.2f} mm of length, {:.5f} N m^2 of stiffness, {:.4f} N m of "

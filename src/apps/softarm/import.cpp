@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <memory>
@@ -211,7 +210,7 @@ void run_guess(const ImportOptions& options) {
     return;
   }
   OutputFile file(options.out);
-  std::ofstream(file.temporary()) << text;
+  file.write(text);
   file.commit();
   const std::size_t open = blanks(guess);
   fmt::print("{} -> {}: {}\n", options.guess, options.out,

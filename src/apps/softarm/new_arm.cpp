@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -230,8 +229,8 @@ void run_new_arm(Told told) {
   arm::parse_arm(text, out.string());
   trial::parse_csv_layout(columns, layout.string());
   OutputFile arm_file(out), layout_file(layout);
-  std::ofstream(arm_file.temporary()) << text;
-  std::ofstream(layout_file.temporary()) << columns;
+  arm_file.write(text);
+  layout_file.write(columns);
   arm_file.commit();
   layout_file.commit();
   fmt::print("{}: {} segment{}, {:g} m, {} bod{}; look for GUESS\n{}: the columns of its recordings\n",

@@ -2,19 +2,76 @@
 
 #include <fmt/format.h>
 #include <openssl/evp.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <memory>
 #include <sstream>
 #include <system_error>
+#include <vector>
 
 #include "command.h"
 
 namespace softarm::app {
 namespace fs = std::filesystem;
+
+namespace {
+
+/// Of processes that are no more.
+void remove_leftovers(const fs::path& folder, const std::string& name) {
+  const std::string begin = "." + name + ".", end = ".partial";
+  std::error_code error;
+  std::vector<fs::path> dead;
+  for (fs::directory_iterator entry(folder, error), last; !error && entry != last; entry.increment(error)) {
+    const std::string file = entry->path().filename().string();
+    if (file.size() <= begin.size() + end.size() || file.compare(0, begin.size(), begin) != 0 ||
+        file.compare(file.size() - end.size(), end.size(), end) != 0)
+      continue;
+    const std::string process = file.substr(begin.size(), file.size() - begin.size() - end.size());
+    pid_t id = 0;
+    const auto [stop, wrong] = std::from_chars(process.data(), process.data() + process.size(), id);
+    if (wrong != std::errc() || stop != process.data() + process.size() || id <= 0) continue;
+    if (::kill(id, 0) != 0 && errno == ESRCH) dead.push_back(entry->path());
+  }
+  for (const fs::path& path : dead) fs::remove(path, error);
+}
+
+}  // namespace
+
+void finish(std::ofstream& stream, const fs::path& path) {
+  // The first failure is that of the disk; those that follow say nothing.
+  const int reason = errno;
+  const bool failed = !stream;
+  errno = 0;
+  stream.close();
+  if (stream) return;
+  const int why = failed ? reason : errno;
+  throw Failure(fmt::format("{}: cannot be written{}", path.string(),
+                            why != 0 ? fmt::format(": {}", std::strerror(why)) : ""));
+}
+
+void write_text(const fs::path& path, const std::string& text) {
+  errno = 0;
+  std::ofstream stream(path, std::ios::binary);
+  stream << text << std::flush;
+  finish(stream, path);
+}
+
+void OutputFile::write(const std::string& text) {
+  try {
+    write_text(temporary_, text);
+  } catch (const Failure& failure) {  // people know the file by its own name
+    std::string why = failure.what();
+    why.replace(0, temporary_.string().size(), path_.string());
+    throw Failure(why);
+  }
+}
 
 OutputFile::OutputFile(fs::path path) : path_(std::move(path)) {
   const fs::path folder = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
@@ -26,6 +83,7 @@ OutputFile::OutputFile(fs::path path) : path_(std::move(path)) {
   if (::access(folder.c_str(), W_OK) != 0) {
     throw Failure(fmt::format("{}: the folder {} cannot be written", path_.string(), folder.string()));
   }
+  remove_leftovers(folder, path_.filename().string());
   // Hidden, with the process in its name: two runs do not write into each other's file.
   temporary_ = folder / fmt::format(".{}.{}.partial", path_.filename().string(), ::getpid());
 }

@@ -2,13 +2,15 @@
 #pragma once
 
 #include <filesystem>
+#include <iosfwd>
 #include <string>
 
 namespace softarm::app {
 
 /// A file written under a temporary name beside its place and renamed when it is complete.
 ///
-/// Destroyed before commit(), it leaves nothing behind: an error half way never leaves half an output.
+/// Destroyed before commit(), it leaves nothing behind: an error half way never leaves half an output. What a
+/// process that was killed left beside the place is removed.
 class OutputFile {
  public:
   /// @throws Failure if the folder is missing or the path is a folder
@@ -21,6 +23,9 @@ class OutputFile {
   const std::filesystem::path& temporary() const { return temporary_; }
   const std::filesystem::path& path() const { return path_; }
 
+  /// The whole text. @throws Failure if it cannot be written: "...: cannot be written: No space left on
+  /// device"
+  void write(const std::string& text);
   /// @throws Failure if it cannot be renamed
   void commit();
 
@@ -29,6 +34,10 @@ class OutputFile {
   std::filesystem::path temporary_;
   bool committed_ = false;
 };
+
+/// Closes what was written to a file. @throws Failure with the reason where not all of it was
+void finish(std::ofstream& stream, const std::filesystem::path& path);
+void write_text(const std::filesystem::path& path, const std::string& text);
 
 /// Whole text of a file. @throws Failure if it cannot be read
 std::string read_text(const std::filesystem::path& path);

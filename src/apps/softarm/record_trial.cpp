@@ -40,11 +40,6 @@ void record(rig::ReceiptQueue& queue, double until_s, const std::vector<std::str
   }
 }
 
-void close(std::ofstream& file, const fs::path& path) {
-  file.close();
-  if (!file) throw Failure(fmt::format("{}: cannot be written", path.string()));
-}
-
 }  // namespace
 
 RecordedTrial record_trial(const rig::Scenario& scenario, const fs::path& bag_path,
@@ -70,10 +65,8 @@ RecordedTrial record_trial(const rig::Scenario& scenario, const fs::path& bag_pa
   }
   record(queue, std::numeric_limits<double>::infinity(), simulator.body_names(), bag);
   bag.close();
-  close(series, series_file.path());
-  std::ofstream description(description_file.temporary());
-  description << rig::truth_yaml(scenario);
-  close(description, description_file.path());
+  finish(series, series_file.path());
+  description_file.write(rig::truth_yaml(scenario));
 
   recorded.messages = bag.messages();
   recorded.bodies_lost = simulator.dropouts();
@@ -82,10 +75,9 @@ RecordedTrial record_trial(const rig::Scenario& scenario, const fs::path& bag_pa
   recorded.seal = seal_file.path();
   recorded.series_sha256 = sha256_of_file(series_file.temporary());
   recorded.description_sha256 = sha256_of_file(description_file.temporary());
-  std::ofstream seal(seal_file.temporary());
-  seal << fmt::format("{}  {}\n{}  {}\n", recorded.series_sha256, series_file.path().filename().string(),
-                      recorded.description_sha256, description_file.path().filename().string());
-  close(seal, seal_file.path());
+  seal_file.write(fmt::format("{}  {}\n{}  {}\n", recorded.series_sha256,
+                              series_file.path().filename().string(), recorded.description_sha256,
+                              description_file.path().filename().string()));
   series_file.commit();
   description_file.commit();
   seal_file.commit();

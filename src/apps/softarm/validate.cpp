@@ -6,7 +6,6 @@
 #include <array>
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -56,10 +55,7 @@ class Outputs {
   void add(const std::string& name, const std::string& text) {
     if (folder_.empty()) return;
     files_.push_back(std::make_unique<OutputFile>(fs::path(folder_) / name));
-    std::ofstream file(files_.back()->temporary());
-    file << text;
-    file.close();
-    if (!file) throw Failure(fmt::format("{}: cannot be written", files_.back()->path().string()));
+    files_.back()->write(text);
   }
   void commit() {
     for (const auto& file : files_) file->commit();
