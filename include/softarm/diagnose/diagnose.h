@@ -196,8 +196,11 @@ struct Diagnosis {
   double discrepancy_share = 0.0;
   double left_out_share = 0.0;  ///< of the recordings' means that no model is compared with
   Fit baseline, extended;
-  std::vector<NamedEffect> effects;  ///< what the verdict stands on, best first
-  std::vector<Candidate> ranking;    ///< every candidate, best first
+  std::vector<NamedEffect> effects;  ///< what the verdict stands on, in the order of what they explain
+  /// What every arm has: bodies and base within placement_sd of where they should be, and what explains
+  /// little beside the others.
+  std::vector<NamedEffect> small_departures;
+  std::vector<Candidate> ranking;  ///< every candidate, best first
   Structure before, after;
   std::vector<Shift> shifts;
   ExtendedArm extended_arm;
