@@ -51,6 +51,9 @@ void series_of(const trial::Trial& trial, std::size_t input, std::vector<double>
 }  // namespace
 
 double scatter_of(const std::vector<double>& stamp_s, const std::vector<double>& value) {
+  std::size_t repeated = 0;
+  for (std::size_t i = 1; i < value.size(); ++i) repeated += value[i] == value[i - 1];
+  if (2 * repeated > value.size()) return 0.0;  // a command, whose steps are no noise
   std::vector<double> off;
   for (std::size_t i = 2; i + 2 < value.size(); ++i) {
     const std::array<double, 4> at{stamp_s[i - 2], stamp_s[i - 1], stamp_s[i + 1], stamp_s[i + 2]};

@@ -17,6 +17,7 @@ const std::vector<arm::SegmentPrediction> kNoLaws;
 }  // namespace
 
 void MismatchMonitor::Impl::reset() {
+  memory.reset();
   window.reset();
   reference.reset();
   mismatch = Mismatch();

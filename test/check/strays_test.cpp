@@ -9,10 +9,11 @@ namespace {
 
 using ::testing::HasSubstr;
 
+/// Beside the one sample that is not there.
 std::vector<std::string> others(const check::CheckReport& report) {
   std::vector<std::string> ids;
   for (const check::CheckFinding& f : report.findings)
-    if (f.id != "stray_times") ids.push_back(f.id + " " + f.where);
+    if (f.id != "stray_times" && f.id != "lost_body") ids.push_back(f.id + " " + f.where);
   return ids;
 }
 
@@ -60,7 +61,7 @@ INSTANTIATE_TEST_SUITE_P(
                                r.inputs[0][300].receipt_s = 4294967295.0;
                                r.inputs[0][301].receipt_s = 4294967295.0;
                              }}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& of) { return std::string(of.param.name); });
 
 TEST(StrayStretches, OfTwoThatAreYearsApartTheLongerIsLookedAt) {
   const arm::Arm arm = hanging_arm();

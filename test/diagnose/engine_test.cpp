@@ -68,10 +68,11 @@ TEST(Diagnose, ABaseThatYieldsIsFoundBehindALowerStiffness) {
 RecordedCase with_ring_off(const std::string& effects, std::uint64_t seed, double along_m) {
   RecordedCase out = drawn_case(effects, seed);
   for (std::size_t i = 0; i < out.truth.size(); ++i) {
-    rig::hide({"marker_slip",
-               "",
-               {{"body", 3.0}, {"along_m", along_m}, {"sideways_m", 0.0}, {"direction_deg", 0.0}, {"from_s", 0.0}}},
-              out.truth[i]);
+    rig::hide(
+        {"marker_slip",
+         "",
+         {{"body", 3.0}, {"along_m", along_m}, {"sideways_m", 0.0}, {"direction_deg", 0.0}, {"from_s", 0.0}}},
+        out.truth[i]);
     out.trials.push_back(record(out.arm, out.truth[i], "trial_" + std::to_string(i + 1)));
   }
   return out;

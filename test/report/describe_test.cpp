@@ -34,9 +34,10 @@ TEST(Describe, SaysWhereWhatHowLargeAndHowSure) {
   EXPECT_THAT(text, HasSubstr("mistaken for rigid_ends or shear"));
   EXPECT_THAT(text, HasSubstr("how large half width of the loop: 2.48 kPa (90 % interval 2.21 to 2.76)"));
   EXPECT_THAT(text, HasSubstr("where 30 to 170 mm from the base"));
-  EXPECT_THAT(text, HasSubstr("Small departures, as every arm has them: - marker_slip: A ring sits elsewhere than "
-                              "the arm file says, 100 mm from the base; offset along the arm: 0.31 mm (90 % "
-                              "interval 0.22 to 0.40); probability over 99 %."));
+  EXPECT_THAT(text,
+              HasSubstr("Small departures, as every arm has them: - marker_slip: A ring sits elsewhere than "
+                        "the arm file says, 100 mm from the base; offset along the arm: 0.31 mm (90 % "
+                        "interval 0.22 to 0.40); probability over 99 %."));
 }
 
 TEST(Describe, SaysHowMuchBetterAndWhatNext) {

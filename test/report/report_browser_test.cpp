@@ -89,7 +89,8 @@ class ReportInBrowser : public ::testing::Test {
 };
 
 constexpr const char* kAll =
-    "effects small next held-out shifts arm along time inputs ranking ladder parameter_variation left trials notes";
+    "effects small next held-out shifts arm along time inputs ranking ladder parameter_variation left trials "
+    "notes";
 
 TEST_F(ReportInBrowser, DrawsEverythingWhateverTheNamesAre) {
   if (std::string(SOFTARM_PLOTLY).empty()) GTEST_SKIP() << "no plotly.js";

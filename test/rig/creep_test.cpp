@@ -75,10 +75,11 @@ duration_s: 4
 arm:
   length_m: 0.2
   mass_kg: 0.2
+  retardation_s: 0.2
   bending_stiffness: {base_nm2: 0.03}
 )" + creep +
          R"(  chambers: [{bending_direction_deg: 0, moment_gain_nm_per_pa: 6.0e-6}]
-pressures: {schedule: [{t_s: 0, pressures_pa: [0]}, {t_s: 0.5, pressures_pa: [0]}, {t_s: 0.52, pressures_pa: [20000]}]}
+pressures: {settle_s: 0, ramp_s: 0.4, schedule: [{t_s: 0, pressures_pa: [0]}, {t_s: 0.5, pressures_pa: [20000]}]}
 )";
 }
 

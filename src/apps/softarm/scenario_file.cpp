@@ -121,12 +121,18 @@ class Translated {
     }
   }
 
+  void wall(const arm::Wall& from, std::size_t index, YAML::Node to) const {
+    if (from.slows_per_pa.value_or(0.0) > 0.0)
+      fail(fmt::format("segments[{}].wall.slows_per_pa", index), "a wall that pressure slows");
+    to["retardation_s"] = from.lag_s.value_or(arm::Wall::kUsualLag_s);
+    creep(from.bending, "moment", to);
+    creep(from.axial, "length", to);
+  }
+
   YAML::Node segment(std::size_t index) const {
     const arm::Segment& from = arm_.segments[index];
     if (!from.stiffness_profile.empty())
       fail(fmt::format("segments[{}].bending_stiffness.profile", index), "a profile");
-    if (from.wall.slows_per_pa.value_or(0.0) > 0.0)
-      fail(fmt::format("segments[{}].wall.slows_per_pa", index), "a wall that pressure slows");
     YAML::Node to;
     to["length_m"] = from.length_m;
     to["mass_kg"] = from.mass_per_length_kg_m * from.length_m;
@@ -143,9 +149,7 @@ class Translated {
     }
     growth(from, stiffness);
     saturation(from, to);
-    to["retardation_s"] = from.wall.lag_s.value_or(arm::Wall::kUsualLag_s);
-    creep(from.wall.bending, "moment", to);
-    creep(from.wall.axial, "length", to);
+    wall(from.wall, index, to);
     to["torsional_stiffness_nm2"] = from.torsional_stiffness_nm2.value_or(kHardlyTwists_nm2);
     if (from.axial_stiffness_n) to["axial_stiffness_n"] = *from.axial_stiffness_n;
     if (from.shear_stiffness_n) to["shear_stiffness_n"] = *from.shear_stiffness_n;
