@@ -20,14 +20,19 @@ std::mutex& bag_lifetime() {
 std::shared_ptr<rosbag::Bag> opened(const std::string& path, rosbag::bagmode::BagMode mode) {
   const std::lock_guard<std::mutex> lock(bag_lifetime());
   auto bag = std::make_unique<rosbag::Bag>();
-  bag->open(path, mode);
+  try {
+    bag->open(path, mode);
+  } catch (const rosbag::BagException&) {
+    // A full disk. Its destructor would try again, and throw: better a few kilobytes that stay.
+    if (mode == rosbag::bagmode::Write) static_cast<void>(bag.release());
+    throw;
+  }
   return {bag.release(), [](rosbag::Bag* finished) {
             const std::lock_guard<std::mutex> finish(bag_lifetime());
             try {
               finished->close();
             } catch (const std::exception&) {
-              // A full disk. Its destructor would try again, and throw: better a few kilobytes that stay.
-              return;
+              return;  // as above
             }
             delete finished;
           }};
