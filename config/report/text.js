@@ -59,7 +59,7 @@ function effects() {
 /// What every arm has: a line each.
 function smallDepartures() {
   if (!report.small_departures.length) return null;
-  return element('ul', null, report.small_departures.map(effect => element('li', null, element('code', null, effect.name), ' ', effect.sentence)));
+  return [element('ul', null, report.small_departures.map(effect => element('li', null, element('code', null, effect.name), ' ', effect.sentence)))];
 }
 
 function nextExperiment() {
