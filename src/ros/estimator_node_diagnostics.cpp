@@ -7,6 +7,7 @@
 
 #include "estimator_node.h"
 #include "input_topics.h"
+#include "master_watch.h"
 #include "math/statistics.h"
 #include "softarm/arm/arm_file.h"
 #include "softarm/arm/laws.h"
@@ -203,14 +204,14 @@ void EstimatorNode::diagnose_silent_topics(DiagnosticStatusWrapper& status) {
   for (const auto& source : sources_) {
     if (source->messages == 0) silent.push_back(source.get());
   }
-  ros::master::V_TopicInfo published;
-  const bool ask = !silent.empty() && diagnostics_count_ % 5 == 1 && ros::master::getTopics(published);
+  const bool ask = !silent.empty() && diagnostics_count_ % 5 == 1;
+  const ros::master::V_TopicInfo published = ask ? published_topics() : ros::master::V_TopicInfo();
   for (const Source* source : silent) {
     std::string state = "no message yet";
     const std::vector<std::string>& others = source->input.other_types;
     const std::string topic = nh_.resolveName(source->input.topic);
     for (const ros::master::TopicInfo& info : published) {
-      if (ask && info.name == topic && info.datatype != source->input.type &&
+      if (info.name == topic && info.datatype != source->input.type &&
           std::find(others.begin(), others.end(), info.datatype) == others.end()) {
         state = fmt::format("published as {}, but the arm says {}", info.datatype, source->input.type);
         status.mergeSummary(DiagnosticStatus::WARN, topic + " is " + state);

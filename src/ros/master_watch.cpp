@@ -81,6 +81,15 @@ bool register_again(const std::vector<std::string>& services) {
 
 }  // namespace
 
+ros::master::V_TopicInfo published_topics() {
+  ros::master::V_TopicInfo list;
+  XmlRpc::XmlRpcValue topics;
+  if (!call("getPublishedTopics", {ros::this_node::getName(), ""}, topics)) return list;
+  for (int i = 0; i < topics.size(); ++i)
+    list.emplace_back(static_cast<std::string>(topics[i][0]), static_cast<std::string>(topics[i][1]));
+  return list;
+}
+
 MasterWatch::MasterWatch(const std::vector<ros::ServiceServer>& services) {
   for (const ros::ServiceServer& service : services) services_.push_back(service.getService());
   thread_ = std::thread([this] { run(); });
@@ -108,8 +117,12 @@ void MasterWatch::look() {
   const bool answers = ros::master::check();
   if (answers_ && !answers) ROS_WARN("the roscore does not answer: what is connected goes on");
   answers_ = answers;
-  XmlRpc::XmlRpcValue uri;
-  if (!answers || call("lookupNode", {ros::this_node::getName(), ros::this_node::getName()}, uri)) return;
+  if (!answers) return;
+  const std::string& name = ros::this_node::getName();
+  XmlRpc::XmlRpcValue uri;  // empty: it knows no such node
+  if (call("lookupNode", {name, name}, uri) && uri.getType() == XmlRpc::XmlRpcValue::TypeString &&
+      static_cast<std::string>(uri) == ros::XMLRPCManager::instance()->getServerURI())
+    return;
   if (!ros::ok() || !ros::master::check()) return;  // it is this node, or the master, that ends
   if (register_again(services_)) {
     ROS_WARN("the roscore was restarted: registered with it again");

@@ -1,6 +1,7 @@
 // A node that outlives its roscore.
 #pragma once
 
+#include <ros/master.h>
 #include <ros/service_server.h>
 
 #include <condition_variable>
@@ -33,5 +34,9 @@ class MasterWatch {
   std::condition_variable wake_;
   std::thread thread_;
 };
+
+/// What is published, by the master; nothing where it does not answer. ros::master::getTopics() would wait
+/// for it, and hold up all frames.
+ros::master::V_TopicInfo published_topics();
 
 }  // namespace softarm

@@ -93,7 +93,8 @@ def main():
     graph = Graph(source, build)
     try:
         core = graph.core()
-        node = graph.start(f"rosrun softarm_estimator estimator_node __name:=softarm_estimator _arm:='{source}/test/ros/light_arm.yaml'")
+        node = graph.start(f"'{build}/devel/lib/softarm_estimator/estimator_node' __name:=softarm_estimator "
+                           f"_arm:='{source}/test/ros/light_arm.yaml'")
         first = graph.fed()
         graph.stop(core)
         time.sleep(2.5)  # it is missed

@@ -112,6 +112,7 @@ TEST_F(ReportInBrowser, EmptyPartsAndNoPlotsStayReadable) {
   diagnose::Diagnosis d = testing::example_diagnosis();
   d.verdict = diagnose::Verdict::kUnknown;
   d.effects.clear();
+  d.small_departures.clear();
   d.shifts.clear();
   d.next_experiment.reset();
   d.notes.clear();
