@@ -107,9 +107,17 @@ TEST(SoftarmErrors, WhatAKilledProcessLeftIsRemovedAndWhatALivingOneWritesIsNot)
   EXPECT_TRUE(std::filesystem::exists(dir / ".x.bag.note.partial"));
 }
 
+constexpr const char* kSmallCampaign = R"(format: 1
+name: small
+arms: [{scenario: demo, arm: online_200mm}]
+effects: {count_weights: [1]}
+trials: {count: 2, seconds: 6}
+)";
+
 TEST(SoftarmErrors, TwoCampaignsWithOneFolder) {
   const TestFolder dir;
-  const std::string campaign = "campaign development --cases 2 --seed 1 --out " + dir / "out";
+  const std::string small = dir.write("small.yaml", kSmallCampaign);
+  const std::string campaign = "campaign " + small + " --cases 6 --seed 1 --out " + dir / "out";
   const std::string first = SOFTARM_PROGRAM_DIR "/softarm " + campaign + " >/dev/null 2>&1 & ";
   const Outcome second =
       softarm_program(campaign, first + "first=$!; while ! [ -e " + dir / "out.partial/case_001" +
@@ -121,7 +129,7 @@ TEST(SoftarmErrors, TwoCampaignsWithOneFolder) {
   // Of one that was killed.
   std::filesystem::create_directories(dir / "late.partial/case_001");
   dir.write("late.partial/case_001/left.bag", "half");
-  const Outcome late = softarm_program("campaign development --cases 1 --seed 1 --out " + dir / "late");
+  const Outcome late = softarm_program("campaign " + small + " --cases 1 --seed 1 --out " + dir / "late");
   EXPECT_EQ(late.status, 0) << late.err;
   EXPECT_FALSE(std::filesystem::exists(dir / "late/case_001/left.bag"));
 }
