@@ -66,7 +66,7 @@ TEST(Diagnose, ABaseThatYieldsIsFoundBehindALowerStiffness) {
 
 /// The trials of a case with a ring so far along the arm from where it should be.
 RecordedCase with_ring_off(const std::string& effects, std::uint64_t seed, double along_m) {
-  RecordedCase out = drawn_case(effects, seed);
+  RecordedCase out = drawn_case(effects, seed, 4, 8.0);
   for (std::size_t i = 0; i < out.truth.size(); ++i) {
     rig::hide(
         {"marker_slip",
