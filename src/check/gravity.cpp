@@ -28,7 +28,8 @@ void check_gravity(Context& context) {
   Eigen::Vector3d best = arm.gravity_m_s2;
   for (int k = 0; k < 6; ++k) {
     arm::Arm turned = arm;
-    turned.gravity_m_s2 = (k % 2 ? 1.0 : -1.0) * arm.gravity_m_s2.norm() * Eigen::Vector3d::Unit(k / 2);
+    turned.gravity_m_s2.setZero();
+    turned.gravity_m_s2[k / 2] = (k % 2 ? 1.0 : -1.0) * arm.gravity_m_s2.norm();
     if ((turned.gravity_m_s2 - arm.gravity_m_s2).norm() < kPolicy.gravity.same_m_s2) continue;
     const Residuals other = residuals_of(context, turned, kPolicy.gravity.most_frames, false);
     if (other.rms_m.size() < as_is.rms_m.size() / 2) continue;

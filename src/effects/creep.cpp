@@ -29,6 +29,19 @@ class Creep : public Described {
       piece.rest_curvature_per_m.head<2>() += values[0] * crept.already;
     }
   }
+  std::vector<StartNumber> starts(const arm::Arm& arm, const Values&) const override {
+    return curvature_starts(arm, any_segment, left_bent_per_m);
+  }
+  void begin(const arm::Arm& arm, const FineRod& fine, const Values& values, const Eigen::VectorXd& start,
+             Memory& memory) const override {
+    const auto crept = started_curvatures(arm, any_segment, starts(arm, values), start);
+    memory.assign(fine.pieces().size() * kSize, 0.0);
+    for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
+      const Vector2d& w = crept[static_cast<std::size_t>(fine.pieces()[j].segment)];
+      memory[j * kSize] = w.x();
+      memory[j * kSize + 1] = w.y();
+    }
+  }
   bool remembers() const override { return true; }
   void remember(const arm::Arm& arm, const FineRod& fine, const Values& values, const Instant& instant,
                 const Shape& shape, Memory& memory) const override {
@@ -56,10 +69,11 @@ class Creep : public Described {
     Vector2d already = Vector2d::Zero();
     double by_elastic = 1.0;
   };
-  /// At the beginning all has crept that will.
+  /// At the beginning all has crept that will, and what the trial found beyond that.
   static Crept before(const Memory& memory, std::size_t piece, const Values& values, const Instant& instant) {
     if (memory.empty()) return {};
     const double* from = &memory[piece * kSize];
+    if (instant.dt_s <= 0.0) return {Vector2d(from[0], from[1]), 1.0};
     const Following f = following(instant.dt_s, std::max(values[1], 1e-2));
     return {f.kept * Vector2d(from[0], from[1]) + f.weight_last * Vector2d(from[2], from[3]), f.weight_now};
   }

@@ -72,9 +72,30 @@ double core_stiffness_nm2(const arm::Arm& arm, const arm::Segment& segment, cons
 }
 
 bool has_core(const arm::Arm& arm) {
-  return std::any_of(arm.segments.begin(), arm.segments.end(), [](const arm::Segment& segment) {
-    return segment.jamming_input && segment.bending_stiffness.per_jamming_pressure_nm2_per_pa > 0.0;
-  });
+  return std::any_of(arm.segments.begin(), arm.segments.end(), segment_has_core);
+}
+
+std::vector<model::StartNumber> curvature_starts(const arm::Arm& arm, const SegmentTest& which,
+                                                 const std::function<double(const arm::Segment&)>& sd_per_m) {
+  std::vector<model::StartNumber> numbers;
+  for (const arm::Segment& segment : arm.segments) {
+    if (!which(segment)) continue;
+    for (const char* axis : {".x", ".y"}) numbers.push_back({segment.name + axis, "1/m", sd_per_m(segment)});
+  }
+  return numbers;
+}
+
+std::vector<Eigen::Vector2d> started_curvatures(const arm::Arm& arm, const SegmentTest& which,
+                                                const std::vector<model::StartNumber>& numbers,
+                                                const Eigen::VectorXd& start) {
+  std::vector<Eigen::Vector2d> list(arm.segments.size(), Eigen::Vector2d::Zero());
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < arm.segments.size(); ++i) {
+    if (!which(arm.segments[i])) continue;
+    for (int axis = 0; axis < 2; ++axis, ++at)
+      list[i][axis] = numbers[at].sd * start[static_cast<Eigen::Index>(at)];
+  }
+  return list;
 }
 
 Eigen::Vector2d linear_curvature(const rod::Segment& piece, const rod::RodState& middle) {

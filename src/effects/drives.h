@@ -2,10 +2,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "math/following.h"
+#include "model/effect.h"
 #include "softarm/arm/arm.h"
 #include "softarm/rod/rod.h"
 #include "softarm/rod/solver.h"
@@ -37,6 +39,30 @@ double vacuum_pa(const arm::Arm& arm, const arm::Segment& segment, const Eigen::
 double core_stiffness_nm2(const arm::Arm& arm, const arm::Segment& segment, const Eigen::VectorXd& inputs);
 /// Whether some segment has a core that the vacuum stiffens.
 bool has_core(const arm::Arm& arm);
+
+/// Of what a trial finds: an arm that was left bent by this, as a turn of one segment, rad.
+constexpr double kLeftBent_rad = 0.5;
+/// Standard deviation of what is anywhere between -1 and 1.
+constexpr double kAnywhere = 0.577;
+
+using SegmentTest = std::function<bool(const arm::Segment&)>;
+/// Curvatures that a trial finds in the segments in question: two numbers each. @param sd_per_m of one
+std::vector<model::StartNumber> curvature_starts(const arm::Arm& arm, const SegmentTest& which,
+                                                 const std::function<double(const arm::Segment&)>& sd_per_m);
+/// The same by segment of the arm, 1/m; 0 of the others.
+std::vector<Eigen::Vector2d> started_curvatures(const arm::Arm& arm, const SegmentTest& which,
+                                                const std::vector<model::StartNumber>& numbers,
+                                                const Eigen::VectorXd& start);
+/// Of an arm that was left bent.
+inline double left_bent_per_m(const arm::Segment& segment) {
+  return kLeftBent_rad / segment.length_m;
+}
+inline bool any_segment(const arm::Segment&) {
+  return true;
+}
+inline bool segment_has_core(const arm::Segment& segment) {
+  return segment.jamming_input && segment.bending_stiffness.per_jamming_pressure_nm2_per_pa > 0.0;
+}
 
 using math::following;
 using math::Following;

@@ -43,19 +43,50 @@ class Hysteresis : public Described {
     return list;
   }
 
+  std::vector<StartNumber> starts(const arm::Arm& arm, const Values& values) const override {
+    const Of where = of(values);
+    // As a share of the loop's width.
+    const auto anywhere = [](const arm::Segment&) { return kAnywhere; };
+    std::vector<StartNumber> numbers;
+    if (where == Of::kMaterial) {
+      numbers = curvature_starts(arm, any_segment, anywhere);
+      for (StartNumber& number : numbers) number.unit = "1";
+      return numbers;
+    }
+    for (const Eigen::Index row : rows_of(arm, kind_of(where)))
+      numbers.push_back({arm.inputs.scalars[static_cast<std::size_t>(row)].name, "1", kAnywhere});
+    return numbers;
+  }
+  void begin(const arm::Arm& arm, const FineRod& fine, const Values& values, const Eigen::VectorXd& start,
+             Memory& memory) const override {
+    if (of(values) != Of::kMaterial) return;
+    const auto shares = started_curvatures(arm, any_segment, starts(arm, values), start);
+    const double width = values[1] / kReferencePa * kReference_per_m;
+    memory.assign(fine.pieces().size() * kSize, 0.0);
+    for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
+      Vector2d share = shares[static_cast<std::size_t>(fine.pieces()[j].segment)];
+      if (share.norm() > 1.0) share.normalize();
+      for (int k = 0; k < kPlays; ++k) {
+        // Until the first instant has told the curvature, plays are where they are from it.
+        double* play = &memory[j * kSize] + 2 + 3 * k;
+        play[0] = -kRadii[k] * width * share.x();
+        play[1] = -kRadii[k] * width * share.y();
+      }
+    }
+  }
+
   bool looks_back() const override { return true; }
   void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
     const Of where = of(values);
     if (where == Of::kMaterial || values[0] == 0.0) return;
-    const arm::InputKind kind = where == Of::kTensions ? arm::InputKind::kTension
-                                : where == Of::kAngles ? arm::InputKind::kAngle
-                                                       : arm::InputKind::kPressure;
     const double reference = where == Of::kTensions ? kReference_n
                              : where == Of::kAngles ? kReference_rad
                                                     : kReferencePa;
-    for (const Eigen::Index row : rows_of(arm, kind)) {
-      loop(values[0], values[1] / kReferencePa * reference, series.inputs.row(row));
-      loop(values[0], values[1] / kReferencePa * reference, series.moment_inputs.row(row));
+    Eigen::Index number = 0;
+    for (const Eigen::Index row : rows_of(arm, kind_of(where))) {
+      const double start = series.start.size() > 0 ? kAnywhere * series.start[number++] : 0.0;
+      loop(values[0], values[1] / kReferencePa * reference, start, series.inputs.row(row));
+      loop(values[0], values[1] / kReferencePa * reference, start, series.moment_inputs.row(row));
     }
   }
 
@@ -80,12 +111,12 @@ class Hysteresis : public Described {
     }
   }
   bool remembers() const override { return true; }
-  void remember(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&,
+  void remember(const arm::Arm&, const FineRod& fine, const Values& values, const Instant& instant,
                 const Shape& shape, Memory& memory) const override {
     if (of(values) != Of::kMaterial) return;
     const double width = values[1] / kReferencePa * kReference_per_m;
-    const bool begins = memory.empty();
-    memory.resize(fine.pieces().size() * kSize);
+    const bool begins = memory.empty() || instant.dt_s <= 0.0;
+    memory.resize(fine.pieces().size() * kSize, 0.0);
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
       double* piece = &memory[j * kSize];
       const Vector2d u = shape.middles[j].u.head<2>();
@@ -94,7 +125,7 @@ class Hysteresis : public Described {
       piece[1] = u.y();
       for (int k = 0; k < kPlays; ++k) {
         double* play = piece + 2 + 3 * k;
-        Vector2d strain = begins ? Vector2d(Vector2d::Zero()) : Vector2d(u - Vector2d(play[0], play[1]));
+        Vector2d strain = (begins ? Vector2d(Vector2d::Zero()) : u) - Vector2d(play[0], play[1]);
         const double radius = kRadii[k] * width, beyond = strain.norm();
         // How much of the play's stiffness there is in the next step, if it goes on as this one did: all of
         // it while the play holds; once it slides, none along the strain and all across it.
@@ -114,9 +145,18 @@ class Hysteresis : public Described {
  private:
   static constexpr std::size_t kSize = 2 + 3 * kPlays;  ///< of a piece: curvature, then where each play is
 
-  static void loop(double share, double width, Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) {
+  static arm::InputKind kind_of(Of where) {
+    return where == Of::kTensions ? arm::InputKind::kTension
+           : where == Of::kAngles ? arm::InputKind::kAngle
+                                  : arm::InputKind::kPressure;
+  }
+
+  /// @param start how far it is strained, as a share of its width, before anything moved
+  static void loop(double share, double width, double start,
+                   Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) {
     double at[kPlays];
-    std::fill_n(at, kPlays, row.size() > 0 ? row[0] : 0.0);
+    for (int k = 0; k < kPlays; ++k)
+      at[k] = (row.size() > 0 ? row[0] : 0.0) - std::clamp(start, -1.0, 1.0) * kRadii[k] * width;
     for (Eigen::Index i = 0; i < row.size(); ++i) {
       double mean = 0.0;
       for (int k = 0; k < kPlays; ++k) {

@@ -1,6 +1,8 @@
 // The jammed core keeps the curvature at which it was jammed: what stiffness comes in with the vacuum is
 // without moment at the curvature of its coming, by a share. Moment of the core = K (u - share r), r the mean
 // of those curvatures.
+#include <limits>
+
 #include "drives.h"
 #include "effects.h"
 
@@ -24,19 +26,33 @@ class JammingMemory : public Described {
       rod.segments[j].moment_nm.head<2>() += kept;
     }
   }
+  std::vector<StartNumber> starts(const arm::Arm& arm, const Values&) const override {
+    return curvature_starts(arm, segment_has_core, left_bent_per_m);
+  }
+  void begin(const arm::Arm& arm, const FineRod& fine, const Values& values, const Eigen::VectorXd& start,
+             Memory& memory) const override {
+    const auto jammed = started_curvatures(arm, segment_has_core, starts(arm, values), start);
+    memory.assign(fine.pieces().size() * kSize, 0.0);
+    for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
+      const Vector2d& u = jammed[static_cast<std::size_t>(fine.pieces()[j].segment)];
+      double* to = &memory[j * kSize];
+      to[0] = u.x();
+      to[1] = u.y();
+      to[kSize - 1] = std::numeric_limits<double>::infinity();  // whatever vacuum there is has done so
+    }
+  }
   bool remembers() const override { return true; }
   void remember(const arm::Arm& arm, const FineRod& fine, const Values&, const Instant& instant,
                 const Shape& shape, Memory& memory) const override {
     const std::vector<double> k = cores(arm, instant);
-    const bool begins = memory.empty();
+    const bool begins = memory.empty() || instant.dt_s <= 0.0;
     memory.resize(fine.pieces().size() * kSize, 0.0);
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
       const double now = k[static_cast<std::size_t>(fine.pieces()[j].segment)];
       const Vector2d u = shape.middles[j].u.head<2>();
       double* m = &memory[j * kSize];
-      // A trial that begins jammed was jammed straight.
-      const Vector2d r =
-          begins ? Vector2d(Vector2d::Zero()) : reference(m, now, 0.5 * (u + Vector2d(m[2], m[3])));
+      // A trial that begins jammed was jammed straight, or as it was found.
+      const Vector2d r = begins ? Vector2d(m[0], m[1]) : reference(m, now, 0.5 * (u + Vector2d(m[2], m[3])));
       m[0] = r.x();
       m[1] = r.y();
       m[2] = u.x();

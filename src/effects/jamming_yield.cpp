@@ -1,6 +1,7 @@
 // The jammed core slips: beyond an elastic curvature its moment no longer grows, and it keeps what it
 // slipped.
 #include <algorithm>
+#include <limits>
 
 #include "drives.h"
 #include "effects.h"
@@ -43,6 +44,21 @@ class JammingYield : public Described {
       } else {
         bend_to(before + (size - lost * yield) / (1.0 - lost) / size * z, 1.0 - lost, middle, piece);
       }
+    }
+  }
+  std::vector<StartNumber> starts(const arm::Arm& arm, const Values&) const override {
+    return curvature_starts(arm, segment_has_core, left_bent_per_m);
+  }
+  void begin(const arm::Arm& arm, const FineRod& fine, const Values& values, const Eigen::VectorXd& start,
+             Memory& memory) const override {
+    const auto slid = started_curvatures(arm, segment_has_core, starts(arm, values), start);
+    memory.assign(fine.pieces().size() * kSize, 0.0);
+    for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
+      const Vector2d& u = slid[static_cast<std::size_t>(fine.pieces()[j].segment)];
+      double* to = &memory[j * kSize];
+      to[0] = u.x();
+      to[1] = u.y();
+      to[kSize - 1] = std::numeric_limits<double>::infinity();  // whatever vacuum there is has done so
     }
   }
   bool remembers() const override { return true; }

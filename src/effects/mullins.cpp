@@ -45,6 +45,21 @@ class Mullins : public Described {
       bend_to(u / wanted * linear, 1.0 + tangent, middle, piece);
     }
   }
+  /// How far it was bent before; no less than nothing.
+  std::vector<StartNumber> starts(const arm::Arm& arm, const Values& values) const override {
+    std::vector<StartNumber> numbers;
+    for (const arm::Segment& segment : arm.segments)
+      numbers.push_back({segment.name, "1/m^2", std::pow(std::max(values[1], left_bent_per_m(segment)), 2)});
+    return numbers;
+  }
+  void begin(const arm::Arm& arm, const FineRod& fine, const Values& values, const Eigen::VectorXd& start,
+             Memory& memory) const override {
+    const std::vector<StartNumber> numbers = starts(arm, values);
+    memory.clear();
+    for (const Piece& piece : fine.pieces())
+      memory.push_back(numbers[static_cast<std::size_t>(piece.segment)].sd *
+                       std::max(0.0, start[piece.segment]));
+  }
   bool remembers() const override { return true; }
   void remember(const arm::Arm&, const FineRod& fine, const Values&, const Instant&, const Shape& shape,
                 Memory& memory) const override {

@@ -45,6 +45,29 @@ class TendonFriction : public Described {
       }
     }
   }
+  /// Where each tendon's friction stands, as a share of what it can hold.
+  std::vector<StartNumber> starts(const arm::Arm& arm, const Values&) const override {
+    std::vector<StartNumber> numbers;
+    for (const arm::Segment& segment : arm.segments) {
+      for (const arm::Tendon& tendon : segment.tendons)
+        numbers.push_back({segment.name + "." + tendon.input, "1", kAnywhere});
+    }
+    return numbers;
+  }
+  /// Until the first instant has told how far the arm is bent, nothing is held.
+  void begin(const arm::Arm& arm, const FineRod& fine, const Values&, const Eigen::VectorXd& start,
+             Memory& memory) const override {
+    memory.clear();
+    for (const Piece& piece : fine.pieces()) {
+      memory.push_back(0.0);
+      Eigen::Index number = 0;
+      for (int i = 0; i < piece.segment; ++i)
+        number += static_cast<Eigen::Index>(arm.segments[static_cast<std::size_t>(i)].tendons.size());
+      const std::size_t count = arm.segments[static_cast<std::size_t>(piece.segment)].tendons.size();
+      for (std::size_t t = 0; t < count; ++t)
+        memory.push_back(std::clamp(kAnywhere * start[number++], -1.0, 1.0));
+    }
+  }
   bool remembers() const override { return true; }
   void remember(const arm::Arm& arm, const FineRod& fine, const Values& values, const Instant& instant,
                 const Shape& shape, Memory& memory) const override {
@@ -61,7 +84,10 @@ class TendonFriction : public Described {
       ++at;
       for (const arm::Tendon& tendon : segment_of(arm, fine, j).tendons) {
         const double x = logarithm(tension(arm, tendon, instant));
-        next.push_back(memory.empty() ? x : std::clamp(memory[at], x - turn * angle, x + turn * angle));
+        const double held = memory.empty()        ? x
+                            : instant.dt_s <= 0.0 ? x - memory[at] * turn * angle
+                                                  : memory[at];
+        next.push_back(std::clamp(held, x - turn * angle, x + turn * angle));
         ++at;
       }
     }

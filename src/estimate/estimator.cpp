@@ -311,7 +311,12 @@ bool Estimator::Impl::set_knowns(const trial::Frame& frame) {
   const bool believed = !arcs && (options.prior.enabled || window);
   if (believed) {
     law = frame_law(arm, options.prior, *predictions, problem.reference_stiffnesses(), window.has_value());
-    allow_for_memory(options.prior, memory, *predictions, law);
+    std::vector<Eigen::Vector2d> left_over;
+    if (extension && options.prior.enabled && inputs_known == true) {
+      const double last_kg = have_last ? last_x[problem.payload_column()] * Problem::kPayloadUnit : 0.0;
+      left_over = extension->start_variance(*predictions, payload_known.value_or(last_kg));
+    }
+    allow_for_memory(options.prior, memory, left_over, *predictions, law);
     if (!have_last) stretch_m.assign(arm.segments.size(), 0.0);
     allow_for_axial_stiffness(options.prior, stretch_m, law);
   }

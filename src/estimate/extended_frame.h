@@ -34,6 +34,12 @@ class ExtendedFrame {
 
   /// The frame with what effects make of its inputs and payload. @param base the rod's in mocap
   const trial::Frame& begin(const trial::Frame& frame, const Eigen::Isometry3d& base);
+  /// Of each segment's curvature, for what is not known of how effects were left before the arm was first
+  /// seen; see OnlineEffects.
+  std::vector<Eigen::Vector2d> start_variance(const std::vector<arm::SegmentPrediction>& laws,
+                                              double payload_kg) {
+    return online_.start_variance(laws, payload_kg);
+  }
   /// What begin() gave.
   const trial::Frame& frame() const { return frame_; }
   /// Of the frame that was begun: what acts as a moment where that is not what the laws' other parts follow.

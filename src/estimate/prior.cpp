@@ -88,10 +88,12 @@ FrameLaw frame_law(const arm::Arm& arm, const arm::LawPrior& prior,
 }
 
 void allow_for_memory(const arm::LawPrior& prior, const arm::LawMemory& memory,
+                      const std::vector<Eigen::Vector2d>& effects,
                       const std::vector<arm::SegmentPrediction>& predictions, FrameLaw& law) {
-  if (!prior.enabled || memory.empty()) return;
+  if (!prior.enabled || (memory.empty() && effects.empty())) return;
   for (std::size_t i = 0; i < predictions.size(); ++i) {
-    const Eigen::Vector3d variance = memory.variance(i);
+    Eigen::Vector3d variance = memory.variance(i);
+    if (!effects.empty()) variance.head<2>() += effects[i];
     const double stiffness = predictions[i].bending_stiffness_nm2;
     const auto add = [&](int k, double more) {
       const int j = Problem::column(static_cast<int>(i), k);

@@ -46,9 +46,11 @@ FrameLaw frame_law(const arm::Arm& arm, const arm::LawPrior& prior,
                    const std::vector<arm::SegmentPrediction>& predictions,
                    const std::vector<double>& reference_stiffness, bool gains_apart = false);
 
-/// Adds what is not known of the walls' memory: of how they were when the recording began, and of gaps. Only
-/// where the prior is enabled.
+/// Adds what is not known of the memories of walls and effects: of how they were when the recording began,
+/// and of gaps. Only where the prior is enabled.
+/// @param effects of each segment's curvature, 1/m^2; empty: none
 void allow_for_memory(const arm::LawPrior& prior, const arm::LawMemory& memory,
+                      const std::vector<Eigen::Vector2d>& effects,
                       const std::vector<arm::SegmentPrediction>& predictions, FrameLaw& law);
 
 /// Adds what is not known of EA to the lasting error of the lengths: at stretches by the loads of so many

@@ -21,13 +21,17 @@ std::string error_row(const std::string& name, const ShapeError& e, std::size_t 
                      cell(e.maximum_m), cell(e.minimum_m), e.frames);
 }
 
-/// How the trials found the walls.
+/// How the trials found walls and effects.
 std::string starts_of(const Result& result) {
-  if (result.starts.empty()) return "";
-  std::string text = "walls when the trials began, beyond what the laws say:\n";
-  for (const WallStart& s : result.starts)
-    text += fmt::format("  {:<32}{:<32}{:>9.3g} +- {:.2g} {}\n", s.trial, s.segment + ".wall." + s.element,
-                        s.value, s.sd, s.unit);
+  std::string text;
+  const auto add = [&](const std::string& trial, const std::string& of, const auto& start) {
+    text +=
+        fmt::format("  {:<32}{:<32}{:>9.3g} +- {:.2g} {}\n", trial, of, start.value, start.sd, start.unit);
+  };
+  if (!result.starts.empty()) text += "walls when the trials began, beyond what the laws say:\n";
+  for (const WallStart& s : result.starts) add(s.trial, s.segment + ".wall." + s.element, s);
+  if (!result.effect_starts.empty()) text += "effects when the trials began, 0 at rest:\n";
+  for (const EffectStart& s : result.effect_starts) add(s.trial, s.effect + ", " + s.of, s);
   return text;
 }
 

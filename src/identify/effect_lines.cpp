@@ -14,7 +14,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using model::Predicted;
 
-constexpr double kStep = 1e-2;  // of differences of whole predictions, in scales
+constexpr double kStep = 1e-2;       // of differences of whole predictions, in scales
+constexpr double kStartStep = 0.05;  // the same by how a trial found the effects, in standard deviations
 const model::Dynamics kAtRest{false, 0.0};
 
 Eigen::Quaterniond section_at(const model::Shape& shape, double s_m) {
@@ -50,6 +51,16 @@ arm::Arm stepped(const arm::Arm& arm, const FreeConstant& constant, double& step
   return there;
 }
 
+/// How much more effects do there than here, 6 for each body; turns on what is turned back already.
+VectorXd more_than(const VectorXd& here, VectorXd there) {
+  for (Eigen::Index row = 0; row < here.size(); row += 6) {
+    there.segment<3>(row) -= here.segment<3>(row);
+    there.segment<3>(row + 3) = rotation_vector(math::exp_so3(here.segment<3>(row + 3)).conjugate() *
+                                                math::exp_so3(there.segment<3>(row + 3)));
+  }
+  return there;
+}
+
 /// What effects do to the bodies of a block, 6 for each: by how much they move and, a rotation vector, turn
 /// them.
 VectorXd moved_and_turned(const arm::Arm& arm, const model::Block& block, const Predicted& with,
@@ -68,8 +79,19 @@ VectorXd moved_and_turned(const arm::Arm& arm, const model::Block& block, const 
 }  // namespace
 
 EffectLines::EffectLines(const arm::Arm& arm, std::vector<model::Present> effects,
-                         const std::vector<trial::Trial>& trials, unsigned jobs)
+                         const std::vector<trial::Trial>& trials, unsigned jobs,
+                         std::map<std::size_t, VectorXd> starts)
     : arm_(arm), effects_(std::move(effects)), jobs_(jobs), trials_(trials.size()), without_(trials.size()) {
+  for (const model::Present& present : effects_) {
+    const std::string& id = present.effect->info().id;
+    for (const model::StartNumber& number : present.effect->starts(arm_, present.values))
+      numbers_.push_back({"", id, number.name, number.unit, 0.0, number.sd});
+  }
+  const auto numbers = static_cast<Eigen::Index>(numbers_.size());
+  for (std::size_t t = 0; t < trials.size(); ++t) {
+    const auto found = starts.find(t);
+    trials_[t].start = found == starts.end() ? VectorXd(VectorXd::Zero(numbers)) : found->second;
+  }
   const model::Prepared prepared = prepare(arm_, trials);
   math::in_parallel(trials.size(), jobs_, [&](std::size_t t) {
     without_[t].name = trials[t].name;
@@ -82,11 +104,26 @@ EffectLines::EffectLines(const arm::Arm& arm, std::vector<model::Present> effect
   });
 }
 
+EffectStart EffectLines::start(Eigen::Index number) const {
+  return numbers_.at(static_cast<std::size_t>(number));
+}
+
+std::vector<model::Present> EffectLines::effects_with(const VectorXd& start) const {
+  std::vector<model::Present> effects = effects_;
+  Eigen::Index first = 0;
+  for (model::Present& present : effects) {
+    const auto count = static_cast<Eigen::Index>(present.effect->starts(arm_, present.values).size());
+    present.start = start.segment(first, count);
+    first += count;
+  }
+  return effects;
+}
+
 void EffectLines::predict(OfTrial& trial) const {
   const model::TrialData& data = trial.data;
   model::ExtendedModel model(arm_);
   model.predict(arm_, {}, kAtRest, data, nullptr, trial.without);
-  model.predict(arm_, effects_, kAtRest, data, &trial.without, trial.with);
+  model.predict(arm_, effects_with(trial.start), kAtRest, data, &trial.without, trial.with);
   trial.moved.resize(arm_.bodies.size());
   for (std::size_t k = 0; k < data.blocks.size(); ++k) {
     if (!trial.with[k].solved || !trial.without[k].solved) continue;
@@ -162,19 +199,36 @@ std::vector<MatrixXd> EffectLines::slopes_of_blocks(const OfTrial& of,
     double step = 0.0;
     const arm::Arm there = stepped(arm_, constants[j], step);
     model.predict(there, {}, kAtRest, of.data, &of.without, without);
-    model.predict(there, effects_, kAtRest, of.data, &of.with, with);
+    model.predict(there, effects_with(of.start), kAtRest, of.data, &of.with, with);
     for (std::size_t k = 0; k < slopes.size(); ++k) {
       if (slopes[k].size() == 0 || !with[k].solved || !without[k].solved) continue;
       const model::Block& block = of.data.blocks[k];
-      const VectorXd here = moved_and_turned(arm_, block, of.with[k], of.without[k]);
-      VectorXd more = moved_and_turned(arm_, block, with[k], without[k]);
-      for (Eigen::Index row = 0; row < here.size(); row += 6) {
-        more.segment<3>(row) -= here.segment<3>(row);
-        // On what is turned back already.
-        more.segment<3>(row + 3) = rotation_vector(math::exp_so3(here.segment<3>(row + 3)).conjugate() *
-                                                   math::exp_so3(more.segment<3>(row + 3)));
-      }
-      slopes[k].col(static_cast<Eigen::Index>(j)) = more / step;
+      slopes[k].col(static_cast<Eigen::Index>(j)) =
+          more_than(moved_and_turned(arm_, block, of.with[k], of.without[k]),
+                    moved_and_turned(arm_, block, with[k], without[k])) /
+          step;
+    }
+  }
+  return slopes;
+}
+
+std::vector<MatrixXd> EffectLines::slopes_by_start(const OfTrial& of) const {
+  const auto numbers = static_cast<Eigen::Index>(numbers_.size());
+  std::vector<MatrixXd> slopes(of.with.size());
+  if (numbers == 0) return slopes;
+  model::ExtendedModel model(arm_);
+  std::vector<Predicted> with;
+  for (Eigen::Index j = 0; j < numbers; ++j) {
+    VectorXd start = of.start;
+    start[j] += kStartStep;
+    model.predict(arm_, effects_with(start), kAtRest, of.data, &of.with, with);
+    for (std::size_t k = 0; k < slopes.size(); ++k) {
+      if (!of.with[k].solved || !of.without[k].solved || !with[k].solved) continue;
+      if (slopes[k].size() == 0) slopes[k] = MatrixXd::Zero(6 * of.with[k].p.cols(), numbers);
+      const model::Block& block = of.data.blocks[k];
+      slopes[k].col(j) = more_than(moved_and_turned(arm_, block, of.with[k], of.without[k]),
+                                   moved_and_turned(arm_, block, with[k], of.without[k])) /
+                         kStartStep;
     }
   }
   return slopes;
@@ -183,26 +237,31 @@ std::vector<MatrixXd> EffectLines::slopes_of_blocks(const OfTrial& of,
 Slopes EffectLines::slopes_of_frame(const OfTrial& of, const std::vector<MatrixXd>& by_block,
                                     const trial::StaticFrame& frame, Eigen::Index constants) const {
   const auto count = 3 * static_cast<Eigen::Index>(frame.bodies.size());
-  Slopes slopes{MatrixXd::Zero(count, constants), MatrixXd::Zero(count, constants)};
+  const auto numbers = static_cast<Eigen::Index>(numbers_.size());
+  Slopes slopes{MatrixXd::Zero(count, constants), MatrixXd::Zero(count, constants),
+                MatrixXd::Zero(count, numbers), MatrixXd::Zero(count, numbers)};
   for (std::size_t k = 0; k < frame.bodies.size(); ++k) {
     const int body = frame.bodies[k].body;
     const Between at = between(of.moved[static_cast<std::size_t>(body)], frame.stamp_s);
     if (at.before == nullptr) continue;
-    const auto add = [&](const Moved& moved, double share) {
-      const MatrixXd& rows = by_block[moved.block];
+    const auto add = [&](const Moved& moved, double share, const std::vector<MatrixXd>& by_block_of,
+                         MatrixXd& p, MatrixXd& tangent) {
+      const MatrixXd& rows = by_block_of[moved.block];
       if (rows.size() == 0) return;
       const model::Block& block = of.data.blocks[moved.block];
       const auto place = std::find_if(block.bodies.begin(), block.bodies.end(),
                                       [&](const model::Seen& seen) { return seen.body == body; }) -
                          block.bodies.begin();
       const auto to = 3 * static_cast<Eigen::Index>(k);
-      slopes.p.middleRows<3>(to) += share * rows.middleRows<3>(6 * place);
+      p.middleRows<3>(to) += share * rows.middleRows<3>(6 * place);
       if (!frame.bodies[k].tangent_base) return;
       const Eigen::Matrix3Xd turn = rows.middleRows<3>(6 * place + 3);
-      slopes.tangent.middleRows<3>(to) -= share * math::skew(*frame.bodies[k].tangent_base) * turn;
+      tangent.middleRows<3>(to) -= share * math::skew(*frame.bodies[k].tangent_base) * turn;
     };
-    add(*at.before, 1.0 - at.share);
-    add(*at.after, at.share);
+    for (const auto& [moved, share] : {std::pair(at.before, 1.0 - at.share), std::pair(at.after, at.share)}) {
+      add(*moved, share, by_block, slopes.p, slopes.tangent);
+      if (numbers > 0) add(*moved, share, of.by_start, slopes.p_by_start, slopes.tangent_by_start);
+    }
   }
   return slopes;
 }
@@ -220,10 +279,13 @@ Line EffectLines::line(const std::vector<FreeConstant>& constants,
   }
   if (names != names_) {
     by_block_.resize(trials_.size());
-    math::in_parallel(trials_.size(), jobs_,
-                      [&](std::size_t t) { by_block_[t] = slopes_of_blocks(trials_[t], constants); });
+    math::in_parallel(trials_.size(), jobs_, [&](std::size_t t) {
+      by_block_[t] = slopes_of_blocks(trials_[t], constants);
+      if (trials_[t].by_start.empty()) trials_[t].by_start = slopes_by_start(trials_[t]);
+    });
     names_ = names;
   }
+  for (const trial::StaticFrame& frame : frames) line.starts[frame.trial] = trials_[frame.trial].start;
   for (const trial::StaticFrame& frame : frames)
     line.frames.push_back(slopes_of_frame(trials_[frame.trial], by_block_[frame.trial], frame, count));
   return line;

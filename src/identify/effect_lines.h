@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -17,15 +18,20 @@ namespace softarm::identify {
 /// (memories and inputs included, in means over a tenth of a second); between the means, straight.
 class EffectLines {
  public:
+  /// @param starts how trials find the effects, by trial, see start(); at rest where nothing is said
   EffectLines(const arm::Arm& arm, std::vector<model::Present> effects,
-              const std::vector<trial::Trial>& trials, unsigned jobs);
+              const std::vector<trial::Trial>& trials, unsigned jobs,
+              std::map<std::size_t, Eigen::VectorXd> starts = {});
 
   /// Trials as the arm without its effects would have been recorded; frames that cannot be predicted are left
   /// out.
   const std::vector<trial::Trial>& without_effects() const { return without_; }
 
-  /// How that changes with the constants, for frames of without_effects(); the last constants asked for are
-  /// kept.
+  /// Numbers of Effect::starts(), of all effects. @return its name; sd what is expected beforehand
+  EffectStart start(Eigen::Index number) const;
+
+  /// How that changes with the constants and with how trials found the effects, for frames of
+  /// without_effects(); the last constants asked for are kept.
   Line line(const std::vector<FreeConstant>& constants, const std::vector<trial::StaticFrame>& frames);
 
  private:
@@ -40,6 +46,8 @@ class EffectLines {
     model::TrialData data;
     std::vector<model::Predicted> without, with;
     std::vector<std::vector<Moved>> moved;  ///< by body, in order of time
+    Eigen::VectorXd start;
+    std::vector<Eigen::MatrixXd> by_start;  ///< by block, 6 bodies x numbers
   };
   /// The means before and after a stamp, and the share of the second.
   struct Between {
@@ -50,7 +58,9 @@ class EffectLines {
     }
   };
 
+  std::vector<model::Present> effects_with(const Eigen::VectorXd& start) const;
   void predict(OfTrial& trial) const;
+  std::vector<Eigen::MatrixXd> slopes_by_start(const OfTrial& of) const;
   static Between between(const std::vector<Moved>& list, double stamp_s);
   trial::Trial corrected(const OfTrial& of, const trial::Trial& trial) const;
   std::vector<Eigen::MatrixXd> slopes_of_blocks(const OfTrial& of,
@@ -60,6 +70,7 @@ class EffectLines {
 
   const arm::Arm arm_;
   const std::vector<model::Present> effects_;
+  std::vector<EffectStart> numbers_;
   const unsigned jobs_;
   std::vector<OfTrial> trials_;
   std::vector<trial::Trial> without_;

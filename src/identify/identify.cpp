@@ -295,15 +295,28 @@ void set_constants(const arm::Arm& arm, const std::vector<FreeConstant>& constan
   }
 }
 
-/// How the trials found the walls, and how sure that is.
-void set_starts(const LawModel& model, const Solution& solution, Result& result) {
-  if (model.start_sd().size() == 0) return;
+/// How the trials found walls and effects, and how sure that is.
+void set_starts(const LawModel& model, const EffectLines* lines, const Solution& solution, Result& result) {
+  const Eigen::Index walls = model.start_sd().size();
   for (const auto& [trial, start] : solution.fit.starts) {
+    const std::string& name = result.trials[trial].name;
+    const VectorXd& effects = solution.fit.effect_starts.at(trial);
     const auto known = solution.sure.start_sd.find(trial);
-    const VectorXd& sd = known == solution.sure.start_sd.end() ? model.start_sd() : known->second;
+    const VectorXd sd = known == solution.sure.start_sd.end()
+                            ? VectorXd(VectorXd::Ones(walls + effects.size()))
+                            : known->second;
+    for (Eigen::Index e = 0; e < effects.size(); ++e) {
+      EffectStart of = lines->start(e);
+      const double scale = of.sd;
+      of.trial = name;
+      of.value = scale * effects[e];
+      of.sd = scale * sd[walls + e];
+      result.effect_starts.push_back(of);
+    }
+    if (walls == 0) continue;
     Eigen::Index k = 0;
     const auto add = [&](const arm::Segment& segment, const std::string& element, const char* unit) {
-      result.starts.push_back({result.trials[trial].name, segment.name, element, unit, start[k], sd[k]});
+      result.starts.push_back({name, segment.name, element, unit, start[k], model.start_sd()[k] * sd[k]});
       ++k;
     };
     for (const arm::Segment& segment : result.arm.segments) {
@@ -392,7 +405,7 @@ Result fit_of(const arm::Arm& arm, const std::vector<trial::Trial>& trials, Effe
   // Errors, and what they leave to a prior.
   compare_all(arm, frames.fitted, false, solution.fit.starts, result);
   compare_all(arm, frames.others, true, {}, result);
-  set_starts(problem.model(), solution, result);
+  set_starts(problem.model(), lines, solution, result);
   report(0.95);
   std::vector<trial::StaticFrame> all = frames.fitted;
   all.insert(all.end(), frames.others.begin(), frames.others.end());

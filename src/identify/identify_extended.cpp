@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "belonging.h"
@@ -12,6 +13,23 @@ namespace {
 
 constexpr int kMostRounds = 6;
 constexpr double kSame = 0.05;  // of a standard deviation
+
+/// As EffectLines takes them.
+std::map<std::size_t, Eigen::VectorXd> starts_of(const Result& result,
+                                                 const std::vector<trial::Trial>& trials,
+                                                 const EffectLines& lines) {
+  std::map<std::size_t, std::vector<double>> values;
+  for (const EffectStart& start : result.effect_starts) {
+    const auto trial = std::find_if(trials.begin(), trials.end(),
+                                    [&](const trial::Trial& one) { return one.name == start.trial; });
+    std::vector<double>& list = values[static_cast<std::size_t>(trial - trials.begin())];
+    list.push_back(start.value / lines.start(static_cast<Eigen::Index>(list.size())).sd);
+  }
+  std::map<std::size_t, Eigen::VectorXd> starts;
+  for (const auto& [trial, list] : values)
+    starts[trial] = Eigen::Map<const Eigen::VectorXd>(list.data(), static_cast<Eigen::Index>(list.size()));
+  return starts;
+}
 
 Result in_rounds(const arm::Arm& arm, const std::vector<model::Present>& effects,
                  const std::vector<trial::Trial>& trials, const Options& options,
@@ -25,10 +43,11 @@ Result in_rounds(const arm::Arm& arm, const std::vector<model::Present>& effects
   rounds.leave_one_out = false;
   if (options.leave_one_out) rounds.held_out_share = 0.0;
   arm::Arm now = arm;
+  std::map<std::size_t, Eigen::VectorXd> starts;
   Result result;
   bool same = false;
   for (int round = 0; round < kMostRounds && !same; ++round) {
-    EffectLines lines(now, effects, trials, jobs);
+    EffectLines lines(now, effects, trials, jobs, starts);
     Result next = identify_with(arm, lines, rounds, [&](double share) {
       // Two rounds are usual; the bar slows down where there are more.
       const double left = std::pow(0.4, round);
@@ -41,6 +60,7 @@ Result in_rounds(const arm::Arm& arm, const std::vector<model::Present>& effects
     }
     result = std::move(next);
     now = result.arm;
+    starts = starts_of(result, trials, lines);
   }
   if (options.leave_one_out) {
     EffectLines lines(now, effects, trials, jobs);

@@ -65,7 +65,7 @@ class JointProblem::BlockCost : public ceres::CostFunction {
       : problem_(problem), callback_(callback), block_(block) {
     set_num_residuals(3);
     mutable_parameter_block_sizes()->push_back(static_cast<int>(problem.constants_.size()));
-    const auto starts = static_cast<int>(problem.model_.start_sd().size());
+    const auto starts = static_cast<int>(problem.starts());
     has_starts_ = starts > 0;
     if (has_starts_) mutable_parameter_block_sizes()->push_back(starts);
     if (problem.has_zeros())
@@ -145,8 +145,23 @@ JointProblem::JointProblem(const arm::Arm& arm, std::vector<FreeConstant> consta
   for (const trial::StaticFrame& frame : frames_) starts_[frame.trial] = VectorXd::Zero(numbers);
 }
 
+void JointProblem::add(Line line) {
+  line_ = std::move(line);
+  const Eigen::Index walls = model_.start_sd().size();
+  for (const auto& [trial, effects] : line_.starts) {
+    if (effects.size() == 0) continue;
+    VectorXd& start = starts_[trial];
+    start.conservativeResize(walls + effects.size());
+    start.tail(effects.size()) = effects;
+  }
+}
+
+VectorXd JointProblem::walls_of(const VectorXd& start) const {
+  return start.head(model_.start_sd().size()).cwiseProduct(model_.start_sd());
+}
+
 void JointProblem::set_starts() {
-  for (const auto& [trial, start] : starts_) model_.set_start(trial, start.cwiseProduct(model_.start_sd()));
+  for (const auto& [trial, start] : starts_) model_.set_start(trial, walls_of(start));
 }
 
 bool JointProblem::evaluate_frame(std::size_t i, bool cold) {
@@ -164,6 +179,14 @@ bool JointProblem::evaluate_frame(std::size_t i, bool cold) {
   Eigen::Map<VectorXd>(predicted.tangent.data(), predicted.tangent.size()) += slopes.tangent * way;
   predicted.dp += slopes.p;
   predicted.dtangent += slopes.tangent;
+  if (slopes.p_by_start.cols() > 0) {
+    const std::size_t trial = frames_[i].trial;
+    const VectorXd& effects = line_.starts.at(trial);
+    const VectorXd start_way = starts_.at(trial).tail(effects.size()) - effects;
+    Eigen::Map<VectorXd>(predicted.p.data(), predicted.p.size()) += slopes.p_by_start * start_way;
+    Eigen::Map<VectorXd>(predicted.tangent.data(), predicted.tangent.size()) +=
+        slopes.tangent_by_start * start_way;
+  }
   return true;
 }
 
@@ -205,7 +228,14 @@ Eigen::MatrixXd JointProblem::jacobian(const ResidualBlock& block) const {
 Eigen::MatrixXd JointProblem::jacobian_by_start(const ResidualBlock& block) const {
   const Prediction& predicted = predictions_[block.frame];
   const auto& by_start = block.tangent ? predicted.dtangent_by_start : predicted.dp_by_start;
-  return by_start.middleRows(3 * block.body, 3) * model_.start_sd().asDiagonal() / sd(block);
+  Eigen::MatrixXd all(3, starts());
+  all.leftCols(by_start.cols()) = by_start.middleRows(3 * block.body, 3) * model_.start_sd().asDiagonal();
+  if (all.cols() > by_start.cols()) {
+    const Slopes& slopes = line_.frames[block.frame];
+    const Eigen::MatrixXd& effects = block.tangent ? slopes.tangent_by_start : slopes.p_by_start;
+    all.rightCols(effects.cols()) = effects.middleRows(3 * block.body, 3);
+  }
+  return all / sd(block);
 }
 
 std::vector<ResidualBlock> JointProblem::blocks() const {
@@ -273,10 +303,10 @@ bool JointProblem::minimise(VectorXd& x, const std::function<void(int)>& progres
     if (has_zeros()) unknowns.push_back(zeros_[frames_[block.frame].trial].data());
     problem.AddResidualBlock(new BlockCost(*this, callback, block), loss.get(), unknowns);
   }
-  for (auto& [trial, walls] : starts_) {
-    const auto numbers = walls.size();
+  for (auto& [trial, start_of] : starts_) {
+    const auto numbers = start_of.size();
     problem.AddResidualBlock(new WeakPrior(VectorXd::Zero(numbers), VectorXd::Ones(numbers)), nullptr,
-                             walls.data());
+                             start_of.data());
   }
   VectorXd sd = (kWeakSdPerMove * (x - start).cwiseAbs()).cwiseMax(kWeakSd);
   for (int j = 0; j < x.size(); ++j) {
@@ -344,7 +374,10 @@ JointFit JointProblem::solve(const std::function<void(int)>& progress) {
   }
   if (has_zeros()) eliminate_zeros();
   fit.theta = theta;
-  for (const auto& [trial, start] : starts_) fit.starts[trial] = start.cwiseProduct(model_.start_sd());
+  for (const auto& [trial, start] : starts_) {
+    fit.starts[trial] = walls_of(start);
+    fit.effect_starts[trial] = start.tail(start.size() - fit.starts[trial].size());
+  }
   fit.iterations = iterations_;
   fit.position_scale = position_scale_;
   fit.tangent_scale = tangent_scale_;

@@ -38,16 +38,19 @@ struct ResidualBlock {
 /// What is not in the laws, of a frame: derivatives of its bodies by the constants, 3 bodies x constants.
 struct Slopes {
   Eigen::MatrixXd p, tangent;
+  Eigen::MatrixXd p_by_start, tangent_by_start;  ///< 3 bodies x numbers, over their standard deviations
 };
-/// The same of all frames, at these constants.
+/// The same of all frames, at these constants and, by trial, at these numbers of how it found the effects.
 struct Line {
   Eigen::VectorXd about;
   std::vector<Slopes> frames;
+  std::map<std::size_t, Eigen::VectorXd> starts;  ///< over their standard deviations
 };
 
 struct JointFit {
   Eigen::VectorXd theta;
-  std::map<std::size_t, Eigen::VectorXd> starts;  ///< of the walls, by trial, see LawModel::start_sd()
+  std::map<std::size_t, Eigen::VectorXd> starts;         ///< of the walls, by trial, see LawModel::start_sd()
+  std::map<std::size_t, Eigen::VectorXd> effect_starts;  ///< the same of effects, see Line
   bool converged = false;
   int iterations = 0;
   double position_scale = 1.0, tangent_scale = 1.0;  ///< misfit over noise, robust, at least 1
@@ -77,7 +80,7 @@ class JointProblem {
   JointFit solve(const std::function<void(int)>& progress);
 
   /// Adds what else changes in the frames where the constants leave those of the line.
-  void add(Line line) { line_ = std::move(line); }
+  void add(Line line);
 
   /// Takes noise and zeros of the inputs for unknowns.
   void add(SensorErrors errors);
@@ -102,8 +105,8 @@ class JointProblem {
   Eigen::Vector3d position_error_m(const ResidualBlock& block) const;
   /// Its derivative by x, with the zeros following where there are such.
   Eigen::MatrixXd jacobian(const ResidualBlock& block) const;
-  /// Its derivative by the state of the walls at the beginning of its trial, in standard deviations; no
-  /// columns where no segment has a wall.
+  /// Its derivative by how its trial found the walls, and then the effects, in standard deviations; no
+  /// columns where neither remembers anything.
   Eigen::MatrixXd jacobian_by_start(const ResidualBlock& block) const;
   /// Huber's weight of a squared whitened distance: 1 inside the threshold.
   double weight(const ResidualBlock& block, double squared_distance) const;
@@ -125,6 +128,8 @@ class JointProblem {
   std::map<int, std::uint64_t> beyond_the_model() const;
   void retry_cold(double threshold);
   void set_starts();
+  Eigen::VectorXd walls_of(const Eigen::VectorXd& start) const;
+  Eigen::Index starts() const { return starts_.empty() ? 0 : starts_.begin()->second.size(); }
   bool minimise(Eigen::VectorXd& x, const std::function<void(int)>& progress);
   bool evaluate_frame(std::size_t i, bool cold);
   // joint_fit_inputs.cpp
@@ -146,7 +151,8 @@ class JointProblem {
   Eigen::VectorXd scale_;
   std::vector<std::optional<model::Equilibrium>> equilibria_;
   std::vector<Prediction> predictions_;
-  /// Of the walls when a trial begins, in standard deviations, by trial; empty where no segment has a wall.
+  /// Of the walls, then the effects, when a trial begins, in standard deviations, by trial; empty where
+  /// neither remembers anything.
   std::map<std::size_t, Eigen::VectorXd> starts_;
   Line line_;                 ///< empty: nothing does
   std::vector<bool> solved_;  ///< at the last evaluation

@@ -51,6 +51,18 @@ Json parts_of(const std::vector<std::pair<std::string, double>>& list) {
   return object;
 }
 
+Json json_of(const std::vector<EffectStart>& starts) {
+  Json list = Json::array();
+  for (const EffectStart& s : starts)
+    list.push_back({{"trial", s.trial},
+                    {"effect", s.effect},
+                    {"of", s.of},
+                    {"value", s.value},
+                    {"sd", s.sd},
+                    {"unit", s.unit}});
+  return list;
+}
+
 Json json_of(const std::vector<WallStart>& starts) {
   Json list = Json::array();
   for (const WallStart& s : starts)
@@ -103,6 +115,7 @@ std::string to_json(const Result& result) {
                              {"trials", json_of(result.left_out_one)}};
   }
   json["starts"] = json_of(result.starts);
+  json["effect_starts"] = json_of(result.effect_starts);
   const arm::LawPrior& prior = result.prior;
   json["prior"] = {{"moment_sd_nm", prior.moment_sd_nm},
                    {"moment_sd_rel", prior.moment_sd_rel},

@@ -223,7 +223,7 @@ Uncertainty uncertainty(const JointProblem& problem, const std::vector<trial::St
       by_spread ? by_spread_of_trials(sums, outer, inverse, base, determined) : MatrixXd(base * inverse);
   for (const auto& [trial, own] : sums.of_start) {
     const MatrixXd known = own / base + MatrixXd::Identity(own.rows(), own.cols());
-    result.start_sd[trial] = known.inverse().diagonal().cwiseSqrt().cwiseProduct(problem.model().start_sd());
+    result.start_sd[trial] = known.inverse().diagonal().cwiseSqrt();
   }
   result.factor = std::sqrt(base);
   result.direction_sd = (base * lambda.cwiseInverse()).cwiseSqrt();  // ascending eigenvalues: largest first

@@ -11,10 +11,11 @@ namespace softarm::identify {
 /// Everything in the scaled constants x of JointProblem.
 struct Uncertainty {
   Eigen::MatrixXd covariance;
-  Eigen::VectorXd direction_sd;                     ///< of the eigenvectors, largest first
-  Eigen::MatrixXd directions;                       ///< eigenvectors of the information, one column each
-  std::map<std::size_t, Eigen::VectorXd> start_sd;  ///< of LawModel's starts, by trial; for these constants
-  double misfit = 0.0;                              ///< sqrt(chi^2 / dof)
+  Eigen::VectorXd direction_sd;  ///< of the eigenvectors, largest first
+  Eigen::MatrixXd directions;    ///< eigenvectors of the information, one column each
+  /// Of how trials found walls and effects, over the standard deviations expected; for these constants.
+  std::map<std::size_t, Eigen::VectorXd> start_sd;
+  double misfit = 0.0;  ///< sqrt(chi^2 / dof)
   double chi2 = 0.0;
   double position_rms_m = 0.0;  ///< per coordinate
   double autocorrelation = 1.0;

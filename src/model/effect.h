@@ -45,6 +45,13 @@ struct Info {
   bool of_placement = false;
 };
 
+/// A number of what a trial finds in the memory of an effect. Nobody knows it; 0 is at rest.
+struct StartNumber {
+  std::string name;  ///< of what: a segment and axis, an input, a tendon
+  std::string unit;  ///< SI
+  double sd = 0.0;   ///< standard deviation expected before anything was measured
+};
+
 /// What drives one trial, at each of its frames. Effects on inputs change it.
 struct Series {
   Eigen::VectorXd t_s;     ///< by the clock of the bodies, from the trial's first frame
@@ -52,6 +59,7 @@ struct Series {
   /// What the actuation's moments follow; the same as inputs unless an effect says otherwise.
   Eigen::MatrixXd moment_inputs;
   Eigen::VectorXd payload_kg;
+  Eigen::VectorXd start = {};  ///< Present::start of the effect whose drive() is called
 };
 
 /// How the arm moves, rod's base frame: from the equilibria of the instants before and after. Empty where
@@ -83,7 +91,8 @@ struct Instant {
   double session_s = 0.0;  ///< since the first trial's beginning where the stamps say it, else t_s
 };
 
-/// What an effect remembers within a trial, in whatever order it likes; empty at its beginning.
+/// What an effect remembers within a trial, in whatever order it likes; empty at the beginning of one that
+/// finds the arm at rest.
 using Memory = std::vector<double>;
 
 /// Predicted bodies, one column per Arm::bodies: positions in the rod's base frame, and the sections there.
@@ -130,6 +139,13 @@ class Effect {
   virtual bool remembers() const { return false; }
   virtual void remember(const arm::Arm&, const FineRod&, const Values&, const Instant&, const Shape&,
                         Memory&) const {}
+  /// What a trial may find of it that is not at rest; forgotten as its law says.
+  virtual std::vector<StartNumber> starts(const arm::Arm&, const Values&) const { return {}; }
+  /// The memory of one that a trial finds so; of an effect on inputs drive() has it in Series::start. Up to
+  /// the first remember(), Instant::dt_s is 0.
+  /// @param start one per starts(), over their sd
+  virtual void begin(const arm::Arm&, const FineRod&, const Values&, const Eigen::VectorXd& /*start*/,
+                     Memory&) const {}
   /// Where along the arm it sits, m from the base; nothing where it acts all along.
   virtual std::optional<std::pair<double, double>> place(const arm::Arm&, const Values&) const {
     return std::nullopt;

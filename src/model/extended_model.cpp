@@ -8,6 +8,7 @@
 #include "arm/wall_memory.h"
 #include "arm_rod.h"
 #include "instant_solver.h"
+#include "memories.h"
 #include "softarm/arm/laws.h"
 
 namespace softarm::model {
@@ -21,10 +22,9 @@ constexpr int kPasses = 2;  // at rest, then with the inertia of that path
 struct ExtendedModel::Impl : InstantSolver {
   explicit Impl(const arm::Arm& arm) : InstantSolver(arm) {}
 
-  /// Effects act on the inputs one after the other, in the catalogue's order.
   static Series driven(const arm::Arm& arm, const std::vector<Present>& effects, const Series& series) {
     Series out = series;
-    for (const Present& present : in_order(effects)) present.effect->drive(arm, present.values, out);
+    drive(arm, effects, out);
     return out;
   }
 
@@ -154,7 +154,8 @@ struct ExtendedModel::Impl : InstantSolver {
             const TrialData& trial, const std::vector<Predicted>& baseline, const Use& use) {
     const Series series = driven(arm, effects, trial.series);
     const auto walls = kept_back(arm, series, trial);
-    std::vector<Memory> memories(effects.size());
+    Memories memories(effects);
+    memories.begin(arm, fine);
     const bool moves = std::any_of(effects.begin(), effects.end(),
                                    [](const Present& present) { return present.effect->needs_motion(); });
     for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
@@ -162,14 +163,11 @@ struct ExtendedModel::Impl : InstantSolver {
       if (!base.solved) continue;
       Instant instant = instant_of(series, trial, k);
       if (!walls.empty()) instant.kept_back = walls[k];
-      if (instant.dt_s <= 0.0) memories.assign(effects.size(), {});
+      if (k > 0 && instant.dt_s <= 0.0) memories.rest();
       Shape shape = base.shape;
       if (shape.motion.velocity_m_s.empty() && moves) shape.motion = motion_of(baseline, k);
-      use(k, instant, make(arm, effects, memories, dynamics, instant, &shape, shape.motion, rod));
-      for (std::size_t i = 0; i < effects.size(); ++i) {
-        if (effects[i].effect->remembers())
-          effects[i].effect->remember(arm, fine, effects[i].values, instant, shape, memories[i]);
-      }
+      use(k, instant, make(arm, effects, memories.all(), dynamics, instant, &shape, shape.motion, rod));
+      memories.remember(arm, fine, instant, shape);
     }
   }
 
@@ -222,21 +220,22 @@ void ExtendedModel::predict(const arm::Arm& arm, const std::vector<Present>& eff
     if (moving) resting = std::move(path);
     if (pass == 1) still = resting;
     path.assign(trial.blocks.size(), {});
-    std::vector<Memory> memories(effects.size());
+    Memories memories(effects);
+    memories.begin(arm, m.fine);
     Feedback feedback;
     const Predicted* last = nullptr;
     for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
       Predicted& now = path[k];
       now.instant = Impl::instant_of(series, trial, k);
       if (!walls.empty()) now.instant.kept_back = walls[k];
-      if (now.instant.dt_s <= 0.0) memories.assign(effects.size(), {});
+      if (k > 0 && now.instant.dt_s <= 0.0) memories.rest();
       const Motion motion = moving ? m.motion_of(resting, k) : Motion();
       if (moving && resting[k].solved) {
         last = &resting[k];
       } else if (start != nullptr && (*start)[k].solved) {
         last = &(*start)[k];
       }
-      const Impl::Context context{arm, memories, dynamics, motion, feedback};
+      const Impl::Context context{arm, memories.all(), dynamics, motion, feedback};
       now.solved = m.settle(context, effects, last != nullptr ? &last->q_tip : nullptr,
                             last != nullptr ? &last->shape : nullptr, now);
       if (!now.solved) {
@@ -248,10 +247,7 @@ void ExtendedModel::predict(const arm::Arm& arm, const std::vector<Present>& eff
       m.positions(arm, effects, trial.blocks[k], now);
       if (moving && still[k].solved && now.p.cols() > 0)
         now.inertial_m = (now.p - still[k].p).colwise().norm().maxCoeff();
-      for (std::size_t i = 0; i < effects.size(); ++i) {
-        if (effects[i].effect->remembers())
-          effects[i].effect->remember(arm, m.fine, effects[i].values, now.instant, now.shape, memories[i]);
-      }
+      memories.remember(arm, m.fine, now.instant, now.shape);
     }
   }
   out = std::move(path);

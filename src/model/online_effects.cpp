@@ -44,7 +44,12 @@ void divide(rod::RodState& state, double by) {
 }  // namespace
 
 OnlineEffects::OnlineEffects(const arm::Arm& arm, const std::vector<Present>& effects)
-    : arm_(arm), effects_(choose(effects)), solver_(arm, Mesh::of(effects_, kSettled_m)), history_(arm) {
+    : arm_(arm),
+      effects_(choose(effects)),
+      solver_(arm, Mesh::of(effects_, kSettled_m)),
+      history_(arm),
+      memories_(effects_),
+      unknown_(arm, effects_) {
   reset();
 }
 
@@ -71,7 +76,8 @@ void OnlineEffects::reset() {
   history_.clear();
   near_.reset();
   feedback_ = {};
-  memories_.assign(effects_.size(), {});
+  memories_.rest();
+  unknown_.begin(solver_.fine);
   sum_.reset();
   first_s_.reset();
   last_s_.reset();
@@ -102,7 +108,9 @@ const OnlineEffects::Driven& OnlineEffects::begin(double stamp_s, const arm::Inp
     series.inputs = series.moment_inputs = values_;
     series.payload_kg = Eigen::VectorXd::Constant(1, payload_kg.value_or(0.0));
   }
-  for (const Present& present : effects_) present.effect->drive(arm_, present.values, series);
+  const Series undriven = unknown_.empty() ? Series() : series;
+  drive(arm_, effects_, series);
+  unknown_.drive(undriven, series);
   const Eigen::Index end = series.t_s.size() - 1;
 
   now_.t_s = t_s;
@@ -132,7 +140,7 @@ bool OnlineEffects::solve(const std::vector<arm::SegmentPrediction>& segments, d
   last_.instant = now_;
   last_.instant.payload_kg = payload_kg;
   Feedback feedback = feedback_;
-  const InstantSolver::Context context{arm_, memories_, kStill, kNoMotion, feedback, &segments};
+  const InstantSolver::Context context{arm_, memories_.all(), kStill, kNoMotion, feedback, &segments};
   const Eigen::Quaterniond tip = near_ ? turned * near_->q_tip : turned;
   last_.solved =
       solver_.settle(context, effects_, near_ ? &tip : nullptr, near_ ? &near_->shape : nullptr, last_);
@@ -140,6 +148,16 @@ bool OnlineEffects::solve(const std::vector<arm::SegmentPrediction>& segments, d
   feedback_ = feedback;
   observe();
   return true;
+}
+
+std::vector<Eigen::Vector2d> OnlineEffects::start_variance(
+    const std::vector<arm::SegmentPrediction>& segments, double payload_kg) {
+  const bool known = unknown_.empty() || (!near_ && !solve(segments, payload_kg));
+  if (known) return std::vector<Eigen::Vector2d>(arm_.segments.size(), Eigen::Vector2d::Zero());
+  Instant instant = now_;
+  instant.payload_kg = payload_kg;
+  return unknown_.curvature_variance(solver_, memories_.all(), instant, near_ ? near_->shape : last_.shape,
+                                     segments);
 }
 
 void OnlineEffects::observe() {
@@ -195,11 +213,8 @@ void OnlineEffects::remember() {
   for (rod::RodState& station : mean.shape.stations) divide(station, count);
   mean.shape.base_moment_nm /= count;
   mean.shape.base_force_n /= count;
-  for (std::size_t i = 0; i < effects_.size(); ++i) {
-    if (effects_[i].effect->remembers())
-      effects_[i].effect->remember(arm_, solver_.fine, effects_[i].values, mean.instant, mean.shape,
-                                   memories_[i]);
-  }
+  memories_.remember(arm_, solver_.fine, mean.instant, mean.shape);
+  unknown_.remember(solver_.fine, mean.instant, mean.shape, memories_.all());
   remembered_s_ = mean.instant.t_s;
 }
 

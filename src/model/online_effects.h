@@ -11,8 +11,10 @@
 #include "drive_history.h"
 #include "effect.h"
 #include "instant_solver.h"
+#include "memories.h"
 #include "softarm/arm/arm.h"
 #include "softarm/arm/laws.h"
+#include "unknown_starts.h"
 
 namespace softarm::model {
 
@@ -44,6 +46,10 @@ class OnlineEffects {
   /// @return false where there is no equilibrium with the effects
   bool solve(const std::vector<arm::SegmentPrediction>& segments, double payload_kg,
              const Eigen::Quaterniond& turned = Eigen::Quaterniond::Identity());
+  /// Of each segment's curvature towards x and y, 1/m^2, for what is not known of how the arm was left before
+  /// it was first seen. @param segments as in solve()
+  std::vector<Eigen::Vector2d> start_variance(const std::vector<arm::SegmentPrediction>& segments,
+                                              double payload_kg);
   /// The next solves begin at the last solution.
   void start_here();
   /// Of the last solution: bodies of the arm as they are seen, rod's base frame.
@@ -77,7 +83,8 @@ class OnlineEffects {
   std::optional<Predicted> near_;  ///< where solves begin
   Bodies bodies_;
   Feedback feedback_;
-  std::vector<Memory> memories_;
+  Memories memories_;
+  UnknownStarts unknown_;
   std::optional<Sum> sum_;
   std::optional<double> first_s_, last_s_, remembered_s_;
   Eigen::VectorXd values_;  ///< of the inputs, the last ones known

@@ -6,6 +6,8 @@
 #include <rosbag/view.h>
 #include <sensor_msgs/FluidPressure.h>
 
+#include <Eigen/Geometry>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -104,6 +106,44 @@ TEST(SoftarmCheck, FaultsOfABagAreFoundWithStatusAndJson) {
   EXPECT_THAT(finding(all, "pressure_unit", "chamber_1")->at("what").get<std::string>(),
               HasSubstr("kPa gauge"));
   EXPECT_EQ(all.at(0).at("severity"), "serious");
+}
+
+/// The frame of the cameras has y up, the arm file takes z: the arm sags sideways. The setting repairs it.
+TEST(SoftarmCheck, GravityAlongAnotherAxisIsFoundAndItsSettingRepairsIt) {
+  const TestFolder dir;
+  const Eigen::Quaterniond y_up(Eigen::AngleAxisd(-M_PI / 2.0, Eigen::Vector3d::UnitX()));
+  copy_bag(rig_bag(dir, "cable_235mm --seconds 15"), dir / "y_up.bag",
+           [&](const std::string&, geometry_msgs::PoseStamped* stamped, sensor_msgs::FluidPressure*) {
+             if (stamped == nullptr) return true;
+             geometry_msgs::Pose& pose = stamped->pose;
+             const Eigen::Vector3d p =
+                 y_up * Eigen::Vector3d(pose.position.x, pose.position.y, pose.position.z);
+             const Eigen::Quaterniond q = y_up * Eigen::Quaterniond(pose.orientation.w, pose.orientation.x,
+                                                                    pose.orientation.y, pose.orientation.z);
+             pose.position.x = p.x();
+             pose.position.y = p.y();
+             pose.position.z = p.z();
+             pose.orientation.w = q.w();
+             pose.orientation.x = q.x();
+             pose.orientation.y = q.y();
+             pose.orientation.z = q.z();
+             return true;
+           });
+  const std::string arguments = " " + dir / "y_up.bag" + " --json " + dir / "f.json";
+  const Outcome o = softarm_program("check --arm cable_235mm" + arguments);
+  EXPECT_EQ(o.status, 1) << o.err;
+  const auto all = findings(dir / "f.json");
+  ASSERT_NE(finding(all, "gravity"), nullptr) << o.out;
+  const std::string setting = finding(all, "gravity")->at("setting");
+  EXPECT_EQ(setting, "gravity_m_s2: [0.000, -9.807, 0.000]");
+
+  std::string text = text_of(SOFTARM_SOURCE_DIR "/config/arms/cable_235mm.yaml");
+  const std::size_t begin = text.find("\ngravity_m_s2:") + 1, end = text.find('\n', begin);
+  ASSERT_NE(begin, 0u);
+  text.replace(begin, end - begin, setting);
+  const Outcome again = softarm_program("check --arm " + dir.write("repaired.yaml", text) + arguments);
+  EXPECT_EQ(again.status, 0) << again.out << again.err;
+  EXPECT_EQ(finding(findings(dir / "f.json"), "gravity"), nullptr) << again.out;
 }
 
 TEST(SoftarmCheck, BadUsageIsTwoAndABagThatIsCutOffAFinding) {

@@ -460,7 +460,7 @@ TEST(CheckSettings, EverySettingFollowedToTheLetterIsTakenAndRepairsWhatItCan) {
       }
     }
   }
-  // What the arm sags by decides on gravity: test/apps/check_test.cpp. All others are here.
+  // Gravity wants an arm that sags: its setting is followed in test/apps/check_test.cpp. All others are here.
   with_setting.insert("gravity");
   const std::set<std::string> expected{"angle_unit",
                                        "base_attitude",

@@ -5,9 +5,11 @@
 
 #include <cmath>
 #include <map>
+#include <random>
 #include <string>
 #include <vector>
 
+#include "effects/drive_trials.h"
 #include "identify/effect_lines.h"
 #include "recorded_case.h"
 #include "softarm/effects/arm_effects.h"
@@ -117,6 +119,77 @@ TEST(IdentifyExtended, EndsAtTheSameConstantsWhereverItBegins) {
     EXPECT_EQ(b.initial, identify::value_of(off, b.ref)) << a.name;
   }
   EXPECT_GT(again.fitted_before.mean_m, 1.5 * again.fitted.mean_m);
+}
+
+/// What cameras would see of the arm with these effects, each body within 0.2 mm.
+trial::Trial trial_of(const arm::Arm& arm, const std::vector<model::Present>& effects,
+                      const std::string& name, std::uint64_t seed) {
+  constexpr double kNoise_m = 2e-4, kDuration_s = 12.0, kRate_hz = 20.0;
+  const auto inputs = [&](double t_s) {
+    Eigen::VectorXd u = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(arm.inputs.scalars.size()));
+    for (Eigen::Index i = 0; i < 3; ++i)
+      u[i] = 12e3 * (1.0 - std::cos(0.5 * t_s + static_cast<double>(seed) + 2.1 * static_cast<double>(i)));
+    return u;
+  };
+  const model::TrialData data =
+      effects::testing::made_up(arm, kDuration_s, inputs, 0.05, kRate_hz, 1.0 / kRate_hz);
+  model::ExtendedModel model(arm);
+  const auto path = effects::testing::predict(model, arm, effects, data);
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> noise(0.0, kNoise_m);
+  trial::Trial trial;
+  trial.name = name;
+  for (std::size_t k = 0; k < path.size(); ++k) {
+    trial::Frame frame;
+    frame.stamp_s = 100.0 + data.series.t_s[static_cast<Eigen::Index>(k)];
+    frame.base_body = arm.base.rod_in_body.inverse();
+    frame.payload_kg = 0.05;
+    const Eigen::VectorXd u = data.series.inputs.col(static_cast<Eigen::Index>(k));
+    frame.inputs.assign(u.data(), u.data() + u.size());
+    for (std::size_t b = 0; b < arm.bodies.size(); ++b) {
+      const Eigen::Vector3d off(noise(random), noise(random), noise(random));
+      frame.bodies.push_back(
+          {static_cast<int>(b), path[k].p.col(static_cast<Eigen::Index>(b)) + off, std::nullopt});
+    }
+    trial.frames.push_back(std::move(frame));
+  }
+  return trial;
+}
+
+TEST(IdentifyExtended, HowTrialsFoundWhatEffectsRememberIsFitted) {
+  arm::Arm arm = effects::testing::shipped_arm("online_200mm");
+  arm.gravity_m_s2 = {0.0, 0.0, 9.80665};  // as the trials have it: the base is mocap's frame
+  std::vector<model::Present> effects =
+      effects::effects_of(arm, {{"creep", {{"share", 0.4}, {"time_s", 3.0}}}});
+  const double found[3][2] = {{1.2, -0.5}, {-0.8, 1.0}, {0.3, 1.5}};  // in standard deviations
+  std::vector<trial::Trial> trials;
+  for (std::uint64_t t = 0; t < 3; ++t) {
+    effects[0].start = Eigen::Vector2d(found[t][0], found[t][1]);
+    trials.push_back(trial_of(arm, effects, "trial " + std::to_string(t), t + 1));
+  }
+  effects[0].start.resize(0);
+  arm::Arm off = arm;
+  for (arm::Chamber& chamber : off.segments[0].chambers) chamber.moment_gain_nm_per_pa *= 1.1;
+  identify::Options options;
+  options.held_out_share = 0.0;
+  options.frames.prefer_static = false;
+  options.free = {"*.moment_gain", "*.length"};
+  const identify::Result result = identify::identify_extended(off, effects, trials, options);
+  for (const identify::Constant& constant : result.constants)
+    EXPECT_NEAR(constant.value, identify::value_of(arm, constant.ref), 4.0 * constant.sd) << constant.name;
+  EXPECT_LT(result.misfit, 1.3);
+  const std::vector<model::StartNumber> numbers = effects[0].effect->starts(arm, effects[0].values);
+  ASSERT_EQ(numbers.size(), 2u);
+  ASSERT_EQ(result.effect_starts.size(), 6u);
+  for (std::size_t k = 0; k < 6; ++k) {
+    const identify::EffectStart& start = result.effect_starts[k];
+    SCOPED_TRACE(start.trial + " " + start.of);
+    EXPECT_EQ(start.effect, "creep");
+    EXPECT_EQ(start.trial, trials[k / 2].name);
+    EXPECT_NEAR(start.value, numbers[k % 2].sd * found[k / 2][k % 2], 4.0 * start.sd);
+    EXPECT_LT(start.sd, 0.1 * numbers[k % 2].sd);
+  }
+  EXPECT_NE(identify::describe(result).find("effects when the trials began"), std::string::npos);
 }
 
 }  // namespace

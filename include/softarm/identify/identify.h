@@ -167,6 +167,14 @@ struct WallStart {
   double value = 0.0, sd = 0.0;
 };
 
+/// How a trial found what an effect of the arm file remembers; 0 is at rest.
+struct EffectStart {
+  std::string trial, effect;
+  std::string of;    ///< a segment and axis, an input, a tendon
+  std::string unit;  ///< SI; "1": a share
+  double value = 0.0, sd = 0.0;
+};
+
 /// The zero of one sensor in one trial, fitted beside the constants.
 struct FittedZero {
   std::string trial;
@@ -205,6 +213,7 @@ struct Result {
   ShapeError held_out_before, held_out;  ///< on those that were not; no frames where none were held out
   std::vector<TrialSummary> trials;
   std::vector<WallStart> starts;  ///< of the trials that were fitted; empty where no segment has a Wall
+  std::vector<EffectStart> effect_starts;  ///< of the same, where the arm file's effects have a memory
   /// With Options::leave_one_out each trial by the fit to the others, and all of them together.
   std::vector<TrialSummary> left_out_one;
   ShapeError left_out_one_before, left_out_one_after;

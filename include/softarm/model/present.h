@@ -14,6 +14,9 @@ using Values = Eigen::VectorXd;
 struct Present {
   const Effect* effect = nullptr;
   Values values;
+  /// How the trial finds what it remembers, see Effect::starts(), over their standard deviations; empty: at
+  /// rest.
+  Eigen::VectorXd start = {};
 };
 
 }  // namespace softarm::model
