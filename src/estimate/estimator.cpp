@@ -275,6 +275,13 @@ bool Estimator::Impl::has_needed_inputs(const trial::Frame& frame, bool estimate
   return true;
 }
 
+std::vector<Eigen::Vector2d> Estimator::Impl::unknown_starts(
+    const std::vector<arm::SegmentPrediction>& laws) {
+  if (!extension || !options.prior.enabled || inputs_known != true) return {};
+  const double last_kg = have_last ? last_x[problem.payload_column()] * Problem::kPayloadUnit : 0.0;
+  return extension->start_variance(laws, payload_known.value_or(last_kg));
+}
+
 bool Estimator::Impl::set_knowns(const trial::Frame& frame) {
   const bool arcs = is_constant_curvature(options.method);
   const int segments = static_cast<int>(arm.segments.size());
@@ -311,12 +318,7 @@ bool Estimator::Impl::set_knowns(const trial::Frame& frame) {
   const bool believed = !arcs && (options.prior.enabled || window);
   if (believed) {
     law = frame_law(arm, options.prior, *predictions, problem.reference_stiffnesses(), window.has_value());
-    std::vector<Eigen::Vector2d> left_over;
-    if (extension && options.prior.enabled && inputs_known == true) {
-      const double last_kg = have_last ? last_x[problem.payload_column()] * Problem::kPayloadUnit : 0.0;
-      left_over = extension->start_variance(*predictions, payload_known.value_or(last_kg));
-    }
-    allow_for_memory(options.prior, memory, left_over, *predictions, law);
+    allow_for_memory(options.prior, memory, unknown_starts(*predictions), *predictions, law);
     if (!have_last) stretch_m.assign(arm.segments.size(), 0.0);
     allow_for_axial_stiffness(options.prior, stretch_m, law);
   }

@@ -43,6 +43,9 @@ struct Estimator::Impl {
   std::optional<std::vector<arm::SegmentPrediction>> predict_laws(const trial::Frame& frame);
   /// Whether the laws that this fit needs have their inputs; fails where not.
   bool has_needed_inputs(const trial::Frame& frame, bool estimate_stiffness);
+  /// Of the segments' curvature, for how the arm was left before it was first seen; empty: nothing is
+  /// missing.
+  std::vector<Eigen::Vector2d> unknown_starts(const std::vector<arm::SegmentPrediction>& laws);
   bool set_knowns(const trial::Frame& frame);
   /// Gives the problem what the laws and the window's frames say of this one.
   void believe();
