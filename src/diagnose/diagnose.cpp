@@ -365,9 +365,9 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   d.shifts = shifts_of(model, selection);
   d.extended_arm = extended_arm(model, selection.extended, covariance);
   d.verdict = verdict_of(d, !d.effects.empty(), left.adequate);
-  d.summary = summary_of(d);
   const Compared count = compared(model);
   d.left_out_share = 1.0 - static_cast<double>(count.used) / static_cast<double>(count.blocks);
+  d.summary = summary_of(d);
   d.notes = notes_of(count, prepared, selection, options, swinging);
 
   report(0.92, "what single instants say");

@@ -171,7 +171,9 @@ void add_pictures(const JointModel& model, const Selection& selection, Diagnosis
   add_snapshots(model, selection, d);
 }
 
-std::string summary_of(const Diagnosis& d) {
+namespace {
+
+std::string found_of(const Diagnosis& d) {
   const std::string errors =
       fmt::format("{} on trials left out, noise alone {}", millimetres(d.baseline.held_out_rms_m),
                   millimetres(d.noise_floor_m));
@@ -229,6 +231,18 @@ std::string summary_of(const Diagnosis& d) {
           errors);
   }
   return {};
+}
+
+}  // namespace
+
+std::string summary_of(const Diagnosis& d) {
+  const std::string found = found_of(d);
+  if (!(d.left_out_share > kPolicy.words.left_out_share)) return found;
+  return fmt::format(
+      "{} This stands on {} of the recordings: the others, in which the arm swung or a hand was on it, are "
+      "left "
+      "out.",
+      found, percent(1.0 - d.left_out_share));
 }
 
 }  // namespace softarm::diagnose

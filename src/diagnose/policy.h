@@ -119,10 +119,11 @@ struct Policy {
 
   /// What is worth a word.
   struct Words {
-    double likely = 0.1;       ///< probability of one that is not named
-    double small_share = 0.1;  ///< of what all effects explain, below which one is a small departure
-    double stands_out = 5.0;   ///< z of the screen from which on "absent" would be too much
-    double no_better = 0.95;   ///< share of the error from which on a flexible model has learnt nothing
+    double likely = 0.1;          ///< probability of one that is not named
+    double small_share = 0.1;     ///< of what all effects explain, below which one is a small departure
+    double left_out_share = 0.1;  ///< of the recordings, beyond which the verdict's line says it
+    double stands_out = 5.0;      ///< z of the screen from which on "absent" would be too much
+    double no_better = 0.95;      ///< share of the error from which on a flexible model has learnt nothing
   } words;
 };
 inline constexpr Policy kPolicy{};

@@ -5,6 +5,8 @@
 
 #include <limits>
 
+#include "diagnose/pictures.h"
+
 namespace softarm::diagnose {
 namespace {
 
@@ -76,6 +78,16 @@ TEST(Words, WhatStandsOutIsNotCalledAbsent) {
   EXPECT_EQ(diagnose::finding_description(candidate), "cannot tell: a usual size would not be seen");
   candidate.finding = diagnose::Finding::kPresent;
   EXPECT_EQ(diagnose::finding_description(candidate), "present");
+}
+
+TEST(Sentences, WhatIsLeftOutStandsInTheVerdictsLine) {
+  Diagnosis diagnosis;
+  diagnosis.verdict = Verdict::kConsistent;
+  diagnosis.left_out_share = 0.42;
+  EXPECT_NE(summary_of(diagnosis).find("stands on 58 % of the recordings"), std::string::npos)
+      << summary_of(diagnosis);
+  diagnosis.left_out_share = 0.05;
+  EXPECT_EQ(summary_of(diagnosis).find("of the recordings"), std::string::npos) << summary_of(diagnosis);
 }
 
 }  // namespace
