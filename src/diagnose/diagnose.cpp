@@ -120,7 +120,13 @@ std::string known_ids(const Options& options) {
 /// @param swinging counts what is left out because the arm swings
 Linearised fit_baseline(JointModel& model, std::size_t& swinging, const std::function<void()>& progress) {
   Linearised baseline = model.fit(model.start(), {});
-  swinging = model.allow_for_motion(baseline.predicted);
+  // What is late for another reason, clocks apart for one, makes the fit find a lag that the arm has not, and
+  // that would be taken for motion.
+  JointParameters calm = baseline.at;
+  calm.viscoelastic_lag_s = std::min(calm.viscoelastic_lag_s, model.viscoelastic_lag_s());
+  std::vector<std::vector<model::Predicted>> path;
+  model.predict(calm, &baseline.predicted, path);
+  swinging = model.allow_for_motion(path);
   progress();
   // What is known beforehand counts against the misfit as it is, and that changes with what counts.
   double misfit = 0.0;

@@ -112,6 +112,20 @@ TEST(Diagnose, ARingThatIsFarOffIsNamed) {
   EXPECT_EQ(ids(d.effects), std::vector<std::string>{"marker_slip"}) << report::describe(d);
 }
 
+/// A fit to poses that come late finds a lag; that is no motion for the sake of which trials are left out.
+TEST(Diagnose, ClocksAQuarterOfASecondApartAreNamedAndNoSwing) {
+  RecordedCase late = recorded_case("{count_weights: [1]}", 8, 4, 10.0);
+  const diagnose::Diagnosis calm = diagnose::diagnose(late.arm, late.trials);
+  for (trial::Trial& trial : late.trials) {
+    for (trial::Frame& frame : trial.frames) frame.stamp_s += 0.25;
+  }
+  const diagnose::Diagnosis d = diagnose::diagnose(late.arm, late.trials);
+  EXPECT_LT(d.left_out_share, calm.left_out_share + 0.05) << report::describe(d);
+  ASSERT_FALSE(d.effects.empty()) << report::describe(d);
+  EXPECT_EQ(d.effects.front().id, "clock_offset") << report::describe(d);
+  EXPECT_NEAR(d.effects.front().parameters.front().value, 0.25, 0.02) << report::describe(d);
+}
+
 TEST(Diagnose, WhatIsNotInTheCatalogueIsNotNamedWithConfidence) {
   const auto recorded =
       recorded_case("{count_weights: [0, 1], from: [curvature_gain], size: [0.9, 1]}", 5, 4, 8.0);
