@@ -168,24 +168,22 @@ function along() {
 // --- Trials and estimates -------------------------------------------------------------------------------------------
 
 function heldOut() {
-  const trials = data.trials.filter(trial => trial.rms_before > 0);
+  const trials = data.trials.filter(trial => trial.mean_before > 0);
   if (!trials.length) return null;
-  const place = plotPlace('rms error of each trial, predicted from the others, before and after');
+  const place = plotPlace('mean error of each trial, predicted from the others, before and after');
   const show = () => {
     const y = trials.map((_, i) => i);
     const traces = phases.length < 2 ? [] : [{type: 'scatter', mode: 'lines', showlegend: false, hoverinfo: 'skip', line: {color: '#555', width: 2},
-      x: trials.flatMap(t => [1e3 * t.rms_before, 1e3 * t.rms_after, null]), y: trials.flatMap((_, i) => [i, i, null])}];
-    phases.forEach(phase => traces.push(phaseLine(phase, {mode: 'markers', x: trials.map(t => 1e3 * t['rms_' + phase]), y, text: trials.map(t => plain(t.name)),
+      x: trials.flatMap(t => [1e3 * t.mean_before, 1e3 * t.mean_after, null]), y: trials.flatMap((_, i) => [i, i, null])}];
+    phases.forEach(phase => traces.push(phaseLine(phase, {mode: 'markers', x: trials.map(t => 1e3 * t['mean_' + phase]), y, text: trials.map(t => plain(t.name)),
       hovertemplate: '%{text}: %{x:.2f} mm', marker: {color: looks[phase].color, symbol: looks[phase].symbol, size: 14, line: {width: 3, color: looks[phase].color}}})));
     const levels = [];
-    const sides = report.noise_floor_m > report.ceiling_rms_m ? ['left', 'right'] : ['right', 'left'];  // so that neither hides the other
-    const widest = Math.max(...trials.flatMap(t => [t.rms_before, t.rms_after || 0]), report.ceiling_rms_m || 0);
-    const crowded = report.noise_floor_m < 0.15 * widest && !(report.ceiling_rms_m - report.noise_floor_m < 0.3 * widest);  // its words would leave the plot
-    if (report.noise_floor_m > 0) levels.push(level(1e3 * report.noise_floor_m, '\u00a0noise alone (dotted)\u00a0', 'dot', true, crowded ? 'left' : sides[0]));
-    if (present(report.ceiling_rms_m)) levels.push(level(1e3 * report.ceiling_rms_m, '\u00a0ceiling (dash-dot)\u00a0', 'dashdot', true, sides[1]));
+    const widest = Math.max(...trials.flatMap(t => [t.mean_before, t.mean_after || 0]));
+    const crowded = meanNoise() < 0.15 * widest;  // its words would leave the plot
+    if (report.noise_floor_m > 0) levels.push(level(1e3 * meanNoise(), '\u00a0noise alone (dotted)\u00a0', 'dot', true, crowded ? 'left' : 'right'));
     draw(place, traces, layout(130 + 34 * trials.length, {shapes: levels.map(one => one.shape), annotations: levels.map(one => one.note), margin: {l: 70, r: 20, t: 66, b: 60},
       legend: {orientation: 'h', x: 1, xanchor: 'right', y: 1, yanchor: 'bottom'},
-      xaxis: axis('rms error per body, of each trial by a model fitted to the others / mm', {rangemode: 'tozero'}),
+      xaxis: axis('mean error of a body, of each trial by a model fitted to the others / mm', {rangemode: 'tozero'}),
       yaxis: axis('', {tickvals: y, ticktext: trials.map(t => plain(short(t.name))), autorange: 'reversed', zeroline: false})}));
   };
   return {nodes: [report.improvement ? element('p', null, report.improvement) : null, place], draw: show};

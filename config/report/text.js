@@ -4,8 +4,10 @@
 function header() {
   const baseline = report.baseline, extended = report.extended;
   const figure = (value, words) => element('div', {class: 'figure'}, element('b', null, value), element('span', null, words));
-  const same = !anyEffect || baseline.held_out_rms_m === extended.held_out_rms_m;
-  const measured = baseline.held_out_rms_m > 0;
+  const same = !anyEffect || baseline.held_out_mean_m === extended.held_out_mean_m;
+  const measured = baseline.held_out_mean_m > 0;
+  const beforeAfter = key => same ? mm(baseline[key]) : mm(baseline[key]).slice(0, -3) + ' → ' + mm(extended[key]);
+  const ofLength = report.length_m > 0 ? ' (' + (100 * extended.held_out_mean_m / report.length_m).toPrecision(2) + ' % of the length)' : '';
   return element('header', null,
     element('p', {class: 'kicker'}, 'Model against recordings: ' + report.arm + (report.version ? ' · softarm ' + report.version : '')),
     element('div', {class: 'title'}, element('h1', null, report.headline),
@@ -13,11 +15,16 @@ function header() {
     report.summary ? element('p', {class: 'lead'}, report.summary) : null,
     restSits() ? element('p', {class: 'lead'}, 'What is left sits ' + report.residual_structure.place + '.') : null,
     element('div', {class: 'figures'},
-      measured ? figure(same ? mm(baseline.held_out_rms_m) : mm(baseline.held_out_rms_m).slice(0, -3) + ' → ' + mm(extended.held_out_rms_m),
-        same ? 'rms error per body on unseen trials' : 'rms error per body on unseen trials, before → after') : null,
-      report.noise_floor_m > 0 ? figure(mm(report.noise_floor_m), 'of it noise alone makes') : null,
-      present(report.ceiling_rms_m) ? figure(mm(report.ceiling_rms_m), 'a flexible model of the residuals reaches (ceiling)') : null,
+      measured ? figure(beforeAfter('held_out_mean_m'), 'mean error of a body on unseen trials' + (same ? '' : ', before → after') + ofLength) : null,
+      measured ? figure(beforeAfter('held_out_max_m'), 'the largest') : null,
+      report.noise_floor_m > 0 ? figure(mm(meanNoise()), 'mean error that noise alone makes') : null,
+      present(report.ceiling_rms_m) ? figure(mm(report.ceiling_rms_m), 'rms by precision that a flexible model of the residuals reaches (ceiling), of ' + beforeAfter('held_out_rms_m')) : null,
       present(report.ceiling_rms_m) && !same ? figure(percent(report.explained_share), 'of what could be explained is explained') : null));
+}
+
+/// Mean distance of a body that noise alone makes: of three equal normal coordinates.
+function meanNoise() {
+  return Math.sqrt(8 / (3 * Math.PI)) * report.noise_floor_m;
 }
 
 /// Whether there is something left that has a place: not where all is explained.
@@ -168,12 +175,13 @@ function trialsTable() {
   if (!data.trials.length) return null;
   const worst = trial => trial.bodies.map(body => [body.name, rms(body.after || body.before)]).filter(one => present(one[1]))
     .sort((a, b) => b[1] - a[1])[0];
-  return [table(['trial', {number: 'frames used'}, {number: 'length'}, {number: 'rms before'}, {number: 'rms after'}, {number: 'change'}, 'worst body after'],
+  return [table(['trial', {number: 'frames used'}, {number: 'length'}, {number: 'mean before'}, {number: 'mean after'}, {number: 'change'}, {number: 'largest before'}, {number: 'largest after'}, 'worst body after'],
     data.trials.map(trial => {
       const body = worst(trial), t = trial.t;
       return [element('span', {class: 'name'}, trial.name), {number: String(trial.frames)}, {number: t.length ? (t[t.length - 1] - t[0]).toFixed(0) + ' s' : '–'},
-        {number: mm(trial.rms_before)}, {number: mm(trial.rms_after)},
-        {number: trial.rms_before > 0 && present(trial.rms_after) ? (100 * (trial.rms_after / trial.rms_before - 1)).toFixed(0).replace('-', '−') + ' %' : '–'},
+        {number: mm(trial.mean_before)}, {number: mm(trial.mean_after)},
+        {number: trial.mean_before > 0 && present(trial.mean_after) ? (100 * (trial.mean_after / trial.mean_before - 1)).toFixed(0).replace('-', '−') + ' %' : '–'},
+        {number: mm(trial.max_before)}, {number: mm(trial.max_after)},
         body ? body[0] + ', ' + mm(body[1]) : '–'];
     }))];
 }

@@ -52,6 +52,10 @@ void add_curves(const JointModel& model, const Selection& selection, Diagnosis& 
     curves.name = trial.name;
     curves.rms_before_m = before.rms_m[t];
     curves.rms_after_m = after.rms_m[t];
+    curves.mean_before_m = before.mean_of_m[t];
+    curves.mean_after_m = after.mean_of_m[t];
+    curves.max_before_m = before.max_of_m[t];
+    curves.max_after_m = after.max_of_m[t];
     for (const arm::MeasuredBody& body : model.arm().bodies) {
       curves.before_m[body.name];
       curves.after_m[body.name];
@@ -175,8 +179,10 @@ namespace {
 
 std::string found_of(const Diagnosis& d) {
   const std::string errors =
-      fmt::format("{} on trials left out, noise alone {}", millimetres(d.baseline.held_out_rms_m),
-                  millimetres(d.noise_floor_m));
+      fmt::format("{} on average on trials left out, noise alone {}", millimetres(d.baseline.held_out_mean_m),
+                  millimetres(mean_noise_m(d)));
+  const std::string errors_change =
+      "the mean error on trials left out " + change(d.baseline.held_out_mean_m, d.extended.held_out_mean_m);
   std::vector<std::string> names, small;
   for (const NamedEffect& effect : d.effects) names.push_back(effect.id);
   for (const NamedEffect& effect : d.small_departures) small.push_back(effect.id);
@@ -189,24 +195,19 @@ std::string found_of(const Diagnosis& d) {
                          errors) +
              beside;
     case Verdict::kExplained:
-      return fmt::format(
-                 "The arm file leaves out {}: with it the error falls from {} to {} (noise alone {}).", list,
-                 millimetres(d.baseline.held_out_rms_m), millimetres(d.extended.held_out_rms_m),
-                 millimetres(d.noise_floor_m)) +
+      return fmt::format("The arm file leaves out {}: with it {} (noise alone {}).", list, errors_change,
+                         millimetres(mean_noise_m(d))) +
              beside;
     case Verdict::kPartlyExplained:
-      return fmt::format(
-          "{} {} {} of what could be explained: the error falls from {} to {}, and could to {}. "
-          "Something else is left.",
-          list, names.size() > 1 ? "explain" : "explains", percent(d.explained_share),
-          millimetres(d.baseline.held_out_rms_m), millimetres(d.extended.held_out_rms_m),
-          millimetres(d.ceiling_rms_m));
+      return fmt::format("{} {} {} of what could be explained: {}. Something else is left.", list,
+                         names.size() > 1 ? "explain" : "explains", percent(d.explained_share),
+                         errors_change);
     case Verdict::kUnknown: {
       std::string text =
           fmt::format("Something is there that no effect of the catalogue explains ({}).", errors);
       if (!names.empty())
-        text += fmt::format(" {} {}, but leaves {}.", list, names.size() > 1 ? "help" : "helps",
-                            millimetres(d.extended.held_out_rms_m));
+        text += fmt::format(" {} {}, but {} {}.", list, names.size() > 1 ? "help" : "helps",
+                            names.size() > 1 ? "leave" : "leaves", millimetres(d.extended.held_out_mean_m));
       std::vector<std::string> likely;
       for (const Candidate& c : d.ranking) {
         if (c.finding != Finding::kPresent && c.finding != Finding::kRival &&
@@ -220,9 +221,8 @@ std::string found_of(const Diagnosis& d) {
                   ? " Nor does a flexible model learn it from the other trials: it is not the same in all of "
                     "them, or they are too few."
                   : fmt::format(
-                        " A flexible model learns part of it, down to {}: it goes with inputs, payload, "
-                        "attitude or time.",
-                        millimetres(d.ceiling_rms_m));
+                        " A flexible model learns {} of it: it goes with inputs, payload, attitude or time.",
+                        percent(1.0 - std::pow(d.ceiling_rms_m / d.extended.held_out_rms_m, 2)));
       return text;
     }
     case Verdict::kCannotTell:

@@ -122,8 +122,9 @@ struct Policy {
     double likely = 0.1;          ///< probability of one that is not named
     double small_share = 0.1;     ///< of what all effects explain, below which one is a small departure
     double left_out_share = 0.1;  ///< of the recordings, beyond which the verdict's line says it
-    double stands_out = 5.0;      ///< z of the screen from which on "absent" would be too much
-    double no_better = 0.95;      ///< share of the error from which on a flexible model has learnt nothing
+    double worse = 1.05;  ///< ratio of a trial's mean errors from which on it is said to be predicted worse
+    double stands_out = 5.0;  ///< z of the screen from which on "absent" would be too much
+    double no_better = 0.95;  ///< share of the error from which on a flexible model has learnt nothing
   } words;
 };
 inline constexpr Policy kPolicy{};

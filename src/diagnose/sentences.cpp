@@ -229,21 +229,61 @@ std::string sentence_of(const NamedEffect& effect) {
   return text + sizes + "; probability " + percent(effect.probability) + ".";
 }
 
+double mean_noise_m(const Diagnosis& d) {
+  return std::sqrt(8.0 / (3.0 * M_PI)) * d.noise_floor_m;
+}
+
+std::string change(double before_m, double after_m) {
+  return fmt::format("{} from {} to {}", after_m < before_m ? "falls" : "GROWS", millimetres(before_m),
+                     millimetres(after_m));
+}
+
+namespace {
+
+/// Trials that are predicted worse than before, by more than would show.
+std::string got_worse(const Diagnosis& d) {
+  constexpr std::size_t kMost = 4;
+  std::vector<const TrialCurves*> worse;
+  for (const TrialCurves& trial : d.trials) {
+    if (trial.mean_after_m > kPolicy.words.worse * trial.mean_before_m) worse.push_back(&trial);
+  }
+  if (worse.empty()) return "";
+  std::stable_sort(worse.begin(), worse.end(), [](const TrialCurves* a, const TrialCurves* b) {
+    return a->mean_after_m - a->mean_before_m > b->mean_after_m - b->mean_before_m;
+  });
+  std::vector<std::string> list;
+  for (std::size_t i = 0; i < std::min(kMost, worse.size()); ++i)
+    list.push_back(fmt::format("{} ({} to {})", worse[i]->name, millimetres(worse[i]->mean_before_m),
+                               millimetres(worse[i]->mean_after_m)));
+  return fmt::format(" WORSE in {} of {} trials: {}{}.", worse.size(), d.trials.size(), one_of(list, "and"),
+                     worse.size() > kMost ? " the most" : "");
+}
+
+}  // namespace
+
 std::string improvement(const Diagnosis& d) {
-  const double before = d.baseline.held_out_rms_m, after = d.extended.held_out_rms_m;
+  const double before = d.baseline.held_out_mean_m, after = d.extended.held_out_mean_m;
   if (!(before > 0.0) || !(after > 0.0)) return "";
   const bool same = (d.effects.empty() && d.small_departures.empty()) || std::abs(before - after) < 5e-6;
+  const double length_m = d.extended_arm.arm.total_length_m();
+  const auto of_length = [&](double mean_m, double most_m) {
+    const std::string share =
+        length_m > 0.0 ? fmt::format(" ({:.2g} % of the length)", 100.0 * mean_m / length_m) : "";
+    return fmt::format("{} off on average{}, {} at most", millimetres(mean_m), share, millimetres(most_m));
+  };
   std::string text =
-      same ? fmt::format("On trials it had not seen the model is {} off (rms per body)", millimetres(before))
-           : fmt::format("On trials it had not seen the rms error per body {} from {} to {}",
-                         after < before ? "falls" : "rises", millimetres(before), millimetres(after));
-  if (d.noise_floor_m > 0.0) text += fmt::format("; noise alone makes {}", millimetres(d.noise_floor_m));
-  if (d.ceiling_rms_m > 0.0)
-    text += fmt::format(", a flexible model of the residuals reaches {}", millimetres(d.ceiling_rms_m));
+      "On trials it had not seen the bodies are " + of_length(after, d.extended.held_out_max_m);
+  if (!same) text += "; without it " + of_length(before, d.baseline.held_out_max_m);
+  if (d.noise_floor_m > 0.0) text += fmt::format("; noise alone makes {}", millimetres(mean_noise_m(d)));
   text += ".";
-  if (!same && d.ceiling_rms_m > 0.0 && d.ceiling_rms_m < before && std::isfinite(d.explained_share))
-    text += fmt::format(" That is {:.0f} % of what could be explained.", 100.0 * d.explained_share);
-  return text;
+  if (!same) text += got_worse(d);
+  if (!(d.ceiling_rms_m > 0.0)) return text;
+  text += fmt::format(" By precision, as rms: {}{}; a flexible model of the residuals reaches {}",
+                      same ? "" : millimetres(d.baseline.held_out_rms_m) + " to ",
+                      millimetres(d.extended.held_out_rms_m), millimetres(d.ceiling_rms_m));
+  if (!same && d.ceiling_rms_m < d.baseline.held_out_rms_m && std::isfinite(d.explained_share))
+    text += fmt::format(", and {:.0f} % of what could be explained is", 100.0 * d.explained_share);
+  return text + ".";
 }
 
 }  // namespace softarm::diagnose

@@ -55,8 +55,14 @@ std::string finding_description(const Candidate& candidate);
 /// The effect's own sentence, or one made of its parts.
 std::string sentence_of(const NamedEffect& effect);
 
-/// How much better on trials that were not fitted, in mm and as a share of what could be explained; empty
-/// where that is not known.
+/// The distance of a body, on average, that noise alone makes, m.
+double mean_noise_m(const Diagnosis& diagnosis);
+
+/// "falls from 3.10 mm to 2.05 mm".
+std::string change(double before_m, double after_m);
+
+/// How much better on trials that were not fitted: plain errors, which trials got worse, and the share of
+/// what could be explained; empty where that is not known.
 std::string improvement(const Diagnosis& diagnosis);
 
 }  // namespace softarm::diagnose

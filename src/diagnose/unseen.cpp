@@ -34,7 +34,8 @@ Unseen unseen(const JointModel& model, const Linearised& at) {
     out.total_chi2 += chi2;
     const VectorXd r = at.residual[t] - at.derivative[t] * step;
     VectorXd metres = VectorXd::Zero(r.size());
-    double sum = 0.0, weight = 0.0;
+    double sum = 0.0, weight = 0.0, distances_m = 0.0, most_m = 0.0;
+    std::size_t seen_bodies = 0;
     Eigen::Index row = 0;
     for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
       for (const model::Seen& seen : model.trials()[t].blocks[k].bodies) {
@@ -43,9 +44,9 @@ Unseen unseen(const JointModel& model, const Linearised& at) {
           const double scale = sd / at.root_weight[t][row];
           metres.segment<3>(row) = scale * r.segment<3>(row);
           const double distance_m = metres.segment<3>(row).norm();
-          out.mean_m += distance_m;
-          out.max_m = std::max(out.max_m, distance_m);
-          ++bodies;
+          distances_m += distance_m;
+          most_m = std::max(most_m, distance_m);
+          ++seen_bodies;
           sum += w * metres.segment<3>(row).squaredNorm();
           fitted_sum += w * scale * scale * at.residual[t].segment<3>(row).squaredNorm();
           weight += w;
@@ -55,6 +56,11 @@ Unseen unseen(const JointModel& model, const Linearised& at) {
     }
     out.rms_m.push_back(weight > 0.0 ? std::sqrt(sum / weight) : 0.0);
     out.residual.push_back(std::move(metres));
+    out.mean_of_m.push_back(seen_bodies > 0 ? distances_m / static_cast<double>(seen_bodies) : 0.0);
+    out.max_of_m.push_back(most_m);
+    out.mean_m += distances_m;
+    out.max_m = std::max(out.max_m, most_m);
+    bodies += seen_bodies;
     all_sum += sum;
     all_weight += weight;
   }

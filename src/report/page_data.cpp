@@ -47,8 +47,10 @@ std::string unit_of(const diagnose::Diagnosis& d, const std::string& input) {
 Json json_of(const diagnose::Diagnosis& d, const diagnose::TrialCurves& trial) {
   Json json{{"name", trial.name},
             {"frames", trial.frames},
-            {"rms_before", trial.rms_before_m},
-            {"rms_after", trial.rms_after_m},
+            {"mean_before", trial.mean_before_m},
+            {"mean_after", trial.mean_after_m},
+            {"max_before", trial.max_before_m},
+            {"max_after", trial.max_after_m},
             {"t", list_of(trial.t_s)}};
   json["inputs"] = Json::array();
   for (const auto& [name, values] : trial.inputs)

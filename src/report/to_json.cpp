@@ -110,6 +110,7 @@ Json report_json(const diagnose::Diagnosis& d) {
   json["baseline"] = json_of(d.baseline);
   json["extended"] = json_of(d.extended);
   json["left_out_share"] = d.left_out_share;
+  json["length_m"] = d.extended_arm.arm.total_length_m();
   json["discrepancy_share"] = d.discrepancy_share;
   json["effects"] = Json::array();
   for (const diagnose::NamedEffect& effect : d.effects) json["effects"].push_back(json_of(effect));
@@ -146,7 +147,11 @@ Json report_json(const diagnose::Diagnosis& d) {
     json["trials"].push_back({{"name", trial.name},
                               {"frames", trial.frames},
                               {"held_out_rms_before_m", trial.rms_before_m},
-                              {"held_out_rms_after_m", trial.rms_after_m}});
+                              {"held_out_rms_after_m", trial.rms_after_m},
+                              {"held_out_mean_before_m", trial.mean_before_m},
+                              {"held_out_mean_after_m", trial.mean_after_m},
+                              {"held_out_max_before_m", trial.max_before_m},
+                              {"held_out_max_after_m", trial.max_after_m}});
   }
   json["notes"] = d.notes;
   drop_not_finite(json);

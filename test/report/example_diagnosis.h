@@ -67,6 +67,10 @@ inline diagnose::TrialCurves example_trial(const std::string& name, double speed
   trial.frames = 7200;
   Noise noise(seed);
   double before_2 = 0.0, after_2 = 0.0, n = 0.0;
+  const auto count = [](double distance, double& sum, double& most) {
+    sum += distance;
+    most = std::max(most, distance);
+  };
   for (int i = 0; i < 360; ++i) {
     const double t = i / 6.0, turn = 2.0 * 3.14159265358979 * speed_hz * t;
     const double p1 = 25e3 * (1.0 - std::cos(turn)), p2 = 12e3 * (1.0 + std::sin(0.37 * turn + 0.1 * seed));
@@ -86,10 +90,14 @@ inline diagnose::TrialCurves example_trial(const std::string& name, double speed
       trial.before_m[ring].push_back(lost ? std::optional<double>() : before);
       trial.after_m[ring].push_back(lost ? std::optional<double>() : after);
       before_2 += before * before, after_2 += after * after, n += 1.0;
+      count(before, trial.mean_before_m, trial.max_before_m);
+      count(after, trial.mean_after_m, trial.max_after_m);
     }
   }
   trial.rms_before_m = std::sqrt(before_2 / n);
   trial.rms_after_m = std::sqrt(after_2 / n);
+  trial.mean_before_m /= n;
+  trial.mean_after_m /= n;
   return trial;
 }
 

@@ -144,7 +144,9 @@ struct NextExperiment {
 struct TrialCurves {
   std::string name;
   std::size_t frames = 0;                        ///< of the recording that were used
-  double rms_before_m = 0.0, rms_after_m = 0.0;  ///< predicted from the other trials
+  double rms_before_m = 0.0, rms_after_m = 0.0;  ///< predicted from the other trials, by precision
+  /// The same predictions' plain errors, every body's distance counted alike.
+  double mean_before_m = 0.0, mean_after_m = 0.0, max_before_m = 0.0, max_after_m = 0.0;
   std::vector<double> t_s;
   std::map<std::string, std::vector<double>> inputs;  ///< Pa, N, rad, kg by name
   /// Distance, measured to modelled, by body, m; NaN-free: absent where the body was not seen.
