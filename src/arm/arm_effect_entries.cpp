@@ -28,4 +28,9 @@ std::vector<EffectEntry> read_effects(const Section& arm) {
   return list;
 }
 
+std::optional<std::string> read_effects_verdict(const Section& arm) {
+  if (!arm.has("effects_verdict")) return std::nullopt;
+  return arm.word("effects_verdict");
+}
+
 }  // namespace softarm::arm::yaml

@@ -45,7 +45,11 @@ const KeyTable& arm_keys() {
        list("effects", "[]",
             "physics beyond these laws that is in the model, as `softarm diagnose` found it; `softarm "
             "diagnose "
-            "--effects` lists ids, parameters and ranges")}};
+            "--effects` lists ids, parameters and ranges"),
+       word("effects_verdict", {"consistent", "explained", "partly_explained", "unknown", "cannot_tell"},
+            kAbsent,
+            "how the diagnosis that found the effects ended: with `unknown` something else is there, and "
+            "what uses them warns")}};
   return table;
 }
 

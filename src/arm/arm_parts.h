@@ -29,5 +29,6 @@ EstimatorOptions read_estimator(const Section& section, const Arm& arm);
 
 /// Ids, names and numbers as they stand; effects/ knows which there are.
 std::vector<EffectEntry> read_effects(const Section& arm);
+std::optional<std::string> read_effects_verdict(const Section& arm);
 
 }  // namespace softarm::arm::yaml

@@ -137,9 +137,11 @@ bool same_effects(const std::vector<EffectEntry>& a, const std::vector<EffectEnt
   });
 }
 
-std::string section_of(const std::vector<EffectEntry>& effects) {
+std::string section_of(const std::vector<EffectEntry>& effects, const std::optional<std::string>& verdict) {
   if (effects.empty()) return "";
-  std::string text = "effects:  # beside the laws; what they are: softarm diagnose --effects\n";
+  std::string text =
+      verdict ? fmt::format("effects_verdict: {}  # of the diagnosis that found them\n", *verdict) : "";
+  text += "effects:  # beside the laws; what they are: softarm diagnose --effects\n";
   for (const EffectEntry& effect : effects) {
     std::string values, sds;
     for (const EffectNumber& n : effect.numbers) {
@@ -152,18 +154,24 @@ std::string section_of(const std::vector<EffectEntry>& effects) {
   return text;
 }
 
-/// The text with another section `effects`, at its end.
-std::string with_effects(std::string text, const std::vector<EffectEntry>& effects) {
+/// The text without one of its topmost keys.
+std::string without_key(std::string text, const std::string& key) {
   const YAML::Node root = YAML::Load(text);
   std::size_t from = text.size(), to = text.size();
   for (const auto& entry : root) {
     const auto at = static_cast<std::size_t>(entry.first.Mark().pos);
-    if (entry.first.Scalar() == "effects") from = at;
+    if (entry.first.Scalar() == key) from = at;
     if (at > from) to = std::min(to, at);
   }
-  text.erase(from, to - from);
+  return text.erase(from, to - from);
+}
+
+/// The text with other sections `effects_verdict` and `effects`, at its end.
+std::string with_effects(std::string text, const std::vector<EffectEntry>& effects,
+                         const std::optional<std::string>& verdict) {
+  text = without_key(without_key(std::move(text), "effects"), "effects_verdict");
   if (!text.empty() && text.back() != '\n') text += '\n';
-  return text + section_of(effects);
+  return text + section_of(effects, verdict);
 }
 
 }  // namespace
@@ -175,7 +183,7 @@ std::string update_arm_text(const std::string& text, const std::string& source, 
 
 std::string update_arm_text(const std::string& text, const std::string& source, const Arm& arm,
                             const std::vector<EffectEntry>& effects, const std::vector<std::string>& header,
-                            const std::string& program) {
+                            const std::string& program, const std::optional<std::string>& verdict) {
   const Arm read = parse_arm(text, source);
   if (!same_structure(read, arm))
     throw ArmError(source + ": describes another arm than the one to be written");
@@ -196,8 +204,11 @@ std::string update_arm_text(const std::string& text, const std::string& source, 
 
   std::string written;
   for (const std::string& line : header) written += kHeader + program + ": " + line + "\n";
-  written += same_effects(parse_effect_entries(text, source), effects) ? editor.text()
-                                                                       : with_effects(editor.text(), effects);
+  const std::optional<std::string> before = parse_effects_verdict(text, source);
+  const bool same_verdict = !verdict || verdict == before;
+  written += same_verdict && same_effects(parse_effect_entries(text, source), effects)
+                 ? editor.text()
+                 : with_effects(editor.text(), effects, verdict ? verdict : before);
   // An alias would have changed another value too.
   const Arm again = parse_arm(written, source);
   if (!same_effects(parse_effect_entries(written, source), effects))

@@ -1,6 +1,7 @@
 // Puts changed constants into the text of an arm's YAML, and leaves everything else as it was written.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,8 +26,10 @@ std::string update_arm_text(const std::string& text, const std::string& source, 
 
 /// The same with other effects: where they differ, as a section at the end in place of an earlier one.
 /// @param program that writes, "identify" or "diagnose": stands in each line of the header
+/// @param verdict of the diagnosis that found them; nothing: as the text has it
 std::string update_arm_text(const std::string& text, const std::string& source, const Arm& arm,
                             const std::vector<EffectEntry>& effects, const std::vector<std::string>& header,
-                            const std::string& program);
+                            const std::string& program,
+                            const std::optional<std::string>& verdict = std::nullopt);
 
 }  // namespace softarm::arm

@@ -21,11 +21,16 @@ Arm parse_arm(const std::string& text, const std::string& source) {
   yaml::check_sources(root, arm);
   arm.estimator = yaml::read_estimator(root.section("estimator", yaml::estimator_keys()), arm);
   yaml::read_effects(root);  // may be left out here, but not be wrong
+  yaml::read_effects_verdict(root);
   return arm;
 }
 
 std::vector<EffectEntry> parse_effect_entries(const std::string& text, const std::string& source) {
   return yaml::read_effects(yaml::parse_document(text, source, yaml::arm_keys()));
+}
+
+std::optional<std::string> parse_effects_verdict(const std::string& text, const std::string& source) {
+  return yaml::read_effects_verdict(yaml::parse_document(text, source, yaml::arm_keys()));
 }
 
 std::string describe_arm_keys() {

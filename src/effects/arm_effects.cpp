@@ -97,6 +97,18 @@ std::vector<model::Present> load_effects(const arm::Arm& arm, const std::string&
   return effects_of(arm, arm::parse_effect_entries(file.text, file.source));
 }
 
+std::string doubt_about_effects(const std::string& name, const std::vector<std::string>& directories) {
+  const arm::ArmText file = arm::read_arm_text(name, directories);
+  if (arm::parse_effect_entries(file.text, file.source).empty() ||
+      arm::parse_effects_verdict(file.text, file.source) != "unknown")
+    return "";
+  return fmt::format(
+      "{}: the diagnosis that found its effects ended with the verdict \"unknown\": they help, but something "
+      "else "
+      "is there that is not in the model",
+      file.source);
+}
+
 arm::EffectEntry entry_of(const model::Present& present, const std::optional<model::Values>& sd) {
   arm::EffectEntry entry;
   entry.id = present.effect->info().id;

@@ -32,6 +32,8 @@ NodeParams NodeParams::read(const ros::NodeHandle& private_nh) {
   if (const auto directory = reader.word("arms_dir")) directories.push_back(*directory);
   params.arm = arm::load_arm_file(*arm, directories);
   params.effects = effects::load_effects(params.arm, *arm, directories);
+  if (const std::string doubt = effects::doubt_about_effects(*arm, directories); !doubt.empty())
+    ROS_WARN("%s", doubt.c_str());
 
   arm::EstimatorOptions& options = params.options;
   options = params.arm.estimator;

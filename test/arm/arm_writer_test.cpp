@@ -117,6 +117,27 @@ TEST(ArmWriterText, TheHeaderIsReplacedNotRepeated) {
             "# softarm identify: from b.bag\n" + kSmallArm);
 }
 
+TEST(ArmWriterText, TheVerdictStandsWithTheEffectsThatItIsOf) {
+  const arm::Arm arm = arm::parse_arm(kSmallArm, "arm.yaml");
+  const std::vector<arm::EffectEntry> effects{{"base_compliance", {{"compliance_rad_per_nm", 0.2}}}};
+  const auto verdict_of = [](const std::string& text) {
+    return arm::parse_effects_verdict(text, "arm.yaml");
+  };
+  EXPECT_FALSE(verdict_of(kSmallArm).has_value());
+  const std::string unknown =
+      arm::update_arm_text(kSmallArm, "arm.yaml", arm, effects, {}, "diagnose", "unknown");
+  EXPECT_EQ(verdict_of(unknown), "unknown");
+  EXPECT_EQ(verdict_of(arm::update_arm_text(unknown, "arm.yaml", arm)), "unknown") << "identify keeps it";
+  const std::string explained =
+      arm::update_arm_text(unknown, "arm.yaml", arm, effects, {}, "diagnose", "explained");
+  EXPECT_EQ(verdict_of(explained), "explained");
+  EXPECT_EQ(explained.find("unknown"), std::string::npos) << explained;
+  EXPECT_EQ(arm::parse_effect_entries(explained, "arm.yaml").size(), 1u);
+  const std::string none = arm::update_arm_text(unknown, "arm.yaml", arm, {}, {}, "diagnose", "consistent");
+  EXPECT_FALSE(verdict_of(none).has_value()) << none;
+  EXPECT_THROW(arm::parse_arm(kSmallArm + "effects_verdict: perhaps\n", "arm.yaml"), arm::ArmError);
+}
+
 TEST(ArmWriterText, RefusesAliasesQuotesAndOtherArms) {
   const auto refused = [](const std::string& text, const arm::Arm& arm) {
     try {

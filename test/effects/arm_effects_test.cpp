@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <string>
+
 #include "drive_trials.h"
 #include "effects/catalogue.h"
 #include "softarm/arm/arm_file.h"
@@ -43,6 +46,21 @@ TEST(ArmEffects, WhatIsLeftOutIsUsualAndSizesAreNought) {
       effects::effects_of(arm, {{"creep", {{"share", 0.2}}}, {"tether", {}}});
   EXPECT_DOUBLE_EQ(list[0].values[1], list[0].effect->info().parameters[1].usual);
   EXPECT_DOUBLE_EQ(list[1].values[0], 0.0);
+}
+
+TEST(ArmEffects, AnUnknownVerdictIsADoubt) {
+  const std::string path = ::testing::TempDir() + "doubted_arm.yaml";
+  const auto doubt = [&](const std::string& more) {
+    std::ifstream in(std::string(SOFTARM_SOURCE_DIR) + "/config/arms/online_200mm.yaml");
+    std::ofstream(path) << in.rdbuf() << more;
+    return effects::doubt_about_effects(path);
+  };
+  const std::string effect = "effects: [{id: creep, parameters: {share: 0.2}}]\n";
+  EXPECT_EQ(doubt(""), "");
+  EXPECT_EQ(doubt("effects_verdict: unknown\n"), "") << "of no effects";
+  EXPECT_EQ(doubt(effect), "");
+  EXPECT_EQ(doubt("effects_verdict: explained\n" + effect), "");
+  EXPECT_NE(doubt("effects_verdict: unknown\n" + effect).find("something else is there"), std::string::npos);
 }
 
 TEST(ArmEffects, WhatTheCatalogueDoesNotKnowIsOneLine) {

@@ -76,5 +76,9 @@ struct EffectEntry {
 /// effects::effects_of()
 SOFTARM_EXPORT std::vector<EffectEntry> parse_effect_entries(const std::string& text,
                                                              const std::string& source);
+/// The key `effects_verdict`: how the diagnosis that found them ended; nothing where the file does not say.
+/// @throws ArmError as above
+SOFTARM_EXPORT std::optional<std::string> parse_effects_verdict(const std::string& text,
+                                                                const std::string& source);
 
 }  // namespace softarm::arm

@@ -28,4 +28,10 @@ SOFTARM_EXPORT arm::EffectEntry entry_of(const model::Present& present,
 SOFTARM_EXPORT std::vector<model::Present> load_effects(const arm::Arm& arm, const std::string& name,
                                                         const std::vector<std::string>& directories = {});
 
+/// Why the effects of that file are not to be trusted with the whole of it, in a sentence: the diagnosis that
+/// found them ended with "unknown". Empty where it did not, or there are none.
+/// @throws ArmError as load_effects()
+SOFTARM_EXPORT std::string doubt_about_effects(const std::string& name,
+                                               const std::vector<std::string>& directories = {});
+
 }  // namespace softarm::effects

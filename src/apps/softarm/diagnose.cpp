@@ -130,7 +130,7 @@ void run_diagnose(DiagnoseOptions options) {
   try {
     extended.write(arm::update_arm_text(file.text, file.source, diagnosis.extended_arm.arm,
                                         diagnosis.extended_arm.effects, header_of(diagnosis, trials),
-                                        "diagnose"));
+                                        "diagnose", diagnose::to_string(diagnosis.verdict)));
     extended.commit();
     written += ", " + extended.path().string();
   } catch (const arm::ArmError& why) {  // an arm file that cannot be edited is no reason to have no report

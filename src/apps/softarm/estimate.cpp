@@ -192,6 +192,8 @@ void run_estimate(const EstimateOptions& options) {
   const std::vector<model::Present> effects = effects::load_effects(arm, options.arm, config_folders("arms"));
   for (const std::string& line : estimate::Estimator(arm, arm.estimator, effects).effect_notes())
     fmt::print(stderr, "softarm: effects: {}\n", line);
+  const std::string doubt = effects::doubt_about_effects(options.arm, config_folders("arms"));
+  if (!doubt.empty()) fmt::print(stderr, "softarm: warning: {}\n", doubt);
   const std::string note = estimate::advice(arm.estimator);
   if (!note.empty()) fmt::print(stderr, "softarm: note: {}\n", note);
   std::vector<Job> jobs = make_jobs(options);
