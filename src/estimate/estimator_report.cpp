@@ -32,7 +32,8 @@ std::string Estimator::Impl::length_hint() const {
     from = o->p;
   }
   const double expected = along.empty() ? 0.0 : arclength(along.back());
-  if (measured >= 0.5 * expected && measured <= 2.0 * expected) return "";
+  constexpr double kOther = kPolicy.fit.other_length;
+  if (kOther * measured >= expected && measured <= kOther * expected) return "";
   return fmt::format("; from the base through the bodies it is {:.3g} m, by the arm file {:.3g} m: {}",
                      measured, expected, kUnitsHint);
 }

@@ -100,7 +100,7 @@ bool Estimator::Impl::solve() {
     warm = problem.evaluate(x) && rms() < kPolicy.fit.bad_start * length;
   }
   bool good = (warm || start_cold()) && minimise();
-  const auto poor = [&] { return !good || !converged || rms() > 0.5 * kPolicy.fit.bad_start * length; };
+  const auto poor = [&] { return !good || !converged || rms() > kPolicy.fit.poor * length; };
   if (warm && poor()) {
     warm = false;
     good = start_cold() && minimise();

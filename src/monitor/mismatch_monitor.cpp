@@ -11,7 +11,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::size_t kFewestPoints = 5;
 const std::vector<arm::SegmentPrediction> kNoLaws;
 
 }  // namespace
@@ -54,7 +53,8 @@ void MismatchMonitor::Impl::add(const trial::Frame& frame, const estimate::Estim
   note_payload(frame);
   predictions = predict(arm, frame.inputs);
   if (predictions) memory.follow(frame.stamp_s, frame.inputs, *predictions);
-  if (estimate.status != estimate::Status::kOk || estimate.backbone.size() < kFewestPoints) return;
+  if (estimate.status != estimate::Status::kOk || estimate.backbone.size() < kPolicy.window.fewest_points)
+    return;
 
   const bool laws = predictions.has_value();
   if (laws != had_laws) {
@@ -76,7 +76,8 @@ void MismatchMonitor::Impl::add(const trial::Frame& frame, const estimate::Estim
 }
 
 void MismatchMonitor::Impl::step(double stamp_s) {
-  const double dt_s = last_step_s ? std::clamp(stamp_s - *last_step_s, 0.0, 1.0) : 0.0;
+  const double dt_s =
+      last_step_s ? std::clamp(stamp_s - *last_step_s, 0.0, kPolicy.window.longest_step_s) : 0.0;
   last_step_s = stamp_s;
   if (!first_s) first_s = stamp_s;
   const WindowMotion& motion = window.motion();
