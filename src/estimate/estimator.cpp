@@ -131,7 +131,7 @@ const Estimate& Estimator::Impl::run(const trial::Frame& frame) {
 
 void Estimator::Impl::clear(const trial::Frame& frame) {
   for (SegmentEstimate& segment : estimate.segments) segment = SegmentEstimate();
-  estimate.stamp_s = frame.stamp_s;
+  estimate.stamp_s = frame.stamp_s();
   estimate.status = Status::kOk;
   estimate.detail.clear();
   estimate.payload_kg.reset();
@@ -255,7 +255,7 @@ std::optional<std::vector<arm::SegmentPrediction>> Estimator::Impl::predict_laws
       (*predictions)[i].curvature_per_m = (*moments)[i].curvature_per_m;
     }
   }
-  memory.follow(frame.stamp_s, frame.inputs, *predictions);
+  memory.follow(frame.stamp_s(), frame.inputs, *predictions);
   return predictions;
 }
 
@@ -337,8 +337,8 @@ bool Estimator::Impl::set_knowns(const trial::Frame& frame) {
   }
   problem.free()[static_cast<std::size_t>(problem.payload_column())] = estimate_payload;
   if (window) {
-    window->advance(frame.stamp_s);
-    noise.add(frame.stamp_s, problem.observations());
+    window->advance(frame.stamp_s());
+    noise.add(frame.stamp_s(), problem.observations());
     window->enter(problem.observations(), passing_variance());
   }
   believe();

@@ -44,7 +44,7 @@ const trial::Frame& ExtendedFrame::begin(const trial::Frame& frame, const Eigen:
   std::optional<double> payload_kg = arm_.payload.default_kg;
   if (frame.payload_kg && std::isfinite(*frame.payload_kg)) payload_kg = frame.payload_kg;
   const model::OnlineEffects::Driven& driven =
-      online_.begin(frame.stamp_s, frame.inputs, payload_kg, base, frame.samples);
+      online_.begin(frame.stamp_s(), frame.inputs, payload_kg, base, frame.samples);
   frame_ = frame;
   frame_.inputs = driven.inputs;
   frame_.payload_kg = driven.payload_kg;
@@ -140,7 +140,7 @@ bool ExtendedFrame::derivative_holds(const Problem& problem, const VectorXd& x) 
          ((x - derivative_x_).cwiseAbs().array() < reach(problem).array()).all() &&
          (problem.rod().gravity_m_s2 - derivative_gravity_).norm() <
              kPolicy.effects.slope_holds_gravity_m_s2 &&
-         std::abs(frame_.stamp_s - derivative_stamp_s_) < kPolicy.effects.slope_holds_s;
+         std::abs(frame_.stamp_s() - derivative_stamp_s_) < kPolicy.effects.slope_holds_s;
 }
 
 bool ExtendedFrame::line_reaches(const Problem& problem, const VectorXd& x) const {
@@ -175,7 +175,7 @@ bool ExtendedFrame::differentiate(Problem& problem, const VectorXd& x,
   derivative_x_ = x;
   derivative_of_ = problem.free();
   derivative_gravity_ = problem.rod().gravity_m_s2;
-  derivative_stamp_s_ = frame_.stamp_s;
+  derivative_stamp_s_ = frame_.stamp_s();
   return true;
 }
 

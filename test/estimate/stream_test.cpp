@@ -19,7 +19,7 @@ std::vector<trial::Frame> smooth_stream(const arm::Arm& arm, int frames, unsigne
         0.2,
         hanging()};
     stream.push_back(with_noise(arm, maker.make(truth).value(), random));
-    stream.back().stamp_s = i / 240.0;
+    stream.back().stamp_ns = trial::to_nanoseconds(i / 240.0);
   }
   return stream;
 }
@@ -99,7 +99,7 @@ TEST(Stream, TheSameFramesGiveTheSameBits) {
     EXPECT_EQ(x.length_m, y.length_m);
     EXPECT_TRUE(x.covariance == y.covariance);
     EXPECT_EQ(a.backbone.back().p_base, b.backbone.back().p_base);
-    EXPECT_EQ(a.stamp_s, frame.stamp_s);
+    EXPECT_EQ(a.stamp_s, frame.stamp_s());
   }
   // And after a reset an estimator is as good as new.
   const double was = estimate::Estimator(arm, with_method(arm::Method::kFullPoints))
