@@ -101,14 +101,14 @@ std::vector<trial::Frame> extended_frames(const arm::Arm& arm, const std::vector
   for (int i = 0; i < 2000; ++i) {
     const Truth truth = moving_truth(i);
     trial::Frame frame;
-    frame.stamp_s = 1.0 + i / 120.0;
+    frame.stamp_ns = trial::to_nanoseconds(1.0 + i / 120.0);
     frame.base_body = Eigen::Isometry3d(q_base);
     frame.payload_kg = truth.payload;
     arm::SegmentPrediction segment;
     segment.moment_nm = truth.moment * Eigen::Vector2d(std::cos(truth.phi), std::sin(truth.phi));
     segment.bending_stiffness_nm2 = truth.stiffness;
     segment.length_m = truth.length;
-    model.begin(frame.stamp_s, {}, truth.payload, *frame.base_body);
+    model.begin(frame.stamp_s(), {}, truth.payload, *frame.base_body);
     if (!model.solve({segment}, truth.payload)) throw std::runtime_error("a frame without equilibrium");
     model.keep();
     for (int k = 0; k < static_cast<int>(arm.bodies.size()); ++k) {

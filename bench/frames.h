@@ -74,7 +74,7 @@ std::vector<trial::Frame> make_frames(const arm::Arm& arm, int count, const Eige
     if (solver.solve(rod_of(arm, truth, gravity)) != rod::SolveStatus::kConverged) continue;
     if ((solver.station(solver.stations() - 1).q * Eigen::Vector3d::UnitZ()).z() < std::cos(2.6)) continue;
     trial::Frame frame;
-    frame.stamp_s = i / 120.0;
+    frame.stamp_ns = trial::to_nanoseconds(i / 120.0);
     frame.base_body = Eigen::Isometry3d(q_base);
     frame.payload_kg = truth.payload;
     for (int k = 0; k < solver.stations(); ++k) {
@@ -104,7 +104,7 @@ inline std::vector<trial::Frame> read_frames(const std::string& path) {
     row >> id >> payload >> weight;
     for (double& f : fraction) row >> f;
     trial::Frame frame;
-    frame.stamp_s = id / 120.0;
+    frame.stamp_ns = trial::to_nanoseconds(id / 120.0);
     frame.base_body = Eigen::Isometry3d(hanging());
     frame.payload_kg = payload;
     for (int k = 0; k < 4; ++k) {

@@ -51,7 +51,7 @@ std::vector<trial::Trial> paper_trials(const arm::Arm& arm) {
       if (solver.solve(rod) != rod::SolveStatus::kConverged) break;
       for (int i = 0; i < 240; ++i) {
         trial::Frame frame;
-        frame.stamp_s = (payload_kg > 0.0 ? 2.0 : 0.0) + i / 120.0;
+        frame.stamp_ns = trial::to_nanoseconds((payload_kg > 0.0 ? 2.0 : 0.0) + i / 120.0);
         frame.inputs = inputs;
         frame.payload_kg = payload_kg;
         frame.base_body = Eigen::Isometry3d(hanging());

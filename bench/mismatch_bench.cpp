@@ -20,7 +20,7 @@ void monitor(benchmark::State& state, double rate_hz, InputsOf inputs_of) {
   estimate::Estimator estimator(arm);
   std::vector<estimate::Estimate> estimates;
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    frames[i].stamp_s = static_cast<double>(i) / rate_hz;
+    frames[i].stamp_ns = trial::to_nanoseconds(static_cast<double>(i) / rate_hz);
     frames[i].inputs = inputs_of(frames[i]);
     estimates.push_back(estimator.estimate(frames[i]));
   }
@@ -33,7 +33,7 @@ void monitor(benchmark::State& state, double rate_hz, InputsOf inputs_of) {
 }
 
 arm::InputValues some_pressures(const trial::Frame& frame) {
-  const double a = 3e4 + 2e4 * std::sin(frame.stamp_s);
+  const double a = 3e4 + 2e4 * std::sin(frame.stamp_s());
   return {a, 5e4 - a, 1e4};
 }
 

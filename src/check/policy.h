@@ -41,9 +41,13 @@ struct Policy {
     double one_frame = 0.5;          ///< periods: stamps so close together are of one frame
     std::size_t least_frames = 20;   ///< for how far apart the stamps of a frame are
     double most_frames = 0.95;       ///< of all must come within the tolerance
-    double one_stretch_s = 0.1;      ///< wrong stamps so close together are said as one stretch
-    double same_event_s = 0.5;       ///< findings of all drivers so close together are one
-    double same_figure = 0.1;        ///< of it: findings of a driver that differ by less are one
+    double tolerance = 1.5;          ///< times that way: a tolerance that is proposed, ...
+    double least_tolerance = 1.0 / 3.0;  ///< ... of a period at least ...
+    double most_tolerance = 0.5;         ///< ... and at most, or frames run into each other
+    double holds = 1.2;          ///< times the longest gap: for how long an input is to hold, if it is
+    double one_stretch_s = 0.1;  ///< wrong stamps so close together are said as one stretch
+    double same_event_s = 0.5;   ///< findings of all drivers so close together are one
+    double same_figure = 0.1;    ///< of it: findings of a driver that differ by less are one
   } timing;
 
   /// Receipt against stamps.
@@ -151,6 +155,8 @@ struct Policy {
     double back_rad = 1.0;             ///< near enough to where it was
     double serious_over_share = 0.02;  ///< of the samples, where the orientation is used
     double over_periods = 2.5;         ///< turned samples so close together are one stretch
+    double along_axis = 0.95;          ///< cosine: a turn about such an axis is said as about a frame's own
+    double negative = 0.5;  ///< cosine of half the angle: beyond, a quaternion is the other's negative
   } tracking;
 
   /// Mocap noise against the arm file's.

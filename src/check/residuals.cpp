@@ -26,7 +26,7 @@ const TrackPose* pose_at(const Track& track, double t_s) {
 }
 
 double seconds_of(const Context& context, const trial::Frame& frame) {
-  return context.seconds(frame.stamp_s + context.arm.inputs.body_latency_s);
+  return context.seconds(frame.stamp_s() + context.arm.inputs.body_latency_s);
 }
 
 /// The frame without what the checks found wrong; false where its base is.

@@ -182,7 +182,7 @@ void say_gaps(Context& context, const Stream& stream, double period_s, double ep
   } else {
     finding.remedy =
         "publish commands at a steady rate, not on change only; or let the last value hold longer";
-    finding.setting = fmt::format("inputs.input_max_age_s: {:.2g}", 1.2 * longest);
+    finding.setting = fmt::format("inputs.input_max_age_s: {:.2g}", kPolicy.timing.holds * longest);
   }
 }
 
@@ -219,8 +219,10 @@ void say_split_frames(Context& context) {
   finding.unit = "s";
   finding.remedy =
       "widen the tolerance, to no more than half the frame interval; better, one stamp per frame";
-  finding.setting = fmt::format("inputs.bodies.sync_tolerance_s: {:.2g}",
-                                std::min(0.5 * period_s, std::max(1.5 * wide_s, period_s / 3.0)));
+  finding.setting = fmt::format(
+      "inputs.bodies.sync_tolerance_s: {:.2g}",
+      std::min(kPolicy.timing.most_tolerance * period_s,
+               std::max(kPolicy.timing.tolerance * wide_s, kPolicy.timing.least_tolerance * period_s)));
 }
 
 void say_left_out(Context& context) {

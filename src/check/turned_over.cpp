@@ -15,7 +15,7 @@ namespace {
 std::string axis_description(const Eigen::Vector3d& axis) {
   constexpr const char* kNames[] = {"x", "y", "z"};
   for (int k = 0; k < 3; ++k) {
-    if (std::abs(axis(k)) > 0.95) return fmt::format("its {} axis", kNames[k]);
+    if (std::abs(axis(k)) > kPolicy.tracking.along_axis) return fmt::format("its {} axis", kNames[k]);
   }
   return fmt::format("({:.2f}, {:.2f}, {:.2f}) of its frame", axis.x(), axis.y(), axis.z());
 }
@@ -75,7 +75,8 @@ std::size_t sign_changes(const std::vector<trial::RecordedPose>& poses) {
   std::size_t changes = 0;
   for (std::size_t i = 1; i < poses.size(); ++i) {
     const auto &a = poses[i - 1].q_mocap, &b = poses[i].q_mocap;
-    if (a && b && a->coeffs().dot(b->coeffs()) < -0.5 * a->norm() * b->norm()) ++changes;
+    if (a && b && a->coeffs().dot(b->coeffs()) < -kPolicy.tracking.negative * a->norm() * b->norm())
+      ++changes;
   }
   return changes;
 }

@@ -71,7 +71,7 @@ Where common(const JointModel& model, const Linearised& at, const Squares& squar
   where.axis = axis == 0 ? "in_plane" : axis == 1 ? "out_of_plane" : "axial";
   const VectorXd size =
       Eigen::Map<const VectorXd>(squares.block.data(), static_cast<Eigen::Index>(squares.block.size()));
-  if (size.size() < 10) return where;
+  if (size.size() < kPolicy.place.fewest_blocks) return where;
   const Features all = features(model, at);
   double best = kPolicy.place.goes_with;
   for (Eigen::Index c = 0; c < all.values.cols(); ++c) {

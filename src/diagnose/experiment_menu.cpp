@@ -193,14 +193,14 @@ class Menu {
 
   /// A payload to take where more is wanted than was recorded; nothing where the arm cannot bear it.
   double heavier_kg() const {
-    const double more = std::max(1.5 * from_.most_payload_kg(),
+    const double more = std::max(kPolicy.experiment.payload_times * from_.most_payload_kg(),
                                  from_.most_payload_kg() + kPolicy.experiment.payload_share * weight_kg());
     return std::min(more, arm_.payload.range_kg.high);
   }
 
   void add_payloads() {
     const double heavy = heavier_kg();
-    if (heavy > 1.05 * from_.payload_kg())
+    if (heavy > kPolicy.experiment.payload_heavier * from_.payload_kg())
       add("payload_heavier", fmt::format("Hang {} on the arm and repeat {}", with_unit(heavy, "kg"), name()),
           from_.repeated(from_.gravity(), 1.0, heavy));
     if (from_.payload_kg() > 0.0 && arm_.payload.range_kg.low <= 0.0)
@@ -252,18 +252,21 @@ class Menu {
       evacuated[k] = from_.high()[k];
       most = std::max(most, from_.high()[k]);
     }
-    if (!(most > 1e3)) return;  // an arm without, or one whose vacuum was never on
-    const auto ramp = [](double t_s, double from_s, double to_s) {
-      return std::clamp((t_s - from_s) / (to_s - from_s), 0.0, 1.0);
+    if (!(most > kPolicy.experiment.least_vacuum_pa))
+      return;  // an arm without, or one whose vacuum was never on
+    const auto& by = kPolicy.experiment;
+    const double vent_s = by.let_go_s + by.move_s + by.jammed_wait_s;
+    const auto ramp = [](double t_s, double from_s, double takes_s) {
+      return std::clamp((t_s - from_s) / takes_s, 0.0, 1.0);
     };
     add("vacuum_while_bent",
         fmt::format(
             "Bend the arm as far as {} did at {:.1f} s{}, then apply {} of vacuum, let the other inputs go "
-            "and wait for 8 s, then let the vacuum go",
-            name(), from_.peak_s(), minding_payload(), with_unit(most, "Pa")),
-        from_.trial(26.0, from_.gravity(), [&](double t_s) {
-          const double bent = ramp(t_s, 2.0, 4.0) - ramp(t_s, 9.0, 11.0);
-          const double jammed = ramp(t_s, 5.0, 6.0) - ramp(t_s, 19.0, 20.0);
+            "and wait for {:.0f} s, then let the vacuum go",
+            name(), from_.peak_s(), minding_payload(), with_unit(most, "Pa"), by.jammed_wait_s),
+        from_.trial(vent_s + by.jam_s + by.after_s, from_.gravity(), [&](double t_s) {
+          const double bent = ramp(t_s, by.rest_s, by.move_s) - ramp(t_s, by.let_go_s, by.move_s);
+          const double jammed = ramp(t_s, by.jam_at_s, by.jam_s) - ramp(t_s, vent_s, by.jam_s);
           Driven now{(1.0 - bent) * from_.rest() + bent * from_.peak(), from_.payload_kg()};
           for (Eigen::Index k = 0; k < now.inputs.size(); ++k) {
             if (kind(k) == arm::InputKind::kVacuum)

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "math/linear_algebra.h"
+#include "policy.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -13,13 +14,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using model::Block;
-
-constexpr std::size_t kMostBlocks = 1200;
-constexpr std::size_t kFolds = 3;
-constexpr Eigen::Index kFewestInstants = 20;
-constexpr double kPast_s[] = {1.0, 8.0};       // time constants of what is remembered of the inputs
-constexpr double kReach[] = {1.0, 2.5};        // length scales, in standard deviations of each feature
-constexpr double kNoise[] = {0.03, 0.3, 3.0};  // variance of the noise over that of what is learnt
 
 MatrixXd pick(const MatrixXd& from, const std::vector<Eigen::Index>& rows,
               const std::vector<Eigen::Index>* columns) {
@@ -55,7 +49,7 @@ Instants instants_of(const JointModel& model, const Linearised& at, const std::v
   for (std::size_t i = 0; i < all.trial.size(); ++i) {
     if (model.trials()[all.trial[i]].blocks[all.block[i]].bodies.size() == bodies) whole.push_back(i);
   }
-  const std::size_t keep = std::min(whole.size(), kMostBlocks);
+  const std::size_t keep = std::min(whole.size(), kPolicy.flexible.most_blocks);
   Instants out;
   out.x.resize(static_cast<Eigen::Index>(keep), all.values.cols());
   out.y.resize(out.x.rows(), 3 * static_cast<Eigen::Index>(bodies));
@@ -127,7 +121,7 @@ Features features(const JointModel& model, const Linearised& at) {
       VectorXd speed = VectorXd::Zero(inputs);
       for (int p = 0; p < 2; ++p) {
         if (now.dt_s <= 0.0 || past[p].size() != inputs) past[p] = now.inputs;
-        past[p] += (1.0 - std::exp(-now.dt_s / kPast_s[p])) * (now.inputs - past[p]);
+        past[p] += (1.0 - std::exp(-now.dt_s / kPolicy.flexible.past_s[p])) * (now.inputs - past[p]);
       }
       if (now.dt_s > 0.0 && k > 0) speed = (now.inputs - predicted[k - 1].instant.inputs) / now.dt_s;
       if (!model.uses(t, k) || !predicted[k].solved) continue;
@@ -148,18 +142,18 @@ Features features(const JointModel& model, const Linearised& at) {
 Ceiling ceiling(const JointModel& model, const Linearised& at, const std::vector<VectorXd>& residual) {
   Ceiling result;
   const Instants instants = instants_of(model, at, residual);
-  if (instants.x.rows() < kFewestInstants || model.trials().size() < 2) return result;
+  if (instants.x.rows() < kPolicy.flexible.fewest_instants || model.trials().size() < 2) return result;
   const auto bodies =
       static_cast<double>(instants.x.rows() * static_cast<Eigen::Index>(model.arm().bodies.size()));
   const MatrixXd distance2 = distances2(instants.x);
   const double before = instants.y.squaredNorm() / bodies;
   double best = before;
-  for (const double reach : kReach) {
+  for (const double reach : kPolicy.flexible.reach) {
     const MatrixXd kernel = (-0.5 * distance2.array() / (reach * reach)).exp();
-    for (const double noise : kNoise)
-      best = std::min(
-          best,
-          left_by_regression(instants, kernel, noise, std::min(kFolds, model.trials().size())) / bodies);
+    for (const double noise : kPolicy.flexible.noise)
+      best = std::min(best, left_by_regression(instants, kernel, noise,
+                                               std::min(kPolicy.flexible.folds, model.trials().size())) /
+                                bodies);
   }
   result.before_rms_m = std::sqrt(before);
   result.after_rms_m = std::sqrt(best);

@@ -34,7 +34,7 @@ arm::EstimatorOptions options_of(const arm::Arm& arm) {
 trial::Frame frame_of(const arm::Arm& arm, const Block& block, const Predicted& moving,
                       const Predicted& still) {
   trial::Frame frame;
-  frame.stamp_s = moving.instant.t_s;
+  frame.stamp_ns = trial::to_nanoseconds(moving.instant.t_s);
   frame.payload_kg = moving.instant.payload_kg;
   frame.inputs = arm::InputValues(moving.instant.inputs.data(),
                                   moving.instant.inputs.data() + moving.instant.inputs.size());

@@ -80,7 +80,24 @@ struct Policy {
     double seldom = 0.6;         ///< share of the time below which it is not always there
     double attitude_rad = 0.05;  ///< spread of gravity's direction below which it is the mount's own noise
     double past_s = 8.0;         ///< over which an arm's past is averaged for a picture
+    int fewest_blocks = 10;      ///< fewer do not say when, nor with what, an effect goes
   } place;
+
+  /// Patterns in what is left.
+  struct Structure {
+    long fewest_stretches = 8;  ///< of a correlation with an input: with fewer chance makes any
+  } structure;
+
+  /// The flexible model: kernel regression of residuals on inputs, their past, payload, attitude and time.
+  /// Each of its scales is tried, so these are a coarse grid over what residuals of arms are like.
+  struct Flexible {
+    std::size_t most_blocks = 1200;      ///< evenly over the trials: the cost goes with its cube
+    std::size_t folds = 3;               ///< of trials: it learns from two thirds of them
+    long fewest_instants = 20;           ///< with fewer it learns nothing
+    double past_s[2] = {1.0, 8.0};       ///< time constants of what is remembered of the inputs
+    double reach[2] = {1.0, 2.5};        ///< length scales, in standard deviations of each feature
+    double noise[3] = {0.03, 0.3, 3.0};  ///< variance of the noise over that of what is learnt
+  } flexible;
 
   /// What single instants, and their pooling, say.
   struct Instants {
@@ -111,8 +128,14 @@ struct Policy {
     double pull_bend = 0.3;           ///< force over EI / L^2: it moves the tip by a tenth of the length
     double bracket = 0.15;            ///< of the length: beside the arm
     double payload_share = 0.5;       ///< of the arm's weight, where none was ever hung on
+    double payload_times = 1.5;       ///< of the heaviest that was: another one, if that is more
+    double payload_heavier = 1.05;    ///< of today's: what is less is the same payload again
+    double least_vacuum_pa = 1e3;     ///< of one that was ever on: sensors rest so far from ambient
+    long fewest_frames = 10;          ///< of a recorded trial that is repeated
     double clock_sd_s = 0.002;        ///< of stamps of one clock
     double rest_s = 2.0, move_s = 2.0, hold_s = 20.0, after_s = 6.0;
+    double jam_at_s = 5.0, jam_s = 1.0;          ///< a vacuum is applied to a bent arm, and takes so long
+    double let_go_s = 9.0, jammed_wait_s = 8.0;  ///< the other inputs go; then the vacuum stays so long
     int cycles = 6;
     double seconds = 24.0;  ///< of a trial that is recorded again
   } experiment;
@@ -122,9 +145,12 @@ struct Policy {
     double likely = 0.1;          ///< probability of one that is not named
     double small_share = 0.1;     ///< of what all effects explain, below which one is a small departure
     double left_out_share = 0.1;  ///< of the recordings, beyond which the verdict's line says it
-    double worse = 1.05;  ///< ratio of a trial's mean errors from which on it is said to be predicted worse
-    double stands_out = 5.0;  ///< z of the screen from which on "absent" would be too much
-    double no_better = 0.95;  ///< share of the error from which on a flexible model has learnt nothing
+    double worse = 1.05;  ///< ratio of a trial's mean errors beyond which it is said to be predicted worse
+    double stands_out = 5.0;    ///< z of the screen from which on "absent" would be too much
+    double no_better = 0.95;    ///< share of the error from which on a flexible model has learnt nothing
+    double pattern_p = 0.01;    ///< of a pattern in what is left that is worth mention
+    double identifiable = 0.5;  ///< relative standard deviation up to which a shift of a constant is one
+    std::size_t ranked = 8;     ///< candidates in the table on the terminal
   } words;
 };
 inline constexpr Policy kPolicy{};

@@ -39,7 +39,7 @@ RecordedProgramme::RecordedProgramme(const arm::Arm& arm, const std::vector<Tria
 void RecordedProgramme::choose_base() {
   double most = -1.0;
   for (const TrialData& trial : trials_) {
-    if (trial.series.t_s.size() < 10 || trial.blocks.empty()) continue;
+    if (trial.series.t_s.size() < kPolicy.experiment.fewest_frames || trial.blocks.empty()) continue;
     double sum = 0.0;
     for (Eigen::Index k = 0; k < low_.size(); ++k) {
       const auto row = trial.series.inputs.row(k).array();

@@ -12,6 +12,8 @@ namespace softarm::diagnose {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
+// What numbers are shown to: places in whole millimetres, errors in hundredths of one, chances in per cent.
+constexpr double kShownPlace_m = 1e-3, kShownError_m = 1e-5, kShownChance = 0.01;
 
 /// Digits behind the point that show `digits` significant ones of a number of this size.
 int decimals(double size, int digits) {
@@ -42,8 +44,8 @@ std::string axis_description(const std::string& axis) {
 std::string stretch_description(const Where& where) {
   const auto mm = [](double m) { return fmt::format("{:.0f}", 1e3 * m); };
   const auto &from = where.s_from_m, &to = where.s_to_m;
-  if (to && *to < 1e-3) return "at the base";
-  if (from && to && *to - *from < 1e-3) return fmt::format("{} mm from the base", mm(*from));
+  if (to && *to < kShownPlace_m) return "at the base";
+  if (from && to && *to - *from < kShownPlace_m) return fmt::format("{} mm from the base", mm(*from));
   if (from && to) return fmt::format("{} to {} mm from the base", mm(*from), mm(*to));
   if (from) return fmt::format("from {} mm from the base on", mm(*from));
   if (to) return fmt::format("up to {} mm from the base", mm(*to));
@@ -133,7 +135,8 @@ std::string finding_description(const Candidate& candidate) {
   // What stands out and yet is not named: say why, "absent" would be too much.
   if (!candidate.possible) return "fits, but only with a size that no arm has";
   if (candidate.log_score && *candidate.log_score > 0.0 && candidate.probability >= kPolicy.words.likely)
-    return "helps, but by less than the 5 standard deviations that a name takes";
+    return fmt::format("helps, but by less than the {:.0f} standard deviations that a name takes",
+                       kPolicy.selection.least_z);
   if (candidate.z >= kPolicy.words.stands_out)
     return candidate.log_score ? "stands out, but does not earn its place on unseen trials"
                                : "stands out, but less than those above";
@@ -165,8 +168,8 @@ std::string millimetres(double metres) {
 
 std::string percent(double probability) {
   if (!std::isfinite(probability)) return "not known";
-  if (probability > 0.99) return "over 99 %";
-  if (probability < 0.01) return "under 1 %";
+  if (probability > 1.0 - kShownChance) return "over 99 %";
+  if (probability < kShownChance) return "under 1 %";
   return fmt::format("{:.0f} %", 100.0 * probability);
 }
 
@@ -264,7 +267,8 @@ std::string got_worse(const Diagnosis& d) {
 std::string improvement(const Diagnosis& d) {
   const double before = d.baseline.held_out_mean_m, after = d.extended.held_out_mean_m;
   if (!(before > 0.0) || !(after > 0.0)) return "";
-  const bool same = (d.effects.empty() && d.small_departures.empty()) || std::abs(before - after) < 5e-6;
+  const bool same =
+      (d.effects.empty() && d.small_departures.empty()) || std::abs(before - after) < 0.5 * kShownError_m;
   const double length_m = d.extended_arm.arm.total_length_m();
   const auto of_length = [&](double mean_m, double most_m) {
     const std::string share =

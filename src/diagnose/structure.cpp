@@ -16,8 +16,6 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr Eigen::Index kFewestStretches = 8;  // of a correlation
-
 double two_sided(double z) {
   return 2.0 * boost::math::cdf(boost::math::complement(boost::math::normal(), std::abs(z)));
 }
@@ -115,7 +113,7 @@ double p_of_correlation(const VectorXd& x, const VectorXd& y) {
 std::map<std::string, double> p_by_input(const Features& all, const ByStretch& stretches) {
   std::map<std::string, double> p;
   const auto n = static_cast<Eigen::Index>(stretches.error_m.size());
-  if (n < kFewestStretches) return p;
+  if (n < kPolicy.structure.fewest_stretches) return p;
   VectorXd e = Eigen::Map<const VectorXd>(stretches.error_m.data(), n);
   e.array() -= e.mean();
   for (Eigen::Index c = 0; c < all.values.cols(); ++c) {

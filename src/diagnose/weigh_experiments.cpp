@@ -59,7 +59,7 @@ class Hypothetical {
 /// The clock of the bodies ahead of the inputs', as a model has it.
 double clock_offset_s(const JointParameters& parameters) {
   for (const Present& present : parameters.effects)
-    if (present.effect->info().id == "clock_offset") return present.values[0];
+    if (present.effect->info().of_clocks) return present.values[0];
   return 0.0;
 }
 
@@ -70,7 +70,7 @@ void add_clock(const Linearised& truth, const Linearised& fitted, double sd_s, D
   for (const Linearised* one : {&truth, &fitted}) {
     for (const JointUnknown& c : one->columns) {
       if (c.kind == JointUnknown::Kind::kEffect && c.parameter == 0 &&
-          one->at.effects[static_cast<std::size_t>(c.index)].effect->info().id == "clock_offset")
+          one->at.effects[static_cast<std::size_t>(c.index)].effect->info().of_clocks)
         row[at] = (one == &truth ? 1.0 : -1.0) * c.scale / sd_s;
       ++at;
     }

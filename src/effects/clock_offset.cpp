@@ -57,7 +57,9 @@ std::unique_ptr<Effect> make_clock_offset() {
            {{"offset_s", "s", "by which the motion capture's clock is ahead", -5.0, 5.0, 0.1}},
            1,
            {"pressure_lag", "hysteresis"},
-           {}});
+           {},
+           false,
+           true});
 }
 
 }  // namespace softarm::effects

@@ -41,8 +41,8 @@ Estimator::Impl::Impl(const arm::Arm& a, const arm::EstimatorOptions& o, const s
   for (int dof = 1; dof < 256; ++dof) {
     inflation_limit.push_back(quantile(boost::math::chi_squared(dof), kPolicy.fit.inflation_level));
   }
-  solver.options.max_num_iterations = 60;
-  math::set_function_tolerance(solver.options, 1e-6);  // of the cost in units of the noise
+  solver.options.max_num_iterations = kPolicy.fit.most_iterations + 1;  // TinySolver counts its start
+  math::set_function_tolerance(solver.options, 1e-6);                   // of the cost in units of the noise
   solver.options.parameter_tolerance = 1e-9;
   solver.options.gradient_tolerance = 1e-9;
   estimate.segments.resize(arm.segments.size());
@@ -116,7 +116,7 @@ const Estimate& Estimator::Impl::run(const trial::Frame& frame) {
     if (!solve_with_effects()) return estimate;
     estimate.status = Status::kOk;
     estimate.detail.clear();
-    if (!allow_for_stretch() || !keep_to_bounds()) return estimate;
+    if (!allow_for_stretch() || !keep_to_bounds() || !has_converged()) return estimate;
     settle();
     if (!share()) {
       have_last = false;
@@ -131,7 +131,7 @@ const Estimate& Estimator::Impl::run(const trial::Frame& frame) {
 
 void Estimator::Impl::clear(const trial::Frame& frame) {
   for (SegmentEstimate& segment : estimate.segments) segment = SegmentEstimate();
-  estimate.stamp_s = frame.stamp_s;
+  estimate.stamp_s = frame.stamp_s();
   estimate.status = Status::kOk;
   estimate.detail.clear();
   estimate.payload_kg.reset();
@@ -255,7 +255,7 @@ std::optional<std::vector<arm::SegmentPrediction>> Estimator::Impl::predict_laws
       (*predictions)[i].curvature_per_m = (*moments)[i].curvature_per_m;
     }
   }
-  memory.follow(frame.stamp_s, frame.inputs, *predictions);
+  memory.follow(frame.stamp_s(), frame.inputs, *predictions);
   return predictions;
 }
 
@@ -337,8 +337,8 @@ bool Estimator::Impl::set_knowns(const trial::Frame& frame) {
   }
   problem.free()[static_cast<std::size_t>(problem.payload_column())] = estimate_payload;
   if (window) {
-    window->advance(frame.stamp_s);
-    noise.add(frame.stamp_s, problem.observations());
+    window->advance(frame.stamp_s());
+    noise.add(frame.stamp_s(), problem.observations());
     window->enter(problem.observations(), passing_variance());
   }
   believe();
@@ -396,6 +396,7 @@ void Estimator::set_unknown(arm::Unknown unknown) {
   const std::unique_ptr<Impl> before = std::move(impl_);
   impl_ = std::make_unique<Impl>(before->arm, options, before->effects);
   impl_->backbone_points = before->backbone_points;
+  impl_->solver.options.max_num_iterations = before->solver.options.max_num_iterations;
   impl_->base = before->base;
   impl_->base_seen = before->base_seen;
   if (impl_->extension && before->extension) impl_->extension = std::move(before->extension);
@@ -403,6 +404,10 @@ void Estimator::set_unknown(arm::Unknown unknown) {
 
 void Estimator::set_backbone_points(int count) {
   impl_->backbone_points = count;
+}
+
+void Estimator::set_most_iterations(int count) {
+  impl_->solver.options.max_num_iterations = count + 1;  // TinySolver counts its start
 }
 
 }  // namespace softarm::estimate

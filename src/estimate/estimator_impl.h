@@ -57,6 +57,10 @@ struct Estimator::Impl {
   /// @param free_tip go by way of a rod whose base is not yet clamped
   bool start_cold(bool free_tip = false);
   void iterate();
+  /// By how much chi^2 would still fall from here, by its derivatives there; infinity without equilibrium.
+  double left_to_fall(const VectorXd& at) const;
+  /// Whether the fit that gave x converged; fails where not.
+  bool has_converged();
   bool minimise();
   bool solve();
   /// The same with outliers set aside and, where the window's frames stand against this one, without them.
@@ -146,6 +150,7 @@ struct Estimator::Impl {
   arm::EstimatorOptions options;
   Problem problem;
   ceres::TinySolver<Problem> solver;
+  bool converged = false;  ///< x is of a fit that has
   std::vector<double> inflation_limit;
   int backbone_points = 41;
   Eigen::Isometry3d base = Eigen::Isometry3d::Identity();

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "estimator_impl.h"
+#include "math/tiny_solver_tolerance.h"
 #include "policy.h"
 
 namespace softarm::estimate {
@@ -31,7 +32,8 @@ std::string Estimator::Impl::length_hint() const {
     from = o->p;
   }
   const double expected = along.empty() ? 0.0 : arclength(along.back());
-  if (measured >= 0.5 * expected && measured <= 2.0 * expected) return "";
+  constexpr double kOther = kPolicy.fit.other_length;
+  if (kOther * measured >= expected && measured <= kOther * expected) return "";
   return fmt::format("; from the base through the bodies it is {:.3g} m, by the arm file {:.3g} m: {}",
                      measured, expected, kUnitsHint);
 }
@@ -89,16 +91,20 @@ void Estimator::Impl::confirm_stiffness() {
       problem.evaluate(y, q_tip);
       y[column] *= factor;
       double cost = std::numeric_limits<double>::infinity();
+      // Of a fit that has not converged what it may yet come to.
+      const auto least_cost = [&](const VectorXd& at) {
+        return solver.summary.final_cost - (math::met_tolerance(solver) ? 0.0 : 0.5 * left_to_fall(at));
+      };
       if (problem.evaluate(y)) {
         solver.Solve(problem, &y);
-        cost = solver.summary.final_cost;
+        cost = least_cost(y);
       }
       // Without an equilibrium within reach, the shape itself is another start.
       known_flexibility[static_cast<std::size_t>(i)] = start_flexibility[static_cast<std::size_t>(i)] =
           y[column];
       if (start_cold()) {
         solver.Solve(problem, &x);
-        cost = std::min(cost, solver.summary.final_cost);
+        cost = std::min(cost, least_cost(x));
       }
       if (2.0 * (cost - estimate.solver.final_cost) < kPolicy.fit.other_direction_chi2) {
         segment.identifiable_stiffness = false;

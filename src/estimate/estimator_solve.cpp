@@ -1,10 +1,14 @@
 // Steps 2 to 4: starts, the fit, outliers, bounds.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "estimator_impl.h"
 #include "free_tip.h"
+#include "math/linear_algebra.h"
+#include "math/tiny_solver_tolerance.h"
 #include "policy.h"
 #include "start.h"
 
@@ -53,9 +57,32 @@ bool Estimator::Impl::start_cold(bool free_tip) {
 
 void Estimator::Impl::iterate() {
   solver.Solve(problem, &x);
+  converged = math::met_tolerance(solver) || left_to_fall(x) < kPolicy.fit.converged_chi2;
   estimate.solver.iterations += solver.summary.iterations;
   if (estimate.solver.initial_cost == 0.0) estimate.solver.initial_cost = solver.summary.initial_cost;
   estimate.solver.final_cost = solver.summary.final_cost;
+}
+
+double Estimator::Impl::left_to_fall(const VectorXd& at) const {
+  if (!problem.evaluate(at)) return std::numeric_limits<double>::infinity();
+  VectorXd residuals(problem.NumResiduals());
+  Eigen::MatrixXd j(problem.NumResiduals(), problem.NumParameters());
+  problem(at.data(), residuals.data(), j.data());
+  const VectorXd gradient = j.transpose() * residuals;
+  Eigen::MatrixXd information = j.transpose() * j;
+  for (Eigen::Index i = 0; i < information.rows(); ++i) {
+    if (!(information(i, i) > 0.0)) information(i, i) = 1.0;  // held
+  }
+  return gradient.dot(math::solve_symmetric(information, gradient));
+}
+
+bool Estimator::Impl::has_converged() {
+  if (converged) return true;
+  have_last = false;
+  const int most = solver.options.max_num_iterations - 1;
+  fail(Status::kNoConvergence, fmt::format("the fit had not converged after {} iteration{}{}", most,
+                                           most == 1 ? "" : "s", length_hint()));
+  return false;
 }
 
 bool Estimator::Impl::minimise() {
@@ -73,7 +100,7 @@ bool Estimator::Impl::solve() {
     warm = problem.evaluate(x) && rms() < kPolicy.fit.bad_start * length;
   }
   bool good = (warm || start_cold()) && minimise();
-  const auto poor = [&] { return !good || rms() > 0.5 * kPolicy.fit.bad_start * length; };
+  const auto poor = [&] { return !good || !converged || rms() > kPolicy.fit.poor * length; };
   if (warm && poor()) {
     warm = false;
     good = start_cold() && minimise();
@@ -83,9 +110,14 @@ bool Estimator::Impl::solve() {
   if (good) refresh_covariance();
   if (poor() || !covariance.shape_determined) {
     const VectorXd before = x;
+    const bool converged_before = good && converged;
     const double rms_before = good ? rms() : std::numeric_limits<double>::infinity();
-    const bool better = start_cold(true) && minimise() && rms() < rms_before;
-    if (!better) x = before;
+    const bool better =
+        start_cold(true) && minimise() && (converged == converged_before ? rms() < rms_before : converged);
+    if (!better) {
+      x = before;
+      converged = converged_before;
+    }
     good = better || (good && problem.evaluate(x));
     if (good) refresh_covariance();
   }
@@ -156,6 +188,8 @@ bool Estimator::Impl::set_one_aside(bool fitted) {
   std::vector<Observation>& observations = problem.observations();
   const VectorXd x_before = x;
   const Eigen::Quaterniond tip_before = problem.solver().q_tip();
+  const bool converged_before = converged;
+  bool best_converged = false;
   Observation* outlier = nullptr;
   VectorXd best_x;
   Eigen::Quaterniond best_tip;
@@ -176,6 +210,7 @@ bool Estimator::Impl::set_one_aside(bool fitted) {
         least = rest.sum_of_squares;
         outlier = &o;
         best_x = x;
+        best_converged = converged;
         best_tip = problem.solver().q_tip();
       }
       if (rest.largest < kPolicy.bodies.outlier) break;
@@ -186,6 +221,7 @@ bool Estimator::Impl::set_one_aside(bool fitted) {
     outlier->used = false;
     problem.begin();
     x = best_x;
+    converged = best_converged;
     if (problem.evaluate(x, best_tip)) {
       const double rest = std::sqrt(least / distances().used);
       if (distance(*outlier) > std::max(kPolicy.bodies.outlier, kPolicy.bodies.outlier_against_rest * rest))
@@ -195,6 +231,7 @@ bool Estimator::Impl::set_one_aside(bool fitted) {
   }
   problem.begin();
   x = x_before;
+  converged = converged_before;
   if (fitted) problem.evaluate(x, tip_before);
   return false;
 }
@@ -250,7 +287,7 @@ bool Estimator::Impl::keep_to_bounds() {
   }
   if (!moved) return true;
   problem.begin();
-  bool good = problem.evaluate(x) && minimise();
+  bool good = problem.evaluate(x) && minimise() && converged;
   if (!good) {
     // Too far for a step: from the measured shape, with what is held as known.
     for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {

@@ -276,9 +276,9 @@ bool Estimator::Impl::share() {
     // This frame was fitted with what is now forgotten.
     believe();
     problem.begin();
-    bool good = problem.evaluate(x) && minimise();
+    bool good = problem.evaluate(x) && minimise() && converged;
     if (good) refresh_covariance();
-    if (!good || !keep_to_bounds()) return false;
+    if (!good || !keep_to_bounds() || !converged) return false;
     settle();
   }
   window->add(entry());

@@ -14,11 +14,6 @@ using Eigen::VectorXd;
 // Steps of differences, by parameter of a segment and of the payload: bodies move by about a millimetre.
 constexpr double kStep[kSegmentParameters] = {0.02, 0.02, 0.03, 0.005};
 constexpr double kPayloadStep = 0.05;
-// The same as kPolicy.effects.slope_holds, of payload (its unit), gravity and time.
-constexpr double kPayloadFar = 0.5, kGravityFar_m_s2 = 0.5, kOld_s = 0.5;
-constexpr double kLeastLength = 0.5, kMostLength = 2.0;
-constexpr double kTypicalWay = 0.2, kForgets = 0.9;
-constexpr double kShortWay = 0.02;  // in these shares: what is seen on it is the solver's own error
 
 }  // namespace
 
@@ -49,7 +44,7 @@ const trial::Frame& ExtendedFrame::begin(const trial::Frame& frame, const Eigen:
   std::optional<double> payload_kg = arm_.payload.default_kg;
   if (frame.payload_kg && std::isfinite(*frame.payload_kg)) payload_kg = frame.payload_kg;
   const model::OnlineEffects::Driven& driven =
-      online_.begin(frame.stamp_s, frame.inputs, payload_kg, base, frame.samples);
+      online_.begin(frame.stamp_s(), frame.inputs, payload_kg, base, frame.samples);
   frame_ = frame;
   frame_.inputs = driven.inputs;
   frame_.payload_kg = driven.payload_kg;
@@ -67,7 +62,7 @@ VectorXd ExtendedFrame::within_range(const Problem& problem, const VectorXd& x) 
     double& c = y[Problem::column(i, 2)];
     c = std::clamp(c, reference / range.high, reference / range.low);
     double& l = y[Problem::column(i, 3)];
-    l = std::clamp(l, kLeastLength, kMostLength);
+    l = std::clamp(l, kPolicy.effects.least_length, kPolicy.effects.most_length);
   }
   double& payload = y[problem.payload_column()];
   payload = std::clamp(payload, arm_.payload.range_kg.low / Problem::kPayloadUnit,
@@ -122,7 +117,7 @@ VectorXd ExtendedFrame::reach(const Problem& problem) const {
                       : kPolicy.effects.slope_holds[k];
     }
   }
-  far[problem.payload_column()] = kPayloadFar;
+  far[problem.payload_column()] = kPolicy.effects.slope_holds_payload;
   return far;
 }
 
@@ -143,8 +138,9 @@ void ExtendedFrame::start_here() {
 bool ExtendedFrame::derivative_holds(const Problem& problem, const VectorXd& x) const {
   return derivative_of_ == problem.free() &&
          ((x - derivative_x_).cwiseAbs().array() < reach(problem).array()).all() &&
-         (problem.rod().gravity_m_s2 - derivative_gravity_).norm() < kGravityFar_m_s2 &&
-         std::abs(frame_.stamp_s - derivative_stamp_s_) < kOld_s;
+         (problem.rod().gravity_m_s2 - derivative_gravity_).norm() <
+             kPolicy.effects.slope_holds_gravity_m_s2 &&
+         std::abs(frame_.stamp_s() - derivative_stamp_s_) < kPolicy.effects.slope_holds_s;
 }
 
 bool ExtendedFrame::line_reaches(const Problem& problem, const VectorXd& x) const {
@@ -179,7 +175,7 @@ bool ExtendedFrame::differentiate(Problem& problem, const VectorXd& x,
   derivative_x_ = x;
   derivative_of_ = problem.free();
   derivative_gravity_ = problem.rod().gravity_m_s2;
-  derivative_stamp_s_ = frame_.stamp_s;
+  derivative_stamp_s_ = frame_.stamp_s();
   return true;
 }
 
@@ -227,8 +223,9 @@ std::optional<double> ExtendedFrame::move_line(Problem& problem, const VectorXd&
     off_sd = std::max(off_sd, more.p.col(o.body).norm() / problem.position_sd(o));
     if (o.tangent) off_sd = std::max(off_sd, more.tangent.col(o.body).norm() / problem.tangent_sd(o));
   }
-  off_sd_per_way_ = std::max(off_sd / std::max(share, kTypicalWay), kForgets * off_sd_per_way_.value_or(0.0));
-  if (share > kShortWay) correct_derivative(problem, way, more);
+  off_sd_per_way_ = std::max(off_sd / std::max(share, kPolicy.effects.typical_way),
+                             kPolicy.effects.forgets * off_sd_per_way_.value_or(0.0));
+  if (share > kPolicy.effects.short_way) correct_derivative(problem, way, more);
   put_line(y, *here);
   return off_sd;
 }
@@ -240,7 +237,7 @@ void ExtendedFrame::correct_derivative(const Problem& problem, const VectorXd& w
     if (problem.free()[static_cast<std::size_t>(j)]) weight[j] = way[j] / (far[j] * far[j]);
   }
   const double square = weight.dot(way);
-  if (!(square > kShortWay * kShortWay)) return;
+  if (!(square > kPolicy.effects.short_way * kPolicy.effects.short_way)) return;
   weight /= square;
   for (std::size_t b = 0; b < at_.bodies.size(); ++b) {
     at_.bodies[b].p_by_x += more.p.col(static_cast<Eigen::Index>(b)) * weight.transpose();

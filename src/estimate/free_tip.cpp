@@ -66,7 +66,7 @@ bool refine_with_free_tip(const Problem& problem, Start& start) {
     ceres::TinySolver<FreeTip> solver;
     solver.options.max_num_iterations = 60;
     math::set_function_tolerance(solver.options, 1e-6);
-    solver.Solve(function, &x);
+    solver.Solve(function, &x);  // a start, converged or not: the fit from it is judged
     if (!x.allFinite()) return false;
     start.q_tip = function.tip(x.data());
     start.x = x.head(count);

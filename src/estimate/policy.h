@@ -17,11 +17,26 @@ struct Policy {
     double look_again_sd = 1.0;         ///< change of a fit beyond which another body may be an outlier
   } bodies;
 
+  /// Where a fit without a last frame begins: at what arcs through the bodies say.
+  struct Start {
+    double too_close = 0.02;          ///< of the arm's length: an arc to a body so near would be noise
+    double curvature_sd_per_m = 1.0;  ///< of an arc: half a millimetre over 50 mm
+    double flexibility_sd = 1.0;      ///< of a segment, in that of its base stiffness
+    /// Length over that at rest, where the arm file has no range: what elongating arms do.
+    double least_stretch = 0.7, most_stretch = 1.5;
+  } start;
+
   /// Which fits count.
   struct Fit {
     double bad_start = 0.05;    ///< rms distance over the arm's length above which the last frame is no start
+    double poor = 0.025;        ///< the same above which a fit is tried again from another start
     double inconsistent = 0.1;  ///< the same above which a converged fit is inconsistent
-    double inflation_level = 0.999;     ///< of chi^2: above it standard deviations are scaled by the misfit
+    /// A fit that has not met its tolerance by then is none, unless chi^2 can hardly fall further: a tenth of
+    /// a standard deviation. Of the fits of test/estimate 96 in a hundred end within 20.
+    int most_iterations = 59;
+    double converged_chi2 = 0.01;
+    double inflation_level = 0.999;  ///< of chi^2: above it standard deviations are scaled by the misfit
+    double other_length = 2.0;       ///< ratio from which on a refusal names the lengths, as of other units
     double other_direction_chi2 = 3.0;  ///< two standard deviations, less some allowance for curvature
     /// What a frame does not determine stays where an arm could have it: the flexibility near that of the
     /// base stiffness, the payload near none. Far weaker than any measurement that matters, and left out of
@@ -71,6 +86,15 @@ struct Policy {
     /// 0.01 sd (rms) from those of full convergence, as with a quarter of these, which takes 1.1 to 1.8 times
     /// as long.
     double slope_holds[4] = {0.6, 0.6, 0.8, 0.04};
+    double slope_holds_payload = 0.5;       ///< the same, in units of the problem's payload,
+    double slope_holds_gravity_m_s2 = 0.5;  ///< ... of the base's attitude,
+    double slope_holds_s = 0.5;             ///< ... and of what effects remember
+    /// Length over that at rest, within which effects are worked out: a fit on its way may be beyond.
+    double least_length = 0.5, most_length = 2.0;
+    /// What a line is off by is expected to go with the way, in shares of slope_holds. Of ways below
+    /// `typical_way` it is what it is at that way; an older observation counts `forgets` of itself. What is
+    /// seen on a way below `short_way` is the solver's own error and corrects no slope.
+    double typical_way = 0.2, forgets = 0.9, short_way = 0.02;
   } effects;
 };
 inline constexpr Policy kPolicy{};

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "math/so3.h"
+#include "policy.h"
 
 namespace softarm::estimate {
 namespace {
@@ -85,8 +86,7 @@ struct Sample {
 
 /// Slope of curvature against load, drawn towards 1 by as much as noise in the curvature deserves.
 double flexibility_from(const std::vector<Sample>& samples) {
-  constexpr double kCurvatureSd = 1.0;  // 1/m: half a millimetre over arcs of 50 mm
-  constexpr double kFlexibilitySd = 1.0;
+  const double weight = kPolicy.start.curvature_sd_per_m / kPolicy.start.flexibility_sd;
   double total = 0.0;
   Eigen::Vector2d curvature = Eigen::Vector2d::Zero(), load = curvature;
   for (const Sample& s : samples) {
@@ -97,7 +97,7 @@ double flexibility_from(const std::vector<Sample>& samples) {
   if (samples.size() < 2) return 1.0;
   curvature /= total;
   load /= total;
-  double xx = kCurvatureSd * kCurvatureSd / (kFlexibilitySd * kFlexibilitySd), xy = xx;
+  double xx = weight * weight, xy = xx;
   for (const Sample& s : samples) {
     const Eigen::Vector2d x = s.load.head<2>() - load;
     xx += x.squaredNorm();
@@ -121,7 +121,7 @@ std::vector<Arc> arcs_through(const arm::Arm& arm, const Problem& problem) {
   Arc last;
   for (const Observation* o : seen) {
     const double s = arm.bodies[static_cast<std::size_t>(o->body)].arclength_m;
-    if (s - last.s_to < 0.02 * arm.total_length_m()) continue;  // too close: the arc would be noise
+    if (s - last.s_to < kPolicy.start.too_close * arm.total_length_m()) continue;
     if (!o->tangent) {
       last = arc_to(last, s, problem.measured_for_laws(*o));
       arcs.push_back(last);
@@ -173,7 +173,7 @@ double stretch_of(const Covered& seen, const arm::Segment& segment, double rest_
   if (segment.length_range_m.high > 0.0) {
     return std::clamp(stretch, segment.length_range_m.low / rest_m, segment.length_range_m.high / rest_m);
   }
-  return std::clamp(stretch, 0.7, 1.5);
+  return std::clamp(stretch, kPolicy.start.least_stretch, kPolicy.start.most_stretch);
 }
 
 }  // namespace

@@ -165,7 +165,7 @@ trial::Trial EffectLines::corrected(const OfTrial& of, const trial::Trial& trial
     changed.bodies.clear();
     for (trial::BodyObservation seen : frame.bodies) {
       if (seen.body < 0 || seen.body >= static_cast<int>(of.moved.size())) continue;
-      const Between at = between(of.moved[static_cast<std::size_t>(seen.body)], frame.stamp_s);
+      const Between at = between(of.moved[static_cast<std::size_t>(seen.body)], frame.stamp_s());
       if (at.before == nullptr) continue;
       if (seen.q_mocap) {
         // About the section's place, which may be off the body's origin.

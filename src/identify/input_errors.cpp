@@ -43,7 +43,7 @@ void series_of(const trial::Trial& trial, std::size_t input, std::vector<double>
   }
   for (const trial::Frame& frame : trial.frames) {
     if (input >= frame.inputs.size() || !frame.inputs[input]) continue;
-    stamp_s.push_back(frame.stamp_s);
+    stamp_s.push_back(frame.stamp_s());
     value.push_back(*frame.inputs[input]);
   }
 }

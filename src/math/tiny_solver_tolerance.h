@@ -21,4 +21,10 @@ void set_function_tolerance(Options& options, double tolerance) {
   detail::set_function_tolerance(options, tolerance, 0);
 }
 
+/// Whether the last solve ended because it met a tolerance, not because its iterations were used up.
+template <typename Solver>
+bool met_tolerance(const Solver& solver) {
+  return solver.summary.status != Solver::HIT_MAX_ITERATIONS;
+}
+
 }  // namespace softarm::math

@@ -43,6 +43,8 @@ struct Info {
   std::vector<std::string> rivals, absorbed_by;
   /// Where bodies and base are: of sizes within the arm file's placement_sd every arm has it.
   bool of_placement = false;
+  /// Its one size is how far the clock of the bodies is ahead of the inputs', s.
+  bool of_clocks = false;
 };
 
 /// A number of what a trial finds in the memory of an effect. Nobody knows it; 0 is at rest.

@@ -11,7 +11,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::size_t kFewestPoints = 5;
 const std::vector<arm::SegmentPrediction> kNoLaws;
 
 }  // namespace
@@ -37,7 +36,7 @@ void MismatchMonitor::Impl::reset() {
 
 void MismatchMonitor::Impl::note_payload(const trial::Frame& frame) {
   if (payload_seen && frame.payload_kg != payload_kg) {
-    payload_change_s = frame.stamp_s;
+    payload_change_s = frame.stamp_s();
     over_since_s.reset();
     if (!mismatch.alarm)
       reference.doubt(kPolicy.alarm.payload_doubt);  // a scale's error, a hook's: other than before
@@ -47,14 +46,15 @@ void MismatchMonitor::Impl::note_payload(const trial::Frame& frame) {
 }
 
 void MismatchMonitor::Impl::add(const trial::Frame& frame, const estimate::Estimate& estimate) {
-  if (last_frame_s && frame.stamp_s < *last_frame_s - kPolicy.window.time_jump_s) reset();
-  last_frame_s = frame.stamp_s;
-  mismatch.stamp_s = frame.stamp_s;
-  if (last_step_s && frame.stamp_s - *last_step_s > kPolicy.window.stale_s) mismatch.valid = false;
+  if (last_frame_s && frame.stamp_s() < *last_frame_s - kPolicy.window.time_jump_s) reset();
+  last_frame_s = frame.stamp_s();
+  mismatch.stamp_s = frame.stamp_s();
+  if (last_step_s && frame.stamp_s() - *last_step_s > kPolicy.window.stale_s) mismatch.valid = false;
   note_payload(frame);
   predictions = predict(arm, frame.inputs);
-  if (predictions) memory.follow(frame.stamp_s, frame.inputs, *predictions);
-  if (estimate.status != estimate::Status::kOk || estimate.backbone.size() < kFewestPoints) return;
+  if (predictions) memory.follow(frame.stamp_s(), frame.inputs, *predictions);
+  if (estimate.status != estimate::Status::kOk || estimate.backbone.size() < kPolicy.window.fewest_points)
+    return;
 
   const bool laws = predictions.has_value();
   if (laws != had_laws) {
@@ -72,11 +72,12 @@ void MismatchMonitor::Impl::add(const trial::Frame& frame, const estimate::Estim
     place.segment<3>(3 * residual.body) = residual.measured_base;
   }
   if (!discrepancy.allFinite()) return;
-  if (window.add(frame.stamp_s, discrepancy, place, seen)) step(frame.stamp_s);
+  if (window.add(frame.stamp_s(), discrepancy, place, seen)) step(frame.stamp_s());
 }
 
 void MismatchMonitor::Impl::step(double stamp_s) {
-  const double dt_s = last_step_s ? std::clamp(stamp_s - *last_step_s, 0.0, 1.0) : 0.0;
+  const double dt_s =
+      last_step_s ? std::clamp(stamp_s - *last_step_s, 0.0, kPolicy.window.longest_step_s) : 0.0;
   last_step_s = stamp_s;
   if (!first_s) first_s = stamp_s;
   const WindowMotion& motion = window.motion();

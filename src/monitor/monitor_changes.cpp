@@ -6,12 +6,6 @@
 #include "policy.h"
 
 namespace softarm::monitor {
-namespace {
-
-constexpr int kContactPlaces = 12;
-
-}  // namespace
-
 ChangeTest::ChangeTest(const arm::Arm& arm) {
   const double length = arm.total_length_m();
   const auto rows = static_cast<Eigen::Index>(3 * arm.bodies.size());
@@ -29,8 +23,8 @@ ChangeTest::ChangeTest(const arm::Arm& arm) {
     const double s = arm.bodies[i].arclength_m;
     add(ChangeKind::kRing, static_cast<int>(i), s, s, 3);
   }
-  for (int i = 1; i <= kContactPlaces; ++i) {
-    const double s = length * i / kContactPlaces;
+  for (int i = 1; i <= kPolicy.naming.contact_places; ++i) {
+    const double s = length * i / kPolicy.naming.contact_places;
     add(ChangeKind::kContact, i, s, s, 2);
   }
   double end = 0.0;

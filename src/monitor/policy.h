@@ -15,12 +15,14 @@ struct Policy {
     double bin_s = 0.025;
     std::size_t bins = 10;
     double seconds() const { return bin_s * static_cast<double>(bins); }
-    std::size_t fewest_bins = 5;  ///< in it
-    double full = 0.7;            ///< share of its time that they must span
-    double seen = 0.6;            ///< share of its bins in which a body is, for its mean to be the window's
-    double gap_s = 0.15;          ///< in the stream, after which a window is begun anew
-    double stale_s = 0.5;         ///< without a window, after which nothing is said
-    double time_jump_s = 1.0;     ///< back: another recording has begun
+    std::size_t fewest_bins = 5;    ///< in it
+    double full = 0.7;              ///< share of its time that they must span
+    double seen = 0.6;              ///< share of its bins in which a body is, for its mean to be the window's
+    double gap_s = 0.15;            ///< in the stream, after which a window is begun anew
+    double stale_s = 0.5;           ///< without a window, after which nothing is said
+    double time_jump_s = 1.0;       ///< back: another recording has begun
+    double longest_step_s = 1.0;    ///< a longer pause counts as no more in what is learned
+    std::size_t fewest_points = 5;  ///< of an estimate's backbone: fewer do not show a shape
   } window;
 
   /// The laws' lasting errors: standard deviations, beyond those of the arm file's LawPrior.
@@ -76,6 +78,7 @@ struct Policy {
     double place_share = 0.03;     ///< ... and something for the model
     double rising = 0.15;          ///< of a change's size: where it begins
     double longest_onset_s = 2.0;  ///< looked back
+    int contact_places = 12;       ///< evenly along the arm, where a contact is looked for
     double straight = 0.02;        ///< of the length: tip off the base's axis, no plane of bending
   } naming;
 };

@@ -23,6 +23,8 @@ constexpr double kSameInput = 0.01;  // share of the inputs' size
 constexpr double kSamePayload_kg = 1e-4;
 constexpr double kUpright = 0.999;  // cosine of the base's tangent to the vertical
 constexpr double kAtTip_m = 1e-6;
+constexpr double kNoEquilibrium = 1e8;  // residual where there is none
+constexpr int kMostIterations = 100;
 
 /// The mean of frames at rest with the same inputs and payload.
 struct Rest {
@@ -88,7 +90,12 @@ class TwoLoads {
       segment.length_m = x[3] * segment.rest_length_m;
       rod_.gravity_m_s2 = rest->frame.gravity_base;
       rod_.loads[rod::kPayloadLoad].mass_kg = rest->frame.payload_kg;
-      if (!(x[2] > 0.0) || !(x[3] > 0.0) || solver_.solve(rod_) != rod::SolveStatus::kConverged) return false;
+      if (!(x[2] > 0.0) || !(x[3] > 0.0) || solver_.solve(rod_) != rod::SolveStatus::kConverged) {
+        // TinySolver looks at the numbers alone: a step to here is refused by their size.
+        std::fill(residuals, residuals + NumResiduals(), kNoEquilibrium);
+        if (jacobian != nullptr) std::fill(jacobian, jacobian + NumResiduals() * NUM_PARAMETERS, 0.0);
+        return false;
+      }
       for (const auto& [body, p] : rest->p_base) {
         const double sd = arm_.bodies[static_cast<std::size_t>(body)].position_sd_m / std::sqrt(rest->count);
         Eigen::Map<Vector3d>(residuals + row) = (solver_.station(body).p - p) / sd;
@@ -125,11 +132,12 @@ void exact(const arm::Arm& arm, const Rest& before, const Rest& after, Pull& pul
   const double moment = std::max(1e-3 * guess, guess * pull.before.angle_rad / pull.before.length_m);
   const TwoLoads problem(arm, before, after, moment, guess);
   ceres::TinySolver<TwoLoads> solver;
-  solver.options.max_num_iterations = 100;
+  solver.options.max_num_iterations = kMostIterations;
   ceres::TinySolver<TwoLoads>::Parameters x(std::cos(pull.before.direction_rad),
                                             std::sin(pull.before.direction_rad), 1.0,
                                             pull.before.length_m / arm.segments[0].length_m);
   solver.Solve(problem, &x);
+  if (solver.summary.status == ceres::TinySolver<TwoLoads>::HIT_MAX_ITERATIONS) return;
   VectorXd r(problem.NumResiduals());
   MatrixXd j(problem.NumResiduals(), 4);
   if (!problem(x.data(), r.data(), j.data())) return;

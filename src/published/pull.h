@@ -57,8 +57,9 @@ struct Pull {
   Circle before, after;
   std::optional<double> stiffness_printed_nm2;  ///< arms that stand or hang
   std::optional<double> stiffness_circles_nm2;  ///< with the moment of a dead force
-  std::optional<double> stiffness_exact_nm2;    ///< moment, EI and length by exact statics from all bodies
-  double sd_exact_nm2 = 0.0;                    ///< of the noise
+  /// Moment, EI and length by exact statics from all bodies; absent where that fit does not converge, too.
+  std::optional<double> stiffness_exact_nm2;
+  double sd_exact_nm2 = 0.0;  ///< of the noise
 };
 
 /// The steps of the payload at held inputs that the trials contain, each from the mean of the frames at rest

@@ -4,15 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnose/policy.h"
 #include "diagnose/sentences.h"
 
 namespace softarm::report {
 namespace {
 
 constexpr std::size_t kWidth = 110;
-constexpr std::size_t kMostRanked = 8;
-constexpr double kSignificant = 0.01;  ///< p below which a structure is worth mention
-constexpr double kIdentifiable = 0.5;  ///< relative standard deviation up to which an estimate is one
+constexpr const auto& kWords = diagnose::kPolicy.words;
 
 /// Number of characters, not of bytes.
 std::size_t width_of(const std::string& text) {
@@ -85,7 +84,7 @@ std::string structure_text(const diagnose::Diagnosis& d) {
                                  diagnose::with_unit(std::sqrt(left.chi2_per_dof), ""));
   std::string shows;
   const auto add = [&](const std::string& what, double p) {
-    if (p < kSignificant)
+    if (p < kWords.pattern_p)
       shows += (shows.empty() ? "" : ", ") + what +
                (p < 1e-4 ? std::string(" (p < 0.0001)") : fmt::format(" (p = {:.2g})", p));
   };
@@ -107,7 +106,9 @@ std::string shifts_text(const diagnose::Diagnosis& d) {
   for (const diagnose::Shift& shift : d.shifts) {
     const diagnose::ShownUnit shown = diagnose::shown_unit(shift.unit);
     std::string change;
-    const auto identifiable = [](double value, double sd) { return sd < kIdentifiable * std::abs(value); };
+    const auto identifiable = [](double value, double sd) {
+      return sd < kWords.identifiable * std::abs(value);
+    };
     if (!identifiable(shift.before, shift.sd_before) && !identifiable(shift.after, shift.sd_after))
       change = "not identifiable";
     else if (shift.before != 0.0 && shift.after != 0.0)
@@ -123,19 +124,19 @@ std::string shifts_text(const diagnose::Diagnosis& d) {
 std::string ranking_text(const diagnose::Diagnosis& d) {
   if (d.ranking.empty()) return "";
   std::size_t width = 9, listed = 0;
-  for (std::size_t i = 0; i < std::min(kMostRanked, d.ranking.size()); ++i)
+  for (std::size_t i = 0; i < std::min(kWords.ranked, d.ranking.size()); ++i)
     width = std::max(width, width_of(d.ranking[i].id));
   std::string text = fmt::format("\n{}  {:>11}  {:>12}  {:>8}  {:>10}  {}\n", padded("candidate", width + 4),
                                  "probability", "collinearity", "screen z", "rms effect", "finding");
   for (const diagnose::Candidate& candidate : d.ranking) {
     if (candidate.finding == diagnose::Finding::kNotOfThisArm) continue;
-    if (++listed > kMostRanked) continue;
+    if (++listed > kWords.ranked) continue;
     text += fmt::format("{:>2}. {}  {:>11}  {:>12}  {:>8.1f}  {:>10}  {}\n", listed,
                         padded(printable(candidate.id), width), diagnose::percent(candidate.probability),
                         diagnose::percent(candidate.collinearity), candidate.z,
                         diagnose::millimetres(candidate.size_m), diagnose::finding_description(candidate));
   }
-  if (listed > kMostRanked) text += fmt::format("    and {} more in the report\n", listed - kMostRanked);
+  if (listed > kWords.ranked) text += fmt::format("    and {} more in the report\n", listed - kWords.ranked);
   return text + "collinearity: share of its signature that the arm's own constants absorb\n";
 }
 

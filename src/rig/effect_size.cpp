@@ -6,7 +6,8 @@
 namespace softarm::rig {
 namespace {
 
-/// Effects of which it is not the first parameter that says how large they are, or not alone, or inversely.
+/// Effects, or one form of them, of which it is not the first parameter that says how large they are, or not
+/// alone, or inversely.
 const std::map<std::string, EffectSize>& exceptions() {
   static const std::map<std::string, EffectSize> list{
       {"soft_spot", {{"share"}, false}},
@@ -28,6 +29,8 @@ const std::map<std::string, EffectSize>& exceptions() {
       {"bumped_cameras", {{"x_m", "y_m", "z_m", "turn_x_deg", "turn_y_deg", "turn_z_deg"}, false}},
       {"jumps", {{"probability"}, false}},
       {"pressure_offset", {{"offset_pa"}, false}},
+      {"torsion/compliance", {{"stiffness_ratio"}, true}},
+      {"torsion", {{"twist_deg"}, false}},
   };
   return list;
 }
@@ -36,10 +39,8 @@ const std::map<std::string, EffectSize>& exceptions() {
 
 EffectSize size_of(const HiddenEffect& effect, const std::string& form) {
   EffectSize size;
-  if (effect.id == "torsion") {  // the lower the stiffness; or the twist itself
-    return form == "compliance" ? EffectSize{{"stiffness_ratio"}, true} : EffectSize{{"twist_deg"}, false};
-  }
-  const auto found = exceptions().find(effect.id);
+  auto found = exceptions().find(effect.id + "/" + form);
+  if (found == exceptions().end()) found = exceptions().find(effect.id);
   if (found != exceptions().end()) size.inverse = found->second.inverse;
   for (const HiddenParameter& parameter : effect.parameters) {
     if (parameter.whole || !parameter.is_of(form)) continue;

@@ -54,10 +54,10 @@ std::optional<std_msgs::Header> header_of(const nlohmann::json& message) {
 
 }  // namespace
 
-std::optional<double> header_stamp_s(const nlohmann::json& message) {
+std::optional<trial::Stamp> header_stamp(const nlohmann::json& message) {
   const std::optional<std_msgs::Header> header = header_of(message);
   if (!header || header->stamp.isZero()) return std::nullopt;
-  return header->stamp.toSec();
+  return to_stamp(header->stamp);
 }
 
 InputTopic make_any_input_topic(const std::string& topic, const std::string& type, const std::string& feeds,
@@ -71,7 +71,7 @@ InputTopic make_any_input_topic(const std::string& topic, const std::string& typ
     if (instance.getDataType() != type) return false;
     try {
       convert(decoder->decode(instance, instance.getMD5Sum(), instance.getMessageDefinition()),
-              instance.getTime().toSec(), assembler);
+              to_stamp(instance.getTime()), assembler);
     } catch (const SchemaError&) {
       assembler.count_rejected("undecodable", feeds);
     }
@@ -86,7 +86,7 @@ InputTopic make_any_input_topic(const std::string& topic, const std::string& typ
       try {
         const nlohmann::json decoded =
             decoder->decode(message, message.getMD5Sum(), message.getMessageDefinition());
-        convert(decoded, event.getReceiptTime().toSec(), assembler);
+        convert(decoded, to_stamp(event.getReceiptTime()), assembler);
         header = header_of(decoded);
       } catch (const SchemaError& e) {
         ROS_WARN_THROTTLE(10.0, "%s: a message cannot be read: %s", topic.c_str(), e.what());

@@ -9,8 +9,8 @@
 
 namespace softarm {
 
-/// Converts a decoded message: (message, receipt time in s, assembler).
-using ConvertAny = std::function<void(const nlohmann::json&, double, trial::FrameAssembler&)>;
+/// Converts a decoded message: (message, time of receipt, assembler).
+using ConvertAny = std::function<void(const nlohmann::json&, trial::Stamp, trial::FrameAssembler&)>;
 
 /// An InputTopic of messages of `type`, read by the definition that comes with them (MessageSchema), so that
 /// versions of a definition that add or leave out fields are read too. A publisher that sends no definition
@@ -19,7 +19,7 @@ using ConvertAny = std::function<void(const nlohmann::json&, double, trial::Fram
 InputTopic make_any_input_topic(const std::string& topic, const std::string& type, const std::string& feeds,
                                 ConvertAny convert);
 
-/// Stamp of a decoded message by its header, s; absent where it has none or leaves it zero.
-std::optional<double> header_stamp_s(const nlohmann::json& message);
+/// Stamp of a decoded message by its header; absent where it has none or leaves it zero.
+std::optional<trial::Stamp> header_stamp(const nlohmann::json& message);
 
 }  // namespace softarm

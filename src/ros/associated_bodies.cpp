@@ -38,29 +38,30 @@ std::vector<Eigen::Vector3d> points_of(const std::vector<ReportedMarker>& marker
 
 MarkerSink associated_bodies(const arm::Arm& arm) {
   const auto state = std::make_shared<State>(arm);
-  return
-      [state](double stamp_s, const std::vector<ReportedMarker>& markers, trial::FrameAssembler& assembler) {
-        if (!(stamp_s > 0.0)) return assembler.count_rejected("bad_stamp", kSource);
-        if (state->stamp_s && stamp_s <= *state->stamp_s && stamp_s > *state->stamp_s - kTimeJump_s) {
-          return assembler.count_rejected(stamp_s == *state->stamp_s ? "duplicate" : "late", kSource);
-        }
-        state->stamp_s = stamp_s;
-        trial::PointAssociator& associator = state->associator;
-        const auto positions =
-            associator.update(stamp_s, points_of(markers, assembler), assembler.base_body_pose());
-        for (std::size_t i = 0; i < positions.size(); ++i) {
-          const int body = static_cast<int>(i);
-          if (positions[i]) {
-            assembler.add_body(body, stamp_s, *positions[i], std::nullopt);
-          } else {
-            assembler.add_missing_body(body, stamp_s, trial::PointAssociator::name(associator.outcomes()[i]));
-          }
-        }
-        assembler.count_rejected("ghost", kSource, associator.points_unused() - state->ghosts);
-        assembler.count_rejected("association_restarted", kSource, associator.restarts() - state->restarts);
-        state->ghosts = associator.points_unused();
-        state->restarts = associator.restarts();
-      };
+  return [state](trial::Stamp stamp, const std::vector<ReportedMarker>& markers,
+                 trial::FrameAssembler& assembler) {
+    const double stamp_s = stamp.s;
+    if (!(stamp_s > 0.0)) return assembler.count_rejected("bad_stamp", kSource);
+    if (state->stamp_s && stamp_s <= *state->stamp_s && stamp_s > *state->stamp_s - kTimeJump_s) {
+      return assembler.count_rejected(stamp_s == *state->stamp_s ? "duplicate" : "late", kSource);
+    }
+    state->stamp_s = stamp_s;
+    trial::PointAssociator& associator = state->associator;
+    const auto positions =
+        associator.update(stamp_s, points_of(markers, assembler), assembler.base_body_pose());
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      const int body = static_cast<int>(i);
+      if (positions[i]) {
+        assembler.add_body(body, stamp, *positions[i], std::nullopt);
+      } else {
+        assembler.add_missing_body(body, stamp, trial::PointAssociator::name(associator.outcomes()[i]));
+      }
+    }
+    assembler.count_rejected("ghost", kSource, associator.points_unused() - state->ghosts);
+    assembler.count_rejected("association_restarted", kSource, associator.restarts() - state->restarts);
+    state->ghosts = associator.points_unused();
+    state->restarts = associator.restarts();
+  };
 }
 
 }  // namespace softarm

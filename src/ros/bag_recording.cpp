@@ -113,7 +113,7 @@ class Recorder {
   void keep_frames() {
     for (trial::Frame& frame : assembler_.take()) {
       const bool first = recording_.frames.empty();
-      if (first || std::abs(frame.stamp_s - recording_.frames.back().stamp_s) >= kFrameIntervalS) {
+      if (first || std::abs(frame.stamp_s() - recording_.frames.back().stamp_s()) >= kFrameIntervalS) {
         recording_.frames.push_back(std::move(frame));
       }
     }

@@ -9,15 +9,10 @@
 
 #include <boost/make_shared.hpp>
 
+#include "conversions.h"
 #include "open_bag.h"
 
 namespace softarm {
-
-ros::Time to_ros_time(double stamp_s) {
-  ros::Time time;
-  time.fromSec(stamp_s);
-  return time;
-}
 
 namespace {
 
@@ -44,16 +39,18 @@ void TrialBagWriter::close() {
   written(path_, [&] { bag_->close(); });
 }
 
-std_msgs::Header TrialBagWriter::header(const std::string& topic, double stamp_s, const std::string& frame) {
+std_msgs::Header TrialBagWriter::header(const std::string& topic, trial::Stamp stamp,
+                                        const std::string& frame) {
   std_msgs::Header h;
   h.seq = sequence_[topic]++;
-  h.stamp = to_ros_time(stamp_s);
+  h.stamp = to_time(stamp.ns);
   h.frame_id = frame;
   return h;
 }
 
 template <typename Message>
-void TrialBagWriter::write(const std::string& topic, double receipt_s, const Message& message, bool latched) {
+void TrialBagWriter::write(const std::string& topic, trial::Stamp receipt, const Message& message,
+                           bool latched) {
   // The connection header that roscpp would send; `latching` makes rosbag play latch the topic again.
   const auto connection = boost::make_shared<ros::M_string>();
   (*connection)["topic"] = topic;
@@ -61,15 +58,15 @@ void TrialBagWriter::write(const std::string& topic, double receipt_s, const Mes
   (*connection)["md5sum"] = ros::message_traits::md5sum<Message>();
   (*connection)["message_definition"] = ros::message_traits::definition<Message>();
   if (latched) (*connection)["latching"] = "1";
-  written(path_, [&] { bag_->write(topic, to_ros_time(receipt_s), message, connection); });
+  written(path_, [&] { bag_->write(topic, to_time(receipt.ns), message, connection); });
   ++messages_;
 }
 
-void TrialBagWriter::pose(const std::string& body, double stamp_s, const Eigen::Vector3d& p_mocap,
-                          const Eigen::Quaterniond& q_mocap, std::optional<double> receipt_s) {
+void TrialBagWriter::pose(const std::string& body, trial::Stamp stamp, const Eigen::Vector3d& p_mocap,
+                          const Eigen::Quaterniond& q_mocap, std::optional<trial::Stamp> receipt) {
   const std::string topic = "/mocap/" + body + "/pose";
   geometry_msgs::PoseStamped m;
-  m.header = header(topic, stamp_s, "mocap");
+  m.header = header(topic, stamp, "mocap");
   m.pose.position.x = p_mocap.x();
   m.pose.position.y = p_mocap.y();
   m.pose.position.z = p_mocap.z();
@@ -77,36 +74,36 @@ void TrialBagWriter::pose(const std::string& body, double stamp_s, const Eigen::
   m.pose.orientation.y = q_mocap.y();
   m.pose.orientation.z = q_mocap.z();
   m.pose.orientation.w = q_mocap.w();
-  write(topic, receipt_s.value_or(stamp_s), m);
+  write(topic, receipt.value_or(stamp), m);
 }
 
-void TrialBagWriter::pressure(const std::string& topic, double stamp_s, double absolute_pa,
-                              std::optional<double> receipt_s) {
+void TrialBagWriter::pressure(const std::string& topic, trial::Stamp stamp, double absolute_pa,
+                              std::optional<trial::Stamp> receipt) {
   sensor_msgs::FluidPressure m;
-  m.header = header(topic, stamp_s, "");
+  m.header = header(topic, stamp, "");
   m.fluid_pressure = absolute_pa;
   m.variance = 0.0;  // unknown, by the message's definition
-  write(topic, receipt_s.value_or(stamp_s), m);
+  write(topic, receipt.value_or(stamp), m);
 }
 
-void TrialBagWriter::scalar(const std::string& topic, double receipt_s, double value) {
+void TrialBagWriter::scalar(const std::string& topic, trial::Stamp receipt, double value) {
   std_msgs::Float64 m;
   m.data = value;
-  write(topic, receipt_s, m);
+  write(topic, receipt, m);
 }
 
-void TrialBagWriter::payload(double stamp_s, double kg) {
+void TrialBagWriter::payload(trial::Stamp stamp, double kg) {
   std_msgs::Float64 m;
   m.data = kg;
   // Readers order messages by their times, in no certain order where these are equal: recorded a microsecond
   // before the poses of its stamp, it is known when they come.
-  write("/payload", stamp_s - 1e-6, m, true);
+  write("/payload", stamp.earlier(1e-6), m, true);
 }
 
-void TrialBagWriter::import_layout(double stamp_s, const std::string& text) {
+void TrialBagWriter::import_layout(trial::Stamp stamp, const std::string& text) {
   std_msgs::String m;
   m.data = text;
-  write(kImportLayoutTopic, stamp_s, m, true);
+  write(kImportLayoutTopic, stamp, m, true);
 }
 
 void TrialBagWriter::left_out(double from_s, double to_s) {

@@ -3,7 +3,6 @@
 
 #include <geometry_msgs/PoseStamped.h>
 #include <ros/header.h>
-#include <ros/time.h>
 #include <rosbag/bag.h>
 
 #include <Eigen/Geometry>
@@ -11,6 +10,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+
+#include "trial/stamp.h"
 
 namespace softarm {
 
@@ -20,27 +21,27 @@ inline constexpr char kImportLayoutTopic[] = "/import/layout", kImportLeftOutTop
 /// Writes the topics of a trial bag in SI units, each message recorded at the time of its receipt.
 ///
 /// The same calls give the same bytes: nothing in the file depends on the clock, the machine or the process.
-/// Times are s since the epoch, those of receipt must be given in their order. Not thread-safe.
+/// Times of receipt must be given in their order. Not thread-safe.
 class TrialBagWriter {
  public:
   /// It and all that writes: @throws BagError where the file cannot be written, with its name
   explicit TrialBagWriter(const std::string& path);
 
   /// /mocap/<body>/pose, geometry_msgs/PoseStamped in frame `mocap`.
-  /// @param receipt_s absent: received at its stamp
-  void pose(const std::string& body, double stamp_s, const Eigen::Vector3d& p_mocap,
-            const Eigen::Quaterniond& q_mocap, std::optional<double> receipt_s = {});
+  /// @param receipt absent: received at its stamp
+  void pose(const std::string& body, trial::Stamp stamp, const Eigen::Vector3d& p_mocap,
+            const Eigen::Quaterniond& q_mocap, std::optional<trial::Stamp> receipt = {});
   /// sensor_msgs/FluidPressure, absolute Pa.
-  /// @param receipt_s absent: received at its stamp
-  void pressure(const std::string& topic, double stamp_s, double absolute_pa,
-                std::optional<double> receipt_s = {});
+  /// @param receipt absent: received at its stamp
+  void pressure(const std::string& topic, trial::Stamp stamp, double absolute_pa,
+                std::optional<trial::Stamp> receipt = {});
   /// std_msgs/Float64 (tension in N, say): without a stamp, it holds from its receipt.
-  void scalar(const std::string& topic, double receipt_s, double value);
-  /// /payload, std_msgs/Float64 in kg, latched; holds from `stamp_s` on, recorded 1 us before it.
-  void payload(double stamp_s, double kg);
+  void scalar(const std::string& topic, trial::Stamp receipt, double value);
+  /// /payload, std_msgs/Float64 in kg, latched; holds from `stamp` on, recorded 1 us before it.
+  void payload(trial::Stamp stamp, double kg);
 
   /// /import/layout, std_msgs/String, latched: the column layout that a recording was imported by.
-  void import_layout(double stamp_s, const std::string& text);
+  void import_layout(trial::Stamp stamp, const std::string& text);
   /// /import/left_out, std_msgs/Float64MultiArray: the stamps between which an import left rows out as told.
   void left_out(double from_s, double to_s);
 
@@ -51,16 +52,13 @@ class TrialBagWriter {
 
  private:
   template <typename Message>
-  void write(const std::string& topic, double receipt_s, const Message& message, bool latched = false);
-  std_msgs::Header header(const std::string& topic, double stamp_s, const std::string& frame);
+  void write(const std::string& topic, trial::Stamp receipt, const Message& message, bool latched = false);
+  std_msgs::Header header(const std::string& topic, trial::Stamp stamp, const std::string& frame);
 
   std::string path_;
   std::shared_ptr<rosbag::Bag> bag_;
   std::map<std::string, std::uint32_t> sequence_;
   std::uint64_t messages_ = 0;
 };
-
-/// Seconds since the epoch as a ROS time, rounded to the nanosecond.
-ros::Time to_ros_time(double stamp_s);
 
 }  // namespace softarm

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "softarm/arm/arm.h"
+#include "trial/stamp.h"
 
 namespace softarm {
 
@@ -34,8 +35,8 @@ class BodyReader {
   bool reads(const std::string& frame_id) const {
     return frame_.empty() || frame_id.empty() || without_slash(frame_id) == frame_;
   }
-  double stamp_s(double header_s, double receipt_s) const {
-    return stamp_ == arm::StampSource::kReceipt ? receipt_s : header_s;
+  trial::Stamp stamp(trial::Stamp header, trial::Stamp receipt) const {
+    return stamp_ == arm::StampSource::kReceipt ? receipt : header;
   }
 
  private:

@@ -6,6 +6,7 @@
 
 #include "body_driver.h"
 #include "body_reader.h"
+#include "conversions.h"
 #include "marker_bodies.h"
 
 namespace softarm {
@@ -24,11 +25,11 @@ template <class Message, std::optional<Markers> (*markers_of)(const Message&, co
 std::vector<InputTopic> cloud_topic(const arm::Arm& arm, const arm::BodySource& source,
                                     const Bodies& bodies) {
   const auto convert = [reader = BodyReader(source), sink = associated_bodies(arm)](
-                           const Message& message, double receipt_s, trial::FrameAssembler& assembler) {
+                           const Message& message, trial::Stamp receipt, trial::FrameAssembler& assembler) {
     if (!reader.reads(message.header.frame_id)) return assembler.count_rejected("other_frame", "markers");
     const std::optional<Markers> markers = markers_of(message, reader);
     if (!markers) return assembler.count_rejected("no_points", "markers");
-    sink(reader.stamp_s(message.header.stamp.toSec(), receipt_s), *markers, assembler);
+    sink(reader.stamp(to_stamp(message.header.stamp), receipt), *markers, assembler);
   };
   return {make_input_topic<Message>(source.topic, names_of(bodies), convert)};
 }

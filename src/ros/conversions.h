@@ -1,4 +1,4 @@
-// Eigen to geometry_msgs.
+// Eigen to geometry_msgs, stamps both ways.
 #pragma once
 
 #include <geometry_msgs/Point.h>
@@ -6,10 +6,23 @@
 #include <geometry_msgs/Quaternion.h>
 #include <geometry_msgs/Transform.h>
 #include <geometry_msgs/Vector3.h>
+#include <ros/time.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+
+#include "trial/stamp.h"
 
 namespace softarm {
+
+inline trial::Stamp to_stamp(const ros::Time& time) {
+  return trial::Stamp::from_ns(static_cast<std::int64_t>(time.toNSec()));
+}
+
+/// Zero where the stamp is from before all dates.
+inline ros::Time to_time(std::int64_t stamp_ns) {
+  return ros::Time().fromNSec(static_cast<std::uint64_t>(std::max<std::int64_t>(0, stamp_ns)));
+}
 
 inline geometry_msgs::Point to_point(const Eigen::Vector3d& p) {
   geometry_msgs::Point point;

@@ -6,6 +6,7 @@
 
 #include "body_driver.h"
 #include "body_reader.h"
+#include "conversions.h"
 
 namespace softarm {
 namespace {
@@ -14,7 +15,7 @@ std::vector<InputTopic> tf_topics(const arm::Arm&, const arm::BodySource& source
   std::map<std::string, std::pair<std::string, int>> by_frame;
   for (const auto& [name, index] : bodies) by_frame[with_body(source.child_frame, name)] = {name, index};
   const auto convert = [reader = BodyReader(source), by_frame](const tf2_msgs::TFMessage& message,
-                                                               double receipt_s,
+                                                               trial::Stamp receipt,
                                                                trial::FrameAssembler& assembler) {
     for (const geometry_msgs::TransformStamped& transform : message.transforms) {
       const auto found = by_frame.find(without_slash(transform.child_frame_id));
@@ -26,7 +27,7 @@ std::vector<InputTopic> tf_topics(const arm::Arm&, const arm::BodySource& source
       }
       const auto& p = transform.transform.translation;
       const auto& q = transform.transform.rotation;
-      assembler.add_body(index, reader.stamp_s(transform.header.stamp.toSec(), receipt_s),
+      assembler.add_body(index, reader.stamp(to_stamp(transform.header.stamp), receipt),
                          reader.position(p.x, p.y, p.z),
                          reader.orientation(Eigen::Quaterniond(q.w, q.x, q.y, q.z)));
     }

@@ -18,7 +18,6 @@
 namespace softarm {
 namespace {
 
-constexpr std::size_t kStampsKept = 8192;
 constexpr std::uint32_t kPublisherQueue = 1000;
 // A larger step of header.seq is another publisher, not a loss.
 constexpr std::uint32_t kLargestLoss = 10000;
@@ -119,17 +118,6 @@ void EstimatorNode::on_message(Source& source, const std_msgs::Header* header) {
       statistics_.lost[source.input.topic] += header->seq - *source.sequence - 1;
     }
     source.sequence = header->seq;
-    stamps_[header->stamp.toSec()] = header->stamp;
-    if (stamps_.size() > kStampsKept) {
-      // After a step back in time the newest stamps are the oldest ones' neighbours: start again.
-      const bool stepped_back =
-          assembler_.newest_s() && stamps_.rbegin()->first > *assembler_.newest_s() + 1.0;
-      if (stepped_back) {
-        stamps_.clear();
-      } else {
-        stamps_.erase(stamps_.begin(), std::next(stamps_.begin(), kStampsKept / 2));
-      }
-    }
   }
 }
 
@@ -159,11 +147,13 @@ void EstimatorNode::handle(const trial::Frame& frame) {
   const std::chrono::duration<double> solve_time = std::chrono::steady_clock::now() - start;
   // First: what is drawn of this frame has its mismatch in it.
   watch(frame);
-  publish(*estimate, frame.stamp_s, solve_time.count());
+  publish(*estimate, frame, solve_time.count());
 }
 
-void EstimatorNode::publish(const estimate::Estimate& estimate, double stamp_s, double solve_time_s) {
-  const MessageContext context{params_.arm, estimator_.options(), params_.frames, stamp_of(stamp_s)};
+void EstimatorNode::publish(const estimate::Estimate& estimate, const trial::Frame& frame,
+                            double solve_time_s) {
+  const MessageContext context{params_.arm, estimator_.options(), params_.frames, to_time(frame.stamp_ns)};
+  const double stamp_s = frame.stamp_s();
   if (!publish_finite(estimate_publisher_, to_message(estimate, context, solve_time_s))) {
     ++statistics_.dropped["not_finite"];
     estimator_.reset();  // whatever led here must not warm-start the next frame
@@ -195,11 +185,6 @@ void EstimatorNode::publish(const estimate::Estimate& estimate, double stamp_s, 
   }
 }
 
-ros::Time EstimatorNode::stamp_of(double stamp_s) const {
-  const auto found = stamps_.find(stamp_s);
-  return found != stamps_.end() ? found->second : ros::Time(std::max(0.0, stamp_s));
-}
-
 bool EstimatorNode::on_reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
   process();
   assembler_.reset();
@@ -220,7 +205,7 @@ bool EstimatorNode::on_set_payload(softarm_estimator::SetPayload::Request& reque
                        std::to_string(range.low) + ", " + std::to_string(range.high) + "] kg";
     return true;
   }
-  assembler_.add_payload(headerless_stamp_s(ros::Time::now().toSec(), assembler_),
+  assembler_.add_payload(headerless_stamp(to_stamp(ros::Time::now()), assembler_),
                          request.unknown ? std::nullopt : std::optional(request.payload));
   response.success = true;
   response.message = request.unknown ? "the payload is unknown" : "the payload is known";

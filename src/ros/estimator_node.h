@@ -62,8 +62,7 @@ class EstimatorNode {
   void process();
   void handle(const trial::Frame& frame);
   void watch(const trial::Frame& frame);
-  void publish(const estimate::Estimate& estimate, double stamp_s, double solve_time_s);
-  ros::Time stamp_of(double stamp_s) const;
+  void publish(const estimate::Estimate& estimate, const trial::Frame& frame, double solve_time_s);
   template <class Message>
   bool publish_finite(ros::Publisher& publisher, const Message& message);
 
@@ -96,7 +95,6 @@ class EstimatorNode {
   std::vector<std::unique_ptr<Source>> sources_;
   std::uint64_t messages_ = 0;          // since the last round of drain()
   std::optional<double> drained_to_s_;  // newest stamp of a body then
-  std::map<double, ros::Time> stamps_;  // of the messages, to the nanosecond: a double does not hold them
 
   ros::Publisher estimate_publisher_, markers_publisher_, path_publisher_, mismatch_publisher_;
   tf2_ros::TransformBroadcaster tf_;

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "conversions.h"
 #include "trial/frame_assembler.h"
 
 namespace softarm {
@@ -38,20 +39,21 @@ struct InputTopic {
 /// Stamp of a message without a header: when it was received (ROS time, or the time of the bag's record).
 /// Where the bodies' stamps are of another clock (a bag replayed without simulated time, a driver with its
 /// own epoch), it is the newest of theirs. Zero (no clock yet) stays zero.
-double headerless_stamp_s(double receipt_s, const trial::FrameAssembler& assembler);
+trial::Stamp headerless_stamp(trial::Stamp receipt, const trial::FrameAssembler& assembler);
 
 /// Makes an InputTopic of a conversion.
-/// @param convert adds the samples of one message: (message, receipt time in s, assembler)
+/// @param convert adds the samples of one message: (message, time of receipt, assembler)
 template <class Message>
-InputTopic make_input_topic(const std::string& topic, const std::string& feeds,
-                            std::function<void(const Message&, double, trial::FrameAssembler&)> convert) {
+InputTopic make_input_topic(
+    const std::string& topic, const std::string& feeds,
+    std::function<void(const Message&, trial::Stamp, trial::FrameAssembler&)> convert) {
   InputTopic input;
   input.topic = topic;
   input.type = ros::message_traits::DataType<Message>::value();
   input.feeds = feeds;
   input.read = [convert](const rosbag::MessageInstance& instance, trial::FrameAssembler& assembler) {
     const boost::shared_ptr<Message> message = instance.instantiate<Message>();
-    if (message) convert(*message, instance.getTime().toSec(), assembler);
+    if (message) convert(*message, to_stamp(instance.getTime()), assembler);
     return message != nullptr;
   };
   input.subscribe = [topic, convert](ros::NodeHandle& nh, trial::FrameAssembler& assembler,
@@ -61,7 +63,7 @@ InputTopic make_input_topic(const std::string& topic, const std::string& feeds,
     const boost::function<void(const Event&)> callback = [convert, &assembler,
                                                           on_message](const Event& event) {
       const Message& message = *event.getConstMessage();
-      convert(message, event.getReceiptTime().toSec(), assembler);
+      convert(message, to_stamp(event.getReceiptTime()), assembler);
       on_message(ros::message_traits::header(message));
     };
     return nh.subscribe<Message, const Event&>(topic, kSubscriberQueue, callback, ros::VoidConstPtr(),

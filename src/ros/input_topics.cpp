@@ -26,9 +26,9 @@ const auto& adapter_for(const Table& table, const std::string& type, const std::
 }
 
 InputTopic payload_topic(const arm::Arm& arm) {
-  const auto convert = [](const std_msgs::Float64& message, double receipt_s,
+  const auto convert = [](const std_msgs::Float64& message, trial::Stamp receipt,
                           trial::FrameAssembler& assembler) {
-    assembler.add_payload(headerless_stamp_s(receipt_s, assembler), message.data);
+    assembler.add_payload(headerless_stamp(receipt, assembler), message.data);
   };
   return make_input_topic<std_msgs::Float64>(arm.inputs.payload_topic, "payload", convert);
 }
@@ -81,9 +81,9 @@ std::string to_string(arm::InputKind kind) {
   throw std::logic_error("kind of input without a name");
 }
 
-double headerless_stamp_s(double receipt_s, const trial::FrameAssembler& assembler) {
+trial::Stamp headerless_stamp(trial::Stamp receipt, const trial::FrameAssembler& assembler) {
   const std::optional<double> newest = assembler.newest_s();
-  return newest && std::abs(receipt_s - *newest) > kOtherEpoch_s ? *newest : receipt_s;
+  return newest && std::abs(receipt.s - *newest) > kOtherEpoch_s ? trial::Stamp(*newest) : receipt;
 }
 
 Bodies body_indices(const arm::Arm& arm) {

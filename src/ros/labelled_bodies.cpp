@@ -112,31 +112,31 @@ Eigen::Vector3d centroid(const std::vector<Eigen::Vector3d>& points) {
 MarkerSink labelled_bodies(const arm::Arm& arm, const arm::BodySource& source, const Bodies& bodies) {
   std::vector<Body> wanted;
   for (const auto& [name, index] : bodies) wanted.push_back(body_of(arm, name, index));
-  return [wanted, source](double stamp_s, const std::vector<ReportedMarker>& markers,
+  return [wanted, source](trial::Stamp stamp, const std::vector<ReportedMarker>& markers,
                           trial::FrameAssembler& assembler) {
     const ByLabel labels = by_label(markers);
     for (const Body& body : wanted) {
       const Seen seen = look(body, labels);
       const bool by_server = source.stamp == arm::StampSource::kServer && seen.with_time > 0;
-      const double when_s = by_server ? seen.server_s / static_cast<double>(seen.with_time) : stamp_s;
+      const trial::Stamp when = by_server ? seen.server_s / static_cast<double>(seen.with_time) : stamp;
       if (!body.has_places) {
         if (seen.lost) {
-          assembler.add_missing_body(body.index, when_s, seen.lost);
+          assembler.add_missing_body(body.index, when, seen.lost);
         } else {
-          assembler.add_body(body.index, when_s, centroid(seen.p_mocap), std::nullopt);
+          assembler.add_body(body.index, when, centroid(seen.p_mocap), std::nullopt);
         }
         continue;
       }
       if (seen.p_mocap.size() < kFewestForAPose || !spreads(seen.p_body)) {
-        assembler.add_missing_body(body.index, when_s, seen.lost ? seen.lost : "too_few_markers");
+        assembler.add_missing_body(body.index, when, seen.lost ? seen.lost : "too_few_markers");
         continue;
       }
       double rms_m = 0.0;
       const Eigen::Isometry3d pose = fitted(seen, &rms_m);
       if (rms_m <= source.marker_tolerance_m) {
-        assembler.add_body(body.index, when_s, pose.translation(), Eigen::Quaterniond(pose.linear()));
+        assembler.add_body(body.index, when, pose.translation(), Eigen::Quaterniond(pose.linear()));
       } else {
-        assembler.add_missing_body(body.index, when_s, "markers_misfit");
+        assembler.add_missing_body(body.index, when, "markers_misfit");
       }
     }
   };

@@ -19,8 +19,9 @@ struct ReportedMarker {
   std::optional<double> server_s = std::nullopt;  ///< when it was seen, by the motion capture's clock
 };
 
-/// Adds the bodies that the markers of one instant give: (stamp in s, markers, assembler).
-using MarkerSink = std::function<void(double, const std::vector<ReportedMarker>&, trial::FrameAssembler&)>;
+/// Adds the bodies that the markers of one instant give: (stamp, markers, assembler).
+using MarkerSink =
+    std::function<void(trial::Stamp, const std::vector<ReportedMarker>&, trial::FrameAssembler&)>;
 
 /// Bodies by the labels of their markers (MeasuredBody::labelled_markers). A body whose markers are not all
 /// there (with positions on the body: fewer than three, or more than marker_tolerance_m off) is added as

@@ -26,7 +26,7 @@ Eigen::Vector3d position_at(const json& marker, const std::string& field, const 
 std::vector<InputTopic> marker_list_topic(const arm::Arm& arm, const arm::BodySource& source,
                                           const Bodies& bodies, const char* list, ReadMarker read) {
   const MarkerSink sink = source.labelled ? labelled_bodies(arm, source, bodies) : associated_bodies(arm);
-  const auto convert = [=, reader = BodyReader(source)](const json& message, double receipt_s,
+  const auto convert = [=, reader = BodyReader(source)](const json& message, trial::Stamp receipt,
                                                         trial::FrameAssembler& assembler) {
     if (!reader.reads(text_at(message, "header.frame_id"))) {
       return assembler.count_rejected("other_frame", "markers");
@@ -35,11 +35,11 @@ std::vector<InputTopic> marker_list_topic(const arm::Arm& arm, const arm::BodySo
     if (!entries || !entries->is_array()) return assembler.count_rejected("no_points", "markers");
     std::vector<ReportedMarker> markers;
     for (const json& entry : *entries) markers.push_back(read(entry, reader));
-    double stamp_s = reader.stamp_s(header_stamp_s(message).value_or(receipt_s), receipt_s);
+    trial::Stamp stamp = reader.stamp(header_stamp(message).value_or(receipt), receipt);
     if (source.stamp == arm::StampSource::kServer && !markers.empty()) {
-      stamp_s = markers.front().server_s.value_or(0.0);
+      stamp = markers.front().server_s.value_or(0.0);
     }
-    sink(stamp_s, markers, assembler);
+    sink(stamp, markers, assembler);
   };
   return {make_any_input_topic(source.topic, source.type, names_of(bodies), convert)};
 }

@@ -8,6 +8,7 @@
 
 #include "body_driver.h"
 #include "body_reader.h"
+#include "conversions.h"
 
 namespace softarm {
 
@@ -33,13 +34,13 @@ std::vector<InputTopic> topic_per_body(const arm::Arm&, const arm::BodySource& s
   for (const auto& [body_name, body] : bodies) {
     const std::string name = body_name;
     const int index = body;
-    const auto convert = [reader = BodyReader(source), name, index](const Message& message, double receipt_s,
-                                                                    trial::FrameAssembler& assembler) {
+    const auto convert = [reader = BodyReader(source), name, index](
+                             const Message& message, trial::Stamp receipt, trial::FrameAssembler& assembler) {
       if (!reader.reads(message.header.frame_id)) return assembler.count_rejected("other_frame", name);
       const BodySample sample = sample_of(message);
       std::optional<Eigen::Quaterniond> q;
       if (sample.q) q = reader.orientation(*sample.q);
-      assembler.add_body(index, reader.stamp_s(message.header.stamp.toSec(), receipt_s),
+      assembler.add_body(index, reader.stamp(to_stamp(message.header.stamp), receipt),
                          reader.position(sample.p.x(), sample.p.y(), sample.p.z()), q);
     };
     topics.push_back(make_input_topic<Message>(with_body(source.topic, name), name, convert));

@@ -25,10 +25,10 @@ struct Target {
 
 /// Stamp of a sample: the header's where it counts and is there (rigs that never stamp their commands leave
 /// zero), else that of receipt.
-double stamp_for(const Target& target, double header_s, double receipt_s,
-                 const trial::FrameAssembler& assembler) {
-  const bool by_header = target.stamp == arm::StampSource::kHeader && header_s > 0.0;
-  return by_header ? header_s : headerless_stamp_s(receipt_s, assembler);
+trial::Stamp stamp_for(const Target& target, trial::Stamp header, trial::Stamp receipt,
+                       const trial::FrameAssembler& assembler) {
+  const bool by_header = target.stamp == arm::StampSource::kHeader && header.s > 0.0;
+  return by_header ? header : headerless_stamp(receipt, assembler);
 }
 
 std::vector<Target> targets_of(const arm::Arm& arm, const std::vector<int>& inputs) {
@@ -50,16 +50,16 @@ std::string names_of(const arm::Arm& arm, const std::vector<int>& inputs) {
 
 template <class Array>
 InputTopic array_topic(const arm::Arm& arm, const std::string& topic, const std::vector<int>& inputs) {
-  const auto convert = [targets = targets_of(arm, inputs)](const Array& message, double receipt_s,
+  const auto convert = [targets = targets_of(arm, inputs)](const Array& message, trial::Stamp receipt,
                                                            trial::FrameAssembler& assembler) {
-    const double stamp_s = headerless_stamp_s(receipt_s, assembler);
+    const trial::Stamp stamp = headerless_stamp(receipt, assembler);
     for (const Target& target : targets) {
       const auto element = static_cast<std::size_t>(target.element);
       // An element that is not there is no number: the assembler rejects and counts it under the input's
       // name.
       const double value =
           element < message.data.size() ? message.data[element] : std::numeric_limits<double>::quiet_NaN();
-      assembler.add_input(target.input, stamp_s, target.scale_to_si * value);
+      assembler.add_input(target.input, stamp, target.scale_to_si * value);
     }
   };
   return make_input_topic<Array>(topic, names_of(arm, inputs), convert);
@@ -70,10 +70,10 @@ InputTopic array_topic(const arm::Arm& arm, const std::string& topic, const std:
 InputTopic fluid_pressure_topic(const arm::Arm& arm, const std::string& topic,
                                 const std::vector<int>& inputs) {
   const auto convert = [targets = targets_of(arm, inputs)](const sensor_msgs::FluidPressure& message,
-                                                           double receipt_s,
+                                                           trial::Stamp receipt,
                                                            trial::FrameAssembler& assembler) {
     for (const Target& target : targets) {
-      assembler.add_input(target.input, stamp_for(target, message.header.stamp.toSec(), receipt_s, assembler),
+      assembler.add_input(target.input, stamp_for(target, to_stamp(message.header.stamp), receipt, assembler),
                           target.scale_to_si * message.fluid_pressure);
     }
   };
@@ -81,11 +81,12 @@ InputTopic fluid_pressure_topic(const arm::Arm& arm, const std::string& topic,
 }
 
 InputTopic float64_topic(const arm::Arm& arm, const std::string& topic, const std::vector<int>& inputs) {
-  const auto convert = [targets = targets_of(arm, inputs)](const std_msgs::Float64& message, double receipt_s,
+  const auto convert = [targets = targets_of(arm, inputs)](const std_msgs::Float64& message,
+                                                           trial::Stamp receipt,
                                                            trial::FrameAssembler& assembler) {
-    const double stamp_s = headerless_stamp_s(receipt_s, assembler);
+    const trial::Stamp stamp = headerless_stamp(receipt, assembler);
     for (const Target& target : targets) {
-      assembler.add_input(target.input, stamp_s, target.scale_to_si * message.data);
+      assembler.add_input(target.input, stamp, target.scale_to_si * message.data);
     }
   };
   return make_input_topic<std_msgs::Float64>(topic, names_of(arm, inputs), convert);
@@ -102,12 +103,13 @@ InputTopic float64_array_topic(const arm::Arm& arm, const std::string& topic,
 }
 
 InputTopic field_topic(const arm::Arm& arm, const std::string& topic, const std::vector<int>& inputs) {
-  const auto convert = [targets = targets_of(arm, inputs)](const nlohmann::json& message, double receipt_s,
+  const auto convert = [targets = targets_of(arm, inputs)](const nlohmann::json& message,
+                                                           trial::Stamp receipt,
                                                            trial::FrameAssembler& assembler) {
-    const double header_s = header_stamp_s(message).value_or(0.0);
+    const trial::Stamp header = header_stamp(message).value_or(trial::Stamp());
     for (const Target& target : targets) {
       // A field that is not there is no number: the assembler rejects and counts it under the input's name.
-      assembler.add_input(target.input, stamp_for(target, header_s, receipt_s, assembler),
+      assembler.add_input(target.input, stamp_for(target, header, receipt, assembler),
                           target.scale_to_si * number_at(message, target.field));
     }
   };

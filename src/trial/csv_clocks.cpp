@@ -14,7 +14,7 @@ CsvRow inputs_of(const CsvRow& row) {
 CsvRow bodies_of(const CsvRow& row, double bodies_ahead_s) {
   CsvRow bodies = row;
   bodies.time_s -= bodies_ahead_s;
-  bodies.stamp_s -= bodies_ahead_s;
+  bodies.stamp = row.stamp.earlier(bodies_ahead_s);
   std::fill(bodies.pressures_pa.begin(), bodies.pressures_pa.end(), std::nullopt);
   std::fill(bodies.scalars.begin(), bodies.scalars.end(), std::nullopt);
   bodies.payload_kg.reset();

@@ -173,11 +173,11 @@ class Reader {
         time_ ? table_.number(*time_) : std::optional<double>(static_cast<double>(rows_of_trial_));
     if (!time) throw CsvBadRow{"no time", fmt::format("column {}", *time_ + 1)};
     out.time_s = *time * layout_.time_scale_to_s;
-    out.stamp_s = out.time_s + layout_.start_stamp_s;
-    if (!(out.stamp_s > 0.0 && out.stamp_s < 4e9)) {
-      throw CsvBadRow{"time out of range",
-                      fmt::format("{} s, must become a stamp from 0 to 4e9 s", out.stamp_s)};
+    const double stamp_s = out.time_s + layout_.start_stamp_s;
+    if (!(stamp_s > 0.0 && stamp_s < 4e9)) {
+      throw CsvBadRow{"time out of range", fmt::format("{} s, must become a stamp from 0 to 4e9 s", stamp_s)};
     }
+    out.stamp = Stamp(layout_.start_stamp_s).later(out.time_s);
     if (!(out.time_s > last_time_s_)) {
       throw CsvBadRow{"time goes back", fmt::format("{} s after {} s", out.time_s, last_time_s_)};
     }

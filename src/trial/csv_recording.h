@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "csv_layout.h"
+#include "stamp.h"
 
 namespace softarm::trial {
 
@@ -22,8 +23,8 @@ struct CsvPose {
 
 /// One row. Entries are in the order of the layout; what the row does not have is absent.
 struct CsvRow {
-  double time_s = 0.0;   ///< as recorded
-  double stamp_s = 0.0;  ///< time_s + CsvLayout::start_stamp_s
+  double time_s = 0.0;  ///< as recorded
+  Stamp stamp;          ///< time_s + CsvLayout::start_stamp_s
   std::vector<std::optional<CsvPose>> bodies;
   std::vector<std::optional<double>> pressures_pa;  ///< absolute
   std::vector<std::optional<double>> scalars;       ///< rad or N

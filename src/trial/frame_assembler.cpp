@@ -9,8 +9,8 @@ namespace softarm::trial {
 namespace {
 
 /// The instant that a stamp means. A stamp that is none stays none.
-double instant_of(double stamp_s, double latency_s) {
-  return stamp_s > 0.0 ? stamp_s - latency_s : stamp_s;
+Stamp instant_of(Stamp stamp, double latency_s) {
+  return stamp.s > 0.0 ? stamp.earlier(latency_s) : stamp;
 }
 
 }  // namespace
@@ -42,7 +42,8 @@ FrameAssembler::FrameAssembler(const arm::Arm& arm, const Params& params)
   }
 }
 
-FrameAssembler::Slot* FrameAssembler::slot_for(std::size_t index, double stamp_s, bool repeats) {
+FrameAssembler::Slot* FrameAssembler::slot_for(std::size_t index, Stamp stamp, bool repeats) {
+  const double stamp_s = stamp.s;
   Stream& stream = streams_[index];
   const auto useless = [&](const char* reason) -> Slot* {
     reject(reason, stream.name);
@@ -77,22 +78,22 @@ FrameAssembler::Slot* FrameAssembler::slot_for(std::size_t index, double stamp_s
   }
   Slot& slot = frame->slots[index];
   slot.reported = true;
-  slot.stamp_s = stamp_s;
+  slot.stamp = stamp;
   return &slot;
 }
 
-void FrameAssembler::add_body(int body, double stamp_s, const Eigen::Vector3d& p_mocap,
+void FrameAssembler::add_body(int body, Stamp stamp, const Eigen::Vector3d& p_mocap,
                               const std::optional<Eigen::Quaterniond>& q_mocap) {
   if (body == kBaseBody && !has_base_body_) throw std::out_of_range("the arm's base has no body");
   const std::size_t index = static_cast<std::size_t>(body + 1);
   Stream& stream = streams_.at(index);
   ++samples_;
-  if (tap_.body) tap_.body(body, stamp_s, p_mocap, q_mocap);
-  stamp_s = instant_of(stamp_s, body_latency_s_);
-  Slot* slot = slot_for(index, stamp_s, stream.gate.repeats(p_mocap, q_mocap));
+  if (tap_.body) tap_.body(body, stamp.s, p_mocap, q_mocap);
+  stamp = instant_of(stamp, body_latency_s_);
+  Slot* slot = slot_for(index, stamp, stream.gate.repeats(p_mocap, q_mocap));
   if (!slot) return;
   std::optional<Eigen::Quaterniond> q = q_mocap;
-  const BodyGate::Verdict verdict = stream.gate.check(stamp_s, p_mocap, q, changed_beside(index));
+  const BodyGate::Verdict verdict = stream.gate.check(stamp.s, p_mocap, q, changed_beside(index));
   if (verdict == BodyGate::Verdict::kAccept) {
     slot->observation = BodyObservation{body, p_mocap, q};
     if (body == kBaseBody) {
@@ -105,12 +106,12 @@ void FrameAssembler::add_body(int body, double stamp_s, const Eigen::Vector3d& p
   added();
 }
 
-void FrameAssembler::add_missing_body(int body, double stamp_s, const std::string& reason) {
+void FrameAssembler::add_missing_body(int body, Stamp stamp, const std::string& reason) {
   if (body == kBaseBody && !has_base_body_) throw std::out_of_range("the arm's base has no body");
   const std::size_t index = static_cast<std::size_t>(body + 1);
   Stream& stream = streams_.at(index);
   ++samples_;
-  if (!slot_for(index, instant_of(stamp_s, body_latency_s_), false)) return;
+  if (!slot_for(index, instant_of(stamp, body_latency_s_), false)) return;
   reject(reason, stream.name);
   added();
 }
@@ -199,7 +200,7 @@ FrameAssembler::Pending* FrameAssembler::nearest_open(double stamp_s) {
 FrameAssembler::Past FrameAssembler::past_of(std::size_t slot, double stamp_s) const {
   if (!last_emitted_ || stamp_s > last_emitted_->reference_s + tolerance_s_) return Past::kNone;
   const Slot& entry = last_emitted_->slots[slot];
-  return entry.reported && stamp_s > entry.stamp_s ? Past::kThisBodyCame : Past::kClosed;
+  return entry.reported && stamp_s > entry.stamp.s ? Past::kThisBodyCame : Past::kClosed;
 }
 
 FrameAssembler::Pending* FrameAssembler::open_frame(double stamp_s) {

@@ -14,6 +14,7 @@
 #include "input_rhythm.h"
 #include "softarm/arm/arm.h"
 #include "softarm/trial/trial.h"
+#include "stamp.h"
 
 namespace softarm::trial {
 
@@ -73,21 +74,21 @@ class FrameAssembler {
   /// @param body index into Arm::bodies or kBaseBody
   /// @param p_mocap m, @param q_mocap body to mocap, absent if the driver gives positions only
   /// @throws std::out_of_range for a body that the arm does not have
-  void add_body(int body, double stamp_s, const Eigen::Vector3d& p_mocap,
+  void add_body(int body, Stamp stamp, const Eigen::Vector3d& p_mocap,
                 const std::optional<Eigen::Quaterniond>& q_mocap);
   /// The driver said that it does not see the body (occluded, not tracked): the frame does not wait for it.
   /// Counted as rejected under this reason.
   /// @throws std::out_of_range for a body that the arm does not have
-  void add_missing_body(int body, double stamp_s, const std::string& reason);
+  void add_missing_body(int body, Stamp stamp, const std::string& reason);
   /// Counts what an adapter could not use: "ghost", "mocap".
   void count_rejected(const std::string& reason, const std::string& source, std::uint64_t count = 1);
   /// @param value in SI as the source reports it; pressures (absolute or gauge as configured) are converted
   /// to gauge or vacuum, tensions and angles counted from their zero
   /// @throws std::out_of_range for an input that the arm does not have
-  void add_input(int input, double stamp_s, double value);
-  /// @param stamp_s when it was said; 0 or less: it has always held
+  void add_input(int input, Stamp stamp, double value);
+  /// @param stamp when it was said; 0 or less: it has always held
   /// @param kg absent: unknown from now on
-  void add_payload(double stamp_s, std::optional<double> kg);
+  void add_payload(Stamp stamp, std::optional<double> kg);
 
   /// Closed frames in order of their stamps; each is returned once.
   std::vector<Frame> take();
@@ -134,7 +135,7 @@ class FrameAssembler {
  private:
   struct Slot {
     bool reported = false;  // accepted or not
-    double stamp_s = 0.0;
+    Stamp stamp;
     std::optional<BodyObservation> observation;
   };
   struct Pending {
@@ -156,7 +157,7 @@ class FrameAssembler {
     std::optional<double> last;  // as reported
   };
   struct Value {
-    double stamp_s = 0.0;
+    Stamp stamp;
     std::optional<double> value;
     bool given = false;  // with a frame
   };
@@ -187,7 +188,7 @@ class FrameAssembler {
   std::optional<double> payload_at(double stamp_s);
   void reject(const std::string& reason, const std::string& source) { ++rejected_[reason + (" " + source)]; }
   /// Checks and books the stamp. @return the slot to fill, or null if the sample is of no use
-  Slot* slot_for(std::size_t index, double stamp_s, bool repeats);
+  Slot* slot_for(std::size_t index, Stamp stamp, bool repeats);
 
   Params params_;
   Tap tap_;

@@ -1,5 +1,4 @@
 // When a frame is closed, and what becomes of it.
-#include <limits>
 #include <utility>
 
 #include "frame_assembler.h"
@@ -75,11 +74,11 @@ void FrameAssembler::close_ready() {
 void FrameAssembler::emit(const Pending& pending) {
   last_emitted_ = pending;
   Frame frame;
-  double stamp_s = std::numeric_limits<double>::max();
+  const Stamp* first = nullptr;
   for (std::size_t i = 0; i < pending.slots.size(); ++i) {
     const Slot& entry = pending.slots[i];
     if (!entry.observation) continue;
-    stamp_s = std::min(stamp_s, entry.stamp_s);
+    if (!first || entry.stamp.ns < first->ns) first = &entry.stamp;
     if (i > 0) {
       frame.bodies.push_back(*entry.observation);
     } else {
@@ -92,10 +91,10 @@ void FrameAssembler::emit(const Pending& pending) {
     ++dropped_frames_["no_valid_body"];
     return;
   }
-  frame.stamp_s = stamp_s;
-  frame.samples = samples_until(stamp_s);
-  frame.inputs = inputs_at(stamp_s);
-  frame.payload_kg = payload_at(stamp_s);
+  frame.stamp_ns = first->ns;
+  frame.samples = samples_until(first->s);
+  frame.inputs = inputs_at(first->s);
+  frame.payload_kg = payload_at(first->s);
   closed_.push_back(std::move(frame));
 }
 

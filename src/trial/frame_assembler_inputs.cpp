@@ -14,15 +14,16 @@ constexpr double kSame_s = 1e-6;  // stamps of one instant: a double of seconds 
 
 }  // namespace
 
-void FrameAssembler::add_input(int input, double stamp_s, double value) {
+void FrameAssembler::add_input(int input, Stamp stamp, double value) {
   const arm::ScalarInput& source = scalars_.at(static_cast<std::size_t>(input));
   std::deque<Value>& history = inputs_.at(static_cast<std::size_t>(input));
   Input& stream = input_streams_.at(static_cast<std::size_t>(input));
   ++samples_;
-  if (tap_.input) tap_.input(input, stamp_s, value);
+  if (tap_.input) tap_.input(input, stamp.s, value);
   if (!std::isfinite(value)) return reject("input_nan", source.name);
-  if (!(stamp_s > 0.0) || !std::isfinite(stamp_s)) return reject("bad_stamp", source.name);
-  stamp_s -= source.latency_s;
+  if (!(stamp.s > 0.0) || !std::isfinite(stamp.s)) return reject("bad_stamp", source.name);
+  stamp = stamp.earlier(source.latency_s);
+  const double stamp_s = stamp.s;
   if (stream.rhythm.newest_s() && stamp_s < *stream.rhythm.newest_s() - params_.time_jump_s)
     stream.rhythm.reset();
   stream.rhythm.add(stamp_s);
@@ -33,47 +34,47 @@ void FrameAssembler::add_input(int input, double stamp_s, double value) {
   if (!newest_s_ || stamp_s > *newest_s_ - 0.5 * params_.input_wait_s) stream.expected = true;
   value -= source.zero_si;
   if (source.kind == arm::InputKind::kTension || source.kind == arm::InputKind::kAngle) {
-    insert(history, {stamp_s, value, false});
+    insert(history, {stamp, value, false});
   } else {
     const double gauge_pa =
         source.reference == arm::PressureReference::kAbsolute ? value - ambient_pa_ : value;
-    insert(history, {stamp_s, source.kind == arm::InputKind::kVacuum ? -gauge_pa : gauge_pa, false});
+    insert(history, {stamp, source.kind == arm::InputKind::kVacuum ? -gauge_pa : gauge_pa, false});
   }
   added();
 }
 
-void FrameAssembler::add_payload(double stamp_s, std::optional<double> kg) {
+void FrameAssembler::add_payload(Stamp stamp, std::optional<double> kg) {
   ++samples_;
-  if (tap_.payload) tap_.payload(stamp_s, kg);
+  if (tap_.payload) tap_.payload(stamp.s, kg);
   if (kg && !std::isfinite(*kg)) return reject("payload_nan", "payload");
   if (kg && !(*kg >= payload_range_kg_.low && *kg <= payload_range_kg_.high)) {
     return reject("payload_out_of_range", "payload");
   }
-  if (!std::isfinite(stamp_s)) return reject("bad_stamp", "payload");
-  insert(payload_, {stamp_s > 0.0 ? stamp_s : -std::numeric_limits<double>::infinity(), kg, false});
+  if (!std::isfinite(stamp.s)) return reject("bad_stamp", "payload");
+  insert(payload_, {stamp.s > 0.0 ? stamp : Stamp(-std::numeric_limits<double>::infinity()), kg, false});
 }
 
 void FrameAssembler::insert(std::deque<Value>& history, const Value& value) {
-  if (!history.empty() && value.stamp_s < history.back().stamp_s - params_.time_jump_s) history.clear();
+  if (!history.empty() && value.stamp.s < history.back().stamp.s - params_.time_jump_s) history.clear();
   const auto after =
-      std::find_if(history.begin(), history.end(), [&](const Value& v) { return v.stamp_s > value.stamp_s; });
+      std::find_if(history.begin(), history.end(), [&](const Value& v) { return v.stamp.s > value.stamp.s; });
   history.insert(after, value);
   if (history.size() > kLongestHistory) history.pop_front();
 }
 
 const FrameAssembler::Value* FrameAssembler::newest_at(std::deque<Value>& history, double stamp_s) {
   // Frames come in order of their stamps: what a newer value replaced is not asked for again.
-  while (history.size() > 1 && history[1].stamp_s <= stamp_s + kSame_s) history.pop_front();
-  return !history.empty() && history.front().stamp_s <= stamp_s + kSame_s ? &history.front() : nullptr;
+  while (history.size() > 1 && history[1].stamp.s <= stamp_s + kSame_s) history.pop_front();
+  return !history.empty() && history.front().stamp.s <= stamp_s + kSame_s ? &history.front() : nullptr;
 }
 
 std::vector<InputSample> FrameAssembler::samples_until(double stamp_s) {
   std::vector<InputSample> samples;
   for (std::size_t i = 0; i < inputs_.size(); ++i) {
     for (Value& sample : inputs_[i]) {
-      if (sample.stamp_s > stamp_s + kSame_s) break;
+      if (sample.stamp.s > stamp_s + kSame_s) break;
       if (std::exchange(sample.given, true)) continue;
-      samples.push_back({static_cast<int>(i), std::llround(1e9 * sample.stamp_s), *sample.value});
+      samples.push_back({static_cast<int>(i), sample.stamp.ns, *sample.value});
     }
   }
   return samples;
@@ -88,7 +89,7 @@ arm::InputValues FrameAssembler::inputs_at(double stamp_s) {
   arm::InputValues values;
   for (auto& history : inputs_) {
     const Value* held = newest_at(history, stamp_s);
-    const bool fresh = held && stamp_s - held->stamp_s <= input_max_age_s_;
+    const bool fresh = held && stamp_s - held->stamp.s <= input_max_age_s_;
     values.push_back(fresh ? held->value : std::nullopt);
   }
   return values;
@@ -101,7 +102,7 @@ std::optional<double> FrameAssembler::payload_at(double stamp_s) {
 
 std::optional<double> FrameAssembler::input_accepted_s(int input) const {
   const std::deque<Value>& history = inputs_.at(static_cast<std::size_t>(input));
-  return history.empty() ? std::nullopt : std::optional(history.back().stamp_s);
+  return history.empty() ? std::nullopt : std::optional(history.back().stamp.s);
 }
 
 }  // namespace softarm::trial

@@ -70,11 +70,11 @@ void FrameAssembler::reset_time(double stamp_s) {
   // Values that already belong to the new time stay: their topics may be ahead of the bodies.
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     for (const Value& value : inputs[i]) {
-      if (std::abs(value.stamp_s - stamp_s) < 0.5 * params_.time_jump_s) inputs_[i].push_back(value);
+      if (std::abs(value.stamp.s - stamp_s) < 0.5 * params_.time_jump_s) inputs_[i].push_back(value);
     }
     if (!inputs_[i].empty()) input_streams_[i] = input_streams[i];
   }
-  if (!payload.empty() && std::abs(payload.back().stamp_s - stamp_s) < params_.time_jump_s) {
+  if (!payload.empty() && std::abs(payload.back().stamp.s - stamp_s) < params_.time_jump_s) {
     payload_ = {payload.back()};
   }
   time_jump_ = true;

@@ -38,8 +38,7 @@ void InputSeries::decide(std::optional<arm::Between> stated, const std::optional
   longest_line_ns = pattern ? std::llround(1e9 * kLongestLine * pattern->median_s) : 0;
 }
 
-std::optional<double> InputSeries::at(double stamp_s) const {
-  const std::int64_t t_ns = std::llround(1e9 * stamp_s);
+std::optional<double> InputSeries::at_ns(std::int64_t t_ns) const {
   const auto after = std::upper_bound(stamp_ns.begin(), stamp_ns.end(), t_ns + kSame_ns);
   if (after == stamp_ns.begin()) return std::nullopt;
   const auto next = static_cast<std::size_t>(after - stamp_ns.begin());
@@ -53,7 +52,7 @@ std::optional<double> InputSeries::at(double stamp_s) const {
 }
 
 void InputSeries::forget_before(double stamp_s, std::size_t at_most) {
-  const auto after = std::upper_bound(stamp_ns.begin(), stamp_ns.end(), std::llround(1e9 * stamp_s));
+  const auto after = std::upper_bound(stamp_ns.begin(), stamp_ns.end(), to_nanoseconds(stamp_s));
   const std::ptrdiff_t stale = after - stamp_ns.begin() - 1;
   if (stale <= static_cast<std::ptrdiff_t>(at_most)) return;
   stamp_ns.erase(stamp_ns.begin(), stamp_ns.begin() + stale);

@@ -25,7 +25,7 @@ class Preparer {
 
   std::optional<StaticFrame> prepare(const Frame& frame) {
     StaticFrame out;
-    out.stamp_s = frame.stamp_s;
+    out.stamp_s = frame.stamp_s();
     out.inputs = inputs_of(frame);
     const bool predicted = predict(arm_, out.inputs).has_value();
     if (predicted) record(out);
@@ -67,7 +67,7 @@ class Preparer {
     for (std::size_t i = 0; i < std::min(values.size(), inputs_.size()); ++i) {
       // What is missing for its age stays missing.
       if (!values[i]) continue;
-      if (const std::optional<double> value = inputs_[i].at(frame.stamp_s)) values[i] = value;
+      if (const std::optional<double> value = inputs_[i].at_ns(frame.stamp_ns)) values[i] = value;
     }
     return values;
   }

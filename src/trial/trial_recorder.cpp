@@ -11,7 +11,7 @@ TrialRecorder::TrialRecorder(const arm::Arm& arm, std::string name) {
 }
 
 void TrialRecorder::add(Frame frame) {
-  went_back_ = went_back_ || (!trial_.frames.empty() && frame.stamp_s < trial_.frames.back().stamp_s);
+  went_back_ = went_back_ || (!trial_.frames.empty() && frame.stamp_ns < trial_.frames.back().stamp_ns);
   add(frame.samples);
   frame.samples = {};
   trial_.frames.push_back(std::move(frame));

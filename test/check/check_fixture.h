@@ -118,7 +118,7 @@ inline trial::CheckRecording clean(unsigned seed = 1, double lag_s = 0.0, const 
     }
     if (k % 10 == 0) {
       trial::Frame frame;
-      frame.stamp_s = stamp;
+      frame.stamp_ns = trial::to_nanoseconds(stamp);
       const trial::RecordedPose& base = recording.bodies[0].back();
       frame.base_body = Eigen::Translation3d(base.p_mocap) * *base.q_mocap;
       for (int b = 1; b < 4; ++b) {

@@ -117,7 +117,7 @@ TEST(Diagnose, ClocksAQuarterOfASecondApartAreNamedAndNoSwing) {
   RecordedCase late = recorded_case("{count_weights: [1]}", 8, 4, 10.0);
   const diagnose::Diagnosis calm = diagnose::diagnose(late.arm, late.trials);
   for (trial::Trial& trial : late.trials) {
-    for (trial::Frame& frame : trial.frames) frame.stamp_s += 0.25;
+    for (trial::Frame& frame : trial.frames) frame.stamp_ns += 250'000'000;
   }
   const diagnose::Diagnosis d = diagnose::diagnose(late.arm, late.trials);
   EXPECT_LT(d.left_out_share, calm.left_out_share + 0.05) << report::describe(d);

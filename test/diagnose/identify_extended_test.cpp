@@ -141,7 +141,7 @@ trial::Trial trial_of(const arm::Arm& arm, const std::vector<model::Present>& ef
   trial.name = name;
   for (std::size_t k = 0; k < path.size(); ++k) {
     trial::Frame frame;
-    frame.stamp_s = 100.0 + data.series.t_s[static_cast<Eigen::Index>(k)];
+    frame.stamp_ns = trial::to_nanoseconds(100.0 + data.series.t_s[static_cast<Eigen::Index>(k)]);
     frame.base_body = arm.base.rod_in_body.inverse();
     frame.payload_kg = 0.05;
     const Eigen::VectorXd u = data.series.inputs.col(static_cast<Eigen::Index>(k));

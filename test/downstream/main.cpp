@@ -53,7 +53,7 @@ class HangingArm {
     require(solver_.solve(rod_) == rod::SolveStatus::kConverged, "the rod was not solved");
 
     trial::Frame frame;
-    frame.stamp_s = stamp_s;
+    frame.stamp_ns = trial::to_nanoseconds(stamp_s);
     frame.inputs = inputs;
     frame.payload_kg = payload_kg;
     frame.base_body = Eigen::Isometry3d(rod_.q_base);

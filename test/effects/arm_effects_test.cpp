@@ -40,6 +40,18 @@ TEST(ArmEffects, EveryEffectOfTheCatalogueComesBackAsItWas) {
   EXPECT_GE(checked, 30);
 }
 
+TEST(ArmEffects, OneSaysHowFarTheClocksAreApart) {
+  int of_clocks = 0;
+  for (const auto& effect : effects::catalogue()) {
+    const model::Info& info = effect->info();
+    if (!info.of_clocks) continue;
+    ++of_clocks;
+    EXPECT_EQ(info.sizes, 1) << info.id;
+    EXPECT_EQ(info.parameters.at(0).unit, "s") << info.id;
+  }
+  EXPECT_EQ(of_clocks, 1);
+}
+
 TEST(ArmEffects, WhatIsLeftOutIsUsualAndSizesAreNought) {
   const arm::Arm arm = shipped_arm("online_200mm");
   const std::vector<model::Present> list =

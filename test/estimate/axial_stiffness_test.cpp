@@ -73,7 +73,7 @@ Coverage coverage_of_payload(arm::Arm arm, const Case& which, double believed_sd
       trial::Frame frame = with_noise(arm, exact, random);
       frame.inputs = inputs;
       frame.payload_kg.reset();
-      frame.stamp_s = 1.0 + i / 60.0;
+      frame.stamp_ns = trial::to_nanoseconds(1.0 + i / 60.0);
       estimate = estimator.estimate(frame);
     }
     if (estimate.status != estimate::Status::kOk) throw std::logic_error(estimate.detail);
@@ -112,7 +112,7 @@ estimate::Estimate of_stretch(const arm::EstimatorOptions& options, const arm::A
   estimate::Estimator estimator(arm, options);
   estimate::Estimate estimate;
   for (int i = 0; i < frames; ++i) {
-    frame.stamp_s = 1.0 + i / 60.0;
+    frame.stamp_ns = trial::to_nanoseconds(1.0 + i / 60.0);
     estimate = estimator.estimate(frame);
   }
   return estimate;

@@ -50,7 +50,7 @@ Errors errors(const arm::Arm& arm, const Shapes& made, double payload_earlier_s)
   int estimated = 0;
   const auto estimate_all = [&] {
     for (const trial::Frame& frame : assembler.take()) {
-      const auto i = static_cast<std::size_t>(std::lround((frame.stamp_s - kBegin_s) / kStep_s));
+      const auto i = static_cast<std::size_t>(std::lround((frame.stamp_s() - kBegin_s) / kStep_s));
       EXPECT_DOUBLE_EQ(frame.payload_kg.value(), made.truth[i].payload_kg) << i;
       const Estimate& e = estimator.estimate(frame);
       ASSERT_EQ(e.status, Status::kOk) << e.detail;

@@ -1,6 +1,7 @@
 // A stream of frames: warm starts, resets, jumps, repeatability; and cold starts from shapes of all kinds.
 #include <gtest/gtest.h>
 
+#include "estimate/estimate_summary.h"
 #include "finite.h"
 #include "frames.h"
 
@@ -18,7 +19,7 @@ std::vector<trial::Frame> smooth_stream(const arm::Arm& arm, int frames, unsigne
         0.2,
         hanging()};
     stream.push_back(with_noise(arm, maker.make(truth).value(), random));
-    stream.back().stamp_s = i / 240.0;
+    stream.back().stamp_ns = trial::to_nanoseconds(i / 240.0);
   }
   return stream;
 }
@@ -50,6 +51,28 @@ TEST(Stream, WarmAndColdStartsAgree) {
   EXPECT_LE(warm_iterations, cold_iterations);
 }
 
+TEST(Stream, AFitThatUsesUpItsIterationsIsNoEstimate) {
+  // Measured so well that one step from the measured shape is far from the fit in standard deviations.
+  const arm::Arm arm = precisely_measured(paper_arm());
+  estimate::Estimator estimator(arm, with_method(arm::Method::kFullPoints));
+  EstimateSummary summary(arm);
+  const std::vector<trial::Frame> stream = smooth_stream(arm, 20, 3);
+  const auto expect_refused = [&](const estimate::Estimate& e) {
+    EXPECT_EQ(e.status, estimate::Status::kNoConvergence);
+    EXPECT_NE(e.detail.find("had not converged after 1 iteration"), std::string::npos) << e.detail;
+    EXPECT_TRUE(e.backbone.empty());
+    EXPECT_FALSE(e.segments[0].moment_nm || e.segments[0].bending_stiffness_nm2 || e.payload_kg);
+  };
+  estimator.set_most_iterations(1);
+  for (const trial::Frame& frame : stream) {
+    expect_refused(estimator.estimate(frame));
+    summary.add(estimator.estimate(frame));
+  }
+  EXPECT_NE(summary.text({}, 0).find("not ok, no_convergence"), std::string::npos) << summary.text({}, 0);
+  estimator.set_most_iterations(59);
+  for (const trial::Frame& frame : stream) EXPECT_EQ(estimator.estimate(frame).status, estimate::Status::kOk);
+}
+
 TEST(Stream, AJumpOfTheShapeIsFollowed) {
   const arm::Arm arm = precisely_measured(paper_arm());
   estimate::Estimator estimator(arm, with_method(arm::Method::kFullPoints));
@@ -76,7 +99,7 @@ TEST(Stream, TheSameFramesGiveTheSameBits) {
     EXPECT_EQ(x.length_m, y.length_m);
     EXPECT_TRUE(x.covariance == y.covariance);
     EXPECT_EQ(a.backbone.back().p_base, b.backbone.back().p_base);
-    EXPECT_EQ(a.stamp_s, frame.stamp_s);
+    EXPECT_EQ(a.stamp_s, frame.stamp_s());
   }
   // And after a reset an estimator is as good as new.
   const double was = estimate::Estimator(arm, with_method(arm::Method::kFullPoints))

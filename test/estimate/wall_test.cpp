@@ -45,7 +45,7 @@ class Creeping {
                       0.0,
                       hanging()};
     trial::Frame frame = make_frame(arm_, truth);
-    frame.stamp_s = t_s;
+    frame.stamp_ns = trial::to_nanoseconds(t_s);
     frame.inputs = inputs;
     moment_nm = moment.norm();
     return frame;

@@ -133,7 +133,7 @@ LastOfWindow last_of_window(const arm::Arm& arm, int frames, std::uint64_t seed)
   for (int i = 0; i < frames; ++i) {
     trial::Frame frame = with_noise(arm, exact, random);
     frame.inputs = kInputs;
-    frame.stamp_s = 1.0 + i / kRate_hz;
+    frame.stamp_ns = trial::to_nanoseconds(1.0 + i / kRate_hz);
     const estimate::Estimate& estimate = estimator.estimate(frame);
     if (estimate.status != estimate::Status::kOk) throw std::logic_error(estimate.detail);
     last.error = estimate.segments[0].bending_stiffness_nm2.value() - truth.segments[0].bending_stiffness_nm2;
@@ -183,7 +183,7 @@ TEST(Window, SpreadFallsToWhatBodiesAreOffBy) {
     for (int i = 0; i < kFrames; ++i) {
       trial::Frame frame = with_noise(misplaced, exact, random);
       frame.inputs = kInputs;
-      frame.stamp_s = 1.0 + i / kRate_hz;
+      frame.stamp_ns = trial::to_nanoseconds(1.0 + i / kRate_hz);
       const estimate::Estimate& estimate = estimator.estimate(frame);
       ASSERT_EQ(estimate.status, estimate::Status::kOk) << estimate.detail;
       const double sd = estimate.segments[0].sd_bending_stiffness_nm2.value();
@@ -216,7 +216,7 @@ TEST(Window, PayloadPutOnIsFollowed) {
       trial::Frame frame = with_noise(arm, make_frame(arm, truth_of(arm, kInputs, {}, payload)), random);
       frame.inputs = kInputs;
       frame.payload_kg.reset();
-      frame.stamp_s = 1.0 + i / kRate_hz;
+      frame.stamp_ns = trial::to_nanoseconds(1.0 + i / kRate_hz);
       const estimate::Estimate& estimate = estimator.estimate(frame);
       ASSERT_EQ(estimate.status, estimate::Status::kOk) << estimate.detail;
       if (i == 239) sd_before = estimate.sd_payload_kg.value();
@@ -241,7 +241,7 @@ TEST(Window, StiffnessThatThePressuresChangeIsFollowedWithoutLaws) {
     const Truth truth = truth_of(arm, kInputs, i < 240 ? LawError() : stiffer, 0.2);
     trial::Frame frame = with_noise(arm, make_frame(arm, truth), random);
     frame.inputs = kInputs;
-    frame.stamp_s = 1.0 + i / kRate_hz;
+    frame.stamp_ns = trial::to_nanoseconds(1.0 + i / kRate_hz);
     const estimate::Estimate& estimate = estimator.estimate(frame);
     ASSERT_EQ(estimate.status, estimate::Status::kOk);
     const double ei = truth.segments[0].bending_stiffness_nm2;
@@ -261,7 +261,7 @@ TEST(Window, IsKeptWhileNothingChanges) {
     trial::Frame frame = with_noise(arm, exact, random);
     frame.inputs = kInputs;
     frame.payload_kg.reset();
-    frame.stamp_s = 1.0 + i / kRate_hz;
+    frame.stamp_ns = trial::to_nanoseconds(1.0 + i / kRate_hz);
     const double sd = estimator.estimate(frame).sd_payload_kg.value();
     if (i < 120) continue;
     narrowest = std::min(narrowest, sd);
@@ -279,7 +279,7 @@ class AtRest : public ::testing::Test {
     trial::Frame frame = with_noise(arm_, make_frame(arm_, truth_of(arm_, inputs, {}, payload_kg)), random_);
     frame.inputs = inputs;
     frame.payload_kg.reset();
-    frame.stamp_s = stamp_s_ += 1.0 / kRate_hz;
+    frame.stamp_ns = trial::to_nanoseconds(stamp_s_ += 1.0 / kRate_hz);
     return frame;
   }
   estimate::Estimate run(int frames, double payload_kg) {
@@ -353,7 +353,7 @@ TEST(Window, InputsThatGoMissingAreNoChangeOfStiffness) {
     trial::Frame frame = with_noise(arm, exact, random);
     frame.inputs = inputs;
     if (i >= 60 && i < 75) frame.inputs[0].reset();
-    frame.stamp_s = 1.0 + i / kRate_hz;
+    frame.stamp_ns = trial::to_nanoseconds(1.0 + i / kRate_hz);
     const estimate::Estimate& estimate = estimator.estimate(frame);
     ASSERT_EQ(estimate.status, estimate::Status::kOk);
     const estimate::SegmentEstimate& segment = estimate.segments[0];
@@ -389,7 +389,7 @@ TEST(Both, IntervalsCoverAfterAPressureStepWhenTheGainsErr) {
       trial::Frame frame = with_noise(arm, make_frame(arm, truth), random);
       frame.inputs = inputs;
       frame.payload_kg.reset();
-      frame.stamp_s = 1.0 + i / kRate_hz;
+      frame.stamp_ns = trial::to_nanoseconds(1.0 + i / kRate_hz);
       const estimate::Estimate& estimate = estimator.estimate(frame);
       if (i != 62 && i != 70) continue;
       ASSERT_EQ(estimate.status, estimate::Status::kOk) << estimate.detail;
@@ -433,7 +433,7 @@ TEST(Both, IntervalsCoverWhenTheLawsErrAsTheySay) {
         trial::Frame frame = with_noise(arm, make_frame(arm, truth_of(arm, inputs, now, payload)), random);
         frame.inputs = inputs;
         frame.payload_kg.reset();
-        frame.stamp_s = 1.0 + i / kRate_hz;
+        frame.stamp_ns = trial::to_nanoseconds(1.0 + i / kRate_hz);
         estimate = estimator.estimate(frame);
       }
       ASSERT_EQ(estimate.status, estimate::Status::kOk) << estimate.detail;
@@ -526,7 +526,7 @@ TEST(Both, AnArmThatMovesInventsNoPayload) {
         for (trial::BodyObservation& seen : frame.bodies) seen.p_mocap += noise_m * normal3(random);
         frame.inputs = {5e3, (moment_nm - stiffness * by_cable_per_m - 6e-6 * 5e3) / 0.01, angle_rad};
         frame.payload_kg.reset();
-        frame.stamp_s = 1.0 + i / kRate_hz;
+        frame.stamp_ns = trial::to_nanoseconds(1.0 + i / kRate_hz);
         const estimate::Estimate& estimate = estimator.estimate(frame);
         if (estimate.status != estimate::Status::kOk || !estimate.sd_payload_kg ||
             !estimate.segments[0].sd_bending_stiffness_nm2)

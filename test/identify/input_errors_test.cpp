@@ -94,7 +94,7 @@ std::vector<trial::Trial> seen_by_sensors(const arm::Arm& truth, int count, doub
       for (trial::Frame& frame : made[i].frames) {
         const Eigen::Vector3d off = zero + noise_pa * testing::normal3(random);
         for (std::size_t k = 0; k < 3; ++k) frame.inputs[k] = *frame.inputs[k] + off[static_cast<int>(k)];
-        frame.stamp_s = 2.0 * static_cast<double>(trial.frames.size());
+        frame.stamp_ns = trial::to_nanoseconds(2.0 * static_cast<double>(trial.frames.size()));
         trial.frames.push_back(std::move(frame));
       }
     }

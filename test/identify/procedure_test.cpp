@@ -251,7 +251,7 @@ TEST(Frames, AtRestAndSpreadOverTheInputs) {
     const double t = i / 60.0;
     const double p = 1e4 + 3e4 * std::clamp(t - 2.0, 0.0, 1.0);
     trial.frames.push_back(*maker.make({p, 0.0, 0.0, 0.0}, 0.0, testing::hanging()));
-    trial.frames.back().stamp_s = 100.0 + t;
+    trial.frames.back().stamp_ns = trial::to_nanoseconds(100.0 + t);
   }
   identify::FrameChoice choice;
   choice.frames_per_trial = 20;
@@ -282,7 +282,7 @@ TEST(Frames, AtRestThoughThePressureSensorsAreNoisy) {
     const double t = i / 20.0;
     const double p = 1e4 + 3e4 * std::clamp((t - 3.0) / 2.0, 0.0, 1.0);
     trial.frames.push_back(*maker.make({p, 0.0, 0.0, 0.0}, 0.0, testing::hanging()));
-    trial.frames.back().stamp_s = t;
+    trial.frames.back().stamp_ns = trial::to_nanoseconds(t);
     for (int k = 0; k < 2; ++k) {
       double& input = *trial.frames.back().inputs[static_cast<std::size_t>(k)];
       input = std::max(0.0, input + testing::uniform(random, -1000.0, 1000.0));
@@ -302,7 +302,7 @@ TEST(Frames, OfATrialThatMovesThroughoutAreNotThoseOfItsEndsAlone) {
     const double t = i / 60.0;
     const double wave = 0.5 - 0.5 * std::cos(2.0 * M_PI * std::clamp((t - 1.0) / 8.0, 0.0, 1.0));
     trial.frames.push_back(*maker.make({4e4 * wave, 1e4 * wave, 0.0, 0.0}, 0.1, testing::hanging()));
-    trial.frames.back().stamp_s = t;
+    trial.frames.back().stamp_ns = trial::to_nanoseconds(t);
   }
   double most = 0.0;
   for (const identify::FrameComparison& frame : compare(arm, {trial}))

@@ -159,7 +159,7 @@ inline std::vector<trial::Trial> make_trials(const arm::Arm& truth, const Protoc
       if (!frame) break;
       for (int i = 0; i < protocol.repeats; ++i) {
         trial.frames.push_back(with_noise(truth, *frame, random));
-        trial.frames.back().stamp_s = 2.0 * static_cast<double>(trial.frames.size());
+        trial.frames.back().stamp_ns = trial::to_nanoseconds(2.0 * static_cast<double>(trial.frames.size()));
       }
     }
     if (trial.frames.size() == protocol.payloads_kg.size() * static_cast<std::size_t>(protocol.repeats))

@@ -49,7 +49,7 @@ trial::Trial recorded(const arm::Arm& truth, double phase, const Eigen::VectorXd
     const auto frame = maker.make_lagging(inputs, 0.1, testing::hanging(), memory.lag());
     if (!frame) continue;
     trial.frames.push_back(testing::with_noise(truth, *frame, random));
-    trial.frames.back().stamp_s = 100.0 + t_s;
+    trial.frames.back().stamp_ns = trial::to_nanoseconds(100.0 + t_s);
   }
   return trial;
 }

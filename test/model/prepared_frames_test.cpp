@@ -18,7 +18,7 @@ trial::Trial recorded(const arm::Arm& arm, double rate_hz) {
   trial::TrialRecorder recorder(arm, "trial");
   for (int i = 0; i < static_cast<int>(rate_hz * kDuration_s); ++i) {
     trial::Frame frame;
-    frame.stamp_s = 1.6e9 + i / rate_hz;
+    frame.stamp_ns = trial::to_nanoseconds(1.6e9 + i / rate_hz);
     frame.inputs.assign(arm.inputs.scalars.size(), arm.inputs.ambient_pressure_pa);
     frame.payload_kg = 0.0;
     frame.base_body = Eigen::Isometry3d::Identity();

@@ -93,16 +93,16 @@ TEST(DriveHistory, HasTheInputsOfAPreparedTrialOnceTheirNextSampleIsThere) {
   for (const trial::Frame& frame : all) {
     Eigen::VectorXd inputs(static_cast<Eigen::Index>(frame.inputs.size()));
     for (Eigen::Index k = 0; k < inputs.size(); ++k) inputs[k] = *frame.inputs[static_cast<std::size_t>(k)];
-    history.add(frame.stamp_s, inputs, frame.samples);
+    history.add(frame.stamp_s(), inputs, frame.samples);
     const model::Series now = history.series(50.0, 0.1);
-    EXPECT_NEAR(now.t_s[now.t_s.size() - 1], frame.stamp_s - 50.0, 1e-9);
+    EXPECT_NEAR(now.t_s[now.t_s.size() - 1], frame.stamp_s() - 50.0, 1e-9);
     EXPECT_EQ(now.inputs(0, now.t_s.size() - 1), inputs[0]);  // nothing is known of what comes later
   }
   const model::Series series = history.series(50.0, 0.1);
   EXPECT_LT(series.t_s.size(), 300);  // of 480 frames
   Eigen::Index next = 0;
   for (std::size_t i = 4; i + 4 < trial.frames.size(); ++i) {
-    const double stamp_s = trial.frames[i].stamp_s, t_s = stamp_s - 50.0;
+    const double stamp_s = trial.frames[i].stamp_s(), t_s = stamp_s - 50.0;
     while (series.t_s[next + 1] < t_s) ++next;
     const double w = (t_s - series.t_s[next]) / (series.t_s[next + 1] - series.t_s[next]);
     const double value = series.inputs(0, next) + w * (series.inputs(0, next + 1) - series.inputs(0, next));

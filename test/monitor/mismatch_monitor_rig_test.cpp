@@ -139,7 +139,7 @@ TEST(MismatchOnTheRig, AGapOrAJumpInTimeIsNoChange) {
       watch(arm, demo_scenario("", 22.0, 120.0, 8), {}, [&](double t_s, trial::Frame& frame) {
         if (t_s > 12.0 && t_s < 14.5) return false;
         if (t_s > 18.0) {
-          frame.stamp_s -= 50.0;
+          frame.stamp_ns -= 50'000'000'000;
           jumped = true;
         }
         return true;

@@ -70,10 +70,10 @@ inline Watched watch(const arm::Arm& arm, const rig::Scenario& scenario,
   bool alarmed = false;
   const auto take = [&] {
     for (trial::Frame frame : assembler.take()) {
-      if (change && !change(frame.stamp_s - kEpoch_s, frame)) continue;
+      if (change && !change(frame.stamp_s() - kEpoch_s, frame)) continue;
       const monitor::Mismatch& mismatch = monitor.add(frame, estimator.estimate(frame));
       ++watched.frames;
-      const double t_s = frame.stamp_s - kEpoch_s;
+      const double t_s = frame.stamp_s() - kEpoch_s;
       if (mismatch.alarm) {
         if (!alarmed) watched.alarms.push_back({t_s, mismatch, mismatch});
         if (t_s < watched.alarms.back().at_s + 1.0) watched.alarms.back().named = mismatch;

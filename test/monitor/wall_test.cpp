@@ -28,7 +28,7 @@ TEST(MonitorWall, IsNoMismatchWhereTheArmFileHasIt) {
     memory.follow(t_s, inputs, *laws);
     auto frame = maker.make_lagging(inputs, 0.0, made::horizontal(), memory.kept_back().front());
     ASSERT_TRUE(frame);
-    frame->stamp_s = t_s;
+    frame->stamp_ns = trial::to_nanoseconds(t_s);
     const estimate::Estimate& estimate = estimator.estimate(*frame);
     ASSERT_EQ(estimate.status, estimate::Status::kOk) << estimate.detail;
     const double now = with.add(*frame, estimate).rms_m, now_without = without.add(*frame, estimate).rms_m;

@@ -81,7 +81,7 @@ TEST(DriversVicon, MillimetresLabelsAndOcclusion) {
   ASSERT_THAT(result.frames, SizeIs(20));
   for (int i = 0; i < 20; ++i) {
     const trial::Frame& frame = result.frames[static_cast<std::size_t>(i)];
-    EXPECT_NEAR(frame.stamp_s, kStart_s + kPeriod_s * i, 1e-6);
+    EXPECT_NEAR(frame.stamp_s(), kStart_s + kPeriod_s * i, 1e-6);
     EXPECT_EQ(observed(frame, 0) != nullptr, i != 6 && i != 7) << i;
     EXPECT_EQ(observed(frame, 1) != nullptr, i != 5) << i;
     if (observed(frame, 0)) {
@@ -271,7 +271,7 @@ TEST(DriversPhasespace, WithoutAHeaderReceiptCountsAndConditionDecides) {
   const auto result = bag.read(arm_with(
       kPhasespaceBodies + "inputs: {bodies: {topic: /phasespace/markers, type: phasespace_msgs/Markers}}\n"));
   ASSERT_THAT(result.frames, SizeIs(10));
-  EXPECT_NEAR(result.frames[3].stamp_s, kStart_s + 0.03, 1e-6);
+  EXPECT_NEAR(result.frames[3].stamp_s(), kStart_s + 0.03, 1e-6);
   expect_near(observed(result.frames[3], 1)->p_mocap, ring_at(1, 3));
   EXPECT_THAT(result.rejected, Contains(Pair("bad_condition ring_2", 2u)));
 }
@@ -353,7 +353,7 @@ inputs: {bodies: {topic: /phasespace/markers, type: phasespace_msgs/Markers, axe
   ASSERT_THAT(result.frames, SizeIs(10));
   for (int i = 0; i < 10; ++i) {
     const trial::Frame& frame = result.frames[static_cast<std::size_t>(i)];
-    EXPECT_NEAR(frame.stamp_s, 5.0 + 0.01 * i, 1e-9);
+    EXPECT_NEAR(frame.stamp_s(), 5.0 + 0.01 * i, 1e-9);
     expect_near(observed(frame, 1)->p_mocap, ring_at(1, i), 1e-6);
   }
 }

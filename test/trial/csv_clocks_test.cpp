@@ -12,7 +12,7 @@ std::vector<trial::CsvRow> rows() {
   for (int k = 0; k < 10; ++k) {
     trial::CsvRow row;
     row.time_s = 0.1 * k;
-    row.stamp_s = 1000.0 + row.time_s;
+    row.stamp = 1000.0 + row.time_s;
     row.bodies.push_back(trial::CsvPose{Eigen::Vector3d(k, 0.0, 0.0), std::nullopt});
     row.pressures_pa.emplace_back(k);
     row.scalars.emplace_back(-k);
@@ -30,7 +30,7 @@ TEST(CsvClocks, BodiesMeetTheInputsOfTheirInstantInOrderOfTime) {
     const std::size_t without = trial::put_clocks_right(rows(), ahead_s, [&](const trial::CsvRow& row) {
       EXPECT_GE(row.time_s, last_s);
       last_s = row.time_s;
-      EXPECT_NEAR(row.stamp_s, 1000.0 + row.time_s, 1e-9);
+      EXPECT_NEAR(row.stamp.s, 1000.0 + row.time_s, 1e-9);
       if (row.bodies[0]) {
         ++bodies;
         EXPECT_NEAR(row.time_s, 0.1 * row.bodies[0]->p_mocap.x() - ahead_s, 1e-9);

@@ -90,7 +90,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 TEST_F(CsvJoinTest, InputsAreFoundByIdInAnyOrderAndBecomeSi) {
   read(kLayout, "ID,x,y,z,phi\n7,1,2,3,180\n8,1,2,3,0\n", "number;u;t;m\n8;90;1000;250\n7.0;-180;500;100\n");
   ASSERT_EQ(rows_.size(), 2u);
-  EXPECT_DOUBLE_EQ(rows_[0].stamp_s, 1000.07);
+  EXPECT_DOUBLE_EQ(rows_[0].stamp.s, 1000.07);
   EXPECT_TRUE(rows_[0].bodies[0]->p_mocap.isApprox(Eigen::Vector3d(1, -3, 2)));
   EXPECT_FALSE(rows_[0].bodies[0]->q_mocap);
   EXPECT_NEAR(*rows_[0].scalars[0], M_PI / 2, 1e-12);
@@ -168,9 +168,9 @@ mocap: {unit: m, up: z, bodies: [{name: base, position: [2, 3, 4]}]}
   read(layout, "4,0,0,1\n4,0,0,1\n4,0,0,bad\n4,0,0,1\n5,0,0,2\n,0,0,2\n5,0,0,2\n");
   ASSERT_EQ(rows_.size(), 5u);
   EXPECT_EQ(rows_[2].trial, "4");
-  EXPECT_DOUBLE_EQ(rows_[2].stamp_s, 11.5) << "the bad row took its 0.5 s";
+  EXPECT_DOUBLE_EQ(rows_[2].stamp.s, 11.5) << "the bad row took its 0.5 s";
   EXPECT_EQ(rows_[3].trial, "5");
-  EXPECT_DOUBLE_EQ(rows_[3].stamp_s, 10.0);
+  EXPECT_DOUBLE_EQ(rows_[3].stamp.s, 10.0);
   EXPECT_EQ(report_.bad_rows.at("no trial"), 1u);
   EXPECT_THAT(error(layout, "4,0,0,1\n5,0,0,1\n4,0,0,1\n"),
               AllOf(HasSubstr("recording.csv:3"), HasSubstr("'4'"), HasSubstr("trial.column")));

@@ -89,7 +89,7 @@ TEST(CsvLayout, ConvertsEveryUnitToSi) {
   const Read r = read(kMinimal, "500, 100, 200, 300, 0, 0, 0, 1, 2\n");
   ASSERT_EQ(r.rows.size(), 1u);
   EXPECT_DOUBLE_EQ(r.rows[0].time_s, 0.5);
-  EXPECT_DOUBLE_EQ(r.rows[0].stamp_s, 1000.5);
+  EXPECT_DOUBLE_EQ(r.rows[0].stamp.s, 1000.5);
   ASSERT_TRUE(r.rows[0].bodies[0]);
   EXPECT_TRUE(r.rows[0].bodies[0]->p_mocap.isApprox(Eigen::Vector3d(0.1, 0.2, 0.3)));
   EXPECT_NEAR(*r.rows[0].pressures_pa[0], 100000 + 2 * 6894.757293168, 1e-6);
@@ -178,7 +178,7 @@ TEST(CsvRecording, IsReadAsProgramsWriteIt) {
     SCOPED_TRACE(what);
     const Read r = read(std::string(keys) + kMinimal, csv);
     ASSERT_EQ(r.rows.size(), 1u);
-    EXPECT_EQ(r.rows[0].stamp_s, plain.rows[0].stamp_s);
+    EXPECT_EQ(r.rows[0].stamp.s, plain.rows[0].stamp.s);
     EXPECT_EQ(r.rows[0].bodies[0]->p_mocap, plain.rows[0].bodies[0]->p_mocap);
     EXPECT_EQ(*r.rows[0].pressures_pa[0], *plain.rows[0].pressures_pa[0]);
   }

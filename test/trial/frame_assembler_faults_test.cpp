@@ -155,7 +155,7 @@ TEST(FrameAssemblerTime, LeftoversOfTheOldTimeAreNotANewTime) {
   EXPECT_FALSE(assembler.take_time_jump());
   const auto frames = assembler.take();
   EXPECT_EQ(frames.back().bodies.size(), 3u);
-  EXPECT_NEAR(frames.back().stamp_s, feed.stamp(239), 1e-9);
+  EXPECT_NEAR(frames.back().stamp_s(), feed.stamp(239), 1e-9);
   EXPECT_GE(frames.size(), 480u + 235u);
 }
 

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <random>
 
 #include "trial/frame_assembler.h"
@@ -79,7 +81,7 @@ Waiting run(const std::vector<Message>& sorted, bool when_taken = false, std::si
   const auto take = [&](double now_s) {
     for (const trial::Frame& frame : assembler.take()) {
       result.pressures.push_back(frame.inputs.at(0));
-      if (frame.stamp_s > 101.0) result.longest_s = std::max(result.longest_s, now_s - frame.stamp_s);
+      if (frame.stamp_s() > 101.0) result.longest_s = std::max(result.longest_s, now_s - frame.stamp_s());
     }
   };
   std::size_t added = 0;
@@ -177,7 +179,7 @@ TEST(FrameInputs, SamplesGoWithTheFirstFrameAtOrAfterThemEachOnce) {
   const auto take = [&] {
     for (const trial::Frame& frame : assembler.take()) {
       for (const trial::InputSample& sample : frame.samples) {
-        EXPECT_LE(1e-9 * static_cast<double>(sample.stamp_ns), frame.stamp_s + 1e-6);
+        EXPECT_LE(1e-9 * static_cast<double>(sample.stamp_ns), frame.stamp_s() + 1e-6);
         samples.push_back(sample);
       }
       if (frame.samples.empty()) continue;
@@ -260,8 +262,30 @@ TEST(FrameInputs, LatenciesAreSubtracted) {
   assembler.add_body(0, 100.0, {0.0, 0.0, 0.2}, std::nullopt);          // was there at 99.98
   const auto frames = assembler.take();
   ASSERT_EQ(frames.size(), 1u);
-  EXPECT_NEAR(frames[0].stamp_s, 99.98, 1e-9);
+  EXPECT_NEAR(frames[0].stamp_s(), 99.98, 1e-9);
   EXPECT_NEAR(frames[0].inputs[0].value(), 1.0, 1e-9);
+}
+
+TEST(FrameInputs, StampsOfADateKeepTheirNanoseconds) {
+  arm::Arm arm = one_ring_arm();
+  arm.inputs.body_latency_s = 0.002;
+  arm.inputs.scalars[0].latency_s = 0.001;
+  trial::FrameAssembler assembler(arm);
+  constexpr std::int64_t kDate_ns = 1'700'000'000'123'456'789;
+  assembler.add_input(0, trial::Stamp::from_ns(kDate_ns - 3'000'000), arm.inputs.ambient_pressure_pa + 1.0);
+  assembler.add_body(0, trial::Stamp::from_ns(kDate_ns), {0.0, 0.0, 0.2}, std::nullopt);
+  assembler.flush();
+  const auto frames = assembler.take();
+  ASSERT_EQ(frames.size(), 1u);
+  EXPECT_EQ(frames[0].stamp_ns, kDate_ns - 2'000'000);
+  ASSERT_EQ(frames[0].samples.size(), 1u);
+  EXPECT_EQ(frames[0].samples[0].stamp_ns, kDate_ns - 4'000'000);
+  EXPECT_EQ(trial::to_seconds(1'500'000'000), 1.5);
+  EXPECT_EQ(trial::to_seconds(-1'500'000'000), -1.5);
+  EXPECT_EQ(trial::to_nanoseconds(-0.25), -250'000'000);
+  EXPECT_EQ(trial::Stamp(1.6e9).later(0.123456789).ns, 1'600'000'000'123'456'789);
+  EXPECT_FALSE(std::isfinite(trial::Stamp(std::numeric_limits<double>::quiet_NaN()).s));
+  EXPECT_FALSE(std::isfinite(trial::Stamp(1e13).s));
 }
 
 TEST(FrameInputs, ABodyThatTheDriverDoesNotSeeIsNotWaitedFor) {

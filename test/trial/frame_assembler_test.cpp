@@ -53,7 +53,7 @@ TEST(FrameAssembler, FramesDoNotDependOnTheOrderOfTopics) {
   ASSERT_EQ(ordered.size(), 240u);
   ASSERT_EQ(bursts.size(), 240u);
   for (std::size_t k = 0; k < ordered.size(); ++k) {
-    EXPECT_EQ(ordered[k].stamp_s, bursts[k].stamp_s);
+    EXPECT_EQ(ordered[k].stamp_s(), bursts[k].stamp_s());
     ASSERT_EQ(bursts[k].bodies.size(), 3u);
     ASSERT_TRUE(bursts[k].base_body);
     for (int i = 0; i < 3; ++i) {
@@ -88,12 +88,12 @@ TEST(FrameAssembler, LostBodyDelaysFramesOnceAndReturns) {
     }
     for (const trial::Frame& frame : assembler.take()) {
       ++emitted;
-      const double delay = feed.stamp(k) - frame.stamp_s;
+      const double delay = feed.stamp(k) - frame.stamp_s();
       longest_delay = std::max(longest_delay, delay);
       delayed += delay > 0.0;
-      const bool without = frame.stamp_s > feed.stamp(239.5) && frame.stamp_s < feed.stamp(479.5);
+      const bool without = frame.stamp_s() > feed.stamp(239.5) && frame.stamp_s() < feed.stamp(479.5);
       // The first sample after the loss may come after the others have closed its frame.
-      if (std::abs(frame.stamp_s - feed.stamp(480)) > 1e-6) {
+      if (std::abs(frame.stamp_s() - feed.stamp(480)) > 1e-6) {
         EXPECT_EQ(frame.bodies.size(), without ? 2u : 3u);
       }
     }

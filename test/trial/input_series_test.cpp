@@ -116,7 +116,7 @@ TEST_F(Recorded, InputsKeepTheirStampsAndServeKnownFrames) {
   run(assembler, 1000.0);
   TrialRecorder recorder(arm_, "one");
   for (Frame& frame : assembler.take()) {
-    for (const InputSample& sample : frame.samples) EXPECT_LE(1e-9 * sample.stamp_ns, frame.stamp_s + 1e-6);
+    for (const InputSample& sample : frame.samples) EXPECT_LE(1e-9 * sample.stamp_ns, frame.stamp_s() + 1e-6);
     recorder.add(std::move(frame));
   }
   recorder.add(assembler.take_samples());

@@ -155,7 +155,7 @@ TEST_F(LayoutGuess, UnitsOfTimeByTheSteps) {
   const trial::LayoutGuess g = guess(recording(style));
   EXPECT_TRUE(g.from_epoch);
   expect_right(g);
-  EXPECT_NEAR(read(g).front().stamp_s, 1.7e9, 1e-3);
+  EXPECT_NEAR(read(g).front().stamp.s, 1.7e9, 1e-3);
 }
 
 TEST_F(LayoutGuess, MillimetresAndTheFileThatCountsFromTheTip) {

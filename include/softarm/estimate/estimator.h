@@ -23,7 +23,7 @@ enum class Status {
   kMissingPayload,   ///< stiffness is asked for, but the payload is not known
   kMissingInputs,    ///< the prior or the known stiffness needs pressures, tensions or angles that are absent
   kInvalidInput,     ///< non-finite or absurd numbers (kilometres, zero quaternion)
-  kNoConvergence,    ///< the solver found no fit
+  kNoConvergence,    ///< the solver found no fit, or had not converged in its iterations
   kInconsistent,     ///< converged, but to a shape that the measurements contradict grossly
 };
 
@@ -104,7 +104,8 @@ struct Estimate {
 ///
 /// 1. Base pose from its markers; measured bodies into the rod's base frame; gravity too.
 /// 2. Start: the last frame's solution if it explains this frame, else one built from the measured shape.
-/// 3. Levenberg-Marquardt (Ceres) on actuation curvature, flexibility (or payload) and length per segment.
+/// 3. Levenberg-Marquardt (Ceres) on actuation curvature, flexibility (or payload) and length per segment. A
+///    fit that has not met its tolerance in its iterations is no estimate: kNoConvergence.
 /// 4. A body that the others contradict is set aside and the fit repeated.
 /// 5. Covariance, which parameters are identifiable, residuals, backbone.
 ///
@@ -149,6 +150,9 @@ class SOFTARM_EXPORT Estimator {
   void set_unknown(arm::Unknown unknown);
   /// Number of evenly spaced points of Estimate::backbone (41 by default; 0: none, which saves their cost).
   void set_backbone_points(int count);
+  /// Number of iterations in which a fit must meet its tolerance; a frame whose fit has not is refused, as
+  /// kNoConvergence. 59 by default, several times what frames take.
+  void set_most_iterations(int count);
 
  private:
   struct Impl;

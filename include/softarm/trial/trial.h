@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -13,6 +14,18 @@
 #include "softarm/export.h"
 
 namespace softarm::trial {
+
+/// A stamp in seconds, for differences: of a date a double holds them to a quarter of a microsecond.
+inline double to_seconds(std::int64_t stamp_ns) {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  return static_cast<double>(stamp_ns / kSecond) + 1e-9 * static_cast<double>(stamp_ns % kSecond);
+}
+
+/// The nearest stamp. @param stamp_s finite
+inline std::int64_t to_nanoseconds(double stamp_s) {
+  const double whole_s = std::floor(stamp_s);
+  return static_cast<std::int64_t>(whole_s) * 1'000'000'000 + std::llround(1e9 * (stamp_s - whole_s));
+}
 
 /// Pose of one measured body (index into Arm::bodies), as its driver reports it.
 struct BodyObservation {
@@ -30,7 +43,8 @@ struct InputSample {
 
 /// Everything known at one stamp. Absent is absent.
 struct Frame {
-  double stamp_s = 0.0;
+  std::int64_t stamp_ns = 0;  ///< as the bodies' source stamped it; its latency is subtracted
+  double stamp_s() const { return to_seconds(stamp_ns); }
   std::optional<Eigen::Isometry3d> base_body;  ///< pose of Base::body in mocap; unused for a fixed base
   std::vector<BodyObservation> bodies;
   arm::InputValues inputs;           ///< empty or in the order of Arm::inputs.scalars
@@ -62,7 +76,8 @@ struct SOFTARM_EXPORT InputSeries {
   /// @param pattern of its steps, where it is known; absent: too few
   void decide(std::optional<arm::Between> stated, const std::optional<StepPattern>& pattern);
   /// Its value at an instant; absent before the first sample.
-  std::optional<double> at(double stamp_s) const;
+  std::optional<double> at(double stamp_s) const { return at_ns(to_nanoseconds(stamp_s)); }
+  std::optional<double> at_ns(std::int64_t t_ns) const;
   /// Drops samples that no instant from then on needs, once they are more than a number.
   void forget_before(double stamp_s, std::size_t at_most);
 };

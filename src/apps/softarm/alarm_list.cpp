@@ -12,7 +12,7 @@ constexpr std::size_t kMostAlarms = 20;
 }  // namespace
 
 void AlarmList::add(const trial::Frame& frame, const estimate::Estimate& estimate) {
-  if (!first_s_) first_s_ = frame.stamp_s;
+  if (!first_s_) first_s_ = frame.stamp_s();
   const monitor::Mismatch& mismatch = monitor_.add(frame, estimate);
   if (mismatch.alarm) {
     if (!alarmed_) {
@@ -23,7 +23,7 @@ void AlarmList::add(const trial::Frame& frame, const estimate::Estimate& estimat
       }
     }
     if (more_ == 0) {
-      alarms_.back() = {mismatch.onset_s.value_or(frame.stamp_s) - *first_s_, frame.stamp_s - *first_s_,
+      alarms_.back() = {mismatch.onset_s.value_or(frame.stamp_s()) - *first_s_, frame.stamp_s() - *first_s_,
                         mismatch.description};
     }
   }

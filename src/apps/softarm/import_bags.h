@@ -49,9 +49,9 @@ class ImportBags {
   std::string trial_;
   double trial_start_s_ = 0.0;
   long piece_ = 0;
-  std::size_t next_step_ = 0;           // of the layout's payload
-  std::optional<double> payload_kg_;    // last published
-  std::optional<double> last_stamp_s_;  // of the bag's last row
+  std::size_t next_step_ = 0;               // of the layout's payload
+  std::optional<double> payload_kg_;        // last published
+  std::optional<trial::Stamp> last_stamp_;  // of the bag's last row
   bool left_out_ = false;
 };
 

@@ -174,7 +174,7 @@ void compare(const arm::Arm& identified, std::size_t number, const std::vector<H
     const auto measured = measured_points(held[i].frames.front(), model);
     std::vector<Eigen::Vector3d> ours;
     for (const identify::FrameComparison& f : frames) {
-      if (f.stamp_s != held[i].frames.front().stamp_s) continue;
+      if (f.stamp_s != held[i].frames.front().stamp_s()) continue;
       for (const identify::BodyComparison& body : f.bodies) ours.push_back(body.predicted_p_base);
     }
     const published::CableArm their =

@@ -65,7 +65,7 @@ arm::InputValues input_values(const arm::Arm& arm, const Hold& hold) {
 trial::Frame frame_of(const rig::Sample& sample, const std::vector<std::string>& names, const arm::Arm& arm,
                       const Hold& hold) {
   trial::Frame frame;
-  frame.stamp_s = sample.stamp_s;
+  frame.stamp_ns = trial::to_nanoseconds(sample.stamp_s);
   frame.inputs = input_values(arm, hold);
   frame.payload_kg = hold.payload_kg;
   for (std::size_t i = 0; i < names.size(); ++i) {
