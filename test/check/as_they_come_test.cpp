@@ -169,12 +169,21 @@ TEST_F(AsTheyCome, PressureThroughoutIsNoWrongUnit) {
   EXPECT_THAT(find(report(), "pressure_unit")->setting, HasSubstr("reference: absolute"));
 }
 
+double stamp_of(const trial::Frame& frame) {
+  return frame.stamp_s();
+}
+template <typename Sample>
+double stamp_of(const Sample& sample) {
+  return sample.stamp_s;
+}
+
 TEST_F(AsTheyCome, WhatTheImportLeftOutIsNoGapAndNothingSticksThere) {
   const auto cut = [](auto& samples) {
-    samples.erase(
-        std::remove_if(samples.begin(), samples.end(),
-                       [](const auto& s) { return s.stamp_s > kStart + 5.0 && s.stamp_s < kStart + 11.0; }),
-        samples.end());
+    samples.erase(std::remove_if(samples.begin(), samples.end(),
+                                 [](const auto& s) {
+                                   return stamp_of(s) > kStart + 5.0 && stamp_of(s) < kStart + 11.0;
+                                 }),
+                  samples.end());
   };
   for (auto& body : recording.bodies) cut(body);
   for (auto& input : recording.inputs) cut(input);

@@ -81,7 +81,9 @@ Waiting run(const std::vector<Message>& sorted, bool when_taken = false, std::si
   const auto take = [&](double now_s) {
     for (const trial::Frame& frame : assembler.take()) {
       result.pressures.push_back(frame.inputs.at(0));
-      if (frame.stamp_s() > 101.0) result.longest_s = std::max(result.longest_s, now_s - frame.stamp_s());
+      const std::int64_t waited_ns = trial::to_nanoseconds(now_s) - frame.stamp_ns;
+      if (frame.stamp_s() > 101.0)
+        result.longest_s = std::max(result.longest_s, 1e-9 * static_cast<double>(waited_ns));
     }
   };
   std::size_t added = 0;

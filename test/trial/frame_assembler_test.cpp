@@ -88,7 +88,7 @@ TEST(FrameAssembler, LostBodyDelaysFramesOnceAndReturns) {
     }
     for (const trial::Frame& frame : assembler.take()) {
       ++emitted;
-      const double delay = feed.stamp(k) - frame.stamp_s();
+      const double delay = 1e-9 * static_cast<double>(trial::to_nanoseconds(feed.stamp(k)) - frame.stamp_ns);
       longest_delay = std::max(longest_delay, delay);
       delayed += delay > 0.0;
       const bool without = frame.stamp_s() > feed.stamp(239.5) && frame.stamp_s() < feed.stamp(479.5);
