@@ -317,7 +317,8 @@ bool Estimator::Impl::set_knowns(const trial::Frame& frame) {
   if (extension) laws_at_frame = *predictions;
   const bool believed = !arcs && (options.prior.enabled || window);
   if (believed) {
-    law = frame_law(arm, options.prior, *predictions, problem.reference_stiffnesses(), window.has_value());
+    law = frame_law(arm, options.prior, *predictions, problem.reference_stiffnesses(), window.has_value(),
+                    frame.inputs);
     allow_for_memory(options.prior, memory, unknown_starts(*predictions), *predictions, law);
     if (!have_last) stretch_m.assign(arm.segments.size(), 0.0);
     allow_for_axial_stiffness(options.prior, stretch_m, law);

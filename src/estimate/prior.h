@@ -33,8 +33,9 @@ struct FrameLaw {
   Eigen::VectorXd information;      ///< on z, of the laws themselves (diagonal); 0: nothing is known
   Eigen::VectorXd memory_variance;  ///< of z, for what the walls' memory lacks; it is in `information`
   std::vector<int> passing;         ///< columns of x whose jitter is bounded
-  /// What errors of the gains add to x: two per segment, of the moment along it and across. A gain that is
-  /// off errs with the moment: frames of different moments tell it from a constant error, which z has.
+  /// What errors of the gains add to x: two per segment, of its moment along it, as all its gains share it,
+  /// and across; and one for each actuator's own. A gain that is off errs with the moment: frames of
+  /// different moments tell it from a constant error, which z has.
   Eigen::MatrixXd gains;
   double gain_variance = 0.0;  ///< of each; where it is 0 their error is in `information`
 };
@@ -42,9 +43,11 @@ struct FrameLaw {
 /// @param predictions one per segment where the inputs are known; else those of the laws at no input
 /// @param reference_stiffness the flexibility 1 of each segment
 /// @param gains_apart gains err by themselves, not as a constant error of this frame's size
+/// @param inputs at which the predictions are; empty: actuators do nothing by themselves
 FrameLaw frame_law(const arm::Arm& arm, const arm::LawPrior& prior,
                    const std::vector<arm::SegmentPrediction>& predictions,
-                   const std::vector<double>& reference_stiffness, bool gains_apart = false);
+                   const std::vector<double>& reference_stiffness, bool gains_apart = false,
+                   const arm::InputValues& inputs = {});
 
 /// Adds what is not known of the memories of walls and effects: of how they were when the recording began,
 /// and of gaps. Only where the prior is enabled.

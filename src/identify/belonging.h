@@ -24,8 +24,9 @@ struct Belonging {
 };
 
 /// The bodies of an arm whose laws are rough are a bend away from the prediction, not an arm's length. Beyond
-/// kFarthest of its length something else is wrong: axes, units, the order of the quaternion, the attitude of
-/// the base in its body. Each is tried on some frames.
+/// kFarthest of its length something else is wrong, and where another reading leaves less than kBetter of the
+/// error that reading is: of axes, units, lengths, the order of the quaternion, the attitude of the base in
+/// its body. Each is tried on some frames.
 Belonging belonging(const arm::Arm& arm, const std::vector<trial::Trial>& trials);
 
 /// One line for the user; empty where they belong together.

@@ -310,6 +310,7 @@ void set_starts(const LawModel& model, const EffectLines* lines, const Solution&
       const double scale = of.sd;
       of.trial = name;
       of.value = scale * effects[e];
+      if (of.unit == "1") of.value = std::clamp(of.value, -1.0, 1.0);  // a share: as the effect takes it
       of.sd = scale * sd[walls + e];
       result.effect_starts.push_back(of);
     }

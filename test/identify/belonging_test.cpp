@@ -64,7 +64,7 @@ TEST_F(Belongs, OtherUnitsAreFound) {
       belonging(arm_, misread([](const Eigen::Vector3d& p) { return Eigen::Vector3d(1e3 * p); },
                               [](const Eigen::Quaterniond& q) { return q; }));
   ASSERT_FALSE(found.together);
-  EXPECT_EQ(found.tried.front().name, "positions in mm");
+  EXPECT_THAT(found.tried.front().name, HasSubstr("positions in mm in place of m (inputs.bodies.unit"));
   EXPECT_LT(found.tried.front().mean_m, 2e-3);
   EXPECT_THAT(describe(found), HasSubstr("DO NOT BELONG TOGETHER"));
   EXPECT_THAT(describe(found), HasSubstr("With positions in mm"));
