@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""What the pages say of the tree is so: links, paths, constants of the code, the plan of the rooms, the glossary's order."""
+"""What the pages say of the tree is so: links, paths, constants of the code, the plan of the rooms, the glossary's
+order, the map of the pages, fields of messages and parameters of nodes, the length of the README."""
 import fnmatch
 import os
 import re
@@ -10,6 +11,9 @@ import urllib.parse
 import tree
 
 TOP = ("src", "include", "test", "scripts", "config", "doc", "launch", "msg", "srv", "cmake", "bench", "rviz")
+README_WORDS = 900
+PARAMETERS = {"src/ros/node_params.cpp": "estimator_node", "src/apps/simulator_node.cpp": "simulator_node",
+              "src/apps/diagnose_node/params.cpp": "diagnose_node"}
 ROOMS = re.compile(r"<!-- rooms: generated -->\n(.*?)<!-- end -->\n", re.S)
 
 
@@ -68,17 +72,54 @@ def glossary(pages):
             break
 
 
+def readme(pages):
+    words = len(pages["README.md"].split())
+    if words > README_WORDS:
+        yield f"README.md: {words} words, allowed are {README_WORDS}"
+    for name in sorted(pages):
+        if re.fullmatch(r"doc/(?!README)[^/]+\.md", name) and f"]({name[4:]})" not in pages["doc/README.md"]:
+            yield f"doc/README.md: the map has no line for {name}"
+
+
+def section(page, title):
+    """What stands under a heading of the second level, to the next one."""
+    found = re.search(rf"^## {re.escape(title)}\n(.*?)(?=^## |\Z)", page, re.M | re.S)
+    return found.group(1) if found else ""
+
+
+def messages(page, texts):
+    """Every field of the messages and services, and every parameter of the nodes, has its place in doc/messages.md."""
+    asked = []
+    for name, text in texts.items():
+        title = os.path.splitext(os.path.basename(name))[0]
+        if name.startswith(("msg/", "srv/")) and not re.match("# As ", text):  # those mirror a driver's
+            asked += [(title, field) for field in re.findall(r"^(?!#)\S+ +(\w+)", text, re.M)]
+        elif name in PARAMETERS:
+            asked += [(f"Parameters of {PARAMETERS[name]}", parameter)
+                      for parameter in re.findall(r'(?:reader\.(?:word|flag|number)|\bparam(?:<[\w:]+>)?)\("(\w+)"', text)]
+    for title, word in asked:
+        cells = ".*" if word.isupper() else "[^|]*"  # a constant stands in the row of its field
+        if not re.search(rf"^\|{cells}`{word}`", section(page, title), re.M):
+            yield f"doc/messages.md: under '{title}' there is no row of `{word}`"
+    if len(asked) < 90:
+        yield f"doc/messages.md: only {len(asked)} fields and parameters were looked for"
+
+
 source, _ = tree.directories()
 names = tree.files(source)
-pages, code = {}, ""
+pages, texts, code = {}, {}, ""
 for name in names:
-    if name.endswith((".md", ".h", ".cpp")):
+    if name.endswith((".md", ".h", ".cpp", ".msg", ".srv")):
         with open(os.path.join(source, name), encoding="utf-8") as content:
             if name.endswith(".md"):
                 pages[name] = content.read()
             elif name.startswith(("src/", "include/")):
-                code += content.read()
-findings = [*rooms(pages, source), *glossary(pages)]
+                texts[name] = content.read()
+                code += texts[name]
+            elif name.endswith((".msg", ".srv")):
+                texts[name] = content.read()
+findings = [*rooms(pages, source), *glossary(pages), *readme(pages), *messages(pages["doc/messages.md"], texts)]
+findings += [f"{name}: not there, so its parameters are not looked for" for name in PARAMETERS if name not in texts]
 for name, text in sorted(pages.items()):
     findings += [*links(name, text, pages, names), *paths(name, text, names), *constants(name, text, code)]
 tree.finish(findings, "pages against the tree")
