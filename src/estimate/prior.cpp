@@ -35,7 +35,8 @@ std::vector<arm::ConstantRef> gains_of(const arm::Arm& arm) {
 
 /// The actuation of one actuator alone, N m: by its gain, times that.
 Eigen::Vector2d actuation_by(const arm::Arm& arm, const arm::ConstantRef& gain,
-                             const arm::InputReader& inputs) {
+                             const arm::InputValues& values) {
+  const arm::InputReader inputs(arm, values);
   const arm::Segment& segment = arm.segments[static_cast<std::size_t>(gain.segment)];
   const auto response = arm::respond(segment, inputs);
   arm::Change change;
@@ -116,14 +117,12 @@ FrameLaw frame_law(const arm::Arm& arm, const arm::LawPrior& prior,
       law.passing.push_back(il);
     }
   }
-  const arm::InputReader reader(arm, inputs);
   for (std::size_t a = 0; a < actuators.size() && !inputs.empty(); ++a) {
     const int i = actuators[a].segment;
     const auto index = static_cast<std::size_t>(i);
-    const double curvature_per_moment =
-        arm.segments[index].length_m / predictions[index].bending_stiffness_nm2;
     law.gains.block<2, 1>(Problem::column(i, 0), shared_gains + static_cast<Eigen::Index>(a)) =
-        curvature_per_moment * actuation_by(arm, actuators[a], reader);
+        arm.segments[index].length_m / predictions[index].bending_stiffness_nm2 *
+        actuation_by(arm, actuators[a], inputs);
   }
   return law;
 }
