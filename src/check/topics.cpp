@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <boost/algorithm/string.hpp>
+#include <string>
+#include <vector>
 
 #include "arm/body_types.h"
 #include "arm/edit_distance.h"
@@ -12,6 +14,17 @@
 namespace softarm::check {
 namespace {
 
+/// Whether every part of a topic's name is another's, or nearly: "tip" is no slip of the pen for "base".
+bool alike(const std::string& a, const std::string& b) {
+  std::vector<std::string> of_a, of_b;
+  boost::split(of_a, a, boost::is_any_of("/"));
+  boost::split(of_b, b, boost::is_any_of("/"));
+  if (of_a.size() != of_b.size()) return true;  // a prefix more or less
+  return std::equal(of_a.begin(), of_a.end(), of_b.begin(), [](const std::string& x, const std::string& y) {
+    return x == y || arm::yaml::nearest_word(x, {y});
+  });
+}
+
 /// Another topic of the right type that may be the missing one under another name.
 std::optional<std::string> near_miss(const trial::RecordedTopic& missing,
                                      const trial::CheckRecording& recording) {
@@ -20,8 +33,10 @@ std::optional<std::string> near_miss(const trial::RecordedTopic& missing,
     any.push_back(topic);
     if (type == missing.type) same_type.push_back(topic);
   }
-  if (const auto near = arm::yaml::nearest_word(missing.topic, same_type)) return near;
-  if (const auto near = arm::yaml::nearest_word(missing.topic, any)) return near;
+  for (const std::vector<std::string>& list : {same_type, any}) {
+    const auto near = arm::yaml::nearest_word(missing.topic, list);
+    if (near && alike(missing.topic, *near)) return near;
+  }
   // "/vrpn_client_node/tip/pose" for "/mocap/tip/pose": the body's name is in it.
   const std::string name = boost::to_lower_copy(missing.feeds);
   for (const std::string& topic : same_type) {

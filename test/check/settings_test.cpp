@@ -496,6 +496,24 @@ TEST(CheckSettings, EverySettingFollowedToTheLetterIsTakenAndRepairsWhatItCan) {
   EXPECT_EQ(with_setting, expected);
 }
 
+TEST(CheckSettings, AnotherBodysTopicIsNotTakenForOneThatIsMissing) {
+  trial::CheckRecording recording = clean();
+  auto& topic = *std::find_if(recording.topics.begin(), recording.topics.end(),
+                              [](const trial::RecordedTopic& t) { return t.feeds == "ring_3"; });
+  topic.topic = "/mocap/tip/pose";
+  topic.found_type.clear();
+  recording.bodies[3].clear();
+  recording.other_topics["/mocap/base/pose"] = "geometry_msgs/PoseStamped";
+  const arm::Arm arm = arm::parse_arm(kArm, "arm");
+  const check::CheckReport report = check::check_recording(recording, arm);
+  const check::CheckFinding* finding = find(report, "missing_topic");
+  ASSERT_NE(finding, nullptr) << to_text(report);
+  EXPECT_EQ(finding->setting, "") << to_text(report);
+  recording.other_topics["/mocap/tp/pose"] = "geometry_msgs/PoseStamped";
+  EXPECT_NE(find(check::check_recording(recording, arm), "missing_topic")->remedy.find("/mocap/tp/pose"),
+            std::string::npos);
+}
+
 /// A new setting wants a case above.
 TEST(CheckSettings, EverySourceWithASettingIsAmongThoseThatAreFollowed) {
   std::map<std::string, int> found;
