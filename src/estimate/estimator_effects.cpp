@@ -81,6 +81,7 @@ bool Estimator::Impl::fit_again(bool whole) {
     problem.begin();
     return solve_with_window();
   }
+  if (!problem.evaluate(x)) x = extension->at().x;  // where the line is there is a shape
   if (!problem.evaluate(x) || !minimise()) {
     have_last = false;
     fail(Status::kNoConvergence, "the fit was lost when the arm's effects were worked out anew");

@@ -14,6 +14,8 @@ using Eigen::VectorXd;
 // Steps of differences, by parameter of a segment and of the payload: bodies move by about a millimetre.
 constexpr double kStep[kSegmentParameters] = {0.02, 0.02, 0.03, 0.005};
 constexpr double kPayloadStep = 0.05;
+constexpr int kHalvings = 4;  // of the way to where the arm has no equilibrium with effects
+constexpr double kNotThere_sd = 2.0 * kPolicy.effects.agrees_sd;  // of a line that is not where the fit is
 
 }  // namespace
 
@@ -93,7 +95,9 @@ bool ExtendedFrame::solve(const Problem& problem, const VectorXd& x,
 
 std::optional<ExtendedFrame::Difference> ExtendedFrame::difference(
     Problem& problem, const VectorXd& x, const std::vector<arm::SegmentPrediction>& laws) {
-  if (!problem.evaluate(x) || !solve(problem, x, laws)) return std::nullopt;
+  // A fit may have run beyond a buckling load, from where no step leads back; the last shape is on this side.
+  const bool evaluated = problem.evaluate(x) || (near_tip_ && problem.evaluate(x, near_tip_));
+  if (!evaluated || !solve(problem, x, laws)) return std::nullopt;
   const model::Bodies& with = online_.bodies();
   Difference d{with.p, Eigen::Matrix3Xd::Zero(3, with.p.cols())};
   for (int b = 0; b < static_cast<int>(with.p.cols()); ++b) {
@@ -205,8 +209,14 @@ bool ExtendedFrame::linearise(Problem& problem, const VectorXd& x,
 
 std::optional<double> ExtendedFrame::move_line(Problem& problem, const VectorXd& x,
                                                const std::vector<arm::SegmentPrediction>& laws) {
-  const VectorXd y = within_range(problem, x);
-  const std::optional<Difference> here = difference(problem, y, laws);
+  VectorXd y = within_range(problem, x);
+  std::optional<Difference> here = difference(problem, y, laws);
+  // A parameter that the bodies hardly tell may run far with an old line: then part of the way.
+  const bool arrived = here.has_value();
+  for (int i = 0; i < kHalvings && !here; ++i) {
+    y = 0.5 * (y + at_.x);
+    here = difference(problem, y, laws);
+  }
   if (y != x) problem.evaluate(x);
   if (!here) return std::nullopt;
   start_here();
@@ -227,7 +237,7 @@ std::optional<double> ExtendedFrame::move_line(Problem& problem, const VectorXd&
                              kPolicy.effects.forgets * off_sd_per_way_.value_or(0.0));
   if (share > kPolicy.effects.short_way) correct_derivative(problem, way, more);
   put_line(y, *here);
-  return off_sd;
+  return arrived ? off_sd : std::max(off_sd, kNotThere_sd);
 }
 
 void ExtendedFrame::correct_derivative(const Problem& problem, const VectorXd& way, const Difference& more) {
