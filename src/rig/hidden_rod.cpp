@@ -31,6 +31,15 @@ bool is_cap(const Scenario& scenario, const Part& part) {
          (1.0 - part.middle()) * length_m < scenario.body.rigid_ends->tip_m;
 }
 
+/// The part's bending stiffness over that of its segment for a joint that it is.
+double joint_ratio(const Scenario& scenario, const Part& part) {
+  const SegmentSpec& segment = scenario.arm.segments[part.segment];
+  if (!segment.joint || (part.begin + 0.5 * part.share) * segment.length_m > segment.joint->length_m)
+    return 1.0;
+  return 1.0 /
+         (1.0 + segment.stiffness_base_nm2 / (segment.joint->stiffness_nm_per_rad * segment.joint->length_m));
+}
+
 bool sections_differ(const BodySpec& body) {
   return body.stiffness_taper != 0.0 || body.actuation_taper != 0.0 || body.soft_spot || body.rigid_ends;
 }
@@ -38,7 +47,8 @@ bool sections_differ(const BodySpec& body) {
 std::function<SectionRatios(double)> sections(const Scenario& scenario, const Part& part) {
   const BodySpec body = scenario.body;
   const bool cap = is_cap(scenario, part);
-  return [body, part, cap](double fraction) {
+  const double joint = joint_ratio(scenario, part);
+  return [body, part, cap, joint](double fraction) {
     const double within_segment = 2.0 * (part.begin + part.share * fraction) - 1.0;
     SectionRatios ratios;
     ratios.bending = 1.0 + body.stiffness_taper * within_segment;
@@ -47,7 +57,8 @@ std::function<SectionRatios(double)> sections(const Scenario& scenario, const Pa
           spot_ratio(*body.soft_spot, part.first_fraction + (part.fraction - part.first_fraction) * fraction);
     if (cap) ratios.bending *= kRigid;
     ratios.twist = ratios.bending;
-    ratios.actuation = cap ? 0.0 : 1.0 + body.actuation_taper * within_segment;
+    ratios.bending *= joint;
+    ratios.actuation = cap ? 0.0 : joint * (1.0 + body.actuation_taper * within_segment);
     return ratios;
   };
 }
@@ -140,6 +151,11 @@ std::vector<double> hidden_places(const Scenario& scenario) {
     places.push_back(body.soft_spot->centre_fraction - 0.5 * body.soft_spot->width_fraction);
     places.push_back(body.soft_spot->centre_fraction + 0.5 * body.soft_spot->width_fraction);
   }
+  double begin_m = 0.0;
+  for (const SegmentSpec& segment : scenario.arm.segments) {
+    if (segment.joint) places.push_back((begin_m + segment.joint->length_m) / length_m);
+    begin_m += segment.length_m;
+  }
   if (body.mass_lump) places.push_back(body.mass_lump->fraction);
   if (body.plane_stiffness) places.push_back(body.plane_stiffness->to_fraction);
   if (body.one_sided_softness) places.push_back(body.one_sided_softness->to_fraction);
@@ -160,7 +176,8 @@ std::vector<double> hidden_places(const Scenario& scenario) {
 void hide_in_rod(const Scenario& scenario, const Cut& cut, RitzRodParams& params) {
   const BodySpec& body = scenario.body;
   for (std::size_t j = 0; j < cut.parts.size(); ++j) {
-    if (sections_differ(body)) params.pieces[j].sections = sections(scenario, cut.parts[j]);
+    if (sections_differ(body) || joint_ratio(scenario, cut.parts[j]) != 1.0)
+      params.pieces[j].sections = sections(scenario, cut.parts[j]);
     params.pieces[j].laws = laws(body, cut.parts[j]);
   }
   distribute_mass(scenario, cut, params);

@@ -92,6 +92,13 @@ struct CreepSpec {
   double before_length_m = 0.0;
 };
 
+/// A joint where a segment begins, which gives way: its first stretch, that short, bends under loads by their
+/// moment over this more. What drives the segment bends it there as everywhere.
+struct JointSpec {
+  double stiffness_nm_per_rad = 1.0;  ///< where EI is stiffness_base_nm2; in proportion where it is not
+  double length_m = 0.004;
+};
+
 /// Two-term Mooney-Rivlin rubber. Only the ratio of its constants matters: the stiffnesses are given.
 struct MaterialSpec {
   double c10_pa = 0.0;
@@ -115,6 +122,7 @@ struct SegmentSpec {
   std::vector<StiffnessGrowth> stiffness_growth;
   SaturationSpec saturation;
   CreepSpec creep;
+  std::optional<JointSpec> joint;
   std::vector<StiffnessAtPressure> stiffness_by_pressure;  ///< replaces b1 and the material's stiffening
   double torsional_stiffness_nm2 = 0.03;
   std::optional<double> axial_stiffness_n;  ///< EA of the unstretched wall; absent: rigid

@@ -132,6 +132,17 @@ void parse_creep(YamlMap& map, SegmentSpec& segment) {
   entry.finish();
 }
 
+void parse_joint(YamlMap& map, SegmentSpec& segment) {
+  if (!map.has("joint")) return;
+  YamlMap entry = map.map("joint");
+  JointSpec joint;
+  joint.stiffness_nm_per_rad = entry.number("stiffness_nm_per_rad", {1e-4, 1e6});
+  joint.length_m =
+      entry.number("length_m", {0.01 * segment.length_m, 0.5 * segment.length_m}, 0.02 * segment.length_m);
+  entry.finish();
+  segment.joint = joint;
+}
+
 void parse_stiffness(YamlMap& map, SegmentSpec& segment) {
   double last_pa = -1e9;
   for (YamlMap& entry : map.maps("stiffness_by_pressure")) {
@@ -225,6 +236,7 @@ SegmentSpec parse_segment(YamlMap& map, Names& names) {
   parse_stiffness(map, segment);
   parse_saturation(map, segment);
   parse_creep(map, segment);
+  parse_joint(map, segment);
   return segment;
 }
 

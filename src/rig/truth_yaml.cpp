@@ -79,6 +79,12 @@ void write(YAML::Emitter& out, const SegmentSpec& segment) {
   write(out, segment.stiffness_growth);
   write(out, segment.saturation);
   write(out, segment.creep);
+  if (segment.joint) {
+    out << YAML::Key << "joint" << YAML::Value << YAML::Flow << YAML::BeginMap;
+    write(out, "stiffness_nm_per_rad", segment.joint->stiffness_nm_per_rad);
+    write(out, "length_m", segment.joint->length_m);
+    out << YAML::EndMap;
+  }
   write(out, "torsional_stiffness_nm2", segment.torsional_stiffness_nm2);
   write(out, "axial_stiffness_n", segment.axial_stiffness_n);
   write(out, "shear_stiffness_n", segment.shear_stiffness_n);

@@ -1,5 +1,5 @@
-// The compliance of joints, identified from frames and, at the base, from the virtual rig's own yielding
-// base.
+// The compliance of joints, identified from frames and from the virtual rig's own: a yielding base, a short
+// soft stretch of arm where segments meet.
 #include <cmath>
 
 #include "effects/drive_trials.h"
@@ -57,6 +57,28 @@ TEST(IdentifyJoint, OfTheRigsYieldingBaseIsRecovered) {
   ASSERT_NE(c, nullptr);
   EXPECT_TRUE(c->determined) << c->value << " " << c->sd;
   EXPECT_NEAR(c->value, kCompliance, 0.1 * kCompliance) << c->sd;
+  EXPECT_LT(with.held_out.mean_m, without.held_out.mean_m);
+}
+
+TEST(IdentifyJoint, OfTheRigsJointBetweenSegmentsIsRecovered) {
+  const arm::Arm arm = effects::testing::shipped_arm("two_segment");
+  constexpr double kCompliance = 1.0;
+  std::vector<trial::Trial> trials;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    rig::Scenario scenario = effects::testing::shipped_scenario("two_segment");
+    scenario.seed = seed;
+    scenario.duration_s = 30.0;
+    scenario.arm.segments[1].joint = rig::JointSpec{1.0 / kCompliance, 0.004};
+    trials.push_back(effects::testing::recorded_trial(arm, scenario, "trial_" + std::to_string(seed)));
+  }
+  Options rigid, options;
+  options.also_free = {"distal.joint_compliance"};
+  const Result without = identify(arm, trials, rigid), with = identify(arm, trials, options);
+  const Constant* c = find(with, "distal.joint_compliance");
+  ASSERT_NE(c, nullptr);
+  EXPECT_TRUE(c->determined) << c->value << " " << c->sd;
+  EXPECT_NEAR(c->value, kCompliance, std::max(2.0 * c->sd, 0.1 * kCompliance)) << c->sd;
+  EXPECT_LT(c->sd, 0.3 * kCompliance);
   EXPECT_LT(with.held_out.mean_m, without.held_out.mean_m);
 }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "rig/arm_cut.h"
 #include "rig/chain.h"
 #include "rig/rods.h"
 
@@ -183,6 +184,47 @@ TEST(RigSegments, MisfitsOfPiecesAreRefused) {
   EXPECT_THROW(RitzRod{params}, std::invalid_argument);
   params.pieces.clear();
   EXPECT_THROW(RitzRod{params}, std::invalid_argument);
+}
+
+/// Where the tip of a two-segment arm is in equilibrium, base frame.
+Eigen::Vector3d settled_tip(const Scenario& scenario) {
+  const Cut cut = cut_arm(scenario);
+  RitzRod rod(rod_params(scenario, cut));
+  std::vector<Actuation> actuation;
+  for (const SegmentSpec& segment : scenario.arm.segments) actuation.push_back(apply_laws(segment, Acting{}));
+  RitzRodInputs inputs;
+  inputs.pieces = piece_inputs(cut, actuation);
+  EXPECT_TRUE(rod.settle(inputs));
+  return rod.pose(1.0).translation();
+}
+
+// A joint turns as a hinge at its middle: against the hinge of the base, whose place differs by half its
+// length.
+TEST(RigSegments, AJointTurnsAsAHingeDoes) {
+  const std::string text = R"(format: 1
+name: joint
+duration_s: 0
+arm:
+  segments:
+    - {length_m: 0.1, mass_kg: 0.05, bending_stiffness: {base_nm2: 0.03})",
+                    rest = R"(}
+    - {length_m: 0.1, mass_kg: 0.05, bending_stiffness: {base_nm2: 0.02}}
+mount: {position_m: [0, 0, 1], attitude: horizontal}
+)";
+  Scenario hinge = parse_scenario(text + rest, "s.yaml");
+  const Eigen::Vector3d rigid = settled_tip(hinge);
+  hinge.body.base_stiffness_nm_per_rad = 1.5;
+  const double by_hinge_m = (settled_tip(hinge) - rigid).norm();
+  const auto by_joint_m = [&](const char* length) {
+    return (settled_tip(parse_scenario(
+                text + ", joint: {stiffness_nm_per_rad: 1.5, length_m: " + length + "}" + rest, "s.yaml")) -
+            rigid)
+        .norm();
+  };
+  EXPECT_GT(by_hinge_m, 0.01);
+  const double off_2mm = by_joint_m("0.002") - by_hinge_m, off_4mm = by_joint_m("0.004") - by_hinge_m;
+  EXPECT_LT(std::abs(off_2mm), 0.02 * by_hinge_m);
+  EXPECT_NEAR(off_4mm / off_2mm, 2.0, 0.2);
 }
 
 }  // namespace
