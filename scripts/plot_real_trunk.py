@@ -17,6 +17,7 @@ import pathlib
 import shutil
 import subprocess
 import sys
+import time
 
 try:
     import matplotlib
@@ -24,6 +25,7 @@ try:
 
     import real_diagnosis
     import real_regression
+    import real_trunk_facts
 except ImportError as error:
     sys.exit(f"{error}: apt-get install python3-matplotlib python3-sklearn")
 
@@ -37,11 +39,15 @@ LOADS = {"0g": ("observations_controlled_1", 0.0), "100g": ("observations_contro
          "300g": ("observations_controlled_1_300g", 0.3)}
 PAST_S = (0.1, 0.3, 1, 3)  # lags of the angles in the black box
 COLOURS = {"0g": "#1f6fb4", "100g": "#3a923a", "300g": "#d9730d"}
-FIT = ["--tie", "*.bending_stiffness.base", "--also-free", "*.rest_curvature.*", "--not-robust", "--frames", "100"]
+TIE = ["--tie", "*.bending_stiffness.base"]
+FIT = ["--also-free", "*.rest_curvature.*", "--frames", "100"]
+STARTED = time.monotonic()
 
 
 def run(program, *arguments):
     call = [program, *map(str, arguments)]
+    out = pathlib.Path(arguments[arguments.index("--out") + 1]).name
+    print(f"{time.monotonic() - STARTED:5.0f} s  softarm {call[1]} -> {out}", file=sys.stderr, flush=True)
     done = subprocess.run(call, stdout=subprocess.PIPE, universal_newlines=True)
     if done.returncode != 0:
         sys.exit(f"{' '.join(call)}: failed")
@@ -63,10 +69,15 @@ def import_all(program, data, work):
     run(program, "import", "tendon_trunk_decay", data / "observations_manual_decay_200g.csv", "--out", f"{work}/decay/")
 
 
-def identify(program, work, name, loads, held_out):
+def identify(program, work, name, loads, held_out, tie=True, robust=False):
     bags = [work / f"pieces/{load}_{i}.bag" for load in loads for i in range(10)]
-    return run(program, "identify", "--arm", "tendon_trunk", *bags, *FIT, "--hold-out", ",".join(held_out), "--out",
-               work / f"{name}.yaml", "--plot", work / f"plot_{name}", "--plot-all")
+    return run(program, "identify", "--arm", "tendon_trunk", *bags, *(TIE if tie else []), *FIT,
+               *([] if robust else ["--not-robust"]), "--hold-out", ",".join(held_out), "--out", work / f"{name}.yaml", "--plot",
+               work / f"plot_{name}", "--plot-all")
+
+
+def lines_of(text, *words):
+    return "\n".join("  " + line.strip() for line in text.splitlines() if any(word in line for word in words))
 
 
 def print_shape(rows):
@@ -81,6 +92,19 @@ def print_shape(rows):
                         f"({', '.join(f'{x:.1f}' for x in np.sqrt((d ** 2).mean(axis=0)))}; moves by "
                         f"{', '.join(f'{x:.0f}' for x in m.std(axis=0))})")
         print(f"  {load:<5}", ";  ".join(text))
+
+
+def print_amplitude(rows):
+    """Of the lowest disc in the held-out pieces of 0 and 300 g, over that without a load: measured and predicted."""
+    size = {}
+    for load in LOADS:
+        some = [r for r in rows if r["body"] == "disc_3" and r["trial"] in {f"{load}_{i}" for i in HELD_OUT}]
+        for what in ("measured", "after"):
+            places = np.array([[float(r[f"{what}_{axis}"]) for axis in "xy"] for r in some])
+            size[load, what] = np.sqrt(((places - places.mean(axis=0)) ** 2).sum(axis=1).mean())
+    print("\namplitude of the lowest disc in pieces 2, 5 and 8, over that of 0 g: " + "; ".join(
+        f"{load} measured {size[load, 'measured'] / size['0g', 'measured']:.3f}, predicted "
+        f"{size[load, 'after'] / size['0g', 'after']:.3f}" for load in ("100g", "300g")))
 
 
 def draw_paths(rows, path, piece=5):
@@ -160,15 +184,15 @@ def payloads(work, folder, load, piece):
 def print_payload(work, folder, pieces):
     print(f"\n{folder}: payload (kg) of the last frame of each held-out piece; all frames: identifiable, and so but 2 sd off")
     for load, (_, truth) in LOADS.items():
-        cells, identifiable, wrong, inside, count = [], 0, 0, 0, 0
+        cells, identifiable, wrong, inside, count = [], 0, 0, 0, 0  # of frames
         for piece in pieces:
             _, kg, sd, flags = payloads(work, folder, load, piece)
-            cells.append(f"{kg[-1]:.2f} +- {sd[-1]:.2f}")
+            cells.append(f"{kg[-1]:.2f} ± {sd[-1]:.2f}")
             inside += np.sum(np.abs(kg - truth) < 1.96 * sd)
             identifiable += np.sum(flags)
             wrong += np.sum(flags & (np.abs(kg - truth) > 1.96 * sd))
             count += len(kg)
-        print(f"  {load:<5}", "   ".join(cells), f"  95 % intervals hold it in {100 * inside / count:.0f} % of frames; "
+        print(f"  {load:<5}", ", ".join(cells), f"  95 % intervals hold it in {100 * inside / count:.0f} % of frames; "
               f"identifiable {100 * identifiable / count:.0f} %, wrongly {100 * wrong / count:.1f} %")
 
 
@@ -258,18 +282,27 @@ def main():
         sys.exit(f"--program {program}: cannot be run")
     for folder in (work, arguments.out):
         folder.mkdir(parents=True, exist_ok=True)
+    real_trunk_facts.print_facts({load: name for load, (name, _) in LOADS.items()}, data)
     import_all(program, data, work)
 
     held_out = [f"{load}_{i}" for load in ("0g", "300g") for i in HELD_OUT]
     print(identify(program, work, "both", LOADS, held_out + [f"100g_{i}" for i in range(10)]))
     print(identify(program, work, "unloaded", ["0g"], [f"0g_{i}" for i in HELD_OUT]))
+    free = identify(program, work, "each_ei", LOADS, held_out + [f"100g_{i}" for i in range(10)], tie=False)
+    print("EI of each segment by itself:\n" + lines_of(free, "bending_stiffness", "LIMIT"))
+    robust = identify(program, work, "unloaded_robust", ["0g"], [f"0g_{i}" for i in HELD_OUT], robust=True)
+    print("0 g only, without --not-robust:\n" + lines_of(robust, "outliers:", "misfit:", ", after"))
     shapes = rows_of(work / "plot_both/shapes.csv")
     print_shape(shapes)
+    print_amplitude(shapes)
     draw_paths(shapes, arguments.out / "real_trunk_paths.png")
     draw_loops(shapes, arguments.out / "real_trunk_loops.png")
     unseen = held_out + [f"100g_{i}" for i in range(10)]
     table = real_regression.errors(real_regression.sequences_of(work / "plot_both/shapes.csv"), unseen, PAST_S, step=8)
-    real_regression.print_errors("every frame of the held-out pieces", table)
+    pieces = {load: [name for name in unseen if name.startswith(f"{load}_")] for load in LOADS}
+    real_regression.print_errors("every frame of the held-out pieces", table, [
+        ("trunk, every frame: 0 g, 300 g", 5, [pieces["0g"], pieces["300g"]]), ("100 g", 5, [pieces["100g"]]),
+        (f"all {len(unseen)} pieces", 5, [unseen])])
     print_repeatability(data)
 
     bags = [work / f"pieces/{load}_{i}.bag" for load in LOADS for i in HELD_OUT]
@@ -279,10 +312,13 @@ def main():
         print_payload(work, folder, HELD_OUT)
     draw_payload(work, "window", arguments.out / "real_trunk_payload.png")
     decay(data, arguments.out / "real_trunk_decay.png")
+    releases = sorted((work / "decay").glob("*.bag"))
+    run(program, "estimate", "--arm", "tendon_trunk", *releases, "--out", work / "releases")
+    statuses = [r["status"] for bag in releases for r in rows_of(work / f"releases/{bag.stem}/estimates.csv")]
+    print("  estimated frame by frame: " + ", ".join(f"{status} {statuses.count(status)}" for status in sorted(set(statuses))))
 
     # What the arm file leaves out: from pieces of all three recordings.
-    report = real_diagnosis.diagnose(program, work / "both.yaml", bags, work / "report", "--tie",
-                                     "*.bending_stiffness.base")
+    report = real_diagnosis.diagnose(program, work / "both.yaml", bags, work / "report", *TIE)
     real_diagnosis.print_report("tendon trunk", report)
 
 
