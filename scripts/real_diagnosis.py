@@ -23,23 +23,9 @@ def diagnose(program, arm, bags, out, *options):
     if process.returncode != 0:
         sys.exit(f"{' '.join(call)}: failed")
     report = json.loads((out / "report.json").read_text(encoding="utf-8"))
-    report["notes"] = notes_of((out / "said.txt").read_text(encoding="utf-8"))
     report["cost"] = {"seconds": time.monotonic() - started, "core_seconds": usage.ru_utime + usage.ru_stime,
                       "mebibytes": usage.ru_maxrss / 1024}
     return report
-
-
-def notes_of(said):
-    """What the program notes of the recordings; a note's further lines are set in."""
-    notes = []
-    for line in said.splitlines():
-        if line.startswith("note: "):
-            notes.append(line[6:])
-        elif notes and line.startswith("      "):
-            notes[-1] += " " + line.strip()
-        elif notes and line.strip():
-            break
-    return notes
 
 
 def size_of(value):
@@ -84,6 +70,8 @@ def print_report(name, report):
         if one.get("z", 0) >= STANDS_OUT and one["name"] not in named:
             print(f"  stands out: {one['name']}, z {one['z']:.1f}, collinearity {100 * one['collinearity']:.0f} %, "
                   f"p {one['probability']:.3f}, {one['finding']}")
+    untold = [one["name"] for one in report["ranking"] if one["finding"] == "cannot_tell"]
+    print(f"  cannot tell: {', '.join(untold) or 'none'}")
     left = report["residual_structure"]
     inputs = ", ".join(f"{key} (p {p:.1g})" for key, p in left["by_input_p"].items() if p < TELLING)
     print(f"  left: {place_of(left['where'])}; time p {left['whiteness_p']:.1g}, along s p {left['along_s_p']:.1g}; {inputs}")
