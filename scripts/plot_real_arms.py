@@ -223,7 +223,9 @@ def payload_of_one(pouch, out):
     pouch.run("estimate", "--arm", "pouch_arm_one_segment", *pouch.whole(loaded), "--unknown", "stiffness", "--payload",
               real_pouch.LOAD_KG, "--out", pouch.work / "stiffness")
     for trial in loaded:
-        print(f"  {trial}: EI {median_and_sd(pouch.estimates('stiffness', trial), 'EI', 11, 30, 3)} N m^2, given the payload")
+        rows = pouch.estimates("stiffness", trial)
+        print(f"  {trial}: EI {median_and_sd(rows, 'EI', 11, 30, 3)} N m^2, given the payload; identifiable in "
+              f"{sum(row['identifiable_EI'] == '1' for row in rows)} of {len(rows)} frames")
 
 
 def payload_of_two(pouch):
