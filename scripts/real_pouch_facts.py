@@ -119,16 +119,18 @@ def steps(recording, upper, lower):
         print(f"             segment {k}: {psi[0]:.1f} to {psi[1]:.1f} psi, tilt by {bend:.3f} rad ({bend / (psi[1] - psi[0]):.3f} "
               f"rad/psi), chord over tilt {line / bend:.2f} in differences, {recording.mean(chord[k], high) / recording.mean(tilt[k], high):.2f} "
               "at the high pressures")
-    # Up from 0 and 20 s, down from 10 and 30 s: the tip on its way past one pressure, that through the pictures' lag.
+    # Up from 0 and 20 s, down from 10 and 30 s: the tip on its way past one pressure, as read and through the pictures' lag.
     x = recording.tip.place[:, 0] - recording.base.place[:, 0]
-    psi = real_regression.lagged(recording.time, recording.psi[1][:, 1:2], LAG_S)[:, 0]
-    at = {}
-    for start in (0, 10, 20, 30):
-        some = np.flatnonzero((recording.time >= start + 0.1) & (recording.time < start + 9))
-        up = start in (0, 20)
-        at[start] = x[some[np.argmax((psi[some] > PASSED_PSI) == up)]]
-    print(f"             the tip held: {recording.mean(x, low):.0f} and {recording.mean(x, high):.0f} mm; passing {PASSED_PSI} psi: "
-          f"{at[0]:.0f} and {at[20]:.0f} mm up, {at[10]:.0f} and {at[30]:.0f} mm down")
+    read = recording.psi[1][:, 1:2]
+    print(f"             the tip held: {recording.mean(x, low):.0f} and {recording.mean(x, high):.0f} mm")
+    for lag_s, psi in ((0, read[:, 0]), (LAG_S, real_regression.lagged(recording.time, read, LAG_S)[:, 0])):
+        at = {}
+        for start in (0, 10, 20, 30):
+            some = np.flatnonzero((recording.time >= start + 0.1) & (recording.time < start + 9))
+            up = start in (0, 20)
+            at[start] = x[some[np.argmax((psi[some] > PASSED_PSI) == up)]]
+        print(f"             passing {PASSED_PSI} psi, lag {lag_s} s: {at[0]:.0f} and {at[20]:.0f} mm up, {at[10]:.0f} and "
+              f"{at[30]:.0f} mm down")
 
 
 def print_facts(folder):

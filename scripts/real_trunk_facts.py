@@ -9,7 +9,7 @@ HELD_OUT = (2, 5, 8)
 BASE = np.array([100.8, -104.5, 2.6])  # mm, see config/arms/tendon_trunk.yaml
 BINS_HZ = 10
 ORDER = (3, 5, 1, 6, 2, 4)  # motors, by the segment where their tendons end
-PLAY_DEG = 2
+PLAYS_DEG = (1, 2, 4, 8, 15, 30)
 
 
 def discs_of(path):
@@ -59,15 +59,19 @@ def print_maps(angles, tip):
     even = smooth(angles)
     rate = np.gradient(even, PERIOD_S, axis=0)
     columns = range(angles.shape[1])
-    plays = np.column_stack([play(angles[:, i], np.radians(PLAY_DEG)) for i in columns])
     scaled = (angles - angles.mean(axis=0)) / angles.std(axis=0)
     squares = [scaled[:, i] * scaled[:, j] for i in columns for j in columns if j >= i]
     cubes = [scaled[:, i] * scaled[:, j] * scaled[:, k] for i in columns for j in columns if j >= i for k in columns if k >= j]
     maps = {"linear": angles, "and speeds, accelerations": np.hstack([angles, rate, np.gradient(rate, PERIOD_S, axis=0)]),
-            f"and play of {PLAY_DEG} degrees": np.hstack([angles, plays]),
             "of degree 3": np.column_stack([angles, *squares, *cubes])}
     text = ", ".join(f"{name} {' and '.join(f'{x:.1f}' for x in left_on_held_out(f, tip))}" for name, f in maps.items())
     print(f"         held-out pieces, rms in x and y: {text} mm")
+    plays = {}
+    for width in PLAYS_DEG:
+        slack = np.column_stack([play(angles[:, i], np.radians(width)) for i in columns])
+        plays[width] = left_on_held_out(np.hstack([angles, slack]), tip)
+    print("         linear, and play of each angle: " + ", ".join(f"{width} degrees {left[0]:.1f} and {left[1]:.1f}"
+                                                              for width, left in plays.items()) + " mm")
 
 
 def print_speed(loads, data):
