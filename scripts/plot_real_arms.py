@@ -12,18 +12,19 @@ held out in its turn, estimates with `softarm estimate`, diagnoses with `softarm
     real_pouch_diagnosis.png                                  what `softarm diagnose` finds: error of unseen trials
 """
 import argparse
-import csv
 import pathlib
 import re
 import shutil
 import statistics
-import subprocess
 import sys
 
 try:
     import matplotlib
 
     import real_diagnosis
+    import real_laws
+    import real_pouch
+    import real_pouch_facts
     import real_regression
 except ImportError as error:
     sys.exit(f"{error}: apt-get install python3-matplotlib python3-sklearn")
@@ -31,83 +32,11 @@ except ImportError as error:
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-START_S = 1.6e9  # of every imported recording, see config/layouts/template.yaml
-HOLD = "*.bending_stiffness.*,*.chamber_3.*,*.chamber_1.*"
-PAST_S = (0.3, 1, 3, 10)  # lags of the inputs in the black box
-BLUE, ORANGE, GREY = "#1f6fb4", "#d9730d", "0.55"
+from real_pouch import HAND_S, ONE, TWO, median_and_sd, rows_of, time_of  # noqa: E402
 
-# recording, trial, what is known of its payload
-ONE = [
-    ("no_load/data_collect_1", "no_load_1", ["--payload", "0"]),
-    ("no_load/data_collect_3", "no_load_3", ["--payload", "0"]),
-    ("load_400g/data_collect_1", "load_1", "--payload 0 --payload 10.3:0.4 --leave-out 7.0:10.3".split()),
-    ("load_400g/data_collect_3", "load_3", "--payload 0 --payload 10.5:0.4 --leave-out 5.7:10.5".split()),
-]
-TWO = [
-    ("no_load/data_collect_1", "no_load", ["--payload", "0"]),
-    ("load_400g/data_collect_1", "load", "--payload 0 --payload 12:0.4 --leave-out 5.6:12".split()),
-]
-HAND_S = {"load_1": (7.0, 10.3), "load_3": (5.7, 10.5), "load": (5.6, 12.0)}
-
-
-class Pouch:
-    """The recordings of the pouch arm through the program."""
-
-    def __init__(self, program, data, work):
-        self.program, self.data, self.work = program, data / "pouch_arm", work
-        for folder in ("one", "two", "steps", "whole"):
-            (work / folder).mkdir(parents=True, exist_ok=True)
-
-    def run(self, *arguments):
-        call = [self.program, *map(str, arguments)]
-        done = subprocess.run(call, stdout=subprocess.PIPE, universal_newlines=True)
-        if done.returncode != 0:
-            sys.exit(f"{' '.join(call)}: failed")
-        return done.stdout
-
-    def import_all(self):
-        for folder, layout, recordings in (("one", "pouch_arm_one_segment", ONE), ("two", "pouch_arm", TWO)):
-            source = self.data / ("one_segment" if folder == "one" else "two_segment")
-            for recording, trial, known in recordings:
-                self.run("import", layout, source / f"{recording}.txt", *known, "--out", self.work / folder / f"{trial}.bag")
-                if folder == "one":  # the whole trial, its payload not given
-                    self.run("import", layout, source / f"{recording}.txt", "--out", self.work / "whole" / f"{trial}.bag")
-        for number in (2, 3):
-            self.run("import", "pouch_arm_steps", self.data / f"steps/set_{number}/data_collect_1.txt", "--out",
-                     self.work / "steps" / f"set_{number}.bag")
-
-    def identify(self, name, arm, folder, *options, plot="--plot-all"):
-        """plot: --plot-all draws all frames; None those that are fitted or judged."""
-        bags = sorted((self.work / folder).glob("*.bag"))
-        return self.run("identify", "--arm", arm, *bags, "--not-robust", "--out", self.work / f"{name}.yaml", "--plot",
-                        self.work / f"plot_{name}", *([plot] if plot else []), *options)
-
-    def each_by_the_others(self, name, arm, folder, trials, *options):
-        """Prints the table of --leave-one-out; the trials as predicted by fits to the others, and a black box beside them."""
-        said = self.identify(name, arm, folder, *options, "--leave-one-out", plot=None)
-        print(said)
-        by_others = said[said.index("each trial by the fit to the others"):]
-        judged = {trial: found.time for trial, found in real_regression.sequences_of(self.work / f"plot_{name}/shapes.csv").items()}
-        unseen, table = {}, {}
-        for trial in trials:
-            self.identify(f"{name}_without_{trial}", arm, folder, *options, "--hold-out", trial)
-            shapes = self.work / f"plot_{name}_without_{trial}/shapes.csv"
-            sequences = real_regression.sequences_of(shapes)
-            unseen[trial] = [row for row in rows_of(shapes) if row["trial"] == trial]
-            table.update(real_regression.errors(sequences, [trial], PAST_S, judged, step=2))
-            # --hold-out keeps the arm file's constants where they predict better; --leave-one-out does not.
-            table[trial]["physics"] = float(re.search(rf"^ +{trial} +([0-9.]+) mm", by_others, re.M).group(1))
-        real_regression.print_errors(name, table)
-        return unseen
-
-
-def rows_of(path):
-    with open(path, newline="") as file:
-        return list(csv.DictReader(file))
-
-
-def time_of(row):
-    return float(row["stamp"]) - START_S
+BLUE, ORANGE = "#1f6fb4", "#d9730d"
+SOFTER_NM2 = 0.037  # what loaded frames say of EI, given the payload
+PARTS = ("laws", "windows", "diagnosis")
 
 
 def with_gaps(times, values, longest_s=0.7):
@@ -182,12 +111,6 @@ def draw_loops(columns, path):
     plt.close(figure)
 
 
-def median_of(rows, column, from_s, to_s):
-    values = [float(row[column]) for row in rows
-              if row["status"] == "ok" and row[column] and from_s <= time_of(row) < to_s]
-    return statistics.median(values) if values else float("nan")
-
-
 def draw_payload(pouch, path):
     figure, grid = plt.subplots(1, 2, figsize=(9.5, 3.6), sharey=True)
     for axes, trial in zip(grid, ("load_1", "load_3")):
@@ -252,11 +175,132 @@ def print_rest(shapes):
         print(f"  {trial:<10}", "; ".join(text))
 
 
+def one_segment(pouch, root, out):
+    """Fits; each trial as the others predict it."""
+    # EA is `rigid` in the arm file that ships; here it is a constant to be found.
+    text = (root / "config/arms/pouch_arm_one_segment.yaml").read_text()
+    start = pouch.work / "start.yaml"
+    start.write_text(text.replace("axial_stiffness_n: rigid", "axial_stiffness_n: 190"))
+    shapes = pouch.each_by_the_others("one", start, "one", [trial for _, trial, _ in ONE], "--hold", real_pouch.HOLD,
+                                      "--also-free", real_pouch.FREE_ONE)
+    draw_paths([(trial, trial, shapes[trial]) for _, trial, _ in ONE], [("tip", BLUE)], out / "real_pouch_one_segment.png")
+    print_rest(shapes)
+    print_stretch(shapes)
+    free = pouch.identify("one_ei", start, "one", "--hold", "*.chamber_3.*,*.chamber_1.*,per_min_pressure", "--also-free",
+                          real_pouch.FREE_ONE, "--hold-out-share", "0")
+    print("\nEI freed:\n" + lines_of(free, "bending_stiffness", "LIMIT"))
+    return shapes
+
+
+def lines_of(text, *words):
+    return "\n".join("  " + line.strip() for line in text.splitlines() if any(word in line for word in words))
+
+
+def payload_of_one(pouch, out):
+    trials = [trial for _, trial, _ in ONE]
+    pouch.run("estimate", "--arm", "pouch_arm_one_segment", *pouch.whole(trials), "--out", pouch.work / "bending")
+    table, notes = [], []
+    for trial in trials:
+        arm = pouch.work / f"one_without_{trial}.yaml"
+        pouch.run("estimate", "--arm", arm, *pouch.whole([trial]), "--out", pouch.work / "stretch")
+        cells = []
+        for name in ("bending", "stretch"):
+            rows = pouch.estimates(name, trial)
+            cells += [f"{median_and_sd(rows, 'payload', *span)} kg" for span in ((5, 5.7), (11, 30))]
+            told = 100 * sum(row["identifiable_payload"] == "1" for row in rows) / len(rows)
+            notes.append(f"  {trial:<10}{name:<8} told in {told:.0f} % of {len(rows)} frames, rms residual "
+                         f"{statistics.median(1e3 * float(row['rms_residual']) for row in rows if row['status'] == 'ok'):.2f} mm")
+        said = arm.read_text()
+        notes.append(f"  {trial:<10}laws of the others: EA {re.search(r'axial_stiffness_n: ([0-9.]+)', said).group(1)} N, prior's "
+                     + ", ".join(f"{key} {value}" for key, value in re.findall(r"^ +((?:length|axial)\w*): ([0-9.e-]+)", said, re.M)
+                                 if "sd" in key))
+        known = ", then 0.4 kg" if trial in HAND_S else ""
+        table.append(f"| {trial}, 0{known} | " + " | ".join(cells) + " |")
+    print("\n| trial, true payload | bending, 5-5.7 s | bending, 11-30 s | stretch, 5-5.7 s | stretch, 11-30 s |\n|---|---|---|---|---|")
+    print("\n".join(table + [""] + notes))
+    draw_payload(pouch, out / "real_pouch_payload.png")
+    loaded = [trial for trial in trials if trial in HAND_S]
+    pouch.run("estimate", "--arm", "pouch_arm_one_segment", *pouch.whole(loaded), "--unknown", "stiffness", "--payload",
+              real_pouch.LOAD_KG, "--out", pouch.work / "stiffness")
+    for trial in loaded:
+        rows = pouch.estimates("stiffness", trial)
+        print(f"  {trial}: EI {median_and_sd(rows, 'EI', 11, 30, 3)} N m^2, given the payload; identifiable in "
+              f"{sum(row['identifiable_EI'] == '1' for row in rows)} of {len(rows)} frames")
+
+
+def payload_of_two(pouch):
+    """Of both segments and the steps, by the arm file as it ships."""
+    trials = ["no_load", "load", "set_1"]
+    pouch.run("estimate", "--arm", "pouch_arm", *pouch.whole(trials), *[pouch.work / f"steps/set_{k}.bag" for k in (2, 3)],
+              "--unknown", "payload", "--out", pouch.work / "bending_two")
+    print("\npayload of two segments, kg: medians; frames")
+    for trial in trials + ["set_2", "set_3"]:
+        rows = pouch.estimates("bending_two", trial)
+        rows = [row for row in rows if row["segment"] == rows[0]["segment"]]
+        spans = ((0, 5.6), (12, 40)) if trial == "load" else ((0, 10), (10, 20), (20, 40))
+        statuses = {row["status"] for row in rows}
+        good = [row for row in rows if row["status"] == "ok"]
+        residual = f", rms residual {statistics.median(1e3 * float(row['rms_residual']) for row in good):.2f} mm" if good else ""
+        print(f"  {trial:<8} " + ", ".join(f"{a:g} to {b:g} s {median_and_sd(rows, 'payload', a, b)}" for a, b in spans) +
+              f"; told in {sum(row['identifiable_payload'] == '1' for row in rows)} of {len(rows)} frames; " +
+              ", ".join(f"{status} {sum(row['status'] == status for row in rows)}" for status in sorted(statuses)) + residual)
+
+
+def print_jitter(rows, from_s, to_s):
+    """Of the tip at held pressures."""
+    some = [row for row in rows if row["body"] == "tip" and from_s <= time_of(row) < to_s]
+    text = []
+    for column, what in (("measured_x", "measured"), ("after_x", "predicted")):
+        x = [1e3 * float(row[column]) for row in some]
+        jumps = statistics.pstdev(b - a for a, b in zip(x, x[1:])) / 2 ** 0.5
+        text.append(f"{what} {min(x):.1f} to {max(x):.1f} mm, from frame to frame {jumps:.2f} mm (sd)")
+    print(f"\ntwo segments, no_load, held, {from_s} to {to_s} s: tip towards the bend " + "; ".join(text))
+
+
+def two_segments(pouch, shapes, out):
+    """Fits of both segments and of the steps, beside those of one segment in the pictures."""
+    # EA stays as in the arm file: only one of the two trials has a load.
+    options = ["--hold", real_pouch.HOLD, "--also-free", real_pouch.FREE]
+    two = pouch.each_by_the_others("two", "pouch_arm", "two", [trial for _, trial, _ in TWO], *options)
+    columns = [(f"two_segment {trial}, held out", trial, two[trial]) for _, trial, _ in TWO]
+    options[1] = real_pouch.HOLD_STEPS
+    pouch.identify("steps_fitted", "pouch_arm", "steps", *options, "--leave-one-out")
+    fitted = rows_of(pouch.work / "plot_steps_fitted/shapes.csv")
+    pouch.each_by_the_others("steps", "pouch_arm", "steps", ["set_2", "set_3"], *options)
+    for trial in ("set_2", "set_3"):
+        columns.append((f"steps {trial}, fitted", trial, [row for row in fitted if row["trial"] == trial]))
+    draw_paths(columns, [("tip", BLUE), ("mid", ORANGE)], out / "real_pouch_two_segments.png")
+    loops = [(f"one segment, {trial}, held out", "chamber_2", shapes[trial]) for _, trial, _ in ONE]
+    for title, trial, rows in columns:
+        loops.append((title.replace("two_segment", "two segments,"), "chamber_2", rows))
+    draw_loops(loops, out / "real_pouch_loops.png")
+    print_jitter(two["no_load"], 13, 28)
+    bags = sorted((pouch.work / "two").glob("*.bag"))
+    options[1] = real_pouch.HOLD
+    robust = pouch.run("identify", "--arm", "pouch_arm", *bags, *options, "--out", pouch.work / "two_robust.yaml")
+    print("\ntwo segments, without --not-robust:\n" + lines_of(robust, "outliers:", "misfit:"))
+
+
+def diagnosis(pouch, out):
+    """What the arm file leaves out."""
+    softer = pouch.work / "one_softer.yaml"
+    softer.write_text(real_laws.scaled((pouch.work / "one.yaml").read_text(), SOFTER_NM2))
+    reports = {}
+    for name, arm, folder in (("one segment", "one", "one"), (f"one segment, EI {SOFTER_NM2}", "one_softer", "one"),
+                              ("two segments", "two", "two")):
+        reports[name] = real_diagnosis.diagnose(pouch.program, pouch.work / f"{arm}.yaml",
+                                                sorted((pouch.work / folder).glob("*.bag")), pouch.work / f"report_{arm}",
+                                                "--hold", real_pouch.HOLD)
+        real_diagnosis.print_report(name, reports[name])
+    real_diagnosis.draw(reports, out / "real_pouch_diagnosis.png")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--data", type=pathlib.Path, required=True, help="folder that holds pouch_arm/")
     parser.add_argument("--work", type=pathlib.Path, required=True, help="folder for bags and results")
     parser.add_argument("--out", type=pathlib.Path, required=True, help="folder for the pictures")
+    parser.add_argument("--skip", nargs="+", choices=PARTS, default=[], metavar="PART", help="leave out: " + ", ".join(PARTS))
     root = pathlib.Path(__file__).resolve().parent.parent
     parser.add_argument("--program", default=str(root / "scripts" / "softarm"), help="default: scripts/softarm")
     arguments = parser.parse_args()
@@ -265,66 +309,19 @@ def main():
     if shutil.which(arguments.program) is None:
         sys.exit(f"--program {arguments.program}: cannot be run")
     arguments.out.mkdir(parents=True, exist_ok=True)
-    work = arguments.work
-    pouch = Pouch(arguments.program, arguments.data, work)
+    pouch = real_pouch.Pouch(arguments.program, arguments.data, arguments.work)
+    real_pouch_facts.print_facts(pouch.data)
     pouch.import_all()
-
-    # One segment. EA is `rigid` in the arm file that ships; here it is a constant to be found.
-    text = (root / "config/arms/pouch_arm_one_segment.yaml").read_text()
-    (work / "start.yaml").write_text(text.replace("axial_stiffness_n: rigid", "axial_stiffness_n: 190"))
-    free = "length,*.rest_curvature.*,axial_stiffness"
-    shapes = pouch.each_by_the_others("one", work / "start.yaml", "one", [trial for _, trial, _ in ONE], "--hold", HOLD,
-                                      "--also-free", free)
-    draw_paths([(trial, trial, shapes[trial]) for _, trial, _ in ONE], [("tip", BLUE)],
-               arguments.out / "real_pouch_one_segment.png")
-    print_rest(shapes)
-    print_stretch(shapes)
-
-    # Its payload.
-    bags = sorted((work / "whole").glob("*.bag"))
-    pouch.run("estimate", "--arm", "pouch_arm_one_segment", *bags, "--out", work / "bending")
-    print("\npayload, kg, and its sd: 5-5.7 s, 11-30 s; share of frames in which it is identifiable")
-    for _, trial, _ in ONE:
-        pouch.run("estimate", "--arm", work / f"one_without_{trial}.yaml", work / f"whole/{trial}.bag", "--out",
-                  work / "stretch")
-        for name in ("bending", "stretch"):
-            rows = rows_of(work / name / trial / "estimates.csv")
-            cells = [f"{median_of(rows, 'payload', *s):.2f} +- {median_of(rows, 'sd_payload', *s):.2f}"
-                     for s in ((5, 5.7), (11, 30))]
-            identifiable = sum(row["identifiable_payload"] == "1" for row in rows) / len(rows)
-            print(f"  {trial:<12}{name:<10}{cells[0]}   {cells[1]}   {identifiable:.2f}")
-    draw_payload(pouch, arguments.out / "real_pouch_payload.png")
-
-    # Two segments. EA stays as in the arm file: only one of the two trials has a load.
-    free = "length,*.rest_curvature.*"
-    two = pouch.each_by_the_others("two", "pouch_arm", "two", [trial for _, trial, _ in TWO], "--hold", HOLD, "--also-free", free)
-    columns = [(f"two_segment {trial}, held out", trial, two[trial]) for _, trial, _ in TWO]
-    hold = HOLD.replace("*.chamber_1.*", "*.chamber_1.elongation")
-    pouch.identify("steps_fitted", "pouch_arm", "steps", "--hold", hold, "--also-free", free, "--leave-one-out")
-    fitted = rows_of(work / "plot_steps_fitted/shapes.csv")
-    pouch.each_by_the_others("steps", "pouch_arm", "steps", ["set_2", "set_3"], "--hold", hold, "--also-free", free)
-    for trial in ("set_2", "set_3"):
-        columns.append((f"steps {trial}, fitted", trial, [row for row in fitted if row["trial"] == trial]))
-    draw_paths(columns, [("tip", BLUE), ("mid", ORANGE)], arguments.out / "real_pouch_two_segments.png")
-
-    loops = [(f"one segment, {trial}, held out", "chamber_2", shapes[trial]) for _, trial, _ in ONE]
-    for title, trial, rows in columns:
-        loops.append((title.replace("two_segment", "two segments,"), "chamber_2", rows))
-    draw_loops(loops, arguments.out / "real_pouch_loops.png")
-
-    # What the arm file leaves out.
-    # EI is a guess in the arm file; loaded frames, given the payload, say some 0.037 N m^2 instead.
-    softer = re.sub(r"base_nm2: 0.15\b", "base_nm2: 0.037", (work / "one.yaml").read_text())
-    softer = re.sub(r"moment_gain_nm_per_pa: ([0-9.e-]+)",
-                    lambda gain: f"moment_gain_nm_per_pa: {float(gain.group(1)) * 0.037 / 0.15:.4g}", softer)
-    (work / "one_softer.yaml").write_text(softer)
-    reports = {}
-    for name, arm, folder in (("one segment", "one", "one"), ("one segment, EI 0.037", "one_softer", "one"),
-                              ("two segments", "two", "two")):
-        reports[name] = real_diagnosis.diagnose(pouch.program, work / f"{arm}.yaml", sorted((work / folder).glob("*.bag")),
-                                                work / f"report_{arm}", "--hold", HOLD)
-        real_diagnosis.print_report(name, reports[name])
-    real_diagnosis.draw(reports, arguments.out / "real_pouch_diagnosis.png")
+    shapes = one_segment(pouch, root, arguments.out)
+    payload_of_one(pouch, arguments.out)
+    two_segments(pouch, shapes, arguments.out)
+    payload_of_two(pouch)
+    if "windows" not in arguments.skip:
+        real_laws.print_windows(pouch)
+    if "laws" not in arguments.skip:
+        real_laws.print_laws(pouch, root)
+    if "diagnosis" not in arguments.skip:
+        diagnosis(pouch, arguments.out)
 
 
 if __name__ == "__main__":

@@ -14,9 +14,11 @@ diagnoses with `softarm diagnose`, prints the tables and draws
 import argparse
 import csv
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
+import time
 
 try:
     import matplotlib
@@ -24,6 +26,7 @@ try:
 
     import real_diagnosis
     import real_regression
+    import real_trunk_facts
 except ImportError as error:
     sys.exit(f"{error}: apt-get install python3-matplotlib python3-sklearn")
 
@@ -37,11 +40,15 @@ LOADS = {"0g": ("observations_controlled_1", 0.0), "100g": ("observations_contro
          "300g": ("observations_controlled_1_300g", 0.3)}
 PAST_S = (0.1, 0.3, 1, 3)  # lags of the angles in the black box
 COLOURS = {"0g": "#1f6fb4", "100g": "#3a923a", "300g": "#d9730d"}
-FIT = ["--tie", "*.bending_stiffness.base", "--also-free", "*.rest_curvature.*", "--not-robust", "--frames", "100"]
+TIE = ["--tie", "*.bending_stiffness.base"]
+FIT = ["--also-free", "*.rest_curvature.*", "--frames", "100"]
+STARTED = time.monotonic()
 
 
 def run(program, *arguments):
     call = [program, *map(str, arguments)]
+    out = pathlib.Path(arguments[arguments.index("--out") + 1]).name
+    print(f"{time.monotonic() - STARTED:5.0f} s  softarm {call[1]} -> {out}", file=sys.stderr, flush=True)
     done = subprocess.run(call, stdout=subprocess.PIPE, universal_newlines=True)
     if done.returncode != 0:
         sys.exit(f"{' '.join(call)}: failed")
@@ -63,10 +70,15 @@ def import_all(program, data, work):
     run(program, "import", "tendon_trunk_decay", data / "observations_manual_decay_200g.csv", "--out", f"{work}/decay/")
 
 
-def identify(program, work, name, loads, held_out):
+def identify(program, work, name, loads, held_out, tie=True, robust=False, arm="tendon_trunk", more=()):
     bags = [work / f"pieces/{load}_{i}.bag" for load in loads for i in range(10)]
-    return run(program, "identify", "--arm", "tendon_trunk", *bags, *FIT, "--hold-out", ",".join(held_out), "--out",
-               work / f"{name}.yaml", "--plot", work / f"plot_{name}", "--plot-all")
+    return run(program, "identify", "--arm", arm, *bags, *more, *(TIE if tie else []), *FIT,
+               *([] if robust else ["--not-robust"]), "--hold-out", ",".join(held_out), "--out", work / f"{name}.yaml", "--plot",
+               work / f"plot_{name}", "--plot-all")
+
+
+def lines_of(text, *words):
+    return "\n".join("  " + line.strip() for line in text.splitlines() if any(word in line for word in words))
 
 
 def print_shape(rows):
@@ -83,6 +95,19 @@ def print_shape(rows):
         print(f"  {load:<5}", ";  ".join(text))
 
 
+def print_amplitude(rows):
+    """Of the lowest disc in the held-out pieces of 0 and 300 g, over that without a load: measured and predicted."""
+    size = {}
+    for load in LOADS:
+        some = [r for r in rows if r["body"] == "disc_3" and r["trial"] in {f"{load}_{i}" for i in HELD_OUT}]
+        for what in ("measured", "after"):
+            places = np.array([[float(r[f"{what}_{axis}"]) for axis in "xy"] for r in some])
+            size[load, what] = np.sqrt(((places - places.mean(axis=0)) ** 2).sum(axis=1).mean())
+    print("\namplitude of the lowest disc in pieces 2, 5 and 8, over that of 0 g: " + "; ".join(
+        f"{load} measured {size[load, 'measured'] / size['0g', 'measured']:.3f}, predicted "
+        f"{size[load, 'after'] / size['0g', 'after']:.3f}" for load in ("100g", "300g")))
+
+
 def draw_paths(rows, path, piece=5):
     figure, grid = plt.subplots(4, 1, figsize=(9.5, 8.4), sharex=True)
     panels = [("disc_3", "x", "lowest disc, x (mm)"), ("disc_3", "y", "lowest disc, y (mm)"),
@@ -94,11 +119,12 @@ def draw_paths(rows, path, piece=5):
             t = [float(r["stamp"]) - START_S for r in some]
             for column, style in (("measured", "-"), ("after", "--")):
                 axes.plot(t, [1e3 * float(r[f"{column}_{axis}"]) for r in some], style, color=COLOURS[load], lw=1.4,
-                          label=f"{load} {'measured' if column == 'measured' else 'predicted'}")
+                          label=f"{load[:-1]} g {'measured' if column == 'measured' else 'predicted'}")
         axes.set_ylabel(label)
         axes.grid(alpha=0.25)
         for side in ("top", "right"):
             axes.spines[side].set_visible(False)
+    grid[0].set_ylim(top=1.45 * grid[0].get_ylim()[1])  # room for the legend
     grid[0].legend(fontsize=8, frameon=False, loc="upper right", ncol=4)
     grid[0].set_title("a piece that was not fitted, the same inputs with 0 and 300 g", fontsize=10)
     grid[-1].set_xlabel("time (s)")
@@ -119,9 +145,18 @@ def print_repeatability(data):
         print(f"  {label:<24}" + ", ".join(f"{scale * x:.1f}" for x in (*each, each.mean())))
 
 
+def width_of(angle, place):
+    """Of a loop, beside a cubic in the angle: rms, and where the angle falls less where it rises."""
+    rest = place - np.polyval(np.polyfit(angle, place, 3), angle)
+    rate = np.gradient(np.convolve(np.pad(angle, 2, "edge"), np.ones(5) / 5, "valid"))
+    fast = np.abs(rate) > np.median(np.abs(rate))
+    return f"{rest.std():.1f} ({rest[fast & (rate < 0)].mean() - rest[fast & (rate > 0)].mean():+.1f})"
+
+
 def draw_loops(rows, path, piece=5, motors=(1, 2, 3)):
     """Lowest disc along the direction in which a motor moves it, over the angle of that motor."""
     figure, grid = plt.subplots(2, len(motors), figsize=(11, 6.4), sharey=True)
+    print("\nwidth of the loops, lowest disc over a motor's angle, mm: rms beside a cubic (angle falls less angle rises)")
     for line, load in zip(grid, ("0g", "300g")):
         some = sorted((r for r in rows if r["trial"] == f"{load}_{piece}" and r["body"] == "disc_3"),
                       key=lambda r: float(r["stamp"]))
@@ -134,6 +169,8 @@ def draw_loops(rows, path, piece=5, motors=(1, 2, 3)):
         for axes, motor in zip(line, motors):
             along = slopes[motor - 1] / np.linalg.norm(slopes[motor - 1])
             others = np.delete(angles, motor - 1, axis=1) @ np.delete(slopes[:6], motor - 1, axis=0)
+            widths = [width_of(angles[:, motor - 1], (places[what] - others) @ along) for what in ("measured", "after")]
+            print(f"  {load:<5} motor {motor}: measured {widths[0]}, predicted {widths[1]}")
             for what, colour, label in (("measured", COLOURS["0g"], "measured"), ("after", COLOURS["300g"], "predicted")):
                 axes.plot(57.29578 * angles[:, motor - 1], (places[what] - others) @ along, color=colour, lw=0.9, label=label)
             axes.set_title(f"motor {motor}, {load[:-1]} g", fontsize=10)
@@ -160,15 +197,15 @@ def payloads(work, folder, load, piece):
 def print_payload(work, folder, pieces):
     print(f"\n{folder}: payload (kg) of the last frame of each held-out piece; all frames: identifiable, and so but 2 sd off")
     for load, (_, truth) in LOADS.items():
-        cells, identifiable, wrong, inside, count = [], 0, 0, 0, 0
+        cells, identifiable, wrong, inside, count = [], 0, 0, 0, 0  # of frames
         for piece in pieces:
             _, kg, sd, flags = payloads(work, folder, load, piece)
-            cells.append(f"{kg[-1]:.2f} +- {sd[-1]:.2f}")
+            cells.append(f"{kg[-1]:.2f} ± {sd[-1]:.2f}")
             inside += np.sum(np.abs(kg - truth) < 1.96 * sd)
             identifiable += np.sum(flags)
             wrong += np.sum(flags & (np.abs(kg - truth) > 1.96 * sd))
             count += len(kg)
-        print(f"  {load:<5}", "   ".join(cells), f"  95 % intervals hold it in {100 * inside / count:.0f} % of frames; "
+        print(f"  {load:<5}", ", ".join(cells), f"  95 % intervals hold it in {100 * inside / count:.0f} % of frames; "
               f"identifiable {100 * identifiable / count:.0f} %, wrongly {100 * wrong / count:.1f} %")
 
 
@@ -178,7 +215,7 @@ def draw_payload(work, folder, path):
         for load, (_, truth) in LOADS.items():
             t, kg, sd, _ = payloads(work, folder, load, piece)
             axes.fill_between(t, kg - sd, kg + sd, color=COLOURS[load], alpha=0.15, lw=0)
-            axes.plot(t, kg, color=COLOURS[load], lw=1.4, label=load)
+            axes.plot(t, kg, color=COLOURS[load], lw=1.4, label=f"{load[:-1]} g")
             axes.axhline(truth, color=COLOURS[load], lw=1, ls=":")
         axes.set_title(f"held-out piece {piece}", fontsize=10)
         axes.set_xlabel("time (s)")
@@ -234,7 +271,7 @@ def decay(data, path):
         axes.semilogx(found[:, 0], found[:, column], "o", color=COLOURS["0g"], ms=4, alpha=0.6)
         axes.set_xlabel("amplitude of the half swing (mm)")
         axes.set_ylabel(label)
-        axes.set_ylim(0, 5 if column == 1 else 0.6)
+        axes.set_ylim(0, 5.4 if column == 1 else 0.6)
         axes.grid(alpha=0.25)
         for side in ("top", "right"):
             axes.spines[side].set_visible(False)
@@ -258,31 +295,51 @@ def main():
         sys.exit(f"--program {program}: cannot be run")
     for folder in (work, arguments.out):
         folder.mkdir(parents=True, exist_ok=True)
+    real_trunk_facts.print_facts({load: name for load, (name, _) in LOADS.items()}, data)
     import_all(program, data, work)
 
     held_out = [f"{load}_{i}" for load in ("0g", "300g") for i in HELD_OUT]
     print(identify(program, work, "both", LOADS, held_out + [f"100g_{i}" for i in range(10)]))
     print(identify(program, work, "unloaded", ["0g"], [f"0g_{i}" for i in HELD_OUT]))
+    free = identify(program, work, "each_ei", LOADS, held_out + [f"100g_{i}" for i in range(10)], tie=False)
+    print("EI of each segment by itself:\n" + lines_of(free, "bending_stiffness", "LIMIT"))
+    robust = identify(program, work, "unloaded_robust", ["0g"], [f"0g_{i}" for i in HELD_OUT], robust=True)
+    print("0 g only, without --not-robust:\n" + lines_of(robust, "outliers:", "misfit:", ", after"))
     shapes = rows_of(work / "plot_both/shapes.csv")
     print_shape(shapes)
+    print_amplitude(shapes)
     draw_paths(shapes, arguments.out / "real_trunk_paths.png")
     draw_loops(shapes, arguments.out / "real_trunk_loops.png")
     unseen = held_out + [f"100g_{i}" for i in range(10)]
     table = real_regression.errors(real_regression.sequences_of(work / "plot_both/shapes.csv"), unseen, PAST_S, step=8)
-    real_regression.print_errors("every frame of the held-out pieces", table)
+    pieces = {load: [name for name in unseen if name.startswith(f"{load}_")] for load in LOADS}
+    real_regression.print_errors("every frame of the held-out pieces", table, [
+        ("trunk, every frame: 0 g, 300 g", 5, [pieces["0g"], pieces["300g"]]), ("100 g", 5, [pieces["100g"]]),
+        (f"all {len(unseen)} pieces", 5, [unseen])])
     print_repeatability(data)
 
     bags = [work / f"pieces/{load}_{i}.bag" for load in LOADS for i in HELD_OUT]
-    for folder, arm, window in (("frame", "both", 0), ("window", "both", PIECE_S), ("window_unloaded", "unloaded", PIECE_S)):
+    text = (root / "config/arms/tendon_trunk.yaml").read_text()
+    guesses = []
+    for name, factor in (("half", 0.5), ("twice", 2.0)):  # an EI that nobody identified, laws from 0 g
+        start = work / f"start_{name}.yaml"
+        start.write_text(re.sub(r"base_nm2: ([0-9.]+)", lambda ei: f"base_nm2: {factor * float(ei.group(1)):.4g}", text))
+        identify(program, work, f"unloaded_{name}", ["0g"], [f"0g_{i}" for i in HELD_OUT], tie=False, arm=start,
+                 more=["--hold", "*.bending_stiffness.*"])
+        guesses.append((f"window_{name}", f"unloaded_{name}", PIECE_S))
+    for folder, arm, window in (("frame", "both", 0), ("window", "both", PIECE_S), ("window_unloaded", "unloaded", PIECE_S), *guesses):
         run(program, "estimate", "--arm", work / f"{arm}.yaml", *bags, "--unknown", "payload", "--prior", "on", "--window",
             window, "--out", work / folder)
         print_payload(work, folder, HELD_OUT)
     draw_payload(work, "window", arguments.out / "real_trunk_payload.png")
     decay(data, arguments.out / "real_trunk_decay.png")
+    releases = sorted((work / "decay").glob("*.bag"))
+    run(program, "estimate", "--arm", "tendon_trunk", *releases, "--out", work / "releases")
+    statuses = [r["status"] for bag in releases for r in rows_of(work / f"releases/{bag.stem}/estimates.csv")]
+    print("  estimated frame by frame: " + ", ".join(f"{status} {statuses.count(status)}" for status in sorted(set(statuses))))
 
     # What the arm file leaves out: from pieces of all three recordings.
-    report = real_diagnosis.diagnose(program, work / "both.yaml", bags, work / "report", "--tie",
-                                     "*.bending_stiffness.base")
+    report = real_diagnosis.diagnose(program, work / "both.yaml", bags, work / "report", *TIE)
     real_diagnosis.print_report("tendon trunk", report)
 
 

@@ -70,6 +70,8 @@ def print_report(name, report):
         if one.get("z", 0) >= STANDS_OUT and one["name"] not in named:
             print(f"  stands out: {one['name']}, z {one['z']:.1f}, collinearity {100 * one['collinearity']:.0f} %, "
                   f"p {one['probability']:.3f}, {one['finding']}")
+    untold = [one["name"] for one in report["ranking"] if one["finding"] == "cannot_tell"]
+    print(f"  cannot tell: {', '.join(untold) or 'none'}")
     left = report["residual_structure"]
     inputs = ", ".join(f"{key} (p {p:.1g})" for key, p in left["by_input_p"].items() if p < TELLING)
     print(f"  left: {place_of(left['where'])}; time p {left['whiteness_p']:.1g}, along s p {left['along_s_p']:.1g}; {inputs}")
@@ -77,6 +79,8 @@ def print_report(name, report):
         if "stiffness.base" in shift["name"] or "gain" in shift["name"]:
             print(f"  {shift['name']}: {shift['before']:.3g} +- {shift['sd_before']:.1g} -> {shift['after']:.3g} +- "
                   f"{shift['sd_after']:.1g} {shift['unit']}")
+    for note in report["notes"]:
+        print(f"  note: {note}")
     if "next_experiment" in report:
         print(f"  next: {report['next_experiment']['action']}")
 
@@ -84,7 +88,7 @@ def print_report(name, report):
 def draw(reports, path):
     """Error of each unseen trial before and after, one panel for each arm."""
     import matplotlib.pyplot as plt
-    figure, grid = plt.subplots(1, len(reports), figsize=(4.2 * len(reports), 3.3), squeeze=False,
+    figure, grid = plt.subplots(1, len(reports), figsize=(3.6 * len(reports), 3.6), squeeze=False, sharey=True,
                                 gridspec_kw={"width_ratios": [2 + len(r["trials"]) for r in reports.values()]})
     for axes, (name, report) in zip(grid[0], reports.items()):
         trials = report["trials"]
@@ -95,15 +99,15 @@ def draw(reports, path):
         if "ceiling_rms_m" in report:
             axes.axhline(1e3 * report["ceiling_rms_m"], color="k", ls=":", lw=1.3, label="flexible model")
         axes.set_xticks(range(len(trials)))
-        axes.set_xticklabels([t["name"] for t in trials], rotation=35, ha="right", fontsize=8)
-        axes.set_title(f"{name}: {report['verdict'].replace('_', ' ')}", fontsize=9)
+        axes.set_xticklabels([t["name"] for t in trials], rotation=25, ha="right", fontsize=9)
+        axes.set_title(f"{name}:\n{report['verdict'].replace('_', ' ')}", fontsize=10)
         axes.grid(alpha=0.25, axis="y")
         for side in ("top", "right"):
             axes.spines[side].set_visible(False)
     grid[0][0].set_ylabel("rms error, trial not fitted (mm)")
     # Above the bars, whatever their heights.
-    grid[0][0].set_ylim(top=1.35 * grid[0][0].get_ylim()[1])
-    grid[0][0].legend(fontsize=7, frameon=False, loc="upper left", ncol=1)
+    grid[0][0].set_ylim(top=1.3 * grid[0][0].get_ylim()[1])
+    grid[0][0].legend(fontsize=9, frameon=False, loc="upper left", ncol=1)
     figure.tight_layout()
     figure.savefig(path, dpi=75)
     plt.close(figure)

@@ -97,11 +97,14 @@ def errors(sequences, unseen, lags_s, judged=None, step=1):
     return table
 
 
-def print_errors(title, table):
-    """One line per trial, and the mean of them."""
+def print_errors(title, table, rows):
+    """One line per trial; then, as the page has them, rows of groups of trials: title, what is to be reached, the groups."""
     print(f"\n{title}: mean distance of the bodies in trials that were not fitted, mm")
     columns = ["physics", *LEARNERS]
     print("  " + " " * 12 + "   ".join(columns))
-    mean = {column: np.mean([row[column] for row in table.values()]) for column in columns}
-    for name, row in [*table.items(), ("all", mean)]:
+    for name, row in table.items():
         print(f"  {name:<12}" + "   ".join(f"{row[column]:>{len(column)}.1f}" for column in columns))
+    print("\n| trials | to reach | " + " | ".join(columns) + " |\n" + "|---" * (2 + len(columns)) + "|")
+    for name, reach, groups in rows:
+        cells = [", ".join(f"{np.mean([table[trial][column] for trial in group]):.1f}" for group in groups) for column in columns]
+        print(f"| {name} | {reach} | " + " | ".join(cells) + " |")

@@ -99,7 +99,7 @@ $ softarm diagnose --arm my_arm.yaml campaign/case_001/*.bag --out report
 
 It took {steps.seconds["diagnose"]:.0f} s here. How to read it, from the top:
 
-- **Verdict.** What is named takes the error on trials that the fit has not seen from {1e3 * before:.2f} to {1e3 * after:.2f} mm. One set of constants must serve all mountings, speeds and payloads at once; that is where the error of {1e3 * before:.2f} mm comes from, which no single frame shows.
+- **Verdict.** What is named takes the rms error on trials that the fit has not seen from {1e3 * before:.2f} to {1e3 * after:.2f} mm. One set of constants must serve all mountings, speeds and payloads at once; that is where those {1e3 * before:.2f} mm come from, which no single frame shows.
 - **collinearity** ({100 * report["ranking"][0]["collinearity"]:.0f} % in the list of candidates): so much of what a yielding base does looks like a softer arm. The rest is what gives it away: the turn sits at the base, before the first ring, and grows with the moment there.
 - **Estimates before, and with this**: the correction of EI and of the gains.
 - **mistaken for**: a spring at the base has rivals (clamped ends, shear); in other trials than these they might be left open, and would be listed.
@@ -115,7 +115,7 @@ Now the seal is opened (`campaign/truth/case_001/trial_01.truth.yaml`):
 | compliance of the base | {truth["compliance"]:.4f} rad/(N m) | none | {value["value"]:.4f}, 90 % interval {value["low"]:.4f} to {value["high"]:.4f} ({"holds the truth" if covered else "does not hold the truth"}) |
 | EI, all trials together | {1e3 * truth["EI"]:.3f} mN m² | {1e3 * shift["before"]:.3f} ({percent(shift["before"], truth["EI"])}); `identify`: {1e3 * found["identified"]:.3f} ({percent(found["identified"], truth["EI"])}) | {1e3 * shift["after"]:.3f} ± {1e3 * half:.3f} ({percent(shift["after"], truth["EI"])}) |
 | gain of chamber 1 | {1e6 * truth["gain"]:.3f} mN m/kPa | {1e6 * gain["before"]:.3f} ({percent(gain["before"], truth["gain"])}) | {1e6 * gain["after"]:.3f} ({percent(gain["after"], truth["gain"])}) |
-| error on unseen trials | noise alone {1e3 * report["noise_floor_m"]:.2f} mm | {1e3 * before:.2f} mm | {1e3 * after:.2f} mm |
+| rms error on unseen trials | noise alone {1e3 * report["noise_floor_m"]:.2f} mm | {1e3 * before:.2f} mm | {1e3 * after:.2f} mm |
 
 ![Before and after](images/worked_example.png)
 
