@@ -190,7 +190,7 @@ Remains compare(const JointModel& model, const Selection& selection, Diagnosis& 
 
 /// The effects of the model, with what they are worth and where they are.
 std::vector<NamedEffect> named_effects(JointModel& model, const Selection& selection,
-                                       const MatrixXd& covariance, double doubt) {
+                                       const MatrixXd& covariance) {
   const auto taken_of = [](const Round& round) -> const Refitted& {
     return round.refitted[static_cast<std::size_t>(round.taken)];
   };
@@ -202,7 +202,7 @@ std::vector<NamedEffect> named_effects(JointModel& model, const Selection& selec
     NamedEffect named;
     named.id = present.effect->info().id;
     named.description = present.effect->info().description;
-    named.probability = doubt * r.probability;
+    named.probability = r.probability;
     named.parameters = values_of(selection.extended, e, covariance);
     named.where = where_is(model, selection.extended, present, contribution(model, selection.extended, e));
     const double without = e == 0 ? selection.baseline_unseen.total_rms_m
@@ -216,6 +216,19 @@ std::vector<NamedEffect> named_effects(JointModel& model, const Selection& selec
   for (const NamedEffect& named : list) sum += named.share;
   for (NamedEffect& named : list) named.share = sum > 0.0 ? named.share / sum : 0.0;
   return list;
+}
+
+/// Whether weights are what was said as nearly as anybody knows them. The arm's own and that of payloads
+/// cannot be told apart: EI and the gains go with the former.
+bool is_weighed_well(const Present& present) {
+  const model::Info& info = present.effect->info();
+  if (info.family != model::Family::kLoad) return false;
+  for (int k = 0; k < info.sizes; ++k) {
+    if (info.parameters[static_cast<std::size_t>(k)].unit != "1" ||
+        std::abs(present.values[k]) > kPolicy.words.weight)
+      return false;
+  }
+  return true;
 }
 
 /// Whether bodies or the base are no further from where the arm file has them than it says to be usual.
@@ -238,12 +251,18 @@ bool is_placed_well(const arm::Arm& arm, const Present& present) {
 }
 
 /// Takes from the effects, in the model's order, what every arm has: placement within what the arm file
-/// allows, and little of what is explained. The rest stands in the order of what it explains.
-std::vector<NamedEffect> take_small(const JointModel& model, const Selection& selection,
-                                    std::vector<NamedEffect>& effects) {
+/// allows, weights known to a few percent, little of what is explained, and little beside what is left. The
+/// rest stands in the order of what it explains.
+std::vector<NamedEffect> take_small(const JointModel& model, const Selection& selection, bool adequate,
+                                    double explained_share, std::vector<NamedEffect>& effects) {
   std::vector<NamedEffect> small, rest;
   for (std::size_t e = 0; e < effects.size(); ++e) {
-    const bool is_small = effects[e].share < kPolicy.words.small_share ||
+    const Round& round = selection.rounds[selection.round_of[e]];
+    const double moved_m = round.refitted[static_cast<std::size_t>(round.taken)].moved_m;
+    const bool beside = !adequate && effects[e].share * explained_share < kPolicy.words.small_part &&
+                        moved_m < kPolicy.words.small * model.arm().total_length_m();
+    const bool is_small = beside || effects[e].share < kPolicy.words.small_share ||
+                          is_weighed_well(selection.extended.at.effects[e]) ||
                           is_placed_well(model.arm(), selection.extended.at.effects[e]);
     (is_small ? small : rest).push_back(std::move(effects[e]));
   }
@@ -355,13 +374,11 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   d.arm = arm.name;
   const Remains left = compare(model, selection, d);
   const bool extended = !selection.extended.at.effects.empty();
-  // What explains a part may only be the nearest to what is there.
-  const double doubt = left.adequate ? 1.0 : d.explained_share;
   report(0.9, "where");
   const MatrixXd covariance = covariance_of(selection.extended, selection.inflation);
-  d.effects = named_effects(model, selection, covariance, doubt);
-  d.small_departures = take_small(model, selection, d.effects);
-  d.ranking = ranking_of(model, selection, doubt);
+  d.effects = named_effects(model, selection, covariance);
+  d.small_departures = take_small(model, selection, left.adequate, d.explained_share, d.effects);
+  d.ranking = ranking_of(model, selection);
   d.before = structure_of(model, selection.baseline, selection.baseline_unseen);
   d.after = extended ? structure_of(model, selection.extended, selection.extended_unseen) : d.before;
   d.before.shared_m = left.before.shared_m;

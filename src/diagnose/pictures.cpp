@@ -187,6 +187,7 @@ std::string found_of(const Diagnosis& d) {
   for (const NamedEffect& effect : d.effects) names.push_back(effect.id);
   for (const NamedEffect& effect : d.small_departures) small.push_back(effect.id);
   const std::string list = one_of(names, "and");
+  const char* explain = names.size() > 1 ? "explain" : "explains";
   const std::string beside =
       small.empty() ? "" : fmt::format(" Small departures, as every arm has them: {}.", one_of(small, "and"));
   switch (d.verdict) {
@@ -199,24 +200,26 @@ std::string found_of(const Diagnosis& d) {
                          millimetres(mean_noise_m(d))) +
              beside;
     case Verdict::kPartlyExplained:
-      return fmt::format("{} {} {} of what could be explained: {}. Something else is left.", list,
-                         names.size() > 1 ? "explain" : "explains", percent(d.explained_share),
-                         errors_change);
+      return fmt::format("{} {} {} of what could be explained: {}. Something else is left.", list, explain,
+                         percent(d.explained_share), errors_change) +
+             beside;
     case Verdict::kUnknown: {
       std::string text =
           fmt::format("Something is there that no effect of the catalogue explains ({}).", errors);
+      // A finding stands on its own probability, however much else is left.
+      for (std::size_t i = 0; i < names.size(); ++i)
+        names[i] += fmt::format(" ({})", percent(d.effects[i].probability));
       if (!names.empty())
-        text += fmt::format(" {} {}, but {} {}.", list, names.size() > 1 ? "help" : "helps",
-                            names.size() > 1 ? "leave" : "leaves", millimetres(d.extended.held_out_mean_m));
+        text += fmt::format(" {} {} {} of it: {}.", one_of(names, "and"), explain, percent(d.explained_share),
+                            errors_change);
+      text += beside;
       std::vector<std::string> likely;
       for (const Candidate& c : d.ranking) {
         if (c.finding != Finding::kPresent && c.finding != Finding::kRival &&
             c.probability >= kPolicy.words.likely)
           likely.push_back(fmt::format("{} ({})", c.id, percent(c.probability)));
       }
-      if (!likely.empty())
-        text += fmt::format(" Likeliest, by less than the 5 standard deviations that a name takes: {}.",
-                            one_of(likely));
+      if (!likely.empty()) text += fmt::format(" May be there: {}.", one_of(likely));
       text += d.ceiling_rms_m > kPolicy.words.no_better * d.extended.held_out_rms_m
                   ? " Nor does a flexible model learn it from the other trials: it is not the same in all of "
                     "them, or they are too few."

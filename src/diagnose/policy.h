@@ -46,18 +46,29 @@ struct Policy {
     std::size_t always_refitted = 2;  ///< of those
     double near_best = 0.25;  ///< share of the best one's gain in the screen from which on others are too
     double rival_z = 3.0;     ///< separation below which two effects are one class
-    double rival_gain = 0.5 * 3.0 * 3.0;  ///< the same as a difference of log scores
+    double rival_gain = 0.5 * 3.0 * 3.0;  ///< the same as a difference of log scores on unseen trials
     double rival_cosine = 0.95;           ///< of the signatures of two effects that may be one class
-    double none_odds = 20.0;              ///< for none against one effect, before the data
     double identifiable_sd = 2.0;         ///< from 0, of a size that is identifiable
   } selection;
 
+  /// How probable effects are.
+  struct Posterior {
+    double expected = 0.5;  ///< effects of the catalogue that an arm is expected to have, before the data
+    /// Sizes that every effect has, in usual ones, and whose probability is the same beforehand: the rig's
+    /// own errors are a hundredth, untidy arms a tenth.
+    double background[4] = {0.01, 0.03, 0.1, 0.3};
+    double named = 0.5;        ///< probability from which on an effect goes into the model
+    double rival = 0.1;        ///< of another one instead, from which on they are one class
+    double least_white = 0.3;  ///< variance of what is white over that of the noise: means are not of fewer
+    std::size_t most_instants = 300;  ///< or groups of neighbouring ones: the cost goes with its square
+    long fewest_instants = 20;        ///< with fewer nothing is said
+    std::size_t most_effects = 3, leaders = 5, grown_from = 2;  ///< of the search for sets, upon one fit
+    double beside = 8.0;  ///< fall of the log evidence beyond which a background is not looked at
+  } posterior;
+
   /// What is said of the whole.
   struct Verdict {
-    /// Shares of what could be explained. Where something is left to see, the one of 41 effects that fits
-    /// best explains up to three quarters of nearly anything: less than `partly` names nothing.
-    double explained = 0.9, partly = 0.8;
-    double refused = 0.5;  ///< most probability of what is not named: its size is not identifiable
+    double explained = 0.9, partly = 0.5;  ///< shares of what could be explained
     double as_noise_chi2 =
         2.0;  ///< chi^2 per degree of freedom on unseen trials, up to which residuals are noise
     double shared = 3.75e-4;      ///< of the length: what motion and trivial effects leave that bodies share
@@ -142,8 +153,12 @@ struct Policy {
 
   /// What is worth a word.
   struct Words {
-    double likely = 0.1;          ///< probability of one that is not named
-    double small_share = 0.1;     ///< of what all effects explain, below which one is a small departure
+    double likely = 0.1;       ///< probability of one that is not named
+    double small_share = 0.1;  ///< of what all effects explain, below which one is a small departure
+    /// The same where something else is left: of what could be explained, and of the arm's length. Several
+    /// departures of that size are what every arm has (half a millimetre on one of 0.2 m).
+    double small_part = 0.5, small = 2.5e-3;
+    double weight = 0.05;  ///< share to which weights are known that were told, or follow from a drawing
     double left_out_share = 0.1;  ///< of the recordings, beyond which the verdict's line says it
     double worse = 1.05;  ///< ratio of a trial's mean errors beyond which it is said to be predicted worse
     double stands_out = 5.0;    ///< z of the screen from which on "absent" would be too much

@@ -42,12 +42,13 @@ const Refitted* refit_of(const Round& round, const Effect* effect) {
 Candidate left_aside(const JointModel& model, const Selection& selection, const Screened& s) {
   const double trivial_m = kPolicy.selection.trivial * model.arm().total_length_m();
   Candidate c = candidate_of(s);
+  c.probability = selection.rounds.back().posterior.of(s.effect);
   bool trivial = s.z >= kPolicy.selection.least_z && s.leftover_m < trivial_m;
   if (const Refitted* r = refit_of(selection.rounds.back(), s.effect)) {
     // Of being there at a size that matters.
+    c.probability = r->probability;
     trivial = r->z >= kPolicy.selection.least_z && r->moved_m < trivial_m;
-    c.probability =
-        r->moved_m < trivial_m || !r->physical ? 0.0 : std::min(r->probability, kPolicy.verdict.refused);
+    if (r->moved_m < trivial_m || !r->physical) c.probability = 0.0;
     c.possible = r->physical;
     c.log_score = r->gain / std::max(1, selection.extended.rows / 3);
   }
@@ -57,7 +58,7 @@ Candidate left_aside(const JointModel& model, const Selection& selection, const 
 
 }  // namespace
 
-std::vector<Candidate> ranking_of(const JointModel& model, const Selection& selection, double doubt) {
+std::vector<Candidate> ranking_of(const JointModel& model, const Selection& selection) {
   std::vector<Candidate> list;
   const auto known = [&](const Effect* effect) {
     return std::any_of(list.begin(), list.end(),
@@ -70,7 +71,7 @@ std::vector<Candidate> ranking_of(const JointModel& model, const Selection& sele
     const Refitted& r = round.refitted[static_cast<std::size_t>(round.taken)];
     Candidate c = candidate_of(round, r.effect);
     c.finding = Finding::kPresent;
-    c.probability = doubt * r.probability;
+    c.probability = r.probability;
     c.z = r.z;
     c.estimate = extended.at.effects[e].values[0];
     c.log_score = r.gain / bodies;
@@ -82,8 +83,8 @@ std::vector<Candidate> ranking_of(const JointModel& model, const Selection& sele
       if (known(rival)) continue;
       Candidate c = candidate_of(round, rival);
       c.finding = Finding::kRival;
+      c.probability = round.posterior.of(rival);
       if (const Refitted* r = refit_of(round, rival)) {
-        c.probability = r->probability;
         c.z = r->z;
         c.log_score = r->gain / bodies;
       }

@@ -9,7 +9,6 @@
 namespace softarm::diagnose {
 
 /// Effects that were taken, their rivals, then the others of the last screen.
-/// @param doubt what probabilities of those taken are multiplied by
-std::vector<Candidate> ranking_of(const JointModel& model, const Selection& selection, double doubt);
+std::vector<Candidate> ranking_of(const JointModel& model, const Selection& selection);
 
 }  // namespace softarm::diagnose

@@ -14,7 +14,7 @@ namespace {
 using model::Effect;
 using model::Present;
 
-constexpr int kBootstraps = 2000;
+constexpr int kBootstraps = 500;
 constexpr std::uint64_t kBootstrapSeed = 1;
 constexpr int kRefitIterations = 4, kDropIterations = 3;
 constexpr double kRefitTolerance = 0.2;  // of a step against the standard deviations
@@ -98,33 +98,6 @@ double z_of_sizes(const Linearised& at) {
   return std::sqrt(std::max(0.0, sizes.dot(math::solve_symmetric(covariance, sizes)) / inflation(at)));
 }
 
-/// Weights of the candidates, and of none of them, by what each gains on unseen trials: the mean over the
-/// Bayesian bootstrap of the trials (pseudo-BMA+; Yao, Vehtari, Simpson and Gelman 2018, section 3.4), so
-/// that a lead which rests on one or two trials does not count for certain.
-void set_probabilities(std::vector<Refitted>& list) {
-  if (list.empty()) return;
-  const std::size_t trials = list.front().gains.size();
-  const auto count = static_cast<Eigen::Index>(list.size());
-  Eigen::MatrixXd gains(count, static_cast<Eigen::Index>(trials));
-  for (Eigen::Index i = 0; i < count; ++i) {
-    for (std::size_t t = 0; t < trials; ++t)
-      gains(i, static_cast<Eigen::Index>(t)) = list[static_cast<std::size_t>(i)].gains[t];
-  }
-  std::mt19937_64 random(kBootstrapSeed);
-  std::exponential_distribution<double> exponential;
-  Eigen::VectorXd weights = Eigen::VectorXd::Zero(count);
-  for (int n = 0; n < kBootstraps; ++n) {
-    Eigen::VectorXd share(static_cast<Eigen::Index>(trials));
-    for (double& s : share) s = exponential(random);
-    const Eigen::VectorXd sum = gains * share * (static_cast<double>(trials) / share.sum());
-    const double best = std::max(0.0, sum.maxCoeff());
-    const Eigen::VectorXd odds = (sum.array() - best).exp();
-    weights += odds / (odds.sum() + kPolicy.selection.none_odds * std::exp(-best));
-  }
-  for (Eigen::Index i = 0; i < count; ++i)
-    list[static_cast<std::size_t>(i)].probability = weights[i] / kBootstraps;
-}
-
 /// What the rounds stand upon: the model so far.
 struct Standing {
   Linearised fit;
@@ -173,49 +146,65 @@ void compare(const Standing& current, std::vector<Refitted>& refitted) {
     const double fall = current.unseen.total_chi2 - r.unseen.total_chi2;
     r.z = std::min(std::sqrt(std::max(0.0, fall / phi)), z_of_sizes(r.fit));
     r.gain = 0.5 * fall / phi;
-    r.gains.clear();
+    r.falls.clear();
     for (std::size_t t = 0; t < r.unseen.chi2.size(); ++t)
-      r.gains.push_back(0.5 * (current.unseen.chi2[t] - r.unseen.chi2[t]) / phi);
+      r.falls.push_back(current.unseen.chi2[t] - r.unseen.chi2[t]);
     r.moved_m = moved_m(current.unseen, r.unseen);
   }
   std::stable_sort(refitted.begin(), refitted.end(),
                    [](const Refitted& a, const Refitted& b) { return a.gain > b.gain; });
-  set_probabilities(refitted);
 }
 
-/// The best that can be named; -1: none. One whose fit did not converge is only taken where none that did is
-/// as good.
+/// Probability of a gain on unseen trials, were others like these recorded: the share of the Bayesian
+/// bootstrap of the trials (Rubin 1981). What rests on one trial of many is not there in all of them.
+double gains_elsewhere(const std::vector<double>& falls) {
+  std::mt19937_64 random(kBootstrapSeed);
+  std::exponential_distribution<double> exponential;
+  int gains = 0;
+  for (int n = 0; n < kBootstraps; ++n) {
+    double sum = 0.0;
+    for (const double fall : falls) sum += exponential(random) * fall;
+    gains += sum > 0.0;
+  }
+  return static_cast<double>(gains) / kBootstraps;
+}
+
+/// The most probable that can be; -1: none is more probable than not. One whose fit did not converge is only
+/// taken where none that did is as probable as not.
 int best_of(const JointModel& model, const std::vector<Refitted>& refitted) {
-  int open = -1;
+  int best = -1, open = -1;
   for (std::size_t i = 0; i < refitted.size(); ++i) {
     const Refitted& r = refitted[i];
-    // A worse one is not named in the place of a better one that cannot be right; one as good is.
-    if (refitted.front().gain - r.gain >= kPolicy.selection.rival_gain) break;
-    if (r.z < kPolicy.selection.least_z || !r.physical || r.moved_m < trivial_m(model)) continue;
-    if (r.converged) return static_cast<int>(i);
-    if (open < 0) open = static_cast<int>(i);
+    if (r.probability < kPolicy.posterior.named || !r.physical || r.moved_m < trivial_m(model)) continue;
+    int& leader = r.converged ? best : open;
+    if (leader < 0 || r.probability > refitted[static_cast<std::size_t>(leader)].probability)
+      leader = static_cast<int>(i);
   }
-  return open;
+  return best >= 0 ? best : open;
 }
 
-/// Those that explain the trials as well as the one taken, or are the same in them.
+/// Whether one tends to be there where the other is not.
+bool take_turns(const Posterior& posterior, const Effect* one, const Effect* other) {
+  const double instead = posterior.instead(other, one), with = posterior.of(other) - instead;
+  const double of_one = posterior.of(one);
+  return instead >= kPolicy.posterior.rival && instead * of_one > 2.0 * with * (1.0 - of_one);
+}
+
+/// Those that may be there in its place, or are the same in these trials.
 std::vector<const Effect*> rivals_of(const Round& round) {
   std::vector<const Effect*> rivals;
   const Refitted& first = round.refitted[static_cast<std::size_t>(round.taken)];
-  for (const Refitted& r : round.refitted) {
-    if (r.effect != first.effect && r.physical && first.gain - r.gain < kPolicy.selection.rival_gain)
-      rivals.push_back(r.effect);
-  }
   const auto own = std::find_if(round.screened.begin(), round.screened.end(),
                                 [&](const Screened& s) { return s.effect == first.effect; });
-  if (own == round.screened.end()) return rivals;
   for (const Screened& s : round.screened) {
-    const bool refitted = std::any_of(round.refitted.begin(), round.refitted.end(),
-                                      [&](const Refitted& r) { return r.effect == s.effect; });
-    if (refitted) continue;
+    if (s.effect == first.effect) continue;
     const double cosine = std::abs(s.direction.dot(own->direction));
-    if (cosine > kPolicy.selection.rival_cosine &&
-        first.z * std::sqrt(1.0 - cosine * cosine) < kPolicy.selection.rival_z)
+    const bool as_good = std::any_of(round.refitted.begin(), round.refitted.end(), [&](const Refitted& r) {
+      return r.effect == s.effect && r.physical && first.gain - r.gain < kPolicy.selection.rival_gain;
+    });
+    if (as_good || take_turns(round.posterior, first.effect, s.effect) ||
+        (cosine > kPolicy.selection.rival_cosine &&
+         first.z * std::sqrt(1.0 - cosine * cosine) < kPolicy.selection.rival_z))
       rivals.push_back(s.effect);
   }
   return rivals;
@@ -230,7 +219,22 @@ void take(JointModel& model, const Refitted& best, Standing& current) {
   current.unseen = unseen(model, current.fit);
 }
 
-/// One round: screen, refits, and the best of them.
+/// The posterior over what was screened, each at the values of its refit where it had one.
+Posterior posterior_of(JointModel& model, Standing& current, const Round& round, unsigned jobs) {
+  std::vector<Present> candidates;
+  for (const Screened& s : round.screened) {
+    Present candidate{s.effect, s.values};
+    for (const Refitted& r : round.refitted)
+      if (r.effect == s.effect) candidate = r.fit.at.effects.back();
+    candidates.push_back(std::move(candidate));
+  }
+  std::vector<RefitEvidence> refits;
+  for (const Refitted& r : round.refitted)
+    refits.push_back({r.effect, evidence_of_refit(model, r.fit, current.fit)});
+  return posterior(evidence_data(model, current.fit, candidates, jobs), refits, jobs);
+}
+
+/// One round: screen, refits of what explains most, the posterior, refits of what is more probable than not.
 Round look(JointModel& model, Standing& current, bool refits, const Options& options,
            const std::function<void(double, const std::string&)>& progress) {
   Round round;
@@ -241,11 +245,20 @@ Round look(JointModel& model, Standing& current, bool refits, const Options& opt
       refits ? worth_a_refit(model, round.screened, options) : std::vector<std::size_t>{};
   for (std::size_t i = 0; i < worth.size(); ++i) {
     const Screened& s = round.screened[worth[i]];
-    progress(0.1 + 0.9 * static_cast<double>(i) / static_cast<double>(worth.size()),
+    progress(0.1 + 0.8 * static_cast<double>(i) / static_cast<double>(worth.size()),
              "refitting with " + s.effect->info().id);
     round.refitted.push_back(refit(model, current, s));
   }
+  progress(0.9, "how probable all of them are");
+  round.posterior = posterior_of(model, current, round, options.jobs);
+  for (const Screened& s : round.screened) {
+    const bool known = std::any_of(round.refitted.begin(), round.refitted.end(),
+                                   [&](const Refitted& r) { return r.effect == s.effect; });
+    if (refits && !known && round.posterior.of(s.effect) >= kPolicy.posterior.named)
+      round.refitted.push_back(refit(model, current, s));
+  }
   compare(current, round.refitted);
+  for (Refitted& r : round.refitted) r.probability = round.posterior.of(r.effect) * gains_elsewhere(r.falls);
   round.taken = best_of(model, round.refitted);
   if (round.taken >= 0) round.rivals = rivals_of(round);
   return round;
@@ -259,9 +272,7 @@ void drop_superfluous(JointModel& model, Standing& current, std::vector<std::siz
     Standing without;
     without.fit = model.fit(p, refit_options(kDropIterations), &current.fit.predicted);
     without.unseen = unseen(model, without.fit);
-    const double z2 = (without.unseen.total_chi2 - current.unseen.total_chi2) / inflation(current.fit);
-    if (z2 >= std::pow(kPolicy.selection.least_z, 2) &&
-        moved_m(without.unseen, current.unseen) >= trivial_m(model)) {
+    if (moved_m(without.unseen, current.unseen) >= trivial_m(model)) {
       ++e;
       continue;
     }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "joint_model.h"
+#include "posterior.h"
 #include "screen.h"
 #include "softarm/diagnose/diagnose.h"
 #include "unseen.h"
@@ -14,13 +15,12 @@ namespace softarm::diagnose {
 /// A candidate of one round after its refit.
 struct Refitted {
   const model::Effect* effect = nullptr;
-  double z = 0.0;             ///< sqrt of the fall of chi^2 on unseen trials over the inflation
-  double gain = 0.0;          ///< that fall over twice the inflation: of the log score
-  std::vector<double> gains;  ///< the same by trial
-  double probability = 0.0;   ///< against the other candidates of the round, and none
-  double moved_m = 0.0;       ///< root of the fall of the mean square error on unseen trials
-  bool physical = true;       ///< not at the end of its range
-  bool converged = true;      ///< its fit came to an end
+  double z = 0.0;            ///< sqrt of the fall of chi^2 on unseen trials over the inflation
+  double gain = 0.0;         ///< that fall over twice the inflation: of the log score
+  double probability = 0.0;  ///< of the round's posterior
+  double moved_m = 0.0;      ///< root of the fall of the mean square error on unseen trials
+  bool physical = true;      ///< not at the end of its range
+  bool converged = true;     ///< its fit came to an end
   Linearised fit;
   Unseen unseen;
 };
@@ -29,6 +29,7 @@ struct Refitted {
 struct Round {
   std::vector<Screened> screened;
   std::vector<Refitted> refitted;            ///< best first
+  Posterior posterior;                       ///< of all that were screened, upon the model so far
   int taken = -1;                            ///< of refitted; -1: none
   std::vector<const model::Effect*> rivals;  ///< of the one taken: as good, or the same in these trials
 };

@@ -134,12 +134,9 @@ std::string finding_description(const Candidate& candidate) {
   }
   // What stands out and yet is not named: say why, "absent" would be too much.
   if (!candidate.possible) return "fits, but only with a size that no arm has";
-  if (candidate.log_score && *candidate.log_score > 0.0 && candidate.probability >= kPolicy.words.likely)
-    return fmt::format("helps, but by less than the {:.0f} standard deviations that a name takes",
-                       kPolicy.selection.least_z);
+  if (candidate.probability >= kPolicy.words.likely) return "may be there";
   if (candidate.z >= kPolicy.words.stands_out)
-    return candidate.log_score ? "stands out, but does not earn its place on unseen trials"
-                               : "stands out, but less than those above";
+    return "stands out, but errors of the laws, or those above, explain it as well";
   return candidate.finding == Finding::kAbsent ? "absent" : "cannot tell: a usual size would not be seen";
 }
 

@@ -237,8 +237,9 @@ using Progress = std::function<void(double, const std::string&)>;
 ///    inertia of its known masses.
 /// 3. Score screen of the catalogue: signatures orthogonal to all constants, sums over stretches of two
 ///    seconds, so that correlated residuals widen the intervals.
-/// 4. The best are refitted together with the constants; one is taken into the model where it lowers the
-///    error on trials left out, and again from 3; at the end each must still be worth its place.
+/// 4. The best are refitted together with the constants. A posterior over all effects at once, with a
+///    background of small departures and correlated errors, says how probable each is; the most probable is
+///    taken into the model where it is more probable than not, and again from 3.
 /// 5. A Gaussian process over inputs, their speeds and past, payload, attitude and time says what could be
 ///    explained at all, before and after.
 /// 6. Verdict; a name only where no rival does as well.

@@ -1,0 +1,190 @@
+#include "evidence_data.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "flexible.h"
+#include "math/parallel.h"
+#include "policy.h"
+
+namespace softarm::diagnose {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+constexpr double kLeastStep = 0.05;  // of a usual size, of a difference
+
+/// Where an instant's numbers stand in its trial's vectors.
+struct InstantRows {
+  std::size_t trial = 0, block = 0;
+  Index bodies = 0, tangents = 0;
+};
+
+/// What the instants show that show most, in groups of neighbours. A group's rows are the sums of its
+/// instants' over the root of their number: all information on what is slow, at the noise of one.
+struct Shown {
+  std::vector<InstantRows> instants;
+  std::vector<Index> group;        ///< of each instant
+  Eigen::VectorXd size;            ///< of each group
+  Index bodies = 0, tangents = 0;  ///< numbers, three each
+
+  double weight(std::size_t instant) const { return 1.0 / std::sqrt(size[group[instant]]); }
+};
+
+Shown whole_instants(const JointModel& model, const Linearised& at) {
+  Shown shown;
+  const auto counts = [&](std::size_t t, std::size_t k) {
+    return model.uses(t, k) && at.predicted[t][k].solved;
+  };
+  const auto numbers = [](const auto& seen) { return 3 * static_cast<Index>(seen.size()); };
+  for (std::size_t t = 0; t < model.trials().size(); ++t) {
+    const std::vector<model::Block>& blocks = model.trials()[t].blocks;
+    for (std::size_t k = 0; k < blocks.size(); ++k) {
+      if (!counts(t, k)) continue;
+      shown.bodies = std::max(shown.bodies, numbers(blocks[k].bodies));
+      shown.tangents = std::max(shown.tangents, numbers(blocks[k].tangents));
+    }
+  }
+  for (std::size_t t = 0; t < model.trials().size(); ++t) {
+    const std::vector<model::Block>& blocks = model.trials()[t].blocks;
+    InstantRows now{t, 0, 0, 0};
+    for (const model::Block& block : blocks) now.tangents += numbers(block.bodies);
+    for (; now.block < blocks.size(); ++now.block) {
+      const Index bodies = numbers(blocks[now.block].bodies), tangents = numbers(blocks[now.block].tangents);
+      if (counts(t, now.block) && bodies == shown.bodies && tangents == shown.tangents)
+        shown.instants.push_back(now);
+      now.bodies += bodies;
+      now.tangents += tangents;
+    }
+  }
+  const std::size_t most =
+      (shown.instants.size() + kPolicy.posterior.most_instants - 1) / kPolicy.posterior.most_instants;
+  std::vector<double> sizes;
+  for (std::size_t i = 0; i < shown.instants.size(); ++i) {
+    if (i == 0 || shown.instants[i].trial != shown.instants[i - 1].trial ||
+        sizes.back() >= static_cast<double>(most))
+      sizes.push_back(0.0);
+    sizes.back() += 1.0;
+    shown.group.push_back(static_cast<Index>(sizes.size()) - 1);
+  }
+  shown.size = Eigen::Map<const Eigen::VectorXd>(sizes.data(), static_cast<Index>(sizes.size()));
+  return shown;
+}
+
+/// One size of an effect alone, for a difference from none.
+struct Step {
+  model::Present present;
+  double step = 0.0;  ///< usual sizes
+};
+
+std::vector<Step> steps_of(const std::vector<model::Present>& candidates) {
+  std::vector<Step> steps;
+  for (const model::Present& candidate : candidates) {
+    const model::Info& info = candidate.effect->info();
+    for (int k = 0; k < info.sizes; ++k) {
+      const model::Parameter& size = info.parameters[static_cast<std::size_t>(k)];
+      // Effects are not linear in their sizes: the difference goes as far as the data say.
+      double step = std::clamp(candidate.values[k] / size.usual, -1.0, 1.0);
+      if (std::abs(step) < kLeastStep) step = size.high > 0.0 ? kLeastStep : -kLeastStep;
+      model::Present one = candidate;
+      one.values.head(info.sizes).setZero();
+      one.values[k] = step * size.usual;
+      steps.push_back({std::move(one), step});
+    }
+  }
+  return steps;
+}
+
+MatrixXd in_spreads(MatrixXd values) {
+  for (Index c = 0; c < values.cols() && values.rows() > 0; ++c) {
+    const double mean = values.col(c).mean();
+    const double sd = std::sqrt((values.col(c).array() - mean).square().mean());
+    values.col(c) = (values.col(c).array() - mean) / (sd > 1e-12 * (1.0 + std::abs(mean)) ? sd : 1e300);
+  }
+  return values;
+}
+
+MatrixXd features_at(const JointModel& model, const Linearised& at,
+                     const std::vector<InstantRows>& instants) {
+  const Features known = features(model, at);
+  MatrixXd values = MatrixXd::Zero(shown.size.size(), known.values.cols());
+  std::size_t f = 0;
+  for (std::size_t i = 0; i < shown.instants.size(); ++i) {
+    const InstantRows& now = shown.instants[i];
+    while (f < known.trial.size() && (known.trial[f] != now.trial || known.block[f] != now.block)) ++f;
+    if (f < known.trial.size())
+      values.row(shown.group[i]) += known.values.row(static_cast<Index>(f)) / shown.size[shown.group[i]];
+  }
+  return in_spreads(std::move(values));
+}
+
+/// Residuals and derivatives of a fit at instants, with another one's weights.
+EvidenceData of_fit(const Shown& shown, const Linearised& at, const Linearised& weights) {
+  const Index n = shown.size.size(), m = shown.bodies + shown.tangents;
+  EvidenceData data;
+  data.residual.setZero(n, m);
+  data.t_s.setZero(n);
+  data.trial.resize(static_cast<std::size_t>(n));
+  const Eigen::VectorXd x = at.unknowns();
+  for (std::size_t c = 0; c < at.columns.size(); ++c)
+    data.unknowns.push_back({nullptr, at.columns[c].start - x[static_cast<Index>(c)], at.columns[c].prior_sd,
+                             MatrixXd::Zero(n, m)});
+  for (std::size_t i = 0; i < shown.instants.size(); ++i) {
+    const InstantRows& from = shown.instants[i];
+    const std::size_t t = from.trial;
+    const Index to = shown.group[i];
+    data.trial[static_cast<std::size_t>(to)] = t;
+    data.t_s[to] += at.predicted[t][from.block].instant.t_s / shown.size[to];
+    for (Index r = 0; r < m; ++r) {
+      const Index row = r < shown.bodies ? from.bodies + r : from.tangents + r - shown.bodies;
+      const double own = at.root_weight[t][row], other = weights.root_weight[t][row];
+      const double weight = own > 0.0 ? shown.weight(i) * other / own : 0.0;
+      data.residual(to, r) += weight * at.residual[t][row];
+      for (std::size_t c = 0; c < data.unknowns.size(); ++c)
+        data.unknowns[c].moves(to, r) += weight * at.derivative[t](row, static_cast<Index>(c));
+    }
+  }
+  return data;
+}
+
+}  // namespace
+
+EvidenceData evidence_of_refit(const JointModel& model, const Linearised& refit, const Linearised& like) {
+  return of_fit(whole_instants(model, like), refit, like);
+}
+
+EvidenceData evidence_data(JointModel& model, Linearised& at, const std::vector<model::Present>& candidates,
+                           unsigned jobs) {
+  model.complete(at);
+  const Shown shown = whole_instants(model, at);
+  EvidenceData data = of_fit(shown, at, at);
+  const Index n = data.residual.rows(), m = data.residual.cols();
+  const std::vector<Step> steps = steps_of(candidates);
+  for (const Step& step : steps)
+    data.effects.push_back({step.present.effect, 0.0, kPolicy.fit.size_sd, MatrixXd::Zero(n, m)});
+  math::in_parallel(model.trials().size(), jobs, [&](std::size_t t) {
+    std::vector<JointParameters> changed(steps.size(), at.at);
+    std::vector<double> sizes;
+    for (std::size_t s = 0; s < steps.size(); ++s) {
+      changed[s].effects.push_back(steps[s].present);
+      sizes.push_back(steps[s].step);
+    }
+    const MatrixXd moves = at.root_weight[t].asDiagonal() * model.signatures(at, t, changed, sizes);
+    for (std::size_t i = 0; i < shown.instants.size(); ++i) {
+      const InstantRows& from = shown.instants[i];
+      if (from.trial != t) continue;
+      for (std::size_t c = 0; c < data.effects.size(); ++c) {
+        const auto column = moves.col(static_cast<Index>(c));
+        auto to = data.effects[c].moves.row(shown.group[i]);
+        to.head(shown.bodies) += shown.weight(i) * column.segment(from.bodies, shown.bodies).transpose();
+        to.tail(shown.tangents) +=
+            shown.weight(i) * column.segment(from.tangents, shown.tangents).transpose();
+      }
+    }
+  });
+  data.features = features_at(model, at, shown);
+  return data;
+}
+
+}  // namespace softarm::diagnose

@@ -1,0 +1,37 @@
+// Residuals and signatures at instants that show the whole arm: what the posterior is worked out from.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "joint_model.h"
+
+namespace softarm::diagnose {
+
+/// One column of the linearised model, at all instants.
+struct Signature {
+  const model::Effect* effect = nullptr;  ///< null: one of the fit's own unknowns
+  double mean = 0.0, prior_sd = 1.0;      ///< of its coefficient, before these data
+  Eigen::MatrixXd moves;                  ///< n x m, by which a coefficient of 1 moves what is seen
+};
+
+/// n groups of neighbouring instants that show all bodies and tangents, m numbers each, whitened by the
+/// noise.
+struct EvidenceData {
+  Eigen::MatrixXd residual;         ///< n x m, measured less modelled by the fit
+  std::vector<Signature> unknowns;  ///< of the fit
+  std::vector<Signature> effects;   ///< that are not in it, one per size; coefficients in usual sizes
+  Eigen::MatrixXd features;         ///< n x f, of what drives the arm, as multiples of their spread
+  Eigen::VectorXd t_s;              ///< in the trial
+  std::vector<std::size_t> trial;   ///< of each instant
+};
+
+/// @param at is completed (JointModel::complete)
+/// @param candidates effects at the values that the data say so far, of which signatures are wanted
+EvidenceData evidence_data(JointModel& model, Linearised& at, const std::vector<model::Present>& candidates,
+                           unsigned jobs);
+
+/// The same instants, and Huber's weights, as of `like`, by another fit: without candidates and features.
+EvidenceData evidence_of_refit(const JointModel& model, const Linearised& refit, const Linearised& like);
+
+}  // namespace softarm::diagnose

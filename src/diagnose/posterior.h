@@ -1,0 +1,58 @@
+// How sure: the probability of every effect, all at once.
+#pragma once
+
+#include <vector>
+
+#include "evidence_data.h"
+
+namespace softarm::diagnose {
+
+/// Effects of the catalogue that are there together, and how probable just these are.
+struct EffectSet {
+  std::vector<const model::Effect*> effects;
+  double probability = 0.0;
+};
+
+struct Posterior {
+  std::vector<EffectSet> sets;  ///< that were looked at, most probable first; they sum to 1
+
+  /// Of an effect, whatever else is there.
+  double of(const model::Effect* effect) const;
+  /// That `other` is there and `effect` is not.
+  double instead(const model::Effect* other, const model::Effect* effect) const;
+};
+
+/// A fit with one effect more, at the same instants.
+struct RefitEvidence {
+  const model::Effect* effect = nullptr;
+  EvidenceData data;  ///< evidence_of_refit(): the effect's own numbers are among the unknowns
+};
+
+/// Spike and slab over the catalogue (George and McCulloch 1993; Ishwaran and Rao 2005), linear about a fit.
+/// An effect that is there has sizes of N(0, prior_sd^2); one that is not has a background's, N(0, tau^2),
+/// tau the same for all and unknown: everything is a little wrong. The fit's unknowns are free within their
+/// priors. What is left is correlated: each principal direction of what is seen has noise of its own, white
+/// and a Gaussian process over what drives the arm, or over time, whose shares and sizes are those of
+/// greatest likelihood under each set. All coefficients are integrated out. Sets grow from the best by one
+/// effect at a time. Effects are not linear: where one was refitted, the evidence of it alone about its own
+/// fit (Laplace) takes the place of the linear one, in every set that has it.
+Posterior posterior(const EvidenceData& data, const std::vector<RefitEvidence>& refits, unsigned jobs);
+
+/// Log evidence of one set: the fit's unknowns and the effects integrated out, at the noise of greatest
+/// likelihood. For tests against the density written out.
+struct Evidence {
+  double log = 0.0;
+  Eigen::VectorXd coefficients;  ///< most probable, of unknowns, then effects
+  /// Of each direction: which kernel, its share of the variance, the variance.
+  struct Noise {
+    int kernel = 0;
+    double share = 0.0, variance = 1.0;
+  };
+  std::vector<Noise> noise;
+};
+Evidence evidence_of(const EvidenceData& data, const std::vector<const model::Effect*>& present, double tau);
+
+/// The covariance matrix of n instants that a kernel stands for.
+Eigen::MatrixXd kernel_matrix(const EvidenceData& data, int kernel);
+
+}  // namespace softarm::diagnose

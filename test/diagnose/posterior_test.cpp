@@ -1,0 +1,141 @@
+// The posterior over the catalogue on made-up signatures: against the density written out, and what it says
+// of one effect, of none, of many small ones and of an error that no effect makes.
+#include "diagnose/posterior.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <random>
+
+#include "diagnose/policy.h"
+#include "effects/catalogue.h"
+
+namespace softarm::diagnose {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// n instants of three trials, m numbers each, two unknowns, `effects` effects of one size: all signatures
+/// are smooth in the features and of `strength` times the noise, the residual is white noise alone.
+EvidenceData made_up(Index n, Index m, int effects, double strength, std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  const auto drawn = [&](Index rows, Index columns) {
+    return MatrixXd(MatrixXd::NullaryExpr(rows, columns, [&] { return normal(random); }));
+  };
+  EvidenceData data;
+  data.residual = drawn(n, m);
+  data.features = drawn(n, 3);
+  data.t_s = VectorXd::LinSpaced(n, 0.0, static_cast<double>(n));
+  for (Index i = 0; i < n; ++i) data.trial.push_back(static_cast<std::size_t>(3 * i / n));
+  const auto signature = [&] {
+    const MatrixXd bend = data.features * drawn(3, m), wave = (data.features * drawn(3, m)).array().sin();
+    return MatrixXd(strength * (0.5 * bend + wave));
+  };
+  for (int u = 0; u < 2; ++u) data.unknowns.push_back({nullptr, 0.1, 3.0, signature()});
+  for (int e = 0; e < effects; ++e)
+    data.effects.push_back({effects::catalogue()[static_cast<std::size_t>(e)].get(), 0.0, 5.0, signature()});
+  return data;
+}
+
+TEST(Posterior, EvidenceIsTheDensityWrittenOut) {
+  std::mt19937_64 random(3);
+  const EvidenceData data = made_up(14, 3, 4, 0.7, random);
+  const double tau = 0.1;
+  const Evidence evidence = evidence_of(data, {data.effects[1].effect}, tau);
+  const Index n = data.residual.rows(), m = data.residual.cols();
+  const MatrixXd axes =
+      Eigen::SelfAdjointEigenSolver<MatrixXd>(data.residual.transpose() * data.residual).eigenvectors();
+  MatrixXd covariance = MatrixXd::Zero(n * m, n * m);
+  for (Index d = 0; d < m; ++d) {
+    const Evidence::Noise& noise = evidence.noise[static_cast<std::size_t>(d)];
+    covariance.block(n * d, n * d, n, n) = noise.variance * ((1.0 - noise.share) * MatrixXd::Identity(n, n) +
+                                                             noise.share * kernel_matrix(data, noise.kernel));
+  }
+  const auto stacked = [&](const MatrixXd& rows) {
+    const MatrixXd turned = rows * axes;
+    return VectorXd(Eigen::Map<const VectorXd>(turned.data(), n * m));
+  };
+  VectorXd mean = VectorXd::Zero(n * m);
+  for (const Signature& s : data.unknowns) {
+    const VectorXd moves = stacked(s.moves);
+    mean += s.mean * moves;
+    covariance += s.prior_sd * s.prior_sd * moves * moves.transpose();
+  }
+  for (std::size_t e = 0; e < data.effects.size(); ++e) {
+    const VectorXd moves = stacked(data.effects[e].moves);
+    const double sd = e == 1 ? data.effects[e].prior_sd : tau;
+    covariance += sd * sd * moves * moves.transpose();
+  }
+  const Eigen::LLT<MatrixXd> factor(covariance);
+  const VectorXd off = stacked(data.residual) - mean;
+  const double log = -0.5 * off.dot(factor.solve(off)) - factor.matrixLLT().diagonal().array().log().sum();
+  EXPECT_NEAR(evidence.log, log, 1e-6 * std::abs(log));
+}
+
+TEST(Posterior, OfOneEffectOfNoneAndOfManySmallOnes) {
+  int one_found = 0, none_named = 0, small_named = 0;
+  constexpr int kDraws = 12;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    std::mt19937_64 random(100 + static_cast<unsigned>(draw));
+    const EvidenceData none = made_up(90, 6, 12, 1.0, random);
+    const Posterior of_none = posterior(none, {}, 1);
+    for (const Signature& s : none.effects) none_named += of_none.of(s.effect) > 0.5;
+
+    EvidenceData one = none;
+    one.residual += 1.5 * one.effects[4].moves;
+    const Posterior of_one = posterior(one, {}, 1);
+    one_found += of_one.of(one.effects[4].effect) > 0.9;
+    for (const Signature& s : one.effects) {
+      if (s.effect != one.effects[4].effect) none_named += of_one.of(s.effect) > 0.5;
+    }
+
+    EvidenceData small = none;
+    std::normal_distribution<double> normal;
+    for (const Signature& s : small.effects) small.residual += 0.3 * normal(random) * s.moves;
+    const Posterior of_small = posterior(small, {}, 1);
+    for (const Signature& s : small.effects) small_named += of_small.of(s.effect) > 0.9;
+  }
+  EXPECT_EQ(one_found, kDraws);
+  EXPECT_EQ(none_named, 0);
+  EXPECT_LE(small_named, kDraws / 4);
+}
+
+// What drives the arm makes an error that none of the effects does; some of them resemble it by chance.
+TEST(Posterior, AnErrorThatNoEffectMakesIsNoEffect) {
+  int named = 0;
+  for (int draw = 0; draw < 12; ++draw) {
+    std::mt19937_64 random(200 + static_cast<unsigned>(draw));
+    EvidenceData data = made_up(90, 6, 12, 1.0, random);
+    std::normal_distribution<double> normal;
+    const MatrixXd mix = MatrixXd::NullaryExpr(3, 6, [&] { return normal(random); });
+    data.residual += 3.0 * (data.features * mix).array().cos().matrix();
+    const Posterior p = posterior(data, {}, 1);
+    for (const Signature& s : data.effects) named += p.of(s.effect) > 0.9;
+  }
+  EXPECT_LE(named, 1);
+}
+
+TEST(Posterior, TwoThatDoTheSameShareTheProbability) {
+  std::mt19937_64 random(7);
+  EvidenceData data = made_up(90, 6, 12, 1.0, random);
+  data.effects[5].moves = data.effects[4].moves;
+  data.residual += 1.5 * data.effects[4].moves;
+  const Posterior p = posterior(data, {}, 1);
+  const auto* one = data.effects[4].effect;
+  const auto* other = data.effects[5].effect;
+  EXPECT_NEAR(p.of(one), p.of(other), 0.05);
+  EXPECT_GT(p.of(one) + p.of(other), 0.9);
+  EXPECT_GT(p.instead(other, one), 0.3);
+}
+
+TEST(Posterior, SaysNothingOfTooFewInstants) {
+  std::mt19937_64 random(9);
+  EXPECT_TRUE(
+      posterior(made_up(kPolicy.posterior.fewest_instants - 1, 3, 3, 1.0, random), {}, 1).sets.empty());
+}
+
+}  // namespace
+}  // namespace softarm::diagnose
