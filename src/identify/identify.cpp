@@ -17,6 +17,7 @@
 #include "joint_fit.h"
 #include "law_errors.h"
 #include "limits.h"
+#include "motion.h"
 
 namespace softarm::identify {
 namespace {
@@ -440,6 +441,7 @@ Result fit_of(const arm::Arm& arm, const std::vector<trial::Trial>& trials, Effe
   const bool exact = lines != nullptr || options.exact_inputs;
   const SensorErrors errors = exact ? SensorErrors() : sensor_errors(arm, trials);
   problem.add(errors);
+  problem.add(motion_of(arm, trials, frames.fitted));
   const Solution solution = solve(problem, constants, frames.fitted, [&](int iteration) {
     report(0.05 + 0.75 * iteration / (iteration + 10.0));
   });
