@@ -6,6 +6,7 @@
 #include "checks.h"
 #include "context.h"
 #include "policy.h"
+#include "settings.h"
 
 namespace softarm::check {
 namespace {
@@ -103,6 +104,7 @@ CheckReport check_recording(const trial::CheckRecording& recording, const arm::A
   merge_alike(report.findings);
   std::stable_sort(report.findings.begin(), report.findings.end(),
                    [](const CheckFinding& a, const CheckFinding& b) { return a.severity > b.severity; });
+  withhold_contradictions(report.findings);
   return report;
 }
 

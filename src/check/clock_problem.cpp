@@ -114,7 +114,7 @@ Eigen::MatrixXd regressors(const ClockProblem& problem, double shift_s) {
     for (std::size_t j = 0; j < linear.size(); ++j) {
       if (j >= i && (i == j || linear.size() <= kPolicy.clocks.some_inputs))
         columns.push_back(linear[i].cwiseProduct(linear[j]));
-      if (i == j || few) columns.push_back(square.cwiseProduct(linear[j]));
+      if (problem.with_cubes && (i == j || few)) columns.push_back(square.cwiseProduct(linear[j]));
     }
   }
   Eigen::MatrixXd a(n, static_cast<Eigen::Index>(columns.size()));
@@ -123,7 +123,8 @@ Eigen::MatrixXd regressors(const ClockProblem& problem, double shift_s) {
   return a;
 }
 
-std::optional<ClockProblem> clock_problem(const Context& context, double centre_s, double step_s) {
+std::optional<ClockProblem> clock_problem(const Context& context, double centre_s, double step_s,
+                                          bool without_slow) {
   ClockProblem problem;
   problem.centre_s = centre_s;
   const Track* tip = outermost(context);
@@ -149,7 +150,7 @@ std::optional<ClockProblem> clock_problem(const Context& context, double centre_
   if (n < kPolicy.clocks.least_samples) return std::nullopt;
   problem.y.resize(n, 3);
   for (Eigen::Index k = 0; k < n; ++k) problem.y.row(k) = places[static_cast<std::size_t>(k)].transpose();
-  const Eigen::MatrixXd hats = hat_functions(problem.t_s, span);
+  const Eigen::MatrixXd hats = without_slow ? hat_functions(problem.t_s, span) : Eigen::MatrixXd::Ones(n, 1);
   const Eigen::MatrixXd steps = payload_steps(problem.t_s, context.payload);
   Eigen::MatrixXd h(n, hats.cols() + steps.cols());
   h << hats, steps;

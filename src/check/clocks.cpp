@@ -14,18 +14,26 @@
 namespace softarm::check {
 namespace {
 
-/// What receipt has shown already of the clocks: how far bodies' stamps are ahead of those of the inputs.
-double shown_by_receipt_s(const Context& context) {
-  double bodies_s = 0.0;
+/// What receipt has shown already of the clocks: how far stamps are ahead of it.
+struct Shown {
+  double bodies_s = 0.0, inputs_s = 0.0;
+
+  bool any() const { return bodies_s != 0.0 || inputs_s != 0.0; }
+  double between_s() const { return bodies_s - inputs_s; }
+};
+
+Shown shown_by_receipt(const Context& context) {
+  Shown shown;
   std::vector<double> inputs_s(context.signals.size(), 0.0);
   for (const CheckFinding& f : context.findings) {
     if (f.id != "stamps_ahead" || !f.figure) continue;
-    if (f.where == "mocap") bodies_s = *f.figure;
+    if (f.where == "mocap") shown.bodies_s = *f.figure;
     for (std::size_t i = 0; i < context.signals.size(); ++i) {
       if (f.where == context.signals[i].input->name) inputs_s[i] = *f.figure;
     }
   }
-  return bodies_s - math::median(inputs_s);
+  shown.inputs_s = math::median(inputs_s);
+  return shown;
 }
 
 /// One cause, one finding with the setting: a mocap clock that is behind is received late as well. Takes that
@@ -45,7 +53,8 @@ std::string taken_from_late_receipt(Context& context, const ClockShift& shift) {
 }
 
 void say(Context& context, const ClockShift& shift) {
-  const double shown_s = shown_by_receipt_s(context), left_s = shift.shift_s - shown_s;
+  const Shown shown = shown_by_receipt(context);
+  const double shown_s = shown.between_s(), left_s = shift.shift_s - shown_s;
   const bool leads = left_s < -(kPolicy.clocks.lead_s + kPolicy.clocks.sds * shift.sd_s);
   const bool lags = left_s > kPolicy.clocks.lag_s + kPolicy.clocks.sds * shift.sd_s;
   std::string what =
@@ -71,7 +80,8 @@ void say(Context& context, const ClockShift& shift) {
               "behind. Synchronise the clocks, or shift the stamps"
             : "a lag of valves, lines and the arm itself looks the same: only a test of the clocks (a LED "
               "or a tap that both see) can tell. Either way a model without lag wants the stamps shifted";
-  if (leads || lags || shown_s == 0.0) finding.setting = clock_setting(context, shift.shift_s);
+  // The inputs' own settings take off what they are ahead.
+  if (leads || lags || !shown.any()) finding.setting = clock_setting(context, shift.shift_s + shown.inputs_s);
 }
 
 std::string percent(double explained) {

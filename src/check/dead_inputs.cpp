@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "arm/actuators/actuator.h"
 #include "clock_problem.h"
 #include "context.h"
+#include "math/linear_algebra.h"
 #include "math/statistics.h"
 #include "policy.h"
 
@@ -49,6 +51,96 @@ bool others_have_noise(const Context& context, const Signal& dead) {
   return noisy > 0 && 2 * noisy > others;
 }
 
+/// The motion of the outermost body across the arm, and what the inputs that change leave of it, in the rod's
+/// frame at the base: samples x 2, m.
+struct Motion {
+  Eigen::MatrixXd all, left;
+};
+
+std::optional<Motion> motion_of(const Context& context) {
+  const auto base = context.rod_base();
+  // A dead input may well have been driven slowly. And so many functions of a short trial would explain
+  // anything.
+  auto problem = clock_problem(
+      context, 0.0, std::max(kPolicy.clocks.sample_s, context.duration_s / kPolicy.clocks.most_samples),
+      false);
+  if (!base || !problem) return std::nullopt;
+  problem->with_plays = problem->with_cubes = false;
+  const Eigen::MatrixXd a = regressors(*problem, 0.0);
+  Eigen::MatrixXd normal = a.transpose() * a;
+  normal.diagonal().array() += 1e-8 * (1.0 + normal.diagonal().maxCoeff());
+  const Eigen::MatrixXd x = math::SymmetricSolver(normal).solve_columns(a.transpose() * problem->y);
+  const Eigen::MatrixXd across = base->linear().leftCols<2>();
+  return Motion{problem->y * across, (problem->y - a * x) * across};
+}
+
+/// Line along which an input bends the arm: a unit vector across it; nothing where it bends none, or several
+/// segments apart.
+std::optional<Eigen::Vector2d> line_of(const arm::Arm& arm, const std::string& input) {
+  std::optional<Eigen::Vector2d> line;
+  for (const arm::Segment& segment : arm.segments) {
+    for (const arm::ActuatorKind* kind : arm::actuator_kinds()) {
+      for (int i = 0; i < kind->count(segment); ++i) {
+        const auto azimuth = kind->bending_direction_rad(segment, i);
+        if (!azimuth || kind->input(segment, i) != input) continue;
+        const Eigen::Vector2d here(std::cos(*azimuth), std::sin(*azimuth));
+        if (line && std::abs(line->dot(here)) < kPolicy.dead.along) return std::nullopt;
+        line = here;
+      }
+    }
+  }
+  return line;
+}
+
+/// Share of a motion along a line.
+double along(const Eigen::MatrixXd& motion, const Eigen::Vector2d& line) {
+  return (motion * line).squaredNorm() / std::max(motion.squaredNorm(), 1e-300);
+}
+
+/// Of inputs that never change those along whose line the arm moves as the others do not explain.
+struct Accused {
+  const Signal* signal = nullptr;
+  double moves_m = 0.0, share = 0.0;
+};
+
+std::vector<Accused> accused_of(const Context& context, const std::vector<const Signal*>& constant) {
+  std::vector<Accused> accused;
+  const auto motion = motion_of(context);
+  if (!motion) return accused;
+  const double left = motion->left.squaredNorm() / std::max(motion->all.squaredNorm(), 1e-300);
+  if (left < kPolicy.dead.unexplained) return accused;
+  for (const Signal* signal : constant) {
+    const auto line = line_of(context.arm, signal->input->name);
+    if (!line || along(motion->left, *line) < kPolicy.dead.along ||
+        along(motion->all - motion->left, *line) > kPolicy.dead.driven_along)
+      continue;
+    const Eigen::VectorXd places = motion->left * *line;
+    const std::vector<double> course(places.data(), places.data() + places.size());
+    const double moves_m = math::quantile(course, kPolicy.dead.most_places) -
+                           math::quantile(course, 1.0 - kPolicy.dead.most_places);
+    if (moves_m > context.of_length(kPolicy.dead.moves)) accused.push_back({signal, moves_m, left});
+  }
+  return accused;
+}
+
+/// That a trial says nothing of an input is then the lesser word.
+void take_back_never_driven(Context& context, const std::string& input) {
+  auto& all = context.findings;
+  all.erase(std::remove_if(all.begin(), all.end(),
+                           [&](const CheckFinding& f) { return f.id == "never_driven" && f.where == input; }),
+            all.end());
+}
+
+void say_dead(Context& context, const std::string& names, const std::string& what, double moves_m) {
+  CheckFinding& finding = context.add("dead_input", names, what);
+  finding.figure = moves_m;
+  finding.unit = "m";
+  finding.remedy =
+      "a sensor that is not connected, or another's topic or column: leave the trial out of identify. "
+      "Nothing is "
+      "wrong where the arm was moved by hand";
+}
+
 void check_dead_inputs(Context& context) {
   const double moves_m = motion_m(context);
   if (moves_m < context.of_length(kPolicy.dead.moves)) return;
@@ -66,9 +158,23 @@ void check_dead_inputs(Context& context) {
   const bool unexplained =
       any_drives && context.explained && *context.explained < kPolicy.dead.least_explained;
   const std::vector<const Signal*>& dead = !any_drives || unexplained ? constant : silent;
-  if (dead.empty()) return;
+  if (dead.empty()) {
+    if (!any_drives) return;
+    for (const Accused& one : accused_of(context, constant)) {
+      take_back_never_driven(context, one.signal->input->name);
+      say_dead(context, one.signal->input->name,
+               fmt::format("constant throughout, while the arm moves by {:.0f} mm along the line on which it "
+                           "bends it: {:.0f} % of all motion, which no other input explains",
+                           1e3 * one.moves_m, 100.0 * one.share),
+               one.moves_m);
+    }
+    return;
+  }
   std::string names;
-  for (const Signal* signal : dead) names += (names.empty() ? "" : ", ") + signal->input->name;
+  for (const Signal* signal : dead) {
+    names += (names.empty() ? "" : ", ") + signal->input->name;
+    take_back_never_driven(context, signal->input->name);
+  }
   std::string what = fmt::format("constant throughout, while the arm moves by {:.0f} mm", 1e3 * moves_m);
   if (!any_drives) {
     what += " and no input drives it";
@@ -78,23 +184,7 @@ void check_dead_inputs(Context& context) {
   } else {
     what += ", and to the last bit, where the other sensors have noise";
   }
-  // That it says nothing of this input is then the lesser word.
-  auto& all = context.findings;
-  all.erase(std::remove_if(all.begin(), all.end(),
-                           [&](const CheckFinding& f) {
-                             return f.id == "never_driven" &&
-                                    std::any_of(dead.begin(), dead.end(), [&](const Signal* signal) {
-                                      return signal->input->name == f.where;
-                                    });
-                           }),
-            all.end());
-  CheckFinding& finding = context.add("dead_input", names, what);
-  finding.figure = moves_m;
-  finding.unit = "m";
-  finding.remedy =
-      "a sensor that is not connected, or another's topic or column: leave the trial out of identify. "
-      "Nothing is "
-      "wrong where the arm was moved by hand";
+  say_dead(context, names, what, moves_m);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "context.h"
 #include "math/statistics.h"
@@ -11,7 +12,7 @@
 namespace softarm::check {
 namespace {
 
-const char* unit_of(const arm::ScalarInput& input) {
+std::string unit_of(const arm::ScalarInput& input) {
   switch (input.kind) {
     case arm::InputKind::kTension:
       return "N";
@@ -125,45 +126,87 @@ void say_stuck(Context& context, const Signal& signal) {
   }
 }
 
-void say_coarse(Context& context, const Signal& signal) {
-  const double range = signal.range();
-  if (range <= 0.0) return;
-  const char* unit = unit_of(*signal.input);
-  if (const double quantum = signal.quantum; quantum > 0.0) {
-    std::vector<double> distinct;
-    for (const ValuePoint& p : signal.points) distinct.push_back(p.value);
-    std::sort(distinct.begin(), distinct.end());
-    distinct.erase(
-        std::unique(distinct.begin(), distinct.end(),
-                    [&](double a, double b) { return b - a < kPolicy.signals.one_value * quantum; }),
-        distinct.end());
-    if (distinct.size() >= kPolicy.signals.least_distinct) {
-      const bool coarse = quantum > kPolicy.signals.coarse_share * range;
-      CheckFinding& finding = context.add(coarse ? Severity::kWarning : Severity::kInformation,
-                                          "coarse_steps", signal.input->name,
-                                          fmt::format("moves in steps of {:.3g} {} ({:.1f} % of its range)",
-                                                      quantum, unit, 100.0 * quantum / range));
-      finding.figure = quantum;
-      finding.unit = unit;
-      finding.remedy =
-          "a converter of more bits, or a sensor of a narrower range; the error is a third of a step";
+/// Steps of a converter that shows some.
+struct Coarse {
+  const Signal* signal = nullptr;
+  double share = 0.0;  ///< of the range
+  bool warns() const { return share > kPolicy.signals.coarse_share; }
+};
+
+std::optional<Coarse> coarse_steps(const Signal& signal) {
+  if (signal.range() <= 0.0 || signal.quantum <= 0.0) return std::nullopt;
+  std::vector<double> distinct;
+  for (const ValuePoint& p : signal.points) distinct.push_back(p.value);
+  std::sort(distinct.begin(), distinct.end());
+  distinct.erase(
+      std::unique(distinct.begin(), distinct.end(),
+                  [&](double a, double b) { return b - a < kPolicy.signals.one_value * signal.quantum; }),
+      distinct.end());
+  if (distinct.size() < kPolicy.signals.least_distinct) return std::nullopt;
+  return Coarse{&signal, signal.quantum / signal.range()};
+}
+
+/// "0.644", or "0.64 to 0.7" where the rounded ends differ.
+std::string from_to(double low, double high, int digits) {
+  const std::string from = fmt::format("{:.{}g}", low, digits), to = fmt::format("{:.{}g}", high, digits);
+  return from == to ? from : from + " to " + to;
+}
+
+/// All inputs of one unit and severity in one finding: a recorder mostly has one converter for all.
+void say_coarse(Context& context, const std::vector<Coarse>& all) {
+  const auto alike = [](const Coarse& a, const Coarse& b) {
+    return a.warns() == b.warns() && unit_of(*a.signal->input) == unit_of(*b.signal->input);
+  };
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (std::any_of(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(i),
+                    [&](const Coarse& before) { return alike(before, all[i]); }))
+      continue;
+    std::string names;
+    const Coarse* worst = &all[i];
+    double low = all[i].signal->quantum, high = low, least = all[i].share;
+    std::size_t count = 0;
+    for (const Coarse& one : all) {
+      if (!alike(one, all[i])) continue;
+      ++count;
+      names += (names.empty() ? "" : ", ") + one.signal->input->name;
+      low = std::min(low, one.signal->quantum);
+      high = std::max(high, one.signal->quantum);
+      least = std::min(least, one.share);
+      if (one.share > worst->share) worst = &one;
     }
-  }
-  // Rounding, and flicker between two steps, have had their word.
-  if (signal.is_measured && signal.noise_sd > std::max(kPolicy.signals.least_noise * range,
-                                                       kPolicy.signals.flicker * signal.quantum)) {
-    const bool noisy = signal.noise_sd > kPolicy.signals.coarse_share * range;
+    const std::string unit = unit_of(*worst->signal->input);
     CheckFinding& finding =
-        context.add(noisy ? Severity::kWarning : Severity::kInformation, "noisy_input", signal.input->name,
-                    fmt::format("noise of {:.3g} {} from sample to sample ({:.1f} % of its range)",
-                                signal.noise_sd, unit, 100.0 * signal.noise_sd / range));
-    finding.figure = signal.noise_sd;
+        context.add(worst->warns() ? Severity::kWarning : Severity::kInformation, "coarse_steps", names,
+                    fmt::format("move{} in steps of {} {} ({} % of {} range{})", count == 1 ? "s" : "",
+                                from_to(low, high, 3), unit, from_to(100.0 * least, 100.0 * worst->share, 2),
+                                count == 1 ? "its" : "their", count == 1 ? "" : "s"));
+    finding.figure = worst->signal->quantum;
     finding.unit = unit;
-    finding.remedy = "shielding, an RC filter before the converter; inputs are held, not averaged";
+    finding.remedy =
+        "a converter of more bits, or a sensor of a narrower range; the error is a third of a step";
   }
 }
 
+void say_noisy(Context& context, const Signal& signal) {
+  const double range = signal.range();
+  // Rounding, and flicker between two steps, have had their word.
+  if (range <= 0.0 || !signal.is_measured ||
+      signal.noise_sd <=
+          std::max(kPolicy.signals.least_noise * range, kPolicy.signals.flicker * signal.quantum))
+    return;
+  const std::string unit = unit_of(*signal.input);
+  const bool noisy = signal.noise_sd > kPolicy.signals.coarse_share * range;
+  CheckFinding& finding =
+      context.add(noisy ? Severity::kWarning : Severity::kInformation, "noisy_input", signal.input->name,
+                  fmt::format("noise of {:.3g} {} from sample to sample ({:.1f} % of its range)",
+                              signal.noise_sd, unit, 100.0 * signal.noise_sd / range));
+  finding.figure = signal.noise_sd;
+  finding.unit = unit;
+  finding.remedy = "shielding, an RC filter before the converter; inputs are held, not averaged";
+}
+
 void check_input_signals(Context& context) {
+  std::vector<Coarse> coarse;
   bool any_moves = false;
   for (const Signal& s : context.signals)
     any_moves = any_moves || s.range() > kPolicy.signals.moves_noises * s.noise_sd;
@@ -192,8 +235,10 @@ void check_input_signals(Context& context) {
       continue;
     }
     say_stuck(context, signal);
-    say_coarse(context, signal);
+    if (const auto steps = coarse_steps(signal)) coarse.push_back(*steps);
+    say_noisy(context, signal);
   }
+  say_coarse(context, coarse);
 }
 
 }  // namespace

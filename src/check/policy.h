@@ -342,6 +342,9 @@ struct Policy {
     double hung_on_s = 1.0;        ///< before that is said
     double moves = 0.04;           ///< of the length: the arm is driven by something; sag and creep are less
     double least_explained = 0.3;  ///< of the motion by the inputs that change
+    double unexplained = 0.05;     ///< of the motion: beyond it its direction is looked at
+    double along = 0.9;         ///< of that, along the line of the input that is constant (0.96 on the rig)
+    double driven_along = 0.7;  ///< of what the others explain, at most: else it may be theirs
   } dead;
 
   /// The payload that is announced.

@@ -37,4 +37,9 @@ std::string in_unit(const ZeroAtRest& zero, double level);
 /// it.
 std::string clock_setting(const Context& context, double ahead_s);
 
+/// Of settings that cannot all be followed, as they set one key or the one rests on what the other repairs,
+/// only the first is left; the remedies of the others say when to look again.
+/// @param findings most serious first
+void withhold_contradictions(std::vector<CheckFinding>& findings);
+
 }  // namespace softarm::check

@@ -6,6 +6,11 @@
 #include "softarm/effects/arm_effects.h"
 
 namespace softarm::diagnose {
+namespace {
+
+constexpr double kSameLag = 0.01;  // relative: what the fit's own steps leave
+
+}  // namespace
 
 ExtendedArm extended_arm(const JointModel& model, const Linearised& fit, const Eigen::MatrixXd& covariance) {
   ExtendedArm extended;
@@ -15,8 +20,11 @@ ExtendedArm extended_arm(const JointModel& model, const Linearised& fit, const E
   // along the arm.
   for (std::size_t j = 0; j < constants.size(); ++j)
     identify::set_value(extended.arm, constants[j], fit.at.constants[static_cast<Eigen::Index>(j)]);
+  const double lag_s = fit.at.viscoelastic_lag_s;
   for (arm::Segment& segment : extended.arm.segments) {
-    if (segment.wall.lag_s) segment.wall.lag_s = fit.at.viscoelastic_lag_s;
+    const double given_s = segment.wall.lag_s.value_or(arm::Wall::kUsualLag_s);
+    if (segment.wall.lag_s || std::abs(lag_s - given_s) > kSameLag * std::max(lag_s, given_s))
+      segment.wall.lag_s = lag_s;
   }
   for (const model::Present& present : model.known()) extended.effects.push_back(effects::entry_of(present));
   for (std::size_t e = 0; e < fit.at.effects.size(); ++e) {

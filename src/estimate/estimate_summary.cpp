@@ -44,18 +44,29 @@ class Table {
   std::string text_;
 };
 
-const char* words_of(WhyNot why) {
+/// What would tell EI, or do without it.
+std::string remedy_of(arm::Unknown unknown) {
+  switch (unknown) {
+    case arm::Unknown::kStiffness:
+      return "hang a known payload on the arm, or hold EI by the laws (--unknown payload)";
+    case arm::Unknown::kPayload:
+      return "weigh the payload and say so (--unknown stiffness), or hold EI by the laws (--prior off)";
+    case arm::Unknown::kBoth:
+      break;
+  }
+  return "weigh the payload and say so (--unknown stiffness), or hold EI by the laws (--unknown payload "
+         "--prior "
+         "off)";
+}
+
+std::string words_of(WhyNot why, const std::string& remedy) {
   switch (why) {
     case WhyNot::kByLawsAlone:
       return "it is what the laws say, the bodies say nothing of it";
     case WhyNot::kNearBuckling:
-      return "near the buckling load another EI with another moment has the same shape; hang a known payload "
-             "on "
-             "the arm, or hold EI by the laws (--unknown payload)";
+      return "near the buckling load another EI with another moment has the same shape; " + remedy;
     default:
-      return "no load bends the arm enough to tell it; hang a known payload on the arm, or hold EI by the "
-             "laws "
-             "(--unknown payload)";
+      return "no load bends the arm enough to tell it; " + remedy;
   }
 }
 
@@ -67,6 +78,7 @@ EstimateSummary::EstimateSummary(const arm::Arm& arm)
   const bool arcs = method == arm::Method::kCcPoints || method == arm::Method::kCcEndpoint;
   payload_known_ = arcs || arm.estimator.unknown == arm::Unknown::kStiffness;
   stiffness_known_ = !arcs && arm.estimator.unknown == arm::Unknown::kPayload && !arm.estimator.prior.enabled;
+  remedy_ = remedy_of(arm.estimator.unknown);
   for (const arm::MeasuredBody& body : arm.bodies) body_names_.push_back(body.name);
 }
 
@@ -134,7 +146,7 @@ std::string EstimateSummary::text(const std::map<std::string, std::uint64_t>& re
       table.estimated(prefix + "EI, median", s.bending_stiffness_nm2, s.identifiable_bending_stiffness_nm2,
                       ok_, "N m^2");
       for (const auto& [why, frames] : s.why_not)
-        table.line("  not in", fmt::format("{} frames: {}", frames, words_of(why)));
+        table.line("  not in", fmt::format("{} frames: {}", frames, words_of(why, remedy_)));
     }
   }
   if (payload_known_) {

@@ -36,6 +36,7 @@ class EstimateSummary {
   };
 
   bool payload_known_, stiffness_known_;
+  std::string remedy_;  // where EI is not identifiable: by the options in force
   std::vector<std::string> body_names_;
   std::vector<std::uint64_t> set_aside_;  // frames ok without the body, an outlier
   std::vector<Segment> segments_;

@@ -22,7 +22,7 @@ class Conditions : public arm::RecordedInputs {
   std::string advice(const ConstantRef& constant) const;
   /// The same of two that are driven alike.
   std::string advice_of_pair(const ConstantRef& a, const ConstantRef& b) const;
-  /// The two are driven by inputs that always stand in the same ratio.
+  /// The two are driven by inputs that always stand in the same ratio, or are one number.
   bool driven_alike(const ConstantRef& a, const ConstantRef& b) const;
   bool vacuum_seen(int segment) const;
   /// The payload differs from frame to frame, or the direction of gravity.
@@ -33,6 +33,8 @@ class Conditions : public arm::RecordedInputs {
 
  private:
   const arm::Segment& segment_of(const ConstantRef& constant) const;
+  /// The saturation of a segment's only chamber, tendon or cable, and that of all together.
+  bool one_number(const ConstantRef& a, const ConstantRef& b) const;
   /// Its input, and whose it is: "chamber_4 (chamber 1 of segment_2)".
   std::string input_words(const ConstantRef& constant) const;
   std::string input_of(const ConstantRef& constant) const;

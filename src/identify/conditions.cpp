@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "advice.h"
 
@@ -54,7 +55,27 @@ std::string Conditions::input_words(const ConstantRef& constant) const {
                           constant.index);
 }
 
+bool Conditions::one_number(const ConstantRef& a, const ConstantRef& b) const {
+  if (a.segment != b.segment) return false;
+  for (const auto& [own, common] :
+       {std::pair(ConstantKind::kChamberSaturation, ConstantKind::kChambersSaturation),
+        std::pair(ConstantKind::kTendonSaturation, ConstantKind::kTendonsSaturation),
+        std::pair(ConstantKind::kCableSaturation, ConstantKind::kCablesSaturation)}) {
+    const bool pair = (a.kind == own && b.kind == common) || (a.kind == common && b.kind == own);
+    if (pair && arm::spec_of(own).count(segment_of(a)) == 1) return true;
+  }
+  return false;
+}
+
 std::string Conditions::advice_of_pair(const ConstantRef& a, const ConstantRef& b) const {
+  if (one_number(a, b)) {
+    const ConstantRef& own = arm::spec_of(a.kind).input == nullptr ? b : a;
+    const ConstantRef& common = arm::spec_of(a.kind).input == nullptr ? a : b;
+    return fmt::format(
+        "{} has a single {}, whose own saturation and that of all together are one number: fit one, "
+        "--hold {}",
+        segment_of(a).name, arm::spec_of(own.kind).item, name_of(arm_, common));
+  }
   return fmt::format("inputs {} and {} always stand in the same ratio: record trials with each of them alone",
                      input_words(a), input_words(b));
 }
@@ -64,6 +85,7 @@ double Conditions::reference_scale(const ConstantRef& constant) const {
 }
 
 bool Conditions::driven_alike(const ConstantRef& a, const ConstantRef& b) const {
+  if (one_number(a, b)) return true;
   const std::string first = input_of(a), second = input_of(b);
   if (first.empty() || second.empty() || first == second) return false;
   const std::vector<double> x = values(first), y = values(second);

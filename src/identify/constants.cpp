@@ -5,25 +5,48 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "arm/edit_distance.h"
 #include "softarm/identify/identify.h"
 
 namespace softarm::identify {
+
+namespace {
+
+/// The whole name, or its last parts.
+bool matches(const std::string& pattern, const std::string& name) {
+  return fnmatch(pattern.c_str(), name.c_str(), 0) == 0 ||
+         fnmatch(("*." + pattern).c_str(), name.c_str(), 0) == 0;
+}
+
+/// The name that a pattern without any was meant to be, whole or its last parts; empty where none is near.
+std::string meant_by(std::string pattern, const std::vector<std::string>& names) {
+  pattern.erase(std::remove_if(pattern.begin(), pattern.end(), [](char c) { return c == '*' || c == '?'; }),
+                pattern.end());
+  std::vector<std::string> ends;
+  for (const std::string& name : names) {
+    for (std::size_t from = 0; from != std::string::npos; from = name.find('.', from + 1))
+      ends.push_back(name.substr(from == 0 ? 0 : from + 1));
+  }
+  const auto nearest = arm::yaml::nearest_word(pattern, ends);
+  return nearest ? fmt::format("; is '{}' meant?", *nearest) : ".";
+}
+
+}  // namespace
 
 std::vector<ConstantRef> matching(const arm::Arm& arm, const std::vector<std::string>& patterns) {
   const std::vector<ConstantRef> all = constants_of(arm);
   std::vector<bool> wanted(all.size(), false);
   for (const std::string& pattern : patterns) {
-    const std::string whole = pattern.find('.') == std::string::npos ? "*." + pattern : pattern;
     bool any = false;
     for (std::size_t i = 0; i < all.size(); ++i) {
-      if (fnmatch(whole.c_str(), name_of(arm, all[i]).c_str(), 0) != 0) continue;
+      if (!matches(pattern, name_of(arm, all[i]))) continue;
       wanted[i] = any = true;
     }
     if (any) continue;
     std::vector<std::string> names;
     for (const ConstantRef& constant : all) names.push_back(name_of(arm, constant));
-    throw std::invalid_argument(fmt::format("'{}' is no constant of the arm {}, which has {}", pattern,
-                                            arm.name, fmt::join(names, ", ")));
+    throw std::invalid_argument(fmt::format("'{}' is no constant of the arm {}{} It has {}", pattern,
+                                            arm.name, meant_by(pattern, names), fmt::join(names, ", ")));
   }
   std::vector<ConstantRef> list;
   for (std::size_t i = 0; i < all.size(); ++i) {

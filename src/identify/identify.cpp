@@ -17,6 +17,7 @@
 #include "joint_fit.h"
 #include "law_errors.h"
 #include "limits.h"
+#include "motion.h"
 
 namespace softarm::identify {
 namespace {
@@ -85,7 +86,54 @@ std::vector<ConstantRef> freed_by(const arm::Arm& arm, const std::vector<std::st
   return list;
 }
 
+bool same_constant(const ConstantRef& a, const ConstantRef& b) {
+  const std::vector<int> of_a = segments_of(a);
+  return a.kind == b.kind && a.index == b.index &&
+         std::find(of_a.begin(), of_a.end(), b.segment) != of_a.end();
+}
+
+std::string names_of(const arm::Arm& arm, const std::vector<ConstantRef>& list) {
+  std::string names;
+  for (const ConstantRef& c : list) names += (names.empty() ? "" : ", ") + name_of(arm, c);
+  return names;
+}
+
+/// A pattern that frees nothing is a mistake: it ends in a wildcard, and the arm states nothing of it.
+void refuse_what_frees_nothing(const arm::Arm& arm, const std::vector<std::string>& patterns) {
+  for (const std::string& pattern : patterns) {
+    if (!freed_by(arm, {pattern}).empty()) continue;
+    const std::vector<ConstantRef> meant = matching(arm, {pattern});
+    throw std::invalid_argument(fmt::format(
+        "'{}' frees nothing: the arm {} gives none of {}; what it does not give is freed by its name, "
+        "such as {}",
+        pattern, arm.name, names_of(arm, meant), name_of(arm, meant.front())));
+  }
+}
+
+/// What was asked for by name and is not fitted after all, with the reason.
+std::vector<std::string> not_fitted(const arm::Arm& arm, const Options& options,
+                                    const std::vector<ConstantRef>& free) {
+  std::vector<ConstantRef> asked = freed_by(arm, options.free);
+  for (const ConstantRef& c : freed_by(arm, options.also_free)) asked.push_back(c);
+  const std::vector<ConstantRef> held = matching(arm, options.held);
+  std::vector<std::string> lines;
+  for (const ConstantRef& c : asked) {
+    const auto is_it = [&](const ConstantRef& other) { return same_constant(other, c); };
+    if (std::any_of(free.begin(), free.end(), is_it) || std::any_of(held.begin(), held.end(), is_it))
+      continue;
+    const std::string line =
+        fmt::format("NOT FITTED: {}: {}", name_of(arm, c),
+                    c.kind == ConstantKind::kAxialStiffness
+                        ? "EA needs trials with different payloads, or inputs that pull along the segment"
+                        : "no vacuum is recorded in these trials");
+    if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
+  }
+  return lines;
+}
+
 std::vector<ConstantRef> choose_free(const arm::Arm& arm, const Options& options) {
+  refuse_what_frees_nothing(arm, options.free);
+  refuse_what_frees_nothing(arm, options.also_free);
   std::vector<ConstantRef> free = options.free.empty() ? default_free(arm) : freed_by(arm, options.free);
   const auto same = [](const ConstantRef& a, const ConstantRef& b) {
     return a.kind == b.kind && a.segment == b.segment && a.index == b.index;
@@ -381,6 +429,7 @@ Result fit_of(const arm::Arm& arm, const std::vector<trial::Trial>& trials, Effe
   std::vector<ConstantRef> free = choose_free(arm, options);
   Result result;
   Frames frames = frames_of(arm, trials, options, free, result);
+  result.warnings = not_fitted(arm, options, free);
   report(0.05);
 
   const Conditions conditions(arm, frames.fitted);
@@ -392,6 +441,7 @@ Result fit_of(const arm::Arm& arm, const std::vector<trial::Trial>& trials, Effe
   const bool exact = lines != nullptr || options.exact_inputs;
   const SensorErrors errors = exact ? SensorErrors() : sensor_errors(arm, trials);
   problem.add(errors);
+  problem.add(motion_of(arm, trials, frames.fitted));
   const Solution solution = solve(problem, constants, frames.fitted, [&](int iteration) {
     report(0.05 + 0.75 * iteration / (iteration + 10.0));
   });

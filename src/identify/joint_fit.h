@@ -12,6 +12,7 @@
 
 #include "input_errors.h"
 #include "law_model.h"
+#include "motion.h"
 #include "softarm/identify/identify.h"
 
 namespace softarm::identify {
@@ -81,6 +82,13 @@ class JointProblem {
 
   /// Adds what else changes in the frames where the constants leave those of the line.
   void add(Line line);
+
+  /// Has what the motion does that statics leave out: of no meaning to the fit, but to how sure it is.
+  void add(std::vector<FrameMotion> motion) { motion_ = std::move(motion); }
+  /// Predicts what inertia, and the lag of the wall, do in all frames, at the fit's end.
+  void predict_motion();
+  /// What these two do to a block, whitened: 3 x 2; no columns where they were not predicted.
+  Eigen::MatrixXd by_motion(const ResidualBlock& block) const;
 
   /// Takes noise and zeros of the inputs for unknowns.
   void add(SensorErrors errors);
@@ -154,9 +162,11 @@ class JointProblem {
   /// Of the walls, then the effects, when a trial begins, in standard deviations, by trial; empty where
   /// neither remembers anything.
   std::map<std::size_t, Eigen::VectorXd> starts_;
-  Line line_;                 ///< empty: nothing does
-  std::vector<bool> solved_;  ///< at the last evaluation
-  std::vector<bool> active_;  ///< part of the present pass
+  Line line_;                               ///< empty: nothing does
+  std::vector<FrameMotion> motion_;         ///< per frame; empty: nobody knows of any
+  std::vector<Eigen::MatrixXd> by_motion_;  ///< per frame: 6 bodies x 2, over sd, as rows()
+  std::vector<bool> solved_;                ///< at the last evaluation
+  std::vector<bool> active_;                ///< part of the present pass
   double position_scale_ = 1.0, tangent_scale_ = 1.0;
   std::map<int, double> body_scale_[2];  ///< of positions, of tangents
   int iterations_ = 0;

@@ -58,6 +58,41 @@ MatrixXd JointProblem::rows_by_x(std::size_t i) const {
   return rows;
 }
 
+void JointProblem::predict_motion() {
+  by_motion_.clear();
+  if (motion_.empty()) return;
+  const double lag_s = open_lag_s(arm_);
+  Prediction heavier;
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    trial::StaticFrame frame = inputs_.empty() ? frames_[i] : inputs_[i].frame();
+    MatrixXd rows = MatrixXd::Zero(static_cast<Eigen::Index>(6 * frame.bodies.size()), 2);
+    std::optional<model::Equilibrium> equilibrium = equilibria_[i];
+    Prediction as_is;
+    // Both without what line_ adds: it is alike in the two.
+    const bool solved = solved_[i] && model_.predict(frame, equilibrium, as_is);
+    frame.gravity_base += motion_[i].gravity;
+    if (solved && model_.predict(frame, equilibrium, heavier)) {
+      for (std::size_t k = 0; k < frame.bodies.size(); ++k) {
+        const auto body = static_cast<int>(k);
+        rows.block<3, 1>(6 * body, 0) = (heavier.p.col(body) - as_is.p.col(body)) / sd({i, body, false});
+        rows.block<3, 1>(6 * body, 1) = lag_s * motion_[i].velocity.col(body) / sd({i, body, false});
+        if (frame.bodies[k].tangent_base)
+          rows.block<3, 1>(6 * body + 3, 0) =
+              (heavier.tangent.col(body) - as_is.tangent.col(body)) / sd({i, body, true});
+      }
+    }
+    by_motion_.push_back(rows);
+  }
+}
+
+MatrixXd JointProblem::by_motion(const ResidualBlock& block) const {
+  if (by_motion_.empty()) return MatrixXd(3, 0);
+  const int row = 6 * block.body + (block.tangent ? 3 : 0);
+  const MatrixXd& rows = by_motion_[block.frame];
+  return inputs_.empty() ? MatrixXd(rows.middleRows(row, 3))
+                         : MatrixXd(inputs_[block.frame].whitening().middleRows(row, 3) * rows);
+}
+
 /// The whitened residual of a frame that was predicted.
 void JointProblem::reduce(std::size_t i) {
   if (inputs_.empty()) return;

@@ -34,6 +34,7 @@ Solution solve(JointProblem& problem, const std::vector<FreeConstant>& constants
   const auto count = constants.size();
   const auto solve_once = [&](JointProblem& p) {
     Solution s{p.solve(progress), {}, std::vector<std::optional<double>>(count), std::vector<bool>(count)};
+    p.predict_motion();
     s.sure = uncertainty(p, frames, static_cast<int>(count));
     for (std::size_t j = 0; j < count; ++j) {
       const double value = s.fit.theta[static_cast<Eigen::Index>(j)];

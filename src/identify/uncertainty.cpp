@@ -111,6 +111,7 @@ struct Sums {
   MatrixXd information;
   /// By trial, of the state of its walls at the beginning: their own, and with the constants.
   std::map<std::size_t, MatrixXd> of_start, with_start;
+  MatrixXd of_motion;  ///< J^T W of what inertia and lag do, constants x 2; empty: not known
   double chi2 = 0.0, rows = 0.0, square_m2 = 0.0, coordinates = 0.0;
 };
 
@@ -139,6 +140,10 @@ Sums sum_up(const JointProblem& problem, const std::vector<ResidualBlock>& block
     }
     cluster.information.noalias() += weight * j.transpose() * j;
     cluster.gradient.noalias() += weight * j.transpose() * r;
+    if (const MatrixXd m = problem.by_motion(block); m.cols() > 0) {
+      if (sums.of_motion.size() == 0) sums.of_motion = MatrixXd::Zero(constants, m.cols());
+      sums.of_motion.noalias() += weight * j.transpose() * m;
+    }
     if (const MatrixXd k = problem.jacobian_by_start(block); k.cols() > 0) {
       MatrixXd& own = sums.of_start.try_emplace(frames[block.frame].trial, MatrixXd::Zero(k.cols(), k.cols()))
                           .first->second;
@@ -221,6 +226,12 @@ Uncertainty uncertainty(const JointProblem& problem, const std::vector<trial::St
   result.covariance = base * undetermined;
   result.covariance +=
       by_spread ? by_spread_of_trials(sums, outer, inverse, base, determined) : MatrixXd(base * inverse);
+  // Statics leave out inertia and lag. They are alike in all frames in motion: more of them do not average
+  // them out, and no residual shows what the constants have taken up of them.
+  if (sums.of_motion.size() > 0) {
+    const MatrixXd taken_up = inverse * sums.of_motion;
+    result.covariance += taken_up * taken_up.transpose();
+  }
   for (const auto& [trial, own] : sums.of_start) {
     const MatrixXd known = own / base + MatrixXd::Identity(own.rows(), own.cols());
     result.start_sd[trial] = known.inverse().diagonal().cwiseSqrt();

@@ -25,9 +25,7 @@ char read_separator(const CsvLayoutMap& m) {
       "comma, semicolon, tab, space, or one character in quotes that is no part of a number";
   const std::string text = m.text("separator", kAllowed);
   if (const auto found = names.find(text); found != names.end()) return found->second;
-  const bool one = text.size() == 1 && !std::isalnum(static_cast<unsigned char>(text[0])) &&
-                   std::string("+-.\"#").find(text[0]) == std::string::npos;
-  if (!one) m.fail("separator", "'" + text + "'", kAllowed);
+  if (text.size() != 1 || !may_separate(text[0])) m.fail("separator", "'" + text + "'", kAllowed);
   return text[0];
 }
 
@@ -37,8 +35,11 @@ CsvFormat read_format(const CsvLayoutMap& m) {
   const std::string decimal = m.word("decimal", "point", {"point", "comma"});
   if (decimal == "comma") {
     format.decimal = ',';
-    if (format.separator == ',')
-      m.fail("decimal", "'comma'", "'point' where the separator is a comma; name the separator");
+    // "1,5","2,5": in quotes the two are told apart.
+    if (!m.has("separator"))
+      m.fail("decimal", "'comma'",
+             "'point' where the separator is a comma; name the separator ('comma' where such numbers are in "
+             "quotes)");
   }
   format.header = m.flag("header", false);
   format.skip_lines = static_cast<int>(m.number("skip_lines", 0.0, 0, 10000));
@@ -165,6 +166,11 @@ void read_payload(const CsvLayoutMap& top, CsvLayout& layout) {
 }
 
 }  // namespace
+
+bool may_separate(char c) {
+  const auto letter = static_cast<unsigned char>(c);
+  return !std::isalnum(letter) && std::string("+-.\"#").find(c) == std::string::npos;
+}
 
 CsvLayout parse_csv_layout(const std::string& text, const std::string& source) {
   YAML::Node document;

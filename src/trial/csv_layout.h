@@ -30,6 +30,9 @@ struct CsvFormat {
   int skip_lines = 0;  ///< lines before the header (or the data)
 };
 
+/// Whether a layout may name this character as a separator: one that is no part of a number.
+bool may_separate(char c);
+
 /// Columns of one rigid body's pose.
 struct CsvBody {
   std::string name;  ///< topic /mocap/<name>/pose

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <limits>
 #include <map>
 #include <set>
@@ -63,12 +64,27 @@ double numbers_by(const std::string& path, const CsvFormat& format) {
   return 10 * usual < 9 * all ? 0.0 : numbers * numbers / cells;
 }
 
+/// Those of most files, and any other one character of this one that a layout may name.
+std::string possible_separators(const std::string& path) {
+  std::string separators = ",;\t|: ";
+  CsvTable lines(path, CsvFormat{});
+  for (std::size_t row = 0; row < kRowsForFormat && lines.next(); ++row) {
+    for (const std::string& cell : lines.cells()) {
+      for (const char c : cell) {
+        if (std::isprint(static_cast<unsigned char>(c)) && may_separate(c) &&
+            separators.find(c) == std::string::npos)
+          separators += c;
+      }
+    }
+  }
+  return separators;
+}
+
 CsvFormat find_format(const std::string& path) {
   CsvFormat best;
   double most = 0.0;
-  for (const char separator : {',', ';', '\t', '|', ':', ' '}) {
+  for (const char separator : possible_separators(path)) {
     for (const char decimal : {'.', ','}) {
-      if (separator == decimal) continue;
       CsvFormat format;
       format.separator = separator;
       format.decimal = decimal;

@@ -47,6 +47,25 @@ void split(const std::string& line, char separator, std::vector<std::string>& ce
   if (blanks && cells.size() > 1 && cells.back().empty()) cells.pop_back();
 }
 
+constexpr std::size_t kStartBytes = 65536;  // in which a line ends
+
+/// What a file is that is no text of single bytes or UTF-8, and what to do; nothing for such text.
+std::optional<std::string> other_than_text(const std::string& start, const std::string& path) {
+  const auto begins = [&](const std::string& mark) { return start.compare(0, mark.size(), mark) == 0; };
+  if (begins("PK\x03\x04") || begins("\xD0\xCF\x11\xE0"))
+    return std::string("is a workbook or an archive, no text: save it as CSV first");
+  const bool little = begins("\xFF\xFE"), big = begins("\xFE\xFF");
+  const std::size_t zeros = static_cast<std::size_t>(
+      std::count(start.begin(), start.begin() + std::min<long>(64, static_cast<long>(start.size())), '\0'));
+  if (!little && !big && zeros == 0) return std::nullopt;
+  if (!little && !big && zeros * 4 < std::min<std::size_t>(64, start.size()))
+    return std::string("holds zero bytes: it is no text of separated numbers; export it as CSV");
+  // Without a mark the zeros tell: digits have theirs second (little end first) or first.
+  const char* from = little || big ? "UTF-16" : start.front() == '\0' ? "UTF-16BE" : "UTF-16LE";
+  return fmt::format("is UTF-16 text, UTF-8 is needed: convert it by iconv -f {} -t UTF-8 {} > utf8.csv",
+                     from, path);
+}
+
 enum class Parsed { kNumber, kNotFinite, kText };
 
 Parsed parse(std::string cell, char decimal, double& value) {
@@ -62,6 +81,7 @@ Parsed parse(std::string cell, char decimal, double& value) {
 CsvTable::CsvTable(std::string path, const CsvFormat& format)
     : path_(std::move(path)), format_(format), file_(path_) {
   if (!file_) throw CsvError(fmt::format("{}: cannot be read", path_));
+  look_at_start();
   std::string line;
   for (int i = 0; i < format_.skip_lines && get_line(line); ++i) continue;
   if (format_.header && get_line(line)) {
@@ -69,8 +89,18 @@ CsvTable::CsvTable(std::string path, const CsvFormat& format)
   }
 }
 
+void CsvTable::look_at_start() {
+  std::string start(kStartBytes, '\0');
+  file_.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(file_.gcount()));
+  if (const auto what = other_than_text(start, path_)) throw CsvError(fmt::format("{}: {}", path_, *what));
+  if (start.find('\n') == std::string::npos && start.find('\r') != std::string::npos) line_end_ = '\r';
+  file_.clear();
+  file_.seekg(0);
+}
+
 bool CsvTable::get_line(std::string& line) {
-  if (!std::getline(file_, line)) return false;
+  if (!std::getline(file_, line, line_end_)) return false;
   ++line_;
   bytes_ += line.size() + 1;
   // Spreadsheets put a byte order mark in front.
@@ -121,7 +151,11 @@ std::optional<double> CsvTable::number(std::size_t column) const {
     case Parsed::kText:
       break;
   }
-  throw CsvBadRow{"not a number", fmt::format("column {} holds '{}'", column + 1, cell.substr(0, 30))};
+  // With a decimal comma it would be one.
+  const bool comma = format_.decimal == '.' && parse(cell, ',', value) == Parsed::kNumber;
+  throw CsvBadRow{"not a number",
+                  fmt::format("column {} holds '{}'{}", column + 1, cell.substr(0, 30),
+                              comma ? " (with 'decimal: comma' in the layout it is a number)" : "")};
 }
 
 std::string csv_id(const std::string& cell) {

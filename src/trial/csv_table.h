@@ -17,10 +17,11 @@ struct CsvBadRow {
   std::string what;
 };
 
-/// Rows of data of one file, after its header. Blank lines and those that start with # are passed over.
+/// Rows of data of one file, after its header. Blank lines and those that start with # are passed over. Lines
+/// end in LF, CR LF or, where a file has no LF, in CR.
 class CsvTable {
  public:
-  /// @throws CsvError if it cannot be read
+  /// @throws CsvError if it cannot be read, or is no text of single bytes or UTF-8
   CsvTable(std::string path, const CsvFormat& format);
 
   /// Index of a column, by the header's name or by number.
@@ -43,11 +44,13 @@ class CsvTable {
   std::uint64_t bytes() const { return bytes_; }  ///< read so far
 
  private:
+  void look_at_start();
   bool get_line(std::string& line);
 
   std::string path_;
   CsvFormat format_;
   std::ifstream file_;
+  char line_end_ = '\n';
   std::vector<std::string> header_, cells_;
   std::uint64_t line_ = 0, bytes_ = 0;
 };

@@ -8,9 +8,11 @@
 #include <boost/algorithm/string.hpp>
 #include <cctype>
 #include <cmath>
+#include <iterator>
 #include <set>
 
 #include "guess_bodies.h"
+#include "math/statistics.h"
 
 namespace softarm::trial {
 namespace {
@@ -24,6 +26,7 @@ constexpr std::size_t kFewValues = 5;  // of a column that a command may be
 constexpr double kDiscrete = 0.15;     // distinct values per row of a converter's, or a command's, column
 constexpr double kMostRad = 7.0;       // of a servo that is in radians
 constexpr double kBothSigns = 0.2;     // of the larger side: an angle goes both ways, a pressure does not
+constexpr double kAlike = 20.0;        // times: how far apart the ranges of one arm's inputs are, at most
 
 bool named(const CsvNumbers& column, std::initializer_list<const char*> words) {
   const std::string name = boost::to_lower_copy(column.name);
@@ -185,7 +188,7 @@ void guess_tension_unit(const LayoutGuess& guess, GuessedInputs* tensions) {
 /// Which of the sections a column belongs to, by its name.
 std::string section_by_name(const CsvNumbers& column) {
   if (named(column, {"press", "chamber", "psi", "bar", "kpa", "vacuum"})) return "pressures";
-  if (named(column, {"tension", "force", "load"})) return "tensions";
+  if (named(column, {"tension", "force", "load"}) && !named(column, {"payload"})) return "tensions";
   if (named(column, {"angle", "phi", "servo", "motor", "theta"})) return "angles";
   const std::string name = boost::to_lower_copy(column.name);
   const bool numbered = name.size() > 1 && std::all_of(name.begin() + 1, name.end(), [](char c) {
@@ -195,10 +198,11 @@ std::string section_by_name(const CsvNumbers& column) {
   return "";
 }
 
-std::string topic_of(const std::string& section, std::size_t number) {
-  if (section == "pressures") return fmt::format("/pressure/chamber_{}", number);
-  return section == "angles" ? fmt::format("/servo/{}/angle", number)
-                             : fmt::format("/tendon/{}/tension", number);
+/// What other columns are named that vary.
+bool is_about_something_else(const CsvNumbers& column) {
+  return named(column,
+               {"error", "resid", "quality", "temp", "batt", "volt", "frame", "count", "index", "valid",
+                "track", "payload", "mass", "humid", "flag", "trial", "state", "mode", "label"});
 }
 
 void add_input(LayoutGuess* guess, const std::string& section, std::size_t column, const std::string& why) {
@@ -225,53 +229,94 @@ std::string list_of(const LayoutGuess& guess, const std::vector<std::size_t>& co
   return text;
 }
 
-void find_inputs(LayoutGuess* guess, const std::set<std::size_t>& used) {
+/// Columns without a known meaning, by how their values go.
+struct Leftovers {
+  std::vector<std::size_t> constant, commands, discrete, even;
+};
+
+/// Adds what is an input by its name, and sorts the rest.
+Leftovers take_named_inputs(LayoutGuess* guess, const std::set<std::size_t>& used) {
   const auto& columns = guess->shape.columns;
-  std::vector<std::size_t> constant, commands, unknown, discrete;
-  bool by_name = false;
+  Leftovers rest;
   for (std::size_t c = 0; c < columns.size(); ++c) {
     if (used.count(c) || columns[c].count == 0) continue;
     const std::string section = section_by_name(columns[c]);
-    if (!section.empty()) {
+    if (!section.empty())
       add_input(guess, section, c, "");
-      by_name = true;
-    } else if (columns[c].is_constant()) {
-      constant.push_back(c);
-    } else if (!columns[c].name.empty()) {
-      unknown.push_back(c);
-    } else if (columns[c].distinct < kFewValues) {
-      commands.push_back(c);
-    } else if (static_cast<double>(columns[c].distinct) <
-               kDiscrete * static_cast<double>(guess->shape.rows)) {
-      discrete.push_back(c);
-    } else {
-      unknown.push_back(c);
+    else if (columns[c].is_constant())
+      rest.constant.push_back(c);
+    else if (columns[c].distinct < kFewValues)
+      rest.commands.push_back(c);
+    else if (static_cast<double>(columns[c].distinct) < kDiscrete * static_cast<double>(guess->shape.rows))
+      rest.discrete.push_back(c);
+    else
+      rest.even.push_back(c);
+  }
+  return rest;
+}
+
+bool goes_both_ways(const CsvNumbers& column) {
+  return column.low < -kBothSigns * std::max(column.high, 0.0) && column.low < 0.0 &&
+         std::abs(column.low) > kBothSigns * (column.high - column.low) * 2.0;
+}
+
+/// Columns without names: what comes in the steps of a converter; else what is left; else the few values that
+/// a command has.
+void take_unnamed_inputs(LayoutGuess* guess, Leftovers* rest) {
+  const bool has_discrete = !rest->discrete.empty();
+  std::vector<std::size_t>& inputs = has_discrete          ? rest->discrete
+                                     : !rest->even.empty() ? rest->even
+                                                           : rest->commands;
+  for (const std::size_t c : inputs)
+    add_input(guess, goes_both_ways(guess->shape.columns[c]) ? "angles" : "pressures", c,
+              has_discrete ? "moves in steps, as a converter's values do" : "what is left over");
+  inputs.clear();
+}
+
+/// Of a header whose names say nothing ("c11", "left", "sensor1"): columns that vary about as much as one
+/// another, where there are poses that they may move.
+void take_inputs_by_range(LayoutGuess* guess, Leftovers* rest) {
+  const auto& columns = guess->shape.columns;
+  const auto span = [&](std::size_t c) { return columns[c].high - columns[c].low; };
+  std::vector<double> spans;
+  for (const auto* list : {&rest->discrete, &rest->even, &rest->commands}) {
+    for (const std::size_t c : *list) {
+      if (!is_about_something_else(columns[c])) spans.push_back(span(c));
     }
   }
-  const bool has_discrete = !discrete.empty();
-  // Without names: what comes in the steps of a converter; else the few values that a command has; else what
-  // is left.
-  std::vector<std::size_t>& inputs = has_discrete                                                ? discrete
-                                     : !unknown.empty() && columns[unknown.front()].name.empty() ? unknown
-                                                                                                 : commands;
-  if (!by_name && !inputs.empty() && columns[inputs.front()].name.empty()) {
-    const char* why = has_discrete ? "moves in steps, as a converter's values do" : "what is left over";
-    for (const std::size_t c : inputs) {
-      const bool both = columns[c].low < -kBothSigns * std::max(columns[c].high, 0.0) &&
-                        columns[c].low + columns[c].high < columns[c].high;
-      const bool angle =
-          both && std::abs(columns[c].low) > kBothSigns * (columns[c].high - columns[c].low) * 2.0;
-      add_input(guess, angle ? "angles" : "pressures", c, why);
-    }
-    inputs.clear();
+  if (spans.empty() || guess->bodies.empty()) return;
+  const double usual = math::median(spans);
+  const auto is_input = [&](std::size_t c) {
+    return !is_about_something_else(columns[c]) && span(c) * kAlike >= usual && span(c) <= usual * kAlike;
+  };
+  std::vector<std::size_t> inputs;
+  for (auto* list : {&rest->discrete, &rest->even, &rest->commands}) {
+    std::copy_if(list->begin(), list->end(), std::back_inserter(inputs), is_input);
+    list->erase(std::remove_if(list->begin(), list->end(), is_input), list->end());
   }
-  if (!commands.empty())
-    guess->not_used.push_back(list_of(*guess, commands) +
+  std::sort(inputs.begin(), inputs.end());
+  for (const std::size_t c : inputs)
+    add_input(guess, goes_both_ways(columns[c]) ? "angles" : "pressures", c,
+              "CHECK: neither time nor pose, and nothing in its name");
+}
+
+void find_inputs(LayoutGuess* guess, const std::set<std::size_t>& used) {
+  Leftovers rest = take_named_inputs(guess, used);
+  if (guess->inputs.empty()) {
+    const bool named = std::any_of(guess->shape.columns.begin(), guess->shape.columns.end(),
+                                   [](const CsvNumbers& c) { return !c.name.empty(); });
+    if (named)
+      take_inputs_by_range(guess, &rest);
+    else
+      take_unnamed_inputs(guess, &rest);
+  }
+  if (!rest.commands.empty())
+    guess->not_used.push_back(list_of(*guess, rest.commands) +
                               ": fewer than five values, as commands have; measured ones are better");
-  if (!constant.empty()) guess->not_used.push_back(list_of(*guess, constant) + ": constant");
-  unknown.insert(unknown.end(), discrete.begin(), discrete.end());
-  std::sort(unknown.begin(), unknown.end());
-  if (!unknown.empty()) guess->not_used.push_back(list_of(*guess, unknown) + ": not understood");
+  if (!rest.constant.empty()) guess->not_used.push_back(list_of(*guess, rest.constant) + ": constant");
+  guess->not_understood = rest.even;
+  guess->not_understood.insert(guess->not_understood.end(), rest.discrete.begin(), rest.discrete.end());
+  std::sort(guess->not_understood.begin(), guess->not_understood.end());
   for (GuessedInputs& group : guess->inputs) {
     if (group.section == "pressures") guess_pressure_unit(*guess, &group);
     if (group.section == "angles") guess_angle_unit(*guess, &group);

@@ -48,12 +48,13 @@ struct LayoutGuess {
   bool drop_repeated = false;
   std::vector<GuessedBody> bodies;
   std::vector<GuessedInputs> inputs;
-  std::vector<std::string> not_used;  ///< a line each: which columns, and what they hold
+  std::vector<std::size_t> not_understood;  ///< columns of numbers that may be inputs: written as comments
+  std::vector<std::string> not_used;        ///< a line each: which columns, and what they hold
 };
 
 /// Looks for what moves as time, poses and inputs do: time by its steps; unit quaternions by their norm;
 /// positions beside them, by names that differ in x, y and z, or three by three; inputs by name, else by what
-/// is left over.
+/// is left over. No column of numbers is passed over in silence.
 /// @throws CsvError where the file cannot be read or has no rows of numbers
 LayoutGuess guess_layout(const std::string& path);
 
@@ -61,6 +62,10 @@ LayoutGuess guess_layout(const std::string& path);
 /// reader of layouts refuses in one line.
 /// @param source name of the recording, for the first line
 std::string to_yaml(const LayoutGuess& guess, const std::string& source);
+
+/// A topic for an input of a section (pressures, angles, tensions).
+/// @param number from 1
+std::string topic_of(const std::string& section, std::size_t number);
 
 /// How many values are to be filled in.
 std::size_t blanks(const LayoutGuess& guess);

@@ -43,8 +43,11 @@ std::string format_text(const CsvFormat& format) {
   static const std::map<char, std::string> names{
       {',', "comma"}, {';', "semicolon"}, {'\t', "tab"}, {' ', "space"}};
   const auto name = names.find(format.separator);
-  std::string text =
-      "separator: " + (name == names.end() ? fmt::format("'{}'", format.separator) : name->second) + "\n";
+  std::string text = "separator: " +
+                     (name != names.end()        ? name->second
+                      : format.separator == '\'' ? "\"'\""
+                                                 : fmt::format("'{}'", format.separator)) +
+                     "\n";
   if (format.decimal == ',') text += "decimal: comma\n";
   if (format.header) text += "header: true\n";
   if (format.skip_lines > 0)
@@ -105,7 +108,32 @@ std::string inputs_text(const LayoutGuess& guess, const GuessedInputs& group) {
   return text;
 }
 
+/// Entries of inputs as comments, to be uncommented.
+std::string not_understood_text(const LayoutGuess& guess) {
+  if (guess.not_understood.empty()) return "";
+  const std::size_t known = guess.inputs.empty() ? 0 : guess.inputs.back().inputs.size();
+  const std::string section = guess.inputs.empty() ? "pressures" : guess.inputs.back().section;
+  std::string text =
+      fmt::format("# Not understood: uncomment those that are inputs, {} (pressures, tensions or angles).\n",
+                  guess.inputs.empty() ? "with their section and unit" : "below the inputs of their section");
+  if (guess.inputs.empty()) text += "# " + section + ":\n#   unit:\n#   reference: gauge\n#   inputs:\n";
+  for (std::size_t i = 0; i < guess.not_understood.size(); ++i) {
+    const std::size_t c = guess.not_understood[i];
+    const CsvNumbers& numbers = guess.shape.columns[c];
+    text += fmt::format("#     - topic: {}\n#       column: {}    # {:.4g} to {:.4g}, at first {:.4g}\n",
+                        topic_of(section, known + i + 1), column(guess, c), numbers.low, numbers.high,
+                        numbers.level);
+  }
+  return text;
+}
+
 }  // namespace
+
+std::string topic_of(const std::string& section, std::size_t number) {
+  if (section == "pressures") return fmt::format("/pressure/chamber_{}", number);
+  return section == "angles" ? fmt::format("/servo/{}/angle", number)
+                             : fmt::format("/tendon/{}/tension", number);
+}
 
 std::string to_yaml(const LayoutGuess& guess, const std::string& source) {
   std::string text = fmt::format(
@@ -117,6 +145,7 @@ std::string to_yaml(const LayoutGuess& guess, const std::string& source) {
       source, guess.shape.columns.size(), guess.shape.rows);
   text += format_text(guess.shape.format) + time_text(guess) + mocap_text(guess);
   for (const GuessedInputs& group : guess.inputs) text += inputs_text(guess, group);
+  text += not_understood_text(guess);
   if (!guess.not_used.empty()) {
     text += "# Not used:\n";
     for (const std::string& what : guess.not_used) text += "#   " + what + "\n";

@@ -98,6 +98,15 @@ TEST(ArmWriterText, AddsKeysToFlowAndBlockMapsAndToMapsThatAreMissing) {
   }
 }
 
+TEST(ArmWriterText, AddsALagThatTheFileDidNotState) {
+  arm::Arm arm = arm::parse_arm(kSmallArm, "arm.yaml");
+  arm.segments[0].wall.lag_s = arm::Wall::kUsualLag_s;
+  EXPECT_EQ(arm::update_arm_text(kSmallArm, "arm.yaml", arm), kSmallArm) << "as it is without";
+  arm.segments[0].wall.lag_s = 0.06;
+  const std::string written = arm::update_arm_text(kSmallArm, "arm.yaml", arm);
+  EXPECT_EQ(arm::parse_arm(written, "written.yaml").segments[0].wall.lag_s, 0.06) << written;
+}
+
 TEST(ArmWriterText, KeepsItsPlaceBehindOtherAlphabetsAndLineEnds) {
   std::string text = "# Arm für Übungen – φ = 0°\n" + kSmallArm;
   const arm::Arm arm = changed(arm::parse_arm(text, "arm.yaml"));

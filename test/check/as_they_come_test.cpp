@@ -135,6 +135,46 @@ TEST_F(AsTheyCome, DeadInputsWhileTheArmMoves) {
   EXPECT_NE(find(report(), "dead_input", "chamber_1"), nullptr) << to_text(report());
 }
 
+TEST_F(AsTheyCome, ASensorThatIsDeadAmongOthersIsAccusedByTheDirectionOfTheMotion) {
+  // Two opposed chambers move the arm along x as ever; a third, whose sensor shows nothing, moves it across.
+  const auto with_third = [&](double azimuth_deg, double moves_m) {
+    arm = hanging_arm();
+    recording = clean();
+    arm::Chamber third = arm.segments[0].chambers[0];
+    third.input = "chamber_3";
+    third.bending_direction_rad = azimuth_deg * M_PI / 180.0;
+    arm.segments[0].chambers.push_back(third);
+    arm::ScalarInput input = arm.inputs.scalars[0];
+    input.name = "chamber_3";
+    input.topic = "/pressure/chamber_3";
+    arm.inputs.scalars.push_back(input);
+    recording.inputs.push_back(recording.inputs[0]);
+    for (auto& v : recording.inputs[2]) v.value = 101325.0;
+    for (std::size_t b = 1; b < 4; ++b) {
+      for (auto& pose : recording.bodies[b]) {
+        const double t = pose.stamp_s - kStart,
+                     on = std::clamp(std::min(t - 2.0, kSeconds - 2.0 - t), 0.0, 1.0);
+        pose.p_mocap.y() += on * moves_m * (b / 3.0) * (b / 3.0) * std::sin(2.6 * t + 0.02 * t * t);
+      }
+    }
+  };
+  with_third(90.0, 0.03);
+  const check::CheckReport across = report();
+  const check::CheckFinding* f = find(across, "dead_input", "chamber_3");
+  ASSERT_NE(f, nullptr) << to_text(across);
+  EXPECT_EQ(f->severity, check::Severity::kWarning);
+  EXPECT_THAT(f->what, HasSubstr("along the line on which it bends it"));
+  EXPECT_EQ(find(across, "never_driven", "chamber_3"), nullptr);
+  // It bends the arm elsewhere: then it may be anything.
+  with_third(30.0, 0.03);
+  EXPECT_EQ(find(report(), "dead_input"), nullptr) << complaints(report());
+  EXPECT_NE(find(report(), "never_driven", "chamber_3"), nullptr);
+  // Where the others explain the motion it is merely not driven.
+  with_third(90.0, 0.0);
+  EXPECT_EQ(find(report(), "dead_input"), nullptr) << complaints(report());
+  EXPECT_NE(find(report(), "never_driven", "chamber_3"), nullptr);
+}
+
 TEST_F(AsTheyCome, AChamberThatIsNotDrivenIsNotDead) {
   recording = clean(1, 0.0, {kSeconds, [](int i, double t) { return i == 0 ? pressure_pa(0, t) : 0.0; }});
   EXPECT_EQ(find(report(), "dead_input"), nullptr) << complaints(report());

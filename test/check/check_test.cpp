@@ -265,6 +265,23 @@ TEST_F(Check, StuckCoarseNoisyAndStillInputs) {
   EXPECT_NE(find(report(), "never_driven", "chamber_2"), nullptr);
 }
 
+TEST_F(Check, StepsOfSeveralInputsAreOneFinding) {
+  const double steps_pa[] = {640.0, 700.0};
+  for (std::size_t i = 0; i < 2; ++i) {
+    for (auto& v : recording.inputs[i])
+      v.value = 101325.0 + steps_pa[i] * std::round((v.value - 101325.0) / steps_pa[i]);
+  }
+  const check::CheckReport r = report();
+  EXPECT_EQ(std::count_if(r.findings.begin(), r.findings.end(),
+                          [](const check::CheckFinding& f) { return f.id == "coarse_steps"; }),
+            1)
+      << to_text(r);
+  const check::CheckFinding* f = find(r, "coarse_steps");
+  ASSERT_NE(f, nullptr);
+  EXPECT_EQ(f->where, "chamber_1, chamber_2");
+  EXPECT_THAT(f->what, HasSubstr("move in steps of 640 to 700 Pa ("));
+}
+
 TEST_F(Check, TrialThatDoesNotRest) {
   const auto cut = [](auto& samples) {
     using Sample = typename std::decay_t<decltype(samples)>::value_type;

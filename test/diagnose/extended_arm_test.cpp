@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "identify/identify_extended.h"
@@ -15,6 +16,7 @@
 namespace softarm::diagnose {
 namespace {
 
+using testing::drawn_case;
 using testing::recorded_case;
 using testing::RecordedCase;
 
@@ -41,6 +43,24 @@ double stiffness_ratio(const arm::Arm& arm, const std::vector<model::Present>& e
   std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2),
                    ratios.end());
   return ratios[ratios.size() / 2];
+}
+
+/// The rig's wall lags by far more than is usual, and the laboratory's file says nothing of it.
+TEST(ExtendedArm, HasTheLagOfTheWallThoughTheFileHadNone) {
+  RecordedCase recorded = drawn_case("{count_weights: [1]}", 4, 3, 10.0);
+  for (std::size_t t = 0; t < recorded.truth.size(); ++t) {
+    for (auto& segment : recorded.truth[t].arm.segments) segment.retardation_s = 0.3;
+    recorded.trials.push_back(testing::record(recorded.arm, recorded.truth[t], "trial_" + std::to_string(t)));
+  }
+  ASSERT_FALSE(recorded.arm.segments[0].wall.lag_s);
+  const diagnose::Diagnosis d = diagnose::diagnose(recorded.arm, recorded.trials);
+  const arm::Arm& found = d.extended_arm.arm;
+  ASSERT_TRUE(found.segments[0].wall.lag_s);
+  EXPECT_GT(*found.segments[0].wall.lag_s, 0.03);
+  const std::string said = "(" + std::to_string(std::lround(1e3 * *found.segments[0].wall.lag_s)) + " ms)";
+  EXPECT_TRUE(std::any_of(d.notes.begin(), d.notes.end(), [&](const std::string& note) {
+    return note.find(said) != std::string::npos;
+  })) << said;
 }
 
 TEST(ExtendedArm, CarriesWhatWasFoundIntoEverythingElse) {

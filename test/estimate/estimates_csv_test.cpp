@@ -178,6 +178,24 @@ TEST(EstimateSummary, SaysWhatWasKnown) {
   EXPECT_EQ(line_of(stiffness_known, "  identifiable in"), "0 frames (0.0 %)");
 }
 
+TEST(EstimateSummary, WhatWouldTellTheStiffnessIsNotWhatIsDoneAlready) {
+  const auto advice = [](arm::Unknown unknown) {
+    arm::Arm arm = arm_of(unknown);
+    arm.estimator.prior.enabled = unknown != arm::Unknown::kStiffness;
+    estimate::EstimateSummary summary(arm);
+    estimate::Estimate e = quarter_circle();
+    e.segments[0].identifiable_stiffness = false;
+    e.segments[0].stiffness_why_not = estimate::WhyNot::kNotDetermined;
+    summary.add(e);
+    return line_of(summary.text({}, 1), "  not in");
+  };
+  EXPECT_THAT(advice(arm::Unknown::kStiffness), HasSubstr("(--unknown payload)"));
+  EXPECT_THAT(advice(arm::Unknown::kPayload),
+              HasSubstr("(--unknown stiffness), or hold EI by the laws (--prior off)"));
+  EXPECT_THAT(advice(arm::Unknown::kPayload), Not(HasSubstr("--unknown payload")));
+  EXPECT_THAT(advice(arm::Unknown::kBoth), HasSubstr("(--unknown payload --prior off)"));
+}
+
 TEST(EstimateSummary, CountsReasonsAndTakesMediansOverGoodFrames) {
   estimate::EstimateSummary summary(arm_of(arm::Unknown::kStiffness));
   for (int i = 0; i < 5; ++i) {

@@ -79,6 +79,34 @@ TEST_F(Belongs, AnotherOrderOfTheQuaternionIsFound) {
   EXPECT_LT(found.tried.front().mean_m, 2e-3);
 }
 
+TEST_F(Belongs, ALesserGainIsSaidWhereItIsThereInEachTrial) {
+  // Laws so rough that the right order leaves half of the error, not a third.
+  arm::Arm rough = arm_;
+  for (arm::Chamber& chamber : rough.segments[0].chambers) chamber.moment_gain_nm_per_pa *= 0.45;
+  const auto half_turn = misread(same, [](const Eigen::Quaterniond& q) {
+    return Eigen::Quaterniond(q * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()));
+  });
+  const Belonging found = belonging(rough, half_turn);
+  EXPECT_TRUE(found.together);
+  EXPECT_EQ(found.better_in, trials_.size());
+  EXPECT_THAT(describe(found), HasSubstr("ANOTHER READING FITS EACH OF THE 6 TRIALS BETTER: with "));
+  EXPECT_THAT(describe(found), HasSubstr("base.rod_in_body turned to its axes '-x -y z'"));
+}
+
+TEST_F(Belongs, OfLawsThatAreRoughInOtherWaysNothingIsSaid) {
+  for (const double gain : {0.3, 0.5, 0.7, 1.5, 2.0}) {
+    for (const double stiffness : {0.5, 1.0, 2.0}) {
+      for (const double odd : {1.0, 0.3}) {
+        arm::Arm rough = arm_;
+        for (arm::Chamber& chamber : rough.segments[0].chambers) chamber.moment_gain_nm_per_pa *= gain;
+        rough.segments[0].chambers[1].moment_gain_nm_per_pa *= odd;
+        rough.segments[0].bending_stiffness.base_nm2 *= stiffness;
+        EXPECT_EQ(describe(belonging(rough, trials_)), "") << gain << " " << stiffness << " " << odd;
+      }
+    }
+  }
+}
+
 TEST_F(Belongs, AnotherUpAxisIsFoundWithAFixedBase) {
   arm::Arm fixed = arm_;
   fixed.base.body.reset();

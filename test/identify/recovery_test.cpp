@@ -230,8 +230,7 @@ TEST(Recovery, LengthAndRestCurvatureWhereAsked) {
   identify::Options options;
   options.held_out_share = 0.0;
   options.also_free = {"length", "rest_curvature.*"};
-  EXPECT_THROW(identify::identify(nominal, trials, options), std::invalid_argument)
-      << "a pattern of whole names";
+  EXPECT_EQ(identify::identify(nominal, trials, options).constants.size(), 12u) << "the last parts of names";
   options.also_free = {"length", "*.rest_curvature.*"};
   const identify::Result result = identify::identify(nominal, trials, options);
   ASSERT_EQ(result.constants.size(), 12u);

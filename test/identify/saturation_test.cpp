@@ -114,6 +114,26 @@ TEST(IdentifySaturation, WhereThereIsNoneStaysAtNothingAndIsNoFailure) {
   EXPECT_TRUE(at_zero) << "the bound was never tried";
 }
 
+TEST(IdentifySaturation, OfASingleChamberOneOfTheTwoIsToBeHeld) {
+  arm::Arm nominal = testing::pneumatic_arm();
+  nominal.segments[0].chambers.resize(1);
+  nominal.segments[0].chambers[0].saturation_per_pa = 0.0;
+  nominal.segments[0].saturation.chambers_per_pa = 0.0;
+  arm::Arm truth = nominal;
+  truth.segments[0].chambers[0].saturation_per_pa = kA;
+  const Result both = run(nominal, truth, {0.0, 0.2}, {});
+  for (const char* name : {"segment_1.chamber_1.saturation", "segment_1.chambers.saturation"}) {
+    const Constant& c = *find(both, name);
+    EXPECT_FALSE(c.determined) << name;
+    EXPECT_TRUE(says(c.advice, "segment_1 has a single chamber")) << name << ": " << c.advice;
+    EXPECT_TRUE(says(c.advice, "--hold segment_1.chambers.saturation")) << name << ": " << c.advice;
+  }
+  Options one;
+  one.held = {"segment_1.chambers.saturation"};
+  const Result held = run(nominal, truth, {0.0, 0.2}, one);
+  EXPECT_TRUE(find(held, "segment_1.chamber_1.saturation")->determined);
+}
+
 TEST(IdentifySaturation, PatternsThatEndInAWildcardFreeWhatIsStatedAlone) {
   arm::Arm nominal = testing::pneumatic_arm();
   Options options;

@@ -212,6 +212,25 @@ TEST(Undetermined, AVacuumThatIsNotRecordedIsNotFitted) {
   const identify::Result result = run(nominal, nominal, protocol, random);
   EXPECT_EQ(find(result, "segment_1.bending_stiffness.per_jamming_pressure"), nullptr);
   EXPECT_EQ(result.frames, 60u);
+  EXPECT_TRUE(result.warnings.empty()) << result.warnings.front();
+}
+
+TEST(Undetermined, WhatIsAskedForAndNotFittedIsSaid) {
+  arm::Arm nominal = testing::pneumatic_arm();
+  nominal.segments[0].axial_stiffness_n = 200.0;
+  std::mt19937_64 random(4);
+  testing::Protocol protocol;
+  protocol.draw = testing::paper_inputs;
+  protocol.payloads_kg = {0.2};
+  identify::Options options;
+  options.also_free = {"axial_stiffness"};
+  options.held = {"*elongation"};
+  const identify::Result result =
+      identify::identify(nominal, testing::make_trials(nominal, protocol, random), options);
+  EXPECT_EQ(find(result, "segment_1.axial_stiffness"), nullptr);
+  ASSERT_EQ(result.warnings.size(), 1u);
+  EXPECT_TRUE(says(result.warnings[0], "NOT FITTED: segment_1.axial_stiffness: EA needs"))
+      << result.warnings[0];
 }
 
 TEST(Undetermined, AGainOfTheWrongSignIsSaid) {

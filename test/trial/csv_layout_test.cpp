@@ -173,6 +173,9 @@ TEST(CsvRecording, IsReadAsProgramsWriteIt) {
       {"decimal commas", "separator: semicolon\ndecimal: comma", "500;100,5;200;300;0;0;0;1;-2,25\n"},
       {"decimal commas in quotes", "separator: tab\ndecimal: comma",
        "500\t\"100,5\"\t200\t300\t0\t0\t0\t1\t\"-2,25\"\n"},
+      {"decimal commas in quotes between commas", "separator: comma\ndecimal: comma",
+       "500,\"100,5\",200,300,0,0,0,1,\"-2,25\"\n"},
+      {"carriage returns alone", "", "500,100.5,200,300,0,0,0,1,-2.25\r"},
   };
   for (const auto& [what, keys, csv] : written) {
     SCOPED_TRACE(what);
@@ -182,6 +185,45 @@ TEST(CsvRecording, IsReadAsProgramsWriteIt) {
     EXPECT_EQ(r.rows[0].bodies[0]->p_mocap, plain.rows[0].bodies[0]->p_mocap);
     EXPECT_EQ(*r.rows[0].pressures_pa[0], *plain.rows[0].pressures_pa[0]);
   }
+}
+
+TEST(CsvRecording, LinesThatEndInCarriageReturnsAloneAreLines) {
+  const Read r = read("header: true" + std::string(kMinimal),
+                      "t,x,y,z,a,b,c,d,p\r0,0,0,0,0,0,0,1,3\r10,0,0,0,0,0,0,1,3\r20,0,0,0,0,0,0,1,3");
+  EXPECT_EQ(r.rows.size(), 3u);
+}
+
+std::string utf16(const std::string& text, bool little) {
+  std::string wide;
+  for (const char c : text) wide += little ? std::string{c, '\0'} : std::string{'\0', c};
+  return wide;
+}
+
+TEST(CsvRecording, WhatIsNoUtf8TextIsSaidWithTheRemedy) {
+  const std::string csv = "500,100.5,200,300,0,0,0,1,-2.25\n";
+  const struct {
+    std::string csv, what;
+  } files[] = {
+      {"\xFF\xFE" + utf16(csv, true),
+       "is UTF-16 text, UTF-8 is needed: convert it by iconv -f UTF-16 -t UTF-8 "},
+      {"\xFE\xFF" + utf16(csv, false), "iconv -f UTF-16 -t UTF-8 "},
+      {utf16(csv, true), "iconv -f UTF-16LE -t UTF-8 "},
+      {utf16(csv, false), "iconv -f UTF-16BE -t UTF-8 "},
+      {"PK\x03\x04" + csv, "is a workbook or an archive, no text: save it as CSV first"},
+      {csv + std::string(3, '\0') + csv, "holds zero bytes"},
+  };
+  for (const auto& file : files) {
+    const std::string why = read_error(kMinimal, file.csv);
+    EXPECT_THAT(why, HasSubstr(file.what));
+    EXPECT_THAT(why, AllOf(HasSubstr(".csv: "), Not(HasSubstr("\n"))));
+  }
+}
+
+TEST(CsvRecording, ADecimalCommaThatTheLayoutDoesNotNameIsSaid) {
+  const Read r = read("separator: semicolon" + std::string(kMinimal),
+                      "0;0;0;0;0;0;0;1;0\n1;0;0;0;0;0;0;1;0\n2;0,5;0;0;0;0;0;1;0\n");
+  ASSERT_EQ(r.report.examples.size(), 1u);
+  EXPECT_THAT(r.report.examples[0], HasSubstr("column 2 holds '0,5' (with 'decimal: comma' in the layout"));
 }
 
 TEST(CsvRecording, ANameInQuotesMayHoldTheSeparator) {

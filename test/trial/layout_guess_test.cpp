@@ -23,7 +23,9 @@ struct Style {
   bool decimal_comma = false, header = false, w_first = false, tilted = false, from_tip = false;
   double time_scale = 1.0, time_from = 0.0, length_scale = 1.0;
   int junk_lines = 0;
-  bool end_separator = false;
+  bool end_separator = false, quoted = false;
+  std::vector<std::string> inputs{"pressure_1", "pressure_2"};  ///< their names
+  std::vector<std::string> others;                              ///< names of columns with other things
 };
 
 /// Base and two rings of a hanging arm that bends about y, and two chambers in kPa above ambient.
@@ -37,7 +39,8 @@ std::string recording(const Style& style) {
     for (const char* part : {"_x", "_y", "_z", "_qx", "_qy", "_qz", "_qw"})
       names.push_back(body + std::string(part));
   }
-  names.insert(names.end(), {"pressure_1", "pressure_2"});
+  names.insert(names.end(), style.inputs.begin(), style.inputs.end());
+  names.insert(names.end(), style.others.begin(), style.others.end());
   const auto row = [&](const std::vector<std::string>& cells) {
     for (std::size_t i = 0; i < cells.size(); ++i)
       text += (i ? std::string(1, style.separator) : "") + cells[i];
@@ -60,10 +63,13 @@ std::string recording(const Style& style) {
       if (!style.w_first) numbers.push_back(q.w());
     }
     numbers.insert(numbers.end(), {p1, p2});
+    for (std::size_t i = 0; i < style.others.size(); ++i)
+      numbers.push_back(0.1 + 0.01 * std::sin(t + 1.0 * i));
     std::vector<std::string> cells;
     for (const double x : numbers) {
       cells.push_back(fmt::format("{:.6f}", x));
       if (style.decimal_comma) std::replace(cells.back().begin(), cells.back().end(), '.', ',');
+      if (style.quoted) cells.back() = '"' + cells.back() + '"';
     }
     row(cells);
   }
@@ -128,7 +134,7 @@ TEST_F(LayoutGuess, SemicolonsDecimalCommasAndASeparatorAtTheEnd) {
 }
 
 TEST_F(LayoutGuess, OtherSeparatorsAndLinesBeforeTheHeader) {
-  for (const char separator : {'\t', '|', ' '}) {
+  for (const char separator : {'\t', '|', ' ', '~', '\'', '!'}) {
     SCOPED_TRACE(separator);
     Style style;
     style.separator = separator;
@@ -139,6 +145,60 @@ TEST_F(LayoutGuess, OtherSeparatorsAndLinesBeforeTheHeader) {
     EXPECT_EQ(g.shape.format.skip_lines, 2);
     EXPECT_THAT(to_yaml(g, "a.csv"), HasSubstr("position: [mount_x, mount_y, mount_z]"));
   }
+}
+
+TEST_F(LayoutGuess, DecimalCommasInQuotesBetweenCommas) {
+  Style style;
+  style.decimal_comma = style.quoted = true;
+  const trial::LayoutGuess g = guess(recording(style));
+  expect_right(g);
+  EXPECT_THAT(to_yaml(g, "a.csv"), HasSubstr("separator: comma\ndecimal: comma\n"));
+}
+
+TEST_F(LayoutGuess, InputsWhoseNamesSayNothingAreGuessedByTheirRanges) {
+  for (const auto& names : std::vector<std::vector<std::string>>{
+           {"c11", "c12"}, {"left", "right"}, {"sensor1", "sensor2"}, {"A", "B"}}) {
+    SCOPED_TRACE(names[0]);
+    Style style;
+    style.header = true;
+    style.inputs = names;
+    style.others = {"marker_error", "whatever"};
+    const trial::LayoutGuess g = guess(recording(style));
+    const std::string draft = to_yaml(g, "a.csv");
+    expect_right(g);
+    EXPECT_THAT(draft, HasSubstr("column: " + names[0] + "\n"));
+    EXPECT_THAT(draft, HasSubstr("CHECK: neither time nor pose"));
+    // What varies by far less, or is named for what it is, is there to be uncommented.
+    for (const std::string& other : style.others) EXPECT_THAT(draft, HasSubstr("#       column: " + other));
+  }
+}
+
+TEST_F(LayoutGuess, BesideInputsKnownByNameOthersAreListedAsComments) {
+  Style style;
+  style.header = true;
+  style.inputs = {"pressure_1", "left"};
+  const trial::LayoutGuess g = guess(recording(style));
+  std::string draft = to_yaml(g, "a.csv");
+  ASSERT_EQ(g.inputs.size(), 1u);
+  EXPECT_EQ(g.inputs[0].inputs.size(), 1u);
+  const std::string entry = "#     - topic: /pressure/chamber_2\n#       column: left";
+  ASSERT_THAT(draft, HasSubstr(entry));
+  // Uncommented it is the second input.
+  draft.replace(draft.find(entry), entry.size(), "    - topic: /pressure/chamber_2\n      column: left");
+  const trial::CsvLayout layout = trial::parse_csv_layout(draft, "draft");
+  ASSERT_EQ(layout.pressures.size(), 2u);
+  EXPECT_EQ(layout.pressures[1].column.label, "left");
+}
+
+TEST_F(LayoutGuess, WithoutPosesNamedColumnsAreListedAsComments) {
+  std::string text = "t,left,right\n";
+  for (int k = 0; k < 300; ++k)
+    text +=
+        fmt::format("{:.2f},{:.4f},{:.4f}\n", 0.01 * k, 20.0 + std::sin(0.1 * k), 20.0 + std::cos(0.1 * k));
+  const std::string draft = to_yaml(guess(text), "a.csv");
+  EXPECT_THAT(draft, HasSubstr("# pressures:\n#   unit:\n"));
+  EXPECT_THAT(draft, HasSubstr("#       column: left"));
+  EXPECT_THAT(draft, HasSubstr("#       column: right"));
 }
 
 TEST_F(LayoutGuess, UnitsOfTimeByTheSteps) {

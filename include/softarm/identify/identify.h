@@ -34,8 +34,8 @@ using arm::strained_by_inputs;
 using arm::unit_of;
 using arm::value_of;
 
-/// The constants whose name matches one of the shell patterns ("*.moment_gain", "segment_1.length"); a
-/// pattern without a dot matches the last part of a name ("length").
+/// The constants whose name, or whose last parts, match one of the shell patterns ("*.moment_gain", "length",
+/// "chamber_2.moment_gain", "segment_1.length").
 /// @throws std::invalid_argument where a pattern matches none; the line lists the names
 SOFTARM_EXPORT std::vector<ConstantRef> matching(const arm::Arm& arm,
                                                  const std::vector<std::string>& patterns);
