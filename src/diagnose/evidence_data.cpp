@@ -105,8 +105,7 @@ MatrixXd in_spreads(MatrixXd values) {
   return values;
 }
 
-MatrixXd features_at(const JointModel& model, const Linearised& at,
-                     const std::vector<InstantRows>& instants) {
+MatrixXd features_at(const JointModel& model, const Linearised& at, const Shown& shown) {
   const Features known = features(model, at);
   MatrixXd values = MatrixXd::Zero(shown.size.size(), known.values.cols());
   std::size_t f = 0;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "recorded_case.h"
 #include "rig/hidden.h"
@@ -110,6 +111,49 @@ TEST(Diagnose, ARingThatIsFarOffIsNamed) {
   const diagnose::Diagnosis d = diagnose::diagnose(recorded.arm, recorded.trials);
   EXPECT_EQ(d.verdict, diagnose::Verdict::kExplained) << report::describe(d);
   EXPECT_EQ(ids(d.effects), std::vector<std::string>{"marker_slip"}) << report::describe(d);
+}
+
+/// An arm of which nothing is quite as its file says: half a millimetre together, and perhaps one thing more.
+RecordedCase untidy(const std::optional<rig::HiddenChoice>& more) {
+  RecordedCase out = drawn_case("{count_weights: [1]}", 11, 6, 10.0);
+  for (std::size_t i = 0; i < out.truth.size(); ++i) {
+    rig::Scenario& scenario = out.truth[i];
+    scenario.arm.segments[0].mass_kg *= 1.02;
+    rig::hide({"base_tilt", "", {{"angle_deg", 0.15}, {"azimuth_deg", 40.0}}}, scenario);
+    rig::hide({"stiffness_taper", "", {{"share", 0.03}}}, scenario);
+    rig::hide({"marker_slip",
+               "",
+               {{"body", 2.0},
+                {"along_m", 0.4e-3},
+                {"sideways_m", 0.2e-3},
+                {"direction_deg", 0.0},
+                {"from_s", 0.0}}},
+              scenario);
+    rig::hide({"chamber_mismatch", "", {{"chamber", 2.0}, {"share", 0.01}}}, scenario);
+    if (more) rig::hide(*more, scenario);
+    out.trials.push_back(record(out.arm, scenario, "trial_" + std::to_string(i + 1)));
+  }
+  return out;
+}
+
+// The weight of the arm shows as that of the payloads: EI and the gains go with the former.
+TEST(Diagnose, OfAnUntidyArmTheDeparturesAreFoundAndNothingElse) {
+  const RecordedCase recorded = untidy({});
+  const diagnose::Diagnosis d = diagnose::diagnose(recorded.arm, recorded.trials);
+  EXPECT_EQ(ids(d.effects), std::vector<std::string>{"stiffness_taper"}) << report::describe(d);
+  EXPECT_THAT(ids(d.small_departures), ::testing::IsSubsetOf({"base_tilt", "marker_slip", "payload_scale"}))
+      << report::describe(d);
+  EXPECT_GE(d.small_departures.size(), 2u) << report::describe(d);
+}
+
+TEST(Diagnose, InAnUntidyArmWhatStandsOutIsNamedAlone) {
+  const RecordedCase recorded = untidy(
+      rig::HiddenChoice{"gain_nonlinearity", "saturating", {{"share", -0.12}, {"reference_pa", 50e3}}});
+  const diagnose::Diagnosis d = diagnose::diagnose(recorded.arm, recorded.trials);
+  EXPECT_EQ(ids(d.effects), std::vector<std::string>{"gain_nonlinearity"}) << report::describe(d);
+  EXPECT_GT(d.effects.at(0).probability, 0.9) << report::describe(d);
+  EXPECT_NEAR(d.effects.at(0).parameters.at(0).value, -0.12, 0.05) << report::describe(d);
+  EXPECT_NE(d.verdict, diagnose::Verdict::kUnknown) << report::describe(d);
 }
 
 /// A fit to poses that come late finds a lag; that is no motion for the sake of which trials are left out.
