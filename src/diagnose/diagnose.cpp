@@ -273,12 +273,30 @@ std::vector<NamedEffect> take_small(const JointModel& model, const Selection& se
   return small;
 }
 
-Verdict verdict_of(const Diagnosis& d, bool extended, bool adequate) {
-  if (extended) {
-    if (d.explained_share >= kPolicy.verdict.explained && adequate) return Verdict::kExplained;
-    return d.explained_share >= kPolicy.verdict.partly ? Verdict::kPartlyExplained : Verdict::kUnknown;
+/// What explains no more than is left may stand in for what is left: something that no effect of the
+/// catalogue makes looks like several that do.
+void doubt_stand_ins(Diagnosis& d) {
+  const double left = 1.0 - d.explained_share;
+  for (NamedEffect& effect : d.effects) {
+    const double part = effect.share * d.explained_share;
+    const double odds = left > 0.0 ? std::pow(part / left, kPolicy.posterior.stand_in) : 1e300;
+    effect.probability *= odds / (1.0 + odds);
+    for (Candidate& candidate : d.ranking)
+      if (candidate.id == effect.id) candidate.probability = effect.probability;
   }
-  if (!adequate) return Verdict::kUnknown;
+}
+
+Verdict verdict_of(const Diagnosis& d, bool adequate) {
+  if (!d.effects.empty()) {
+    if (d.explained_share >= kPolicy.verdict.explained && adequate) return Verdict::kExplained;
+    double believed = 0.0;
+    for (const NamedEffect& effect : d.effects)
+      if (effect.probability >= kPolicy.posterior.named) believed += effect.share * d.explained_share;
+    return believed >= kPolicy.verdict.partly ? Verdict::kPartlyExplained : Verdict::kUnknown;
+  }
+  // Small departures and what is left beside them, as every arm has it.
+  const bool small = !d.small_departures.empty() && d.explained_share >= kPolicy.verdict.partly;
+  if (!adequate && !small) return Verdict::kUnknown;
   const auto detectable =
       std::count_if(d.ranking.begin(), d.ranking.end(), [](const Candidate& c) { return c.detectable; });
   return static_cast<double>(detectable) >=
@@ -387,7 +405,8 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   d.after.shared_z = left.after.shared_z;
   d.shifts = shifts_of(model, selection);
   d.extended_arm = extended_arm(model, selection.extended, covariance);
-  d.verdict = verdict_of(d, !d.effects.empty(), left.adequate);
+  if (!left.adequate) doubt_stand_ins(d);
+  d.verdict = verdict_of(d, left.adequate);
   const Compared count = compared(model);
   d.left_out_share = 1.0 - static_cast<double>(count.used) / static_cast<double>(count.blocks);
   d.summary = summary_of(d);

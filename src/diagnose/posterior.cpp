@@ -19,7 +19,7 @@ using Eigen::VectorXd;
 using model::Effect;
 using Effects = std::vector<const Effect*>;
 
-constexpr int kKernels = 3;
+constexpr int kKernels = 3, kTime = 2;  // two of what drives the arm; of time
 // Shares of a direction's variance that a kernel may have: a grid as fine as evidence needs, geometric in
 // what is left white.
 constexpr double kShares[] = {0.0, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.997, 0.999};
@@ -314,7 +314,7 @@ MatrixXd kernel_matrix(const EvidenceData& data, int kernel) {
   for (Index i = 0; i < n; ++i) {
     for (Index j = 0; j <= i; ++j) {
       double value = 0.0;
-      if (kernel < 2) {
+      if (kernel != kTime) {
         const double reach = kPolicy.flexible.reach[kernel];
         value = std::exp(-0.5 * (data.features.row(i) - data.features.row(j)).squaredNorm() /
                          (static_cast<double>(data.features.cols()) * reach * reach));
@@ -324,7 +324,11 @@ MatrixXd kernel_matrix(const EvidenceData& data, int kernel) {
       k(i, j) = k(j, i) = value;
     }
   }
-  return k;
+  if (kernel == kTime) return k;
+  // What is the same in all trials is where a body is, an effect: no error of laws that goes with what drives
+  // the arm.
+  const VectorXd mean = k.rowwise().mean();
+  return k - mean.replicate(1, n) - mean.transpose().replicate(n, 1) + MatrixXd::Constant(n, n, mean.mean());
 }
 
 Evidence evidence_of(const EvidenceData& data, const Effects& present, double tau) {
