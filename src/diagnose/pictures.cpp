@@ -184,7 +184,11 @@ std::string found_of(const Diagnosis& d) {
   const std::string errors_change =
       "the mean error on trials left out " + change(d.baseline.held_out_mean_m, d.extended.held_out_mean_m);
   std::vector<std::string> names, small;
-  for (const NamedEffect& effect : d.effects) names.push_back(effect.id);
+  for (const NamedEffect& effect : d.effects) {
+    names.push_back(effect.id);
+    // Where something else is left, each stands on its own probability.
+    if (d.verdict != Verdict::kExplained) names.back() += fmt::format(" ({})", percent(effect.probability));
+  }
   for (const NamedEffect& effect : d.small_departures) small.push_back(effect.id);
   const std::string list = one_of(names, "and");
   const char* explain = names.size() > 1 ? "explain" : "explains";
@@ -206,12 +210,8 @@ std::string found_of(const Diagnosis& d) {
     case Verdict::kUnknown: {
       std::string text =
           fmt::format("Something is there that no effect of the catalogue explains ({}).", errors);
-      // A finding stands on its own probability, however much else is left.
-      for (std::size_t i = 0; i < names.size(); ++i)
-        names[i] += fmt::format(" ({})", percent(d.effects[i].probability));
       if (!names.empty())
-        text += fmt::format(" {} {} {} of it: {}.", one_of(names, "and"), explain, percent(d.explained_share),
-                            errors_change);
+        text += fmt::format(" {} {} {} of it: {}.", list, explain, percent(d.explained_share), errors_change);
       text += beside;
       std::vector<std::string> likely;
       for (const Candidate& c : d.ranking) {
