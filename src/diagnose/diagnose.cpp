@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "contribution.h"
+#include "effects/catalogue.h"
 #include "extended_arm.h"
 #include "flexible.h"
 #include "ladder.h"
@@ -273,13 +274,22 @@ std::vector<NamedEffect> take_small(const JointModel& model, const Selection& se
   return small;
 }
 
+/// What sensors do is not made by the arm: no physics of it that is missing looks like one body that sits
+/// elsewhere, or like another clock.
+bool is_of_sensors(const std::string& id) {
+  const auto& all = effects::catalogue();
+  return std::any_of(all.begin(), all.end(), [&](const std::unique_ptr<model::Effect>& effect) {
+    return effect->info().id == id && effect->info().family == model::Family::kSensor;
+  });
+}
+
 /// What explains no more than is left may stand in for what is left: something that no effect of the
 /// catalogue makes looks like several that do.
 void doubt_stand_ins(Diagnosis& d) {
   const double left = 1.0 - d.explained_share;
   for (NamedEffect& effect : d.effects) {
-    const double part = effect.share * d.explained_share;
-    const double odds = left > 0.0 ? std::pow(part / left, kPolicy.posterior.stand_in) : 1e300;
+    if (!(left > 0.0) || is_of_sensors(effect.id)) continue;
+    const double odds = std::pow(effect.share * d.explained_share / left, kPolicy.posterior.stand_in);
     effect.probability *= odds / (1.0 + odds);
     for (Candidate& candidate : d.ranking)
       if (candidate.id == effect.id) candidate.probability = effect.probability;
