@@ -42,7 +42,9 @@ const Refitted* refit_of(const Round& round, const Effect* effect) {
 Candidate left_aside(const JointModel& model, const Selection& selection, const Screened& s) {
   const double trivial_m = kPolicy.selection.trivial * model.arm().total_length_m();
   Candidate c = candidate_of(s);
-  c.probability = selection.rounds.back().posterior.of(s.effect);
+  // Not refitted: as far as other trials say so, and never more probable than what is named.
+  if (s.unseen_gain > 0.0)
+    c.probability = std::min(selection.rounds.back().posterior.of(s.effect), kPolicy.posterior.named);
   bool trivial = s.z >= kPolicy.selection.least_z && s.leftover_m < trivial_m;
   if (const Refitted* r = refit_of(selection.rounds.back(), s.effect)) {
     // Of being there at a size that matters.
