@@ -79,7 +79,7 @@ $ softarm identify --arm online_200mm campaign/case_001/*.bag --leave-one-out --
 {lines(found["identify"], "^constant ", "^segment.*moment_gain", "^segment.*bending_stiffness", "^shape error", "fitted trials, after")}
 ```
 
-Every constant is identifiable, to two per cent or better, and the shape is predicted to about a per cent of the length, where published models of such arms leave two to five. Next, frame by frame with that arm file, EI unknown:
+Every constant is identifiable, EI and gains to a per cent or better, and the shape is predicted to about a per cent of the length, where published models of such arms leave two to five. Next, frame by frame with that arm file, EI unknown:
 
 ```
 $ softarm estimate --arm my_arm.yaml campaign/case_001/*.bag --out estimates
