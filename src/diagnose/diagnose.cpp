@@ -6,9 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contribution.h"
-#include "effects/catalogue.h"
 #include "extended_arm.h"
+#include "findings.h"
 #include "flexible.h"
 #include "ladder.h"
 #include "leftover.h"
@@ -17,7 +16,6 @@
 #include "parameter_variation.h"
 #include "pictures.h"
 #include "policy.h"
-#include "ranking.h"
 #include "selection.h"
 #include "sentences.h"
 #include "softarm/identify/identify.h"
@@ -29,8 +27,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using model::Present;
-
-constexpr double kInterval = 1.6449;  // of 90 %
 
 /// Rms distance that white noise alone gives, weighted as the errors are.
 double noise_floor(const JointModel& model) {
@@ -76,37 +72,6 @@ std::vector<Shift> shifts_of(const JointModel& model, const Selection& selection
     shift.sd_before = std::sqrt(before(i, i)) * selection.baseline.columns[j].scale;
     shift.sd_after = std::sqrt(after(i, i)) * selection.extended.columns[j].scale;
     list.push_back(std::move(shift));
-  }
-  return list;
-}
-
-std::vector<EffectValue> values_of(const Linearised& at, std::size_t effect, const MatrixXd& covariance) {
-  std::vector<EffectValue> list;
-  const Present& present = at.at.effects[effect];
-  const model::Info& info = present.effect->info();
-  for (std::size_t k = 0; k < info.parameters.size(); ++k) {
-    const model::Parameter& parameter = info.parameters[k];
-    EffectValue value;
-    value.symbol = parameter.symbol;
-    value.unit = parameter.unit;
-    value.description = parameter.description;
-    value.value = value.low = value.high = present.values[static_cast<Eigen::Index>(k)];
-    bool of_this_arm = true;
-    for (std::size_t j = 0; j < at.columns.size(); ++j) {
-      const JointUnknown& c = at.columns[j];
-      if (c.kind != JointUnknown::Kind::kEffect || c.index != static_cast<int>(effect) ||
-          c.parameter != static_cast<int>(k))
-        continue;
-      // An input that the arm does not have.
-      of_this_arm = std::any_of(at.derivative.begin(), at.derivative.end(), [&](const MatrixXd& d) {
-        return d.col(static_cast<Eigen::Index>(j)).cwiseAbs().maxCoeff() > 0.0;
-      });
-      const double sd =
-          c.scale * std::sqrt(covariance(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(j)));
-      value.low = std::max(c.low, value.value - kInterval * sd);
-      value.high = std::min(c.high, value.value + kInterval * sd);
-    }
-    if (of_this_arm) list.push_back(std::move(value));
   }
   return list;
 }
@@ -187,132 +152,6 @@ Remains compare(const JointModel& model, const Selection& selection, Diagnosis& 
       left.before.shared_m > left.after.shared_m)
     d.explained_share = 1.0 - std::pow(left.after.shared_m / left.before.shared_m, 2);
   return left;
-}
-
-/// The effects of the model, with what they are worth and where they are.
-std::vector<NamedEffect> named_effects(JointModel& model, const Selection& selection,
-                                       const MatrixXd& covariance) {
-  const auto taken_of = [](const Round& round) -> const Refitted& {
-    return round.refitted[static_cast<std::size_t>(round.taken)];
-  };
-  std::vector<NamedEffect> list;
-  for (std::size_t e = 0; e < selection.extended.at.effects.size(); ++e) {
-    const Present& present = selection.extended.at.effects[e];
-    const Round& round = selection.rounds[selection.round_of[e]];
-    const Refitted& r = taken_of(round);
-    NamedEffect named;
-    named.id = present.effect->info().id;
-    named.description = present.effect->info().description;
-    named.probability = r.probability;
-    named.parameters = values_of(selection.extended, e, covariance);
-    named.where = where_is(model, selection.extended, present, contribution(model, selection.extended, e));
-    const double without = e == 0 ? selection.baseline_unseen.total_rms_m
-                                  : taken_of(selection.rounds[selection.round_of[e - 1]]).unseen.total_rms_m;
-    named.held_out_gain_m = without - r.unseen.total_rms_m;
-    named.share = std::max(0.0, without * without - r.unseen.total_rms_m * r.unseen.total_rms_m);
-    for (const model::Effect* rival : round.rivals) named.confusable_with.push_back(rival->info().id);
-    list.push_back(std::move(named));
-  }
-  double sum = 0.0;
-  for (const NamedEffect& named : list) sum += named.share;
-  for (NamedEffect& named : list) named.share = sum > 0.0 ? named.share / sum : 0.0;
-  return list;
-}
-
-/// Whether weights are what was said as nearly as anybody knows them. The arm's own and that of payloads
-/// cannot be told apart: EI and the gains go with the former.
-bool is_weighed_well(const Present& present) {
-  const model::Info& info = present.effect->info();
-  if (info.family != model::Family::kLoad) return false;
-  for (int k = 0; k < info.sizes; ++k) {
-    if (info.parameters[static_cast<std::size_t>(k)].unit != "1" ||
-        std::abs(present.values[k]) > kPolicy.words.weight)
-      return false;
-  }
-  return true;
-}
-
-/// Whether bodies or the base are no further from where the arm file has them than it says to be usual.
-bool is_placed_well(const arm::Arm& arm, const Present& present) {
-  const model::Info& info = present.effect->info();
-  if (!info.of_placement) return false;
-  double length2 = 0.0, angle2 = 0.0;
-  for (int k = 0; k < info.sizes; ++k) {
-    const std::string& unit = info.parameters[static_cast<std::size_t>(k)].unit;
-    const double value2 = present.values[k] * present.values[k];
-    (unit == "m" ? length2 : angle2) += value2;
-  }
-  const auto most = [&](double arm::MeasuredBody::*sd) {
-    double largest = 0.0;
-    for (const arm::MeasuredBody& body : arm.bodies) largest = std::max(largest, body.*sd);
-    return largest * largest;
-  };
-  return length2 <= most(&arm::MeasuredBody::placement_sd_m) &&
-         angle2 <= most(&arm::MeasuredBody::placement_sd_rad);
-}
-
-/// Takes from the effects, in the model's order, what every arm has: placement within what the arm file
-/// allows, weights known to a few percent, little of what is explained, and little beside what is left. The
-/// rest stands in the order of what it explains.
-std::vector<NamedEffect> take_small(const JointModel& model, const Selection& selection, bool adequate,
-                                    double explained_share, std::vector<NamedEffect>& effects) {
-  std::vector<NamedEffect> small, rest;
-  for (std::size_t e = 0; e < effects.size(); ++e) {
-    const Round& round = selection.rounds[selection.round_of[e]];
-    const double moved_m = round.refitted[static_cast<std::size_t>(round.taken)].moved_m;
-    const bool beside = !adequate && effects[e].share * explained_share < kPolicy.words.small_part &&
-                        moved_m < kPolicy.words.small * model.arm().total_length_m();
-    const bool is_small = beside || effects[e].share < kPolicy.words.small_share ||
-                          is_weighed_well(selection.extended.at.effects[e]) ||
-                          is_placed_well(model.arm(), selection.extended.at.effects[e]);
-    (is_small ? small : rest).push_back(std::move(effects[e]));
-  }
-  for (std::vector<NamedEffect>* list : {&small, &rest})
-    std::stable_sort(list->begin(), list->end(),
-                     [](const NamedEffect& a, const NamedEffect& b) { return a.share > b.share; });
-  effects = std::move(rest);
-  return small;
-}
-
-/// What sensors do is not made by the arm: no physics of it that is missing looks like one body that sits
-/// elsewhere, or like another clock.
-bool is_of_sensors(const std::string& id) {
-  const auto& all = effects::catalogue();
-  return std::any_of(all.begin(), all.end(), [&](const std::unique_ptr<model::Effect>& effect) {
-    return effect->info().id == id && effect->info().family == model::Family::kSensor;
-  });
-}
-
-/// What explains no more than is left may stand in for what is left: something that no effect of the
-/// catalogue makes looks like several that do.
-void doubt_stand_ins(Diagnosis& d) {
-  const double left = 1.0 - d.explained_share;
-  for (NamedEffect& effect : d.effects) {
-    if (!(left > 0.0) || is_of_sensors(effect.id)) continue;
-    const double odds = std::pow(effect.share * d.explained_share / left, kPolicy.posterior.stand_in);
-    effect.probability *= odds / (1.0 + odds);
-    for (Candidate& candidate : d.ranking)
-      if (candidate.id == effect.id) candidate.probability = effect.probability;
-  }
-}
-
-Verdict verdict_of(const Diagnosis& d, bool adequate) {
-  if (!d.effects.empty()) {
-    if (d.explained_share >= kPolicy.verdict.explained && adequate) return Verdict::kExplained;
-    double believed = 0.0;
-    for (const NamedEffect& effect : d.effects)
-      if (effect.probability >= kPolicy.posterior.named) believed += effect.share * d.explained_share;
-    return believed >= kPolicy.verdict.partly ? Verdict::kPartlyExplained : Verdict::kUnknown;
-  }
-  // Small departures and what is left beside them, as every arm has it.
-  const bool small = !d.small_departures.empty() && d.explained_share >= kPolicy.verdict.partly;
-  if (!adequate && !small) return Verdict::kUnknown;
-  const auto detectable =
-      std::count_if(d.ranking.begin(), d.ranking.end(), [](const Candidate& c) { return c.detectable; });
-  return static_cast<double>(detectable) >=
-                 kPolicy.verdict.few_detectable * static_cast<double>(d.ranking.size())
-             ? Verdict::kConsistent
-             : Verdict::kCannotTell;
 }
 
 /// Which fits did not come to an end; empty: all did.
@@ -404,9 +243,7 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   const bool extended = !selection.extended.at.effects.empty();
   report(0.9, "where");
   const MatrixXd covariance = covariance_of(selection.extended, selection.inflation);
-  d.effects = named_effects(model, selection, covariance);
-  d.small_departures = take_small(model, selection, left.adequate, d.explained_share, d.effects);
-  d.ranking = ranking_of(model, selection);
+  add_findings(model, selection, covariance, left.adequate, d);
   d.before = structure_of(model, selection.baseline, selection.baseline_unseen);
   d.after = extended ? structure_of(model, selection.extended, selection.extended_unseen) : d.before;
   d.before.shared_m = left.before.shared_m;
@@ -415,8 +252,6 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   d.after.shared_z = left.after.shared_z;
   d.shifts = shifts_of(model, selection);
   d.extended_arm = extended_arm(model, selection.extended, covariance);
-  if (!left.adequate) doubt_stand_ins(d);
-  d.verdict = verdict_of(d, left.adequate);
   const Compared count = compared(model);
   d.left_out_share = 1.0 - static_cast<double>(count.used) / static_cast<double>(count.blocks);
   d.summary = summary_of(d);

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr double kLeastStep = 0.05;  // of a usual size, of a difference
+constexpr double kLeastStep = 0.05;  // of a usual size, of a difference: effects are linear there
 
 /// Where an instant's numbers stand in its trial's vectors.
 struct InstantRows {
@@ -94,15 +94,6 @@ std::vector<Step> steps_of(const std::vector<model::Present>& candidates) {
     }
   }
   return steps;
-}
-
-MatrixXd in_spreads(MatrixXd values) {
-  for (Index c = 0; c < values.cols() && values.rows() > 0; ++c) {
-    const double mean = values.col(c).mean();
-    const double sd = std::sqrt((values.col(c).array() - mean).square().mean());
-    values.col(c) = (values.col(c).array() - mean) / (sd > 1e-12 * (1.0 + std::abs(mean)) ? sd : 1e300);
-  }
-  return values;
 }
 
 MatrixXd features_at(const JointModel& model, const Linearised& at, const Shown& shown) {

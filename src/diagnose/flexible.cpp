@@ -61,20 +61,8 @@ Instants instants_of(const JointModel& model, const Linearised& at, const std::v
         residual[all.trial[w]].segment(begin[all.trial[w]][all.block[w]], out.y.cols()).transpose();
     out.trial.push_back(all.trial[w]);
   }
-  for (Eigen::Index c = 0; c < out.x.cols() && keep > 0; ++c) {
-    const double mean = out.x.col(c).mean();
-    const double sd = std::sqrt((out.x.col(c).array() - mean).square().mean());
-    out.x.col(c) = (out.x.col(c).array() - mean) / (sd > 1e-12 * (1.0 + std::abs(mean)) ? sd : 1e300);
-  }
+  out.x = in_spreads(std::move(out.x));
   return out;
-}
-
-/// Mean squares per feature.
-MatrixXd distances2(const MatrixXd& x) {
-  const VectorXd square = x.rowwise().squaredNorm();
-  return (square.replicate(1, x.rows()) + square.transpose().replicate(x.rows(), 1) - 2.0 * x * x.transpose())
-             .cwiseMax(0.0) /
-         static_cast<double>(x.cols());
 }
 
 /// Squares that kernel regression leaves of the folds' instants, each by the other folds.
@@ -99,6 +87,22 @@ double left_by_regression(const Instants& instants, const MatrixXd& kernel, doub
 }
 
 }  // namespace
+
+MatrixXd in_spreads(MatrixXd values) {
+  for (Eigen::Index c = 0; c < values.cols() && values.rows() > 0; ++c) {
+    const double mean = values.col(c).mean();
+    const double sd = std::sqrt((values.col(c).array() - mean).square().mean());
+    values.col(c) = (values.col(c).array() - mean) / (sd > 1e-12 * (1.0 + std::abs(mean)) ? sd : 1e300);
+  }
+  return values;
+}
+
+MatrixXd mean_distances2(const MatrixXd& x) {
+  const VectorXd square = x.rowwise().squaredNorm();
+  return (square.replicate(1, x.rows()) + square.transpose().replicate(x.rows(), 1) - 2.0 * x * x.transpose())
+             .cwiseMax(0.0) /
+         static_cast<double>(x.cols());
+}
 
 Features features(const JointModel& model, const Linearised& at) {
   Features out;
@@ -145,7 +149,7 @@ Ceiling ceiling(const JointModel& model, const Linearised& at, const std::vector
   if (instants.x.rows() < kPolicy.flexible.fewest_instants || model.trials().size() < 2) return result;
   const auto bodies =
       static_cast<double>(instants.x.rows() * static_cast<Eigen::Index>(model.arm().bodies.size()));
-  const MatrixXd distance2 = distances2(instants.x);
+  const MatrixXd distance2 = mean_distances2(instants.x);
   const double before = instants.y.squaredNorm() / bodies;
   double best = before;
   for (const double reach : kPolicy.flexible.reach) {

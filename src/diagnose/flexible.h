@@ -27,4 +27,9 @@ struct Features {
 };
 Features features(const JointModel& model, const Linearised& at);
 
+/// Columns as multiples of their spread about their mean; 0 where nothing varies.
+Eigen::MatrixXd in_spreads(Eigen::MatrixXd values);
+/// Mean over the columns of the squared differences of rows: n x n.
+Eigen::MatrixXd mean_distances2(const Eigen::MatrixXd& values);
+
 }  // namespace softarm::diagnose

@@ -41,7 +41,7 @@ struct Policy {
   /// Which effects go into the model.
   struct Selection {
     double trivial = 2.5e-4;  ///< of the length: an effect that moves less beyond the constants is too small
-    double least_z = 5.0;     ///< of an effect that is named
+    double least_z = 5.0;     ///< of an effect that is there, if too small to matter
     double screen_z = 3.5;    ///< of one that is worth a refit
     std::size_t always_refitted = 2;  ///< of those
     double near_best = 0.25;  ///< share of the best one's gain in the screen from which on others are too
@@ -57,14 +57,16 @@ struct Policy {
     /// Sizes that every effect has, in usual ones, and whose probability is the same beforehand: the rig's
     /// own errors are a hundredth, untidy arms a tenth.
     double background[4] = {0.01, 0.03, 0.1, 0.3};
-    double named = 0.5;  ///< probability from which on an effect goes into the model
-    double rival = 0.1;  ///< of another one instead, from which on they are one class
+    double named = 0.5;  ///< probability of a class from which on the best of it goes into the model
+    /// Two effects are one class where the second is there instead of the first with this probability, and
+    /// where the first's being there makes it so many times less likely.
+    double rival = 0.1, turns = 2.0;
     /// Where something is left that no effect explains: odds that what explains a part of the squared error
     /// is there and no stand-in are the ratio of that part to what is left, to this power. On untidy
     /// development cases (config/campaigns/untidy_development.yaml) right ones explain 3 to 20 times as much
     /// as is left, stand-ins up to 0.8 times.
     double stand_in = 2.0;
-    double least_white = 0.3;  ///< variance of what is white over that of the noise: means are not of fewer
+    double least_white = 0.3;         ///< of the stated variance, at least: by more nobody overstates a noise
     std::size_t most_instants = 300;  ///< or groups of neighbouring ones: the cost goes with its square
     long fewest_instants = 20;        ///< with fewer nothing is said
     std::size_t most_effects = 3, leaders = 5, grown_from = 2;  ///< of the search for sets, upon one fit

@@ -3,13 +3,13 @@
 
 #include <vector>
 
-#include "evidence_data.h"
+#include "evidence.h"
 
 namespace softarm::diagnose {
 
 /// Effects of the catalogue that are there together, and how probable just these are.
 struct EffectSet {
-  std::vector<const model::Effect*> effects;
+  EffectList effects;
   double probability = 0.0;
 };
 
@@ -18,6 +18,8 @@ struct Posterior {
 
   /// Of an effect, whatever else is there.
   double of(const model::Effect* effect) const;
+  /// That at least one of these is there.
+  double of_any(const EffectList& effects) const;
   /// That `other` is there and `effect` is not.
   double instead(const model::Effect* other, const model::Effect* effect) const;
 };
@@ -37,22 +39,5 @@ struct RefitEvidence {
 /// effect at a time. Effects are not linear: where one was refitted, the evidence of it alone about its own
 /// fit (Laplace) takes the place of the linear one, in every set that has it.
 Posterior posterior(const EvidenceData& data, const std::vector<RefitEvidence>& refits, unsigned jobs);
-
-/// Log evidence of one set: the fit's unknowns and the effects integrated out, at the noise of greatest
-/// likelihood. For tests against the density written out.
-struct Evidence {
-  double log = 0.0;
-  Eigen::VectorXd coefficients;  ///< most probable, of unknowns, then effects
-  /// Of each direction: which kernel, its share of the variance, the variance.
-  struct Noise {
-    int kernel = 0;
-    double share = 0.0, variance = 1.0;
-  };
-  std::vector<Noise> noise;
-};
-Evidence evidence_of(const EvidenceData& data, const std::vector<const model::Effect*>& present, double tau);
-
-/// The covariance matrix of n instants that a kernel stands for.
-Eigen::MatrixXd kernel_matrix(const EvidenceData& data, int kernel);
 
 }  // namespace softarm::diagnose

@@ -14,7 +14,7 @@ namespace {
 using model::Effect;
 using model::Present;
 
-constexpr int kBootstraps = 500;
+constexpr int kBootstraps = 500;  // a probability to two percent
 constexpr std::uint64_t kBootstrapSeed = 1;
 constexpr int kRefitIterations = 4, kDropIterations = 3;
 constexpr double kRefitTolerance = 0.2;  // of a step against the standard deviations
@@ -133,8 +133,23 @@ double moved_m(const Unseen& without, const Unseen& with) {
   return std::sqrt(std::max(0.0, std::pow(without.total_rms_m, 2) - std::pow(with.total_rms_m, 2)));
 }
 
+/// Probability of a gain on unseen trials, were others like these recorded: the share of the Bayesian
+/// bootstrap of the trials (Rubin 1981). What rests on one trial of many is not there in all of them.
+double gains_elsewhere(const Unseen& without, const Unseen& with) {
+  std::mt19937_64 random(kBootstrapSeed);
+  std::exponential_distribution<double> exponential;
+  int gains = 0;
+  for (int n = 0; n < kBootstraps; ++n) {
+    double sum = 0.0;
+    for (std::size_t t = 0; t < with.chi2.size(); ++t)
+      sum += exponential(random) * (without.chi2[t] - with.chi2[t]);
+    gains += sum > 0.0;
+  }
+  return static_cast<double>(gains) / kBootstraps;
+}
+
 /// What each candidate gains, all against the spread that the best of them leaves; the best comes first.
-void compare(const Standing& current, std::vector<Refitted>& refitted) {
+void compare(const Standing& current, const Posterior& posterior, std::vector<Refitted>& refitted) {
   double least = current.unseen.total_chi2, phi = inflation(current.fit);
   for (const Refitted& r : refitted) {
     if (r.unseen.total_chi2 < least) {
@@ -146,48 +161,45 @@ void compare(const Standing& current, std::vector<Refitted>& refitted) {
     const double fall = current.unseen.total_chi2 - r.unseen.total_chi2;
     r.z = std::min(std::sqrt(std::max(0.0, fall / phi)), z_of_sizes(r.fit));
     r.gain = 0.5 * fall / phi;
-    r.falls.clear();
-    for (std::size_t t = 0; t < r.unseen.chi2.size(); ++t)
-      r.falls.push_back(current.unseen.chi2[t] - r.unseen.chi2[t]);
     r.moved_m = moved_m(current.unseen, r.unseen);
+    r.elsewhere = gains_elsewhere(current.unseen, r.unseen);
+    r.probability = posterior.of(r.effect) * r.elsewhere;
   }
   std::stable_sort(refitted.begin(), refitted.end(),
                    [](const Refitted& a, const Refitted& b) { return a.gain > b.gain; });
-}
-
-/// Probability of a gain on unseen trials, were others like these recorded: the share of the Bayesian
-/// bootstrap of the trials (Rubin 1981). What rests on one trial of many is not there in all of them.
-double gains_elsewhere(const std::vector<double>& falls) {
-  std::mt19937_64 random(kBootstrapSeed);
-  std::exponential_distribution<double> exponential;
-  int gains = 0;
-  for (int n = 0; n < kBootstraps; ++n) {
-    double sum = 0.0;
-    for (const double fall : falls) sum += exponential(random) * fall;
-    gains += sum > 0.0;
-  }
-  return static_cast<double>(gains) / kBootstraps;
-}
-
-/// The most probable that can be; -1: none is more probable than not. One whose fit did not converge is only
-/// taken where none that did is as probable as not.
-int best_of(const JointModel& model, const std::vector<Refitted>& refitted) {
-  int best = -1, open = -1;
-  for (std::size_t i = 0; i < refitted.size(); ++i) {
-    const Refitted& r = refitted[i];
-    if (r.probability < kPolicy.posterior.named || !r.physical || r.moved_m < trivial_m(model)) continue;
-    int& leader = r.converged ? best : open;
-    if (leader < 0 || r.probability > refitted[static_cast<std::size_t>(leader)].probability)
-      leader = static_cast<int>(i);
-  }
-  return best >= 0 ? best : open;
 }
 
 /// Whether one tends to be there where the other is not.
 bool take_turns(const Posterior& posterior, const Effect* one, const Effect* other) {
   const double instead = posterior.instead(other, one), with = posterior.of(other) - instead;
   const double of_one = posterior.of(one);
-  return instead >= kPolicy.posterior.rival && instead * of_one > 2.0 * with * (1.0 - of_one);
+  return instead >= kPolicy.posterior.rival &&
+         instead * of_one > kPolicy.posterior.turns * with * (1.0 - of_one);
+}
+
+/// Probability that it, or one of those that it takes turns with, is there.
+double of_class(const Round& round, const Effect* effect) {
+  EffectList list{effect};
+  for (const Screened& s : round.screened) {
+    if (s.effect != effect && take_turns(round.posterior, effect, s.effect)) list.push_back(s.effect);
+  }
+  return round.posterior.of_any(list);
+}
+
+/// The most probable that can be, of a class that is more probable than not; -1: there is none. One whose fit
+/// did not converge is only taken where none that did is.
+int best_of(const JointModel& model, const Round& round) {
+  int best = -1, open = -1;
+  for (std::size_t i = 0; i < round.refitted.size(); ++i) {
+    const Refitted& r = round.refitted[i];
+    if (of_class(round, r.effect) * r.elsewhere < kPolicy.posterior.named || !r.physical ||
+        r.moved_m < trivial_m(model))
+      continue;
+    int& leader = r.converged ? best : open;
+    if (leader < 0 || r.probability > round.refitted[static_cast<std::size_t>(leader)].probability)
+      leader = static_cast<int>(i);
+  }
+  return best >= 0 ? best : open;
 }
 
 /// Those that may be there in its place, or are the same in these trials.
@@ -254,12 +266,14 @@ Round look(JointModel& model, Standing& current, bool refits, const Options& opt
   for (const Screened& s : round.screened) {
     const bool known = std::any_of(round.refitted.begin(), round.refitted.end(),
                                    [&](const Refitted& r) { return r.effect == s.effect; });
-    if (refits && !known && round.posterior.of(s.effect) >= kPolicy.posterior.named)
-      round.refitted.push_back(refit(model, current, s));
+    if (!refits || known || round.posterior.of(s.effect) < kPolicy.posterior.rival ||
+        of_class(round, s.effect) < kPolicy.posterior.named)
+      continue;
+    progress(0.95, "refitting with " + s.effect->info().id);
+    round.refitted.push_back(refit(model, current, s));
   }
-  compare(current, round.refitted);
-  for (Refitted& r : round.refitted) r.probability = round.posterior.of(r.effect) * gains_elsewhere(r.falls);
-  round.taken = best_of(model, round.refitted);
+  compare(current, round.posterior, round.refitted);
+  round.taken = best_of(model, round);
   if (round.taken >= 0) round.rivals = rivals_of(round);
   return round;
 }

@@ -1,0 +1,173 @@
+#include "evidence.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "flexible.h"
+#include "policy.h"
+
+namespace softarm::diagnose {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using model::Effect;
+
+namespace {
+
+// Shares of a direction's variance that a kernel may have: a grid as fine as evidence needs, geometric in
+// what is left white.
+constexpr double kShares[] = {0.0, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.997, 0.999};
+constexpr double kLeastEigenvalue = 1e-9;  // of a kernel with a unit diagonal: rounding
+constexpr int kNoiseIterations = 2;        // of noise and coefficients by turns: the second changes little
+
+/// Correlated over time, within a trial.
+MatrixXd time_kernel(const EvidenceData& data) {
+  const Index n = data.residual.rows();
+  MatrixXd k = MatrixXd::Identity(n, n);
+  for (Index i = 0; i < n; ++i) {
+    for (Index j = 0; j < i; ++j) {
+      if (data.trial[static_cast<std::size_t>(i)] == data.trial[static_cast<std::size_t>(j)])
+        k(i, j) = k(j, i) = std::exp(-std::abs(data.t_s[i] - data.t_s[j]) / kPolicy.fit.stretch_s);
+    }
+  }
+  return k;
+}
+
+/// Of what drives the arm. What is the same in all trials is where a body is, an effect: no error of laws
+/// that goes with what drives the arm.
+MatrixXd feature_kernel(const MatrixXd& distances2, double reach) {
+  const Index n = distances2.rows();
+  const MatrixXd k = (-0.5 / (reach * reach) * distances2.array()).exp();
+  const VectorXd mean = k.rowwise().mean();
+  return k - mean.replicate(1, n) - mean.transpose().replicate(n, 1) + MatrixXd::Constant(n, n, mean.mean());
+}
+
+}  // namespace
+
+std::vector<MatrixXd> kernels_of(const EvidenceData& data) {
+  std::vector<MatrixXd> kernels{time_kernel(data)};
+  const MatrixXd distances2 = mean_distances2(data.features);
+  for (const double reach : kPolicy.flexible.reach) kernels.push_back(feature_kernel(distances2, reach));
+  return kernels;
+}
+
+Bases bases_of(const EvidenceData& data) {
+  Bases bases;
+  bases.directions = math::eigensystem_of(data.residual.transpose() * data.residual).vectors;
+  for (const MatrixXd& kernel : kernels_of(data)) {
+    bases.kernels.push_back(math::eigensystem_of(kernel));
+    bases.kernels.back().values = bases.kernels.back().values.cwiseMax(kLeastEigenvalue);
+  }
+  return bases;
+}
+
+LinearGaussianModel::LinearGaussianModel(const EvidenceData& data, const Bases& bases) {
+  const auto p = static_cast<Index>(data.unknowns.size() + data.effects.size());
+  const Index n = data.residual.rows(), m = data.residual.cols();
+  mean_.resize(p);
+  sd_.resize(p);
+  std::vector<MatrixXd> by_direction(static_cast<std::size_t>(m), MatrixXd(n, p));
+  Index column = 0;
+  for (const std::vector<Signature>* list : {&data.unknowns, &data.effects}) {
+    for (const Signature& signature : *list) {
+      mean_[column] = signature.mean;
+      sd_[column] = signature.prior_sd;
+      effect_.push_back(signature.effect);
+      if (signature.effect != nullptr && (each_.empty() || each_.back() != signature.effect))
+        each_.push_back(signature.effect);
+      const MatrixXd turned = signature.moves * bases.directions;
+      for (Index d = 0; d < m; ++d) by_direction[static_cast<std::size_t>(d)].col(column) = turned.col(d);
+      ++column;
+    }
+  }
+  const MatrixXd residual = data.residual * bases.directions;
+  for (const math::Eigensystem& eigen : bases.kernels) {
+    InBasis turned;
+    turned.eigenvalues = eigen.values;
+    for (const MatrixXd& signatures : by_direction)
+      turned.signatures.push_back(eigen.vectors.transpose() * signatures);
+    turned.residual = eigen.vectors.transpose() * residual;
+    turned_.push_back(std::move(turned));
+  }
+}
+
+std::vector<DirectionNoise> LinearGaussianModel::noise_of(const VectorXd& coefficients) const {
+  const Index n = turned_[0].residual.rows(), m = turned_[0].residual.cols();
+  std::vector<DirectionNoise> list(static_cast<std::size_t>(m));
+  std::vector<double> best(static_cast<std::size_t>(m), -1e300);
+  const auto count = static_cast<double>(n);
+  for (std::size_t kernel = 0; kernel < turned_.size(); ++kernel) {
+    const InBasis& turned = turned_[kernel];
+    for (std::size_t d = 0; d < list.size(); ++d) {
+      const VectorXd square =
+          (turned.residual.col(static_cast<Index>(d)) - turned.signatures[d] * coefficients).cwiseAbs2();
+      for (const double share : kShares) {
+        const VectorXd spectrum = (1.0 - share) + share * turned.eigenvalues.array();
+        const double mean = square.cwiseQuotient(spectrum).sum() / count;
+        const double variance = std::max(mean, kPolicy.posterior.least_white / (1.0 - share));
+        const double log =
+            -0.5 * (count * std::log(variance) + spectrum.array().log().sum() + count * mean / variance);
+        if (log <= best[d]) continue;
+        best[d] = log;
+        list[d] = {kernel, share, variance};
+      }
+    }
+  }
+  return list;
+}
+
+NormalEquations LinearGaussianModel::normal_equations(const std::vector<DirectionNoise>& noise) const {
+  const Index p = mean_.size();
+  NormalEquations sums{MatrixXd::Zero(p, p), VectorXd::Zero(p), 0.0, 0.0};
+  for (std::size_t d = 0; d < noise.size(); ++d) {
+    const InBasis& turned = turned_[noise[d].kernel];
+    const VectorXd variance =
+        noise[d].variance * ((1.0 - noise[d].share) + noise[d].share * turned.eigenvalues.array());
+    const VectorXd root = variance.cwiseSqrt().cwiseInverse();
+    const MatrixXd x = root.asDiagonal() * turned.signatures[d];
+    const VectorXd y = root.cwiseProduct(turned.residual.col(static_cast<Index>(d)));
+    sums.information.selfadjointView<Eigen::Lower>().rankUpdate(x.transpose());
+    sums.score.noalias() += x.transpose() * y;
+    sums.square += y.squaredNorm();
+    sums.log_determinant += variance.array().log().sum();
+  }
+  sums.information.triangularView<Eigen::StrictlyUpper>() = sums.information.transpose();
+  return sums;
+}
+
+double LinearGaussianModel::integrate(const NormalEquations& sums, const EffectList& present, double tau,
+                                      VectorXd& coefficients) const {
+  VectorXd precision = sd_;
+  for (Index j = 0; j < precision.size(); ++j) {
+    const Effect* effect = effect_[static_cast<std::size_t>(j)];
+    const bool spike =
+        effect != nullptr && std::find(present.begin(), present.end(), effect) == present.end();
+    precision[j] = 1.0 / std::pow(spike ? tau : sd_[j], 2);
+  }
+  MatrixXd information = sums.information;
+  information.diagonal() += precision;
+  const VectorXd score = sums.score + precision.cwiseProduct(mean_);
+  const Eigen::LLT<MatrixXd> factor(information);
+  coefficients = factor.solve(score);
+  const double least = sums.square + precision.dot(mean_.cwiseAbs2()) - score.dot(coefficients);
+  const double log_posterior = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
+  return -0.5 * (sums.log_determinant + least + log_posterior - precision.array().log().sum());
+}
+
+Marginal LinearGaussianModel::evaluate(const EffectList& present, double tau,
+                                       std::vector<DirectionNoise> noise) const {
+  Marginal marginal;
+  if (noise.empty()) noise = noise_of(VectorXd::Zero(mean_.size()));
+  for (int i = 0; i < kNoiseIterations; ++i) {
+    integrate(normal_equations(noise), present, tau, marginal.coefficients);
+    noise = noise_of(marginal.coefficients);
+  }
+  marginal.noise = std::move(noise);
+  marginal.log = integrate(normal_equations(marginal.noise), present, tau, marginal.coefficients);
+  return marginal;
+}
+
+}  // namespace softarm::diagnose

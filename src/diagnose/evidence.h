@@ -1,0 +1,75 @@
+// The marginal likelihood of a set of effects: all sizes and constants integrated out.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "evidence_data.h"
+#include "math/linear_algebra.h"
+
+namespace softarm::diagnose {
+
+using EffectList = std::vector<const model::Effect*>;
+
+/// Noise of one principal direction of what is seen: white, and a Gaussian process of one kernel.
+struct DirectionNoise {
+  std::size_t kernel = 0;
+  double share = 0.0, variance = 1.0;  ///< of the variance, the process; all of it
+};
+
+/// Of one set of effects.
+struct Marginal {
+  double log = 0.0;              ///< likelihood, but for the 2 pi
+  Eigen::VectorXd coefficients;  ///< most probable, of unknowns, then effects
+  std::vector<DirectionNoise> noise;
+};
+
+/// Covariances of n instants that processes may have: over time, and over what drives the arm at the reaches
+/// of the flexible model. n x n.
+std::vector<Eigen::MatrixXd> kernels_of(const EvidenceData& data);
+
+/// In what fits to the same instants are looked at: there all noise is independent.
+struct Bases {
+  Eigen::MatrixXd directions;  ///< principal ones of the residuals, m x m, one per column
+  std::vector<math::Eigensystem> kernels;
+};
+Bases bases_of(const EvidenceData& data);
+
+/// Sums over all instants and directions under one noise.
+struct NormalEquations {
+  Eigen::MatrixXd information;  ///< p x p
+  Eigen::VectorXd score;
+  double square = 0.0, log_determinant = 0.0;
+};
+
+/// Residuals as unknowns of the fit and sizes of effects move them, and noise. An effect that is there has
+/// sizes of N(0, prior_sd^2); one that is not has a background's, N(0, tau^2).
+class LinearGaussianModel {
+ public:
+  LinearGaussianModel(const EvidenceData& data, const Bases& bases);
+
+  /// With the noise of greatest likelihood, begun from `noise`; empty: from that of the residuals.
+  Marginal evaluate(const EffectList& present, double tau, std::vector<DirectionNoise> noise = {}) const;
+  NormalEquations normal_equations(const std::vector<DirectionNoise>& noise) const;
+  /// Log marginal likelihood under these sums.
+  double integrate(const NormalEquations& sums, const EffectList& present, double tau,
+                   Eigen::VectorXd& coefficients) const;
+  const EffectList& effects() const { return each_; }
+
+ private:
+  std::vector<DirectionNoise> noise_of(const Eigen::VectorXd& coefficients) const;
+
+  /// Everything in the eigenvectors of one kernel.
+  struct InBasis {
+    Eigen::VectorXd eigenvalues;
+    std::vector<Eigen::MatrixXd> signatures;  ///< by direction, n x p
+    Eigen::MatrixXd residual;                 ///< n x m
+  };
+  std::vector<InBasis> turned_;
+  Eigen::VectorXd mean_, sd_;  ///< of the coefficients; of effects those of the slab
+  EffectList effect_;          ///< by coefficient, null for unknowns
+  EffectList each_;            ///< once each
+};
+
+}  // namespace softarm::diagnose

@@ -1,0 +1,175 @@
+#include "findings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "contribution.h"
+#include "policy.h"
+#include "ranking.h"
+
+namespace softarm::diagnose {
+namespace {
+
+using Eigen::MatrixXd;
+using model::Present;
+
+constexpr double kInterval = 1.6449;  // of 90 %
+
+std::vector<EffectValue> values_of(const Linearised& at, std::size_t effect, const MatrixXd& covariance) {
+  std::vector<EffectValue> list;
+  const Present& present = at.at.effects[effect];
+  const model::Info& info = present.effect->info();
+  for (std::size_t k = 0; k < info.parameters.size(); ++k) {
+    const model::Parameter& parameter = info.parameters[k];
+    EffectValue value;
+    value.symbol = parameter.symbol;
+    value.unit = parameter.unit;
+    value.description = parameter.description;
+    value.value = value.low = value.high = present.values[static_cast<Eigen::Index>(k)];
+    bool of_this_arm = true;
+    for (std::size_t j = 0; j < at.columns.size(); ++j) {
+      const JointUnknown& c = at.columns[j];
+      if (c.kind != JointUnknown::Kind::kEffect || c.index != static_cast<int>(effect) ||
+          c.parameter != static_cast<int>(k))
+        continue;
+      // An input that the arm does not have.
+      of_this_arm = std::any_of(at.derivative.begin(), at.derivative.end(), [&](const MatrixXd& d) {
+        return d.col(static_cast<Eigen::Index>(j)).cwiseAbs().maxCoeff() > 0.0;
+      });
+      const double sd =
+          c.scale * std::sqrt(covariance(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(j)));
+      value.low = std::max(c.low, value.value - kInterval * sd);
+      value.high = std::min(c.high, value.value + kInterval * sd);
+    }
+    if (of_this_arm) list.push_back(std::move(value));
+  }
+  return list;
+}
+
+/// The effects of the model, with what they are worth and where they are.
+std::vector<NamedEffect> named_effects(JointModel& model, const Selection& selection,
+                                       const MatrixXd& covariance) {
+  const auto taken_of = [](const Round& round) -> const Refitted& {
+    return round.refitted[static_cast<std::size_t>(round.taken)];
+  };
+  std::vector<NamedEffect> list;
+  for (std::size_t e = 0; e < selection.extended.at.effects.size(); ++e) {
+    const Present& present = selection.extended.at.effects[e];
+    const Round& round = selection.rounds[selection.round_of[e]];
+    const Refitted& r = taken_of(round);
+    NamedEffect named;
+    named.id = present.effect->info().id;
+    named.description = present.effect->info().description;
+    named.probability = r.probability;
+    named.parameters = values_of(selection.extended, e, covariance);
+    named.where = where_is(model, selection.extended, present, contribution(model, selection.extended, e));
+    const double without = e == 0 ? selection.baseline_unseen.total_rms_m
+                                  : taken_of(selection.rounds[selection.round_of[e - 1]]).unseen.total_rms_m;
+    named.held_out_gain_m = without - r.unseen.total_rms_m;
+    named.share = std::max(0.0, without * without - r.unseen.total_rms_m * r.unseen.total_rms_m);
+    for (const model::Effect* rival : round.rivals) named.confusable_with.push_back(rival->info().id);
+    list.push_back(std::move(named));
+  }
+  double sum = 0.0;
+  for (const NamedEffect& named : list) sum += named.share;
+  for (NamedEffect& named : list) named.share = sum > 0.0 ? named.share / sum : 0.0;
+  return list;
+}
+
+/// Whether weights are what was said as nearly as anybody knows them. The arm's own and that of payloads
+/// cannot be told apart: EI and the gains go with the former.
+bool is_weighed_well(const Present& present) {
+  const model::Info& info = present.effect->info();
+  if (info.family != model::Family::kLoad) return false;
+  for (int k = 0; k < info.sizes; ++k) {
+    if (info.parameters[static_cast<std::size_t>(k)].unit != "1" ||
+        std::abs(present.values[k]) > kPolicy.words.weight)
+      return false;
+  }
+  return true;
+}
+
+/// Whether bodies or the base are no further from where the arm file has them than it says to be usual.
+bool is_placed_well(const arm::Arm& arm, const Present& present) {
+  const model::Info& info = present.effect->info();
+  if (!info.of_placement) return false;
+  double length2 = 0.0, angle2 = 0.0;
+  for (int k = 0; k < info.sizes; ++k) {
+    const std::string& unit = info.parameters[static_cast<std::size_t>(k)].unit;
+    const double value2 = present.values[k] * present.values[k];
+    (unit == "m" ? length2 : angle2) += value2;
+  }
+  const auto most = [&](double arm::MeasuredBody::*sd) {
+    double largest = 0.0;
+    for (const arm::MeasuredBody& body : arm.bodies) largest = std::max(largest, body.*sd);
+    return largest * largest;
+  };
+  return length2 <= most(&arm::MeasuredBody::placement_sd_m) &&
+         angle2 <= most(&arm::MeasuredBody::placement_sd_rad);
+}
+
+/// Whether it is what every arm has: placement within what the arm file allows, weights known to a few
+/// percent, little of what is explained, or little beside what is left.
+bool is_small(const JointModel& model, const Selection& selection, std::size_t e, const NamedEffect& effect,
+              const Diagnosis& d, bool adequate) {
+  const Round& round = selection.rounds[selection.round_of[e]];
+  const double moved_m = round.refitted[static_cast<std::size_t>(round.taken)].moved_m;
+  const bool beside = !adequate && effect.share * d.explained_share < kPolicy.words.small_part &&
+                      moved_m < kPolicy.words.small * model.arm().total_length_m();
+  const Present& present = selection.extended.at.effects[e];
+  return beside || effect.share < kPolicy.words.small_share || is_weighed_well(present) ||
+         is_placed_well(model.arm(), present);
+}
+
+/// Probability that what explains a part of what could be explained is no stand-in for what is left:
+/// something that no effect of the catalogue makes looks like several that do. What sensors do is not made by
+/// the arm: no physics of it that is missing looks like one body that sits elsewhere, or like another clock.
+double is_no_stand_in(const model::Info& info, double part, double left) {
+  if (!(left > 0.0) || info.family == model::Family::kSensor) return 1.0;
+  const double odds = std::pow(part / left, kPolicy.posterior.stand_in);
+  return odds / (1.0 + odds);
+}
+
+Verdict verdict_of(const Diagnosis& d, bool adequate) {
+  if (!d.effects.empty()) {
+    if (d.explained_share >= kPolicy.verdict.explained && adequate) return Verdict::kExplained;
+    double believed = 0.0;
+    for (const NamedEffect& effect : d.effects)
+      if (effect.probability >= kPolicy.posterior.named) believed += effect.share * d.explained_share;
+    return believed >= kPolicy.verdict.partly ? Verdict::kPartlyExplained : Verdict::kUnknown;
+  }
+  // Small departures and what is left beside them, as every arm has it.
+  const bool small = !d.small_departures.empty() && d.explained_share >= kPolicy.verdict.partly;
+  if (!adequate && !small) return Verdict::kUnknown;
+  const auto detectable =
+      std::count_if(d.ranking.begin(), d.ranking.end(), [](const Candidate& c) { return c.detectable; });
+  return static_cast<double>(detectable) >=
+                 kPolicy.verdict.few_detectable * static_cast<double>(d.ranking.size())
+             ? Verdict::kConsistent
+             : Verdict::kCannotTell;
+}
+
+}  // namespace
+
+void add_findings(JointModel& model, const Selection& selection, const MatrixXd& covariance, bool adequate,
+                  Diagnosis& d) {
+  d.ranking = ranking_of(model, selection);
+  std::vector<NamedEffect> all = named_effects(model, selection, covariance);
+  for (std::size_t e = 0; e < all.size(); ++e) {
+    NamedEffect& effect = all[e];
+    const bool small = is_small(model, selection, e, effect, d, adequate);
+    if (!small && !adequate)
+      effect.probability *= is_no_stand_in(selection.extended.at.effects[e].effect->info(),
+                                           effect.share * d.explained_share, 1.0 - d.explained_share);
+    for (Candidate& candidate : d.ranking)
+      if (candidate.id == effect.id) candidate.probability = effect.probability;
+    (small ? d.small_departures : d.effects).push_back(std::move(effect));
+  }
+  for (std::vector<NamedEffect>* list : {&d.small_departures, &d.effects})
+    std::stable_sort(list->begin(), list->end(),
+                     [](const NamedEffect& a, const NamedEffect& b) { return a.share > b.share; });
+  d.verdict = verdict_of(d, adequate);
+}
+
+}  // namespace softarm::diagnose
