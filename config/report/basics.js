@@ -96,9 +96,9 @@ function table(heads, rows, rowClass) {
       element('tr', rowClass ? {class: rowClass(i)} : null, row.map(content => cell('td', content)))))));
 }
 
-/// A labelled list to choose from; `chosen` is called with the index, at once too.
-function choice(label, options, chosen) {
-  const list = element('select', null, options.map((name, i) => element('option', {value: i}, name)));
+/// A labelled list to choose from; `chosen` is called with the index.
+function choice(label, options, chosen, first = 0) {
+  const list = element('select', null, options.map((name, i) => element('option', i === first ? {value: i, selected: ''} : {value: i}, name)));
   list.addEventListener('change', () => chosen(list.selectedIndex));
   return element('label', null, label, list);
 }

@@ -10,6 +10,7 @@ const sections = [
   ['next', 'Next', 'What to measure next', nextExperiment],
   ['held-out', 'Unseen trials', phases.length > 1 ? 'How much better on unseen trials' : 'On unseen trials', heldOut],
   ['shifts', 'Estimates', 'Estimates, before and with this in the model', shifts],
+  ['tip', 'Tip', 'The tip, measured and predicted', tipLoop, true],
   ['arm', 'Arm', phases.length > 1 ? 'The arm, before and after' : 'The arm, measured and modelled', arm, true],
   ['along', 'Along s', 'Where along the arm', along, true],
   ['time', 'In time', 'When', inTime, true],
@@ -19,6 +20,7 @@ const sections = [
   ['parameter_variation', 'Variation', 'Parameter variation', parameterVariation, true],
   ['left', 'Left over', 'What is left', leftOver],
   ['trials', 'Trials', 'Each trial', trialsTable],
+  ['go-on', 'Go on', 'Go on with it', goOn],
   ['notes', 'Notes', 'Notes', notes],
 ];
 

@@ -80,7 +80,7 @@ function inItsPlane(snapshot) {
   const angle = Math.atan2(y[far] - y0, x[far] - x0);
   const turn = columns => [columns[0].map((v, i) => 1e3 * (Math.cos(angle) * v + Math.sin(angle) * columns[1][i])),
     columns[0].map((v, i) => 1e3 * (Math.cos(angle) * columns[1][i] - Math.sin(angle) * v)), columns[2].map(v => 1e3 * v)];
-  return {measured: turn(snapshot.measured), before: turn(snapshot.before), after: turn(snapshot.after)};
+  return Object.fromEntries(['measured', 'before', 'after', 'bodies_before', 'bodies_after'].map(one => [one, turn(snapshot[one])]));
 }
 
 function armPlanes(place, snapshot) {
@@ -88,7 +88,8 @@ function armPlanes(place, snapshot) {
   const side = 1.2 * Math.max(8, ...['measured', ...phases].flatMap(one => turned[one][1].map(Math.abs)));  // 1 mm is not to fill the plot
   [['x', 0], ['x2', 1]].forEach(([xaxis, column], panel) => {
     const common = {xaxis, yaxis: panel ? 'y2' : 'y', showlegend: panel === 0, hovertemplate: '%{x:.1f}, %{y:.1f} mm'};
-    phases.forEach(phase => traces.push(phaseLine(phase, Object.assign({mode: 'lines', x: turned[phase][column], y: turned[phase][2]}, common))));
+    phases.forEach(phase => traces.push(phaseLine(phase, Object.assign({mode: 'lines', x: turned[phase][column], y: turned[phase][2]}, common)),
+      bodiesOf(phase, Object.assign({type: 'scatter', x: turned['bodies_' + phase][column], y: turned['bodies_' + phase][2]}, common))));
     traces.push(Object.assign({type: 'scatter', mode: 'markers', name: 'measured', legendgroup: 'measured', x: turned.measured[column], y: turned.measured[2],
       marker: {color: ink, symbol: 'square', size: 10}}, common));
   });
@@ -98,35 +99,105 @@ function armPlanes(place, snapshot) {
     yaxis2: axis('', {matches: 'y', anchor: 'x2', showticklabels: false})}));
 }
 
-function armInSpace(place, snapshot) {
-  const xyz = columns => ({x: scaled(columns[0], 1e3), y: scaled(columns[1], 1e3), z: scaled(columns[2], 1e3)});
-  const traces = phases.map(phase => Object.assign({type: 'scatter3d', mode: 'lines', name: looks[phase].name,
-    line: {color: looks[phase].color, width: 7, dash: looks[phase].dash}}, xyz(snapshot[phase])));
+const xyz = columns => ({x: scaled(columns[0], 1e3), y: scaled(columns[1], 1e3), z: scaled(columns[2], 1e3)});
+
+/// Where the model has the bodies: one that sits elsewhere than the arm file says lies beside the line.
+function bodiesOf(phase, more) {
+  const {color, symbol} = looks[phase];
+  return Object.assign({mode: 'markers', name: 'bodies ' + looks[phase].name, legendgroup: phase + 'bodies',
+    marker: {color, symbol: symbol.replace('-open', '') + '-open', size: 13, line: {width: 2, color}}}, more);
+}
+
+/// @param cube half of a side and the middle, mm; of all instants of a film
+function armInSpace(place, snapshot, cube) {
+  const traces = phases.flatMap(phase => [Object.assign({type: 'scatter3d', mode: 'lines', name: looks[phase].name,
+    line: {color: looks[phase].color, width: 7, dash: looks[phase].dash}}, xyz(snapshot[phase])),
+    Object.assign(bodiesOf(phase, {type: 'scatter3d', showlegend: false}), {marker: {color: looks[phase].color, symbol: phase === 'before' ? 'circle-open' : 'diamond-open', size: 6}},
+      xyz(snapshot['bodies_' + phase]))]);
   traces.push(Object.assign({type: 'scatter3d', mode: 'markers', name: 'measured', marker: {color: ink, symbol: 'square', size: 5}}, xyz(snapshot.measured)));
-  const spans = ['x', 'y', 'z'].map(axisName => { const all = traces.flatMap(trace => trace[axisName]); return [Math.min(...all), Math.max(...all)]; });
-  const half = 0.55 * Math.max(...spans.map(([low, high]) => high - low));  // the same scale on all axes
-  const [x, y, z] = spans.map(([low, high], i) => ({title: {text: 'xyz'[i] + ' / mm', font: {size: 15}}, range: [(low + high) / 2 - half, (low + high) / 2 + half],
+  const [x, y, z] = cube.middle.map((middle, i) => ({title: {text: 'xyz'[i] + ' / mm', font: {size: 15}}, range: [middle - cube.half, middle + cube.half],
     tickfont: {size: 12}, nticks: 6}));
-  draw(place, traces, layout(640, {margin: {l: 0, r: 0, t: 40, b: 0}, scene: {aspectmode: 'cube', xaxis: x, yaxis: y, zaxis: z, camera: {eye: {x: 1.1, y: -1.3, z: 0.35}}}}));
+  draw(place, traces, layout(640, {margin: {l: 0, r: 0, t: 40, b: 0}, uirevision: 'space',  // the view stays as it was turned
+    scene: {aspectmode: 'cube', xaxis: x, yaxis: y, zaxis: z, camera: {eye: {x: 1.1, y: -1.3, z: 0.35}}, uirevision: 'space'}}));
+}
+
+/// The same scale on all axes.
+function cubeOf(snapshots) {
+  const spans = [0, 1, 2].map(c => {
+    const all = snapshots.flatMap(one => [one.before, one.after, one.measured].flatMap(columns => columns[c])).filter(present).map(v => 1e3 * v);
+    return [Math.min(...all), Math.max(...all)];
+  });
+  return {middle: spans.map(([low, high]) => (low + high) / 2), half: 0.55 * Math.max(...spans.map(([low, high]) => high - low))};
 }
 
 function arm() {
+  const films = data.trials.filter(trial => trial.film.length > 1).map(trial => trial.film.map(one => ({...one, trial: trial.name})));
   const shots = data.snapshots.filter(one => one.measured[0].length && one.before[0].length);
   if (!shots.length) return null;
-  const place = plotPlace('the arm, measured and modelled, in two planes'), words = element('p', {'aria-live': 'polite'});
-  let shown = 0, space = false;
+  const place = plotPlace('the arm, measured and modelled, in two planes'), words = element('p');
+  let shown = 0, space = false, film = -1, at = 0, timer = 0;
+  const cubes = films.map(() => null);
+  const cube = () => film < 0 ? cubeOf([shots[shown]]) : cubes[film] || (cubes[film] = cubeOf(films[film]));
   const show = () => {
-    const shot = shots[shown], off = phase => mm(distanceTo(shot[phase], shot.measured));
+    const shot = film < 0 ? shots[shown] : films[film][at], off = phase => mm(distanceTo(shot[phase], shot.measured));
     words.textContent = 'In ' + shot.trial + ' at ' + shot.t.toFixed(1) + ' s the measured bodies lie ' + off('before') + ' (rms) off the model' +
       (phases.length > 1 ? ' before and ' + off('after') + ' after.' : '.');
     if (space !== (place.dataset.space === 'yes')) Plotly.purge(place);
     place.dataset.space = space ? 'yes' : 'no';
-    (space ? armInSpace : armPlanes)(place, shot);
+    space ? armInSpace(place, shot, cube()) : armPlanes(place, shot);
+    slider.value = String(at);
   };
   const turn = element('button', {type: 'button'}, 'show in 3D');
-  turn.addEventListener('click', () => { space = !space; turn.textContent = space ? 'show in two planes' : 'show in 3D'; show(); });
-  const list = choice('instant', shots.map(shot => shot.description + ': ' + shot.trial + ', ' + shot.t.toFixed(1) + ' s'), i => { shown = i; show(); });
-  return {nodes: [element('div', {class: 'controls'}, list, turn), words, place], draw: show};
+  const inSpace = wanted => { space = wanted; turn.textContent = space ? 'show in two planes' : 'show in 3D'; };
+  turn.addEventListener('click', () => { inSpace(!space); show(); });
+  const slider = element('input', {type: 'range', min: '0', max: '0', step: '1', 'aria-label': 'instant of the trial'});
+  const play = element('button', {type: 'button'}, 'play');
+  const stop = () => { clearInterval(timer); timer = 0; play.textContent = 'play'; };
+  play.addEventListener('click', () => {
+    if (timer) return stop();
+    play.textContent = 'stop';
+    timer = setInterval(() => { at = (at + 1) % films[film].length; show(); }, 150);
+  });
+  slider.addEventListener('input', () => { stop(); at = Number(slider.value); show(); });
+  const moving = element('span', {class: 'controls', hidden: ''}, play, slider);
+  const list = choice('instant', [...shots.map(shot => shot.description + ': ' + shot.trial + ', ' + shot.t.toFixed(1) + ' s'), ...films.map(one => 'moving: ' + one[0].trial)], i => {
+    stop();
+    film = i < shots.length ? -1 : i - shots.length;
+    at = 0;
+    if (film < 0) shown = i; else slider.max = String(films[film].length - 1);
+    moving.hidden = film < 0;
+    inSpace(film >= 0);
+    show();
+  });
+  return {nodes: [element('div', {class: 'controls'}, list, moving, turn), words, place], draw: show};
+}
+
+// --- The tip --------------------------------------------------------------------------------------------------------
+
+/// The tip over an input, where loops show, and over time.
+function tipLoop() {
+  const trials = data.trials.filter(trial => trial.t.length && trial.tip.measured[0].some(present) && trial.inputs.length);
+  if (!trials.length) return null;
+  const place = plotPlace('the tip over an input and over time, measured and predicted from the other trials');
+  const spread = c => { const all = trials.flatMap(trial => trial.tip.measured[c]).filter(present); return Math.max(...all) - Math.min(...all); };
+  const names = [...new Set(trials.flatMap(trial => trial.inputs.map(input => input.name)))];
+  let shown = 0, input = 0, side = [0, 1, 2].sort((a, b) => spread(b) - spread(a))[0];
+  const show = () => {
+    const trial = trials[shown], driven = trial.inputs.find(one => one.name === names[input]), traces = [];
+    const unit = shownUnit(driven ? driven.unit : '');
+    const lines = [['measured', {name: 'measured', legendgroup: 'measured', line: {color: ink, width: 2}}],
+      ...phases.map(phase => [phase, {name: looks[phase].name, legendgroup: phase, line: {color: looks[phase].color, dash: phase === 'before' ? 'dash' : 'solid', width: phase === 'before' ? 2 : 3}}])];
+    lines.forEach(([key, look]) => {
+      const y = scaled(trial.tip[key][side], 1e3), common = {type: 'scatter', mode: 'lines', connectgaps: false, y, ...look};
+      if (driven) traces.push({...common, x: scaled(driven.values, unit.scale), hovertemplate: '%{x:.3g}: %{y:.2f} mm'});
+      traces.push({...common, x: trial.t, xaxis: 'x2', yaxis: 'y2', showlegend: !driven, hovertemplate: '%{x:.1f} s: %{y:.2f} mm'});
+    });
+    draw(place, traces, layout(470, {xaxis: axis(withUnit(plain(short(names[input])), driven ? driven.unit : ''), {domain: [0, 0.44]}), yaxis: axis('tip, ' + 'xyz'[side] + ' / mm', {zeroline: false}),
+      xaxis2: axis('time / s', {domain: [0.52, 1], anchor: 'y2'}), yaxis2: axis('', {matches: 'y', anchor: 'x2', showticklabels: false, zeroline: false})}));
+  };
+  return {nodes: [element('p', {class: 'hint'}, 'Predicted from the other trials. Up and down apart at the same input: a loop, that is a memory, or what another input did. Axes of the base frame.'),
+    element('div', {class: 'controls'}, choice('trial', trials.map(trial => trial.name), i => { shown = i; show(); }), choice('over', names, i => { input = i; show(); }),
+      choice('along', ['x', 'y', 'z'].map((name, c) => name + ' (moves ' + (1e3 * spread(c)).toFixed(0) + ' mm)'), c => { side = c; show(); }, side)), place], draw: show};
 }
 
 // --- Along the arm --------------------------------------------------------------------------------------------------

@@ -54,6 +54,7 @@ function effects() {
     effect.said ? element('p', null, effect.sentence) : null,
     element('dl', null,
       effect.sizes.flatMap(([label, size]) => [element('dt', null, 'how large'), element('dd', null, label + ': ', element('b', null, size))]),
+      effect.law ? [element('dt', null, 'law'), element('dd', null, element('span', {class: 'law'}, equation(effect.law)), effect.source ? element('small', null, ' ' + effect.source) : null)] : null,
       effect.place ? [element('dt', null, 'where'), element('dd', null, effect.place)] : null,
       element('dt', null, 'how sure'), element('dd', null, element('b', null, effect.sure)),
       element('dt', null, 'easily mistaken for'),
@@ -61,6 +62,35 @@ function effects() {
       present(effect.held_out_gain) ? [element('dt', null, 'on unseen trials'),
         element('dd', null, mm(Math.abs(effect.held_out_gain)) + (effect.held_out_gain < 0 ? ' more' : ' less') + ' rms error with it in the model')] : null),
     strip(effect.where)));
+}
+
+/// Powers and Greek letters as they are printed.
+function equation(text) {
+  return text.replace(/\^(\d)/g, (_, power) => raised(power)).replace(/ - /g, ' − ').replace(/-(share|mu)\b/g, '−$1')
+    .replace(/\bbeta\b/g, 'β').replace(/\bmu\b/g, 'μ').replace(/\btheta\b/g, 'θ').replace(/\brho\b/g, 'ρ');
+}
+
+/// A text that is there to be taken away, with a button that does.
+function toCopy(text, what, folded) {
+  const words = element('pre', {class: 'copy', tabindex: '0'}, text), done = element('span', {'aria-live': 'polite'});
+  const button = element('button', {type: 'button'}, 'copy ' + what);
+  button.addEventListener('click', () => {
+    const chosen = () => { getSelection().selectAllChildren(words); return document.execCommand('copy'); };  // a page out of a file may have no clipboard
+    const say = copied => { done.textContent = copied ? ' copied' : ' not copied: select it and copy it by hand'; };
+    if (navigator.clipboard) navigator.clipboard.writeText(text).then(() => say(true), () => say(chosen()));
+    else say(chosen());
+  });
+  const controls = element('div', {class: 'controls'}, button, done);
+  return folded ? [controls, element('details', null, element('summary', null, folded), words)] : [words, controls];
+}
+
+/// The arm file with what was found in it, and how to use it.
+function goOn() {
+  if (!report.extended_text || !anyEffect) return null;
+  return [report.next_command ? [element('p', null, 'The first trial once more, with this in the model:'), toCopy(report.next_command, 'the command')] : null,
+    element('p', null, 'arm_extended.yaml is the arm file with the constants and effects found. ' + (report.verdict === 'unknown' ?
+      'It does not hold the whole explanation: the node says so when it loads it.' : 'Programs and nodes take it in place of the arm file.')),
+    toCopy(report.extended_text, 'arm_extended.yaml', 'arm_extended.yaml')].flat(2);
 }
 
 /// What every arm has: a line each.

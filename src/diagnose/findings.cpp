@@ -61,6 +61,8 @@ std::vector<NamedEffect> named_effects(JointModel& model, const Selection& selec
     NamedEffect named;
     named.id = present.effect->info().id;
     named.description = present.effect->info().description;
+    named.law = present.effect->info().law;
+    named.source = present.effect->info().source;
     named.probability = r.probability;
     named.parameters = values_of(selection.extended, e, covariance);
     named.where = where_is(model, selection.extended, present, contribution(model, selection.extended, e));

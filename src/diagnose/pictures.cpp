@@ -16,6 +16,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr std::size_t kInstants = 300;  // of a trial's curves
+constexpr std::size_t kFilm = 48;       // and of its film
 constexpr std::size_t kTypical = 2;     // pictures beside that of the largest error
 
 /// Index of a block's first row in a trial's vectors.
@@ -40,7 +41,52 @@ std::string unit_of(arm::InputKind kind) {
   }
 }
 
+std::vector<Vector3d> backbone(const model::Predicted& predicted) {
+  std::vector<Vector3d> points{Vector3d::Zero()};
+  for (const rod::RodState& state : predicted.shape.stations) points.push_back(state.p);
+  return points;
+}
+
+Snapshot snapshot_of(const JointModel& model, const Selection& selection, std::size_t trial,
+                     std::size_t block) {
+  const model::Predicted& before = selection.baseline.predicted[trial][block];
+  const model::Predicted& after = selection.extended.predicted[trial][block];
+  Snapshot snapshot;
+  snapshot.t_s = before.instant.t_s;
+  snapshot.backbone_before = backbone(before);
+  snapshot.backbone_after = backbone(after);
+  const std::vector<model::Seen>& bodies = model.trials()[trial].blocks[block].bodies;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    snapshot.measured.push_back(bodies[i].p_base);
+    snapshot.bodies_before.push_back(before.p.col(static_cast<Eigen::Index>(i)));
+    snapshot.bodies_after.push_back(after.p.col(static_cast<Eigen::Index>(i)));
+  }
+  return snapshot;
+}
+
+bool both_solved(const Selection& selection, std::size_t trial, std::size_t block) {
+  return selection.baseline.predicted[trial][block].solved &&
+         selection.extended.predicted[trial][block].solved;
+}
+
+std::vector<Snapshot> film_of(const JointModel& model, const Selection& selection, std::size_t trial) {
+  std::vector<Snapshot> film;
+  const std::size_t blocks = model.trials()[trial].blocks.size();
+  const std::size_t step = std::max<std::size_t>(1, (blocks + kFilm - 1) / kFilm);
+  for (std::size_t k = 0; k < blocks; k += step)
+    if (both_solved(selection, trial, k)) film.push_back(snapshot_of(model, selection, trial, k));
+  return film;
+}
+
+std::size_t tip_of(const arm::Arm& arm) {
+  std::size_t tip = 0;
+  for (std::size_t b = 1; b < arm.bodies.size(); ++b)
+    if (arm.bodies[b].arclength_m > arm.bodies[tip].arclength_m) tip = b;
+  return tip;
+}
+
 void add_curves(const JointModel& model, const Selection& selection, Diagnosis& d) {
+  const std::size_t tip = tip_of(model.arm());
   const Unseen &before = selection.baseline_unseen, &after = selection.extended_unseen;
   for (const arm::ScalarInput& input : model.arm().inputs.scalars)
     d.input_units[input.name] = unit_of(input.kind);
@@ -71,17 +117,26 @@ void add_curves(const JointModel& model, const Selection& selection, Diagnosis& 
         curves.inputs[model.arm().inputs.scalars[c].name].push_back(now.inputs[static_cast<Eigen::Index>(c)]);
       curves.inputs["payload"].push_back(now.payload_kg);
       std::vector<std::optional<double>> b(model.arm().bodies.size()), a(model.arm().bodies.size());
+      curves.tip_measured_m.emplace_back();
+      curves.tip_before_m.emplace_back();
+      curves.tip_after_m.emplace_back();
       for (std::size_t i = 0; i < block.bodies.size(); ++i) {
         const Eigen::Index row = rows[k] + 3 * static_cast<Eigen::Index>(i);
         const auto body = static_cast<std::size_t>(block.bodies[i].body);
         if (selection.baseline.root_weight[t][row] > 0.0) b[body] = before.residual[t].segment<3>(row).norm();
         if (selection.extended.root_weight[t][row] > 0.0) a[body] = after.residual[t].segment<3>(row).norm();
+        if (body != tip) continue;
+        const Vector3d& measured = block.bodies[i].p_base;
+        curves.tip_measured_m.back() = measured;
+        if (b[body]) curves.tip_before_m.back() = measured - before.residual[t].segment<3>(row);
+        if (a[body]) curves.tip_after_m.back() = measured - after.residual[t].segment<3>(row);
       }
       for (std::size_t body = 0; body < b.size(); ++body) {
         curves.before_m[model.arm().bodies[body].name].push_back(b[body]);
         curves.after_m[model.arm().bodies[body].name].push_back(a[body]);
       }
     }
+    curves.film = film_of(model, selection, t);
     d.trials.push_back(std::move(curves));
   }
 }
@@ -122,12 +177,6 @@ void add_along(const JointModel& model, const Selection& selection, Diagnosis& d
   sums(selection.extended, selection.extended_unseen, d.along.after_m, d.along.mean_after_m);
 }
 
-std::vector<Vector3d> backbone(const model::Predicted& predicted) {
-  std::vector<Vector3d> points{Vector3d::Zero()};
-  for (const rod::RodState& state : predicted.shape.stations) points.push_back(state.p);
-  return points;
-}
-
 void add_snapshots(const JointModel& model, const Selection& selection, Diagnosis& d) {
   struct Instant {
     std::size_t trial, block;
@@ -138,9 +187,7 @@ void add_snapshots(const JointModel& model, const Selection& selection, Diagnosi
     const std::vector<Eigen::Index> rows = rows_of(model.trials()[t]);
     for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
       const auto count = static_cast<Eigen::Index>(model.trials()[t].blocks[k].bodies.size());
-      if (!model.uses(t, k) || count == 0 || !selection.baseline.predicted[t][k].solved ||
-          !selection.extended.predicted[t][k].solved)
-        continue;
+      if (!model.uses(t, k) || count == 0 || !both_solved(selection, t, k)) continue;
       all.push_back(
           {t, k,
            std::sqrt(selection.baseline_unseen.residual[t].segment(rows[k], 3 * count).squaredNorm() /
@@ -151,15 +198,9 @@ void add_snapshots(const JointModel& model, const Selection& selection, Diagnosi
   std::stable_sort(all.begin(), all.end(),
                    [](const Instant& a, const Instant& b) { return a.error_m > b.error_m; });
   const auto add = [&](const Instant& instant, const std::string& words) {
-    Snapshot snapshot;
+    Snapshot snapshot = snapshot_of(model, selection, instant.trial, instant.block);
     snapshot.trial = model.trials()[instant.trial].name;
     snapshot.description = words;
-    const model::Predicted& b = selection.baseline.predicted[instant.trial][instant.block];
-    snapshot.t_s = b.instant.t_s;
-    for (const model::Seen& seen : model.trials()[instant.trial].blocks[instant.block].bodies)
-      snapshot.measured.push_back(seen.p_base);
-    snapshot.backbone_before = backbone(b);
-    snapshot.backbone_after = backbone(selection.extended.predicted[instant.trial][instant.block]);
     d.snapshots.push_back(std::move(snapshot));
   };
   add(all.front(), "largest error before");

@@ -31,6 +31,8 @@ std::unique_ptr<Effect> make_base_compliance() {
   return std::make_unique<BaseCompliance>(
       Info{"base_compliance",
            "the base turns under the load, though the body measured as the base does not",
+           "turn of the base = compliance M(0), M(0) the bending moment that the clamp bears",
+           "",
            Family::kBoundary,
            {{"compliance_rad_per_nm", "rad/(N m)", "turn of the clamp per bending moment that it bears", 0.0,
              10.0, 0.2}},

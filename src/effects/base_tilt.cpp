@@ -22,6 +22,8 @@ std::unique_ptr<Effect> make_base_tilt() {
   return std::make_unique<BaseTilt>(
       Info{"base_tilt",
            "the arm does not stand on its base as the arm file says: it is tilted there",
+           "q(0) = q_base q_tilt, the same at every input",
+           "",
            Family::kBoundary,
            {{"towards_x_rad", "rad", "tilt of the arm towards x of the base frame", -0.5, 0.5, 0.0175},
             {"towards_y_rad", "rad", "tilt of the arm towards y of the base frame", -0.5, 0.5, 0.0175}},

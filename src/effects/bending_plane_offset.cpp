@@ -27,6 +27,8 @@ std::unique_ptr<Effect> make_bending_plane_offset() {
   return std::make_unique<BendingPlaneOffset>(
       Info{"bending_plane_offset",
            "what drives the arm bends it in another direction than the arm file says, turned about its axis",
+           "directions of all actuators turned by the angle about the arm's axis",
+           "",
            Family::kActuation,
            {{"angle_rad", "rad", "by which all directions are turned", -3.2, 3.2, 0.087}},
            1,

@@ -53,6 +53,8 @@ std::unique_ptr<Effect> make_clock_offset() {
   return std::make_unique<ClockOffset>(
       Info{"clock_offset",
            "the clocks of motion capture and inputs differ",
+           "pose(t) shows what inputs(t - offset) did",
+           "",
            Family::kSensor,
            {{"offset_s", "s", "by which the motion capture's clock is ahead", -5.0, 5.0, 0.1}},
            1,

@@ -63,6 +63,8 @@ std::unique_ptr<Effect> make_drift() {
   return std::make_unique<Drift>(Info{
       "drift",
       "the arm changes over the session: what drives it bends it less or more, or it grows softer or stiffer",
+      "M0 (1 + gain T), EI (1 + stiffness T), T = (1 - exp(-fading t)) / fading, t the session's time",
+      "",
       Family::kMemory,
       {{"gain_per_min", "1/min", "change of all moments, as a share of them, at first", -1.0, 1.0, 0.03},
        {"stiffness_per_min", "1/min", "change of all stiffnesses, as a share of them, at first", -1.0, 1.0,

@@ -24,6 +24,8 @@ std::unique_ptr<Effect> make_gain_nonlinearity() {
   return std::make_unique<GainNonlinearity>(
       Info{"gain_nonlinearity",
            "the moment of a chamber is not proportional to its pressure",
+           "M = g p (1 + share |p| / 50 kPa)",
+           "",
            Family::kActuation,
            {{"share", "1", "of the moment at 50 kPa, beyond the proportional one", -0.9, 5.0, 0.15}},
            1,

@@ -31,6 +31,8 @@ std::unique_ptr<Effect> make_gravity_direction() {
   return std::make_unique<GravityDirection>(
       Info{"gravity_direction",
            "gravity is not along the direction that the arm file says",
+           "g turned by two small angles in the mocap frame",
+           "",
            Family::kLoad,
            {{"towards_x_rad", "rad", "turn of gravity towards x of the mocap frame", -0.15, 0.15, 0.0175},
             {"towards_y_rad", "rad", "turn of gravity towards y of the mocap frame", -0.15, 0.15, 0.0175}},

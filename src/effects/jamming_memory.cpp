@@ -83,6 +83,8 @@ std::unique_ptr<Effect> make_jamming_memory() {
   return std::make_unique<JammingMemory>(
       Info{"jamming_memory",
            "the jammed core keeps the shape in which the vacuum was applied",
+           "M_core = K (u - share r), r the curvature at which the core's stiffness K came in",
+           "",
            Family::kMemory,
            {{"share", "1", "of the curvature of that moment, that the core keeps", 0.0, 1.2, 0.5}},
            1,

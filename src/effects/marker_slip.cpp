@@ -31,6 +31,8 @@ std::unique_ptr<Effect> make_marker_slip() {
   return std::make_unique<MarkerSlip>(
       Info{"marker_slip",
            "a ring sits elsewhere than the arm file says",
+           "x_body = x(s) + R(s) (x, y, z)",
+           "",
            Family::kSensor,
            {{"x_m", "m", "offset across the arm, along x of its section", -0.1, 0.1, 0.001},
             {"y_m", "m", "offset across the arm, along y of its section", -0.1, 0.1, 0.001},

@@ -20,6 +20,8 @@ std::unique_ptr<Effect> make_mass_distribution() {
   return std::make_unique<MassDistribution>(
       Info{"mass_distribution",
            "the arm's weight is not spread evenly: heavier or lighter towards the tip",
+           "rho(s) = rho (1 + share (2 s / L - 1))",
+           "",
            Family::kLoad,
            {{"share", "1", "by which it is heavier at the tip, and lighter at the base, than its mean", -1.0,
              1.0, 0.2}},

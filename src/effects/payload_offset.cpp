@@ -20,6 +20,8 @@ std::unique_ptr<Effect> make_payload_offset() {
   return std::make_unique<PayloadOffset>(
       Info{"payload_offset",
            "the payload's centre is not where the arm file says",
+           "force m g at x(L) + R(L) (offset of the arm file + (x, y, z))",
+           "",
            Family::kLoad,
            {{"x_m", "m", "offset across the arm, along x of its section", -0.2, 0.2, 0.01},
             {"y_m", "m", "offset across the arm, along y of its section", -0.2, 0.2, 0.01},

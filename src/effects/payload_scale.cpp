@@ -19,6 +19,8 @@ std::unique_ptr<Effect> make_payload_scale() {
   return std::make_unique<PayloadScale>(
       Info{"payload_scale",
            "payloads weigh less or more than said",
+           "m = m_said / (1 + share)",
+           "",
            Family::kLoad,
            {{"share", "1", "by which what was said is more than what hangs there", -0.5, 1.0, 0.05}},
            1,

@@ -38,6 +38,8 @@ std::unique_ptr<Effect> make_pressure_dead_zone() {
   return std::make_unique<PressureDeadZone>(
       Info{"pressure_dead_zone",
            "small pressures do not bend the arm",
+           "M = g (p - lost min(1, p / edge))",
+           "",
            Family::kActuation,
            {{"lost_pa", "Pa", "pressure that does not act", 0.0, 50e3, 3000.0},
             {"edge_pa", "Pa", "pressure from which on all of it is lost", 200.0, 50e3, 3000.0}},

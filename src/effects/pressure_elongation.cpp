@@ -31,6 +31,8 @@ std::unique_ptr<Effect> make_pressure_elongation() {
   return std::make_unique<PressureElongation>(Info{
       "pressure_elongation",
       "the arm grows longer with the pressure, beyond what the arm file says",
+      "L (1 + share p / 50 kPa), p the mean pressure",
+      "",
       Family::kActuation,
       {{"share", "1", "of the length, by which it grows up to a mean pressure of 50 kPa", -0.5, 2.0, 0.025}},
       1,

@@ -48,6 +48,8 @@ std::unique_ptr<Effect> make_pressure_lag() {
   return std::make_unique<PressureLag>(
       Info{"pressure_lag",
            "pressures follow their command late, the later the faster it changes",
+           "acting = u - (delay / time) (u - w), time dw/dt = u - w",
+           "line of first order",
            Family::kActuation,
            {{"delay_s", "s", "by which they are late in slow ramps", 0.0, 30.0, 0.2},
             {"time_s", "s", "time constant with which they settle after a step", 0.02, 30.0, 0.3},

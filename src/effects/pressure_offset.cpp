@@ -37,6 +37,8 @@ std::unique_ptr<Effect> make_pressure_offset() {
                           -50e3, 50e3, 1000.0});
   return std::make_unique<PressureOffset>(Info{"pressure_offset",
                                                "pressure sensors do not read zero when there is no pressure",
+                                               "acting = published - offset, of each sensor",
+                                               "",
                                                Family::kSensor,
                                                parameters,
                                                kMostSensors,

@@ -31,6 +31,8 @@ std::unique_ptr<Effect> make_pressure_stiffening() {
   return std::make_unique<PressureStiffening>(Info{
       "pressure_stiffening",
       "the bending stiffness changes with the pressure, beyond what the arm file says",
+      "EI (1 + share p / 50 kPa), p the mean pressure",
+      "",
       Family::kConstitutive,
       {{"share", "1", "of EI, by which it grows up to a mean pressure of 50 kPa", -0.9, 5.0, 0.15}},
       1,

@@ -61,6 +61,8 @@ std::unique_ptr<Effect> make_radial_expansion() {
   return std::make_unique<RadialExpansion>(Info{
       "radial_expansion",
       "the arm grows wider, and stiffer, with the pressure",
+      "r (1 + share p / 50 kPa), EI and GJ with r^2, p the mean pressure",
+      "",
       Family::kConstitutive,
       {{"share", "1", "of the radius, by which it grows up to a mean pressure of 50 kPa", 0.0, 2.0, 0.06}},
       1,

@@ -33,6 +33,8 @@ std::unique_ptr<Effect> make_rest_curvature() {
   return std::make_unique<RestCurvature>(
       Info{"rest_curvature",
            "the arm is not straight when nothing drives or loads it",
+           "M = EI (u - u_rest)",
+           "",
            Family::kConstitutive,
            {{"towards_x_per_m", "1/m", "curvature at rest, towards the section's x", -50.0, 50.0, 0.3},
             {"towards_y_per_m", "1/m", "curvature at rest, towards the section's y", -50.0, 50.0, 0.3},

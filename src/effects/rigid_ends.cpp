@@ -36,6 +36,8 @@ std::unique_ptr<Effect> make_rigid_ends() {
   return std::make_unique<RigidEnds>(
       Info{"rigid_ends",
            "the ends of the arm do not bend: caps or clamps reach into it",
+           "u = 0 for s < base and s > L - tip",
+           "",
            Family::kConstitutive,
            {{"base_m", "m", "length of what does not bend at the base", 0.0, 0.1, 0.01},
             {"tip_m", "m", "length of what does not bend at the tip", 0.0, 0.1, 0.01}},

@@ -20,6 +20,8 @@ std::unique_ptr<Effect> make_shear() {
   return std::make_unique<Shear>(
       Info{"shear",
            "the arm shears under loads across it, more than the arm file says",
+           "slope = V (1/GA + compliance), V the force across the arm",
+           "S. P. Timoshenko, Phil. Mag. 41, 1921",
            Family::kConstitutive,
            {{"compliance_per_n", "1/N", "slope per force across the arm, 1/GA, beyond the arm file's", 0.0,
              0.2, 0.015}},

@@ -23,6 +23,8 @@ std::unique_ptr<Effect> make_stiffness_taper() {
   return std::make_unique<StiffnessTaper>(
       Info{"stiffness_taper",
            "the bending stiffness is not the same all along: it falls or rises towards the tip",
+           "EI(s) = EI (1 + share (2 s / L - 1))",
+           "",
            Family::kConstitutive,
            {{"share", "1", "by which EI is higher at the tip, and lower at the base, than its mean", -0.9,
              0.9, 0.2}},

@@ -19,6 +19,8 @@ class TipMass : public Described {
 std::unique_ptr<Effect> make_tip_mass() {
   return std::make_unique<TipMass>(Info{"tip_mass",
                                         "something hangs at the tip that the arm file does not have",
+                                        "force m g at x(L)",
+                                        "",
                                         Family::kLoad,
                                         {{"mass_kg", "kg", "mass of what hangs there", 0.0, 2.0, 0.015}},
                                         1,

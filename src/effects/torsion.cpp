@@ -58,6 +58,8 @@ std::unique_ptr<Effect> make_torsion() {
   return std::make_unique<Torsion>(
       Info{"torsion",
            "the arm twists, under loads across its plane or with what drives it",
+           "twist = T (1/GJ + compliance) + twist u / u_0, T the torque, u the mean of what drives",
+           "Saint-Venant's torsion",
            Family::kConstitutive,
            {{"compliance_per_nm2", "1/(N m^2)", "1/GJ beyond the arm file's", 0.0, 1e4, 30.0},
             {"twist_rad", "rad",

@@ -26,6 +26,8 @@ std::unique_ptr<Effect> make_vacuum_gain() {
   return std::make_unique<VacuumGain>(
       Info{"vacuum_gain",
            "what drives the arm bends it less under vacuum",
+           "M0 (1 - share V / 60 kPa)",
+           "",
            Family::kActuation,
            {{"share", "1", "of the moments, that is lost at a vacuum of 60 kPa", -1.0, 1.0, 0.1}},
            1,

@@ -31,6 +31,8 @@ std::unique_ptr<Effect> make_vacuum_shortening() {
   return std::make_unique<VacuumShortening>(
       Info{"vacuum_shortening",
            "the arm grows shorter with the vacuum",
+           "L (1 - share V / 60 kPa)",
+           "",
            Family::kActuation,
            {{"share", "1", "of the length, by which it shrinks up to a vacuum of 60 kPa", -0.3, 0.7, 0.01}},
            1,

@@ -28,6 +28,18 @@ Json list_of(const std::vector<std::optional<double>>& values) {
   return list;
 }
 
+/// Of what may not have been seen: one list for each coordinate.
+Json columns_of(const std::vector<std::optional<Eigen::Vector3d>>& points) {
+  Json columns = Json::array();
+  for (int c = 0; c < 3; ++c) {
+    std::vector<std::optional<double>> column;
+    for (const std::optional<Eigen::Vector3d>& point : points)
+      column.push_back(point ? std::optional<double>((*point)[c]) : std::nullopt);
+    columns.push_back(list_of(column));
+  }
+  return columns;
+}
+
 /// One list for each coordinate, as the plots want them.
 Json columns_of(const std::vector<Eigen::Vector3d>& points) {
   Json columns = Json::array();
@@ -42,6 +54,17 @@ Json columns_of(const std::vector<Eigen::Vector3d>& points) {
 std::string unit_of(const diagnose::Diagnosis& d, const std::string& input) {
   const auto unit = d.input_units.find(input);
   return unit == d.input_units.end() ? "" : unit->second;
+}
+
+Json json_of(const diagnose::Snapshot& snapshot) {
+  return {{"trial", snapshot.trial},
+          {"description", snapshot.description},
+          {"t", rounded(snapshot.t_s)},
+          {"measured", columns_of(snapshot.measured)},
+          {"before", columns_of(snapshot.backbone_before)},
+          {"after", columns_of(snapshot.backbone_after)},
+          {"bodies_before", columns_of(snapshot.bodies_before)},
+          {"bodies_after", columns_of(snapshot.bodies_after)}};
 }
 
 Json json_of(const diagnose::Diagnosis& d, const diagnose::TrialCurves& trial) {
@@ -62,6 +85,11 @@ Json json_of(const diagnose::Diagnosis& d, const diagnose::TrialCurves& trial) {
     if (after != trial.after_m.end()) body["after"] = list_of(after->second);
     json["bodies"].push_back(body);
   }
+  json["tip"] = {{"measured", columns_of(trial.tip_measured_m)},
+                 {"before", columns_of(trial.tip_before_m)},
+                 {"after", columns_of(trial.tip_after_m)}};
+  json["film"] = Json::array();
+  for (const diagnose::Snapshot& snapshot : trial.film) json["film"].push_back(json_of(snapshot));
   return json;
 }
 
@@ -72,15 +100,6 @@ Json json_of(const diagnose::AlongArm& along) {
           {"after", columns_of(along.after_m)},
           {"mean_before", columns_of(along.mean_before_m)},
           {"mean_after", columns_of(along.mean_after_m)}};
-}
-
-Json json_of(const diagnose::Snapshot& snapshot) {
-  return {{"trial", snapshot.trial},
-          {"description", snapshot.description},
-          {"t", snapshot.t_s},
-          {"measured", columns_of(snapshot.measured)},
-          {"before", columns_of(snapshot.backbone_before)},
-          {"after", columns_of(snapshot.backbone_after)}};
 }
 
 Json json_of(const diagnose::ParameterVariation& variation) {
@@ -95,12 +114,16 @@ Json json_of(const diagnose::ParameterVariation& variation) {
 void add_description(Json& report, const diagnose::Diagnosis& d) {
   report["headline"] = diagnose::meaning(d.verdict);
   report["improvement"] = diagnose::improvement(d);
+  report["extended_text"] = d.extended_text;
+  report["next_command"] = d.next_command;
   report["residual_structure"]["place"] = place(d.after.where);
   report["residual_structure_before"]["place"] = place(d.before.where);
   for (std::size_t i = 0; i < d.effects.size(); ++i) {
     Json& effect = report["effects"][i];
     effect["said"] = !d.effects[i].sentence.empty();
     effect["place"] = place(d.effects[i].where);
+    effect["law"] = d.effects[i].law;
+    effect["source"] = d.effects[i].source;
     effect["sure"] = diagnose::percent(d.effects[i].probability);
     effect["sizes"] = Json::array();
     for (const diagnose::EffectValue& value : d.effects[i].parameters)

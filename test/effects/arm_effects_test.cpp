@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <set>
 #include <string>
 
 #include "drive_trials.h"
@@ -38,6 +39,14 @@ TEST(ArmEffects, EveryEffectOfTheCatalogueComesBackAsItWas) {
     ++checked;
   }
   EXPECT_GE(checked, 30);
+}
+
+TEST(ArmEffects, EachSaysItsLaw) {
+  std::set<std::string> laws;
+  for (const auto& effect : effects::catalogue()) {
+    EXPECT_FALSE(effect->info().law.empty()) << effect->info().id;
+    EXPECT_TRUE(laws.insert(effect->info().law).second) << effect->info().id;
+  }
 }
 
 TEST(ArmEffects, OneSaysHowFarTheClocksAreApart) {

@@ -61,6 +61,22 @@ inline std::vector<Eigen::Vector3d> curve(const Bending& b, bool tilted) {
   return points;
 }
 
+/// Five rings and the base as they are, as seen, and as a model has them that lacks the tilt.
+inline diagnose::Snapshot example_instant(const Bending& b, Noise& noise) {
+  diagnose::Snapshot snapshot;
+  for (int body = 0; body <= 5; ++body) {
+    const double s = kLength * body / 5.0;
+    Eigen::Vector3d p = on_arc(s, b.theta, b.phi, b.tilt);
+    for (int c = 0; c < 3 && body > 0; ++c) p[c] += kNoise * noise();
+    snapshot.measured.push_back(p);
+    snapshot.bodies_before.push_back(without_tilt(s, b));
+    snapshot.bodies_after.push_back(on_arc(s, b.theta, b.phi, 0.97 * b.tilt));
+  }
+  snapshot.backbone_before = curve(b, false);
+  snapshot.backbone_after = curve(b, true);
+  return snapshot;
+}
+
 inline diagnose::TrialCurves example_trial(const std::string& name, double speed_hz, unsigned seed) {
   diagnose::TrialCurves trial;
   trial.name = name;
@@ -92,6 +108,14 @@ inline diagnose::TrialCurves example_trial(const std::string& name, double speed
       before_2 += before * before, after_2 += after * after, n += 1.0;
       count(before, trial.mean_before_m, trial.max_before_m);
       count(after, trial.mean_after_m, trial.max_after_m);
+      if (body < 5) continue;
+      trial.tip_measured_m.emplace_back(measured);
+      trial.tip_before_m.emplace_back(without_tilt(s, b));
+      trial.tip_after_m.emplace_back(on_arc(s, b.theta, b.phi, 0.97 * b.tilt));
+    }
+    if (i % 36 == 0) {
+      trial.film.push_back(example_instant(b, noise));
+      trial.film.back().t_s = t;
     }
   }
   trial.rms_before_m = std::sqrt(before_2 / n);
@@ -108,17 +132,10 @@ inline std::vector<diagnose::Snapshot> example_snapshots() {
       {"largest error before", {50e3, 8e3}}, {"typical", {24e3, 15e3}}, {"largest payload", {38e3, 22e3}}};
   for (const auto& [words, pressures] : states) {
     const Bending b = bending(pressures.first, pressures.second);
-    diagnose::Snapshot snapshot;
+    diagnose::Snapshot snapshot = example_instant(b, noise);
     snapshot.trial = "slow_up";
     snapshot.description = words;
     snapshot.t_s = 12.5 + 4.0 * static_cast<double>(snapshots.size());
-    for (int body = 0; body <= 5; ++body) {
-      Eigen::Vector3d p = on_arc(kLength * body / 5.0, b.theta, b.phi, b.tilt);
-      for (int c = 0; c < 3 && body > 0; ++c) p[c] += kNoise * noise();
-      snapshot.measured.push_back(p);
-    }
-    snapshot.backbone_before = curve(b, false);
-    snapshot.backbone_after = curve(b, true);
     snapshots.push_back(snapshot);
   }
   return snapshots;
@@ -265,6 +282,8 @@ inline diagnose::Diagnosis example_diagnosis() {
   d.ceiling_rms_m = 0.99 * d.extended.held_out_rms_m;
   d.explained_share = 0.98;
   d.effects = example_effects();
+  d.extended_text = "format: 1\neffects: {}\n";
+  d.next_command = "softarm estimate --arm report/arm_extended.yaml trial.bag";
   d.small_departures = {example_small_departure()};
   d.ranking = example_ranking();
   d.before = {

@@ -22,11 +22,11 @@ void rename_keys(std::map<std::string, Values>& named) {
 /// Everything in it that comes, or may come, out of bags and files.
 inline void rename_all(diagnose::Diagnosis& d) {
   const std::string evil = kHostile;
-  d.arm = evil;
+  d.arm = d.extended_text = d.next_command = evil;
   d.summary = evil;
   d.notes.push_back(evil);
   for (diagnose::NamedEffect& effect : d.effects) {
-    effect.description = effect.where.input = effect.where.when = evil;
+    effect.description = effect.where.input = effect.where.when = effect.law = effect.source = evil;
     effect.confusable_with = {evil, "__proto__"};
   }
   for (diagnose::NamedEffect& effect : d.small_departures) effect.description = effect.where.when = evil;

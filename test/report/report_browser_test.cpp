@@ -36,6 +36,18 @@ seen.svgs = [...document.querySelectorAll('.picture')].map(one => one.querySelec
 seen.foreign = document.querySelectorAll('#page img, #page script, #page iframe, #page a:not([href^="#"]):not(.modebar-btn), [onerror]').length;
 seen.loaded = performance.getEntriesByType('resource').length;
 seen.chosen = document.querySelectorAll('select option').length;
+setTimeout(() => {  // the last choice is a film
+  const film = document.getElementById('arm');
+  if (!film) return;
+  const at = () => Number(film.querySelector('input').value), play = film.querySelector('button');
+  const instants = film.querySelector('select');
+  instants.selectedIndex = instants.options.length - 1;
+  instants.dispatchEvent(new Event('change'));
+  [...film.querySelectorAll('button')].pop().click();  // in two planes: no graphics processor here
+  play.click();
+  setTimeout(() => { play.click(); seen.moved = at() > 0 ? 'yes' : 'no'; seen.errors = errors.join(' | '); }, 1000);
+}, 100);
+seen.copies = [...document.querySelectorAll('.copy')].map(one => one.textContent.length > 0 ? 1 : 0).join('');
 seen.description = document.getElementById('page').innerText.length;
 )";
 
@@ -89,8 +101,8 @@ class ReportInBrowser : public ::testing::Test {
 };
 
 constexpr const char* kAll =
-    "effects small next held-out shifts arm along time inputs ranking ladder parameter_variation left trials "
-    "notes";
+    "effects small next held-out shifts tip arm along time inputs ranking ladder parameter_variation left "
+    "trials go-on notes";
 
 TEST_F(ReportInBrowser, DrawsEverythingWhateverTheNamesAre) {
   if (std::string(SOFTARM_PLOTLY).empty()) GTEST_SKIP() << "no plotly.js";
@@ -98,14 +110,17 @@ TEST_F(ReportInBrowser, DrawsEverythingWhateverTheNamesAre) {
   testing::rename_all(d);
   const std::string html = opened(d, true);
   EXPECT_THAT(html, HasSubstr("data-errors=\"\""));
-  EXPECT_THAT(html, HasSubstr("data-plots=\"9\""));
+  EXPECT_THAT(html, HasSubstr("data-plots=\"10\""));
   EXPECT_THAT(html, HasSubstr(fmt::format("data-sections=\"{}\"", kAll)));
-  EXPECT_THAT(html, HasSubstr("data-svgs=\"111111111\""));
+  EXPECT_THAT(html, HasSubstr("data-svgs=\"1111111111\""));
   EXPECT_THAT(html, HasSubstr("data-foreign=\"0\""));
   EXPECT_THAT(html, HasSubstr("data-loaded=\"0\""));
-  EXPECT_THAT(
-      html,
-      HasSubstr("data-chosen=\"23\""));  // 3 instants, 2 residuals, 9 trials, 5 bodies and all, 3 inputs
+  EXPECT_THAT(html,
+              // 3 instants and 9 films, 2 residuals, 9 trials, 5 bodies and all, 3 inputs; tip: 9 trials, 3
+              // inputs, 3 axes
+              HasSubstr("data-chosen=\"47\""));
+  EXPECT_THAT(html, HasSubstr("data-moved=\"yes\""));
+  EXPECT_THAT(html, HasSubstr("data-copies=\"11\""));
 }
 
 TEST_F(ReportInBrowser, EmptyPartsAndNoPlotsStayReadable) {

@@ -59,6 +59,11 @@ TEST(ReportPage, HoldsWhatThePicturesNeed) {
       (nlohmann::json{{"name", "payload"}, {"unit", "kg"}, {"values", std::vector<double>(360, 0.05)}}));
   EXPECT_EQ(data["along"]["after"].size(), 3U);
   EXPECT_EQ(data["snapshots"][0]["before"][2].size(), 41U);
+  EXPECT_NEAR(data["trials"][0]["tip"]["after"][2][7].get<double>(), d.trials[0].tip_after_m[7]->z(), 5e-6);
+  ASSERT_EQ(data["trials"][0]["film"].size(), d.trials[0].film.size());
+  EXPECT_NEAR(data["trials"][0]["film"][3]["bodies_after"][0][5].get<double>(),
+              d.trials[0].film[3].bodies_after[5].x(), 5e-6);
+  EXPECT_EQ(data["report"]["next_command"], d.next_command);
   EXPECT_EQ(data["parameter_variation"][0]["parameter"], "EI");
 }
 

@@ -47,6 +47,7 @@ struct Where {
 struct NamedEffect {
   std::string id;           ///< of the catalogue
   std::string description;  ///< what it is, for a user
+  std::string law, source;  ///< as an equation, and where that is from; may be empty
   double probability = 0.0;
   std::vector<EffectValue> parameters;
   Where where;
@@ -140,6 +141,14 @@ struct NextExperiment {
 
 // --- For the pictures ------------------------------------------------------------------------------------
 
+/// One instant as a picture: base frame, m.
+struct Snapshot {
+  std::string trial, description;  ///< "largest error before", "typical"; of a film: empty
+  double t_s = 0.0;
+  std::vector<Eigen::Vector3d> measured, backbone_before, backbone_after;
+  std::vector<Eigen::Vector3d> bodies_before, bodies_after;  ///< where the model has those that were seen
+};
+
 /// Residuals of one trial, thinned. Vectors of one length: instants.
 struct TrialCurves {
   std::string name;
@@ -151,6 +160,10 @@ struct TrialCurves {
   std::map<std::string, std::vector<double>> inputs;  ///< Pa, N, rad, kg by name
   /// Distance, measured to modelled, by body, m; NaN-free: absent where the body was not seen.
   std::map<std::string, std::vector<std::optional<double>>> before_m, after_m;
+  /// The body that is farthest along the arm, base frame, m: as it was seen, and predicted from the other
+  /// trials.
+  std::vector<std::optional<Eigen::Vector3d>> tip_measured_m, tip_before_m, tip_after_m;
+  std::vector<Snapshot> film;  ///< of the whole trial, fewer instants
 };
 
 /// Mean residual by body over all trials, in the section frame of the arm: across the arm in the plane of its
@@ -160,13 +173,6 @@ struct AlongArm {
   std::vector<double> s_m;
   std::vector<Eigen::Vector3d> before_m, after_m;  ///< root mean squares
   std::vector<Eigen::Vector3d> mean_before_m, mean_after_m;
-};
-
-/// One instant as a picture: base frame, m.
-struct Snapshot {
-  std::string trial, description;  ///< "largest error before", "typical"
-  double t_s = 0.0;
-  std::vector<Eigen::Vector3d> measured, backbone_before, backbone_after;
 };
 
 /// One rung of the pooling ladder: the same trials under models with fewer and fewer free numbers.
@@ -188,6 +194,8 @@ struct ParameterVariation {
 
 struct Diagnosis {
   std::string arm, version;
+  /// For the page, by the program: what arm_extended.yaml says, and how to go on with it; may be empty.
+  std::string extended_text, next_command;
   Verdict verdict = Verdict::kCannotTell;
   std::string summary;           ///< the verdict in one or two sentences
   double noise_floor_m = 0.0;    ///< rms distance of a body that noise alone makes

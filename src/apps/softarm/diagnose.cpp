@@ -6,6 +6,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cctype>
+#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <set>
@@ -51,6 +53,7 @@ void list_effects() {
   for (const auto& effect : effects::catalogue()) {
     const model::Info& info = effect->info();
     fmt::print("{}\n  {}\n", info.id, info.description);
+    fmt::print("  law: {}{}\n", info.law, info.source.empty() ? "" : " (" + info.source + ")");
     for (std::size_t k = 0; k < info.parameters.size(); ++k) {
       const model::Parameter& p = info.parameters[k];
       fmt::print("  {:<26} {:<10} [{:g}, {:g}], usually {:g}{}: {}\n", p.symbol, p.unit, p.low, p.high,
@@ -87,6 +90,22 @@ std::vector<std::string> header_of(const diagnose::Diagnosis& diagnosis,
   return lines;
 }
 
+/// As one word of a shell.
+std::string shell_word(const std::string& text) {
+  const bool plain = !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || std::strchr("_-./+,=:@%", c) != nullptr;
+  });
+  if (plain) return text;
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return word + "'";
+}
+
+/// The first trial again, with what was found in the model.
+std::string next_command(const fs::path& extended, const std::vector<std::string>& bags) {
+  return fmt::format("softarm estimate --arm {} {}", shell_word(extended.string()), shell_word(bags.front()));
+}
+
 void run_diagnose(DiagnoseOptions options) {
   if (options.effects) return list_effects();
   if (options.arm.empty()) throw Failure("--arm is needed: the arm file");
@@ -118,6 +137,15 @@ void run_diagnose(DiagnoseOptions options) {
         });
   }
   diagnosis.version = SOFTARM_VERSION;
+  std::string no_extended;
+  try {
+    diagnosis.extended_text = arm::update_arm_text(
+        file.text, file.source, diagnosis.extended_arm.arm, diagnosis.extended_arm.effects,
+        header_of(diagnosis, trials), "diagnose", diagnose::to_string(diagnosis.verdict));
+    diagnosis.next_command = next_command(extended.path(), options.bags);
+  } catch (const arm::ArmError& why) {  // an arm file that cannot be edited is no reason to have no report
+    no_extended = why.what();
+  }
   if (!page.warning.empty()) fmt::print(stderr, "softarm: warning: {}\n", page.warning);
   // First: it took minutes, and a full disk must not take it away.
   fmt::print("{}", report::describe(diagnosis));
@@ -127,14 +155,12 @@ void run_diagnose(DiagnoseOptions options) {
   json.commit();
   html.commit();
   std::string written = fmt::format("{}, {}", html.path().string(), json.path().string());
-  try {
-    extended.write(arm::update_arm_text(file.text, file.source, diagnosis.extended_arm.arm,
-                                        diagnosis.extended_arm.effects, header_of(diagnosis, trials),
-                                        "diagnose", diagnose::to_string(diagnosis.verdict)));
+  if (no_extended.empty()) {
+    extended.write(diagnosis.extended_text);
     extended.commit();
     written += ", " + extended.path().string();
-  } catch (const arm::ArmError& why) {  // an arm file that cannot be edited is no reason to have no report
-    fmt::print(stderr, "softarm: warning: no {}: {}\n", extended.path().string(), why.what());
+  } else {
+    fmt::print(stderr, "softarm: warning: no {}: {}\n", extended.path().string(), no_extended);
   }
   fmt::print("written: {}\n", written);
 }
