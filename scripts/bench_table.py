@@ -2,7 +2,8 @@
 """The table and the JSON of scripts/bench, from the results that it left in one folder.
 
 Reads *_bench.json (Google Benchmark), estimate_*.log (the summaries of `softarm estimate`) and the CSVs of the baselines
-(last column time_s). Times are medians on one core, in microseconds unless the key says ms. A figure that was not measured is left out.
+(last column time_s), diagnose_*.json (seconds and MiB of `softarm diagnose`). Times are medians on one core, in microseconds unless
+the key says otherwise; diagnoses use all cores. A figure that was not measured is left out.
 """
 import argparse
 import csv
@@ -28,6 +29,10 @@ ROWS = [
     ("mismatch_frame_120hz", "live monitor, one frame at 120 Hz", "us", 5),
     ("mismatch_frame_240hz", "  at 240 Hz", "us", 5),
     ("identify_30_trials_ms", "12 constants from 30 trials", "ms", 1000),
+    ("diagnose_tidy_s", "softarm diagnose, nine trials, tidy", "s", 10),
+    ("diagnose_untidy_s", "  untidy", "s", 10),
+    ("diagnose_unknown_s", "  untidy, and no effect explains it", "s", 30),
+    ("diagnose_memory_mib", "  memory, the largest of the three", "MiB", 1024),
     ("offline_frames_per_s", "softarm estimate over a bag", "1/s", None),
     ("ratio_octave_sqp", "cold fit against Octave sqp", "x", 4000),
     ("ratio_scipy_least_squares", "cold fit against SciPy least_squares", "x", 200),
@@ -69,6 +74,16 @@ def frames_per_second(folder):
     return statistics.median(rates) if rates else None
 
 
+def diagnoses(folder):
+    found = {}
+    for path in glob.glob(os.path.join(folder, "diagnose_*.json")):
+        with open(path, encoding="utf-8") as text:
+            measured = json.load(text)
+        found[os.path.basename(path)[: -len(".json")] + "_s"] = measured["s"]
+        found["diagnose_memory_mib"] = max(measured["mib"], found.get("diagnose_memory_mib", 0.0))
+    return found
+
+
 def baseline_us(path):
     if not os.path.exists(path):
         return None
@@ -80,7 +95,7 @@ def baseline_us(path):
 def verdict(unit, value, bound):
     if bound is None:
         return ""
-    upper = unit in ("us", "ms", "x times")
+    upper = unit in ("us", "ms", "s", "MiB", "x times")
     met = value <= bound if upper else value >= bound
     return f"{'at most' if upper else 'at least'} {bound:,}: {'met' if met else 'NOT MET'}"
 
@@ -97,6 +112,7 @@ def main():
     for key in ("frame_fit_extended", "frame_fit_extended_memory"):
         if key in figures and figures.get("frame_fit_warm"):
             figures[f"{key}_ratio"] = figures[key] / figures["frame_fit_warm"]
+    figures.update(diagnoses(arguments.folder))
     rate = frames_per_second(arguments.folder)
     if rate is not None:
         figures["offline_frames_per_s"] = rate
