@@ -21,16 +21,17 @@ function(softarm_headers name)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/headers)
 endfunction()
 
-# softarm_unity(<target> <files per chunk> <room>...): the files of a folder are compiled in chunks, so that what all of
-# them include and the templates of Eigen that all of them use are worked out once per chunk. A chunk never holds files of
-# two folders: a new file moves only its neighbours. A chunk is one translation unit, so names without linkage in it must
-# differ. The files of the rooms that are named stay on their own.
+# softarm_unity(<target> <files per chunk> <room>...): the files of a folder are compiled in chunks of one size, at most
+# that, so that what all of them include and the templates of Eigen that all of them use are worked out once per chunk. A
+# chunk never holds files of two folders: a new file moves only its neighbours. A chunk is one translation unit, so names
+# without linkage in it must differ. The files of the rooms that are named stay on their own.
 function(softarm_unity target size)
   if(NOT SOFTARM_UNITY OR CMAKE_VERSION VERSION_LESS 3.18)
     return()
   endif()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   get_target_property(sources ${target} SOURCES)
+  set(folders)
   foreach(source IN LISTS sources)
     if(NOT source MATCHES "\\.cpp$")
       continue()
@@ -41,9 +42,20 @@ function(softarm_unity target size)
       set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
       continue()
     endif()
-    math(EXPR number "0${${folder}_count} / ${size}")
-    math(EXPR ${folder}_count "0${${folder}_count} + 1")
-    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${room}_${number})
+    list(APPEND folders ${folder})
+    list(APPEND in_${folder} ${source})
+  endforeach()
+  list(REMOVE_DUPLICATES folders)
+  foreach(folder IN LISTS folders)
+    get_filename_component(room ${folder} NAME)
+    list(LENGTH in_${folder} count)
+    math(EXPR chunks "(${count} + ${size} - 1) / ${size}")
+    set(number 0)
+    foreach(source IN LISTS in_${folder})
+      math(EXPR chunk "${number} * ${chunks} / ${count}")
+      math(EXPR number "${number} + 1")
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${room}_${chunk})
+    endforeach()
   endforeach()
 endfunction()
 
@@ -92,7 +104,7 @@ function(softarm_programs)
       target_link_libraries(${name} PRIVATE ${given_STUDY})
     endif()
     target_link_libraries(${name} PRIVATE ${given_LIBRARIES})
-    softarm_unity(${name} 8 validate)  # a file per paper, with the paper's names
+    softarm_unity(${name} 12)
     set_target_properties(${name} PROPERTIES
       RUNTIME_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION})
     # What is built is installed: scripts/demo builds no more than it needs.

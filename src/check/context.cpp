@@ -94,21 +94,21 @@ double white_noise(const std::vector<ValuePoint>& points) {
 
 /// The quantum of which all steps are multiples; 0 where there is none.
 double quantum_of(const std::vector<ValuePoint>& points, double range) {
-  constexpr const Policy::Signals& kBy = kPolicy.signals;
+  constexpr const Policy::Signals& kSignals = kPolicy.signals;
   std::vector<double> steps;
   for (std::size_t i = 1; i < points.size(); ++i) {
     const double step = std::abs(points[i].value - points[i - 1].value);
     if (step > 1e-9 * std::max(range, 1e-12)) steps.push_back(step);
   }
-  if (steps.size() < kBy.least_steps || range <= 0.0) return 0.0;
-  const double least = math::quantile(steps, kBy.single_quantile);
+  if (steps.size() < kSignals.least_steps || range <= 0.0) return 0.0;
+  const double least = math::quantile(steps, kSignals.single_quantile);
   // The smallest steps agree, and the others are multiples of them: refined by the small ones among them.
   double sum = 0.0, count = 0.0;
   std::size_t multiples = 0, twice = 0;
   for (const double step : steps) {
     const double n = std::round(step / least);
-    if (n > kBy.most_quanta) continue;
-    if (std::abs(step / least - n) < kBy.off_quanta * std::max(1.0, kBy.off_per_quantum * n)) {
+    if (n > kSignals.most_quanta) continue;
+    if (std::abs(step / least - n) < kSignals.off_quanta * std::max(1.0, kSignals.off_per_quantum * n)) {
       ++multiples;
       twice += n == 1.0;
       sum += step;
@@ -116,8 +116,8 @@ double quantum_of(const std::vector<ValuePoint>& points, double range) {
     }
   }
   const bool holds =
-      multiples > kBy.quanta_share * static_cast<double>(steps.size()) && twice > kBy.few_single;
-  return holds && least > kBy.finest * range ? sum / count : 0.0;
+      multiples > kSignals.quanta_share * static_cast<double>(steps.size()) && twice > kSignals.few_single;
+  return holds && least > kSignals.finest * range ? sum / count : 0.0;
 }
 
 Signal make_signal(const arm::ScalarInput& input, const std::vector<trial::RecordedValue>& values,

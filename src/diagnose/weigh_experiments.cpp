@@ -82,12 +82,12 @@ void add_clock(const Linearised& truth, const Linearised& fitted, double sd_s, D
 }
 
 /// A usual size of an effect, and the constants, in some trials.
-struct Signature {
+struct SizeSignature {
   MatrixXd own, mixed;
 };
 
-Signature signature_of(JointModel& model, const Linearised& at, const JointParameters& base,
-                       const Present& hidden) {
+SizeSignature signature_of(JointModel& model, const Linearised& at, const JointParameters& base,
+                           const Present& hidden) {
   const int sizes = hidden.effect->info().sizes;
   constexpr double kShareOfUsual = 0.05;
   std::vector<JointParameters> changed;
@@ -102,7 +102,7 @@ Signature signature_of(JointModel& model, const Linearised& at, const JointParam
     changed.back().effects.push_back(std::move(one));
   }
   const auto unknowns = static_cast<Eigen::Index>(at.columns.size());
-  Signature sum{MatrixXd::Zero(sizes, sizes), MatrixXd::Zero(unknowns, sizes)};
+  SizeSignature sum{MatrixXd::Zero(sizes, sizes), MatrixXd::Zero(unknowns, sizes)};
   for (std::size_t t = 0; t < model.trials().size(); ++t) {
     const MatrixXd d = at.root_weight[t].asDiagonal() * model.signatures(at, t, changed, steps);
     sum.own += d.transpose() * d;
@@ -112,7 +112,7 @@ Signature signature_of(JointModel& model, const Linearised& at, const JointParam
 }
 
 /// Standard deviations by which a usual size is seen.
-double z_of(const Signature& signature, const MatrixXd& information, double inflation) {
+double z_of(const SizeSignature& signature, const MatrixXd& information, double inflation) {
   const auto k = signature.own.rows();
   const MatrixXd left = signature.own - signature.mixed.transpose() *
                                             math::SymmetricSolver(information).solve_columns(signature.mixed);
@@ -171,7 +171,7 @@ Visibility weigh_collinear(JointModel& model, Linearised& at, const std::vector<
                            const std::vector<Experiment>& menu, double inflation, const Options& options) {
   model.complete(at);
   Visibility out;
-  std::vector<Signature> old;
+  std::vector<SizeSignature> old;
   for (const Present& one : hidden) {
     old.push_back(signature_of(model, at, at.at, one));
     out.today.push_back(z_of(old.back(), at.information, inflation));
@@ -186,7 +186,7 @@ Visibility weigh_collinear(JointModel& model, Linearised& at, const std::vector<
     for (const TimeStretch& stretch : there.stretches) information += stretch.information;
     out.with[i].emplace();
     for (std::size_t h = 0; h < hidden.size(); ++h) {
-      Signature both = signature_of(trial.model(), there, there.at, hidden[h]);
+      SizeSignature both = signature_of(trial.model(), there, there.at, hidden[h]);
       both.own += old[h].own;
       both.mixed += old[h].mixed;
       out.with[i]->push_back(z_of(both, information, inflation));

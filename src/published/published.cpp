@@ -8,7 +8,6 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kMostNodes = 1000000;
 
 bool physical(const PublishedArm& arm) {
@@ -124,7 +123,7 @@ PublishedShape solve_published(const PublishedArm& arm, LoadLaw law, const Publi
 double settling_relaxation(const PublishedArm& arm) {
   if (!physical(arm)) return 1.0;
   const double length2_over_ei = arm.length_m * arm.length_m / arm.bending_stiffness_nm2;
-  return 1.0 / (1.0 + length2_over_ei * (4.0 * arm.payload_n / (kPi * kPi) + arm.weight_n / 7.8373));
+  return 1.0 / (1.0 + length2_over_ei * (4.0 * arm.payload_n / (M_PI * M_PI) + arm.weight_n / 7.8373));
 }
 
 }  // namespace softarm::published

@@ -1,7 +1,6 @@
 #include "published_cable.h"
 
 #include <array>
-#include <boost/math/constants/constants.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta4.hpp>
 #include <cmath>
 
@@ -12,10 +11,9 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double kPi = boost::math::constants::pi<double>();
 constexpr double kDownwards = 0.5 * kPi;  // direction of the load
 
-using State = std::array<double, 4>;  // theta, theta', x, y
+using CableState = std::array<double, 4>;  // theta, theta', x, y
 
 bool physical(const CableArm& arm) {
   const auto positive = [](double x) { return std::isfinite(x) && x > 0.0; };
@@ -37,13 +35,13 @@ class Part2 {  // the arm up to the load, as the paper numbers it
 
   /// Integrates from M to the base; positions are relative to M.
   template <class Visit>
-  State integrate(const Ends& ends, double share, const Visit& visit) const {
-    State state{ends.angle, ends.curvature, 0.0, 0.0};
-    const auto rate = [&](const State& y, State& dy, double s) {
+  CableState integrate(const Ends& ends, double share, const Visit& visit) const {
+    CableState state{ends.angle, ends.curvature, 0.0, 0.0};
+    const auto rate = [&](const CableState& y, CableState& dy, double s) {
       dy = {y[1], share * arm_.load_n / arm_.bending_stiffness_nm2 * std::sin(y[0] - load_angle(s)),
             std::cos(y[0]), std::sin(y[0])};
     };
-    boost::numeric::odeint::runge_kutta4<State> stepper;
+    boost::numeric::odeint::runge_kutta4<CableState> stepper;
     const double step = -arm_.load_arclength_m / steps_;
     visit(steps_, state);
     for (int i = steps_ - 1; i >= 0; --i) {
@@ -73,7 +71,7 @@ bool shoot(const Part2& part, const EndsOf& ends_of, double start, Ends& ends) {
   VectorXd x = VectorXd::Constant(1, start);
   const bool found = follow_root(
       [&](double share, const VectorXd& at) -> VectorXd {
-        const State base = part.integrate(ends_of(at[0]), share, [](int, const State&) {});
+        const CableState base = part.integrate(ends_of(at[0]), share, [](int, const CableState&) {});
         return VectorXd::Constant(1, base[0]);
       },
       x);
@@ -91,7 +89,7 @@ void write(const CableArm& arm, const Part2& part, const Ends& ends, double curv
   shape.theta_rad.resize(count);
   shape.curvature_per_m.resize(count);
   shape.p_m.resize(2, count);
-  const State base = part.integrate(ends, 1.0, [&](int i, const State& state) {
+  const CableState base = part.integrate(ends, 1.0, [&](int i, const CableState& state) {
     shape.theta_rad[i] = state[0];
     shape.curvature_per_m[i] = state[1];
     shape.p_m.col(i) << state[2], state[3];

@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <array>
-#include <boost/math/constants/constants.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta4.hpp>
 #include <cmath>
 
@@ -18,10 +17,8 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-constexpr double kPi = boost::math::constants::pi<double>();
-
 /// p, R (by columns), u, v.
-using State = std::array<double, 18>;
+using HybridState = std::array<double, 18>;
 
 Matrix3d hat(const Vector3d& x) {
   Matrix3d m;
@@ -60,7 +57,7 @@ class Model {
 
   /// (3)-(8) with (9), (10) for n and m: the sums of (8) make a linear system for v' and u', positive
   /// definite.
-  void rate(double share, const State& x, State& dx) const {
+  void rate(double share, const HybridState& x, HybridState& dx) const {
     const Eigen::Map<const Matrix3d> rotation(x.data() + 3);
     const Eigen::Map<const Vector3d> u(x.data() + 12), v(x.data() + 15);
     const Vector3d n = shear_extension_.cwiseProduct(v - Vector3d::UnitZ());
@@ -97,7 +94,7 @@ class Model {
   }
 
   /// (15), (16): what is left of them, section frame, N and N m.
-  Vector6d tip_error(double share, const State& tip) const {
+  Vector6d tip_error(double share, const HybridState& tip) const {
     const Eigen::Map<const Matrix3d> rotation(tip.data() + 3);
     const Eigen::Map<const Vector3d> u(tip.data() + 12), v(tip.data() + 15);
     const double gas = share * gas_n_;
@@ -116,16 +113,17 @@ class Model {
 
   /// @param unknowns u(0) L and v(0) - v*
   template <class Visit>
-  State integrate(double share, const VectorXd& unknowns, int steps, const Visit& visit) const {
-    State state{};
+  HybridState integrate(double share, const VectorXd& unknowns, int steps, const Visit& visit) const {
+    HybridState state{};
     Eigen::Map<Matrix3d>(state.data() + 3).setIdentity();
     Eigen::Map<Vector3d>(state.data() + 12) = unknowns.head<3>() / arm_.length_m;
     Eigen::Map<Vector3d>(state.data() + 15) = unknowns.tail<3>() + Vector3d::UnitZ();
-    boost::numeric::odeint::runge_kutta4<State> stepper;
+    boost::numeric::odeint::runge_kutta4<HybridState> stepper;
     const double step = arm_.length_m / steps;
     visit(0, state);
     for (int i = 0; i < steps; ++i) {
-      stepper.do_step([&](const State& x, State& dx, double) { rate(share, x, dx); }, state, i * step, step);
+      stepper.do_step([&](const HybridState& x, HybridState& dx, double) { rate(share, x, dx); }, state,
+                      i * step, step);
       visit(i + 1, state);
     }
     return state;
@@ -138,7 +136,7 @@ class Model {
     unknowns = VectorXd::Zero(6);
     return follow_root(
         [&](double share, const VectorXd& at) -> VectorXd {
-          const State tip = integrate(share, at, steps, [](int, const State&) {});
+          const HybridState tip = integrate(share, at, steps, [](int, const HybridState&) {});
           return tip_error(share, tip).cwiseQuotient(scale);
         },
         unknowns);
@@ -182,7 +180,7 @@ HybridShape solve_hybrid(const HybridArm& arm, const HybridLoad& load, HybridLaw
   shape.p_m.resize(3, count);
   shape.u_per_m.resize(3, count);
   shape.v.resize(3, count);
-  model.integrate(1.0, unknowns, options.steps, [&](int i, const State& state) {
+  model.integrate(1.0, unknowns, options.steps, [&](int i, const HybridState& state) {
     shape.p_m.col(i) = Eigen::Map<const Vector3d>(state.data());
     shape.u_per_m.col(i) = Eigen::Map<const Vector3d>(state.data() + 12);
     shape.v.col(i) = Eigen::Map<const Vector3d>(state.data() + 15);

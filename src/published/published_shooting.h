@@ -2,61 +2,20 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <unsupported/Eigen/NonLinearOptimization>
+#include <boost/math/constants/constants.hpp>
+#include <functional>
 
 namespace softarm::published {
 
-/// The conditions at the far end, at one share of the load, as MINPACK wants them.
-template <class Residual>
-struct ShootingProblem {
-  const Residual& residual;
-  double share = 1.0;
+constexpr double kPi = boost::math::constants::pi<double>();
 
-  int operator()(const Eigen::VectorXd& at, Eigen::VectorXd& value) const {
-    value = residual(share, at);
-    return value.allFinite() ? 0 : -1;  // negative: MINPACK stops
-  }
-  /// Central differences with one step for all: a step in proportion to the unknown, MINPACK's own, is lost
-  /// in rounding where the unknown is all but zero.
-  int df(const Eigen::VectorXd& at, Eigen::MatrixXd& jacobian) const {
-    constexpr double kStep = 1e-5;
-    Eigen::VectorXd moved = at;
-    for (Eigen::Index i = 0; i < at.size(); ++i) {
-      moved[i] = at[i] + kStep;
-      const Eigen::VectorXd above = residual(share, moved);
-      moved[i] = at[i] - kStep;
-      jacobian.col(i) = (above - residual(share, moved)) / (2.0 * kStep);
-      moved[i] = at[i];
-    }
-    return jacobian.allFinite() ? 0 : -1;
-  }
-};
+/// The conditions at the far end, at one share of the load: as many as unknowns, both free of units and of
+/// order 1.
+using Shot = std::function<Eigen::VectorXd(double share, const Eigen::VectorXd& at)>;
 
 /// Follows a root of residual(share, x) from the unloaded problem (share 0, where `x` is near a root) to the
 /// loaded one (share 1), so that the equilibrium found is the one that grows out of the unloaded arm.
-/// @param residual (double share, const Eigen::VectorXd& x) -> Eigen::VectorXd of the same size; both free of
-/// units and of order 1
 /// @return false if none was found; x is then of no use
-template <class Residual>
-bool follow_root(const Residual& residual, Eigen::VectorXd& x, double tolerance = 1e-10) {
-  const Eigen::VectorXd start = x;
-  for (const int steps : {4, 16, 64}) {
-    x = start;
-    bool found = true;
-    for (int i = 1; found && i <= steps; ++i) {
-      ShootingProblem<Residual> problem{residual, static_cast<double>(i) / steps};
-      // Where rank-one updates of the Jacobian have no more to give, a fresh one goes on.
-      found = false;
-      for (int attempt = 0; !found && attempt < 4 && x.allFinite(); ++attempt) {
-        Eigen::HybridNonLinearSolver<ShootingProblem<Residual>> solver(problem);
-        solver.parameters.xtol = 1e-14;
-        solver.solve(x);
-        found = x.allFinite() && residual(problem.share, x).norm() < tolerance;
-      }
-    }
-    if (found) return true;
-  }
-  return false;
-}
+bool follow_root(const Shot& residual, Eigen::VectorXd& x, double tolerance = 1e-10);
 
 }  // namespace softarm::published

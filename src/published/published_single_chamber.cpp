@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <array>
-#include <boost/math/constants/constants.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta4.hpp>
 #include <cmath>
 
@@ -16,10 +15,8 @@ using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kPi = boost::math::constants::pi<double>();
-
 /// p, R (by columns), n, m.
-using State = std::array<double, 18>;
+using ChamberState = std::array<double, 18>;
 
 bool physical(const SingleChamberArm& arm) {
   const auto positive = [](double x) { return std::isfinite(x) && x > 0.0; };
@@ -30,10 +27,10 @@ bool physical(const SingleChamberArm& arm) {
 }
 
 /// The right-hand side of the slides and its conditions at both ends.
-class Model {
+class ChamberModel {
  public:
-  Model(const SingleChamberArm& arm, const SingleChamberLoad& load, const PressurisedArm& at_pressure,
-        ChamberLaw law)
+  ChamberModel(const SingleChamberArm& arm, const SingleChamberLoad& load, const PressurisedArm& at_pressure,
+               ChamberLaw law)
       : length_(arm.length_m), force_(load.tip_force_n) {
     const double area = arm.section.wall_area_m2();
     const double shear_modulus = at_pressure.modulus_pa / 3.0;  // incompressible
@@ -60,12 +57,12 @@ class Model {
 
   /// @param visit (step, state) at every node
   template <class Visit>
-  State integrate(const Eigen::Matrix<double, 6, 1>& base, double share, int steps,
-                  const Visit& visit) const {
-    State state{};
+  ChamberState integrate(const Eigen::Matrix<double, 6, 1>& base, double share, int steps,
+                         const Visit& visit) const {
+    ChamberState state{};
     Eigen::Map<Matrix3d>(state.data() + 3).setIdentity();
     Eigen::Map<Eigen::Matrix<double, 6, 1>>(state.data() + 12) = base;
-    const auto rate = [&](const State& x, State& dx, double) {
+    const auto rate = [&](const ChamberState& x, ChamberState& dx, double) {
       const Eigen::Map<const Matrix3d> rotation(x.data() + 3);
       const Eigen::Map<const Vector3d> n(x.data() + 12), m(x.data() + 15);
       const Vector3d v =
@@ -79,7 +76,7 @@ class Model {
       Eigen::Map<Vector3d>(dx.data() + 12) = -share * (weight_n_m_ + pull_n_m_ * rotation.col(2));
       Eigen::Map<Vector3d>(dx.data() + 15) = -dp.cross(n);
     };
-    boost::numeric::odeint::runge_kutta4<State> stepper;
+    boost::numeric::odeint::runge_kutta4<ChamberState> stepper;
     const double step = length_ / steps;
     visit(0, state);
     for (int i = 0; i < steps; ++i) {
@@ -89,10 +86,10 @@ class Model {
     return state;
   }
 
-  Vector3d force_error(const State& tip, double share = 1.0) const {
+  Vector3d force_error(const ChamberState& tip, double share = 1.0) const {
     return Eigen::Map<const Vector3d>(tip.data() + 12) - share * force_;
   }
-  Vector3d moment_error(const State& tip) const { return Eigen::Map<const Vector3d>(tip.data() + 15); }
+  Vector3d moment_error(const ChamberState& tip) const { return Eigen::Map<const Vector3d>(tip.data() + 15); }
 
   /// Shoots for n(L) = F, m(L) = 0, scaled by the forces and moments that bend the arm by about a radian.
   bool find_base(int steps, Eigen::Matrix<double, 6, 1>& base) const {
@@ -102,7 +99,8 @@ class Model {
     VectorXd x = VectorXd::Zero(6);
     const bool found = follow_root(
         [&](double share, const VectorXd& at) -> VectorXd {
-          const State tip = integrate(at.cwiseProduct(scale), share, steps, [](int, const State&) {});
+          const ChamberState tip =
+              integrate(at.cwiseProduct(scale), share, steps, [](int, const ChamberState&) {});
           Eigen::Matrix<double, 6, 1> error;
           error << force_error(tip, share), moment_error(tip);
           return error.cwiseQuotient(scale);
@@ -239,12 +237,12 @@ SingleChamberShape solve_single_chamber(const SingleChamberArm& arm, const Singl
   if (law == ChamberLaw::kStatics && solution == ChamberSolution::kBoundaryValue) {
     return solve_statics(arm, load, *at_pressure, options.steps);
   }
-  const Model model(arm, load, *at_pressure, law);
+  const ChamberModel model(arm, load, *at_pressure, law);
   shape.status = rod::SolveStatus::kNoConvergence;
   Eigen::Matrix<double, 6, 1> base = model.undeformed_base();
   if (solution == ChamberSolution::kBoundaryValue && !model.find_base(options.steps, base)) return shape;
   Matrix3Xd points(3, options.steps + 1);
-  const State tip = model.integrate(base, 1.0, options.steps, [&](int i, const State& state) {
+  const ChamberState tip = model.integrate(base, 1.0, options.steps, [&](int i, const ChamberState& state) {
     points.col(i) = Eigen::Map<const Vector3d>(state.data());
   });
   if (!points.allFinite()) return shape;

@@ -80,7 +80,7 @@ std::vector<Setpoint> parse_schedule(YamlMap& map, const std::string& value_key,
     if (count)
       setpoint.values = entry.numbers(value_key, allowed, *count, *count);
     else
-      setpoint.values = {entry.number(value_key, allowed)};
+      setpoint.values.assign(1, entry.number(value_key, allowed));
     if (schedule.empty() && setpoint.t_s != 0.0)
       entry.fail("t_s", fmt::format("value {}, the first must be 0", setpoint.t_s));
     // A billionth: sums of decimal numbers are not exact.

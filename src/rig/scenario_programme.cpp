@@ -16,7 +16,7 @@ void parse_speed(YamlMap& map, const InputKindKeys& keys, bool several, Programm
     if (several)
       part.rates = map.numbers(key, kRate, 1, 100);
     else
-      part.rates = {map.number(key, kRate)};
+      part.rates.assign(1, map.number(key, kRate));
   }
   if (!map.has("over_s")) return;
   if (!part.rates.empty()) map.fail("over_s", fmt::format("given beside {}, expected one of them", key));

@@ -14,7 +14,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr char kArm[] = R"(
+constexpr char kBenchArm[] = R"(
 format: 1
 name: bench
 base: {fixed: {attitude: hanging}}
@@ -60,7 +60,7 @@ Outcome check(const TestFolder& dir, const std::string& layout_text, const std::
   const Outcome imported = softarm_program("import " + dir.write("layout.yaml", layout_text) + " " +
                                            dir / "a.csv" + " --out " + dir / "a.bag " + options);
   EXPECT_EQ(imported.status, 0) << imported.err;
-  return softarm_program("check --arm " + dir.write("arm.yaml", kArm) + " " + dir / "a.bag");
+  return softarm_program("check --arm " + dir.write("arm.yaml", kBenchArm) + " " + dir / "a.bag");
 }
 
 TEST(ImportAndCheck, AZeroIsSaidInTheUnitOfTheLayoutAndTakesItAwayThere) {

@@ -56,16 +56,16 @@ trial::CsvLayout drafted(const TestFolder& dir, const std::string& recording,
 
 TEST(ImportGuess, OfThePouchArmAreTheColumnsOfItsLayouts) {
   if (recordings().empty()) GTEST_SKIP() << "the recordings of the pouch arm are absent (SOFTARM_DATA)";
-  struct Case {
+  struct Guess {
     std::string file, layout;
     bool open;               ///< the unit of the pressures
     std::size_t first_body;  ///< of the draft, that is the layout's first: the locked segment has a body more
   };
-  for (const Case& c :
-       std::vector<Case>{{"two_segment/no_load/data_collect_1", "pouch_arm", true, 0},
-                         {"one_segment/no_load/data_collect_1", "pouch_arm_one_segment", false, 1},
-                         {"one_segment/load_400g/data_collect_1", "pouch_arm_one_segment", false, 1},
-                         {"steps/set_2/data_collect_1", "pouch_arm_steps", true, 0}}) {
+  for (const Guess& c :
+       std::vector<Guess>{{"two_segment/no_load/data_collect_1", "pouch_arm", true, 0},
+                          {"one_segment/no_load/data_collect_1", "pouch_arm_one_segment", false, 1},
+                          {"one_segment/load_400g/data_collect_1", "pouch_arm_one_segment", false, 1},
+                          {"steps/set_2/data_collect_1", "pouch_arm_steps", true, 0}}) {
     SCOPED_TRACE(c.file);
     const Outcome o = softarm_program("import --guess " + recordings() + "/pouch_arm/" + c.file + ".txt");
     ASSERT_EQ(o.status, 0) << o.err;
@@ -96,14 +96,14 @@ TEST(ImportGuess, OfTheTrunkAreTheColumnsOfItsLayouts) {
   if (recordings().empty() || !std::filesystem::exists(recordings() + "/tendon_trunk"))
     GTEST_SKIP() << "the recordings of the tendon trunk are absent (SOFTARM_DATA)";
   const std::string trunk = recordings() + "/tendon_trunk/observations_";
-  struct Case {
+  struct Guess {
     std::string file, layout;
     std::vector<std::pair<std::string, std::string>> fill;
   };
-  for (const Case& c :
-       std::vector<Case>{{"controlled_1_100g", "tendon_trunk_controlled", {{"period_s:", "0.01"}}},
-                         {"zeros_0g", "tendon_trunk_zeros", {{"period_s:", "0.01"}, {"\n  unit:", "deg"}}},
-                         {"manual_decay_200g", "tendon_trunk_decay", {{"period_s:", "0.01"}}}}) {
+  for (const Guess& c :
+       std::vector<Guess>{{"controlled_1_100g", "tendon_trunk_controlled", {{"period_s:", "0.01"}}},
+                          {"zeros_0g", "tendon_trunk_zeros", {{"period_s:", "0.01"}, {"\n  unit:", "deg"}}},
+                          {"manual_decay_200g", "tendon_trunk_decay", {{"period_s:", "0.01"}}}}) {
     SCOPED_TRACE(c.file);
     const TestFolder dir;
     const trial::CsvLayout draft = drafted(dir, trunk + c.file + ".csv", c.fill), known = shipped(c.layout);

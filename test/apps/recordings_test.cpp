@@ -24,7 +24,7 @@ namespace {
 using ::testing::HasSubstr;
 
 template <typename Message>
-std::vector<std::pair<double, Message>> read(const std::string& bag_path, const std::string& topic) {
+std::vector<std::pair<double, Message>> recorded(const std::string& bag_path, const std::string& topic) {
   rosbag::Bag bag(bag_path, rosbag::bagmode::Read);
   rosbag::View view(bag, rosbag::TopicQuery(topic));
   std::vector<std::pair<double, Message>> messages;
@@ -63,7 +63,7 @@ payload: [{from_s: -1, kg: 0.1}, {from_s: 0.015, kg: 0.3}]
   EXPECT_THAT(o.out, HasSubstr("2 of 3 rows"));
   EXPECT_THAT(o.err, HasSubstr("lab.csv:3:"));
 
-  const auto poses = read<geometry_msgs::PoseStamped>(dir / "lab.bag", "/mocap/base/pose");
+  const auto poses = recorded<geometry_msgs::PoseStamped>(dir / "lab.bag", "/mocap/base/pose");
   ASSERT_EQ(poses.size(), 2u);
   EXPECT_EQ(poses[1].second.header.frame_id, "mocap");
   EXPECT_NEAR(poses[1].second.header.stamp.toSec(), 1000.03, 1e-9);
@@ -72,11 +72,11 @@ payload: [{from_s: -1, kg: 0.1}, {from_s: 0.015, kg: 0.3}]
   EXPECT_NEAR(poses[1].second.pose.position.y, -0.32, 1e-12);
   EXPECT_NEAR(poses[1].second.pose.position.z, 0.22, 1e-12);
   EXPECT_NEAR(poses[1].second.pose.orientation.x, std::sqrt(0.5), 1e-12);
-  const auto pressures = read<sensor_msgs::FluidPressure>(dir / "lab.bag", "/pressure/chamber_1");
+  const auto pressures = recorded<sensor_msgs::FluidPressure>(dir / "lab.bag", "/pressure/chamber_1");
   ASSERT_EQ(pressures.size(), 2u);
   EXPECT_NEAR(pressures[0].second.fluid_pressure, 150e3, 1e-6);
   EXPECT_NEAR(pressures[1].second.fluid_pressure, 75e3, 1e-6);
-  const auto payload = read<std_msgs::Float64>(dir / "lab.bag", "/payload");
+  const auto payload = recorded<std_msgs::Float64>(dir / "lab.bag", "/payload");
   ASSERT_EQ(payload.size(), 2u);
   EXPECT_EQ(payload[0].second.data, 0.1);
   EXPECT_LT(payload[0].first, poses[0].first);
@@ -100,10 +100,10 @@ payload: [{from_s: 0, kg: 7}]
   ASSERT_EQ(o.status, 0) << o.err;
   EXPECT_THAT(o.out, HasSubstr("3 of 5 rows"));
   EXPECT_THAT(o.out, HasSubstr("rows left out, as told: 2"));
-  const auto poses = read<geometry_msgs::PoseStamped>(dir / "lab.bag", "/mocap/tip/pose");
+  const auto poses = recorded<geometry_msgs::PoseStamped>(dir / "lab.bag", "/mocap/tip/pose");
   ASSERT_EQ(poses.size(), 3u);
   EXPECT_NEAR(poses[1].first, 1003.0, 1e-9);
-  const auto payload = read<std_msgs::Float64>(dir / "lab.bag", "/payload");
+  const auto payload = recorded<std_msgs::Float64>(dir / "lab.bag", "/payload");
   ASSERT_EQ(payload.size(), 2u);
   EXPECT_EQ(payload[0].second.data, 0.1);
   EXPECT_EQ(payload[1].second.data, 0.3);

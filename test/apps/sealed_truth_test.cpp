@@ -16,7 +16,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr char kScenario[] = R"(format: 1
+constexpr char kSealedScenario[] = R"(format: 1
 name: whispered_name
 seed: 987654321
 duration_s: 4
@@ -42,7 +42,7 @@ std::string bytes_of(double value) {
 
 TEST(SealedTruth, ASearchOfTheBagFindsNothing) {
   const TestFolder folder;
-  const std::string scenario = folder.write("whispered_name.yaml", kScenario);
+  const std::string scenario = folder.write("whispered_name.yaml", kSealedScenario);
   const Outcome done = softarm_program("simulate " + scenario + " --out " + (folder / "trial.bag"));
   ASSERT_EQ(done.status, 0) << done.err;
   const std::string bag = text_of(folder / "trial.bag"), truth = text_of(folder / "trial.truth.yaml");
@@ -51,7 +51,7 @@ TEST(SealedTruth, ASearchOfTheBagFindsNothing) {
   std::vector<std::string> secrets{"whispered", "987654321", "base_nm2", "hidden", folder.path()};
   // Ids are words, and some stand in the definitions of messages: not those that a trial without secrets has
   // too.
-  std::string open_text = kScenario;
+  std::string open_text = kSealedScenario;
   open_text.erase(open_text.find("hidden:"));
   const Outcome open =
       softarm_program("simulate " + folder.write("open.yaml", open_text) + " --out " + (folder / "open.bag"));
@@ -74,7 +74,7 @@ TEST(SealedTruth, ASearchOfTheBagFindsNothing) {
 
 TEST(SealedTruth, TheDigestsArePrintedKeptAndNoticeAChange) {
   const TestFolder folder;
-  const std::string scenario = folder.write("scenario.yaml", kScenario);
+  const std::string scenario = folder.write("scenario.yaml", kSealedScenario);
   const Outcome done = softarm_program("simulate " + scenario + " --out " + (folder / "trial.bag"));
   ASSERT_EQ(done.status, 0) << done.err;
   const std::string seal = text_of(folder / "trial.truth.sha256");
@@ -88,7 +88,7 @@ TEST(SealedTruth, TheDigestsArePrintedKeptAndNoticeAChange) {
 
 TEST(SealedTruth, NothingIsWrittenByATrialThatFails) {
   const TestFolder folder;
-  std::string text = kScenario;
+  std::string text = kSealedScenario;
   // Stiffer by pressure than by nothing at all: negative at the first one.
   text.replace(text.find("base_nm2: 0.0271828"), 19,
                "base_nm2: 0.0271828, per_min_pressure_nm2_per_pa: -1e-5");
@@ -101,7 +101,7 @@ TEST(SealedTruth, NothingIsWrittenByATrialThatFails) {
 
 TEST(SoftarmCampaign, TellsTheLaboratoryNothingAndIsTheSameAgain) {
   const TestFolder folder;
-  folder.write("small.yaml", kScenario);
+  folder.write("small.yaml", kSealedScenario);
   const std::string campaign =
       folder.write("secret_campaign.yaml",
                    "format: 1\nname: secret_campaign\narms: [{scenario: " + (folder / "small.yaml") +

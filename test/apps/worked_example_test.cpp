@@ -41,17 +41,17 @@ TEST(WorkedExample, ABaseThatYieldsIsFoundAndStiffnessCorrected) {
   const double before = number_after(text_of(fitted), "\\n *base_nm2");
   EXPECT_LT(before, 0.97 * truth) << "the fit hides the base behind a lower EI";
 
-  const auto json = nlohmann::json::parse(text_of(report + "/report.json"));
-  ASSERT_EQ(json["effects"].size(), 1U) << diagnosed.out;
-  EXPECT_EQ(json["effects"][0]["name"], "base_compliance");
-  const auto& size = json["effects"][0]["parameters"]["compliance_rad_per_nm"];
+  const auto written = nlohmann::json::parse(text_of(report + "/report.json"));
+  ASSERT_EQ(written["effects"].size(), 1U) << diagnosed.out;
+  EXPECT_EQ(written["effects"][0]["name"], "base_compliance");
+  const auto& size = written["effects"][0]["parameters"]["compliance_rad_per_nm"];
   EXPECT_NEAR(size["value"], compliance, 0.1 * compliance);
-  for (const auto& shift : json["shifts"]) {
+  for (const auto& shift : written["shifts"]) {
     if (shift["name"] != "segment_1.bending_stiffness.base") continue;
     EXPECT_LT(std::abs(shift["after"].get<double>() - truth), 0.25 * std::abs(before - truth));
   }
-  EXPECT_LT(json["extended"]["held_out_rms_m"].get<double>(),
-            0.8 * json["baseline"]["held_out_rms_m"].get<double>());
+  EXPECT_LT(written["extended"]["held_out_rms_m"].get<double>(),
+            0.8 * written["baseline"]["held_out_rms_m"].get<double>());
 }
 
 }  // namespace

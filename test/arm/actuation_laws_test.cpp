@@ -5,12 +5,11 @@
 #include <limits>
 #include <stdexcept>
 
+#include "predicted.h"
 #include "softarm/arm/laws.h"
 
 namespace softarm {
 namespace {
-
-constexpr double kDeg = M_PI / 180.0;
 
 /// A segment of 85 mm with EA = 68 N: one central chamber, three tendons, one cable. Inputs in that order.
 arm::Arm driven_arm() {
@@ -32,13 +31,6 @@ arm::Arm driven_arm() {
   segment.cables = {{"servo", 90 * kDeg, 8.0}};
   arm.segments.push_back(segment);
   return arm;
-}
-
-arm::SegmentPrediction predicted(const arm::Arm& arm, const arm::InputValues& inputs) {
-  const std::optional<arm::SegmentPrediction> prediction =
-      arm::predict_segment(arm, arm.segments.front(), inputs);
-  if (!prediction) throw std::runtime_error("no prediction");
-  return *prediction;
 }
 
 TEST(ActuationLaws, NoInputIsRest) {

@@ -5,12 +5,11 @@
 #include <cmath>
 
 #include "arm_text.h"
+#include "predicted.h"
 #include "softarm/arm/arm_file.h"
 
 namespace softarm {
 namespace {
-
-constexpr double kDeg = M_PI / 180.0;
 
 TEST(ArmYaml, SmallArmWithDefaults) {
   const arm::Arm arm = arm::parse_arm(kSmallArm, "arm.yaml");

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
+#include "predicted.h"
+
 namespace softarm {
 namespace {
-
-constexpr double kDeg = M_PI / 180.0;
 
 /// The semi-physical paper's arm (Table 1), in SI.
 arm::Arm table_1_arm() {
@@ -27,13 +27,6 @@ arm::Arm table_1_arm() {
   segment.jamming_input = "vacuum";
   arm.segments.push_back(segment);
   return arm;
-}
-
-arm::SegmentPrediction predicted(const arm::Arm& arm, const arm::InputValues& inputs) {
-  const std::optional<arm::SegmentPrediction> prediction =
-      arm::predict_segment(arm, arm.segments.front(), inputs);
-  if (!prediction) throw std::runtime_error("no prediction");
-  return *prediction;
 }
 
 double direction(const arm::SegmentPrediction& prediction) {

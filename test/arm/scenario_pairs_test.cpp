@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 const fs::path kConfig = fs::path(SOFTARM_SOURCE_DIR) / "config";
 
-std::string read(const fs::path& path) {
+std::string text_of(const fs::path& path) {
   std::ifstream file(path);
   std::ostringstream text;
   text << file.rdbuf();
@@ -37,9 +37,10 @@ void PrintTo(const Pair& pair, std::ostream* out) {
 
 class ScenarioPairs : public ::testing::TestWithParam<Pair> {
  protected:
-  const rig::Scenario scenario_ =
-      rig::parse_scenario(read(kConfig / "scenarios" / (GetParam().scenario + ".yaml")), GetParam().scenario);
-  const arm::Arm arm_ = arm::parse_arm(read(kConfig / "arms" / (GetParam().arm + ".yaml")), GetParam().arm);
+  const rig::Scenario scenario_ = rig::parse_scenario(
+      text_of(kConfig / "scenarios" / (GetParam().scenario + ".yaml")), GetParam().scenario);
+  const arm::Arm arm_ =
+      arm::parse_arm(text_of(kConfig / "arms" / (GetParam().arm + ".yaml")), GetParam().arm);
 
   /// The input's number within its kind, from 0, by its name.
   static int number(const std::string& input, const std::string& kind) {

@@ -18,6 +18,11 @@ constexpr double kRate = 100.0;
 constexpr double kSeconds = 20.0;
 constexpr double kNoiseM = 2e-4;
 
+/// Number of the frame at this time of the recording.
+constexpr std::size_t at(double t_s) {
+  return static_cast<std::size_t>(t_s * kRate);
+}
+
 /// Three rings and a base, hanging, driven by two opposed chambers.
 inline arm::Arm hanging_arm() {
   arm::Arm arm;

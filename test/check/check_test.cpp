@@ -11,10 +11,6 @@ namespace {
 using namespace testing_check;
 using ::testing::HasSubstr;
 
-constexpr std::size_t at(double t_s) {
-  return static_cast<std::size_t>(t_s * kRate);
-}
-
 class Check : public ::testing::Test {
  protected:
   check::CheckReport report() const { return check::check_recording(recording, arm); }

@@ -46,7 +46,7 @@ inputs:
     - {name: chamber_2, topic: /pressure/chamber_2}
 )";
 
-constexpr char kLayout[] = R"(
+constexpr char kImportLayout[] = R"(
 time: {column: 1, unit: s}
 mocap:
   unit: m
@@ -138,7 +138,7 @@ arm::Arm loaded(const YAML::Node& arm_file, const YAML::Node& layout, const std:
 
 /// Applies the settings of a finding to both documents and loads them.
 void follow(const check::CheckFinding& finding, const std::string& arm_text, arm::Arm* arm) {
-  YAML::Node arm_file = YAML::Load(arm_text), layout = YAML::Load(kLayout);
+  YAML::Node arm_file = YAML::Load(arm_text), layout = YAML::Load(kImportLayout);
   follow(finding, arm_file, layout);
   *arm = loaded(arm_file, layout, finding.id + ": " + finding.setting, *arm);
 }
@@ -149,10 +149,6 @@ struct Spoilt {
   std::function<void(std::string&)> arm_file = {};  ///< the arm file that it is held against, where another
   bool repairs = true;                              ///< the finding is gone where the setting was followed
 };
-
-constexpr std::size_t at(double t_s) {
-  return static_cast<std::size_t>(t_s * kRate);
-}
 
 void replace(std::string& text, const std::string& was, const std::string& is) {
   const std::size_t where = text.find(was);
@@ -466,7 +462,7 @@ TEST(CheckSettings, EverySettingFollowedToTheLetterIsTakenAndRepairsWhatItCan) {
       const arm::Arm arm = arm::parse_arm(arm_text, "arm");
       trial::CheckRecording recording = clean();
       spoilt.spoil(recording);
-      if (imported) recording.import_layout = kLayout;
+      if (imported) recording.import_layout = kImportLayout;
       const check::CheckReport report = check::check_recording(recording, arm);
       const check::CheckFinding* expected = find(report, spoilt.id);
       ASSERT_NE(expected, nullptr) << to_text(report);
@@ -576,7 +572,7 @@ TEST(CheckSettings, TwoThatAreFollowedTogetherDoNotUndoOneAnother) {
       some[i].spoil(recording);
       const check::CheckReport report = check::check_recording(recording, arm);
       expect_one_value_each(report);
-      YAML::Node arm_file = YAML::Load(arm_text), layout = YAML::Load(kLayout);
+      YAML::Node arm_file = YAML::Load(arm_text), layout = YAML::Load(kImportLayout);
       for (const check::CheckFinding& finding : report.findings) follow(finding, arm_file, layout);
       loaded(arm_file, layout, to_text(report), arm);
     }
@@ -628,7 +624,7 @@ TEST(CheckSettings, WhatInputsAreAheadIsTakenOffOnce) {
   const check::CheckFinding *ahead = find(report, "stamps_ahead", "chamber_1"),
                             *shift = find(report, "clock_offset_or_lag");
   ASSERT_TRUE(ahead && shift) << to_text(report);
-  YAML::Node arm_file = YAML::Load(kArm), layout = YAML::Load(kLayout);
+  YAML::Node arm_file = YAML::Load(kArm), layout = YAML::Load(kImportLayout);
   follow(*ahead, arm_file, layout);
   follow(*shift, arm_file, layout);
   EXPECT_NEAR(arm_file["inputs"]["bodies"]["latency_s"].as<double>(), 0.25, 0.01) << to_text(report);

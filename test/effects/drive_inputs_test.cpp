@@ -4,11 +4,7 @@
 namespace softarm::effects::testing {
 namespace {
 
-const arm::Arm& arm() {
-  static const arm::Arm loaded = shipped_arm("semi_physical_200mm");
-  return loaded;
-}
-constexpr int kChamber1 = 0, kVacuum = 3;
+constexpr int kVacuum = 3;
 
 model::Series driven(const std::string& id, const model::Values& values, const model::TrialData& trial) {
   model::Series series = trial.series;

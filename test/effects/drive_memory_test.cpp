@@ -8,11 +8,6 @@ namespace {
 
 using Eigen::Vector4d;
 
-const arm::Arm& arm() {
-  static const arm::Arm loaded = shipped_arm("semi_physical_200mm");
-  return loaded;
-}
-constexpr int kChamber1 = 0;
 constexpr double kEI = 0.027, kGain = 6.1e-6, kPerJamming = 1.3e-6;
 
 /// No weight: moment and curvature are the same all along.

@@ -26,6 +26,12 @@ inline arm::Arm shipped_arm(const std::string& name) {
   return arm::load_arm_file(std::string(SOFTARM_SOURCE_DIR) + "/config/arms/" + name + ".yaml");
 }
 
+inline const arm::Arm& arm() {
+  static const arm::Arm loaded = shipped_arm("semi_physical_200mm");
+  return loaded;
+}
+constexpr int kChamber1 = 0;  ///< input of this arm
+
 /// The jammable arm with four tendons in place of its chambers.
 inline arm::Arm tendon_arm() {
   arm::Arm arm = shipped_arm("online_200mm");

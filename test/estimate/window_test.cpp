@@ -168,7 +168,7 @@ TEST(Window, SpreadFallsToWhatBodiesAreOffBy) {
   const Truth truth = truth_of(arm, kInputs, {}, 0.2);
   std::mt19937_64 random(17);
   std::normal_distribution<double> normal;
-  constexpr int kArms = 60, kFrames = 240;
+  constexpr int kArms = 60, kPerArm = 240;
   int covered = 0;
   double squares = 0.0, sd_one = 0.0;
   std::vector<double> fell;
@@ -180,7 +180,7 @@ TEST(Window, SpreadFallsToWhatBodiesAreOffBy) {
       exact.bodies[i].p_mocap += 0.001 * Eigen::Vector3d(normal(random), normal(random), normal(random));
     }
     estimate::Estimator estimator(misplaced, with_window(100.0, arm::Unknown::kStiffness, false));
-    for (int i = 0; i < kFrames; ++i) {
+    for (int i = 0; i < kPerArm; ++i) {
       trial::Frame frame = with_noise(misplaced, exact, random);
       frame.inputs = kInputs;
       frame.stamp_ns = trial::to_nanoseconds(1.0 + i / kRate_hz);
@@ -189,7 +189,7 @@ TEST(Window, SpreadFallsToWhatBodiesAreOffBy) {
       const double sd = estimate.segments[0].sd_bending_stiffness_nm2.value();
       const double relative = sd / *estimate.segments[0].bending_stiffness_nm2;
       if (i == 0) sd_one = relative;
-      if (i + 1 < kFrames) continue;
+      if (i + 1 < kPerArm) continue;
       fell.push_back(relative / sd_one);
       const double error =
           *estimate.segments[0].bending_stiffness_nm2 - truth.segments[0].bending_stiffness_nm2;

@@ -30,15 +30,15 @@ double truth_of(const ConstantRef& ref, const rig::SegmentSpec& segment) {
   }
 }
 
-struct Coverage {
+struct MovingCoverage {
   int inside = 0, all = 0;
   double widest_gain = 0.0;  ///< sd of size
 };
 
 /// Of constants in their intervals of two standard deviations, over laboratories with arms of their own.
-Coverage coverage(double highest_hz) {
+MovingCoverage coverage(double highest_hz) {
   const arm::Arm arm = rigged::shipped_arm("online_200mm");
-  Coverage result;
+  MovingCoverage result;
   for (std::uint64_t lab = 1; lab <= 3; ++lab) {
     std::mt19937_64 random(lab);
     std::uniform_real_distribution<double> share(0.85, 1.15);
@@ -70,7 +70,7 @@ Coverage coverage(double highest_hz) {
 /// By the residuals alone 22 and 16 of the 24 are.
 TEST(MovingOnTheRig, IntervalsHoldTheTruth) {
   for (const auto& [highest_hz, widest] : {std::pair(0.12, 0.03), std::pair(0.5, 0.1)}) {
-    const Coverage found = coverage(highest_hz);
+    const MovingCoverage found = coverage(highest_hz);
     EXPECT_EQ(found.all, 24);
     EXPECT_GE(found.inside, 23) << highest_hz;
     EXPECT_LT(found.widest_gain, widest) << highest_hz;

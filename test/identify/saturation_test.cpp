@@ -11,10 +11,6 @@ namespace {
 
 using testing::find;
 
-bool says(const std::string& text, const std::string& words) {
-  return text.find(words) != std::string::npos;
-}
-
 constexpr double kA = 2.0e-5, kB = 4.0e-6, kMean = 4.0e-7;
 
 arm::Arm saturating(arm::Arm arm) {
@@ -46,7 +42,7 @@ TEST(IdentifySaturation, IsFoundFromNothingWithEiHeldAndPredictsUnseenTrials) {
   }
   EXPECT_NEAR(find(saturated, "segment_1.chamber_1.saturation")->value, kA, 0.15 * kA);
   EXPECT_LT(saturated.held_out.mean_m, 0.5 * proportional.held_out.mean_m);
-  EXPECT_TRUE(says(describe(saturated), "segment_1.chamber_1.saturation"));
+  EXPECT_TRUE(testing::says(describe(saturated), "segment_1.chamber_1.saturation"));
 }
 
 TEST(IdentifySaturation, OfAllChambersTogetherAndGrowthOfEiAreToldByLoads) {
@@ -79,16 +75,16 @@ TEST(IdentifySaturation, WithoutLoadItIsGrowthOfEiAndHoldingEiTellsTheRatio) {
        {"segment_1.chambers.saturation", "segment_1.bending_stiffness.per_mean_pressure"}) {
     const Constant& c = *find(both, name);
     EXPECT_FALSE(c.determined) << name;
-    EXPECT_TRUE(says(c.advice, "--hold '*.bending_stiffness.*'")) << c.advice;
+    EXPECT_TRUE(testing::says(c.advice, "--hold '*.bending_stiffness.*'")) << c.advice;
   }
-  EXPECT_TRUE(says(describe(both), "only moment over stiffness shows"));
+  EXPECT_TRUE(testing::says(describe(both), "only moment over stiffness shows"));
   EXPECT_LT(both.held_out.mean_m, 0.001) << "the ratio is fitted all the same";
   options.held = {"*.bending_stiffness.*"};
   const Result ratio = run(nominal, truth, {0.0}, options);
   const Constant& b = *find(ratio, "segment_1.chambers.saturation");
   EXPECT_TRUE(b.determined);
   EXPECT_NEAR(b.value, kB, 4.0 * b.sd);
-  for (const Constant& c : ratio.constants) EXPECT_FALSE(says(c.advice, "--hold")) << c.name;
+  for (const Constant& c : ratio.constants) EXPECT_FALSE(testing::says(c.advice, "--hold")) << c.name;
 }
 
 TEST(IdentifySaturation, WhereThereIsNoneStaysAtNothingAndIsNoFailure) {
@@ -106,10 +102,10 @@ TEST(IdentifySaturation, WhereThereIsNoneStaysAtNothingAndIsNoFailure) {
       EXPECT_GE(c.value, 0.0);
       at_zero = at_zero || c.at_bound;
       EXPECT_FALSE(c.kept);
-      EXPECT_FALSE(says(c.advice, "limit")) << c.advice;
+      EXPECT_FALSE(testing::says(c.advice, "limit")) << c.advice;
       EXPECT_EQ(c.determined, c.sd <= options.determined_sd * c.scale) << c.name;
     }
-    EXPECT_FALSE(says(describe(result), "LIMIT"));
+    EXPECT_FALSE(testing::says(describe(result), "LIMIT"));
   }
   EXPECT_TRUE(at_zero) << "the bound was never tried";
 }
@@ -125,8 +121,8 @@ TEST(IdentifySaturation, OfASingleChamberOneOfTheTwoIsToBeHeld) {
   for (const char* name : {"segment_1.chamber_1.saturation", "segment_1.chambers.saturation"}) {
     const Constant& c = *find(both, name);
     EXPECT_FALSE(c.determined) << name;
-    EXPECT_TRUE(says(c.advice, "segment_1 has a single chamber")) << name << ": " << c.advice;
-    EXPECT_TRUE(says(c.advice, "--hold segment_1.chambers.saturation")) << name << ": " << c.advice;
+    EXPECT_TRUE(testing::says(c.advice, "segment_1 has a single chamber")) << name << ": " << c.advice;
+    EXPECT_TRUE(testing::says(c.advice, "--hold segment_1.chambers.saturation")) << name << ": " << c.advice;
   }
   Options one;
   one.held = {"segment_1.chambers.saturation"};

@@ -19,6 +19,10 @@ inline double uniform(std::mt19937_64& random, double low, double high) {
   return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
 }
 
+inline bool says(const std::string& text, const std::string& words) {
+  return text.find(words) != std::string::npos;
+}
+
 inline Eigen::Vector3d normal3(std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   const double x = normal(random), y = normal(random), z = normal(random);

@@ -17,10 +17,6 @@ bool confused(const identify::Constant& c, const std::string& with) {
                      [&](const auto& other) { return other.first == with; });
 }
 
-bool says(const std::string& text, const std::string& words) {
-  return text.find(words) != std::string::npos;
-}
-
 identify::Result run(const arm::Arm& nominal, const arm::Arm& truth, const testing::Protocol& protocol,
                      std::mt19937_64& random) {
   identify::Options options;
@@ -43,11 +39,11 @@ TEST(Undetermined, WithoutLoadOnlyMomentOverStiffnessShows) {
     const identify::Constant* c = find(result, name);
     ASSERT_NE(c, nullptr) << name;
     EXPECT_FALSE(c->determined) << name;
-    EXPECT_TRUE(says(c->advice, "without a known payload")) << c->advice;
+    EXPECT_TRUE(testing::says(c->advice, "without a known payload")) << c->advice;
   }
   EXPECT_TRUE(confused(*find(result, "segment_1.chamber_1.moment_gain"), "segment_1.bending_stiffness.base"));
   ASSERT_EQ(result.undetermined.size(), 1u) << "the common factor, nothing else";
-  EXPECT_TRUE(says(result.undetermined[0].sentence, "only moment over stiffness shows"));
+  EXPECT_TRUE(testing::says(result.undetermined[0].sentence, "only moment over stiffness shows"));
   // All of them by the same share.
   for (const auto& [name, share] : result.undetermined[0].parts) EXPECT_GT(share, 0.0) << name;
   for (const identify::Constant& c : result.constants) {
@@ -96,12 +92,12 @@ TEST(Undetermined, AnArmThatStandsNearItsBucklingLoadTellsNoStiffnessByItsWeight
     const identify::Result result = run(arm, arm, protocol, random);
     const identify::Constant* stiffness = find(result, "segment_1.bending_stiffness.base");
     ASSERT_NE(stiffness, nullptr);
-    EXPECT_EQ(says(stiffness->advice, "buckles"), share == 0.85) << stiffness->advice;
+    EXPECT_EQ(testing::says(stiffness->advice, "buckles"), share == 0.85) << stiffness->advice;
     if (share < 0.85) continue;
     EXPECT_LT(stiffness->sd, 0.25 * stiffness->value)
         << "the curvature of the cost says that it is determined";
     EXPECT_FALSE(stiffness->determined);
-    EXPECT_TRUE(says(stiffness->advice, "--hold '*.bending_stiffness.*'"));
+    EXPECT_TRUE(testing::says(stiffness->advice, "--hold '*.bending_stiffness.*'"));
   }
 }
 
@@ -120,10 +116,10 @@ TEST(Undetermined, JammingWithoutAVacuumInTheRecording) {
   const identify::Constant* jamming = find(result, "segment_1.bending_stiffness.per_jamming_pressure");
   ASSERT_NE(jamming, nullptr);
   EXPECT_FALSE(jamming->determined);
-  EXPECT_TRUE(says(jamming->advice, "vacuum does not change")) << jamming->advice;
+  EXPECT_TRUE(testing::says(jamming->advice, "vacuum does not change")) << jamming->advice;
   const identify::Constant* minimum = find(result, "segment_1.bending_stiffness.per_min_pressure");
   EXPECT_FALSE(minimum->determined);
-  EXPECT_TRUE(says(minimum->advice, "all chambers")) << minimum->advice;
+  EXPECT_TRUE(testing::says(minimum->advice, "all chambers")) << minimum->advice;
   EXPECT_EQ(minimum->value, nominal.segments[0].bending_stiffness.per_min_pressure_nm2_per_pa)
       << "nothing pulls it from its start";
 }
@@ -145,7 +141,7 @@ TEST(Undetermined, ChambersThatAreAlwaysEqual) {
   EXPECT_FALSE(second->determined);
   EXPECT_TRUE(confused(*first, second->name));
   EXPECT_TRUE(confused(*second, first->name));
-  EXPECT_TRUE(says(first->advice, "each of them alone")) << first->advice;
+  EXPECT_TRUE(testing::says(first->advice, "each of them alone")) << first->advice;
   EXPECT_TRUE(find(result, "segment_1.chamber_3.elongation")->determined);
   // Their sum is identifiable, and the moments too: they act in different directions.
   const double sum = identify::value_of(truth, first->ref) + identify::value_of(truth, second->ref);
@@ -165,7 +161,8 @@ TEST(Undetermined, AnInputThatIsNeverOn) {
   const identify::Result result = run(nominal, nominal, protocol, random);
   const identify::Constant* gain = find(result, "segment_1.chamber_3.moment_gain");
   EXPECT_FALSE(gain->determined);
-  EXPECT_TRUE(says(gain->advice, "'chamber_3' (chamber 3 of segment_1) is never on")) << gain->advice;
+  EXPECT_TRUE(testing::says(gain->advice, "'chamber_3' (chamber 3 of segment_1) is never on"))
+      << gain->advice;
   EXPECT_EQ(gain->value, gain->initial);
   EXPECT_TRUE(find(result, "segment_1.chamber_1.moment_gain")->determined);
 }
@@ -229,7 +226,7 @@ TEST(Undetermined, WhatIsAskedForAndNotFittedIsSaid) {
       identify::identify(nominal, testing::make_trials(nominal, protocol, random), options);
   EXPECT_EQ(find(result, "segment_1.axial_stiffness"), nullptr);
   ASSERT_EQ(result.warnings.size(), 1u);
-  EXPECT_TRUE(says(result.warnings[0], "NOT FITTED: segment_1.axial_stiffness: EA needs"))
+  EXPECT_TRUE(testing::says(result.warnings[0], "NOT FITTED: segment_1.axial_stiffness: EA needs"))
       << result.warnings[0];
 }
 
@@ -244,7 +241,7 @@ TEST(Undetermined, AGainOfTheWrongSignIsSaid) {
   const identify::Constant* gain = find(result, "segment_1.chamber_2.moment_gain");
   EXPECT_TRUE(gain->at_bound);
   EXPECT_FALSE(gain->determined);
-  EXPECT_TRUE(says(gain->advice, "bending direction")) << gain->advice;
+  EXPECT_TRUE(testing::says(gain->advice, "bending direction")) << gain->advice;
 }
 
 }  // namespace

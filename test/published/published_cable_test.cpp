@@ -13,7 +13,7 @@
 namespace softarm::rod {
 namespace {
 
-constexpr double kGravity = 9.81;
+constexpr double kGravity_m_s2 = 9.81;
 constexpr double kLength = 0.235;
 constexpr double kMiddle = 0.12;
 
@@ -23,7 +23,7 @@ published::CableArm paper_arm(double curvature, double grams, double at_m) {
   arm.bending_stiffness_nm2 = 0.007;
   arm.length_m = kLength;
   arm.curvature_per_m = curvature;
-  arm.load_n = 1e-3 * grams * kGravity;
+  arm.load_n = 1e-3 * grams * kGravity_m_s2;
   arm.load_arclength_m = at_m;
   return arm;
 }

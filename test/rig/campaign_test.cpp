@@ -37,13 +37,13 @@ trials:
 mocap: {rate_hz: [60, 240], position_sd_m: [0.0002, 0.0006], orientation_sd_rad: 0.01, dropout_probability: [0, 0.01]}
 )";
 
-std::vector<Scenario> arms() {
+std::vector<Scenario> campaign_arms() {
   return {parse_scenario(kScenarioText, "case.yaml")};
 }
 
 TEST(Campaign, DrawsLieInTheirRanges) {
   const CampaignSpec spec = parse_campaign(kCampaign, "campaign.yaml");
-  const std::vector<Scenario> base = arms();
+  const std::vector<Scenario> base = campaign_arms();
   std::set<std::size_t> counts;
   std::set<std::uint64_t> seeds;
   std::set<std::string> effects;
@@ -90,7 +90,7 @@ TEST(Campaign, ACaseFollowsFromSeedAndNumberAlone) {
   const CampaignSpec spec = parse_campaign(kCampaign, "campaign.yaml");
   const auto text = [&](std::uint64_t seed, int number, int attempt = 0) {
     std::string all;
-    for (const Scenario& trial : draw_case(spec, arms(), seed, number, attempt).trials)
+    for (const Scenario& trial : draw_case(spec, campaign_arms(), seed, number, attempt).trials)
       all += truth_yaml(trial);
     return all;
   };
@@ -103,7 +103,7 @@ TEST(Campaign, ACaseFollowsFromSeedAndNumberAlone) {
 TEST(Campaign, CasesCanBeSimulated) {
   const CampaignSpec spec = parse_campaign(kCampaign, "campaign.yaml");
   for (int number = 0; number < 5; ++number) {
-    for (const Scenario& trial : draw_case(spec, arms(), 1, number).trials) {
+    for (const Scenario& trial : draw_case(spec, campaign_arms(), 1, number).trials) {
       Simulator simulator(trial);
       for (int frame = 0; frame < 30; ++frame) ASSERT_TRUE(simulator.next());
     }
@@ -111,7 +111,7 @@ TEST(Campaign, CasesCanBeSimulated) {
 }
 
 TEST(Campaign, TruthNamesWhatIsHidden) {
-  Scenario scenario = arms()[0];
+  Scenario scenario = campaign_arms()[0];
   hide({"base_compliance", "", {{"stiffness_nm_per_rad", 6.5}}}, scenario);
   const std::string truth = truth_yaml(scenario);
   EXPECT_THAT(truth, HasSubstr("effect: base_compliance"));
@@ -206,7 +206,7 @@ TEST(Campaign, ABackgroundHasSoManyDeparturesAtLeast) {
   EXPECT_EQ(spec.signal->background_m->high, 8e-4);
   std::set<std::size_t> counts;
   for (int number = 0; number < 30; ++number)
-    counts.insert(draw_case(spec, arms(), 5, number).distractors.size());
+    counts.insert(draw_case(spec, campaign_arms(), 5, number).distractors.size());
   EXPECT_EQ(counts, (std::set<std::size_t>{3, 4, 5}));
   text.replace(text.find("at_least: 3"), 11, "at_least: 6");
   EXPECT_THROW(parse_campaign(text, "campaign.yaml"), ScenarioError);
@@ -218,7 +218,7 @@ TEST(Campaign, FormsAndPairsAreThoseThatAreAllowed) {
   for (const FormChoice forms : {FormChoice::kOther, FormChoice::kDefault}) {
     spec.forms = forms;
     for (int number = 0; number < 100; ++number) {
-      const CampaignCase one = draw_case(spec, arms(), 5, number);
+      const CampaignCase one = draw_case(spec, campaign_arms(), 5, number);
       ASSERT_EQ(one.effects.size(), 2u);
       std::set<std::string> ids;
       for (const HiddenChoice& choice : one.effects) {
@@ -240,7 +240,8 @@ TEST(Campaign, ColouredNoiseIsOnEveryRing) {
   std::string text = kCampaign;
   text.replace(text.find("dropout_probability: [0, 0.01]"), 30,
                "slow_position_sd_m: [1.0e-5, 2.0e-5], slow_correlation_s: 2");
-  for (const Scenario& trial : draw_case(parse_campaign(text, "campaign.yaml"), arms(), 1, 0).plain) {
+  for (const Scenario& trial :
+       draw_case(parse_campaign(text, "campaign.yaml"), campaign_arms(), 1, 0).plain) {
     ASSERT_EQ(trial.sensors.correlated_noise.size(), trial.mocap.ring_fractions.size());
     for (const CorrelatedNoise& noise : trial.sensors.correlated_noise) {
       EXPECT_GE(noise.sd.position_sd_m, 1e-5);
@@ -293,7 +294,8 @@ TEST(Campaign, ShippedCampaignsAreRead) {
 TEST(Campaign, ATrialTooShortForItsDrivesIsRefused) {
   std::string text = kCampaign;
   text.replace(text.find("[8, 10]"), 7, "[2, 3]");
-  EXPECT_THROW(draw_case(parse_campaign(text, "campaign.yaml"), arms(), 1, 0), std::invalid_argument);
+  EXPECT_THROW(draw_case(parse_campaign(text, "campaign.yaml"), campaign_arms(), 1, 0),
+               std::invalid_argument);
 }
 
 }  // namespace

@@ -9,22 +9,6 @@
 namespace softarm::rig {
 namespace {
 
-/// Period between upward zero crossings of a signal, averaged from the first to the last.
-double mean_period(const std::function<double()>& next, double dt, int steps) {
-  double last = next(), first_crossing = -1.0, last_crossing = -1.0;
-  int periods = -1;
-  for (int i = 1; i < steps; ++i) {
-    const double value = next();
-    if (last < 0.0 && value >= 0.0) {
-      last_crossing = dt * (i - 1 + last / (last - value));
-      if (periods < 0) first_crossing = last_crossing;
-      ++periods;
-    }
-    last = value;
-  }
-  return (last_crossing - first_crossing) / periods;
-}
-
 /// First eigenvalue of a cantilever with a tip mass of `ratio` times its own: smallest root of
 /// 1 + cos b cosh b + ratio b (cos b sinh b - sin b cosh b) = 0.
 double cantilever_eigenvalue(double ratio) {

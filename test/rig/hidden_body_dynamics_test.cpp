@@ -13,22 +13,6 @@
 namespace softarm::rig {
 namespace {
 
-/// Mean time between upward zero crossings.
-double mean_period(const std::function<double()>& next, double dt, int steps) {
-  double last = next(), first = -1.0, final = -1.0;
-  int periods = -1;
-  for (int i = 1; i < steps; ++i) {
-    const double value = next();
-    if (last < 0.0 && value >= 0.0) {
-      final = dt * (i - 1 + last / (last - value));
-      if (periods < 0) first = final;
-      ++periods;
-    }
-    last = value;
-  }
-  return (final - first) / periods;
-}
-
 TEST(HiddenBodyDynamics, SecondBendingFrequencyOfACantilever) {
   // A force of the second mode's frequency rings it up; then it swings alone, the first mode taken out by the
   // node of the second at 0.7834 L (Blevins, table 8-1): there only the first moves.

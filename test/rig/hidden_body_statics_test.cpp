@@ -10,7 +10,7 @@
 namespace softarm::rig {
 namespace {
 
-constexpr double kLength = 0.2, kEi = 0.03, kMass = 0.2, kGravity = 9.81;
+constexpr double kLength = 0.2, kRodEi = 0.03, kMass = 0.2, kGravity = 9.81;
 
 /// Integral over the arm by the midpoint rule.
 double along_arm(const std::function<double(double)>& f) {
@@ -26,11 +26,12 @@ void expect_tip_angles(HiddenArm arm, const std::function<double(double)>& stiff
   const double moment = 0.15, force = 1e-4;
   HiddenArm pushed = arm;
   arm.actuation.moment_nm = {moment, 0.0};
-  const double expected = along_arm([&](double s) { return moment * actuation(s) / (kEi * stiffness(s)); });
+  const double expected =
+      along_arm([&](double s) { return moment * actuation(s) / (kRodEi * stiffness(s)); });
   EXPECT_NEAR(tip_angle(arm.settled()) / expected, 1.0, tolerance);
   pushed.inputs.tip_force_base_n = {force, 0.0, 0.0};
   const double pushed_angle =
-      along_arm([&](double s) { return force * kLength * (1.0 - s) / (kEi * stiffness(s)); });
+      along_arm([&](double s) { return force * kLength * (1.0 - s) / (kRodEi * stiffness(s)); });
   EXPECT_NEAR(tip_angle(pushed.settled()) / pushed_angle, 1.0, tolerance);
 }
 
@@ -60,8 +61,8 @@ TEST(HiddenBody, SoftSpotBendsMoreWhereItIs) {
   expect_tip_angles(arm, ratio, one, 1e-4);
   arm.actuation.moment_nm = {0.15, 0.0};
   const RitzRod rod = arm.settled();
-  EXPECT_NEAR(rod.curvature(0.2).y(), 0.15 / kEi, 1e-6);
-  EXPECT_NEAR(rod.curvature(0.45).y(), 0.15 / (0.6 * kEi), 0.1);
+  EXPECT_NEAR(rod.curvature(0.2).y(), 0.15 / kRodEi, 1e-6);
+  EXPECT_NEAR(rod.curvature(0.45).y(), 0.15 / (0.6 * kRodEi), 0.1);
   // Finer splines say the same: 0.02 mm are allowed.
   arm.scenario.numerics.elements = 60;
   const Eigen::Vector3d difference = arm.settled().pose(1.0).translation() - rod.pose(1.0).translation();
@@ -73,7 +74,7 @@ TEST(HiddenBody, EndCapsStayStraight) {
   arm.scenario.body.rigid_ends = RigidEnds{0.015, 0.01};
   arm.actuation.moment_nm = {0.15, 0.0};
   const RitzRod rod = arm.settled();
-  EXPECT_NEAR(tip_angle(rod), 0.15 / kEi * (kLength - 0.025), 1e-7);
+  EXPECT_NEAR(tip_angle(rod), 0.15 / kRodEi * (kLength - 0.025), 1e-7);
   const Eigen::Isometry3d start = rod.pose(0.015 / kLength);
   EXPECT_LT((start.translation() - Eigen::Vector3d(0.0, 0.0, 0.015)).norm(), 1e-9);
   EXPECT_LT(rod.pose(0.95).linear().col(2).cross(rod.pose(1.0).linear().col(2)).norm(), 1e-8);
@@ -120,7 +121,7 @@ TEST(HiddenBody, PayloadOffTheAxis) {
   const RitzRod rod = hanging.settled();
   const double tip_moment = 0.3 * kGravity * 0.01 * std::cos(tip_angle(rod));
   EXPECT_GT(tip_moment, 0.02);
-  EXPECT_NEAR(-kEi * rod.curvature(1.0).y(), tip_moment, 1e-4 * tip_moment);
+  EXPECT_NEAR(-kRodEi * rod.curvature(1.0).y(), tip_moment, 1e-4 * tip_moment);
 }
 
 TEST(HiddenBody, TiltOfTheBaseTurnsTheArmAtEveryInput) {
@@ -168,7 +169,7 @@ TEST(HiddenBody, TetherPullsTheTipBack) {
   HiddenArm arm;
   arm.scenario.body.tether = Tether{40.0, 0.0, 0.0, false, 0.0, 0.0};
   arm.inputs.tip_force_base_n = {0.01, 0.0, 0.0};
-  const double beam = 3.0 * kEi / std::pow(kLength, 3);
+  const double beam = 3.0 * kRodEi / std::pow(kLength, 3);
   EXPECT_NEAR(arm.settled().pose(1.0).translation().x() / (0.01 / (beam + 40.0)), 1.0, 1e-4);
   // A hose with 1 mm of slack, anchored 0.1 m across: silent, then taut; the onset is over 2 mm.
   arm.scenario.body.tether = Tether{40.0, M_PI, 0.1, true, 0.001, 0.0};
@@ -198,9 +199,10 @@ TEST(HiddenBody, WallHoldsOnePlaceOfTheArm) {
   ASSERT_GT(penetration, 2e-4);
   const double push = 50.0 * (penetration - 1e-4);  // half of the onset
   // Superposed cantilevers: deflection at s by the force at the tip and by the wall's at s.
-  const double deflection = 0.02 * s * s * (3.0 * kLength - s) / (6.0 * kEi) - push * s * s * s / (3.0 * kEi);
+  const double deflection =
+      0.02 * s * s * (3.0 * kLength - s) / (6.0 * kRodEi) - push * s * s * s / (3.0 * kRodEi);
   EXPECT_NEAR(rod.pose(0.7).translation().x() / deflection, 1.0, 1e-4);
-  EXPECT_NEAR(kEi * rod.curvature(0.0).y(), 0.02 * kLength - push * s, 1e-6);
+  EXPECT_NEAR(kRodEi * rod.curvature(0.0).y(), 0.02 * kLength - push * s, 1e-6);
   wall.distance_m = 0.01;  // out of reach
   HiddenArm out = arm, ideal = arm;
   out.scenario.body.wall = wall;
@@ -227,7 +229,7 @@ TEST(HiddenBody, RoughWallCarriesWhatLeansOnIt) {
   }
   EXPECT_GT(most, 1e-4);
   // The cut of the rod at the base carries the rest of the weight: as the curvature's derivative there says.
-  const double shear = -kEi * (rod.curvature(1e-3).y() - rod.curvature(0.0).y()) / (1e-3 * kLength);
+  const double shear = -kRodEi * (rod.curvature(1e-3).y() - rod.curvature(0.0).y()) / (1e-3 * kLength);
   EXPECT_NEAR(push + shear, kMass * kGravity, 0.03 * kMass * kGravity);
 }
 
@@ -265,10 +267,10 @@ TEST(HiddenBody, StiffeningOfTheWholeArm) {
   HiddenArm arm;
   arm.scenario.body.stiffening = Stiffening{2e-3, false};
   const double u = 9.0;
-  arm.actuation.moment_nm = {kEi * u * (1.0 + 2e-3 * u * u), 0.0};
+  arm.actuation.moment_nm = {kRodEi * u * (1.0 + 2e-3 * u * u), 0.0};
   EXPECT_NEAR(tip_angle(arm.settled()), u * kLength, 1e-9);
   arm.scenario.body.stiffening->gent = true;
-  arm.actuation.moment_nm = {kEi * u / (1.0 - 2e-3 * u * u), 0.0};
+  arm.actuation.moment_nm = {kRodEi * u / (1.0 - 2e-3 * u * u), 0.0};
   EXPECT_NEAR(tip_angle(arm.settled()), u * kLength, 1e-9);
 }
 

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include "rig/ritz_rod.h"
@@ -24,6 +25,22 @@ inline RitzRodInputs paper_inputs() {
   inputs.pieces[0].bending_stiffness_nm2 = 0.03;
   inputs.pieces[0].torsional_stiffness_nm2 = 0.03;
   return inputs;
+}
+
+/// Period between upward zero crossings of a signal, averaged from the first to the last.
+inline double mean_period(const std::function<double()>& next, double dt, int steps) {
+  double last = next(), first_crossing = -1.0, last_crossing = -1.0;
+  int periods = -1;
+  for (int i = 1; i < steps; ++i) {
+    const double value = next();
+    if (last < 0.0 && value >= 0.0) {
+      last_crossing = dt * (i - 1 + last / (last - value));
+      if (periods < 0) first_crossing = last_crossing;
+      ++periods;
+    }
+    last = value;
+  }
+  return (last_crossing - first_crossing) / periods;
 }
 
 /// A planar elastica in the x-z plane under its own weight, a tip weight and an actuation moment.

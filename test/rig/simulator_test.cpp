@@ -15,7 +15,7 @@ namespace softarm::rig {
 namespace {
 
 /// With coarse steps, to be cheap.
-Scenario scenario() {
+Scenario coarse_scenario() {
   Scenario s = parse_scenario(kScenarioText, "case.yaml");
   s.numerics.max_step_s = 1.0 / 240.0;
   return s;
@@ -47,7 +47,7 @@ std::string text_of(const Scenario& s) {
 }
 
 TEST(Simulator, SameSeedSameBytes) {
-  Scenario s = scenario();
+  Scenario s = coarse_scenario();
   const std::string one = text_of(s);
   EXPECT_EQ(one, text_of(s));
   s.seed = 5;
@@ -55,7 +55,7 @@ TEST(Simulator, SameSeedSameBytes) {
 }
 
 TEST(Simulator, FramesAndStamps) {
-  Simulator simulator(scenario());
+  Simulator simulator(coarse_scenario());
   ASSERT_TRUE(simulator.frame_count());
   EXPECT_EQ(simulator.body_names(), (std::vector<std::string>{"base", "ring_1", "ring_2"}));
   const std::vector<Sample> samples = run(simulator);
@@ -67,13 +67,13 @@ TEST(Simulator, FramesAndStamps) {
   }
   EXPECT_FALSE(simulator.next());
 
-  Scenario endless = scenario();
+  Scenario endless = coarse_scenario();
   endless.duration_s = 0.0;
   EXPECT_FALSE(Simulator(endless).frame_count());
 }
 
 TEST(Simulator, DropoutsAreCountedAndHaveTheirProbability) {
-  Simulator simulator(scenario());
+  Simulator simulator(coarse_scenario());
   std::size_t lost = 0, all = 0;
   for (const Sample& sample : run(simulator))
     for (const auto& body : sample.bodies) {
@@ -84,7 +84,7 @@ TEST(Simulator, DropoutsAreCountedAndHaveTheirProbability) {
   const double expected = 0.1 * static_cast<double>(all), sd = std::sqrt(expected * 0.9);
   EXPECT_NEAR(static_cast<double>(lost), expected, 4.0 * sd);
 
-  Scenario without = scenario();
+  Scenario without = coarse_scenario();
   without.mocap.dropout_probability = 0.0;
   Simulator complete(without);
   run(complete);
@@ -92,7 +92,7 @@ TEST(Simulator, DropoutsAreCountedAndHaveTheirProbability) {
 }
 
 TEST(Simulator, MocapSeesTheTruthThroughTheMountWithTheStatedNoise) {
-  const Scenario s = scenario();
+  const Scenario s = coarse_scenario();
   Simulator simulator(s);
   double position = 0.0, orientation = 0.0, base = 0.0, mean = 0.0;
   int count = 0, base_count = 0;
@@ -121,7 +121,7 @@ TEST(Simulator, MocapSeesTheTruthThroughTheMountWithTheStatedNoise) {
 }
 
 TEST(Simulator, PressureMessagesHaveTheirOwnRateAndAreAbsolute) {
-  Scenario s = scenario();
+  Scenario s = coarse_scenario();
   s.vacuum.schedule = {{0.0, {40e3}}};
   Simulator simulator(s);
   std::vector<InputSample> messages;
@@ -149,7 +149,7 @@ TEST(Simulator, PressureMessagesHaveTheirOwnRateAndAreAbsolute) {
 }
 
 TEST(Simulator, PayloadIsPublishedOnceAndWhenItChangesOrNever) {
-  Simulator simulator(scenario());
+  Simulator simulator(coarse_scenario());
   std::vector<PayloadSample> seen;
   for (const Sample& sample : run(simulator))
     if (sample.payload) seen.push_back(*sample.payload);
@@ -159,7 +159,7 @@ TEST(Simulator, PayloadIsPublishedOnceAndWhenItChangesOrNever) {
   EXPECT_DOUBLE_EQ(seen[1].kg, 0.2);
   EXPECT_NEAR(seen[1].stamp_s, 5.1, 1e-9);
 
-  Scenario secret = scenario();
+  Scenario secret = coarse_scenario();
   secret.payload.publish = false;
   Simulator silent(secret);
   double carried = 0.0;
@@ -172,7 +172,7 @@ TEST(Simulator, PayloadIsPublishedOnceAndWhenItChangesOrNever) {
 
 TEST(Simulator, EachChamberBendsTheArmTowardsItsDirection) {
   for (std::size_t chamber = 0; chamber < 3; ++chamber) {
-    Scenario s = scenario();
+    Scenario s = coarse_scenario();
     s.payload.schedule.clear();
     s.pressures.random.reset();
     s.pressures.settle_s = 0.0;
@@ -192,7 +192,7 @@ TEST(Simulator, EachChamberBendsTheArmTowardsItsDirection) {
 }
 
 TEST(Simulator, TrialsStartAndEndAtRest) {
-  Scenario s = scenario();
+  Scenario s = coarse_scenario();
   s.pressures.settle_s = 2.0;
   Simulator simulator(s);
   const std::vector<Sample> samples = run(simulator);
@@ -205,7 +205,7 @@ TEST(Simulator, TrialsStartAndEndAtRest) {
 
 TEST(Simulator, MountAndGravityTurnTogether) {
   // About the vertical, nothing but the mocap poses may change.
-  Scenario s = scenario();
+  Scenario s = coarse_scenario();
   s.mocap = MocapSpec{};
   s.mocap.ring_noise = s.mocap.base_noise = PoseNoise{};
   s.mount.q_mocap_base =
@@ -240,13 +240,13 @@ double numerical_error_m(Scenario s) {
 }
 
 TEST(Simulator, NumericalErrorIsFarBelowTheNoise) {
-  Scenario s = scenario();
+  Scenario s = coarse_scenario();
   s.duration_s = 8.0;  // the payload changes at 5
   EXPECT_LT(numerical_error_m(s), 0.02e-3);
 }
 
 TEST(Simulator, WhereASlewLimitMakesKinksInTimeTheErrorStaysAsSmall) {
-  Scenario s = scenario();
+  Scenario s = coarse_scenario();
   s.duration_s = 4.0;
   s.pressures.random.reset();
   s.pressures.settle_s = 0.2;
@@ -257,7 +257,7 @@ TEST(Simulator, WhereASlewLimitMakesKinksInTimeTheErrorStaysAsSmall) {
 }
 
 TEST(Simulator, LawsDrivenOutOfRangeAreReported) {
-  Scenario s = scenario();
+  Scenario s = coarse_scenario();
   s.arm.segments[0].stiffness_per_min_nm2_per_pa = -1e-5;
   s.pressures.random->min.assign(3, 10e3);
   Simulator simulator(s);
@@ -270,7 +270,7 @@ TEST(Simulator, LawsDrivenOutOfRangeAreReported) {
 }
 
 TEST(TruthCsv, RowsMatchTheHeader) {
-  const Scenario s = scenario();
+  const Scenario s = coarse_scenario();
   Simulator simulator(s);
   std::optional<Sample> sample;
   for (int i = 0; i < 700; ++i) sample = simulator.next();

@@ -20,7 +20,7 @@ using ::testing::Contains;
 using ::testing::Pair;
 using ::testing::SizeIs;
 
-constexpr double kStart_s = 1000.0, kPeriod_s = 0.01, kDelay_s = 0.004;
+constexpr double kDelay_s = 0.004;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 void expect_near(const Eigen::Vector3d& p, const Eigen::Vector3d& expected, double tolerance = 1e-9) {

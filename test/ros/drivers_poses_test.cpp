@@ -31,7 +31,6 @@ using ::testing::Contains;
 using ::testing::Pair;
 using ::testing::SizeIs;
 
-constexpr double kStart_s = 1000.0, kPeriod_s = 0.01;
 const char* const kBodies[] = {"base", "ring_1", "ring_2"};
 
 /// Pose of base, ring_1, ring_2 at instant i; z points down.

@@ -14,6 +14,8 @@
 
 namespace softarm::drivers {
 
+constexpr double kStart_s = 1000.0, kPeriod_s = 0.01;  ///< of the frames
+
 /// A light arm of 0.2 m; `parts` gives base, bodies and inputs; base and bodies are added where it has none.
 inline arm::Arm arm_with(const std::string& parts) {
   std::string text = R"(format: 1

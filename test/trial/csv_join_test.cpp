@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "csv_text.h"
 #include "trial/csv_layout.h"
 #include "trial/csv_recording.h"
 
@@ -80,12 +81,6 @@ class CsvJoinTest : public ::testing::Test {
  private:
   std::vector<std::string> files_;
 };
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
-}
 
 TEST_F(CsvJoinTest, InputsAreFoundByIdInAnyOrderAndBecomeSi) {
   read(kLayout, "ID,x,y,z,phi\n7,1,2,3,180\n8,1,2,3,0\n", "number;u;t;m\n8;90;1000;250\n7.0;-180;500;100\n");

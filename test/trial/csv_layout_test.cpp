@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "csv_text.h"
 #include "trial/csv_recording.h"
 
 namespace softarm {
@@ -30,12 +31,6 @@ pressures:
   inputs:
     - {topic: /pressure/chamber_1, column: 9}
 )";
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
-}
 
 std::string error_of(const std::string& text) {
   try {

@@ -18,8 +18,7 @@
 namespace softarm::app::validate {
 namespace {
 
-constexpr std::uint64_t kPaper = 5;
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr std::uint64_t kCablePaper = 5;
 constexpr double kMidSpanM = 0.12;
 constexpr double kNearlyWeightlessKg = 1e-3;  // the rig moves masses: it needs some
 constexpr std::array<double, 5> kFittingPwm{1415, 1485, 1535, 1600, 1660};
@@ -87,7 +86,7 @@ std::vector<Eigen::Vector3d> measured_points(const trial::Frame& frame, const ar
 
 /// (16): the largest distance of a mark from the model, percent of the length.
 double error_rate(const std::vector<Eigen::Vector3d>& model, const std::vector<Eigen::Vector3d>& measured) {
-  if (model.size() != measured.size()) return kNone;
+  if (model.size() != measured.size()) return kNoValue;
   double largest = 0.0;
   for (std::size_t i = 0; i < model.size(); ++i) largest = std::max(largest, (model[i] - measured[i]).norm());
   return 100.0 * largest / kCableLengthM;
@@ -130,7 +129,7 @@ double their_stiffness(const std::vector<Held>& shapes, const arm::Arm& arm) {
 
 /// What one truth gave.
 struct Outcome {
-  double ours_nm2 = kNone, ours_sd_nm2 = kNone, theirs_nm2 = kNone;
+  double ours_nm2 = kNoValue, ours_sd_nm2 = kNoValue, theirs_nm2 = kNoValue;
   arm::Arm identified;
   std::vector<std::array<double, 2>> tip, mid;  ///< error rate of ours and theirs; tip by load then PWM
   std::vector<double> mid_to_the_letter, mid_statics;
@@ -190,7 +189,7 @@ void compare(const arm::Arm& identified, std::size_t number, const std::vector<H
     }
     for (std::size_t k = 0; k < measured.size(); ++k) {
       const auto x = [&](const std::vector<Eigen::Vector3d>& p, int axis) {
-        return p.size() == measured.size() ? p[k][axis] : kNone;
+        return p.size() == measured.size() ? p[k][axis] : kNoValue;
       };
       result.marks.push_back({static_cast<double>(number), mid ? 1.0 : 0.0, loaded.load_kg, loaded.pwm[i],
                               measured[k].z(), measured[k].x(), x(ours, 2), x(ours, 0), x(theirs, 2),
@@ -201,7 +200,9 @@ void compare(const arm::Arm& identified, std::size_t number, const std::vector<H
 
 Outcome experiment(const Truth& truth, std::size_t number, const Settings& settings) {
   const arm::Arm arm = marks_only(shipped_arm("cable_235mm"), truth);
-  const auto seed = [&](std::uint64_t part) { return seed_of(settings.seed, kPaper, 100 * number + part); };
+  const auto seed = [&](std::uint64_t part) {
+    return seed_of(settings.seed, kCablePaper, 100 * number + part);
+  };
   Outcome result;
   const auto measure = [&](const auto& pwms, double load_kg, double fraction, std::uint64_t part) {
     std::vector<Hold> holds;

@@ -7,7 +7,6 @@
 namespace softarm::app::validate {
 namespace {
 
-constexpr double kGravity = 9.80665;
 constexpr double kStiffnessNm2 = 0.007;
 constexpr double kSmallestLoadKg = 0.01463, kLargestTipLoadKg = 0.02921;
 

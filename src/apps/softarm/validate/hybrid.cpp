@@ -17,9 +17,7 @@
 namespace softarm::app::validate {
 namespace {
 
-constexpr std::uint64_t kPaper = 4;
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kGravity = 9.80665;
+constexpr std::uint64_t kHybridPaper = 4;
 int repeats_of(const Settings& settings) {
   return settings.quick ? 1 : 3;
 }
@@ -70,7 +68,7 @@ void pull(std::size_t tendon, double pressure_pa, const std::array<double, 3>& o
 }
 
 struct Rigidity {
-  double value_nm2 = kNone, sd_nm2 = kNone, true_nm2 = kNone;
+  double value_nm2 = kNoValue, sd_nm2 = kNoValue, true_nm2 = kNoValue;
 };
 
 /// EI at one pressure: three trials, each tendon once.
@@ -107,9 +105,9 @@ using Curve = std::array<Rigidity, kPressuresPa.size()>;
 Curve rigidity_curve(const arm::Arm& arm, Quality quality, const Settings& settings) {
   Curve curve;
   math::in_parallel(curve.size(), settings.jobs, [&](std::size_t i) {
-    curve[i] =
-        identify_at(arm, quality, kPressuresPa[i], repeats_of(settings),
-                    seed_of(settings.seed, kPaper, 10 * i + 1000 * static_cast<std::uint64_t>(quality)));
+    curve[i] = identify_at(
+        arm, quality, kPressuresPa[i], repeats_of(settings),
+        seed_of(settings.seed, kHybridPaper, 10 * i + 1000 * static_cast<std::uint64_t>(quality)));
   });
   return curve;
 }
@@ -232,7 +230,7 @@ Prediction predict_experiment(const arm::Arm& arm, Quality quality, std::size_t 
       std::vector<double> row{static_cast<double>(quality), static_cast<double>(experiment)};
       for (int i = 1; i <= 3; ++i) row.push_back(*frame.inputs[static_cast<std::size_t>(i)]);
       for (const Eigen::Vector3d& p :
-           {tip.measured_p_base, tip.predicted_p_base, printed.value_or(Eigen::Vector3d::Constant(kNone))})
+           {tip.measured_p_base, tip.predicted_p_base, printed.value_or(Eigen::Vector3d::Constant(kNoValue))})
         row.insert(row.end(), p.data(), p.data() + 3);
       result.tips.push_back(row);
     }
@@ -257,7 +255,7 @@ Predictions predict_all(const arm::Arm& arm, const std::array<Curve, 2>& curves,
     const std::size_t q = i / kExperiments.size(), e = i % kExperiments.size();
     predictions[q][e] =
         predict_experiment(identified(arm, curves[q]), static_cast<Quality>(q), e, repeats_of(settings),
-                           seed_of(settings.seed, kPaper, 5000 + 10 * i));
+                           seed_of(settings.seed, kHybridPaper, 5000 + 10 * i));
   });
   return predictions;
 }

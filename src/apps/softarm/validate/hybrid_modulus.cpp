@@ -11,7 +11,6 @@
 namespace softarm::app::validate {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 // Table 2 of the paper.
 constexpr double kOuterM = 0.012, kInnerM = 0.003, kOffsetM = 0.004;
 constexpr arm::MooneyRivlin kPrintedRubber{18800.0, -14000.0};
@@ -44,8 +43,8 @@ Table hybrid_moduli(Series& series) {
     if (!stretch) continue;
     const double strain = 0.5 * (*stretch * *stretch - 1.0);
     const std::array<double, 3> ei{
-        published::published_modulus_pa(kPrintedRubber, strain).value_or(kNone) * inertia,
-        published::published_chain_rule_modulus_pa(kPrintedRubber, strain).value_or(kNone) * inertia,
+        published::published_modulus_pa(kPrintedRubber, strain).value_or(kNoValue) * inertia,
+        published::published_chain_rule_modulus_pa(kPrintedRubber, strain).value_or(kNoValue) * inertia,
         kPrintedRubber.tangent_modulus_pa(*stretch) * inertia};
     series.rows.push_back({1e3 * kpa, ei[0], ei[1], ei[2]});
     if (kpa == 0) at_rest = ei;

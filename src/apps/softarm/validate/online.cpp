@@ -15,7 +15,6 @@
 namespace softarm::app::validate {
 namespace {
 
-constexpr std::size_t kPrinted = 0, kSquares = 1;  // of kOnlineObjectives
 constexpr double kDeg = 180.0 / M_PI;
 
 double percent(const OnlineFit& fit) {

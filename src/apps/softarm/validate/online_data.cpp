@@ -10,8 +10,7 @@
 namespace softarm::app::validate {
 namespace {
 
-constexpr std::uint64_t kPaper = 2;
-constexpr double kGravity = 9.80665;
+constexpr std::uint64_t kOnlinePaper = 2;
 // Three markers of 0.5 mm noise, 20 mm off the axis, define the plane of a set: 0.5 / (20 sqrt(3/2)) = 0.020
 // rad.
 constexpr double kPositionSd = 0.5e-3, kPlaneSd = 0.02;
@@ -182,7 +181,7 @@ std::vector<OnlineSet> online_experiment(const OnlineSetting& setting, const Set
   if (setting.quality == Quality::kRealLike) make_real_like(scenario, 0.0, 0.0);
   scenario.mocap.ring_noise = {kPositionSd, kPlaneSd};
   // The same pressures and weights on the ideal and on the real-like arm.
-  Draw draw(seed_of(settings.seed, kPaper, setting.standing ? 1 : 0));
+  Draw draw(seed_of(settings.seed, kOnlinePaper, setting.standing ? 1 : 0));
   std::vector<OnlineSet> result(static_cast<std::size_t>(sets));
   std::vector<double> unseen_kg;
   for (std::size_t i = 0; i < result.size(); ++i) {
@@ -205,7 +204,7 @@ std::vector<OnlineSet> online_experiment(const OnlineSetting& setting, const Set
       timing.viscoelastic_lag_s = 0.15;
     }
     const std::vector<Held> held = run_holds(
-        scenario, arm, holds, seed_of(settings.seed, kPaper, 100 + 10 * i + setting.standing), timing);
+        scenario, arm, holds, seed_of(settings.seed, kOnlinePaper, 100 + 10 * i + setting.standing), timing);
     Methods methods(arm);
     for (std::size_t h = 0; h < held.size(); ++h) {
       set.moving_m = std::max(set.moving_m, held[h].moving_m);

@@ -25,6 +25,7 @@ constexpr std::array<arm::Method, 4> kOnlineMethods{arm::Method::kFullPoints, ar
                                                     arm::Method::kCcPoints, arm::Method::kCcEndpoint};
 constexpr std::array<arm::Objective, 2> kOnlineObjectives{arm::Objective::kSumOfDistances,
                                                           arm::Objective::kLeastSquares};
+constexpr std::size_t kPrinted = 0, kSquares = 1;  // of these
 
 /// One frame by one method.
 struct OnlineFit {

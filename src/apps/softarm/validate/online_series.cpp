@@ -3,11 +3,7 @@
 #include <cmath>
 
 namespace softarm::app::validate {
-namespace {
-
-constexpr std::size_t kPrinted = 0, kSquares = 1;  // of kOnlineObjectives
-
-}  // namespace
+namespace {}  // namespace
 
 Series online_frames_series(const std::vector<OnlineSetting>& settings,
                             const std::vector<OnlineExperiment>& experiments) {

@@ -18,8 +18,7 @@
 namespace softarm::app::validate {
 namespace {
 
-constexpr std::uint64_t kPaper = 1;
-constexpr double kGravity = 9.80665;
+constexpr std::uint64_t kSemiPhysicalPaper = 1;
 constexpr double kPayloadKg = 0.2;
 constexpr int kFrames = 5;  // measured of each condition
 constexpr std::array<const char*, 2> kQualityNames{"ideal", "real-like"};
@@ -107,7 +106,7 @@ struct Errors {
   }
 };
 
-struct Outcome {
+struct FitOutcome {
   identify::Result ours;
   std::optional<published::ThreeTruths> theirs;
   std::string failure;  ///< of their procedure
@@ -121,7 +120,7 @@ std::vector<std::vector<Held>> record_pairs(Quality quality, const arm::Arm& arm
                                             std::size_t trials) {
   rig::Scenario scenario = shipped_scenario("semi_physical_200mm");
   if (quality == Quality::kRealLike) make_real_like(scenario, 0.0, 0.0);
-  Draw draw(seed_of(settings.seed, kPaper, 0));
+  Draw draw(seed_of(settings.seed, kSemiPhysicalPaper, 0));
   std::vector<std::vector<Hold>> pairs;
   for (std::size_t i = 0; i < trials; ++i) pairs.push_back(draw_pair(draw));
   std::vector<std::vector<Held>> held(pairs.size());
@@ -129,16 +128,17 @@ std::vector<std::vector<Held>> record_pairs(Quality quality, const arm::Arm& arm
     HoldTiming timing;
     timing.frames = kFrames;
     timing.dwell_s = 6.0;
-    held[i] = run_holds(scenario, arm, pairs[i],
-                        seed_of(settings.seed, kPaper, 100 + i + 1000 * static_cast<std::uint64_t>(quality)),
-                        timing);
+    held[i] = run_holds(
+        scenario, arm, pairs[i],
+        seed_of(settings.seed, kSemiPhysicalPaper, 100 + i + 1000 * static_cast<std::uint64_t>(quality)),
+        timing);
   });
   return held;
 }
 
 /// Errors of both models on trials that neither was fitted to.
 void compare_models(Quality quality, const std::vector<trial::Trial>& trials,
-                    const identify::FrameChoice& choice, Outcome& result) {
+                    const identify::FrameChoice& choice, FitOutcome& result) {
   for (const identify::FrameComparison& frame : identify::compare(result.ours.arm, trials, choice)) {
     result.our_errors.add(frame.error_m, frame.payload_kg);
     double their_error = std::nan("");
@@ -160,10 +160,10 @@ void compare_models(Quality quality, const std::vector<trial::Trial>& trials,
   }
 }
 
-Outcome experiment(Quality quality, const Settings& settings, std::size_t fitted, std::size_t checked) {
+FitOutcome experiment(Quality quality, const Settings& settings, std::size_t fitted, std::size_t checked) {
   const arm::Arm arm = start_of(shipped_arm("semi_physical_200mm"));
   const std::vector<std::vector<Held>> held = record_pairs(quality, arm, settings, fitted + checked);
-  Outcome result;
+  FitOutcome result;
   std::vector<trial::Trial> trials;
   identify::Options options;
   options.frames.frames_per_trial = 0;
@@ -192,9 +192,9 @@ Outcome experiment(Quality quality, const Settings& settings, std::size_t fitted
   return result;
 }
 
-using Outcomes = std::array<Outcome, 2>;
+using FitOutcomes = std::array<FitOutcome, 2>;
 
-Table table_1(const Outcomes& outcomes) {
+Table table_1(const FitOutcomes& outcomes) {
   Table table{"semi_physical.table_1", "Table 1: the constants, from 20 trials", {}, {}, {}};
   for (const char* name : kQualityNames) {
     table.columns.push_back(fmt::format("{}: identify", name));
@@ -204,7 +204,7 @@ Table table_1(const Outcomes& outcomes) {
   for (const Constant& constant : kConstants) {
     Row row{constant.name, constant.published, {}, ""};
     const double true_value = value_in(truth, constant);
-    for (const Outcome& o : outcomes) {
+    for (const FitOutcome& o : outcomes) {
       const identify::ConstantRef ref = identify::matching(truth, {constant.pattern}).front();
       const auto found = std::find_if(o.ours.constants.begin(), o.ours.constants.end(), [&](const auto& c) {
         return c.ref.kind == ref.kind && c.ref.index == ref.index;
@@ -234,7 +234,7 @@ Table table_1(const Outcomes& outcomes) {
       "separated "
       "by shapes: equation (6) has only their sums."};
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
-    const Outcome& o = outcomes[i];
+    const FitOutcome& o = outcomes[i];
     if (o.theirs)
       table.notes.push_back(fmt::format(
           "{}: {} of 20 pulls identify a stiffness by their procedure; it leaves {:.1f} mm of "
@@ -247,7 +247,7 @@ Table table_1(const Outcomes& outcomes) {
   return table;
 }
 
-Table table_2(const Outcomes& outcomes) {
+Table table_2(const FitOutcomes& outcomes) {
   Table table{
       "semi_physical.table_2", "Table 2: error of the shape on ten trials that were not fitted", {}, {}, {}};
   std::vector<const Errors*> columns;
@@ -328,7 +328,7 @@ Table arithmetic() {
 
 Result semi_physical(const Settings& settings, Progress& progress) {
   const std::size_t fitted = settings.quick ? 10 : 20, checked = settings.quick ? 4 : 10;
-  Outcomes outcomes;
+  FitOutcomes outcomes;
   for (std::size_t q = 0; q < outcomes.size(); ++q) {
     progress.line(fmt::format("semi_physical: {} trials of the {} arm", fitted + checked, kQualityNames[q]));
     outcomes[q] = experiment(static_cast<Quality>(q), settings, fitted, checked);
@@ -337,7 +337,7 @@ Result semi_physical(const Settings& settings, Progress& progress) {
       "semi_physical_shapes",
       {"real_like", "trial", "payload_kg", "p1_pa", "p2_pa", "p3_pa", "vacuum_pa", "ours_m", "theirs_m"},
       {}};
-  for (const Outcome& o : outcomes) series.rows.insert(series.rows.end(), o.rows.begin(), o.rows.end());
+  for (const FitOutcome& o : outcomes) series.rows.insert(series.rows.end(), o.rows.begin(), o.rows.end());
   return {"semi_physical",
           "Semi-Physical Modeling of Soft Pneumatic Actuators With Stiffness Tuning",
           {arithmetic(), table_1(outcomes), table_2(outcomes)},

@@ -17,9 +17,7 @@ using published::ChamberLaw;
 using published::ChamberSolution;
 using published::SingleChamberArm;
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDisplacementM = 0.015;
-constexpr double kGravity = 9.80665;
 const Eigen::Vector3d kAcross = Eigen::Vector3d::UnitX();
 
 /// A row of the slides' table.
@@ -36,7 +34,7 @@ constexpr std::array<Published, 4> kPublished{{{0.0, 0.051, "14.4", "3.4"},
 double displacement(const SingleChamberArm& arm, const Published& row, ChamberLaw law,
                     ChamberSolution solution) {
   const auto stiffness = published::tip_stiffness(arm, kAcross, row.force_n, row.pressure_pa, law, solution);
-  return stiffness ? stiffness->displacement_m.dot(kAcross) : kNone;
+  return stiffness ? stiffness->displacement_m.dot(kAcross) : kNoValue;
 }
 
 /// E_o with which the published force moves the tip by the published 15 mm; by bisection of ln E.
@@ -100,7 +98,7 @@ Table comparison() {
   return table;
 }
 
-Table arithmetic() {
+Table chamber_arithmetic() {
   const SingleChamberArm arm = published::slides_arm();
   Table table{
       "single_chamber.arithmetic", "Why the printed constants cannot give these curves", {"ours"}, {}, {}};
@@ -198,7 +196,7 @@ void surface(bool quick, Table& table, Series& series) {
       for (double force : forces) {
         const auto s = published::tip_stiffness(one, kAcross, force, pressure, ChamberLaw::kStatics,
                                                 kKinds[kind].solution);
-        row.push_back(s ? s->tangent_n_m : kNone);
+        row.push_back(s ? s->tangent_n_m : kNoValue);
       }
       k[kind].push_back(row);
     }
@@ -225,7 +223,7 @@ Result single_chamber(const Settings& settings, Progress& progress) {
   progress.line("single_chamber: boundary-value and initial-value problems");
   Result result{"single_chamber",
                 "Toward Semi-autonomous Stiffness Adaptation of Pneumatic Soft Robots (slides)",
-                {comparison(), arithmetic()},
+                {comparison(), chamber_arithmetic()},
                 {}};
   Table table;
   Series series;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -10,6 +11,9 @@
 #include "softarm/progress.h"
 
 namespace softarm::app::validate {
+
+constexpr double kGravity = 9.80665;  // m/s^2
+constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 
 /// A figure of ours: as it is printed, and the number behind it.
 struct Cell {
