@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "bag_message.h"
 #include "bag_writer.h"
 #include "input_topics.h"
 #include "open_bag.h"
@@ -130,8 +131,8 @@ void read_import(const rosbag::Bag& bag, trial::CheckRecording& recording) {
   rosbag::View view(bag,
                     rosbag::TopicQuery(std::vector<std::string>{kImportLayoutTopic, kImportLeftOutTopic}));
   for (const rosbag::MessageInstance& message : view) {
-    if (const auto layout = message.instantiate<std_msgs::String>()) recording.import_layout = layout->data;
-    const auto left_out = message.instantiate<std_msgs::Float64MultiArray>();
+    if (const auto layout = read_message<std_msgs::String>(message)) recording.import_layout = layout->data;
+    const auto left_out = read_message<std_msgs::Float64MultiArray>(message);
     if (left_out && left_out->data.size() == 2)
       recording.left_out.emplace_back(left_out->data[0], left_out->data[1]);
   }

@@ -25,6 +25,8 @@ constexpr std::uint32_t kLargestLoss = 10000;
 // elsewhere. Well below what frames wait for a body.
 constexpr std::uint64_t kHiccupMessages = 100;
 constexpr double kHiccup_s = 0.1;
+constexpr double kHiccupOfStream_s =
+    0.05;  // of a stream of thousands of messages a second, as many as come in that
 constexpr double kHiccupGrace_s = 0.02;
 // A body or an input that has been on time until now is given up so long after it was missed: once, not by
 // frame.
@@ -47,6 +49,7 @@ EstimatorNode::EstimatorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
       params_(params),
       estimator_(params.arm, params.options, params.effects),
       assembler_(params.arm, assembler_params()),
+      overload_(params.overload_latency_s),
       updater_(nh_, private_nh_, ros::this_node::getName()) {
   for (const arm::MeasuredBody& body : params_.arm.bodies) body_names_.push_back(body.name);
   if (const std::string note = estimate::advice(params.options); !note.empty()) ROS_WARN("%s", note.c_str());
@@ -69,7 +72,7 @@ EstimatorNode::EstimatorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
   updater_.add("inputs", this, &EstimatorNode::diagnose_inputs);
   updater_.add("fit", this, &EstimatorNode::diagnose_fit);
   updater_.add("mismatch", this, &EstimatorNode::diagnose_mismatch);
-  period_start_ = ros::WallTime::now();
+  period_start_ = second_start_ = ros::WallTime::now();
   // Wall time: diagnostics must also come when simulated time stands still.
   diagnostics_timer_ = nh_.createWallTimer(ros::WallDuration(1.0),
                                            [this](const ros::WallTimerEvent&) { on_diagnostics_timer(); });
@@ -92,6 +95,21 @@ void EstimatorNode::spin() {
   }
 }
 
+bool EstimatorNode::is_hiccup(std::uint64_t messages) {
+  const double elapsed_s = (ros::WallTime::now() - second_start_).toSec();
+  messages_of_second_ += messages;
+  if (elapsed_s >= 1.0) {
+    messages_per_s_ = static_cast<double>(std::exchange(messages_of_second_, 0)) / elapsed_s;
+    second_start_ = ros::WallTime::now();
+  }
+  const std::optional<double> before_s = std::exchange(drained_to_s_, assembler_.newest_s());
+  const bool leapt = drained_to_s_ && !(before_s && std::abs(*drained_to_s_ - *before_s) < kHiccup_s);
+  const bool many =
+      messages >= kHiccupMessages && static_cast<double>(messages) >= kHiccupOfStream_s * messages_per_s_;
+  // A node that cannot keep up has no time to give.
+  return (leapt || many) && !overload_.lasts();
+}
+
 void EstimatorNode::drain() {
   // roscpp's network thread reads one socket after the other, and this one runs beside it: what came first
   // may be decoded last. Where much has piled up, and where a stream begins, it gets the time to read them
@@ -99,11 +117,8 @@ void EstimatorNode::drain() {
   ros::CallbackQueue& queue = *ros::getGlobalCallbackQueue();
   const ros::WallTime give_up = ros::WallTime::now() + ros::WallDuration(kGiveUp_s);
   for (int round = 0; ros::ok(); ++round) {
-    const std::uint64_t messages = std::exchange(messages_, 0);
-    const std::optional<double> before_s = std::exchange(drained_to_s_, assembler_.newest_s());
-    const bool leapt = drained_to_s_ && !(before_s && std::abs(*drained_to_s_ - *before_s) < kHiccup_s);
-    const bool hiccup = leapt || messages >= kHiccupMessages;
-    const bool in_vain = assembler_.gives_up() && ros::WallTime::now() < give_up;
+    const bool hiccup = is_hiccup(std::exchange(messages_, 0));
+    const bool in_vain = !overload_.lasts() && assembler_.gives_up() && ros::WallTime::now() < give_up;
     if (!in_vain && (round >= kHiccupRounds || (!hiccup && queue.isEmpty()))) return;
     queue.callAvailable(ros::WallDuration(hiccup || in_vain ? kHiccupGrace_s : 0.0));
   }
@@ -128,7 +143,24 @@ void EstimatorNode::process() {
     if (monitor_) monitor_->reset();
     last_marker_s_.reset();
   }
-  for (const trial::Frame& frame : assembler_.take()) handle(frame);
+  std::vector<trial::Frame> frames = assembler_.take();
+  const auto seconds = [start = std::chrono::steady_clock::now()] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  const std::size_t stride = overload_.stride(frames.size(), ros::WallTime::now().toSec());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if ((frames.size() - 1 - i) % stride == 0) {
+      const double before_s = seconds();
+      handle(frames[i]);
+      overload_.took(seconds() - before_s);
+      continue;
+    }
+    // What came of the inputs still counts for what remembers them.
+    std::vector<trial::InputSample>& samples = frames[i].samples;
+    samples.insert(samples.end(), frames[i + 1].samples.begin(), frames[i + 1].samples.end());
+    frames[i + 1].samples = std::move(samples);
+    ++statistics_.dropped["overload"];
+  }
 }
 
 void EstimatorNode::handle(const trial::Frame& frame) {

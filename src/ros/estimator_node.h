@@ -17,6 +17,7 @@
 #include "input_topic.h"
 #include "node_params.h"
 #include "node_statistics.h"
+#include "overload.h"
 #include "softarm/estimate/estimator.h"
 #include "softarm/monitor/mismatch_monitor.h"
 #include "trial/frame_assembler.h"
@@ -32,7 +33,9 @@ namespace softarm {
 ///    (nav_msgs/Path), tf of base, rings and tip. ~markers follow at a lower rate.
 /// 3. The mismatch monitor sees every frame and its estimate: ~mismatch.
 /// 4. A time jump resets the estimator and the monitor.
-/// 5. Once a second, and when an alarm of the monitor begins or ends, /diagnostics says what arrives, what
+/// 5. Where frames come faster than they can be answered some are skipped, so that the newest is not late:
+/// counted as dropped, "overload".
+/// 6. Once a second, and when an alarm of the monitor begins or ends, /diagnostics says what arrives, what
 /// was rejected and why, how the fit does, and whether the arm does what its laws say.
 ///
 /// No message with a NaN or infinity leaves: it is held back and counted. Wall-clock time is only used to
@@ -59,6 +62,7 @@ class EstimatorNode {
 
   void on_message(Source& source, const std_msgs::Header* header);
   void drain();
+  bool is_hiccup(std::uint64_t messages);
   void process();
   void handle(const trial::Frame& frame);
   void watch(const trial::Frame& frame);
@@ -95,6 +99,10 @@ class EstimatorNode {
   std::vector<std::unique_ptr<Source>> sources_;
   std::uint64_t messages_ = 0;          // since the last round of drain()
   std::optional<double> drained_to_s_;  // newest stamp of a body then
+  Overload overload_;
+  std::uint64_t messages_of_second_ = 0;  // since second_start_
+  double messages_per_s_ = 0.0;           // in the second before
+  ros::WallTime second_start_;
 
   ros::Publisher estimate_publisher_, markers_publisher_, path_publisher_, mismatch_publisher_;
   tf2_ros::TransformBroadcaster tf_;

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "bag_message.h"
 #include "conversions.h"
 #include "trial/frame_assembler.h"
 
@@ -52,7 +53,7 @@ InputTopic make_input_topic(
   input.type = ros::message_traits::DataType<Message>::value();
   input.feeds = feeds;
   input.read = [convert](const rosbag::MessageInstance& instance, trial::FrameAssembler& assembler) {
-    const boost::shared_ptr<Message> message = instance.instantiate<Message>();
+    const boost::shared_ptr<Message> message = read_message<Message>(instance);
     if (message) convert(*message, to_stamp(instance.getTime()), assembler);
     return message != nullptr;
   };

@@ -6,7 +6,6 @@
 #include <cctype>
 #include <cstring>
 #include <limits>
-#include <set>
 #include <sstream>
 
 namespace softarm {
@@ -15,11 +14,13 @@ namespace {
 constexpr int kDeepest = 32;
 constexpr std::uint32_t kMostEmptyElements = 1000;
 
-const std::set<std::string>& builtins() {
-  static const std::set<std::string> types{"bool",    "int8",   "uint8",  "byte",    "char",   "int16",
-                                           "uint16",  "int32",  "uint32", "int64",   "uint64", "float32",
-                                           "float64", "string", "time",   "duration"};
-  return types;
+/// Bytes that a value takes; of a string 0, as that differs.
+const std::map<std::string, std::size_t>& builtins() {
+  static const std::map<std::string, std::size_t> sizes{
+      {"bool", 1},    {"int8", 1},   {"uint8", 1},  {"byte", 1},    {"char", 1},   {"int16", 2},
+      {"uint16", 2},  {"int32", 4},  {"uint32", 4}, {"int64", 8},   {"uint64", 8}, {"float32", 4},
+      {"float64", 8}, {"string", 0}, {"time", 8},   {"duration", 8}};
+  return sizes;
 }
 
 std::string trimmed(const std::string& text) {
@@ -54,13 +55,13 @@ class MessageSchema::Reader {
     return std::string(reinterpret_cast<const char*>(at_) - size, size);
   }
   std::size_t left() const { return left_; }
-
- private:
   void take(std::size_t size) {
     if (size > left_) throw SchemaError("the message is shorter than its definition says");
     at_ += size;
     left_ -= size;
   }
+
+ private:
   const std::uint8_t* at_;
   std::size_t left_;
 };
@@ -150,6 +151,44 @@ nlohmann::json MessageSchema::decode(const std::uint8_t* data, std::size_t size)
   return message;
 }
 
+bool MessageSchema::has_lengths() const {
+  return std::any_of(types_.begin(), types_.end(), [](const auto& type) {
+    return std::any_of(type.second.begin(), type.second.end(),
+                       [](const Field& field) { return field.is_array && !field.length; });
+  });
+}
+
+void MessageSchema::check_lengths(const std::uint8_t* data, std::size_t size) const {
+  Reader reader(data, size);
+  skip_message(datatype_, reader);
+}
+
+std::uint32_t MessageSchema::length_of(const Field& field, Reader& reader) const {
+  const std::uint32_t length = field.length ? *field.length : reader.read<std::uint32_t>();
+  // Elements take a byte at least, but for empty messages, of which nobody sends many.
+  if (length > reader.left() && length > kMostEmptyElements) {
+    throw SchemaError("the message is shorter than its definition says");
+  }
+  return length;
+}
+
+void MessageSchema::skip_message(const std::string& type, Reader& reader) const {
+  for (const Field& field : types_.at(type)) {
+    const std::uint32_t count = field.is_array ? length_of(field, reader) : 1;
+    const auto builtin = builtins().find(field.type);
+    if (builtin != builtins().end() && builtin->second > 0) {
+      reader.take(count * builtin->second);
+      continue;
+    }
+    for (std::uint32_t i = 0; i < count; ++i) {
+      if (builtin != builtins().end())
+        reader.take(reader.read<std::uint32_t>());
+      else
+        skip_message(field.type, reader);
+    }
+  }
+}
+
 nlohmann::json MessageSchema::decode_message(const std::string& type, Reader& reader) const {
   nlohmann::json message = nlohmann::json::object();
   for (const Field& field : types_.at(type)) {
@@ -157,11 +196,7 @@ nlohmann::json MessageSchema::decode_message(const std::string& type, Reader& re
       message[field.name] = decode_value(field.type, reader);
       continue;
     }
-    const std::uint32_t length = field.length ? *field.length : reader.read<std::uint32_t>();
-    // Elements take a byte at least, but for empty messages, of which nobody sends many.
-    if (length > reader.left() && length > kMostEmptyElements) {
-      throw SchemaError("the message is shorter than its definition says");
-    }
+    const std::uint32_t length = length_of(field, reader);
     nlohmann::json array = nlohmann::json::array();
     for (std::uint32_t i = 0; i < length; ++i) array.push_back(decode_value(field.type, reader));
     message[field.name] = std::move(array);

@@ -30,6 +30,12 @@ class MessageSchema {
   /// @throws SchemaError if the bytes are too few or too many for the definition
   nlohmann::json decode(const std::uint8_t* data, std::size_t size) const;
 
+  /// Whether a length in a message says how many elements follow. Such a length may be false.
+  bool has_lengths() const;
+  /// Holds the lengths in a message against its bytes, before somebody makes room for what they say.
+  /// @throws SchemaError if the bytes are too few
+  void check_lengths(const std::uint8_t* data, std::size_t size) const;
+
  private:
   struct Field {
     std::string type;
@@ -41,8 +47,10 @@ class MessageSchema {
   class Reader;
 
   void add_part(const std::string& datatype, const std::string& text);
+  std::uint32_t length_of(const Field& field, Reader& reader) const;
   void check_depth(const std::string& type, int depth) const;
   std::string resolved(const std::string& type, const std::string& package) const;
+  void skip_message(const std::string& type, Reader& reader) const;
   nlohmann::json decode_message(const std::string& type, Reader& reader) const;
   nlohmann::json decode_value(const std::string& type, Reader& reader) const;
 

@@ -59,6 +59,8 @@ NodeParams NodeParams::read(const ros::NodeHandle& private_nh) {
   params.frames.mocap = reader.word("mocap_frame").value_or("mocap");
   params.frames.prefix = reader.word("frame_prefix").value_or(params.arm.name);
   params.marker_rate_hz = reader.number("marker_rate", 0.0, 1000.0).value_or(params.marker_rate_hz);
+  params.overload_latency_s =
+      reader.number("overload_latency", 0.0, 10.0).value_or(params.overload_latency_s);
   params.publish_tf = reader.flag("publish_tf").value_or(params.publish_tf);
   params.reduced_chi_square_warning =
       reader.number("reduced_chi_square_warning", 0.0, 1e9).value_or(params.reduced_chi_square_warning);

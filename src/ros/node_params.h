@@ -19,8 +19,11 @@ struct NodeParams {
   arm::EstimatorOptions options;        ///< the arm's, with what parameters override
   FrameNames frames;                    ///< ~mocap_frame, ~frame_prefix (default: the arm's name)
   double marker_rate_hz = 30.0;         ///< ~marker_rate: markers at most so often; 0: none
-  bool publish_tf = true;               ///< ~publish_tf
-  bool monitor = true;                  ///< ~monitor: watch for sudden changes
+  /// ~overload_latency: where frames come faster than they are answered, none is answered later than so long
+  /// after it could be; the others are skipped. 0: none is
+  double overload_latency_s = 0.02;
+  bool publish_tf = true;  ///< ~publish_tf
+  bool monitor = true;     ///< ~monitor: watch for sudden changes
   /// ~alarm_threshold, ~alarm_hold_off, ~alarm_memory, ~alarm_accept_after
   monitor::MismatchMonitorParams alarm;
   double reduced_chi_square_warning =

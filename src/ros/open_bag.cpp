@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <rosbag/view.h>
 
-#include <fstream>
 #include <mutex>
-#include <string_view>
+
+#include "bag_structure.h"
 
 namespace softarm {
 namespace {
@@ -38,13 +38,6 @@ std::shared_ptr<rosbag::Bag> opened(const std::string& path, rosbag::bagmode::Ba
           }};
 }
 
-bool begins_as_bag(const std::string& path) {
-  constexpr std::string_view kMagic = "#ROSBAG V";
-  std::string begin(kMagic.size(), '\0');
-  std::ifstream(path, std::ios::binary).read(begin.data(), static_cast<std::streamsize>(begin.size()));
-  return begin == kMagic;
-}
-
 }  // namespace
 
 std::string absolute_topic(const std::string& topic) {
@@ -52,18 +45,12 @@ std::string absolute_topic(const std::string& topic) {
 }
 
 std::shared_ptr<rosbag::Bag> open_bag(const std::string& path) {
+  check_bag_structure(path);
   try {
     std::shared_ptr<rosbag::Bag> bag = opened(path, rosbag::bagmode::Read);
-    rosbag::View(*bag).getConnections();  // reads the index: a bag that was cut off has none
+    rosbag::View(*bag).getConnections();  // reads the index
     return bag;
   } catch (const std::exception& e) {
-    // A recorder that was killed leaves no index, a copy that broke off half of one.
-    if (begins_as_bag(path)) {
-      throw BagError(
-          fmt::format("{0}: was cut off, its index is missing ({1}); to save what is there: "
-                      "rosbag reindex {0}",
-                      path, e.what()));
-    }
     throw BagError(fmt::format("{}: cannot be read as a ROS bag ({})", path, e.what()));
   }
 }

@@ -17,7 +17,7 @@ class BagError : public std::runtime_error {
 
 /// Opens a bag for reading. Bags may be read side by side; they are opened and destroyed by one thread at a
 /// time.
-/// @throws BagError if it is no bag, or was cut off
+/// @throws BagError if it is no bag, was cut off or is damaged (bag_structure.h)
 std::shared_ptr<rosbag::Bag> open_bag(const std::string& path);
 
 /// The name with its leading slash, which recorders may have left out.

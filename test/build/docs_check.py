@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """What the pages say of the tree is so: links, paths, constants of the code, the plan of the rooms, the glossary's
-order, the map of the pages, fields of messages and parameters of nodes, the length of the README."""
+order, the map of the pages, fields of messages and parameters of nodes, the length of the README, the licence."""
 import fnmatch
 import os
 import re
@@ -118,7 +118,21 @@ for name in names:
                 code += texts[name]
             elif name.endswith((".msg", ".srv")):
                 texts[name] = content.read()
-findings = [*rooms(pages, source), *glossary(pages), *readme(pages), *messages(pages["doc/messages.md"], texts)]
+def licence(source):
+    """One licence: its text, and its SPDX name wherever it is named."""
+    def found(path, pattern):
+        with open(os.path.join(source, path), encoding="utf-8") as text:
+            match = re.search(pattern, text.read(), re.M)
+        return match.group(1).replace(" License", "").replace(" ", "-") if match else "nothing"
+
+    told = {"LICENSE": found("LICENSE", r"\A(.*)$"),
+            "package.xml": found("package.xml", r"<license>(.*)</license>"),
+            "CITATION.cff": found("CITATION.cff", r"^license: (.*)$"), "README.md": found("README.md", r"^(\S+) \(\[LICENSE\]")}
+    return [f"{path}: its licence is {name}, that of LICENSE {told['LICENSE']}" for path, name in told.items()
+            if name != told["LICENSE"]]
+
+
+findings = [*licence(source), *rooms(pages, source), *glossary(pages), *readme(pages), *messages(pages["doc/messages.md"], texts)]
 findings += [f"{name}: not there, so its parameters are not looked for" for name in PARAMETERS if name not in texts]
 for name, text in sorted(pages.items()):
     findings += [*links(name, text, pages, names), *paths(name, text, names), *constants(name, text, code)]

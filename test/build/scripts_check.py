@@ -1,9 +1,10 @@
 #!/usr/bin/python3
 """What scripts/lib.sh takes for up to date, on a small project: quiet and without the lock where nothing changed, and a
-build after every kind of change."""
+build after every kind of change. How scripts/demo ends, on a graph of stand-ins."""
 import fcntl
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -125,6 +126,67 @@ class UpToDate(unittest.TestCase):
             self.call("programs")
         with self.assertRaises(AssertionError):
             self.call("programs")
+
+# Of a graph that works; each test replaces what fails in its case.
+STAND_INS = {"roscore": "exec sleep 60", "rosparam": "exit 0", "roslaunch": "exec sleep 60",
+             "rosrun": "trap 'echo the table; exit 0' INT; for i in $(seq 600); do sleep 0.1; done"}
+
+
+class Demo(unittest.TestCase):
+    def run_demo(self, interrupt_after=None, **stand_ins):
+        """(exit status, what it said, seconds) of scripts/demo."""
+        root = tempfile.mkdtemp(dir=build, prefix="demo_check_")
+        self.addCleanup(shutil.rmtree, root)
+        for name in ("scripts", "bin", "build"):
+            os.mkdir(os.path.join(root, name))
+        shutil.copy(os.path.join(source, "scripts/demo"), os.path.join(root, "scripts"))
+        with open(os.path.join(root, "scripts/lib.sh"), "w", encoding="utf-8") as file:
+            file.write(f"source '{source}/scripts/lib.sh'\ninstall_packages() {{ :; }}\nbuild() {{ :; }}\n"
+                       f"enter_install_space() {{ PATH='{root}/bin':$PATH; }}\n")
+        for name, body in {**STAND_INS, **stand_ins}.items():
+            path = os.path.join(root, "bin", name)
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(f"#!/bin/bash\n{body}\n")
+            os.chmod(path, 0o755)
+        start = time.time()
+        demo = subprocess.Popen([os.path.join(root, "scripts/demo"), "--headless", "--seconds", "30"], encoding="utf-8",
+                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True,
+                                env={**os.environ, "SOFTARM_BUILD_DIR": os.path.join(root, "build")})
+        if interrupt_after:
+            time.sleep(interrupt_after)
+            os.killpg(demo.pid, signal.SIGINT)  # as a terminal does
+        said, _ = demo.communicate(timeout=60)
+        return demo.returncode, said, time.time() - start
+
+    def assert_ends_at_once(self, reason, **stand_ins):
+        status, said, seconds = self.run_demo(**stand_ins)
+        self.assertEqual(status, 1, said)
+        self.assertIn(reason, said)
+        self.assertLess(seconds, 4.0, said)  # it would take half a minute; stopping the rest is in it
+
+    def test_what_died_ends_it_with_the_reason(self):
+        self.assert_ends_at_once("RLException: no such file", roslaunch="echo 'RLException: no such file'; exit 1")
+        self.assert_ends_at_once("roslaunch ended", roslaunch="sleep 1")
+        self.assert_ends_at_once("roscore ended", roscore="sleep 1")
+        self.assert_ends_at_once("rosbag play ended", roslaunch="echo 'BagException: cut off'; "
+                                 "echo '[softarm_bag-2] process has died [pid 1, exit code 1]'; exec sleep 60")
+
+    def test_a_recording_that_is_over_is_no_death(self):
+        status, said, _ = self.run_demo(roslaunch="echo '[softarm_bag-2] process has finished cleanly'; exec sleep 60",
+                                        rosrun="sleep 1; echo the table")
+        self.assertEqual(status, 0, said)
+        self.assertIn("the table", said)
+
+    def test_an_interrupt_ends_it_with_the_table(self):
+        status, said, seconds = self.run_demo(interrupt_after=2.0)
+        self.assertEqual(status, 130, said)
+        self.assertIn("the table", said)
+        self.assertLess(seconds, 6.0)
+
+    def test_a_report_that_fails_is_a_failure(self):
+        status, said, _ = self.run_demo(rosrun="exit 1")
+        self.assertEqual(status, 1, said)
+        self.assertIn("No full success", said)
 
 
 if __name__ == "__main__":
