@@ -8,21 +8,32 @@ const looks = {
   after: {color: '#00508f', dash: 'solid', symbol: 'diamond', name: 'after'},
 };
 const isSmall = place => place.closest('.grid') !== null;
-const font = {family: 'system-ui, "Segoe UI", Roboto, Arial, "DejaVu Sans", sans-serif', size: 16, color: ink};
+const narrow = innerWidth < 700;  // a telephone, or half a window
+const font = {family: 'system-ui, "Segoe UI", Roboto, Arial, "DejaVu Sans", sans-serif', size: narrow ? 12 : 16, color: ink};
 const drawn = [];  // places of plots, for print
 
 /// Keys of looks that differ in this diagnosis: without effects there is no "after".
 const phases = anyEffect ? ['before', 'after'] : ['before'];
 if (phases.length === 1) looks.before.name = 'model as it is';
 
+/// In lines that fit; <br> that are there stay.
+function inLines(title, most) {
+  return title.split('<br>').map(part => part.split(' ').reduce((lines, word) => {
+    const last = lines[lines.length - 1];
+    if (last !== undefined && last.length + word.length < most) lines[lines.length - 1] = last + ' ' + word; else lines.push(word);
+    return lines;
+  }, []).join('<br>')).join('<br>');
+}
+
 function axis(title, more) {
-  return Object.assign({title: {text: title, standoff: 8}, gridcolor: grid, zerolinecolor: '#8a8a8a', linecolor: ink, showline: true,
+  return Object.assign({title: {text: narrow ? inLines(title, more && more.domain ? 20 : 40) : title, standoff: 8}, gridcolor: grid, zerolinecolor: '#8a8a8a', linecolor: ink, showline: true,
     ticks: 'outside', automargin: true}, more);
 }
 
 function layout(height, more) {
   return Object.assign({height, font, paper_bgcolor: '#fff', plot_bgcolor: '#fff', margin: {l: 70, r: 20, t: 40, b: 60}, hovermode: 'closest',
-    hoverlabel: {font: {size: 15}, namelength: -1}, legend: {orientation: 'h', x: 0, y: 1.02, yanchor: 'bottom', font: {size: 16}}}, more);
+    hoverlabel: {font: {size: 15}, namelength: -1}, legend: {orientation: 'h', x: 0, y: 1.02, yanchor: 'bottom', font: {size: font.size}}}, more,
+    narrow && more && more.legend ? {legend: Object.assign({}, more.legend, {font: {size: font.size}})} : {});
 }
 
 /// Place of a plot; `words` says to those who cannot see it what it shows.
@@ -32,7 +43,7 @@ function plotPlace(words) {
 
 function draw(place, traces, plotLayout) {
   if (!drawn.includes(place)) drawn.push(place);
-  Plotly.react(place, traces, plotLayout, {responsive: true, displaylogo: false, displayModeBar: isSmall(place) ? false : 'hover', showSendToCloud: false,
+  Plotly.react(place, traces, plotLayout, {responsive: true, displaylogo: false, displayModeBar: narrow || isSmall(place) ? false : 'hover', showSendToCloud: false,
     modeBarButtonsToRemove: ['lasso2d', 'select2d', 'toggleSpikelines'], toImageButtonOptions: {format: 'svg'}})
     .catch(error => errors.push(String(error)));
 }
@@ -222,7 +233,7 @@ function along() {
         notes.push({text: effect.mark || String(i + 1), xref: 'x' + n, yref: 'paper', x: from, y: 0.99 - 0.1 * i, yanchor: 'top', showarrow: false, font: {size: 15},
           bordercolor: ink, borderpad: 2, bgcolor: '#fff'});
       });
-      notes.push({text: head, xref: 'x' + n + ' domain', yref: 'paper', x: 0.5, y: 1.0, yanchor: 'bottom', showarrow: false, font: {size: 16}});
+      notes.push({text: narrow ? inLines(head, 13) : head, xref: 'x' + n + ' domain', yref: 'paper', x: 0.5, y: 1.0, yanchor: 'bottom', showarrow: false, font: {size: font.size}});
     });
     const s = more => axis('s / mm', Object.assign({range: [-0.05 * last, 1.06 * last], zeroline: false}, more));
     draw(place, traces, layout(430, {shapes, annotations: notes, margin: {l: 70, r: 20, t: 76, b: 60}, legend: {orientation: 'h', x: 0, y: 1.1, yanchor: 'bottom'},

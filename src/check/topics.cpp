@@ -131,6 +131,40 @@ void say_missing(Context& context, const trial::RecordedTopic& topic, bool no_bo
   }
 }
 
+/// Whether two names differ in one part alone: /pressure/chamber_3, or /mocap/ring_4/pose.
+bool differ_in_one_part(const std::string& a, const std::string& b) {
+  std::vector<std::string> of_a, of_b;
+  boost::split(of_a, a, boost::is_any_of("/"));
+  boost::split(of_b, b, boost::is_any_of("/"));
+  if (of_a.size() != of_b.size()) return false;
+  int other = 0;
+  for (std::size_t i = 0; i < of_a.size(); ++i) other += of_a[i] != of_b[i];
+  return other == 1;
+}
+
+/// What is published beside, and as, what the arm file names: a fourth ring, a third chamber. Another that is
+/// missing may go by that name instead; then this is said of that one.
+void say_unused(Context& context) {
+  const auto& topics = context.recording.topics;
+  for (const auto& [name, type] : context.recording.other_topics) {
+    const auto like =
+        std::find_if(topics.begin(), topics.end(), [&, &topic = name, &of_type = type](const auto& known) {
+          return known.type == of_type && !known.of_payload && differ_in_one_part(known.topic, topic);
+        });
+    if (like == topics.end()) continue;
+    const bool instead = std::any_of(topics.begin(), topics.end(), [&, &topic = name](const auto& known) {
+      return known.found_type.empty() && near_miss(known, context.recording) == topic;
+    });
+    if (instead) continue;
+    CheckFinding& finding =
+        context.add(like->of_bodies ? Severity::kInformation : Severity::kWarning, "unused_topic", name,
+                    fmt::format("is recorded beside {}, and the arm file does not name it", like->topic));
+    finding.remedy = like->of_bodies ? "a body more tells more of the shape: name it under 'bodies'"
+                                     : "name it under 'inputs' if it drives this arm; what it does is else "
+                                       "taken for errors of the other inputs";
+  }
+}
+
 void check_topics(Context& context) {
   const auto& topics = context.recording.topics;
   const bool no_body = std::none_of(topics.begin(), topics.end(), [](const trial::RecordedTopic& t) {
@@ -153,12 +187,14 @@ void check_topics(Context& context) {
           .remedy = "look whether the driver sees the body, or the sensor is connected";
     }
   }
+  say_unused(context);
 }
 
 }  // namespace
 
 Check make_topics() {
-  return {check_topics, {{"missing_topic", {}}, {"wrong_type", {}}, {"empty_topic", {}}}};
+  return {check_topics,
+          {{"missing_topic", {}}, {"wrong_type", {}}, {"empty_topic", {}}, {"unused_topic", {}}}};
 }
 
 }  // namespace softarm::check

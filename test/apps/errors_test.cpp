@@ -43,6 +43,8 @@ TEST(SoftarmErrors, CommandLine) {
   expect_refused(dir, "estimate --arm online_200mm", HasSubstr("BAG"));
   expect_refused(dir, "simulate demo --seconds -1 --out " + dir / "x.bag", HasSubstr("--seconds"));
   expect_refused(dir, "simulate demo --colour blue --out " + dir / "x.bag", HasSubstr("--colour"));
+  expect_refused(dir, "simulate " SOFTARM_SOURCE_DIR "/config/arms/online_200mm.yaml --out " + dir / "x.bag",
+                 HasSubstr("is an arm file, no scenario"));
 }
 
 TEST(SoftarmErrors, HelpAndVersion) {

@@ -57,6 +57,22 @@ TEST_F(Check, MissingTopicIsNamedWithTheNearestOne) {
   EXPECT_EQ(find(report(), "missing_topic")->setting, "bodies[ring_2].name: ring2");
 }
 
+TEST_F(Check, WhatTheArmFileDoesNotNameIsSaid) {
+  recording.topics.push_back({"/pressure/chamber_1", "sensor_msgs/FluidPressure", "chamber_1",
+                              "sensor_msgs/FluidPressure", 2000, false, false, false});
+  recording.other_topics = {{"/mocap/ring_4/pose", "geometry_msgs/PoseStamped"},
+                            {"/pressure/chamber_3", "sensor_msgs/FluidPressure"},
+                            {"/another_arm/tip", "geometry_msgs/PoseStamped"},
+                            {"/rosout_agg", "rosgraph_msgs/Log"}};
+  expect("unused_topic", check::Severity::kInformation, "/mocap/ring_4/pose");
+  const check::CheckReport of_all = report();
+  std::vector<std::string> where;
+  for (const check::CheckFinding& finding : of_all.findings)
+    if (finding.id == "unused_topic") where.push_back(finding.where);
+  EXPECT_EQ(where, (std::vector<std::string>{"/mocap/ring_4/pose", "/pressure/chamber_3"}));
+  EXPECT_EQ(of_all.worst(), check::Severity::kWarning);
+}
+
 TEST_F(Check, MissingBaseAndWrongTypeAreSerious) {
   recording.topics[0].found_type = "geometry_msgs/TransformStamped";
   recording.bodies[0].clear();

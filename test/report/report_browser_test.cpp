@@ -47,6 +47,11 @@ setTimeout(() => {  // the last choice is a film
   play.click();
   setTimeout(() => { play.click(); seen.moved = at() > 0 ? 'yes' : 'no'; seen.errors = errors.join(' | '); }, 1000);
 }, 100);
+seen.beyond = document.documentElement.scrollWidth - document.documentElement.clientWidth;
+seen.clipped = [...document.querySelectorAll('.xtitle, .ytitle')].filter(title => {
+  const words = title.getBoundingClientRect(), place = title.closest('.picture').getBoundingClientRect();
+  return words.left < place.left - 1 || words.right > place.right + 1;
+}).length;
 seen.copies = [...document.querySelectorAll('.copy')].map(one => one.textContent.length > 0 ? 1 : 0).join('');
 seen.description = document.getElementById('page').innerText.length;
 )";
@@ -69,16 +74,16 @@ report::PageFiles page_files(bool with_plots) {
 }
 
 /// The page's <html ...> after its scripts ran.
-std::string opened(const diagnose::Diagnosis& d, bool with_plots) {
+std::string opened(const diagnose::Diagnosis& d, bool with_plots, int width = 1280) {
   const fs::path folder = fs::path(::testing::TempDir()) / fmt::format("report_{}_{}", getpid(), with_plots);
   fs::create_directories(folder);
   std::ofstream(folder / "report.html") << report::to_html(d, page_files(with_plots));
   const std::string command = fmt::format(
       "timeout 100 {} --headless --no-sandbox --disable-gpu --disable-extensions "
       "--disable-background-networking "
-      "--no-first-run --user-data-dir='{}' --host-resolver-rules='MAP * ~NOTFOUND' --window-size=1280,720 "
+      "--no-first-run --user-data-dir='{}' --host-resolver-rules='MAP * ~NOTFOUND' --window-size={},720 "
       "--virtual-time-budget=3000 --dump-dom 'file://{}' 2> '{}'",
-      browser(), (folder / "profile").string(), (folder / "report.html").string(),
+      browser(), (folder / "profile").string(), width, (folder / "report.html").string(),
       (folder / "errors").string());
   std::FILE* pipe = popen(command.c_str(), "r");
   std::string dom;
@@ -121,6 +126,15 @@ TEST_F(ReportInBrowser, DrawsEverythingWhateverTheNamesAre) {
               HasSubstr("data-chosen=\"47\""));
   EXPECT_THAT(html, HasSubstr("data-moved=\"yes\""));
   EXPECT_THAT(html, HasSubstr("data-copies=\"11\""));
+}
+
+TEST_F(ReportInBrowser, IsWholeInANarrowWindow) {
+  if (std::string(SOFTARM_PLOTLY).empty()) GTEST_SKIP() << "no plotly.js";
+  const std::string html = opened(testing::example_diagnosis(), true, 500);
+  EXPECT_THAT(html, HasSubstr("data-errors=\"\""));
+  EXPECT_THAT(html, HasSubstr("data-plots=\"10\""));
+  EXPECT_THAT(html, HasSubstr("data-beyond=\"0\""));
+  EXPECT_THAT(html, HasSubstr("data-clipped=\"0\""));
 }
 
 TEST_F(ReportInBrowser, EmptyPartsAndNoPlotsStayReadable) {

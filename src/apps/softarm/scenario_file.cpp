@@ -252,6 +252,10 @@ rig::Scenario load_scenario(const std::string& name) {
     document = YAML::Load(text);
   } catch (const YAML::Exception&) {  // the rig's own reader says where
   }
+  if (document.IsMap() && document["segments"] && !document["arm"])
+    throw Failure(fmt::format(
+        "{0}: is an arm file, no scenario; a scenario with the line 'arm: {0}' simulates that arm",
+        path.string()));
   if (document.IsMap() && document["arm"] && document["arm"].IsScalar()) text = with_arm_of(path, document);
   return rig::parse_scenario(text, path.string());
 }
