@@ -69,7 +69,7 @@ TEST_F(Check, WhatTheArmFileDoesNotNameIsSaid) {
   std::vector<std::string> where;
   for (const check::CheckFinding& finding : of_all.findings)
     if (finding.id == "unused_topic") where.push_back(finding.where);
-  EXPECT_EQ(where, (std::vector<std::string>{"/mocap/ring_4/pose", "/pressure/chamber_3"}));
+  EXPECT_EQ(where, (std::vector<std::string>{"/pressure/chamber_3", "/mocap/ring_4/pose"}));
   EXPECT_EQ(of_all.worst(), check::Severity::kWarning);
 }
 
