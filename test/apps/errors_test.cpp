@@ -180,7 +180,11 @@ TEST(SoftarmErrors, ADamagedBagIsRefused) {
   for (const std::string& bag : {dir / "cut.bag", dir / "unindexed.bag"}) {
     expect_refused(dir, "estimate --arm online_200mm " + bag + out, EndsWith("rosbag reindex " + bag + "\n"));
   }
-  expect_refused(dir, "estimate --arm online_200mm " + dir / "wrong.bag" + out, HasSubstr("wrong.bag"));
+  for (const std::string& command :
+       {std::string("estimate"), std::string("diagnose"), "identify --plot " + dir / "plots/of_it"}) {
+    expect_refused(dir, command + " --arm online_200mm " + dir / "wrong.bag" + out,
+                   AllOf(HasSubstr("wrong.bag: damaged at byte"), HasSubstr("rosbag reindex")));
+  }
 }
 
 TEST(SoftarmErrors, Import) {

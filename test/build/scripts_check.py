@@ -189,5 +189,14 @@ class Demo(unittest.TestCase):
         self.assertIn("No full success", said)
 
 
+class Test(unittest.TestCase):
+    def test_an_unknown_sanitizer_is_refused(self):
+        for arguments in (["--sanitize", "memory"], ["--sanitize=memory"], ["--sanitize"]):
+            done = subprocess.run([os.path.join(source, "scripts/test"), *arguments], encoding="utf-8", check=False,
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn("must be address or thread", done.stdout)
+
+
 if __name__ == "__main__":
     unittest.main(argv=sys.argv[:1])

@@ -116,9 +116,7 @@ void run_diagnose(DiagnoseOptions options) {
   options.diagnosis.known = effects::effects_of(arm, arm::parse_effect_entries(file.text, file.source));
   if (options.payload_kg) arm.payload.default_kg = options.payload_kg;
   const ReportPage page = find_report_page();
-  std::error_code error;
-  fs::create_directories(options.out, error);
-  if (error) throw Failure(fmt::format("--out {}: cannot be made: {}", options.out, error.message()));
+  const ResultsFolder folder(options.out);
   OutputFile json(fs::path(options.out) / "report.json"), html(fs::path(options.out) / "report.html");
   OutputFile extended(fs::path(options.out) / "arm_extended.yaml");
 

@@ -102,26 +102,6 @@ std::vector<Job> make_jobs(const EstimateOptions& options) {
   return jobs;
 }
 
-/// A folder that is removed again if nothing comes to stand in it.
-class Folder {
- public:
-  explicit Folder(const fs::path& path) {
-    std::error_code error;
-    for (fs::path p = path; !p.empty() && !fs::exists(p, error); p = p.parent_path()) made_.push_back(p);
-    fs::create_directories(path, error);
-    if (error) throw Failure(fmt::format("{}: cannot be made: {}", path.string(), error.message()));
-  }
-  ~Folder() {
-    std::error_code not_empty;
-    for (const fs::path& p : made_) fs::remove(p, not_empty);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-
- private:
-  std::vector<fs::path> made_;  // the innermost first
-};
-
 std::string effect_lines(const estimate::Estimator& estimator) {
   std::string text;
   for (const std::string& note : estimator.effect_notes())
@@ -138,7 +118,7 @@ void estimate_bag(const arm::Arm& arm, const std::vector<model::Present>& effect
   job.warnings = bag.warnings();
   progress.add_total(static_cast<double>(bag.messages()));
 
-  const Folder folder(job.folder);
+  const ResultsFolder folder(job.folder);
   OutputFile csv(job.folder / "estimates.csv");
   OutputFile text(job.folder / "summary.txt");
   std::ofstream rows(csv.temporary());

@@ -95,12 +95,11 @@ void fit(const IdentifyOptions& options, const arm::Arm& arm) {
   if (options.out.empty()) throw Failure("--out is needed: the arm file to be written");
   // Before any work: whether the results have a place.
   OutputFile out(options.out);
+  std::optional<ResultsFolder> folder;
   std::optional<OutputFile> json, shapes, constants;
   if (!options.json.empty()) json.emplace(options.json);
   if (!options.plot.empty()) {
-    std::error_code error;
-    fs::create_directories(options.plot, error);
-    if (error) throw Failure(fmt::format("--plot {}: cannot be made: {}", options.plot, error.message()));
+    folder.emplace(options.plot);
     shapes.emplace(fs::path(options.plot) / "shapes.csv");
     constants.emplace(fs::path(options.plot) / "constants.csv");
   }

@@ -44,6 +44,18 @@ void remove_leftovers(const fs::path& folder, const std::string& name) {
 
 }  // namespace
 
+ResultsFolder::ResultsFolder(const fs::path& path) {
+  std::error_code error;
+  for (fs::path p = path; !p.empty() && !fs::exists(p, error); p = p.parent_path()) made_.push_back(p);
+  fs::create_directories(path, error);
+  if (error) throw Failure(fmt::format("{}: cannot be made: {}", path.string(), error.message()));
+}
+
+ResultsFolder::~ResultsFolder() {
+  std::error_code not_empty;
+  for (const fs::path& p : made_) fs::remove(p, not_empty);
+}
+
 void finish(std::ofstream& stream, const fs::path& path) {
   // The first failure is that of the disk; those that follow say nothing.
   const int reason = errno;

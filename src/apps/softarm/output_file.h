@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iosfwd>
 #include <string>
+#include <vector>
 
 namespace softarm::app {
 
@@ -33,6 +34,19 @@ class OutputFile {
   std::filesystem::path path_;
   std::filesystem::path temporary_;
   bool committed_ = false;
+};
+
+/// A folder that is removed again, with those above it that were made, if nothing comes to stand in it.
+class ResultsFolder {
+ public:
+  /// @throws Failure if it cannot be made
+  explicit ResultsFolder(const std::filesystem::path& path);
+  ~ResultsFolder();
+  ResultsFolder(const ResultsFolder&) = delete;
+  ResultsFolder& operator=(const ResultsFolder&) = delete;
+
+ private:
+  std::vector<std::filesystem::path> made_;  // the deepest first
 };
 
 /// Closes what was written to a file. @throws Failure with the reason where not all of it was
