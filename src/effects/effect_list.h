@@ -35,6 +35,7 @@
   EFFECT(hysteresis) \
   EFFECT(pressure_dead_zone) \
   EFFECT(gain_nonlinearity) \
+  EFFECT(chamber_bulge) \
   EFFECT(chamber_mismatch) \
   EFFECT(pressure_stiffening) \
   EFFECT(radial_expansion) \

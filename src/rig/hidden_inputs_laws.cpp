@@ -88,7 +88,7 @@ std::vector<HiddenEffect> pressure_laws() {
          put(scenario.input_path.laws.pressure_elongation, share_at(choice));
        }},
       {"chamber_bulge",
-       false,
+       true,
        "neighbouring chambers bulge into each other: each one's moment grows with the others' pressures",
        {},
        {{"share", -0.9, 10.0, 0.08, 0.25, "of the moment, by the sum of the others' pressures"}, at_pressure},

@@ -8,25 +8,12 @@
 namespace softarm::effects::testing {
 namespace {
 
-const std::set<std::string> kIds{"clock_offset",
-                                 "pressure_offset",
-                                 "pressure_lag",
-                                 "pressure_leak",
-                                 "hysteresis",
-                                 "pressure_dead_zone",
-                                 "gain_nonlinearity",
-                                 "chamber_mismatch",
-                                 "pressure_stiffening",
-                                 "radial_expansion",
-                                 "pressure_elongation",
-                                 "vacuum_shortening",
-                                 "vacuum_gain",
-                                 "tendon_friction",
-                                 "creep",
-                                 "mullins",
-                                 "jamming_memory",
-                                 "jamming_yield",
-                                 "drift"};
+const std::set<std::string> kIds{
+    "clock_offset",      "pressure_offset",     "pressure_lag",      "pressure_leak",
+    "hysteresis",        "pressure_dead_zone",  "gain_nonlinearity", "chamber_bulge",
+    "chamber_mismatch",  "pressure_stiffening", "radial_expansion",  "pressure_elongation",
+    "vacuum_shortening", "vacuum_gain",         "tendon_friction",   "creep",
+    "mullins",           "jamming_memory",      "jamming_yield",     "drift"};
 
 /// All chambers move at three speeds, the vacuum comes and goes.
 model::TrialData busy_trial(const arm::Arm& arm, double duration_s) {
@@ -122,9 +109,9 @@ TEST(DrivesAndMemory, ApplyOnlyWhereTheArmHasWhatTheyActOn) {
     EXPECT_TRUE(find(id)->applies_to(with_vacuum)) << id;
     EXPECT_FALSE(find(id)->applies_to(without)) << id;
   }
-  for (const std::string id :
-       {"pressure_lag", "pressure_leak", "pressure_offset", "gain_nonlinearity", "pressure_dead_zone",
-        "chamber_mismatch", "pressure_stiffening", "radial_expansion", "pressure_elongation"}) {
+  for (const std::string id : {"pressure_lag", "pressure_leak", "pressure_offset", "gain_nonlinearity",
+                               "pressure_dead_zone", "chamber_mismatch", "chamber_bulge",
+                               "pressure_stiffening", "radial_expansion", "pressure_elongation"}) {
     EXPECT_TRUE(find(id)->applies_to(without)) << id;
     EXPECT_FALSE(find(id)->applies_to(with_tendons)) << id;
   }

@@ -36,6 +36,7 @@ const std::vector<Hidden>& on_chambers() {
        {"gain_nonlinearity", "quadratic", {{"share", 0.15}, {"reference_pa", 50e3}}},
        {0.15},
        0.03},
+      {"chamber_bulge", {"chamber_bulge", "", {{"share", 0.1}, {"reference_pa", 50e3}}}, {0.2}, 0.03},
       {"sharp", {"pressure_dead_zone", "sharp", {{"pressure_pa", 3000.0}}}, {3000.0, 3000.0}, 0.4},
       {"ogden_roxburgh",
        {"mullins", "ogden_roxburgh", {{"share", 0.15}, {"scale_per_m", 2.0}}},

@@ -204,6 +204,21 @@ Choices bending_plane_offset(const Numbers& v) {
   return {choice("bending_plane_offset", "", {{"angle_deg", kDegPerRad * v("angle_rad")}})};
 }
 
+Choices chamber_bulge(const Numbers& v) {
+  std::size_t most = 0;
+  for (const arm::Segment& segment : v.arm().segments) {
+    if (segment.chambers.size() < 2) continue;
+    if (most > 0 && segment.chambers.size() != most)
+      throw std::invalid_argument(
+          "chambers that bulge into another number of neighbours in each segment have no counterpart in the "
+          "virtual rig");
+    most = segment.chambers.size();
+  }
+  // The rig takes the sum of the others' pressures, the catalogue their mean.
+  return {choice("chamber_bulge", "",
+                 {{"share", v("share") / static_cast<double>(most - 1)}, {"reference_pa", kPressurePa}})};
+}
+
 using Translation = std::function<Choices(const Numbers&)>;
 
 const std::map<std::string, Translation>& translations() {
@@ -224,6 +239,7 @@ const std::map<std::string, Translation>& translations() {
       {"vacuum_gain", same("", {"share"}, {{"reference_pa", kVacuumPa}})},
       {"strain_stiffening", same("cubic", {"beta_m2"})},
       {"gain_nonlinearity", same("quadratic", {"share"}, {{"reference_pa", kPressurePa}})},
+      {"chamber_bulge", chamber_bulge},
       {"pressure_stiffening", same("linear", {"share"}, {{"reference_pa", kPressurePa}})},
       {"radial_expansion", same("square", {"share"}, {{"reference_pa", kPressurePa}})},
       {"pressure_dead_zone", pressure_dead_zone},
