@@ -37,6 +37,9 @@ class LiveInputs(unittest.TestCase):
                       "tendon_1": publisher("/tendon/1/tension", Float64),
                       "servo_1": publisher("/servo/1/angle", Float64)}
         assert cls.feeder.wait_for_subscribers(), "the node did not subscribe"
+        # Each topic is connected by itself, on a loaded machine long after the bodies'.
+        connected = lambda: all(one.get_num_connections() > 0 for one in cls.inputs.values())
+        assert cls.listener.wait(connected, 20.0), "the node did not connect to its inputs"
         cls.set_mode = rospy.ServiceProxy(NODE + "/set_mode", SetMode)
         cls.set_mode.wait_for_service(10.0)
 
