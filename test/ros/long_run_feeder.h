@@ -14,21 +14,16 @@
 #include <string>
 #include <vector>
 
-#include "rig/simulator.h"
+#include "rig_trial.h"
 
 namespace softarm::testing_long_run {
 
 constexpr double kRateHz = 240.0;
 
-struct Trial {
-  std::vector<std::string> bodies;
-  std::vector<rig::Sample> samples;
-};
-
 /// Plays the trial over and over with faults of drivers, trackers and networks.
 class Feeder {
  public:
-  Feeder(ros::NodeHandle& nh, const Trial& trial, ros::Time start, unsigned seed)
+  Feeder(ros::NodeHandle& nh, const RigTrial& trial, ros::Time start, unsigned seed)
       : nh_(nh), trial_(trial), start_(start), random_(seed), state_(trial.bodies.size()) {
     for (const std::string& body : trial.bodies)
       bodies_.push_back(nh.advertise<geometry_msgs::PoseStamped>("/mocap/" + body + "/pose", 1000));
@@ -110,16 +105,7 @@ class Feeder {
     const bool swapped = swap_until_ > k && (i == 2 || i == 3);
     const auto& pose = sample.bodies[swapped ? 5 - i : i];
     if (state.lost_until > k || !pose) return false;
-    geometry_msgs::PoseStamped message;
-    message.header.stamp = stamp(k);
-    message.header.frame_id = "mocap";
-    message.pose.position.x = pose->p.x();
-    message.pose.position.y = pose->p.y();
-    message.pose.position.z = pose->p.z();
-    message.pose.orientation.w = pose->q.w();
-    message.pose.orientation.x = pose->q.x();
-    message.pose.orientation.y = pose->q.y();
-    message.pose.orientation.z = pose->q.z();
+    geometry_msgs::PoseStamped message = pose_message(*pose, stamp(k));
     faults_["samples with labels exchanged"] += swapped;
     if (state.frozen_until > k) message.pose = state.frozen;
     if (state.ghost_until > k) message.pose.position.y += 0.3;
@@ -161,7 +147,7 @@ class Feeder {
   }
 
   ros::NodeHandle nh_;
-  const Trial& trial_;
+  const RigTrial& trial_;
   ros::Time start_;
   std::mt19937_64 random_;
   std::vector<State> state_;

@@ -12,15 +12,11 @@
 #include <xmlrpcpp/XmlRpcClient.h>
 
 #include <algorithm>
-#include <fstream>
 #include <map>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "long_run_feeder.h"
-#include "rig/scenario.h"
-#include "rig/simulator.h"
 #include "ros/finite.h"
 
 namespace softarm {
@@ -28,26 +24,12 @@ namespace {
 
 using testing_long_run::Feeder;
 using testing_long_run::kRateHz;
-using testing_long_run::Trial;
 
 constexpr double kTrialS = 20.0;  // simulated once, at rest at both ends, and repeated
 // Frames sent and not yet answered, at most: more than those that may wait for a body (0.25 s), and few
 // enough that no topic gets further ahead of another than real ones do.
 constexpr std::uint64_t kInFlight = 75;
 const char* const kNode = "/softarm_estimator";
-
-Trial simulate() {
-  const std::string path = std::string(SOFTARM_SOURCE_DIR) + "/config/scenarios/trial_10s.yaml";
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  rig::Scenario scenario = rig::parse_scenario(text.str(), path);
-  scenario.duration_s = kTrialS;
-  scenario.mocap.rate_hz = kRateHz;
-  rig::Simulator simulator(scenario);
-  Trial trial{simulator.body_names(), {}};
-  while (auto sample = simulator.next()) trial.samples.push_back(std::move(*sample));
-  return trial;
-}
 
 /// Resident memory of the node, kB.
 long resident_kb() {
@@ -130,7 +112,7 @@ void listen_for(double wall_s) {
 TEST(LongRun, NothingIsLostWithoutAReasonAndMemoryIsFlat) {
   const double minutes = ros::param::param<double>("~minutes", 10.0);
   const double rate = ros::param::param<double>("~rate", 0.0);
-  const Trial trial = simulate();
+  const RigTrial trial = simulated_trial(kTrialS, kRateHz);
   ros::NodeHandle nh;
   Ear ear(nh);
   Feeder feeder(nh, trial, ros::Time(ros::WallTime::now().sec, 0), 5);

@@ -1,7 +1,6 @@
 // Poses that come faster than the node can answer: it answers the newest, says what it skipped, and its
 // latency does not grow. ~rate_hz, ~seconds.
 #include <diagnostic_msgs/DiagnosticArray.h>
-#include <geometry_msgs/PoseStamped.h>
 #include <gtest/gtest.h>
 #include <ros/ros.h>
 #include <sensor_msgs/FluidPressure.h>
@@ -9,39 +8,18 @@
 #include <std_msgs/Float64.h>
 
 #include <algorithm>
-#include <fstream>
 #include <map>
-#include <mutex>
-#include <sstream>
 #include <string>
 #include <vector>
 
-#include "rig/scenario.h"
-#include "rig/simulator.h"
+#include "math/statistics.h"
+#include "rig_trial.h"
 
 namespace softarm {
 namespace {
 
 constexpr double kTrialS = 2.0;  // simulated once, and played forwards and backwards
 constexpr std::size_t kNoticedWithinS = 2;
-
-struct Trial {
-  std::vector<std::string> bodies;
-  std::vector<rig::Sample> samples;
-};
-
-Trial simulate(double rate_hz) {
-  const std::string path = std::string(SOFTARM_SOURCE_DIR) + "/config/scenarios/trial_10s.yaml";
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  rig::Scenario scenario = rig::parse_scenario(text.str(), path);
-  scenario.duration_s = kTrialS;
-  scenario.mocap.rate_hz = rate_hz;
-  rig::Simulator simulator(scenario);
-  Trial trial{simulator.body_names(), {}};
-  while (auto sample = simulator.next()) trial.samples.push_back(std::move(*sample));
-  return trial;
-}
 
 /// Latency of each estimate, from the stamp of its poses to its receipt here, and what the node says of
 /// itself.
@@ -83,7 +61,7 @@ class Ear {
 
 class Publisher {
  public:
-  Publisher(ros::NodeHandle& nh, const Trial& trial) : trial_(trial) {
+  Publisher(ros::NodeHandle& nh, const RigTrial& trial) : trial_(trial) {
     for (const std::string& body : trial.bodies)
       bodies_.push_back(nh.advertise<geometry_msgs::PoseStamped>("/mocap/" + body + "/pose", 100));
     for (int i = 0; i < 3; ++i) {
@@ -110,36 +88,20 @@ class Publisher {
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       const auto& pose = sample.bodies[i];
       if (!pose) continue;
-      geometry_msgs::PoseStamped message;
-      message.header.stamp = stamp;
-      message.header.frame_id = "mocap";
-      message.pose.position.x = pose->p.x();
-      message.pose.position.y = pose->p.y();
-      message.pose.position.z = pose->p.z();
-      message.pose.orientation.w = pose->q.w();
-      message.pose.orientation.x = pose->q.x();
-      message.pose.orientation.y = pose->q.y();
-      message.pose.orientation.z = pose->q.z();
-      bodies_[i].publish(message);
+      bodies_[i].publish(pose_message(*pose, stamp));
     }
   }
 
  private:
-  const Trial& trial_;
+  const RigTrial& trial_;
   std::vector<ros::Publisher> bodies_, pressures_;
   ros::Publisher payload_;
 };
 
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-}
-
 TEST(Overload, TheNewestIsAnsweredAndTheLatencyDoesNotGrow) {
   const double rate_hz = ros::param::param<double>("~rate_hz", 4000.0);
   const double seconds = ros::param::param<double>("~seconds", 8.0);
-  const Trial trial = simulate(rate_hz);
+  const RigTrial trial = simulated_trial(kTrialS, rate_hz);
   ros::NodeHandle nh;
   Ear ear(nh);
   Publisher publisher(nh, trial);
@@ -162,18 +124,18 @@ TEST(Overload, TheNewestIsAnsweredAndTheLatencyDoesNotGrow) {
   spinner.stop();
 
   std::uint64_t answers = 0;
-  const double solve_s = quantile(ear.solve_s, 0.5);
+  const double solve_s = math::quantile(ear.solve_s, 0.5);
   const double skipped = ear.number("frames dropped: overload");
   for (std::size_t second = 0; second < ear.latency_s.size(); ++second) {
     const std::vector<double>& latency = ear.latency_s[second];
     answers += latency.size();
     std::cout << "second " << second << ": " << latency.size() << " answers, latency median "
-              << 1e3 * quantile(latency, 0.5) << ", 99 % " << 1e3 * quantile(latency, 0.99) << ", most "
-              << 1e3 * quantile(latency, 1.0) << " ms\n";
+              << 1e3 * math::quantile(latency, 0.5) << ", 99 % " << 1e3 * math::quantile(latency, 0.99)
+              << ", most " << 1e3 * math::quantile(latency, 1.0) << " ms\n";
     // It takes a moment to be noticed. Beside other programs a frame takes several times what it would.
     if (second < kNoticedWithinS) continue;
-    EXPECT_LT(quantile(latency, 0.5), 0.02 + 10.0 * solve_s);
-    EXPECT_LT(quantile(latency, 0.9), 0.06 + 10.0 * solve_s);
+    EXPECT_LT(math::quantile(latency, 0.5), 0.02 + 10.0 * solve_s);
+    EXPECT_LT(math::quantile(latency, 0.9), 0.06 + 10.0 * solve_s);
   }
   std::cout << sent << " frames sent, " << answers << " answered, " << skipped
             << " skipped, solve time median " << 1e6 * solve_s << " us" << std::endl;
