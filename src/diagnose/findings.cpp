@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "contribution.h"
@@ -158,12 +159,20 @@ void add_findings(JointModel& model, const Selection& selection, const MatrixXd&
                   Diagnosis& d) {
   d.ranking = ranking_of(model, selection);
   std::vector<NamedEffect> all = named_effects(model, selection, covariance);
+  std::set<const model::Effect*> weighed;
   for (std::size_t e = 0; e < all.size(); ++e) {
     NamedEffect& effect = all[e];
     const bool small = is_small(model, selection, e, effect, d, adequate);
-    if (!small && !adequate)
-      effect.probability *= is_no_stand_in(selection.extended.at.effects[e].effect->info(),
-                                           effect.share * d.explained_share, 1.0 - d.explained_share);
+    if (!small && !adequate) {
+      const double part = effect.share * d.explained_share, left = 1.0 - d.explained_share;
+      effect.probability *= is_no_stand_in(selection.extended.at.effects[e].effect->info(), part, left);
+      // Those that might be there in its place would explain as little.
+      for (const model::Effect* rival : selection.rounds[selection.round_of[e]].rivals)
+        for (Candidate& candidate : d.ranking)
+          if (candidate.finding == Finding::kRival && candidate.id == rival->info().id &&
+              weighed.insert(rival).second)
+            candidate.probability *= is_no_stand_in(rival->info(), part, left);
+    }
     for (Candidate& candidate : d.ranking)
       if (candidate.id == effect.id) candidate.probability = effect.probability;
     (small ? d.small_departures : d.effects).push_back(std::move(effect));
