@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <tuple>
 
 #include "protocol.h"
@@ -14,6 +15,16 @@ namespace {
 
 constexpr std::size_t kMaxRings = 64;
 
+/// Absent: none.
+std::optional<Eigen::Quaterniond> parse_quaternion(YamlMap& map) {
+  if (!map.has("quaternion_xyzw")) return std::nullopt;
+  const std::vector<double> q = map.numbers("quaternion_xyzw", {-1.001, 1.001}, 4, 4);
+  const Eigen::Quaterniond quaternion(q[3], q[0], q[1], q[2]);
+  if (std::abs(quaternion.norm() - 1.0) > 1e-3)
+    map.fail("quaternion_xyzw", fmt::format("norm {:.6g}, allowed 0.999 ... 1.001", quaternion.norm()));
+  return quaternion.normalized();
+}
+
 MountSpec parse_mount(YamlMap map) {
   MountSpec mount;
   if (map.has("position_m")) {
@@ -21,13 +32,9 @@ MountSpec parse_mount(YamlMap map) {
     mount.p_mocap_base = {p[0], p[1], p[2]};
   }
   const bool named = map.has("attitude");
-  if (map.has("quaternion_xyzw")) {
+  if (const auto quaternion = parse_quaternion(map)) {
     if (named) map.fail("quaternion_xyzw", "given beside attitude, expected one of them");
-    const std::vector<double> q = map.numbers("quaternion_xyzw", {-1.001, 1.001}, 4, 4);
-    const Eigen::Quaterniond quaternion(q[3], q[0], q[1], q[2]);
-    if (std::abs(quaternion.norm() - 1.0) > 1e-3)
-      map.fail("quaternion_xyzw", fmt::format("norm {:.6g}, allowed 0.999 ... 1.001", quaternion.norm()));
-    mount.q_mocap_base = quaternion.normalized();
+    mount.q_mocap_base = *quaternion;
   } else if (named) {
     const std::string word = map.word("attitude");
     const std::optional<Eigen::Quaterniond> q = attitude_named(word);
@@ -73,10 +80,44 @@ PoseNoise parse_noise(YamlMap& map, const PoseNoise& otherwise) {
           map.number("orientation_sd_rad", {0.0, 3.0}, otherwise.orientation_sd_rad)};
 }
 
+TrackedBody parse_tracked(YamlMap& map, TrackedBody body) {
+  if (map.has("name")) body.name = map.word("name");
+  if (map.has("position_m")) {
+    const std::vector<double> p = map.numbers("position_m", {-100.0, 100.0}, 3, 3);
+    body.p_section = {p[0], p[1], p[2]};
+  }
+  body.q_section = parse_quaternion(map).value_or(body.q_section);
+  return body;
+}
+
+/// The list `rings`: bodies with names of their own, which may sit beside their section.
+void parse_rings(YamlMap& map, MocapSpec& spec) {
+  if (map.has("ring_fractions")) map.fail("rings", "given beside ring_fractions, expected one of them");
+  spec.ring_fractions.clear();
+  std::set<std::string> names{spec.base.name};
+  for (YamlMap& entry : map.maps("rings")) {
+    const double fraction = entry.number("fraction", {0.0, 1.0});
+    if (!spec.ring_fractions.empty() && fraction < spec.ring_fractions.back())
+      entry.fail("fraction",
+                 fmt::format("value {} after {}, must not decrease", fraction, spec.ring_fractions.back()));
+    spec.ring_fractions.push_back(fraction);
+    spec.rings.push_back(parse_tracked(entry, {fmt::format("ring_{}", spec.ring_fractions.size())}));
+    if (!names.insert(spec.rings.back().name).second)
+      entry.fail("name", fmt::format("value {}, is that of another body", spec.rings.back().name));
+    entry.finish();
+  }
+  if (spec.rings.empty() || spec.rings.size() > kMaxRings)
+    map.fail("rings", fmt::format("{} rings, allowed 1 ... {}", spec.rings.size(), kMaxRings));
+}
+
 MocapSpec parse_mocap(YamlMap map) {
   MocapSpec spec;
   spec.rate_hz = map.number("rate_hz", {1.0, 2000.0}, spec.rate_hz);
-  if (map.has("ring_fractions")) {
+  YamlMap base = map.map("base");
+  spec.base = parse_tracked(base, spec.base);
+  if (map.has("rings")) {
+    parse_rings(map, spec);
+  } else if (map.has("ring_fractions")) {
     spec.ring_fractions = map.numbers("ring_fractions", {0.0, 1.0}, 1, kMaxRings);
     for (std::size_t i = 1; i < spec.ring_fractions.size(); ++i)
       if (!(spec.ring_fractions[i] > spec.ring_fractions[i - 1]))
@@ -84,7 +125,6 @@ MocapSpec parse_mocap(YamlMap map) {
                                                spec.ring_fractions[i], spec.ring_fractions[i - 1]));
   }
   spec.ring_noise = parse_noise(map, spec.ring_noise);
-  YamlMap base = map.map("base");
   spec.base_measured = base.boolean("measured", spec.base_measured);
   spec.base_noise = parse_noise(base, spec.base_noise);
   base.finish();

@@ -208,11 +208,21 @@ struct PayloadSpec {
   std::vector<Setpoint> schedule;
 };
 
+/// What the cameras know as a body: its name, and its frame in that of the section that carries it (x:
+/// azimuth 0, z: tangent), or in the clamp's.
+struct TrackedBody {
+  std::string name;
+  Eigen::Vector3d p_section = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond q_section = Eigen::Quaterniond::Identity();
+};
+
 struct MocapSpec {
   double rate_hz = 120.0;
   std::vector<double> ring_fractions{0.25, 0.5, 0.75, 1.0};  ///< of the length at zero input
+  std::vector<TrackedBody> rings;  ///< one for each; empty: ring_1 ..., centred on the backbone
   PoseNoise ring_noise{0.5e-3, 0.01};
   bool base_measured = true;
+  TrackedBody base{"base"};
   PoseNoise base_noise{0.05e-3, 0.0005};
   double dropout_probability = 0.0;  ///< that a body is lost in a frame
 };

@@ -22,6 +22,9 @@ PoseSensors::PoseSensors(const Scenario& scenario)
   for (int number = scenario.mocap.base_measured ? 0 : 1; number <= rings; ++number) {
     Body body;
     body.number = number;
+    const MocapSpec& mocap = scenario.mocap;
+    if (number == 0) body.tracked = &mocap.base;
+    if (number > 0 && !mocap.rings.empty()) body.tracked = &mocap.rings[static_cast<std::size_t>(number) - 1];
     const auto part = static_cast<std::size_t>(number);
     for (const MarkerSlip& slip : spec.slips)
       if (concerns(slip.body, number)) body.slips.push_back(&slip);
@@ -56,6 +59,7 @@ std::vector<Pose> PoseSensors::observe(double t_s, const std::vector<Pose>& ring
     for (Wobble& one : body.wobbles) wobble(one, ring, pose);
     pose.p += pose.q * body.bias_m;
     turn_in_body(body.bias_turn_rad, pose);
+    if (body.tracked) pose = {pose.p + pose.q * body.tracked->p_section, pose.q * body.tracked->q_section};
     see(t_s, pose);
     for (Coloured& noise : body.coloured) {
       pose.p += noise.position.next(noise.random);

@@ -32,7 +32,8 @@ class PoseSensors {
     std::optional<Eigen::Vector3d> across_g;  ///< apparent weight across the arm over gravity, lagging
   };
   struct Body {
-    int number = 0;  ///< 0: base
+    int number = 0;                        ///< 0: base
+    const TrackedBody* tracked = nullptr;  ///< absent: centred on the backbone
     std::vector<const MarkerSlip*> slips;
     Eigen::Vector3d bias_m = Eigen::Vector3d::Zero(), bias_turn_rad = Eigen::Vector3d::Zero();
     std::vector<Wobble> wobbles;

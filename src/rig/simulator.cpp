@@ -57,10 +57,11 @@ struct Simulator::Impl {
         sensors(scenario, protocol),
         commands(protocol.at(0.0)),
         input_path(scenario, commands) {
-    if (scenario.mocap.base_measured) names.emplace_back("base");
+    const MocapSpec& mocap = scenario.mocap;
+    if (mocap.base_measured) names.push_back(mocap.base.name);
     for (const SegmentSpec& segment : scenario.arm.segments) walls.emplace_back(segment.creep);
-    for (std::size_t i = 1; i <= scenario.mocap.ring_fractions.size(); ++i)
-      names.push_back(fmt::format("ring_{}", i));
+    for (std::size_t i = 0; i < mocap.ring_fractions.size(); ++i)
+      names.push_back(mocap.rings.empty() ? fmt::format("ring_{}", i + 1) : mocap.rings[i].name);
     const double frame_s = 1.0 / scenario.mocap.rate_hz;
     substeps = std::max(1, static_cast<int>(std::ceil(frame_s / scenario.numerics.max_step_s - 1e-9))) *
                finer_steps(scenario);

@@ -102,7 +102,7 @@ class Simulator {
   /// Frames that next() will give in all; absent for an endless scenario.
   std::optional<std::size_t> frame_count() const;
 
-  /// "base" (if measured), "ring_1" ... "ring_N".
+  /// "base" (if measured), "ring_1" ... "ring_N", or as the scenario calls them.
   const std::vector<std::string>& body_names() const;
   const Scenario& scenario() const;
 

@@ -42,6 +42,23 @@ TEST(HiddenSensorsPoses, CorrelatedNoiseHasItsSizeAndForgetsItselfInItsTime) {
   EXPECT_NEAR(across_bodies / (3.0 * static_cast<double>(p.size())) / 1e-6, 0.0, 0.12);
 }
 
+TEST(HiddenSensorsPoses, BodiesSitWhereTheScenarioHasThemOnTheirSection) {
+  Scenario s = quiet(4.0);
+  s.mocap.rings = {{"a"}, {"b", {0.0, 0.03, 0.002}, Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0)}, {"c"}};
+  s.mocap.base = {"clamp", {0.1, 0.0, 0.0}};
+  EXPECT_EQ(Simulator(s).body_names(), (std::vector<std::string>{"clamp", "a", "b", "c"}));
+  for (const Sample& sample : samples_of(s)) {
+    const Pose truth = true_pose(s, sample, 2);
+    EXPECT_LT((truth.q.conjugate() * error_m(s, sample, 2) - Eigen::Vector3d(0.0, 0.03, 0.002)).norm(),
+              1e-12);
+    EXPECT_LT((truth.q * Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0)).angularDistance(sample.bodies[2]->q), 1e-7);
+    EXPECT_LT(
+        (s.mount.q_mocap_base.conjugate() * error_m(s, sample, 0) - Eigen::Vector3d(0.1, 0.0, 0.0)).norm(),
+        1e-12);
+    EXPECT_LT(error_m(s, sample, 1).norm(), 1e-12);
+  }
+}
+
 TEST(HiddenSensorsPoses, BiasIsConstantInTheBodysFrame) {
   Scenario s = quiet(4.0);
   hide("marker_bias", {{"body", 2}, {"x_m", 1e-3}, {"y_m", -2e-3}, {"z_m", 0.5e-3}}, s, "given");

@@ -52,6 +52,29 @@ TEST(Scenario, ReadsWhatIsWritten) {
   EXPECT_DOUBLE_EQ(s.mocap.ring_noise.position_sd_m, 0.0005);
 }
 
+std::string with_rings(const std::string& rings) {
+  std::string text = kScenarioText;
+  const std::string from = "ring_fractions: [0.5, 1.0]";
+  return text.replace(text.find(from), from.size(), "rings: " + rings);
+}
+
+TEST(Scenario, RingsMayHaveNamesAndPlacesOfTheirOwn) {
+  const MocapSpec spec = parse_scenario(with_rings("[{name: lab/a, fraction: 0.4, position_m: [0, 0.02, 0]}, "
+                                                   "{fraction: 0.4}]\n  base: {name: clamp}"),
+                                        "case.yaml")
+                             .mocap;
+  EXPECT_EQ(spec.ring_fractions, (std::vector<double>{0.4, 0.4}));
+  EXPECT_EQ(spec.rings[0].name, "lab/a");
+  EXPECT_EQ(spec.rings[0].p_section, Eigen::Vector3d(0.0, 0.02, 0.0));
+  EXPECT_EQ(spec.rings[1].name, "ring_2");
+  EXPECT_EQ(spec.base.name, "clamp");
+  EXPECT_THAT(error_of(with_rings("[{name: base, fraction: 1}]")),
+              AllOf(HasSubstr("mocap.rings[0].name"), HasSubstr("base")));
+  EXPECT_THAT(error_of(with_rings("[{fraction: 1}, {fraction: 0.5}]")), HasSubstr("must not decrease"));
+  EXPECT_THAT(error_of(with_rings("[]")), HasSubstr("0 rings, allowed 1 ... 64"));
+  EXPECT_THAT(error_of(with_rings("[{fraction: 1}]\n  ring_fractions: [1]")), HasSubstr("one of them"));
+}
+
 TEST(Scenario, MountsMayBeTurnedAboutTheArmsAxis) {
   std::string text = kScenarioText;
   const std::string from = "attitude: hanging";
