@@ -6,6 +6,7 @@
 
 #include "advice.h"
 #include "input_report.h"
+#include "policy.h"
 #include "softarm/identify/identify.h"
 
 namespace softarm::identify {
@@ -150,6 +151,20 @@ std::string errors_table(const Result& result) {
   return text;
 }
 
+/// Mean distance of bodies from where they are that the stated noise alone would give.
+double noise_m(const arm::Arm& arm) {
+  double most = 0.0;
+  for (const arm::MeasuredBody& body : arm.bodies)
+    most = std::max(most, std::hypot(body.position_sd_m, body.placement_sd_m));
+  return kMeanOverSd * most;
+}
+
+/// The errors on what was not fitted, before and after.
+std::pair<ShapeError, ShapeError> unseen_errors(const Result& result) {
+  if (!result.left_out_one.empty()) return {result.left_out_one_before, result.left_out_one_after};
+  return {result.held_out_before, result.held_out};
+}
+
 std::string trials_text(const Result& result) {
   std::string text;
   for (const TrialSummary& trial : result.trials)
@@ -166,6 +181,23 @@ std::string trials_text(const Result& result) {
 }
 
 }  // namespace
+
+std::optional<bool> generalises(const Result& result) {
+  const auto [before, after] = unseen_errors(result);
+  if (after.frames == 0) return std::nullopt;
+  return after.mean_m < (1.0 - kLeastGain) * before.mean_m || after.mean_m <= noise_m(result.arm);
+}
+
+std::string verdict(const Result& result) {
+  const std::optional<bool> good = generalises(result);
+  if (!good) return "no trial is held out: nothing says whether this generalises";
+  const auto [before, after] = unseen_errors(result);
+  const std::string change =
+      fmt::format("{:.2f} → {:.2f} mm held out", 1e3 * before.mean_m, 1e3 * after.mean_m);
+  if (!*good) return fmt::format("does not generalise: {}; run diagnose", change);
+  if (after.mean_m < (1.0 - kLeastGain) * before.mean_m) return fmt::format("generalises: {}", change);
+  return fmt::format("as good before: {}, no more than noise", change);
+}
 
 std::string describe(const Result& result) {
   std::string text;

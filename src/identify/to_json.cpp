@@ -75,6 +75,16 @@ Json json_of(const std::vector<WallStart>& starts) {
   return list;
 }
 
+Json json_of(const arm::LawPrior& prior) {
+  return {{"moment_sd_nm", prior.moment_sd_nm},
+          {"moment_sd_rel", prior.moment_sd_rel},
+          {"bending_stiffness_sd_rel", prior.bending_stiffness_sd_rel},
+          {"length_sd_m", prior.length_sd_m},
+          {"axial_stiffness_sd_rel", prior.axial_stiffness_sd_rel},
+          {"moment_jitter_sd_nm", prior.moment_jitter_sd_nm},
+          {"length_jitter_sd_m", prior.length_jitter_sd_m}};
+}
+
 }  // namespace
 
 std::string to_json(const Result& result) {
@@ -103,6 +113,8 @@ std::string to_json(const Result& result) {
                                     {"parts", parts_of(combination.parts)},
                                     {"sentence", combination.sentence}});
   }
+  json["verdict"] = verdict(result);
+  if (const auto good = generalises(result)) json["generalises"] = *good;
   json["length_m"] = result.fitted.length_m;
   json["fitted_before"] = json_of(result.fitted_before);
   json["fitted"] = json_of(result.fitted);
@@ -116,14 +128,7 @@ std::string to_json(const Result& result) {
   }
   json["starts"] = json_of(result.starts);
   json["effect_starts"] = json_of(result.effect_starts);
-  const arm::LawPrior& prior = result.prior;
-  json["prior"] = {{"moment_sd_nm", prior.moment_sd_nm},
-                   {"moment_sd_rel", prior.moment_sd_rel},
-                   {"bending_stiffness_sd_rel", prior.bending_stiffness_sd_rel},
-                   {"length_sd_m", prior.length_sd_m},
-                   {"axial_stiffness_sd_rel", prior.axial_stiffness_sd_rel},
-                   {"moment_jitter_sd_nm", prior.moment_jitter_sd_nm},
-                   {"length_jitter_sd_m", prior.length_jitter_sd_m}};
+  json["prior"] = json_of(result.prior);
   json["fit"] = {{"frames", result.frames},
                  {"bodies", result.bodies},
                  {"iterations", result.iterations},

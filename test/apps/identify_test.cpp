@@ -84,6 +84,7 @@ TEST(SoftarmIdentify, RigTrialsGiveAnArmThatEstimateLoads) {
   const std::string call = "identify --arm " + arm + bags + " --out " + out;
   const Outcome o = softarm_program(call + " --json " + json + " --plot " + plot);
   ASSERT_EQ(o.status, 0) << o.err;
+  EXPECT_EQ(o.out.rfind("generalises: ", 0), 0u) << o.out;
   EXPECT_THAT(o.out, HasSubstr("segment_1.chamber_1.moment_gain"));
   EXPECT_THAT(o.out, HasSubstr("held-out trials, after"));
   const std::string text = text_of(out);

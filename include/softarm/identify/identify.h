@@ -263,6 +263,11 @@ using ProgressCallback = std::function<void(double)>;
 SOFTARM_EXPORT Result identify(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
                                const Options& options = {}, const ProgressCallback& progress = {});
 
+/// Whether the new constants are better on trials that were not fitted, or as good there as noise lets them
+/// be; absent where none was held out.
+SOFTARM_EXPORT std::optional<bool> generalises(const Result& result);
+/// That in one line, with the mean errors before and after.
+SOFTARM_EXPORT std::string verdict(const Result& result);
 /// Tables for people: constants, correlations, errors, what was left out.
 SOFTARM_EXPORT std::string describe(const Result& result);
 /// The same for programs, JSON.

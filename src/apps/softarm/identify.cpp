@@ -62,6 +62,7 @@ std::string names_of(const identify::Result& result, bool held_out) {
 
 std::vector<std::string> header_of(const identify::Result& result) {
   std::vector<std::string> lines{"constants and prior identified from the trials " + names_of(result, false)};
+  lines.push_back(identify::verdict(result));
   if (!result.left_out_one.empty()) {
     const identify::ShapeError &before = result.left_out_one_before, &after = result.left_out_one_after;
     lines.push_back(fmt::format(
@@ -132,7 +133,8 @@ void fit(const IdentifyOptions& options, const arm::Arm& arm) {
   if (json) json->commit();
   if (shapes) shapes->commit();
   if (constants) constants->commit();
-  fmt::print("arm: {}\n{}written: {}\n", arm.name, identify::describe(result), options.out);
+  fmt::print("{}\narm: {}\n{}written: {}\n", identify::verdict(result), arm.name, identify::describe(result),
+             options.out);
   if (shapes)
     fmt::print("written: {0}; scripts/plot_identify.py {0} --out picture.png draws it\n", options.plot);
 }
