@@ -250,12 +250,15 @@ bool EstimatorNode::on_set_payload(softarm_estimator::SetPayload::Request& reque
 bool EstimatorNode::on_set_mode(softarm_estimator::SetMode::Request& request,
                                 softarm_estimator::SetMode::Response& response) {
   try {
-    estimator_.set_unknown(arm::parse_unknown(request.unknown));
+    arm::EstimatorOptions wanted = estimator_.options();
+    wanted.unknown = arm::parse_unknown(request.unknown);
+    if (const std::string why = estimate::advice(wanted); !why.empty())
+      throw std::invalid_argument("unknown stays " + to_string(estimator_.options().unknown) + ": " + why +
+                                  " (prior:=true of the launch file, or estimator.prior of the arm file)");
+    estimator_.set_unknown(wanted.unknown);
     if (monitor_) monitor_->set_unknown(estimator_.options().unknown);
     response.success = true;
     response.message = "unknown is " + to_string(estimator_.options().unknown);
-    const std::string note = estimate::advice(estimator_.options());
-    if (!note.empty()) response.message += "; " + note;
   } catch (const std::invalid_argument& e) {
     response.success = false;
     response.message = e.what();
