@@ -28,7 +28,7 @@ EXACT, WITH = "#d9730d", "#1f6fb4"
 
 
 def run(program, *arguments):
-    call = [program, *map(str, arguments)]
+    call = [program, *map(str, arguments), "--force"]  # the folder is the script's own
     if subprocess.run(call, stdout=subprocess.DEVNULL).returncode != 0:
         sys.exit(f"{' '.join(call)}: failed")
 

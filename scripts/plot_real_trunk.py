@@ -46,7 +46,7 @@ STARTED = time.monotonic()
 
 
 def run(program, *arguments):
-    call = [program, *map(str, arguments)]
+    call = [program, *map(str, arguments), "--force"]  # the folder is the script's own
     out = pathlib.Path(arguments[arguments.index("--out") + 1]).name
     print(f"{time.monotonic() - STARTED:5.0f} s  softarm {call[1]} -> {out}", file=sys.stderr, flush=True)
     done = subprocess.run(call, stdout=subprocess.PIPE, universal_newlines=True)

@@ -14,7 +14,7 @@ def diagnose(program, arm, bags, out, *options):
     """Runs it, prints what it found in short, and returns report.json with what it cost."""
     out = pathlib.Path(out)
     out.mkdir(parents=True, exist_ok=True)
-    call = [str(program), "diagnose", "--arm", str(arm), *map(str, bags), "--out", str(out), *map(str, options)]
+    call = [str(program), "diagnose", "--arm", str(arm), *map(str, bags), "--out", str(out), "--force", *map(str, options)]
     started = time.monotonic()
     with open(out / "said.txt", "w", encoding="utf-8") as said:
         process = subprocess.Popen(call, stdout=said)

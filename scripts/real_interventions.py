@@ -28,7 +28,7 @@ def pieces(program, work, data, folder, layout, share):
     for grams in GRAMS:
         subprocess.run([program, "import", str(path), str(work / f"{grams}g.csv"), "--inputs",
                         str(data / "control_inputs_controlled_1.csv"), "--payload", f"{share * grams / 1000:g}", "--split-every",
-                        "15", "--leave-out", "150:151", "--out", f"{work / folder}/"], check=True, stdout=subprocess.DEVNULL)
+                        "15", "--leave-out", "150:151", "--force", "--out", f"{work / folder}/"], check=True, stdout=subprocess.DEVNULL)
 
 
 def arm_files(work):

@@ -46,7 +46,7 @@ class Pouch:
             (work / folder).mkdir(parents=True, exist_ok=True)
 
     def run(self, *arguments):
-        call = [self.program, *map(str, arguments)]
+        call = [self.program, *map(str, arguments), "--force"]  # the folder is the script's own
         out = arguments[arguments.index("--out") + 1].name
         print(f"{time.monotonic() - self.started:5.0f} s  softarm {call[1]} -> {out}", file=sys.stderr, flush=True)
         done = subprocess.run(call, stdout=subprocess.PIPE, universal_newlines=True)

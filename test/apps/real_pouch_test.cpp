@@ -33,7 +33,8 @@ std::string pouch(const std::string& file) {
 
 void import(const std::string& layout, const std::string& file, const std::string& options,
             const std::string& bag) {
-  const Outcome o = softarm_program("import " + layout + " " + file + " " + options + " --out " + bag);
+  const Outcome o =
+      softarm_program("import " + layout + " " + file + " " + options + " --force --out " + bag);
   ASSERT_EQ(o.status, 0) << o.err;
 }
 
@@ -93,8 +94,8 @@ TEST(RealPouchArm, EveryLayoutImportsItsRecordings) {
   for (const Recording& r : all) {
     SCOPED_TRACE(r.folder);
     const std::string bag = dir / "a.bag";
-    const Outcome o =
-        softarm_program("import " + r.layout + " " + pouch(r.folder) + "data_collect_1.txt --out " + bag);
+    const Outcome o = softarm_program("import " + r.layout + " " + pouch(r.folder) +
+                                      "data_collect_1.txt --force --out " + bag);
     ASSERT_EQ(o.status, 0) << o.err;
     const std::string rows = std::to_string(r.rows);
     EXPECT_THAT(o.out, HasSubstr(rows + " of " + rows + " rows"));
@@ -222,13 +223,13 @@ TEST(RealPouchArm, StretchGivesThePayloadOfAnotherTrialWithinItsInterval) {
   for (const std::string trial : {"1", "3"}) {
     SCOPED_TRACE("load_" + trial);
     const Outcome o = softarm_program("identify --arm " + arm + " " + dir / "*load_?.bag" + kIdentifyOptions +
-                                      "--hold-out load_" + trial + " --out " + dir / "without.yaml");
+                                      "--hold-out load_" + trial + " --force --out " + dir / "without.yaml");
     ASSERT_EQ(o.status, 0) << o.err;
     // All of the held-out trial, its payload unknown.
     import("pouch_arm_one_segment", pouch("one_segment/load_400g") + "data_collect_" + trial + ".txt", "",
            dir / "whole.bag");
     const Outcome e = softarm_program("estimate --arm " + dir / "without.yaml " + dir / "whole.bag" +
-                                      " --out " + dir / "out");
+                                      " --force --out " + dir / "out");
     ASSERT_EQ(e.status, 0) << e.err;
     const std::vector<Row> rows = csv_rows(dir / "out/whole/estimates.csv");
     const double empty_kg = median(rows, "payload", 5.0, 5.7),
@@ -275,7 +276,7 @@ TEST(RealPouchArm, FramesThatShareInventNoPayload) {
   for (const std::string laws : {"1", "3"}) {
     const Outcome o = softarm_program("identify --arm " + arm + " " + dir / "no_load_" + laws + ".bag" +
                                       " --hold '*.bending_stiffness.*,*.chamber_3.*,*.chamber_1.*'"
-                                      " --also-free 'length,*.rest_curvature.*' --not-robust --out " +
+                                      " --also-free 'length,*.rest_curvature.*' --not-robust --force --out " +
                                       dir / "laws.yaml");
     ASSERT_EQ(o.status, 0) << o.err;
     const std::string other = laws == "1" ? "3" : "1";
@@ -284,7 +285,7 @@ TEST(RealPouchArm, FramesThatShareInventNoPayload) {
       SCOPED_TRACE("laws from no_load_" + laws + ", " + options);
       const Outcome e =
           softarm_program("estimate --arm " + dir / "laws.yaml " + dir / "no_load_" + other + ".bag " +
-                          dir / "whole_load_?.bag --prior on " + options + " --out " + dir / "out");
+                          dir / "whole_load_?.bag --prior on " + options + " --force --out " + dir / "out");
       ASSERT_EQ(e.status, 0) << e.err;
       const auto expect_honest = [&](const std::string& name, const Claims& claims) {
         SCOPED_TRACE(name);

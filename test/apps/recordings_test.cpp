@@ -203,7 +203,7 @@ TEST(SoftarmEstimate, StiffnessAndPayloadAtOnceNeedThePriorAndGainByTheWindow) {
   const TestFolder dir;
   ASSERT_EQ(softarm_program("simulate trial_10s --seconds 5 --out " + dir / "a.bag").status, 0);
   const auto run = [&](const std::string& options) {
-    const Outcome o = softarm_program("estimate --arm online_200mm --unknown both " + options + " " +
+    const Outcome o = softarm_program("estimate --arm online_200mm --unknown both --force " + options + " " +
                                       dir / "a.bag" + " --out " + dir / "out");
     EXPECT_EQ(o.status, 0) << o.err;
     return o;
@@ -233,7 +233,7 @@ TEST(SoftarmEstimate, AnInputThatThePriorLacksIsNamed) {
   EXPECT_EQ(o.status, 0);
   EXPECT_THAT(o.err, HasSubstr("no topic /pressure/elsewhere (chamber_2)"));
   for (const Row& row : csv_rows(dir / "out/a/estimates.csv")) ASSERT_EQ(row.at("status"), "missing_inputs");
-  softarm_program(call + " --prior off");
+  softarm_program(call + " --prior off --force");
   EXPECT_EQ(csv_rows(dir / "out/a/estimates.csv").at(100).at("status"), "ok");
 }
 

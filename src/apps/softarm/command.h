@@ -19,6 +19,11 @@ class Failure : public std::runtime_error {
   int status;  ///< exit status
 };
 
+/// What the flag --force does, of every command that writes results.
+constexpr char kForceMeaning[] =
+    "replace results of other runs; those of the very same command are replaced anyhow, unless somebody "
+    "changed them";
+
 /// Ends the program with a status when all has been said.
 struct Ended : std::exception {
   explicit Ended(int exit_status) : status(exit_status) {}

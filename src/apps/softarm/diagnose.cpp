@@ -37,7 +37,7 @@ struct DiagnoseOptions {
   std::vector<std::string> bags;
   diagnose::Options diagnosis;
   std::optional<double> payload_kg;
-  bool effects = false;
+  bool effects = false, force = false;
 };
 
 constexpr const char* kDiagnoseExamples = R"(Examples:
@@ -117,8 +117,10 @@ void run_diagnose(DiagnoseOptions options) {
   if (options.payload_kg) arm.payload.default_kg = options.payload_kg;
   const ReportPage page = find_report_page();
   const ResultsFolder folder(options.out);
-  OutputFile json(fs::path(options.out) / "report.json"), html(fs::path(options.out) / "report.html");
-  OutputFile extended(fs::path(options.out) / "arm_extended.yaml");
+  const Replacing replacing = Replacing::of_this_run(options.force);
+  OutputFile json(fs::path(options.out) / "report.json", replacing);
+  OutputFile html(fs::path(options.out) / "report.html", replacing);
+  OutputFile extended(fs::path(options.out) / "arm_extended.yaml", replacing);
 
   const std::vector<trial::Trial> trials =
       read_trials(options.bags, arm, !options.payload_kg, options.diagnosis.jobs);
@@ -172,6 +174,7 @@ void add_diagnose(CLI::App& program) {
   command->add_option("--arm", options->arm, "arm file, or the name of one in config/arms");
   command->add_option("BAG", options->bags, "trial bags, each one trial; three or more");
   command->add_option("--out", options->out, "folder for the report");
+  command->add_flag("--force", options->force, kForceMeaning);
   command->add_flag("--effects", options->effects, "list the catalogue: what is looked for");
   command->add_option("--block", options->diagnosis.block_s, "time over which frames are averaged, s")
       ->check(CLI::Range(0.02, 2.0))

@@ -36,6 +36,7 @@ struct EstimateOptions {
   std::optional<std::string> method, unknown, objective, prior;
   std::optional<double> payload_kg, window_s;
   std::string out = "estimates";
+  bool force = false;
   unsigned jobs = 0;
 };
 
@@ -54,6 +55,7 @@ constexpr int kBackbonePoints = 21;
 struct Job {
   std::string bag;
   fs::path folder;
+  Replacing replacing;
   std::string summary;  ///< what is printed once it is done
   std::vector<std::string> warnings;
   std::string failure;  ///< empty: done
@@ -88,16 +90,19 @@ arm::Arm load_arm(const EstimateOptions& options) {
 }
 
 std::vector<Job> make_jobs(const EstimateOptions& options) {
+  const Replacing replacing = Replacing::of_this_run(options.force);
   std::vector<Job> jobs;
   std::set<fs::path> folders;
   for (const std::string& bag : options.bags) {
     std::error_code error;
     if (!fs::is_regular_file(bag, error)) throw Failure(fmt::format("{}: no such bag", bag));
-    jobs.push_back({bag, fs::path(options.out) / fs::path(bag).stem(), "", {}, ""});
+    jobs.push_back({bag, fs::path(options.out) / fs::path(bag).stem(), replacing, "", {}, ""});
     if (!folders.insert(jobs.back().folder).second) {
       throw Failure(fmt::format("{}: another bag is called so too and would have the same output {}", bag,
                                 jobs.back().folder.string()));
     }
+    for (const char* file : {"estimates.csv", "summary.txt"})
+      refuse_to_replace(jobs.back().folder / file, replacing);
   }
   return jobs;
 }
@@ -119,8 +124,8 @@ void estimate_bag(const arm::Arm& arm, const std::vector<model::Present>& effect
   progress.add_total(static_cast<double>(bag.messages()));
 
   const ResultsFolder folder(job.folder);
-  OutputFile csv(job.folder / "estimates.csv");
-  OutputFile text(job.folder / "summary.txt");
+  OutputFile csv(job.folder / "estimates.csv", job.replacing);
+  OutputFile text(job.folder / "summary.txt", job.replacing);
   std::ofstream rows(csv.temporary());
   rows << estimate::estimates_csv_header() << '\n';
   estimate::EstimateSummary summary(arm);
@@ -225,6 +230,7 @@ void add_estimate(CLI::App& program) {
   command->add_option("--payload", options->payload_kg,
                       "the known payload, kg; the bag's payload topic is not read");
   command->add_option("--out", options->out, "folder of the results")->capture_default_str();
+  command->add_flag("--force", options->force, kForceMeaning);
   command->add_option("--jobs", options->jobs, "bags worked on at a time (default: one per processor)")
       ->check(CLI::Range(1u, 256u));
   command->footer(kEstimateExamples);

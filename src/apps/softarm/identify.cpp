@@ -36,7 +36,7 @@ struct IdentifyOptions {
   std::string out, json, plot;
   std::string procedure = "fit";
   identify::Options fit;
-  bool moving = false, not_robust = false, plot_all = false;
+  bool moving = false, not_robust = false, plot_all = false, force = false;
   std::optional<double> payload_kg;
   unsigned jobs = 0;
 };
@@ -95,14 +95,15 @@ std::vector<std::string> header_of(const identify::Result& result) {
 void fit(const IdentifyOptions& options, const arm::Arm& arm) {
   if (options.out.empty()) throw Failure("--out is needed: the arm file to be written");
   // Before any work: whether the results have a place.
-  OutputFile out(options.out);
+  const Replacing replacing = Replacing::of_this_run(options.force);
+  OutputFile out(options.out, replacing);
   std::optional<ResultsFolder> folder;
   std::optional<OutputFile> json, shapes, constants;
-  if (!options.json.empty()) json.emplace(options.json);
+  if (!options.json.empty()) json.emplace(options.json, replacing);
   if (!options.plot.empty()) {
     folder.emplace(options.plot);
-    shapes.emplace(fs::path(options.plot) / "shapes.csv");
-    constants.emplace(fs::path(options.plot) / "constants.csv");
+    shapes.emplace(fs::path(options.plot) / "shapes.csv", replacing);
+    constants.emplace(fs::path(options.plot) / "constants.csv", replacing);
   }
   const fs::path source = find_config("arms", options.arm);
   const std::string text = read_text(source);
@@ -144,7 +145,7 @@ void pull(const IdentifyOptions& options, const arm::Arm& arm) {
     throw Failure(fmt::format("{}: key 'effects': the pull procedure knows no effects; leave --procedure out",
                               options.arm));
   std::optional<OutputFile> out;
-  if (!options.out.empty()) out.emplace(options.out);
+  if (!options.out.empty()) out.emplace(options.out, Replacing::of_this_run(options.force));
   const std::vector<trial::Trial> trials = read_trials(options.bags, arm, !options.payload_kg, options.jobs);
   const std::vector<published::Pull> pulls = published::find_pulls(arm, trials);
   if (pulls.empty())
@@ -202,6 +203,7 @@ void add_identify(CLI::App& program) {
   command->add_option("--json", options->json, "also writes the result for programs");
   command->add_option("--plot", options->plot,
                       "folder for shapes.csv and constants.csv (scripts/plot_identify.py)");
+  command->add_flag("--force", options->force, kForceMeaning);
   command->add_flag("--plot-all", options->plot_all,
                     "shapes.csv holds all frames, in motion too, not only those chosen");
   command

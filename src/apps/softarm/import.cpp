@@ -34,6 +34,7 @@ struct ImportOptions {
   std::string out, inputs, guess;
   std::optional<double> split_every_s;
   std::vector<std::string> payload, leave_out;  ///< as typed
+  bool force = false;
 };
 
 struct Span {
@@ -142,7 +143,8 @@ Imported import_file(const Layout& by, const ImportOptions& options, const std::
                      const fs::path& path, const std::vector<Span>& left_out, Progress& progress) {
   const trial::CsvLayout& layout = by.layout;
   Imported result;
-  result.bags = std::make_unique<ImportBags>(layout, by.text, path, options.split_every_s);
+  result.bags = std::make_unique<ImportBags>(layout, by.text, path, options.split_every_s,
+                                             Replacing::of_this_run(options.force));
   std::uint64_t rows = 0;
   trial::CsvSources sources;
   sources.inputs_path = options.inputs;
@@ -209,7 +211,7 @@ void run_guess(const ImportOptions& options) {
     fmt::print("{}", text);
     return;
   }
-  OutputFile file(options.out);
+  OutputFile file(options.out, Replacing::of_this_run(options.force));
   file.write(text);
   file.commit();
   const std::size_t open = blanks(guess);
@@ -268,6 +270,7 @@ void add_import(CLI::App& program) {
   command->add_option("FILE", options->files, "recordings");
   command->add_option("--out", options->out,
                       "the bag, or a folder for one bag per recording; with --guess the layout");
+  command->add_flag("--force", options->force, kForceMeaning);
   command->add_option(
       "--guess", options->guess,
       "draft an annotated layout for this recording, in place of importing (to --out, else printed)");

@@ -12,8 +12,12 @@
 namespace softarm::app {
 
 ImportBags::ImportBags(const trial::CsvLayout& layout, const std::string& layout_text,
-                       std::filesystem::path path, std::optional<double> split_every_s)
-    : layout_(layout), layout_text_(layout_text), path_(std::move(path)), split_every_s_(split_every_s) {}
+                       std::filesystem::path path, std::optional<double> split_every_s, Replacing replacing)
+    : layout_(layout),
+      layout_text_(layout_text),
+      path_(std::move(path)),
+      split_every_s_(split_every_s),
+      replacing_(std::move(replacing)) {}
 
 void ImportBags::enter(const trial::CsvRow& row) {
   const bool new_trial = bags_.empty() || row.trial != trial_;
@@ -46,7 +50,7 @@ void ImportBags::enter(const trial::CsvRow& row) {
     if (split_every_s_) name += fmt::format("_{}", piece);
     path.replace_filename(name + ".bag");
   }
-  bags_.push_back({std::make_unique<OutputFile>(path), 0});
+  bags_.push_back({std::make_unique<OutputFile>(path, replacing_), 0});
   writer_ = std::make_unique<TrialBagWriter>(bags_.back().file->temporary().string());
   writer_->import_layout(row.stamp, layout_text_);
   next_step_ = 0;

@@ -21,7 +21,7 @@ class ImportBags {
   /// @param split_every_s length of the pieces; absent: one piece
   /// @param layout_text the document that `layout` was read from; each bag keeps it
   ImportBags(const trial::CsvLayout& layout, const std::string& layout_text, std::filesystem::path path,
-             std::optional<double> split_every_s);
+             std::optional<double> split_every_s, Replacing replacing);
 
   void write(const trial::CsvRow& row);
   /// Notes that rows between the last one and the next are left out as told: `check` takes that for no gap.
@@ -44,6 +44,7 @@ class ImportBags {
   const std::string layout_text_;
   std::filesystem::path path_;
   std::optional<double> split_every_s_;
+  Replacing replacing_;
   std::vector<Bag> bags_;
   std::unique_ptr<TrialBagWriter> writer_;
   std::string trial_;

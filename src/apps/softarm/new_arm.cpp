@@ -217,7 +217,7 @@ NewArm arm_of(const Told& told) {
   return arm;
 }
 
-void run_new_arm(Told told) {
+void run_new_arm(Told told, bool force) {
   complete(told, isatty(STDIN_FILENO) != 0);
   const NewArm arm = arm_of(told);
   const fs::path out = told.at("out");
@@ -228,7 +228,9 @@ void run_new_arm(Told told) {
   // Nothing is written that the loaders refuse.
   arm::parse_arm(text, out.string());
   trial::parse_csv_layout(columns, layout.string());
-  OutputFile arm_file(out), layout_file(layout);
+  Replacing replacing = Replacing::of_this_run(force);
+  for (const auto& [flag, answer] : told) replacing.command += fmt::format(" {}={}", flag, answer);
+  OutputFile arm_file(out, replacing), layout_file(layout, replacing);
   arm_file.write(text);
   layout_file.write(columns);
   arm_file.commit();
@@ -242,6 +244,7 @@ void run_new_arm(Told told) {
 
 void add_new_arm(CLI::App& program) {
   const auto told = std::make_shared<Told>();
+  const auto force = std::make_shared<bool>(false);
   CLI::App* command =
       program.add_subcommand("new-arm", "Write an annotated arm file and a layout from a few answers.");
   for (const Question& q : kQuestions) {
@@ -250,8 +253,9 @@ void add_new_arm(CLI::App& program) {
         "--" + flag, [told, flag](const std::string& value) { (*told)[flag] = value; },
         q.fallback ? fmt::format("{} (default: {})", q.asks, q.fallback) : q.asks);
   }
+  command->add_flag("--force", *force, kForceMeaning);
   command->footer(kNewArmExamples);
-  command->callback([told] { run_new_arm(*told); });
+  command->callback([told, force] { run_new_arm(*told, *force); });
 }
 
 }  // namespace softarm::app

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <openssl/evp.h>
 #include <signal.h>
+#include <sys/stat.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
 #include <array>
@@ -42,7 +44,71 @@ void remove_leftovers(const fs::path& folder, const std::string& name) {
   for (const fs::path& path : dead) fs::remove(path, error);
 }
 
+std::string sha256_of(std::istream& stream) {
+  const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(), &EVP_MD_CTX_free);
+  if (!context || EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr) != 1) {
+    throw Failure("SHA-256 is not available in this machine's OpenSSL");
+  }
+  std::array<char, 65536> block{};
+  while (stream) {
+    stream.read(block.data(), block.size());
+    EVP_DigestUpdate(context.get(), block.data(), static_cast<std::size_t>(stream.gcount()));
+  }
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned int length = 0;
+  EVP_DigestFinal_ex(context.get(), digest.data(), &length);
+  std::string hex;
+  for (unsigned int i = 0; i < length; ++i) fmt::format_to(std::back_inserter(hex), "{:02x}", digest[i]);
+  return hex;
+}
+
+std::string sha256_of(const std::string& text) {
+  std::istringstream stream(text);
+  return sha256_of(stream);
+}
+
+// Who wrote a file stands in an attribute of it, which is gone where a file system has none: then --force is
+// needed.
+constexpr char kRunAttribute[] = "user.softarm.run";
+constexpr std::size_t kMostOfRun = 1000;  // all attributes of a file share a block
+
+/// Whose work a file is: when it was last written, how large it was, and by which command.
+std::string run_of(const fs::path& path, const std::string& command) {
+  struct stat info {};
+  if (::stat(path.c_str(), &info) != 0) return "";
+  return fmt::format("{}.{:09} {} {}", info.st_mtim.tv_sec, info.st_mtim.tv_nsec, info.st_size,
+                     command.size() <= kMostOfRun ? command : sha256_of(command));
+}
+
+void note_run(const fs::path& path, const std::string& command) {
+  const std::string run = run_of(path, command);
+  (void)::setxattr(path.c_str(), kRunAttribute, run.data(), run.size(), 0);
+}
+
+bool is_of_run(const fs::path& path, const std::string& command) {
+  std::array<char, 4096> noted{};
+  const ssize_t size = ::getxattr(path.c_str(), kRunAttribute, noted.data(), noted.size());
+  return size > 0 && run_of(path, command) == std::string(noted.data(), static_cast<std::size_t>(size));
+}
+
 }  // namespace
+
+Replacing Replacing::of_this_run(bool force) {
+  std::ifstream file("/proc/self/cmdline", std::ios::binary);
+  std::error_code ignored;
+  Replacing replacing{force, fs::current_path(ignored).string() + ":"};
+  std::string word;
+  for (bool first = true; std::getline(file, word, '\0'); first = false)
+    if (!first && word != "--force") replacing.command += " " + std::to_string(word.size()) + " " + word;
+  return replacing;
+}
+
+void refuse_to_replace(const fs::path& path, const Replacing& replacing) {
+  std::error_code ignored;
+  if (replacing.all || !fs::is_regular_file(path, ignored) || is_of_run(path, replacing.command)) return;
+  throw Failure(fmt::format("{}: is there already, of another run or changed since; --force replaces it",
+                            path.string()));
+}
 
 ResultsFolder::ResultsFolder(const fs::path& path) {
   std::error_code error;
@@ -85,7 +151,8 @@ void OutputFile::write(const std::string& text) {
   }
 }
 
-OutputFile::OutputFile(fs::path path) : path_(std::move(path)) {
+OutputFile::OutputFile(fs::path path, Replacing replacing)
+    : path_(std::move(path)), replacing_(std::move(replacing)) {
   const fs::path folder = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
   std::error_code error;
   if (!fs::is_directory(folder, error)) {
@@ -95,6 +162,7 @@ OutputFile::OutputFile(fs::path path) : path_(std::move(path)) {
   if (::access(folder.c_str(), W_OK) != 0) {
     throw Failure(fmt::format("{}: the folder {} cannot be written", path_.string(), folder.string()));
   }
+  refuse_to_replace(path_, replacing_);
   remove_leftovers(folder, path_.filename().string());
   // Hidden, with the process in its name: two runs do not write into each other's file.
   temporary_ = folder / fmt::format(".{}.{}.partial", path_.filename().string(), ::getpid());
@@ -107,6 +175,7 @@ OutputFile::~OutputFile() {
 
 void OutputFile::commit() {
   std::error_code error;
+  if (!replacing_.command.empty()) note_run(temporary_, replacing_.command);
   fs::rename(temporary_, path_, error);
   if (error) throw Failure(fmt::format("{}: cannot be written: {}", path_.string(), error.message()));
   committed_ = true;
@@ -125,21 +194,7 @@ std::string read_text(const fs::path& path) {
 std::string sha256_of_file(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw Failure(fmt::format("{}: cannot be read", path.string()));
-  const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(), &EVP_MD_CTX_free);
-  if (!context || EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr) != 1) {
-    throw Failure("SHA-256 is not available in this machine's OpenSSL");
-  }
-  std::array<char, 65536> block{};
-  while (file) {
-    file.read(block.data(), block.size());
-    EVP_DigestUpdate(context.get(), block.data(), static_cast<std::size_t>(file.gcount()));
-  }
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-  unsigned int length = 0;
-  EVP_DigestFinal_ex(context.get(), digest.data(), &length);
-  std::string hex;
-  for (unsigned int i = 0; i < length; ++i) fmt::format_to(std::back_inserter(hex), "{:02x}", digest[i]);
-  return hex;
+  return sha256_of(file);
 }
 
 }  // namespace softarm::app

@@ -8,14 +8,24 @@
 
 namespace softarm::app {
 
+/// Which results of other runs an output may take the place of.
+struct Replacing {
+  bool all = true;
+  std::string
+      command;  ///< what this run is; otherwise its own results alone, if nobody has changed them since
+
+  /// For a command with the flag --force: the very same command may be run again.
+  static Replacing of_this_run(bool force);
+};
+
 /// A file written under a temporary name beside its place and renamed when it is complete.
 ///
 /// Destroyed before commit(), it leaves nothing behind: an error half way never leaves half an output. What a
 /// process that was killed left beside the place is removed.
 class OutputFile {
  public:
-  /// @throws Failure if the folder is missing or the path is a folder
-  explicit OutputFile(std::filesystem::path path);
+  /// @throws Failure if the folder is missing, the path is a folder or a file that may not be replaced
+  explicit OutputFile(std::filesystem::path path, Replacing replacing = {});
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
@@ -33,8 +43,13 @@ class OutputFile {
  private:
   std::filesystem::path path_;
   std::filesystem::path temporary_;
+  Replacing replacing_;
   bool committed_ = false;
 };
+
+/// @throws Failure if the file is there and may not be replaced: what OutputFile does, before it is time to
+/// write
+void refuse_to_replace(const std::filesystem::path& path, const Replacing& replacing);
 
 /// A folder that is removed again, with those above it that were made, if nothing comes to stand in it.
 class ResultsFolder {

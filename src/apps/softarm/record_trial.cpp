@@ -43,11 +43,12 @@ void record(rig::ReceiptQueue& queue, double until_s, const std::vector<std::str
 }  // namespace
 
 RecordedTrial record_trial(const rig::Scenario& scenario, const fs::path& bag_path,
-                           const fs::path& truth_path, const std::function<void()>& on_frame) {
-  OutputFile bag_file(bag_path);
-  OutputFile series_file(truth_path);
-  OutputFile description_file(fs::path(truth_path).replace_extension(".yaml"));
-  OutputFile seal_file(fs::path(truth_path).replace_extension(".sha256"));
+                           const fs::path& truth_path, const std::function<void()>& on_frame,
+                           const Replacing& replacing) {
+  OutputFile bag_file(bag_path, replacing);
+  OutputFile series_file(truth_path, replacing);
+  OutputFile description_file(fs::path(truth_path).replace_extension(".yaml"), replacing);
+  OutputFile seal_file(fs::path(truth_path).replace_extension(".sha256"), replacing);
 
   rig::Simulator simulator(scenario);
   TrialBagWriter bag(bag_file.temporary().string());

@@ -6,6 +6,7 @@
 #include <functional>
 #include <string>
 
+#include "output_file.h"
 #include "rig/scenario.h"
 
 namespace softarm::app {
@@ -25,8 +26,10 @@ struct RecordedTrial {
 /// digests of both are in a third file (.sha256, as sha256sum writes and checks them). All files appear or
 /// none.
 /// @param on_frame called after each frame
+/// @param replacing which files of other runs may be replaced
 /// @throws Failure, rig::SimulationError
 RecordedTrial record_trial(const rig::Scenario& scenario, const std::filesystem::path& bag,
-                           const std::filesystem::path& truth, const std::function<void()>& on_frame);
+                           const std::filesystem::path& truth, const std::function<void()>& on_frame,
+                           const Replacing& replacing = {});
 
 }  // namespace softarm::app

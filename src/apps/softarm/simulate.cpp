@@ -28,6 +28,7 @@ struct SimulateOptions {
   std::string truth;
   std::optional<double> seconds;
   std::optional<std::uint64_t> seed;
+  bool force = false;
 };
 
 constexpr const char* kSimulateExamples = R"(Examples:
@@ -54,7 +55,8 @@ void run_simulate(const SimulateOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   Progress progress("frames");
   progress.add_total(std::floor(scenario.duration_s * scenario.mocap.rate_hz) + 1.0);
-  const RecordedTrial done = record_trial(scenario, bag, truth, [&] { progress.advance(1.0, 1); });
+  const RecordedTrial done = record_trial(
+      scenario, bag, truth, [&] { progress.advance(1.0, 1); }, Replacing::of_this_run(options.force));
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
   fmt::print("{}: {} frames, {} messages, {:.3f} s, seed {}\n", bag.string(), done.frames, done.messages,
              done.duration_s, scenario.seed);
@@ -79,6 +81,7 @@ void add_simulate(CLI::App& program) {
       ->add_option("--seconds", options->seconds, "record so much simulated time instead of the scenario's")
       ->check(CLI::Range(0.01, 1e6));
   command->add_option("--seed", options->seed, "seed of all random numbers instead of the scenario's");
+  command->add_flag("--force", options->force, kForceMeaning);
   // Like --help it needs nothing else.
   command
       ->add_flag_callback(
