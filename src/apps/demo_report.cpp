@@ -1,4 +1,5 @@
 // Listens to a running estimator, shows a live line, and ends with a table.
+#include <diagnostic_msgs/DiagnosticArray.h>
 #include <fmt/format.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
@@ -32,6 +33,11 @@ void listen(softarm::Tally& tally, const Options& options) {
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   const ros::Subscriber estimates = nh.subscribe<softarm_estimator::ArmEstimate>(
       options.estimate_topic, 1000, on_estimate, ros::VoidConstPtr(), hints);
+  const auto on_diagnostics = [&](const diagnostic_msgs::DiagnosticArray::ConstPtr& message) {
+    for (const diagnostic_msgs::DiagnosticStatus& status : message->status) tally.add(status);
+  };
+  const ros::Subscriber diagnostics =
+      nh.subscribe<diagnostic_msgs::DiagnosticArray>("/diagnostics", 100, on_diagnostics);
   ros::Subscriber truth;
   if (options.truth) {
     truth = nh.subscribe<softarm_estimator::Truth>(options.truth_topic, 1000, on_truth, ros::VoidConstPtr(),
@@ -78,8 +84,8 @@ int main(int argc, char** argv) {
   softarm::Tally tally;
   listen(tally, options);
   fmt::print("\n{}", tally.table(options.truth));
-  if (tally.ok() == 0) {
-    fmt::print(stderr, "demo_report: no estimate was received on {}\n", options.estimate_topic);
+  if (const std::string trouble = tally.trouble(options.truth); !trouble.empty()) {
+    fmt::print(stderr, "demo_report: {} ({})\n", trouble, options.estimate_topic);
     return 1;
   }
   if (options.truth && tally.compared() == 0) {

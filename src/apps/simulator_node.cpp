@@ -1,50 +1,41 @@
 // The virtual rig in real time: publishes what a laboratory's mocap and controllers would, and, on
 // ~truth for reports alone, what really happened.
-#include <geometry_msgs/PoseStamped.h>
 #include <ros/ros.h>
-#include <sensor_msgs/FluidPressure.h>
 #include <softarm_estimator/Truth.h>
-#include <std_msgs/Float64.h>
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <set>
-#include <sstream>
 #include <variant>
 
 #include "rig/receipt_queue.h"
 #include "rig/simulator.h"
+#include "ros/conversions.h"
+#include "softarm/rig_messages.h"
+#include "softarm/scenario_file.h"
 
 namespace {
 
-using softarm::rig::InputKind;
-using softarm::rig::InputSample;
 using softarm::rig::PayloadSample;
-using softarm::rig::PoseSample;
 using softarm::rig::Received;
 using softarm::rig::Sample;
 
 constexpr std::uint32_t kQueue = 1000;
 constexpr double kBehind_s = 0.25;
 
-std::string read_scenario(const ros::NodeHandle& nh, std::string& path) {
+/// The scenario's path.
+std::string find_scenario(const ros::NodeHandle& nh) {
   std::string scenario, directory;
   nh.param<std::string>("scenario", scenario, "");
   nh.param<std::string>("scenarios_dir", directory, "");
   const std::string name = "parameter " + nh.resolveName("scenario");
   if (scenario.empty())
-    throw std::runtime_error(name + " is not set: a scenario file, or the name of a shipped one");
-  for (const std::string& candidate : {scenario, directory + "/" + scenario + ".yaml"}) {
-    std::ifstream file(candidate);
-    std::ostringstream text;
-    if (file && text << file.rdbuf()) {
-      path = candidate;
-      return text.str();
-    }
-  }
+    throw std::runtime_error(name + " is not set: a scenario or arm file, or the name of a shipped scenario");
+  std::error_code no_file;
+  for (const std::string& candidate : {scenario, directory + "/" + scenario + ".yaml"})
+    if (std::filesystem::is_regular_file(candidate, no_file)) return candidate;
   std::set<std::string> shipped;
   std::error_code no_folder;
   for (const auto& entry : std::filesystem::directory_iterator(directory, no_folder)) {
@@ -56,37 +47,26 @@ std::string read_scenario(const ros::NodeHandle& nh, std::string& path) {
                            (names.empty() ? "" : ", nor a shipped scenario (" + names + ")"));
 }
 
-geometry_msgs::Point to_point(const Eigen::Vector3d& p) {
-  geometry_msgs::Point point;
-  point.x = p.x();
-  point.y = p.y();
-  point.z = p.z();
-  return point;
-}
-
 /// Publishes the samples of a rig with stamps counted from an epoch.
 class Rig {
  public:
-  Rig(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh, const softarm::rig::Simulator& simulator,
-      ros::Time epoch)
-      : nh_(nh), private_nh_(private_nh), epoch_(epoch) {
-    for (const std::string& body : simulator.body_names()) {
-      bodies_.push_back(nh_.advertise<geometry_msgs::PoseStamped>("/mocap/" + body + "/pose", kQueue));
-    }
-    if (simulator.scenario().payload.publish) {
-      payload_ = nh_.advertise<std_msgs::Float64>("/payload", 10, true);
-    }
-    truth_ = private_nh_.advertise<softarm_estimator::Truth>("truth", kQueue);
+  Rig(ros::NodeHandle nh, ros::NodeHandle private_nh, softarm::app::RigMessages messages, ros::Time epoch)
+      : messages_(std::move(messages)), epoch_(epoch) {
+    truth_ = private_nh.advertise<softarm_estimator::Truth>("truth", kQueue);
     // Now, not with the first message: subscribers need time to connect.
-    const softarm::rig::Scenario& scenario = simulator.scenario();
-    for (int i = 0; i < scenario.arm.chambers; ++i) publisher_of(InputKind::kChamber, i);
-    for (int i = 0; i < scenario.arm.tendons; ++i) publisher_of(InputKind::kTendon, i);
-    for (int i = 0; i < scenario.arm.servos; ++i) publisher_of(InputKind::kServo, i);
-    if (!scenario.vacuum.schedule.empty()) publisher_of(InputKind::kVacuum, 0);
+    for (const softarm::LabMessage& blank : messages_.blank()) {
+      const auto advertise = [&](const auto& content) {
+        using Message = std::decay_t<decltype(content)>;
+        publishers_[blank.topic] = nh.advertise<Message>(blank.topic, kQueue, blank.latched);
+      };
+      if (publishers_.count(blank.topic) == 0) std::visit(advertise, blank.content);
+    }
   }
 
   void publish(const Received& received) {
-    std::visit([this](const auto& message) { publish(message); }, received.message);
+    for (const softarm::LabMessage& message :
+         messages_.of(received, [this](double t_s) { return stamp(t_s); }))
+      std::visit([&](const auto& content) { publishers_[message.topic].publish(content); }, message.content);
   }
 
   void publish_truth(const Sample& sample) {
@@ -102,65 +82,17 @@ class Rig {
     message.payload = truth.payload_kg;
     message.payload_steadied = truth.payload_steadied;
     message.tip_angle = truth.tip_angle_rad;
-    for (const Eigen::Vector3d& p : truth.backbone_base) message.backbone.push_back(to_point(p));
+    for (const Eigen::Vector3d& p : truth.backbone_base) message.backbone.push_back(softarm::to_point(p));
     truth_.publish(message);
   }
 
  private:
   ros::Time stamp(double t_s) const { return epoch_ + ros::Duration(t_s); }
 
-  static bool is_pressure(InputKind kind) {
-    return kind == InputKind::kChamber || kind == InputKind::kVacuum;
-  }
-
-  ros::Publisher& publisher_of(InputKind kind, int number) {
-    ros::Publisher& publisher = inputs_[{kind, number}];
-    if (!publisher) {
-      const std::string topic = softarm::rig::topic_of(kind, number);
-      publisher = is_pressure(kind) ? nh_.advertise<sensor_msgs::FluidPressure>(topic, kQueue)
-                                    : nh_.advertise<std_msgs::Float64>(topic, kQueue);
-    }
-    return publisher;
-  }
-
-  void publish(const PayloadSample& sample) {
-    std_msgs::Float64 message;
-    message.data = sample.kg;
-    payload_.publish(message);
-  }
-
-  void publish(const InputSample& sample) {
-    const ros::Publisher& publisher = publisher_of(sample.kind, sample.number);
-    if (is_pressure(sample.kind)) {
-      sensor_msgs::FluidPressure message;
-      message.header.stamp = stamp(sample.stamp_s);
-      message.fluid_pressure = sample.value;
-      publisher.publish(message);
-    } else {
-      std_msgs::Float64 message;
-      message.data = sample.value;
-      publisher.publish(message);
-    }
-  }
-
-  void publish(const PoseSample& sample) {
-    const softarm::rig::Pose& pose = sample.pose;
-    geometry_msgs::PoseStamped message;
-    message.header.stamp = stamp(sample.stamp_s);
-    message.header.frame_id = "mocap";
-    message.pose.position = to_point(pose.p);
-    message.pose.orientation.w = pose.q.w();
-    message.pose.orientation.x = pose.q.x();
-    message.pose.orientation.y = pose.q.y();
-    message.pose.orientation.z = pose.q.z();
-    bodies_[sample.body].publish(message);
-  }
-
-  ros::NodeHandle nh_, private_nh_;
+  softarm::app::RigMessages messages_;
   ros::Time epoch_;
-  std::vector<ros::Publisher> bodies_;
-  std::map<std::pair<InputKind, int>, ros::Publisher> inputs_;
-  ros::Publisher payload_, truth_;
+  std::map<std::string, ros::Publisher> publishers_;  ///< by topic
+  ros::Publisher truth_;
 };
 
 /// Publishes what is received by a time, each message then.
@@ -176,14 +108,13 @@ void deliver(softarm::rig::ReceiptQueue& queue, double until_s, ros::WallTime st
 }
 
 void run(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh) {
-  std::string path;
-  const std::string text = read_scenario(private_nh, path);
-  softarm::rig::Scenario scenario = softarm::rig::parse_scenario(text, path);
+  softarm::app::LoadedScenario loaded = softarm::app::load_scenario(find_scenario(private_nh));
+  softarm::rig::Scenario& scenario = loaded.scenario;
   if (private_nh.param("endless", false)) scenario.duration_s = 0.0;
   softarm::rig::Simulator simulator(scenario);
   const ros::WallTime start =
       ros::WallTime::now() + ros::WallDuration(0.5);  // until subscribers are connected
-  Rig rig(nh, private_nh, simulator, ros::Time(start.sec, start.nsec));
+  Rig rig(nh, private_nh, softarm::app::RigMessages(simulator, loaded.arm), ros::Time(start.sec, start.nsec));
   softarm::rig::ReceiptQueue queue;
   while (ros::ok()) {
     const std::optional<Sample> sample = simulator.next();

@@ -100,6 +100,28 @@ void TrialBagWriter::payload(trial::Stamp stamp, double kg) {
   write("/payload", stamp.earlier(1e-6), m, true);
 }
 
+namespace {
+
+template <class Message, class = decltype(Message::header)>
+std_msgs::Header* header_in(Message& message, int) {
+  return &message.header;
+}
+template <class Message>
+std_msgs::Header* header_in(Message&, long) {
+  return nullptr;
+}
+
+}  // namespace
+
+void TrialBagWriter::message(const LabMessage& message, trial::Stamp receipt) {
+  std::visit(
+      [&](auto content) {
+        if (std_msgs::Header* stamped = header_in(content, 0)) stamped->seq = sequence_[message.topic]++;
+        write(message.topic, message.latched ? receipt.earlier(1e-6) : receipt, content, message.latched);
+      },
+      message.content);
+}
+
 void TrialBagWriter::import_layout(trial::Stamp stamp, const std::string& text) {
   std_msgs::String m;
   m.data = text;

@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 
+#include "lab_messages.h"
 #include "trial/stamp.h"
 
 namespace softarm {
@@ -39,6 +40,9 @@ class TrialBagWriter {
   void scalar(const std::string& topic, trial::Stamp receipt, double value);
   /// /payload, std_msgs/Float64 in kg, latched; holds from `stamp` on, recorded 1 us before it.
   void payload(trial::Stamp stamp, double kg);
+
+  /// Any of a laboratory's, latched ones 1 us before their receipt.
+  void message(const LabMessage& message, trial::Stamp receipt);
 
   /// /import/layout, std_msgs/String, latched: the column layout that a recording was imported by.
   void import_layout(trial::Stamp stamp, const std::string& text);

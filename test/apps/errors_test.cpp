@@ -44,7 +44,7 @@ TEST(SoftarmErrors, CommandLine) {
   expect_refused(dir, "simulate demo --seconds -1 --out " + dir / "x.bag", HasSubstr("--seconds"));
   expect_refused(dir, "simulate demo --colour blue --out " + dir / "x.bag", HasSubstr("--colour"));
   expect_refused(dir, "simulate " SOFTARM_SOURCE_DIR "/config/arms/online_200mm.yaml --out " + dir / "x.bag",
-                 HasSubstr("is an arm file, no scenario"));
+                 HasSubstr("is an arm file; its arm, moving at random, is endless; --seconds"));
 }
 
 TEST(SoftarmErrors, HelpAndVersion) {

@@ -151,6 +151,31 @@ void Tally::compare(const ArmEstimate& estimate, const Truth& truth) {
   }
 }
 
+void Tally::add(const diagnostic_msgs::DiagnosticStatus& status) {
+  not_well_.erase(status.name);
+  if (status.level != diagnostic_msgs::DiagnosticStatus::OK) not_well_[status.name] = status.message;
+}
+
+std::string Tally::trouble(bool with_truth) const {
+  std::string said;
+  for (const auto& [name, message] : not_well_) said += (said.empty() ? "" : "; ") + message;
+  if (frames_ == 0) return "no estimate was received" + (said.empty() ? "" : ": " + said);
+  if (ok_ == 0) {
+    const auto most = std::max_element(refused_.begin(), refused_.end(),
+                                       [](const auto& a, const auto& b) { return a.second < b.second; });
+    return fmt::format("not one of {} frames could be estimated: {}{}", frames_, most->first,
+                       said.empty() || said.find(most->first) != std::string::npos ? "" : "; " + said);
+  }
+  if (!with_truth || identifiable_stiffness_ + identifiable_payload_ > 0) return "";
+  const bool both = newest_->unknown == "both";
+  return fmt::format(
+      "neither EI nor payload is identifiable in any of {} frames: {}", ok_,
+      newest_->prior ? "the loads hardly bend this arm, or its laws are trusted too little (estimator.prior)"
+      : both         ? "one frame cannot separate EI and payload without the prior (prior:=true)"
+             : "too few bodies for so many segments, or the loads hardly bend this arm; more bodies, or the "
+               "prior (prior:=true window:=0.5), help");
+}
+
 std::string Tally::line() const {
   if (!newest_) return "waiting for estimates";
   const double seconds = (*last_ - *first_).toSec();

@@ -1,6 +1,7 @@
 // What a listener makes of estimates, beside the truth where there is one.
 #pragma once
 
+#include <diagnostic_msgs/DiagnosticStatus.h>
 #include <ros/time.h>
 #include <softarm_estimator/ArmEstimate.h>
 #include <softarm_estimator/Truth.h>
@@ -24,6 +25,13 @@ class Tally {
   std::uint64_t ok() const { return ok_; }
   std::uint64_t compared() const { return shape_error_m_.size(); }
 
+  /// What the estimator says of itself that is not well; the last word of each of its diagnostics counts.
+  void add(const diagnostic_msgs::DiagnosticStatus& status);
+
+  /// Why there is nothing to be seen, the likeliest reason in one line; empty where there are estimates.
+  /// @param with_truth whether it is the virtual rig: what it shows must be identifiable now and then
+  std::string trouble(bool with_truth) const;
+
   /// One line on the newest estimate.
   std::string line() const;
   /// The closing table. @param with_truth whether truth was to be expected
@@ -46,6 +54,7 @@ class Tally {
 
   std::uint64_t frames_ = 0, ok_ = 0, steadied_ = 0;
   std::map<std::string, std::uint64_t> refused_;
+  std::map<std::string, std::string> not_well_;  // by the diagnostic's name
   std::optional<ros::WallTime> first_, last_;
   std::vector<double> latency_s_, shape_error_m_, tip_error_m_, residual_m_;
   std::uint64_t identifiable_stiffness_ = 0, identifiable_payload_ = 0;

@@ -4,7 +4,7 @@
 
 #include <fstream>
 #include <limits>
-#include <variant>
+#include <stdexcept>
 
 #include "command.h"
 #include "output_file.h"
@@ -12,7 +12,9 @@
 #include "rig/simulator.h"
 #include "rig/truth_csv.h"
 #include "rig/truth_yaml.h"
+#include "rig_messages.h"
 #include "ros/bag_writer.h"
+#include "ros/conversions.h"
 
 namespace softarm::app {
 namespace {
@@ -20,23 +22,18 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Writes the messages that are received by a time, in their order.
-void record(rig::ReceiptQueue& queue, double until_s, const std::vector<std::string>& bodies,
-            TrialBagWriter& bag) {
-  while (const std::optional<rig::Received> received = queue.take(until_s)) {
-    const double receipt_s = received->receipt_s + kTrialEpochS;
-    if (const auto* payload = std::get_if<rig::PayloadSample>(&received->message)) {
-      bag.payload(receipt_s, payload->kg);
-    } else if (const auto* input = std::get_if<rig::InputSample>(&received->message)) {
-      const std::string topic = rig::topic_of(input->kind, input->number);
-      if (input->kind == rig::InputKind::kChamber || input->kind == rig::InputKind::kVacuum) {
-        bag.pressure(topic, input->stamp_s + kTrialEpochS, input->value, receipt_s);
-      } else {
-        bag.scalar(topic, receipt_s, input->value);
-      }
-    } else {
-      const auto& pose = std::get<rig::PoseSample>(received->message);
-      bag.pose(bodies[pose.body], pose.stamp_s + kTrialEpochS, pose.pose.p, pose.pose.q, receipt_s);
-    }
+void record(rig::ReceiptQueue& queue, double until_s, RigMessages& messages, TrialBagWriter& bag) {
+  const auto stamp_of = [](double t_s) { return to_time(trial::Stamp(t_s + kTrialEpochS).ns); };
+  while (const std::optional<rig::Received> received = queue.take(until_s))
+    for (const LabMessage& message : messages.of(*received, stamp_of))
+      bag.message(message, received->receipt_s + kTrialEpochS);
+}
+
+RigMessages messages_of(const rig::Simulator& simulator, const std::optional<arm::Arm>& arm) {
+  try {
+    return RigMessages(simulator, arm);
+  } catch (const std::invalid_argument& error) {
+    throw Failure(fmt::format("arm {}: {}", arm ? arm->name : "", error.what()));
   }
 }
 
@@ -44,13 +41,14 @@ void record(rig::ReceiptQueue& queue, double until_s, const std::vector<std::str
 
 RecordedTrial record_trial(const rig::Scenario& scenario, const fs::path& bag_path,
                            const fs::path& truth_path, const std::function<void()>& on_frame,
-                           const Replacing& replacing) {
+                           const std::optional<arm::Arm>& arm, const Replacing& replacing) {
   OutputFile bag_file(bag_path, replacing);
   OutputFile series_file(truth_path, replacing);
   OutputFile description_file(fs::path(truth_path).replace_extension(".yaml"), replacing);
   OutputFile seal_file(fs::path(truth_path).replace_extension(".sha256"), replacing);
 
   rig::Simulator simulator(scenario);
+  RigMessages messages = messages_of(simulator, arm);
   TrialBagWriter bag(bag_file.temporary().string());
   rig::ReceiptQueue queue;
   std::ofstream series(series_file.temporary());
@@ -58,13 +56,13 @@ RecordedTrial record_trial(const rig::Scenario& scenario, const fs::path& bag_pa
   RecordedTrial recorded;
   while (const std::optional<rig::Sample> sample = simulator.next()) {
     queue.add(*sample);
-    record(queue, sample->stamp_s, simulator.body_names(), bag);
+    record(queue, sample->stamp_s, messages, bag);
     rig::write_truth_row(series, sample->truth, kTrialEpochS);
     recorded.duration_s = sample->stamp_s;
     ++recorded.frames;
     on_frame();
   }
-  record(queue, std::numeric_limits<double>::infinity(), simulator.body_names(), bag);
+  record(queue, std::numeric_limits<double>::infinity(), messages, bag);
   bag.close();
   finish(series, series_file.path());
   description_file.write(rig::truth_yaml(scenario));

@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "output_file.h"
 #include "rig/scenario.h"
+#include "softarm/arm/arm.h"
 
 namespace softarm::app {
 
@@ -26,10 +28,11 @@ struct RecordedTrial {
 /// digests of both are in a third file (.sha256, as sha256sum writes and checks them). All files appear or
 /// none.
 /// @param on_frame called after each frame
+/// @param arm whose topics, types and units the bag has; absent: those of doc/rig.md
 /// @param replacing which files of other runs may be replaced
 /// @throws Failure, rig::SimulationError
 RecordedTrial record_trial(const rig::Scenario& scenario, const std::filesystem::path& bag,
                            const std::filesystem::path& truth, const std::function<void()>& on_frame,
-                           const Replacing& replacing = {});
+                           const std::optional<arm::Arm>& arm = {}, const Replacing& replacing = {});
 
 }  // namespace softarm::app

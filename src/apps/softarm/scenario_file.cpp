@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <stdexcept>
@@ -10,9 +11,11 @@
 #include "command.h"
 #include "output_file.h"
 #include "rig_effects.h"
+#include "rig_messages.h"
 #include "shipped.h"
 #include "softarm/arm/arm_file.h"
 #include "softarm/effects/arm_effects.h"
+#include "usual_scenario.h"
 
 namespace softarm::app {
 namespace {
@@ -71,10 +74,9 @@ class Translated {
   /// The rig's name of an input: its number among those of its kind.
   std::string input(const std::string& name, arm::InputKind kind, const std::string& prefix) const {
     int number = 0;
-    for (const arm::ScalarInput& one : arm_.inputs.scalars) {
-      if (one.kind != kind) continue;
+    for (std::size_t one : driven_inputs(arm_, kind)) {
       ++number;
-      if (one.name == name) return fmt::format("{}_{}", prefix, number);
+      if (arm_.inputs.scalars[one].name == name) return fmt::format("{}_{}", prefix, number);
     }
     throw std::logic_error("input " + name);
   }
@@ -212,14 +214,81 @@ YAML::Node node_of(const rig::HiddenChoice& choice) {
   return node;
 }
 
-std::string with_arm_of(const fs::path& scenario, YAML::Node document) {
-  const std::string name = document["arm"].Scalar();
-  std::error_code ignored;
-  const fs::path beside = scenario.parent_path() / name;
-  const std::string found =
-      fs::path(name).is_relative() && fs::is_regular_file(beside, ignored) ? beside.string() : name;
-  const arm::ArmText file = arm::read_arm_text(found, config_folders("arms"));
-  const arm::Arm arm = arm::parse_arm(file.text, file.source);
+YAML::Node node_of(const Eigen::Vector3d& p) {
+  YAML::Node node;
+  for (double x : p) node.push_back(x);
+  return node;
+}
+
+YAML::Node node_of(const Eigen::Quaterniond& rotation) {
+  YAML::Node node;
+  for (double x : {rotation.x(), rotation.y(), rotation.z(), rotation.w()}) node.push_back(x);
+  return node;
+}
+
+void place(const Eigen::Isometry3d& pose, YAML::Node node) {
+  node["position_m"] = node_of(Eigen::Vector3d(pose.translation()));
+  node["quaternion_xyzw"] = node_of(Eigen::Quaterniond(pose.linear()).normalized());
+}
+
+/// The body's frame in that of its section.
+Eigen::Isometry3d in_section(const arm::MeasuredBody& body) {
+  Eigen::Isometry3d pose = body.section_in_body.inverse();
+  if (body.kind == arm::BodyKind::kSkinMarker)
+    pose = Eigen::Translation3d(body.radius_m * std::cos(body.angle_rad),
+                                body.radius_m * std::sin(body.angle_rad), 0.0);
+  return pose;
+}
+
+/// The scenario measures the arm file's bodies; it may say where they are only if it says the same.
+void measure(const fs::path& scenario, const arm::Arm& arm, const std::string& arm_source, YAML::Node mocap) {
+  if (mocap["rings"])
+    throw Failure(
+        fmt::format("{}: key 'mocap.rings': given beside the arm file {}, whose bodies are measured",
+                    scenario.string(), arm_source));
+  if (const YAML::Node told = mocap["ring_fractions"]) {
+    bool same = told.IsSequence() && told.size() == arm.bodies.size();
+    for (std::size_t i = 0; same && i < told.size(); ++i)
+      same = std::abs(told[i].as<double>(-1.0) - arm.bodies[i].arclength_m / arm.total_length_m()) < 1e-4;
+    if (!same)
+      throw Failure(
+          fmt::format("{}: key 'mocap.ring_fractions': other places than those of the {} bodies of {}; "
+                      "leave it out, they are measured",
+                      scenario.string(), arm.bodies.size(), arm_source));
+    mocap.remove("ring_fractions");
+  }
+  for (const arm::MeasuredBody& body : arm.bodies) {
+    YAML::Node ring;
+    ring["name"] = body.name;
+    ring["fraction"] = std::clamp(body.arclength_m / arm.total_length_m(), 0.0, 1.0);
+    place(in_section(body), ring);
+    mocap["rings"].push_back(ring);
+  }
+  YAML::Node base = mocap["base"];
+  base["measured"] = arm.base.body.has_value();
+  if (!arm.base.body) return;
+  base["name"] = *arm.base.body;
+  place(arm.base.rod_in_body.inverse(), base);
+}
+
+/// The clamp, and gravity, in the rig's mocap frame, whose z is up.
+void mount(const fs::path& scenario, const arm::Arm& arm, const std::string& arm_source,
+           YAML::Node document) {
+  if (!document["gravity_m_s2"]) document["gravity_m_s2"] = arm.gravity_m_s2.norm();
+  if (!document["pressures"]["ambient_pa"])
+    document["pressures"]["ambient_pa"] = arm.inputs.ambient_pressure_pa;
+  if (!document["vacuum"] && !driven_inputs(arm, arm::InputKind::kVacuum).empty())
+    document["vacuum"]["schedule"].push_back(YAML::Load("{t_s: 0, vacuum_pa: 0}"));
+  if (arm.base.body) return;
+  if (document["mount"])
+    throw Failure(
+        fmt::format("{}: key 'mount': given beside the arm file {}, whose base.fixed says where the arm is",
+                    scenario.string(), arm_source));
+  place(Eigen::Isometry3d(to_arms_mocap(arm).inverse()) * arm.base.fixed_pose, document["mount"]);
+}
+
+/// What the arm file's laws and effects are in the scenario's keys.
+void put_arm(const arm::ArmText& file, const arm::Arm& arm, YAML::Node document) {
   const std::vector<arm::EffectEntry> entries = arm::parse_effect_entries(file.text, file.source);
   const std::vector<model::Present> effects = effects::effects_of(arm, entries);
   const arm::Arm softened = with_compliances(arm, effects);
@@ -237,27 +306,44 @@ std::string with_arm_of(const fs::path& scenario, YAML::Node document) {
   for (const rig::HiddenChoice& choice : hidden) document["hidden"].push_back(node_of(choice));
   if (!document["payload"]["fraction"] && arm.payload.arclength_m < arm.total_length_m())
     document["payload"]["fraction"] = arm.payload.arclength_m / arm.total_length_m();
+}
+
+/// The scenario of an arm file, told in the rig's keys.
+LoadedScenario of_arm(const fs::path& scenario, const arm::ArmText& file, YAML::Node document) {
+  const arm::Arm arm = arm::parse_arm(file.text, file.source);
+  const bool is_arm_file = !document.IsMap();
+  if (is_arm_file) document = usual_scenario(arm);
+  put_arm(file, arm, document);
+  measure(scenario, arm, file.source, document["mocap"]);
+  mount(scenario, arm, file.source, document);
   YAML::Emitter out;
   out << document;
-  return out.c_str();
+  return {rig::parse_scenario(out.c_str(), scenario.string()), is_arm_file, arm};
+}
+
+arm::ArmText arm_beside(const fs::path& scenario, const std::string& name) {
+  std::error_code ignored;
+  const fs::path beside = scenario.parent_path() / name;
+  const std::string found =
+      fs::path(name).is_relative() && fs::is_regular_file(beside, ignored) ? beside.string() : name;
+  return arm::read_arm_text(found, config_folders("arms"));
 }
 
 }  // namespace
 
-rig::Scenario load_scenario(const std::string& name) {
+LoadedScenario load_scenario(const std::string& name) {
   const fs::path path = find_config("scenarios", name);
-  std::string text = read_text(path);
+  const std::string text = read_text(path);
   YAML::Node document;
   try {
     document = YAML::Load(text);
   } catch (const YAML::Exception&) {  // the rig's own reader says where
   }
   if (document.IsMap() && document["segments"] && !document["arm"])
-    throw Failure(fmt::format(
-        "{0}: is an arm file, no scenario; a scenario with the line 'arm: {0}' simulates that arm",
-        path.string()));
-  if (document.IsMap() && document["arm"] && document["arm"].IsScalar()) text = with_arm_of(path, document);
-  return rig::parse_scenario(text, path.string());
+    return of_arm(path, {text, path.string()}, {});
+  if (document.IsMap() && document["arm"] && document["arm"].IsScalar())
+    return of_arm(path, arm_beside(path, document["arm"].Scalar()), document);
+  return {rig::parse_scenario(text, path.string()), false, {}};
 }
 
 }  // namespace softarm::app

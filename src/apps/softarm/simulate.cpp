@@ -34,18 +34,19 @@ struct SimulateOptions {
 constexpr const char* kSimulateExamples = R"(Examples:
   softarm simulate demo --seconds 30 --out trial.bag
   softarm simulate my_scenario.yaml --seed 7 --out trial.bag --truth /elsewhere/trial.csv
-A scenario whose `arm:` is the name or path of an arm file simulates that arm with its effects.
+  softarm simulate my_arm.yaml --seconds 30 --out trial.bag                  that arm, moving at random
+A scenario whose `arm:` is the name or path of an arm file simulates that arm: its bodies, base, topics and effects.
 The bag holds what the sensors saw and nothing else. The truth goes to files of its own: its time series
 (.truth.csv), what was hidden (.truth.yaml), and their digests (.truth.sha256; sha256sum -c checks them).)";
 
 void run_simulate(const SimulateOptions& options) {
   const fs::path path = find_config("scenarios", options.scenario);
-  rig::Scenario scenario = load_scenario(options.scenario);
+  auto [scenario, is_arm_file, arm] = load_scenario(options.scenario);
   if (options.seconds) scenario.duration_s = *options.seconds;
   if (options.seed) scenario.seed = *options.seed;
   if (!(scenario.duration_s > 0.0)) {
-    throw Failure(
-        fmt::format("{}: the scenario is endless; --seconds says how much of it to record", path.string()));
+    throw Failure(fmt::format("{}: {} is endless; --seconds says how much of it to record", path.string(),
+                              is_arm_file ? "is an arm file; its arm, moving at random," : "the scenario"));
   }
   const fs::path bag = options.out;
   const fs::path truth =
@@ -56,7 +57,7 @@ void run_simulate(const SimulateOptions& options) {
   Progress progress("frames");
   progress.add_total(std::floor(scenario.duration_s * scenario.mocap.rate_hz) + 1.0);
   const RecordedTrial done = record_trial(
-      scenario, bag, truth, [&] { progress.advance(1.0, 1); }, Replacing::of_this_run(options.force));
+      scenario, bag, truth, [&] { progress.advance(1.0, 1); }, arm, Replacing::of_this_run(options.force));
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
   fmt::print("{}: {} frames, {} messages, {:.3f} s, seed {}\n", bag.string(), done.frames, done.messages,
              done.duration_s, scenario.seed);
@@ -72,7 +73,9 @@ void run_simulate(const SimulateOptions& options) {
 void add_simulate(CLI::App& program) {
   const auto options = std::make_shared<SimulateOptions>();
   CLI::App* command = program.add_subcommand("simulate", "Record a trial of the virtual rig as a bag.");
-  command->add_option("SCENARIO", options->scenario, "scenario file, or the name of one in config/scenarios")
+  command
+      ->add_option("SCENARIO", options->scenario,
+                   "scenario file, or the name of one in config/scenarios; or an arm file")
       ->required();
   command->add_option("--out", options->out, "the bag to write")->required();
   command->add_option("--truth", options->truth,
