@@ -56,6 +56,7 @@ int main(int argc, char** argv) {
   softarm::app::add_new_arm(program);
   softarm::app::add_simulate(program);
   softarm::app::add_validate(program);
+  softarm::app::add_completion(program);
   try {
     if (const std::string why = no_command(program, argc, argv); !why.empty())
       throw softarm::app::Failure(why, 2);

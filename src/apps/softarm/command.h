@@ -32,6 +32,8 @@ struct Ended : std::exception {
 
 void add_campaign(CLI::App& program);
 void add_check(CLI::App& program);
+/// Comes last: it completes what the others added.
+void add_completion(CLI::App& program);
 void add_diagnose(CLI::App& program);
 void add_estimate(CLI::App& program);
 void add_identify(CLI::App& program);

@@ -1,0 +1,95 @@
+#!/usr/bin/python3
+"""Completion in bash, by typing and pressing Tab; zsh reads its own where there is one. Arguments: source, build."""
+import os
+import pty
+import re
+import select
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+source, build = (os.path.abspath(a) for a in sys.argv[1:3])
+FOLDER = os.path.join(build, "devel", "lib", "softarm_estimator")
+PROGRAM = os.path.join(FOLDER, "softarm")
+if not os.path.exists(PROGRAM):
+    print("no program softarm in this build")
+    sys.exit(77)
+
+
+def script(shell):
+    return subprocess.run([PROGRAM, "completion", shell], check=True, stdout=subprocess.PIPE, text=True).stdout
+
+
+class Completion(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(dir=build, prefix="completion_check_")
+        for name in ("my_trial.bag", "my_arm.yaml"):
+            open(os.path.join(cls.folder, name), "w").close()
+        cls.script = os.path.join(cls.folder, "completion.bash")
+        with open(cls.script, "w", encoding="utf-8") as file:
+            file.write(script("bash"))
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.folder, ignore_errors=True)
+
+    def typed(self, line):
+        """The line after Tab, as bash would run it: echo in the place of softarm prints its arguments."""
+        pid, terminal = pty.fork()
+        if pid == 0:
+            os.chdir(self.folder)
+            os.environ.update(TERM="dumb", PS1="> ", INPUTRC="/dev/null")
+            os.execv("/bin/bash", ["bash", "--norc", "--noprofile", "-i"])
+        said = b""
+
+        def until(mark, seconds=10.0):
+            nonlocal said
+            end = time.monotonic() + seconds
+            while mark not in said and time.monotonic() < end:
+                if select.select([terminal], [], [], 0.1)[0]:
+                    said += os.read(terminal, 4096)
+
+        os.write(terminal, f"softarm() {{ echo \"<$*>\"; }}; . {self.script}; echo read''y\n".encode())
+        until(b"\nready")
+        os.write(terminal, line.encode() + b"\t")
+        time.sleep(0.3)
+        os.write(terminal, b"\n")
+        until(b">\r\n", 5.0)
+        os.close(terminal)
+        os.waitpid(pid, 0)
+        found = re.findall(r"\n<(.*)>\r", said.decode(errors="replace"))
+        return found[-1].strip() if found else said
+
+    def test_commands_options_values_and_files(self):
+        for line, whole in (("softarm estim", "estimate"), ("softarm estimate --arm onl", "estimate --arm online_200mm"),
+                            ("softarm estimate --arm my_a", "estimate --arm my_arm.yaml"),
+                            ("softarm estimate --prior of", "estimate --prior off"),
+                            ("softarm estimate my_t", "estimate my_trial.bag"),
+                            ("softarm simulate --tru", "simulate --truth"), ("softarm simulate dem", "simulate demo"),
+                            ("softarm completion z", "completion zsh")):
+            self.assertEqual(self.typed(line), whole)
+
+    def test_every_command_and_option_is_there(self):
+        names = re.findall(r"^  ([a-z][a-z-]+) +[A-Z]", subprocess.run([PROGRAM, "--help"], stdout=subprocess.PIPE, text=True,
+                                                                check=True).stdout, re.M)
+        self.assertIn("diagnose", names)
+        for text in (script("bash"), script("zsh")):
+            for name in names:
+                self.assertIn(f"{name})", text)
+                usage = subprocess.run([PROGRAM, name, "--help"], stdout=subprocess.PIPE, text=True, check=True).stdout
+                for option in re.findall(r"^  (?:-\w,)?(--[a-z-]+)", usage, re.M):
+                    self.assertIn(option, text)
+
+    def test_shells_can_read_it(self):
+        for shell in ("bash", "zsh"):
+            if shutil.which(shell):
+                done = subprocess.run([shell, "-n"], input=script(shell), text=True, stderr=subprocess.PIPE)
+                self.assertEqual((done.returncode, done.stderr), (0, ""))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
