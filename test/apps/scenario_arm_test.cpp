@@ -139,7 +139,7 @@ TEST(ArmAsScenarios, WhatTheRigDoesNotHaveIsOneLine) {
   boost::replace_first(text, "/mocap/<body>/pose", "/vicon/markers");
   boost::replace_first(text, "geometry_msgs/PoseStamped", "vicon_bridge/Markers");
   refused(dir.write("markers.yaml", text),
-          "key 'inputs.bodies.type': value vicon_bridge/Markers has no counterpart");
+          "markers.yaml: key 'inputs.bodies.type': value vicon_bridge/Markers has no counterpart");
   refused(dir.write("other.yaml",
                     "format: 1\nname: other\nduration_s: 8\narm: online_200mm\nmocap: {ring_fractions: "
                     "[0.2, 1]}\n"),

@@ -4,7 +4,6 @@
 
 #include <fstream>
 #include <limits>
-#include <stdexcept>
 
 #include "command.h"
 #include "output_file.h"
@@ -29,14 +28,6 @@ void record(rig::ReceiptQueue& queue, double until_s, RigMessages& messages, Tri
       bag.message(message, received->receipt_s + kTrialEpochS);
 }
 
-RigMessages messages_of(const rig::Simulator& simulator, const std::optional<arm::Arm>& arm) {
-  try {
-    return RigMessages(simulator, arm);
-  } catch (const std::invalid_argument& error) {
-    throw Failure(fmt::format("arm {}: {}", arm ? arm->name : "", error.what()));
-  }
-}
-
 }  // namespace
 
 RecordedTrial record_trial(const rig::Scenario& scenario, const fs::path& bag_path,
@@ -48,7 +39,7 @@ RecordedTrial record_trial(const rig::Scenario& scenario, const fs::path& bag_pa
   OutputFile seal_file(fs::path(truth_path).replace_extension(".sha256"), replacing);
 
   rig::Simulator simulator(scenario);
-  RigMessages messages = messages_of(simulator, arm);
+  RigMessages messages(simulator, arm);
   TrialBagWriter bag(bag_file.temporary().string());
   rig::ReceiptQueue queue;
   std::ofstream series(series_file.temporary());

@@ -308,11 +308,25 @@ void put_arm(const arm::ArmText& file, const arm::Arm& arm, YAML::Node document)
     document["payload"]["fraction"] = arm.payload.arclength_m / arm.total_length_m();
 }
 
+/// @throws Failure where the rig cannot send what the arm file listens to
+void refuse_messages(const arm::Arm& arm, const std::string& arm_source) {
+  std::vector<std::size_t> driven;
+  for (const arm::InputKind kind :
+       {arm::InputKind::kPressure, arm::InputKind::kVacuum, arm::InputKind::kTension, arm::InputKind::kAngle})
+    for (std::size_t input : driven_inputs(arm, kind)) driven.push_back(input);
+  try {
+    LabMessages(arm.inputs, driven);
+  } catch (const std::invalid_argument& error) {
+    throw Failure(fmt::format("{}: {}", arm_source, error.what()));
+  }
+}
+
 /// The scenario of an arm file, told in the rig's keys.
 LoadedScenario of_arm(const fs::path& scenario, const arm::ArmText& file, YAML::Node document) {
   const arm::Arm arm = arm::parse_arm(file.text, file.source);
   const bool is_arm_file = !document.IsMap();
   if (is_arm_file) document = usual_scenario(arm);
+  refuse_messages(arm, file.source);
   put_arm(file, arm, document);
   measure(scenario, arm, file.source, document["mocap"]);
   mount(scenario, arm, file.source, document);
