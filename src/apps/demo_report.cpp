@@ -84,6 +84,7 @@ int main(int argc, char** argv) {
   softarm::Tally tally;
   listen(tally, options);
   fmt::print("\n{}", tally.table(options.truth));
+  std::fflush(stdout);  // the reason of a failure comes after it
   if (const std::string trouble = tally.trouble(options.truth); !trouble.empty()) {
     fmt::print(stderr, "demo_report: {} ({})\n", trouble, options.estimate_topic);
     return 1;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "math/statistics.h"
@@ -18,6 +19,13 @@ constexpr std::size_t kWaiting = 2000;
 
 std::string status_name(const ArmEstimate& estimate) {
   return estimate.detail.empty() ? fmt::format("status {}", estimate.status) : estimate.detail;
+}
+
+/// Reasons that differ in their numbers alone are one.
+std::string without_numbers(std::string text) {
+  const auto is_of_number = [](unsigned char c) { return std::isdigit(c) != 0 || c == '.'; };
+  text.erase(std::remove_if(text.begin(), text.end(), is_of_number), text.end());
+  return text;
 }
 
 /// By the arclength of the arm as it is: the truth's points are at equal ones, the estimate's at equal ones
@@ -90,7 +98,9 @@ void Tally::add(const ArmEstimate& estimate, ros::Time received, ros::WallTime w
   latency_s_.push_back((received - estimate.header.stamp).toSec());
   newest_ = estimate;
   if (estimate.status != ArmEstimate::STATUS_OK) {
-    ++refused_[status_name(estimate)];
+    Refused& refused = refused_[without_numbers(status_name(estimate))];
+    if (++refused.count == 1) refused.example = status_name(estimate);
+    refused.differ |= refused.example != status_name(estimate);
     return;
   }
   ++ok_;
@@ -161,10 +171,12 @@ std::string Tally::trouble(bool with_truth) const {
   for (const auto& [name, message] : not_well_) said += (said.empty() ? "" : "; ") + message;
   if (frames_ == 0) return "no estimate was received" + (said.empty() ? "" : ": " + said);
   if (ok_ == 0) {
-    const auto most = std::max_element(refused_.begin(), refused_.end(),
-                                       [](const auto& a, const auto& b) { return a.second < b.second; });
-    return fmt::format("not one of {} frames could be estimated: {}{}", frames_, most->first,
-                       said.empty() || said.find(most->first) != std::string::npos ? "" : "; " + said);
+    const auto most = std::max_element(refused_.begin(), refused_.end(), [](const auto& a, const auto& b) {
+      return a.second.count < b.second.count;
+    });
+    const std::string& why = most->second.example;
+    return fmt::format("not one of {} frames could be estimated: {}{}", frames_, why,
+                       said.empty() || said.find(why) != std::string::npos ? "" : "; " + said);
   }
   if (!with_truth || identifiable_stiffness_ + identifiable_payload_ > 0) return "";
   const bool both = newest_->unknown == "both";
@@ -203,8 +215,9 @@ std::string Tally::line() const {
 std::string Tally::table(bool with_truth) const {
   std::string text;
   text += row("frames", fmt::format("{} received, {} estimated", frames_, ok_));
-  for (const auto& [reason, count] : refused_)
-    text += row("", fmt::format("{} without estimate: {}", count, reason));
+  for (const auto& [reason, refused] : refused_)
+    text += row("", fmt::format("{} without estimate: {}{}", refused.count, refused.example,
+                                refused.differ ? " (the first of them)" : ""));
   if (frames_ == 0) return text;
   const double seconds = (*last_ - *first_).toSec();
   text += row("rate", fmt::format("{:.1f} frames/s",

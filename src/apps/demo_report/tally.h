@@ -53,7 +53,12 @@ class Tally {
   void compare(const softarm_estimator::ArmEstimate& estimate, const softarm_estimator::Truth& truth);
 
   std::uint64_t frames_ = 0, ok_ = 0, steadied_ = 0;
-  std::map<std::string, std::uint64_t> refused_;
+  struct Refused {
+    std::uint64_t count = 0;
+    std::string example;
+    bool differ = false;
+  };
+  std::map<std::string, Refused> refused_;       // by the reason without its numbers
   std::map<std::string, std::string> not_well_;  // by the diagnostic's name
   std::optional<ros::WallTime> first_, last_;
   std::vector<double> latency_s_, shape_error_m_, tip_error_m_, residual_m_;
