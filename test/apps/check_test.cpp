@@ -171,7 +171,7 @@ class RealArms : public ::testing::Test {
                        const std::string& file) const {
     const std::string bag = dir / "a.bag", json = dir / "f.json";
     const Outcome imported = softarm_program("import " + dir.write("layout.yaml", layout) + " " +
-                                             recordings() + "/pouch_arm/" + file + " --out " + bag);
+                                             recordings() + "/pouch_arm/" + file + " --force --out " + bag);
     EXPECT_EQ(imported.status, 0) << imported.err;
     status = softarm_program("check --arm " + arm + " " + bag + " --json " + json).status;
     return findings(json);

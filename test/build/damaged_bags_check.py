@@ -26,9 +26,9 @@ CASES = 400
 LIMIT_S = collections.defaultdict(lambda: 20, diagnose=300)  # a bag that can be read is diagnosed
 MOST_MEMORY = 1 << 30
 PROGRAMS = {"check": "check --quiet --arm online_200mm {bag}",
-            "estimate": "estimate --arm online_200mm {bag} --out {out}/e",
-            "identify": "identify --arm online_200mm {bag} --out {out}/i.yaml",
-            "diagnose": "diagnose --arm online_200mm {bag} --out {out}/d"}
+            "estimate": "estimate --arm online_200mm {bag} --force --out {out}/e",
+            "identify": "identify --arm online_200mm {bag} --force --out {out}/i.yaml",
+            "diagnose": "diagnose --arm online_200mm {bag} --force --out {out}/d"}
 # What a number that is read as a length, an offset or a count is replaced by; the last is the number that it was.
 FALSE = [lambda r, n: 0, lambda r, n: 0xFFFFFFFF, lambda r, n: 0x7FFFFFFF, lambda r, n: 0x80000000, lambda r, n: n + 1,
          lambda r, n: max(n - 1, 0), lambda r, n: r.randrange(1 << 32), lambda r, n: r.randrange(1 << 20),
