@@ -23,8 +23,9 @@ endfunction()
 
 # softarm_unity(<target> <files per chunk> <room>...): the files of a folder are compiled in chunks of one size, at most
 # that, so that what all of them include and the templates of Eigen that all of them use are worked out once per chunk. A
-# chunk never holds files of two folders: a new file moves only its neighbours. A chunk is one translation unit, so names
-# without linkage in it must differ. The files of the rooms that are named stay on their own.
+# chunk never holds files of two folders (x.cpp is of the folder x/ where there is one): a new file moves only its
+# neighbours. A chunk is one translation unit, so names without linkage in it must differ. The files of the rooms that are
+# named stay on their own.
 function(softarm_unity target size)
   if(NOT SOFTARM_UNITY OR CMAKE_VERSION VERSION_LESS 3.18)
     return()
@@ -37,6 +38,10 @@ function(softarm_unity target size)
       continue()
     endif()
     get_filename_component(folder ${source} DIRECTORY)
+    get_filename_component(name ${source} NAME_WE)
+    if(IS_DIRECTORY ${folder}/${name})
+      set(folder ${folder}/${name})
+    endif()
     get_filename_component(room ${folder} NAME)
     if(room IN_LIST ARGN)
       set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
@@ -104,7 +109,7 @@ function(softarm_programs)
       target_link_libraries(${name} PRIVATE ${given_STUDY})
     endif()
     target_link_libraries(${name} PRIVATE ${given_LIBRARIES})
-    softarm_unity(${name} 12)
+    softarm_unity(${name} 24)  # CLI11 costs each chunk seconds
     set_target_properties(${name} PROPERTIES
       RUNTIME_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION})
     # What is built is installed: scripts/demo builds no more than it needs.

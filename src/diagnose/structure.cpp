@@ -1,24 +1,19 @@
 #include "structure.h"
 
 #include <algorithm>
-#include <boost/math/distributions/normal.hpp>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <map>
 #include <vector>
 
 #include "contribution.h"
 #include "flexible.h"
+#include "math/distributions.h"
 #include "policy.h"
 
 namespace softarm::diagnose {
 namespace {
 
 using Eigen::VectorXd;
-
-double two_sided(double z) {
-  return 2.0 * boost::math::cdf(boost::math::complement(boost::math::normal(), std::abs(z)));
-}
 
 /// In time: products of a body's neighbouring residuals; along the arm: of neighbouring bodies at one
 /// instant. Under noise alone each has mean 0.
@@ -29,7 +24,7 @@ struct Products {
     sum += product;
     squares += product * product;
   }
-  double p() const { return squares > 0.0 ? two_sided(sum / std::sqrt(squares)) : 1.0; }
+  double p() const { return squares > 0.0 ? math::normal_two_sided(sum / std::sqrt(squares)) : 1.0; }
 };
 
 void add_products(const JointModel& model, const Linearised& at, const Unseen& unseen, std::size_t t,
@@ -106,7 +101,7 @@ ByStretch last_body_by_stretch(const JointModel& model, const Linearised& at, co
 double p_of_correlation(const VectorXd& x, const VectorXd& y) {
   const double r = std::clamp(x.dot(y) / (x.norm() * y.norm()), -0.999999, 0.999999);
   const double dof = static_cast<double>(x.size() - 2), t = r * std::sqrt(dof / (1.0 - r * r));
-  return 2.0 * boost::math::cdf(boost::math::complement(boost::math::students_t(dof), std::abs(t)));
+  return math::students_t_two_sided(dof, t);
 }
 
 /// Residuals by what drives the arm.

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <stdexcept>
 
 #include "constant_curvature.h"
 #include "estimator_impl.h"
+#include "math/distributions.h"
 #include "math/tiny_solver_tolerance.h"
 #include "policy.h"
 
@@ -39,7 +39,7 @@ Estimator::Impl::Impl(const arm::Arm& a, const arm::EstimatorOptions& o, const s
     : arm(a), options(o), problem(arm, options), memory(arm), noise(arm), effects(e) {
   check();
   for (int dof = 1; dof < 256; ++dof) {
-    inflation_limit.push_back(quantile(boost::math::chi_squared(dof), kPolicy.fit.inflation_level));
+    inflation_limit.push_back(math::chi_squared_quantile(dof, kPolicy.fit.inflation_level));
   }
   solver.options.max_num_iterations = kPolicy.fit.most_iterations + 1;  // TinySolver counts its start
   math::set_function_tolerance(solver.options, 1e-6);                   // of the cost in units of the noise

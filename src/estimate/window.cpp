@@ -1,10 +1,10 @@
 #include "window.h"
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <limits>
 
+#include "math/distributions.h"
 #include "math/linear_algebra.h"
 #include "policy.h"
 
@@ -25,10 +25,9 @@ Window::Window(double length_s, std::vector<int> changing, double posture_m)
     : length_s_(length_s),
       posture_m_(posture_m),
       changing_(std::move(changing)),
-      changed_(changing_.empty()
-                   ? 0.0
-                   : quantile(complement(boost::math::chi_squared(static_cast<double>(changing_.size())),
-                                         kPolicy.window.change_probability))) {}
+      changed_(changing_.empty() ? 0.0
+                                 : math::chi_squared_upper_quantile(static_cast<double>(changing_.size()),
+                                                                    kPolicy.window.change_probability)) {}
 
 void Window::clear() {
   frames_.clear();
@@ -145,8 +144,7 @@ double Window::weight_of_misfit(std::size_t from, std::size_t to) const {
   }
   // Misfit beyond the noise does not average out: it is the same error in every frame. With noise of variance
   // 1 and an error of variance k in all of n frames, n frames say as much as n / (1 + n k).
-  const double expected =
-      dof > 0.0 ? quantile(boost::math::chi_squared(dof), kPolicy.window.misfit_level) : 0.0;
+  const double expected = dof > 0.0 ? math::chi_squared_quantile(dof, kPolicy.window.misfit_level) : 0.0;
   if (!(dof > 0.0 && chi2 > expected)) return 1.0;
   return 1.0 / (1.0 + static_cast<double>(to - from) * (chi2 - expected) / dof);
 }

@@ -1,12 +1,12 @@
 #include "input_errors.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
 #include <utility>
 
+#include "math/linear_algebra.h"
 #include "math/statistics.h"
 
 namespace softarm::identify {
@@ -114,9 +114,9 @@ void FrameInputs::update(const VectorXd& off, const MatrixXd& by_inputs, double 
   const VectorXd rho = reduced(off, zero);
   MatrixXd covariance = by_noise_ * by_noise_.transpose() / (misfit * misfit);
   covariance.diagonal().array() += 1.0;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(covariance);
-  whitening_ = eigen.eigenvectors() * eigen.eigenvalues().cwiseSqrt().cwiseInverse().asDiagonal() *
-               eigen.eigenvectors().transpose();
+  const math::Eigensystem eigen = math::eigensystem_of(covariance);
+  whitening_ =
+      eigen.vectors * eigen.values.cwiseSqrt().cwiseInverse().asDiagonal() * eigen.vectors.transpose();
   wanted_ = by_noise_.transpose() * (whitening_ * (whitening_ * rho)) / (misfit * misfit);
   wanted_zero_ = zero;
 }

@@ -1,5 +1,4 @@
 // Errors of inputs in the fit of all frames.
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -186,7 +185,7 @@ void JointProblem::eliminate_zeros() {
   information_of_zeros_ = MatrixXd::Zero(count, count);
   std::map<std::size_t, MatrixXd> follows;
   for (const auto& [trial, information] : zeros_information_) {
-    follows[trial] = information.ldlt().solve(mixed[trial]);
+    follows[trial] = math::SymmetricSolver(information).solve_columns(mixed[trial]);
     information_of_zeros_ += prior * follows[trial].transpose() * follows[trial];
   }
   zeros_by_x_ = std::move(follows);

@@ -2,11 +2,10 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <boost/math/distributions/normal.hpp>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <map>
 
+#include "math/distributions.h"
 #include "math/linear_algebra.h"
 #include "math/statistics.h"
 
@@ -116,8 +115,8 @@ Components split(const std::map<std::size_t, std::vector<FrameInformation>>& tri
 VectorXd of_a_new_trial(const VectorXd& found, std::size_t trials, const VectorXd& without_trials) {
   if (trials < 2) return found.cwiseMax(without_trials);
   constexpr double kLevel = 0.975;  // where intervals of two standard deviations end
-  const double normal = quantile(boost::math::normal(), kLevel);
-  const double wider = quantile(boost::math::students_t(static_cast<double>(trials - 1)), kLevel) / normal;
+  const double wider =
+      math::students_t_quantile(static_cast<double>(trials - 1), kLevel) / math::normal_quantile(kLevel);
   return (wider * wider * found).cwiseMin(found.cwiseMax(without_trials));
 }
 

@@ -1,10 +1,11 @@
 #include "motion.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cstdint>
 #include <map>
 #include <string>
+
+#include "math/linear_algebra.h"
 
 namespace softarm::identify {
 namespace {
@@ -40,13 +41,13 @@ Parabola parabola(const std::vector<trial::StaticFrame>& all, double stamp_s, in
   }
   const auto count = static_cast<Eigen::Index>(t_s.size());
   if (count < kFewest || t_s.front() > -0.5 * kHalfSpan_s || t_s.back() < 0.5 * kHalfSpan_s) return {};
-  Eigen::MatrixX3d powers(count, 3), p(count, 3);
+  Eigen::MatrixXd powers(count, 3), p(count, 3);
   for (Eigen::Index k = 0; k < count; ++k) {
     const double t = t_s[static_cast<std::size_t>(k)];
     powers.row(k) << 1.0, t, 0.5 * t * t;
     p.row(k) = places[static_cast<std::size_t>(k)].transpose();
   }
-  const Eigen::Matrix3d fit = powers.colPivHouseholderQr().solve(p);
+  const Eigen::Matrix3d fit = math::least_squares_columns(powers, p);
   return {fit.row(1).transpose(), fit.row(2).transpose()};
 }
 

@@ -1,6 +1,5 @@
 #include "uncertainty.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -121,7 +120,7 @@ void give_to_starts(Sums& sums) {
   for (const auto& [trial, own] : sums.of_start) {
     const MatrixXd& shared = sums.with_start.at(trial);
     const MatrixXd with_prior = own + MatrixXd::Identity(own.rows(), own.cols());
-    sums.information -= shared * with_prior.ldlt().solve(shared.transpose());
+    sums.information -= shared * math::SymmetricSolver(with_prior).solve_columns(shared.transpose());
   }
 }
 

@@ -72,6 +72,10 @@ VectorXd least_squares(const MatrixXd& a, const VectorXd& b, double threshold) {
   return qr.compute(a).solve(b);
 }
 
+MatrixXd least_squares_columns(const MatrixXd& a, const MatrixXd& b) {
+  return Eigen::ColPivHouseholderQR<MatrixXd>(a).solve(b);
+}
+
 MatrixXd basis_of_columns(const MatrixXd& a) {
   const Eigen::ColPivHouseholderQR<MatrixXd> qr(a);
   return qr.householderQ() * MatrixXd::Identity(a.rows(), qr.rank());

@@ -56,6 +56,9 @@ class CholeskyFactor {
 /// @param threshold pivots below this share of the largest count as none; 0: Eigen's own
 Eigen::VectorXd least_squares(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, double threshold = 0.0);
 
+/// The same of each column of b.
+Eigen::MatrixXd least_squares_columns(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
+
 /// An orthonormal basis of what the columns of a span, one vector per column.
 Eigen::MatrixXd basis_of_columns(const Eigen::MatrixXd& a);
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <boost/numeric/odeint/stepper/runge_kutta4.hpp>
 #include <cmath>
+#include <functional>
 
 #include "published_shooting.h"
 #include "published_single_chamber.h"
@@ -112,8 +113,8 @@ class Model {
   }
 
   /// @param unknowns u(0) L and v(0) - v*
-  template <class Visit>
-  HybridState integrate(double share, const VectorXd& unknowns, int steps, const Visit& visit) const {
+  HybridState integrate(double share, const VectorXd& unknowns, int steps,
+                        const std::function<void(int, const HybridState&)>& visit) const {
     HybridState state{};
     Eigen::Map<Matrix3d>(state.data() + 3).setIdentity();
     Eigen::Map<Vector3d>(state.data() + 12) = unknowns.head<3>() / arm_.length_m;

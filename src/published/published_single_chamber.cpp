@@ -4,6 +4,7 @@
 #include <array>
 #include <boost/numeric/odeint/stepper/runge_kutta4.hpp>
 #include <cmath>
+#include <functional>
 
 #include "published_shooting.h"
 
@@ -56,31 +57,17 @@ class ChamberModel {
   }
 
   /// @param visit (step, state) at every node
-  template <class Visit>
   ChamberState integrate(const Eigen::Matrix<double, 6, 1>& base, double share, int steps,
-                         const Visit& visit) const {
+                         const std::function<void(int, const ChamberState&)>& visit) const {
     ChamberState state{};
     Eigen::Map<Matrix3d>(state.data() + 3).setIdentity();
     Eigen::Map<Eigen::Matrix<double, 6, 1>>(state.data() + 12) = base;
-    const auto rate = [&](const ChamberState& x, ChamberState& dx, double) {
-      const Eigen::Map<const Matrix3d> rotation(x.data() + 3);
-      const Eigen::Map<const Vector3d> n(x.data() + 12), m(x.data() + 15);
-      const Vector3d v =
-          Vector3d(0.0, 0.0, rest_stretch_) + extension_compliance_.cwiseProduct(rotation.transpose() * n);
-      const Vector3d u = bending_compliance_.cwiseProduct(rotation.transpose() * m);
-      Matrix3d hat;
-      hat << 0.0, -u[2], u[1], u[2], 0.0, -u[0], -u[1], u[0], 0.0;
-      const Vector3d dp = rotation * v;
-      Eigen::Map<Vector3d>(dx.data()) = dp;
-      Eigen::Map<Matrix3d>(dx.data() + 3) = rotation * hat;
-      Eigen::Map<Vector3d>(dx.data() + 12) = -share * (weight_n_m_ + pull_n_m_ * rotation.col(2));
-      Eigen::Map<Vector3d>(dx.data() + 15) = -dp.cross(n);
-    };
     boost::numeric::odeint::runge_kutta4<ChamberState> stepper;
     const double step = length_ / steps;
     visit(0, state);
     for (int i = 0; i < steps; ++i) {
-      stepper.do_step(rate, state, i * step, step);
+      stepper.do_step([&](const ChamberState& x, ChamberState& dx, double) { rate(share, x, dx); }, state,
+                      i * step, step);
       visit(i + 1, state);
     }
     return state;
@@ -111,6 +98,21 @@ class ChamberModel {
   }
 
  private:
+  void rate(double share, const ChamberState& x, ChamberState& dx) const {
+    const Eigen::Map<const Matrix3d> rotation(x.data() + 3);
+    const Eigen::Map<const Vector3d> n(x.data() + 12), m(x.data() + 15);
+    const Vector3d v =
+        Vector3d(0.0, 0.0, rest_stretch_) + extension_compliance_.cwiseProduct(rotation.transpose() * n);
+    const Vector3d u = bending_compliance_.cwiseProduct(rotation.transpose() * m);
+    Matrix3d hat;
+    hat << 0.0, -u[2], u[1], u[2], 0.0, -u[0], -u[1], u[0], 0.0;
+    const Vector3d dp = rotation * v;
+    Eigen::Map<Vector3d>(dx.data()) = dp;
+    Eigen::Map<Matrix3d>(dx.data() + 3) = rotation * hat;
+    Eigen::Map<Vector3d>(dx.data() + 12) = -share * (weight_n_m_ + pull_n_m_ * rotation.col(2));
+    Eigen::Map<Vector3d>(dx.data() + 15) = -dp.cross(n);
+  }
+
   double length_;
   Vector3d force_;
   double rest_stretch_ = 1.0;

@@ -1,9 +1,10 @@
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "deciders.h"
+#include "math/linear_algebra.h"
 
 namespace softarm::prove {
 namespace {
@@ -44,7 +45,7 @@ Decision bic_stepwise(const Candidates& candidates) {
   std::vector<Eigen::Index> taken;
   for (int step = 0; step < std::min<Eigen::Index>(kMostSteps, n); ++step) {
     VectorXd fall = VectorXd::Constant(n, -1e300), gain = VectorXd::Zero(n);
-    Eigen::LDLT<MatrixXd> solver(chosen(candidates.gram, taken, taken));
+    math::SymmetricSolver solver(chosen(candidates.gram, taken, taken));
     VectorXd own(static_cast<Eigen::Index>(taken.size()));
     for (std::size_t i = 0; i < taken.size(); ++i)
       own[static_cast<Eigen::Index>(i)] = candidates.score[taken[i]];

@@ -1,10 +1,11 @@
 #include "signal.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
 #include "diagnose/screen.h"
+#include "math/linear_algebra.h"
 #include "softarm/identify/identify.h"
 
 namespace softarm::prove {
@@ -101,7 +102,7 @@ VectorXd Reference::orthogonal(const VectorXd& difference) const {
     begin += j.rows();
   }
   information.diagonal() *= 1.0 + 1e-12;
-  const VectorXd absorbed = information.ldlt().solve(gradient);
+  const VectorXd absorbed = math::solve_symmetric(information, gradient);
   VectorXd left = difference;
   begin = 0;
   for (const MatrixXd& j : at_.derivative) {
