@@ -55,9 +55,7 @@ class Completion(unittest.TestCase):
 
         os.write(terminal, f"softarm() {{ echo \"<$*>\"; }}; . {self.script}; echo read''y\n".encode())
         until(b"\nready")
-        os.write(terminal, line.encode() + b"\t")
-        time.sleep(0.3)
-        os.write(terminal, b"\n")
+        os.write(terminal, line.encode() + b"\t\n")
         until(b">\r\n", 5.0)
         os.close(terminal)
         os.waitpid(pid, 0)

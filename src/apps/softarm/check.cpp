@@ -28,7 +28,7 @@ struct CheckOptions {
   std::string arm;
   std::vector<std::string> bags;
   std::string json;
-  bool quiet = false;
+  bool quiet = false, force = false;
   unsigned jobs = 0;
 };
 
@@ -84,7 +84,13 @@ arm::Arm load(const CheckOptions& options) {
 void run_check(const CheckOptions& options) {
   const arm::Arm arm = load(options);
   std::unique_ptr<OutputFile> json;
-  if (!options.json.empty()) json = std::make_unique<OutputFile>(options.json);
+  if (!options.json.empty()) {
+    try {
+      json = std::make_unique<OutputFile>(options.json, Replacing::of_this_run(options.force));
+    } catch (const Failure& e) {  // 1 would say that something serious was found
+      throw Failure(e.what(), kBadUsage);
+    }
+  }
   std::vector<check::CheckReport> reports;
   try {
     reports = check_all(options, arm);
@@ -114,6 +120,7 @@ void add_check(CLI::App& program) {
   command->add_option("--arm", options->arm, "arm file, or the name of one in config/arms")->required();
   command->add_option("BAG", options->bags, "trial bags")->required();
   command->add_option("--json", options->json, "also write the findings to this file");
+  command->add_flag("--force", options->force, kForceMeaning);
   command->add_flag("--quiet", options->quiet, "leave out what is mere information");
   command->add_option("--jobs", options->jobs, "bags worked on at a time (default: one per processor)")
       ->check(CLI::Range(1u, 256u));

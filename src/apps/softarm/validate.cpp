@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "command.h"
 #include "output_file.h"
@@ -31,7 +32,7 @@ constexpr std::array<Paper, 5> kPapers{{{"semi_physical", validate::semi_physica
 
 struct ValidateOptions {
   std::vector<std::string> only;
-  bool quick = false;
+  bool quick = false, force = false;
   std::string out;
   std::uint64_t seed = 1;
   unsigned jobs = 0;
@@ -44,26 +45,33 @@ constexpr const char* kValidateExamples = R"(Examples:
 Papers: semi_physical, online, single_chamber, hybrid, cable. The exit status says whether everything ran, not
 whether the figures agree. doc/validation.md explains each table.)";
 
+/// validation.json and, belonging to it, the series of the plots.
 class Outputs {
  public:
-  explicit Outputs(const std::string& folder) : folder_(folder) {
-    if (folder.empty()) return;
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (error) throw Failure(fmt::format("{}: cannot be made: {}", folder, error.message()));
+  /// @throws Failure if the folder cannot be written, or holds the results of another run
+  Outputs(const std::string& path, const Replacing& replacing) {
+    if (path.empty()) return;
+    folder_.emplace(path);
+    path_ = path;
+    json_ = std::make_unique<OutputFile>(path_ / "validation.json", replacing);
   }
-  void add(const std::string& name, const std::string& text) {
-    if (folder_.empty()) return;
-    files_.push_back(std::make_unique<OutputFile>(fs::path(folder_) / name));
-    files_.back()->write(text);
+  void add(const validate::Series& series) {
+    if (!json_) return;
+    series_.push_back(std::make_unique<OutputFile>(path_ / (series.name + ".csv")));
+    series_.back()->write(to_csv(series));
   }
-  void commit() {
-    for (const auto& file : files_) file->commit();
+  void commit(const std::string& json) {
+    if (!json_) return;
+    json_->write(json);
+    for (const auto& file : series_) file->commit();
+    json_->commit();
   }
 
  private:
-  std::string folder_;
-  std::vector<std::unique_ptr<OutputFile>> files_;
+  fs::path path_;
+  std::optional<ResultsFolder> folder_;
+  std::unique_ptr<OutputFile> json_;
+  std::vector<std::unique_ptr<OutputFile>> series_;
 };
 
 void run_validate(const ValidateOptions& options) {
@@ -71,9 +79,7 @@ void run_validate(const ValidateOptions& options) {
   settings.seed = options.seed;
   settings.quick = options.quick;
   settings.jobs = options.jobs;
-  Outputs outputs(options.out);
-  outputs.add("validation.json", "");  // whether the folder can be written is known before the work begins
-  outputs = Outputs(options.out);
+  Outputs outputs(options.out, Replacing::of_this_run(options.force));
 
   Progress progress("tables");
   nlohmann::json papers = nlohmann::json::array();
@@ -89,14 +95,12 @@ void run_validate(const ValidateOptions& options) {
     fmt::print("{}\n", validate::to_text(result));
     std::fflush(stdout);
     papers.push_back(validate::to_json(result));
-    for (const validate::Series& series : result.series) outputs.add(series.name + ".csv", to_csv(series));
+    for (const validate::Series& series : result.series) outputs.add(series);
   }
-  outputs.add(
-      "validation.json",
+  outputs.commit(
       nlohmann::json{{"format", 1}, {"seed", settings.seed}, {"quick", settings.quick}, {"papers", papers}}
-              .dump(1) +
-          "\n");
-  outputs.commit();
+          .dump(1) +
+      "\n");
 }
 
 }  // namespace
@@ -110,6 +114,7 @@ void add_validate(CLI::App& program) {
   command->add_option("--only", options->only, "these papers alone")->check(CLI::IsMember(names));
   command->add_flag("--quick", options->quick, "fewer conditions: a look, not the documented figures");
   command->add_option("--out", options->out, "folder for validation.json and the CSV files of the plots");
+  command->add_flag("--force", options->force, kForceMeaning);
   command->add_option("--seed", options->seed, "of conditions and noise")->capture_default_str();
   command->add_option("--jobs", options->jobs, "experiments worked on at a time (default: one per processor)")
       ->check(CLI::Range(1u, 256u));
