@@ -129,8 +129,8 @@ TEST(SoftarmCheck, GravityAlongAnotherAxisIsFoundAndItsSettingRepairsIt) {
              pose.orientation.z = q.z();
              return true;
            });
-  const std::string arguments = " " + dir / "y_up.bag" + " --json " + dir / "f.json";
-  const Outcome o = softarm_program("check --arm cable_235mm" + arguments);
+  const std::string arguments = " " + dir / "y_up.bag" + " --json ";
+  const Outcome o = softarm_program("check --arm cable_235mm" + arguments + dir / "f.json");
   EXPECT_EQ(o.status, 1) << o.err;
   const auto all = findings(dir / "f.json");
   ASSERT_NE(finding(all, "gravity"), nullptr) << o.out;
@@ -141,9 +141,10 @@ TEST(SoftarmCheck, GravityAlongAnotherAxisIsFoundAndItsSettingRepairsIt) {
   const std::size_t begin = text.find("\ngravity_m_s2:") + 1, end = text.find('\n', begin);
   ASSERT_NE(begin, 0u);
   text.replace(begin, end - begin, setting);
-  const Outcome again = softarm_program("check --arm " + dir.write("repaired.yaml", text) + arguments);
+  const Outcome again =
+      softarm_program("check --arm " + dir.write("repaired.yaml", text) + arguments + dir / "repaired.json");
   EXPECT_EQ(again.status, 0) << again.out << again.err;
-  EXPECT_EQ(finding(findings(dir / "f.json"), "gravity"), nullptr) << again.out;
+  EXPECT_EQ(finding(findings(dir / "repaired.json"), "gravity"), nullptr) << again.out;
 }
 
 TEST(SoftarmCheck, BadUsageIsTwoAndABagThatIsCutOffAFinding) {
