@@ -83,33 +83,46 @@ function(softarm_keep_ros_out_of)
   endforeach()
 endfunction()
 
-# softarm_programs(LIVE <program>... STUDY <library> LIBRARIES <library>...): one program per src/apps/<name>.cpp, with
-# src/apps/<name>/**.cpp where its main() is not all of it. Those named LIVE do without the library STUDY. Their names are
-# left in the cache variable SOFTARM_PROGRAMS.
+# What a program and the parts that programs share are compiled with.
+function(softarm_program_target name)
+  add_dependencies(${name} ${${PROJECT_NAME}_EXPORTED_TARGETS})
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/src/apps)
+  target_compile_options(${name} PRIVATE ${SOFTARM_WARNINGS} -fPIC)
+  target_precompile_headers(${name} REUSE_FROM softarm_program_headers)
+  target_compile_definitions(${name} PRIVATE
+    SOFTARM_VERSION="${SOFTARM_VERSION}" SOFTARM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  softarm_unity(${name} 24)  # CLI11 costs each chunk seconds
+endfunction()
+
+# softarm_programs(LIVE <program>... STUDY <library> SHARED <part>... LIBRARIES <library>...): one program per
+# src/apps/<name>.cpp, with src/apps/<name>/**.cpp where its main() is not all of it. Those named LIVE do without the
+# library STUDY. The files src/apps/softarm/<part>.cpp are compiled once, for all programs. Their names are left in the cache
+# variable SOFTARM_PROGRAMS.
 function(softarm_programs)
-  cmake_parse_arguments(given "" "STUDY" "LIVE;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(given "" "STUDY" "LIVE;SHARED;LIBRARIES" ${ARGN})
   softarm_headers(softarm_program_headers
     LIBRARIES Eigen3::Eigen fmt::fmt
     HEADERS <ros/ros.h> <filesystem> <fstream> <iostream>)
   # Not -fPIE, as programs are by default: the library of the room ros has these precompiled headers, too.
   target_compile_options(softarm_program_headers PRIVATE -fPIC)
+  list(TRANSFORM given_SHARED REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/src/apps/softarm/\\1.cpp")
+  add_library(softarm_shared_parts STATIC ${given_SHARED})
+  set_target_properties(softarm_shared_parts PROPERTIES ARCHIVE_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib)
+  softarm_program_target(softarm_shared_parts)
+  target_link_libraries(softarm_shared_parts PUBLIC ${given_LIBRARIES})
   set(names)
   file(GLOB mains CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/apps/*.cpp)
   foreach(main IN LISTS mains)
     get_filename_component(name ${main} NAME_WE)
     file(GLOB_RECURSE parts CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/apps/${name}/*.cpp)
+    list(REMOVE_ITEM parts ${given_SHARED})
     add_executable(${name} ${main} ${parts})
-    add_dependencies(${name} ${${PROJECT_NAME}_EXPORTED_TARGETS})
-    target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/src/apps)
-    target_compile_options(${name} PRIVATE ${SOFTARM_WARNINGS} -fPIC)
-    target_precompile_headers(${name} REUSE_FROM softarm_program_headers)
-    target_compile_definitions(${name} PRIVATE
-      SOFTARM_VERSION="${SOFTARM_VERSION}" SOFTARM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+    softarm_program_target(${name})
+    target_link_libraries(${name} PRIVATE softarm_shared_parts)
     if(NOT name IN_LIST given_LIVE)
       target_link_libraries(${name} PRIVATE ${given_STUDY})
     endif()
     target_link_libraries(${name} PRIVATE ${given_LIBRARIES})
-    softarm_unity(${name} 24)  # CLI11 costs each chunk seconds
     set_target_properties(${name} PROPERTIES
       RUNTIME_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION})
     # What is built is installed: scripts/demo builds no more than it needs.
