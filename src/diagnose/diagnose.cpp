@@ -28,20 +28,26 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using model::Present;
 
-/// Rms distance that white noise alone gives, weighted as the errors are.
-double noise_floor(const JointModel& model) {
-  double sum = 0.0, weight = 0.0;
+/// Mean square distances of bodies, by precision: by noise alone, and by what is not known of the motion.
+struct Floor {
+  double white_m2 = 0.0, motion_m2 = 0.0;
+};
+
+Floor floor_of(const JointModel& model) {
+  Floor sum;
+  double weight = 0.0;
   for (std::size_t t = 0; t < model.trials().size(); ++t) {
     for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
       if (!model.uses(t, k)) continue;
       for (const model::Seen& seen : model.trials()[t].blocks[k].bodies) {
         const double w = 1.0 / std::pow(model.sd_m(t, k, seen), 2);
-        sum += 3.0 * w * seen.white_sd_m * seen.white_sd_m;
+        sum.white_m2 += 3.0 * w * seen.white_sd_m * seen.white_sd_m;
+        sum.motion_m2 += 3.0 * w * std::pow(model.motion_sd_m(t, k), 2);
         weight += w;
       }
     }
   }
-  return weight > 0.0 ? std::sqrt(sum / weight) : 0.0;
+  return weight > 0.0 ? Floor{sum.white_m2 / weight, sum.motion_m2 / weight} : Floor();
 }
 
 /// Mean log density of a body's position on unseen trials, its spread as on all of them.
@@ -92,7 +98,7 @@ Linearised fit_baseline(JointModel& model, std::size_t& swinging, const std::fun
   calm.viscoelastic_lag_s = std::min(calm.viscoelastic_lag_s, model.viscoelastic_lag_s());
   std::vector<std::vector<model::Predicted>> path;
   model.predict(calm, &baseline.predicted, path);
-  swinging = model.allow_for_motion(path);
+  swinging = model.allow_for_motion(calm, path);
   progress();
   // What is known beforehand counts against the misfit as it is, and that changes with what counts.
   double misfit = 0.0;
@@ -123,15 +129,16 @@ Remains compare(const JointModel& model, const Selection& selection, Diagnosis& 
   const Ceiling could_before = ceiling(model, selection.baseline, before.residual);
   const bool extended = !selection.extended.at.effects.empty();
   const Ceiling could_after = extended ? ceiling(model, selection.extended, after.residual) : could_before;
-  d.noise_floor_m = noise_floor(model);
+  const Floor floor = floor_of(model);
+  d.noise_floor_m = std::sqrt(floor.white_m2);
   d.baseline = fit_of(before, selection.baseline.rows);
   d.extended = fit_of(after, selection.extended.rows);
   d.discrepancy_share = could_after.share;
 
   const double length_m = model.arm().total_length_m();
   const double base2 = std::pow(before.total_rms_m, 2), ext2 = std::pow(after.total_rms_m, 2);
-  const double floor2 = std::pow(d.noise_floor_m, 2);
-  const double leftover_m = std::sqrt(ext2 * could_after.share);
+  const double floor2 = floor.white_m2;
+  const double leftover_m = std::sqrt(std::max(0.0, ext2 * could_after.share - floor.motion_m2));
   // What no flexible model learns may still be more than noise: a few trials teach it little.
   const bool as_noise =
       after.total_chi2 < kPolicy.verdict.as_noise_chi2 * std::max(1, selection.extended.rows);
@@ -184,7 +191,8 @@ Compared compared(const JointModel& model) {
 }
 
 std::vector<std::string> notes_of(const Compared& all, const model::Prepared& prepared,
-                                  const Selection& selection, const Options& options, std::size_t swinging) {
+                                  const Selection& selection, const Options& options, std::size_t swinging,
+                                  bool quasi_static) {
   std::vector<std::string> notes;
   notes.push_back(fmt::format(
       "{} frames of {} trials, compared as {} means over {:.2g} s; {} are left out after a hand was on the "
@@ -192,9 +200,15 @@ std::vector<std::string> notes_of(const Compared& all, const model::Prepared& pr
       "because the arm swung. Errors and the noise floor are those of such means.",
       all.frames, prepared.trials.size(), all.blocks, options.block_s, all.blocks - all.used - swinging,
       swinging));
+  const double lag_ms = 1e3 * selection.extended.at.viscoelastic_lag_s;
   notes.push_back(
-      fmt::format("Inertia of the arm's known masses and a viscoelastic lag ({:.0f} ms) are in both models.",
-                  1e3 * selection.extended.at.viscoelastic_lag_s));
+      quasi_static
+          ? fmt::format("The trials show no inertia, as if they were computed: both models have none, and a "
+                        "viscoelastic lag of {:.0f} ms.",
+                        lag_ms)
+          : fmt::format(
+                "Inertia of the arm's known masses and a viscoelastic lag ({:.0f} ms) are in both models.",
+                lag_ms));
   if (!options.known.empty())
     notes.push_back(fmt::format("{} of the arm file {} in all models, at the file's values.",
                                 known_ids(options), options.known.size() == 1 ? "is" : "are"));
@@ -255,7 +269,7 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   const Compared count = compared(model);
   d.left_out_share = 1.0 - static_cast<double>(count.used) / static_cast<double>(count.blocks);
   d.summary = summary_of(d);
-  d.notes = notes_of(count, prepared, selection, options, swinging);
+  d.notes = notes_of(count, prepared, selection, options, swinging, model.quasi_static());
 
   report(0.92, "what single instants say");
   const std::vector<InstantFit> instants = fit_instants(model, selection.baseline, options.jobs);

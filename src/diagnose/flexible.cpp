@@ -14,6 +14,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using model::Block;
+using model::Seen;
 
 MatrixXd pick(const MatrixXd& from, const std::vector<Eigen::Index>& rows,
               const std::vector<Eigen::Index>* columns) {
@@ -31,6 +32,7 @@ MatrixXd pick(const MatrixXd& from, const std::vector<Eigen::Index>& rows,
 /// bodies.
 struct Instants {
   MatrixXd x, y;
+  VectorXd weight;  ///< by precision, 1 on average
   std::vector<std::size_t> trial;
 };
 
@@ -53,6 +55,7 @@ Instants instants_of(const JointModel& model, const Linearised& at, const std::v
   Instants out;
   out.x.resize(static_cast<Eigen::Index>(keep), all.values.cols());
   out.y.resize(out.x.rows(), 3 * static_cast<Eigen::Index>(bodies));
+  out.weight.resize(out.x.rows());
   for (std::size_t i = 0; i < keep; ++i) {
     const std::size_t w = whole[i * whole.size() / keep];
     const auto row = static_cast<Eigen::Index>(i);
@@ -60,12 +63,17 @@ Instants instants_of(const JointModel& model, const Linearised& at, const std::v
     out.y.row(row) =
         residual[all.trial[w]].segment(begin[all.trial[w]][all.block[w]], out.y.cols()).transpose();
     out.trial.push_back(all.trial[w]);
+    double variance = 0.0;
+    for (const Seen& seen : model.trials()[all.trial[w]].blocks[all.block[w]].bodies)
+      variance += std::pow(model.sd_m(all.trial[w], all.block[w], seen), 2);
+    out.weight[row] = 1.0 / variance;
   }
+  out.weight /= out.weight.mean();
   out.x = in_spreads(std::move(out.x));
   return out;
 }
 
-/// Squares that kernel regression leaves of the folds' instants, each by the other folds.
+/// Weighted squares that kernel regression leaves of the folds' instants, each by the other folds.
 double left_by_regression(const Instants& instants, const MatrixXd& kernel, double noise, std::size_t folds) {
   double left = 0.0;
   for (std::size_t fold = 0; fold < folds; ++fold) {
@@ -77,11 +85,15 @@ double left_by_regression(const Instants& instants, const MatrixXd& kernel, doub
     }
     if (train.empty() || test.empty()) continue;
     MatrixXd k = pick(kernel, train, &train);
-    k.diagonal().array() += noise;
+    for (std::size_t i = 0; i < train.size(); ++i)
+      k.diagonal()[static_cast<Eigen::Index>(i)] += noise / instants.weight[train[i]];
     math::CholeskyFactor factor;
     factor.compute(k);
     const MatrixXd weights = factor.solve_columns(pick(instants.y, train, nullptr));
-    left += (pick(instants.y, test, nullptr) - pick(kernel, test, &train) * weights).squaredNorm();
+    const VectorXd squares =
+        (pick(instants.y, test, nullptr) - pick(kernel, test, &train) * weights).rowwise().squaredNorm();
+    for (std::size_t i = 0; i < test.size(); ++i)
+      left += instants.weight[test[i]] * squares[static_cast<Eigen::Index>(i)];
   }
   return left;
 }
@@ -150,7 +162,7 @@ Ceiling ceiling(const JointModel& model, const Linearised& at, const std::vector
   const auto bodies =
       static_cast<double>(instants.x.rows() * static_cast<Eigen::Index>(model.arm().bodies.size()));
   const MatrixXd distance2 = mean_distances2(instants.x);
-  const double before = instants.y.squaredNorm() / bodies;
+  const double before = instants.weight.dot(instants.y.rowwise().squaredNorm()) / bodies;
   double best = before;
   for (const double reach : kPolicy.flexible.reach) {
     const MatrixXd kernel = (-0.5 * distance2.array() / (reach * reach)).exp();

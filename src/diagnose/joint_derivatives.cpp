@@ -12,7 +12,6 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 using model::Block;
-using model::Dynamics;
 using model::Predicted;
 using model::Seen;
 using model::TrialData;
@@ -43,13 +42,13 @@ void set_unknown(JointParameters& p, const JointUnknown& c, double x) {
 model::ExtendedModel::Varied JointModel::vary(std::size_t trial, const JointParameters& parameters,
                                               const std::vector<Predicted>& predicted) {
   return models_[trial].vary(arm_with(parameters.constants), all(parameters.effects),
-                             Dynamics{true, parameters.viscoelastic_lag_s}, trials_[trial], predicted);
+                             dynamics(parameters, trial), trials_[trial], predicted);
 }
 
 void JointModel::differentiate(const JointParameters& at, std::size_t trial, const std::vector<bool>& wanted,
                                std::vector<Predicted>& predicted) {
-  models_[trial].differentiate(arm_with(at.constants), all(at.effects), Dynamics{true, at.viscoelastic_lag_s},
-                               trials_[trial], wanted, predicted);
+  models_[trial].differentiate(arm_with(at.constants), all(at.effects), dynamics(at, trial), trials_[trial],
+                               wanted, predicted);
 }
 
 void JointModel::complete(Linearised& at) {
@@ -60,31 +59,69 @@ void JointModel::complete(Linearised& at) {
   at.complete = true;
 }
 
+/// Of all bodies' places and, below, tangents, by a change of the rod that swings as it does; one column per
+/// block.
+Eigen::MatrixXd JointModel::moved(const Linearised& at, std::size_t trial,
+                                  const model::ExtendedModel::Varied& varied) const {
+  const TrialData& data = trials_[trial];
+  const std::vector<Predicted>& predicted = at.predicted[trial];
+  const auto bodies = static_cast<Eigen::Index>(arm_.bodies.size()), blocks = varied.values.cols();
+  Eigen::MatrixXd moves = Eigen::MatrixXd::Zero(6 * bodies, blocks), in_modes, in_next;
+  for (Eigen::Index k = 0; k < blocks; ++k) {
+    const Predicted& now = predicted[static_cast<std::size_t>(k)];
+    const Block& block = data.blocks[static_cast<std::size_t>(k)];
+    if (!now.solved) continue;
+    const VectorXd change = varied.values.col(k) - at.reference[trial].values.col(k);
+    const VectorXd move = now.by_rod * change;
+    Eigen::Index row = 0;
+    for (const Seen& seen : block.bodies) moves.col(k).segment<3>(3 * seen.body) = move.segment<3>(3 * row++);
+    for (const model::SeenTangent& seen : block.tangents)
+      moves.col(k).segment<3>(3 * (bodies + seen.body)) = move.segment<3>(3 * row++);
+    if (varied.swings || now.by_modes_now.size() == 0) continue;
+    if (in_modes.size() == 0) {
+      in_modes.setZero(now.by_modes_now.rows(), blocks);
+      in_next = in_modes;
+    }
+    in_modes.col(k) = now.by_modes_now * change;
+    if (now.by_modes_next.size() > 0) in_next.col(k) = now.by_modes_next * change;
+  }
+  if (in_modes.size() == 0) return moves;
+  const model::TrialModes& modes = modes_[trial];
+  const Eigen::MatrixXd beyond = at.swing[trial]->beyond(in_modes, in_next);
+  for (Eigen::Index k = 0; k < blocks; ++k) {
+    if (modes[static_cast<std::size_t>(k)] != nullptr)
+      moves.col(k) += modes[static_cast<std::size_t>(k)]->bodies * beyond.col(k);
+  }
+  return moves;
+}
+
 VectorXd JointModel::signature(const Linearised& at, std::size_t trial, const JointParameters& changed,
                                const model::ExtendedModel::Varied& varied, double step) const {
   const TrialData& data = trials_[trial];
   const std::vector<Predicted>& predicted = at.predicted[trial];
   const model::ExtendedModel::Varied& reference = at.reference[trial];
+  const auto bodies = static_cast<Eigen::Index>(arm_.bodies.size());
   VectorXd out = VectorXd::Zero(at.residual[trial].size());
+  const Eigen::MatrixXd moves = moved(at, trial, varied);
   Eigen::Index body = 0, row = 3 * reference.seen.cols();
   for (std::size_t k = 0; k < data.blocks.size(); ++k) {
     const Block& block = data.blocks[k];
     const auto count = static_cast<Eigen::Index>(block.bodies.size());
     const auto tangents = static_cast<Eigen::Index>(block.tangents.size());
     if (used_[trial][k] && predicted[k].solved && count > 0) {
-      const auto column = static_cast<Eigen::Index>(k);
-      const VectorXd moved = predicted[k].by_rod * (varied.values.col(column) - reference.values.col(column));
+      const auto move = moves.col(static_cast<Eigen::Index>(k));
       for (Eigen::Index i = 0; i < count; ++i) {
         const double sd = sd_m(trial, k, block.bodies[static_cast<std::size_t>(i)]);
         out.segment<3>(3 * (body + i)) =
-            (moved.segment<3>(3 * i) + varied.seen.col(body + i) - reference.seen.col(body + i)) /
+            (move.segment<3>(3 * block.bodies[static_cast<std::size_t>(i)].body) + varied.seen.col(body + i) -
+             reference.seen.col(body + i)) /
             (step * sd);
       }
       for (Eigen::Index i = 0; i < tangents; ++i) {
         const model::SeenTangent& seen = block.tangents[static_cast<std::size_t>(i)];
         const Eigen::Quaterniond& q = predicted[k].q_tangents[static_cast<std::size_t>(i)];
-        out.segment<3>(row + 3 * i) = (moved.segment<3>(3 * (count + i)) + by_mount(changed, q, seen.body) -
-                                       by_mount(at.at, q, seen.body)) /
+        out.segment<3>(row + 3 * i) = (move.segment<3>(3 * (bodies + seen.body)) +
+                                       by_mount(changed, q, seen.body) - by_mount(at.at, q, seen.body)) /
                                       (step * sd_rad(trial, k, seen));
       }
     }
@@ -114,8 +151,9 @@ Eigen::MatrixXd JointModel::differences(const Linearised& at, std::size_t trial,
   std::vector<Predicted> there;
   for (std::size_t j = 0; j < changed.size(); ++j) {
     models_[trial].predict(arm_with(changed[j].constants), all(changed[j].effects),
-                           Dynamics{true, changed[j].viscoelastic_lag_s}, data, &predicted, there);
+                           dynamics(changed[j], trial), data, &predicted, there);
     mount(changed[j], trial, there);
+    add_swings(trial, there);
     Eigen::Index row = 0;
     for (std::size_t k = 0; k < data.blocks.size(); ++k) {
       for (std::size_t i = 0; i < data.blocks[k].bodies.size(); ++i, row += 3) {
@@ -164,8 +202,18 @@ Linearised JointModel::linearise(const JointParameters& parameters,
   lin.derivative.resize(trials_.size());
   lin.root_weight.resize(trials_.size());
   lin.reference.resize(trials_.size());
+  lin.swing.resize(trials_.size());
   math::in_parallel(trials_.size(), jobs_, [&](std::size_t t) {
     lin.reference[t] = vary(t, parameters, lin.predicted[t]);
+    if (!modes_.empty()) {
+      std::vector<model::Rest> rest;
+      model::Sluggishness sluggish;
+      for (const Predicted& block : lin.predicted[t]) {
+        rest.push_back(block.solved ? block.rest : model::Rest());
+        if (block.solved) sluggish = block.sluggish;
+      }
+      lin.swing[t].emplace(modes_[t], trials_[t], rest, sluggish);
+    }
     std::vector<model::ExtendedModel::Varied> varied;
     std::vector<bool> touched(rod().parameters().size(), false);
     for (const JointParameters& other : changed) {

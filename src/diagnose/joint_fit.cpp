@@ -1,4 +1,4 @@
-// The fit of the joint model: robust weights, bounds, what the arm's motion spoils.
+// The fit of the joint model: robust weights, bounds, convergence.
 #include <ceres/ceres.h>
 #include <ceres/normal_prior.h>
 
@@ -24,12 +24,11 @@ using model::Block;
 using model::Predicted;
 using model::Present;
 
-constexpr double kMedianOfChi3 = 1.5382;  // of the length of a normal vector in three dimensions
-constexpr double kUnsolved = 5.5;         // thresholds: a cost of ten of their squares
-constexpr double kSettled = 0.02;         // of the threshold
-constexpr double kAtBound = 1e-9;         // of an unknown's scale
-constexpr double kFirstRadius = 1e8;      // as good as none: the steps of Gauss and Newton
-constexpr int kShorterSteps = 5;          // tried where the whole one does not help
+constexpr double kUnsolved = 5.5;     // thresholds: a cost of ten of their squares
+constexpr double kSettled = 0.02;     // of the threshold
+constexpr double kAtBound = 1e-9;     // of an unknown's scale
+constexpr double kFirstRadius = 1e8;  // as good as none: the steps of Gauss and Newton
+constexpr int kShorterSteps = 5;      // tried where the whole one does not help
 
 }  // namespace
 
@@ -277,39 +276,6 @@ bool JointModel::has_configuration_dependent_load(const JointParameters& paramet
   const std::vector<Present> present = all(parameters.effects);
   return std::any_of(present.begin(), present.end(),
                      [](const Present& one) { return one.effect->needs_shape(); });
-}
-
-std::size_t JointModel::allow_for_motion(const std::vector<std::vector<Predicted>>& predicted) {
-  // A swing spoils what is smaller than it is. Beside a model that is off by more, little would be won, and
-  // of an arm that never rests nearly everything lost.
-  std::vector<double> distances;
-  for (std::size_t t = 0; t < trials_.size(); ++t) {
-    const std::vector<Block>& blocks = trials_[t].blocks;
-    for (std::size_t k = 0; k < blocks.size(); ++k) {
-      if (!used_[t][k] || !predicted[t][k].solved) continue;
-      for (std::size_t i = 0; i < blocks[k].bodies.size(); ++i)
-        distances.push_back(
-            (blocks[k].bodies[i].p_base - predicted[t][k].p.col(static_cast<Eigen::Index>(i))).norm());
-    }
-  }
-  const double swing_m = std::max(kPolicy.motion.swing * noise_m(arm_), math::median(std::move(distances)));
-  std::size_t aside = 0;
-  for (std::size_t t = 0; t < trials_.size(); ++t) {
-    double envelope_m = 0.0;
-    for (std::size_t k = 0; k < predicted[t].size(); ++k) {
-      const Predicted& now = predicted[t][k];
-      envelope_m = now.instant.dt_s > 0.0
-                       ? envelope_m * std::exp(-now.instant.dt_s / kPolicy.motion.swing_decay_s)
-                       : 0.0;
-      if (now.solved) envelope_m = std::max(envelope_m, now.inertial_m);
-      motion_sd_m_[t][k] = kPolicy.motion.share * envelope_m;
-      if (envelope_m > swing_m && used_[t][k]) {
-        used_[t][k] = false;
-        ++aside;
-      }
-    }
-  }
-  return aside;
 }
 
 }  // namespace softarm::diagnose

@@ -243,14 +243,19 @@ void JointModel::mount(const JointParameters& parameters, std::size_t trial,
   }
 }
 
+Dynamics JointModel::dynamics(const JointParameters& parameters, std::size_t trial) const {
+  return {!quasi_static_, parameters.viscoelastic_lag_s, modes_.empty() ? nullptr : &modes_[trial]};
+}
+
 void JointModel::predict(const JointParameters& parameters, const std::vector<std::vector<Predicted>>* start,
                          std::vector<std::vector<Predicted>>& out) {
   const arm::Arm arm = arm_with(parameters.constants);
   std::vector<std::vector<Predicted>> made(trials_.size());
   math::in_parallel(trials_.size(), jobs_, [&](std::size_t t) {
-    models_[t].predict(arm, all(parameters.effects), Dynamics{true, parameters.viscoelastic_lag_s},
-                       trials_[t], start != nullptr ? &(*start)[t] : nullptr, made[t]);
+    models_[t].predict(arm, all(parameters.effects), dynamics(parameters, t), trials_[t],
+                       start != nullptr ? &(*start)[t] : nullptr, made[t]);
     mount(parameters, t, made[t]);
+    add_swings(t, made[t]);
   });
   out = std::move(made);
 }

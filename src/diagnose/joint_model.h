@@ -49,8 +49,9 @@ struct TimeStretch {
 struct Linearised {
   JointParameters at;
   std::vector<JointUnknown> columns;
-  std::vector<std::vector<model::Predicted>> predicted;  ///< by trial
-  std::vector<model::ExtendedModel::Varied> reference;   ///< by trial
+  std::vector<std::vector<model::Predicted>> predicted;    ///< by trial
+  std::vector<model::ExtendedModel::Varied> reference;     ///< by trial
+  std::vector<std::optional<model::SwingOfChange>> swing;  ///< by trial; nothing: it follows its equilibria
   /// Whitened, used bodies of all blocks one after the other, then the tangents of all blocks; per trial. 0
   /// where not used.
   std::vector<Eigen::VectorXd> residual;
@@ -136,10 +137,19 @@ class JointModel {
   double motion_sd_m(std::size_t trial, std::size_t block) const { return motion_sd_m_[trial][block]; }
   /// Whether a block is compared.
   bool uses(std::size_t trial, std::size_t block) const { return used_[trial][block]; }
-  /// Counts a share of what inertia and lag do to the arm, and of what is left of that a while later, as
-  /// noise: they are known to first order only. Blocks in which the arm swings are left out.
+  /// From here on the arm swings, in the modes that it has at these parameters; without, inertia counts to
+  /// first order.
+  void find_modes(const JointParameters& parameters,
+                  const std::vector<std::vector<model::Predicted>>& predicted);
+  /// Finds the modes, and the swings that no input made: where a trial begins, or a hand let go. What of the
+  /// motion is not known counts as noise; blocks in which that is too much are left out.
+  /// @param predicted at the parameters; as the arm swings when this is over
+  /// @param recorded whether bodies were seen
   /// @return how many are left out
-  std::size_t allow_for_motion(const std::vector<std::vector<model::Predicted>>& predicted);
+  std::size_t allow_for_motion(const JointParameters& parameters,
+                               std::vector<std::vector<model::Predicted>>& predicted, bool recorded = true);
+  /// That the trials have no inertia, as computations of statics have none: then the model has none either.
+  bool quasi_static() const { return quasi_static_; }
   /// Whitened distance beyond which a body's weight falls, see huber_weight().
   double threshold() const { return threshold_; }
 
@@ -149,12 +159,20 @@ class JointModel {
              std::vector<model::Predicted>& predicted) const;
   Eigen::Vector3d by_mount(const JointParameters& parameters, const Eigen::Quaterniond& q_section,
                            int body) const;
+  double chi2(const std::vector<std::vector<model::Predicted>>& predicted, double& rows) const;
+  bool is_quasi_static(const JointParameters& parameters,
+                       const std::vector<std::vector<model::Predicted>>& swinging);
+  void find_swings(std::size_t trial, std::vector<model::Predicted>& predicted, bool recorded);
+  void add_swings(std::size_t trial, std::vector<model::Predicted>& predicted) const;
+  model::Dynamics dynamics(const JointParameters& parameters, std::size_t trial) const;
   model::ExtendedModel::Varied vary(std::size_t trial, const JointParameters& parameters,
                                     const std::vector<model::Predicted>& predicted);
   void differentiate(const JointParameters& at, std::size_t trial, const std::vector<bool>& wanted,
                      std::vector<model::Predicted>& predicted);
   Eigen::MatrixXd differences(const Linearised& at, std::size_t trial,
                               const std::vector<JointParameters>& changed, const std::vector<double>& steps);
+  Eigen::MatrixXd moved(const Linearised& at, std::size_t trial,
+                        const model::ExtendedModel::Varied& varied) const;
   Eigen::VectorXd signature(const Linearised& at, std::size_t trial, const JointParameters& changed,
                             const model::ExtendedModel::Varied& varied, double step) const;
   void add_to(TimeStretch& stretch, const Linearised& at, Eigen::Index row, int degrees_of_freedom) const;
@@ -173,12 +191,19 @@ class JointModel {
   const unsigned jobs_;
   std::vector<identify::ConstantRef> constants_;
   std::vector<model::ExtendedModel> models_;  ///< per trial
-  std::vector<bool> turned_;                  ///< bodies whose tangents are seen
+  std::vector<model::TrialModes> modes_;      ///< per trial; empty: not known yet
+  /// By trial and block: of bodies and, below, of tangents, what no input made; empty: nothing.
+  std::vector<std::vector<Eigen::VectorXd>> swings_;
+  std::vector<bool> turned_;  ///< bodies whose tangents are seen
   std::vector<std::vector<bool>> used_;
   std::vector<std::vector<double>> motion_sd_m_;
+  bool quasi_static_ = false;
   double misfit_ = 1.0;
   double threshold_ = 1e9;  ///< whitened distance beyond which a body's weight falls
 };
+
+/// Of the length of a normal vector in three dimensions.
+constexpr double kMedianOfChi3 = 1.5382;
 
 double value_of(const JointParameters& parameters, const JointUnknown& column);
 /// Sets an unknown to x scales, kept within its range.

@@ -30,7 +30,7 @@ class Hypothetical {
     model_.predict(with_loads(parameters), nullptr, predicted_);
     std::size_t used = 0, solved = 0;
     for (const Predicted& block : predicted_[0]) solved += block.solved;
-    model_.allow_for_motion(predicted_);
+    model_.allow_for_motion(with_loads(parameters), predicted_, false);
     for (std::size_t k = 0; k < trials_[0].blocks.size(); ++k) used += model_.uses(0, k);
     return static_cast<double>(solved) >=
                kPolicy.experiment.least_solved * static_cast<double>(trials_[0].blocks.size()) &&

@@ -9,6 +9,7 @@ class Inertia : public Described {
   using Described::Described;
   bool needs_shape() const override { return true; }
   bool needs_motion() const override { return true; }
+  model::Sluggishness sluggishness(const Values& values) const override { return {values[0], values[1]}; }
   void act(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape* shape,
            const Memory&, rod::Rod& rod) const override {
     const Motion& motion = shape->motion;

@@ -73,6 +73,13 @@ struct Motion {
   std::vector<Eigen::Vector3d> curvature_rate;                   ///< of u at the pieces' middles, 1/(m s)
 };
 
+/// What makes an arm swing otherwise than its masses and its wall do.
+struct Sluggishness {
+  double mass_share = 0.0;  ///< that moves along beside what is weighed, as a share of it
+  double lag_s = 0.0;       ///< of the wall's bending
+  bool operator==(const Sluggishness& o) const { return mass_share == o.mass_share && lag_s == o.lag_s; }
+};
+
 /// The equilibrium at one instant, in the rod's base frame.
 struct Shape {
   std::vector<rod::RodState> middles;                        ///< of the pieces
@@ -139,6 +146,8 @@ class Effect {
   virtual bool varies_along() const { return true; }
   /// Whether act() looks at Shape::motion.
   virtual bool needs_motion() const { return false; }
+  /// What act() makes of motion, for the swings that it changes.
+  virtual Sluggishness sluggishness(const Values&) const { return {}; }
   /// Takes notice of an instant that is over.
   virtual bool remembers() const { return false; }
   virtual void remember(const arm::Arm&, const FineRod&, const Values&, const Instant&, const Shape&,

@@ -17,6 +17,9 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int kPasses = 2;  // at rest, then with the inertia of that path
+constexpr int kModes = 4;   // in which an arm swings: two ways to bend it, in two planes
+// Up to this share of its length between two shapes, and of its stiffness, an arm swings alike.
+constexpr double kAlikeShape = 0.02, kAlikeStiffness = 0.03;
 }  // namespace
 
 struct ExtendedModel::Impl : InstantSolver {
@@ -75,30 +78,39 @@ struct ExtendedModel::Impl : InstantSolver {
     return instant;
   }
 
-  /// How the arm moves at an instant of a path of equilibria.
-  Motion motion_of(const std::vector<Predicted>& path, std::size_t k) const {
-    Motion motion;
-    if (k == 0 || k + 1 >= path.size()) return motion;
-    const Predicted &before = path[k - 1], &now = path[k], &after = path[k + 1];
-    if (!before.solved || !now.solved || !after.solved || now.instant.dt_s <= 0.0 ||
-        after.instant.dt_s <= 0.0)
-      return motion;
-    const double a = now.instant.dt_s, b = after.instant.dt_s;
-    const auto second = [&](const Vector3d& x0, const Vector3d& x1, const Vector3d& x2) {
-      return Vector3d(2.0 * ((x2 - x1) / b - (x1 - x0) / a) / (a + b));
-    };
-    const auto first = [&](const Vector3d& x0, const Vector3d& x1, const Vector3d& x2) {
-      return Vector3d((a * (x2 - x1) / b + b * (x1 - x0) / a) / (a + b));
-    };
-    for (std::size_t j = 0; j < static_cast<std::size_t>(fine.stations()); ++j) {
-      const Vector3d &x0 = before.shape.stations[j].p, &x1 = now.shape.stations[j].p,
-                     &x2 = after.shape.stations[j].p;
-      motion.velocity_m_s.push_back(first(x0, x1, x2));
-      motion.acceleration_m_s2.push_back(second(x0, x1, x2));
-      motion.curvature_rate.push_back(
-          first(before.shape.middles[j].u, now.shape.middles[j].u, after.shape.middles[j].u));
+  static Sluggishness sluggishness(const Dynamics& dynamics, const std::vector<Present>& effects) {
+    Sluggishness all{0.0, dynamics.viscoelastic_lag_s};
+    for (const Present& present : effects) {
+      const Sluggishness own = present.effect->sluggishness(present.values);
+      all.mass_share += own.mass_share;
+      all.lag_s += own.lag_s;
     }
-    return motion;
+    return all;
+  }
+
+  static std::vector<Motion> motions(const Dynamics& dynamics, const Sluggishness& sluggish,
+                                     const TrialData& trial, const Series& series,
+                                     const std::vector<Predicted>& path) {
+    std::vector<Rest> rest;
+    for (const Predicted& block : path) rest.push_back(block.solved ? block.rest : Rest());
+    return dynamics.modes != nullptr ? swing(*dynamics.modes, trial, series, sluggish, rest)
+                                     : follow(trial, rest);
+  }
+
+  /// Of the rod that was made last.
+  Rest rest_of(const Shape& shape, double t_s) const {
+    Rest rest;
+    rest.t_s = t_s;
+    rest.masses_kg = fine.station_masses_kg(rod);
+    rest.lengths_m.resize(fine.stations());
+    rest.compliance.resize(fine.stations());
+    for (int j = 0; j < fine.stations(); ++j) {
+      rest.lengths_m[j] = rod.segments[static_cast<std::size_t>(j)].length_m;
+      rest.compliance[j] = rod.segments[static_cast<std::size_t>(j)].bending_compliance;
+    }
+    for (const rod::RodState& station : shape.stations) rest.stations.push_back(station.p);
+    for (const rod::RodState& middle : shape.middles) rest.curvature.push_back(middle.u);
+    return rest;
   }
 
   void positions(const arm::Arm& arm, const std::vector<Present>& effects, const Block& block,
@@ -117,8 +129,22 @@ struct ExtendedModel::Impl : InstantSolver {
     }
   }
 
+  /// Of modes, by the parameters that are wanted, of the rod that `derivatives` solved last.
+  Eigen::MatrixXd coordinates(const Modes* modes, Eigen::Index parameters) const {
+    if (modes == nullptr) return {};
+    Eigen::MatrixXd by =
+        Eigen::MatrixXd::Zero(modes->stiffness.size(), static_cast<Eigen::Index>(columns.size()));
+    for (int j = 0; j < fine.stations(); ++j)
+      by.noalias() +=
+          modes->project.middleCols<3>(3 * j) * derivatives->dp(static_cast<int>(bodies.size()) + j);
+    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(by.rows(), parameters);
+    for (std::size_t c = 0; c < columns.size(); ++c)
+      all.col(columns[c]) = by.col(static_cast<Eigen::Index>(c));
+    return all;
+  }
+
   /// Of the rod that was made last, by the parameters that are wanted.
-  bool differentiate(const Block& block, Predicted& out) {
+  bool differentiate(const Block& block, const Modes* now, const Modes* next, Predicted& out) {
     if (derivatives->solve(rod, out.q_tip) != rod::SolveStatus::kConverged) return false;
     out.by_rod.setZero(3 * static_cast<Eigen::Index>(block.bodies.size() + block.tangents.size()),
                        static_cast<Eigen::Index>(fine.parameters().size()));
@@ -131,7 +157,15 @@ struct ExtendedModel::Impl : InstantSolver {
     for (const Seen& seen : block.bodies)
       put(position_by_rod(bodies[static_cast<std::size_t>(seen.body)], seen.body, *derivatives));
     for (const SeenTangent& seen : block.tangents) put(tangent_by_rod(seen.body, *derivatives));
+    out.by_modes_now = coordinates(now, out.by_rod.cols());
+    out.by_modes_next = next == now ? out.by_modes_now : coordinates(next, out.by_rod.cols());
     return true;
+  }
+
+  std::vector<double> bodies_and_stations(const arm::Arm& arm) const {
+    std::vector<double> places = body_stations(arm);
+    for (int j = 0; j < fine.stations(); ++j) places.push_back(fine.station_m(j));
+    return places;
   }
 
   void want(const arm::Arm& arm, const std::vector<bool>& which) {
@@ -144,7 +178,7 @@ struct ExtendedModel::Impl : InstantSolver {
       columns.push_back(static_cast<Eigen::Index>(j));
       parameters.push_back(fine.parameters()[j]);
     }
-    derivatives.emplace(fine.layout(), body_stations(arm), parameters, solver_options(1e-10));
+    derivatives.emplace(fine.layout(), bodies_and_stations(arm), parameters, solver_options(1e-10));
   }
 
   /// Makes the rod of each block that has a prediction, with the shapes and motions of those.
@@ -158,6 +192,10 @@ struct ExtendedModel::Impl : InstantSolver {
     memories.begin(arm, fine);
     const bool moves = std::any_of(effects.begin(), effects.end(),
                                    [](const Present& present) { return present.effect->needs_motion(); });
+    const Sluggishness sluggish = sluggishness(dynamics, effects);
+    const bool anew = swings_otherwise(dynamics, effects, baseline) || (moves && !has_motion(baseline));
+    const std::vector<Motion> motion =
+        anew ? motions(dynamics, sluggish, trial, series, baseline) : std::vector<Motion>();
     for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
       const Predicted& base = baseline[k];
       if (!base.solved) continue;
@@ -165,10 +203,62 @@ struct ExtendedModel::Impl : InstantSolver {
       if (!walls.empty()) instant.kept_back = walls[k];
       if (k > 0 && instant.dt_s <= 0.0) memories.rest();
       Shape shape = base.shape;
-      if (shape.motion.velocity_m_s.empty() && moves) shape.motion = motion_of(baseline, k);
+      if (anew) shape.motion = motion[k];
       use(k, instant, make(arm, effects, memories.all(), dynamics, instant, &shape, shape.motion, rod));
       memories.remember(arm, fine, instant, shape);
     }
+  }
+
+  /// Whether the arm swings in both alike.
+  bool alike(const Predicted& a, const Predicted& b) const {
+    if (a.instant.payload_kg != b.instant.payload_kg) return false;
+    for (std::size_t j = 0; j < a.rest.stations.size(); ++j)
+      if ((a.rest.stations[j] - b.rest.stations[j]).norm() > kAlikeShape * fine.length_m()) return false;
+    const auto off = (a.rest.compliance - b.rest.compliance).array().abs();
+    return !(off > kAlikeStiffness * a.rest.compliance.array()).any();
+  }
+
+  /// Whether between the same equilibria.
+  static bool swings_otherwise(const Dynamics& dynamics, const std::vector<Present>& effects,
+                               const std::vector<Predicted>& baseline) {
+    const Sluggishness sluggish = sluggishness(dynamics, effects);
+    return dynamics.modes != nullptr &&
+           std::any_of(baseline.begin(), baseline.end(),
+                       [&](const Predicted& block) { return block.solved && !(block.sluggish == sluggish); });
+  }
+
+  static bool has_motion(const std::vector<Predicted>& path) {
+    return std::any_of(path.begin(), path.end(),
+                       [](const Predicted& block) { return !block.shape.motion.velocity_m_s.empty(); });
+  }
+
+  /// What forces on the stations do to the rod that was made last; nothing where it has no equilibrium.
+  std::optional<Flexibility> flexibility(const arm::Arm& arm, const Predicted& at) {
+    const auto n = static_cast<Eigen::Index>(fine.stations()), b = static_cast<Eigen::Index>(bodies.size());
+    if (!by_forces) {
+      std::vector<rod::Parameter> forces;
+      for (int j = 0; j < fine.stations(); ++j)
+        for (const int axis : {0, 1, 2})
+          forces.push_back({rod::ParameterKind::kLoadForce, FineRod::kFirstStation + j, axis});
+      by_forces.emplace(fine.layout(), bodies_and_stations(arm), forces, solver_options(1e-8));
+    }
+    if (by_forces->solve(rod, at.q_tip) != rod::SolveStatus::kConverged) return std::nullopt;
+    Flexibility f;
+    f.positions.resize(3 * n, 3 * n);
+    f.rotations.resize(3 * n, 3 * n);
+    f.bodies.resize(6 * b, 3 * n);
+    for (Eigen::Index i = 0; i < b; ++i) {
+      const int body = static_cast<int>(i);
+      f.bodies.middleRows<3>(3 * i) = position_by_rod(bodies[static_cast<std::size_t>(i)], body, *by_forces);
+      f.bodies.middleRows<3>(3 * (b + i)) = tangent_by_rod(body, *by_forces);
+    }
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const int station = static_cast<int>(b + j);
+      f.positions.middleRows<3>(3 * j) = by_forces->dp(station);
+      f.rotations.middleRows<3>(3 * j) = by_forces->drotation(station);
+      f.q.push_back(by_forces->station(station).q);
+    }
+    return f;
   }
 
   /// Where bodies of a block are seen; one column per body of the arm.
@@ -194,6 +284,7 @@ struct ExtendedModel::Impl : InstantSolver {
   std::vector<bool> wanted;
   std::vector<Eigen::Index> columns;
   std::optional<rod::Solver> derivatives;  ///< by those
+  std::optional<rod::Solver> by_forces;    ///< on the stations
 };
 
 ExtendedModel::ExtendedModel(const arm::Arm& arm) : impl_(std::make_unique<Impl>(arm)) {}
@@ -213,12 +304,15 @@ void ExtendedModel::predict(const arm::Arm& arm, const std::vector<Present>& eff
                      std::any_of(effects.begin(), effects.end(),
                                  [](const Present& present) { return present.effect->needs_motion(); });
   std::vector<Predicted> path, resting;
-  std::vector<Predicted> still;
+  std::vector<Motion> motions;
+  const Sluggishness sluggish = Impl::sluggishness(dynamics, effects);
   const int passes = moves ? kPasses : 1;
   for (int pass = 0; pass < passes; ++pass) {
     const bool moving = pass > 0;
-    if (moving) resting = std::move(path);
-    if (pass == 1) still = resting;
+    if (moving) {
+      resting = std::move(path);
+      motions = Impl::motions(dynamics, sluggish, trial, series, resting);
+    }
     path.assign(trial.blocks.size(), {});
     Memories memories(effects);
     memories.begin(arm, m.fine);
@@ -229,7 +323,7 @@ void ExtendedModel::predict(const arm::Arm& arm, const std::vector<Present>& eff
       now.instant = Impl::instant_of(series, trial, k);
       if (!walls.empty()) now.instant.kept_back = walls[k];
       if (k > 0 && now.instant.dt_s <= 0.0) memories.rest();
-      const Motion motion = moving ? m.motion_of(resting, k) : Motion();
+      const Motion motion = moving ? motions[k] : Motion();
       if (moving && resting[k].solved) {
         last = &resting[k];
       } else if (start != nullptr && (*start)[k].solved) {
@@ -245,8 +339,10 @@ void ExtendedModel::predict(const arm::Arm& arm, const std::vector<Present>& eff
       last = &now;
       now.values = m.fine.values(m.rod);
       m.positions(arm, effects, trial.blocks[k], now);
-      if (moving && still[k].solved && now.p.cols() > 0)
-        now.inertial_m = (now.p - still[k].p).colwise().norm().maxCoeff();
+      now.sluggish = sluggish;
+      now.rest = moving && resting[k].solved ? resting[k].rest : m.rest_of(now.shape, now.instant.t_s);
+      if (moving && resting[k].solved && now.p.cols() > 0)
+        now.inertial_m = (now.p - resting[k].p).colwise().norm().maxCoeff();
       memories.remember(arm, m.fine, now.instant, now.shape);
     }
   }
@@ -267,6 +363,7 @@ ExtendedModel::Varied ExtendedModel::vary(const arm::Arm& arm, const std::vector
     bodies += static_cast<Eigen::Index>(block.bodies.size());
   }
   varied.seen = Eigen::MatrixXd::Zero(3, bodies);
+  varied.swings = Impl::swings_otherwise(dynamics, effects, baseline);
   m.walk(arm, effects, dynamics, trial, baseline, [&](std::size_t k, const Instant& instant, bool made) {
     const Block& block = trial.blocks[k];
     const Predicted& base = baseline[k];
@@ -280,13 +377,39 @@ ExtendedModel::Varied ExtendedModel::vary(const arm::Arm& arm, const std::vector
   return varied;
 }
 
+TrialModes ExtendedModel::modes(const arm::Arm& arm, const std::vector<Present>& effects,
+                                const Dynamics& dynamics, const TrialData& trial,
+                                const std::vector<Predicted>& predicted) {
+  Impl& m = *impl_;
+  TrialModes list(trial.blocks.size());
+  std::shared_ptr<const Modes> last;
+  const Predicted* of_last = nullptr;
+  m.walk(arm, effects, dynamics, trial, predicted, [&](std::size_t k, const Instant&, bool made) {
+    if (!made) return;
+    if (of_last == nullptr || !m.alike(*of_last, predicted[k])) {
+      const std::optional<Flexibility> flexibility = m.flexibility(arm, predicted[k]);
+      if (!flexibility) return;
+      Modes modes = modes_of(*flexibility, predicted[k].rest, kModes);
+      if (modes.stiffness.size() == 0) return;
+      last = std::make_shared<const Modes>(std::move(modes));
+      of_last = &predicted[k];
+    }
+    list[k] = last;
+  });
+  return list;
+}
+
 void ExtendedModel::differentiate(const arm::Arm& arm, const std::vector<Present>& effects,
                                   const Dynamics& dynamics, const TrialData& trial,
                                   const std::vector<bool>& wanted, std::vector<Predicted>& predicted) {
   Impl& m = *impl_;
   m.want(arm, wanted);
   m.walk(arm, effects, dynamics, trial, predicted, [&](std::size_t k, const Instant&, bool made) {
-    predicted[k].solved = made && m.differentiate(trial.blocks[k], predicted[k]);
+    const auto modes = [&](std::size_t block) {
+      return dynamics.modes != nullptr && block < dynamics.modes->size() ? (*dynamics.modes)[block].get()
+                                                                         : nullptr;
+    };
+    predicted[k].solved = made && m.differentiate(trial.blocks[k], modes(k), modes(k + 1), predicted[k]);
   });
 }
 

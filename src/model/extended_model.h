@@ -8,6 +8,7 @@
 
 #include "effect.h"
 #include "prepared_trial.h"
+#include "vibration.h"
 
 namespace softarm::model {
 
@@ -16,6 +17,8 @@ namespace softarm::model {
 struct Dynamics {
   bool inertia = true;
   double viscoelastic_lag_s = 0.0;  ///< moment of the wall = EI (u + lag du/dt)
+  /// In which the arm swings; nullptr: it follows its equilibria, and inertia counts to first order.
+  const TrialModes* modes = nullptr;
 };
 
 /// Prediction of one block.
@@ -27,10 +30,14 @@ struct Predicted {
   Eigen::VectorXd values;                      ///< of the rod, FineRod::values
   /// Derivative of p and, below, of the tangents, stacked, by those; by differentiate().
   Eigen::MatrixXd by_rod;
+  /// Of the equilibrium in the modes of this block and of the next one, by the same; r x those.
+  Eigen::MatrixXd by_modes_now, by_modes_next;
   Shape shape;
   Instant instant;
   Eigen::Quaterniond q_tip = Eigen::Quaterniond::Identity();
   double inertial_m = 0.0;  ///< by which inertia and lag moved the body that they moved most
+  Rest rest;                ///< the equilibrium without them
+  Sluggishness sluggish;    ///< in the motion of `shape`
 };
 
 /// Over one trial after the other; keeps its scratch memory. Not thread-safe.
@@ -54,9 +61,15 @@ class ExtendedModel {
   struct Varied {
     Eigen::MatrixXd values;  ///< one column per block; FineRod::values
     Eigen::MatrixXd seen;    ///< 3 x all bodies of all blocks, in order: by which effects move what is seen
+    /// The arm was made to swing as these parameters let it: `values` hold its inertia, too.
+    bool swings = false;
   };
   Varied vary(const arm::Arm& arm, const std::vector<Present>& effects, const Dynamics& dynamics,
               const TrialData& trial, const std::vector<Predicted>& baseline);
+
+  /// The modes of a trial at what predict() gave for the same arguments.
+  TrialModes modes(const arm::Arm& arm, const std::vector<Present>& effects, const Dynamics& dynamics,
+                   const TrialData& trial, const std::vector<Predicted>& predicted);
 
   /// Fills Predicted::by_rod of what predict() gave for the same arguments.
   /// @param wanted by which of FineRod::parameters(); the other columns are 0

@@ -12,7 +12,7 @@ struct Looked {
   Looked(const arm::Arm& arm, const std::vector<trial::Trial>& trials)
       : prepared(model::prepare(arm, trials)), model(arm, prepared.trials, 0) {
     baseline = model.fit(model.start(), {});
-    model.allow_for_motion(baseline.predicted);
+    model.allow_for_motion(baseline.at, baseline.predicted);
     baseline = model.fit(baseline.at, {}, &baseline.predicted);
   }
   model::Prepared prepared;

@@ -92,7 +92,7 @@ std::vector<Decision> decide(const arm::Arm& arm, const std::vector<trial::Trial
   const model::Prepared prepared = model::prepare(arm, trials);
   JointModel model(arm, prepared.trials, jobs);
   Linearised at = model.fit(model.start(), {});
-  model.allow_for_motion(at.predicted);
+  model.allow_for_motion(at.at, at.predicted);
   at = model.fit(at.at, {}, &at.predicted);
   const std::vector<Screened> screened = diagnose::screen(model, at, jobs, [](double) {});
   const Candidates candidates = candidates_of(at, screened);

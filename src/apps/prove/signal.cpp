@@ -62,7 +62,7 @@ VectorXd per_frame_part(const diagnose::JointModel& model, const Linearised& at,
 Reference::Reference(const arm::Arm& arm, const std::vector<trial::Trial>& trials, unsigned jobs)
     : arm_(arm), jobs_(jobs), prepared_(model::prepare(arm, trials)), model_(arm_, prepared_.trials, jobs) {
   at_ = model_.fit(model_.start(), {});
-  model_.allow_for_motion(at_.predicted);
+  model_.allow_for_motion(at_.at, at_.predicted);
   at_ = model_.fit(at_.at, {}, &at_.predicted);
 }
 
