@@ -190,9 +190,25 @@ Compared compared(const JointModel& model) {
   return count;
 }
 
+/// How the arm moves in the models.
+std::string motion_of(const JointModel& model, double lag_s) {
+  if (model.quasi_static())
+    return fmt::format(
+        "The trials show no inertia, as if they were computed: both models have none, and a viscoelastic lag "
+        "of "
+        "{:.0f} ms.",
+        1e3 * lag_s);
+  return fmt::format(
+      "Inertia of the arm's known masses{} and a viscoelastic lag ({:.0f} ms) are in both models; {:.0f} % "
+      "of what "
+      "they do counts as noise.",
+      model.swings() ? ", in its modes of vibration," : ", to first order,", 1e3 * lag_s,
+      1e2 * model.unknown().inertia);
+}
+
 std::vector<std::string> notes_of(const Compared& all, const model::Prepared& prepared,
                                   const Selection& selection, const Options& options, std::size_t swinging,
-                                  bool quasi_static) {
+                                  const JointModel& model) {
   std::vector<std::string> notes;
   notes.push_back(fmt::format(
       "{} frames of {} trials, compared as {} means over {:.2g} s; {} are left out after a hand was on the "
@@ -200,15 +216,7 @@ std::vector<std::string> notes_of(const Compared& all, const model::Prepared& pr
       "because the arm swung. Errors and the noise floor are those of such means.",
       all.frames, prepared.trials.size(), all.blocks, options.block_s, all.blocks - all.used - swinging,
       swinging));
-  const double lag_ms = 1e3 * selection.extended.at.viscoelastic_lag_s;
-  notes.push_back(
-      quasi_static
-          ? fmt::format("The trials show no inertia, as if they were computed: both models have none, and a "
-                        "viscoelastic lag of {:.0f} ms.",
-                        lag_ms)
-          : fmt::format(
-                "Inertia of the arm's known masses and a viscoelastic lag ({:.0f} ms) are in both models.",
-                lag_ms));
+  notes.push_back(motion_of(model, selection.extended.at.viscoelastic_lag_s));
   if (!options.known.empty())
     notes.push_back(fmt::format("{} of the arm file {} in all models, at the file's values.",
                                 known_ids(options), options.known.size() == 1 ? "is" : "are"));
@@ -269,7 +277,7 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   const Compared count = compared(model);
   d.left_out_share = 1.0 - static_cast<double>(count.used) / static_cast<double>(count.blocks);
   d.summary = summary_of(d);
-  d.notes = notes_of(count, prepared, selection, options, swinging, model.quasi_static());
+  d.notes = notes_of(count, prepared, selection, options, swinging, model);
 
   report(0.92, "what single instants say");
   const std::vector<InstantFit> instants = fit_instants(model, selection.baseline, options.jobs);

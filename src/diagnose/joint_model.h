@@ -69,6 +69,11 @@ struct Linearised {
   Eigen::VectorXd unknowns() const;  ///< values over scales
 };
 
+/// What of an arm's motion is not known, as shares: of what inertia, lag and swings do, and of its stiffness.
+struct UnknownShares {
+  double inertia = 0.1, stiffness = 0.005;
+};
+
 class JointModel {
  public:
   /// @param trials kept by reference
@@ -141,13 +146,16 @@ class JointModel {
   /// first order.
   void find_modes(const JointParameters& parameters,
                   const std::vector<std::vector<model::Predicted>>& predicted);
-  /// Finds the modes, and the swings that no input made: where a trial begins, or a hand let go. What of the
-  /// motion is not known counts as noise; blocks in which that is too much are left out.
+  /// Finds the modes, whether the arm moves in them or as the equilibria do, and how it swings after a hand
+  /// let go. What of the motion is not known counts as noise; blocks in which that is too much are left out.
   /// @param predicted at the parameters; as the arm swings when this is over
   /// @param recorded whether bodies were seen
   /// @return how many are left out
   std::size_t allow_for_motion(const JointParameters& parameters,
                                std::vector<std::vector<model::Predicted>>& predicted, bool recorded = true);
+  const UnknownShares& unknown() const { return unknown_; }
+  /// That the arm swings in its modes; else inertia counts to first order.
+  bool swings() const { return !modes_.empty(); }
   /// That the trials have no inertia, as computations of statics have none: then the model has none either.
   bool quasi_static() const { return quasi_static_; }
   /// Whitened distance beyond which a body's weight falls, see huber_weight().
@@ -162,7 +170,12 @@ class JointModel {
   double chi2(const std::vector<std::vector<model::Predicted>>& predicted, double& rows) const;
   bool is_quasi_static(const JointParameters& parameters,
                        const std::vector<std::vector<model::Predicted>>& swinging);
-  void find_swings(std::size_t trial, std::vector<model::Predicted>& predicted, bool recorded);
+  std::vector<double> inertial_m(std::size_t trial, const std::vector<model::Predicted>& predicted) const;
+  double learn_shares(const std::vector<std::vector<model::Predicted>>& predicted);
+  void choose_motion(const JointParameters& parameters,
+                     std::vector<std::vector<model::Predicted>>& predicted);
+  const model::Modes* modes_at(std::size_t trial, std::size_t block) const;
+  void find_swings(std::size_t trial, const std::vector<model::Predicted>& predicted, bool recorded);
   void add_swings(std::size_t trial, std::vector<model::Predicted>& predicted) const;
   model::Dynamics dynamics(const JointParameters& parameters, std::size_t trial) const;
   model::ExtendedModel::Varied vary(std::size_t trial, const JointParameters& parameters,
@@ -192,12 +205,13 @@ class JointModel {
   std::vector<identify::ConstantRef> constants_;
   std::vector<model::ExtendedModel> models_;  ///< per trial
   std::vector<model::TrialModes> modes_;      ///< per trial; empty: not known yet
-  /// By trial and block: of bodies and, below, of tangents, what no input made; empty: nothing.
+  /// By trial and block: of bodies and, below, of tangents, what a hand left; empty: nothing.
   std::vector<std::vector<Eigen::VectorXd>> swings_;
   std::vector<bool> turned_;  ///< bodies whose tangents are seen
   std::vector<std::vector<bool>> used_;
   std::vector<std::vector<double>> motion_sd_m_;
   bool quasi_static_ = false;
+  UnknownShares unknown_;
   double misfit_ = 1.0;
   double threshold_ = 1e9;  ///< whitened distance beyond which a body's weight falls
 };

@@ -3,6 +3,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <tuple>
 #include <utility>
 
 #include "joint_model.h"
@@ -23,7 +25,9 @@ using model::Predicted;
 using model::Seen;
 using model::TrialData;
 
-/// A swing that no input made: from where a trial begins, or a hand let go.
+/// A swing that no input made: since a hand let go. How an arm moves where a trial begins is as little known,
+/// but there nothing says how far it may swing, and beside a model that is off such swings only fit its
+/// errors.
 struct FreeSwing {
   std::size_t first = 0;
   double reach_m = 0.0;      ///< as far as it may be, of a body
@@ -32,9 +36,20 @@ struct FreeSwing {
 
 /// By how fast a swing dies away, of the mode that keeps it longest, 1/s.
 double decay_of(const model::Modes* modes, const Predicted& now) {
-  const double least = 1.0 / kPolicy.motion.longest_swing_s;
-  if (modes == nullptr || now.rest.stations.empty()) return least;
-  return std::max(least, 0.5 * modes->springs_of(now.rest, now.sluggish).damping.minCoeff());
+  if (modes == nullptr || now.rest.stations.empty()) return 1.0 / kPolicy.motion.usual_swing_s;
+  return std::max(1.0 / kPolicy.motion.longest_swing_s,
+                  0.5 * modes->springs_of(now.rest, now.sluggish).damping.minCoeff());
+}
+
+/// What an arm's equilibrium is off, per share by which its stiffness is. Weight and payload take from the
+/// stiffness: near buckling little is left of it, and the arm falls where the model still stands.
+double by_stiffness_m(const model::Modes* modes, const Predicted& now) {
+  const Vector3d& tip = now.rest.stations.back();
+  const double deflection_m = (tip - Vector3d(0.0, 0.0, now.rest.lengths_m.sum())).norm(),
+               most = 1.0 / kPolicy.motion.least_stiffness;
+  if (modes == nullptr) return most * deflection_m;  // nothing holds it
+  const double beyond = modes->elastic.cwiseQuotient(modes->stiffness).maxCoeff() - 1.0;
+  return std::clamp(beyond, 0.0, most) * deflection_m;
 }
 
 double distance_m(const Predicted& a, const Predicted& b) {
@@ -48,34 +63,25 @@ std::vector<FreeSwing> free_swings(const model::TrialModes& modes, const TrialDa
   for (const Predicted& block : predicted) rest.push_back(block.solved ? block.rest : model::Rest());
   std::vector<FreeSwing> list;
   const Predicted* before_hand = nullptr;
-  bool begins = true;
   double hand_m = 0.0;  // how far the equilibria went under it
+  bool held = false;
   for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
-    if (!predicted[k].solved) continue;
     if (trial.blocks[k].begins) {
-      begins = true;
       before_hand = nullptr;
       hand_m = 0.0;
+      held = false;
     }
+    if (!predicted[k].solved) continue;
     if (trial.blocks[k].set_aside) {
       if (before_hand != nullptr) hand_m = std::max(hand_m, distance_m(predicted[k], *before_hand));
-      begins = true;
+      held = true;
       continue;
     }
     before_hand = &predicted[k];
-    if (!begins || modes[k] == nullptr) continue;
-    begins = false;
-    FreeSwing swing;
-    swing.first = k;
-    const std::size_t next = k + 1;
-    double by_inputs_m = 0.0;  // in the time of the slowest mode
-    if (next < rest.size() && predicted[next].solved && rest[next].t_s > rest[k].t_s)
-      by_inputs_m = distance_m(predicted[k], predicted[next]) / (rest[next].t_s - rest[k].t_s) /
-                    std::sqrt(modes[k]->stiffness.minCoeff());
-    swing.reach_m = noise_m + hand_m + by_inputs_m;
-    swing.by = model::free_swing(modes, trial, rest, predicted[k].sluggish, k);
+    if (!held || modes[k] == nullptr) continue;
+    list.push_back({k, noise_m + hand_m, model::free_swing(modes, trial, rest, predicted[k].sluggish, k)});
     hand_m = 0.0;
-    list.push_back(std::move(swing));
+    held = false;
   }
   return list;
 }
@@ -104,13 +110,17 @@ Known known_of(const FreeSwing& swing, const model::Modes& modes, const TrialDat
   MatrixXd information = MatrixXd::Zero(unknowns, unknowns);
   VectorXd gradient = VectorXd::Zero(unknowns);
   const double begin_s = predicted[swing.first].rest.t_s,
-               span_s = std::max(1.0, predicted[swing.first + swing.by.size() - 1].rest.t_s - begin_s);
+               span_s = std::max(1.0, predicted[swing.first + swing.by.size() - 1].rest.t_s - begin_s),
+               step_s = span_s / static_cast<double>(swing.by.size());
   for (std::size_t i = 0; i < swing.by.size(); ++i) {
     const std::size_t k = swing.first + i;
     if (!predicted[k].solved) continue;
     for (std::size_t j = 0; j < trial.blocks[k].bodies.size(); ++j) {
       const Seen& seen = trial.blocks[k].bodies[j];
-      const double variance = std::max(seen.white_sd_m * seen.white_sd_m, misfit_m * misfit_m);
+      const double white = seen.white_sd_m * seen.white_sd_m;
+      // Noise is white; what the model misses beside it stays for a stretch, and counts once there.
+      const double variance =
+          white + std::max(0.0, misfit_m * misfit_m - white) * std::max(1.0, kPolicy.fit.stretch_s / step_s);
       MatrixXd row = MatrixXd::Zero(3, unknowns);
       row.leftCols(2 * r) = swing.by[i].middleRows<3>(3 * seen.body);
       row.middleCols<3>(2 * r + 6 * seen.body).setIdentity();
@@ -145,7 +155,113 @@ double most_m(const VectorXd& displacement) {
   return most;
 }
 
+/// Of the errors of blocks, by Student's t: their own size, and the shares that are not known of what inertia
+/// does and of the stiffness.
+struct ErrorOfBlock {
+  double square_m2 = 0.0, inertial_m = 0.0, by_stiffness_m = 0.0;
+};
+
+double minus_log_likelihood(const std::vector<ErrorOfBlock>& errors, double calm_m,
+                            const UnknownShares& shares) {
+  constexpr double kDegrees = 4.0;
+  double sum = 0.0;
+  for (const ErrorOfBlock& e : errors) {
+    const double variance = calm_m * calm_m + std::pow(shares.inertia * e.inertial_m, 2) +
+                            std::pow(shares.stiffness * e.by_stiffness_m, 2);
+    sum +=
+        0.5 * std::log(variance) + 0.5 * (kDegrees + 1.0) * std::log1p(e.square_m2 / (kDegrees * variance));
+  }
+  return sum;
+}
+
+/// What is likeliest, and minus the logarithm of its likelihood.
+std::pair<UnknownShares, double> likeliest(const std::vector<ErrorOfBlock>& errors) {
+  const Policy::Motion& policy = kPolicy.motion;
+  UnknownShares best;
+  if (errors.empty()) return {best, 0.0};
+  std::vector<double> squares;
+  for (const ErrorOfBlock& e : errors) squares.push_back(e.square_m2);
+  const double median_m = std::sqrt(math::median(std::move(squares)));
+  double least = std::numeric_limits<double>::infinity();
+  for (const double calm : policy.calm_errors) {
+    for (const double inertia : policy.shares) {
+      for (const double stiffness : policy.stiffness_shares) {
+        const double now = minus_log_likelihood(errors, calm * median_m, {inertia, stiffness});
+        if (now >= least) continue;
+        least = now;
+        best = {inertia, stiffness};
+      }
+    }
+  }
+  return {best, least};
+}
+
 }  // namespace
+
+const model::Modes* JointModel::modes_at(std::size_t trial, std::size_t block) const {
+  return modes_.empty() ? nullptr : modes_[trial][block].get();
+}
+
+/// What inertia did, as far as it lasts: all of it, as if nothing of it were known.
+std::vector<double> JointModel::inertial_m(std::size_t trial, const std::vector<Predicted>& predicted) const {
+  std::vector<double> list;
+  double lasting_m = 0.0;
+  for (std::size_t k = 0; k < predicted.size(); ++k) {
+    const Predicted& now = predicted[k];
+    lasting_m *=
+        now.instant.dt_s > 0.0 ? std::exp(-now.instant.dt_s * decay_of(modes_at(trial, k), now)) : 0.0;
+    if (trials_[trial].blocks[k].set_aside)
+      lasting_m = 0.0;  // a hand held the arm
+    else if (now.solved)
+      lasting_m = std::max(lasting_m, now.inertial_m);
+    list.push_back(lasting_m);
+  }
+  return list;
+}
+
+/// @return minus the logarithm of the likelihood of the arm's motion
+double JointModel::learn_shares(const std::vector<std::vector<Predicted>>& predicted) {
+  std::vector<ErrorOfBlock> errors;
+  for (std::size_t t = 0; t < trials_.size(); ++t) {
+    const std::vector<double> inertial = inertial_m(t, predicted[t]);
+    for (std::size_t k = 0; k < predicted[t].size(); ++k) {
+      const std::vector<Seen>& bodies = trials_[t].blocks[k].bodies;
+      if (!used_[t][k] || !predicted[t][k].solved || bodies.empty()) continue;
+      ErrorOfBlock e{0.0, inertial[k],
+                     modes_.empty() ? 0.0 : by_stiffness_m(modes_at(t, k), predicted[t][k])};
+      for (std::size_t i = 0; i < bodies.size(); ++i)
+        e.square_m2 += (bodies[i].p_base - predicted[t][k].p.col(static_cast<Index>(i))).squaredNorm() /
+                       (3.0 * static_cast<double>(bodies.size()));
+      errors.push_back(e);
+    }
+  }
+  double least = 0.0;
+  std::tie(unknown_, least) = likeliest(errors);
+  return least;
+}
+
+/// A trial's unknown motion: shares of what inertia does and of the stiffness, and what a hand left.
+void JointModel::find_swings(std::size_t trial, const std::vector<Predicted>& predicted, bool recorded) {
+  const TrialData& data = trials_[trial];
+  std::vector<double>& sd_m = motion_sd_m_[trial];
+  const std::vector<double> inertial = inertial_m(trial, predicted);
+  for (std::size_t k = 0; k < predicted.size(); ++k) {
+    sd_m[k] = unknown_.inertia * inertial[k];
+    if (!modes_.empty() && predicted[k].solved && !data.blocks[k].set_aside)
+      sd_m[k] = std::hypot(sd_m[k], unknown_.stiffness * by_stiffness_m(modes_at(trial, k), predicted[k]));
+  }
+  if (!recorded || modes_.empty()) return;
+  std::vector<VectorXd>& left = swings_[trial];
+  left.assign(predicted.size(), {});
+  for (const FreeSwing& swing : free_swings(modes_[trial], data, predicted, noise_m(arm_))) {
+    const Known known = known_of(swing, *modes_[trial][swing.first], data, predicted);
+    for (std::size_t i = 0; i < known.sd_m.size(); ++i) {
+      const std::size_t k = swing.first + i;
+      left[k] = known.displacement[i];
+      sd_m[k] = std::hypot(sd_m[k], std::hypot(known.sd_m[i], unknown_.inertia * most_m(left[k])));
+    }
+  }
+}
 
 void JointModel::find_modes(const JointParameters& parameters,
                             const std::vector<std::vector<Predicted>>& predicted) {
@@ -156,35 +272,6 @@ void JointModel::find_modes(const JointParameters& parameters,
         models_[t].modes(arm, all(parameters.effects), dynamics(parameters, t), trials_[t], predicted[t]);
   });
   modes_ = std::move(found);
-}
-
-/// A trial's unknown motion is what inertia does of which a share is not known, and what no input made. Both
-/// die away as the modes do.
-void JointModel::find_swings(std::size_t trial, std::vector<Predicted>& predicted, bool recorded) {
-  const TrialData& data = trials_[trial];
-  std::vector<double>& sd_m = motion_sd_m_[trial];
-  double unknown_m = 0.0;
-  for (std::size_t k = 0; k < predicted.size(); ++k) {
-    const Predicted& now = predicted[k];
-    unknown_m *=
-        now.instant.dt_s > 0.0 ? std::exp(-now.instant.dt_s * decay_of(modes_[trial][k].get(), now)) : 0.0;
-    if (data.blocks[k].set_aside)
-      unknown_m = 0.0;  // a hand held the arm
-    else if (now.solved)
-      unknown_m = std::max(unknown_m, kPolicy.motion.share * now.inertial_m);
-    sd_m[k] = unknown_m;
-  }
-  if (!recorded) return;
-  std::vector<VectorXd>& left = swings_[trial];
-  left.assign(predicted.size(), {});
-  for (const FreeSwing& swing : free_swings(modes_[trial], data, predicted, noise_m(arm_))) {
-    const Known known = known_of(swing, *modes_[trial][swing.first], data, predicted);
-    for (std::size_t i = 0; i < known.sd_m.size(); ++i) {
-      const std::size_t k = swing.first + i;
-      left[k] = known.displacement[i];
-      sd_m[k] = std::hypot(sd_m[k], std::hypot(known.sd_m[i], kPolicy.motion.share * most_m(left[k])));
-    }
-  }
 }
 
 /// Of bodies, by their white noise alone.
@@ -217,6 +304,24 @@ bool JointModel::is_quasi_static(const JointParameters& parameters,
   return without < kPolicy.verdict.as_noise_chi2 * rows && with - without > kPolicy.motion.no_inertia_chi2;
 }
 
+/// Modes are no better than the masses and the damping that make them: of arms in which those are guessed,
+/// the motion to first order may be likelier.
+void JointModel::choose_motion(const JointParameters& parameters,
+                               std::vector<std::vector<Predicted>>& predicted) {
+  const double in_modes = learn_shares(predicted);
+  const UnknownShares of_modes = unknown_;
+  std::vector<model::TrialModes> modes;
+  std::swap(modes, modes_);
+  std::vector<std::vector<Predicted>> first_order;
+  predict(parameters, &predicted, first_order);
+  if (learn_shares(first_order) < in_modes) {
+    predicted = std::move(first_order);
+    return;
+  }
+  modes_ = std::move(modes);
+  unknown_ = of_modes;
+}
+
 std::size_t JointModel::allow_for_motion(const JointParameters& parameters,
                                          std::vector<std::vector<Predicted>>& predicted, bool recorded) {
   find_modes(parameters, predicted);
@@ -227,6 +332,7 @@ std::size_t JointModel::allow_for_motion(const JointParameters& parameters,
     predict(parameters, &predicted, predicted);
     return 0;
   }
+  if (recorded) choose_motion(parameters, predicted);
   swings_.resize(trials_.size());
   math::in_parallel(trials_.size(), jobs_, [&](std::size_t t) { find_swings(t, predicted[t], recorded); });
   // What is not known of a swing spoils what is smaller than it is. Beside a model that is off by more,
