@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "diagnose/sentences.h"
-#include "effects/catalogue.h"
 
 namespace softarm::report {
 namespace {
@@ -131,12 +130,8 @@ void add_description(Json& report, const diagnose::Diagnosis& d) {
       effect["sizes"].push_back({label(value), diagnose::with_interval(value)});
   }
   for (std::size_t i = 0; i < d.ranking.size(); ++i) {
-    Json& candidate = report["ranking"][i];
-    candidate["meaning"] = diagnose::finding_description(d.ranking[i]);
-    if (const model::Effect* effect = effects::find(d.ranking[i].id)) {
-      candidate["law"] = effect->info().law;
-      candidate["source"] = effect->info().source;
-    }
+    report["ranking"][i]["meaning"] = diagnose::finding_description(d.ranking[i]);
+    report["ranking"][i]["source"] = diagnose::source_of(d.ranking[i]);
   }
 }
 
