@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "conversions.h"
 #include "tube.h"
@@ -16,7 +17,7 @@ using visualization_msgs::Marker;
 constexpr double kLabelLifetime_s = 0.5;
 constexpr double kWaitingLifetime_s = 2.5;  // it comes once a second
 constexpr std::size_t kWaitingWidth = 44;
-constexpr double kTextHeight = 0.052;  // of the arm's length; lines are twice as far apart
+constexpr double kTextHeight = 0.052, kLineHeight = 0.085;  // of the arm's length
 constexpr const char* kUsualPrefix = "softarm";
 // The key's heights above its middle and its distance from the arm, of the arm's length.
 constexpr double kBarFrom = -0.12, kBarTo = 0.28, kBarRadius = 0.016, kKeyAside = 1.0;
@@ -71,15 +72,15 @@ std::string value_text(const char* name, std::optional<double> value, std::optio
   return fmt::format("{} {}{}", name, plus_minus(scale * *value, scale * *sd), unit);
 }
 
-/// Two lines.
-std::string segment_text(const estimate::SegmentEstimate& segment, const std::string& name, bool known) {
+std::string segment_text(const estimate::SegmentEstimate& segment, const std::string& name, bool known,
+                         const char* between) {
   constexpr double kDegrees = 180.0 / M_PI;
   std::string first = name + stiffness_text(segment, known);
   if (segment.moment_nm)
     first += "   " + (segment.identifiable_moment
                           ? value_text("M0", segment.moment_nm, segment.sd_moment_nm, 1e3, " mN m")
                           : std::string("M0 not identifiable"));
-  return first + "\n" + value_text("φ", segment.direction_rad, segment.sd_direction_rad, kDegrees, "°") +
+  return first + between + value_text("φ", segment.direction_rad, segment.sd_direction_rad, kDegrees, "°") +
          "   " + value_text("L", segment.length_m, segment.sd_length_m, 1e3, " mm") + "\n";
 }
 
@@ -131,8 +132,9 @@ std::string estimate_text(const estimate::Estimate& estimate, const arm::Arm& ar
   }
   std::string lines;
   for (std::size_t i = 0; i < estimate.segments.size(); ++i) {
-    const std::string name = estimate.segments.size() > 1 ? arm.segments.at(i).name + ": " : "";
-    lines += segment_text(estimate.segments[i], name, options.unknown == arm::Unknown::kPayload);
+    const bool several = estimate.segments.size() > 1;  // a line each, one segment has two
+    lines += segment_text(estimate.segments[i], several ? arm.segments.at(i).name + ": " : "",
+                          options.unknown == arm::Unknown::kPayload, several ? "   " : "\n");
   }
   if (options.unknown == arm::Unknown::kStiffness && estimate.payload_kg)
     return lines + fmt::format("payload {:.1f} g (known)", 1e3 * *estimate.payload_kg);
@@ -142,24 +144,28 @@ std::string estimate_text(const estimate::Estimate& estimate, const arm::Arm& ar
   return lines + "payload not identifiable";
 }
 
-Marker text_label(const std::string& words, bool trouble, const Eigen::Isometry3d& base_in_mocap,
-                  const MessageContext& context) {
-  const double unit_m = context.arm.total_length_m();
+std::vector<Marker> text_lines(const std::string& words, bool trouble, const Eigen::Isometry3d& base_in_mocap,
+                               const MessageContext& context) {
   const std::string& prefix = context.frames.prefix;
-  const std::string text = (prefix.empty() || prefix == kUsualPrefix ? "" : prefix + "\n") + words;
-  // rviz centres the block at its place, which the arm does not reach.
-  const double half_m =
-      kTextHeight * unit_m * static_cast<double>(std::count(text.begin(), text.end(), '\n') + 1);
+  std::istringstream text((prefix.empty() || prefix == kUsualPrefix ? "" : prefix + "\n") + words);
+  std::vector<Marker> lines;
+  for (std::string line; std::getline(text, line);) {
+    lines.push_back(label("text", Eigen::Vector3d::Zero(), context));
+    lines.back().id = static_cast<int>(lines.size()) - 1;
+    lines.back().text = line;
+    if (trouble) lines.back().color = color(1.0, 0.35, 0.3, 1.0);
+  }
+  // From where the arm does not reach: behind its base, above it where it is level.
+  const double unit_m = context.arm.total_length_m();
   const Eigen::Vector3d along = base_in_mocap.linear().col(2), up = up_of(context.arm);
-  Eigen::Vector3d at = base_in_mocap.translation();
-  if (is_level(along, up))
-    at += 0.35 * unit_m * along + (0.4 * unit_m + half_m) * up;
-  else
-    at -= (0.08 * unit_m + half_m) * along;
-  Marker m = label("text", at, context);
-  m.text = text;
-  if (trouble) m.color = color(1.0, 0.35, 0.3, 1.0);
-  return m;
+  const bool level = is_level(along, up), stands = along.dot(up) > 0.5;
+  const Eigen::Vector3d nearest = base_in_mocap.translation() +
+                                  unit_m * (level ? Eigen::Vector3d(0.5 * along + 0.45 * up) : -0.12 * along);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const double above = stands ? -static_cast<double>(i) : static_cast<double>(lines.size() - 1 - i);
+    lines[i].pose = to_pose(nearest + above * kLineHeight * unit_m * up, Eigen::Quaterniond::Identity());
+  }
+  return lines;
 }
 
 std::vector<Marker> key_markers(double most_per_m, const Eigen::Isometry3d& base_in_mocap,
@@ -198,8 +204,8 @@ visualization_msgs::MarkerArray waiting_markers(const std::string& words,
                                                 const Eigen::Isometry3d& base_in_mocap,
                                                 const MessageContext& context) {
   visualization_msgs::MarkerArray array;
-  array.markers.push_back(text_label(in_lines(words, kWaitingWidth), true, base_in_mocap, context));
-  array.markers.back().lifetime = ros::Duration(kWaitingLifetime_s);
+  array.markers = text_lines(in_lines(words, kWaitingWidth), true, base_in_mocap, context);
+  for (Marker& m : array.markers) m.lifetime = ros::Duration(kWaitingLifetime_s);
   return array;
 }
 

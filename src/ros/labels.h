@@ -21,10 +21,11 @@ std::string in_lines(const std::string& words, std::size_t width);
 std::string estimate_text(const estimate::Estimate& estimate, const arm::Arm& arm,
                           const arm::EstimatorOptions& options);
 
-/// `text` behind the arm's base (above it where the arm is level), under the frames' prefix where that is
-/// not the launch files': two arms side by side are to be told apart.
-visualization_msgs::Marker text_label(const std::string& words, bool trouble,
-                                      const Eigen::Isometry3d& base_in_mocap, const MessageContext& context);
+/// `text`, a marker for each line, behind the arm's base (above it where the arm is level), under the frames'
+/// prefix where that is not the launch files': two arms side by side are to be told apart.
+std::vector<visualization_msgs::Marker> text_lines(const std::string& words, bool trouble,
+                                                   const Eigen::Isometry3d& base_in_mocap,
+                                                   const MessageContext& context);
 
 /// Beside the arm, readable from all sides: `scale`, the colours of curvature from 0 to `most_per_m`, and
 /// `legend`, what the other colours are.

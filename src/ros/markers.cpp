@@ -173,9 +173,10 @@ visualization_msgs::MarkerArray to_markers(const estimate::Estimate& estimate,
       array.markers.push_back(gone);
     }
   }
-  array.markers.push_back(text_label(estimate_text(estimate, context.arm, context.options),
-                                     estimate.status != estimate::Status::kOk, estimate.base_in_mocap,
-                                     context));
+  const bool trouble = estimate.status != estimate::Status::kOk;
+  const std::string words = estimate_text(estimate, context.arm, context.options);
+  for (const Marker& m : text_lines(words, trouble, estimate.base_in_mocap, context))
+    array.markers.push_back(m);
   return array;
 }
 
