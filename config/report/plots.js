@@ -305,7 +305,7 @@ function shifts() {
     const traces = phases.map(phase => phaseLine(phase, {mode: 'markers', y: y.map(i => i + (phase === 'before' ? -0.13 : 0.13)),
       x: rows.map(one => 100 * (one[phase] - one.after) / Math.abs(one.after)), text: rows.map(one => plain(one.name)), hovertemplate: '%{text}: %{x:+.1f} %',
       error_x: {type: 'data', array: rows.map(one => 100 * 1.645 * one['sd_' + phase] / Math.abs(one.after)), color: looks[phase].color, thickness: 3, width: 7}}));
-    draw(place, traces, layout(130 + 48 * rows.length, {xaxis: axis('off the estimate with the effects in the model / %', {nticks: narrow ? 4 : 0, zerolinewidth: 2, zerolinecolor: ink}),
+    draw(place, traces, layout(130 + (narrow ? 58 : 48) * rows.length, {xaxis: axis('off the estimate with the effects in the model / %', {nticks: narrow ? 4 : 0, zerolinewidth: 2, zerolinecolor: ink}),
       yaxis: axis('', {tickvals: y, ticktext: rows.map(one => beside(one.name)), autorange: 'reversed', zeroline: false})}));
   };
   return {nodes: [rows.length ? place : null, shiftsTable(), element('p', {class: 'hint'}, '± and bars: 90 % intervals.' +
