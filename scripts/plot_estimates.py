@@ -1,53 +1,121 @@
 #!/usr/bin/python3
-"""Draws estimates.csv of `softarm estimate`: tip angle, moment, stiffness, length and payload over time with their
-standard deviations. Frames in which a value is identifiable are drawn solid, the others faint.
+"""Draws estimates.csv of `softarm estimate`: tip angle, φ, moment, stiffness, length, payload and residual over time with
+their standard deviations. Frames in which a value is identifiable are drawn solid, the others faint.
 
     scripts/plot_estimates.py estimates/trial/estimates.csv --out trial.png
+
+The truth of a trial of the virtual rig, trial.truth.csv, is drawn where it lies in the folder above that of estimates.csv, or
+one further up, as when both commands were run in one folder; --truth names another.
 """
 import argparse
 import csv
+import math
+import os
 import sys
 
 import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
+from matplotlib.lines import Line2D  # noqa: E402
+from matplotlib.patches import Patch  # noqa: E402
 
 NAN = float("nan")
-# Column, label, its standard deviation's column, the flag that says whether the frame identifies it.
+DEGREES = 180.0 / math.pi
+VAGUE_RAD = 0.5  # of φ: beyond this standard deviation it is drawn faint
+# Column, label, its standard deviation's column, the flag that says whether the frame identifies it, scale, of the truth.
 PANELS = [
-    ("theta_tip", "tip angle (rad)", None, None),
-    ("M0", "$M_0$ (N m)", "sd_M0", None),
-    ("EI", "EI (N m²)", "sd_EI", "identifiable_EI"),
-    ("L", "L (m)", "sd_L", None),
-    ("payload", "payload (kg)", "sd_payload", "identifiable_payload"),
+    ("theta_tip", "tip angle (°)", None, None, DEGREES, "theta_tip"),
+    ("phi", "φ (°)", "sd_phi", None, DEGREES, "phi"),
+    ("M0", "$M_0$ (N m)", "sd_M0", None, 1.0, "M0"),
+    ("EI", "EI (N m²)", "sd_EI", "identifiable_EI", 1.0, "EI"),
+    ("L", "L (mm)", "sd_L", None, 1e3, "L"),
+    ("payload", "payload (g)", "sd_payload", "identifiable_payload", 1e3, "payload"),
+    ("rms_residual", "residual (mm)", None, None, 1e3, None),
 ]
+OF_THE_ARM = ("theta_tip", "payload")  # not of a segment
+
+
+def table(path):
+    try:
+        with open(path, newline="", encoding="utf-8") as file:
+            return list(csv.DictReader(file))
+    except (OSError, UnicodeDecodeError) as why:
+        sys.exit(f"plot_estimates: {path}: {getattr(why, 'strerror', None) or 'no text'}")
 
 
 def read(path, segment):
-    with open(path, newline="", encoding="utf-8") as file:
-        rows = [row for row in csv.DictReader(file) if int(row["segment"]) == segment and row["status"] == "ok"]
+    rows = table(path)
+    missing = [name for name in ("stamp", "segment", "status", *(panel[0] for panel in PANELS)) if name not in (rows or [{}])[0]]
+    if missing:
+        sys.exit(f"plot_estimates: {path}: no estimates.csv of softarm estimate: no column {missing[0]}, or no row")
+    rows = [row for row in rows if int(row["segment"]) == segment and row["status"] == "ok"]
     if not rows:
         sys.exit(f"plot_estimates: {path}: no frame of segment {segment} has an estimate")
     return rows
 
 
-def numbers(rows, column):
-    return [float(row[column]) if row[column] else NAN for row in rows]
+def truth_beside(path):
+    """trial.truth.csv of ESTIMATES/trial/estimates.csv, if it lies where the trial was simulated."""
+    folder = os.path.dirname(os.path.abspath(path))
+    for above in (os.path.dirname(folder), os.path.dirname(os.path.dirname(folder))):
+        found = os.path.join(above, os.path.basename(folder) + ".truth.csv")
+        if os.path.isfile(found):
+            return found
+    return None
+
+
+def read_truth(path, rows):
+    """None where it is of another time."""
+    truth = table(path)
+    if not truth or "stamp" not in truth[0]:
+        sys.exit(f"plot_estimates: {path}: no truth of softarm simulate: no column stamp, or no row")
+    apart = float(truth[0]["stamp"]) > float(rows[-1]["stamp"]) or float(truth[-1]["stamp"]) < float(rows[0]["stamp"])
+    return None if apart else truth
+
+
+def numbers(rows, column, scale=1.0):
+    return [scale * float(row[column]) if row.get(column) else NAN for row in rows]
 
 
 def finite(values):
     return sorted(v for v in values if v == v)
 
 
+def true_values(truth, column, segment):
+    """As the estimate has them: M0 is not negative, and without a moment there is no direction."""
+    suffix = "" if segment == 1 or column in OF_THE_ARM else f"_{segment}"
+    values = numbers(truth, column + suffix)
+    if column not in ("M0", "phi"):
+        return values
+    moments = numbers(truth, "M0" + suffix)
+    if column == "M0":
+        return [abs(m) for m in moments]
+    least = 0.02 * max(map(abs, finite(moments)), default=0.0)
+    turned = [v if m >= 0.0 else v + math.pi for v, m in zip(values, moments)]
+    turned = [math.remainder(v, 2.0 * math.pi) if abs(m) > least else NAN for v, m in zip(turned, moments)]
+    return [NAN if i and abs(v - turned[i - 1]) > math.pi else v for i, v in enumerate(turned)]
+
+
+def draw_truth(axes, truth, start, panel, segment):
+    column, scale = panel[5], panel[4]
+    if not truth or column is None:
+        return []
+    values = [scale * v for v in true_values(truth, column, segment)]
+    axes.plot([float(row["stamp"]) - start for row in truth], values, "-", lw=1.2, color="black", zorder=3)
+    return finite(values)
+
+
 def draw(axes, rows, times, panel, colour):
-    column, name, sd_column, identifiable_column = panel
-    values = numbers(rows, column)
+    column, name, sd_column, identifiable_column, scale, _ = panel
+    values = numbers(rows, column, scale)
+    sds = numbers(rows, sd_column, scale) if sd_column else []
     identifiable = [row[identifiable_column] == "1" for row in rows] if identifiable_column else [True] * len(rows)
+    if column == "phi":
+        identifiable = [sd < scale * VAGUE_RAD for sd in sds]
     axes.plot(times, [v if not t else NAN for v, t in zip(values, identifiable)], ".", ms=2, alpha=0.25, color=colour)
     axes.plot(times, [v if t else NAN for v, t in zip(values, identifiable)], ".", ms=3, color=colour)
     if sd_column:
-        sds = numbers(rows, sd_column)
         axes.fill_between(times, [v - s for v, s in zip(values, sds)], [v + s for v, s in zip(values, sds)],
                           color=colour, alpha=0.15, lw=0)
     axes.set_ylabel(name)
@@ -57,10 +125,28 @@ def draw(axes, rows, times, panel, colour):
         share = 100.0 * sum(identifiable) / len(identifiable)
         if estimated:
             note = f"identifiable in {share:.0f} % of the frames"
-        else:  # a value that changes without a standard deviation rests on what the estimator takes for likely
-            note = "given, not estimated" if len(set(finite(values))) <= 1 else "not determined in any frame"
+        else:  # of EI and payload one is given where the other is estimated
+            other = any(row["sd_payload" if column == "EI" else "sd_EI"] for row in rows)
+            note = "given, not estimated" if other or len(set(finite(values))) <= 1 else "not determined in any frame"
         axes.text(0.995, 0.04, note, transform=axes.transAxes, ha="right", fontsize=8)
     return finite(values)
+
+
+def legend(figure, with_truth):
+    grey = "0.35"
+    looks = [Line2D([], [], ls="", marker=".", ms=7, color=grey, label="estimated, identifiable"),
+             Line2D([], [], ls="", marker=".", ms=7, alpha=0.3, color=grey, label="estimated, not identifiable"),
+             Patch(color=grey, alpha=0.2, lw=0, label="± 1 standard deviation")]
+    if with_truth:
+        looks.append(Line2D([], [], color="black", lw=1, label="truth"))
+    figure.legend(handles=looks, loc="upper center", ncol=2, frameon=False, fontsize=9)
+
+
+def limits(values):
+    """A few wild values must not flatten the rest."""
+    low, high = values[len(values) // 50], values[-1 - len(values) // 50]
+    margin = 0.25 * (high - low) or 0.1 * abs(high) or 1e-3
+    return low - margin, high + margin
 
 
 def main():
@@ -69,25 +155,32 @@ def main():
     parser.add_argument("--out", required=True, help="the picture, .png or .pdf")
     parser.add_argument("--segment", type=int, default=1, help="counted from 1 at the base (default: %(default)s)")
     parser.add_argument("--title", nargs="*", default=[], help="one per file")
+    parser.add_argument("--truth", nargs="*", default=[], help="TRIAL.truth.csv of softarm simulate, one per file")
     arguments = parser.parse_args()
 
     count = len(arguments.csv)
     figure, grid = plt.subplots(len(PANELS), count, sharex="col", sharey="row", squeeze=False,
-                                figsize=(4.6 * count + 1.0, 9.5))
+                                figsize=(4.6 * count + 1.0, 12.5))
+    with_truth = False
     for c, path in enumerate(arguments.csv):
         rows = read(path, arguments.segment)
         start = float(rows[0]["stamp"])
         times = [float(row["stamp"]) - start for row in rows]
+        truth_file = arguments.truth[c] if c < len(arguments.truth) else truth_beside(path)
+        truth = read_truth(truth_file, rows) if truth_file else None
+        with_truth = with_truth or bool(truth)
         for r, panel in enumerate(PANELS):
             values = draw(grid[r][c], rows, times, panel, f"C{r}")
-            if values:  # a few wild values must not flatten the rest
-                low, high = values[len(values) // 50], values[-1 - len(values) // 50]
-                margin = 0.25 * (high - low) or 0.1 * abs(high) or 1e-3
+            values = sorted(values + draw_truth(grid[r][c], truth, start, panel, arguments.segment))
+            if values:
+                low, high = limits(values)
                 old_low, old_high = grid[r][c].get_ylim() if c else (low, high)
-                grid[r][c].set_ylim(min(old_low, low - margin), max(old_high, high + margin))
+                grid[r][c].set_ylim(min(old_low, low), max(old_high, high))
+        grid[0][c].set_xlim(0.0, max(times[-1], 1e-3))
         grid[0][c].set_title(arguments.title[c] if c < len(arguments.title) else path, fontsize=10)
         grid[-1][c].set_xlabel("time (s)")
-    figure.tight_layout()
+    figure.tight_layout(rect=(0.0, 0.0, 1.0, 0.955))
+    legend(figure, with_truth)
     figure.savefig(arguments.out, dpi=80)
 
 

@@ -22,10 +22,14 @@ function element(tag, attributes, ...children) {
 }
 const svgTags = new Set(['line', 'rect', 'circle', 'text', 'path', 'g']);
 
-/// For Plotly, which takes <b>, <a> and entities in its texts for markup, and %{...} for a place to fill in.
+/// For Plotly, which takes <b>, <a> and entities in its texts for markup, and %{...} for a place to fill in. Between marks
+/// that keep a name written from right to left from turning what stands beside it.
 function plain(text) {
-  return String(text).replace(/&/g, '&amp;').replace(/</g, '&lt;').replace(/>/g, '&gt;').replace(/%\{/g, '%\u200b{');
+  return '\u2068' + String(text).replace(/&/g, '&amp;').replace(/</g, '&lt;').replace(/>/g, '&gt;').replace(/%\{/g, '%\u200b{') + '\u2069';
 }
+
+/// A name out of a bag or file, whichever way it is written.
+function named(text) { return element('bdi', null, text); }
 
 /// Shortens long names of files for an axis; the tables have them whole.
 function short(name, most = 28) {
@@ -80,25 +84,36 @@ function pValue(p) { return !present(p) ? '–' : p < 1e-4 ? '< 0.0001' : p.toPr
 
 /// "a, b or c" as nodes, each name in <code>.
 function names(list) {
-  return list.flatMap((name, i) => [i === 0 ? '' : i + 1 === list.length ? ' or ' : ', ', element('code', null, name)]);
+  return list.flatMap((name, i) => [i === 0 ? '' : i + 1 === list.length ? ' or ' : ', ', element('code', null, named(name))]);
+}
+
+/// A source with its link. Nothing but an identifier becomes part of an address.
+function cited(source) {
+  const found = /\b(doi|isbn):(10\.\d{4,}\/[-\w.()\/]+|\d{9}[\dX])$/.exec(source);
+  if (!found) return [source];
+  const address = (found[1] === 'doi' ? 'https://doi.org/' : 'https://openlibrary.org/isbn/') + found[2];
+  return [source.slice(0, found.index), element('a', {href: address, rel: 'noopener noreferrer'}, found[0])];
 }
 
 /// rows of cells; a cell is a text, nodes, {number: text} or {share: nodes}.
 function table(heads, rows, rowClass) {
-  const cell = (tag, content) => {
-    for (const kind of ['number', 'share'])
-      if (content !== null && typeof content === 'object' && kind in content) return element(tag, {class: kind}, content[kind]);
-    return element(tag, null, content);
+  const kindOf = content => ['number', 'share'].find(kind => content !== null && typeof content === 'object' && kind in content);
+  const cell = (tag, content, i) => {
+    const kind = kindOf(content), attributes = kind ? {class: kind} : {}, inner = kind ? content[kind] : content;
+    if (tag === 'th') return element(tag, attributes, inner);
+    // In a narrow window each row is a list of its own, and each cell says of what.
+    const head = kindOf(heads[i]) ? heads[i][kindOf(heads[i])] : heads[i];
+    return element(tag, {...attributes, 'data-head': String(head || '')}, element('div', null, inner));
   };
   return element('div', {class: 'scroll'}, element('table', null,
     element('thead', null, element('tr', null, heads.map(head => cell('th', head)))),
     element('tbody', null, rows.map((row, i) =>
-      element('tr', rowClass ? {class: rowClass(i)} : null, row.map(content => cell('td', content)))))));
+      element('tr', rowClass ? {class: rowClass(i)} : null, row.map((content, i) => cell('td', content, i)))))));
 }
 
 /// A labelled list to choose from; `chosen` is called with the index.
 function choice(label, options, chosen, first = 0) {
-  const list = element('select', null, options.map((name, i) => element('option', i === first ? {value: i, selected: ''} : {value: i}, name)));
+  const list = element('select', null, options.map((name, i) => element('option', {value: i, dir: 'auto', ...(i === first ? {selected: ''} : {})}, name)));
   list.addEventListener('change', () => chosen(list.selectedIndex));
   return element('label', null, label, list);
 }

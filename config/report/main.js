@@ -16,12 +16,13 @@ const sections = [
   ['time', 'In time', 'When', inTime, true],
   ['inputs', 'Inputs', 'With which input', againstInputs, true],
   ['ranking', 'Candidates', 'All candidates', ranking],
-  ['ladder', 'Pooling', 'Where the mismatch hides', ladder],
-  ['parameter_variation', 'Variation', 'Parameter variation', parameterVariation, true],
+  ['ladder', 'One arm?', 'One arm or many?', ladder],
+  ['parameter_variation', 'Drift', 'Parameters that drift', parameterVariation, true],
   ['left', 'Left over', 'What is left', leftOver],
   ['trials', 'Trials', 'Each trial', trialsTable],
   ['go-on', 'Go on', 'Go on with it', goOn],
   ['notes', 'Notes', 'Notes', notes],
+  ['origin', 'Origin', 'How this page was made', origin],
 ];
 
 function failed(what, error) {

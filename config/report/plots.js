@@ -26,7 +26,8 @@ function inLines(title, most) {
 }
 
 function axis(title, more) {
-  return Object.assign({title: {text: narrow ? inLines(title, more && more.domain ? 20 : 40) : title, standoff: 8}, gridcolor: grid, zerolinecolor: '#8a8a8a', linecolor: ink, showline: true,
+  const share = more && more.domain ? more.domain[1] - more.domain[0] : 1;
+  return Object.assign({title: {text: narrow ? inLines(title, Math.round(36 * share)) : title, font: {size: font.size}, standoff: 8}, gridcolor: grid, zerolinecolor: '#8a8a8a', linecolor: ink, showline: true,
     ticks: 'outside', automargin: true}, more);
 }
 
@@ -34,6 +35,26 @@ function layout(height, more) {
   return Object.assign({height, font, paper_bgcolor: '#fff', plot_bgcolor: '#fff', margin: {l: 70, r: 20, t: 40, b: 60}, hovermode: 'closest',
     hoverlabel: {font: {size: 15}, namelength: -1}, legend: {orientation: 'h', x: 0, y: 1.02, yanchor: 'bottom', font: {size: font.size}}}, more,
     narrow && more && more.legend ? {legend: Object.assign({}, more.legend, {font: {size: font.size}})} : {});
+}
+
+/// Through points of a smooth curve (columns x, y, z), three more between neighbours: Catmull's and Rom's curve.
+function smooth(columns) {
+  return columns.map(v => v.flatMap((_, i) => {
+    if (i + 1 >= v.length || v.length > 60) return [v[i]];
+    const a = i > 0 ? v[i - 1] : 2 * v[i] - v[i + 1], b = v[i], c = v[i + 1], d = i + 2 < v.length ? v[i + 2] : 2 * c - b;
+    return [0, 0.25, 0.5, 0.75].map(u => b + 0.5 * u * (c - a + u * (2 * a - 5 * b + 4 * c - d + u * (3 * (b - c) + d - a))));
+  }));
+}
+
+/// Calls what it returns with a list to have it broken where times are apart by more than usual: what was left out is no line.
+function brokenBy(times) {
+  const steps = times.slice(1).map((t, i) => t - times[i]), usual = [...steps].sort((a, b) => a - b)[Math.floor(steps.length / 2)];
+  return values => values.flatMap((value, i) => i > 0 && steps[i - 1] > 3 * usual ? [null, value] : [value]);
+}
+
+/// A name beside an axis: in a narrow window its parts below one another.
+function beside(name) {
+  return narrow ? String(name).split('.').map(part => plain(short(part, 16))).join('<br>') : plain(short(name));
 }
 
 /// Place of a plot; `words` says to those who cannot see it what it shows.
@@ -91,7 +112,7 @@ function inItsPlane(snapshot) {
   const angle = Math.atan2(y[far] - y0, x[far] - x0);
   const turn = columns => [columns[0].map((v, i) => 1e3 * (Math.cos(angle) * v + Math.sin(angle) * columns[1][i])),
     columns[0].map((v, i) => 1e3 * (Math.cos(angle) * columns[1][i] - Math.sin(angle) * v)), columns[2].map(v => 1e3 * v)];
-  return Object.fromEntries(['measured', 'before', 'after', 'bodies_before', 'bodies_after'].map(one => [one, turn(snapshot[one])]));
+  return Object.fromEntries(['measured', 'before', 'after', 'bodies_before', 'bodies_after'].map(one => [one, turn(phases.includes(one) ? smooth(snapshot[one]) : snapshot[one])]));
 }
 
 function armPlanes(place, snapshot) {
@@ -122,7 +143,7 @@ function bodiesOf(phase, more) {
 /// @param cube half of a side and the middle, mm; of all instants of a film
 function armInSpace(place, snapshot, cube) {
   const traces = phases.flatMap(phase => [Object.assign({type: 'scatter3d', mode: 'lines', name: looks[phase].name,
-    line: {color: looks[phase].color, width: 7, dash: looks[phase].dash}}, xyz(snapshot[phase])),
+    line: {color: looks[phase].color, width: 7, dash: looks[phase].dash}}, xyz(smooth(snapshot[phase]))),
     Object.assign(bodiesOf(phase, {type: 'scatter3d', showlegend: false}), {marker: {color: looks[phase].color, symbol: phase === 'before' ? 'circle-open' : 'diamond-open', size: 6}},
       xyz(snapshot['bodies_' + phase]))]);
   traces.push(Object.assign({type: 'scatter3d', mode: 'markers', name: 'measured', marker: {color: ink, symbol: 'square', size: 5}}, xyz(snapshot.measured)));
@@ -151,8 +172,8 @@ function arm() {
   const cube = () => film < 0 ? cubeOf([shots[shown]]) : cubes[film] || (cubes[film] = cubeOf(films[film]));
   const show = () => {
     const shot = film < 0 ? shots[shown] : films[film][at], off = phase => mm(distanceTo(shot[phase], shot.measured));
-    words.textContent = 'In ' + shot.trial + ' at ' + shot.t.toFixed(1) + ' s the measured bodies lie ' + off('before') + ' (rms) off the model' +
-      (phases.length > 1 ? ' before and ' + off('after') + ' after.' : '.');
+    words.replaceChildren('In ', named(shot.trial), ' at ' + shot.t.toFixed(1) + ' s the measured bodies lie ' + off('before') + ' (rms) off the model' +
+      (phases.length > 1 ? ' before and ' + off('after') + ' after.' : '.'));
     if (space !== (place.dataset.space === 'yes')) Plotly.purge(place);
     place.dataset.space = space ? 'yes' : 'no';
     space ? armInSpace(place, shot, cube()) : armPlanes(place, shot);
@@ -195,13 +216,13 @@ function tipLoop() {
   let shown = 0, input = 0, side = [0, 1, 2].sort((a, b) => spread(b) - spread(a))[0];
   const show = () => {
     const trial = trials[shown], driven = trial.inputs.find(one => one.name === names[input]), traces = [];
-    const unit = shownUnit(driven ? driven.unit : '');
+    const unit = shownUnit(driven ? driven.unit : ''), broken = brokenBy(trial.t);
     const lines = [['measured', {name: 'measured', legendgroup: 'measured', line: {color: ink, width: 2}}],
       ...phases.map(phase => [phase, {name: looks[phase].name, legendgroup: phase, line: {color: looks[phase].color, dash: phase === 'before' ? 'dash' : 'solid', width: phase === 'before' ? 2 : 3}}])];
     lines.forEach(([key, look]) => {
-      const y = scaled(trial.tip[key][side], 1e3), common = {type: 'scatter', mode: 'lines', connectgaps: false, y, ...look};
-      if (driven) traces.push({...common, x: scaled(driven.values, unit.scale), hovertemplate: '%{x:.3g}: %{y:.2f} mm'});
-      traces.push({...common, x: trial.t, xaxis: 'x2', yaxis: 'y2', showlegend: !driven, hovertemplate: '%{x:.1f} s: %{y:.2f} mm'});
+      const y = broken(scaled(trial.tip[key][side], 1e3)), common = {type: 'scatter', mode: 'lines', connectgaps: false, y, ...look};
+      if (driven) traces.push({...common, x: broken(scaled(driven.values, unit.scale)), hovertemplate: '%{x:.3g}: %{y:.2f} mm'});
+      traces.push({...common, x: broken(trial.t), xaxis: 'x2', yaxis: 'y2', showlegend: !driven, hovertemplate: '%{x:.1f} s: %{y:.2f} mm'});
     });
     draw(place, traces, layout(470, {xaxis: axis(withUnit(plain(short(names[input])), driven ? driven.unit : ''), {domain: [0, 0.44]}), yaxis: axis('tip, ' + 'xyz'[side] + ' / mm', {zeroline: false}),
       xaxis2: axis('time / s', {domain: [0.52, 1], anchor: 'y2'}), yaxis2: axis('', {matches: 'y', anchor: 'x2', showticklabels: false, zeroline: false})}));
@@ -224,7 +245,7 @@ function along() {
     heads.forEach((head, c) => {
       const n = c === 0 ? '' : String(c + 1);
       phases.forEach(phase => traces.push(phaseLine(phase, {x: scaled(a.s, 1e3), y: scaled(a[(mean ? 'mean_' : '') + phase][c], 1e3), xaxis: 'x' + n,
-        yaxis: 'y' + n, showlegend: c === 0, text: a.bodies.map(plain), hovertemplate: '%{text}: %{y:.2f} mm'})));
+        yaxis: 'y' + n, showlegend: c === 0, text: a.bodies.map(name => plain(name)), hovertemplate: '%{text}: %{y:.2f} mm'})));
       [...report.effects, ...(restSits() ? [{where: report.residual_structure.where, mark: 'rest'}] : [])].forEach((effect, i) => {
         const w = effect.where;
         if (!present(w.s_from) && !present(w.s_to)) return;
@@ -235,7 +256,7 @@ function along() {
       });
       notes.push({text: narrow ? inLines(head, 13) : head, xref: 'x' + n + ' domain', yref: 'paper', x: 0.5, y: 1.0, yanchor: 'bottom', showarrow: false, font: {size: font.size}});
     });
-    const s = more => axis('s / mm', Object.assign({range: [-0.05 * last, 1.06 * last], zeroline: false}, more));
+    const s = more => axis('s / mm', Object.assign({nticks: narrow ? 3 : 0, range: [-0.05 * last, 1.06 * last], zeroline: false}, more));
     draw(place, traces, layout(430, {shapes, annotations: notes, margin: {l: 70, r: 20, t: 76, b: 60}, legend: {orientation: 'h', x: 0, y: 1.1, yanchor: 'bottom'},
       grid: {rows: 1, columns: 3, pattern: 'independent', xgap: 0.08},
       xaxis: s(), xaxis2: s(), xaxis3: s(), yaxis: axis((mean ? 'mean' : 'rms') + ' residual / mm', {rangemode: mean ? 'normal' : 'tozero'}),
@@ -262,11 +283,13 @@ function heldOut() {
     const levels = [];
     const widest = Math.max(...trials.flatMap(t => [t.mean_before, t.mean_after || 0]));
     const crowded = meanNoise() < 0.15 * widest;  // its words would leave the plot
-    if (report.noise_floor_m > 0) levels.push(level(1e3 * meanNoise(), '\u00a0noise alone (dotted)\u00a0', 'dot', true, crowded ? 'left' : 'right'));
-    draw(place, traces, layout(130 + 34 * trials.length, {shapes: levels.map(one => one.shape), annotations: levels.map(one => one.note), margin: {l: 70, r: 20, t: 66, b: 60},
-      legend: {orientation: 'h', x: 1, xanchor: 'right', y: 1, yanchor: 'bottom'},
+    if (report.noise_floor_m > 0) levels.push(level(1e3 * meanNoise(), '\u00a0measurement noise alone (dotted)\u00a0', 'dot', true, crowded ? 'left' : 'right'));
+    if (narrow && levels.length) Object.assign(levels[0].note, {text: 'dotted: measurement noise alone', xref: 'paper', x: 0, xanchor: 'left', font: {size: font.size}});
+    const height = 34 * trials.length;  // of the plot itself
+    draw(place, traces, layout(height + 150, {shapes: levels.map(one => one.shape), annotations: levels.map(one => one.note), margin: {l: 70, r: 20, t: 90, b: 60},
+      legend: {orientation: 'h', x: 1, xanchor: 'right', y: 1 + 30 / height, yanchor: 'bottom'},  // above the words of the line
       xaxis: axis('mean error of a body, of each trial by a model fitted to the others / mm', {rangemode: 'tozero'}),
-      yaxis: axis('', {tickvals: y, ticktext: trials.map(t => plain(short(t.name))), autorange: 'reversed', zeroline: false})}));
+      yaxis: axis('', {tickvals: y, ticktext: trials.map(t => beside(t.name)), autorange: 'reversed', zeroline: false})}));
   };
   return {nodes: [report.improvement ? element('p', null, report.improvement) : null, place], draw: show};
 }
@@ -282,8 +305,8 @@ function shifts() {
     const traces = phases.map(phase => phaseLine(phase, {mode: 'markers', y: y.map(i => i + (phase === 'before' ? -0.13 : 0.13)),
       x: rows.map(one => 100 * (one[phase] - one.after) / Math.abs(one.after)), text: rows.map(one => plain(one.name)), hovertemplate: '%{text}: %{x:+.1f} %',
       error_x: {type: 'data', array: rows.map(one => 100 * 1.645 * one['sd_' + phase] / Math.abs(one.after)), color: looks[phase].color, thickness: 3, width: 7}}));
-    draw(place, traces, layout(130 + 48 * rows.length, {xaxis: axis('off the estimate with the effects in the model / %', {zerolinewidth: 2, zerolinecolor: ink}),
-      yaxis: axis('', {tickvals: y, ticktext: rows.map(one => plain(short(one.name))), autorange: 'reversed', zeroline: false})}));
+    draw(place, traces, layout(130 + (narrow ? 58 : 48) * rows.length, {xaxis: axis('off the estimate with the effects in the model / %', {nticks: narrow ? 4 : 0, zerolinewidth: 2, zerolinecolor: ink}),
+      yaxis: axis('', {tickvals: y, ticktext: rows.map(one => beside(one.name)), autorange: 'reversed', zeroline: false})}));
   };
   return {nodes: [rows.length ? place : null, shiftsTable(), element('p', {class: 'hint'}, '± and bars: 90 % intervals.' +
     (rows.length < report.shifts.length ? ' Not in the plot: what these trials do not identify to 50 %.' : ''))], draw: rows.length ? show : null};

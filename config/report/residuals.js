@@ -15,9 +15,9 @@ function inTime() {
   let shown = 0, body = -1;
   const bodies = [...new Set(trials.flatMap(trial => trial.bodies.map(one => one.name)))];
   const show = () => {
-    const trial = trials[shown], units = [...new Set(trial.inputs.map(input => input.unit))];
+    const trial = trials[shown], units = [...new Set(trial.inputs.map(input => input.unit))], broken = brokenBy(trial.t);
     const index = body < 0 ? -1 : trial.bodies.findIndex(one => one.name === bodies[body]);
-    const traces = body >= 0 && index < 0 ? [] : phases.map(phase => phaseLine(phase, {mode: 'lines', x: trial.t, y: distances(trial, index, phase),
+    const traces = body >= 0 && index < 0 ? [] : phases.map(phase => phaseLine(phase, {mode: 'lines', x: broken(trial.t), y: broken(distances(trial, index, phase)),
       line: {color: looks[phase].color, width: phase === 'before' ? 1.4 : 3.6},  // dashes are lost in noise
       hovertemplate: '%{x:.1f} s: %{y:.2f} mm'}));
     const rows = units.length, height = 0.5 / Math.max(rows, 2), dashes = ['solid', 'dot', 'dash', 'dashdot', 'longdash'];
@@ -31,8 +31,8 @@ function inTime() {
           line: {width: 2.2, color: ['#111', '#6b6b6b', '#7a4a9e', '#2e6b3a', '#8a6d00'][(seen[unit] - 1) % 5], dash: dashes[(seen[unit] - 1) % 5]}});
       });
     });
-    const levels = report.noise_floor_m > 0 ? [level(1e3 * report.noise_floor_m, 'noise alone', 'dot', false)] : [];
-    draw(place, traces, layout(430 + 110 * rows, {shapes: levels.map(one => one.shape), annotations: levels.map(one => one.note), margin: {l: 70, r: 110, t: 64, b: 60},
+    const levels = report.noise_floor_m > 0 ? [level(1e3 * report.noise_floor_m, narrow ? 'noise<br>alone' : 'measurement<br>noise alone', 'dot', false)] : [];
+    draw(place, traces, layout(430 + 110 * rows, {shapes: levels.map(one => one.shape), annotations: levels.map(one => one.note), margin: {l: 70, r: narrow ? 60 : 130, t: 64, b: 60},
       xaxis: axis('time / s', {anchor: rows ? 'y' + (rows + 1) : 'y'}),
       yaxis: axis('distance / mm', {domain: [rows ? rows * height + 0.02 : 0, 1], rangemode: 'tozero'}), ...axes}));
   };
@@ -109,7 +109,7 @@ function parameterVariation() {
       'What a fit of single frames hides shows here. Dots: single frames; line: the arm’s law.'),
     element('p', {class: 'hint'}, '▲: it goes with that beyond what chance makes of any of the pictures (p < 0.01). What chance makes is found by exchanging stretches of two seconds.'),
     element('div', {class: 'grid'}, list.map((one, i) => element('div', null,
-      element('h3', null, (one.p < 0.01 ? '▲ ' : '') + one.parameter + ' against ' + one.against),
+      element('h3', null, one.p < 0.01 ? '▲ ' : '', named(one.parameter), ' against ', named(one.against)),
       element('p', null, (one.p < 0.01 ? 'varies beyond the law' : 'no variation beyond the law seen') + ', p ' + (one.p < 1e-4 ? '' : '= ') + pValue(one.p)),
       one.sentence ? element('p', null, one.sentence) : null, places[i])))], draw: show};
 }

@@ -9,7 +9,7 @@ function header() {
   const beforeAfter = key => same ? mm(baseline[key]) : mm(baseline[key]).slice(0, -3) + ' → ' + mm(extended[key]);
   const ofLength = report.length_m > 0 ? ' (' + (100 * extended.held_out_mean_m / report.length_m).toPrecision(2) + ' % of the length)' : '';
   return element('header', null,
-    element('p', {class: 'kicker'}, 'Model against recordings: ' + report.arm + (report.version ? ' · softarm ' + report.version : '')),
+    element('p', {class: 'kicker'}, 'Model against recordings: ', named(report.arm), report.version ? ' · softarm ' + report.version : '', report.origin ? ' · ' + report.origin.date : ''),
     element('div', {class: 'title'}, element('h1', null, report.headline),
       element('span', {class: 'verdict ' + report.verdict}, report.verdict.replace('_', ' '))),
     report.summary ? element('p', {class: 'lead'}, report.summary) : null,
@@ -17,7 +17,7 @@ function header() {
     element('div', {class: 'figures'},
       measured ? figure(beforeAfter('held_out_mean_m'), 'mean error of a body on unseen trials' + (same ? '' : ', before → after') + ofLength) : null,
       measured ? figure(beforeAfter('held_out_max_m'), 'the largest') : null,
-      report.noise_floor_m > 0 ? figure(mm(meanNoise()), 'mean error that noise alone makes') : null,
+      report.noise_floor_m > 0 ? figure(mm(meanNoise()), 'measurement noise alone: the mean error that it makes') : null,
       present(report.ceiling_rms_m) ? figure(mm(report.ceiling_rms_m), 'rms by precision that a flexible model of the residuals reaches (ceiling), of ' + beforeAfter('held_out_rms_m')) : null,
       present(report.ceiling_rms_m) && !same ? figure(percent(report.explained_share), 'of what could be explained is explained') : null));
 }
@@ -36,13 +36,13 @@ function restSits() {
 function strip(where) {
   const s = data.along.s, length = Math.max(...s, where.s_to || 0, where.s_from || 0);
   if (!s.length || !(length > 0) || !(present(where.s_from) || present(where.s_to))) return null;
-  const x = at => 60 + 620 * at / length;
+  const width = narrow ? 380 : 760, x = at => 40 + (width - 100) * at / length;  // not smaller type in a narrow window
   const from = x(where.s_from || 0), to = x(present(where.s_to) ? where.s_to : length);
   const text = (at, words, anchor) => element('text', {x: at, y: 56, 'text-anchor': anchor, 'font-size': 15, fill: '#111'}, words);
-  return element('svg', {viewBox: '0 0 760 64', class: 'strip', role: 'img',
+  return element('svg', {viewBox: '0 0 ' + width + ' 64', class: 'strip', role: 'img',
       'aria-label': 'place along the arm: ' + Math.round(1e3 * (where.s_from || 0)) + ' to ' + Math.round(1e3 * (present(where.s_to) ? where.s_to : length)) + ' mm of ' + Math.round(1e3 * length) + ' mm'},
     element('line', {x1: x(0), y1: 22, x2: x(length), y2: 22, stroke: '#111', 'stroke-width': 3}),
-    element('rect', {x: Math.min(from - 4, 760), y: 9, width: Math.max(8, to - from + 8), height: 26, fill: '#111', 'fill-opacity': 0.28, stroke: '#111', 'stroke-width': 2}),
+    element('rect', {x: Math.min(from - 4, width), y: 9, width: Math.max(8, to - from + 8), height: 26, fill: '#111', 'fill-opacity': 0.28, stroke: '#111', 'stroke-width': 2}),
     s.map(at => element('circle', {cx: x(at), cy: 22, r: 5, fill: '#fff', stroke: '#111', 'stroke-width': 2})),
     text(x(0), 'base', 'middle'), text(x(length), 'tip, ' + Math.round(1e3 * length) + ' mm', 'middle'));
 }
@@ -54,7 +54,8 @@ function effects() {
     effect.said ? element('p', null, effect.sentence) : null,
     element('dl', null,
       effect.sizes.flatMap(([label, size]) => [element('dt', null, 'how large'), element('dd', null, label + ': ', element('b', null, size))]),
-      effect.law ? [element('dt', null, 'law'), element('dd', null, element('span', {class: 'law'}, equation(effect.law)), effect.source ? element('small', null, ' ' + effect.source) : null)] : null,
+      effect.law ? [element('dt', null, 'law'), element('dd', null, element('span', {class: 'law'}, equation(effect.law)))] : null,
+      effect.source ? [element('dt', null, 'source'), element('dd', null, cited(effect.source))] : null,
       effect.place ? [element('dt', null, 'where'), element('dd', null, effect.place)] : null,
       element('dt', null, 'how sure'), element('dd', null, element('b', null, effect.sure)),
       element('dt', null, 'easily mistaken for'),
@@ -137,7 +138,7 @@ function ladder() {
   const row = (words, unknowns, value, chi) => [words, {number: unknowns}, {share: [bar(most > 0 ? value / most : 0, ''), mm(value)]}, {number: chi.toFixed(2)}];
   return [made.sentence ? element('p', {class: 'lead'}, made.sentence) : null,
     table(['the model as it is, fitted to', {number: 'free numbers'}, 'rms error per body', {number: 'χ² per degree of freedom'}],
-      [...made.rungs.map(one => row(one.description, String(one.unknowns), one.rms_m, one.chi2_per_dof)), row('noise alone', '–', report.noise_floor_m, 1)]),
+      [...made.rungs.map(one => row(one.description, String(one.unknowns), one.rms_m, one.chi2_per_dof)), row('measurement noise alone', '–', report.noise_floor_m, 1)]),
     element('p', {class: 'hint'}, 'Errors are counted as if nothing had been fitted: the more free numbers, the more is added. What one arm cannot explain and single instants can ' +
       'hides in the variation of EI, M0, φ and L.')];
 }
@@ -150,13 +151,13 @@ function bar(share, kind) {
 
 function ranking() {
   if (!report.ranking.length) return null;
-  const heads = ['', 'effect', 'probability', 'collinearity', {number: 'screen z'}, {number: 'rms effect'},
+  const heads = ['', 'effect', 'probability', 'collinearity', {number: 'evidence (σ)'}, {number: 'rms effect'},
     {number: 'size found'}, {number: 'smallest size seen'}, 'finding'];
   const sizeOf = (one, value) => {
     const unit = shownUnit(one.unit || '');
     return present(value) ? [digits(unit.scale * value, 3), unit.shown ? element('small', null, unit.shown) : null] : '–';
   };
-  const row = (one, i) => [String(i + 1), [element('code', null, one.name), element('small', null, one.description)],
+  const row = (one, i) => [String(i + 1), [element('code', null, one.name), element('small', null, one.description), one.source ? element('small', null, cited(one.source)) : null],
     {share: [bar(one.probability, ''), percent(one.probability)]}, {share: [bar(one.collinearity, 'absorbed'), percent(one.collinearity)]},
     {number: present(one.z) ? one.z.toFixed(1).replace('-', '−') : '–'}, {number: mm(one.size_m)},
     {number: sizeOf(one, one.estimate)}, {number: sizeOf(one, one.smallest_detectable)},
@@ -167,7 +168,7 @@ function ranking() {
   const part = (from, to) => table(heads, looked.slice(from, to).map((one, i) => row(one, from + i)), i => looked[from + i].finding);
   return [
     element('p', {class: 'hint'}, 'Collinearity is the share of an effect’s signature that the arm’s own constants (EI, gains, length) absorb: ' +
-      'the more of it, the less a small residual proves.'),
+      'the more of it, the less a small residual proves. Evidence: how many standard deviations the effect stands out of what noise makes, before anything else is fitted with it.'),
     part(0, most),
     looked.length > most ? element('details', null, element('summary', null, (looked.length - most) + ' more candidates'), part(most, looked.length)) : null,
     others.length ? element('p', {class: 'hint'}, 'Not of this arm: ', others.map(one => one.description || one.name).join('; ') + '.') : null];
@@ -185,7 +186,7 @@ function leftOver() {
     ['size of the residuals over that of the noise', ...columns(before, after).map(one => present(one.chi2_per_dof) ? Math.sqrt(one.chi2_per_dof).toFixed(2) : '–')],
     ['pattern in time, p', ...columns(judged(before.whiteness_p), judged(after.whiteness_p))],
     ['pattern along the arm, p', ...columns(judged(before.along_s_p), judged(after.along_s_p))],
-    ...inputs.map(name => ['goes with ' + name + ', p', ...columns(judged(own(before.by_input_p, name)), judged(own(after.by_input_p, name)))]),
+    ...inputs.map(name => [[element('span', null, 'goes with '), named(name), ', p'], ...columns(judged(own(before.by_input_p, name)), judged(own(after.by_input_p, name)))]),
     ['where it sits', ...columns(before.place || '–', after.place || '–')]];
   return [table(['what is left of the residuals', ...(same ? ['model as it is'] : ['before', 'after'])], rows), restSits() ? strip(after.where) : null];
 }
@@ -196,7 +197,7 @@ function shiftsTable() {
     report.shifts.map(one => {
       const unit = shownUnit(one.unit);
       const change = one.before && one.after ? 100 * (one.after / one.before - 1) : null;
-      return [element('span', {class: 'name'}, one.name), {number: value(one.before, one.sd_before, unit)}, {number: value(one.after, one.sd_after, unit)}, unit.shown,
+      return [element('span', {class: 'name'}, named(one.name)), {number: value(one.before, one.sd_before, unit)}, {number: value(one.after, one.sd_after, unit)}, unit.shown,
         {number: 2 * (one.sd_before || 0) > Math.abs(one.before) && 2 * (one.sd_after || 0) > Math.abs(one.after) ? 'not identifiable' : present(change) ? (change < 0 ? '−' : '+') + Math.abs(change).toFixed(1) + ' %' : '–'}];
     }));
 }
@@ -208,12 +209,20 @@ function trialsTable() {
   return [table(['trial', {number: 'frames used'}, {number: 'length'}, {number: 'mean before'}, {number: 'mean after'}, {number: 'change'}, {number: 'largest before'}, {number: 'largest after'}, 'worst body after'],
     data.trials.map(trial => {
       const body = worst(trial), t = trial.t;
-      return [element('span', {class: 'name'}, trial.name), {number: String(trial.frames)}, {number: t.length ? (t[t.length - 1] - t[0]).toFixed(0) + ' s' : '–'},
+      return [element('span', {class: 'name'}, named(trial.name)), {number: String(trial.frames)}, {number: t.length ? (t[t.length - 1] - t[0]).toFixed(0) + ' s' : '–'},
         {number: mm(trial.mean_before)}, {number: mm(trial.mean_after)},
         {number: trial.mean_before > 0 && present(trial.mean_after) ? (100 * (trial.mean_after / trial.mean_before - 1)).toFixed(0).replace('-', '−') + ' %' : '–'},
         {number: mm(trial.max_before)}, {number: mm(trial.max_after)},
-        body ? body[0] + ', ' + mm(body[1]) : '–'];
+        body ? [named(body[0]), ', ' + mm(body[1])] : '–'];
     }))];
+}
+
+/// What it takes to make it again.
+function origin() {
+  const made = report.origin;
+  if (!made) return null;
+  return [element('p', null, 'On ' + made.date + (report.version ? ' by softarm ' + report.version : '') + ':'), ...toCopy(made.command, 'the command'),
+    table(['file read', 'SHA-256'], made.files.map(file => [element('span', {class: 'name'}, named(file.name)), element('code', {class: 'digest'}, file.sha256)]))];
 }
 
 function notes() {

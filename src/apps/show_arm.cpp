@@ -22,23 +22,39 @@ constexpr double kConfigured_m = 0.2;  // length of the arm that the configurati
 
 struct Options {
   std::string arm, arms_dir, config, mocap_frame = "mocap", base_frame = "softarm/base", out;
+  std::vector<std::string> also;
   double wait_s = 5.0;
 };
 
-/// Where the arm is mounted: asked of tf, since it may be a measured body.
-std::optional<Eigen::Isometry3d> mounted(const Options& options) {
+/// Where an arm is mounted: asked of tf, since it may be a measured body.
+std::optional<Eigen::Isometry3d> mounted(const Options& options, const std::string& base_frame) {
   tf2_ros::Buffer buffer;
   const tf2_ros::TransformListener listener(buffer);
   const ros::WallTime patience = ros::WallTime::now() + ros::WallDuration(options.wait_s);
   while (ros::ok() && ros::WallTime::now() < patience) {
-    if (buffer.canTransform(options.mocap_frame, options.base_frame, ros::Time(0))) {
-      const auto t = buffer.lookupTransform(options.mocap_frame, options.base_frame, ros::Time(0)).transform;
+    if (buffer.canTransform(options.mocap_frame, base_frame, ros::Time(0))) {
+      const auto t = buffer.lookupTransform(options.mocap_frame, base_frame, ros::Time(0)).transform;
       return Eigen::Translation3d(t.translation.x, t.translation.y, t.translation.z) *
              Eigen::Quaterniond(t.rotation.w, t.rotation.x, t.rotation.y, t.rotation.z);
     }
     ros::WallDuration(0.05).sleep();
   }
   return std::nullopt;
+}
+
+/// Bases of the other estimators' arms, from that of the first, in the mocap frame.
+std::vector<Eigen::Vector3d> bases_beside(const std::optional<Eigen::Isometry3d>& base,
+                                          const Options& options) {
+  std::vector<Eigen::Vector3d> found;
+  if (!base || options.wait_s <= 0.0) return found;
+  for (const std::string& name : options.also) {
+    const ros::NodeHandle nh;
+    if (const auto other = mounted(options, name + "/base"))
+      found.emplace_back(other->translation() - base->translation());
+    else
+      ROS_WARN("the base of %s is not on tf yet: the view may leave its arm out", name.c_str());
+  }
+  return found;
 }
 
 /// What the picture is to take in: the arm, also where its inputs may make it half as long again.
@@ -94,7 +110,38 @@ void fit_grid(YAML::Node grid, double length_m, const std::optional<Eigen::Isome
   set_point(grid["Offset"], below);
 }
 
-std::string fitted(const Options& options, double length_m, const std::optional<Eigen::Isometry3d>& base) {
+/// Displays of the estimators in other namespaces, after those of this one.
+void show_also(YAML::Node displays, const std::vector<std::string>& namespaces) {
+  const std::size_t own = displays.size();
+  for (const std::string& name : namespaces) {
+    for (std::size_t i = 0; i < own; ++i) {
+      for (const char* key : {"Topic", "Marker Topic"}) {
+        if (!displays[i][key]) continue;
+        YAML::Node display = YAML::Clone(displays[i]);
+        display["Name"] = display["Name"].as<std::string>() + " of " + name;
+        display[key] = "/" + name + "/" + display[key].as<std::string>();
+        displays.push_back(display);
+      }
+    }
+  }
+}
+
+/// The view moves to the middle of several arms, and back until it has all of them.
+void take_in(YAML::Node view, const std::vector<Eigen::Vector3d>& others) {
+  Eigen::AlignedBox3d bases(Eigen::Vector3d(Eigen::Vector3d::Zero()));
+  for (const Eigen::Vector3d& from_first : others) bases.extend(from_first);
+  YAML::Node focus = view["Focal Point"];
+  const Eigen::Vector3d at(focus["X"].as<double>(), focus["Y"].as<double>(), focus["Z"].as<double>());
+  set_point(focus, at + bases.center());
+  view["Distance"] = view["Distance"].as<double>() + 0.8 * bases.diagonal().norm();
+  if (bases.diagonal().head<2>().norm() < 1e-3) return;
+  // Side by side: across the line between them.
+  view["Yaw"] =
+      std::remainder(std::atan2(bases.diagonal().y(), bases.diagonal().x()) - 0.5 * M_PI, 2.0 * M_PI);
+}
+
+std::string fitted(const Options& options, double length_m, const std::optional<Eigen::Isometry3d>& base,
+                   const std::vector<Eigen::Vector3d>& others) {
   YAML::Node config = YAML::LoadFile(options.config);
   YAML::Node manager = config["Visualization Manager"];
   for (YAML::Node display : manager["Displays"]) {
@@ -104,9 +151,20 @@ std::string fitted(const Options& options, double length_m, const std::optional<
     if (kind == "rviz/Path") scale(display["Line Width"], length_m / kConfigured_m);
   }
   fit_view(manager["Views"]["Current"], length_m, base);
-  YAML::Emitter text;
-  text << config;
-  return std::string(text.c_str()) + "\n";
+  show_also(manager["Displays"], options.also);
+  if (!others.empty()) take_in(manager["Views"]["Current"], others);
+  YAML::Emitter emitted;
+  emitted << config;
+  // The configurations name the usual frames.
+  std::string text = std::string(emitted.c_str()) + "\n", named;
+  const std::string usual = "softarm/", own = options.base_frame.substr(0, options.base_frame.rfind('/') + 1);
+  for (std::size_t at = 0, found; at < text.size(); at = found + usual.size()) {
+    found = text.find(usual, at);
+    named += text.substr(at, found - at);
+    if (found == std::string::npos) break;
+    named += own;
+  }
+  return named;
 }
 
 /// A file of the user's own ROS folder, where roslaunch's nodes may write.
@@ -139,6 +197,9 @@ int main(int argc, char** argv) {
   app.add_option("--wait", options.wait_s, "how long to wait for the base's pose on tf, s; 0: do not")
       ->check(CLI::Range(0.0, 1e4))
       ->capture_default_str();
+  app.add_option("--also", options.also,
+                 "namespaces of further estimators to show, each with its name as frame_prefix")
+      ->expected(0, 16);
   app.add_option("--out", options.out, "write the configuration to this file and do not start rviz");
   CLI11_PARSE(app, argc, argv);
   try {
@@ -147,11 +208,12 @@ int main(int argc, char** argv) {
     if (!arm.base.body) base = arm.base.fixed_pose;
     if (!base && options.wait_s > 0.0) {
       const ros::NodeHandle nh;
-      base = mounted(options);
+      base = mounted(options, options.base_frame);
       if (!base) ROS_WARN("the base's pose is not on tf yet: the view is that of a hanging arm");
     }
+    const std::vector<Eigen::Vector3d> others = bases_beside(base, options);
     const std::string file = options.out.empty() ? file_for(arm.name).string() : options.out;
-    std::ofstream(file) << fitted(options, shown_length_m(arm), base);
+    std::ofstream(file) << fitted(options, shown_length_m(arm), base, others);
     if (!std::filesystem::exists(file)) throw std::runtime_error(file + ": cannot be written");
     ros::shutdown();
     if (!options.out.empty()) return 0;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "effects/catalogue.h"
 #include "policy.h"
 
 namespace softarm::diagnose {
@@ -216,6 +217,11 @@ std::string one_of(const std::vector<std::string>& names, const std::string& las
   for (std::size_t i = 0; i < names.size(); ++i)
     text += (i == 0 ? "" : i + 1 == names.size() ? " " + last + " " : ", ") + names[i];
   return text;
+}
+
+std::string source_of(const Candidate& candidate) {
+  const model::Effect* effect = effects::find(candidate.id);
+  return effect ? effect->info().source : "";
 }
 
 std::string sentence_of(const NamedEffect& effect) {

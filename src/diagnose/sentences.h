@@ -52,6 +52,9 @@ std::string meaning(Verdict verdict);
 /// What became of it, in a few words.
 std::string finding_description(const Candidate& candidate);
 
+/// Where the candidate's law is from, with the address of that; empty if the catalogue does not have it.
+std::string source_of(const Candidate& candidate);
+
 /// The effect's own sentence, or one made of its parts.
 std::string sentence_of(const NamedEffect& effect);
 

@@ -27,7 +27,8 @@ std::unique_ptr<Effect> make_actuation_taper() {
       Info{"actuation_taper",
            "the actuation does not bend all of the arm alike: less or more towards the tip",
            "M0(s) = M0 (1 + share (2 s / L - 1))",
-           "",
+           "curvature along the arm: R. J. Webster, B. A. Jones, Int. J. Robotics Research 29, 2010, "
+           "doi:10.1177/0278364910368147",
            Family::kActuation,
            {{"share", "1", "by which its moment is higher at the tip, and lower at the base, than its mean",
              -0.9, 0.9, 0.1}},

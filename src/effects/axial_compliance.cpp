@@ -21,7 +21,7 @@ std::unique_ptr<Effect> make_axial_compliance() {
       Info{"axial_compliance",
            "the arm stretches under its weight and its payload, more than the arm file says",
            "strain = N (1/EA + compliance), N the pull of the weights",
-           "S. S. Antman, Nonlinear Problems of Elasticity, 2005",
+           "S. S. Antman, Nonlinear Problems of Elasticity, 2005, doi:10.1007/0-387-27649-1",
            Family::kConstitutive,
            {{"compliance_per_n", "1/N", "strain per pull, 1/EA, beyond the arm file's", 0.0, 0.1, 0.005}},
            1,

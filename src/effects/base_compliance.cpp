@@ -32,7 +32,8 @@ std::unique_ptr<Effect> make_base_compliance() {
       Info{"base_compliance",
            "the base turns under the load, though the body measured as the base does not",
            "turn of the base = compliance M(0), M(0) the bending moment that the clamp bears",
-           "",
+           "conditions at the base: D. C. Rucker, R. J. Webster, IEEE Trans. Robotics 27, 2011, "
+           "doi:10.1109/TRO.2011.2160469",
            Family::kBoundary,
            {{"compliance_rad_per_nm", "rad/(N m)", "turn of the clamp per bending moment that it bears", 0.0,
              10.0, 0.2}},

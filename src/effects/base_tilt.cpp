@@ -23,7 +23,8 @@ std::unique_ptr<Effect> make_base_tilt() {
       Info{"base_tilt",
            "the arm does not stand on its base as the arm file says: it is tilted there",
            "q(0) = q_base q_tilt, the same at every input",
-           "",
+           "conditions at the base: D. C. Rucker, R. J. Webster, IEEE Trans. Robotics 27, 2011, "
+           "doi:10.1109/TRO.2011.2160469",
            Family::kBoundary,
            {{"towards_x_rad", "rad", "tilt of the arm towards x of the base frame", -0.5, 0.5, 0.0175},
             {"towards_y_rad", "rad", "tilt of the arm towards y of the base frame", -0.5, 0.5, 0.0175}},

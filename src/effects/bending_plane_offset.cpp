@@ -28,7 +28,8 @@ std::unique_ptr<Effect> make_bending_plane_offset() {
       Info{"bending_plane_offset",
            "what drives the arm bends it in another direction than the arm file says, turned about its axis",
            "directions of all actuators turned by the angle about the arm's axis",
-           "",
+           "directions of actuators: R. J. Webster, B. A. Jones, Int. J. Robotics Research 29, 2010, "
+           "doi:10.1177/0278364910368147",
            Family::kActuation,
            {{"angle_rad", "rad", "by which all directions are turned", -3.2, 3.2, 0.087}},
            1,

@@ -53,7 +53,8 @@ std::unique_ptr<Effect> make_chamber_bulge() {
       Info{"chamber_bulge",
            "the moment of a chamber goes with the pressures of its neighbours, too",
            "M_i = g_i p_i (1 + share p_others / 50 kPa), p_others their mean",
-           "",
+           "chambers of a soft arm: A. D. Marchese, R. K. Katzschmann, D. Rus, Soft Robotics 2, 2015, "
+           "doi:10.1089/soro.2014.0022",
            Family::kActuation,
            {{"share", "1", "of the moment, by which it is higher where the others are at 50 kPa", -0.9, 5.0,
              0.15}},

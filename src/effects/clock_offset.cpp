@@ -54,7 +54,7 @@ std::unique_ptr<Effect> make_clock_offset() {
       Info{"clock_offset",
            "the clocks of motion capture and inputs differ",
            "pose(t) shows what inputs(t - offset) did",
-           "",
+           "offsets of clocks: P. Furgale, J. Rehder, R. Siegwart, IROS 2013, doi:10.1109/IROS.2013.6696514",
            Family::kSensor,
            {{"offset_s", "s", "by which the motion capture's clock is ahead", -5.0, 5.0, 0.1}},
            1,

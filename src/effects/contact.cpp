@@ -45,7 +45,7 @@ std::unique_ptr<Effect> make_contact() {
       Info{"contact",
            "the arm touches something beside it",
            "F = k max(0, n . x(s_c) - d), against n, at the place s_c",
-           "K. L. Johnson, Contact Mechanics, 1985",
+           "K. L. Johnson, Contact Mechanics, 1985, doi:10.1017/CBO9781139171731",
            Family::kLoad,
            {{"stiffness_n_per_m", "N/m", "of what it touches", 0.0, 2000.0, 50.0},
             {"place_m", "m", "where the arm touches it, arclength from the base", 0.0, 10.0, 0.14},

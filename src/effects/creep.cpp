@@ -86,7 +86,7 @@ std::unique_ptr<Effect> make_creep() {
       Info{"creep",
            "the arm goes on bending while what drives and loads it is held",
            "u = e + share w, time dw/dt = e - w, M = EI e",
-           "standard linear solid; R. M. Christensen, Theory of Viscoelasticity, 1982",
+           "standard linear solid; R. M. Christensen, Theory of Viscoelasticity, 1982, isbn:0121742520",
            Family::kMemory,
            {{"share", "1", "by which the curvature grows in the end", 0.0, 5.0, 0.1},
             {"time_s", "s", "time constant", 0.1, 600.0, 20.0}},

@@ -64,7 +64,7 @@ std::unique_ptr<Effect> make_drift() {
       "drift",
       "the arm changes over the session: what drives it bends it less or more, or it grows softer or stiffer",
       "M0 (1 + gain T), EI (1 + stiffness T), T = (1 - exp(-fading t)) / fading, t the session's time",
-      "",
+      "drift of instruments: JCGM 100:2008, doi:10.59161/JCGM100-2008E",
       Family::kMemory,
       {{"gain_per_min", "1/min", "change of all moments, as a share of them, at first", -1.0, 1.0, 0.03},
        {"stiffness_per_min", "1/min", "change of all stiffnesses, as a share of them, at first", -1.0, 1.0,

@@ -25,7 +25,7 @@ std::unique_ptr<Effect> make_gain_nonlinearity() {
       Info{"gain_nonlinearity",
            "the moment of a chamber is not proportional to its pressure",
            "M = g p (1 + share |p| / 50 kPa)",
-           "",
+           "actuators of rubber: M. Roshanfar et al., Micromachines 14, 2023, doi:10.3390/mi14050900",
            Family::kActuation,
            {{"share", "1", "of the moment at 50 kPa, beyond the proportional one", -0.9, 5.0, 0.15}},
            1,

@@ -32,7 +32,8 @@ std::unique_ptr<Effect> make_gravity_direction() {
       Info{"gravity_direction",
            "gravity is not along the direction that the arm file says",
            "g turned by two small angles in the mocap frame",
-           "",
+           "weight of a rod: D. C. Rucker, R. J. Webster, IEEE Trans. Robotics 27, 2011, "
+           "doi:10.1109/TRO.2011.2160469",
            Family::kLoad,
            {{"towards_x_rad", "rad", "turn of gravity towards x of the mocap frame", -0.15, 0.15, 0.0175},
             {"towards_y_rad", "rad", "turn of gravity towards y of the mocap frame", -0.15, 0.15, 0.0175}},

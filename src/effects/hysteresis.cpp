@@ -176,7 +176,8 @@ std::unique_ptr<Effect> make_hysteresis() {
       "hysteresis",
       "up and down differ: the arm lags behind what drives it by a loop that is the same at every speed",
       "acting = u - share (u - P[u]), or M = EI (u + share (u - P[u])); P: mean of plays of graded radii",
-      "operator of Prandtl and Ishlinskii; M. Brokate, J. Sprekels, Hysteresis and Phase Transitions, 1996",
+      "operator of Prandtl and Ishlinskii; M. Brokate, J. Sprekels, Hysteresis and Phase Transitions, 1996, "
+      "doi:10.1007/978-1-4612-4048-8",
       Family::kMemory,
       {{"share", "1", "of a loop of that width", -0.2, 5.0, 0.5},
        {"width_pa", "Pa",

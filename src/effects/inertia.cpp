@@ -31,7 +31,8 @@ std::unique_ptr<Effect> make_inertia() {
            "the arm moves more slowly than its weight and its wall let it: mass that is not weighed moves "
            "along, or something damps it",
            "f = -share rho d^2x/dt^2 along the arm, u -= delay du/dt",
-           "d'Alembert's forces; wall of Kelvin and Voigt",
+           "d'Alembert's forces, wall of Kelvin and Voigt; J. Till, V. Aloi, C. Rucker, Int. J. Robotics "
+           "Research 38, 2019, doi:10.1177/0278364919842269",
            Family::kMemory,
            {{"mass_share", "1", "of arm and payload, moved along beside them", -0.5, 10.0, 0.5},
             {"delay_s", "s", "by which the wall's bending lags its moment", -0.05, 2.0, 0.02}},

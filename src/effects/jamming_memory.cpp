@@ -84,7 +84,8 @@ std::unique_ptr<Effect> make_jamming_memory() {
       Info{"jamming_memory",
            "the jammed core keeps the shape in which the vacuum was applied",
            "M_core = K (u - share r), r the curvature at which the core's stiffness K came in",
-           "",
+           "jammed layers: Y. S. Narang, J. J. Vlassak, R. D. Howe, Adv. Funct. Mater. 28, 2018, "
+           "doi:10.1002/adfm.201707136",
            Family::kMemory,
            {{"share", "1", "of the curvature of that moment, that the core keeps", 0.0, 1.2, 0.5}},
            1,

@@ -104,7 +104,8 @@ std::unique_ptr<Effect> make_jamming_yield() {
       Info{"jamming_yield",
            "the jammed core slips when it is bent far",
            "M_core = K (1 - share) u + K share e, e = u - slipped, |e| <= yield",
-           "elastic and perfectly plastic element of Prandtl",
+           "elastic and perfectly plastic element of Prandtl; jammed layers: Y. S. Narang, J. J. Vlassak, R. "
+           "D. Howe, Adv. Funct. Mater. 28, 2018, doi:10.1002/adfm.201707136",
            Family::kMemory,
            {{"share", "1", "of the core that slips", 0.0, 1.0, 0.5},
             {"yield_per_m", "1/m", "elastic curvature at which it slips", 0.05, 100.0, 3.0}},

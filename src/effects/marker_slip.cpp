@@ -28,20 +28,20 @@ class MarkerSlip : public Described {
 }  // namespace
 
 std::unique_ptr<Effect> make_marker_slip() {
-  return std::make_unique<MarkerSlip>(
-      Info{"marker_slip",
-           "a ring sits elsewhere than the arm file says",
-           "x_body = x(s) + R(s) (x, y, z)",
-           "",
-           Family::kSensor,
-           {{"x_m", "m", "offset across the arm, along x of its section", -0.1, 0.1, 0.001},
-            {"y_m", "m", "offset across the arm, along y of its section", -0.1, 0.1, 0.001},
-            {"z_m", "m", "offset along the arm", -0.1, 0.1, 0.001},
-            {"body", "1", "its number, from the base", 1.0, 64.0, 1.0, true}},
-           3,
-           {"pressure_elongation"},
-           {},
-           true});
+  return std::make_unique<MarkerSlip>(Info{
+      "marker_slip",
+      "a ring sits elsewhere than the arm file says",
+      "x_body = x(s) + R(s) (x, y, z)",
+      "markers on a skin: A. Leardini et al., Gait & Posture 21, 2005, doi:10.1016/j.gaitpost.2004.05.002",
+      Family::kSensor,
+      {{"x_m", "m", "offset across the arm, along x of its section", -0.1, 0.1, 0.001},
+       {"y_m", "m", "offset across the arm, along y of its section", -0.1, 0.1, 0.001},
+       {"z_m", "m", "offset along the arm", -0.1, 0.1, 0.001},
+       {"body", "1", "its number, from the base", 1.0, 64.0, 1.0, true}},
+      3,
+      {"pressure_elongation"},
+      {},
+      true});
 }
 
 }  // namespace softarm::effects

@@ -21,7 +21,8 @@ std::unique_ptr<Effect> make_mass_distribution() {
       Info{"mass_distribution",
            "the arm's weight is not spread evenly: heavier or lighter towards the tip",
            "rho(s) = rho (1 + share (2 s / L - 1))",
-           "",
+           "weight of a rod: D. C. Rucker, R. J. Webster, IEEE Trans. Robotics 27, 2011, "
+           "doi:10.1109/TRO.2011.2160469",
            Family::kLoad,
            {{"share", "1", "by which it is heavier at the tip, and lighter at the base, than its mean", -1.0,
              1.0, 0.2}},

@@ -82,7 +82,7 @@ std::unique_ptr<Effect> make_mullins() {
       Info{"mullins",
            "the arm is stiffer when it is bent so far for the first time",
            "M = EI u (1 + share erfc((m^2 - u^2) / scale^2)), m the largest curvature so far",
-           "R. W. Ogden, D. G. Roxburgh, Proc. R. Soc. A 455, 1999, for bending",
+           "R. W. Ogden, D. G. Roxburgh, Proc. R. Soc. A 455, 1999, for bending, doi:10.1098/rspa.1999.0431",
            Family::kMemory,
            {{"share", "1", "by which it is stiffer then", 0.0, 3.0, 0.1},
             {"scale_per_m", "1/m", "difference of curvatures within which that is lost", 0.2, 50.0, 2.0}},

@@ -21,7 +21,8 @@ std::unique_ptr<Effect> make_payload_offset() {
       Info{"payload_offset",
            "the payload's centre is not where the arm file says",
            "force m g at x(L) + R(L) (offset of the arm file + (x, y, z))",
-           "",
+           "loads on a rod: D. C. Rucker, R. J. Webster, IEEE Trans. Robotics 27, 2011, "
+           "doi:10.1109/TRO.2011.2160469",
            Family::kLoad,
            {{"x_m", "m", "offset across the arm, along x of its section", -0.2, 0.2, 0.01},
             {"y_m", "m", "offset across the arm, along y of its section", -0.2, 0.2, 0.01},

@@ -20,7 +20,7 @@ std::unique_ptr<Effect> make_payload_scale() {
       Info{"payload_scale",
            "payloads weigh less or more than said",
            "m = m_said / (1 + share)",
-           "",
+           "errors of instruments: JCGM 100:2008, doi:10.59161/JCGM100-2008E",
            Family::kLoad,
            {{"share", "1", "by which what was said is more than what hangs there", -0.5, 1.0, 0.05}},
            1,

@@ -39,7 +39,8 @@ std::unique_ptr<Effect> make_pressure_dead_zone() {
       Info{"pressure_dead_zone",
            "small pressures do not bend the arm",
            "M = g (p - lost min(1, p / edge))",
-           "",
+           "chambers of a soft arm: A. D. Marchese, R. K. Katzschmann, D. Rus, Soft Robotics 2, 2015, "
+           "doi:10.1089/soro.2014.0022",
            Family::kActuation,
            {{"lost_pa", "Pa", "pressure that does not act", 0.0, 50e3, 3000.0},
             {"edge_pa", "Pa", "pressure from which on all of it is lost", 200.0, 50e3, 3000.0}},

@@ -32,7 +32,8 @@ std::unique_ptr<Effect> make_pressure_elongation() {
       "pressure_elongation",
       "the arm grows longer with the pressure, beyond what the arm file says",
       "L (1 + share p / 50 kPa), p the mean pressure",
-      "",
+      "length by pressures: P. Fairchild et al., ASME Lett. Dyn. Syst. Control 3, 2023, "
+      "doi:10.1115/1.4064090",
       Family::kActuation,
       {{"share", "1", "of the length, by which it grows up to a mean pressure of 50 kPa", -0.5, 2.0, 0.025}},
       1,

@@ -49,7 +49,8 @@ std::unique_ptr<Effect> make_pressure_lag() {
       Info{"pressure_lag",
            "pressures follow their command late, the later the faster it changes",
            "acting = u - (delay / time) (u - w), time dw/dt = u - w",
-           "line of first order",
+           "line of first order; pneumatics of a soft arm: A. D. Marchese, R. K. Katzschmann, D. Rus, Soft "
+           "Robotics 2, 2015, doi:10.1089/soro.2014.0022",
            Family::kActuation,
            {{"delay_s", "s", "by which they are late in slow ramps", 0.0, 30.0, 0.2},
             {"time_s", "s", "time constant with which they settle after a step", 0.02, 30.0, 0.3},

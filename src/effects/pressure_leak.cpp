@@ -93,7 +93,8 @@ std::unique_ptr<Effect> make_pressure_leak() {
       Info{"pressure_leak",
            "the real pressure falls below the commanded one",
            "acting = p (1 - share c), c = 1, or growing as 1 - exp(-t / time) while the command holds",
-           "",
+           "pneumatics of a soft arm: A. D. Marchese, R. K. Katzschmann, D. Rus, Soft Robotics 2, 2015, "
+           "doi:10.1089/soro.2014.0022",
            Family::kActuation,
            {{"share", "1", "of the pressure, that is lost in the end", 0.0, 0.95, 0.03},
             {"chamber", "1", "its number in the arm file's list of pressures; 0: all", 0.0, 64.0, 0.0, true},

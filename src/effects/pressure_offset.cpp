@@ -35,15 +35,16 @@ std::unique_ptr<Effect> make_pressure_offset() {
                           "by which sensor " + std::to_string(k) +
                               " of the arm file's list reads too high (of vacuum: the absolute pressure)",
                           -50e3, 50e3, 1000.0});
-  return std::make_unique<PressureOffset>(Info{"pressure_offset",
-                                               "pressure sensors do not read zero when there is no pressure",
-                                               "acting = published - offset, of each sensor",
-                                               "",
-                                               Family::kSensor,
-                                               parameters,
-                                               kMostSensors,
-                                               {"rest_curvature", "pressure_dead_zone", "base_tilt"},
-                                               {"moment_gain", "rest_curvature"}});
+  return std::make_unique<PressureOffset>(
+      Info{"pressure_offset",
+           "pressure sensors do not read zero when there is no pressure",
+           "acting = published - offset, of each sensor",
+           "errors of instruments: JCGM 100:2008, doi:10.59161/JCGM100-2008E",
+           Family::kSensor,
+           parameters,
+           kMostSensors,
+           {"rest_curvature", "pressure_dead_zone", "base_tilt"},
+           {"moment_gain", "rest_curvature"}});
 }
 
 }  // namespace softarm::effects

@@ -32,7 +32,7 @@ std::unique_ptr<Effect> make_pressure_stiffening() {
       "pressure_stiffening",
       "the bending stiffness changes with the pressure, beyond what the arm file says",
       "EI (1 + share p / 50 kPa), p the mean pressure",
-      "",
+      "M. Roshanfar et al., Micromachines 14, 2023, doi:10.3390/mi14050900",
       Family::kConstitutive,
       {{"share", "1", "of EI, by which it grows up to a mean pressure of 50 kPa", -0.9, 5.0, 0.15}},
       1,

@@ -64,7 +64,8 @@ std::unique_ptr<Effect> make_published_load_law() {
       Info{"published_load_law",
            "loads act as the papers print their moments, not as statics has them",
            "moment of a force F at L: share F sin theta(L) (w(L) - w(s)) + (1 - share) F (w(L) - w(s))",
-           "Physics-Informed Online Estimation of Stiffness and Shape, equations (2), (3)",
+           "Physics-Informed Online Estimation of Stiffness and Shape, equations (2), (3); the arm's model: "
+           "P. Fairchild et al., ASME Lett. Dyn. Syst. Control 3, 2023, doi:10.1115/1.4064090",
            Family::kLoad,
            {{"share", "1", "0: statics, 1: as printed", -0.5, 1.5, 0.5}},
            1,

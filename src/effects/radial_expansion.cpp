@@ -62,7 +62,8 @@ std::unique_ptr<Effect> make_radial_expansion() {
       "radial_expansion",
       "the arm grows wider, and stiffer, with the pressure",
       "r (1 + share p / 50 kPa), EI and GJ with r^2, p the mean pressure",
-      "",
+      "chambers of a soft arm: A. D. Marchese, R. K. Katzschmann, D. Rus, Soft Robotics 2, 2015, "
+      "doi:10.1089/soro.2014.0022",
       Family::kConstitutive,
       {{"share", "1", "of the radius, by which it grows up to a mean pressure of 50 kPa", 0.0, 2.0, 0.06}},
       1,

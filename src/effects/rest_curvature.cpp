@@ -34,7 +34,7 @@ std::unique_ptr<Effect> make_rest_curvature() {
       Info{"rest_curvature",
            "the arm is not straight when nothing drives or loads it",
            "M = EI (u - u_rest)",
-           "",
+           "S. S. Antman, Nonlinear Problems of Elasticity, 2005, doi:10.1007/0-387-27649-1",
            Family::kConstitutive,
            {{"towards_x_per_m", "1/m", "curvature at rest, towards the section's x", -50.0, 50.0, 0.3},
             {"towards_y_per_m", "1/m", "curvature at rest, towards the section's y", -50.0, 50.0, 0.3},

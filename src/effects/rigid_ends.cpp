@@ -37,7 +37,8 @@ std::unique_ptr<Effect> make_rigid_ends() {
       Info{"rigid_ends",
            "the ends of the arm do not bend: caps or clamps reach into it",
            "u = 0 for s < base and s > L - tip",
-           "",
+           "conditions along a rod: D. C. Rucker, R. J. Webster, IEEE Trans. Robotics 27, 2011, "
+           "doi:10.1109/TRO.2011.2160469",
            Family::kConstitutive,
            {{"base_m", "m", "length of what does not bend at the base", 0.0, 0.1, 0.01},
             {"tip_m", "m", "length of what does not bend at the tip", 0.0, 0.1, 0.01}},

@@ -21,7 +21,7 @@ std::unique_ptr<Effect> make_shear() {
       Info{"shear",
            "the arm shears under loads across it, more than the arm file says",
            "slope = V (1/GA + compliance), V the force across the arm",
-           "S. P. Timoshenko, Phil. Mag. 41, 1921",
+           "S. P. Timoshenko, Phil. Mag. 41, 1921, doi:10.1080/14786442108636264",
            Family::kConstitutive,
            {{"compliance_per_n", "1/N", "slope per force across the arm, 1/GA, beyond the arm file's", 0.0,
              0.2, 0.015}},

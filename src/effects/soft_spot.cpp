@@ -44,7 +44,7 @@ std::unique_ptr<Effect> make_soft_spot() {
       Info{"soft_spot",
            "the arm is softer over a short stretch",
            "EI (1 - share) for |s - centre| < width / 2",
-           "",
+           "S. S. Antman, Nonlinear Problems of Elasticity, 2005, doi:10.1007/0-387-27649-1",
            Family::kConstitutive,
            {{"share", "1", "by which EI is lower there", -1.0, 0.95, 0.3},
             {"centre_m", "m", "middle of the stretch, arclength from the base", 0.0, 10.0, 0.1},

@@ -24,7 +24,7 @@ std::unique_ptr<Effect> make_stiffness_taper() {
       Info{"stiffness_taper",
            "the bending stiffness is not the same all along: it falls or rises towards the tip",
            "EI(s) = EI (1 + share (2 s / L - 1))",
-           "",
+           "S. S. Antman, Nonlinear Problems of Elasticity, 2005, doi:10.1007/0-387-27649-1",
            Family::kConstitutive,
            {{"share", "1", "by which EI is higher at the tip, and lower at the base, than its mean", -0.9,
              0.9, 0.2}},

@@ -42,7 +42,7 @@ std::unique_ptr<Effect> make_strain_stiffening() {
       Info{"strain_stiffening",
            "the arm is stiffer where it is bent far",
            "M = EI u (1 + beta u^2)",
-           "S. S. Antman, Nonlinear Problems of Elasticity, 2005",
+           "S. S. Antman, Nonlinear Problems of Elasticity, 2005, doi:10.1007/0-387-27649-1",
            Family::kConstitutive,
            {{"beta_m2", "m^2", "beta in M = EI k (1 + beta k^2), k the curvature", 0.0, 0.05, 0.001}},
            1,

@@ -112,7 +112,8 @@ std::unique_ptr<Effect> make_tendon_friction() {
       Info{"tendon_friction",
            "tendons rub where the arm bends: their pull falls along it and comes back late",
            "T(s) between T exp(-mu angle) and T exp(mu angle), a play of log T",
-           "capstan equation of Euler and Eytelwein",
+           "capstan equation of Euler and Eytelwein; tendons of a rod: D. C. Rucker, R. J. Webster, IEEE "
+           "Trans. Robotics 27, 2011, doi:10.1109/TRO.2011.2160469",
            Family::kActuation,
            {{"coefficient", "1", "of friction", 0.0, 2.0, 0.15},
             {"turn", "1", "change of the logarithm of the tension that turns the friction, per angle", 0.02,

@@ -31,7 +31,8 @@ std::unique_ptr<Effect> make_tether() {
       Info{"tether",
            "something, a hose or a wire, pulls at the tip",
            "F = k (anchor - x(L))",
-           "",
+           "loads on a rod: D. C. Rucker, R. J. Webster, IEEE Trans. Robotics 27, 2011, "
+           "doi:10.1109/TRO.2011.2160469",
            Family::kLoad,
            {{"stiffness_n_per_m", "N/m", "of its pull", 0.0, 300.0, 2.0},
             {"anchor_x_m", "m", "place of its anchor along x, from the straight tip", -1.0, 1.0, 0.0},

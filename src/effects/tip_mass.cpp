@@ -20,7 +20,8 @@ std::unique_ptr<Effect> make_tip_mass() {
   return std::make_unique<TipMass>(Info{"tip_mass",
                                         "something hangs at the tip that the arm file does not have",
                                         "force m g at x(L)",
-                                        "",
+                                        "loads on a rod: D. C. Rucker, R. J. Webster, IEEE Trans. Robotics "
+                                        "27, 2011, doi:10.1109/TRO.2011.2160469",
                                         Family::kLoad,
                                         {{"mass_kg", "kg", "mass of what hangs there", 0.0, 2.0, 0.015}},
                                         1,

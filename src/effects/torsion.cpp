@@ -59,7 +59,8 @@ std::unique_ptr<Effect> make_torsion() {
       Info{"torsion",
            "the arm twists, under loads across its plane or with what drives it",
            "twist = T (1/GJ + compliance) + twist u / u_0, T the torque, u the mean of what drives",
-           "Saint-Venant's torsion",
+           "Saint-Venant's torsion; S. S. Antman, Nonlinear Problems of Elasticity, 2005, "
+           "doi:10.1007/0-387-27649-1",
            Family::kConstitutive,
            {{"compliance_per_nm2", "1/(N m^2)", "1/GJ beyond the arm file's", 0.0, 1e4, 30.0},
             {"twist_rad", "rad",

@@ -27,7 +27,8 @@ std::unique_ptr<Effect> make_vacuum_gain() {
       Info{"vacuum_gain",
            "what drives the arm bends it less under vacuum",
            "M0 (1 - share V / 60 kPa)",
-           "",
+           "arm with a jammed core: P. Fairchild et al., ASME Lett. Dyn. Syst. Control 3, 2023, "
+           "doi:10.1115/1.4064090",
            Family::kActuation,
            {{"share", "1", "of the moments, that is lost at a vacuum of 60 kPa", -1.0, 1.0, 0.1}},
            1,

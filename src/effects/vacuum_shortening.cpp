@@ -32,7 +32,8 @@ std::unique_ptr<Effect> make_vacuum_shortening() {
       Info{"vacuum_shortening",
            "the arm grows shorter with the vacuum",
            "L (1 - share V / 60 kPa)",
-           "",
+           "arm with a jammed core: P. Fairchild et al., ASME Lett. Dyn. Syst. Control 3, 2023, "
+           "doi:10.1115/1.4064090",
            Family::kActuation,
            {{"share", "1", "of the length, by which it shrinks up to a vacuum of 60 kPa", -0.3, 0.7, 0.01}},
            1,

@@ -5,13 +5,14 @@
 #include <string>
 
 #include "softarm/diagnose/diagnose.h"
+#include "softarm/report/report.h"
 
 namespace softarm::report {
 
 using Json = nlohmann::ordered_json;
 
 /// What report.json holds; numbers that are not finite are absent.
-Json report_json(const diagnose::Diagnosis& diagnosis);
+Json report_json(const diagnose::Diagnosis& diagnosis, const Origin& origin);
 
 /// Takes out what JSON has no number for: a key whose value is not finite goes, an element of a list becomes
 /// null.

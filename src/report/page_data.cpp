@@ -129,15 +129,17 @@ void add_description(Json& report, const diagnose::Diagnosis& d) {
     for (const diagnose::EffectValue& value : d.effects[i].parameters)
       effect["sizes"].push_back({label(value), diagnose::with_interval(value)});
   }
-  for (std::size_t i = 0; i < d.ranking.size(); ++i)
+  for (std::size_t i = 0; i < d.ranking.size(); ++i) {
     report["ranking"][i]["meaning"] = diagnose::finding_description(d.ranking[i]);
+    report["ranking"][i]["source"] = diagnose::source_of(d.ranking[i]);
+  }
 }
 
 }  // namespace
 
-Json page_data(const diagnose::Diagnosis& d) {
+Json page_data(const diagnose::Diagnosis& d, const Origin& origin) {
   Json json;
-  json["report"] = report_json(d);
+  json["report"] = report_json(d, origin);
   add_description(json["report"], d);
   json["units"] = Json::array();
   for (const diagnose::ShownUnit& unit : diagnose::shown_units())

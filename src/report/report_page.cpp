@@ -101,10 +101,10 @@ PageFiles read_page_files(const std::filesystem::path& folder) {
   return files;
 }
 
-std::string to_html(const diagnose::Diagnosis& diagnosis, const PageFiles& files) {
+std::string to_html(const diagnose::Diagnosis& diagnosis, const PageFiles& files, const Origin& origin) {
   const auto page = files.find(kPage);
   if (page == files.end()) throw std::invalid_argument("the report's page.html is missing");
-  const std::string data = inside_script(dump(page_data(diagnosis), -1));
+  const std::string data = inside_script(dump(page_data(diagnosis, origin), -1));
   const std::string nonce = nonce_of(data);
   return filled_in(page->second, [&](const std::string& place) -> std::string {
     if (place == "title") return escaped(as_utf8(diagnosis.arm));

@@ -103,9 +103,16 @@ Json json_of(const diagnose::Rung& rung) {
           {"chi2_per_dof", rung.chi2_per_dof}};
 }
 
+Json json_of(const Origin& origin) {
+  Json json{{"command", origin.command}, {"date", origin.date}, {"files", Json::array()}};
+  for (const auto& [name, sha256] : origin.sha256)
+    json["files"].push_back({{"name", name}, {"sha256", sha256}});
+  return json;
+}
+
 }  // namespace
 
-Json report_json(const diagnose::Diagnosis& d) {
+Json report_json(const diagnose::Diagnosis& d, const Origin& origin) {
   Json json{{"format", 1}, {"verdict", to_string(d.verdict)}, {"noise_floor_m", d.noise_floor_m}};
   json["baseline"] = json_of(d.baseline);
   json["extended"] = json_of(d.extended);
@@ -134,6 +141,7 @@ Json report_json(const diagnose::Diagnosis& d) {
 
   json["arm"] = d.arm;
   if (!d.version.empty()) json["version"] = d.version;
+  if (!origin.command.empty()) json["origin"] = json_of(origin);
   json["summary"] = d.summary;
   if (d.ceiling_rms_m > 0.0) {
     json["ceiling_rms_m"] = d.ceiling_rms_m;
@@ -184,8 +192,8 @@ std::string dump(const Json& json, int indent) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
-std::string to_json(const diagnose::Diagnosis& diagnosis) {
-  return dump(report_json(diagnosis), 2) + "\n";
+std::string to_json(const diagnose::Diagnosis& diagnosis, const Origin& origin) {
+  return dump(report_json(diagnosis, origin), 2) + "\n";
 }
 
 }  // namespace softarm::report

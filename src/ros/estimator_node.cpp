@@ -50,6 +50,7 @@ EstimatorNode::EstimatorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
       estimator_(params.arm, params.options, params.effects),
       assembler_(params.arm, assembler_params()),
       overload_(params.overload_latency_s),
+      base_in_mocap_(params.arm.base.fixed_pose),
       updater_(nh_, private_nh_, ros::this_node::getName()) {
   for (const arm::MeasuredBody& body : params_.arm.bodies) body_names_.push_back(body.name);
   if (const std::string note = estimate::advice(params.options); !note.empty()) ROS_WARN("%s", note.c_str());
@@ -194,6 +195,7 @@ void EstimatorNode::publish(const estimate::Estimate& estimate, const trial::Fra
   statistics_.add(estimate, (ros::Time::now() - context.stamp).toSec(), solve_time_s, body_names_);
 
   const bool ok = estimate.status == estimate::Status::kOk && !estimate.backbone.empty();
+  if (ok) base_in_mocap_ = estimate.base_in_mocap;
   if (ok && params_.publish_tf) {
     tf2_msgs::TFMessage transforms;
     transforms.transforms = to_transforms(estimate, context);

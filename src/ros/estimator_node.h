@@ -56,7 +56,7 @@ class EstimatorNode {
   struct Source {
     InputTopic input;
     ros::Subscriber subscriber;
-    std::uint64_t messages = 0;
+    std::uint64_t messages = 0, messages_before = 0;  // until now, and at the last diagnostics
     std::optional<std::uint32_t> sequence;
   };
 
@@ -86,6 +86,8 @@ class EstimatorNode {
   void diagnose_silent_topics(diagnostic_updater::DiagnosticStatusWrapper& status);
   bool is_needed(int input) const;
   void on_diagnostics_timer();
+  void show_waiting();
+  std::string waiting_for() const;
 
   ros::NodeHandle nh_, private_nh_;
   NodeParams params_;
@@ -108,6 +110,8 @@ class EstimatorNode {
   tf2_ros::TransformBroadcaster tf_;
   std::vector<ros::ServiceServer> services_;
   std::optional<double> last_marker_s_;
+  Eigen::Isometry3d base_in_mocap_;   // of the last estimate
+  ros::Time clock_;                   // at the last diagnostics
   std::optional<double> payload_kg_;  // of the last frame
 
   NodeStatistics statistics_;

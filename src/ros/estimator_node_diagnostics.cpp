@@ -1,12 +1,15 @@
 // What the estimator node says of itself on /diagnostics.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <ros/master.h>
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "estimator_node.h"
 #include "input_topics.h"
+#include "labels.h"
 #include "master_watch.h"
 #include "math/statistics.h"
 #include "softarm/arm/arm_file.h"
@@ -49,6 +52,7 @@ void EstimatorNode::on_diagnostics_timer() {
   silent_s_ = statistics_.period.frames > 0 ? 0.0 : silent_s_ + period_s_;
   updater_.force_update();
   ++diagnostics_count_;
+  show_waiting();
   statistics_.period = {};
   rejected_before_ = assembler_.rejected();
   dropped_before_ = assembler_.dropped_frames();
@@ -57,6 +61,33 @@ void EstimatorNode::on_diagnostics_timer() {
   time_jumps_before_ = assembler_.time_jumps();
   not_finite_before_ = statistics_.not_finite_messages;
   lost_before_ = total(statistics_.lost);
+  for (const auto& source : sources_) source->messages_before = source->messages;
+}
+
+std::string EstimatorNode::waiting_for() const {
+  constexpr std::size_t kNamed = 3;
+  if (ros::Time::isSimTime() && ros::Time::now().isZero()) return "/clock (use_sim_time is set)";
+  std::vector<std::string> silent;
+  for (const auto& source : sources_) {
+    if (source->messages == source->messages_before) silent.push_back(nh_.resolveName(source->input.topic));
+  }
+  if (silent.empty()) return "frames: messages come, but make none (see /diagnostics)";
+  const std::size_t more = silent.size() - std::min(silent.size(), kNamed);
+  if (more > 0) silent.resize(kNamed);
+  return fmt::format("{}{}", fmt::join(silent, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
+}
+
+void EstimatorNode::show_waiting() {
+  const ros::Time before = std::exchange(clock_, ros::Time::now());
+  if (statistics_.period.frames > 0 || params_.marker_rate_hz <= 0.0 ||
+      markers_publisher_.getNumSubscribers() == 0)
+    return;
+  const bool seen = assembler_.frames_seen() > 0;
+  if (seen && ros::Time::isSimTime() && clock_ == before) return;  // a recording is over: the picture stays
+  const std::string since = seen ? fmt::format("no frames for {:.0f} s, ", silent_s_) : "";
+  const MessageContext context{params_.arm, estimator_.options(), params_.frames, clock_};
+  publish_finite(markers_publisher_,
+                 waiting_markers(since + "waiting for " + waiting_for(), base_in_mocap_, context));
 }
 
 void EstimatorNode::diagnose_frames(DiagnosticStatusWrapper& status) {

@@ -1,7 +1,5 @@
 #include "markers.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +8,7 @@
 #include "arm/actuators/actuator.h"
 #include "backbone_sampling.h"
 #include "conversions.h"
+#include "labels.h"
 #include "tube.h"
 
 namespace softarm {
@@ -22,15 +21,6 @@ constexpr double kFullScale_rad = 2.5;  // an arm bent evenly by so much is all 
 constexpr int kTubeSections = 48;
 constexpr int kRingSides = 48;
 constexpr int kTendonPieces = 24;
-
-std_msgs::ColorRGBA color(double r, double g, double b, double a) {
-  std_msgs::ColorRGBA c;
-  c.r = static_cast<float>(r);
-  c.g = static_cast<float>(g);
-  c.b = static_cast<float>(b);
-  c.a = static_cast<float>(a);
-  return c;
-}
 
 Marker marker(const estimate::Estimate& estimate, const MessageContext& context, const char* ns, int type) {
   Marker m;
@@ -50,9 +40,14 @@ void set_scale(Marker& m, double size) {
   m.scale.x = m.scale.y = m.scale.z = size;
 }
 
+/// Curvature that is all red, 1/m.
+double full_scale(const arm::Arm& arm) {
+  return kFullScale_rad / arm.total_length_m();
+}
+
 Marker backbone_tube(const estimate::Estimate& estimate, const MessageContext& context) {
   Marker m = marker(estimate, context, "backbone", Marker::TRIANGLE_LIST);
-  const double full_scale_per_m = kFullScale_rad / context.arm.total_length_m();
+  const double full_scale_per_m = full_scale(context.arm);
   std::vector<TubeSection> sections;
   for (const estimate::BackbonePoint& point : resample_backbone(estimate.backbone, kTubeSections)) {
     const double bend = point.curvature_per_m.head<2>().norm() / full_scale_per_m;
@@ -118,13 +113,13 @@ std::array<Marker, 3> points(const estimate::Estimate& estimate, const MessageCo
   set_scale(measured, 0.045 * unit_m);
   Marker estimated = marker(estimate, context, "estimated", Marker::SPHERE_LIST);
   set_scale(estimated, 0.03 * unit_m);
-  estimated.color = color(0.15, 0.85, 0.95, 1.0);
+  estimated.color = kEstimatedColor;
   Marker lines = marker(estimate, context, "residuals", Marker::LINE_LIST);
   lines.scale.x = 0.012 * unit_m;
   lines.color = color(1.0, 0.15, 0.25, 1.0);
   for (const estimate::BodyResidual& residual : estimate.residuals) {
     measured.points.push_back(to_point(residual.measured_base));
-    measured.colors.push_back(residual.used ? color(1.0, 0.65, 0.1, 1.0) : color(0.6, 0.6, 0.6, 1.0));
+    measured.colors.push_back(residual.used ? kMeasuredColor : color(0.6, 0.6, 0.6, 1.0));
     estimated.points.push_back(to_point(residual.estimated_base));
     lines.points.push_back(measured.points.back());
     lines.points.push_back(estimated.points.back());
@@ -154,57 +149,11 @@ Marker payload_arrow(const estimate::Estimate& estimate, const MessageContext& c
   m.scale.y = 0.08 * unit_m;
   m.scale.z = std::min(0.1 * unit_m, 0.5 * length_m);
   const bool sure = context.options.unknown == arm::Unknown::kStiffness || estimate.identifiable_payload;
-  m.color = sure ? color(0.75, 0.45, 1.0, 1.0) : color(0.6, 0.6, 0.6, 0.8);
-  return m;
-}
-
-Marker text(const estimate::Estimate& estimate, const MessageContext& context) {
-  Marker m = marker(estimate, context, "text", Marker::TEXT_VIEW_FACING);
-  const double unit_m = context.arm.total_length_m();
-  m.text = estimate_text(estimate, context.arm, context.options);
-  m.scale.z = 0.075 * unit_m;
-  if (estimate.status != estimate::Status::kOk) m.color = color(1.0, 0.35, 0.3, 1.0);
-  // Behind the base, or above it where the arm is level: the arm does not get there.
-  Eigen::Vector3d at = estimate.base_in_mocap * Eigen::Vector3d(0.0, 0.0, -0.22 * unit_m);
-  const Eigen::Vector3d up = -context.arm.gravity_m_s2.normalized();
-  const bool level = std::abs(estimate.base_in_mocap.linear().col(2).dot(up)) < 0.5;
-  if (level && up.allFinite())
-    at = estimate.base_in_mocap * Eigen::Vector3d(0.0, 0.0, 0.35 * unit_m) + 0.5 * unit_m * up;
-  m.pose = to_pose(at, Eigen::Quaterniond::Identity());
+  m.color = sure ? kPayloadColor : color(0.6, 0.6, 0.6, 0.8);
   return m;
 }
 
 }  // namespace
-
-std::string estimate_text(const estimate::Estimate& estimate, const arm::Arm& arm,
-                          const arm::EstimatorOptions& options) {
-  if (estimate.status != estimate::Status::kOk) {
-    return "no estimate: " + (estimate.detail.empty() ? to_string(estimate.status) : estimate.detail);
-  }
-  std::string lines;
-  for (std::size_t i = 0; i < estimate.segments.size(); ++i) {
-    const estimate::SegmentEstimate& segment = estimate.segments[i];
-    const std::string name = estimate.segments.size() > 1 ? arm.segments.at(i).name + ": " : "";
-    if (options.unknown == arm::Unknown::kPayload && segment.bending_stiffness_nm2) {
-      lines += fmt::format("{}EI {:.3g} mN m² (known)\n", name, 1e3 * *segment.bending_stiffness_nm2);
-    } else if (segment.identifiable_stiffness && segment.bending_stiffness_nm2 &&
-               segment.sd_bending_stiffness_nm2) {
-      lines += fmt::format("{}EI {:.3g} ± {:.2g} mN m²\n", name, 1e3 * *segment.bending_stiffness_nm2,
-                           1e3 * *segment.sd_bending_stiffness_nm2);
-    } else {
-      lines += name + "EI not identifiable in this frame\n";
-    }
-  }
-  if (options.unknown == arm::Unknown::kStiffness && estimate.payload_kg) {
-    lines += fmt::format("payload {:.1f} g (known)", 1e3 * *estimate.payload_kg);
-  } else if (estimate.identifiable_payload && estimate.payload_kg && estimate.sd_payload_kg) {
-    lines +=
-        fmt::format("payload {:.1f} ± {:.1f} g", 1e3 * *estimate.payload_kg, 1e3 * *estimate.sd_payload_kg);
-  } else {
-    lines += "payload not identifiable in this frame";
-  }
-  return lines;
-}
 
 visualization_msgs::MarkerArray to_markers(const estimate::Estimate& estimate,
                                            const MessageContext& context) {
@@ -215,6 +164,8 @@ visualization_msgs::MarkerArray to_markers(const estimate::Estimate& estimate,
     if (const auto m = tendons(estimate, context)) array.markers.push_back(*m);
     for (const Marker& m : points(estimate, context)) array.markers.push_back(m);
     array.markers.push_back(payload_arrow(estimate, context));
+    for (const Marker& m : key_markers(full_scale(context.arm), estimate.base_in_mocap, context))
+      array.markers.push_back(m);
   } else {
     for (const char* ns : {"backbone", "rings", "tendons", "measured", "estimated", "residuals", "payload"}) {
       Marker gone = marker(estimate, context, ns, Marker::SPHERE);
@@ -222,7 +173,10 @@ visualization_msgs::MarkerArray to_markers(const estimate::Estimate& estimate,
       array.markers.push_back(gone);
     }
   }
-  array.markers.push_back(text(estimate, context));
+  const bool trouble = estimate.status != estimate::Status::kOk;
+  const std::string words = estimate_text(estimate, context.arm, context.options);
+  for (const Marker& m : text_lines(words, trouble, estimate.base_in_mocap, context))
+    array.markers.push_back(m);
   return array;
 }
 

@@ -6,6 +6,7 @@
 
 #include "backbone_sampling.h"
 #include "conversions.h"
+#include "labels.h"
 #include "tube.h"
 
 namespace softarm {
@@ -16,6 +17,7 @@ using visualization_msgs::Marker;
 constexpr double kMismatchLifetime_s = 0.5;
 constexpr double kShortest = 0.06;  // of the arm: a sleeve that can be seen
 constexpr int kSections = 12;
+constexpr std::size_t kAlarmWidth = 22;
 
 Marker marker(const MessageContext& context, const char* ns, int type) {
   Marker m;
@@ -57,34 +59,13 @@ Marker sleeve(const monitor::Mismatch& mismatch, const estimate::Estimate& estim
   return m;
 }
 
-/// Words in lines short enough for a label.
-std::string in_lines(const std::string& words) {
-  constexpr std::size_t kWidth = 22;
-  std::string text;
-  std::size_t line = 0;
-  for (std::size_t at = 0; at < words.size();) {
-    const std::size_t end = std::min(words.find(' ', at), words.size());
-    if (line > 0 && line + end - at >= kWidth) {
-      text += '\n';
-      line = 0;
-    } else if (line > 0) {
-      text += ' ';
-      ++line;
-    }
-    text += words.substr(at, end - at);
-    line += end - at;
-    at = end + 1;
-  }
-  return text;
-}
-
-Marker label(const monitor::Mismatch& mismatch, const estimate::Estimate& estimate,
-             const MessageContext& context) {
+Marker alarm_label(const monitor::Mismatch& mismatch, const estimate::Estimate& estimate,
+                   const MessageContext& context) {
   Marker m = marker(context, "alarm", Marker::TEXT_VIEW_FACING);
   const double unit_m = context.arm.total_length_m();
   m.scale.z = 0.07 * unit_m;
   const double since_s = mismatch.onset_s ? std::max(0.0, mismatch.stamp_s - *mismatch.onset_s) : 0.0;
-  m.text = in_lines(mismatch.description) + fmt::format("\n{:.1f} s ago", since_s);
+  m.text = in_lines(mismatch.description, kAlarmWidth) + fmt::format("\n{:.1f} s ago", since_s);
   // Beside the place, off the arm's plane where it bends down or up: level and away from the base's axis.
   const estimate::BackbonePoint at = backbone_at(estimate.backbone, mismatch.s_m);
   const Eigen::Vector3d place = estimate.base_in_mocap * at.p_base;
@@ -128,7 +109,7 @@ visualization_msgs::MarkerArray to_markers(const monitor::Mismatch& mismatch,
   visualization_msgs::MarkerArray array;
   if (!mismatch.alarm) return array;
   array.markers.push_back(sleeve(mismatch, estimate, context));
-  array.markers.push_back(label(mismatch, estimate, context));
+  array.markers.push_back(alarm_label(mismatch, estimate, context));
   return array;
 }
 

@@ -52,6 +52,15 @@ TEST(WorkedExample, ABaseThatYieldsIsFoundAndStiffnessCorrected) {
   }
   EXPECT_LT(written["extended"]["held_out_rms_m"].get<double>(),
             0.8 * written["baseline"]["held_out_rms_m"].get<double>());
+
+  const auto& origin = written["origin"];
+  EXPECT_THAT(origin["command"].get<std::string>(),
+              ::testing::StartsWith("softarm diagnose --arm " + fitted));
+  ASSERT_GT(origin["files"].size(), 1U);
+  EXPECT_EQ(origin["files"][0]["name"], fitted);
+  const std::string sum = folder / "sum";
+  ASSERT_EQ(std::system(("sha256sum < " + fitted + " > " + sum).c_str()), 0);
+  EXPECT_EQ(origin["files"][0]["sha256"], text_of(sum).substr(0, 64));
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ window.dispatchEvent(new Event('afterprint'));
 const seen = document.documentElement.dataset;
 seen.sections = [...document.querySelectorAll('section')].map(one => one.id).join(' ');
 seen.svgs = [...document.querySelectorAll('.picture')].map(one => one.querySelectorAll('.main-svg .trace, .main-svg .points').length > 0 ? 1 : 0).join('');
-seen.foreign = document.querySelectorAll('#page img, #page script, #page iframe, #page a:not([href^="#"]):not(.modebar-btn), [onerror]').length;
+seen.foreign = document.querySelectorAll('#page img, #page script, #page iframe, #page a:not([href^="#"]):not(.modebar-btn):not([href^="https://doi.org/10."]):not([href^="https://openlibrary.org/isbn/"]), [onerror]').length;
 seen.loaded = performance.getEntriesByType('resource').length;
 seen.chosen = document.querySelectorAll('select option').length;
 setTimeout(() => {  // the last choice is a film
@@ -48,12 +48,23 @@ setTimeout(() => {  // the last choice is a film
   setTimeout(() => { play.click(); seen.moved = at() > 0 ? 'yes' : 'no'; seen.errors = errors.join(' | '); }, 1000);
 }, 100);
 seen.beyond = document.documentElement.scrollWidth - document.documentElement.clientWidth;
-seen.clipped = [...document.querySelectorAll('.xtitle, .ytitle')].filter(title => {
+seen.widest = [...document.querySelectorAll('#page *:not(.picture *)')].map(one => [one.getBoundingClientRect().right, one.tagName + '.' + one.className])
+  .sort((a, b) => b[0] - a[0]).slice(0, 3).join(' ');
+seen.width = innerWidth;
+seen.pushed = [...document.querySelectorAll('.scroll')].filter(table => table.scrollWidth > table.clientWidth).length;
+const places = (place, what) => [...place.querySelectorAll(what)].map(one => one.getBoundingClientRect()).filter(one => one.width > 0);
+const meet = (a, b) => Math.min(a.right, b.right) - Math.max(a.left, b.left) > 3 && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 3;
+seen.overlapping = [...document.querySelectorAll('.picture')].filter(place =>
+  places(place, '.legend .legendtext').some(one => places(place, '.annotation text').some(other => meet(one, other)))).length;
+seen.links = document.querySelectorAll('#ranking td a[href^="https://"]').length;
+seen.names = document.querySelectorAll('#page bdi').length;
+seen.clipped = [...document.querySelectorAll('.xtitle, .ytitle, .legendtext, .annotation text')].filter(title => {
   const words = title.getBoundingClientRect(), place = title.closest('.picture').getBoundingClientRect();
-  return words.left < place.left - 1 || words.right > place.right + 1;
-}).length;
+  return words.left < place.left - 1 || words.right > place.right + 1 || words.top < place.top - 1;
+}).map(title => title.textContent).join(' | ');
 seen.copies = [...document.querySelectorAll('.copy')].map(one => one.textContent.length > 0 ? 1 : 0).join('');
 seen.description = document.getElementById('page').innerText.length;
+if (parent !== self) setInterval(() => Object.assign(parent.document.documentElement.dataset, seen), 50);
 )";
 
 std::string browser() {
@@ -73,18 +84,30 @@ report::PageFiles page_files(bool with_plots) {
   return files;
 }
 
+constexpr int kNarrowest = 500;  // window of the browser
+
+const report::Origin kOrigin{"softarm diagnose --arm arm.yaml 'trial 1.bag' --out report",
+                             "2026-05-04T12:30Z",
+                             {{"arm.yaml", std::string(64, 'a')}, {"trial 1.bag", std::string(64, 'b')}}};
+
 /// The page's <html ...> after its scripts ran.
 std::string opened(const diagnose::Diagnosis& d, bool with_plots, int width = 1280) {
   const fs::path folder = fs::path(::testing::TempDir()) / fmt::format("report_{}_{}", getpid(), with_plots);
   fs::create_directories(folder);
-  std::ofstream(folder / "report.html") << report::to_html(d, page_files(with_plots));
+  std::ofstream(folder / "report.html") << report::to_html(d, page_files(with_plots), kOrigin);
+  // A browser's own window is never as narrow as a telephone's.
+  std::ofstream(folder / "frame.html") << fmt::format(
+      "<html><body><iframe src='report.html' "
+      "style='width:{}px;height:700px;border:0'></iframe></body></html>",
+      width);
   const std::string command = fmt::format(
       "timeout 100 {} --headless --no-sandbox --disable-gpu --disable-extensions "
       "--disable-background-networking "
-      "--no-first-run --user-data-dir='{}' --host-resolver-rules='MAP * ~NOTFOUND' --window-size={},720 "
+      "--no-first-run --allow-file-access-from-files --user-data-dir='{}' --host-resolver-rules='MAP * "
+      "~NOTFOUND' --window-size={},720 "
       "--virtual-time-budget=3000 --dump-dom 'file://{}' 2> '{}'",
-      browser(), (folder / "profile").string(), width, (folder / "report.html").string(),
-      (folder / "errors").string());
+      browser(), (folder / "profile").string(), std::max(width, kNarrowest),
+      (folder / (width < kNarrowest ? "frame.html" : "report.html")).string(), (folder / "errors").string());
   std::FILE* pipe = popen(command.c_str(), "r");
   std::string dom;
   char buffer[65536];
@@ -107,7 +130,7 @@ class ReportInBrowser : public ::testing::Test {
 
 constexpr const char* kAll =
     "effects small next held-out shifts tip arm along time inputs ranking ladder parameter_variation left "
-    "trials go-on notes";
+    "trials go-on notes origin";
 
 TEST_F(ReportInBrowser, DrawsEverythingWhateverTheNamesAre) {
   if (std::string(SOFTARM_PLOTLY).empty()) GTEST_SKIP() << "no plotly.js";
@@ -125,16 +148,21 @@ TEST_F(ReportInBrowser, DrawsEverythingWhateverTheNamesAre) {
               // inputs, 3 axes
               HasSubstr("data-chosen=\"47\""));
   EXPECT_THAT(html, HasSubstr("data-moved=\"yes\""));
-  EXPECT_THAT(html, HasSubstr("data-copies=\"11\""));
+  EXPECT_THAT(html, HasSubstr("data-links=\"10\""));  // all effects of this arm
+  EXPECT_THAT(html, Not(HasSubstr("data-names=\"0\"")));
+  EXPECT_THAT(html, HasSubstr("data-copies=\"111\""));
 }
 
 TEST_F(ReportInBrowser, IsWholeInANarrowWindow) {
   if (std::string(SOFTARM_PLOTLY).empty()) GTEST_SKIP() << "no plotly.js";
-  const std::string html = opened(testing::example_diagnosis(), true, 500);
+  const std::string html = opened(testing::example_diagnosis(), true, 400);
+  EXPECT_THAT(html, HasSubstr("data-width=\"400\""));
   EXPECT_THAT(html, HasSubstr("data-errors=\"\""));
   EXPECT_THAT(html, HasSubstr("data-plots=\"10\""));
   EXPECT_THAT(html, HasSubstr("data-beyond=\"0\""));
-  EXPECT_THAT(html, HasSubstr("data-clipped=\"0\""));
+  EXPECT_THAT(html, HasSubstr("data-clipped=\"\""));
+  EXPECT_THAT(html, HasSubstr("data-pushed=\"0\""));
+  EXPECT_THAT(html, HasSubstr("data-overlapping=\"0\""));
 }
 
 TEST_F(ReportInBrowser, EmptyPartsAndNoPlotsStayReadable) {
@@ -148,7 +176,7 @@ TEST_F(ReportInBrowser, EmptyPartsAndNoPlotsStayReadable) {
   const std::string html = opened(d, false);
   EXPECT_THAT(html, HasSubstr("data-errors=\"\""));
   EXPECT_THAT(html, HasSubstr("data-plots=\"0\""));
-  EXPECT_THAT(html, HasSubstr("data-sections=\"held-out ranking ladder left trials\""));
+  EXPECT_THAT(html, HasSubstr("data-sections=\"held-out ranking ladder left trials origin\""));
   EXPECT_THAT(html, Not(HasSubstr("data-words=\"0\"")));
 }
 

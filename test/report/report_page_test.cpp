@@ -5,6 +5,7 @@
 #include <regex>
 #include <stdexcept>
 
+#include "effects/catalogue.h"
 #include "example_diagnosis.h"
 #include "hostile_names.h"
 #include "softarm/report/report.h"
@@ -65,6 +66,18 @@ TEST(ReportPage, HoldsWhatThePicturesNeed) {
               d.trials[0].film[3].bodies_after[5].x(), 5e-6);
   EXPECT_EQ(data["report"]["next_command"], d.next_command);
   EXPECT_EQ(data["parameter_variation"][0]["parameter"], "EI");
+}
+
+TEST(ReportPage, EveryEffectHasASourceWithALink) {
+  // What cited() of config/report/basics.js makes a link of.
+  const std::regex link(R"(\b(doi:10\.\d{4,}/[-\w.()/]+|isbn:\d{9}[\dX])$)");
+  for (const auto& effect : effects::catalogue())
+    EXPECT_TRUE(std::regex_search(effect->info().source, link))
+        << effect->info().id << ": '" << effect->info().source << "'";
+  const nlohmann::json data =
+      data_of(report::to_html(testing::example_diagnosis(), report::read_page_files(kFolder)));
+  for (const auto& candidate : data["report"]["ranking"])
+    EXPECT_TRUE(std::regex_search(candidate["source"].get<std::string>(), link)) << candidate["name"];
 }
 
 TEST(ReportPage, NumbersThatAreNoneAreAbsent) {

@@ -95,6 +95,15 @@ TEST(ToJson, AbsentIsAbsent) {
   EXPECT_TRUE(json::parse(report::to_json(diagnose::Diagnosis()))["effects"].is_array());
 }
 
+TEST(ToJson, SaysWhereItComesFrom) {
+  const report::Origin origin{"softarm diagnose 'a b.bag'", "2026-05-04T12:30Z", {{"a b.bag", "0123"}}};
+  const json report = json::parse(report::to_json(testing::example_diagnosis(), origin));
+  EXPECT_EQ(report["origin"], (json{{"command", "softarm diagnose 'a b.bag'"},
+                                    {"date", "2026-05-04T12:30Z"},
+                                    {"files", {{{"name", "a b.bag"}, {"sha256", "0123"}}}}}));
+  EXPECT_FALSE(json::parse(report::to_json(testing::example_diagnosis())).contains("origin"));
+}
+
 TEST(ToJson, NumbersThatAreNoneAreLeftOut) {
   diagnose::Diagnosis d = testing::example_diagnosis();
   d.noise_floor_m = kNan;

@@ -60,6 +60,7 @@ class Faults(unittest.TestCase):
         self.assertIn("no frames yet", self.listener.task("frames").message)
         self.assertEqual(self.listener.value("inputs", "body ring_2"), "never seen")
         self.assertEqual(self.listener.value("inputs", "topic /mocap/ring_2/pose"), "no message yet")
+        self.assertIn("waiting for /mocap/", " ".join(m.text for m in self.listener.newest_markers()))
 
     def test_b_late_start_of_a_publisher(self):
         estimates = self.feed(240, lambda body, k, m: None if body == "ring_1" and k < 180 else m)
@@ -87,7 +88,7 @@ class Faults(unittest.TestCase):
         tip = estimates[-1].backbone[-1].position
         self.assertLess(abs((tip.x ** 2 + tip.y ** 2 + tip.z ** 2) ** 0.5 - 0.19), 0.01)
         self.assertEqual({m.ns for m in self.listener.newest_markers()},
-                         {"backbone", "rings", "measured", "estimated", "residuals", "payload", "text"})
+                         {"backbone", "rings", "measured", "estimated", "residuals", "payload", "scale", "legend", "text"})
 
     def test_d_lost_and_returning_body(self):
         feeding = threading.Thread(
@@ -254,6 +255,9 @@ class Faults(unittest.TestCase):
         self.assertTrue(self.listener.wait(
             lambda: self.listener.task("frames").level == DiagnosticStatus.ERROR and
             "no frames for" in self.listener.task("frames").message, 4.0))
+        shown = lambda: " ".join(m.text for m in self.listener.newest_markers() if m.ns == "text")
+        self.assertTrue(self.listener.wait(lambda: "waiting for" in shown(), 4.0), shown())
+        self.assertRegex(shown(), r"no frames for \d+ s, waiting for /mocap/base/pose, .* more")
 
 
 if __name__ == "__main__":

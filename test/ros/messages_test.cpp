@@ -1,5 +1,5 @@
 // Estimates as messages and markers, and the guard against what is not finite.
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <cmath>
 #include <limits>
@@ -9,6 +9,7 @@
 #include "ros/backbone_sampling.h"
 #include "ros/estimate_message.h"
 #include "ros/finite.h"
+#include "ros/labels.h"
 #include "ros/markers.h"
 
 namespace softarm {
@@ -50,6 +51,10 @@ estimate::Estimate quarter_circle() {
   segment.bending_stiffness_nm2 = 0.0312;
   segment.sd_bending_stiffness_nm2 = 0.0021;
   segment.identifiable_stiffness = true;
+  segment.direction_rad = -0.52341;
+  segment.sd_direction_rad = 0.0231;
+  segment.length_m = 0.20134;
+  segment.sd_length_m = 0.00042;
   estimate.segments.push_back(segment);
   estimate.payload_kg = 0.2;
   estimate::BodyResidual residual;
@@ -72,6 +77,20 @@ std::set<std::string> namespaces(const visualization_msgs::MarkerArray& array, i
     if (marker.action == action) names.insert(marker.ns);
   }
   return names;
+}
+
+/// Of the markers `text`, with the lines from top to bottom.
+std::string text_of(const visualization_msgs::MarkerArray& array) {
+  std::string text;
+  double above = 1e9;
+  for (const auto& marker : array.markers) {
+    if (marker.ns != "text") continue;
+    EXPECT_EQ(marker.text.find('\n'), std::string::npos) << "rviz sets lines apart by a height of its own";
+    EXPECT_LT(marker.pose.position.z, above);
+    above = marker.pose.position.z;
+    text += (text.empty() ? "" : "\n") + marker.text;
+  }
+  return text;
 }
 
 TEST(BackboneSampling, FollowsACircleBetweenItsPointsAndHoldsTheEnds) {
@@ -158,15 +177,55 @@ TEST(EstimateMessage, TransformsAreBaseRingsAndTip) {
 TEST(Markers, ShowShapePointsLoadAndNumbers) {
   Fixture f;
   const auto array = to_markers(quarter_circle(), f.context);
-  const std::set<std::string> all{"backbone",  "rings",   "measured", "estimated",
-                                  "residuals", "payload", "text"};
+  const std::set<std::string> all{"backbone", "rings", "measured", "estimated", "residuals",
+                                  "payload",  "scale", "legend",   "text"};
   EXPECT_EQ(namespaces(array, visualization_msgs::Marker::ADD), all);
   for (const auto& marker : array.markers) {
     EXPECT_EQ(marker.header.frame_id, "mocap");
     EXPECT_GT(marker.lifetime.toSec(), 0.0);
     EXPECT_TRUE(marker.colors.empty() || marker.colors.size() == marker.points.size());
   }
-  EXPECT_EQ(array.markers.back().text, "EI 31.2 ± 2.1 mN m²\npayload 200.0 g (known)");
+  EXPECT_EQ(text_of(array),
+            "arm\nEI 31.2 ± 2.1 mN m²\nφ -30.0 ± 1.3°   L 201.34 ± 0.42 mm\npayload 200.0 g (known)");
+}
+
+TEST(Markers, FiguresHaveTwoSignificantDigitsOfTheirStandardDeviation) {
+  EXPECT_EQ(plus_minus(26.4312, 3.3123), "26.4 ± 3.3");
+  EXPECT_EQ(plus_minus(201.3, 0.04213), "201.300 ± 0.042");
+  EXPECT_EQ(plus_minus(1234.5, 231.0), "1230 ± 230");
+  EXPECT_EQ(plus_minus(1.0, 0.0996), "1.00 ± 0.10");
+  EXPECT_EQ(plus_minus(-0.001, 9.96), "0 ± 10");
+  EXPECT_EQ(plus_minus(31.249, 0.0), "31.2");
+}
+
+TEST(Markers, ScaleAndLegendSayWhatTheColoursAre) {
+  Fixture f;
+  const auto array = to_markers(quarter_circle(), f.context);
+  std::set<std::string> words;
+  for (const auto& marker : array.markers) {
+    if (marker.ns == "scale" || marker.ns == "legend") words.insert(marker.text);
+    if (marker.text == "measured") {
+      const auto dots = std::find_if(array.markers.begin(), array.markers.end(),
+                                     [](const auto& one) { return one.ns == "measured"; });
+      EXPECT_EQ(marker.color, dots->colors.front());
+    }
+  }
+  EXPECT_EQ(words,
+            (std::set<std::string>{"", "curvature", "12.5 1/m", "0", "measured", "estimated", "payload"}));
+  const auto bar = std::find_if(array.markers.begin(), array.markers.end(),
+                                [](const auto& marker) { return marker.ns == "scale"; });
+  ASSERT_NE(bar, array.markers.end());
+  EXPECT_GT(bar->colors.front().b, bar->colors.front().r);
+  EXPECT_GT(bar->colors.back().r, bar->colors.back().b);
+}
+
+TEST(Markers, SayWhatIsWaitedFor) {
+  Fixture f;
+  const auto array = waiting_markers("waiting for /mocap/base/pose, /mocap/ring_1/pose and 3 more",
+                                     Eigen::Isometry3d::Identity(), f.context);
+  ASSERT_EQ(array.markers.size(), 3U);
+  EXPECT_EQ(text_of(array), "arm\nwaiting for /mocap/base/pose,\n/mocap/ring_1/pose and 3 more");
+  EXPECT_GT(array.markers[0].lifetime.toSec(), 1.0) << "it comes once a second";
 }
 
 TEST(Markers, TendonsLieOnTheirSideOfTheBentArm) {
@@ -225,14 +284,22 @@ TEST(Markers, SayWhatAFrameDoesNotTell) {
   Fixture f;
   estimate::Estimate estimate = quarter_circle();
   estimate.segments[0].identifiable_stiffness = false;
+  const std::string shape = "\nφ -30.0 ± 1.3°   L 201.34 ± 0.42 mm\n";
   EXPECT_EQ(estimate_text(estimate, f.arm, f.options),
-            "EI not identifiable in this frame\npayload 200.0 g (known)");
+            "EI not identifiable" + shape + "payload 200.0 g (known)");
   f.options.unknown = arm::Unknown::kPayload;
   EXPECT_EQ(estimate_text(estimate, f.arm, f.options),
-            "EI 31.2 mN m² (known)\npayload not identifiable in this frame");
+            "EI 31.2 mN m² (known)" + shape + "payload not identifiable");
   estimate.identifiable_payload = true;
   estimate.sd_payload_kg = 0.01;
-  EXPECT_EQ(estimate_text(estimate, f.arm, f.options), "EI 31.2 mN m² (known)\npayload 200.0 ± 10.0 g");
+  estimate.segments[0].moment_nm = 0.1;
+  estimate.segments[0].sd_direction_rad.reset();
+  EXPECT_EQ(estimate_text(estimate, f.arm, f.options),
+            "EI 31.2 mN m² (known)   M0 not identifiable\nφ not determined   L 201.34 ± 0.42 mm\n"
+            "payload 200 ± 10 g");
+  estimate.segments[0].sd_moment_nm = 0.01234;
+  estimate.segments[0].identifiable_moment = true;
+  EXPECT_THAT(estimate_text(estimate, f.arm, f.options), ::testing::HasSubstr("   M0 100 ± 12 mN m\n"));
 }
 
 TEST(Markers, AreDeletedWithTheEstimate) {
@@ -243,7 +310,7 @@ TEST(Markers, AreDeletedWithTheEstimate) {
   const auto array = to_markers(estimate, f.context);
   EXPECT_EQ(namespaces(array, visualization_msgs::Marker::DELETE).size(), 7u);
   EXPECT_EQ(namespaces(array, visualization_msgs::Marker::ADD), std::set<std::string>{"text"});
-  EXPECT_EQ(array.markers.back().text, "no estimate: the payload is not known");
+  EXPECT_EQ(text_of(array), "arm\nno estimate: the payload is not known");
 }
 
 }  // namespace

@@ -8,7 +8,9 @@
 #include <algorithm>
 #include <cctype>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <set>
 #include <utility>
@@ -106,6 +108,27 @@ std::string next_command(const fs::path& extended, const std::vector<std::string
   return fmt::format("softarm estimate --arm {} {}", shell_word(extended.string()), shell_word(bags.front()));
 }
 
+std::string now_utc() {
+  const std::time_t seconds = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&seconds, &utc);
+  char text[32] = "";
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%MZ", &utc);
+  return text;
+}
+
+/// Of this run: what was typed, when, and what was read.
+report::Origin origin_of(const std::string& arm_file, const std::vector<std::string>& bags) {
+  report::Origin origin{"softarm", now_utc(), {}};
+  std::ifstream words("/proc/self/cmdline", std::ios::binary);
+  std::string word;
+  std::getline(words, word, '\0');
+  while (std::getline(words, word, '\0')) origin.command += " " + shell_word(word);
+  origin.sha256.emplace_back(arm_file, sha256_of_file(arm_file));
+  for (const std::string& bag : bags) origin.sha256.emplace_back(bag, sha256_of_file(bag));
+  return origin;
+}
+
 void run_diagnose(DiagnoseOptions options) {
   if (options.effects) return list_effects();
   if (options.arm.empty()) throw Failure("--arm is needed: the arm file");
@@ -124,6 +147,7 @@ void run_diagnose(DiagnoseOptions options) {
 
   const std::vector<trial::Trial> trials =
       read_trials(options.bags, arm, !options.payload_kg, options.diagnosis.jobs);
+  const report::Origin origin = origin_of(file.source, options.bags);
   diagnose::Diagnosis diagnosis;
   {
     Progress progress("");
@@ -150,8 +174,8 @@ void run_diagnose(DiagnoseOptions options) {
   // First: it took minutes, and a full disk must not take it away.
   fmt::print("{}", report::describe(diagnosis));
   std::fflush(stdout);
-  json.write(report::to_json(diagnosis));
-  html.write(report::to_html(diagnosis, page.files));
+  json.write(report::to_json(diagnosis, origin));
+  html.write(report::to_html(diagnosis, page.files, origin));
   json.commit();
   html.commit();
   std::string written = fmt::format("{}, {}", html.path().string(), json.path().string());

@@ -1,0 +1,71 @@
+#!/usr/bin/python3
+"""What scripts/plot_estimates.py draws of a trial of the rig: every value, the residual, a legend, the truth where it is."""
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import tree
+
+source, build = tree.directories()
+SCRIPT = os.path.join(source, "scripts", "plot_estimates.py")
+PROGRAM = os.path.join(build, "devel", "lib", "softarm_estimator", "softarm")
+
+
+def softarm(*arguments):
+    subprocess.run([PROGRAM, *arguments], check=True, stdout=subprocess.DEVNULL)
+
+
+class PlotEstimates(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(dir=build, prefix="plots_check_")
+        cls.addClassCleanup(shutil.rmtree, cls.folder)
+        softarm("simulate", "trial_10s", "--seconds", "6", "--out", cls.path("trial.bag"))
+        softarm("estimate", "--arm", "online_200mm", cls.path("trial.bag"), "--out", cls.path("estimates"))
+        cls.csv = cls.path("estimates/trial/estimates.csv")
+
+    @classmethod
+    def path(cls, name):
+        return os.path.join(cls.folder, name)
+
+    def plot(self, *arguments):
+        return subprocess.run([sys.executable, SCRIPT, *arguments, "--out", self.path("trial.svg")], stderr=subprocess.PIPE, text=True)
+
+    def said(self, *arguments):
+        """The texts of the picture, which matplotlib leaves beside their outlines."""
+        done = self.plot(*arguments)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with open(self.path("trial.svg"), encoding="utf-8") as picture:
+            return picture.read()
+
+    def test_every_value_with_legend_and_truth(self):
+        picture = self.said(self.csv)
+        for text in ("tip angle (°)", "φ (°)", "EI (N m²)", "L (mm)", "payload (g)", "residual (mm)", "estimated, identifiable",
+                     "± 1 standard deviation", "truth"):
+            self.assertIn("<!-- %s -->" % text, picture)
+
+    def test_without_a_truth_there_is_none(self):
+        away = self.path("away/estimates/trial")
+        os.makedirs(away)
+        shutil.copy(self.csv, away)
+        self.assertNotIn("<!-- truth -->", self.said(os.path.join(away, "estimates.csv")))
+        named = self.said(os.path.join(away, "estimates.csv"), "--truth", self.path("trial.truth.csv"))
+        self.assertIn("<!-- truth -->", named)
+
+    def test_what_is_no_table_is_one_line(self):
+        for wrong in (self.path("trial.bag"), self.path("trial.truth.csv"), self.path("nowhere.csv")):
+            done = self.plot(wrong)
+            self.assertEqual(done.returncode, 1)
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+            self.assertIn(wrong, done.stderr)
+
+
+if __name__ == "__main__":
+    if not os.path.exists(PROGRAM) or importlib.util.find_spec("matplotlib") is None:
+        print("there is no matplotlib, or no program")
+        sys.exit(tree.SKIPPED)
+    unittest.main(argv=sys.argv[:1])
