@@ -95,7 +95,11 @@ VectorXd Linearised::unknowns() const {
 JointModel::JointModel(const arm::Arm& arm, const std::vector<TrialData>& trials, unsigned jobs,
                        const std::vector<std::string>& held, const std::vector<std::string>& tied,
                        const std::vector<Present>& known)
-    : arm_(arm), known_(known), trials_(trials), jobs_(jobs) {
+    : arm_(arm),
+      known_(known),
+      trials_(trials),
+      jobs_(jobs),
+      unknown_{kPolicy.motion.share, kPolicy.motion.stiffness_share} {
   constants_ = identify::default_free(arm);
   for (const identify::ConstantRef& ref : identify::constants_of(arm)) {
     if (ref.kind == identify::ConstantKind::kLength) constants_.push_back(ref);

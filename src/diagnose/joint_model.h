@@ -71,7 +71,7 @@ struct Linearised {
 
 /// What of an arm's motion is not known, as shares: of what inertia, lag and swings do, and of its stiffness.
 struct UnknownShares {
-  double inertia = 0.1, stiffness = 0.005;
+  double inertia, stiffness;
 };
 
 class JointModel {
@@ -171,7 +171,7 @@ class JointModel {
   bool is_quasi_static(const JointParameters& parameters,
                        const std::vector<std::vector<model::Predicted>>& swinging);
   std::vector<double> inertial_m(std::size_t trial, const std::vector<model::Predicted>& predicted) const;
-  double learn_shares(const std::vector<std::vector<model::Predicted>>& predicted);
+  double unlikeliness(const std::vector<std::vector<model::Predicted>>& predicted) const;
   void choose_motion(const JointParameters& parameters,
                      std::vector<std::vector<model::Predicted>>& predicted);
   const model::Modes* modes_at(std::size_t trial, std::size_t block) const;
@@ -211,7 +211,7 @@ class JointModel {
   std::vector<std::vector<bool>> used_;
   std::vector<std::vector<double>> motion_sd_m_;
   bool quasi_static_ = false;
-  UnknownShares unknown_;
+  UnknownShares unknown_;  ///< at first those of an arm with modes
   double misfit_ = 1.0;
   double threshold_ = 1e9;  ///< whitened distance beyond which a body's weight falls
 };

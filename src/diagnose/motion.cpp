@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <tuple>
 #include <utility>
 
 #include "joint_model.h"
@@ -174,26 +173,20 @@ double minus_log_likelihood(const std::vector<ErrorOfBlock>& errors, double calm
   return sum;
 }
 
-/// What is likeliest, and minus the logarithm of its likelihood.
-std::pair<UnknownShares, double> likeliest(const std::vector<ErrorOfBlock>& errors) {
-  const Policy::Motion& policy = kPolicy.motion;
-  UnknownShares best;
-  if (errors.empty()) return {best, 0.0};
+/// Of the likeliest shares.
+double least_minus_log_likelihood(const std::vector<ErrorOfBlock>& errors) {
+  double least = std::numeric_limits<double>::infinity();
+  if (errors.empty()) return least;
   std::vector<double> squares;
   for (const ErrorOfBlock& e : errors) squares.push_back(e.square_m2);
   const double median_m = std::sqrt(math::median(std::move(squares)));
-  double least = std::numeric_limits<double>::infinity();
-  for (const double calm : policy.calm_errors) {
-    for (const double inertia : policy.shares) {
-      for (const double stiffness : policy.stiffness_shares) {
-        const double now = minus_log_likelihood(errors, calm * median_m, {inertia, stiffness});
-        if (now >= least) continue;
-        least = now;
-        best = {inertia, stiffness};
-      }
+  for (const double calm : kPolicy.motion.calm_errors) {
+    for (const double inertia : kPolicy.motion.shares) {
+      for (const double stiffness : kPolicy.motion.stiffness_shares)
+        least = std::min(least, minus_log_likelihood(errors, calm * median_m, {inertia, stiffness}));
     }
   }
-  return {best, least};
+  return least;
 }
 
 }  // namespace
@@ -219,8 +212,8 @@ std::vector<double> JointModel::inertial_m(std::size_t trial, const std::vector<
   return list;
 }
 
-/// @return minus the logarithm of the likelihood of the arm's motion
-double JointModel::learn_shares(const std::vector<std::vector<Predicted>>& predicted) {
+/// Minus the logarithm of the likelihood of the arm's motion.
+double JointModel::unlikeliness(const std::vector<std::vector<Predicted>>& predicted) const {
   std::vector<ErrorOfBlock> errors;
   for (std::size_t t = 0; t < trials_.size(); ++t) {
     const std::vector<double> inertial = inertial_m(t, predicted[t]);
@@ -235,9 +228,7 @@ double JointModel::learn_shares(const std::vector<std::vector<Predicted>>& predi
       errors.push_back(e);
     }
   }
-  double least = 0.0;
-  std::tie(unknown_, least) = likeliest(errors);
-  return least;
+  return least_minus_log_likelihood(errors);
 }
 
 /// A trial's unknown motion: shares of what inertia does and of the stiffness, and what a hand left.
@@ -305,21 +296,21 @@ bool JointModel::is_quasi_static(const JointParameters& parameters,
 }
 
 /// Modes are no better than the masses and the damping that make them: of arms in which those are guessed,
-/// the motion to first order may be likelier.
+/// the motion to first order may be likelier. The shares are those of arms that are known well: what else
+/// moving arms are off by is what the diagnosis looks for.
 void JointModel::choose_motion(const JointParameters& parameters,
                                std::vector<std::vector<Predicted>>& predicted) {
-  const double in_modes = learn_shares(predicted);
-  const UnknownShares of_modes = unknown_;
+  const double in_modes = unlikeliness(predicted);
   std::vector<model::TrialModes> modes;
   std::swap(modes, modes_);
   std::vector<std::vector<Predicted>> first_order;
   predict(parameters, &predicted, first_order);
-  if (learn_shares(first_order) < in_modes) {
+  if (unlikeliness(first_order) < in_modes) {
     predicted = std::move(first_order);
-    return;
+    unknown_.inertia = kPolicy.motion.first_order_share;
+  } else {
+    modes_ = std::move(modes);
   }
-  modes_ = std::move(modes);
-  unknown_ = of_modes;
 }
 
 std::size_t JointModel::allow_for_motion(const JointParameters& parameters,

@@ -29,14 +29,17 @@ struct Policy {
     double same_misfit = 1.25;  ///< ratio within which two misfits are one: priors need no other weight
   } fit;
 
-  /// What of the arm's motion is not known. Both shares are learnt from the trials: the likeliest of these.
-  /// On clean and untidy development cases of the virtual rig the first is 0.05 to 0.15.
+  /// What of the arm's motion is not known. On clean and untidy development cases the errors of blocks are
+  /// beyond the noise by 0.05 to 0.15 of what inertia and lag do to the arm in its modes.
   struct Motion {
     double usual_swing_s = 0.8;    ///< in which a swing has fallen to 1/e, of an arm without modes
-    double longest_swing_s = 5.0;  ///< in which any swing has fallen to 1/e, whatever a wall's lag says
-    double shares[6] = {0.05, 0.1, 0.2, 0.3, 0.5, 1.0};                  ///< of what inertia and lag do
-    double stiffness_shares[6] = {0.002, 0.005, 0.01, 0.02, 0.05, 0.1};  ///< of the stiffness
-    double calm_errors[6] = {0.25, 0.5, 0.7, 0.85, 1.0, 1.4};  ///< of the median error: those of a calm arm
+    double longest_swing_s = 5.0;  ///< the same of any arm, whatever its wall's lag says
+    double share = 0.1, first_order_share = 0.3;  ///< of what inertia and lag do
+    double stiffness_share = 0.005;               ///< of the stiffness
+    /// Shares, and the error of a calm arm over the median, with which motions are compared: the likeliest.
+    double shares[6] = {0.05, 0.1, 0.2, 0.3, 0.5, 1.0};
+    double stiffness_shares[6] = {0.002, 0.005, 0.01, 0.02, 0.05, 0.1};
+    double calm_errors[6] = {0.25, 0.5, 0.7, 0.85, 1.0, 1.4};
     double least_stiffness = 0.02;  ///< left of the wall's: below it nothing holds the arm
     double no_inertia_chi2 = 25.0;  ///< fall of chi^2 without any inertia, from which on trials have none
     double swing = 3.0;             ///< of the noise: beyond it what is not known is left out

@@ -35,7 +35,7 @@ struct Info {
   std::string
       description;     ///< what it is, for a user, beginning in lower case: "the base turns under the load"
   std::string law;     ///< as an equation; its parameters by their names, less the unit
-  std::string source;  ///< where the law is from; empty for what is plain geometry or statics
+  std::string source;  ///< where the law, or what it is made of, is from
   Family family = Family::kConstitutive;
   /// The first `sizes` are sizes: 0 where the effect is absent, and small ones act in proportion. The others
   /// (thresholds, places, time constants) say what it is like.
