@@ -228,7 +228,13 @@ double JointModel::unlikeliness(const std::vector<std::vector<Predicted>>& predi
       errors.push_back(e);
     }
   }
-  return least_minus_log_likelihood(errors);
+  // Neighbouring errors are one: those of a stretch count once.
+  double span_s = 0.0;
+  for (const TrialData& trial : trials_)
+    span_s += trial.series.t_s[trial.series.t_s.size() - 1] - trial.series.t_s[0];
+  const double stretches = std::max(1.0, span_s / kPolicy.fit.stretch_s),
+               blocks = std::max(stretches, static_cast<double>(errors.size()));
+  return stretches / blocks * least_minus_log_likelihood(errors);
 }
 
 /// A trial's unknown motion: shares of what inertia does and of the stiffness, and what a hand left.
@@ -305,7 +311,7 @@ void JointModel::choose_motion(const JointParameters& parameters,
   std::swap(modes, modes_);
   std::vector<std::vector<Predicted>> first_order;
   predict(parameters, &predicted, first_order);
-  if (unlikeliness(first_order) < in_modes) {
+  if (unlikeliness(first_order) - in_modes < kPolicy.motion.modes_gain) {
     predicted = std::move(first_order);
     unknown_.inertia = kPolicy.motion.first_order_share;
   } else {
