@@ -38,6 +38,7 @@ Leftover leftover(const JointModel& model, const Linearised& at, const Unseen& u
     for (; row[t] < end; ++block[t]) {
       const model::Block& b = model.trials()[t].blocks[block[t]];
       const bool calm = model.motion_sd_m(t, block[t]) <= limit_m;
+      const double unknown_m2 = std::pow(model.motion_sd_m(t, block[t]), 2);
       Eigen::Vector3d before = Eigen::Vector3d::Zero();
       for (const model::Seen& seen : b.bodies) {
         Eigen::Vector3d r = Eigen::Vector3d::Zero();
@@ -46,7 +47,8 @@ Leftover leftover(const JointModel& model, const Linearised& at, const Unseen& u
           by_body[seen.body].first += r.squaredNorm();
           ++by_body[seen.body].second;
           if (!before.isZero()) {
-            of_stretch += r.dot(before);
+            // Bodies also share what of the motion is not known, and that is no surprise.
+            of_stretch += r.dot(before) - unknown_m2;
             ++pairs;
           }
         }
