@@ -46,8 +46,8 @@ double JointModel::threshold_at(const std::vector<std::vector<Predicted>>& predi
     }
   }
   if (distances.empty()) return threshold_;
-  return kPolicy.fit.huber * std::max(1.0, math::median(std::move(distances)) / kMedianOfChi3) *
-         kMedianOfChi3;
+  return kPolicy.fit.huber * std::max(1.0, math::median(std::move(distances)) / math::kMedianOfChi3) *
+         math::kMedianOfChi3;
 }
 
 /// All bodies at the unknowns where Ceres is: predicted, and where it wants derivatives, linearised. The

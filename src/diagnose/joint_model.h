@@ -149,10 +149,11 @@ class JointModel {
   /// Finds the modes, whether the arm moves in them or as the equilibria do, and how it swings after a hand
   /// let go. What of the motion is not known counts as noise; blocks in which that is too much are left out.
   /// @param predicted at the parameters; as the arm swings when this is over
-  /// @param recorded whether bodies were seen
+  /// @param alike where nothing was seen: a model of the same arm, which moves as it does there
   /// @return how many are left out
   std::size_t allow_for_motion(const JointParameters& parameters,
-                               std::vector<std::vector<model::Predicted>>& predicted, bool recorded = true);
+                               std::vector<std::vector<model::Predicted>>& predicted,
+                               const JointModel* alike = nullptr);
   const UnknownShares& unknown() const { return unknown_; }
   /// That the arm swings in its modes; else inertia counts to first order.
   bool swings() const { return !modes_.empty(); }
@@ -174,8 +175,10 @@ class JointModel {
   double unlikeliness(const std::vector<std::vector<model::Predicted>>& predicted) const;
   void choose_motion(const JointParameters& parameters,
                      std::vector<std::vector<model::Predicted>>& predicted);
+  void move_alike(const JointModel& other, const JointParameters& parameters,
+                  std::vector<std::vector<model::Predicted>>& predicted);
   const model::Modes* modes_at(std::size_t trial, std::size_t block) const;
-  void find_swings(std::size_t trial, const std::vector<model::Predicted>& predicted, bool recorded);
+  void find_swings(std::size_t trial, const std::vector<model::Predicted>& predicted, bool seen);
   void add_swings(std::size_t trial, std::vector<model::Predicted>& predicted) const;
   model::Dynamics dynamics(const JointParameters& parameters, std::size_t trial) const;
   model::ExtendedModel::Varied vary(std::size_t trial, const JointParameters& parameters,
@@ -215,9 +218,6 @@ class JointModel {
   double misfit_ = 1.0;
   double threshold_ = 1e9;  ///< whitened distance beyond which a body's weight falls
 };
-
-/// Of the length of a normal vector in three dimensions.
-constexpr double kMedianOfChi3 = 1.5382;
 
 double value_of(const JointParameters& parameters, const JointUnknown& column);
 /// Sets an unknown to x scales, kept within its range.

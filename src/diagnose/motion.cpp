@@ -1,4 +1,4 @@
-// What is known of an arm's motion, and what is not: modes, swings that no input made, blocks that are left
+// What is known of an arm's motion, and what is not: in modes or to first order, and which blocks are left
 // out.
 #include <Eigen/Dense>
 #include <algorithm>
@@ -6,8 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "free_swing.h"
 #include "joint_model.h"
-#include "math/linear_algebra.h"
 #include "math/parallel.h"
 #include "math/statistics.h"
 #include "policy.h"
@@ -23,15 +23,6 @@ using model::Block;
 using model::Predicted;
 using model::Seen;
 using model::TrialData;
-
-/// A swing that no input made: since a hand let go. How an arm moves where a trial begins is as little known,
-/// but there nothing says how far it may swing, and beside a model that is off such swings only fit its
-/// errors.
-struct FreeSwing {
-  std::size_t first = 0;
-  double reach_m = 0.0;      ///< as far as it may be, of a body
-  std::vector<MatrixXd> by;  ///< of the blocks from there on, see model::free_swing()
-};
 
 /// By how fast a swing dies away, of the mode that keeps it longest, 1/s.
 double decay_of(const model::Modes* modes, const Predicted& now) {
@@ -51,102 +42,6 @@ double by_stiffness_m(const model::Modes* modes, const Predicted& now) {
   return std::clamp(beyond, 0.0, most) * deflection_m;
 }
 
-double distance_m(const Predicted& a, const Predicted& b) {
-  return (a.rest.stations.back() - b.rest.stations.back()).norm();
-}
-
-/// All of a trial.
-std::vector<FreeSwing> free_swings(const model::TrialModes& modes, const TrialData& trial,
-                                   const std::vector<Predicted>& predicted, double noise_m) {
-  std::vector<model::Rest> rest;
-  for (const Predicted& block : predicted) rest.push_back(block.solved ? block.rest : model::Rest());
-  std::vector<FreeSwing> list;
-  const Predicted* before_hand = nullptr;
-  double hand_m = 0.0;  // how far the equilibria went under it
-  bool held = false;
-  for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
-    if (trial.blocks[k].begins) {
-      before_hand = nullptr;
-      hand_m = 0.0;
-      held = false;
-    }
-    if (!predicted[k].solved) continue;
-    if (trial.blocks[k].set_aside) {
-      if (before_hand != nullptr) hand_m = std::max(hand_m, distance_m(predicted[k], *before_hand));
-      held = true;
-      continue;
-    }
-    before_hand = &predicted[k];
-    if (!held || modes[k] == nullptr) continue;
-    list.push_back({k, noise_m + hand_m, model::free_swing(modes, trial, rest, predicted[k].sluggish, k)});
-    hand_m = 0.0;
-    held = false;
-  }
-  return list;
-}
-
-/// What bodies and tangents did of a free swing, by block, and how well that is known.
-struct Known {
-  std::vector<VectorXd> displacement;  ///< 6b
-  std::vector<double> sd_m;            ///< of the body that is known least, per axis
-};
-
-/// By least squares upon what was seen, beside an error of the model that goes along straight lines.
-Known known_of(const FreeSwing& swing, const model::Modes& modes, const TrialData& trial,
-               const std::vector<Predicted>& predicted) {
-  const Index r = swing.by.front().cols() / 2, bodies = swing.by.front().rows() / 6;
-  const Index unknowns = 2 * r + 6 * bodies;
-  std::vector<double> distances;
-  for (std::size_t i = 0; i < swing.by.size(); ++i) {
-    const std::size_t k = swing.first + i;
-    for (std::size_t j = 0; j < trial.blocks[k].bodies.size() && predicted[k].solved; ++j)
-      distances.push_back(
-          (trial.blocks[k].bodies[j].p_base - predicted[k].p.col(static_cast<Index>(j))).norm());
-  }
-  Known known;
-  if (distances.empty()) return known;
-  const double misfit_m = math::median(std::move(distances)) / kMedianOfChi3;
-  MatrixXd information = MatrixXd::Zero(unknowns, unknowns);
-  VectorXd gradient = VectorXd::Zero(unknowns);
-  const double begin_s = predicted[swing.first].rest.t_s,
-               span_s = std::max(1.0, predicted[swing.first + swing.by.size() - 1].rest.t_s - begin_s),
-               step_s = span_s / static_cast<double>(swing.by.size());
-  for (std::size_t i = 0; i < swing.by.size(); ++i) {
-    const std::size_t k = swing.first + i;
-    if (!predicted[k].solved) continue;
-    for (std::size_t j = 0; j < trial.blocks[k].bodies.size(); ++j) {
-      const Seen& seen = trial.blocks[k].bodies[j];
-      const double white = seen.white_sd_m * seen.white_sd_m;
-      // Noise is white; what the model misses beside it stays for a stretch, and counts once there.
-      const double variance =
-          white + std::max(0.0, misfit_m * misfit_m - white) * std::max(1.0, kPolicy.fit.stretch_s / step_s);
-      MatrixXd row = MatrixXd::Zero(3, unknowns);
-      row.leftCols(2 * r) = swing.by[i].middleRows<3>(3 * seen.body);
-      row.middleCols<3>(2 * r + 6 * seen.body).setIdentity();
-      row.middleCols<3>(2 * r + 6 * seen.body + 3) =
-          (predicted[k].rest.t_s - begin_s) / span_s * Eigen::Matrix3d::Identity();
-      const Vector3d off = seen.p_base - predicted[k].p.col(static_cast<Index>(j));
-      information.noalias() += row.transpose() * row / variance;
-      gradient.noalias() += row.transpose() * off / variance;
-    }
-  }
-  for (Index m = 0; m < r; ++m) {
-    const double sd = swing.reach_m / modes.bodies.topRows(3 * bodies).col(m).cwiseAbs().maxCoeff();
-    information(m, m) += 1.0 / (sd * sd);
-    information(r + m, r + m) += 1.0 / (sd * sd * modes.stiffness[m]);
-  }
-  information.diagonal().tail(6 * bodies).array() += 1.0 / (misfit_m * misfit_m + 1e-12);
-  const MatrixXd covariance = math::inverse_of_symmetric(information);
-  const VectorXd state = (covariance * gradient).head(2 * r);
-  const MatrixXd sure = covariance.topLeftCorner(2 * r, 2 * r);
-  for (const MatrixXd& by : swing.by) {
-    known.displacement.push_back(by * state);
-    const MatrixXd places = by.topRows(3 * bodies);
-    known.sd_m.push_back(std::sqrt((places * sure).cwiseProduct(places).rowwise().sum().maxCoeff()));
-  }
-  return known;
-}
-
 double most_m(const VectorXd& displacement) {
   double most = 0.0;
   for (Index b = 0; b < displacement.size() / 6; ++b)
@@ -162,13 +57,13 @@ struct ErrorOfBlock {
 
 double minus_log_likelihood(const std::vector<ErrorOfBlock>& errors, double calm_m,
                             const UnknownShares& shares) {
-  constexpr double kDegrees = 4.0;
   double sum = 0.0;
   for (const ErrorOfBlock& e : errors) {
     const double variance = calm_m * calm_m + std::pow(shares.inertia * e.inertial_m, 2) +
                             std::pow(shares.stiffness * e.by_stiffness_m, 2);
-    sum +=
-        0.5 * std::log(variance) + 0.5 * (kDegrees + 1.0) * std::log1p(e.square_m2 / (kDegrees * variance));
+    sum += 0.5 * std::log(variance) +
+           0.5 * (kPolicy.motion.degrees_of_freedom + 1.0) *
+               std::log1p(e.square_m2 / (kPolicy.motion.degrees_of_freedom * variance));
   }
   return sum;
 }
@@ -238,7 +133,7 @@ double JointModel::unlikeliness(const std::vector<std::vector<Predicted>>& predi
 }
 
 /// A trial's unknown motion: shares of what inertia does and of the stiffness, and what a hand left.
-void JointModel::find_swings(std::size_t trial, const std::vector<Predicted>& predicted, bool recorded) {
+void JointModel::find_swings(std::size_t trial, const std::vector<Predicted>& predicted, bool seen) {
   const TrialData& data = trials_[trial];
   std::vector<double>& sd_m = motion_sd_m_[trial];
   const std::vector<double> inertial = inertial_m(trial, predicted);
@@ -247,11 +142,11 @@ void JointModel::find_swings(std::size_t trial, const std::vector<Predicted>& pr
     if (!modes_.empty() && predicted[k].solved && !data.blocks[k].set_aside)
       sd_m[k] = std::hypot(sd_m[k], unknown_.stiffness * by_stiffness_m(modes_at(trial, k), predicted[k]));
   }
-  if (!recorded || modes_.empty()) return;
+  if (!seen || modes_.empty()) return;
   std::vector<VectorXd>& left = swings_[trial];
   left.assign(predicted.size(), {});
   for (const FreeSwing& swing : free_swings(modes_[trial], data, predicted, noise_m(arm_))) {
-    const Known known = known_of(swing, *modes_[trial][swing.first], data, predicted);
+    const KnownSwing known = known_of(swing, *modes_[trial][swing.first], data, predicted);
     for (std::size_t i = 0; i < known.sd_m.size(); ++i) {
       const std::size_t k = swing.first + i;
       left[k] = known.displacement[i];
@@ -307,38 +202,50 @@ bool JointModel::is_quasi_static(const JointParameters& parameters,
 void JointModel::choose_motion(const JointParameters& parameters,
                                std::vector<std::vector<Predicted>>& predicted) {
   const double in_modes = unlikeliness(predicted);
-  std::vector<model::TrialModes> modes;
-  std::swap(modes, modes_);
+  std::vector<model::TrialModes> modes = std::move(modes_);
+  modes_.clear();
   std::vector<std::vector<Predicted>> first_order;
   predict(parameters, &predicted, first_order);
-  if (unlikeliness(first_order) - in_modes < kPolicy.motion.modes_gain) {
+  if (unlikeliness(first_order) - in_modes < kPolicy.motion.modes_gain)
     predicted = std::move(first_order);
-    unknown_.inertia = kPolicy.motion.first_order_share;
-  } else {
+  else
     modes_ = std::move(modes);
-  }
+}
+
+void JointModel::move_alike(const JointModel& other, const JointParameters& parameters,
+                            std::vector<std::vector<Predicted>>& predicted) {
+  quasi_static_ = other.quasi_static_;
+  if (other.swings()) return;
+  modes_.clear();
+  predict(parameters, &predicted, predicted);
 }
 
 std::size_t JointModel::allow_for_motion(const JointParameters& parameters,
-                                         std::vector<std::vector<Predicted>>& predicted, bool recorded) {
+                                         std::vector<std::vector<Predicted>>& predicted,
+                                         const JointModel* alike) {
+  const bool seen = alike == nullptr;
   find_modes(parameters, predicted);
   predict(parameters, &predicted, predicted);
-  if (recorded && is_quasi_static(parameters, predicted)) {
+  if (!seen) {
+    move_alike(*alike, parameters, predicted);
+  } else if (is_quasi_static(parameters, predicted)) {
     quasi_static_ = true;
     modes_.clear();
     predict(parameters, &predicted, predicted);
-    return 0;
+  } else {
+    choose_motion(parameters, predicted);
   }
-  if (recorded) choose_motion(parameters, predicted);
+  if (quasi_static_) return 0;
+  if (!swings()) unknown_.inertia = kPolicy.motion.first_order_share;
   swings_.resize(trials_.size());
-  math::in_parallel(trials_.size(), jobs_, [&](std::size_t t) { find_swings(t, predicted[t], recorded); });
+  math::in_parallel(trials_.size(), jobs_, [&](std::size_t t) { find_swings(t, predicted[t], seen); });
   // What is not known of a swing spoils what is smaller than it is. Beside a model that is off by more,
   // little would be won, and of an arm that never rests nearly everything lost.
   std::vector<double> distances;
   for (std::size_t t = 0; t < trials_.size(); ++t) {
     add_swings(t, predicted[t]);
     const std::vector<Block>& blocks = trials_[t].blocks;
-    for (std::size_t k = 0; k < blocks.size() && recorded; ++k) {
+    for (std::size_t k = 0; k < blocks.size() && seen; ++k) {
       if (!used_[t][k] || !predicted[t][k].solved) continue;
       for (std::size_t i = 0; i < blocks[k].bodies.size(); ++i)
         distances.push_back(

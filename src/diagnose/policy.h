@@ -40,6 +40,7 @@ struct Policy {
     double shares[6] = {0.05, 0.1, 0.2, 0.3, 0.5, 1.0};
     double stiffness_shares[6] = {0.002, 0.005, 0.01, 0.02, 0.05, 0.1};
     double calm_errors[6] = {0.25, 0.5, 0.7, 0.85, 1.0, 1.4};
+    double degrees_of_freedom = 4.0;  ///< of Student's t of the errors with which motions are compared
     double modes_gain = 1.0;  ///< of the log likelihood, from which on motion in modes is taken for the arm's
     double least_stiffness = 0.02;  ///< left of the wall's: below it nothing holds the arm
     double no_inertia_chi2 = 25.0;  ///< fall of chi^2 without any inertia, from which on trials have none

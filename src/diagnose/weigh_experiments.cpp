@@ -20,8 +20,10 @@ using model::Present;
 /// A trial that nobody has recorded, with a model of its own: the arm has what the experiment adds to it.
 class Hypothetical {
  public:
-  Hypothetical(const Experiment& experiment, const Options& options)
+  /// @param recorded the model of the trials that there are: the arm moves as in that one
+  Hypothetical(const Experiment& experiment, const JointModel& recorded, const Options& options)
       : experiment_(experiment),
+        recorded_(recorded),
         trials_{experiment.trial},
         model_(experiment.arm, trials_, 1, options.held, options.tied, options.known) {}
 
@@ -30,7 +32,7 @@ class Hypothetical {
     model_.predict(with_loads(parameters), nullptr, predicted_);
     std::size_t used = 0, solved = 0;
     for (const Predicted& block : predicted_[0]) solved += block.solved;
-    model_.allow_for_motion(with_loads(parameters), predicted_, false);
+    model_.allow_for_motion(with_loads(parameters), predicted_, &recorded_);
     for (std::size_t k = 0; k < trials_[0].blocks.size(); ++k) used += model_.uses(0, k);
     return static_cast<double>(solved) >=
                kPolicy.experiment.least_solved * static_cast<double>(trials_[0].blocks.size()) &&
@@ -51,6 +53,7 @@ class Hypothetical {
 
  private:
   const Experiment& experiment_;
+  const JointModel& recorded_;
   const std::vector<model::TrialData> trials_;
   JointModel model_;
   std::vector<std::vector<Predicted>> predicted_;
@@ -152,7 +155,7 @@ Separations weigh_apart(const JointModel& model, const JointParameters& baseline
       separations(explanations, inflation, [&](std::size_t j, std::size_t k) { return old[j * n + k]; });
   out.with.resize(menu.size());
   math::in_parallel(menu.size(), options.jobs, [&](std::size_t i) {
-    Hypothetical trial(menu[i], options);
+    Hypothetical trial(menu[i], model, options);
     if (!trial.prepare(baseline)) return;
     std::vector<Linearised> there;
     for (const Explanation& one : explanations) there.push_back(trial.linearise(one.fit.at));
@@ -178,7 +181,7 @@ Visibility weigh_collinear(JointModel& model, Linearised& at, const std::vector<
   }
   out.with.resize(menu.size());
   math::in_parallel(menu.size(), options.jobs, [&](std::size_t i) {
-    Hypothetical trial(menu[i], options);
+    Hypothetical trial(menu[i], model, options);
     if (!trial.prepare(at.at)) return;
     Linearised there = trial.linearise(at.at);
     trial.model().complete(there);

@@ -12,8 +12,7 @@
 namespace softarm::identify {
 namespace {
 
-constexpr double kMedianOfChi3 = 1.5382;  // median distance of a body in standard deviations, and a tangent's
-constexpr double kMedianOfChi2 = 1.1774;
+constexpr double kMedianOfChi2 = 1.1774;  // of the distance of a tangent, in standard deviations
 // More of a body's observations than the rest of this share are no outliers: the model is wrong there.
 constexpr double kShareThatScales = 0.85;
 constexpr double kShareOfChi3 = 2.3059, kShareOfChi2 = 1.9479;  // distances below which that share lies
@@ -55,7 +54,7 @@ void JointProblem::measure_scales() {
       }
     }
   }
-  position_scale_ = std::max(1.0, math::median(position) / kMedianOfChi3);
+  position_scale_ = std::max(1.0, math::median(position) / math::kMedianOfChi3);
   tangent_scale_ = std::max(1.0, math::median(tangent) / kMedianOfChi2);
   for (const int kind : {0, 1}) {
     body_scale_[kind].clear();
@@ -91,7 +90,8 @@ bool JointProblem::set_outliers_aside() {
   std::map<std::tuple<std::size_t, int, bool>, double> trial_scale;
   for (const auto& [which, distances] : by_trial) {
     if (distances.size() >= kFewestOfTrial)
-      trial_scale[which] = math::median(distances) / (std::get<2>(which) ? kMedianOfChi2 : kMedianOfChi3);
+      trial_scale[which] =
+          math::median(distances) / (std::get<2>(which) ? kMedianOfChi2 : math::kMedianOfChi3);
   }
   bool changed = false;
   each([&](std::size_t i, std::size_t k, trial::SeenBody& seen) {

@@ -5,6 +5,9 @@
 
 namespace softarm::math {
 
+/// Median of the length of a vector of three independent standard normal numbers.
+constexpr double kMedianOfChi3 = 1.5382;
+
 /// Standard deviation of a normal distribution over its median absolute deviation.
 constexpr double kSdPerMad = 1.4826;
 

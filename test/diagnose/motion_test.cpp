@@ -11,19 +11,6 @@ namespace {
 
 using Path = std::vector<std::vector<model::Predicted>>;
 
-/// Inputs that are a little too fast for the arm.
-rig::Scenario fast_inputs() {
-  std::ifstream file(SOFTARM_SOURCE_DIR "/config/scenarios/demo.yaml");
-  std::stringstream text;
-  text << file.rdbuf();
-  rig::Scenario scenario = rig::parse_scenario(text.str(), "demo");
-  scenario.duration_s = 14.0;
-  scenario.pressures.random->lowest_hz = 0.1;
-  scenario.pressures.random->highest_hz = 0.5;
-  scenario.payload.schedule = {rig::Setpoint{0.0, {0.1}, {}}};
-  return scenario;
-}
-
 /// Effects that act before the arm, on it, and with its motion.
 void add_effects(const JointModel& model, const arm::Arm& arm, JointParameters& at) {
   struct Size {
@@ -62,7 +49,7 @@ Eigen::VectorXd stacked(const JointModel& model, const Path& path) {
 
 TEST(Motion, DerivativesAreOfTheSwingNotOfItsEquilibria) {
   const arm::Arm arm = arm::load_arm_file(SOFTARM_SOURCE_DIR "/config/arms/online_200mm.yaml");
-  const model::Prepared prepared = model::prepare(arm, {testing::record(arm, fast_inputs(), "fast")});
+  const model::Prepared prepared = model::prepare(arm, {testing::record(arm, testing::fast_demo(), "fast")});
   JointModel model(arm, prepared.trials, 1), calm(arm, prepared.trials, 1);
   JointParameters at = model.start();
   add_effects(model, arm, at);
@@ -86,13 +73,8 @@ TEST(Motion, DerivativesAreOfTheSwingNotOfItsEquilibria) {
   }
 }
 
-/// The shipped demo, in which a hand changes the payload every eight seconds.
 rig::Scenario by_hand(std::uint64_t seed) {
-  std::ifstream file(SOFTARM_SOURCE_DIR "/config/scenarios/demo.yaml");
-  std::stringstream text;
-  text << file.rdbuf();
-  rig::Scenario scenario = rig::parse_scenario(text.str(), "demo");
-  scenario.duration_s = 25.0;
+  rig::Scenario scenario = testing::demo(25.0);
   scenario.seed = seed;
   return scenario;
 }
@@ -109,7 +91,7 @@ TEST(Motion, WhatAHandLeavesIsFollowed) {
   Path beside;
   JointModel hypothetical(arm, prepared.trials, 1);
   hypothetical.predict(hypothetical.start(), nullptr, beside);
-  hypothetical.allow_for_motion(hypothetical.start(), beside, false);
+  hypothetical.allow_for_motion(hypothetical.start(), beside, &model);
   double with = 0.0, without = 0.0, rows = 0.0;
   for (std::size_t k = 1; k < path[0].size(); ++k) {
     if (path[0][k].rest.t_s < 10.0 || path[0][k].rest.t_s > 12.0) continue;

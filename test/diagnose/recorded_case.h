@@ -80,4 +80,23 @@ inline RecordedCase recorded_case(const std::string& effects, std::uint64_t seed
   return out;
 }
 
+/// The shipped demo, in which a hand changes the payload every eight seconds.
+inline rig::Scenario demo(double seconds) {
+  std::ifstream file(SOFTARM_SOURCE_DIR "/config/scenarios/demo.yaml");
+  std::stringstream text;
+  text << file.rdbuf();
+  rig::Scenario scenario = rig::parse_scenario(text.str(), "demo");
+  scenario.duration_s = seconds;
+  return scenario;
+}
+
+/// The same with one payload, and inputs that are a little too fast for the arm.
+inline rig::Scenario fast_demo() {
+  rig::Scenario scenario = demo(14.0);
+  scenario.pressures.random->lowest_hz = 0.1;
+  scenario.pressures.random->highest_hz = 0.5;
+  scenario.payload.schedule = {rig::Setpoint{0.0, {0.1}, {}}};
+  return scenario;
+}
+
 }  // namespace softarm::diagnose::testing

@@ -247,14 +247,7 @@ std::vector<double> distances(const TrialData& trial, const std::vector<Predicte
 }
 
 TEST(Swing, IsWhatTheVirtualRigDoes) {
-  std::ifstream file(SOFTARM_SOURCE_DIR "/config/scenarios/demo.yaml");
-  std::stringstream text;
-  text << file.rdbuf();
-  rig::Scenario scenario = rig::parse_scenario(text.str(), "demo");
-  scenario.duration_s = 14.0;
-  scenario.pressures.random->lowest_hz = 0.1;
-  scenario.pressures.random->highest_hz = 0.5;
-  scenario.payload.schedule = {rig::Setpoint{0.0, {0.1}, {}}};
+  rig::Scenario scenario = diagnose::testing::fast_demo();
   scenario.mocap.ring_noise = {2e-5, 1e-3};
   const arm::Arm arm = body_testing::shipped("online_200mm");
   const Prepared prepared = prepare(arm, {diagnose::testing::record(arm, scenario, "fast")});
