@@ -83,12 +83,12 @@ function(softarm_keep_ros_out_of)
   endforeach()
 endfunction()
 
-# What a program and the parts that programs share are compiled with.
-function(softarm_program_target name)
+# What a program and the parts that programs share are compiled with: the precompiled headers, and what else g++ is told.
+function(softarm_program_target name headers)
   add_dependencies(${name} ${${PROJECT_NAME}_EXPORTED_TARGETS})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/src/apps)
-  target_compile_options(${name} PRIVATE ${SOFTARM_WARNINGS} -fPIC)
-  target_precompile_headers(${name} REUSE_FROM softarm_program_headers)
+  target_compile_options(${name} PRIVATE ${SOFTARM_WARNINGS} -fPIC ${ARGN})
+  target_precompile_headers(${name} REUSE_FROM ${headers})
   target_compile_definitions(${name} PRIVATE
     SOFTARM_VERSION="${SOFTARM_VERSION}" SOFTARM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   softarm_unity(${name} 24)  # CLI11 costs each chunk seconds
@@ -100,15 +100,21 @@ endfunction()
 # variable SOFTARM_PROGRAMS.
 function(softarm_programs)
   cmake_parse_arguments(given "" "STUDY" "LIVE;SHARED;LIBRARIES" ${ARGN})
-  softarm_headers(softarm_program_headers
-    LIBRARIES Eigen3::Eigen fmt::fmt
-    HEADERS <ros/ros.h> <filesystem> <fstream> <iostream>)
-  # Not -fPIE, as programs are by default: the library of the room ros has these precompiled headers, too.
-  target_compile_options(softarm_program_headers PRIVATE -fPIC)
+  # What counts is in the libraries: a program that nobody waits for live spends its own time on options and tables, and
+  # half of its compilation would go into making them fast. g++ takes the level from the precompiled header.
+  set(optimisation_of_studies $<$<CONFIG:Release>:-O1>)
+  foreach(headers softarm_program_headers softarm_study_program_headers)
+    softarm_headers(${headers}
+      LIBRARIES Eigen3::Eigen fmt::fmt
+      HEADERS <ros/ros.h> <filesystem> <fstream> <iostream>)
+    # Not -fPIE, as programs are by default: the library of the room ros has these precompiled headers, too.
+    target_compile_options(${headers} PRIVATE -fPIC)
+  endforeach()
+  target_compile_options(softarm_study_program_headers PRIVATE ${optimisation_of_studies})
   list(TRANSFORM given_SHARED REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/src/apps/softarm/\\1.cpp")
   add_library(softarm_shared_parts STATIC ${given_SHARED})
   set_target_properties(softarm_shared_parts PROPERTIES ARCHIVE_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib)
-  softarm_program_target(softarm_shared_parts)
+  softarm_program_target(softarm_shared_parts softarm_program_headers)
   target_link_libraries(softarm_shared_parts PUBLIC ${given_LIBRARIES})
   set(names)
   file(GLOB mains CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/apps/*.cpp)
@@ -117,7 +123,11 @@ function(softarm_programs)
     file(GLOB_RECURSE parts CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/apps/${name}/*.cpp)
     list(REMOVE_ITEM parts ${given_SHARED})
     add_executable(${name} ${main} ${parts})
-    softarm_program_target(${name})
+    if(name IN_LIST given_LIVE)
+      softarm_program_target(${name} softarm_program_headers)
+    else()
+      softarm_program_target(${name} softarm_study_program_headers ${optimisation_of_studies})
+    endif()
     target_link_libraries(${name} PRIVATE softarm_shared_parts)
     if(NOT name IN_LIST given_LIVE)
       target_link_libraries(${name} PRIVATE ${given_STUDY})
