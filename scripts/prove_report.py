@@ -158,7 +158,7 @@ which never names anything.
 
 A case is nine trials of one arm, recorded by the virtual rig, which shares no code with the model of the diagnosis. How
 large an effect is: the same trials are simulated with and without it, with the same random numbers. The difference of what
-one set of the arm's constants leaves in both, in means over 0.1 s as the diagnosis uses them, each over its standard
+one set of the arm's constants leaves in both, in means over 0.2 s as the diagnosis uses them, each over its standard
 deviation (white noise, and what the diagnosis allows for swinging), is projected orthogonally to the derivatives of all of
 the arm's free constants. Its length is the signal to noise after a refit ("sd" below), its rms distance per body what is
 left in metres. A trial set has some 27000 such numbers, so that 12 sd are 0.02 mm, no more than the error of the rig

@@ -17,13 +17,14 @@ using trial::SeenBody;
 using trial::StaticFrame;
 
 constexpr std::size_t kFewest = 3;    // frames of a mean
+constexpr int kFewestOfBend = 5;      // frames of a mean whose scatter is about a parabola
 constexpr double kOutlier = 5.0;      // standard deviations from the line through a body's positions
 constexpr double kFewestShare = 0.6;  // of the block's frames in which a body must be seen
 
 /// Positions of one body over a block, as a straight line in time.
 struct Line {
   Vector3d at_centre = Vector3d::Zero();
-  double sum2 = 0.0;  ///< of residuals
+  double sum2 = 0.0;  ///< of residuals, about a parabola where the frames are enough
   int frames = 0, dof = 0;
   double variance_factor = 1.0;  ///< of at_centre against that of a frame
 };
@@ -46,8 +47,24 @@ Line fit_line(const std::vector<double>& t, const std::vector<Vector3d>& p, cons
   line.at_centre = (sp - slope * st) / n;
   line.variance_factor = sloped ? stt / determinant : 1.0 / n;
   line.dof = 3 * (line.frames - (sloped ? 2 : 1));
+  // A bend of the way is no noise: it is taken off where frames are left to scatter about it.
+  const double mean_t = st / n, width = stt / n - mean_t * mean_t;
+  Vector3d bend = Vector3d::Zero();
+  double bends = 0.0, skew = 0.0;
   for (std::size_t i = 0; i < t.size(); ++i) {
-    if (used[i]) line.sum2 += (p[i] - line.at_centre - slope * t[i]).squaredNorm();
+    if (used[i]) skew += std::pow(t[i] - mean_t, 3) / (n * width);
+  }
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    if (!used[i]) continue;
+    const double off = t[i] - mean_t, along = off * off - width - skew * off;  // no part of a line in it
+    const Vector3d residual = p[i] - line.at_centre - slope * t[i];
+    line.sum2 += residual.squaredNorm();
+    bend += along * residual;
+    bends += along * along;
+  }
+  if (sloped && line.frames >= kFewestOfBend && bends > 1e-6 * n * width * width) {
+    line.sum2 = std::max(line.sum2 - bend.squaredNorm() / bends, 0.0);
+    line.dof -= 3;
   }
   return line;
 }
