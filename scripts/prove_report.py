@@ -161,7 +161,7 @@ large an effect is: the same trials are simulated with and without it, with the 
 one set of the arm's constants leaves in both, in means over 0.2 s as the diagnosis uses them, each over its standard
 deviation (white noise, and what the diagnosis allows for swinging), is projected orthogonally to the derivatives of all of
 the arm's free constants. Its length is the signal to noise after a refit ("sd" below), its rms distance per body what is
-left in metres. A trial set has some 27000 such numbers, so that 12 sd are 0.02 mm, no more than the error of the rig
+left in metres. A trial set has some 13000 such numbers, so that 12 sd are 0.02 mm, no more than the error of the rig
 itself; therefore sizes are also at least the `least_leftover_m` of the campaign file, which is the larger. Compensated: the length with the
 constants held is 20 or more, and a chi^2 test of fits frame by frame stays below 3 standard deviations.
 

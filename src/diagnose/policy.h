@@ -66,8 +66,8 @@ struct Policy {
   struct Posterior {
     double expected = 0.5;  ///< effects of the catalogue that an arm is expected to have, before the data
     /// Sizes that every effect has, in usual ones, and whose probability is the same beforehand: the rig's
-    /// own errors are a hundredth, untidy arms a tenth.
-    double background[4] = {0.01, 0.03, 0.1, 0.3};
+    /// own errors are a thousandth to a hundredth, untidy arms a tenth.
+    double background[6] = {0.001, 0.003, 0.01, 0.03, 0.1, 0.3};
     double named = 0.5;  ///< probability of a class from which on the best of it goes into the model
     /// Two effects are one class where the second is there instead of the first with this probability, and
     /// where the first's being there makes it so many times less likely.

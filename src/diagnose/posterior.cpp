@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <optional>
 #include <utility>
 
 #include "evidence.h"
@@ -14,16 +14,55 @@ namespace {
 
 using model::Effect;
 
+/// The linearised model about each fit that there is: the present one, and one for each effect that was
+/// refitted with it. A set of effects is judged about the fit that suits it best of those with one of its
+/// effects.
+class Expansions {
+ public:
+  Expansions(const EvidenceData& data, const std::vector<RefitEvidence>& refits, unsigned jobs)
+      : bases_(bases_of(data)), models_(1 + refits.size()) {
+    math::in_parallel(models_.size(), jobs, [&](std::size_t i) {
+      EvidenceData own = i == 0 ? data : refits[i - 1].data;
+      if (i > 0) {
+        for (const Signature& s : data.effects)
+          if (s.effect != refits[i - 1].effect) own.effects.push_back(s);
+      }
+      models_[i].emplace(own, bases_);
+    });
+    for (const RefitEvidence& r : refits) refitted_.push_back(r.effect);
+  }
+
+  const EffectList& effects() const { return models_[0]->effects(); }
+
+  /// By number: those about a fit with one of these effects; without any, the one about the present fit.
+  std::vector<std::size_t> of(const EffectList& set) const {
+    std::vector<std::size_t> list;
+    for (std::size_t i = 0; i < refitted_.size(); ++i)
+      if (std::find(set.begin(), set.end(), refitted_[i]) != set.end()) list.push_back(i + 1);
+    if (list.empty()) list.push_back(0);
+    return list;
+  }
+  const LinearGaussianModel& model(std::size_t number) const { return *models_[number]; }
+  std::size_t count() const { return models_.size(); }
+  /// Those of a set that such a model does not have among its unknowns.
+  EffectList beside(std::size_t number, EffectList set) const {
+    if (number > 0) set.erase(std::remove(set.begin(), set.end(), refitted_[number - 1]), set.end());
+    return set;
+  }
+
+ private:
+  const Bases bases_;
+  std::vector<std::optional<LinearGaussianModel>> models_;
+  EffectList refitted_;
+};
+
 /// Sets that were evaluated, each under the backgrounds that suit it.
 class Search {
  public:
-  using Corrections = std::map<const Effect*, double>;
-  /// @param corrections of the log evidence, by effect
-  Search(const LinearGaussianModel& all, Corrections corrections, unsigned jobs)
-      : all_(all),
-        corrections_(std::move(corrections)),
+  Search(const Expansions& about, unsigned jobs)
+      : about_(about),
         jobs_(jobs),
-        log_odds_(std::log(kPolicy.posterior.expected / static_cast<double>(all.effects().size()))) {}
+        log_odds_(std::log(kPolicy.posterior.expected / static_cast<double>(about.effects().size()))) {}
 
   struct Model {
     EffectList effects;
@@ -34,25 +73,38 @@ class Search {
   /// Evaluates these sets in parallel, from a noise near theirs.
   void evaluate(std::vector<Model> list, const std::vector<DirectionNoise>& noise) {
     math::in_parallel(list.size(), jobs_, [&](std::size_t i) {
-      list[i].marginal = all_.evaluate(list[i].effects, list[i].tau, noise);
-      list[i].log = list[i].marginal.log + before_data(list[i].effects);
+      Model& m = list[i];
+      m.marginal.log = kNothing;
+      for (const std::size_t number : about_.of(m.effects)) {
+        Marginal marginal = about_.model(number).evaluate(about_.beside(number, m.effects), m.tau, noise);
+        if (marginal.log > m.marginal.log) m.marginal = std::move(marginal);
+      }
+      m.log = m.marginal.log + before_data(m.effects);
     });
     for (Model& model : list) models_.push_back(std::move(model));
   }
 
   /// What one effect more would bring to a model, under its own noise.
   std::vector<Model> one_more(const Model& from) const {
-    const NormalEquations sums = all_.normal_equations(from.marginal.noise);
+    std::vector<NormalEquations> sums(about_.count());
+    math::in_parallel(sums.size(), jobs_, [&](std::size_t i) {
+      sums[i] = about_.model(i).normal_equations(from.marginal.noise);
+    });
     std::vector<Model> list;
     Eigen::VectorXd unused;
-    for (const Effect* effect : all_.effects()) {
+    for (const Effect* effect : about_.effects()) {
       if (std::find(from.effects.begin(), from.effects.end(), effect) != from.effects.end()) continue;
       EffectList effects = from.effects;
       effects.push_back(effect);
       std::sort(effects.begin(), effects.end(),
                 [this](const Effect* a, const Effect* b) { return place(a) < place(b); });
-      for (const double tau : kPolicy.posterior.background)
-        list.push_back({effects, tau, all_.integrate(sums, effects, tau, unused) + before_data(effects), {}});
+      for (const double tau : kPolicy.posterior.background) {
+        double log = kNothing;
+        for (const std::size_t number : about_.of(effects))
+          log = std::max(
+              log, about_.model(number).integrate(sums[number], about_.beside(number, effects), tau, unused));
+        list.push_back({effects, tau, log + before_data(effects), {}});
+      }
     }
     return list;
   }
@@ -80,21 +132,16 @@ class Search {
   }
 
  private:
-  /// What the integral does not know: the odds of the effects, and what refits showed of them.
+  /// What the integral does not know: the odds of the effects.
   double before_data(const EffectList& effects) const {
-    double sum = log_odds_ * static_cast<double>(effects.size());
-    for (const Effect* effect : effects) {
-      const auto found = corrections_.find(effect);
-      if (found != corrections_.end()) sum += found->second;
-    }
-    return sum;
+    return log_odds_ * static_cast<double>(effects.size());
   }
   std::ptrdiff_t place(const Effect* effect) const {
-    return std::find(all_.effects().begin(), all_.effects().end(), effect) - all_.effects().begin();
+    return std::find(about_.effects().begin(), about_.effects().end(), effect) - about_.effects().begin();
   }
 
-  const LinearGaussianModel& all_;
-  const Corrections corrections_;
+  static constexpr double kNothing = -1e300;  // a log likelihood
+  const Expansions& about_;
   const unsigned jobs_;
   const double log_odds_;
   std::vector<Model> models_;
@@ -125,29 +172,6 @@ bool holds(const EffectSet& set, const Effect* effect) {
   return std::find(set.effects.begin(), set.effects.end(), effect) != set.effects.end();
 }
 
-/// Log evidence of a model under the background that suits it best.
-double best_evidence(const LinearGaussianModel& all, const EffectList& present) {
-  double best = -1e300;
-  for (const double tau : kPolicy.posterior.background) best = std::max(best, all.evaluate(present, tau).log);
-  return best;
-}
-
-/// By which the evidence of each refitted effect alone, about its own fit, is more than the linear one.
-Search::Corrections corrections_of(const EvidenceData& data, const LinearGaussianModel& all,
-                                   const Bases& bases, const std::vector<RefitEvidence>& refits,
-                                   unsigned jobs) {
-  std::vector<double> more(refits.size(), 0.0);
-  math::in_parallel(refits.size(), jobs, [&](std::size_t i) {
-    EvidenceData own = refits[i].data;
-    for (const Signature& s : data.effects)
-      if (s.effect != refits[i].effect) own.effects.push_back(s);
-    more[i] = best_evidence(LinearGaussianModel(own, bases), {}) - best_evidence(all, {refits[i].effect});
-  });
-  Search::Corrections corrections;
-  for (std::size_t i = 0; i < refits.size(); ++i) corrections[refits[i].effect] = more[i];
-  return corrections;
-}
-
 }  // namespace
 
 double Posterior::of(const Effect* effect) const {
@@ -172,9 +196,8 @@ double Posterior::instead(const Effect* other, const Effect* effect) const {
 
 Posterior posterior(const EvidenceData& data, const std::vector<RefitEvidence>& refits, unsigned jobs) {
   if (data.residual.rows() < kPolicy.posterior.fewest_instants || data.effects.empty()) return {};
-  const Bases bases = bases_of(data);
-  const LinearGaussianModel all(data, bases);
-  Search search(all, corrections_of(data, all, bases, refits, jobs), jobs);
+  const Expansions about(data, refits, jobs);
+  Search search(about, jobs);
   std::vector<Search::Model> none;
   for (const double tau : kPolicy.posterior.background) none.push_back({{}, tau, 0.0, {}});
   search.evaluate(std::move(none), {});

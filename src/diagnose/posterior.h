@@ -36,8 +36,8 @@ struct RefitEvidence {
 /// priors. What is left is correlated: each principal direction of what is seen has noise of its own, white
 /// and a Gaussian process over what drives the arm, or over time, whose shares and sizes are those of
 /// greatest likelihood under each set. All coefficients are integrated out. Sets grow from the best by one
-/// effect at a time. Effects are not linear: where one was refitted, the evidence of it alone about its own
-/// fit (Laplace) takes the place of the linear one, in every set that has it.
+/// effect at a time. Effects are not linear: sets with one that was refitted are judged about its own fit
+/// (Laplace), those with several about the fit of theirs that suits them best.
 Posterior posterior(const EvidenceData& data, const std::vector<RefitEvidence>& refits, unsigned jobs);
 
 }  // namespace softarm::diagnose

@@ -132,6 +132,38 @@ TEST(Posterior, TwoThatDoTheSameShareTheProbability) {
   EXPECT_GT(p.instead(other, one), 0.3);
 }
 
+// Both move the bodies in the same way, along a curve that the linear model only begins: a fit with either of
+// them explains all. That is no reason to have both.
+TEST(Posterior, TwoRefitsThatExplainTheSameAreNotBothThere) {
+  std::mt19937_64 random(11);
+  EvidenceData data = made_up(90, 6, 12, 1.0, random);
+  const MatrixXd noise = data.residual, begun = data.effects[4].moves;
+  const MatrixXd all = 2.0 * begun + 3.0 * data.features.col(0).cwiseAbs2() * Eigen::RowVectorXd::Ones(6);
+  data.effects[5].moves = begun;
+  data.residual += all;
+  std::vector<RefitEvidence> refits;
+  for (const std::size_t e : {4U, 5U}) {
+    RefitEvidence refit{data.effects[e].effect, data};
+    refit.data.residual = noise;
+    refit.data.effects.clear();
+    refit.data.unknowns.push_back({nullptr, 0.0, 5.0, all / 2.0});
+    refits.push_back(std::move(refit));
+  }
+  const Posterior p = posterior(data, refits, 1);
+  EXPECT_GT(p.of_any({refits[0].effect, refits[1].effect}), 0.99);
+  EXPECT_NEAR(p.of(refits[0].effect) + p.of(refits[1].effect), 1.0, 0.05);
+}
+
+// Usual sizes may move the bodies by sixty times the noise: a hundredth of one is then seen, and is no
+// background where all the others are smaller than a thousandth.
+TEST(Posterior, ASmallShareOfAUsualSizeIsNamedWhereAllElseIsRight) {
+  std::mt19937_64 random(13);
+  EvidenceData data = made_up(90, 6, 12, 60.0, random);
+  data.residual += 0.015 * data.effects[3].moves;
+  const Posterior p = posterior(data, {}, 1);
+  EXPECT_GT(p.of(data.effects[3].effect), 0.9);
+}
+
 TEST(Posterior, SaysNothingOfTooFewInstants) {
   std::mt19937_64 random(9);
   EXPECT_TRUE(
