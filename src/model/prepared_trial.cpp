@@ -17,6 +17,7 @@ using trial::SeenBody;
 using trial::StaticFrame;
 
 constexpr std::size_t kFewest = 3;    // frames of a mean
+constexpr double kLongestBend = 2.5;  // of a way, in standard deviations of a mean; noise alone makes 1.1
 constexpr int kFewestOfBend = 5;      // frames of a mean whose scatter is about a parabola
 constexpr double kOutlier = 5.0;      // standard deviations from the line through a body's positions
 constexpr double kFewestShare = 0.6;  // of the block's frames in which a body must be seen
@@ -26,7 +27,8 @@ struct Line {
   Vector3d at_centre = Vector3d::Zero();
   double sum2 = 0.0;  ///< of residuals, about a parabola where the frames are enough
   int frames = 0, dof = 0;
-  double variance_factor = 1.0;  ///< of at_centre against that of a frame
+  double variance_factor = 1.0;      ///< of at_centre against that of a frame
+  Vector3d bend = Vector3d::Zero();  ///< the mean off the way's place at that time; 0 with too few frames
 };
 
 Line fit_line(const std::vector<double>& t, const std::vector<Vector3d>& p, const std::vector<bool>& used) {
@@ -65,6 +67,7 @@ Line fit_line(const std::vector<double>& t, const std::vector<Vector3d>& p, cons
   if (sloped && line.frames >= kFewestOfBend && bends > 1e-6 * n * width * width) {
     line.sum2 = std::max(line.sum2 - bend.squaredNorm() / bends, 0.0);
     line.dof -= 3;
+    line.bend = bend * (width / bends);
   }
   return line;
 }
@@ -161,16 +164,26 @@ class Preparing {
   void cut(const std::vector<StaticFrame>& frames, TrialData& data,
            std::map<std::string, std::uint64_t>& left_out) {
     const Eigen::VectorXd& t = data.series.t_s;
-    std::size_t first = 0;
+    std::size_t first = 0, half = 0;  // half: where the block may end if the way bends
     bool begins = true;
     for (std::size_t i = 1; i <= frames.size(); ++i) {
       const bool gap =
           i < frames.size() &&
           t[static_cast<Eigen::Index>(i)] - t[static_cast<Eigen::Index>(i - 1)] > kLongestPause_s;
-      const bool full =
-          i < frames.size() && i - first >= kFewest &&
-          t[static_cast<Eigen::Index>(i)] - t[static_cast<Eigen::Index>(first)] >= how_.block_s - 1e-6;
+      const auto lasts = [&](double block_s) {
+        return i < frames.size() && i - first >= kFewest &&
+               t[static_cast<Eigen::Index>(i)] - t[static_cast<Eigen::Index>(first)] >= block_s - 1e-6;
+      };
+      const bool full = lasts(how_.block_s);
+      if (half == 0 && lasts(0.5 * how_.block_s)) half = i;
       if (i < frames.size() && !gap && !full) continue;
+      if (half > 0 && half < i && i - half >= kFewest && bends(frames, first, i, t)) {
+        data.blocks.push_back(mean(frames, first, half, t));
+        data.blocks.back().begins = begins;
+        begins = false;
+        first = half;
+      }
+      half = 0;
       if (i - first >= kFewest) {
         data.blocks.push_back(mean(frames, first, i, t));
         data.blocks.back().begins = begins;
@@ -181,6 +194,32 @@ class Preparing {
       }
       first = i;
     }
+  }
+
+  /// Whether the bodies' ways are no straight lines: a mean over a bend lies beside all places where the body
+  /// can be.
+  bool bends(const std::vector<StaticFrame>& frames, std::size_t first, std::size_t last,
+             const Eigen::VectorXd& t) const {
+    const double centre =
+        t.segment(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(last - first)).mean();
+    double square = 0.0, bodies = 0.0;
+    for (std::size_t b = 0; b < arm_.bodies.size(); ++b) {
+      std::vector<double> when;
+      std::vector<Vector3d> where;
+      for (std::size_t i = first; i < last; ++i) {
+        for (const SeenBody& seen : frames[i].bodies) {
+          if (seen.body != static_cast<int>(b)) continue;
+          when.push_back(t[static_cast<Eigen::Index>(i)] - centre);
+          where.push_back(seen.p_base);
+        }
+      }
+      if (when.size() < static_cast<std::size_t>(kFewestOfBend)) continue;
+      const double sd_m = arm_.bodies[b].position_sd_m / std::sqrt(static_cast<double>(when.size()));
+      square += fit_line(when, where, std::vector<bool>(when.size(), true)).bend.squaredNorm() /
+                (3.0 * sd_m * sd_m);
+      bodies += 1.0;
+    }
+    return square > kLongestBend * kLongestBend * bodies;
   }
 
   Block mean(const std::vector<StaticFrame>& frames, std::size_t first, std::size_t last,

@@ -60,7 +60,8 @@ struct TrialData {
 constexpr double kLongestPause_s = 0.5;
 
 struct Preparation {
-  double block_s = 0.2;           ///< over which frames are averaged; longer where three of them are
+  double block_s = 0.2;           ///< over which frames are averaged: half of it where the way of a body
+                                  ///< bends, longer where three frames are
   double before_payload_s = 0.5;  ///< of a change, and after it, nothing is compared
   double after_payload_s = 2.0;
 };

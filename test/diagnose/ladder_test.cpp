@@ -28,7 +28,9 @@ struct Climbed {
 };
 
 Climbed climb(const testing::RecordedCase& recorded) {
-  Looked looked(recorded.arm, recorded.trials);
+  model::Preparation how;
+  how.block_s = 0.1;  // in longer means noise falls below what is not known of the motion
+  Looked looked(recorded.arm, recorded.trials, how);
   Climbed out;
   out.instants = diagnose::fit_instants(looked.model, looked.baseline, 0);
   out.ladder = diagnose::pooling_ladder(looked.model, looked.baseline, out.instants);

@@ -9,8 +9,8 @@
 namespace softarm::diagnose::testing {
 
 struct Looked {
-  Looked(const arm::Arm& arm, const std::vector<trial::Trial>& trials)
-      : prepared(model::prepare(arm, trials)), model(arm, prepared.trials, 0) {
+  Looked(const arm::Arm& arm, const std::vector<trial::Trial>& trials, const model::Preparation& how = {})
+      : prepared(model::prepare(arm, trials, how)), model(arm, prepared.trials, 0) {
     baseline = model.fit(model.start(), {});
     model.allow_for_motion(baseline.at, baseline.predicted);
     baseline = model.fit(baseline.at, {}, &baseline.predicted);

@@ -49,10 +49,7 @@ Eigen::VectorXd stacked(const JointModel& model, const Path& path) {
 
 TEST(Motion, DerivativesAreOfTheSwingNotOfItsEquilibria) {
   const arm::Arm arm = arm::load_arm_file(SOFTARM_SOURCE_DIR "/config/arms/online_200mm.yaml");
-  model::Preparation how;
-  how.block_s = 0.1;  // a swing lasts 0.4 s
-  const model::Prepared prepared =
-      model::prepare(arm, {testing::record(arm, testing::fast_demo(), "fast")}, how);
+  const model::Prepared prepared = model::prepare(arm, {testing::record(arm, testing::fast_demo(), "fast")});
   JointModel model(arm, prepared.trials, 1), calm(arm, prepared.trials, 1);
   JointParameters at = model.start();
   add_effects(model, arm, at);
