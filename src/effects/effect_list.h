@@ -16,6 +16,9 @@
   EFFECT(axial_compliance) \
   EFFECT(shear) \
   EFFECT(strain_stiffening) \
+  EFFECT(plane_stiffness) \
+  EFFECT(one_sided_softness) \
+  EFFECT(curvature_gain) \
   EFFECT(contact) \
   EFFECT(tether) \
   EFFECT(payload_offset) \

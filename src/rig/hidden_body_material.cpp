@@ -79,7 +79,7 @@ std::vector<HiddenEffect> material_effects() {
        {{"yield_per_m", 1e-2, 1e3, 1.0, 6.0, "elastic curvature of the core where it slips"}},
        jamming_yield},
       {"plane_stiffness",
-       false,
+       true,
        "another bending stiffness in one plane than across it",
        {},
        {{"share", -0.9, 10.0, 0.1, 0.4, "by which it is larger in that plane"},
@@ -89,7 +89,7 @@ std::vector<HiddenEffect> material_effects() {
          scenario.body.plane_stiffness = side(choice, scenario);
        }},
       {"one_sided_softness",
-       false,
+       true,
        "softer when bent to one side, as if the wall there buckled",
        {},
        {{"share", -3.0, 0.9, 0.1, 0.4, "by which it is softer towards that side"},

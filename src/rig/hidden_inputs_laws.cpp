@@ -180,7 +180,7 @@ std::vector<HiddenEffect> geometry_laws() {
         {"reference_n", 1e-3, 1e4, 3.0, 3.0, "mean tension where the twist is reached", 3.0}},
        torsion},
       {"curvature_gain",
-       false,
+       true,
        "what actuators do depends on how far the arm is bent",
        {},
        {{"share_per_rad", -0.6, 2.0, 0.05, 0.15, "of their moments, by the bending angle of the segment"}},

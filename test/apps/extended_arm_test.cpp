@@ -72,6 +72,19 @@ TEST(ExtendedArm, IsSimulatedAndEstimatedWithItsEffects) {
   EXPECT_LT(median_stiffness(dir / "without/trial/estimates.csv"), 0.9 * truth);
 }
 
+TEST(ExtendedArm, UnevenStiffnessIsTheRigsWithAnotherMean) {
+  // EI (1 + 0.2) in the plane and EI (1 - 0.2) across it: the rig leaves EI across it, and adds a half in it.
+  const TestFolder dir;
+  dir.write("arm.yaml", extended({{"plane_stiffness", {{"towards_x", 0.0}, {"diagonal", 0.2}}}}));
+  const Outcome outcome =
+      softarm_program("simulate " + dir.write("scenario.yaml", kScenario) + " --out " + dir / "trial.bag");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::string truth = text_of(dir / "trial.truth.yaml");
+  EXPECT_NE(truth.find("plane_stiffness"), std::string::npos);
+  EXPECT_NE(truth.find("share: 0.5"), std::string::npos) << truth;
+  EXPECT_NE(truth.find("azimuth_deg: 45"), std::string::npos) << truth;
+}
+
 TEST(ExtendedArm, WhatTheRigDoesNotHaveIsOneLine) {
   const TestFolder dir;
   dir.write("arm.yaml", extended({{"tip_mass", {{"mass_kg", 0.01}}}, {"inertia", {{"mass_share", 0.5}}}}));

@@ -9,7 +9,7 @@
 namespace softarm::effects::testing {
 namespace {
 
-enum class Mount { kHanging, kHorizontal };
+enum class Mount { kHanging, kHorizontal, kWeightless };
 
 struct HiddenInBody {
   const char* name;
@@ -63,6 +63,14 @@ const std::vector<HiddenInBody>& hidden_in_body() {
        {1e-2},
        Mount::kHanging,
        5e-4},
+      // The rig goes by the turn of the whole segment, the catalogue by the curvature of each section: alike
+      // where nothing but the chambers bends the arm, and nothing stretches it.
+      {"curvature_gain",
+       {"curvature_gain", "", {{"share_per_rad", 0.15}}},
+       {0.15},
+       Mount::kWeightless,
+       1e-3,
+       0.0},
       {"contact",
        {"contact",
         "spring_wall",
@@ -130,9 +138,24 @@ rig::Scenario scenario_of(const HiddenInBody& hidden) {
   scenario.mocap.rate_hz = 60.0;
   scenario.numerics.max_step_s = 1.0 / 480.0;
   scenario.payload.schedule = {{0.0, {hidden.payload_kg}}};
+  if (hidden.mount == Mount::kWeightless) {
+    scenario.gravity_m_s2 = 0.0;
+    for (rig::ChamberSpec& chamber : scenario.arm.segments[0].chambers)
+      chamber.near_elongation_m_per_pa = chamber.far_elongation_m_per_pa = 0.0;
+  }
   if (hidden.mount == Mount::kHorizontal)
     scenario.mount.q_mocap_base = Eigen::AngleAxisd(M_PI / 2.0, Eigen::Vector3d::UnitY());
   return scenario;
+}
+
+arm::Arm arm_of(const HiddenInBody& hidden) {
+  arm::Arm arm = shipped_arm("online_200mm");
+  if (hidden.mount == Mount::kWeightless) {
+    arm.gravity_m_s2.setZero();
+    for (arm::Chamber& chamber : arm.segments[0].chambers)
+      chamber.near_elongation_m_per_pa = chamber.far_elongation_m_per_pa = 0.0;
+  }
+  return arm;
 }
 
 /// Error where nothing is hidden: the rig's arm rings after the kinks of its pressures.
@@ -151,7 +174,7 @@ class InTheRigsBody : public ::testing::TestWithParam<HiddenInBody> {};
 
 TEST_P(InTheRigsBody, IsPredictedAtItsSize) {
   const HiddenInBody& hidden = GetParam();
-  const arm::Arm arm = shipped_arm("online_200mm");
+  const arm::Arm arm = arm_of(hidden);
   rig::Scenario scenario = scenario_of(hidden);
   rig::hide(hidden.choice, scenario);
   const model::TrialData trial = recorded(arm, scenario);
@@ -175,6 +198,70 @@ TEST_P(InTheRigsBody, IsPredictedAtItsSize) {
 
 INSTANTIATE_TEST_SUITE_P(Effects, InTheRigsBody, ::testing::ValuesIn(hidden_in_body()),
                          [](const auto& which) { return std::string(which.param.name); });
+
+/// Errors of an arm on which the rig hides something, without and with an effect of the catalogue.
+struct Errors {
+  double without_m = 0.0, with_m = 0.0;
+};
+Errors errors_of(const HiddenInBody& hidden, const arm::Arm& arm,
+                 const std::function<void(rig::Scenario&)>& change = nullptr) {
+  rig::Scenario scenario = scenario_of(hidden);
+  if (change) change(scenario);
+  rig::hide(hidden.choice, scenario);
+  const model::TrialData trial = recorded(arm, scenario);
+  model::ExtendedModel model(arm);
+  const model::Dynamics dynamics{true, 0.02};
+  const model::Values values = Eigen::Map<const Eigen::VectorXd>(
+      hidden.values.data(), static_cast<Eigen::Index>(hidden.values.size()));
+  return {rms_m(predict(model, arm, {}, trial, dynamics), trial),
+          rms_m(predict(model, arm, {{find(hidden.choice.effect), values}}, trial, dynamics), trial)};
+}
+
+arm::Arm stiffer(double factor) {
+  arm::Arm arm = shipped_arm("online_200mm");
+  arm::StiffnessLaw& law = arm.segments[0].bending_stiffness;
+  law.base_nm2 *= factor;
+  law.per_min_pressure_nm2_per_pa *= factor;
+  law.per_jamming_pressure_nm2_per_pa *= factor;
+  return arm;
+}
+
+TEST(OnTheRig, GainByTheTurnOfALoadedSegmentIsMostlyGainByCurvature) {
+  const HiddenInBody hidden{"", {"curvature_gain", "", {{"share_per_rad", 0.15}}}, {0.15}};
+  const Errors errors = errors_of(hidden, arm_of(hidden));
+  EXPECT_GT(errors.without_m, 1e-3);
+  EXPECT_LT(errors.with_m, 0.25 * errors.without_m);
+}
+
+TEST(OnTheRig, AStifferPlaneIsStifferAllRoundAndUneven) {
+  // The rig: EI (1 + share) in the plane, EI across it.
+  const double share = 0.3, mean = 1.0 + 0.5 * share, uneven = 0.5 * share / mean, azimuth = 50.0 * kDeg;
+  const HiddenInBody hidden{
+      "",
+      {"plane_stiffness", "", {{"share", share}, {"azimuth_deg", 50.0}, {"to_fraction", 1.0}}},
+      {uneven * std::cos(2.0 * azimuth), uneven * std::sin(2.0 * azimuth)}};
+  const Errors errors = errors_of(hidden, stiffer(mean));
+  EXPECT_GT(errors.without_m, 1e-3);
+  EXPECT_LT(errors.with_m, 2e-4);
+}
+
+TEST(OnTheRig, ASideThatGivesWayIsMostlyOneSidedSoftness) {
+  // The rig: EI (1 - share) towards the side once it is bent so far, EI away from it.
+  const double share = 0.3, mean = 1.0 - 0.5 * share, softer = 0.5 * share / mean;
+  const HiddenInBody hidden{
+      "",
+      {"one_sided_softness", "", {{"share", share}, {"azimuth_deg", 0.0}, {"to_fraction", 1.0}}},
+      {softer, 0.0}};
+  const Errors errors = errors_of(hidden, stiffer(mean), [](rig::Scenario& scenario) {
+    // Towards the side by the first chamber, away from it by the other two.
+    scenario.pressures.random.reset();
+    scenario.pressures.schedule = {{0.5, {40e3, 0.0, 0.0}}, {3.0, {0.0, 40e3, 40e3}}};
+  });
+  EXPECT_GT(errors.without_m, 1e-3);
+  EXPECT_LT(errors.with_m, 0.25 * errors.without_m);
+  RecordProperty("without_mm", std::to_string(1e3 * errors.without_m));
+  RecordProperty("with_mm", std::to_string(1e3 * errors.with_m));
+}
 
 TEST(OnTheRig, AWallThatLagsMoreIsTheDelayOfInertia) {
   const arm::Arm arm = shipped_arm("online_200mm");

@@ -105,6 +105,30 @@ TEST_F(BodySignatures, StrainStiffeningGrowsWithTheCubeOfTheBend) {
   EXPECT_GT(lost[1], 6.0 * lost[0]);
 }
 
+TEST_F(BodySignatures, StiffnessByTheDirectionOfBending) {
+  arm::Arm weightless = arm;
+  weightless.gravity_m_s2.setZero();
+  const double a = 0.2, c = -0.1, x = 0.25, y = 0.1;
+  for (const std::size_t chamber : {0u, 1u, 2u}) {
+    const auto trial = body_testing::trial_of(weightless, {{inputs(0.5, chamber), 0.0, hanging()}});
+    const auto bent_of = [&](const std::vector<model::Present>& effects) {
+      const Vector3d u = body_testing::predict(model, arm, effects, trial)[0].shape.middles[4].u;
+      return Eigen::Vector2d(u.y(), -u.x());  // towards x and y
+    };
+    const Eigen::Vector2d even = bent_of({});
+    // M = EI (I + T) u of a plane; the moment is that of the even arm.
+    Eigen::Matrix2d plane;
+    plane << 1.0 + a, c, c, 1.0 - a;
+    EXPECT_LT((plane * bent_of({with("plane_stiffness", {a, c})}) - even).norm(), 1e-5 * even.norm());
+    const double softer = (x * even.x() + y * even.y()) / even.norm();
+    EXPECT_LT(((1.0 - softer) * bent_of({with("one_sided_softness", {x, y})}) - even).norm(),
+              1e-5 * even.norm());
+    // M0 (1 + share |u| / 5) = EI |u|.
+    const double bent = bent_of({with("curvature_gain", {0.1})}).norm();
+    EXPECT_NEAR(bent / (1.0 + 0.1 * bent / 5.0), even.norm(), 1e-5 * even.norm());
+  }
+}
+
 TEST_F(BodySignatures, TorsionTurnsWhatLiesAcrossThePlane) {
   // Bent towards y, loaded along x: the tip's load winds the arm.
   const auto bent = inputs(0.8, 1);

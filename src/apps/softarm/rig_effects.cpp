@@ -17,6 +17,7 @@ using Choices = std::vector<HiddenChoice>;
 constexpr double kDegPerRad = 180.0 / M_PI;
 // What shares of the catalogue refer to.
 constexpr double kPressurePa = 50e3, kVacuumPa = 60e3, kTensionN = 3.0;
+constexpr double kGainPerM = 5.0;
 constexpr double kLoopPa = 50e3, kLoopN = 4.0, kLoopRad = 0.6, kLoopPerM = 20.0;
 constexpr double kNearly = 0.1;  // share by which two numbers may differ that the rig has as one
 constexpr double kMinute_s = 60.0;
@@ -219,6 +220,32 @@ Choices chamber_bulge(const Numbers& v) {
                  {{"share", v("share") / static_cast<double>(most - 1)}, {"reference_pa", kPressurePa}})};
 }
 
+/// T of M = EI (I + T) u as a share along one direction. The rig leaves EI across it as it is: softer by so
+/// much beforehand, see with_stiffnesses().
+Choices plane_stiffness(const Numbers& v) {
+  const double uneven = v.size("towards_x", "diagonal");
+  return {choice("plane_stiffness", "",
+                 {{"share", 2.0 * uneven / (1.0 - uneven)},
+                  {"azimuth_deg", 0.5 * v.azimuth_deg("towards_x", "diagonal")}})};
+}
+
+/// The rig is softer towards one side, and as it was towards all others: stiffer by so much beforehand.
+Choices one_sided_softness(const Numbers& v) {
+  const double softer = v.size("softer_x", "softer_y");
+  return {choice("one_sided_softness", "",
+                 {{"share", 2.0 * softer / (1.0 + softer)},
+                  {"azimuth_deg", v.azimuth_deg("softer_x", "softer_y")},
+                  {"to_fraction", 1.0}})};
+}
+
+Choices curvature_gain(const Numbers& v) {
+  const double length_m = v.arm().segments.front().length_m;
+  for (const arm::Segment& segment : v.arm().segments)
+    if (!nearly(segment.length_m, length_m))
+      throw std::invalid_argument("segments of different lengths have no counterpart in the virtual rig");
+  return {choice("curvature_gain", "", {{"share_per_rad", v("share") / (kGainPerM * length_m)}})};
+}
+
 using Translation = std::function<Choices(const Numbers&)>;
 
 const std::map<std::string, Translation>& translations() {
@@ -238,8 +265,11 @@ const std::map<std::string, Translation>& translations() {
       {"vacuum_shortening", same("", {"share"}, {{"reference_pa", kVacuumPa}})},
       {"vacuum_gain", same("", {"share"}, {{"reference_pa", kVacuumPa}})},
       {"strain_stiffening", same("cubic", {"beta_m2"})},
+      {"plane_stiffness", plane_stiffness},
+      {"one_sided_softness", one_sided_softness},
       {"gain_nonlinearity", same("quadratic", {"share"}, {{"reference_pa", kPressurePa}})},
       {"chamber_bulge", chamber_bulge},
+      {"curvature_gain", curvature_gain},
       {"pressure_stiffening", same("linear", {"share"}, {{"reference_pa", kPressurePa}})},
       {"radial_expansion", same("square", {"share"}, {{"reference_pa", kPressurePa}})},
       {"pressure_dead_zone", pressure_dead_zone},
@@ -279,7 +309,23 @@ std::vector<HiddenChoice> in_the_rig(const arm::Arm& arm, const model::Present& 
   return found->second(Numbers(arm, present));
 }
 
-arm::Arm with_compliances(arm::Arm arm, const std::vector<model::Present>& effects) {
+namespace {
+
+void stiffen(double factor, arm::Segment& segment) {
+  arm::StiffnessLaw& law = segment.bending_stiffness;
+  for (double* part : {&law.base_nm2, &law.per_min_pressure_nm2_per_pa, &law.per_jamming_pressure_nm2_per_pa})
+    *part *= factor;
+  for (arm::PressureKnot& knot : law.by_pressure) knot.bending_stiffness_nm2 *= factor;
+  for (std::optional<double>* part :
+       {&law.per_mean_pressure_nm2_per_pa, &law.per_tension_nm2_per_n, &law.per_angle_nm2_per_rad})
+    if (*part) **part *= factor;
+  for (arm::Chamber& chamber : segment.chambers)
+    if (chamber.stiffness_gain_nm2_per_pa) *chamber.stiffness_gain_nm2_per_pa *= factor;
+}
+
+}  // namespace
+
+arm::Arm with_stiffnesses(arm::Arm arm, const std::vector<model::Present>& effects) {
   const auto soften = [](std::optional<double>& stiffness, double compliance) {
     if (compliance != 0.0) stiffness = 1.0 / ((stiffness ? 1.0 / *stiffness : 0.0) + compliance);
   };
@@ -289,6 +335,8 @@ arm::Arm with_compliances(arm::Arm arm, const std::vector<model::Present>& effec
       if (id == "axial_compliance") soften(segment.axial_stiffness_n, present.values[0]);
       if (id == "shear") soften(segment.shear_stiffness_n, present.values[0]);
       if (id == "torsion") soften(segment.torsional_stiffness_nm2, present.values[0]);
+      if (id == "plane_stiffness") stiffen(1.0 - present.values.head<2>().norm(), segment);
+      if (id == "one_sided_softness") stiffen(1.0 + present.values.head<2>().norm(), segment);
     }
   }
   return arm;

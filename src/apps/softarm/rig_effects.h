@@ -11,11 +11,11 @@
 namespace softarm::app {
 
 /// What a scenario has to hide so that the rig has the effect; the rig's own law where it has several forms,
-/// the nearest. Nothing for an effect that acts by changing stiffnesses of the arm, see with_compliances().
+/// the nearest. Nothing for an effect that acts by changing stiffnesses of the arm, see with_stiffnesses().
 /// @throws std::invalid_argument, a line without a beginning, where the rig has no such thing
 std::vector<rig::HiddenChoice> in_the_rig(const arm::Arm& arm, const model::Present& present);
 
-/// The arm with compliances that effects add to those of its segments.
-arm::Arm with_compliances(arm::Arm arm, const std::vector<model::Present>& effects);
+/// The arm with what effects change of the stiffnesses of its segments.
+arm::Arm with_stiffnesses(arm::Arm arm, const std::vector<model::Present>& effects);
 
 }  // namespace softarm::app
