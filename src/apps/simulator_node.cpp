@@ -24,6 +24,8 @@ using softarm::rig::Sample;
 
 constexpr std::uint32_t kQueue = 1000;
 constexpr double kBehind_s = 0.25;
+constexpr double kConnecting_s = 0.5, kLongestConnecting_s = 2.0;  // that subscribers are waited for
+constexpr double kLead_s = 0.05;                                   // of the first sample
 
 /// The scenario's path.
 std::string find_scenario(const ros::NodeHandle& nh) {
@@ -50,8 +52,8 @@ std::string find_scenario(const ros::NodeHandle& nh) {
 /// Publishes the samples of a rig with stamps counted from an epoch.
 class Rig {
  public:
-  Rig(ros::NodeHandle nh, ros::NodeHandle private_nh, softarm::app::RigMessages messages, ros::Time epoch)
-      : messages_(std::move(messages)), epoch_(epoch) {
+  Rig(ros::NodeHandle nh, ros::NodeHandle private_nh, softarm::app::RigMessages messages)
+      : messages_(std::move(messages)) {
     truth_ = private_nh.advertise<softarm_estimator::Truth>("truth", kQueue);
     // Now, not with the first message: subscribers need time to connect.
     for (const softarm::LabMessage& blank : messages_.blank()) {
@@ -61,6 +63,16 @@ class Rig {
       };
       if (publishers_.count(blank.topic) == 0) std::visit(advertise, blank.content);
     }
+  }
+
+  /// Stamps count from here.
+  void begin(ros::Time epoch) { epoch_ = epoch; }
+
+  /// Some have subscribers and others not yet: a node is connecting to them one by one.
+  bool is_being_connected() const {
+    std::size_t connected = 0;
+    for (const auto& [topic, publisher] : publishers_) connected += publisher.getNumSubscribers() > 0;
+    return connected > 0 && connected < publishers_.size();
   }
 
   void publish(const Received& received) {
@@ -107,14 +119,27 @@ void deliver(softarm::rig::ReceiptQueue& queue, double until_s, ros::WallTime st
   }
 }
 
+/// On a loaded machine they connect late, and frames without their payload and inputs are no demonstration.
+/// Who starts later, or wants some topics only, is not waited for.
+ros::WallTime wait_for_subscribers(const Rig& rig) {
+  const ros::WallTime begun = ros::WallTime::now();
+  const auto waited_s = [&] { return (ros::WallTime::now() - begun).toSec(); };
+  while (ros::ok() &&
+         (waited_s() < kConnecting_s || (rig.is_being_connected() && waited_s() < kLongestConnecting_s))) {
+    ros::spinOnce();
+    ros::WallDuration(0.02).sleep();
+  }
+  return ros::WallTime::now();
+}
+
 void run(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh) {
   softarm::app::LoadedScenario loaded = softarm::app::load_scenario(find_scenario(private_nh));
   softarm::rig::Scenario& scenario = loaded.scenario;
   if (private_nh.param("endless", false)) scenario.duration_s = 0.0;
   softarm::rig::Simulator simulator(scenario);
-  const ros::WallTime start =
-      ros::WallTime::now() + ros::WallDuration(0.5);  // until subscribers are connected
-  Rig rig(nh, private_nh, softarm::app::RigMessages(simulator, loaded.arm), ros::Time(start.sec, start.nsec));
+  Rig rig(nh, private_nh, softarm::app::RigMessages(simulator, loaded.arm));
+  const ros::WallTime start = wait_for_subscribers(rig) + ros::WallDuration(kLead_s);
+  rig.begin(ros::Time(start.sec, start.nsec));
   softarm::rig::ReceiptQueue queue;
   while (ros::ok()) {
     const std::optional<Sample> sample = simulator.next();

@@ -19,6 +19,9 @@ using trial::StaticFrame;
 constexpr std::size_t kFewest = 3;    // frames of a mean
 constexpr double kLongestBend = 2.5;  // of a way, in standard deviations of a mean; noise alone makes 1.1
 constexpr int kFewestOfBend = 5;      // frames of a mean whose scatter is about a parabola
+constexpr double kLeastNoise_rad =
+    1e-4;                             // of tangents, which computed trials have without: a model is no finer
+constexpr double kBendUnknown = 0.5;  // sd, of what a way bends: a model at the mean of the inputs bends, too
 constexpr double kOutlier = 5.0;      // standard deviations from the line through a body's positions
 constexpr double kFewestShare = 0.6;  // of the block's frames in which a body must be seen
 
@@ -29,6 +32,7 @@ struct Line {
   int frames = 0, dof = 0;
   double variance_factor = 1.0;      ///< of at_centre against that of a frame
   Vector3d bend = Vector3d::Zero();  ///< the mean off the way's place at that time; 0 with too few frames
+  double bend_factor = 0.0;          ///< of its variance per coordinate against that of a frame
 };
 
 Line fit_line(const std::vector<double>& t, const std::vector<Vector3d>& p, const std::vector<bool>& used) {
@@ -68,6 +72,7 @@ Line fit_line(const std::vector<double>& t, const std::vector<Vector3d>& p, cons
     line.sum2 = std::max(line.sum2 - bend.squaredNorm() / bends, 0.0);
     line.dof -= 3;
     line.bend = bend * (width / bends);
+    line.bend_factor = width * width / bends;
   }
   return line;
 }
@@ -77,6 +82,13 @@ struct Mean {
   Vector3d value = Vector3d::Zero();
   int frames = 0;
   double variance_factor = 1.0;
+  double bend2 = 0.0, bend_factor = 0.0;  ///< see Line
+
+  /// Of a coordinate, with that of a frame: what the noise leaves, and the bend of the way.
+  double sd(double frame_sd) const {
+    const double variance = frame_sd * frame_sd, bent = bend2 / 3.0 - bend_factor * variance;
+    return std::sqrt(variance_factor * variance + kBendUnknown * kBendUnknown * std::max(bent, 0.0));
+  }
 };
 
 /// The line through a body's values, without what jumped in single frames.
@@ -107,7 +119,7 @@ std::optional<Mean> mean_of(const std::vector<double>& when, const std::vector<V
   if (dropped) line = fit_line(when, values, used);
   if (line.frames < static_cast<int>(kFewest)) return std::nullopt;
   if (line.dof > 0) scatter.push_back(line.sum2 / line.dof);
-  return Mean{line.at_centre, line.frames, line.variance_factor};
+  return Mean{line.at_centre, line.frames, line.variance_factor, line.bend.squaredNorm(), line.bend_factor};
 }
 
 class Preparing {
@@ -142,14 +154,29 @@ class Preparing {
     return data;
   }
 
+  /// When all trials are prepared: how sure every mean is.
+  void weigh(Prepared& prepared) const {
+    prepared.white_sd_m = white_sd_m();
+    prepared.white_sd_rad = white_sd_rad();
+    auto place = places_.begin(), tangent = tangents_.begin();
+    for (TrialData& trial : prepared.trials) {
+      for (Block& block : trial.blocks) {
+        for (Seen& seen : block.bodies) seen.white_sd_m = (place++)->sd(prepared.white_sd_m[seen.body]);
+        for (SeenTangent& seen : block.tangents)
+          seen.white_sd_rad = (tangent++)->sd(prepared.white_sd_rad[seen.body]);
+      }
+    }
+  }
+
+ private:
   Eigen::VectorXd white_sd_m() const {
     return white_sd(scatter_, [](const arm::MeasuredBody& body) { return body.position_sd_m; });
   }
   Eigen::VectorXd white_sd_rad() const {
-    return white_sd(tangent_scatter_, [](const arm::MeasuredBody& body) { return body.orientation_sd_rad; });
+    return white_sd(tangent_scatter_, [](const arm::MeasuredBody& body) { return body.orientation_sd_rad; })
+        .cwiseMax(kLeastNoise_rad);
   }
 
- private:
   template <typename Stated>
   Eigen::VectorXd white_sd(const std::vector<std::vector<double>>& scatter, const Stated& stated) const {
     Eigen::VectorXd sd(static_cast<Eigen::Index>(arm_.bodies.size()));
@@ -251,16 +278,16 @@ class Preparing {
           kFewest, static_cast<std::size_t>(kFewestShare * static_cast<double>(last - first)));
       if (when.size() < fewest) continue;
       const arm::MeasuredBody& body = arm_.bodies[b];
-      // Their sd are factors of the bodies' own, see prepare().
       const std::optional<Mean> place = mean_of(when, where, body.position_sd_m, scatter_[b]);
       if (!place) continue;
-      block.bodies.push_back(
-          {static_cast<int>(b), place->value, place->frames, std::sqrt(place->variance_factor)});
+      block.bodies.push_back({static_cast<int>(b), place->value, place->frames, 0.0});
+      places_.push_back(*place);
       if (tangents.size() < fewest) continue;
       if (const std::optional<Mean> mean =
-              mean_of(when_turned, tangents, body.orientation_sd_rad, tangent_scatter_[b]))
-        block.tangents.push_back(
-            {static_cast<int>(b), mean->value.normalized(), std::sqrt(mean->variance_factor)});
+              mean_of(when_turned, tangents, body.orientation_sd_rad, tangent_scatter_[b])) {
+        block.tangents.push_back({static_cast<int>(b), mean->value.normalized(), 0.0});
+        tangents_.push_back(*mean);
+      }
     }
     return block;
   }
@@ -286,6 +313,7 @@ class Preparing {
   const Preparation how_;
   std::vector<std::vector<double>> scatter_;          ///< variance per coordinate and frame, by body
   std::vector<std::vector<double>> tangent_scatter_;  ///< the same of tangents
+  std::vector<Mean> places_, tangents_;               ///< of all blocks, in their order
 };
 
 }  // namespace
@@ -307,14 +335,7 @@ Prepared prepare(const arm::Arm& arm, const std::vector<trial::Trial>& trials, c
   double earliest_s = prepared.trials.front().begin_s;
   for (const TrialData& trial : prepared.trials) earliest_s = std::min(earliest_s, trial.begin_s);
   for (TrialData& trial : prepared.trials) trial.session_s = trial.begin_s - earliest_s;
-  prepared.white_sd_m = preparing.white_sd_m();
-  prepared.white_sd_rad = preparing.white_sd_rad();
-  for (TrialData& trial : prepared.trials) {
-    for (Block& block : trial.blocks) {
-      for (Seen& seen : block.bodies) seen.white_sd_m *= prepared.white_sd_m[seen.body];
-      for (SeenTangent& seen : block.tangents) seen.white_sd_rad *= prepared.white_sd_rad[seen.body];
-    }
-  }
+  preparing.weigh(prepared);
   return prepared;
 }
 

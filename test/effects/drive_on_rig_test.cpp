@@ -115,7 +115,7 @@ TEST(OnTheRig, InputsBetweenTheirSamplesAreNotLate) {
   model::Dynamics dynamics;
   dynamics.viscoelastic_lag_s = 0.02;
   const double nothing_m = rms_m(predict(model, arm, {}, trial, dynamics), trial);
-  EXPECT_LT(nothing_m, 5e-5);
+  EXPECT_LT(nothing_m, 6e-5);  // what a mean of a moving arm is off by
   for (const double offset_s : {-0.003, 0.003}) {
     const model::Present late{find("clock_offset"), Eigen::VectorXd::Constant(1, offset_s)};
     EXPECT_GT(rms_m(predict(model, arm, {late}, trial, dynamics), trial), 1.5 * nothing_m) << offset_s;
