@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <optional>
 #include <sstream>
 
 #include "frames.h"
@@ -20,12 +21,15 @@ struct RigTrial {
   std::vector<rig::Truth> truth;  ///< one per frame
 };
 
-RigTrial record(const arm::Arm& arm, const std::string& scenario, double duration_s) {
+/// @param seed of another trial of the same kind; absent: the scenario's
+RigTrial record(const arm::Arm& arm, const std::string& scenario, double duration_s,
+                std::optional<std::uint64_t> seed = std::nullopt) {
   std::ifstream file(std::string(SOFTARM_SOURCE_DIR) + "/config/scenarios/" + scenario + ".yaml");
   std::stringstream text;
   text << file.rdbuf();
   rig::Scenario spec = rig::parse_scenario(text.str(), scenario);
   spec.duration_s = duration_s;
+  spec.seed = seed.value_or(spec.seed);
   rig::Simulator simulator(spec);
   trial::FrameAssembler assembler(arm);
   RigTrial trial;
@@ -112,6 +116,9 @@ Covered by_wrong_arm(const RigTrial& trial, arm::Arm arm, double window_s, std::
   options.prior.moment_sd_rel = 0.03;
   options.prior.bending_stiffness_sd_rel = 0.03;
   options.prior.length_sd_m = 0.001;
+  // The rig's laws have no passing errors but its lag, of 20 ms: 0.5 mN m at 0.08 Hz.
+  options.prior.moment_jitter_sd_nm = 0.0005;
+  options.prior.length_jitter_sd_m = 0.0001;
   arm::Segment& segment = arm.segments[0];
   const double gain = 1.0 + 0.03 * normal(random), stiffness = 1.0 + 0.03 * normal(random);
   for (arm::Chamber& chamber : segment.chambers) chamber.moment_gain_nm_per_pa *= gain;
@@ -138,6 +145,8 @@ Covered by_wrong_arm(const RigTrial& trial, arm::Arm arm, double window_s, std::
     const bool at_rest = truth.stamp_s < 3.0 || truth.stamp_s > 57.0;
     if (estimate.status != estimate::Status::kOk || at_rest || truth.stamp_s < last_change_s + window_s)
       continue;
+    // An estimate cannot be below no payload: there an interval of 95 % covers more.
+    if (truth.payload_kg == 0.0) continue;
     const estimate::SegmentEstimate& of = estimate.segments[0];
     ++covered.count;
     covered.payload +=
@@ -150,16 +159,16 @@ Covered by_wrong_arm(const RigTrial& trial, arm::Arm arm, double window_s, std::
 
 TEST(OnTheRig, IntervalsCoverWhenLawsAndPlacesOfBodiesErr) {
   const arm::Arm arm = paper_arm();
-  const RigTrial trial = record(arm, "trial_both", 60.0);
-  constexpr int kArms = 12;
-  constexpr std::size_t kEvery = 3;
-  // Over 5 s the rig's own departures from the laws, which the file does not speak of, begin to show.
-  for (const auto& [window_s, fewest] : {std::pair(0.5, 0.90), std::pair(5.0, 0.85)}) {
+  std::vector<RigTrial> trials;
+  for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) trials.push_back(record(arm, "trial_both", 60.0, seed));
+  constexpr int kArms = 48;
+  constexpr std::size_t kEvery = 6;
+  for (const double window_s : {0.5, 5.0}) {
     SCOPED_TRACE(window_s);
     std::mt19937_64 random(71);
     Covered all;
-    for (int k = 0; k < kArms; ++k) {
-      const Covered one = by_wrong_arm(trial, arm, window_s, kEvery, random);
+    for (std::size_t k = 0; k < kArms; ++k) {
+      const Covered one = by_wrong_arm(trials[k % trials.size()], arm, window_s, kEvery, random);
       all.payload += one.payload;
       all.stiffness += one.stiffness;
       all.count += one.count;
@@ -167,7 +176,7 @@ TEST(OnTheRig, IntervalsCoverWhenLawsAndPlacesOfBodiesErr) {
     const auto count = static_cast<double>(all.count);
     RecordProperty("payload", std::to_string(all.payload / count));
     RecordProperty("stiffness", std::to_string(all.stiffness / count));
-    EXPECT_GE(all.payload, fewest * count);
+    EXPECT_GE(all.payload, 0.90 * count);
     EXPECT_LE(all.payload, 0.97 * count);
     EXPECT_GE(all.stiffness, 0.90 * count);
     EXPECT_LE(all.stiffness, 0.97 * count);
