@@ -97,9 +97,9 @@ struct Estimator::Impl {
   /// together, this is the most probable by the bodies and what other frames say of either, and its
   /// covariance.
   void settle();
-  void settle_from_here();
+  double settle_from_here();
   /// Takes the most probable x within its bounds, and the motion. @param of x - the fit's
-  void move_to(const Evidence& of, const Eigen::Vector3d& by_motion);
+  Eigen::VectorXd move_to(const Evidence& of, const Eigen::Vector3d& by_motion);
   BodyRows rows() const;
   Window::Entry entry() const;
   /// Adds what this frame says to the window; fits it again where that ends a change.

@@ -17,7 +17,9 @@ using Eigen::VectorXd;
 
 // What a parameter's information has added, relative to it, for a system to be solved that leaves some free.
 constexpr double kLeftFree = 1e-12;
-constexpr int kMotionSteps = 2;          // of a frame in motion, which settle it
+constexpr int kMotionSteps = 6;          // of a frame in motion, at most,
+constexpr double kSettled_sd = 0.1;      // ... until they are no longer than that
+constexpr double kLeastShare = 0.1;      // of a step that is tried
 constexpr double kLeastMotion = 1e-6;    // m/s^2, of what stays of motion: nothing, but numbers round
 constexpr double kLeastPassing = 1e-12;  // variance, of x: what is less is rounding
 
@@ -188,12 +190,13 @@ void Estimator::Impl::settle() {
   motion.add(estimate.stamp_s, tip());
   influence = VectorXd::Ones(rows().blocks());
   if (options.objective != arm::Objective::kLeastSquares || !problem.noise_weights()) return;
-  settle_from_here();
+  double moved = settle_from_here();
   // The fit took the swing for another payload or moment: from there it is far.
-  for (int step = 0; step < kMotionSteps && !inertia_variance().isZero(); ++step) settle_from_here();
+  for (int step = 0; step < kMotionSteps && moved > kSettled_sd && !inertia_variance().isZero(); ++step)
+    moved = settle_from_here();
 }
 
-void Estimator::Impl::settle_from_here() {
+double Estimator::Impl::settle_from_here() {
   BodyRows own = rows();
   const Index n = problem.NumParameters();
   const VectorXd placement = placement_variance();
@@ -219,7 +222,13 @@ void Estimator::Impl::settle_from_here() {
   last_offsets = found.tail(placement.size());
   const Evidence of_x = without_last(with_bodies(), placement.size());
   covariance = covariance_from(of_x.information, estimated);
-  move_to(of_x, most_probable_motion(own, found));
+  const VectorXd way = move_to(of_x, most_probable_motion(own, found));
+  double moved = 0.0;  // in standard deviations
+  for (Index i = 0; i < n; ++i) {
+    if (estimated[static_cast<std::size_t>(i)] && covariance.x(i, i) > 0.0)
+      moved = std::max(moved, std::abs(way[i]) / std::sqrt(covariance.x(i, i)));
+  }
+  return moved;
 }
 
 Vector3d Estimator::Impl::most_probable_motion(const BodyRows& own, const VectorXd& found) const {
@@ -241,7 +250,7 @@ void Estimator::Impl::feel(const Vector3d& by_motion) {
   inertia = by_motion;
 }
 
-void Estimator::Impl::move_to(const Evidence& of, const Vector3d& by_motion) {
+VectorXd Estimator::Impl::move_to(const Evidence& of, const Vector3d& by_motion) {
   const int payload = problem.payload_column();
   Evidence pulled = of;
   const auto pull = [&](int column, double to, double sd) {
@@ -273,12 +282,17 @@ void Estimator::Impl::move_to(const Evidence& of, const Vector3d& by_motion) {
     break;
   }
   const VectorXd before = x;
-  x += d;
-  feel(by_motion);
-  if (x.allFinite() && problem.evaluate(x)) return;
+  const Vector3d felt = inertia;
+  // A rod that is not solved from so far is from half-way.
+  for (double share = 1.0; share > kLeastShare; share *= 0.5) {
+    x = before + share * d;
+    feel(felt + share * (by_motion - felt));
+    if (x.allFinite() && problem.evaluate(x)) return d;
+  }
   x = before;
-  feel(Vector3d::Zero());
+  feel(felt);
   problem.evaluate(x);
+  return VectorXd::Zero(x.size());
 }
 
 double Estimator::Impl::inertia_share() const {

@@ -4,15 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/distributions.h"
 #include "policy.h"
 
 namespace softarm::estimate {
 namespace {
 
 constexpr double kSwing_s = 2.0 * kPolicy.window.acceleration_s;
-constexpr double kOnset_s = 0.4 * kPolicy.window.acceleration_s;
-constexpr double kSurer = 2.0;        // of a short path, which is looked at every time: one in ten thousand
 constexpr std::size_t kParabola = 3;  // frames that it goes through
+constexpr double kShortest = 0.8;     // of the time over which it goes
 
 }  // namespace
 
@@ -41,21 +41,18 @@ void TipMotion::add(double stamp_s, const Eigen::Vector3d& p_tip) {
 }
 
 Eigen::Vector3d TipMotion::newest() const {
-  // A swing that has just begun shows in the newest frames alone.
-  const Eigen::Vector3d soon = over(kOnset_s), later = over(kPolicy.window.acceleration_s);
-  return soon.squaredNorm() > later.squaredNorm() ? soon : later;
-}
-
-Eigen::Vector3d TipMotion::over(double span_s) const {
   std::vector<const At*> recent;
   for (auto at = path_.rbegin(); at != path_.rend(); ++at) {
     const double age_s = path_.back().stamp_s - at->stamp_s;
     // Of a slow recording the newest few frames, if they are not much older.
-    if (age_s > (recent.size() < kParabola ? kSwing_s : span_s)) break;
+    if (age_s > (recent.size() < kParabola ? kSwing_s : kPolicy.window.acceleration_s)) break;
     recent.push_back(&*at);
   }
   const auto n = static_cast<Eigen::Index>(recent.size());
-  if (recent.size() < kParabola) return Eigen::Vector3d::Zero();
+  // Over a shorter time it is all noise.
+  if (recent.size() < kParabola ||
+      recent.front()->stamp_s - recent.back()->stamp_s < kShortest * kPolicy.window.acceleration_s)
+    return Eigen::Vector3d::Zero();
   // p = p0 + v t + a t^2 / 2 by least squares; its own residual gives its noise.
   const double middle_s = 0.5 * (recent.front()->stamp_s + recent.back()->stamp_s);
   Eigen::MatrixX3d t(n, 3), p(n, 3);
@@ -67,12 +64,17 @@ Eigen::Vector3d TipMotion::over(double span_s) const {
   }
   const Eigen::Matrix3d inverse = (t.transpose() * t).inverse();
   const Eigen::Matrix3d fit = inverse * (t.transpose() * p);
-  const double variance = n < kPolicy.window.acceleration_frames
-                              ? noise_sd_m_ * noise_sd_m_
-                              : (p - t * fit).squaredNorm() / static_cast<double>(3 * (n - 3));
-  const double noise = 3.0 * variance * inverse(2, 2), squared = fit.row(2).squaredNorm();
-  const double seen = kPolicy.window.acceleration_chi2 * (span_s > kOnset_s ? 1.0 : kSurer);
-  if (!(squared > seen * noise)) return Eigen::Vector3d::Zero();
+  // Noise as it is stated, or less as the path shows; what no parabola follows of a swing is none.
+  constexpr double kByChance = kPolicy.window.acceleration_by_chance;
+  double variance = noise_sd_m_ * noise_sd_m_;
+  double limit = math::chi_squared_upper_quantile(3.0, kByChance) / 3.0 * variance;
+  if (const auto dof = static_cast<double>(3 * (n - 3)); dof > 0.0) {
+    const double shown = (p - t * fit).squaredNorm() / dof;
+    variance = std::min(variance, shown);
+    limit = std::min(limit, math::f_upper_quantile(3.0, dof, kByChance) * shown);
+  }
+  const double of_fit = 3.0 * inverse(2, 2), squared = fit.row(2).squaredNorm(), noise = of_fit * variance;
+  if (!(squared > of_fit * limit)) return Eigen::Vector3d::Zero();
   return std::sqrt(1.0 - noise / squared) * fit.row(2).transpose();
 }
 

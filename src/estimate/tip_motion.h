@@ -28,7 +28,6 @@ class TipMotion {
     Eigen::Vector3d value;
   };
   Eigen::Vector3d newest() const;
-  Eigen::Vector3d over(double span_s) const;  ///< of the newest frames of that time
 
   double noise_sd_m_;
   std::deque<At> path_, accelerations_;
