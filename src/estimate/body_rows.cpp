@@ -34,6 +34,7 @@ Evidence BodyRows::evidence() const {
 BodyRows body_rows(const Problem& problem, const VectorXd& x, const WhiteNoise& noise, Index offsets,
                    Index bodies, Index errors) {
   const Index n = problem.NumParameters(), per_body = offsets > 3 ? 2 : 1, blocks = per_body * bodies;
+  const Index motion = n + offsets * bodies;
   BodyRows rows{x, VectorXd::Zero(3 * blocks), VectorXd::Zero(3 * blocks),
                 MatrixXd::Zero(3 * blocks, n + errors), VectorXd::Zero(blocks)};
   Eigen::Matrix3Xd by_x(3, n);
@@ -46,6 +47,7 @@ BodyRows body_rows(const Problem& problem, const VectorXd& x, const WhiteNoise& 
     rows.measured.segment<3>(3 * block) = o.p;
     rows.j.block(3 * block, 0, 3, n) = by_x;
     rows.j.block<3, 3>(3 * block, column) = section;
+    rows.j.block<3, kMotions>(3 * block, motion) = problem.position_by_gravity(o);
     rows.weight[block] = 1.0 / noise.position_variance(o.body);
     if (!o.tangent || per_body == 1) continue;
     problem.tangent_jacobian(o, by_x);
@@ -54,6 +56,7 @@ BodyRows body_rows(const Problem& problem, const VectorXd& x, const WhiteNoise& 
     rows.j.block(3 * block + 3, 0, 3, n) = by_x;
     rows.j.block<3, 1>(3 * block + 3, column + 3) = -section.col(1);
     rows.j.block<3, 1>(3 * block + 3, column + 4) = section.col(0);
+    rows.j.block<3, kMotions>(3 * block + 3, motion) = problem.tangent_by_gravity(o);
     rows.weight[block + 1] = 1.0 / noise.tangent_variance(o.body);
   }
   return rows;

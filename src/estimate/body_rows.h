@@ -14,6 +14,10 @@ namespace softarm::estimate {
 /// tangent, two turns about x and y.
 Eigen::Index offsets_of_body(const arm::EstimatorOptions& options);
 
+/// Behind what bodies are off by: by how much the gravity that the rod feels is off, m/s^2, in the base
+/// frame. The arm's inertia is such an error.
+constexpr Eigen::Index kMotions = 3;
+
 /// Blocks of three rows, a position or a tangent each: model less measured is
 ///   model + J (x - x_0, b) - measured.
 /// Every body has its blocks, in the order of the arm; those that a frame lacks have no weight.

@@ -195,30 +195,6 @@ double determined_by_bodies(const Problem& problem, const VectorXd& x) {
   return math::SymmetricSolver(scaled).solve_columns(scale.asDiagonal() * h * scale.asDiagonal()).trace();
 }
 
-VectorXd error_by_gravity(const Problem& problem, const std::vector<bool>& free, const MatrixXd& belief,
-                          const Eigen::Vector3d& error) {
-  const int count = problem.NumParameters();
-  MatrixXd information = MatrixXd::Zero(count, count);
-  VectorXd pull = VectorXd::Zero(count);
-  Eigen::Matrix3Xd j(3, count);
-  for (const Observation& o : problem.observations()) {
-    if (!o.used) continue;
-    problem.position_jacobian(o, j);
-    const double weight = 1.0 / (problem.position_sd(o) * problem.position_sd(o));
-    information.noalias() += weight * j.transpose() * j;
-    pull.noalias() -= weight * j.transpose() * (problem.position_by_gravity(o) * error);
-  }
-  VectorXd scale = VectorXd::Zero(count);
-  information += belief;
-  for (int i = 0; i < count; ++i) {
-    if (free[static_cast<std::size_t>(i)] && information(i, i) > 0.0)
-      scale[i] = 1.0 / std::sqrt(information(i, i));
-  }
-  MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
-  scaled.diagonal().array() += 1e-9;
-  return scale.cwiseProduct(math::solve_symmetric(scaled, scale.cwiseProduct(pull)));
-}
-
 namespace {
 
 /// A segment's parameters in the estimate's terms.

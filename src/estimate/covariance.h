@@ -33,11 +33,6 @@ Evidence evidence(const Problem& problem, const Eigen::VectorXd& x);
 /// information that is theirs.
 double determined_by_bodies(const Problem& problem, const Eigen::VectorXd& x);
 
-/// By how much a fit errs whose gravity is off by `error` (m/s^2, base frame), with `belief` the information
-/// of what is believed besides the bodies.
-Eigen::VectorXd error_by_gravity(const Problem& problem, const std::vector<bool>& free,
-                                 const Eigen::MatrixXd& belief, const Eigen::Vector3d& error);
-
 /// Translates parameters and covariance into a segment's estimate.
 /// @param free the parameters that were estimated
 /// @param believed_information on the segment's flexibility by the laws as a prior; 0: none

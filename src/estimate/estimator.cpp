@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "constant_curvature.h"
@@ -21,6 +22,12 @@ using Eigen::VectorXd;
 // Information on what is known: a relative standard deviation of 1e-5.
 constexpr double kKnown = 1e10;
 
+double least_position_sd_m(const arm::Arm& arm) {
+  double least_m = std::numeric_limits<double>::infinity();
+  for (const arm::MeasuredBody& body : arm.bodies) least_m = std::min(least_m, body.position_sd_m);
+  return least_m;
+}
+
 /// A segment that nothing drives.
 arm::SegmentPrediction at_rest(const arm::Segment& segment) {
   arm::SegmentPrediction prediction;
@@ -36,7 +43,13 @@ bool is_constant_curvature(arm::Method method) {
 }
 
 Estimator::Impl::Impl(const arm::Arm& a, const arm::EstimatorOptions& o, const std::vector<model::Present>& e)
-    : arm(a), options(o), problem(arm, options), memory(arm), noise(arm), effects(e) {
+    : arm(a),
+      options(o),
+      problem(arm, options),
+      memory(arm),
+      motion(least_position_sd_m(arm)),
+      noise(arm),
+      effects(e) {
   check();
   for (int dof = 1; dof < 256; ++dof) {
     inflation_limit.push_back(math::chi_squared_quantile(dof, kPolicy.fit.inflation_level));
@@ -143,6 +156,7 @@ void Estimator::Impl::clear(const trial::Frame& frame) {
   estimate.degrees_of_freedom = 0;
   estimate.solver = SolverSummary();
   problem.set_effects(nullptr);
+  inertia.setZero();
   extended = false;
 }
 
@@ -364,6 +378,7 @@ void Estimator::reset() {
   impl_->have_last = false;
   impl_->base_seen = false;
   if (impl_->window) impl_->window->clear();
+  impl_->motion.forget();
   impl_->noise.forget();
   impl_->contradictions = 0;
   impl_->inputs_known.reset();

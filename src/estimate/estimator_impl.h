@@ -14,6 +14,7 @@
 #include "extended_frame.h"
 #include "problem.h"
 #include "softarm/estimate/estimator.h"
+#include "tip_motion.h"
 #include "white_noise.h"
 #include "window.h"
 
@@ -70,6 +71,20 @@ struct Estimator::Impl {
   bool contradicted(bool fitted) const;
 
   // --- frames that share, estimator_window.cpp ---
+  /// Where b has its motions, and how many it has of all.
+  Eigen::Index motions() const;
+  Eigen::Index errors() const;
+  Eigen::Vector3d tip() const;
+  /// Of the tip's acceleration, by which the gravity that the rod feels is off, and its variance.
+  double inertia_share() const;
+  Eigen::Vector3d inertia_variance() const;
+  /// What bodies say where the arm is not at rest.
+  /// @param repeats how many frames in a row move alike: each of them says as much less
+  Evidence moving(Evidence bodies, double repeats) const;
+  /// @param found (x - this frame's, b)
+  Eigen::Vector3d most_probable_motion(const BodyRows& own, const VectorXd& found) const;
+  /// This frame's rod is that of an arm which moves so: by D'Alembert, under another gravity.
+  void feel(const Eigen::Vector3d& by_motion);
   Eigen::VectorXd passing_variance() const;
   Eigen::VectorXd placement_variance() const;
   Eigen::VectorXd posture_variance() const;
@@ -82,8 +97,9 @@ struct Estimator::Impl {
   /// together, this is the most probable by the bodies and what other frames say of either, and its
   /// covariance.
   void settle();
-  /// Takes the most probable x within its bounds. @param of x - the fit's
-  void move_to(const Evidence& of);
+  double settle_from_here();
+  /// Takes the most probable x within its bounds, and the motion. @param of x - the fit's
+  Eigen::VectorXd move_to(const Evidence& of, const Eigen::Vector3d& by_motion);
   BodyRows rows() const;
   Window::Entry entry() const;
   /// Adds what this frame says to the window; fits it again where that ends a change.
@@ -132,9 +148,6 @@ struct Estimator::Impl {
   /// half or more than twice that of the arm file; else nothing.
   std::string length_hint() const;
   void finish();
-  /// With a window the noise averages out, and what is left is that the arm moves: what its inertia does to
-  /// the estimates is added to their covariance.
-  void allow_for_motion();
   /// Near a buckling load the shape is so sensitive to the stiffness that the linear covariance promises
   /// much, while another stiffness with another moment explains the bodies nearly as well. There, EI is
   /// identifiable only if fits with EI moved by twice the relative standard deviation that is asked for are
@@ -166,8 +179,10 @@ struct Estimator::Impl {
   std::unique_ptr<Problem> past;                                  ///< with a window: of its postures
   VectorXd last_offsets;                                          ///< b of the last frame
   std::optional<std::vector<arm::SegmentPrediction>> laws_given;  ///< to the problem
-  WhiteNoise noise;                                               ///< with a window only
-  VectorXd influence;  ///< of each block of rows of the bodies, see settle()
+  Eigen::Vector3d inertia = Eigen::Vector3d::Zero();  ///< by what this frame's rod feels another gravity
+  TipMotion motion;                                   ///< with a window only
+  WhiteNoise noise;                                   ///< with a window only
+  VectorXd influence;                                 ///< of each block of rows of the bodies, see settle()
   const std::vector<model::Present> effects;
   std::unique_ptr<ExtendedFrame> extension;           ///< of an arm with effects
   std::vector<arm::SegmentPrediction> laws_at_frame;  ///< with the inputs as the effects change them

@@ -56,7 +56,6 @@ void Estimator::Impl::finish() {
       estimate.reduced_chi_square * dof > inflation_limit[static_cast<std::size_t>(dof - 1)]) {
     covariance.x *= estimate.reduced_chi_square;
   }
-  if (window) allow_for_motion();
   for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
     const int c = Problem::column(i, 2);
     const double believed = options.prior.enabled && law.information.size() > 0

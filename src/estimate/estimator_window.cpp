@@ -4,6 +4,7 @@
 
 #include "estimator_impl.h"
 #include "math/linear_algebra.h"
+#include "model/inertia.h"
 #include "policy.h"
 
 namespace softarm::estimate {
@@ -16,6 +17,10 @@ using Eigen::VectorXd;
 
 // What a parameter's information has added, relative to it, for a system to be solved that leaves some free.
 constexpr double kLeftFree = 1e-12;
+constexpr int kMotionSteps = 6;          // of a frame in motion, at most,
+constexpr double kSettled_sd = 0.1;      // ... until they are no longer than that
+constexpr double kLeastShare = 0.1;      // of a step that is tried
+constexpr double kLeastMotion = 1e-6;    // m/s^2, of what stays of motion: nothing, but numbers round
 constexpr double kLeastPassing = 1e-12;  // variance, of x: what is less is rounding
 
 /// The most probable, but for what is held at zero.
@@ -38,6 +43,14 @@ std::vector<bool> negated(std::vector<bool> list) {
 
 }  // namespace
 
+Index Estimator::Impl::motions() const {
+  return offsets_of_body(options) * static_cast<Index>(arm.bodies.size());
+}
+
+Index Estimator::Impl::errors() const {
+  return motions() + kMotions + law.gains.cols();
+}
+
 VectorXd Estimator::Impl::passing_variance() const {
   VectorXd variance(static_cast<Index>(law.passing.size()));
   for (std::size_t i = 0; i < law.passing.size(); ++i)
@@ -47,7 +60,8 @@ VectorXd Estimator::Impl::passing_variance() const {
 
 VectorXd Estimator::Impl::placement_variance() const {
   const Index offsets = offsets_of_body(options);
-  VectorXd variance(offsets * static_cast<Index>(arm.bodies.size()) + law.gains.cols());
+  VectorXd variance(errors());
+  variance.segment<kMotions>(motions()).setConstant(kLeastMotion * kLeastMotion);
   variance.tail(law.gains.cols()).setConstant(law.gain_variance);
   for (std::size_t i = 0; i < arm.bodies.size(); ++i) {
     const auto of = variance.segment(offsets * static_cast<Index>(i), offsets);
@@ -62,7 +76,8 @@ VectorXd Estimator::Impl::placement_variance() const {
 
 VectorXd Estimator::Impl::posture_variance() const {
   const Index offsets = offsets_of_body(options);
-  VectorXd variance = VectorXd::Zero(offsets * static_cast<Index>(arm.bodies.size()) + law.gains.cols());
+  VectorXd variance = VectorXd::Zero(errors());
+  variance.segment<kMotions>(motions()) = inertia_variance();
   for (int i = 0; i < static_cast<int>(arm.bodies.size()); ++i) {
     const arm::MeasuredBody& body = arm.bodies[static_cast<std::size_t>(i)];
     variance.segment<3>(offsets * i)
@@ -85,7 +100,7 @@ void Estimator::Impl::believe() {
     return;
   }
   const VectorXd placement = placement_variance();
-  const Evidence common = window->belief(law, placement, posture_variance());
+  const Evidence common = window->belief(law, placement, posture_variance(), motions());
   if (!options.prior.enabled && window->frames() == 0)
     problem.set_belief(std::nullopt);
   else
@@ -93,8 +108,11 @@ void Estimator::Impl::believe() {
 }
 
 BodyRows Estimator::Impl::rows() const {
-  const Index offsets = offsets_of_body(options), bodies = static_cast<Index>(arm.bodies.size());
-  return body_rows(problem, x, noise, offsets, bodies, offsets * bodies + law.gains.cols());
+  BodyRows rows =
+      body_rows(problem, x, noise, offsets_of_body(options), static_cast<Index>(arm.bodies.size()), errors());
+  // As without the motion, which b has.
+  rows.model -= rows.j.middleCols<kMotions>(x.size() + motions()) * inertia;
+  return rows;
 }
 
 std::optional<BodyRows> Estimator::Impl::rows_of(Window::Posture& posture, const VectorXd& at) {
@@ -169,17 +187,28 @@ void Estimator::Impl::linearise_postures() {
 
 void Estimator::Impl::settle() {
   if (!window) return;
-  BodyRows own = rows();
-  influence = VectorXd::Ones(own.blocks());
+  motion.add(estimate.stamp_s, tip());
+  influence = VectorXd::Ones(rows().blocks());
   if (options.objective != arm::Objective::kLeastSquares || !problem.noise_weights()) return;
+  double moved = settle_from_here();
+  // The fit took the swing for another payload or moment: from there it is far.
+  for (int step = 0; step < kMotionSteps && moved > kSettled_sd && !inertia_variance().isZero(); ++step)
+    moved = settle_from_here();
+}
+
+double Estimator::Impl::settle_from_here() {
+  BodyRows own = rows();
   const Index n = problem.NumParameters();
   const VectorXd placement = placement_variance();
   linearise_postures();
   window->see_from(own);
-  Evidence believed = window->belief(law, placement, posture_variance());
+  // Its own motion is added to its bodies, beside what its posture's frames have on average.
+  VectorXd posture = posture_variance();
+  posture.segment<kMotions>(motions()).setZero();
+  Evidence believed = window->belief(law, placement, posture, motions());
   believed.weighted -= believed.information.leftCols(n) * (x - law.centre);
   const auto with_bodies = [&] {
-    Evidence all = own.evidence();
+    Evidence all = moving(own.evidence(), 1.0);
     all.weighted += believed.weighted - all.information.leftCols(n) * x;
     all.information += believed.information;
     return all;
@@ -189,13 +218,39 @@ void Estimator::Impl::settle() {
   for (Index block = 0; block < own.blocks(); ++block)
     influence[block] = problem.bounded_influence(own.distance(block, d));
   own.weight = own.weight.cwiseProduct(influence);
-  last_offsets = most_probable(with_bodies(), negated(estimated)).tail(placement.size());
+  const VectorXd found = most_probable(with_bodies(), negated(estimated));
+  last_offsets = found.tail(placement.size());
   const Evidence of_x = without_last(with_bodies(), placement.size());
   covariance = covariance_from(of_x.information, estimated);
-  move_to(of_x);
+  const VectorXd way = move_to(of_x, most_probable_motion(own, found));
+  double moved = 0.0;  // in standard deviations
+  for (Index i = 0; i < n; ++i) {
+    if (estimated[static_cast<std::size_t>(i)] && covariance.x(i, i) > 0.0)
+      moved = std::max(moved, std::abs(way[i]) / std::sqrt(covariance.x(i, i)));
+  }
+  return moved;
 }
 
-void Estimator::Impl::move_to(const Evidence& of) {
+Vector3d Estimator::Impl::most_probable_motion(const BodyRows& own, const VectorXd& found) const {
+  // That of its posture, and of the rest as much as is left of the bodies' distances.
+  const Index first = x.size() + motions();
+  const VectorXd left = own.measured - own.model - own.j * found;
+  const MatrixXd by_motion = own.j.middleCols<kMotions>(first);
+  VectorXd weights(3 * own.blocks());
+  for (Index block = 0; block < own.blocks(); ++block)
+    weights.segment<3>(3 * block).setConstant(own.weight[block]);
+  Eigen::Matrix3d information = by_motion.transpose() * weights.asDiagonal() * by_motion;
+  information.diagonal() += inertia_variance().cwiseMax(kLeastMotion * kLeastMotion).cwiseInverse();
+  const Vector3d pull = by_motion.transpose() * weights.asDiagonal() * left;
+  return found.segment<kMotions>(first) + information.ldlt().solve(pull);
+}
+
+void Estimator::Impl::feel(const Vector3d& by_motion) {
+  problem.set_gravity(problem.rod().gravity_m_s2 - inertia + by_motion);
+  inertia = by_motion;
+}
+
+VectorXd Estimator::Impl::move_to(const Evidence& of, const Vector3d& by_motion) {
   const int payload = problem.payload_column();
   Evidence pulled = of;
   const auto pull = [&](int column, double to, double sd) {
@@ -227,16 +282,46 @@ void Estimator::Impl::move_to(const Evidence& of) {
     break;
   }
   const VectorXd before = x;
-  x += d;
-  if (x.allFinite() && problem.evaluate(x)) return;
+  const Vector3d felt = inertia;
+  // A rod that is not solved from so far is from half-way.
+  for (double share = 1.0; share > kLeastShare; share *= 0.5) {
+    x = before + share * d;
+    feel(felt + share * (by_motion - felt));
+    if (x.allFinite() && problem.evaluate(x)) return d;
+  }
   x = before;
+  feel(felt);
   problem.evaluate(x);
+  return VectorXd::Zero(x.size());
+}
+
+double Estimator::Impl::inertia_share() const {
+  double own_kg = 0.0;
+  for (const arm::Segment& segment : arm.segments) own_kg += segment.mass_per_length_kg_m * segment.length_m;
+  const double last_kg = have_last ? last_x[problem.payload_column()] * Problem::kPayloadUnit : 0.0;
+  const double end_kg = arm.tip_mass_kg + std::max(0.0, payload_known.value_or(last_kg));
+  return model::inertia_over_weight(own_kg, end_kg);
+}
+
+Vector3d Estimator::Impl::inertia_variance() const {
+  const double share = inertia_share();
+  return share * share * motion.acceleration_variance();
+}
+
+Evidence Estimator::Impl::moving(Evidence bodies, double repeats) const {
+  VectorXd variance = VectorXd::Zero(bodies.weighted.size());
+  variance.segment<kMotions>(x.size() + motions()) = repeats * inertia_variance();
+  integrate_out(variance, bodies);
+  return bodies;
+}
+
+Vector3d Estimator::Impl::tip() const {
+  return problem.solver().station(static_cast<int>(arm.bodies.size() + arm.segments.size()) - 1).p;
 }
 
 Window::Entry Estimator::Impl::entry() const {
   Window::Entry entry;
   entry.stamp_s = estimate.stamp_s;
-  entry.p_tip = problem.solver().station(static_cast<int>(arm.bodies.size() + arm.segments.size()) - 1).p;
   const double repeats = std::max(1.0, kPolicy.window.swing_s / window->spacing_s());
   entry.rows = rows();
   // By the stated noise, and nothing else: what bodies are off by is the same before a change and after it.
@@ -248,12 +333,15 @@ Window::Entry Estimator::Impl::entry() const {
     stated.segment<3>(3 * block).setConstant(entry.rows.weight[block] > 0.0 ? influence[block] / (sd * sd)
                                                                             : 0.0);
   }
-  const Evidence bodies = entry.rows.evidence(entry.rows.measured, stated);
+  Evidence bodies = entry.rows.evidence(entry.rows.measured, stated);
+  bodies = moving(std::move(bodies), repeats);
+  entry.motion = inertia_share() * motion.acceleration();
+  entry.motion_variance = inertia_variance();
   entry.evidence = evidence_on_shared(law, bodies.information.topLeftCorner(x.size(), x.size()),
                                       bodies.weighted.head(x.size()), repeats);
   entry.rows.weight = entry.rows.weight.cwiseProduct(influence);
   entry.law = law;
-  entry.place = {problem.rod().gravity_m_s2, laws_given,
+  entry.place = {problem.rod().gravity_m_s2 - inertia, laws_given,
                  extension ? std::optional<EffectsAt>(extension->at()) : std::nullopt,
                  problem.solver().q_tip()};
   const Distances now = distances();
@@ -274,6 +362,7 @@ bool Estimator::Impl::share() {
   if (!window || rms() > kPolicy.fit.inconsistent * arm.total_length_m()) return true;
   if (window->forget_before_change(entry(), law.information)) {
     // This frame was fitted with what is now forgotten.
+    feel(Vector3d::Zero());
     believe();
     problem.begin();
     bool good = problem.evaluate(x) && minimise() && converged;
@@ -283,24 +372,6 @@ bool Estimator::Impl::share() {
   }
   window->add(entry());
   return true;
-}
-
-void Estimator::Impl::allow_for_motion() {
-  // Inertia is like a gravity that is off by the acceleration. The window's frames all have it, so it does
-  // not average out: they err together as one of them would in which the laws' lasting errors count once for
-  // all.
-  FrameLaw lasting = law;
-  lasting.information /= static_cast<double>(std::max(1, window->frames()));
-  const Belief alone = belief_of_frame(lasting, lasting.information.asDiagonal(), VectorXd::Zero(x.size()));
-  const VectorXd error =
-      error_by_gravity(problem, estimated, alone.information, window->tip_acceleration_m_s2());
-  for (int i = 0; i < x.size(); ++i) {
-    for (int k = 0; k < x.size(); ++k) {
-      if (covariance.determined[static_cast<std::size_t>(i)] &&
-          covariance.determined[static_cast<std::size_t>(k)])
-        covariance.x(i, k) += error[i] * error[k];
-    }
-  }
 }
 
 }  // namespace softarm::estimate

@@ -61,9 +61,8 @@ struct Policy {
     double misfit_level = 0.999;  ///< of chi^2: above it the frames have an error of the model in common
     double longest_spacing_s = 0.2;  ///< frames further apart have a gap between them
     double swing_s = 0.2;            ///< the laws' passing errors, lag and damping, last as long as a swing
-    double acceleration_s = 0.25;    ///< over which the tip's acceleration is fitted
-    int acceleration_frames = 6;     ///< at least
-    double acceleration_chi2 = 3.8;  ///< 99 % of chi^2 of three degrees of freedom, over 3
+    double acceleration_s = 0.25;    ///< over which the tip's acceleration is fitted: half a swing
+    double acceleration_by_chance = 0.01;  ///< with which noise is taken for an acceleration
     /// Bodies within this share of the arm's length of where they were: the same posture, in which the laws'
     /// passing errors and the model's stay as they are. They depend on pressures and shape, smoothly: a tenth
     /// is a fraction of what an arm moves. Larger is more careful.

@@ -233,7 +233,13 @@ void Problem::add_free(const Eigen::Matrix3Xd& by_x, Eigen::Matrix3Xd& j) const 
 }
 
 Eigen::Matrix3d Problem::position_by_gravity(const Observation& o) const {
+  if (model::is_off_axis(body_of(o)))
+    return model::position_by_rod(body_of(o), o.body, solver_).rightCols<3>();
   return solver_.dp(o.body).rightCols<3>();
+}
+
+Eigen::Matrix3d Problem::tangent_by_gravity(const Observation& o) const {
+  return model::tangent_derivative(solver_.station(o.body), solver_.drotation(o.body).rightCols<3>());
 }
 
 void Problem::tangent_jacobian(const Observation& o, Eigen::Matrix3Xd& j) const {

@@ -55,7 +55,10 @@ class Problem {
   Problem(const arm::Arm& arm, const arm::EstimatorOptions& options);
 
   // --- the frame ---
-  void set_gravity(const Eigen::Vector3d& gravity_base) { rod_.gravity_m_s2 = gravity_base; }
+  void set_gravity(const Eigen::Vector3d& gravity_base) {
+    rod_.gravity_m_s2 = gravity_base;
+    valid_ = false;
+  }
   std::vector<Observation>& observations() { return observations_; }
   const std::vector<Observation>& observations() const { return observations_; }
   /// Free parameters: true in the order above.
@@ -101,6 +104,7 @@ class Problem {
   void position_jacobian(const Observation& o, Eigen::Matrix3Xd& j) const;
   /// d position / d gravity (base frame); only with a window.
   Eigen::Matrix3d position_by_gravity(const Observation& o) const;
+  Eigen::Matrix3d tangent_by_gravity(const Observation& o) const;
   void tangent_jacobian(const Observation& o, Eigen::Matrix3Xd& j) const;
   const arm::MeasuredBody& body_of(const Observation& o) const {
     return arm_.bodies[static_cast<std::size_t>(o.body)];

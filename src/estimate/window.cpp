@@ -7,6 +7,7 @@
 #include "math/distributions.h"
 #include "math/linear_algebra.h"
 #include "policy.h"
+#include "tip_motion.h"
 
 namespace softarm::estimate {
 namespace {
@@ -30,6 +31,7 @@ Window::Window(double length_s, std::vector<int> changing, double posture_m)
                                                                     kPolicy.window.change_probability)) {}
 
 void Window::clear() {
+  recent_.clear();
   frames_.clear();
   groups_.clear();
   // The posture that was entered is the next frame's.
@@ -58,6 +60,8 @@ void Window::Sums::add(const Sums& more, double sign) {
   jitter += sign * more.jitter;
   shared += sign * more.shared;
   gains += sign * more.gains;
+  motion += sign * more.motion;
+  motion_variance += sign * more.motion_variance;
 }
 
 Window::Sums Window::sums_of(const Entry& entry) {
@@ -71,7 +75,9 @@ Window::Sums Window::sums_of(const Entry& entry) {
           entry.law.centre,
           entry.law.jitter_variance,
           entry.law.shared,
-          entry.law.gains};
+          entry.law.gains,
+          entry.motion,
+          entry.motion_variance};
 }
 
 void Window::drop(const Group& group) {
@@ -96,6 +102,7 @@ void Window::advance(double stamp_s) {
   forget_before(stamp_s - length_s_);
   if (!frames_.empty() && frames_.back().stamp_s == stamp_s) {  // the same frame again
     frames_.pop_back();
+    if (!recent_.empty()) recent_.pop_back();
     if (!groups_.empty()) {
       drop({stamp_s, groups_.back().posture, newest_});
       if (groups_.back().sums.frames > 1)
@@ -215,8 +222,16 @@ std::vector<Window::Posture*> Window::to_linearise() {
   return list;
 }
 
-Evidence Window::belief(const FrameLaw& law, const VectorXd& placement,
-                        const VectorXd& posture_variance) const {
+Eigen::Vector3d Window::variance_of_motion(const Sums& sums) const {
+  // A posture that lies at the end of a swing has always the same acceleration, and one that holds all of it
+  // none on average. What is seen comes late, and frames of a swing are not each by themselves.
+  const double count = sums.frames;
+  const double repeats = std::min(count, std::max(1.0, kPolicy.window.swing_s / spacing_s_));
+  return (sums.motion / count).cwiseAbs2() + (repeats / count) * (sums.motion_variance / count).cwiseMax(0.0);
+}
+
+Evidence Window::belief(const FrameLaw& law, const VectorXd& placement, const VectorXd& posture_variance,
+                        Eigen::Index motions) const {
   const Eigen::Index n = law.centre.size(), m = placement.size();
   Evidence lasting{MatrixXd::Zero(n + m, n + m), VectorXd::Zero(n + m)};
   lasting.information.diagonal() << law.information, placement.cwiseInverse();
@@ -235,40 +250,38 @@ Evidence Window::belief(const FrameLaw& law, const VectorXd& placement,
       continue;
     }
     errors.passing = posture.passing;
+    errors.posture.segment<3>(motions) = variance_of_motion(posture.sums);
     const Evidence said = beyond_posture(of, errors);
     lasting.information += said.information;
     lasting.weighted += said.weighted;
   }
   errors.passing = here != nullptr ? here->passing : VectorXd();
+  errors.posture = posture_variance;
+  if (here != nullptr && here->sums.frames > 0)
+    errors.posture.segment<3>(motions) =
+        errors.posture.segment<3>(motions).cwiseMax(variance_of_motion(here->sums));
   return belief_with_offsets(law, errors, lasting, of_here.weighted.size() > 0 ? &of_here : nullptr);
 }
 
-Eigen::Vector3d Window::tip_acceleration_m_s2() const {
-  // The newest quarter of a second; of a slow recording the newest few frames, if they are not much older.
-  std::vector<const Frame*> recent;
-  for (auto frame = frames_.rbegin(); frame != frames_.rend(); ++frame) {
-    const double age_s = frames_.back().stamp_s - frame->stamp_s;
-    const bool few = static_cast<int>(recent.size()) < kPolicy.window.acceleration_frames;
-    if (age_s > (few ? 2.0 : 1.0) * kPolicy.window.acceleration_s) break;
-    recent.push_back(&*frame);
+void Window::look_back(const Entry& entry) {
+  const double seen_s = TipMotion::span_s(spacing_s_);
+  while (!recent_.empty() && recent_.front().stamp_s < entry.stamp_s - seen_s) recent_.pop_front();
+  for (Recent& frame : recent_) {
+    Posture* posture = find(frame.posture);
+    const auto group = std::find_if(groups_.rbegin(), groups_.rend(),
+                                    [&](const Group& g) { return g.first_s <= frame.stamp_s; });
+    if (posture == nullptr || group == groups_.rend() || group->posture != frame.posture) continue;
+    // What is seen now was in the middle between.
+    const bool centred = entry.stamp_s - frame.stamp_s <= 0.5 * seen_s;
+    const Eigen::Vector3d motion = centred ? entry.motion : frame.motion;
+    const Eigen::Vector3d variance = frame.motion_variance.cwiseMax(entry.motion_variance);
+    for (Sums* sums : {&posture->sums, &group->sums}) {
+      sums->motion += motion - frame.motion;
+      sums->motion_variance += variance - frame.motion_variance;
+    }
+    frame.motion = motion;
+    frame.motion_variance = variance;
   }
-  const auto n = static_cast<Eigen::Index>(recent.size());
-  if (n < kPolicy.window.acceleration_frames) return Eigen::Vector3d::Zero();
-  // p = p0 + v t + a t^2 / 2 by least squares; its own residual gives its noise.
-  const double middle_s = 0.5 * (recent.front()->stamp_s + recent.back()->stamp_s);
-  Eigen::MatrixX3d t(n, 3), p(n, 3);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Frame& frame = *recent[static_cast<std::size_t>(i)];
-    const double dt = frame.stamp_s - middle_s;
-    t.row(i) << 1.0, dt, 0.5 * dt * dt;
-    p.row(i) = frame.p_tip;
-  }
-  const Eigen::Matrix3d inverse = (t.transpose() * t).inverse();
-  const Eigen::Matrix3d fit = inverse * (t.transpose() * p);
-  const double variance = (p - t * fit).squaredNorm() / static_cast<double>(3 * (n - 3));
-  const double noise = 3.0 * variance * inverse(2, 2), squared = fit.row(2).squaredNorm();
-  if (!(squared > kPolicy.window.acceleration_chi2 * noise)) return Eigen::Vector3d::Zero();
-  return std::sqrt(1.0 - noise / squared) * fit.row(2).transpose();
 }
 
 void Window::add(const Entry& entry) {
@@ -277,7 +290,7 @@ void Window::add(const Entry& entry) {
     return;
   Posture* posture = find(posture_);
   if (posture == nullptr) return;
-  frames_.push_back({entry.stamp_s, entry.p_tip, entry.evidence, entry.misfit, entry.degrees_of_freedom});
+  frames_.push_back({entry.stamp_s, entry.evidence, entry.misfit, entry.degrees_of_freedom});
   newest_ = sums_of(entry);
   // Linearised once, the frames before it stay where they are until all are linearised anew.
   if (posture->sums.frames == 0) posture->rows = entry.rows;
@@ -288,11 +301,12 @@ void Window::add(const Entry& entry) {
       entry.stamp_s - groups_.back().first_s > length_s_ / kPolicy.window.groups)
     groups_.push_back({entry.stamp_s, posture_, Sums()});
   groups_.back().sums.add(newest_);
+  look_back(entry);
+  recent_.push_back({entry.stamp_s, posture_, entry.motion, entry.motion_variance});
 }
 
 bool Window::forget_before_change(const Entry& newest, const VectorXd& law_information) {
-  frames_.push_back(
-      {newest.stamp_s, newest.p_tip, newest.evidence, newest.misfit, newest.degrees_of_freedom});
+  frames_.push_back({newest.stamp_s, newest.evidence, newest.misfit, newest.degrees_of_freedom});
   const std::size_t split = where_changed(law_information);
   const double from_s = frames_[split].stamp_s;
   frames_.pop_back();

@@ -44,13 +44,14 @@ class Window {
 
   struct Entry {
     double stamp_s = 0.0;
-    Eigen::Vector3d p_tip = Eigen::Vector3d::Zero();
     Evidence evidence;  ///< on z, each frame's errors being its own
     BodyRows rows;
     FrameLaw law;
     Place place;
     double misfit = 1.0;  ///< chi-square of its bodies per degree of freedom
     double degrees_of_freedom = 0.0;
+    Eigen::Vector3d motion = Eigen::Vector3d::Zero();  ///< as seen, and its mean square over the last swing
+    Eigen::Vector3d motion_variance = Eigen::Vector3d::Zero();
   };
 
   /// Sums over frames of one posture.
@@ -60,6 +61,7 @@ class Window {
     Eigen::VectorXd x;               ///< as estimated
     Eigen::VectorXd centre, jitter;  ///< of FrameLaw's
     Eigen::MatrixXd shared, gains;
+    Eigen::Vector3d motion = Eigen::Vector3d::Zero(), motion_variance = Eigen::Vector3d::Zero();
     void add(const Sums& more, double sign = 1.0);
     Eigen::VectorXd mean_off() const;
     /// The frames' law on average, with `like`'s information and passing errors.
@@ -93,18 +95,15 @@ class Window {
 
   /// Belief about (x - centre, b) of a frame with the posture that was entered.
   /// @param placement, posture variances of b: of what it has for good, and in one posture
-  Evidence belief(const FrameLaw& law, const Eigen::VectorXd& placement,
-                  const Eigen::VectorXd& posture) const;
+  /// @param motions where b has its motions; `posture` has those of this frame
+  Evidence belief(const FrameLaw& law, const Eigen::VectorXd& placement, const Eigen::VectorXd& posture,
+                  Eigen::Index motions) const;
 
   /// Adds a frame of the posture that was entered; one that is not finite is not added.
   void add(const Entry& entry);
 
   /// Time between frames as last seen, s; gaps do not count. Survives clear().
   double spacing_s() const { return spacing_s_; }
-
-  /// Acceleration of the tip over the newest quarter of a second, as far as it is more than noise, m/s^2: an
-  /// arm that swings is not the static rod that is fitted to it.
-  Eigen::Vector3d tip_acceleration_m_s2() const;
 
   /// Compares the newest frames, this one among them, with the rest, over several numbers of newest frames.
   /// @return true if the rest was forgotten because they contradict each other
@@ -114,7 +113,6 @@ class Window {
   /// What stays of a frame by itself.
   struct Frame {
     double stamp_s = 0.0;
-    Eigen::Vector3d p_tip = Eigen::Vector3d::Zero();
     Evidence evidence;
     double misfit = 1.0;
     double degrees_of_freedom = 0.0;
@@ -125,7 +123,17 @@ class Window {
     int posture = 0;
     Sums sums;
   };
+  /// A frame of which the tip's path behind it is not known yet.
+  struct Recent {
+    double stamp_s = 0.0;
+    int posture = 0;
+    Eigen::Vector3d motion, motion_variance;
+  };
   static Sums sums_of(const Entry& entry);
+  /// The tip's acceleration is seen when it has been: of the frames before, too.
+  void look_back(const Entry& entry);
+  /// Of b's motions: of their mean over the frames of a posture.
+  Eigen::Vector3d variance_of_motion(const Sums& sums) const;
   /// On (z, e, b).
   Evidence common(const Posture& posture, const FrameLaw& law) const;
   Evidence sum(std::size_t from, std::size_t to) const;
@@ -145,6 +153,7 @@ class Window {
   std::deque<Frame> frames_;
   std::deque<Group> groups_;
   std::vector<Posture> postures_;
+  std::deque<Recent> recent_;
   Sums newest_;      ///< the last frame that was added
   int posture_ = 0;  ///< id of the frame's
   int postures_seen_ = 0;

@@ -6,14 +6,13 @@
 #include <string>
 
 #include "math/linear_algebra.h"
+#include "model/inertia.h"
 
 namespace softarm::identify {
 namespace {
 
 constexpr double kHalfSpan_s = 0.15;  // of a parabola: half a swing of a soft arm
 constexpr int kFewest = 6;            // frames in it, and some on either side
-// Of a motion that grows with the square of the arclength: its generalised inertia over what gravity does.
-constexpr double kSwing = 1.0 / 5.0, kSag = 1.0 / 3.0;
 constexpr double kOpenLag = 0.5;
 
 struct Parabola {
@@ -84,8 +83,7 @@ std::vector<FrameMotion> motion_of(const arm::Arm& arm, const std::vector<trial:
       if (arclength_m <= farthest_m) continue;
       farthest_m = arclength_m;
       const double end_kg = arm.tip_mass_kg + frame.payload_kg;
-      made.gravity =
-          -(kSwing * own_kg + end_kg) / std::max(1e-12, kSag * own_kg + end_kg) * course.acceleration;
+      made.gravity = -model::inertia_over_weight(own_kg, end_kg) * course.acceleration;
     }
     motion.push_back(std::move(made));
   }

@@ -1,6 +1,7 @@
 #include "distributions.h"
 
 #include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
@@ -22,6 +23,11 @@ double chi_squared_quantile(double degrees_of_freedom, double probability) {
 double chi_squared_upper_quantile(double degrees_of_freedom, double probability) {
   return boost::math::quantile(
       boost::math::complement(boost::math::chi_squared(degrees_of_freedom), probability));
+}
+
+double f_upper_quantile(double degrees_of_freedom_1, double degrees_of_freedom_2, double probability) {
+  return boost::math::quantile(boost::math::complement(
+      boost::math::fisher_f(degrees_of_freedom_1, degrees_of_freedom_2), probability));
 }
 
 double normal_two_sided(double z) {

@@ -2,11 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
+#include <optional>
 #include <sstream>
 
 #include "frames.h"
+#include "math/distributions.h"
 #include "rig/simulator.h"
 #include "trial/frame_assembler.h"
 
@@ -20,12 +23,15 @@ struct RigTrial {
   std::vector<rig::Truth> truth;  ///< one per frame
 };
 
-RigTrial record(const arm::Arm& arm, const std::string& scenario, double duration_s) {
+/// @param seed of another trial of the same kind; absent: the scenario's
+RigTrial record(const arm::Arm& arm, const std::string& scenario, double duration_s,
+                std::optional<std::uint64_t> seed = std::nullopt) {
   std::ifstream file(std::string(SOFTARM_SOURCE_DIR) + "/config/scenarios/" + scenario + ".yaml");
   std::stringstream text;
   text << file.rdbuf();
   rig::Scenario spec = rig::parse_scenario(text.str(), scenario);
   spec.duration_s = duration_s;
+  spec.seed = seed.value_or(spec.seed);
   rig::Simulator simulator(spec);
   trial::FrameAssembler assembler(arm);
   RigTrial trial;
@@ -95,14 +101,30 @@ TEST(OnTheRig, StiffnessAndPayloadAtOnceUnderThePriorInAWindow) {
   EXPECT_GE(covered_stiffness, 0.92 * count);
 }
 
+constexpr std::size_t kErrors = 5;
+
+/// Normal numbers, as evenly spread as so few can be: a Latin hypercube. Few arms drawn freely would differ
+/// more among each other than coverage may.
+std::vector<std::array<double, kErrors>> spread_errors(int arms, std::mt19937_64& random) {
+  std::vector<std::array<double, kErrors>> errors(static_cast<std::size_t>(arms));
+  std::vector<double> values(errors.size());
+  for (std::size_t of = 0; of < kErrors; ++of) {
+    for (std::size_t k = 0; k < values.size(); ++k)
+      values[k] = math::normal_quantile((static_cast<double>(k) + 0.5) / arms);
+    std::shuffle(values.begin(), values.end(), random);
+    for (std::size_t k = 0; k < values.size(); ++k) errors[k][of] = values[k];
+  }
+  return errors;
+}
+
 struct Covered {
   int payload = 0, stiffness = 0, count = 0;
 };
 
-/// Every n-th frame of the trial by an arm file that is wrong as `random` has it: gains, EI and length by 3
-/// %, bodies by 0.5 mm, which is what the file says of itself.
+/// Every n-th frame of the trial by an arm file that is wrong: EI and each chamber's gain by 3 %, the
+/// length by 1 mm, bodies by 0.5 mm, which is what the file says of itself.
 Covered by_wrong_arm(const RigTrial& trial, arm::Arm arm, double window_s, std::size_t every,
-                     std::mt19937_64& random) {
+                     const std::array<double, kErrors>& errors, std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   arm::EstimatorOptions options = arm.estimator;
   options.unknown = arm::Unknown::kBoth;
@@ -111,13 +133,13 @@ Covered by_wrong_arm(const RigTrial& trial, arm::Arm arm, double window_s, std::
   options.prior.moment_sd_nm = 0.005;
   options.prior.moment_sd_rel = 0.03;
   options.prior.bending_stiffness_sd_rel = 0.03;
-  options.prior.length_sd_m = 0.001;
   arm::Segment& segment = arm.segments[0];
-  const double gain = 1.0 + 0.03 * normal(random), stiffness = 1.0 + 0.03 * normal(random);
-  for (arm::Chamber& chamber : segment.chambers) chamber.moment_gain_nm_per_pa *= gain;
+  const double stiffness = 1.0 + 0.03 * errors[0];
+  for (std::size_t i = 0; i < segment.chambers.size(); ++i)
+    segment.chambers[i].moment_gain_nm_per_pa *= 1.0 + 0.03 * errors[2 + i];
   segment.bending_stiffness.base_nm2 *= stiffness;
   segment.bending_stiffness.per_min_pressure_nm2_per_pa *= stiffness;
-  segment.length_m += 0.001 * normal(random);
+  segment.length_m += 0.001 * errors[1];
   for (arm::MeasuredBody& body : arm.bodies) {
     body.arclength_m = std::min(body.arclength_m, segment.length_m);
     body.section_in_body.translation() =
@@ -138,6 +160,8 @@ Covered by_wrong_arm(const RigTrial& trial, arm::Arm arm, double window_s, std::
     const bool at_rest = truth.stamp_s < 3.0 || truth.stamp_s > 57.0;
     if (estimate.status != estimate::Status::kOk || at_rest || truth.stamp_s < last_change_s + window_s)
       continue;
+    // An estimate cannot be below no payload: there an interval of 95 % covers more.
+    if (truth.payload_kg == 0.0) continue;
     const estimate::SegmentEstimate& of = estimate.segments[0];
     ++covered.count;
     covered.payload +=
@@ -150,24 +174,26 @@ Covered by_wrong_arm(const RigTrial& trial, arm::Arm arm, double window_s, std::
 
 TEST(OnTheRig, IntervalsCoverWhenLawsAndPlacesOfBodiesErr) {
   const arm::Arm arm = paper_arm();
-  const RigTrial trial = record(arm, "trial_both", 60.0);
-  constexpr int kArms = 12;
-  constexpr std::size_t kEvery = 3;
-  // Over 5 s the rig's own departures from the laws, which the file does not speak of, begin to show.
-  for (const auto& [window_s, fewest] : {std::pair(0.5, 0.90), std::pair(5.0, 0.85)}) {
+  std::vector<RigTrial> trials;
+  for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) trials.push_back(record(arm, "trial_both", 60.0, seed));
+  constexpr int kArms = 32;
+  constexpr std::size_t kEvery = 6;
+  for (const double window_s : {0.5, 5.0}) {
     SCOPED_TRACE(window_s);
     std::mt19937_64 random(71);
+    const std::vector<std::array<double, kErrors>> errors = spread_errors(kArms, random);
     Covered all;
-    for (int k = 0; k < kArms; ++k) {
-      const Covered one = by_wrong_arm(trial, arm, window_s, kEvery, random);
+    for (std::size_t k = 0; k < kArms; ++k) {
+      const Covered one = by_wrong_arm(trials[k % trials.size()], arm, window_s, kEvery, errors[k], random);
       all.payload += one.payload;
       all.stiffness += one.stiffness;
       all.count += one.count;
     }
     const auto count = static_cast<double>(all.count);
-    RecordProperty("payload", std::to_string(all.payload / count));
-    RecordProperty("stiffness", std::to_string(all.stiffness / count));
-    EXPECT_GE(all.payload, fewest * count);
+    const std::string of = window_s < 1.0 ? "_of_short_window" : "_of_long_window";
+    RecordProperty("payload" + of, std::to_string(all.payload / count));
+    RecordProperty("stiffness" + of, std::to_string(all.stiffness / count));
+    EXPECT_GE(all.payload, 0.90 * count);
     EXPECT_LE(all.payload, 0.97 * count);
     EXPECT_GE(all.stiffness, 0.90 * count);
     EXPECT_LE(all.stiffness, 0.97 * count);
