@@ -205,6 +205,16 @@ class Proof:
         return results
 
 
+def draw_picture(results, path):
+    try:
+        import prove_picture
+    except ImportError as missing:
+        say(f"no picture of the calibration: {missing} (apt-get install python3-matplotlib)")
+        return
+    prove_picture.draw(results, path)
+    say(f"written: {path}")
+
+
 def main():
     parser = argparse.ArgumentParser(prog="prove", description=__doc__.splitlines()[0])
     parser.add_argument("--root", required=True)
@@ -245,6 +255,7 @@ def main():
         text.write(prove_report.story(figures, results))
     os.replace(story + ".part", story)
     say(f"written: {story}")
+    draw_picture(results, os.path.splitext(story)[0] + "_calibration.png")
     if options.json:
         write_json(options.json, figures)
     say(f"{(time.monotonic() - started) / 60:.1f} min")

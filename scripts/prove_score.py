@@ -15,7 +15,9 @@ FIGURES = ["parameter_median_error", "interval_coverage", "held_out_over_floor",
 BASELINES = ["per_frame", "bic", "lasso", "gp"]
 CONFIDENT = 0.9
 CALIBRATION_BINS = 5
+INTERVAL_SD = 1.6449  # half a 90 % interval
 LEAST_BEYOND = 8.0  # standard deviations: less, and an effect of the catalogue says it as well
+LEAST_MASS = 1e-3  # of the arm's: what weighing does not see
 LEAST_BIAS = 0.02  # of EI: a smaller one cannot be distinguished from the fit's own error
 
 
@@ -35,6 +37,13 @@ def decision_of_baseline(item):
     return {"verdict": verdict, "named": item["effects"], "ranking": item["ranking"], "findings": {}}
 
 
+def distractors(truth):
+    """What is there beside; an arm of another mass looks like payloads that are told wrong, in proportion."""
+    ratio = truth.get("mass_ratio", 1.0)
+    mass = [{"effect": "payload_scale", "values": {"share": ratio - 1.0}}] if abs(ratio - 1.0) > LEAST_MASS else []
+    return truth["distractors"] + mass
+
+
 def hidden(truth):
     """Ids that are right to name: the effects, and for one outside the catalogue that which no recording can distinguish from it."""
     names = [effect["effect"] for effect in truth["effects"] if effect["catalogued"]]
@@ -47,7 +56,7 @@ def class_of(named):
 
 def right(named, truth):
     """Whether a named effect, or a rival that it is said to be confusable with, is there; distractors are."""
-    there = set(hidden(truth)) | {effect["effect"] for effect in truth["distractors"]}
+    there = set(hidden(truth)) | {effect["effect"] for effect in distractors(truth)}
     return any(name in there for name in class_of(named))
 
 
@@ -167,6 +176,30 @@ def sizes(result):
     return errors, hits, places
 
 
+def ranks(result):
+    """Where the true numbers of everything that is there, distractors too, lie in what is said of them: 0 below it, 1 above,
+    evenly spread if intervals are right."""
+    said = {named["name"]: named for named in named_in(result["report"])}
+    found = []
+    for effect in result["truth"]["effects"] + distractors(result["truth"]):
+        numbers = said.get(effect["effect"], {"parameters": {}})["parameters"]
+        for symbol, true in true_parameters(effect, 0.2).items():
+            if symbol not in numbers:
+                continue
+            number = numbers[symbol]
+            far = number["high"] - number["value"] if true > number["value"] else number["value"] - number["low"]
+            if far > 0.0:
+                z = INTERVAL_SD * (true - number["value"]) / far
+                found.append(0.5 * (1.0 + math.erf(z / math.sqrt(2.0))))
+    return found
+
+
+def stated(pairs):
+    """(probability, was right) of everything that is named."""
+    return [(named["probability"], right(named, result["truth"])) for result, decision in pairs
+            for named in decision["named"] if named.get("probability") is not None]
+
+
 def bias_removed(result):
     """Share of the error of the first bending stiffness that the extended model takes away; None: there was none."""
     for shift in result["report"].get("shifts", []):
@@ -179,14 +212,19 @@ def bias_removed(result):
     return None
 
 
-def calibration_error(stated):
-    """Expected calibration error of (probability, was right), in bins of equal width."""
-    if not stated:
-        return None
+def calibration_bins(statements):
+    """(probability, was right) in bins of equal width."""
     bins = [[] for _ in range(CALIBRATION_BINS)]
-    for probability, hit in stated:
+    for probability, hit in statements:
         bins[min(CALIBRATION_BINS - 1, int(probability * CALIBRATION_BINS))].append((probability, hit))
-    return sum(abs(sum(p for p, _ in b) - sum(bool(hit) for _, hit in b)) for b in bins) / len(stated)
+    return bins
+
+
+def calibration_error(statements):
+    """Expected calibration error of (probability, was right)."""
+    if not statements:
+        return None
+    return sum(abs(sum(p for p, _ in b) - sum(bool(hit) for _, hit in b)) for b in calibration_bins(statements)) / len(statements)
 
 
 def interval(hits, count):
@@ -215,10 +253,8 @@ def rates(pairs):
 
 
 def general(pairs, with_reports):
-    stated = [(named["probability"], right(named, result["truth"])) for result, decision in pairs
-              for named in decision["named"] if named.get("probability") is not None]
     figures = dict.fromkeys(FIGURES)
-    figures["calibration_error"] = calibration_error(stated)
+    figures["calibration_error"] = calibration_error(stated(pairs))
     figures["confident_wrong"] = mean([is_confident_and_wrong(decision, result["truth"]) for result, decision in pairs])
     if not with_reports:
         return figures

@@ -67,7 +67,6 @@ MatrixXd covariance_of(const Linearised& at, double inflation) {
 std::vector<Shift> shifts_of(const JointModel& model, const Selection& selection) {
   std::vector<Shift> list;
   const MatrixXd before = covariance_of(selection.baseline, inflation(selection.baseline));
-  const MatrixXd after = covariance_of(selection.extended, selection.inflation);
   for (std::size_t j = 0; j < model.constants().size(); ++j) {
     const auto i = static_cast<Eigen::Index>(j);
     Shift shift;
@@ -76,7 +75,7 @@ std::vector<Shift> shifts_of(const JointModel& model, const Selection& selection
     shift.before = selection.baseline.at.constants[i];
     shift.after = selection.extended.at.constants[i];
     shift.sd_before = std::sqrt(before(i, i)) * selection.baseline.columns[j].scale;
-    shift.sd_after = std::sqrt(after(i, i)) * selection.extended.columns[j].scale;
+    shift.sd_after = std::sqrt(selection.covariance(i, i)) * selection.extended.columns[j].scale;
     list.push_back(std::move(shift));
   }
   return list;
@@ -264,8 +263,7 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   const Remains left = compare(model, selection, d);
   const bool extended = !selection.extended.at.effects.empty();
   report(0.9, "where");
-  const MatrixXd covariance = covariance_of(selection.extended, selection.inflation);
-  add_findings(model, selection, covariance, left.adequate, d);
+  add_findings(model, selection, selection.covariance, left.adequate, d);
   d.before = structure_of(model, selection.baseline, selection.baseline_unseen);
   d.after = extended ? structure_of(model, selection.extended, selection.extended_unseen) : d.before;
   d.before.shared_m = left.before.shared_m;
@@ -273,7 +271,7 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   d.after.shared_m = left.after.shared_m;
   d.after.shared_z = left.after.shared_z;
   d.shifts = shifts_of(model, selection);
-  d.extended_arm = extended_arm(model, selection.extended, covariance);
+  d.extended_arm = extended_arm(model, selection.extended, selection.covariance);
   const Compared count = compared(model);
   d.left_out_share = 1.0 - static_cast<double>(count.used) / static_cast<double>(count.blocks);
   d.summary = summary_of(d);

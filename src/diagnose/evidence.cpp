@@ -138,8 +138,7 @@ NormalEquations LinearGaussianModel::normal_equations(const std::vector<Directio
   return sums;
 }
 
-double LinearGaussianModel::integrate(const NormalEquations& sums, const EffectList& present, double tau,
-                                      VectorXd& coefficients) const {
+VectorXd LinearGaussianModel::precision(const EffectList& present, double tau) const {
   VectorXd precision = sd_;
   for (Index j = 0; j < precision.size(); ++j) {
     const Effect* effect = effect_[static_cast<std::size_t>(j)];
@@ -147,6 +146,19 @@ double LinearGaussianModel::integrate(const NormalEquations& sums, const EffectL
         effect != nullptr && std::find(present.begin(), present.end(), effect) == present.end();
     precision[j] = 1.0 / std::pow(spike ? tau : sd_[j], 2);
   }
+  return precision;
+}
+
+MatrixXd LinearGaussianModel::covariance(const NormalEquations& sums, const EffectList& present,
+                                         double tau) const {
+  MatrixXd information = sums.information;
+  information.diagonal() += precision(present, tau);
+  return math::inverse_of_symmetric(information);
+}
+
+double LinearGaussianModel::integrate(const NormalEquations& sums, const EffectList& present, double tau,
+                                      VectorXd& coefficients) const {
+  const VectorXd precision = this->precision(present, tau);
   MatrixXd information = sums.information;
   information.diagonal() += precision;
   const VectorXd score = sums.score + precision.cwiseProduct(mean_);

@@ -55,10 +55,14 @@ class LinearGaussianModel {
   /// Log marginal likelihood under these sums.
   double integrate(const NormalEquations& sums, const EffectList& present, double tau,
                    Eigen::VectorXd& coefficients) const;
+  /// Of all coefficients, under these sums.
+  Eigen::MatrixXd covariance(const NormalEquations& sums, const EffectList& present, double tau) const;
   const EffectList& effects() const { return each_; }
 
  private:
   std::vector<DirectionNoise> noise_of(const Eigen::VectorXd& coefficients) const;
+  /// Of the coefficients, before the data.
+  Eigen::VectorXd precision(const EffectList& present, double tau) const;
 
   /// Everything in the eigenvectors of one kernel.
   struct InBasis {

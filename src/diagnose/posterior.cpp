@@ -14,6 +14,8 @@ namespace {
 
 using model::Effect;
 
+constexpr double kLeastWeight = 1e-3;  // of a set against the best: what is less says nothing
+
 /// The linearised model about each fit that there is: the present one, and one for each effect that was
 /// refitted with it. A set of effects is judged about the fit that suits it best of those with one of its
 /// effects.
@@ -168,6 +170,30 @@ Posterior summed(const std::vector<Search::Model>& models) {
   return result;
 }
 
+/// What the sets about the present fit say of its unknowns, each as probable as it is.
+void add_unknowns(const Expansions& about, const std::vector<Search::Model>& models, Eigen::Index unknowns,
+                  Posterior& result) {
+  const auto is_about_the_fit = [&](const Search::Model& m) { return about.of(m.effects).front() == 0; };
+  double best = -1e300, sum = 0.0;
+  for (const Search::Model& m : models)
+    if (is_about_the_fit(m)) best = std::max(best, m.log);
+  Eigen::VectorXd mean = Eigen::VectorXd::Zero(unknowns);
+  Eigen::MatrixXd square = Eigen::MatrixXd::Zero(unknowns, unknowns);
+  for (const Search::Model& m : models) {
+    const double weight = std::exp(m.log - best);
+    if (!is_about_the_fit(m) || weight < kLeastWeight) continue;
+    const LinearGaussianModel& linear = about.model(0);
+    const Eigen::VectorXd of_m = m.marginal.coefficients.head(unknowns);
+    mean += weight * of_m;
+    square += weight * (linear.covariance(linear.normal_equations(m.marginal.noise), m.effects, m.tau)
+                            .topLeftCorner(unknowns, unknowns) +
+                        of_m * of_m.transpose());
+    sum += weight;
+  }
+  result.shift = mean / sum;
+  result.covariance = square / sum - result.shift * result.shift.transpose();
+}
+
 bool holds(const EffectSet& set, const Effect* effect) {
   return std::find(set.effects.begin(), set.effects.end(), effect) != set.effects.end();
 }
@@ -215,7 +241,9 @@ Posterior posterior(const EvidenceData& data, const std::vector<RefitEvidence>& 
       search.evaluate(std::move(leaders), from.marginal.noise);
     }
   }
-  return summed(search.models());
+  Posterior result = summed(search.models());
+  add_unknowns(about, search.models(), static_cast<Eigen::Index>(data.unknowns.size()), result);
+  return result;
 }
 
 }  // namespace softarm::diagnose

@@ -1,6 +1,7 @@
 // How sure: the probability of every effect, all at once.
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "evidence.h"
@@ -15,6 +16,11 @@ struct EffectSet {
 
 struct Posterior {
   std::vector<EffectSet> sets;  ///< that were looked at, most probable first; they sum to 1
+  /// Of the fit's unknowns, in their scales: how far the most probable ones lie from the fit's, and their
+  /// covariance, with the background, correlated noise and the sets that the fit stands for; empty: too few
+  /// instants.
+  Eigen::VectorXd shift;
+  Eigen::MatrixXd covariance;
 
   /// Of an effect, whatever else is there.
   double of(const model::Effect* effect) const;

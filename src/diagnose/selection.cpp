@@ -187,13 +187,13 @@ double of_class(const Round& round, const Effect* effect) {
 }
 
 /// The most probable that can be, of a class that is more probable than not; -1: there is none. One whose fit
-/// did not converge is only taken where none that did is.
+/// did not converge is only taken where none that did is. One that is not even a rival stands for no class.
 int best_of(const JointModel& model, const Round& round) {
   int best = -1, open = -1;
   for (std::size_t i = 0; i < round.refitted.size(); ++i) {
     const Refitted& r = round.refitted[i];
-    if (of_class(round, r.effect) * r.elsewhere < kPolicy.posterior.named || !r.physical ||
-        r.moved_m < trivial_m(model))
+    if (of_class(round, r.effect) * r.elsewhere < kPolicy.posterior.named ||
+        r.probability < kPolicy.posterior.rival || !r.physical || r.moved_m < trivial_m(model))
       continue;
     int& leader = r.converged ? best : open;
     if (leader < 0 || r.probability > round.refitted[static_cast<std::size_t>(leader)].probability)
@@ -279,7 +279,9 @@ Round look(JointModel& model, Standing& current, bool refits, const Options& opt
 }
 
 /// Takes out of the model again what has become superfluous.
-void drop_superfluous(JointModel& model, Standing& current, std::vector<std::size_t>& round_of) {
+/// @return whether there was any
+bool drop_superfluous(JointModel& model, Standing& current, std::vector<std::size_t>& round_of) {
+  bool dropped = false;
   for (std::size_t e = 0; current.fit.at.effects.size() > 1 && e < current.fit.at.effects.size();) {
     JointParameters p = current.fit.at;
     p.effects.erase(p.effects.begin() + static_cast<std::ptrdiff_t>(e));
@@ -292,8 +294,17 @@ void drop_superfluous(JointModel& model, Standing& current, std::vector<std::siz
     }
     current = std::move(without);
     round_of.erase(round_of.begin() + static_cast<std::ptrdiff_t>(e));
+    dropped = true;
     e = 0;
   }
+  return dropped;
+}
+
+/// How well the unknowns of the last model are known.
+Eigen::MatrixXd covariance_of(const Linearised& at, const Posterior& posterior) {
+  if (posterior.covariance.rows() != at.information.rows())
+    return inflation(at) * math::inverse_of_symmetric(at.information);
+  return posterior.covariance + posterior.shift * posterior.shift.transpose();
 }
 
 }  // namespace
@@ -322,7 +333,14 @@ Selection select(JointModel& model, Linearised baseline, const Options& options,
     selection.rounds.push_back(std::move(round));
     if (!taken) break;
   }
-  drop_superfluous(model, current, selection.round_of);
+  const Round& last = selection.rounds.back();
+  if (drop_superfluous(model, current, selection.round_of)) {
+    Round anew;
+    anew.screened = last.screened;
+    selection.covariance = covariance_of(current.fit, posterior_of(model, current, anew, options.jobs));
+  } else {
+    selection.covariance = covariance_of(current.fit, last.posterior);
+  }
   selection.extended = std::move(current.fit);
   selection.extended_unseen = std::move(current.unseen);
   selection.inflation = inflation(selection.extended);

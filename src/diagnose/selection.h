@@ -42,6 +42,9 @@ struct Selection {
   /// For each effect of `extended`: the round in which it was taken.
   std::vector<std::size_t> round_of;
   double inflation = 1.0;  ///< of the extended fit
+  /// Of the extended fit's unknowns, in their scales: by the posterior, which knows of the background and of
+  /// correlated errors, about the fit's values; without enough instants the fit's own, inflated.
+  Eigen::MatrixXd covariance;
 };
 
 /// @param baseline fit without effects

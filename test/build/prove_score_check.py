@@ -136,6 +136,21 @@ class Figures(unittest.TestCase):
         self.assertEqual(score.true_parameters(offset, 0.2), {"offset_3_pa": 500.0})
         self.assertEqual(score.true_parameters(effect("creep", {"share": 0.1, "time_s": 9.0}, "prony"), 0.2), {})
 
+    def test_ranks(self):
+        hidden = truth(distractors=[effect("base_compliance", {"stiffness_nm_per_rad": 5.0})])
+        for value, low, high, rank in ((0.2, 0.1, 0.3, 0.5), (0.3, 0.2, 0.5, 0.05), (0.1, 0.05, 0.2, 0.95)):
+            parameters = {"compliance_rad_per_nm": {"value": value, "low": low, "high": high, "unit": "rad/(N m)"}}
+            said = report("explained", named("base_compliance", parameters=parameters))
+            self.assertAlmostEqual(score.ranks(result("untidy_none", hidden, said))[0], rank, places=3)
+        self.assertEqual(score.ranks(result("untidy_none", hidden, report("consistent"))), [])
+
+    def test_an_arm_of_another_mass_is_payloads_told_wrong(self):
+        said = report("explained", named("payload_scale", parameters={"share": {"value": -0.04, "low": -0.05, "high": -0.03}}))
+        for ratio, right in ((0.96, True), (1.0, False)):
+            hidden = {**truth(), "mass_ratio": ratio}
+            self.assertEqual(score.right(said["effects"][0], hidden), right)
+            self.assertEqual(len(score.ranks(result("untidy_none", hidden, said))), int(right))
+
     def test_place(self):
         hidden = truth(effect("soft_spot", {"share": 0.3, "centre_fraction": 0.5, "width_fraction": 0.2}))
         said = report("explained", named("soft_spot", where={"s_from": 0.08, "s_to": 0.14}))

@@ -104,6 +104,40 @@ TEST(Posterior, OfOneEffectOfNoneAndOfManySmallOnes) {
   EXPECT_LE(small_named, kDraws / 4);
 }
 
+// Small effects that no set names move the fit's unknowns, too: its own covariance does not know of them.
+TEST(Posterior, IntervalsOfUnknownsKnowOfTheBackground) {
+  int covered = 0, covered_by_fit = 0, count = 0;
+  std::normal_distribution<double> normal;
+  for (unsigned draw = 0; draw < 24; ++draw) {
+    std::mt19937_64 random(300 + draw);
+    EvidenceData data = made_up(90, 6, 12, 1.0, random);
+    for (const Signature& s : data.effects) data.residual += 0.2 * normal(random) * s.moves;
+    VectorXd truth(2);
+    for (Index u = 0; u < 2; ++u) {
+      truth[u] = 0.5 * normal(random);
+      data.residual += truth[u] * data.unknowns[static_cast<std::size_t>(u)].moves;
+    }
+    Eigen::Matrix2d information = Eigen::Matrix2d::Identity() / 9.0;
+    Eigen::Vector2d score = Eigen::Vector2d::Constant(0.1 / 9.0);
+    for (Index i = 0; i < 2; ++i) {
+      const MatrixXd& moves = data.unknowns[static_cast<std::size_t>(i)].moves;
+      score[i] += moves.cwiseProduct(data.residual).sum();
+      for (Index j = 0; j < 2; ++j)
+        information(i, j) += moves.cwiseProduct(data.unknowns[static_cast<std::size_t>(j)].moves).sum();
+    }
+    const Eigen::Matrix2d of_fit = information.inverse();
+    const Eigen::Vector2d at_fit = of_fit * score;
+    const Posterior p = posterior(data, {}, 1);
+    ASSERT_EQ(p.shift.size(), 2);
+    for (Index u = 0; u < 2; ++u, ++count) {
+      covered += std::abs(p.shift[u] - truth[u]) < 1.645 * std::sqrt(p.covariance(u, u));
+      covered_by_fit += std::abs(at_fit[u] - truth[u]) < 1.645 * std::sqrt(of_fit(u, u));
+    }
+  }
+  EXPECT_GE(covered, 0.8 * count);
+  EXPECT_LE(covered_by_fit, 0.6 * count);
+}
+
 // What drives the arm makes an error that none of the effects does; some of them resemble it by chance.
 TEST(Posterior, AnErrorThatNoEffectMakesIsNoEffect) {
   int named = 0;

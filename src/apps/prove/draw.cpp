@@ -105,6 +105,7 @@ class Case {
             {{"effect", ideal.effect}, {"explains", ideal.explains}, {"cosine", ideal.cosine}});
     }
     truth_["constants"] = reference_->constants();
+    truth_["mass_ratio"] = mass_ratio();
   }
 
   void keep() {
@@ -128,6 +129,16 @@ class Case {
   }
 
  private:
+  /// The rig's arm over what the arm file says of it: as far as it goes, no recording distinguishes that from
+  /// payloads that are told wrong.
+  double mass_ratio() const {
+    double rig_kg = 0.0, file_kg = 0.0;
+    for (const rig::SegmentSpec& segment : drawn_.plain.front().arm.segments) rig_kg += segment.mass_kg;
+    for (const arm::Segment& segment : arm_.segments)
+      file_kg += segment.mass_per_length_kg_m * segment.length_m;
+    return rig_kg / file_kg;
+  }
+
   static std::string name_of(std::size_t i) { return fmt::format("trial_{:02}", i + 1); }
 
   static void write(const fs::path& path, const Json& json) {

@@ -1,0 +1,39 @@
+"""A picture of how far the proof's statements are to be believed: stated probabilities against what was right, and where the
+true numbers lie in the stated intervals."""
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+
+import prove_score as score  # noqa: E402
+
+RANK_BINS = 10
+
+
+def draw(results, path):
+    """results as prove_score.figures() takes them."""
+    pairs = [(r, score.decision_of_report(r["report"])) for r in results if r["truth"] and r["report"]]
+    statements = score.stated(pairs)
+    ranks = [rank for result, _ in pairs for rank in score.ranks(result)]
+    figure, (left, right) = plt.subplots(1, 2, figsize=(10.0, 4.2), constrained_layout=True)
+    left.plot([0, 100], [0, 100], color="0.7", linewidth=1)
+    for of_bin in score.calibration_bins(statements):
+        if not of_bin:
+            continue
+        hits = sum(bool(hit) for _, hit in of_bin)
+        low, high = score.interval(hits, len(of_bin))
+        x, y = 100 * score.mean([p for p, _ in of_bin]), 100 * hits / len(of_bin)
+        left.errorbar([x], [y], [[max(0, y - 100 * low)], [max(0, 100 * high - y)]], fmt="o", color="C0", capsize=3)
+        left.annotate(f"{hits} of {len(of_bin)}", (x, y), xytext=(-8, 6), textcoords="offset points", ha="right", fontsize=9)
+    left.set(xlim=(0, 103), ylim=(0, 103), xlabel="stated probability of what is named, %", ylabel="it, or its class, is there, %",
+             title=f"{len(statements)} statements in {len(pairs)} cases, 90 % intervals")
+    right.hist(ranks, bins=RANK_BINS, range=(0, 1), color="C0", rwidth=0.9)
+    if ranks:
+        even = len(ranks) / RANK_BINS
+        spread = score.INTERVAL_SD * (even * (1 - 1 / RANK_BINS)) ** 0.5
+        right.axhspan(max(0, even - spread), even + spread, color="0.85", zorder=0, label="even, 90 %")
+        right.legend(loc="upper center")
+    right.set(xlim=(0, 1), xlabel="rank of the true number in what is said of it", ylabel="numbers",
+              title=f"{len(ranks)} numbers of effects that are there")
+    figure.savefig(path, dpi=110)
+    plt.close(figure)
