@@ -1,6 +1,7 @@
 // softarm: checks recordings, estimates over them, identifies arms, diagnoses what their descriptions leave
 // out, imports recordings, simulates trials.
 #include <fmt/format.h>
+#include <glog/logging.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -40,6 +41,7 @@ std::string no_command(const CLI::App& program, int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  FLAGS_minloglevel = google::GLOG_FATAL;  // what became of a fit is said by who asked for it
   CLI::App program{"Backbone, bending stiffness and payload of soft arms, from recordings.", "softarm"};
   program.set_version_flag("--version", std::string("softarm ") + SOFTARM_VERSION);
   program.require_subcommand(1);

@@ -20,7 +20,7 @@ using Eigen::Quaterniond;
 
 constexpr double kFarthest = 0.4;      // of the length, mean over bodies and frames
 constexpr double kLooks = 0.03;        // of the length, from which on other readings are tried
-constexpr double kExplains = 0.2;      // of the length, that a reading may leave to be named
+constexpr double kExplains = 0.2;      // of the length, that a reading may leave to be named in any case
 constexpr double kBetter = 1.0 / 3.0;  // of the error, that it may leave where that is less than kFarthest
 // Of the error, that it may leave over all, and in the worst of the trials. On the pouch arm a wrong order of
 // the quaternions shows by 0.5; of those that are read right the best other reading leaves 1.0. Laws that are
@@ -80,7 +80,7 @@ std::vector<trial::Trial> thinned(const std::vector<trial::Trial>& trials) {
 
 /// Shape error, over all frames and by trial.
 struct Errors {
-  double mean_m = 0.0;
+  double mean_m = 0.0, share = 0.0;  ///< of the arm's length
   std::map<std::size_t, double> by_trial_m;
 };
 
@@ -95,13 +95,14 @@ std::optional<Errors> errors_of(const arm::Arm& arm, const std::vector<trial::Tr
   std::map<std::size_t, std::vector<double>> by_trial;
   for (const FrameComparison& frame : frames) by_trial[frame.trial].push_back(frame.error_m);
   errors.mean_m = summarise(frames, arm.total_length_m()).mean_m;
+  errors.share = errors.mean_m / arm.total_length_m();
   for (const auto& [trial, list] : by_trial) errors.by_trial_m[trial] = math::mean(list);
   return errors;
 }
 
 /// How many trials there are where it is clearly better in each; else 0.
 std::size_t better_in_each(const Errors& other, const Errors& given) {
-  if (other.mean_m > kBetterInAll * given.mean_m || given.by_trial_m.size() < kFewestTrials) return 0;
+  if (other.share > kBetterInAll * given.share || given.by_trial_m.size() < kFewestTrials) return 0;
   for (const auto& [trial, given_m] : given.by_trial_m) {
     const auto found = other.by_trial_m.find(trial);
     if (found == other.by_trial_m.end() || found->second > kBetterInEach * given_m) return 0;
@@ -182,8 +183,9 @@ Belonging belonging(const arm::Arm& arm, const std::vector<trial::Trial>& trials
                                const std::vector<trial::Trial>& read) {
     const std::optional<Errors> errors = errors_of(with, read);
     if (!errors) return;
-    result.tried.push_back({name, errors->mean_m});
-    if (!best || errors->mean_m < best->mean_m) best = errors;
+    result.tried.push_back({name, errors->mean_m, errors->share});
+    // An arm that is a thousandth as long leaves a thousandth of the millimetres.
+    if (!best || errors->share < best->share) best = errors;
   };
   for (const Matrix3d& m : turns()) {
     if (m.isIdentity()) continue;
@@ -197,7 +199,11 @@ Belonging belonging(const arm::Arm& arm, const std::vector<trial::Trial>& trials
     if (!arm.base.body) continue;
     arm::Arm turned = arm;
     turned.base.rod_in_body.linear() = turned.base.rod_in_body.linear() * m;
-    try_reading(fmt::format("base.rod_in_body turned to its axes '{}'", axes_name(m)), turned, few);
+    const Quaterniond q(turned.base.rod_in_body.linear());
+    try_reading(fmt::format("base.rod_in_body turned to its axes '{}' (quaternion_xyzw: [{:.6g}, {:.6g}, "
+                            "{:.6g}, {:.6g}])",
+                            axes_name(m), q.x(), q.y(), q.z(), q.w()),
+                turned, few);
   }
   for (const auto& [factor, units] :
        {std::pair(1e-3, "mm in place of m"), std::pair(1e3, "m in place of mm"),
@@ -227,8 +233,8 @@ Belonging belonging(const arm::Arm& arm, const std::vector<trial::Trial>& trials
                     *ratio),
         scaled(arm, *ratio), few);
   std::stable_sort(result.tried.begin(), result.tried.end(),
-                   [](const Reading& a, const Reading& b) { return a.mean_m < b.mean_m; });
-  const bool better = given && best && best->mean_m < kBetter * given->mean_m;
+                   [](const Reading& a, const Reading& b) { return a.share < b.share; });
+  const bool better = given && best && best->share < kBetter * given->share;
   result.together = result.together && !better;
   if (given && best) result.better_in = better_in_each(*best, *given);
   return result;
@@ -240,7 +246,7 @@ namespace {
 std::string best_of(const Belonging& belonging) {
   std::string names;
   for (std::size_t i = 0; i < std::min(kMostTies, belonging.tried.size()); ++i) {
-    if (belonging.tried[i].mean_m <= kTies * belonging.tried.front().mean_m)
+    if (belonging.tried[i].share <= kTies * belonging.tried.front().share)
       names += (i == 0 ? "" : ", or ") + belonging.tried[i].name;
   }
   return names;
@@ -249,8 +255,9 @@ std::string best_of(const Belonging& belonging) {
 }  // namespace
 
 std::string describe(const Belonging& belonging) {
-  const bool explained =
-      !belonging.tried.empty() && belonging.tried.front().mean_m <= kExplains * belonging.length_m;
+  const double left = belonging.tried.empty() ? 1.0 : belonging.tried.front().share;
+  const bool explained = left <= kExplains || (left <= kFarthest && belonging.mean_m &&
+                                               left < kBetter * *belonging.mean_m / belonging.length_m);
   if (belonging.together && belonging.better_in > 0)
     return fmt::format(
         "ANOTHER READING FITS EACH OF THE {} TRIALS BETTER: with {}; by the arm file's laws the bodies are "

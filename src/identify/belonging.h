@@ -13,6 +13,7 @@ namespace softarm::identify {
 struct Reading {
   std::string name;     ///< "axes: 'x -z y'", "positions in mm"
   double mean_m = 0.0;  ///< shape error of the arm file's laws under it
+  double share = 0.0;   ///< the same over the arm's length under it
 };
 
 /// How far the bodies are from where the arm file's laws have them, before any fit.

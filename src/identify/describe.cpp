@@ -183,12 +183,14 @@ std::string trials_text(const Result& result) {
 }  // namespace
 
 std::optional<bool> generalises(const Result& result) {
+  if (!result.apart.empty()) return false;
   const auto [before, after] = unseen_errors(result);
   if (after.frames == 0) return std::nullopt;
   return after.mean_m < (1.0 - kLeastGain) * before.mean_m || after.mean_m <= noise_m(result.arm);
 }
 
 std::string verdict(const Result& result) {
+  if (!result.apart.empty()) return result.apart;
   const std::optional<bool> good = generalises(result);
   if (!good) return "no trial is held out: nothing says whether this generalises";
   const auto [before, after] = unseen_errors(result);

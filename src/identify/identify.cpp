@@ -315,13 +315,15 @@ VectorXd initial_of(const std::vector<FreeConstant>& constants) {
 /// Puts the arm file's constants back where they predict better, trials that were not fitted if there are
 /// such. @return whether it did
 bool keep_the_better(const std::vector<FreeConstant>& constants, Result& result) {
-  const bool unseen = result.held_out.frames > 0;
-  const ShapeError& before = unseen ? result.held_out_before : result.fitted_before;
-  const ShapeError& after = unseen ? result.held_out : result.fitted;
+  const bool by_others = !result.left_out_one.empty(), unseen = by_others || result.held_out.frames > 0;
+  const ShapeError& before = by_others ? result.left_out_one_before
+                             : unseen  ? result.held_out_before
+                                       : result.fitted_before;
+  const ShapeError& after = by_others ? result.left_out_one_after : unseen ? result.held_out : result.fitted;
   if (after.frames == 0 || !(after.mean_m > kWorse * before.mean_m)) return false;
   result.warnings.push_back(fmt::format(
       "THE FIT IS NO BETTER THAN THE ARM FILE: {} are off by {:.2f} mm with the fitted constants, by {:.2f} "
-      "mm with those of the arm file, which are kept",
+      "mm with those of the arm file, which are kept and written; below are those of the fit",
       unseen ? "trials that were not fitted" : "the trials", 1e3 * after.mean_m, 1e3 * before.mean_m));
   for (const FreeConstant& constant : constants) set_value(result.arm, constant.ref, constant.initial);
   return true;
@@ -372,6 +374,10 @@ Result fit_of(const arm::Arm& arm, const std::vector<trial::Trial>& trials, Effe
   compare_all(arm, frames.others, true, {}, result);
   set_starts(problem.model(), lines, solution, result);
   report(0.95);
+  if (options.leave_one_out)
+    leave_one_out(arm, trials, lines, options, result, [&](double share) {
+      if (progress) progress(own_share * 0.95 + (1.0 - own_share) * share);
+    });
   std::vector<trial::StaticFrame> all = frames.fitted;
   all.insert(all.end(), frames.others.begin(), frames.others.end());
   const bool kept = better_of_both && keep_the_better(constants, result);
@@ -379,11 +385,7 @@ Result fit_of(const arm::Arm& arm, const std::vector<trial::Trial>& trials, Effe
   result.prior = law_errors(arm, problem.model(), all, result.covariance, covariance_given_moduli(result));
   prior_of_moduli(arm, result);
   result.arm.estimator.prior = result.prior;
-  report(1.0);
-  if (options.leave_one_out)
-    leave_one_out(arm, trials, lines, options, result, [&](double share) {
-      if (progress) progress(own_share + (1.0 - own_share) * share);
-    });
+  if (progress) progress(1.0);
   return result;
 }
 

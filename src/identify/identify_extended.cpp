@@ -1,5 +1,7 @@
 #include "identify_extended.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -12,7 +14,8 @@ namespace softarm::identify {
 namespace {
 
 constexpr int kMostRounds = 6;
-constexpr double kSame = 0.05;  // of a standard deviation
+constexpr double kSame = 0.05;     // of a standard deviation
+constexpr double kFollows = 0.03;  // of the arm's length, that a fit of the right arm leaves at most
 
 /// As EffectLines takes them.
 std::map<std::size_t, Eigen::VectorXd> starts_of(const Result& result,
@@ -75,7 +78,8 @@ Result in_rounds(const arm::Arm& arm, const std::vector<model::Present>& effects
 Result identify_extended(const arm::Arm& arm, const std::vector<model::Present>& effects,
                          const std::vector<trial::Trial>& trials, const Options& options,
                          const ProgressCallback& progress, unsigned jobs) {
-  const std::string apart = describe(belonging(arm, trials));
+  const Belonging found = belonging(arm, trials);
+  const std::string apart = describe(found);
   Result result;
   try {
     result = effects.empty() ? identify(arm, trials, options, progress)
@@ -84,7 +88,21 @@ Result identify_extended(const arm::Arm& arm, const std::vector<model::Present>&
     if (apart.empty()) throw;
     throw IdentifyError(apart + "; " + error.what());
   }
-  if (!apart.empty()) result.warnings.insert(result.warnings.begin(), apart);
+  if (found.together) {
+    if (!apart.empty()) result.warnings.insert(result.warnings.begin(), apart);
+    return result;
+  }
+  const ShapeError& after = result.held_out.frames > 0 ? result.held_out : result.fitted;
+  const bool followed = after.frames > 0 && after.mean_m < kFollows * arm.total_length_m();
+  if (!followed || (!found.tried.empty() && found.tried.front().mean_m < after.mean_m)) {
+    result.apart = apart;
+  } else if (found.mean_m) {
+    result.warnings.insert(
+        result.warnings.begin(),
+        fmt::format("THE ARM FILE'S LAWS WERE FAR OFF, by {:.0f} mm, and those that were fitted are not: are "
+                    "units and order of the inputs those of the arm file?",
+                    1e3 * *found.mean_m));
+  }
   return result;
 }
 

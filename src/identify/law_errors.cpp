@@ -28,7 +28,7 @@ constexpr double kStartStiffness_rel = 0.2;
 constexpr double kStartLength_rel = 0.02;
 constexpr double kVisibleBend_rad = 0.1;
 // Beyond this a law says nothing: what the trials do not determine at all must stay a number.
-constexpr double kMostMoment_rel = 5.0;
+constexpr double kMostMoment_rel = 5.0, kMostMoment_nm = 100.0;  // the latter: of the arm file's keys
 constexpr double kMostStiffness_rel = 1.0;
 constexpr double kMostLength_rel = 0.5;
 
@@ -243,8 +243,13 @@ arm::LawPrior law_errors(const arm::Arm& arm, LawModel& model, const std::vector
   prior.length_sd_m =
       std::min(kMostLength_rel * length_m,
                std::sqrt(length2 + math::median(gathered.own_length2) + least_length * least_length));
-  prior.moment_jitter_sd_nm = std::max(std::sqrt(moment_jitter2), kLeastJitter * prior.moment_sd_nm);
-  prior.length_jitter_sd_m = std::max(std::sqrt(length_jitter2), kLeastJitter * prior.length_sd_m);
+  // What is off by more than the arm does at all is off by all of it, from frame to frame as well.
+  prior.moment_jitter_sd_nm =
+      std::clamp(std::sqrt(moment_jitter2), kLeastJitter * prior.moment_sd_nm, kMostMoment_rel * typical_nm);
+  prior.length_jitter_sd_m =
+      std::clamp(std::sqrt(length_jitter2), kLeastJitter * prior.length_sd_m, kMostLength_rel * length_m);
+  for (double* moment_nm : {&prior.moment_sd_nm, &prior.moment_jitter_sd_nm})
+    *moment_nm = std::min(*moment_nm, kMostMoment_nm);
   return prior;
 }
 

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "identify/identify_extended.h"
 #include "synthetic.h"
 
 namespace softarm::identify::testing {
@@ -60,14 +61,39 @@ TEST_F(Belongs, WhatBelongsTogetherIsSaidNothingOf) {
 }
 
 TEST_F(Belongs, OtherUnitsAreFound) {
-  const Belonging found =
-      belonging(arm_, misread([](const Eigen::Vector3d& p) { return Eigen::Vector3d(1e3 * p); },
-                              [](const Eigen::Quaterniond& q) { return q; }));
-  ASSERT_FALSE(found.together);
-  EXPECT_THAT(found.tried.front().name, HasSubstr("positions in mm in place of m (inputs.bodies.unit"));
-  EXPECT_LT(found.tried.front().mean_m, 2e-3);
-  EXPECT_THAT(describe(found), HasSubstr("DO NOT BELONG TOGETHER"));
-  EXPECT_THAT(describe(found), HasSubstr("With positions in mm"));
+  for (const auto& [factor, units] : {std::pair(1e3, "mm in place of m"), std::pair(1e-3, "m in place of mm"),
+                                      std::pair(1e-2, "m in place of cm")}) {
+    const Belonging found = belonging(
+        arm_, misread([factor = factor](const Eigen::Vector3d& p) { return Eigen::Vector3d(factor * p); },
+                      [](const Eigen::Quaterniond& q) { return q; }));
+    ASSERT_FALSE(found.together) << units;
+    EXPECT_THAT(found.tried.front().name, HasSubstr(std::string("positions in ") + units));
+    EXPECT_LT(found.tried.front().mean_m, 2e-3);
+    EXPECT_THAT(describe(found), HasSubstr("DO NOT BELONG TOGETHER"));
+    EXPECT_THAT(describe(found), HasSubstr(std::string("With positions in ") + units));
+  }
+}
+
+TEST_F(Belongs, TheVerdictOfAnIdentificationIsThatTheyDoNot) {
+  const auto in_km = misread([](const Eigen::Vector3d& p) { return Eigen::Vector3d(1e-3 * p); },
+                             [](const Eigen::Quaterniond& q) { return q; });
+  const Result apart = identify_extended(arm_, {}, in_km, {}, {}, 1);
+  EXPECT_THAT(verdict(apart), HasSubstr("DO NOT BELONG TOGETHER"));
+  EXPECT_EQ(generalises(apart), std::optional<bool>(false));
+  // Whatever was fitted, an arm file can be written of it.
+  EXPECT_LE(apart.prior.moment_jitter_sd_nm, 100.0);
+  EXPECT_LE(apart.prior.length_jitter_sd_m, 1.0);
+}
+
+TEST_F(Belongs, GainsInOtherUnitsAreNoOtherArm) {
+  arm::Arm in_psi = arm_;
+  for (arm::Chamber& chamber : in_psi.segments[0].chambers) chamber.moment_gain_nm_per_pa *= 6.9;
+  EXPECT_FALSE(belonging(in_psi, trials_).together);
+  const Result found = identify_extended(in_psi, {}, trials_, {}, {}, 1);
+  EXPECT_LT(found.fitted.mean_m, 2e-3);
+  EXPECT_EQ(found.apart, "");
+  ASSERT_FALSE(found.warnings.empty());
+  EXPECT_THAT(found.warnings.front(), HasSubstr("are units and order of the inputs"));
 }
 
 TEST_F(Belongs, AnotherOrderOfTheQuaternionIsFound) {

@@ -436,5 +436,31 @@ TEST(Names, PatternsFindConstants) {
   EXPECT_EQ(identify::identify(arm, paper_trials(arm, 4, 3), options).constants.size(), 2u);
 }
 
+// Three arms that differ: the fit to two of them is farther from the third than the arm file is.
+TEST(LeaveOneOut, KeepsTheArmFileWhereThatPredictsBetter) {
+  const arm::Arm arm = testing::pneumatic_arm();
+  std::mt19937_64 random(6);
+  testing::Protocol protocol;
+  protocol.trials = 1;
+  protocol.draw = testing::paper_inputs;
+  std::vector<trial::Trial> trials;
+  for (const double gain : {0.5, 1.0, 1.5}) {
+    arm::Arm other = arm;
+    for (arm::Chamber& chamber : other.segments[0].chambers) chamber.moment_gain_nm_per_pa *= gain;
+    trials.push_back(testing::make_trials(other, protocol, random).front());
+    trials.back().name = "gain_" + std::to_string(gain);
+  }
+  Options options;
+  options.leave_one_out = true;
+  const Result result = identify(arm, trials, options);
+  EXPECT_GT(result.left_out_one_after.mean_m, 1.1 * result.left_out_one_before.mean_m);
+  EXPECT_LT(result.fitted.mean_m, 1.05 * result.fitted_before.mean_m);
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_EQ(result.arm.segments[0].chambers[i].moment_gain_nm_per_pa,
+              arm.segments[0].chambers[i].moment_gain_nm_per_pa);
+  ASSERT_FALSE(result.warnings.empty());
+  EXPECT_THAT(result.warnings.back(), ::testing::HasSubstr("NO BETTER THAN THE ARM FILE"));
+}
+
 }  // namespace
 }  // namespace softarm::identify

@@ -231,8 +231,10 @@ struct Result {
   /// Observations as far off as an outlier, but so many of the body's (more than a tenth) that the model is
   /// wrong there, not the frames: they are kept. By body.
   std::map<std::string, std::uint64_t> beyond_the_model;
-  /// Before all else, a line each: recordings and arm file do not belong together; the fit is no better than
-  /// the arm file, whose constants `arm` then has.
+  /// Before all else: recordings and arm file do not belong together, and how they might; empty: they do.
+  std::string apart;
+  /// Before the constants, a line each: another reading is better; the fit is no better than the arm file,
+  /// whose constants `arm` then has.
   std::vector<std::string> warnings;
   std::vector<std::string> prior_notes;  ///< what of the prior is not from the trials, and why; one line each
   int iterations = 0;
