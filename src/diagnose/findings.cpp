@@ -64,7 +64,7 @@ std::vector<NamedEffect> named_effects(JointModel& model, const Selection& selec
     named.description = present.effect->info().description;
     named.law = present.effect->info().law;
     named.source = present.effect->info().source;
-    named.probability = r.probability;
+    named.probability = std::min(r.probability, selection.still_there[e]);
     named.parameters = values_of(selection.extended, e, covariance);
     named.where = where_is(model, selection.extended, present, contribution(model, selection.extended, e));
     const double without = e == 0 ? selection.baseline_unseen.total_rms_m

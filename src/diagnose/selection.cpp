@@ -300,11 +300,45 @@ bool drop_superfluous(JointModel& model, Standing& current, std::vector<std::siz
   return dropped;
 }
 
-/// How well the unknowns of the last model are known.
-Eigen::MatrixXd covariance_of(const Linearised& at, const Posterior& posterior) {
-  if (posterior.covariance.rows() != at.information.rows())
-    return inflation(at) * math::inverse_of_symmetric(at.information);
-  return posterior.covariance + posterior.shift * posterior.shift.transpose();
+/// Probability of an effect of the fit given all the others that are in it: the density that its sizes have
+/// at nothing, before the data and after them (Savage and Dickey; Dickey 1971), and the odds of an effect.
+/// @param doubt covariance of the unknowns, as intervals have it
+double still_there(const Linearised& at, std::size_t e, std::size_t catalogue, const Eigen::MatrixXd& doubt) {
+  std::vector<Eigen::Index> columns;
+  for (std::size_t j = 0; j < at.columns.size(); ++j) {
+    const JointUnknown& c = at.columns[j];
+    if (c.kind == JointUnknown::Kind::kEffect && c.index == static_cast<int>(e) &&
+        c.parameter < at.at.effects[e].effect->info().sizes)
+      columns.push_back(static_cast<Eigen::Index>(j));
+  }
+  const auto n = static_cast<Eigen::Index>(columns.size());
+  const Eigen::VectorXd x = at.unknowns();
+  Eigen::VectorXd size(n);
+  Eigen::MatrixXd covariance(n, n);
+  double log_prior = 0.0;  // of the root of the determinant
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::Index row = columns[static_cast<std::size_t>(i)];
+    size[i] = x[row];
+    log_prior += std::log(at.columns[static_cast<std::size_t>(row)].prior_sd);
+    for (Eigen::Index k = 0; k < n; ++k) covariance(i, k) = doubt(row, columns[static_cast<std::size_t>(k)]);
+  }
+  const double z2 = size.dot(math::solve_symmetric(covariance, size));
+  const double log_odds = 0.5 * z2 + 0.5 * std::log(std::max(covariance.determinant(), 1e-300)) - log_prior +
+                          std::log(kPolicy.posterior.expected / static_cast<double>(catalogue));
+  return 1.0 / (1.0 + std::exp(-log_odds));
+}
+
+/// How well the unknowns of the last model are known, and whether its effects still are.
+void add_doubt(const Linearised& at, const Posterior& posterior, std::size_t catalogue,
+               Selection& selection) {
+  selection.still_there.assign(at.at.effects.size(), 1.0);
+  if (posterior.covariance.rows() != at.information.rows()) {
+    selection.covariance = inflation(at) * math::inverse_of_symmetric(at.information);
+    return;
+  }
+  selection.covariance = posterior.covariance + posterior.shift * posterior.shift.transpose();
+  for (std::size_t e = 0; e < selection.still_there.size(); ++e)
+    selection.still_there[e] = still_there(at, e, catalogue, selection.covariance);
 }
 
 }  // namespace
@@ -334,12 +368,13 @@ Selection select(JointModel& model, Linearised baseline, const Options& options,
     if (!taken) break;
   }
   const Round& last = selection.rounds.back();
+  const std::size_t catalogue = selection.rounds.front().screened.size();
   if (drop_superfluous(model, current, selection.round_of)) {
     Round anew;
     anew.screened = last.screened;
-    selection.covariance = covariance_of(current.fit, posterior_of(model, current, anew, options.jobs));
+    add_doubt(current.fit, posterior_of(model, current, anew, options.jobs), catalogue, selection);
   } else {
-    selection.covariance = covariance_of(current.fit, last.posterior);
+    add_doubt(current.fit, last.posterior, catalogue, selection);
   }
   selection.extended = std::move(current.fit);
   selection.extended_unseen = std::move(current.unseen);

@@ -45,6 +45,8 @@ struct Selection {
   /// Of the extended fit's unknowns, in their scales: by the posterior, which knows of the background and of
   /// correlated errors, about the fit's values; without enough instants the fit's own, inflated.
   Eigen::MatrixXd covariance;
+  /// For each effect of `extended`: its probability given all the others in the model.
+  std::vector<double> still_there;
 };
 
 /// @param baseline fit without effects
