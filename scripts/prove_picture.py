@@ -24,9 +24,11 @@ def draw(results, path):
         low, high = score.interval(hits, len(of_bin))
         x, y = 100 * score.mean([p for p, _ in of_bin]), 100 * hits / len(of_bin)
         left.errorbar([x], [y], [[max(0, y - 100 * low)], [max(0, 100 * high - y)]], fmt="o", color="C0", capsize=3)
-        left.annotate(f"{hits} of {len(of_bin)}", (x, y), xytext=(-8, 6), textcoords="offset points", ha="right", fontsize=9)
-    left.set(xlim=(0, 103), ylim=(0, 103), xlabel="stated probability of what is named, %", ylabel="it, or its class, is there, %",
-             title=f"{len(statements)} statements in {len(pairs)} cases, 90 % intervals")
+        to_right = x < 50
+        left.annotate(f"{hits} of {len(of_bin)}", (x, y), xytext=(8 if to_right else -8, 0), textcoords="offset points",
+                      ha="left" if to_right else "right", va="center", fontsize=9)
+    left.set(xlim=(-3, 106), ylim=(0, 106), xlabel="stated probability of what is named, %", ylabel="it, or its class, is there, %",
+             title=f"{len(statements)} statements in {len(pairs)} cases (bars: 90 %)")
     right.hist(ranks, bins=RANK_BINS, range=(0, 1), color="C0", rwidth=0.9)
     if ranks:
         even = len(ranks) / RANK_BINS

@@ -168,6 +168,77 @@ arm::Arm scaled(arm::Arm arm, double factor) {
   return arm;
 }
 
+/// What other readings leave of the errors, and the best of them.
+struct Attempts {
+  std::vector<Reading> tried;
+  std::optional<Errors> best;
+
+  void add(const std::string& name, const arm::Arm& arm, const std::vector<trial::Trial>& read) {
+    const std::optional<Errors> errors = errors_of(arm, read);
+    if (!errors) return;
+    tried.push_back({name, errors->mean_m, errors->share});
+    // An arm that is a thousandth as long leaves a thousandth of the millimetres.
+    if (!best || errors->share < best->share) best = errors;
+  }
+};
+
+void try_axes(const arm::Arm& arm, const std::vector<trial::Trial>& few, Attempts& attempts) {
+  for (const Matrix3d& m : turns()) {
+    if (m.isIdentity()) continue;
+    const Quaterniond turn(m);
+    attempts.add(fmt::format("axes '{}' (inputs.bodies.axes of the arm file, or mocap.up of the layout)",
+                             axes_name(m)),
+                 arm,
+                 read_otherwise(
+                     few, [&](const Eigen::Vector3d& p) { return Eigen::Vector3d(m * p); },
+                     [&](const Quaterniond& q) { return turn * q * turn.conjugate(); }));
+    if (!arm.base.body) continue;
+    arm::Arm turned = arm;
+    turned.base.rod_in_body.linear() = turned.base.rod_in_body.linear() * m;
+    const Quaterniond q(turned.base.rod_in_body.linear());
+    attempts.add(fmt::format("base.rod_in_body turned to its axes '{}' (quaternion_xyzw: [{:.6g}, {:.6g}, "
+                             "{:.6g}, {:.6g}])",
+                             axes_name(m), q.x(), q.y(), q.z(), q.w()),
+                 turned, few);
+  }
+}
+
+void try_units(const arm::Arm& arm, const std::vector<trial::Trial>& few, Attempts& attempts) {
+  for (const auto& [factor, units] :
+       {std::pair(1e-3, "mm in place of m"), std::pair(1e3, "m in place of mm"),
+        std::pair(1e-2, "cm in place of m"), std::pair(1e-1, "mm in place of cm"),
+        std::pair(0.0254, "inches in place of m"), std::pair(10.0, "cm in place of mm"),
+        std::pair(100.0, "m in place of cm")})
+    attempts.add(
+        fmt::format("positions in {} (inputs.bodies.unit of the arm file, or mocap.unit of the layout)",
+                    units),
+        arm,
+        read_otherwise(
+            few, [factor = factor](const Eigen::Vector3d& p) { return Eigen::Vector3d(factor * p); },
+            same_orientation));
+}
+
+void try_quaternions(const arm::Arm& arm, const std::vector<trial::Trial>& few, Attempts& attempts) {
+  attempts.add(std::string("quaternions in the order w, x, y, z") + kOrderKeys, arm,
+               read_otherwise(few, same_position,
+                              [](const Quaterniond& q) { return Quaterniond(q.x(), q.y(), q.z(), q.w()); }));
+  attempts.add(std::string("quaternions in the order x, y, z, w") + kOrderKeys, arm,
+               read_otherwise(few, same_position,
+                              [](const Quaterniond& q) { return Quaterniond(q.z(), q.w(), q.x(), q.y()); }));
+  attempts.add("quaternions that turn the other way", arm,
+               read_otherwise(few, same_position, [](const Quaterniond& q) { return q.conjugate(); }));
+}
+
+void try_length(const arm::Arm& arm, const std::vector<trial::Trial>& few, Attempts& attempts) {
+  const std::optional<double> ratio = length_ratio(arm, few);
+  if (!ratio || std::abs(*ratio - 1.0) <= kOtherLength) return;
+  attempts.add(
+      fmt::format("an arm {:.2f} times as long (length_m of the segments and arclength_m of bodies and "
+                  "payload)",
+                  *ratio),
+      scaled(arm, *ratio), few);
+}
+
 }  // namespace
 
 Belonging belonging(const arm::Arm& arm, const std::vector<trial::Trial>& trials) {
@@ -178,62 +249,15 @@ Belonging belonging(const arm::Arm& arm, const std::vector<trial::Trial>& trials
   if (given) result.mean_m = given->mean_m;
   result.together = given && given->mean_m <= kFarthest * result.length_m;
   if (given && given->mean_m <= kLooks * result.length_m) return result;
-  std::optional<Errors> best;
-  const auto try_reading = [&](const std::string& name, const arm::Arm& with,
-                               const std::vector<trial::Trial>& read) {
-    const std::optional<Errors> errors = errors_of(with, read);
-    if (!errors) return;
-    result.tried.push_back({name, errors->mean_m, errors->share});
-    // An arm that is a thousandth as long leaves a thousandth of the millimetres.
-    if (!best || errors->share < best->share) best = errors;
-  };
-  for (const Matrix3d& m : turns()) {
-    if (m.isIdentity()) continue;
-    const Quaterniond turn(m);
-    try_reading(fmt::format("axes '{}' (inputs.bodies.axes of the arm file, or mocap.up of the layout)",
-                            axes_name(m)),
-                arm,
-                read_otherwise(
-                    few, [&](const Eigen::Vector3d& p) { return Eigen::Vector3d(m * p); },
-                    [&](const Quaterniond& q) { return turn * q * turn.conjugate(); }));
-    if (!arm.base.body) continue;
-    arm::Arm turned = arm;
-    turned.base.rod_in_body.linear() = turned.base.rod_in_body.linear() * m;
-    const Quaterniond q(turned.base.rod_in_body.linear());
-    try_reading(fmt::format("base.rod_in_body turned to its axes '{}' (quaternion_xyzw: [{:.6g}, {:.6g}, "
-                            "{:.6g}, {:.6g}])",
-                            axes_name(m), q.x(), q.y(), q.z(), q.w()),
-                turned, few);
-  }
-  for (const auto& [factor, units] :
-       {std::pair(1e-3, "mm in place of m"), std::pair(1e3, "m in place of mm"),
-        std::pair(1e-2, "cm in place of m"), std::pair(1e-1, "mm in place of cm"),
-        std::pair(0.0254, "inches in place of m"), std::pair(10.0, "cm in place of mm"),
-        std::pair(100.0, "m in place of cm")})
-    try_reading(
-        fmt::format("positions in {} (inputs.bodies.unit of the arm file, or mocap.unit of the layout)",
-                    units),
-        arm,
-        read_otherwise(
-            few, [factor = factor](const Eigen::Vector3d& p) { return Eigen::Vector3d(factor * p); },
-            same_orientation));
-  try_reading(std::string("quaternions in the order w, x, y, z") + kOrderKeys, arm,
-              read_otherwise(few, same_position,
-                             [](const Quaterniond& q) { return Quaterniond(q.x(), q.y(), q.z(), q.w()); }));
-  try_reading(std::string("quaternions in the order x, y, z, w") + kOrderKeys, arm,
-              read_otherwise(few, same_position,
-                             [](const Quaterniond& q) { return Quaterniond(q.z(), q.w(), q.x(), q.y()); }));
-  try_reading("quaternions that turn the other way", arm,
-              read_otherwise(few, same_position, [](const Quaterniond& q) { return q.conjugate(); }));
-  const std::optional<double> ratio = length_ratio(arm, few);
-  if (ratio && std::abs(*ratio - 1.0) > kOtherLength)
-    try_reading(
-        fmt::format("an arm {:.2f} times as long (length_m of the segments and arclength_m of bodies and "
-                    "payload)",
-                    *ratio),
-        scaled(arm, *ratio), few);
+  Attempts attempts;
+  try_axes(arm, few, attempts);
+  try_units(arm, few, attempts);
+  try_quaternions(arm, few, attempts);
+  try_length(arm, few, attempts);
+  result.tried = std::move(attempts.tried);
   std::stable_sort(result.tried.begin(), result.tried.end(),
                    [](const Reading& a, const Reading& b) { return a.share < b.share; });
+  const std::optional<Errors>& best = attempts.best;
   const bool better = given && best && best->share < kBetter * given->share;
   result.together = result.together && !better;
   if (given && best) result.better_in = better_in_each(*best, *given);
