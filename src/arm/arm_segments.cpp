@@ -76,6 +76,7 @@ Wall read_wall(const Section& section) {
     if (section.has(key)) value = section.number(key);
   };
   optional("slows_per_pa", wall.slows_per_pa);
+  optional("shares_grow_per_pa", wall.shares_grow_per_pa);
   optional("initial_curvature_sd_per_m", wall.initial_curvature_sd_per_m);
   optional("initial_length_sd_m", wall.initial_length_sd_m);
   optional("lag_s", wall.lag_s);

@@ -49,6 +49,8 @@ void visit_segment(const Segment& read, const Segment& wanted, const Path& at, c
   visit_elements(read.wall.axial, wanted.wall.axial, at / "wall" / "axial", visit);
   visit({at / "wall" / "slows_per_pa", read.wall.slows_per_pa.value_or(0.0),
          wanted.wall.slows_per_pa.value_or(0.0)});
+  visit({at / "wall" / "shares_grow_per_pa", read.wall.shares_grow_per_pa.value_or(0.0),
+         wanted.wall.shares_grow_per_pa.value_or(0.0)});
   if (wanted.wall.lag_s)
     visit({at / "wall" / "lag_s", read.wall.lag_s.value_or(Wall::kUsualLag_s), *wanted.wall.lag_s});
   for (const ActuatorKind* kind : actuator_kinds()) kind->visit_numbers(read, wanted, at, visit);

@@ -100,7 +100,9 @@ ConstantSpec wall_time(ConstantKind kind, const char* name) {
   };
   c.set = [](Segment& s, int i, double value) { element_at<kAxial>(s, i).time_s = value; };
   c.allowed = [](const Segment&, int) { return Range{kLeastWallTime_s, kMostWallTime_s}; };
-  c.wall = [](const Segment& s, int i) { return WallChange{element_number<kAxial>(s, i), 1.0, 0.0, 0.0}; };
+  c.wall = [](const Segment& s, int i) {
+    return WallChange{element_number<kAxial>(s, i), 1.0, 0.0, 0.0, 0.0};
+  };
   c.scale = [](const Segment& s, int i, const RecordedInputs&) {
     return 0.5 * elements_of(s, kAxial)[static_cast<std::size_t>(i)].time_s;
   };
@@ -120,7 +122,9 @@ ConstantSpec wall_share(ConstantKind kind, const char* name) {
     return Range{0.0, all[static_cast<std::size_t>(i)].share +
                           std::max(0.0, kMostWallShare - sum) / static_cast<double>(all.size())};
   };
-  c.wall = [](const Segment& s, int i) { return WallChange{element_number<kAxial>(s, i), 0.0, 1.0, 0.0}; };
+  c.wall = [](const Segment& s, int i) {
+    return WallChange{element_number<kAxial>(s, i), 0.0, 1.0, 0.0, 0.0};
+  };
   c.scale = [](const Segment&, int, const RecordedInputs&) { return kShareThatMatters; };
   return c;
 }
@@ -133,7 +137,21 @@ ConstantSpec wall_slowing() {
   c.set = [](Segment& s, int, double value) { s.wall.slows_per_pa = value; };
   c.allowed = [](const Segment&, int) { return Range{0.0, 0.001}; };
   c.change = [](const Segment&, int, const InputReader&, Change&) { return true; };
-  c.wall = [](const Segment&, int) { return WallChange{-1, 0.0, 0.0, 1.0}; };
+  c.wall = [](const Segment&, int) { return WallChange{-1, 0.0, 0.0, 1.0, 0.0}; };
+  c.scale = [](const Segment&, int, const RecordedInputs&) { return 0.5 / kUsualPressure_pa; };
+  c.advice = wall_advice;
+  return c;
+}
+
+ConstantSpec wall_share_growth() {
+  ConstantSpec c{ConstantKind::kWallShareGrowth, ConstantRole::kWall, "wall.share_growth", "1/Pa"};
+  c.count = [](const Segment& s) { return s.wall.empty() ? 0 : 1; };
+  c.stated = [](const Segment& s, int) { return s.wall.shares_grow_per_pa.has_value(); };
+  c.value = [](const Segment& s, int) { return s.wall.shares_grow_per_pa.value_or(0.0); };
+  c.set = [](Segment& s, int, double value) { s.wall.shares_grow_per_pa = value; };
+  c.allowed = [](const Segment&, int) { return Range{0.0, 0.001}; };
+  c.change = [](const Segment&, int, const InputReader&, Change&) { return true; };
+  c.wall = [](const Segment&, int) { return WallChange{-1, 0.0, 0.0, 0.0, 1.0}; };
   c.scale = [](const Segment&, int, const RecordedInputs&) { return 0.5 / kUsualPressure_pa; };
   c.advice = wall_advice;
   return c;
@@ -209,6 +227,7 @@ const std::vector<ConstantSpec>& segment_constants() {
       wall_time<true>(ConstantKind::kWallAxialTime, "wall.axial_{}.time"),
       wall_share<true>(ConstantKind::kWallAxialShare, "wall.axial_{}.share"),
       wall_slowing(),
+      wall_share_growth(),
       axial_stiffness(),
       length(),
       rest_curvature<0>(ConstantKind::kRestCurvatureX, "rest_curvature.x"),

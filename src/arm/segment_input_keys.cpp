@@ -82,6 +82,10 @@ const KeyTable& wall_keys() {
        number("slows_per_pa", "1/Pa", kAbsent, 0, 0.001,
               "time constants grow by 1 + this times the mean gauge pressure of the segment's chambers; "
               "absent: not at all"),
+       number(
+           "shares_grow_per_pa", "1/Pa", kAbsent, 0, 0.001,
+           "what comes late over what comes at once grows by 1 + this times that mean pressure; absent: not "
+           "at all"),
        number("initial_curvature_sd_per_m", "1/m", kAbsent, 1e-6, 1000,
               "how far each element of bending may be from the laws' value when a recording begins, standard "
               "deviation per component; default: 0.2 rad over length_m"),

@@ -44,13 +44,16 @@ double wall_start_sd(const Segment& segment, bool axial) {
                : wall.initial_curvature_sd_per_m.value_or(kStartBend_rad / segment.length_m);
 }
 
-WallMemory::WallMemory(const Segment& segment) : slows_per_pa_(segment.wall.slows_per_pa.value_or(0.0)) {
+WallMemory::WallMemory(const Segment& segment)
+    : slows_per_pa_(segment.wall.slows_per_pa.value_or(0.0)),
+      shares_grow_per_pa_(segment.wall.shares_grow_per_pa.value_or(0.0)) {
   const auto add = [&](const WallElement& e, bool axial) {
     Element made{e.time_s, e.share, axial ? 2 : 0, axial ? 1 : 2, starts_, {}, {}, 1.0, {}, 0.0};
     made.at.setZero();
     made.variance.setZero();
     made.start_sd = wall_start_sd(segment, axial);
     starts_ += made.rows;
+    (axial ? axial_share_ : bending_share_) += e.share;
     elements_.push_back(made);
   };
   for (const WallElement& e : segment.wall.bending) add(e, false);
@@ -114,10 +117,16 @@ void WallMemory::follow(double dt_s, const WallDrive& now, const std::vector<Wal
   }
 }
 
+WallMemory::Grown WallMemory::grown(const Element& e) const {
+  const double sum = e.rows == 1 ? axial_share_ : bending_share_, p = last_.pressure_pa;
+  const double gp = shares_grow_per_pa_ * p, by = 1.0 + sum * gp;
+  return {(1.0 + gp) / by, -(1.0 + gp) * gp / (by * by), p * (1.0 - sum) / (by * by)};
+}
+
 Eigen::Vector3d WallMemory::lag() const {
   Eigen::Vector3d lag = Eigen::Vector3d::Zero();
   for (const Element& e : elements_)
-    lag.segment(e.row, e.rows) += e.share * (last_.value - e.at).segment(e.row, e.rows);
+    lag.segment(e.row, e.rows) += grown(e).factor * e.share * (last_.value - e.at).segment(e.row, e.rows);
   return lag;
 }
 
@@ -125,11 +134,17 @@ Eigen::Matrix3Xd WallMemory::lag_by(const std::vector<WallChange>& changes) cons
   Eigen::Matrix3Xd lag = Eigen::Matrix3Xd::Zero(3, last_.by.cols());
   for (std::size_t i = 0; i < elements_.size(); ++i) {
     const Element& e = elements_[i];
-    lag.middleRows(e.row, e.rows) += e.share * (last_.by - e.by).middleRows(e.row, e.rows);
+    const Grown grown = this->grown(e);
+    lag.middleRows(e.row, e.rows) += grown.factor * e.share * (last_.by - e.by).middleRows(e.row, e.rows);
     for (std::size_t j = 0; j < changes.size(); ++j) {
-      if (changes[j].element != static_cast<int>(i) || changes[j].share == 0.0) continue;
-      lag.col(static_cast<Eigen::Index>(j)).segment(e.row, e.rows) +=
-          changes[j].share * (last_.value - e.at).segment(e.row, e.rows);
+      const WallChange& by = changes[j];
+      double share = e.share * grown.by_growth * by.shares_grow_per_pa;
+      if (by.element == static_cast<int>(i)) share += grown.factor * by.share;
+      if (by.share != 0.0 && elements_[static_cast<std::size_t>(by.element)].rows == e.rows)
+        share += e.share * grown.by_sum * by.share;
+      if (share != 0.0)
+        lag.col(static_cast<Eigen::Index>(j)).segment(e.row, e.rows) +=
+            share * (last_.value - e.at).segment(e.row, e.rows);
     }
   }
   return lag;
@@ -138,14 +153,17 @@ Eigen::Matrix3Xd WallMemory::lag_by(const std::vector<WallChange>& changes) cons
 Eigen::Matrix3Xd WallMemory::lag_by_start() const {
   Eigen::Matrix3Xd lag = Eigen::Matrix3Xd::Zero(3, starts_);
   for (const Element& e : elements_) {
-    for (int k = 0; k < e.rows; ++k) lag(e.row + k, e.start + k) = -e.share * e.left;
+    for (int k = 0; k < e.rows; ++k) lag(e.row + k, e.start + k) = -grown(e).factor * e.share * e.left;
   }
   return lag;
 }
 
 Eigen::Vector3d WallMemory::lag_variance() const {
   Eigen::Vector3d variance = Eigen::Vector3d::Zero();
-  for (const Element& e : elements_) variance += e.share * e.share * e.variance;
+  for (const Element& e : elements_) {
+    const double share = grown(e).factor * e.share;
+    variance += share * share * e.variance;
+  }
   return variance;
 }
 

@@ -30,7 +30,7 @@ double mean_pressure_pa(const Arm& arm, const Segment& segment, const InputValue
 /// What one unit of a constant changes of the wall.
 struct WallChange {
   int element = -1;  ///< those of bending first; -1: none
-  double time_s = 0.0, share = 0.0, slows_per_pa = 0.0;
+  double time_s = 0.0, share = 0.0, slows_per_pa = 0.0, shares_grow_per_pa = 0.0;
 };
 
 /// Standard deviation of an element's state at the beginning: curvature, 1/m, or length, m. Where the arm
@@ -70,10 +70,17 @@ class WallMemory {
     Eigen::Vector3d variance = Eigen::Vector3d::Zero();
     double start_sd;
   };
+  /// What an element's share is multiplied by at the present pressure, with its derivatives: by the sum of
+  /// the shares of its kind and by shares_grow_per_pa.
+  struct Grown {
+    double factor = 1.0, by_sum = 0.0, by_growth = 0.0;
+  };
+  Grown grown(const Element& element) const;
   void follow(double dt_s, const WallDrive& now, const std::vector<WallChange>& changes, int which);
 
   std::vector<Element> elements_;
-  double slows_per_pa_ = 0.0;
+  double slows_per_pa_ = 0.0, shares_grow_per_pa_ = 0.0;
+  double bending_share_ = 0.0, axial_share_ = 0.0;  ///< sums, without pressure
   int starts_ = 0;
   WallDrive last_;
 };

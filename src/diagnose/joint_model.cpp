@@ -53,7 +53,11 @@ double scale_of(const arm::Arm& arm, const identify::ConstantRef& ref) {
     case ConstantKind::kPerMeanPressure:
     case ConstantKind::kPerChamber:
     case ConstantKind::kPerTension:
+    case ConstantKind::kPerMinTension:
+    case ConstantKind::kPerTendon:
     case ConstantKind::kPerAngle:
+    case ConstantKind::kPerMinAngle:
+    case ConstantKind::kPerCable:
     case ConstantKind::kJointCompliance:
       least = arm::spec_of(ref.kind).scale(segment, ref.index, NothingRecorded());
       break;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "law_departures.h"
 
@@ -53,22 +54,35 @@ struct Sums {
   double pressures_pa = 0.0, tensions_n = 0.0, angles_rad = 0.0;
 };
 
-double growth_nm2(const SegmentSpec& segment, const Acting& acting, const Sums& sums) {
+/// The sum of what `size` says of each; the lowest of them; or that of the one.
+template <typename Items, typename Size>
+double grows_with(const StiffnessGrowth& growth, const Items& items, const Size& size) {
+  double sum = 0.0, lowest = std::numeric_limits<double>::max(), one = 0.0;
+  for (const auto& item : items) {
+    const double x = size(item.input);
+    sum += x;
+    lowest = std::min(lowest, x);
+    if (item.input == growth.input) one = x;
+  }
+  if (growth.by == StiffnessGrowth::By::kOne) return one;
+  return growth.by == StiffnessGrowth::By::kLowest ? lowest : sum;
+}
+
+double growth_nm2(const SegmentSpec& segment, const Acting& acting) {
   double sum_nm2 = 0.0;
   for (const StiffnessGrowth& growth : segment.stiffness_growth) {
     double x = 0.0;
-    switch (growth.by) {
-      case StiffnessGrowth::By::kMeanPressure:
-        x = sums.pressures_pa / static_cast<double>(segment.chambers.size());
+    switch (growth.of) {
+      case StiffnessGrowth::Of::kPressures:
+        x = grows_with(growth, segment.chambers,
+                       [&](int i) { return std::max(0.0, at(acting.pressures_pa, i)); });
+        if (growth.by == StiffnessGrowth::By::kTogether) x /= static_cast<double>(segment.chambers.size());
         break;
-      case StiffnessGrowth::By::kChamber:
-        x = std::max(0.0, at(acting.pressures_pa, growth.input));
+      case StiffnessGrowth::Of::kTensions:
+        x = grows_with(growth, segment.tendons, [&](int i) { return at(acting.tensions_n, i); });
         break;
-      case StiffnessGrowth::By::kTensions:
-        x = sums.tensions_n;
-        break;
-      case StiffnessGrowth::By::kAngles:
-        x = sums.angles_rad;
+      case StiffnessGrowth::Of::kAngles:
+        x = grows_with(growth, segment.cables, [&](int i) { return std::abs(at(acting.angles_rad, i)); });
         break;
     }
     sum_nm2 += growth.added_nm2 * std::pow(std::max(0.0, x) / growth.at, growth.exponent);
@@ -146,13 +160,14 @@ Actuation apply_laws(const SegmentSpec& segment, const Acting& acting, const Law
       throw LawError(fmt::format("an axial force of {:.4g} N leaves the wall no stable stretch", force_n));
     wall = *found;
   }
+  actuation.mean_pressure_pa = std::max(0.0, segment.chambers.empty() ? central_pa : mean_pa);
   actuation.stretch = wall.stretch;
   actuation.length_m = departures.length() * wall.stretch * length_m;
   actuation.bending_stiffness_nm2 = segment.stiffness_by_pressure.empty()
                                         ? wall.modulus_ratio * segment.stiffness_base_nm2
                                         : interpolated(segment.stiffness_by_pressure, central_pa);
   actuation.bending_stiffness_nm2 +=
-      growth_nm2(segment, acting, sums) + segment.stiffness_per_min_nm2_per_pa * least_pa +
+      growth_nm2(segment, acting) + segment.stiffness_per_min_nm2_per_pa * least_pa +
       segment.stiffness_per_jamming_nm2_per_pa * (departures.jamming_pa() + mean_pa);
   actuation.bending_stiffness_nm2 *= departures.bending();
   actuation.core_stiffness_nm2 =

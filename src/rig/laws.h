@@ -24,6 +24,7 @@ struct Actuation {
   double length_m = 0.0;                 ///< without load
   double stretch = 1.0;                  ///< of the wall by central chamber and tendons
   double core_stiffness_nm2 = 0.0;       ///< the part of bending_stiffness_nm2 that the vacuum gives
+  double mean_pressure_pa = 0.0;         ///< gauge, of its chambers
   /// Against loads, with strains per actual length; absent: rigid.
   std::optional<double> shear_stiffness_n, axial_stiffness_n;
 };

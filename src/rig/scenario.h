@@ -72,10 +72,13 @@ struct SaturationSpec {
 
 /// EI grows by `added_nm2` (x / at)^exponent.
 struct StiffnessGrowth {
-  enum class By { kMeanPressure, kChamber, kTensions, kAngles };
-  By by =
-      By::kMeanPressure;  ///< x: of the chambers, of one of them, the sum of the segment's tensions or angles
-  int input = 0;          ///< of the one chamber, from 0
+  enum class Of { kPressures, kTensions, kAngles };
+  /// x: the mean of the segment's pressures, the sum of its tensions or of its angles' sizes; the lowest of
+  /// them; or that of one input alone.
+  enum class By { kTogether, kLowest, kOne };
+  Of of = Of::kPressures;
+  By by = By::kTogether;
+  int input = 0;  ///< of the one, from 0
   double added_nm2 = 0.0, at = 1.0, exponent = 1.0;
 };
 
@@ -87,6 +90,9 @@ struct CreepSpec {
     double decades = 0.3;  ///< standard deviation of the decimal logarithm of the times
   };
   std::vector<Part> moment, length;
+  /// Mean gauge pressures at which the times are e times as long, and at which what would come at once is
+  /// down to its power of two; absent: pressure changes nothing.
+  std::optional<double> slows_pa, grows_pa;
   /// At the beginning of the recording, beyond what drives it then.
   Eigen::Vector2d before_moment_nm = Eigen::Vector2d::Zero();
   double before_length_m = 0.0;

@@ -68,22 +68,27 @@ StiffnessGrowth parse_growth(YamlMap& entry, const SegmentSpec& segment) {
   const auto need = [&](bool present, const char* key, const char* what) {
     if (!present) entry.fail(key, fmt::format("the segment has no {}", what));
   };
+  const auto one_of = [&](const char* key, const auto& items) {
+    if (!entry.has(key)) return;
+    growth.by = StiffnessGrowth::By::kOne;
+    const int number = entry.integer(key, {1, static_cast<double>(items.size())}, 1);
+    growth.input = items[static_cast<std::size_t>(number - 1)].input;
+  };
+  if (entry.has("lowest") && entry.boolean("lowest", false)) growth.by = StiffnessGrowth::By::kLowest;
   if (entry.has("at_n")) {
-    growth.by = StiffnessGrowth::By::kTensions;
+    growth.of = StiffnessGrowth::Of::kTensions;
     growth.at = entry.number("at_n", {1e-3, 1e4});
     need(!segment.tendons.empty(), "at_n", "tendons");
+    one_of("tendon", segment.tendons);
   } else if (entry.has("at_rad")) {
-    growth.by = StiffnessGrowth::By::kAngles;
+    growth.of = StiffnessGrowth::Of::kAngles;
     growth.at = entry.number("at_rad", {1e-3, 1e3});
     need(!segment.cables.empty(), "at_rad", "cables");
+    one_of("cable", segment.cables);
   } else {
     growth.at = entry.number("at_pa", {1.0, 1e7});
     need(!segment.chambers.empty(), "at_pa", "chambers");
-    if (entry.has("chamber")) {
-      growth.by = StiffnessGrowth::By::kChamber;
-      const int chamber = entry.integer("chamber", {1, static_cast<double>(segment.chambers.size())}, 1);
-      growth.input = segment.chambers[static_cast<std::size_t>(chamber - 1)].input;
-    }
+    one_of("chamber", segment.chambers);
   }
   return growth;
 }
@@ -128,6 +133,8 @@ void parse_creep(YamlMap& map, SegmentSpec& segment) {
     const std::vector<double> before = entry.numbers("before_moment_nm", {-100.0, 100.0}, 2, 2);
     segment.creep.before_moment_nm = {before[0], before[1]};
   }
+  segment.creep.slows_pa = optional_number(entry, "slows_pa", kSaturationPressure);
+  segment.creep.grows_pa = optional_number(entry, "grows_pa", kSaturationPressure);
   segment.creep.before_length_m = entry.number("before_length_m", {-1.0, 1.0}, 0.0);
   entry.finish();
 }

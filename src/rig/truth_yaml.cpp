@@ -19,16 +19,21 @@ void write(YAML::Emitter& out, const char* key, const std::optional<double>& val
   if (value) write(out, key, *value);
 }
 
+std::string grows_with(const StiffnessGrowth& growth) {
+  using Of = StiffnessGrowth::Of;
+  const bool tensions = growth.of == Of::kTensions, angles = growth.of == Of::kAngles;
+  if (growth.by == StiffnessGrowth::By::kOne)
+    return fmt::format("{}_{}", tensions ? "tendon" : angles ? "cable" : "chamber", growth.input + 1);
+  if (growth.by == StiffnessGrowth::By::kLowest)
+    return tensions ? "lowest_tension" : angles ? "lowest_angle" : "lowest_pressure";
+  return tensions ? "tensions" : angles ? "angles" : "mean_pressure";
+}
+
 void write(YAML::Emitter& out, const std::vector<StiffnessGrowth>& list) {
   if (list.empty()) return;
   out << YAML::Key << "stiffness_growth" << YAML::Value << YAML::BeginSeq;
   for (const StiffnessGrowth& growth : list) {
-    using By = StiffnessGrowth::By;
-    out << YAML::Flow << YAML::BeginMap << YAML::Key << "by" << YAML::Value
-        << (growth.by == By::kMeanPressure ? "mean_pressure"
-            : growth.by == By::kTensions   ? "tensions"
-            : growth.by == By::kAngles     ? "angles"
-                                           : fmt::format("chamber_{}", growth.input + 1));
+    out << YAML::Flow << YAML::BeginMap << YAML::Key << "by" << YAML::Value << grows_with(growth);
     write(out, "added_nm2", growth.added_nm2);
     write(out, "at", growth.at);
     write(out, "exponent", growth.exponent);
@@ -63,6 +68,8 @@ void write(YAML::Emitter& out, const CreepSpec& creep) {
   out << YAML::Key << "creep" << YAML::Value << YAML::BeginMap;
   write(out, "moment", creep.moment);
   write(out, "length", creep.length);
+  write(out, "slows_pa", creep.slows_pa);
+  write(out, "grows_pa", creep.grows_pa);
   write(out, "before_moment_x_nm", creep.before_moment_nm.x());
   write(out, "before_moment_y_nm", creep.before_moment_nm.y());
   write(out, "before_length_m", creep.before_length_m);

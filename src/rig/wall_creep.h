@@ -18,14 +18,19 @@ class WallCreep {
 
  private:
   struct Part {
-    double time_s, share;
+    double time_s, share;  ///< without pressure
     bool of_length;
     Eigen::Vector3d at = Eigen::Vector3d::Zero();
   };
   void add(const CreepSpec::Part& part, bool of_length);
+  /// What shares are multiplied by at a mean gauge pressure.
+  double grown(bool of_length, double pressure_pa) const;
 
   std::vector<Part> parts_;
+  std::optional<double> slows_pa_, grows_pa_;
+  double late_moment_ = 0.0, late_length_ = 0.0;             ///< sums of the shares
   Eigen::Vector3d before_, last_ = Eigen::Vector3d::Zero();  ///< moment (x, y), N m; length, m
+  double last_pa_ = 0.0;
   std::optional<double> first_s_, last_s_;
 };
 

@@ -40,6 +40,8 @@ segments:
       per_mean_pressure_nm2_per_pa: 1.0e-7
       per_tension_nm2_per_n: 1.0e-3
       per_angle_nm2_per_rad: 2.0e-3
+      per_min_tension_nm2_per_n: 3.0e-3
+      per_min_angle_nm2_per_rad: 4.0e-3
       by_pressure:
         - {pressure_pa: 0, bending_stiffness_nm2: 0.03}
         - {pressure_pa: 10000, bending_stiffness_nm2: 0.035}
@@ -52,10 +54,11 @@ segments:
     central_chamber: {input: p3, area_m2: 1.0e-4}
     tendons:
       - {input: t1, bending_direction_deg: 20, offset_m: 0.01, saturation_per_n: 0.1}
-      - {input: t2, bending_direction_deg: 140, offset_m: 0.012}
+      - {input: t2, bending_direction_deg: 140, offset_m: 0.012, stiffness_gain_nm2_per_n: 5.0e-3}
     cables:
       - {input: a1, bending_direction_deg: -30, curvature_gain_per_m_rad: 5, saturation_per_rad: 0.4}
-      - {input: a2, bending_direction_deg: 60, spool_radius_m: 0.01, lever_m: 0.02}
+      - {input: a2, bending_direction_deg: 60, spool_radius_m: 0.01, lever_m: 0.02,
+         stiffness_gain_nm2_per_rad: 6.0e-3}
 bodies:
   - {name: ring_1, arclength_m: tip}
 inputs:

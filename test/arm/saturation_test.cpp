@@ -124,6 +124,16 @@ TEST(Saturation, StiffnessGrowthByHand) {
   EXPECT_FALSE(arm::stiffness_depends_on_inputs(parsed(text()).segments[0]));
 }
 
+TEST(Saturation, StiffnessGrowsWithTheLowestAndWithEachByHand) {
+  const arm::Arm arm =
+      parsed(text("", ", stiffness_gain_nm2_per_n: 0.003", ", stiffness_gain_nm2_per_rad: 0.004", "",
+                  ", per_min_tension_nm2_per_n: 0.01, per_min_angle_nm2_per_rad: 0.02"));
+  EXPECT_DOUBLE_EQ(at(arm, 0, 0, 2.0, 1.5, 0, 0).bending_stiffness_nm2, 0.03 + 0.006 + 0.015);
+  EXPECT_DOUBLE_EQ(at(arm, 0, 0, 2.0, -1.0, 0, 0).bending_stiffness_nm2, 0.03 + 0.006) << "slack: none";
+  EXPECT_DOUBLE_EQ(at(arm, 0, 0, 0, 0, -0.5, 0.25).bending_stiffness_nm2, 0.03 + 0.002 + 0.005);
+  EXPECT_TRUE(arm::stiffness_depends_on_inputs(arm.segments[0]));
+}
+
 /// Absent and 0 are the same law, to the last bit: the one without these keys.
 TEST(Saturation, AbsentOrZeroIsTheLawWithout) {
   const arm::Arm without = parsed(text());
@@ -168,7 +178,8 @@ TEST(Saturation, WhatIsStatedIsFreeByDefaultBeItZero) {
        {"chamber_1.saturation", "chambers.saturation", "tendon_2.saturation", "tendons.saturation",
         "cable_1.saturation", "cables.saturation", "bending_stiffness.per_mean_pressure",
         "bending_stiffness.per_chamber_2", "bending_stiffness.per_tension", "bending_stiffness.per_angle",
-        "segment_1.joint_compliance"}) {
+        "bending_stiffness.per_min_tension", "bending_stiffness.per_tendon_2",
+        "bending_stiffness.per_min_angle", "bending_stiffness.per_cable_1", "segment_1.joint_compliance"}) {
     EXPECT_NE(all.find(name), std::string::npos) << name;
     EXPECT_EQ(free.find(name), std::string::npos) << name;
   }

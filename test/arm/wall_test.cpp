@@ -38,7 +38,8 @@ inputs:
 const std::string kWall =
     "      bending: [{time_s: 0.5, share: 0.3}, {time_s: 8, share: 0.2}]\n"
     "      axial: [{time_s: 3, share: 0.4}]\n"
-    "      slows_per_pa: 1.0e-5\n";
+    "      slows_per_pa: 1.0e-5\n"
+    "      shares_grow_per_pa: 2.0e-5\n";
 
 arm::Arm walled(const std::string& wall = kWall) {
   return arm::parse_arm(walled_text(wall), "arm.yaml");
@@ -95,6 +96,18 @@ TEST(Wall, PressureSlowsIt) {
   EXPECT_NEAR(walked(walled(plain), t, pa).curvature[2], 8.0 * (1.0 - 0.5 * std::exp(-1.0)), 1e-6);
 }
 
+TEST(Wall, PressureMakesMoreOfItLate) {
+  const std::string plain = "      bending: [{time_s: 2, share: 0.3}, {time_s: 2, share: 0.2}]\n";
+  const std::vector<double> t{0.0, 1e-9, 1.0}, pa{0.0, 40e3, 40e3};
+  // The mean of both chambers is 20 kPa: late over at once 1 before, 1.4 now.
+  const Walked made = walked(walled(plain + "      shares_grow_per_pa: 2.0e-5\n"), t, pa);
+  EXPECT_NEAR(made.curvature[1], 8.0 / 2.4, 1e-6);
+  EXPECT_NEAR(made.curvature[2], 8.0 * (1.0 - 1.4 / 2.4 * std::exp(-0.5)), 1e-6);
+  // At any pressure something comes at once.
+  const Walked high = walked(walled(plain + "      shares_grow_per_pa: 0.001\n"), t, {0.0, 5e6, 5e6});
+  EXPECT_GT(high.curvature[1], 0.0);
+}
+
 TEST(Wall, BeginsAnewWhereTheClockGoesBackAndForgetsItsBeginning) {
   const arm::Arm arm =
       walled("      bending: [{time_s: 2, share: 0.5}]\n      initial_curvature_sd_per_m: 3\n");
@@ -127,7 +140,8 @@ TEST(Wall, DerivativesOfTheWalk) {
   const std::vector<arm::ConstantRef> refs{
       {arm::ConstantKind::kWallBendingTime, 0, 0},  {arm::ConstantKind::kWallBendingTime, 0, 1},
       {arm::ConstantKind::kWallBendingShare, 0, 1}, {arm::ConstantKind::kWallAxialTime, 0, 0},
-      {arm::ConstantKind::kWallAxialShare, 0, 0},   {arm::ConstantKind::kWallSlowing, 0, 0}};
+      {arm::ConstantKind::kWallAxialShare, 0, 0},   {arm::ConstantKind::kWallSlowing, 0, 0},
+      {arm::ConstantKind::kWallShareGrowth, 0, 0}};
   const Eigen::VectorXd start = (Eigen::VectorXd(5) << 0.7, -0.4, 0.2, 0.9, 0.003).finished();
   Eigen::Matrix3Xd by, by_start;
   const auto lag = [&](const arm::Arm& of, const Eigen::VectorXd& from) {
@@ -175,17 +189,19 @@ TEST(Wall, IsWrittenBackAndItsConstantsAreFreeByDefault) {
   std::string free;
   for (const arm::ConstantRef& one : arm::default_free(arm)) free += arm::name_of(arm, one) + " ";
   for (const char* name : {"wall.bending_1.time", "wall.bending_2.share", "wall.axial_1.time",
-                           "wall.axial_1.share", "wall.slowing"})
+                           "wall.axial_1.share", "wall.slowing", "wall.share_growth"})
     EXPECT_NE(free.find(name), std::string::npos) << name << " of " << free;
   arm.segments[0].wall.bending[1] = {9.5, 0.25};
   arm.segments[0].wall.axial[0].time_s = 4.0;
   arm.segments[0].wall.slows_per_pa = 2e-5;
+  arm.segments[0].wall.shares_grow_per_pa = 3e-5;
   const arm::Arm again =
       arm::parse_arm(arm::update_arm_text(walled_text(kWall), "arm.yaml", arm, {}), "arm.yaml");
   EXPECT_DOUBLE_EQ(again.segments[0].wall.bending[1].time_s, 9.5);
   EXPECT_DOUBLE_EQ(again.segments[0].wall.bending[1].share, 0.25);
   EXPECT_DOUBLE_EQ(again.segments[0].wall.axial[0].time_s, 4.0);
   EXPECT_DOUBLE_EQ(*again.segments[0].wall.slows_per_pa, 2e-5);
+  EXPECT_DOUBLE_EQ(*again.segments[0].wall.shares_grow_per_pa, 3e-5);
 }
 
 TEST(Wall, SharesNeverTakeAllHoweverTheyAreFitted) {

@@ -59,6 +59,29 @@ TEST(IdentifySaturation, OfAllChambersTogetherAndGrowthOfEiAreToldByLoads) {
   EXPECT_NEAR(growth.value, kMean, 4.0 * growth.sd);
 }
 
+TEST(IdentifySaturation, GrowthWithTheLowestTensionAndWithOneTendonIsToldByLoads) {
+  arm::Arm nominal = testing::shipped("hybrid_85mm"), truth = nominal;
+  constexpr double kLowest = 2.0e-4, kSecond = 1.0e-4;
+  truth.segments[0].bending_stiffness.per_min_tension_nm2_per_n = kLowest;
+  truth.segments[0].tendons[1].stiffness_gain_nm2_per_n = kSecond;
+  testing::Protocol protocol;
+  protocol.payloads_kg = {0.0, 0.02};
+  protocol.draw = [](std::mt19937_64& random) {
+    arm::InputValues inputs{testing::uniform(random, 0.0, 40e3)};
+    for (int i = 0; i < 3; ++i) inputs.emplace_back(testing::uniform(random, 0.2, 3.0));
+    return inputs;
+  };
+  std::mt19937_64 random(5);
+  Options options;
+  options.also_free = {"per_min_tension", "per_tendon_2"};
+  const Result result = identify(nominal, testing::make_trials(truth, protocol, random), options);
+  const Constant &lowest = *find(result, "segment_1.bending_stiffness.per_min_tension"),
+                 &second = *find(result, "segment_1.bending_stiffness.per_tendon_2");
+  for (const Constant* c : {&lowest, &second}) EXPECT_TRUE(c->determined) << c->name << " " << c->sd;
+  EXPECT_NEAR(lowest.value, kLowest, 4.0 * lowest.sd);
+  EXPECT_NEAR(second.value, kSecond, 4.0 * second.sd);
+}
+
 TEST(IdentifySaturation, WithoutLoadItIsGrowthOfEiAndHoldingEiTellsTheRatio) {
   arm::Arm nominal = testing::pneumatic_arm();
   nominal.segments[0].mass_per_length_kg_m = 0.0;

@@ -68,6 +68,23 @@ TEST(RigCreep, WhatWasBeforeIsForgotten) {
   EXPECT_NEAR(later.moment_nm.x(), 0.1 + 0.5 * 0.02 * std::exp(-3.0), 1e-15);
 }
 
+TEST(RigCreep, PressureSlowsItAndMakesMoreOfItLate) {
+  CreepSpec spec;
+  spec.moment = {{2.0, 0.36, 0.0}};
+  spec.slows_pa = 40e3;
+  spec.grows_pa = 20e3;
+  WallCreep wall(spec);
+  Actuation first = driven(0.1, 0.2), second = driven(0.2, 0.2), third = second;
+  first.mean_pressure_pa = second.mean_pressure_pa = third.mean_pressure_pa = 10e3;
+  wall.act(0.0, first);
+  EXPECT_NEAR(first.moment_nm.x(), 0.1, 1e-15);
+  wall.act(1e-9, second);
+  const double late = 1.0 - std::pow(0.64, 1.5);
+  EXPECT_NEAR(second.moment_nm.x(), 0.2 - 0.1 * late, 1e-9);
+  wall.act(1.0, third);
+  EXPECT_NEAR(third.moment_nm.x(), 0.2 - 0.1 * late * std::exp(-1.0 / (2.0 * std::exp(0.25))), 1e-9);
+}
+
 std::string text(const std::string& creep) {
   return R"(format: 1
 name: creeping

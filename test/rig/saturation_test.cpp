@@ -70,6 +70,18 @@ TEST(RigSaturation, GrowthByHand) {
               1e-15);
 }
 
+TEST(RigSaturation, GrowthWithTheLowestAndWithOneAlone) {
+  const std::string growth =
+      "    growth: [{added_nm2: 0.01, at_pa: 20000, exponent: 0.5, lowest: true}, {added_nm2: 0.02, at_n: 2, "
+      "tendon: 1}, {added_nm2: 0.03, at_rad: 2, cable: 1}]\n";
+  const Scenario s = parse_scenario(text("", "", growth), "s.yaml");
+  EXPECT_NEAR(acting(s, 40e3, 5e3, 0, 0).bending_stiffness_nm2, 0.03 + 0.01 * 0.5, 1e-15);
+  EXPECT_NEAR(acting(s, 40e3, 0, 1.0, -0.5).bending_stiffness_nm2, 0.03 + 0.01 + 0.0075, 1e-15);
+  EXPECT_THAT(truth_yaml(s), HasSubstr("by: lowest_pressure"));
+  EXPECT_THAT(truth_yaml(s), HasSubstr("by: tendon_1"));
+  EXPECT_THAT(truth_yaml(s), HasSubstr("by: cable_1"));
+}
+
 TEST(RigSaturation, IsInTheTruthAndRefusedInOneLine) {
   const std::string truth = truth_yaml(parse_scenario(
       text(", saturation_pa: 51234", "  saturation: {chambers_pa: 212345}\n", kGrowth), "s.yaml"));

@@ -101,8 +101,9 @@ struct PressureKnot {
 /// Bending stiffness of a segment from its pressures, equation (9) of the semi-physical paper:
 /// EI = base + per_min_pressure * min(P_i) + per_jamming_pressure * (V + mean(P_i)), with P_i the gauge
 /// pressures of the segment's chambers and V >= 0 the vacuum below ambient. Beyond the paper it may grow with
-/// the mean pressure, with each chamber's own (Chamber::stiffness_gain_nm2_per_pa), and with the sum of the
-/// tensions or of the angles' sizes. Absent: as 0, and not to be identified unless asked for.
+/// the mean pressure, with the sum or the lowest of the tensions or of the angles' sizes, and with each
+/// actuator's own (stiffness_gain_... of Chamber, Tendon and Cable). Absent: as 0, and not to be identified
+/// unless asked for.
 struct StiffnessLaw {
   double base_nm2 = 0.03;                      ///< b1, N m^2
   double per_min_pressure_nm2_per_pa = 0.0;    ///< b2, N m^2 / Pa
@@ -112,7 +113,9 @@ struct StiffnessLaw {
   std::vector<PressureKnot> by_pressure = {};
   std::optional<double> per_mean_pressure_nm2_per_pa = {};
   std::optional<double> per_tension_nm2_per_n = {};
+  std::optional<double> per_min_tension_nm2_per_n = {};
   std::optional<double> per_angle_nm2_per_rad = {};
+  std::optional<double> per_min_angle_nm2_per_rad = {};
 };
 
 /// Two-term Mooney-Rivlin rubber (hybrid paper (13), single-chamber slides): gives how the moduli change with
@@ -135,7 +138,8 @@ struct Tendon {
   std::string input;  ///< name of the tension input
   double bending_direction_rad = 0.0;
   double offset_m = 0.0;
-  std::optional<double> saturation_per_n = {};  ///< see Saturation
+  std::optional<double> saturation_per_n = {};          ///< see Saturation
+  std::optional<double> stiffness_gain_nm2_per_n = {};  ///< EI per tension of this tendon
 };
 
 /// A cable wound up by a servo: a curvature proportional to the servo's angle (cable paper (4), (5), (15):
@@ -146,6 +150,7 @@ struct Cable {
   double bending_direction_rad = 0.0;
   double curvature_gain_per_m_rad = 0.0;          ///< curvature per angle, r_s / (L (r + r_t)), 1 / (m rad)
   std::optional<double> saturation_per_rad = {};  ///< see Saturation
+  std::optional<double> stiffness_gain_nm2_per_rad = {};  ///< EI per size of this cable's angle
 };
 
 /// One pneumatic chamber running along a segment.
@@ -171,20 +176,23 @@ struct Saturation {
 /// One Kelvin-Voigt element of a segment's wall.
 struct WallElement {
   double time_s = 1.0;  ///< time constant without pressure
-  double share = 0.0;   ///< of what the static laws say, that comes with this time
+  double share = 0.0;   ///< of what the static laws say, that comes with this time; without pressure
 };
 
 /// A viscoelastic wall: of the curvature and length that the static laws give for the inputs, shares come
 /// late. With u(t) what those laws say, curvature M0 / EI + that of cables, or length, an arm whose loads
 /// are taken out has
 ///   u - sum_j share_j (u - w_j),  tau_j w_j' = u - w_j,
-///   tau_j = time_j (1 + slows_per_pa * mean of the segment's gauge pressures above zero).
+///   tau_j = time_j (1 + slows_per_pa * p), p the mean of the segment's gauge pressures above zero.
+/// Shares grow with pressure so that what comes late stands to what comes at once as S / (1 - S) times
+/// 1 + g p, S the sum of shares (of bending or axial ones) and g shares_grow_per_pa: each share_j is taken
+/// (1 + g p) / (1 + S g p) times, and their sum stays below 1 at any pressure.
 /// The laws thus mean what is reached when all has crept; at once comes 1 - sum_j share_j of it. What loads
 /// make creep is not in it. A recording begins with w_j(0) = u(0) + an error of standard deviation
 /// initial_..., which is forgotten with tau_j.
 struct Wall {
   std::vector<WallElement> bending, axial;
-  std::optional<double> slows_per_pa = {};
+  std::optional<double> slows_per_pa = {}, shares_grow_per_pa = {};
   std::optional<double> initial_curvature_sd_per_m = {};  ///< absent: see wall_start_sd()
   std::optional<double> initial_length_sd_m = {};
   /// Of the whole wall, under loads too, where motion is in a model: moment = EI (u + lag_s du/dt). Absent:

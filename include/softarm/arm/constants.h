@@ -21,23 +21,28 @@ enum class ConstantKind {
   kCableGain,        ///< 1 / (m rad)
   kCableSaturation,  ///< 1 / rad
   kCablesSaturation,
-  kBendingStiffness,    ///< b1, EI without input, N m^2
-  kByPressure,          ///< EI at one knot of StiffnessLaw::by_pressure, N m^2
-  kPerMinPressure,      ///< b2, N m^2 / Pa
-  kPerMeanPressure,     ///< N m^2 / Pa
-  kPerChamber,          ///< EI by one chamber's pressure, N m^2 / Pa
-  kPerTension,          ///< N m^2 / N
-  kPerAngle,            ///< N m^2 / rad
+  kBendingStiffness,  ///< b1, EI without input, N m^2
+  kByPressure,        ///< EI at one knot of StiffnessLaw::by_pressure, N m^2
+  kPerMinPressure,    ///< b2, N m^2 / Pa
+  kPerMeanPressure,   ///< N m^2 / Pa
+  kPerChamber,        ///< EI by one chamber's pressure, N m^2 / Pa
+  kPerTension,        ///< N m^2 / N
+  kPerMinTension,
+  kPerTendon,  ///< EI by one tendon's tension, N m^2 / N
+  kPerAngle,   ///< N m^2 / rad
+  kPerMinAngle,
+  kPerCable,            ///< EI by one cable's angle, N m^2 / rad
   kPerJammingPressure,  ///< b3, N m^2 / Pa
   kJointCompliance,     ///< of the joint at a segment's start, rad / (N m)
   kWallBendingTime,     ///< of an element of Wall, s
   kWallBendingShare,
   kWallAxialTime,
   kWallAxialShare,
-  kWallSlowing,     ///< Wall::slows_per_pa, 1 / Pa
-  kAxialStiffness,  ///< EA, N
-  kLength,          ///< backbone length at zero input, m
-  kRestCurvatureX,  ///< u*_x, a turn about the section's x axis, 1 / m
+  kWallSlowing,      ///< Wall::slows_per_pa, 1 / Pa
+  kWallShareGrowth,  ///< Wall::shares_grow_per_pa, 1 / Pa
+  kAxialStiffness,   ///< EA, N
+  kLength,           ///< backbone length at zero input, m
+  kRestCurvatureX,   ///< u*_x, a turn about the section's x axis, 1 / m
   kRestCurvatureY,
 };
 
@@ -68,10 +73,12 @@ SOFTARM_EXPORT std::vector<int> segments_of(const ConstantRef& constant);
 
 /// "<segment>.<what>", counted from 1: "segment_1.chamber_2.moment_gain", "segment_1.chamber_2.elongation",
 /// "segment_1.bending_stiffness.base", ".per_min_pressure", ".per_jamming_pressure", ".by_pressure.3",
-/// ".per_mean_pressure", ".per_chamber_2", ".per_tension", ".per_angle", "segment_1.chamber_2.saturation",
+/// ".per_mean_pressure", ".per_chamber_2", ".per_tension", ".per_min_tension", ".per_tendon_1", ".per_angle",
+/// ".per_min_angle", ".per_cable_1", "segment_1.chamber_2.saturation",
 /// "segment_1.chambers.saturation" (of all together; tendons and cables alike), "segment_1.tendon_1.offset",
 /// "segment_1.cable_1.curvature_gain", "segment_1.joint_compliance", "segment_1.wall.bending_1.time",
 /// ".wall.bending_1.share", ".wall.axial_1.time", ".wall.axial_1.share", ".wall.slowing",
+/// ".wall.share_growth",
 /// "segment_1.axial_stiffness",
 /// "segment_1.length", "segment_1.rest_curvature.x". Tied ones: "segment_1=segment_2.bending_stiffness.base".
 SOFTARM_EXPORT std::string name_of(const Arm& arm, const ConstantRef& constant);

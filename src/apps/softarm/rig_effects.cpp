@@ -317,10 +317,15 @@ void stiffen(double factor, arm::Segment& segment) {
     *part *= factor;
   for (arm::PressureKnot& knot : law.by_pressure) knot.bending_stiffness_nm2 *= factor;
   for (std::optional<double>* part :
-       {&law.per_mean_pressure_nm2_per_pa, &law.per_tension_nm2_per_n, &law.per_angle_nm2_per_rad})
+       {&law.per_mean_pressure_nm2_per_pa, &law.per_tension_nm2_per_n, &law.per_min_tension_nm2_per_n,
+        &law.per_angle_nm2_per_rad, &law.per_min_angle_nm2_per_rad})
     if (*part) **part *= factor;
   for (arm::Chamber& chamber : segment.chambers)
     if (chamber.stiffness_gain_nm2_per_pa) *chamber.stiffness_gain_nm2_per_pa *= factor;
+  for (arm::Tendon& tendon : segment.tendons)
+    if (tendon.stiffness_gain_nm2_per_n) *tendon.stiffness_gain_nm2_per_n *= factor;
+  for (arm::Cable& cable : segment.cables)
+    if (cable.stiffness_gain_nm2_per_rad) *cable.stiffness_gain_nm2_per_rad *= factor;
 }
 
 }  // namespace

@@ -83,18 +83,30 @@ class Translated {
 
   /// What EI grows with; the rig has its own exponent, of which 1 is ours.
   static void growth(const arm::Segment& from, YAML::Node stiffness) {
-    const auto add = [&](const std::optional<double>& slope, const char* key, double at, int chamber = 0) {
+    const auto add = [&](const std::optional<double>& slope, const char* key, double at,
+                         const char* item = nullptr, std::size_t index = 0) {
       if (slope.value_or(0.0) == 0.0) return;
       YAML::Node one;
       one["added_nm2"] = *slope * at;
       one[key] = at;
-      if (chamber > 0) one["chamber"] = chamber;
+      if (item) one[item] = index + 1;
       stiffness["growth"].push_back(one);
+    };
+    const auto add_lowest = [&](const std::optional<double>& slope, const char* key) {
+      const std::size_t before = stiffness["growth"].size();
+      add(slope, key, 1.0);
+      if (stiffness["growth"].size() > before) stiffness["growth"][before]["lowest"] = true;
     };
     constexpr double kAt_pa = 50e3;
     add(from.bending_stiffness.per_mean_pressure_nm2_per_pa, "at_pa", kAt_pa);
     for (std::size_t k = 0; k < from.chambers.size(); ++k)
-      add(from.chambers[k].stiffness_gain_nm2_per_pa, "at_pa", kAt_pa, static_cast<int>(k) + 1);
+      add(from.chambers[k].stiffness_gain_nm2_per_pa, "at_pa", kAt_pa, "chamber", k);
+    for (std::size_t k = 0; k < from.tendons.size(); ++k)
+      add(from.tendons[k].stiffness_gain_nm2_per_n, "at_n", 1.0, "tendon", k);
+    for (std::size_t k = 0; k < from.cables.size(); ++k)
+      add(from.cables[k].stiffness_gain_nm2_per_rad, "at_rad", 1.0, "cable", k);
+    add_lowest(from.bending_stiffness.per_min_tension_nm2_per_n, "at_n");
+    add_lowest(from.bending_stiffness.per_min_angle_nm2_per_rad, "at_rad");
     add(from.bending_stiffness.per_tension_nm2_per_n, "at_n", 1.0);
     add(from.bending_stiffness.per_angle_nm2_per_rad, "at_rad", 1.0);
   }
@@ -125,7 +137,11 @@ class Translated {
 
   void wall(const arm::Wall& from, std::size_t index, YAML::Node to) const {
     if (from.slows_per_pa.value_or(0.0) > 0.0)
-      fail(fmt::format("segments[{}].wall.slows_per_pa", index), "a wall that pressure slows");
+      fail(fmt::format("segments[{}].wall.slows_per_pa", index),
+           "a wall that pressure slows as this law says");
+    if (from.shares_grow_per_pa.value_or(0.0) > 0.0)
+      fail(fmt::format("segments[{}].wall.shares_grow_per_pa", index),
+           "a wall whose shares grow with pressure as this law says");
     to["retardation_s"] = from.lag_s.value_or(arm::Wall::kUsualLag_s);
     creep(from.bending, "moment", to);
     creep(from.axial, "length", to);

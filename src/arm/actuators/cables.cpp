@@ -1,7 +1,9 @@
 // Cables wound up by servos: a curvature proportional to the servo's angle (cable paper (4), (5), (15)).
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "actuator.h"
 #include "arm/key_builders.h"
@@ -16,6 +18,7 @@ struct CableLaw {
   static constexpr std::vector<Cable> Segment::*kItems = &Segment::cables;
   static constexpr std::optional<double> Cable::*kOwn = &Cable::saturation_per_rad;
   static constexpr std::optional<double> Saturation::*kCommon = &Saturation::cables_per_rad;
+  static constexpr std::optional<double> Cable::*kOwnGrowth = &Cable::stiffness_gain_nm2_per_rad;
   static constexpr const char *kItem = "cable", *kInputs = "angles";
   static constexpr double kUsual = 1.0, kMost = 100.0, kMostGrowth = 100.0;
   static double size(double angle_rad) { return std::abs(angle_rad); }
@@ -25,6 +28,8 @@ struct CableLaw {
   }
 };
 using ByAngle = Growth<CableLaw, &StiffnessLaw::per_angle_nm2_per_rad, false>;
+using ByMinAngle = MinGrowth<CableLaw, &StiffnessLaw::per_min_angle_nm2_per_rad>;
+using ByCable = OwnGrowth<CableLaw>;
 
 const Cable& cable(const Segment& segment, int i) {
   return segment.cables[static_cast<std::size_t>(i)];
@@ -70,7 +75,9 @@ class Cables final : public ActuatorKind {
   Cables() : ActuatorKind({"cables", "cables", InputKind::kAngle, true, false}) {}
   int count(const Segment& segment) const override { return static_cast<int>(segment.cables.size()); }
   const std::string& input(const Segment& segment, int i) const override { return cable_input(segment, i); }
-  bool stiffens(const Segment& segment) const override { return ByAngle::stiffens(segment); }
+  bool stiffens(const Segment& segment) const override {
+    return ByAngle::stiffens(segment) || ByMinAngle::stiffens(segment) || ByCable::stiffens(segment);
+  }
   std::optional<double> bending_direction_rad(const Segment& segment, int i) const override {
     return cable(segment, i).bending_direction_rad;
   }
@@ -82,11 +89,15 @@ class Cables final : public ActuatorKind {
   bool drive(const Segment& segment, const InputReader& inputs, Drive& drive) const override {
     const std::optional<double> sum_rad = sum_of_sizes<CableLaw>(segment, inputs);
     if (!sum_rad) return false;
+    double lowest_rad = std::numeric_limits<double>::max();
     for (const Cable& one : segment.cables) {
       const double angle_rad = *inputs(one.input);
       CableLaw::bend(one, angle_rad / divisor<CableLaw>(segment, one, angle_rad, *sum_rad), drive);
+      drive.added_stiffness_nm2 += ByCable::added_nm2(one, angle_rad);
+      lowest_rad = std::min(lowest_rad, CableLaw::size(angle_rad));
     }
     drive.added_stiffness_nm2 += ByAngle::added_nm2(segment, *sum_rad);
+    if (!segment.cables.empty()) drive.added_stiffness_nm2 += ByMinAngle::added_nm2(segment, lowest_rad);
     return true;
   }
 
@@ -95,7 +106,9 @@ class Cables final : public ActuatorKind {
         curvature_gain(),
         own_saturation<CableLaw>(ConstantKind::kCableSaturation, "cable_{}.saturation", "1/rad"),
         common_saturation<CableLaw>(ConstantKind::kCablesSaturation, "cables.saturation", "1/rad"),
-        ByAngle::constant(ConstantKind::kPerAngle, "bending_stiffness.per_angle", "N m^2/rad")};
+        ByAngle::constant(ConstantKind::kPerAngle, "bending_stiffness.per_angle", "N m^2/rad"),
+        ByMinAngle::constant(ConstantKind::kPerMinAngle, "bending_stiffness.per_min_angle", "N m^2/rad"),
+        ByCable::constant(ConstantKind::kPerCable, "bending_stiffness.per_cable_{}", "N m^2/rad")};
     return list;
   }
 
@@ -107,8 +120,12 @@ class Cables final : public ActuatorKind {
                      "sizes, beside their own saturation_per_rad")};
   }
   std::vector<yaml::KeySpec> stiffness_keys() const override {
-    return {yaml::number("per_angle_nm2_per_rad", "N m^2/rad", yaml::kAbsent, 0, CableLaw::kMostGrowth,
-                         "EI per rad of the sum of the servo angles' sizes")};
+    return {
+        yaml::number("per_angle_nm2_per_rad", "N m^2/rad", yaml::kAbsent, 0, CableLaw::kMostGrowth,
+                     "EI per rad of the sum of the servo angles' sizes (of their mean: n times that)"),
+        yaml::number("per_min_angle_nm2_per_rad", "N m^2/rad", yaml::kAbsent, 0, CableLaw::kMostGrowth,
+                     "EI per rad of the smallest of those sizes (see also stiffness_gain_nm2_per_rad of a "
+                     "cable)")};
   }
   std::vector<const yaml::KeyTable*> segment_tables() const override { return {&keys()}; }
 
@@ -118,12 +135,15 @@ class Cables final : public ActuatorKind {
         number_with_items<CableLaw>(section, "cables_saturation_per_rad", section);
     segment.bending_stiffness.per_angle_nm2_per_rad =
         number_with_items<CableLaw>(stiffness, "per_angle_nm2_per_rad", section);
+    segment.bending_stiffness.per_min_angle_nm2_per_rad =
+        number_with_items<CableLaw>(stiffness, "per_min_angle_nm2_per_rad", section);
     for (const yaml::Section& item : section.list("cables", keys())) {
       Cable one;
       one.input = yaml::read_input(item, "input", inputs, InputKind::kAngle, "a cable");
       one.bending_direction_rad = yaml::read_direction_rad(item);
       one.curvature_gain_per_m_rad = read_gain(item, segment.length_m);
       one.saturation_per_rad = number_if_given(item, "saturation_per_rad");
+      one.stiffness_gain_nm2_per_rad = number_if_given(item, "stiffness_gain_nm2_per_rad");
       segment.cables.push_back(one);
     }
   }
@@ -138,6 +158,9 @@ class Cables final : public ActuatorKind {
     visit({at / "bending_stiffness" / "per_angle_nm2_per_rad",
            before.bending_stiffness.per_angle_nm2_per_rad.value_or(0.0),
            after.bending_stiffness.per_angle_nm2_per_rad.value_or(0.0)});
+    visit({at / "bending_stiffness" / "per_min_angle_nm2_per_rad",
+           before.bending_stiffness.per_min_angle_nm2_per_rad.value_or(0.0),
+           after.bending_stiffness.per_min_angle_nm2_per_rad.value_or(0.0)});
     for (std::size_t k = 0; k < after.cables.size(); ++k) {
       const double a = before.cables[k].curvature_gain_per_m_rad,
                    b = after.cables[k].curvature_gain_per_m_rad;
@@ -145,6 +168,8 @@ class Cables final : public ActuatorKind {
       visit({path / "curvature_gain_per_m_rad", a, b, path / "spool_radius_m", b / a * longer});
       visit({path / "saturation_per_rad", before.cables[k].saturation_per_rad.value_or(0.0),
              after.cables[k].saturation_per_rad.value_or(0.0)});
+      visit({path / "stiffness_gain_nm2_per_rad", before.cables[k].stiffness_gain_nm2_per_rad.value_or(0.0),
+             after.cables[k].stiffness_gain_nm2_per_rad.value_or(0.0)});
     }
   }
 
@@ -178,7 +203,9 @@ class Cables final : public ActuatorKind {
                       "r + r_t: distance of the cable from the segment's axis"),
          yaml::number(
              "saturation_per_rad", "1/rad", yaml::kAbsent, 0, CableLaw::kMost,
-             "a: its curvature is divided by 1 + a times the size of its angle; absent: proportional")}};
+             "a: its curvature is divided by 1 + a times the size of its angle; absent: proportional"),
+         yaml::number("stiffness_gain_nm2_per_rad", "N m^2/rad", yaml::kAbsent, 0, CableLaw::kMostGrowth,
+                      "EI of the segment per size of this cable's angle")}};
     return table;
   }
 };

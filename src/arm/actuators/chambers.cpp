@@ -21,6 +21,7 @@ struct ChamberLaw {
   static constexpr std::vector<Chamber> Segment::*kItems = &Segment::chambers;
   static constexpr std::optional<double> Chamber::*kOwn = &Chamber::saturation_per_pa;
   static constexpr std::optional<double> Saturation::*kCommon = &Saturation::chambers_per_pa;
+  static constexpr std::optional<double> Chamber::*kOwnGrowth = &Chamber::stiffness_gain_nm2_per_pa;
   static constexpr const char *kItem = "chamber", *kInputs = "pressures";
   static constexpr double kUsual = kUsualPressure_pa, kMost = 1e-2, kMostGrowth = 1e-4;
   static double size(double pressure_pa) { return std::max(0.0, pressure_pa); }
@@ -30,6 +31,8 @@ struct ChamberLaw {
   }
 };
 using ByMeanPressure = Growth<ChamberLaw, &StiffnessLaw::per_mean_pressure_nm2_per_pa, true>;
+using ByMinPressure = MinGrowth<ChamberLaw, &StiffnessLaw::per_min_pressure_nm2_per_pa>;
+using ByChamber = OwnGrowth<ChamberLaw>;
 
 const Chamber& chamber(const Segment& segment, int i) {
   return segment.chambers[static_cast<std::size_t>(i)];
@@ -41,11 +44,6 @@ const std::string& chamber_input(const Segment& segment, int i) {
 
 int chamber_count(const Segment& segment) {
   return static_cast<int>(segment.chambers.size());
-}
-
-/// The stiffness law holds for P >= 0: a sensor whose zero lies a little low must not take stiffness away.
-double stiffening_pressure_pa(double lowest_pa) {
-  return lowest_pa < std::numeric_limits<double>::max() ? std::max(0.0, lowest_pa) : 0.0;
 }
 
 ConstantSpec moment_gain() {
@@ -112,93 +110,14 @@ ConstantSpec elongation() {
   return c;
 }
 
-/// Over the frames: of the lowest chamber pressure, the largest.
-double largest_minimum_pa(const Segment& segment, const RecordedInputs& recorded) {
-  std::vector<double> lowest;
-  for (const Chamber& one : segment.chambers) {
-    const std::vector<double> values = recorded.values(one.input);
-    if (lowest.empty()) lowest = values;
-    for (std::size_t i = 0; i < values.size(); ++i) lowest[i] = std::min(lowest[i], values[i]);
-  }
-  return lowest.empty() ? 0.0 : std::max(0.0, *std::max_element(lowest.begin(), lowest.end()));
-}
-
-ConstantSpec per_min_pressure() {
-  ConstantSpec c{ConstantKind::kPerMinPressure, ConstantRole::kBendingStiffnessSlope,
-                 "bending_stiffness.per_min_pressure", "N m^2/Pa"};
-  // With one or two chambers the lowest pressure is a law as well, (7) is of antagonists.
-  c.count = [](const Segment& s) { return s.chambers.size() >= 2 ? 1 : 0; };
-  c.value = [](const Segment& s, int) { return s.bending_stiffness.per_min_pressure_nm2_per_pa; };
-  c.set = [](Segment& s, int, double value) { s.bending_stiffness.per_min_pressure_nm2_per_pa = value; };
-  c.allowed = [](const Segment&, int) { return Range{0.0, 1e-4}; };
-  c.change = [](const Segment& s, int, const InputReader& inputs, Change& change) {
-    double lowest_pa = std::numeric_limits<double>::max();
-    for (const Chamber& one : s.chambers) {
-      const std::optional<double> pressure_pa = inputs(one.input);
-      if (!pressure_pa) return false;
-      lowest_pa = std::min(lowest_pa, *pressure_pa);
-    }
-    change.drive.added_stiffness_nm2 = stiffening_pressure_pa(lowest_pa);
-    return true;
-  };
-  c.scale = [](const Segment& s, int, const RecordedInputs& recorded) {
-    const double lowest_pa = largest_minimum_pa(s, recorded);
-    return kStiffnessThatMatters * unloaded_stiffness_nm2(s) /
-           (lowest_pa > 0.0 ? lowest_pa : kUsualPressure_pa);
-  };
-  c.advice = [](const Segment& s, int, const RecordedInputs& recorded) {
-    if (!(largest_minimum_pa(s, recorded) > 0.0))
-      return fmt::format(
-          "at no time are all chambers of {} inflated: record trials with all of them "
-          "pressurised, with and without a payload",
-          s.name);
-    return "record trials with all chambers at high pressure and with a payload beside such with one "
-           "chamber off; " +
-           recorded.load_advice();
-  };
-  return c;
-}
-
-ConstantSpec per_chamber() {
-  ConstantSpec c{ConstantKind::kPerChamber,
-                 ConstantRole::kBendingStiffnessSlope,
-                 "bending_stiffness.per_chamber_{}",
-                 "N m^2/Pa",
-                 "chamber",
-                 chamber_input};
-  c.count = chamber_count;
-  c.stated = [](const Segment& s, int i) { return chamber(s, i).stiffness_gain_nm2_per_pa.has_value(); };
-  c.value = [](const Segment& s, int i) { return chamber(s, i).stiffness_gain_nm2_per_pa.value_or(0.0); };
-  c.set = [](Segment& s, int i, double value) {
-    s.chambers[static_cast<std::size_t>(i)].stiffness_gain_nm2_per_pa = value;
-  };
-  c.allowed = [](const Segment&, int) { return Range{0.0, ChamberLaw::kMostGrowth}; };
-  c.change = [](const Segment& s, int i, const InputReader& inputs, Change& change) {
-    const std::optional<double> pressure_pa = inputs(chamber(s, i).input);
-    change.drive.added_stiffness_nm2 = ChamberLaw::size(pressure_pa.value_or(0.0));
-    return pressure_pa.has_value();
-  };
-  c.scale = [](const Segment& s, int i, const RecordedInputs& recorded) {
-    return kStiffnessThatMatters * unloaded_stiffness_nm2(s) /
-           largest_or(recorded, chamber_input(s, i), kUsualPressure_pa);
-  };
-  c.advice = [](const Segment& s, int i, const RecordedInputs& recorded) {
-    return fmt::format("record trials with {} high and low, each with and without a payload; {}",
-                       input_words(s, "chamber", chamber_input(s, i), i), recorded.load_advice());
-  };
-  return c;
-}
-
 class Chambers final : public ActuatorKind {
  public:
   Chambers() : ActuatorKind({"chambers", "chambers", InputKind::kPressure, true, false}) {}
   int count(const Segment& segment) const override { return chamber_count(segment); }
   const std::string& input(const Segment& segment, int i) const override { return chamber_input(segment, i); }
   bool stiffens(const Segment& segment) const override {
-    return segment.bending_stiffness.per_min_pressure_nm2_per_pa != 0.0 ||
-           ByMeanPressure::stiffens(segment) ||
-           std::any_of(segment.chambers.begin(), segment.chambers.end(),
-                       [](const Chamber& one) { return one.stiffness_gain_nm2_per_pa.value_or(0.0) != 0.0; });
+    return ByMinPressure::stiffens(segment) || ByMeanPressure::stiffens(segment) ||
+           ByChamber::stiffens(segment);
   }
   std::optional<double> bending_direction_rad(const Segment& segment, int i) const override {
     return chamber(segment, i).bending_direction_rad;
@@ -214,13 +133,11 @@ class Chambers final : public ActuatorKind {
       const double pressure_pa = *inputs(one.input);
       drive.length_m += pressure_pa * (one.near_elongation_m_per_pa + one.far_elongation_m_per_pa);
       ChamberLaw::bend(one, pressure_pa / divisor<ChamberLaw>(segment, one, pressure_pa, *sum_pa), drive);
-      drive.added_stiffness_nm2 +=
-          one.stiffness_gain_nm2_per_pa.value_or(0.0) * ChamberLaw::size(pressure_pa);
-      lowest_pa = std::min(lowest_pa, pressure_pa);
+      drive.added_stiffness_nm2 += ByChamber::added_nm2(one, pressure_pa);
+      lowest_pa = std::min(lowest_pa, ChamberLaw::size(pressure_pa));
     }
     drive.added_stiffness_nm2 += ByMeanPressure::added_nm2(segment, *sum_pa);
-    drive.added_stiffness_nm2 +=
-        segment.bending_stiffness.per_min_pressure_nm2_per_pa * stiffening_pressure_pa(lowest_pa);
+    if (!segment.chambers.empty()) drive.added_stiffness_nm2 += ByMinPressure::added_nm2(segment, lowest_pa);
     return true;
   }
 
@@ -230,10 +147,11 @@ class Chambers final : public ActuatorKind {
         own_saturation<ChamberLaw>(ConstantKind::kChamberSaturation, "chamber_{}.saturation", "1/Pa"),
         common_saturation<ChamberLaw>(ConstantKind::kChambersSaturation, "chambers.saturation", "1/Pa"),
         elongation(),
-        per_min_pressure(),
+        ByMinPressure::constant(ConstantKind::kPerMinPressure, "bending_stiffness.per_min_pressure",
+                                "N m^2/Pa"),
         ByMeanPressure::constant(ConstantKind::kPerMeanPressure, "bending_stiffness.per_mean_pressure",
                                  "N m^2/Pa"),
-        per_chamber()};
+        ByChamber::constant(ConstantKind::kPerChamber, "bending_stiffness.per_chamber_{}", "N m^2/Pa")};
     return list;
   }
 

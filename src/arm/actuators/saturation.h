@@ -6,6 +6,7 @@
 //     static constexpr std::vector<Item> Segment::*kItems;
 //     static constexpr std::optional<double> Item::*kOwn;    // a_i
 //     static constexpr std::optional<double> Saturation::*kCommon;            // b
+//     static constexpr std::optional<double> Item::*kOwnGrowth;               // EI by this one alone
 //     static constexpr const char* kItem, *kInputs;          // words: "chamber", "pressures"
 //     static constexpr double kUsual, kMost;                 // an input that is usual; largest a_i, b
 //     static double size(double input);                      // |x|, 0 where the input does nothing
@@ -17,6 +18,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -132,6 +134,118 @@ ConstantSpec common_saturation(ConstantKind kind, const char* name, const char* 
   return c;
 }
 
+/// Over the frames: of the lowest size, the largest.
+template <typename Law>
+double largest_minimum(const Segment& segment, const RecordedInputs& recorded) {
+  std::vector<double> lowest;
+  for (const typename Law::Item& one : segment.*Law::kItems) {
+    const std::vector<double> values = recorded.values(one.input);
+    if (lowest.empty()) lowest.assign(values.size(), std::numeric_limits<double>::max());
+    for (std::size_t k = 0; k < values.size() && k < lowest.size(); ++k)
+      lowest[k] = std::min(lowest[k], Law::size(values[k]));
+  }
+  return lowest.empty() ? 0.0 : *std::max_element(lowest.begin(), lowest.end());
+}
+
+/// What is common to the constants by which EI grows.
+template <typename Law>
+ConstantSpec growth_constant(ConstantKind kind, const char* name, const char* unit) {
+  ConstantSpec c{kind, ConstantRole::kBendingStiffnessSlope, name, unit};
+  c.allowed = [](const Segment&, int) { return Range{0.0, Law::kMostGrowth}; };
+  return c;
+}
+
+/// EI by one item alone.
+template <typename Law>
+struct OwnGrowth {
+  static double added_nm2(const typename Law::Item& item, double value) {
+    return (item.*Law::kOwnGrowth).value_or(0.0) * Law::size(value);
+  }
+  static bool stiffens(const Segment& segment) {
+    const auto& items = segment.*Law::kItems;
+    return std::any_of(items.begin(), items.end(), [](const typename Law::Item& one) {
+      return (one.*Law::kOwnGrowth).value_or(0.0) != 0.0;
+    });
+  }
+
+  static ConstantSpec constant(ConstantKind kind, const char* name, const char* unit) {
+    ConstantSpec c = growth_constant<Law>(kind, name, unit);
+    c.item = Law::kItem;
+    c.input = input_of<Law>;
+    c.count = count_of<Law>;
+    c.stated = [](const Segment& s, int i) { return (item_of<Law>(s, i).*Law::kOwnGrowth).has_value(); };
+    c.value = [](const Segment& s, int i) { return (item_of<Law>(s, i).*Law::kOwnGrowth).value_or(0.0); };
+    c.set = [](Segment& s, int i, double value) {
+      (s.*Law::kItems)[static_cast<std::size_t>(i)].*Law::kOwnGrowth = value;
+    };
+    c.change = [](const Segment& s, int i, const InputReader& inputs, Change& change) {
+      const std::optional<double> value = inputs(input_of<Law>(s, i));
+      change.drive.added_stiffness_nm2 = Law::size(value.value_or(0.0));
+      return value.has_value();
+    };
+    c.scale = [](const Segment& s, int i, const RecordedInputs& recorded) {
+      return kStiffnessThatMatters * unloaded_stiffness_nm2(s) /
+             largest_or(recorded, input_of<Law>(s, i), Law::kUsual);
+    };
+    c.advice = [](const Segment& s, int i, const RecordedInputs& recorded) {
+      return fmt::format("record trials with {} high and low, each with and without a payload; {}",
+                         input_words(s, Law::kItem, input_of<Law>(s, i), i), recorded.load_advice());
+    };
+    return c;
+  }
+};
+
+/// EI per the lowest of the sizes.
+/// @tparam kSlope the member of StiffnessLaw: optional, or stated by every arm
+template <typename Law, auto kSlope>
+struct MinGrowth {
+  static double added_nm2(const Segment& segment, double lowest) { return slope(segment) * lowest; }
+  static bool stiffens(const Segment& segment) { return slope(segment) != 0.0; }
+
+  /// With one item the lowest is a law as well, but equation (7) is of antagonists: from two on.
+  static ConstantSpec constant(ConstantKind kind, const char* name, const char* unit) {
+    ConstantSpec c = growth_constant<Law>(kind, name, unit);
+    c.count = [](const Segment& s) { return count_of<Law>(s) >= 2 ? 1 : 0; };
+    c.stated = [](const Segment& s, int) { return stated(s.bending_stiffness.*kSlope); };
+    c.value = [](const Segment& s, int) { return slope(s); };
+    c.set = [](Segment& s, int, double value) { s.bending_stiffness.*kSlope = value; };
+    c.change = [](const Segment& s, int, const InputReader& inputs, Change& change) {
+      double lowest = std::numeric_limits<double>::max();
+      for (const typename Law::Item& one : s.*Law::kItems) {
+        const std::optional<double> value = inputs(one.input);
+        if (!value) return false;
+        lowest = std::min(lowest, Law::size(*value));
+      }
+      change.drive.added_stiffness_nm2 = lowest;
+      return true;
+    };
+    c.scale = [](const Segment& s, int, const RecordedInputs& recorded) {
+      const double lowest = largest_minimum<Law>(s, recorded);
+      return kStiffnessThatMatters * unloaded_stiffness_nm2(s) / (lowest > 0.0 ? lowest : Law::kUsual);
+    };
+    c.advice = [](const Segment& s, int, const RecordedInputs& recorded) {
+      if (!(largest_minimum<Law>(s, recorded) > 0.0))
+        return fmt::format(
+            "at no time are the {} of all {}s of {} above zero: record trials with all of them high, with "
+            "and "
+            "without a payload",
+            Law::kInputs, Law::kItem, s.name);
+      return fmt::format(
+          "record trials with the {} of all {}s high and with a payload beside such with one "
+          "at zero; {}",
+          Law::kInputs, Law::kItem, recorded.load_advice());
+    };
+    return c;
+  }
+
+ private:
+  static double slope(const Segment& segment) { return number(segment.bending_stiffness.*kSlope); }
+  static double number(double slope) { return slope; }
+  static double number(const std::optional<double>& slope) { return slope.value_or(0.0); }
+  static bool stated(double) { return true; }
+  static bool stated(const std::optional<double>& slope) { return slope.has_value(); }
+};
+
 /// EI per sum of the sizes, or per their mean.
 /// @tparam kSlope the member of StiffnessLaw
 template <typename Law, std::optional<double> StiffnessLaw::*kSlope, bool kMean>
@@ -146,14 +260,12 @@ struct Growth {
     return (segment.bending_stiffness.*kSlope).value_or(0.0) != 0.0;
   }
 
-  /// @param most the largest slope
   static ConstantSpec constant(ConstantKind kind, const char* name, const char* unit) {
-    ConstantSpec c{kind, ConstantRole::kBendingStiffnessSlope, name, unit};
+    ConstantSpec c = growth_constant<Law>(kind, name, unit);
     c.count = [](const Segment& s) { return (s.*Law::kItems).empty() ? 0 : 1; };
     c.stated = [](const Segment& s, int) { return (s.bending_stiffness.*kSlope).has_value(); };
     c.value = [](const Segment& s, int) { return (s.bending_stiffness.*kSlope).value_or(0.0); };
     c.set = [](Segment& s, int, double value) { s.bending_stiffness.*kSlope = value; };
-    c.allowed = [](const Segment&, int) { return Range{0.0, Law::kMostGrowth}; };
     c.change = [](const Segment& s, int, const InputReader& inputs, Change& change) {
       const std::optional<double> sum = sum_of_sizes<Law>(s, inputs);
       if (!sum) return false;

@@ -1,6 +1,7 @@
 // Straight tendons pulled by known tensions: they pull the segment together and bend it towards their azimuth
 // (hybrid paper (5), (15)), and stiffen it in shear and twist where they are taut (Rucker and Webster 2011).
 #include <algorithm>
+#include <limits>
 
 #include "actuator.h"
 #include "arm/key_builders.h"
@@ -16,6 +17,7 @@ struct TendonLaw {
   static constexpr std::vector<Tendon> Segment::*kItems = &Segment::tendons;
   static constexpr std::optional<double> Tendon::*kOwn = &Tendon::saturation_per_n;
   static constexpr std::optional<double> Saturation::*kCommon = &Saturation::tendons_per_n;
+  static constexpr std::optional<double> Tendon::*kOwnGrowth = &Tendon::stiffness_gain_nm2_per_n;
   static constexpr const char *kItem = "tendon", *kInputs = "tensions";
   static constexpr double kUsual = 1.0, kMost = 100.0, kMostGrowth = 10.0;
   static double size(double tension_n) { return std::max(0.0, tension_n); }
@@ -25,6 +27,8 @@ struct TendonLaw {
   }
 };
 using ByTension = Growth<TendonLaw, &StiffnessLaw::per_tension_nm2_per_n, false>;
+using ByMinTension = MinGrowth<TendonLaw, &StiffnessLaw::per_min_tension_nm2_per_n>;
+using ByTendon = OwnGrowth<TendonLaw>;
 
 const Tendon& tendon(const Segment& segment, int i) {
   return segment.tendons[static_cast<std::size_t>(i)];
@@ -69,7 +73,9 @@ class Tendons final : public ActuatorKind {
   Tendons() : ActuatorKind({"tendons", "tendons", InputKind::kTension, true, true}) {}
   int count(const Segment& segment) const override { return static_cast<int>(segment.tendons.size()); }
   const std::string& input(const Segment& segment, int i) const override { return tendon_input(segment, i); }
-  bool stiffens(const Segment& segment) const override { return ByTension::stiffens(segment); }
+  bool stiffens(const Segment& segment) const override {
+    return ByTension::stiffens(segment) || ByMinTension::stiffens(segment) || ByTendon::stiffens(segment);
+  }
   std::optional<double> bending_direction_rad(const Segment& segment, int i) const override {
     return tendon(segment, i).bending_direction_rad;
   }
@@ -80,22 +86,29 @@ class Tendons final : public ActuatorKind {
   bool drive(const Segment& segment, const InputReader& inputs, Drive& drive) const override {
     const std::optional<double> sum_n = sum_of_sizes<TendonLaw>(segment, inputs);
     if (!sum_n) return false;
+    double lowest_n = std::numeric_limits<double>::max();
     for (const Tendon& one : segment.tendons) {
       const double tension = TendonLaw::size(*inputs(one.input));
       drive.axial_force_n -= tension;
       TendonLaw::bend(one, tension / divisor<TendonLaw>(segment, one, tension, *sum_n), drive);
       drive.shear_stiffness_n += tension;
       drive.torsional_stiffness_nm2 += tension * one.offset_m * one.offset_m;
+      drive.added_stiffness_nm2 += ByTendon::added_nm2(one, tension);
+      lowest_n = std::min(lowest_n, tension);
     }
     drive.added_stiffness_nm2 += ByTension::added_nm2(segment, *sum_n);
+    if (!segment.tendons.empty()) drive.added_stiffness_nm2 += ByMinTension::added_nm2(segment, lowest_n);
     return true;
   }
 
   const std::vector<ConstantSpec>& constants() const override {
     static const std::vector<ConstantSpec> list{
-        offset(), own_saturation<TendonLaw>(ConstantKind::kTendonSaturation, "tendon_{}.saturation", "1/N"),
+        offset(),
+        own_saturation<TendonLaw>(ConstantKind::kTendonSaturation, "tendon_{}.saturation", "1/N"),
         common_saturation<TendonLaw>(ConstantKind::kTendonsSaturation, "tendons.saturation", "1/N"),
-        ByTension::constant(ConstantKind::kPerTension, "bending_stiffness.per_tension", "N m^2/N")};
+        ByTension::constant(ConstantKind::kPerTension, "bending_stiffness.per_tension", "N m^2/N"),
+        ByMinTension::constant(ConstantKind::kPerMinTension, "bending_stiffness.per_min_tension", "N m^2/N"),
+        ByTendon::constant(ConstantKind::kPerTendon, "bending_stiffness.per_tendon_{}", "N m^2/N")};
     return list;
   }
 
@@ -108,7 +121,9 @@ class Tendons final : public ActuatorKind {
   }
   std::vector<yaml::KeySpec> stiffness_keys() const override {
     return {yaml::number("per_tension_nm2_per_n", "N m^2/N", yaml::kAbsent, 0, TendonLaw::kMostGrowth,
-                         "EI per N of the sum of the tensions")};
+                         "EI per N of the sum of the tensions (of their mean: n times that)"),
+            yaml::number("per_min_tension_nm2_per_n", "N m^2/N", yaml::kAbsent, 0, TendonLaw::kMostGrowth,
+                         "EI per N of the lowest tension (see also stiffness_gain_nm2_per_n of a tendon)")};
   }
   std::vector<const yaml::KeyTable*> segment_tables() const override { return {&keys()}; }
 
@@ -118,12 +133,15 @@ class Tendons final : public ActuatorKind {
         number_with_items<TendonLaw>(section, "tendons_saturation_per_n", section);
     segment.bending_stiffness.per_tension_nm2_per_n =
         number_with_items<TendonLaw>(stiffness, "per_tension_nm2_per_n", section);
+    segment.bending_stiffness.per_min_tension_nm2_per_n =
+        number_with_items<TendonLaw>(stiffness, "per_min_tension_nm2_per_n", section);
     for (const yaml::Section& item : section.list("tendons", keys())) {
       Tendon one;
       one.input = yaml::read_input(item, "input", inputs, InputKind::kTension, "a tendon");
       one.bending_direction_rad = yaml::read_direction_rad(item);
       one.offset_m = item.number("offset_m");
       one.saturation_per_n = number_if_given(item, "saturation_per_n");
+      one.stiffness_gain_nm2_per_n = number_if_given(item, "stiffness_gain_nm2_per_n");
       segment.tendons.push_back(one);
     }
   }
@@ -135,11 +153,16 @@ class Tendons final : public ActuatorKind {
     visit({at / "bending_stiffness" / "per_tension_nm2_per_n",
            before.bending_stiffness.per_tension_nm2_per_n.value_or(0.0),
            after.bending_stiffness.per_tension_nm2_per_n.value_or(0.0)});
+    visit({at / "bending_stiffness" / "per_min_tension_nm2_per_n",
+           before.bending_stiffness.per_min_tension_nm2_per_n.value_or(0.0),
+           after.bending_stiffness.per_min_tension_nm2_per_n.value_or(0.0)});
     for (std::size_t k = 0; k < after.tendons.size(); ++k) {
       const Tendon &a = before.tendons[k], &b = after.tendons[k];
       const yaml::Path path = at / "tendons" / k;
       visit({path / "offset_m", a.offset_m, b.offset_m});
       visit({path / "saturation_per_n", a.saturation_per_n.value_or(0.0), b.saturation_per_n.value_or(0.0)});
+      visit({path / "stiffness_gain_nm2_per_n", a.stiffness_gain_nm2_per_n.value_or(0.0),
+             b.stiffness_gain_nm2_per_n.value_or(0.0)});
     }
   }
 
@@ -153,7 +176,9 @@ class Tendons final : public ActuatorKind {
          yaml::number("offset_m", "m", yaml::kRequired, 0, 0.5,
                       "distance from the segment's axis; 0: it only compresses"),
          yaml::number("saturation_per_n", "1/N", yaml::kAbsent, 0, TendonLaw::kMost,
-                      "a: its moment is offset T / (1 + a T); absent: proportional")}};
+                      "a: its moment is offset T / (1 + a T); absent: proportional"),
+         yaml::number("stiffness_gain_nm2_per_n", "N m^2/N", yaml::kAbsent, 0, TendonLaw::kMostGrowth,
+                      "EI of the segment per tension of this tendon")}};
     return table;
   }
 };
