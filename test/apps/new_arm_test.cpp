@@ -182,6 +182,73 @@ TEST(NewArm, WhatIsMissingOrImpossibleIsOneLineAndNoFile) {
   EXPECT_EQ(dir.entries(), 0u);
 }
 
+/// What a terminal shows where these lines are typed; then the input ends.
+std::string on_a_terminal(const TestFolder& dir, const std::string& arguments, const std::string& answers,
+                          int* status) {
+  dir.write("answers", answers);
+  const std::string command = "/usr/bin/script -qec '" SOFTARM_PROGRAM_DIR "/softarm " + arguments +
+                              "' /dev/null <" + dir / "answers" + " >" + dir / "screen" + " 2>&1";
+  *status = std::system(command.c_str());
+  return text_of(dir / "screen");
+}
+
+TEST(NewArm, AnAnswerThatCannotBeIsRefusedAtOnceAndAskedForAgain) {
+  if (!std::filesystem::exists("/usr/bin/script"))
+    GTEST_SKIP() << "script(1), which makes a terminal, is absent";
+  const TestFolder dir;
+  struct Answer {
+    std::string wrong, why, right;
+  };
+  const std::vector<Answer> answers{
+      {"pistons", "kind pistons: must be chambers, tendons, cables or central", "chambers,central"},
+      {"3", "kind chambers,central: must be one value, or 3", "2"},
+      {"200", "length 200: must be a number from 0.005 to 10 m", "0.2"},
+      {"30", "mass 30: must be a number from 0 to 10 kg", "0.15"},
+      {"4 cm", "diameter 4 cm: must be a number from 0.0005 to 1 m", "0.04"},
+      {"1.5", "actuators 1.5: must be a whole number", "3"},
+      {"a:0.2,b:0.1", "bodies b:0.1: list bodies from base to tip", "a:0.2,b:tip"},
+      {"0,90", "angles 0,90: must be 3, one for each of --actuators", "0,90,180"},
+      {"a", "base a: is a body on the arm already", ""},
+      {"0", "stiffness 0: must be a number from 1e-06 to 500 N m^2", ""},
+      {dir / "none/a.yaml", "does not exist", dir / "a.yaml"},
+      {dir / "a.yaml", "is the arm file already", ""}};
+  std::string typed;
+  for (const Answer& a : answers) typed += a.wrong + "\n" + a.right + "\n";
+  int status = -1;
+  const std::string screen = on_a_terminal(dir, "new-arm", typed, &status);
+  EXPECT_EQ(status, 0) << screen;
+  for (const Answer& a : answers) EXPECT_THAT(screen, HasSubstr(a.why));
+  const Written w = written(dir);
+  EXPECT_EQ(w.arm.segments.size(), 2u);
+  EXPECT_EQ(w.arm.segments[0].chambers.size(), 3u);
+}
+
+TEST(NewArm, WhereTheAnswersEndOneLineSaysWhatIsMissing) {
+  if (!std::filesystem::exists("/usr/bin/script"))
+    GTEST_SKIP() << "script(1), which makes a terminal, is absent";
+  const TestFolder dir;
+  int status = -1;
+  const std::string screen = on_a_terminal(dir, "new-arm --kind chambers", "2\nmany\n", &status);
+  EXPECT_NE(status, 0);
+  EXPECT_THAT(screen, HasSubstr("\nsoftarm: --length is missing: length of each segment"));
+  EXPECT_EQ(dir.entries(), 2u) << "what was typed, and the screen";
+}
+
+TEST(NewArm, WhatIsWithinTheRangesThatItSaysLoads) {
+  const TestFolder dir;
+  for (const char* sizes :
+       {"--length 0.005 --mass 0 --diameter 0.0005", "--length 10 --mass 500 --diameter 1",
+        "--length 0.01 --mass 0.5 --diameter 1", "--length 1 --mass 1 --diameter 0.1 --stiffness 500",
+        "--length 1 --mass 1 --diameter 0.1 --stiffness 1e-6"}) {
+    for (const std::string& kind : all_kinds()) {
+      const Outcome o =
+          softarm_program("new-arm --force --kind " + kind + " --segments 1 --bodies 3 " + sizes + " --out " +
+                          dir / "a.yaml" + (kind == "central" ? "" : " --actuators 32"));
+      EXPECT_EQ(o.status, 0) << kind << " " << sizes << "\n" << o.err;
+    }
+  }
+}
+
 TEST(NewArm, AsksOnATerminalForWhatNoFlagSays) {
   if (!std::filesystem::exists("/usr/bin/script"))
     GTEST_SKIP() << "script(1), which makes a terminal, is absent";
