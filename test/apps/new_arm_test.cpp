@@ -106,6 +106,38 @@ TEST(NewArm, EveryCombinationOfKindsLoadsIsCheckedAndEstimated) {
   }
 }
 
+/// Short, slow trials of arms with many inputs: as `softarm simulate ARM.yaml` records them, with nothing
+/// hidden.
+TEST(NewArm, CleanTrialsOfItHaveNothingWrong) {
+  const std::string one = " --segments 1 --length 0.2 --mass 0.2 --diameter 0.04 --bodies 4 ",
+                    two =
+                        " --segments 2 --length 0.15,0.12 --mass 0.12,0.08 --diameter 0.04,0.035"
+                        " --bodies mid:0.075,end:0.15,mid2:0.21,tip:0.27 ";
+  struct Clean {
+    std::string arm;
+    int seed;
+  };
+  for (const Clean& trial : std::vector<Clean>{
+           {"--kind chambers --actuators 3" + one, 2},
+           {"--kind tendons --actuators 3" + one, 1},
+           {"--kind cables --actuators 2 --base standing" + one, 1},
+           {"--kind chambers+central --actuators 3 --base hanging" + one, 2},
+           {"--kind chambers --actuators 3" + two, 1},
+           {"--kind cables --actuators 4" + two, 2},
+           {"--kind chambers,tendons+central --actuators 3,2 --angles 0,120,240/0,90 --base hanging" + two,
+            1}}) {
+    SCOPED_TRACE(trial.arm);
+    const TestFolder dir;
+    ASSERT_EQ(softarm_program("new-arm " + trial.arm + "--out " + dir / "a.yaml").status, 0);
+    ASSERT_EQ(softarm_program("simulate " + dir / "a.yaml" + " --seconds 30 --seed " +
+                              std::to_string(trial.seed) + " --out " + dir / "a.bag")
+                  .status,
+              0);
+    const Outcome checked = softarm_program("check --quiet --arm " + dir / "a.yaml" + " " + dir / "a.bag");
+    EXPECT_THAT(checked.out, HasSubstr("nothing wrong was found"));
+  }
+}
+
 TEST(NewArm, SegmentsOfTheirOwnKindsSizesAndAngles) {
   const TestFolder dir;
   const Outcome o = softarm_program(

@@ -90,6 +90,14 @@ TEST_F(AsTheyCome, ClocksFarApartAreFoundWithTheirSettingWhicheverIsAhead) {
   }
 }
 
+TEST_F(AsTheyCome, ClocksApartAreFoundInAMinute) {
+  recording = clean(3, 10.0, steps(60.0, 5));
+  const check::CheckReport found = report();
+  const check::CheckFinding* f = find(found, "clocks_apart");
+  ASSERT_NE(f, nullptr) << to_text(found);
+  EXPECT_NEAR(*f->figure, 10.0, 0.05);
+}
+
 TEST_F(AsTheyCome, InputsThatRepeatThemselvesAreNoAlarmAndElseAmbiguous) {
   recording = clean(3, 0.0, cycles(120.0, 9.0));
   EXPECT_EQ(find(report(), "clocks_apart"), nullptr) << complaints(report());
