@@ -138,6 +138,14 @@ TEST(NewArm, CleanTrialsOfItHaveNothingWrong) {
   }
 }
 
+/// What moves there quickly is the payload that is hung on, not the servo.
+TEST(NewArm, NorHasATrialOfASlowCableUnderPayloads) {
+  const TestFolder dir;
+  ASSERT_EQ(softarm_program("simulate cable_235mm --seconds 30 --seed 1 --out " + dir / "a.bag").status, 0);
+  const Outcome checked = softarm_program("check --quiet --arm cable_235mm " + dir / "a.bag");
+  EXPECT_THAT(checked.out, HasSubstr("nothing wrong was found"));
+}
+
 TEST(NewArm, SegmentsOfTheirOwnKindsSizesAndAngles) {
   const TestFolder dir;
   const Outcome o = softarm_program(
