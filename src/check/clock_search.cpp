@@ -114,38 +114,50 @@ std::vector<Peak> peaks_of(const Activity& bodies, const Activity& inputs, const
   return peaks;
 }
 
-/// What a fit to one half of the recording's pieces explains of the other, the worse of both ways.
-double explained_across(const ClockProblem& problem, double shift_s) {
+/// What a fit to some samples explains of others.
+double explained_of(const ClockProblem& problem, const Eigen::MatrixXd& a,
+                    const std::vector<Eigen::Index>& fitted, const std::vector<Eigen::Index>& judged) {
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(a.cols(), a.cols());
+  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(a.cols(), problem.y.cols());
+  for (const Eigen::Index k : fitted) {
+    normal.selfadjointView<Eigen::Lower>().rankUpdate(a.row(k).transpose());
+    right += a.row(k).transpose() * problem.y.row(k);
+  }
+  normal = normal.selfadjointView<Eigen::Lower>();
+  // What a piece hardly has it must not say much of.
+  normal.diagonal().array() += kBy.ridge * (1e-12 + normal.diagonal().mean());
+  const Eigen::MatrixXd x = math::SymmetricSolver(normal).solve_columns(right);
+  double left = 0.0, all = 1e-300;
+  for (const Eigen::Index k : judged) {
+    left += (problem.y.row(k) - a.row(k) * x).squaredNorm();
+    all += problem.y.row(k).squaredNorm();
+  }
+  return 1.0 - left / all;
+}
+
+struct Explained {
+  double across =
+      0.0;  ///< by a fit to one half of the recording's pieces of the other, the worse of both ways
+  double within = 0.0;  ///< by a fit to all of it
+};
+
+Explained explained_at(const ClockProblem& problem, double shift_s) {
   const Eigen::MatrixXd a = regressors(problem, shift_s);
   const int blocks = static_cast<int>(kBy.piece_s / kBy.block_s);
-  std::vector<Eigen::Index> halves[2];
-  for (std::size_t k = 0; k < problem.block.size(); ++k)
-    halves[(problem.block[k] / blocks) % 2].push_back(static_cast<Eigen::Index>(k));
-  double worst = 1.0;
-  for (int fitted = 0; fitted < 2; ++fitted) {
-    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(a.cols(), a.cols());
-    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(a.cols(), problem.y.cols());
-    for (const Eigen::Index k : halves[fitted]) {
-      normal.selfadjointView<Eigen::Lower>().rankUpdate(a.row(k).transpose());
-      right += a.row(k).transpose() * problem.y.row(k);
-    }
-    normal = normal.selfadjointView<Eigen::Lower>();
-    // What a piece hardly has it must not say much of.
-    normal.diagonal().array() += kBy.ridge * (1e-12 + normal.diagonal().mean());
-    const Eigen::MatrixXd x = math::SymmetricSolver(normal).solve_columns(right);
-    double left = 0.0, all = 1e-300;
-    for (const Eigen::Index k : halves[1 - fitted]) {
-      left += (problem.y.row(k) - a.row(k) * x).squaredNorm();
-      all += problem.y.row(k).squaredNorm();
-    }
-    worst = std::min(worst, 1.0 - left / all);
+  std::vector<Eigen::Index> halves[2], all;
+  for (std::size_t k = 0; k < problem.block.size(); ++k) {
+    all.push_back(static_cast<Eigen::Index>(k));
+    halves[(problem.block[k] / blocks) % 2].push_back(all.back());
   }
-  return worst;
+  return {std::min(explained_of(problem, a, halves[0], halves[1]),
+                   explained_of(problem, a, halves[1], halves[0])),
+          explained_of(problem, a, all, all)};
 }
 
 struct Candidate {
   double shift_s = 0.0;
-  double explained = -std::numeric_limits<double>::infinity();
+  double explained = -std::numeric_limits<double>::infinity();  ///< across the halves
+  double within = 0.0;                                          ///< at most, at any of the shifts
 };
 
 /// The best shift within a second of a centre.
@@ -155,8 +167,12 @@ std::optional<Candidate> best_about(const Context& context, double centre_s, dou
   problem->with_plays = false;
   Candidate best;
   for (double shift = -kBy.most_shift_s; shift <= kBy.most_shift_s + 1e-9; shift += kBy.scan_s) {
-    const double explained = explained_across(*problem, shift);
-    if (explained > best.explained) best = {centre_s + shift, explained};
+    const Explained here = explained_at(*problem, shift);
+    if (here.across > best.explained) {
+      best.shift_s = centre_s + shift;
+      best.explained = here.across;
+    }
+    best.within = std::max(best.within, here.within);
   }
   return best;
 }
@@ -169,7 +185,9 @@ std::optional<ClockSearch> clock_search(const Context& context) {
   if (!near) return std::nullopt;
   ClockSearch found;
   found.as_stamped = near->explained;
-  if (near->explained >= kBy.explained_as_stamped) return found;
+  // A short recording may have too little in either half to predict the other. Where one answer to the inputs
+  // as they are stamped fits all of it, that is no reason to look elsewhere.
+  if (std::max(near->explained, near->within) >= kBy.explained_as_stamped) return found;
   std::vector<const Signal*> signals;
   for (const Signal& signal : context.signals) {
     if (drives(signal)) signals.push_back(&signal);
@@ -180,7 +198,8 @@ std::optional<ClockSearch> clock_search(const Context& context) {
   std::vector<Candidate> candidates;
   for (const Peak& peak :
        peaks_of(activity_of(*tip, bins), activity_of(signals, bins), bins, least_overlap_s)) {
-    if (const auto candidate = best_about(context, peak.shift_s, step_s)) candidates.push_back(*candidate);
+    const auto candidate = best_about(context, peak.shift_s, step_s);
+    if (candidate && std::abs(candidate->shift_s) > kBy.most_shift_s) candidates.push_back(*candidate);
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.explained > b.explained; });

@@ -29,7 +29,7 @@ struct Fit {
 Fit fit(const ClockProblem& problem, const Eigen::MatrixXd& a) {
   // A small ridge: inputs that move together leave the split between them open, not the fit.
   Eigen::MatrixXd normal = a.transpose() * a;
-  normal.diagonal().array() += 1e-8 * (1.0 + normal.diagonal().maxCoeff());
+  normal.diagonal().array() += kPolicy.clocks.ridge * (1e-12 + normal.diagonal().mean());
   Fit result;
   result.coefficients = math::SymmetricSolver(normal).solve_columns(a.transpose() * problem.y);
   result.residual = problem.y - a * result.coefficients;
@@ -59,7 +59,7 @@ ClockShift solve(const ClockProblem& problem) {
     // Change of the model with the shift, less what the coefficients could make of it.
     Eigen::MatrixXd d = slope * now.coefficients;
     Eigen::MatrixXd normal = a.transpose() * a;
-    normal.diagonal().array() += 1e-8 * (1.0 + normal.diagonal().maxCoeff());
+    normal.diagonal().array() += kPolicy.clocks.ridge * (1e-12 + normal.diagonal().mean());
     d -= a * math::SymmetricSolver(normal).solve_columns(a.transpose() * d);
     const double information = d.squaredNorm();
     result.explained = 1.0 - now.cost / std::max(problem.y.squaredNorm(), 1e-300);

@@ -88,20 +88,23 @@ std::string percent(double explained) {
   return fmt::format("{:.0f} %", 100.0 * std::max(0.0, explained));
 }
 
+/// Whether a shift is known to be beyond those that were looked at about the stamps. One that is chance, of
+/// motion that is not the inputs', is hardly pinned to an instant.
+bool is_apart(const std::optional<ClockShift>& fine) {
+  return fine && !fine->too_short && !fine->at_edge &&
+         std::abs(fine->shift_s) - kPolicy.clocks.sds * fine->sd_s > kPolicy.clocks.most_shift_s;
+}
+
 /// Clocks that are apart by more than any lag.
-void say_apart(Context& context, const ClockSearch& search) {
-  const std::optional<ClockShift> fine = clock_shift(context, *search.shift_s);
-  const bool is_fine = fine && !fine->too_short && !fine->at_edge && fine->sd_s < kPolicy.clocks.most_shift_s;
-  const double shift_s = is_fine ? fine->shift_s : *search.shift_s;
+void say_apart(Context& context, const ClockSearch& search, const ClockShift& fine) {
   std::string what = fmt::format(
       "bodies and inputs are of different times: as stamped the inputs explain {} of the motion, but {} "
       "where the "
       "bodies are taken {:.2f} s {}",
-      percent(search.as_stamped), percent(search.explained), std::abs(shift_s),
-      shift_s > 0.0 ? "earlier" : "later");
-  if (is_fine)
-    what += fmt::format(" (95 %: {:.2f} to {:.2f} s)", std::abs(shift_s) - 1.96 * fine->sd_s,
-                        std::abs(shift_s) + 1.96 * fine->sd_s);
+      percent(search.as_stamped), percent(search.explained), std::abs(fine.shift_s),
+      fine.shift_s > 0.0 ? "earlier" : "later");
+  what += fmt::format(" (95 %: {:.2f} to {:.2f} s)", std::abs(fine.shift_s) - 1.96 * fine.sd_s,
+                      std::abs(fine.shift_s) + 1.96 * fine.sd_s);
   if (search.other_s) {
     what += fmt::format("; ambiguous: {} at {:.1f} s {}, as inputs that repeat themselves make it",
                         percent(search.other_explained), std::abs(*search.other_s),
@@ -109,8 +112,8 @@ void say_apart(Context& context, const ClockSearch& search) {
   }
   CheckFinding& finding =
       context.add(search.other_s ? Severity::kWarning : Severity::kSerious, "clocks_apart", "", what);
-  finding.figure = shift_s;
-  if (is_fine) finding.figure_sd = fine->sd_s;
+  finding.figure = fine.shift_s;
+  finding.figure_sd = fine.sd_s;
   finding.unit = "s";
   finding.remedy =
       "two clocks, or two recordings that were begun apart: synchronise them, and shift these stamps";
@@ -118,7 +121,7 @@ void say_apart(Context& context, const ClockSearch& search) {
     finding.remedy += "; a trial with one quick step that is not repeated tells which shift it is";
     return;
   }
-  finding.setting = clock_setting(context, shift_s);
+  finding.setting = clock_setting(context, fine.shift_s);
   if (finding.setting.empty())
     finding.remedy += ". A live frame cannot wait for its inputs so long: record anew, or shift the bag";
 }
@@ -126,8 +129,12 @@ void say_apart(Context& context, const ClockSearch& search) {
 void check_clocks(Context& context) {
   if (context.signals.empty()) return;
   if (const std::optional<ClockSearch> search = clock_search(context)) {
-    context.explained = search->shift_s ? search->explained : search->as_stamped;
-    if (search->shift_s) return say_apart(context, *search);
+    context.explained = search->as_stamped;
+    const auto fine = search->shift_s ? clock_shift(context, *search->shift_s) : std::nullopt;
+    if (is_apart(fine)) {
+      context.explained = search->explained;
+      return say_apart(context, *search, *fine);
+    }
   }
   const std::optional<ClockShift> found = clock_shift(context);
   const auto cannot = [&](const std::string& why) {

@@ -10,23 +10,6 @@
 namespace softarm::check {
 namespace {
 
-/// One "path: value" of a setting.
-struct Step {
-  std::string path, value;
-};
-
-std::vector<Step> steps_of(const std::string& setting) {
-  std::vector<Step> steps;
-  for (std::size_t from = 0; from < setting.size();) {
-    const std::size_t end = std::min(setting.find("; ", from), setting.size()),
-                      colon = setting.find(": ", from);
-    if (colon < end)
-      steps.push_back({setting.substr(from, colon - from), setting.substr(colon + 2, end - colon - 2)});
-    from = end + 2;
-  }
-  return steps;
-}
-
 /// A path is the other's, or leads to it.
 bool holds(const std::string& path, const std::string& other) {
   return other.compare(0, path.size(), path) == 0 &&
@@ -34,7 +17,7 @@ bool holds(const std::string& path, const std::string& other) {
 }
 
 /// Whether a step gives an entry of a list another name, by which others are set.
-bool renames(const Step& step, const std::string& other) {
+bool renames(const SettingStep& step, const std::string& other) {
   const std::size_t end = step.path.rfind("].name");
   return end != std::string::npos && end + 6 == step.path.size() &&
          other.compare(0, end + 1, step.path, 0, end + 1) == 0;
@@ -42,8 +25,8 @@ bool renames(const Step& step, const std::string& other) {
 
 /// Both set one key, to different values.
 bool differ(const std::string& setting, const std::string& other) {
-  for (const Step& a : steps_of(setting)) {
-    for (const Step& b : steps_of(other)) {
+  for (const SettingStep& a : setting_steps(setting)) {
+    for (const SettingStep& b : setting_steps(other)) {
       const bool same = a.path == b.path && a.value == b.value;
       if (!same &&
           (holds(a.path, b.path) || holds(b.path, a.path) || renames(a, b.path) || renames(b, a.path)))
@@ -101,13 +84,12 @@ const CheckFinding* before(const std::vector<CheckFinding>& findings, std::size_
 
 /// How long inputs are held is one number: that of the longest gap.
 void hold_the_longest(std::vector<CheckFinding>& findings) {
-  const std::string longest_of = "inputs.input_max_age_s";
   std::string longest;
   double most_s = 0.0;
   const auto only = [&](const CheckFinding& f) -> std::optional<double> {
-    const std::vector<Step> steps = steps_of(f.setting);
-    return steps.size() == 1 && steps[0].path == longest_of ? math::parse_number(steps[0].value)
-                                                            : std::nullopt;
+    const std::vector<SettingStep> steps = setting_steps(f.setting);
+    return steps.size() == 1 && steps[0].path == kHoldPath ? math::parse_number(steps[0].value)
+                                                           : std::nullopt;
   };
   for (const CheckFinding& f : findings) {
     const auto held_s = only(f);
@@ -121,6 +103,18 @@ void hold_the_longest(std::vector<CheckFinding>& findings) {
 }
 
 }  // namespace
+
+std::vector<SettingStep> setting_steps(const std::string& setting) {
+  std::vector<SettingStep> steps;
+  for (std::size_t from = 0; from < setting.size();) {
+    const std::size_t end = std::min(setting.find("; ", from), setting.size()),
+                      colon = setting.find(": ", from);
+    if (colon < end)
+      steps.push_back({setting.substr(from, colon - from), setting.substr(colon + 2, end - colon - 2)});
+    from = end + 2;
+  }
+  return steps;
+}
 
 void withhold_contradictions(std::vector<CheckFinding>& findings) {
   hold_the_longest(findings);

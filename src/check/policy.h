@@ -96,7 +96,7 @@ struct Policy {
     double least_overlap = 0.25;     ///< the same, of the recording
     double piece_s = 6.0;            ///< every other one is fitted, the others judge
     double ridge = 1e-3;             ///< of a regressor's mean square, against those that a half hardly has
-    double explained_as_stamped = 0.8;  ///< of the motion, across the halves: no other shift is looked for
+    double explained_as_stamped = 0.8;  ///< of the motion, across halves or in all: no other shift counts
     double explained_elsewhere = 0.6;   ///< the same, at a shift that is believed,
     double left_elsewhere = 0.5;        ///< ... and so much at most of what is left as stamped
     double apart_s = 1.5;               ///< shifts closer together are one
@@ -224,6 +224,7 @@ struct Policy {
     std::size_t least_frames = 40;  ///< fewer do not show lasting residuals
     std::size_t most_frames = 300;  ///< that are fitted
     double frames_per_value = 10;   ///< frames of the estimator, ten a second, that are one independent value
+    double worse_fit = 2.0;         ///< times the usual residual of a frame: it is fitted anew
     double off = 1.75e-3;           ///< of the length: a mean residual
     double off_errors = 4.0;        ///< the same, in standard errors
     double slip = 2.5e-3;           ///< of the length: its change

@@ -59,6 +59,24 @@ Eigen::Quaterniond section_at(const estimate::Estimate& estimate, double arcleng
   return section;
 }
 
+bool is_fitted(const estimate::Estimate& e) {
+  return e.status == estimate::Status::kOk || e.status == estimate::Status::kInconsistent;
+}
+
+/// A fit goes on from the last frame's. Where a nearly straight arm came to another shape of the same ends by
+/// that, it would stay there: a frame that fits far worse than usual is fitted from its own shape, too.
+estimate::Estimate best_of(estimate::Estimator& estimator, const trial::Frame& frame, double usual_rms_m) {
+  estimate::Estimate best = estimator.estimate(frame);
+  const bool is_usual =
+      is_fitted(best) && (usual_rms_m == 0.0 || best.rms_residual_m < kPolicy.places.worse_fit * usual_rms_m);
+  if (is_usual) return best;
+  estimator.reset();
+  const estimate::Estimate& anew = estimator.estimate(frame);
+  const bool is_better = is_fitted(anew) && (!is_fitted(best) || anew.rms_residual_m < best.rms_residual_m);
+  if (is_better) best = anew;
+  return best;
+}
+
 }  // namespace
 
 arm::Arm repaired_arm(const Context& context) {
@@ -101,8 +119,8 @@ Residuals residuals_of(const Context& context, const arm::Arm& arm, std::size_t 
   for (std::size_t i = 0; i < frames.size(); i += step) {
     trial::Frame frame = frames[i];
     if (!clean(context, &frame)) continue;
-    const estimate::Estimate& e = estimator.estimate(frame);
-    if (e.status != estimate::Status::kOk && e.status != estimate::Status::kInconsistent) continue;
+    const estimate::Estimate e = best_of(estimator, frame, math::median(result.rms_m));
+    if (!is_fitted(e)) continue;
     if (e.residuals.size() < kPolicy.places.least_bodies && with_sections) continue;
     if (e.residuals.empty() || !std::isfinite(e.rms_residual_m)) continue;
     result.rms_m.push_back(e.rms_residual_m);

@@ -37,6 +37,20 @@ std::string in_unit(const ZeroAtRest& zero, double level);
 /// it.
 std::string clock_setting(const Context& context, double ahead_s);
 
+/// How long an input may be held: of several proposals the longest.
+inline constexpr char kHoldPath[] = "inputs.input_max_age_s";
+
+/// One "path: value" of a setting.
+struct SettingStep {
+  std::string path, value;
+};
+std::vector<SettingStep> setting_steps(const std::string& setting);
+
+/// What several recordings propose for one key, to different values, becomes one setting in all of them: the
+/// median, or none where figures differ by more than their standard deviations, or are no numbers.
+/// @return a line for each: `pooled_setting` or `settings_differ`
+std::vector<CheckFinding> pool_settings(std::vector<CheckReport>& reports);
+
 /// Of settings that cannot all be followed, as they set one key or the one rests on what the other repairs,
 /// only the first is left; the remedies of the others say when to look again.
 /// @param findings most serious first

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "math/statistics.h"
 #include "settings.h"
@@ -115,6 +116,7 @@ std::vector<CheckFinding> check_together(std::vector<CheckReport>& reports) {
     findings.push_back(common_zero(zeros, math::median(raw), spread));
     propose(reports, input, "the common zero of all these recordings", findings.back().setting);
   }
+  for (CheckFinding& finding : pool_settings(reports)) findings.push_back(std::move(finding));
   return findings;
 }
 

@@ -8,30 +8,42 @@
 namespace softarm::check {
 namespace {
 
+struct LengthUnit {
+  const char* name;
+  double metres;
+  bool named;  ///< arm file and layout know it
+};
+constexpr LengthUnit kLengthUnits[] = {
+    {"mm", 1e-3, true}, {"cm", 1e-2, true}, {"m", 1.0, true}, {"inch", 0.0254, false}};
+
 void check_units(Context& context) {
   const auto ratio = length_ratio(places_in(context, shape_span(context)));
   if (!ratio || (*ratio > kPolicy.geometry.least_ratio && *ratio < kPolicy.geometry.most_ratio)) return;
-  struct Unit {
-    const char* name;
-    double metres;
-    const char* remedy;
-  };
-  constexpr Unit kUnits[] = {{"mm", 1e-3, "mm"}, {"cm", 1e-2, "cm"}, {"m", 1.0, "m"}, {"inch", 0.0254, ""}};
-  const double now = context.arm.inputs.bodies.scale_to_m;
+  // An import writes metres. Where the arm file takes them so, the layout is wrong.
+  const double arm_unit_m = context.arm.inputs.bodies.scale_to_m;
+  const bool of_layout = context.layout && arm_unit_m == 1.0;
+  const double now = of_layout ? context.layout->position_scale_to_m : arm_unit_m;
   CheckFinding& finding =
       context.add("length_unit", "",
                   fmt::format("base and bodies lie {:.3g} times as far apart as the arm file says", *ratio));
   finding.figure = *ratio;
   finding.unit = "1";
-  for (const Unit& unit : kUnits) {
+  for (const LengthUnit& unit : kLengthUnits) {
     const double corrected = *ratio * unit.metres / now;
     if (!(corrected > kPolicy.geometry.least_unit && corrected < kPolicy.geometry.most_unit) ||
         unit.metres == now)
       continue;
-    finding.what += fmt::format(": positions are in {}", unit.name);
-    finding.remedy = *unit.remedy ? "name the unit of the positions in the arm file"
-                                  : "let the driver publish metres; inches cannot be named";
-    if (*unit.remedy) finding.setting = fmt::format("inputs.bodies.unit: {}", unit.remedy);
+    finding.what += fmt::format(": positions {} in {}", of_layout ? "of the import were" : "are", unit.name);
+    if (!unit.named) {
+      finding.remedy = of_layout ? "convert the positions to mm before the import; inches cannot be named"
+                                 : "let the driver publish metres; inches cannot be named";
+    } else if (of_layout) {
+      finding.remedy = "name the unit of the positions in the layout, and import again";
+      finding.setting = fmt::format("mocap.unit: {} (of the layout)", unit.name);
+    } else {
+      finding.remedy = "name the unit of the positions in the arm file";
+      finding.setting = fmt::format("inputs.bodies.unit: {}", unit.name);
+    }
     return;
   }
   finding.remedy =

@@ -42,6 +42,7 @@ CsvFormat read_format(const CsvLayoutMap& m) {
              "quotes)");
   }
   format.header = m.flag("header", false);
+  format.units_row = m.flag("units_row", false);
   format.skip_lines = static_cast<int>(m.number("skip_lines", 0.0, 0, 10000));
   return format;
 }
@@ -169,7 +170,7 @@ void read_payload(const CsvLayoutMap& top, CsvLayout& layout) {
 
 bool may_separate(char c) {
   const auto letter = static_cast<unsigned char>(c);
-  return !std::isalnum(letter) && std::string("+-.\"#").find(c) == std::string::npos;
+  return !std::isalnum(letter) && std::string("+-.\"").find(c) == std::string::npos;
 }
 
 CsvLayout parse_csv_layout(const std::string& text, const std::string& source) {
@@ -180,17 +181,17 @@ CsvLayout parse_csv_layout(const std::string& text, const std::string& source) {
     throw CsvError(fmt::format("{}:{}: not YAML: {}", source, e.mark.line + 1, e.msg));
   }
   const CsvLayoutMap top(document, source, "",
-                         {"separator", "decimal", "header", "skip_lines", "time", "trial", "join", "mocap",
-                          "pressures", "angles", "tensions", "payload"});
+                         {"separator", "decimal", "header", "units_row", "skip_lines", "time", "trial",
+                          "join", "mocap", "pressures", "angles", "tensions", "payload"});
   CsvLayout layout;
   layout.format = read_format(top);
   read_time(top.map("time", {"column", "unit", "period_s", "start_stamp_s"}), layout);
   if (top.has("trial"))
     layout.trial_column = top.map("trial", {"column"}).column("column", layout.format.header);
   if (top.has("join")) {
-    layout.join =
-        read_join(top.map("join", {"id", "inputs_id", "separator", "decimal", "header", "skip_lines"}),
-                  layout.format.header);
+    layout.join = read_join(
+        top.map("join", {"id", "inputs_id", "separator", "decimal", "header", "units_row", "skip_lines"}),
+        layout.format.header);
   }
   read_mocap(top.map("mocap", {"unit", "up", "ahead_s", "drop_repeated", "bodies"}), layout);
   std::set<std::string> topics;

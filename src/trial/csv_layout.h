@@ -27,7 +27,8 @@ struct CsvFormat {
   char separator = ',';  ///< ' ' stands for any white space
   char decimal = '.';
   bool header = false;
-  int skip_lines = 0;  ///< lines before the header (or the data)
+  bool units_row = false;  ///< a line of units stands below the header (or before the data)
+  int skip_lines = 0;      ///< lines before the header (or the data)
 };
 
 /// Whether a layout may name this character as a separator: one that is no part of a number.

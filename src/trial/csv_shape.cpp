@@ -9,6 +9,7 @@
 #include <set>
 
 #include "csv_table.h"
+#include "csv_units.h"
 #include "math/statistics.h"
 
 namespace softarm::trial {
@@ -99,25 +100,52 @@ CsvFormat find_format(const std::string& path) {
   return best;
 }
 
-/// Lines to pass over before the header, or the data.
+/// A line of text before the data.
+struct TextLine {
+  std::uint64_t number = 0;
+  std::vector<std::string> cells;
+  bool is_comment = false, fits = false;  ///< fits: has as many cells as the data
+};
+
+constexpr std::size_t kMostText = 50;  // lines before the data in which a header is looked for
+
+std::vector<TextLine> lines_before_data(CsvTable& table) {
+  std::vector<TextLine> lines;
+  std::vector<std::size_t> lengths;
+  while (table.next_line()) {
+    if (!table.is_comment() && is_data(table)) break;
+    lengths.push_back(cells_in(table));
+    lines.push_back({table.line(), table.cells(), table.is_comment(), false});
+    if (lines.size() > kMostText) {
+      lines.erase(lines.begin());
+      lengths.erase(lengths.begin());
+    }
+  }
+  for (std::size_t i = 0; i < lines.size(); ++i) lines[i].fits = lengths[i] == cells_in(table);
+  return lines;
+}
+
+/// The header, the row of units below it, and the lines to pass over before them, or before the data. A
+/// header may be a comment, where it is the last.
 void find_header(const std::string& path, CsvFormat* format) {
   CsvTable table(path, *format);
-  std::uint64_t before_line = 0;
-  std::size_t before_cells = 0;
-  bool junk = false;
-  while (table.next()) {
-    if (is_data(table)) {
-      format->header = before_line > 0 && before_cells == cells_in(table);
-      if (format->header)
-        format->skip_lines = static_cast<int>(before_line) - 1;
-      else if (junk)
-        format->skip_lines = static_cast<int>(table.line()) - 1;
-      return;
-    }
-    junk = true;
-    before_line = table.line();
-    before_cells = cells_in(table);
+  const std::vector<TextLine> lines = lines_before_data(table);
+  const auto last_text =
+      std::find_if(lines.rbegin(), lines.rend(), [](const TextLine& l) { return !l.is_comment; });
+  const bool of_text = last_text != lines.rend() && last_text->fits;
+  if (!of_text && (lines.empty() || !lines.back().fits)) {
+    if (last_text != lines.rend()) format->skip_lines = static_cast<int>(table.line()) - 1;
+    return;
   }
+  std::size_t at = of_text ? static_cast<std::size_t>(lines.rend() - last_text) - 1 : lines.size() - 1;
+  const auto units_below = [&](std::size_t i) {
+    return i + 1 < lines.size() && lines[i + 1].fits && lines[i + 1].number == lines[i].number + 1 &&
+           is_units_row(lines[i + 1].cells) && !is_units_row(lines[i].cells);
+  };
+  if (at > 0 && lines[at - 1].fits && units_below(at - 1)) --at;
+  format->header = true;
+  format->units_row = units_below(at);
+  format->skip_lines = static_cast<int>(lines[at].number) - 1;
 }
 
 void summarise(CsvNumbers* column) {
@@ -155,6 +183,9 @@ CsvShape read_shape(const std::string& path) {
       shape.columns.resize(cells_in(table));
       for (std::size_t c = 0; c < shape.columns.size() && c < table.header().size(); ++c)
         shape.columns[c].name = table.header()[c];
+      for (std::size_t c = 0; c < shape.columns.size(); ++c)
+        shape.columns[c].unit =
+            c < table.units().size() ? csv_unit(table.units()[c]) : unit_in_brackets(shape.columns[c].name);
     }
     ++shape.rows;
     for (std::size_t c = 0; c < shape.columns.size(); ++c) {

@@ -12,6 +12,7 @@ namespace softarm::trial {
 /// The numbers of one column; NaN where a row has none.
 struct CsvNumbers {
   std::string name;  ///< of the header; empty without
+  std::string unit;  ///< of the row of units, or in brackets in the name, as csv_unit; empty without
   std::vector<double> values;
 
   // Of the finite ones:

@@ -84,9 +84,25 @@ CsvTable::CsvTable(std::string path, const CsvFormat& format)
   look_at_start();
   std::string line;
   for (int i = 0; i < format_.skip_lines && get_line(line); ++i) continue;
-  if (format_.header && get_line(line)) {
-    split(line, format_.separator, header_);
-  }
+  if (format_.header) header_ = line_of_words();
+  if (format_.units_row) units_ = line_of_words();
+}
+
+std::vector<std::string> CsvTable::line_of_words() {
+  std::vector<std::string> words;
+  std::string line;
+  if (!get_line(line)) return words;
+  take_mark(line);
+  split(line, format_.separator, words);
+  return words;
+}
+
+/// Takes the mark of a comment off a line. @return whether it had one
+bool CsvTable::take_mark(std::string& line) const {
+  const std::size_t from = line.find_first_not_of(" \t");
+  if (format_.separator == '#' || from == std::string::npos || line[from] != '#') return false;
+  line.erase(0, line.find_first_not_of("# \t", from));
+  return true;
 }
 
 void CsvTable::look_at_start() {
@@ -109,7 +125,9 @@ bool CsvTable::get_line(std::string& line) {
 }
 
 std::size_t CsvTable::resolve(const CsvColumn& column) const {
-  const auto found = std::find(header_.begin(), header_.end(), column.label);
+  auto found = std::find(header_.begin(), header_.end(), column.label);
+  if (std::string label = column.label; found == header_.end() && !header_.empty() && take_mark(label))
+    found = header_.front() == label ? header_.begin() : header_.end();  // named with its mark: "# t"
   if (found != header_.end()) return static_cast<std::size_t>(found - header_.begin());
   std::size_t index = 0;
   const char* last = column.label.data() + column.label.size();
@@ -123,8 +141,16 @@ std::size_t CsvTable::resolve(const CsvColumn& column) const {
 }
 
 bool CsvTable::next() {
+  while (next_line()) {
+    if (!is_comment_) return true;
+  }
+  return false;
+}
+
+bool CsvTable::next_line() {
   for (std::string line; get_line(line);) {
-    if (line.empty() || line.front() == '#' || boost::all(line, boost::is_space())) continue;
+    if (boost::all(line, boost::is_space())) continue;
+    is_comment_ = take_mark(line);
     split(line, format_.separator, cells_);
     return true;
   }

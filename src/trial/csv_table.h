@@ -17,8 +17,10 @@ struct CsvBadRow {
   std::string what;
 };
 
-/// Rows of data of one file, after its header. Blank lines and those that start with # are passed over. Lines
-/// end in LF, CR LF or, where a file has no LF, in CR.
+/// Rows of data of one file, after its header. Blank lines and comments are passed over: lines that start
+/// with
+/// #, unless that is the separator. A header may be a comment, as gnuplot and numpy write it. Lines end in
+/// LF, CR LF or, where a file has no LF, in CR.
 class CsvTable {
  public:
   /// @throws CsvError if it cannot be read, or is no text of single bytes or UTF-8
@@ -30,6 +32,9 @@ class CsvTable {
 
   /// Goes to the next row of data. @return false at the end @throws CsvError where reading fails
   bool next();
+  /// Goes to the next line that is not blank, comments too, without their mark. @return, throws as next()
+  bool next_line();
+  bool is_comment() const { return is_comment_; }
   const std::vector<std::string>& cells() const { return cells_; }
 
   /// Text of a cell of this row. @throws CsvBadRow where the row is too short
@@ -39,6 +44,7 @@ class CsvTable {
   std::optional<double> number(std::size_t column) const;
 
   const std::vector<std::string>& header() const { return header_; }  ///< empty without one
+  const std::vector<std::string>& units() const { return units_; }    ///< as written; empty without them
   const std::string& path() const { return path_; }
   std::uint64_t line() const { return line_; }    ///< of this row, from 1
   std::uint64_t bytes() const { return bytes_; }  ///< read so far
@@ -46,12 +52,15 @@ class CsvTable {
  private:
   void look_at_start();
   bool get_line(std::string& line);
+  std::vector<std::string> line_of_words();
+  bool take_mark(std::string& line) const;
 
   std::string path_;
   CsvFormat format_;
   std::ifstream file_;
   char line_end_ = '\n';
-  std::vector<std::string> header_, cells_;
+  std::vector<std::string> header_, units_, cells_;
+  bool is_comment_ = false;
   std::uint64_t line_ = 0, bytes_ = 0;
 };
 

@@ -7,16 +7,14 @@
 #include <boost/algorithm/string.hpp>
 #include <cctype>
 #include <cmath>
-#include <limits>
 #include <optional>
 
+#include "guess_poses.h"
 #include "math/statistics.h"
 
 namespace softarm::trial {
 namespace {
 
-constexpr double kUnitNorm = 5e-3, kUnitShare = 0.95;  // rows whose four numbers are a unit quaternion
-constexpr std::size_t kFewValues = 5;
 constexpr double kDominates = 0.9;  // mean size of w where a rigid body was aligned with the room's axes
 constexpr double kAligned = 0.8, kBetterAligned = 0.3;  // cosines of a right order, and over the wrong one's
 constexpr double kLeastTurn = 0.02, kMostTurn = 1.5;  // rad: what says something, and what may be turned over
@@ -26,171 +24,6 @@ constexpr double kStill = 0.02;     // of the arm's extent: a mount moves by les
 constexpr double kMovesMore = 2.0;  // times: a tip against a mount
 constexpr double kRepeats = 0.05;   // share of rows whose poses repeat the last: worth dropping
 constexpr double kUpright = 2.0;    // times as far along one axis as along the others
-
-const std::vector<double>& values(const LayoutGuess& guess, std::size_t column) {
-  return guess.shape.columns[column].values;
-}
-
-/// By how much four columns are off a unit quaternion, rms; nothing where they are none.
-std::optional<double> off_unit(const LayoutGuess& guess, const std::set<std::size_t>& used,
-                               std::size_t first) {
-  // Constants such as 0, 0, 0, 1 are anything; what cameras see has noise.
-  bool varies = false;
-  for (std::size_t c = first; c < first + 4; ++c) {
-    if (used.count(c)) return std::nullopt;
-    varies = varies || guess.shape.columns[c].distinct >= kFewValues;
-  }
-  if (!varies) return std::nullopt;
-  std::size_t unit = 0, seen = 0;
-  double squares = 0.0;
-  for (std::size_t row = 0; row < guess.shape.rows; ++row) {
-    double norm2 = 0.0;
-    for (std::size_t c = first; c < first + 4; ++c) norm2 += values(guess, c)[row] * values(guess, c)[row];
-    if (!std::isfinite(norm2) || norm2 == 0.0) continue;  // a lost body
-    const double off = std::sqrt(norm2) - 1.0;
-    ++seen;
-    if (std::abs(off) > kUnitNorm) continue;
-    ++unit;
-    squares += off * off;
-  }
-  if (seen == 0 || static_cast<double>(unit) < kUnitShare * static_cast<double>(seen)) return std::nullopt;
-  return std::sqrt(squares / static_cast<double>(unit));
-}
-
-/// The name without the one letter that says which axis it is; empty where it says none.
-std::string stem_of(const std::string& name, char axis) {
-  const std::string lower = boost::to_lower_copy(name);
-  for (std::size_t i = lower.size(); i-- > 0;) {
-    const auto letter = [&](std::size_t k) {
-      return k < lower.size() && std::isalpha(static_cast<unsigned char>(lower[k]));
-    };
-    if (lower[i] != axis || (i > 0 && letter(i - 1)) || letter(i + 1)) continue;
-    return lower.substr(0, i) + "*" + lower.substr(i + 1);
-  }
-  // "tipX", "posx"
-  if (lower.size() > 1 && lower.back() == axis) return lower.substr(0, lower.size() - 1) + "*";
-  return "";
-}
-
-bool is_named_triple(const LayoutGuess& guess, std::size_t first) {
-  const auto& columns = guess.shape.columns;
-  const std::string stem = stem_of(columns[first].name, 'x');
-  return !stem.empty() && stem == stem_of(columns[first + 1].name, 'y') &&
-         stem == stem_of(columns[first + 2].name, 'z');
-}
-
-bool are_free(const LayoutGuess& guess, const std::set<std::size_t>& used, std::size_t first) {
-  if (first + 3 > guess.shape.columns.size()) return false;
-  for (std::size_t c = first; c < first + 3; ++c) {
-    if (used.count(c) || guess.shape.columns[c].count == 0) return false;
-  }
-  return true;
-}
-
-/// A point goes evenly from row to row: neither in the steps of a converter nor in those of a command.
-bool is_point(const LayoutGuess& guess, std::size_t first) {
-  for (std::size_t c = first; c < first + 3; ++c) {
-    const CsvNumbers& column = guess.shape.columns[c];
-    if (static_cast<double>(column.distinct) < 0.02 * static_cast<double>(guess.shape.rows) &&
-        column.distinct > 1)
-      return false;
-  }
-  return guess.shape.columns[first].distinct + guess.shape.columns[first + 1].distinct > 2;
-}
-
-GuessedBody body_at(std::size_t position, const std::vector<std::size_t>& orientation, std::string why) {
-  GuessedBody body;
-  if (position != std::numeric_limits<std::size_t>::max())
-    body.position = {position, position + 1, position + 2};
-  body.orientation = orientation;
-  body.why = std::move(why);
-  return body;
-}
-
-std::vector<std::size_t> four_from(std::size_t first) {
-  return {first, first + 1, first + 2, first + 3};
-}
-
-/// The first columns of all quaternions, which are used then. A place 1.00 m up and three small numbers are
-/// nearly a unit quaternion, too: of those that overlap the nearest to one counts.
-std::vector<std::size_t> take_quaternions(const LayoutGuess& guess, std::set<std::size_t>* used) {
-  std::vector<std::pair<double, std::size_t>> candidates;
-  for (std::size_t c = 0; c + 4 <= guess.shape.columns.size(); ++c) {
-    if (const auto off = off_unit(guess, *used, c)) candidates.emplace_back(*off, c);
-  }
-  std::sort(candidates.begin(), candidates.end());
-  std::vector<std::size_t> quaternions;
-  for (const auto& [off, c] : candidates) {
-    const std::vector<std::size_t> four = four_from(c);
-    if (std::any_of(four.begin(), four.end(), [&](std::size_t k) { return used->count(k) > 0; })) continue;
-    quaternions.push_back(c);
-    used->insert(four.begin(), four.end());
-  }
-  std::sort(quaternions.begin(), quaternions.end());
-  return quaternions;
-}
-
-/// Positions by their names, which differ in x, y and z.
-std::vector<std::size_t> named_positions(const LayoutGuess& guess, const std::set<std::size_t>& used) {
-  std::vector<std::size_t> positions;
-  for (std::size_t c = 0; c + 3 <= guess.shape.columns.size(); ++c) {
-    if (!are_free(guess, used, c) || !is_named_triple(guess, c)) continue;
-    positions.push_back(c);
-    c += 2;
-  }
-  return positions;
-}
-
-void add_named(LayoutGuess* guess, const std::vector<std::size_t>& positions,
-               const std::vector<std::size_t>& quaternions) {
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    const std::size_t p = positions[i];
-    std::optional<std::size_t> of_it;
-    if (quaternions.size() == positions.size()) {
-      of_it = quaternions[i];  // each after its position, or all of them after all positions
-    } else {
-      for (const std::size_t q : quaternions) {
-        if (q == p + 3 || q + 4 == p) of_it = q;
-      }
-    }
-    guess->bodies.push_back(body_at(
-        p, of_it ? four_from(*of_it) : std::vector<std::size_t>{},
-        of_it ? "names that differ in x, y, z, and a unit quaternion" : "names that differ in x, y, z"));
-  }
-}
-
-/// Poses: quaternions, and the positions that belong to them.
-void add_poses(LayoutGuess* guess, std::set<std::size_t>* used) {
-  const std::vector<std::size_t> quaternions = take_quaternions(*guess, used);
-  const std::vector<std::size_t> positions = named_positions(*guess, *used);
-  if (!positions.empty()) {
-    add_named(guess, positions, quaternions);
-  } else {
-    for (const std::size_t q : quaternions) {
-      const bool before = q >= 3 && are_free(*guess, *used, q - 3);
-      if (!before && !are_free(*guess, *used, q + 4)) continue;
-      guess->bodies.push_back(body_at(before ? q - 3 : q + 4, four_from(q),
-                                      before ? "a unit quaternion, and the three columns before it"
-                                             : "a unit quaternion, and the three columns after it"));
-      used->insert(guess->bodies.back().position.begin(), guess->bodies.back().position.end());
-    }
-  }
-  for (const GuessedBody& body : guess->bodies) used->insert(body.position.begin(), body.position.end());
-}
-
-/// Without names and quaternions: three by three, from the first that moves like a point on.
-void add_points(LayoutGuess* guess, std::set<std::size_t>* used) {
-  for (std::size_t c = 0; c + 3 <= guess->shape.columns.size(); ++c) {
-    const bool is_named = !guess->shape.columns[c].name.empty();
-    if (is_named || !are_free(*guess, *used, c) || !is_point(*guess, c)) {
-      if (!guess->bodies.empty() && !is_named) break;  // bodies come together
-      continue;
-    }
-    guess->bodies.push_back(body_at(c, {}, "CHECK: three neighbouring columns without names"));
-    for (std::size_t k = c; k < c + 3; ++k) used->insert(k);
-    c += 2;
-  }
-}
 
 Eigen::Vector3d place(const LayoutGuess& guess, const GuessedBody& body, std::size_t row) {
   return {values(guess, body.position[0])[row], values(guess, body.position[1])[row],
@@ -278,6 +111,17 @@ void guess_order(LayoutGuess* guess, std::size_t b) {
   body.order = {"", "xyzw or wxyz: neither the header nor the numbers tell"};
 }
 
+/// The one that all columns of positions have; empty where there is none.
+std::string said_length_unit(const LayoutGuess& guess) {
+  std::set<std::string> units;
+  for (const GuessedBody& body : guess.bodies) {
+    for (const std::size_t c : body.position) units.insert(guess.shape.columns[c].unit);
+  }
+  const bool known =
+      units.size() == 1 && (*units.begin() == "m" || *units.begin() == "cm" || *units.begin() == "mm");
+  return known ? *units.begin() : "";
+}
+
 void guess_unit(LayoutGuess* guess, double extent) {
   double farthest = 0.0;
   for (const GuessedBody& body : guess->bodies)
@@ -285,7 +129,10 @@ void guess_unit(LayoutGuess* guess, double extent) {
   const double size = extent > 0.0 ? extent : farthest;
   const std::string what =
       fmt::format("the bodies lie {:.3g} apart, {:.3g} from the origin", extent, farthest);
-  if (size > kFarM || farthest > kFarM * 5.0)
+  const std::string said = said_length_unit(*guess);
+  if (!said.empty())
+    guess->length_unit = {said, "as the header says"};
+  else if (size > kFarM || farthest > kFarM * 5.0)
     guess->length_unit = {"mm", what};
   else if (size > kNearM && size < kFarM / 10.0)
     guess->length_unit = {"m", what};
@@ -309,7 +156,94 @@ void guess_up(LayoutGuess* guess, const Eigen::Vector3d& along) {
   }
 }
 
-void name_bodies(LayoutGuess* guess, double extent) {
+/// The body's columns have this word in their names.
+bool is_called(const LayoutGuess& guess, const GuessedBody& body, const std::string& word) {
+  const std::string name = boost::to_lower_copy(guess.shape.columns[body.position[0]].name);
+  const auto letter = [&](std::size_t i) {
+    return i < name.size() && std::isalpha(static_cast<unsigned char>(name[i]));
+  };
+  const std::size_t at = name.find(word);
+  return at != std::string::npos && (at == 0 || !letter(at - 1)) && !letter(at + word.size());
+}
+
+bool is_called_mount(const LayoutGuess& guess, const GuessedBody& body) {
+  return is_called(guess, body, "base") || is_called(guess, body, "mount") ||
+         is_called(guess, body, "origin");
+}
+
+double extent_of(const LayoutGuess& guess) {
+  double extent = 0.0;
+  for (const GuessedBody& a : guess.bodies) {
+    for (const GuessedBody& b : guess.bodies)
+      extent = std::max(extent, (mean_place(guess, a) - mean_place(guess, b)).norm());
+  }
+  return extent;
+}
+
+/// The body that carries the arm: one that is called so, else the only one that is constant, or stands still.
+std::optional<std::size_t> find_mount(const LayoutGuess& guess) {
+  for (const char* word : {"base", "mount", "origin"}) {
+    for (std::size_t b = 0; b < guess.bodies.size(); ++b) {
+      if (is_called(guess, guess.bodies[b], word)) return b;
+    }
+  }
+  if (guess.bodies.size() < 2) return std::nullopt;
+  for (const double most : {0.0, kStill * extent_of(guess)}) {
+    std::vector<std::size_t> still;
+    for (std::size_t b = 0; b < guess.bodies.size(); ++b) {
+      if (motion(guess, guess.bodies[b]) <= most) still.push_back(b);
+    }
+    if (still.size() == 1) return still.front();
+  }
+  return std::nullopt;
+}
+
+/// Constants that are called a mount, or have no noise, beside the mount: no rings.
+void leave_out_fixed(LayoutGuess* guess) {
+  const double still = kStill * extent_of(*guess);
+  for (std::size_t b = guess->bodies.size(); b-- > 1;) {
+    const GuessedBody& body = guess->bodies[b];
+    const double moves = motion(*guess, body);
+    if (moves > 0.0 && !(is_called_mount(*guess, body) && moves < still)) continue;
+    const std::string& name = guess->shape.columns[body.position[0]].name;
+    guess->not_used.push_back(
+        fmt::format("pose from {}: stands still beside the base, no ring on the arm",
+                    name.empty() ? fmt::format("column {}", body.position[0] + 1) : name));
+    guess->bodies.erase(guess->bodies.begin() + static_cast<std::ptrdiff_t>(b));
+  }
+}
+
+/// From base to tip. @return whether the first is known to be the mount
+bool put_in_order(LayoutGuess* guess) {
+  std::vector<GuessedBody>& bodies = guess->bodies;
+  std::stable_sort(bodies.begin(), bodies.end(),
+                   [](const GuessedBody& a, const GuessedBody& b) { return a.position < b.position; });
+  const auto mount = find_mount(*guess);
+  if (!mount) {
+    const double first = motion(*guess, bodies.front()), last = motion(*guess, bodies.back());
+    const double apart = (mean_place(*guess, bodies.back()) - mean_place(*guess, bodies.front())).norm();
+    if (first > kStill * apart && first > kMovesMore * last) {
+      std::reverse(bodies.begin(), bodies.end());
+      for (GuessedBody& body : bodies) body.why += "; the file begins with the tip, which moves most";
+    }
+    return false;
+  }
+  std::rotate(bodies.begin(), bodies.begin() + static_cast<std::ptrdiff_t>(*mount),
+              bodies.begin() + static_cast<std::ptrdiff_t>(*mount) + 1);
+  leave_out_fixed(guess);
+  const auto from_base = [&](const GuessedBody& body) {
+    return (mean_place(*guess, body) - mean_place(*guess, bodies.front())).norm();
+  };
+  if (bodies.size() > 2 && from_base(bodies[1]) > from_base(bodies.back())) {
+    std::reverse(bodies.begin() + 1, bodies.end());
+    for (std::size_t b = 1; b < bodies.size(); ++b)
+      bodies[b].why += "; the file begins with the tip, which is farther from the base";
+  }
+  return true;
+}
+
+void name_bodies(LayoutGuess* guess, bool has_mount) {
+  const double extent = extent_of(*guess);
   std::size_t still = 0;
   while (still < guess->bodies.size() && motion(*guess, guess->bodies[still]) < kStill * extent) ++still;
   if (still == guess->bodies.size()) still = 0;
@@ -317,9 +251,11 @@ void name_bodies(LayoutGuess* guess, double extent) {
   for (std::size_t b = 0; b < guess->bodies.size(); ++b) {
     GuessedBody& body = guess->bodies[b];
     const bool last = b + 1 == guess->bodies.size();
-    if (b == 0 && still > 0) {
+    if (b == 0 && (has_mount || still > 0)) {
       body.name = "base";
-      body.why += "; it does not move";
+      body.why += is_called_mount(*guess, body) ? "; it is called so" : "; it does not move";
+      if (body.orientation.empty())
+        body.why += "; without orientation: give it a fixed_orientation, or the arm file a fixed base";
       continue;
     }
     body.name = last ? "tip" : fmt::format("ring_{}", ++ring);
@@ -347,22 +283,13 @@ void find_repeats(LayoutGuess* guess) {
 }  // namespace
 
 void find_bodies(LayoutGuess* guess, std::set<std::size_t>* used) {
-  add_poses(guess, used);
-  if (guess->bodies.empty()) add_points(guess, used);
+  find_poses(guess, used);
   if (guess->bodies.empty()) {
     guess->length_unit.why = "m, cm or mm";
     guess->up.why = "z or y";
     return;
   }
-  std::stable_sort(guess->bodies.begin(), guess->bodies.end(),
-                   [](const GuessedBody& a, const GuessedBody& b) { return a.position < b.position; });
-  const double first_m = motion(*guess, guess->bodies.front()), last_m = motion(*guess, guess->bodies.back());
-  const double apart_m =
-      (mean_place(*guess, guess->bodies.back()) - mean_place(*guess, guess->bodies.front())).norm();
-  if (first_m > kStill * apart_m && first_m > kMovesMore * last_m) {
-    std::reverse(guess->bodies.begin(), guess->bodies.end());
-    for (GuessedBody& body : guess->bodies) body.why += "; the file begins with the tip, which moves most";
-  }
+  const bool has_mount = put_in_order(guess);
   const Eigen::Vector3d along =
       mean_place(*guess, guess->bodies.back()) - mean_place(*guess, guess->bodies.front());
   for (std::size_t b = 0; b < guess->bodies.size(); ++b) {
@@ -370,7 +297,7 @@ void find_bodies(LayoutGuess* guess, std::set<std::size_t>* used) {
   }
   guess_unit(guess, along.norm());
   guess_up(guess, along);
-  name_bodies(guess, along.norm());
+  name_bodies(guess, has_mount);
   find_repeats(guess);
 }
 

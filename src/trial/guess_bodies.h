@@ -1,4 +1,4 @@
-// Which columns are poses: part of the guess of a layout.
+// Which poses are the arm's bodies, from base to tip: part of the guess of a layout.
 #pragma once
 
 #include <cstddef>

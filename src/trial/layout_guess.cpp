@@ -47,13 +47,26 @@ std::string unit_in(const std::string& name, const std::vector<std::string>& uni
   return found;
 }
 
+bool is_one_of(const std::vector<std::string>& units, const std::string& unit) {
+  return std::find(units.begin(), units.end(), unit) != units.end();
+}
+
+/// A unit that the row of units says, or the name; empty where it is none of these.
+std::string said_unit(const CsvNumbers& column, const std::vector<std::string>& units) {
+  return is_one_of(units, column.unit) ? column.unit : unit_in(column.name, units);
+}
+
+const std::vector<std::string> kTimes{"s", "ms", "us", "ns"},
+    kPressures{"Pa", "hPa", "kPa", "MPa", "mbar", "bar", "psi"}, kAngles{"rad", "deg"},
+    kForces{"N", "mN", "kgf", "gf"};
+
 std::string label(const LayoutGuess& guess, std::size_t column) {
   const std::string& name = guess.shape.columns[column].name;
   return name.empty() ? fmt::format("column {}", column + 1) : name;
 }
 
 Guess time_unit(const CsvNumbers& column) {
-  const std::string said = unit_in(column.name, {"s", "ms", "us", "ns", "sec", "nsec", "usec", "msec"});
+  const std::string said = said_unit(column, {"s", "ms", "us", "ns", "sec", "nsec", "usec", "msec"});
   static const std::vector<std::pair<std::string, double>> kUnits{
       {"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}};
   if (!said.empty()) return {said == "sec" ? "s" : said.substr(0, said.find("ec")), "as the header says"};
@@ -78,15 +91,15 @@ void find_time(LayoutGuess* guess, std::set<std::size_t>* used) {
   };
   std::stable_sort(rising.begin(), rising.end(), [&](std::size_t a, std::size_t b) {
     const auto rank = [&](std::size_t c) {
-      return (named(columns[c], {"time", "stamp", "sec"}) ? 0 : 2) + (is_counter(c) ? 1 : 0);
+      const bool said = named(columns[c], {"time", "stamp", "sec"}) || is_one_of(kTimes, columns[c].unit);
+      return (said ? 0 : 2) + (is_counter(c) ? 1 : 0);
     };
     return rank(a) < rank(b);
   });
   if (!rising.empty()) {
     guess->time = rising.front();
     used->insert(rising.begin(), rising.end());
-    guess->counts_samples =
-        is_counter(*guess->time) && unit_in(columns[*guess->time].name, {"s", "ms", "us", "ns"}).empty();
+    guess->counts_samples = is_counter(*guess->time) && said_unit(columns[*guess->time], kTimes).empty();
     if (!guess->counts_samples) guess->time_unit = time_unit(columns[*guess->time]);
     for (const double s : {1.0, 1e-3, 1e-6, 1e-9}) {
       const double first_s = columns[*guess->time].values.front() * s;
@@ -130,15 +143,14 @@ struct PressureUnit {
   const char* name;
   double pa;
 };
-constexpr std::array<PressureUnit, 4> kUsual{
+constexpr std::array<PressureUnit, 4> kUsualPressures{
     {{"Pa", 1.0}, {"kPa", 1e3}, {"bar", 1e5}, {"psi", 6894.757293168}}};
 
 void guess_pressure_unit(const LayoutGuess& guess, GuessedInputs* pressures) {
   const Range range = range_of(guess, pressures->inputs);
-  const std::string said = unit_in(guess.shape.columns[pressures->inputs.front().column].name,
-                                   {"Pa", "hPa", "kPa", "MPa", "mbar", "bar", "psi"});
+  const std::string said = said_unit(guess.shape.columns[pressures->inputs.front().column], kPressures);
   std::string could;
-  for (const PressureUnit& unit : kUsual) {
+  for (const PressureUnit& unit : kUsualPressures) {
     if (!said.empty() && said != unit.name) continue;
     const double low = range.low * unit.pa, high = range.high * unit.pa;
     if (std::abs(low - kAmbientPa) < kNearAmbient * kAmbientPa && high - kAmbientPa < kMostDrivePa) {
@@ -166,7 +178,7 @@ void guess_pressure_unit(const LayoutGuess& guess, GuessedInputs* pressures) {
 
 void guess_angle_unit(const LayoutGuess& guess, GuessedInputs* angles) {
   const Range range = range_of(guess, angles->inputs);
-  const std::string said = unit_in(guess.shape.columns[angles->inputs.front().column].name, {"rad", "deg"});
+  const std::string said = said_unit(guess.shape.columns[angles->inputs.front().column], kAngles);
   const double most = std::max(std::abs(range.low), std::abs(range.high));
   if (!said.empty())
     angles->unit = {said, "as the header says"};
@@ -178,15 +190,29 @@ void guess_angle_unit(const LayoutGuess& guess, GuessedInputs* angles) {
 
 void guess_tension_unit(const LayoutGuess& guess, GuessedInputs* tensions) {
   const Range range = range_of(guess, tensions->inputs);
-  const std::string said =
-      unit_in(guess.shape.columns[tensions->inputs.front().column].name, {"N", "mN", "kgf", "gf"});
+  const std::string said = said_unit(guess.shape.columns[tensions->inputs.front().column], kForces);
   tensions->unit = said.empty()
                        ? Guess{"", fmt::format("N, mN, kgf or gf: {:.3g} to {:.3g}", range.low, range.high)}
                        : Guess{said, "as the header says"};
 }
 
-/// Which of the sections a column belongs to, by its name.
+/// What other columns are named that vary.
+bool is_about_something_else(const CsvNumbers& column) {
+  return named(column,
+               {"error", "resid",   "quality", "temp",  "batt",  "volt",  "frame", "count", "index", "valid",
+                "track", "payload", "mass",    "humid", "flag",  "trial", "state", "mode",  "label", "rot",
+                "quat",  "orient",  "euler",   "roll",  "pitch", "yaw",   "vel",   "acc"});
+}
+
+/// Which of the sections a column belongs to, by its name or its unit.
 std::string section_by_name(const CsvNumbers& column) {
+  const bool unit_of_none = !column.unit.empty() && !is_one_of(kPressures, column.unit) &&
+                            !is_one_of(kAngles, column.unit) && !is_one_of(kForces, column.unit);
+  if (unit_of_none) return "";
+  if (!column.unit.empty() && !is_about_something_else(column))
+    return is_one_of(kPressures, column.unit) ? "pressures"
+           : is_one_of(kAngles, column.unit)  ? "angles"
+                                              : "tensions";
   if (named(column, {"press", "chamber", "psi", "bar", "kpa", "vacuum"})) return "pressures";
   if (named(column, {"tension", "force", "load"}) && !named(column, {"payload"})) return "tensions";
   if (named(column, {"angle", "phi", "servo", "motor", "theta"})) return "angles";
@@ -196,13 +222,6 @@ std::string section_by_name(const CsvNumbers& column) {
                         });
   if (numbered && name[0] == 'p') return "pressures";
   return "";
-}
-
-/// What other columns are named that vary.
-bool is_about_something_else(const CsvNumbers& column) {
-  return named(column,
-               {"error", "resid", "quality", "temp", "batt", "volt", "frame", "count", "index", "valid",
-                "track", "payload", "mass", "humid", "flag", "trial", "state", "mode", "label"});
 }
 
 void add_input(LayoutGuess* guess, const std::string& section, std::size_t column, const std::string& why) {
@@ -268,7 +287,7 @@ void take_unnamed_inputs(LayoutGuess* guess, Leftovers* rest) {
                                      : !rest->even.empty() ? rest->even
                                                            : rest->commands;
   for (const std::size_t c : inputs)
-    add_input(guess, goes_both_ways(guess->shape.columns[c]) ? "angles" : "pressures", c,
+    add_input(guess, goes_both_ways(guess->shape.columns[c]) ? kUnknownKind : "pressures", c,
               has_discrete ? "moves in steps, as a converter's values do" : "what is left over");
   inputs.clear();
 }
@@ -296,7 +315,7 @@ void take_inputs_by_range(LayoutGuess* guess, Leftovers* rest) {
   }
   std::sort(inputs.begin(), inputs.end());
   for (const std::size_t c : inputs)
-    add_input(guess, goes_both_ways(columns[c]) ? "angles" : "pressures", c,
+    add_input(guess, goes_both_ways(columns[c]) ? kUnknownKind : "pressures", c,
               "CHECK: neither time nor pose, and nothing in its name");
 }
 
@@ -321,6 +340,8 @@ void find_inputs(LayoutGuess* guess, const std::set<std::size_t>& used) {
     if (group.section == "pressures") guess_pressure_unit(*guess, &group);
     if (group.section == "angles") guess_angle_unit(*guess, &group);
     if (group.section == "tensions") guess_tension_unit(*guess, &group);
+    if (group.section == kUnknownKind)
+      group.unit.why = "of pressures Pa, kPa, bar, psi; of angles rad, deg; of tensions N, mN, kgf";
   }
 }
 
@@ -341,7 +362,8 @@ std::size_t blanks(const LayoutGuess& guess) {
   count += guess.length_unit.text.empty() + guess.up.text.empty();
   for (const GuessedBody& body : guess.bodies) count += !body.orientation.empty() && body.order.text.empty();
   for (const GuessedInputs& group : guess.inputs)
-    count += group.unit.text.empty() + (group.section == "pressures" && group.reference.text.empty());
+    count += group.unit.text.empty() + (group.section == kUnknownKind) +
+             (group.section == "pressures" && group.reference.text.empty());
   return count + guess.bodies.empty();
 }
 

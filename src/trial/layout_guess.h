@@ -29,7 +29,11 @@ struct GuessedInput {
   std::string why;
 };
 
-/// pressures, angles or tensions
+/// Section of inputs of which the file does not tell whether they are pressures, angles or tensions: a layout
+/// that has it is refused.
+inline constexpr char kUnknownKind[] = "FILL_IN";
+
+/// pressures, angles, tensions or kUnknownKind
 struct GuessedInputs {
   std::string section;
   Guess unit;

@@ -50,6 +50,7 @@ std::string format_text(const CsvFormat& format) {
                      "\n";
   if (format.decimal == ',') text += "decimal: comma\n";
   if (format.header) text += "header: true\n";
+  if (format.units_row) text += "# Guessed: the line below the header has units\nunits_row: true\n";
   if (format.skip_lines > 0)
     text += fmt::format("# Lines before the header, or the data\nskip_lines: {}\n", format.skip_lines);
   return text;
@@ -93,7 +94,17 @@ std::string mocap_text(const LayoutGuess& guess) {
 }
 
 std::string inputs_text(const LayoutGuess& guess, const GuessedInputs& group) {
-  std::string text = group.section + ":\n" + line("  ", "unit", group.unit);
+  std::string text;
+  if (group.section == kUnknownKind) {
+    text = fmt::format(
+        "# FILL IN: pressures, angles or tensions in place of {}, and topics as the arm file has them. They "
+        "go to\n"
+        "# both sides of 0, as angles do, and sensors of pressure that are vented. Pressures have a "
+        "`reference` (gauge or\n"
+        "# absolute), too. Where that section is there already, the inputs belong below its inputs.\n",
+        kUnknownKind);
+  }
+  text += group.section + ":\n" + line("  ", "unit", group.unit);
   if (group.section == "pressures") text += line("  ", "reference", group.reference);
   text += group.section == "pressures" ? "  # `zero`: what a sensor shows without pressure; softarm check "
                                          "finds it in trials that begin vented\n"
@@ -131,6 +142,7 @@ std::string not_understood_text(const LayoutGuess& guess) {
 
 std::string topic_of(const std::string& section, std::size_t number) {
   if (section == "pressures") return fmt::format("/pressure/chamber_{}", number);
+  if (section == kUnknownKind) return fmt::format("/input/{}", number);
   return section == "angles" ? fmt::format("/servo/{}/angle", number)
                              : fmt::format("/tendon/{}/tension", number);
 }

@@ -73,6 +73,17 @@ TEST(ImportAndCheck, AZeroIsSaidInTheUnitOfTheLayoutAndTakesItAwayThere) {
   EXPECT_THAT(check(dir, layout("", ", zero: 0.4")).out, Not(HasSubstr("zero is off")));
 }
 
+TEST(ImportAndCheck, AWrongUnitOfThePositionsIsTheLayoutsToRepair) {
+  const TestFolder dir;
+  dir.write("a.csv", recording(40.0, 0.0));
+  std::string text = layout();
+  text.replace(text.find("unit: m\n"), 7, "unit: mm");
+  const Outcome wrong = check(dir, text);
+  EXPECT_EQ(wrong.status, 1);
+  EXPECT_THAT(wrong.out, HasSubstr("mocap.unit: m (of the layout)"));
+  EXPECT_THAT(check(dir, layout()).out, Not(HasSubstr("times as far apart")));
+}
+
 TEST(ImportAndCheck, WhatWasLeftOutIsNoGap) {
   const TestFolder dir;
   dir.write("a.csv", recording(40.0, 0.0));

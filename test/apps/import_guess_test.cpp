@@ -92,6 +92,16 @@ TEST(ImportGuess, OfThePouchArmAreTheColumnsOfItsLayouts) {
   }
 }
 
+TEST(ImportGuess, OfVentedSensorsItDoesNotSayAngles) {
+  if (recordings().empty()) GTEST_SKIP() << "the recordings of the pouch arm are absent (SOFTARM_DATA)";
+  // Six sensors of pressure that show 0 to within 0.3 psi, some of it below.
+  const Outcome o =
+      softarm_program("import --guess " + recordings() + "/pouch_arm/steps/set_1/data_collect_1.txt");
+  ASSERT_EQ(o.status, 0) << o.err;
+  EXPECT_THAT(o.out, HasSubstr("\nFILL_IN:\n"));
+  EXPECT_THAT(o.out, ::testing::Not(HasSubstr("\nangles:")));
+}
+
 TEST(ImportGuess, OfTheTrunkAreTheColumnsOfItsLayouts) {
   if (recordings().empty() || !std::filesystem::exists(recordings() + "/tendon_trunk"))
     GTEST_SKIP() << "the recordings of the tendon trunk are absent (SOFTARM_DATA)";

@@ -106,6 +106,46 @@ TEST(NewArm, EveryCombinationOfKindsLoadsIsCheckedAndEstimated) {
   }
 }
 
+/// Short, slow trials of arms with many inputs: as `softarm simulate ARM.yaml` records them, with nothing
+/// hidden.
+TEST(NewArm, CleanTrialsOfItHaveNothingWrong) {
+  const std::string one = " --segments 1 --length 0.2 --mass 0.2 --diameter 0.04 --bodies 4 ",
+                    two =
+                        " --segments 2 --length 0.15,0.12 --mass 0.12,0.08 --diameter 0.04,0.035"
+                        " --bodies mid:0.075,end:0.15,mid2:0.21,tip:0.27 ";
+  struct Clean {
+    std::string arm;
+    int seed;
+  };
+  for (const Clean& trial : std::vector<Clean>{
+           {"--kind chambers --actuators 3" + one, 2},
+           {"--kind tendons --actuators 3" + one, 1},
+           {"--kind cables --actuators 2 --base standing" + one, 1},
+           {"--kind chambers+central --actuators 3 --base hanging" + one, 2},
+           {"--kind chambers --actuators 3" + two, 1},
+           {"--kind cables --actuators 4" + two, 2},
+           {"--kind chambers,tendons+central --actuators 3,2 --angles 0,120,240/0,90 --base hanging" + two,
+            1}}) {
+    SCOPED_TRACE(trial.arm);
+    const TestFolder dir;
+    ASSERT_EQ(softarm_program("new-arm " + trial.arm + "--out " + dir / "a.yaml").status, 0);
+    ASSERT_EQ(softarm_program("simulate " + dir / "a.yaml" + " --seconds 30 --seed " +
+                              std::to_string(trial.seed) + " --out " + dir / "a.bag")
+                  .status,
+              0);
+    const Outcome checked = softarm_program("check --quiet --arm " + dir / "a.yaml" + " " + dir / "a.bag");
+    EXPECT_THAT(checked.out, HasSubstr("nothing wrong was found"));
+  }
+}
+
+/// What moves there quickly is the payload that is hung on, not the servo.
+TEST(NewArm, NorHasATrialOfASlowCableUnderPayloads) {
+  const TestFolder dir;
+  ASSERT_EQ(softarm_program("simulate cable_235mm --seconds 30 --seed 1 --out " + dir / "a.bag").status, 0);
+  const Outcome checked = softarm_program("check --quiet --arm cable_235mm " + dir / "a.bag");
+  EXPECT_THAT(checked.out, HasSubstr("nothing wrong was found"));
+}
+
 TEST(NewArm, SegmentsOfTheirOwnKindsSizesAndAngles) {
   const TestFolder dir;
   const Outcome o = softarm_program(
@@ -180,6 +220,73 @@ TEST(NewArm, WhatIsMissingOrImpossibleIsOneLineAndNoFile) {
     EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
   }
   EXPECT_EQ(dir.entries(), 0u);
+}
+
+/// What a terminal shows where these lines are typed; then the input ends.
+std::string on_a_terminal(const TestFolder& dir, const std::string& arguments, const std::string& answers,
+                          int* status) {
+  dir.write("answers", answers);
+  const std::string command = "/usr/bin/script -qec '" SOFTARM_PROGRAM_DIR "/softarm " + arguments +
+                              "' /dev/null <" + dir / "answers" + " >" + dir / "screen" + " 2>&1";
+  *status = std::system(command.c_str());
+  return text_of(dir / "screen");
+}
+
+TEST(NewArm, AnAnswerThatCannotBeIsRefusedAtOnceAndAskedForAgain) {
+  if (!std::filesystem::exists("/usr/bin/script"))
+    GTEST_SKIP() << "script(1), which makes a terminal, is absent";
+  const TestFolder dir;
+  struct Answer {
+    std::string wrong, why, right;
+  };
+  const std::vector<Answer> answers{
+      {"pistons", "kind pistons: must be chambers, tendons, cables or central", "chambers,central"},
+      {"3", "kind chambers,central: must be one value, or 3", "2"},
+      {"200", "length 200: must be a number from 0.005 to 10 m", "0.2"},
+      {"30", "mass 30: must be a number from 0 to 10 kg", "0.15"},
+      {"4 cm", "diameter 4 cm: must be a number from 0.0005 to 1 m", "0.04"},
+      {"1.5", "actuators 1.5: must be a whole number", "3"},
+      {"a:0.2,b:0.1", "bodies b:0.1: list bodies from base to tip", "a:0.2,b:tip"},
+      {"0,90", "angles 0,90: must be 3, one for each of --actuators", "0,90,180"},
+      {"a", "base a: is a body on the arm already", ""},
+      {"0", "stiffness 0: must be a number from 1e-06 to 500 N m^2", ""},
+      {dir / "none/a.yaml", "does not exist", dir / "a.yaml"},
+      {dir / "a.yaml", "is the arm file already", ""}};
+  std::string typed;
+  for (const Answer& a : answers) typed += a.wrong + "\n" + a.right + "\n";
+  int status = -1;
+  const std::string screen = on_a_terminal(dir, "new-arm", typed, &status);
+  EXPECT_EQ(status, 0) << screen;
+  for (const Answer& a : answers) EXPECT_THAT(screen, HasSubstr(a.why));
+  const Written w = written(dir);
+  EXPECT_EQ(w.arm.segments.size(), 2u);
+  EXPECT_EQ(w.arm.segments[0].chambers.size(), 3u);
+}
+
+TEST(NewArm, WhereTheAnswersEndOneLineSaysWhatIsMissing) {
+  if (!std::filesystem::exists("/usr/bin/script"))
+    GTEST_SKIP() << "script(1), which makes a terminal, is absent";
+  const TestFolder dir;
+  int status = -1;
+  const std::string screen = on_a_terminal(dir, "new-arm --kind chambers", "2\nmany\n", &status);
+  EXPECT_NE(status, 0);
+  EXPECT_THAT(screen, HasSubstr("\nsoftarm: --length is missing: length of each segment"));
+  EXPECT_EQ(dir.entries(), 2u) << "what was typed, and the screen";
+}
+
+TEST(NewArm, WhatIsWithinTheRangesThatItSaysLoads) {
+  const TestFolder dir;
+  for (const char* sizes :
+       {"--length 0.005 --mass 0 --diameter 0.0005", "--length 10 --mass 500 --diameter 1",
+        "--length 0.01 --mass 0.5 --diameter 1", "--length 1 --mass 1 --diameter 0.1 --stiffness 500",
+        "--length 1 --mass 1 --diameter 0.1 --stiffness 1e-6"}) {
+    for (const std::string& kind : all_kinds()) {
+      const Outcome o =
+          softarm_program("new-arm --force --kind " + kind + " --segments 1 --bodies 3 " + sizes + " --out " +
+                          dir / "a.yaml" + (kind == "central" ? "" : " --actuators 32"));
+      EXPECT_EQ(o.status, 0) << kind << " " << sizes << "\n" << o.err;
+    }
+  }
 }
 
 TEST(NewArm, AsksOnATerminalForWhatNoFlagSays) {

@@ -90,6 +90,14 @@ TEST_F(AsTheyCome, ClocksFarApartAreFoundWithTheirSettingWhicheverIsAhead) {
   }
 }
 
+TEST_F(AsTheyCome, ClocksApartAreFoundInAMinute) {
+  recording = clean(3, 10.0, steps(60.0, 5));
+  const check::CheckReport found = report();
+  const check::CheckFinding* f = find(found, "clocks_apart");
+  ASSERT_NE(f, nullptr) << to_text(found);
+  EXPECT_NEAR(*f->figure, 10.0, 0.05);
+}
+
 TEST_F(AsTheyCome, InputsThatRepeatThemselvesAreNoAlarmAndElseAmbiguous) {
   recording = clean(3, 0.0, cycles(120.0, 9.0));
   EXPECT_EQ(find(report(), "clocks_apart"), nullptr) << complaints(report());
@@ -324,6 +332,59 @@ std::vector<check::CheckReport> reports_of(const arm::Arm& arm, const std::vecto
     reports.push_back(check::check_recording(recording, arm));
   }
   return reports;
+}
+
+TEST_F(AsTheyCome, SettingsOfSeveralRecordingsArePooledOrSaidToDiffer) {
+  const auto reports_of = [&](double first_s, double second_s) {
+    std::vector<check::CheckReport> reports;
+    for (const double ahead_s : {first_s, second_s}) {
+      recording = clean(3, ahead_s, steps(150.0, 5));
+      recording.import_layout = kLayout;
+      recording.name = ahead_s == first_s ? "a.bag" : "b.bag";
+      reports.push_back(report());
+    }
+    return reports;
+  };
+  std::vector<check::CheckReport> reports = reports_of(26.1, 31.0);
+  std::vector<check::CheckFinding> together = check::check_together(reports);
+  ASSERT_EQ(together.size(), 1u);
+  EXPECT_EQ(together[0].id, "settings_differ");
+  EXPECT_THAT(together[0].what, HasSubstr("mocap.ahead_s: 26.1"));
+  EXPECT_THAT(together[0].what, HasSubstr("by a.bag, 31.0"));
+  for (const check::CheckReport& r : reports) EXPECT_EQ(find(r, "clocks_apart")->setting, "");
+
+  reports = reports_of(26.1, 31.0);
+  for (check::CheckReport& r : reports) {
+    for (check::CheckFinding& f : r.findings) {
+      if (f.id == "clocks_apart") f.figure_sd = 2.0;  // as one of slow motions would have it
+    }
+  }
+  together = check::check_together(reports);
+  ASSERT_EQ(together.size(), 1u);
+  EXPECT_EQ(together[0].id, "pooled_setting");
+  EXPECT_THAT(together[0].setting, HasSubstr("mocap.ahead_s: 28.5"));
+  EXPECT_THAT(together[0].setting, HasSubstr(" (of the layout)"));
+  for (const check::CheckReport& r : reports)
+    EXPECT_EQ(find(r, "clocks_apart")->setting, together[0].setting);
+}
+
+TEST_F(AsTheyCome, LengthsThatBelongTogetherAreThoseOfOneRecording) {
+  std::vector<check::CheckReport> reports;
+  for (const double longer : {1.04, 1.05, 1.06}) {
+    recording = clean(static_cast<unsigned>(reports.size()) + 1);
+    arm = hanging_arm();
+    arm.segments[0].length_m /= longer;
+    arm.payload.arclength_m /= longer;
+    for (auto& body : arm.bodies) body.arclength_m /= longer;
+    reports.push_back(report());
+    ASSERT_NE(find(reports.back(), "stretched"), nullptr) << to_text(reports.back());
+  }
+  const std::string middle = find(reports[1], "stretched")->setting;
+  ASSERT_NE(find(reports[0], "stretched")->setting, middle);
+  const std::vector<check::CheckFinding> together = check::check_together(reports);
+  ASSERT_EQ(together.size(), 1u);
+  EXPECT_EQ(together[0].id, "pooled_setting");
+  for (const check::CheckReport& r : reports) EXPECT_EQ(find(r, "stretched")->setting, middle);
 }
 
 TEST_F(AsTheyCome, ZerosAreTakenFromAllTrialsTogetherInTheUnitOfTheirFile) {

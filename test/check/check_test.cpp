@@ -219,6 +219,44 @@ TEST_F(Check, MillimetresAsMetres) {
   EXPECT_EQ(find(report(), "length_unit")->setting, "inputs.bodies.unit: mm");
 }
 
+TEST_F(Check, AnImportedUnitIsTheLayouts) {
+  struct Unit {
+    std::string layout, right;
+    double times;
+    std::string setting;
+  };
+  for (const Unit& unit :
+       {Unit{"mm", "m", 1e-3, "mocap.unit: m (of the layout)"},
+        Unit{"cm", "m", 1e-2, "mocap.unit: m (of the layout)"},
+        Unit{"mm", "cm", 0.1, "mocap.unit: cm (of the layout)"},
+        Unit{"cm", "mm", 10.0, "mocap.unit: mm (of the layout)"},
+        Unit{"m", "cm", 100.0, "mocap.unit: cm (of the layout)"},
+        Unit{"m", "mm", 1000.0, "mocap.unit: mm (of the layout)"}, Unit{"mm", "inch", 1.0 / 25.4, ""}}) {
+    SCOPED_TRACE(unit.right + " as " + unit.layout);
+    recording = clean();
+    recording.import_layout = "time: {column: 1, unit: s}\nmocap:\n  unit: " + unit.layout +
+                              "\n  up: z\n  bodies: [{name: base, position: [2, 3, 4]}]\n";
+    for (auto& body : recording.bodies) {
+      for (auto& pose : body) pose.p_mocap *= unit.times;
+    }
+    const check::CheckReport r = report();
+    const check::CheckFinding* f = find(r, "length_unit");
+    ASSERT_NE(f, nullptr) << to_text(r);
+    EXPECT_EQ(f->setting, unit.setting) << f->what;
+    EXPECT_THAT(f->what, HasSubstr("were in " + unit.right));
+  }
+  // What the import wrote are metres, whatever the arm file takes them for.
+  recording = clean();
+  recording.import_layout =
+      "time: {column: 1, unit: s}\nmocap: {unit: mm, up: z, bodies: [{name: base, "
+      "position: [2, 3, 4]}]}\n";
+  for (auto& body : recording.bodies) {
+    for (auto& pose : body) pose.p_mocap *= 1e-3;
+  }
+  arm.inputs.bodies.scale_to_m = 1e-3;
+  EXPECT_EQ(find(report(), "length_unit")->setting, "inputs.bodies.unit: m");
+}
+
 TEST_F(Check, RingElsewhereAndStretchedArm) {
   arm.bodies[1].arclength_m += 0.004;
   expect("ring_misplaced", check::Severity::kWarning, "ring_2");

@@ -19,7 +19,8 @@ namespace {
 using ::testing::HasSubstr;
 
 /// Of no check: found before there is a recording to check, or when all have been.
-const std::set<std::string> kOfTheProgram{"unreadable", "zero_of_all", "zeros_differ"};
+const std::set<std::string> kOfTheProgram{"unreadable", "zero_of_all", "zeros_differ", "pooled_setting",
+                                          "settings_differ"};
 
 /// Ids and the word for the worst severity, of every row of the page's table of findings.
 std::map<std::string, std::string> rows_of_page() {

@@ -306,8 +306,9 @@ inline std::vector<Spoilt> of_inputs() {
 
 /// Findings whose settings differ where the layout is known.
 inline const std::set<std::string>& settings_by_layout() {
-  static const std::set<std::string> ids{"clocks_apart",   "turned_over",    "quaternion_spikes",
-                                         "repeated_poses", "offset_at_rest", "pressure_unit"};
+  static const std::set<std::string> ids{"clocks_apart", "turned_over",    "quaternion_spikes",
+                                         "length_unit",  "repeated_poses", "offset_at_rest",
+                                         "pressure_unit"};
   return ids;
 }
 

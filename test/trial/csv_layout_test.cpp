@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <tuple>
 
 #include "csv_text.h"
 #include "trial/csv_recording.h"
@@ -150,6 +151,29 @@ TEST(CsvLayout, ColumnsByNameOfTheHeader) {
 }
 
 /// One recording, written as different programs write it.
+TEST(CsvRecording, ARowOfUnitsIsPassedOverAndAHeaderMayBeAComment) {
+  for (const auto& [text, keys, bad] : std::vector<std::tuple<std::string, std::string, std::size_t>>{
+           {"t,x,y,z\ns,m,m,m\n0,1,2,3\n0.1,1,2,3\n", "header: true\nunits_row: true\n", 0},
+           {"t,x,y,z\ns,m,m,m\n0,1,2,3\n0.1,1,2,3\n", "header: true\n", 1},
+           {"# t,x,y,z\n# s,m,m,m\n0,1,2,3\n0.1,1,2,3\n", "header: true\nunits_row: true\n", 0},
+           {"# t,x,y,z\n0,1,2,3\n# a remark\n0.1,1,2,3\n", "header: true\n", 0}}) {
+    SCOPED_TRACE(text + keys);
+    const TemporaryFile file(text);
+    for (const char* time : {"t", "'# t'"}) {
+      if (text.front() != '#' && time[0] != 't') continue;
+      const trial::CsvLayout layout =
+          trial::parse_csv_layout(keys + "time: {column: " + time + ", unit: s}\n" +
+                                      "mocap: {unit: m, up: z, bodies: [{name: tip, position: [x, y, z]}]}\n",
+                                  "layout");
+      std::size_t rows = 0;
+      const trial::CsvReport report =
+          trial::read_csv_recording(layout, file.path(), [&](const trial::CsvRow&) { ++rows; });
+      EXPECT_EQ(rows, 2u);
+      EXPECT_EQ(report.bad_rows.size(), bad);
+    }
+  }
+}
+
 TEST(CsvRecording, IsReadAsProgramsWriteIt) {
   const Read plain = read(kMinimal, "500, 100.5, 200, 300, 0, 0, 0, 1, -2.25\n");
   ASSERT_EQ(plain.rows.size(), 1u);

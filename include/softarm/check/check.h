@@ -86,7 +86,7 @@ SOFTARM_EXPORT CheckReport check_recording(const trial::CheckRecording& recordin
 
 /// What several recordings of one arm say together: zeros of sensors, from all trials with a rest. The
 /// reports' own findings of zeros are then information and propose the common one, or, where the trials
-/// disagree, none. Nothing below two recordings.
+/// disagree, none. So with every setting that they propose differently. Nothing below two recordings.
 SOFTARM_EXPORT std::vector<CheckFinding> check_together(std::vector<CheckReport>& reports);
 
 /// For people: one finding after another, the most serious first, each with its remedy.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <boost/algorithm/string.hpp>
 #include <cmath>
 #include <map>
@@ -18,6 +19,8 @@ constexpr double kGainPerCube = 0.1;            // moment per pressure of a cham
 constexpr double kTendonOffset = 0.35;          // of a tendon from the axis
 constexpr double kLever = 0.4, kSpoolM = 0.01;  // of a cable from the axis; and what winds it up
 constexpr double kCentralArea = 0.08;           // of a chamber on the axis, of the section
+// What the arm file takes.
+constexpr double kLeastRangeNm2 = 1e-7, kLeastAxialN = 0.1, kMostGain = 1e-3;
 constexpr std::size_t kLongestWords = 60;
 constexpr std::size_t kCommentAt = 44;  // column of the comments
 
@@ -100,8 +103,8 @@ void actuators_text(const NewSegment& s, Counters& counters, Document& doc) {
     }
   };
   list(s.drive.chambers, "chambers", "chamber", counters.chamber, [&](const std::string& section) {
-    doc.key(section, "        ", "moment_gain_nm_per_pa", shown(kGainPerCube * std::pow(s.diameter_m, 3)),
-            true);
+    doc.key(section, "        ", "moment_gain_nm_per_pa",
+            shown(std::min(kMostGain, kGainPerCube * std::pow(s.diameter_m, 3))), true);
   });
   if (s.drive.central) {
     doc.key("segments[]", "    ", "central_chamber", "");
@@ -128,10 +131,12 @@ void segments_text(const NewArm& arm, Counters& counters, Document& doc) {
     doc.key("segments[]", "    ", "bending_stiffness", "");
     doc.key("segments[].bending_stiffness", "      ", "base_nm2", shown(s.stiffness_nm2), true);
     doc.key("segments[].bending_stiffness", "      ", "range_nm2",
-            fmt::format("[{}, {}]", shown(0.05 * s.stiffness_nm2), shown(20.0 * s.stiffness_nm2)));
+            fmt::format("[{}, {}]", shown(std::max(kLeastRangeNm2, 0.05 * s.stiffness_nm2)),
+                        shown(20.0 * s.stiffness_nm2)));
     // Only what stretches tells it.
     if (s.drive.central)
-      doc.key("segments[]", "    ", "axial_stiffness_n", shown(kSoftPa * section_m2(s)), true);
+      doc.key("segments[]", "    ", "axial_stiffness_n",
+              shown(std::max(kLeastAxialN, kSoftPa * section_m2(s))), true);
     actuators_text(s, counters, doc);
   }
 }
@@ -198,7 +203,7 @@ double NewArm::length_m() const {
 }
 
 double guessed_stiffness_nm2(double diameter_m) {
-  return kSoftPa * M_PI / 64.0 * std::pow(diameter_m, 4);
+  return std::clamp(kSoftPa * M_PI / 64.0 * std::pow(diameter_m, 4), kLeastStiffnessNm2, kMostStiffnessNm2);
 }
 
 std::string arm_text(const NewArm& arm) {

@@ -35,7 +35,10 @@ struct NewArm {
   double length_m() const;
 };
 
-/// EI of a solid rod of soft silicone (0.2 MPa) of that diameter: a size to begin with.
+/// Of a segment, such that the arm file takes it.
+inline constexpr double kLeastStiffnessNm2 = 1e-6, kMostStiffnessNm2 = 500.0;
+
+/// EI of a solid rod of soft silicone (0.2 MPa) of that diameter, within these: a size to begin with.
 double guessed_stiffness_nm2(double diameter_m);
 
 /// The arm file. Each key has the meaning and the allowed range that the arm file's own table of keys gives
