@@ -300,30 +300,50 @@ bool drop_superfluous(JointModel& model, Standing& current, std::vector<std::siz
   return dropped;
 }
 
+/// Log density at nothing of sizes that lie anywhere between those of the fit and those of the posterior
+/// about it, which knows of correlated errors and small departures: where the two differ, neither is known to
+/// be the better.
+double log_density_at_nothing(const Eigen::VectorXd& fitted, const Eigen::VectorXd& posterior,
+                              const Eigen::MatrixXd& covariance) {
+  constexpr int kSteps = 8;
+  const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
+  std::vector<double> logs;
+  for (int i = 0; i <= kSteps; ++i) {
+    const Eigen::VectorXd size = fitted + (posterior - fitted) * i / kSteps;
+    logs.push_back(-0.5 * size.dot(factor.solve(size)));
+  }
+  const double most = *std::max_element(logs.begin(), logs.end());
+  double sum = 0.0;
+  for (const double log : logs) sum += std::exp(log - most);
+  return most + std::log(sum / (kSteps + 1)) - factor.matrixLLT().diagonal().array().log().sum();
+}
+
 /// Probability of an effect of the fit given all the others that are in it: the density that its sizes have
 /// at nothing, before the data and after them (Savage and Dickey; Dickey 1971), and the odds of an effect.
-/// @param doubt covariance of the unknowns, as intervals have it
-double still_there(const Linearised& at, std::size_t e, std::size_t catalogue, const Eigen::MatrixXd& doubt) {
-  std::vector<Eigen::Index> columns;
+double still_there(const Linearised& at, std::size_t e, std::size_t catalogue, const Posterior& posterior) {
+  std::vector<Eigen::Index> rows;
   for (std::size_t j = 0; j < at.columns.size(); ++j) {
     const JointUnknown& c = at.columns[j];
     if (c.kind == JointUnknown::Kind::kEffect && c.index == static_cast<int>(e) &&
         c.parameter < at.at.effects[e].effect->info().sizes)
-      columns.push_back(static_cast<Eigen::Index>(j));
+      rows.push_back(static_cast<Eigen::Index>(j));
   }
-  const auto n = static_cast<Eigen::Index>(columns.size());
+  const auto n = static_cast<Eigen::Index>(rows.size());
   const Eigen::VectorXd x = at.unknowns();
-  Eigen::VectorXd size(n);
+  Eigen::VectorXd fitted(n), later(n);
   Eigen::MatrixXd covariance(n, n);
-  double log_prior = 0.0;  // of the root of the determinant
+  double log_before = 0.0;  // density at nothing
   for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::Index row = columns[static_cast<std::size_t>(i)];
-    size[i] = x[row];
-    log_prior += std::log(at.columns[static_cast<std::size_t>(row)].prior_sd);
-    for (Eigen::Index k = 0; k < n; ++k) covariance(i, k) = doubt(row, columns[static_cast<std::size_t>(k)]);
+    const Eigen::Index row = rows[static_cast<std::size_t>(i)];
+    const JointUnknown& c = at.columns[static_cast<std::size_t>(row)];
+    fitted[i] = x[row];
+    // What is linear knows of no range.
+    later[i] = std::clamp(x[row] + posterior.shift[row], c.low / c.scale, c.high / c.scale);
+    log_before -= std::log(c.prior_sd);
+    for (Eigen::Index k = 0; k < n; ++k)
+      covariance(i, k) = posterior.covariance(row, rows[static_cast<std::size_t>(k)]);
   }
-  const double z2 = size.dot(math::solve_symmetric(covariance, size));
-  const double log_odds = 0.5 * z2 + 0.5 * std::log(std::max(covariance.determinant(), 1e-300)) - log_prior +
+  const double log_odds = log_before - log_density_at_nothing(fitted, later, covariance) +
                           std::log(kPolicy.posterior.expected / static_cast<double>(catalogue));
   return 1.0 / (1.0 + std::exp(-log_odds));
 }
@@ -338,7 +358,7 @@ void add_doubt(const Linearised& at, const Posterior& posterior, std::size_t cat
   }
   selection.covariance = posterior.covariance + posterior.shift * posterior.shift.transpose();
   for (std::size_t e = 0; e < selection.still_there.size(); ++e)
-    selection.still_there[e] = still_there(at, e, catalogue, selection.covariance);
+    selection.still_there[e] = still_there(at, e, catalogue, posterior);
 }
 
 }  // namespace
