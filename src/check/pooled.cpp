@@ -145,7 +145,11 @@ CheckFinding said_of(const Proposals& group, const std::string& path) {
   finding.where = group.front()->finding->where;
   finding.what = fmt::format("{}: {}", path, list_of(group, path));
   if (setting.empty()) {
-    finding.severity = Severity::kWarning;
+    // Where nothing is wrong in any of them, their contradiction is mere information.
+    const bool any_wrong = std::any_of(group.begin(), group.end(), [](const Proposal* p) {
+      return p->finding->severity != Severity::kInformation;
+    });
+    finding.severity = any_wrong ? Severity::kWarning : Severity::kInformation;
     finding.id = "settings_differ";
     finding.what += ": one file cannot have them all";
     finding.remedy = "something changed between these recordings: give each its own file, or leave some out";

@@ -14,6 +14,34 @@
 namespace softarm::check {
 namespace {
 
+/// The payload that is known while the arm rests.
+double payload_kg(const Context& context, const CheckSpan& span) {
+  double kg = context.arm.payload.default_kg.value_or(0.0);
+  for (const ValuePoint& p : context.payload) {
+    if (p.t_s <= span.to_s) kg = p.value;
+  }
+  return kg;
+}
+
+/// What the weight of arm and payload stretches it by, were it straight, over its length: of segments whose
+/// axial stiffness the arm file has.
+double weight_stretch(const Context& context, const CheckSpan& span) {
+  const auto base = context.rod_base();
+  if (!base) return 0.0;
+  const arm::Arm& arm = context.arm;
+  const double along_m_s2 = base->linear().col(2).dot(arm.gravity_m_s2), payload = payload_kg(context, span);
+  double beyond_kg = arm.tip_mass_kg, end_m = arm.total_length_m(), longer_m = 0.0;
+  for (auto s = arm.segments.rbegin(); s != arm.segments.rend(); ++s) {
+    const double mass_kg = s->mass_per_length_kg_m * s->length_m, begin_m = end_m - s->length_m;
+    const double loaded_m = std::clamp(arm.payload.arclength_m - begin_m, 0.0, s->length_m);
+    const double kg_m = (beyond_kg + 0.5 * mass_kg) * s->length_m + payload * loaded_m;
+    if (s->axial_stiffness_n) longer_m += along_m_s2 * kg_m / *s->axial_stiffness_n;
+    beyond_kg += mass_kg;
+    end_m = begin_m;
+  }
+  return longer_m / arm.total_length_m();
+}
+
 /// Length of the arm by its laws at the inputs at rest, over that at zero input; 1 where they are unknown.
 double law_stretch(const Context& context, const CheckSpan& span) {
   arm::InputValues values;
@@ -122,7 +150,7 @@ void check_spacing(Context& context) {
   double bend = 0.0;
   const std::vector<double> measured = arclengths(places, &bend);
   if (bend > kPolicy.places.most_bend_rad) return;
-  const double law = law_stretch(context, *span);
+  const double law = law_stretch(context, *span) + weight_stretch(context, *span);
   double xy = 0.0, xx = 0.0, noise = 0.0;
   for (std::size_t k = 0; k < places.size(); ++k) {
     const double expected = law * places[k].arclength_m;

@@ -269,6 +269,21 @@ TEST_F(Check, RingElsewhereAndStretchedArm) {
   EXPECT_NEAR(*find(report(), "stretched")->figure, 1.0 / 0.95 - 1.0, 0.003);
 }
 
+TEST_F(Check, AnArmThatItsWeightStretchesAsItsFileSaysIsNotTooLong) {
+  // 2 % by half a kilogram, and the arm's own 10 g.
+  arm.segments[0].axial_stiffness_n = (0.5 + 0.5 * 0.02) * 9.80665 / 0.02;
+  recording.payload[0].value = 0.5;
+  arm.segments[0].length_m /= 1.02;
+  arm.payload.arclength_m /= 1.02;
+  for (auto& body : arm.bodies) body.arclength_m /= 1.02;
+  const check::CheckFinding* f = nullptr;
+  const check::CheckReport with_weight = report();
+  f = find(with_weight, "stretched");
+  EXPECT_TRUE(!f || f->severity == check::Severity::kInformation) << to_text(with_weight);
+  arm.segments[0].axial_stiffness_n.reset();
+  expect("stretched", check::Severity::kWarning);
+}
+
 TEST_F(Check, PressureUnits) {
   const auto scale = [&](double factor, double offset) {
     recording = clean();
