@@ -62,7 +62,7 @@ std::string remedy_of(arm::Unknown unknown) {
 std::string words_of(WhyNot why, const std::string& remedy) {
   switch (why) {
     case WhyNot::kByLawsAlone:
-      return "it is what the laws say, the bodies say nothing of it";
+      return "it is what the laws say, the bodies say nothing of it; " + remedy;
     case WhyNot::kNearBuckling:
       return "near the buckling load another EI with another moment has the same shape; " + remedy;
     default:
@@ -80,6 +80,7 @@ EstimateSummary::EstimateSummary(const arm::Arm& arm)
   stiffness_known_ = !arcs && arm.estimator.unknown == arm::Unknown::kPayload && !arm.estimator.prior.enabled;
   remedy_ = remedy_of(arm.estimator.unknown);
   for (const arm::MeasuredBody& body : arm.bodies) body_names_.push_back(body.name);
+  for (std::size_t i = 0; i < segments_.size(); ++i) segments_[i].name = arm.segments[i].name;
 }
 
 void EstimateSummary::add(const Estimate& e) {
@@ -147,6 +148,9 @@ std::string EstimateSummary::text(const std::map<std::string, std::uint64_t>& re
                       ok_, "N m^2");
       for (const auto& [why, frames] : s.why_not)
         table.line("  not in", fmt::format("{} frames: {}", frames, words_of(why, remedy_)));
+      if (!s.why_not.empty())
+        table.line("  laws of an EI that is held",
+                   fmt::format("softarm identify ... --hold '{}.bending_stiffness.*'", s.name));
     }
   }
   if (payload_known_) {

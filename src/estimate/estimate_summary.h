@@ -31,6 +31,7 @@ class EstimateSummary {
 
  private:
   struct Segment {
+    std::string name = {};
     std::vector<double> bending_stiffness_nm2, identifiable_bending_stiffness_nm2, moment_nm, length_m;
     std::map<WhyNot, std::uint64_t> why_not;  // frames in which EI is not identifiable
   };

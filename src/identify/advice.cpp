@@ -121,7 +121,12 @@ void add_combination(const Conditions& conditions, const Eigen::VectorXd& v, dou
 
 /// What is still to be said of a constant.
 void advise(const Conditions& conditions, Constant& c) {
-  if (c.kept) {
+  if (c.kept && !c.at_bound) {
+    const bool of_bending = role_of(c.ref.kind) == ConstantRole::kBendingStiffness;
+    c.advice = fmt::format(
+        "the trials do not tell it: kept at {:g} as in the arm file, and the rest fitted to that; {}",
+        c.value, of_bending ? conditions.load_advice() + kHoldStiffness : conditions.advice(c.ref));
+  } else if (c.kept) {
     c.advice = fmt::format("ran to {:g} {}; kept at {:g} as in the arm file; {}", c.ran_to, c.unit, c.value,
                            conditions.advice(c.ref));
   } else if (refused(c)) {
@@ -172,6 +177,15 @@ void judge(const arm::Arm& arm, const std::vector<trial::StaticFrame>& frames, c
     if (sd > determined_sd) add_combination(conditions, v / sd, sd, result);
   }
   for (Constant& c : result.constants) advise(conditions, c);
+  const auto told = [](const Constant& c) {
+    return c.determined && role_of(c.ref.kind) == ConstantRole::kBendingStiffness;
+  };
+  const auto loaded = [](const trial::StaticFrame& frame) { return frame.payload_kg > 0.0; };
+  if (std::any_of(result.constants.begin(), result.constants.end(), told) &&
+      std::none_of(frames.begin(), frames.end(), loaded))
+    result.warnings.emplace_back(
+        "no payload hangs on the arm: its own weight tells EI, which goes with the mass that the arm file "
+        "states (with 10 % more mass EI and all gains are 10 % more)");
 }
 
 }  // namespace softarm::identify

@@ -38,7 +38,7 @@ std::string starts_of(const Result& result) {
 
 /// Moved there by the fit: not a law that is off from the start.
 bool at_limit(const Constant& c) {
-  return c.kept || (c.at_bound && c.value != c.initial && !is_none(c));
+  return c.at_bound && (c.kept || (c.value != c.initial && !is_none(c)));
 }
 
 /// What the percentages are of, where that is not the value itself.

@@ -358,9 +358,9 @@ Result fit_of(const arm::Arm& arm, const std::vector<trial::Trial>& trials, Effe
   const SensorErrors errors = exact ? SensorErrors() : sensor_errors(arm, trials);
   problem.add(errors);
   problem.add(motion_of(arm, trials, frames.fitted));
-  const Solution solution = solve(problem, constants, frames.fitted, [&](int iteration) {
-    report(0.05 + 0.75 * iteration / (iteration + 10.0));
-  });
+  const Solution solution =
+      solve(problem, constants, frames.fitted, options.determined_sd,
+            [&](int iteration) { report(0.05 + 0.75 * iteration / (iteration + 10.0)); });
   count_used(arm, solution.fit, frames.fitted, result);
   set_constants(arm, constants, conditions, solution, scale, result);
   report_input_errors(arm, trials, errors, problem, scale, result);

@@ -50,10 +50,18 @@ void series_of(const trial::Trial& trial, std::size_t input, std::vector<double>
 
 }  // namespace
 
-double scatter_of(const std::vector<double>& stamp_s, const std::vector<double>& value) {
-  std::size_t repeated = 0;
-  for (std::size_t i = 1; i < value.size(); ++i) repeated += value[i] == value[i - 1];
-  if (2 * repeated > value.size()) return 0.0;  // a command, whose steps are no noise
+double scatter_of(const std::vector<double>& all_stamps_s, const std::vector<double>& all, bool sampled) {
+  std::vector<double> stamp_s, value;  // one of each run of the same
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (i > 0 && all[i] == all[i - 1]) continue;
+    stamp_s.push_back(all_stamps_s[i]);
+    value.push_back(all[i]);
+  }
+  if (2 * value.size() < all.size() && !sampled) return 0.0;
+  if (2 * value.size() >= all.size()) {  // by chance
+    stamp_s = all_stamps_s;
+    value = all;
+  }
   std::vector<double> off;
   for (std::size_t i = 2; i + 2 < value.size(); ++i) {
     const std::array<double, 4> at{stamp_s[i - 2], stamp_s[i - 1], stamp_s[i + 1], stamp_s[i + 2]};
@@ -87,7 +95,7 @@ SensorErrors sensor_errors(const arm::Arm& arm, const std::vector<trial::Trial>&
       }
       std::vector<double> stamp_s, value;
       series_of(trials[t], k, stamp_s, value);
-      sd = scatter_of(stamp_s, value);
+      sd = scatter_of(stamp_s, value, inputs[k].between == arm::Between::kSampled);
     }
   }
   return errors;

@@ -31,8 +31,10 @@ struct SensorErrors {
 };
 
 /// Scatter of one input's values about the cubics through their neighbours, as of white noise. 0 for values
-/// that mostly repeat or lie on a line, as commanded ones do, and for too few.
-double scatter_of(const std::vector<double>& stamp_s, const std::vector<double>& value);
+/// that lie on a line, as commanded ones do, and for too few.
+/// @param sampled a sensor's: values that repeat are one sample that a logger repeated; else those that
+/// mostly repeat may be commands, whose steps are no noise, and have none
+double scatter_of(const std::vector<double>& stamp_s, const std::vector<double>& value, bool sampled);
 
 /// Noise as stated by the arm file, else as measured in each trial by the sensor's own stamps.
 SensorErrors sensor_errors(const arm::Arm& arm, const std::vector<trial::Trial>& trials);

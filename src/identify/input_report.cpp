@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace softarm::identify {
 namespace {
@@ -13,6 +14,20 @@ constexpr double kAlike = 0.9;  // direction cosine from which a zero and a cons
 const char* unit_of_input(arm::InputKind kind) {
   if (kind == arm::InputKind::kTension) return "N";
   return kind == arm::InputKind::kAngle ? "rad" : "Pa";
+}
+
+/// Of those that drive the arm.
+std::vector<std::string> unmeasured(const arm::Arm& arm, const SensorErrors& errors) {
+  std::set<int> used;
+  for (const arm::Segment& segment : arm.segments)
+    for (const int input : arm::inputs_of(arm, segment)) used.insert(input);
+  std::vector<std::string> names;
+  for (const int input : used) {
+    const arm::ScalarInput& one = arm.inputs.scalars[static_cast<std::size_t>(input)];
+    if (errors.noise_sd.size() > 0 && !one.noise_sd_si && !errors.noise_sd.col(input).any())
+      names.push_back(one.name);
+  }
+  return names;
 }
 
 std::string zeros_line(const InputErrors& one) {
@@ -32,6 +47,7 @@ std::string zeros_line(const InputErrors& one) {
 void report_input_errors(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
                          const SensorErrors& errors, const JointProblem& problem,
                          const Eigen::VectorXd& scale, Result& result) {
+  result.unmeasured_inputs = unmeasured(arm, errors);
   if (!errors.any()) return;
   const NoiseAtBodies noise = problem.noise_at_bodies();
   const Eigen::MatrixXd of_x =
@@ -65,7 +81,14 @@ void report_input_errors(const arm::Arm& arm, const std::vector<trial::Trial>& t
 }
 
 std::string describe_input_errors(const Result& result) {
-  if (result.input_errors.empty()) return "";
+  std::string exact;
+  if (!result.unmeasured_inputs.empty())
+    exact = fmt::format(
+        "inputs taken as exact: {}; their values mostly repeat, lie on a line or are few. Where a sensor has "
+        "noise "
+        "state its noise_sd; where a logger repeats a sensor's values, between: sampled measures it\n",
+        fmt::join(result.unmeasured_inputs, ", "));
+  if (result.input_errors.empty()) return exact;
   std::string text = fmt::format(
       "inputs: noise of a value, and what it makes of a body (rms per coordinate); {:.0f} % of the mean "
       "square "
@@ -78,7 +101,7 @@ std::string describe_input_errors(const Result& result) {
   for (const InputErrors& one : result.input_errors) {
     if (one.zero_sd > 0.0) text += zeros_line(one);
   }
-  return text;
+  return text + exact;
 }
 
 }  // namespace softarm::identify

@@ -27,10 +27,15 @@ bool is_modulus(ConstantKind kind) {
   return role == ConstantRole::kBendingStiffness || role == ConstantRole::kAxialStiffness;
 }
 
+std::string why_not(const Constant& c) {
+  return c.at_bound ? c.name + " ran into its limit" : "the trials do not tell " + c.name;
+}
+
 }  // namespace
 
 Solution solve(JointProblem& problem, const std::vector<FreeConstant>& constants,
-               const std::vector<trial::StaticFrame>& frames, const std::function<void(int)>& progress) {
+               const std::vector<trial::StaticFrame>& frames, double determined_sd,
+               const std::function<void(int)>& progress) {
   const auto count = constants.size();
   const auto solve_once = [&](JointProblem& p) {
     Solution s{p.solve(progress), {}, std::vector<std::optional<double>>(count), std::vector<bool>(count)};
@@ -43,9 +48,13 @@ Solution solve(JointProblem& problem, const std::vector<FreeConstant>& constants
     return s;
   };
   Solution best = solve_once(problem);
+  // At a limit, or anywhere that noise and the model's errors took it to.
   const auto runs_away = [&](const Solution& s, std::size_t j) {
-    return s.ran_to[j] && is_modulus(constants[j].ref.kind) &&
-           !is_at_bound(constants[j], constants[j].initial);
+    const FreeConstant& c = constants[j];
+    const auto at = static_cast<Eigen::Index>(j);
+    const double sd = c.scale * std::sqrt(s.sure.covariance(at, at));
+    return is_modulus(c.ref.kind) && !is_at_bound(c, c.initial) &&
+           (s.ran_to[j] || sd > determined_sd * std::abs(s.fit.theta[at]));
   };
   std::vector<bool> tried(count, false);
   while (true) {
@@ -102,8 +111,8 @@ void prior_of_moduli(const arm::Arm& arm, Result& result) {
   bool stiffness_noted = false, stiffness_fitted = false;
   for (const Constant& c : result.constants) {
     if (c.ref.kind == ConstantKind::kAxialStiffness) {
-      if (c.at_bound) {
-        note("EA", before.axial_stiffness_sd_rel, c.name + " ran into its limit");
+      if (c.at_bound || c.kept) {
+        note("EA", before.axial_stiffness_sd_rel, why_not(c));
         continue;
       }
       determined[static_cast<std::size_t>(c.ref.segment)] = true;
@@ -113,10 +122,10 @@ void prior_of_moduli(const arm::Arm& arm, Result& result) {
       continue;
     }
     stiffness_fitted = stiffness_fitted || arm::role_of(c.ref.kind) == arm::ConstantRole::kBendingStiffness;
-    if (is_modulus(c.ref.kind) && c.at_bound && !stiffness_noted) {
+    if (is_modulus(c.ref.kind) && (c.at_bound || c.kept) && !stiffness_noted) {
       stiffness_noted = true;
       result.prior.bending_stiffness_sd_rel = before.bending_stiffness_sd_rel;
-      note("EI", before.bending_stiffness_sd_rel, c.name + " ran into its limit");
+      note("EI", before.bending_stiffness_sd_rel, why_not(c));
     }
   }
   // Without load only gain over EI shows: that a fit follows the bodies says nothing of an EI that it was

@@ -20,10 +20,12 @@ struct Solution {
   std::vector<bool> kept;                     ///< put back to its start
 };
 
-/// A modulus that the trials hardly determine runs as far as it may, and takes the gains along. Where it
-/// gains nothing by that it keeps its start, and the rest is fitted to that.
+/// A modulus that the trials hardly determine goes where noise takes it, to a limit even, and takes the gains
+/// along. Where it gains nothing by that it keeps its start, and the rest is fitted to that.
+/// @param determined_sd as in Options
 Solution solve(JointProblem& problem, const std::vector<FreeConstant>& constants,
-               const std::vector<trial::StaticFrame>& frames, const std::function<void(int)>& progress);
+               const std::vector<trial::StaticFrame>& frames, double determined_sd,
+               const std::function<void(int)>& progress);
 
 /// Covariance of the constants given what is at a limit, EI where the trials do not identify it, and EA,
 /// which the prior has by itself: the gains that go with EI would be as wide as it, and the prior, which

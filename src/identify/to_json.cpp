@@ -140,6 +140,7 @@ std::string to_json(const Result& result) {
   json["fit"]["noise_share"] = result.noise_share;
   json["inputs"] = Json::array();
   for (const InputErrors& one : result.input_errors) json["inputs"].push_back(json_of(one));
+  json["unmeasured_inputs"] = result.unmeasured_inputs;
   json["left_out"] = result.left_out;
   json["bodies_set_aside"] = result.bodies_set_aside;
   json["beyond_the_model"] = result.beyond_the_model;

@@ -196,6 +196,23 @@ TEST(EstimateSummary, WhatWouldTellTheStiffnessIsNotWhatIsDoneAlready) {
   EXPECT_THAT(advice(arm::Unknown::kBoth), HasSubstr("(--unknown payload --prior off)"));
 }
 
+TEST(EstimateSummary, AnEiThatIsNotIdentifiableIsProposedToBeHeldInTheLaws) {
+  for (const estimate::WhyNot why :
+       {estimate::WhyNot::kByLawsAlone, estimate::WhyNot::kNearBuckling, estimate::WhyNot::kNotDetermined}) {
+    arm::Arm arm = arm_of(arm::Unknown::kBoth);
+    arm.segments[0].name = "segment_1";
+    estimate::EstimateSummary summary(arm);
+    estimate::Estimate e = quarter_circle();
+    e.segments[0].identifiable_stiffness = false;
+    e.segments[0].stiffness_why_not = why;
+    summary.add(e);
+    const std::string text = summary.text({}, 1);
+    EXPECT_THAT(line_of(text, "  not in"), HasSubstr("weigh the payload and say so"));
+    EXPECT_THAT(line_of(text, "  laws of an EI that is held"),
+                HasSubstr("softarm identify ... --hold 'segment_1.bending_stiffness.*'"));
+  }
+}
+
 TEST(EstimateSummary, CountsReasonsAndTakesMediansOverGoodFrames) {
   estimate::EstimateSummary summary(arm_of(arm::Unknown::kStiffness));
   for (int i = 0; i < 5; ++i) {

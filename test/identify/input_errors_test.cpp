@@ -24,7 +24,7 @@ TEST(ScatterOf, FindsWhiteNoiseOnWhatMoves) {
   std::vector<double> value;
   for (const double t : at)
     value.push_back(30e3 + 10e3 * std::sin(3.0 * t) + 400.0 * testing::normal3(random).x());
-  EXPECT_NEAR(scatter_of(at, value), 400.0, 50.0);
+  EXPECT_NEAR(scatter_of(at, value, false), 400.0, 50.0);
 }
 
 TEST(ScatterOf, CommandedValuesHaveNone) {
@@ -34,10 +34,22 @@ TEST(ScatterOf, CommandedValuesHaveNone) {
     held.push_back(5e3 * static_cast<double>(i / 7));  // NOLINT(bugprone-integer-division): a staircase
     ramp.push_back(100.0 * at[i]);
   }
-  EXPECT_EQ(scatter_of(at, held), 0.0);
-  EXPECT_NEAR(scatter_of(at, ramp), 0.0, 1e-9);
-  EXPECT_EQ(scatter_of(stamps(12, 0.02), std::vector<double>(12, 1.0)), 0.0) << "too few";
-  EXPECT_EQ(scatter_of(std::vector<double>(100, 1.0), std::vector<double>(100, 1.0)), 0.0) << "one stamp";
+  EXPECT_EQ(scatter_of(at, held, false), 0.0);
+  EXPECT_NEAR(scatter_of(at, ramp, false), 0.0, 1e-9);
+  EXPECT_EQ(scatter_of(stamps(12, 0.02), std::vector<double>(12, 1.0), false), 0.0) << "too few";
+  EXPECT_EQ(scatter_of(std::vector<double>(100, 1.0), std::vector<double>(100, 1.0), false), 0.0)
+      << "one stamp";
+}
+
+TEST(ScatterOf, ALoggerThatRepeatsASensorsValuesDoesNotHideItsNoise) {
+  std::mt19937_64 random(2);
+  const std::vector<double> at = stamps(3000, 0.005);
+  std::vector<double> value;
+  for (std::size_t i = 0; i < at.size(); ++i)
+    value.push_back(i % 5 == 0 ? 30e3 + 10e3 * std::sin(2.0 * at[i]) + 400.0 * testing::normal3(random).x()
+                               : value.back());
+  EXPECT_NEAR(scatter_of(at, value, true), 400.0, 60.0);
+  EXPECT_EQ(scatter_of(at, value, false), 0.0) << "may be commands";
 }
 
 TEST(InputErrors, DerivativeByInputsIsThatOfPredictions) {
@@ -215,7 +227,11 @@ TEST(InputErrors, ExactSensorsChangeNothing) {
   protocol.draw = testing::paper_inputs;
   const auto trials = testing::make_trials(nominal, protocol, random);
   Options options = all_frames();
-  const Result measured = identify(nominal, trials, options);
+  Result measured = identify(nominal, trials, options);
+  EXPECT_EQ(measured.unmeasured_inputs.size(), 4u);
+  EXPECT_TRUE(
+      testing::says(describe(measured), "inputs taken as exact: chamber_1, chamber_2, chamber_3, vacuum;"));
+  measured.unmeasured_inputs.clear();
   options.exact_inputs = true;
   EXPECT_EQ(to_json(measured), to_json(identify(nominal, trials, options)));
 }

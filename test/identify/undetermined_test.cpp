@@ -244,5 +244,54 @@ TEST(Undetermined, AGainOfTheWrongSignIsSaid) {
   EXPECT_TRUE(testing::says(gain->advice, "bending direction")) << gain->advice;
 }
 
+/// Light, hanging and without payload: gains over EI are all that shows.
+TEST(Undetermined, StiffnessThatNoLoadTellsStaysTheArmFilesAndGainsFollow) {
+  arm::Arm truth = testing::pneumatic_arm();
+  truth.segments[0].mass_per_length_kg_m = 1e-4;
+  truth.segments[0].jamming_input.reset();
+  truth.segments[0].bending_stiffness.per_jamming_pressure_nm2_per_pa = 0.0;
+  truth.segments[0].bending_stiffness.per_min_pressure_nm2_per_pa = 0.0;
+  arm::Arm nominal = truth;
+  nominal.segments[0].bending_stiffness.base_nm2 *= 2.0;
+  testing::Protocol protocol;
+  protocol.payloads_kg = {0.0};
+  protocol.draw = testing::paper_inputs;
+  Options options;
+  options.held = {"*.per_min_pressure"};
+  for (const std::uint64_t seed : {3, 4, 5}) {
+    std::mt19937_64 random(seed);
+    const Result result = identify(nominal, testing::make_trials(truth, protocol, random), options);
+    const Constant& stiffness = *testing::find(result, "segment_1.bending_stiffness.base");
+    EXPECT_FALSE(stiffness.determined);
+    EXPECT_TRUE(stiffness.kept);
+    EXPECT_NEAR(stiffness.value, nominal.segments[0].bending_stiffness.base_nm2, 1e-9);
+    for (std::size_t k = 0; k < 3; ++k)
+      EXPECT_NEAR(result.arm.segments[0].chambers[k].moment_gain_nm_per_pa,
+                  2.0 * truth.segments[0].chambers[k].moment_gain_nm_per_pa,
+                  0.04 * truth.segments[0].chambers[k].moment_gain_nm_per_pa);
+    const std::string text = describe(result);
+    EXPECT_TRUE(testing::says(text, "the trials do not tell it: kept at 0.054 as in the arm file")) << text;
+    EXPECT_TRUE(testing::says(text, "--hold '*.bending_stiffness.*'"));
+  }
+}
+
+TEST(Undetermined, StiffnessToldByOwnWeightGoesWithTheStatedMass) {
+  const arm::Arm truth = testing::pneumatic_arm();
+  testing::Protocol protocol;
+  protocol.payloads_kg = {0.0};
+  protocol.draw = testing::paper_inputs;
+  protocol.base = testing::horizontal();
+  std::mt19937_64 random(6);
+  const auto trials = testing::make_trials(truth, protocol, random);
+  arm::Arm heavy = truth;
+  heavy.segments[0].mass_per_length_kg_m *= 1.1;
+  const Result with = identify(truth, trials, {}), more = identify(heavy, trials, {});
+  const Constant &as_is = *testing::find(with, "segment_1.bending_stiffness.base"),
+                 &heavier = *testing::find(more, "segment_1.bending_stiffness.base");
+  ASSERT_TRUE(as_is.determined);
+  EXPECT_NEAR(heavier.value / as_is.value, 1.1, 0.02);
+  EXPECT_TRUE(testing::says(describe(with), "goes with the mass that the arm file states"));
+}
+
 }  // namespace
 }  // namespace softarm::identify

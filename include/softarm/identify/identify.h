@@ -143,7 +143,8 @@ struct Constant {
   bool determined = false;
   bool at_bound = false;  ///< the fit ran into the limit of what an arm may have, ran_to
   double ran_to = 0.0;
-  /// At its limit, and the trials hardly mind: value is what the arm file had, to which the rest was fitted.
+  /// At its limit, or anywhere, and the trials hardly mind: value is what the arm file had, to which the rest
+  /// was fitted.
   bool kept = false;
   /// Constants of correlation 0.9 or more with this one; for one that is not determined, those that share
   /// its undetermined combination. Correlation -1 ... 1.
@@ -223,6 +224,9 @@ struct Result {
   double position_rms_m = 0.0;            ///< per coordinate, of the fitted bodies
   double autocorrelation = 1.0;           ///< number of consecutive fitted frames that are worth one
   std::vector<InputErrors> input_errors;  ///< of inputs that move a body and are off by something
+  /// Inputs whose noise is neither stated nor measurable, as their values mostly repeat or are too few: taken
+  /// as exact.
+  std::vector<std::string> unmeasured_inputs;
   double noise_share = 0.0;  ///< of the mean square of position_rms_m: what noise of the inputs explains
   double uncertainty_factor = 1.0;                        ///< typical sd over that of noise alone
   std::size_t frames = 0, bodies = 0;                     ///< fitted
@@ -252,8 +256,9 @@ using ProgressCallback = std::function<void(double)>;
 ///    stated noise; derivatives of the rod and of the laws analytic.
 /// 3. Huber's loss by body at 3.5 times the misfit; bodies beyond 6 times it are dropped, and the fit
 ///    repeated. The misfit is that of all bodies, of 85 % of the body's own and of its trial, whichever is
-///    largest: what is off in many frames is the model. A stiffness that runs into its limit without making
-///    the fit clearly better is put back to its start and the rest fitted again.
+///    largest: what is off in many frames is the model. A stiffness that runs into its limit, or that the
+///    trials do not tell, is put back to its start, unless that makes the fit clearly worse, and the rest
+///    fitted again.
 /// 4. Covariance (J^T W J)^-1 without the weak prior that holds what the trials do not determine, widened by
 /// the
 ///    misfit, by the autocorrelation of residuals, and by the spread of the trials' own gradients (clustered
