@@ -105,10 +105,38 @@ TEST_F(Belongs, AnotherOrderOfTheQuaternionIsFound) {
   EXPECT_LT(found.tried.front().mean_m, 2e-3);
 }
 
+TEST_F(Belongs, AnotherOrderOfTheQuaternionIsFoundWithGuessedGains) {
+  for (const double guess : {0.3, 0.6, 2.5}) {
+    arm::Arm rough = arm_;
+    for (arm::Chamber& chamber : rough.segments[0].chambers) chamber.moment_gain_nm_per_pa *= guess;
+    rough.segments[0].chambers[1].moment_gain_nm_per_pa *= 0.7;
+    for (const bool w_first : {true, false}) {
+      const std::string said =
+          describe(belonging(rough, misread(same, [&](const Eigen::Quaterniond& q) {
+                               return w_first ? Eigen::Quaterniond(q.x(), q.y(), q.z(), q.w())
+                                              : Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y());
+                             })));
+      EXPECT_THAT(said, HasSubstr("quaternions in the order")) << guess << " " << w_first;
+    }
+  }
+}
+
+/// Gravity is what tells.
+TEST_F(Belongs, AnotherUpAxisIsFoundWithAMeasuredBase) {
+  Eigen::Matrix3d y_up;
+  y_up << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+  const Eigen::Quaterniond turn(y_up);
+  const std::string said = describe(
+      belonging(arm_, misread([&](const Eigen::Vector3d& p) { return Eigen::Vector3d(y_up * p); },
+                              [&](const Eigen::Quaterniond& q) { return turn * q * turn.conjugate(); })));
+  EXPECT_THAT(said, HasSubstr("axes 'x -z y'"));
+}
+
 TEST_F(Belongs, ALesserGainIsSaidWhereItIsThereInEachTrial) {
   // Laws so rough that the right order leaves half of the error, not a third.
   arm::Arm rough = arm_;
-  for (arm::Chamber& chamber : rough.segments[0].chambers) chamber.moment_gain_nm_per_pa *= 0.45;
+  rough.segments[0].chambers[0].moment_gain_nm_per_pa *= 0.3;
+  rough.segments[0].chambers[1].moment_gain_nm_per_pa *= 1.7;
   const auto half_turn = misread(same, [](const Eigen::Quaterniond& q) {
     return Eigen::Quaterniond(q * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()));
   });
