@@ -37,11 +37,15 @@ def decision_of_baseline(item):
     return {"verdict": verdict, "named": item["effects"], "ranking": item["ranking"], "findings": {}}
 
 
-def distractors(truth):
-    """What is there beside; an arm of another mass looks like payloads that are told wrong, in proportion."""
+def everything(truth):
+    """Effects and distractors; an arm of another mass looks like payloads that are told wrong, in proportion, and adds to them."""
+    found = truth["effects"] + truth["distractors"]
     ratio = truth.get("mass_ratio", 1.0)
-    mass = [{"effect": "payload_scale", "values": {"share": ratio - 1.0}}] if abs(ratio - 1.0) > LEAST_MASS else []
-    return truth["distractors"] + mass
+    if abs(ratio - 1.0) <= LEAST_MASS:
+        return found
+    told = [effect for effect in found if effect["effect"] == "payload_scale"]
+    share = math.prod([ratio] + [1.0 + effect["values"]["share"] for effect in told]) - 1.0
+    return [effect for effect in found if effect not in told] + [{"effect": "payload_scale", "values": {"share": share}}]
 
 
 def hidden(truth):
@@ -56,7 +60,7 @@ def class_of(named):
 
 def right(named, truth):
     """Whether a named effect, or a rival that it is said to be confusable with, is there; distractors are."""
-    there = set(hidden(truth)) | {effect["effect"] for effect in distractors(truth)}
+    there = set(hidden(truth)) | {effect["effect"] for effect in everything(truth)}
     return any(name in there for name in class_of(named))
 
 
@@ -181,7 +185,7 @@ def ranks(result):
     evenly spread if intervals are right."""
     said = {named["name"]: named for named in named_in(result["report"])}
     found = []
-    for effect in result["truth"]["effects"] + distractors(result["truth"]):
+    for effect in everything(result["truth"]):
         numbers = said.get(effect["effect"], {"parameters": {}})["parameters"]
         for symbol, true in true_parameters(effect, 0.2).items():
             if symbol not in numbers:

@@ -129,29 +129,20 @@ ConstantSpec wall_share(ConstantKind kind, const char* name) {
   return c;
 }
 
-ConstantSpec wall_slowing() {
-  ConstantSpec c{ConstantKind::kWallSlowing, ConstantRole::kWall, "wall.slowing", "1/Pa"};
+/// What of the wall goes with pressure: `kSlope` per mean gauge pressure.
+template <std::optional<double> Wall::*kSlope>
+ConstantSpec wall_by_pressure(ConstantKind kind, const char* name) {
+  ConstantSpec c{kind, ConstantRole::kWall, name, "1/Pa"};
   c.count = [](const Segment& s) { return s.wall.empty() ? 0 : 1; };
-  c.stated = [](const Segment& s, int) { return s.wall.slows_per_pa.has_value(); };
-  c.value = [](const Segment& s, int) { return s.wall.slows_per_pa.value_or(0.0); };
-  c.set = [](Segment& s, int, double value) { s.wall.slows_per_pa = value; };
+  c.stated = [](const Segment& s, int) { return (s.wall.*kSlope).has_value(); };
+  c.value = [](const Segment& s, int) { return (s.wall.*kSlope).value_or(0.0); };
+  c.set = [](Segment& s, int, double value) { s.wall.*kSlope = value; };
   c.allowed = [](const Segment&, int) { return Range{0.0, 0.001}; };
   c.change = [](const Segment&, int, const InputReader&, Change&) { return true; };
-  c.wall = [](const Segment&, int) { return WallChange{-1, 0.0, 0.0, 1.0, 0.0}; };
-  c.scale = [](const Segment&, int, const RecordedInputs&) { return 0.5 / kUsualPressure_pa; };
-  c.advice = wall_advice;
-  return c;
-}
-
-ConstantSpec wall_share_growth() {
-  ConstantSpec c{ConstantKind::kWallShareGrowth, ConstantRole::kWall, "wall.share_growth", "1/Pa"};
-  c.count = [](const Segment& s) { return s.wall.empty() ? 0 : 1; };
-  c.stated = [](const Segment& s, int) { return s.wall.shares_grow_per_pa.has_value(); };
-  c.value = [](const Segment& s, int) { return s.wall.shares_grow_per_pa.value_or(0.0); };
-  c.set = [](Segment& s, int, double value) { s.wall.shares_grow_per_pa = value; };
-  c.allowed = [](const Segment&, int) { return Range{0.0, 0.001}; };
-  c.change = [](const Segment&, int, const InputReader&, Change&) { return true; };
-  c.wall = [](const Segment&, int) { return WallChange{-1, 0.0, 0.0, 0.0, 1.0}; };
+  c.wall = [](const Segment&, int) {
+    constexpr bool kSlows = kSlope == &Wall::slows_per_pa;
+    return WallChange{-1, 0.0, 0.0, kSlows ? 1.0 : 0.0, kSlows ? 0.0 : 1.0};
+  };
   c.scale = [](const Segment&, int, const RecordedInputs&) { return 0.5 / kUsualPressure_pa; };
   c.advice = wall_advice;
   return c;
@@ -226,8 +217,8 @@ const std::vector<ConstantSpec>& segment_constants() {
       wall_share<false>(ConstantKind::kWallBendingShare, "wall.bending_{}.share"),
       wall_time<true>(ConstantKind::kWallAxialTime, "wall.axial_{}.time"),
       wall_share<true>(ConstantKind::kWallAxialShare, "wall.axial_{}.share"),
-      wall_slowing(),
-      wall_share_growth(),
+      wall_by_pressure<&Wall::slows_per_pa>(ConstantKind::kWallSlowing, "wall.slowing"),
+      wall_by_pressure<&Wall::shares_grow_per_pa>(ConstantKind::kWallShareGrowth, "wall.share_growth"),
       axial_stiffness(),
       length(),
       rest_curvature<0>(ConstantKind::kRestCurvatureX, "rest_curvature.x"),

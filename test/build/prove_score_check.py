@@ -151,6 +151,12 @@ class Figures(unittest.TestCase):
             self.assertEqual(score.right(said["effects"][0], hidden), right)
             self.assertEqual(len(score.ranks(result("untidy_none", hidden, said))), int(right))
 
+    def test_a_payload_told_wrong_on_an_arm_of_another_mass_is_one_number(self):
+        both = {**truth(distractors=[effect("payload_scale", {"share": -0.05})]), "mass_ratio": 1.1}
+        found = [one for one in score.everything(both) if one["effect"] == "payload_scale"]
+        self.assertEqual(len(found), 1)
+        self.assertAlmostEqual(found[0]["values"]["share"], 1.1 * 0.95 - 1.0)
+
     def test_place(self):
         hidden = truth(effect("soft_spot", {"share": 0.3, "centre_fraction": 0.5, "width_fraction": 0.2}))
         said = report("explained", named("soft_spot", where={"s_from": 0.08, "s_to": 0.14}))
