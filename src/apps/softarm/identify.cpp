@@ -15,6 +15,7 @@
 #include "arm/arm_writer.h"
 #include "command.h"
 #include "identify/identify_extended.h"
+#include "identify/releases.h"
 #include "identify_tables.h"
 #include "model/effect.h"
 #include "output_file.h"
@@ -48,6 +49,7 @@ constexpr const char* kIdentifyExamples = R"(Examples:
   softarm identify --arm my_arm.yaml few/*.bag --out new.yaml --leave-one-out
   softarm identify --arm my_arm.yaml *.bag --out new.yaml --hold '*.bending_stiffness.*' --also-free saturation
   softarm identify --arm my_arm.yaml *.bag --procedure pull
+  softarm identify --arm my_arm.yaml released/*.bag --procedure release
 Constants are named <segment>.<what>: segment_1.chamber_2.moment_gain, segment_1.bending_stiffness.base,
 segment_1.tendon_1.offset, segment_1.length ...; patterns may have * and ?; the last part alone will do.
 What the arm file has no value for (saturation, growth of EI, joint_compliance) is 0, and freed by its name alone.)";
@@ -168,6 +170,12 @@ void pull(const IdentifyOptions& options, const arm::Arm& arm) {
       truths.pulls, 1e3 * truths.length_rms_m, truths.stiffness_rms_nm2, truths.moment_rms_nm, options.out);
 }
 
+void releases(const IdentifyOptions& options, const arm::Arm& arm) {
+  if (!options.out.empty()) throw Failure("--out: the release procedure writes no arm file");
+  const std::vector<trial::Trial> trials = read_trials(options.bags, arm, !options.payload_kg, options.jobs);
+  fmt::print("{}", identify::describe(identify::fit_releases(arm, trials)));
+}
+
 void run_identify(IdentifyOptions options) {
   arm::Arm arm = arm::load_arm_file(options.arm, config_folders("arms"));
   if (options.payload_kg) {
@@ -182,6 +190,8 @@ void run_identify(IdentifyOptions options) {
   try {
     if (options.procedure == "pull") {
       pull(options, arm);
+    } else if (options.procedure == "release") {
+      releases(options, arm);
     } else {
       fit(options, arm);
     }
@@ -207,9 +217,11 @@ void add_identify(CLI::App& program) {
   command->add_flag("--plot-all", options->plot_all,
                     "shapes.csv holds all frames, in motion too, not only those chosen");
   command
-      ->add_option("--procedure", options->procedure,
-                   "fit: all frames together; pull: stiffness from each step of the payload at held inputs")
-      ->check(CLI::IsMember({"fit", "pull"}))
+      ->add_option(
+          "--procedure", options->procedure,
+          "fit: all frames together; pull: stiffness from each step of the payload at held inputs; release: "
+          "frequency, damping and friction from an arm that a hand lets go, at inputs of 0")
+      ->check(CLI::IsMember({"fit", "pull", "release"}))
       ->capture_default_str();
   const auto list = [&](const char* name, std::vector<std::string>& values, const char* meaning) {
     // One value, or several with commas, so that a bag may follow.
