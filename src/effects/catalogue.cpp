@@ -1,4 +1,5 @@
 #include "effects.h"
+#include "learned_moment.h"
 
 namespace softarm::effects {
 
@@ -18,7 +19,7 @@ const Effect* find(const std::string& id) {
   for (const std::unique_ptr<Effect>& effect : catalogue()) {
     if (effect->info().id == id) return effect.get();
   }
-  return nullptr;
+  return id == learned_moment().info().id ? &learned_moment() : nullptr;
 }
 
 }  // namespace softarm::effects
