@@ -67,12 +67,24 @@ Eigen::MatrixXd JointModel::moved(const Linearised& at, std::size_t trial,
   const std::vector<Predicted>& predicted = at.predicted[trial];
   const auto bodies = static_cast<Eigen::Index>(arm_.bodies.size()), blocks = varied.values.cols();
   Eigen::MatrixXd moves = Eigen::MatrixXd::Zero(6 * bodies, blocks), in_modes, in_next;
+  VectorXd change;
+  std::vector<Eigen::Index> which;
   for (Eigen::Index k = 0; k < blocks; ++k) {
     const Predicted& now = predicted[static_cast<std::size_t>(k)];
     const Block& block = data.blocks[static_cast<std::size_t>(k)];
     if (!now.solved) continue;
-    const VectorXd change = varied.values.col(k) - at.reference[trial].values.col(k);
-    const VectorXd move = now.by_rod * change;
+    // Most changes are those of a few of the rod's parameters.
+    change = varied.values.col(k) - at.reference[trial].values.col(k);
+    which.clear();
+    for (Eigen::Index j = 0; j < change.size(); ++j)
+      if (change[j] != 0.0) which.push_back(j);
+    if (which.empty()) continue;
+    const auto by = [&](const Eigen::MatrixXd& derivative) {
+      VectorXd sum = VectorXd::Zero(derivative.rows());
+      for (const Eigen::Index j : which) sum += change[j] * derivative.col(j);
+      return sum;
+    };
+    const VectorXd move = by(now.by_rod);
     Eigen::Index row = 0;
     for (const Seen& seen : block.bodies) moves.col(k).segment<3>(3 * seen.body) = move.segment<3>(3 * row++);
     for (const model::SeenTangent& seen : block.tangents)
@@ -82,8 +94,8 @@ Eigen::MatrixXd JointModel::moved(const Linearised& at, std::size_t trial,
       in_modes.setZero(now.by_modes_now.rows(), blocks);
       in_next = in_modes;
     }
-    in_modes.col(k) = now.by_modes_now * change;
-    if (now.by_modes_next.size() > 0) in_next.col(k) = now.by_modes_next * change;
+    in_modes.col(k) = by(now.by_modes_now);
+    if (now.by_modes_next.size() > 0) in_next.col(k) = by(now.by_modes_next);
   }
   if (in_modes.size() == 0) return moves;
   const model::TrialModes& modes = modes_[trial];

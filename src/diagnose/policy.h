@@ -59,6 +59,7 @@ struct Policy {
     double rival_z = 3.0;     ///< separation below which two effects are one class
     double rival_gain = 0.5 * 3.0 * 3.0;  ///< the same as a difference of log scores on unseen trials
     double rival_cosine = 0.95;           ///< of the signatures of two effects that may be one class
+    double distinct_cosine = 0.5;         ///< of two that neither hides nor feigns the other
     double identifiable_sd = 2.0;         ///< from 0, of a size that is identifiable
   } selection;
 
@@ -68,7 +69,8 @@ struct Policy {
     /// Sizes that every effect has, in usual ones, and whose probability is the same beforehand: the rig's
     /// own errors are a thousandth to a hundredth, untidy arms a tenth.
     double background[6] = {0.001, 0.003, 0.01, 0.03, 0.1, 0.3};
-    double named = 0.5;  ///< probability of a class from which on the best of it goes into the model
+    double certain = 0.99;  ///< probability from which on an effect may join another upon one posterior
+    double named = 0.5;     ///< probability of a class from which on the best of it goes into the model
     /// Two effects are one class where the second is there instead of the first with this probability, and
     /// where the first's being there makes it so many times less likely.
     double rival = 0.1, turns = 2.0;

@@ -295,8 +295,10 @@ void set_sizes(JointModel& model, const Linearised& at, std::vector<Best>& best,
   }
   for (Best& b : best) {
     b.sizes = b.screened.values.head(b.variant->usual.size()).cwiseQuotient(b.variant->usual);
-    if (b.sizes.isZero()) b.sizes.setOnes();
+    const bool none = b.sizes.isZero();
+    if (none) b.sizes.setOnes();
     b.absorbed = solver.solve(sum_of(*b.variant, at, model.trials().size()).mixed * b.sizes);
+    b.screened.absorbed = none ? VectorXd::Zero(b.absorbed.size()) : b.absorbed;
     b.screened.direction.resize(rows);
   }
   // A trial's model serves one thread.

@@ -13,6 +13,7 @@ namespace softarm::diagnose {
 struct Screened {
   const model::Effect* effect = nullptr;
   model::Values values;       ///< sizes as estimated to first order, within their physical range
+  Eigen::VectorXd absorbed;   ///< of these sizes, by the fit's unknowns: they go back by so much
   Eigen::VectorXd sizes, sd;  ///< the same before they were put into that range, and their sd
   double gain = 0.0;          ///< by which chi^2 falls
   double unseen_gain = 0.0;   ///< the same on each trial with sizes from the others

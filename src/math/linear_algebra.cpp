@@ -44,6 +44,19 @@ MatrixXd inverse_of_symmetric(const MatrixXd& a) {
   return SymmetricSolver(a).inverse();
 }
 
+VectorXd rows_of(const VectorXd& v, const std::vector<Eigen::Index>& rows) {
+  VectorXd out(static_cast<Eigen::Index>(rows.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i) out[static_cast<Eigen::Index>(i)] = v[rows[i]];
+  return out;
+}
+
+MatrixXd block_of(const MatrixXd& a, const std::vector<Eigen::Index>& rows) {
+  const auto n = static_cast<Eigen::Index>(rows.size());
+  MatrixXd out(n, n);
+  for (Eigen::Index j = 0; j < n; ++j) out.col(j) = rows_of(a.col(rows[static_cast<std::size_t>(j)]), rows);
+  return out;
+}
+
 Eigensystem eigensystem_of(const MatrixXd& a) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(a);
   return {eigen.eigenvalues(), eigen.eigenvectors()};

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <vector>
 
 namespace softarm::math {
 
@@ -29,6 +30,10 @@ class SymmetricSolver {
 /// x of a x = b.
 Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 Eigen::MatrixXd inverse_of_symmetric(const Eigen::MatrixXd& a);
+
+/// Some entries of a vector, and the block of a square matrix in those rows and columns.
+Eigen::VectorXd rows_of(const Eigen::VectorXd& v, const std::vector<Eigen::Index>& rows);
+Eigen::MatrixXd block_of(const Eigen::MatrixXd& a, const std::vector<Eigen::Index>& rows);
 
 /// a = vectors * values.asDiagonal() * vectors^T, values increasing.
 struct Eigensystem {

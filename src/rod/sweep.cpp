@@ -55,6 +55,7 @@ Sweep::Sweep(const Rod& layout, const std::vector<double>& stations_m,
   const std::size_t blocks = count == 0 ? 1 : static_cast<std::size_t>(block_of(count - 1)) + 1;
   lanes_.assign(blocks, std::vector<LaneState>(nodes_.size()));
   sources_.assign(blocks, std::vector<LaneSource>(sections_.size()));
+  for (int block = 0; block < this->blocks(); ++block) first_.push_back(first_interval(block));
 }
 
 int Sweep::block_of(int parameter) {
@@ -64,6 +65,37 @@ int Sweep::block_of(int parameter) {
 int Sweep::lane_of(int parameter) {
   return parameter < kFirstBlockParameters ? kUnknownLanes + parameter
                                            : (parameter - kFirstBlockParameters) % kernel::kLanes;
+}
+
+std::size_t Sweep::first_interval(int block) const {
+  std::size_t first = grid_.intervals.size();
+  if (block == 0) return 0;  // the unknowns
+  for (int i = first_parameter(block); i < first_parameter(block + 1); ++i) {
+    const Parameter& parameter = parameters_[static_cast<std::size_t>(i)];
+    std::size_t own = 0;
+    switch (parameter.kind) {
+      case ParameterKind::kGravity:
+      case ParameterKind::kLoadScale:
+        break;
+      case ParameterKind::kBaseRotation:
+        own = first;
+        break;
+      case ParameterKind::kLoadForce:
+      case ParameterKind::kLoadMoment:
+      case ParameterKind::kLoadMass:
+      case ParameterKind::kLoadOffset:
+        while (own < first) {
+          const std::vector<int>& loads = grid_.loads_at[own];
+          if (std::find(loads.begin(), loads.end(), parameter.index) != loads.end()) break;
+          ++own;
+        }
+        break;
+      default:
+        while (own < first && grid_.intervals[own].segment != parameter.index) ++own;
+    }
+    first = std::min(first, own);
+  }
+  return first;
 }
 
 void Sweep::set_rod(const Rod& rod, const Rod& load_direction) {
@@ -103,8 +135,7 @@ void Sweep::set_sources(int block) {
   std::vector<LaneSource>& sources = sources_[static_cast<std::size_t>(block)];
   std::fill(sources.begin(), sources.end(), LaneSource{});
   const auto weight_per_s = [](const Segment& segment) { return segment.mass_kg / segment.rest_length_m; };
-  for (int i = 0; i < static_cast<int>(parameters_.size()); ++i) {
-    if (block_of(i) != block) continue;
+  for (int i = first_parameter(block); i < first_parameter(block + 1); ++i) {
     const Parameter& parameter = parameters_[static_cast<std::size_t>(i)];
     const int k = lane_of(i);
     const int c = parameter.component;
@@ -195,8 +226,7 @@ void Sweep::apply_loads(int block, int breakpoint, const Node& before, LaneState
     const auto axis = [&](int c) {
       return load.follower ? Vector3d(rotation.col(c)) : Vector3d(Vector3d::Unit(c));
     };
-    for (int p = 0; p < static_cast<int>(parameters_.size()); ++p) {
-      if (block_of(p) != block) continue;
+    for (int p = first_parameter(block); p < first_parameter(block + 1); ++p) {
       const Parameter& parameter = parameters_[static_cast<std::size_t>(p)];
       const int k = lane_of(p);
       const int c = parameter.component;
@@ -261,10 +291,9 @@ void Sweep::turn_joint(int block, std::size_t interval, LaneState& y) const {
     const Vector3d psi = lane(y.psi, k);
     source(k, lane(y.mu, k) - psi.cross(moment), 0.0);
   }
-  for (int p = 0; p < static_cast<int>(parameters_.size()); ++p) {
+  for (int p = first_parameter(block); p < first_parameter(block + 1); ++p) {
     const Parameter& parameter = parameters_[static_cast<std::size_t>(p)];
-    if (block_of(p) == block && parameter.kind == ParameterKind::kJointCompliance &&
-        parameter.index == segment)
+    if (parameter.kind == ParameterKind::kJointCompliance && parameter.index == segment)
       source(lane_of(p), Vector3d::Zero(), 1.0);
   }
 }
@@ -306,7 +335,7 @@ void Sweep::differentiate(int block) {
   }
   std::vector<LaneState>& lanes = lanes_[static_cast<std::size_t>(block)];
   const std::vector<LaneSource>& sources = sources_[static_cast<std::size_t>(block)];
-  for (std::size_t k = 0; k < grid_.intervals.size(); ++k) {
+  for (std::size_t k = first_[static_cast<std::size_t>(block)]; k < grid_.intervals.size(); ++k) {
     apply_loads(block, static_cast<int>(k), distal_[k], y);
     lanes[k] = y;
     const Interval& interval = grid_.intervals[k];

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <vector>
 
 #include "grid.h"
@@ -58,9 +59,16 @@ class Sweep {
   /// Block and lane of a parameter.
   static int block_of(int parameter);
   static int lane_of(int parameter);
+  /// First parameter of a block, and of the next one.
+  int first_parameter(int block) const {
+    const int first = block == 0 ? 0 : kFirstBlockParameters + (block - 1) * kernel::kLanes;
+    return std::min(first, static_cast<int>(parameters_.size()));
+  }
 
  private:
   void set_sources(int block);
+  /// The interval from the tip on which any of a block's parameters acts first; before it derivatives are 0.
+  std::size_t first_interval(int block) const;
   void apply_loads(int breakpoint, Node& node) const;
   void apply_loads(int block, int breakpoint, const Node& before, kernel::LaneState& y) const;
   /// From the distal side of the joint at an interval's proximal end to its proximal side.
@@ -80,6 +88,7 @@ class Sweep {
   std::vector<kernel::Stage> stages_;
   std::vector<std::vector<kernel::LaneState>> lanes_;     ///< [block][breakpoint]
   std::vector<std::vector<kernel::LaneSource>> sources_;  ///< [block][segment]
+  std::vector<std::size_t> first_;                        ///< [block] first_interval()
 };
 
 }  // namespace softarm::rod

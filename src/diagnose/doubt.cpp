@@ -1,0 +1,65 @@
+#include "doubt.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "math/linear_algebra.h"
+#include "policy.h"
+#include "refits.h"
+
+namespace softarm::diagnose {
+namespace {
+
+/// Log density at nothing of sizes that lie anywhere between those of the fit and those of the posterior
+/// about it, which knows of correlated errors and small departures: where the two differ, neither is known to
+/// be the better.
+double log_density_at_nothing(const Eigen::VectorXd& fitted, const Eigen::VectorXd& posterior,
+                              const Eigen::MatrixXd& covariance) {
+  constexpr int kSteps = 8;
+  const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
+  std::vector<double> logs;
+  for (int i = 0; i <= kSteps; ++i) {
+    const Eigen::VectorXd size = fitted + (posterior - fitted) * i / kSteps;
+    logs.push_back(-0.5 * size.dot(factor.solve(size)));
+  }
+  const double most = *std::max_element(logs.begin(), logs.end());
+  double sum = 0.0;
+  for (const double log : logs) sum += std::exp(log - most);
+  return most + std::log(sum / (kSteps + 1)) - factor.matrixLLT().diagonal().array().log().sum();
+}
+
+/// Probability of an effect of the fit given all the others that are in it: the density that its sizes have
+/// at nothing, before the data and after them (Savage and Dickey; Dickey 1971), and the odds of an effect.
+double still_there(const Linearised& at, std::size_t e, std::size_t catalogue, const Posterior& posterior) {
+  const std::vector<Eigen::Index> rows = rows_of_sizes(at, e);
+  const Eigen::VectorXd fitted = math::rows_of(at.unknowns(), rows);
+  Eigen::VectorXd later = fitted + math::rows_of(posterior.shift, rows);
+  double log_before = 0.0;  // density at nothing
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const JointUnknown& c = at.columns[static_cast<std::size_t>(rows[i])];
+    double& size = later[static_cast<Eigen::Index>(i)];
+    size = std::clamp(size, c.low / c.scale, c.high / c.scale);  // what is linear knows of no range
+    log_before -= std::log(c.prior_sd);
+  }
+  const double log_odds = log_before -
+                          log_density_at_nothing(fitted, later, math::block_of(posterior.covariance, rows)) +
+                          std::log(kPolicy.posterior.expected / static_cast<double>(catalogue));
+  return 1.0 / (1.0 + std::exp(-log_odds));
+}
+
+}  // namespace
+
+void add_doubt(const Linearised& at, const Posterior& posterior, std::size_t catalogue,
+               Selection& selection) {
+  selection.still_there.assign(at.at.effects.size(), 1.0);
+  if (posterior.covariance.rows() != at.information.rows()) {
+    selection.covariance = inflation(at) * math::inverse_of_symmetric(at.information);
+    return;
+  }
+  selection.covariance = posterior.covariance + posterior.shift * posterior.shift.transpose();
+  for (std::size_t e = 0; e < selection.still_there.size(); ++e)
+    selection.still_there[e] = still_there(at, e, catalogue, posterior);
+}
+
+}  // namespace softarm::diagnose

@@ -1,0 +1,183 @@
+#include "refits.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "math/linear_algebra.h"
+#include "policy.h"
+
+namespace softarm::diagnose {
+namespace {
+
+using model::Present;
+
+constexpr int kBootstraps = 500;  // a probability to two percent
+constexpr std::uint64_t kBootstrapSeed = 1;
+constexpr int kRefitIterations = 4, kDropIterations = 3;
+constexpr double kRefitTolerance = 0.2;  // of a step against the standard deviations
+
+/// At an end of its range that is not "absent", and determined: one size of several that the trials do not
+/// determine may be anywhere.
+bool at_limit(const Linearised& at) {
+  const Present& present = at.at.effects.back();
+  const Eigen::VectorXd variance = math::inverse_of_symmetric(at.information).diagonal() * inflation(at);
+  const auto determined = [&](std::size_t k) {
+    for (std::size_t j = 0; j < at.columns.size(); ++j) {
+      const JointUnknown& c = at.columns[j];
+      if (c.kind != JointUnknown::Kind::kEffect || c.index + 1 != static_cast<int>(at.at.effects.size()) ||
+          c.parameter != static_cast<int>(k))
+        continue;
+      const double sd = c.scale * std::sqrt(variance[static_cast<Eigen::Index>(j)]);
+      return std::abs(present.values[static_cast<Eigen::Index>(k)]) > kPolicy.selection.identifiable_sd * sd;
+    }
+    return true;
+  };
+  const model::Info& info = present.effect->info();
+  for (std::size_t k = 0; k < info.parameters.size(); ++k) {
+    const model::Parameter& p = info.parameters[k];
+    if (p.counts || k >= static_cast<std::size_t>(info.sizes)) continue;
+    const double value = present.values[static_cast<Eigen::Index>(k)];
+    const double near = 1e-6 * (p.high - p.low);
+    if (((value <= p.low + near && p.low != 0.0) || value >= p.high - near) && determined(k)) return true;
+  }
+  return false;
+}
+
+/// Square of the z of an effect's sizes in a fit, residuals taken for independent.
+double square_of_sizes(const Linearised& at, std::size_t effect) {
+  const std::vector<Eigen::Index> rows = rows_of_sizes(at, effect);
+  const Eigen::VectorXd sizes = math::rows_of(at.unknowns(), rows);
+  return sizes.dot(
+      math::solve_symmetric(math::block_of(math::inverse_of_symmetric(at.information), rows), sizes));
+}
+
+/// The last effect's sizes against their own spread: what may as well be 0 is not named.
+double z_of_sizes(const Linearised& at) {
+  return std::sqrt(std::max(0.0, square_of_sizes(at, at.at.effects.size() - 1) / inflation(at)));
+}
+
+JointModel::FitOptions refit_options(int iterations) {
+  JointModel::FitOptions how;
+  how.iterations = iterations;
+  how.tolerance = kRefitTolerance;
+  return how;
+}
+
+/// Probability of a gain on unseen trials, were others like these recorded: the share of the Bayesian
+/// bootstrap of the trials (Rubin 1981). What rests on one trial of many is not there in all of them.
+double gains_elsewhere(const Unseen& without, const Unseen& with) {
+  std::mt19937_64 random(kBootstrapSeed);
+  std::exponential_distribution<double> exponential;
+  int gains = 0;
+  for (int n = 0; n < kBootstraps; ++n) {
+    double sum = 0.0;
+    for (std::size_t t = 0; t < with.chi2.size(); ++t)
+      sum += exponential(random) * (without.chi2[t] - with.chi2[t]);
+    gains += sum > 0.0;
+  }
+  return static_cast<double>(gains) / kBootstraps;
+}
+
+}  // namespace
+
+std::vector<Eigen::Index> rows_of_sizes(const Linearised& at, std::size_t effect) {
+  std::vector<Eigen::Index> rows;
+  for (std::size_t j = 0; j < at.columns.size(); ++j) {
+    const JointUnknown& c = at.columns[j];
+    if (c.kind == JointUnknown::Kind::kEffect && c.index == static_cast<int>(effect) &&
+        c.parameter < at.at.effects[effect].effect->info().sizes)
+      rows.push_back(static_cast<Eigen::Index>(j));
+  }
+  return rows;
+}
+
+double trivial_m(const JointModel& model) {
+  return kPolicy.selection.trivial * model.arm().total_length_m();
+}
+
+std::vector<std::size_t> worth_a_refit(const JointModel& model, const std::vector<Screened>& screened,
+                                       const Options& options) {
+  std::vector<std::size_t> list;
+  for (std::size_t i = 0; i < screened.size(); ++i) {
+    const Screened& s = screened[i];
+    if (s.z < kPolicy.selection.screen_z || s.leftover_m < trivial_m(model)) continue;
+    list.push_back(i);
+  }
+  // What falls on unseen trials counts, but a first-order estimate may overshoot there.
+  std::stable_sort(list.begin(), list.end(), [&](std::size_t a, std::size_t b) {
+    const auto worth = [&](std::size_t i) {
+      return screened[i].gain + std::max(0.0, screened[i].unseen_gain);
+    };
+    return worth(a) > worth(b);
+  });
+  if (list.size() > static_cast<std::size_t>(options.refits))
+    list.resize(static_cast<std::size_t>(options.refits));
+  // Refits cost most of the time: two always, others where they come near.
+  while (list.size() > kPolicy.selection.always_refitted &&
+         screened[list.back()].gain < kPolicy.selection.near_best * screened[list.front()].gain)
+    list.pop_back();
+  return list;
+}
+
+Refitted refit(JointModel& model, const Standing& current, const Screened& s) {
+  Refitted r;
+  r.effect = s.effect;
+  JointParameters p = current.fit.at;
+  // What the unknowns are expected to give back; those of effects that came in since are the last.
+  const Eigen::VectorXd x = current.fit.unknowns().head(s.absorbed.size()) - s.absorbed;
+  for (Eigen::Index j = 0; j < x.size(); ++j)
+    set_unknown(p, current.fit.columns[static_cast<std::size_t>(j)], x[j]);
+  p.effects.push_back({s.effect, s.values});
+  JointModel::FitOptions how = refit_options(kRefitIterations);
+  how.whole = false;
+  r.fit = model.fit(p, how, &current.fit.predicted);
+  r.unseen = unseen(model, r.fit);
+  r.physical = !at_limit(r.fit);
+  r.converged = r.fit.converged;
+  // Large, and had again where the catalogue is screened.
+  for (std::vector<model::Predicted>& trial : r.fit.predicted)
+    for (model::Predicted& predicted : trial) predicted.by_rod.resize(0, 0);
+  return r;
+}
+
+Standing refit_without(JointModel& model, const Standing& current, std::size_t effect) {
+  JointParameters p = current.fit.at;
+  p.effects.erase(p.effects.begin() + static_cast<std::ptrdiff_t>(effect));
+  Standing without;
+  without.fit = model.fit(p, refit_options(kDropIterations), &current.fit.predicted);
+  without.unseen = unseen(model, without.fit);
+  return without;
+}
+
+double moved_without_m(const Standing& current, std::size_t effect) {
+  return current.unseen.total_rms_m *
+         std::sqrt(square_of_sizes(current.fit, effect) / current.unseen.total_chi2);
+}
+
+double moved_m(const Unseen& without, const Unseen& with) {
+  return std::sqrt(std::max(0.0, std::pow(without.total_rms_m, 2) - std::pow(with.total_rms_m, 2)));
+}
+
+void compare(const Standing& current, const Posterior& posterior, std::vector<Refitted>& refitted) {
+  double least = current.unseen.total_chi2, phi = inflation(current.fit);
+  for (const Refitted& r : refitted) {
+    if (r.unseen.total_chi2 < least) {
+      least = r.unseen.total_chi2;
+      phi = inflation(r.fit);
+    }
+  }
+  for (Refitted& r : refitted) {
+    const double fall = current.unseen.total_chi2 - r.unseen.total_chi2;
+    r.z = std::min(std::sqrt(std::max(0.0, fall / phi)), z_of_sizes(r.fit));
+    r.gain = 0.5 * fall / phi;
+    r.moved_m = moved_m(current.unseen, r.unseen);
+    r.elsewhere = gains_elsewhere(current.unseen, r.unseen);
+    r.probability = posterior.of(r.effect) * r.elsewhere;
+  }
+  std::stable_sort(refitted.begin(), refitted.end(),
+                   [](const Refitted& a, const Refitted& b) { return a.gain > b.gain; });
+}
+
+}  // namespace softarm::diagnose

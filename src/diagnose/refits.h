@@ -1,0 +1,42 @@
+// Fits with one effect more, and how they compare on trials that they have not seen.
+#pragma once
+
+#include <vector>
+
+#include "selection.h"
+
+namespace softarm::diagnose {
+
+/// What the rounds stand upon: the model so far.
+struct Standing {
+  Linearised fit;
+  Unseen unseen;
+};
+
+/// Of what an effect moves the bodies by beyond what the constants absorb, rms: less is too small to matter.
+double trivial_m(const JointModel& model);
+
+/// Those of the screen that refits are worth their time for, best first.
+std::vector<std::size_t> worth_a_refit(const JointModel& model, const std::vector<Screened>& screened,
+                                       const Options& options);
+
+/// Columns of a fit: an effect's sizes.
+std::vector<Eigen::Index> rows_of_sizes(const Linearised& at, std::size_t effect);
+
+/// The model so far with one effect more, from where the screen expects it.
+Refitted refit(JointModel& model, const Standing& current, const Screened& s);
+
+/// The model so far without one of its effects.
+Standing refit_without(JointModel& model, const Standing& current, std::size_t effect);
+
+/// Root of the fall of the mean square error on unseen trials.
+double moved_m(const Unseen& without, const Unseen& with);
+
+/// Root of the rise of the mean square error, were an effect of the model not there and all else fitted anew:
+/// to first order.
+double moved_without_m(const Standing& current, std::size_t effect);
+
+/// What each candidate gains, all against the spread that the best of them leaves; the best comes first.
+void compare(const Standing& current, const Posterior& posterior, std::vector<Refitted>& refitted);
+
+}  // namespace softarm::diagnose

@@ -1,0 +1,78 @@
+#include "rivals.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "policy.h"
+#include "refits.h"
+
+namespace softarm::diagnose {
+namespace {
+
+using model::Effect;
+
+/// Whether one tends to be there where the other is not.
+bool take_turns(const Posterior& posterior, const Effect* one, const Effect* other) {
+  const double instead = posterior.instead(other, one), with = posterior.of(other) - instead;
+  const double of_one = posterior.of(one);
+  return instead >= kPolicy.posterior.rival &&
+         instead * of_one > kPolicy.posterior.turns * with * (1.0 - of_one);
+}
+
+const Screened& screened_of(const Round& round, const Effect* effect) {
+  return *std::find_if(round.screened.begin(), round.screened.end(),
+                       [&](const Screened& s) { return s.effect == effect; });
+}
+
+}  // namespace
+
+double of_class(const Round& round, const Effect* effect) {
+  EffectList list{effect};
+  for (const Screened& s : round.screened) {
+    if (s.effect != effect && take_turns(round.posterior, effect, s.effect)) list.push_back(s.effect);
+  }
+  return round.posterior.of_any(list);
+}
+
+int best_of(const JointModel& model, const Round& round) {
+  int best = -1, open = -1;
+  for (std::size_t i = 0; i < round.refitted.size(); ++i) {
+    const Refitted& r = round.refitted[i];
+    if (of_class(round, r.effect) * r.elsewhere < kPolicy.posterior.named ||
+        r.probability < kPolicy.posterior.rival || !r.physical || r.moved_m < trivial_m(model))
+      continue;
+    int& leader = r.converged ? best : open;
+    if (leader < 0 || r.probability > round.refitted[static_cast<std::size_t>(leader)].probability)
+      leader = static_cast<int>(i);
+  }
+  return best >= 0 ? best : open;
+}
+
+EffectList rivals_of(const Round& round) {
+  EffectList rivals;
+  const Refitted& first = round.refitted[static_cast<std::size_t>(round.taken)];
+  const Screened& own = screened_of(round, first.effect);
+  for (const Screened& s : round.screened) {
+    if (s.effect == first.effect) continue;
+    const double cosine = std::abs(s.direction.dot(own.direction));
+    const bool as_good = std::any_of(round.refitted.begin(), round.refitted.end(), [&](const Refitted& r) {
+      return r.effect == s.effect && r.physical && first.gain - r.gain < kPolicy.selection.rival_gain;
+    });
+    if (as_good || take_turns(round.posterior, first.effect, s.effect) ||
+        (cosine > kPolicy.selection.rival_cosine &&
+         first.z * std::sqrt(1.0 - cosine * cosine) < kPolicy.selection.rival_z))
+      rivals.push_back(s.effect);
+  }
+  return rivals;
+}
+
+bool is_certain_beside(const Round& round, const Screened& s, const EffectList& taken) {
+  if (round.posterior.of(s.effect) < kPolicy.posterior.certain) return false;
+  return std::none_of(taken.begin(), taken.end(), [&](const Effect* other) {
+    return other == s.effect || take_turns(round.posterior, s.effect, other) ||
+           take_turns(round.posterior, other, s.effect) ||
+           std::abs(s.direction.dot(screened_of(round, other).direction)) > kPolicy.selection.distinct_cosine;
+  });
+}
+
+}  // namespace softarm::diagnose

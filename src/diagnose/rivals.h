@@ -1,0 +1,24 @@
+// Which effects stand in for each other, and which of a round goes into the model.
+#pragma once
+
+#include <vector>
+
+#include "selection.h"
+
+namespace softarm::diagnose {
+
+/// Probability that it, or one of those that it takes turns with, is there.
+double of_class(const Round& round, const model::Effect* effect);
+
+/// The most probable that can be, of a class that is more probable than not; -1: there is none. One whose fit
+/// did not converge is only taken where none that did is. One that is not even a rival stands for no class.
+int best_of(const JointModel& model, const Round& round);
+
+/// Those that may be there in place of the one taken, or are the same in these trials.
+EffectList rivals_of(const Round& round);
+
+/// Whether an effect is as good as certain beside what was taken upon the same posterior, and something else
+/// than that.
+bool is_certain_beside(const Round& round, const Screened& s, const EffectList& taken);
+
+}  // namespace softarm::diagnose
