@@ -45,7 +45,15 @@ MatrixXd feature_kernel(const MatrixXd& distances2, double reach) {
   return k - mean.replicate(1, n) - mean.transpose().replicate(n, 1) + MatrixXd::Constant(n, n, mean.mean());
 }
 
+double sd_of_background(double left, double background) {
+  return 1.0 / std::hypot(1.0 / kPolicy.posterior.most_background, left / background);
+}
+
 }  // namespace
+
+double background_sd(const Signature& effect, double background) {
+  return sd_of_background(effect.left, background);
+}
 
 std::vector<MatrixXd> kernels_of(const EvidenceData& data) {
   std::vector<MatrixXd> kernels{time_kernel(data)};
@@ -69,12 +77,14 @@ LinearGaussianModel::LinearGaussianModel(const EvidenceData& data, const Bases& 
   const Index n = data.residual.rows(), m = data.residual.cols();
   mean_.resize(p);
   sd_.resize(p);
+  left_.resize(p);
   std::vector<MatrixXd> by_direction(static_cast<std::size_t>(m), MatrixXd(n, p));
   Index column = 0;
   for (const std::vector<Signature>* list : {&data.unknowns, &data.effects}) {
     for (const Signature& signature : *list) {
       mean_[column] = signature.mean;
       sd_[column] = signature.prior_sd;
+      left_[column] = signature.left;
       effect_.push_back(signature.effect);
       if (signature.effect != nullptr && (each_.empty() || each_.back() != signature.effect))
         each_.push_back(signature.effect);
@@ -138,27 +148,27 @@ NormalEquations LinearGaussianModel::normal_equations(const std::vector<Directio
   return sums;
 }
 
-VectorXd LinearGaussianModel::precision(const EffectList& present, double tau) const {
+VectorXd LinearGaussianModel::precision(const EffectList& present, double background) const {
   VectorXd precision = sd_;
   for (Index j = 0; j < precision.size(); ++j) {
     const Effect* effect = effect_[static_cast<std::size_t>(j)];
     const bool spike =
         effect != nullptr && std::find(present.begin(), present.end(), effect) == present.end();
-    precision[j] = 1.0 / std::pow(spike ? tau : sd_[j], 2);
+    precision[j] = 1.0 / std::pow(spike ? sd_of_background(left_[j], background) : sd_[j], 2);
   }
   return precision;
 }
 
 MatrixXd LinearGaussianModel::covariance(const NormalEquations& sums, const EffectList& present,
-                                         double tau) const {
+                                         double background) const {
   MatrixXd information = sums.information;
-  information.diagonal() += precision(present, tau);
+  information.diagonal() += precision(present, background);
   return math::inverse_of_symmetric(information);
 }
 
-double LinearGaussianModel::integrate(const NormalEquations& sums, const EffectList& present, double tau,
-                                      VectorXd& coefficients) const {
-  const VectorXd precision = this->precision(present, tau);
+double LinearGaussianModel::integrate(const NormalEquations& sums, const EffectList& present,
+                                      double background, VectorXd& coefficients) const {
+  const VectorXd precision = this->precision(present, background);
   MatrixXd information = sums.information;
   information.diagonal() += precision;
   const VectorXd score = sums.score + precision.cwiseProduct(mean_);
@@ -169,16 +179,16 @@ double LinearGaussianModel::integrate(const NormalEquations& sums, const EffectL
   return -0.5 * (sums.log_determinant + least + log_posterior - precision.array().log().sum());
 }
 
-Marginal LinearGaussianModel::evaluate(const EffectList& present, double tau,
+Marginal LinearGaussianModel::evaluate(const EffectList& present, double background,
                                        std::vector<DirectionNoise> noise) const {
   Marginal marginal;
   if (noise.empty()) noise = noise_of(VectorXd::Zero(mean_.size()));
   for (int i = 0; i < kNoiseIterations; ++i) {
-    integrate(normal_equations(noise), present, tau, marginal.coefficients);
+    integrate(normal_equations(noise), present, background, marginal.coefficients);
     noise = noise_of(marginal.coefficients);
   }
   marginal.noise = std::move(noise);
-  marginal.log = integrate(normal_equations(marginal.noise), present, tau, marginal.coefficients);
+  marginal.log = integrate(normal_equations(marginal.noise), present, background, marginal.coefficients);
   return marginal;
 }
 

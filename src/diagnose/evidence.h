@@ -43,26 +43,32 @@ struct NormalEquations {
   double square = 0.0, log_determinant = 0.0;
 };
 
+/// Standard deviation of a size of an effect that is not there, in usual sizes: it moves the bodies by the
+/// background beyond what the arm's constants absorb, and is a small share of a usual size.
+/// @param background share of the arm's length
+double background_sd(const Signature& effect, double background);
+
 /// Residuals as unknowns of the fit and sizes of effects move them, and noise. An effect that is there has
-/// sizes of N(0, prior_sd^2); one that is not has a background's, N(0, tau^2).
+/// sizes of N(0, prior_sd^2); one that is not has a background's, N(0, background_sd^2).
 class LinearGaussianModel {
  public:
   LinearGaussianModel(const EvidenceData& data, const Bases& bases);
 
   /// With the noise of greatest likelihood, begun from `noise`; empty: from that of the residuals.
-  Marginal evaluate(const EffectList& present, double tau, std::vector<DirectionNoise> noise = {}) const;
+  Marginal evaluate(const EffectList& present, double background,
+                    std::vector<DirectionNoise> noise = {}) const;
   NormalEquations normal_equations(const std::vector<DirectionNoise>& noise) const;
   /// Log marginal likelihood under these sums.
-  double integrate(const NormalEquations& sums, const EffectList& present, double tau,
+  double integrate(const NormalEquations& sums, const EffectList& present, double background,
                    Eigen::VectorXd& coefficients) const;
   /// Of all coefficients, under these sums.
-  Eigen::MatrixXd covariance(const NormalEquations& sums, const EffectList& present, double tau) const;
+  Eigen::MatrixXd covariance(const NormalEquations& sums, const EffectList& present, double background) const;
   const EffectList& effects() const { return each_; }
 
  private:
   std::vector<DirectionNoise> noise_of(const Eigen::VectorXd& coefficients) const;
   /// Of the coefficients, before the data.
-  Eigen::VectorXd precision(const EffectList& present, double tau) const;
+  Eigen::VectorXd precision(const EffectList& present, double background) const;
 
   /// Everything in the eigenvectors of one kernel.
   struct InBasis {
@@ -72,6 +78,7 @@ class LinearGaussianModel {
   };
   std::vector<InBasis> turned_;
   Eigen::VectorXd mean_, sd_;  ///< of the coefficients; of effects those of the slab
+  Eigen::VectorXd left_;       ///< Signature::left by coefficient
   EffectList effect_;          ///< by coefficient, null for unknowns
   EffectList each_;            ///< once each
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "flexible.h"
+#include "math/linear_algebra.h"
 #include "math/parallel.h"
 #include "policy.h"
 
@@ -119,7 +120,7 @@ EvidenceData of_fit(const Shown& shown, const Linearised& at, const Linearised& 
   const Eigen::VectorXd x = at.unknowns();
   for (std::size_t c = 0; c < at.columns.size(); ++c)
     data.unknowns.push_back({nullptr, at.columns[c].start - x[static_cast<Index>(c)], at.columns[c].prior_sd,
-                             MatrixXd::Zero(n, m)});
+                             MatrixXd::Zero(n, m), 0.0});
   for (std::size_t i = 0; i < shown.instants.size(); ++i) {
     const InstantRows& from = shown.instants[i];
     const std::size_t t = from.trial;
@@ -138,6 +139,44 @@ EvidenceData of_fit(const Shown& shown, const Linearised& at, const Linearised& 
   return data;
 }
 
+/// By which rows grow per metre that a body is off; 0: rows of tangents.
+MatrixXd rows_per_m(const JointModel& model, const Shown& shown, const Linearised& at) {
+  MatrixXd rows = MatrixXd::Zero(shown.size.size(), shown.bodies + shown.tangents);
+  for (std::size_t i = 0; i < shown.instants.size(); ++i) {
+    const InstantRows& from = shown.instants[i];
+    const std::vector<model::Seen>& bodies = model.trials()[from.trial].blocks[from.block].bodies;
+    for (Index r = 0; r < shown.bodies; ++r)
+      rows(shown.group[i], r) += shown.weight(i) * at.root_weight[from.trial][from.bodies + r] /
+                                 model.sd_m(from.trial, from.block, bodies[static_cast<std::size_t>(r / 3)]);
+  }
+  return rows;
+}
+
+/// Fills Signature::left of the effects.
+void add_left(const MatrixXd& rows_per_m, double length_m, EvidenceData& data) {
+  const Index n = data.residual.size(), p = static_cast<Index>(data.unknowns.size());
+  MatrixXd unknowns(n, p);
+  for (Index c = 0; c < p; ++c)
+    unknowns.col(c) =
+        Eigen::Map<const Eigen::VectorXd>(data.unknowns[static_cast<std::size_t>(c)].moves.data(), n);
+  MatrixXd information = unknowns.transpose() * unknowns;
+  for (Index c = 0; c < p; ++c)
+    information(c, c) += 1.0 / std::pow(data.unknowns[static_cast<std::size_t>(c)].prior_sd, 2);
+  const math::SymmetricSolver solver(information);
+  for (Signature& effect : data.effects) {
+    const Eigen::Map<const Eigen::VectorXd> moves(effect.moves.data(), n);
+    const Eigen::VectorXd left = moves - unknowns * solver.solve(unknowns.transpose() * moves);
+    double sum = 0.0, bodies = 0.0;
+    for (Index i = 0; i < n; ++i) {
+      const double per_m = rows_per_m.data()[i];
+      if (!(per_m > 0.0)) continue;
+      sum += std::pow(left[i] / per_m, 2);
+      bodies += 1.0 / 3.0;
+    }
+    effect.left = bodies > 0.0 ? std::sqrt(sum / bodies) / length_m : 0.0;
+  }
+}
+
 }  // namespace
 
 EvidenceData evidence_of_refit(const JointModel& model, const Linearised& refit, const Linearised& like) {
@@ -152,7 +191,7 @@ EvidenceData evidence_data(JointModel& model, Linearised& at, const std::vector<
   const Index n = data.residual.rows(), m = data.residual.cols();
   const std::vector<Step> steps = steps_of(candidates);
   for (const Step& step : steps)
-    data.effects.push_back({step.present.effect, 0.0, kPolicy.fit.size_sd, MatrixXd::Zero(n, m)});
+    data.effects.push_back({step.present.effect, 0.0, kPolicy.fit.size_sd, MatrixXd::Zero(n, m), 0.0});
   math::in_parallel(model.trials().size(), jobs, [&](std::size_t t) {
     std::vector<JointParameters> changed(steps.size(), at.at);
     std::vector<double> sizes;
@@ -173,6 +212,7 @@ EvidenceData evidence_data(JointModel& model, Linearised& at, const std::vector<
       }
     }
   });
+  add_left(rows_per_m(model, shown, at), model.arm().total_length_m(), data);
   data.features = features_at(model, at, shown);
   return data;
 }

@@ -13,6 +13,9 @@ struct Signature {
   const model::Effect* effect = nullptr;  ///< null: one of the fit's own unknowns
   double mean = 0.0, prior_sd = 1.0;      ///< of its coefficient, before these data
   Eigen::MatrixXd moves;                  ///< n x m, by which a coefficient of 1 moves what is seen
+  /// Of an effect: by how much of the arm's length a coefficient of 1 moves the bodies beyond what the
+  /// unknowns of the fit absorb, rms.
+  double left = 0.0;
 };
 
 /// n groups of neighbouring instants that show all bodies and tangents, m numbers each, whitened by the

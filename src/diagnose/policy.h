@@ -66,9 +66,11 @@ struct Policy {
   /// How probable effects are.
   struct Posterior {
     double expected = 0.5;  ///< effects of the catalogue that an arm is expected to have, before the data
-    /// Sizes that every effect has, in usual ones, and whose probability is the same beforehand: the rig's
-    /// own errors are a thousandth to a hundredth, untidy arms a tenth.
-    double background[6] = {0.001, 0.003, 0.01, 0.03, 0.1, 0.3};
+    /// By how much of the arm's length every effect moves the bodies beyond what constants absorb, were it
+    /// the only one; each as probable as another beforehand. Up to what is too small to matter
+    /// (Selection::trivial): what moves them further is there.
+    double background[5] = {1e-5, 3e-5, 8e-5, 1.5e-4, 2.5e-4};
+    double most_background = 0.3;  ///< of a usual size: of what constants absorb nearly all
     double certain = 0.99;  ///< probability from which on an effect may join another upon one posterior
     double named = 0.5;     ///< probability of a class from which on the best of it goes into the model
     /// Two effects are one class where the second is there instead of the first with this probability, and

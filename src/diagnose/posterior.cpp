@@ -68,7 +68,7 @@ class Search {
 
   struct Model {
     EffectList effects;
-    double tau = 0.0, log = 0.0;  ///< log: with the odds of its effects
+    double background = 0.0, log = 0.0;  ///< log: with the odds of its effects
     Marginal marginal;
   };
 
@@ -78,7 +78,8 @@ class Search {
       Model& m = list[i];
       m.marginal.log = kNothing;
       for (const std::size_t number : about_.of(m.effects)) {
-        Marginal marginal = about_.model(number).evaluate(about_.beside(number, m.effects), m.tau, noise);
+        Marginal marginal =
+            about_.model(number).evaluate(about_.beside(number, m.effects), m.background, noise);
         if (marginal.log > m.marginal.log) m.marginal = std::move(marginal);
       }
       m.log = m.marginal.log + before_data(m.effects);
@@ -100,12 +101,12 @@ class Search {
       effects.push_back(effect);
       std::sort(effects.begin(), effects.end(),
                 [this](const Effect* a, const Effect* b) { return place(a) < place(b); });
-      for (const double tau : kPolicy.posterior.background) {
+      for (const double background : kPolicy.posterior.background) {
         double log = kNothing;
         for (const std::size_t number : about_.of(effects))
-          log = std::max(
-              log, about_.model(number).integrate(sums[number], about_.beside(number, effects), tau, unused));
-        list.push_back({effects, tau, log + before_data(effects), {}});
+          log = std::max(log, about_.model(number).integrate(sums[number], about_.beside(number, effects),
+                                                             background, unused));
+        list.push_back({effects, background, log + before_data(effects), {}});
       }
     }
     return list;
@@ -113,8 +114,9 @@ class Search {
 
   const std::vector<Model>& models() const { return models_; }
   bool has(const Model& m) const {
-    return std::any_of(models_.begin(), models_.end(),
-                       [&](const Model& o) { return o.effects == m.effects && o.tau == m.tau; });
+    return std::any_of(models_.begin(), models_.end(), [&](const Model& o) {
+      return o.effects == m.effects && o.background == m.background;
+    });
   }
   /// The best models of so many effects, each set once.
   std::vector<Model> best(std::size_t effects, std::size_t count) const {
@@ -185,7 +187,7 @@ void add_unknowns(const Expansions& about, const std::vector<Search::Model>& mod
     const LinearGaussianModel& linear = about.model(0);
     const Eigen::VectorXd of_m = m.marginal.coefficients.head(unknowns);
     mean += weight * of_m;
-    square += weight * (linear.covariance(linear.normal_equations(m.marginal.noise), m.effects, m.tau)
+    square += weight * (linear.covariance(linear.normal_equations(m.marginal.noise), m.effects, m.background)
                             .topLeftCorner(unknowns, unknowns) +
                         of_m * of_m.transpose());
     sum += weight;
@@ -225,7 +227,7 @@ Posterior posterior(const EvidenceData& data, const std::vector<RefitEvidence>& 
   const Expansions about(data, refits, jobs);
   Search search(about, jobs);
   std::vector<Search::Model> none;
-  for (const double tau : kPolicy.posterior.background) none.push_back({{}, tau, 0.0, {}});
+  for (const double background : kPolicy.posterior.background) none.push_back({{}, background, 0.0, {}});
   search.evaluate(std::move(none), {});
   for (std::size_t size = 0; size < kPolicy.posterior.most_effects; ++size) {
     for (const Search::Model& from : search.best(size, size == 0 ? 1 : kPolicy.posterior.grown_from)) {

@@ -37,13 +37,13 @@ struct RefitEvidence {
 };
 
 /// Spike and slab over the catalogue (George and McCulloch 1993; Ishwaran and Rao 2005), linear about a fit.
-/// An effect that is there has sizes of N(0, prior_sd^2); one that is not has a background's, N(0, tau^2),
-/// tau the same for all and unknown: everything is a little wrong. The fit's unknowns are free within their
-/// priors. What is left is correlated: each principal direction of what is seen has noise of its own, white
-/// and a Gaussian process over what drives the arm, or over time, whose shares and sizes are those of
-/// greatest likelihood under each set. All coefficients are integrated out. Sets grow from the best by one
-/// effect at a time. Effects are not linear: sets with one that was refitted are judged about its own fit
-/// (Laplace), those with several about the fit of theirs that suits them best.
+/// An effect that is there has sizes of N(0, prior_sd^2); one that is not has a background's, by which it
+/// moves the bodies as far as all others do, unknown how far: everything is a little wrong. The fit's
+/// unknowns are free within their priors. What is left is correlated: each principal direction of what is
+/// seen has noise of its own, white and a Gaussian process over what drives the arm, or over time, whose
+/// shares and sizes are those of greatest likelihood under each set. All coefficients are integrated out.
+/// Sets grow from the best by one effect at a time. Effects are not linear: sets with one that was refitted
+/// are judged about its own fit (Laplace), those with several about the fit of theirs that suits them best.
 Posterior posterior(const EvidenceData& data, const std::vector<RefitEvidence>& refits, unsigned jobs);
 
 }  // namespace softarm::diagnose

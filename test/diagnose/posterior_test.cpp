@@ -18,6 +18,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+constexpr double kLeft = 1e-3;  // of the arm's length, of what is as large as the noise
+
 /// n instants of three trials, m numbers each, two unknowns, `effects` effects of one size: all signatures
 /// are smooth in the features and of `strength` times the noise, the residual is white noise alone.
 EvidenceData made_up(Index n, Index m, int effects, double strength, std::mt19937_64& random) {
@@ -34,17 +36,19 @@ EvidenceData made_up(Index n, Index m, int effects, double strength, std::mt1993
     const MatrixXd bend = data.features * drawn(3, m), wave = (data.features * drawn(3, m)).array().sin();
     return MatrixXd(strength * (0.5 * bend + wave));
   };
-  for (int u = 0; u < 2; ++u) data.unknowns.push_back({nullptr, 0.1, 3.0, signature()});
+  for (int u = 0; u < 2; ++u) data.unknowns.push_back({nullptr, 0.1, 3.0, signature(), 0.0});
   for (int e = 0; e < effects; ++e)
-    data.effects.push_back({effects::catalogue()[static_cast<std::size_t>(e)].get(), 0.0, 5.0, signature()});
+    data.effects.push_back(
+        {effects::catalogue()[static_cast<std::size_t>(e)].get(), 0.0, 5.0, signature(), kLeft * strength});
   return data;
 }
 
 TEST(Posterior, EvidenceIsTheDensityWrittenOut) {
   std::mt19937_64 random(3);
   const EvidenceData data = made_up(14, 3, 4, 0.7, random);
-  const double tau = 0.1;
-  const Marginal evidence = LinearGaussianModel(data, bases_of(data)).evaluate({data.effects[1].effect}, tau);
+  const double background = 2e-4;
+  const Marginal evidence =
+      LinearGaussianModel(data, bases_of(data)).evaluate({data.effects[1].effect}, background);
   const std::vector<MatrixXd> kernels = kernels_of(data);
   const Index n = data.residual.rows(), m = data.residual.cols();
   const MatrixXd axes =
@@ -67,7 +71,7 @@ TEST(Posterior, EvidenceIsTheDensityWrittenOut) {
   }
   for (std::size_t e = 0; e < data.effects.size(); ++e) {
     const VectorXd moves = stacked(data.effects[e].moves);
-    const double sd = e == 1 ? data.effects[e].prior_sd : tau;
+    const double sd = e == 1 ? data.effects[e].prior_sd : background_sd(data.effects[e], background);
     covariance += sd * sd * moves * moves.transpose();
   }
   const Eigen::LLT<MatrixXd> factor(covariance);
