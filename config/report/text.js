@@ -87,7 +87,7 @@ function toCopy(text, what, folded) {
 
 /// The arm file with what was found in it, and how to use it.
 function goOn() {
-  if (!report.extended_text || !anyEffect) return null;
+  if (!report.extended_text || !(anyEffect || report.discovered_law)) return null;
   return [report.next_command ? [element('p', null, 'The first trial once more, with this in the model:'), toCopy(report.next_command, 'the command')] : null,
     element('p', null, 'arm_extended.yaml is the arm file with the constants and effects found. ' + (report.verdict === 'unknown' ?
       'It does not hold the whole explanation: the node says so when it loads it.' : 'Programs and nodes take it in place of the arm file.')),
@@ -98,6 +98,23 @@ function goOn() {
 function smallDepartures() {
   if (!report.small_departures.length) return null;
   return [element('ul', null, report.small_departures.map(effect => element('li', null, element('code', null, effect.name), ' ', effect.sentence)))];
+}
+
+/// No name: what the rest goes with, as moments that the extended arm file has.
+function discoveredLaw() {
+  const law = report.discovered_law;
+  if (!law) return null;
+  const before = law.held_out_mean_before_m, after = law.held_out_mean_after_m;
+  const row = term => [[element('b', null, named(term.goes_with)), element('small', null, 'learnt between ' + term.range[0] + ' and ' + term.range[1])],
+    [(term.has_direction ? 'along it: ' : 'towards x: ') + term.sizes[0]], [(term.has_direction ? 'across it: ' : 'towards y: ') + term.sizes[1]],
+    term.rises ? 'at the tip; the opposite at the base' : 'the same all along', {share: [bar(term.stability, ''), term.sure]}];
+  return [element('p', {class: 'lead'}, law.sentence),
+    element('p', null, element('span', {class: 'law'}, 'M = Σ (x, y) z / z', element('sub', null, 'max')), ', z what each moment goes with:'),
+    table(['goes with', 'moment at the end of that range', '', 'along the arm', 'chosen by'], law.terms.map(row)),
+    element('p', {class: 'hint'}, 'Chosen by: the share of halves of the trials in which this moment, or one that stands for it, is among those that explain most. ' +
+      'The law was tried on ' + law.sequences + ' input sequences, each predicted by true refits, with the moments chosen anew, to others: mean error ' +
+      mm(before) + ' → ' + mm(after) + ', at most ' + mm(law.held_out_max_before_m) + ' → ' + mm(law.held_out_max_after_m) +
+      '. It is in arm_extended.yaml as learned_moment, and no part of the verdict: a law that was learnt is no cause.')];
 }
 
 function nextExperiment() {

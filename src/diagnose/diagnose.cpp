@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "discovered_law.h"
 #include "extended_arm.h"
 #include "findings.h"
 #include "flexible.h"
@@ -115,7 +116,8 @@ Linearised fit_baseline(JointModel& model, std::size_t& swinging, const std::fun
 /// What is left to see before and after the effects.
 struct Remains {
   Leftover before, after;
-  bool adequate = false;  ///< nothing of a size that matters is left
+  bool adequate = false;   ///< nothing of a size that matters is left
+  bool learnable = false;  ///< a flexible model learns a good part of it
 };
 
 bool is_shared(const Leftover& left, double length_m) {
@@ -144,10 +146,11 @@ Remains compare(const JointModel& model, const Selection& selection, Diagnosis& 
   Remains left;
   left.before = leftover(model, selection.baseline, before);
   left.after = extended ? leftover(model, selection.extended, after) : left.before;
+  const bool learnable = leftover_m >= kPolicy.verdict.flexible * length_m &&
+                         could_after.share >= kPolicy.verdict.flexible_share;
   left.adequate = as_noise && !is_shared(left.after, length_m) &&
-                  left.after.lone_m < kPolicy.verdict.lone * d.noise_floor_m &&
-                  (leftover_m < kPolicy.verdict.flexible * length_m ||
-                   could_after.share < kPolicy.verdict.flexible_share);
+                  left.after.lone_m < kPolicy.verdict.lone * d.noise_floor_m && !learnable;
+  left.learnable = !left.adequate && learnable;
   const double learnt2 =
       std::min({base2 * (1.0 - could_before.share), ext2 * (1.0 - could_after.share), ext2});
   d.ceiling_rms_m = std::sqrt(std::max(std::min(base2, floor2), learnt2));
@@ -271,7 +274,14 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   d.after.shared_m = left.after.shared_m;
   d.after.shared_z = left.after.shared_z;
   d.shifts = shifts_of(model, selection);
-  d.extended_arm = extended_arm(model, selection.extended, selection.covariance);
+  std::optional<Law> law;
+  if (left.learnable) {
+    report(0.91, "whether a law can be learnt of what is left");
+    law = discover_law(model, selection, d.discrepancy_share, d.noise_floor_m, options.jobs);
+  }
+  if (law) d.discovered_law = law->said;
+  d.extended_arm =
+      extended_arm(model, law ? law->fit : selection.extended, law ? law->covariance : selection.covariance);
   const Compared count = compared(model);
   d.left_out_share = 1.0 - static_cast<double>(count.used) / static_cast<double>(count.blocks);
   d.summary = summary_of(d);

@@ -208,7 +208,8 @@ std::vector<JointUnknown> JointModel::columns(const JointParameters& parameters)
     const model::Info& info = parameters.effects[e].effect->info();
     for (std::size_t k = 0; k < info.parameters.size(); ++k) {
       const model::Parameter& parameter = info.parameters[k];
-      if (parameter.counts) continue;
+      // What has no end is no number of the physics, but says where a law was learnt.
+      if (parameter.counts || !std::isfinite(parameter.high)) continue;
       const bool size = k < static_cast<std::size_t>(info.sizes);
       const double value = parameters.effects[e].values[static_cast<Eigen::Index>(k)];
       JointUnknown c;
@@ -233,6 +234,16 @@ double JointModel::sd_m(std::size_t trial, std::size_t block, const Seen& seen) 
 double JointModel::sd_rad(std::size_t trial, std::size_t block, const SeenTangent& seen) const {
   // Where an arc of this length is off by so much at its end, it is turned by twice that over its length.
   return std::hypot(seen.white_sd_rad, 2.0 * motion_sd_m_[trial][block] / arm_.total_length_m());
+}
+
+void JointModel::look_at(const std::vector<std::size_t>& trials) {
+  if (!all_used_.empty()) used_ = std::move(all_used_);
+  all_used_.clear();
+  if (trials.empty()) return;
+  all_used_ = used_;
+  for (std::size_t t = 0; t < used_.size(); ++t) {
+    if (std::find(trials.begin(), trials.end(), t) == trials.end()) used_[t].assign(used_[t].size(), false);
+  }
 }
 
 Vector3d JointModel::by_mount(const JointParameters& parameters, const Eigen::Quaterniond& q_section,

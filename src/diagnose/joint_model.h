@@ -142,6 +142,9 @@ class JointModel {
   double motion_sd_m(std::size_t trial, std::size_t block) const { return motion_sd_m_[trial][block]; }
   /// Whether a block is compared.
   bool uses(std::size_t trial, std::size_t block) const { return used_[trial][block]; }
+  /// Fits look from here on at the bodies of these trials alone, all others are only predicted; of none: at
+  /// all trials again.
+  void look_at(const std::vector<std::size_t>& trials);
   /// From here on the arm swings, in the modes that it has at these parameters; without, inertia counts to
   /// first order.
   void find_modes(const JointParameters& parameters,
@@ -212,6 +215,7 @@ class JointModel {
   std::vector<std::vector<Eigen::VectorXd>> swings_;
   std::vector<bool> turned_;  ///< bodies whose tangents are seen
   std::vector<std::vector<bool>> used_;
+  std::vector<std::vector<bool>> all_used_;  ///< while some trials are not looked at
   std::vector<std::vector<double>> motion_sd_m_;
   bool quasi_static_ = false;
   UnknownShares unknown_;  ///< at first those of an arm with modes

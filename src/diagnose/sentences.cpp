@@ -142,8 +142,11 @@ std::string finding_description(const Candidate& candidate) {
 }
 
 const std::vector<ShownUnit>& shown_units() {
-  static const std::vector<ShownUnit> units{
-      {"m", "mm", 1e3}, {"Pa", "kPa", 1e-3}, {"rad", "deg", 180.0 / kPi}, {"kg", "g", 1e3}};
+  static const std::vector<ShownUnit> units{{"m", "mm", 1e3},
+                                            {"Pa", "kPa", 1e-3},
+                                            {"Pa^2", "kPa^2", 1e-6},
+                                            {"rad", "deg", 180.0 / kPi},
+                                            {"kg", "g", 1e3}};
   return units;
 }
 

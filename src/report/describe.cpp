@@ -78,6 +78,12 @@ std::string effect_text(std::size_t number, const diagnose::NamedEffect& effect)
   return text;
 }
 
+std::string law_text(const diagnose::DiscoveredLaw& law) {
+  std::string text = "\nA law that was learnt from what is left (learned_moment in arm_extended.yaml):\n";
+  text += paragraph("  - ", law.sentence, 4);
+  return text;
+}
+
 std::string structure_text(const diagnose::Diagnosis& d) {
   const diagnose::Structure& left = d.after;
   std::string text = fmt::format("The rest is {} times as large as the noise",
@@ -156,6 +162,7 @@ std::string describe(const diagnose::Diagnosis& d) {
   if (!d.small_departures.empty()) text += "\nSmall departures, as every arm has them:\n";
   for (const diagnose::NamedEffect& effect : d.small_departures)
     text += paragraph("  - ", fmt::format("{}: {}", effect.id, sentence_of(effect)), 4);
+  if (d.discovered_law) text += law_text(*d.discovered_law);
   text += "\n";
   const std::string better = diagnose::improvement(d);
   if (!better.empty()) text += paragraph("", better, 0);

@@ -129,6 +129,16 @@ void add_description(Json& report, const diagnose::Diagnosis& d) {
     for (const diagnose::EffectValue& value : d.effects[i].parameters)
       effect["sizes"].push_back({label(value), diagnose::with_interval(value)});
   }
+  if (d.discovered_law) {
+    const std::vector<diagnose::LawTerm>& terms = d.discovered_law->terms;
+    for (std::size_t i = 0; i < terms.size(); ++i) {
+      Json& term = report["discovered_law"]["terms"][i];
+      term["sizes"] = {diagnose::with_interval(terms[i].x_nm), diagnose::with_interval(terms[i].y_nm)};
+      term["range"] = {diagnose::with_unit(terms[i].from, terms[i].unit),
+                       diagnose::with_unit(terms[i].to, terms[i].unit)};
+      term["sure"] = diagnose::percent(terms[i].stability);
+    }
+  }
   for (std::size_t i = 0; i < d.ranking.size(); ++i) {
     report["ranking"][i]["meaning"] = diagnose::finding_description(d.ranking[i]);
     report["ranking"][i]["source"] = diagnose::source_of(d.ranking[i]);

@@ -25,14 +25,17 @@ Json json_of(const diagnose::Fit& fit) {
           {"held_out_log_score", fit.held_out_log_score}};
 }
 
+Json json_of(const diagnose::EffectValue& value) {
+  Json json{{"value", value.value}, {"low", value.low}, {"high", value.high}, {"unit", value.unit}};
+  if (!value.description.empty()) json["description"] = value.description;
+  return json;
+}
+
 Json json_of(const diagnose::NamedEffect& effect) {
   Json json{{"name", effect.id}, {"probability", effect.probability}};
   json["parameters"] = Json::object();
-  for (const diagnose::EffectValue& value : effect.parameters) {
-    json["parameters"][value.symbol] = {
-        {"value", value.value}, {"low", value.low}, {"high", value.high}, {"unit", value.unit}};
-    if (!value.description.empty()) json["parameters"][value.symbol]["description"] = value.description;
-  }
+  for (const diagnose::EffectValue& value : effect.parameters)
+    json["parameters"][value.symbol] = json_of(value);
   json["where"] = json_of(effect.where);
   json["held_out_gain"] = effect.held_out_gain_m;
   json["share"] = effect.share;
@@ -59,6 +62,31 @@ Json json_of(const diagnose::Candidate& candidate) {
     json["smallest_detectable"] = candidate.smallest_detectable;
   }
   if (candidate.log_score) json["held_out_log_score_gain"] = *candidate.log_score;
+  return json;
+}
+
+Json json_of(const diagnose::DiscoveredLaw& law) {
+  Json json{{"terms", Json::array()},
+            {"held_out_mean_before_m", law.held_out_mean_before_m},
+            {"held_out_mean_after_m", law.held_out_mean_after_m},
+            {"held_out_max_before_m", law.held_out_max_before_m},
+            {"held_out_max_after_m", law.held_out_max_after_m},
+            {"share", law.share},
+            {"share_of_flexible", law.share_of_flexible},
+            {"sequences", law.sequences},
+            {"sentence", law.sentence}};
+  for (const diagnose::LawTerm& term : law.terms)
+    json["terms"].push_back({{"goes_with", term.goes_with},
+                             {"unit", term.unit},
+                             {"from", term.from},
+                             {"to", term.to},
+                             {"x_nm", json_of(term.x_nm)},
+                             {"y_nm", json_of(term.y_nm)},
+                             {"has_direction", term.has_direction},
+                             {"rises", term.rises},
+                             {"stability", term.stability},
+                             {"sentence", term.sentence}});
+  if (!law.resembles.empty()) json["resembles"] = {{"name", law.resembles}, {"cosine", law.cosine}};
   return json;
 }
 
@@ -124,6 +152,7 @@ Json report_json(const diagnose::Diagnosis& d, const Origin& origin) {
   json["small_departures"] = Json::array();
   for (const diagnose::NamedEffect& effect : d.small_departures)
     json["small_departures"].push_back(json_of(effect));
+  if (d.discovered_law) json["discovered_law"] = json_of(*d.discovered_law);
   json["ranking"] = Json::array();
   for (const diagnose::Candidate& candidate : d.ranking) json["ranking"].push_back(json_of(candidate));
   json["residual_structure"] = json_of(d.after);

@@ -41,6 +41,16 @@ TEST(Describe, SaysWhereWhatHowLargeAndHowSure) {
                         "interval 0.22 to 0.40); probability over 99 %."));
 }
 
+TEST(Describe, SaysWhatWasLearntOfTheRest) {
+  diagnose::Diagnosis d = testing::example_diagnosis();
+  EXPECT_THAT(
+      flowing(report::describe(d)),
+      HasSubstr("A law that was learnt from what is left (learned_moment in arm_extended.yaml): - What "
+                "no effect of the catalogue explains goes with chamber_2 less what follows it"));
+  d.discovered_law.reset();
+  EXPECT_THAT(flowing(report::describe(d)), Not(HasSubstr("learnt")));
+}
+
 TEST(Describe, SaysHowMuchBetterAndWhatNext) {
   const std::string text = flowing(report::describe(testing::example_diagnosis()));
   EXPECT_THAT(text,

@@ -259,6 +259,40 @@ inline diagnose::NamedEffect example_small_departure() {
   return ring;
 }
 
+inline diagnose::DiscoveredLaw example_law() {
+  diagnose::LawTerm lag;
+  lag.goes_with = "chamber_2 less what follows it in 1.00 s";
+  lag.unit = "Pa";
+  lag.from = -14.1e3;
+  lag.to = 12.3e3;
+  lag.x_nm = {"x_nm", "N m", "towards x", -1.2e-3, -1.5e-3, -0.9e-3};
+  lag.y_nm = {"y_nm", "N m", "towards y", 2.1e-3, 1.8e-3, 2.4e-3};
+  lag.stability = 0.96;
+  lag.sentence =
+      "A moment that goes with chamber_2 less what follows it in 1.00 s: 2.42 mN m towards 120 deg.";
+  diagnose::LawTerm bend = lag;
+  bend.goes_with = "the curvature";
+  bend.unit = "1/m";
+  bend.from = 0.0;
+  bend.to = 9.7;
+  bend.has_direction = bend.rises = true;
+  diagnose::DiscoveredLaw law;
+  law.terms = {lag, bend};
+  law.held_out_mean_before_m = 1.6e-3;
+  law.held_out_mean_after_m = 0.9e-3;
+  law.held_out_max_before_m = 4.1e-3;
+  law.held_out_max_after_m = 2.2e-3;
+  law.share = 0.71;
+  law.share_of_flexible = 0.83;
+  law.sequences = 9;
+  law.resembles = "pressure_lag";
+  law.cosine = 0.91;
+  law.sentence =
+      "What no effect of the catalogue explains goes with chamber_2 less what follows it in 1.00 s and "
+      "the curvature.";
+  return law;
+}
+
 inline diagnose::Diagnosis example_diagnosis() {
   diagnose::Diagnosis d;
   d.arm = "online_200mm";
@@ -285,6 +319,7 @@ inline diagnose::Diagnosis example_diagnosis() {
   d.extended_text = "format: 1\neffects: {}\n";
   d.next_command = "softarm estimate --arm report/arm_extended.yaml trial.bag";
   d.small_departures = {example_small_departure()};
+  d.discovered_law = example_law();
   d.ranking = example_ranking();
   d.before = {
       1e-12, 2e-9, 9.4, {{"chamber_1", 1e-8}, {"chamber_2", 0.03}, {"payload", 2e-14}, {"time", 0.6}}, {}};

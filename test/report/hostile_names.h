@@ -30,6 +30,9 @@ inline void rename_all(diagnose::Diagnosis& d) {
     effect.confusable_with = {evil, "__proto__"};
   }
   for (diagnose::NamedEffect& effect : d.small_departures) effect.description = effect.where.when = evil;
+  d.discovered_law->sentence = d.discovered_law->resembles = evil;
+  for (diagnose::LawTerm& term : d.discovered_law->terms)
+    term.goes_with = term.unit = term.sentence = term.x_nm.description = evil;
   for (diagnose::Candidate& candidate : d.ranking)
     candidate.description = candidate.symbol = candidate.unit = evil;
   for (diagnose::Shift& shift : d.shifts) shift.name += evil;

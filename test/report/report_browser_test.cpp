@@ -129,7 +129,8 @@ class ReportInBrowser : public ::testing::Test {
 };
 
 constexpr const char* kAll =
-    "effects small next held-out shifts tip arm along time inputs ranking ladder parameter_variation left "
+    "effects small law next held-out shifts tip arm along time inputs ranking ladder parameter_variation "
+    "left "
     "trials go-on notes origin";
 
 TEST_F(ReportInBrowser, DrawsEverythingWhateverTheNamesAre) {
@@ -170,6 +171,7 @@ TEST_F(ReportInBrowser, EmptyPartsAndNoPlotsStayReadable) {
   d.verdict = diagnose::Verdict::kUnknown;
   d.effects.clear();
   d.small_departures.clear();
+  d.discovered_law.reset();
   d.shifts.clear();
   d.next_experiment.reset();
   d.notes.clear();

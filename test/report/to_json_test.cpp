@@ -78,6 +78,23 @@ TEST(ToJson, SaysWhatAnEffectIs) {
       "2.21 to 2.76); probability 88 %.");
 }
 
+TEST(ToJson, SaysTheLawThatWasLearnt) {
+  const diagnose::DiscoveredLaw law = testing::example_law();
+  const json said = json::parse(report::to_json(testing::example_diagnosis()))["discovered_law"];
+  EXPECT_THAT(keys(said), IsSupersetOf({"held_out_mean_before_m", "held_out_mean_after_m", "share",
+                                        "share_of_flexible", "sequences", "resembles", "sentence"}));
+  EXPECT_EQ(said["resembles"], (json{{"name", "pressure_lag"}, {"cosine", 0.91}}));
+  ASSERT_EQ(said["terms"].size(), 2U);
+  const json& lag = said["terms"][0];
+  EXPECT_EQ(lag["goes_with"], law.terms[0].goes_with);
+  EXPECT_EQ(lag["unit"], "Pa");
+  EXPECT_DOUBLE_EQ(lag["from"], -14.1e3);
+  EXPECT_DOUBLE_EQ(lag["y_nm"]["value"], 2.1e-3);
+  EXPECT_EQ(lag["y_nm"]["unit"], "N m");
+  EXPECT_EQ(lag["has_direction"], false);
+  EXPECT_EQ(said["terms"][1]["rises"], true);
+}
+
 TEST(ToJson, AbsentIsAbsent) {
   diagnose::Diagnosis d;
   d.effects.resize(1);
@@ -86,6 +103,7 @@ TEST(ToJson, AbsentIsAbsent) {
   const json report = json::parse(report::to_json(d));
   EXPECT_FALSE(report.contains("next_experiment"));
   EXPECT_FALSE(report.contains("ladder"));
+  EXPECT_FALSE(report.contains("discovered_law"));
   EXPECT_FALSE(report.contains("ceiling_rms_m"));
   EXPECT_EQ(report["effects"][0]["where"], (json{{"s_from", 0.03}}));
   EXPECT_EQ(report["effects"][0]["parameters"], json::object());

@@ -139,6 +139,35 @@ struct NextExperiment {
   std::vector<WeighedExperiment> menu = {};  ///< best first
 };
 
+/// A term of a law that was learnt: a moment of the section, in proportion to what it goes with.
+struct LawTerm {
+  std::string goes_with;        ///< "chamber_2 less what follows it in 1 s", "the payload"
+  std::string unit;             ///< SI, of that
+  double from = 0.0, to = 0.0;  ///< of that, where it was learnt; beyond, the moment fades
+  /// At the end of that range that is farther from 0: towards x and y, or along and across what has a
+  /// direction.
+  EffectValue x_nm, y_nm;
+  bool has_direction = false;  ///< what it goes with
+  bool rises = false;          ///< from minus that at the base to that at the tip; else the same all along
+  double stability = 0.0;      ///< share of the resamples of the trials that chose it, or what stands for it
+  std::string sentence;
+};
+
+/// A law of what no effect of the catalogue explains: no name, and no part of the verdict.
+struct DiscoveredLaw {
+  std::vector<LawTerm> terms;
+  /// Plain errors of trials that true refits without and with a law have not seen, no trial with its input
+  /// sequence, all bodies' distances counted alike; terms chosen anew from each refit's own trials.
+  double held_out_mean_before_m = 0.0, held_out_mean_after_m = 0.0;
+  double held_out_max_before_m = 0.0, held_out_max_after_m = 0.0;
+  double share = 0.0;              ///< of the squared error of those beyond the noise, that is gone
+  double share_of_flexible = 0.0;  ///< that over what a flexible model learns of it
+  std::size_t sequences = 0;       ///< of inputs
+  std::string resembles;           ///< id of the effect whose signature is most like it; empty: none is
+  double cosine = 0.0;             ///< with that
+  std::string sentence;            ///< all of it
+};
+
 // --- For the pictures ------------------------------------------------------------------------------------
 
 /// One instant as a picture: base frame, m.
@@ -211,6 +240,7 @@ struct Diagnosis {
   /// little beside the others.
   std::vector<NamedEffect> small_departures;
   std::vector<Candidate> ranking;  ///< every candidate, best first
+  std::optional<DiscoveredLaw> discovered_law;
   Structure before, after;
   std::vector<Shift> shifts;
   ExtendedArm extended_arm;
@@ -249,7 +279,8 @@ using Progress = std::function<void(double, const std::string&)>;
 ///    background of small departures and correlated errors, says how probable each is; the most probable is
 ///    taken into the model where it is more probable than not, and again from 3.
 /// 5. A Gaussian process over inputs, their speeds and past, payload, attitude and time says what could be
-///    explained at all, before and after.
+///    explained at all, before and after. Where it learns a good part of what is left, a law is looked for
+///    that takes it: moments that go with inputs, their past, payload, attitude or curvature.
 /// 6. Verdict; a name only where no rival does as well.
 /// @throws identify::IdentifyError where the trials cannot be used
 /// @throws std::invalid_argument for patterns that match nothing

@@ -85,6 +85,7 @@ std::vector<std::string> header_of(const diagnose::Diagnosis& diagnosis,
   for (const diagnose::NamedEffect& effect : diagnosis.effects)
     lines.push_back(
         fmt::format("{} ({:.0f} %): {}", effect.id, 100.0 * effect.probability, effect.description));
+  if (diagnosis.discovered_law) lines.push_back("learned_moment: " + diagnosis.discovered_law->sentence);
   // Names of files may hold anything; a comment ends with its line.
   for (std::string& line : lines)
     std::replace_if(

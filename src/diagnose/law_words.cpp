@@ -1,0 +1,123 @@
+#include "law_words.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "effects/learned_moment.h"
+#include "sentences.h"
+
+namespace softarm::diagnose {
+namespace {
+
+using effects::LearnedMoment;
+using effects::Regressor;
+
+constexpr double kInterval = 1.6449;  // of 90 %
+constexpr double kDegPerRad = 180.0 / M_PI;
+
+std::string input_name(const arm::Arm& arm, double number) {
+  const auto row = static_cast<std::size_t>(std::max<long>(0, std::lround(number) - 1));
+  return row < arm.inputs.scalars.size() ? arm.inputs.scalars[row].name : "an input";
+}
+
+/// "1.2e-04 N m" would be right, too; people read mN m.
+std::string moment(double moment_nm) {
+  const double mnm = 1e3 * moment_nm;
+  const int digits = std::abs(mnm) < 1.0 ? 3 : std::abs(mnm) < 10.0 ? 2 : std::abs(mnm) < 100.0 ? 1 : 0;
+  return fmt::format("{:.{}f} mN m", mnm, digits);
+}
+
+std::string sentence_of(const LawTerm& term, double azimuth_rad) {
+  const double x_nm = term.x_nm.value, y_nm = term.y_nm.value;
+  const double far = std::abs(term.to) >= std::abs(term.from) ? term.to : term.from;
+  std::string text = "A moment that goes with " + term.goes_with + ": ";
+  if (term.has_direction)
+    text += fmt::format("{} along it and {} across it", moment(x_nm), moment(y_nm));
+  else
+    text += fmt::format("{} towards {:.0f} deg", moment(std::hypot(x_nm, y_nm)), kDegPerRad * azimuth_rad);
+  text += fmt::format(" at {}, ", with_unit(far, term.unit));
+  text +=
+      term.rises ? "at the tip, less towards the base and the opposite there" : "the same all along the arm";
+  return text + fmt::format("; learnt between {} and {}, beyond which it fades",
+                            with_unit(term.from, term.unit), with_unit(term.to, term.unit));
+}
+
+}  // namespace
+
+std::string goes_with(const arm::Arm& arm, const model::Values& values) {
+  const std::string first = input_name(arm, values[LearnedMoment::kFirst]);
+  const double scale = values[LearnedMoment::kScale];
+  const std::string follows = " less what follows it in " + with_unit(scale, "s");
+  switch (LearnedMoment::of(values)) {
+    case Regressor::kInput:
+      return first;
+    case Regressor::kProduct: {
+      const std::string second = input_name(arm, values[LearnedMoment::kSecond]);
+      return first == second ? "the square of " + first : first + " times " + second;
+    }
+    case Regressor::kPlay: {
+      model::Values of_input = values;
+      of_input[LearnedMoment::kOf] = static_cast<double>(Regressor::kInput);
+      return fmt::format("how far a play of {} lags behind {}",
+                         with_unit(scale, LearnedMoment::unit_of(arm, of_input)), first);
+    }
+    case Regressor::kLag:
+      return first + follows;
+    case Regressor::kPayload:
+      return "the payload";
+    case Regressor::kAttitude:
+      return "gravity across the base";
+    case Regressor::kDriveLag:
+      return "the actuation's moment" + follows;
+    case Regressor::kCurvatureLag:
+      return "the curvature" + follows;
+    case Regressor::kCurvature:
+      break;
+  }
+  return "the curvature";
+}
+
+LawTerm law_term(const arm::Arm& arm, const model::Values& values, const Eigen::Vector2d& sd_nm,
+                 double stability) {
+  LawTerm term;
+  term.goes_with = goes_with(arm, values);
+  term.unit = LearnedMoment::unit_of(arm, values);
+  term.from = values[LearnedMoment::kFrom];
+  term.to = values[LearnedMoment::kTo];
+  term.has_direction = LearnedMoment::is_vector(LearnedMoment::of(values));
+  term.rises = std::lround(values[LearnedMoment::kRising]) == 1;
+  term.stability = stability;
+  // The law's sizes are those at +z_max; said are those at the far end.
+  const double sign = std::abs(term.to) >= std::abs(term.from) || term.has_direction ? 1.0 : -1.0;
+  const auto size = [&](LearnedMoment::Index which, EffectValue& to) {
+    const model::Parameter& parameter = effects::learned_moment().info().parameters[which];
+    const double value = sign * values[which], half = kInterval * sd_nm[which];
+    to = {parameter.symbol, parameter.unit, parameter.description, value, value - half, value + half};
+  };
+  size(LearnedMoment::kX, term.x_nm);
+  size(LearnedMoment::kY, term.y_nm);
+  term.sentence = sentence_of(term, std::atan2(term.y_nm.value, term.x_nm.value)) + ".";
+  return term;
+}
+
+std::string sentence_of(const DiscoveredLaw& law) {
+  std::vector<std::string> names;
+  for (const LawTerm& term : law.terms) names.push_back(term.goes_with);
+  std::string text = "What no effect of the catalogue explains goes with " + one_of(names, "and") + ".";
+  for (const LawTerm& term : law.terms) text += " " + term.sentence;
+  text += fmt::format(
+      " {} {} of what was left beyond the noise, {} of what a flexible model learns of it: on input "
+      "sequences "
+      "that were not fitted the mean error {}.",
+      law.terms.size() > 1 ? "Together they take" : "It takes", percent(law.share),
+      percent(std::min(1.0, law.share_of_flexible)),
+      change(law.held_out_mean_before_m, law.held_out_mean_after_m));
+  if (!law.resembles.empty())
+    text += fmt::format(" Its shape resembles that of {} ({:.0f} %).", law.resembles, 100.0 * law.cosine);
+  return text;
+}
+
+}  // namespace softarm::diagnose
