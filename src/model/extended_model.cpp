@@ -202,8 +202,12 @@ struct ExtendedModel::Impl : InstantSolver {
       Instant instant = instant_of(series, trial, k);
       if (!walls.empty()) instant.kept_back = walls[k];
       if (k > 0 && instant.dt_s <= 0.0) memories.rest();
-      Shape shape = base.shape;
-      if (anew) shape.motion = motion[k];
+      std::optional<Shape> moved;
+      if (anew) {
+        moved = base.shape;
+        moved->motion = motion[k];
+      }
+      const Shape& shape = moved ? *moved : base.shape;
       use(k, instant, make(arm, effects, memories.all(), dynamics, instant, &shape, shape.motion, rod));
       memories.remember(arm, fine, instant, shape);
     }

@@ -14,6 +14,8 @@ namespace {
 // To begin with: an eighth-order step over a third of a bent rod mostly errs by less than a millionth of the
 // rod's length, and where it does not, the embedded estimate asks for shorter ones.
 constexpr double kLongestStep = 1.0 / 3.0;
+// Over a tenth a step of order 5 with half the stages errs by no more.
+constexpr double kBriefStep = 0.1;
 constexpr double kSamePlace = 1e-9;  // of the rod's length
 
 }  // namespace
@@ -67,6 +69,7 @@ Grid::Grid(const Rod& layout, const std::vector<double>& stations_m, int max_ref
     interval.from_joint = std::abs(interval.s_proximal - start) < kSamePlace * length;
     interval.coarse_steps = std::max(
         1, static_cast<int>(std::ceil((places[k] - places[k + 1]) / (kLongestStep * length) - 1e-6)));
+    interval.brief = places[k] - places[k + 1] <= kBriefStep * length;
     coarse += interval.coarse_steps;
     intervals.push_back(interval);
   }
@@ -99,11 +102,13 @@ void Grid::refine(const Rod& layout, int refinement, const std::vector<kernel::S
       step.section = &sections[seg];
       step.s_distal = interval.s_distal + k * h;
       step.h = h;
-      for (int i = 0; i < kernel::kStages; ++i) {
-        const double s = step.s_distal + kernel::kC[i] * h;
-        step.flex[i] =
-            flexibility_factor(segment.stiffness_profile, (s - segment_start[seg]) / segment.rest_length_m);
-      }
+      step.brief = interval.brief;
+      const auto flex_at = [&](double share) {
+        return flexibility_factor(segment.stiffness_profile,
+                                  (step.s_distal + share * h - segment_start[seg]) / segment.rest_length_m);
+      };
+      for (int i = 0; i < step.stages(); ++i) step.flex[i] = flex_at(step.place(i));
+      step.flex_proximal = flex_at(1.0);
     }
   }
 }

@@ -15,6 +15,7 @@ struct Interval {
   double s_distal = 0.0;
   double s_proximal = 0.0;
   int coarse_steps = 1;     ///< at refinement 1
+  bool brief = false;       ///< so short that a method of order 5 does
   int first_step = 0;       ///< in Grid::steps
   bool from_joint = false;  ///< its proximal end is its segment's start
 };

@@ -116,8 +116,7 @@ RodState Solver::Impl::state_at_breakpoint(int k) const {
   const Interval& interval = grid.intervals[static_cast<std::size_t>(std::min(k, count - 1))];
   const auto first = static_cast<std::size_t>(interval.first_step);
   const auto steps = static_cast<std::size_t>(interval.coarse_steps * sweep.refinement());
-  const double flex =
-      k < count ? grid.steps[first].flex[0] : grid.steps[first + steps - 1].flex[kernel::kStages - 1];
+  const double flex = k < count ? grid.steps[first].flex[0] : grid.steps[first + steps - 1].flex_proximal;
   return state(grid.s(k), interval.segment, flex, sweep.node(k));
 }
 
@@ -180,7 +179,7 @@ RodState Solver::at(double s_m) const {
     const bool partial = step.s_distal + step.h < s;
     if (partial) {
       step.h = s - step.s_distal;
-      for (int j = 0; j < kernel::kStages; ++j) step.flex[j] = flex(step.s_distal + kernel::kC[j] * step.h);
+      for (int j = 0; j < step.stages(); ++j) step.flex[j] = flex(step.s_distal + step.place(j) * step.h);
     }
     m.sweep.nominal_step(step, node);
     for (int r = 0; r < 3; ++r) node.n[r] -= step.h * step.section->weight[r];

@@ -50,7 +50,7 @@ Sweep::Sweep(const Rod& layout, const std::vector<double>& stations_m,
       nodes_(static_cast<std::size_t>(grid_.breakpoints())),
       distal_(nodes_.size()),
       beyond_joint_(grid_.intervals.size(), Eigen::Quaterniond::Identity()),
-      stages_(grid_.steps.size() * kernel::kStages) {
+      stages_(grid_.steps.size() * kernel::kMostStages) {
   const int count = static_cast<int>(parameters.size());
   const std::size_t blocks = count == 0 ? 1 : static_cast<std::size_t>(block_of(count - 1)) + 1;
   lanes_.assign(blocks, std::vector<LaneState>(nodes_.size()));
@@ -315,7 +315,7 @@ double Sweep::integrate(const Eigen::Quaterniond& q_tip) {
     for (int i = 0; i < count; ++i) {
       const auto s = static_cast<std::size_t>(interval.first_step + i);
       const kernel::Step& step = grid_.steps[s];
-      kernel_.nominal_step(step, node.n, node.y, &stages_[s * kernel::kStages], &error);
+      kernel_.nominal_step(step, node.n, node.y, &stages_[s * kernel::kMostStages], &error);
       for (int r = 0; r < 3; ++r) node.n[r] -= step.h * step.section->weight[r];
     }
     if (interval.from_joint) turn_joint(k, node);
@@ -342,7 +342,7 @@ void Sweep::differentiate(int block) {
     const int count = interval.coarse_steps * refinement_;
     for (int i = 0; i < count; ++i) {
       const auto s = static_cast<std::size_t>(interval.first_step + i);
-      kernel_.tangent_step(grid_.steps[s], &stages_[s * kernel::kStages],
+      kernel_.tangent_step(grid_.steps[s], &stages_[s * kernel::kMostStages],
                            sources[static_cast<std::size_t>(interval.segment)], y);
     }
     if (interval.from_joint) turn_joint(block, k, y);

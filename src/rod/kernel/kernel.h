@@ -5,11 +5,13 @@
 // picks at start.
 #pragma once
 
+#include "cash_karp.h"
 #include "dop853.h"
 
 namespace softarm::rod::kernel {
 
 constexpr int kLanes = 8;
+constexpr int kMostStages = Dop853::kStages;
 
 /// One double per parameter.
 struct alignas(kLanes * sizeof(double)) Lanes {
@@ -43,8 +45,14 @@ struct Stage {
 struct Step {
   const Section* section;
   double s_distal;
-  double h;              // negative
-  double flex[kStages];  // 1 / stiffness factor at the stages
+  double h;                  // negative
+  bool brief;                // by Cash and Karp's method: half the stages; else by Dormand and Prince's
+  double flex[kMostStages];  // 1 / stiffness factor at the stages
+  double flex_proximal;      // the same at the proximal end
+
+  int stages() const { return brief ? CashKarp::kStages : Dop853::kStages; }
+  /// Where a stage is, as a share of h.
+  double place(int stage) const { return brief ? CashKarp::kC[stage] : Dop853::kC[stage]; }
 };
 
 struct State {

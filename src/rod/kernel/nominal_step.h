@@ -68,8 +68,10 @@ inline __attribute__((always_inline)) void evaluate(const Section& c, double fle
   cross(n, g.dp, dm);  // -p' x n
 }
 
-inline void nominal_step(const Step& step, const double n_distal[3], State& y, Stage* stages,
-                         StepError* error) {
+template <typename Method>
+inline __attribute__((always_inline)) void nominal_step_by(const Step& step, const double n_distal[3],
+                                                           State& y, Stage* stages, StepError* error) {
+  constexpr int kStages = Method::kStages;
   const Section& c = *step.section;
   Stage scratch;
   double rate[kStages][7];  // of q, m
@@ -77,37 +79,37 @@ inline void nominal_step(const Step& step, const double n_distal[3], State& y, S
   for (int i = 0; i < kStages; ++i) {
     double z[7] = {y.q[0], y.q[1], y.q[2], y.q[3], y.m[0], y.m[1], y.m[2]};
     for (int j = 0; j < i; ++j) {
-      if (kA[i][j] == 0.0) continue;
-      const double a = step.h * kA[i][j];
+      if (Method::kA[i][j] == 0.0) continue;
+      const double a = step.h * Method::kA[i][j];
       for (int r = 0; r < 7; ++r) z[r] += a * rate[j][r];
     }
     Stage& g = stages != nullptr ? stages[i] : scratch;
-    g.below = -kC[i] * step.h;
+    g.below = -Method::kC[i] * step.h;
     double n[3];
     for (int r = 0; r < 3; ++r) n[r] = n_distal[r] + g.below * c.weight[r];
     evaluate(c, step.flex[i], z, z + 4, n, g, rate[i], rate[i] + 4);
     for (int r = 0; r < 3; ++r) dp[i][r] = g.dp[r];
   }
   if (error != nullptr) {
-    // Hairer's combination of both estimators, for the rotation and for the position alone.
+    // For the rotation and for the position alone.
     double q5 = 0, q3 = 0, p5 = 0, p3 = 0;
     for (int r = 0; r < 4; ++r) {
       double e5 = 0, e3 = 0;
-      for (int i = 0; i < kStages; ++i) e5 += kE5[i] * rate[i][r], e3 += kE3[i] * rate[i][r];
+      for (int i = 0; i < kStages; ++i) e5 += Method::kE5[i] * rate[i][r], e3 += Method::kE3[i] * rate[i][r];
       q5 += e5 * e5, q3 += e3 * e3;
     }
     for (int r = 0; r < 3; ++r) {
       double e5 = 0, e3 = 0;
-      for (int i = 0; i < kStages; ++i) e5 += kE5[i] * dp[i][r], e3 += kE3[i] * dp[i][r];
+      for (int i = 0; i < kStages; ++i) e5 += Method::kE5[i] * dp[i][r], e3 += Method::kE3[i] * dp[i][r];
       p5 += e5 * e5, p3 += e3 * e3;
     }
     const double h = std::abs(step.h);
-    error->q += q5 > 0 ? 2 * h * q5 / std::sqrt(q5 + 0.01 * q3) : 0.0;
-    error->p += p5 > 0 ? h * p5 / std::sqrt(p5 + 0.01 * p3) : 0.0;
+    error->q += 2 * h * Method::error(q5, q3);
+    error->p += h * Method::error(p5, p3);
   }
   for (int i = 0; i < kStages; ++i) {
-    if (kB[i] == 0.0) continue;
-    const double b = step.h * kB[i];
+    if (Method::kB[i] == 0.0) continue;
+    const double b = step.h * Method::kB[i];
     for (int r = 0; r < 4; ++r) y.q[r] += b * rate[i][r];
     for (int r = 0; r < 3; ++r) {
       y.m[r] += b * rate[i][4 + r];
@@ -116,6 +118,14 @@ inline void nominal_step(const Step& step, const double n_distal[3], State& y, S
   }
   const double scale = 1.0 / std::sqrt(y.q[0] * y.q[0] + y.q[1] * y.q[1] + y.q[2] * y.q[2] + y.q[3] * y.q[3]);
   for (double& x : y.q) x *= scale;
+}
+
+inline void nominal_step(const Step& step, const double n_distal[3], State& y, Stage* stages,
+                         StepError* error) {
+  if (step.brief)
+    nominal_step_by<CashKarp>(step, n_distal, y, stages, error);
+  else
+    nominal_step_by<Dop853>(step, n_distal, y, stages, error);
 }
 
 }  // namespace

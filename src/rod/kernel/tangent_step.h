@@ -67,10 +67,11 @@ inline __attribute__((always_inline)) void rates(const Section& c, const Stage& 
   dmu[2] = -(dpi[0] * g.n[1] - dpi[1] * g.n[0] + g.dp[0] * nu[1] - g.dp[1] * nu[0]);
 }
 
-template <int kWidth>
+template <int kWidth, typename Method>
 inline __attribute__((always_inline)) void tangent_piece(const Step& step, const Stage* stages,
                                                          const LaneSource& source, LaneState& y, int k) {
   using V = typename Register<kWidth>::Type;
+  constexpr int kStages = Method::kStages;
   const Section& c = *step.section;
   Source<V> f;
   V psi0[3], mu0[3], pi0[3], nu0[3];
@@ -95,23 +96,23 @@ inline __attribute__((always_inline)) void tangent_piece(const Step& step, const
     V mu[3] = {mu0[0], mu0[1], mu0[2]};
 #pragma GCC unroll 12
     for (int j = 0; j < i; ++j) {
-      if (kA[i][j] == 0.0) continue;
-      const double a = step.h * kA[i][j];
+      if (Method::kA[i][j] == 0.0) continue;
+      const double a = step.h * Method::kA[i][j];
       for (int r = 0; r < 3; ++r) {
         psi[r] += a * dpsi[j][r];
         mu[r] += a * dmu[j][r];
       }
     }
     rates<V>(c, stages[i], f, psi, mu, nu0, dpsi[i], dmu[i], dpi);
-    if (kB[i] != 0.0) {
-      const double b = step.h * kB[i];
+    if (Method::kB[i] != 0.0) {
+      const double b = step.h * Method::kB[i];
       for (int r = 0; r < 3; ++r) pi0[r] += b * dpi[r];
     }
   }
 #pragma GCC unroll 12
   for (int i = 0; i < kStages; ++i) {
-    if (kB[i] == 0.0) continue;
-    const double b = step.h * kB[i];
+    if (Method::kB[i] == 0.0) continue;
+    const double b = step.h * Method::kB[i];
     for (int r = 0; r < 3; ++r) {
       psi0[r] += b * dpsi[i][r];
       mu0[r] += b * dmu[i][r];
@@ -128,7 +129,12 @@ inline __attribute__((always_inline)) void tangent_piece(const Step& step, const
 template <int kWidth>
 inline __attribute__((always_inline)) void tangent_step(const Step& step, const Stage* stages,
                                                         const LaneSource& source, LaneState& y) {
-  for (int k = 0; k < kLanes / kWidth; ++k) tangent_piece<kWidth>(step, stages, source, y, k);
+  for (int k = 0; k < kLanes / kWidth; ++k) {
+    if (step.brief)
+      tangent_piece<kWidth, CashKarp>(step, stages, source, y, k);
+    else
+      tangent_piece<kWidth, Dop853>(step, stages, source, y, k);
+  }
 }
 
 }  // namespace
