@@ -19,8 +19,10 @@
 #include "policy.h"
 #include "selection.h"
 #include "sentences.h"
+#include "sequences.h"
 #include "softarm/identify/identify.h"
 #include "structure.h"
+#include "unseen.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -91,7 +93,9 @@ std::string known_ids(const Options& options) {
 /// The arm's constants alone.
 /// @param swinging counts what is left out because the arm swings
 Linearised fit_baseline(JointModel& model, std::size_t& swinging, const std::function<void()>& progress) {
-  Linearised baseline = model.fit(model.start(), {});
+  JointModel::FitOptions roughly;
+  roughly.tolerance = kPolicy.fit.roughly_sd;
+  Linearised baseline = model.fit(model.start(), roughly);
   // What is late for another reason, clocks apart for one, makes the fit find a lag that the arm has not, and
   // that would be taken for motion.
   JointParameters calm = baseline.at;
@@ -108,56 +112,78 @@ Linearised fit_baseline(JointModel& model, std::size_t& swinging, const std::fun
     misfit = now;
     model.set_misfit(misfit);
     const bool anew = misfit > kPolicy.fit.refit_from_start_chi2;
-    baseline = model.fit(anew ? model.start() : baseline.at, {}, &baseline.predicted);
+    baseline = model.fit(anew ? model.start() : baseline.at, roughly, &baseline.predicted);
   }
-  return baseline;
+  return model.fit(baseline.at, {}, &baseline.predicted);
 }
 
 /// What is left to see before and after the effects.
 struct Remains {
   Leftover before, after;
-  bool adequate = false;   ///< nothing of a size that matters is left
-  bool learnable = false;  ///< a flexible model learns a good part of it
+  bool adequate = false;   ///< nothing of a size that matters is left but small departures
+  bool small = false;      ///< ... and these are
+  bool learnable = false;  ///< a flexible model learns a good part of what is left
 };
 
 bool is_shared(const Leftover& left, double length_m) {
   return left.shared_z > kPolicy.verdict.shared_z && left.shared_m > kPolicy.verdict.shared * length_m;
 }
 
+/// What no effect of the model explains of unseen trials.
+struct Left {
+  Ceiling could;  ///< a flexible model learn
+  Leftover shared;
+  bool as_noise = false;   ///< what no flexible model learns may still be more than noise: trials may be few
+  bool learnable = false;  ///< a good part of it, of a size that matters
+  bool adequate = false;   ///< nothing of a size that matters
+};
+
+Left left_in(const JointModel& model, const Linearised& at, const Unseen& unseen, const Floor& floor,
+             unsigned jobs) {
+  Left left;
+  left.could = ceiling(model, at, unseen.residual, jobs);
+  left.shared = leftover(model, at, unseen);
+  left.as_noise = unseen.total_chi2 < kPolicy.verdict.as_noise_chi2 * std::max(1, at.rows);
+  const double length_m = model.arm().total_length_m();
+  const double flexible_m =
+      std::sqrt(std::max(0.0, std::pow(unseen.total_rms_m, 2) * left.could.share - floor.motion_m2));
+  left.learnable =
+      flexible_m >= kPolicy.verdict.flexible * length_m && left.could.share >= kPolicy.verdict.flexible_share;
+  left.adequate = left.as_noise && !is_shared(left.shared, length_m) &&
+                  left.shared.lone_m < kPolicy.verdict.lone * std::sqrt(floor.white_m2) && !left.learnable;
+  return left;
+}
+
 /// Errors, the share of what could be explained, and what is left.
-Remains compare(const JointModel& model, const Selection& selection, Diagnosis& d) {
+Remains compare(const JointModel& model, const Selection& selection, unsigned jobs, Diagnosis& d) {
   const Unseen &before = selection.baseline_unseen, &after = selection.extended_unseen;
-  const Ceiling could_before = ceiling(model, selection.baseline, before.residual);
   const bool extended = !selection.extended.at.effects.empty();
-  const Ceiling could_after = extended ? ceiling(model, selection.extended, after.residual) : could_before;
   const Floor floor = floor_of(model);
+  const Left in_before = left_in(model, selection.baseline, before, floor, jobs);
+  const Left in_after = extended ? left_in(model, selection.extended, after, floor, jobs) : in_before;
   d.noise_floor_m = std::sqrt(floor.white_m2);
   d.baseline = fit_of(before, selection.baseline.rows);
   d.extended = fit_of(after, selection.extended.rows);
-  d.discrepancy_share = could_after.share;
+  d.discrepancy_share = in_after.could.share;
 
-  const double length_m = model.arm().total_length_m();
+  Remains left{in_before.shared, in_after.shared, in_after.adequate, false, false};
+  double small2 = 0.0;  // by small departures that cannot be told apart
+  if (!left.adequate) {
+    left.small = left_in(model, selection.extended, selection.with_background, floor, jobs).adequate;
+    left.adequate = left.small;
+    left.learnable = !left.small && in_after.learnable;
+    small2 = std::pow(after.total_rms_m, 2) - std::pow(selection.with_background.total_rms_m, 2);
+  }
   const double base2 = std::pow(before.total_rms_m, 2), ext2 = std::pow(after.total_rms_m, 2);
   const double floor2 = floor.white_m2;
-  const double leftover_m = std::sqrt(std::max(0.0, ext2 * could_after.share - floor.motion_m2));
-  // What no flexible model learns may still be more than noise: a few trials teach it little.
-  const bool as_noise =
-      after.total_chi2 < kPolicy.verdict.as_noise_chi2 * std::max(1, selection.extended.rows);
-  Remains left;
-  left.before = leftover(model, selection.baseline, before);
-  left.after = extended ? leftover(model, selection.extended, after) : left.before;
-  const bool learnable = leftover_m >= kPolicy.verdict.flexible * length_m &&
-                         could_after.share >= kPolicy.verdict.flexible_share;
-  left.adequate = as_noise && !is_shared(left.after, length_m) &&
-                  left.after.lone_m < kPolicy.verdict.lone * d.noise_floor_m && !learnable;
-  left.learnable = !left.adequate && learnable;
   const double learnt2 =
-      std::min({base2 * (1.0 - could_before.share), ext2 * (1.0 - could_after.share), ext2});
+      std::min({base2 * (1.0 - in_before.could.share), ext2 * (1.0 - in_after.could.share), ext2});
   d.ceiling_rms_m = std::sqrt(std::max(std::min(base2, floor2), learnt2));
-  const double reach2 = as_noise ? std::pow(d.ceiling_rms_m, 2) : std::min(base2, floor2);
+  const double reach2 =
+      std::min(ext2, small2 + (in_after.as_noise ? std::pow(d.ceiling_rms_m, 2) : std::min(base2, floor2)));
   d.explained_share = base2 > reach2 ? std::clamp((base2 - ext2) / (base2 - reach2), 0.0, 1.0) : 0.0;
   // With the arm calm nothing but the arm's shape is in the way.
-  if (extended && !left.adequate && is_shared(left.before, length_m) &&
+  if (extended && !left.adequate && is_shared(left.before, model.arm().total_length_m()) &&
       left.before.shared_m > left.after.shared_m)
     d.explained_share = 1.0 - std::pow(left.after.shared_m / left.before.shared_m, 2);
   return left;
@@ -208,9 +234,33 @@ std::string motion_of(const JointModel& model, double lag_s) {
       1e2 * model.unknown().inertia);
 }
 
+/// Which trials are predicted without each other, where that is more than each without itself.
+std::string unseen_of(const JointModel& model) {
+  std::size_t most = 0, least = model.trials().size();
+  for (const std::vector<bool>& without : model.predicted_without()) {
+    const auto count = static_cast<std::size_t>(std::count(without.begin(), without.end(), true));
+    most = std::max(most, count);
+    least = std::min(least, count);
+  }
+  if (most <= 1 && model.trials().size() > 1) {
+    const std::vector<std::size_t> sequence = sequences_of(model.trials());
+    if (std::all_of(sequence.begin(), sequence.end(), [](std::size_t s) { return s == 0; }))
+      return "All trials were driven by the same commands: an unseen one is another payload or attitude, and "
+             "says "
+             "nothing of other commands.";
+    return "";
+  }
+  if (most <= 1) return "";
+  return fmt::format(
+      "An unseen trial is predicted without those that were driven by the same commands or belong to the "
+      "same "
+      "session: by {} to {} of the {} trials.",
+      model.trials().size() - most, model.trials().size() - least, model.trials().size());
+}
+
 std::vector<std::string> notes_of(const Compared& all, const model::Prepared& prepared,
                                   const Selection& selection, const Options& options, std::size_t swinging,
-                                  const JointModel& model) {
+                                  const JointModel& model, const Remains& left) {
   std::vector<std::string> notes;
   notes.push_back(fmt::format(
       "{} frames of {} trials, compared as {} means over {:.2g} s; {} are left out after a hand was on the "
@@ -226,6 +276,14 @@ std::vector<std::string> notes_of(const Compared& all, const model::Prepared& pr
     if (count > 0) notes.push_back(fmt::format("{} frames left out: {}", count, reason));
   if (prepared.trials.size() < 3)
     notes.push_back("Fewer than three trials: what helps on unseen ones is hardly known. Record more.");
+  if (left.small)
+    notes.push_back(fmt::format(
+        "What is left beside, {:.2f} mm rms, is small departures of many effects, as every arm has them, "
+        "which these trials cannot tell apart.",
+        1e3 * std::sqrt(std::max(0.0, std::pow(selection.extended_unseen.total_rms_m, 2) -
+                                          std::pow(selection.with_background.total_rms_m, 2)))));
+  const std::string unseen = unseen_of(model);
+  if (!unseen.empty()) notes.push_back(unseen);
   const std::string open = unconverged(selection);
   if (!open.empty())
     notes.push_back(fmt::format("Fits that did not converge, and count for less: {}.", open));
@@ -263,7 +321,7 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   report(0.82, "what could be explained at all");
   Diagnosis d;
   d.arm = arm.name;
-  const Remains left = compare(model, selection, d);
+  const Remains left = compare(model, selection, options.jobs, d);
   const bool extended = !selection.extended.at.effects.empty();
   report(0.9, "where");
   add_findings(model, selection, selection.covariance, left.adequate, d);
@@ -285,7 +343,7 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   const Compared count = compared(model);
   d.left_out_share = 1.0 - static_cast<double>(count.used) / static_cast<double>(count.blocks);
   d.summary = summary_of(d);
-  d.notes = notes_of(count, prepared, selection, options, swinging, model);
+  d.notes = notes_of(count, prepared, selection, options, swinging, model, left);
 
   report(0.92, "what single instants say");
   const std::vector<InstantFit> instants = fit_instants(model, selection.baseline, options.jobs);

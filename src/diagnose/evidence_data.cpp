@@ -73,30 +73,6 @@ Shown whole_instants(const JointModel& model, const Linearised& at) {
   return shown;
 }
 
-/// One size of an effect alone, for a difference from none.
-struct Step {
-  model::Present present;
-  double step = 0.0;  ///< usual sizes
-};
-
-std::vector<Step> steps_of(const std::vector<model::Present>& candidates) {
-  std::vector<Step> steps;
-  for (const model::Present& candidate : candidates) {
-    const model::Info& info = candidate.effect->info();
-    for (int k = 0; k < info.sizes; ++k) {
-      const model::Parameter& size = info.parameters[static_cast<std::size_t>(k)];
-      // Effects are not linear in their sizes: the difference goes as far as the data say.
-      double step = std::clamp(candidate.values[k] / size.usual, -1.0, 1.0);
-      if (std::abs(step) < kLeastStep) step = size.high > 0.0 ? kLeastStep : -kLeastStep;
-      model::Present one = candidate;
-      one.values.head(info.sizes).setZero();
-      one.values[k] = step * size.usual;
-      steps.push_back({std::move(one), step});
-    }
-  }
-  return steps;
-}
-
 MatrixXd features_at(const JointModel& model, const Linearised& at, const Shown& shown) {
   const Features known = features(model, at);
   MatrixXd values = MatrixXd::Zero(shown.size.size(), known.values.cols());
@@ -179,6 +155,34 @@ void add_left(const MatrixXd& rows_per_m, double length_m, EvidenceData& data) {
 
 }  // namespace
 
+std::vector<SizeStep> size_steps(const std::vector<model::Present>& candidates) {
+  std::vector<SizeStep> steps;
+  for (const model::Present& candidate : candidates) {
+    const model::Info& info = candidate.effect->info();
+    for (int k = 0; k < info.sizes; ++k) {
+      const model::Parameter& size = info.parameters[static_cast<std::size_t>(k)];
+      double step = std::clamp(candidate.values[k] / size.usual, -1.0, 1.0);
+      if (std::abs(step) < kLeastStep) step = size.high > 0.0 ? kLeastStep : -kLeastStep;
+      model::Present one = candidate;
+      one.values.head(info.sizes).setZero();
+      one.values[k] = step * size.usual;
+      steps.push_back({std::move(one), step});
+    }
+  }
+  return steps;
+}
+
+MatrixXd signatures_of(JointModel& model, const Linearised& at, std::size_t trial,
+                       const std::vector<SizeStep>& steps) {
+  std::vector<JointParameters> changed(steps.size(), at.at);
+  std::vector<double> sizes;
+  for (std::size_t s = 0; s < steps.size(); ++s) {
+    changed[s].effects.push_back(steps[s].present);
+    sizes.push_back(steps[s].step);
+  }
+  return at.root_weight[trial].asDiagonal() * model.signatures(at, trial, changed, sizes);
+}
+
 EvidenceData evidence_of_refit(const JointModel& model, const Linearised& refit, const Linearised& like) {
   return of_fit(whole_instants(model, like), refit, like);
 }
@@ -189,17 +193,11 @@ EvidenceData evidence_data(JointModel& model, Linearised& at, const std::vector<
   const Shown shown = whole_instants(model, at);
   EvidenceData data = of_fit(shown, at, at);
   const Index n = data.residual.rows(), m = data.residual.cols();
-  const std::vector<Step> steps = steps_of(candidates);
-  for (const Step& step : steps)
+  const std::vector<SizeStep> steps = size_steps(candidates);
+  for (const SizeStep& step : steps)
     data.effects.push_back({step.present.effect, 0.0, kPolicy.fit.size_sd, MatrixXd::Zero(n, m), 0.0});
   math::in_parallel(model.trials().size(), jobs, [&](std::size_t t) {
-    std::vector<JointParameters> changed(steps.size(), at.at);
-    std::vector<double> sizes;
-    for (std::size_t s = 0; s < steps.size(); ++s) {
-      changed[s].effects.push_back(steps[s].present);
-      sizes.push_back(steps[s].step);
-    }
-    const MatrixXd moves = at.root_weight[t].asDiagonal() * model.signatures(at, t, changed, sizes);
+    const MatrixXd moves = signatures_of(model, at, t, steps);
     for (std::size_t i = 0; i < shown.instants.size(); ++i) {
       const InstantRows& from = shown.instants[i];
       if (from.trial != t) continue;

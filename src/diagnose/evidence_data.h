@@ -29,6 +29,20 @@ struct EvidenceData {
   std::vector<std::size_t> trial;   ///< of each instant
 };
 
+/// One size of an effect alone, for a difference from none.
+struct SizeStep {
+  model::Present present;
+  double step = 0.0;  ///< usual sizes
+};
+/// Of all sizes of effects at the values that the data say so far: effects are not linear, and the difference
+/// goes as far as these do.
+std::vector<SizeStep> size_steps(const std::vector<model::Present>& candidates);
+
+/// Whitened signatures of such steps over a trial's rows, by usual sizes: one column each, weighted as the
+/// fit's residuals are.
+Eigen::MatrixXd signatures_of(JointModel& model, const Linearised& at, std::size_t trial,
+                              const std::vector<SizeStep>& steps);
+
 /// @param at is completed (JointModel::complete)
 /// @param candidates effects at the values that the data say so far, of which signatures are wanted
 EvidenceData evidence_data(JointModel& model, Linearised& at, const std::vector<model::Present>& candidates,

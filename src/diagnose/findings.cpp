@@ -67,7 +67,7 @@ std::vector<NamedEffect> named_effects(JointModel& model, const Selection& selec
     named.probability = std::min(r.probability, selection.still_there[e]);
     named.parameters = values_of(selection.extended, e, covariance);
     named.where = where_is(model, selection.extended, present, contribution(model, selection.extended, e));
-    const double without = e == 0 ? selection.baseline_unseen.total_rms_m
+    const double without = e == 0 ? selection.first_order_rms_m
                                   : taken_of(selection.rounds[selection.round_of[e - 1]]).unseen.total_rms_m;
     named.held_out_gain_m = without - r.unseen.total_rms_m;
     named.share = std::max(0.0, without * without - r.unseen.total_rms_m * r.unseen.total_rms_m);
@@ -142,9 +142,7 @@ Verdict verdict_of(const Diagnosis& d, bool adequate) {
       if (effect.probability >= kPolicy.posterior.named) believed += effect.share * d.explained_share;
     return believed >= kPolicy.verdict.partly ? Verdict::kPartlyExplained : Verdict::kUnknown;
   }
-  // Small departures and what is left beside them, as every arm has it.
-  const bool small = !d.small_departures.empty() && d.explained_share >= kPolicy.verdict.partly;
-  if (!adequate && !small) return Verdict::kUnknown;
+  if (!adequate) return Verdict::kUnknown;
   const auto detectable =
       std::count_if(d.ranking.begin(), d.ranking.end(), [](const Candidate& c) { return c.detectable; });
   return static_cast<double>(detectable) >=

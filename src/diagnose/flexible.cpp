@@ -3,9 +3,11 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "math/linear_algebra.h"
+#include "math/parallel.h"
 #include "policy.h"
 
 namespace softarm::diagnose {
@@ -34,10 +36,61 @@ struct Instants {
   MatrixXd x, y;
   VectorXd weight;  ///< by precision, 1 on average
   std::vector<std::size_t> trial;
+  /// Columns of x by which it may go: what drives the arm now, with its past, with plays, all there is.
+  std::vector<std::vector<Eigen::Index>> views;
 };
+
+/// Plays of the inputs (where each last turned): one column per input and width, at the rows of `all`.
+MatrixXd plays(const Linearised& at, const Features& all, Eigen::Index inputs) {
+  VectorXd low = VectorXd::Constant(inputs, 1e300), high = -low;
+  for (const auto& trial : at.predicted) {
+    for (const model::Predicted& one : trial) {
+      low = low.cwiseMin(one.instant.inputs);
+      high = high.cwiseMax(one.instant.inputs);
+    }
+  }
+  constexpr auto kWidths = static_cast<Eigen::Index>(std::size(kPolicy.flexible.play));
+  MatrixXd out(all.values.rows(), kWidths * inputs);
+  std::size_t row = 0;
+  for (std::size_t t = 0; t < at.predicted.size(); ++t) {
+    MatrixXd held(inputs, kWidths);
+    for (std::size_t k = 0; k < at.predicted[t].size(); ++k) {
+      const model::Instant& now = at.predicted[t][k].instant;
+      for (Eigen::Index w = 0; w < kWidths; ++w) {
+        const VectorXd half = 0.5 * kPolicy.flexible.play[w] * (high - low);
+        held.col(w) = now.dt_s <= 0.0 || k == 0
+                          ? now.inputs
+                          : held.col(w).cwiseMax(now.inputs - half).cwiseMin(now.inputs + half).eval();
+      }
+      if (row >= all.trial.size() || all.trial[row] != t || all.block[row] != k) continue;
+      for (Eigen::Index w = 0; w < kWidths; ++w)
+        out.row(static_cast<Eigen::Index>(row)).segment(w * inputs, inputs) =
+            (now.inputs - held.col(w)).transpose();
+      ++row;
+    }
+  }
+  return out;
+}
+
+/// Columns of the features, then of the plays, that views are made of.
+std::vector<std::vector<Eigen::Index>> views_of(Eigen::Index inputs) {
+  const auto with = [](std::vector<Eigen::Index> list, Eigen::Index first, Eigen::Index count) {
+    for (Eigen::Index c = first; c < first + count; ++c) list.push_back(c);
+    return list;
+  };
+  const Eigen::Index past = 2 * inputs, loads = 4 * inputs, time = loads + 4, played = time + 1;
+  constexpr auto kWidths = static_cast<Eigen::Index>(std::size(kPolicy.flexible.play));
+  const auto now = with(with({}, 0, inputs), loads, 4);
+  return {now, with(now, past, 2 * inputs), with(now, played, kWidths * inputs),
+          with({}, 0, played + kWidths * inputs)};
+}
 
 Instants instants_of(const JointModel& model, const Linearised& at, const std::vector<VectorXd>& residual) {
   const Features all = features(model, at);
+  const auto inputs = static_cast<Eigen::Index>(model.arm().inputs.scalars.size());
+  MatrixXd played = plays(at, all, inputs);
+  MatrixXd values(all.values.rows(), all.values.cols() + played.cols());
+  values << all.values, played;
   const std::size_t bodies = model.arm().bodies.size();
   std::vector<std::vector<Eigen::Index>> begin(model.trials().size());
   for (std::size_t t = 0; t < model.trials().size(); ++t) {
@@ -53,13 +106,13 @@ Instants instants_of(const JointModel& model, const Linearised& at, const std::v
   }
   const std::size_t keep = std::min(whole.size(), kPolicy.flexible.most_blocks);
   Instants out;
-  out.x.resize(static_cast<Eigen::Index>(keep), all.values.cols());
+  out.x.resize(static_cast<Eigen::Index>(keep), values.cols());
   out.y.resize(out.x.rows(), 3 * static_cast<Eigen::Index>(bodies));
   out.weight.resize(out.x.rows());
   for (std::size_t i = 0; i < keep; ++i) {
     const std::size_t w = whole[i * whole.size() / keep];
     const auto row = static_cast<Eigen::Index>(i);
-    out.x.row(row) = all.values.row(static_cast<Eigen::Index>(w));
+    out.x.row(row) = values.row(static_cast<Eigen::Index>(w));
     out.y.row(row) =
         residual[all.trial[w]].segment(begin[all.trial[w]][all.block[w]], out.y.cols()).transpose();
     out.trial.push_back(all.trial[w]);
@@ -70,30 +123,129 @@ Instants instants_of(const JointModel& model, const Linearised& at, const std::v
   }
   out.weight /= out.weight.mean();
   out.x = in_spreads(std::move(out.x));
+  out.views = views_of(inputs);
   return out;
 }
 
-/// Weighted squares that kernel regression leaves of the folds' instants, each by the other folds.
-double left_by_regression(const Instants& instants, const MatrixXd& kernel, double noise, std::size_t folds) {
-  double left = 0.0;
-  for (std::size_t fold = 0; fold < folds; ++fold) {
-    std::vector<Eigen::Index> train, test;
-    for (Eigen::Index i = 0; i < kernel.rows(); ++i) {
-      // Campaigns go round attitudes and speeds: a turn that is not theirs.
-      const std::size_t t = instants.trial[static_cast<std::size_t>(i)];
-      ((t + t / folds) % folds == fold ? test : train).push_back(i);
+MatrixXd columns_of(const MatrixXd& x, const std::vector<Eigen::Index>& columns) {
+  MatrixXd out(x.rows(), static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t j = 0; j < columns.size(); ++j) out.col(static_cast<Eigen::Index>(j)) = x.col(columns[j]);
+  return out;
+}
+
+/// What the process goes by: the kernel of some of the features, and how much of what it sees is noise.
+struct Setting {
+  std::size_t kernel = 0;
+  double noise = 1.0;
+};
+
+/// Kernel regression of instants by others.
+class Regression {
+ public:
+  explicit Regression(const Instants& instants) : instants_(instants) {
+    for (const std::vector<Eigen::Index>& view : instants.views) {
+      const MatrixXd distance2 = mean_distances2(columns_of(instants.x, view));
+      for (const double reach : kPolicy.flexible.reach) {
+        for (const double noise : kPolicy.flexible.noise) settings_.push_back({kernels_.size(), noise});
+        kernels_.push_back((-0.5 * distance2.array() / (reach * reach)).exp());
+      }
     }
-    if (train.empty() || test.empty()) continue;
-    MatrixXd k = pick(kernel, train, &train);
-    for (std::size_t i = 0; i < train.size(); ++i)
-      k.diagonal()[static_cast<Eigen::Index>(i)] += noise / instants.weight[train[i]];
+  }
+
+  const std::vector<Setting>& settings() const { return settings_; }
+
+  /// Weighted square that is left of each instant once what some say of it is taken off.
+  VectorXd left(const Setting& setting, const std::vector<Eigen::Index>& learnt) const {
+    const MatrixXd& kernel = kernels_[setting.kernel];
+    MatrixXd k = pick(kernel, learnt, &learnt);
+    for (std::size_t i = 0; i < learnt.size(); ++i)
+      k.diagonal()[static_cast<Eigen::Index>(i)] += setting.noise / instants_.weight[learnt[i]];
     math::CholeskyFactor factor;
     factor.compute(k);
-    const MatrixXd weights = factor.solve_columns(pick(instants.y, train, nullptr));
-    const VectorXd squares =
-        (pick(instants.y, test, nullptr) - pick(kernel, test, &train) * weights).rowwise().squaredNorm();
-    for (std::size_t i = 0; i < test.size(); ++i)
-      left += instants.weight[test[i]] * squares[static_cast<Eigen::Index>(i)];
+    const MatrixXd weights = factor.solve_columns(pick(instants_.y, learnt, nullptr));
+    const MatrixXd by_learnt = pick(kernel.transpose(), learnt, nullptr);
+    return instants_.weight.cwiseProduct(
+        (instants_.y - by_learnt.transpose() * weights).rowwise().squaredNorm());
+  }
+
+  /// The same with nothing taken off.
+  VectorXd square() const { return instants_.weight.cwiseProduct(instants_.y.rowwise().squaredNorm()); }
+
+ private:
+  const Instants& instants_;
+  std::vector<MatrixXd> kernels_;  ///< by view and reach
+  std::vector<Setting> settings_;
+};
+
+using FoldRows = std::vector<std::vector<Eigen::Index>>;  ///< instants of each
+
+/// Instants by the fold of their trial.
+FoldRows folds_of(const Instants& instants, std::size_t count) {
+  FoldRows folds(count);
+  for (std::size_t i = 0; i < instants.trial.size(); ++i) {
+    // Campaigns go round attitudes and speeds: a turn that is not theirs.
+    const std::size_t t = instants.trial[i];
+    folds[(t + t / count) % count].push_back(static_cast<Eigen::Index>(i));
+  }
+  folds.erase(std::remove_if(folds.begin(), folds.end(), [](const auto& fold) { return fold.empty(); }),
+              folds.end());
+  return folds;
+}
+
+std::vector<Eigen::Index> all_but(const FoldRows& folds, std::size_t but) {
+  std::vector<Eigen::Index> rows;
+  for (std::size_t f = 0; f < folds.size(); ++f)
+    if (f != but) rows.insert(rows.end(), folds[f].begin(), folds[f].end());
+  return rows;
+}
+
+/// Sums by fold of what is left of each instant.
+Eigen::RowVectorXd by_fold(const FoldRows& folds, const VectorXd& left) {
+  Eigen::RowVectorXd sums = Eigen::RowVectorXd::Zero(static_cast<Eigen::Index>(folds.size()));
+  for (std::size_t f = 0; f < folds.size(); ++f)
+    for (const Eigen::Index i : folds[f]) sums[static_cast<Eigen::Index>(f)] += left[i];
+  return sums;
+}
+
+/// The setting that does best among the folds but one, each of these by each other alone; -1: none does any
+/// good there.
+/// @param one_fold by setting: squares that are left of folds (columns) by one fold (rows)
+int best_without(const std::vector<MatrixXd>& one_fold, const Eigen::RowVectorXd& square, Eigen::Index but) {
+  double least = 0.0;
+  for (Eigen::Index learnt = 0; learnt < square.size(); ++learnt)
+    for (Eigen::Index tried = 0; tried < square.size(); ++tried)
+      if (learnt != but && tried != but && learnt != tried) least += square[tried];
+  int best = -1;
+  for (std::size_t s = 0; s < one_fold.size(); ++s) {
+    double left = 0.0;
+    for (Eigen::Index learnt = 0; learnt < square.size(); ++learnt)
+      for (Eigen::Index tried = 0; tried < square.size(); ++tried)
+        if (learnt != but && tried != but && learnt != tried) left += one_fold[s](learnt, tried);
+    if (left >= least) continue;
+    least = left;
+    best = static_cast<int>(s);
+  }
+  return best;
+}
+
+/// Weighted squares that are left of all instants, each fold by the others.
+double left_by_regression(const Regression& regression, const FoldRows& folds, unsigned jobs) {
+  const auto n = static_cast<Eigen::Index>(folds.size());
+  const std::vector<Setting>& settings = regression.settings();
+  std::vector<MatrixXd> one_fold(settings.size(), MatrixXd(n, n));
+  math::in_parallel(settings.size(), jobs, [&](std::size_t s) {
+    for (Eigen::Index f = 0; f < n; ++f)
+      one_fold[s].row(f) = by_fold(folds, regression.left(settings[s], folds[static_cast<std::size_t>(f)]));
+  });
+  const Eigen::RowVectorXd square = by_fold(folds, regression.square());
+  double left = 0.0;
+  for (Eigen::Index f = 0; f < n; ++f) {
+    // Of two folds there is nothing within the other one to choose by.
+    const int best = best_without(one_fold, square, n > 2 ? f : -1);
+    const VectorXd by_others = best < 0 ? regression.square()
+                                        : regression.left(settings[static_cast<std::size_t>(best)],
+                                                          all_but(folds, static_cast<std::size_t>(f)));
+    left += by_fold(folds, by_others)[f];
   }
   return left;
 }
@@ -155,25 +307,19 @@ Features features(const JointModel& model, const Linearised& at) {
   return out;
 }
 
-Ceiling ceiling(const JointModel& model, const Linearised& at, const std::vector<VectorXd>& residual) {
+Ceiling ceiling(const JointModel& model, const Linearised& at, const std::vector<VectorXd>& residual,
+                unsigned jobs) {
   Ceiling result;
   const Instants instants = instants_of(model, at, residual);
   if (instants.x.rows() < kPolicy.flexible.fewest_instants || model.trials().size() < 2) return result;
   const auto bodies =
       static_cast<double>(instants.x.rows() * static_cast<Eigen::Index>(model.arm().bodies.size()));
-  const MatrixXd distance2 = mean_distances2(instants.x);
   const double before = instants.weight.dot(instants.y.rowwise().squaredNorm()) / bodies;
-  double best = before;
-  for (const double reach : kPolicy.flexible.reach) {
-    const MatrixXd kernel = (-0.5 * distance2.array() / (reach * reach)).exp();
-    for (const double noise : kPolicy.flexible.noise)
-      best = std::min(best, left_by_regression(instants, kernel, noise,
-                                               std::min(kPolicy.flexible.folds, model.trials().size())) /
-                                bodies);
-  }
+  const auto folds = folds_of(instants, std::min(kPolicy.flexible.folds, model.trials().size()));
+  const double left = left_by_regression(Regression(instants), folds, jobs) / bodies;
   result.before_rms_m = std::sqrt(before);
-  result.after_rms_m = std::sqrt(best);
-  result.share = before > 0.0 ? 1.0 - best / before : 0.0;
+  result.after_rms_m = std::sqrt(std::min(before, left));
+  result.share = before > 0.0 ? std::max(0.0, 1.0 - left / before) : 0.0;
   return result;
 }
 

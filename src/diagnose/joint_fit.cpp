@@ -272,6 +272,25 @@ Linearised JointModel::fit(JointParameters parameters, const FitOptions& options
   return at;
 }
 
+Linearised JointModel::fit_without(JointParameters parameters, const std::vector<bool>& without,
+                                   const std::vector<std::vector<Predicted>>& start) {
+  constexpr int kIterations = 3;      // from where a linear model expects the end
+  constexpr double kTolerance = 0.2;  // of a step against the standard deviations
+  std::vector<std::size_t> others;
+  for (std::size_t t = 0; t < without.size(); ++t)
+    if (!without[t]) others.push_back(t);
+  const double threshold = threshold_;
+  look_at(others);
+  FitOptions how;
+  how.whole = false;
+  how.iterations = kIterations;
+  how.tolerance = kTolerance;
+  Linearised at = fit(std::move(parameters), how, &start);
+  look_at({});
+  threshold_ = threshold;
+  return at;
+}
+
 bool JointModel::has_configuration_dependent_load(const JointParameters& parameters) const {
   const std::vector<Present> present = all(parameters.effects);
   return std::any_of(present.begin(), present.end(),

@@ -6,6 +6,8 @@
 #include "arm/constant_spec.h"
 #include "math/parallel.h"
 #include "policy.h"
+#include "sequences.h"
+#include "unseen.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -25,6 +27,12 @@ struct NothingRecorded : arm::RecordedInputs {
   std::vector<double> values(const std::string&) const override { return {}; }
   std::string load_advice() const override { return {}; }
 };
+
+std::vector<std::vector<bool>> unseen_without(const std::vector<TrialData>& trials) {
+  std::vector<double> session_s;
+  for (const TrialData& trial : trials) session_s.push_back(trial.session_s);
+  return predicted_without(sequences_of(trials), session_s);
+}
 
 /// Size at which a constant matters: its own, or what makes the same difference as its fellows.
 double scale_of(const arm::Arm& arm, const identify::ConstantRef& ref) {
@@ -103,6 +111,7 @@ JointModel::JointModel(const arm::Arm& arm, const std::vector<TrialData>& trials
       known_(known),
       trials_(trials),
       jobs_(jobs),
+      predicted_without_(unseen_without(trials)),
       unknown_{kPolicy.motion.share, kPolicy.motion.stiffness_share} {
   constants_ = identify::default_free(arm);
   for (const identify::ConstantRef& ref : identify::constants_of(arm)) {
@@ -266,15 +275,21 @@ Dynamics JointModel::dynamics(const JointParameters& parameters, std::size_t tri
   return {!quasi_static_, parameters.viscoelastic_lag_s, modes_.empty() ? nullptr : &modes_[trial]};
 }
 
+std::vector<Predicted> JointModel::predict_trial(const JointParameters& parameters, std::size_t trial,
+                                                 const std::vector<Predicted>* start) {
+  std::vector<Predicted> made;
+  models_[trial].predict(arm_with(parameters.constants), all(parameters.effects), dynamics(parameters, trial),
+                         trials_[trial], start, made);
+  mount(parameters, trial, made);
+  add_swings(trial, made);
+  return made;
+}
+
 void JointModel::predict(const JointParameters& parameters, const std::vector<std::vector<Predicted>>* start,
                          std::vector<std::vector<Predicted>>& out) {
-  const arm::Arm arm = arm_with(parameters.constants);
   std::vector<std::vector<Predicted>> made(trials_.size());
   math::in_parallel(trials_.size(), jobs_, [&](std::size_t t) {
-    models_[t].predict(arm, all(parameters.effects), dynamics(parameters, t), trials_[t],
-                       start != nullptr ? &(*start)[t] : nullptr, made[t]);
-    mount(parameters, t, made[t]);
-    add_swings(t, made[t]);
+    made[t] = predict_trial(parameters, t, start != nullptr ? &(*start)[t] : nullptr);
   });
   out = std::move(made);
 }

@@ -102,6 +102,10 @@ class JointModel {
   /// Predictions of all trials.
   void predict(const JointParameters& parameters, const std::vector<std::vector<model::Predicted>>* start,
                std::vector<std::vector<model::Predicted>>& out);
+  /// Of one trial; of different ones at once, from several threads.
+  std::vector<model::Predicted> predict_trial(const JointParameters& parameters, std::size_t trial,
+                                              const std::vector<model::Predicted>* start);
+  unsigned jobs() const { return jobs_; }
   enum class Derivatives {
     kShapesHeld,  ///< to first order with shapes held in what depends on them
     kWhole,       ///< differences of whole predictions
@@ -124,14 +128,23 @@ class JointModel {
   struct FitOptions {
     /// Of a configuration-dependent load: at the end, by differences of whole predictions.
     bool whole = true;
-    int iterations = 6;       ///< at most, each one prediction of all trials or few
-    double tolerance = 0.02;  ///< of the step that is left, in standard deviations
+    int iterations = 6;      ///< at most, each one prediction of all trials or few
+    double tolerance = 0.1;  ///< of the step that is left, in standard deviations
   };
   /// The constants and effects at which all trials are met best, from `parameters`: a problem of Ceres with
   /// Huber's loss on each body, the columns' priors and bounds. Effects' parameters are free unless they
   /// count. Linearised::converged says whether it came to an end.
   Linearised fit(JointParameters parameters, const FitOptions& options,
                  const std::vector<std::vector<model::Predicted>>* start = nullptr);
+
+  /// The same without some trials, from parameters that are near; these are predicted all the same.
+  /// @param without by trial
+  Linearised fit_without(JointParameters parameters, const std::vector<bool>& without,
+                         const std::vector<std::vector<model::Predicted>>& start);
+  /// For each trial, which ones it is predicted without where it counts as unseen (unseen.h).
+  const std::vector<std::vector<bool>>& predicted_without() const { return predicted_without_; }
+  /// Of bodies and, below, tangents, whitened; 0 where not used, or without an equilibrium.
+  Eigen::VectorXd residual(std::size_t trial, const std::vector<model::Predicted>& predicted) const;
 
   /// chi^2 per degree of freedom of the model as it is: priors count as much as the residuals' own spread
   /// lets them.
@@ -201,13 +214,13 @@ class JointModel {
   /// Huber's weights by the present threshold, and all sums.
   void weigh(Linearised& at) const;
   std::vector<TimeStretch> stretches_of(const Linearised& at, std::size_t trial) const;
-  Eigen::VectorXd residual(std::size_t trial, const std::vector<model::Predicted>& predicted) const;
   double threshold_at(const std::vector<std::vector<model::Predicted>>& predicted) const;
 
   const arm::Arm arm_;
   const std::vector<model::Present> known_;
   const std::vector<model::TrialData>& trials_;
   const unsigned jobs_;
+  const std::vector<std::vector<bool>> predicted_without_;
   std::vector<identify::ConstantRef> constants_;
   std::vector<model::ExtendedModel> models_;  ///< per trial
   std::vector<model::TrialModes> modes_;      ///< per trial; empty: not known yet

@@ -22,6 +22,7 @@ struct Policy {
     double most_viscoelastic_lag_s = 0.2;      ///< end of its range
     double mount_sd_rad = 0.5 * M_PI / 180.0;  ///< by which a body's marker cluster is usually mounted askew
     double most_mount_rad = 0.2;               ///< end of its range
+    double roughly_sd = 1.0;                   ///< the same of a fit that only shows how to go on
     double converged_sd = 0.5;  ///< step left to a fit that is called converged, in standard deviations
     double huber = 4.0;         ///< threshold of Huber's loss over the bodies' typical distance
     double stretch_s = 2.0;     ///< residuals further apart than that count as independent
@@ -116,6 +117,16 @@ struct Policy {
     int fewest_blocks = 10;      ///< fewer do not say when, nor with what, an effect goes
   } place;
 
+  /// Which trials count as unseen, and how they are predicted.
+  struct Unseen {
+    double session_pause_s =
+        1800.0;  ///< between the beginnings of trials, from which on it is another session
+    std::size_t fewest_sessions = 3;  ///< from which on a session is predicted by the others
+    /// Share of chi^2 of unseen trials by which the model at first-order constants may differ from
+    /// what the first order expects: more, and they are fitted anew.
+    double first_order = 0.02;
+  } unseen;
+
   /// Patterns in what is left.
   struct Structure {
     long fewest_stretches = 8;  ///< of a correlation with an input: with fewer chance makes any
@@ -128,6 +139,7 @@ struct Policy {
     std::size_t folds = 3;               ///< of trials: it learns from two thirds of them
     long fewest_instants = 20;           ///< with fewer it learns nothing
     double past_s[2] = {1.0, 8.0};       ///< time constants of what is remembered of the inputs
+    double play[2] = {0.1, 0.4};         ///< widths of what loops, as shares of an input's range
     double reach[2] = {1.0, 2.5};        ///< length scales, in standard deviations of each feature
     double noise[3] = {0.03, 0.3, 3.0};  ///< variance of the noise over that of what is learnt
   } flexible;
@@ -211,7 +223,7 @@ struct Policy {
     double small_share = 0.1;  ///< of what all effects explain, below which one is a small departure
     /// The same where something else is left: of what could be explained, and of the arm's length. Several
     /// departures of that size are what every arm has (half a millimetre on one of 0.2 m).
-    double small_part = 0.5, small = 2.5e-3;
+    double small_part = 0.25, small = 2.5e-3;
     double weight = 0.05;  ///< share to which weights are known that were told, or follow from a drawing
     double left_out_share = 0.1;  ///< of the recordings, beyond which the verdict's line says it
     double worse = 1.05;  ///< ratio of a trial's mean errors beyond which it is said to be predicted worse

@@ -58,11 +58,24 @@ class Expansions {
   EffectList refitted_;
 };
 
+/// Effects that would move the bodies by what matters, beyond what the constants absorb, at the largest sizes
+/// that are expected. The others are what the constants are: only the priors could tell them from these.
+EffectList distinguishable(const EvidenceData& data) {
+  EffectList list;
+  for (const Signature& s : data.effects) {
+    if (s.left * s.prior_sd > kPolicy.selection.trivial && (list.empty() || list.back() != s.effect))
+      list.push_back(s.effect);
+  }
+  return list;
+}
+
 /// Sets that were evaluated, each under the backgrounds that suit it.
 class Search {
  public:
-  Search(const Expansions& about, unsigned jobs)
+  /// @param candidates for the sets
+  Search(const Expansions& about, EffectList candidates, unsigned jobs)
       : about_(about),
+        candidates_(std::move(candidates)),
         jobs_(jobs),
         log_odds_(std::log(kPolicy.posterior.expected / static_cast<double>(about.effects().size()))) {}
 
@@ -95,7 +108,7 @@ class Search {
     });
     std::vector<Model> list;
     Eigen::VectorXd unused;
-    for (const Effect* effect : about_.effects()) {
+    for (const Effect* effect : candidates_) {
       if (std::find(from.effects.begin(), from.effects.end(), effect) != from.effects.end()) continue;
       EffectList effects = from.effects;
       effects.push_back(effect);
@@ -146,6 +159,7 @@ class Search {
 
   static constexpr double kNothing = -1e300;  // a log likelihood
   const Expansions& about_;
+  const EffectList candidates_;
   const unsigned jobs_;
   const double log_odds_;
   std::vector<Model> models_;
@@ -159,6 +173,7 @@ Posterior summed(const std::vector<Search::Model>& models) {
   for (const Search::Model& m : models) {
     const double weight = std::exp(m.log - best);
     sum += weight;
+    result.background += weight * m.background;
     const auto same = std::find_if(result.sets.begin(), result.sets.end(),
                                    [&](const EffectSet& s) { return s.effects == m.effects; });
     if (same == result.sets.end())
@@ -167,6 +182,7 @@ Posterior summed(const std::vector<Search::Model>& models) {
       same->probability += weight;
   }
   for (EffectSet& set : result.sets) set.probability /= sum;
+  result.background /= sum;
   std::stable_sort(result.sets.begin(), result.sets.end(),
                    [](const EffectSet& a, const EffectSet& b) { return a.probability > b.probability; });
   return result;
@@ -225,7 +241,7 @@ double Posterior::instead(const Effect* other, const Effect* effect) const {
 Posterior posterior(const EvidenceData& data, const std::vector<RefitEvidence>& refits, unsigned jobs) {
   if (data.residual.rows() < kPolicy.posterior.fewest_instants || data.effects.empty()) return {};
   const Expansions about(data, refits, jobs);
-  Search search(about, jobs);
+  Search search(about, distinguishable(data), jobs);
   std::vector<Search::Model> none;
   for (const double background : kPolicy.posterior.background) none.push_back({{}, background, 0.0, {}});
   search.evaluate(std::move(none), {});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "background.h"
 #include "doubt.h"
 #include "policy.h"
 #include "refits.h"
@@ -24,8 +25,8 @@ void take(JointModel& model, const Refitted& best, Standing& current) {
   current.unseen = unseen(model, current.fit);
 }
 
-/// The posterior over what was screened, each at the values of its refit where it had one.
-Posterior posterior_of(JointModel& model, Standing& current, const Round& round, unsigned jobs) {
+/// What was screened, each at the values of its refit where it had one.
+std::vector<Present> candidates_of(const Round& round) {
   std::vector<Present> candidates;
   for (const Screened& s : round.screened) {
     Present candidate{s.effect, s.values};
@@ -33,10 +34,14 @@ Posterior posterior_of(JointModel& model, Standing& current, const Round& round,
       if (r.effect == s.effect) candidate = r.fit.at.effects.back();
     candidates.push_back(std::move(candidate));
   }
+  return candidates;
+}
+
+Posterior posterior_of(JointModel& model, Standing& current, const Round& round, unsigned jobs) {
   std::vector<RefitEvidence> refits;
   for (const Refitted& r : round.refitted)
     refits.push_back({r.effect, evidence_of_refit(model, r.fit, current.fit)});
-  return posterior(evidence_data(model, current.fit, candidates, jobs), refits, jobs);
+  return posterior(evidence_data(model, current.fit, candidates_of(round), jobs), refits, jobs);
 }
 
 /// One round: screen, refits of what explains most, the posterior, refits of what is more probable than not.
@@ -130,9 +135,11 @@ bool drop_superfluous(JointModel& model, Standing& current, std::vector<std::siz
 Selection select(JointModel& model, Linearised baseline, const Options& options,
                  const std::function<void(double, const std::string&)>& progress) {
   Selection selection;
-  selection.baseline_unseen = unseen(model, baseline);
+  selection.baseline_unseen = refitted_unseen(model, baseline);
   selection.baseline = baseline;
-  Standing current{std::move(baseline), selection.baseline_unseen};
+  Standing current{std::move(baseline), {}};
+  current.unseen = unseen(model, current.fit);
+  selection.first_order_rms_m = current.unseen.total_rms_m;
   const double share = 1.0 / (options.most_effects + 1);
   const auto most = static_cast<std::size_t>(std::max(0, options.most_effects));
   for (bool taken = true; taken;) {
@@ -154,16 +161,24 @@ Selection select(JointModel& model, Linearised baseline, const Options& options,
     }
   }
   const Round& last = selection.rounds.back();
+  double background = last.posterior.background;
   const std::size_t catalogue = selection.rounds.front().screened.size();
   if (drop_superfluous(model, current, selection.round_of)) {
     Round anew;
     anew.screened = last.screened;
-    add_doubt(current.fit, posterior_of(model, current, anew, options.jobs), catalogue, selection);
+    const Posterior of_anew = posterior_of(model, current, anew, options.jobs);
+    background = of_anew.background;
+    add_doubt(current.fit, of_anew, catalogue, selection);
   } else {
     add_doubt(current.fit, last.posterior, catalogue, selection);
   }
   selection.extended = std::move(current.fit);
-  selection.extended_unseen = std::move(current.unseen);
+  selection.extended_unseen = selection.extended.at.effects.empty()
+                                  ? selection.baseline_unseen
+                                  : refitted_unseen(model, selection.extended);
+  selection.with_background =
+      with_background(model, selection.extended, candidates_of(selection.rounds.back()), background,
+                      selection.extended_unseen, options.jobs);
   selection.inflation = inflation(selection.extended);
   return selection;
 }

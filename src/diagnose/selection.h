@@ -38,6 +38,9 @@ struct Round {
 struct Selection {
   Linearised baseline, extended;
   Unseen baseline_unseen, extended_unseen;
+  /// The extended ones with small departures of all other effects, which cannot be told apart.
+  Unseen with_background;
+  double first_order_rms_m = 0.0;  ///< of the baseline on unseen trials, as the rounds have it
   std::vector<Round> rounds;
   /// For each effect of `extended`: the round in which it was taken.
   std::vector<std::size_t> round_of;

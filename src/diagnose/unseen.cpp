@@ -1,74 +1,201 @@
 #include "unseen.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
+#include <map>
+#include <numeric>
+#include <utility>
 
 #include "math/linear_algebra.h"
+#include "math/parallel.h"
+#include "policy.h"
 
 namespace softarm::diagnose {
+namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-Unseen unseen(const JointModel& model, const Linearised& at) {
-  const std::size_t trials = model.trials().size();
-  std::vector<MatrixXd> information(trials, at.information);
-  std::vector<VectorXd> gradient(trials, at.gradient);
+/// From the fit's unknowns to those of the trials that are not left out, to first order.
+VectorXd step_without(const Linearised& at, const Fold& fold) {
+  // One trial alone has no others: its own fit is all there is.
+  if (std::all_of(fold.without.begin(), fold.without.end(), [](bool out) { return out; }))
+    return VectorXd::Zero(at.gradient.size());
+  MatrixXd information = at.information;
+  VectorXd gradient = at.gradient;
   for (const TimeStretch& stretch : at.stretches) {
-    information[stretch.trial] -= stretch.information;
-    gradient[stretch.trial] -= stretch.gradient;
+    if (!fold.without[stretch.trial]) continue;
+    information -= stretch.information;
+    gradient -= stretch.gradient;
   }
-  Unseen out;
+  return math::solve_symmetric(information, gradient);
+}
+
+JointParameters stepped(const Linearised& at, const VectorXd& step) {
+  JointParameters p = at.at;
+  const VectorXd x = at.unknowns() + step;
+  for (Eigen::Index j = 0; j < x.size(); ++j) set_unknown(p, at.columns[static_cast<std::size_t>(j)], x[j]);
+  return p;
+}
+
+/// Sums over bodies of one trial or all.
+struct Distances {
+  double square = 0.0, fitted_square = 0.0, weight = 0.0;  ///< by precision
+  double sum_m = 0.0, most_m = 0.0;                        ///< plain
   std::size_t bodies = 0;
-  double all_sum = 0.0, all_weight = 0.0, fitted_sum = 0.0;
-  for (std::size_t t = 0; t < trials; ++t) {
-    // One trial alone has no others: its own fit is all there is.
-    VectorXd step = VectorXd::Zero(at.gradient.size());
-    if (trials > 1) step = math::solve_symmetric(information[t], gradient[t]);
-    double chi2 = 0.0;
-    for (const TimeStretch& stretch : at.stretches) {
-      if (stretch.trial == t)
-        chi2 += stretch.square - 2.0 * step.dot(stretch.gradient) + step.dot(stretch.information * step);
-    }
-    out.chi2.push_back(chi2);
-    out.total_chi2 += chi2;
-    const VectorXd r = at.residual[t] - at.derivative[t] * step;
-    VectorXd metres = VectorXd::Zero(r.size());
-    double sum = 0.0, weight = 0.0, distances_m = 0.0, most_m = 0.0;
-    std::size_t seen_bodies = 0;
-    Eigen::Index row = 0;
-    for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
-      for (const model::Seen& seen : model.trials()[t].blocks[k].bodies) {
-        if (at.root_weight[t][row] > 0.0) {
-          const double sd = model.sd_m(t, k, seen), w = 1.0 / (sd * sd);
-          const double scale = sd / at.root_weight[t][row];
-          metres.segment<3>(row) = scale * r.segment<3>(row);
-          const double distance_m = metres.segment<3>(row).norm();
-          distances_m += distance_m;
-          most_m = std::max(most_m, distance_m);
-          ++seen_bodies;
-          sum += w * metres.segment<3>(row).squaredNorm();
-          fitted_sum += w * scale * scale * at.residual[t].segment<3>(row).squaredNorm();
-          weight += w;
-        }
-        row += 3;
+
+  void add(const Distances& other) {
+    square += other.square;
+    fitted_square += other.fitted_square;
+    weight += other.weight;
+    sum_m += other.sum_m;
+    most_m = std::max(most_m, other.most_m);
+    bodies += other.bodies;
+  }
+  double rms_m() const { return weight > 0.0 ? std::sqrt(square / weight) : 0.0; }
+  double mean_m() const { return bodies > 0 ? sum_m / static_cast<double>(bodies) : 0.0; }
+};
+
+/// @param r residuals of a trial, whitened and weighted as the fit's are
+/// @param metres gets those of the bodies as they are
+Distances distances_of(const JointModel& model, const Linearised& at, std::size_t t, const VectorXd& r,
+                       VectorXd& metres) {
+  Distances d;
+  metres = VectorXd::Zero(r.size());
+  Eigen::Index row = 0;
+  for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
+    for (const model::Seen& seen : model.trials()[t].blocks[k].bodies) {
+      if (at.root_weight[t][row] > 0.0) {
+        const double sd = model.sd_m(t, k, seen), w = 1.0 / (sd * sd);
+        const double scale = sd / at.root_weight[t][row];
+        metres.segment<3>(row) = scale * r.segment<3>(row);
+        const double distance_m = metres.segment<3>(row).norm();
+        d.sum_m += distance_m;
+        d.most_m = std::max(d.most_m, distance_m);
+        ++d.bodies;
+        d.square += w * distance_m * distance_m;
+        d.fitted_square += w * scale * scale * at.residual[t].segment<3>(row).squaredNorm();
+        d.weight += w;
       }
+      row += 3;
     }
-    out.rms_m.push_back(weight > 0.0 ? std::sqrt(sum / weight) : 0.0);
+  }
+  return d;
+}
+
+}  // namespace
+
+Unseen summed(const JointModel& model, const Linearised& at, const std::vector<VectorXd>& residual) {
+  Unseen out;
+  Distances all;
+  for (std::size_t t = 0; t < residual.size(); ++t) {
+    out.chi2.push_back(residual[t].squaredNorm());
+    out.total_chi2 += out.chi2.back();
+    VectorXd metres;
+    const Distances d = distances_of(model, at, t, residual[t], metres);
+    out.rms_m.push_back(d.rms_m());
     out.residual.push_back(std::move(metres));
-    out.mean_of_m.push_back(seen_bodies > 0 ? distances_m / static_cast<double>(seen_bodies) : 0.0);
-    out.max_of_m.push_back(most_m);
-    out.mean_m += distances_m;
-    out.max_m = std::max(out.max_m, most_m);
-    bodies += seen_bodies;
-    all_sum += sum;
-    all_weight += weight;
+    out.mean_of_m.push_back(d.mean_m());
+    out.max_of_m.push_back(d.most_m);
+    all.add(d);
   }
-  if (bodies > 0) out.mean_m /= static_cast<double>(bodies);
-  if (all_weight > 0.0) {
-    out.total_rms_m = std::sqrt(all_sum / all_weight);
-    out.fitted_rms_m = std::sqrt(fitted_sum / all_weight);
+  out.mean_m = all.mean_m();
+  out.max_m = all.most_m;
+  out.total_rms_m = all.rms_m();
+  out.fitted_rms_m = all.weight > 0.0 ? std::sqrt(all.fitted_square / all.weight) : 0.0;
+  return out;
+}
+
+namespace {
+
+/// Residuals of trials as the model itself predicts them, weighted as the fit's are; to first order where it
+/// has no equilibrium.
+void predict_into(const JointModel& model, const Linearised& at, const VectorXd& step, std::size_t trial,
+                  const std::vector<model::Predicted>& predicted, VectorXd& residual) {
+  const VectorXd there = model.residual(trial, predicted);
+  residual = at.residual[trial] - at.derivative[trial] * step;
+  for (Eigen::Index row = 0; row < there.size(); row += 3) {
+    if (!there.segment<3>(row).isZero())
+      residual.segment<3>(row) = at.root_weight[trial][row] * there.segment<3>(row);
   }
+}
+
+}  // namespace
+
+std::vector<Fold> unseen_folds(const JointModel& model) {
+  std::map<std::vector<bool>, std::vector<std::size_t>> groups;
+  const std::vector<std::vector<bool>>& without = model.predicted_without();
+  for (std::size_t t = 0; t < without.size(); ++t) groups[without[t]].push_back(t);
+  std::vector<Fold> folds;
+  for (auto& [set, tried] : groups) folds.push_back({set, std::move(tried)});
+  return folds;
+}
+
+std::vector<std::vector<bool>> predicted_without(const std::vector<std::size_t>& sequence,
+                                                 const std::vector<double>& session_s) {
+  const std::size_t trials = sequence.size();
+  // Sessions: runs of trials without a pause between them.
+  std::vector<std::size_t> order(trials), session(trials, 0);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return session_s[a] < session_s[b]; });
+  for (std::size_t i = 1; i < trials; ++i) {
+    const bool pause = session_s[order[i]] - session_s[order[i - 1]] > kPolicy.unseen.session_pause_s;
+    session[order[i]] = session[order[i - 1]] + pause;
+  }
+  const std::size_t sessions = trials > 0 ? session[order.back()] + 1 : 0;
+  std::vector<std::vector<bool>> list(trials, std::vector<bool>(trials, false));
+  for (std::size_t t = 0; t < trials; ++t) {
+    for (std::size_t other = 0; other < trials; ++other)
+      list[t][other] = sequence[other] == sequence[t] ||
+                       (sessions >= kPolicy.unseen.fewest_sessions && session[other] == session[t]);
+    // All by the same commands: what is unseen then is another payload or attitude.
+    if (std::all_of(list[t].begin(), list[t].end(), [](bool out) { return out; })) {
+      list[t].assign(trials, false);
+      list[t][t] = true;
+    }
+  }
+  return list;
+}
+
+Unseen unseen(const JointModel& model, const Linearised& at) {
+  std::vector<VectorXd> residual(model.trials().size());
+  for (const Fold& fold : unseen_folds(model)) {
+    const VectorXd step = step_without(at, fold);
+    for (const std::size_t t : fold.tried) residual[t] = at.residual[t] - at.derivative[t] * step;
+  }
+  return summed(model, at, residual);
+}
+
+Unseen refitted_unseen(JointModel& model, const Linearised& at) {
+  const std::vector<Fold> folds = unseen_folds(model);
+  const std::size_t trials = model.trials().size();
+  std::vector<VectorXd> step(trials), residual(trials);
+  for (const Fold& fold : folds) {
+    const VectorXd of_fold = step_without(at, fold);
+    for (const std::size_t t : fold.tried) step[t] = of_fold;
+  }
+  math::in_parallel(trials, model.jobs(), [&](std::size_t t) {
+    predict_into(model, at, step[t], t, model.predict_trial(stepped(at, step[t]), t, &at.predicted[t]),
+                 residual[t]);
+  });
+  std::size_t refits = 0;
+  for (const Fold& fold : folds) {
+    double chi2 = 0.0, expected = 0.0;
+    for (const std::size_t t : fold.tried) {
+      chi2 += residual[t].squaredNorm();
+      expected += (at.residual[t] - at.derivative[t] * step[t]).squaredNorm();
+    }
+    if (std::abs(chi2 - expected) <= kPolicy.unseen.first_order * expected) continue;
+    ++refits;
+    const Linearised anew =
+        model.fit_without(stepped(at, step[fold.tried.front()]), fold.without, at.predicted);
+    for (const std::size_t t : fold.tried)
+      predict_into(model, at, step[t], t, anew.predicted[t], residual[t]);
+  }
+  Unseen out = summed(model, at, residual);
+  out.refits = refits;
   return out;
 }
 

@@ -8,7 +8,8 @@
 
 namespace softarm::diagnose {
 
-/// Each trial by the fit to the others, to first order about the fit to all.
+/// Each trial by a fit without it, without those that were driven by the same commands, and, where there are
+/// several sessions, without those of its session.
 struct Unseen {
   std::vector<double> chi2;                 ///< by trial, Huber's weights
   std::vector<Eigen::VectorXd> residual;    ///< by trial: measured less modelled, m; 0 where not used
@@ -17,7 +18,32 @@ struct Unseen {
   double total_chi2 = 0.0;
   double total_rms_m = 0.0, fitted_rms_m = 0.0;
   double mean_m = 0.0, max_m = 0.0;  ///< distances of all bodies, unweighted
+  std::size_t refits = 0;            ///< of refitted_unseen(): fits made anew
 };
+
+/// To first order about the fit to all.
 Unseen unseen(const JointModel& model, const Linearised& at);
+
+/// By the model itself at the constants and sizes that the other trials have. They are fitted anew where what
+/// they make of the unseen trials is not what the first order about the fit to all expects.
+Unseen refitted_unseen(JointModel& model, const Linearised& at);
+
+/// Errors of residuals by trial, whitened and weighted as the fit's are.
+Unseen summed(const JointModel& model, const Linearised& at, const std::vector<Eigen::VectorXd>& residual);
+
+/// Trials that are predicted by one and the same fit to the others.
+struct Fold {
+  std::vector<bool> without;       ///< by trial
+  std::vector<std::size_t> tried;  ///< trials
+};
+std::vector<Fold> unseen_folds(const JointModel& model);
+
+/// For each trial, which ones it is predicted without. Itself; those of its input sequence, where there is
+/// another one; those of its session, where there are so many (Policy::Unseen) that the others tell what the
+/// arm is like.
+/// @param sequence by trial
+/// @param session_s by trial: when it began
+std::vector<std::vector<bool>> predicted_without(const std::vector<std::size_t>& sequence,
+                                                 const std::vector<double>& session_s);
 
 }  // namespace softarm::diagnose

@@ -76,11 +76,11 @@ Candidates candidates_of(const Linearised& at, const std::vector<Screened>& scre
 }
 
 /// A Gaussian process alone: there is something, or there is not.
-Decision flexible(const JointModel& model, const Linearised& at) {
+Decision flexible(const JointModel& model, const Linearised& at, unsigned jobs) {
   Decision decision;
   decision.method = "gp";
   const diagnose::Unseen unseen = diagnose::unseen(model, at);
-  const diagnose::Ceiling ceiling = diagnose::ceiling(model, at, unseen.residual);
+  const diagnose::Ceiling ceiling = diagnose::ceiling(model, at, unseen.residual, jobs);
   decision.alarm =
       unseen.total_rms_m * std::sqrt(ceiling.share) >= kLeftover_m && ceiling.share >= kLeftoverShare;
   return decision;
@@ -96,7 +96,8 @@ std::vector<Decision> decide(const arm::Arm& arm, const std::vector<trial::Trial
   at = model.fit(at.at, {}, &at.predicted);
   const std::vector<Screened> screened = diagnose::screen(model, at, jobs, [](double) {});
   const Candidates candidates = candidates_of(at, screened);
-  return {per_frame(model, at, screened), bic_stepwise(candidates), lasso(candidates), flexible(model, at)};
+  return {per_frame(model, at, screened), bic_stepwise(candidates), lasso(candidates),
+          flexible(model, at, jobs)};
 }
 
 }  // namespace softarm::prove

@@ -1,0 +1,184 @@
+// Trials that count as unseen: which others they are predicted without, by true refits, and with a background
+// of small departures.
+#include "diagnose/unseen.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "diagnose/background.h"
+#include "diagnose/evidence_data.h"
+#include "diagnose/flexible.h"
+#include "diagnose/screen.h"
+#include "looked.h"
+#include "recorded_case.h"
+
+namespace softarm::diagnose {
+namespace {
+
+using Eigen::VectorXd;
+using Flags = std::vector<bool>;
+
+testing::RecordedCase unseen_case(int trials) {
+  return testing::recorded_case("{count_weights: [1]}", 43, trials, 10.0);
+}
+
+TEST(Unseen, ATrialIsPredictedWithoutItselfAndThoseOfItsCommands) {
+  EXPECT_EQ(predicted_without({0, 1, 0}, {0.0, 60.0, 120.0}),
+            (std::vector<Flags>{{true, false, true}, {false, true, false}, {true, false, true}}));
+}
+
+TEST(Unseen, WhereAllCommandsAreTheSameItIsPredictedByTheOtherTrials) {
+  EXPECT_EQ(predicted_without({0, 0, 0}, {0.0, 60.0, 120.0}),
+            (std::vector<Flags>{{true, false, false}, {false, true, false}, {false, false, true}}));
+}
+
+TEST(Unseen, OfThreeSessionsEachIsPredictedByTheOthers) {
+  const double hour = 3600.0;
+  const std::vector<Flags> without =
+      predicted_without({0, 1, 2, 3, 4}, {4 * hour, 0.0, 60.0, 2 * hour, 4 * hour + 60.0});
+  EXPECT_EQ(without[0], (Flags{true, false, false, false, true}));
+  EXPECT_EQ(without[1], (Flags{false, true, true, false, false}));
+  EXPECT_EQ(without[3], (Flags{false, false, false, true, false}));
+  // Two sessions are too few to do without one of them.
+  EXPECT_EQ(predicted_without({0, 1, 2}, {0.0, 60.0, 4 * hour})[0], (Flags{true, false, false}));
+}
+
+TEST(Unseen, IsWhatAModelOfTheOtherTrialsAlonePredicts) {
+  const testing::RecordedCase drawn = unseen_case(3);
+  const model::Prepared prepared = model::prepare(drawn.arm, drawn.trials);
+  JointModel all(drawn.arm, prepared.trials, 0);
+  const Linearised at = all.fit(all.start(), {});
+  const Unseen refitted = refitted_unseen(all, at);
+  for (std::size_t t = 0; t < prepared.trials.size(); ++t) {
+    std::vector<model::TrialData> others = prepared.trials;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(t));
+    JointModel alone(drawn.arm, others, 0);
+    const Linearised by_others = alone.fit(alone.start(), {});
+    const VectorXd r = all.residual(t, all.predict_trial(by_others.at, t, &at.predicted[t]));
+    const double chi2 = at.root_weight[t].cwiseProduct(r).squaredNorm();
+    EXPECT_NEAR(refitted.chi2[t], chi2, 0.05 * chi2) << "trial " << t;
+    EXPECT_GT(chi2, at.residual[t].squaredNorm());
+  }
+}
+
+TEST(Unseen, AFitWithoutSomeTrialsLeavesTheModelAsItWas) {
+  const testing::RecordedCase drawn = unseen_case(3);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  const double threshold = looked.model.threshold();
+  const Unseen before = unseen(looked.model, looked.baseline);
+  looked.model.fit_without(looked.baseline.at, {true, false, false}, looked.baseline.predicted);
+  EXPECT_EQ(looked.model.threshold(), threshold);
+  const Linearised again = looked.model.linearise(looked.baseline.at, &looked.baseline.predicted);
+  EXPECT_NEAR(unseen(looked.model, again).total_chi2, before.total_chi2, 1e-3 * before.total_chi2);
+}
+
+/// Residuals of bodies, m, by a function of the instant; the noise is white.
+template <typename Of>
+std::vector<VectorXd> residuals(const testing::Looked& looked, const Of& of) {
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> noise(0.0, 1e-4);
+  std::vector<VectorXd> list;
+  for (std::size_t t = 0; t < looked.prepared.trials.size(); ++t) {
+    VectorXd r = VectorXd::Zero(looked.baseline.residual[t].size());
+    Eigen::Index row = 0;
+    for (std::size_t k = 0; k < looked.prepared.trials[t].blocks.size(); ++k) {
+      const double x = of(t, k);
+      for (std::size_t i = 0; i < looked.prepared.trials[t].blocks[k].bodies.size(); ++i, row += 3)
+        r.segment<3>(row) = Eigen::Vector3d(x + noise(random), noise(random), noise(random));
+    }
+    list.push_back(std::move(r));
+  }
+  return list;
+}
+
+TEST(Ceiling, LearnsALoopAndNothingOfNoise) {
+  const testing::RecordedCase drawn = unseen_case(6);
+  const testing::Looked looked(drawn.arm, drawn.trials);
+  double held = 0.0;
+  const double width = 1.5e4;  // Pa, of pressures up to 5e4
+  const auto loop = [&](std::size_t t, std::size_t k) {
+    const model::Instant& now = looked.baseline.predicted[t][k].instant;
+    held =
+        k == 0 ? now.inputs[0] : std::clamp(held, now.inputs[0] - 0.5 * width, now.inputs[0] + 0.5 * width);
+    return 1e-3 * (now.inputs[0] - held) / width;
+  };
+  const Ceiling of_loop = ceiling(looked.model, looked.baseline, residuals(looked, loop), 0);
+  EXPECT_GT(of_loop.share, 0.6);
+  const auto nothing = [](std::size_t, std::size_t) { return 0.0; };
+  EXPECT_LT(ceiling(looked.model, looked.baseline, residuals(looked, nothing), 0).share, 0.01);
+}
+
+TEST(Ceiling, DoesNotLearnWhatIsAnewInEveryTrial) {
+  const testing::RecordedCase drawn = unseen_case(6);
+  const testing::Looked looked(drawn.arm, drawn.trials);
+  const double of_trial[] = {1e-3, -1e-3, 0.6e-3, -1.2e-3, 0.4e-3, -0.8e-3};
+  const auto anew = [&](std::size_t t, std::size_t) { return of_trial[t]; };
+  EXPECT_LT(ceiling(looked.model, looked.baseline, residuals(looked, anew), 0).share, 0.3);
+}
+
+/// Every effect at a small size of its own, beside noise.
+std::vector<VectorXd> with_small_departures(testing::Looked& looked,
+                                            const std::vector<model::Present>& candidates,
+                                            double background) {
+  Linearised& at = looked.baseline;
+  looked.model.complete(at);
+  const std::vector<SizeStep> steps = size_steps(candidates);
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> normal;
+  std::vector<double> size;
+  std::vector<Eigen::MatrixXd> moves;
+  for (std::size_t t = 0; t < looked.prepared.trials.size(); ++t)
+    moves.push_back(signatures_of(looked.model, at, t, steps));
+  for (std::size_t s = 0; s < steps.size(); ++s) {
+    std::vector<VectorXd> alone;
+    for (const Eigen::MatrixXd& m : moves) alone.push_back(m.col(static_cast<Eigen::Index>(s)));
+    const double moved_m = std::max(1e-9, summed(looked.model, at, alone).total_rms_m);
+    size.push_back(normal(random) *
+                   std::min(0.3, background * looked.model.arm().total_length_m() / moved_m));
+  }
+  std::vector<VectorXd> residual;
+  for (std::size_t t = 0; t < moves.size(); ++t) {
+    residual.push_back(at.residual[t]);
+    for (std::size_t s = 0; s < size.size(); ++s)
+      residual[t] += size[s] * moves[t].col(static_cast<Eigen::Index>(s));
+  }
+  return residual;
+}
+
+TEST(Background, OfEverythingIsExplainedOnUnseenTrialsAndNothingElse) {
+  const testing::RecordedCase drawn = unseen_case(6);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  Linearised& at = looked.baseline;
+  std::vector<model::Present> candidates;
+  for (const Screened& s : screen(looked.model, at, 0, [](double) {}))
+    candidates.push_back({s.effect, s.values});
+  const std::vector<VectorXd> noise = at.residual;
+  const double of_noise_m = summed(looked.model, at, noise).total_rms_m;
+
+  at.residual = with_small_departures(looked, candidates, 1.5e-4);
+  const Unseen without = summed(looked.model, at, at.residual);
+  ASSERT_GT(without.total_rms_m, 1.2 * of_noise_m);
+  const Unseen with = with_background(looked.model, at, candidates, 1.5e-4, without, 0);
+  const auto beyond2 = [&](const Unseen& u) {
+    return u.total_rms_m * u.total_rms_m - of_noise_m * of_noise_m;
+  };
+  EXPECT_LT(beyond2(with), 0.35 * beyond2(without));
+
+  // What jumps from one stretch of time to the next is no departure of the arm.
+  at.residual = noise;
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> jump(0.0, 3.0);
+  for (VectorXd& r : at.residual) {
+    for (Eigen::Index row = 0; row < r.size(); ++row) r[row] += row % 60 < 30 ? jump(random) : -jump(random);
+  }
+  const Unseen jumping = summed(looked.model, at, at.residual);
+  EXPECT_GT(with_background(looked.model, at, candidates, 1.5e-4, jumping, 0).total_rms_m,
+            0.97 * jumping.total_rms_m);
+}
+
+}  // namespace
+}  // namespace softarm::diagnose
