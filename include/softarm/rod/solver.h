@@ -47,8 +47,8 @@ struct SolverOptions {
 ///
 /// 1. The tip's internal force and moment are known loads, so the three unknowns are the orientation of the
 /// tip.
-/// 2. Integrate (8th-order Runge-Kutta) to the base, with the derivatives by the unknowns and by the wanted
-/// parameters
+/// 2. Integrate (Runge-Kutta, order 8, over short steps 5) to the base, with the derivatives by the unknowns
+/// and by the wanted parameters
 ///    in the same stages.
 /// 3. Newton on the base's orientation. Close to the start of a warm solve this is one or two sweeps.
 /// 4. If Newton would leave the neighbourhood of the start, follow the path of equilibria instead: from the
