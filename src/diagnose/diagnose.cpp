@@ -116,8 +116,7 @@ Linearised fit_baseline(JointModel& model, std::size_t& swinging, const std::fun
 /// What is left to see before and after the effects.
 struct Remains {
   Leftover before, after;
-  bool adequate = false;   ///< nothing of a size that matters is left
-  bool learnable = false;  ///< a flexible model learns a good part of it
+  bool adequate = false;  ///< nothing of a size that matters is left
 };
 
 bool is_shared(const Leftover& left, double length_m) {
@@ -146,11 +145,10 @@ Remains compare(const JointModel& model, const Selection& selection, Diagnosis& 
   Remains left;
   left.before = leftover(model, selection.baseline, before);
   left.after = extended ? leftover(model, selection.extended, after) : left.before;
-  const bool learnable = leftover_m >= kPolicy.verdict.flexible * length_m &&
-                         could_after.share >= kPolicy.verdict.flexible_share;
   left.adequate = as_noise && !is_shared(left.after, length_m) &&
-                  left.after.lone_m < kPolicy.verdict.lone * d.noise_floor_m && !learnable;
-  left.learnable = !left.adequate && learnable;
+                  left.after.lone_m < kPolicy.verdict.lone * d.noise_floor_m &&
+                  (leftover_m < kPolicy.verdict.flexible * length_m ||
+                   could_after.share < kPolicy.verdict.flexible_share);
   const double learnt2 =
       std::min({base2 * (1.0 - could_before.share), ext2 * (1.0 - could_after.share), ext2});
   d.ceiling_rms_m = std::sqrt(std::max(std::min(base2, floor2), learnt2));
@@ -275,7 +273,7 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   d.after.shared_z = left.after.shared_z;
   d.shifts = shifts_of(model, selection);
   std::optional<Law> law;
-  if (left.learnable) {
+  if (!left.adequate) {
     report(0.91, "whether a law can be learnt of what is left");
     law = discover_law(model, selection, d.discrepancy_share, d.noise_floor_m, options.jobs);
   }
