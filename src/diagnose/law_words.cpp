@@ -106,8 +106,13 @@ LawTerm law_term(const arm::Arm& arm, const model::Values& values, const Eigen::
 std::string sentence_of(const DiscoveredLaw& law) {
   std::vector<std::string> names;
   for (const LawTerm& term : law.terms) names.push_back(term.goes_with);
-  std::string text = "What no effect of the catalogue explains goes with " + one_of(names, "and") + ".";
-  for (const LawTerm& term : law.terms) text += " " + term.sentence;
+  std::string text = "What no effect of the catalogue explains ";
+  if (law.terms.size() == 1) {
+    text += "is a" + law.terms[0].sentence.substr(1);
+  } else {
+    text += "goes with " + one_of(names, "and") + ".";
+    for (const LawTerm& term : law.terms) text += " " + term.sentence;
+  }
   const double flexible = law.share_of_flexible.value_or(1.0);
   const std::string of_flexible = flexible < 1.0
                                       ? percent(flexible) + " of what a flexible model learns of it"
