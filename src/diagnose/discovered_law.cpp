@@ -117,9 +117,10 @@ HeldOut held_out(JointModel& model, const Linearised& extended, const LawDesign&
         terms.empty()
             ? without
             : fit(model, with_law(without, design, terms, inner), kFoldIterations, extended.predicted).at;
-    model.look_at({});
+    model.look_at(fold);
     predict_fold(model, without, extended.predicted, fold, out.before);
     predict_fold(model, with, extended.predicted, fold, out.after);
+    model.look_at({});
   }
   return out;
 }
