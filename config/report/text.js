@@ -110,7 +110,7 @@ function discoveredLaw() {
     term.rises ? 'at the tip; the opposite at the base' : 'the same all along', {share: [bar(term.stability, ''), term.sure]}];
   return [element('p', {class: 'lead'}, law.sentence),
     element('p', null, element('span', {class: 'law'}, 'M = Σ (x, y) z / z', element('sub', null, 'max')), ', z what each moment goes with:'),
-    table(['goes with', 'moment at the end of that range', '', 'along the arm', 'chosen by'], law.terms.map(row)),
+    table(['a moment that goes with', 'at the end of that range', 'and', 'along the arm', 'chosen by'], law.terms.map(row)),
     element('p', {class: 'hint'}, 'Chosen by: the share of halves of the trials in which this moment, or one that stands for it, is among those that explain most. ' +
       'The law was tried on ' + law.sequences + ' input sequences, each predicted by true refits, with the moments chosen anew, to others: mean error ' +
       mm(before) + ' → ' + mm(after) + ', at most ' + mm(law.held_out_max_before_m) + ' → ' + mm(law.held_out_max_after_m) +

@@ -120,9 +120,8 @@ Linearised fit_baseline(JointModel& model, std::size_t& swinging, const std::fun
 /// What is left to see before and after the effects.
 struct Remains {
   Leftover before, after;
-  bool adequate = false;   ///< nothing of a size that matters is left but small departures
-  bool small = false;      ///< ... and these are
-  bool learnable = false;  ///< a flexible model learns a good part of what is left
+  bool adequate = false;  ///< nothing of a size that matters is left but small departures
+  bool small = false;     ///< ... and these are
 };
 
 bool is_shared(const Leftover& left, double length_m) {
@@ -133,9 +132,8 @@ bool is_shared(const Leftover& left, double length_m) {
 struct Left {
   Ceiling could;  ///< a flexible model learn
   Leftover shared;
-  bool as_noise = false;   ///< what no flexible model learns may still be more than noise: trials may be few
-  bool learnable = false;  ///< a good part of it, of a size that matters
-  bool adequate = false;   ///< nothing of a size that matters
+  bool as_noise = false;  ///< what no flexible model learns may still be more than noise: trials may be few
+  bool adequate = false;  ///< nothing of a size that matters
 };
 
 Left left_in(const JointModel& model, const Linearised& at, const Unseen& unseen, const Floor& floor,
@@ -147,10 +145,10 @@ Left left_in(const JointModel& model, const Linearised& at, const Unseen& unseen
   const double length_m = model.arm().total_length_m();
   const double flexible_m =
       std::sqrt(std::max(0.0, std::pow(unseen.total_rms_m, 2) * left.could.share - floor.motion_m2));
-  left.learnable =
-      flexible_m >= kPolicy.verdict.flexible * length_m && left.could.share >= kPolicy.verdict.flexible_share;
-  left.adequate = left.as_noise && !is_shared(left.shared, length_m) &&
-                  left.shared.lone_m < kPolicy.verdict.lone * std::sqrt(floor.white_m2) && !left.learnable;
+  left.adequate =
+      left.as_noise && !is_shared(left.shared, length_m) &&
+      left.shared.lone_m < kPolicy.verdict.lone * std::sqrt(floor.white_m2) &&
+      (flexible_m < kPolicy.verdict.flexible * length_m || left.could.share < kPolicy.verdict.flexible_share);
   return left;
 }
 
@@ -166,12 +164,11 @@ Remains compare(const JointModel& model, const Selection& selection, unsigned jo
   d.extended = fit_of(after, selection.extended.rows);
   d.discrepancy_share = in_after.could.share;
 
-  Remains left{in_before.shared, in_after.shared, in_after.adequate, false, false};
+  Remains left{in_before.shared, in_after.shared, in_after.adequate, false};
   double small2 = 0.0;  // by small departures that cannot be told apart
   if (!left.adequate) {
     left.small = left_in(model, selection.extended, selection.with_background, floor, jobs).adequate;
     left.adequate = left.small;
-    left.learnable = !left.small && in_after.learnable;
     small2 = std::pow(after.total_rms_m, 2) - std::pow(selection.with_background.total_rms_m, 2);
   }
   const double base2 = std::pow(before.total_rms_m, 2), ext2 = std::pow(after.total_rms_m, 2);
@@ -333,7 +330,7 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   d.after.shared_z = left.after.shared_z;
   d.shifts = shifts_of(model, selection);
   std::optional<Law> law;
-  if (left.learnable) {
+  if (!left.adequate) {
     report(0.91, "whether a law can be learnt of what is left");
     law = discover_law(model, selection, d.discrepancy_share, d.noise_floor_m, options.jobs);
   }

@@ -117,9 +117,10 @@ HeldOut held_out(JointModel& model, const Linearised& extended, const LawDesign&
         terms.empty()
             ? without
             : fit(model, with_law(without, design, terms, inner), kFoldIterations, extended.predicted).at;
-    model.look_at({});
+    model.look_at(fold);
     predict_fold(model, without, extended.predicted, fold, out.before);
     predict_fold(model, with, extended.predicted, fold, out.after);
+    model.look_at({});
   }
   return out;
 }
@@ -181,12 +182,14 @@ std::optional<Law> discover_law(JointModel& model, Selection& selection, double 
   const LawDesign design = law_design(model, extended, jobs);
   const Folds folds = folds_of(sequences, all_trials(model), kPolicy.law.folds);
   const std::vector<StableTerm> terms = stable_terms(design.sums, folds, jobs);
-  if (terms.empty()) return std::nullopt;
+  const double least = std::max(kPolicy.law.of_flexible * learnt, kPolicy.law.least_share);
+  // Refits cost most of the time: to first order it must be half of what it must be in the end.
+  if (terms.empty() || held_out_gain(design.sums, indices(terms), folds) < 0.5 * least * extended.square)
+    return std::nullopt;
   const HeldOut unseen = held_out(model, extended, design, sequences, jobs);
   const double before_m2 = unseen.before.mean_square_m2(), after_m2 = unseen.after.mean_square_m2();
   const double taken_m2 = before_m2 - after_m2;
-  if (!(unseen.after.mean_m() < unseen.before.mean_m()) ||
-      !(taken_m2 > kPolicy.law.of_flexible * learnt * before_m2))
+  if (!(unseen.after.mean_m() < unseen.before.mean_m()) || !(taken_m2 > least * before_m2))
     return std::nullopt;
 
   Law law;
@@ -199,7 +202,7 @@ std::optional<Law> discover_law(JointModel& model, Selection& selection, double 
   said.held_out_max_before_m = unseen.before.most_m;
   said.held_out_max_after_m = unseen.after.most_m;
   said.share = beyond_m2 > 0.0 ? std::clamp(taken_m2 / beyond_m2, 0.0, 1.0) : 1.0;
-  said.share_of_flexible = learnt > 0.0 ? taken_m2 / (learnt * before_m2) : 1.0;
+  if (learnt > 0.0) said.share_of_flexible = taken_m2 / (learnt * before_m2);
   said.sequences = different;
   const std::size_t first = extended.at.effects.size();
   for (std::size_t i = 0; i < terms.size(); ++i)

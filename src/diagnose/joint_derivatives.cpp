@@ -216,6 +216,15 @@ Linearised JointModel::linearise(const JointParameters& parameters,
   lin.reference.resize(trials_.size());
   lin.swing.resize(trials_.size());
   math::in_parallel(trials_.size(), jobs_, [&](std::size_t t) {
+    const auto compare = [&] {
+      lin.residual[t] = residual(t, lin.predicted[t]);
+      lin.root_weight[t] = (lin.residual[t].array() != 0.0).cast<double>();
+    };
+    if (!looks_at(t)) {
+      compare();
+      lin.derivative[t].setZero(lin.residual[t].size(), static_cast<Eigen::Index>(lin.columns.size()));
+      return;
+    }
     lin.reference[t] = vary(t, parameters, lin.predicted[t]);
     if (!modes_.empty()) {
       std::vector<model::Rest> rest;
@@ -236,8 +245,7 @@ Linearised JointModel::linearise(const JointParameters& parameters,
       }
     }
     differentiate(parameters, t, touched, lin.predicted[t]);
-    lin.residual[t] = residual(t, lin.predicted[t]);
-    lin.root_weight[t] = (lin.residual[t].array() != 0.0).cast<double>();
+    compare();
     if (whole) {
       lin.derivative[t] = differences(lin, t, changed, steps);
       return;

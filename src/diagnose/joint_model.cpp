@@ -248,11 +248,13 @@ double JointModel::sd_rad(std::size_t trial, std::size_t block, const SeenTangen
 void JointModel::look_at(const std::vector<std::size_t>& trials) {
   if (!all_used_.empty()) used_ = std::move(all_used_);
   all_used_.clear();
+  looked_at_.clear();
   if (trials.empty()) return;
   all_used_ = used_;
-  for (std::size_t t = 0; t < used_.size(); ++t) {
-    if (std::find(trials.begin(), trials.end(), t) == trials.end()) used_[t].assign(used_[t].size(), false);
-  }
+  looked_at_.assign(trials_.size(), false);
+  for (const std::size_t t : trials) looked_at_[t] = true;
+  for (std::size_t t = 0; t < used_.size(); ++t)
+    if (!looked_at_[t]) used_[t].assign(used_[t].size(), false);
 }
 
 Vector3d JointModel::by_mount(const JointParameters& parameters, const Eigen::Quaterniond& q_section,
@@ -289,7 +291,10 @@ void JointModel::predict(const JointParameters& parameters, const std::vector<st
                          std::vector<std::vector<Predicted>>& out) {
   std::vector<std::vector<Predicted>> made(trials_.size());
   math::in_parallel(trials_.size(), jobs_, [&](std::size_t t) {
-    made[t] = predict_trial(parameters, t, start != nullptr ? &(*start)[t] : nullptr);
+    if (looks_at(t))
+      made[t] = predict_trial(parameters, t, start != nullptr ? &(*start)[t] : nullptr);
+    else
+      made[t].resize(trials_[t].blocks.size());
   });
   out = std::move(made);
 }

@@ -137,7 +137,7 @@ class JointModel {
   Linearised fit(JointParameters parameters, const FitOptions& options,
                  const std::vector<std::vector<model::Predicted>>* start = nullptr);
 
-  /// The same without some trials, from parameters that are near; these are predicted all the same.
+  /// The same without some trials, from parameters that are near; of these nothing is predicted.
   /// @param without by trial
   Linearised fit_without(JointParameters parameters, const std::vector<bool>& without,
                          const std::vector<std::vector<model::Predicted>>& start);
@@ -155,8 +155,7 @@ class JointModel {
   double motion_sd_m(std::size_t trial, std::size_t block) const { return motion_sd_m_[trial][block]; }
   /// Whether a block is compared.
   bool uses(std::size_t trial, std::size_t block) const { return used_[trial][block]; }
-  /// Fits look from here on at the bodies of these trials alone, all others are only predicted; of none: at
-  /// all trials again.
+  /// Fits and predictions are from here on of these trials alone; of none: of all again.
   void look_at(const std::vector<std::size_t>& trials);
   /// From here on the arm swings, in the modes that it has at these parameters; without, inertia counts to
   /// first order.
@@ -193,6 +192,7 @@ class JointModel {
                      std::vector<std::vector<model::Predicted>>& predicted);
   void move_alike(const JointModel& other, const JointParameters& parameters,
                   std::vector<std::vector<model::Predicted>>& predicted);
+  bool looks_at(std::size_t trial) const { return looked_at_.empty() || looked_at_[trial]; }
   const model::Modes* modes_at(std::size_t trial, std::size_t block) const;
   void find_swings(std::size_t trial, const std::vector<model::Predicted>& predicted, bool seen);
   void add_swings(std::size_t trial, std::vector<model::Predicted>& predicted) const;
@@ -228,6 +228,7 @@ class JointModel {
   std::vector<std::vector<Eigen::VectorXd>> swings_;
   std::vector<bool> turned_;  ///< bodies whose tangents are seen
   std::vector<std::vector<bool>> used_;
+  std::vector<bool> looked_at_;              ///< empty: all trials
   std::vector<std::vector<bool>> all_used_;  ///< while some trials are not looked at
   std::vector<std::vector<double>> motion_sd_m_;
   bool quasi_static_ = false;

@@ -106,14 +106,21 @@ LawTerm law_term(const arm::Arm& arm, const model::Values& values, const Eigen::
 std::string sentence_of(const DiscoveredLaw& law) {
   std::vector<std::string> names;
   for (const LawTerm& term : law.terms) names.push_back(term.goes_with);
-  std::string text = "What no effect of the catalogue explains goes with " + one_of(names, "and") + ".";
-  for (const LawTerm& term : law.terms) text += " " + term.sentence;
+  std::string text = "What no effect of the catalogue explains ";
+  if (law.terms.size() == 1) {
+    text += "is a" + law.terms[0].sentence.substr(1);
+  } else {
+    text += "goes with " + one_of(names, "and") + ".";
+    for (const LawTerm& term : law.terms) text += " " + term.sentence;
+  }
+  const double flexible = law.share_of_flexible.value_or(1.0);
+  const std::string of_flexible = flexible < 1.0
+                                      ? percent(flexible) + " of what a flexible model learns of it"
+                                      : std::string("no less than a flexible model learns of it");
   text += fmt::format(
-      " {} {} of what was left beyond the noise, {} of what a flexible model learns of it: on input "
-      "sequences "
-      "that were not fitted the mean error {}.",
-      law.terms.size() > 1 ? "Together they take" : "It takes", percent(law.share),
-      percent(std::min(1.0, law.share_of_flexible)),
+      " {} {} of what was left beyond the noise, {}: on input sequences that were not fitted the mean error "
+      "{}.",
+      law.terms.size() > 1 ? "Together they take" : "It takes", percent(law.share), of_flexible,
       change(law.held_out_mean_before_m, law.held_out_mean_after_m));
   if (!law.resembles.empty())
     text += fmt::format(" Its shape resembles that of {} ({:.0f} %).", law.resembles, 100.0 * law.cosine);

@@ -218,6 +218,21 @@ void add_pictures(const JointModel& model, const Selection& selection, Diagnosis
 
 namespace {
 
+/// What can be learnt of what is left.
+std::string learnt_of(const Diagnosis& d) {
+  if (d.discovered_law) {
+    std::vector<std::string> names;
+    for (const LawTerm& term : d.discovered_law->terms) names.push_back(term.goes_with);
+    return fmt::format(" A law was learnt of it: it goes with {}, {} of it beyond the noise.",
+                       one_of(names, "and"), percent(d.discovered_law->share));
+  }
+  if (d.ceiling_rms_m > kPolicy.words.no_better * d.extended.held_out_rms_m)
+    return " Nor does a flexible model learn it from the other trials: it is not the same in all of them, "
+           "or they are too few.";
+  return fmt::format(" A flexible model learns {} of it: it goes with inputs, payload, attitude or time.",
+                     percent(1.0 - std::pow(d.ceiling_rms_m / d.extended.held_out_rms_m, 2)));
+}
+
 std::string found_of(const Diagnosis& d) {
   const std::string errors =
       fmt::format("{} on average on trials left out, noise alone {}", millimetres(d.baseline.held_out_mean_m),
@@ -261,12 +276,7 @@ std::string found_of(const Diagnosis& d) {
           likely.push_back(fmt::format("{} ({})", c.id, percent(c.probability)));
       }
       if (!likely.empty()) text += fmt::format(" May be there: {}.", one_of(likely));
-      text += d.ceiling_rms_m > kPolicy.words.no_better * d.extended.held_out_rms_m
-                  ? " Nor does a flexible model learn it from the other trials: it is not the same in all of "
-                    "them, or they are too few."
-                  : fmt::format(
-                        " A flexible model learns {} of it: it goes with inputs, payload, attitude or time.",
-                        percent(1.0 - std::pow(d.ceiling_rms_m / d.extended.held_out_rms_m, 2)));
+      text += learnt_of(d);
       return text;
     }
     case Verdict::kCannotTell:

@@ -192,7 +192,7 @@ Unseen refitted_unseen(JointModel& model, const Linearised& at) {
     const Linearised anew =
         model.fit_without(stepped(at, step[fold.tried.front()]), fold.without, at.predicted);
     for (const std::size_t t : fold.tried)
-      predict_into(model, at, step[t], t, anew.predicted[t], residual[t]);
+      predict_into(model, at, step[t], t, model.predict_trial(anew.at, t, &at.predicted[t]), residual[t]);
   }
   Unseen out = summed(model, at, residual);
   out.refits = refits;

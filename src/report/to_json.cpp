@@ -72,7 +72,6 @@ Json json_of(const diagnose::DiscoveredLaw& law) {
             {"held_out_max_before_m", law.held_out_max_before_m},
             {"held_out_max_after_m", law.held_out_max_after_m},
             {"share", law.share},
-            {"share_of_flexible", law.share_of_flexible},
             {"sequences", law.sequences},
             {"sentence", law.sentence}};
   for (const diagnose::LawTerm& term : law.terms)
@@ -86,6 +85,7 @@ Json json_of(const diagnose::DiscoveredLaw& law) {
                              {"rises", term.rises},
                              {"stability", term.stability},
                              {"sentence", term.sentence}});
+  if (law.share_of_flexible) json["share_of_flexible"] = *law.share_of_flexible;
   if (!law.resembles.empty()) json["resembles"] = {{"name", law.resembles}, {"cosine", law.cosine}};
   return json;
 }

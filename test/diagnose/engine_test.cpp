@@ -31,6 +31,7 @@ TEST(Diagnose, WhereNothingIsHiddenNothingIsNamed) {
   const diagnose::Diagnosis d = diagnose::diagnose(recorded.arm, recorded.trials);
   EXPECT_EQ(d.verdict, diagnose::Verdict::kConsistent) << report::describe(d);
   EXPECT_TRUE(d.effects.empty());
+  EXPECT_FALSE(d.discovered_law);
   EXPECT_LT(d.baseline.held_out_rms_m, 1.5 * d.noise_floor_m);
   for (const diagnose::Candidate& c : d.ranking) EXPECT_LT(c.probability, 0.5) << c.id;
   EXPECT_NEAR(shift_of(d, "segment_1.bending_stiffness.base").before,

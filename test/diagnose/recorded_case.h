@@ -22,18 +22,18 @@ struct RecordedCase {
   std::vector<rig::Scenario> truth;
 };
 
-/// Which samples of inputs are logged; by default all.
-using Logged = std::function<bool(const rig::InputSample&)>;
+/// Which samples of inputs are logged, and as what; by default all, as they are.
+using Logged = std::function<bool(rig::InputSample&)>;
 
 inline trial::Trial record(
     const arm::Arm& arm, const rig::Scenario& scenario, const std::string& name,
-    const Logged& logged = [](const rig::InputSample&) { return true; }) {
+    const Logged& logged = [](rig::InputSample&) { return true; }) {
   constexpr double kBegin_s = 100.0;
   rig::Simulator simulator(scenario);
   trial::FrameAssembler assembler(arm);
   while (const auto sample = simulator.next()) {
     if (sample->payload) assembler.add_payload(kBegin_s + sample->payload->stamp_s, sample->payload->kg);
-    for (const rig::InputSample& input : sample->inputs) {
+    for (rig::InputSample input : sample->inputs) {
       if (logged(input)) assembler.add_input(input.number, kBegin_s + input.stamp_s, input.value);
     }
     for (std::size_t i = 0; i < sample->bodies.size(); ++i) {

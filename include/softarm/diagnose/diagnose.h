@@ -160,12 +160,13 @@ struct DiscoveredLaw {
   /// sequence, all bodies' distances counted alike; terms chosen anew from each refit's own trials.
   double held_out_mean_before_m = 0.0, held_out_mean_after_m = 0.0;
   double held_out_max_before_m = 0.0, held_out_max_after_m = 0.0;
-  double share = 0.0;              ///< of the squared error of those beyond the noise, that is gone
-  double share_of_flexible = 0.0;  ///< that over what a flexible model learns of it
-  std::size_t sequences = 0;       ///< of inputs
-  std::string resembles;           ///< id of the effect whose signature is most like it; empty: none is
-  double cosine = 0.0;             ///< with that
-  std::string sentence;            ///< all of it
+  double share = 0.0;  ///< of the squared error of those beyond the noise, that is gone
+  /// That over what a flexible model learns of it; absent where it learns nothing.
+  std::optional<double> share_of_flexible;
+  std::size_t sequences = 0;  ///< of inputs
+  std::string resembles;      ///< id of the effect whose signature is most like it; empty: none is
+  double cosine = 0.0;        ///< with that
+  std::string sentence;       ///< all of it
 };
 
 // --- For the pictures ------------------------------------------------------------------------------------
@@ -279,8 +280,8 @@ using Progress = std::function<void(double, const std::string&)>;
 ///    background of small departures and correlated errors, says how probable each is; the most probable is
 ///    taken into the model where it is more probable than not, and again from 3.
 /// 5. A Gaussian process over inputs, their speeds and past, payload, attitude and time says what could be
-///    explained at all, before and after. Where it learns a good part of what is left, a law is looked for
-///    that takes it: moments that go with inputs, their past, payload, attitude or curvature.
+///    explained at all, before and after. Where something is left, a law of it is looked for: moments that go
+///    with inputs, their past, payload, attitude or curvature.
 /// 6. Verdict; a name only where no rival does as well.
 /// @throws identify::IdentifyError where the trials cannot be used
 /// @throws std::invalid_argument for patterns that match nothing
