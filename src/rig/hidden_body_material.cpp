@@ -24,6 +24,12 @@ void strain_stiffening(const HiddenChoice& choice, Scenario& scenario) {
   scenario.body.stiffening = Stiffening{choice.values.at("beta_m2"), choice.form == "gent"};
 }
 
+void curvature_softening(const HiddenChoice& choice, Scenario& scenario) {
+  refuse_twice(choice, scenario);
+  scenario.body.softening =
+      Softening{choice.values.at("share"), choice.values.at("knee_per_m"), choice.form == "wrinkling"};
+}
+
 void creep(const HiddenChoice& choice, Scenario& scenario) {
   refuse_twice(choice, scenario);
   scenario.body.creep = Creep{choice.values.at("share"), choice.values.at("time_s"), choice.form == "prony"};
@@ -31,7 +37,8 @@ void creep(const HiddenChoice& choice, Scenario& scenario) {
 
 SideStiffness side(const HiddenChoice& choice, Scenario& scenario) {
   refuse_twice(choice, scenario);
-  return {angle_of(choice, "azimuth_deg"), choice.values.at("share"), choice.values.at("to_fraction")};
+  return {angle_of(choice, "azimuth_deg"), choice.values.at("share"), choice.values.at("to_fraction"),
+          choice.form == "ribs" || choice.form == "folds"};
 }
 
 }  // namespace
@@ -44,6 +51,15 @@ std::vector<HiddenEffect> material_effects() {
        {"cubic", "gent"},
        {{"beta_m2", 0.0, 1.0, 3e-4, 2e-3, "beta"}},
        strain_stiffening},
+      {"curvature_softening",
+       true,
+       "softer beyond a curvature: the section turns oval, EI u (1 - share x^2 / (1 + x^2)), x = u / knee; "
+       "or "
+       "the wall wrinkles from the knee on, where the moment goes to twice what it is there",
+       {"oval", "wrinkling"},
+       {{"share", 0.0, 0.85, 0.15, 0.5, "of EI (oval), of what wrinkling takes"},
+        {"knee_per_m", 1e-2, 1e3, 1.5, 5.0, "curvature of the knee"}},
+       curvature_softening},
       {"creep",
        true,
        "the curvature grows under a held load, with one time constant (maxwell: a standard linear solid) or "
@@ -80,8 +96,10 @@ std::vector<HiddenEffect> material_effects() {
        jamming_yield},
       {"plane_stiffness",
        true,
-       "another bending stiffness in one plane than across it",
-       {},
+       "another bending stiffness in one plane than across it: everywhere the same (oval), or less where it "
+       "is "
+       "bent far (ribs)",
+       {"oval", "ribs"},
        {{"share", -0.9, 10.0, 0.1, 0.4, "by which it is larger in that plane"},
         azimuth("of the plane, in the section frame"),
         {"to_fraction", 0.0, 1.0, 1.0, 1.0, "only from the base up to here", 1.0}},
@@ -90,8 +108,8 @@ std::vector<HiddenEffect> material_effects() {
        }},
       {"one_sided_softness",
        true,
-       "softer when bent to one side, as if the wall there buckled",
-       {},
+       "softer when bent to one side, as if the wall there buckled at once (buckles) or bit by bit (folds)",
+       {"buckles", "folds"},
        {{"share", -3.0, 0.9, 0.1, 0.4, "by which it is softer towards that side"},
         azimuth("of the side, in the section frame"),
         {"to_fraction", 0.0, 1.0, 0.4, 1.0, "only from the base up to here", 1.0}},
