@@ -17,7 +17,8 @@ class Drift : public Described {
   bool varies_along() const override { return false; }
   std::vector<Values> grid(const arm::Arm&, const FineRod&) const override {
     std::vector<Values> list;
-    for (const double fading_per_min : {0.0, 1.0})
+    // Over a session of an hour, and within a trial.
+    for (const double fading_per_min : {0.0, 0.1, 1.0})
       list.push_back((Values(3) << 0.0, 0.0, fading_per_min).finished());
     return list;
   }

@@ -1,9 +1,15 @@
 // Effects of the material: what a section answers to bending.
+#include <cmath>
+#include <stdexcept>
+
 #include "hidden_body.h"
 #include "hidden_inputs_parts.h"
+#include "random_stream.h"
 
 namespace softarm::rig {
 namespace {
+
+constexpr std::uint64_t kLeftPurpose = 0x6c656674;
 
 /// The core of an arm that can be jammed.
 JammedCore& core(const HiddenChoice& choice, Scenario& scenario) {
@@ -30,8 +36,23 @@ void curvature_softening(const HiddenChoice& choice, Scenario& scenario) {
       Softening{choice.values.at("share"), choice.values.at("knee_per_m"), choice.form == "wrinkling"};
 }
 
+/// What drives the arm comes late through the walls of all segments, and something was left in them.
+void wall_creep(const HiddenChoice& choice, Scenario& scenario) {
+  constexpr double kDecades = 0.4;
+  const double share = choice.values.at("share");
+  RandomStream random(scenario.seed, kLeftPurpose);
+  for (SegmentSpec& segment : scenario.arm.segments) {
+    if (!segment.creep.moment.empty()) throw std::invalid_argument("the arm's wall creeps already");
+    segment.creep.moment = {{choice.values.at("time_s"), share / (1.0 + share), kDecades}};
+    const double towards = random.uniform(0.0, 2.0 * M_PI);
+    segment.creep.before_moment_nm =
+        choice.values.at("left_nm") * Eigen::Vector2d(std::cos(towards), std::sin(towards));
+  }
+}
+
 void creep(const HiddenChoice& choice, Scenario& scenario) {
   refuse_twice(choice, scenario);
+  if (choice.form == "wall") return wall_creep(choice, scenario);
   scenario.body.creep = Creep{choice.values.at("share"), choice.values.at("time_s"), choice.form == "prony"};
 }
 
@@ -62,11 +83,23 @@ std::vector<HiddenEffect> material_effects() {
        curvature_softening},
       {"creep",
        true,
-       "the curvature grows under a held load, with one time constant (maxwell: a standard linear solid) or "
-       "with five a decade apart (prony)",
-       {"maxwell", "prony"},
+       "the curvature grows under a held load, with one time constant (maxwell: a standard linear solid), "
+       "with "
+       "five a decade apart (prony), or as what drives it comes through the wall by a broad spectrum of "
+       "times, "
+       "with something left in it at the start (wall)",
+       {"maxwell", "prony", "wall"},
        {{"share", 0.0, 10.0, 0.05, 0.2, "by which it grows in the end"},
-        {"time_s", 1e-3, 1e6, 5.0, 60.0, "time constant; of prony that in the middle"}},
+        {"time_s", 1e-3, 1e6, 5.0, 60.0, "time constant; of prony that in the middle"},
+        {"left_nm",
+         0.0,
+         10.0,
+         0.0,
+         0.05,
+         "moment that goes on in each segment at the start, in a direction by the seed",
+         0.0,
+         false,
+         {"wall"}}},
        creep},
       {"mullins",
        true,

@@ -221,6 +221,8 @@ TEST(HiddenBodyDynamics, EveryEffectAndFormMovesTheArm) {
         "strain_stiffening, form: gent, beta_m2: 2.0e-3",
         "creep, share: 0.2, time_s: 5",
         "creep, form: prony, share: 0.2, time_s: 5",
+        "creep, form: wall, share: 0.2, time_s: 5",
+        "creep, form: wall, share: 0.2, time_s: 5, left_nm: 0.01",
         "mullins, share: 0.2",
         "mullins, form: softening, share: 0.2",
         "jamming_memory, share: 1",
