@@ -112,8 +112,8 @@ def polar(size, azimuth_deg):
 def true_parameters(effect, length_m):
     """The catalogue's parameters that a hidden effect has; empty where its form is another than the catalogue's."""
     name, form, v = effect["effect"], effect.get("form", ""), effect["values"]
-    if name in ("stiffness_taper", "actuation_taper", "payload_scale", "vacuum_shortening", "vacuum_gain", "jamming_memory",
-                "chamber_mismatch", "pressure_elongation"):
+    if name in ("stiffness_taper", "actuation_taper", "payload_scale", "axial_memory", "vacuum_shortening", "vacuum_gain",
+                "jamming_memory", "chamber_mismatch", "pressure_elongation"):
         return {"share": v["share"]}
     if (name, form) in (("gain_nonlinearity", "quadratic"), ("pressure_stiffening", "linear"), ("pressure_leak", "steady"),
                         ("mass_distribution", "taper"), ("creep", "maxwell")):
@@ -124,6 +124,12 @@ def true_parameters(effect, length_m):
         return {"base_m": v["base_m"], "tip_m": v["tip_m"]}
     if name == "base_compliance":
         return {"compliance_rad_per_nm": 1.0 / v["stiffness_nm_per_rad"]}
+    if (name, form) == ("base_free_play", "ring"):
+        return {"play_rad": math.radians(v["play_deg"])}
+    if (name, form) == ("temperature", "sine"):
+        phase, kelvin = math.radians(v["phase_deg"]), v["amplitude_k"]
+        return {"stiffness_sin": kelvin * v["stiffness_share_per_k"] * math.cos(phase),
+                "stiffness_cos": kelvin * v["stiffness_share_per_k"] * math.sin(phase)}
     if name == "axial_compliance":
         return {"compliance_per_n": 1.0 / v["axial_stiffness_n"]}
     if name == "shear":
@@ -141,6 +147,8 @@ def true_parameters(effect, length_m):
         return {"stiffness_n_per_m": v["stiffness_n_per_m"]}
     if (name, form) == ("pressure_lag", "first_order"):
         return {"delay_s": v["time_constant_s"]}
+    if (name, form) == ("flow_limit", "slew"):
+        return {"share": 1.0, "rise_pa_per_s": v["rise_pa_per_s"]}
     if name == "clock_offset":
         return {"offset_s": v["offset_s"]}
     if (name, form) == ("strain_stiffening", "cubic"):

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "arm/drive.h"
 #include "drives.h"
 #include "effects.h"
 
@@ -12,25 +11,14 @@ namespace {
 constexpr double kMinute_s = 60.0;
 constexpr double kLeastFactor = 0.05;
 
-/// What servos bend by winding cables up is a curvature: stiffness drops out. As a turn about the section's
-/// axes, per segment.
-std::vector<Eigen::Vector3d> driven_curvature_per_m(const arm::Arm& arm, const Instant& instant) {
-  std::vector<Eigen::Vector3d> list;
-  const arm::InputReader inputs(arm, instant.moment_inputs);
-  for (const arm::Segment& segment : arm.segments) {
-    const Eigen::Vector2d towards = arm::drive_of(segment, inputs).value_or(arm::Drive()).curvature_per_m;
-    list.emplace_back(-towards.y(), towards.x(), 0.0);
-  }
-  return list;
-}
-
 class Drift : public Described {
  public:
   using Described::Described;
   bool varies_along() const override { return false; }
   std::vector<Values> grid(const arm::Arm&, const FineRod&) const override {
     std::vector<Values> list;
-    for (const double fading_per_min : {0.0, 1.0})
+    // Over a session of an hour, and within a trial.
+    for (const double fading_per_min : {0.0, 0.1, 1.0})
       list.push_back((Values(3) << 0.0, 0.0, fading_per_min).finished());
     return list;
   }
@@ -43,17 +31,8 @@ class Drift : public Described {
     if (values[2] > 1e-9) minutes = -std::expm1(-values[2] * minutes) / values[2];
     const double gain = std::max(0.0, 1.0 + values[0] * minutes);
     const double stiffness = std::max(kLeastFactor, 1.0 + values[1] * minutes);
-    const std::vector<Eigen::Vector3d> curvature_per_m = driven_curvature_per_m(arm, instant);
-    for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
-      rod::Segment& piece = rod.segments[j];
-      const auto segment = static_cast<std::size_t>(fine.pieces()[j].segment);
-      piece.moment_nm += (stiffness - 1.0) / piece.bending_compliance * curvature_per_m[segment];
-      piece.moment_nm *= gain;
-      piece.bending_compliance /= stiffness;
-      piece.torsional_compliance /= stiffness;
-      piece.shear_compliance /= stiffness;
-      piece.axial_compliance /= stiffness;
-    }
+    stiffen(stiffness, arm, fine, instant, rod);
+    for (rod::Segment& piece : rod.segments) piece.moment_nm *= gain;
   }
 };
 
@@ -71,7 +50,7 @@ std::unique_ptr<Effect> make_drift() {
         0.03},
        {"fading_per_min", "1/min", "rate at which the change fades", 0.0, 60.0, 1.0}},
       2,
-      {"mullins", "creep"},
+      {"temperature", "mullins", "creep"},
       {"bending_stiffness", "moment_gain"}});
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "arm/drive.h"
+
 namespace softarm::effects {
 
 Rows rows_of(const arm::Arm& arm, arm::InputKind kind) {
@@ -101,6 +103,25 @@ std::vector<Eigen::Vector2d> started_curvatures(const arm::Arm& arm, const Segme
 Eigen::Vector2d linear_curvature(const rod::Segment& piece, const rod::RodState& middle) {
   const Eigen::Vector3d moment = middle.q.conjugate() * middle.m + piece.moment_nm;
   return piece.rest_curvature_per_m.head<2>() + piece.bending_compliance * moment.head<2>();
+}
+
+void stiffen(double factor, const arm::Arm& arm, const model::FineRod& fine, const model::Instant& instant,
+             rod::Rod& rod) {
+  const arm::InputReader inputs(arm, instant.moment_inputs);
+  std::vector<Eigen::Vector3d> driven_per_m;  // turns about the section's axes, by segment
+  for (const arm::Segment& segment : arm.segments) {
+    const Eigen::Vector2d towards = arm::drive_of(segment, inputs).value_or(arm::Drive()).curvature_per_m;
+    driven_per_m.emplace_back(-towards.y(), towards.x(), 0.0);
+  }
+  for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
+    rod::Segment& piece = rod.segments[j];
+    const auto segment = static_cast<std::size_t>(fine.pieces()[j].segment);
+    piece.moment_nm += (factor - 1.0) / piece.bending_compliance * driven_per_m[segment];
+    piece.bending_compliance /= factor;
+    piece.torsional_compliance /= factor;
+    piece.shear_compliance /= factor;
+    piece.axial_compliance /= factor;
+  }
 }
 
 void bend_to(const Eigen::Vector2d& curvature, double stiffness_ratio, const rod::RodState& middle,

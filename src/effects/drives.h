@@ -70,6 +70,10 @@ using math::Following;
 /// The curvature that a piece's linear law gives for the moment that acts on its middle in a shape, the axes
 /// across only: u* + (m + M_act) / EI.
 Eigen::Vector2d linear_curvature(const rod::Segment& piece, const rod::RodState& middle);
+/// All stiffnesses of the material times a factor. What servos bend by winding cables up is a curvature and
+/// stays: their moment goes with the stiffness.
+void stiffen(double factor, const arm::Arm& arm, const model::FineRod& fine, const model::Instant& instant,
+             rod::Rod& rod);
 /// Makes the piece have another curvature at that moment, and another stiffness about it.
 void bend_to(const Eigen::Vector2d& curvature, double stiffness_ratio, const rod::RodState& middle,
              rod::Segment& piece);

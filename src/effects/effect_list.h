@@ -11,11 +11,13 @@
   EFFECT(rigid_ends) \
   EFFECT(actuation_taper) \
   EFFECT(base_compliance) \
+  EFFECT(base_free_play) \
   EFFECT(base_tilt) \
   EFFECT(gravity_direction) \
   EFFECT(axial_compliance) \
   EFFECT(shear) \
   EFFECT(strain_stiffening) \
+  EFFECT(curvature_softening) \
   EFFECT(plane_stiffness) \
   EFFECT(one_sided_softness) \
   EFFECT(curvature_gain) \
@@ -34,6 +36,7 @@
   EFFECT(clock_offset) \
   EFFECT(pressure_offset) \
   EFFECT(pressure_lag) \
+  EFFECT(flow_limit) \
   EFFECT(pressure_leak) \
   EFFECT(hysteresis) \
   EFFECT(pressure_dead_zone) \
@@ -46,9 +49,12 @@
   EFFECT(vacuum_shortening) \
   EFFECT(vacuum_gain) \
   EFFECT(tendon_friction) \
+  EFFECT(tendon_slack) \
   EFFECT(creep) \
+  EFFECT(axial_memory) \
   EFFECT(mullins) \
   EFFECT(jamming_memory) \
   EFFECT(jamming_yield) \
-  EFFECT(drift)
+  EFFECT(drift) \
+  EFFECT(temperature)
 // clang-format on

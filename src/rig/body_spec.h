@@ -58,6 +58,7 @@ struct JammedCore {
 /// A stiffness that depends on the direction of bending, from the base up to a fraction.
 struct SideStiffness {
   double azimuth_rad = 0.0, share = 0.0, to_fraction = 1.0;
+  bool gradual = false;  ///< ribs that give way, a wall that folds bit by bit
 };
 
 /// At the tip, to an anchor beside the straight tip.
@@ -76,6 +77,13 @@ struct Wall {
   double inclination_rad = 0.0, friction = 0.0;  ///< everywhere only
 };
 
+/// A part of what is beyond a knee of the curvature meets nothing. Wrinkling: from the knee on the moment
+/// goes to twice what it has there; else, oval: EI falls by a share, half of it at the knee.
+struct Softening {
+  double share = 0.0, knee_per_m = 1.0;
+  bool wrinkling = false;
+};
+
 struct BodySpec {
   double stiffness_taper = 0.0, actuation_taper = 0.0;  ///< a of 1 + a (2 s / L - 1), in each segment
   double mass_taper = 0.0;
@@ -83,6 +91,7 @@ struct BodySpec {
   std::optional<RigidEnds> rigid_ends;
   std::optional<MassLump> mass_lump;
   std::optional<Stiffening> stiffening;
+  std::optional<Softening> softening;
   std::optional<Creep> creep;
   std::optional<MaterialHysteresis> hysteresis;
   std::optional<FirstLoading> first_loading;
@@ -91,7 +100,8 @@ struct BodySpec {
 
   /// The base turns under the load, though the measured body `base` does not: bending moment there over this.
   std::optional<double> base_stiffness_nm_per_rad;
-  double base_play_rad = 0.0;                                  ///< so far it turns freely
+  double base_play_rad = 0.0;  ///< so far it turns freely
+  bool base_bush = false;      ///< of the play: in a bush, whose stop yields as Hertz's contact does
   Eigen::Vector3d base_tilt_rad = Eigen::Vector3d::Zero();     ///< rotation vector in the base frame
   Eigen::Vector2d gravity_tilt_rad = Eigen::Vector2d::Zero();  ///< towards x and y of the mocap frame
   Eigen::Vector3d payload_offset_m = Eigen::Vector3d::Zero();  ///< in the section frame

@@ -167,8 +167,13 @@ CampaignCase draw_case(const CampaignSpec& spec, const std::vector<Scenario>& ar
   drawn_case.arm = drawn_index(arms.size(), random);
   Scenario arm = arms[drawn_case.arm];
   spread_constants(spec, arm.arm, random);
-  for (int trial = 0; trial < spec.trials; ++trial)
+  double begin_s = 0.0;
+  for (int trial = 0; trial < spec.trials; ++trial) {
     drawn_case.trials.push_back(draw_trial(spec, arm, trial, random));
+    drawn_case.trials.back().session_s = begin_s;
+    begin_s += drawn_case.trials.back().duration_s;
+    if (spec.pause_s.high > 0.0) begin_s += drawn(spec.pause_s, random);
+  }
 
   drawn_case.plain = drawn_case.trials;
   double total = 0.0;

@@ -71,6 +71,7 @@ struct CampaignSpec {
   std::vector<std::string> attitudes{"hanging"};
   std::vector<double> speeds{1.0};  ///< factor on the frequencies of random inputs
   Span seconds{30.0, 30.0};
+  Span pause_s{0.0, 0.0};     ///< from the end of one trial to the beginning of the next
   Span payload_kg{0.0, 0.0};  ///< of a trial, known; put on after a quarter of it
   Span mocap_rate_hz{120.0, 120.0};
   Span position_sd_m{0.5e-3, 0.5e-3};

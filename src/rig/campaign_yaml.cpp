@@ -116,6 +116,7 @@ void parse_trials(YamlMap map, CampaignSpec& spec) {
                fmt::format("value {}, allowed hanging, standing, horizontal", word.substr(0, 60)));
   if (map.has("speeds")) spec.speeds = map.numbers("speeds", {0.01, 100.0}, 1, 100);
   spec.seconds = span(map, "seconds", {1.0, 1e5}, spec.seconds);
+  spec.pause_s = span(map, "pause_s", {0.0, 1e5}, spec.pause_s);
   spec.payload_kg = span(map, "payload_kg", {0.0, 100.0}, spec.payload_kg);
   map.finish();
 }

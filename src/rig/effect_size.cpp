@@ -17,7 +17,7 @@ const std::map<std::string, EffectSize>& exceptions() {
       {"base_compliance", {{"stiffness_nm_per_rad"}, true}},
       {"jamming_yield", {{"yield_per_m"}, true}},
       {"payload_offset", {{"axial_m", "lateral_m"}, false}},
-      {"slew_limit", {{"rise_pa_per_s", "fall_pa_per_s"}, true}},
+      {"flow_limit", {{"rise_pa_per_s", "fall_pa_per_s"}, true}},
       {"regulator_error", {{"offset_pa", "dead_band_pa"}, false}},
       {"pressure_lag", {{"time_constant_s", "vent_time_constant_s"}, false}},
       {"hysteresis", {{"loop_pa", "loop_n", "loop_rad", "loop_per_m"}, false}},

@@ -87,13 +87,15 @@ std::vector<HiddenEffect> boundary_effects() {
          scenario.body.gravity_tilt_rad = {angle * std::cos(azimuth_rad), angle * std::sin(azimuth_rad)};
        }},
       {"base_free_play",
-       false,
-       "the clamp has clearance: the base turns freely so far, then is held",
-       {},
+       true,
+       "the clamp has clearance: the base turns freely so far, then is held, by a spring (ring) or by a stop "
+       "that yields as Hertz's contact does (bush)",
+       {"ring", "bush"},
        {{"play_deg", 0.0, 30.0, 0.3, 1.2, "how far it turns to every side"}},
        [](const HiddenChoice& choice, Scenario& scenario) {
          refuse_twice(choice, scenario);
          scenario.body.base_play_rad = angle_of(choice, "play_deg");
+         scenario.body.base_bush = choice.form == "bush";
        }},
       {"payload_offset",
        true,

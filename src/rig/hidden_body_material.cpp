@@ -1,9 +1,15 @@
 // Effects of the material: what a section answers to bending.
+#include <cmath>
+#include <stdexcept>
+
 #include "hidden_body.h"
 #include "hidden_inputs_parts.h"
+#include "random_stream.h"
 
 namespace softarm::rig {
 namespace {
+
+constexpr std::uint64_t kLeftPurpose = 0x6c656674;
 
 /// The core of an arm that can be jammed.
 JammedCore& core(const HiddenChoice& choice, Scenario& scenario) {
@@ -24,14 +30,36 @@ void strain_stiffening(const HiddenChoice& choice, Scenario& scenario) {
   scenario.body.stiffening = Stiffening{choice.values.at("beta_m2"), choice.form == "gent"};
 }
 
+void curvature_softening(const HiddenChoice& choice, Scenario& scenario) {
+  refuse_twice(choice, scenario);
+  scenario.body.softening =
+      Softening{choice.values.at("share"), choice.values.at("knee_per_m"), choice.form == "wrinkling"};
+}
+
+/// What drives the arm comes late through the walls of all segments, and something was left in them.
+void wall_creep(const HiddenChoice& choice, Scenario& scenario) {
+  constexpr double kDecades = 0.4;
+  const double share = choice.values.at("share");
+  RandomStream random(scenario.seed, kLeftPurpose);
+  for (SegmentSpec& segment : scenario.arm.segments) {
+    if (!segment.creep.moment.empty()) throw std::invalid_argument("the arm's wall creeps already");
+    segment.creep.moment = {{choice.values.at("time_s"), share / (1.0 + share), kDecades}};
+    const double towards = random.uniform(0.0, 2.0 * M_PI);
+    segment.creep.before_moment_nm =
+        choice.values.at("left_nm") * Eigen::Vector2d(std::cos(towards), std::sin(towards));
+  }
+}
+
 void creep(const HiddenChoice& choice, Scenario& scenario) {
   refuse_twice(choice, scenario);
+  if (choice.form == "wall") return wall_creep(choice, scenario);
   scenario.body.creep = Creep{choice.values.at("share"), choice.values.at("time_s"), choice.form == "prony"};
 }
 
 SideStiffness side(const HiddenChoice& choice, Scenario& scenario) {
   refuse_twice(choice, scenario);
-  return {angle_of(choice, "azimuth_deg"), choice.values.at("share"), choice.values.at("to_fraction")};
+  return {angle_of(choice, "azimuth_deg"), choice.values.at("share"), choice.values.at("to_fraction"),
+          choice.form == "ribs" || choice.form == "folds"};
 }
 
 }  // namespace
@@ -44,13 +72,34 @@ std::vector<HiddenEffect> material_effects() {
        {"cubic", "gent"},
        {{"beta_m2", 0.0, 1.0, 3e-4, 2e-3, "beta"}},
        strain_stiffening},
+      {"curvature_softening",
+       true,
+       "softer beyond a curvature: the section turns oval, EI u (1 - share x^2 / (1 + x^2)), x = u / knee; "
+       "or "
+       "the wall wrinkles from the knee on, where the moment goes to twice what it is there",
+       {"oval", "wrinkling"},
+       {{"share", 0.0, 0.85, 0.15, 0.5, "of EI (oval), of what wrinkling takes"},
+        {"knee_per_m", 1e-2, 1e3, 1.5, 5.0, "curvature of the knee"}},
+       curvature_softening},
       {"creep",
        true,
-       "the curvature grows under a held load, with one time constant (maxwell: a standard linear solid) or "
-       "with five a decade apart (prony)",
-       {"maxwell", "prony"},
+       "the curvature grows under a held load, with one time constant (maxwell: a standard linear solid), "
+       "with "
+       "five a decade apart (prony), or as what drives it comes through the wall by a broad spectrum of "
+       "times, "
+       "with something left in it at the start (wall)",
+       {"maxwell", "prony", "wall"},
        {{"share", 0.0, 10.0, 0.05, 0.2, "by which it grows in the end"},
-        {"time_s", 1e-3, 1e6, 5.0, 60.0, "time constant; of prony that in the middle"}},
+        {"time_s", 1e-3, 1e6, 5.0, 60.0, "time constant; of prony that in the middle"},
+        {"left_nm",
+         0.0,
+         10.0,
+         0.0,
+         0.05,
+         "moment that goes on in each segment at the start, in a direction by the seed",
+         0.0,
+         false,
+         {"wall"}}},
        creep},
       {"mullins",
        true,
@@ -80,8 +129,10 @@ std::vector<HiddenEffect> material_effects() {
        jamming_yield},
       {"plane_stiffness",
        true,
-       "another bending stiffness in one plane than across it",
-       {},
+       "another bending stiffness in one plane than across it: everywhere the same (oval), or less where it "
+       "is "
+       "bent far (ribs)",
+       {"oval", "ribs"},
        {{"share", -0.9, 10.0, 0.1, 0.4, "by which it is larger in that plane"},
         azimuth("of the plane, in the section frame"),
         {"to_fraction", 0.0, 1.0, 1.0, 1.0, "only from the base up to here", 1.0}},
@@ -90,8 +141,8 @@ std::vector<HiddenEffect> material_effects() {
        }},
       {"one_sided_softness",
        true,
-       "softer when bent to one side, as if the wall there buckled",
-       {},
+       "softer when bent to one side, as if the wall there buckled at once (buckles) or bit by bit (folds)",
+       {"buckles", "folds"},
        {{"share", -3.0, 0.9, 0.1, 0.4, "by which it is softer towards that side"},
         azimuth("of the side, in the section frame"),
         {"to_fraction", 0.0, 1.0, 0.4, 1.0, "only from the base up to here", 1.0}},

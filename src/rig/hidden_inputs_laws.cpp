@@ -89,13 +89,15 @@ std::vector<HiddenEffect> pressure_laws() {
        }},
       {"chamber_bulge",
        true,
-       "neighbouring chambers bulge into each other: each one's moment grows with the others' pressures",
-       {},
+       "neighbouring chambers bulge into each other: each one's moment grows with the others' pressures, in "
+       "proportion (linear), or less where they are high (saturating)",
+       {"linear", "saturating"},
        {{"share", -0.9, 10.0, 0.08, 0.25, "of the moment, by the sum of the others' pressures"}, at_pressure},
        [](const HiddenChoice& choice, Scenario& scenario) {
          need(scenario.arm.chambers > 1, "an arm that takes several pressures");
          need_chambers(scenario);
-         put(scenario.input_path.laws.chamber_bulge, share_at(choice));
+         put(scenario.input_path.laws.chamber_bulge,
+             LawSpec::ChamberBulge{share_at(choice), choice.form == "saturating"});
        }},
   };
 }
@@ -179,6 +181,17 @@ std::vector<HiddenEffect> geometry_laws() {
         reference(kReferencePa),
         {"reference_n", 1e-3, 1e4, 3.0, 3.0, "mean tension where the twist is reached", 3.0}},
        torsion},
+      {"tendon_slack",
+       true,
+       "cables that servos wind up are slack at first: they do not pull until they are taut (taut), or less "
+       "until then (sags)",
+       {"taut", "sags"},
+       {{"angle_deg", 0.0, 180.0, 2.0, 8.0, "of the servo, that takes up the slack"}},
+       [](const HiddenChoice& choice, Scenario& scenario) {
+         need(scenario.arm.servos > 0, "an arm with cables that servos wind up");
+         put(scenario.input_path.laws.cable_slack,
+             LawSpec::Slack{kRadPerDeg * choice.values.at("angle_deg"), choice.form == "sags"});
+       }},
       {"curvature_gain",
        true,
        "what actuators do depends on how far the arm is bent",

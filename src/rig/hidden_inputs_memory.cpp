@@ -1,4 +1,6 @@
 // Effects of memory and age between a command and what acts in the arm, and of the scale.
+#include <algorithm>
+
 #include "hidden_inputs_parts.h"
 #include "scenario_parts.h"
 
@@ -28,6 +30,26 @@ void jamming_settling(const HiddenChoice& choice, Scenario& scenario) {
                       choice.values.at("loop_pa")});
 }
 
+/// Into the walls of all segments, which have a spectrum of times, and what was before the recording.
+void axial_memory(const HiddenChoice& choice, Scenario& scenario) {
+  const auto grows = [](const SegmentSpec& segment) {
+    for (const ChamberSpec& chamber : segment.chambers)
+      if (chamber.near_elongation_m_per_pa + chamber.far_elongation_m_per_pa != 0.0) return true;
+    return segment.axial_stiffness_n && (segment.central_chamber || !segment.tendons.empty());
+  };
+  const std::vector<SegmentSpec>& all = scenario.arm.segments;
+  need(std::any_of(all.begin(), all.end(), grows), "an arm whose length goes with its inputs");
+  const double share = choice.values.at("share"), time_s = choice.values.at("time_s");
+  for (SegmentSpec& segment : scenario.arm.segments) {
+    if (!segment.creep.length.empty()) throw std::invalid_argument("the arm's length creeps already");
+    if (choice.form == "spectrum")
+      segment.creep.length = {{time_s, share, 0.4}};
+    else
+      segment.creep.length = {{time_s / 3.0, 0.5 * share, 0.0}, {3.0 * time_s, 0.5 * share, 0.0}};
+    segment.creep.before_length_m = choice.values.at("before_share") * segment.length_m;
+  }
+}
+
 }  // namespace
 
 std::vector<HiddenEffect> memory_effects() {
@@ -45,6 +67,16 @@ std::vector<HiddenEffect> memory_effects() {
         {"loop_per_m", 0.0, 100.0, 0.1, 0.6, "material: of the curvature", 0.3},
         {"yield_per_m", 1e-2, 100.0, 0.3, 2.0, "material: change of curvature that turns the loop", 1.0}},
        hysteresis},
+      {"axial_memory",
+       true,
+       "part of the length that inputs make comes late, by a broad spectrum of times (spectrum) or by two, a "
+       "third of the time and three times it (two_times)",
+       {"spectrum", "two_times"},
+       {{"share", 0.0, 0.95, 0.2, 0.6, "of the length that inputs make, that comes late"},
+        {"time_s", 1e-3, 1e6, 3.0, 15.0, "time constant"},
+        {"before_share", -0.2, 0.2, 0.0, 0.0,
+         "of the arm's length, that what comes late is ahead at the start", 0.0}},
+       axial_memory},
       {"tendon_friction",
        true,
        "tendons rub where the arm bends: tension falls along them, and comes back late",
@@ -71,20 +103,22 @@ std::vector<HiddenEffect> memory_effects() {
        {"linear", "saturating"},
        {{"gain_share", -0.9, 10.0, -0.06, -0.02, "of all moments, that is gained", 0.0},
         {"stiffness_share", -0.9, 10.0, -0.06, -0.02, "of all stiffnesses, that is gained", 0.0},
-        {"over_s", 0.1, 1e7, 30.0, 120.0, "linear: when it is reached; saturating: when 63 % are"},
-        {"session_s", 0.0, 1e7, 0.0, 0.0, "time of the session at which the trial begins", 0.0}},
+        {"over_s", 0.1, 1e7, 300.0, 1800.0, "linear: when it is reached; saturating: when 63 % are"}},
        [](const HiddenChoice& choice, Scenario& scenario) {
          put(scenario.input_path.drift,
              Drift{choice.values.at("gain_share"), choice.values.at("stiffness_share"),
-                   choice.values.at("over_s"), choice.values.at("session_s"), choice.form == "saturating"});
+                   choice.values.at("over_s"), choice.form == "saturating"});
        }},
       {"temperature",
-       false,
-       "the room's temperature swings: stiffness and length follow",
-       {},
+       true,
+       "the room's temperature swings over the session, as a sine or with a thermostat's heater: stiffness "
+       "and "
+       "length follow",
+       {"sine", "thermostat"},
        {{"amplitude_k", 0.0, 100.0, 2.0, 6.0, "of the swing"},
-        {"period_s", 1.0, 1e6, 30.0, 300.0, "of the swing"},
-        {"phase_deg", -360.0, 360.0, 0.0, 360.0, "at the start of the trial; 0: mean and rising", 0.0},
+        {"period_s", 1.0, 1e6, 600.0, 2400.0, "of the swing"},
+        {"phase_deg", -360.0, 360.0, 0.0, 360.0,
+         "at the start of the session; 0: mean and rising, or the heater goes on", 0.0},
         {"stiffness_share_per_k", -0.2, 0.2, -0.015, -0.005, "of all stiffnesses", -0.01},
         {"expansion_share_per_k", -0.01, 0.01, 2e-4, 4e-4, "of the length", 3e-4}},
        [](const HiddenChoice& choice, Scenario& scenario) {
@@ -92,7 +126,7 @@ std::vector<HiddenEffect> memory_effects() {
              TemperatureSwing{choice.values.at("amplitude_k"), choice.values.at("period_s"),
                               kRadPerDeg * choice.values.at("phase_deg"),
                               choice.values.at("stiffness_share_per_k"),
-                              choice.values.at("expansion_share_per_k")});
+                              choice.values.at("expansion_share_per_k"), choice.form == "thermostat"});
        }},
       {"payload_scale",
        true,

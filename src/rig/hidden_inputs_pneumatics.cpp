@@ -72,16 +72,18 @@ std::vector<HiddenEffect> pneumatic_effects() {
          if (scenario.input_path.valve_step_pa > 0.0) throw std::invalid_argument("given twice");
          scenario.input_path.valve_step_pa = choice.values.at("step_pa");
        }},
-      {"slew_limit",
-       false,
-       "pressures rise and fall no faster than the valves let them",
-       {},
+      {"flow_limit",
+       true,
+       "pressures rise and fall no faster than the valves let them, each by itself (slew), or all rising "
+       "ones together (shared: one supply feeds them)",
+       {"slew", "shared"},
        {{"rise_pa_per_s", 10.0, 1e8, 4e3, 2e4, "at most"},
         {"fall_pa_per_s", 0.0, 1e8, 4e3, 2e4, "at most; 0: as the rise", 0.0}},
        [](const HiddenChoice& choice, Scenario& scenario) {
          need_pressures(scenario);
          const double rise = choice.values.at("rise_pa_per_s"), fall = choice.values.at("fall_pa_per_s");
-         put(scenario.input_path.slew_limit, SlewLimit{rise, fall > 0.0 ? fall : rise});
+         put(scenario.input_path.slew_limit,
+             SlewLimit{rise, fall > 0.0 ? fall : rise, choice.form == "shared"});
        }},
       {"line_delay",
        false,

@@ -80,6 +80,10 @@ std::vector<SectionLawPtr> laws(const BodySpec& body, const Part& part) {
   if (body.stiffening)
     all.push_back(body.stiffening->gent ? gent_stiffening(body.stiffening->beta_m2)
                                         : cubic_stiffening(body.stiffening->beta_m2));
+  if (body.softening)
+    all.push_back(body.softening->wrinkling
+                      ? wrinkling_softening(body.softening->share, body.softening->knee_per_m)
+                      : oval_softening(body.softening->share, body.softening->knee_per_m));
   if (body.creep) all.push_back(creep_law(*body.creep));
   if (body.hysteresis) all.push_back(bouc_wen(body.hysteresis->height_per_m, body.hysteresis->yield_per_m));
   if (body.first_loading)
@@ -87,9 +91,11 @@ std::vector<SectionLawPtr> laws(const BodySpec& body, const Part& part) {
         mullins(body.first_loading->share, body.first_loading->scale_per_m, body.first_loading->recovers));
   if (body.core) all.push_back(jammed_core({body.core->memory, body.core->yield_per_m, body.core->smooth}));
   if (body.plane_stiffness && part.middle() < body.plane_stiffness->to_fraction)
-    all.push_back(plane_stiffness(body.plane_stiffness->azimuth_rad, body.plane_stiffness->share));
+    all.push_back((body.plane_stiffness->gradual ? rib_stiffness : plane_stiffness)(
+        body.plane_stiffness->azimuth_rad, body.plane_stiffness->share));
   if (body.one_sided_softness && part.middle() < body.one_sided_softness->to_fraction)
-    all.push_back(one_sided_softness(body.one_sided_softness->azimuth_rad, body.one_sided_softness->share));
+    all.push_back((body.one_sided_softness->gradual ? one_sided_folds : one_sided_softness)(
+        body.one_sided_softness->azimuth_rad, body.one_sided_softness->share));
   return all;
 }
 
@@ -185,6 +191,7 @@ void hide_in_rod(const Scenario& scenario, const Cut& cut, RitzRodParams& params
 
   params.base_stiffness_nm_per_rad = body.base_stiffness_nm_per_rad;
   params.base_play_rad = body.base_play_rad;
+  params.base_bush = body.base_bush;
   if (body.base_play_rad > 0.0 && !body.base_stiffness_nm_per_rad)
     params.base_stiffness_nm_per_rad = kStiffnessWithPlay;
   const double tilt = body.base_tilt_rad.norm();

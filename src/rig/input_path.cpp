@@ -24,17 +24,29 @@ PressureStages pressure_stages(const Scenario& scenario) {
   return stages;
 }
 
-/// What time alone changes.
+/// From -1 to 1, at a place of the period between 0 and 1, at the first of which a heater goes on.
+double heated(double place) {
+  constexpr double kOn = 0.4,
+                   kTime = 0.3;  // shares of the period: the heater's, and of the arm's time constant
+  const auto towards = [](double x, double whole) {
+    return std::expm1(-x / kTime) / std::expm1(-whole / kTime);
+  };
+  return place < kOn ? -1.0 + 2.0 * towards(place, kOn) : 1.0 - 2.0 * towards(place - kOn, 1.0 - kOn);
+}
+
+/// What time alone changes. @param t_s of the session
 void age(const InputPathSpec& spec, double t_s, Acting& acting) {
   if (const auto& drift = spec.drift) {
-    const double x = (drift->session_s + t_s) / drift->over_s;
+    const double x = t_s / drift->over_s;
     const double reached = drift->saturating ? -std::expm1(-x) : x;
     acting.gain_scale *= 1.0 + drift->gain_share * reached;
     acting.stiffness_scale *= 1.0 + drift->stiffness_share * reached;
   }
   if (const auto& swing = spec.temperature) {
+    const double angle = 2.0 * M_PI * t_s / swing->period_s + swing->phase_rad;
+    const double turns = angle / (2.0 * M_PI);
     const double warmer_k =
-        swing->amplitude_k * std::sin(2.0 * M_PI * t_s / swing->period_s + swing->phase_rad);
+        swing->amplitude_k * (swing->thermostat ? heated(turns - std::floor(turns)) : std::sin(angle));
     acting.stiffness_scale *= 1.0 + swing->stiffness_share_per_k * warmer_k;
     acting.length_scale *= 1.0 + swing->expansion_share_per_k * warmer_k;
   }
@@ -45,6 +57,7 @@ void age(const InputPathSpec& spec, double t_s, Acting& acting) {
 struct InputPath::Impl {
   Impl(const Scenario& scenario, const Commands& start)
       : spec(scenario.input_path),
+        session_s(scenario.session_s),
         segments(scenario.arm.segments.size()),
         stages(pressure_stages(scenario)),
         pressures(spec.hysteresis, spec.pressure_play_pa, settle(stages, start.pressures_pa)),
@@ -63,7 +76,7 @@ struct InputPath::Impl {
     tensions.act(acting.tensions_n);
     angles.act(acting.angles_rad);
     if (jamming) acting.jamming_pa = jamming->to(acting.vacuum_pa, dt_s);
-    age(spec, t_s, acting);
+    age(spec, session_s + t_s, acting);
 
     std::vector<Acting> result(segments, acting);
     for (std::size_t i = 0; i < segments; ++i) {
@@ -75,6 +88,7 @@ struct InputPath::Impl {
   }
 
   InputPathSpec spec;
+  double session_s;
   std::size_t segments;
   double last_s = 0.0;
   PressureStages stages;

@@ -46,6 +46,7 @@ struct RegulatorError {
 
 struct SlewLimit {
   double rise_pa_per_s = 0.0, fall_pa_per_s = 0.0;
+  bool shared = false;  ///< the rise is that of all chambers together: what each wants of it is cut alike
 };
 
 /// One supply feeds all chambers and droops under the others' demand q, the sum of their pressures over the
@@ -73,21 +74,23 @@ struct TendonFriction {
   double routing_rad = 0.0;  ///< angle wound before the base
 };
 
-/// Gain and stiffness change over a session, by shares. Linear: reached at over_s, and on at that rate;
-/// saturating: 1 - e^(-t / over_s) of them.
+/// Gain and stiffness change over a session (Scenario::session_s), by shares. Linear: reached at over_s, and
+/// on at that rate; saturating: 1 - e^(-t / over_s) of them.
 struct Drift {
   double gain_share = 0.0, stiffness_share = 0.0;
   double over_s = 1.0;
-  double session_s = 0.0;  ///< time of the session at which the trial begins
   bool saturating = false;
 };
 
-/// The room's temperature swings; the arm follows it.
+/// The room's temperature swings over a session (Scenario::session_s); the arm follows it.
 struct TemperatureSwing {
   double amplitude_k = 0.0, period_s = 1.0;
-  double phase_rad = 0.0;              ///< at the start of the trial, 0: as the arm file says and rising
+  /// At the start of the session. A sine is 0 and rising at 0; of a thermostat the heater goes on there.
+  double phase_rad = 0.0;
   double stiffness_share_per_k = 0.0;  ///< of all stiffnesses of the material
   double expansion_share_per_k = 0.0;  ///< of the length
+  /// A heater is on for part of the period: exponentials up and down.
+  bool thermostat = false;
 };
 
 struct InputPathSpec {

@@ -42,10 +42,18 @@ double LawDepartures::moment_pressure_pa(const ChamberSpec& chamber) const {
     double others_pa = 0.0;
     for (const ChamberSpec& other : segment_.chambers)
       if (other.input != chamber.input) others_pa += pressure(other.input);
-    p *= 1.0 + bulge->share * others_pa / bulge->reference_pa;
+    const double q = others_pa / bulge->reference_pa;
+    p *= 1.0 + bulge->share * (bulge->saturating && q > 0.0 ? 2.0 * q / (1.0 + q) : q);
   }
   const auto mismatch = hidden_.chamber_gain_share.find(chamber.input);
   return mismatch == hidden_.chamber_gain_share.end() ? p : p * (1.0 + mismatch->second);
+}
+
+double LawDepartures::pulling_rad(double angle_rad) const {
+  const auto& slack = hidden_.cable_slack;
+  if (!slack || slack->angle_rad <= 0.0) return angle_rad;
+  const double size = std::abs(angle_rad), s = slack->angle_rad;
+  return std::copysign(slack->sags ? size + s * std::expm1(-size / s) : std::max(0.0, size - s), angle_rad);
 }
 
 double LawDepartures::gain() const {

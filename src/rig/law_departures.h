@@ -13,6 +13,8 @@ class LawDepartures {
 
   /// A chamber's pressure as its moment goes by it: dead zone, nonlinearity, neighbours, mismatch.
   double moment_pressure_pa(const ChamberSpec& chamber) const;
+  /// A servo's angle that winds up cable which is not slack.
+  double pulling_rad(double angle_rad) const;
   /// An actuator's azimuth where it really sits.
   double azimuth_rad(double stated_rad) const { return stated_rad + hidden_.actuators_turned_rad; }
   /// Of the moments of all actuators.

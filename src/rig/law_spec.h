@@ -47,6 +47,14 @@ struct LawSpec {
   std::optional<ShareAt> vacuum_shortening;    ///< length times 1 - share V / reference
   std::optional<ShareAt> vacuum_gain;          ///< moments of all actuators times 1 - share V / reference
 
+  /// Cables are slack: an angle of the servo takes that up before they pull. Sagging, a slack cable pulls
+  /// before it is taut: s (1 - e^(-angle / s)) of the angle is lost.
+  struct Slack {
+    double angle_rad = 0.0;
+    bool sags = false;
+  };
+  std::optional<Slack> cable_slack;
+
   std::map<int, double> chamber_gain_share;  ///< of the gain, by number of the pressure from 0
   double actuators_turned_rad = 0.0;         ///< all azimuths of actuators, about the tangent
 
@@ -76,8 +84,12 @@ struct LawSpec {
   /// Moments of all actuators times 1 + share * (bending angle of the segment / 1 rad).
   double gain_share_per_rad = 0.0;
 
-  /// Chambers of a segment press on each other: gain times 1 + share * sum of the others' p / reference.
-  std::optional<ShareAt> chamber_bulge;
+  /// Chambers of a segment press on each other: gain times 1 + share q, q the sum of the others' p /
+  /// reference; saturating: 2 q / (1 + q) instead of q, the same at the reference.
+  struct ChamberBulge : ShareAt {
+    bool saturating = false;
+  };
+  std::optional<ChamberBulge> chamber_bulge;
 };
 
 }  // namespace softarm::rig

@@ -184,7 +184,7 @@ Actuation apply_laws(const SegmentSpec& segment, const Acting& acting, const Law
     const double angle_rad = at(acting.angles_rad, cable.input);
     const double share = share_at(saturation, over(std::abs(angle_rad), cable.saturation_rad) +
                                                   over(sums.angles_rad, saturation.cables_rad));
-    const double wound_m = share * cable.spool_radius_m * angle_rad;
+    const double wound_m = share * cable.spool_radius_m * departures.pulling_rad(angle_rad);
     actuation.moment_nm += departures.gain() * actuation.bending_stiffness_nm2 * wound_m /
                            (segment.length_m * cable.lever_m) *
                            towards(departures.azimuth_rad(cable.azimuth_rad));

@@ -110,8 +110,13 @@ class Slew : public PressureStage {
   void start(Pressures& p) override { now_ = p; }
 
   void act(Pressures& p, double, double dt_s) override {
-    for (std::size_t i = 0; i < p.size(); ++i)
-      now_[i] = std::clamp(p[i], now_[i] - spec_.fall_pa_per_s * dt_s, now_[i] + spec_.rise_pa_per_s * dt_s);
+    double wanted = 0.0;
+    for (std::size_t i = 0; i < p.size(); ++i) wanted += std::max(0.0, p[i] - now_[i]);
+    const double granted = wanted > 0.0 ? std::min(1.0, spec_.rise_pa_per_s * dt_s / wanted) : 1.0;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      const double most = spec_.shared ? granted * std::max(0.0, p[i] - now_[i]) : spec_.rise_pa_per_s * dt_s;
+      now_[i] = std::clamp(p[i], now_[i] - spec_.fall_pa_per_s * dt_s, now_[i] + most);
+    }
     p = now_;
   }
 

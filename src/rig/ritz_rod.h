@@ -77,6 +77,8 @@ struct RitzRodParams {
   std::optional<double> base_stiffness_nm_per_rad;
   /// So far the base turns freely, but for a hundredth of its stiffness.
   double base_play_rad = 0.0;
+  /// With play: hardly held within it, and beyond it by Hertz's law.
+  bool base_bush = false;
   std::vector<RodLoad> loads;
 };
 

@@ -1,12 +1,28 @@
 // What acts on RitzRod from outside: hoses and walls, a payload off the axis, the hinge of the base.
+#include <algorithm>
+#include <cmath>
+
 #include "ramp.h"
 #include "ritz_rod_impl.h"
 
 namespace softarm::rig {
 namespace {
 
-constexpr double kStiffnessWithinPlay = 0.01;  ///< of the base's: what keeps its turn determined
-constexpr double kPlayOnset = 0.1;             ///< of the play: over which the clamp grips
+constexpr double kStiffnessWithinPlay = 0.01;   ///< of the base's: what keeps its turn determined
+constexpr double kPlayOnset = 0.1;              ///< of the play: over which the clamp grips
+constexpr double kStiffnessWithinBush = 0.001;  ///< of the base's
+
+/// The moment with which a clamp grips beyond its play, over its stiffness, with derivative and integral.
+Ramp grip_of(double angle, double play, bool bush) {
+  Ramp ramp(angle - play, kPlayOnset * play);
+  if (!bush) return ramp;
+  // Hertz: of the same moment as a spring at a tenth of the play.
+  const double beyond = std::max(0.0, angle - play), scale = 1.0 / std::sqrt(kPlayOnset * play);
+  ramp.value = scale * std::pow(beyond, 1.5);
+  ramp.slope = 1.5 * scale * std::sqrt(beyond);
+  ramp.integral = 0.4 * scale * std::pow(beyond, 2.5);
+  return ramp;
+}
 
 }  // namespace
 
@@ -18,9 +34,9 @@ RitzRod::Impl::BaseSpring RitzRod::Impl::base_spring(const Eigen::Vector3d& turn
   const double k = linear.x();
   const Eigen::Vector3d bending(turn.x(), turn.y(), 0.0);
   const double angle = bending.norm();
-  const Ramp ramp(angle - params.base_play_rad, kPlayOnset * params.base_play_rad);
+  const Ramp ramp = grip_of(angle, params.base_play_rad, params.base_bush);
   const double grip = angle > 0.0 ? k * ramp.value / angle : 0.0;
-  const double soft = kStiffnessWithinPlay * k;
+  const double soft = (params.base_bush ? kStiffnessWithinBush : kStiffnessWithinPlay) * k;
   spring.moment.head<2>() = (soft + grip) * bending.head<2>();
   spring.stiffness.topLeftCorner<2, 2>() = (soft + grip) * Eigen::Matrix2d::Identity();
   if (angle > 0.0)

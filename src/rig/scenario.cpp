@@ -176,6 +176,7 @@ Scenario parse_scenario(const std::string& text, const std::string& source) {
   scenario.name = map.plain_name("name");
   scenario.seed = map.seed("seed", scenario.seed);
   scenario.duration_s = map.number("duration_s", {0.0, 1e6}, scenario.duration_s);
+  scenario.session_s = map.number("session_s", {0.0, 1e6}, scenario.session_s);
   scenario.gravity_m_s2 = map.number("gravity_m_s2", {0.0, 30.0}, scenario.gravity_m_s2);
   scenario.arm = parse_arm_spec(map.required_map("arm"));
   scenario.mount = parse_mount(map.map("mount"));

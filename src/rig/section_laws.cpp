@@ -59,6 +59,42 @@ class Gent : public SectionLaw {
   double beta_;
 };
 
+class Oval : public SectionLaw {
+ public:
+  Oval(double share, double knee) : share_(share), knee_(knee) {}
+  void add(const SectionStep& step, const double*, double*, SectionResponse& to) const override {
+    const Vector2d& u = step.curvature;
+    const double k = step.stiffness_nm2 * share_, square = u.squaredNorm(), x2 = square / (knee_ * knee_);
+    const double left = 1.0 / (1.0 + x2);
+    to.moment_nm -= k * (1.0 - left) * u;
+    to.tangent_nm2 -=
+        k * ((1.0 - left) * Matrix2d::Identity() + 2.0 * left * left / (knee_ * knee_) * u * u.transpose());
+    to.stored_j_per_m -= 0.5 * k * (square - knee_ * knee_ * std::log1p(x2));
+  }
+
+ private:
+  double share_, knee_;
+};
+
+class Wrinkling : public SectionLaw {
+ public:
+  Wrinkling(double share, double knee) : share_(share), knee_(knee) {}
+  void add(const SectionStep& step, const double*, double*, SectionResponse& to) const override {
+    const Vector2d& u = step.curvature;
+    const double size = u.norm(), y = size / knee_ - 1.0;
+    if (y <= 0.0) return;
+    const double k = step.stiffness_nm2 * share_, slope = -std::expm1(-y), lost = knee_ * (y - slope);
+    const Vector2d along = u / size;
+    to.moment_nm -= k * lost * along;
+    to.tangent_nm2 -=
+        k * (lost / size * Matrix2d::Identity() + (slope - lost / size) * along * along.transpose());
+    to.stored_j_per_m -= k * knee_ * knee_ * (0.5 * y * y - y + slope);
+  }
+
+ private:
+  double share_, knee_;
+};
+
 /// Remembers the curvature of each dashpot.
 class Maxwell : public SectionLaw {
  public:
@@ -200,6 +236,42 @@ class PlaneStiffness : public SectionLaw {
   double share_;
 };
 
+class Ribs : public SectionLaw {
+ public:
+  Ribs(double azimuth, double share) : axis_(axis_of(azimuth)), share_(share) {}
+  void add(const SectionStep& step, const double*, double*, SectionResponse& to) const override {
+    constexpr double kGivesWayPerM = 8.0;
+    const double k = step.stiffness_nm2 * share_, x = axis_.dot(step.curvature) / kGivesWayPerM;
+    const double reached = std::tanh(x);
+    to.moment_nm += k * kGivesWayPerM * reached * axis_;
+    to.tangent_nm2 += k * (1.0 - reached * reached) * axis_ * axis_.transpose();
+    to.stored_j_per_m += k * kGivesWayPerM * kGivesWayPerM * std::log(std::cosh(x));
+  }
+
+ private:
+  Vector2d axis_;
+  double share_;
+};
+
+class OneSidedFolds : public SectionLaw {
+ public:
+  OneSidedFolds(double azimuth, double share) : axis_(axis_of(azimuth)), share_(share) {}
+  void add(const SectionStep& step, const double*, double*, SectionResponse& to) const override {
+    constexpr double kFoldsPerM = 2.0;
+    const double u = axis_.dot(step.curvature);
+    if (u <= 0.0) return;
+    const double k = step.stiffness_nm2 * share_, folded = -std::expm1(-u / kFoldsPerM);
+    const double lost = u - kFoldsPerM * folded;
+    to.moment_nm -= k * lost * axis_;
+    to.tangent_nm2 -= k * folded * axis_ * axis_.transpose();
+    to.stored_j_per_m -= k * (0.5 * u * u - kFoldsPerM * lost);
+  }
+
+ private:
+  Vector2d axis_;
+  double share_;
+};
+
 class OneSided : public SectionLaw {
  public:
   OneSided(double azimuth, double share) : axis_(axis_of(azimuth)), share_(share) {}
@@ -267,6 +339,12 @@ SectionLawPtr cubic_stiffening(double beta_m2) {
 SectionLawPtr gent_stiffening(double beta_m2) {
   return std::make_shared<Gent>(beta_m2);
 }
+SectionLawPtr oval_softening(double share, double knee_per_m) {
+  return std::make_shared<Oval>(share, knee_per_m);
+}
+SectionLawPtr wrinkling_softening(double share, double knee_per_m) {
+  return std::make_shared<Wrinkling>(share, knee_per_m);
+}
 SectionLawPtr maxwell_branches(std::vector<MaxwellBranch> branches) {
   return std::make_shared<Maxwell>(std::move(branches));
 }
@@ -281,6 +359,12 @@ SectionLawPtr jammed_core(const CoreLaw& law) {
 }
 SectionLawPtr plane_stiffness(double azimuth_rad, double share) {
   return std::make_shared<PlaneStiffness>(azimuth_rad, share);
+}
+SectionLawPtr rib_stiffness(double azimuth_rad, double share) {
+  return std::make_shared<Ribs>(azimuth_rad, share);
+}
+SectionLawPtr one_sided_folds(double azimuth_rad, double share) {
+  return std::make_shared<OneSidedFolds>(azimuth_rad, share);
 }
 SectionLawPtr one_sided_softness(double azimuth_rad, double share) {
   return std::make_shared<OneSided>(azimuth_rad, share);

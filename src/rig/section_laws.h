@@ -17,6 +17,16 @@ SectionLawPtr cubic_stiffening(double beta_m2);
 /// 69, 1996, for bending). Beyond 0.9 of that square it goes on along its tangent.
 SectionLawPtr gent_stiffening(double beta_m2);
 
+/// M = EI u (1 - share x^2 / (1 + x^2)), x = |u| / knee: the section turns oval (L. G. Brazier, Proc. R. Soc.
+/// A 116, 1927, has the moment to third order; this is the same there and stays above 0). Grows with u for
+/// shares up to 8/9.
+SectionLawPtr oval_softening(double share, double knee_per_m);
+
+/// Up to the knee EI u; beyond it the moment falls behind that by the share of what takes it towards twice
+/// the knee's, EI knee (2 - exp(1 - |u| / knee)): R. L. Comer and S. Levy's (AIAA J. 1, 1963) inflated beam
+/// collapses at twice the moment at which it wrinkles. The curve between is a form of its own.
+SectionLawPtr wrinkling_softening(double share, double knee_per_m);
+
 /// One Maxwell branch in parallel to a spring, of the same EI together.
 struct MaxwellBranch {
   double share = 0.0;         ///< of EI
@@ -50,9 +60,17 @@ SectionLawPtr jammed_core(const CoreLaw& law);
 /// Against bending in the plane through azimuth, EI is 1 + share times what it is.
 SectionLawPtr plane_stiffness(double azimuth_rad, double share);
 
+/// The same at small curvatures; ribs give way as the part of the curvature in that plane grows: they add
+/// EI share a tanh(u / a), a = 8 / m.
+SectionLawPtr rib_stiffness(double azimuth_rad, double share);
+
 /// Towards azimuth, the part of the curvature in that plane meets 1 - share times the EI. Sets in over 0.5 /
 /// m.
 SectionLawPtr one_sided_softness(double azimuth_rad, double share);
+
+/// The same at large curvatures; the wall there folds bit by bit: 1 - share (1 - exp(-u / a)) times the EI, a
+/// = 2 / m, is what the next bit of bending meets.
+SectionLawPtr one_sided_folds(double azimuth_rad, double share);
 
 /// z of the Bouc-Wen model of bouc_wen() after a straight path, exactly. @param path in yield curvatures
 /// @param tangent derivative by the path's end

@@ -56,7 +56,7 @@ class Rates(unittest.TestCase):
         single = self.marks("untidy_single", truth(effect("drift"), distractors=[effect("creep")]),
                             report("partly_explained", named("creep"), named("drift")))
         self.assertEqual(single, {"confident_wrong": False, "top1": False, "top3": True, "right_class": False})
-        outside = truth(effect("temperature", catalogued=False))
+        outside = truth(effect("valve_stiction", catalogued=False))
         self.assertTrue(self.marks("untidy_outside", outside, report("unknown"))["unknown"])
 
     def test_one_effect(self):

@@ -238,7 +238,7 @@ TEST(OnTheRig, AStifferPlaneIsStifferAllRoundAndUneven) {
   const double share = 0.3, mean = 1.0 + 0.5 * share, uneven = 0.5 * share / mean, azimuth = 50.0 * kDeg;
   const HiddenInBody hidden{
       "",
-      {"plane_stiffness", "", {{"share", share}, {"azimuth_deg", 50.0}, {"to_fraction", 1.0}}},
+      {"plane_stiffness", "oval", {{"share", share}, {"azimuth_deg", 50.0}, {"to_fraction", 1.0}}},
       {uneven * std::cos(2.0 * azimuth), uneven * std::sin(2.0 * azimuth)}};
   const Errors errors = errors_of(hidden, stiffer(mean));
   EXPECT_GT(errors.without_m, 1e-3);
@@ -250,7 +250,7 @@ TEST(OnTheRig, ASideThatGivesWayIsMostlyOneSidedSoftness) {
   const double share = 0.3, mean = 1.0 - 0.5 * share, softer = 0.5 * share / mean;
   const HiddenInBody hidden{
       "",
-      {"one_sided_softness", "", {{"share", share}, {"azimuth_deg", 0.0}, {"to_fraction", 1.0}}},
+      {"one_sided_softness", "buckles", {{"share", share}, {"azimuth_deg", 0.0}, {"to_fraction", 1.0}}},
       {softer, 0.0}};
   const Errors errors = errors_of(hidden, stiffer(mean), [](rig::Scenario& scenario) {
     // Towards the side by the first chamber, away from it by the other two.
@@ -259,6 +259,28 @@ TEST(OnTheRig, ASideThatGivesWayIsMostlyOneSidedSoftness) {
   });
   EXPECT_GT(errors.without_m, 1e-3);
   EXPECT_LT(errors.with_m, 0.25 * errors.without_m);
+  RecordProperty("without_mm", std::to_string(1e3 * errors.without_m));
+  RecordProperty("with_mm", std::to_string(1e3 * errors.with_m));
+}
+
+TEST(OnTheRig, AClampWithPlayIsMostlyFreePlayInEitherForm) {
+  for (const char* form : {"ring", "bush"}) {
+    // What a spring of 50 N m / rad yields beyond the play is the rest.
+    const HiddenInBody hidden{
+        "", {"base_free_play", form, {{"play_deg", 1.0}}}, {1.15 * kDeg, 0.004}, Mount::kHorizontal};
+    const Errors errors = errors_of(hidden, arm_of(hidden));
+    EXPECT_GT(errors.without_m, 1e-3) << form;
+    EXPECT_LT(errors.with_m, 0.3 * errors.without_m) << form;
+    RecordProperty(std::string(form) + "_with_mm", std::to_string(1e3 * errors.with_m));
+  }
+}
+
+TEST(OnTheRig, AWallThatWrinklesIsSofterBeyondAKnee) {
+  const HiddenInBody hidden{
+      "", {"curvature_softening", "wrinkling", {{"share", 0.6}, {"knee_per_m", 1.0}}}, {1.05, 1.6}};
+  const Errors errors = errors_of(hidden, arm_of(hidden));
+  EXPECT_GT(errors.without_m, 1e-3);
+  EXPECT_LT(errors.with_m, 0.3 * errors.without_m);
   RecordProperty("without_mm", std::to_string(1e3 * errors.without_m));
   RecordProperty("with_mm", std::to_string(1e3 * errors.with_m));
 }

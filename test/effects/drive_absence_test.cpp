@@ -13,7 +13,8 @@ const std::set<std::string> kIds{
     "hysteresis",        "pressure_dead_zone",  "gain_nonlinearity", "chamber_bulge",
     "chamber_mismatch",  "pressure_stiffening", "radial_expansion",  "pressure_elongation",
     "vacuum_shortening", "vacuum_gain",         "tendon_friction",   "creep",
-    "mullins",           "jamming_memory",      "jamming_yield",     "drift"};
+    "mullins",           "jamming_memory",      "jamming_yield",     "drift",
+    "temperature",       "flow_limit",          "axial_memory",      "tendon_slack"};
 
 /// All chambers move at three speeds, the vacuum comes and goes.
 model::TrialData busy_trial(const arm::Arm& arm, double duration_s) {
@@ -55,8 +56,13 @@ Arena& tendons() {
   static Arena arena(tendon_arm());
   return arena;
 }
+Arena& cables() {
+  static Arena arena(shipped_arm("cable_235mm"));
+  return arena;
+}
 Arena& arena_of(const model::Effect& effect) {
-  return effect.applies_to(chambers().arm) ? chambers() : tendons();
+  if (effect.applies_to(chambers().arm)) return chambers();
+  return effect.applies_to(tendons().arm) ? tendons() : cables();
 }
 
 std::vector<const model::Effect*> effects() {
@@ -109,16 +115,22 @@ TEST(DrivesAndMemory, ApplyOnlyWhereTheArmHasWhatTheyActOn) {
     EXPECT_TRUE(find(id)->applies_to(with_vacuum)) << id;
     EXPECT_FALSE(find(id)->applies_to(without)) << id;
   }
-  for (const std::string id : {"pressure_lag", "pressure_leak", "pressure_offset", "gain_nonlinearity",
-                               "pressure_dead_zone", "chamber_mismatch", "chamber_bulge",
-                               "pressure_stiffening", "radial_expansion", "pressure_elongation"}) {
+  for (const std::string id :
+       {"pressure_lag", "pressure_leak", "pressure_offset", "gain_nonlinearity", "pressure_dead_zone",
+        "chamber_mismatch", "chamber_bulge", "pressure_stiffening", "radial_expansion", "pressure_elongation",
+        "flow_limit"}) {
     EXPECT_TRUE(find(id)->applies_to(without)) << id;
     EXPECT_FALSE(find(id)->applies_to(with_tendons)) << id;
   }
   EXPECT_TRUE(find("tendon_friction")->applies_to(with_tendons));
   EXPECT_FALSE(find("tendon_friction")->applies_to(without));
+  EXPECT_TRUE(find("tendon_slack")->applies_to(cables().arm));
+  EXPECT_FALSE(find("tendon_slack")->applies_to(with_tendons) || find("tendon_slack")->applies_to(without));
+  // A cable and an incompressible arm: nothing changes its length.
+  EXPECT_TRUE(find("axial_memory")->applies_to(without));
+  EXPECT_FALSE(find("axial_memory")->applies_to(cables().arm));
   EXPECT_FALSE(find("chamber_mismatch")->applies_to(shipped_arm("single_chamber_85mm")));
-  for (const std::string id : {"hysteresis", "creep", "mullins", "drift", "clock_offset"}) {
+  for (const std::string id : {"hysteresis", "creep", "mullins", "drift", "temperature", "clock_offset"}) {
     EXPECT_TRUE(find(id)->applies_to(without) && find(id)->applies_to(with_tendons)) << id;
   }
 }
@@ -232,7 +244,7 @@ TEST(DrivesAndMemory, BeginAnewAfterAGap) {
   gapped.blocks[40].begins = true;
   model::TrialData rest = gapped;
   rest.blocks.erase(rest.blocks.begin(), rest.blocks.begin() + 40);
-  for (const std::string id : {"creep", "mullins", "jamming_memory", "jamming_yield"}) {
+  for (const std::string id : {"creep", "axial_memory", "mullins", "jamming_memory", "jamming_yield"}) {
     const model::Present present{find(id), usual(*find(id))};
     const std::vector<model::Predicted> whole = predict(arena.model, arena.arm, {present}, gapped);
     const std::vector<model::Predicted> alone = predict(arena.model, arena.arm, {present}, rest);

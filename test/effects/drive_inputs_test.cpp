@@ -59,6 +59,39 @@ TEST(Hysteresis, OfPressuresLeavesTheVacuumAndOfTensionsHasItsOwnUnit) {
   EXPECT_NEAR(loop_at(pulled.series.inputs.row(0), tensions.moment_inputs.row(0), 3.0).width, 0.2, 0.002);
 }
 
+TEST(FlowLimit, LetsSlowRampsPassAndCutsFastOnes) {
+  const Eigen::Vector3d values(1.0, 10e3, 0.5);
+  const model::TrialData slow = made_up(arm(), 41.0, triangles(arm(), kChamber1, 30e3, 20.0)),
+                         fast = made_up(arm(), 5.0, triangles(arm(), kChamber1, 30e3, 4.0));
+  // 3 kPa/s up and down.
+  EXPECT_EQ(driven("flow_limit", values, slow).moment_inputs, slow.series.moment_inputs);
+  // 15 kPa/s: up at 10, down at 5.
+  const model::Series series = driven("flow_limit", values, fast);
+  double steepest = 0.0, fall = 0.0;
+  for (Eigen::Index i = 1; i < series.t_s.size(); ++i) {
+    const double rate =
+        (series.inputs(kChamber1, i) - series.inputs(kChamber1, i - 1)) / (series.t_s[i] - series.t_s[i - 1]);
+    steepest = std::max(steepest, rate);
+    fall = std::min(fall, rate);
+  }
+  EXPECT_NEAR(steepest, 10e3, 1.0);
+  EXPECT_NEAR(fall, -5e3, 1.0);
+  EXPECT_EQ(series.inputs.row(kVacuum), fast.series.inputs.row(kVacuum));
+}
+
+TEST(TendonSlack, IsLostOnBothSides) {
+  const arm::Arm wound = shipped_arm("cable_235mm");
+  model::Series series = made_up(wound, 21.0, triangles(wound, 0, 0.6, 20.0)).series;
+  const Eigen::RowVectorXd before = series.inputs.row(0);
+  series.moment_inputs.rightCols(series.t_s.size() / 2) *= -1.0;
+  const Eigen::RowVectorXd commanded = series.moment_inputs.row(0);
+  find("tendon_slack")->drive(wound, Eigen::Vector2d(0.1, 0.1), series);
+  for (Eigen::Index i = 0; i < commanded.size(); ++i)
+    EXPECT_NEAR(series.moment_inputs(0, i),
+                std::copysign(std::max(0.0, std::abs(commanded[i]) - 0.1), commanded[i]), 1e-12);
+  EXPECT_EQ(series.inputs.row(0), before);
+}
+
 TEST(PressureLag, WidensItsLoopWithTheSpeed) {
   const Eigen::Vector3d values(0.2, 0.2, 1.0);
   const double slow = pressure_loop("pressure_lag", values, 40.0).width;

@@ -164,6 +164,31 @@ TEST(JammingYield, SoftensAtLargeCurvatureUnderVacuumAndKeepsWhatSlipped) {
             1e-7);
 }
 
+TEST(AxialMemory, TheLengthFollowsInHolds) {
+  model::ExtendedModel model(arm());
+  const double share = 0.4, time_s = 3.0;
+  // Up within a second, then held.
+  const model::TrialData trial = weightless(
+      arm(), 15.0, [](double t_s) { return Vector4d(20e3 * std::clamp(t_s - 1.0, 0.0, 1.0), 0.0, 0.0, 0.0); },
+      0.05);
+  const std::vector<model::Predicted> without = predict(model, arm(), {}, trial);
+  const std::vector<model::Predicted> with =
+      predict(model, arm(), {{find("axial_memory"), Eigen::Vector2d(share, time_s)}}, trial);
+  const auto late_m = [&](std::size_t k) {
+    return without[k].rest.lengths_m.sum() - with[k].rest.lengths_m.sum();
+  };
+  const double grown_m = without.back().rest.lengths_m.sum() - without.front().rest.lengths_m.sum();
+  ASSERT_GT(grown_m, 1e-3);
+  EXPECT_NEAR(late_m(0), 0.0, 1e-12);
+  for (std::size_t k = 0; k < with.size(); ++k) {
+    const double t_s = with[k].instant.t_s;
+    if (t_s < 2.1) continue;
+    // Of a ramp of a second.
+    const double left = share * time_s * (std::exp(1.0 / time_s) - 1.0) * std::exp(-(t_s - 1.0) / time_s);
+    EXPECT_NEAR(late_m(k), left * grown_m, 0.01 * grown_m) << t_s;
+  }
+}
+
 TEST(Drift, IsMonotoneInTheTimeOfTheSession) {
   model::ExtendedModel model(arm());
   model::TrialData trial = weightless(
@@ -179,6 +204,25 @@ TEST(Drift, IsMonotoneInTheTimeOfTheSession) {
   EXPECT_NEAR(ratio(-0.06, 0.0, 1.0, 50), 1.0 - 0.06 * (1.0 - std::exp(-minutes)), 1e-6);
   trial.session_s = 600.0;
   EXPECT_NEAR(ratio(-0.06, 0.0, 0.0, 50), 1.0 - 0.06 * (10.0 + minutes), 1e-5);
+}
+
+TEST(Temperature, SwingsWithTheTimeOfTheSession) {
+  model::ExtendedModel model(arm());
+  model::TrialData trial = weightless(
+      arm(), 30.0, [](double) { return Vector4d(20e3, 0.0, 0.0, 0.0); }, 1.0);
+  const std::vector<model::Predicted> without = predict(model, arm(), {}, trial);
+  model::Values values(5);
+  values << 0.04, -0.02, 0.003, 0.002, 10.0;
+  const model::Present swing{find("temperature"), values};
+  for (const double session_s : {0.0, 300.0}) {
+    trial.session_s = session_s;
+    const model::Predicted with = predict(model, arm(), {swing}, trial)[20];
+    const double angle = 2.0 * M_PI * (session_s + with.instant.t_s) / 600.0;
+    EXPECT_NEAR(curvature(with) / curvature(without[20]),
+                1.0 / (1.0 + 0.04 * std::sin(angle) - 0.02 * std::cos(angle)), 1e-6);
+    EXPECT_NEAR(with.rest.lengths_m.sum() / without[20].rest.lengths_m.sum(),
+                1.0 + 0.003 * std::sin(angle) + 0.002 * std::cos(angle), 1e-9);
+  }
 }
 
 TEST(Drift, OfStiffnessLeavesWhatServosWindUp) {

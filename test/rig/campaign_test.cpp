@@ -33,6 +33,7 @@ trials:
   attitudes: [hanging, horizontal]
   speeds: [1, 2]
   seconds: [8, 10]
+  pause_s: [60, 90]
   payload_kg: [0.01, 0.1]
 mocap: {rate_hz: [60, 240], position_sd_m: [0.0002, 0.0006], orientation_sd_rad: 0.01, dropout_probability: [0, 0.01]}
 )";
@@ -68,6 +69,10 @@ TEST(Campaign, DrawsLieInTheirRanges) {
       EXPECT_EQ(trial.hidden.size(), one.effects.size() + one.distractors.size());
       EXPECT_GE(trial.duration_s, 8.0);
       EXPECT_LE(trial.duration_s, 10.0);
+      // One after the other.
+      const double before_s = i == 0 ? -60.0 : one.trials[i - 1].session_s + one.trials[i - 1].duration_s;
+      EXPECT_GE(trial.session_s, before_s + 60.0);
+      EXPECT_LE(trial.session_s, i == 0 ? 0.0 : before_s + 90.0);
       EXPECT_GE(trial.mocap.rate_hz, 60.0);
       EXPECT_LE(trial.mocap.rate_hz, 240.0);
       EXPECT_EQ(trial.payload.schedule.size(), 2u);

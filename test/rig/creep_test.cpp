@@ -68,6 +68,23 @@ TEST(RigCreep, WhatWasBeforeIsForgotten) {
   EXPECT_NEAR(later.moment_nm.x(), 0.1 + 0.5 * 0.02 * std::exp(-3.0), 1e-15);
 }
 
+TEST(RigCreep, OfAHiddenWallBeginsElsewhereByTheSeed) {
+  const auto hidden = [](std::uint64_t seed) {
+    Scenario scenario;
+    scenario.arm.segments.resize(2);
+    scenario.seed = seed;
+    hide({"creep", "wall", {{"share", 0.25}, {"time_s", 8.0}, {"left_nm", 0.02}}}, scenario);
+    return scenario.arm.segments;
+  };
+  const std::vector<SegmentSpec> one = hidden(3), other = hidden(4);
+  ASSERT_EQ(one[0].creep.moment.size(), 1u);
+  EXPECT_NEAR(one[0].creep.moment[0].share, 0.2, 1e-15);
+  EXPECT_EQ(one[0].creep.moment[0].time_s, 8.0);
+  EXPECT_NEAR(one[0].creep.before_moment_nm.norm(), 0.02, 1e-12);
+  EXPECT_GT((one[0].creep.before_moment_nm - one[1].creep.before_moment_nm).norm(), 1e-3);
+  EXPECT_GT((one[0].creep.before_moment_nm - other[0].creep.before_moment_nm).norm(), 1e-3);
+}
+
 TEST(RigCreep, PressureSlowsItAndMakesMoreOfItLate) {
   CreepSpec spec;
   spec.moment = {{2.0, 0.36, 0.0}};

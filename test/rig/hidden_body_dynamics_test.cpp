@@ -182,16 +182,26 @@ double largest_difference(const std::vector<Eigen::Vector3d>& a, const std::vect
 
 TEST(HiddenBodyDynamics, AbsentIsTheIdealArm) {
   const std::vector<Eigen::Vector3d> ideal = rings("");
-  for (const char* hidden :
-       {"stiffness_taper, share: 0", "actuation_taper, share: 0",
-        "soft_spot, centre_fraction: 0.5, width_fraction: 0.2, share: 0", "mass_distribution, share: 0",
-        "strain_stiffening, beta_m2: 0", "creep, share: 0, time_s: 20", "mullins, share: 0",
-        "jamming_memory, share: 0", "jamming_yield, yield_per_m: 1000",
-        "plane_stiffness, share: 0, azimuth_deg: 20", "one_sided_softness, share: 0, azimuth_deg: 20",
-        "base_tilt, angle_deg: 0, azimuth_deg: 9", "gravity_direction, angle_deg: 0, azimuth_deg: 9",
-        "base_free_play, play_deg: 0", "payload_offset", "tip_mass, mass_kg: 0",
-        "tether, stiffness_n_per_m: 0", "contact, stiffness_n_per_m: 50, distance_m: 1, azimuth_deg: 0",
-        "hysteresis, form: material, loop_per_m: 0"})
+  for (const char* hidden : {"stiffness_taper, share: 0",
+                             "actuation_taper, share: 0",
+                             "soft_spot, centre_fraction: 0.5, width_fraction: 0.2, share: 0",
+                             "mass_distribution, share: 0",
+                             "strain_stiffening, beta_m2: 0",
+                             "creep, share: 0, time_s: 20",
+                             "mullins, share: 0",
+                             "jamming_memory, share: 0",
+                             "jamming_yield, yield_per_m: 1000",
+                             "plane_stiffness, share: 0, azimuth_deg: 20",
+                             "one_sided_softness, share: 0, azimuth_deg: 20",
+                             "base_tilt, angle_deg: 0, azimuth_deg: 9",
+                             "gravity_direction, angle_deg: 0, azimuth_deg: 9",
+                             "base_free_play, play_deg: 0",
+                             "curvature_softening, share: 0, knee_per_m: 2",
+                             "payload_offset",
+                             "tip_mass, mass_kg: 0",
+                             "tether, stiffness_n_per_m: 0",
+                             "contact, stiffness_n_per_m: 50, distance_m: 1, azimuth_deg: 0",
+                             "hysteresis, form: material, loop_per_m: 0"})
     EXPECT_LT(largest_difference(rings("hidden: [{effect: " + std::string(hidden) + "}]\n"), ideal), 1e-8)
         << hidden;
 }
@@ -211,6 +221,8 @@ TEST(HiddenBodyDynamics, EveryEffectAndFormMovesTheArm) {
         "strain_stiffening, form: gent, beta_m2: 2.0e-3",
         "creep, share: 0.2, time_s: 5",
         "creep, form: prony, share: 0.2, time_s: 5",
+        "creep, form: wall, share: 0.2, time_s: 5",
+        "creep, form: wall, share: 0.2, time_s: 5, left_nm: 0.01",
         "mullins, share: 0.2",
         "mullins, form: softening, share: 0.2",
         "jamming_memory, share: 1",
@@ -218,10 +230,15 @@ TEST(HiddenBodyDynamics, EveryEffectAndFormMovesTheArm) {
         "jamming_yield, form: bouc_wen, yield_per_m: 0.1",
         "plane_stiffness, share: 0.3, azimuth_deg: 20",
         "one_sided_softness, share: 0.3, azimuth_deg: 20",
+        "plane_stiffness, form: ribs, share: 0.3, azimuth_deg: 20",
+        "one_sided_softness, form: folds, share: 0.3, azimuth_deg: 20",
         "base_compliance, stiffness_nm_per_rad: 5",
         "base_tilt, angle_deg: 1, azimuth_deg: 9",
         "gravity_direction, angle_deg: 1, azimuth_deg: 9",
         "base_free_play, play_deg: 1",
+        "base_free_play, form: bush, play_deg: 1",
+        "curvature_softening, share: 0.3, knee_per_m: 1",
+        "curvature_softening, form: wrinkling, share: 0.3, knee_per_m: 1",
         "payload_offset, axial_m: 0.02",
         "tip_mass, mass_kg: 0.02",
         "tether, stiffness_n_per_m: 2",

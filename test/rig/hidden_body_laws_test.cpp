@@ -71,6 +71,8 @@ class Section {
 TEST(HiddenSections, TangentsAreTheDerivativesOfTheMoments) {
   const std::vector<SectionLawPtr> laws{cubic_stiffening(1e-3),
                                         gent_stiffening(1e-3),
+                                        oval_softening(0.4, 4.0),
+                                        wrinkling_softening(0.4, 4.0),
                                         maxwell_branches({{0.1, 0.3}, {0.2, 1e4}}),
                                         bouc_wen(0.5, 1.5),
                                         mullins(0.2, 2.0, true),
@@ -79,6 +81,8 @@ TEST(HiddenSections, TangentsAreTheDerivativesOfTheMoments) {
                                         jammed_core({0.8, 2.0, false}),
                                         jammed_core({0.0, 2.0, true}),
                                         plane_stiffness(0.4, 0.3),
+                                        rib_stiffness(0.4, 0.3),
+                                        one_sided_folds(0.4, 0.3),
                                         one_sided_softness(0.4, 0.3)};
   for (std::size_t i = 0; i < laws.size(); ++i) {
     Section section(laws[i]);
@@ -100,6 +104,26 @@ TEST(HiddenSections, StiffeningAsPrinted) {
   const double last = std::sqrt(900.0), slope = (1.0 + 0.9) / 0.01;
   EXPECT_NEAR(Section(gent_stiffening(1e-3)).to({0.0, last + 2.0}).y(), kEi * (last * 10.0 + 2.0 * slope),
               1e-9);
+}
+
+TEST(HiddenSections, SofteningBeyondAKnee) {
+  const double share = 0.4, knee = 4.0;
+  for (const bool wrinkling : {false, true}) {
+    Section section(wrinkling ? wrinkling_softening(share, knee) : oval_softening(share, knee));
+    double work = 0.0, last = 0.0;
+    for (int i = 1; i <= 3000; ++i) {
+      const double u = 0.005 * i, x = u / knee;
+      const double moment = section.to({0.0, u}).y();
+      const double expected = !wrinkling ? u * (1.0 - share * x * x / (1.0 + x * x))
+                              : x < 1.0  ? u
+                                         : (1.0 - share) * u + share * knee * (2.0 - std::exp(1.0 - x));
+      EXPECT_NEAR(moment, kEi * expected, 1e-12);
+      EXPECT_GT(moment, last);
+      work += 0.5 * (moment + last) * 0.005;
+      last = moment;
+    }
+    EXPECT_NEAR(section.stored_j_per_m, work, 1e-6 * work);
+  }
 }
 
 TEST(HiddenSections, StandardLinearSolidRelaxes) {
@@ -213,6 +237,14 @@ TEST(HiddenSections, StiffnessByDirection) {
             1e-15);
   EXPECT_LT((Section(one_sided_softness(azimuth, 0.3)).to(-5.0 * towards) + 5.0 * kEi * towards).norm(),
             1e-15);
+  // Ribs that give way over 8 / m, folds over 2 / m.
+  const double ribbed = 5.0 + 0.3 * 8.0 * std::tanh(5.0 / 8.0),
+               folded = 5.0 - 0.3 * (5.0 - 2.0 * (1.0 - std::exp(-2.5)));
+  EXPECT_LT((Section(rib_stiffness(azimuth, 0.3)).to(5.0 * towards) - kEi * ribbed * towards).norm(), 1e-15);
+  EXPECT_LT((Section(rib_stiffness(azimuth, 0.3)).to(5.0 * across) - 5.0 * kEi * across).norm(), 1e-15);
+  EXPECT_LT((Section(one_sided_folds(azimuth, 0.3)).to(5.0 * towards) - kEi * folded * towards).norm(),
+            1e-15);
+  EXPECT_LT((Section(one_sided_folds(azimuth, 0.3)).to(-5.0 * towards) + 5.0 * kEi * towards).norm(), 1e-15);
 }
 
 TEST(HiddenSections, NothingGivesBackMoreThanItTook) {
@@ -221,6 +253,8 @@ TEST(HiddenSections, NothingGivesBackMoreThanItTook) {
                                         mullins(0.5, 2.0, true),        mullins(0.5, 2.0, false),
                                         jammed_core({1.0, 0.0, false}), jammed_core({0.0, 2.0, false}),
                                         jammed_core({0.0, 2.0, true}),  plane_stiffness(0.4, 0.3),
+                                        rib_stiffness(0.4, 0.3),        one_sided_folds(0.4, 0.3),
+                                        oval_softening(0.4, 4.0),       wrinkling_softening(0.4, 4.0),
                                         one_sided_softness(0.4, 0.3)};
   for (std::size_t i = 0; i < laws.size(); ++i) {
     Section section(laws[i]);

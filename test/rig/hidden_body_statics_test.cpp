@@ -165,6 +165,24 @@ TEST(HiddenBody, BaseTurnsFreelyWithinItsPlay) {
   EXPECT_NEAR(arm.settled().base_rotation().y(), -0.005 * kLength / 0.2, 1e-5);
 }
 
+TEST(HiddenBody, ABushGivesWayAsHertzHasIt) {
+  HiddenArm arm;
+  arm.scenario.body.base_play_rad = 0.01;
+  arm.scenario.body.base_bush = true;
+  arm.scenario.body.base_stiffness_nm_per_rad = 20.0;
+  arm.actuation.bending_stiffness_nm2 = 1e4;
+  for (const double force_n : {0.5, -1.0}) {
+    arm.inputs.tip_force_base_n = {force_n, 0.0, 0.0};
+    const double turn = std::abs(arm.settled().base_rotation().y()), beyond = turn - 0.01;
+    EXPECT_GT(beyond, 0.0);
+    EXPECT_NEAR(20.0 * (0.001 * turn + std::pow(beyond, 1.5) / std::sqrt(0.001)), std::abs(force_n) * kLength,
+                2e-4);
+  }
+  // Within the play next to nothing holds it.
+  arm.inputs.tip_force_base_n = {5e-4, 0.0, 0.0};
+  EXPECT_NEAR(arm.settled().base_rotation().y(), 5e-4 * kLength / 0.02, 1e-5);
+}
+
 TEST(HiddenBody, TetherPullsTheTipBack) {
   HiddenArm arm;
   arm.scenario.body.tether = Tether{40.0, 0.0, 0.0, false, 0.0, 0.0};

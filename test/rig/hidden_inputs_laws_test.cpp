@@ -151,6 +151,39 @@ TEST(OutsideTheCatalogue, BulgeIsAProductOfPressures) {
   EXPECT_LT((more - kGain * 0.2 / 50e3 * 20e3 * 30e3 * directions).norm(), 1e-12);
 }
 
+TEST(OutsideTheCatalogue, BulgeThatSaturatesIsTheSameAtTheReference) {
+  const Scenario s = with("chamber_bulge", {{"share", 0.2}}, "saturating");
+  const auto more = [&](double others_pa) {
+    const Commands c = commands(20e3, others_pa);
+    return (under(s, c).moment_nm - ideal(c).moment_nm).x() -
+           kGain * others_pa * 0.2 * 2.0 * 0.4 / 1.4 * std::cos(2.0 * M_PI / 3.0);
+  };
+  EXPECT_NEAR(more(50e3), kGain * 20e3 * 0.2, 1e-12);
+  EXPECT_NEAR(more(25e3), kGain * 20e3 * 0.2 * 2.0 / 3.0, 1e-12);
+}
+
+TEST(CableSlack, IsTakenUpBeforeTheCablePulls) {
+  Scenario wound = laboratory();
+  wound.arm.servos = 1;
+  for (SegmentSpec& segment : wound.arm.segments) {
+    segment.chambers.clear();
+    segment.tendons.clear();
+    segment.cables = {CableSpec{0, 0.0, 0.01, 0.02}};
+  }
+  const auto pull = [&](double angle_rad, const Scenario& s) {
+    Commands c;
+    c.angles_rad = {angle_rad};
+    return apply_laws(s.arm.segments[0], Acting(c), s.input_path.laws).moment_nm.norm();
+  };
+  const double slack_rad = 5.0 * M_PI / 180.0;
+  const Scenario taut = with("tendon_slack", {{"angle_deg", 5.0}}, "taut", wound),
+                 sags = with("tendon_slack", {{"angle_deg", 5.0}}, "sags", wound);
+  EXPECT_EQ(pull(0.9 * slack_rad, taut), 0.0);
+  EXPECT_NEAR(pull(0.5, taut), pull(0.5 - slack_rad, wound), 1e-12);
+  EXPECT_NEAR(pull(-0.5, taut), pull(0.5, taut), 1e-15);
+  EXPECT_NEAR(pull(slack_rad, sags), pull(slack_rad * std::exp(-1.0), wound), 1e-12);
+}
+
 TEST(OutsideTheCatalogue, GainGoesWithTheBending) {
   const Scenario s = with("curvature_gain", {{"share_per_rad", 0.1}});
   EXPECT_NEAR(under(s, commands(20e3), 0.5).moment_nm.x(), kGain * 20e3 * 1.05, 1e-12);

@@ -111,13 +111,15 @@ TEST(JammingSettling, LoopInVacuum) {
 
 TEST(Drift, LinearAndSaturatingAtGivenTimes) {
   const std::map<std::string, double> values{
-      {"gain_share", -0.1}, {"stiffness_share", 0.2}, {"over_s", 20.0}, {"session_s", 10.0}};
-  Walk linear(with("drift", values, "linear"));
+      {"gain_share", -0.1}, {"stiffness_share", 0.2}, {"over_s", 20.0}};
+  Scenario later = laboratory();
+  later.session_s = 10.0;
+  Walk linear(with("drift", values, "linear", later));
   EXPECT_NEAR(linear.acting().gain_scale, 1.0 - 0.1 * 0.5, 1e-12);
   linear.hold(30.0);
   EXPECT_NEAR(linear.acting().gain_scale, 1.0 - 0.1 * 2.0, 1e-9);
   EXPECT_NEAR(linear.acting().stiffness_scale, 1.4, 1e-9);
-  Walk saturating(with("drift", values, "saturating"));
+  Walk saturating(with("drift", values, "saturating", later));
   EXPECT_NEAR(saturating.hold(10.0).gain_scale, 1.0 - 0.1 * (1.0 - std::exp(-1.0)), 1e-9);
   EXPECT_NEAR(saturating.hold(200.0).stiffness_scale, 1.2, 1e-4);
 }
@@ -129,6 +131,18 @@ TEST(Temperature, SwingsStiffnessAndLength) {
   EXPECT_NEAR(walk.acting().stiffness_scale, 1.0 - 0.05, 1e-9);
   EXPECT_NEAR(walk.acting().length_scale, 1.0 + 5.0 * 3e-4, 1e-12);
   EXPECT_NEAR(walk.hold(20.0).stiffness_scale, 1.05, 1e-9);
+}
+
+TEST(Temperature, OfAThermostatRisesFasterThanItFalls) {
+  Scenario later = laboratory();
+  later.session_s = 100.0;
+  Walk walk(with("temperature", {{"amplitude_k", 5.0}, {"period_s", 40.0}}, "thermostat", later));
+  // 100 s are two periods and a half: a tenth after the heater's 0.4 are over.
+  const double fallen = std::expm1(-0.1 / 0.3) / std::expm1(-0.6 / 0.3);
+  EXPECT_NEAR(walk.acting().stiffness_scale, 1.0 - 0.05 * (1.0 - 2.0 * fallen), 1e-9);
+  EXPECT_NEAR(walk.hold(20.0).stiffness_scale, 1.05, 1e-9);  // coldest
+  EXPECT_NEAR(walk.hold(16.0).stiffness_scale, 0.95, 1e-9);  // warmest
+  EXPECT_NEAR(walk.hold(24.0).stiffness_scale, 1.05, 1e-9);
 }
 
 TEST(PayloadScale, WhatIsPublishedIsOffAndWhatHangsIsNot) {
@@ -232,6 +246,7 @@ TEST(InputEffects, TableIsSound) {
                          "tendon_friction",
                          "payload_scale",
                          "drift",
+                         "axial_memory",
                          "hysteresis",
                          "jamming_settling",
                          "jamming_law",
@@ -242,7 +257,7 @@ TEST(InputEffects, TableIsSound) {
                          "curvature_gain",
                          "temperature",
                          "regulator_error",
-                         "slew_limit",
+                         "flow_limit",
                          "line_delay"})
     EXPECT_EQ(ids.count(id), 1u) << id;
 }
@@ -284,7 +299,7 @@ TEST(InputEffects, WhatDoesNotFitIsOneLine) {
               HasSubstr("0 ... 2"));
   EXPECT_THAT(
       says([] {
-        with("slew_limit", {{"rise_pa_per_s", 1e3}}, "", with("slew_limit", {{"rise_pa_per_s", 1e3}}));
+        with("flow_limit", {{"rise_pa_per_s", 1e3}}, "", with("flow_limit", {{"rise_pa_per_s", 1e3}}));
       }),
       HasSubstr("twice"));
 }

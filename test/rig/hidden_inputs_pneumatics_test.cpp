@@ -145,15 +145,28 @@ TEST(Valve, StictionAndRegulatorDoNotDependOnTheSteps) {
 }
 
 TEST(Valve, SlewLimit) {
-  Walk walk(with("slew_limit", {{"rise_pa_per_s", 10e3}, {"fall_pa_per_s", 5e3}}));
+  Walk walk(with("flow_limit", {{"rise_pa_per_s", 10e3}, {"fall_pa_per_s", 5e3}}));
   walk.to(commands(20e3), kShort);
   EXPECT_NEAR(walk.hold(0.5).pressures_pa[0], 10e3 * (0.5 + kShort), 1e-6);
   walk.hold(3.0);
   walk.to(commands(0.0), kShort);
   EXPECT_NEAR(walk.hold(1.0).pressures_pa[0], 20e3 - 5e3 * (1.0 + kShort), 1e-6);
   EXPECT_EQ(walk.hold(5.0).pressures_pa[0], 0.0);
-  Walk slow(with("slew_limit", {{"rise_pa_per_s", 10e3}}));
+  Walk slow(with("flow_limit", {{"rise_pa_per_s", 10e3}}));
   EXPECT_NEAR(slow.to(commands(9e3), 1.0).pressures_pa[0], 9e3, 1e-6);  // slower commands pass
+}
+
+TEST(Valve, ASharedSupplyLimitsWhatRisesTogether) {
+  Walk walk(with("flow_limit", {{"rise_pa_per_s", 10e3}, {"fall_pa_per_s", 5e3}}, "shared"));
+  walk.to(commands(20e3), kShort);  // alone: as if it were its own
+  EXPECT_NEAR(walk.hold(0.5).pressures_pa[0], 10e3 * (0.5 + kShort), 1e-6);
+  walk.hold(3.0);
+  // 30 kPa in all take three seconds, each its part; what falls meanwhile is no concern of theirs.
+  walk.to(commands(0.0, 10e3, 20e3), kShort);
+  walk.hold(1.5 - kShort);
+  EXPECT_NEAR(walk.acting().pressures_pa[0], 20e3 - 5e3 * 1.5, 1e-6);
+  EXPECT_NEAR(walk.acting().pressures_pa[1], 5e3, 1.0);
+  EXPECT_NEAR(walk.acting().pressures_pa[2], 10e3, 1.0);
 }
 
 TEST(Line, DelayIsADeadTime) {

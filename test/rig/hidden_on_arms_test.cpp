@@ -27,6 +27,7 @@ Scenario lively(const std::string& name) {
   text << stream.rdbuf();
   Scenario s = parse_scenario(text.str(), file);
   s.duration_s = kSeconds;
+  s.session_s = 600.0;  // something has drifted
   s.mocap.rate_hz = 100.0;
   s.numerics = {3, 0.005};
   // Gravity out of the plane in which a cable bends the arm, so that it twists too.
@@ -139,12 +140,13 @@ void expect_sane(const std::vector<Sample>& samples) {
 std::set<std::string> refused_by(const std::string& arm) {
   std::set<std::string> refused{"jamming_law",   "jamming_memory", "jamming_settling",
                                 "jamming_yield", "vacuum_gain",    "vacuum_shortening"};
+  if (arm != "cable_235mm") refused.insert("tendon_slack");
   if (arm == "two_segment") refused.insert("axial_compliance");
   if (arm == "hybrid_85mm") refused.insert({"axial_compliance", "shear", "payload_offset", "payload_scale"});
   if (arm == "cable_235mm")
-    refused.insert({"shear", "line_delay", "pressure_elongation", "pressure_lag", "pressure_leak",
-                    "pressure_stiffening", "radial_expansion", "regulator_error", "slew_limit",
-                    "supply_ripple", "valve_stiction", "tendon_friction", "torsion pressure",
+    refused.insert({"shear", "line_delay", "axial_memory", "pressure_elongation", "pressure_lag",
+                    "pressure_leak", "pressure_stiffening", "radial_expansion", "regulator_error",
+                    "flow_limit", "supply_ripple", "valve_stiction", "tendon_friction", "torsion pressure",
                     "torsion tension"});
   if (arm != "two_segment")  // no chambers that bend it, or a single one
     refused.insert(

@@ -21,11 +21,12 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Writes the messages that are received by a time, in their order.
-void record(rig::ReceiptQueue& queue, double until_s, RigMessages& messages, TrialBagWriter& bag) {
-  const auto stamp_of = [](double t_s) { return to_time(trial::Stamp(t_s + kTrialEpochS).ns); };
+void record(rig::ReceiptQueue& queue, double until_s, double epoch_s, RigMessages& messages,
+            TrialBagWriter& bag) {
+  const auto stamp_of = [epoch_s](double t_s) { return to_time(trial::Stamp(t_s + epoch_s).ns); };
   while (const std::optional<rig::Received> received = queue.take(until_s))
     for (const LabMessage& message : messages.of(*received, stamp_of))
-      bag.message(message, received->receipt_s + kTrialEpochS);
+      bag.message(message, received->receipt_s + epoch_s);
 }
 
 }  // namespace
@@ -44,16 +45,17 @@ RecordedTrial record_trial(const rig::Scenario& scenario, const fs::path& bag_pa
   rig::ReceiptQueue queue;
   std::ofstream series(series_file.temporary());
   rig::write_truth_header(series, scenario);
+  const double epoch_s = kTrialEpochS + scenario.session_s;
   RecordedTrial recorded;
   while (const std::optional<rig::Sample> sample = simulator.next()) {
     queue.add(*sample);
-    record(queue, sample->stamp_s, messages, bag);
-    rig::write_truth_row(series, sample->truth, kTrialEpochS);
+    record(queue, sample->stamp_s, epoch_s, messages, bag);
+    rig::write_truth_row(series, sample->truth, epoch_s);
     recorded.duration_s = sample->stamp_s;
     ++recorded.frames;
     on_frame();
   }
-  record(queue, std::numeric_limits<double>::infinity(), messages, bag);
+  record(queue, std::numeric_limits<double>::infinity(), epoch_s, messages, bag);
   bag.close();
   finish(series, series_file.path());
   description_file.write(rig::truth_yaml(scenario));

@@ -13,7 +13,7 @@
 
 namespace softarm::app {
 
-/// Simulated time 0 as a stamp: a constant, so that the same scenario gives the same bag.
+/// The beginning of the session as a stamp: a constant, so that the same scenario gives the same bag.
 constexpr double kTrialEpochS = 1600000000.0;
 
 struct RecordedTrial {

@@ -115,6 +115,41 @@ Choices drift(const Numbers& v) {
                   {"over_s", minutes * kMinute_s}})};
 }
 
+/// The rig has one phase for both.
+Choices temperature(const Numbers& v) {
+  constexpr double kPerK = -0.01;
+  const double stiffness = v.size("stiffness_sin", "stiffness_cos"),
+               phase = std::atan2(v("stiffness_cos"), v("stiffness_sin"));
+  const double length = v("length_sin") * std::cos(phase) + v("length_cos") * std::sin(phase);
+  const double across = v("length_cos") * std::cos(phase) - v("length_sin") * std::sin(phase);
+  if (stiffness == 0.0 || std::abs(across) > kNearly * std::max(std::abs(length), 1e-4))
+    throw std::invalid_argument(
+        "a length that swings otherwise than the stiffness is nothing the virtual rig has");
+  // Warmer is softer: the sine of the temperature is the stiffness's half a period on.
+  return {choice("temperature", "sine",
+                 {{"amplitude_k", -stiffness / kPerK},
+                  {"period_s", kMinute_s * v("period_min")},
+                  {"phase_deg", kDegPerRad * std::remainder(phase + M_PI, 2.0 * M_PI)},
+                  {"stiffness_share_per_k", kPerK},
+                  {"expansion_share_per_k", length / stiffness * kPerK}})};
+}
+
+Choices base_free_play(const Numbers& v) {
+  return {choice("base_free_play", "ring", {{"play_deg", kDegPerRad * v("play_rad")}})};
+}
+
+Choices curvature_softening(const Numbers& v) {
+  // The catalogue's curvature grows by `softer` for the moment beyond: the stiffness there falls by this.
+  return {choice(
+      "curvature_softening", "wrinkling",
+      {{"share", std::min(0.85, v("softer") / (1.0 + v("softer")))}, {"knee_per_m", v("knee_per_m")}})};
+}
+
+Choices axial_memory(const Numbers& v) {
+  return {choice("axial_memory", "spectrum",
+                 {{"share", v("share")}, {"time_s", v("time_s")}, {"before_share", 0.0}})};
+}
+
 Choices torsion(const Numbers& v) {
   if (v("twist_rad") == 0.0) return {};
   const double twist_deg = kDegPerRad * v("twist_rad");
@@ -155,10 +190,23 @@ Choices pressure_dead_zone(const Numbers& v) {
   return {choice("pressure_dead_zone", "sharp", {{"pressure_pa", v("lost_pa")}})};
 }
 
+Choices tendon_slack(const Numbers& v) {
+  if (!nearly(v("lost_rad"), v("edge_rad")))
+    throw std::invalid_argument("lost_rad differs from edge_rad, which the virtual rig has as one");
+  return {choice("tendon_slack", "taut", {{"angle_deg", kDegPerRad * v("lost_rad")}})};
+}
+
 Choices pressure_lag(const Numbers& v) {
   if (!nearly(v("fall"), 1.0))
     throw std::invalid_argument("the virtual rig's first-order line falls as fast as it rises");
   return {choice("pressure_lag", "first_order", {{"time_constant_s", v("delay_s")}})};
+}
+
+Choices flow_limit(const Numbers& v) {
+  if (!nearly(v("share"), 1.0))
+    throw std::invalid_argument("a limit that is kept by a share only is nothing the virtual rig has");
+  return {choice("flow_limit", "slew",
+                 {{"rise_pa_per_s", v("rise_pa_per_s")}, {"fall_pa_per_s", v("fall") * v("rise_pa_per_s")}})};
 }
 
 Choices rest_curvature(const Numbers& v) {
@@ -216,7 +264,7 @@ Choices chamber_bulge(const Numbers& v) {
     most = segment.chambers.size();
   }
   // The rig takes the sum of the others' pressures, the catalogue their mean.
-  return {choice("chamber_bulge", "",
+  return {choice("chamber_bulge", "linear",
                  {{"share", v("share") / static_cast<double>(most - 1)}, {"reference_pa", kPressurePa}})};
 }
 
@@ -224,7 +272,7 @@ Choices chamber_bulge(const Numbers& v) {
 /// much beforehand, see with_stiffnesses().
 Choices plane_stiffness(const Numbers& v) {
   const double uneven = v.size("towards_x", "diagonal");
-  return {choice("plane_stiffness", "",
+  return {choice("plane_stiffness", "oval",
                  {{"share", 2.0 * uneven / (1.0 - uneven)},
                   {"azimuth_deg", 0.5 * v.azimuth_deg("towards_x", "diagonal")}})};
 }
@@ -232,7 +280,7 @@ Choices plane_stiffness(const Numbers& v) {
 /// The rig is softer towards one side, and as it was towards all others: stiffer by so much beforehand.
 Choices one_sided_softness(const Numbers& v) {
   const double softer = v.size("softer_x", "softer_y");
-  return {choice("one_sided_softness", "",
+  return {choice("one_sided_softness", "buckles",
                  {{"share", 2.0 * softer / (1.0 + softer)},
                   {"azimuth_deg", v.azimuth_deg("softer_x", "softer_y")},
                   {"to_fraction", 1.0}})};
@@ -256,6 +304,7 @@ const std::map<std::string, Translation>& translations() {
       {"rigid_ends", same("", {"base_m", "tip_m"})},
       {"soft_spot", soft_spot},
       {"base_compliance", base_compliance},
+      {"base_free_play", base_free_play},
       {"base_tilt", base_tilt},
       {"gravity_direction", gravity_direction},
       {"axial_compliance", nothing},
@@ -265,6 +314,7 @@ const std::map<std::string, Translation>& translations() {
       {"vacuum_shortening", same("", {"share"}, {{"reference_pa", kVacuumPa}})},
       {"vacuum_gain", same("", {"share"}, {{"reference_pa", kVacuumPa}})},
       {"strain_stiffening", same("cubic", {"beta_m2"})},
+      {"curvature_softening", curvature_softening},
       {"plane_stiffness", plane_stiffness},
       {"one_sided_softness", one_sided_softness},
       {"gain_nonlinearity", same("quadratic", {"share"}, {{"reference_pa", kPressurePa}})},
@@ -275,13 +325,16 @@ const std::map<std::string, Translation>& translations() {
       {"pressure_dead_zone", pressure_dead_zone},
       {"hysteresis", hysteresis},
       {"creep", same("maxwell", {"share", "time_s"})},
+      {"axial_memory", axial_memory},
       {"pressure_lag", pressure_lag},
+      {"flow_limit", flow_limit},
       {"clock_offset", same("", {"offset_s"})},
       {"pressure_leak", leak},
       {"pressure_offset", pressure_offset},
       {"rest_curvature", rest_curvature},
       {"mullins", same("ogden_roxburgh", {"share", "scale_per_m"})},
       {"drift", drift},
+      {"temperature", temperature},
       {"contact", contact},
       {"tether", tether},
       {"payload_offset", payload_offset},
@@ -293,6 +346,7 @@ const std::map<std::string, Translation>& translations() {
       {"marker_slip", marker_slip},
       {"bending_plane_offset", bending_plane_offset},
       {"chamber_mismatch", same("", {"chamber", "share"})},
+      {"tendon_slack", tendon_slack},
       {"tendon_friction", same("", {"coefficient", "routing_rad"})},
   };
   return table;
