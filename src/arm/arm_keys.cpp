@@ -189,7 +189,10 @@ const KeyTable& effect_keys() {
       {text("id", kRequired, "of the catalogue: base_compliance, soft_spot, ..."),
        other("parameters", KeyKind::kNumbers, kRequired,
              "its numbers by name, SI units; one that is left out has its usual value, a size is 0"),
-       other("sd", KeyKind::kNumbers, "{}", "standard deviations of some of them; read by people only")}};
+       other("sd", KeyKind::kNumbers, "{}",
+             "standard deviations of some of them, >= 0; estimates with the effect in the model are as "
+             "uncertain "
+             "as these make them")}};
   return table;
 }
 

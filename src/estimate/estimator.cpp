@@ -328,11 +328,21 @@ bool Estimator::Impl::set_knowns(const trial::Frame& frame) {
     for (const arm::Segment& segment : arm.segments)
       predictions->push_back(arm::predict_segment(arm, segment, frame.inputs).value_or(at_rest(segment)));
   }
-  if (extension) laws_at_frame = *predictions;
+  if (extension) {
+    laws_at_frame = *predictions;
+    extension->set_laws(laws_at_frame);
+  }
   const bool believed = !arcs && (options.prior.enabled || window);
   if (believed) {
     law = frame_law(arm, options.prior, *predictions, problem.reference_stiffnesses(), window.has_value(),
                     frame.inputs);
+    if (extension) {
+      Eigen::MatrixXd by_errors = extension->laws_by_errors(*predictions, problem.reference_stiffnesses());
+      // A stiffness that is not fitted moves the bodies instead.
+      for (int i = 0; i < segments && !estimate_stiffness; ++i)
+        by_errors.row(Problem::column(i, 2)).setZero();
+      allow_for_effects(by_errors, law);
+    }
     allow_for_memory(options.prior, memory, unknown_starts(*predictions), *predictions, law);
     if (!have_last) stretch_m.assign(arm.segments.size(), 0.0);
     allow_for_axial_stiffness(options.prior, stretch_m, law);

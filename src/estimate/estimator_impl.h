@@ -182,7 +182,7 @@ struct Estimator::Impl {
   Eigen::Vector3d inertia = Eigen::Vector3d::Zero();  ///< by what this frame's rod feels another gravity
   TipMotion motion;                                   ///< with a window only
   WhiteNoise noise;                                   ///< with a window only
-  VectorXd influence;                                 ///< of each block of rows of the bodies, see settle()
+  VectorXd influence;  ///< of each block of rows of the bodies, see settle()
   const std::vector<model::Present> effects;
   std::unique_ptr<ExtendedFrame> extension;           ///< of an arm with effects
   std::vector<arm::SegmentPrediction> laws_at_frame;  ///< with the inputs as the effects change them

@@ -88,6 +88,7 @@ struct Policy {
     double slope_holds_payload = 0.5;       ///< the same, in units of the problem's payload,
     double slope_holds_gravity_m_s2 = 0.5;  ///< ... of the base's attitude,
     double slope_holds_s = 0.5;             ///< ... and of what effects remember
+    double errors_hold = 0.5;  ///< the same, in shares of these, for what errors of the effects' numbers do
     /// Length over that at rest, within which effects are worked out: a fit on its way may be beyond.
     double least_length = 0.5, most_length = 2.0;
     /// What a line is off by is expected to go with the way, in shares of slope_holds. Of ways below
