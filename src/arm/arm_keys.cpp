@@ -159,6 +159,9 @@ const KeyTable& estimator_keys() {
               "a parameter is identifiable in a frame at this relative standard deviation or better"),
        number("window_s", "s", "0", 0, 60,
               "frames of this last time share EI and payload; 0: each frame by itself"),
+       word("dynamics", {"static", "modal"}, "static",
+            "static: each frame as if at rest; modal: the arm is followed through its swings in its first "
+            "modes"),
        map("prior", "{}", "trust in the arm's laws")}};
   return table;
 }

@@ -61,6 +61,7 @@ Estimator::Impl::Impl(const arm::Arm& a, const arm::EstimatorOptions& o, const s
   estimate.segments.resize(arm.segments.size());
   if (!effects.empty() && !is_constant_curvature(options.method))
     extension = std::make_unique<ExtendedFrame>(arm, effects, problem);
+  if (options.dynamics == arm::Dynamics::kModal && !is_constant_curvature(options.method)) swing.emplace(arm);
   if (options.window_s > 0.0 && !is_constant_curvature(options.method)) {
     std::vector<int> changing;
     for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
@@ -138,6 +139,7 @@ const Estimate& Estimator::Impl::run(const trial::Frame& frame) {
     }
   }
   finish();
+  if (swing && estimate.status == Status::kOk) look_at_swing();
   if (extended) take_effects_out();
   return estimate;
 }
@@ -156,7 +158,9 @@ void Estimator::Impl::clear(const trial::Frame& frame) {
   estimate.degrees_of_freedom = 0;
   estimate.solver = SolverSummary();
   problem.set_effects(nullptr);
+  problem.set_motion(nullptr);
   inertia.setZero();
+  swing_gravity.setZero();
   extended = false;
 }
 
@@ -361,9 +365,10 @@ bool Estimator::Impl::set_knowns(const trial::Frame& frame) {
     }
   }
   problem.free()[static_cast<std::size_t>(problem.payload_column())] = estimate_payload;
+  if (window || swing) noise.add(frame.stamp_s(), problem.observations());
+  if (swing) follow_swing(frame, *predictions);
   if (window) {
     window->advance(frame.stamp_s());
-    noise.add(frame.stamp_s(), problem.observations());
     window->enter(problem.observations(), passing_variance());
   }
   believe();
@@ -390,6 +395,10 @@ void Estimator::reset() {
   if (impl_->window) impl_->window->clear();
   impl_->motion.forget();
   impl_->noise.forget();
+  if (impl_->swing) impl_->swing->forget();
+  impl_->modes_at.reset();
+  impl_->last_x_by_laws.reset();
+  impl_->bodies_by_x.clear();
   impl_->contradictions = 0;
   impl_->inputs_known.reset();
   impl_->problem.forget();

@@ -187,7 +187,7 @@ void Estimator::Impl::linearise_postures() {
 
 void Estimator::Impl::settle() {
   if (!window) return;
-  motion.add(estimate.stamp_s, tip());
+  if (!swing) motion.add(estimate.stamp_s, tip());
   influence = VectorXd::Ones(rows().blocks());
   if (options.objective != arm::Objective::kLeastSquares || !problem.noise_weights()) return;
   double moved = settle_from_here();
@@ -305,6 +305,8 @@ double Estimator::Impl::inertia_share() const {
 }
 
 Vector3d Estimator::Impl::inertia_variance() const {
+  // What the frame's rod has of its swing is in its gravity.
+  if (swing) return swing->gravity_by_error().rowwise().squaredNorm();
   const double share = inertia_share();
   return share * share * motion.acceleration_variance();
 }
@@ -343,13 +345,13 @@ Window::Entry Estimator::Impl::entry() const {
   }
   Evidence bodies = entry.rows.evidence(as_driven, stated);
   bodies = moving(std::move(bodies), repeats);
-  entry.motion = inertia_share() * motion.acceleration();
+  if (!swing) entry.motion = inertia_share() * motion.acceleration();
   entry.motion_variance = inertia_variance();
   entry.evidence = evidence_on_shared(law_there, bodies.information.topLeftCorner(x.size(), x.size()),
                                       bodies.weighted.head(x.size()), repeats);
   entry.rows.weight = entry.rows.weight.cwiseProduct(influence);
   entry.law = law;
-  entry.place = {problem.rod().gravity_m_s2 - inertia, laws_given,
+  entry.place = {problem.rod().gravity_m_s2 - inertia - swing_gravity, laws_given,
                  extension ? std::optional<EffectsAt>(extension->at()) : std::nullopt,
                  problem.solver().q_tip()};
   const Distances now = distances();

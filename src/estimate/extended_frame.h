@@ -53,6 +53,11 @@ class ExtendedFrame {
                     const std::vector<arm::SegmentPrediction>& laws);
   /// The numbers are off by so many standard deviations.
   void set_errors(const Eigen::VectorXd& errors) { at_.errors = errors; }
+  /// The arm moves, as at rest under this gravity.
+  void set_gravity(const Eigen::Vector3d& gravity_base) {
+    online_.set_gravity(gravity_base);
+    solved_x_.reset();
+  }
   /// What begin() gave.
   const trial::Frame& frame() const { return frame_; }
   /// Of the frame that was begun: what acts as a moment where that is not what the laws' other parts follow.

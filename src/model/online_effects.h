@@ -42,6 +42,9 @@ class OnlineEffects {
   const Driven& begin(double stamp_s, const arm::InputValues& inputs, std::optional<double> payload_kg,
                       const Eigen::Isometry3d& base, const std::vector<trial::InputSample>& samples = {});
 
+  /// Solutions are under this gravity, rod's base frame, until the next begin().
+  void set_gravity(const Eigen::Vector3d& gravity_base) { now_.gravity_base = gravity_base; }
+
   /// @param segments what stands for the laws' predictions
   /// @param turned of the tip, since start_here(), as far as that is known
   /// @return false where there is no equilibrium with the effects
