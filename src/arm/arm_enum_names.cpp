@@ -23,6 +23,7 @@ constexpr WordTable<Unknown, 3> kUnknowns{
     {{Unknown::kStiffness, "stiffness"}, {Unknown::kPayload, "payload"}, {Unknown::kBoth, "both"}}};
 constexpr WordTable<Objective, 2> kObjectives{
     {{Objective::kLeastSquares, "least_squares"}, {Objective::kSumOfDistances, "sum_of_distances"}}};
+constexpr WordTable<Dynamics, 2> kDynamics{{{Dynamics::kStatic, "static"}, {Dynamics::kModal, "modal"}}};
 
 template <typename Value, std::size_t kCount>
 std::string word_of(const WordTable<Value, kCount>& table, Value value) {
@@ -54,6 +55,9 @@ std::string to_string(Unknown unknown) {
 std::string to_string(Objective objective) {
   return word_of(kObjectives, objective);
 }
+std::string to_string(Dynamics dynamics) {
+  return word_of(kDynamics, dynamics);
+}
 
 Method parse_method(const std::string& word) {
   return value_of(kMethods, word, "method");
@@ -63,6 +67,9 @@ Unknown parse_unknown(const std::string& word) {
 }
 Objective parse_objective(const std::string& word) {
   return value_of(kObjectives, word, "objective");
+}
+Dynamics parse_dynamics(const std::string& word) {
+  return value_of(kDynamics, word, "dynamics");
 }
 
 }  // namespace softarm::arm

@@ -62,6 +62,7 @@ EstimatorOptions read_estimator(const Section& section, const Arm& arm) {
   options.robust = section.flag("robust");
   options.identifiable_relative_sd = section.number("identifiable_relative_sd");
   options.window_s = section.number("window_s");
+  options.dynamics = parse_dynamics(section.word("dynamics"));
   options.prior = read_prior(section.section("prior", prior_keys()), arm);
   return options;
 }

@@ -159,6 +159,9 @@ const KeyTable& estimator_keys() {
               "a parameter is identifiable in a frame at this relative standard deviation or better"),
        number("window_s", "s", "0", 0, 60,
               "frames of this last time share EI and payload; 0: each frame by itself"),
+       word("dynamics", {"static", "modal"}, "static",
+            "static: each frame as if at rest; modal: the arm is followed through its swings in its first "
+            "modes"),
        map("prior", "{}", "trust in the arm's laws")}};
   return table;
 }
@@ -189,7 +192,10 @@ const KeyTable& effect_keys() {
       {text("id", kRequired, "of the catalogue: base_compliance, soft_spot, ..."),
        other("parameters", KeyKind::kNumbers, kRequired,
              "its numbers by name, SI units; one that is left out has its usual value, a size is 0"),
-       other("sd", KeyKind::kNumbers, "{}", "standard deviations of some of them; read by people only")}};
+       other("sd", KeyKind::kNumbers, "{}",
+             "standard deviations of some of them, >= 0; estimates with the effect in the model are as "
+             "uncertain "
+             "as these make them")}};
   return table;
 }
 

@@ -58,6 +58,7 @@ model::Present present_of(const arm::Arm& arm, const arm::EffectEntry& entry, st
                        fmt::join(names, ", ")));
   }
   model::Values values(static_cast<Eigen::Index>(parameters.size()));
+  model::Values sd = model::Values::Zero(values.size());
   for (std::size_t k = 0; k < parameters.size(); ++k) {
     const model::Parameter& parameter = parameters[k];
     const std::string key = "parameters." + parameter.symbol;
@@ -78,9 +79,13 @@ model::Present present_of(const arm::Arm& arm, const arm::EffectEntry& entry, st
       fail(entry, index, key, fmt::format("value {} is outside the allowed range {}", given->value, allowed));
     if (parameter.counts && given->value != std::floor(given->value))
       fail(entry, index, key, fmt::format("value {} is not an integer; allowed: {}", given->value, allowed));
+    if (given->sd && parameter.counts)
+      fail(entry, index, "sd." + parameter.symbol,
+           fmt::format("value {}: it numbers something, and has no standard deviation", *given->sd));
     values[static_cast<Eigen::Index>(k)] = given->value;
+    sd[static_cast<Eigen::Index>(k)] = given->sd.value_or(0.0);
   }
-  return {effect, values};
+  return {effect, values, {}, sd};
 }
 
 }  // namespace
@@ -116,7 +121,8 @@ arm::EffectEntry entry_of(const model::Present& present, const std::optional<mod
   for (std::size_t k = 0; k < parameters.size(); ++k) {
     const auto i = static_cast<Eigen::Index>(k);
     arm::EffectNumber number{parameters[k].symbol, present.values[i], std::nullopt};
-    if (sd && (*sd)[i] > 0.0) number.sd = (*sd)[i];
+    const model::Values& stated = sd ? *sd : present.sd;
+    if (stated.size() > 0 && stated[i] > 0.0) number.sd = stated[i];
     entry.numbers.push_back(std::move(number));
   }
   return entry;

@@ -35,6 +35,8 @@ BodyRows body_rows(const Problem& problem, const VectorXd& x, const WhiteNoise& 
                    Index bodies, Index errors) {
   const Index n = problem.NumParameters(), per_body = offsets > 3 ? 2 : 1, blocks = per_body * bodies;
   const Index motion = n + offsets * bodies;
+  const EffectsAt* const effects = problem.effects();
+  const Index of_effects = effects == nullptr ? 0 : effects->errors.size();
   BodyRows rows{x, VectorXd::Zero(3 * blocks), VectorXd::Zero(3 * blocks),
                 MatrixXd::Zero(3 * blocks, n + errors), VectorXd::Zero(blocks)};
   Eigen::Matrix3Xd by_x(3, n);
@@ -43,21 +45,34 @@ BodyRows body_rows(const Problem& problem, const VectorXd& x, const WhiteNoise& 
     const Eigen::Matrix3d section = problem.solver().station(o.body).q.toRotationMatrix();
     const Index column = n + offsets * o.body, block = per_body * o.body;
     problem.position_jacobian(o, by_x);
+    // As the effects are by their file: their errors are in b.
     rows.model.segment<3>(3 * block) = problem.position(o);
+    if (of_effects > 0)
+      rows.model.segment<3>(3 * block) -=
+          effects->bodies[static_cast<std::size_t>(o.body)].p_by_error * effects->errors;
     rows.measured.segment<3>(3 * block) = o.p;
     rows.j.block(3 * block, 0, 3, n) = by_x;
     rows.j.block<3, 3>(3 * block, column) = section;
     rows.j.block<3, kMotions>(3 * block, motion) = problem.position_by_gravity(o);
     rows.weight[block] = 1.0 / noise.position_variance(o.body);
+    if (of_effects > 0)
+      rows.j.block(3 * block, n + errors - of_effects, 3, of_effects) =
+          by_x * effects->errors_as_x + effects->bodies[static_cast<std::size_t>(o.body)].p_beyond_x;
     if (!o.tangent || per_body == 1) continue;
     problem.tangent_jacobian(o, by_x);
     rows.model.segment<3>(3 * block + 3) = problem.tangent(o);
+    if (of_effects > 0)
+      rows.model.segment<3>(3 * block + 3) -=
+          effects->bodies[static_cast<std::size_t>(o.body)].tangent_by_error * effects->errors;
     rows.measured.segment<3>(3 * block + 3) = *o.tangent;
     rows.j.block(3 * block + 3, 0, 3, n) = by_x;
     rows.j.block<3, 1>(3 * block + 3, column + 3) = -section.col(1);
     rows.j.block<3, 1>(3 * block + 3, column + 4) = section.col(0);
     rows.j.block<3, kMotions>(3 * block + 3, motion) = problem.tangent_by_gravity(o);
     rows.weight[block + 1] = 1.0 / noise.tangent_variance(o.body);
+    if (of_effects > 0)
+      rows.j.block(3 * block + 3, n + errors - of_effects, 3, of_effects) =
+          by_x * effects->errors_as_x + effects->bodies[static_cast<std::size_t>(o.body)].tangent_beyond_x;
   }
   return rows;
 }

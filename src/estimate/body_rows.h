@@ -37,7 +37,8 @@ struct BodyRows {
 };
 
 /// At the last evaluation of the problem, x.
-/// @param errors how many b has; behind those of the bodies they do nothing here
+/// @param errors how many b has; behind those of the bodies they do nothing here, but for the last: as many
+/// as the effects have, see EffectsAt
 BodyRows body_rows(const Problem& problem, const Eigen::VectorXd& x, const WhiteNoise& noise,
                    Eigen::Index offsets, Eigen::Index bodies, Eigen::Index errors);
 

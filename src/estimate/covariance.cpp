@@ -63,6 +63,9 @@ Sandwich sandwich(const Problem& problem, const std::vector<bool>& free, bool su
   const int count = problem.NumParameters();
   Sandwich result{MatrixXd::Zero(count, count), MatrixXd::Zero(count, count)};
   MatrixXd &information = result.information, &variance = result.variance;
+  // Of the gradient, by errors that all bodies have in common, some with what is believed.
+  const Eigen::Index errors = problem.errors();
+  MatrixXd by_errors = MatrixXd::Zero(count, errors);
   Eigen::Matrix3Xd j(3, count);
   for (const Observation& o : problem.observations()) {
     if (!o.used) continue;
@@ -71,15 +74,32 @@ Sandwich sandwich(const Problem& problem, const std::vector<bool>& free, bool su
     const MatrixXd jj = j.transpose() * j;
     information += w.information * jj;
     variance += w.variance * jj;
+    if (errors > 0) by_errors -= w.information * j.transpose() * problem.position_by_errors(o, j);
     if (o.tangent) {
       problem.tangent_jacobian(o, j);
       const MatrixXd tt = j.transpose() * j;
       const BlockWeight a = block_weight(sum, problem.tangent_weight(o), problem.tangent_sd(o), 2);
       information += a.information * tt;
       variance += a.variance * tt;
+      if (errors > 0) by_errors -= a.information * j.transpose() * problem.tangent_by_errors(o, j);
     }
   }
-  if (!problem.belief()) return result;
+  if (!problem.belief()) {
+    variance += by_errors * by_errors.transpose();
+    return result;
+  }
+  // What is believed already counts those errors as its own.
+  const Belief& belief = *problem.belief();
+  MatrixXd by_belief = MatrixXd::Zero(count, errors);
+  if (const auto k = belief.by_effects.cols(); k > 0)
+    by_belief.leftCols(k) = belief.information * belief.by_effects;
+  MatrixXd together = by_errors + by_belief;
+  for (int i = 0; i < count; ++i) {
+    if (free[static_cast<std::size_t>(i)]) continue;
+    by_belief.row(i).setZero();
+    together.row(i).setZero();
+  }
+  variance += together * together.transpose() - by_belief * by_belief.transpose();
   for (int i = 0; i < count; ++i) {
     for (int k = 0; k < count; ++k) {
       if (!free[static_cast<std::size_t>(i)] || !free[static_cast<std::size_t>(k)]) continue;
@@ -115,7 +135,7 @@ Covariance covariance(const Problem& problem, const std::vector<bool>& free,
                       const arm::EstimatorOptions& options) {
   const bool sum = options.objective == arm::Objective::kSumOfDistances;
   const auto [information, variance] = sandwich(problem, free, sum);
-  const bool best = !sum && problem.noise_weights();
+  const bool best = !sum && problem.noise_weights() && problem.errors() == 0;
   return covariance_from(information, free, best ? nullptr : &variance);
 }
 
@@ -179,6 +199,27 @@ Evidence evidence(const Problem& problem, const VectorXd& x) {
   }
   result.weighted += result.information * x;
   return result;
+}
+
+double by_common_errors(const Problem& problem) {
+  const Eigen::Index errors = problem.errors();
+  if (errors == 0) return 0.0;
+  MatrixXd information = MatrixXd::Identity(errors, errors);
+  VectorXd weighted = VectorXd::Zero(errors);
+  Eigen::Matrix3Xd j(3, problem.NumParameters());
+  const auto add = [&](const Eigen::Matrix3Xd& by, const Eigen::Vector3d& off, double sd) {
+    information.noalias() += by.transpose() * by / (sd * sd);
+    weighted.noalias() += by.transpose() * off / (sd * sd);
+  };
+  for (const Observation& o : problem.observations()) {
+    if (!o.used) continue;
+    problem.position_jacobian(o, j);
+    add(problem.position_by_errors(o, j), o.p - problem.position(o), problem.position_sd(o));
+    if (!o.tangent) continue;
+    problem.tangent_jacobian(o, j);
+    add(problem.tangent_by_errors(o, j), *o.tangent - problem.tangent(o), problem.tangent_sd(o));
+  }
+  return weighted.dot(math::solve_symmetric(information, weighted));
 }
 
 double determined_by_bodies(const Problem& problem, const VectorXd& x) {

@@ -29,6 +29,10 @@ Covariance covariance_from(const Eigen::MatrixXd& information, const std::vector
 /// information times optimum. Columns of what is fixed are zero.
 Evidence evidence(const Problem& problem, const Eigen::VectorXd& x);
 
+/// By how much less the bodies' chi-square is, by the stated noise, with the most probable errors that they
+/// have in common.
+double by_common_errors(const Problem& problem);
+
 /// Number of parameters that the bodies determine, the rest being believed: trace of the share of the
 /// information that is theirs.
 double determined_by_bodies(const Problem& problem, const Eigen::VectorXd& x);

@@ -36,6 +36,20 @@ arm::SegmentPrediction at_rest(const arm::Segment& segment) {
   return prediction;
 }
 
+std::optional<double> told_payload(const arm::Arm& arm, const trial::Frame& frame) {
+  return frame.payload_kg && std::isfinite(*frame.payload_kg) ? frame.payload_kg : arm.payload.default_kg;
+}
+
+/// What errors of the effects' numbers add to what the laws say of x.
+Eigen::MatrixXd laws_by_errors(const ExtendedFrame& extension, const Problem& problem,
+                               const std::vector<arm::SegmentPrediction>& laws, bool estimate_stiffness) {
+  Eigen::MatrixXd by_errors = extension.laws_by_errors(laws, problem.reference_stiffnesses());
+  // A stiffness that is not fitted moves the bodies instead.
+  for (int i = 0; i < static_cast<int>(laws.size()) && !estimate_stiffness; ++i)
+    by_errors.row(Problem::column(i, 2)).setZero();
+  return by_errors;
+}
+
 }  // namespace
 
 bool is_constant_curvature(arm::Method method) {
@@ -61,6 +75,7 @@ Estimator::Impl::Impl(const arm::Arm& a, const arm::EstimatorOptions& o, const s
   estimate.segments.resize(arm.segments.size());
   if (!effects.empty() && !is_constant_curvature(options.method))
     extension = std::make_unique<ExtendedFrame>(arm, effects, problem);
+  if (options.dynamics == arm::Dynamics::kModal && !is_constant_curvature(options.method)) swing.emplace(arm);
   if (options.window_s > 0.0 && !is_constant_curvature(options.method)) {
     std::vector<int> changing;
     for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
@@ -138,6 +153,7 @@ const Estimate& Estimator::Impl::run(const trial::Frame& frame) {
     }
   }
   finish();
+  if (swing && estimate.status == Status::kOk) look_at_swing();
   if (extended) take_effects_out();
   return estimate;
 }
@@ -156,7 +172,9 @@ void Estimator::Impl::clear(const trial::Frame& frame) {
   estimate.degrees_of_freedom = 0;
   estimate.solver = SolverSummary();
   problem.set_effects(nullptr);
+  problem.set_motion(nullptr);
   inertia.setZero();
+  swing_gravity.setZero();
   extended = false;
 }
 
@@ -299,11 +317,7 @@ std::vector<Eigen::Vector2d> Estimator::Impl::unknown_starts(
 bool Estimator::Impl::set_knowns(const trial::Frame& frame) {
   const bool arcs = is_constant_curvature(options.method);
   const int segments = static_cast<int>(arm.segments.size());
-  payload_known.reset();
-  if (frame.payload_kg && std::isfinite(*frame.payload_kg))
-    payload_known = frame.payload_kg;
-  else
-    payload_known = arm.payload.default_kg;
+  payload_known = told_payload(arm, frame);
   const bool estimate_payload = !arcs && options.unknown != arm::Unknown::kStiffness;
   // Believed laws say what EI is as well as they know it.
   const bool estimate_stiffness =
@@ -328,11 +342,16 @@ bool Estimator::Impl::set_knowns(const trial::Frame& frame) {
     for (const arm::Segment& segment : arm.segments)
       predictions->push_back(arm::predict_segment(arm, segment, frame.inputs).value_or(at_rest(segment)));
   }
-  if (extension) laws_at_frame = *predictions;
+  if (extension) {
+    laws_at_frame = *predictions;
+    extension->set_laws(laws_at_frame);
+  }
   const bool believed = !arcs && (options.prior.enabled || window);
   if (believed) {
     law = frame_law(arm, options.prior, *predictions, problem.reference_stiffnesses(), window.has_value(),
                     frame.inputs);
+    if (extension)
+      allow_for_effects(laws_by_errors(*extension, problem, *predictions, estimate_stiffness), law);
     allow_for_memory(options.prior, memory, unknown_starts(*predictions), *predictions, law);
     if (!have_last) stretch_m.assign(arm.segments.size(), 0.0);
     allow_for_axial_stiffness(options.prior, stretch_m, law);
@@ -346,14 +365,14 @@ bool Estimator::Impl::set_knowns(const trial::Frame& frame) {
     if (!arcs && !estimate_stiffness) known_flexibility[index] = flexibility;
     if (believed && !estimate_stiffness) law.information[Problem::column(i, 2)] = kKnown;
     if (!arcs && (!estimate_stiffness || estimate_payload)) start_flexibility[index] = flexibility;
-    for (int k = 0; k < kSegmentParameters; ++k) {
+    for (int k = 0; k < kSegmentParameters; ++k)
       problem.free()[static_cast<std::size_t>(Problem::column(i, k))] = k != 2 || estimate_stiffness;
-    }
   }
   problem.free()[static_cast<std::size_t>(problem.payload_column())] = estimate_payload;
+  if (window || swing) noise.add(frame.stamp_s(), problem.observations());
+  if (swing) follow_swing(frame, *predictions);
   if (window) {
     window->advance(frame.stamp_s());
-    noise.add(frame.stamp_s(), problem.observations());
     window->enter(problem.observations(), passing_variance());
   }
   believe();
@@ -380,6 +399,10 @@ void Estimator::reset() {
   if (impl_->window) impl_->window->clear();
   impl_->motion.forget();
   impl_->noise.forget();
+  if (impl_->swing) impl_->swing->forget();
+  impl_->modes_at.reset();
+  impl_->last_x_by_laws.reset();
+  impl_->bodies_by_x.clear();
   impl_->contradictions = 0;
   impl_->inputs_known.reset();
   impl_->problem.forget();

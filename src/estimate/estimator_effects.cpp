@@ -47,14 +47,18 @@ bool Estimator::Impl::solve_with_effects() {
   line_is_old = have_last && extension->line_reaches(problem, at);
   if (!line_is_old && !extension->linearise(problem, at, laws_at_frame, false)) return lost("bodies");
   problem.set_effects(&extension->at());
+  const auto done = [&] {
+    if (extension->renew_errors(problem, x, laws_at_frame)) refresh_covariance();
+    return true;
+  };
   if (!fit_again(true)) return false;
   for (int pass = 0; pass < kMostPasses; ++pass) {
     // What a line is off by grows with the way: after a short one it need not be looked at again.
     const std::optional<double> expected_sd = extension->expected_off_sd(problem, x);
-    if (expected_sd && *expected_sd < kPolicy.effects.agrees_sd) return true;
+    if (expected_sd && *expected_sd < kPolicy.effects.agrees_sd) return done();
     const std::optional<double> off_sd = extension->move_line(problem, x, laws_at_frame);
     if (!off_sd) return lost("fit");
-    if (*off_sd < kPolicy.effects.agrees_sd) return true;
+    if (*off_sd < kPolicy.effects.agrees_sd) return done();
     const bool whole = *off_sd >= kPolicy.bodies.look_again_sd;
     if (whole) begin_again();
     if (pass >= kOldDerivativePasses && !extension->linearise(problem, x, laws_at_frame, true))

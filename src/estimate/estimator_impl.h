@@ -14,6 +14,7 @@
 #include "extended_frame.h"
 #include "problem.h"
 #include "softarm/estimate/estimator.h"
+#include "swing_filter.h"
 #include "tip_motion.h"
 #include "white_noise.h"
 #include "window.h"
@@ -105,6 +106,13 @@ struct Estimator::Impl {
   /// Adds what this frame says to the window; fits it again where that ends a change.
   bool share();
 
+  // --- an arm that is followed through its swings, estimator_swing.cpp ---
+  /// Before the fit: where the arm is in its swing, and under which gravity it is at rest so.
+  void follow_swing(const trial::Frame& frame, const std::vector<arm::SegmentPrediction>& laws);
+  /// After it: how the bodies follow from the inputs, and the modes, where the arm has moved on.
+  void look_at_swing();
+  std::vector<arm::SegmentPrediction> segments_of_modes() const;
+
   // --- steps 2 to 4 with effects of the arm file in the model ---
   bool solve_with_effects();
   /// Where the line of effects is that of the frame before: a first step, and the line moved to its end.
@@ -181,8 +189,22 @@ struct Estimator::Impl {
   std::optional<std::vector<arm::SegmentPrediction>> laws_given;  ///< to the problem
   Eigen::Vector3d inertia = Eigen::Vector3d::Zero();  ///< by what this frame's rod feels another gravity
   TipMotion motion;                                   ///< with a window only
-  WhiteNoise noise;                                   ///< with a window only
-  VectorXd influence;                                 ///< of each block of rows of the bodies, see settle()
+  WhiteNoise noise;                                   ///< with a window or `swing` only
+  std::optional<SwingFilter> swing;
+  CommonOffsets swing_errors;                               ///< of the frame
+  Eigen::Vector3d swing_gravity = Eigen::Vector3d::Zero();  ///< the same: beyond the true one
+  std::vector<arm::SegmentPrediction> swing_laws;           ///< the same
+  std::optional<VectorXd> last_x_by_laws;                   ///< of the last frame that had inputs
+  std::vector<Eigen::Matrix3Xd> bodies_by_x;                ///< of the last fit; empty: none yet
+  /// What the modes are of.
+  struct ModesAt {
+    Eigen::Matrix3Xd bodies;
+    std::vector<double> stiffness_nm2;
+    double payload_kg = 0.0;
+    Eigen::Vector3d gravity_base = Eigen::Vector3d::Zero();
+  };
+  std::optional<ModesAt> modes_at;
+  VectorXd influence;  ///< of each block of rows of the bodies, see settle()
   const std::vector<model::Present> effects;
   std::unique_ptr<ExtendedFrame> extension;           ///< of an arm with effects
   std::vector<arm::SegmentPrediction> laws_at_frame;  ///< with the inputs as the effects change them

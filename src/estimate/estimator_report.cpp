@@ -137,6 +137,7 @@ void Estimator::Impl::residuals_and_chi_square() {
       rows += 2;
     }
   }
+  chi2 -= by_common_errors(problem);
   const auto parameters = problem.belief() ? std::lround(determined_by_bodies(problem, x))
                                            : std::count(estimated.begin(), estimated.end(), true);
   estimate.degrees_of_freedom = std::max(0, rows - static_cast<int>(parameters));

@@ -131,7 +131,7 @@ bool Estimator::Impl::solve() {
 }
 
 double Estimator::Impl::distance(const Observation& o) const {
-  return (problem.position(o) - o.p).norm() / problem.position_sd(o);
+  return (problem.position(o) - o.p).norm() / std::hypot(problem.position_sd(o), problem.displaced_sd(o));
 }
 
 Estimator::Impl::Distances Estimator::Impl::distances() const {
@@ -139,7 +139,7 @@ Estimator::Impl::Distances Estimator::Impl::distances() const {
   for (const Observation& o : problem.observations()) {
     if (!o.used) continue;
     d.largest = std::max(d.largest, distance(o));
-    d.sum_of_squares += distance(o) * distance(o);
+    d.sum_of_squares += (problem.position(o) - o.p).squaredNorm() / std::pow(problem.position_sd(o), 2);
     ++d.used;
   }
   return d;

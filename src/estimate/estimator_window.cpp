@@ -62,7 +62,7 @@ VectorXd Estimator::Impl::placement_variance() const {
   const Index offsets = offsets_of_body(options);
   VectorXd variance(errors());
   variance.segment<kMotions>(motions()).setConstant(kLeastMotion * kLeastMotion);
-  variance.tail(law.gains.cols()).setConstant(law.gain_variance);
+  variance.tail(law.gains.cols()) = law.gain_variance;
   for (std::size_t i = 0; i < arm.bodies.size(); ++i) {
     const auto of = variance.segment(offsets * static_cast<Index>(i), offsets);
     const double place_m = std::max(arm.bodies[i].placement_sd_m, kPolicy.window.least_offset_m);
@@ -159,7 +159,7 @@ VectorXd Estimator::Impl::parameters_of(const Window::Posture& posture) const {
     held[static_cast<std::size_t>(i)] = false;
     if (!(law.information[i] > 0.0)) continue;
     const double variance = mean.shared(i, i) * mean.shared(i, i) / law.information[i] +
-                            law.jitter_variance[i] + law.gain_variance * mean.gains.row(i).squaredNorm();
+                            law.jitter_variance[i] + mean.gains.row(i).cwiseAbs2() * law.gain_variance;
     own.information(i, i) += 1.0 / variance;
     own.weighted[i] += (by_law[i] - at[i]) / variance;
   }
@@ -187,7 +187,7 @@ void Estimator::Impl::linearise_postures() {
 
 void Estimator::Impl::settle() {
   if (!window) return;
-  motion.add(estimate.stamp_s, tip());
+  if (!swing) motion.add(estimate.stamp_s, tip());
   influence = VectorXd::Ones(rows().blocks());
   if (options.objective != arm::Objective::kLeastSquares || !problem.noise_weights()) return;
   double moved = settle_from_here();
@@ -222,6 +222,7 @@ double Estimator::Impl::settle_from_here() {
   last_offsets = found.tail(placement.size());
   const Evidence of_x = without_last(with_bodies(), placement.size());
   covariance = covariance_from(of_x.information, estimated);
+  if (extension) extension->set_errors(found.tail(law.of_effects));
   const VectorXd way = move_to(of_x, most_probable_motion(own, found));
   double moved = 0.0;  // in standard deviations
   for (Index i = 0; i < n; ++i) {
@@ -304,6 +305,8 @@ double Estimator::Impl::inertia_share() const {
 }
 
 Vector3d Estimator::Impl::inertia_variance() const {
+  // What the frame's rod has of its swing is in its gravity.
+  if (swing) return swing->gravity_by_error().rowwise().squaredNorm();
   const double share = inertia_share();
   return share * share * motion.acceleration_variance();
 }
@@ -333,15 +336,22 @@ Window::Entry Estimator::Impl::entry() const {
     stated.segment<3>(3 * block).setConstant(entry.rows.weight[block] > 0.0 ? influence[block] / (sd * sd)
                                                                             : 0.0);
   }
-  Evidence bodies = entry.rows.evidence(entry.rows.measured, stated);
+  VectorXd as_driven = entry.rows.measured;
+  FrameLaw law_there = law;
+  if (law.of_effects > 0) {
+    const VectorXd& off = extension->at().errors;
+    as_driven -= entry.rows.j.rightCols(law.of_effects) * off;
+    law_there.centre += law.by_effects() * off;
+  }
+  Evidence bodies = entry.rows.evidence(as_driven, stated);
   bodies = moving(std::move(bodies), repeats);
-  entry.motion = inertia_share() * motion.acceleration();
+  if (!swing) entry.motion = inertia_share() * motion.acceleration();
   entry.motion_variance = inertia_variance();
-  entry.evidence = evidence_on_shared(law, bodies.information.topLeftCorner(x.size(), x.size()),
+  entry.evidence = evidence_on_shared(law_there, bodies.information.topLeftCorner(x.size(), x.size()),
                                       bodies.weighted.head(x.size()), repeats);
   entry.rows.weight = entry.rows.weight.cwiseProduct(influence);
   entry.law = law;
-  entry.place = {problem.rod().gravity_m_s2 - inertia, laws_given,
+  entry.place = {problem.rod().gravity_m_s2 - inertia - swing_gravity, laws_given,
                  extension ? std::optional<EffectsAt>(extension->at()) : std::nullopt,
                  problem.solver().q_tip()};
   const Distances now = distances();

@@ -23,12 +23,17 @@ ExtendedFrame::ExtendedFrame(const arm::Arm& arm, const std::vector<model::Prese
                              const Problem& problem)
     : arm_(arm), online_(arm, effects) {
   at_.x = VectorXd::Zero(problem.NumParameters());
+  at_.errors = VectorXd::Zero(online_.size_errors());
+  at_.errors_as_x = Eigen::MatrixXd::Zero(problem.NumParameters(), online_.size_errors());
+  other_drives_.resize(static_cast<std::size_t>(online_.size_errors()));
   const auto bodies = static_cast<Eigen::Index>(arm.bodies.size());
   solved_by_laws_ = {Eigen::Matrix3Xd::Zero(3, bodies), Eigen::Matrix3Xd::Zero(3, bodies)};
   for (std::size_t b = 0; b < arm.bodies.size(); ++b) {
     EffectsAt::OnBody body;
     body.p_by_x = Eigen::Matrix3Xd::Zero(3, problem.NumParameters());
     body.tangent_by_x = body.p_by_x;
+    body.p_by_error = body.tangent_by_error = Eigen::Matrix3Xd::Zero(3, online_.size_errors());
+    body.p_beyond_x = body.tangent_beyond_x = body.p_by_error;
     at_.bodies.push_back(std::move(body));
   }
 }
@@ -40,6 +45,7 @@ void ExtendedFrame::reset() {
   off_sd_per_way_.reset();
   solved_x_.reset();
   derivative_of_.clear();
+  at_.errors.setZero();
 }
 
 const trial::Frame& ExtendedFrame::begin(const trial::Frame& frame, const Eigen::Isometry3d& base) {
@@ -72,9 +78,8 @@ VectorXd ExtendedFrame::within_range(const Problem& problem, const VectorXd& x) 
   return y;
 }
 
-bool ExtendedFrame::solve(const Problem& problem, const VectorXd& x,
-                          const std::vector<arm::SegmentPrediction>& laws) {
-  if (solved_x_ && *solved_x_ == x) return true;
+std::vector<arm::SegmentPrediction> ExtendedFrame::segments_at(
+    const Problem& problem, const VectorXd& x, const std::vector<arm::SegmentPrediction>& laws) const {
   std::vector<arm::SegmentPrediction> segments = laws;
   for (int i = 0; i < static_cast<int>(segments.size()); ++i) {
     arm::SegmentPrediction& segment = segments[static_cast<std::size_t>(i)];
@@ -84,11 +89,21 @@ bool ExtendedFrame::solve(const Problem& problem, const VectorXd& x,
     segment.curvature_per_m.setZero();
     segment.length_m = rest * x[Problem::column(i, 3)];
   }
+  return segments;
+}
+
+Eigen::Quaterniond ExtendedFrame::turned(const Problem& problem) const {
+  return near_tip_ ? problem.solver().q_tip() * near_tip_->conjugate() : Eigen::Quaterniond::Identity();
+}
+
+bool ExtendedFrame::solve(const Problem& problem, const VectorXd& x,
+                          const std::vector<arm::SegmentPrediction>& laws) {
+  if (solved_x_ && *solved_x_ == x) return true;
   solved_x_.reset();
-  const Eigen::Quaterniond& tip = problem.solver().q_tip();
-  const Eigen::Quaterniond turned = near_tip_ ? tip * near_tip_->conjugate() : Eigen::Quaterniond::Identity();
-  if (!online_.solve(segments, Problem::kPayloadUnit * x[problem.payload_column()], turned)) return false;
-  solved_tip_ = tip;
+  if (!online_.solve(segments_at(problem, x, laws), Problem::kPayloadUnit * x[problem.payload_column()],
+                     turned(problem)))
+    return false;
+  solved_tip_ = problem.solver().q_tip();
   solved_x_ = x;
   return true;
 }
@@ -199,9 +214,13 @@ bool ExtendedFrame::linearise(Problem& problem, const VectorXd& x,
   const std::optional<Difference> here = difference(problem, y, laws);
   if (!here) return false;
   start_here();
-  if ((anew || !derivative_holds(problem, y)) && !differentiate(problem, y, laws, *here)) {
-    derivative_of_.clear();
-    return false;
+  if (anew || !derivative_holds(problem, y)) {
+    look_at_errors(problem, y, laws);
+    if (!differentiate(problem, y, laws, *here)) {
+      derivative_of_.clear();
+      return false;
+    }
+    if (errors() > 0 && problem.evaluate(y)) split_errors(problem);
   }
   put_line(y, *here);
   return true;
@@ -255,6 +274,16 @@ void ExtendedFrame::correct_derivative(const Problem& problem, const VectorXd& w
   }
 }
 
+double ExtendedFrame::errors_off_sd(const Problem& problem) const {
+  double most = 0.0;
+  if (at_.errors.isZero(0.0)) return most;
+  for (const Observation& o : problem.observations()) {
+    const EffectsAt::OnBody& body = at_.bodies[static_cast<std::size_t>(o.body)];
+    most = std::max(most, (body.p_by_error * at_.errors).norm() / problem.position_sd(o));
+  }
+  return most;
+}
+
 bool ExtendedFrame::is_solved_near(const Problem& problem) const {
   if (!solved_x_) return false;
   return std::all_of(problem.observations().begin(), problem.observations().end(), [&](const Observation& o) {
@@ -268,7 +297,16 @@ bool ExtendedFrame::is_solved_near(const Problem& problem) const {
 
 bool ExtendedFrame::keep(const Problem& problem, const VectorXd& x,
                          const std::vector<arm::SegmentPrediction>& laws) {
-  if (!is_solved_near(problem) && !solve(problem, within_range(problem, x), laws)) return false;
+  if (errors_off_sd(problem) >= kPolicy.effects.agrees_sd) {
+    const VectorXd y = within_range(problem, x);
+    solved_x_.reset();
+    if (!online_.solve_leaning(at_.errors, segments_at(problem, y, laws),
+                               Problem::kPayloadUnit * y[problem.payload_column()], turned(problem)))
+      return false;
+    solved_tip_ = problem.solver().q_tip();
+  } else if (!is_solved_near(problem) && !solve(problem, within_range(problem, x), laws)) {
+    return false;
+  }
   online_.keep();
   near_tip_ = solved_tip_;
   return true;

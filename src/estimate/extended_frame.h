@@ -40,6 +40,24 @@ class ExtendedFrame {
                                               double payload_kg) {
     return online_.start_variance(laws, payload_kg);
   }
+  /// Numbers of the effects that are known to a standard deviation only.
+  int errors() const { return online_.size_errors(); }
+  /// What the laws say of the frame that was begun, laws(inputs), as what depends on the effects' numbers.
+  void set_laws(const std::vector<arm::SegmentPrediction>& laws);
+  /// By what those of x that they say move where a number is a standard deviation off, a column each.
+  Eigen::MatrixXd laws_by_errors(const std::vector<arm::SegmentPrediction>& laws,
+                                 const std::vector<double>& reference_stiffness) const;
+  /// Works out anew what errors of the numbers do, where x is far from where that was done.
+  /// @return whether it was
+  bool renew_errors(Problem& problem, const Eigen::VectorXd& x,
+                    const std::vector<arm::SegmentPrediction>& laws);
+  /// The numbers are off by so many standard deviations.
+  void set_errors(const Eigen::VectorXd& errors) { at_.errors = errors; }
+  /// The arm moves, as at rest under this gravity.
+  void set_gravity(const Eigen::Vector3d& gravity_base) {
+    online_.set_gravity(gravity_base);
+    solved_x_.reset();
+  }
   /// What begin() gave.
   const trial::Frame& frame() const { return frame_; }
   /// Of the frame that was begun: what acts as a moment where that is not what the laws' other parts follow.
@@ -72,6 +90,14 @@ class ExtendedFrame {
   struct OfBodies {
     Eigen::Matrix3Xd p, tangent;
   };
+  /// What drives the frame where a number of the effects is off by so much; as it is: nothing.
+  struct OtherDrive {
+    std::vector<arm::SegmentPrediction> laws;
+    std::optional<double> payload_kg;
+  };
+  std::vector<arm::SegmentPrediction> segments_at(const Problem& problem, const Eigen::VectorXd& x,
+                                                  const std::vector<arm::SegmentPrediction>& laws) const;
+  Eigen::Quaterniond turned(const Problem& problem) const;
   using Difference = OfBodies;  ///< with effects less without
   /// The bodies of what was evaluated last are those of the last solution.
   bool is_solved_near(const Problem& problem) const;
@@ -85,6 +111,13 @@ class ExtendedFrame {
   void put_line(const Eigen::VectorXd& x, const Difference& difference);
   bool differentiate(Problem& problem, const Eigen::VectorXd& x,
                      const std::vector<arm::SegmentPrediction>& laws, const Difference& here);
+  /// What errors of the effects' numbers do at x, of which the last solution is; to be split by what x can
+  /// do.
+  void look_at_errors(const Problem& problem, const Eigen::VectorXd& x,
+                      const std::vector<arm::SegmentPrediction>& laws);
+  void split_errors(const Problem& problem);
+  /// By how much the numbers' errors displace the body that is seen for which that is most, in its sd.
+  double errors_off_sd(const Problem& problem) const;
   bool derivative_holds(const Problem& problem, const Eigen::VectorXd& x) const;
   /// By what each parameter may move on before D is worked out anew.
   Eigen::VectorXd reach(const Problem& problem) const;
@@ -97,6 +130,7 @@ class ExtendedFrame {
   model::OnlineEffects online_;
   trial::Frame frame_;
   arm::InputValues moment_inputs_;
+  std::vector<std::optional<OtherDrive>> other_drives_;  ///< by number
   EffectsAt at_;
   bool line_ = false;                        ///< at_ is the line of this frame or the last
   bool of_this_frame_ = false;               ///< the line
@@ -104,7 +138,8 @@ class ExtendedFrame {
   std::optional<Eigen::VectorXd> solved_x_;  ///< of the last solution with effects
   Eigen::Quaterniond solved_tip_ = Eigen::Quaterniond::Identity();  ///< by the laws alone there
   std::optional<Eigen::Quaterniond> near_tip_;                      ///< the same of where solutions begin
-  OfBodies solved_by_laws_;  ///< where the laws alone have the bodies there
+  OfBodies solved_by_laws_;   ///< where the laws alone have the bodies there
+  Eigen::VectorXd errors_x_;  ///< where what errors do was worked out
   // Where D is of.
   Eigen::VectorXd derivative_x_;
   std::vector<bool> derivative_of_;  ///< parameters

@@ -75,6 +75,22 @@ struct Policy {
     double least_offset_rad = 1e-5;
   } window;
 
+  /// An arm that is followed through its swings (`dynamics: modal`).
+  struct Swing {
+    int modes = 2;            ///< of lowest frequency: in two planes
+    double unknown = 0.1;     ///< of the arm's length, the body farthest off: how far a hand may have bent it
+    double walk = 0.0015;     ///< the same, per root of a second, by which equilibria move as no law says
+    double inputs_rel = 0.2;  ///< of what the laws say that inputs move them by: its standard deviation
+    double spring_rel = 0.15;  ///< the same of a mode's stiffness: of EI and of what moves,
+    double spring_s = 0.1;     ///< ... as if that changed in a part of a swing
+    double by_chance = 1e-4;   ///< with which what a mode does is noise
+    double jump = 0.1;  ///< of the length, from frame to frame: no arm swings so, and the body is wrong
+    double least_information = 1e-6;  ///< on the mode that bodies tell least, relative
+    /// Modes are drawn anew where a body is this share of the length from where it was then, or what they
+    /// depend on has changed by this share. A tenth of EI or of the mass changes a frequency by a twentieth.
+    double redraw = 0.1;
+  } swing;
+
   /// Effects of the arm file, which a fit has as a line about a place.
   struct Effects {
     /// Between the line and what the effects do, at a body, in its standard deviations; also between the
@@ -88,6 +104,7 @@ struct Policy {
     double slope_holds_payload = 0.5;       ///< the same, in units of the problem's payload,
     double slope_holds_gravity_m_s2 = 0.5;  ///< ... of the base's attitude,
     double slope_holds_s = 0.5;             ///< ... and of what effects remember
+    double errors_hold = 0.5;  ///< the same, in shares of these, for what errors of the effects' numbers do
     /// Length over that at rest, within which effects are worked out: a fit on its way may be beyond.
     double least_length = 0.5, most_length = 2.0;
     /// What a line is off by is expected to go with the way, in shares of slope_holds. Of ways below

@@ -67,7 +67,7 @@ FrameLaw frame_law(const arm::Arm& arm, const arm::LawPrior& prior,
                    const arm::InputValues& inputs) {
   const int count = static_cast<int>(arm.segments.size()) * kSegmentParameters + 1;
   FrameLaw law;
-  law.centre = VectorXd::Zero(count);
+  law.centre = x_by_laws(arm, predictions, reference_stiffness);
   law.shared = MatrixXd::Identity(count, count);
   law.jitter_variance = VectorXd::Zero(count);
   law.information = VectorXd::Zero(count);
@@ -76,10 +76,8 @@ FrameLaw frame_law(const arm::Arm& arm, const arm::LawPrior& prior,
       gains_apart ? gains_of(arm) : std::vector<arm::ConstantRef>();
   const auto shared_gains = 2 * static_cast<Eigen::Index>(arm.segments.size());
   law.gains = MatrixXd::Zero(count, shared_gains + static_cast<Eigen::Index>(actuators.size()));
-  if (gains_apart) {
-    const double sd = prior.enabled ? std::max(prior.moment_sd_rel, kLeastGain) : kLeastGain;
-    law.gain_variance = sd * sd;
-  }
+  const double gain_sd = prior.enabled ? std::max(prior.moment_sd_rel, kLeastGain) : kLeastGain;
+  law.gain_variance = VectorXd::Constant(law.gains.cols(), gains_apart ? gain_sd * gain_sd : 0.0);
   for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
     const auto index = static_cast<std::size_t>(i);
     const arm::SegmentPrediction& now = predictions[index];
@@ -91,7 +89,6 @@ FrameLaw frame_law(const arm::Arm& arm, const arm::LawPrior& prior,
     // At another flexibility the law's moment makes another curvature; a cable's curvature stays.
     for (int k = 0; k < 2; ++k) {
       const int j = Problem::column(i, k);
-      law.centre[j] = rest * (now.moment_nm[k] * flexibility / reference + now.curvature_per_m[k]);
       law.shared(j, j) = curvature_per_moment;
       law.shared(j, ic) = curvature_per_moment * now.moment_nm[k];
       const double jitter = curvature_per_moment * prior.moment_jitter_sd_nm;
@@ -105,9 +102,7 @@ FrameLaw frame_law(const arm::Arm& arm, const arm::LawPrior& prior,
     const Eigen::Vector2d along = curvature_per_moment * now.actuation_nm();
     law.gains.block<2, 1>(Problem::column(i, 0), 2 * i) = std::sqrt(kSharedByGains) * along;
     law.gains.block<2, 1>(Problem::column(i, 0), 2 * i + 1) = Eigen::Vector2d(-along.y(), along.x());
-    law.centre[ic] = flexibility;
     law.shared(ic, ic) = flexibility;
-    law.centre[il] = now.length_m / rest;
     law.shared(il, il) = 1.0 / rest;
     const double jitter = prior.length_jitter_sd_m / rest;
     law.jitter_variance[il] = prior.enabled ? jitter * jitter : -1.0;
@@ -125,6 +120,29 @@ FrameLaw frame_law(const arm::Arm& arm, const arm::LawPrior& prior,
         actuation_by(arm, actuators[a], inputs);
   }
   return law;
+}
+
+VectorXd x_by_laws(const arm::Arm& arm, const std::vector<arm::SegmentPrediction>& predictions,
+                   const std::vector<double>& reference_stiffness) {
+  VectorXd x = VectorXd::Zero(static_cast<Eigen::Index>(predictions.size()) * kSegmentParameters + 1);
+  for (std::size_t i = 0; i < predictions.size(); ++i) {
+    const arm::SegmentPrediction& now = predictions[i];
+    const double rest = arm.segments[i].length_m;
+    const Eigen::Index first = Problem::column(static_cast<int>(i), 0);
+    x.segment<2>(first) = rest * (now.moment_nm / now.bending_stiffness_nm2 + now.curvature_per_m);
+    x[first + 2] = reference_stiffness[i] / now.bending_stiffness_nm2;
+    x[first + 3] = now.length_m / rest;
+  }
+  return x;
+}
+
+void allow_for_effects(const MatrixXd& by_errors, FrameLaw& law) {
+  const Eigen::Index before = law.gains.cols(), more = by_errors.cols();
+  law.gains.conservativeResize(Eigen::NoChange, before + more);
+  law.gains.rightCols(more) = by_errors;
+  law.gain_variance.conservativeResize(before + more);
+  law.gain_variance.tail(more).setOnes();
+  law.of_effects = more;
 }
 
 void allow_for_memory(const arm::LawPrior& prior, const arm::LawMemory& memory,
@@ -186,7 +204,18 @@ Belief belief_of_frame(const FrameLaw& law, const MatrixXd& z_information, const
   const MatrixXd inverse = law.shared.inverse();
   Evidence x{inverse.transpose() * z_information * inverse, inverse.transpose() * z_weighted};
   integrate_out(law.jitter_variance, x);
-  return belief_about_centre(law, x);
+  const MatrixXd by_effects = law.by_effects();
+  if (by_effects.isZero(0.0)) return belief_about_centre(law, x);
+  // Errors of variance 1 that add to x: Woodbury's identity.
+  const MatrixXd informed = x.information * by_effects;
+  MatrixXd of_errors = by_effects.transpose() * informed;
+  of_errors.diagonal().array() += 1.0;
+  const MatrixXd gain = math::SymmetricSolver(of_errors).solve_columns(informed.transpose()).transpose();
+  x.weighted -= gain * (by_effects.transpose() * x.weighted);
+  x.information -= gain * informed.transpose();
+  Belief belief = belief_about_centre(law, x);
+  belief.by_effects = by_effects;
+  return belief;
 }
 
 Belief belief_about_centre(const FrameLaw& law, const Evidence& x) {

@@ -15,6 +15,8 @@ namespace softarm::estimate {
 struct Belief {
   Eigen::VectorXd mean;
   Eigen::MatrixXd information;  ///< P x P, positive semi-definite
+  /// What errors of the effects' numbers, in standard deviations, add to the mean; they are in `information`.
+  Eigen::MatrixXd by_effects = {};
 
   /// Rows S with S^T S = information, for a least-squares fit to S (x - mean).
   Eigen::MatrixXd rows() const;
@@ -36,9 +38,17 @@ struct FrameLaw {
   /// What errors of the gains add to x: two per segment, of its moment along it, as all its gains share it,
   /// and across; and one for each actuator's own. A gain that is off errs with the moment: frames of
   /// different moments tell it from a constant error, which z has.
+  /// Behind them, with a variance of 1, the errors of the effects' numbers.
   Eigen::MatrixXd gains;
-  double gain_variance = 0.0;  ///< of each; where it is 0 their error is in `information`
+  Eigen::VectorXd gain_variance;  ///< where it is 0 their error is in `information`
+  Eigen::Index of_effects = 0;    ///< of the columns
+
+  auto by_effects() const { return gains.rightCols(of_effects); }
 };
+
+/// The parameters x that predictions make.
+Eigen::VectorXd x_by_laws(const arm::Arm& arm, const std::vector<arm::SegmentPrediction>& predictions,
+                          const std::vector<double>& reference_stiffness);
 
 /// @param predictions one per segment where the inputs are known; else those of the laws at no input
 /// @param reference_stiffness the flexibility 1 of each segment
@@ -48,6 +58,9 @@ FrameLaw frame_law(const arm::Arm& arm, const arm::LawPrior& prior,
                    const std::vector<arm::SegmentPrediction>& predictions,
                    const std::vector<double>& reference_stiffness, bool gains_apart = false,
                    const arm::InputValues& inputs = {});
+
+/// Adds the errors of the effects' numbers. @param by_errors what a standard deviation of each adds to x
+void allow_for_effects(const Eigen::MatrixXd& by_errors, FrameLaw& law);
 
 /// Adds what is not known of the memories of walls and effects: of how they were when the recording began,
 /// and of gaps. Only where the prior is enabled.

@@ -107,7 +107,8 @@ double Problem::paper_weight(const Observation& o) const {
 }
 
 double Problem::position_weight(const Observation& o) const {
-  if (noise_weights_) return 1.0 / position_sd(o);
+  // Laws that are believed would take what the bodies have in common for a body far off.
+  if (noise_weights_) return 1.0 / (belief_ ? std::hypot(position_sd(o), displaced_sd(o)) : position_sd(o));
   // Least squares weights distances squared, the sum of distances weights distances: c_i in either.
   const double c = paper_weight(o) * arm_.total_length_m();
   return (options_.objective == arm::Objective::kSumOfDistances ? c : std::sqrt(c)) / position_sd(o);
@@ -194,18 +195,23 @@ void Problem::chain(const Eigen::Ref<const Eigen::Matrix3Xd>& by_rod, Eigen::Mat
 Vector3d Problem::position(const Observation& o) const {
   if (effects_ == nullptr) return position_by_laws(o);
   const EffectsAt::OnBody& effect = effects_->bodies[static_cast<std::size_t>(o.body)];
-  return position_by_laws(o) + effect.p + effect.p_by_x * (last_x_ - effects_->x);
+  return position_by_laws(o) + effect.p + effect.p_by_x * (last_x_ - effects_->x) +
+         effect.p_by_error * effects_->errors;
 }
 
 Vector3d Problem::tangent(const Observation& o) const {
   const Vector3d by_laws = model::tangent_of(solver_.station(o.body));
   if (effects_ == nullptr) return by_laws;
   const EffectsAt::OnBody& effect = effects_->bodies[static_cast<std::size_t>(o.body)];
-  return (by_laws + effect.tangent + effect.tangent_by_x * (last_x_ - effects_->x)).normalized();
+  return (by_laws + effect.tangent + effect.tangent_by_x * (last_x_ - effects_->x) +
+          effect.tangent_by_error * effects_->errors)
+      .normalized();
 }
 
 Vector3d Problem::measured_for_laws(const Observation& o) const {
-  return effects_ == nullptr ? o.p : Vector3d(o.p - effects_->bodies[static_cast<std::size_t>(o.body)].p);
+  if (effects_ == nullptr) return o.p;
+  const EffectsAt::OnBody& effect = effects_->bodies[static_cast<std::size_t>(o.body)];
+  return o.p - effect.p - effect.p_by_error * effects_->errors;
 }
 
 Vector3d Problem::tangent_for_laws(const Observation& o) const {
@@ -217,12 +223,49 @@ Vector3d Problem::position_by_laws(const Observation& o) const {
   return model::position_on(body_of(o), solver_.station(o.body));
 }
 
-void Problem::position_jacobian(const Observation& o, Eigen::Matrix3Xd& j) const {
+Eigen::Index Problem::errors() const {
+  return (effects_ == nullptr ? 0 : effects_->errors.size()) +
+         (motion_ == nullptr || motion_->p.empty() ? 0 : motion_->p[0].cols());
+}
+
+Eigen::Matrix3Xd Problem::position_by_errors(const Observation& o, const Eigen::Matrix3Xd& j) const {
+  const auto body = static_cast<std::size_t>(o.body);
+  Eigen::Matrix3Xd by(3, errors());
+  if (effects_ != nullptr && effects_->errors.size() > 0)
+    by.leftCols(effects_->errors.size()) = j * effects_->errors_as_x + effects_->bodies[body].p_beyond_x;
+  if (motion_ != nullptr && !motion_->p.empty()) by.rightCols(motion_->p[body].cols()) = motion_->p[body];
+  return by;
+}
+
+Eigen::Matrix3Xd Problem::tangent_by_errors(const Observation& o, const Eigen::Matrix3Xd& j) const {
+  const auto body = static_cast<std::size_t>(o.body);
+  Eigen::Matrix3Xd by(3, errors());
+  if (effects_ != nullptr && effects_->errors.size() > 0)
+    by.leftCols(effects_->errors.size()) =
+        j * effects_->errors_as_x + effects_->bodies[body].tangent_beyond_x;
+  if (motion_ != nullptr && !motion_->tangent.empty())
+    by.rightCols(motion_->tangent[body].cols()) = motion_->tangent[body];
+  return by;
+}
+
+double Problem::displaced_sd(const Observation& o) const {
+  const auto body = static_cast<std::size_t>(o.body);
+  double square = 0.0;
+  if (effects_ != nullptr) square += effects_->bodies[body].p_by_error.squaredNorm();
+  if (motion_ != nullptr && !motion_->p.empty()) square += motion_->p[body].squaredNorm();
+  return std::sqrt(square / 3.0);
+}
+
+void Problem::position_jacobian_by_laws(const Observation& o, Eigen::Matrix3Xd& j) const {
   if (model::is_off_axis(body_of(o))) {
     chain(model::position_by_rod(body_of(o), o.body, solver_), j);
   } else {  // the same without a copy
     chain(solver_.dp(o.body), j);
   }
+}
+
+void Problem::position_jacobian(const Observation& o, Eigen::Matrix3Xd& j) const {
+  position_jacobian_by_laws(o, j);
   if (effects_ != nullptr) add_free(effects_->bodies[static_cast<std::size_t>(o.body)].p_by_x, j);
 }
 
@@ -242,9 +285,13 @@ Eigen::Matrix3d Problem::tangent_by_gravity(const Observation& o) const {
   return model::tangent_derivative(solver_.station(o.body), solver_.drotation(o.body).rightCols<3>());
 }
 
-void Problem::tangent_jacobian(const Observation& o, Eigen::Matrix3Xd& j) const {
+void Problem::tangent_jacobian_by_laws(const Observation& o, Eigen::Matrix3Xd& j) const {
   chain(solver_.drotation(o.body), j);
   j = model::tangent_derivative(solver_.station(o.body), j);
+}
+
+void Problem::tangent_jacobian(const Observation& o, Eigen::Matrix3Xd& j) const {
+  tangent_jacobian_by_laws(o, j);
   if (effects_ != nullptr) add_free(effects_->bodies[static_cast<std::size_t>(o.body)].tangent_by_x, j);
 }
 

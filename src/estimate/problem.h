@@ -30,9 +30,21 @@ struct EffectsAt {
     Eigen::Vector3d p = Eigen::Vector3d::Zero();        ///< shift, m
     Eigen::Vector3d tangent = Eigen::Vector3d::Zero();  ///< change of the tangent
     Eigen::Matrix3Xd p_by_x, tangent_by_x;
+    /// More of both where a number of the effects is a standard deviation off, a column each; and what of
+    /// that no change of x makes.
+    Eigen::Matrix3Xd p_by_error, tangent_by_error, p_beyond_x, tangent_beyond_x;
   };
   Eigen::VectorXd x;
+  /// The change of x that makes nearly the same as such an error. What frames cannot tell from x they never
+  /// can: it has x's derivatives of the frame, wherever it was worked out.
+  Eigen::MatrixXd errors_as_x;
+  Eigen::VectorXd errors;      ///< the numbers' most probable errors, in standard deviations
   std::vector<OnBody> bodies;  ///< by index into Arm::bodies
+};
+
+/// By what the bodies are off together, each body by a standard deviation of each of some errors: 3 x errors.
+struct CommonOffsets {
+  std::vector<Eigen::Matrix3Xd> p, tangent;  ///< by index into Arm::bodies
 };
 
 /// Residuals of one frame for ceres::TinySolver.
@@ -70,6 +82,14 @@ class Problem {
   const std::optional<Belief>& belief() const { return belief_; }
   /// @param effects kept by reference, until the next call; nullptr: none
   void set_effects(const EffectsAt* effects) { effects_ = effects; }
+  const EffectsAt* effects() const { return effects_; }
+  /// What is not known of the arm's motion; kept by reference, nullptr: nothing.
+  void set_motion(const CommonOffsets* motion) { motion_ = motion; }
+  /// Errors that all bodies have in common: of the effects' numbers, and behind them those of the motion.
+  Eigen::Index errors() const;
+  /// What a standard deviation of each adds: 3 x errors(). @param j position_jacobian()
+  Eigen::Matrix3Xd position_by_errors(const Observation& o, const Eigen::Matrix3Xd& j) const;
+  Eigen::Matrix3Xd tangent_by_errors(const Observation& o, const Eigen::Matrix3Xd& j) const;
   /// Counts the rows and forgets cached evaluations: call after the frame's data change.
   void begin();
   /// Forgets the last tip orientation as well: the next evaluation is not tied to an earlier frame.
@@ -102,6 +122,9 @@ class Problem {
   Eigen::Vector3d tangent_for_laws(const Observation& o) const;
   /// d position / d x (3 x P), free or not.
   void position_jacobian(const Observation& o, Eigen::Matrix3Xd& j) const;
+  /// Of the laws' rod alone.
+  void position_jacobian_by_laws(const Observation& o, Eigen::Matrix3Xd& j) const;
+  void tangent_jacobian_by_laws(const Observation& o, Eigen::Matrix3Xd& j) const;
   /// d position / d gravity (base frame); only with a window.
   Eigen::Matrix3d position_by_gravity(const Observation& o) const;
   Eigen::Matrix3d tangent_by_gravity(const Observation& o) const;
@@ -111,6 +134,8 @@ class Problem {
   }
   /// Of a frame by itself; with a window what bodies are off by for good is in it.
   double position_sd(const Observation& o) const { return position_sd_[static_cast<std::size_t>(o.body)]; }
+  /// By what those errors displace it, rms of its coordinates, beside its noise.
+  double displaced_sd(const Observation& o) const;
   double tangent_sd(const Observation& o) const { return tangent_sd_[static_cast<std::size_t>(o.body)]; }
   /// By what the residuals of a body's position and of its tangent are multiplied: 1/sd, or the paper's
   /// weights.
@@ -152,6 +177,7 @@ class Problem {
   std::optional<Belief> belief_;
   Eigen::MatrixXd belief_rows_;
   const EffectsAt* effects_ = nullptr;
+  const CommonOffsets* motion_ = nullptr;
   std::vector<double> reference_stiffness_, position_sd_, tangent_sd_;
   int rows_ = 0;
 

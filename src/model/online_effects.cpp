@@ -49,7 +49,8 @@ OnlineEffects::OnlineEffects(const arm::Arm& arm, const std::vector<Present>& ef
       solver_(arm, Mesh::of(effects_, kSettled_m)),
       history_(arm),
       memories_(effects_),
-      unknown_(arm, effects_) {
+      unknown_(arm, effects_),
+      errors_(arm, effects_) {
   reset();
 }
 
@@ -78,6 +79,7 @@ void OnlineEffects::reset() {
   feedback_ = {};
   memories_.rest();
   unknown_.begin(solver_.fine);
+  errors_.rest();
   sum_.reset();
   first_s_.reset();
   last_s_.reset();
@@ -108,9 +110,10 @@ const OnlineEffects::Driven& OnlineEffects::begin(double stamp_s, const arm::Inp
     series.inputs = series.moment_inputs = values_;
     series.payload_kg = Eigen::VectorXd::Constant(1, payload_kg.value_or(0.0));
   }
-  const Series undriven = unknown_.empty() ? Series() : series;
+  const Series undriven = unknown_.empty() && errors_.count() == 0 ? Series() : series;
   drive(arm_, effects_, series);
   unknown_.drive(undriven, series);
+  errors_.drive(undriven);
   const Eigen::Index end = series.t_s.size() - 1;
 
   now_.t_s = t_s;
@@ -122,18 +125,68 @@ const OnlineEffects::Driven& OnlineEffects::begin(double stamp_s, const arm::Inp
   now_.q_base_mocap = Eigen::Quaterniond(base.linear()).conjugate();
   now_.session_s = t_s;
 
-  driven_.inputs = driven_.moment_inputs = inputs;
-  for (std::size_t k = 0; k < inputs.size(); ++k) {
-    if (!known(k)) continue;
-    driven_.inputs[k] = now_.inputs[static_cast<Eigen::Index>(k)];
-    driven_.moment_inputs[k] = now_.moment_inputs[static_cast<Eigen::Index>(k)];
-  }
-  driven_.payload_kg = payload_kg;
-  if (payload_kg) driven_.payload_kg = now_.payload_kg;
+  given_inputs_ = inputs;
+  given_payload_kg_ = payload_kg;
+  driven_ = driven(now_);
   return driven_;
 }
 
+OnlineEffects::Driven OnlineEffects::driven(const Instant& instant) const {
+  Driven out{given_inputs_, given_inputs_, given_payload_kg_};
+  for (std::size_t k = 0; k < given_inputs_.size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    if (row >= values_.size() || !given_inputs_[k] || !std::isfinite(*given_inputs_[k])) continue;
+    out.inputs[k] = instant.inputs[row];
+    out.moment_inputs[k] = instant.moment_inputs[row];
+  }
+  if (out.payload_kg) out.payload_kg = instant.payload_kg;
+  return out;
+}
+
+OnlineEffects::Driven OnlineEffects::driven_by_error(int k, bool& differs) const {
+  Instant there = now_;
+  errors_.drive(k, there);
+  differs = there.inputs != now_.inputs || there.moment_inputs != now_.moment_inputs ||
+            there.payload_kg != now_.payload_kg;
+  return differs ? driven(there) : driven_;
+}
+
+std::optional<OnlineEffects::Moved> OnlineEffects::moved_by_error(
+    int k, const std::vector<arm::SegmentPrediction>& segments, double payload_kg) {
+  static const Dynamics kStill{false, 0.0};
+  static const Motion kNoMotion;
+  if (!last_.solved) return std::nullopt;
+  Predicted there = last_;
+  errors_.drive(k, there.instant);
+  there.instant.payload_kg = payload_kg;
+  Feedback feedback = feedback_;
+  const InstantSolver::Context context{arm_, errors_.memories(k), kStill, kNoMotion, feedback, &segments};
+  if (!solver_.settle(context, errors_.effects(k), &last_.q_tip, &last_.shape, there)) return std::nullopt;
+  Bodies bodies;
+  solver_.bodies_of_solution(bodies);
+  for (const Present& present : errors_.effects(k))
+    present.effect->observe(arm_, present.values, there.instant, bodies);
+  Moved moved{errors_.scale(k) * (bodies.p - bodies_.p), bodies.p};
+  for (std::size_t b = 0; b < bodies.q.size(); ++b)
+    moved.tangent.col(static_cast<Eigen::Index>(b)) =
+        errors_.scale(k) *
+        ((bodies.q[b] * Eigen::Vector3d::UnitZ()) - bodies_.q[b] * Eigen::Vector3d::UnitZ());
+  return moved;
+}
+
 bool OnlineEffects::solve(const std::vector<arm::SegmentPrediction>& segments, double payload_kg,
+                          const Eigen::Quaterniond& turned) {
+  return solve(effects_, segments, payload_kg, turned);
+}
+
+bool OnlineEffects::solve_leaning(const Eigen::VectorXd& by_sd,
+                                  const std::vector<arm::SegmentPrediction>& segments, double payload_kg,
+                                  const Eigen::Quaterniond& turned) {
+  return solve(errors_.leaning(by_sd), segments, payload_kg, turned);
+}
+
+bool OnlineEffects::solve(const std::vector<Present>& effects,
+                          const std::vector<arm::SegmentPrediction>& segments, double payload_kg,
                           const Eigen::Quaterniond& turned) {
   static const Dynamics kStill{false, 0.0};
   static const Motion kNoMotion;
@@ -143,10 +196,10 @@ bool OnlineEffects::solve(const std::vector<arm::SegmentPrediction>& segments, d
   const InstantSolver::Context context{arm_, memories_.all(), kStill, kNoMotion, feedback, &segments};
   const Eigen::Quaterniond tip = near_ ? turned * near_->q_tip : turned;
   last_.solved =
-      solver_.settle(context, effects_, near_ ? &tip : nullptr, near_ ? &near_->shape : nullptr, last_);
+      solver_.settle(context, effects, near_ ? &tip : nullptr, near_ ? &near_->shape : nullptr, last_);
   if (!last_.solved) return false;
   feedback_ = feedback;
-  observe();
+  observe(effects);
   return true;
 }
 
@@ -160,9 +213,9 @@ std::vector<Eigen::Vector2d> OnlineEffects::start_variance(
                                      segments);
 }
 
-void OnlineEffects::observe() {
+void OnlineEffects::observe(const std::vector<Present>& effects) {
   solver_.bodies_of_solution(bodies_);
-  for (const Present& present : effects_)
+  for (const Present& present : effects)
     present.effect->observe(arm_, present.values, last_.instant, bodies_);
 }
 
@@ -215,6 +268,7 @@ void OnlineEffects::remember() {
   mean.shape.base_force_n /= count;
   memories_.remember(arm_, solver_.fine, mean.instant, mean.shape);
   unknown_.remember(solver_.fine, mean.instant, mean.shape, memories_.all());
+  errors_.remember(solver_.fine, mean.instant, mean.shape);
   remembered_s_ = mean.instant.t_s;
 }
 

@@ -12,6 +12,7 @@
 #include "effect.h"
 #include "instant_solver.h"
 #include "memories.h"
+#include "size_errors.h"
 #include "softarm/arm/arm.h"
 #include "softarm/arm/laws.h"
 #include "unknown_starts.h"
@@ -41,15 +42,35 @@ class OnlineEffects {
   const Driven& begin(double stamp_s, const arm::InputValues& inputs, std::optional<double> payload_kg,
                       const Eigen::Isometry3d& base, const std::vector<trial::InputSample>& samples = {});
 
+  /// Solutions are under this gravity, rod's base frame, until the next begin().
+  void set_gravity(const Eigen::Vector3d& gravity_base) { now_.gravity_base = gravity_base; }
+
   /// @param segments what stands for the laws' predictions
   /// @param turned of the tip, since start_here(), as far as that is known
   /// @return false where there is no equilibrium with the effects
   bool solve(const std::vector<arm::SegmentPrediction>& segments, double payload_kg,
              const Eigen::Quaterniond& turned = Eigen::Quaterniond::Identity());
+  /// The same with the numbers of the effects off by so many standard deviations.
+  bool solve_leaning(const Eigen::VectorXd& by_sd, const std::vector<arm::SegmentPrediction>& segments,
+                     double payload_kg, const Eigen::Quaterniond& turned);
   /// Of each segment's curvature towards x and y, 1/m^2, for what is not known of how the arm was left before
   /// it was first seen. @param segments as in solve()
   std::vector<Eigen::Vector2d> start_variance(const std::vector<arm::SegmentPrediction>& segments,
                                               double payload_kg);
+  /// Numbers of the effects that are known to a standard deviation only, Present::sd.
+  int size_errors() const { return errors_.count(); }
+  /// What drives the frame if one of them is a standard deviation off, as begin() has it for what the file
+  /// says. @param differs from that
+  Driven driven_by_error(int k, bool& differs) const;
+  /// By what a difference so made is to be multiplied.
+  double error_scale(int k) const { return errors_.scale(k); }
+  /// By how much more the bodies of the arm are displaced, and turned, then. After that at() is of no use.
+  /// @param segments, payload_kg as in solve(), of which the last solution is
+  struct Moved {
+    Eigen::Matrix3Xd p, tangent;
+  };
+  std::optional<Moved> moved_by_error(int k, const std::vector<arm::SegmentPrediction>& segments,
+                                      double payload_kg);
   /// The next solves begin at the last solution.
   void start_here();
   /// Of the last solution: bodies of the arm as they are seen, rod's base frame.
@@ -68,7 +89,10 @@ class OnlineEffects {
     Shape shape;
   };
   std::vector<Present> choose(std::vector<Present> all);
-  void observe();
+  Driven driven(const Instant& instant) const;
+  bool solve(const std::vector<Present>& effects, const std::vector<arm::SegmentPrediction>& segments,
+             double payload_kg, const Eigen::Quaterniond& turned);
+  void observe(const std::vector<Present>& effects);
   void remember();
 
   const arm::Arm arm_;
@@ -77,6 +101,8 @@ class OnlineEffects {
   const std::vector<Present> effects_;
   InstantSolver solver_;
   DriveHistory history_;
+  arm::InputValues given_inputs_;
+  std::optional<double> given_payload_kg_;
   Driven driven_;
   Instant now_;
   Predicted last_;                 ///< solution
@@ -85,6 +111,7 @@ class OnlineEffects {
   Feedback feedback_;
   Memories memories_;
   UnknownStarts unknown_;
+  SizeErrors errors_;
   std::optional<Sum> sum_;
   std::optional<double> first_s_, last_s_, remembered_s_;
   Eigen::VectorXd values_;  ///< of the inputs, the last ones known

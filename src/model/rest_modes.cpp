@@ -38,12 +38,18 @@ Flexibility flexibility_of(const arm::Arm& arm, const FineRod& fine, const rod::
 std::optional<Modes> modes_at_no_input(const arm::Arm& arm, double payload_kg, int count) {
   const auto laws = arm::predict(arm, arm::InputValues(arm.inputs.scalars.size(), 0.0));
   if (!laws) return std::nullopt;
+  Eigen::Vector3d gravity = arm.gravity_m_s2;
+  if (!arm.base.body) gravity = arm.base.fixed_pose.linear().transpose() * arm.gravity_m_s2;
+  return modes_at(arm, *laws, payload_kg, gravity, count);
+}
+
+std::optional<Modes> modes_at(const arm::Arm& arm, const std::vector<arm::SegmentPrediction>& segments,
+                              double payload_kg, const Eigen::Vector3d& gravity_base, int count) {
   const FineRod fine(arm);
   rod::Rod rod = fine.layout();
-  fine.actuate(arm, *laws, *laws, rod);
+  fine.actuate(arm, segments, segments, rod);
   rod.loads[rod::kPayloadLoad].mass_kg = payload_kg;
-  rod.gravity_m_s2 = arm.gravity_m_s2;
-  if (!arm.base.body) rod.gravity_m_s2 = arm.base.fixed_pose.linear().transpose() * arm.gravity_m_s2;
+  rod.gravity_m_s2 = gravity_base;
   std::vector<double> stations = body_stations(arm);
   std::vector<rod::Parameter> forces;
   for (int j = 0; j < fine.stations(); ++j) {

@@ -45,6 +45,8 @@ NodeParams NodeParams::read(const ros::NodeHandle& private_nh) {
   if (const auto word = reader.word("objective")) {
     options.objective = parse_or_explain(reader, "objective", *word, arm::parse_objective);
   }
+  if (const auto word = reader.word("dynamics"))
+    options.dynamics = parse_or_explain(reader, "dynamics", *word, arm::parse_dynamics);
   if (const auto value = reader.flag("robust")) options.robust = *value;
   if (const auto value = reader.flag("prior")) options.prior.enabled = *value;
   if (const auto value = reader.number("window", 0.0, 60.0)) options.window_s = *value;

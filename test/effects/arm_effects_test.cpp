@@ -69,6 +69,18 @@ TEST(ArmEffects, WhatIsLeftOutIsUsualAndSizesAreNought) {
   EXPECT_DOUBLE_EQ(list[1].values[0], 0.0);
 }
 
+TEST(ArmEffects, StandardDeviationsComeAlongAndBack) {
+  const arm::Arm arm = shipped_arm("online_200mm");
+  const arm::EffectEntry entry{"creep", {{"share", 0.2, 0.03}, {"time_s", 5.0}}};
+  const model::Present present = effects::effects_of(arm, {entry}).at(0);
+  ASSERT_EQ(present.sd.size(), 2);
+  EXPECT_DOUBLE_EQ(present.sd[0], 0.03);
+  EXPECT_DOUBLE_EQ(present.sd[1], 0.0);
+  const arm::EffectEntry again = effects::entry_of(present);
+  EXPECT_DOUBLE_EQ(again.numbers.at(0).sd.value(), 0.03);
+  EXPECT_FALSE(again.numbers.at(1).sd);
+}
+
 TEST(ArmEffects, AnUnknownVerdictIsADoubt) {
   const std::string path = ::testing::TempDir() + "doubted_arm.yaml";
   const auto doubt = [&](const std::string& more) {
@@ -101,6 +113,8 @@ TEST(ArmEffects, WhatTheCatalogueDoesNotKnowIsOneLine) {
       {{"marker_slip", {{"x_m", 1e-3}}, "arm.yaml:9"}, "key 'effects[0].parameters.body': is missing"},
       {{"marker_slip", {{"x_m", 1e-3}, {"body", 5.0}}, "arm.yaml:9"},
        "value 5 is outside the allowed range [1, 4]"},
+      {{"marker_slip", {{"x_m", 1e-3}, {"body", 2.0, 0.5}}, "arm.yaml:9"},
+       "key 'effects[0].sd.body': value 0.5: it numbers something"},
       {{"marker_slip", {{"x_m", 1e-3}, {"body", 1.5}}, "arm.yaml:9"}, "value 1.5 is not an integer"},
       {{"chamber_mismatch", {{"share", 0.1}, {"chamber", 4.0}}, "arm.yaml:9"}, "[1, 3]"},
   };

@@ -288,6 +288,7 @@ enum class Method { kFullPoints, kEndOrientation, kCcPoints, kCcEndpoint };
 enum class Unknown { kStiffness, kPayload, kBoth };
 enum class Objective { kLeastSquares, kSumOfDistances };
 enum class Weights { kNoise, kPaper };
+enum class Dynamics { kStatic, kModal };
 
 /// Trust in the arm's laws when they serve as a prior. The laws' errors are of two parts: one that stays (a
 /// gain, a zero; common to all frames of a window) and one that comes and goes from frame to frame (the
@@ -316,6 +317,8 @@ struct EstimatorOptions {
   /// Frames of this last time share bending stiffness and payload (and the lasting part of the laws' errors);
   /// 0: each frame by itself.
   double window_s = 0.0;
+  /// modal: the arm is followed through its swings, and a frame's equilibrium is what is fitted.
+  Dynamics dynamics = Dynamics::kStatic;
 };
 
 /// The point at which the payload hangs.

@@ -32,10 +32,12 @@ SOFTARM_EXPORT std::string describe_arm_keys();
 SOFTARM_EXPORT std::string to_string(Method method);
 SOFTARM_EXPORT std::string to_string(Unknown unknown);
 SOFTARM_EXPORT std::string to_string(Objective objective);
+SOFTARM_EXPORT std::string to_string(Dynamics dynamics);
 /// @throws std::invalid_argument naming the allowed words.
 SOFTARM_EXPORT Method parse_method(const std::string& word);
 SOFTARM_EXPORT Unknown parse_unknown(const std::string& word);
 SOFTARM_EXPORT Objective parse_objective(const std::string& word);
+SOFTARM_EXPORT Dynamics parse_dynamics(const std::string& word);
 
 /// Finds and parses an arm file.
 /// @param name a path, or the bare name of a shipped arm ("online_200mm") that is looked up in `directories`

@@ -19,7 +19,7 @@ namespace softarm::effects {
 SOFTARM_EXPORT std::vector<model::Present> effects_of(const arm::Arm& arm,
                                                       const std::vector<arm::EffectEntry>& entries);
 
-/// How an arm file names it. @param sd of its values where they are known; not positive: not of this one
+/// How an arm file names it. @param sd of its values, in place of Present::sd; not positive: not of this one
 SOFTARM_EXPORT arm::EffectEntry entry_of(const model::Present& present,
                                          const std::optional<model::Values>& sd = std::nullopt);
 

@@ -17,6 +17,8 @@ struct Present {
   /// How the trial finds what it remembers, see Effect::starts(), over their standard deviations; empty: at
   /// rest.
   Eigen::VectorXd start = {};
+  /// Standard deviations of the values, 0 where one is known; empty: all are.
+  Values sd = {};
 };
 
 }  // namespace softarm::model

@@ -33,7 +33,7 @@ namespace fs = std::filesystem;
 struct EstimateOptions {
   std::string arm;
   std::vector<std::string> bags;
-  std::optional<std::string> method, unknown, objective, prior;
+  std::optional<std::string> method, unknown, objective, dynamics, prior;
   std::optional<double> payload_kg, window_s;
   std::string out = "estimates";
   bool force = false;
@@ -76,6 +76,7 @@ arm::Arm load_arm(const EstimateOptions& options) {
   if (options.unknown) arm.estimator.unknown = word("--unknown", *options.unknown, arm::parse_unknown);
   if (options.objective)
     arm.estimator.objective = word("--objective", *options.objective, arm::parse_objective);
+  if (options.dynamics) arm.estimator.dynamics = word("--dynamics", *options.dynamics, arm::parse_dynamics);
   if (options.prior) arm.estimator.prior.enabled = *options.prior == "on";
   if (options.window_s) arm.estimator.window_s = *options.window_s;
   if (options.payload_kg) {
@@ -154,10 +155,11 @@ void estimate_bag(const arm::Arm& arm, const std::vector<model::Present>& effect
   }
   finish(rows, csv.path());
   const std::string table =
-      fmt::format("{:<28}{}\n{:<28}{}\n{:<28}{}, unknown: {}, prior: {}, window: {:g} s\n",
+      fmt::format("{:<28}{}\n{:<28}{}\n{:<28}{}, unknown: {}, prior: {}, window: {:g} s, dynamics: {}\n",
                   "bag:", fs::path(job.bag).filename().string(), "arm:", arm.name,
                   "method:", to_string(arm.estimator.method), to_string(arm.estimator.unknown),
-                  arm.estimator.prior.enabled ? "on" : "off", arm.estimator.window_s) +
+                  arm.estimator.prior.enabled ? "on" : "off", arm.estimator.window_s,
+                  to_string(arm.estimator.dynamics)) +
       effect_lines(estimator) + summary.text(bag.assembler().rejected(), bag.assembler().samples()) +
       alarms.text();
   text.write(table);
@@ -227,6 +229,8 @@ void add_estimate(CLI::App& program) {
       ->check(CLI::Range(0.0, 60.0));
   command->add_option("--objective", options->objective,
                       "least_squares or sum_of_distances (default: the arm's)");
+  command->add_option("--dynamics", options->dynamics,
+                      "static or modal: swings are followed, not fitted as if at rest (default: the arm's)");
   command->add_option("--payload", options->payload_kg,
                       "the known payload, kg; the bag's payload topic is not read");
   command->add_option("--out", options->out, "folder of the results")->capture_default_str();

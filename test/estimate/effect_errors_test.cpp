@@ -1,0 +1,204 @@
+// How well the numbers of effects are known reaches the estimate: intervals cover what the file says is not
+// known of them, in single frames and in windows, for they are the same in all frames.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ostream>
+#include <random>
+#include <vector>
+
+#include "frames.h"
+#include "model/online_effects.h"
+#include "softarm/arm/laws.h"
+#include "softarm/effects/arm_effects.h"
+
+namespace softarm::estimate::testing {
+namespace {
+
+struct Case {
+  const char* name;
+  std::vector<arm::EffectEntry> effects;
+  arm::Unknown unknown = arm::Unknown::kStiffness;
+  bool prior = false;
+  double window_s = 0.0;
+  double seconds = 0.0;  ///< of frames before the one that counts
+  friend std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.name; }
+};
+
+arm::Arm arm_of(const Case& c) {
+  arm::Arm arm = placed_exactly(paper_arm());
+  arm.segments[0].length_range_m = {0.1, 0.4};
+  arm.payload.range_kg = {-5.0, 5.0};
+  arm::EstimatorOptions& options = arm.estimator;
+  options.unknown = c.unknown;
+  options.window_s = c.window_s;
+  options.prior.enabled = c.prior;
+  options.prior.moment_sd_nm = 0.002;
+  options.prior.moment_sd_rel = 0.0;
+  options.prior.moment_jitter_sd_nm = 1e-4;
+  options.prior.bending_stiffness_sd_rel = 0.03;
+  options.prior.length_sd_m = 0.0005;
+  options.prior.length_jitter_sd_m = 1e-5;
+  return arm;
+}
+
+/// An arm whose effects are as they are, not as the file has them, and whose laws err as the prior says.
+class RealArm {
+ public:
+  RealArm(const arm::Arm& arm, std::vector<model::Present> effects, std::mt19937_64& random)
+      : arm_(arm), random_(random) {
+    for (model::Present& present : effects) {
+      for (Eigen::Index k = 0; k < present.values.size(); ++k) {
+        const model::Parameter& parameter = present.effect->info().parameters[static_cast<std::size_t>(k)];
+        present.values[k] =
+            std::clamp(present.values[k] + present.sd[k] * normal(), parameter.low, parameter.high);
+      }
+    }
+    model_.emplace(arm, effects);
+    const arm::LawPrior& prior = arm.estimator.prior;
+    moment_nm_ = prior.moment_sd_nm * Eigen::Vector2d(normal(), normal());
+    stiffness_rel_ = prior.bending_stiffness_sd_rel * normal();
+    length_m_ = prior.length_sd_m * normal();
+  }
+  double stiffness_rel() const { return stiffness_rel_; }
+
+  trial::Frame frame(double stamp_s, const arm::InputValues& inputs, double payload_kg, double noise_sd_m) {
+    const Eigen::Isometry3d base = horizontal();
+    const auto driven = model_->begin(stamp_s, inputs, payload_kg, base);
+    auto laws = predict(arm_, driven.inputs).value();
+    stiffness_nm2 =
+        laws[0].bending_stiffness_nm2 * (arm_.estimator.prior.enabled ? 1.0 + stiffness_rel_ : 1.0);
+    laws[0].bending_stiffness_nm2 = stiffness_nm2;
+    if (arm_.estimator.prior.enabled) {
+      laws[0].moment_nm += moment_nm_;
+      laws[0].length_m += length_m_;
+    }
+    if (!model_->solve(laws, *driven.payload_kg)) throw std::logic_error("a frame without equilibrium");
+    model_->keep();
+    trial::Frame frame;
+    frame.stamp_ns = trial::to_nanoseconds(stamp_s);
+    frame.base_body = base;
+    frame.inputs = inputs;
+    for (int k = 0; k < static_cast<int>(arm_.bodies.size()); ++k)
+      frame.bodies.push_back(
+          {k, base * model_->bodies().p.col(k) + noise_sd_m * normal3(random_), std::nullopt});
+    return frame;
+  }
+  double stiffness_nm2 = 0.0;  ///< true, of the last frame
+
+ private:
+  double normal() { return std::normal_distribution<double>()(random_); }
+
+  const arm::Arm arm_;
+  std::mt19937_64& random_;
+  std::optional<model::OnlineEffects> model_;
+  Eigen::Vector2d moment_nm_;
+  double stiffness_rel_ = 0.0, length_m_ = 0.0;
+};
+
+struct Coverage {
+  int count = 0, stiffness = 0, payload = 0;
+  double share_of_stiffness() const { return static_cast<double>(stiffness) / count; }
+  double share_of_payload() const { return static_cast<double>(payload) / count; }
+};
+
+/// 95 % intervals in the last frame of each of many recordings.
+Coverage coverage(const Case& c, bool stated, int trials) {
+  const arm::Arm arm = arm_of(c);
+  const std::vector<model::Present> of_file = effects::effects_of(arm, c.effects);
+  std::vector<model::Present> believed = of_file;
+  for (model::Present& present : believed) {
+    if (!stated) present.sd.setZero();
+  }
+  std::mt19937_64 random(11);
+  Coverage coverage;
+  for (int trial = 0; trial < trials; ++trial) {
+    RealArm real(arm, of_file, random);
+    const double payload_kg = uniform(random, 0.1, 0.25);
+    const arm::InputValues from{uniform(random, 10e3, 35e3), uniform(random, 0.0, 15e3), 0.0};
+    const arm::InputValues to{uniform(random, 10e3, 35e3), uniform(random, 0.0, 15e3), 0.0};
+    estimate::Estimator estimator(arm, arm.estimator, believed);
+    estimator.set_backbone_points(0);
+    estimate::Estimate estimate;
+    const int frames = 1 + static_cast<int>(30.0 * c.seconds);
+    for (int i = 0; i < frames; ++i) {
+      const double share = frames > 1 ? static_cast<double>(i) / (frames - 1) : 1.0;
+      arm::InputValues inputs = to;
+      for (std::size_t k = 0; k < 2; ++k) inputs[k] = *from[k] + share * (*to[k] - *from[k]);
+      trial::Frame frame = real.frame(1.0 + i / 30.0, inputs, payload_kg, arm.bodies[0].position_sd_m);
+      if (c.unknown == arm::Unknown::kStiffness) frame.payload_kg = payload_kg;
+      estimate = estimator.estimate(frame);
+    }
+    if (estimate.status != estimate::Status::kOk) throw std::logic_error(estimate.detail);
+    const SegmentEstimate& segment = estimate.segments[0];
+    ++coverage.count;
+    if (segment.sd_bending_stiffness_nm2)
+      coverage.stiffness += std::abs(*segment.bending_stiffness_nm2 - real.stiffness_nm2) <
+                            1.96 * *segment.sd_bending_stiffness_nm2;
+    if (estimate.sd_payload_kg)
+      coverage.payload += std::abs(*estimate.payload_kg - payload_kg) < 1.96 * *estimate.sd_payload_kg;
+  }
+  return coverage;
+}
+
+const arm::EffectEntry kBase{"base_compliance", {{"compliance_rad_per_nm", 0.3, 0.08}}};
+const arm::EffectEntry kTip{"tip_mass", {{"mass_kg", 0.06, 0.02}}};
+
+const std::vector<Case>& cases() {
+  static const std::vector<Case> list{
+      {"stiffness", {kBase, kTip}},
+      {"stiffness_of_a_told_payload", {{"payload_scale", {{"share", 0.1, 0.15}}}}},
+      {"stiffness_with_memory",
+       {{"creep", {{"share", 0.4, 0.15}, {"time_s", 1.5, 0.5}}}, kTip},
+       arm::Unknown::kStiffness,
+       false,
+       0.0,
+       1.5},
+      {"payload", {kBase, kTip}, arm::Unknown::kPayload},
+      {"payload_by_laws",
+       {{"gain_nonlinearity", {{"share", 0.2, 0.1}}}, kBase},
+       arm::Unknown::kPayload,
+       true},
+      {"both_by_laws",
+       {{"pressure_offset", {{"offset_1_pa", 500.0, 1500.0}}}, kTip},
+       arm::Unknown::kBoth,
+       true},
+      {"window_of_stiffness", {kBase, kTip}, arm::Unknown::kStiffness, false, 0.5, 0.5},
+      {"window_of_payload",
+       {{"gain_nonlinearity", {{"share", 0.2, 0.1}}}, kBase},
+       arm::Unknown::kPayload,
+       true,
+       0.5,
+       1.0},
+      {"window_of_both", {kBase, kTip}, arm::Unknown::kBoth, true, 0.5, 0.5},
+  };
+  return list;
+}
+
+class EffectErrors : public ::testing::TestWithParam<Case> {};
+
+TEST_P(EffectErrors, IntervalsCoverWhereEffectsErrAsTheFileSays) {
+  const Case& c = GetParam();
+  const int trials = 300;
+  const Coverage with = coverage(c, true, trials), without = coverage(c, false, trials / 3);
+  std::printf("%-28s EI %3.0f %% (exact: %3.0f %%), payload %3.0f %% (exact: %3.0f %%)\n", c.name,
+              100.0 * with.share_of_stiffness(), 100.0 * without.share_of_stiffness(),
+              100.0 * with.share_of_payload(), 100.0 * without.share_of_payload());
+  const auto covers = [](double share, double exact) {
+    EXPECT_GE(share, 0.90);
+    EXPECT_LE(share, 0.97);
+    EXPECT_LT(exact, 0.8) << "with the numbers taken for exact";
+  };
+  if (c.unknown != arm::Unknown::kStiffness) covers(with.share_of_payload(), without.share_of_payload());
+  if (c.unknown == arm::Unknown::kBoth) {
+    EXPECT_GE(with.share_of_stiffness(), 0.90);
+  }
+  if (c.unknown == arm::Unknown::kStiffness) covers(with.share_of_stiffness(), without.share_of_stiffness());
+}
+
+INSTANTIATE_TEST_SUITE_P(Frames, EffectErrors, ::testing::ValuesIn(cases()),
+                         [](const auto& one) { return std::string(one.param.name); });
+
+}  // namespace
+}  // namespace softarm::estimate::testing
