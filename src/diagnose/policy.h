@@ -188,20 +188,20 @@ struct Policy {
   /// Which trials are one sequence of commands.
   struct Sequences {
     /// Rms difference of two trials' inputs over their spread, below which their commands are the same: noise
-    /// and clocks make 0.01 to 0.1, two programmes of one kind 1 to 1.4.
+    /// of 300 Pa on pressures that go up and down by 20 kPa makes 0.05, programmes that are unrelated 1.4.
     double same = 0.25;
     double overlap = 0.8;  ///< of the shorter trial, that must be compared
   } sequences;
 
-  /// A law that is learnt from what nothing in the catalogue explains. Chosen on untidy development cases
-  /// with an effect outside the catalogue (config/campaigns/untidy_development.yaml, untidy_outside).
+  /// A law that is learnt from what nothing in the catalogue explains. Tried on untidy development cases with
+  /// an effect outside the catalogue, and on a valve that one chamber alone has (discovered_law_test.cpp).
   struct Law {
     std::size_t most_terms = 3;                       ///< of one law: a sentence each
     double play_widths[4] = {0.02, 0.05, 0.15, 0.4};  ///< of an input's range: from a valve to a wall
     double times_s[4] = {0.3, 1.0, 4.0, 15.0};        ///< of what follows: from a line to the creep of a wall
     double least_left = 0.02;  ///< of a signature's squares, beyond constants and effects: else they are it
     /// Of the length: by which a moment of its own, that nobody looks for, usually moves the bodies of one
-    /// trial, rms. Twice what a placement that is told to be right leaves on development cases.
+    /// trial, rms: as the least background of untidy development cases.
     double trial_offset = 1e-3;
     std::size_t few_trials = 6;  ///< fewer are resampled by stretches, not whole
     std::size_t halvings = 50;   ///< each gives two resamples (Shah and Samworth 2013)
