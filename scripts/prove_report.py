@@ -27,25 +27,45 @@ TARGETS = [
     ("untidy_single", "top1", 0.75, True), ("untidy_single", "right_class", 0.90, True),
     ("untidy_outside", "unknown", 0.80, True),
 ]
-# (figure, description, target, met)
+# (figure, description, least, most)
 FIGURES = [
-    ("confident_wrong", "confident (p > 0.9) and wrong, all trials", "<= 0.02", lambda x: x <= 0.02),
-    ("calibration_error", "calibration error of stated probabilities", "<= 0.05", lambda x: x <= 0.05),
-    ("parameter_median_error", "size of the effect, median relative error", "<= 0.15", lambda x: x <= 0.15),
-    ("interval_coverage", "90 % intervals that cover", "0.85 ... 0.95", lambda x: 0.85 <= x <= 0.95),
-    ("held_out_over_floor", "held-out error over noise floor, median", "<= 1.05", lambda x: x <= 1.05),
-    ("worse_than_baseline", "held-out worse than before, nothing hidden", "0", lambda x: x == 0.0),
-    ("bias_removed", "bias of EI removed where compensated and named, median", ">= 0.8", lambda x: x >= 0.8),
-    ("place_error_m", "place of contact and soft spot, median error, m", "<= 0.02", lambda x: x <= 0.02),
+    ("confident_wrong", "confident (p > 0.9) and wrong, all trials", None, 0.02),
+    ("calibration_error", "calibration error of stated probabilities", None, 0.05),
+    ("parameter_median_error", "size of the effect, median relative error", None, 0.15),
+    ("interval_coverage", "90 % intervals that cover", 0.85, 0.95),
+    ("held_out_over_floor", "held-out error over noise floor, median", None, 1.05),
+    ("worse_than_baseline", "held-out worse than before, nothing hidden", None, 0.0),
+    ("bias_removed", "bias of EI removed where compensated and named, median", 0.8, None),
+    ("place_error_m", "place of contact and soft spot, median error, m", None, 0.02),
 ]
+MET, NOT_MET, CONTRADICTED, NOT_CONTRADICTED = "met", "NOT MET", "CONTRADICTED", "not contradicted"
 
 
 def number(value):
     return "-" if value is None else f"{value:.2f}" if value >= 0.095 or value == 0.0 else f"{value:.3f}"
 
 
-def is_met(value, target, more):
-    return value is not None and target is not None and (value >= target if more else value <= target)
+def status(interval, least, most, full):
+    """A target is met where all of the 90 % interval meets it, contradicted where none of it does. A sample is too small to
+    meet anything: it contradicts, or it does not."""
+    if interval is None or (least is None and most is None):
+        return "-"
+    low, high = interval
+    if (least is not None and high < least) or (most is not None and low > most):
+        return CONTRADICTED
+    if not full:
+        return NOT_CONTRADICTED
+    return MET if (least is None or low >= least) and (most is None or high <= most) else NOT_MET
+
+
+def range_of(least, most):
+    return (f"{least:g} ... {most:g}" if least is not None and most is not None else
+            f">= {least:g}" if least is not None else f"<= {most:g}")
+
+
+def passes(figures):
+    """Whether nothing contradicts a target and, in the whole proof, all are met."""
+    return not any(row[4] in (CONTRADICTED, NOT_MET) for row in rows(figures))
 
 
 def rows(figures):
@@ -59,13 +79,16 @@ def rows(figures):
         table.append([f"{kind}: {rate}", str(count),
                       number(ours) + (f" ({spread[0]:.2f}-{spread[1]:.2f})" if spread else ""),
                       "-" if target is None else (">= " if more else "<= ") + f"{target:g}",
-                      "-" if target is None or ours is None else "met" if is_met(ours, target, more) else "NOT MET"]
+                      status(spread, target if more else None, None if more else target, figures["full"])]
                      + [number(figures["baselines"][b][kind][rate]) for b in prove_score.BASELINES])
     trials = str(sum(figures[kind]["trials"] for kind in prove_score.KINDS))
-    for key, description, target, met in FIGURES:
-        value = figures[key]
-        table.append([description, trials if key == "confident_wrong" else "", number(value), target,
-                      "-" if value is None else "met" if met(value) else "NOT MET"]
+    for key, description, least, most in FIGURES:
+        value, spread = figures[key], figures["intervals"].get(key)
+        if key == "confident_wrong" and value is not None:  # a rate: no bootstrap of nothing is more than nothing
+            spread = prove_score.interval(round(value * int(trials)), int(trials))
+        table.append([description, trials if key == "confident_wrong" else "",
+                      number(value) + (f" ({number(spread[0])}-{number(spread[1])})" if spread else ""),
+                      range_of(least, most), status(spread, least, most, figures["full"])]
                      + [number(figures["baselines"][b][key]) for b in prove_score.BASELINES])
     return table
 
@@ -107,7 +130,7 @@ def judged(result):
         return "failed"
     found = prove_score.marks(result["kind"], prove_score.decision_of_report(result["report"]), result["truth"])
     bad = ("false_alarm", "confident_wrong")
-    wrong = [rate for rate, value in found.items() if value == (rate in bad)]
+    wrong = [rate for rate, value in found.items() if value == (rate in bad)]  # as prove_score.is_right
     return "right" if not wrong else ("" if set(wrong) <= {"top1", "top3"} else "**") + ", ".join(
         rate if rate in bad else f"not {rate}" for rate in wrong) + ("" if set(wrong) <= {"top1", "top3"} else "**")
 
@@ -121,6 +144,17 @@ def cost(figures):
         return "No diagnosis was made."
     return (f"A diagnosis took {figures['seconds_median']:.0f} s (median), {figures['seconds_most']:.0f} s and "
             f"{figures['memory_bytes_most'] / 2**20:.0f} MiB at most.")
+
+
+def versus(figures):
+    """Who is right where the other one is not."""
+    said = []
+    for method, found in figures["baselines"].items():
+        if found.get("mcnemar"):
+            m = found["mcnemar"]
+            said.append(f"`{method}` {m['ours_alone']} to {m['theirs_alone']} (p = {m['p']:.2g})")
+    return ("Cases that `diagnose` alone decides rightly, to those that a baseline alone does (McNemar): " + ", ".join(said) + "."
+            if said else "")
 
 
 def story(figures, results):
@@ -143,12 +177,13 @@ def story(figures, results):
 
 Written by `scripts/prove`: {size} of the campaign `{figures['campaign']}`, seed {figures['seed']}. Engine: commit
 `{figures['engine']}`. SHA-256 of what was hidden, taken before the first diagnosis: `{figures['truth_sha256']}`.
-{figures['not_drawn']} cases could not be drawn, {figures['failed']} diagnoses failed (they count as having said nothing).
+{figures['rejected_draws']} draws were rejected on the way, {figures['not_drawn']} cases could not be drawn, {figures['failed']} diagnoses failed (they count as having said nothing).
 {cost(figures)}
 
 {markdown([HEADINGS] + rows(figures))}
 
-In brackets: 90 % interval of the rate (Wilson). The baselines decide on the same fit and the same signatures: `per_frame` by
+In brackets: 90 % intervals, of rates Wilson's, of other figures by a bootstrap of the cases. *Met*: all of the interval meets
+the target; *contradicted*: none of it does; a sample is too small to meet one and says *not contradicted*. {versus(figures)} The baselines decide on the same fit and the same signatures: `per_frame` by
 the residuals of fits frame by frame alone, `bic` by forward steps, `lasso` along its path, `gp` by a Gaussian process alone,
 which never names anything.
 

@@ -5,6 +5,7 @@ A result is {"kind", "truth", "report", "baselines", ...} as prove_cases.py coll
 {"verdict", "named": [{"name", "probability", "confusable_with"}], "ranking": [names]}.
 """
 import math
+import random
 import statistics
 
 KINDS = ["none", "single_strong", "single_weak", "pair", "outside", "compensated", "class_only", "untidy_none",
@@ -249,6 +250,45 @@ def interval(hits, count):
     return max(0.0, middle - half), min(1.0, middle + half)
 
 
+BOOTSTRAPS = 400  # of cases: an interval's ends to a few percent of its width
+BOOTSTRAP_SEED = 1
+FEWEST_CASES = 5  # of a bootstrap: fewer are no picture of others like them
+
+
+def figure_intervals(pairs):
+    """90 % intervals of FIGURES by a bootstrap of the cases; absent where a figure is."""
+    if len(pairs) < FEWEST_CASES:
+        return {}
+    draw = random.Random(BOOTSTRAP_SEED)
+    found = {key: [] for key in FIGURES}
+    for _ in range(BOOTSTRAPS):
+        figures_of_draw = general([pairs[draw.randrange(len(pairs))] for _ in pairs], True)
+        for key, value in figures_of_draw.items():
+            if value is not None:
+                found[key].append(value)
+    table = {}
+    for key, values in found.items():
+        if values:
+            values.sort()
+            table[key] = (values[int(0.05 * (len(values) - 1))], values[math.ceil(0.95 * (len(values) - 1))])
+    return table
+
+
+def is_right(kind, decision, truth):
+    """Whether nothing counts against a decision."""
+    bad = ("false_alarm", "confident_wrong")
+    return all(value != (rate in bad) for rate, value in marks(kind, decision, truth).items())
+
+
+def mcnemar(cases):
+    """Of (ours is right, theirs is right): how often each alone is, and the exact two-sided p of that being chance."""
+    ours = sum(1 for a, b in cases if a and not b)
+    theirs = sum(1 for a, b in cases if b and not a)
+    n = ours + theirs
+    tail = sum(math.comb(n, k) for k in range(min(ours, theirs) + 1)) / 2 ** n
+    return {"ours_alone": ours, "theirs_alone": theirs, "p": min(1.0, 2.0 * tail)}
+
+
 def mean(values):
     return sum(values) / len(values) if values else None
 
@@ -300,7 +340,11 @@ def figures(results):
     drawn = [result for result in results if result["truth"]]
     pairs = [(r, decision_of_report(r["report"]) if r["report"] else silent) for r in drawn]
     table = rates(pairs)
-    table.update(general([(r, d) for r, d in pairs if r["report"]], True))
+    reported = [(r, d) for r, d in pairs if r["report"]]
+    table.update(general(reported, True))
+    table["intervals"] = figure_intervals(reported)
+    table["draws"] = len(results)
+    table["rejected_draws"] = sum(len(r["truth"].get("rejected", [])) for r in drawn)
     table["not_drawn"] = len(results) - len(drawn)
     table["failed"] = sum(1 for r in drawn if not r["report"])
     seconds = [r["cost"]["seconds"] for r in drawn if r.get("cost")]
@@ -311,5 +355,8 @@ def figures(results):
     for method in BASELINES:
         of_method = [(r, decision_of_baseline(r["baselines"][method])) for r in drawn
                      if r.get("baselines") and method in r["baselines"]]
-        table["baselines"][method] = {**rates(of_method), **general(of_method, False)}
+        ours = {r["case"]: is_right(r["kind"], d, r["truth"]) for r, d in pairs}
+        both = [(ours[r["case"]], is_right(r["kind"], d, r["truth"])) for r, d in of_method]
+        table["baselines"][method] = {**rates(of_method), **general(of_method, False), "mcnemar": mcnemar(both),
+                                      "mcnemar_p": mcnemar(both)["p"]}
     return table

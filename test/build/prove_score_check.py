@@ -202,9 +202,56 @@ class Story(unittest.TestCase):
             self.assertIn(key, figures["baselines"]["bic"])
         figures.update({"campaign": "c", "seed": 1, "full": False, "truth_sha256": "abc", "engine": "def"})
         text = prove_report.story(figures, results)
-        for words in ("drift 0.99", "confident_wrong", "not drawn: the arm / flies", "NOT MET", "`abc`", "creep 0.70", "256 MiB"):
+        for words in ("drift 0.99", "confident_wrong", "not drawn: the arm / flies", "CONTRADICTED", "`bic` 0 to 1", "`abc`", "creep 0.70", "256 MiB"):
             self.assertIn(words, text)
         self.assertIn("single_strong: top1", prove_report.table(figures))
+        self.assertFalse(prove_report.passes(figures))
+        self.assertEqual(figures["draws"], 2)
+
+    def test_a_sample_contradicts_or_does_not(self):
+        results = [result("single_strong", truth(effect("creep")), report("explained", named("creep", 0.95), after=4.1e-4))]
+        results[0]["truth"]["rejected"] = ["creep is too small", "creep is too small"]
+        figures = {**score.figures(results), "full": False}
+        self.assertEqual(figures["rejected_draws"], 2)
+        self.assertTrue(prove_report.passes(figures))
+        self.assertFalse(prove_report.passes({**figures, "full": True}))  # one case meets nothing
+
+
+class Targets(unittest.TestCase):
+    def test_met_means_all_of_the_interval(self):
+        status = prove_report.status
+        self.assertEqual(status((0.9, 0.99), 0.85, None, True), "met")
+        self.assertEqual(status((0.8, 0.99), 0.85, None, True), "NOT MET")
+        self.assertEqual(status((0.8, 0.99), 0.85, None, False), "not contradicted")
+        for full in (True, False):
+            self.assertEqual(status((0.2, 0.8), 0.85, None, full), "CONTRADICTED")
+            self.assertEqual(status((0.03, 0.2), None, 0.02, full), "CONTRADICTED")
+        self.assertEqual(status((0.86, 0.94), 0.85, 0.95, True), "met")
+        self.assertEqual(status((0.96, 0.99), 0.85, 0.95, True), "CONTRADICTED")
+        self.assertEqual(status((0.5, 0.6), None, None, True), "-")
+        self.assertEqual(status(None, 0.85, None, True), "-")
+
+    def test_intervals_of_figures_hold_them_and_narrow_with_cases(self):
+        def of(count):
+            results = [result("single_strong", truth(effect("creep")),
+                              report("explained", named("creep", 0.6 + 0.3 * (i % 2)), after=(4.2 + 0.3 * (i % 3)) * 1e-4))
+                       for i in range(count)]
+            return score.figures(results)
+        few, many = of(6), of(60)
+        for figures in (few, many):
+            low, high = figures["intervals"]["held_out_over_floor"]
+            self.assertLessEqual(low, figures["held_out_over_floor"])
+            self.assertGreaterEqual(high, figures["held_out_over_floor"])
+        self.assertLess(many["intervals"]["calibration_error"][1] - many["intervals"]["calibration_error"][0],
+                        few["intervals"]["calibration_error"][1] - few["intervals"]["calibration_error"][0])
+        self.assertEqual(of(4)["intervals"], {})
+
+    def test_mcnemar(self):
+        self.assertEqual(score.mcnemar([(True, True), (False, False)])["p"], 1.0)
+        found = score.mcnemar([(True, False)] * 6 + [(True, True)] * 3)
+        self.assertEqual((found["ours_alone"], found["theirs_alone"]), (6, 0))
+        self.assertAlmostEqual(found["p"], 2.0 / 64.0)
+        self.assertAlmostEqual(score.mcnemar([(True, False)] * 3 + [(False, True)] * 3)["p"], 1.0)
 
 
 if __name__ == "__main__":

@@ -108,6 +108,9 @@ class Case {
     truth_["mass_ratio"] = mass_ratio();
   }
 
+  /// Draws of this case that did not do, and why.
+  void say_rejected(const std::vector<std::string>& reasons) { truth_["rejected"] = reasons; }
+
   void keep() {
     const fs::path trials = work_ / "trials", sealed = work_ / "sealed";
     fs::create_directories(sealed);
@@ -278,23 +281,24 @@ std::string kinds_json(const std::string& campaign) {
 
 void draw(const DrawOptions& options) {
   const rig::CampaignSpec spec = campaign_of(options.campaign, options.kind);
-  std::string last;
+  std::vector<std::string> rejected;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     try {
       Case one(spec, options, attempt);
       one.make();
+      one.say_rejected(rejected);
       one.keep();
       return;
     } catch (const NotThisOne& error) {
-      last = error.what();
+      rejected.emplace_back(error.what());
     } catch (const rig::SimulationError& error) {
-      last = error.what();
+      rejected.emplace_back(error.what());
     } catch (const std::invalid_argument& error) {
-      last = error.what();
+      rejected.emplace_back(error.what());
     }
   }
   throw Failure(fmt::format("{}, kind {}, case {}: {} draws do not do, the last: {}", options.campaign,
-                            options.kind, options.number, kAttempts, last));
+                            options.kind, options.number, kAttempts, rejected.back()));
 }
 
 }  // namespace softarm::prove
