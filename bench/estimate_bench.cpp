@@ -14,8 +14,10 @@ namespace softarm::bench {
 namespace {
 
 void estimate_all(benchmark::State& state, const arm::Arm& arm, const std::vector<trial::Frame>& frames,
-                  bool warm, int backbone_points = 0, const std::vector<model::Present>& effects = {}) {
+                  bool warm, int backbone_points = 0, const std::vector<model::Present>& effects = {},
+                  arm::Dynamics dynamics = arm::Dynamics::kStatic) {
   arm::EstimatorOptions options = arm.estimator;
+  options.dynamics = dynamics;
   options.method = arm::Method::kFullPoints;
   options.unknown = arm::Unknown::kStiffness;
   options.objective = arm::Objective::kLeastSquares;
@@ -71,7 +73,14 @@ void frame_fit_warm(benchmark::State& state) {
 }
 BENCHMARK(frame_fit_warm)->UseManualTime()->Unit(benchmark::kMicrosecond)->MinTime(1.0);
 
-/// The same with the base tilted.
+/// The same followed through its swings.
+void frame_fit_modal(benchmark::State& state) {
+  const arm::Arm arm = paper_arm();
+  estimate_all(state, arm, moving_frames(arm, hanging()), true, 0, {}, arm::Dynamics::kModal);
+}
+BENCHMARK(frame_fit_modal)->UseManualTime()->Unit(benchmark::kMicrosecond)->MinTime(1.0);
+
+/// The same as frame_fit_warm with the base tilted.
 void frame_fit_3d(benchmark::State& state) {
   const arm::Arm arm = paper_arm();
   estimate_all(state, arm, moving_frames(arm, tilted()), true);

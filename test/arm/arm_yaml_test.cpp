@@ -327,6 +327,9 @@ TEST(ArmWords, RoundTripAndRefuse) {
   }
   EXPECT_THROW(arm::parse_unknown("EI"), std::invalid_argument);
   EXPECT_THROW(arm::parse_objective(""), std::invalid_argument);
+  for (const arm::Dynamics d : {arm::Dynamics::kStatic, arm::Dynamics::kModal})
+    EXPECT_EQ(arm::parse_dynamics(to_string(d)), d);
+  EXPECT_THROW(arm::parse_dynamics("modes"), std::invalid_argument);
 }
 
 }  // namespace
