@@ -24,7 +24,10 @@ Eigen::VectorXd slow_inputs(const arm::Arm& arm, double t_s) {
   for (Eigen::Index i = 0; i < u.size(); ++i) {
     const arm::InputKind kind = arm.inputs.scalars[static_cast<std::size_t>(i)].kind;
     const double wave = 0.5 - 0.5 * std::cos(2.0 * M_PI * 0.2 * t_s + 1.5 * static_cast<double>(i));
-    u[i] = wave * (kind == arm::InputKind::kTension ? 3.0 : kind == arm::InputKind::kVacuum ? 40e3 : 20e3);
+    u[i] = wave * (kind == arm::InputKind::kTension  ? 3.0
+                   : kind == arm::InputKind::kAngle  ? 0.8
+                   : kind == arm::InputKind::kVacuum ? 40e3
+                                                     : 20e3);
   }
   return u;
 }
