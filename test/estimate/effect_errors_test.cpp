@@ -13,7 +13,7 @@
 #include "softarm/arm/laws.h"
 #include "softarm/effects/arm_effects.h"
 
-namespace softarm::estimate::testing {
+namespace softarm::estimate::testing::effect_errors {
 namespace {
 
 struct Case {
@@ -201,4 +201,4 @@ INSTANTIATE_TEST_SUITE_P(Frames, EffectErrors, ::testing::ValuesIn(cases()),
                          [](const auto& one) { return std::string(one.param.name); });
 
 }  // namespace
-}  // namespace softarm::estimate::testing
+}  // namespace softarm::estimate::testing::effect_errors

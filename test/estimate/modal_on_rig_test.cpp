@@ -13,7 +13,7 @@
 #include "rig/simulator.h"
 #include "trial/frame_assembler.h"
 
-namespace softarm::estimate::testing {
+namespace softarm::estimate::testing::modal_on_rig {
 namespace {
 
 constexpr double kStartsAt_s = 100.0;
@@ -181,4 +181,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& one) { return std::string(one.param.name); });
 
 }  // namespace
-}  // namespace softarm::estimate::testing
+}  // namespace softarm::estimate::testing::modal_on_rig
