@@ -19,6 +19,18 @@ using model::TrialData;
 constexpr double kStep = 1e-3;       // of derivatives, in scales
 constexpr double kWholeStep = 1e-2;  // of differences of whole predictions
 
+/// The parameters with one unknown each changed by a step; steps point away from a limit that is near.
+std::vector<JointParameters> one_step_each(const Linearised& lin, std::vector<double>& steps) {
+  std::vector<JointParameters> changed(lin.columns.size(), lin.at);
+  const VectorXd x = lin.unknowns();
+  for (std::size_t c = 0; c < lin.columns.size(); ++c) {
+    const double at = x[static_cast<Eigen::Index>(c)];
+    if ((at + steps[c]) * lin.columns[c].scale > lin.columns[c].high) steps[c] = -steps[c];
+    set_unknown(changed[c], lin.columns[c], at + steps[c]);
+  }
+  return changed;
+}
+
 }  // namespace
 
 void set_unknown(JointParameters& p, const JointUnknown& c, double x) {
@@ -201,15 +213,8 @@ Linearised JointModel::linearise(const JointParameters& parameters,
     lin.predicted = *start;
   else
     predict(parameters, start, lin.predicted);
-  std::vector<JointParameters> changed(lin.columns.size(), parameters);
   std::vector<double> steps(lin.columns.size(), size);
-  const VectorXd x = lin.unknowns();
-  for (std::size_t c = 0; c < lin.columns.size(); ++c) {
-    const double at = x[static_cast<Eigen::Index>(c)];
-    // Away from a limit that is near.
-    if ((at + size) * lin.columns[c].scale > lin.columns[c].high) steps[c] = -size;
-    set_unknown(changed[c], lin.columns[c], at + steps[c]);
-  }
+  const std::vector<JointParameters> changed = one_step_each(lin, steps);
   lin.residual.resize(trials_.size());
   lin.derivative.resize(trials_.size());
   lin.root_weight.resize(trials_.size());
