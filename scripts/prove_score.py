@@ -334,6 +334,35 @@ def general(pairs, with_reports):
     return figures
 
 
+WORLDS = {"tidy": {kind: kind for kind in KINDS if not kind.startswith("untidy_")},
+          "untidy": {"none": "untidy_none", "single_strong": "untidy_single", "outside": "untidy_outside"}}
+POWER_BINS = 4  # of equal numbers of cases
+
+
+def power(pairs):
+    """How often one hidden effect is in the class that is named first, by the size of what it leaves: smallest first."""
+    found = sorted((result["truth"]["effects"][0]["signal"]["leftover_m"],
+                    marks(result["kind"], decision, result["truth"]).get("right_class")) for result, decision in pairs
+                   if len(result["truth"]["effects"]) == 1)
+    found = [(size, right_class) for size, right_class in found if right_class is not None]
+    bins = min(POWER_BINS, len(found))
+    parts = [found[i * len(found) // bins:(i + 1) * len(found) // bins] for i in range(bins)]
+    return [{"leftover_m": statistics.median(size for size, _ in part), "trials": len(part),
+             "right_class": mean([hit for _, hit in part])} for part in parts]
+
+
+def worlds(pairs):
+    """One object per world and kind, with the figures of the world and its power curve."""
+    table = {}
+    for world, kinds in WORLDS.items():
+        own = [(r, d) for r, d in pairs if r["kind"] in kinds.values()]
+        if own:
+            of_kinds = rates(own)
+            table[world] = {**{name: of_kinds[kind] for name, kind in kinds.items()},
+                            **general([(r, d) for r, d in own if r["report"]], True), "power": power(own)}
+    return table
+
+
 def figures(results):
     """All rates and figures; a case without a report counts as one that says nothing."""
     silent = {"verdict": "failed", "named": [], "ranking": [], "findings": {}}
@@ -343,6 +372,7 @@ def figures(results):
     reported = [(r, d) for r, d in pairs if r["report"]]
     table.update(general(reported, True))
     table["intervals"] = figure_intervals(reported)
+    table["worlds"] = worlds(pairs)
     table["draws"] = len(results)
     table["rejected_draws"] = sum(len(r["truth"].get("rejected", [])) for r in drawn)
     table["not_drawn"] = len(results) - len(drawn)

@@ -246,6 +246,23 @@ class Targets(unittest.TestCase):
                         few["intervals"]["calibration_error"][1] - few["intervals"]["calibration_error"][0])
         self.assertEqual(of(4)["intervals"], {})
 
+    def test_worlds_and_power(self):
+        def case(kind, size_m, named_first):
+            hidden = effect("creep")
+            hidden["signal"] = {"leftover_snr": 20.0, "leftover_m": size_m}
+            return result(kind, truth(hidden), report("explained", named(named_first)))
+        results = [case("untidy_single", 1e-4 * (1 + i), "creep" if i >= 4 else "drift") for i in range(8)]
+        results.append(case("single_strong", 1e-3, "creep"))
+        found = score.figures(results)["worlds"]
+        self.assertEqual(set(found), {"tidy", "untidy"})
+        self.assertEqual(found["untidy"]["single_strong"]["top1"], 0.5)
+        self.assertEqual(found["tidy"]["single_strong"]["top1"], 1.0)
+        curve = found["untidy"]["power"]
+        self.assertEqual([part["right_class"] for part in curve], [0.0, 0.0, 1.0, 1.0])
+        self.assertEqual([part["trials"] for part in curve], [2, 2, 2, 2])
+        self.assertAlmostEqual(curve[0]["leftover_m"], 1.5e-4)
+        self.assertEqual(score.power([]), [])
+
     def test_mcnemar(self):
         self.assertEqual(score.mcnemar([(True, True), (False, False)])["p"], 1.0)
         found = score.mcnemar([(True, False)] * 6 + [(True, True)] * 3)
