@@ -108,6 +108,19 @@ void without_fits(Round& round) {
   }
 }
 
+/// What was screened last, but for what may be mistaken for effects of the model.
+Round without_rivals(const Selection& selection) {
+  Round alone;
+  for (const Screened& s : selection.rounds.back().screened) {
+    const bool rival = std::any_of(selection.round_of.begin(), selection.round_of.end(), [&](std::size_t r) {
+      const EffectList& rivals = selection.rounds[r].rivals;
+      return std::find(rivals.begin(), rivals.end(), s.effect) != rivals.end();
+    });
+    if (!rival) alone.screened.push_back(s);
+  }
+  return alone;
+}
+
 /// Takes out of the model again what has become superfluous.
 /// @return whether there was any
 bool drop_superfluous(JointModel& model, Standing& current, std::vector<std::size_t>& round_of) {
@@ -163,15 +176,18 @@ Selection select(JointModel& model, Linearised baseline, const Options& options,
   const Round& last = selection.rounds.back();
   double background = last.posterior.background;
   const std::size_t catalogue = selection.rounds.front().screened.size();
+  Posterior of_all = last.posterior;
   if (drop_superfluous(model, current, selection.round_of)) {
     Round anew;
     anew.screened = last.screened;
-    const Posterior of_anew = posterior_of(model, current, anew, options.jobs);
-    background = of_anew.background;
-    add_doubt(current.fit, of_anew, catalogue, selection);
-  } else {
-    add_doubt(current.fit, last.posterior, catalogue, selection);
+    of_all = posterior_of(model, current, anew, options.jobs);
+    background = of_all.background;
   }
+  const Round alone = without_rivals(selection);
+  add_doubt(current.fit, of_all,
+            alone.screened.size() < last.screened.size() ? posterior_of(model, current, alone, options.jobs)
+                                                         : of_all,
+            catalogue, selection);
   selection.extended = std::move(current.fit);
   selection.extended_unseen = selection.extended.at.effects.empty()
                                   ? selection.baseline_unseen
