@@ -19,7 +19,6 @@
 #include "policy.h"
 #include "selection.h"
 #include "sentences.h"
-#include "sequences.h"
 #include "softarm/identify/identify.h"
 #include "structure.h"
 #include "unseen.h"
@@ -240,7 +239,7 @@ std::string unseen_of(const JointModel& model) {
     least = std::min(least, count);
   }
   if (most <= 1 && model.trials().size() > 1) {
-    const std::vector<std::size_t> sequence = sequences_of(model.trials());
+    const std::vector<std::size_t>& sequence = model.sequences();
     if (std::all_of(sequence.begin(), sequence.end(), [](std::size_t s) { return s == 0; }))
       return "All trials were driven by the same commands: an unseen one is another payload or attitude, and "
              "says "

@@ -176,7 +176,7 @@ void compare_with_catalogue(const Selection& selection, const Linearised& extend
 std::optional<Law> discover_law(JointModel& model, Selection& selection, double learnt, double noise_floor_m,
                                 unsigned jobs) {
   Linearised& extended = selection.extended;
-  const std::vector<std::size_t> sequences = sequences_of(model.trials());
+  const std::vector<std::size_t>& sequences = model.sequences();
   const std::size_t different = 1 + *std::max_element(sequences.begin(), sequences.end());
   if (different < kPolicy.law.fewest_sequences) return std::nullopt;
   const LawDesign design = law_design(model, extended, jobs);

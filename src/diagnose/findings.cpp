@@ -15,8 +15,6 @@ namespace {
 using Eigen::MatrixXd;
 using model::Present;
 
-constexpr double kInterval = 1.6449;  // of 90 %
-
 std::vector<EffectValue> values_of(const Linearised& at, std::size_t effect, const MatrixXd& covariance) {
   std::vector<EffectValue> list;
   const Present& present = at.at.effects[effect];
@@ -40,8 +38,8 @@ std::vector<EffectValue> values_of(const Linearised& at, std::size_t effect, con
       });
       const double sd =
           c.scale * std::sqrt(covariance(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(j)));
-      value.low = std::max(c.low, value.value - kInterval * sd);
-      value.high = std::min(c.high, value.value + kInterval * sd);
+      value.low = std::max(c.low, value.value - kPolicy.words.interval_sd * sd);
+      value.high = std::min(c.high, value.value + kPolicy.words.interval_sd * sd);
     }
     if (of_this_arm) list.push_back(std::move(value));
   }

@@ -179,13 +179,15 @@ class Regression {
 
 using FoldRows = std::vector<std::vector<Eigen::Index>>;  ///< instants of each
 
-/// Instants by the fold of their trial.
-FoldRows folds_of(const Instants& instants, std::size_t count) {
+/// Instants by the fold of their trial's input sequence; of one sequence alone, by trial.
+FoldRows folds_of(const Instants& instants, const std::vector<std::size_t>& sequence) {
+  const std::size_t sequences = 1 + *std::max_element(sequence.begin(), sequence.end());
+  const std::size_t count = std::min(kPolicy.flexible.folds, sequences > 1 ? sequences : sequence.size());
   FoldRows folds(count);
   for (std::size_t i = 0; i < instants.trial.size(); ++i) {
     // Campaigns go round attitudes and speeds: a turn that is not theirs.
-    const std::size_t t = instants.trial[i];
-    folds[(t + t / count) % count].push_back(static_cast<Eigen::Index>(i));
+    const std::size_t q = sequences > 1 ? sequence[instants.trial[i]] : instants.trial[i];
+    folds[(q + q / count) % count].push_back(static_cast<Eigen::Index>(i));
   }
   folds.erase(std::remove_if(folds.begin(), folds.end(), [](const auto& fold) { return fold.empty(); }),
               folds.end());
@@ -315,7 +317,7 @@ Ceiling ceiling(const JointModel& model, const Linearised& at, const std::vector
   const auto bodies =
       static_cast<double>(instants.x.rows() * static_cast<Eigen::Index>(model.arm().bodies.size()));
   const double before = instants.weight.dot(instants.y.rowwise().squaredNorm()) / bodies;
-  const auto folds = folds_of(instants, std::min(kPolicy.flexible.folds, model.trials().size()));
+  const auto folds = folds_of(instants, model.sequences());
   const double left = left_by_regression(Regression(instants), folds, jobs) / bodies;
   result.before_rms_m = std::sqrt(before);
   result.after_rms_m = std::sqrt(std::min(before, left));

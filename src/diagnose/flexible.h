@@ -15,8 +15,9 @@ struct Ceiling {
 };
 
 /// A Gaussian process from what drives the arm (inputs, their speeds, past and plays, payload, attitude,
-/// time) to the residuals of all bodies, learnt on some trials and tried on the others, by turns. Which of
-/// these it goes by, its reach and its noise are those that do best among the trials that it learns from.
+/// time) to the residuals of all bodies, learnt on some input sequences and tried on the others, by turns.
+/// Which of these it goes by, its reach and its noise are those that do best among the trials that it learns
+/// from.
 /// @param residual by trial, m, as Unseen::residual
 Ceiling ceiling(const JointModel& model, const Linearised& at, const std::vector<Eigen::VectorXd>& residual,
                 unsigned jobs);

@@ -28,10 +28,11 @@ struct NothingRecorded : arm::RecordedInputs {
   std::string load_advice() const override { return {}; }
 };
 
-std::vector<std::vector<bool>> unseen_without(const std::vector<TrialData>& trials) {
+std::vector<std::vector<bool>> unseen_without(const std::vector<std::size_t>& sequences,
+                                              const std::vector<TrialData>& trials) {
   std::vector<double> session_s;
   for (const TrialData& trial : trials) session_s.push_back(trial.session_s);
-  return predicted_without(sequences_of(trials), session_s);
+  return predicted_without(sequences, session_s);
 }
 
 /// Size at which a constant matters: its own, or what makes the same difference as its fellows.
@@ -111,7 +112,8 @@ JointModel::JointModel(const arm::Arm& arm, const std::vector<TrialData>& trials
       known_(known),
       trials_(trials),
       jobs_(jobs),
-      predicted_without_(unseen_without(trials)),
+      sequences_(sequences_of(trials)),
+      predicted_without_(unseen_without(sequences_, trials)),
       unknown_{kPolicy.motion.share, kPolicy.motion.stiffness_share} {
   constants_ = identify::default_free(arm);
   for (const identify::ConstantRef& ref : identify::constants_of(arm)) {

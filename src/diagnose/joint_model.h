@@ -141,6 +141,8 @@ class JointModel {
   /// @param without by trial
   Linearised fit_without(JointParameters parameters, const std::vector<bool>& without,
                          const std::vector<std::vector<model::Predicted>>& start);
+  /// For each trial its input sequence (sequences.h).
+  const std::vector<std::size_t>& sequences() const { return sequences_; }
   /// For each trial, which ones it is predicted without where it counts as unseen (unseen.h).
   const std::vector<std::vector<bool>>& predicted_without() const { return predicted_without_; }
   /// Of bodies and, below, tangents, whitened; 0 where not used, or without an equilibrium.
@@ -220,6 +222,7 @@ class JointModel {
   const std::vector<model::Present> known_;
   const std::vector<model::TrialData>& trials_;
   const unsigned jobs_;
+  const std::vector<std::size_t> sequences_;
   const std::vector<std::vector<bool>> predicted_without_;
   std::vector<identify::ConstantRef> constants_;
   std::vector<model::ExtendedModel> models_;  ///< per trial

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "effects/learned_moment.h"
+#include "policy.h"
 #include "sentences.h"
 
 namespace softarm::diagnose {
@@ -15,7 +16,6 @@ namespace {
 using effects::LearnedMoment;
 using effects::Regressor;
 
-constexpr double kInterval = 1.6449;  // of 90 %
 constexpr double kDegPerRad = 180.0 / M_PI;
 
 std::string input_name(const arm::Arm& arm, double number) {
@@ -94,7 +94,7 @@ LawTerm law_term(const arm::Arm& arm, const model::Values& values, const Eigen::
   const double sign = std::abs(term.to) >= std::abs(term.from) || term.has_direction ? 1.0 : -1.0;
   const auto size = [&](LearnedMoment::Index which, EffectValue& to) {
     const model::Parameter& parameter = effects::learned_moment().info().parameters[which];
-    const double value = sign * values[which], half = kInterval * sd_nm[which];
+    const double value = sign * values[which], half = kPolicy.words.interval_sd * sd_nm[which];
     to = {parameter.symbol, parameter.unit, parameter.description, value, value - half, value + half};
   };
   size(LearnedMoment::kX, term.x_nm);

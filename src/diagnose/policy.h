@@ -136,7 +136,7 @@ struct Policy {
   /// Each of its scales is tried, so these are a coarse grid over what residuals of arms are like.
   struct Flexible {
     std::size_t most_blocks = 1200;      ///< evenly over the trials: the cost goes with its cube
-    std::size_t folds = 3;               ///< of trials: it learns from two thirds of them
+    std::size_t folds = 3;               ///< of input sequences: it learns from two thirds of them
     long fewest_instants = 20;           ///< with fewer it learns nothing
     double past_s[2] = {1.0, 8.0};       ///< time constants of what is remembered of the inputs
     double play[2] = {0.1, 0.4};         ///< widths of what loops, as shares of an input's range
@@ -221,8 +221,9 @@ struct Policy {
 
   /// What is worth a word.
   struct Words {
-    double likely = 0.1;       ///< probability of one that is not named
-    double small_share = 0.1;  ///< of what all effects explain, below which one is a small departure
+    double interval_sd = 1.6449;  ///< half of a 90 % interval, in standard deviations
+    double likely = 0.1;          ///< probability of one that is not named
+    double small_share = 0.1;     ///< of what all effects explain, below which one is a small departure
     /// The same where something else is left: of what could be explained, and of the arm's length. Several
     /// departures of that size are what every arm has (half a millimetre on one of 0.2 m).
     double small_part = 0.25, small = 2.5e-3;

@@ -120,6 +120,23 @@ TEST(Ceiling, DoesNotLearnWhatIsAnewInEveryTrial) {
   EXPECT_LT(ceiling(looked.model, looked.baseline, residuals(looked, anew), 0).share, 0.3);
 }
 
+TEST(Ceiling, TriesNoCommandsThatItLearntFrom) {
+  testing::RecordedCase drawn = unseen_case(3);
+  const std::vector<trial::Trial> once = drawn.trials;
+  for (trial::Trial again : once) {
+    again.name += "_again";
+    drawn.trials.push_back(std::move(again));
+  }
+  const testing::Looked looked(drawn.arm, drawn.trials);
+  ASSERT_EQ(looked.model.sequences(), (std::vector<std::size_t>{0, 1, 2, 0, 1, 2}));
+  // The same whenever these commands come, and anew in others.
+  const auto of_sequence = [&](std::size_t t, std::size_t k) {
+    const double phase = 0.3 * static_cast<double>(k) + 2.0 * static_cast<double>(t % 3);
+    return 1e-3 * (t % 3 == 1 ? -1.0 : 1.0) * std::cos(phase);
+  };
+  EXPECT_LT(ceiling(looked.model, looked.baseline, residuals(looked, of_sequence), 0).share, 0.3);
+}
+
 /// Every effect at a small size of its own, beside noise.
 std::vector<VectorXd> with_small_departures(testing::Looked& looked,
                                             const std::vector<model::Present>& candidates,
