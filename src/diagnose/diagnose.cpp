@@ -146,7 +146,8 @@ Left left_in(const JointModel& model, const Linearised& at, const Unseen& unseen
       std::sqrt(std::max(0.0, std::pow(unseen.total_rms_m, 2) * left.could.share - floor.motion_m2));
   left.adequate =
       left.as_noise && !is_shared(left.shared, length_m) &&
-      left.shared.lone_m < kPolicy.verdict.lone * std::sqrt(floor.white_m2) &&
+      left.shared.lone_m <
+          std::max(kPolicy.verdict.lone * std::sqrt(floor.white_m2), kPolicy.verdict.flexible * length_m) &&
       (flexible_m < kPolicy.verdict.flexible * length_m || left.could.share < kPolicy.verdict.flexible_share);
   return left;
 }
@@ -201,6 +202,7 @@ std::string unconverged(const Selection& selection) {
 /// How much of the recordings is compared with models.
 struct Compared {
   std::size_t frames = 0, blocks = 0, used = 0;
+  std::size_t block_frames = 0, used_frames = 0;
 };
 
 Compared compared(const JointModel& model) {
@@ -209,7 +211,13 @@ Compared compared(const JointModel& model) {
     const model::TrialData& trial = model.trials()[t];
     count.frames += static_cast<std::size_t>(trial.series.t_s.size());
     count.blocks += trial.blocks.size();
-    for (std::size_t k = 0; k < trial.blocks.size(); ++k) count.used += model.uses(t, k);
+    for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
+      const std::size_t frames = trial.blocks[k].last - trial.blocks[k].first;
+      count.block_frames += frames;
+      if (!model.uses(t, k)) continue;
+      ++count.used;
+      count.used_frames += frames;
+    }
   }
   return count;
 }
@@ -258,12 +266,13 @@ std::vector<std::string> notes_of(const Compared& all, const model::Prepared& pr
                                   const Selection& selection, const Options& options, std::size_t swinging,
                                   const JointModel& model, const Remains& left) {
   std::vector<std::string> notes;
-  notes.push_back(fmt::format(
-      "{} frames of {} trials, compared as {} means over {:.2g} s; {} are left out after a hand was on the "
-      "payload, {} "
-      "because the arm swung. Errors and the noise floor are those of such means.",
-      all.frames, prepared.trials.size(), all.blocks, options.block_s, all.blocks - all.used - swinging,
-      swinging));
+  notes.push_back(
+      fmt::format("{} frames of {} trials, compared as {} means over {:.2g} s, longer where the arm rests; "
+                  "{} are left out after a hand was on the payload, {} because the arm swung. Errors and the "
+                  "noise floor are "
+                  "those of such means.",
+                  all.frames, prepared.trials.size(), all.blocks, options.block_s,
+                  all.blocks - all.used - swinging, swinging));
   notes.push_back(motion_of(model, selection.extended.at.viscoelastic_lag_s));
   if (!options.known.empty())
     notes.push_back(fmt::format("{} of the arm file {} in all models, at the file's values.",
@@ -337,7 +346,7 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   d.extended_arm =
       extended_arm(model, law ? law->fit : selection.extended, law ? law->covariance : selection.covariance);
   const Compared count = compared(model);
-  d.left_out_share = 1.0 - static_cast<double>(count.used) / static_cast<double>(count.blocks);
+  d.left_out_share = 1.0 - static_cast<double>(count.used_frames) / static_cast<double>(count.block_frames);
   d.summary = summary_of(d);
   d.notes = notes_of(count, prepared, selection, options, swinging, model, left);
 

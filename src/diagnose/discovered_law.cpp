@@ -63,9 +63,9 @@ Linearised fit(JointModel& model, const JointParameters& start, int iterations,
 
 /// Errors of predictions that were not fitted.
 struct Errors {
-  double distances_m = 0.0, bodies = 0.0, most_m = 0.0;
-  double squares_m2 = 0.0, weight = 0.0;  ///< by precision
-  double mean_m() const { return bodies > 0.0 ? distances_m / bodies : 0.0; }
+  double distances_m = 0.0, frames = 0.0, most_m = 0.0;  ///< plain, of every frame
+  double squares_m2 = 0.0, weight = 0.0;                 ///< by precision
+  double mean_m() const { return frames > 0.0 ? distances_m / frames : 0.0; }
   double mean_square_m2() const { return weight > 0.0 ? squares_m2 / weight : 0.0; }
 };
 
@@ -77,9 +77,9 @@ void add_errors(const JointModel& model, std::size_t t, const std::vector<model:
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       const double off_m = (bodies[i].p_base - predicted[k].p.col(static_cast<Index>(i))).norm();
       const double weight = 1.0 / std::pow(model.sd_m(t, k, bodies[i]), 2);
-      errors.distances_m += off_m;
+      errors.distances_m += bodies[i].frames * off_m;
       errors.most_m = std::max(errors.most_m, off_m);
-      errors.bodies += 1.0;
+      errors.frames += bodies[i].frames;
       errors.squares_m2 += weight * off_m * off_m;
       errors.weight += weight;
     }

@@ -128,6 +128,17 @@ MatrixXd rows_per_m(const JointModel& model, const Shown& shown, const Linearise
   return rows;
 }
 
+/// Takes out effects of which the model cannot say what they do to this arm.
+void drop_unknown(std::vector<Signature>& effects) {
+  std::vector<const model::Effect*> unknown;
+  for (const Signature& s : effects)
+    if (!s.moves.allFinite()) unknown.push_back(s.effect);
+  const auto is_unknown = [&](const Signature& s) {
+    return std::find(unknown.begin(), unknown.end(), s.effect) != unknown.end();
+  };
+  effects.erase(std::remove_if(effects.begin(), effects.end(), is_unknown), effects.end());
+}
+
 /// Fills Signature::left of the effects.
 void add_left(const MatrixXd& rows_per_m, double length_m, EvidenceData& data) {
   const Index n = data.residual.size(), p = static_cast<Index>(data.unknowns.size());
@@ -210,6 +221,7 @@ EvidenceData evidence_data(JointModel& model, Linearised& at, const std::vector<
       }
     }
   });
+  drop_unknown(data.effects);
   add_left(rows_per_m(model, shown, at), model.arm().total_length_m(), data);
   data.features = features_at(model, at, shown);
   return data;

@@ -62,6 +62,7 @@ struct Policy {
     double rival_cosine = 0.95;           ///< of the signatures of two effects that may be one class
     double distinct_cosine = 0.5;         ///< of two that neither hides nor feigns the other
     double identifiable_sd = 2.0;         ///< from 0, of a size that is identifiable
+    double other_optimum = 0.02;  ///< fall of chi^2 that an effect of no size brings: the constants' own
   } selection;
 
   /// How probable effects are.
@@ -98,7 +99,8 @@ struct Policy {
     double shared_z = 2.33;       ///< from which on that is no chance: one in a hundred
     double flexible = 5e-4;       ///< of the length: what a flexible model finds beyond this is something
     double flexible_share = 0.1;  ///< ... if it is that share of what is left, or more
-    double lone = 0.5;            ///< of the noise floor: what one body alone may show beyond the others
+    double lone = 0.5;  ///< of the noise floor, or `flexible`, if that is more: what one body alone may show
+                        ///< beyond the others
     double lone_ratio = 1.7;      ///< of that body's mean square over the bodies' median
     double detectable_z = 5.0;    ///< that an effect of usual size must have to be detectable
     double few_detectable = 0.5;  ///< share of the catalogue below which "consistent" says too much

@@ -97,7 +97,8 @@ class Search {
       }
       m.log = m.marginal.log + before_data(m.effects);
     });
-    for (Model& model : list) models_.push_back(std::move(model));
+    for (Model& model : list)
+      if (model.marginal.log > kNothing) models_.push_back(std::move(model));
   }
 
   /// What one effect more would bring to a model, under its own noise.
@@ -208,6 +209,7 @@ void add_unknowns(const Expansions& about, const std::vector<Search::Model>& mod
                         of_m * of_m.transpose());
     sum += weight;
   }
+  if (!(sum > 0.0)) return;
   result.shift = mean / sum;
   result.covariance = square / sum - result.shift * result.shift.transpose();
 }
@@ -259,6 +261,7 @@ Posterior posterior(const EvidenceData& data, const std::vector<RefitEvidence>& 
       search.evaluate(std::move(leaders), from.marginal.noise);
     }
   }
+  if (search.models().empty()) return {};
   Posterior result = summed(search.models());
   add_unknowns(about, search.models(), static_cast<Eigen::Index>(data.unknowns.size()), result);
   return result;

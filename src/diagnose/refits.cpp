@@ -151,6 +151,21 @@ Standing refit_without(JointModel& model, const Standing& current, std::size_t e
   return without;
 }
 
+std::optional<Standing> at_better_constants(JointModel& model, const Standing& current,
+                                            const std::vector<Refitted>& refitted) {
+  const double enough = (1.0 - kPolicy.selection.other_optimum) * current.fit.square;
+  const Refitted* best = nullptr;
+  for (const Refitted& r : refitted) {
+    if (r.fit.square < enough && z_of_sizes(r.fit) < kPolicy.selection.rival_z &&
+        (best == nullptr || r.fit.square < best->fit.square))
+      best = &r;
+  }
+  if (best == nullptr) return std::nullopt;
+  Standing without = refit_without(model, {best->fit, {}}, best->fit.at.effects.size() - 1);
+  if (!(without.fit.square < enough)) return std::nullopt;
+  return without;
+}
+
 double moved_without_m(const Standing& current, std::size_t effect) {
   return current.unseen.total_rms_m *
          std::sqrt(square_of_sizes(current.fit, effect) / current.unseen.total_chi2);

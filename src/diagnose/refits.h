@@ -1,6 +1,7 @@
 // Fits with one effect more, and how they compare on trials that they have not seen.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "selection.h"
@@ -28,6 +29,11 @@ Refitted refit(JointModel& model, const Standing& current, const Screened& s);
 
 /// The model so far without one of its effects.
 Standing refit_without(JointModel& model, const Standing& current, std::size_t effect);
+
+/// The model so far at other constants, where a refit came to better ones and its effect is next to nothing:
+/// what it gained is theirs.
+std::optional<Standing> at_better_constants(JointModel& model, const Standing& current,
+                                            const std::vector<Refitted>& refitted);
 
 /// Root of the fall of the mean square error on unseen trials.
 double moved_m(const Unseen& without, const Unseen& with);

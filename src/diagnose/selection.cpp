@@ -1,6 +1,7 @@
 #include "selection.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "background.h"
@@ -45,7 +46,8 @@ Posterior posterior_of(JointModel& model, Standing& current, const Round& round,
 }
 
 /// One round: screen, refits of what explains most, the posterior, refits of what is more probable than not.
-Round look(JointModel& model, Standing& current, bool refits, const Options& options,
+/// @param may_move whether the model so far may come to better constants, from which the round begins again
+Round look(JointModel& model, Standing& current, bool refits, bool may_move, const Options& options,
            const std::function<void(double, const std::string&)>& progress) {
   Round round;
   model.set_misfit(std::max(1.0, current.fit.square / std::max(1, current.fit.rows)));
@@ -58,6 +60,14 @@ Round look(JointModel& model, Standing& current, bool refits, const Options& opt
     progress(0.1 + 0.8 * static_cast<double>(i) / static_cast<double>(worth.size()),
              "refitting with " + s.effect->info().id);
     round.refitted.push_back(refit(model, current, s));
+  }
+  if (may_move) {
+    if (std::optional<Standing> better = at_better_constants(model, current, round.refitted)) {
+      current = std::move(*better);
+      round = look(model, current, refits, false, options, progress);
+      round.anew = true;
+      return round;
+    }
   }
   progress(0.9, "how probable all of them are");
   round.posterior = posterior_of(model, current, round, options.jobs);
@@ -143,6 +153,48 @@ bool drop_superfluous(JointModel& model, Standing& current, std::vector<std::siz
   return dropped;
 }
 
+/// What the model ends with.
+struct Ending {
+  double background = 0.0;
+  Unseen unseen;
+};
+
+/// How sure every effect of the model is, all others given.
+/// @param of_all the posterior about this model
+void add_doubt_about(JointModel& model, Standing& current, const Posterior& of_all, const Options& options,
+                     Selection& selection) {
+  const Round alone = without_rivals(selection);
+  const std::size_t catalogue = selection.rounds.front().screened.size();
+  add_doubt(current.fit, of_all,
+            alone.screened.size() < selection.rounds.back().screened.size()
+                ? posterior_of(model, current, alone, options.jobs)
+                : of_all,
+            catalogue, selection);
+}
+
+/// Takes out again what has become superfluous, then, while true refits predict unseen trials no better than
+/// the arm's constants alone do, what is least sure.
+Ending end_with_what_predicts(JointModel& model, Standing& current, Selection& selection,
+                              const Options& options) {
+  Round last;
+  last.screened = selection.rounds.back().screened;
+  Posterior of_all = selection.rounds.back().posterior;
+  if (drop_superfluous(model, current, selection.round_of))
+    of_all = posterior_of(model, current, last, options.jobs);
+  for (;;) {
+    add_doubt_about(model, current, of_all, options, selection);
+    if (current.fit.at.effects.empty()) return {of_all.background, selection.baseline_unseen};
+    Unseen unseen = refitted_unseen(model, current.fit);
+    if (unseen.total_rms_m < selection.baseline_unseen.total_rms_m)
+      return {of_all.background, std::move(unseen)};
+    const auto least = std::min_element(selection.still_there.begin(), selection.still_there.end()) -
+                       selection.still_there.begin();
+    current = refit_without(model, current, static_cast<std::size_t>(least));
+    selection.round_of.erase(selection.round_of.begin() + least);
+    of_all = posterior_of(model, current, last, options.jobs);
+  }
+}
+
 }  // namespace
 
 Selection select(JointModel& model, Linearised baseline, const Options& options,
@@ -157,9 +209,14 @@ Selection select(JointModel& model, Linearised baseline, const Options& options,
   const auto most = static_cast<std::size_t>(std::max(0, options.most_effects));
   for (bool taken = true; taken;) {
     const std::size_t n = selection.round_of.size();
-    Round round = look(model, current, n < most, options, [&](double done, const std::string& what) {
+    Round round = look(model, current, n < most, true, options, [&](double done, const std::string& what) {
       progress((static_cast<double>(n) + done) * share, what);
     });
+    if (round.anew && n == 0) {
+      selection.baseline_unseen = refitted_unseen(model, current.fit);
+      selection.baseline = current.fit;
+      selection.first_order_rms_m = current.unseen.total_rms_m;
+    }
     taken = round.taken >= 0;
     std::vector<Round> beside;
     if (taken) {
@@ -173,27 +230,11 @@ Selection select(JointModel& model, Linearised baseline, const Options& options,
       selection.rounds.push_back(std::move(one));
     }
   }
-  const Round& last = selection.rounds.back();
-  double background = last.posterior.background;
-  const std::size_t catalogue = selection.rounds.front().screened.size();
-  Posterior of_all = last.posterior;
-  if (drop_superfluous(model, current, selection.round_of)) {
-    Round anew;
-    anew.screened = last.screened;
-    of_all = posterior_of(model, current, anew, options.jobs);
-    background = of_all.background;
-  }
-  const Round alone = without_rivals(selection);
-  add_doubt(current.fit, of_all,
-            alone.screened.size() < last.screened.size() ? posterior_of(model, current, alone, options.jobs)
-                                                         : of_all,
-            catalogue, selection);
+  const Ending ending = end_with_what_predicts(model, current, selection, options);
   selection.extended = std::move(current.fit);
-  selection.extended_unseen = selection.extended.at.effects.empty()
-                                  ? selection.baseline_unseen
-                                  : refitted_unseen(model, selection.extended);
+  selection.extended_unseen = ending.unseen;
   selection.with_background =
-      with_background(model, selection.extended, candidates_of(selection.rounds.back()), background,
+      with_background(model, selection.extended, candidates_of(selection.rounds.back()), ending.background,
                       selection.extended_unseen, options.jobs);
   selection.inflation = inflation(selection.extended);
   return selection;

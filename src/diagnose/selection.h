@@ -32,6 +32,7 @@ struct Round {
   std::vector<Refitted> refitted;            ///< best first
   Posterior posterior;                       ///< of all that were screened, upon the model so far
   int taken = -1;                            ///< of refitted; -1: none
+  bool anew = false;                         ///< the model so far came to other constants first
   std::vector<const model::Effect*> rivals;  ///< of the one taken: as good, or the same in these trials
 };
 

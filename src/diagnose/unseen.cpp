@@ -42,8 +42,8 @@ JointParameters stepped(const Linearised& at, const VectorXd& step) {
 /// Sums over bodies of one trial or all.
 struct Distances {
   double square = 0.0, fitted_square = 0.0, weight = 0.0;  ///< by precision
-  double sum_m = 0.0, most_m = 0.0;                        ///< plain
-  std::size_t bodies = 0;
+  double sum_m = 0.0, most_m = 0.0;                        ///< plain, of every frame
+  double frames = 0.0;
 
   void add(const Distances& other) {
     square += other.square;
@@ -51,10 +51,10 @@ struct Distances {
     weight += other.weight;
     sum_m += other.sum_m;
     most_m = std::max(most_m, other.most_m);
-    bodies += other.bodies;
+    frames += other.frames;
   }
   double rms_m() const { return weight > 0.0 ? std::sqrt(square / weight) : 0.0; }
-  double mean_m() const { return bodies > 0 ? sum_m / static_cast<double>(bodies) : 0.0; }
+  double mean_m() const { return frames > 0.0 ? sum_m / frames : 0.0; }
 };
 
 /// @param r residuals of a trial, whitened and weighted as the fit's are
@@ -71,9 +71,9 @@ Distances distances_of(const JointModel& model, const Linearised& at, std::size_
         const double scale = sd / at.root_weight[t][row];
         metres.segment<3>(row) = scale * r.segment<3>(row);
         const double distance_m = metres.segment<3>(row).norm();
-        d.sum_m += distance_m;
+        d.sum_m += seen.frames * distance_m;
         d.most_m = std::max(d.most_m, distance_m);
-        ++d.bodies;
+        d.frames += seen.frames;
         d.square += w * distance_m * distance_m;
         d.fitted_square += w * scale * scale * at.residual[t].segment<3>(row).squaredNorm();
         d.weight += w;

@@ -1,7 +1,8 @@
 // Stiffer by a share on first loading: fully where the curvature has not been so large before, less the
 // further it is below the largest one, m (R. W. Ogden, D. G. Roxburgh, Proc. R. Soc. A 455, 1999, for
-// bending):
-//   M = EI u (1 + share erfc((m^2 - u^2) / scale^2))
+// bending). What does not come back where it is bent so far again is lost with the largest curvature alone
+// (J. C. Simo, Comput. Methods Appl. Mech. Eng. 60, 1987):
+//   M = EI u (1 + share erfc((m^2 - u^2) / scale^2) + fresh_share / (1 + m^2 / scale^2))
 #include <algorithm>
 #include <cmath>
 
@@ -13,35 +14,29 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kBisections = 60;
+constexpr int kSteps = 60;
+constexpr double kTolerance = 1e-12;  // of the curvature
 
 class Mullins : public Described {
  public:
   using Described::Described;
   bool needs_shape() const override { return true; }
   std::vector<Values> grid(const arm::Arm&, const FineRod&) const override {
-    return {Eigen::Vector2d(0.0, 1.5), Eigen::Vector2d(0.0, 3.0), Eigen::Vector2d(0.0, 6.0)};
+    return {Eigen::Vector3d(0.0, 0.0, 1.5), Eigen::Vector3d(0.0, 0.0, 3.0), Eigen::Vector3d(0.0, 0.0, 6.0)};
   }
   void act(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape* shape,
            const Memory& memory, rod::Rod& rod) const override {
-    if (values[0] == 0.0) return;
-    const double scale2 = std::pow(std::max(values[1], 1e-2), 2);
+    if (values[0] == 0.0 && values[1] == 0.0) return;
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
       const rod::RodState& middle = shape->middles[j];
       rod::Segment& piece = rod.segments[j];
       const Vector2d linear = linear_curvature(piece, middle);
       const double wanted = linear.norm();
       if (wanted < 1e-9) continue;
-      // At the moment that acts: u (1 + share erfc(...)) = linear.
-      const double most = memory.empty() ? 0.0 : memory[j];
-      double low = wanted / (1.0 + values[0]), high = wanted;
-      for (int i = 0; i < kBisections; ++i) {
-        const double u = 0.5 * (low + high);
-        (u * (1.0 + stiffer(values[0], scale2, most, u)) < wanted ? low : high) = u;
-      }
-      const double u = 0.5 * (low + high), y = (most - u * u) / scale2;
-      double tangent = stiffer(values[0], scale2, most, u);
-      if (y > 0.0) tangent += values[0] * 4.0 / std::sqrt(M_PI) * std::exp(-y * y) * u * u / scale2;
+      // At the moment that acts: u (1 + stiffer) = linear.
+      const Law law(values, memory.empty() ? 0.0 : memory[j]);
+      const double u = law.curvature(wanted);
+      const double tangent = law.stiffer(u) + u * law.slope(u);
       bend_to(u / wanted * linear, 1.0 + tangent, middle, piece);
     }
   }
@@ -49,7 +44,7 @@ class Mullins : public Described {
   std::vector<StartNumber> starts(const arm::Arm& arm, const Values& values) const override {
     std::vector<StartNumber> numbers;
     for (const arm::Segment& segment : arm.segments)
-      numbers.push_back({segment.name, "1/m^2", std::pow(std::max(values[1], left_bent_per_m(segment)), 2)});
+      numbers.push_back({segment.name, "1/m^2", std::pow(std::max(values[2], left_bent_per_m(segment)), 2)});
     return numbers;
   }
   void begin(const arm::Arm& arm, const FineRod& fine, const Values& values, const Eigen::VectorXd& start,
@@ -69,26 +64,60 @@ class Mullins : public Described {
   }
 
  private:
-  /// Share by which the material is stiffer at a curvature; most: square of the largest one before.
-  static double stiffer(double share, double scale2, double most, double u) {
-    return share * std::erfc(std::max(0.0, most - u * u) / scale2);
-  }
+  /// Share by which the material is stiffer, by curvature.
+  class Law {
+   public:
+    /// @param most square of the largest curvature before
+    Law(const Values& values, double most)
+        : share_(values[0]),
+          fresh_(values[1]),
+          scale2_(std::pow(std::max(values[2], 1e-2), 2)),
+          most_(most) {}
+
+    double stiffer(double u) const {
+      const double most = std::max(most_, u * u);
+      return share_ * std::erfc((most - u * u) / scale2_) + fresh_ / (1.0 + most / scale2_);
+    }
+    /// Where u (1 + stiffer) is this: by Newton's steps, halved where those leave the bracket.
+    double curvature(double linear) const {
+      double low = linear / (1.0 + share_ + fresh_), high = linear, u = low;
+      for (int i = 0; i < kSteps && high - low > kTolerance * linear; ++i) {
+        const double over = u * (1.0 + stiffer(u)) - linear;
+        (over < 0.0 ? low : high) = u;
+        const double next = u - over / (1.0 + stiffer(u) + u * slope(u));
+        if (std::abs(next - u) <= kTolerance * linear) return next;
+        u = next > low && next < high ? next : 0.5 * (low + high);
+      }
+      return u;
+    }
+    double slope(double u) const {
+      const double y = (most_ - u * u) / scale2_;
+      if (y > 0.0) return share_ * 4.0 / std::sqrt(M_PI) * std::exp(-y * y) * u / scale2_;
+      return -fresh_ * 2.0 * u / scale2_ / std::pow(1.0 + u * u / scale2_, 2);
+    }
+
+   private:
+    double share_, fresh_, scale2_, most_;
+  };
 };
 
 }  // namespace
 
 std::unique_ptr<Effect> make_mullins() {
-  return std::make_unique<Mullins>(
-      Info{"mullins",
-           "the arm is stiffer when it is bent so far for the first time",
-           "M = EI u (1 + share erfc((m^2 - u^2) / scale^2)), m the largest curvature so far",
-           "R. W. Ogden, D. G. Roxburgh, Proc. R. Soc. A 455, 1999, for bending, doi:10.1098/rspa.1999.0431",
-           Family::kMemory,
-           {{"share", "1", "by which it is stiffer then", 0.0, 3.0, 0.1},
-            {"scale_per_m", "1/m", "difference of curvatures within which that is lost", 0.2, 50.0, 2.0}},
-           1,
-           {"drift", "hysteresis"},
-           {"bending_stiffness", "moment_gain"}});
+  return std::make_unique<Mullins>(Info{
+      "mullins",
+      "the arm is stiffer when it is bent so far for the first time",
+      "M = EI u (1 + share erfc((m^2 - u^2) / scale^2) + fresh_share / (1 + m^2 / scale^2)), m the largest "
+      "curvature so far",
+      "R. W. Ogden, D. G. Roxburgh, Proc. R. Soc. A 455, 1999, for bending, doi:10.1098/rspa.1999.0431; "
+      "J. C. Simo, Comput. Methods Appl. Mech. Eng. 60, 1987, doi:10.1016/0045-7825(87)90107-1",
+      Family::kMemory,
+      {{"share", "1", "by which it is stiffer then", 0.0, 3.0, 0.1},
+       {"fresh_share", "1", "by which it is stiffer until it has been bent", 0.0, 3.0, 0.1},
+       {"scale_per_m", "1/m", "difference of curvatures within which that is lost", 0.2, 50.0, 2.0}},
+      2,
+      {"drift", "hysteresis"},
+      {"bending_stiffness", "moment_gain"}});
 }
 
 }  // namespace softarm::effects

@@ -14,7 +14,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kNoNegative = 1e-6;  // of the largest flexibility: one below 0 by less is none
+constexpr double kLeastStiffness = 0.02;  // of a mode's own, where the same shapes have other walls
+constexpr double kNoNegative = 1e-6;      // of the largest flexibility: one below 0 by less is none
 
 }  // namespace
 
@@ -64,7 +65,10 @@ Modes::Springs Modes::springs_of(const Rest& rest, const Sluggishness& sluggish)
     mass += rest.masses_kg[j] * shape.middleRows<3>(3 * j).colwise().squaredNorm().transpose();
   const VectorXd walls = elastic_of(rest);
   mass *= 1.0 + sluggish.mass_share;
-  return {(stiffness - elastic + walls).cwiseQuotient(mass), sluggish.lag_s * walls.cwiseQuotient(mass)};
+  // An equilibrium that the arm rests in holds it, and a wall takes energy: what the quotient, or a step of a
+  // parameter, makes of shapes of another equilibrium must not grow without bound.
+  return {(stiffness - elastic + walls).cwiseMax(kLeastStiffness * stiffness).cwiseQuotient(mass),
+          std::max(sluggish.lag_s, 0.0) * walls.cwiseQuotient(mass)};
 }
 
 }  // namespace softarm::model

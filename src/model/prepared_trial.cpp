@@ -18,6 +18,7 @@ using trial::StaticFrame;
 
 constexpr std::size_t kFewest = 3;    // frames of a mean
 constexpr double kLongestBend = 2.5;  // of a way, in standard deviations of a mean; noise alone makes 1.1
+constexpr double kRests = 1.5;        // ratio of variances up to which a body rests; noise alone makes 1
 constexpr int kFewestOfBend = 5;      // frames of a mean whose scatter is about a parabola
 constexpr double kLeastNoise_rad =
     1e-4;                             // of tangents, which computed trials have without: a model is no finer
@@ -75,6 +76,32 @@ Line fit_line(const std::vector<double>& t, const std::vector<Vector3d>& p, cons
     line.bend_factor = width * width / bends;
   }
   return line;
+}
+
+/// Variance of the means of parts, over what the differences of neighbouring values make of it: 1 where the
+/// values are noise about one place.
+/// @param part of each value, ascending
+std::optional<double> scatter_of_parts(const std::vector<Vector3d>& values,
+                                       const std::vector<std::size_t>& part) {
+  Vector3d all = Vector3d::Zero();
+  double differences = 0.0, pairs = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    all += values[i] / static_cast<double>(values.size());
+    if (i == 0) continue;
+    differences += (values[i] - values[i - 1]).squaredNorm();
+    pairs += 1.0;
+  }
+  double between = 0.0, parts = 0.0;
+  for (std::size_t i = 0; i < values.size();) {
+    Vector3d sum = Vector3d::Zero();
+    double count = 0.0;
+    for (const std::size_t now = part[i]; i < values.size() && part[i] == now; ++i, count += 1.0)
+      sum += values[i];
+    between += count * (sum / count - all).squaredNorm();
+    parts += 1.0;
+  }
+  if (parts < 2.0 || !(differences > 0.0)) return std::nullopt;
+  return (between / (parts - 1.0)) / (0.5 * differences / pairs);
 }
 
 /// The mean of one vector of a body over a block.
@@ -188,39 +215,80 @@ class Preparing {
     return sd;
   }
 
+  /// Where a block that begins at a frame ends, at the latest, and whether at a pause.
+  struct Reach {
+    std::size_t last = 0;
+    bool gap = false;
+  };
+  Reach reach(const Eigen::VectorXd& t, std::size_t first, double lasts_s) const {
+    const auto count = static_cast<std::size_t>(t.size());
+    const auto at = [&](std::size_t i) { return t[static_cast<Eigen::Index>(i)]; };
+    std::size_t i = first + 1;
+    for (; i < count; ++i) {
+      if (at(i) - at(i - 1) > kLongestPause_s) return {i, true};
+      if (i - first >= kFewest && at(i) - at(first) >= lasts_s - 1e-6) break;
+    }
+    return {i, false};
+  }
+
   void cut(const std::vector<StaticFrame>& frames, TrialData& data,
            std::map<std::string, std::uint64_t>& left_out) {
     const Eigen::VectorXd& t = data.series.t_s;
-    std::size_t first = 0, half = 0;  // half: where the block may end if the way bends
     bool begins = true;
-    for (std::size_t i = 1; i <= frames.size(); ++i) {
-      const bool gap =
-          i < frames.size() &&
-          t[static_cast<Eigen::Index>(i)] - t[static_cast<Eigen::Index>(i - 1)] > kLongestPause_s;
-      const auto lasts = [&](double block_s) {
-        return i < frames.size() && i - first >= kFewest &&
-               t[static_cast<Eigen::Index>(i)] - t[static_cast<Eigen::Index>(first)] >= block_s - 1e-6;
-      };
-      const bool full = lasts(how_.block_s);
-      if (half == 0 && lasts(0.5 * how_.block_s)) half = i;
-      if (i < frames.size() && !gap && !full) continue;
-      if (half > 0 && half < i && i - half >= kFewest && bends(frames, first, i, t)) {
-        data.blocks.push_back(mean(frames, first, half, t));
+    for (std::size_t first = 0; first < frames.size();) {
+      const Reach to = end_of_block(frames, first, t);
+      if (to.last - first >= kFewest) {
+        data.blocks.push_back(mean(frames, first, to.last, t));
         data.blocks.back().begins = begins;
-        begins = false;
-        first = half;
-      }
-      half = 0;
-      if (i - first >= kFewest) {
-        data.blocks.push_back(mean(frames, first, i, t));
-        data.blocks.back().begins = begins;
-        begins = gap;
+        begins = to.gap;
       } else {
-        left_out["alone between gaps"] += i - first;
-        begins = begins || gap;
+        left_out["alone between gaps"] += to.last - first;
+        begins = begins || to.gap;
       }
-      first = i;
+      first = to.last;
     }
+  }
+
+  /// Half of a block where a body's way bends in it, several where the arm rests in all of them.
+  Reach end_of_block(const std::vector<StaticFrame>& frames, std::size_t first,
+                     const Eigen::VectorXd& t) const {
+    Reach to = reach(t, first, how_.block_s);
+    if (bends(frames, first, to.last, t)) {
+      const Reach half = reach(t, first, 0.5 * how_.block_s);
+      return half.last < to.last && to.last - half.last >= kFewest ? half : to;
+    }
+    for (int blocks = 2; blocks <= how_.most_blocks && !to.gap && to.last < frames.size(); ++blocks) {
+      const Reach further = reach(t, first, blocks * how_.block_s);
+      if (further.last == to.last || !rests(frames, first, further.last, t)) break;
+      to = further;
+    }
+    return to;
+  }
+
+  /// Whether no body moves, and nobody changes the payload: means over short parts scatter as frames do.
+  bool rests(const std::vector<StaticFrame>& frames, std::size_t first, std::size_t last,
+             const Eigen::VectorXd& t) const {
+    for (std::size_t i = first + 1; i < last; ++i)
+      if (frames[i].payload_kg != frames[i - 1].payload_kg) return false;
+    double scatter = 0.0, bodies = 0.0;
+    for (std::size_t b = 0; b < arm_.bodies.size(); ++b) {
+      std::vector<Vector3d> where;
+      std::vector<std::size_t> part;
+      for (std::size_t i = first; i < last; ++i) {
+        for (const SeenBody& seen : frames[i].bodies) {
+          if (seen.body != static_cast<int>(b)) continue;
+          where.push_back(seen.p_base);
+          part.push_back(static_cast<std::size_t>(
+              (t[static_cast<Eigen::Index>(i)] - t[static_cast<Eigen::Index>(first)] + 1e-6) /
+              (0.5 * how_.block_s)));
+        }
+      }
+      if (const std::optional<double> ratio = scatter_of_parts(where, part)) {
+        scatter += *ratio;
+        bodies += 1.0;
+      }
+    }
+    return bodies > 0.0 && scatter < kRests * bodies;
   }
 
   /// Whether the bodies' ways are no straight lines: a mean over a bend lies beside all places where the body

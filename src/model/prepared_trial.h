@@ -60,8 +60,9 @@ struct TrialData {
 constexpr double kLongestPause_s = 0.5;
 
 struct Preparation {
-  double block_s = 0.2;           ///< over which frames are averaged: half of it where the way of a body
-                                  ///< bends, longer where three frames are
+  double block_s = 0.2;  ///< over which frames are averaged: half of it where the way of a body bends, longer
+                         ///< where three frames are, or where the arm rests
+  int most_blocks = 4;   ///< joined to one while the arm rests
   double before_payload_s = 0.5;  ///< of a change, and after it, nothing is compared
   double after_payload_s = 2.0;
 };

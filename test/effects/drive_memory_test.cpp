@@ -98,7 +98,7 @@ TEST(Mullins, IsStifferInTheFirstCycleAlone) {
   });
   const std::vector<model::Predicted> without = predict(model, arm(), {}, trial);
   const std::vector<model::Predicted> with =
-      predict(model, arm(), {{find("mullins"), Eigen::Vector2d(0.2, 1.0)}}, trial);
+      predict(model, arm(), {{find("mullins"), Eigen::Vector3d(0.2, 0.0, 1.0)}}, trial);
   const auto ratio = [&](double t_s) {
     const auto k = static_cast<std::size_t>(10.0 * t_s);
     return curvature(with[k]) / curvature(without[k]);

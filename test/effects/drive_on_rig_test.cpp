@@ -44,8 +44,12 @@ const std::vector<Hidden>& on_chambers() {
       {"sharp", {"pressure_dead_zone", "sharp", {{"pressure_pa", 3000.0}}}, {3000.0, 3000.0}, 0.4},
       {"ogden_roxburgh",
        {"mullins", "ogden_roxburgh", {{"share", 0.15}, {"scale_per_m", 2.0}}},
-       {0.15, 2.0},
+       {0.15, 0.0, 2.0},
        0.08},
+      {"softening",
+       {"mullins", "softening", {{"share", 0.15}, {"scale_per_m", 2.0}}},
+       {0.0, 0.15, 1.5},
+       0.25},
   };
   return list;
 }

@@ -40,7 +40,9 @@ TEST_P(PreparedFrames, AreUsedAtAnyRateAndTellTheirNoise) {
   arm.bodies.resize(1);
   arm.bodies[0].orientation_usable = false;
   const trial::Trial trial = recorded(arm, GetParam());
-  const Prepared prepared = prepare(arm, {trial});
+  Preparation how;
+  how.most_blocks = 1;
+  const Prepared prepared = prepare(arm, {trial}, how);
   ASSERT_EQ(prepared.trials.size(), 1u);
   const TrialData& data = prepared.trials[0];
   std::size_t used = 0;
@@ -62,6 +64,23 @@ TEST(PreparedBends, AreNoNoise) {
     const Prepared prepared = prepare(arm, {recorded(arm, rate_hz, 0.05, 3.0)});
     EXPECT_NEAR(prepared.white_sd_m[0], kNoise_m, 0.2 * kNoise_m);
   }
+}
+
+TEST(PreparedBlocks, AreLongWhereTheArmRestsAndShortWhereItsWayBends) {
+  arm::Arm arm = effects::testing::shipped_arm("online_200mm");
+  arm.bodies.resize(1);
+  arm.bodies[0].orientation_usable = false;
+  const auto mean_s = [&](double amplitude_m) {
+    const Prepared prepared = prepare(arm, {recorded(arm, 120.0, amplitude_m, 3.0)});
+    return kDuration_s / static_cast<double>(prepared.trials[0].blocks.size());
+  };
+  EXPECT_GT(mean_s(0.0), 0.7);
+  EXPECT_LT(mean_s(0.05), 0.15);
+  // What is long loses no frame.
+  const Prepared rest = prepare(arm, {recorded(arm, 120.0, 0.0, 3.0)});
+  int frames = 0;
+  for (const Block& block : rest.trials[0].blocks) frames += block.bodies.at(0).frames;
+  EXPECT_NEAR(frames, kDuration_s * 120.0, 5.0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Hz, PreparedFrames, ::testing::Values(5.0, 10.0, 20.0, 25.0, 30.0, 60.0, 120.0));

@@ -112,6 +112,11 @@ TEST(Modes, AreScaledToAnotherArmOfTheSameShapes) {
     }
   }
   // As much again that moves along.
+  Rest limp = here.rest;
+  limp.compliance *= 1e3;
+  const Modes::Springs held = here.modes.springs_of(limp, {0.0, -0.5});
+  EXPECT_GT(held.stiffness.minCoeff(), 0.0);
+  EXPECT_GE(held.damping.minCoeff(), 0.0);
   const Modes::Springs heavier = here.modes.springs_of(here.rest, {1.0, 0.0});
   EXPECT_NEAR(heavier.stiffness[3], 0.5 * here.modes.stiffness[3], 1e-9 * here.modes.stiffness[3]);
   // Twice as long, of half the density: an eighth of the stiffness.

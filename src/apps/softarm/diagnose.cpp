@@ -202,8 +202,10 @@ void add_diagnose(CLI::App& program) {
   command->add_flag("--force", options->force, kForceMeaning);
   command->add_flag("--effects", options->effects, "list the catalogue: what is looked for");
   command
-      ->add_option("--block", options->diagnosis.block_s,
-                   "time over which frames are averaged, half of it where a body's way bends, s")
+      ->add_option(
+          "--block", options->diagnosis.block_s,
+          "time over which frames are averaged, half of it where a body's way bends, up to four times where "
+          "the arm rests, s")
       ->check(CLI::Range(0.02, 2.0))
       ->capture_default_str();
   const auto list = [&](const char* name, std::vector<std::string>& values, const char* meaning) {

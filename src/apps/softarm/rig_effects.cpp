@@ -115,6 +115,18 @@ Choices drift(const Numbers& v) {
                   {"over_s", minutes * kMinute_s}})};
 }
 
+/// The rig has one of the two.
+Choices mullins(const Numbers& v) {
+  const double share = v("share"), fresh = v("fresh_share");
+  if (share > 0.0 && fresh > 0.0)
+    throw std::invalid_argument("a share and a fresh share at once are nothing the virtual rig has");
+  if (fresh == 0.0)
+    return {choice("mullins", "ogden_roxburgh", {{"share", share}, {"scale_per_m", v("scale_per_m")}})};
+  // Over as many curvatures as its law falls to half.
+  return {
+      choice("mullins", "softening", {{"share", fresh}, {"scale_per_m", v("scale_per_m") / std::log(2.0)}})};
+}
+
 /// The rig has one phase for both.
 Choices temperature(const Numbers& v) {
   constexpr double kPerK = -0.01;
@@ -332,7 +344,7 @@ const std::map<std::string, Translation>& translations() {
       {"pressure_leak", leak},
       {"pressure_offset", pressure_offset},
       {"rest_curvature", rest_curvature},
-      {"mullins", same("ogden_roxburgh", {"share", "scale_per_m"})},
+      {"mullins", mullins},
       {"drift", drift},
       {"temperature", temperature},
       {"contact", contact},
