@@ -73,7 +73,9 @@ std::optional<double> nothing(const HiddenParameter& parameter) {
                            "offset_n",      "offset_rad",
                            "sd_pa",         "sd_n",
                            "sd_rad",        "step_pa",
-                           "step_n",        "step_rad"})
+                           "step_n",        "step_rad",
+                           "off",           "way_m2",
+                           "tilt_rad_m"})
     if (parameter.key == size) return 0.0;
   return std::nullopt;
 }
