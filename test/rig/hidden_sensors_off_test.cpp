@@ -82,7 +82,7 @@ std::optional<double> nothing(const HiddenParameter& parameter) {
 
 /// Some value for what is no size.
 double any_value(const HiddenParameter& parameter) {
-  if (parameter.whole) return parameter.key == "other_body" ? 2.0 : 1.0;
+  if (parameter.whole) return parameter.key == "other_body" || parameter.key == "cameras" ? 2.0 : 1.0;
   return 0.5 * (parameter.usual_low + parameter.usual_high);
 }
 

@@ -217,11 +217,19 @@ TEST(HiddenSensorsPoses, LensesThatAreOffBowTheSpaceAndLeaveItsMiddle) {
 }
 
 TEST(HiddenSensorsPoses, ASkinSlidesWithTheCurvatureUnderIt) {
-  Scenario sleeve = resting(0.1), patch = resting(0.1), all = resting(0.1);
+  // Without gravity, bent and come to rest: an arc.
+  Scenario bent = quiet(2.0);
+  bent.gravity_m_s2 = 0.0;
+  bent.payload.schedule.clear();
+  bent.pressures.random.reset();
+  bent.pressures.schedule = {{0.0, {30e3, 0.0, 0.0}}};
+  bent.pressures.settle_s = bent.pressures.ramp_s = 0.2;
+  Scenario sleeve = bent, patch = bent, all = bent;
   hide("skin_marker", {{"body", 2}, {"way_m2", 2e-4}, {"tilt_rad_m", 2e-3}}, sleeve);
   hide("skin_marker", {{"body", 2}, {"way_m2", 2e-4}, {"side_deg", 30.0}, {"patch_m", 0.02}}, patch, "patch");
   hide("skin_marker", {{"way_m2", 2e-4}, {"saturates_per_m", 5.0}}, all);
-  const Sample shifted = samples_of(sleeve)[0], slid = samples_of(patch)[0], saturated = samples_of(all)[0];
+  const Sample shifted = samples_of(sleeve).back(), slid = samples_of(patch).back(),
+               saturated = samples_of(all).back();
   // An arc: the curvature is that between rings.
   const Pose first = true_pose(sleeve, shifted, 1), second = true_pose(sleeve, shifted, 2),
              third = true_pose(sleeve, shifted, 3);
