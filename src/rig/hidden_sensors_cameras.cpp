@@ -96,7 +96,7 @@ std::vector<HiddenEffect> camera_effects() {
        "another (axes), or only once the cameras are warm (warming)",
        {"axes", "warming"},
        {{"share", -0.2, 0.2, -5e-3, 5e-3, "0.001: 1 mm per m too long"},
-        {"height_ratio", -2.0, 2.0, 0.3, 0.9, "share of heights over that", 1.0, false, {"axes"}},
+        {"height_ratio", -2.0, 2.0, 0.85, 1.15, "share of heights over that", 1.0, false, {"axes"}},
         {"warms_s", 0.1, 1e5, 600.0, 1800.0, "time constant, over the session", 900.0, false, {"warming"}}},
        add_scale},
       {"camera_bow",

@@ -93,7 +93,7 @@ TEST_F(LoadSignatures, ARoughWallHoldsTheArmWhereItTouchesAndLetsItSlip) {
   std::vector<Condition> conditions;
   for (int i = 0; i <= 80; ++i) {
     Eigen::VectorXd u(3);
-    const double across = i < 10 ? 0.0 : std::sin(2.0 * M_PI * (i - 10) / 35.0);
+    const double across = i < 10 ? 0.0 : std::sin(2.0 * M_PI * (i - 10) / 36.0);
     u << most_pa * std::min(1.0, i / 10.0), 0.3 * most_pa * std::max(0.0, across),
         0.3 * most_pa * std::max(0.0, -across);
     conditions.push_back({u, 0.0, hanging()});
@@ -107,8 +107,8 @@ TEST_F(LoadSignatures, ARoughWallHoldsTheArmWhereItTouchesAndLetsItSlip) {
     return y;
   };
   const std::vector<double> smooth = y_of(0.0), rough = y_of(friction), rougher = y_of(2.0);
-  // A loop: at the same pressures, the arm lags behind to either side. 27 and 44 are half a period apart.
-  const auto loop = [](const std::vector<double>& y) { return std::abs(y[62] - y[45]); };
+  // A loop: at the same pressures, the arm lags behind to either side. 46 and 64 are half a period apart.
+  const auto loop = [](const std::vector<double>& y) { return std::abs(y[64] - y[46]); };
   EXPECT_LT(loop(smooth), 1e-6);
   EXPECT_GT(loop(rough), 3e-4);
   const auto range = [](const std::vector<double>& y) {

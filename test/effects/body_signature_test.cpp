@@ -197,7 +197,7 @@ TEST_F(BodySignatures, ASkinSlidesWithTheCurvatureUnderIt) {
       EXPECT_NEAR(moved.norm(), 2e-4 * bent.norm(), 1e-7);
       // To the inside: the arc's centre is there.
       if (b + 1 < kRings) {
-        EXPECT_GT(moved.dot(before[k].p.col(3) - before[k].p.col(0)), -1e-9);
+        EXPECT_GT(moved.dot(before[k].p.col(3) - before[k].p.col(b)), 0.0);
       }
       const Vector3d slid = third[k].p.col(b) - before[k].p.col(b);
       EXPECT_NEAR(slid.norm(), b == 2 ? std::abs(2e-4 * bent.x() - 1e-4 * bent.y()) : 0.0, 1e-7);

@@ -119,13 +119,13 @@ TEST(OnTheRig, ASourceThatSagsIsMostlyTheCataloguesInEitherForm) {
   const arm::Arm arm = shipped_arm("online_200mm");
   rig::Scenario scenario = shipped_scenario("trial_10s");
   make_clean(scenario);
-  check_best({"droop", {"supply_sag", "droop", {{"share", 0.3}, {"reference_pa", 50e3}}}, {}, 0.4}, arm,
+  check_best({"droop", {"supply_sag", "droop", {{"share", 0.3}, {"reference_pa", 50e3}}}, {}, 0.5}, arm,
              scenario, 0.02, {0.05, 0.1, 0.15, 0.2, 0.3}, {400.0});
   check_best({"tank",
-              {"supply_sag", "tank", {{"share", 0.3}, {"reference_pa", 60e3}, {"refill_pa_per_s", 8e3}}},
+              {"supply_sag", "tank", {{"share", 0.4}, {"reference_pa", 150e3}, {"refill_pa_per_s", 20e3}}},
               {},
-              0.4},
-             arm, scenario, 0.02, {0.1, 0.15, 0.2, 0.25, 0.3, 0.4}, {1.0, 2.0, 4.0, 8.0});
+              0.6},
+             arm, scenario, 0.02, {0.1, 0.15, 0.2, 0.3}, {1.0, 2.0, 4.0, 16.0});
 }
 
 TEST(OnTheRig, EffectsOfTheVacuumArePredictedAtTheirSize) {

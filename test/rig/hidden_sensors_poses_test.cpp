@@ -217,7 +217,7 @@ TEST(HiddenSensorsPoses, LensesThatAreOffBowTheSpaceAndLeaveItsMiddle) {
 }
 
 TEST(HiddenSensorsPoses, ASkinSlidesWithTheCurvatureUnderIt) {
-  // Without gravity, bent and come to rest: an arc.
+  // Without gravity, bent and come to rest: nearly an arc.
   Scenario bent = quiet(2.0);
   bent.gravity_m_s2 = 0.0;
   bent.payload.schedule.clear();
@@ -230,27 +230,27 @@ TEST(HiddenSensorsPoses, ASkinSlidesWithTheCurvatureUnderIt) {
   hide("skin_marker", {{"way_m2", 2e-4}, {"saturates_per_m", 5.0}}, all);
   const Sample shifted = samples_of(sleeve).back(), slid = samples_of(patch).back(),
                saturated = samples_of(all).back();
-  // An arc: the curvature is that between rings.
+  // Nearly that between rings.
   const Pose first = true_pose(sleeve, shifted, 1), second = true_pose(sleeve, shifted, 2),
              third = true_pose(sleeve, shifted, 3);
   const Eigen::Vector3d bend = turn_between(first, third) / (0.7 * sleeve.arm.length_m());
   const Eigen::Vector3d inside(bend.y(), -bend.x(), 0.0);
-  ASSERT_GT(inside.norm(), 1.0);
+  ASSERT_GT(inside.norm(), 0.5);
   const Eigen::Vector3d across = second.q.conjugate() * error_m(sleeve, shifted, 2);
-  EXPECT_LT((across - 2e-4 * inside).norm(), 0.05 * across.norm());
+  EXPECT_LT((across - 2e-4 * inside).norm(), 0.1 * across.norm());
   // It is the side on which the other rings are.
   EXPECT_GT((second.q * across).dot(0.5 * (first.p + third.p) - second.p), 0.0);
-  EXPECT_LT((turn_between(second, *shifted.bodies[2]) - 2e-3 * bend).norm(), 0.05 * 2e-3 * bend.norm());
+  EXPECT_LT((turn_between(second, *shifted.bodies[2]) - 2e-3 * bend).norm(), 0.1 * 2e-3 * bend.norm());
   EXPECT_LT(error_m(sleeve, shifted, 1).norm(), 1e-12);
 
   const Eigen::Vector3d along = second.q.conjugate() * error_m(patch, slid, 2);
   const double on_side = inside.dot(Eigen::Vector3d(std::cos(M_PI / 6.0), 0.5, 0.0));
-  EXPECT_NEAR(along.z(), 2e-4 * on_side, 0.05 * std::abs(2e-4 * on_side));
+  EXPECT_NEAR(along.z(), 2e-4 * on_side, 0.1 * std::abs(2e-4 * on_side));
   EXPECT_LT(along.head<2>().norm(), 1e-12);
 
   const double half = 1.0 / (1.0 + inside.norm() / 5.0);
-  EXPECT_NEAR(error_m(all, saturated, 2).norm(), half * across.norm(), 0.05 * across.norm());
-  EXPECT_GT(error_m(all, saturated, 3).norm(), 1e-5);
+  EXPECT_NEAR(error_m(all, saturated, 2).norm(), half * across.norm(), 0.1 * across.norm());
+  EXPECT_GT(error_m(all, saturated, 1).norm(), 1e-5);
   EXPECT_LT(error_m(all, saturated, 0).norm(), 1e-12);
 }
 
