@@ -31,7 +31,7 @@ std::unique_ptr<Effect> make_camera_bow() {
            {{"bow_per_m2", "1/m^2", "share of the distance from the origin, at 1 m of it", -1.0, 1.0, 0.005}},
            1,
            {"camera_scale", "marker_slip", "base_tilt"},
-           {"elongation"}});
+           {"length", "moment_gain"}});
 }
 
 }  // namespace softarm::effects

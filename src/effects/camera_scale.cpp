@@ -29,7 +29,7 @@ std::unique_ptr<Effect> make_camera_scale() {
            {{"share", "1", "by which distances are measured too long", -0.2, 0.2, 0.005}},
            1,
            {"pressure_elongation", "marker_slip", "camera_bow"},
-           {"elongation"}});
+           {"length", "moment_gain", "bending_stiffness"}});
 }
 
 }  // namespace softarm::effects
