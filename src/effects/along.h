@@ -17,7 +17,7 @@ Eigen::VectorXd cover(const model::FineRod& fine, double from_m, double to_m);
 Eigen::VectorXd cap_at_base(const model::FineRod& fine, double length_m);
 Eigen::VectorXd cap_at_tip(const model::FineRod& fine, double length_m);
 
-/// Position at arclength s of a rod in a shape: cubic between stations.
+/// Position at arclength s of a shape: cubic between stations. @param rod its base is looked at
 Eigen::Vector3d position_at(const model::FineRod& fine, const rod::Rod& rod, const model::Shape& shape,
                             double s_m);
 

@@ -1,4 +1,6 @@
-// A wall beside the arm touches it at one place: k <x - x_w>, across the base's axis.
+// A wall beside the arm touches it at one place: k <x - x_w>, across the base's axis. A rough one also holds
+// it along the wall: a spring as stiff, from where it touched, which slips where friction holds no more.
+#include <algorithm>
 #include <cmath>
 
 #include "along.h"
@@ -6,6 +8,8 @@
 
 namespace softarm::effects {
 namespace {
+
+using Eigen::Vector3d;
 
 // Looked for at these places, directions, and distances: of the way, place^2 / (2 length), by which a bend of
 // one radian over the arm would move the place. Where along the arm it touches hardly changes what it looks
@@ -18,24 +22,60 @@ class Contact : public Described {
  public:
   using Described::Described;
   bool needs_shape() const override { return true; }
+  bool needs_strains() const override { return false; }
   std::vector<Values> grid(const arm::Arm&, const FineRod& fine) const override {
     const double length = fine.length_m();
     std::vector<Values> list;
     for (const double place : kPlaces) {
       for (int i = 0; i < kDirections; ++i) {
         for (const double way : kWays)
-          list.push_back(Eigen::Vector4d(0.0, place * length, 2.0 * M_PI * i / kDirections,
-                                         way * 0.5 * place * place * length));
+          list.push_back((Values(5) << 0.0, place * length, 2.0 * M_PI * i / kDirections,
+                          way * 0.5 * place * place * length, 0.0)
+                             .finished());
       }
     }
     return list;
   }
   void act(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape* shape,
-           const Memory&, rod::Rod& rod) const override {
-    const Eigen::Vector3d to_wall(std::cos(values[2]), std::sin(values[2]), 0.0);
-    const double depth = to_wall.dot(position_at(fine, rod, *shape, values[1])) - values[3];
-    if (depth > 0.0) fine.add_force(values[1], -values[0] * depth * to_wall, rod);
+           const Memory& memory, rod::Rod& rod) const override {
+    const Touch touch(values, position_at(fine, rod, *shape, values[1]));
+    if (touch.depth_m <= 0.0) return;
+    Vector3d force = -values[0] * touch.depth_m * touch.to_wall;
+    if (!memory.empty()) force -= values[0] * touch.held(values[4], anchor(memory));
+    fine.add_force(values[1], force, rod);
   }
+  bool remembers() const override { return true; }
+  void remember(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&,
+                const Shape& shape, Memory& memory) const override {
+    if (values[4] == 0.0) return;  // nothing holds
+    const Touch touch(values, position_at(fine, fine.layout(), shape, values[1]));
+    if (touch.depth_m <= 0.0) {
+      memory.clear();
+      return;
+    }
+    Vector3d from = touch.along_m;
+    if (!memory.empty()) from -= touch.held(values[4], anchor(memory));
+    memory.assign(from.data(), from.data() + 3);
+  }
+
+ private:
+  /// Where the place is against the wall.
+  struct Touch {
+    Touch(const Values& values, const Vector3d& place_m)
+        : to_wall(std::cos(values[2]), std::sin(values[2]), 0.0),
+          depth_m(to_wall.dot(place_m) - values[3]),
+          along_m(place_m - to_wall.dot(place_m) * to_wall) {}
+    /// From where the spring along the wall is held, as far as friction holds it.
+    Vector3d held(double friction, const Vector3d& anchor_m) const {
+      const Vector3d way = along_m - anchor_m;
+      const double most_m = friction * depth_m, far_m = way.norm();
+      return far_m > most_m ? Vector3d(most_m / far_m * way) : way;
+    }
+    Vector3d to_wall;
+    double depth_m;
+    Vector3d along_m;
+  };
+  static Vector3d anchor(const Memory& memory) { return {memory[0], memory[1], memory[2]}; }
 };
 
 }  // namespace
@@ -44,13 +84,15 @@ std::unique_ptr<Effect> make_contact() {
   return std::make_unique<Contact>(
       Info{"contact",
            "the arm touches something beside it",
-           "F = k max(0, n . x(s_c) - d), against n, at the place s_c",
+           "F = k max(0, n . x(s_c) - d), against n, at the place s_c; along the wall k times the way from "
+           "where it holds, friction F at most",
            "K. L. Johnson, Contact Mechanics, 1985, doi:10.1017/CBO9781139171731",
            Family::kLoad,
            {{"stiffness_n_per_m", "N/m", "of what it touches", 0.0, 2000.0, 50.0},
             {"place_m", "m", "where the arm touches it, arclength from the base", 0.0, 10.0, 0.14},
             {"azimuth_rad", "rad", "direction towards it, base frame, from x", -12.6, 12.6, 0.0},
-            {"distance_m", "m", "of it from the axis of the straight arm", -1.0, 1.0, 0.02}},
+            {"distance_m", "m", "of it from the axis of the straight arm", -1.0, 1.0, 0.02},
+            {"friction", "1", "coefficient of dry friction; 0: smooth", 0.0, 2.0, 0.0}},
            1,
            {"strain_stiffening", "tether"},
            {"bending_stiffness"}});

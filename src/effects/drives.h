@@ -31,6 +31,15 @@ Rows gas_rows(const arm::Arm& arm);
 /// The row of an input. @return -1 if there is none
 Eigen::Index row_of(const arm::Arm& arm, const std::string& name);
 
+/// Changes what drives the trial as each of its pressures: rows of inputs and of moment_inputs, one by one.
+template <typename Change>
+void for_pressures(const arm::Arm& arm, model::Series& series, const Change& change) {
+  for (const Eigen::Index row : rows_of(arm, arm::InputKind::kPressure)) {
+    change(series.inputs.row(row));
+    change(series.moment_inputs.row(row));
+  }
+}
+
 /// Mean of all pressures that act in the segment, its chambers' and the central one's; 0 without any.
 double mean_pressure_pa(const arm::Arm& arm, const arm::Segment& segment, const Eigen::VectorXd& inputs);
 /// Vacuum of the segment's core, of the arm's only one where it has no core; 0 without any.

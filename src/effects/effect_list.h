@@ -28,6 +28,9 @@
   EFFECT(mass_distribution) \
   EFFECT(payload_scale) \
   EFFECT(marker_slip) \
+  EFFECT(skin_marker) \
+  EFFECT(camera_scale) \
+  EFFECT(camera_bow) \
   EFFECT(bending_plane_offset) \
   EFFECT(torsion) \
   EFFECT(rest_curvature) \
@@ -35,6 +38,7 @@
   EFFECT(published_load_law) \
   EFFECT(clock_offset) \
   EFFECT(pressure_offset) \
+  EFFECT(supply_sag) \
   EFFECT(pressure_lag) \
   EFFECT(flow_limit) \
   EFFECT(pressure_leak) \

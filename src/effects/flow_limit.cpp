@@ -24,18 +24,14 @@ class FlowLimit : public Described {
   void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
     if (values[0] == 0.0) return;
     const double rise = std::max(values[1], 1.0), fall = std::max(values[2], 1e-3) * rise;
-    const auto limit = [&](auto row) {
+    for_pressures(arm, series, [&](auto row) {
       double reached = row[0];
       for (Eigen::Index i = 1; i < row.size(); ++i) {
         const double dt_s = series.t_s[i] - series.t_s[i - 1];
         reached = std::clamp(row[i], reached - fall * dt_s, reached + rise * dt_s);
         row[i] -= values[0] * (row[i] - reached);
       }
-    };
-    for (const Eigen::Index row : rows_of(arm, arm::InputKind::kPressure)) {
-      limit(series.inputs.row(row));
-      limit(series.moment_inputs.row(row));
-    }
+    });
   }
 };
 

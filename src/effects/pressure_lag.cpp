@@ -24,7 +24,7 @@ class PressureLag : public Described {
   void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
     if (values[0] == 0.0) return;
     const double time_s = std::max(values[1], 1e-3), share = values[0] / time_s;
-    const auto filter = [&](auto row) {
+    for_pressures(arm, series, [&](auto row) {
       double last = row[0], state = row[0];
       for (Eigen::Index i = 1; i < row.size(); ++i) {
         const double now = row[i];
@@ -34,11 +34,7 @@ class PressureLag : public Described {
         last = now;
         row[i] = now - share * (now - state);
       }
-    };
-    for (const Eigen::Index row : rows_of(arm, arm::InputKind::kPressure)) {
-      filter(series.inputs.row(row));
-      filter(series.moment_inputs.row(row));
-    }
+    });
   }
 };
 

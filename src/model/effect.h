@@ -97,6 +97,7 @@ struct Instant {
   double payload_kg = 0.0;
   Eigen::Vector3d gravity_base = Eigen::Vector3d::Zero();
   Eigen::Quaterniond q_base_mocap = Eigen::Quaterniond::Identity();  ///< turns mocap's axes into the base's
+  Eigen::Vector3d base_in_mocap_m = Eigen::Vector3d::Zero();
   /// By the walls of the segments, of what the laws say: curvature (x, y) and length. Empty: nothing.
   std::vector<Eigen::Vector3d> kept_back = {};
   double session_s = 0.0;  ///< since the first trial's beginning where the stamps say it, else t_s
@@ -110,6 +111,7 @@ using Memory = std::vector<double>;
 struct Bodies {
   Eigen::Matrix3Xd p;
   std::vector<Eigen::Quaterniond> q;
+  Eigen::Matrix3Xd u;  ///< curvature and twist of those sections, 1/m, in their frames
 };
 
 /// One effect. Stateless: values and memories are arguments. All hooks do nothing by default, and nothing

@@ -74,6 +74,7 @@ struct ExtendedModel::Impl : InstantSolver {
     instant.payload_kg = series.payload_kg.segment(first, count).mean();
     instant.gravity_base = block.gravity_base;
     instant.q_base_mocap = block.q_base_mocap;
+    instant.base_in_mocap_m = block.base_in_mocap_m;
     instant.session_s = trial.session_s + instant.t_s;
     return instant;
   }
@@ -269,7 +270,7 @@ struct ExtendedModel::Impl : InstantSolver {
   Eigen::Matrix3Xd seen(const arm::Arm& arm, const std::vector<Present>& effects, const Instant& instant,
                         const Block& block, const Predicted& base) const {
     Bodies seen;
-    seen.p = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(bodies.size()));
+    seen.p = seen.u = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(bodies.size()));
     seen.q.assign(bodies.size(), Eigen::Quaterniond::Identity());
     for (std::size_t i = 0; i < block.bodies.size(); ++i) {
       const int b = block.bodies[i].body;
@@ -280,6 +281,7 @@ struct ExtendedModel::Impl : InstantSolver {
                                               return std::abs(x.s_m - s_m) < std::abs(y.s_m - s_m);
                                             });
       seen.q[static_cast<std::size_t>(b)] = nearest->q;
+      seen.u.col(b) = nearest->u;
     }
     for (const Present& present : effects) present.effect->observe(arm, present.values, instant, seen);
     return seen.p;

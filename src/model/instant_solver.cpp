@@ -113,10 +113,12 @@ void InstantSolver::shape_of_solution(const Motion& motion, Shape& shape) const 
 
 void InstantSolver::bodies_of_solution(Bodies& out) const {
   out.p.resize(3, static_cast<Eigen::Index>(bodies.size()));
+  out.u.resize(3, out.p.cols());
   out.q.clear();
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const rod::RodState& section = values.station(static_cast<int>(b));
     out.p.col(static_cast<Eigen::Index>(b)) = position_on(bodies[b], section);
+    out.u.col(static_cast<Eigen::Index>(b)) = section.u;
     out.q.push_back(section.q);
   }
 }

@@ -123,6 +123,7 @@ const OnlineEffects::Driven& OnlineEffects::begin(double stamp_s, const arm::Inp
   now_.payload_kg = series.payload_kg[end];
   now_.gravity_base = base.linear().transpose() * arm_.gravity_m_s2;
   now_.q_base_mocap = Eigen::Quaterniond(base.linear()).conjugate();
+  now_.base_in_mocap_m = base.translation();
   now_.session_s = t_s;
 
   given_inputs_ = inputs;
@@ -244,6 +245,7 @@ void OnlineEffects::keep() {
   sum.instant.payload_kg += now.payload_kg;
   sum.instant.gravity_base = now.gravity_base;
   sum.instant.q_base_mocap = now.q_base_mocap;
+  sum.instant.base_in_mocap_m = now.base_in_mocap_m;
   for (std::size_t j = 0; j < sum.shape.middles.size(); ++j)
     add(last_.shape.middles[j], sum.shape.middles[j]);
   for (std::size_t j = 0; j < sum.shape.stations.size(); ++j)

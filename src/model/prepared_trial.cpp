@@ -324,6 +324,7 @@ class Preparing {
     block.last = last;
     // The base turns by noise only, or slowly.
     block.q_base_mocap = frames[(first + last) / 2].q_base_mocap;
+    block.base_in_mocap_m = frames[(first + last) / 2].base_in_mocap_m;
     double centre = 0.0;
     for (std::size_t i = first; i < last; ++i) {
       centre += t[static_cast<Eigen::Index>(i)] / static_cast<double>(last - first);

@@ -44,6 +44,7 @@ struct Block {
   bool set_aside = false;
   Eigen::Vector3d gravity_base = Eigen::Vector3d::Zero();
   Eigen::Quaterniond q_base_mocap = Eigen::Quaterniond::Identity();  ///< turns mocap's axes into the base's
+  Eigen::Vector3d base_in_mocap_m = Eigen::Vector3d::Zero();
   std::vector<Seen> bodies;
   std::vector<SeenTangent> tangents;  ///< of those whose orientation can be trusted
 };

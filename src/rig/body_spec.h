@@ -75,6 +75,7 @@ struct Wall {
   double fraction = 0.7;  ///< where alone the arm touches it, as a spring; see everywhere
   bool everywhere = false;
   double inclination_rad = 0.0, friction = 0.0;  ///< everywhere only
+  double post_radius_m = 0.0;  ///< no plane, but a round post along the straight arm; everywhere only
 };
 
 /// A part of what is beyond a knee of the curvature meets nothing. Wrinkling: from the knee on the moment

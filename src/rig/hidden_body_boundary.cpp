@@ -38,8 +38,11 @@ void contact(const HiddenChoice& choice, Scenario& scenario) {
   wall.distance_m = choice.values.at("distance_m");
   wall.azimuth_rad = angle_of(choice, "azimuth_deg");
   wall.fraction = choice.values.at("fraction");
-  wall.everywhere = choice.form == "rough_wall";
-  if (wall.everywhere) {
+  wall.everywhere = choice.form != "spring_wall";
+  if (choice.form == "post") {
+    wall.post_radius_m = choice.values.at("radius_m");
+    wall.friction = choice.values.at("friction");
+  } else if (wall.everywhere) {
     wall.inclination_rad = angle_of(choice, "inclination_deg");
     wall.friction = choice.values.at("friction");
     // The straight arm must be clear of it.
@@ -128,14 +131,17 @@ std::vector<HiddenEffect> boundary_effects() {
       {"contact",
        true,
        "a wall beside the arm: touches it at one place, as a spring without friction (spring_wall); or all "
-       "along, with Hunt and Crossley's law and friction (rough_wall, inclined by 90 degrees a floor)",
-       {"spring_wall", "rough_wall"},
-       {{"stiffness_n_per_m", 0.0, 1e6, 30.0, 300.0, "of the wall; a rough one's against 20 mm of arm"},
+       "along, with Hunt and Crossley's law and friction (rough_wall, inclined by 90 degrees a floor), or a "
+       "round post along the arm, with friction that grows with the speed (post)",
+       {"spring_wall", "rough_wall", "post"},
+       {{"stiffness_n_per_m", 0.0, 1e6, 30.0, 300.0,
+         "of the wall; a rough one's or a post's against 20 mm of arm"},
         {"distance_m", 0.0, 10.0, 0.01, 0.05, "of the wall from the straight arm's axis"},
         azimuth("towards which the wall is, base frame"),
         {"fraction", 0.05, 1.0, 0.4, 1.0, "of the arm's length, where a spring_wall touches it", 0.7},
         {"inclination_deg", -90.0, 90.0, -10.0, 0.0, "of a rough wall over the tip", 0.0},
-        {"friction", 0.0, 2.0, 0.1, 0.6, "of a rough wall", 0.3}},
+        {"friction", 0.0, 2.0, 0.1, 0.6, "of a rough wall or a post", 0.3},
+        {"radius_m", 1e-3, 1.0, 0.01, 0.04, "of a post", 0.02, false, {"post"}}},
        contact},
   };
 }

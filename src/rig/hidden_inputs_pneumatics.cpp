@@ -27,6 +27,16 @@ void leak(const HiddenChoice& choice, Scenario& scenario) {
   scenario.input_path.pressure_leaks.push_back(spec);
 }
 
+void sag(const HiddenChoice& choice, Scenario& scenario) {
+  need(scenario.arm.chambers > 1, "an arm that takes several pressures");
+  SupplySag spec{SupplySag::Form::kDroop, choice.values.at("share"), choice.values.at("reference_pa")};
+  if (choice.form == "tank") {
+    spec.form = SupplySag::Form::kTank;
+    spec.refill_pa_per_s = choice.values.at("refill_pa_per_s");
+  }
+  put(scenario.input_path.supply_sag, spec);
+}
+
 }  // namespace
 
 std::vector<HiddenEffect> pneumatic_effects() {
@@ -96,17 +106,17 @@ std::vector<HiddenEffect> pneumatic_effects() {
          scenario.input_path.line_delay_s = choice.values.at("delay_s");
        },
        "clock_offset"},
-      {"supply_droop",
-       false,
-       "all chambers hang on one supply, which droops when the others are open",
-       {},
+      {"supply_sag",
+       true,
+       "all chambers hang on one supply: it droops when the others are open (droop), or is a tank that they "
+       "empty and a pump fills again at a constant rate (tank)",
+       {"droop", "tank"},
        {{"share", 0.0, 0.9, 0.05, 0.2, "of a chamber's pressure that is lost at most"},
-        {"reference_pa", 1.0, 1e7, 4e4, 8e4, "sum of the others' pressures at half of that", kReferencePa}},
-       [](const HiddenChoice& choice, Scenario& scenario) {
-         need(scenario.arm.chambers > 1, "an arm that takes several pressures");
-         put(scenario.input_path.supply_droop,
-             SupplyDroop{choice.values.at("share"), choice.values.at("reference_pa")});
-       }},
+        {"reference_pa", 1.0, 1e7, 4e4, 8e4,
+         "droop: sum of the others' pressures at half of that; tank: what is taken of it at all of that",
+         kReferencePa},
+        {"refill_pa_per_s", 0.0, 1e7, 5e3, 2e4, "of the tank, in sum of pressures", 1e4, false, {"tank"}}},
+       sag},
       {"supply_ripple",
        false,
        "the compressor runs in cycles, and all pressures rise and fall with its tank",

@@ -120,6 +120,14 @@ RodLoad wall_load(const Wall& wall, const Cut& cut) {
                  std::sin(wall.inclination_rad) * Eigen::Vector3d::UnitZ();
   plane.distance_m = wall.distance_m;
   if (!wall.everywhere) return {spring_wall(plane, wall.stiffness_n_per_m), cut.ending_at(wall.fraction)};
+  if (wall.post_radius_m > 0.0) {
+    constexpr double kDragSPerM = 1.0;
+    const Eigen::Vector2d centre =
+        (wall.distance_m + wall.post_radius_m) * towards(wall.azimuth_rad).head<2>();
+    return {
+        round_post({centre, wall.post_radius_m, wall.stiffness_n_per_m / kPatchM, wall.friction, kDragSPerM}),
+        std::nullopt};
+  }
   return {rough_wall({plane, wall.stiffness_n_per_m / kPatchM, kDampingSPerM, wall.friction}), std::nullopt};
 }
 

@@ -11,7 +11,8 @@ namespace softarm::rig {
 
 std::vector<HiddenEffect> sensor_effects() {
   std::vector<HiddenEffect> effects;
-  for (const auto& part : {pose_effects(), tracking_effects(), timing_effects(), input_sensor_effects()})
+  for (const auto& part :
+       {pose_effects(), camera_effects(), tracking_effects(), timing_effects(), input_sensor_effects()})
     effects.insert(effects.end(), part.begin(), part.end());
   return effects;
 }

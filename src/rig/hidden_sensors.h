@@ -10,6 +10,7 @@
 namespace softarm::rig {
 
 std::vector<HiddenEffect> pose_effects();
+std::vector<HiddenEffect> camera_effects();
 std::vector<HiddenEffect> tracking_effects();
 std::vector<HiddenEffect> timing_effects();
 std::vector<HiddenEffect> input_sensor_effects();

@@ -1,4 +1,4 @@
-// Effects of what the cameras see: noise, bias, rings that are not where they should be, calibration.
+// Effects of what the cameras see: noise, bias, rings that are not where they should be.
 #include "hidden_sensors.h"
 
 namespace softarm::rig {
@@ -43,10 +43,6 @@ void add_bump(const HiddenChoice& choice, Scenario& scenario) {
        kRadPerDegree *
            Eigen::Vector3d(value.at("turn_x_deg"), value.at("turn_y_deg"), value.at("turn_z_deg")),
        value.at("from_s")});
-}
-
-void add_scale(const HiddenChoice& choice, Scenario& scenario) {
-  scenario.sensors.volume_scale_error += choice.values.at("share");
 }
 
 }  // namespace
@@ -110,12 +106,6 @@ std::vector<HiddenEffect> pose_effects() {
         {"turn_z_deg", -180.0, 180.0, -0.5, 0.5, "rotation vector", 0.0},
         {"from_s", 0.0, 1e6, 1.0, 8.0, "at this time", 0.0}},
        add_bump},
-      {"volume_scale",
-       false,
-       "the mocap volume was calibrated with a wrong wand length: all distances are too large by a share",
-       {},
-       {{"share", -0.2, 0.2, -5e-3, 5e-3, "0.001: 1 mm per m too long"}},
-       add_scale},
   };
 }
 

@@ -49,10 +49,19 @@ struct SlewLimit {
   bool shared = false;  ///< the rise is that of all chambers together: what each wants of it is cut alike
 };
 
-/// One supply feeds all chambers and droops under the others' demand q, the sum of their pressures over the
-/// reference: what reaches a chamber is less by share * q^2 / (1 + q^2).
-struct SupplyDroop {
+/// One supply feeds all chambers, and what reaches them is less by a share.
+struct SupplySag {
+  enum class Form {
+    /// It droops under the others' demand q, the sum of their pressures over the reference: by
+    /// share * q^2 / (1 + q^2).
+    kDroop,
+    /// A tank: what the chambers take in lowers it, in sum of pressures, and a pump fills it again at a
+    /// constant rate. By share at the reference, and no more.
+    kTank
+  };
+  Form form = Form::kDroop;
   double share = 0.0, reference_pa = 1.0;
+  double refill_pa_per_s = 0.0;  ///< of the tank
 };
 
 /// The compressor lets its tank fall and fills it again, four times as fast: all pressures follow by a share,
@@ -101,7 +110,7 @@ struct InputPathSpec {
   Hysteresis hysteresis = Hysteresis::kPlay;
 
   double line_delay_s = 0.0;  ///< of all pressures
-  std::optional<SupplyDroop> supply_droop;
+  std::optional<SupplySag> supply_sag;
   std::optional<SupplyRipple> supply_ripple;
   std::optional<RegulatorError> regulator_error;
   double valve_step_pa = 0.0;  ///< the valve sticks and moves in steps of this; 0: freely

@@ -103,6 +103,37 @@ class Rough : public PointLoad {
   RoughWall wall_;
 };
 
+class RoundPost : public PointLoad {
+ public:
+  explicit RoundPost(const Post& post) : post_(post) {}
+  PointForce at(const Vector3d& x, const Vector3d& v) const override {
+    constexpr double kOnsetM = 5e-4, kSlowMPerS = 3e-4;
+    PointForce f;
+    const Vector3d out(x.x() - post_.centre_m.x(), x.y() - post_.centre_m.y(), 0.0);
+    const double distance = out.norm();
+    const Ramp ramp(post_.radius_m - distance, kOnsetM);
+    if (ramp.value <= 0.0 || distance <= 0.0) return f;
+    const double push = post_.stiffness_n_per_m * ramp.value;
+    const Vector3d n = out / distance, slip = v - n.dot(v) * n;
+    const double speed = std::sqrt(slip.squaredNorm() + kSlowMPerS * kSlowMPerS);
+    const double per_slip = post_.friction / speed + post_.drag_s_per_m;
+    f.force_n = push * (n - per_slip * slip);
+    const Vector3d around(-n.y(), n.x(), 0.0);
+    const Matrix3d turn = around * around.transpose() / distance;  // of n
+    const Matrix3d slip_by_x = -n.dot(v) * turn - n * (v.transpose() * turn);
+    const Matrix3d drag =
+        per_slip * Matrix3d::Identity() - post_.friction / (speed * speed * speed) * slip * slip.transpose();
+    f.stiffness_n_per_m = post_.stiffness_n_per_m * ramp.slope * (n - per_slip * slip) * n.transpose() +
+                          push * (drag * slip_by_x - turn);
+    f.damping_n_s_per_m = push * drag * (Matrix3d::Identity() - n * n.transpose());
+    f.stored_j = post_.stiffness_n_per_m * ramp.integral;
+    return f;
+  }
+
+ private:
+  Post post_;
+};
+
 }  // namespace
 
 PointLoadPtr spring_to(const Vector3d& anchor_m, double stiffness_n_per_m) {
@@ -117,6 +148,9 @@ PointLoadPtr spring_wall(const Plane& wall, double stiffness_n_per_m) {
 }
 PointLoadPtr rough_wall(const RoughWall& wall) {
   return std::make_shared<Rough>(wall);
+}
+PointLoadPtr round_post(const Post& post) {
+  return std::make_shared<RoundPost>(post);
 }
 
 }  // namespace softarm::rig

@@ -1,4 +1,5 @@
-// Delay, droop and ripple of what feeds the chambers.
+// Delay, sag and ripple of what feeds the chambers.
+#include <algorithm>
 #include <cmath>
 #include <deque>
 #include <numeric>
@@ -40,7 +41,7 @@ class Delay : public PressureStage {
 
 class Droop : public PressureStage {
  public:
-  explicit Droop(const SupplyDroop& spec) : spec_(spec) {}
+  explicit Droop(const SupplySag& spec) : spec_(spec) {}
 
   void start(Pressures& p) override { act(p, 0.0, 0.0); }
 
@@ -53,7 +54,29 @@ class Droop : public PressureStage {
   }
 
  private:
-  SupplyDroop spec_;
+  SupplySag spec_;
+};
+
+class Tank : public PressureStage {
+ public:
+  explicit Tank(const SupplySag& spec) : spec_(spec) {}
+
+  void start(Pressures& p) override { last_ = p; }
+
+  void act(Pressures& p, double, double dt_s) override {
+    if (dt_s > 0.0) {
+      double taken = 0.0;
+      for (std::size_t i = 0; i < p.size(); ++i) taken += std::max(0.0, p[i] - last_[i]);
+      missing_ = std::max(0.0, missing_ + taken - spec_.refill_pa_per_s * dt_s);
+      last_ = p;
+    }
+    for (double& value : p) value *= 1.0 - spec_.share * std::min(1.0, missing_ / spec_.reference_pa);
+  }
+
+ private:
+  SupplySag spec_;
+  Pressures last_;
+  double missing_ = 0.0;  ///< of the tank, Pa in sum of the chambers' pressures
 };
 
 class Ripple : public PressureStage {
@@ -81,7 +104,10 @@ class Ripple : public PressureStage {
 void add_supply(const Scenario& scenario, PressureStages& stages) {
   const InputPathSpec& spec = scenario.input_path;
   if (spec.line_delay_s > 0.0) stages.push_back(std::make_unique<Delay>(spec.line_delay_s));
-  if (spec.supply_droop) stages.push_back(std::make_unique<Droop>(*spec.supply_droop));
+  if (spec.supply_sag && spec.supply_sag->form == SupplySag::Form::kDroop)
+    stages.push_back(std::make_unique<Droop>(*spec.supply_sag));
+  if (spec.supply_sag && spec.supply_sag->form == SupplySag::Form::kTank)
+    stages.push_back(std::make_unique<Tank>(*spec.supply_sag));
   if (spec.supply_ripple) stages.push_back(std::make_unique<Ripple>(*spec.supply_ripple, scenario.seed));
 }
 

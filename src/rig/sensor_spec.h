@@ -73,6 +73,49 @@ struct BumpedCameras {
   double from_s = 0.0;
 };
 
+/// The mocap's lengths are too long by a share, about its origin.
+struct CameraScale {
+  double share = 0.0;
+  double height_ratio = 1.0;  ///< of heights, over that of ways along the floor
+  /// The cameras warm up: nothing at first, and the share with this time constant, of the session; 0: always.
+  double warms_s = 0.0;
+};
+
+/// The mocap's lenses are not quite as calibrated.
+struct CameraBow {
+  enum class Form {
+    /// Cameras stand in a ring about the mocap origin and look at its middle. Each sees a direction off by a
+    /// cubic of its angle from where it looks, and what is measured is the point nearest to what all see.
+    kLenses,
+    /// Distances r from the mocap origin are too long by a share of r^2 / (1 + r^2 / R^2), which fades
+    /// outwards, where the calibration had more views.
+    kFading
+  };
+  Form form = Form::kLenses;
+  double off = 0.0;  ///< of the tangent of the angle, at 45 degrees; fading: share at 1 m if R were large
+  double ring_m = 3.0, height_m = 2.5;  ///< of the cameras: from the upright axis, above the origin
+  int cameras = 8;
+  double fades_m = 1.5;  ///< R
+};
+
+/// A body that sits on the skin, which slides as the arm bends.
+struct SkinMarker {
+  enum class Form {
+    /// A sleeve around the arm: shifts across, to the inside of the bend, in proportion to the curvature up
+    /// to one, and tilts with it.
+    kSleeve,
+    /// A patch glued to one side: slides along the arm with the strain of that side, a mean over its length.
+    kPatch
+  };
+  Form form = Form::kSleeve;
+  int body = kAll;
+  double way_m2 = 0.0;           ///< over the curvature
+  double saturates_per_m = 1e6;  ///< curvature of a sleeve, at which it shifts half of that
+  double tilt_rad_m = 0.0;       ///< over the curvature, of a sleeve
+  double side_rad = 0.0;         ///< of a patch, from the section's x
+  double patch_m = 0.02;         ///< length of a patch
+};
+
 /// A body is wrong in single frames.
 struct Jumps {
   int body = kAll;
@@ -157,7 +200,9 @@ struct SensorSpec {
   std::vector<MarkerSlip> slips;
   std::vector<WobblingRing> wobbling;
   std::vector<BumpedCameras> bumps;
-  double volume_scale_error = 0.0;  ///< positions are too large by this share, about the mocap origin
+  std::vector<CameraScale> camera_scales;
+  std::vector<CameraBow> camera_bows;
+  std::vector<SkinMarker> skin_markers;
   std::vector<Jumps> jumps;
   std::vector<DropoutBursts> bursts;
   std::vector<Occlusion> occlusions;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "backbone_kinematics.h"
+#include "capture_space.h"
 
 namespace softarm::rig {
 namespace {
@@ -28,6 +29,8 @@ PoseSensors::PoseSensors(const Scenario& scenario)
     const auto part = static_cast<std::size_t>(number);
     for (const MarkerSlip& slip : spec.slips)
       if (concerns(slip.body, number)) body.slips.push_back(&slip);
+    for (const SkinMarker& skin : spec.skin_markers)
+      if (number > 0 && concerns(skin.body, number)) body.skins.push_back(&skin);
     for (std::size_t i = 0; i < spec.biases.size(); ++i) {
       const MarkerBias& bias = spec.biases[i];
       if (!concerns(bias.body, number)) continue;
@@ -94,7 +97,29 @@ Pose PoseSensors::true_pose(const Body& body, double t_s, const std::vector<Pose
     pose.p += pose.q * Eigen::Vector3d(0.0, 0.0, (slid - on_arm) * length_m);
   }
   pose.p += pose.q * sideways_m;
+  for (const SkinMarker* skin : body.skins) slide(*skin, fraction, pose_at, pose);
   return pose;
+}
+
+void PoseSensors::slide(const SkinMarker& skin, double fraction, const PoseAt& pose_at, Pose& pose) const {
+  // The mean curvature about the ring, from how far the sections turn towards each other there.
+  constexpr double kSleeve_m = 0.004;
+  const double length_m = scenario_.arm.length_m();
+  const bool sleeve = skin.form == SkinMarker::Form::kSleeve;
+  const double half = 0.5 * (sleeve ? kSleeve_m : skin.patch_m) / length_m;
+  const double from = std::max(0.0, fraction - half), to = std::min(1.0, fraction + half);
+  const Pose before = pose_at(from), after = pose_at(to);
+  const Eigen::AngleAxisd turn(before.q.conjugate() * after.q);
+  const Eigen::Vector3d bend = turn.angle() / ((to - from) * length_m) * turn.axis();
+  const Eigen::Vector3d inside(bend.y(), -bend.x(), 0.0);
+  if (sleeve) {
+    const double share = 1.0 / (1.0 + inside.norm() / skin.saturates_per_m);
+    pose.p += pose.q * (skin.way_m2 * share * inside);
+    turn_in_body(skin.tilt_rad_m * share * Eigen::Vector3d(bend.x(), bend.y(), 0.0), pose);
+  } else {
+    const double strain = inside.dot(Eigen::Vector3d(std::cos(skin.side_rad), std::sin(skin.side_rad), 0.0));
+    pose.p += pose.q * Eigen::Vector3d(0.0, 0.0, skin.way_m2 * strain);
+  }
 }
 
 void PoseSensors::wobble(Wobble& wobble, const Pose& ring_mocap, Pose& measured) const {
@@ -126,7 +151,7 @@ void PoseSensors::see(double t_s, Pose& pose) const {
     pose.p = turn * pose.p + bump.shift_m;
     pose.q = turn * pose.q;
   }
-  pose.p *= 1.0 + scenario_.sensors.volume_scale_error;
+  pose.p = measured_at(scenario_.sensors, scenario_.session_s + t_s, pose.p);
 }
 
 }  // namespace softarm::rig

@@ -35,6 +35,7 @@ class PoseSensors {
     int number = 0;                        ///< 0: base
     const TrackedBody* tracked = nullptr;  ///< absent: centred on the backbone
     std::vector<const MarkerSlip*> slips;
+    std::vector<const SkinMarker*> skins;
     Eigen::Vector3d bias_m = Eigen::Vector3d::Zero(), bias_turn_rad = Eigen::Vector3d::Zero();
     std::vector<Wobble> wobbles;
     std::vector<Coloured> coloured;
@@ -42,6 +43,8 @@ class PoseSensors {
 
   Pose true_pose(const Body& body, double t_s, const std::vector<Pose>& rings_base,
                  const PoseAt& pose_at) const;
+  /// What a skin that slides does to a ring at a fraction of the arm's length.
+  void slide(const SkinMarker& skin, double fraction, const PoseAt& pose_at, Pose& pose) const;
   void wobble(Wobble& wobble, const Pose& ring_mocap, Pose& measured) const;
   void see(double t_s, Pose& pose) const;
 

@@ -42,6 +42,7 @@ class Preparer {
     const Eigen::Isometry3d& base = arm_.base.body ? base_ : arm_.base.fixed_pose;
     out.gravity_base = base.linear().transpose() * arm_.gravity_m_s2;
     out.q_base_mocap = Eigen::Quaterniond(base.linear()).conjugate();
+    out.base_in_mocap_m = base.translation();
     if (!predicted) return leave_out("inputs missing or beyond the laws");
     const Eigen::Isometry3d to_base = base.inverse();
     for (const BodyObservation& seen : frame.bodies) add_body(seen, to_base, out);

@@ -37,6 +37,7 @@ struct StaticFrame {
   double payload_kg = 0.0;
   Eigen::Vector3d gravity_base = Eigen::Vector3d::Zero();
   Eigen::Quaterniond q_base_mocap = Eigen::Quaterniond::Identity();  ///< turns mocap's axes into the base's
+  Eigen::Vector3d base_in_mocap_m = Eigen::Vector3d::Zero();
   std::vector<SeenBody> bodies;
   /// Of its trial, up to it and beyond, its own stamp among them; null where no segment has a wall.
   std::shared_ptr<const DriveRecord> drive = nullptr;

@@ -61,7 +61,7 @@ const std::vector<Trial>& trials() {
                "base_bumped", "base"},
               {"GapOfInputs", "gaps, form: inputs, from_s: 5, for_s: 0.8", "warning", "gap",
                "chamber_1, chamber_2, chamber_3"}}),
-      online({{"VolumeScale", "volume_scale, share: 0.02", "warning", "stretched", ""},
+      online({{"VolumeScale", "camera_scale, share: 0.02", "warning", "stretched", ""},
               {"FrozenBody", "frozen_body, body: 2, from_s: 4, for_s: 1", "warning", "frozen_body", "ring_2"},
               {"TurnedOver", "flipped_body, form: about_z, body: 4, from_s: 4, for_s: 1.5", "serious",
                "turned_over", "ring_4"}}),

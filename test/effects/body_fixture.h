@@ -54,6 +54,7 @@ inline model::TrialData trial_of(const arm::Arm& arm, const std::vector<Conditio
     block.begins = !path || i == 0;
     block.q_base_mocap = now.q_mocap_base.conjugate();
     block.gravity_base = block.q_base_mocap * arm.gravity_m_s2;
+    block.base_in_mocap_m = {0.3, -0.2, 1.0};
     for (std::size_t b = 0; b < arm.bodies.size(); ++b) {
       model::Seen seen;
       seen.body = static_cast<int>(b);

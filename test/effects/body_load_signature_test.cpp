@@ -65,7 +65,7 @@ TEST_F(LoadSignatures, GravityDirectionSagsOffAndChangesSignWithTheMounting) {
 }
 
 TEST_F(LoadSignatures, ContactDoesNothingBeforeItTouches) {
-  const model::Present wall = with("contact", {50.0, 0.15, 0.0, 0.02});
+  const model::Present wall = with("contact", {50.0, 0.15, 0.0, 0.02, 0.0});
   double last = 0.0;
   bool touched = false, free = false;
   for (const double level : {0.0, 0.2, 0.4, 0.6, 0.8, 1.0}) {
@@ -83,6 +83,40 @@ TEST_F(LoadSignatures, ContactDoesNothingBeforeItTouches) {
   }
   EXPECT_TRUE(touched && free);
   EXPECT_GT(last, 2e-3);
+}
+
+TEST_F(LoadSignatures, ARoughWallHoldsTheArmWhereItTouchesAndLetsItSlip) {
+  // Pressed against a wall towards x by the first chamber, drawn along it to and fro by the other two.
+  arm::Arm weightless = arm;
+  weightless.gravity_m_s2.setZero();
+  const double most_pa = 3e4, friction = 0.3, stiffness = 100.0;
+  std::vector<Condition> conditions;
+  for (int i = 0; i <= 80; ++i) {
+    Eigen::VectorXd u(3);
+    const double across = i < 10 ? 0.0 : std::sin(2.0 * M_PI * (i - 10) / 36.0);
+    u << most_pa * std::min(1.0, i / 10.0), 0.3 * most_pa * std::max(0.0, across),
+        0.3 * most_pa * std::max(0.0, -across);
+    conditions.push_back({u, 0.0, hanging()});
+  }
+  const auto trial = body_testing::trial_of(weightless, conditions, true);
+  const auto y_of = [&](double mu) {
+    std::vector<double> y;
+    for (const auto& now :
+         body_testing::predict(model, arm, {with("contact", {stiffness, 0.15, 0.0, 0.02, mu})}, trial))
+      y.push_back(now.p(1, 2));
+    return y;
+  };
+  const std::vector<double> smooth = y_of(0.0), rough = y_of(friction), rougher = y_of(2.0);
+  // A loop: at the same pressures, the arm lags behind to either side. 46 and 64 are half a period apart.
+  const auto loop = [](const std::vector<double>& y) { return std::abs(y[64] - y[46]); };
+  EXPECT_LT(loop(smooth), 1e-6);
+  EXPECT_GT(loop(rough), 3e-4);
+  const auto range = [](const std::vector<double>& y) {
+    return *std::max_element(y.begin() + 20, y.end()) - *std::min_element(y.begin() + 20, y.end());
+  };
+  EXPECT_LT(range(rough), 0.98 * range(smooth));
+  EXPECT_LT(range(rougher), 0.9 * range(rough)) << "one that never slips is a spring";
+  EXPECT_LT(loop(rougher), loop(rough));
 }
 
 TEST_F(LoadSignatures, TetherPullsInProportionToTheTipsWay) {

@@ -80,7 +80,7 @@ const std::vector<HiddenInBody>& hidden_in_body() {
          {"fraction", 0.7},
          {"inclination_deg", 0.0},
          {"friction", 0.0}}},
-       {100.0, 0.14, 20.0 * kDeg, 0.01},
+       {100.0, 0.14, 20.0 * kDeg, 0.01, 0.0},
        Mount::kHanging,
        1e-3,
        0.1,
@@ -283,6 +283,107 @@ TEST(OnTheRig, AWallThatWrinklesIsSofterBeyondAKnee) {
   EXPECT_LT(errors.with_m, 0.3 * errors.without_m);
   RecordProperty("without_mm", std::to_string(1e3 * errors.without_m));
   RecordProperty("with_mm", std::to_string(1e3 * errors.with_m));
+}
+
+/// The best of some values, of a law of the rig's that is another than the catalogue's.
+Errors best_of(const HiddenInBody& hidden, const std::vector<std::vector<double>>& values,
+               const std::function<void(rig::Scenario&)>& change = nullptr) {
+  rig::Scenario scenario = scenario_of(hidden);
+  if (change) change(scenario);
+  rig::hide(hidden.choice, scenario);
+  const arm::Arm arm = arm_of(hidden);
+  const model::TrialData trial = recorded(arm, scenario);
+  model::ExtendedModel model(arm);
+  const model::Dynamics dynamics{true, 0.02};
+  Errors errors;
+  errors.without_m = errors.with_m = rms_m(predict(model, arm, {}, trial, dynamics), trial);
+  for (const std::vector<double>& one : values) {
+    const model::Values v =
+        Eigen::Map<const Eigen::VectorXd>(one.data(), static_cast<Eigen::Index>(one.size()));
+    const double rms = rms_m(predict(model, arm, {{find(hidden.choice.effect), v}}, trial, dynamics), trial);
+    errors.with_m = std::min(errors.with_m, rms);
+  }
+  ::testing::Test::RecordProperty(hidden.name, std::to_string(1e3 * errors.without_m) + " mm without, " +
+                                                   std::to_string(1e3 * errors.with_m) + " mm with");
+  return errors;
+}
+
+TEST(OnTheRig, ASpaceThatTheCamerasStretchOrBowIsTheCataloguesInEitherForm) {
+  const Errors axes = best_of(
+      {"axes", {"camera_scale", "axes", {{"share", 0.02}, {"height_ratio", 0.6}}}, {}}, {{0.012}, {0.014}});
+  EXPECT_GT(axes.without_m, 1e-3);
+  EXPECT_LT(axes.with_m, 0.35 * axes.without_m);
+  const Errors warming =
+      best_of({"warming", {"camera_scale", "warming", {{"share", 0.02}, {"warms_s", 600.0}}}, {}},
+              {{0.01}, {0.02 * -std::expm1(-1.0)}}, [](rig::Scenario& s) { s.session_s = 600.0; });
+  EXPECT_GT(warming.without_m, 1e-3);
+  EXPECT_LT(warming.with_m, 0.2 * warming.without_m);
+  const Errors fading = best_of({"fading", {"camera_bow", "fading", {{"off", 0.02}, {"fades_m", 2.0}}}, {}},
+                                {{0.01}, {0.012}, {0.014}});
+  EXPECT_GT(fading.without_m, 1e-3);
+  EXPECT_LT(fading.with_m, 0.35 * fading.without_m);
+  const Errors lenses = best_of(
+      {"lenses",
+       {"camera_bow", "lenses", {{"off", 0.05}, {"ring_m", 3.0}, {"height_m", 2.5}, {"cameras", 8.0}}},
+       {}},
+      {{0.001}, {0.002}, {0.003}, {0.005}, {0.008}});
+  EXPECT_GT(lenses.without_m, 3e-4);
+  EXPECT_LT(lenses.with_m, 0.6 * lenses.without_m);
+}
+
+TEST(OnTheRig, ARingOnASkinIsTheCataloguesInEitherForm) {
+  const Errors sleeve =
+      best_of({"sleeve",
+               {"skin_marker",
+                "sleeve",
+                {{"body", 3.0}, {"way_m2", 8e-4}, {"saturates_per_m", 20.0}, {"tilt_rad_m", 0.0}}},
+               {}},
+              {{6e-4, 0.0, 0.0, 3.0}, {7e-4, 0.0, 0.0, 3.0}});
+  EXPECT_GT(sleeve.without_m, 5e-4);
+  EXPECT_LT(sleeve.with_m, 0.35 * sleeve.without_m);
+  const Errors patch = best_of(
+      {"patch",
+       {"skin_marker", "patch", {{"body", 3.0}, {"way_m2", 8e-4}, {"side_deg", 30.0}, {"patch_m", 0.03}}},
+       {}},
+      {{0.0, 8e-4 * std::cos(30.0 * kDeg), 8e-4 * 0.5, 3.0}});
+  EXPECT_GT(patch.without_m, 5e-4);
+  EXPECT_LT(patch.with_m, 0.35 * patch.without_m);
+}
+
+TEST(OnTheRig, FrictionOfAWallIsMostlyThatOfContactInEitherForm) {
+  // Pressed against it by the first chamber, drawn along it to and fro by the other two.
+  const auto drawn_along = [](rig::Scenario& s) {
+    s.duration_s = 12.0;
+    s.pressures.random.reset();
+    s.pressures.schedule = {{0.0, {0.0, 0.0, 0.0}},   {0.5, {40e3, 0.0, 0.0}},  {3.0, {40e3, 15e3, 0.0}},
+                            {5.0, {40e3, 0.0, 15e3}}, {7.0, {40e3, 15e3, 0.0}}, {9.0, {40e3, 0.0, 15e3}}};
+    s.pressures.settle_s = 0.5;
+    s.pressures.ramp_s = 1.5;
+  };
+  const std::map<std::string, double> numbers{{"stiffness_n_per_m", 300.0}, {"distance_m", 0.02},
+                                              {"azimuth_deg", 0.0},         {"fraction", 1.0},
+                                              {"inclination_deg", 0.0},     {"friction", 0.5}};
+  for (const std::string form : {"rough_wall", "post"}) {
+    auto values = numbers;
+    if (form == "post") values["radius_m"] = 0.3;
+    std::vector<std::vector<double>> smooth, rough;
+    for (const double stiffness : {60.0, 120.0, 240.0})
+      for (const double place : {0.17, 0.19})
+        for (const double distance : {0.02, 0.022}) {
+          smooth.push_back({stiffness, place, 0.0, distance, 0.0});
+          for (const double friction : {0.2, 0.35, 0.5})
+            rough.push_back({stiffness, place, 0.0, distance, friction});
+        }
+    const HiddenInBody hidden{form.c_str(), {"contact", form, values}, {}, Mount::kHanging, 1e-3, 0.0};
+    const Errors without = best_of(hidden, smooth, drawn_along), with = best_of(hidden, rough, drawn_along);
+    EXPECT_GT(without.without_m, 1e-3) << form;
+    EXPECT_LT(without.with_m, 0.5 * without.without_m) << form;
+    EXPECT_LT(with.with_m, 0.8 * without.with_m)
+        << form << " friction explains a part of what a smooth one leaves";
+    RecordProperty(form + "_mm", std::to_string(1e3 * without.without_m) + " without, " +
+                                     std::to_string(1e3 * without.with_m) + " smooth, " +
+                                     std::to_string(1e3 * with.with_m) + " rough");
+  }
 }
 
 TEST(OnTheRig, AWallThatLagsMoreIsTheDelayOfInertia) {

@@ -179,6 +179,73 @@ TEST_F(BodySignatures, BendingPlaneOffsetTurnsTheDeflection) {
   for (std::size_t k = 0; k < 2; ++k) EXPECT_LT((after[k].p - turn * before[k].p).norm(), 1e-9);
 }
 
+TEST_F(BodySignatures, ASkinSlidesWithTheCurvatureUnderIt) {
+  arm::Arm weightless = arm;
+  weightless.gravity_m_s2.setZero();
+  const auto trial =
+      body_testing::trial_of(weightless, {{inputs(0.3), 0.0, hanging()}, {inputs(0.9, 2), 0.0, hanging()}});
+  const auto before = body_testing::predict(model, arm, {}, trial);
+  const auto all = body_testing::predict(model, arm, {with("skin_marker", {2e-4, 0.0, 0.0, 0.0})}, trial);
+  const auto third = body_testing::predict(model, arm, {with("skin_marker", {0.0, 2e-4, -1e-4, 3.0})}, trial);
+  for (std::size_t k = 0; k < 2; ++k) {
+    // The arm is an arc: its curvature is the same everywhere, and at the ring's own section.
+    const rod::RodState& section = before[k].shape.stations[8];
+    const Eigen::Vector2d bent(section.u.y(), -section.u.x());
+    ASSERT_GT(bent.norm(), 0.3);
+    for (Eigen::Index b = 0; b < kRings; ++b) {
+      const Vector3d moved = all[k].p.col(b) - before[k].p.col(b);
+      EXPECT_NEAR(moved.norm(), 2e-4 * bent.norm(), 1e-7);
+      // To the inside: the arc's centre is there.
+      if (b + 1 < kRings) {
+        EXPECT_GT(moved.dot(before[k].p.col(3) - before[k].p.col(b)), 0.0);
+      }
+      const Vector3d slid = third[k].p.col(b) - before[k].p.col(b);
+      EXPECT_NEAR(slid.norm(), b == 2 ? std::abs(2e-4 * bent.x() - 1e-4 * bent.y()) : 0.0, 1e-7);
+    }
+  }
+  // Bent twice as far it moves twice as far: marker_slip would not move.
+  EXPECT_GT((all[1].p - before[1].p).norm(), 1.5 * (all[0].p - before[0].p).norm());
+  EXPECT_EQ(find("skin_marker")->grid(arm, model.rod()).size(), arm.bodies.size() + 1);
+}
+
+TEST_F(BodySignatures, AWrongScaleStretchesFromTheBaseWhereThatIsMeasured) {
+  const auto trial = body_testing::trial_of(arm, {{inputs(0.7), 0.05, horizontal()}});
+  arm::Arm measured = arm;
+  measured.base.body = "base";
+  measured.base.rod_in_body = Eigen::Translation3d(0.0, 0.0, 0.03);
+  arm::Arm fixed = arm;
+  fixed.base.body.reset();
+  const auto before = body_testing::predict(model, arm, {}, trial);
+  const Matrix3Xd of_measured = body_testing::moved(model, measured, with("camera_scale", {0.01}), trial);
+  const Matrix3Xd of_fixed = body_testing::moved(model, fixed, with("camera_scale", {0.01}), trial);
+  const Vector3d base_in_mocap(0.3, -0.2, 1.0);
+  for (Eigen::Index b = 0; b < kRings; ++b) {
+    EXPECT_LT((of_measured.col(b) - 0.01 * (before[0].p.col(b) + Vector3d(0.0, 0.0, 0.03))).norm(), 1e-12);
+    EXPECT_LT(
+        (of_fixed.col(b) - 0.01 * (before[0].p.col(b) + horizontal().conjugate() * base_in_mocap)).norm(),
+        1e-12);
+  }
+}
+
+TEST_F(BodySignatures, ABowGrowsWithTheDistanceFromTheCapturesOrigin) {
+  auto trial = body_testing::trial_of(arm, {{inputs(0.7), 0.05, hanging()}, {inputs(0.7), 0.05, hanging()}});
+  trial.blocks[0].base_in_mocap_m = {0.0, 0.0, 1.0};
+  trial.blocks[1].base_in_mocap_m = {0.0, 0.0, 2.0};
+  arm::Arm measured = arm;
+  measured.base.body = "base";
+  measured.base.rod_in_body.setIdentity();
+  const auto before = body_testing::predict(model, arm, {}, trial);
+  const Matrix3Xd moved = body_testing::moved(model, measured, with("camera_bow", {0.01}), trial);
+  for (Eigen::Index k = 0; k < 2; ++k) {
+    const Vector3d base(0.0, 0.0, 1.0 + static_cast<double>(k));
+    const Vector3d tip = base + hanging() * Vector3d(before[static_cast<std::size_t>(k)].p.col(3));
+    const Vector3d expected =
+        hanging().conjugate() * Vector3d(0.01 * (tip.squaredNorm() * tip - base.squaredNorm() * base));
+    EXPECT_LT((moved.col(kRings * k + 3) - expected).norm(), 1e-12);
+  }
+  EXPECT_GT(moved.col(7).norm(), 3.0 * moved.col(3).norm());
+}
+
 TEST_F(BodySignatures, MarkerSlipMovesOneRingByTheSameInItsOwnFrame) {
   const Matrix3Xd slip = moved(with("marker_slip", {0.0, 0.0, 2e-3, 3.0}),
                                {{inputs(0.0), 0.0, hanging()}, {inputs(0.9), 0.1, hanging()}});

@@ -14,7 +14,8 @@ const std::set<std::string> kIds{
     "chamber_mismatch",  "pressure_stiffening", "radial_expansion",  "pressure_elongation",
     "vacuum_shortening", "vacuum_gain",         "tendon_friction",   "creep",
     "mullins",           "jamming_memory",      "jamming_yield",     "drift",
-    "temperature",       "flow_limit",          "axial_memory",      "tendon_slack"};
+    "temperature",       "flow_limit",          "axial_memory",      "tendon_slack",
+    "supply_sag"};
 
 /// All chambers move at three speeds, the vacuum comes and goes.
 model::TrialData busy_trial(const arm::Arm& arm, double duration_s) {
@@ -118,7 +119,7 @@ TEST(DrivesAndMemory, ApplyOnlyWhereTheArmHasWhatTheyActOn) {
   for (const std::string id :
        {"pressure_lag", "pressure_leak", "pressure_offset", "gain_nonlinearity", "pressure_dead_zone",
         "chamber_mismatch", "chamber_bulge", "pressure_stiffening", "radial_expansion", "pressure_elongation",
-        "flow_limit"}) {
+        "flow_limit", "supply_sag"}) {
     EXPECT_TRUE(find(id)->applies_to(without)) << id;
     EXPECT_FALSE(find(id)->applies_to(with_tendons)) << id;
   }
@@ -130,6 +131,7 @@ TEST(DrivesAndMemory, ApplyOnlyWhereTheArmHasWhatTheyActOn) {
   EXPECT_TRUE(find("axial_memory")->applies_to(without));
   EXPECT_FALSE(find("axial_memory")->applies_to(cables().arm));
   EXPECT_FALSE(find("chamber_mismatch")->applies_to(shipped_arm("single_chamber_85mm")));
+  EXPECT_FALSE(find("supply_sag")->applies_to(shipped_arm("single_chamber_85mm")));
   for (const std::string id : {"hysteresis", "creep", "mullins", "drift", "temperature", "clock_offset"}) {
     EXPECT_TRUE(find(id)->applies_to(without) && find(id)->applies_to(with_tendons)) << id;
   }

@@ -79,6 +79,28 @@ TEST(FlowLimit, LetsSlowRampsPassAndCutsFastOnes) {
   EXPECT_EQ(series.inputs.row(kVacuum), fast.series.inputs.row(kVacuum));
 }
 
+TEST(SupplySag, TakesFromAllWhatTheyDrawTogether) {
+  // Chamber 1 rises at 5 kPa/s from 1 to 4 s and holds; 2 stands at 10 kPa, 3 falls and draws nothing.
+  const model::TrialData trial = made_up(arm(), 30.0, [](double t_s) {
+    Eigen::VectorXd u = Eigen::VectorXd::Zero(4);
+    u << 5e3 * std::clamp(t_s - 1.0, 0.0, 3.0), 10e3, 15e3 - 5e3 * std::clamp(t_s - 1.0, 0.0, 3.0), 40e3;
+    return u;
+  });
+  const model::Series flow = driven("supply_sag", Eigen::Vector2d(0.2, 0.5), trial);
+  const auto at = [](const model::Series& series, Eigen::Index row, double t_s) {
+    return series.inputs(row, static_cast<Eigen::Index>(t_s * 50.0));
+  };
+  // Flow times time: 2.5 kPa, of which a twentieth of 0.2 is lost. In the hold it comes back.
+  EXPECT_NEAR(at(flow, 1, 3.9), 10e3 * (1.0 - 0.2 * 2.5 / 50.0), 10e3 * 0.2 * 0.05 * 0.02);
+  EXPECT_NEAR(at(flow, 0, 3.9), 14.5e3 * (1.0 - 0.2 * 2.5 / 50.0), 1.0);
+  EXPECT_NEAR(at(flow, 1, 29.0), 10e3, 1e-6);
+  // Of a source that is not filled again it is what all have risen since the beginning.
+  const model::Series sum = driven("supply_sag", Eigen::Vector2d(0.2, 1000.0), trial);
+  EXPECT_NEAR(at(sum, 1, 20.0), 10e3 * (1.0 - 0.2 * 15.0 / 50.0), 15.0);
+  EXPECT_EQ(sum.inputs.row(kVacuum), trial.series.inputs.row(kVacuum));
+  EXPECT_EQ(sum.inputs.topRows(3), sum.moment_inputs.topRows(3));
+}
+
 TEST(TendonSlack, IsLostOnBothSides) {
   const arm::Arm wound = shipped_arm("cable_235mm");
   model::Series series = made_up(wound, 21.0, triangles(wound, 0, 0.6, 20.0)).series;

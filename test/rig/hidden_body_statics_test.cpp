@@ -256,7 +256,8 @@ TEST(HiddenBody, ForcesFromOutsideHaveTheirStiffnessAndDamping) {
   const Eigen::Vector3d x(0.012, 0.001, 0.006), v(0.02, -0.003, 0.01);
   for (const PointLoadPtr& law :
        {spring_to({0.01, 0.02, 0.2}, 30.0), hose_to({0.1, 0.0, 0.0}, 0.08, 30.0, {0.0, 0.0, 0.2}),
-        spring_wall(plane, 50.0), rough_wall({plane, 500.0, 1.5, 0.4})}) {
+        spring_wall(plane, 50.0), rough_wall({plane, 500.0, 1.5, 0.4}),
+        round_post({{0.03, 0.0}, 0.02, 500.0, 0.4, 2.0})}) {
     const PointForce force = law->at(x, v);
     ASSERT_GT(force.force_n.norm(), 1e-3);
     for (int i = 0; i < 3; ++i) {
@@ -279,6 +280,12 @@ TEST(HiddenBody, ForcesFromOutsideHaveTheirStiffnessAndDamping) {
   EXPECT_NEAR(sliding.y(), -0.4 * push, 1e-5);
   EXPECT_EQ(rough_wall(rough)->at({0.012, 0.0, 0.0}, {-5.0, 0.0, 0.0}).force_n.norm(), 0.0);
   EXPECT_EQ(rough_wall(rough)->at({0.009, 0.0, 0.0}, {5.0, 0.0, 0.0}).force_n.norm(), 0.0);
+  // A post: away from its axis, half the onset late; along it friction and drag.
+  const PointLoadPtr post = round_post({{0.03, 0.0}, 0.02, 500.0, 0.4, 2.0});
+  const Eigen::Vector3d held = post->at({0.012, 0.0, 0.1}, {0.0, 0.0, 0.2}).force_n;
+  EXPECT_NEAR(held.x(), -500.0 * 1.75e-3, 1e-12);
+  EXPECT_NEAR(held.z(), -500.0 * 1.75e-3 * (0.4 + 2.0 * 0.2), 1e-5);
+  EXPECT_EQ(post->at({0.009, 0.0, 0.1}, {5.0, 0.0, 0.0}).force_n.norm(), 0.0);
 }
 
 TEST(HiddenBody, StiffeningOfTheWholeArm) {

@@ -250,7 +250,7 @@ TEST(InputEffects, TableIsSound) {
                          "hysteresis",
                          "jamming_settling",
                          "jamming_law",
-                         "supply_droop",
+                         "supply_sag",
                          "supply_ripple",
                          "valve_stiction",
                          "chamber_bulge",

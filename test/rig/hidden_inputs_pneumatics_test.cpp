@@ -178,13 +178,31 @@ TEST(Line, DelayIsADeadTime) {
 }
 
 TEST(Supply, DroopsWhenTheOthersAreOpen) {
-  Walk walk(with("supply_droop", {{"share", 0.1}, {"reference_pa", 40e3}}));
+  Walk walk(with("supply_sag", {{"share", 0.1}, {"reference_pa", 40e3}}));
   EXPECT_EQ(walk.to(commands(40e3), 1.0).pressures_pa[0], 40e3);  // alone
   walk.to(commands(40e3, 40e3), 1.0);
   EXPECT_NEAR(walk.acting().pressures_pa[0], 40e3 * 0.95, 1e-6);
   walk.to(commands(40e3, 40e3, 80e3), 1.0);
   EXPECT_NEAR(walk.acting().pressures_pa[0], 40e3 * (1.0 - 0.1 * 9.0 / 10.0), 1e-6);
   EXPECT_NEAR(walk.acting().pressures_pa[2], 80e3 * (1.0 - 0.1 * 4.0 / 5.0), 1e-6);
+}
+
+TEST(Supply, OfATankFallsByWhatIsTakenAndIsFilledAgain) {
+  Walk walk(with("supply_sag", {{"share", 0.2}, {"reference_pa", 100e3}, {"refill_pa_per_s", 10e3}}, "tank"));
+  // Two chambers take 40 kPa within a second, in which the pump brings 10 back.
+  walk.to(commands(20e3, 20e3), 1.0);
+  EXPECT_NEAR(walk.acting().pressures_pa[0], 20e3 * (1.0 - 0.2 * 0.3), 0.1);
+  EXPECT_NEAR(walk.acting().pressures_pa[1], 20e3 * (1.0 - 0.2 * 0.3), 0.1);
+  walk.hold(1.0);
+  EXPECT_NEAR(walk.acting().pressures_pa[0], 20e3 * (1.0 - 0.2 * 0.2), 0.1);
+  // What is let off does not come back; in the end the tank is full, and no fuller.
+  walk.to(commands(20e3, 0.0), 0.5);
+  EXPECT_NEAR(walk.acting().pressures_pa[0], 20e3 * (1.0 - 0.2 * 0.15), 0.1);
+  walk.hold(9.0);
+  EXPECT_NEAR(walk.acting().pressures_pa[0], 20e3, 1e-6);
+  // Empty it gives no less.
+  walk.to(commands(150e3, 150e3), 0.5);
+  EXPECT_NEAR(walk.acting().pressures_pa[0], 150e3 * (1.0 - 0.2), 1e-6);
 }
 
 TEST(Supply, RipplesWithItsPeriodFallingFourTimesAsLongAsRising) {

@@ -150,7 +150,7 @@ std::set<std::string> refused_by(const std::string& arm) {
                     "torsion tension"});
   if (arm != "two_segment")  // no chambers that bend it, or a single one
     refused.insert(
-        {"chamber_bulge", "chamber_mismatch", "gain_nonlinearity", "pressure_dead_zone", "supply_droop"});
+        {"chamber_bulge", "chamber_mismatch", "gain_nonlinearity", "pressure_dead_zone", "supply_sag"});
   return refused;
 }
 

@@ -73,14 +73,16 @@ std::optional<double> nothing(const HiddenParameter& parameter) {
                            "offset_n",      "offset_rad",
                            "sd_pa",         "sd_n",
                            "sd_rad",        "step_pa",
-                           "step_n",        "step_rad"})
+                           "step_n",        "step_rad",
+                           "off",           "way_m2",
+                           "tilt_rad_m"})
     if (parameter.key == size) return 0.0;
   return std::nullopt;
 }
 
 /// Some value for what is no size.
 double any_value(const HiddenParameter& parameter) {
-  if (parameter.whole) return parameter.key == "other_body" ? 2.0 : 1.0;
+  if (parameter.whole) return parameter.key == "other_body" || parameter.key == "cameras" ? 2.0 : 1.0;
   return 0.5 * (parameter.usual_low + parameter.usual_high);
 }
 

@@ -171,10 +171,87 @@ TEST(HiddenSensorsPoses, BumpedCamerasMoveAllBodiesAsOne) {
 
 TEST(HiddenSensorsPoses, AWrongWandScalesAllDistances) {
   Scenario s = quiet(1.0);
-  hide("volume_scale", {{"share", 0.003}}, s);
-  for (const Sample& sample : samples_of(s))
-    for (std::size_t body = 0; body < 4; ++body)
-      EXPECT_LT((sample.bodies[body]->p - 1.003 * true_pose(s, sample, body).p).norm(), 1e-12);
+  hide("camera_scale", {{"share", 0.003}}, s);
+  Scenario uneven = quiet(1.0), warms = quiet(1.0);
+  hide("camera_scale", {{"share", 0.003}, {"height_ratio", 0.5}}, uneven);
+  hide("camera_scale", {{"share", 0.003}, {"warms_s", 100.0}}, warms, "warming");
+  warms.session_s = 50.0;
+  const std::vector<Sample> even_ones = samples_of(s), uneven_ones = samples_of(uneven),
+                            warming_ones = samples_of(warms);
+  const Eigen::Vector3d factors(1.003, 1.003, 1.0015);
+  for (std::size_t k = 0; k < even_ones.size(); ++k)
+    for (std::size_t body = 0; body < 4; ++body) {
+      const Eigen::Vector3d truth = true_pose(s, even_ones[k], body).p;
+      EXPECT_LT((even_ones[k].bodies[body]->p - 1.003 * truth).norm(), 1e-12);
+      EXPECT_LT((uneven_ones[k].bodies[body]->p - factors.cwiseProduct(truth)).norm(), 1e-12);
+      const double warm = -std::expm1(-(50.0 + warming_ones[k].stamp_s) / 100.0);
+      EXPECT_LT((warming_ones[k].bodies[body]->p - (1.0 + 0.003 * warm) * truth).norm(), 1e-9);
+    }
+}
+
+TEST(HiddenSensorsPoses, LensesThatAreOffBowTheSpaceAndLeaveItsMiddle) {
+  Scenario fades = quiet(0.1), lenses = quiet(0.1);
+  const auto error_at = [&](Scenario& s, const Eigen::Vector3d& base) {
+    s.mount.p_mocap_base = base;
+    return error_m(s, samples_of(s)[0], 0);
+  };
+  hide("camera_bow", {{"off", 0.01}, {"fades_m", 2.0}}, fades, "fading");
+  const Eigen::Vector3d far(0.5, -0.4, 1.2);
+  const double square = far.squaredNorm();
+  EXPECT_LT((error_at(fades, far) - 0.01 * square / (1.0 + square / 4.0) * far).norm(), 1e-12);
+
+  hide("camera_bow", {{"off", 0.02}}, lenses);
+  EXPECT_LT(error_at(lenses, {0.0, 0.0, 0.0}).norm(), 1e-12);
+  // About the middle as a cubic: twice as far, eight times as much; alike on all sides.
+  const double near = error_at(lenses, {0.1, 0.0, 0.0}).norm();
+  EXPECT_NEAR(error_at(lenses, {0.2, 0.0, 0.0}).norm() / near, 8.0, 0.4);
+  EXPECT_NEAR(error_at(lenses, {-0.1, 0.0, 0.0}).norm() / near, 1.0, 1e-6);
+  EXPECT_NEAR(error_at(lenses, {0.0, 0.1, 0.0}).norm() / near, 1.0, 1e-6);
+  const Eigen::Vector3d outwards = error_at(lenses, {0.6, 0.6, 1.0});
+  EXPECT_GT(outwards.x(), 1e-4);
+  EXPECT_NEAR(outwards.x(), outwards.y(), 1e-9);
+  // Twice off is twice as much.
+  Scenario twice = quiet(0.1);
+  hide("camera_bow", {{"off", 0.04}}, twice);
+  EXPECT_NEAR(error_at(twice, {0.6, 0.6, 1.0}).norm() / outwards.norm(), 2.0, 0.02);
+}
+
+TEST(HiddenSensorsPoses, ASkinSlidesWithTheCurvatureUnderIt) {
+  // Without gravity, bent and come to rest: nearly an arc.
+  Scenario bent = quiet(2.0);
+  bent.gravity_m_s2 = 0.0;
+  bent.payload.schedule.clear();
+  bent.pressures.random.reset();
+  bent.pressures.schedule = {{0.0, {30e3, 0.0, 0.0}}};
+  bent.pressures.settle_s = bent.pressures.ramp_s = 0.2;
+  Scenario sleeve = bent, patch = bent, all = bent;
+  hide("skin_marker", {{"body", 2}, {"way_m2", 2e-4}, {"tilt_rad_m", 2e-3}}, sleeve);
+  hide("skin_marker", {{"body", 2}, {"way_m2", 2e-4}, {"side_deg", 30.0}, {"patch_m", 0.02}}, patch, "patch");
+  hide("skin_marker", {{"way_m2", 2e-4}, {"saturates_per_m", 5.0}}, all);
+  const Sample shifted = samples_of(sleeve).back(), slid = samples_of(patch).back(),
+               saturated = samples_of(all).back();
+  // Nearly that between rings.
+  const Pose first = true_pose(sleeve, shifted, 1), second = true_pose(sleeve, shifted, 2),
+             third = true_pose(sleeve, shifted, 3);
+  const Eigen::Vector3d bend = turn_between(first, third) / (0.7 * sleeve.arm.length_m());
+  const Eigen::Vector3d inside(bend.y(), -bend.x(), 0.0);
+  ASSERT_GT(inside.norm(), 0.5);
+  const Eigen::Vector3d across = second.q.conjugate() * error_m(sleeve, shifted, 2);
+  EXPECT_LT((across - 2e-4 * inside).norm(), 0.1 * across.norm());
+  // It is the side on which the other rings are.
+  EXPECT_GT((second.q * across).dot(0.5 * (first.p + third.p) - second.p), 0.0);
+  EXPECT_LT((turn_between(second, *shifted.bodies[2]) - 2e-3 * bend).norm(), 0.1 * 2e-3 * bend.norm());
+  EXPECT_LT(error_m(sleeve, shifted, 1).norm(), 1e-12);
+
+  const Eigen::Vector3d along = second.q.conjugate() * error_m(patch, slid, 2);
+  const double on_side = inside.dot(Eigen::Vector3d(std::cos(M_PI / 6.0), 0.5, 0.0));
+  EXPECT_NEAR(along.z(), 2e-4 * on_side, 0.1 * std::abs(2e-4 * on_side));
+  EXPECT_LT(along.head<2>().norm(), 1e-12);
+
+  const double half = 1.0 / (1.0 + inside.norm() / 5.0);
+  EXPECT_NEAR(error_m(all, saturated, 2).norm(), half * across.norm(), 0.1 * across.norm());
+  EXPECT_GT(error_m(all, saturated, 1).norm(), 1e-5);
+  EXPECT_LT(error_m(all, saturated, 0).norm(), 1e-12);
 }
 
 }  // namespace

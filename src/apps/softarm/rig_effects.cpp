@@ -214,6 +214,40 @@ Choices pressure_lag(const Numbers& v) {
   return {choice("pressure_lag", "first_order", {{"time_constant_s", v("delay_s")}})};
 }
 
+Choices supply_sag(const Numbers& v) {
+  // A tank gives no less once what was taken of it has reached the reference: as far off as the rig lets it
+  // be.
+  constexpr double kMost = 0.9;
+  return {choice("supply_sag", "tank",
+                 {{"share", kMost},
+                  {"reference_pa", kMost * kPressurePa / v("share")},
+                  {"refill_pa_per_s", kPressurePa / v("time_s")}})};
+}
+
+Choices skin_marker(const Numbers& v) {
+  const double body = v("body") > 0.5 ? v("body") : -1.0;
+  Choices list;
+  if (v("across_m2") != 0.0)
+    list.push_back(
+        choice("skin_marker", "sleeve",
+               {{"body", body}, {"way_m2", v("across_m2")}, {"saturates_per_m", 1e6}, {"tilt_rad_m", 0.0}}));
+  if (v.size("slide_x_m2", "slide_y_m2") > 0.0)
+    list.push_back(choice("skin_marker", "patch",
+                          {{"body", body},
+                           {"way_m2", v.size("slide_x_m2", "slide_y_m2")},
+                           {"side_deg", v.azimuth_deg("slide_x_m2", "slide_y_m2")},
+                           {"patch_m", 1e-3}}));
+  return list;
+}
+
+Choices camera_scale(const Numbers& v) {
+  return {choice("camera_scale", "axes", {{"share", v("share")}, {"height_ratio", 1.0}})};
+}
+
+Choices camera_bow(const Numbers& v) {
+  return {choice("camera_bow", "fading", {{"off", v("bow_per_m2")}, {"fades_m", 100.0}})};
+}
+
 Choices flow_limit(const Numbers& v) {
   if (!nearly(v("share"), 1.0))
     throw std::invalid_argument("a limit that is kept by a share only is nothing the virtual rig has");
@@ -229,6 +263,9 @@ Choices rest_curvature(const Numbers& v) {
 }
 
 Choices contact(const Numbers& v) {
+  if (v("friction") > kNearly)
+    throw std::invalid_argument(
+        "friction is nothing that the virtual rig has where a wall touches at one place");
   return {choice("contact", "spring_wall",
                  {{"stiffness_n_per_m", v("stiffness_n_per_m")},
                   {"distance_m", v("distance_m")},
@@ -340,6 +377,7 @@ const std::map<std::string, Translation>& translations() {
       {"axial_memory", axial_memory},
       {"pressure_lag", pressure_lag},
       {"flow_limit", flow_limit},
+      {"supply_sag", supply_sag},
       {"clock_offset", same("", {"offset_s"})},
       {"pressure_leak", leak},
       {"pressure_offset", pressure_offset},
@@ -356,6 +394,9 @@ const std::map<std::string, Translation>& translations() {
       {"jamming_memory", same("", {"share"})},
       {"jamming_yield", jamming_yield},
       {"marker_slip", marker_slip},
+      {"skin_marker", skin_marker},
+      {"camera_scale", camera_scale},
+      {"camera_bow", camera_bow},
       {"bending_plane_offset", bending_plane_offset},
       {"chamber_mismatch", same("", {"chamber", "share"})},
       {"tendon_slack", tendon_slack},
