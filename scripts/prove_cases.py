@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 
+import prove_real_report
 import prove_report
 import prove_score
 import prove_sources
@@ -167,14 +168,17 @@ class Proof:
         return results
 
 
-def draw_picture(results, path):
+def draw_pictures(results, story):
+    path = os.path.splitext(story)[0] + "_calibration.png"
     try:
         import prove_picture
     except ImportError as missing:
-        say(f"no picture of the calibration: {missing} (apt-get install python3-matplotlib)")
+        say(f"no pictures: {missing} (apt-get install python3-matplotlib)")
         return
     prove_picture.draw(results, path)
     say(f"written: {path}")
+    if prove_real_report.draw(results, prove_real_report.picture_path(story)):
+        say(f"written: {prove_real_report.picture_path(story)}")
 
 
 def main():
@@ -221,7 +225,7 @@ def main():
         text.write(prove_report.story(figures, results))
     os.replace(story + ".part", story)
     say(f"written: {story}")
-    draw_picture(results, os.path.splitext(story)[0] + "_calibration.png")
+    draw_pictures(results, story)
     if options.json:
         write_json(options.json, figures)
     say(f"{(time.monotonic() - started) / 60:.1f} min")

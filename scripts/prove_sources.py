@@ -19,9 +19,10 @@ Whoever runs sources: prove_cases.py, which names cases, shuffles, seals, diagno
 """
 import sys
 
+import prove_real
 import prove_rig
 
-WORLDS = ("tidy", "untidy")
+WORLDS = ("tidy", "untidy", "real")
 
 
 def chosen(options):
@@ -33,4 +34,7 @@ def chosen(options):
     campaigns = [prove_rig.CAMPAIGNS[name] for name in named if name in prove_rig.CAMPAIGNS]
     if options.campaign:
         campaigns = [options.campaign]
-    return [prove_rig.Source(options, name) for name in campaigns]
+    sources = [prove_rig.Source(options, name) for name in campaigns]
+    if "real" in named:
+        sources.append(prove_real.Source(options))
+    return sources

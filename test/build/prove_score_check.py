@@ -196,7 +196,7 @@ class Story(unittest.TestCase):
         self.assertEqual(figures["baselines"]["gp"]["single_strong"]["top1"], 0.0)
         self.assertIsNone(figures["baselines"]["lasso"]["single_strong"]["top1"])
         for kind in score.KINDS:
-            self.assertEqual(set(figures[kind]), {"trials", *score.RATES})
+            self.assertEqual(set(figures[kind]), {"trials", "counted", *score.RATES})
         for key in score.FIGURES:
             self.assertIn(key, figures)
             self.assertIn(key, figures["baselines"]["bic"])
