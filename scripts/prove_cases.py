@@ -169,16 +169,20 @@ class Proof:
 
 
 def draw_pictures(results, story):
+    """File name of the picture of real recordings; None where there are none."""
     path = os.path.splitext(story)[0] + "_calibration.png"
     try:
         import prove_picture
     except ImportError as missing:
         say(f"no pictures: {missing} (apt-get install python3-matplotlib)")
-        return
+        return None
     prove_picture.draw(results, path)
     say(f"written: {path}")
-    if prove_real_report.draw(results, prove_real_report.picture_path(story)):
-        say(f"written: {prove_real_report.picture_path(story)}")
+    real = prove_real_report.picture_path(story)
+    if not prove_real_report.draw(results, real):
+        return None
+    say(f"written: {real}")
+    return os.path.basename(real)
 
 
 def main():
@@ -221,11 +225,11 @@ def main():
     print(prove_report.table(figures))
     whole = not options.campaign and not options.worlds and not options.kinds
     story = options.report or os.path.join(*([options.root, "doc"] if whole else [proof.folder]), "proof.md")
+    real_picture = draw_pictures(results, story)
     with open(story + ".part", "w", encoding="utf-8") as text:
-        text.write(prove_report.story(figures, results))
+        text.write(prove_report.story({**figures, "real_picture": real_picture}, results))
     os.replace(story + ".part", story)
     say(f"written: {story}")
-    draw_pictures(results, story)
     if options.json:
         write_json(options.json, figures)
     say(f"{(time.monotonic() - started) / 60:.1f} min")

@@ -33,8 +33,8 @@ def interventions(results):
     return found
 
 
-def story(results):
-    """The table of outcomes by what was done; nothing where there are no real recordings."""
+def story(results, picture=None):
+    """The table of outcomes by what was done, and a link to the picture; nothing where there are no real recordings."""
     listed = interventions(results)
     if not listed:
         return ""
@@ -48,7 +48,7 @@ def story(results):
                      " | ".join(str(n) if n else "" for n in counts) + " |")
     return ("## Known interventions on real recordings\n\n" + "\n".join(lines) +
             "\n\n*Clear*: what it leaves beside the arm's constants is a quarter or more of what they leave of the untouched\n"
-            "recordings. *No name*: nothing in the catalogue acts like it, so that *unknown* is right.\n\n")
+            "recordings. *No name*: nothing in the catalogue acts like it, so that *unknown* is right.\n\n" + (f"![Each intervention by its size]({picture})\n\n" if picture else ""))
 
 
 def draw(results, path):

@@ -231,7 +231,7 @@ the target; *contradicted*: none of it does; a sample is too small to meet one a
 the residuals of fits frame by frame alone, `bic` by forward steps, `lasso` along its path, `gp` by a Gaussian process alone,
 which never names anything.
 
-{prove_real_report.story(results)}{WORLDS_TEXT}
+{prove_real_report.story(results, figures.get("real_picture"))}{WORLDS_TEXT}
 ## What was measured, and how
 
 {markdown(kinds)}
