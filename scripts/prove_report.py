@@ -63,6 +63,25 @@ def status(interval, least, most, full):
     return MET if (least is None or low >= least) and (most is None or high <= most) else NOT_MET
 
 
+BETTER_THAN_BASELINES = {"untidy": 0.05, "real": 0.05}  # world -> McNemar's p against the best of them
+
+
+def beside_baselines(figures):
+    """Rows of whether the diagnosis is right more often than the baseline that comes nearest to it, or is ahead."""
+    table = []
+    for world, most in BETTER_THAN_BASELINES.items():
+        beside = {method: found for method, found in figures["worlds"].get(world, {}).get("mcnemar", {}).items() if found["cases"]}
+        if not beside:
+            continue
+        best, found = max(beside.items(), key=lambda one: one[1]["theirs_alone"] - one[1]["ours_alone"])
+        ahead, clear = found["ours_alone"] > found["theirs_alone"], found["p"] < most
+        judged = MET if ahead and clear else CONTRADICTED if clear else NOT_MET if figures["full"] else NOT_CONTRADICTED
+        table.append([f"{world}: right alone, diagnose to {best}; McNemar's p", str(found["cases"]),
+                      f"{found['ours_alone']} to {found['theirs_alone']}; {found['p']:.2g}", f"< {most:g}", judged]
+                     + ["" for _ in prove_score.BASELINES])
+    return table
+
+
 def range_of(least, most):
     return (f"{least:g} ... {most:g}" if least is not None and most is not None else
             f">= {least:g}" if least is not None else f"<= {most:g}")
@@ -99,7 +118,7 @@ def rows(figures):
                       number(value) + (f" ({number(spread[0])}-{number(spread[1])})" if spread else ""),
                       range_of(least, most), status(spread, least, most, figures["full"])]
                      + [number(figures["baselines"][b][key]) for b in prove_score.BASELINES])
-    return table
+    return table + beside_baselines(figures)
 
 
 HEADINGS = ["", "trials", "diagnose (90 %)", "target", "", *prove_score.BASELINES]
@@ -180,24 +199,27 @@ def versus(figures):
 # How the cases of each world are made.
 WORLDS_TEXT = """## The worlds
 
-- **tidy**: nine trials of an arm by the virtual rig, which shares no code with the model of the diagnosis; the arm file is right
-  but for the constants that are fitted, and what is hidden has other forms than the catalogue's.
+- **tidy**: nine trials of an arm by the virtual rig, which shares no code with the model of the diagnosis; the arm file is
+  right but for the constants that are fitted, and what is hidden has other forms than the catalogue's.
 - **untidy**: the same, and four to eight small departures besides, so that nothing is quite as the arm file says.
-- **real**: recordings of two real arms ([a tendon trunk and a pouch arm](real_arms.md)), imported as they are (the controls), and again with one thing wrong
-  that is known (the interventions). It is done to the recorded table before it is imported: payloads told at a factor, withheld or
-  exchanged between trials; the cameras' clock, or one input's, shifted or running off; a body moved along or across the arm, two bodies
-  exchanged; the cameras' frame tilted with gravity, the base without; the log of the inputs passed through a gain that saturates, a dead zone, a lag, an offset, a play or a
-  leak (the arm did what it did: what it seems to have is the inverse). Gravity told tilted, and one segment with the constants of another session, are
-  written into the arm file. Sizes are drawn evenly in their logarithm, from what nobody could see to what nobody could overlook.
-  The arm file is identified from pieces of the recordings that are not diagnosed; where there are no others, from those.
+- **real**: recordings of two real arms ([a tendon trunk and a pouch arm](real_arms.md)), imported as they are (the
+  controls), and again with one thing wrong that is known (the interventions). It is done to the recorded table before it is
+  imported: payloads told at a factor, withheld or exchanged between trials; the cameras' clock, or one input's, shifted or
+  running off; a body moved along or across the arm, two bodies exchanged; the cameras' frame tilted with gravity, the base
+  without; the log of the inputs passed through a gain that saturates, a dead zone, a lag, an offset, a play or a leak (the
+  arm did what it did: what it seems to have is the inverse). Gravity told tilted, and one segment with the constants of
+  another session, are written into the arm file. Sizes are drawn evenly in their logarithm, from what nobody could see to
+  what nobody could overlook. The arm file is identified from pieces of the recordings that are not diagnosed; where there
+  are no others, from those.
 
-  A real arm has effects of its own, and nobody knows which. So an intervention is judged beside its control: what both are said to
-  have is the arm's, and finds nothing. It is found where something is named, more probable than not, that the control was not said to have
-  and that belongs to its class. The class is decided before anything is diagnosed and sealed with the rest: the effects that say
-  the intervention outright, and those whose signatures explain half or more of what it leaves beside the arm's constants, and
-  nearly as much as the best. Where the class is empty nothing in the catalogue acts like it, and *unknown* is right. Rates count
-  interventions that are *clear*: what they leave is a quarter or more of what the constants leave of the untouched recordings; `power` counts all.
-  Of a control, only those names are judged that its interventions have outright: none of them may be named.
+  A real arm has effects of its own, and nobody knows which. So an intervention is judged beside its control: what both are
+  said to have is the arm's, and finds nothing. It is found where something is named, more probable than not, that the
+  control was not said to have and that belongs to its class. The class is decided before anything is diagnosed and sealed
+  with the rest: the effects that say the intervention outright, and those whose signatures explain half or more of what it
+  leaves beside the arm's constants, and nearly as much as the best. Where the class is empty nothing in the catalogue acts
+  like it, and *unknown* is right. Rates count interventions that are *clear*: what they leave is a quarter or more of what
+  the constants leave of the untouched recordings; `power` counts all. Of a control, only those names are judged that its
+  interventions have outright: none of them may be named.
 """
 
 

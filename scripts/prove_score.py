@@ -328,7 +328,7 @@ def mcnemar(cases):
     theirs = sum(1 for a, b in cases if b and not a)
     n = ours + theirs
     tail = sum(math.comb(n, k) for k in range(min(ours, theirs) + 1)) / 2 ** n
-    return {"ours_alone": ours, "theirs_alone": theirs, "p": min(1.0, 2.0 * tail)}
+    return {"cases": len(cases), "ours_alone": ours, "theirs_alone": theirs, "p": min(1.0, 2.0 * tail)}
 
 
 def mean(values):
