@@ -9,6 +9,8 @@ LOOKS = {"found": ("#1f6fb4", "o"), "in the control too": ("#8a8a8a", "s"), "nam
 
 
 def description(truth):
+    if not truth["effects"]:
+        return f"{truth['set']}, {truth['split'] + 1}: untouched"
     effect = truth["effects"][0]
     clear = "" if truth["clear"] else ", not clear"
     return (f"{truth['set']}, {truth['split'] + 1}: {truth['words']}; leaves {1e3 * effect['signal']['leftover_m']:.2f} mm beside "

@@ -138,7 +138,7 @@ def markdown(lines):
 
 
 def hidden_description(truth):
-    if "words" in truth:
+    if "set" in truth:
         return prove_real_report.description(truth)
     return "; ".join(effect_description(e) for e in truth["effects"]) or "nothing"
 
