@@ -12,7 +12,7 @@ RANK_BINS = 10
 
 def draw(results, path):
     """results as prove_score.figures() takes them."""
-    pairs = [(r, score.decision_of_report(r["report"])) for r in results if r["truth"] and r["report"]]
+    pairs = [(r, score.decision_of(r)) for r in results if r["truth"] and r["report"]]
     statements = score.stated(pairs)
     ranks = [rank for result, _ in pairs for rank in score.ranks(result)]
     figure, (left, right) = plt.subplots(1, 2, figsize=(10.0, 4.2), constrained_layout=True)

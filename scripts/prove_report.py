@@ -1,4 +1,5 @@
 """The table of the proof and doc/proof.md, from prove_score.figures()."""
+import prove_real_report
 import prove_score
 
 KIND_DESCRIPTION = {
@@ -12,6 +13,8 @@ KIND_DESCRIPTION = {
     "untidy_none": "nothing but small departures of everything, 0.2 to 0.8 mm together",
     "untidy_single": "one effect of the catalogue among such departures",
     "untidy_outside": "an effect outside the catalogue among such departures",
+    "intervention": "recordings of a real arm with one thing wrong that is known, from invisible to gross",
+    "control": "the same recordings untouched",
 }
 # (kind, rate, target, whether more is better)
 TARGETS = [
@@ -26,6 +29,8 @@ TARGETS = [
     ("untidy_none", "false_alarm", 0.01, False),
     ("untidy_single", "top1", 0.75, True), ("untidy_single", "right_class", 0.90, True),
     ("untidy_outside", "unknown", 0.80, True),
+    ("intervention", "top1", 0.70, True), ("intervention", "right_class", 0.85, True),
+    ("intervention", "unknown", None, True), ("control", "false_alarm", 0.0, False),
 ]
 # (figure, description, least, most)
 FIGURES = [
@@ -58,6 +63,25 @@ def status(interval, least, most, full):
     return MET if (least is None or low >= least) and (most is None or high <= most) else NOT_MET
 
 
+BETTER_THAN_BASELINES = {"untidy": 0.05, "real": 0.05}  # world -> McNemar's p against the best of them
+
+
+def beside_baselines(figures):
+    """Rows of whether the diagnosis is right more often than the baseline that comes nearest to it, or is ahead."""
+    table = []
+    for world, most in BETTER_THAN_BASELINES.items():
+        beside = {method: found for method, found in figures["worlds"].get(world, {}).get("mcnemar", {}).items() if found["cases"]}
+        if not beside:
+            continue
+        best, found = max(beside.items(), key=lambda one: one[1]["theirs_alone"] - one[1]["ours_alone"])
+        ahead, clear = found["ours_alone"] > found["theirs_alone"], found["p"] < most
+        judged = MET if ahead and clear else CONTRADICTED if clear else NOT_MET if figures["full"] else NOT_CONTRADICTED
+        table.append([f"{world}: right alone, diagnose to {best}; McNemar's p", str(found["cases"]),
+                      f"{found['ours_alone']} to {found['theirs_alone']}; {found['p']:.2g}", f"< {most:g}", judged]
+                     + ["" for _ in prove_score.BASELINES])
+    return table
+
+
 def range_of(least, most):
     return (f"{least:g} ... {most:g}" if least is not None and most is not None else
             f">= {least:g}" if least is not None else f"<= {most:g}")
@@ -75,11 +99,15 @@ def rows(figures):
         ours, count = figures[kind][rate], figures[kind]["trials"]
         if not count:  # of another campaign
             continue
+        if "counted" in figures[kind]:
+            count = figures[kind]["counted"][rate]
         spread = prove_score.interval(round(ours * count), count) if ours is not None else None
+        # Of none at all every one is one too many: a count, not a rate.
+        judged_by = (ours, ours) if target == 0.0 and ours is not None else spread
         table.append([f"{kind}: {rate}", str(count),
                       number(ours) + (f" ({spread[0]:.2f}-{spread[1]:.2f})" if spread else ""),
                       "-" if target is None else (">= " if more else "<= ") + f"{target:g}",
-                      status(spread, target if more else None, None if more else target, figures["full"])]
+                      status(judged_by, target if more else None, None if more else target, figures["full"])]
                      + [number(figures["baselines"][b][kind][rate]) for b in prove_score.BASELINES])
     trials = str(sum(figures[kind]["trials"] for kind in prove_score.KINDS))
     for key, description, least, most in FIGURES:
@@ -90,7 +118,7 @@ def rows(figures):
                       number(value) + (f" ({number(spread[0])}-{number(spread[1])})" if spread else ""),
                       range_of(least, most), status(spread, least, most, figures["full"])]
                      + [number(figures["baselines"][b][key]) for b in prove_score.BASELINES])
-    return table
+    return table + beside_baselines(figures)
 
 
 HEADINGS = ["", "trials", "diagnose (90 %)", "target", "", *prove_score.BASELINES]
@@ -107,6 +135,12 @@ def markdown(lines):
         return "| " + " | ".join(str(cell).replace("|", "/").replace("\n", " ") for cell in cells) + " |"
 
     return "\n".join([row(lines[0]), "|" + "---|" * len(lines[0])] + [row(line) for line in lines[1:]])
+
+
+def hidden_description(truth):
+    if "set" in truth:
+        return prove_real_report.description(truth)
+    return "; ".join(effect_description(e) for e in truth["effects"]) or "nothing"
 
 
 def effect_description(effect):
@@ -128,7 +162,10 @@ def said(result):
 def judged(result):
     if not result["report"]:
         return "failed"
-    found = prove_score.marks(result["kind"], prove_score.decision_of_report(result["report"]), result["truth"])
+    decision = prove_score.decision_of(result)
+    if result["kind"] == "intervention":
+        return prove_real_report.outcome(decision, result["truth"])
+    found = prove_score.marks(result["kind"], decision, result["truth"])
     bad = ("false_alarm", "confident_wrong")
     wrong = [rate for rate, value in found.items() if value == (rate in bad)]  # as prove_score.is_right
     return "right" if not wrong else ("" if set(wrong) <= {"top1", "top3"} else "**") + ", ".join(
@@ -136,6 +173,8 @@ def judged(result):
 
 
 def ideal_description(truth):
+    if "class" in truth:
+        return "class: " + (", ".join(truth["class"]) or "none")
     return ", ".join(f"{item['effect']} {item['explains']:.2f}" for item in truth["ideal"][:3])
 
 
@@ -157,6 +196,33 @@ def versus(figures):
             if said else "")
 
 
+# How the cases of each world are made.
+WORLDS_TEXT = """## The worlds
+
+- **tidy**: nine trials of an arm by the virtual rig, which shares no code with the model of the diagnosis; the arm file is
+  right but for the constants that are fitted, and what is hidden has other forms than the catalogue's.
+- **untidy**: the same, and four to eight small departures besides, so that nothing is quite as the arm file says.
+- **real**: recordings of two real arms ([a tendon trunk and a pouch arm](real_arms.md)), imported as they are (the
+  controls), and again with one thing wrong that is known (the interventions). It is done to the recorded table before it is
+  imported: payloads told at a factor, withheld or exchanged between trials; the cameras' clock, or one input's, shifted or
+  running off; a body moved along or across the arm, two bodies exchanged; the cameras' frame tilted with gravity, the base
+  without; the log of the inputs passed through a gain that saturates, a dead zone, a lag, an offset, a play or a leak (the
+  arm did what it did: what it seems to have is the inverse). Gravity told tilted, and one segment with the constants of
+  another session, are written into the arm file. Sizes are drawn evenly in their logarithm, from what nobody could see to
+  what nobody could overlook. The arm file is identified from pieces of the recordings that are not diagnosed; where there
+  are no others, from those.
+
+  A real arm has effects of its own, and nobody knows which. So an intervention is judged beside its control: what both are
+  said to have is the arm's, and finds nothing. It is found where something is named, more probable than not, that the
+  control was not said to have and that belongs to its class. The class is decided before anything is diagnosed and sealed
+  with the rest: the effects that say the intervention outright, and those whose signatures explain half or more of what it
+  leaves beside the arm's constants, and nearly as much as the best. Where the class is empty nothing in the catalogue acts
+  like it, and *unknown* is right. Rates count interventions that are *clear*: what they leave is a quarter or more of what
+  the constants leave of the untouched recordings; `power` counts all. Of a control, only those names are judged that its
+  interventions have outright: none of them may be named.
+"""
+
+
 def story(figures, results):
     """doc/proof.md."""
     lines = [["case", "kind", "hidden", "an ideal detector", "said", "baseline -> extended (floor), mm", ""]]
@@ -168,7 +234,7 @@ def story(figures, results):
         errors = "" if report is None else (f"{1e3 * report['baseline']['held_out_rms_m']:.3f} -> "
                                             f"{1e3 * report['extended']['held_out_rms_m']:.3f} "
                                             f"({1e3 * report['noise_floor_m']:.3f})")
-        lines.append([result["case"], result["kind"], "; ".join(effect_description(e) for e in truth["effects"]) or "nothing",
+        lines.append([result["case"], result["kind"], hidden_description(truth),
                       ideal_description(truth), said(result), errors, judged(result)])
     size = "the whole" if figures["full"] else "a sample"
     kinds = [["kind", "trials", "what is hidden"]]
@@ -187,12 +253,12 @@ the target; *contradicted*: none of it does; a sample is too small to meet one a
 the residuals of fits frame by frame alone, `bic` by forward steps, `lasso` along its path, `gp` by a Gaussian process alone,
 which never names anything.
 
+{prove_real_report.story(results, figures.get("real_picture"))}{WORLDS_TEXT}
 ## What was measured, and how
 
 {markdown(kinds)}
 
-A case is nine trials of one arm, recorded by the virtual rig, which shares no code with the model of the diagnosis. How
-large an effect is: the same trials are simulated with and without it, with the same random numbers. The difference of what
+How large an effect is: the same trials are simulated (or, of real recordings, imported) with and without it, with the same random numbers. The difference of what
 one set of the arm's constants leaves in both, in means over 0.2 s as the diagnosis uses them, each over its standard
 deviation (white noise, and what the diagnosis allows for swinging), is projected orthogonally to the derivatives of all of
 the arm's free constants. Its length is the signal to noise after a refit ("sd" below), its rms distance per body what is

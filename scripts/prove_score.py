@@ -8,8 +8,10 @@ import math
 import random
 import statistics
 
+import prove_real_score
+
 KINDS = ["none", "single_strong", "single_weak", "pair", "outside", "compensated", "class_only", "untidy_none",
-         "untidy_single", "untidy_outside"]
+         "untidy_single", "untidy_outside", "intervention", "control"]
 RATES = ["top1", "top3", "right_class", "both_named", "false_alarm", "confident_wrong", "unknown", "found_or_cannot_tell"]
 FIGURES = ["parameter_median_error", "interval_coverage", "held_out_over_floor", "place_error_m", "calibration_error",
            "confident_wrong", "bias_removed", "worse_than_baseline"]
@@ -28,6 +30,9 @@ def named_in(report):
 
 
 def decision_of_report(report):
+    """Without a report it says nothing."""
+    if report is None:
+        return {"verdict": "failed", "named": [], "ranking": [], "findings": {}}
     return {"verdict": report["verdict"], "named": named_in(report),
             "ranking": [c["name"] for c in report["ranking"]],
             "findings": {c["name"]: c.get("finding") for c in report["ranking"]}}
@@ -36,6 +41,25 @@ def decision_of_report(report):
 def decision_of_baseline(item):
     verdict = "consistent" if not item["alarm"] else "explained" if item["effects"] else "unknown"
     return {"verdict": verdict, "named": item["effects"], "ranking": item["ranking"], "findings": {}}
+
+
+def beside_control(decision, of_control):
+    """A decision with the names that its control was given; one without a control, as it is."""
+    return decision if of_control is None else {**decision, "before": prove_real_score.names(of_control)}
+
+
+def decision_of(result):
+    control = result.get("control")
+    return beside_control(decision_of_report(result["report"]), decision_of_report(control["report"]) if control else None)
+
+
+def baseline_decision(result, method):
+    """None where the method has not decided this case."""
+    def own(of):
+        return decision_of_baseline(of["baselines"][method]) if of and of.get("baselines") and method in of["baselines"] else None
+
+    decision = own(result)
+    return None if decision is None else beside_control(decision, own(result.get("control")))
 
 
 def everything(truth):
@@ -61,7 +85,7 @@ def class_of(named):
 
 def right(named, truth):
     """Whether a named effect, or a rival that it is said to be confusable with, is there; distractors are."""
-    there = set(hidden(truth)) | {effect["effect"] for effect in everything(truth)}
+    there = set(hidden(truth)) | {effect["effect"] for effect in everything(truth)} | set(truth.get("class", []))
     return any(name in there for name in class_of(named))
 
 
@@ -69,8 +93,15 @@ def is_alarm(decision):
     return bool(decision["named"]) or decision["verdict"] not in ("consistent", "cannot_tell")
 
 
+def judged(decision, truth):
+    """What is named and can be judged: of an untouched recording of a real arm only what was asked of it."""
+    if "asked" in truth:
+        return [named for named in decision["named"] if named["name"] in truth["asked"]]
+    return prove_real_score.stated(decision)
+
+
 def is_confident_and_wrong(decision, truth):
-    return any((named.get("probability") or 0.0) > CONFIDENT and not right(named, truth) for named in decision["named"])
+    return any((named.get("probability") or 0.0) > CONFIDENT and not right(named, truth) for named in judged(decision, truth))
 
 
 def beyond_catalogue(truth):
@@ -87,6 +118,10 @@ def marks(kind, decision, truth):
     found = {"confident_wrong": is_confident_and_wrong(decision, truth)}
     if kind == "none":
         found["false_alarm"] = is_alarm(decision)
+    if kind == "control":
+        found["false_alarm"] = any(prove_real_score.is_named(named) for named in judged(decision, truth))
+    if kind == "intervention":
+        found.update(prove_real_score.marks(decision, truth, is_alarm(decision)))
     if kind == "untidy_none":  # small departures are there, and may be named
         found["false_alarm"] = any(not right(named, truth) for named in decision["named"])
     if kind in ("single_strong", "single_weak", "compensated", "class_only", "untidy_single"):
@@ -112,6 +147,8 @@ def polar(size, azimuth_deg):
 
 def true_parameters(effect, length_m):
     """The catalogue's parameters that a hidden effect has; empty where its form is another than the catalogue's."""
+    if "parameters" in effect:
+        return effect["parameters"]
     name, form, v = effect["effect"], effect.get("form", ""), effect["values"]
     if name in ("stiffness_taper", "actuation_taper", "payload_scale", "axial_memory", "vacuum_shortening", "vacuum_gain",
                 "jamming_memory", "chamber_mismatch", "pressure_elongation"):
@@ -169,13 +206,18 @@ def true_place_m(effect, length_m):
     return None
 
 
+def names_of(effect):
+    """Ids by which an effect may be named whose numbers are compared."""
+    return effect.get("names", [effect["effect"]])
+
+
 def sizes(result):
     """Relative errors and hits of the 90 % intervals of the effects that were named rightly."""
     errors, hits, places = [], [], []
     length_m = 0.2  # of the arms of the campaigns
     for effect in result["truth"]["effects"]:
-        for named in named_in(result["report"]):
-            if named["name"] != effect["effect"]:
+        for named in prove_real_score.stated(decision_of(result)):
+            if named["name"] not in names_of(effect):
                 continue
             true = {symbol: value for symbol, value in true_parameters(effect, length_m).items() if symbol in named["parameters"]}
             norm = math.sqrt(sum(value * value for value in true.values()))
@@ -192,10 +234,10 @@ def sizes(result):
 def ranks(result):
     """Where the true numbers of everything that is there, distractors too, lie in what is said of them: 0 below it, 1 above,
     evenly spread if intervals are right."""
-    said = {named["name"]: named for named in named_in(result["report"])}
+    said = {named["name"]: named for named in prove_real_score.stated(decision_of(result))}
     found = []
     for effect in everything(result["truth"]):
-        numbers = said.get(effect["effect"], {"parameters": {}})["parameters"]
+        numbers = next((said[name]["parameters"] for name in names_of(effect) if name in said), {})
         for symbol, true in true_parameters(effect, 0.2).items():
             if symbol not in numbers:
                 continue
@@ -210,7 +252,7 @@ def ranks(result):
 def stated(pairs):
     """(probability, was right) of everything that is named."""
     return [(named["probability"], right(named, result["truth"])) for result, decision in pairs
-            for named in decision["named"] if named.get("probability") is not None]
+            for named in judged(decision, result["truth"]) if named.get("probability") is not None]
 
 
 def bias_removed(result):
@@ -286,7 +328,7 @@ def mcnemar(cases):
     theirs = sum(1 for a, b in cases if b and not a)
     n = ours + theirs
     tail = sum(math.comb(n, k) for k in range(min(ours, theirs) + 1)) / 2 ** n
-    return {"ours_alone": ours, "theirs_alone": theirs, "p": min(1.0, 2.0 * tail)}
+    return {"cases": len(cases), "ours_alone": ours, "theirs_alone": theirs, "p": min(1.0, 2.0 * tail)}
 
 
 def mean(values):
@@ -298,9 +340,11 @@ def rates(pairs):
     table = {}
     for kind in KINDS:
         found = [marks(kind, decision, result["truth"]) for result, decision in pairs if result["kind"] == kind]
-        table[kind] = {"trials": len(found)}
+        table[kind] = {"trials": len(found), "counted": {}}
         for rate in RATES:
-            table[kind][rate] = mean([m[rate] for m in found if rate in m])
+            counted = [m[rate] for m in found if rate in m]
+            table[kind][rate] = mean(counted)
+            table[kind]["counted"][rate] = len(counted)
     return table
 
 
@@ -317,9 +361,9 @@ def general(pairs, with_reports):
         errors += some_errors
         hits += some_hits
         places += some_places
-        if result["kind"] == "none":
+        if result["kind"] in ("none", "control"):
             worse.append(report["extended"]["held_out_rms_m"] > report["baseline"]["held_out_rms_m"])
-        elif result["kind"] != "outside" and report["noise_floor_m"] > 0.0:
+        elif result["kind"] not in ("outside", "intervention") and report["noise_floor_m"] > 0.0:
             over.append(report["extended"]["held_out_rms_m"] / report["noise_floor_m"])
         if result["kind"] == "compensated" and decision["named"]:
             share = bias_removed(result)
@@ -334,40 +378,52 @@ def general(pairs, with_reports):
     return figures
 
 
-WORLDS = {"tidy": {kind: kind for kind in KINDS if not kind.startswith("untidy_")},
-          "untidy": {"none": "untidy_none", "single_strong": "untidy_single", "outside": "untidy_outside"}}
+# By the names that the contract has for them.
+WORLDS = {"tidy": {kind: kind for kind in KINDS[:7]},
+          "untidy": {"none": "untidy_none", "single_strong": "untidy_single", "outside": "untidy_outside"},
+          "real": {"intervention": "intervention", "control": "control"}}
 POWER_BINS = 4  # of equal numbers of cases
 
 
 def power(pairs):
     """How often one hidden effect is in the class that is named first, by the size of what it leaves: smallest first."""
-    found = sorted((result["truth"]["effects"][0]["signal"]["leftover_m"],
-                    marks(result["kind"], decision, result["truth"]).get("right_class")) for result, decision in pairs
-                   if len(result["truth"]["effects"]) == 1)
-    found = [(size, right_class) for size, right_class in found if right_class is not None]
+    def right_class(kind, decision, truth):  # of an intervention whether it is clear or not
+        return prove_real_score.found(decision, truth) if kind == "intervention" else marks(kind, decision, truth).get("right_class")
+
+    found = [(result["truth"]["effects"][0]["signal"]["leftover_m"], right_class(result["kind"], decision, result["truth"]))
+             for result, decision in pairs if len(result["truth"]["effects"]) == 1]
+    found = sorted((size, hit) for size, hit in found if hit is not None)
     bins = min(POWER_BINS, len(found))
     parts = [found[i * len(found) // bins:(i + 1) * len(found) // bins] for i in range(bins)]
     return [{"leftover_m": statistics.median(size for size, _ in part), "trials": len(part),
              "right_class": mean([hit for _, hit in part])} for part in parts]
 
 
+def against(method, pairs):
+    """McNemar of the diagnosis and a baseline, over the cases that both have decided."""
+    both = [(is_right(r["kind"], d, r["truth"]), is_right(r["kind"], baseline_decision(r, method), r["truth"]))
+            for r, d in pairs if baseline_decision(r, method)]
+    return mcnemar(both)
+
+
 def worlds(pairs):
-    """One object per world and kind, with the figures of the world and its power curve."""
+    """One object per world and kind, with the figures of the world, its power curve and who is right alone."""
     table = {}
     for world, kinds in WORLDS.items():
         own = [(r, d) for r, d in pairs if r["kind"] in kinds.values()]
         if own:
             of_kinds = rates(own)
             table[world] = {**{name: of_kinds[kind] for name, kind in kinds.items()},
-                            **general([(r, d) for r, d in own if r["report"]], True), "power": power(own)}
+                            **general([(r, d) for r, d in own if r["report"]], True), "power": power(own),
+                            "mcnemar": {method: against(method, own) for method in BASELINES}}
     return table
 
 
 def figures(results):
     """All rates and figures; a case without a report counts as one that says nothing."""
-    silent = {"verdict": "failed", "named": [], "ranking": [], "findings": {}}
     drawn = [result for result in results if result["truth"]]
-    pairs = [(r, decision_of_report(r["report"]) if r["report"] else silent) for r in drawn]
+    prove_real_score.link(drawn)
+    pairs = [(r, decision_of(r)) for r in drawn]
     table = rates(pairs)
     reported = [(r, d) for r, d in pairs if r["report"]]
     table.update(general(reported, True))
@@ -383,10 +439,8 @@ def figures(results):
     table["memory_bytes_most"] = max((r["cost"]["memory_bytes"] for r in drawn if r.get("cost")), default=None)
     table["baselines"] = {}
     for method in BASELINES:
-        of_method = [(r, decision_of_baseline(r["baselines"][method])) for r in drawn
-                     if r.get("baselines") and method in r["baselines"]]
-        ours = {r["case"]: is_right(r["kind"], d, r["truth"]) for r, d in pairs}
-        both = [(ours[r["case"]], is_right(r["kind"], d, r["truth"])) for r, d in of_method]
-        table["baselines"][method] = {**rates(of_method), **general(of_method, False), "mcnemar": mcnemar(both),
-                                      "mcnemar_p": mcnemar(both)["p"]}
+        of_method = [(r, baseline_decision(r, method)) for r in drawn if baseline_decision(r, method)]
+        beside = against(method, pairs)
+        table["baselines"][method] = {**rates(of_method), **general(of_method, False), "mcnemar": beside,
+                                      "mcnemar_p": beside["p"]}
     return table

@@ -7,25 +7,11 @@ import sys
 import time
 
 import real_regression
+from real_recordings import FREE, FREE_ONE, HOLD, HOLD_STEPS, ONE, TWO  # noqa: F401  for the scripts that use this one
 
 START_S = 1.6e9  # of every imported recording, see config/layouts/template.yaml
-HOLD = "*.bending_stiffness.*,*.chamber_3.*,*.chamber_1.*"
-HOLD_STEPS = HOLD.replace("*.chamber_1.*", "*.chamber_1.elongation")
-FREE = "length,*.rest_curvature.*"
-FREE_ONE = FREE + ",axial_stiffness"  # two of its four trials have a load
 PAST_S = (0.3, 1, 3, 10)  # lags of the inputs in the black box
 
-# recording, trial, what is known of its payload
-ONE = [
-    ("no_load/data_collect_1", "no_load_1", ["--payload", "0"]),
-    ("no_load/data_collect_3", "no_load_3", ["--payload", "0"]),
-    ("load_400g/data_collect_1", "load_1", "--payload 0 --payload 10.3:0.4 --leave-out 7.0:10.3".split()),
-    ("load_400g/data_collect_3", "load_3", "--payload 0 --payload 10.5:0.4 --leave-out 5.7:10.5".split()),
-]
-TWO = [
-    ("no_load/data_collect_1", "no_load", ["--payload", "0"]),
-    ("load_400g/data_collect_1", "load", "--payload 0 --payload 12:0.4 --leave-out 5.6:12".split()),
-]
 HAND_S = {"load_1": (7.0, 10.3), "load_3": (5.7, 10.5), "load": (5.6, 12.0)}
 LOAD_KG = 0.4
 # Rows of the page's table beside a black box: what is to be reached (mm), and groups of trials.

@@ -8,6 +8,7 @@
 
 #include "prove/deciders.h"
 #include "prove/draw.h"
+#include "prove/signal.h"
 #include "softarm/arm/arm_file.h"
 #include "softarm/command.h"
 #include "softarm/output_file.h"
@@ -19,15 +20,21 @@ namespace {
 
 struct DecideOptions {
   std::string arm, out;
-  std::vector<std::string> bags;
+  std::vector<std::string> bags, held, tied;
+  unsigned jobs = 0;
+};
+
+struct CompareOptions {
+  std::string arm, changed_arm, out;
+  std::vector<std::string> plain, changed, held, tied;
   unsigned jobs = 0;
 };
 
 void write_decisions(const DecideOptions& options) {
   const arm::Arm arm = arm::load_arm_file(options.arm, app::config_folders("arms"));
   nlohmann::ordered_json json;
-  for (const Decision& decision :
-       decide(arm, app::read_trials(options.bags, arm, true, options.jobs), options.jobs)) {
+  for (const Decision& decision : decide(arm, app::read_trials(options.bags, arm, true, options.jobs),
+                                         options.jobs, options.held, options.tied)) {
     nlohmann::ordered_json& item = json[decision.method];
     item = {{"alarm", decision.alarm}, {"effects", nlohmann::json::array()}, {"ranking", decision.ranking}};
     for (const Named& named : decision.effects) {
@@ -38,6 +45,47 @@ void write_decisions(const DecideOptions& options) {
   app::OutputFile file(options.out);
   file.write(json.dump(1) + "\n");
   file.commit();
+}
+
+/// What recordings that were tampered with differ in from the same untouched, beyond the arm's free
+/// constants, and the effects of the catalogue that act like it: their signatures against the difference.
+void write_comparison(const CompareOptions& options) {
+  if (options.plain.size() != options.changed.size())
+    throw app::Failure("--plain and --changed: as many bags of the one as of the other");
+  const auto load = [](const std::string& name) {
+    return arm::load_arm_file(name, app::config_folders("arms"));
+  };
+  const arm::Arm arm = load(options.arm);
+  const arm::Arm changed = options.changed_arm.empty() ? arm : load(options.changed_arm);
+  const std::vector<trial::Trial> plain = app::read_trials(options.plain, arm, true, options.jobs);
+  Reference reference(arm, plain, options.jobs, options.held, options.tied);
+  const Residuals without = reference.residuals(plain);
+  const Residuals with =
+      reference.residuals(changed, app::read_trials(options.changed, changed, true, options.jobs));
+  const Signal signal = reference.signal(at_times_of(without, with), without);
+  nlohmann::ordered_json json{{"raw_snr", signal.raw_snr},
+                              {"leftover_snr", signal.leftover_snr},
+                              {"raw_m", signal.raw_m},
+                              {"leftover_m", signal.leftover_m},
+                              {"unexplained_m", reference.unexplained_m()}};
+  json["ideal"] = nlohmann::json::array();
+  for (const Ideal& ideal : reference.ideal(signal))
+    json["ideal"].push_back(
+        {{"effect", ideal.effect}, {"explains", ideal.explains}, {"cosine", ideal.cosine}});
+  json["constants"] = reference.constants();
+  app::OutputFile file(options.out);
+  file.write(json.dump(1) + "\n");
+  file.commit();
+}
+
+void add_held_and_tied(CLI::App& command, std::vector<std::string>& held, std::vector<std::string>& tied) {
+  const auto list = [&](const char* name, std::vector<std::string>& values) {
+    command.add_option(name, values, "constants, as in softarm diagnose")
+        ->delimiter(',')
+        ->allow_extra_args(false);
+  };
+  list("--hold", held);
+  list("--tie", tied);
 }
 
 }  // namespace
@@ -73,7 +121,20 @@ int main(int argc, char** argv) {
   decides->add_option("--out", decide.out, "JSON to write")->required();
   decides->add_option("BAG", decide.bags, "trial bags")->required();
   decides->add_option("--jobs", decide.jobs, "threads; default: one per core");
+  prove::add_held_and_tied(*decides, decide.held, decide.tied);
   decides->callback([&] { prove::write_decisions(decide); });
+
+  prove::CompareOptions compare;
+  CLI::App* compares = program.add_subcommand(
+      "compare", "What changed recordings differ in from the same untouched, and which effects act like it.");
+  compares->add_option("--arm", compare.arm, "arm file of the untouched ones")->required();
+  compares->add_option("--changed-arm", compare.changed_arm, "arm file of the others; default: the same");
+  compares->add_option("--plain", compare.plain, "untouched bags")->required();
+  compares->add_option("--changed", compare.changed, "changed bags, in the same order")->required();
+  compares->add_option("--out", compare.out, "JSON to write")->required();
+  compares->add_option("--jobs", compare.jobs, "threads; default: one per core");
+  prove::add_held_and_tied(*compares, compare.held, compare.tied);
+  compares->callback([&] { prove::write_comparison(compare); });
 
   try {
     program.parse(argc, argv);

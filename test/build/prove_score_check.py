@@ -196,7 +196,7 @@ class Story(unittest.TestCase):
         self.assertEqual(figures["baselines"]["gp"]["single_strong"]["top1"], 0.0)
         self.assertIsNone(figures["baselines"]["lasso"]["single_strong"]["top1"])
         for kind in score.KINDS:
-            self.assertEqual(set(figures[kind]), {"trials", *score.RATES})
+            self.assertEqual(set(figures[kind]), {"trials", "counted", *score.RATES})
         for key in score.FIGURES:
             self.assertIn(key, figures)
             self.assertIn(key, figures["baselines"]["bic"])
@@ -230,6 +230,16 @@ class Targets(unittest.TestCase):
         self.assertEqual(status((0.96, 0.99), 0.85, 0.95, True), "CONTRADICTED")
         self.assertEqual(status((0.5, 0.6), None, None, True), "-")
         self.assertEqual(status(None, 0.85, None, True), "-")
+
+    def test_the_best_baseline_is_to_be_beaten(self):
+        def judged(ours, theirs, full):
+            beside = {"bic": score.mcnemar([(True, False)] * ours + [(False, True)] * theirs), "gp": score.mcnemar([(True, False)] * 9)}
+            return [row[4] for row in prove_report.beside_baselines({"worlds": {"real": {"mcnemar": beside}}, "full": full})]
+        self.assertEqual(judged(12, 1, True), ["met"])
+        self.assertEqual(judged(3, 1, True), ["NOT MET"])
+        self.assertEqual(judged(3, 1, False), ["not contradicted"])
+        self.assertEqual(judged(1, 12, False), ["CONTRADICTED"])
+        self.assertEqual(prove_report.beside_baselines({"worlds": {"real": {"mcnemar": {"bic": score.mcnemar([])}}}, "full": True}), [])
 
     def test_intervals_of_figures_hold_them_and_narrow_with_cases(self):
         def of(count):

@@ -88,9 +88,10 @@ Decision flexible(const JointModel& model, const Linearised& at, unsigned jobs) 
 
 }  // namespace
 
-std::vector<Decision> decide(const arm::Arm& arm, const std::vector<trial::Trial>& trials, unsigned jobs) {
+std::vector<Decision> decide(const arm::Arm& arm, const std::vector<trial::Trial>& trials, unsigned jobs,
+                             const std::vector<std::string>& held, const std::vector<std::string>& tied) {
   const model::Prepared prepared = model::prepare(arm, trials);
-  JointModel model(arm, prepared.trials, jobs);
+  JointModel model(arm, prepared.trials, jobs, held, tied);
   Linearised at = model.fit(model.start(), {});
   model.allow_for_motion(at.at, at.predicted);
   at = model.fit(at.at, {}, &at.predicted);

@@ -44,6 +44,9 @@ Eigen::VectorXd lasso_at(const Eigen::MatrixXd& gram, const Eigen::VectorXd& sco
 
 /// All four: per_frame (residuals of fits frame by frame), bic, lasso, gp (a flexible model alone: it never
 /// names).
-std::vector<Decision> decide(const arm::Arm& arm, const std::vector<trial::Trial>& trials, unsigned jobs);
+/// @param held, tied constants, as `softarm diagnose` takes them
+std::vector<Decision> decide(const arm::Arm& arm, const std::vector<trial::Trial>& trials, unsigned jobs,
+                             const std::vector<std::string>& held = {},
+                             const std::vector<std::string>& tied = {});
 
 }  // namespace softarm::prove

@@ -18,7 +18,6 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kTick_s = 0.05;    // two means of one body are further apart
 constexpr double kSameRank = 1e-6;  // of the derivatives in one mean, as a share of the largest
 
 std::pair<std::int64_t, int> key_of(const model::TrialData& trial, const model::Block& block, int body) {
@@ -59,16 +58,29 @@ VectorXd per_frame_part(const diagnose::JointModel& model, const Linearised& at,
   return left;
 }
 
-Reference::Reference(const arm::Arm& arm, const std::vector<trial::Trial>& trials, unsigned jobs)
-    : arm_(arm), jobs_(jobs), prepared_(model::prepare(arm, trials)), model_(arm_, prepared_.trials, jobs) {
+Reference::Reference(const arm::Arm& arm, const std::vector<trial::Trial>& trials, unsigned jobs,
+                     const std::vector<std::string>& held, const std::vector<std::string>& tied)
+    : arm_(arm),
+      jobs_(jobs),
+      held_(held),
+      tied_(tied),
+      prepared_(model::prepare(arm, trials)),
+      model_(arm_, prepared_.trials, jobs, held, tied) {
   at_ = model_.fit(model_.start(), {});
   model_.allow_for_motion(at_.at, at_.predicted);
   at_ = model_.fit(at_.at, {}, &at_.predicted);
 }
 
-Residuals Reference::residuals(const std::vector<trial::Trial>& trials) const {
-  const model::Prepared prepared = model::prepare(arm_, trials);
-  diagnose::JointModel model(arm_, prepared.trials, jobs_);
+Residuals Reference::residuals(const arm::Arm& arm, const std::vector<trial::Trial>& trials) const {
+  const model::Prepared prepared = model::prepare(arm, trials);
+  diagnose::JointModel model(arm, prepared.trials, jobs_, held_, tied_);
+  const auto names = [](const diagnose::JointModel& of) {
+    std::vector<std::string> list;
+    for (const identify::ConstantRef& one : of.constants()) list.push_back(identify::name_of(of.arm(), one));
+    return list;
+  };
+  if (names(model) != names(model_))
+    throw std::invalid_argument("other constants are free with the other arm file");
   std::vector<std::vector<model::Predicted>> predicted;
   model.predict(at_.at, nullptr, predicted);
   Residuals residuals(prepared.trials.size());
@@ -216,6 +228,17 @@ double Reference::cosine(const Signal& a, const Signal& b) const {
   const VectorXd x = orthogonal(a.difference), y = orthogonal(b.difference);
   const double norm = x.norm() * y.norm();
   return norm > 0.0 ? x.dot(y) / norm : 0.0;
+}
+
+double Reference::unexplained_m() const {
+  Eigen::Index rows = 0, begin = 0;
+  for (const VectorXd& r : at_.residual) rows += r.size();
+  VectorXd all(rows);
+  for (const VectorXd& r : at_.residual) {
+    all.segment(begin, r.size()) = r;
+    begin += r.size();
+  }
+  return rms_m(all);
 }
 
 std::map<std::string, double> Reference::constants() const {

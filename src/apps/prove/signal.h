@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "diagnose/joint_model.h"
+#include "residuals.h"
 #include "softarm/identify/identify.h"
 
 namespace softarm::prove {
@@ -33,22 +34,25 @@ struct Ideal {
   double cosine = 0.0;    ///< with the best one's signature
 };
 
-/// Residuals of one recording under the reference's constants, m: by trial, time and body (below 0: of its
-/// tangent, rad).
-using Residuals = std::vector<std::map<std::pair<std::int64_t, int>, Eigen::Vector3d>>;
-
 /// The trials without anything hidden, and the constants that fit them.
 class Reference {
  public:
-  Reference(const arm::Arm& arm, const std::vector<trial::Trial>& trials, unsigned jobs);
+  /// @param held, tied constants, as `softarm diagnose` takes them
+  Reference(const arm::Arm& arm, const std::vector<trial::Trial>& trials, unsigned jobs,
+            const std::vector<std::string>& held = {}, const std::vector<std::string>& tied = {});
 
-  Residuals residuals(const std::vector<trial::Trial>& trials) const;
+  Residuals residuals(const std::vector<trial::Trial>& trials) const { return residuals(arm_, trials); }
+  /// Of an arm that differs in what is not fitted.
+  /// @throws std::invalid_argument where other constants of it are free
+  Residuals residuals(const arm::Arm& arm, const std::vector<trial::Trial>& trials) const;
   Signal signal(const Residuals& with, const Residuals& without) const;
   /// The catalogue, best first, against the signal as if nothing else were in the recording: what an ideal
   /// detector has to go by.
   std::vector<Ideal> ideal(const Signal& signal);
   /// Cosine between what two signals leave.
   double cosine(const Signal& a, const Signal& b) const;
+  /// Rms distance of a body from what these constants predict, weights as of the fit.
+  double unexplained_m() const;
   /// Names and values of the constants that fit.
   std::map<std::string, double> constants() const;
 
@@ -58,6 +62,7 @@ class Reference {
 
   const arm::Arm arm_;
   const unsigned jobs_;
+  const std::vector<std::string> held_, tied_;
   model::Prepared prepared_;
   diagnose::JointModel model_;
   diagnose::Linearised at_;

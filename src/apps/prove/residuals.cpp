@@ -1,0 +1,32 @@
+#include "residuals.h"
+
+#include <iterator>
+
+namespace softarm::prove {
+
+Residuals at_times_of(const Residuals& others, const Residuals& residuals) {
+  constexpr double kNear_s = 0.5;
+  Residuals aligned(others.size());
+  for (std::size_t t = 0; t < others.size(); ++t) {
+    std::map<int, std::map<std::int64_t, Eigen::Vector3d>> by_body;
+    for (const auto& [key, residual] : residuals[t]) by_body[key.second][key.first] = residual;
+    for (const auto& [key, ignored] : others[t]) {
+      const auto& own = by_body[key.second];
+      const auto after = own.lower_bound(key.first);
+      if (after == own.end()) continue;
+      if (after->first == key.first) {
+        aligned[t][key] = after->second;
+        continue;
+      }
+      if (after == own.begin()) continue;
+      const auto before = std::prev(after);
+      const auto gap = static_cast<double>(after->first - before->first);
+      if (gap * kTick_s > kNear_s) continue;
+      const double share = static_cast<double>(key.first - before->first) / gap;
+      aligned[t][key] = (1.0 - share) * before->second + share * after->second;
+    }
+  }
+  return aligned;
+}
+
+}  // namespace softarm::prove

@@ -1,0 +1,22 @@
+// Residuals of trials by time and body, and the same at other times.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace softarm::prove {
+
+constexpr double kTick_s = 0.05;  ///< two means of one body are further apart
+
+/// Residuals of one recording under the reference's constants, m: by trial, time in ticks and body (below 0:
+/// of its tangent, rad).
+using Residuals = std::vector<std::map<std::pair<std::int64_t, int>, Eigen::Vector3d>>;
+
+/// Residuals at the times of others: where means were taken over other stretches of the same trials, between
+/// neighbours that are less than 0.5 s apart.
+Residuals at_times_of(const Residuals& others, const Residuals& residuals);
+
+}  // namespace softarm::prove
