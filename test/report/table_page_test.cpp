@@ -36,7 +36,7 @@ TEST(TablePage, IsOnePageThatNeedsNothingElse) {
   EXPECT_THAT(html, HasSubstr("<title>Estimates of 2 trials</title>"));
   EXPECT_THAT(html, HasSubstr("function table("));  // the report's own
   EXPECT_THAT(html, HasSubstr("td.number"));
-  EXPECT_THAT(html, Not(HasSubstr("Plotly")));
+  EXPECT_THAT(html, Not(HasSubstr("Plotly.")));
   EXPECT_THAT(html, Not(HasSubstr("src=")));
 }
 

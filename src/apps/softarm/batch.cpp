@@ -416,6 +416,7 @@ void add_work(CLI::App& batch_command, const CLI::App& command,
       work->add_option(name, typed->values[name], option->get_description())
           ->expected(1)
           ->take_all()
+          ->allow_extra_args(false)
           ->type_name(option->get_type_name());
     else
       work->add_flag(name, typed->flags[name], option->get_description());
