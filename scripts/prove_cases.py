@@ -12,49 +12,8 @@ import time
 
 import prove_report
 import prove_score
-
-
-def say(text):
-    print(text, file=sys.stderr, flush=True)
-
-
-def run(command, log):
-    """Runs a program; returns its status and what it cost: seconds, those of all cores, peak memory in bytes."""
-    started = time.monotonic()
-    with open(log, "w", encoding="utf-8") as text:
-        process = subprocess.Popen(command, stdout=text, stderr=subprocess.STDOUT)
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-    return process.returncode, {"seconds": time.monotonic() - started, "core_seconds": usage.ru_utime + usage.ru_stime,
-                                "memory_bytes": 1024 * usage.ru_maxrss}
-
-
-def last_line(path):
-    with open(path, encoding="utf-8", errors="replace") as text:
-        lines = [line.strip() for line in text.read().replace("\r", "\n").splitlines() if line.strip()]
-    return lines[-1] if lines else "no message"
-
-
-def read_json(path):
-    with open(path, encoding="utf-8") as text:
-        return json.load(text)
-
-
-def write_json(path, value):
-    """Beside and renamed: never half a file."""
-    with open(path + ".part", "w", encoding="utf-8") as text:
-        json.dump(value, text, indent=1)
-        text.write("\n")
-    os.replace(path + ".part", path)
-
-
-def each(what, todo, action):
-    """Does what is left of something, with progress and how long the rest will take."""
-    started = time.monotonic()
-    for done, item in enumerate(todo):
-        left = (time.monotonic() - started) / done * (len(todo) - done) if done else None
-        say(f"{what} {item} ({done + 1} of {len(todo)}" + (f", {left / 60:.0f} min left)" if left else ")"))
-        action(item)
+import prove_sources
+from prove_files import NotDrawn, each, jobs, last_line, read_json, run, say, write_json
 
 
 def engine(root):
@@ -73,40 +32,43 @@ def seed_from_outside(root):
 
 
 class Proof:
-    def __init__(self, options):
+    def __init__(self, options, sources):
         self.options = options
+        self.sources = {}  # by kind
+        present = []
+        for source in sources:
+            if source.absent():
+                say(f"skipped: {source.name}: {source.absent()}")
+                continue
+            present.append(source)
+            self.sources.update({kind: source for kind in source.kinds()})
+        if not present:
+            sys.exit("prove: nothing to draw cases from")
+        self.name = ", ".join(source.name for source in present)
         size = "full" if options.full else "sample"
-        self.folder = options.out or os.path.join(options.work, f"{os.path.basename(options.campaign)}_{options.seed}_{size}")
+        self.folder = options.out or os.path.join(options.work, "_".join([*(os.path.basename(source.name) for source in present),
+                                                                          str(options.seed), size]))
         self.cases = os.path.join(self.folder, "cases")
         self.truth = os.path.join(self.folder, "truth")
         self.reports = os.path.join(self.folder, "reports")
         for path in (self.cases, self.truth, self.reports):
             os.makedirs(path, exist_ok=True)
-        self.plan = self.planned()
+        self.plan = self.planned(present)
 
     def program(self, name):
         return os.path.join(self.options.programs, name)
 
-    def planned(self):
+    def planned(self, sources):
         """Case names to kinds and numbers, in an order that says nothing of them."""
-        listing = subprocess.run([self.program("prove"), "kinds", self.options.campaign], capture_output=True, text=True,
-                                 check=False)
-        if listing.returncode != 0:
-            sys.exit(listing.stderr.strip())
-        kinds = json.loads(listing.stdout)
-        wanted = self.options.kinds.split(",") if self.options.kinds else [kind["kind"] for kind in kinds]
-        unknown = set(wanted) - {kind["kind"] for kind in kinds}
+        wanted = self.options.kinds.split(",") if self.options.kinds else list(self.sources)
+        unknown = set(wanted) - set(self.sources)
         if unknown:
             sys.exit(f"prove: --kinds: no kind {', '.join(sorted(unknown))}")
-        plan = []
-        for kind in kinds:
-            count = kind["full" if self.options.full else "sample"] if self.options.cases is None else self.options.cases
-            if kind["kind"] in wanted:
-                plan += [(kind["kind"], number) for number in range(count)]
+        plan = [case for source in sources for case in source.plan([kind for kind in source.kinds() if kind in wanted])]
         random.Random(self.options.seed).shuffle(plan)
         named = {f"case_{i + 1:03}": case for i, case in enumerate(plan)}
         path = os.path.join(self.truth, "plan.json")
-        stated = json.loads(json.dumps({"campaign": self.options.campaign, "seed": self.options.seed, "cases": named}))
+        stated = json.loads(json.dumps({"campaign": self.name, "seed": self.options.seed, "cases": named}))
         if os.path.exists(path) and read_json(path) != stated:
             sys.exit(f"prove: {self.folder} holds another proof; give another --out or remove it")
         write_json(path, stated)
@@ -115,24 +77,17 @@ class Proof:
     def draw(self):
         def one(case):
             kind, number = self.plan[case]
-            log = os.path.join(self.truth, case + ".log")
-            command = [self.program("prove"), "draw", "--campaign", self.options.campaign, "--kind", kind, "--number",
-                       str(number), "--seed", str(self.options.seed), "--case", os.path.join(self.cases, case), "--truth",
-                       os.path.join(self.truth, case)] + self.jobs()
-            status, _ = run(command, log)
-            if status != 0:
+            try:
+                self.sources[kind].draw(kind, number, os.path.join(self.cases, case), os.path.join(self.truth, case))
+            except NotDrawn as why:
                 with open(os.path.join(self.truth, case + ".failed"), "w", encoding="utf-8") as text:
-                    text.write(last_line(log) + "\n")
-            os.remove(log)
+                    text.write(f"{why}\n")
 
         missing = [case for case in self.plan if not os.path.exists(os.path.join(self.truth, case, "case.json"))
                    and not os.path.exists(os.path.join(self.truth, case + ".failed"))]
         if missing and os.path.exists(self.seal_path()):
             sys.exit(f"prove: {self.seal_path()} seals cases that are not there any more")
         each("drawing", missing, one)
-
-    def jobs(self):
-        return ["--jobs", str(self.options.jobs)] if self.options.jobs else []
 
     def seal_path(self):
         return os.path.join(self.folder, "seal.json")
@@ -164,21 +119,22 @@ class Proof:
 
     def decide(self):
         def one(case):
-            folder = os.path.join(self.reports, case)
+            folder, own = os.path.join(self.reports, case), os.path.join(self.cases, case)
             os.makedirs(folder, exist_ok=True)
-            known = read_json(os.path.join(self.cases, case, "case.json"))
-            bags = [os.path.join(self.cases, case, bag) for bag in known["trials"]]
+            known = read_json(os.path.join(own, "case.json"))
+            bags = [os.path.join(own, bag) for bag in known["trials"]]
+            arm = os.path.join(own, known["arm"]) if known["arm"].endswith(".yaml") else known["arm"]
+            more = [*known.get("options", []), *jobs(self.options)]
             if not os.path.exists(os.path.join(folder, "report.json")):
                 log = os.path.join(folder, "diagnose.log")
-                status, cost = run([self.program("softarm"), "diagnose", "--arm", known["arm"], *bags, "--out", folder]
-                                   + self.jobs(), log)
+                status, cost = run([self.program("softarm"), "diagnose", "--arm", arm, *bags, "--out", folder, *more], log)
                 if status != 0:
                     cost["message"] = last_line(log)
                 write_json(os.path.join(folder, "cost.json"), cost)
             if self.options.baselines and not os.path.exists(os.path.join(folder, "baselines.json")):
                 log = os.path.join(folder, "baselines.log")
-                status, _ = run([self.program("prove"), "decide", "--arm", known["arm"], "--out",
-                                 os.path.join(folder, "baselines.json"), *bags] + self.jobs(), log)
+                status, _ = run([self.program("prove"), "decide", "--arm", arm, "--out",
+                                 os.path.join(folder, "baselines.json"), *bags, *more], log)
                 if status != 0:
                     write_json(os.path.join(folder, "baselines.json"), {"failed": last_line(log)})
             if self.options.full:
@@ -229,7 +185,8 @@ def main():
     parser.add_argument("--full", action="store_true")
     parser.add_argument("--json", metavar="FILE")
     parser.add_argument("--seed", type=int)
-    parser.add_argument("--campaign", default="proof_final")
+    parser.add_argument("--worlds")
+    parser.add_argument("--campaign")
     parser.add_argument("--cases", type=int)
     parser.add_argument("--kinds")
     parser.add_argument("--report", metavar="FILE")
@@ -249,17 +206,17 @@ def main():
         say("No git: the engine's commit is not recorded.")
 
     started = time.monotonic()
-    proof = Proof(options)
-    say(f"{len(proof.plan)} cases of {options.campaign}, seed {options.seed}, in {proof.folder}")
+    proof = Proof(options, prove_sources.chosen(options))
+    say(f"{len(proof.plan)} cases of {proof.name}, seed {options.seed}, in {proof.folder}")
     proof.draw()
     sealed = proof.seal()
     proof.decide()
     results = proof.results()
     figures = prove_score.figures(results)
-    figures.update({"campaign": options.campaign, "seed": options.seed, "full": options.full, **sealed})
+    figures.update({"campaign": proof.name, "seed": options.seed, "full": options.full, **sealed})
     print(prove_report.table(figures))
-    story = options.report or os.path.join(*([options.root, "doc"] if options.campaign == "proof_final" else [proof.folder]),
-                                           "proof.md")
+    whole = not options.campaign and not options.worlds and not options.kinds
+    story = options.report or os.path.join(*([options.root, "doc"] if whole else [proof.folder]), "proof.md")
     with open(story + ".part", "w", encoding="utf-8") as text:
         text.write(prove_report.story(figures, results))
     os.replace(story + ".part", story)

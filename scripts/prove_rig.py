@@ -1,0 +1,43 @@
+"""Cases of the proof from campaigns of the virtual rig: the worlds tidy and untidy. What a source is: prove_sources.py."""
+import json
+import os
+import subprocess
+import sys
+
+import prove_files
+
+CAMPAIGNS = {"tidy": "proof_final", "untidy": "untidy_development"}
+
+
+class Source:
+    def __init__(self, options, campaign):
+        self.options = options
+        self.name = campaign
+        listing = subprocess.run([self.program(), "kinds", campaign], capture_output=True, text=True, check=False)
+        if listing.returncode != 0:
+            sys.exit(listing.stderr.strip())
+        self.listed = json.loads(listing.stdout)
+
+    def program(self):
+        return os.path.join(self.options.programs, "prove")
+
+    def absent(self):
+        return None
+
+    def kinds(self):
+        return [kind["kind"] for kind in self.listed]
+
+    def plan(self, kinds):
+        size = "full" if self.options.full else "sample"
+        return [(kind["kind"], number) for kind in self.listed if kind["kind"] in kinds
+                for number in range(kind[size] if self.options.cases is None else self.options.cases)]
+
+    def draw(self, kind, number, case, truth):
+        log = truth + ".log"
+        command = [self.program(), "draw", "--campaign", self.name, "--kind", kind, "--number", number, "--seed",
+                   self.options.seed, "--case", case, "--truth", truth] + prove_files.jobs(self.options)
+        status, _ = prove_files.run(command, log)
+        said = prove_files.last_line(log)
+        os.remove(log)
+        if status != 0:
+            raise prove_files.NotDrawn(said)

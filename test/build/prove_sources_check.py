@@ -1,0 +1,93 @@
+#!/usr/bin/python3
+"""The course of the proof on stand-ins of its programs: cases of several sources are named, drawn, sealed, diagnosed with
+their own words, scored and gone on with; what cannot be drawn is said."""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = os.path.abspath(sys.argv[1] if len(sys.argv) > 1 else ".")
+
+PROVE = """#!/usr/bin/python3
+import json, os, sys
+words = dict(zip(sys.argv[2::2], sys.argv[3::2]))
+if sys.argv[1] == "kinds":
+    print(json.dumps([{"kind": "none", "sample": 2, "full": 4}, {"kind": "single_strong", "sample": 1, "full": 3}]))
+elif words["--kind"] == "single_strong":
+    sys.exit("it flies away")
+else:
+    for folder, text in ((words["--case"], {"arm": "some_arm", "trials": ["a.bag"], "options": ["--tie", "x"]}),
+                         (words["--truth"], {"kind": "none", "effects": [], "distractors": [], "ideal": [], "constants": {}})):
+        os.makedirs(folder)
+        open(folder + "/case.json", "w").write(json.dumps(text))
+"""
+SOFTARM = """#!/usr/bin/python3
+import json, sys
+out = sys.argv[sys.argv.index("--out") + 1]
+errors = {"held_out_rms_m": 1e-3}
+open(out + "/words", "w").write(" ".join(sys.argv[1:]))
+open(out + "/report.json", "w").write(json.dumps({"verdict": "consistent", "effects": [], "ranking": [], "noise_floor_m": 1e-4,
+                                                  "baseline": errors, "extended": errors}))
+"""
+
+
+class Course(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+        for name, text in (("prove", PROVE), ("softarm", SOFTARM)):
+            path = os.path.join(self.folder, name)
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(text)
+            os.chmod(path, 0o755)
+
+    def path(self, *parts):
+        return os.path.join(self.folder, *parts)
+
+    def prove(self, *more):
+        return subprocess.run([sys.executable, os.path.join(ROOT, "scripts/prove_cases.py"), "--root", ROOT, "--work", self.folder,
+                               "--programs", self.folder, "--seed", "7", "--out", self.path("out"), "--no-baselines", *more],
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8", check=False)
+
+    def test_from_draw_to_score(self):
+        done = self.prove("--campaign", "some", "--json", self.path("figures.json"))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with open(self.path("figures.json"), encoding="utf-8") as text:
+            figures = json.load(text)
+        self.assertEqual((figures["campaign"], figures["draws"], figures["not_drawn"]), ("some", 3, 1))
+        self.assertEqual(figures["worlds"]["tidy"]["none"]["false_alarm"], 0.0)
+        with open(self.path("out/proof.md"), encoding="utf-8") as text:
+            self.assertIn("not drawn: it flies away", text.read())
+        words = [self.path("out/reports", case, "words") for case in os.listdir(self.path("out/reports"))]
+        self.assertEqual(len(words), 2)
+        for path in words:
+            with open(path, encoding="utf-8") as text:
+                self.assertRegex(text.read(), r"^diagnose --arm some_arm .*/a\.bag --out \S+ --tie x$")
+
+    def test_goes_on_and_holds_to_the_seal(self):
+        self.assertEqual(self.prove("--campaign", "some").returncode, 0)
+        again = self.prove("--campaign", "some")
+        self.assertEqual(again.returncode, 0)
+        self.assertNotIn("diagnosing", again.stderr)
+        other = self.prove("--campaign", "some", "--kinds", "none")
+        self.assertIn("holds another proof", other.stderr)
+        case = next(name for name in sorted(os.listdir(self.path("out/cases"))))
+        with open(self.path("out/truth", case, "case.json"), "a", encoding="utf-8") as text:
+            text.write(" ")
+        changed = self.prove("--campaign", "some")
+        self.assertNotEqual(changed.returncode, 0)
+        self.assertIn("is not what was sealed", changed.stderr)
+
+    def test_words_that_mean_nothing_are_refused(self):
+        for words, named in ((("--worlds", "tidy,flat"), "flat"), (("--campaign", "some", "--kinds", "odd"), "odd")):
+            refused = self.prove(*words)
+            self.assertNotEqual(refused.returncode, 0)
+            self.assertIn(named, refused.stderr)
+        self.assertEqual(self.prove("--worlds", "tidy", "--kinds", "none", "--cases", "0").returncode, 0)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
