@@ -139,7 +139,7 @@ TEST(SoftarmBatch, FoldersOfOthersAreLeftAlone) {
 TEST(SoftarmBatch, AnInterruptLeavesWhatCanBeGoneOnWith) {
   const TestFolder dir;
   record(dir, "trials/a.bag");
-  record(dir, "trials/long.bag", "--seconds 120");
+  record(dir, "trials/long.bag", "--seconds 60");
   const std::string estimate =
       "batch --jobs 1 estimate --arm online_200mm " + dir / "trials" + " --out " + dir / "out";
   const pid_t child = ::fork();
