@@ -281,6 +281,10 @@ TEST_F(BatchFolders, ARunWritesWhatBecameOfIt) {
   EXPECT_EQ(run("kill -9 $$")->reason, "ended by signal 9 (killed; was there memory for it?)");
   EXPECT_EQ(run("exit 3")->reason, "exit status 3, without a word");
   EXPECT_FALSE(run("sleep 60", true).has_value());
+  int asked = 0;  // the whole job is ended, the child before it is known
+  EXPECT_FALSE(run_job(folder, program("kill -15 $$"), 1, [&] {
+                 return ++asked > 3 && fs::exists(folder.log());
+               }).has_value());
   EXPECT_EQ(folder.standing(a), Standing::kNew);
   fs::remove(a.bags[0]);
   EXPECT_EQ(run("exit 0")->reason, a.bags[0] + ": no such file");

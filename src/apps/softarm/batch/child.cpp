@@ -27,6 +27,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kLook = std::chrono::milliseconds(20);
+constexpr int kLooksAtStop = 10;  // who ends a whole job, as Slurm does, reaches the child first
 constexpr auto kPatience = std::chrono::seconds(5);  // from SIGTERM to SIGKILL
 
 double seconds_of(const timeval& time) {
@@ -92,6 +93,10 @@ ChildEnd run_child(const std::vector<std::string>& words, const fs::path& log,
   }
   if (WIFEXITED(status)) end.exit_status = WEXITSTATUS(status);
   if (WIFSIGNALED(status)) end.signal = WTERMSIG(status);
+  for (int i = 0; i < kLooksAtStop && end.signal != 0 && !end.stopped; ++i) {
+    end.stopped = stop();
+    std::this_thread::sleep_for(kLook);
+  }
   end.seconds = std::chrono::duration<double>(Clock::now() - begun).count();
   end.core_seconds = seconds_of(usage.ru_utime) + seconds_of(usage.ru_stime);
   end.peak_memory_bytes = 1024.0 * static_cast<double>(usage.ru_maxrss);
