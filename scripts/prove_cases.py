@@ -5,6 +5,7 @@ import hashlib
 import json
 import os
 import random
+import shlex
 import shutil
 import subprocess
 import sys
@@ -13,6 +14,7 @@ import time
 import prove_real_report
 import prove_report
 import prove_score
+import prove_slurm
 import prove_sources
 from prove_files import NotDrawn, each, jobs, last_line, read_json, run, say, write_json
 
@@ -72,8 +74,30 @@ class Proof:
         stated = json.loads(json.dumps({"campaign": self.name, "seed": self.options.seed, "cases": named}))
         if os.path.exists(path) and read_json(path) != stated:
             sys.exit(f"prove: {self.folder} holds another proof; give another --out or remove it")
-        write_json(path, stated)
+        if not self.options.only:
+            write_json(path, stated)
         return named
+
+    def is_drawn(self, case):
+        return os.path.exists(os.path.join(self.truth, case, "case.json")) or os.path.exists(os.path.join(self.truth, case + ".failed"))
+
+    def is_decided(self, case):
+        files = ["cost.json"] + (["baselines.json"] if self.options.baselines else [])
+        return all(os.path.exists(os.path.join(self.reports, case, name)) for name in files)
+
+    def each(self, what, todo, action):
+        """Here, one after the other, or as tasks of Slurm, which come back here with `only` the case that they are to do."""
+        if self.options.only:
+            step, case = self.options.only.split(":")
+            if step == what and case in todo:
+                action(case)
+        elif self.options.engine == "slurm" and todo:
+            is_done = self.is_drawn if what == "drawing" else self.is_decided
+            more = [f"--cpus-per-task={self.options.jobs or 1}", *shlex.split(self.options.slurm_options)]
+            prove_slurm.each(what, todo, [sys.executable, *self.options.words], self.folder, more,
+                             lambda: [case for case in todo if not is_done(case)])
+        else:
+            each(what, todo, action)
 
     def draw(self):
         def one(case):
@@ -84,11 +108,10 @@ class Proof:
                 with open(os.path.join(self.truth, case + ".failed"), "w", encoding="utf-8") as text:
                     text.write(f"{why}\n")
 
-        missing = [case for case in self.plan if not os.path.exists(os.path.join(self.truth, case, "case.json"))
-                   and not os.path.exists(os.path.join(self.truth, case + ".failed"))]
+        missing = [case for case in self.plan if not self.is_drawn(case)]
         if missing and os.path.exists(self.seal_path()):
             sys.exit(f"prove: {self.seal_path()} seals cases that are not there any more")
-        each("drawing", missing, one)
+        self.each("drawing", missing, one)
 
     def seal_path(self):
         return os.path.join(self.folder, "seal.json")
@@ -144,12 +167,8 @@ class Proof:
                 if os.path.exists(os.path.join(folder, "report.html")):
                     os.remove(os.path.join(folder, "report.html"))
 
-        def is_done(case):
-            files = ["cost.json"] + (["baselines.json"] if self.options.baselines else [])
-            return all(os.path.exists(os.path.join(self.reports, case, name)) for name in files)
-
         drawn = [case for case in self.plan if os.path.exists(os.path.join(self.cases, case, "case.json"))]
-        each("diagnosing", [case for case in drawn if not is_done(case)], one)
+        self.each("diagnosing", [case for case in drawn if not self.is_decided(case)], one)
 
     def results(self):
         """One per case: truth, report, cost, decisions of the baselines; what is missing is None."""
@@ -201,6 +220,9 @@ def main():
     parser.add_argument("--out", metavar="DIR")
     parser.add_argument("--jobs", type=int)
     parser.add_argument("--no-baselines", dest="baselines", action="store_false")
+    parser.add_argument("--engine", choices=("local", "slurm"), default="local")
+    parser.add_argument("--slurm-options", default="")
+    parser.add_argument("--only", help=argparse.SUPPRESS)  # STEP:CASE, in a task of Slurm
     options = parser.parse_args()
     for path in (options.json, options.report):
         if path and not os.path.isdir(os.path.dirname(os.path.abspath(path))):
@@ -210,12 +232,18 @@ def main():
         say(f"--seed {options.seed}: goes on with this proof after an interruption")
     if options.seed < 0 or (options.cases is not None and options.cases < 0):
         parser.error("--seed and --cases must not be negative")
+    if options.only and not options.jobs:
+        options.jobs = int(os.environ.get("SLURM_CPUS_PER_TASK", "1"))
+    # What a task of Slurm runs: this command with its seed, said last, and one case.
+    options.words = [os.path.abspath(sys.argv[0]), *sys.argv[1:], f"--seed={options.seed}"]
     if shutil.which("git") is None:
         say("No git: the engine's commit is not recorded.")
 
     started = time.monotonic()
     proof = Proof(options, prove_sources.chosen(options))
     say(f"{len(proof.plan)} cases of {proof.name}, seed {options.seed}, in {proof.folder}")
+    if options.only:
+        return proof.draw() if options.only.startswith("drawing:") else proof.decide()
     proof.draw()
     sealed = proof.seal()
     proof.decide()

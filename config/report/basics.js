@@ -3,9 +3,6 @@
 // plots, through plain(): nowhere is it taken for HTML.
 
 const data = JSON.parse(document.getElementById('data').textContent);
-const report = data.report;
-/// Whether there is an "after".
-const anyEffect = report.effects.length + report.small_departures.length > 0;
 
 const errors = [];
 

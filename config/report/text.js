@@ -1,6 +1,10 @@
 'use strict';
 // The parts of the page that are text and tables. Each returns a list of nodes, or null where there is nothing to say.
 
+const report = data.report;
+/// Whether there is an "after".
+const anyEffect = report.effects.length + report.small_departures.length > 0;
+
 function header() {
   const baseline = report.baseline, extended = report.extended;
   const figure = (value, words) => element('div', {class: 'figure'}, element('b', null, value), element('span', null, words));

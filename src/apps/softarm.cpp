@@ -4,7 +4,6 @@
 #include <glog/logging.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <iostream>
@@ -26,16 +25,28 @@ std::string one_line(std::string text) {
   return text;
 }
 
-/// What to say of a first word that is no command; empty where it is one, or an option.
-std::string no_command(const CLI::App& program, int argc, char** argv) {
-  if (argc < 2 || argv[1][0] == '-') return "";
-  std::vector<std::string> names;
-  for (const CLI::App* command : program.get_subcommands({})) names.push_back(command->get_name());
-  const std::string word = argv[1];
-  if (std::find(names.begin(), names.end(), word) != names.end()) return "";
-  const auto near = softarm::arm::yaml::nearest_word(word, names);
-  return fmt::format("no command '{}'{}; there are {}", word.substr(0, 60),
-                     near ? fmt::format("; did you mean '{}'?", *near) : "", fmt::join(names, ", "));
+/// What to say of a word that should be a command and is none; empty where all are.
+std::string no_command(const CLI::App& program, const std::vector<std::string>& words, std::size_t from) {
+  for (std::size_t i = from; i < words.size(); ++i) {
+    const std::string& word = words[i];
+    if (word[0] == '-') {
+      const CLI::Option* option = program.get_option_no_throw(word.substr(0, word.find('=')));
+      if (option != nullptr && option->get_items_expected_max() > 0 && word.find('=') == std::string::npos)
+        ++i;
+      continue;
+    }
+    std::vector<std::string> names;
+    for (const CLI::App* command : program.get_subcommands({})) {
+      if (command->get_group().empty() && command->get_name() != word) continue;  // not for typing
+      names.push_back(command->get_name());
+      if (command->get_name() != word) continue;
+      return command->get_require_subcommand_min() > 0 ? no_command(*command, words, i + 1) : "";
+    }
+    const auto near = softarm::arm::yaml::nearest_word(word, names);
+    return fmt::format("no command '{}'{}; there are {}", word.substr(0, 60),
+                       near ? fmt::format("; did you mean '{}'?", *near) : "", fmt::join(names, ", "));
+  }
+  return "";
 }
 
 }  // namespace
@@ -58,9 +69,11 @@ int main(int argc, char** argv) {
   softarm::app::add_new_arm(program);
   softarm::app::add_simulate(program);
   softarm::app::add_validate(program);
+  softarm::app::add_batch(program);
   softarm::app::add_completion(program);
   try {
-    if (const std::string why = no_command(program, argc, argv); !why.empty())
+    const std::vector<std::string> words(argv + 1, argv + argc);
+    if (const std::string why = no_command(program, words, 0); !why.empty())
       throw softarm::app::Failure(why, 2);
     program.parse(argc, argv);
     std::cout.flush();

@@ -67,7 +67,10 @@ class Completion(unittest.TestCase):
                             ("softarm estimate --arm my_a", "estimate --arm my_arm.yaml"),
                             ("softarm estimate --prior of", "estimate --prior off"),
                             ("softarm estimate my_t", "estimate my_trial.bag"),
-                            ("softarm simulate --tru", "simulate --truth"), ("softarm simulate dem", "simulate demo"),
+                            ("softarm simulate --tru", "simulate --truth"),
+                            ("softarm batch estim", "batch estimate"), ("softarm batch --eng", "batch --engine"),
+                            ("softarm batch check my_t", "batch check my_trial.bag"),
+                            ("softarm batch estimate --prior of", "batch estimate --prior off"), ("softarm simulate dem", "simulate demo"),
                             ("softarm completion z", "completion zsh")):
             self.assertEqual(self.typed(line), whole)
 

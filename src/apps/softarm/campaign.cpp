@@ -1,20 +1,19 @@
 // softarm campaign: many random trials of the virtual rig, the truth of all of them sealed.
 #include "rig/campaign.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "command.h"
 #include "math/parallel.h"
 #include "output_file.h"
+#include "output_lock.h"
 #include "progress.h"
 #include "record_trial.h"
 #include "rig/simulator.h"
@@ -53,19 +52,14 @@ class OutputFolder {
           fmt::format("--out {}: is there already, expected a new or empty folder", path_.string()));
     fs::create_directories(temporary_, error);
     if (error) throw Failure(fmt::format("--out {}: {}", path_.string(), error.message()));
-    // Locked as long as its process lives: what is there and not locked was left by one that was killed.
-    lock_ = ::open(temporary_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (lock_ < 0 || ::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
-      if (lock_ >= 0) ::close(lock_);
-      throw Failure(fmt::format("--out {}: another campaign is being written there", path_.string()));
-    }
+    lock_.emplace(temporary_,
+                  fmt::format("--out {}: another campaign is being written there", path_.string()));
     for (const fs::directory_entry& left : fs::directory_iterator(temporary_, error))
       fs::remove_all(left.path(), error);
   }
   ~OutputFolder() {
     std::error_code ignored;
     if (!committed_) fs::remove_all(temporary_, ignored);
-    ::close(lock_);
   }
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
@@ -80,7 +74,7 @@ class OutputFolder {
 
  private:
   fs::path path_, temporary_;
-  int lock_ = -1;
+  std::optional<OutputLock> lock_;
   bool committed_ = false;
 };
 

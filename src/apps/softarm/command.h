@@ -30,6 +30,8 @@ struct Ended : std::exception {
   int status;
 };
 
+/// Comes behind the commands that it runs.
+void add_batch(CLI::App& program);
 void add_campaign(CLI::App& program);
 void add_check(CLI::App& program);
 /// Comes last: it completes what the others added.

@@ -74,9 +74,23 @@ Completed completed(const CLI::Option& option) {
   return one;
 }
 
+/// Of a command, with those of the commands that come behind it.
 std::vector<Completed> completed(const CLI::App& command) {
   std::vector<Completed> all;
-  for (const CLI::Option* option : command.get_options()) all.push_back(completed(*option));
+  std::set<std::vector<std::string>> known;
+  const auto add = [&](const CLI::App& of) {
+    for (const CLI::Option* option : of.get_options())
+      if (Completed one = completed(*option); one.names.empty() || known.insert(one.names).second)
+        all.push_back(std::move(one));
+  };
+  add(command);
+  Completed commands;
+  for (const CLI::App* next : command.get_subcommands({})) {
+    if (next->get_group().empty()) continue;  // not for typing
+    commands.words.push_back(next->get_name());
+    add(*next);
+  }
+  if (!commands.words.empty()) all.push_back(commands);
   return all;
 }
 
@@ -103,7 +117,8 @@ std::string bash_script(const CLI::App& program) {
     names.push_back(command->get_name());
     cases += bash_case(*command);
   }
-  for (const Completed& one : completed(program)) top += fmt::format(" {}", fmt::join(one.names, " "));
+  for (const CLI::Option* option : program.get_options())
+    top += fmt::format(" {}", fmt::join(completed(*option).names, " "));
   return fmt::format(R"(# bash completion of softarm; made by `softarm completion bash`
 _softarm() {{
   local current=${{COMP_WORDS[COMP_CWORD]}} previous=${{COMP_WORDS[COMP_CWORD - 1]}}

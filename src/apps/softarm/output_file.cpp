@@ -62,11 +62,6 @@ std::string sha256_of(std::istream& stream) {
   return hex;
 }
 
-std::string sha256_of(const std::string& text) {
-  std::istringstream stream(text);
-  return sha256_of(stream);
-}
-
 // Who wrote a file stands in an attribute of it, which is gone where a file system has none: then --force is
 // needed.
 constexpr char kRunAttribute[] = "user.softarm.run";
@@ -77,7 +72,7 @@ std::string run_of(const fs::path& path, const std::string& command) {
   struct stat info {};
   if (::stat(path.c_str(), &info) != 0) return "";
   return fmt::format("{}.{:09} {} {}", info.st_mtim.tv_sec, info.st_mtim.tv_nsec, info.st_size,
-                     command.size() <= kMostOfRun ? command : sha256_of(command));
+                     command.size() <= kMostOfRun ? command : sha256_of_text(command));
 }
 
 void note_run(const fs::path& path, const std::string& command) {
@@ -195,6 +190,11 @@ std::string sha256_of_file(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw Failure(fmt::format("{}: cannot be read", path.string()));
   return sha256_of(file);
+}
+
+std::string sha256_of_text(const std::string& text) {
+  std::istringstream stream(text);
+  return sha256_of(stream);
 }
 
 }  // namespace softarm::app

@@ -73,5 +73,6 @@ std::string read_text(const std::filesystem::path& path);
 
 /// Lower-case hexadecimal SHA-256 of a file. @throws Failure if it cannot be read
 std::string sha256_of_file(const std::filesystem::path& path);
+std::string sha256_of_text(const std::string& text);
 
 }  // namespace softarm::app
