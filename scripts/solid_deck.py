@@ -87,6 +87,8 @@ class Deck:
             self.add(f"*ELSET, ELSET={name}\n" + lines_of(np.flatnonzero(which)))
             self.add(f"*MATERIAL, NAME={name}\n*HYPERELASTIC, YEOH\n{yeoh(modulus, arm['stiffening'])}")
             self.add(f"*DENSITY\n{arm['density_kg_m3']}\n*SOLID SECTION, ELSET={name}, MATERIAL={name}")
+        if not plate.any():
+            return
         self.add("*ELSET, ELSET=PLATE\n" + lines_of(np.flatnonzero(plate)))
         self.add(f"*MATERIAL, NAME=PLATE\n*ELASTIC\n{PLATE_PA}, 0.3\n*DENSITY\n{arm['density_kg_m3']}")
         self.add("*SOLID SECTION, ELSET=PLATE, MATERIAL=PLATE")
@@ -188,7 +190,7 @@ def solve(deck, folder, name, ccx="ccx", time_limit_s=3600):
 
 
 def read_dat(path):
-    """Displacements of the printed nodes at the end of each step."""
+    """Displacements of the printed nodes at the end of each step, in the order of the set that was printed."""
     states = []
     with open(path, encoding="ascii") as text:
         for line in text:

@@ -9,7 +9,7 @@ import numpy as np
 
 RATE_HZ = 20.0
 HOLD_S = 2.0            # of it the cameras' pictures are taken
-SETTLE_S = 1.5          # between the end of a ramp and the first picture
+SETTLE_S = 1.0          # between the last picture and a ramp, and again before the next: a line between pictures is no lag
 RAMP_S = 2.0
 MARKER_SD_M = 0.0003    # of one marker, per coordinate and picture
 PRESSURE_SD_PA = 50.0
@@ -109,8 +109,8 @@ def rows_of(states, plan, reference, dice, lie=None):
 
     empty = [""] * 7 * len(plan["bodies"])
     for _, _, pressures, marks in states + [states[0]]:
-        for i in range(int((RAMP_S + SETTLE_S) * RATE_HZ) if before is not None else 0):
-            done = min(1.0, i / (RAMP_S * RATE_HZ))
+        for i in range(int((RAMP_S + 2 * SETTLE_S) * RATE_HZ) if before is not None else 0):
+            done = min(1.0, max(0.0, (i / RATE_HZ - SETTLE_S) / RAMP_S))
             share = done * done * (3 - 2 * done)
             row([a + share * (b - a) for a, b in zip(before, pressures)], empty)
             now += 1 / RATE_HZ
@@ -128,7 +128,7 @@ def rows_of(states, plan, reference, dice, lie=None):
 def layout(plan):
     """The layout for `softarm import`."""
     names = list(plan["bodies"])
-    bodies = "".join(f"    - {{name: {name}, position: [{c}, {c + 1}, {c + 2}], orientation: [{c + 3}, {c + 4}, {c + 5}, {c + 6}]}}\n"
+    bodies = "".join(f"    - {{name: {name}, position: [{c}, {c + 1}, {c + 2}], orientation: [{c + 3}, {c + 4}, {c + 5}, {c + 6}], orientation_order: xyzw}}\n"
                      for name, c in zip(["base"] + names, range(2, 2 + 7 * (len(names) + 1), 7)))
     first = 2 + 7 * (len(names) + 1)
     inputs = "".join(f"    - {{topic: /pressure/chamber_{i + 1}, column: {first + i}}}\n" for i in range(3))

@@ -1,0 +1,95 @@
+"""The finite elements against closed forms, and against finer meshes of themselves; used by the tests and `solid_arm --checks`."""
+import copy
+import math
+
+import numpy as np
+
+import solid_arm
+import solid_deck
+import solid_trials
+
+FROM_TO_M = (0.05, 0.15)  # away from the clamp, which keeps the section from growing narrower or wider
+
+
+def full_cylinder(plan):
+    """The arm without chambers: rubber from end to end, no plate, no weight to speak of."""
+    arm = copy.deepcopy(plan["arm"])
+    arm.update({"cap_m": arm["length_m"], "plate_m": 0.0, "density_kg_m3": 1e-3, "stiffening": 0.0})
+    return arm
+
+
+def bent_cylinder(plan, loads_kg, work, halvings=0):
+    """Under weights that pull the tip across: displacement of the tip's middle (across, along), and by how much the section
+    at 150 mm turns more than that at 50 mm."""
+    arm = full_cylinder(plan)
+    mesh = solid_arm.mesh_of(arm, plan["planes_m"], halvings)
+    middle = mesh.plane(len(mesh.heights) - 1)
+    middle = middle[[int(np.argmin(np.linalg.norm(mesh.nodes[middle][:, :2], axis=1)))]]
+    rims = [mesh.plane(mesh.nearest_plane(height))[mesh.section.rim] for height in FROM_TO_M]
+    found = []
+    for load in loads_kg:
+        deck = solid_deck.Deck(mesh, arm)
+        deck.add_steps([[0.0, 0.0, 0.0]], [1.0, 0.0, 0.0], load, np.concatenate([middle, *rims]))
+        moved, _ = solid_deck.solve(deck, work, "cylinder")
+        turns = [solid_trials.rigid_fit(mesh.nodes[rim], mesh.nodes[rim] + part)[0]
+                 for rim, part in zip(rims, np.split(moved[0][1:], 2))]
+        across, _, along = moved[0][0]
+        between = turns[1] @ turns[0].T
+        found.append((across, along, math.asin(between[0, 2])))
+    return found
+
+
+def bending_stiffness(arm):
+    return arm["modulus_pa"] * math.pi * arm["radius_m"] ** 4 / 4
+
+
+def shear_stiffness(arm):
+    """Cowper's for a round section (J. Appl. Mech. 33, 1966)."""
+    nu = solid_deck.POISSON
+    return 6 * (1 + nu) / (7 + 6 * nu) * arm["modulus_pa"] / (2 * (1 + nu)) * math.pi * arm["radius_m"] ** 2
+
+
+def cantilever(arm, force_n):
+    """Under a small force at the tip: deflection, with shear; and turn between the two sections."""
+    length, (low, high) = arm["length_m"], FROM_TO_M
+    return (force_n * (length ** 3 / (3 * bending_stiffness(arm)) + length / shear_stiffness(arm)),
+            force_n / bending_stiffness(arm) * (length * (high - low) - (high ** 2 - low ** 2) / 2))
+
+
+def elastica(arm, force_n, steps=400):
+    """A cantilever that bends far (Bisshopp and Drucker, Q. Appl. Math. 3, 1945) and shears: its tip across and along, and the
+    turn between the two sections. The moment at a section is the force times what of the arm lies beyond, across the force; by shooting for the tip's angle."""
+    length, ei, ga = arm["length_m"], bending_stiffness(arm), shear_stiffness(arm)
+
+    def from_tip(angle):
+        # From the tip to the base: angle of the axis against the undeformed, and its place.
+        step, moment, x, y, angles = length / steps, 0.0, 0.0, 0.0, []
+        for i in range(steps):
+            angles.append(angle)
+            middle = angle - step / 2 * moment / ei
+            half = moment + force_n * math.cos(middle) * step / 2
+            x += step * math.cos(middle)
+            y += step * (math.sin(middle) + force_n * math.cos(middle) ** 2 / ga)
+            angle -= step * half / ei
+            moment += force_n * math.cos(middle) * step
+        return angle, x, y, [angles[round((length - at) / step)] for at in FROM_TO_M]
+
+    low, high = 0.0, math.pi / 2
+    for _ in range(60):
+        guess = (low + high) / 2
+        low, high = (guess, high) if from_tip(guess)[0] < 0 else (low, guess)
+    _, x, y, (near, far) = from_tip(low)
+    return y, x - length, far - near
+
+
+def refined(plan, work, halvings=0, finer=1, states=((26400.0, 20500.0, 0.0),)):
+    """Tip of the arm on its side, loaded, under these pressures: with the section's edges halved, the layers cut."""
+    arm = plan["arm"]
+    planes = list(plan["planes_m"])
+    planes = [a + (b - a) * i / finer for a, b in zip(planes, planes[1:]) for i in range(finer)] + planes[-1:]
+    mesh = solid_arm.mesh_of(arm, planes, halvings)
+    seen = mesh.plane(len(mesh.heights) - 1)
+    deck = solid_deck.Deck(mesh, arm)
+    deck.add_steps([list(state) for state in states], plan["attitudes"]["horizontal"], plan["payloads_kg"][-1], seen)
+    moved, seconds = solid_deck.solve(deck, work, f"refined_{halvings}_{finer}")
+    return len(mesh.bricks), moved.mean(axis=1), seconds
