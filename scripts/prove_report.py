@@ -13,6 +13,9 @@ KIND_DESCRIPTION = {
     "untidy_none": "nothing but small departures of everything, 0.2 to 0.8 mm together",
     "untidy_single": "one effect of the catalogue among such departures",
     "untidy_outside": "an effect outside the catalogue among such departures",
+    "solid_none": "a finite-element arm with nothing hidden",
+    "solid_single": "a finite-element arm with one thing hidden",
+    "solid_compensated": "a finite-element arm with a smaller chamber, which a gain takes up",
     "intervention": "recordings of a real arm with one thing wrong that is known, from invisible to gross",
     "control": "the same recordings untouched",
 }
@@ -29,6 +32,9 @@ TARGETS = [
     ("untidy_none", "false_alarm", 0.01, False),
     ("untidy_single", "top1", 0.75, True), ("untidy_single", "right_class", 0.90, True),
     ("untidy_outside", "unknown", 0.80, True),
+    ("solid_none", "false_alarm", 0.01, False),
+    ("solid_single", "top1", 0.75, True), ("solid_single", "right_class", 0.90, True),
+    ("solid_compensated", "found_or_cannot_tell", 0.95, True),
     ("intervention", "top1", 0.70, True), ("intervention", "right_class", 0.85, True),
     ("intervention", "unknown", None, True), ("control", "false_alarm", 0.0, False),
 ]

@@ -11,7 +11,7 @@ import statistics
 import prove_real_score
 
 KINDS = ["none", "single_strong", "single_weak", "pair", "outside", "compensated", "class_only", "untidy_none",
-         "untidy_single", "untidy_outside", "intervention", "control"]
+         "untidy_single", "untidy_outside", "solid_none", "solid_single", "solid_compensated", "intervention", "control"]
 RATES = ["top1", "top3", "right_class", "both_named", "false_alarm", "confident_wrong", "unknown", "found_or_cannot_tell"]
 FIGURES = ["parameter_median_error", "interval_coverage", "held_out_over_floor", "place_error_m", "calibration_error",
            "confident_wrong", "bias_removed", "worse_than_baseline"]
@@ -122,19 +122,20 @@ def marks(kind, decision, truth):
         found["false_alarm"] = any(prove_real_score.is_named(named) for named in judged(decision, truth))
     if kind == "intervention":
         found.update(prove_real_score.marks(decision, truth, is_alarm(decision)))
-    if kind == "untidy_none":  # small departures are there, and may be named
+    if kind in ("untidy_none", "solid_none"):  # small departures are there, and may be named
         found["false_alarm"] = any(not right(named, truth) for named in decision["named"])
-    if kind in ("single_strong", "single_weak", "compensated", "class_only", "untidy_single"):
+    if kind in ("single_strong", "single_weak", "compensated", "class_only", "untidy_single", "solid_single", "solid_compensated"):
         found["top1"] = names[:1] == there[:1]
         found["top3"] = is_alarm(decision) and any(name in there for name in decision["ranking"][:3])
-        found["right_class"] = bool(decision["named"]) and any(name in there for name in class_of(decision["named"][0]))
+        alike = there + truth.get("class", [])
+        found["right_class"] = bool(decision["named"]) and any(name in alike for name in class_of(decision["named"][0]))
     if kind == "pair":
         found["both_named"] = all(name in names for name in there)
         found["top1"] = bool(names) and names[0] in there
         found["right_class"] = all(any(name in class_of(named) for named in decision["named"]) for name in there)
     if kind in ("outside", "untidy_outside") and beyond_catalogue(truth) >= LEAST_BEYOND:
         found["unknown"] = decision["verdict"] == "unknown"
-    if kind == "compensated":
+    if kind in ("compensated", "solid_compensated"):
         in_a_class = any(name in class_of(named) for named in decision["named"] for name in there)
         found["found_or_cannot_tell"] = (in_a_class or decision["verdict"] == "cannot_tell"
                                          or any(decision["findings"].get(name) == "cannot_tell" for name in there))
@@ -381,6 +382,7 @@ def general(pairs, with_reports):
 # By the names that the contract has for them.
 WORLDS = {"tidy": {kind: kind for kind in KINDS[:7]},
           "untidy": {"none": "untidy_none", "single_strong": "untidy_single", "outside": "untidy_outside"},
+          "solid": {"none": "solid_none", "single_strong": "solid_single", "compensated": "solid_compensated"},
           "real": {"intervention": "intervention", "control": "control"}}
 POWER_BINS = 4  # of equal numbers of cases
 

@@ -21,8 +21,9 @@ import sys
 
 import prove_real
 import prove_rig
+import prove_solid
 
-WORLDS = ("tidy", "untidy", "real")
+WORLDS = ("tidy", "untidy", "solid", "real")
 
 
 def chosen(options):
@@ -35,6 +36,8 @@ def chosen(options):
     if options.campaign:
         campaigns = [options.campaign]
     sources = [prove_rig.Source(options, name) for name in campaigns]
+    if "solid" in named:
+        sources.append(prove_solid.Source(options))
     if "real" in named:
         sources.append(prove_real.Source(options))
     return sources

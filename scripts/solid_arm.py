@@ -117,12 +117,22 @@ def main():
     parser.add_argument("--jobs", type=int, default=1, help="solvers at a time")
     parser.add_argument("--trials-of", metavar="CASE", help="make bags of its results")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--picture", metavar="FILE")
+    parser.add_argument("--checks", action="store_true")
     options = parser.parse_args()
     plan = read_plan(options.plan)
     cases = options.cases.split(",") if options.cases else list(plan["cases"])
     unknown = set(cases) - set(plan["cases"])
     if unknown:
         sys.exit(f"solid_arm: --cases: no case {', '.join(sorted(unknown))}; there are {', '.join(plan['cases'])}")
+    if options.picture:
+        import solid_picture
+        solid_picture.draw(plan, options.work, options.picture)
+        return
+    if options.checks:
+        import solid_checks
+        solid_checks.show(plan, options.work)
+        return
     if options.trials_of:
         if options.trials_of not in plan["trials"] or not options.out:
             sys.exit(f"solid_arm: --trials-of wants --out, and one of {', '.join(plan['trials'])}")

@@ -58,7 +58,8 @@ def cantilever(arm, force_n):
 
 def elastica(arm, force_n, steps=400):
     """A cantilever that bends far (Bisshopp and Drucker, Q. Appl. Math. 3, 1945) and shears: its tip across and along, and the
-    turn between the two sections. The moment at a section is the force times what of the arm lies beyond, across the force; by shooting for the tip's angle."""
+    turn between the two sections. The moment at a section is the force times what of the arm lies beyond, across
+    the force; by shooting for the tip's angle."""
     length, ei, ga = arm["length_m"], bending_stiffness(arm), shear_stiffness(arm)
 
     def from_tip(angle):
@@ -93,3 +94,19 @@ def refined(plan, work, halvings=0, finer=1, states=((26400.0, 20500.0, 0.0),)):
     deck.add_steps([list(state) for state in states], plan["attitudes"]["horizontal"], plan["payloads_kg"][-1], seen)
     moved, seconds = solid_deck.solve(deck, work, f"refined_{halvings}_{finer}")
     return len(mesh.bricks), moved.mean(axis=1), seconds
+
+
+def show(plan, work):
+    """Prints both."""
+    arm = full_cylinder(plan)
+    loads = (0.001, 0.2)
+    print("cylinder without chambers, weight at the tip; beam theory with the same EI and GA:")
+    for load, found in zip(loads, bent_cylinder(plan, loads, work)):
+        force = load * solid_deck.GRAVITY_M_S2
+        wanted = elastica(arm, force)
+        print(f"  {1e3 * load:g} g: tip {1e3 * found[0]:.4g} mm across (beam {1e3 * wanted[0]:.4g}), {1e3 * found[1]:.3g} mm along "
+              f"({1e3 * wanted[1]:.3g}); from 50 to 150 mm it turns by {found[2]:.5g} rad ({wanted[2]:.5g})")
+    print("the arm on its side with 60 g at 26.4, 20.5, 0 kPa:")
+    for halvings, finer in ((0, 1), (0, 2), (1, 1)):
+        bricks, tip, seconds = refined(plan, work, halvings, finer)
+        print(f"  {bricks} bricks: tip " + ", ".join(f"{1e3 * x:.2f}" for x in tip[0]) + f" mm; {seconds:.0f} s")

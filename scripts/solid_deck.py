@@ -63,8 +63,8 @@ class Deck:
         self.add("*NODE, NSET=NALL")
         self.add("".join(f"{n + 1}, {mesh.nodes[n][0]:.9g}, {mesh.nodes[n][1]:.9g}, {mesh.nodes[n][2]:.9g}\n" for n in used))
         self.add(f"*ELEMENT, TYPE={BRICK}, ELSET=BRICKS")
-        self.add("".join(f"{i + 1},\n" + ",\n".join(", ".join(str(n + 1) for n in brick[at:at + 10]) for at in range(0, len(brick), 10)) + "\n"
-                         for i, brick in enumerate(mesh.bricks)))
+        for number, brick in enumerate(mesh.bricks):
+            self.add(f"{number + 1},\n" + lines_of(brick, 10).rstrip(",\n"))
         for which, faces in enumerate(mesh.faces):
             for side in range(1, 7):
                 bricks = [brick for brick, face in faces if face == side]
@@ -125,11 +125,12 @@ class Deck:
     def write_wall(self, wall):
         """A flat edge across x, seen by the skin's nodes at one height: no friction, nothing before they touch."""
         plane = self.mesh.nearest_plane(wall["height_m"])
-        nodes = [n for n in self.mesh.plane(plane)[self.mesh.section.rim] if wall["side"] * self.mesh.nodes[n][0] > 0.5 * self.arm["radius_m"]]
+        nodes = [n for n in self.mesh.plane(plane)[self.mesh.section.rim]
+                 if wall["side"] * self.mesh.nodes[n][0] > 0.5 * self.arm["radius_m"]]
         laws = []
         for n in nodes:
             gap = wall["distance_m"] - wall["side"] * self.mesh.nodes[n][0]
-            at = [(-1e3 * 0, -1.0), (0.0, gap), (WALL_N_PER_M, gap + 1.0)]
+            at = [(0.0, -1.0), (0.0, gap), (WALL_N_PER_M, gap + 1.0)]
             if wall["side"] < 0:
                 at = [(-force, -way) for force, way in reversed(at)]
             laws.append("\n".join(f"{force:.6f}, {way:.8f}" for force, way in at))

@@ -128,7 +128,8 @@ def rows_of(states, plan, reference, dice, lie=None):
 def layout(plan):
     """The layout for `softarm import`."""
     names = list(plan["bodies"])
-    bodies = "".join(f"    - {{name: {name}, position: [{c}, {c + 1}, {c + 2}], orientation: [{c + 3}, {c + 4}, {c + 5}, {c + 6}], orientation_order: xyzw}}\n"
+    bodies = "".join(f"    - {{name: {name}, position: [{c}, {c + 1}, {c + 2}], "
+                     f"orientation: [{c + 3}, {c + 4}, {c + 5}, {c + 6}], orientation_order: xyzw}}\n"
                      for name, c in zip(["base"] + names, range(2, 2 + 7 * (len(names) + 1), 7)))
     first = 2 + 7 * (len(names) + 1)
     inputs = "".join(f"    - {{topic: /pressure/chamber_{i + 1}, column: {first + i}}}\n" for i in range(3))
@@ -138,7 +139,7 @@ def layout(plan):
 
 def write_trials(plan, results, trials, out, seed, program):
     """Makes the bags of a case of the plan's "trials": results of one of its cases, and what the log says of them. Returns
-    their paths."""
+    their paths. seed: a number, or several."""
     os.makedirs(out, exist_ok=True)
     reference, told = reference_of(plan), plan["trials"][trials]
     with open(os.path.join(out, "layout.yaml"), "w", encoding="ascii") as text:
@@ -146,7 +147,7 @@ def write_trials(plan, results, trials, out, seed, program):
     found = read_states(os.path.join(results, told["case"] + ".csv"), plan["bodies"], len(reference))
     bags = []
     for number, (_, states) in enumerate(sorted(found.items())):
-        dice = np.random.Generator(np.random.PCG64([seed, number]))
+        dice = np.random.Generator(np.random.PCG64([*np.atleast_1d(seed), number]))
         recording = os.path.join(out, f"trial_{number + 1}.csv")
         columns = [f"{body}_{c}" for body in ["base", *plan["bodies"]] for c in ("x", "y", "z", "qx", "qy", "qz", "qw")]
         with open(recording, "w", encoding="ascii") as text:
