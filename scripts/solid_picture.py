@@ -44,7 +44,7 @@ def draw(plan, work, path):
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
-    figure = plt.figure(figsize=(13, 4.2))
+    figure = plt.figure(figsize=(13, 4))
     for number, (mesh, (attitude, payload, pressures), rest, places) in enumerate(deformed(plan, work)):
         axes = figure.add_subplot(1, len(SHOWN), number + 1, projection="3d")
         for faces, colour, alpha in ((outside(mesh), "#9ecae1", 0.25), (inside(mesh), "#d9730d", 0.35)):
@@ -58,7 +58,7 @@ def draw(plan, work, path):
         middle, reach = (seen.max(axis=0) + seen.min(axis=0)) / 2, 105
         for limits, centre in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), middle):
             limits(centre - reach, centre + reach)
-        axes.set_box_aspect((1, 1, 1))
+        axes.set_box_aspect((1, 1, 1), zoom=1.25)
         axes.view_init(elev=12, azim=-70)
         axes.set_title(f"{attitude}, {1e3 * payload:.0f} g\n" + " / ".join(f"{p / 1e3:.0f}" for p in pressures) + " kPa", fontsize=10)
         axes.tick_params(labelsize=6, pad=-2)
