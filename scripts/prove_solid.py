@@ -14,7 +14,7 @@ HIDDEN = {
     "payload_aside": {"effect": "payload_offset", "parameters": {"x_m": 0.013, "y_m": 0.0075}},
     "log_offset": {"effect": "pressure_offset", "parameters": {"offset_2_pa": 2500.0}, "class": ["rest_curvature"]},
     "log_dead_zone": {"effect": "pressure_dead_zone", "parameters": {"lost_pa": 4000.0}},
-    "wall": {"effect": "contact", "parameters": {"place_m": 0.15, "distance_m": 0.012}},
+    "wall": {"effect": "contact", "parameters": {"stiffness_n_per_m": 300.0, "place_m": 0.15, "distance_m": 0.012}},
     "small_chamber": {"effect": "chamber_mismatch", "parameters": {"share": -0.2155, "chamber": 2.0}},
 }
 # A chamber's gain is a constant of the arm file: it takes all of a smaller chamber, so that only "cannot tell" or the name of

@@ -12,7 +12,6 @@ POISSON = 0.48          # of rubber nearer to 0.5 bricks say too stiff
 HOOP_N_PER_M = 5e4      # of a thread between neighbouring nodes: it gives 2 % at the highest pressure
 BRICK = "C3D20R"
 PLATE_PA = 5e6          # tip plate: ten times the rubber; a stiffer one makes the iterations slower and bends as little
-WALL_N_PER_M = 2e3      # of each node of the skin that touches the wall
 
 
 class NotSolved(RuntimeError):
@@ -123,14 +122,15 @@ class Deck:
             self.add_grounded("CLAMP", base, 3, [f"{turn * one / about:.6f}" for one in share])
 
     def write_wall(self, wall):
-        """A flat edge across x, seen by the skin's nodes at one height: no friction, nothing before they touch."""
+        """A padded edge across x, seen by the skin's nodes at one height: no friction, nothing before they touch. A hard one
+        makes the iterations go to and fro."""
         plane = self.mesh.nearest_plane(wall["height_m"])
         nodes = [n for n in self.mesh.plane(plane)[self.mesh.section.rim]
                  if wall["side"] * self.mesh.nodes[n][0] > 0.5 * self.arm["radius_m"]]
         laws = []
         for n in nodes:
             gap = wall["distance_m"] - wall["side"] * self.mesh.nodes[n][0]
-            at = [(0.0, -1.0), (0.0, gap), (WALL_N_PER_M, gap + 1.0)]
+            at = [(0.0, -1.0), (0.0, gap), (wall["stiffness_n_per_m"] / len(nodes), gap + 1.0)]
             if wall["side"] < 0:
                 at = [(-force, -way) for force, way in reversed(at)]
             laws.append("\n".join(f"{force:.6f}, {way:.8f}" for force, way in at))
