@@ -7,6 +7,7 @@ import os
 import shutil
 import sys
 import tempfile
+import types
 import unittest
 
 import tree
@@ -15,6 +16,9 @@ source, build = tree.directories()
 sys.path.insert(0, os.path.join(source, "scripts"))
 try:
     import numpy as np
+    import prove_report
+    import prove_score
+    import prove_solid
     import solid_trials
 except ImportError:
     sys.exit(tree.SKIPPED)
@@ -116,6 +120,49 @@ class Trials(unittest.TestCase):
             with open(bags[0], "rb") as bag:
                 kept.append(bag.read())
         self.assertEqual(kept[0], kept[1])
+
+
+class World(unittest.TestCase):
+    def options(self, **more):
+        return types.SimpleNamespace(**{"root": source, "programs": os.path.dirname(PROGRAM), "full": False, "cases": None, "seed": 4,
+                                        "jobs": 1, **more})
+
+    def test_every_kind_is_scored_and_every_hidden_thing_is_in_the_catalogue(self):
+        catalogue = {name[:-4] for name in os.listdir(os.path.join(source, "src", "effects"))}
+        for kind, cases in prove_solid.CASES.items():
+            self.assertIn(kind, prove_score.KINDS)
+            self.assertIn(kind, prove_score.WORLDS["solid"].values())
+            self.assertTrue(any(target[0] == kind for target in prove_report.TARGETS), kind)
+            for case in cases:
+                self.assertIn(case, PLAN["trials"])
+                self.assertEqual(case in prove_solid.HIDDEN, kind != "solid_none")
+        for told in prove_solid.HIDDEN.values():
+            self.assertTrue({told["effect"], *told.get("class", [])} <= catalogue, told)
+
+    def test_the_plan_has_every_case_and_draws_of_the_noise_only(self):
+        kinds = prove_solid.Source(self.options()).kinds()
+        self.assertEqual(len(prove_solid.Source(self.options()).plan(kinds)), 8)
+        full = prove_solid.Source(self.options(full=True)).plan(kinds)
+        self.assertEqual(len(full), 64)
+        self.assertEqual(len(set(full)), 64)
+
+    @unittest.skipUnless(os.path.exists(PROGRAM), "softarm is not built")
+    def test_a_case_tells_nothing_of_what_is_hidden_in_it(self):
+        folder = tempfile.mkdtemp(dir=build, prefix="solid_check_")
+        self.addCleanup(shutil.rmtree, folder)
+        case, truth = os.path.join(folder, "case"), os.path.join(folder, "truth")
+        prove_solid.Source(self.options()).draw("solid_none", 0, case, truth)
+        self.assertEqual(sorted(os.listdir(case)), ["arm.yaml", "case.json"] + [f"trial_{i + 1}.bag" for i in range(6)])
+        with open(os.path.join(truth, "case.json"), encoding="utf-8") as text:
+            self.assertEqual(json.load(text)["solid"], "nothing")
+
+    def test_a_class_decided_beforehand_is_right(self):
+        said = {"verdict": "explained", "ranking": ["rest_curvature"], "findings": {},
+                "named": [{"name": "rest_curvature", "probability": 0.95, "confusable_with": []}]}
+        truth = {"effects": [{"effect": "pressure_offset", "catalogued": True, "values": {}}], "distractors": [], "ideal": []}
+        self.assertFalse(prove_score.marks("solid_single", said, {**truth, "class": []})["right_class"])
+        marks = prove_score.marks("solid_single", said, {**truth, "class": ["rest_curvature"]})
+        self.assertTrue(marks["right_class"] and not marks["top1"] and not marks["confident_wrong"])
 
 
 @unittest.skipUnless(HAS_SOLVER, "ccx or gmsh is not installed")
