@@ -68,18 +68,30 @@ def trials_of(plan, case):
                 if 0 < sum(drawn) <= plan["highest_sum_pa"]:
                     states.append(drawn)
             trials.append((f"{attitude}_{'loaded' if payload else 'empty'}", attitude, payload, states))
-    return trials
+    return [trial for trial in trials if trial[0] not in plan["cases"][case].get("without", [])]
 
 
 def compute_trial(plan, case, trial, work, mesh, arm):
     name, attitude, payload, states = trial
     clusters = clusters_of(mesh, plan)
+    if arm.get("wall"):
+        free = {**arm, "wall": None}
+        places = compute_trial(plan, case, trial, work, mesh, free)
+        if not reaches(arm["wall"], plan, places):
+            return places
     seen = np.concatenate(list(clusters.values()))
     deck = solid_deck.Deck(mesh, arm)
     deck.add_steps(states, plan["attitudes"][attitude], payload, seen)
     moved, seconds = solid_deck.solve(deck, work, name)
     say(f"{case} {name}: {len(states)} states in {seconds:.0f} s")
     return mesh.nodes[seen][None] + moved
+
+
+def reaches(wall, plan, places):
+    """Whether the arm would come to a wall that is not there: a body sits at its height."""
+    body = list(plan["bodies"].values()).index(wall["height_m"])
+    count = len(plan["marker_deg"])
+    return bool((wall["side"] * places[:, body * count:(body + 1) * count, 0] > wall["distance_m"] - 1e-3).any())
 
 
 def columns_of(plan):

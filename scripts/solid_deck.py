@@ -11,6 +11,7 @@ GRAVITY_M_S2 = 9.80665
 POISSON = 0.48          # of rubber nearer to 0.5 bricks say too stiff
 HOOP_N_PER_M = 5e4      # of a thread between neighbouring nodes: it gives 2 % at the highest pressure
 BRICK = "C3D20R"
+PAD_M = 0.004           # of a padded wall: from there on it is as hard as it gets
 PLATE_PA = 5e6          # tip plate: ten times the rubber; a stiffer one makes the iterations slower and bends as little
 
 
@@ -122,15 +123,18 @@ class Deck:
             self.add_grounded("CLAMP", base, 3, [f"{turn * one / about:.6f}" for one in share])
 
     def write_wall(self, wall):
-        """A padded edge across x, seen by the skin's nodes at one height: no friction, nothing before they touch. A hard one
-        makes the iterations go to and fro."""
+        """A padded edge across x, seen by the skin's nodes at one height: no friction, nothing before they touch, and a pad that
+        takes 4 mm to grow hard: at a kink the iterations go to and fro."""
         plane = self.mesh.nearest_plane(wall["height_m"])
         nodes = [n for n in self.mesh.plane(plane)[self.mesh.section.rim]
                  if wall["side"] * self.mesh.nodes[n][0] > 0.5 * self.arm["radius_m"]]
         laws = []
         for n in nodes:
             gap = wall["distance_m"] - wall["side"] * self.mesh.nodes[n][0]
-            at = [(0.0, -1.0), (0.0, gap), (wall["stiffness_n_per_m"] / len(nodes), gap + 1.0)]
+            stiffness = wall["stiffness_n_per_m"] / len(nodes)
+            at = [(0.0, -1.0), (0.0, gap)]
+            at += [(stiffness * PAD_M / 2 * (i / 8) ** 2, gap + PAD_M * i / 8) for i in range(1, 9)]
+            at += [(stiffness * (PAD_M / 2 + 1.0), gap + PAD_M + 1.0)]
             if wall["side"] < 0:
                 at = [(-force, -way) for force, way in reversed(at)]
             laws.append("\n".join(f"{force:.6f}, {way:.8f}" for force, way in at))
