@@ -15,7 +15,7 @@ HIDDEN = {
     "log_offset": {"effect": "pressure_offset", "parameters": {"offset_2_pa": 2500.0}, "class": ["rest_curvature"]},
     "log_dead_zone": {"effect": "pressure_dead_zone", "parameters": {"lost_pa": 4000.0}},
     "wall": {"effect": "contact", "parameters": {"stiffness_n_per_m": 300.0, "place_m": 0.15, "distance_m": 0.012}},
-    "small_chamber": {"effect": "chamber_mismatch", "parameters": {"share": -0.2155, "chamber": 2.0}},
+    "small_chamber": {"effect": "chamber_mismatch", "parameters": {}},
 }
 # A chamber's gain is a constant of the arm file: it takes all of a smaller chamber, so that only "cannot tell" or the name of
 # the effect itself can be asked.
