@@ -82,7 +82,7 @@ class Kept(unittest.TestCase):
                 continue
             moved = [np.linalg.norm(there[1] - here[1]) for name, states in states_of(case).items()
                      for (*_, before), (*_, after) in zip(plain[name], states) for there, here in zip(poses(after), poses(before))]
-            self.assertGreater(max(moved), 1e-3, case)
+            self.assertGreater(max(moved), 5e-4, case)  # five times the noise of a mean
 
 
 class Trials(unittest.TestCase):
