@@ -155,6 +155,6 @@ def write_trials(plan, results, trials, out, seed, program):
             text.writelines(",".join(row) + "\n" for row in rows_of(states, plan, reference, dice, told.get("lie")))
         bags.append(os.path.join(out, f"trial_{number + 1}.bag"))
         subprocess.run([program, "import", os.path.join(out, "layout.yaml"), recording, "--payload", f"{states[0][1]:g}",
-                        "--out", bags[-1], "--force"], check=True, stdout=subprocess.DEVNULL)
+                        "--out", bags[-1], "--force"], check=True, capture_output=True)
         os.remove(recording)
     return bags
