@@ -311,24 +311,26 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   const auto report = [&](double share, const std::string& what) {
     if (progress) progress(share, what);
   };
+  // By the processor time of each stage: nine trials of half a minute of an arm, four rounds of the
+  // selection.
   report(0.0, "averaging frames");
   model::Preparation how;
   how.block_s = options.block_s;
   const model::Prepared prepared = prepared_trials(arm, trials, how);
   JointModel model(arm, prepared.trials, options.jobs, options.held, options.tied, options.known);
-  report(0.05, "fitting the arm's constants");
+  report(0.02, "fitting the arm's constants");
   std::size_t swinging = 0;
-  Linearised baseline = fit_baseline(model, swinging, [&] { report(0.2, "fitting the arm's constants"); });
+  Linearised baseline = fit_baseline(model, swinging, [&] { report(0.05, "fitting the arm's constants"); });
   Selection selection =
       select(model, std::move(baseline), options,
-             [&](double share, const std::string& what) { report(0.25 + 0.55 * share, what); });
+             [&](double share, const std::string& what) { report(0.14 + 0.66 * share, what); });
 
-  report(0.82, "what could be explained at all");
+  report(0.87, "what could be explained at all");
   Diagnosis d;
   d.arm = arm.name;
   const Remains left = compare(model, selection, options.jobs, d);
   const bool extended = !selection.extended.at.effects.empty();
-  report(0.9, "where");
+  report(0.89, "where");
   add_findings(model, selection, selection.covariance, left.adequate, d);
   d.before = structure_of(model, selection.baseline, selection.baseline_unseen);
   d.after = extended ? structure_of(model, selection.extended, selection.extended_unseen) : d.before;
@@ -339,7 +341,7 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   d.shifts = shifts_of(model, selection);
   std::optional<Law> law;
   if (!left.adequate) {
-    report(0.91, "whether a law can be learnt of what is left");
+    report(0.893, "whether a law can be learnt of what is left");
     law = discover_law(model, selection, d.discrepancy_share, d.noise_floor_m, options.jobs);
   }
   if (law) d.discovered_law = law->said;
@@ -350,14 +352,14 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   d.summary = summary_of(d);
   d.notes = notes_of(count, prepared, selection, options, swinging, model, left);
 
-  report(0.92, "what single instants say");
+  report(0.897, "what single instants say");
   const std::vector<InstantFit> instants = fit_instants(model, selection.baseline, options.jobs);
   d.ladder = pooling_ladder(model, selection.baseline, instants);
   d.parameter_variation = parameter_variation_of(model, selection.baseline, instants);
   d.ladder_sentence = where_it_hides(d.ladder, d.noise_floor_m, d.parameter_variation);
-  report(0.94, "what to measure next");
+  report(0.9, "what to measure next");
   d.next_experiment = next_experiment(model, selection, d.verdict, options);
-  report(0.98, "pictures");
+  report(0.985, "pictures");
   add_pictures(model, selection, d);
   report(1.0, "");
   return d;

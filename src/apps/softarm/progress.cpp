@@ -51,6 +51,7 @@ void Progress::advance(double work, std::uint64_t items) {
   done_ += work;
   items_ += items;
   const Clock::time_point now = Clock::now();
+  left_.reached(share(), seconds(now - start_));
   if (terminal_ && now - drawn_ >= kRedraw) draw(now);
 }
 
@@ -75,7 +76,7 @@ double Progress::share() const {
 }
 
 std::string Progress::rest(Clock::time_point now) const {
-  const double elapsed_s = seconds(now - start_), fraction = share();
+  const double elapsed_s = seconds(now - start_);
   std::string text;
   const auto add = [&](const std::string& part) {
     if (!part.empty()) text += (text.empty() ? "" : "  ") + part;
@@ -83,8 +84,8 @@ std::string Progress::rest(Clock::time_point now) const {
   const double rate = static_cast<double>(items_) / std::max(elapsed_s, 1e-3);
   if (!unit_.empty() && rate >= 0.5) add(fmt::format("{:.0f} {}/s", rate, unit_));
   add(doing_);
-  if (fraction > 0.0 && fraction < 1.0)
-    add(fmt::format("{:.0f} s left", elapsed_s * (1.0 - fraction) / fraction));
+  if (const std::optional<double> left_s = left_.seconds(elapsed_s))
+    add(fmt::format("{:.0f} s left", *left_s));
   return text;
 }
 

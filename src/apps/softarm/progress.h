@@ -8,6 +8,8 @@
 #include <string>
 #include <thread>
 
+#include "time_left.h"
+
 namespace softarm::app {
 
 /// A bar with fraction, rate and remaining time, redrawn in place on a terminal; a line every ten seconds
@@ -45,6 +47,7 @@ class Progress {
   Clock::time_point drawn_ = start_;
   bool visible_ = false;
   double total_ = 0.0, done_ = 0.0;
+  TimeLeft left_;
   std::uint64_t items_ = 0;
   std::string doing_;
   std::mutex mutex_;
