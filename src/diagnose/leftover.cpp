@@ -11,15 +11,27 @@
 namespace softarm::diagnose {
 namespace {
 
+/// Up to which a block is calm: a share of the time is.
 double calm_limit_m(const JointModel& model) {
-  std::vector<double> motion;
+  std::vector<std::pair<double, std::size_t>> motion;  // of a block, and its frames
+  std::size_t frames = 0;
   for (std::size_t t = 0; t < model.trials().size(); ++t) {
-    for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k)
-      if (model.uses(t, k)) motion.push_back(model.motion_sd_m(t, k));
+    for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
+      if (!model.uses(t, k)) continue;
+      const model::Block& block = model.trials()[t].blocks[k];
+      motion.emplace_back(model.motion_sd_m(t, k), block.last - block.first);
+      frames += motion.back().second;
+    }
   }
-  const double calm_m = kPolicy.motion.calm * noise_m(model.arm());
-  if (motion.empty()) return calm_m;
-  return std::max(calm_m, math::quantile(std::move(motion), kPolicy.motion.calm_share));
+  std::sort(motion.begin(), motion.end());
+  double calm_m = kPolicy.motion.calm * noise_m(model.arm());
+  auto left = static_cast<double>(frames) * kPolicy.motion.calm_share;
+  for (const auto& [sd_m, count] : motion) {
+    if (left <= 0.0) break;
+    calm_m = std::max(calm_m, sd_m);
+    left -= static_cast<double>(count);
+  }
+  return calm_m;
 }
 
 }  // namespace

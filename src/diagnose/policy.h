@@ -47,7 +47,7 @@ struct Policy {
     double no_inertia_chi2 = 25.0;  ///< fall of chi^2 without any inertia, from which on trials have none
     double swing = 3.0;             ///< of the noise: beyond it what is not known is left out
     double calm = 0.1;              ///< of the noise, per axis: what is not known of the motion of a calm arm
-    double calm_share = 0.25;       ///< of the blocks, at least, is called calm
+    double calm_share = 0.25;       ///< of the time, at least, is called calm
   } motion;
 
   /// Which effects go into the model.
