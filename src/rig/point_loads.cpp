@@ -107,7 +107,7 @@ class RoundPost : public PointLoad {
  public:
   explicit RoundPost(const Post& post) : post_(post) {}
   PointForce at(const Vector3d& x, const Vector3d& v) const override {
-    constexpr double kOnsetM = 5e-4, kSlowMPerS = 3e-4;
+    constexpr double kOnsetM = 2e-3, kSlowMPerS = 2e-3;
     PointForce f;
     const Vector3d out(x.x() - post_.centre_m.x(), x.y() - post_.centre_m.y(), 0.0);
     const double distance = out.norm();

@@ -37,8 +37,8 @@ struct RoughWall {
 };
 PointLoadPtr rough_wall(const RoughWall& wall);
 
-/// A round post along z, padded: pushes back as a one-sided spring that sets in over 0.5 mm, and drags along
-/// its skin with Coulomb friction, regularised below 0.3 mm/s, and more the faster the slip.
+/// A round post along z, padded: pushes back as a one-sided spring that sets in over 2 mm, and drags along
+/// its skin with Coulomb friction, regularised below 2 mm/s, and more the faster the slip.
 struct Post {
   Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();
   double radius_m = 0.0, stiffness_n_per_m = 0.0;

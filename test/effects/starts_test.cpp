@@ -161,7 +161,8 @@ INSTANTIATE_TEST_SUITE_P(Memories, StartsOf, ::testing::ValuesIn(kAll),
 
 TEST(Starts, EveryMemoryOfAMaterialHasThem) {
   for (const auto& effect : catalogue()) {
-    if (!effect->remembers()) continue;
+    // Where something holds the arm from outside, a trial finds it as it is when it touches.
+    if (!effect->remembers() || effect->info().family == model::Family::kLoad) continue;
     const auto known = [&](const Remembering& one) { return one.id == effect->info().id; };
     EXPECT_TRUE(std::any_of(kAll.begin(), kAll.end(), known)) << effect->info().id;
   }
