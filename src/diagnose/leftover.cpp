@@ -38,8 +38,8 @@ double calm_limit_m(const JointModel& model) {
 
 Leftover leftover(const JointModel& model, const Linearised& at, const Unseen& unseen) {
   const double limit_m = calm_limit_m(model);
-  double sum = 0.0, spread = 0.0;
-  int pairs = 0;
+  double sum = 0.0, spread = 0.0, unknown_sum_m2 = 0.0;
+  int pairs = 0, calm_blocks = 0;
   std::map<int, std::pair<double, int>> by_body;
   std::vector<Eigen::Index> row(model.trials().size(), 0);
   std::vector<std::size_t> block(model.trials().size(), 0);
@@ -51,6 +51,10 @@ Leftover leftover(const JointModel& model, const Linearised& at, const Unseen& u
       const model::Block& b = model.trials()[t].blocks[block[t]];
       const bool calm = model.motion_sd_m(t, block[t]) <= limit_m;
       const double unknown_m2 = std::pow(model.motion_sd_m(t, block[t]), 2);
+      if (calm) {
+        unknown_sum_m2 += 3.0 * unknown_m2;
+        ++calm_blocks;
+      }
       Eigen::Vector3d before = Eigen::Vector3d::Zero();
       for (const model::Seen& seen : b.bodies) {
         Eigen::Vector3d r = Eigen::Vector3d::Zero();
@@ -74,17 +78,19 @@ Leftover leftover(const JointModel& model, const Linearised& at, const Unseen& u
   Leftover out;
   if (pairs > 0) out.shared_m = std::sqrt(std::max(0.0, sum / pairs));
   if (spread > 0.0) out.shared_z = sum / std::sqrt(spread);
+  if (by_body.size() < 3) return out;
   std::vector<double> squares;
   for (const auto& [body, seen] : by_body) squares.push_back(seen.first / seen.second);
-  if (squares.size() < 3) return out;
-  const double median = math::median(std::move(squares));
-  for (const auto& [body, seen] : by_body) {
-    const double beyond = seen.first / seen.second - median;
-    if (seen.first / seen.second < kPolicy.verdict.lone_ratio * median || std::sqrt(beyond) <= out.lone_m)
-      continue;
-    out.lone_m = std::sqrt(beyond);
-    out.lone_body = body;
-  }
+  std::sort(squares.begin(), squares.end());
+  const double most = squares.back();
+  // The one that shows most, beyond all others: errors that grow along the arm are no body's own. The tip
+  // moves most: what of the motion is not known may be its own, too.
+  const double next = squares[squares.size() - 2];
+  const double unknown_m2 = calm_blocks > 0 ? unknown_sum_m2 / calm_blocks : 0.0;
+  if (most < kPolicy.verdict.lone_ratio * next) return out;
+  for (const auto& [body, seen] : by_body)
+    if (seen.first / seen.second == most) out.lone_body = body;
+  out.lone_m = std::sqrt(std::max(0.0, most - next - unknown_m2));
   return out;
 }
 

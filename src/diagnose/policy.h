@@ -101,7 +101,7 @@ struct Policy {
     double flexible_share = 0.1;  ///< ... if it is that share of what is left, or more
     double lone = 0.5;  ///< of the noise floor, or `flexible`, if that is more: what one body alone may show
                         ///< beyond the others
-    double lone_ratio = 1.7;      ///< of that body's mean square over the bodies' median
+    double lone_ratio = 1.7;      ///< of that body's mean square over the next one's
     double detectable_z = 5.0;    ///< that an effect of usual size must have to be detectable
     double few_detectable = 0.5;  ///< share of the catalogue below which "consistent" says too much
   } verdict;

@@ -1,7 +1,8 @@
 // One source feeds all chambers: what they draw from it together, all of them get less for.
 //
 // Drawn is what the pressures have risen within a time. Where that is short it is their flow, through a line
-// that all share; where it is longer than the trial it is their sum, of a source that is not filled again.
+// that all share. A source that is not filled again during a trial would go by their sum: that is a
+// saturation, which the arm file's laws have, and stands for too much else.
 #include <algorithm>
 
 #include "drives.h"
@@ -10,7 +11,7 @@
 namespace softarm::effects {
 namespace {
 
-constexpr double kTimes_s[] = {0.4, 4.0, 400.0};
+constexpr double kTimes_s[] = {0.4, 4.0};
 
 class SupplySag : public Described {
  public:
@@ -59,8 +60,7 @@ std::unique_ptr<Effect> make_supply_sag() {
       "doi:10.1007/978-3-540-69471-7",
       Family::kActuation,
       {{"share", "1", "of the pressures, that is lost when all together have drawn 50 kPa", 0.0, 2.0, 0.1},
-       {"time_s", "s", "in which the source makes up for what was drawn; longer than a trial: never", 0.05,
-        1000.0, 4.0}},
+       {"time_s", "s", "in which the source makes up for what was drawn", 0.05, 20.0, 4.0}},
       1,
       {"chamber_bulge", "gain_nonlinearity", "flow_limit", "pressure_lag"},
       {"moment_gain", "elongation"}});
