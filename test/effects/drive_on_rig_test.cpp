@@ -46,10 +46,7 @@ const std::vector<Hidden>& on_chambers() {
        {"mullins", "ogden_roxburgh", {{"share", 0.15}, {"scale_per_m", 2.0}}},
        {0.15, 0.0, 2.0},
        0.08},
-      {"softening",
-       {"mullins", "softening", {{"share", 0.3}, {"scale_per_m", 2.0}}},
-       {0.0, 0.3, 1.5},
-       0.25},
+      {"softening", {"mullins", "softening", {{"share", 0.3}, {"scale_per_m", 2.0}}}, {0.0, 0.3, 1.5}, 0.25},
   };
   return list;
 }
