@@ -146,8 +146,8 @@ Left left_in(const JointModel& model, const Linearised& at, const Unseen& unseen
       std::sqrt(std::max(0.0, std::pow(unseen.total_rms_m, 2) * left.could.share - floor.motion_m2));
   left.adequate =
       left.as_noise && !is_shared(left.shared, length_m) &&
-      left.shared.lone_m <
-          std::max(kPolicy.verdict.lone * std::sqrt(floor.white_m2), kPolicy.verdict.flexible * length_m) &&
+      !(left.shared.lone_z > kPolicy.verdict.shared_z &&
+        left.shared.lone_m > kPolicy.verdict.lone * std::sqrt(floor.white_m2)) &&
       (flexible_m < kPolicy.verdict.flexible * length_m || left.could.share < kPolicy.verdict.flexible_share);
   return left;
 }

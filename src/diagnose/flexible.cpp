@@ -34,7 +34,7 @@ MatrixXd pick(const MatrixXd& from, const std::vector<Eigen::Index>& rows,
 /// bodies.
 struct Instants {
   MatrixXd x, y;
-  VectorXd weight;  ///< by precision, 1 on average
+  VectorXd weight;  ///< by precision, 1 on average over means of the usual length
   std::vector<std::size_t> trial;
   /// Columns of x by which it may go: what drives the arm now, with its past, with plays, all there is.
   std::vector<std::vector<Eigen::Index>> views;
@@ -109,6 +109,7 @@ Instants instants_of(const JointModel& model, const Linearised& at, const std::v
   out.x.resize(static_cast<Eigen::Index>(keep), values.cols());
   out.y.resize(out.x.rows(), 3 * static_cast<Eigen::Index>(bodies));
   out.weight.resize(out.x.rows());
+  double means = 0.0;
   for (std::size_t i = 0; i < keep; ++i) {
     const std::size_t w = whole[i * whole.size() / keep];
     const auto row = static_cast<Eigen::Index>(i);
@@ -120,8 +121,9 @@ Instants instants_of(const JointModel& model, const Linearised& at, const std::v
     for (const Seen& seen : model.trials()[all.trial[w]].blocks[all.block[w]].bodies)
       variance += std::pow(model.sd_m(all.trial[w], all.block[w], seen), 2);
     out.weight[row] = 1.0 / variance;
+    means += model.trials()[all.trial[w]].blocks[all.block[w]].means;
   }
-  out.weight /= out.weight.mean();
+  out.weight *= means / out.weight.sum();
   out.x = in_spreads(std::move(out.x));
   out.views = views_of(inputs);
   return out;
@@ -314,8 +316,7 @@ Ceiling ceiling(const JointModel& model, const Linearised& at, const std::vector
   Ceiling result;
   const Instants instants = instants_of(model, at, residual);
   if (instants.x.rows() < kPolicy.flexible.fewest_instants || model.trials().size() < 2) return result;
-  const auto bodies =
-      static_cast<double>(instants.x.rows() * static_cast<Eigen::Index>(model.arm().bodies.size()));
+  const double bodies = instants.weight.sum() * static_cast<double>(model.arm().bodies.size());
   const double before = instants.weight.dot(instants.y.rowwise().squaredNorm()) / bodies;
   const auto folds = folds_of(instants, model.sequences());
   const double left = left_by_regression(Regression(instants), folds, jobs) / bodies;

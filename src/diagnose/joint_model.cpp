@@ -40,8 +40,7 @@ double scale_of(const arm::Arm& arm, const identify::ConstantRef& ref) {
   using identify::ConstantKind;
   const double value = std::abs(identify::value_of(arm, ref));
   const arm::Segment& segment = arm.segments[static_cast<std::size_t>(ref.segment)];
-  constexpr double kUsualPressure_pa = 5e4, kUsualAngle_rad = 1.0;
-  constexpr double kBend_rad = 0.1;  // over the length
+  constexpr double kUsualPressure_pa = 5e4;
   double least = 0.0;
   switch (ref.kind) {
     case ConstantKind::kMomentGain:
@@ -69,17 +68,13 @@ double scale_of(const arm::Arm& arm, const identify::ConstantRef& ref) {
     case ConstantKind::kPerMinAngle:
     case ConstantKind::kPerCable:
     case ConstantKind::kJointCompliance:
+    case ConstantKind::kCableGain:
+    case ConstantKind::kTendonOffset:
       least = arm::spec_of(ref.kind).scale(segment, ref.index, NothingRecorded());
       break;
     case ConstantKind::kRestCurvatureX:
     case ConstantKind::kRestCurvatureY:
-      least = kBend_rad / segment.length_m;
-      break;
-    case ConstantKind::kCableGain:
-      least = kBend_rad / segment.length_m / kUsualAngle_rad;
-      break;
-    case ConstantKind::kTendonOffset:
-      least = 0.01 * segment.length_m;
+      least = 0.1 / segment.length_m;
       break;
     default:
       break;

@@ -96,12 +96,11 @@ struct Policy {
     double as_noise_chi2 =
         2.0;  ///< chi^2 per degree of freedom on unseen trials, up to which residuals are noise
     double shared = 3.75e-4;      ///< of the length: what motion and trivial effects leave that bodies share
-    double shared_z = 2.33;       ///< from which on that is no chance: one in a hundred
+    double shared_z = 2.33;       ///< from which on that, or `lone`, is no chance: one in a hundred
     double flexible = 5e-4;       ///< of the length: what a flexible model finds beyond this is something
     double flexible_share = 0.1;  ///< ... if it is that share of what is left, or more
-    double lone = 0.5;  ///< of the noise floor, or `flexible`, if that is more: what one body alone may show
-                        ///< beyond the others
-    double lone_ratio = 1.7;      ///< of that body's mean square over the next one's
+    double lone = 0.5;            ///< of the noise floor: what one body alone may show beyond the others
+    double lone_ratio = 1.7;      ///< of that body's mean square over the bodies' median
     double detectable_z = 5.0;    ///< that an effect of usual size must have to be detectable
     double few_detectable = 0.5;  ///< share of the catalogue below which "consistent" says too much
   } verdict;

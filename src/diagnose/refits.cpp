@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "evidence_data.h"
 #include "math/linear_algebra.h"
 #include "policy.h"
 
@@ -81,6 +82,24 @@ double gains_elsewhere(const Unseen& without, const Unseen& with) {
 }
 
 }  // namespace
+
+std::vector<Present> candidates_of(const Round& round) {
+  std::vector<Present> candidates;
+  for (const Screened& s : round.screened) {
+    Present candidate{s.effect, s.values};
+    for (const Refitted& r : round.refitted)
+      if (r.effect == s.effect) candidate = r.fit.at.effects.back();
+    candidates.push_back(std::move(candidate));
+  }
+  return candidates;
+}
+
+Posterior posterior_of(JointModel& model, Standing& current, const Round& round, unsigned jobs) {
+  std::vector<RefitEvidence> refits;
+  for (const Refitted& r : round.refitted)
+    refits.push_back({r.effect, evidence_of_refit(model, r.fit, current.fit)});
+  return posterior(evidence_data(model, current.fit, candidates_of(round), jobs), refits, jobs);
+}
 
 std::vector<Eigen::Index> rows_of_sizes(const Linearised& at, std::size_t effect) {
   std::vector<Eigen::Index> rows;

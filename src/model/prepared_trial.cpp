@@ -219,16 +219,17 @@ class Preparing {
   struct Reach {
     std::size_t last = 0;
     bool gap = false;
+    int means = 1;
   };
   Reach reach(const Eigen::VectorXd& t, std::size_t first, double lasts_s) const {
     const auto count = static_cast<std::size_t>(t.size());
     const auto at = [&](std::size_t i) { return t[static_cast<Eigen::Index>(i)]; };
     std::size_t i = first + 1;
     for (; i < count; ++i) {
-      if (at(i) - at(i - 1) > kLongestPause_s) return {i, true};
+      if (at(i) - at(i - 1) > kLongestPause_s) return {i, true, 1};
       if (i - first >= kFewest && at(i) - at(first) >= lasts_s - 1e-6) break;
     }
-    return {i, false};
+    return {i, false, 1};
   }
 
   void cut(const std::vector<StaticFrame>& frames, TrialData& data,
@@ -239,6 +240,7 @@ class Preparing {
       const Reach to = end_of_block(frames, first, t);
       if (to.last - first >= kFewest) {
         data.blocks.push_back(mean(frames, first, to.last, t));
+        data.blocks.back().means = to.means;
         data.blocks.back().begins = begins;
         begins = to.gap;
       } else {
@@ -261,6 +263,7 @@ class Preparing {
       const Reach further = reach(t, first, blocks * how_.block_s);
       if (further.last == to.last || !rests(frames, first, further.last, t)) break;
       to = further;
+      to.means = blocks;
     }
     return to;
   }

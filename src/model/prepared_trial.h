@@ -39,6 +39,7 @@ struct SeenTangent {
 /// Frames [first, last) of the series, and the means of what was seen in them.
 struct Block {
   std::size_t first = 0, last = 0;
+  int means = 1;        ///< of the usual length that this one is as long as, at rest
   bool begins = false;  ///< nothing lasts over from the block before (a gap)
   /// Not to be compared: a hand was on the arm, or it swung.
   bool set_aside = false;
@@ -63,7 +64,7 @@ constexpr double kLongestPause_s = 0.5;
 struct Preparation {
   double block_s = 0.2;  ///< over which frames are averaged: half of it where the way of a body bends, longer
                          ///< where three frames are, or where the arm rests
-  int most_blocks = 4;   ///< joined to one while the arm rests
+  int most_blocks = 3;   ///< joined to one while the arm rests
   double before_payload_s = 0.5;  ///< of a change, and after it, nothing is compared
   double after_payload_s = 2.0;
 };

@@ -12,6 +12,8 @@
 #include "diagnose/background.h"
 #include "diagnose/evidence_data.h"
 #include "diagnose/flexible.h"
+#include "diagnose/leftover.h"
+#include "diagnose/policy.h"
 #include "diagnose/screen.h"
 #include "looked.h"
 #include "recorded_case.h"
@@ -76,7 +78,7 @@ TEST(Unseen, AFitWithoutSomeTrialsLeavesTheModelAsItWas) {
   EXPECT_NEAR(unseen(looked.model, again).total_chi2, before.total_chi2, 1e-3 * before.total_chi2);
 }
 
-/// Residuals of bodies, m, by a function of the instant; the noise is white.
+/// Residuals of bodies, m, by a function of the instant; the noise is white, so less in longer means.
 template <typename Of>
 std::vector<VectorXd> residuals(const testing::Looked& looked, const Of& of) {
   std::mt19937_64 random(7);
@@ -86,13 +88,44 @@ std::vector<VectorXd> residuals(const testing::Looked& looked, const Of& of) {
     VectorXd r = VectorXd::Zero(looked.baseline.residual[t].size());
     Eigen::Index row = 0;
     for (std::size_t k = 0; k < looked.prepared.trials[t].blocks.size(); ++k) {
-      const double x = of(t, k);
+      const double x = of(t, k), share = 1.0 / std::sqrt(looked.prepared.trials[t].blocks[k].means);
       for (std::size_t i = 0; i < looked.prepared.trials[t].blocks[k].bodies.size(); ++i, row += 3)
-        r.segment<3>(row) = Eigen::Vector3d(x + noise(random), noise(random), noise(random));
+        r.segment<3>(row) = Eigen::Vector3d(x, 0.0, 0.0) +
+                            share * Eigen::Vector3d(noise(random), noise(random), noise(random));
     }
     list.push_back(std::move(r));
   }
   return list;
+}
+
+TEST(Leftover, ABodyThatIsOffThroughoutStandsAloneAndOneSwingOfItDoesNot) {
+  const testing::RecordedCase drawn = unseen_case(6);
+  const testing::Looked looked(drawn.arm, drawn.trials);
+  const auto at_tip = [&](const auto& of) {
+    Unseen unseen;
+    unseen.residual = residuals(looked, [](std::size_t, std::size_t) { return 0.0; });
+    for (std::size_t t = 0; t < looked.prepared.trials.size(); ++t) {
+      Eigen::Index row = 0;
+      for (std::size_t k = 0; k < looked.prepared.trials[t].blocks.size(); ++k)
+        for (const model::Seen& seen : looked.prepared.trials[t].blocks[k].bodies) {
+          if (seen.body == 3) unseen.residual[t][row] += of(t, k);
+          row += 3;
+        }
+    }
+    return leftover(looked.model, looked.baseline, unseen);
+  };
+  const Leftover throughout = at_tip([](std::size_t, std::size_t) { return 5e-4; });
+  EXPECT_EQ(throughout.lone_body, 3);
+  EXPECT_NEAR(throughout.lone_m, 5e-4, 0.5e-4);
+  EXPECT_GT(throughout.lone_z, kPolicy.verdict.shared_z);
+  // The first mean at rest: of a size that makes it as large on the whole.
+  const Leftover once = at_tip([](std::size_t t, std::size_t k) { return t == 2 && k == 0 ? 3e-3 : 0.0; });
+  EXPECT_EQ(once.lone_body, 3);
+  EXPECT_GT(once.lone_m, 2e-4);
+  EXPECT_LT(once.lone_z, kPolicy.verdict.shared_z);
+  const Leftover nothing = at_tip([](std::size_t, std::size_t) { return 0.0; });
+  EXPECT_EQ(nothing.lone_body, -1);
+  EXPECT_EQ(nothing.lone_m, 0.0);
 }
 
 TEST(Ceiling, LearnsALoopAndNothingOfNoise) {
@@ -107,7 +140,7 @@ TEST(Ceiling, LearnsALoopAndNothingOfNoise) {
     return 1e-3 * (now.inputs[0] - held) / width;
   };
   const Ceiling of_loop = ceiling(looked.model, looked.baseline, residuals(looked, loop), 0);
-  EXPECT_GT(of_loop.share, 0.5);
+  EXPECT_GT(of_loop.share, 0.6);
   const auto nothing = [](std::size_t, std::size_t) { return 0.0; };
   EXPECT_LT(ceiling(looked.model, looked.baseline, residuals(looked, nothing), 0).share, 0.01);
 }

@@ -258,7 +258,7 @@ struct Diagnosis {
 
 struct Options {
   double block_s = 0.2;  ///< over which frames are averaged: half of it where a body's way bends,
-                         ///< up to four times where the arm rests
+                         ///< up to three times where the arm rests
   int most_effects = 4;  ///< in one verdict
   int refits = 4;        ///< of the screen's best, per round
   /// Patterns of constants that keep the arm file's value, and of those that have one value in all segments,

@@ -204,7 +204,7 @@ void add_diagnose(CLI::App& program) {
   command
       ->add_option(
           "--block", options->diagnosis.block_s,
-          "time over which frames are averaged, half of it where a body's way bends, up to four times where "
+          "time over which frames are averaged, half of it where a body's way bends, up to three times where "
           "the arm rests, s")
       ->check(CLI::Range(0.02, 2.0))
       ->capture_default_str();

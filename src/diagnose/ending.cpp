@@ -1,0 +1,86 @@
+#include "ending.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "doubt.h"
+#include "policy.h"
+
+namespace softarm::diagnose {
+namespace {
+
+constexpr double kClearlyThere = 4.0;  // of what is trivial: to first order, so no fit without it is needed
+
+/// What was screened last, but for what may be mistaken for effects of the model.
+Round without_rivals(const Selection& selection) {
+  Round alone;
+  for (const Screened& s : selection.rounds.back().screened) {
+    const bool rival = std::any_of(selection.round_of.begin(), selection.round_of.end(), [&](std::size_t r) {
+      const EffectList& rivals = selection.rounds[r].rivals;
+      return std::find(rivals.begin(), rivals.end(), s.effect) != rivals.end();
+    });
+    if (!rival) alone.screened.push_back(s);
+  }
+  return alone;
+}
+
+/// Takes out of the model again what has become superfluous.
+/// @return whether there was any
+bool drop_superfluous(JointModel& model, Standing& current, std::vector<std::size_t>& round_of) {
+  bool dropped = false;
+  for (std::size_t e = 0; current.fit.at.effects.size() > 1 && e < current.fit.at.effects.size();) {
+    if (moved_without_m(current, e) > kClearlyThere * trivial_m(model)) {
+      ++e;
+      continue;
+    }
+    Standing without = refit_without(model, current, e);
+    if (moved_m(without.unseen, current.unseen) >= trivial_m(model)) {
+      ++e;
+      continue;
+    }
+    current = std::move(without);
+    round_of.erase(round_of.begin() + static_cast<std::ptrdiff_t>(e));
+    dropped = true;
+    e = 0;
+  }
+  return dropped;
+}
+
+/// How sure every effect of the model is, all others given.
+/// @param of_all the posterior about this model
+void add_doubt_about(JointModel& model, Standing& current, const Posterior& of_all, const Options& options,
+                     Selection& selection) {
+  const Round alone = without_rivals(selection);
+  const std::size_t catalogue = selection.rounds.front().screened.size();
+  add_doubt(current.fit, of_all,
+            alone.screened.size() < selection.rounds.back().screened.size()
+                ? posterior_of(model, current, alone, options.jobs)
+                : of_all,
+            catalogue, selection);
+}
+
+}  // namespace
+
+Ending end_with_what_predicts(JointModel& model, Standing& current, Selection& selection,
+                              const Options& options) {
+  Round last;
+  last.screened = selection.rounds.back().screened;
+  Posterior of_all = selection.rounds.back().posterior;
+  if (drop_superfluous(model, current, selection.round_of))
+    of_all = posterior_of(model, current, last, options.jobs);
+  for (;;) {
+    add_doubt_about(model, current, of_all, options, selection);
+    if (current.fit.at.effects.empty()) return {of_all.background, selection.baseline_unseen};
+    Unseen unseen = refitted_unseen(model, current.fit);
+    if (unseen.total_rms_m < selection.baseline_unseen.total_rms_m)
+      return {of_all.background, std::move(unseen)};
+    const auto least = std::min_element(selection.still_there.begin(), selection.still_there.end()) -
+                       selection.still_there.begin();
+    current = refit_without(model, current, static_cast<std::size_t>(least));
+    selection.round_of.erase(selection.round_of.begin() + least);
+    of_all = posterior_of(model, current, last, options.jobs);
+  }
+}
+
+}  // namespace softarm::diagnose

@@ -1,0 +1,18 @@
+// What the model ends with: nothing superfluous, nothing that predicts unseen trials worse.
+#pragma once
+
+#include "refits.h"
+
+namespace softarm::diagnose {
+
+struct Ending {
+  double background = 0.0;
+  Unseen unseen;
+};
+
+/// Takes out again what has become superfluous, then, while true refits predict unseen trials no better than
+/// the arm's constants alone do, what is least sure.
+Ending end_with_what_predicts(JointModel& model, Standing& current, Selection& selection,
+                              const Options& options);
+
+}  // namespace softarm::diagnose

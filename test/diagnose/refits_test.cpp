@@ -1,0 +1,102 @@
+// Fits with one effect more, and which of them the model ends with.
+#include "diagnose/refits.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "diagnose/ending.h"
+#include "diagnose/screen.h"
+#include "diagnose/unseen.h"
+#include "looked.h"
+#include "recorded_case.h"
+
+namespace softarm::diagnose {
+namespace {
+
+/// A fit without effects, from constants that are off, and one with an effect that is not there, from where
+/// it is.
+TEST(Refits, WhatARefitGainsByBetterConstantsIsNotItsEffects) {
+  const testing::RecordedCase drawn = testing::recorded_case("{count_weights: [1]}", 43, 3, 10.0);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  const std::vector<Screened> screened = screen(looked.model, looked.baseline, 0, [](double) {});
+  const Screened& absent = *std::min_element(screened.begin(), screened.end(),
+                                             [](const Screened& a, const Screened& b) { return a.z < b.z; });
+  const Standing good{looked.baseline, unseen(looked.model, looked.baseline)};
+  const std::vector<Refitted> refitted = {refit(looked.model, good, absent)};
+  EXPECT_FALSE(at_better_constants(looked.model, good, refitted));
+
+  JointParameters off = looked.baseline.at;
+  Eigen::VectorXd x = looked.baseline.unknowns();
+  x[0] += 1.0;
+  set_unknown(off, looked.baseline.columns[0], x[0]);
+  Standing poor;
+  poor.fit = looked.model.linearise(off, &looked.baseline.predicted);
+  ASSERT_GT(poor.fit.square, 1.5 * good.fit.square);
+  const std::optional<Standing> better = at_better_constants(looked.model, poor, refitted);
+  ASSERT_TRUE(better);
+  EXPECT_TRUE(better->fit.at.effects.empty());
+  EXPECT_NEAR(better->fit.square, good.fit.square, 0.01 * good.fit.square);
+}
+
+/// The model with one effect more than the arm's constants, as a selection's rounds leave it.
+struct Extended {
+  explicit Extended(testing::Looked& looked, const std::string& id) {
+    selection.baseline = looked.baseline;
+    selection.baseline_unseen = refitted_unseen(looked.model, looked.baseline);
+    Standing constants{looked.baseline, unseen(looked.model, looked.baseline)};
+    Round round;
+    round.screened = screen(looked.model, looked.baseline, 0, [](double) {});
+    const auto at = std::find_if(round.screened.begin(), round.screened.end(),
+                                 [&](const Screened& s) { return s.effect->info().id == id; });
+    EXPECT_NE(at, round.screened.end());
+    Refitted with = refit(looked.model, constants, *at);
+    current = {std::move(with.fit), std::move(with.unseen)};
+    round.posterior = posterior_of(looked.model, current, round, 0);
+    selection.rounds.push_back(std::move(round));
+    selection.round_of = {0};
+  }
+  Selection selection;
+  Standing current;
+};
+
+TEST(Ending, WhatPredictsUnseenTrialsWorseIsTakenOutAgainAndWhatIsThereStays) {
+  const testing::RecordedCase drawn =
+      testing::recorded_case("{count_weights: [0, 1], from: [base_compliance], size: [0.3, 0.6]}", 4, 4, 8.0);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  int worse = 0;
+  for (const char* id : {"base_compliance", "torsion", "tip_mass", "gravity_direction", "stiffness_taper"}) {
+    SCOPED_TRACE(id);
+    Extended extended(looked, id);
+    const double before_m = extended.selection.baseline_unseen.total_rms_m,
+                 after_m = refitted_unseen(looked.model, extended.current.fit).total_rms_m;
+    const Ending ending = end_with_what_predicts(looked.model, extended.current, extended.selection, {});
+    EXPECT_EQ(extended.current.fit.at.effects.size(), after_m < before_m ? 1u : 0u);
+    EXPECT_EQ(extended.selection.round_of.size(), extended.current.fit.at.effects.size());
+    EXPECT_DOUBLE_EQ(ending.unseen.total_rms_m, std::min(before_m, after_m));
+    worse += after_m >= before_m;
+    EXPECT_TRUE(id != std::string("base_compliance") || worse == 0);
+  }
+  EXPECT_GT(worse, 0) << "nothing was tried that predicts worse";
+}
+
+/// Steps of the fit are in these scales.
+TEST(JointModel, AConstantOfNothingHasAScale) {
+  arm::Arm arm = arm::load_arm_file(SOFTARM_SOURCE_DIR "/config/arms/cable_235mm.yaml");
+  ASSERT_FALSE(arm.segments[0].cables.empty());
+  for (arm::Segment& segment : arm.segments)
+    for (arm::Cable& cable : segment.cables) cable.curvature_gain_per_m_rad = 0.0;
+  const JointModel model(arm, {}, 0);
+  for (const JointUnknown& unknown : model.columns(model.start())) {
+    EXPECT_GT(unknown.scale, 0.0) << unknown.index;
+    EXPECT_TRUE(std::isfinite(unknown.start)) << unknown.index;
+  }
+}
+
+}  // namespace
+}  // namespace softarm::diagnose
