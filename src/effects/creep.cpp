@@ -1,6 +1,9 @@
-// The curvature grows under a held load by a share, with a time constant: a standard linear solid,
-//   u = e + share w,  tau w' = e - w,  moment = EI e.
+// The curvature grows under a held load by a share, with a time constant or with a spectrum of them, level
+// over some decades: standard linear solids in series,
+//   u = e + share sum_i g_i w_i,  tau_i w_i' = e - w_i,  moment = EI e.
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "drives.h"
 #include "effects.h"
@@ -10,12 +13,26 @@ namespace {
 
 using Eigen::Vector2d;
 
+/// Points and weights of Gauss and Legendre on [-1/2, 1/2]: a spectrum's times, in its decades. Six follow
+/// five decades to 1 % of what creeps.
+struct Point {
+  double at, weight;
+};
+constexpr std::array<Point, 6> kSpectrum{{{-0.46623475710157601, 0.085662246189585173},
+                                          {-0.33060469323313226, 0.18038078652406930},
+                                          {-0.11930959304159845, 0.23395696728634552},
+                                          {0.11930959304159845, 0.23395696728634552},
+                                          {0.33060469323313226, 0.18038078652406930},
+                                          {0.46623475710157601, 0.085662246189585173}}};
+
 class Creep : public Described {
  public:
   using Described::Described;
   std::vector<Values> grid(const arm::Arm&, const FineRod&) const override {
     std::vector<Values> list;
-    for (const double time_s : {0.5, 2.0, 8.0, 30.0}) list.push_back((Values(2) << 0.0, time_s).finished());
+    for (const double time_s : {0.5, 2.0, 8.0, 30.0})
+      list.push_back((Values(3) << 0.0, time_s, 0.5).finished());
+    list.push_back((Values(3) << 0.0, 8.0, 3.0).finished());
     return list;
   }
   void act(const arm::Arm&, const FineRod& fine, const Values& values, const Instant& instant, const Shape*,
@@ -38,8 +55,7 @@ class Creep : public Described {
     memory.assign(fine.pieces().size() * kSize, 0.0);
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
       const Vector2d& w = crept[static_cast<std::size_t>(fine.pieces()[j].segment)];
-      memory[j * kSize] = w.x();
-      memory[j * kSize + 1] = w.y();
+      for (std::size_t i = 0; i < kSpectrum.size(); ++i) put(w, &memory[j * kSize + 2 * i]);
     }
   }
   bool remembers() const override { return true; }
@@ -50,32 +66,60 @@ class Creep : public Described {
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
       const auto i = static_cast<std::size_t>(fine.pieces()[j].segment);
       const Vector2d bent = shape.middles[j].u.head<2>() - arm.segments[i].rest_curvature_per_m.head<2>();
-      const Crept crept = before(last, j, values, instant);
+      const Spectrum each = each_before(last, j, values, instant);
+      const Crept crept = together(each);
       const Vector2d elastic = (bent - values[0] * crept.already) / (1.0 + values[0] * crept.by_elastic);
-      const Vector2d w = crept.already + crept.by_elastic * elastic;
       double* to = &memory[j * kSize];
-      to[0] = w.x();
-      to[1] = w.y();
-      to[2] = elastic.x();
-      to[3] = elastic.y();
+      for (std::size_t k = 0; k < each.size(); ++k)
+        put(each[k].already + each[k].by_elastic * elastic, to + 2 * k);
+      put(elastic, to + 2 * each.size());
     }
   }
 
  private:
-  static constexpr std::size_t kSize = 4;
+  /// Of each time w, then e, of two axes.
+  static constexpr std::size_t kSize = 2 * kSpectrum.size() + 2;
 
   /// w = already + by_elastic e, with e the elastic curvature of this instant.
   struct Crept {
     Vector2d already = Vector2d::Zero();
     double by_elastic = 1.0;
   };
+  using Spectrum = std::array<Crept, kSpectrum.size()>;
+
+  static void put(const Vector2d& curvature, double* to) {
+    to[0] = curvature.x();
+    to[1] = curvature.y();
+  }
   /// At the beginning all has crept that will, and what the trial found beyond that.
-  static Crept before(const Memory& memory, std::size_t piece, const Values& values, const Instant& instant) {
-    if (memory.empty()) return {};
+  static Spectrum each_before(const Memory& memory, std::size_t piece, const Values& values,
+                              const Instant& instant) {
+    Spectrum each;
+    if (memory.empty()) return each;
     const double* from = &memory[piece * kSize];
-    if (instant.dt_s <= 0.0) return {Vector2d(from[0], from[1]), 1.0};
-    const Following f = following(instant.dt_s, std::max(values[1], 1e-2));
-    return {f.kept * Vector2d(from[0], from[1]) + f.weight_last * Vector2d(from[2], from[3]), f.weight_now};
+    const Vector2d last(from[2 * each.size()], from[2 * each.size() + 1]);
+    for (std::size_t k = 0; k < each.size(); ++k) {
+      const Vector2d w(from[2 * k], from[2 * k + 1]);
+      if (instant.dt_s <= 0.0) {
+        each[k] = {w, 1.0};
+        continue;
+      }
+      const double time_s = std::max(values[1], 1e-2) * std::pow(10.0, values[2] * kSpectrum[k].at);
+      const Following f = following(instant.dt_s, time_s);
+      each[k] = {f.kept * w + f.weight_last * last, f.weight_now};
+    }
+    return each;
+  }
+  static Crept together(const Spectrum& each) {
+    Crept sum{Vector2d::Zero(), 0.0};
+    for (std::size_t k = 0; k < each.size(); ++k) {
+      sum.already += kSpectrum[k].weight * each[k].already;
+      sum.by_elastic += kSpectrum[k].weight * each[k].by_elastic;
+    }
+    return sum;
+  }
+  static Crept before(const Memory& memory, std::size_t piece, const Values& values, const Instant& instant) {
+    return together(each_before(memory, piece, values, instant));
   }
 };
 
@@ -85,11 +129,13 @@ std::unique_ptr<Effect> make_creep() {
   return std::make_unique<Creep>(
       Info{"creep",
            "the arm goes on bending while what drives and loads it is held",
-           "u = e + share w, time dw/dt = e - w, M = EI e",
+           "u = e + share w, w the mean of w_i, time_i dw_i/dt = e - w_i, M = EI e, times level over decades "
+           "about time",
            "standard linear solid; R. M. Christensen, Theory of Viscoelasticity, 1982, isbn:0121742520",
            Family::kMemory,
            {{"share", "1", "by which the curvature grows in the end", 0.0, 5.0, 0.1},
-            {"time_s", "s", "time constant", 0.1, 600.0, 20.0}},
+            {"time_s", "s", "time constant, that in the middle where there are several", 0.1, 600.0, 20.0},
+            {"decades", "1", "over which time constants are spread, each as often; 0: one", 0.0, 5.0, 0.0}},
            1,
            {"hysteresis", "pressure_leak", "pressure_lag"},
            {"moment_gain", "bending_stiffness"}});

@@ -55,7 +55,7 @@ TEST(Hysteresis, OfTheMaterialIsTheSameLoopAtEverySpeed) {
 }
 
 TEST(Creep, WidensItsLoopWhenSlowAndNotAtEverySpeedTheSame) {
-  const Eigen::Vector2d values(0.1, 2.0);
+  const Eigen::Vector3d values(0.1, 2.0, 0.0);
   const double fast = loop_width("creep", values, 0.8), middle = loop_width("creep", values, 8.0);
   EXPECT_GT(middle, 1.5 * fast);
   EXPECT_GT(fast, 0.0);
@@ -68,7 +68,7 @@ TEST(Creep, DriftsInHoldsByItsShareAndTimeConstant) {
   const std::vector<model::Predicted> without = predict(model, arm(), {}, trial);
   for (const double time_s : {0.5, 4.0}) {
     const std::vector<model::Predicted> with =
-        predict(model, arm(), {{find("creep"), Eigen::Vector2d(0.2, time_s)}}, trial);
+        predict(model, arm(), {{find("creep"), Eigen::Vector3d(0.2, time_s, 0.0)}}, trial);
     EXPECT_EQ(with[5].shape.middles[5].u, without[5].shape.middles[5].u);
     for (std::size_t k = 11; k < with.size(); ++k) {
       // The step is a line between two instants.
@@ -79,12 +79,33 @@ TEST(Creep, DriftsInHoldsByItsShareAndTimeConstant) {
   }
 }
 
+/// Against the mean of the exponentials over a level spectrum: exponential integrals.
+TEST(Creep, OfASpectrumOfTimesGrowsAsItsIntegral) {
+  model::ExtendedModel model(arm());
+  const model::TrialData trial =
+      weightless(arm(), 60.0, [](double t_s) { return Vector4d(t_s < 1.0 ? 0.0 : 20e3, 0.0, 0.0, 0.0); });
+  const std::vector<model::Predicted> without = predict(model, arm(), {}, trial);
+  for (const double decades : {1.0, 3.0}) {
+    const double time_s = 5.0, fastest_s = time_s * std::pow(10.0, -0.5 * decades),
+                 slowest_s = time_s * std::pow(10.0, 0.5 * decades);
+    const std::vector<model::Predicted> with =
+        predict(model, arm(), {{find("creep"), Eigen::Vector3d(0.2, time_s, decades)}}, trial);
+    for (std::size_t k = 12; k < with.size(); k += 7) {
+      const double held_s = with[k].instant.t_s - 0.99;
+      const double left = (std::expint(-held_s / fastest_s) - std::expint(-held_s / slowest_s)) /
+                          std::log(slowest_s / fastest_s);
+      EXPECT_NEAR(curvature(with[k]) / curvature(without[k]), 1.0 + 0.2 * (1.0 - left), 2e-3)
+          << decades << " " << held_s;
+    }
+  }
+}
+
 TEST(Creep, HasLongHappenedToAnArmThatIsHeldAtTheBeginning) {
   model::ExtendedModel model(arm());
   const model::TrialData trial = weightless(arm(), 3.0, [](double) { return Vector4d(20e3, 0.0, 0.0, 0.0); });
   const std::vector<model::Predicted> without = predict(model, arm(), {}, trial);
   const std::vector<model::Predicted> with =
-      predict(model, arm(), {{find("creep"), Eigen::Vector2d(0.2, 1.0)}}, trial);
+      predict(model, arm(), {{find("creep"), Eigen::Vector3d(0.2, 1.0, 2.0)}}, trial);
   for (const model::Predicted& p : with) EXPECT_NEAR(curvature(p), 1.2 * curvature(without[0]), 1e-9);
 }
 
