@@ -1,6 +1,5 @@
 // The clamp turns by a compliance times the bending moment that it bears; the measured base does not.
 #include "effects.h"
-#include "math/so3.h"
 
 namespace softarm::effects {
 namespace {
@@ -9,19 +8,14 @@ class BaseCompliance : public Described {
  public:
   using Described::Described;
   bool varies_along() const override { return false; }
-  bool needs_strains() const override { return false; }
-  bool needs_shape() const override { return true; }
-  bool answers_evenly() const override { return true; }
   std::optional<std::pair<double, double>> place(const arm::Arm&, const Values&) const override {
     return std::make_pair(0.0, 0.0);
   }
-  void act(const arm::Arm&, const FineRod&, const Values& values, const Instant&, const Shape* shape,
-           const Memory&, rod::Rod& rod) const override {
-    // What the rod exerts on the clamp, about the axes across it. Actuation is inside the arm and does not
-    // reach the clamp: m is that of the whole section.
-    Eigen::Vector3d moment = shape->base_moment_nm;
-    moment.z() = 0.0;
-    rod.q_base = math::exp_so3(values[0] * moment) * rod.q_base;
+  void act(const arm::Arm&, const FineRod&, const Values& values, const Instant&, const Shape*, const Memory&,
+           rod::Rod& rod) const override {
+    // A joint at the rod's start bears the moment of the whole section: actuation is inside the arm and does
+    // not reach the clamp.
+    rod.segments.front().joint_compliance += values[0];
   }
 };
 
