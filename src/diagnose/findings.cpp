@@ -15,33 +15,30 @@ namespace {
 using Eigen::MatrixXd;
 using model::Present;
 
-std::vector<EffectValue> values_of(const Linearised& at, std::size_t effect, const MatrixXd& covariance) {
+std::vector<EffectValue> values_of(const arm::Arm& arm, const Linearised& at, std::size_t effect,
+                                   const MatrixXd& covariance) {
   std::vector<EffectValue> list;
   const Present& present = at.at.effects[effect];
   const model::Info& info = present.effect->info();
   for (std::size_t k = 0; k < info.parameters.size(); ++k) {
+    if (!present.effect->has_parameter(arm, static_cast<int>(k))) continue;
     const model::Parameter& parameter = info.parameters[k];
     EffectValue value;
     value.symbol = parameter.symbol;
     value.unit = parameter.unit;
     value.description = parameter.description;
     value.value = value.low = value.high = present.values[static_cast<Eigen::Index>(k)];
-    bool of_this_arm = true;
     for (std::size_t j = 0; j < at.columns.size(); ++j) {
       const JointUnknown& c = at.columns[j];
       if (c.kind != JointUnknown::Kind::kEffect || c.index != static_cast<int>(effect) ||
           c.parameter != static_cast<int>(k))
         continue;
-      // An input that the arm does not have.
-      of_this_arm = std::any_of(at.derivative.begin(), at.derivative.end(), [&](const MatrixXd& d) {
-        return d.col(static_cast<Eigen::Index>(j)).cwiseAbs().maxCoeff() > 0.0;
-      });
       const double sd =
           c.scale * std::sqrt(covariance(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(j)));
       value.low = std::max(c.low, value.value - kPolicy.words.interval_sd * sd);
       value.high = std::min(c.high, value.value + kPolicy.words.interval_sd * sd);
     }
-    if (of_this_arm) list.push_back(std::move(value));
+    list.push_back(std::move(value));
   }
   return list;
 }
@@ -63,7 +60,7 @@ std::vector<NamedEffect> named_effects(JointModel& model, const Selection& selec
     named.law = present.effect->info().law;
     named.source = present.effect->info().source;
     named.probability = std::min(r.probability, selection.still_there[e]);
-    named.parameters = values_of(selection.extended, e, covariance);
+    named.parameters = values_of(model.arm(), selection.extended, e, covariance);
     named.where = where_is(model, selection.extended, present, contribution(model, selection.extended, e));
     const double without = e == 0 ? selection.first_order_rms_m
                                   : taken_of(selection.rounds[selection.round_of[e - 1]]).unseen.total_rms_m;

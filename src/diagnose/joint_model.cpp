@@ -222,7 +222,9 @@ std::vector<JointUnknown> JointModel::columns(const JointParameters& parameters)
     for (std::size_t k = 0; k < info.parameters.size(); ++k) {
       const model::Parameter& parameter = info.parameters[k];
       // What has no end is no number of the physics, but says where a law was learnt.
-      if (parameter.counts || !std::isfinite(parameter.high)) continue;
+      if (parameter.counts || !std::isfinite(parameter.high) ||
+          !parameters.effects[e].effect->has_parameter(arm_, static_cast<int>(k)))
+        continue;
       const bool size = k < static_cast<std::size_t>(info.sizes);
       const double value = parameters.effects[e].values[static_cast<Eigen::Index>(k)];
       JointUnknown c;

@@ -14,6 +14,9 @@ class PressureOffset : public Described {
   using Described::Described;
   bool varies_along() const override { return false; }
   bool applies_to(const arm::Arm& arm) const override { return !gas_rows(arm).empty(); }
+  bool has_parameter(const arm::Arm& arm, int parameter) const override {
+    return parameter < static_cast<int>(gas_rows(arm).size());
+  }
   void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
     const Rows rows = gas_rows(arm);
     for (std::size_t k = 0; k < rows.size() && k < kMostSensors; ++k) {

@@ -126,6 +126,8 @@ class Effect {
 
   /// Whether the arm has what the effect acts on (tendons, a vacuum, ...).
   virtual bool applies_to(const arm::Arm&) const { return true; }
+  /// Whether the arm has what one of its numbers is about: the fifth sensor of four is no unknown.
+  virtual bool has_parameter(const arm::Arm&, int /*parameter*/) const { return true; }
   /// What to look for: values of the parameters that are no sizes, all combinations that differ enough to be
   /// separated; sizes 0. One entry of zeros and usual values by default.
   virtual std::vector<Values> grid(const arm::Arm& arm, const FineRod& rod) const;
