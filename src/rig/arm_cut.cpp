@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kSame = 1e-6;           // of the length: a payload there hangs at the segment's end
 constexpr double kLeastPart = 2e-3;      // of the length: what is hidden cuts no smaller piece
-constexpr double kElementsAtWall = 3.5;  // times as many, for where the arm lifts off lies between stations
-constexpr double kElementsOfYield = 2;   // likewise, for where a core begins to slip its curvature has a kink
+constexpr double kElementsAtWall = 7;  // times as many, for where the arm lifts off lies between stations
+constexpr double kElementsOfYield = 4;   // likewise, for where a core begins to slip its curvature has a kink
 constexpr int kSoftSpotElements = 8;     // two for each of its edges
 
 /// The fractions within ]from, to[ where a segment is cut, ascending.

@@ -24,7 +24,7 @@ Pose to_pose(const Eigen::Isometry3d& transform) {
 
 /// How many times as many steps what is hidden needs: where it has kinks in time the order falls to one.
 int finer_steps(const Scenario& scenario) {
-  constexpr int kAtSlewLimit = 3, kAtYield = 2;
+  constexpr int kAtSlewLimit = 8, kAtYield = 5;
   if (scenario.input_path.slew_limit) return kAtSlewLimit;
   const auto& core = scenario.body.core;
   if (!core || core->smooth || core->yield_per_m == 0.0) return 1;
