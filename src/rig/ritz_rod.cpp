@@ -111,7 +111,9 @@ void RitzRod::Impl::set_inputs(const RitzRodInputs& to) {
 
 int RitzRod::Impl::highest_order(double dt_s) const {
   const auto damped = [dt_s](const RodPiece& piece) { return piece.retardation_s >= dt_s; };
-  return std::all_of(params.pieces.begin(), params.pieces.end(), damped) ? 3 : 2;
+  const auto rubs = [](const RodLoad& load) { return !load.piece; };
+  const bool smooth = std::none_of(params.loads.begin(), params.loads.end(), rubs);
+  return smooth && std::all_of(params.pieces.begin(), params.pieces.end(), damped) ? 3 : 2;
 }
 
 void RitzRod::Impl::extrapolate(int even) {

@@ -24,12 +24,18 @@ Pose to_pose(const Eigen::Isometry3d& transform) {
 
 /// How many times as many steps what is hidden needs: where it has kinks in time the order falls to one.
 int finer_steps(const Scenario& scenario) {
-  constexpr int kAtSlewLimit = 8, kAtYield = 5;
+  constexpr int kAtSlewLimit = 8, kAtYield = 5, kAtRubbing = 3, kHardlyDamped = 3;
   if (scenario.input_path.slew_limit) return kAtSlewLimit;
   const auto& core = scenario.body.core;
-  if (!core || core->smooth || core->yield_per_m == 0.0) return 1;
-  const bool slips = core->yield_per_m * scenario.arm.length_m() < 2.0 * M_PI;  // bent by less than a turn
-  return slips ? kAtYield : 1;
+  const bool yields = core && !core->smooth && core->yield_per_m != 0.0 &&
+                      core->yield_per_m * scenario.arm.length_m() < 2.0 * M_PI;  // bent by less than a turn
+  if (yields) return kAtYield;
+  if (scenario.body.wall && scenario.body.wall->everywhere) return kAtRubbing;
+  // Below that the rod's differences are of the second order.
+  const double step_s = std::min(scenario.numerics.max_step_s, 1.0 / scenario.mocap.rate_hz);
+  const auto hardly = [step_s](const SegmentSpec& segment) { return segment.retardation_s < step_s; };
+  const auto& segments = scenario.arm.segments;
+  return std::any_of(segments.begin(), segments.end(), hardly) ? kHardlyDamped : 1;
 }
 
 }  // namespace
