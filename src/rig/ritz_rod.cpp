@@ -111,9 +111,7 @@ void RitzRod::Impl::set_inputs(const RitzRodInputs& to) {
 
 int RitzRod::Impl::highest_order(double dt_s) const {
   const auto damped = [dt_s](const RodPiece& piece) { return piece.retardation_s >= dt_s; };
-  const auto rubs = [](const RodLoad& load) { return !load.piece; };
-  const bool smooth = std::none_of(params.loads.begin(), params.loads.end(), rubs);
-  return smooth && std::all_of(params.pieces.begin(), params.pieces.end(), damped) ? 3 : 2;
+  return std::all_of(params.pieces.begin(), params.pieces.end(), damped) ? 3 : 2;
 }
 
 void RitzRod::Impl::extrapolate(int even) {
@@ -188,7 +186,8 @@ bool RitzRod::step(const RitzRodInputs& inputs, double dt_s) {
   const RitzRodInputs saved_inputs = m.inputs;
   const bool at_rest = m.step_s == 0.0, same_step = at_rest || std::abs(dt_s - m.step_s) < 1e-12;
   const int even_steps = same_step ? m.even_steps : 0;
-  const Differences d = Differences::of_order(std::min(even_steps + 1, m.highest_order(dt_s)), dt_s);
+  int order = std::min(even_steps + 1, m.highest_order(dt_s));
+  Differences d = Differences::of_order(order, dt_s);
   State older = std::move(m.oldest);
   m.oldest = std::move(m.before);
   m.before = std::move(m.last);
@@ -196,7 +195,9 @@ bool RitzRod::step(const RitzRodInputs& inputs, double dt_s) {
   m.set_inputs(inputs);
   if (!at_rest) m.extrapolate(even_steps);
   bool ok = m.solve(d, 1.0, m.have_factors && m.factors_rate == d.rate());
-  if (!ok) {  // the extrapolation may have been wild
+  // The extrapolation may have been wild; lower orders come over a blow at a wall more easily.
+  for (; !ok && order > 0; --order) {
+    d = Differences::of_order(order, dt_s);
     m.now.q = m.last.q;
     ok = m.solve(d, 1.0, false);
   }

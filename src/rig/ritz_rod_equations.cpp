@@ -10,7 +10,7 @@ namespace {
 
 /// Of what is left to correct of L u (rad): far below a nanometre at rest, one nanometre in motion. In shorter
 /// steps than kUsualStep_s it must fall with their square, or what is left over would be an acceleration.
-constexpr double kTolerance = 1e-9, kStepTolerance = 5e-9, kUsualStep_s = 2e-3;
+constexpr double kTolerance = 1e-9, kStepTolerance = 1e-9, kUsualStep_s = 2e-3;
 constexpr double kFastContraction = 0.1;  ///< of the corrections: the factors still serve
 constexpr int kMaxIterations = 40;
 

@@ -130,7 +130,7 @@ struct RitzRod::Impl {
 
   /// The order of the differences that a step may have. The third is stable where swinging decays: not for
   /// modes with less than some 7 % of damping whose period is a few steps. Every bending mode has that where
-  /// the wall lags by a step at least. Along a wall that the arm rubs on there is nothing smooth to gain by.
+  /// the wall lags by a step at least.
   int highest_order(double dt_s) const;
   /// now.q as it would be if it went on, where so many instants before the last are a step apart.
   void extrapolate(int even);
