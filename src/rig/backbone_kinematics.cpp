@@ -132,7 +132,8 @@ Eigen::Matrix<double, 12, 1> BackboneKinematics::work_of(const RodMesh& mesh, in
   const Eigen::Vector3d first = t.first.transpose() * moment, second = t.second.transpose() * moment;
   Eigen::Matrix<double, 12, 1> work;
   for (int m = 0; m < 4; ++m)
-    work.segment<3>(3 * m) = b1[static_cast<std::size_t>(m)] * first + b2[static_cast<std::size_t>(m)] * second;
+    work.segment<3>(3 * m) =
+        b1[static_cast<std::size_t>(m)] * first + b2[static_cast<std::size_t>(m)] * second;
   return work;
 }
 

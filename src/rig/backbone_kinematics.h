@@ -33,8 +33,10 @@ struct BackboneKinematics {
   void update(const RodMesh& mesh, const Eigen::VectorXd& q, const std::vector<double>& lengths_m,
               double load);
 
-  /// A moment's work on the 12 local coefficients of an interval: what turns_of() gives, transposed, times it.
-  Eigen::Matrix<double, 12, 1> work_of(const RodMesh& mesh, int interval, const Eigen::Vector3d& moment) const;
+  /// A moment's work on the 12 local coefficients of an interval: what turns_of() gives, transposed, times
+  /// it.
+  Eigen::Matrix<double, 12, 1> work_of(const RodMesh& mesh, int interval,
+                                       const Eigen::Vector3d& moment) const;
   /// Interval k, between stations k and k + 1: what a change of the 12 local coefficients (from 3 * its
   /// element's first function on) turns station k + 1 against station k, as a rotation vector in the base
   /// frame.

@@ -139,8 +139,8 @@ void RitzRod::Impl::remember(const Differences& d) {
     now.payload.col(0) = payload_position();
     now.payload.col(1).setZero();
     if (d.dt > 0.0)
-      now.payload.col(1) =
-          d.apply<Eigen::Vector3d>(now.payload.col(0), last.payload.col(0), before.payload.col(0), oldest.payload.col(0));
+      now.payload.col(1) = d.apply<Eigen::Vector3d>(now.payload.col(0), last.payload.col(0),
+                                                    before.payload.col(0), oldest.payload.col(0));
   }
 }
 

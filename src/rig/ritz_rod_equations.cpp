@@ -8,8 +8,9 @@
 namespace softarm::rig {
 namespace {
 
-/// Of what is left to correct of L u (rad): far below a nanometre at rest, one nanometre in motion. In shorter
-/// steps than kUsualStep_s it must fall with their square, or what is left over would be an acceleration.
+/// Of what is left to correct of L u (rad): far below a nanometre at rest, one nanometre in motion. In
+/// shorter steps than kUsualStep_s it must fall with their square, or what is left over would be an
+/// acceleration.
 constexpr double kTolerance = 1e-9, kStepTolerance = 1e-9, kUsualStep_s = 2e-3;
 constexpr double kFastContraction = 0.1;  ///< of the corrections: the factors still serve
 constexpr int kMaxIterations = 40;
@@ -48,8 +49,9 @@ void RitzRod::Impl::evaluate(const Differences& d, double load) {
       const auto rows = coefficients_of(j, c);
       strain_work = now.q(rows) / lengths_m[j];
       if (d.dt > 0.0 && tau > 0.0)
-        strain_work += tau / d.dt *
-                       (d.a0 * strain_work + d.a1 * last.u(rows) + d.a2 * before.u(rows) + d.a3 * oldest.u(rows));
+        strain_work +=
+            tau / d.dt *
+            (d.a0 * strain_work + d.a1 * last.u(rows) + d.a2 * before.u(rows) + d.a3 * oldest.u(rows));
       residual(rows) = stiffness(j, c) * (basis.gram() * strain_work) -
                        load * inputs.pieces[j].moment_section_nm(c) * basis.integral();
     }
@@ -65,9 +67,9 @@ void RitzRod::Impl::evaluate(const Differences& d, double load) {
   if (!base_yields()) return;
   Eigen::Vector3d spring = base_spring(now.q.head<3>()).moment;
   if (d.dt > 0.0)
-    spring +=
-        params.pieces.front().retardation_s * base_stiffness().cwiseProduct(d.apply<Eigen::Vector3d>(
-                                                  now.q.head<3>(), last.u.head<3>(), before.u.head<3>(), oldest.u.head<3>()));
+    spring += params.pieces.front().retardation_s *
+              base_stiffness().cwiseProduct(d.apply<Eigen::Vector3d>(now.q.head<3>(), last.u.head<3>(),
+                                                                     before.u.head<3>(), oldest.u.head<3>()));
   residual.head<3>() = spring - kinematics.base_turn.transpose() * (beyond + moments[0]);
 }
 

@@ -172,7 +172,7 @@ struct RitzRod::Impl {
   std::vector<Eigen::Matrix3d> load_stiffness;  ///< per station, of the last evaluation
   Eigen::Vector3d payload_force = Eigen::Vector3d::Zero();
   State now, last, before, oldest;
-  double step_s = 0.0;  ///< of the last step; 0 after settle()
+  double step_s = 0.0;              ///< of the last step; 0 after settle()
   int even_steps = kMostEvenSteps;  ///< instants before the last that are a step apart, as far as they matter
   bool have_factors = false;
   double factors_rate = 0.0;  ///< of the differences that they were made with

@@ -60,10 +60,11 @@ void RitzRod::Impl::add_loads(const Differences& d, double load) {
   if (!payload_off_axis()) return;
   payload_force = inputs.payload_kg * load * params.gravity_base_m_s2;
   if (d.dt > 0.0) {
-    const Eigen::Vector3d v =
-        d.apply<Eigen::Vector3d>(payload_position(), last.payload.col(0), before.payload.col(0), oldest.payload.col(0));
+    const Eigen::Vector3d v = d.apply<Eigen::Vector3d>(payload_position(), last.payload.col(0),
+                                                       before.payload.col(0), oldest.payload.col(0));
     payload_force -=
-        inputs.payload_kg * d.apply<Eigen::Vector3d>(v, last.payload.col(1), before.payload.col(1), oldest.payload.col(1));
+        inputs.payload_kg *
+        d.apply<Eigen::Vector3d>(v, last.payload.col(1), before.payload.col(1), oldest.payload.col(1));
   }
   forces[payload_station()] += payload_force;
 }

@@ -24,12 +24,12 @@ Pose to_pose(const Eigen::Isometry3d& transform) {
 
 /// How many times as many steps what is hidden needs: where it has kinks in time the order falls to one.
 int finer_steps(const Scenario& scenario) {
-  constexpr int kAtSlewLimit = 8, kAtYield = 5, kAtRubbing = 3, kHardlyDamped = 3;
+  constexpr int kAtSlewLimit = 8, kAtYield = 5, kAtSmoothYield = 3, kAtRubbing = 3, kHardlyDamped = 3;
   if (scenario.input_path.slew_limit) return kAtSlewLimit;
   const auto& core = scenario.body.core;
-  const bool yields = core && !core->smooth && core->yield_per_m != 0.0 &&
+  const bool yields = core && core->yield_per_m != 0.0 &&
                       core->yield_per_m * scenario.arm.length_m() < 2.0 * M_PI;  // bent by less than a turn
-  if (yields) return kAtYield;
+  if (yields) return core->smooth ? kAtSmoothYield : kAtYield;
   if (scenario.body.wall && scenario.body.wall->everywhere) return kAtRubbing;
   // Below that the rod's differences are of the second order.
   const double step_s = std::min(scenario.numerics.max_step_s, 1.0 / scenario.mocap.rate_hz);

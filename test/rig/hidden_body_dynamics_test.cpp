@@ -203,7 +203,8 @@ TEST(HiddenBodyDynamics, AbsentIsTheIdealArm) {
                              "tether, stiffness_n_per_m: 0",
                              "contact, stiffness_n_per_m: 50, distance_m: 1, azimuth_deg: 0",
                              "hysteresis, form: material, loop_per_m: 0"})
-    EXPECT_LT(largest_difference(rings("hidden: [{effect: " + std::string(hidden) + "}]\n", kFine), ideal), 1e-8)
+    EXPECT_LT(largest_difference(rings("hidden: [{effect: " + std::string(hidden) + "}]\n", kFine), ideal),
+              1e-8)
         << hidden;
 }
 
