@@ -185,7 +185,9 @@ bool RitzRod::step(const RitzRodInputs& inputs, double dt_s) {
   Impl& m = *impl_;
   const RitzRodInputs saved_inputs = m.inputs;
   const bool at_rest = m.step_s == 0.0, same_step = at_rest || std::abs(dt_s - m.step_s) < 1e-12;
-  const int even_steps = same_step ? m.even_steps : 0;
+  // A hand that takes hold is a jump of the accelerations: no differences across it.
+  const bool jump = inputs.hand_damping_n_s_m > 0.0 && saved_inputs.hand_damping_n_s_m == 0.0;
+  const int even_steps = same_step && !jump ? m.even_steps : 0;
   int order = std::min(even_steps + 1, m.highest_order(dt_s));
   Differences d = Differences::of_order(order, dt_s);
   State older = std::move(m.oldest);
