@@ -110,6 +110,7 @@ void RitzRod::Impl::set_inputs(const RitzRodInputs& to) {
 }
 
 int RitzRod::Impl::highest_order(double dt_s) const {
+  if (params.kinked) return 2;
   const auto damped = [dt_s](const RodPiece& piece) { return piece.retardation_s >= dt_s; };
   return std::all_of(params.pieces.begin(), params.pieces.end(), damped) ? 3 : 2;
 }

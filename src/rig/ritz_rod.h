@@ -81,6 +81,9 @@ struct RitzRodParams {
   /// With play: hardly held within it, and beyond it by Hertz's law.
   bool base_bush = false;
   std::vector<RodLoad> loads;
+  /// Sections answer with kinks, as a core that slips does: steps of the second order at most, and each is
+  /// corrected until a correction is small itself, not until the next one should be.
+  bool kinked = false;
 };
 
 /// What may change of one piece from step to step.

@@ -193,7 +193,8 @@ bool RitzRod::Impl::solve(const Differences& d, double load, bool factors_valid)
     const double scale = size > 1.0 ? 1.0 / size : 1.0;
     now.q -= scale * correction;
     // The next correction would be smaller by as much as this one was than the last.
-    const bool small_next = factors_valid && iterations > 1 && size / last_correction * size < tolerance;
+    const bool small_next =
+        !params.kinked && factors_valid && iterations > 1 && size / last_correction * size < tolerance;
     if (size < tolerance || small_next) {
       kinematics.update(mesh, now.q, lengths_m, load);
       if (!section_nodes.empty()) add_sections(d, load);  // what they remember
