@@ -8,11 +8,12 @@
 namespace softarm::rig {
 namespace {
 
-constexpr double kSame = 1e-6;           // of the length: a payload there hangs at the segment's end
-constexpr double kLeastPart = 2e-3;      // of the length: what is hidden cuts no smaller piece
-constexpr double kElementsAtWall = 3.5;  // times as many, for where the arm lifts off lies between stations
-constexpr double kElementsOfYield = 2;   // likewise, for where a core begins to slip its curvature has a kink
-constexpr int kSoftSpotElements = 8;     // two for each of its edges
+constexpr double kSame = 1e-6;          // of the length: a payload there hangs at the segment's end
+constexpr double kLeastPart = 2e-3;     // of the length: what is hidden cuts no smaller piece
+constexpr double kElementsAtWall = 7;   // times as many, for where the arm lifts off lies between stations
+constexpr double kElementsOfCore = 2;   // times as many: six a segment with the defaults
+constexpr double kElementsOfYield = 4;  // likewise, for where a core begins to slip its curvature has a kink
+constexpr int kSoftSpotElements = 8;    // two for each of its edges
 
 /// The fractions within ]from, to[ where a segment is cut, ascending.
 std::vector<double> cuts_within(const Scenario& scenario, double from, double to) {
@@ -30,12 +31,19 @@ std::vector<double> cuts_within(const Scenario& scenario, double from, double to
 }
 
 /// How many times as many elements what is hidden needs.
-double finer(const BodySpec& body) {
+double finer(const Scenario& scenario) {
+  const BodySpec& body = scenario.body;
   if (body.wall && body.wall->everywhere) return kElementsAtWall;
-  return body.core && body.core->yield_per_m > 0.0 && !body.core->smooth ? kElementsOfYield : 1;
+  if (!core_slips(scenario)) return 1;
+  return body.core->smooth ? kElementsOfCore : kElementsOfYield;
 }
 
 }  // namespace
+
+bool core_slips(const Scenario& scenario) {
+  const auto& core = scenario.body.core;
+  return core && core->yield_per_m > 0.0 && core->yield_per_m * scenario.arm.length_m() < 2.0 * M_PI;
+}
 
 std::size_t Cut::ending_at(double fraction) const {
   const auto further = [fraction](const Part& a, const Part& b) {
@@ -79,7 +87,7 @@ RitzRodParams rod_params(const Scenario& scenario, const Cut& cut) {
                          ? std::max(part.least_elements,
                                     static_cast<int>(std::ceil(scenario.numerics.elements * part.share)))
                          : scenario.numerics.elements;
-    piece.elements = static_cast<int>(std::ceil(piece.elements * finer(scenario.body)));
+    piece.elements = static_cast<int>(std::ceil(piece.elements * finer(scenario)));
     piece.share = part.share * segment.length_m / scenario.arm.length_m();
     piece.mass_kg = part.share * segment.mass_kg;
     piece.diameter_m = segment.diameter_m;
@@ -91,6 +99,7 @@ RitzRodParams rod_params(const Scenario& scenario, const Cut& cut) {
   params.air_damping_n_s_m2 = scenario.arm.air_damping_n_s_m2;
   params.gravity_base_m_s2 =
       scenario.mount.q_mocap_base.conjugate() * Eigen::Vector3d(0.0, 0.0, -scenario.gravity_m_s2);
+  params.kinked = core_slips(scenario);
   hide_in_rod(scenario, cut, params);
   return params;
 }

@@ -29,6 +29,9 @@ struct Cut {
   std::size_t ending_at(double fraction) const;
 };
 
+/// Whether there is a jammed core that slips when the arm is bent by less than a turn.
+bool core_slips(const Scenario& scenario);
+
 Cut cut_arm(const Scenario& scenario);
 
 /// The rod of the cut arm.

@@ -16,21 +16,40 @@ Eigen::Vector3d strain(const Eigen::VectorXd& q, int first_function, const Local
   return w;
 }
 
-/// Left Jacobian of SO(3): d exp(Omega) exp(-Omega) = J dOmega.
-Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& omega) {
-  const double angle2 = omega.squaredNorm();
-  double a = 0.0, b = 0.0;
-  if (angle2 < 1e-6) {
-    a = 0.5 - angle2 / 24.0;
-    b = 1.0 / 6.0 - angle2 / 120.0;
-  } else {
-    const double angle = std::sqrt(angle2);
-    a = (1.0 - std::cos(angle)) / angle2;
-    b = (angle - std::sin(angle)) / (angle2 * angle);
-  }
-  const Eigen::Matrix3d hat = cross_matrix(omega);
-  return Eigen::Matrix3d::Identity() + a * hat + b * hat * hat;
+/// I + a [v]x + b [v]x [v]x.
+Eigen::Matrix3d combination(const Eigen::Vector3d& v, double v2, double a, double b) {
+  Eigen::Matrix3d m = b * v * v.transpose();
+  m.diagonal().array() += 1.0 - b * v2;
+  m(0, 1) -= a * v.z();
+  m(0, 2) += a * v.y();
+  m(1, 2) -= a * v.x();
+  m(1, 0) += a * v.z();
+  m(2, 0) -= a * v.y();
+  m(2, 1) += a * v.x();
+  return m;
 }
+
+/// exp(Omega), and the left Jacobian of SO(3): d exp(Omega) exp(-Omega) = J dOmega.
+struct Turn {
+  explicit Turn(const Eigen::Vector3d& omega) {
+    const double t = omega.squaredNorm();
+    double a = 0.0, b = 0.0, c = 0.0;  // sin t / t, (1 - cos t) / t^2, (t - sin t) / t^3
+    if (t < kSeriesBelow) {
+      a = 1.0 - t / 6.0 * (1.0 - t / 20.0 * (1.0 - t / 42.0 * (1.0 - t / 72.0)));
+      b = 0.5 - t / 24.0 * (1.0 - t / 30.0 * (1.0 - t / 56.0 * (1.0 - t / 90.0)));
+      c = 1.0 / 6.0 - t / 120.0 * (1.0 - t / 42.0 * (1.0 - t / 72.0 * (1.0 - t / 110.0)));
+    } else {
+      const double angle = std::sqrt(t), sine = std::sin(angle);
+      a = sine / angle;
+      b = (1.0 - std::cos(angle)) / t;
+      c = (angle - sine) / (t * angle);
+    }
+    rotation = combination(omega, t, a, b);
+    jacobian = combination(omega, t, b, c);
+  }
+  static constexpr double kSeriesBelow = 0.06;  // rad^2: five terms are exact to rounding
+  Eigen::Matrix3d rotation, jacobian;
+};
 
 }  // namespace
 
@@ -41,18 +60,7 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
 }
 
 Eigen::Matrix3d rotation_of(const Eigen::Vector3d& rotation_vector) {
-  const double angle2 = rotation_vector.squaredNorm();
-  double a = 0.0, b = 0.0;
-  if (angle2 < 1e-6) {
-    a = 1.0 - angle2 / 6.0 * (1.0 - angle2 / 20.0);
-    b = 0.5 - angle2 / 24.0 * (1.0 - angle2 / 30.0);
-  } else {
-    const double angle = std::sqrt(angle2);
-    a = std::sin(angle) / angle;
-    b = (1.0 - std::cos(angle)) / angle2;
-  }
-  const Eigen::Matrix3d hat = cross_matrix(rotation_vector);
-  return Eigen::Matrix3d::Identity() + a * hat + b * hat * hat;
+  return Turn(rotation_vector).rotation;
 }
 
 BackboneKinematics::BackboneKinematics(const RodMesh& mesh, const Eigen::Quaterniond& base_attitude)
@@ -70,8 +78,9 @@ void BackboneKinematics::update(const RodMesh& mesh, const Eigen::VectorXd& q,
                                 const std::vector<double>& lengths_m, double load) {
   constexpr int kIntervals = StrainBasis::kIntervals;
   if (mesh.leading_functions() > 0) {
-    rotations[0] = base * rotation_of(q.head<3>());
-    base_turn = base * left_jacobian(q.head<3>());
+    const Turn turn(q.head<3>());
+    rotations[0] = base * turn.rotation;
+    base_turn = base * turn.jacobian;
     base_turn.col(2).setZero();
   }
   for (int e = 0; e < mesh.elements(); ++e) {
@@ -86,14 +95,15 @@ void BackboneKinematics::update(const RodMesh& mesh, const Eigen::VectorXd& q,
       const Eigen::Vector3d w2 = strain(q, element.first_function, b2);
       const double c = kSqrt3Over12 * h * h;
       const Eigen::Vector3d omega = 0.5 * h * (w1 + w2) + c * w1.cross(w2);
-      rotations[k + 1].noalias() = rotations[k] * rotation_of(omega);
-
-      const Eigen::Matrix3d outer = rotations[k] * left_jacobian(omega);
-      const Eigen::Matrix3d a1 = outer * (0.5 * h * Eigen::Matrix3d::Identity() - c * cross_matrix(w2));
-      const Eigen::Matrix3d a2 = outer * (0.5 * h * Eigen::Matrix3d::Identity() + c * cross_matrix(w1));
-      for (int m = 0; m < 4; ++m)
-        turns[k].middleCols<3>(3 * m) =
-            b1[static_cast<std::size_t>(m)] * a1 + b2[static_cast<std::size_t>(m)] * a2;
+      const Turn turn(omega);
+      rotations[k + 1].noalias() = rotations[k] * turn.rotation;
+      const Eigen::Matrix3d outer = rotations[k] * turn.jacobian;
+      // A row of `outer` times [w]x is that row crossed with w.
+      for (int row = 0; row < 3; ++row) {
+        const Eigen::Vector3d o = outer.row(row);
+        turns[k].first.row(row) = 0.5 * h * o - c * o.cross(w2);
+        turns[k].second.row(row) = 0.5 * h * o + c * o.cross(w1);
+      }
     }
     const auto first = static_cast<std::size_t>(e * kIntervals);
     const auto node = static_cast<std::size_t>(e * StrainBasis::kPoints);
@@ -113,6 +123,32 @@ void BackboneKinematics::update(const RodMesh& mesh, const Eigen::VectorXd& q,
   }
 }
 
+Eigen::Matrix<double, 12, 1> BackboneKinematics::work_of(const RodMesh& mesh, int interval,
+                                                         const Eigen::Vector3d& moment) const {
+  const int e = interval / StrainBasis::kIntervals;
+  const auto& [b1, b2] =
+      mesh.piece_of(e).basis.at_gauss(mesh.element(e).local, interval % StrainBasis::kIntervals);
+  const GaussTurns& t = turns[static_cast<std::size_t>(interval)];
+  const Eigen::Vector3d first = t.first.transpose() * moment, second = t.second.transpose() * moment;
+  Eigen::Matrix<double, 12, 1> work;
+  for (int m = 0; m < 4; ++m)
+    work.segment<3>(3 * m) =
+        b1[static_cast<std::size_t>(m)] * first + b2[static_cast<std::size_t>(m)] * second;
+  return work;
+}
+
+BackboneKinematics::LocalJacobian BackboneKinematics::turns_of(const RodMesh& mesh, int interval) const {
+  const int e = interval / StrainBasis::kIntervals;
+  const auto& [b1, b2] =
+      mesh.piece_of(e).basis.at_gauss(mesh.element(e).local, interval % StrainBasis::kIntervals);
+  const GaussTurns& t = turns[static_cast<std::size_t>(interval)];
+  LocalJacobian all;
+  for (int m = 0; m < 4; ++m)
+    all.middleCols<3>(3 * m) =
+        b1[static_cast<std::size_t>(m)] * t.first + b2[static_cast<std::size_t>(m)] * t.second;
+  return all;
+}
+
 void BackboneKinematics::update_jacobians(const RodMesh& mesh, const std::vector<double>& lengths_m) {
   constexpr int kIntervals = StrainBasis::kIntervals;
   Eigen::MatrixXd turned(3 * StrainBasis::kPoints, 3 * mesh.functions());
@@ -125,7 +161,7 @@ void BackboneKinematics::update_jacobians(const RodMesh& mesh, const std::vector
       const int k = first + i;
       auto next = rotation_jacobian.block(3 * (k + 1), 0, 3, columns);
       next = rotation_jacobian.block(3 * k, 0, 3, columns);
-      next.rightCols<12>() += turns[static_cast<std::size_t>(k)];
+      next.rightCols<12>() += turns_of(mesh, k);
     }
     for (int j = 0; j <= kIntervals; ++j)
       turned.block(3 * j, 0, 3, columns).noalias() =

@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <Eigen/StdVector>
 #include <vector>
 
 #include "rod_mesh.h"
@@ -19,16 +18,29 @@ namespace softarm::rig {
 struct BackboneKinematics {
   using Vectors = std::vector<Eigen::Vector3d>;
   using LocalJacobian = Eigen::Matrix<double, 3, 12>;
+  /// What the curvature at the two Gauss points of an interval turns.
+  struct GaussTurns {
+    Eigen::Matrix3d first, second;
+  };
 
   /// @param base_attitude of the first section, before the base turns
   BackboneKinematics(const RodMesh& mesh, const Eigen::Quaterniond& base_attitude);
 
-  /// Rotations, local derivatives and positions.
+  /// Rotations, what turns them, and positions.
   /// @param q coefficients, three components of function m at 3 m ... 3 m + 2
   /// @param lengths_m of the pieces
   /// @param load scale of node_forces
   void update(const RodMesh& mesh, const Eigen::VectorXd& q, const std::vector<double>& lengths_m,
               double load);
+
+  /// A moment's work on the 12 local coefficients of an interval: what turns_of() gives, transposed, times
+  /// it.
+  Eigen::Matrix<double, 12, 1> work_of(const RodMesh& mesh, int interval,
+                                       const Eigen::Vector3d& moment) const;
+  /// Interval k, between stations k and k + 1: what a change of the 12 local coefficients (from 3 * its
+  /// element's first function on) turns station k + 1 against station k, as a rotation vector in the base
+  /// frame.
+  LocalJacobian turns_of(const RodMesh& mesh, int interval) const;
 
   /// rotation_jacobian and position_jacobian of all stations, from the last update().
   void update_jacobians(const RodMesh& mesh, const std::vector<double>& lengths_m);
@@ -48,10 +60,7 @@ struct BackboneKinematics {
   Vectors tangents;                        ///< per node: derivative of the position by arclength at no strain
   std::vector<Eigen::Matrix3d> rotations;  ///< per station
   Vectors positions;                       ///< per station, m, base frame
-  /// Interval k, between stations k and k + 1: what a change of the 12 local coefficients (from 3 * its
-  /// element's first function on) turns station k + 1 against station k, as a rotation vector in the base
-  /// frame.
-  std::vector<LocalJacobian, Eigen::aligned_allocator<LocalJacobian>> turns;
+  std::vector<GaussTurns> turns;           ///< per interval, in the base frame
   /// What a change of the base's rotation vector turns; its z component is held.
   Eigen::Matrix3d base_turn = Eigen::Matrix3d::Zero();
   /// 3 stations x coefficients: rotation vector in the base frame, and position, per coefficient.

@@ -114,7 +114,9 @@ Commands Protocol::at(double t_s) const {
   const double since = t - to.t_s;
   if (from == to.values[0]) return commands;
   commands.payload_kg = from + (to.values[0] - from) * smooth_ramp(since / payload.ramp_s);
-  if (since < payload.steady_s)  // the hand lets go over the last quarter
+  // The hand takes hold at once, right after the instant: a step of the integration that ends there is still
+  // free. It lets go over the last quarter.
+  if (since > 0.0 && since < payload.steady_s)
     commands.hand_damping_n_s_m =
         payload.hand_damping_n_s_m * (1.0 - smooth_ramp((since / payload.steady_s - 0.75) / 0.25));
   return commands;

@@ -28,6 +28,7 @@ RitzRod::Impl::Impl(const RitzRodParams& rod_params)
       drag(stations),
       inertia(stations),
       arclength_m(stations),
+      past(stations),
       forces(stations),
       moments(stations),
       tangent_forces(static_cast<std::size_t>(StrainBasis::kPoints * mesh.elements())),
@@ -52,7 +53,7 @@ RitzRod::Impl::Impl(const RitzRodParams& rod_params)
   now.core_stiffness_nm2.assign(lengths_m.size(), 0.0);
   kinematics.update(mesh, now.q, lengths_m, 1.0);
   remember(Differences{});
-  last = before = now;
+  last = before = oldest = now;
 }
 
 void RitzRod::Impl::set_inputs(const RitzRodInputs& to) {
@@ -108,6 +109,19 @@ void RitzRod::Impl::set_inputs(const RitzRodInputs& to) {
   }
 }
 
+int RitzRod::Impl::highest_order(double dt_s) const {
+  if (params.kinked) return 2;
+  const auto damped = [dt_s](const RodPiece& piece) { return piece.retardation_s >= dt_s; };
+  return std::all_of(params.pieces.begin(), params.pieces.end(), damped) ? 3 : 2;
+}
+
+void RitzRod::Impl::extrapolate(int even) {
+  if (even >= 2)
+    now.q = 3.0 * (last.q - before.q) + oldest.q;
+  else if (even == 1)
+    now.q = 2.0 * last.q - before.q;
+}
+
 void RitzRod::Impl::remember(const Differences& d) {
   now.u = now.q;
   for (std::size_t j = 0; j < lengths_m.size(); ++j)
@@ -116,7 +130,7 @@ void RitzRod::Impl::remember(const Differences& d) {
     Station& s = now.stations[k];
     s.x = station_x(k);
     if (d.dt > 0.0)
-      s.v = d.apply(s.x, last.stations[k].x, before.stations[k].x);
+      s.v = d.apply(s.x, last.stations[k].x, before.stations[k].x, oldest.stations[k].x);
     else
       s.v.setZero();
   }
@@ -126,8 +140,8 @@ void RitzRod::Impl::remember(const Differences& d) {
     now.payload.col(0) = payload_position();
     now.payload.col(1).setZero();
     if (d.dt > 0.0)
-      now.payload.col(1) =
-          d.apply<Eigen::Vector3d>(now.payload.col(0), last.payload.col(0), before.payload.col(0));
+      now.payload.col(1) = d.apply<Eigen::Vector3d>(now.payload.col(0), last.payload.col(0),
+                                                    before.payload.col(0), oldest.payload.col(0));
   }
 }
 
@@ -162,36 +176,47 @@ bool RitzRod::settle(const RitzRodInputs& inputs) {
     }
   }
   m.remember(Differences{});
-  m.last = m.before = m.now;
+  m.last = m.before = m.oldest = m.now;
   m.step_s = 0.0;
+  m.even_steps = kMostEvenSteps;
   return true;
 }
 
 bool RitzRod::step(const RitzRodInputs& inputs, double dt_s) {
   Impl& m = *impl_;
   const RitzRodInputs saved_inputs = m.inputs;
-  const bool same_step = m.step_s == 0.0 || std::abs(dt_s - m.step_s) < 1e-12;
-  const Differences d = same_step ? Differences{dt_s, 1.5, -2.0, 0.5} : Differences{dt_s, 1.0, -1.0, 0.0};
-  const State older = m.before;
-  m.before = m.last;
+  const bool at_rest = m.step_s == 0.0, same_step = at_rest || std::abs(dt_s - m.step_s) < 1e-12;
+  // A hand that takes hold is a jump of the accelerations: no differences across it.
+  const bool jump = inputs.hand_damping_n_s_m > 0.0 && saved_inputs.hand_damping_n_s_m == 0.0;
+  const int even_steps = same_step && !jump ? m.even_steps : 0;
+  int order = std::min(even_steps + 1, m.highest_order(dt_s));
+  Differences d = Differences::of_order(order, dt_s);
+  State older = std::move(m.oldest);
+  m.oldest = std::move(m.before);
+  m.before = std::move(m.last);
   m.last = m.now;
   m.set_inputs(inputs);
-  if (same_step && m.step_s > 0.0) m.now.q = 2.0 * m.last.q - m.before.q;
-  bool ok = m.solve(d, 1.0, m.have_factors && same_step);
-  if (!ok) {  // the extrapolation may have been wild
+  if (!at_rest) m.extrapolate(even_steps);
+  bool ok = m.solve(d, 1.0, m.have_factors && m.factors_rate == d.rate());
+  // The extrapolation may have been wild; lower orders come over a blow at a wall more easily.
+  for (; !ok && order > 0; --order) {
+    d = Differences::of_order(order, dt_s);
     m.now.q = m.last.q;
     ok = m.solve(d, 1.0, false);
   }
   if (!ok) {
-    m.now = m.last;
-    m.last = m.before;
-    m.before = older;
+    m.now = std::move(m.last);
+    m.last = std::move(m.before);
+    m.before = std::move(m.oldest);
+    m.oldest = std::move(older);
     m.set_inputs(saved_inputs);
     m.kinematics.update(m.mesh, m.now.q, m.lengths_m, 1.0);
     m.have_factors = false;
     return false;
   }
-  m.have_factors = same_step;
+  m.have_factors = true;
+  m.factors_rate = d.rate();
+  m.even_steps = std::min(even_steps + 1, kMostEvenSteps);
   m.step_s = dt_s;
   m.remember(d);
   return true;

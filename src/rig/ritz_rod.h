@@ -16,11 +16,12 @@
 // it; nor do the forces of hoses and walls stretch the rod.
 //
 // Time: every material station has a position x and two section directors d1, d2, which carry its mass and
-// rotary inertia (like a disc's). Their accelerations are those of BDF2 in Cartesian space, so that no
-// Coriolis terms appear, and the equations of motion are d'Alembert's principle projected on dq:
+// rotary inertia (like a disc's). Their accelerations are those of backward differences in Cartesian space,
+// so that no Coriolis terms appear, and the equations of motion are d'Alembert's principle projected on dq:
 //   sum_k J_k(q)^T (m_k a_k - m_k g + c_k v_k) + K(w + tau w') - B M = 0,
-// solved by Newton's method with the geometric stiffness of all forces. Unconditionally stable, second order
-// in time, fourth order or better in space.
+// solved by Newton's method with the geometric stiffness of all forces. Third order in time where
+// every wall lags by a step at least, else second order and unconditionally stable; fourth order or better in
+// space.
 #pragma once
 
 #include <Eigen/Core>
@@ -80,6 +81,9 @@ struct RitzRodParams {
   /// With play: hardly held within it, and beyond it by Hertz's law.
   bool base_bush = false;
   std::vector<RodLoad> loads;
+  /// Sections answer with kinks, as a core that slips does: steps of the second order at most, and each is
+  /// corrected until a correction is small itself, not until the next one should be.
+  bool kinked = false;
 };
 
 /// What may change of one piece from step to step.

@@ -8,9 +8,11 @@
 namespace softarm::rig {
 namespace {
 
-/// Of a Newton correction of L u (rad): far below a nanometre. In shorter steps than kUsualStep_s it must
-/// fall with their square, or what is left over would be an acceleration.
-constexpr double kStepTolerance = 1e-9, kUsualStep_s = 2e-3;
+/// Of what is left to correct of L u (rad): far below a nanometre at rest, one nanometre in motion. In
+/// shorter steps than kUsualStep_s it must fall with their square, or what is left over would be an
+/// acceleration.
+constexpr double kTolerance = 1e-9, kStepTolerance = 1e-9, kUsualStep_s = 2e-3;
+constexpr double kFastContraction = 0.1;  ///< of the corrections: the factors still serve
 constexpr int kMaxIterations = 40;
 
 /// The station of a node.
@@ -22,13 +24,13 @@ int station_of(int node) {
 
 void RitzRod::Impl::evaluate(const Differences& d, double load) {
   kinematics.update(mesh, now.q, lengths_m, load);
+  const double rate = d.rate();
   for (std::size_t k = 0; k < stations; ++k) {
     forces[k] = mass[k] * load * params.gravity_base_m_s2;
     director_forces[k].setZero();
     if (d.dt > 0.0) {
-      const Eigen::Matrix3d x = station_x(k);
-      const Eigen::Matrix3d v = d.apply(x, last.stations[k].x, before.stations[k].x);
-      const Eigen::Matrix3d a = d.apply(v, last.stations[k].v, before.stations[k].v);
+      const Eigen::Matrix3d v = rate * station_x(k) + past[k].x;
+      const Eigen::Matrix3d a = rate * v + past[k].v;
       forces[k] -= mass[k] * a.col(0) + drag[k] * v.col(0);
       director_forces[k] = -inertia[k] * a.rightCols<2>();
     }
@@ -47,7 +49,9 @@ void RitzRod::Impl::evaluate(const Differences& d, double load) {
       const auto rows = coefficients_of(j, c);
       strain_work = now.q(rows) / lengths_m[j];
       if (d.dt > 0.0 && tau > 0.0)
-        strain_work += tau / d.dt * (d.a0 * strain_work + d.a1 * last.u(rows) + d.a2 * before.u(rows));
+        strain_work +=
+            tau / d.dt *
+            (d.a0 * strain_work + d.a1 * last.u(rows) + d.a2 * before.u(rows) + d.a3 * oldest.u(rows));
       residual(rows) = stiffness(j, c) * (basis.gram() * strain_work) -
                        load * inputs.pieces[j].moment_section_nm(c) * basis.integral();
     }
@@ -58,14 +62,14 @@ void RitzRod::Impl::evaluate(const Differences& d, double load) {
   for (std::size_t k = stations - 1; k-- > 0;) {
     beyond += moments[k + 1];
     const int first = 3 * mesh.element(static_cast<int>(k) / StrainBasis::kIntervals).first_function;
-    residual.segment<12>(first).noalias() -= kinematics.turns[k].transpose() * beyond;
+    residual.segment<12>(first) -= kinematics.work_of(mesh, static_cast<int>(k), beyond);
   }
   if (!base_yields()) return;
   Eigen::Vector3d spring = base_spring(now.q.head<3>()).moment;
   if (d.dt > 0.0)
-    spring +=
-        params.pieces.front().retardation_s * base_stiffness().cwiseProduct(d.apply<Eigen::Vector3d>(
-                                                  now.q.head<3>(), last.u.head<3>(), before.u.head<3>()));
+    spring += params.pieces.front().retardation_s *
+              base_stiffness().cwiseProduct(d.apply<Eigen::Vector3d>(now.q.head<3>(), last.u.head<3>(),
+                                                                     before.u.head<3>(), oldest.u.head<3>()));
   residual.head<3>() = spring - kinematics.base_turn.transpose() * (beyond + moments[0]);
 }
 
@@ -133,7 +137,7 @@ void RitzRod::Impl::factorise(const Differences& d) {
     beyond += moments[static_cast<std::size_t>(k) + 1];
     const int first = 3 * mesh.element(k / kIntervals).first_function, columns = first + 12;
     matrix.block(first, 0, 12, columns).noalias() -=
-        0.5 * (kinematics.turns[static_cast<std::size_t>(k)].transpose() * cross_matrix(beyond)) *
+        0.5 * (kinematics.turns_of(mesh, k).transpose() * cross_matrix(beyond)) *
         (kinematics.rotation_jacobian.block(3 * k, 0, 3, columns) +
          kinematics.rotation_jacobian.block(3 * k + 3, 0, 3, columns));
   }
@@ -171,8 +175,13 @@ Eigen::Matrix3d RitzRod::Impl::moment_stiffness(std::size_t k, double rate2) con
 
 bool RitzRod::Impl::solve(const Differences& d, double load, bool factors_valid) {
   const double shortness = d.dt > 0.0 ? std::min(1.0, d.dt / kUsualStep_s) : 1.0;
-  const double tolerance = kStepTolerance * shortness * shortness;
+  const double tolerance = d.dt > 0.0 ? kStepTolerance * shortness * shortness : kTolerance;
   double last_correction = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < stations && d.dt > 0.0; ++k) {
+    const Eigen::Matrix3d zero = Eigen::Matrix3d::Zero();
+    past[k].x = d.apply(zero, last.stations[k].x, before.stations[k].x, oldest.stations[k].x);
+    past[k].v = d.apply(zero, last.stations[k].v, before.stations[k].v, oldest.stations[k].v);
+  }
   evaluate(d, load);
   for (iterations = 1; iterations <= kMaxIterations; ++iterations) {
     if (!factors_valid) factorise(d);
@@ -180,11 +189,18 @@ bool RitzRod::Impl::solve(const Differences& d, double load, bool factors_valid)
     double size = correction.lpNorm<Eigen::Infinity>();
     if (!(size < 1e6)) return false;  // also refuses NaN
     // Slow convergence: the factors are too old, or the shape turned too far from them.
-    factors_valid = size < 0.1 * last_correction;
+    factors_valid = size < kFastContraction * last_correction;
     const double scale = size > 1.0 ? 1.0 / size : 1.0;
     now.q -= scale * correction;
+    // The next correction would be smaller by as much as this one was than the last.
+    const bool small_next =
+        !params.kinked && factors_valid && iterations > 1 && size / last_correction * size < tolerance;
+    if (size < tolerance || small_next) {
+      kinematics.update(mesh, now.q, lengths_m, load);
+      if (!section_nodes.empty()) add_sections(d, load);  // what they remember
+      return true;
+    }
     evaluate(d, load);
-    if (size < tolerance) return true;
     last_correction = size;
   }
   return false;

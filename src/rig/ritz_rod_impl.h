@@ -11,15 +11,21 @@
 
 namespace softarm::rig {
 
-/// v = (a0 x + a1 x_n + a2 x_(n-1)) / dt: BDF2, or backward Euler in the first step after a change of step.
+/// v = (a0 x + a1 x_n + a2 x_(n-1) + a3 x_(n-2)) / dt: backward differences of order one to three.
 struct Differences {
   double dt = 0.0;  ///< 0: statics, no rates at all
-  double a0 = 0.0, a1 = 0.0, a2 = 0.0;
+  double a0 = 0.0, a1 = 0.0, a2 = 0.0, a3 = 0.0;
 
+  static Differences of_order(int order, double dt_s) {
+    if (order == 1) return {dt_s, 1.0, -1.0, 0.0, 0.0};
+    if (order == 2) return {dt_s, 1.5, -2.0, 0.5, 0.0};
+    return {dt_s, 11.0 / 6.0, -3.0, 1.5, -1.0 / 3.0};
+  }
   double rate() const { return dt > 0.0 ? a0 / dt : 0.0; }
+  /// Of what is `now` and was at the three instants before, the latest first.
   template <typename Derived>
-  Derived apply(const Derived& now, const Derived& last, const Derived& before) const {
-    return (a0 * now + a1 * last + a2 * before) / dt;
+  Derived apply(const Derived& now, const Derived& last, const Derived& before, const Derived& oldest) const {
+    return (a0 * now + a1 * last + a2 * before + a3 * oldest) / dt;
   }
 };
 
@@ -28,6 +34,8 @@ struct Station {
   Eigen::Matrix3d x = Eigen::Matrix3d::Zero();  ///< columns: position (m), d1, d2
   Eigen::Matrix3d v = Eigen::Matrix3d::Zero();
 };
+
+constexpr int kMostEvenSteps = 3;  ///< further back nothing is looked at
 
 /// Everything that is remembered of an instant.
 struct State {
@@ -120,7 +128,14 @@ struct RitzRod::Impl {
     return x;
   }
 
-  /// Fills `now` from the kinematics and the two instants before.
+  /// The order of the differences that a step may have. The third is stable where swinging decays: not for
+  /// modes with less than some 7 % of damping whose period is a few steps. Every bending mode has that where
+  /// the wall lags by a step at least.
+  int highest_order(double dt_s) const;
+  /// now.q as it would be if it went on, where so many instants before the last are a step apart.
+  void extrapolate(int even);
+
+  /// Fills `now` from the kinematics and the instants before.
   void remember(const Differences& d);
 
   /// Residual of the equations of motion for now.q. @param load scale of gravity, actuation and tip force
@@ -156,11 +171,14 @@ struct RitzRod::Impl {
   std::vector<double> virgin_memory;            ///< zeros
   std::vector<Eigen::Matrix3d> load_stiffness;  ///< per station, of the last evaluation
   Eigen::Vector3d payload_force = Eigen::Vector3d::Zero();
-  State now, last, before;
-  double step_s = 0.0;  ///< of the last step; 0 after settle()
+  State now, last, before, oldest;
+  double step_s = 0.0;              ///< of the last step; 0 after settle()
+  int even_steps = kMostEvenSteps;  ///< instants before the last that are a step apart, as far as they matter
   bool have_factors = false;
+  double factors_rate = 0.0;  ///< of the differences that they were made with
   int iterations = 0;
 
+  std::vector<Station> past;  ///< what the instants before add to the rates of this step
   BackboneKinematics::Vectors forces, moments;
   BackboneKinematics::Vectors tangent_forces;  ///< per node
   std::vector<Eigen::Matrix<double, 3, 2>> director_forces;

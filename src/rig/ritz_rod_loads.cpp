@@ -52,7 +52,7 @@ void RitzRod::Impl::add_loads(const Differences& d, double load) {
       Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
       if (d.dt > 0.0)
         velocity = d.apply<Eigen::Vector3d>(kinematics.positions[k], last.stations[k].x.col(0),
-                                            before.stations[k].x.col(0));
+                                            before.stations[k].x.col(0), oldest.stations[k].x.col(0));
       const PointForce force = rod_load.law->at(kinematics.positions[k], velocity);
       forces[k] += load * amount * force.force_n;
       load_stiffness[k] += load * amount * (force.stiffness_n_per_m + d.rate() * force.damping_n_s_per_m);
@@ -60,10 +60,11 @@ void RitzRod::Impl::add_loads(const Differences& d, double load) {
   if (!payload_off_axis()) return;
   payload_force = inputs.payload_kg * load * params.gravity_base_m_s2;
   if (d.dt > 0.0) {
-    const Eigen::Vector3d v =
-        d.apply<Eigen::Vector3d>(payload_position(), last.payload.col(0), before.payload.col(0));
+    const Eigen::Vector3d v = d.apply<Eigen::Vector3d>(payload_position(), last.payload.col(0),
+                                                       before.payload.col(0), oldest.payload.col(0));
     payload_force -=
-        inputs.payload_kg * d.apply<Eigen::Vector3d>(v, last.payload.col(1), before.payload.col(1));
+        inputs.payload_kg *
+        d.apply<Eigen::Vector3d>(v, last.payload.col(1), before.payload.col(1), oldest.payload.col(1));
   }
   forces[payload_station()] += payload_force;
 }

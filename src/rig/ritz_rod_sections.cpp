@@ -50,7 +50,7 @@ void RitzRod::Impl::add_sections(const Differences& d, double load) {
     const Eigen::Vector3d u_last = d.dt > 0.0 ? at(node, last.u) : Eigen::Vector3d(Eigen::Vector3d::Zero());
     Eigen::Vector3d work = u;
     if (d.dt > 0.0 && piece.retardation_s > 0.0)
-      work += piece.retardation_s * d.apply(u, u_last, at(node, before.u));
+      work += piece.retardation_s * d.apply(u, u_last, at(node, before.u), at(node, oldest.u));
     Eigen::Vector3d moment =
         stiffness.cwiseProduct(work) - load * node.ratios.actuation * in.moment_section_nm;
     if (!piece.laws.empty()) {

@@ -235,8 +235,8 @@ struct MocapSpec {
 
 /// Numerics: see ritz_rod.h.
 struct NumericsSpec {
-  int elements = 6;                 ///< cubic spline elements along each segment
-  double max_step_s = 1.0 / 960.0;  ///< of the time integration
+  int elements = 3;                 ///< cubic spline elements along each segment
+  double max_step_s = 1.0 / 360.0;  ///< of the time integration
 };
 
 struct Scenario {

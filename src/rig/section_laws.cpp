@@ -201,7 +201,10 @@ class Core : public SectionLaw {
     Vector2d elastic = u - reference;
     Matrix2d tangent = (1.0 - moved) * Matrix2d::Identity();
     if (law_.yield_per_m > 0.0 && law_.smooth) {
-      const Vector2d start = (step.last_curvature - reference) / law_.yield_per_m;
+      Vector2d start = (step.last_curvature - reference) / law_.yield_per_m;
+      // What comes in where the arm is bent far slips at once. Beyond the yield the model would soften with
+      // bending: no rod has a definite shape then.
+      if (start.norm() > 1.0) start.normalize();
       Matrix2d slip;
       elastic = law_.yield_per_m * bouc_wen_along(start, (u - step.last_curvature) / law_.yield_per_m, slip);
       tangent = (1.0 - moved) * slip;

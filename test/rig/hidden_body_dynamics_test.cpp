@@ -123,7 +123,7 @@ TEST(HiddenBodyDynamics, LetGoTheEnergyOnlyFallsWhateverIsHidden) {
   }
 }
 
-TEST(HiddenBodyDynamics, SecondOrderInTimeWithLawsAndLoads) {
+TEST(HiddenBodyDynamics, ThirdOrderInTimeWithLawsAndLoads) {
   const auto tip_after = [](int steps) {
     HiddenArm arm;
     arm.scenario.mount.q_mocap_base = Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0);
@@ -147,11 +147,11 @@ TEST(HiddenBodyDynamics, SecondOrderInTimeWithLawsAndLoads) {
     return Eigen::Vector3d(rod.pose(1.0).translation());
   };
   const Eigen::Vector3d coarse = tip_after(120), middle = tip_after(240), fine = tip_after(480);
-  EXPECT_NEAR(std::log2((coarse - middle).norm() / (middle - fine).norm()), 2.0, 0.3);
+  EXPECT_NEAR(std::log2((coarse - middle).norm() / (middle - fine).norm()), 3.0, 0.3);
 }
 
 /// The truth's rings at some instants of a second with the first chamber blown up and vacuum drawn.
-std::vector<Eigen::Vector3d> rings(const std::string& hidden) {
+std::vector<Eigen::Vector3d> rings(const std::string& hidden, int elements = NumericsSpec{}.elements) {
   std::string text = kScenarioText;
   const auto replace = [&text](const std::string& from, const std::string& to) {
     ASSERT_NE(text.find(from), std::string::npos);
@@ -163,7 +163,7 @@ std::vector<Eigen::Vector3d> rings(const std::string& hidden) {
   text +=
       "vacuum:\n  ramp_s: 0.3\n  schedule:\n    - {t_s: 0, vacuum_pa: 0}\n    - {t_s: 0.7, vacuum_pa: "
       "40000}\n";
-  text += "numerics: {max_step_s: 0.0021}\n";
+  text += "numerics: {max_step_s: 0.0021, elements: " + std::to_string(elements) + "}\n";
   Simulator simulator(parse_scenario(text + hidden, "case.yaml"));
   std::vector<Eigen::Vector3d> result;
   std::size_t frame = 0;
@@ -181,7 +181,8 @@ double largest_difference(const std::vector<Eigen::Vector3d>& a, const std::vect
 }
 
 TEST(HiddenBodyDynamics, AbsentIsTheIdealArm) {
-  const std::vector<Eigen::Vector3d> ideal = rings("");
+  constexpr int kFine = 6;  // the arm is cut in another way where something is hidden
+  const std::vector<Eigen::Vector3d> ideal = rings("", kFine);
   for (const char* hidden : {"stiffness_taper, share: 0",
                              "actuation_taper, share: 0",
                              "soft_spot, centre_fraction: 0.5, width_fraction: 0.2, share: 0",
@@ -202,7 +203,8 @@ TEST(HiddenBodyDynamics, AbsentIsTheIdealArm) {
                              "tether, stiffness_n_per_m: 0",
                              "contact, stiffness_n_per_m: 50, distance_m: 1, azimuth_deg: 0",
                              "hysteresis, form: material, loop_per_m: 0"})
-    EXPECT_LT(largest_difference(rings("hidden: [{effect: " + std::string(hidden) + "}]\n"), ideal), 1e-8)
+    EXPECT_LT(largest_difference(rings("hidden: [{effect: " + std::string(hidden) + "}]\n", kFine), ideal),
+              1e-8)
         << hidden;
 }
 

@@ -225,6 +225,17 @@ TEST(HiddenSections, CoreSlipsAtItsYieldMoment) {
   EXPECT_NEAR(smooth.to({0.0, 80.0}, 0.01, core).y(), rest * 80.0 + core * yield, 1e-12);
 }
 
+TEST(HiddenSections, CoreThatComesInWhereTheArmIsBentFarHoldsNoMoreThanItsYield) {
+  const double core = 0.01, yield = 2.0, rest = kEi - core;
+  for (const bool smooth : {false, true}) {
+    Section section(jammed_core({0.0, yield, smooth}));
+    section.to({0.0, 8.0}, 0.01, 0.0);
+    EXPECT_NEAR(section.to({0.0, 8.0}, 0.01, core).y(), rest * 8.0 + core * yield, 1e-15) << smooth;
+    EXPECT_NEAR(section.to({0.0, 8.1}, 0.01, core).y(), rest * 8.1 + core * yield, 1e-15) << smooth;
+    EXPECT_NEAR(section.to({0.0, 8.0}, 0.01, core).y(), rest * 8.0 + core * (yield - 0.1), 1e-15) << smooth;
+  }
+}
+
 TEST(HiddenSections, StiffnessByDirection) {
   const double azimuth = 0.7;
   const Vector2d towards(-std::sin(azimuth), std::cos(azimuth)), across(-towards.y(), towards.x());

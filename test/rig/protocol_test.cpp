@@ -113,6 +113,8 @@ TEST(Protocol, PayloadChangesSmoothlyWithAHandAtTheTipAndRepeats) {
   const Protocol protocol(s);
   EXPECT_DOUBLE_EQ(protocol.at(0.05).payload_kg, 0.1);  // no change at the start
   EXPECT_EQ(protocol.at(0.05).hand_damping_n_s_m, 0.0);
+  EXPECT_EQ(protocol.at(5.0).hand_damping_n_s_m, 0.0);
+  EXPECT_EQ(protocol.at(5.0 + 1e-6).hand_damping_n_s_m, s.payload.hand_damping_n_s_m);  // takes hold at once
   EXPECT_NEAR(protocol.at(5.1).payload_kg, 0.15, 1e-12);
   EXPECT_GT(protocol.at(5.1).hand_damping_n_s_m, 0.0);
   EXPECT_DOUBLE_EQ(protocol.at(5.3).payload_kg, 0.2);

@@ -13,6 +13,7 @@
 #include "rig/campaign.h"
 #include "rig/effect_size.h"
 #include "rig/simulator.h"
+#include "rig/truth_yaml.h"
 #include "signal.h"
 #include "softarm/arm/arm_file.h"
 #include "softarm/command.h"
@@ -119,11 +120,9 @@ class Case {
       const std::string name = name_of(i);
       known["trials"].push_back(name + ".bag");
       fs::rename(trials / (name + ".truth.yaml"), sealed / (name + ".truth.yaml"));
-      // Megabytes that nothing is scored by; the constants and the seed make them again.
-      for (const char* end : {".truth.csv", ".truth.sha256"}) fs::remove(trials / (name + end));
     }
-    write(sealed / "case.json", truth_);
-    write(trials / "case.json", known);
+    write(sealed / "case.json", truth_.dump(1) + '\n');
+    write(trials / "case.json", known.dump(1) + '\n');
     fs::create_directories(options_.folder.parent_path());
     fs::create_directories(options_.truth.parent_path());
     fs::remove_all(options_.truth);
@@ -144,9 +143,9 @@ class Case {
 
   static std::string name_of(std::size_t i) { return fmt::format("trial_{:02}", i + 1); }
 
-  static void write(const fs::path& path, const Json& json) {
+  static void write(const fs::path& path, const std::string& text) {
     std::ofstream file(path);
-    file << json.dump(1) << '\n';
+    file << text;
     file.close();
     if (!file) throw Failure(fmt::format("{}: cannot be written", path.string()));
   }
@@ -193,7 +192,9 @@ class Case {
       } catch (const std::invalid_argument& error) {
         throw NotThisOne(error.what());
       }
-      app::record_trial(scenario, bags[i], path / (name_of(i) + ".truth.csv"), [] {});
+      // No series of the truth: nothing is scored by it; the constants and the seed make it again.
+      app::record_bag(scenario, bags[i], [](const rig::Sample&) {});
+      if (folder == "trials") write(path / (name_of(i) + ".truth.yaml"), rig::truth_yaml(scenario));
     });
     std::vector<trial::Trial> trials = app::read_trials(bags, arm_, true, options_.jobs);
     if (folder != "trials") fs::remove_all(path);

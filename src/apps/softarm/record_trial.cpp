@@ -31,6 +31,29 @@ void record(rig::ReceiptQueue& queue, double until_s, double epoch_s, RigMessage
 
 }  // namespace
 
+RecordedBag record_bag(const rig::Scenario& scenario, const fs::path& bag_path,
+                       const std::function<void(const rig::Sample&)>& on_sample,
+                       const std::optional<arm::Arm>& arm) {
+  rig::Simulator simulator(scenario);
+  RigMessages messages(simulator, arm);
+  TrialBagWriter bag(bag_path.string());
+  rig::ReceiptQueue queue;
+  const double epoch_s = kTrialEpochS + scenario.session_s;
+  RecordedBag recorded;
+  while (const std::optional<rig::Sample> sample = simulator.next()) {
+    queue.add(*sample);
+    record(queue, sample->stamp_s, epoch_s, messages, bag);
+    recorded.duration_s = sample->stamp_s;
+    ++recorded.frames;
+    on_sample(*sample);
+  }
+  record(queue, std::numeric_limits<double>::infinity(), epoch_s, messages, bag);
+  bag.close();
+  recorded.messages = bag.messages();
+  recorded.bodies_lost = simulator.dropouts();
+  return recorded;
+}
+
 RecordedTrial record_trial(const rig::Scenario& scenario, const fs::path& bag_path,
                            const fs::path& truth_path, const std::function<void()>& on_frame,
                            const std::optional<arm::Arm>& arm, const Replacing& replacing) {
@@ -39,29 +62,19 @@ RecordedTrial record_trial(const rig::Scenario& scenario, const fs::path& bag_pa
   OutputFile description_file(fs::path(truth_path).replace_extension(".yaml"), replacing);
   OutputFile seal_file(fs::path(truth_path).replace_extension(".sha256"), replacing);
 
-  rig::Simulator simulator(scenario);
-  RigMessages messages(simulator, arm);
-  TrialBagWriter bag(bag_file.temporary().string());
-  rig::ReceiptQueue queue;
   std::ofstream series(series_file.temporary());
   rig::write_truth_header(series, scenario);
-  const double epoch_s = kTrialEpochS + scenario.session_s;
   RecordedTrial recorded;
-  while (const std::optional<rig::Sample> sample = simulator.next()) {
-    queue.add(*sample);
-    record(queue, sample->stamp_s, epoch_s, messages, bag);
-    rig::write_truth_row(series, sample->truth, epoch_s);
-    recorded.duration_s = sample->stamp_s;
-    ++recorded.frames;
-    on_frame();
-  }
-  record(queue, std::numeric_limits<double>::infinity(), epoch_s, messages, bag);
-  bag.close();
+  static_cast<RecordedBag&>(recorded) = record_bag(
+      scenario, bag_file.temporary(),
+      [&](const rig::Sample& sample) {
+        rig::write_truth_row(series, sample.truth, kTrialEpochS + scenario.session_s);
+        on_frame();
+      },
+      arm);
   finish(series, series_file.path());
   description_file.write(rig::truth_yaml(scenario));
 
-  recorded.messages = bag.messages();
-  recorded.bodies_lost = simulator.dropouts();
   recorded.truth_series = series_file.path();
   recorded.truth_description = description_file.path();
   recorded.seal = seal_file.path();
