@@ -16,7 +16,7 @@ SOFTARM_BUILD_DIR=$(realpath -m -- "${SOFTARM_BUILD_DIR:-$SOFTARM_ROOT/build}")
 SOFTARM_STAMPS=$SOFTARM_BUILD_DIR/stamps
 
 # What of the checkout is compiled or installed by each target (test/build/script_inputs_check.py compares with the build).
-PROGRAMS_INPUTS=(CMakeLists.txt package.xml cmake config include launch msg rviz src srv)
+PROGRAMS_INPUTS=(CMakeLists.txt package.xml cmake config include launch msg python rviz src srv)
 ALL_INPUTS=("${PROGRAMS_INPUTS[@]}" bench test)
 
 say() { printf '%s\n' "$*" >&2; }
@@ -134,7 +134,7 @@ write_stamp() {
   mv "$stamp.new" "$stamp"
 }
 
-# build TARGET [CMAKE_ARGUMENT...]: TARGET is live (what it takes to watch an arm), programs or all. Configures where needed,
+# build TARGET [CMAKE_ARGUMENT...]: TARGET is live (what it takes to watch an arm), programs, python or all. Configures where needed,
 # builds and installs; silent, and without waiting for anybody, where the target is up to date. There is one ninja in a build
 # folder at a time: who has something to build waits. The log stays in the build folder; its end is shown on failure.
 build() {
