@@ -52,7 +52,7 @@ def words_of(name: str, words: Union[str, Sequence[str]]) -> List[str]:
 def numbers(name: str, values: Any) -> "np.ndarray":
     """Values as an array of doubles. ValueError where they are none."""
     try:
-        return np.ascontiguousarray(values, dtype=np.float64)
+        return np.asarray(values, dtype=np.float64, order="C")
     except (TypeError, ValueError):
         raise ValueError(f"{name}: {type(values).__name__}; must be numbers of one rectangular shape") from None
 

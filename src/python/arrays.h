@@ -36,7 +36,7 @@ py::array_t<Value> array_of(std::vector<Value>&& values, const Shape& shape) {
 inline std::string words_of(const Shape& shape) {
   std::string words;
   for (const py::ssize_t n : shape) words += (words.empty() ? "" : ", ") + std::to_string(n);
-  return "(" + words + ")";
+  return "(" + words + (shape.size() == 1 ? ",)" : ")");
 }
 
 /// @throws std::invalid_argument naming both shapes. @param meaning of the axes: "frames, bodies, x y z"
