@@ -99,6 +99,8 @@ configured() {
   local cache argument
   [ -f "$SOFTARM_BUILD_DIR/build.ninja" ] && [ -f "$SOFTARM_BUILD_DIR/CMakeCache.txt" ] || return 1
   cache=$(<"$SOFTARM_BUILD_DIR/CMakeCache.txt")
+  # Installed since then: with it the Python module is built.
+  [[ $cache != *'pybind11_DIR:PATH=pybind11_DIR-NOTFOUND'* ]] || [ ! -d /usr/include/pybind11 ] || return 1
   for argument in "CMAKE_HOME_DIRECTORY=$SOFTARM_ROOT" "CMAKE_INSTALL_PREFIX=$SOFTARM_BUILD_DIR/install" "${@#-D}"; do
     [[ $'\n'$cache$'\n' == *$'\n'"${argument%%=*}":+([A-Z])="${argument#*=}"$'\n'* ]] || return 1
   done

@@ -17,13 +17,15 @@ def draw(found, path):
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    figure, grid = plt.subplots(len(found), 2, figsize=(10.0, 3.4 * len(found)), squeeze=False)
+    figure, grid = plt.subplots(len(found), 2, figsize=(10.0, 3.4 * len(found)), squeeze=False,
+                                gridspec_kw={"width_ratios": [2, 1]})
     for (values, shape), one in zip(grid, found):
         time_s = one.stamp_s - one.stamp_s[0]
         for k in range(one.EI_nm2.shape[1]):
             good = one.identifiable_EI[:, k]
             values.plot(time_s[good], one.EI_nm2[good, k], ".", ms=3, label=f"EI of segment {k + 1} (N m²)")
-        values.plot(time_s[one.identifiable_payload], one.payload_kg[one.identifiable_payload], ".", ms=3, label="payload (kg)")
+        if one.identifiable_payload.any():
+            values.plot(time_s[one.identifiable_payload], one.payload_kg[one.identifiable_payload], ".", ms=3, label="payload (kg)")
         values.set(xlabel="time (s)", title=f"{one.name}: where identifiable", ylim=(0.0, None))
         values.legend(fontsize=8)
         for i in np.flatnonzero(one.ok)[:: max(1, int(one.ok.sum()) // 25)]:

@@ -85,6 +85,7 @@ class Estimates:
                                    "status": np.repeat(self.status, s)}
         for column, name in _COLUMNS:
             array = getattr(self, name)
+            array = array.astype(int) if array.dtype == bool else array  # 0 and 1, as there
             columns[column] = array.ravel() if array.ndim == 2 else np.repeat(array, s)
         for axis, letter in enumerate("xyz"):
             columns["tip_" + letter] = np.repeat(self.tip_p_base_m[:, axis], s)

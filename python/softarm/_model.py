@@ -125,6 +125,9 @@ class Model:
         gravity = gravity_of(self.arm, None) if gravity_base_m_s2 is None else numbers("gravity_base_m_s2", gravity_base_m_s2)
         count = payload.shape[0] if payload.ndim == 1 else gravity.shape[0] if gravity.ndim == 2 else None
         array = table({} if inputs is None else inputs, names, count if inputs is None or isinstance(inputs, dict) else None)
+        for name, column in zip(names, array.T):
+            if not np.isfinite(column).all():
+                raise ValueError(f"inputs['{name}']: {column[~np.isfinite(column)][0]}; must be finite")
         if count is not None and array.shape[0] == 1:
             array = np.repeat(array, count, axis=0)
         rows = array.shape[0]

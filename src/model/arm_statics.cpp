@@ -71,6 +71,14 @@ std::vector<double> stations(const arm::Arm& arm, const std::vector<double>& poi
   return all;
 }
 
+/// Derivatives are those of the last sweep: it must have been so near that even those of an arm that hardly
+/// holds its load are right.
+rod::SolverOptions fine_options() {
+  rod::SolverOptions options = solver_options(1e-10);
+  options.linear_correction_rad = 1e-8;
+  return options;
+}
+
 double usual_size(arm::InputKind kind) {
   switch (kind) {
     case arm::InputKind::kPressure:
@@ -87,7 +95,7 @@ ArmStatics::ArmStatics(const arm::Arm& arm, const std::vector<double>& points_m)
     : arm_(arm),
       parameters_(all_parameters(arm)),
       rod_(rod::make_rod(arm)),
-      solver_(rod_, stations(arm, points_m), parameters_, solver_options(1e-10)) {}
+      solver_(rod_, stations(arm, points_m), parameters_, fine_options()) {}
 
 ArmStatics::Outcome ArmStatics::solve(const StaticLoad& load) {
   auto laws = arm::predict(arm_, load.inputs);

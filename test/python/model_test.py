@@ -123,7 +123,7 @@ class Models(unittest.TestCase):
         first = arm.inputs[0].name
         for wrong, words in (
                 (lambda: model.solve({"chamber_9": 1.0}), ["chamber_9", first]),
-                (lambda: model.solve({first: float("nan")}), ["inputs", "nan"]),
+                (lambda: model.solve({first: float("nan")}), [first, "nan", "finite"]),
                 (lambda: model.solve({first: [1.0, 2.0]}, [0.0, 0.1, 0.2]), ["different lengths"]),
                 (lambda: model.solve(np.zeros((2, 9))), ["(2, 9)", first]),
                 (lambda: model.solve(np.zeros((2, len(arm.inputs))), [0.0, 0.1, 0.2]), ["(3,)", "(2"]),
