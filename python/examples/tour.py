@@ -94,13 +94,13 @@ figure.tight_layout()
 # they lead the last ring to a place that is asked for, in a few steps of Gauss and Newton.
 
 # %%
-target_m = np.array([0.04, -0.02, 0.185])
+target_m = np.array([0.04, -0.02])  # x, y; z follows
 chambers = [one.name for one in arm.inputs if one.kind == "pressure"][:3]
 columns = [[one.name for one in arm.inputs].index(name) for name in chambers]
 u = np.full(3, 20e3)
 for step in range(4):
     at = model.solve(dict(zip(chambers, u)), 0.1, gravity_base_m_s2=[0.0, 0.0, 9.81], jacobians=True)
-    miss = target_m[:2] - at.bodies_p_base_m[0, -1, :2]  # the length follows
+    miss = target_m - at.bodies_p_base_m[0, -1, :2]
     print(f"step {step}: {1e3 * np.linalg.norm(miss):.4f} mm off at {np.round(1e-3 * u, 2)} kPa")
     J = at.jacobians.bodies_by_inputs[0, -1, :2, columns].T
     u = u + np.linalg.pinv(J) @ miss

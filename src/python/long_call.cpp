@@ -7,6 +7,8 @@
 #include <thread>
 #include <utility>
 
+#include "math/stop.h"
+
 namespace softarm::python {
 namespace py = pybind11;
 namespace {
@@ -64,7 +66,11 @@ void LongCall::run(const std::function<void()>& work) {
   PyObject *type = nullptr, *value = nullptr, *trace = nullptr;
   {
     const py::gil_scoped_release release;
+    const std::function<void()> ask = [this] {
+      if (stop_) throw Stopped();
+    };
     std::thread worker([&] {
+      const math::StopScope scope(&ask);
       try {
         work();
       } catch (...) {

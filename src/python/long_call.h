@@ -17,8 +17,8 @@ class LongCall {
   /// @param progress called with (share done, what is being done), or None
   explicit LongCall(pybind11::object progress) : progress_(std::move(progress)) {}
 
-  /// Returns once the work is done. Ctrl-C, or an exception of the callback, ends it at its next report;
-  /// work that ended otherwise is rethrown.
+  /// Returns once the work is done. Ctrl-C, or an exception of the callback, ends it at its next report
+  /// or piece (math::StopScope); work that ended otherwise is rethrown.
   /// @throws pybind11::error_already_set for the two
   void run(const std::function<void()>& work);
 

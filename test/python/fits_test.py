@@ -1,5 +1,4 @@
 """Identification and diagnosis of the module are those of the program; recordings in CSV are what an import of them is."""
-import glob
 import json
 import os
 import signal
@@ -14,22 +13,7 @@ import softarm
 
 def trials(count=3, seconds="12"):
     """Of the rig, each with another seed."""
-    with open(os.path.join(support.SOURCE, "config", "scenarios", "trial_10s.yaml"), encoding="utf-8") as file:
-        scenario = file.read()
-    bags = []
-    for k in range(count):
-        name = support.path(f"seed_{k}.yaml")
-        if not os.path.exists(name):
-            import re
-            text, changed = re.subn(r"(?m)^(\s*)seed: *\d+", rf"\g<1>seed: {k + 11}", scenario)
-            assert changed, "the scenario has no seed"
-            with open(name, "w", encoding="utf-8") as file:
-                file.write(text)
-        bag = support.path(f"fit_{k}.bag")
-        if not os.path.exists(bag):
-            support.softarm("simulate", name, "--seconds", seconds, "--out", bag)
-        bags.append(bag)
-    return bags
+    return [support.bag("trial_10s", seconds, f"fit_{k}", str(k + 11)) for k in range(count)]
 
 
 class Fits(unittest.TestCase):

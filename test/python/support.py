@@ -29,8 +29,8 @@ def softarm(*arguments):
 
 
 @functools.lru_cache(maxsize=None)
-def bag(scenario="trial_10s", seconds="4", name="trial"):
-    softarm("simulate", scenario, "--seconds", seconds, "--out", path(name + ".bag"))
+def bag(scenario="trial_10s", seconds="4", name="trial", seed="3"):
+    softarm("simulate", scenario, "--seconds", seconds, "--seed", seed, "--out", path(name + ".bag"))
     return path(name + ".bag")
 
 
