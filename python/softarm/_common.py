@@ -40,6 +40,22 @@ def jobs_of(jobs: int) -> int:
     return int(jobs)
 
 
+def set_options(options: Any, values: Dict[str, Any]) -> None:
+    """Sets attributes of the extension's options. ValueError, in one line, for what is none of their kind."""
+    for name, value in values.items():
+        try:
+            setattr(options, name, value)
+        except TypeError:
+            raise ValueError(f"{name}: {value!r}; is of the wrong kind") from None
+
+
+def number_or_none(name: str, value: Any) -> Optional[float]:
+    try:
+        return None if value is None else float(value)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name}: {value!r}; must be a number") from None
+
+
 def words_of(name: str, words: Union[str, Sequence[str]]) -> List[str]:
     """One word or several."""
     words = [words] if isinstance(words, str) else list(words)

@@ -6,7 +6,7 @@ from typing import Any, Dict, List, Optional, Sequence, Union
 
 from . import _softarm
 from ._arm import Arm, write_text
-from ._common import Path, Progress, folders, jobs_of, pandas, words_of
+from ._common import Path, Progress, folders, jobs_of, number_or_none, pandas, set_options, words_of
 from ._trial import Trial
 
 
@@ -77,8 +77,9 @@ def diagnose(arm: Arm, trials: Sequence[Trial], *, held: Union[str, Sequence[str
         raise ValueError(f"most_effects: {most_effects}; must be from 1 to 8")
     options = _softarm.DiagnoseOptions()
     options.held, options.tied = words_of("held", held), words_of("tied", tied)
-    options.block_s, options.most_effects, options.jobs = block_s, most_effects, jobs_of(jobs)
-    return Diagnosis(_softarm.diagnose(arm._handle, [trial._handle for trial in trials], payload_kg, options, progress))
+    set_options(options, dict(block_s=block_s, most_effects=most_effects, jobs=jobs_of(jobs)))
+    return Diagnosis(_softarm.diagnose(arm._handle, [trial._handle for trial in trials], number_or_none("payload_kg", payload_kg),
+                                       options, progress))
 
 
 def catalogue() -> List[Dict[str, Any]]:

@@ -5,7 +5,7 @@ import numpy as np
 
 from . import _softarm
 from ._arm import Arm
-from ._common import Path, Progress, jobs_of, pandas, paths_of, plain, warn
+from ._common import Path, Progress, jobs_of, numbers, pandas, paths_of, plain, set_options, warn
 from ._trial import Trial
 
 _STATUSES = np.array(_softarm.statuses())
@@ -93,14 +93,15 @@ class Estimates:
         return pandas().DataFrame(columns)
 
 
-def _options(method: Optional[str], unknown: Optional[str], objective: Optional[str], dynamics: Optional[str],
-             prior: Optional[bool], robust: Optional[bool], window_s: Optional[float], payload_kg: Optional[float],
-             backbone_points: int) -> "_softarm.EstimateOptions":
+_OPTIONS = ("method", "unknown", "objective", "dynamics", "prior", "robust", "window_s", "payload_kg", "backbone_points")
+
+
+def _options(given: Dict[str, Any]) -> "_softarm.EstimateOptions":
+    for name in given:
+        if name not in _OPTIONS:
+            raise TypeError(f"no option '{name}'; there are {', '.join(_OPTIONS)}")
     options = _softarm.EstimateOptions()
-    options.method, options.unknown, options.objective, options.dynamics = method, unknown, objective, dynamics
-    options.prior, options.robust = prior, robust
-    options.window_s, options.payload_kg = window_s, payload_kg
-    options.backbone_points = backbone_points
+    set_options(options, given)
     return options
 
 
@@ -119,8 +120,9 @@ class Estimator:
                  robust: Optional[bool] = None, window_s: Optional[float] = None, payload_kg: Optional[float] = None,
                  backbone_points: int = 21) -> None:
         self.arm = arm
-        self._handle = _softarm.EstimatorHandle(arm._handle, _options(
-            method, unknown, objective, dynamics, prior, robust, window_s, payload_kg, backbone_points))
+        self._handle = _softarm.EstimatorHandle(arm._handle, _options(dict(
+            method=method, unknown=unknown, objective=objective, dynamics=dynamics, prior=prior, robust=robust, window_s=window_s,
+            payload_kg=payload_kg, backbone_points=backbone_points)))
 
     @property
     def notes(self) -> List[str]:
@@ -138,13 +140,15 @@ class Estimator:
 
         Raises ValueError for wrong shapes, names and infinity.
         """
-        def row(values: Any) -> Any:
-            return None if values is None else np.asarray(values, dtype=float)[np.newaxis]
+        def row(name: str, values: Any) -> Any:
+            return None if values is None else numbers(name, values)[np.newaxis]
 
         trial = Trial.from_arrays(
-            self.arm, [stamp_s], row(bodies_p_mocap_m), bodies_q_mocap_xyzw=row(bodies_q_mocap_xyzw),
-            base_p_mocap_m=row(base_p_mocap_m), base_q_mocap_xyzw=row(base_q_mocap_xyzw),
-            inputs=inputs if inputs is None or isinstance(inputs, dict) else row(inputs), payload_kg=payload_kg, name="frame")
+            self.arm, row("stamp_s", stamp_s), row("bodies_p_mocap_m", bodies_p_mocap_m),
+            bodies_q_mocap_xyzw=row("bodies_q_mocap_xyzw", bodies_q_mocap_xyzw),
+            base_p_mocap_m=row("base_p_mocap_m", base_p_mocap_m), base_q_mocap_xyzw=row("base_q_mocap_xyzw", base_q_mocap_xyzw),
+            inputs=inputs if inputs is None or isinstance(inputs, dict) else row("inputs", inputs), payload_kg=payload_kg,
+            name="frame")
         return Estimates(self._handle.estimate_frame(trial._handle))
 
     def trial(self, trial: Trial, *, progress: Optional[Progress] = None) -> Estimates:
@@ -167,13 +171,10 @@ def estimate_bags(arm: Arm, paths: Union[Path, Iterable[Path]], *, jobs: int = 0
     ``jobs``: bags at a time, 0: one per processor. Options as of :class:`Estimator`; with ``payload_kg`` the payload's topic
     is not read. Raises BagError for the first bag that cannot be used.
     """
-    for note in Estimator(arm, **options).notes:
+    made = _options(options)
+    for note in _softarm.EstimatorHandle(arm._handle, made).notes():
         warn(note)
-    defaults: Dict[str, Any] = dict(method=None, unknown=None, objective=None, dynamics=None, prior=None, robust=None,
-                                    window_s=None, payload_kg=None, backbone_points=21)
-    defaults.update(options)
-    results = [Estimates(raw) for raw in _softarm.estimate_bags(arm._handle, paths_of(paths), _options(**defaults), jobs_of(jobs),
-                                                                progress)]
+    results = [Estimates(raw) for raw in _softarm.estimate_bags(arm._handle, paths_of(paths), made, jobs_of(jobs), progress)]
     for result in results:
         for line in result.warnings:
             warn(line)

@@ -6,7 +6,7 @@ import numpy as np
 
 from . import _softarm
 from ._arm import Arm
-from ._common import Progress, jobs_of, pandas, words_of
+from ._common import Progress, jobs_of, number_or_none, pandas, set_options, words_of
 from ._trial import Trial
 
 
@@ -72,12 +72,8 @@ def identify(arm: Arm, trials: Sequence[Trial], *, free: Union[str, Sequence[str
         setattr(options, name, words_of(name, value))
     if not 0.0 <= held_out_share <= 0.9:
         raise ValueError(f"held_out_share: {held_out_share}; must be from 0 to 0.9")
-    options.held_out_share = held_out_share
-    options.leave_one_out = leave_one_out
-    options.seed = seed
-    options.frames_per_trial = frames_per_trial
-    options.prefer_static = not moving
-    options.robust = robust
-    options.exact_inputs = exact_inputs
-    return Identification(_softarm.identify(arm._handle, [trial._handle for trial in trials], payload_kg, options,
+    set_options(options, dict(held_out_share=held_out_share, leave_one_out=leave_one_out, seed=seed, frames_per_trial=frames_per_trial,
+                              prefer_static=not moving, robust=robust, exact_inputs=exact_inputs))
+    return Identification(_softarm.identify(arm._handle, [trial._handle for trial in trials],
+                                            number_or_none("payload_kg", payload_kg), options,
                                             jobs_of(jobs), progress))

@@ -122,8 +122,8 @@ class Trial:
         n = stamps.shape[0]
         names = [one.name for one in arm.inputs]
         drive = np.full((n, len(names)), np.nan) if inputs is None else table(inputs, names, n)
-        payload = np.full(n, np.nan if payload_kg is None else payload_kg) if payload_kg is None or np.ndim(payload_kg) == 0 \
-            else numbers("payload_kg", payload_kg)
+        payload = numbers("payload_kg", np.nan if payload_kg is None else payload_kg)
+        payload = np.full(n, payload) if payload.ndim == 0 else payload
         optional = [None if one is None else numbers(label, one) for label, one in
                     (("bodies_q_mocap_xyzw", bodies_q_mocap_xyzw), ("base_p_mocap_m", base_p_mocap_m),
                      ("base_q_mocap_xyzw", base_q_mocap_xyzw))]

@@ -109,6 +109,10 @@ class Estimates(unittest.TestCase):
         support.one_line(self, ValueError, lambda: softarm.estimate(self.trial, unknown="mass"), "unknown", "mass", "stiffness")
         support.one_line(self, ValueError, lambda: softarm.estimate(self.trial, payload_kg=70.0), "70", "from 0 to")
         support.one_line(self, ValueError, lambda: softarm.estimate(self.trial, window_s=float("nan")), "window_s", "nan")
+        support.one_line(self, ValueError, lambda: softarm.estimate(self.trial, window_s="long"), "window_s", "long")
+        support.one_line(self, ValueError, lambda: softarm.estimate_bags(self.arm, [support.bag()], prior="on"), "prior", "on")
+        support.one_line(self, ValueError, lambda: softarm.estimate_bags(self.arm, [support.bag()], jobs=-1), "jobs", "-1")
+        support.one_line(self, TypeError, lambda: softarm.estimate_bags(self.arm, [support.bag()], windows=1), "windows", "window_s")
         p, stamps = self.trial.bodies_p_mocap_m, self.trial.stamp_s
         from_arrays = softarm.Trial.from_arrays
         support.one_line(self, ValueError, lambda: from_arrays(self.arm, stamps, p[:, :3], inputs=self.trial.inputs),
@@ -119,6 +123,9 @@ class Estimates(unittest.TestCase):
         support.one_line(self, ValueError, lambda: from_arrays(self.arm, stamps, "pose"), "bodies_p_mocap_m", "str")
         support.one_line(self, ValueError, lambda: from_arrays(self.arm, stamps, p), "base_p_mocap_m")
         support.one_line(self, ValueError, lambda: from_arrays(self.arm, stamps, p, inputs={"chamber_9": 0.0}), "chamber_9")
+        estimator = softarm.Estimator(self.arm)
+        support.one_line(self, ValueError, lambda: estimator.frame(0.0, p[0, :2]), "bodies_p_mocap_m", "(1, 2, 3)")
+        support.one_line(self, ValueError, lambda: estimator.frame("now", p[0]), "stamp_s", "str")
         other = softarm.load_arm("two_segment")
         support.one_line(self, ValueError, lambda: softarm.estimate(self.trial, arm=other), "trial", "two_segment")
 
