@@ -19,7 +19,7 @@
 namespace softarm::python {
 
 namespace py = pybind11;
-using Shape = std::vector<py::ssize_t>;
+using Shape = std::vector<Py_ssize_t>;
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 /// How an array says that there is no value.
@@ -35,7 +35,7 @@ py::array_t<Value> array_of(std::vector<Value>&& values, const Shape& shape) {
 
 inline std::string words_of(const Shape& shape) {
   std::string words;
-  for (const py::ssize_t n : shape) words += (words.empty() ? "" : ", ") + std::to_string(n);
+  for (const Py_ssize_t n : shape) words += (words.empty() ? "" : ", ") + std::to_string(n);
   return "(" + words + (shape.size() == 1 ? ",)" : ")");
 }
 
@@ -50,7 +50,7 @@ inline void expect_shape(const Doubles& array, const char* name, const Shape& sh
 /// @param absent_allowed NaN says that there is no value; infinity never does
 inline void expect_numbers(const Doubles& array, const char* name, bool absent_allowed) {
   const double* values = array.data();
-  for (py::ssize_t i = 0; i < array.size(); ++i) {
+  for (Py_ssize_t i = 0; i < array.size(); ++i) {
     if (std::isfinite(values[i]) || (absent_allowed && std::isnan(values[i]))) continue;
     throw std::invalid_argument(fmt::format("{}: element {} of {} is {}; must be {}", name, i, array.size(),
                                             values[i],

@@ -58,8 +58,8 @@ void EstimateTable::add(const estimate::Estimate& estimate) {
 }
 
 pybind11::dict EstimateTable::take() {
-  const auto n = static_cast<py::ssize_t>(frames()), s = static_cast<py::ssize_t>(segments_),
-             b = static_cast<py::ssize_t>(bodies_), p = static_cast<py::ssize_t>(points_);
+  const auto n = static_cast<Py_ssize_t>(frames()), s = static_cast<Py_ssize_t>(segments_),
+             b = static_cast<Py_ssize_t>(bodies_), p = static_cast<Py_ssize_t>(points_);
   py::dict d;
   d["stamp_s"] = array_of(std::move(stamp_), {n});
   d["status_code"] = array_of(std::move(status_), {n});

@@ -39,15 +39,15 @@ class ModelHandle {
 
   py::dict solve(const Doubles& inputs, const Doubles& payload_kg, const Doubles& gravity_base,
                  bool derivatives, const py::object& progress) {
-    const py::ssize_t count = inputs.ndim() == 2 ? inputs.shape(0) : 0;
-    const auto scalars = static_cast<py::ssize_t>(arm_->arm.inputs.scalars.size());
+    const Py_ssize_t count = inputs.ndim() == 2 ? inputs.shape(0) : 0;
+    const auto scalars = static_cast<Py_ssize_t>(arm_->arm.inputs.scalars.size());
     expect_shape(inputs, "inputs", {count, scalars}, "instants, inputs of the arm");
     expect_shape(payload_kg, "payload_kg", {count}, "instants");
     expect_shape(gravity_base, "gravity_base_m_s2", {count, 3}, "instants, x y z");
     expect_numbers(inputs, "inputs", false);
     expect_numbers(payload_kg, "payload_kg", false);
     expect_numbers(gravity_base, "gravity_base_m_s2", false);
-    for (py::ssize_t i = 0; i < count; ++i)
+    for (Py_ssize_t i = 0; i < count; ++i)
       if (payload_kg.at(i) < 0.0)
         throw std::invalid_argument(fmt::format("payload_kg: {} kg; must be 0 or more", payload_kg.at(i)));
     const double *input = inputs.data(), *payload = payload_kg.data(), *gravity = gravity_base.data();
@@ -56,9 +56,9 @@ class ModelHandle {
     call.run([&] {
       const std::lock_guard<std::mutex> lock(mutex_);
       call.add_total(static_cast<double>(count));
-      for (py::ssize_t i = 0; i < count; ++i) {
+      for (Py_ssize_t i = 0; i < count; ++i) {
         StaticLoad load;
-        for (py::ssize_t k = 0; k < scalars; ++k) load.inputs.emplace_back(input[i * scalars + k]);
+        for (Py_ssize_t k = 0; k < scalars; ++k) load.inputs.emplace_back(input[i * scalars + k]);
         load.payload_kg = payload[i];
         load.gravity_base = Eigen::Map<const Eigen::Vector3d>(gravity + 3 * i);
         solve_one(load, derivatives, out);
@@ -110,11 +110,11 @@ class ModelHandle {
         [&] { return statics_.by_constants(constants_); });
   }
 
-  py::dict dict_of(Results&& r, py::ssize_t n, bool derivatives) const {
-    const auto points = static_cast<py::ssize_t>(points_);
-    const auto bodies = static_cast<py::ssize_t>(arm_->arm.bodies.size());
-    const auto segments = static_cast<py::ssize_t>(arm_->arm.segments.size());
-    const auto inputs = static_cast<py::ssize_t>(arm_->arm.inputs.scalars.size());
+  py::dict dict_of(Results&& r, Py_ssize_t n, bool derivatives) const {
+    const auto points = static_cast<Py_ssize_t>(points_);
+    const auto bodies = static_cast<Py_ssize_t>(arm_->arm.bodies.size());
+    const auto segments = static_cast<Py_ssize_t>(arm_->arm.segments.size());
+    const auto inputs = static_cast<Py_ssize_t>(arm_->arm.inputs.scalars.size());
     py::dict d;
     d["outcome"] = array_of(std::move(r.outcome), {n});
     d["p_base_m"] = array_of(std::move(r.points), {n, points, 3});
@@ -129,12 +129,12 @@ class ModelHandle {
     d["EI_nm2"] = array_of(std::move(r.stiffness), {n, segments});
     d["L_m"] = array_of(std::move(r.length), {n, segments});
     if (!derivatives) return d;
-    const py::ssize_t all = bodies + points;
+    const Py_ssize_t all = bodies + points;
     d["by_inputs"] = array_of(std::move(r.by_inputs), {n, all, 3, inputs});
     d["by_payload"] = array_of(std::move(r.by_payload), {n, all, 3});
     d["by_gravity"] = array_of(std::move(r.by_gravity), {n, all, 3, 3});
     d["by_constants"] =
-        array_of(std::move(r.by_constants), {n, all, 3, static_cast<py::ssize_t>(constants_.size())});
+        array_of(std::move(r.by_constants), {n, all, 3, static_cast<Py_ssize_t>(constants_.size())});
     return d;
   }
 

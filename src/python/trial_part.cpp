@@ -124,12 +124,12 @@ std::vector<std::shared_ptr<TrialHandle>> read_csv(const std::shared_ptr<ArmHand
 /// Poses of all frames: x y z, or an absent one where x is NaN.
 struct Poses {
   const double *p = nullptr, *q = nullptr;  // null: none
-  std::optional<Eigen::Vector3d> position(py::ssize_t i) const {
+  std::optional<Eigen::Vector3d> position(Py_ssize_t i) const {
     if (!p || std::isnan(p[3 * i]) || std::isnan(p[3 * i + 1]) || std::isnan(p[3 * i + 2]))
       return std::nullopt;
     return Eigen::Vector3d(p[3 * i], p[3 * i + 1], p[3 * i + 2]);
   }
-  std::optional<Eigen::Quaterniond> orientation(py::ssize_t i) const {
+  std::optional<Eigen::Quaterniond> orientation(Py_ssize_t i) const {
     if (!q || std::isnan(q[4 * i]) || std::isnan(q[4 * i + 1]) || std::isnan(q[4 * i + 2]) ||
         std::isnan(q[4 * i + 3]))
       return std::nullopt;
@@ -143,9 +143,9 @@ struct FrameArrays {
   std::optional<Doubles> bodies_q, base_p, base_q;
 
   void check(const arm::Arm& arm) const {
-    const auto n = static_cast<py::ssize_t>(stamp_s.size());
-    const auto bodies = static_cast<py::ssize_t>(arm.bodies.size());
-    const auto scalars = static_cast<py::ssize_t>(arm.inputs.scalars.size());
+    const auto n = static_cast<Py_ssize_t>(stamp_s.size());
+    const auto bodies = static_cast<Py_ssize_t>(arm.bodies.size());
+    const auto scalars = static_cast<Py_ssize_t>(arm.inputs.scalars.size());
     expect_shape(stamp_s, "stamp_s", {n}, "frames");
     expect_numbers(stamp_s, "stamp_s", false);
     const auto check_one = [](const Doubles& array, const char* name, const Shape& shape, const char* what) {
@@ -159,7 +159,7 @@ struct FrameArrays {
     if (base_q) check_one(*base_q, "base_q_mocap_xyzw", {n, 4}, "frames, x y z w");
     check_one(inputs, "inputs", {n, scalars}, "frames, inputs of the arm");
     check_one(payload_kg, "payload_kg", {n}, "frames");
-    for (py::ssize_t i = 1; i < n; ++i)
+    for (Py_ssize_t i = 1; i < n; ++i)
       if (!(stamp_s.at(i) > stamp_s.at(i - 1)))
         throw std::invalid_argument(
             fmt::format("stamp_s: element {} is not later than the one before; must increase", i));
@@ -170,11 +170,11 @@ struct FrameArrays {
   }
 };
 
-trial::Frame frame_of(const FrameArrays& arrays, const arm::Arm& arm, py::ssize_t i) {
+trial::Frame frame_of(const FrameArrays& arrays, const arm::Arm& arm, Py_ssize_t i) {
   trial::Frame frame;
   frame.stamp_ns = trial::to_nanoseconds(arrays.stamp_s.data()[i]);
-  const auto bodies = static_cast<py::ssize_t>(arm.bodies.size());
-  const auto scalars = static_cast<py::ssize_t>(arm.inputs.scalars.size());
+  const auto bodies = static_cast<Py_ssize_t>(arm.bodies.size());
+  const auto scalars = static_cast<Py_ssize_t>(arm.inputs.scalars.size());
   if (arrays.base_p && arrays.base_q) {
     const Poses base{arrays.base_p->data(), arrays.base_q->data()};
     const auto p = base.position(i);
@@ -186,11 +186,11 @@ trial::Frame frame_of(const FrameArrays& arrays, const arm::Arm& arm, py::ssize_
     }
   }
   const Poses poses{arrays.bodies_p.data(), arrays.bodies_q ? arrays.bodies_q->data() : nullptr};
-  for (py::ssize_t k = 0; k < bodies; ++k) {
+  for (Py_ssize_t k = 0; k < bodies; ++k) {
     if (const auto p = poses.position(i * bodies + k))
       frame.bodies.push_back({static_cast<int>(k), *p, poses.orientation(i * bodies + k)});
   }
-  for (py::ssize_t k = 0; k < scalars; ++k) {
+  for (Py_ssize_t k = 0; k < scalars; ++k) {
     frame.inputs.push_back(present(arrays.inputs.data()[i * scalars + k]));
     if (frame.inputs.back())
       frame.samples.push_back({static_cast<int>(k), frame.stamp_ns, *frame.inputs.back()});
@@ -203,7 +203,7 @@ std::shared_ptr<TrialHandle> trial_of(std::shared_ptr<ArmHandle> arm, const std:
                                       const FrameArrays& arrays) {
   arrays.check(arm->arm);
   trial::TrialRecorder recorder(arm->arm, name);
-  for (py::ssize_t i = 0; i < arrays.stamp_s.size(); ++i) recorder.add(frame_of(arrays, arm->arm, i));
+  for (Py_ssize_t i = 0; i < arrays.stamp_s.size(); ++i) recorder.add(frame_of(arrays, arm->arm, i));
   auto handle = std::make_shared<TrialHandle>();
   handle->read.trial = recorder.take();
   handle->read.samples = static_cast<std::uint64_t>(arrays.stamp_s.size());
@@ -213,9 +213,9 @@ std::shared_ptr<TrialHandle> trial_of(std::shared_ptr<ArmHandle> arm, const std:
 
 py::dict arrays_of(const TrialHandle& handle) {
   const std::vector<trial::Frame>& frames = handle.read.trial.frames;
-  const auto n = static_cast<py::ssize_t>(frames.size());
-  const auto bodies = static_cast<py::ssize_t>(handle.arm->arm.bodies.size());
-  const auto scalars = static_cast<py::ssize_t>(handle.arm->arm.inputs.scalars.size());
+  const auto n = static_cast<Py_ssize_t>(frames.size());
+  const auto bodies = static_cast<Py_ssize_t>(handle.arm->arm.bodies.size());
+  const auto scalars = static_cast<Py_ssize_t>(handle.arm->arm.inputs.scalars.size());
   std::vector<double> stamp, base_p, base_q, payload, inputs;
   std::vector<double> p(static_cast<std::size_t>(3 * n * bodies), kAbsent);
   std::vector<double> q(static_cast<std::size_t>(4 * n * bodies), kAbsent);
@@ -254,7 +254,7 @@ py::dict series_of(const TrialHandle& handle) {
     const trial::InputSeries& series = handle.read.trial.inputs[i];
     std::vector<double> stamps;
     for (const std::int64_t stamp_ns : series.stamp_ns) stamps.push_back(trial::to_seconds(stamp_ns));
-    const auto n = static_cast<py::ssize_t>(stamps.size());
+    const auto n = static_cast<Py_ssize_t>(stamps.size());
     std::vector<double> values = series.value;
     d[py::str(handle.arm->arm.inputs.scalars[i].name)] =
         py::make_tuple(array_of(std::move(stamps), {n}), array_of(std::move(values), {n}));
