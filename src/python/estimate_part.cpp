@@ -12,6 +12,7 @@
 #include "math/parallel.h"
 #include "parts.h"
 #include "ros/bag_frames.h"
+#include "softarm/effects/arm_effects.h"
 #include "trial_handle.h"
 
 namespace softarm::python {
@@ -156,7 +157,10 @@ class EstimatorHandle {
   }
   std::vector<std::string> notes() const {
     std::vector<std::string> list = estimator_.effect_notes();
-    if (const std::string advice = estimate::advice(arm_.estimator); !advice.empty()) list.push_back(advice);
+    for (const std::string& doubt :
+         {effects::doubt_about_effects(arm::ArmText{handle_->text, handle_->source}),
+          estimate::advice(arm_.estimator)})
+      if (!doubt.empty()) list.push_back(doubt);
     return list;
   }
 

@@ -71,6 +71,21 @@ class Estimates(unittest.TestCase):
             np.testing.assert_allclose(one.EI_nm2[0], whole.EI_nm2[i], rtol=1e-6)
             np.testing.assert_allclose(one.backbone_p_base_m[0], whole.backbone_p_base_m[i], atol=1e-8)
 
+    def test_effects_and_doubts_are_said(self):
+        text = self.arm.text + "\neffects:\n  - {id: base_compliance, parameters: {compliance_rad_per_nm: 0.2}}\neffects_verdict: unknown\n"
+        arm = softarm.parse_arm(text, "mine.yaml")
+        self.assertEqual([one["id"] for one in arm.effects], ["base_compliance"])
+        self.assertIn("mine.yaml", softarm.Estimator(arm).notes[-1])
+        with self.assertWarnsRegex(softarm.SoftarmWarning, "base_compliance"):
+            softarm.Model(arm)
+        with self.assertWarnsRegex(softarm.SoftarmWarning, "unknown"):
+            found = softarm.estimate(self.trial, arm=arm)
+        plain = softarm.estimate(self.trial)
+        good = plain.identifiable_EI[:, 0]
+        self.assertGreater(np.abs(found.EI_nm2[good] / plain.EI_nm2[good] - 1.0).max(), 0.01)  # they are in the fit
+        with self.assertWarnsRegex(softarm.SoftarmWarning, "prior"):
+            softarm.estimate(self.trial, unknown="both")
+
     def test_shapes_and_what_is_lost(self):
         found = softarm.estimate(self.trial, backbone_points=11)
         n = len(self.trial)
