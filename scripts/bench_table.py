@@ -34,6 +34,8 @@ ROWS = [
     ("diagnose_unknown_s", "  untidy, and no effect explains it", "s", 30),
     ("diagnose_memory_mib", "  memory, the largest of the three", "MiB", 1024),
     ("offline_frames_per_s", "softarm estimate over a bag", "1/s", None),
+    ("python_frames_per_s", "softarm.estimate_bags over the same bag", "1/s", None),
+    ("ratio_python_program", "  against softarm estimate", "x", 0.8),
     ("ratio_octave_sqp", "cold fit against Octave sqp", "x", 4000),
     ("ratio_scipy_least_squares", "cold fit against SciPy least_squares", "x", 200),
 ]
@@ -84,6 +86,15 @@ def diagnoses(folder):
     return found
 
 
+def python_module(folder):
+    path = os.path.join(folder, "python.json")
+    if not os.path.exists(path):
+        return {}
+    with open(path, encoding="utf-8") as text:
+        measured = json.load(text)
+    return {"python_frames_per_s": measured["module_frames_per_wall_s"], "ratio_python_program": measured["ratio_wall"]}
+
+
 def baseline_us(path):
     if not os.path.exists(path):
         return None
@@ -116,6 +127,7 @@ def main():
     rate = frames_per_second(arguments.folder)
     if rate is not None:
         figures["offline_frames_per_s"] = rate
+    figures.update(python_module(arguments.folder))
     print(f"{'':28}{'':42}{'median':>12}")
     for key, name in (("octave_sqp", "Octave sqp"), ("scipy_lsq", "SciPy least_squares")):
         time_us = baseline_us(os.path.join(arguments.folder, f"{key}.csv"))

@@ -16,7 +16,7 @@ SOFTARM_BUILD_DIR=$(realpath -m -- "${SOFTARM_BUILD_DIR:-$SOFTARM_ROOT/build}")
 SOFTARM_STAMPS=$SOFTARM_BUILD_DIR/stamps
 
 # What of the checkout is compiled or installed by each target (test/build/script_inputs_check.py compares with the build).
-PROGRAMS_INPUTS=(CMakeLists.txt package.xml cmake config include launch msg rviz src srv)
+PROGRAMS_INPUTS=(CMakeLists.txt package.xml cmake config include launch msg python rviz src srv)
 ALL_INPUTS=("${PROGRAMS_INPUTS[@]}" bench test)
 
 say() { printf '%s\n' "$*" >&2; }
@@ -99,6 +99,8 @@ configured() {
   local cache argument
   [ -f "$SOFTARM_BUILD_DIR/build.ninja" ] && [ -f "$SOFTARM_BUILD_DIR/CMakeCache.txt" ] || return 1
   cache=$(<"$SOFTARM_BUILD_DIR/CMakeCache.txt")
+  # Installed since then: with it the Python module is built.
+  [[ $cache != *'pybind11_DIR:PATH=pybind11_DIR-NOTFOUND'* ]] || [ ! -d /usr/include/pybind11 ] || return 1
   for argument in "CMAKE_HOME_DIRECTORY=$SOFTARM_ROOT" "CMAKE_INSTALL_PREFIX=$SOFTARM_BUILD_DIR/install" "${@#-D}"; do
     [[ $'\n'$cache$'\n' == *$'\n'"${argument%%=*}":+([A-Z])="${argument#*=}"$'\n'* ]] || return 1
   done
@@ -134,7 +136,7 @@ write_stamp() {
   mv "$stamp.new" "$stamp"
 }
 
-# build TARGET [CMAKE_ARGUMENT...]: TARGET is live (what it takes to watch an arm), programs or all. Configures where needed,
+# build TARGET [CMAKE_ARGUMENT...]: TARGET is live (what it takes to watch an arm), programs, python or all. Configures where needed,
 # builds and installs; silent, and without waiting for anybody, where the target is up to date. There is one ninja in a build
 # folder at a time: who has something to build waits. The log stays in the build folder; its end is shown on failure.
 build() {

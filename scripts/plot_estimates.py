@@ -8,20 +8,20 @@ The truth of a trial of the virtual rig, trial.truth.csv, is drawn where it lies
 one further up, as when both commands were run in one folder; --truth names another.
 """
 import argparse
-import csv
-import math
 import os
 import sys
 
 import matplotlib
+import numpy as np
+
+from softarm_module import softarm
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
 from matplotlib.lines import Line2D  # noqa: E402
 from matplotlib.patches import Patch  # noqa: E402
 
-NAN = float("nan")
-DEGREES = 180.0 / math.pi
+DEGREES = 180.0 / np.pi
 VAGUE_RAD = 0.5  # of φ: beyond this standard deviation it is drawn faint
 # Column, label, its standard deviation's column, the flag that says whether the frame identifies it, scale, of the truth.
 PANELS = [
@@ -36,23 +36,13 @@ PANELS = [
 OF_THE_ARM = ("theta_tip", "payload")  # not of a segment
 
 
-def table(path):
-    try:
-        with open(path, newline="", encoding="utf-8") as file:
-            return list(csv.DictReader(file))
-    except (OSError, UnicodeDecodeError) as why:
-        sys.exit(f"plot_estimates: {path}: {getattr(why, 'strerror', None) or 'no text'}")
-
-
 def read(path, segment):
-    rows = table(path)
-    missing = [name for name in ("stamp", "segment", "status", *(panel[0] for panel in PANELS)) if name not in (rows or [{}])[0]]
-    if missing:
-        sys.exit(f"plot_estimates: {path}: no estimates.csv of softarm estimate: no column {missing[0]}, or no row")
-    rows = [row for row in rows if int(row["segment"]) == segment and row["status"] == "ok"]
-    if not rows:
+    """The columns of the frames that have an estimate of this segment."""
+    rows = softarm.read_table(path, ["stamp", "segment", "status", *(panel[0] for panel in PANELS)])
+    chosen = (rows["segment"] == segment) & (rows["status"] == "ok")
+    if not chosen.any():
         sys.exit(f"plot_estimates: {path}: no frame of segment {segment} has an estimate")
-    return rows
+    return {name: column[chosen] for name, column in rows.items()}
 
 
 def truth_beside(path):
@@ -67,66 +57,58 @@ def truth_beside(path):
 
 def read_truth(path, rows):
     """None where it is of another time."""
-    truth = table(path)
-    if not truth or "stamp" not in truth[0]:
-        sys.exit(f"plot_estimates: {path}: no truth of softarm simulate: no column stamp, or no row")
-    apart = float(truth[0]["stamp"]) > float(rows[-1]["stamp"]) or float(truth[-1]["stamp"]) < float(rows[0]["stamp"])
+    truth = softarm.read_table(path, ["stamp"])
+    apart = truth["stamp"][0] > rows["stamp"][-1] or truth["stamp"][-1] < rows["stamp"][0]
     return None if apart else truth
 
 
-def numbers(rows, column, scale=1.0):
-    return [scale * float(row[column]) if row.get(column) else NAN for row in rows]
-
-
 def finite(values):
-    return sorted(v for v in values if v == v)
+    return values[np.isfinite(values)]
 
 
 def true_values(truth, column, segment):
     """As the estimate has them: M0 is not negative, and without a moment there is no direction."""
     suffix = "" if segment == 1 or column in OF_THE_ARM else f"_{segment}"
-    values = numbers(truth, column + suffix)
+    values = truth.get(column + suffix, np.full(len(truth["stamp"]), np.nan))
     if column not in ("M0", "phi"):
         return values
-    moments = numbers(truth, "M0" + suffix)
+    moments = truth.get("M0" + suffix, np.full(len(values), np.nan))
     if column == "M0":
-        return [abs(m) for m in moments]
-    least = 0.02 * max(map(abs, finite(moments)), default=0.0)
-    turned = [v if m >= 0.0 else v + math.pi for v, m in zip(values, moments)]
-    turned = [math.remainder(v, 2.0 * math.pi) if abs(m) > least else NAN for v, m in zip(turned, moments)]
-    return [NAN if i and abs(v - turned[i - 1]) > math.pi else v for i, v in enumerate(turned)]
+        return np.abs(moments)
+    least = 0.02 * np.max(np.abs(finite(moments)), initial=0.0)
+    turned = np.where(moments >= 0.0, values, values + np.pi)
+    turned = np.where(np.abs(moments) > least, (turned + np.pi) % (2.0 * np.pi) - np.pi, np.nan)
+    turned[1:][np.abs(np.diff(turned)) > np.pi] = np.nan
+    return turned
 
 
 def draw_truth(axes, truth, start, panel, segment):
     column, scale = panel[5], panel[4]
     if not truth or column is None:
-        return []
-    values = [scale * v for v in true_values(truth, column, segment)]
-    axes.plot([float(row["stamp"]) - start for row in truth], values, "-", lw=1.2, color="black", zorder=3)
+        return np.array([])
+    values = scale * true_values(truth, column, segment)
+    axes.plot(truth["stamp"] - start, values, "-", lw=1.2, color="black", zorder=3)
     return finite(values)
 
 
 def draw(axes, rows, times, panel, colour):
     column, name, sd_column, identifiable_column, scale, _ = panel
-    values = numbers(rows, column, scale)
-    sds = numbers(rows, sd_column, scale) if sd_column else []
-    identifiable = [row[identifiable_column] == "1" for row in rows] if identifiable_column else [True] * len(rows)
+    values = scale * rows[column]
+    identifiable = rows[identifiable_column] == 1 if identifiable_column else np.ones(len(values), bool)
     if column == "phi":
-        identifiable = [sd < scale * VAGUE_RAD for sd in sds]
-    axes.plot(times, [v if not t else NAN for v, t in zip(values, identifiable)], ".", ms=2, alpha=0.25, color=colour)
-    axes.plot(times, [v if t else NAN for v, t in zip(values, identifiable)], ".", ms=3, color=colour)
+        identifiable = rows[sd_column] < VAGUE_RAD
+    axes.plot(times, np.where(identifiable, np.nan, values), ".", ms=2, alpha=0.25, color=colour)
+    axes.plot(times, np.where(identifiable, values, np.nan), ".", ms=3, color=colour)
     if sd_column:
-        axes.fill_between(times, [v - s for v, s in zip(values, sds)], [v + s for v, s in zip(values, sds)],
-                          color=colour, alpha=0.15, lw=0)
+        sds = scale * rows[sd_column]
+        axes.fill_between(times, values - sds, values + sds, color=colour, alpha=0.15, lw=0)
     axes.set_ylabel(name)
     axes.grid(alpha=0.3)
     if identifiable_column:
-        estimated = any(row[sd_column] for row in rows)
-        share = 100.0 * sum(identifiable) / len(identifiable)
-        if estimated:
-            note = f"identifiable in {share:.0f} % of the frames"
+        if finite(rows[sd_column]).size:
+            note = f"identifiable in {100.0 * identifiable.mean():.0f} % of the frames"
         else:  # of EI and payload one is given where the other is estimated
-            other = any(row["sd_payload" if column == "EI" else "sd_EI"] for row in rows)
+            other = finite(rows["sd_payload" if column == "EI" else "sd_EI"]).size
             note = "given, not estimated" if other or len(set(finite(values))) <= 1 else "not determined in any frame"
         axes.text(0.995, 0.04, note, transform=axes.transAxes, ha="right", fontsize=8)
     return finite(values)
@@ -164,15 +146,15 @@ def main():
     with_truth = False
     for c, path in enumerate(arguments.csv):
         rows = read(path, arguments.segment)
-        start = float(rows[0]["stamp"])
-        times = [float(row["stamp"]) - start for row in rows]
+        start = rows["stamp"][0]
+        times = rows["stamp"] - start
         truth_file = arguments.truth[c] if c < len(arguments.truth) else truth_beside(path)
         truth = read_truth(truth_file, rows) if truth_file else None
         with_truth = with_truth or bool(truth)
         for r, panel in enumerate(PANELS):
             values = draw(grid[r][c], rows, times, panel, f"C{r}")
-            values = sorted(values + draw_truth(grid[r][c], truth, start, panel, arguments.segment))
-            if values:
+            values = np.sort(np.concatenate([values, draw_truth(grid[r][c], truth, start, panel, arguments.segment)]))
+            if values.size:
                 low, high = limits(values)
                 old_low, old_high = grid[r][c].get_ylim() if c else (low, high)
                 grid[r][c].set_ylim(min(old_low, low), max(old_high, high))
@@ -185,4 +167,7 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except softarm.Error as why:
+        sys.exit(f"plot_estimates: {why}")

@@ -1,13 +1,12 @@
 #!/usr/bin/env python3
 """Draw doc/images/identify_input_noise.png: what noisy pressure sensors do to identified gains, on the virtual rig.
 
-    scripts/plot_input_errors.py --work work --out doc/images/identify_input_noise.png    # wants python3-matplotlib
+    scripts/python scripts/plot_input_errors.py --work work --out doc/images/identify_input_noise.png
 
 simulates trials of config/scenarios/demo.yaml whose pressure sensors are noisy, and identifies the gains of its arm with inputs as
 recorded (`--exact-inputs`) and with errors in variables.
 """
 import argparse
-import json
 import pathlib
 import subprocess
 import sys
@@ -19,6 +18,8 @@ except ImportError as error:
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
+
+from softarm_module import softarm  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 NOISE_PA = (0, 1000, 2000, 4000, 6000)
@@ -46,17 +47,12 @@ def trials(program, work, noise_pa):
     return bags
 
 
-def gains(program, work, bags, *options):
+def gains(arm, trials, **options):
     """Gain over truth and its sd, by chamber; the result."""
-    run(program, "identify", "--arm", "online_200mm", *bags, "--moving", "--hold", "*.bending_stiffness.*,*.elongation",
-        "--hold-out-share", 0, "--out", work / "fit.yaml", "--json", work / "fit.json", *options)
-    result = json.loads((work / "fit.json").read_text(encoding="utf-8"))
-    found = {}
-    for constant in result["constants"]:
-        for chamber, truth in TRUTH.items():
-            if constant["name"].endswith(f"chamber_{chamber}.moment_gain"):
-                found[chamber] = constant["value"] / truth, constant["sd"] / truth
-    return found, result
+    result = softarm.identify(arm, trials, moving=True, held=["*.bending_stiffness.*", "*.elongation"], held_out_share=0.0, **options)
+    fitted = {constant.name: constant for constant in result.constants}
+    found = {chamber: (fitted[f"segment_1.chamber_{chamber}.moment_gain"], truth) for chamber, truth in TRUTH.items()}
+    return {chamber: (one.value / truth, one.sd / truth) for chamber, (one, truth) in found.items()}, result.to_dict()
 
 
 def main():
@@ -67,12 +63,12 @@ def main():
     arguments = parser.parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
 
+    arm = softarm.load_arm("online_200mm")
     figure, grid = plt.subplots(1, 3, figsize=(9.5, 3.4), sharey=True)
     for noise_pa in NOISE_PA:
-        bags = trials(arguments.program, arguments.work, noise_pa)
-        for colour, shift, label, options in ((EXACT, -0.08, "inputs as recorded", ["--exact-inputs"]),
-                                              (WITH, 0.08, "errors in variables", [])):
-            found, result = gains(arguments.program, arguments.work, bags, *options)
+        recorded = softarm.read_bags(arm, trials(arguments.program, arguments.work, noise_pa))
+        for colour, shift, label, exact in ((EXACT, -0.08, "inputs as recorded", True), (WITH, 0.08, "errors in variables", False)):
+            found, result = gains(arm, recorded, exact_inputs=exact)
             measured = ", ".join(f"{one['noise_sd']:.0f} Pa" for one in result.get("inputs", []))
             print(f"noise {noise_pa} Pa, {label}: " + ", ".join(f"{v:.3f} +- {sd:.3f}" for v, sd in found.values())
                   + f"; misfit {result['fit']['misfit']:.2f}" + (f"; measured {measured}" if measured else ""))

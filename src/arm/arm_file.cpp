@@ -48,6 +48,14 @@ Arm load_arm_file(const std::string& name, const std::vector<std::string>& direc
   return parse_arm(file.text, file.source);
 }
 
+void assume_payload(Arm& arm, double kg) {
+  const Range& range = arm.payload.range_kg;
+  if (!(kg >= range.low && kg <= range.high))
+    throw std::invalid_argument(fmt::format("payload {}: must be from {} to {} kg for the arm {}", kg,
+                                            range.low, range.high, arm.name));
+  arm.payload.default_kg = kg;
+}
+
 std::vector<std::string> arm_names(const std::vector<std::string>& directories) {
   std::vector<std::string> names;
   for (const std::string& directory : directories) {

@@ -103,7 +103,10 @@ std::vector<model::Present> load_effects(const arm::Arm& arm, const std::string&
 }
 
 std::string doubt_about_effects(const std::string& name, const std::vector<std::string>& directories) {
-  const arm::ArmText file = arm::read_arm_text(name, directories);
+  return doubt_about_effects(arm::read_arm_text(name, directories));
+}
+
+std::string doubt_about_effects(const arm::ArmText& file) {
   if (arm::parse_effect_entries(file.text, file.source).empty() ||
       arm::parse_effects_verdict(file.text, file.source) != "unknown")
     return "";

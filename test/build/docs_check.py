@@ -10,7 +10,7 @@ import urllib.parse
 
 import tree
 
-TOP = ("src", "include", "test", "scripts", "config", "doc", "launch", "msg", "srv", "cmake", "bench", "rviz")
+TOP = ("src", "include", "test", "scripts", "config", "doc", "launch", "msg", "srv", "cmake", "bench", "rviz", "python")
 README_WORDS = 900
 PARAMETERS = {"src/ros/node_params.cpp": "estimator_node", "src/apps/simulator_node.cpp": "simulator_node",
               "src/apps/diagnose_node/params.cpp": "diagnose_node"}

@@ -13,6 +13,7 @@ import tree
 source, build = tree.directories()
 SCRIPT = os.path.join(source, "scripts", "plot_estimates.py")
 PROGRAM = os.path.join(build, "devel", "lib", "softarm_estimator", "softarm")
+MODULE = os.path.join(build, "devel", "lib", "python3", "dist-packages", "softarm")
 
 
 def softarm(*arguments):
@@ -33,7 +34,8 @@ class PlotEstimates(unittest.TestCase):
         return os.path.join(cls.folder, name)
 
     def plot(self, *arguments):
-        return subprocess.run([sys.executable, SCRIPT, *arguments, "--out", self.path("trial.svg")], stderr=subprocess.PIPE, text=True)
+        return subprocess.run([sys.executable, SCRIPT, *arguments, "--out", self.path("trial.svg")], stderr=subprocess.PIPE, text=True,
+                              env={**os.environ, "SOFTARM_BUILD_DIR": build})
 
     def said(self, *arguments):
         """The texts of the picture, which matplotlib leaves beside their outlines."""
@@ -65,7 +67,7 @@ class PlotEstimates(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if not os.path.exists(PROGRAM) or importlib.util.find_spec("matplotlib") is None:
-        print("there is no matplotlib, or no program")
+    if not os.path.exists(PROGRAM) or not os.path.exists(MODULE) or importlib.util.find_spec("matplotlib") is None:
+        print("there is no matplotlib, no program, or no module softarm")
         sys.exit(tree.SKIPPED)
     unittest.main(argv=sys.argv[:1])

@@ -54,6 +54,11 @@ struct ArmText {
 SOFTARM_EXPORT ArmText read_arm_text(const std::string& name,
                                      const std::vector<std::string>& directories = {});
 
+/// Makes this the payload wherever no topic says otherwise.
+/// @throws std::invalid_argument for a value outside PayloadMount::range_kg: "payload 7: must be from 0 to 5
+/// kg for the arm ..."
+SOFTARM_EXPORT void assume_payload(Arm& arm, double kg);
+
 /// Bare names of the arm files in these folders, sorted.
 SOFTARM_EXPORT std::vector<std::string> arm_names(const std::vector<std::string>& directories);
 

@@ -34,4 +34,6 @@ SOFTARM_EXPORT std::vector<model::Present> load_effects(const arm::Arm& arm, con
 SOFTARM_EXPORT std::string doubt_about_effects(const std::string& name,
                                                const std::vector<std::string>& directories = {});
 
+SOFTARM_EXPORT std::string doubt_about_effects(const arm::ArmText& file);
+
 }  // namespace softarm::effects

@@ -17,12 +17,13 @@
 
 #include "arm/arm_writer.h"
 #include "command.h"
+#include "diagnose/arm_file_header.h"
 #include "effects/catalogue.h"
 #include "model/effect.h"
 #include "output_file.h"
 #include "progress.h"
 #include "read_trials.h"
-#include "report_page.h"
+#include "report/find_page.h"
 #include "shipped.h"
 #include "softarm/arm/arm_file.h"
 #include "softarm/effects/arm_effects.h"
@@ -73,26 +74,6 @@ void list_effects() {
   }
 }
 
-/// What stands in front of the extended arm file.
-std::vector<std::string> header_of(const diagnose::Diagnosis& diagnosis,
-                                   const std::vector<trial::Trial>& trials) {
-  std::string names;
-  for (const trial::Trial& trial : trials) names += (names.empty() ? "" : ", ") + trial.name;
-  std::vector<std::string> lines{"constants and effects fitted together to the trials " + names};
-  lines.push_back(fmt::format("verdict: {}; rms error on unseen trials {:.3g} mm, before {:.3g} mm",
-                              diagnose::to_string(diagnosis.verdict), 1e3 * diagnosis.extended.held_out_rms_m,
-                              1e3 * diagnosis.baseline.held_out_rms_m));
-  for (const diagnose::NamedEffect& effect : diagnosis.effects)
-    lines.push_back(
-        fmt::format("{} ({:.0f} %): {}", effect.id, 100.0 * effect.probability, effect.description));
-  if (diagnosis.discovered_law) lines.push_back("learned_moment: " + diagnosis.discovered_law->sentence);
-  // Names of files may hold anything; a comment ends with its line.
-  for (std::string& line : lines)
-    std::replace_if(
-        line.begin(), line.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
-  return lines;
-}
-
 /// As one word of a shell.
 std::string shell_word(const std::string& text) {
   const bool plain = !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
@@ -138,8 +119,8 @@ void run_diagnose(DiagnoseOptions options) {
   arm::Arm arm = arm::load_arm_file(options.arm, config_folders("arms"));
   const arm::ArmText file = arm::read_arm_text(options.arm, config_folders("arms"));
   options.diagnosis.known = effects::effects_of(arm, arm::parse_effect_entries(file.text, file.source));
-  if (options.payload_kg) arm.payload.default_kg = options.payload_kg;
-  const ReportPage page = find_report_page();
+  if (options.payload_kg) assume_payload(arm, *options.payload_kg);
+  const report::FoundPage page = report::find_page(config_folders("report"));
   const ResultsFolder folder(options.out);
   const Replacing replacing = Replacing::of_this_run(options.force);
   OutputFile json(fs::path(options.out) / "report.json", replacing);
@@ -166,7 +147,7 @@ void run_diagnose(DiagnoseOptions options) {
   try {
     diagnosis.extended_text = arm::update_arm_text(
         file.text, file.source, diagnosis.extended_arm.arm, diagnosis.extended_arm.effects,
-        header_of(diagnosis, trials), "diagnose", diagnose::to_string(diagnosis.verdict));
+        diagnose::arm_file_header(diagnosis, trials), "diagnose", diagnose::to_string(diagnosis.verdict));
     diagnosis.next_command = next_command(extended.path(), options.bags);
   } catch (const arm::ArmError& why) {  // an arm file that cannot be edited is no reason to have no report
     no_extended = why.what();

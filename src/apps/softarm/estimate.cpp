@@ -79,14 +79,7 @@ arm::Arm load_arm(const EstimateOptions& options) {
   if (options.dynamics) arm.estimator.dynamics = word("--dynamics", *options.dynamics, arm::parse_dynamics);
   if (options.prior) arm.estimator.prior.enabled = *options.prior == "on";
   if (options.window_s) arm.estimator.window_s = *options.window_s;
-  if (options.payload_kg) {
-    const arm::Range& range = arm.payload.range_kg;
-    if (!(*options.payload_kg >= range.low && *options.payload_kg <= range.high)) {
-      throw Failure(fmt::format("--payload {}: must be from {} to {} kg for the arm {}", *options.payload_kg,
-                                range.low, range.high, arm.name));
-    }
-    arm.payload.default_kg = options.payload_kg;
-  }
+  if (options.payload_kg) assume_payload(arm, *options.payload_kg);
   return arm;
 }
 

@@ -14,6 +14,7 @@
 
 #include "arm/arm_writer.h"
 #include "command.h"
+#include "identify/arm_file_header.h"
 #include "identify/identify_extended.h"
 #include "identify/releases.h"
 #include "identify_tables.h"
@@ -54,46 +55,6 @@ Constants are named <segment>.<what>: segment_1.chamber_2.moment_gain, segment_1
 segment_1.tendon_1.offset, segment_1.length ...; patterns may have * and ?; the last part alone will do.
 What the arm file has no value for (saturation, growth of EI, joint_compliance) is 0, and freed by its name alone.)";
 
-std::string names_of(const identify::Result& result, bool held_out) {
-  std::string names;
-  for (const identify::TrialSummary& trial : result.trials) {
-    if (trial.held_out == held_out) names += (names.empty() ? "" : ", ") + trial.name;
-  }
-  return names;
-}
-
-std::vector<std::string> header_of(const identify::Result& result) {
-  std::vector<std::string> lines{"constants and prior identified from the trials " + names_of(result, false)};
-  lines.push_back(identify::verdict(result));
-  if (!result.left_out_one.empty()) {
-    const identify::ShapeError &before = result.left_out_one_before, &after = result.left_out_one_after;
-    lines.push_back(fmt::format(
-        "mean shape error, each trial by a fit to the others: {:.2f} mm, {:.2f} % of the length; before: "
-        "{:.2f} mm",
-        1e3 * after.mean_m, after.percent(after.mean_m), 1e3 * before.mean_m));
-  } else if (result.held_out.frames > 0) {
-    const identify::ShapeError &before = result.held_out_before, &after = result.held_out;
-    lines.push_back(fmt::format(
-        "mean shape error on held-out trials ({}): {:.2f} mm, {:.2f} % of the length; before: "
-        "{:.2f} mm",
-        names_of(result, true), 1e3 * after.mean_m, after.percent(after.mean_m), 1e3 * before.mean_m));
-  } else {
-    lines.push_back(fmt::format("no trial was held out; mean shape error on those fitted: {:.2f} mm",
-                                1e3 * result.fitted.mean_m));
-  }
-  for (const identify::Constant& constant : result.constants) {
-    if (!constant.determined)
-      lines.push_back(fmt::format("NOT determined by these trials: {}{}", constant.name,
-                                  constant.kept           ? " (ran into its limit; as it was)"
-                                  : !constant.at_bound    ? ""
-                                  : constant.value == 0.0 ? " (none was found)"
-                                                          : " (at its limit)"));
-  }
-  for (const std::string& warning : result.warnings) lines.push_back(warning);
-  for (const std::string& note : result.prior_notes) lines.push_back("prior: " + note);
-  return lines;
-}
-
 void fit(const IdentifyOptions& options, const arm::Arm& arm) {
   if (options.out.empty()) throw Failure("--out is needed: the arm file to be written");
   // Before any work: whether the results have a place.
@@ -125,7 +86,7 @@ void fit(const IdentifyOptions& options, const arm::Arm& arm) {
         arm, effects, trials, options.fit,
         [&](double share) { progress.advance(share - std::exchange(done, share), 1); }, options.jobs);
   }
-  out.write(arm::update_arm_text(text, source.string(), result.arm, header_of(result)));
+  out.write(arm::update_arm_text(text, source.string(), result.arm, identify::arm_file_header(result)));
   if (json) json->write(identify::to_json(result));
   if (shapes) {
     shapes->write(shapes_csv(arm, result, trials,
@@ -178,13 +139,7 @@ void releases(const IdentifyOptions& options, const arm::Arm& arm) {
 
 void run_identify(IdentifyOptions options) {
   arm::Arm arm = arm::load_arm_file(options.arm, config_folders("arms"));
-  if (options.payload_kg) {
-    const arm::Range& range = arm.payload.range_kg;
-    if (!(*options.payload_kg >= range.low && *options.payload_kg <= range.high))
-      throw Failure(fmt::format("--payload {}: must be from {} to {} kg for the arm {}", *options.payload_kg,
-                                range.low, range.high, arm.name));
-    arm.payload.default_kg = options.payload_kg;
-  }
+  if (options.payload_kg) assume_payload(arm, *options.payload_kg);
   options.fit.frames.prefer_static = !options.moving;
   options.fit.robust = !options.not_robust;
   try {

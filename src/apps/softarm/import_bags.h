@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "output_file.h"
-#include "ros/bag_writer.h"
+#include "ros/csv_bag.h"
 #include "trial/csv_recording.h"
 
 namespace softarm::app {
@@ -38,7 +38,6 @@ class ImportBags {
 
  private:
   void enter(const trial::CsvRow& row);
-  void payload(const trial::CsvRow& row);
 
   const trial::CsvLayout& layout_;
   const std::string layout_text_;
@@ -46,13 +45,10 @@ class ImportBags {
   std::optional<double> split_every_s_;
   Replacing replacing_;
   std::vector<Bag> bags_;
-  std::unique_ptr<TrialBagWriter> writer_;
+  std::unique_ptr<CsvBag> bag_;
   std::string trial_;
   double trial_start_s_ = 0.0;
   long piece_ = 0;
-  std::size_t next_step_ = 0;               // of the layout's payload
-  std::optional<double> payload_kg_;        // last published
-  std::optional<trial::Stamp> last_stamp_;  // of the bag's last row
   bool left_out_ = false;
 };
 

@@ -1,0 +1,124 @@
+"""What the parts of the package share."""
+import os
+import warnings
+from typing import Any, Callable, Dict, Iterable, List, Optional, Sequence, Union
+
+import numpy as np
+
+from . import _softarm
+
+Path = Union[str, "os.PathLike[str]"]
+Progress = Callable[[float, str], None]
+
+
+class SoftarmWarning(UserWarning):
+    """What was left out, or cannot be, though the call goes on."""
+
+
+def warn(text: str) -> None:
+    warnings.warn(text, SoftarmWarning, stacklevel=3)
+
+
+def folders(kind: str) -> List[str]:
+    """Where files of this kind ship ("arms", "layouts", "report"): installed beside this package, and in the checkout."""
+    here = os.path.dirname(os.path.abspath(__file__))  # <prefix>/lib/python3/dist-packages/softarm
+    prefix = os.path.normpath(os.path.join(here, *[os.pardir] * 4))
+    return [os.path.join(prefix, "share", "softarm_estimator", "config", kind),
+            os.path.join(_softarm.SOURCE_DIR, "config", kind)]
+
+
+def paths_of(paths: Union[Path, Iterable[Path]]) -> List[str]:
+    """One path or several, as text."""
+    if isinstance(paths, (str, os.PathLike)):
+        paths = [paths]
+    return [os.fspath(path) for path in paths]
+
+
+def jobs_of(jobs: int) -> int:
+    if jobs != int(jobs) or not 0 <= jobs <= 256:
+        raise ValueError(f"jobs: {jobs}; must be from 0 (one per processor) to 256")
+    return int(jobs)
+
+
+def set_options(options: Any, values: Dict[str, Any]) -> None:
+    """Sets attributes of the extension's options. ValueError, in one line, for what is none of their kind."""
+    for name, value in values.items():
+        try:
+            setattr(options, name, value)
+        except TypeError:
+            raise ValueError(f"{name}: {value!r}; is of the wrong kind") from None
+
+
+def number_or_none(name: str, value: Any) -> Optional[float]:
+    try:
+        return None if value is None else float(value)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name}: {value!r}; must be a number") from None
+
+
+def words_of(name: str, words: Union[str, Sequence[str]]) -> List[str]:
+    """One word or several."""
+    words = [words] if isinstance(words, str) else list(words)
+    for word in words:
+        if not isinstance(word, str):
+            raise ValueError(f"{name}: {word!r}; must be names")
+    return words
+
+
+def numbers(name: str, values: Any) -> "np.ndarray":
+    """Values as an array of doubles. ValueError where they are none."""
+    try:
+        return np.asarray(values, dtype=np.float64, order="C")
+    except (TypeError, ValueError):
+        raise ValueError(f"{name}: {type(values).__name__}; must be numbers of one rectangular shape") from None
+
+
+def table(values: Any, names: Sequence[str], count: Optional[int], what: str = "inputs") -> "np.ndarray":
+    """By name (a mapping) or as an array (count, names): the array. A mapping's numbers hold for all rows; names left out
+    are 0."""
+    if isinstance(values, dict):
+        columns: Dict[str, np.ndarray] = {}
+        for name, value in values.items():
+            if name not in names:
+                raise ValueError(f"{what}: '{name}'; the arm has {', '.join(names) or 'none'}")
+            columns[name] = numbers(f"{what}['{name}']", value)
+            if columns[name].ndim > 1:
+                raise ValueError(f"{what}['{name}']: has the shape {columns[name].shape}; must be a number, or one per row")
+        lengths = {column.shape[0] for column in columns.values() if column.ndim} | ({count} if count is not None else set())
+        if len(lengths) > 1:
+            raise ValueError(f"{what}: of different lengths: {', '.join(str(n) for n in sorted(lengths))}")
+        rows = lengths.pop() if lengths else 1
+        array = np.zeros((rows, len(names)))
+        for name, column in columns.items():
+            array[:, list(names).index(name)] = column
+        return array
+    array = numbers(what, values)
+    if array.ndim == 1:
+        array = array[np.newaxis, :]
+    if array.ndim != 2 or array.shape[1] != len(names):
+        raise ValueError(f"{what}: has the shape {array.shape}; must have (rows, {len(names)}): {', '.join(names) or 'none'}")
+    return array
+
+
+def plain(value: Any) -> Any:
+    """As JSON would have it: lists for arrays, None for NaN."""
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist())
+    if isinstance(value, dict):
+        return {key: plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    if isinstance(value, np.generic):
+        return plain(value.item())
+    if isinstance(value, float) and value != value:
+        return None
+    return value
+
+
+def pandas() -> Any:
+    """The module pandas. ImportError with the remedy where it is not installed."""
+    try:
+        import pandas as module
+    except ImportError:
+        raise ImportError("to_pandas() needs pandas: apt-get install python3-pandas; to_dict() does without") from None
+    return module

@@ -1,0 +1,79 @@
+"""Trials to the constants of an arm's laws."""
+import json
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Union
+
+import numpy as np
+
+from . import _softarm
+from ._arm import Arm
+from ._common import Progress, jobs_of, number_or_none, pandas, set_options, words_of
+from ._trial import Trial
+
+
+class FittedConstant(NamedTuple):
+    """A constant after the fit, SI by ``unit``. ``sd``: from the trials alone; ``determined``: well enough to use it."""
+
+    name: str
+    unit: str
+    initial: float
+    value: float
+    sd: float
+    scale: float
+    determined: bool
+    at_bound: bool
+    kept: bool
+    advice: str
+
+
+class Identification:
+    """What :func:`identify` found.
+
+    ``arm``: the arm with the constants and the prior (its file as ``softarm identify --out`` writes it); ``verdict``: whether
+    they are better on trials that were not fitted, in one line; ``generalises``: the same as bool, None where none was held
+    out; ``constants``; ``correlation`` and ``covariance`` (k, k) of them, in their order and units; ``text``: tables for people.
+    """
+
+    def __init__(self, raw: Dict[str, Any]) -> None:
+        self.arm = Arm(raw["arm"])
+        self.verdict: str = raw["verdict"]
+        self.generalises: Optional[bool] = raw["generalises"]
+        self.constants: List[FittedConstant] = [FittedConstant(**one) for one in raw["constants"]]
+        self.correlation: np.ndarray = raw["correlation"]
+        self.covariance: np.ndarray = raw["covariance"]
+        self.text: str = raw["text"]
+        self._json: str = raw["json"]
+
+    def __repr__(self) -> str:
+        return f"<softarm.Identification {self.arm.name}: {self.verdict}>"
+
+    def to_dict(self) -> Dict[str, Any]:
+        """What ``softarm identify --json`` writes: constants, errors before and after by trial, what was left out."""
+        return json.loads(self._json)
+
+    def to_pandas(self) -> Any:
+        """A DataFrame of the constants, indexed by name."""
+        return pandas().DataFrame([one._asdict() for one in self.constants], columns=FittedConstant._fields).set_index("name")
+
+
+def identify(arm: Arm, trials: Sequence[Trial], *, free: Union[str, Sequence[str]] = (),
+             also_free: Union[str, Sequence[str]] = (), held: Union[str, Sequence[str]] = (),
+             tied: Union[str, Sequence[str]] = (), held_out: Union[str, Sequence[str]] = (), held_out_share: float = 1.0 / 3.0,
+             leave_one_out: bool = False, seed: int = 0, frames_per_trial: int = 40, moving: bool = False, robust: bool = True,
+             exact_inputs: bool = False, payload_kg: Optional[float] = None, jobs: int = 0,
+             progress: Optional[Progress] = None) -> Identification:
+    """Fits the constants of ``arm`` to trials; as ``softarm identify``, whose options these are.
+
+    ``free``, ``also_free``, ``held``, ``tied``: patterns of constants' names ("*.moment_gain"); ``held_out``: names of trials
+    that are compared, not fitted (default: every third of three or more). Effects of the arm file are held at their values.
+    Raises IdentifyError for trials that nothing can be fitted to, ValueError for patterns and names that match nothing.
+    """
+    options = _softarm.IdentifyOptions()
+    for name, value in (("free", free), ("also_free", also_free), ("held", held), ("tied", tied), ("held_out", held_out)):
+        setattr(options, name, words_of(name, value))
+    if not 0.0 <= held_out_share <= 0.9:
+        raise ValueError(f"held_out_share: {held_out_share}; must be from 0 to 0.9")
+    set_options(options, dict(held_out_share=held_out_share, leave_one_out=leave_one_out, seed=seed, frames_per_trial=frames_per_trial,
+                              prefer_static=not moving, robust=robust, exact_inputs=exact_inputs))
+    return Identification(_softarm.identify(arm._handle, [trial._handle for trial in trials],
+                                            number_or_none("payload_kg", payload_kg), options,
+                                            jobs_of(jobs), progress))

@@ -1,0 +1,137 @@
+"""The model: an arm's laws and the statics of its rod."""
+from typing import Any, Dict, List, Optional, Sequence
+
+import numpy as np
+
+from . import _softarm
+from ._arm import Arm, gravity_of
+from ._common import Progress, numbers, plain, table, warn, words_of
+
+_OUTCOMES = ("ok", "no_laws", "no_equilibrium")
+
+
+class Jacobians:
+    """Derivatives of places by what they follow from. Arrays, with n instants, b bodies and p points of the backbone:
+
+    ``bodies_by_inputs`` (n, b, 3, inputs), m per Pa, N or rad;
+    ``bodies_by_payload`` (n, b, 3), m/kg;
+    ``bodies_by_gravity`` (n, b, 3, 3), m per m/s²: the last axis is that of gravity;
+    ``bodies_by_constants`` (n, b, 3, constants), m per unit of ``constants``;
+    ``points_by_...``: the same of the backbone, (n, p, 3, ...).
+
+    NaN where there is no shape. They are of the bodies as they sit at zero input: where a length is a constant, the bodies
+    keep their fraction of it.
+    """
+
+    def __init__(self, raw: Dict[str, Any], bodies: int, inputs: List[str], constants: List[str]) -> None:
+        self.inputs = inputs
+        self.constants = constants
+        for name in ("inputs", "payload", "gravity", "constants"):
+            by = raw["by_" + name]
+            setattr(self, "bodies_by_" + name, by[:, :bodies])
+            setattr(self, "points_by_" + name, by[:, bodies:])
+
+    bodies_by_inputs: "np.ndarray"
+    bodies_by_payload: "np.ndarray"
+    bodies_by_gravity: "np.ndarray"
+    bodies_by_constants: "np.ndarray"
+    points_by_inputs: "np.ndarray"
+    points_by_payload: "np.ndarray"
+    points_by_gravity: "np.ndarray"
+    points_by_constants: "np.ndarray"
+
+
+class Shapes:
+    """Shapes of an arm, in the rod's base frame (z along the backbone at its base). n instants, p points, b bodies, s segments.
+
+    ``arclength_m`` (p,): of the points, from the base at zero input; ``p_base_m`` (n, p, 3); ``q_base_xyzw`` (n, p, 4): the
+    section, z along the tangent; ``curvature_per_m`` (n, p, 3): bending about the section's x and y, twist;
+    ``force_base_n``, ``moment_base_nm`` (n, p, 3): inside the rod; ``bodies_p_base_m``, ``bodies_tangent_base`` (n, b, 3);
+    ``M0_nm``, ``phi_rad``, ``EI_nm2``, ``L_m`` (n, s): what the laws make of the inputs.
+
+    ``status`` (n,): "ok", "no_laws" (the laws have no value at these inputs) or "no_equilibrium"; there, floats are NaN.
+    ``jacobians``: :class:`Jacobians` if asked for, else None.
+    """
+
+    def __init__(self, raw: Dict[str, Any], arclength_m: "np.ndarray", arm: Arm, constants: List[str]) -> None:
+        outcome = raw.pop("outcome")
+        for array in raw.values():
+            array[outcome != 0] = np.nan
+        self.status = np.array(_OUTCOMES)[outcome]
+        self.arclength_m = arclength_m
+        self.body_names = [body.name for body in arm.bodies]
+        self.segment_names = [segment.name for segment in arm.segments]
+        self.jacobians: Optional[Jacobians] = None
+        if "by_inputs" in raw:
+            self.jacobians = Jacobians(raw, len(self.body_names), [one.name for one in arm.inputs], constants)
+        for name in ("p_base_m", "q_base_xyzw", "curvature_per_m", "force_base_n", "moment_base_nm", "bodies_p_base_m",
+                     "bodies_tangent_base", "M0_nm", "phi_rad", "EI_nm2", "L_m"):
+            setattr(self, name, raw[name])
+
+    p_base_m: "np.ndarray"
+    q_base_xyzw: "np.ndarray"
+    curvature_per_m: "np.ndarray"
+    force_base_n: "np.ndarray"
+    moment_base_nm: "np.ndarray"
+    bodies_p_base_m: "np.ndarray"
+    bodies_tangent_base: "np.ndarray"
+    M0_nm: "np.ndarray"
+    phi_rad: "np.ndarray"
+    EI_nm2: "np.ndarray"
+    L_m: "np.ndarray"
+
+    def __len__(self) -> int:
+        return len(self.status)
+
+    def to_dict(self) -> Dict[str, Any]:
+        """All but the Jacobians, as lists; None for NaN."""
+        return plain({name: value for name, value in vars(self).items() if name != "jacobians"})
+
+
+class Model:
+    """An arm's shape at rest from its inputs and payload: the arm file's laws, then the exact statics of its rod.
+
+    Effects of the arm file are not in it (a SoftarmWarning says so where there are some), nor what a wall still creeps.
+    Use one from one thread at a time, or several; Python's lock is released while it works.
+    """
+
+    def __init__(self, arm: Arm, *, points: int = 41, constants: Sequence[str] = ()) -> None:
+        """``points``: evenly spaced places of the backbone, base and tip among them.
+
+        ``constants``: names of those that ``Jacobians.bodies_by_constants`` is by. Raises ValueError for a wrong name.
+        """
+        if points != int(points) or not 2 <= points <= 1001:
+            raise ValueError(f"points: {points}; must be from 2 to 1001")
+        self.arm = arm
+        self.constants = words_of("constants", constants)
+        self.arclength_m = np.linspace(0.0, arm.length_m, int(points))
+        self._handle = _softarm.ModelHandle(arm._handle, self.arclength_m.tolist(), self.constants)
+        if arm.effects:
+            warn(f"{arm.name}: the effects {', '.join(one['id'] for one in arm.effects)} are not in Model, which has the laws alone")
+
+    def solve(self, inputs: Any = None, payload_kg: Any = 0.0, *, gravity_base_m_s2: Any = None, jacobians: bool = False,
+              progress: Optional[Progress] = None) -> Shapes:
+        """Shapes at n instants.
+
+        ``inputs``: {name: number or (n,)} (names left out are 0), or an array (n, inputs of the arm); gauge Pa, Pa below
+        ambient, N, rad. ``payload_kg``: a number or (n,). ``gravity_base_m_s2``: (3,) or (n, 3), in the rod's base frame;
+        by default that of the arm file with its base, or, where the base is a measured body, as if that body's axes were the
+        mocap's. Every instant is solved from nothing: the order does not matter.
+
+        Raises ValueError for a wrong name or shape, NaN or infinity, or a negative payload.
+        """
+        names = [one.name for one in self.arm.inputs]
+        payload = numbers("payload_kg", payload_kg)
+        gravity = gravity_of(self.arm, None) if gravity_base_m_s2 is None else numbers("gravity_base_m_s2", gravity_base_m_s2)
+        count = payload.shape[0] if payload.ndim == 1 else gravity.shape[0] if gravity.ndim == 2 else None
+        array = table({} if inputs is None else inputs, names, count if inputs is None or isinstance(inputs, dict) else None)
+        for name, column in zip(names, array.T):
+            if not np.isfinite(column).all():
+                raise ValueError(f"inputs['{name}']: {column[~np.isfinite(column)][0]}; must be finite")
+        if count is not None and array.shape[0] == 1:
+            array = np.repeat(array, count, axis=0)
+        rows = array.shape[0]
+        payload = np.full(rows, payload) if payload.ndim == 0 else payload
+        gravity = np.tile(gravity, (rows, 1)) if gravity.ndim == 1 else gravity
+        raw = self._handle.solve(array, payload, gravity, bool(jacobians), progress)
+        return Shapes(raw, self.arclength_m, self.arm, self.constants)

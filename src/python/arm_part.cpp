@@ -1,0 +1,208 @@
+// Arm files.
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+#include <yaml-cpp/yaml.h>
+
+#include "arm/arm_writer.h"
+#include "arm/edit_distance.h"
+#include "arm_handle.h"
+#include "arrays.h"
+#include "math/parse_number.h"
+#include "parts.h"
+#include "softarm/arm/laws.h"
+#include "softarm/effects/arm_effects.h"
+
+namespace softarm::python {
+namespace {
+
+py::object python_of(const YAML::Node& node) {
+  if (node.IsSequence()) {
+    py::list list;
+    for (const YAML::Node& item : node) list.append(python_of(item));
+    return std::move(list);
+  }
+  if (node.IsMap()) {
+    py::dict dict;
+    for (const auto& item : node) dict[py::str(item.first.Scalar())] = python_of(item.second);
+    return std::move(dict);
+  }
+  if (!node.IsScalar()) return py::none();
+  const std::string& word = node.Scalar();
+  if (node.Tag() != "!") {  // not in quotes
+    if (word == "true" || word == "false") return py::bool_(word == "true");
+    if (const auto number = math::parse_number(word)) return py::float_(*number);
+  }
+  return py::str(word);
+}
+
+py::dict keys_of(const ArmHandle& handle) {
+  return py::cast<py::dict>(python_of(YAML::Load(handle.text)));
+}
+
+const char* unit_of(arm::InputKind kind) {
+  switch (kind) {
+    case arm::InputKind::kTension:
+      return "N";
+    case arm::InputKind::kAngle:
+      return "rad";
+    default:
+      return "Pa";
+  }
+}
+
+const char* word_of(arm::InputKind kind) {
+  switch (kind) {
+    case arm::InputKind::kPressure:
+      return "pressure";
+    case arm::InputKind::kVacuum:
+      return "vacuum";
+    case arm::InputKind::kTension:
+      return "tension";
+    default:
+      return "angle";
+  }
+}
+
+py::list inputs_of(const ArmHandle& handle) {
+  py::list list;
+  for (const arm::ScalarInput& input : handle.arm.inputs.scalars) {
+    py::dict one;
+    one["name"] = input.name;
+    one["kind"] = word_of(input.kind);
+    one["unit"] = unit_of(input.kind);
+    one["topic"] = input.topic;
+    list.append(one);
+  }
+  return list;
+}
+
+py::list bodies_of(const ArmHandle& handle) {
+  py::list list;
+  for (const arm::MeasuredBody& body : handle.arm.bodies) {
+    py::dict one;
+    one["name"] = body.name;
+    one["kind"] = body.kind == arm::BodyKind::kRing ? "ring" : "skin_marker";
+    one["arclength_m"] = body.arclength_m;
+    one["orientation_usable"] = body.orientation_usable;
+    one["position_sd_m"] = body.position_sd_m;
+    list.append(one);
+  }
+  return list;
+}
+
+py::list segments_of(const ArmHandle& handle) {
+  py::list list;
+  for (const arm::Segment& segment : handle.arm.segments) {
+    py::dict one;
+    one["name"] = segment.name;
+    one["length_m"] = segment.length_m;
+    one["mass_kg"] = segment.mass_per_length_kg_m * segment.length_m;
+    one["diameter_m"] = segment.diameter_m;
+    py::list inputs;
+    for (const int i : arm::inputs_of(handle.arm, segment))
+      inputs.append(handle.arm.inputs.scalars[static_cast<std::size_t>(i)].name);
+    one["inputs"] = inputs;
+    list.append(one);
+  }
+  return list;
+}
+
+py::list constants_of(const ArmHandle& handle) {
+  py::list list;
+  for (const arm::ConstantRef& constant : arm::constants_of(handle.arm)) {
+    const arm::Range range = arm::allowed_range(handle.arm, constant);
+    py::dict one;
+    one["name"] = arm::name_of(handle.arm, constant);
+    one["unit"] = arm::unit_of(constant.kind);
+    one["value"] = arm::value_of(handle.arm, constant);
+    one["low"] = range.low;
+    one["high"] = range.high;
+    one["stated"] = arm::is_stated(handle.arm, constant);
+    list.append(one);
+  }
+  return list;
+}
+
+py::list effects_of(const ArmHandle& handle) {
+  py::list list;
+  for (const arm::EffectEntry& entry : handle.entries) {
+    py::dict one, numbers;
+    for (const arm::EffectNumber& number : entry.numbers) numbers[py::str(number.name)] = number.value;
+    one["id"] = entry.id;
+    one["numbers"] = numbers;
+    list.append(one);
+  }
+  return list;
+}
+
+Arm with_constants(const ArmHandle& handle, const std::map<std::string, double>& values) {
+  arm::Arm changed = handle.arm;
+  for (const auto& [name, value] : values) {
+    const arm::ConstantRef constant = handle.constant(name);
+    const arm::Range range = arm::allowed_range(handle.arm, constant);
+    if (!(value >= range.low && value <= range.high))
+      throw std::invalid_argument(fmt::format("{}: {} must be from {} to {} {}", name, value, range.low,
+                                              range.high, arm::unit_of(constant.kind)));
+    arm::set_value(changed, constant, value);
+  }
+  return std::make_shared<ArmHandle>(arm::update_arm_text(handle.text, handle.source, changed),
+                                     handle.source);
+}
+
+}  // namespace
+
+ArmHandle::ArmHandle(std::string text_of_file, std::string source_of_text)
+    : text(std::move(text_of_file)),
+      source(std::move(source_of_text)),
+      arm(arm::parse_arm(text, source)),
+      entries(arm::parse_effect_entries(text, source)) {
+  effects = effects::effects_of(arm, entries);
+}
+
+arm::ConstantRef ArmHandle::constant(const std::string& name) const {
+  std::vector<std::string> names;
+  for (const arm::ConstantRef& constant : arm::constants_of(arm)) {
+    names.push_back(arm::name_of(arm, constant));
+    if (names.back() == name) return constant;
+  }
+  const auto meant = arm::yaml::nearest_word(name, names);
+  throw std::invalid_argument(fmt::format("{}: the arm {} has no constant of that name{}", name, arm.name,
+                                          meant ? "; did you mean " + *meant + "?" : ""));
+}
+
+void add_arm(py::module& module) {
+  py::class_<ArmHandle, std::shared_ptr<ArmHandle>>(module, "ArmHandle", "An arm file, parsed.")
+      .def(py::init<std::string, std::string>(), py::arg("text"), py::arg("source"))
+      .def_readonly("text", &ArmHandle::text)
+      .def_readonly("source", &ArmHandle::source)
+      .def_property_readonly("name", [](const ArmHandle& h) { return h.arm.name; })
+      .def_property_readonly("length_m", [](const ArmHandle& h) { return h.arm.total_length_m(); })
+      .def_property_readonly(
+          "gravity_base_m_s2",
+          [](const ArmHandle& h) {
+            const Eigen::Vector3d g = h.arm.base.body
+                                          ? h.arm.gravity_m_s2
+                                          : h.arm.base.fixed_pose.linear().transpose() * h.arm.gravity_m_s2;
+            return std::vector<double>(g.data(), g.data() + 3);
+          },
+          "With the base's pose of the file; of a measured base as if its axes were the mocap's.")
+      .def_property_readonly("has_base_body", [](const ArmHandle& h) { return h.arm.base.body.has_value(); })
+      .def("keys", &keys_of)
+      .def("inputs", &inputs_of)
+      .def("bodies", &bodies_of)
+      .def("segments", &segments_of)
+      .def("constants", &constants_of)
+      .def("effects", &effects_of)
+      .def("with_constants", &with_constants, py::arg("values"));
+  module.def(
+      "find_arm",
+      [](const std::string& name, const std::vector<std::string>& folders) {
+        const arm::ArmText found = arm::read_arm_text(name, folders);
+        return std::make_shared<ArmHandle>(found.text, found.source);
+      },
+      py::arg("name"), py::arg("folders"));
+  module.def("arm_names", &arm::arm_names, py::arg("folders"));
+  module.def("arm_keys", &arm::describe_arm_keys);
+}
+
+}  // namespace softarm::python
