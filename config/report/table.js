@@ -12,7 +12,9 @@ function linked(cell) {
 
 function contentOf(cell, column) {
   const inner = cell.link ? linked(cell) : named(cell.text);
-  return column.numbers ? {number: inner} : element('span', {class: column.wide ? 'name wide' : 'name'}, inner);
+  if (column.numbers) return {number: inner};
+  const kind = column.wide ? 'name wide' : cell.text.length > 14 ? 'name' : '';  // a word is as wide as it is
+  return element('span', {class: kind}, inner);
 }
 
 /// Absent values come last, whichever way it goes.
