@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "arm/input_kind.h"
 #include "contribution.h"
 #include "policy.h"
 #include "sentences.h"
@@ -28,17 +29,6 @@ std::vector<Eigen::Index> rows_of(const model::TrialData& trial) {
     row += 3 * static_cast<Eigen::Index>(block.bodies.size());
   }
   return rows;
-}
-
-std::string unit_of(arm::InputKind kind) {
-  switch (kind) {
-    case arm::InputKind::kTension:
-      return "N";
-    case arm::InputKind::kAngle:
-      return "rad";
-    default:
-      return "Pa";
-  }
 }
 
 std::vector<Vector3d> backbone(const model::Predicted& predicted) {
@@ -89,7 +79,7 @@ void add_curves(const JointModel& model, const Selection& selection, Diagnosis& 
   const std::size_t tip = tip_of(model.arm());
   const Unseen &before = selection.baseline_unseen, &after = selection.extended_unseen;
   for (const arm::ScalarInput& input : model.arm().inputs.scalars)
-    d.input_units[input.name] = unit_of(input.kind);
+    d.input_units[input.name] = arm::unit_of(input.kind);
   d.input_units["payload"] = "kg";
   for (std::size_t t = 0; t < model.trials().size(); ++t) {
     const model::TrialData& trial = model.trials()[t];

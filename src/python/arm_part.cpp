@@ -5,6 +5,7 @@
 
 #include "arm/arm_writer.h"
 #include "arm/edit_distance.h"
+#include "arm/input_kind.h"
 #include "arm_handle.h"
 #include "arrays.h"
 #include "math/parse_number.h"
@@ -39,37 +40,13 @@ py::dict keys_of(const ArmHandle& handle) {
   return py::cast<py::dict>(python_of(YAML::Load(handle.text)));
 }
 
-const char* unit_of(arm::InputKind kind) {
-  switch (kind) {
-    case arm::InputKind::kTension:
-      return "N";
-    case arm::InputKind::kAngle:
-      return "rad";
-    default:
-      return "Pa";
-  }
-}
-
-const char* word_of(arm::InputKind kind) {
-  switch (kind) {
-    case arm::InputKind::kPressure:
-      return "pressure";
-    case arm::InputKind::kVacuum:
-      return "vacuum";
-    case arm::InputKind::kTension:
-      return "tension";
-    default:
-      return "angle";
-  }
-}
-
 py::list inputs_of(const ArmHandle& handle) {
   py::list list;
   for (const arm::ScalarInput& input : handle.arm.inputs.scalars) {
     py::dict one;
     one["name"] = input.name;
-    one["kind"] = word_of(input.kind);
-    one["unit"] = unit_of(input.kind);
+    one["kind"] = to_string(input.kind);
+    one["unit"] = arm::unit_of(input.kind);
     one["topic"] = input.topic;
     list.append(one);
   }

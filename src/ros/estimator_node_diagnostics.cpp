@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "arm/input_kind.h"
 #include "estimator_node.h"
 #include "input_topics.h"
 #include "labels.h"

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "arm/input_kind.h"
 #include "body_driver.h"
 #include "body_reader.h"
 #include "scalar_adapters.h"
@@ -65,20 +66,6 @@ const std::map<std::string, ScalarAdapter>& scalar_adapters() {
       {"std_msgs/Float64MultiArray", {float64_array_topic}},
   };
   return table;
-}
-
-std::string to_string(arm::InputKind kind) {
-  switch (kind) {
-    case arm::InputKind::kPressure:
-      return "pressure";
-    case arm::InputKind::kVacuum:
-      return "vacuum";
-    case arm::InputKind::kTension:
-      return "tension";
-    case arm::InputKind::kAngle:
-      return "angle";
-  }
-  throw std::logic_error("kind of input without a name");
 }
 
 trial::Stamp headerless_stamp(trial::Stamp receipt, const trial::FrameAssembler& assembler) {

@@ -28,9 +28,6 @@ struct ScalarAdapter {
 /// By ScalarInput::type, of inputs without a field.
 const std::map<std::string, ScalarAdapter>& scalar_adapters();
 
-/// "pressure", "vacuum", "tension", "angle".
-std::string to_string(arm::InputKind kind);
-
 /// Name and index (FrameAssembler::kBaseBody for the base) of every body of the arm.
 Bodies body_indices(const arm::Arm& arm);
 /// The topic on which a body comes: its source's, with its name filled in.

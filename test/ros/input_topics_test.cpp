@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "arm/input_kind.h"
 #include "softarm/arm/arm_file.h"
 
 namespace softarm {
@@ -51,8 +52,8 @@ TEST(InputTopics, APressureMessageIsRefusedForATensionOrAnAngle) {
       input_topics(arm);
       ADD_FAILURE() << name << " was accepted";
     } catch (const std::invalid_argument& e) {
-      EXPECT_THAT(e.what(), AllOf(HasSubstr(name), HasSubstr(input.name), HasSubstr(to_string(input.kind)),
-                                  HasSubstr("std_msgs/Float64")));
+      EXPECT_THAT(e.what(), AllOf(HasSubstr(name), HasSubstr(input.name),
+                                  HasSubstr(arm::to_string(input.kind)), HasSubstr("std_msgs/Float64")));
       EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos);
     }
   }
