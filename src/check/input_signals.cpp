@@ -5,25 +5,13 @@
 #include <cmath>
 #include <optional>
 
+#include "arm/input_kind.h"
 #include "context.h"
 #include "math/statistics.h"
 #include "policy.h"
 
 namespace softarm::check {
 namespace {
-
-std::string unit_of(const arm::ScalarInput& input) {
-  switch (input.kind) {
-    case arm::InputKind::kTension:
-      return "N";
-    case arm::InputKind::kAngle:
-      return "rad";
-    case arm::InputKind::kPressure:
-    case arm::InputKind::kVacuum:
-      break;
-  }
-  return "Pa";
-}
 
 /// A run of equal values.
 struct Run {
@@ -117,9 +105,9 @@ void say_stuck(Context& context, const Signal& signal) {
     CheckFinding& finding =
         context.add("saturated_input", signal.input->name,
                     fmt::format("sits at its limit of {:.4g} {} {} times, without its noise", signal.high,
-                                unit_of(*signal.input), clipped.size()));
+                                unit_of(signal.input->kind), clipped.size()));
     finding.figure = signal.high;
-    finding.unit = unit_of(*signal.input);
+    finding.unit = unit_of(signal.input->kind);
     finding.spans = clipped;
     finding.remedy =
         "beyond the sensor's range the real value is larger: a sensor of a wider range, or less drive";
@@ -155,7 +143,7 @@ std::string from_to(double low, double high, int digits) {
 /// All inputs of one unit and severity in one finding: a recorder mostly has one converter for all.
 void say_coarse(Context& context, const std::vector<Coarse>& all) {
   const auto alike = [](const Coarse& a, const Coarse& b) {
-    return a.warns() == b.warns() && unit_of(*a.signal->input) == unit_of(*b.signal->input);
+    return a.warns() == b.warns() && unit_of(a.signal->input->kind) == unit_of(b.signal->input->kind);
   };
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (std::any_of(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(i),
@@ -174,7 +162,7 @@ void say_coarse(Context& context, const std::vector<Coarse>& all) {
       least = std::min(least, one.share);
       if (one.share > worst->share) worst = &one;
     }
-    const std::string unit = unit_of(*worst->signal->input);
+    const std::string unit = unit_of(worst->signal->input->kind);
     CheckFinding& finding =
         context.add(worst->warns() ? Severity::kWarning : Severity::kInformation, "coarse_steps", names,
                     fmt::format("move{} in steps of {} {} ({} % of {} range{})", count == 1 ? "s" : "",
@@ -194,7 +182,7 @@ void say_noisy(Context& context, const Signal& signal) {
       signal.noise_sd <=
           std::max(kPolicy.signals.least_noise * range, kPolicy.signals.flicker * signal.quantum))
     return;
-  const std::string unit = unit_of(*signal.input);
+  const std::string unit = unit_of(signal.input->kind);
   const bool noisy = signal.noise_sd > kPolicy.signals.coarse_share * range;
   CheckFinding& finding =
       context.add(noisy ? Severity::kWarning : Severity::kInformation, "noisy_input", signal.input->name,
@@ -229,7 +217,7 @@ void check_input_signals(Context& context) {
         context
             .add("never_driven", signal.input->name,
                  fmt::format("never changes ({:.4g} {}): this trial says nothing of it", signal.high,
-                             unit_of(*signal.input)))
+                             unit_of(signal.input->kind)))
             .remedy = "if it was driven, its sensor is dead or its topic another's";
       }
       continue;

@@ -10,8 +10,6 @@
 namespace softarm::diagnose {
 namespace {
 
-constexpr double kClearlyThere = 4.0;  // of what is trivial: to first order, so no fit without it is needed
-
 /// What was screened last, but for what may be mistaken for effects of the model.
 Round without_rivals(const Selection& selection) {
   Round alone;
@@ -30,7 +28,7 @@ Round without_rivals(const Selection& selection) {
 bool drop_superfluous(JointModel& model, Standing& current, std::vector<std::size_t>& round_of) {
   bool dropped = false;
   for (std::size_t e = 0; current.fit.at.effects.size() > 1 && e < current.fit.at.effects.size();) {
-    if (moved_without_m(current, e) > kClearlyThere * trivial_m(model)) {
+    if (moved_without_m(current, e) > kPolicy.selection.clearly_there * trivial_m(model)) {
       ++e;
       continue;
     }

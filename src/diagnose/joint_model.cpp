@@ -40,7 +40,7 @@ double scale_of(const arm::Arm& arm, const identify::ConstantRef& ref) {
   using identify::ConstantKind;
   const double value = std::abs(identify::value_of(arm, ref));
   const arm::Segment& segment = arm.segments[static_cast<std::size_t>(ref.segment)];
-  constexpr double kUsualPressure_pa = 5e4;
+  using arm::kUsualPressure_pa;
   double least = 0.0;
   switch (ref.kind) {
     case ConstantKind::kMomentGain:
@@ -70,11 +70,9 @@ double scale_of(const arm::Arm& arm, const identify::ConstantRef& ref) {
     case ConstantKind::kJointCompliance:
     case ConstantKind::kCableGain:
     case ConstantKind::kTendonOffset:
-      least = arm::spec_of(ref.kind).scale(segment, ref.index, NothingRecorded());
-      break;
     case ConstantKind::kRestCurvatureX:
     case ConstantKind::kRestCurvatureY:
-      least = 0.1 / segment.length_m;
+      least = arm::spec_of(ref.kind).scale(segment, ref.index, NothingRecorded());
       break;
     default:
       break;

@@ -53,8 +53,9 @@ struct Policy {
   /// Which effects go into the model.
   struct Selection {
     double trivial = 2.5e-4;  ///< of the length: an effect that moves less beyond the constants is too small
-    double least_z = 5.0;     ///< of an effect that is there, if too small to matter
-    double screen_z = 3.5;    ///< of one that is worth a refit
+    double clearly_there = 4.0;  ///< of trivial: one that moves more to first order needs no fit without it
+    double least_z = 5.0;        ///< of an effect that is there, if too small to matter
+    double screen_z = 3.5;       ///< of one that is worth a refit
     std::size_t always_refitted = 2;  ///< of those
     double near_best = 0.25;  ///< share of the best one's gain in the screen from which on others are too
     double rival_z = 3.0;     ///< separation below which two effects are one class

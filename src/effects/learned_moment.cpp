@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "arm/input_kind.h"
 #include "drives.h"
 #include "softarm/arm/laws.h"
 
@@ -69,14 +70,7 @@ std::string LearnedMoment::unit_of(const Arm& arm, const Values& values) {
   const auto unit = [&](Index which) -> std::string {
     const auto row = static_cast<std::size_t>(std::max<long>(0, std::lround(values[which]) - 1));
     if (row >= arm.inputs.scalars.size()) return "1";
-    switch (arm.inputs.scalars[row].kind) {
-      case InputKind::kTension:
-        return "N";
-      case InputKind::kAngle:
-        return "rad";
-      default:
-        return "Pa";
-    }
+    return arm::unit_of(arm.inputs.scalars[row].kind);
   };
   switch (of(values)) {
     case Regressor::kProduct:

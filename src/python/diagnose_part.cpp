@@ -25,13 +25,8 @@ DiagnosisHandle diagnose_trials(const std::shared_ptr<ArmHandle>& arm,
                                 const std::vector<std::shared_ptr<TrialHandle>>& trials,
                                 const std::optional<double>& payload_kg, diagnose::Options options,
                                 const py::object& progress) {
-  std::vector<trial::Trial> list = trials_for(*arm, trials);
   arm::Arm baseline = arm->arm;
-  if (payload_kg) {
-    arm::assume_payload(baseline, *payload_kg);
-    for (trial::Trial& trial : list)
-      for (trial::Frame& frame : trial.frames) frame.payload_kg.reset();
-  }
+  const std::vector<trial::Trial> list = trials_for(*arm, trials, payload_kg, baseline);
   options.known = arm->effects;
   DiagnosisHandle handle;
   LongCall call(progress);

@@ -43,13 +43,8 @@ py::dict identify_trials(const std::shared_ptr<ArmHandle>& arm,
                          const std::vector<std::shared_ptr<TrialHandle>>& trials,
                          const std::optional<double>& payload_kg, const identify::Options& options,
                          unsigned jobs, const py::object& progress) {
-  std::vector<trial::Trial> list = trials_for(*arm, trials);
   arm::Arm start = arm->arm;
-  if (payload_kg) {
-    arm::assume_payload(start, *payload_kg);
-    for (trial::Trial& trial : list)
-      for (trial::Frame& frame : trial.frames) frame.payload_kg.reset();
-  }
+  const std::vector<trial::Trial> list = trials_for(*arm, trials, payload_kg, start);
   identify::Result result;
   LongCall call(progress);
   call.run([&] {

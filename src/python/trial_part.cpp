@@ -277,13 +277,18 @@ void expect_trial_of(const ArmHandle& arm, const TrialHandle& trial) {
                     trial.read.trial.name, trial.arm->arm.name, arm.arm.name));
 }
 
-std::vector<trial::Trial> trials_for(const ArmHandle& arm,
-                                     const std::vector<std::shared_ptr<TrialHandle>>& trials) {
+std::vector<trial::Trial> trials_for(const ArmHandle& handle,
+                                     const std::vector<std::shared_ptr<TrialHandle>>& trials,
+                                     const std::optional<double>& payload_kg, arm::Arm& arm) {
   std::vector<trial::Trial> list;
   for (const std::shared_ptr<TrialHandle>& trial : trials) {
-    expect_trial_of(arm, *trial);
+    expect_trial_of(handle, *trial);
     list.push_back(trial->read.trial);
   }
+  if (!payload_kg) return list;
+  arm::assume_payload(arm, *payload_kg);
+  for (trial::Trial& trial : list)
+    for (trial::Frame& frame : trial.frames) frame.payload_kg.reset();
   return list;
 }
 
