@@ -13,7 +13,7 @@ import time
 
 import prove_real_report
 import prove_report
-import prove_score
+import prove_figures
 import prove_slurm
 import prove_sources
 from prove_files import NotDrawn, each, jobs, last_line, read_json, run, say, write_json
@@ -248,7 +248,7 @@ def main():
     sealed = proof.seal()
     proof.decide()
     results = proof.results()
-    figures = prove_score.figures(results)
+    figures = prove_figures.figures(results)
     figures.update({"campaign": proof.name, "seed": options.seed, "full": options.full, **sealed})
     print(prove_report.table(figures))
     whole = not options.campaign and not options.worlds and not options.kinds

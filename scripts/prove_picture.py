@@ -5,24 +5,25 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
+import prove_figures as figures  # noqa: E402
 import prove_score as score  # noqa: E402
 
 RANK_BINS = 10
 
 
 def draw(results, path):
-    """results as prove_score.figures() takes them."""
+    """results as prove_figures.figures() takes them."""
     pairs = [(r, score.decision_of(r)) for r in results if r["truth"] and r["report"]]
-    statements = score.stated(pairs)
+    statements = figures.stated(pairs)
     ranks = [rank for result, _ in pairs for rank in score.ranks(result)]
     figure, (left, right) = plt.subplots(1, 2, figsize=(10.0, 4.2), constrained_layout=True)
     left.plot([0, 100], [0, 100], color="0.7", linewidth=1)
-    for of_bin in score.calibration_bins(statements):
+    for of_bin in figures.calibration_bins(statements):
         if not of_bin:
             continue
         hits = sum(bool(hit) for _, hit in of_bin)
-        low, high = score.interval(hits, len(of_bin))
-        x, y = 100 * score.mean([p for p, _ in of_bin]), 100 * hits / len(of_bin)
+        low, high = figures.interval(hits, len(of_bin))
+        x, y = 100 * figures.mean([p for p, _ in of_bin]), 100 * hits / len(of_bin)
         left.errorbar([x], [y], [[max(0, y - 100 * low)], [max(0, 100 * high - y)]], fmt="o", color="C0", capsize=3)
         to_right = x < 50
         left.annotate(f"{hits} of {len(of_bin)}", (x, y), xytext=(8 if to_right else -8, 0), textcoords="offset points",

@@ -1,5 +1,6 @@
-"""The table of the proof and doc/proof.md, from prove_score.figures()."""
+"""The table of the proof and doc/proof.md, from prove_figures.figures()."""
 import prove_real_report
+import prove_figures
 import prove_score
 
 KIND_DESCRIPTION = {
@@ -107,7 +108,7 @@ def rows(figures):
             continue
         if "counted" in figures[kind]:
             count = figures[kind]["counted"][rate]
-        spread = prove_score.interval(round(ours * count), count) if ours is not None else None
+        spread = prove_figures.interval(round(ours * count), count) if ours is not None else None
         # Of none at all every one is one too many: a count, not a rate.
         judged_by = (ours, ours) if target == 0.0 and ours is not None else spread
         table.append([f"{kind}: {rate}", str(count),
@@ -119,7 +120,7 @@ def rows(figures):
     for key, description, least, most in FIGURES:
         value, spread = figures[key], figures["intervals"].get(key)
         if key == "confident_wrong" and value is not None:  # a rate: no bootstrap of nothing is more than nothing
-            spread = prove_score.interval(round(value * int(trials)), int(trials))
+            spread = prove_figures.interval(round(value * int(trials)), int(trials))
         table.append([description, trials if key == "confident_wrong" else "",
                       number(value) + (f" ({number(spread[0])}-{number(spread[1])})" if spread else ""),
                       range_of(least, most), status(spread, least, most, figures["full"])]

@@ -10,11 +10,11 @@ import tempfile
 import unittest
 
 sys.path.insert(0, os.path.join(sys.argv[1] if len(sys.argv) > 1 else ".", "scripts"))
+import prove_figures  # noqa: E402
 import prove_real  # noqa: E402
 import prove_real_report  # noqa: E402
 import prove_real_score  # noqa: E402
 import prove_report  # noqa: E402
-import prove_score as score  # noqa: E402
 import real_changes  # noqa: E402
 import real_recordings  # noqa: E402
 
@@ -232,7 +232,7 @@ def control(said):
 class Scores(unittest.TestCase):
     def figures(self, truth, said, untouched):
         results = [result("intervention", truth, said), control(untouched)]
-        return score.figures(results), results
+        return prove_figures.figures(results), results
 
     def test_found_and_not_in_the_control(self):
         figures, _ = self.figures(hidden(parameters={"offset_s": 0.2}), report("explained", ("clock_offset", 0.99)), report("unknown"))
@@ -283,7 +283,7 @@ class Scores(unittest.TestCase):
         found = {"bic": {"alarm": True, "effects": [{"name": "clock_offset"}], "ranking": ["clock_offset"]}}
         for one in results:
             one["baselines"] = found
-        figures = score.figures(results)
+        figures = prove_figures.figures(results)
         self.assertEqual(figures["baselines"]["bic"]["intervention"]["right_class"], 0.0)
         self.assertEqual(figures["worlds"]["real"]["mcnemar"]["bic"]["ours_alone"], 2)
 

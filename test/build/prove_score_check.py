@@ -7,6 +7,7 @@ import unittest
 
 sys.path.insert(0, os.path.join(sys.argv[1] if len(sys.argv) > 1 else ".", "scripts"))
 import prove_report  # noqa: E402
+import prove_figures  # noqa: E402
 import prove_score as score  # noqa: E402
 
 
@@ -107,7 +108,7 @@ class Rates(unittest.TestCase):
     def test_shares(self):
         results = [result("none", truth(), report("consistent"))] * 3 + [result("none", truth(), report("unknown"))]
         results.append(result("single_strong", truth(effect("creep")), None))
-        figures = score.figures(results)
+        figures = prove_figures.figures(results)
         self.assertEqual(figures["none"]["trials"], 4)
         self.assertAlmostEqual(figures["none"]["false_alarm"], 0.25)
         self.assertIsNone(figures["none"]["top1"])
@@ -117,15 +118,15 @@ class Rates(unittest.TestCase):
 
 class Figures(unittest.TestCase):
     def test_calibration(self):
-        self.assertIsNone(score.calibration_error([]))
-        self.assertAlmostEqual(score.calibration_error([(0.9, True)] * 9 + [(0.9, False)]), 0.0)
-        self.assertAlmostEqual(score.calibration_error([(1.0, False), (0.5, True), (0.5, False), (1.0, True)]), 0.25)
+        self.assertIsNone(prove_figures.calibration_error([]))
+        self.assertAlmostEqual(prove_figures.calibration_error([(0.9, True)] * 9 + [(0.9, False)]), 0.0)
+        self.assertAlmostEqual(prove_figures.calibration_error([(1.0, False), (0.5, True), (0.5, False), (1.0, True)]), 0.25)
 
     def test_sizes_and_intervals(self):
         hidden = truth(effect("base_compliance", {"stiffness_nm_per_rad": 5.0}))
         for low, covers in ((0.19, True), (0.21, False)):
             parameters = {"compliance_rad_per_nm": {"value": 0.22, "low": low, "high": 0.25, "unit": "rad/(N m)"}}
-            figures = score.figures([result("single_strong", hidden,
+            figures = prove_figures.figures([result("single_strong", hidden,
                                             report("explained", named("base_compliance", parameters=parameters)))])
             self.assertAlmostEqual(figures["parameter_median_error"], 0.1)
             self.assertEqual(figures["interval_coverage"], float(covers))
@@ -160,13 +161,13 @@ class Figures(unittest.TestCase):
     def test_place(self):
         hidden = truth(effect("soft_spot", {"share": 0.3, "centre_fraction": 0.5, "width_fraction": 0.2}))
         said = report("explained", named("soft_spot", where={"s_from": 0.08, "s_to": 0.14}))
-        self.assertAlmostEqual(score.figures([result("single_strong", hidden, said)])["place_error_m"], 0.01)
+        self.assertAlmostEqual(prove_figures.figures([result("single_strong", hidden, said)])["place_error_m"], 0.01)
 
     def test_bias(self):
         hidden = truth(effect("creep"), constants={"bending_stiffness": 0.03})
         shift = {"name": "bending_stiffness", "before": 0.04, "after": 0.031}
         said = report("explained", named("creep"), shifts=[shift])
-        self.assertAlmostEqual(score.figures([result("compensated", hidden, said)])["bias_removed"], 0.9)
+        self.assertAlmostEqual(prove_figures.figures([result("compensated", hidden, said)])["bias_removed"], 0.9)
         small = dict(shift, before=0.0301)
         self.assertIsNone(score.bias_removed(result("compensated", hidden, report("explained", shifts=[small]))))
 
@@ -174,15 +175,15 @@ class Figures(unittest.TestCase):
         results = [result("single_strong", truth(effect("creep")), report("explained", named("creep"), after=4.4e-4)),
                    result("none", truth(), report("consistent", before=5e-4, after=6e-4)),
                    result("none", truth(), report("consistent", before=5e-4, after=5e-4))]
-        figures = score.figures(results)
+        figures = prove_figures.figures(results)
         self.assertAlmostEqual(figures["held_out_over_floor"], 1.1)
         self.assertAlmostEqual(figures["worse_than_baseline"], 0.5)
 
     def test_interval_of_a_rate(self):
-        low, high = score.interval(9, 10)
+        low, high = prove_figures.interval(9, 10)
         self.assertTrue(0.6 < low < 0.9 < high < 1.0)
-        self.assertEqual(score.interval(0, 10)[0], 0.0)
-        self.assertIsNone(score.interval(0, 0))
+        self.assertEqual(prove_figures.interval(0, 10)[0], 0.0)
+        self.assertIsNone(prove_figures.interval(0, 0))
 
 
 class Story(unittest.TestCase):
@@ -191,13 +192,13 @@ class Story(unittest.TestCase):
                "gp": {"alarm": True, "effects": [], "ranking": []}}
         results = [result("single_strong", truth(effect("creep")), report("explained", named("drift", 0.99)), bic),
                    dict(result("pair", None, None), not_drawn="the arm | flies")]
-        figures = score.figures(results)
+        figures = prove_figures.figures(results)
         self.assertEqual(figures["baselines"]["bic"]["single_strong"]["top1"], 1.0)
         self.assertEqual(figures["baselines"]["gp"]["single_strong"]["top1"], 0.0)
         self.assertIsNone(figures["baselines"]["lasso"]["single_strong"]["top1"])
         for kind in score.KINDS:
-            self.assertEqual(set(figures[kind]), {"trials", "counted", *score.RATES})
-        for key in score.FIGURES:
+            self.assertEqual(set(figures[kind]), {"trials", "counted", *prove_figures.RATES})
+        for key in prove_figures.FIGURES:
             self.assertIn(key, figures)
             self.assertIn(key, figures["baselines"]["bic"])
         figures.update({"campaign": "c", "seed": 1, "full": False, "truth_sha256": "abc", "engine": "def"})
@@ -211,7 +212,7 @@ class Story(unittest.TestCase):
     def test_a_sample_contradicts_or_does_not(self):
         results = [result("single_strong", truth(effect("creep")), report("explained", named("creep", 0.95), after=4.1e-4))]
         results[0]["truth"]["rejected"] = ["creep is too small", "creep is too small"]
-        figures = {**score.figures(results), "full": False}
+        figures = {**prove_figures.figures(results), "full": False}
         self.assertEqual(figures["rejected_draws"], 2)
         self.assertTrue(prove_report.passes(figures))
         self.assertFalse(prove_report.passes({**figures, "full": True}))  # one case meets nothing
@@ -233,20 +234,20 @@ class Targets(unittest.TestCase):
 
     def test_the_best_baseline_is_to_be_beaten(self):
         def judged(ours, theirs, full):
-            beside = {"bic": score.mcnemar([(True, False)] * ours + [(False, True)] * theirs), "gp": score.mcnemar([(True, False)] * 9)}
+            beside = {"bic": prove_figures.mcnemar([(True, False)] * ours + [(False, True)] * theirs), "gp": prove_figures.mcnemar([(True, False)] * 9)}
             return [row[4] for row in prove_report.beside_baselines({"worlds": {"real": {"mcnemar": beside}}, "full": full})]
         self.assertEqual(judged(12, 1, True), ["met"])
         self.assertEqual(judged(3, 1, True), ["NOT MET"])
         self.assertEqual(judged(3, 1, False), ["not contradicted"])
         self.assertEqual(judged(1, 12, False), ["CONTRADICTED"])
-        self.assertEqual(prove_report.beside_baselines({"worlds": {"real": {"mcnemar": {"bic": score.mcnemar([])}}}, "full": True}), [])
+        self.assertEqual(prove_report.beside_baselines({"worlds": {"real": {"mcnemar": {"bic": prove_figures.mcnemar([])}}}, "full": True}), [])
 
     def test_intervals_of_figures_hold_them_and_narrow_with_cases(self):
         def of(count):
             results = [result("single_strong", truth(effect("creep")),
                               report("explained", named("creep", 0.6 + 0.3 * (i % 2)), after=(4.2 + 0.3 * (i % 3)) * 1e-4))
                        for i in range(count)]
-            return score.figures(results)
+            return prove_figures.figures(results)
         few, many = of(6), of(60)
         for figures in (few, many):
             low, high = figures["intervals"]["held_out_over_floor"]
@@ -263,7 +264,7 @@ class Targets(unittest.TestCase):
             return result(kind, truth(hidden), report("explained", named(named_first)))
         results = [case("untidy_single", 1e-4 * (1 + i), "creep" if i >= 4 else "drift") for i in range(8)]
         results.append(case("single_strong", 1e-3, "creep"))
-        found = score.figures(results)["worlds"]
+        found = prove_figures.figures(results)["worlds"]
         self.assertEqual(set(found), {"tidy", "untidy"})
         self.assertEqual(found["untidy"]["single_strong"]["top1"], 0.5)
         self.assertEqual(found["tidy"]["single_strong"]["top1"], 1.0)
@@ -271,14 +272,14 @@ class Targets(unittest.TestCase):
         self.assertEqual([part["right_class"] for part in curve], [0.0, 0.0, 1.0, 1.0])
         self.assertEqual([part["trials"] for part in curve], [2, 2, 2, 2])
         self.assertAlmostEqual(curve[0]["leftover_m"], 1.5e-4)
-        self.assertEqual(score.power([]), [])
+        self.assertEqual(prove_figures.power([]), [])
 
     def test_mcnemar(self):
-        self.assertEqual(score.mcnemar([(True, True), (False, False)])["p"], 1.0)
-        found = score.mcnemar([(True, False)] * 6 + [(True, True)] * 3)
+        self.assertEqual(prove_figures.mcnemar([(True, True), (False, False)])["p"], 1.0)
+        found = prove_figures.mcnemar([(True, False)] * 6 + [(True, True)] * 3)
         self.assertEqual((found["ours_alone"], found["theirs_alone"]), (6, 0))
         self.assertAlmostEqual(found["p"], 2.0 / 64.0)
-        self.assertAlmostEqual(score.mcnemar([(True, False)] * 3 + [(False, True)] * 3)["p"], 1.0)
+        self.assertAlmostEqual(prove_figures.mcnemar([(True, False)] * 3 + [(False, True)] * 3)["p"], 1.0)
 
 
 if __name__ == "__main__":

@@ -16,6 +16,7 @@ source, build = tree.directories()
 sys.path.insert(0, os.path.join(source, "scripts"))
 try:
     import numpy as np
+    import prove_figures
     import prove_report
     import prove_score
     import prove_solid
@@ -132,7 +133,7 @@ class World(unittest.TestCase):
         catalogue = {name[:-4] for name in os.listdir(os.path.join(source, "src", "effects"))}
         for kind, cases in prove_solid.CASES.items():
             self.assertIn(kind, prove_score.KINDS)
-            self.assertIn(kind, prove_score.WORLDS["solid"].values())
+            self.assertIn(kind, prove_figures.WORLDS["solid"].values())
             self.assertTrue(any(target[0] == kind for target in prove_report.TARGETS), kind)
             for case in cases:
                 self.assertIn(case, PLAN["trials"])
