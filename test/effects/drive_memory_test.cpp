@@ -162,7 +162,7 @@ TEST(JammingYield, SoftensAtLargeCurvatureUnderVacuumAndKeepsWhatSlipped) {
       [=](double t_s) { return Vector4d(triangles(arm(), kChamber1, 40e3, 20.0)(t_s)[0], 0.0, 0.0, vacuum); },
       0.04);
   const std::vector<model::Predicted> with =
-      predict(model, arm(), {{find("jamming_yield"), Eigen::Vector2d(1.0, yield)}}, trial);
+      predict(model, arm(), {{find("jamming_yield"), Eigen::Vector3d(1.0, yield, 0.0)}}, trial);
   const std::vector<model::Predicted> without = predict(model, arm(), {}, trial);
   bool slipped = false;
   for (std::size_t k = 30; k < with.size(); ++k) {
@@ -179,10 +179,32 @@ TEST(JammingYield, SoftensAtLargeCurvatureUnderVacuumAndKeepsWhatSlipped) {
   EXPECT_GT(curvature(with[with.size() - 1]), 0.5);  // though the pressure is gone
   // Without vacuum there is nothing to slip.
   const model::TrialData loose = weightless(arm(), 5.0, triangles(arm(), kChamber1, 40e3, 4.0));
-  const model::Present yields{find("jamming_yield"), Eigen::Vector2d(1.0, yield)};
+  const model::Present yields{find("jamming_yield"), Eigen::Vector3d(1.0, yield, 0.0)};
   EXPECT_LT((positions(predict(model, arm(), {yields}, loose)) - positions(predict(model, arm(), {}, loose)))
                 .norm(),
             1e-7);
+}
+
+// Yields that are exponentially distributed make the moment 1 - exp(-u / yield) when it is first bent.
+TEST(JammingYield, SpreadYieldsSlipOneAfterTheOther) {
+  model::ExtendedModel model(arm());
+  const double vacuum = 60e3, core = kPerJamming * vacuum, yield = 1.0;
+  const model::TrialData trial = weightless(
+      arm(), 10.5,
+      [=](double t_s) { return Vector4d(triangles(arm(), kChamber1, 40e3, 20.0)(t_s)[0], 0.0, 0.0, vacuum); },
+      0.04);
+  const std::vector<model::Predicted> with =
+      predict(model, arm(), {{find("jamming_yield"), Eigen::Vector3d(1.0, yield, 1.0)}}, trial);
+  double most = 0.0;
+  for (const model::Predicted& now : with) {
+    if (now.instant.t_s > 9.9) break;
+    const double p = now.instant.inputs[0], u = curvature(now), ei = kEI + core + kPerJamming * p / 3.0;
+    const double held = core * yield * (1.0 - std::exp(-u / yield));
+    // Five elements follow the exponential to 7.4 % of what it comes to.
+    ASSERT_NEAR((ei - core) * u + held, kGain * p, 0.08 * core * yield) << now.instant.t_s;
+    most = std::max(most, u);
+  }
+  EXPECT_GT(most, 2.0 * yield);
 }
 
 TEST(AxialMemory, TheLengthFollowsInHolds) {

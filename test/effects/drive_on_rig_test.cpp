@@ -63,7 +63,8 @@ const std::vector<Hidden>& on_the_core() {
        {0.5, 3.0},
        0.3},
       {"jamming_memory", {"jamming_memory", "", {{"share", 0.6}}}, {0.6}, 0.1},
-      {"elastoplastic", {"jamming_yield", "elastoplastic", {{"yield_per_m", 1.0}}}, {1.0, 1.0}, 0.3},
+      {"elastoplastic", {"jamming_yield", "elastoplastic", {{"yield_per_m", 1.0}}}, {1.0, 1.0, 0.0}, 0.3},
+      {"bouc_wen", {"jamming_yield", "bouc_wen", {{"yield_per_m", 1.0}}}, {1.0, 1.0, 0.6}, 0.3},
   };
   return list;
 }

@@ -38,7 +38,7 @@ const std::vector<Remembering> kAll{
     {"axial_memory", {0.4, 1.0}, "semi_physical_200mm"},
     {"mullins", {0.3, 0.0, 1.0}, "semi_physical_200mm", 80e3, {0.3, 0.6}, 0.51},
     {"jamming_memory", {0.5}, "semi_physical_200mm"},
-    {"jamming_yield", {0.5, 0.5}, "semi_physical_200mm"},
+    {"jamming_yield", {0.5, 0.5, 1.0}, "semi_physical_200mm"},
     {"tendon_friction", {0.15, 0.15, 0.0}, "tendons", 0.0, {0.5, 1.0}, 0.15},
 };
 

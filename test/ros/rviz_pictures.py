@@ -56,8 +56,10 @@ class RvizPictures(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         read, write = os.pipe()  # Xvfb picks a free display and writes its number
-        cls.server = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "1280x900x24"], pass_fds=[write],
-                                      stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        # -noreset: a server begins anew when its last client leaves, and drops whoever comes meanwhile. Each photograph
+        # before rviz is there would be such a last client.
+        cls.server = subprocess.Popen(["Xvfb", "-noreset", "-displayfd", str(write), "-screen", "0", "1280x900x24"],
+                                      pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(write)
         with os.fdopen(read) as pipe:
             display = ":" + pipe.readline().strip()
@@ -72,6 +74,7 @@ class RvizPictures(unittest.TestCase):
 
     def setUp(self):
         self.running = []
+        self.log = os.path.join(self.folder.name, self.id() + ".log")
 
     def tearDown(self):
         for process in reversed(self.running):
@@ -86,7 +89,8 @@ class RvizPictures(unittest.TestCase):
             rospy.delete_param("/use_sim_time")
 
     def start(self, *command):
-        self.running.append(subprocess.Popen(command, env=self.environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
+        with open(self.log, "ab") as log:
+            self.running.append(subprocess.Popen(command, env=self.environment, stdout=log, stderr=log))
 
     def launch(self, name, *arguments):
         self.start("roslaunch", "--wait", os.path.join(LAUNCH, name), *arguments)
@@ -100,7 +104,8 @@ class RvizPictures(unittest.TestCase):
             if not missing:
                 return
             time.sleep(0.3)
-        self.fail(missing)
+        with open(self.log, encoding="utf-8", errors="replace") as log:
+            self.fail("%s\nThe programs' last lines:\n%s" % (missing, "".join(log.readlines()[-20:])))
 
     def arm(self, picture):
         counts = {look: len(picture.places(look)) for look in LOOKS}

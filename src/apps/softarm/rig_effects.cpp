@@ -290,7 +290,9 @@ Choices payload_offset(const Numbers& v) {
 Choices jamming_yield(const Numbers& v) {
   if (!nearly(v("share"), 1.0))
     throw std::invalid_argument("a core of which only a share slips is nothing the virtual rig has");
-  return {choice("jamming_yield", "elastoplastic", {{"yield_per_m", v("yield_per_m")}})};
+  const bool gradual = v("spread") > 0.5;
+  return {
+      choice("jamming_yield", gradual ? "bouc_wen" : "elastoplastic", {{"yield_per_m", v("yield_per_m")}})};
 }
 
 Choices marker_slip(const Numbers& v) {
