@@ -177,7 +177,7 @@ std::unique_ptr<Effect> make_jamming_yield() {
       "Vlassak, R. "
       "D. Howe, Adv. Funct. Mater. 28, 2018, doi:10.1002/adfm.201707136",
       Family::kMemory,
-      {{"share", "1", "of the core that slips", 0.0, 1.0, 0.5},
+      {{"share", "1", "of the core that slips", 0.0, 1.2, 0.5},
        {"yield_per_m", "1/m", "elastic curvature at which it slips, in the mean", 0.05, 100.0, 3.0},
        {"spread", "1", "of its layers' yields; 0: all slip at once, 1: exponentially distributed", 0.0, 1.0,
         0.0}},

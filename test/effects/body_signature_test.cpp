@@ -216,14 +216,30 @@ TEST_F(BodySignatures, AWrongScaleStretchesFromTheBaseWhereThatIsMeasured) {
   arm::Arm fixed = arm;
   fixed.base.body.reset();
   const auto before = body_testing::predict(model, arm, {}, trial);
-  const Matrix3Xd of_measured = body_testing::moved(model, measured, with("camera_scale", {0.01}), trial);
-  const Matrix3Xd of_fixed = body_testing::moved(model, fixed, with("camera_scale", {0.01}), trial);
+  const Matrix3Xd of_measured =
+      body_testing::moved(model, measured, with("camera_scale", {0.01, 0.0, 0.0}), trial);
+  const Matrix3Xd of_fixed = body_testing::moved(model, fixed, with("camera_scale", {0.01, 0.0, 0.0}), trial);
   const Vector3d base_in_mocap(0.3, -0.2, 1.0);
   for (Eigen::Index b = 0; b < kRings; ++b) {
     EXPECT_LT((of_measured.col(b) - 0.01 * (before[0].p.col(b) + Vector3d(0.0, 0.0, 0.03))).norm(), 1e-12);
     EXPECT_LT(
         (of_fixed.col(b) - 0.01 * (before[0].p.col(b) + horizontal().conjugate() * base_in_mocap)).norm(),
         1e-12);
+  }
+}
+
+TEST_F(BodySignatures, AScaleOfHeightsStretchesAgainstGravityHoweverTheArmHangs) {
+  for (const Eigen::Quaterniond& mounting : {hanging(), horizontal()}) {
+    const auto trial = body_testing::trial_of(arm, {{inputs(0.7), 0.05, mounting}});
+    arm::Arm measured = arm;
+    measured.base.body = "base";
+    measured.base.rod_in_body.setIdentity();
+    const auto before = body_testing::predict(model, arm, {}, trial);
+    const Matrix3Xd moved =
+        body_testing::moved(model, measured, with("camera_scale", {0.0, 0.01, 0.0}), trial);
+    const Vector3d up = -(mounting.conjugate() * arm.gravity_m_s2).normalized();
+    for (Eigen::Index b = 0; b < kRings; ++b)
+      EXPECT_LT((moved.col(b) - 0.01 * up.dot(before[0].p.col(b)) * up).norm(), 1e-12);
   }
 }
 

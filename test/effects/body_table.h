@@ -40,7 +40,7 @@ inline const std::vector<Case>& body_cases() {
       {"payload_scale", {0.002}, {0.5}},
       {"marker_slip", {1e-3, -1e-3, 2e-3, 3.0}, {0.02, -0.02, 0.02, 3.0}},
       {"skin_marker", {1e-5, -1e-5, 2e-5, 0.0}, {0.002, -0.002, 0.002, 3.0}},
-      {"camera_scale", {1e-3}, {0.1}},
+      {"camera_scale", {1e-3, -2e-3, 0.0}, {0.1, 0.1, 10.0}},
       {"camera_bow", {1e-3}, {0.1}},
       {"bending_plane_offset", {0.003}, {1.0}},
       {"torsion", {0.3, 0.002}, {300.0, 0.5}},

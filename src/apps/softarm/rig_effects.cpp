@@ -241,7 +241,20 @@ Choices skin_marker(const Numbers& v) {
 }
 
 Choices camera_scale(const Numbers& v) {
-  return {choice("camera_scale", "axes", {{"share", v("share")}, {"height_ratio", 1.0}})};
+  const double share = v("share"), heights = share + v("height_share");
+  if (v("warms_min") > 0.0) {
+    if (heights != share)
+      throw std::invalid_argument(
+          "cameras that stretch heights by a share of their own while they warm up are nothing the virtual "
+          "rig has");
+    return {choice("camera_scale", "warming",
+                   {{"share", share}, {"warms_s", 60.0 * v("warms_min") / std::log(2.0)}})};
+  }
+  if (share == 0.0 && heights != 0.0)
+    throw std::invalid_argument(
+        "a mocap of which the heights alone are too long is nothing the virtual rig has");
+  return {choice("camera_scale", "axes",
+                 {{"share", share}, {"height_ratio", share == 0.0 ? 1.0 : heights / share}})};
 }
 
 Choices camera_bow(const Numbers& v) {
