@@ -236,6 +236,7 @@ void MismatchMonitor::Impl::learn(double dt_s) {
   reference.learn_noise(innovation, usable, dt_s);
   if (since_update_s < kPolicy.window.seconds()) return;
   if (suspicious) reference.doubt(kPolicy.alarm.doubt);
+  reference.innovation_covariance(usable, inertia);  // of what is doubted by now
   reference.update(innovation);
   reference.age(since_update_s);
   since_update_s = 0.0;

@@ -28,6 +28,8 @@ void MismatchMonitor::Impl::name_change() {
   named.size_m = 0.0;
   int most = 0;
   for (int body = 0; body < shape.bodies(); ++body) {
+    // What is not seen might be said to have moved any way.
+    if (!window.motion().usable[static_cast<std::size_t>(body)]) continue;
     const double distance = moved.segment<3>(3 * body).norm();
     if (distance <= named.size_m) continue;
     named.size_m = distance;

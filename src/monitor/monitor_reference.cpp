@@ -178,13 +178,19 @@ void SlowReference::age(double dt_s) {
   // Information counts less with time; the prior's own does not.
   const double keep = std::exp(-dt_s / memory_s_);
   information_ = math::inverse_of_symmetric(covariance_) * keep;
+  // With it the state goes back to the prior's where nothing is seen of it. Else it would wander off there.
+  column_of_states_.noalias() = information_ * state_;
   information_.diagonal().array() += 1.0 - keep;
   covariance_ = math::inverse_of_symmetric(information_);
   covariance_ = 0.5 * (covariance_ + covariance_.transpose()).eval();
+  state_.noalias() = covariance_ * column_of_states_;
 }
 
 void SlowReference::doubt(double share) {
+  // A step of a process whose stationary distribution is the prior: what is doubted often does not go astray.
+  covariance_ *= 1.0 - share;
   covariance_.diagonal().array() += share;
+  state_ *= std::sqrt(1.0 - share);
 }
 
 }  // namespace softarm::monitor

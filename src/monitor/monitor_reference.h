@@ -40,7 +40,7 @@ class SlowReference {
   void learn_noise(const Displacements& innovation, const std::vector<char>& usable, double dt_s);
   /// Forgets: what is known counts less by dt_s / memory_s, down to the prior.
   void age(double dt_s);
-  /// Doubts what was learned: this share of the prior's variance is added.
+  /// Doubts what was learned: this share of the variance is the prior's again. 1: nothing is known any more
   void doubt(double share);
 
  private:
@@ -50,7 +50,7 @@ class SlowReference {
   const arm::Arm& arm_;
   double memory_s_;
   double noise_m_;                    ///< of mocap, per coordinate
-  Eigen::VectorXd state_, prior_sd_;  // the state in its prior's standard deviations
+  Eigen::VectorXd state_, prior_sd_, column_of_states_;  // the state in its prior's standard deviations
   Eigen::MatrixXd covariance_, jacobian_, noise_, total_, work_, gain_, free_, information_;
   Displacements column_, velocity_, law_change_;
   double learned_s_ = 0.0, expected_m2_ = 0.0;

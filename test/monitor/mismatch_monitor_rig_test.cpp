@@ -1,5 +1,7 @@
 // What the live monitor says of the rig's streams: silence where nothing is wrong, and what, where and when
 // where something is.
+#include <random>
+
 #include "mismatch_rig.h"
 
 namespace softarm::diagnose::testing {
@@ -149,6 +151,61 @@ TEST(MismatchOnTheRig, AGapOrAJumpInTimeIsNoChange) {
       << watched.alarms[0].at_s << " s: " << watched.alarms[0].named.description;
   EXPECT_TRUE(watched.last.valid);
   EXPECT_EQ(watched.last.threshold_sd, 0.0);  // learns anew since the jump
+}
+
+/// What the monitor learns of an arm must not wander off where mocap fails now and then: bodies that are
+/// lost, freeze or jump, inputs that fall silent. After 17 minutes of it bodies had "moved" by 10 m, after 57
+/// by 49.
+TEST(MismatchOnTheRig, ManyFaultsTeachNoNonsense) {
+  constexpr double kRate_hz = 40.0, kFaulty_s = 1200.0, kGood_s = 60.0, kGhost_m = 0.3;
+  const arm::Arm arm = shipped_arm("online_200mm");
+  std::vector<trial::Frame> frames;
+  watch(arm, demo_scenario("", 20.0, kRate_hz, 5), {}, [&](double, trial::Frame& frame) {
+    frames.push_back(frame);
+    return true;
+  });
+  estimate::Estimator estimator(arm);
+  monitor::MismatchMonitor monitor(arm, {});
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> any(0.0, 1.0);
+  double t_s = 0.0;
+  const auto happens = [&](double per_s) { return any(random) < per_s / kRate_hz && t_s < kFaulty_s; };
+  const auto until = [&](std::size_t k, double longest_s) {
+    return k + static_cast<std::size_t>(longest_s * kRate_hz * any(random));
+  };
+  std::vector<std::size_t> lost(4), frozen(4), ghost(4);
+  std::vector<Eigen::Vector3d> held(4);
+  std::size_t silent = 0;
+  double largest_m = 0.0;
+  bool alarmed = false;
+  const auto count = static_cast<std::size_t>((kFaulty_s + kGood_s) * kRate_hz);
+  for (std::size_t k = 0; k < count; ++k) {
+    t_s = static_cast<double>(k) / kRate_hz;
+    const std::size_t way = k % (2 * frames.size());  // there and back again
+    trial::Frame frame = frames[way < frames.size() ? way : 2 * frames.size() - 1 - way];
+    frame.stamp_ns = frames.front().stamp_ns + static_cast<std::int64_t>(1e9 * t_s);
+    if (happens(0.02)) silent = until(k, 1.7);
+    if (silent > k) frame.inputs.clear();
+    frame.samples.clear();
+    std::vector<trial::BodyObservation> bodies;
+    for (trial::BodyObservation body : frame.bodies) {
+      const auto b = static_cast<std::size_t>(body.body);
+      if (happens(0.03)) lost[b] = until(k, 3.0);
+      if (happens(0.03)) frozen[b] = until(k, 2.0), held[b] = body.p_mocap;
+      if (happens(0.05)) ghost[b] = until(k, 0.1);
+      if (lost[b] > k) continue;
+      if (frozen[b] > k) body.p_mocap = held[b];
+      if (ghost[b] > k) body.p_mocap.y() += kGhost_m;
+      bodies.push_back(body);
+    }
+    frame.bodies = bodies;
+    const monitor::Mismatch& mismatch = monitor.add(frame, estimator.estimate(frame));
+    largest_m = std::max(largest_m, mismatch.size_m);
+    if (t_s > kFaulty_s + 0.5 * kGood_s) alarmed = alarmed || mismatch.alarm;
+  }
+  EXPECT_GT(largest_m, 0.3 * kGhost_m);  // they are seen
+  EXPECT_LT(largest_m, kGhost_m + arm.total_length_m());
+  EXPECT_FALSE(alarmed);  // half a minute after the last
 }
 
 }  // namespace
