@@ -163,15 +163,16 @@ void SlowReference::learn_noise(const Displacements& innovation, const std::vect
   const double own = noise_.trace() + floor_m2_ * static_cast<double>(noise_.rows());
   const double share = std::sqrt(own / std::max(own, expected_m2_));
   const double weight = rate * share * std::min(1.0, kPolicy.expected.outlier * seen / std::max(1e-9, far));
+  // Row by row and column by column: what is not seen keeps its own, and the whole stays a covariance.
   for (std::size_t i = 0; i < usable.size(); ++i) {
-    for (std::size_t k = 0; k < usable.size(); ++k) {
-      if (!usable[i] || !usable[k]) continue;
-      const auto row = static_cast<Eigen::Index>(3 * i), column = static_cast<Eigen::Index>(3 * k);
-      auto block = noise_.block<3, 3>(row, column);
-      block = (1.0 - rate) * block +
-              weight * innovation.segment<3>(row) * innovation.segment<3>(column).transpose();
-    }
+    const auto row = static_cast<Eigen::Index>(3 * i);
+    column_.segment<3>(row).setZero();
+    if (!usable[i]) continue;
+    column_.segment<3>(row) = innovation.segment<3>(row);
+    noise_.middleRows<3>(row) *= std::sqrt(1.0 - rate);
+    noise_.middleCols<3>(row) *= std::sqrt(1.0 - rate);
   }
+  noise_.noalias() += weight * column_ * column_.transpose();
 }
 
 void SlowReference::age(double dt_s) {
