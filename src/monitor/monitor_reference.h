@@ -49,7 +49,7 @@ class SlowReference {
 
   const arm::Arm& arm_;
   double memory_s_;
-  double noise_m_;                    ///< of mocap, per coordinate
+  double noise_m_;                                       ///< of mocap, per coordinate
   Eigen::VectorXd state_, prior_sd_, column_of_states_;  // the state in its prior's standard deviations
   Eigen::MatrixXd covariance_, jacobian_, noise_, total_, work_, gain_, free_, information_;
   Displacements column_, velocity_, law_change_;
