@@ -2,7 +2,8 @@
 """The Dockerfile makes an image that works: its steps, carried out in a root folder of Debian's, as there is no Docker here.
 
 One of the long tests (scripts/test --long): it downloads Debian's packages and compiles everything. Needs root.
-SOFTARM_DEBIAN_DIR names another folder than dockerfile/ of the build.
+SOFTARM_DEBIAN_DIR names another folder than dockerfile/ of the build. Where CCACHE_DIR is set, the compiler's results are kept
+there: the root folder then also has ccache.
 """
 import json
 import os
@@ -19,6 +20,7 @@ CODENAMES = {"debian:12": "bookworm"}
 source, build = tree.directories()
 folder = os.environ.get("SOFTARM_DEBIAN_DIR") or os.path.join(build, "dockerfile")
 root = os.path.join(folder, "image")
+cache = os.environ.get("CCACHE_DIR")
 
 
 def shell(*words):
@@ -47,7 +49,11 @@ class Image:
 
     def run(self, words):
         settings = [f"{name}={value}" for name, value in self.environment.items()]
-        return shell("in_debian_root", root, "--", *settings, "/bin/sh", "-c", 'cd "$0" && exec "$@"', self.at, *words)
+        if cache:
+            settings += [f"CCACHE_DIR={cache}", f"CCACHE_BASEDIR={self.at}", "CCACHE_SLOPPINESS=pch_defines,time_macros",
+                         "CMAKE_CXX_COMPILER_LAUNCHER=ccache"]
+        return shell("in_debian_root", root, *([cache] if cache else []), "--", *settings,
+                     "/bin/sh", "-c", 'cd "$0" && exec "$@"', self.at, *words)
 
     def step(self, name, rest):
         """Carries one step out; returns its exit status."""
@@ -55,7 +61,8 @@ class Image:
             base = os.path.join(folder, CODENAMES[rest])
             status = shell("debian_root", CODENAMES[rest], base)
             shutil.rmtree(root, ignore_errors=True)
-            return status or subprocess.run(["cp", "-a", base, root], check=False).returncode
+            status = status or subprocess.run(["cp", "-a", base, root], check=False).returncode
+            return status or (cache and self.run(["sh", "-c", "apt-get -qq update && apt-get -qq install -y ccache > /dev/null"]))
         if name == "SHELL":
             self.shell = json.loads(rest)
         elif name == "ENV":

@@ -21,7 +21,7 @@ COMMAND = re.compile(r"(\w+=\S+ )*(scripts/|build/|softarm |ros\w+ |docker |mkdi
 ROS = re.compile(r"(\w+=\S+ )*(roslaunch|rostopic|rosservice|rosbag) ")
 NOT_RUN = [
     (r"docker ", "there is no Docker here; build.dockerfile carries out the steps of the Dockerfile"),
-    (r"scripts/test\b", "it is what runs this test"),
+    (r"(\w+=\S+ )*scripts/test\b", "it is what runs this test"),
     (r"scripts/(bench|python scripts/bench_python\.py)\b", "speed is not measured in a test"),
     (r".*…", "abridged: scripts/plot_real_trunk.py has the whole of it"),
     (r"softarm (estimate|diagnose) --arm both\.yaml ", "goes on from the one that is abridged"),
