@@ -4,9 +4,9 @@ set(SOFTARM_PYTHON OFF)
 if(NOT SOFTARM_SANITIZE)  # Python itself would have to be built so
   # The interpreter is ROS's. pybind11 goes by what catkin looked for before, which was no headers.
   set(Python3_EXECUTABLE ${PYTHON_EXECUTABLE})
-  set(python_headers Development.Module)
-  if(CMAKE_VERSION VERSION_LESS 3.18)
-    set(python_headers Development)
+  set(python_headers Development)
+  if(NOT CMAKE_VERSION VERSION_LESS 3.18)
+    set(python_headers Development.Module)
   endif()
   find_package(Python3 QUIET COMPONENTS Interpreter ${python_headers})
   find_package(pybind11 2.4 QUIET)

@@ -16,7 +16,7 @@ SOFTARM_BUILD_DIR=$(realpath -m -- "${SOFTARM_BUILD_DIR:-$SOFTARM_ROOT/build}")
 SOFTARM_STAMPS=$SOFTARM_BUILD_DIR/stamps
 
 # What of the checkout is compiled or installed by each target (test/build/script_inputs_check.py compares with the build).
-PROGRAMS_INPUTS=(CMakeLists.txt package.xml cmake config include launch msg python rviz src srv)
+PROGRAMS_INPUTS=(CMakeLists.txt package.xml cmake config include launch msg python rviz src srv third_party)
 ALL_INPUTS=("${PROGRAMS_INPUTS[@]}" bench test)
 
 say() { printf '%s\n' "$*" >&2; }
@@ -44,26 +44,39 @@ install_packages() {
   missing=$(comm -23 <(echo "$names") <(echo "$known") | tr '\n' ' ')
   [ -n "${missing// /}" ] || { : >"$stamp"; return 0; }
 
-  if [ "$(. /etc/os-release && echo "${VERSION_CODENAME:-}")" != bookworm ]; then
-    say "This is not Debian 12 (bookworm), so nothing is installed here. Not found: $missing"
-    return 0
-  fi
+  case $(. /etc/os-release && echo "${VERSION_CODENAME:-}") in
+    bookworm | bullseye) ;;
+    *)
+      say "This is not Debian 12 (bookworm), so nothing is installed here. Not found: $missing"
+      return 0
+      ;;
+  esac
   local as_root=()
   if [ "$(id -u)" != 0 ]; then
     command -v sudo >/dev/null || die "packages are missing, and this is neither root nor is there sudo; as root: apt-get install $missing"
     as_root=(sudo)
   fi
   local log=$SOFTARM_BUILD_DIR/apt.log
+  "${as_root[@]}" apt-get -o DPkg::Lock::Timeout=600 update </dev/null >"$log" 2>&1 || apt_failed "$log"
+  local absent
+  # shellcheck disable=SC2086
+  absent=$(comm -23 <(printf '%s\n' $missing) <(apt-cache pkgnames | sort -u) | xargs)
+  if [ -n "$absent" ]; then
+    say "Not in this release of Debian, so left out: $absent"
+    # shellcheck disable=SC2086
+    missing=$(comm -23 <(printf '%s\n' $missing) <(printf '%s\n' $absent) | xargs)
+  fi
+  [ -n "$missing" ] || { : >"$stamp"; return 0; }
   say "Installing Debian packages: $missing"
   # shellcheck disable=SC2086
-  {
-    "${as_root[@]}" apt-get -o DPkg::Lock::Timeout=600 update &&
-      "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=600 install -y \
-        --no-install-recommends $missing
-  } </dev/null >"$log" 2>&1 || {
-    tail -n 15 "$log" >&2
-    die "apt-get failed (whole log: $log)"
-  }
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=600 install -y \
+    --no-install-recommends $missing </dev/null >>"$log" 2>&1 || apt_failed "$log"
+  : >"$stamp"
+}
+
+apt_failed() {
+  tail -n 15 "$1" >&2
+  die "apt-get failed (whole log: $1)"
 }
 
 # show_progress LOG: passes what ninja prints; says so once there is something to build, with one line of progress on a

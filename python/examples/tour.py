@@ -11,6 +11,7 @@
 #
 # ```
 # scripts/python -c 'import softarm; print(softarm.__version__)'
+# scripts/softarm simulate demo --seconds 20 --out trial.bag
 # scripts/python python/examples/estimate_trial.py trial.bag --out estimates.png
 # ```
 #
@@ -38,12 +39,8 @@
 #   is called in your thread.
 #
 # This page is [`python/examples/tour.py`](../python/examples/tour.py), executed by `scripts/python_page.py`; the same with its
-# results as a notebook: [`python/examples/tour.ipynb`](../python/examples/tour.ipynb). It begins with a recording of the
-# [virtual rig](rig.md):
-#
-# ```
-# scripts/softarm simulate demo --seconds 20 --out trial.bag
-# ```
+# results as a notebook: [`python/examples/tour.ipynb`](../python/examples/tour.ipynb). It begins with `trial.bag`, the
+# recording of the [virtual rig](rig.md) made above.
 #
 # ## Arm files
 

@@ -125,7 +125,7 @@ void RitzRod::Impl::extrapolate(int even) {
 void RitzRod::Impl::remember(const Differences& d) {
   now.u = now.q;
   for (std::size_t j = 0; j < lengths_m.size(); ++j)
-    for (int c = 0; c < 3; ++c) now.u(coefficients_of(j, c)) /= lengths_m[j];
+    for (int c = 0; c < 3; ++c) coefficients_of(j, c).of(now.u) /= lengths_m[j];
   for (std::size_t k = 0; k < stations; ++k) {
     Station& s = now.stations[k];
     s.x = station_x(k);
@@ -270,7 +270,7 @@ double RitzRod::energy_j() const {
     if (!m.is_plain(j)) continue;
     const StrainBasis& basis = m.mesh.pieces()[j].basis;
     for (int c = 0; c < 3; ++c) {
-      const Eigen::VectorXd u = m.now.u(m.coefficients_of(j, c));
+      const Eigen::VectorXd u = m.coefficients_of(j, c).of(m.now.u);
       energy += 0.5 * m.stiffness(j, c) * m.lengths_m[j] * u.dot(basis.gram() * u);
       energy -= m.inputs.pieces[j].moment_section_nm(c) * m.lengths_m[j] * u.dot(basis.integral());
     }

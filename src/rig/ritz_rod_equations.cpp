@@ -46,14 +46,14 @@ void RitzRod::Impl::evaluate(const Differences& d, double load) {
     const StrainBasis& basis = mesh.pieces()[j].basis;
     const double tau = params.pieces[j].retardation_s;
     for (int c = 0; c < 3; ++c) {
-      const auto rows = coefficients_of(j, c);
-      strain_work = now.q(rows) / lengths_m[j];
+      const Coefficients part = coefficients_of(j, c);
+      strain_work = part.of(now.q) / lengths_m[j];
       if (d.dt > 0.0 && tau > 0.0)
-        strain_work +=
-            tau / d.dt *
-            (d.a0 * strain_work + d.a1 * last.u(rows) + d.a2 * before.u(rows) + d.a3 * oldest.u(rows));
-      residual(rows) = stiffness(j, c) * (basis.gram() * strain_work) -
-                       load * inputs.pieces[j].moment_section_nm(c) * basis.integral();
+        strain_work += tau / d.dt *
+                       (d.a0 * strain_work + d.a1 * part.of(last.u) + d.a2 * part.of(before.u) +
+                        d.a3 * part.of(oldest.u));
+      part.of(residual) = stiffness(j, c) * (basis.gram() * strain_work) -
+                          load * inputs.pieces[j].moment_section_nm(c) * basis.integral();
     }
   }
   if (!section_nodes.empty()) add_sections(d, load);
@@ -103,9 +103,9 @@ void RitzRod::Impl::factorise(const Differences& d) {
   matrix.setZero();
   for (std::size_t j = 0; j < lengths_m.size(); ++j)
     for (int c = 0; c < 3 && is_plain(j); ++c) {
-      const auto rows = coefficients_of(j, c);
-      matrix(rows, rows) = stiffness(j, c) / lengths_m[j] * (1.0 + params.pieces[j].retardation_s * rate) *
-                           mesh.pieces()[j].basis.gram();
+      const Coefficients part = coefficients_of(j, c);
+      part.square_of(matrix) = stiffness(j, c) / lengths_m[j] *
+                               (1.0 + params.pieces[j].retardation_s * rate) * mesh.pieces()[j].basis.gram();
     }
   if (!section_nodes.empty()) factorise_sections(d);
   constexpr int kIntervals = StrainBasis::kIntervals;

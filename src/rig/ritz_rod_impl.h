@@ -47,6 +47,27 @@ struct State {
   std::vector<double> core_stiffness_nm2;                                     ///< per piece
 };
 
+/// The coefficients of one component of one piece's curvature: every third, as the three components take
+/// turns.
+struct Coefficients {
+  Eigen::Index first;
+  Eigen::Index count;
+
+  using Stride = Eigen::InnerStride<3>;
+  Eigen::Map<Eigen::VectorXd, 0, Stride> of(Eigen::VectorXd& all) const {
+    return {all.data() + first, count, Stride()};
+  }
+  Eigen::Map<const Eigen::VectorXd, 0, Stride> of(const Eigen::VectorXd& all) const {
+    return {all.data() + first, count, Stride()};
+  }
+  /// Their rows and columns.
+  auto square_of(Eigen::MatrixXd& all) const {
+    using Both = Eigen::Stride<Eigen::Dynamic, 3>;
+    return Eigen::Map<Eigen::MatrixXd, 0, Both>(&all(first, first), count, count,
+                                                Both(3 * all.outerStride(), 3));
+  }
+};
+
 /// A Lobatto point of a piece whose sections differ or have laws.
 struct SectionNode {
   std::size_t piece = 0;
@@ -68,10 +89,9 @@ struct RitzRod::Impl {
     const PieceInputs& p = inputs.pieces[piece];
     return component == 2 ? p.torsional_stiffness_nm2 : p.bending_stiffness_nm2;
   }
-  /// The coefficients of one component of one piece's curvature.
-  auto coefficients_of(std::size_t piece, int component) const {
+  Coefficients coefficients_of(std::size_t piece, int component) const {
     const RodMesh::Piece& p = mesh.pieces()[piece];
-    return Eigen::seqN(3 * p.first_function + component, p.basis.functions(), Eigen::fix<3>);
+    return {3 * p.first_function + component, p.basis.functions()};
   }
   bool base_yields() const { return mesh.leading_functions() > 0; }
   /// Of the base's damper; the turn about the tangent is held at 0 by a stiffness of no meaning.

@@ -31,7 +31,7 @@ class UpToDate(unittest.TestCase):
     def setUp(self):
         self.root = tempfile.mkdtemp(dir=build, prefix="scripts_check_")
         self.addCleanup(shutil.rmtree, self.root)
-        for name in "cmake config include launch msg python rviz src srv bench test scripts".split():
+        for name in "cmake config include launch msg python rviz src srv third_party bench test scripts".split():
             os.mkdir(os.path.join(self.root, name))
         shutil.copy(os.path.join(source, "scripts/lib.sh"), os.path.join(self.root, "scripts"))
         self.write("CMakeLists.txt", CMAKE)
@@ -51,7 +51,7 @@ class UpToDate(unittest.TestCase):
     def age(self):
         """Makes everything as old as if the builds had been a while ago: stamps bear a time two seconds before theirs."""
         past = time.time() - 60.0
-        for name in ("CMakeLists.txt", "package.xml", *"cmake config include launch msg python rviz src srv bench test".split()):
+        for name in ("CMakeLists.txt", "package.xml", *"cmake config include launch msg python rviz src srv third_party bench test".split()):
             for folder, _, files in os.walk(self.path(name)):
                 for path in (folder, *(os.path.join(folder, file) for file in files)):
                     os.utime(path, (past, past))
@@ -196,6 +196,13 @@ class Test(unittest.TestCase):
                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60)
             self.assertEqual(done.returncode, 1)
             self.assertIn("must be address or thread", done.stdout)
+
+    def test_an_unknown_release_is_refused(self):
+        for arguments in (["--debian", "10"], ["--debian=sid"], ["--debian"]):
+            done = subprocess.run([os.path.join(source, "scripts/test"), *arguments], encoding="utf-8", check=False,
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn("must be 11", done.stdout)
 
 
 if __name__ == "__main__":

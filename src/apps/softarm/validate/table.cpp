@@ -74,7 +74,7 @@ std::string to_text(const Table& table) {
 
 Cell cell(const char* format, double value) {
   if (!std::isfinite(value)) return {"none", std::nullopt};
-  return {fmt::format(fmt::runtime(format), value), value};
+  return {fmt::vformat(format, fmt::make_format_args(value)), value};
 }
 
 std::string to_text(const Result& result) {
