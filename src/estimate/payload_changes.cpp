@@ -22,7 +22,7 @@ void PayloadChanges::tell(double stamp_s, std::optional<double> kg) {
   if (passed_s < 0.0 || passed_s > kPayload.settles_s) forget();
   last_s_ = stamp_s;
   variance_kg2_ *= std::exp(-2.0 * passed_s / kPayload.fades_s);
-  if (kg && told_kg_ && *kg != *told_kg_) change(*told_kg_, *kg);
+  if (passed_s > 0.0 && kg && told_kg_ && *kg != *told_kg_) change(*told_kg_, *kg);
   told_kg_ = kg;
 }
 

@@ -58,6 +58,8 @@ TEST(PayloadChanges, StatesOfRestAreEachByThemselves) {
   }
   changes.tell(kStart_s, 0.3);  // time went back
   EXPECT_FALSE(changes.settling());
+  changes.tell(kStart_s, 0.2);  // frames of no time
+  EXPECT_FALSE(changes.settling());
 }
 
 TEST(PayloadChanges, APayloadThatIsToldForTheFirstTimeHasNotChanged) {
