@@ -65,7 +65,7 @@ void Estimator::Impl::look_at_payload() {
   estimate.identifiable_payload = false;
   for (SegmentEstimate& segment : estimate.segments) {
     segment.identifiable_stiffness = segment.identifiable_moment = false;
-    if (segment.stiffness_why_not == WhyNot::kIdentifiable) segment.stiffness_why_not = WhyNot::kSettling;
+    segment.stiffness_why_not = WhyNot::kSettling;
   }
 }
 

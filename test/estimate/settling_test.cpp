@@ -90,6 +90,7 @@ void add(const Estimate& e, const rig::Truth& truth, Count& count) {
   }
   if (e.settling) {
     EXPECT_FALSE(s.identifiable_stiffness || s.identifiable_moment || e.identifiable_payload);
+    EXPECT_EQ(s.stiffness_why_not, WhyNot::kSettling);
     add_settling(*s.bending_stiffness_nm2, s.sd_bending_stiffness_nm2,
                  truth.segments[0].bending_stiffness_nm2, count);
     add_settling(*e.payload_kg, e.sd_payload_kg, truth.payload_kg, count);
