@@ -14,6 +14,7 @@ _COLUMNS = (("M0", "M0_nm"), ("phi", "phi_rad"), ("EI", "EI_nm2"), ("L", "L_m"),
             ("sd_M0", "sd_M0_nm"), ("sd_phi", "sd_phi_rad"), ("sd_EI", "sd_EI_nm2"), ("sd_L", "sd_L_m"),
             ("sd_payload", "sd_payload_kg"), ("identifiable_EI", "identifiable_EI"),
             ("identifiable_payload", "identifiable_payload"), ("theta_tip", "theta_tip_rad"))
+_FLAGS = ("identifiable_EI", "identifiable_payload", "settling")
 
 
 class Estimates:
@@ -23,8 +24,9 @@ class Estimates:
     Of the segments, (n, s): ``M0_nm`` actuation moment, ``phi_rad`` direction of bending, ``EI_nm2`` bending stiffness,
     ``L_m`` length, their standard deviations ``sd_M0_nm``, ``sd_phi_rad``, ``sd_EI_nm2``, ``sd_L_m``, and
     ``identifiable_EI`` (bool): the frame determines EI well enough to use it.
-    Of the arm, (n,): ``payload_kg``, ``sd_payload_kg``, ``identifiable_payload`` (bool), ``theta_tip_rad`` angle between the
-    tangents of base and tip, ``rms_residual_m`` of the bodies, ``reduced_chi_square``.
+    Of the arm, (n,): ``payload_kg``, ``sd_payload_kg``, ``identifiable_payload`` (bool), ``settling`` (bool; the payload has just
+    changed, and nothing is identifiable), ``theta_tip_rad`` angle between the tangents of base and tip, ``rms_residual_m`` of
+    the bodies, ``reduced_chi_square``.
     Shapes in the rod's base frame: ``tip_p_base_m`` (n, 3), ``backbone_p_base_m`` and ``backbone_curvature_per_m`` (n, p, 3),
     ``bodies_measured_base_m`` and ``bodies_estimated_base_m`` (n, b, 3).
     ``summary``: the table that ``softarm estimate`` prints, less the alarms.
@@ -38,7 +40,7 @@ class Estimates:
         self.warnings: List[str] = raw.pop("warnings")
         self.status = _STATUSES[raw.pop("status_code")]
         for name, array in raw.items():
-            setattr(self, name, array.astype(bool) if name.startswith("identifiable_") else array)
+            setattr(self, name, array.astype(bool) if name in _FLAGS else array)
 
     stamp_s: "np.ndarray"
     M0_nm: "np.ndarray"
@@ -53,6 +55,7 @@ class Estimates:
     sd_payload_kg: "np.ndarray"
     identifiable_EI: "np.ndarray"
     identifiable_payload: "np.ndarray"
+    settling: "np.ndarray"
     theta_tip_rad: "np.ndarray"
     tip_p_base_m: "np.ndarray"
     rms_residual_m: "np.ndarray"
@@ -90,6 +93,7 @@ class Estimates:
         for axis, letter in enumerate("xyz"):
             columns["tip_" + letter] = np.repeat(self.tip_p_base_m[:, axis], s)
         columns["rms_residual"] = np.repeat(self.rms_residual_m, s)
+        columns["settling"] = np.repeat(self.settling.astype(int), s)
         return pandas().DataFrame(columns)
 
 

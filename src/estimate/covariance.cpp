@@ -258,13 +258,29 @@ Bend bend_of(const Problem& problem, int segment, const VectorXd& x) {
           x[ic]};
 }
 
+// Share of c: EI is followed no farther up than to that of an arm half as flexible.
+constexpr double kFarthest = 0.5;
+
+/// By how much farther up EI = EI_base / c is than along its tangent, where c is less by a standard
+/// deviation. By the tangent alone an EI that comes out too low has too small a standard deviation as well.
+/// @param relative_sd of c
+double upwards(double relative_sd) {
+  return 1.0 / (1.0 - std::min(relative_sd, kFarthest));
+}
+
+/// The relative standard deviation of c at which that of EI is the limit.
+double relative_sd_of_flexibility(double limit) {
+  return limit / std::min(1.0 + limit, 1.0 / (1.0 - kFarthest));
+}
+
 /// Rows: M0, phi, EI, L; columns: a, b, c, l. With the uncorrected values: the intervals they give cover what
 /// they should.
 /// @param arcs the method knows neither moment nor stiffness
-Eigen::Matrix4d derivatives(const Bend& bend, bool arcs) {
+/// @param relative_sd of c
+Eigen::Matrix4d derivatives(const Bend& bend, bool arcs, double relative_sd) {
   Eigen::Matrix4d g = Eigen::Matrix4d::Zero();
   if (!arcs) {
-    const double fitted = bend.reference_nm2 / bend.flexibility;
+    const double fitted = bend.reference_nm2 / bend.flexibility * upwards(relative_sd);
     g(0, 0) = bend.cos_phi * fitted / bend.rest_m;
     g(0, 1) = bend.sin_phi * fitted / bend.rest_m;
     g(0, 2) = -bend.curvature_per_m * fitted / bend.flexibility;
@@ -306,10 +322,11 @@ void clear_undetermined(SegmentEstimate& out) {
 
 }  // namespace
 
-void fill_segment(const Problem& problem, int segment, const VectorXd& x, const Covariance& covariance,
+void fill_segment(const Problem& problem, int segment, const VectorXd& x, const Spread& spread,
                   const std::vector<bool>& free, double believed_information,
                   const arm::EstimatorOptions& options, SegmentEstimate& out) {
   const int ia = Problem::column(segment, 0), ib = ia + 1, ic = ia + 2, il = ia + 3;
+  const Covariance& covariance = spread.covariance;
   const auto determined = [&](int i) { return covariance.determined[static_cast<std::size_t>(i)]; };
   const bool arcs = options.method == arm::Method::kCcPoints || options.method == arm::Method::kCcEndpoint;
   const bool flexibility_known = !free[static_cast<std::size_t>(ic)];
@@ -323,13 +340,14 @@ void fill_segment(const Problem& problem, int segment, const VectorXd& x, const 
   double ei = bend.reference_nm2 / bend.flexibility;
   double moment = bend.curvature_per_m * ei;
   if (!flexibility_known && determined(ic))
-    std::tie(ei, moment) = without_bias(bend, c, curvature_determined);
+    std::tie(ei, moment) = without_bias(bend, spread.scatter.block<4, 4>(ia, ia), curvature_determined);
   if (!arcs) {
     out.bending_stiffness_nm2 = ei;
     out.moment_nm = moment;
   }
 
-  const Eigen::Matrix4d g = derivatives(bend, arcs);
+  const double relative_sd = std::sqrt(std::max(0.0, c(2, 2))) / std::abs(bend.flexibility);
+  const Eigen::Matrix4d g = derivatives(bend, arcs, relative_sd);
   out.covariance = g * c * g.transpose();
   const auto sd = [&](int i) { return std::sqrt(std::max(0.0, out.covariance(i, i))); };
   if (curvature_determined) {
@@ -344,12 +362,13 @@ void fill_segment(const Problem& problem, int segment, const VectorXd& x, const 
   if (determined(il)) out.sd_length_m = sd(3);
   clear_undetermined(out);
   const double limit = options.identifiable_relative_sd;
+  const double limit_of_flexibility = relative_sd_of_flexibility(limit) * bend.flexibility;
   // Relative to what the fit found, before the correction: that never makes a frame identify more.
   out.stiffness_why_not = WhyNot::kNotDetermined;
-  if (out.sd_bending_stiffness_nm2 && std::sqrt(c(2, 2)) <= limit * bend.flexibility) {
+  if (out.sd_bending_stiffness_nm2 && std::sqrt(c(2, 2)) <= limit_of_flexibility) {
     // What the laws know is not told by the frame: without it the interval must be as narrow.
     const double by_bodies = 1.0 / c(2, 2) - believed_information;
-    const double asked = 1.0 / std::pow(limit * bend.flexibility, 2);
+    const double asked = 1.0 / std::pow(limit_of_flexibility, 2);
     out.stiffness_why_not = by_bodies >= asked ? WhyNot::kIdentifiable : WhyNot::kByLawsAlone;
   }
   out.identifiable_stiffness = out.sd_bending_stiffness_nm2 && out.stiffness_why_not == WhyNot::kIdentifiable;

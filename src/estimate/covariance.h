@@ -37,10 +37,16 @@ double by_common_errors(const Problem& problem);
 /// information that is theirs.
 double determined_by_bodies(const Problem& problem, const Eigen::VectorXd& x);
 
+/// What intervals are made of, and what of it scatters from frame to frame and so biases EI and M0.
+struct Spread {
+  const Covariance& covariance;
+  const Eigen::MatrixXd& scatter;
+};
+
 /// Translates parameters and covariance into a segment's estimate.
 /// @param free the parameters that were estimated
 /// @param believed_information on the segment's flexibility by the laws as a prior; 0: none
-void fill_segment(const Problem& problem, int segment, const Eigen::VectorXd& x, const Covariance& covariance,
+void fill_segment(const Problem& problem, int segment, const Eigen::VectorXd& x, const Spread& spread,
                   const std::vector<bool>& free, double believed_information,
                   const arm::EstimatorOptions& options, SegmentEstimate& out);
 

@@ -63,6 +63,8 @@ std::string words_of(WhyNot why, const std::string& remedy) {
   switch (why) {
     case WhyNot::kByLawsAlone:
       return "it is what the laws say, the bodies say nothing of it; " + remedy;
+    case WhyNot::kSettling:
+      return "the payload had just changed";
     case WhyNot::kNearBuckling:
       return "near the buckling load another EI with another moment has the same shape; " + remedy;
     default:

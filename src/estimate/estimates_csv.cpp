@@ -66,6 +66,9 @@ const std::vector<EstimateColumn>& estimate_columns() {
        [](Cell& c, const Row& r) {
          if (!r.frame.residuals.empty()) append(c, r.frame.rms_residual_m);
        }},
+      {"settling", "",
+       "1: the payload changes or has just changed, and nothing is identifiable, 0: it has not",
+       [](Cell& c, const Row& r) { append_flag(c, r.frame.settling); }},
   };
   return columns;
 }

@@ -63,6 +63,7 @@ Estimator::Impl::Impl(const arm::Arm& a, const arm::EstimatorOptions& o, const s
       memory(arm),
       motion(least_position_sd_m(arm)),
       noise(arm),
+      payload_changes(own_kg() + arm.tip_mass_kg),
       effects(e) {
   check();
   for (int dof = 1; dof < 256; ++dof) {
@@ -129,6 +130,8 @@ void Estimator::Impl::fail(Status status, std::string detail) {
 const Estimate& Estimator::Impl::run(const trial::Frame& frame) {
   clear(frame);
   frame_given = &frame;
+  payload_changes.tell(frame.stamp_s(), told_payload(arm, frame));
+  estimate.settling = payload_changes.settling();
   if (!place_base(frame) || !observe(frame)) {
     if (!extension) predict_laws(frame);  // walls go on while bodies are hidden
     return estimate;
@@ -141,10 +144,17 @@ const Estimate& Estimator::Impl::run(const trial::Frame& frame) {
       return estimate;
     }
   } else {
+    // Laws that are believed would take what all bodies have in common for bodies far off. As the last frame
+    // says.
+    const bool changing = payload_changes.variance_kg2() > 0.0;
+    if (changing && options.prior.enabled && have_last && problem.evaluate(last_x))
+      allow_for_payload_change();
     if (!solve_with_effects()) return estimate;
     estimate.status = Status::kOk;
     estimate.detail.clear();
     if (!allow_for_stretch() || !keep_to_bounds() || !has_converged()) return estimate;
+    scatter = covariance.x;
+    if (allow_for_payload_change()) refresh_covariance();
     settle();
     if (!share()) {
       have_last = false;
@@ -153,6 +163,7 @@ const Estimate& Estimator::Impl::run(const trial::Frame& frame) {
     }
   }
   finish();
+  look_at_payload();
   if (swing && estimate.status == Status::kOk) look_at_swing();
   if (extended) take_effects_out();
   return estimate;
@@ -399,6 +410,7 @@ void Estimator::reset() {
   if (impl_->window) impl_->window->clear();
   impl_->motion.forget();
   impl_->noise.forget();
+  impl_->payload_changes.forget();
   if (impl_->swing) impl_->swing->forget();
   impl_->modes_at.reset();
   impl_->last_x_by_laws.reset();
@@ -438,6 +450,7 @@ void Estimator::set_unknown(arm::Unknown unknown) {
   impl_->solver.options.max_num_iterations = before->solver.options.max_num_iterations;
   impl_->base = before->base;
   impl_->base_seen = before->base_seen;
+  impl_->payload_changes = before->payload_changes;
   if (impl_->extension && before->extension) impl_->extension = std::move(before->extension);
 }
 

@@ -12,6 +12,7 @@
 #include "arm/wall_memory.h"
 #include "covariance.h"
 #include "extended_frame.h"
+#include "payload_changes.h"
 #include "problem.h"
 #include "softarm/estimate/estimator.h"
 #include "swing_filter.h"
@@ -106,6 +107,20 @@ struct Estimator::Impl {
   /// Adds what this frame says to the window; fits it again where that ends a change.
   bool share();
 
+  // --- a payload that changes, estimator_payload.cpp ---
+  /// Without a window: by what the load that the arm feels may be off is an error that all bodies of the
+  /// frame have in common, about where the problem was last evaluated.
+  /// @return whether there is such an error
+  bool allow_for_payload_change();
+  /// The same as a gravity that is off along itself, its variance: with a window.
+  Eigen::Vector3d gravity_variance_by_payload() const;
+  /// After the fit: nothing is identifiable while the payload changes; how it goes if it is estimated.
+  void look_at_payload();
+  /// This parameter would be identifiable, were it not for a payload that changes.
+  bool told_but_for_change(int column) const;
+  double own_kg() const;
+  double end_kg() const;
+
   // --- an arm that is followed through its swings, estimator_swing.cpp ---
   /// Before the fit: where the arm is in its swing, and under which gravity it is at rest so.
   void follow_swing(const trial::Frame& frame, const std::vector<arm::SegmentPrediction>& laws);
@@ -191,7 +206,9 @@ struct Estimator::Impl {
   TipMotion motion;                                   ///< with a window only
   WhiteNoise noise;                                   ///< with a window or `swing` only
   std::optional<SwingFilter> swing;
+  PayloadChanges payload_changes;
   CommonOffsets swing_errors;                               ///< of the frame
+  CommonOffsets motion_errors;                              ///< the same, behind them that of the payload
   Eigen::Vector3d swing_gravity = Eigen::Vector3d::Zero();  ///< the same: beyond the true one
   std::vector<arm::SegmentPrediction> swing_laws;           ///< the same
   std::optional<VectorXd> last_x_by_laws;                   ///< of the last frame that had inputs
@@ -214,6 +231,7 @@ struct Estimator::Impl {
   std::optional<bool> inputs_known;  ///< of the last frame
   std::vector<bool> estimated;       ///< free before any parameter was held at a bound
   Covariance covariance;
+  Eigen::MatrixXd scatter;  ///< the same without what a changing payload adds, which biases nothing
   const trial::Frame* frame_given = nullptr;
   trial::Frame frame_by_laws;  ///< with `extended` only
   Estimate estimate_by_laws;   ///< the same

@@ -55,13 +55,15 @@ void Estimator::Impl::finish() {
   if (dof > 0 && dof < static_cast<int>(inflation_limit.size()) &&
       estimate.reduced_chi_square * dof > inflation_limit[static_cast<std::size_t>(dof - 1)]) {
     covariance.x *= estimate.reduced_chi_square;
+    scatter *= estimate.reduced_chi_square;
   }
+  if (window || options.method == arm::Method::kCcEndpoint) scatter = covariance.x;
   for (int i = 0; i < static_cast<int>(arm.segments.size()); ++i) {
     const int c = Problem::column(i, 2);
     const double believed = options.prior.enabled && law.information.size() > 0
                                 ? law.information[c] / std::pow(law.shared(c, c), 2)
                                 : 0.0;
-    fill_segment(problem, i, x, covariance, estimated, believed, options,
+    fill_segment(problem, i, x, {covariance, scatter}, estimated, believed, options,
                  estimate.segments[static_cast<std::size_t>(i)]);
   }
   // The shape is that of the whole model; where it has no equilibrium at the limits, that of the laws.

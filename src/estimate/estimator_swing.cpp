@@ -63,8 +63,8 @@ std::vector<arm::SegmentPrediction> Estimator::Impl::segments_of_modes() const {
     arm::SegmentPrediction& segment = segments[index];
     // EI of one frame is worth more than the laws' only where it is told.
     const SegmentEstimate& found = estimate.segments[index];
-    if (found.identifiable_stiffness && found.bending_stiffness_nm2)
-      segment.bending_stiffness_nm2 = *found.bending_stiffness_nm2;
+    const bool told = found.identifiable_stiffness || told_but_for_change(Problem::column(i, 2));
+    if (told && found.bending_stiffness_nm2) segment.bending_stiffness_nm2 = *found.bending_stiffness_nm2;
     const double rest = problem.rest_length(i);
     segment.moment_nm = segment.bending_stiffness_nm2 / rest * x.segment<2>(Problem::column(i, 0));
     segment.curvature_per_m.setZero();
@@ -85,8 +85,9 @@ void Estimator::Impl::look_at_swing() {
   here.bodies = places_of(problem.observations(), arm.bodies.size());
   for (const arm::SegmentPrediction& segment : segments)
     here.stiffness_nm2.push_back(segment.bending_stiffness_nm2);
-  here.payload_kg = payload_known.value_or(estimate.identifiable_payload ? *estimate.payload_kg : 0.0);
-  if (!payload_known && !estimate.identifiable_payload && modes_at) here.payload_kg = modes_at->payload_kg;
+  const bool told = estimate.identifiable_payload || told_but_for_change(problem.payload_column());
+  here.payload_kg = payload_known.value_or(told ? *estimate.payload_kg : 0.0);
+  if (!payload_known && !told && modes_at) here.payload_kg = modes_at->payload_kg;
   here.payload_kg = std::max(0.0, here.payload_kg);
   here.gravity_base = problem.rod().gravity_m_s2 - swing_gravity - inertia;
   constexpr double kRedraw = kPolicy.swing.redraw;

@@ -297,18 +297,15 @@ VectorXd Estimator::Impl::move_to(const Evidence& of, const Vector3d& by_motion)
 }
 
 double Estimator::Impl::inertia_share() const {
-  double own_kg = 0.0;
-  for (const arm::Segment& segment : arm.segments) own_kg += segment.mass_per_length_kg_m * segment.length_m;
-  const double last_kg = have_last ? last_x[problem.payload_column()] * Problem::kPayloadUnit : 0.0;
-  const double end_kg = arm.tip_mass_kg + std::max(0.0, payload_known.value_or(last_kg));
-  return model::inertia_over_weight(own_kg, end_kg);
+  return model::inertia_over_weight(own_kg(), end_kg());
 }
 
 Vector3d Estimator::Impl::inertia_variance() const {
+  const Vector3d by_payload = gravity_variance_by_payload();
   // What the frame's rod has of its swing is in its gravity.
-  if (swing) return swing->gravity_by_error().rowwise().squaredNorm();
+  if (swing) return by_payload + swing->gravity_by_error().rowwise().squaredNorm();
   const double share = inertia_share();
-  return share * share * motion.acceleration_variance();
+  return by_payload + share * share * motion.acceleration_variance();
 }
 
 Evidence Estimator::Impl::moving(Evidence bodies, double repeats) const {

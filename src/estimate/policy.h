@@ -75,6 +75,19 @@ struct Policy {
     double least_offset_rad = 1e-5;
   } window;
 
+  /// A payload that changes. On the rig, whose hand takes 0.2 s to hang a weight on and holds it for 0.6 s,
+  /// what the arm feels is off by all of the change at first, by 0.4 of it after 0.8 s, and by less than a
+  /// tenth after 2 s, when `identify` and `diagnose` use frames again as well.
+  struct Payload {
+    double fades_s = 1.0;    ///< in which what the arm feels comes e times nearer to what hangs on it
+    double settles_s = 2.0;  ///< for so long after a change nothing is identifiable
+    double trifle = 0.01;    ///< of all that hangs on the base: a smaller change does not count
+    /// A payload that is estimated changes where the newest frames are that many standard deviations from
+    /// those before.
+    double seen_sd = 5.0;
+    double newest_s = 0.03, compared_s = 0.6;
+  } payload;
+
   /// An arm that is followed through its swings (`dynamics: modal`).
   struct Swing {
     int modes = 2;            ///< of lowest frequency: in two planes

@@ -183,10 +183,9 @@ void Problem::chain(const Eigen::Ref<const Eigen::Matrix3Xd>& by_rod, Eigen::Mat
                              reference_stiffness(i);
     by_x.col(column(i, 3)) = segment.rest_length_m * by_rod.col(first + model::kLengthColumn);
   }
-  by_x.col(payload_column()) =
-      constant_curvature_ ? Vector3d(Vector3d::Zero())
-                          : Vector3d(kPayloadUnit * by_rod.col(static_cast<int>(rod_.segments.size()) *
-                                                               model::kSegmentColumns));
+  by_x.col(payload_column()) = constant_curvature_
+                                   ? Vector3d(Vector3d::Zero())
+                                   : Vector3d(kPayloadUnit * by_rod.col(rod_payload_column()));
   for (int j = 0; j < by_x.cols(); ++j) {
     if (!free_[static_cast<std::size_t>(j)]) by_x.col(j).setZero();
   }
@@ -273,6 +272,17 @@ void Problem::add_free(const Eigen::Matrix3Xd& by_x, Eigen::Matrix3Xd& j) const 
   for (int k = 0; k < j.cols(); ++k) {
     if (free_[static_cast<std::size_t>(k)]) j.col(k) += by_x.col(k);
   }
+}
+
+Vector3d Problem::position_by_payload(const Observation& o) const {
+  if (model::is_off_axis(body_of(o)))
+    return model::position_by_rod(body_of(o), o.body, solver_).col(rod_payload_column());
+  return solver_.dp(o.body).col(rod_payload_column());
+}
+
+Vector3d Problem::tangent_by_payload(const Observation& o) const {
+  const Eigen::Matrix3Xd turned = solver_.drotation(o.body).col(rod_payload_column());
+  return model::tangent_derivative(solver_.station(o.body), turned);
 }
 
 Eigen::Matrix3d Problem::position_by_gravity(const Observation& o) const {

@@ -125,6 +125,9 @@ class Problem {
   /// Of the laws' rod alone.
   void position_jacobian_by_laws(const Observation& o, Eigen::Matrix3Xd& j) const;
   void tangent_jacobian_by_laws(const Observation& o, Eigen::Matrix3Xd& j) const;
+  /// d position / d payload (kg), be it free or not, and the same of the tangent: of the laws' rod.
+  Eigen::Vector3d position_by_payload(const Observation& o) const;
+  Eigen::Vector3d tangent_by_payload(const Observation& o) const;
   /// d position / d gravity (base frame); only with a window.
   Eigen::Matrix3d position_by_gravity(const Observation& o) const;
   Eigen::Matrix3d tangent_by_gravity(const Observation& o) const;
@@ -163,6 +166,10 @@ class Problem {
   void apply(const Eigen::VectorXd& x) const;
   /// Adds the columns of what is free.
   void add_free(const Eigen::Matrix3Xd& by_x, Eigen::Matrix3Xd& j) const;
+  /// Of the rod's parameters, behind those of the segments.
+  Eigen::Index rod_payload_column() const {
+    return static_cast<Eigen::Index>(rod_.segments.size()) * model::kSegmentColumns;
+  }
   void chain(const Eigen::Ref<const Eigen::Matrix3Xd>& by_rod, Eigen::Matrix3Xd& by_x) const;
   template <typename Columns>
   void add_block(const Eigen::Vector3d& e, const Columns& de, double weight, bool robust, int row,

@@ -46,6 +46,7 @@ void EstimateTable::add(const estimate::Estimate& estimate) {
   append(payload_, estimate.payload_kg);
   append(sd_payload_, estimate.sd_payload_kg);
   identifiable_payload_.push_back(estimate.identifiable_payload ? 1 : 0);
+  settling_.push_back(estimate.settling ? 1 : 0);
   append(theta_, estimate::tip_angle_rad(estimate));
   append(tip_, estimate.backbone.empty() ? Eigen::Vector3d(Eigen::Vector3d::Constant(kAbsent))
                                          : estimate.backbone.back().p_base);
@@ -75,6 +76,7 @@ pybind11::dict EstimateTable::take() {
   d["sd_payload_kg"] = array_of(std::move(sd_payload_), {n});
   d["identifiable_EI"] = array_of(std::move(identifiable_stiffness_), {n, s});
   d["identifiable_payload"] = array_of(std::move(identifiable_payload_), {n});
+  d["settling"] = array_of(std::move(settling_), {n});
   d["theta_tip_rad"] = array_of(std::move(theta_), {n});
   d["tip_p_base_m"] = array_of(std::move(tip_), {n, 3});
   d["rms_residual_m"] = array_of(std::move(residual_), {n});

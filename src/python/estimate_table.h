@@ -27,7 +27,7 @@ class EstimateTable {
 
   std::size_t segments_, bodies_, points_;
   std::vector<double> stamp_, payload_, sd_payload_, theta_, tip_, residual_, chi_;
-  std::vector<std::int8_t> status_, identifiable_payload_;
+  std::vector<std::int8_t> status_, identifiable_payload_, settling_;
   std::vector<double> moment_, direction_, stiffness_, length_, sd_moment_, sd_direction_, sd_stiffness_,
       sd_length_;
   std::vector<std::int8_t> identifiable_stiffness_;

@@ -82,6 +82,7 @@ ArmEstimate to_message(const estimate::Estimate& estimate, const MessageContext&
   message.header.frame_id = context.frames.base();
   message.status = status_code(estimate.status);
   message.detail = estimate.detail;
+  message.settling = estimate.settling;
   message.method = to_string(context.options.method);
   message.unknown = to_string(context.options.unknown);
   message.prior = context.options.prior.enabled;

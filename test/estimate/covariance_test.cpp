@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kRepetitions = 400;
 
-/// Errors of (M0, phi, EI, L) over repetitions, and the mean of their stated covariances.
+/// Errors of (M0, phi, EI, L) over repetitions, and the mean of their stated covariances, along the tangent.
 struct Scatter {
   Eigen::Matrix4d sample = Eigen::Matrix4d::Zero();
   Eigen::Matrix4d stated = Eigen::Matrix4d::Zero();
@@ -32,8 +32,10 @@ Scatter scatter(const arm::Arm& arm, const arm::EstimatorOptions& options, const
                           std::remainder(*s.direction_rad - t.direction_rad, 2.0 * M_PI),
                           *s.bending_stiffness_nm2 - t.bending_stiffness_nm2, *s.length_m - t.length_m);
     result.sample += error * error.transpose() / kRepetitions;
-    result.stated += s.covariance / kRepetitions;
-    result.mean_nees += error.dot(s.covariance.ldlt().solve(error)) / kRepetitions;
+    const Eigen::Vector4d along(1.0 / upwards(s), 1.0, 1.0 / upwards(s), 1.0);
+    const Eigen::Matrix4d stated = along.asDiagonal() * s.covariance * along.asDiagonal();
+    result.stated += stated / kRepetitions;
+    result.mean_nees += error.dot(stated.ldlt().solve(error)) / kRepetitions;
   }
   return result;
 }

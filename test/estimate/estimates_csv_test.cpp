@@ -62,7 +62,7 @@ TEST(EstimatesCsv, HeaderIsThatOfTheContract) {
   EXPECT_EQ(estimate::estimates_csv_header(),
             "stamp,segment,status,M0,phi,EI,L,payload,sd_M0,sd_phi,sd_EI,sd_L,sd_payload,identifiable_EI,"
             "identifiable_payload,"
-            "theta_tip,tip_x,tip_y,tip_z,rms_residual");
+            "theta_tip,tip_x,tip_y,tip_z,rms_residual,settling");
 }
 
 /// The table of the columns as the page has it.
@@ -107,6 +107,7 @@ TEST(EstimatesCsv, CellsStandUnderTheirNames) {
   EXPECT_EQ(cell("tip_x"), "0.127");
   EXPECT_EQ(cell("tip_y"), "0");
   EXPECT_EQ(cell("rms_residual"), "0.0004");
+  EXPECT_EQ(cell("settling"), "0");
 }
 
 TEST(EstimatesCsv, NoEstimateHasARowPerSegmentWithEmptyCells) {
@@ -115,7 +116,7 @@ TEST(EstimatesCsv, NoEstimateHasARowPerSegmentWithEmptyCells) {
   e.status = estimate::Status::kNotEnoughBodies;
   const auto all = rows(e, 2);
   ASSERT_EQ(all.size(), 2u);
-  EXPECT_EQ(all[1], "12.5000000,2," + to_string(e.status) + ",,,,,,,,,,,0,0,,,,,");
+  EXPECT_EQ(all[1], "12.5000000,2," + to_string(e.status) + ",,,,,,,,,,,0,0,,,,,,0");
   EXPECT_EQ(cells(all[1]).size(), cells(estimate::estimates_csv_header()).size());
 }
 

@@ -216,6 +216,15 @@ inline void expect_truth(const estimate::Estimate& estimate, const Truth& truth,
   }
 }
 
+/// The standard deviations of EI and M0 reach as far as EI = EI_base / c does upwards where c is a standard
+/// deviation less: by this factor farther than along the tangent, as the scatter of EI is.
+inline double upwards(const estimate::SegmentEstimate& estimate) {
+  const double stated = estimate.sd_bending_stiffness_nm2.value() / estimate.bending_stiffness_nm2.value();
+  double relative = stated;  // of c: stated = relative (1 + relative^2) / (1 - relative)
+  for (int i = 0; i < 50; ++i) relative = stated / (stated + 1.0 + relative * relative);
+  return 1.0 / (1.0 - relative);
+}
+
 inline void expect_positive_semidefinite(const Eigen::Matrix4d& covariance) {
   EXPECT_TRUE(covariance.allFinite());
   EXPECT_TRUE(covariance.isApprox(covariance.transpose(), 1e-12) || covariance.isZero());

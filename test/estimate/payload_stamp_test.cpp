@@ -52,6 +52,7 @@ Errors errors(const arm::Arm& arm, const Shapes& made, double payload_earlier_s)
     for (const trial::Frame& frame : assembler.take()) {
       const auto i = static_cast<std::size_t>(std::lround((frame.stamp_s() - kBegin_s) / kStep_s));
       EXPECT_DOUBLE_EQ(frame.payload_kg.value(), made.truth[i].payload_kg) << i;
+      estimator.reset();  // each is a state of rest by itself
       const Estimate& e = estimator.estimate(frame);
       ASSERT_EQ(e.status, Status::kOk) << e.detail;
       const SegmentEstimate& segment = e.segments[0];

@@ -95,7 +95,7 @@ Point minimise(const std::function<double(const Point&)>& f, Point best) {
 Point fitted_point(const estimate::SegmentEstimate& s) {
   double fitted = *s.bending_stiffness_nm2;
   for (int i = 0; i < 100; ++i) {
-    const double relative_sd = s.sd_bending_stiffness_nm2.value() / fitted;
+    const double relative_sd = s.sd_bending_stiffness_nm2.value() / upwards(s) / fitted;
     fitted = *s.bending_stiffness_nm2 * (1.0 + relative_sd * relative_sd);
   }
   const double moment = *s.actuation_curvature_per_m * fitted;

@@ -66,6 +66,7 @@ Row row_of(const softarm_estimator::ArmEstimate& m) {
   row["sd_payload"] = exact(m.determined_payload, m.sd_payload);
   row["identifiable_EI"] = s.identifiable_bending_stiffness ? "1" : "0";
   row["rms_residual"] = exact(ok, m.rms_residual);
+  row["settling"] = m.settling ? "1" : "0";
   if (!m.backbone.empty()) {
     row["tip_x"] = exact(true, m.backbone.back().position.x);
     row["tip_y"] = exact(true, m.backbone.back().position.y);

@@ -35,6 +35,7 @@ enum class WhyNot {
   kNotDetermined,  ///< no load bends the arm enough: its interval is too wide
   kByLawsAlone,    ///< the interval is that of the laws as a prior; the bodies say nothing of it
   kNearBuckling,   ///< the shape follows EI closely, but another EI with another moment has nearly the same
+  kSettling,  ///< the payload has just changed: a hand is on the arm, or it swings, see Estimate::settling
 };
 
 /// Estimates of one segment. sd_... is absent where the frame does not determine the value at all (a value
@@ -86,6 +87,10 @@ struct Estimate {
   double stamp_s = 0.0;
   Status status = Status::kNotEnoughBodies;
   std::string detail;  ///< one line for people where status is not kOk
+  /// The payload changes or has just changed: what hangs on the arm is not the load that the arm feels, since
+  /// a hand holds it and then the arm swings. Intervals are as wide as that makes them, nothing is
+  /// identifiable.
+  bool settling = false;
   std::vector<SegmentEstimate> segments;
   std::optional<double> payload_kg;     ///< estimated or known
   std::optional<double> sd_payload_kg;  ///< absent when known or undetermined

@@ -1,0 +1,62 @@
+#include "payload_changes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "policy.h"
+
+namespace softarm::estimate {
+namespace {
+
+constexpr auto& kPayload = kPolicy.payload;
+
+}  // namespace
+
+void PayloadChanges::forget() {
+  *this = PayloadChanges(arm_kg_);
+}
+
+void PayloadChanges::tell(double stamp_s, std::optional<double> kg) {
+  const double passed_s = last_s_ ? stamp_s - *last_s_ : 0.0;
+  // Frames further apart are of states of rest, each by itself.
+  if (passed_s < 0.0 || passed_s > kPayload.settles_s) forget();
+  last_s_ = stamp_s;
+  variance_kg2_ *= std::exp(-2.0 * passed_s / kPayload.fades_s);
+  if (passed_s > 0.0 && kg && told_kg_ && *kg != *told_kg_) change(*told_kg_, *kg);
+  told_kg_ = kg;
+}
+
+void PayloadChanges::change(double from_kg, double to_kg) {
+  const double by_kg = to_kg - from_kg;
+  variance_kg2_ += by_kg * by_kg;
+  if (std::abs(by_kg) > kPayload.trifle * (arm_kg_ + std::max(from_kg, to_kg)))
+    settles_until_s_ = *last_s_ + kPayload.settles_s;
+}
+
+void PayloadChanges::see(double kg, double variance_kg2) {
+  if (!last_s_ || !(variance_kg2 > 0.0)) return;
+  const double now_s = *last_s_;
+  seen_.push_back({now_s, kg, variance_kg2});
+  while (seen_.front().stamp_s < now_s - kPayload.compared_s) seen_.pop_front();
+  // The newest frames against those before: means weighted by what each says.
+  struct Mean {
+    double weight = 0.0, sum = 0.0;
+    void add(const Seen& s) {
+      weight += 1.0 / s.variance_kg2;
+      sum += s.kg / s.variance_kg2;
+    }
+  } newest, before;
+  for (const Seen& s : seen_) (s.stamp_s > now_s - kPayload.newest_s ? newest : before).add(s);
+  if (!(before.weight > 0.0)) return;
+  const double from_kg = before.sum / before.weight, to_kg = newest.sum / newest.weight;
+  const double by_kg = to_kg - from_kg;
+  const double by_chance_kg2 = 1.0 / newest.weight + 1.0 / before.weight;
+  if (by_kg * by_kg < kPayload.seen_sd * kPayload.seen_sd * by_chance_kg2) return;
+  // The same change, frame after frame, is one.
+  const double known_kg2 = variance_kg2_;
+  variance_kg2_ = 0.0;
+  change(from_kg, to_kg);
+  variance_kg2_ = std::max(variance_kg2_, known_kg2);
+}
+
+}  // namespace softarm::estimate

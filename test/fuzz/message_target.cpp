@@ -1,0 +1,141 @@
+#include <geometry_msgs/PointStamped.h>
+#include <geometry_msgs/PoseStamped.h>
+#include <geometry_msgs/TransformStamped.h>
+#include <nav_msgs/Odometry.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <sensor_msgs/FluidPressure.h>
+#include <sensor_msgs/PointCloud.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <std_msgs/Float32MultiArray.h>
+#include <std_msgs/Float64.h>
+#include <std_msgs/Float64MultiArray.h>
+#include <tf2_msgs/TFMessage.h>
+#include <topic_tools/shape_shifter.h>
+#include <visualization_msgs/Marker.h>
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ros/body_driver.h"
+#include "ros/drivers_support.h"
+#include "ros/input_topics.h"
+#include "scratch_file.h"
+#include "softarm/arm/arm_file.h"
+#include "targets.h"
+#include "trial/frame_assembler.h"
+
+namespace softarm::fuzz {
+namespace {
+
+/// An arm per source of bodies, and one with all kinds of inputs.
+const std::vector<arm::Arm>& arms() {
+  static const std::vector<arm::Arm> list = [] {
+    const std::string fixed = drivers::kFixedBase;
+    const std::string labelled = R"(bodies:
+  - {name: ring_1, arclength_m: 0.1, labelled_markers: [{label: "7"}, {label: "9"}]}
+  - {name: ring_2, arclength_m: tip, labelled_markers: [{label: "8"}]}
+)";
+    const auto bodies = [](const std::string& more) { return "inputs: {bodies: {" + more + "}}\n"; };
+    std::vector<arm::Arm> made;
+    for (const std::string& parts : {
+             bodies("topic: /b/<body>, frame: world, axes: x -z y"),
+             bodies("topic: /b/<body>, type: geometry_msgs/TransformStamped"),
+             bodies("topic: /b/<body>, type: nav_msgs/Odometry"),
+             fixed + bodies("topic: /b/<body>, type: geometry_msgs/PointStamped"),
+             bodies("topic: /tf, type: tf2_msgs/TFMessage, child_frame: \"v/<body>\""),
+             fixed + labelled + bodies("topic: /m, type: vicon_bridge/Markers"),
+             fixed + labelled + bodies("topic: /m, type: mocap_base/MarkerList"),
+             fixed + labelled + bodies("topic: /m, type: phasespace_msgs/Markers, stamp: server"),
+             fixed + labelled + bodies("topic: /m, type: phasespace_msgs/MarkersStamped"),
+             fixed + bodies("topic: /c, type: sensor_msgs/PointCloud"),
+             fixed + bodies("topic: /c, type: sensor_msgs/PointCloud2"),
+             fixed + bodies("topic: /c, type: visualization_msgs/Marker"),
+             fixed + std::string(R"(inputs:
+  bodies: {topic: /b/<body>}
+  pressures:
+    - {name: chamber_1, topic: /p1}
+    - {name: chamber_2, topic: /p2, type: std_msgs/Float32MultiArray, element: 1, unit: kPa, reference: gauge}
+    - {name: chamber_3, topic: /p3, type: std_msgs/Float64MultiArray, element: 3}
+    - {name: chamber_4, topic: /p4, type: std_msgs/Float64, unit: mbar}
+    - {name: core, topic: /p5, type: my_rig_msgs/State, field: "channels[2].pressure", unit: bar, vacuum: true}
+  tensions:
+    - {name: tendon_1, topic: /p6, type: sensor_msgs/JointState, field: "effort[0]", stamp: header}
+)"),
+         })
+      made.push_back(drivers::arm_with(parts));
+    return made;
+  }();
+  return list;
+}
+
+/// The definition of a type that is built in.
+template <class... Messages>
+std::optional<Mirror> definition_among(const std::string& type) {
+  std::optional<Mirror> found;
+  const auto look_at = [&](const std::string& name, const Mirror& of) {
+    if (name == type) found = of;
+  };
+  (look_at(ros::message_traits::DataType<Messages>::value(), mirror<Messages>()), ...);
+  return found;
+}
+
+std::optional<Mirror> definition_of(const std::string& type) {
+  const auto driver = body_drivers().find(type);
+  if (driver != body_drivers().end() && driver->second.mirror) return driver->second.mirror;
+  return definition_among<geometry_msgs::PoseStamped, geometry_msgs::TransformStamped, nav_msgs::Odometry,
+                          geometry_msgs::PointStamped, tf2_msgs::TFMessage, sensor_msgs::PointCloud,
+                          sensor_msgs::PointCloud2, visualization_msgs::Marker, sensor_msgs::FluidPressure,
+                          std_msgs::Float32MultiArray, std_msgs::Float64MultiArray, std_msgs::Float64>(type);
+}
+
+void feed(const arm::Arm& arm, const InputTopic& topic, const Mirror& type, const char* bytes,
+          std::size_t size) {
+  topic_tools::ShapeShifter shape;
+  shape.morph(type.md5, topic.type, type.definition, "");
+  std::vector<std::uint8_t> message(bytes, bytes + size);
+  ros::serialization::IStream stream(message.data(), static_cast<std::uint32_t>(message.size()));
+  shape.read(stream);
+  const ScratchFile file("message.bag", "", 0);
+  {
+    rosbag::Bag out(file.path(), rosbag::bagmode::Write);
+    out.write(topic.topic, ros::Time(1000.0), shape);
+  }
+  rosbag::Bag in(file.path(), rosbag::bagmode::Read);
+  trial::FrameAssembler assembler(arm);
+  for (const rosbag::MessageInstance& instance : rosbag::View(in)) topic.read(instance, assembler);
+  assembler.flush();
+  assembler.take();
+}
+
+}  // namespace
+
+void message(const std::uint8_t* data, std::size_t size) {
+  if (size < 2) return;
+  const arm::Arm& arm = arms()[data[0] % arms().size()];
+  static const std::vector<std::vector<InputTopic>> topics = [] {
+    std::vector<std::vector<InputTopic>> list;
+    for (const arm::Arm& a : arms()) list.push_back(input_topics(a));
+    return list;
+  }();
+  const std::vector<InputTopic>& all = topics[data[0] % arms().size()];
+  const InputTopic& topic = all[data[1] % all.size()];
+  const char* bytes = reinterpret_cast<const char*>(data) + 2;
+  std::size_t left = size - 2;
+  std::optional<Mirror> type = definition_of(topic.type);
+  if (!type) {
+    const char* end = std::find(bytes, bytes + left, '\0');
+    type = Mirror{"0123456789abcdef0123456789abcdef", std::string(bytes, end)};
+    left -= static_cast<std::size_t>(end - bytes);
+    bytes = end;
+    if (left > 0) ++bytes, --left;
+  }
+  try {
+    feed(arm, topic, *type, bytes, left);
+  } catch (const ros::Exception&) {  // what readers of bags take for damage
+  }
+}
+
+}  // namespace softarm::fuzz
