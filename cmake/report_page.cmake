@@ -13,8 +13,12 @@ if(PLOTLY_JS)
     # The licence's comment stays in front.
     string(REGEX MATCH "/\\*[^/]*\\*/" licence "${head}")
     string(REGEX REPLACE "[\r\n]+" " " licence "${licence}")
-    set(make_plotly ${ESBUILD} --minify --legal-comments=inline --log-level=error "--banner:js=${licence}"
-      --outfile=${SOFTARM_PLOTLY} ${PLOTLY_JS})
+    execute_process(COMMAND ${ESBUILD} --version OUTPUT_VARIABLE esbuild_version OUTPUT_STRIP_TRAILING_WHITESPACE)
+    set(comments --legal-comments=inline "--banner:js=${licence}")
+    if(esbuild_version VERSION_LESS 0.11)  # Debian 11: it keeps such comments unasked
+      set(comments "--banner=${licence}")
+    endif()
+    set(make_plotly ${ESBUILD} --minify ${comments} --log-level=error --outfile=${SOFTARM_PLOTLY} ${PLOTLY_JS})
   else()
     set(make_plotly ${CMAKE_COMMAND} -E copy ${PLOTLY_JS} ${SOFTARM_PLOTLY})
   endif()
