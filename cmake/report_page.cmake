@@ -6,19 +6,20 @@ find_file(PLOTLY_JS NAMES plotly.min.js plotly.js
 find_program(ESBUILD esbuild DOC "makes plotly.js smaller")
 
 set(SOFTARM_PLOTLY)
+set(head)
 if(PLOTLY_JS)
-  set(SOFTARM_PLOTLY ${PROJECT_BINARY_DIR}/report/plotly.min.js)
   file(READ ${PLOTLY_JS} head LIMIT 400)
+endif()
+if(head MATCHES "plotly\\.js v[01]\\.")
+  message(STATUS "plotly.js is older than 2: it runs text as code, which the page forbids. report.html will have no plots")
+elseif(PLOTLY_JS)
+  set(SOFTARM_PLOTLY ${PROJECT_BINARY_DIR}/report/plotly.min.js)
   if(ESBUILD AND NOT PLOTLY_JS MATCHES "\\.min\\.js$")
     # The licence's comment stays in front.
     string(REGEX MATCH "/\\*[^/]*\\*/" licence "${head}")
     string(REGEX REPLACE "[\r\n]+" " " licence "${licence}")
-    execute_process(COMMAND ${ESBUILD} --version OUTPUT_VARIABLE esbuild_version OUTPUT_STRIP_TRAILING_WHITESPACE)
-    set(comments --legal-comments=inline "--banner:js=${licence}")
-    if(esbuild_version VERSION_LESS 0.11)  # Debian 11: it keeps such comments unasked
-      set(comments "--banner=${licence}")
-    endif()
-    set(make_plotly ${ESBUILD} --minify ${comments} --log-level=error --outfile=${SOFTARM_PLOTLY} ${PLOTLY_JS})
+    set(make_plotly ${ESBUILD} --minify --legal-comments=inline --log-level=error "--banner:js=${licence}"
+      --outfile=${SOFTARM_PLOTLY} ${PLOTLY_JS})
   else()
     set(make_plotly ${CMAKE_COMMAND} -E copy ${PLOTLY_JS} ${SOFTARM_PLOTLY})
   endif()
