@@ -6,9 +6,14 @@ find_file(PLOTLY_JS NAMES plotly.min.js plotly.js
 find_program(ESBUILD esbuild DOC "makes plotly.js smaller")
 
 set(SOFTARM_PLOTLY)
+set(head)
 if(PLOTLY_JS)
-  set(SOFTARM_PLOTLY ${PROJECT_BINARY_DIR}/report/plotly.min.js)
   file(READ ${PLOTLY_JS} head LIMIT 400)
+endif()
+if(head MATCHES "plotly\\.js v[01]\\.")
+  message(STATUS "plotly.js is older than 2: it runs text as code, which the page forbids. report.html will have no plots")
+elseif(PLOTLY_JS)
+  set(SOFTARM_PLOTLY ${PROJECT_BINARY_DIR}/report/plotly.min.js)
   if(ESBUILD AND NOT PLOTLY_JS MATCHES "\\.min\\.js$")
     # The licence's comment stays in front.
     string(REGEX MATCH "/\\*[^/]*\\*/" licence "${head}")

@@ -305,7 +305,7 @@ Section parse_document(const std::string& text, const std::string& source, const
   const std::string where = path_shown(source);
   std::vector<YAML::Node> documents;
   try {
-    documents = YAML::LoadAll(text);
+    documents = YAML::LoadAll(text + " #");  // without it "{key:" at the end hangs yaml-cpp 0.6
   } catch (const YAML::Exception& error) {
     // what() repeats the position; msg is the bare reason.
     throw ArmError(

@@ -56,8 +56,8 @@ MatrixXd Belief::rows() const {
   const VectorXd inverse = scale.cwiseInverse();
   const math::Eigensystem eigen =
       math::eigensystem_of(inverse.asDiagonal() * information * inverse.asDiagonal());
-  VectorXd root = eigen.values;
-  for (double& value : root) value = value > kFree ? std::sqrt(value) : 0.0;
+  const VectorXd root =
+      eigen.values.unaryExpr([](double value) { return value > kFree ? std::sqrt(value) : 0.0; });
   return root.asDiagonal() * eigen.vectors.transpose() * scale.asDiagonal();
 }
 

@@ -183,7 +183,7 @@ std::vector<YamlMap> YamlMap::maps(const std::string& key) {
 YamlMap load_document(const std::string& text, const std::string& source, const std::string& what) {
   YAML::Node document;
   try {
-    document = YAML::Load(text);
+    document = YAML::Load(text + " #");  // without it "{key:" at the end hangs yaml-cpp 0.6
   } catch (const YAML::Exception& error) {
     throw ScenarioError(fmt::format("{}: line {}: {}", source, error.mark.line + 1, error.msg));
   }

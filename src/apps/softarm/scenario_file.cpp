@@ -232,7 +232,7 @@ YAML::Node node_of(const rig::HiddenChoice& choice) {
 
 YAML::Node node_of(const Eigen::Vector3d& p) {
   YAML::Node node;
-  for (double x : p) node.push_back(x);
+  for (const double x : {p.x(), p.y(), p.z()}) node.push_back(x);
   return node;
 }
 
