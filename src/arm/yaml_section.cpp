@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <yaml-cpp/eventhandler.h>
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -301,25 +304,69 @@ std::vector<Section> Section::list(const std::string& key, const KeyTable& table
   return sections;
 }
 
+namespace {
+
+/// The line on which a document's content begins; none: it is empty.
+class ContentBegins : public YAML::EventHandler {
+ public:
+  std::optional<int> line;
+  void OnDocumentStart(const YAML::Mark&) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override { at(mark); }
+  void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t, const std::string&) override {
+    at(mark);
+  }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
+                       YAML::EmitterStyle::value) override {
+    at(mark);
+  }
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
+                  YAML::EmitterStyle::value) override {
+    at(mark);
+  }
+  void OnMapEnd() override {}
+
+ private:
+  void at(const YAML::Mark& mark) {
+    if (!line) line = std::max(0, mark.line) + 1;
+  }
+};
+
+/// The line on which a second document begins. Not by YAML::LoadAll: of some broken texts that finds
+/// documents for ever.
+std::optional<int> second_document(const std::string& text) {
+  std::stringstream stream(text);
+  YAML::Parser parser(stream);
+  ContentBegins first, second;
+  if (parser.HandleNextDocument(first) && first.line) parser.HandleNextDocument(second);
+  return second.line;
+}
+
+}  // namespace
+
 Section parse_document(const std::string& text, const std::string& source, const KeyTable& table) {
   const std::string where = path_shown(source);
-  std::vector<YAML::Node> documents;
+  YAML::Node document;
+  std::optional<int> second;
   try {
-    documents = YAML::LoadAll(text + " #");  // without it "{key:" at the end hangs yaml-cpp 0.6
+    const std::string closed = text + " #";  // without it "{key:" at the end hangs yaml-cpp 0.6
+    document = YAML::Load(closed);
+    second = second_document(closed);
   } catch (const YAML::Exception& error) {
     // what() repeats the position; msg is the bare reason.
     throw ArmError(
         fmt::format("{}:{}: not YAML: {}", where, std::max(0, error.mark.line) + 1, one_line(error.msg)));
   }
-  if (documents.empty() || documents.front().IsNull()) throw ArmError(where + ":1: the document is empty");
-  if (documents.size() > 1) {
-    throw ArmError(fmt::format("{}:{}: a second document begins; one arm is expected", where,
-                               std::max(0, documents[1].Mark().line) + 1));
+  if (document.IsNull()) throw ArmError(where + ":1: the document is empty");
+  if (second) {
+    throw ArmError(fmt::format("{}:{}: a second document begins; one arm is expected", where, *second));
   }
-  if (!documents.front().IsMap()) {
-    throw ArmError(fmt::format("{}:1: {} is not a section of keys", where, shown(documents.front())));
+  if (!document.IsMap()) {
+    throw ArmError(fmt::format("{}:1: {} is not a section of keys", where, shown(document)));
   }
-  return Section(source, documents.front(), "", table, 1);
+  return Section(source, document, "", table, 1);
 }
 
 }  // namespace softarm::arm::yaml
