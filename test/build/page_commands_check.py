@@ -23,6 +23,7 @@ NOT_RUN = [
     (r"docker ", "there is no Docker here; build.dockerfile carries out the steps of the Dockerfile"),
     (r"(\w+=\S+ )*scripts/test\b", "it is what runs this test"),
     (r"scripts/(bench|python scripts/bench_python\.py)\b", "speed is not measured in a test"),
+    (r"scripts/fuzz\b", "long.fuzz is it"),
     (r".*…", "abridged: scripts/plot_real_trunk.py has the whole of it"),
     (r"softarm (estimate|diagnose) --arm both\.yaml ", "goes on from the one that is abridged"),
     (r"softarm estimate --arm pouch_arm_one_segment whole/", "goes on from scripts/plot_real_arms.py"),
