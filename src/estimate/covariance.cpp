@@ -258,19 +258,16 @@ Bend bend_of(const Problem& problem, int segment, const VectorXd& x) {
           x[ic]};
 }
 
-// Share of c: EI is followed no farther up than to that of an arm half as flexible.
-constexpr double kFarthest = 0.5;
-
 /// By how much farther up EI = EI_base / c is than along its tangent, where c is less by a standard
 /// deviation. By the tangent alone an EI that comes out too low has too small a standard deviation as well.
 /// @param relative_sd of c
 double upwards(double relative_sd) {
-  return 1.0 / (1.0 - std::min(relative_sd, kFarthest));
+  return 1.0 / (1.0 - std::min(relative_sd, kPolicy.determined.farthest_softer));
 }
 
 /// The relative standard deviation of c at which that of EI is the limit.
 double relative_sd_of_flexibility(double limit) {
-  return limit / std::min(1.0 + limit, 1.0 / (1.0 - kFarthest));
+  return limit / std::min(1.0 + limit, 1.0 / (1.0 - kPolicy.determined.farthest_softer));
 }
 
 /// Rows: M0, phi, EI, L; columns: a, b, c, l. With the uncorrected values: the intervals they give cover what

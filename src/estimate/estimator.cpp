@@ -63,7 +63,7 @@ Estimator::Impl::Impl(const arm::Arm& a, const arm::EstimatorOptions& o, const s
       memory(arm),
       motion(least_position_sd_m(arm)),
       noise(arm),
-      payload_changes(own_kg() + arm.tip_mass_kg),
+      payload_changes(own_kg() + arm.tip_mass_kg, options.dynamics == arm::Dynamics::kModal),
       effects(e) {
   check();
   for (int dof = 1; dof < 256; ++dof) {

@@ -57,8 +57,8 @@ void Estimator::Impl::look_at_payload() {
   if (estimate.status != Status::kOk) return;
   if (estimate.sd_payload_kg) {
     const double added = payload_changes.variance_kg2(), all = std::pow(*estimate.sd_payload_kg, 2);
-    constexpr double kOwnShare = 0.01;  // of the variance at least: the rest is rounding
-    payload_changes.see(*estimate.payload_kg, std::max(all - added, kOwnShare * all));
+    payload_changes.see(*estimate.payload_kg, std::max(all - added, kPolicy.payload.least_share * all),
+                        !window);
   }
   estimate.settling = payload_changes.settling();
   if (!estimate.settling) return;

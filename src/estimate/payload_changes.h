@@ -14,12 +14,14 @@ namespace softarm::estimate {
 class PayloadChanges {
  public:
   /// @param arm_kg all that hangs on the base without a payload: changes small against it do not count
-  explicit PayloadChanges(double arm_kg) : arm_kg_(arm_kg) {}
+  /// @param follows_swings what the arm feels of its swinging is known: what the hand does remains
+  PayloadChanges(double arm_kg, bool follows_swings) : arm_kg_(arm_kg), follows_swings_(follows_swings) {}
   void forget();
   /// A frame, whether or not it has an estimate. @param kg as told; absent: it is not
   void tell(double stamp_s, std::optional<double> kg);
   /// That frame's payload as estimated. @param variance_kg2 without what variance_kg2() adds
-  void see(double kg, double variance_kg2);
+  /// @param alone from that frame alone; else from a window, which says the same again in the next frame
+  void see(double kg, double variance_kg2, bool alone);
 
   /// Of what the arm feels, about what hangs on it, in the frame told last.
   double variance_kg2() const { return variance_kg2_; }
@@ -33,9 +35,10 @@ class PayloadChanges {
   void change(double from_kg, double to_kg);
 
   double arm_kg_;
+  bool follows_swings_;
   std::optional<double> last_s_, told_kg_;
   double variance_kg2_ = 0.0;
-  double settles_until_s_ = -1e300;
+  double hand_until_s_ = -1e300, settles_until_s_ = -1e300;
   std::deque<Seen> seen_;
 };
 

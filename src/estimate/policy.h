@@ -52,6 +52,8 @@ struct Policy {
     /// bending, several times the base's flexibility, half the length, tens of kilograms.
     double absurd_sd[4] = {3.0, 3.0, 5.0, 0.5};  ///< in the order of a segment's parameters
     double absurd_payload_sd = 500.0;            ///< in units of the problem's payload
+    /// Share of c: EI = EI_base / c is followed no farther up than to that of an arm half as flexible.
+    double farthest_softer = 0.5;
   } determined;
 
   /// Windows of frames.
@@ -79,12 +81,14 @@ struct Policy {
   /// what the arm feels is off by all of the change at first, by 0.4 of it after 0.8 s, and by less than a
   /// tenth after 2 s, when `identify` and `diagnose` use frames again as well.
   struct Payload {
-    double fades_s = 1.0;    ///< in which what the arm feels comes e times nearer to what hangs on it
+    double fades_s = 0.8;  ///< in which what the arm feels comes e times nearer to what hangs on it
+    double hand_s = 0.8;  ///< where the swing is followed: for so long a hand may be on the arm, then none is
     double settles_s = 2.0;  ///< for so long after a change nothing is identifiable
     double trifle = 0.01;    ///< of all that hangs on the base: a smaller change does not count
     /// A payload that is estimated changes where the newest frames are that many standard deviations from
     /// those before.
     double seen_sd = 5.0;
+    double least_share = 0.01;  ///< of an estimated payload's variance is its own: what is less is rounding
     double newest_s = 0.03, compared_s = 0.6;
   } payload;
 

@@ -167,10 +167,8 @@ TEST_P(ModalOnRig, ASwingIsNoStiffnessAndNoPayload) {
   ASSERT_GT(rest[1].count, 300);
   EXPECT_LT(swing[1].rms(), 0.5 * swing[0].rms());
   EXPECT_GE(swing[1].coverage(), 0.90);
-  // Intervals of a payload that was just changed by hand hold what else the hand may do.
-  if (c.cause == Cause::kStep) {
-    EXPECT_LE(swing[1].coverage(), 0.97);
-  }
+  EXPECT_LE(swing[1].coverage(), 0.97);
+  // Nothing is worse near rest: neither the error nor, against the 95 % that intervals promise, the cover.
   EXPECT_LT(rest[1].rms(), 1.05 * rest[0].rms());
   EXPECT_GE(rest[1].coverage(), 0.93);
 }

@@ -21,7 +21,7 @@ double sd_kg(const PayloadChanges& changes) {
 }
 
 TEST(PayloadChanges, WhatIsToldIsUncertainByTheChangeAndFades) {
-  PayloadChanges changes(kArm_kg);
+  PayloadChanges changes(kArm_kg, false);
   const auto kg_at = [](double t_s) { return t_s < 1.0 ? 0.24 : 0.0; };
   for (int i = 0; i < 600; ++i) {
     const double t_s = i * kFrame_s;
@@ -33,7 +33,7 @@ TEST(PayloadChanges, WhatIsToldIsUncertainByTheChangeAndFades) {
 }
 
 TEST(PayloadChanges, TwoChangesAddUp) {
-  PayloadChanges changes(kArm_kg);
+  PayloadChanges changes(kArm_kg, false);
   changes.tell(kStart_s, 0.0);
   changes.tell(kStart_s + 0.01, 0.3);
   changes.tell(kStart_s + 0.02, 0.7);
@@ -41,7 +41,7 @@ TEST(PayloadChanges, TwoChangesAddUp) {
 }
 
 TEST(PayloadChanges, AScaleThatTremblesIsNoChange) {
-  PayloadChanges changes(kArm_kg);
+  PayloadChanges changes(kArm_kg, false);
   for (int i = 0; i < 600; ++i) {
     changes.tell(kStart_s + i * kFrame_s, 0.2 + (i % 12 < 6 ? 2e-4 : -2e-4));
     EXPECT_FALSE(changes.settling());
@@ -50,7 +50,7 @@ TEST(PayloadChanges, AScaleThatTremblesIsNoChange) {
 }
 
 TEST(PayloadChanges, StatesOfRestAreEachByThemselves) {
-  PayloadChanges changes(kArm_kg);
+  PayloadChanges changes(kArm_kg, false);
   for (int i = 0; i < 5; ++i) {
     changes.tell(kStart_s + 10.0 * i, 0.1 * i);
     EXPECT_FALSE(changes.settling());
@@ -63,7 +63,7 @@ TEST(PayloadChanges, StatesOfRestAreEachByThemselves) {
 }
 
 TEST(PayloadChanges, APayloadThatIsToldForTheFirstTimeHasNotChanged) {
-  PayloadChanges changes(kArm_kg);
+  PayloadChanges changes(kArm_kg, false);
   changes.tell(kStart_s, std::nullopt);
   changes.tell(kStart_s + kFrame_s, 0.2);
   EXPECT_FALSE(changes.settling());
@@ -78,13 +78,13 @@ TEST(PayloadChanges, AnEstimatedPayloadShowsThatItChanges) {
   constexpr double kNoise_kg = 0.02;
   std::mt19937_64 random(5);
   std::normal_distribution<double> noise(0.0, kNoise_kg);
-  PayloadChanges changes(kArm_kg);
+  PayloadChanges changes(kArm_kg, false);
   double first_s = -1.0, largest_kg = 0.0;
   for (int i = 0; i < 1200; ++i) {
     const double t_s = i * kFrame_s, since_s = t_s - 5.0;
     const double kg = 0.25 - (since_s > 0.0 ? 0.2 * (1.0 - std::exp(-since_s / 0.2)) : 0.0);
     changes.tell(kStart_s + t_s, std::nullopt);
-    changes.see(kg + noise(random), kNoise_kg * kNoise_kg);
+    changes.see(kg + noise(random), kNoise_kg * kNoise_kg, true);
     if (since_s < 0.0) {
       EXPECT_FALSE(changes.settling()) << t_s;
     } else if (first_s < 0.0 && changes.settling()) {

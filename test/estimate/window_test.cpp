@@ -221,7 +221,7 @@ TEST(Window, PayloadPutOnIsFollowed) {
       ASSERT_EQ(estimate.status, estimate::Status::kOk) << estimate.detail;
       if (i == 239) sd_before = estimate.sd_payload_kg.value();
       const bool followed = (i >= 120 && i < 240) || i >= 240 + 0.3 * kRate_hz;
-      const bool at_rest = (i >= 120 && i < 240) || i >= 240 + 0.9 * kRate_hz;  // a jump is no rest
+      const bool at_rest = (i >= 120 && i < 240) || i >= 240 + 0.8 * kRate_hz;  // a jump is no rest
       if (followed) {
         EXPECT_NEAR(estimate.payload_kg.value(), payload, 4.0 * *estimate.sd_payload_kg) << i;
         if (at_rest) {
