@@ -157,8 +157,8 @@ def input_clock_shifted(kind, recordings, random):
     number = random.randrange(len(kind.inputs))
     for one in recordings:
         delay(kind, one, [kind.inputs[number]], lambda t: by_s)
-    return {"words": f"the clock of input {number + 1} alone {1e3 * by_s:+.0f} ms", "size": abs(by_s), "unit": "s", "effects": [],
-            "parameters": {}}
+    return {"words": f"the clock of input {number + 1} alone {1e3 * by_s:+.0f} ms", "size": abs(by_s), "unit": "s",
+            "effects": ["clock_offset"], "parameters": {"offset_s": -by_s}}
 
 
 # Where bodies are seen.

@@ -15,7 +15,8 @@ import sys
 
 import real_diagnosis
 
-LATE_S, PAYLOAD_SHARE, TILT_DEG, ALONG_M = 0.2, 0.5, 6.0, 0.015
+LATE_S = (0.2, 1.0, -1.5)
+PAYLOAD_SHARE, TILT_DEG, ALONG_M = 0.5, 6.0, 0.015
 GRAMS = (0, 100, 300)
 PIECES = (1, 4, 6)
 TIE = ("--tie", "*.bending_stiffness.base")
@@ -69,12 +70,14 @@ def main():
         sys.exit(f"--program {program}: cannot be run")
     layout = (root / "config/layouts/tendon_trunk_controlled.yaml").read_text(encoding="utf-8")
     data = arguments.data / "tendon_trunk"
-    pieces(program, work, data, "late", layout.replace("mocap:\n", f"mocap:\n  ahead_s: {-LATE_S}\n", 1), 1.0)
+    for late_s in LATE_S:
+        pieces(program, work, data, f"late_{late_s}", layout.replace("mocap:\n", f"mocap:\n  ahead_s: {-late_s}\n", 1), 1.0)
     pieces(program, work, data, "half", layout, PAYLOAD_SHARE)
     arm_files(work)
     print("| intervention | verdict | named, size with 90 % interval | unseen rms before, after |\n|---|---|---|---|")
     for what, arm, folder in (("none", "both", "pieces"),
-                              (f"poses late by {1e3 * LATE_S:.0f} ms", "both", "late"),
+                              *((f"poses {'late' if late_s > 0 else 'early'} by {abs(late_s):g} s", "both", f"late_{late_s}")
+                                for late_s in LATE_S),
                               (f"the second disc {1e3 * ALONG_M:.0f} mm further along the arm than the file has it", "moved", "pieces"),
                               (f"the frame tilted by {TILT_DEG:.0f}°", "tilted", "pieces"),
                               ("payloads told at half", "both", "half")):

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "delay.h"
 #include "discovered_law.h"
+#include "effects/catalogue.h"
 #include "extended_arm.h"
 #include "findings.h"
 #include "flexible.h"
@@ -89,19 +91,50 @@ std::string known_ids(const Options& options) {
   return ids;
 }
 
-/// The arm's constants alone.
-/// @param swinging counts what is left out because the arm swings
-Linearised fit_baseline(JointModel& model, std::size_t& swinging, const std::function<void()>& progress) {
+/// The fits that everything begins with: the arm's constants alone, and with clocks apart where they are by
+/// more than the screen can see.
+struct FirstFits {
+  Linearised baseline;
+  std::optional<Linearised> delayed;
+  std::size_t swinging = 0, ends = 0;  ///< blocks that are left out: the arm swings, inputs are not known
+};
+
+JointModel::FitOptions rough_fit() {
   JointModel::FitOptions roughly;
   roughly.tolerance = kPolicy.fit.roughly_sd;
-  Linearised baseline = model.fit(model.start(), roughly);
+  return roughly;
+}
+
+/// @return nothing where a delay is not found, is in the arm file already, or explains nothing
+std::optional<Linearised> fit_with_delay(JointModel& model, const Linearised& without) {
+  for (const std::unique_ptr<model::Effect>& effect : effects::catalogue()) {
+    if (!effect->info().of_clocks || !effect->applies_to(model.arm())) continue;
+    const bool known = std::any_of(model.known().begin(), model.known().end(),
+                                   [&](const Present& present) { return present.effect == effect.get(); });
+    const std::optional<Delay> delay = known ? std::nullopt : find_delay(model.arm(), model.trials());
+    if (!delay) return std::nullopt;
+    JointParameters from = model.start();
+    from.effects.push_back({effect.get(), Eigen::Vector2d(delay->offset_s, delay->input)});
+    Linearised delayed = model.fit(from, rough_fit());
+    if (delayed.square < without.square) return delayed;
+  }
+  return std::nullopt;
+}
+
+FirstFits first_fits(JointModel& model, const std::function<void()>& progress) {
+  FirstFits first;
+  Linearised& baseline = first.baseline;
+  baseline = model.fit(model.start(), rough_fit());
+  first.delayed = fit_with_delay(model, baseline);
+  if (first.delayed) first.ends = model.leave_out_ends(first.delayed->at.effects.back().values[0]);
   // What is late for another reason, clocks apart for one, makes the fit find a lag that the arm has not, and
   // that would be taken for motion.
-  JointParameters calm = baseline.at;
+  const Linearised& moving = first.delayed ? *first.delayed : baseline;
+  JointParameters calm = moving.at;
   calm.viscoelastic_lag_s = std::min(calm.viscoelastic_lag_s, model.viscoelastic_lag_s());
   std::vector<std::vector<model::Predicted>> path;
-  model.predict(calm, &baseline.predicted, path);
-  swinging = model.allow_for_motion(calm, path);
+  model.predict(calm, &moving.predicted, path);
+  first.swinging = model.allow_for_motion(calm, path);
   progress();
   // What is known beforehand counts against the misfit as it is, and that changes with what counts.
   double misfit = 0.0;
@@ -111,9 +144,11 @@ Linearised fit_baseline(JointModel& model, std::size_t& swinging, const std::fun
     misfit = now;
     model.set_misfit(misfit);
     const bool anew = misfit > kPolicy.fit.refit_from_start_chi2;
-    baseline = model.fit(anew ? model.start() : baseline.at, roughly, &baseline.predicted);
+    baseline = model.fit(anew ? model.start() : baseline.at, rough_fit(), &baseline.predicted);
   }
-  return model.fit(baseline.at, {}, &baseline.predicted);
+  baseline = model.fit(baseline.at, {}, &baseline.predicted);
+  if (first.delayed) first.delayed = model.fit(first.delayed->at, {}, &first.delayed->predicted);
+  return first;
 }
 
 /// What is left to see before and after the effects.
@@ -263,7 +298,7 @@ std::string unseen_of(const JointModel& model) {
 }
 
 std::vector<std::string> notes_of(const Compared& all, const model::Prepared& prepared,
-                                  const Selection& selection, const Options& options, std::size_t swinging,
+                                  const Selection& selection, const Options& options, const FirstFits& first,
                                   const JointModel& model, const Remains& left) {
   std::vector<std::string> notes;
   notes.push_back(
@@ -272,7 +307,12 @@ std::vector<std::string> notes_of(const Compared& all, const model::Prepared& pr
                   "noise floor are "
                   "those of such means.",
                   all.frames, prepared.trials.size(), all.blocks, options.block_s,
-                  all.blocks - all.used - swinging, swinging));
+                  all.blocks - all.used - first.swinging - first.ends, first.swinging));
+  if (first.ends > 0)
+    notes.push_back(
+        fmt::format("{} means at the ends of the trials are left out: with clocks so far apart the inputs of "
+                    "their time were not recorded.",
+                    first.ends));
   notes.push_back(motion_of(model, selection.extended.at.viscoelastic_lag_s));
   if (!options.known.empty())
     notes.push_back(fmt::format("{} of the arm file {} in all models, at the file's values.",
@@ -319,10 +359,9 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   const model::Prepared prepared = prepared_trials(arm, trials, how);
   JointModel model(arm, prepared.trials, options.jobs, options.held, options.tied, options.known);
   report(0.02, "fitting the arm's constants");
-  std::size_t swinging = 0;
-  Linearised baseline = fit_baseline(model, swinging, [&] { report(0.05, "fitting the arm's constants"); });
+  FirstFits first = first_fits(model, [&] { report(0.05, "fitting the arm's constants"); });
   Selection selection =
-      select(model, std::move(baseline), options,
+      select(model, std::move(first.baseline), first.delayed, options,
              [&](double share, const std::string& what) { report(0.14 + 0.66 * share, what); });
 
   report(0.87, "what could be explained at all");
@@ -350,7 +389,7 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   const Compared count = compared(model);
   d.left_out_share = 1.0 - static_cast<double>(count.used_frames) / static_cast<double>(count.block_frames);
   d.summary = summary_of(d);
-  d.notes = notes_of(count, prepared, selection, options, swinging, model, left);
+  d.notes = notes_of(count, prepared, selection, options, first, model, left);
 
   report(0.897, "what single instants say");
   const std::vector<InstantFit> instants = fit_instants(model, selection.baseline, options.jobs);

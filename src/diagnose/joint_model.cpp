@@ -249,6 +249,22 @@ double JointModel::sd_rad(std::size_t trial, std::size_t block, const SeenTangen
   return std::hypot(seen.white_sd_rad, 2.0 * motion_sd_m_[trial][block] / arm_.total_length_m());
 }
 
+std::size_t JointModel::leave_out_ends(double offset_s) {
+  std::size_t count = 0;
+  for (std::size_t t = 0; t < trials_.size(); ++t) {
+    const VectorXd& t_s = trials_[t].series.t_s;
+    for (std::size_t k = 0; k < trials_[t].blocks.size(); ++k) {
+      const model::Block& block = trials_[t].blocks[k];
+      const double first_s = t_s[static_cast<Eigen::Index>(block.first)] - offset_s;
+      const double last_s = t_s[static_cast<Eigen::Index>(block.last) - 1] - offset_s;
+      if ((first_s >= t_s[0] && last_s <= t_s[t_s.size() - 1]) || !used_[t][k]) continue;
+      used_[t][k] = false;
+      ++count;
+    }
+  }
+  return count;
+}
+
 void JointModel::look_at(const std::vector<std::size_t>& trials) {
   if (!all_used_.empty()) used_ = std::move(all_used_);
   all_used_.clear();

@@ -157,6 +157,10 @@ class JointModel {
   double motion_sd_m(std::size_t trial, std::size_t block) const { return motion_sd_m_[trial][block]; }
   /// Whether a block is compared.
   bool uses(std::size_t trial, std::size_t block) const { return used_[trial][block]; }
+  /// With clocks apart the inputs of one end of each trial were not recorded: what was seen then is not
+  /// compared from here on.
+  /// @return how many blocks that are
+  std::size_t leave_out_ends(double offset_s);
   /// Fits and predictions are from here on of these trials alone; of none: of all again.
   void look_at(const std::vector<std::size_t>& trials);
   /// From here on the arm swings, in the modes that it has at these parameters; without, inertia counts to

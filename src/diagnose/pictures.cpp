@@ -283,9 +283,8 @@ std::string summary_of(const Diagnosis& d) {
   const std::string found = found_of(d);
   if (!(d.left_out_share > kPolicy.words.left_out_share)) return found;
   return fmt::format(
-      "{} This stands on {} of the recordings: the others, in which the arm swung or a hand was on it, are "
-      "left "
-      "out.",
+      "{} This stands on {} of the recordings. The others are left out: the arm swung, a hand was on it, or "
+      "the inputs of their time are not known.",
       found, percent(1.0 - d.left_out_share));
 }
 

@@ -30,6 +30,14 @@ struct Policy {
     double same_misfit = 1.25;  ///< ratio within which two misfits are one: priors need no other weight
   } fit;
 
+  /// Clocks that are apart by seconds, looked for before anything is fitted.
+  struct Delay {
+    double longest_s = 5.0, step_s = 0.1;  ///< either way, as far as an offset of clocks may be
+    double seen_s = 0.3;      ///< up to which the screen, linear about no delay, finds it by itself
+    double least_gain = 5.0;  ///< of the log likelihood: less is not worth a fit, which decides
+    long fewest_blocks = 20;  ///< of a trial, that the inputs' place in time is told by
+  } delay;
+
   /// What of the arm's motion is not known. On clean and untidy development cases the errors of blocks are
   /// beyond the noise by 0.05 to 0.15 of what inertia and lag do to the arm in its modes.
   struct Motion {

@@ -140,6 +140,21 @@ std::vector<std::size_t> worth_a_refit(const JointModel& model, const std::vecto
   return list;
 }
 
+void begin_from(JointModel& model, const Standing& current, const Linearised& from,
+                std::vector<Screened>& screened) {
+  const Present& present = from.at.effects.back();
+  const auto s = std::find_if(screened.begin(), screened.end(),
+                              [&](const Screened& one) { return one.effect == present.effect; });
+  if (s == screened.end() || !(from.square < current.fit.square)) return;
+  const Eigen::VectorXd unknowns = current.fit.unknowns();
+  s->values = present.values;
+  s->sizes = present.values.head(present.effect->info().sizes);
+  s->absorbed = unknowns - from.unknowns().head(unknowns.size());
+  s->gain = std::max(s->gain, current.fit.square - from.square);
+  s->z = std::max(s->z, std::sqrt(s->gain / inflation(current.fit)));
+  s->leftover_m = moved_m(current.unseen, unseen(model, from));
+}
+
 Refitted refit(JointModel& model, const Standing& current, const Screened& s) {
   Refitted r;
   r.effect = s.effect;

@@ -30,6 +30,11 @@ std::vector<std::size_t> worth_a_refit(const JointModel& model, const std::vecto
 /// Columns of a fit: an effect's sizes.
 std::vector<Eigen::Index> rows_of_sizes(const Linearised& at, std::size_t effect);
 
+/// Makes a fit with one effect more the place from which that effect's refit begins: the screen is linear
+/// about none of it, and does not see so far.
+void begin_from(JointModel& model, const Standing& current, const Linearised& from,
+                std::vector<Screened>& screened);
+
 /// The model so far with one effect more, from where the screen expects it.
 Refitted refit(JointModel& model, const Standing& current, const Screened& s);
 

@@ -24,12 +24,14 @@ void take(JointModel& model, const Refitted& best, Standing& current) {
 
 /// One round: screen, refits of what explains most, the posterior, refits of what is more probable than not.
 /// @param may_move whether the model so far may come to better constants, from which the round begins again
-Round look(JointModel& model, Standing& current, bool refits, bool may_move, const Options& options,
-           const std::function<void(double, const std::string&)>& progress) {
+/// @param delayed a fit with one effect more, from which its refit begins; null: none
+Round look(JointModel& model, Standing& current, bool refits, bool may_move, const Linearised* delayed,
+           const Options& options, const std::function<void(double, const std::string&)>& progress) {
   Round round;
   model.set_misfit(std::max(1.0, current.fit.square / std::max(1, current.fit.rows)));
   progress(0.0, "screening the catalogue");
   round.screened = screen(model, current.fit, options.jobs, [](double) {});
+  if (delayed != nullptr) begin_from(model, current, *delayed, round.screened);
   const std::vector<std::size_t> worth =
       refits ? worth_a_refit(model, round.screened, options) : std::vector<std::size_t>{};
   for (std::size_t i = 0; i < worth.size(); ++i) {
@@ -41,7 +43,7 @@ Round look(JointModel& model, Standing& current, bool refits, bool may_move, con
   if (may_move) {
     if (std::optional<Standing> better = at_better_constants(model, current, round.refitted)) {
       current = std::move(*better);
-      round = look(model, current, refits, false, options, progress);
+      round = look(model, current, refits, false, delayed, options, progress);
       round.anew = true;
       return round;
     }
@@ -97,8 +99,8 @@ void without_fits(Round& round) {
 
 }  // namespace
 
-Selection select(JointModel& model, Linearised baseline, const Options& options,
-                 const std::function<void(double, const std::string&)>& progress) {
+Selection select(JointModel& model, Linearised baseline, const std::optional<Linearised>& delayed,
+                 const Options& options, const std::function<void(double, const std::string&)>& progress) {
   Selection selection;
   selection.baseline_unseen = refitted_unseen(model, baseline);
   selection.baseline = baseline;
@@ -109,9 +111,10 @@ Selection select(JointModel& model, Linearised baseline, const Options& options,
   const auto most = static_cast<std::size_t>(std::max(0, options.most_effects));
   for (bool taken = true; taken;) {
     const std::size_t n = selection.round_of.size();
-    Round round = look(model, current, n < most, true, options, [&](double done, const std::string& what) {
-      progress((static_cast<double>(n) + done) * share, what);
-    });
+    Round round = look(model, current, n < most, true, n == 0 && delayed ? &*delayed : nullptr, options,
+                       [&](double done, const std::string& what) {
+                         progress((static_cast<double>(n) + done) * share, what);
+                       });
     if (round.anew && n == 0) {
       selection.baseline_unseen = refitted_unseen(model, current.fit);
       selection.baseline = current.fit;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "joint_model.h"
@@ -54,7 +55,8 @@ struct Selection {
 };
 
 /// @param baseline fit without effects
-Selection select(JointModel& model, Linearised baseline, const Options& options,
-                 const std::function<void(double, const std::string&)>& progress);
+/// @param delayed the same with clocks apart, where they are by more than the screen can see
+Selection select(JointModel& model, Linearised baseline, const std::optional<Linearised>& delayed,
+                 const Options& options, const std::function<void(double, const std::string&)>& progress);
 
 }  // namespace softarm::diagnose

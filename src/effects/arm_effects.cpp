@@ -20,6 +20,7 @@ double most(const arm::Arm& arm, const model::Parameter& parameter) {
   double count = parameter.high;
   if (parameter.symbol == "body") count = static_cast<double>(arm.bodies.size());
   if (parameter.symbol == "segment") count = static_cast<double>(arm.segments.size());
+  if (parameter.symbol == "input") count = static_cast<double>(arm.inputs.scalars.size());
   if (parameter.symbol == "chamber")
     count = static_cast<double>(rows_of(arm, arm::InputKind::kPressure).size());
   return std::min(count, parameter.high);

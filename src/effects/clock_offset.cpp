@@ -34,6 +34,13 @@ class ClockOffset : public Described {
   bool varies_along() const override { return false; }
   bool applies_to(const arm::Arm& arm) const override { return !arm.inputs.scalars.empty(); }
   bool looks_back() const override { return true; }
+  std::vector<Values> grid(const arm::Arm& arm, const FineRod&) const override {
+    std::vector<Values> list{Values::Zero(2)};
+    // Of a single input both are one.
+    for (std::size_t k = 1; arm.inputs.scalars.size() > 1 && k <= arm.inputs.scalars.size(); ++k)
+      list.push_back(Eigen::Vector2d(0.0, static_cast<double>(k)));
+    return list;
+  }
   std::string live_obstacle(const Values& values) const override {
     if (values[0] >= 0.0) return "";
     return fmt::format(
@@ -42,8 +49,13 @@ class ClockOffset : public Described {
   }
   void drive(const arm::Arm&, const Values& values, Series& series) const override {
     if (values[0] == 0.0 || series.t_s.size() == 0) return;
-    series.inputs = shifted(series.t_s, series.inputs, values[0]);
-    series.moment_inputs = shifted(series.t_s, series.moment_inputs, values[0]);
+    const auto only = static_cast<Eigen::Index>(values[1] + 0.5) - 1;
+    for (Eigen::MatrixXd* inputs : {&series.inputs, &series.moment_inputs}) {
+      if (only < 0)
+        *inputs = shifted(series.t_s, *inputs, values[0]);
+      else if (only < inputs->rows())
+        inputs->row(only) = shifted(series.t_s, inputs->row(only), values[0]);
+    }
   }
 };
 
@@ -53,10 +65,12 @@ std::unique_ptr<Effect> make_clock_offset() {
   return std::make_unique<ClockOffset>(
       Info{"clock_offset",
            "the clocks of motion capture and inputs differ",
-           "pose(t) shows what inputs(t - offset) did",
+           "pose(t) shows what inputs(t - offset) did, or one of them",
            "offsets of clocks: P. Furgale, J. Rehder, R. Siegwart, IROS 2013, doi:10.1109/IROS.2013.6696514",
            Family::kSensor,
-           {{"offset_s", "s", "by which the motion capture's clock is ahead", -5.0, 5.0, 0.1}},
+           {{"offset_s", "s", "by which the motion capture's clock is ahead", -5.0, 5.0, 0.1},
+            {"input", "1", "whose clock alone differs, its number in the arm file's list; 0: that of all",
+             0.0, 64.0, 0.0, true}},
            1,
            {"pressure_lag", "hysteresis"},
            {},

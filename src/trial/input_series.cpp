@@ -51,6 +51,13 @@ std::optional<double> InputSeries::at_ns(std::int64_t t_ns) const {
   return value[next - 1] + w * (value[next] - value[next - 1]);
 }
 
+std::optional<double> InputSeries::fresh_at_ns(std::int64_t t_ns, double max_age_s) const {
+  const auto after = std::upper_bound(stamp_ns.begin(), stamp_ns.end(), t_ns + kSame_ns);
+  if (after == stamp_ns.begin() || 1e-9 * static_cast<double>(t_ns - *(after - 1)) > max_age_s)
+    return std::nullopt;
+  return at_ns(t_ns);
+}
+
 void InputSeries::forget_before(double stamp_s, std::size_t at_most) {
   const auto after = std::upper_bound(stamp_ns.begin(), stamp_ns.end(), to_nanoseconds(stamp_s));
   const std::ptrdiff_t stale = after - stamp_ns.begin() - 1;

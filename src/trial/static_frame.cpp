@@ -66,9 +66,11 @@ class Preparer {
   arm::InputValues inputs_of(const Frame& frame) const {
     arm::InputValues values = frame.inputs;
     for (std::size_t i = 0; i < std::min(values.size(), inputs_.size()); ++i) {
-      // What is missing for its age stays missing.
-      if (!values[i]) continue;
-      if (const std::optional<double> value = inputs_[i].at_ns(frame.stamp_ns)) values[i] = value;
+      // What is too old stays missing. What came too late for its frame does not: clocks may be apart.
+      const std::optional<double> value =
+          values[i] ? inputs_[i].at_ns(frame.stamp_ns)
+                    : inputs_[i].fresh_at_ns(frame.stamp_ns, arm_.inputs.input_max_age_s);
+      if (value) values[i] = value;
     }
     return values;
   }

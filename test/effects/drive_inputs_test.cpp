@@ -162,7 +162,7 @@ TEST(ClockOffset, ShiftsAllInputsAtAnySpeed) {
     return Eigen::Vector4d(10e3 * std::sin(t_s), 5e3 * std::sin(3.0 * t_s), 0.0, 1e3 * t_s);
   });
   for (const double offset_s : {0.13, -0.07}) {
-    const model::Series series = driven("clock_offset", Eigen::VectorXd::Constant(1, offset_s), trial);
+    const model::Series series = driven("clock_offset", Eigen::Vector2d(offset_s, 0.0), trial);
     for (Eigen::Index i = 20; i < 280; ++i) {
       const double then_s = series.t_s[i] - offset_s;
       EXPECT_NEAR(series.inputs(0, i), 10e3 * std::sin(then_s), 3.0);
@@ -170,6 +170,21 @@ TEST(ClockOffset, ShiftsAllInputsAtAnySpeed) {
       EXPECT_NEAR(series.inputs(3, i), 1e3 * then_s, 1e-6);
     }
     EXPECT_EQ(series.inputs(0, offset_s > 0.0 ? 0 : 299), trial.series.inputs(0, offset_s > 0.0 ? 0 : 299));
+  }
+}
+
+TEST(ClockOffset, ShiftsOneInputAlone) {
+  const model::TrialData trial = made_up(arm(), 6.0, [](double t_s) {
+    return Eigen::Vector4d(10e3 * std::sin(t_s), 5e3 * std::sin(3.0 * t_s), 0.0, 1e3 * t_s);
+  });
+  const model::Series series = driven("clock_offset", Eigen::Vector2d(0.13, 2.0), trial);
+  for (Eigen::Index i = 20; i < 280; ++i) {
+    EXPECT_NEAR(series.inputs(1, i), 5e3 * std::sin(3.0 * (series.t_s[i] - 0.13)), 5.0);
+    EXPECT_NEAR(series.moment_inputs(1, i), 5e3 * std::sin(3.0 * (series.t_s[i] - 0.13)), 5.0);
+  }
+  for (const Eigen::Index row : {0, 2, 3}) {
+    EXPECT_EQ(series.inputs.row(row), trial.series.inputs.row(row)) << row;
+    EXPECT_EQ(series.moment_inputs.row(row), trial.series.moment_inputs.row(row)) << row;
   }
 }
 

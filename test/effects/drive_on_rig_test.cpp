@@ -36,7 +36,7 @@ const std::vector<Hidden>& on_chambers() {
        {"flow_limit", "slew", {{"rise_pa_per_s", 8e3}, {"fall_pa_per_s", 12e3}}},
        {1.0, 8e3, 1.5},
        0.05},
-      {"clock_offset", {"clock_offset", "", {{"offset_s", 0.1}, {"drift_ppm", 0.0}}}, {0.1}, 0.03},
+      {"clock_offset", {"clock_offset", "", {{"offset_s", 0.1}, {"drift_ppm", 0.0}}}, {0.1, 0.0}, 0.03},
       {"quadratic",
        {"gain_nonlinearity", "quadratic", {{"share", 0.15}, {"reference_pa", 50e3}}},
        {0.15},
@@ -163,7 +163,7 @@ TEST(OnTheRig, InputsBetweenTheirSamplesAreNotLate) {
   const double nothing_m = rms_m(predict(model, arm, {}, trial, dynamics), trial);
   EXPECT_LT(nothing_m, 6e-5);  // what a mean of a moving arm is off by
   for (const double offset_s : {-0.003, 0.003}) {
-    const model::Present late{find("clock_offset"), Eigen::VectorXd::Constant(1, offset_s)};
+    const model::Present late{find("clock_offset"), Eigen::Vector2d(offset_s, 0.0)};
     EXPECT_GT(rms_m(predict(model, arm, {late}, trial, dynamics), trial), 1.5 * nothing_m) << offset_s;
   }
 }

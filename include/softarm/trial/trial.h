@@ -78,6 +78,8 @@ struct SOFTARM_EXPORT InputSeries {
   /// Its value at an instant; absent before the first sample.
   std::optional<double> at(double stamp_s) const { return at_ns(to_nanoseconds(stamp_s)); }
   std::optional<double> at_ns(std::int64_t t_ns) const;
+  /// The same where the sample before is no older than that.
+  std::optional<double> fresh_at_ns(std::int64_t t_ns, double max_age_s) const;
   /// Drops samples that no instant from then on needs, once they are more than a number.
   void forget_before(double stamp_s, std::size_t at_most);
 };

@@ -268,6 +268,12 @@ Choices flow_limit(const Numbers& v) {
                  {{"rise_pa_per_s", v("rise_pa_per_s")}, {"fall_pa_per_s", v("fall") * v("rise_pa_per_s")}})};
 }
 
+Choices clock_offset(const Numbers& v) {
+  if (v("input") != 0.0)
+    throw std::invalid_argument("one input's clock alone is nothing the virtual rig has: it has one for all");
+  return {choice("clock_offset", "", {{"offset_s", v("offset_s")}})};
+}
+
 Choices rest_curvature(const Numbers& v) {
   return {choice("rest_curvature", "",
                  {{"curvature_per_m", v.size("towards_x_per_m", "towards_y_per_m")},
@@ -393,7 +399,7 @@ const std::map<std::string, Translation>& translations() {
       {"pressure_lag", pressure_lag},
       {"flow_limit", flow_limit},
       {"supply_sag", supply_sag},
-      {"clock_offset", same("", {"offset_s"})},
+      {"clock_offset", clock_offset},
       {"pressure_leak", leak},
       {"pressure_offset", pressure_offset},
       {"rest_curvature", rest_curvature},

@@ -1,0 +1,156 @@
+#include "delay.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "math/linear_algebra.h"
+#include "policy.h"
+
+namespace softarm::diagnose {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kRidge = 1e-8;         // of the columns' mean square: what is constant says nothing
+constexpr Eigen::Index kFewInputs = 3;  // of which products of two are looked at, too
+
+/// One trial: where the outermost body was, and what drove the arm.
+struct Answer {
+  const model::Series* series = nullptr;
+  VectorXd t_s;
+  MatrixXd places;          ///< n x 3
+  MatrixXd besides;         ///< n x columns: 1, payload and gravity
+  VectorXd middle, spread;  ///< of each input over the trial
+};
+
+int outermost_of(const arm::Arm& arm) {
+  int outermost = 0;
+  for (std::size_t i = 0; i < arm.bodies.size(); ++i) {
+    if (arm.bodies[i].arclength_m > arm.bodies[static_cast<std::size_t>(outermost)].arclength_m)
+      outermost = static_cast<int>(i);
+  }
+  return outermost;
+}
+
+Answer answer_of(const model::TrialData& trial, int outermost) {
+  Answer answer;
+  answer.series = &trial.series;
+  std::vector<double> t_s;
+  std::vector<Eigen::Vector3d> places;
+  std::vector<Eigen::Vector4d> besides;
+  for (const model::Block& block : trial.blocks) {
+    const auto seen = std::find_if(block.bodies.begin(), block.bodies.end(),
+                                   [&](const model::Seen& s) { return s.body == outermost; });
+    if (seen == block.bodies.end() || block.last <= block.first) continue;
+    const auto first = static_cast<Eigen::Index>(block.first);
+    const auto count = static_cast<Eigen::Index>(block.last - block.first);
+    t_s.push_back(trial.series.t_s.segment(first, count).mean());
+    places.push_back(seen->p_base);
+    besides.emplace_back(trial.series.payload_kg.segment(first, count).mean(), block.gravity_base.x(),
+                         block.gravity_base.y(), block.gravity_base.z());
+  }
+  const auto n = static_cast<Eigen::Index>(t_s.size());
+  answer.t_s = Eigen::Map<const VectorXd>(t_s.data(), n);
+  answer.places.resize(n, 3);
+  answer.besides.resize(n, 5);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    answer.places.row(k) = places[static_cast<std::size_t>(k)];
+    answer.besides.row(k) << 1.0, besides[static_cast<std::size_t>(k)].transpose();
+  }
+  const MatrixXd& inputs = trial.series.inputs;
+  answer.middle = inputs.rowwise().mean();
+  answer.spread =
+      ((inputs.colwise() - answer.middle).rowwise().squaredNorm() / std::max<Eigen::Index>(1, inputs.cols()))
+          .cwiseSqrt();
+  return answer;
+}
+
+/// Straight between the instants; t is within them.
+double at_time(const model::Series& series, Eigen::Index row, double t_s) {
+  const double* begin = series.t_s.data();
+  const auto after = std::clamp<Eigen::Index>(std::upper_bound(begin, begin + series.t_s.size(), t_s) - begin,
+                                              1, series.t_s.size() - 1);
+  const double w = (t_s - series.t_s[after - 1]) / (series.t_s[after] - series.t_s[after - 1]);
+  return (1.0 - w) * series.inputs(row, after - 1) + w * series.inputs(row, after);
+}
+
+/// Of the blocks [first, first + count), inputs as late as the delay says.
+MatrixXd regressors(const Answer& answer, Eigen::Index first, Eigen::Index count, const Delay& delay) {
+  std::vector<VectorXd> inputs;
+  for (Eigen::Index row = 0; row < answer.spread.size(); ++row) {
+    if (!(answer.spread[row] > 0.0)) continue;
+    const double late_s = delay.input == 0 || delay.input == row + 1 ? delay.offset_s : 0.0;
+    VectorXd u(count);
+    for (Eigen::Index k = 0; k < count; ++k)
+      u[k] = (at_time(*answer.series, row, answer.t_s[first + k] - late_s) - answer.middle[row]) /
+             answer.spread[row];
+    inputs.push_back(std::move(u));
+  }
+  std::vector<VectorXd> columns = inputs;
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    const std::size_t end = static_cast<Eigen::Index>(inputs.size()) <= kFewInputs ? inputs.size() : i + 1;
+    for (std::size_t j = i; j < end; ++j) columns.push_back(inputs[i].cwiseProduct(inputs[j]));
+  }
+  MatrixXd a(count, static_cast<Eigen::Index>(columns.size()) + answer.besides.cols());
+  for (std::size_t c = 0; c < columns.size(); ++c) a.col(static_cast<Eigen::Index>(c)) = columns[c];
+  a.rightCols(answer.besides.cols()) = answer.besides.middleRows(first, count);
+  return a;
+}
+
+double left_of(const Answer& answer, Eigen::Index first, Eigen::Index count, const Delay& delay) {
+  const MatrixXd a = regressors(answer, first, count, delay);
+  const MatrixXd y = answer.places.middleRows(first, count);
+  MatrixXd normal = a.transpose() * a;
+  normal.diagonal().array() += kRidge * normal.diagonal().mean();
+  return (y - a * math::SymmetricSolver(normal).solve_columns(a.transpose() * y)).squaredNorm();
+}
+
+/// By which the log likelihood of one trial's places rises against no delay, over the blocks whose inputs at
+/// either time are known; residuals within a stretch are one.
+double gain_of(const Answer& answer, const Delay& delay) {
+  if (answer.t_s.size() < kPolicy.delay.fewest_blocks) return 0.0;
+  const VectorXd& t_s = answer.series->t_s;
+  const double from_s = t_s[0] + std::max(0.0, delay.offset_s),
+               to_s = t_s[t_s.size() - 1] + std::min(0.0, delay.offset_s);
+  const double* begin = answer.t_s.data();
+  const double* end = begin + answer.t_s.size();
+  const auto first = static_cast<Eigen::Index>(std::lower_bound(begin, end, from_s) - begin);
+  const auto count = static_cast<Eigen::Index>(std::upper_bound(begin, end, to_s) - begin) - first;
+  if (count < kPolicy.delay.fewest_blocks) return 0.0;
+  const double before = left_of(answer, first, count, {}), after = left_of(answer, first, count, delay);
+  if (!(before > 0.0) || !(after > 0.0)) return 0.0;
+  const double stretches = std::max(1.0, (to_s - from_s) / kPolicy.fit.stretch_s);
+  return 0.5 * 3.0 * stretches * std::log(before / after);
+}
+
+}  // namespace
+
+std::optional<Delay> find_delay(const arm::Arm& arm, const std::vector<model::TrialData>& trials) {
+  std::vector<Answer> answers;
+  const int outermost = outermost_of(arm);
+  for (const model::TrialData& trial : trials) {
+    if (trial.series.t_s.size() > 1) answers.push_back(answer_of(trial, outermost));
+  }
+  const auto inputs = static_cast<int>(arm.inputs.scalars.size());
+  Delay best;
+  double most = 0.0;
+  const int steps = static_cast<int>(std::lround(kPolicy.delay.longest_s / kPolicy.delay.step_s));
+  for (int input = 0; input <= (inputs > 1 ? inputs : 0); ++input) {
+    for (int step = -steps; step <= steps; ++step) {
+      const Delay delay{step * kPolicy.delay.step_s, input};
+      double gain = 0.0;
+      for (const Answer& answer : answers) gain += gain_of(answer, delay);
+      if (gain > most) {
+        most = gain;
+        best = delay;
+      }
+    }
+  }
+  if (most < kPolicy.delay.least_gain || std::abs(best.offset_s) < kPolicy.delay.seen_s) return std::nullopt;
+  return best;
+}
+
+}  // namespace softarm::diagnose

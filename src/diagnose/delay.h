@@ -1,0 +1,24 @@
+// By how much bodies answer late to their inputs, where that is beyond what a line about no delay can see.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "model/prepared_trial.h"
+
+namespace softarm::diagnose {
+
+/// Clocks that are apart.
+struct Delay {
+  double offset_s = 0.0;  ///< the bodies' clock is ahead by so much
+  int input = 0;          ///< of this input alone, its number in the arm file's list; 0: of all
+};
+
+/// In each trial by itself the place of the outermost body is regressed on the inputs, their squares and
+/// products, payload and gravity, with the inputs at other times: no model of the arm, so that a delay of
+/// seconds, about which no model is linear, is found before anything is fitted or left out.
+/// @return the likeliest delay, where that is too long for the screen (`kPolicy.delay`): a place to begin
+///         from, no finding
+std::optional<Delay> find_delay(const arm::Arm& arm, const std::vector<model::TrialData>& trials);
+
+}  // namespace softarm::diagnose

@@ -1,0 +1,78 @@
+// Clocks that are apart by seconds: found before anything is fitted, and named.
+#include "delay.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <ostream>
+#include <string>
+
+#include "recorded_case.h"
+#include "softarm/diagnose/diagnose.h"
+#include "softarm/report/report.h"
+
+namespace softarm::diagnose {
+namespace {
+
+/// Nothing is hidden but the inputs' clock: what is logged is stamped early by so much, of one input or all.
+testing::RecordedCase logged_early(double offset_s, int input) {
+  testing::RecordedCase drawn = testing::drawn_case("{count_weights: [1]}", 8, 4, 14.0);
+  for (const rig::Scenario& scenario : drawn.truth) {
+    drawn.trials.push_back(testing::record(drawn.arm, scenario,
+                                           "trial_" + std::to_string(drawn.trials.size() + 1),
+                                           [&](rig::InputSample& sample) {
+                                             if (input == 0 || sample.number == input - 1)
+                                               sample.stamp_s -= offset_s;
+                                             return true;
+                                           }));
+  }
+  return drawn;
+}
+
+struct Case {
+  const char* name;
+  double offset_s;
+  int input;
+};
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.name;
+}
+
+class Delays : public ::testing::TestWithParam<Case> {};
+
+TEST_P(Delays, AreFoundBeforeAnythingIsFitted) {
+  const Case& c = GetParam();
+  const testing::RecordedCase recorded = logged_early(c.offset_s, c.input);
+  const model::Prepared prepared = model::prepare(recorded.arm, recorded.trials);
+  const std::optional<Delay> found = find_delay(recorded.arm, prepared.trials);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->offset_s, c.offset_s, 0.15);
+  EXPECT_EQ(found->input, c.input);
+}
+
+TEST_P(Delays, AreNamedWithTheirSize) {
+  const Case& c = GetParam();
+  const testing::RecordedCase recorded = logged_early(c.offset_s, c.input);
+  const Diagnosis d = diagnose(recorded.arm, recorded.trials);
+  ASSERT_FALSE(d.effects.empty()) << report::describe(d);
+  const NamedEffect& first = d.effects.front();
+  EXPECT_EQ(first.id, "clock_offset") << report::describe(d);
+  EXPECT_GT(first.probability, 0.9);
+  EXPECT_NEAR(first.parameters.at(0).value, c.offset_s, 0.02) << report::describe(d);
+  EXPECT_EQ(first.parameters.at(1).value, c.input);
+  EXPECT_EQ(d.verdict, Verdict::kExplained) << report::describe(d);
+  EXPECT_LT(d.extended.held_out_mean_m, 0.1 * d.baseline.held_out_mean_m);
+}
+
+INSTANTIATE_TEST_SUITE_P(Clocks, Delays,
+                         ::testing::Values(Case{"two_seconds_late", 2.0, 0}, Case{"early", -1.2, 0},
+                                           Case{"one_input", 0.9, 2}),
+                         [](const auto& one) { return std::string(one.param.name); });
+
+TEST(NoDelay, IsFoundWhereThereIsNone) {
+  const testing::RecordedCase recorded = logged_early(0.0, 0);
+  EXPECT_FALSE(find_delay(recorded.arm, model::prepare(recorded.arm, recorded.trials).trials));
+}
+
+}  // namespace
+}  // namespace softarm::diagnose
