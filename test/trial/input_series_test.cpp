@@ -149,6 +149,29 @@ TEST_F(Recorded, WhatIsTooOldStaysMissing) {
     EXPECT_EQ(frame.inputs[0].has_value(), frame.stamp_s < 1005.0 - 1.0 / 30.0 + arm_.inputs.input_max_age_s);
 }
 
+/// As where the clocks of bodies and inputs are apart by more than an input may be old.
+TEST_F(Recorded, WhatCameTooLateForItsFrameIsKnownByItsStamp) {
+  FrameAssembler assembler(arm_, testing_assembler::without_waiting());
+  run(assembler, 1000.0);
+  TrialRecorder recorder(arm_, "late");
+  for (Frame& frame : assembler.take()) recorder.add(std::move(frame));
+  recorder.add(assembler.take_samples());
+  Trial trial = recorder.take();
+  for (Frame& frame : trial.frames) frame.inputs.assign(frame.inputs.size(), std::nullopt);
+  constexpr std::size_t kKept = 150;  // of the second input
+  trial.inputs[1].stamp_ns.resize(kKept);
+  trial.inputs[1].value.resize(kKept);
+  std::map<std::string, std::uint64_t> left_out;
+  const std::vector<StaticFrame> known = known_frames(arm_, 0, trial, left_out);
+  ASSERT_EQ(known.size(), 240u);
+  for (const StaticFrame& frame : known) {
+    ASSERT_TRUE(frame.inputs[0].has_value()) << frame.stamp_s;
+    EXPECT_NEAR(*frame.inputs[0], 1000.0 * (frame.stamp_s - 1000.0), 1e-2);
+    EXPECT_EQ(frame.inputs[1].has_value(),
+              frame.stamp_s < 1000.0 + (kKept - 1) / 30.0 + arm_.inputs.input_max_age_s);
+  }
+}
+
 TEST_F(Recorded, ATrialThatGoesBackInTimeHasWhatItsFramesHold) {
   FrameAssembler assembler(arm_, testing_assembler::without_waiting());
   run(assembler, 1000.0);
