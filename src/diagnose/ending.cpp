@@ -45,6 +45,15 @@ bool drop_superfluous(JointModel& model, Standing& current, std::vector<std::siz
   return dropped;
 }
 
+/// What all trials have in common no trial shows; what differs from trial to trial the posterior may not
+/// know. So each unknown's standard deviation is the larger one of the posterior's and of that between folds.
+void guard(const Eigen::MatrixXd& between, Eigen::MatrixXd& covariance) {
+  if (between.rows() != covariance.rows()) return;
+  const Eigen::VectorXd times =
+      between.diagonal().cwiseQuotient(covariance.diagonal()).cwiseMax(1.0).cwiseSqrt();
+  covariance = times.asDiagonal() * covariance * times.asDiagonal();
+}
+
 /// How sure every effect of the model is, all others given.
 /// @param of_all the posterior about this model
 void add_doubt_about(JointModel& model, Standing& current, const Posterior& of_all, const Options& options,
@@ -56,6 +65,7 @@ void add_doubt_about(JointModel& model, Standing& current, const Posterior& of_a
                 ? posterior_of(model, current, alone, options.jobs)
                 : of_all,
             catalogue, selection);
+  guard(between_folds(model, current.fit), selection.covariance);
 }
 
 }  // namespace

@@ -159,6 +159,17 @@ std::vector<std::vector<bool>> predicted_without(const std::vector<std::size_t>&
   return list;
 }
 
+MatrixXd between_folds(const JointModel& model, const Linearised& at) {
+  const std::vector<Fold> folds = unseen_folds(model);
+  const auto count = static_cast<Eigen::Index>(folds.size());
+  if (count < 3) return {};
+  MatrixXd steps(at.gradient.size(), count);
+  for (Eigen::Index f = 0; f < count; ++f)
+    steps.col(f) = step_without(at, folds[static_cast<std::size_t>(f)]);
+  steps.colwise() -= steps.rowwise().mean().eval();
+  return (static_cast<double>(count - 1) / static_cast<double>(count)) * steps * steps.transpose();
+}
+
 Unseen unseen(const JointModel& model, const Linearised& at) {
   std::vector<VectorXd> residual(model.trials().size());
   for (const Fold& fold : unseen_folds(model)) {

@@ -21,6 +21,11 @@ struct Unseen {
   std::size_t refits = 0;            ///< of refitted_unseen(): fits made anew
 };
 
+/// How far the fit's unknowns lie apart where one fold after the other is left out, as a covariance of what
+/// all trials together say (jackknife; Efron and Stein 1981), to first order.
+/// @return nothing where there are fewer than three folds
+Eigen::MatrixXd between_folds(const JointModel& model, const Linearised& at);
+
 /// To first order about the fit to all.
 Unseen unseen(const JointModel& model, const Linearised& at);
 

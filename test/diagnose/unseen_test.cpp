@@ -78,6 +78,32 @@ TEST(Unseen, AFitWithoutSomeTrialsLeavesTheModelAsItWas) {
   EXPECT_NEAR(unseen(looked.model, again).total_chi2, before.total_chi2, 1e-3 * before.total_chi2);
 }
 
+TEST(BetweenFolds, IsHowFarFitsWithoutEachTrialLieApart) {
+  const testing::RecordedCase drawn = unseen_case(4);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  const Eigen::MatrixXd between = between_folds(looked.model, looked.baseline);
+  const std::size_t trials = drawn.trials.size();
+  Eigen::MatrixXd left_out(looked.baseline.unknowns().size(), static_cast<Eigen::Index>(trials));
+  for (std::size_t t = 0; t < trials; ++t) {
+    Flags without(trials, false);
+    without[t] = true;
+    left_out.col(static_cast<Eigen::Index>(t)) =
+        looked.model.fit_without(looked.baseline.at, without, looked.baseline.predicted).unknowns();
+  }
+  left_out.colwise() -= left_out.rowwise().mean().eval();
+  ASSERT_EQ(between.rows(), left_out.rows());
+  for (Eigen::Index j = 0; j < between.rows(); ++j) {
+    const double sd = std::sqrt(0.75) * left_out.row(j).norm();
+    EXPECT_NEAR(std::sqrt(between(j, j)), sd, 0.15 * sd) << j;
+  }
+}
+
+TEST(BetweenFolds, OfTwoTrialsAreNone) {
+  const testing::RecordedCase drawn = unseen_case(2);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  EXPECT_EQ(between_folds(looked.model, looked.baseline).size(), 0);
+}
+
 /// Residuals of bodies, m, by a function of the instant; the noise is white, so less in longer means.
 template <typename Of>
 std::vector<VectorXd> residuals(const testing::Looked& looked, const Of& of) {
