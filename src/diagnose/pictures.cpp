@@ -223,6 +223,21 @@ std::string learnt_of(const Diagnosis& d) {
                      percent(1.0 - std::pow(d.ceiling_rms_m / d.extended.held_out_rms_m, 2)));
 }
 
+/// What an arm file leaves out, where that explains the trials: what is hardly there is said apart.
+std::string left_out_of(const Diagnosis& d) {
+  std::vector<std::string> there, hardly;
+  for (const NamedEffect& effect : d.effects) {
+    if (effect.probability >= kPolicy.posterior.named)
+      there.push_back(effect.id);
+    else
+      hardly.push_back(fmt::format("{} ({})", effect.id, percent(effect.probability)));
+  }
+  if (there.empty()) return one_of(hardly, "and") + ": with it";
+  const std::string with = one_of(there, "and") + (there.size() > 1 ? ": with them" : ": with it");
+  if (hardly.empty()) return with;
+  return fmt::format("{}, and with {}, which may stand in for something else,", with, one_of(hardly, "and"));
+}
+
 std::string found_of(const Diagnosis& d) {
   const std::string errors =
       fmt::format("{} on average on trials left out, noise alone {}", millimetres(d.baseline.held_out_mean_m),
@@ -231,9 +246,8 @@ std::string found_of(const Diagnosis& d) {
       "the mean error on trials left out " + change(d.baseline.held_out_mean_m, d.extended.held_out_mean_m);
   std::vector<std::string> names, small;
   for (const NamedEffect& effect : d.effects) {
-    names.push_back(effect.id);
     // Where something else is left, each stands on its own probability.
-    if (d.verdict != Verdict::kExplained) names.back() += fmt::format(" ({})", percent(effect.probability));
+    names.push_back(fmt::format("{} ({})", effect.id, percent(effect.probability)));
   }
   for (const NamedEffect& effect : d.small_departures) small.push_back(effect.id);
   const std::string list = one_of(names, "and");
@@ -246,7 +260,7 @@ std::string found_of(const Diagnosis& d) {
                          errors) +
              beside;
     case Verdict::kExplained:
-      return fmt::format("The arm file leaves out {}: with it {} (noise alone {}).", list, errors_change,
+      return fmt::format("The arm file leaves out {} {} (noise alone {}).", left_out_of(d), errors_change,
                          millimetres(mean_noise_m(d))) +
              beside;
     case Verdict::kPartlyExplained:

@@ -76,6 +76,31 @@ TEST(Words, WhatStandsOutIsNotCalledAbsent) {
   EXPECT_EQ(diagnose::finding_description(candidate), "present");
 }
 
+TEST(Sentences, WhatIsHardlyThereIsNotSaidToBeLeftOut) {
+  Diagnosis diagnosis;
+  diagnosis.verdict = Verdict::kExplained;
+  NamedEffect sure, hardly;
+  sure.id = "payload_scale";
+  sure.probability = 0.97;
+  hardly.id = "pressure_lag";
+  hardly.probability = 0.2;
+  diagnosis.effects = {sure, hardly};
+  const std::string both = summary_of(diagnosis);
+  EXPECT_EQ(
+      both.rfind("The arm file leaves out payload_scale: with it, and with pressure_lag (20 %), which may "
+                 "stand in for something else, the mean error",
+                 0),
+      0u)
+      << both;
+  diagnosis.effects = {hardly};
+  EXPECT_EQ(summary_of(diagnosis).rfind("The arm file leaves out pressure_lag (20 %): with it the mean", 0),
+            0u)
+      << summary_of(diagnosis);
+  diagnosis.effects = {sure};
+  EXPECT_EQ(summary_of(diagnosis).rfind("The arm file leaves out payload_scale: with it the mean", 0), 0u)
+      << summary_of(diagnosis);
+}
+
 TEST(Sentences, WhatIsLeftOutStandsInTheVerdictsLine) {
   Diagnosis diagnosis;
   diagnosis.verdict = Verdict::kConsistent;
