@@ -19,11 +19,14 @@ def warn(text: str) -> None:
     warnings.warn(text, SoftarmWarning, stacklevel=3)
 
 
+def prefix() -> str:
+    """Where the package is installed: this is <prefix>/lib/python3/dist-packages/softarm."""
+    return os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), *[os.pardir] * 4))
+
+
 def folders(kind: str) -> List[str]:
     """Where files of this kind ship ("arms", "layouts", "report"): installed beside this package, and in the checkout."""
-    here = os.path.dirname(os.path.abspath(__file__))  # <prefix>/lib/python3/dist-packages/softarm
-    prefix = os.path.normpath(os.path.join(here, *[os.pardir] * 4))
-    return [os.path.join(prefix, "share", "softarm_estimator", "config", kind),
+    return [os.path.join(prefix(), "share", "softarm_estimator", "config", kind),
             os.path.join(_softarm.SOURCE_DIR, "config", kind)]
 
 

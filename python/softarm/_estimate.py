@@ -6,6 +6,7 @@ import numpy as np
 from . import _softarm
 from ._arm import Arm
 from ._common import Path, Progress, jobs_of, numbers, pandas, paths_of, plain, set_options, warn
+from ._mismatch import Alarm, Mismatch
 from ._trial import Trial
 
 _STATUSES = np.array(_softarm.statuses())
@@ -29,16 +30,20 @@ class Estimates:
     the bodies, ``reduced_chi_square``.
     Shapes in the rod's base frame: ``tip_p_base_m`` (n, 3), ``backbone_p_base_m`` and ``backbone_curvature_per_m`` (n, p, 3),
     ``bodies_measured_base_m`` and ``bodies_estimated_base_m`` (n, b, 3).
-    ``summary``: the table that ``softarm estimate`` prints, less the alarms.
+    ``mismatch``: :class:`Mismatch`, what the live monitor says at every frame; ``alarms``: sudden changes that it found, as in
+    the summary. ``summary``: the table that ``softarm estimate`` prints. ``warnings``: topics that the recording lacks.
 
     NaN: neither estimated nor known; of a standard deviation: known, or not determined.
     """
 
-    def __init__(self, raw: Dict[str, Any]) -> None:
+    def __init__(self, raw: Dict[str, Any], body_names: List[str]) -> None:
         self.name: str = raw.pop("name")
         self.summary: str = raw.pop("summary")
         self.warnings: List[str] = raw.pop("warnings")
         self.status = _STATUSES[raw.pop("status_code")]
+        mismatch = raw.pop("mismatch")
+        self.alarms: List[Alarm] = [Alarm(*one) for one in mismatch.pop("alarms")]
+        self.mismatch = Mismatch(mismatch, raw["stamp_s"], body_names)
         for name, array in raw.items():
             setattr(self, name, array.astype(bool) if name in _FLAGS else array)
 
@@ -78,8 +83,8 @@ class Estimates:
         return self.status == "ok"
 
     def to_dict(self) -> Dict[str, Any]:
-        """All arrays, as lists; None for NaN."""
-        return plain(vars(self))
+        """All arrays, as lists; None for NaN; ``mismatch`` and ``alarms`` as dicts."""
+        return plain({**vars(self), "mismatch": self.mismatch.to_dict(), "alarms": [one._asdict() for one in self.alarms]})
 
     def to_pandas(self) -> Any:
         """A DataFrame with the rows and columns of ``estimates.csv``: one row per frame and segment, segments from 1."""
@@ -124,6 +129,7 @@ class Estimator:
                  robust: Optional[bool] = None, window_s: Optional[float] = None, payload_kg: Optional[float] = None,
                  backbone_points: int = 21) -> None:
         self.arm = arm
+        self._body_names = [one.name for one in arm.bodies]
         self._handle = _softarm.EstimatorHandle(arm._handle, _options(dict(
             method=method, unknown=unknown, objective=objective, dynamics=dynamics, prior=prior, robust=robust, window_s=window_s,
             payload_kg=payload_kg, backbone_points=backbone_points)))
@@ -153,11 +159,11 @@ class Estimator:
             base_p_mocap_m=row("base_p_mocap_m", base_p_mocap_m), base_q_mocap_xyzw=row("base_q_mocap_xyzw", base_q_mocap_xyzw),
             inputs=inputs if inputs is None or isinstance(inputs, dict) else row("inputs", inputs), payload_kg=payload_kg,
             name="frame")
-        return Estimates(self._handle.estimate_frame(trial._handle))
+        return Estimates(self._handle.estimate_frame(trial._handle), self._body_names)
 
     def trial(self, trial: Trial, *, progress: Optional[Progress] = None) -> Estimates:
         """All frames of a trial, after those that came before; ``reset()`` first for a trial of its own."""
-        return Estimates(self._handle.estimate_trial(trial._handle, progress))
+        return Estimates(self._handle.estimate_trial(trial._handle, progress), self._body_names)
 
 
 def estimate(trial: Trial, *, arm: Optional[Arm] = None, progress: Optional[Progress] = None, **options: Any) -> Estimates:
@@ -178,7 +184,9 @@ def estimate_bags(arm: Arm, paths: Union[Path, Iterable[Path]], *, jobs: int = 0
     made = _options(options)
     for note in _softarm.EstimatorHandle(arm._handle, made).notes():
         warn(note)
-    results = [Estimates(raw) for raw in _softarm.estimate_bags(arm._handle, paths_of(paths), made, jobs_of(jobs), progress)]
+    names = [one.name for one in arm.bodies]
+    found = _softarm.estimate_bags(arm._handle, paths_of(paths), made, jobs_of(jobs), progress)
+    results = [Estimates(raw, names) for raw in found]
     for result in results:
         for line in result.warnings:
             warn(line)

@@ -102,12 +102,12 @@ class Package(unittest.TestCase):
         arm = softarm.load_arm("online_200mm")
         shapes = softarm.Model(arm).solve(jacobians=True)
         found = softarm.estimate(softarm.read_bag(arm, support.bag()))
-        for thing in (shapes, shapes.jacobians, found):
+        for thing in (shapes, shapes.jacobians, found, found.mismatch):
             for name in type(thing).__annotations__:
                 self.assertTrue(hasattr(thing, name), name)
         for name in ("EI_nm2", "payload_kg", "tip_p_base_m"):
             self.assertIn(name, softarm.Estimates.__doc__)
-        own = {name for name in vars(found) if name not in ("name", "summary", "warnings", "status")}
+        own = {name for name in vars(found) if name not in ("name", "summary", "warnings", "status", "alarms", "mismatch")}
         self.assertEqual(own, set(softarm.Estimates.__annotations__))
 
 
