@@ -5,7 +5,7 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional
 import numpy as np
 
 from . import _softarm
-from ._common import Path, folders
+from ._common import Floats, Path, folders
 
 
 class Constant(NamedTuple):
@@ -24,7 +24,8 @@ class Constant(NamedTuple):
 
 
 class Body(NamedTuple):
-    """A body that motion capture sees: ``kind`` is "ring" or "skin_marker"; ``arclength_m`` from the base at zero input."""
+    """A body that motion capture sees: ``kind`` is "ring" or "skin_marker"; ``arclength_m`` from the base at zero input;
+    ``orientation_usable``: whether its tangent counts; ``position_sd_m``: noise of a coordinate."""
 
     name: str
     kind: str
@@ -34,7 +35,7 @@ class Body(NamedTuple):
 
 
 class Input(NamedTuple):
-    """What drives the arm: ``kind`` is "pressure", "vacuum", "tension" or "angle".
+    """What drives the arm: ``kind`` is "pressure", "vacuum", "tension" or "angle"; ``topic`` where it is recorded.
 
     ``unit`` is that of all arrays of this package: gauge Pa for pressures, Pa below ambient for a vacuum, N, rad.
     """
@@ -46,7 +47,7 @@ class Input(NamedTuple):
 
 
 class Segment(NamedTuple):
-    """A stretch of the arm; ``inputs`` are the names of those that drive it."""
+    """A stretch of the arm: ``length_m`` at zero input, ``mass_kg``, ``diameter_m``; ``inputs`` are the names of those that drive it."""
 
     name: str
     length_m: float
@@ -113,7 +114,7 @@ class Arm:
         return self._handle.effects()
 
     def with_constants(self, values: Mapping[str, float]) -> "Arm":
-        """Another arm whose file has these values (SI, by name). Bodies and payload keep their fraction of a length.
+        """Another arm whose file has these ``values`` (SI, by name). Bodies and payload keep their fraction of a length.
 
         Raises ValueError for a name that the arm does not have, or a value outside its range; ArmError where the file is
         written in a way that cannot be edited.
@@ -125,7 +126,7 @@ class Arm:
         return self._handle.keys()
 
     def save(self, path: Path, *, force: bool = False) -> None:
-        """Writes ``text``. The file appears whole or not at all; FileExistsError where there is one, unless ``force``."""
+        """Writes ``text`` to ``path``. The file appears whole or not at all; FileExistsError where there is one, unless ``force``."""
         write_text(path, self.text, force)
 
 
@@ -145,7 +146,7 @@ def write_text(path: Path, text: str, force: bool) -> None:
 
 
 def load_arm(name: Path) -> Arm:
-    """The arm of a file, or one that ships by its bare name: ``load_arm("online_200mm")``.
+    """The arm of a file, or one that ships: ``name`` is a path, or a bare name like "online_200mm".
 
     Raises ArmError where there is no such file (the line names the arms that ship), or it is no valid arm (file, key, value
     and what is allowed).
@@ -154,7 +155,7 @@ def load_arm(name: Path) -> Arm:
 
 
 def parse_arm(text: str, source: str = "arm") -> Arm:
-    """The arm of a text in YAML; ``source`` is its name in messages. Raises ArmError."""
+    """The arm of a ``text`` in YAML; ``source`` is its name in messages. Raises ArmError."""
     return Arm(_softarm.ArmHandle(text, source))
 
 
@@ -168,5 +169,5 @@ def arm_keys() -> str:
     return _softarm.arm_keys()
 
 
-def gravity_of(arm: Arm, gravity_base_m_s2: Optional[Any]) -> "np.ndarray":
+def gravity_of(arm: Arm, gravity_base_m_s2: Optional[Any]) -> Floats:
     return np.array(arm._handle.gravity_base_m_s2 if gravity_base_m_s2 is None else gravity_base_m_s2, dtype=float)

@@ -58,7 +58,8 @@ class Check:
 
     def to_dict(self) -> Dict[str, Any]:
         """What ``softarm check --json`` writes: recordings with their streams (rates in Hz, noise) and findings."""
-        return json.loads(self._handle.json())
+        found: Dict[str, Any] = json.loads(self._handle.json())
+        return found
 
     def to_pandas(self) -> Any:
         """A DataFrame with a row per finding, those of all recordings together last."""

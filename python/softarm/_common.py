@@ -1,11 +1,19 @@
 """What the parts of the package share."""
+import importlib
 import os
 import warnings
-from typing import Any, Callable, Dict, Iterable, List, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Union
 
 import numpy as np
 
 from . import _softarm
+
+if TYPE_CHECKING:
+    Floats = np.ndarray[Any, np.dtype[np.float64]]
+    Bools = np.ndarray[Any, np.dtype[np.bool_]]
+    Words = np.ndarray[Any, np.dtype[np.str_]]
+else:  # what NumPy of Ubuntu 20.04 has
+    Floats = Bools = Words = np.ndarray
 
 Path = Union[str, "os.PathLike[str]"]
 Progress = Callable[[float, str], None]
@@ -68,7 +76,7 @@ def words_of(name: str, words: Union[str, Sequence[str]]) -> List[str]:
     return words
 
 
-def numbers(name: str, values: Any) -> "np.ndarray":
+def numbers(name: str, values: Any) -> Floats:
     """Values as an array of doubles. ValueError where they are none."""
     try:
         return np.asarray(values, dtype=np.float64, order="C")
@@ -76,11 +84,11 @@ def numbers(name: str, values: Any) -> "np.ndarray":
         raise ValueError(f"{name}: {type(values).__name__}; must be numbers of one rectangular shape") from None
 
 
-def table(values: Any, names: Sequence[str], count: Optional[int], what: str = "inputs") -> "np.ndarray":
+def table(values: Any, names: Sequence[str], count: Optional[int], what: str = "inputs") -> Floats:
     """By name (a mapping) or as an array (count, names): the array. A mapping's numbers hold for all rows; names left out
     are 0."""
     if isinstance(values, dict):
-        columns: Dict[str, np.ndarray] = {}
+        columns: Dict[str, Floats] = {}
         for name, value in values.items():
             if name not in names:
                 raise ValueError(f"{what}: '{name}'; the arm has {', '.join(names) or 'none'}")
@@ -118,10 +126,14 @@ def plain(value: Any) -> Any:
     return value
 
 
+def plain_dict(values: Mapping[str, Any]) -> Dict[str, Any]:
+    """As ``plain``."""
+    return {key: plain(item) for key, item in values.items()}
+
+
 def pandas() -> Any:
     """The module pandas. ImportError with the remedy where it is not installed."""
     try:
-        import pandas as module
+        return importlib.import_module("pandas")
     except ImportError:
         raise ImportError("to_pandas() needs pandas: apt-get install python3-pandas; to_dict() does without") from None
-    return module

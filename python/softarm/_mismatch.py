@@ -4,7 +4,7 @@ from typing import Any, Dict, List, NamedTuple
 import numpy as np
 
 from . import _softarm
-from ._common import pandas, plain
+from ._common import Bools, Floats, Words, pandas, plain_dict
 
 _KINDS = np.array(_softarm.change_kinds())
 _AXES = np.array(_softarm.mismatch_axes())
@@ -34,7 +34,7 @@ class Mismatch:
     ``axis``: "in_plane", "out_of_plane", "axial", "" for none. ``description``: one line per frame.
     """
 
-    def __init__(self, raw: Dict[str, Any], stamp_s: "np.ndarray", body_names: List[str]) -> None:
+    def __init__(self, raw: Dict[str, Any], stamp_s: Floats, body_names: List[str]) -> None:
         self.stamp_s = stamp_s
         self.kind = _KINDS[raw.pop("kind_code")]
         self.or_kind = _KINDS[raw.pop("or_kind_code")]
@@ -44,23 +44,23 @@ class Mismatch:
         for name, array in raw.items():
             setattr(self, name, array.astype(bool) if name in ("valid", "laws", "alarm") else array)
 
-    stamp_s: "np.ndarray"
-    valid: "np.ndarray"
-    laws: "np.ndarray"
-    score_sd: "np.ndarray"
-    rms_m: "np.ndarray"
-    change_sd: "np.ndarray"
-    threshold_sd: "np.ndarray"
-    alarm: "np.ndarray"
-    onset_s: "np.ndarray"
-    kind: "np.ndarray"
-    or_kind: "np.ndarray"
-    size_m: "np.ndarray"
-    s_m: "np.ndarray"
-    s_from_m: "np.ndarray"
-    s_to_m: "np.ndarray"
-    body: "np.ndarray"
-    axis: "np.ndarray"
+    stamp_s: Floats
+    valid: Bools
+    laws: Bools
+    score_sd: Floats
+    rms_m: Floats
+    change_sd: Floats
+    threshold_sd: Floats
+    alarm: Bools
+    onset_s: Floats
+    kind: Words
+    or_kind: Words
+    size_m: Floats
+    s_m: Floats
+    s_from_m: Floats
+    s_to_m: Floats
+    body: Words
+    axis: Words
 
     def __len__(self) -> int:
         """Number of frames."""
@@ -71,7 +71,7 @@ class Mismatch:
 
     def to_dict(self) -> Dict[str, Any]:
         """All arrays, as lists; None for NaN."""
-        return plain(vars(self))
+        return plain_dict(vars(self))
 
     def to_pandas(self) -> Any:
         """A DataFrame with a row per frame, indexed by ``stamp_s``."""

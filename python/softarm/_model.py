@@ -5,7 +5,7 @@ import numpy as np
 
 from . import _softarm
 from ._arm import Arm, gravity_of
-from ._common import Progress, numbers, plain, table, warn, words_of
+from ._common import Floats, Progress, Words, numbers, plain_dict, table, warn, words_of
 
 _OUTCOMES = ("ok", "no_laws", "no_equilibrium")
 
@@ -31,14 +31,14 @@ class Jacobians:
             setattr(self, "bodies_by_" + name, by[:, :bodies])
             setattr(self, "points_by_" + name, by[:, bodies:])
 
-    bodies_by_inputs: "np.ndarray"
-    bodies_by_payload: "np.ndarray"
-    bodies_by_gravity: "np.ndarray"
-    bodies_by_constants: "np.ndarray"
-    points_by_inputs: "np.ndarray"
-    points_by_payload: "np.ndarray"
-    points_by_gravity: "np.ndarray"
-    points_by_constants: "np.ndarray"
+    bodies_by_inputs: Floats
+    bodies_by_payload: Floats
+    bodies_by_gravity: Floats
+    bodies_by_constants: Floats
+    points_by_inputs: Floats
+    points_by_payload: Floats
+    points_by_gravity: Floats
+    points_by_constants: Floats
 
 
 class Shapes:
@@ -53,7 +53,7 @@ class Shapes:
     ``jacobians``: :class:`Jacobians` if asked for, else None.
     """
 
-    def __init__(self, raw: Dict[str, Any], arclength_m: "np.ndarray", arm: Arm, constants: List[str]) -> None:
+    def __init__(self, raw: Dict[str, Any], arclength_m: Floats, arm: Arm, constants: List[str]) -> None:
         outcome = raw.pop("outcome")
         for array in raw.values():
             array[outcome != 0] = np.nan
@@ -68,24 +68,25 @@ class Shapes:
                      "bodies_tangent_base", "M0_nm", "phi_rad", "EI_nm2", "L_m"):
             setattr(self, name, raw[name])
 
-    p_base_m: "np.ndarray"
-    q_base_xyzw: "np.ndarray"
-    curvature_per_m: "np.ndarray"
-    force_base_n: "np.ndarray"
-    moment_base_nm: "np.ndarray"
-    bodies_p_base_m: "np.ndarray"
-    bodies_tangent_base: "np.ndarray"
-    M0_nm: "np.ndarray"
-    phi_rad: "np.ndarray"
-    EI_nm2: "np.ndarray"
-    L_m: "np.ndarray"
+    status: Words
+    p_base_m: Floats
+    q_base_xyzw: Floats
+    curvature_per_m: Floats
+    force_base_n: Floats
+    moment_base_nm: Floats
+    bodies_p_base_m: Floats
+    bodies_tangent_base: Floats
+    M0_nm: Floats
+    phi_rad: Floats
+    EI_nm2: Floats
+    L_m: Floats
 
     def __len__(self) -> int:
         return len(self.status)
 
     def to_dict(self) -> Dict[str, Any]:
         """All but the Jacobians, as lists; None for NaN."""
-        return plain({name: value for name, value in vars(self).items() if name != "jacobians"})
+        return plain_dict({name: value for name, value in vars(self).items() if name != "jacobians"})
 
 
 class Model:

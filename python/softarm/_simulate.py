@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _softarm
 from ._arm import Arm
-from ._common import Path, Progress, number_or_none, pandas, prefix
+from ._common import Floats, Path, Progress, number_or_none, pandas, prefix
 from ._tables import read_table
 
 
@@ -26,7 +26,7 @@ class Simulation:
         self.bag = bag
         self.truth_path = truth_path
         self.text = text
-        self.truth: Dict[str, np.ndarray] = read_table(truth_path, ["stamp"])
+        self.truth: Dict[str, Floats] = read_table(truth_path, ["stamp"])
         with open(os.path.splitext(truth_path)[0] + ".yaml", encoding="utf-8") as file:
             self.hidden: Dict[str, Any] = _softarm.keys_of_yaml(file.read())
 

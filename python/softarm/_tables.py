@@ -5,12 +5,12 @@ from typing import Dict, Sequence
 
 import numpy as np
 
-from ._common import Path
+from ._common import Floats, Path
 from ._softarm import Error
 
 
-def read_table(path: Path, columns: Sequence[str] = ()) -> Dict[str, "np.ndarray"]:
-    """The columns of a CSV table by name, in its order: floats, NaN where a cell is empty; text where a cell is no number.
+def read_table(path: Path, columns: Sequence[str] = ()) -> Dict[str, Floats]:
+    """The columns of the CSV table ``path`` by name, in its order: floats, NaN where a cell is empty; text where a cell is no number.
 
     ``columns``: those that it must have. Raises Error (one line with the file) where it cannot be read, is no table, has no
     row or lacks a column.
@@ -27,7 +27,7 @@ def read_table(path: Path, columns: Sequence[str] = ()) -> Dict[str, "np.ndarray
         raise Error(f"{path}: no column {missing[0]}" if missing else f"{path}: has no rows")
     if any(len(row) != len(head) for row in rows):
         raise Error(f"{path}: its rows have different numbers of cells")
-    table: Dict[str, np.ndarray] = {}
+    table: Dict[str, Floats] = {}
     for name, cells in zip(head, zip(*rows[1:])):
         try:
             table[name] = np.array([float(cell) if cell else np.nan for cell in cells])
