@@ -8,12 +8,14 @@ and held-out trials, and each constant with its 95 % interval against its start.
     scripts/plot_identify.py --laws --out doc/images/identify_saturation.png    # how moments saturate and EI grows
 """
 import argparse
-import csv
 import math
 import os
 import sys
 
 import matplotlib
+import numpy as np
+
+from softarm_module import softarm
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
@@ -21,33 +23,24 @@ import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
 COLOURS = {"before": "0.65", "after": "C0", "held out": "C1"}
 
 
-def read(folder, name):
+def read(folder, name, columns):
     path = os.path.join(folder, name)
-    try:
-        with open(path, newline="", encoding="utf-8") as file:
-            rows = list(csv.DictReader(file))
-    except OSError as error:
-        sys.exit(f"plot_identify: {path}: {error.strerror}; softarm identify --plot writes it")
-    if not rows:
-        sys.exit(f"plot_identify: {path}: has no rows")
-    return rows
+    if not os.path.exists(path):
+        sys.exit(f"plot_identify: {path}: is not there; softarm identify --plot writes it")
+    return softarm.read_table(path, columns)
 
 
 def draw_tip(axes, rows, axis):
     """Predicted against measured coordinate of the last body, mm."""
-    tip = rows[-1]["body"]
-    rows = [row for row in rows if row["body"] == tip]
-    for held in ("0", "1"):
-        some = [row for row in rows if row["held_out"] == held]
-        if not some:
+    tip = rows["body"][-1]
+    measured, before, after = (1e3 * rows[f"{what}_{axis}"] for what in ("measured", "before", "after"))
+    for held in (0, 1):
+        chosen = (rows["body"] == tip) & (rows["held_out"] == held)
+        if not chosen.any():
             continue
-        label = "held out" if held == "1" else "fitted"
-        measured = [1e3 * float(row["measured_" + axis]) for row in some]
-        known = [(m, 1e3 * float(row["before_" + axis])) for m, row in zip(measured, some) if row["before_" + axis]]
-        axes.plot([m for m, _ in known], [b for _, b in known], ".", ms=3, color=COLOURS["before"],
-                  label="before" if held == "0" else None)
-        axes.plot(measured, [1e3 * float(row["after_" + axis]) for row in some], ".", ms=4,
-                  color=COLOURS["held out" if held == "1" else "after"], label="after, " + label)
+        axes.plot(measured[chosen], before[chosen], ".", ms=3, color=COLOURS["before"], label=None if held else "before")
+        axes.plot(measured[chosen], after[chosen], ".", ms=4, color=COLOURS["held out" if held else "after"],
+                  label="after, " + ("held out" if held else "fitted"))
     limits = axes.get_xlim()
     axes.plot(limits, limits, "k-", lw=0.6)
     axes.set_xlabel(f"measured {axis} of {tip} (mm)")
@@ -57,21 +50,15 @@ def draw_tip(axes, rows, axis):
 
 def draw_errors(axes, rows):
     """Mean error of each frame's bodies, sorted, mm."""
-    for held, label, colour in (("0", "fitted", COLOURS["after"]), ("1", "held out", COLOURS["held out"])):
-        frames = {}
-        for row in rows:
-            if row["held_out"] == held:
-                frames.setdefault((row["trial"], row["stamp"]), []).append(row)
+    _, frame = np.unique(np.char.add(np.char.add(rows["trial"].astype(str), " "), rows["stamp"].astype(str)), return_inverse=True)
+    for held, label, colour in ((0, "fitted", COLOURS["after"]), (1, "held out", COLOURS["held out"])):
         for column, style in (("error_before", ":"), ("error_after", "-")):
-            values = []
-            for bodies in frames.values():
-                known = [1e3 * float(row[column]) for row in bodies if row[column]]
-                if known:
-                    values.append(sum(known) / len(known))
-            if values:
-                values.sort()
-                share = [100.0 * (i + 1) / len(values) for i in range(len(values))]
-                axes.plot(values, share, style, color=colour, label=f"{label}, {column[6:]}")
+            known = (rows["held_out"] == held) & ~np.isnan(rows[column])
+            sums, counts = np.bincount(frame[known], 1e3 * rows[column][known]), np.bincount(frame[known])
+            values = np.sort(sums[counts > 0] / counts[counts > 0])
+            if len(values):
+                axes.plot(values, 100.0 * np.arange(1, len(values) + 1) / len(values), style, color=colour,
+                          label=f"{label}, {column[6:]}")
     axes.set_xscale("log")
     axes.set_xlabel("mean error of a frame's bodies (mm)")
     axes.set_ylabel("share of the frames (%)")
@@ -81,20 +68,17 @@ def draw_errors(axes, rows):
 
 def draw_constants(axes, rows):
     """Value over start with its 95 % interval; those not determined faint."""
-    names = []
-    for y, row in enumerate(reversed(rows)):
-        # Near zero a constant's size is what would matter.
-        start, scale = float(row["initial"]), float(row["scale"])
-        unit = abs(start) if start else scale
-        value, half = float(row["value"]) / unit, 1.96 * float(row["sd"]) / unit
-        identifiable = row["determined"] == "1"
-        axes.errorbar([value], [y], xerr=[min(half, 10.0)], fmt="o", ms=4, capsize=3, color="C0" if identifiable else "0.6")
-        axes.plot([start / unit], [y], "|", ms=12, color="k")
-        names.append(row["name"] + ("" if identifiable else " (not identifiable)"))
-    axes.set_yticks(range(len(names)))
-    axes.set_yticklabels(names, fontsize=8)
-    values = [float(row["value"]) / (abs(float(row["initial"])) or float(row["scale"])) for row in rows]
-    axes.set_xlim(min(0.0, min(values) - 0.3), max(2.0, max(values) + 0.3))
+    # Near zero a constant's size is what would matter.
+    unit = np.where(rows["initial"] != 0.0, np.abs(rows["initial"]), rows["scale"])
+    value, start, half = rows["value"] / unit, rows["initial"] / unit, np.minimum(1.96 * rows["sd"] / unit, 10.0)
+    y = np.arange(len(value))[::-1]
+    for k, determined in enumerate(rows["determined"] == 1):
+        axes.errorbar([value[k]], [y[k]], xerr=[half[k]], fmt="o", ms=4, capsize=3, color="C0" if determined else "0.6")
+        axes.plot([start[k]], [y[k]], "|", ms=12, color="k")
+    axes.set_yticks(y)
+    axes.set_yticklabels([name + ("" if determined else " (not identifiable)")
+                          for name, determined in zip(rows["name"], rows["determined"] == 1)], fontsize=8)
+    axes.set_xlim(min(0.0, value.min() - 0.3), max(2.0, value.max() + 0.3))
     axes.set_xlabel("value over start (bar: start), 95 % interval")
     axes.grid(alpha=0.3, axis="x")
 
@@ -270,8 +254,12 @@ def main():
         return
     if not arguments.folder:
         parser.error("name the folder that `softarm identify --plot` wrote, or give --laws, --joints or --wall")
-    shapes = read(arguments.folder, "shapes.csv")
-    constants = read(arguments.folder, "constants.csv")
+    places = [f"{what}_{axis}" for what in ("measured", "before", "after") for axis in "xyz"]
+    try:
+        shapes = read(arguments.folder, "shapes.csv", ["trial", "stamp", "body", "held_out", "error_before", "error_after", *places])
+        constants = read(arguments.folder, "constants.csv", ["name", "initial", "value", "sd", "scale", "determined"])
+    except softarm.Error as why:
+        sys.exit(f"plot_identify: {why}")
     figure, grid = plt.subplots(2, 3, figsize=(15, 9))
     for axes, axis in zip(grid[0], "xyz"):
         draw_tip(axes, shapes, axis)

@@ -5,7 +5,7 @@ import numpy as np
 
 from . import _softarm
 from ._arm import Arm, gravity_of
-from ._common import Floats, Progress, Words, numbers, plain_dict, table, warn, words_of
+from ._common import Floats, Progress, Words, numbers, pandas, plain_dict, table, warn, words_of
 
 _OUTCOMES = ("ok", "no_laws", "no_equilibrium")
 
@@ -31,6 +31,10 @@ class Jacobians:
             setattr(self, "bodies_by_" + name, by[:, :bodies])
             setattr(self, "points_by_" + name, by[:, bodies:])
 
+    def to_dict(self) -> Dict[str, Any]:
+        """All arrays, as lists; None for NaN."""
+        return plain_dict(vars(self))
+
     bodies_by_inputs: Floats
     bodies_by_payload: Floats
     bodies_by_gravity: Floats
@@ -50,7 +54,7 @@ class Shapes:
     ``M0_nm``, ``phi_rad``, ``EI_nm2``, ``L_m`` (n, s): what the laws make of the inputs, as effects on inputs leave them.
 
     ``status`` (n,): "ok", "no_laws" (the laws have no value at these inputs) or "no_equilibrium"; there, floats are NaN.
-    ``jacobians``: :class:`Jacobians` if asked for, else None.
+    ``jacobians``: :class:`Jacobians` if asked for, else None; ``body_names``, ``segment_names``: of the axes b and s.
     """
 
     def __init__(self, raw: Dict[str, Any], arclength_m: Floats, arm: Arm, constants: List[str]) -> None:
@@ -87,6 +91,17 @@ class Shapes:
     def to_dict(self) -> Dict[str, Any]:
         """All but the Jacobians, as lists; None for NaN."""
         return plain_dict({name: value for name, value in vars(self).items() if name != "jacobians"})
+
+    def to_pandas(self) -> Any:
+        """A DataFrame with a row per instant: ``status``, ``ring_1_x_m`` ..., ``segment_1_M0_nm``, ``segment_1_phi_rad`` ..."""
+        columns: Dict[str, Any] = {"status": self.status}
+        for k, body in enumerate(self.body_names):
+            for axis, letter in enumerate("xyz"):
+                columns[f"{body}_{letter}_m"] = self.bodies_p_base_m[:, k, axis]
+        for k, segment in enumerate(self.segment_names):
+            for name in ("M0_nm", "phi_rad", "EI_nm2", "L_m"):
+                columns[f"{segment}_{name}"] = getattr(self, name)[:, k]
+        return pandas().DataFrame(columns)
 
 
 class Model:

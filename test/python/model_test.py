@@ -176,6 +176,11 @@ class Models(unittest.TestCase):
         array[:, 0] = [0.0, 1e4, 2e4]
         np.testing.assert_array_equal(by_name.p_base_m, model.solve(array, payload).p_base_m)
         self.assertEqual(len(by_name.to_dict()["status"]), 3)
+        frame = model.solve({first: [0.0, 1e4, 2e4]}, payload, jacobians=True).to_pandas()
+        np.testing.assert_array_equal(frame[f"{arm.bodies[1].name}_z_m"], by_name.bodies_p_base_m[:, 1, 2])
+        np.testing.assert_array_equal(frame[f"{arm.segments[0].name}_EI_nm2"], by_name.EI_nm2[:, 0])
+        jacobians = model.solve(inputs, payload, jacobians=True).jacobians.to_dict()
+        self.assertEqual(np.shape(jacobians["bodies_by_inputs"]), (1, len(arm.bodies), 3, len(names)))
 
     def test_what_is_wrong_is_one_line(self):
         arm, inputs, payload = self.load("online_200mm")
