@@ -5,7 +5,7 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional
 import numpy as np
 
 from . import _softarm
-from ._common import Floats, Path, folders
+from ._common import Floats, Path, folders, numbers, path_of, text_of, wrong
 
 
 class Constant(NamedTuple):
@@ -119,7 +119,10 @@ class Arm:
         Raises ValueError for a name that the arm does not have, or a value outside its range; ArmError where the file is
         written in a way that cannot be edited.
         """
-        return Arm(self._handle.with_constants({name: float(value) for name, value in values.items()}))
+        if not isinstance(values, Mapping):
+            raise wrong("values", values, "a dict of numbers by name")
+        return Arm(self._handle.with_constants({text_of("values", name): float(numbers(f"values['{name}']", value))
+                                                for name, value in values.items()}))
 
     def to_dict(self) -> Dict[str, Any]:
         """The file's keys as nested dicts and lists; numbers in the units that their keys or values name there."""
@@ -132,7 +135,7 @@ class Arm:
 
 def write_text(path: Path, text: str, force: bool) -> None:
     """A file that appears whole or not at all."""
-    path = os.fspath(path)
+    path = path_of("path", path)
     if not force and os.path.exists(path):
         raise FileExistsError(f"{path}: exists; force=True replaces it")
     partial = f"{path}.{os.getpid()}.partial"
@@ -151,12 +154,12 @@ def load_arm(name: Path) -> Arm:
     Raises ArmError where there is no such file (the line names the arms that ship), or it is no valid arm (file, key, value
     and what is allowed).
     """
-    return Arm(_softarm.find_arm(os.fspath(name), folders("arms")))
+    return Arm(_softarm.find_arm(path_of("name", name), folders("arms")))
 
 
 def parse_arm(text: str, source: str = "arm") -> Arm:
     """The arm of a ``text`` in YAML; ``source`` is its name in messages. Raises ArmError."""
-    return Arm(_softarm.ArmHandle(text, source))
+    return Arm(_softarm.ArmHandle(text_of("text", text), text_of("source", source)))
 
 
 def shipped_arms() -> List[str]:
@@ -167,6 +170,12 @@ def shipped_arms() -> List[str]:
 def arm_keys() -> str:
     """Every key of the arm file with unit, range, default and meaning, as Markdown."""
     return _softarm.arm_keys()
+
+
+def handle_of(arm: Arm) -> "_softarm.ArmHandle":
+    if not isinstance(arm, Arm):
+        raise wrong("arm", arm, "an Arm; load_arm makes one of a file")
+    return arm._handle
 
 
 def gravity_of(arm: Arm, gravity_base_m_s2: Optional[Any]) -> Floats:

@@ -3,8 +3,8 @@ import json
 from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Tuple, Union
 
 from . import _softarm
-from ._arm import Arm
-from ._common import Path, Progress, jobs_of, pandas, paths_of
+from ._arm import Arm, handle_of
+from ._common import Path, Progress, jobs_of, pandas, paths_of, progress_of
 
 
 class Finding(NamedTuple):
@@ -73,4 +73,4 @@ def check(arm: Arm, paths: Union[Path, Iterable[Path]], *, jobs: int = 0, progre
     being done). A damaged bag is a finding. Raises BagError for a bag that is not there, ValueError where the arm file names a type
     that is not read.
     """
-    return Check(_softarm.check_bags(arm._handle, paths_of(paths), jobs_of(jobs), progress))
+    return Check(_softarm.check_bags(handle_of(arm), paths_of(paths), jobs_of(jobs), progress_of(progress)))

@@ -38,17 +38,67 @@ def folders(kind: str) -> List[str]:
             os.path.join(_softarm.SOURCE_DIR, "config", kind)]
 
 
+def wrong(name: str, value: Any, must: str) -> ValueError:
+    """What an argument is not, in one line."""
+    text = value if isinstance(value, (int, float)) else " ".join(repr(value).split())
+    text = str(text)
+    return ValueError(f"{name}: {text if len(text) <= 60 else text[:57] + '...'}; must be {must}")
+
+
+def text_of(name: str, value: Any) -> str:
+    if not isinstance(value, str) or "\0" in value:
+        raise wrong(name, value, "a text")
+    return value
+
+
+def path_of(name: str, value: Any) -> str:
+    if not isinstance(value, (str, os.PathLike)):
+        raise wrong(name, value, "a path")
+    return text_of(name, os.fspath(value))
+
+
 def paths_of(paths: Union[Path, Iterable[Path]]) -> List[str]:
     """One path or several, as text."""
     if isinstance(paths, (str, os.PathLike)):
         paths = [paths]
-    return [os.fspath(path) for path in paths]
+    if isinstance(paths, bytes) or not isinstance(paths, Iterable):
+        raise wrong("paths", paths, "a path or several")
+    return [path_of("paths", path) for path in paths]
+
+
+def number_of(name: str, value: Any, low: float, high: float, unit: str = "") -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise wrong(name, value, "a number") from None
+    if not low <= number <= high:
+        raise wrong(name, value, f"from {low:g} to {high:g}{unit}")
+    return number
+
+
+def number_or_none(name: str, value: Any) -> Optional[float]:
+    try:
+        return None if value is None else float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise wrong(name, value, "a number") from None
+
+
+def whole_of(name: str, value: Any, low: int, high: int, meaning: str = "") -> int:
+    if isinstance(value, (float, np.floating)) and value == np.floor(value) and np.isfinite(value):
+        value = int(value)
+    if not isinstance(value, (int, np.integer)) or not low <= value <= high:
+        raise wrong(name, value, f"from {low}{meaning} to {high}")
+    return int(value)
 
 
 def jobs_of(jobs: int) -> int:
-    if jobs != int(jobs) or not 0 <= jobs <= 256:
-        raise ValueError(f"jobs: {jobs}; must be from 0 (one per processor) to 256")
-    return int(jobs)
+    return whole_of("jobs", jobs, 0, 256, " (one per processor)")
+
+
+def progress_of(progress: Optional[Progress]) -> Optional[Progress]:
+    if progress is not None and not callable(progress):
+        raise wrong("progress", progress, "a function of (share done, what is being done)")
+    return progress
 
 
 def set_options(options: Any, values: Dict[str, Any]) -> None:
@@ -57,22 +107,19 @@ def set_options(options: Any, values: Dict[str, Any]) -> None:
         try:
             setattr(options, name, value)
         except TypeError:
-            raise ValueError(f"{name}: {value!r}; is of the wrong kind") from None
-
-
-def number_or_none(name: str, value: Any) -> Optional[float]:
-    try:
-        return None if value is None else float(value)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name}: {value!r}; must be a number") from None
+            raise ValueError(str(wrong(name, value, "")).replace("; must be ", "; is of the wrong kind")) from None
 
 
 def words_of(name: str, words: Union[str, Sequence[str]]) -> List[str]:
     """One word or several."""
-    words = [words] if isinstance(words, str) else list(words)
+    if isinstance(words, str):
+        words = [words]
+    if isinstance(words, bytes) or not isinstance(words, Iterable):
+        raise wrong(name, words, "names")
+    words = list(words)
     for word in words:
-        if not isinstance(word, str):
-            raise ValueError(f"{name}: {word!r}; must be names")
+        if not isinstance(word, str) or "\0" in word:
+            raise wrong(name, word, "names")
     return words
 
 

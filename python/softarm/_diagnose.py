@@ -5,9 +5,10 @@ import os
 from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 from . import _softarm
-from ._arm import Arm, write_text
-from ._common import Path, Progress, folders, jobs_of, number_or_none, pandas, set_options, words_of
-from ._trial import Trial
+from ._arm import Arm, handle_of, write_text
+from ._common import (Path, Progress, folders, jobs_of, number_of, number_or_none, pandas, path_of, progress_of, set_options, whole_of,
+                      words_of)
+from ._trial import Trial, handles_of
 
 
 class Diagnosis:
@@ -48,7 +49,7 @@ class Diagnosis:
         Returns their paths. Raises FileExistsError where one is there, unless ``force``; Error where the page's files were not
         installed.
         """
-        folder = os.fspath(folder)
+        folder = path_of("folder", folder)
         files = {"report.html": self._handle.html(folders("report"), *self._origin),
                  "report.json": self._handle.json(*self._origin)}
         if self.extended_arm is not None:
@@ -73,15 +74,12 @@ def diagnose(arm: Arm, trials: Sequence[Trial], *, held: Union[str, Sequence[str
     per processor. It takes from seconds to minutes; ``progress`` is told (share done, what is being done), and Ctrl-C ends it.
     Raises IdentifyError for trials that cannot be used, ValueError for patterns that match nothing.
     """
-    if not 0.02 <= block_s <= 2.0:
-        raise ValueError(f"block_s: {block_s}; must be from 0.02 to 2 s")
-    if not 1 <= most_effects <= 8:
-        raise ValueError(f"most_effects: {most_effects}; must be from 1 to 8")
     options = _softarm.DiagnoseOptions()
     options.held, options.tied = words_of("held", held), words_of("tied", tied)
-    set_options(options, dict(block_s=block_s, most_effects=most_effects, jobs=jobs_of(jobs)))
-    return Diagnosis(_softarm.diagnose(arm._handle, [trial._handle for trial in trials], number_or_none("payload_kg", payload_kg),
-                                       options, progress))
+    set_options(options, dict(block_s=number_of("block_s", block_s, 0.02, 2.0, " s"),
+                              most_effects=whole_of("most_effects", most_effects, 1, 8), jobs=jobs_of(jobs)))
+    return Diagnosis(_softarm.diagnose(handle_of(arm), handles_of(trials), number_or_none("payload_kg", payload_kg), options,
+                                       progress_of(progress)))
 
 
 def catalogue() -> List[Dict[str, Any]]:

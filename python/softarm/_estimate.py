@@ -4,10 +4,11 @@ from typing import Any, Dict, Iterable, List, NoReturn, Optional, Union
 import numpy as np
 
 from . import _softarm
-from ._arm import Arm
-from ._common import (Bools, Floats, Path, Progress, Words, jobs_of, numbers, pandas, paths_of, plain_dict, set_options, warn)
+from ._arm import Arm, handle_of
+from ._common import (Bools, Floats, Path, Progress, Words, jobs_of, numbers, pandas, paths_of, plain_dict, progress_of, set_options,
+                      warn)
 from ._mismatch import Alarm, Mismatch
-from ._trial import Trial
+from ._trial import Trial, handles_of
 
 _STATUSES = np.array(_softarm.statuses())
 # Column of estimates.csv, and the array that it is.
@@ -81,7 +82,7 @@ class Estimates:
     @property
     def ok(self) -> Bools:
         """(n,) bool: the frame has an estimate."""
-        return np.equal(self.status, "ok")
+        return np.asarray(self.status == "ok")
 
     def to_dict(self) -> Dict[str, Any]:
         """All arrays, as lists; None for NaN; ``mismatch`` and ``alarms`` as dicts."""
@@ -126,9 +127,10 @@ class Estimator:
                  objective: Optional[str] = None, dynamics: Optional[str] = None, prior: Optional[bool] = None,
                  robust: Optional[bool] = None, window_s: Optional[float] = None, payload_kg: Optional[float] = None,
                  backbone_points: int = 21) -> None:
+        handle = handle_of(arm)
         self.arm = arm
         self._body_names = [one.name for one in arm.bodies]
-        self._handle = _softarm.EstimatorHandle(arm._handle, _options(dict(
+        self._handle = _softarm.EstimatorHandle(handle, _options(dict(
             method=method, unknown=unknown, objective=objective, dynamics=dynamics, prior=prior, robust=robust, window_s=window_s,
             payload_kg=payload_kg, backbone_points=backbone_points), {}))
 
@@ -163,7 +165,7 @@ class Estimator:
     def trial(self, trial: Trial, *, progress: Optional[Progress] = None) -> Estimates:
         """All frames of a ``trial``, after those that came before; ``reset()`` first for a trial of its own. ``progress``: called
         with (share done, what is being done)."""
-        return Estimates(self._handle.estimate_trial(trial._handle, progress), self._body_names)
+        return Estimates(self._handle.estimate_trial(handles_of([trial])[0], progress_of(progress)), self._body_names)
 
 
 def estimate(trial: Trial, *, arm: Optional[Arm] = None, method: Optional[str] = None, unknown: Optional[str] = None,
@@ -178,6 +180,7 @@ def estimate(trial: Trial, *, arm: Optional[Arm] = None, method: Optional[str] =
     options = dict(method=method, unknown=unknown, objective=objective, dynamics=dynamics, prior=prior, robust=robust,
                    window_s=window_s, payload_kg=payload_kg, backbone_points=backbone_points)
     _options(options, others)
+    handles_of([trial])
     estimator = Estimator(trial.arm if arm is None else arm, **options)  # type: ignore[arg-type]
     for note in estimator.notes:
         warn(note)
@@ -198,10 +201,10 @@ def estimate_bags(arm: Arm, paths: Union[Path, Iterable[Path]], *, method: Optio
     """
     made = _options(dict(method=method, unknown=unknown, objective=objective, dynamics=dynamics, prior=prior, robust=robust,
                          window_s=window_s, payload_kg=payload_kg, backbone_points=backbone_points), others)
-    for note in _softarm.EstimatorHandle(arm._handle, made).notes():
+    for note in _softarm.EstimatorHandle(handle_of(arm), made).notes():
         warn(note)
     names = [one.name for one in arm.bodies]
-    found = _softarm.estimate_bags(arm._handle, paths_of(paths), made, jobs_of(jobs), progress)
+    found = _softarm.estimate_bags(arm._handle, paths_of(paths), made, jobs_of(jobs), progress_of(progress))
     results = [Estimates(raw, names) for raw in found]
     for result in results:
         for line in result.warnings:

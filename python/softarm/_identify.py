@@ -3,9 +3,9 @@ import json
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Union
 
 from . import _softarm
-from ._arm import Arm
-from ._common import Floats, Progress, jobs_of, number_or_none, pandas, set_options, words_of
-from ._trial import Trial
+from ._arm import Arm, handle_of
+from ._common import Floats, Progress, jobs_of, number_of, number_or_none, pandas, progress_of, set_options, words_of
+from ._trial import Trial, handles_of
 
 
 class FittedConstant(NamedTuple):
@@ -79,10 +79,7 @@ def identify(arm: Arm, trials: Sequence[Trial], *, free: Union[str, Sequence[str
     options = _softarm.IdentifyOptions()
     for name, value in (("free", free), ("also_free", also_free), ("held", held), ("tied", tied), ("held_out", held_out)):
         setattr(options, name, words_of(name, value))
-    if not 0.0 <= held_out_share <= 0.9:
-        raise ValueError(f"held_out_share: {held_out_share}; must be from 0 to 0.9")
-    set_options(options, dict(held_out_share=held_out_share, leave_one_out=leave_one_out, seed=seed, frames_per_trial=frames_per_trial,
+    set_options(options, dict(held_out_share=number_of("held_out_share", held_out_share, 0.0, 0.9), leave_one_out=leave_one_out, seed=seed, frames_per_trial=frames_per_trial,
                               prefer_static=not moving, robust=robust, exact_inputs=exact_inputs))
-    return Identification(_softarm.identify(arm._handle, [trial._handle for trial in trials],
-                                            number_or_none("payload_kg", payload_kg), options,
-                                            jobs_of(jobs), progress))
+    return Identification(_softarm.identify(handle_of(arm), handles_of(trials), number_or_none("payload_kg", payload_kg), options,
+                                            jobs_of(jobs), progress_of(progress)))

@@ -4,8 +4,8 @@ from typing import Any, Dict, List, Optional, Sequence
 import numpy as np
 
 from . import _softarm
-from ._arm import Arm, gravity_of
-from ._common import Floats, Progress, Words, numbers, pandas, plain_dict, table, warn, words_of
+from ._arm import Arm, gravity_of, handle_of
+from ._common import Floats, Progress, Words, numbers, pandas, plain_dict, progress_of, table, warn, whole_of, words_of
 
 _OUTCOMES = ("ok", "no_laws", "no_equilibrium")
 
@@ -117,12 +117,12 @@ class Model:
         ``constants``: names of those that ``Jacobians.bodies_by_constants`` is by. Raises ValueError for a wrong name. A
         SoftarmWarning says which effects are in the model, and which cannot be.
         """
-        if points != int(points) or not 2 <= points <= 1001:
-            raise ValueError(f"points: {points}; must be from 2 to 1001")
+        handle = handle_of(arm)
+        points = whole_of("points", points, 2, 1001)
         self.arm = arm
         self.constants = words_of("constants", constants)
-        self.arclength_m = np.linspace(0.0, arm.length_m, int(points))
-        self._handle = _softarm.ModelHandle(arm._handle, self.arclength_m.tolist(), self.constants)
+        self.arclength_m = np.linspace(0.0, arm.length_m, points)
+        self._handle = _softarm.ModelHandle(handle, self.arclength_m.tolist(), self.constants)
         for note in self.notes:
             warn(note)
 
@@ -166,5 +166,5 @@ class Model:
         rows = array.shape[0]
         payload = np.full(rows, payload) if payload.ndim == 0 else payload
         gravity = np.tile(gravity, (rows, 1)) if gravity.ndim == 1 else gravity
-        raw = self._handle.solve(array, payload, gravity, stamps, bool(jacobians), progress)
+        raw = self._handle.solve(array, payload, gravity, stamps, bool(jacobians), progress_of(progress))
         return Shapes(raw, self.arclength_m, self.arm, self.constants)

@@ -6,11 +6,9 @@ import subprocess
 import tempfile
 from typing import Any, Dict, List, Mapping, Optional, Tuple, Union
 
-import numpy as np
-
 from . import _softarm
 from ._arm import Arm
-from ._common import Floats, Path, Progress, number_or_none, pandas, prefix
+from ._common import Floats, Path, Progress, number_of, pandas, path_of, prefix, progress_of, whole_of, wrong
 from ._tables import read_table
 
 
@@ -45,16 +43,16 @@ class Simulation:
 def _scenario_file(scenario: Union[Path, Arm, Mapping[str, Any]], folder: str) -> str:
     """The name of a scenario, or the path of a file that holds it."""
     if isinstance(scenario, (str, os.PathLike)):
-        return os.fspath(scenario)
+        return path_of("scenario", scenario)
     if isinstance(scenario, Arm):
         name, text = scenario.name, scenario.text
     elif isinstance(scenario, Mapping):
         try:
             name, text = "scenario", json.dumps(scenario)  # which is YAML
         except (TypeError, ValueError) as why:
-            raise ValueError(f"scenario: {why}; must be numbers, texts, lists and dicts") from None
+            raise wrong("scenario", str(why), "numbers, texts, lists and dicts") from None
     else:
-        raise ValueError(f"scenario: {type(scenario).__name__}; must be a name, a path, an Arm or a dict")
+        raise wrong("scenario", scenario, "a name, a path, an Arm or a dict")
     path = os.path.join(folder, re.sub(r"[^\w.-]", "_", name) + ".yaml")
     with open(path, "w", encoding="utf-8") as file:
         file.write(text)
@@ -104,16 +102,11 @@ def simulate(scenario: Union[Path, Arm, Mapping[str, Any]], out: Path, *, second
     ValueError for an argument.
     """
     options: List[str] = []
-    length_s = number_or_none("seconds", seconds)
-    if length_s is not None:
-        if not 0.01 <= length_s <= 1e6:
-            raise ValueError(f"seconds: {seconds}; must be from 0.01 to 1000000")
-        options += ["--seconds", repr(length_s)]
+    if seconds is not None:
+        options += ["--seconds", repr(number_of("seconds", seconds, 0.01, 1e6))]
     if seed is not None:
-        if not isinstance(seed, (int, np.integer)) or not 0 <= seed < 2**64:
-            raise ValueError(f"seed: {seed!r}; must be a whole number, 0 or more")
-        options += ["--seed", str(int(seed))]
-    bag = os.fspath(out)
+        options += ["--seed", str(whole_of("seed", seed, 0, 2**64 - 1))]
+    bag, progress = path_of("out", out), progress_of(progress)
     with tempfile.TemporaryDirectory(prefix="softarm_") as folder:
         file = _scenario_file(scenario, folder)
         text, failure = _run(["simulate", *options, *(["--force"] if force else []), "--out", bag, "--", file], progress)

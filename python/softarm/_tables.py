@@ -1,11 +1,10 @@
 """Tables that the programs write: estimates.csv, trial.truth.csv, shapes.csv ..."""
 import csv
-import os
 from typing import Dict, Sequence
 
 import numpy as np
 
-from ._common import Floats, Path
+from ._common import Floats, Path, path_of, words_of
 from ._softarm import Error
 
 
@@ -15,18 +14,19 @@ def read_table(path: Path, columns: Sequence[str] = ()) -> Dict[str, Floats]:
     ``columns``: those that it must have. Raises Error (one line with the file) where it cannot be read, is no table, has no
     row or lacks a column.
     """
-    path = os.fspath(path)
+    path, columns = path_of("path", path), words_of("columns", columns)
+    said = " ".join(path.split())
     try:
         with open(path, newline="", encoding="utf-8") as file:
             rows = list(csv.reader(file))
     except (OSError, UnicodeDecodeError, csv.Error) as why:
-        raise Error(f"{path}: {getattr(why, 'strerror', None) or 'no text'}") from None
+        raise Error(f"{said}: {getattr(why, 'strerror', None) or 'no text'}") from None
     head = rows[0] if rows else []
     missing = [name for name in columns if name not in head]
     if missing or len(rows) < 2:
-        raise Error(f"{path}: no column {missing[0]}" if missing else f"{path}: has no rows")
+        raise Error(f"{said}: no column {missing[0]}" if missing else f"{said}: has no rows")
     if any(len(row) != len(head) for row in rows):
-        raise Error(f"{path}: its rows have different numbers of cells")
+        raise Error(f"{said}: its rows have different numbers of cells")
     table: Dict[str, Floats] = {}
     for name, cells in zip(head, zip(*rows[1:])):
         try:

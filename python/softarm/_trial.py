@@ -5,8 +5,8 @@ from typing import Any, Dict, Iterable, List, Optional, Tuple, Union
 import numpy as np
 
 from . import _softarm
-from ._arm import Arm
-from ._common import Floats, Path, Progress, folders, jobs_of, numbers, pandas, paths_of, plain_dict, table, warn
+from ._arm import Arm, handle_of
+from ._common import Floats, Path, Progress, folders, jobs_of, numbers, pandas, path_of, paths_of, plain_dict, progress_of, table, text_of, warn, wrong
 
 
 class Trial:
@@ -119,6 +119,7 @@ class Trial:
         Pa, N or rad, names left out are 0, and None is not known; ``payload_kg`` (n,) or one number, kg. NaN: not seen, not known.
         Raises ValueError for wrong shapes, infinity, stamps that do not increase, and names that the arm does not have.
         """
+        handle = handle_of(arm)
         stamps = np.atleast_1d(numbers("stamp_s", stamp_s))
         n = stamps.shape[0]
         names = [one.name for one in arm.inputs]
@@ -127,8 +128,18 @@ class Trial:
         payload = np.full(n, payload) if payload.ndim == 0 else payload
         bodies_q, base_p, base_q = (None if one is None else numbers(label, one) for label, one in (
             ("bodies_q_mocap_xyzw", bodies_q_mocap_xyzw), ("base_p_mocap_m", base_p_mocap_m), ("base_q_mocap_xyzw", base_q_mocap_xyzw)))
-        return Trial(_softarm.trial_of(arm._handle, name, stamps, numbers("bodies_p_mocap_m", bodies_p_mocap_m), bodies_q, base_p,
+        return Trial(_softarm.trial_of(handle, text_of("name", name), stamps, numbers("bodies_p_mocap_m", bodies_p_mocap_m), bodies_q, base_p,
                                        base_q, drive, payload), arm)
+
+
+def handles_of(trials: Iterable[Trial]) -> "List[_softarm.TrialHandle]":
+    if not isinstance(trials, Iterable):
+        raise wrong("trials", trials, "a list of Trials")
+    trials = list(trials)
+    for trial in trials:
+        if not isinstance(trial, Trial):
+            raise wrong("trials", trial, "Trials; read_bags makes them of bags")
+    return [trial._handle for trial in trials]
 
 
 def _told(trials: List[Trial]) -> List[Trial]:
@@ -146,13 +157,13 @@ def read_bags(arm: Arm, paths: Union[Path, Iterable[Path]], *, use_payload: bool
     ``progress``: called with (share done, what is being done).
     Raises BagError for the first bag that is missing, damaged or without a frame, or named like another.
     """
-    handles = _softarm.read_bags(arm._handle, paths_of(paths), bool(use_payload), jobs_of(jobs), progress)
+    handles = _softarm.read_bags(handle_of(arm), paths_of(paths), bool(use_payload), jobs_of(jobs), progress_of(progress))
     return _told([Trial(handle, arm) for handle in handles])
 
 
 def read_bag(arm: Arm, path: Path, *, use_payload: bool = True, progress: Optional[Progress] = None) -> Trial:
     """The trial of the bag ``path``; ``use_payload`` and ``progress`` as of :func:`read_bags`."""
-    return read_bags(arm, [path], use_payload=use_payload, jobs=1, progress=progress)[0]
+    return read_bags(arm, [path_of("path", path)], use_payload=use_payload, jobs=1, progress=progress)[0]
 
 
 def read_csv(arm: Arm, layout: Path, path: Path, *, inputs: Path = "", use_payload: bool = True,
@@ -164,10 +175,11 @@ def read_csv(arm: Arm, layout: Path, path: Path, *, inputs: Path = "", use_paylo
     ``use_payload``: whether the payload's column is read; ``progress``: called with (share done, what is being done).
     Raises CsvError for a layout or a recording that cannot be used, BagError where it has no frame for this arm.
     """
-    given = os.fspath(layout)
+    given = path_of("layout", layout)
     found = given
     if not os.path.isfile(given):
         shipped = [os.path.join(folder, given + ".yaml") for folder in folders("layouts")]
         found = next((one for one in shipped if os.path.isfile(one)), given)
-    handles = _softarm.read_csv(arm._handle, found, os.fspath(path), os.fspath(inputs), bool(use_payload), progress)
+    handles = _softarm.read_csv(handle_of(arm), found, path_of("path", path), path_of("inputs", inputs), bool(use_payload),
+                                progress_of(progress))
     return _told([Trial(handle, arm) for handle in handles])

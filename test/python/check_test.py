@@ -89,7 +89,7 @@ class Simulations(unittest.TestCase):
                 (lambda: softarm.simulate({"arms": 1}, out, seconds=1), softarm.Error, ["scenario.yaml", "format"]),
                 (lambda: softarm.simulate("--help", out), softarm.Error, ["--help"]),
                 (lambda: softarm.simulate({"arm": object()}, out), ValueError, ["scenario", "object"]),
-                (lambda: softarm.simulate(3, out), ValueError, ["scenario", "int"]),
+                (lambda: softarm.simulate(3, out), ValueError, ["scenario", "3", "Arm"]),
                 (lambda: softarm.simulate("demo", out), softarm.Error, ["endless"]),
                 (lambda: softarm.simulate("demo", support.path("no/such.bag"), seconds=1), softarm.Error, ["folder"]),
                 (lambda: softarm.simulate("demo", out, seconds=0), ValueError, ["seconds", "0.01"]),
