@@ -27,7 +27,7 @@ def read(folder, name, columns):
     path = os.path.join(folder, name)
     if not os.path.exists(path):
         sys.exit(f"plot_identify: {path}: is not there; softarm identify --plot writes it")
-    return softarm.read_table(path, columns)
+    return softarm.read_table(path, columns, texts=["trial", "body"])
 
 
 def draw_tip(axes, rows, axis):

@@ -8,13 +8,19 @@ from ._common import Floats, Path, path_of, words_of
 from ._softarm import Error
 
 
-def read_table(path: Path, columns: Sequence[str] = ()) -> Dict[str, Floats]:
+def _numbers(cells: Sequence[str]) -> Floats:
+    if any("_" in cell for cell in cells):  # trial_1, and 12_1: Python would take that for 121
+        raise ValueError
+    return np.array([float(cell) if cell else np.nan for cell in cells])
+
+
+def read_table(path: Path, columns: Sequence[str] = (), *, texts: Sequence[str] = ()) -> Dict[str, Floats]:
     """The columns of the CSV table ``path`` by name, in its order: floats, NaN where a cell is empty; text where a cell is no number.
 
-    ``columns``: those that it must have. Raises Error (one line with the file) where it cannot be read, is no table, has no
+    ``columns``: those that it must have; ``texts``: those that are text whatever is in them, as names of trials. Raises Error (one line with the file) where it cannot be read, is no table, has no
     row or lacks a column.
     """
-    path, columns = path_of("path", path), words_of("columns", columns)
+    path, columns, texts = path_of("path", path), words_of("columns", columns), words_of("texts", texts)
     said = " ".join(path.split())
     try:
         with open(path, newline="", encoding="utf-8") as file:
@@ -30,7 +36,7 @@ def read_table(path: Path, columns: Sequence[str] = ()) -> Dict[str, Floats]:
     table: Dict[str, Floats] = {}
     for name, cells in zip(head, zip(*rows[1:])):
         try:
-            table[name] = np.array([float(cell) if cell else np.nan for cell in cells])
+            table[name] = np.array(cells) if name in texts else _numbers(cells)
         except ValueError:
             table[name] = np.array(cells)
     return table

@@ -111,5 +111,21 @@ class Simulations(unittest.TestCase):
         self.assertFalse(os.path.exists(support.path("long.bag")))
 
 
+class Tables(unittest.TestCase):
+    def test_cells_are_what_they_are(self):
+        path = support.path("table.csv")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write("stamp,trial,piece,error\n1.5,7,12_1,\n2.5,8,12_2,-3e-4\n")
+        table = softarm.read_table(path, ["stamp"], texts=["trial"])
+        self.assertEqual(list(table), ["stamp", "trial", "piece", "error"])
+        np.testing.assert_array_equal(table["stamp"], [1.5, 2.5])
+        np.testing.assert_array_equal(table["error"], [np.nan, -3e-4])
+        self.assertEqual([list(table["trial"]), list(table["piece"])], [["7", "8"], ["12_1", "12_2"]])
+        support.one_line(self, softarm.Error, lambda: softarm.read_table(path, ["sd"]), path, "no column sd")
+        with open(path, "a", encoding="utf-8") as file:
+            file.write("3.5\n")
+        support.one_line(self, softarm.Error, lambda: softarm.read_table(path), path, "different numbers of cells")
+
+
 if __name__ == "__main__":
     support.main()
