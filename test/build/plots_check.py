@@ -114,6 +114,8 @@ class Others(unittest.TestCase):
         drawn = self.said("plot_identify.py", self.path("picture"))
         for text in ("measured z of ring_4 (mm)", "after, fitted", "after, held out", "held out, before", "segment_1.chamber_1.moment_gain"):
             self.assertIn(f"<!-- {text} -->", drawn)
+        for option, text in (("--joints", "sag of the tip"), ("--laws", "one chamber alone: c p / (1 + a p)"), ("--wall", "inflated for 15 s")):
+            self.assertIn(f"<!-- {text} -->", self.said("plot_identify.py", option))
         self.expect_line("plot_identify.py", "shapes.csv", self.folder)
         with open(self.path("shapes.csv"), "w", encoding="utf-8") as file:
             file.write("trial,stamp\na,1\n")
