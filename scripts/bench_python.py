@@ -4,7 +4,7 @@
     scripts/python scripts/bench_python.py trial.bag [...] [--arm online_200mm] [--runs 7] [--json FILE]
 
 Both work on one bag at a time, in turn, and read it from the start. The program's rate is the one that it prints itself, its start
-left out; it writes estimates.csv, as it always does, and watches for alarms, which the module does not. The module's run makes arrays;
+left out; it writes estimates.csv, as it always does. The module's run makes arrays; both watch for alarms.
 "trial": of a trial that was read before. cpu: of all of the processor's time, the program's start included; other work on the machine
 disturbs that less. Medians of the runs.
 """

@@ -1,6 +1,11 @@
 #!/usr/bin/python3
-"""Draws what `softarm check --json` found: one row per body and input, marked where something is wrong, and the levels
-at rest. Wants python3-matplotlib."""
+"""Draws what `softarm check` finds: one row per body and input, marked where something is wrong, and the levels at rest.
+
+    scripts/plot_check.py --arm online_200mm trial.bag --out findings.png
+    scripts/plot_check.py findings.json --out findings.png                  # what softarm check --json wrote
+
+Wants python3-matplotlib; of bags, the module softarm too (scripts/python builds it).
+"""
 import argparse
 import json
 import sys
@@ -65,16 +70,32 @@ def draw_levels(axes, recording):
     axes.set_xlabel(unit)
 
 
+def checked(arm, bags):
+    from softarm_module import softarm
+    try:
+        return softarm.check(softarm.load_arm(arm), bags).to_dict()['recordings']
+    except (softarm.Error, ValueError) as why:
+        sys.exit(f'plot_check: {why}')
+
+
+def written(files):
+    recordings = []
+    for path in files:
+        try:
+            with open(path, encoding='utf-8') as file:
+                recordings += json.load(file)['recordings']
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            sys.exit(f'{path}: not the findings of softarm check ({error}); of bags, --arm says of which arm they are')
+    return recordings
+
+
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument('findings', help='file written by softarm check --json')
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument('findings', nargs='+', help='file written by softarm check --json, or with --arm bags')
+    parser.add_argument('--arm', help='arm file, or the name of one that ships')
     parser.add_argument('--out', required=True, help='picture to write (png, pdf, svg)')
     options = parser.parse_args()
-    try:
-        with open(options.findings, encoding='utf-8') as file:
-            recordings = json.load(file)['recordings']
-    except (OSError, ValueError, KeyError) as error:
-        sys.exit(f'{options.findings}: not the findings of softarm check ({error})')
+    recordings = checked(options.arm, options.findings) if options.arm else written(options.findings)
     import matplotlib
     matplotlib.use('Agg')
     import matplotlib.pyplot as plt

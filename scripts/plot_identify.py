@@ -8,46 +8,42 @@ and held-out trials, and each constant with its 95 % interval against its start.
     scripts/plot_identify.py --laws --out doc/images/identify_saturation.png    # how moments saturate and EI grows
 """
 import argparse
-import csv
+import json
 import math
 import os
 import sys
 
 import matplotlib
+import numpy as np
+
+from softarm_module import softarm
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
 
+GRAVITY_M_S2 = 9.80665
+GAIN_NM_PER_PA = 6e-6
 COLOURS = {"before": "0.65", "after": "C0", "held out": "C1"}
 
 
-def read(folder, name):
+def read(folder, name, columns):
     path = os.path.join(folder, name)
-    try:
-        with open(path, newline="", encoding="utf-8") as file:
-            rows = list(csv.DictReader(file))
-    except OSError as error:
-        sys.exit(f"plot_identify: {path}: {error.strerror}; softarm identify --plot writes it")
-    if not rows:
-        sys.exit(f"plot_identify: {path}: has no rows")
-    return rows
+    if not os.path.exists(path):
+        sys.exit(f"plot_identify: {path}: is not there; softarm identify --plot writes it")
+    return softarm.read_table(path, columns, texts=["trial", "body"])
 
 
 def draw_tip(axes, rows, axis):
     """Predicted against measured coordinate of the last body, mm."""
-    tip = rows[-1]["body"]
-    rows = [row for row in rows if row["body"] == tip]
-    for held in ("0", "1"):
-        some = [row for row in rows if row["held_out"] == held]
-        if not some:
+    tip = rows["body"][-1]
+    measured, before, after = (1e3 * rows[f"{what}_{axis}"] for what in ("measured", "before", "after"))
+    for held in (0, 1):
+        chosen = (rows["body"] == tip) & (rows["held_out"] == held)
+        if not chosen.any():
             continue
-        label = "held out" if held == "1" else "fitted"
-        measured = [1e3 * float(row["measured_" + axis]) for row in some]
-        known = [(m, 1e3 * float(row["before_" + axis])) for m, row in zip(measured, some) if row["before_" + axis]]
-        axes.plot([m for m, _ in known], [b for _, b in known], ".", ms=3, color=COLOURS["before"],
-                  label="before" if held == "0" else None)
-        axes.plot(measured, [1e3 * float(row["after_" + axis]) for row in some], ".", ms=4,
-                  color=COLOURS["held out" if held == "1" else "after"], label="after, " + label)
+        axes.plot(measured[chosen], before[chosen], ".", ms=3, color=COLOURS["before"], label=None if held else "before")
+        axes.plot(measured[chosen], after[chosen], ".", ms=4, color=COLOURS["held out" if held else "after"],
+                  label="after, " + ("held out" if held else "fitted"))
     limits = axes.get_xlim()
     axes.plot(limits, limits, "k-", lw=0.6)
     axes.set_xlabel(f"measured {axis} of {tip} (mm)")
@@ -57,21 +53,15 @@ def draw_tip(axes, rows, axis):
 
 def draw_errors(axes, rows):
     """Mean error of each frame's bodies, sorted, mm."""
-    for held, label, colour in (("0", "fitted", COLOURS["after"]), ("1", "held out", COLOURS["held out"])):
-        frames = {}
-        for row in rows:
-            if row["held_out"] == held:
-                frames.setdefault((row["trial"], row["stamp"]), []).append(row)
+    _, frame = np.unique(np.char.add(np.char.add(rows["trial"].astype(str), " "), rows["stamp"].astype(str)), return_inverse=True)
+    for held, label, colour in ((0, "fitted", COLOURS["after"]), (1, "held out", COLOURS["held out"])):
         for column, style in (("error_before", ":"), ("error_after", "-")):
-            values = []
-            for bodies in frames.values():
-                known = [1e3 * float(row[column]) for row in bodies if row[column]]
-                if known:
-                    values.append(sum(known) / len(known))
-            if values:
-                values.sort()
-                share = [100.0 * (i + 1) / len(values) for i in range(len(values))]
-                axes.plot(values, share, style, color=colour, label=f"{label}, {column[6:]}")
+            known = (rows["held_out"] == held) & ~np.isnan(rows[column])
+            sums, counts = np.bincount(frame[known], 1e3 * rows[column][known]), np.bincount(frame[known])
+            values = np.sort(sums[counts > 0] / counts[counts > 0])
+            if len(values):
+                axes.plot(values, 100.0 * np.arange(1, len(values) + 1) / len(values), style, color=colour,
+                          label=f"{label}, {column[6:]}")
     axes.set_xscale("log")
     axes.set_xlabel("mean error of a frame's bodies (mm)")
     axes.set_ylabel("share of the frames (%)")
@@ -81,47 +71,63 @@ def draw_errors(axes, rows):
 
 def draw_constants(axes, rows):
     """Value over start with its 95 % interval; those not determined faint."""
-    names = []
-    for y, row in enumerate(reversed(rows)):
-        # Near zero a constant's size is what would matter.
-        start, scale = float(row["initial"]), float(row["scale"])
-        unit = abs(start) if start else scale
-        value, half = float(row["value"]) / unit, 1.96 * float(row["sd"]) / unit
-        identifiable = row["determined"] == "1"
-        axes.errorbar([value], [y], xerr=[min(half, 10.0)], fmt="o", ms=4, capsize=3, color="C0" if identifiable else "0.6")
-        axes.plot([start / unit], [y], "|", ms=12, color="k")
-        names.append(row["name"] + ("" if identifiable else " (not identifiable)"))
-    axes.set_yticks(range(len(names)))
-    axes.set_yticklabels(names, fontsize=8)
-    values = [float(row["value"]) / (abs(float(row["initial"])) or float(row["scale"])) for row in rows]
-    axes.set_xlim(min(0.0, min(values) - 0.3), max(2.0, max(values) + 0.3))
+    # Near zero a constant's size is what would matter.
+    unit = np.where(rows["initial"] != 0.0, np.abs(rows["initial"]), rows["scale"])
+    value, start, half = rows["value"] / unit, rows["initial"] / unit, np.minimum(1.96 * rows["sd"] / unit, 10.0)
+    y = np.arange(len(value))[::-1]
+    for k, determined in enumerate(rows["determined"] == 1):
+        axes.errorbar([value[k]], [y[k]], xerr=[half[k]], fmt="o", ms=4, capsize=3, color="C0" if determined else "0.6")
+        axes.plot([start[k]], [y[k]], "|", ms=12, color="k")
+    axes.set_yticks(y)
+    axes.set_yticklabels([name + ("" if determined else " (not identifiable)")
+                          for name, determined in zip(rows["name"], rows["determined"] == 1)], fontsize=8)
+    axes.set_xlim(min(0.0, value.min() - 0.3), max(2.0, value.max() + 0.3))
     axes.set_xlabel("value over start (bar: start), 95 % interval")
     axes.grid(alpha=0.3, axis="x")
+
+
+def arm_of(segments, **more):
+    """An arm of these segments, held level."""
+    keys = {"format": 1, "name": "drawn", "gravity_m_s2": [0.0, 0.0, -GRAVITY_M_S2], "base": {"fixed": {"attitude": "horizontal"}},
+            "segments": [{"name": f"segment_{k + 1}", "diameter_m": 0.04, "torsional_stiffness_nm2": 100.0, **segment}
+                         for k, segment in enumerate(segments)], "bodies": [{"name": "tip", "arclength_m": "tip"}], **more}
+    return softarm.parse_arm(json.dumps(keys))  # which is YAML
+
+
+def laws_at(pressures_pa, chamber=(), segment=(), stiffness=()):
+    """M0 and EI by the laws, of an arm with two opposite chambers; the second's moment does not count. Pressures (n, 2)."""
+    chambers = [{"input": f"chamber_{k + 1}", "bending_direction_deg": 180.0 * k, "moment_gain_nm_per_pa": gain, **dict(chamber)}
+                for k, gain in enumerate((GAIN_NM_PER_PA, 0.0))]
+    arm = arm_of([{"length_m": 0.2, "mass_per_length_kg_m": 0.0, "bending_stiffness": {"base_nm2": 0.027, **dict(stiffness)},
+                   "chambers": chambers, **dict(segment)}],
+                 inputs={"pressures": [{"name": one["input"], "topic": one["input"]} for one in chambers]})
+    shapes = softarm.Model(arm, points=2).solve(pressures_pa)
+    return shapes.M0_nm[:, 0], shapes.EI_nm2[:, 0]
 
 
 def draw_laws(path):
     """Moment and EI over pressure by the laws of an arm file; dashed, by the virtual rig's own."""
     figure, (own, common, growth) = plt.subplots(1, 3, figsize=(12, 3.8))
-    gain, kpa = 6e-6, [0.5 * i for i in range(201)]
+    kpa = np.linspace(0.0, 100.0, 201)
+    alone = np.stack([1e3 * kpa, 0.0 * kpa], axis=1)
     for k, a in enumerate((0.0, 5e-6, 2e-5, 5e-5)):
-        own.plot(kpa, [gain * 1e3 * p / (1 + a * 1e3 * p) for p in kpa], color=f"C{k}",
-                 label=f"a = {a:.0e} /Pa" if a else "in proportion")
+        own.plot(kpa, laws_at(alone, {"saturation_per_pa": a})[0], color=f"C{k}", label=f"a = {a:.0e} /Pa" if a else "in proportion")
         if a:  # the same slope at 0: 1 - z + ... is 1 - z / 2 + ... of twice the saturation
-            rig = [gain * (1 - math.exp(-2 * a * 1e3 * p)) / (2 * a) for p in kpa]
-            own.plot(kpa, rig, "--", lw=1, color=f"C{k}")
+            own.plot(kpa, GAIN_NM_PER_PA * (1.0 - np.exp(-2.0 * a * 1e3 * kpa)) / (2.0 * a), "--", lw=1, color=f"C{k}")
     own.plot([], [], "k--", lw=1, label="the virtual rig's law")
     own.set_title("one chamber alone: c p / (1 + a p)", fontsize=10)
     for k, b in enumerate((0.0, 5e-6, 2e-5)):
         for other, style in ((0.0, "-"), (50e3, ":")):
-            common.plot(kpa, [gain * 1e3 * p / (1 + b * (1e3 * p + other)) for p in kpa], style, color=f"C{k}",
-                        label=(f"b = {b:.0e} /Pa" if b else "in proportion") if not other else None)
+            moment = laws_at(np.stack([1e3 * kpa, other + 0.0 * kpa], axis=1), segment={"chambers_saturation_per_pa": b})[0]
+            common.plot(kpa, moment, style, color=f"C{k}", label=(f"b = {b:.0e} /Pa" if b else "in proportion") if not other else None)
     common.plot([], [], "k:", label="another chamber at 50 kPa")
     common.set_title("all chambers: c p / (1 + b (sum of all))", fontsize=10)
+    both = np.stack([1e3 * kpa, 1e3 * kpa], axis=1)
     for k, slope in enumerate((0.0, 1e-7, 3e-7)):
-        growth.plot(kpa, [0.027 + slope * 1e3 * p for p in kpa], color=f"C{k}",
+        growth.plot(kpa, laws_at(both, stiffness={"per_mean_pressure_nm2_per_pa": slope})[1], color=f"C{k}",
                     label=f"{slope:.0e} N m²/Pa" if slope else "constant")
         if slope:
-            growth.plot(kpa, [0.027 + slope * 5e4 * (p / 50) ** 0.7 for p in kpa], "--", lw=1, color=f"C{k}")
+            growth.plot(kpa, 0.027 + slope * 5e4 * (kpa / 50.0) ** 0.7, "--", lw=1, color=f"C{k}")
     growth.plot([], [], "k--", lw=1, label="the virtual rig's law")
     growth.set_title("EI = base + per_mean_pressure * mean", fontsize=10)
     growth.set_ylim(0, None)
@@ -183,34 +189,16 @@ def draw_wall(path):
     figure.savefig(path, dpi=75)
 
 
-def sagging(compliances, stiffness_nm2, tip_n, weight_n=1.0, segment_m=0.1, pieces=100):
-    """Slope (rad, below the horizontal) along an arm of segments of one length, clamped level: under a force at the tip
-    and its own weight, by repeated integration of m = EI dtheta/ds with a turn by compliance times m at each joint."""
-    count = pieces * len(compliances)
-    ds = segment_m / pieces
-    slope = [0.0] * (count + 1)
-    for _ in range(200):
-        moment, arms = [0.0] * (count + 1), 0.0
-        for i in range(count - 1, -1, -1):  # what hangs beyond, by its horizontal distance
-            beyond = tip_n + weight_n * (count - i - 0.5) / count
-            arms += ds * math.cos(0.5 * (slope[i] + slope[i + 1])) * beyond
-            moment[i] = arms
-        new, turned = [], 0.0
-        for i in range(count + 1):
-            if i < count and i % pieces == 0:
-                turned += compliances[i // pieces] * moment[i]
-            new.append(turned)
-            if i < count:
-                turned += 0.5 * (moment[i] + moment[i + 1]) / stiffness_nm2 * ds
-        change = max(abs(a - b) for a, b in zip(new, slope))
-        slope = [0.5 * (a + b) for a, b in zip(new, slope)]
-        if change < 1e-9:
-            break
-    x, z = [0.0], [0.0]
-    for a, b in zip(slope, slope[1:]):
-        x.append(x[-1] + ds * math.cos(0.5 * (a + b)))
-        z.append(z[-1] - ds * math.sin(0.5 * (a + b)))
-    return slope, x, z
+def sagging(compliances, stiffness_nm2, tip_n, weight_n=1.0, segment_m=0.1):
+    """An arm of segments of one length, clamped level, a joint before each, under its weight and a force at the tip: slope (rad,
+    below the horizontal) along it, x and z (m)."""
+    arm = arm_of([{"length_m": segment_m, "mass_per_length_kg_m": weight_n / GRAVITY_M_S2 / (segment_m * len(compliances)),
+                   "bending_stiffness": {"base_nm2": stiffness_nm2}, "joint_compliance_rad_per_nm": compliance}
+                  for compliance in compliances])
+    shape = softarm.Model(arm, points=201).solve(payload_kg=tip_n / GRAVITY_M_S2, gravity_base_m_s2=[-GRAVITY_M_S2, 0.0, 0.0])
+    qx, qy, qz, qw = shape.q_base_xyzw[0].T
+    slope = np.arctan2(-2.0 * (qx * qz + qw * qy), 1.0 - 2.0 * (qx * qx + qy * qy))
+    return slope, shape.p_base_m[0, :, 2], shape.p_base_m[0, :, 0]
 
 
 def draw_joints(path):
@@ -232,9 +220,8 @@ def draw_joints(path):
     for k, (name, compliances, bending, colour) in enumerate(rows):
         style = "--" if k == 3 else "-"
         slope, x, z = sagging(compliances, bending, load)
-        shape.plot([1e3 * v for v in x], [1e3 * v for v in z], style, color=colour, label=name)
-        turn.plot([1e3 * 0.2 * i / (len(slope) - 1) for i in range(len(slope))], [math.degrees(v) for v in slope], style,
-                  color=colour)
+        shape.plot(1e3 * x, 1e3 * z, style, color=colour, label=name)
+        turn.plot(np.linspace(0.0, 200.0, len(slope)), np.degrees(slope), style, color=colour)
         loads = [0.05 * i for i in range(21)]
         sag.plot(loads, [-1e3 * sagging(compliances, bending, n)[2][-1] for n in loads], style, color=colour, label=name)
     shape.set_aspect("equal", adjustable="datalim")
@@ -270,8 +257,12 @@ def main():
         return
     if not arguments.folder:
         parser.error("name the folder that `softarm identify --plot` wrote, or give --laws, --joints or --wall")
-    shapes = read(arguments.folder, "shapes.csv")
-    constants = read(arguments.folder, "constants.csv")
+    places = [f"{what}_{axis}" for what in ("measured", "before", "after") for axis in "xyz"]
+    try:
+        shapes = read(arguments.folder, "shapes.csv", ["trial", "stamp", "body", "held_out", "error_before", "error_after", *places])
+        constants = read(arguments.folder, "constants.csv", ["name", "initial", "value", "sd", "scale", "determined"])
+    except softarm.Error as why:
+        sys.exit(f"plot_identify: {why}")
     figure, grid = plt.subplots(2, 3, figsize=(15, 9))
     for axes, axis in zip(grid[0], "xyz"):
         draw_tip(axes, shapes, axis)

@@ -116,7 +116,7 @@ def draw_payload(pouch, path):
     for axes, trial in zip(grid, ("load_1", "load_3")):
         for name, colour, label in (("stretch", BLUE, "by stretch and laws of the other trials"),
                                     ("bending", ORANGE, "by bending alone")):
-            rows = [r for r in rows_of(pouch.work / name / trial / "estimates.csv") if r["status"] == "ok" and r["sd_payload"]]
+            rows = [r for r in rows_of(pouch.work / name / trial / "estimates.csv") if r["status"] == "ok" and r["sd_payload"] is not None]
             times = [time_of(r) for r in rows]
             value = [float(r["payload"]) for r in rows]
             sd = [float(r["sd_payload"]) for r in rows]
@@ -207,7 +207,7 @@ def payload_of_one(pouch, out):
         for name in ("bending", "stretch"):
             rows = pouch.estimates(name, trial)
             cells += [f"{median_and_sd(rows, 'payload', *span)} kg" for span in ((5, 5.7), (11, 30))]
-            told = 100 * sum(row["identifiable_payload"] == "1" for row in rows) / len(rows)
+            told = 100 * sum(row["identifiable_payload"] == 1 for row in rows) / len(rows)
             notes.append(f"  {trial:<10}{name:<8} told in {told:.0f} % of {len(rows)} frames, rms residual "
                          f"{statistics.median(1e3 * float(row['rms_residual']) for row in rows if row['status'] == 'ok'):.2f} mm")
         said = arm.read_text()

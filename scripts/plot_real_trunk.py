@@ -12,7 +12,6 @@ diagnoses with `softarm diagnose`, prints the tables and draws
     real_trunk_decay.png     releases by hand: frequency and damping over the amplitude
 """
 import argparse
-import csv
 import pathlib
 import re
 import shutil
@@ -27,6 +26,7 @@ try:
     import real_diagnosis
     import real_regression
     import real_trunk_facts
+    from softarm_module import rows_of
 except ImportError as error:
     sys.exit(f"{error}: apt-get install python3-matplotlib python3-sklearn")
 
@@ -55,11 +55,6 @@ def run(program, *arguments):
     return done.stdout
 
 
-def rows_of(path):
-    with open(path, newline="") as file:
-        return list(csv.DictReader(file))
-
-
 def import_all(program, data, work):
     for load, (name, kg) in LOADS.items():
         link = work / f"{load}.csv"
@@ -86,7 +81,7 @@ def print_shape(rows):
     for load in LOADS:
         text = []
         for disc in ("disc_1", "disc_2", "disc_3"):
-            some = [r for r in rows if r["body"] == disc and r["trial"].split("_")[0] == load and r["held_out"] == "1"]
+            some = [r for r in rows if r["body"] == disc and r["trial"].split("_")[0] == load and r["held_out"] == 1]
             d = np.array([[float(r[f"after_{a}"]) - float(r[f"measured_{a}"]) for a in "xyz"] for r in some]) * 1e3
             m = np.array([[float(r[f"measured_{a}"]) for a in "xyz"] for r in some]) * 1e3
             text.append(f"{disc} {np.linalg.norm(d, axis=1).mean():.1f} "
@@ -189,9 +184,9 @@ def draw_loops(rows, path, piece=5, motors=(1, 2, 3)):
 def payloads(work, folder, load, piece):
     rows = [r for r in rows_of(work / folder / f"{load}_{piece}/estimates.csv") if r["status"] == "ok"]
     first = rows[0]["segment"]
-    rows = [r for r in rows if r["segment"] == first and r["sd_payload"]]
+    rows = [r for r in rows if r["segment"] == first and r["sd_payload"] is not None]
     return (np.array([float(r["stamp"]) - START_S for r in rows]), np.array([float(r["payload"]) for r in rows]),
-            np.array([float(r["sd_payload"]) for r in rows]), np.array([r["identifiable_payload"] == "1" for r in rows]))
+            np.array([float(r["sd_payload"]) for r in rows]), np.array([r["identifiable_payload"] == 1 for r in rows]))
 
 
 def print_payload(work, folder, pieces):

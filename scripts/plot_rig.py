@@ -4,11 +4,12 @@
 scripts/plot_rig.py rig_accuracy.csv --out doc/images/rig_convergence.png
 """
 import argparse
-import csv
 import collections
 import sys
 
 import matplotlib
+
+from softarm_module import softarm
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
@@ -21,10 +22,9 @@ PANELS = [("elements", "elements along each segment", "in motion, against 4 x as
 
 def read(path):
     series = collections.defaultdict(lambda: collections.defaultdict(dict))
-    with open(path, newline="") as file:
-        for row in csv.DictReader(file):
-            scale = 1e3 if row["kind"] == "step" else 1.0
-            series[row["kind"]][row["scenario"]][scale * float(row["value"])] = float(row["worst_mm"])
+    table = softarm.read_table(path, ["kind", "scenario", "value", "worst_mm"])
+    for kind, scenario, value, worst_mm in zip(*(table[name] for name in ("kind", "scenario", "value", "worst_mm"))):
+        series[kind][scenario][(1e3 if kind == "step" else 1.0) * value] = worst_mm
     return series
 
 
@@ -40,7 +40,10 @@ def main():
     parser.add_argument("csv", help="what rig_accuracy printed")
     parser.add_argument("--out", required=True, help="picture to write")
     options = parser.parse_args()
-    series = read(options.csv)
+    try:
+        series = read(options.csv)
+    except softarm.Error as why:
+        sys.exit(f"plot_rig: {why}")
     missing = [kind for kind, _, _ in PANELS if not series[kind]]
     if missing:
         sys.exit(f"plot_rig.py: {options.csv}: no rows of kind {', '.join(missing)}")

@@ -8,13 +8,14 @@ One picture per paper whose CSV files are there: validation_online.png, ... With
 replaced by those that were printed.
 """
 import argparse
-import csv
 import json
 import os
 import re
 import sys
 
 import matplotlib
+
+from softarm_module import softarm
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
@@ -27,8 +28,8 @@ class Rows:
     """One CSV file; columns as lists of numbers, empty cells as NaN."""
 
     def __init__(self, folder, name):
-        with open(os.path.join(folder, name + ".csv"), newline="", encoding="utf-8") as file:
-            self.rows = [{k: float(v) if v else NAN for k, v in row.items()} for row in csv.DictReader(file)]
+        table = softarm.read_table(os.path.join(folder, name + ".csv"))
+        self.rows = [dict(zip(table, cells)) for cells in zip(*table.values())]
 
     def where(self, **conditions):
         chosen = object.__new__(Rows)
@@ -241,7 +242,10 @@ def main():
     for name, (draw, needed) in PICTURES.items():
         if not os.path.exists(os.path.join(options.folder, needed + ".csv")):
             continue
-        figure = draw(options.folder)
+        try:
+            figure = draw(options.folder)
+        except softarm.Error as why:
+            sys.exit(f"plot_validation: {why}")
         if name != "semi_physical":  # has laid itself out around its legend
             figure.tight_layout()
         path = os.path.join(options.out or options.folder, f"validation_{name}.png")

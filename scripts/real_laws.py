@@ -107,9 +107,9 @@ def claims(rows, hand):
         if row["status"] != "ok" or hand and hand[0] <= t <= hand[1]:
             continue
         count += 1
-        told += row["identifiable_payload"] == "1"
+        told += row["identifiable_payload"] == 1
         truth = real_pouch.LOAD_KG if hand and t > hand[1] else 0.0
-        within += bool(row["sd_payload"]) and abs(float(row["payload"]) - truth) <= 2 * float(row["sd_payload"])
+        within += row["sd_payload"] is not None and abs(row["payload"] - truth) <= 2 * row["sd_payload"]
     return 100 * told / count, 100 * within / count
 
 

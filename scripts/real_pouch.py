@@ -1,5 +1,4 @@
 """The recordings of the pouch arm through the program; used by plot_real_arms.py and real_laws.py."""
-import csv
 import json
 import statistics
 import subprocess
@@ -7,6 +6,7 @@ import sys
 import time
 
 import real_regression
+from softarm_module import rows_of
 from real_recordings import FREE, FREE_ONE, HOLD, HOLD_STEPS, ONE, TWO  # noqa: F401  for the scripts that use this one
 
 START_S = 1.6e9  # of every imported recording, see config/layouts/template.yaml
@@ -91,18 +91,13 @@ class Pouch:
         return rows_of(self.work / folder / trial / "estimates.csv")
 
 
-def rows_of(path):
-    with open(path, newline="") as file:
-        return list(csv.DictReader(file))
-
-
 def time_of(row):
-    return float(row["stamp"]) - START_S
+    return row["stamp"] - START_S
 
 
 def median_of(rows, column, from_s, to_s):
-    values = [float(row[column]) for row in rows
-              if row["status"] == "ok" and row[column] and from_s <= time_of(row) < to_s]
+    values = [row[column] for row in rows
+              if row["status"] == "ok" and row[column] is not None and from_s <= time_of(row) < to_s]
     return statistics.median(values) if values else float("nan")
 
 

@@ -1,7 +1,5 @@
 """A black-box regression of inputs and their past to places of the bodies, judged as the physics is: on whole sequences that
 it has not seen. Used by plot_real_arms.py and plot_real_trunk.py; wants python3-sklearn."""
-import csv
-
 import numpy as np
 from sklearn.ensemble import ExtraTreesRegressor
 from sklearn.kernel_ridge import KernelRidge
@@ -9,6 +7,8 @@ from sklearn.linear_model import Ridge
 from sklearn.model_selection import GridSearchCV, GroupKFold
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
+
+from softarm_module import rows_of
 
 SEED = 1
 FOLDS = 5
@@ -41,12 +41,11 @@ class Sequence:
 
 def sequences_of(path):
     """The trials of a shapes.csv by name."""
-    trials = {}
-    with open(path, newline="", encoding="utf-8") as file:
-        reader = csv.DictReader(file)
-        inputs = reader.fieldnames[reader.fieldnames.index("payload") + 1:reader.fieldnames.index("body")]
-        for row in reader:
-            trials.setdefault(row["trial"], {}).setdefault(float(row["stamp"]), {})[row["body"]] = row
+    trials, rows = {}, rows_of(path)
+    names = list(rows[0])
+    inputs = names[names.index("payload") + 1:names.index("body")]
+    for row in rows:
+        trials.setdefault(row["trial"], {}).setdefault(row["stamp"], {})[row["body"]] = row
     bodies = sorted({body for frames in trials.values() for rows in frames.values() for body in rows})
     return {name: Sequence(frames, bodies, inputs) for name, frames in trials.items()}
 

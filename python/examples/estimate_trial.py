@@ -58,6 +58,8 @@ def main():
                 print(f"  {segment.name}: EI {np.median(one.EI_nm2[good, k]):.4g} N m² (median of {int(good.sum())} frames)")
         if one.identifiable_payload.any():
             print(f"  payload: {1e3 * np.median(one.payload_kg[one.identifiable_payload]):.1f} g")
+        for alarm in one.alarms:
+            print(f"  alarm, {alarm.onset_s:.1f} to {alarm.seen_s:.1f} s: {alarm.description}")
     if arguments.out:
         draw(found, arguments.out)
     if arguments.csv:

@@ -44,13 +44,13 @@ def main():
     if not chambers:
         sys.exit(f"reach: {arm.name}: has no pressure chamber")
     model = softarm.Model(arm)
-    u_pa, path, shapes = np.full(len(chambers), 20e3), [], []
+    u_pa, places, shapes = np.full(len(chambers), 20e3), [], []
     angles = np.linspace(0.0, 2.0 * np.pi, arguments.places, endpoint=False)
     for angle in angles:
         u_pa, miss_m, shape = reach(model, chambers, arguments.radius * np.array([np.cos(angle), np.sin(angle)]), u_pa, arguments.payload)
-        path.append([*u_pa, miss_m])
+        places.append([*u_pa, miss_m])
         shapes.append(shape)
-    path = np.array(path)
+    path = np.array(places)
     print(f"{arguments.places} places on a circle of {1e3 * arguments.radius:.0f} mm: at most {1e3 * path[:, -1].max():.4f} mm off; pressures "
           f"{1e-3 * path[:, :-1].min():.1f} to {1e-3 * path[:, :-1].max():.1f} kPa")
     if not arguments.out:

@@ -1,9 +1,9 @@
 # %% [markdown]
 # # Python
 #
-# The module `softarm` has arm files, the model with its Jacobians, recordings, estimates, identification and diagnosis as
-# Python objects and NumPy arrays. It is the code of the program `softarm`, not another one: a test holds the two equal to the
-# last printed digit.
+# The module `softarm` has arm files, the model with its Jacobians, recordings and what is wrong with them, estimates, alarms,
+# identification, diagnosis and the virtual rig as Python objects and NumPy arrays. It is the code of the program `softarm`, not
+# another one: tests hold the two equal to the last printed digit.
 #
 # ## Install
 #
@@ -24,7 +24,8 @@
 # ```
 #
 # It belongs to `/usr/bin/python3`, as ROS's own modules do. It needs python3-numpy; `to_pandas()` also needs python3-pandas.
-# `help(softarm)` and `help(softarm.Model.solve)` say shapes, units and errors; editors complete names by the annotations.
+# `help(softarm)` and `help(softarm.Model.solve)` say shapes, units and errors; editors complete names by the annotations, which
+# mypy checks.
 #
 # ## Rules
 #
@@ -69,8 +70,8 @@ print("changed:", changed)  # softer.save("softer.yaml") writes it
 # %% [markdown]
 # ## The model
 #
-# `Model` makes shapes of inputs and payload: the laws of the arm file, then the exact statics of the rod. Inputs are given by name;
-# those left out are 0.
+# `Model` makes shapes of inputs and payload: the laws of the arm file, then the exact statics of the rod, with the file's effects.
+# Inputs are given by name; those left out are 0.
 
 # %%
 model = softarm.Model(arm)
@@ -103,10 +104,23 @@ for step in range(4):
     u = u + np.linalg.pinv(J) @ miss
 
 # %% [markdown]
+# [Effects](effects.md) that `diagnose` wrote into an arm file act in the model as in an estimate. Each instant stands for itself, at
+# rest, unless `stamp_s` makes them a trial: then effects remember.
+
+# %%
+effect = "effects:\n  - {id: hysteresis, parameters: {share: 0.3, width_pa: 2000, of: 0}}\n"
+lagging = softarm.Model(softarm.parse_arm(arm.text + "\n" + effect))
+print(*lagging.notes)
+up_and_down_pa = np.concatenate([np.linspace(0.0, 40e3, 21), np.linspace(40e3, 0.0, 21)])
+tip = lagging.solve({"chamber_1": up_and_down_pa}, stamp_s=0.1 * np.arange(42)).p_base_m[:, -1]
+print(f"tip at 20 kPa, on the way down from where it was on the way up: {1e3 * np.linalg.norm(tip[31] - tip[10]):.2f} mm")
+
+# %% [markdown]
 # ## Recordings
 #
 # A trial is read for an arm, by the topics and units of its file. `read_csv` takes a CSV recording and a
-# [layout](../config/layouts/template.yaml); `Trial.from_arrays` takes arrays.
+# [layout](../config/layouts/template.yaml); `Trial.from_arrays` takes arrays; `softarm.simulate("demo", "trial.bag", seconds=20)`
+# is `softarm simulate`, of scenarios, arms and dicts, and has the truth as arrays.
 
 # %%
 trial = softarm.read_bag(arm, "trial.bag")
@@ -116,6 +130,14 @@ print("bodies:", trial.bodies_p_mocap_m.shape, "m;  inputs:", trial.inputs.shape
 table = trial.to_pandas()
 table.index -= table.index[0]
 print(table.iloc[:3, :4].round(5).to_string())
+
+# %% [markdown]
+# What is wrong with it, and the remedies, as [`softarm check`](check.md) has them:
+
+# %%
+checked = softarm.check(arm, "trial.bag")
+print(checked, "serious:", checked.serious)
+print(checked.to_pandas()[["severity", "id", "where", "figure", "unit"]].head(3).to_string())
 
 # %% [markdown]
 # ## Estimates
@@ -137,6 +159,19 @@ EI, sd, good = found.EI_nm2[:, 0], found.sd_EI_nm2[:, 0], found.identifiable_EI[
 below.errorbar(time_s[good], EI[good], sd[good], fmt=".", ms=2, lw=0.4)
 below.set(xlabel="time (s)", ylabel="EI (N m²)", ylim=(0.0, 2.0 * np.median(EI[good])))
 figure.tight_layout()
+
+# %% [markdown]
+# `found.mismatch` has what [the live monitor](mismatch.md) says at every frame, `found.alarms` the sudden changes. Here a ring is
+# pushed aside, by hand:
+
+# %%
+slipped_p_m = trial.bodies_p_mocap_m
+slipped_p_m[time_s > 12.0, 2] += [0.0, 0.004, 0.0]
+slipped = softarm.Trial.from_arrays(arm, trial.stamp_s, slipped_p_m, base_p_mocap_m=trial.base_p_mocap_m,
+                                    base_q_mocap_xyzw=trial.base_q_mocap_xyzw, inputs=trial.inputs, payload_kg=trial.payload_kg)
+print("before:", found.alarms)
+for alarm in softarm.estimate(slipped).alarms:
+    print(f"from {alarm.onset_s:.1f} s on: {alarm.description}")
 
 # %% [markdown]
 # `Estimator` takes frames as they come, as the node does; with `window_s` the frames of that time share EI and payload.
@@ -182,6 +217,7 @@ print(result.to_pandas()[["initial", "value", "sd", "unit", "determined"]].head(
 # print(diagnosis.text)                  # what the program prints
 # diagnosis.to_pandas()                  # every effect of the catalogue with its probability
 # diagnosis.save("report")               # report.html, report.json, arm_extended.yaml
+# softarm.Model(diagnosis.extended_arm)  # shapes with what was found
 # softarm.estimate(trial, arm=diagnosis.extended_arm)
 # ```
 #
@@ -206,4 +242,5 @@ for wrong in (lambda: softarm.load_arm("my_arm"), lambda: arm.with_constants({"s
 # | [`python/examples/reach.py`](../python/examples/reach.py) | pressures that bring the tip along a path, by the Jacobian |
 # | [`python/examples/identify_and_diagnose.py`](../python/examples/identify_and_diagnose.py) | trials to constants and to what the arm file leaves out, one table |
 #
-# The project's own `scripts/plot_estimates.py` uses the module too.
+# The project's own plotting scripts use the module too: `scripts/plot_estimates.py`, `plot_check.py`, `plot_identify.py`,
+# `plot_rig.py`, `plot_validation.py`, `plot_input_errors.py`.

@@ -11,18 +11,22 @@ measured nor known, None in ``to_dict()``. What cannot be done raises :class:`Er
 calls release Python's lock, end at Ctrl-C, and tell ``progress(share, what)`` where it is given.
 """
 from ._arm import Arm, Body, Constant, Input, Segment, arm_keys, load_arm, parse_arm, shipped_arms
+from ._check import Check, Finding, check
 from ._common import SoftarmWarning
 from ._diagnose import Diagnosis, catalogue, diagnose
 from ._estimate import Estimates, Estimator, estimate, estimate_bags
 from ._identify import FittedConstant, Identification, identify
+from ._mismatch import Alarm, Mismatch
 from ._model import Jacobians, Model, Shapes
+from ._simulate import Simulation, simulate
 from ._softarm import ArmError, BagError, CsvError, Error, IdentifyError, __version__
 from ._tables import read_table
 from ._trial import Trial, read_bag, read_bags, read_csv
 
 __all__ = [
-    "Arm", "ArmError", "BagError", "Body", "Constant", "CsvError", "Diagnosis", "Error", "Estimates", "Estimator",
-    "FittedConstant", "Identification", "IdentifyError", "Input", "Jacobians", "Model", "Segment", "Shapes", "SoftarmWarning",
-    "Trial", "__version__", "arm_keys", "catalogue", "diagnose", "estimate", "estimate_bags", "identify", "load_arm",
-    "parse_arm", "read_bag", "read_bags", "read_csv", "read_table", "shipped_arms",
+    "Alarm", "Arm", "ArmError", "BagError", "Body", "Check", "Constant", "CsvError", "Diagnosis", "Error", "Estimates",
+    "Estimator", "Finding", "FittedConstant", "Identification", "IdentifyError", "Input", "Jacobians", "Mismatch", "Model",
+    "Segment", "Shapes", "Simulation", "SoftarmWarning", "Trial", "__version__", "arm_keys", "catalogue", "check",
+    "diagnose", "estimate", "estimate_bags", "identify", "load_arm", "parse_arm", "read_bag", "read_bags", "read_csv",
+    "read_table", "shipped_arms", "simulate",
 ]

@@ -5,7 +5,7 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional
 import numpy as np
 
 from . import _softarm
-from ._common import Path, folders
+from ._common import Floats, Path, folders, numbers, path_of, text_of, wrong
 
 
 class Constant(NamedTuple):
@@ -24,7 +24,8 @@ class Constant(NamedTuple):
 
 
 class Body(NamedTuple):
-    """A body that motion capture sees: ``kind`` is "ring" or "skin_marker"; ``arclength_m`` from the base at zero input."""
+    """A body that motion capture sees: ``kind`` is "ring" or "skin_marker"; ``arclength_m`` from the base at zero input;
+    ``orientation_usable``: whether its tangent counts; ``position_sd_m``: noise of a coordinate."""
 
     name: str
     kind: str
@@ -34,7 +35,7 @@ class Body(NamedTuple):
 
 
 class Input(NamedTuple):
-    """What drives the arm: ``kind`` is "pressure", "vacuum", "tension" or "angle".
+    """What drives the arm: ``kind`` is "pressure", "vacuum", "tension" or "angle"; ``topic`` where it is recorded.
 
     ``unit`` is that of all arrays of this package: gauge Pa for pressures, Pa below ambient for a vacuum, N, rad.
     """
@@ -46,7 +47,7 @@ class Input(NamedTuple):
 
 
 class Segment(NamedTuple):
-    """A stretch of the arm; ``inputs`` are the names of those that drive it."""
+    """A stretch of the arm: ``length_m`` at zero input, ``mass_kg``, ``diameter_m``; ``inputs`` are the names of those that drive it."""
 
     name: str
     length_m: float
@@ -113,25 +114,28 @@ class Arm:
         return self._handle.effects()
 
     def with_constants(self, values: Mapping[str, float]) -> "Arm":
-        """Another arm whose file has these values (SI, by name). Bodies and payload keep their fraction of a length.
+        """Another arm whose file has these ``values`` (SI, by name). Bodies and payload keep their fraction of a length.
 
         Raises ValueError for a name that the arm does not have, or a value outside its range; ArmError where the file is
         written in a way that cannot be edited.
         """
-        return Arm(self._handle.with_constants({name: float(value) for name, value in values.items()}))
+        if not isinstance(values, Mapping):
+            raise wrong("values", values, "a dict of numbers by name")
+        return Arm(self._handle.with_constants({text_of("values", name): float(numbers(f"values['{name}']", value))
+                                                for name, value in values.items()}))
 
     def to_dict(self) -> Dict[str, Any]:
         """The file's keys as nested dicts and lists; numbers in the units that their keys or values name there."""
         return self._handle.keys()
 
     def save(self, path: Path, *, force: bool = False) -> None:
-        """Writes ``text``. The file appears whole or not at all; FileExistsError where there is one, unless ``force``."""
+        """Writes ``text`` to ``path``. The file appears whole or not at all; FileExistsError where there is one, unless ``force``."""
         write_text(path, self.text, force)
 
 
 def write_text(path: Path, text: str, force: bool) -> None:
     """A file that appears whole or not at all."""
-    path = os.fspath(path)
+    path = path_of("path", path)
     if not force and os.path.exists(path):
         raise FileExistsError(f"{path}: exists; force=True replaces it")
     partial = f"{path}.{os.getpid()}.partial"
@@ -145,17 +149,17 @@ def write_text(path: Path, text: str, force: bool) -> None:
 
 
 def load_arm(name: Path) -> Arm:
-    """The arm of a file, or one that ships by its bare name: ``load_arm("online_200mm")``.
+    """The arm of a file, or one that ships: ``name`` is a path, or a bare name like "online_200mm".
 
     Raises ArmError where there is no such file (the line names the arms that ship), or it is no valid arm (file, key, value
     and what is allowed).
     """
-    return Arm(_softarm.find_arm(os.fspath(name), folders("arms")))
+    return Arm(_softarm.find_arm(path_of("name", name), folders("arms")))
 
 
 def parse_arm(text: str, source: str = "arm") -> Arm:
-    """The arm of a text in YAML; ``source`` is its name in messages. Raises ArmError."""
-    return Arm(_softarm.ArmHandle(text, source))
+    """The arm of a ``text`` in YAML; ``source`` is its name in messages. Raises ArmError."""
+    return Arm(_softarm.ArmHandle(text_of("text", text), text_of("source", source)))
 
 
 def shipped_arms() -> List[str]:
@@ -168,5 +172,11 @@ def arm_keys() -> str:
     return _softarm.arm_keys()
 
 
-def gravity_of(arm: Arm, gravity_base_m_s2: Optional[Any]) -> "np.ndarray":
+def handle_of(arm: Arm) -> "_softarm.ArmHandle":
+    if not isinstance(arm, Arm):
+        raise wrong("arm", arm, "an Arm; load_arm makes one of a file")
+    return arm._handle
+
+
+def gravity_of(arm: Arm, gravity_base_m_s2: Optional[Any]) -> Floats:
     return np.array(arm._handle.gravity_base_m_s2 if gravity_base_m_s2 is None else gravity_base_m_s2, dtype=float)

@@ -2,12 +2,13 @@
 import datetime
 import json
 import os
-from typing import Any, Dict, List, Optional, Sequence, Union
+from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 from . import _softarm
-from ._arm import Arm, write_text
-from ._common import Path, Progress, folders, jobs_of, number_or_none, pandas, set_options, words_of
-from ._trial import Trial
+from ._arm import Arm, handle_of, write_text
+from ._common import (Path, Progress, folders, jobs_of, number_of, number_or_none, pandas, path_of, progress_of, set_options, whole_of,
+                      words_of)
+from ._trial import Trial, handles_of
 
 
 class Diagnosis:
@@ -20,7 +21,7 @@ class Diagnosis:
 
     def __init__(self, handle: "_softarm.DiagnosisHandle") -> None:
         self._handle = handle
-        self._origin = ("", datetime.datetime.utcnow().strftime("%Y-%m-%dT%H:%MZ"), [])
+        self._origin: Tuple[str, str, List[Tuple[str, str]]] = ("", datetime.datetime.utcnow().strftime("%Y-%m-%dT%H:%MZ"), [])
         self.text: str = handle.text()
         self.extended_arm: Optional[Arm] = None if handle.extended is None else Arm(handle.extended)
         found = self.to_dict()
@@ -35,19 +36,20 @@ class Diagnosis:
 
     def to_dict(self) -> Dict[str, Any]:
         """``report.json`` (doc/diagnose.md)."""
-        return json.loads(self._handle.json(*self._origin))
+        found: Dict[str, Any] = json.loads(self._handle.json(*self._origin))
+        return found
 
     def to_pandas(self) -> Any:
         """A DataFrame of ``ranking``, indexed by the effects' names."""
         return pandas().DataFrame(self.ranking).set_index("name")
 
     def save(self, folder: Path, *, force: bool = False) -> List[str]:
-        """Writes report.html, report.json and arm_extended.yaml into a folder, which is made where it is missing.
+        """Writes report.html, report.json and arm_extended.yaml into a ``folder``, which is made where it is missing.
 
         Returns their paths. Raises FileExistsError where one is there, unless ``force``; Error where the page's files were not
         installed.
         """
-        folder = os.fspath(folder)
+        folder = path_of("folder", folder)
         files = {"report.html": self._handle.html(folders("report"), *self._origin),
                  "report.json": self._handle.json(*self._origin)}
         if self.extended_arm is not None:
@@ -65,21 +67,19 @@ class Diagnosis:
 def diagnose(arm: Arm, trials: Sequence[Trial], *, held: Union[str, Sequence[str]] = (), tied: Union[str, Sequence[str]] = (),
              block_s: float = 0.2, most_effects: int = 4, payload_kg: Optional[float] = None, jobs: int = 0,
              progress: Optional[Progress] = None) -> Diagnosis:
-    """Finds what physics ``arm`` leaves out, where and how large, from three or more trials; as ``softarm diagnose``.
+    """Finds what physics ``arm`` leaves out, where and how large, from three or more ``trials``; as ``softarm diagnose``.
 
-    ``held``, ``tied``: patterns of constants, as of :func:`identify`; ``block_s``: time over which frames are averaged;
-    ``jobs``: threads. It takes from seconds to minutes; ``progress`` is told (share done, what is being done), and Ctrl-C ends it.
+    ``held``, ``tied``: patterns of constants, as of :func:`identify`; ``block_s``: time over which frames are averaged, s, 0.02 to 2;
+    ``most_effects``: in one verdict, 1 to 8; ``payload_kg``: counts in all trials, whatever they recorded; ``jobs``: threads, 0: one
+    per processor. It takes from seconds to minutes; ``progress`` is told (share done, what is being done), and Ctrl-C ends it.
     Raises IdentifyError for trials that cannot be used, ValueError for patterns that match nothing.
     """
-    if not 0.02 <= block_s <= 2.0:
-        raise ValueError(f"block_s: {block_s}; must be from 0.02 to 2 s")
-    if not 1 <= most_effects <= 8:
-        raise ValueError(f"most_effects: {most_effects}; must be from 1 to 8")
     options = _softarm.DiagnoseOptions()
     options.held, options.tied = words_of("held", held), words_of("tied", tied)
-    set_options(options, dict(block_s=block_s, most_effects=most_effects, jobs=jobs_of(jobs)))
-    return Diagnosis(_softarm.diagnose(arm._handle, [trial._handle for trial in trials], number_or_none("payload_kg", payload_kg),
-                                       options, progress))
+    set_options(options, dict(block_s=number_of("block_s", block_s, 0.02, 2.0, " s"),
+                              most_effects=whole_of("most_effects", most_effects, 1, 8), jobs=jobs_of(jobs)))
+    return Diagnosis(_softarm.diagnose(handle_of(arm), handles_of(trials), number_or_none("payload_kg", payload_kg), options,
+                                       progress_of(progress)))
 
 
 def catalogue() -> List[Dict[str, Any]]:

@@ -1,12 +1,14 @@
 """Estimates of frames, trials and bags."""
-from typing import Any, Dict, Iterable, List, Optional, Union
+from typing import Any, Dict, Iterable, List, NoReturn, Optional, Union
 
 import numpy as np
 
 from . import _softarm
-from ._arm import Arm
-from ._common import Path, Progress, jobs_of, numbers, pandas, paths_of, plain, set_options, warn
-from ._trial import Trial
+from ._arm import Arm, handle_of
+from ._common import (Bools, Floats, Path, Progress, Words, jobs_of, numbers, pandas, paths_of, plain_dict, progress_of, set_options,
+                      warn)
+from ._mismatch import Alarm, Mismatch
+from ._trial import Trial, handles_of
 
 _STATUSES = np.array(_softarm.statuses())
 # Column of estimates.csv, and the array that it is.
@@ -29,41 +31,46 @@ class Estimates:
     the bodies, ``reduced_chi_square``.
     Shapes in the rod's base frame: ``tip_p_base_m`` (n, 3), ``backbone_p_base_m`` and ``backbone_curvature_per_m`` (n, p, 3),
     ``bodies_measured_base_m`` and ``bodies_estimated_base_m`` (n, b, 3).
-    ``summary``: the table that ``softarm estimate`` prints, less the alarms.
+    ``mismatch``: :class:`Mismatch`, what the live monitor says at every frame; ``alarms``: sudden changes that it found, as in
+    the summary. ``summary``: the table that ``softarm estimate`` prints. ``warnings``: topics that the recording lacks.
 
     NaN: neither estimated nor known; of a standard deviation: known, or not determined.
     """
 
-    def __init__(self, raw: Dict[str, Any]) -> None:
+    def __init__(self, raw: Dict[str, Any], body_names: List[str]) -> None:
         self.name: str = raw.pop("name")
         self.summary: str = raw.pop("summary")
         self.warnings: List[str] = raw.pop("warnings")
         self.status = _STATUSES[raw.pop("status_code")]
+        mismatch = raw.pop("mismatch")
+        self.alarms: List[Alarm] = [Alarm(*one) for one in mismatch.pop("alarms")]
+        self.mismatch = Mismatch(mismatch, raw["stamp_s"], body_names)
         for name, array in raw.items():
             setattr(self, name, array.astype(bool) if name in _FLAGS else array)
 
-    stamp_s: "np.ndarray"
-    M0_nm: "np.ndarray"
-    phi_rad: "np.ndarray"
-    EI_nm2: "np.ndarray"
-    L_m: "np.ndarray"
-    payload_kg: "np.ndarray"
-    sd_M0_nm: "np.ndarray"
-    sd_phi_rad: "np.ndarray"
-    sd_EI_nm2: "np.ndarray"
-    sd_L_m: "np.ndarray"
-    sd_payload_kg: "np.ndarray"
-    identifiable_EI: "np.ndarray"
-    identifiable_payload: "np.ndarray"
-    settling: "np.ndarray"
-    theta_tip_rad: "np.ndarray"
-    tip_p_base_m: "np.ndarray"
-    rms_residual_m: "np.ndarray"
-    reduced_chi_square: "np.ndarray"
-    backbone_p_base_m: "np.ndarray"
-    backbone_curvature_per_m: "np.ndarray"
-    bodies_measured_base_m: "np.ndarray"
-    bodies_estimated_base_m: "np.ndarray"
+    stamp_s: Floats
+    status: Words
+    M0_nm: Floats
+    phi_rad: Floats
+    EI_nm2: Floats
+    L_m: Floats
+    payload_kg: Floats
+    sd_M0_nm: Floats
+    sd_phi_rad: Floats
+    sd_EI_nm2: Floats
+    sd_L_m: Floats
+    sd_payload_kg: Floats
+    identifiable_EI: Bools
+    identifiable_payload: Bools
+    settling: Bools
+    theta_tip_rad: Floats
+    tip_p_base_m: Floats
+    rms_residual_m: Floats
+    reduced_chi_square: Floats
+    backbone_p_base_m: Floats
+    backbone_curvature_per_m: Floats
+    bodies_measured_base_m: Floats
+    bodies_estimated_base_m: Floats
 
     def __len__(self) -> int:
         """Number of frames."""
@@ -73,13 +80,13 @@ class Estimates:
         return f"<softarm.Estimates {self.name}: {len(self)} frames, {int(self.ok.sum())} ok>"
 
     @property
-    def ok(self) -> "np.ndarray":
+    def ok(self) -> Bools:
         """(n,) bool: the frame has an estimate."""
-        return self.status == "ok"
+        return np.asarray(self.status == "ok")
 
     def to_dict(self) -> Dict[str, Any]:
-        """All arrays, as lists; None for NaN."""
-        return plain(vars(self))
+        """All arrays, as lists; None for NaN; ``mismatch`` and ``alarms`` as dicts."""
+        return plain_dict({**vars(self), "mismatch": self.mismatch.to_dict(), "alarms": [one._asdict() for one in self.alarms]})
 
     def to_pandas(self) -> Any:
         """A DataFrame with the rows and columns of ``estimates.csv``: one row per frame and segment, segments from 1."""
@@ -97,13 +104,10 @@ class Estimates:
         return pandas().DataFrame(columns)
 
 
-_OPTIONS = ("method", "unknown", "objective", "dynamics", "prior", "robust", "window_s", "payload_kg", "backbone_points")
-
-
-def _options(given: Dict[str, Any]) -> "_softarm.EstimateOptions":
-    for name in given:
-        if name not in _OPTIONS:
-            raise TypeError(f"no option '{name}'; there are {', '.join(_OPTIONS)}")
+def _options(given: Dict[str, Any], others: Dict[str, Any]) -> "_softarm.EstimateOptions":
+    """``others``: none of them."""
+    for name in others:
+        raise TypeError(f"no option '{name}'; there are {', '.join(given)}")
     options = _softarm.EstimateOptions()
     set_options(options, given)
     return options
@@ -123,10 +127,12 @@ class Estimator:
                  objective: Optional[str] = None, dynamics: Optional[str] = None, prior: Optional[bool] = None,
                  robust: Optional[bool] = None, window_s: Optional[float] = None, payload_kg: Optional[float] = None,
                  backbone_points: int = 21) -> None:
+        handle = handle_of(arm)
         self.arm = arm
-        self._handle = _softarm.EstimatorHandle(arm._handle, _options(dict(
+        self._body_names = [one.name for one in arm.bodies]
+        self._handle = _softarm.EstimatorHandle(handle, _options(dict(
             method=method, unknown=unknown, objective=objective, dynamics=dynamics, prior=prior, robust=robust, window_s=window_s,
-            payload_kg=payload_kg, backbone_points=backbone_points)))
+            payload_kg=payload_kg, backbone_points=backbone_points), {}))
 
     @property
     def notes(self) -> List[str]:
@@ -139,8 +145,9 @@ class Estimator:
 
     def frame(self, stamp_s: float, bodies_p_mocap_m: Any, *, bodies_q_mocap_xyzw: Any = None, base_p_mocap_m: Any = None,
               base_q_mocap_xyzw: Any = None, inputs: Any = None, payload_kg: Optional[float] = None) -> Estimates:
-        """The next frame: ``bodies_p_mocap_m`` (b, 3) m and, where known, the rest as ``Trial.from_arrays`` without its first
-        axis. Returns estimates of one frame. Bad measurements are a ``status``, not an exception.
+        """The next frame, at ``stamp_s``: ``bodies_p_mocap_m`` (b, 3) m and, where known, ``bodies_q_mocap_xyzw`` (b, 4),
+        ``base_p_mocap_m`` (3,) m and ``base_q_mocap_xyzw`` (4,) of the base's body, ``inputs`` ({name: number}, or (i,); Pa, N, rad)
+        and ``payload_kg``. NaN: not seen. Returns estimates of one frame. Bad measurements are a ``status``, not an exception.
 
         Raises ValueError for wrong shapes, names and infinity.
         """
@@ -153,32 +160,52 @@ class Estimator:
             base_p_mocap_m=row("base_p_mocap_m", base_p_mocap_m), base_q_mocap_xyzw=row("base_q_mocap_xyzw", base_q_mocap_xyzw),
             inputs=inputs if inputs is None or isinstance(inputs, dict) else row("inputs", inputs), payload_kg=payload_kg,
             name="frame")
-        return Estimates(self._handle.estimate_frame(trial._handle))
+        return Estimates(self._handle.estimate_frame(trial._handle), self._body_names)
 
     def trial(self, trial: Trial, *, progress: Optional[Progress] = None) -> Estimates:
-        """All frames of a trial, after those that came before; ``reset()`` first for a trial of its own."""
-        return Estimates(self._handle.estimate_trial(trial._handle, progress))
+        """All frames of a ``trial``, after those that came before; ``reset()`` first for a trial of its own. ``progress``: called
+        with (share done, what is being done)."""
+        return Estimates(self._handle.estimate_trial(handles_of([trial])[0], progress_of(progress)), self._body_names)
 
 
-def estimate(trial: Trial, *, arm: Optional[Arm] = None, progress: Optional[Progress] = None, **options: Any) -> Estimates:
-    """Every frame of a trial, by its arm or another one with the same bodies and inputs. Options as of :class:`Estimator`."""
-    estimator = Estimator(trial.arm if arm is None else arm, **options)
+def estimate(trial: Trial, *, arm: Optional[Arm] = None, method: Optional[str] = None, unknown: Optional[str] = None,
+             objective: Optional[str] = None, dynamics: Optional[str] = None, prior: Optional[bool] = None,
+             robust: Optional[bool] = None, window_s: Optional[float] = None, payload_kg: Optional[float] = None,
+             backbone_points: int = 21, progress: Optional[Progress] = None, **others: "NoReturn") -> Estimates:
+    """Every frame of a ``trial``, by its arm or another ``arm`` with the same bodies and inputs.
+
+    ``method``, ``unknown``, ``objective``, ``dynamics``, ``prior``, ``robust``, ``window_s`` (s), ``payload_kg`` (kg),
+    ``backbone_points``: as of :class:`Estimator`. ``progress``: called with (share done, what is being done).
+    """
+    options = dict(method=method, unknown=unknown, objective=objective, dynamics=dynamics, prior=prior, robust=robust,
+                   window_s=window_s, payload_kg=payload_kg, backbone_points=backbone_points)
+    _options(options, others)
+    handles_of([trial])
+    estimator = Estimator(trial.arm if arm is None else arm, **options)  # type: ignore[arg-type]
     for note in estimator.notes:
         warn(note)
     return estimator.trial(trial, progress=progress)
 
 
-def estimate_bags(arm: Arm, paths: Union[Path, Iterable[Path]], *, jobs: int = 0, progress: Optional[Progress] = None,
-                  **options: Any) -> List[Estimates]:
+def estimate_bags(arm: Arm, paths: Union[Path, Iterable[Path]], *, method: Optional[str] = None, unknown: Optional[str] = None,
+                  objective: Optional[str] = None, dynamics: Optional[str] = None, prior: Optional[bool] = None,
+                  robust: Optional[bool] = None, window_s: Optional[float] = None, payload_kg: Optional[float] = None,
+                  backbone_points: int = 21, jobs: int = 0, progress: Optional[Progress] = None,
+                  **others: "NoReturn") -> List[Estimates]:
     """Every frame of bags, in the order of ``paths``: ``softarm estimate`` without its files, several bags at a time.
 
-    ``jobs``: bags at a time, 0: one per processor. Options as of :class:`Estimator`; with ``payload_kg`` the payload's topic
-    is not read. Raises BagError for the first bag that cannot be used.
+    ``method``, ``unknown``, ``objective``, ``dynamics``, ``prior``, ``robust``, ``window_s`` (s), ``payload_kg`` (kg),
+    ``backbone_points``: as of :class:`Estimator`; with ``payload_kg`` the payload's topic is not read. ``jobs``: bags at a time,
+    0: one per processor. ``progress``: called with (share done, what is being done).
+    Raises BagError for the first bag that cannot be used.
     """
-    made = _options(options)
-    for note in _softarm.EstimatorHandle(arm._handle, made).notes():
+    made = _options(dict(method=method, unknown=unknown, objective=objective, dynamics=dynamics, prior=prior, robust=robust,
+                         window_s=window_s, payload_kg=payload_kg, backbone_points=backbone_points), others)
+    for note in _softarm.EstimatorHandle(handle_of(arm), made).notes():
         warn(note)
-    results = [Estimates(raw) for raw in _softarm.estimate_bags(arm._handle, paths_of(paths), made, jobs_of(jobs), progress)]
+    names = [one.name for one in arm.bodies]
+    found = _softarm.estimate_bags(arm._handle, paths_of(paths), made, jobs_of(jobs), progress_of(progress))
+    results = [Estimates(raw, names) for raw in found]
     for result in results:
         for line in result.warnings:
             warn(line)

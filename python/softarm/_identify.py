@@ -2,16 +2,19 @@
 import json
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Union
 
-import numpy as np
-
 from . import _softarm
-from ._arm import Arm
-from ._common import Progress, jobs_of, number_or_none, pandas, set_options, words_of
-from ._trial import Trial
+from ._arm import Arm, handle_of
+from ._common import Floats, Progress, jobs_of, number_of, number_or_none, pandas, progress_of, set_options, words_of
+from ._trial import Trial, handles_of
 
 
 class FittedConstant(NamedTuple):
-    """A constant after the fit, SI by ``unit``. ``sd``: from the trials alone; ``determined``: well enough to use it."""
+    """A constant ``name`` after the fit, SI by ``unit``: ``initial``, that of the arm file, and ``value``.
+
+    ``sd``: standard deviation from the trials alone; ``scale``: the size by which that is judged; ``determined``: well enough to use it;
+    ``at_bound``: it ran into the limit of what an arm may have; ``kept``: the trials hardly mind, so it is the arm file's; ``advice``:
+    what the trials lack, "" if determined.
+    """
 
     name: str
     unit: str
@@ -38,8 +41,8 @@ class Identification:
         self.verdict: str = raw["verdict"]
         self.generalises: Optional[bool] = raw["generalises"]
         self.constants: List[FittedConstant] = [FittedConstant(**one) for one in raw["constants"]]
-        self.correlation: np.ndarray = raw["correlation"]
-        self.covariance: np.ndarray = raw["covariance"]
+        self.correlation: Floats = raw["correlation"]
+        self.covariance: Floats = raw["covariance"]
         self.text: str = raw["text"]
         self._json: str = raw["json"]
 
@@ -48,7 +51,8 @@ class Identification:
 
     def to_dict(self) -> Dict[str, Any]:
         """What ``softarm identify --json`` writes: constants, errors before and after by trial, what was left out."""
-        return json.loads(self._json)
+        found: Dict[str, Any] = json.loads(self._json)
+        return found
 
     def to_pandas(self) -> Any:
         """A DataFrame of the constants, indexed by name."""
@@ -61,19 +65,21 @@ def identify(arm: Arm, trials: Sequence[Trial], *, free: Union[str, Sequence[str
              leave_one_out: bool = False, seed: int = 0, frames_per_trial: int = 40, moving: bool = False, robust: bool = True,
              exact_inputs: bool = False, payload_kg: Optional[float] = None, jobs: int = 0,
              progress: Optional[Progress] = None) -> Identification:
-    """Fits the constants of ``arm`` to trials; as ``softarm identify``, whose options these are.
+    """Fits the constants of ``arm`` to ``trials``; as ``softarm identify``, whose options these are.
 
-    ``free``, ``also_free``, ``held``, ``tied``: patterns of constants' names ("*.moment_gain"); ``held_out``: names of trials
-    that are compared, not fitted (default: every third of three or more). Effects of the arm file are held at their values.
+    ``free``, ``also_free``, ``held``, ``tied``: patterns of constants' names ("*.moment_gain"); tied ones have one value in all
+    segments. ``held_out``: names of trials that are compared, not fitted; else the share ``held_out_share`` (0 to 0.9) of three or
+    more, every n-th, or drawn by ``seed`` if that is not 0. ``leave_one_out``: all are fitted, and each is predicted from a fit to the
+    others. ``frames_per_trial``: that are chosen of each; ``moving``: also where the arm moves; ``robust``: gross errors of bodies are
+    bounded; ``exact_inputs``: inputs without noise and zeros of their sensors. ``payload_kg``: counts in all trials, whatever they
+    recorded. ``jobs``: threads, 0: one per processor; ``progress``: called with (share done, what is being done).
+    Effects of the arm file are held at their values.
     Raises IdentifyError for trials that nothing can be fitted to, ValueError for patterns and names that match nothing.
     """
     options = _softarm.IdentifyOptions()
     for name, value in (("free", free), ("also_free", also_free), ("held", held), ("tied", tied), ("held_out", held_out)):
         setattr(options, name, words_of(name, value))
-    if not 0.0 <= held_out_share <= 0.9:
-        raise ValueError(f"held_out_share: {held_out_share}; must be from 0 to 0.9")
-    set_options(options, dict(held_out_share=held_out_share, leave_one_out=leave_one_out, seed=seed, frames_per_trial=frames_per_trial,
+    set_options(options, dict(held_out_share=number_of("held_out_share", held_out_share, 0.0, 0.9), leave_one_out=leave_one_out, seed=seed, frames_per_trial=frames_per_trial,
                               prefer_static=not moving, robust=robust, exact_inputs=exact_inputs))
-    return Identification(_softarm.identify(arm._handle, [trial._handle for trial in trials],
-                                            number_or_none("payload_kg", payload_kg), options,
-                                            jobs_of(jobs), progress))
+    return Identification(_softarm.identify(handle_of(arm), handles_of(trials), number_or_none("payload_kg", payload_kg), options,
+                                            jobs_of(jobs), progress_of(progress)))

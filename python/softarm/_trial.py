@@ -5,8 +5,8 @@ from typing import Any, Dict, Iterable, List, Optional, Tuple, Union
 import numpy as np
 
 from . import _softarm
-from ._arm import Arm
-from ._common import Path, Progress, folders, jobs_of, numbers, pandas, paths_of, plain, table, warn
+from ._arm import Arm, handle_of
+from ._common import Floats, Path, Progress, folders, jobs_of, numbers, pandas, path_of, paths_of, plain_dict, progress_of, table, text_of, warn, wrong
 
 
 class Trial:
@@ -18,7 +18,7 @@ class Trial:
     def __init__(self, handle: "_softarm.TrialHandle", arm: Arm) -> None:
         self._handle = handle
         self.arm = arm
-        self._arrays: Optional[Dict[str, np.ndarray]] = None
+        self._arrays: Optional[Dict[str, Floats]] = None
 
     def __repr__(self) -> str:
         return f"<softarm.Trial {self.name}: {len(self)} frames>"
@@ -27,7 +27,7 @@ class Trial:
         """Number of frames."""
         return self._handle.frames
 
-    def _array(self, name: str) -> "np.ndarray":
+    def _array(self, name: str) -> Floats:
         if self._arrays is None:
             self._arrays = self._handle.arrays()
         return self._arrays[name].copy()
@@ -48,42 +48,42 @@ class Trial:
         return self._handle.rejected
 
     @property
-    def stamp_s(self) -> "np.ndarray":
+    def stamp_s(self) -> Floats:
         """(n,) s: of the bodies' clock; its latency is subtracted."""
         return self._array("stamp_s")
 
     @property
-    def bodies_p_mocap_m(self) -> "np.ndarray":
+    def bodies_p_mocap_m(self) -> Floats:
         """(n, b, 3) m, in the mocap frame."""
         return self._array("bodies_p_mocap_m")
 
     @property
-    def bodies_q_mocap_xyzw(self) -> "np.ndarray":
+    def bodies_q_mocap_xyzw(self) -> Floats:
         """(n, b, 4), as the driver reports them."""
         return self._array("bodies_q_mocap_xyzw")
 
     @property
-    def base_p_mocap_m(self) -> "np.ndarray":
+    def base_p_mocap_m(self) -> Floats:
         """(n, 3) m: of the base's body; NaN for a fixed base."""
         return self._array("base_p_mocap_m")
 
     @property
-    def base_q_mocap_xyzw(self) -> "np.ndarray":
+    def base_q_mocap_xyzw(self) -> Floats:
         """(n, 4): of the base's body."""
         return self._array("base_q_mocap_xyzw")
 
     @property
-    def inputs(self) -> "np.ndarray":
+    def inputs(self) -> Floats:
         """(n, i) gauge Pa, Pa below ambient, N or rad, at the frames' stamps; see ``Arm.inputs``."""
         return self._array("inputs")
 
     @property
-    def payload_kg(self) -> "np.ndarray":
+    def payload_kg(self) -> Floats:
         """(n,) kg."""
         return self._array("payload_kg")
 
     @property
-    def series(self) -> Dict[str, Tuple["np.ndarray", "np.ndarray"]]:
+    def series(self) -> Dict[str, Tuple[Floats, Floats]]:
         """Each input by its own samples: (stamps in s, values). Empty where time went back in the recording."""
         return self._handle.series()
 
@@ -91,12 +91,12 @@ class Trial:
         """Names and arrays, as lists; None for NaN."""
         self._array("stamp_s")
         assert self._arrays is not None
-        return plain({"name": self.name, "bodies": [one.name for one in self.arm.bodies],
+        return plain_dict({"name": self.name, "bodies": [one.name for one in self.arm.bodies],
                       "input_names": [one.name for one in self.arm.inputs], **self._arrays})
 
     def to_pandas(self) -> Any:
         """A DataFrame with a row per frame, indexed by ``stamp_s``: ``ring_1_x_m`` ..., ``chamber_1_Pa`` ..., ``payload_kg``."""
-        columns: Dict[str, np.ndarray] = {}
+        columns: Dict[str, Floats] = {}
         p = self.bodies_p_mocap_m
         for k, body in enumerate(self.arm.bodies):
             for axis, letter in enumerate("xyz"):
@@ -112,23 +112,34 @@ class Trial:
     def from_arrays(arm: Arm, stamp_s: Any, bodies_p_mocap_m: Any, *, bodies_q_mocap_xyzw: Any = None,
                     base_p_mocap_m: Any = None, base_q_mocap_xyzw: Any = None, inputs: Any = None, payload_kg: Any = None,
                     name: str = "trial") -> "Trial":
-        """A trial out of arrays, with the shapes and units of the properties of the same names.
+        """A trial called ``name`` out of arrays, with the shapes and units of the properties of the same names.
 
-        NaN: not seen, not known. ``inputs`` may be {name: (n,)}; names left out are 0, and None is not known. ``payload_kg``
-        may be one number. The base is needed where the arm's base is a measured body.
+        ``stamp_s`` (n,) s; ``bodies_p_mocap_m`` (n, b, 3) m; ``bodies_q_mocap_xyzw`` (n, b, 4); ``base_p_mocap_m`` (n, 3) m and
+        ``base_q_mocap_xyzw`` (n, 4), needed where the arm's base is a measured body; ``inputs`` (n, i) or {name: number or (n,)},
+        Pa, N or rad, names left out are 0, and None is not known; ``payload_kg`` (n,) or one number, kg. NaN: not seen, not known.
         Raises ValueError for wrong shapes, infinity, stamps that do not increase, and names that the arm does not have.
         """
+        handle = handle_of(arm)
         stamps = np.atleast_1d(numbers("stamp_s", stamp_s))
         n = stamps.shape[0]
         names = [one.name for one in arm.inputs]
         drive = np.full((n, len(names)), np.nan) if inputs is None else table(inputs, names, n)
         payload = numbers("payload_kg", np.nan if payload_kg is None else payload_kg)
         payload = np.full(n, payload) if payload.ndim == 0 else payload
-        optional = [None if one is None else numbers(label, one) for label, one in
-                    (("bodies_q_mocap_xyzw", bodies_q_mocap_xyzw), ("base_p_mocap_m", base_p_mocap_m),
-                     ("base_q_mocap_xyzw", base_q_mocap_xyzw))]
-        return Trial(_softarm.trial_of(arm._handle, name, stamps, numbers("bodies_p_mocap_m", bodies_p_mocap_m), *optional,
-                                       drive, payload), arm)
+        bodies_q, base_p, base_q = (None if one is None else numbers(label, one) for label, one in (
+            ("bodies_q_mocap_xyzw", bodies_q_mocap_xyzw), ("base_p_mocap_m", base_p_mocap_m), ("base_q_mocap_xyzw", base_q_mocap_xyzw)))
+        return Trial(_softarm.trial_of(handle, text_of("name", name), stamps, numbers("bodies_p_mocap_m", bodies_p_mocap_m), bodies_q, base_p,
+                                       base_q, drive, payload), arm)
+
+
+def handles_of(trials: Iterable[Trial]) -> "List[_softarm.TrialHandle]":
+    if not isinstance(trials, Iterable):
+        raise wrong("trials", trials, "a list of Trials")
+    trials = list(trials)
+    for trial in trials:
+        if not isinstance(trial, Trial):
+            raise wrong("trials", trial, "Trials; read_bags makes them of bags")
+    return [trial._handle for trial in trials]
 
 
 def _told(trials: List[Trial]) -> List[Trial]:
@@ -146,26 +157,29 @@ def read_bags(arm: Arm, paths: Union[Path, Iterable[Path]], *, use_payload: bool
     ``progress``: called with (share done, what is being done).
     Raises BagError for the first bag that is missing, damaged or without a frame, or named like another.
     """
-    handles = _softarm.read_bags(arm._handle, paths_of(paths), bool(use_payload), jobs_of(jobs), progress)
+    handles = _softarm.read_bags(handle_of(arm), paths_of(paths), bool(use_payload), jobs_of(jobs), progress_of(progress))
     return _told([Trial(handle, arm) for handle in handles])
 
 
 def read_bag(arm: Arm, path: Path, *, use_payload: bool = True, progress: Optional[Progress] = None) -> Trial:
-    """The trial of one bag; see :func:`read_bags`."""
-    return read_bags(arm, [path], use_payload=use_payload, jobs=1, progress=progress)[0]
+    """The trial of the bag ``path``; ``use_payload`` and ``progress`` as of :func:`read_bags`."""
+    return read_bags(arm, [path_of("path", path)], use_payload=use_payload, jobs=1, progress=progress)[0]
 
 
 def read_csv(arm: Arm, layout: Path, path: Path, *, inputs: Path = "", use_payload: bool = True,
              progress: Optional[Progress] = None) -> List[Trial]:
-    """Trials of a CSV recording by a layout: a file, or the name of one that ships. As ``softarm import`` and a bag give them.
+    """Trials of the CSV recording ``path`` by a ``layout``: a file, or the name of one that ships. As ``softarm import`` and a bag
+    give them.
 
     ``inputs``: the file that is joined, where the layout has a key ``join``. Several trials where it has a trial column.
+    ``use_payload``: whether the payload's column is read; ``progress``: called with (share done, what is being done).
     Raises CsvError for a layout or a recording that cannot be used, BagError where it has no frame for this arm.
     """
-    given = os.fspath(layout)
+    given = path_of("layout", layout)
     found = given
     if not os.path.isfile(given):
         shipped = [os.path.join(folder, given + ".yaml") for folder in folders("layouts")]
         found = next((one for one in shipped if os.path.isfile(one)), given)
-    handles = _softarm.read_csv(arm._handle, found, os.fspath(path), os.fspath(inputs), bool(use_payload), progress)
+    handles = _softarm.read_csv(handle_of(arm), found, path_of("path", path), path_of("inputs", inputs), bool(use_payload),
+                                progress_of(progress))
     return _told([Trial(handle, arm) for handle in handles])

@@ -108,6 +108,27 @@ std::string to_text(const std::vector<CheckFinding>& together, std::size_t recor
   return text.empty() ? "" : fmt::format("all {} recordings together:\n", recordings) + text;
 }
 
+std::string to_text(const std::vector<CheckReport>& reports, const std::vector<CheckFinding>& together,
+                    bool with_information) {
+  std::string text;
+  for (const CheckReport& report : reports)
+    text += (text.empty() ? "" : "\n") + to_text(report, with_information);
+  const std::string of_all = to_text(together, reports.size(), with_information);
+  return of_all.empty() ? text : text + "\n" + of_all;
+}
+
+CheckReport unreadable(const std::string& name, const std::string& why) {
+  CheckReport report;
+  report.name = name;
+  CheckFinding finding;
+  finding.severity = Severity::kSerious;
+  finding.id = "unreadable";
+  finding.what = why;
+  finding.remedy = "rosbag reindex saves what a killed recorder left; else record again";
+  report.findings.push_back(finding);
+  return report;
+}
+
 std::string to_json(const std::vector<CheckReport>& reports, const std::string& arm,
                     const std::vector<CheckFinding>& together) {
   ordered_json document;

@@ -288,16 +288,9 @@ bool Estimator::Impl::enough_beyond_every_joint() const {
 
 std::optional<std::vector<arm::SegmentPrediction>> Estimator::Impl::predict_laws(const trial::Frame& frame) {
   if (frame.inputs.size() != arm.inputs.scalars.size()) return std::nullopt;
-  std::optional<std::vector<arm::SegmentPrediction>> predictions = predict(arm, frame.inputs);
+  std::optional<std::vector<arm::SegmentPrediction>> predictions =
+      model::predict(arm, frame.inputs, extension ? extension->moment_inputs() : frame.inputs);
   if (!predictions) return predictions;
-  if (extension && extension->moment_inputs() != frame.inputs) {
-    const auto moments = predict(arm, extension->moment_inputs());
-    if (!moments) return std::nullopt;
-    for (std::size_t i = 0; i < predictions->size(); ++i) {
-      (*predictions)[i].moment_nm = (*moments)[i].moment_nm;
-      (*predictions)[i].curvature_per_m = (*moments)[i].curvature_per_m;
-    }
-  }
   memory.follow(frame.stamp_s(), frame.inputs, *predictions);
   return predictions;
 }

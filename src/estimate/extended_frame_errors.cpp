@@ -11,21 +11,6 @@ namespace {
 
 using Eigen::VectorXd;
 
-/// What the laws make of inputs and of those that moments follow.
-std::optional<std::vector<arm::SegmentPrediction>> predictions_of(const arm::Arm& arm,
-                                                                  const arm::InputValues& inputs,
-                                                                  const arm::InputValues& moment_inputs) {
-  auto predictions = predict(arm, inputs);
-  if (!predictions || inputs == moment_inputs) return predictions;
-  const auto moments = predict(arm, moment_inputs);
-  if (!moments) return std::nullopt;
-  for (std::size_t i = 0; i < predictions->size(); ++i) {
-    (*predictions)[i].moment_nm = (*moments)[i].moment_nm;
-    (*predictions)[i].curvature_per_m = (*moments)[i].curvature_per_m;
-  }
-  return predictions;
-}
-
 /// Adds the difference of two predictions.
 void add_difference(const arm::SegmentPrediction& to, const arm::SegmentPrediction& from,
                     arm::SegmentPrediction& p) {
@@ -51,8 +36,8 @@ void ExtendedFrame::set_laws(const std::vector<arm::SegmentPrediction>& laws) {
     if (!differs) continue;
     other = OtherDrive{laws, driven.payload_kg};
     // The walls' memory, which is in `laws`, keeps as little of a lasting difference as of its cause.
-    if (!here) here = predictions_of(arm_, frame_.inputs, moment_inputs_);
-    const auto there = predictions_of(arm_, driven.inputs, driven.moment_inputs);
+    if (!here) here = model::predict(arm_, frame_.inputs, moment_inputs_);
+    const auto there = model::predict(arm_, driven.inputs, driven.moment_inputs);
     for (std::size_t i = 0; here && there && i < laws.size(); ++i)
       add_difference((*there)[i], (*here)[i], other->laws[i]);
   }

@@ -79,6 +79,8 @@ rod::SolverOptions fine_options() {
   return options;
 }
 
+}  // namespace
+
 double usual_size(arm::InputKind kind) {
   switch (kind) {
     case arm::InputKind::kPressure:
@@ -88,8 +90,6 @@ double usual_size(arm::InputKind kind) {
       return 1.0;  // N, rad
   }
 }
-
-}  // namespace
 
 ArmStatics::ArmStatics(const arm::Arm& arm, const std::vector<double>& points_m)
     : arm_(arm),

@@ -19,6 +19,9 @@ struct StaticLoad {
   Eigen::Vector3d gravity_base = Eigen::Vector3d::Zero();  ///< in the rod's base frame, m/s^2
 };
 
+/// What an input of a kind usually is: pressures in Pa, else 1.
+double usual_size(arm::InputKind kind);
+
 /// At rest, all of a wall's creep done, without effects. Everything is in the rod's base frame.
 ///
 /// Derivatives: the rod's own, analytic, by all of its parameters that inputs and constants move, times those

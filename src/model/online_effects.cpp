@@ -9,8 +9,7 @@
 namespace softarm::model {
 namespace {
 
-constexpr double kSettled_m = 1e-6;  // of shapes: a thousandth of what cameras see
-constexpr double kBlock_s = 0.1;     // over which shapes are averaged before memories take notice
+constexpr double kBlock_s = 0.1;  // over which shapes are averaged before memories take notice
 
 std::string with_values(const Present& present) {
   std::string text = present.effect->info().id;
@@ -43,10 +42,24 @@ void divide(rod::RodState& state, double by) {
 
 }  // namespace
 
-OnlineEffects::OnlineEffects(const arm::Arm& arm, const std::vector<Present>& effects)
+std::optional<std::vector<arm::SegmentPrediction>> predict(const arm::Arm& arm,
+                                                           const arm::InputValues& inputs,
+                                                           const arm::InputValues& moment_inputs) {
+  auto predictions = arm::predict(arm, inputs);
+  if (!predictions || inputs == moment_inputs) return predictions;
+  const auto moments = arm::predict(arm, moment_inputs);
+  if (!moments) return std::nullopt;
+  for (std::size_t i = 0; i < predictions->size(); ++i) {
+    (*predictions)[i].moment_nm = (*moments)[i].moment_nm;
+    (*predictions)[i].curvature_per_m = (*moments)[i].curvature_per_m;
+  }
+  return predictions;
+}
+
+OnlineEffects::OnlineEffects(const arm::Arm& arm, const std::vector<Present>& effects, const Solving& solving)
     : arm_(arm),
       effects_(choose(effects)),
-      solver_(arm, Mesh::of(effects_, kSettled_m)),
+      solver_(solving.layout != nullptr ? *solving.layout : arm, Mesh::of(effects_, solving.settled_m)),
       history_(arm),
       memories_(effects_),
       unknown_(arm, effects_),

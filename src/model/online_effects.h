@@ -19,6 +19,11 @@
 
 namespace softarm::model {
 
+/// What the laws make of inputs where moments and curvatures follow others; nothing where they have no value.
+std::optional<std::vector<arm::SegmentPrediction>> predict(const arm::Arm& arm,
+                                                           const arm::InputValues& inputs,
+                                                           const arm::InputValues& moment_inputs);
+
 /// 1. begin(): what drives the frame, as effects on inputs and payload change it.
 /// 2. solve(), as often as wanted: the equilibrium with all effects, whose segments have given values.
 /// 3. keep(): the last solution is the frame's. Memories take notice of means over a tenth of a second, as
@@ -27,7 +32,15 @@ namespace softarm::model {
 /// beginning of a trial. Not thread-safe.
 class OnlineEffects {
  public:
-  OnlineEffects(const arm::Arm& arm, const std::vector<Present>& effects);
+  /// How exact solutions are, and of which arm.
+  struct Solving {
+    double settled_m = 1e-6;  ///< to which shapes agree with what they cause: far below what cameras see
+    const arm::Arm* layout =
+        nullptr;  ///< the arm, where the one that is given has other constants of its laws
+  };
+  OnlineEffects(const arm::Arm& arm, const std::vector<Present>& effects)
+      : OnlineEffects(arm, effects, Solving()) {}
+  OnlineEffects(const arm::Arm& arm, const std::vector<Present>& effects, const Solving& solving);
 
   /// Which effects are in the model, and which cannot be and why; one line each.
   const std::vector<std::string>& notes() const { return notes_; }

@@ -31,7 +31,11 @@ py::object python_of(const YAML::Node& node) {
   const std::string& word = node.Scalar();
   if (node.Tag() != "!") {  // not in quotes
     if (word == "true" || word == "false") return py::bool_(word == "true");
-    if (const auto number = math::parse_number(word)) return py::float_(*number);
+    if (const auto number = math::parse_number(word)) {
+      const bool whole = word.find_first_not_of("0123456789", word[0] == '-' ? 1 : 0) == std::string::npos;
+      if (whole) return py::reinterpret_steal<py::object>(PyLong_FromString(word.c_str(), nullptr, 10));
+      return py::float_(*number);
+    }
   }
   return py::str(word);
 }
@@ -180,6 +184,8 @@ void add_arm(py::module& module) {
       py::arg("name"), py::arg("folders"));
   module.def("arm_names", &arm::arm_names, py::arg("folders"));
   module.def("arm_keys", &arm::describe_arm_keys);
+  module.def(
+      "keys_of_yaml", [](const std::string& text) { return python_of(YAML::Load(text)); }, py::arg("text"));
 }
 
 }  // namespace softarm::python

@@ -58,6 +58,15 @@ inline void expect_numbers(const Doubles& array, const char* name, bool absent_a
   }
 }
 
+/// Finite, each later than the one before.
+inline void expect_increasing(const Doubles& array, const char* name) {
+  expect_numbers(array, name, false);
+  for (Py_ssize_t i = 1; i < array.size(); ++i)
+    if (!(array.data()[i] > array.data()[i - 1]))
+      throw std::invalid_argument(
+          fmt::format("{}: element {} is not later than the one before; must increase", name, i));
+}
+
 inline std::optional<double> present(double value) {
   return std::isnan(value) ? std::nullopt : std::optional<double>(value);
 }

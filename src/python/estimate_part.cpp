@@ -10,6 +10,7 @@
 #include "estimate_table.h"
 #include "long_call.h"
 #include "math/parallel.h"
+#include "mismatch_table.h"
 #include "parts.h"
 #include "ros/bag_frames.h"
 #include "softarm/effects/arm_effects.h"
@@ -63,13 +64,15 @@ class EstimatorHandle {
       : handle_(std::move(arm)),
         options_(options),
         arm_(arm_with(*handle_, options)),
-        estimator_(arm_, arm_.estimator, handle_->effects) {
+        estimator_(arm_, arm_.estimator, handle_->effects),
+        monitor_(arm_) {
     estimator_.set_backbone_points(options.backbone_points);
   }
 
   /// What came of a stretch of frames.
   struct Part {
     EstimateTable table;
+    MismatchTable mismatch;
     estimate::EstimateSummary summary;
     std::map<std::string, std::uint64_t> rejected;
     std::uint64_t samples = 0;
@@ -77,19 +80,28 @@ class EstimatorHandle {
     py::dict take(const std::string& name) {
       py::dict d = table.take();
       d["name"] = name;
-      d["summary"] = summary.text(rejected, samples);
+      d["summary"] = summary.text(rejected, samples) + mismatch.text();
+      d["mismatch"] = mismatch.take();
       d["warnings"] = warnings;
       return d;
     }
   };
   Part new_part() const {
-    return {EstimateTable(arm_, options_.backbone_points), estimate::EstimateSummary(arm_), {}, 0, {}};
+    return {EstimateTable(arm_, options_.backbone_points), {}, estimate::EstimateSummary(arm_), {}, 0, {}};
   }
 
   void add(const trial::Frame& frame, Part& part) {
     const estimate::Estimate& estimate = estimator_.estimate(frame);
     part.table.add(estimate);
     part.summary.add(estimate);
+    const estimate::Estimator::ByLaws plain = estimator_.by_laws();
+    part.mismatch.add(monitor_.add(plain.frame, plain.estimate));
+  }
+
+  void forget(Part& part) {
+    estimator_.reset();
+    monitor_.reset();
+    part.mismatch.interrupt();
   }
 
   void add(const TrialHandle& trial, LongCall& call, Part& part) {
@@ -98,7 +110,7 @@ class EstimatorHandle {
     auto jump = trial.read.after_jumps.begin();
     for (std::size_t i = 0; i < trial.read.trial.frames.size(); ++i) {
       if (jump != trial.read.after_jumps.end() && *jump == i) {
-        estimator_.reset();
+        forget(part);
         ++jump;
       }
       trial::Frame frame = trial.read.trial.frames[i];
@@ -118,7 +130,7 @@ class EstimatorHandle {
     call.add_total(static_cast<double>(bag.messages()));
     BagFrames::Callbacks callbacks;
     callbacks.on_frame = [&](const trial::Frame& frame) { add(frame, part); };
-    callbacks.on_time_jump = [&] { estimator_.reset(); };
+    callbacks.on_time_jump = [&] { forget(part); };
     callbacks.on_messages = [&](std::uint64_t messages) { call.advance(static_cast<double>(messages)); };
     bag.read(callbacks);
     part.rejected = bag.assembler().rejected();
@@ -154,6 +166,7 @@ class EstimatorHandle {
   void reset() {
     const std::lock_guard<std::mutex> lock(mutex_);
     estimator_.reset();
+    monitor_.reset();
   }
   std::vector<std::string> notes() const {
     std::vector<std::string> list = estimator_.effect_notes();
@@ -170,6 +183,7 @@ class EstimatorHandle {
   arm::Arm arm_;
   std::mutex mutex_;
   estimate::Estimator estimator_;
+  monitor::MismatchMonitor monitor_;
 };
 
 py::list estimate_bags(const std::shared_ptr<ArmHandle>& arm, const std::vector<std::string>& paths,
@@ -221,6 +235,8 @@ void add_estimate(py::module& module) {
   module.def("estimate_bags", &estimate_bags, py::arg("arm"), py::arg("paths"), py::arg("options"),
              py::arg("jobs"), py::arg("progress"));
   module.def("statuses", &statuses);
+  module.def("change_kinds", &change_kinds);
+  module.def("mismatch_axes", &mismatch_axes);
 }
 
 }  // namespace softarm::python

@@ -7,13 +7,14 @@
 #include "arm_handle.h"
 #include "arrays.h"
 #include "long_call.h"
-#include "model/arm_statics.h"
+#include "model/extended_statics.h"
 #include "parts.h"
+#include "softarm/effects/arm_effects.h"
 
 namespace softarm::python {
 namespace {
 
-using model::ArmStatics;
+using model::ExtendedStatics;
 using model::StaticLoad;
 
 /// Row by row into one vector.
@@ -29,17 +30,51 @@ struct Results {
   std::vector<double> by_inputs, by_payload, by_gravity, by_constants;
 };
 
-/// An arm's statics, for one thread at a time.
+/// An arm's statics, its effects in it, for one thread at a time.
 class ModelHandle {
  public:
   ModelHandle(Arm arm, const std::vector<double>& points_m, const std::vector<std::string>& constants)
-      : arm_(std::move(arm)), points_(points_m.size()), statics_(arm_->arm, points_m) {
+      : arm_(std::move(arm)), points_(points_m.size()), statics_(arm_->arm, arm_->effects, points_m) {
     for (const std::string& name : constants) constants_.push_back(arm_->constant(name));
   }
 
+  /// @param stamp_s instants of one trial; absent: each is one of its own
   py::dict solve(const Doubles& inputs, const Doubles& payload_kg, const Doubles& gravity_base,
-                 bool derivatives, const py::object& progress) {
+                 const std::optional<Doubles>& stamp_s, bool derivatives, const py::object& progress) {
     const Py_ssize_t count = inputs.ndim() == 2 ? inputs.shape(0) : 0;
+    check(inputs, payload_kg, gravity_base, stamp_s, count);
+    const double *input = inputs.data(), *payload = payload_kg.data(), *gravity = gravity_base.data();
+    const double* stamp = stamp_s ? stamp_s->data() : nullptr;
+    const auto scalars = static_cast<Py_ssize_t>(arm_->arm.inputs.scalars.size());
+    Results out;
+    LongCall call(progress);
+    call.run([&] {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      call.add_total(static_cast<double>(count));
+      statics_.begin_trial();
+      for (Py_ssize_t i = 0; i < count; ++i) {
+        StaticLoad load;
+        for (Py_ssize_t k = 0; k < scalars; ++k) load.inputs.emplace_back(input[i * scalars + k]);
+        load.payload_kg = payload[i];
+        load.gravity_base = Eigen::Map<const Eigen::Vector3d>(gravity + 3 * i);
+        add(stamp ? statics_.solve_next(stamp[i], load) : statics_.solve(load), load, derivatives, out);
+        call.advance(1.0);
+      }
+    });
+    return dict_of(std::move(out), count, derivatives);
+  }
+
+  /// Which effects are in it, and what the file says against them.
+  std::vector<std::string> notes() const {
+    std::vector<std::string> list = statics_.notes();
+    const std::string doubt = effects::doubt_about_effects(arm::ArmText{arm_->text, arm_->source});
+    if (!doubt.empty()) list.push_back(doubt);
+    return list;
+  }
+
+ private:
+  void check(const Doubles& inputs, const Doubles& payload_kg, const Doubles& gravity_base,
+             const std::optional<Doubles>& stamp_s, Py_ssize_t count) const {
     const auto scalars = static_cast<Py_ssize_t>(arm_->arm.inputs.scalars.size());
     expect_shape(inputs, "inputs", {count, scalars}, "instants, inputs of the arm");
     expect_shape(payload_kg, "payload_kg", {count}, "instants");
@@ -50,25 +85,12 @@ class ModelHandle {
     for (Py_ssize_t i = 0; i < count; ++i)
       if (payload_kg.at(i) < 0.0)
         throw std::invalid_argument(fmt::format("payload_kg: {} kg; must be 0 or more", payload_kg.at(i)));
-    const double *input = inputs.data(), *payload = payload_kg.data(), *gravity = gravity_base.data();
-    Results out;
-    LongCall call(progress);
-    call.run([&] {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      call.add_total(static_cast<double>(count));
-      for (Py_ssize_t i = 0; i < count; ++i) {
-        StaticLoad load;
-        for (Py_ssize_t k = 0; k < scalars; ++k) load.inputs.emplace_back(input[i * scalars + k]);
-        load.payload_kg = payload[i];
-        load.gravity_base = Eigen::Map<const Eigen::Vector3d>(gravity + 3 * i);
-        solve_one(load, derivatives, out);
-        call.advance(1.0);
-      }
-    });
-    return dict_of(std::move(out), count, derivatives);
+    if (stamp_s) {
+      expect_shape(*stamp_s, "stamp_s", {count}, "instants");
+      expect_increasing(*stamp_s, "stamp_s");
+    }
   }
 
- private:
   void append_shape(Results& out, bool solved) const {
     for (int i = 0; i < static_cast<int>(points_); ++i) {
       const rod::RodState state = solved ? statics_.point(i) : rod::RodState();
@@ -93,21 +115,21 @@ class ModelHandle {
     }
   }
 
-  void solve_one(const StaticLoad& load, bool derivatives, Results& out) {
-    const ArmStatics::Outcome outcome = statics_.solve(load);
-    const bool solved = outcome == ArmStatics::Outcome::kSolved;
+  void add(ExtendedStatics::Outcome outcome, const StaticLoad& load, bool derivatives, Results& out) {
+    const bool solved = outcome == ExtendedStatics::Outcome::kSolved;
     out.outcome.push_back(static_cast<std::int8_t>(outcome));
     append_shape(out, solved);
     if (!derivatives) return;
     const auto rows = static_cast<Eigen::Index>(3 * (arm_->arm.bodies.size() + points_));
-    const auto add = [&](std::vector<double>& to, Eigen::Index columns, auto derivative) {
+    const auto put_rows = [&](std::vector<double>& to, Eigen::Index columns, auto derivative) {
       append_rows(to, solved ? Eigen::MatrixXd(derivative()) : Eigen::MatrixXd::Zero(rows, columns));
     };
-    add(out.by_inputs, static_cast<Eigen::Index>(load.inputs.size()), [&] { return statics_.by_inputs(); });
-    add(out.by_payload, 1, [&] { return statics_.by_payload(); });
-    add(out.by_gravity, 3, [&] { return statics_.by_gravity(); });
-    add(out.by_constants, static_cast<Eigen::Index>(constants_.size()),
-        [&] { return statics_.by_constants(constants_); });
+    put_rows(out.by_inputs, static_cast<Eigen::Index>(load.inputs.size()),
+             [&] { return statics_.by_inputs(); });
+    put_rows(out.by_payload, 1, [&] { return statics_.by_payload(); });
+    put_rows(out.by_gravity, 3, [&] { return statics_.by_gravity(); });
+    put_rows(out.by_constants, static_cast<Eigen::Index>(constants_.size()),
+             [&] { return statics_.by_constants(constants_); });
   }
 
   py::dict dict_of(Results&& r, Py_ssize_t n, bool derivatives) const {
@@ -142,7 +164,7 @@ class ModelHandle {
   std::size_t points_;
   std::vector<arm::ConstantRef> constants_;
   std::mutex mutex_;
-  ArmStatics statics_;
+  ExtendedStatics statics_;
 };
 
 }  // namespace
@@ -155,7 +177,8 @@ void add_model(py::module& module) {
            }),
            py::arg("arm"), py::arg("points_m"), py::arg("constants"))
       .def("solve", &ModelHandle::solve, py::arg("inputs"), py::arg("payload_kg"),
-           py::arg("gravity_base_m_s2"), py::arg("derivatives"), py::arg("progress"));
+           py::arg("gravity_base_m_s2"), py::arg("stamp_s"), py::arg("derivatives"), py::arg("progress"))
+      .def("notes", &ModelHandle::notes);
 }
 
 }  // namespace softarm::python

@@ -90,4 +90,5 @@ PYBIND11_MODULE(_softarm, module) {
   python::add_estimate(module);
   python::add_identify(module);
   python::add_diagnose(module);
+  python::add_check(module);
 }

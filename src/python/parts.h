@@ -11,5 +11,6 @@ void add_trial(pybind11::module& module);
 void add_estimate(pybind11::module& module);
 void add_identify(pybind11::module& module);
 void add_diagnose(pybind11::module& module);
+void add_check(pybind11::module& module);
 
 }  // namespace softarm::python

@@ -147,7 +147,7 @@ struct FrameArrays {
     const auto bodies = static_cast<Py_ssize_t>(arm.bodies.size());
     const auto scalars = static_cast<Py_ssize_t>(arm.inputs.scalars.size());
     expect_shape(stamp_s, "stamp_s", {n}, "frames");
-    expect_numbers(stamp_s, "stamp_s", false);
+    expect_increasing(stamp_s, "stamp_s");
     const auto check_one = [](const Doubles& array, const char* name, const Shape& shape, const char* what) {
       expect_shape(array, name, shape, what);
       expect_numbers(array, name, true);
@@ -159,10 +159,6 @@ struct FrameArrays {
     if (base_q) check_one(*base_q, "base_q_mocap_xyzw", {n, 4}, "frames, x y z w");
     check_one(inputs, "inputs", {n, scalars}, "frames, inputs of the arm");
     check_one(payload_kg, "payload_kg", {n}, "frames");
-    for (Py_ssize_t i = 1; i < n; ++i)
-      if (!(stamp_s.at(i) > stamp_s.at(i - 1)))
-        throw std::invalid_argument(
-            fmt::format("stamp_s: element {} is not later than the one before; must increase", i));
     if (arm.base.body && !(base_p && base_q))
       throw std::invalid_argument(fmt::format(
           "base_p_mocap_m, base_q_mocap_xyzw: the arm {} has its base on the body {}, so both are needed",

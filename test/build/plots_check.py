@@ -1,7 +1,9 @@
 #!/usr/bin/python3
-"""What scripts/plot_estimates.py draws of a trial of the rig: every value, the residual, a legend, the truth where it is."""
+"""What the plotting scripts draw of trials of the rig: of estimates every value, the residual, a legend, the truth where it is; of
+findings those of the bags; of an identification its three parts. What cannot be drawn is one line."""
 import importlib.util
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -64,6 +66,60 @@ class PlotEstimates(unittest.TestCase):
             self.assertEqual(done.returncode, 1)
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
             self.assertIn(wrong, done.stderr)
+
+
+class Others(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(dir=build, prefix="plots_check_")
+        cls.addClassCleanup(shutil.rmtree, cls.folder)
+        cls.bags = [cls.path(f"trial_{k}.bag") for k in range(3)]
+        for k, bag in enumerate(cls.bags):
+            softarm("simulate", "trial_10s", "--seconds", "8", "--seed", str(k + 1), "--out", bag)
+
+    @classmethod
+    def path(cls, name):
+        return os.path.join(cls.folder, name)
+
+    def draw(self, script, *arguments):
+        return subprocess.run([sys.executable, os.path.join(source, "scripts", script), *arguments, "--out", self.path("a.svg")],
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False,
+                              env={**os.environ, "SOFTARM_BUILD_DIR": build})
+
+    def said(self, script, *arguments):
+        done = self.draw(script, *arguments)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with open(self.path("a.svg"), encoding="utf-8") as picture:
+            return picture.read()
+
+    def expect_line(self, script, word, *arguments):
+        done = self.draw(script, *arguments)
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), done.stderr)
+        self.assertIn(word, done.stderr)
+
+    def test_findings_of_bags_are_those_that_were_written(self):
+        findings = self.path("findings.json")
+        softarm("check", "--arm", "online_200mm", *self.bags[:2], "--json", findings)
+        drawn = self.said("plot_check.py", "--arm", "online_200mm", *self.bags[:2])
+        for text in ("trial_0.bag", "trial_1.bag", "ring_4", "inputs at rest"):
+            self.assertIn(f"<!-- {text} -->", drawn)
+        of_file = self.said("plot_check.py", findings)
+        texts = re.compile("<!-- (.*?) -->")
+        self.assertEqual(texts.findall(of_file), texts.findall(drawn))
+        self.expect_line("plot_check.py", "nowhere.bag: no such bag", "--arm", "online_200mm", self.path("nowhere.bag"))
+        self.expect_line("plot_check.py", "--arm", self.bags[0])
+
+    def test_an_identification(self):
+        softarm("identify", "--arm", "online_200mm", *self.bags, "--out", self.path("fitted.yaml"), "--plot", self.path("picture"))
+        drawn = self.said("plot_identify.py", self.path("picture"))
+        for text in ("measured z of ring_4 (mm)", "after, fitted", "after, held out", "held out, before", "segment_1.chamber_1.moment_gain"):
+            self.assertIn(f"<!-- {text} -->", drawn)
+        for option, text in (("--joints", "sag of the tip"), ("--laws", "one chamber alone: c p / (1 + a p)"), ("--wall", "inflated for 15 s")):
+            self.assertIn(f"<!-- {text} -->", self.said("plot_identify.py", option))
+        self.expect_line("plot_identify.py", "shapes.csv", self.folder)
+        with open(self.path("shapes.csv"), "w", encoding="utf-8") as file:
+            file.write("trial,stamp\na,1\n")
+        self.expect_line("plot_identify.py", "no column body", self.folder)
 
 
 if __name__ == "__main__":

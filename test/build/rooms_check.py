@@ -30,7 +30,7 @@ ALLOWED = {
     "published": "arm rod identify",
     "rig": "math",
     "ros": "math arm trial model effects estimate monitor",
-    "python": "math arm trial model effects estimate identify diagnose report ros",
+    "python": "math arm trial model effects estimate identify check monitor diagnose report ros",
     "apps": "math arm trial rod model effects estimate identify check monitor diagnose report published rig ros",
 }
 ALLOWED = {room: set(others.split()) for room, others in ALLOWED.items()}

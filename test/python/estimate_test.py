@@ -59,6 +59,41 @@ class Estimates(unittest.TestCase):
         for line in softarm.estimate(self.trial).summary.splitlines():
             self.assertIn(line, text)
 
+    def test_alarms_are_the_programs(self):
+        """A ring that slips at 8 s: the bag, the trial, and frame by frame."""
+        support.slipping_bag()
+        text = support.softarm("estimate", "--arm", "online_200mm", "slip.bag", "--out", "alarms")
+        found, = softarm.estimate_bags(self.arm, support.path("slip.bag"))
+        trial = softarm.read_bag(self.arm, support.path("slip.bag"))
+        self.assertEqual(softarm.estimate(trial).alarms, found.alarms)
+        alarm = found.alarms[0]
+        self.assertIn(f"{alarm.onset_s:.2f} ... {alarm.seen_s:.2f} s", text)
+        self.assertIn(alarm.description, text)
+        self.assertIn(found.summary, text)
+        self.assertAlmostEqual(alarm.onset_s, 8.0, delta=0.15)
+        mismatch = found.mismatch
+        during = mismatch.alarm
+        self.assertEqual((set(mismatch.kind[during]), set(mismatch.body[during])), ({"ring"}, {"ring_3"}))
+        self.assertAlmostEqual(mismatch.onset_s[during][-1] - mismatch.stamp_s[0], alarm.onset_s, delta=1e-6)
+        self.assertTrue(np.isnan(mismatch.onset_s[~during]).all())
+        self.assertFalse(mismatch.valid[0])
+        self.assertTrue(np.isnan(mismatch.score_sd[0]) and np.isfinite(mismatch.score_sd[mismatch.valid]).all())
+        frame = mismatch.to_pandas()
+        self.assertEqual((len(frame), len(mismatch)), (len(found), len(found)))
+        as_dict = found.to_dict()
+        self.assertIsNone(as_dict["mismatch"]["score_sd"][0])
+        self.assertEqual(as_dict["alarms"][0]["description"], alarm.description)
+
+        estimator = softarm.Estimator(self.arm)
+        arrays = {name: getattr(trial, name) for name in (
+            "bodies_q_mocap_xyzw", "base_p_mocap_m", "base_q_mocap_xyzw", "inputs", "payload_kg")}
+        stamps, p = trial.stamp_s, trial.bodies_p_mocap_m
+        first = int(np.flatnonzero(during)[0])
+        live = [estimator.frame(stamps[i], p[i], **{name: array[i] for name, array in arrays.items()}) for i in range(first + 40)]
+        alarmed = [i for i, one in enumerate(live) if one.alarms]
+        self.assertLess(abs(alarmed[0] - first), 10)  # the inputs' own samples are not there, their values at the frames are
+        self.assertIn("ring_3", live[-1].mismatch.description[0])
+
     def test_frame_by_frame_is_the_trial(self):
         whole = softarm.estimate(self.trial)
         estimator = softarm.Estimator(self.arm)

@@ -106,6 +106,66 @@ class Models(unittest.TestCase):
         np.testing.assert_allclose(np.linalg.norm(sag.force_base_n[:, 0], axis=1), 9.8 * (mass + loads), rtol=2e-2)
         self.assertEqual(set(sag.status), {"ok"})
 
+    def extended(self, *effects):
+        """The arm online_200mm with effects in its file, and a model of it; it says that they are in it."""
+        text = "\neffects:\n" + "".join(f"  - {{id: {name}, parameters: {{{numbers}}}}}\n" for name, numbers in effects)
+        arm = softarm.parse_arm(softarm.load_arm("online_200mm").text + text, "mine.yaml")
+        with self.assertWarnsRegex(softarm.SoftarmWarning, "in the model: .*" + effects[0][0]):
+            return arm, softarm.Model(arm)
+
+    def test_effects_are_those_of_an_estimate(self):
+        """Bodies where the model with effects has them: an estimate with them finds the laws, one without does not."""
+        arm, model = self.extended(("base_compliance", "compliance_rad_per_nm: 0.3"), ("payload_scale", "share: 0.2"))
+        self.assertEqual(len(model.notes), 1)
+        n = 20
+        inputs = {"chamber_1": np.linspace(2e4, 4e4, n), "chamber_2": np.linspace(1e4, 3e4, n)}
+        # The base horizontal: turned about x, so that the arm file's gravity, along the mocap's -z, is along its -y.
+        half = np.sqrt(0.5)
+        q = np.tile([half, 0.0, 0.0, half], (n, 1))
+        shapes = model.solve(inputs, 0.1, gravity_base_m_s2=[0.0, -9.80665, 0.0])
+        self.assertEqual(set(shapes.status), {"ok"})
+        p = np.stack([shapes.bodies_p_base_m[..., 0], -shapes.bodies_p_base_m[..., 2], shapes.bodies_p_base_m[..., 1]], axis=-1)
+        trial = softarm.Trial.from_arrays(arm, 0.6 * np.arange(n), p, base_p_mocap_m=np.zeros((n, 3)), base_q_mocap_xyzw=q,
+                                          inputs=inputs, payload_kg=0.1)
+        with self.assertWarns(softarm.SoftarmWarning):
+            found = softarm.estimate(trial)
+        self.assertEqual(set(found.status), {"ok"})
+        np.testing.assert_allclose(found.EI_nm2, shapes.EI_nm2, rtol=2e-3)
+        np.testing.assert_allclose(found.M0_nm, shapes.M0_nm, rtol=2e-3)
+        self.assertLess(np.abs(found.bodies_estimated_base_m - shapes.bodies_p_base_m).max(), 2e-5)
+        plain = softarm.load_arm("online_200mm")
+        self.assertGreater(np.abs(softarm.estimate(trial, arm=plain).EI_nm2 / shapes.EI_nm2 - 1.0).max(), 0.05)
+
+    def test_jacobians_with_effects_are_differences_of_shapes(self):
+        arm, model = self.extended(("base_compliance", "compliance_rad_per_nm: 0.2"))
+        name = "segment_1.bending_stiffness.base"
+        value = arm.constants[name].value
+
+        def tip(of, pressure_pa):
+            return of.solve({"chamber_1": pressure_pa}, 0.1, gravity_base_m_s2=[0.0, -9.0, 3.0], jacobians=True)
+
+        with self.assertWarns(softarm.SoftarmWarning):
+            of_constant = softarm.Model(arm, constants=[name])
+            stiffer, softer = (softarm.Model(arm.with_constants({name: (1.0 + by) * value})) for by in (2e-3, -2e-3))
+        at = tip(of_constant, 3e4)
+        by_input = (tip(model, 3e4 + 100.0).p_base_m - tip(model, 3e4 - 100.0).p_base_m) / 200.0
+        np.testing.assert_allclose(at.jacobians.points_by_inputs[..., 0], by_input, atol=2e-3 * np.abs(by_input).max())
+        by_constant = (tip(stiffer, 3e4).bodies_p_base_m - tip(softer, 3e4).bodies_p_base_m) / (4e-3 * value)
+        np.testing.assert_allclose(at.jacobians.bodies_by_constants[..., 0], by_constant, atol=2e-3 * np.abs(by_constant).max())
+
+    def test_effects_remember_within_a_trial(self):
+        _, model = self.extended(("hysteresis", "share: 0.3, width_pa: 2000, of: 0"))
+        inputs = {"chamber_1": np.concatenate([np.linspace(0.0, 4e4, 30), np.linspace(4e4, 0.0, 30)])}
+        stamps = 0.1 * np.arange(60)
+        remembered = model.solve(inputs, stamp_s=stamps).p_base_m[:, -1]
+        alone = model.solve(inputs).p_base_m[:, -1]
+        self.assertGreater(np.abs(remembered[15] - remembered[44]).max(), 3e-4)  # of equal pressure, up and down
+        np.testing.assert_allclose(alone[15], alone[44], atol=1e-7)
+        np.testing.assert_array_equal(model.solve(inputs, stamp_s=stamps).p_base_m[:, -1], remembered)
+        for wrong, words in ((dict(stamp_s=stamps[::-1]), ["stamp_s", "increase"]), (dict(stamp_s=stamps[:3]), ["different lengths"]),
+                             (dict(stamp_s=stamps, jacobians=True), ["jacobians", "stamp_s"]), (dict(stamp_s="now"), ["stamp_s", "str"])):
+            support.one_line(self, ValueError, lambda: model.solve(inputs, **wrong), *words)
+
     def test_inputs_by_name_and_as_arrays(self):
         arm, inputs, payload = self.load("online_200mm")
         model = softarm.Model(arm)
@@ -116,6 +176,11 @@ class Models(unittest.TestCase):
         array[:, 0] = [0.0, 1e4, 2e4]
         np.testing.assert_array_equal(by_name.p_base_m, model.solve(array, payload).p_base_m)
         self.assertEqual(len(by_name.to_dict()["status"]), 3)
+        frame = model.solve({first: [0.0, 1e4, 2e4]}, payload, jacobians=True).to_pandas()
+        np.testing.assert_array_equal(frame[f"{arm.bodies[1].name}_z_m"], by_name.bodies_p_base_m[:, 1, 2])
+        np.testing.assert_array_equal(frame[f"{arm.segments[0].name}_EI_nm2"], by_name.EI_nm2[:, 0])
+        jacobians = model.solve(inputs, payload, jacobians=True).jacobians.to_dict()
+        self.assertEqual(np.shape(jacobians["bodies_by_inputs"]), (1, len(arm.bodies), 3, len(names)))
 
     def test_what_is_wrong_is_one_line(self):
         arm, inputs, payload = self.load("online_200mm")

@@ -7,9 +7,12 @@ import unittest
 
 import support
 
+import numpy as np
 import softarm
 from softarm import _softarm
 
+SHAPE = r"\((n|k|p)(, \w+)*,?\)"
+UNITS = ("_s", "_m", "_kg", "_pa", "_n", "_nm", "_nm2", "_rad", "_per_m", "_xyzw")
 PACKAGE = os.path.dirname(softarm.__file__)
 
 
@@ -59,7 +62,8 @@ class Stubs(unittest.TestCase):
                 self.assertEqual(arguments(one), said_arguments(getattr(_softarm, one.name)), one.name)
                 seen += 1
             for method in (m for m in getattr(one, "body", []) if isinstance(one, ast.ClassDef)):
-                if isinstance(method, ast.FunctionDef) and method.name != "__init__" and one.name.endswith("Handle"):
+                if (isinstance(method, ast.FunctionDef) and method.name != "__init__" and not method.decorator_list
+                        and one.name.endswith("Handle")):
                     found = said_arguments(getattr(getattr(_softarm, one.name), method.name))
                     self.assertEqual(arguments(method), [name for name in found if name != "arg0"], f"{one.name}.{method.name}")
                     seen += 1
@@ -102,13 +106,48 @@ class Package(unittest.TestCase):
         arm = softarm.load_arm("online_200mm")
         shapes = softarm.Model(arm).solve(jacobians=True)
         found = softarm.estimate(softarm.read_bag(arm, support.bag()))
-        for thing in (shapes, shapes.jacobians, found):
+        for thing in (shapes, shapes.jacobians, found, found.mismatch):
             for name in type(thing).__annotations__:
                 self.assertTrue(hasattr(thing, name), name)
         for name in ("EI_nm2", "payload_kg", "tip_p_base_m"):
             self.assertIn(name, softarm.Estimates.__doc__)
-        own = {name for name in vars(found) if name not in ("name", "summary", "warnings", "status")}
-        self.assertEqual(own, set(softarm.Estimates.__annotations__))
+        for thing, others in ((found, {"name", "summary", "warnings", "alarms", "mismatch"}), (found.mismatch, {"description"}),
+                              (shapes, {"arclength_m", "body_names", "segment_names", "jacobians"}),
+                              (shapes.jacobians, {"inputs", "constants"})):
+            self.assertEqual(set(vars(thing)) - others, set(type(thing).__annotations__))
+
+    def test_docstrings_name_arguments_shapes_and_units(self):
+        """Every argument; of arrays the shape, and the unit where the name has none."""
+        arrays = 0
+        for name in softarm.__all__:
+            thing = getattr(softarm, name)
+            if inspect.isfunction(thing):
+                self.expect_arguments(name, thing, thing.__doc__)
+            if not inspect.isclass(thing) or issubclass(thing, (Exception, Warning)):
+                continue
+            about = " ".join(filter(None, [thing.__doc__, getattr(thing.__init__, "__doc__", None)]))
+            for member, given in inspect.getmembers(thing):
+                if inspect.isfunction(given) and (not member.startswith("_") or thing.__init__.__doc__ and member == "__init__"):
+                    self.expect_arguments(f"{name}.{member}", given, (given.__doc__ or "") + about)
+                elif isinstance(given, property) and given.fget.__annotations__["return"] is np.ndarray:
+                    self.assertRegex(given.__doc__, SHAPE, f"{name}.{member}")
+                    arrays += 1
+                    if not member.endswith(UNITS):
+                        self.assertRegex(given.__doc__, r"\b(s|m|kg|Pa|N|rad|bool)\b|as the driver|base's body", f"{name}.{member}")
+            for field in getattr(thing, "_fields", ()):
+                self.assertIn(f"``{field}``", about + "``name`` ``unit``", f"{name}.{field}")
+            for field, kind in thing.__dict__.get("__annotations__", {}).items():
+                if kind is np.ndarray:
+                    self.assertTrue(f"``{field}``" in about or "``points_by_...``" in about and field.startswith("points_by_"),
+                                    f"{name}.{field}")
+                    self.assertRegex(about, SHAPE, name)
+                    arrays += 1
+        self.assertGreater(arrays, 50)
+
+    def expect_arguments(self, label, function, text):
+        for argument in inspect.signature(function).parameters.values():
+            if argument.name not in ("self", "arm", "others"):
+                self.assertIn(f"``{argument.name}``", text, f"{label}({argument.name})")
 
 
 if __name__ == "__main__":

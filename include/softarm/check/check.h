@@ -84,6 +84,10 @@ struct SOFTARM_EXPORT CheckReport {
 /// 5. The trial: rest at both ends, payload, noise; the clocks of bodies and inputs against each other.
 SOFTARM_EXPORT CheckReport check_recording(const trial::CheckRecording& recording, const arm::Arm& arm);
 
+/// Of a bag that cannot be read at all: a finding, too, so that others are still looked at.
+/// @param why one line
+SOFTARM_EXPORT CheckReport unreadable(const std::string& name, const std::string& why);
+
 /// What several recordings of one arm say together: zeros of sensors, from all trials with a rest. The
 /// reports' own findings of zeros are then information and propose the common one, or, where the trials
 /// disagree, none. So with every setting that they propose differently. Nothing below two recordings.
@@ -101,5 +105,9 @@ SOFTARM_EXPORT std::string to_json(const std::vector<CheckReport>& reports, cons
 /// @param recordings how many
 SOFTARM_EXPORT std::string to_text(const std::vector<CheckFinding>& together, std::size_t recordings,
                                    bool with_information = true);
+
+/// All of it for people: one report after another, then what they say together.
+SOFTARM_EXPORT std::string to_text(const std::vector<CheckReport>& reports,
+                                   const std::vector<CheckFinding>& together, bool with_information = true);
 
 }  // namespace softarm::check

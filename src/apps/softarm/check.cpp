@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <vector>
@@ -37,19 +38,6 @@ constexpr const char* kCheckExamples = R"(Examples:
   softarm check --arm my_arm.yaml trials/*.bag --quiet --json findings.json
 Exit status: 0 nothing serious, 1 something that spoils estimates, 2 bad usage. doc/check.md lists all findings.)";
 
-/// A bag that cannot be read at all is a finding, too: the others are still looked at.
-check::CheckReport unreadable(const std::string& bag, const std::string& what) {
-  check::CheckReport report;
-  report.name = bag;
-  check::CheckFinding finding;
-  finding.severity = check::Severity::kSerious;
-  finding.id = "unreadable";
-  finding.what = what;
-  finding.remedy = "rosbag reindex saves what a killed recorder left; else record again";
-  report.findings.push_back(finding);
-  return report;
-}
-
 check::CheckReport check_bag(const std::string& bag, const arm::Arm& arm, Progress& progress) {
   try {
     const trial::CheckRecording recording = read_recording(
@@ -57,7 +45,7 @@ check::CheckReport check_bag(const std::string& bag, const arm::Arm& arm, Progre
         [&](std::uint64_t messages) { progress.advance(static_cast<double>(messages), messages); });
     return check::check_recording(recording, arm);
   } catch (const BagError& e) {
-    return unreadable(bag, e.what());
+    return check::unreadable(bag, e.what());
   }
 }
 
@@ -98,17 +86,14 @@ void run_check(const CheckOptions& options) {
     throw Failure(e.what(), kBadUsage);
   }
   const std::vector<check::CheckFinding> together = check::check_together(reports);
-  bool serious = false;
-  for (std::size_t i = 0; i < reports.size(); ++i) {
-    fmt::print("{}{}", i == 0 ? "" : "\n", to_text(reports[i], !options.quiet));
-    serious = serious || reports[i].worst() == check::Severity::kSerious;
-  }
-  const std::string of_all = to_text(together, reports.size(), !options.quiet);
-  if (!of_all.empty()) fmt::print("\n{}", of_all);
+  fmt::print("{}", to_text(reports, together, !options.quiet));
   if (json) {
     json->write(to_json(reports, arm.name, together));
     json->commit();
   }
+  const bool serious = std::any_of(reports.begin(), reports.end(), [](const check::CheckReport& report) {
+    return report.worst() == check::Severity::kSerious;
+  });
   if (serious) throw Ended(kFound);
 }
 

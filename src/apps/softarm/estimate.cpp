@@ -12,11 +12,11 @@
 #include <set>
 #include <vector>
 
-#include "alarm_list.h"
 #include "command.h"
 #include "estimate/estimate_summary.h"
 #include "estimate/estimates_csv.h"
 #include "math/parallel.h"
+#include "monitor/alarm_list.h"
 #include "output_file.h"
 #include "progress.h"
 #include "ros/bag_frames.h"
@@ -123,7 +123,8 @@ void estimate_bag(const arm::Arm& arm, const std::vector<model::Present>& effect
   std::ofstream rows(csv.temporary());
   rows << estimate::estimates_csv_header() << '\n';
   estimate::EstimateSummary summary(arm);
-  AlarmList alarms(arm);
+  monitor::MismatchMonitor monitor(arm);
+  monitor::AlarmList alarms;
   std::uint64_t frames = 0;
   BagFrames::Callbacks callbacks;
   callbacks.on_frame = [&](const trial::Frame& frame) {
@@ -131,12 +132,13 @@ void estimate_bag(const arm::Arm& arm, const std::vector<model::Present>& effect
     estimate::write_estimate_rows(rows, estimate, arm.segments.size());
     summary.add(estimate);
     const estimate::Estimator::ByLaws plain = estimator.by_laws();
-    alarms.add(plain.frame, plain.estimate);
+    alarms.add(monitor.add(plain.frame, plain.estimate));
     ++frames;
   };
   callbacks.on_time_jump = [&] {
     estimator.reset();
-    alarms.reset();
+    monitor.reset();
+    alarms.interrupt();
   };
   callbacks.on_messages = [&](std::uint64_t messages) {
     progress.advance(static_cast<double>(messages), std::exchange(frames, 0));

@@ -4,16 +4,15 @@
 
 #include <algorithm>
 
-namespace softarm::app {
+namespace softarm::monitor {
 namespace {
 
 constexpr std::size_t kMostAlarms = 20;
 
 }  // namespace
 
-void AlarmList::add(const trial::Frame& frame, const estimate::Estimate& estimate) {
-  if (!first_s_) first_s_ = frame.stamp_s();
-  const monitor::Mismatch& mismatch = monitor_.add(frame, estimate);
+void AlarmList::add(const Mismatch& mismatch) {
+  if (!first_s_) first_s_ = mismatch.stamp_s;
   if (mismatch.alarm) {
     if (!alarmed_) {
       if (alarms_.size() < kMostAlarms) {
@@ -23,16 +22,11 @@ void AlarmList::add(const trial::Frame& frame, const estimate::Estimate& estimat
       }
     }
     if (more_ == 0) {
-      alarms_.back() = {mismatch.onset_s.value_or(frame.stamp_s()) - *first_s_, frame.stamp_s() - *first_s_,
+      alarms_.back() = {mismatch.onset_s.value_or(mismatch.stamp_s) - *first_s_, mismatch.stamp_s - *first_s_,
                         mismatch.description};
     }
   }
   alarmed_ = mismatch.alarm;
-}
-
-void AlarmList::reset() {
-  monitor_.reset();
-  alarmed_ = false;
 }
 
 std::string AlarmList::text() const {
@@ -46,4 +40,4 @@ std::string AlarmList::text() const {
   return text;
 }
 
-}  // namespace softarm::app
+}  // namespace softarm::monitor
