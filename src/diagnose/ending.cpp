@@ -1,6 +1,7 @@
 #include "ending.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -9,6 +10,8 @@
 
 namespace softarm::diagnose {
 namespace {
+
+constexpr double kNothing = 1e-6;  // of a usual size: rounding
 
 /// What was screened last, but for what may be mistaken for effects of the model.
 Round without_rivals(const Selection& selection) {
@@ -23,6 +26,16 @@ Round without_rivals(const Selection& selection) {
   return alone;
 }
 
+/// Whether an effect's sizes have all become nothing, as those do that end at the end of their range.
+bool is_nothing(const model::Present& present) {
+  const model::Info& info = present.effect->info();
+  for (int k = 0; k < info.sizes; ++k) {
+    if (std::abs(present.values[k]) > kNothing * info.parameters[static_cast<std::size_t>(k)].usual)
+      return false;
+  }
+  return true;
+}
+
 /// Takes out of the model again what has become superfluous.
 /// @return whether there was any
 bool drop_superfluous(JointModel& model, Standing& current, std::vector<std::size_t>& round_of) {
@@ -33,7 +46,8 @@ bool drop_superfluous(JointModel& model, Standing& current, std::vector<std::siz
       continue;
     }
     Standing without = refit_without(model, current, e);
-    if (moved_m(without.unseen, current.unseen) >= trivial_m(model)) {
+    if (!is_nothing(current.fit.at.effects[e]) &&
+        moved_m(without.unseen, current.unseen) >= trivial_m(model)) {
       ++e;
       continue;
     }

@@ -107,17 +107,21 @@ bool is_placed_well(const arm::Arm& arm, const Present& present) {
          angle2 <= most(&arm::MeasuredBody::placement_sd_rad);
 }
 
-/// Whether it is what every arm has: placement within what the arm file allows, weights known to a few
-/// percent, little of what is explained, or little beside what is left.
+/// Whether it is what every arm has: placement within what the arm file allows, or weights known to a few
+/// percent.
+bool is_usual(const JointModel& model, const Present& present) {
+  return is_weighed_well(present) || is_placed_well(model.arm(), present);
+}
+
+/// Whether it is that, or little of what is explained, or little beside what is left.
 bool is_small(const JointModel& model, const Selection& selection, std::size_t e, const NamedEffect& effect,
               const Diagnosis& d, bool adequate) {
   const Round& round = selection.rounds[selection.round_of[e]];
   const double moved_m = round.refitted[static_cast<std::size_t>(round.taken)].moved_m;
   const bool beside = !adequate && effect.share * d.explained_share < kPolicy.words.small_part &&
                       moved_m < kPolicy.words.small * model.arm().total_length_m();
-  const Present& present = selection.extended.at.effects[e];
-  return beside || effect.share < kPolicy.words.small_share || is_weighed_well(present) ||
-         is_placed_well(model.arm(), present);
+  return beside || effect.share < kPolicy.words.small_share ||
+         is_usual(model, selection.extended.at.effects[e]);
 }
 
 /// Probability that what explains a part of what could be explained is no stand-in for what is left:
@@ -148,17 +152,53 @@ Verdict verdict_of(const Diagnosis& d, bool adequate) {
 
 }  // namespace
 
+void mistake_mutually(std::vector<NamedEffect>& effects) {
+  const auto has = [](const NamedEffect& effect, const std::string& id) {
+    return std::find(effect.confusable_with.begin(), effect.confusable_with.end(), id) !=
+           effect.confusable_with.end();
+  };
+  for (const NamedEffect& one : effects) {
+    for (NamedEffect& other : effects) {
+      if (has(one, other.id) && !has(other, one.id)) other.confusable_with.push_back(one.id);
+    }
+  }
+}
+
+void lead_with_what_is_known(const std::vector<double>& known, std::vector<NamedEffect>& effects,
+                             std::vector<NamedEffect>& small) {
+  if (effects.empty() || std::any_of(effects.begin(), effects.end(), [](const NamedEffect& effect) {
+        return effect.probability >= kPolicy.posterior.named;
+      }))
+    return;
+  std::size_t largest = small.size();
+  for (std::size_t i = 0; i < small.size(); ++i) {
+    if (known[i] >= kPolicy.posterior.named &&
+        (largest == small.size() || small[i].share > small[largest].share))
+      largest = i;
+  }
+  if (largest == small.size()) return;
+  NamedEffect effect = std::move(small[largest]);
+  small.erase(small.begin() + static_cast<std::ptrdiff_t>(largest));
+  effect.probability = known[largest];
+  effects.insert(effects.begin(), std::move(effect));
+}
+
 void add_findings(JointModel& model, const Selection& selection, const MatrixXd& covariance, bool adequate,
                   Diagnosis& d) {
   d.ranking = ranking_of(model, selection);
   std::vector<NamedEffect> all = named_effects(model, selection, covariance);
+  mistake_mutually(all);
   std::set<const model::Effect*> weighed;
+  std::vector<double> known;
   for (std::size_t e = 0; e < all.size(); ++e) {
     NamedEffect& effect = all[e];
     const bool small = is_small(model, selection, e, effect, d, adequate);
+    const Present& present = selection.extended.at.effects[e];
+    const double part = effect.share * d.explained_share, left = adequate ? 0.0 : 1.0 - d.explained_share;
+    const double as_finding = effect.probability * is_no_stand_in(present.effect->info(), part, left);
+    if (small) known.push_back(is_usual(model, present) ? 0.0 : as_finding);
     if (!small && !adequate) {
-      const double part = effect.share * d.explained_share, left = 1.0 - d.explained_share;
-      effect.probability *= is_no_stand_in(selection.extended.at.effects[e].effect->info(), part, left);
+      effect.probability = as_finding;
       // Those that might be there in its place would explain as little.
       for (const model::Effect* rival : selection.rounds[selection.round_of[e]].rivals)
         for (Candidate& candidate : d.ranking)
@@ -166,13 +206,17 @@ void add_findings(JointModel& model, const Selection& selection, const MatrixXd&
               weighed.insert(rival).second)
             candidate.probability *= is_no_stand_in(rival->info(), part, left);
     }
-    for (Candidate& candidate : d.ranking)
-      if (candidate.id == effect.id) candidate.probability = effect.probability;
     (small ? d.small_departures : d.effects).push_back(std::move(effect));
   }
-  for (std::vector<NamedEffect>* list : {&d.small_departures, &d.effects})
-    std::stable_sort(list->begin(), list->end(),
-                     [](const NamedEffect& a, const NamedEffect& b) { return a.share > b.share; });
+  std::stable_sort(d.effects.begin(), d.effects.end(),
+                   [](const NamedEffect& a, const NamedEffect& b) { return a.share > b.share; });
+  lead_with_what_is_known(known, d.effects, d.small_departures);
+  std::stable_sort(d.small_departures.begin(), d.small_departures.end(),
+                   [](const NamedEffect& a, const NamedEffect& b) { return a.share > b.share; });
+  for (const std::vector<NamedEffect>* list : {&d.small_departures, &d.effects})
+    for (const NamedEffect& effect : *list)
+      for (Candidate& candidate : d.ranking)
+        if (candidate.id == effect.id) candidate.probability = effect.probability;
   d.verdict = verdict_of(d, adequate);
 }
 

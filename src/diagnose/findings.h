@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "selection.h"
 #include "softarm/diagnose/diagnose.h"
@@ -14,5 +15,14 @@ namespace softarm::diagnose {
 /// @param d has the shares of what could be explained
 void add_findings(JointModel& model, const Selection& selection, const Eigen::MatrixXd& covariance,
                   bool adequate, Diagnosis& d);
+
+/// What may be mistaken for another may be mistaken the other way round, too.
+void mistake_mutually(std::vector<NamedEffect>& effects);
+
+/// Where nothing among what the verdict stands on is more probable than not, and a small departure is, though
+/// it is only small beside the rest: the largest such is no departure but what is known.
+/// @param known by small departure: its probability as a finding; 0: it is what every arm has
+void lead_with_what_is_known(const std::vector<double>& known, std::vector<NamedEffect>& effects,
+                             std::vector<NamedEffect>& small);
 
 }  // namespace softarm::diagnose

@@ -249,7 +249,9 @@ std::string found_of(const Diagnosis& d) {
     // Where something else is left, each stands on its own probability.
     names.push_back(fmt::format("{} ({})", effect.id, percent(effect.probability)));
   }
-  for (const NamedEffect& effect : d.small_departures) small.push_back(effect.id);
+  for (const NamedEffect& effect : d.small_departures) {
+    if (effect.probability >= kPolicy.posterior.named) small.push_back(effect.id);
+  }
   const std::string list = one_of(names, "and");
   const char* explain = names.size() > 1 ? "explain" : "explains";
   const std::string beside =

@@ -1,0 +1,60 @@
+// What stands first, and what may be mistaken for what.
+#include "findings.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace softarm::diagnose {
+namespace {
+
+NamedEffect effect(const std::string& id, double probability, double share) {
+  NamedEffect one;
+  one.id = id;
+  one.probability = probability;
+  one.share = share;
+  return one;
+}
+
+std::vector<std::string> ids(const std::vector<NamedEffect>& effects) {
+  std::vector<std::string> list;
+  for (const NamedEffect& one : effects) list.push_back(one.id);
+  return list;
+}
+
+TEST(Findings, MayBeMistakenForEachOther) {
+  std::vector<NamedEffect> effects{effect("a", 1.0, 0.6), effect("b", 1.0, 0.3), effect("c", 1.0, 0.1)};
+  effects[0].confusable_with = {"b", "not_in_the_model"};
+  mistake_mutually(effects);
+  mistake_mutually(effects);
+  EXPECT_EQ(effects[0].confusable_with, (std::vector<std::string>{"b", "not_in_the_model"}));
+  EXPECT_EQ(effects[1].confusable_with, std::vector<std::string>{"a"});
+  EXPECT_TRUE(effects[2].confusable_with.empty());
+}
+
+TEST(Findings, WhatIsKnownLeadsWhereNothingElseIs) {
+  std::vector<NamedEffect> effects{effect("hardly", 0.15, 0.7)};
+  std::vector<NamedEffect> small{effect("usual", 1.0, 0.2), effect("clock", 1.0, 0.08),
+                                 effect("bow", 1.0, 0.02)};
+  lead_with_what_is_known({0.0, 0.99, 0.98}, effects, small);
+  EXPECT_EQ(ids(effects), (std::vector<std::string>{"clock", "hardly"}));
+  EXPECT_DOUBLE_EQ(effects.front().probability, 0.99);
+  EXPECT_EQ(ids(small), (std::vector<std::string>{"usual", "bow"}));
+}
+
+TEST(Findings, ASmallDepartureStaysOneBesideWhatIsKnown) {
+  std::vector<NamedEffect> effects{effect("known", 0.6, 0.9)}, small{effect("clock", 1.0, 0.1)};
+  lead_with_what_is_known({1.0}, effects, small);
+  EXPECT_EQ(ids(effects), std::vector<std::string>{"known"});
+  std::vector<NamedEffect> hardly{effect("hardly", 0.3, 0.9)};
+  lead_with_what_is_known({0.4}, hardly, small);  // as little known as the others
+  EXPECT_EQ(ids(hardly), std::vector<std::string>{"hardly"});
+  std::vector<NamedEffect> none;
+  lead_with_what_is_known({1.0}, none, small);
+  EXPECT_TRUE(none.empty());
+  EXPECT_EQ(ids(small), std::vector<std::string>{"clock"});
+}
+
+}  // namespace
+}  // namespace softarm::diagnose
