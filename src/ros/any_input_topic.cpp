@@ -39,12 +39,17 @@ class Decoder {
   std::map<std::string, MessageSchema> schemas_;
 };
 
+/// Absent where the definition makes something else of it.
 std::optional<std_msgs::Header> header_of(const nlohmann::json& message) {
-  const nlohmann::json* stamp = find_field(message, "header.stamp");
-  if (!stamp || !stamp->is_object() || !find_field(message, "header.seq")) return std::nullopt;
+  const nlohmann::json* const seq = find_field(message, "header.seq");
+  const nlohmann::json* const sec = find_field(message, "header.stamp.sec");
+  const nlohmann::json* const nsec = find_field(message, "header.stamp.nsec");
+  for (const nlohmann::json* number : {seq, sec, nsec})
+    if (!number || !number->is_number_unsigned()) return std::nullopt;
   std_msgs::Header header;
-  header.seq = message["header"]["seq"].get<std::uint32_t>();
-  header.stamp = ros::Time((*stamp)["sec"].get<std::uint32_t>(), (*stamp)["nsec"].get<std::uint32_t>());
+  seq->get_to(header.seq);
+  sec->get_to(header.stamp.sec);  // not through ros::Time's constructor, which refuses some nanoseconds
+  nsec->get_to(header.stamp.nsec);
   return header;
 }
 
