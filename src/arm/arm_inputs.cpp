@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <regex>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "arm_parts.h"
@@ -44,17 +44,39 @@ const std::vector<std::string>& plain_types(InputKind kind) {
   return kind == InputKind::kPressure || kind == InputKind::kVacuum ? pressures : numbers;
 }
 
+// By hand: of long words std::regex takes more stack than there is.
+bool is_identifier(std::string_view word) {
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  const auto goes_on = [&](char c) { return is_letter(c) || (c >= '0' && c <= '9') || c == '_'; };
+  return !word.empty() && is_letter(word.front()) && std::all_of(word.begin(), word.end(), goes_on);
+}
+
 /// A type of ROS: package/Name.
-bool is_type(const std::string& text) {
-  static const std::regex kType("[a-zA-Z][a-zA-Z0-9_]*/[a-zA-Z][a-zA-Z0-9_]*");
-  return std::regex_match(text, kType);
+bool is_type(std::string_view text) {
+  const std::size_t slash = text.find('/');
+  return slash != std::string_view::npos && is_identifier(text.substr(0, slash)) &&
+         is_identifier(text.substr(slash + 1));
+}
+
+/// name or name[3], with up to six digits.
+bool is_step(std::string_view step) {
+  const std::size_t bracket = step.find('[');
+  if (bracket == std::string_view::npos) return is_identifier(step);
+  std::string_view index = step.substr(bracket + 1);
+  if (index.size() < 2 || index.size() > 7 || index.back() != ']') return false;
+  index.remove_suffix(1);
+  return is_identifier(step.substr(0, bracket)) &&
+         std::all_of(index.begin(), index.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
 /// A way through a message: names with indices, joined by dots.
-bool is_field(const std::string& text) {
-  static const std::regex kField(
-      R"([a-zA-Z][a-zA-Z0-9_]*(\[[0-9]{1,6}\])?(\.[a-zA-Z][a-zA-Z0-9_]*(\[[0-9]{1,6}\])?)*)");
-  return std::regex_match(text, kField);
+bool is_field(std::string_view text) {
+  for (;;) {
+    const std::size_t dot = text.find('.');
+    if (!is_step(text.substr(0, dot))) return false;
+    if (dot == std::string_view::npos) return true;
+    text.remove_prefix(dot + 1);
+  }
 }
 
 void read_type(const Section& section, ScalarInput* input) {

@@ -1,6 +1,5 @@
 #include "any_input_topic.h"
 
-#include <ros/serialization.h>
 #include <topic_tools/shape_shifter.h>
 
 #include <map>
@@ -25,16 +24,13 @@ class Decoder {
  public:
   explicit Decoder(std::string type) : type_(std::move(type)) {}
 
-  template <class Message>  // of roscpp or of a bag: both write their bytes to a stream
-  nlohmann::json decode(const Message& message, const std::string& md5, const std::string& definition) {
+  nlohmann::json decode(const std::vector<std::uint8_t>& bytes, const std::string& md5,
+                        const std::string& definition) {
     auto known = schemas_.find(md5);
     if (known == schemas_.end()) {
       const std::string text = definition.empty() ? mirrored_definition(md5) : definition;
       known = schemas_.emplace(md5, MessageSchema(type_, text)).first;
     }
-    std::vector<std::uint8_t> bytes(message.size());
-    ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
-    message.write(stream);
     return known->second.decode(bytes.data(), bytes.size());
   }
 
@@ -43,12 +39,17 @@ class Decoder {
   std::map<std::string, MessageSchema> schemas_;
 };
 
+/// Absent where the definition makes something else of it.
 std::optional<std_msgs::Header> header_of(const nlohmann::json& message) {
-  const nlohmann::json* stamp = find_field(message, "header.stamp");
-  if (!stamp || !stamp->is_object() || !find_field(message, "header.seq")) return std::nullopt;
+  const nlohmann::json* const seq = find_field(message, "header.seq");
+  const nlohmann::json* const sec = find_field(message, "header.stamp.sec");
+  const nlohmann::json* const nsec = find_field(message, "header.stamp.nsec");
+  for (const nlohmann::json* number : {seq, sec, nsec})
+    if (!number || !number->is_number_unsigned()) return std::nullopt;
   std_msgs::Header header;
-  header.seq = message["header"]["seq"].get<std::uint32_t>();
-  header.stamp = ros::Time((*stamp)["sec"].get<std::uint32_t>(), (*stamp)["nsec"].get<std::uint32_t>());
+  seq->get_to(header.seq);
+  sec->get_to(header.stamp.sec);  // not through ros::Time's constructor, which refuses some nanoseconds
+  nsec->get_to(header.stamp.nsec);
   return header;
 }
 
@@ -67,11 +68,11 @@ InputTopic make_any_input_topic(const std::string& topic, const std::string& typ
   input.type = type;
   input.feeds = feeds;
   const auto decoder = std::make_shared<Decoder>(type);
-  input.read = [=](const rosbag::MessageInstance& instance, trial::FrameAssembler& assembler) {
-    if (instance.getDataType() != type) return false;
+  input.read = [=](const BagMessage& message, trial::FrameAssembler& assembler) {
+    if (message.type != type) return false;
     try {
-      convert(decoder->decode(instance, instance.getMD5Sum(), instance.getMessageDefinition()),
-              to_stamp(instance.getTime()), assembler);
+      convert(decoder->decode(message.bytes, message.md5, message.definition), to_stamp(message.time),
+              assembler);
     } catch (const SchemaError&) {
       assembler.count_rejected("undecodable", feeds);
     }
@@ -85,7 +86,7 @@ InputTopic make_any_input_topic(const std::string& topic, const std::string& typ
       std::optional<std_msgs::Header> header;
       try {
         const nlohmann::json decoded =
-            decoder->decode(message, message.getMD5Sum(), message.getMessageDefinition());
+            decoder->decode(bytes_of(message), message.getMD5Sum(), message.getMessageDefinition());
         convert(decoded, to_stamp(event.getReceiptTime()), assembler);
         header = header_of(decoded);
       } catch (const SchemaError& e) {

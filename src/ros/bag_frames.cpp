@@ -96,9 +96,10 @@ void BagFrames::read(const Callbacks& callbacks) {
   ros::Time recorded;
   try {
     rosbag::View view(*bag_, rosbag::TopicQuery(names_));
-    for (const rosbag::MessageInstance& message : view) {
-      if (message.getTime() != std::exchange(recorded, message.getTime())) deliver(callbacks);
-      for (const InputTopic* topic : by_topic.at(absolute_topic(message.getTopic()))) {
+    for (const rosbag::MessageInstance& instance : view) {
+      if (instance.getTime() != std::exchange(recorded, instance.getTime())) deliver(callbacks);
+      const BagMessage message = bag_message(instance);
+      for (const InputTopic* topic : by_topic.at(absolute_topic(message.topic))) {
         topic->read(message, assembler_);
       }
       if (++unreported == kProgressMessages) {

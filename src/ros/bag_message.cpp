@@ -2,14 +2,16 @@
 
 namespace softarm {
 
-void check_message_lengths(const rosbag::MessageInstance& instance, const MessageSchema& schema) {
-  std::vector<std::uint8_t> bytes(instance.size());
-  ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
-  instance.write(stream);
+BagMessage bag_message(const rosbag::MessageInstance& instance) {
+  return {instance.getTopic(), instance.getDataType(), instance.getMD5Sum(), instance.getMessageDefinition(),
+          instance.getTime(),  bytes_of(instance)};
+}
+
+void check_message_lengths(const BagMessage& message, const MessageSchema& schema) {
   try {
-    schema.check_lengths(bytes.data(), bytes.size());
+    schema.check_lengths(message.bytes.data(), message.bytes.size());
   } catch (const SchemaError& e) {
-    throw ros::Exception(instance.getTopic() + ": " + e.what());
+    throw ros::Exception(message.topic + ": " + e.what());
   }
 }
 

@@ -130,7 +130,8 @@ class Recorder {
 void read_import(const rosbag::Bag& bag, trial::CheckRecording& recording) {
   rosbag::View view(bag,
                     rosbag::TopicQuery(std::vector<std::string>{kImportLayoutTopic, kImportLeftOutTopic}));
-  for (const rosbag::MessageInstance& message : view) {
+  for (const rosbag::MessageInstance& instance : view) {
+    const BagMessage message = bag_message(instance);
     if (const auto layout = read_message<std_msgs::String>(message)) recording.import_layout = layout->data;
     const auto left_out = read_message<std_msgs::Float64MultiArray>(message);
     if (left_out && left_out->data.size() == 2)
@@ -169,9 +170,10 @@ trial::CheckRecording read_recording(const std::string& path, const arm::Arm& ar
     read_import(*bag, recording);
     rosbag::View view(*bag, rosbag::TopicQuery(names_in_bag(by_topic)));
     on_total(view.size());
-    for (const rosbag::MessageInstance& message : view) {
-      recorder.at(message.getTime());
-      for (const std::size_t topic : by_topic.at(absolute_topic(message.getTopic()))) {
+    for (const rosbag::MessageInstance& instance : view) {
+      const BagMessage message = bag_message(instance);
+      recorder.at(message.time);
+      for (const std::size_t topic : by_topic.at(absolute_topic(message.topic))) {
         if (topics[topic].read(message, recorder.assembler())) ++recording.topics[topic].messages;
       }
       if (++unreported == kMessagesPerProgress) on_messages(std::exchange(unreported, 0));

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <softarm_estimator/PhasespaceMarkers.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "marker_list.h"
@@ -18,9 +19,9 @@ ReportedMarker phasespace_marker(const nlohmann::json& marker, const BodyReader&
   const double id = number_at(marker, "id");
   if (std::isfinite(id)) reported.labels = {fmt::format("{:.0f}", id), fmt::format("m{:.0f}", id)};
   const std::string name = text_at(marker, "name");
-  if (!name.empty() && name != reported.labels.front() && name != reported.labels.back()) {
+  const auto& labels = reported.labels;
+  if (!name.empty() && std::find(labels.begin(), labels.end(), name) == labels.end())
     reported.labels.push_back(name);
-  }
   const char* const condition = find_field(marker, "cond") ? "cond" : "condition";
   if (!(number_at(marker, condition) > 0.0)) reported.lost = "bad_condition";
   const double server_us = number_at(marker, "time");

@@ -3,10 +3,10 @@
 
 #include <ros/message_event.h>
 #include <ros/ros.h>
-#include <rosbag/message_instance.h>
 #include <std_msgs/Header.h>
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,7 +32,7 @@ struct InputTopic {
   bool feeds_base = false;               ///< the base's body
   bool feeds_bodies = false;             ///< measured bodies
   /// Adds one message of a bag to the assembler. @return false if the message has another type
-  std::function<bool(const rosbag::MessageInstance&, trial::FrameAssembler&)> read;
+  std::function<bool(const BagMessage&, trial::FrameAssembler&)> read;
   /// Subscribes; the assembler must outlive the subscriber.
   std::function<ros::Subscriber(ros::NodeHandle&, trial::FrameAssembler&, OnMessage)> subscribe;
 };
@@ -52,9 +52,9 @@ InputTopic make_input_topic(
   input.topic = topic;
   input.type = ros::message_traits::DataType<Message>::value();
   input.feeds = feeds;
-  input.read = [convert](const rosbag::MessageInstance& instance, trial::FrameAssembler& assembler) {
-    const boost::shared_ptr<Message> message = read_message<Message>(instance);
-    if (message) convert(*message, to_stamp(instance.getTime()), assembler);
+  input.read = [convert](const BagMessage& in_bag, trial::FrameAssembler& assembler) {
+    const std::unique_ptr<Message> message = read_message<Message>(in_bag);
+    if (message) convert(*message, to_stamp(in_bag.time), assembler);
     return message != nullptr;
   };
   input.subscribe = [topic, convert](ros::NodeHandle& nh, trial::FrameAssembler& assembler,

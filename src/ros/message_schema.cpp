@@ -6,13 +6,14 @@
 #include <cctype>
 #include <cstring>
 #include <limits>
+#include <set>
 #include <sstream>
 
 namespace softarm {
 namespace {
 
 constexpr int kDeepest = 32;
-constexpr std::uint32_t kMostEmptyElements = 1000;
+constexpr int kMostEmptyParts = 1000;  // of a message; of those that take no bytes any number fits
 
 /// Bytes that a value takes; of a string 0, as that differs.
 const std::map<std::string, std::size_t>& builtins() {
@@ -54,16 +55,26 @@ class MessageSchema::Reader {
     take(size);
     return std::string(reinterpret_cast<const char*>(at_) - size, size);
   }
+  /// @param fixed of an array; absent: it stands before it
+  std::uint32_t length(const std::optional<std::uint32_t>& fixed) {
+    return fixed ? *fixed : read<std::uint32_t>();
+  }
   std::size_t left() const { return left_; }
   void take(std::size_t size) {
     if (size > left_) throw SchemaError("the message is shorter than its definition says");
     at_ += size;
     left_ -= size;
   }
+  /// @param left_before of a part that has been read
+  void end_part(std::size_t left_before) {
+    if (left_ == left_before && ++empty_parts_ > kMostEmptyParts)
+      throw SchemaError(fmt::format("the message has more than {} empty parts", kMostEmptyParts));
+  }
 
  private:
   const std::uint8_t* at_;
   std::size_t left_;
+  int empty_parts_ = 0;
 };
 
 MessageSchema::MessageSchema(const std::string& datatype, const std::string& definition)
@@ -90,7 +101,7 @@ MessageSchema::MessageSchema(const std::string& datatype, const std::string& def
   for (auto& [name, fields] : types_) {
     for (Field& field : fields) field.type = resolved(field.type, package_of(name));
   }
-  check_depth(datatype_, 0);
+  check_depth();
 }
 
 void MessageSchema::add_part(const std::string& datatype, const std::string& text) {
@@ -137,11 +148,18 @@ std::string MessageSchema::resolved(const std::string& type, const std::string& 
   throw SchemaError(fmt::format("{}: its definition lacks that of {}", datatype_, type));
 }
 
-void MessageSchema::check_depth(const std::string& type, int depth) const {
-  if (depth > kDeepest) throw SchemaError(fmt::format("{}: its definition contains itself", datatype_));
-  const auto found = types_.find(type);
-  if (found == types_.end()) return;
-  for (const Field& field : found->second) check_depth(field.type, depth + 1);
+void MessageSchema::check_depth() const {
+  std::set<std::string> level{datatype_};
+  for (int depth = 0; !level.empty(); ++depth) {
+    if (depth > kDeepest) throw SchemaError(fmt::format("{}: its definition contains itself", datatype_));
+    std::set<std::string> next;
+    for (const std::string& type : level) {
+      const auto found = types_.find(type);
+      if (found == types_.end()) continue;
+      for (const Field& field : found->second) next.insert(field.type);
+    }
+    level = std::move(next);
+  }
 }
 
 nlohmann::json MessageSchema::decode(const std::uint8_t* data, std::size_t size) const {
@@ -163,18 +181,10 @@ void MessageSchema::check_lengths(const std::uint8_t* data, std::size_t size) co
   skip_message(datatype_, reader);
 }
 
-std::uint32_t MessageSchema::length_of(const Field& field, Reader& reader) const {
-  const std::uint32_t length = field.length ? *field.length : reader.read<std::uint32_t>();
-  // Elements take a byte at least, but for empty messages, of which nobody sends many.
-  if (length > reader.left() && length > kMostEmptyElements) {
-    throw SchemaError("the message is shorter than its definition says");
-  }
-  return length;
-}
-
 void MessageSchema::skip_message(const std::string& type, Reader& reader) const {
+  const std::size_t before = reader.left();
   for (const Field& field : types_.at(type)) {
-    const std::uint32_t count = field.is_array ? length_of(field, reader) : 1;
+    const std::uint32_t count = field.is_array ? reader.length(field.length) : 1;
     const auto builtin = builtins().find(field.type);
     if (builtin != builtins().end() && builtin->second > 0) {
       reader.take(count * builtin->second);
@@ -187,20 +197,23 @@ void MessageSchema::skip_message(const std::string& type, Reader& reader) const 
         skip_message(field.type, reader);
     }
   }
+  reader.end_part(before);
 }
 
 nlohmann::json MessageSchema::decode_message(const std::string& type, Reader& reader) const {
   nlohmann::json message = nlohmann::json::object();
+  const std::size_t before = reader.left();
   for (const Field& field : types_.at(type)) {
     if (!field.is_array) {
       message[field.name] = decode_value(field.type, reader);
       continue;
     }
-    const std::uint32_t length = length_of(field, reader);
+    const std::uint32_t length = reader.length(field.length);
     nlohmann::json array = nlohmann::json::array();
     for (std::uint32_t i = 0; i < length; ++i) array.push_back(decode_value(field.type, reader));
     message[field.name] = std::move(array);
   }
+  reader.end_part(before);
   return message;
 }
 

@@ -47,8 +47,7 @@ class MessageSchema {
   class Reader;
 
   void add_part(const std::string& datatype, const std::string& text);
-  std::uint32_t length_of(const Field& field, Reader& reader) const;
-  void check_depth(const std::string& type, int depth) const;
+  void check_depth() const;
   std::string resolved(const std::string& type, const std::string& package) const;
   void skip_message(const std::string& type, Reader& reader) const;
   nlohmann::json decode_message(const std::string& type, Reader& reader) const;

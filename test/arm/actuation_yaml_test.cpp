@@ -68,7 +68,7 @@ TEST(ActuationYaml, EverySegmentKey) {
 }
 
 TEST(ActuationYaml, NoneIsTheDefault) {
-  const arm::Segment& segment = arm::parse_arm(kSmallArm, "arm.yaml").segments.at(0);
+  const arm::Segment segment = arm::parse_arm(kSmallArm, "arm.yaml").segments.at(0);
   EXPECT_FALSE(segment.material || segment.central_chamber);
   EXPECT_TRUE(segment.tendons.empty() && segment.cables.empty());
   EXPECT_TRUE(segment.bending_stiffness.by_pressure.empty());

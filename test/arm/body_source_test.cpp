@@ -193,5 +193,24 @@ INSTANTIATE_TEST_SUITE_P(
                 "has a field"}),
     [](const auto& parameter) { return parameter.param.name; });
 
+TEST(FieldsOfMessages, AreNamesAndIndicesHoweverLong) {
+  const auto read = [](const std::string& type, const std::string& field) {
+    parse(kFixed + kRings + "inputs: {pressures: [{name: p, topic: /a, type: " + type + ", field: \"" +
+          field + "\"}]}\n");
+  };
+  const std::string word(300000, 'a');
+  for (const std::string& field : {std::string("a"), std::string("a_1"), std::string("effort[2]"),
+                                   std::string("b.c[0].D2[123456]"), word, word + "." + word + "[1]"})
+    EXPECT_NO_THROW(read("my/State", field)) << field.substr(0, 20);
+  for (const std::string& field :
+       {std::string(""), std::string("."), std::string("a."), std::string(".a"), std::string("1a"),
+        std::string("_a"), std::string("a[]"), std::string("a[1"), std::string("a[1234567]"),
+        std::string("a[1]b"), std::string("a[1][2]"), std::string("[1]"), std::string("a b"), word + "-"})
+    EXPECT_THROW(read("my/State", field), arm::ArmError) << field.substr(0, 20);
+  EXPECT_NO_THROW(read("my_msgs/" + word, "a"));
+  for (const std::string type : {"my/", "/State", "my/State/More", "my/1a", "my-msgs/State"})
+    EXPECT_THROW(read(type, "a"), arm::ArmError) << type;
+}
+
 }  // namespace
 }  // namespace softarm

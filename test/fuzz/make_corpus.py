@@ -60,7 +60,7 @@ ARM_WITH_INPUTS = 12  # see message_target.cpp
 
 
 def messages():
-    """(arm, topic, type's definition where it is not built in, message)"""
+    """(arm, topic, type's definition and a 0 where it is not built in, message)"""
     transform = TransformStamped(header=HEADER, child_frame_id="v/ring_1")
     transform.transform.translation = Vector3(0.0, 0.0, 0.9)
     transform.transform.rotation.w = 1.0
@@ -74,10 +74,10 @@ def messages():
     yield 2, 1, "", odometry
     yield 3, 0, "", PointStamped(HEADER, Point(0.0, 0.0, 0.9))
     yield 4, 0, "", TFMessage([transform, transform])
-    yield 5, 0, "", ViconMarkers(header=HEADER, markers=vicon)
-    yield 6, 0, "", MocapMarkerList(header=HEADER, markers=[MocapMarker(), MocapMarker()])
-    yield 7, 0, "", PhasespaceMarkers(markers=[PhasespaceMarker(id=7), PhasespaceMarker(id=8)])
-    yield 8, 0, "", PhasespaceMarkers(markers=[PhasespaceMarker(id=7)])
+    yield 5, 0, "\0", ViconMarkers(header=HEADER, markers=vicon)
+    yield 6, 0, "\0", MocapMarkerList(header=HEADER, markers=[MocapMarker(), MocapMarker()])
+    yield 7, 0, "\0", PhasespaceMarkers(markers=[PhasespaceMarker(id=7), PhasespaceMarker(id=8)])
+    yield 8, 0, PhasespaceMarkers._full_text.replace(" markers", " data") + "\0", PhasespaceMarkers(markers=[PhasespaceMarker(id=7)])
     yield 9, 0, "", PointCloud(HEADER, [Point32(0.0, 0.0, 0.9)], [ChannelFloat32("intensity", [1.0])])
     yield 10, 0, "", cloud2()
     yield 11, 0, "", markers

@@ -2,8 +2,6 @@
 #include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/TransformStamped.h>
 #include <nav_msgs/Odometry.h>
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
 #include <sensor_msgs/FluidPressure.h>
 #include <sensor_msgs/PointCloud.h>
 #include <sensor_msgs/PointCloud2.h>
@@ -11,7 +9,6 @@
 #include <std_msgs/Float64.h>
 #include <std_msgs/Float64MultiArray.h>
 #include <tf2_msgs/TFMessage.h>
-#include <topic_tools/shape_shifter.h>
 #include <visualization_msgs/Marker.h>
 
 #include <algorithm>
@@ -22,7 +19,6 @@
 #include "ros/body_driver.h"
 #include "ros/drivers_support.h"
 #include "ros/input_topics.h"
-#include "scratch_file.h"
 #include "softarm/arm/arm_file.h"
 #include "targets.h"
 #include "trial/frame_assembler.h"
@@ -82,30 +78,26 @@ std::optional<Mirror> definition_among(const std::string& type) {
   return found;
 }
 
-std::optional<Mirror> definition_of(const std::string& type) {
-  const auto driver = body_drivers().find(type);
-  if (driver != body_drivers().end() && driver->second.mirror) return driver->second.mirror;
+std::optional<Mirror> built_in_definition(const std::string& type) {
   return definition_among<geometry_msgs::PoseStamped, geometry_msgs::TransformStamped, nav_msgs::Odometry,
                           geometry_msgs::PointStamped, tf2_msgs::TFMessage, sensor_msgs::PointCloud,
                           sensor_msgs::PointCloud2, visualization_msgs::Marker, sensor_msgs::FluidPressure,
                           std_msgs::Float32MultiArray, std_msgs::Float64MultiArray, std_msgs::Float64>(type);
 }
 
+/// What is said of a type that is not built in: a definition, or none, as if by a publisher of the mirror.
+Mirror said_definition(const std::string& type, const std::string& definition) {
+  const auto driver = body_drivers().find(type);
+  if (definition.empty() && driver != body_drivers().end() && driver->second.mirror)
+    return {driver->second.mirror->md5, ""};
+  return {"0123456789abcdef0123456789abcdef", definition};
+}
+
 void feed(const arm::Arm& arm, const InputTopic& topic, const Mirror& type, const char* bytes,
           std::size_t size) {
-  topic_tools::ShapeShifter shape;
-  shape.morph(type.md5, topic.type, type.definition, "");
-  std::vector<std::uint8_t> message(bytes, bytes + size);
-  ros::serialization::IStream stream(message.data(), static_cast<std::uint32_t>(message.size()));
-  shape.read(stream);
-  const ScratchFile file("message.bag", "", 0);
-  {
-    rosbag::Bag out(file.path(), rosbag::bagmode::Write);
-    out.write(topic.topic, ros::Time(1000.0), shape);
-  }
-  rosbag::Bag in(file.path(), rosbag::bagmode::Read);
   trial::FrameAssembler assembler(arm);
-  for (const rosbag::MessageInstance& instance : rosbag::View(in)) topic.read(instance, assembler);
+  topic.read({topic.topic, topic.type, type.md5, type.definition, ros::Time(1000.0), {bytes, bytes + size}},
+             assembler);
   assembler.flush();
   assembler.take();
 }
@@ -121,18 +113,18 @@ void message(const std::uint8_t* data, std::size_t size) {
     return list;
   }();
   const std::vector<InputTopic>& all = topics[data[0] % arms().size()];
-  const InputTopic& topic = all[data[1] % all.size()];
+  InputTopic topic = all[data[1] % all.size()];
   const char* bytes = reinterpret_cast<const char*>(data) + 2;
   std::size_t left = size - 2;
-  std::optional<Mirror> type = definition_of(topic.type);
+  std::optional<Mirror> type = built_in_definition(topic.type);
   if (!type) {
     const char* end = std::find(bytes, bytes + left, '\0');
-    type = Mirror{"0123456789abcdef0123456789abcdef", std::string(bytes, end)};
+    type = said_definition(topic.type, std::string(bytes, end));
     left -= static_cast<std::size_t>(end - bytes);
     bytes = end;
     if (left > 0) ++bytes, --left;
+    topic = input_topics(arm)[data[1] % all.size()];  // a topic keeps definitions by their MD5 sums
   }
-  if (left == 0) return;  // a ShapeShifter copies no bytes from nowhere, which UBSan minds
   try {
     feed(arm, topic, *type, bytes, left);
   } catch (const ros::Exception&) {  // what readers of bags take for damage

@@ -16,7 +16,8 @@ void scenario(const std::uint8_t* data, std::size_t size);
 /// A layout and a CSV recording, and its inputs file where there is a third part: divided by lines of `---`.
 void csv(const std::uint8_t* data, std::size_t size);
 /// A message of a driver or an input, as a bag or a publisher hands it on. First byte: which of the arms,
-/// second: which of its topics; of a type that is not built in, the definition goes before, ended by a 0.
+/// second: which of its topics; of a type that is not built in, the definition goes before, ended by a 0;
+/// without one, a driver's mirror is meant.
 void message(const std::uint8_t* data, std::size_t size);
 
 }  // namespace softarm::fuzz

@@ -73,8 +73,9 @@ TEST(BagMessage, AFalseLengthIsRefusedBeforeThereIsRoomForIt) {
     bag->write("/tf", ros::Time(4.0), transforms(3, 8000000));
   }
   const std::shared_ptr<rosbag::Bag> bag = open_bag(path);
-  for (const rosbag::MessageInstance& message : rosbag::View(*bag)) {
-    if (message.getTime() == ros::Time(1.0)) {
+  for (const rosbag::MessageInstance& instance : rosbag::View(*bag)) {
+    const BagMessage message = bag_message(instance);
+    if (message.time == ros::Time(1.0)) {
       EXPECT_EQ(read_message<tf2_msgs::TFMessage>(message)->transforms.size(), 3u);
     } else {
       EXPECT_THROW(read_message<tf2_msgs::TFMessage>(message), ros::Exception);

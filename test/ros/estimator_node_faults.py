@@ -190,10 +190,12 @@ class Faults(unittest.TestCase):
 
         thread = threading.Thread(target=press)
         thread.start()
-        self.feed(300)
-        seen = self.listener.value("inputs", "pressure chamber_1")
-        stop.set()
-        thread.join()
+        try:
+            self.feed(300)
+            seen = self.listener.value("inputs", "pressure chamber_1")
+        finally:  # a thread that goes on would keep the failure from being told
+            stop.set()
+            thread.join()
         self.assertTrue(seen.startswith("seen"), seen)
         self.pressures.publish(data=[0.0])  # the element is not there
         feeding = threading.Thread(target=self.feeder.feed, args=(600,))

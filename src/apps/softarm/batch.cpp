@@ -99,6 +99,24 @@ std::vector<batch::Word> typed_words(const WorkOptions& work) {
   return words;
 }
 
+/// Commands that are read, not run: a callback that is taken away would take with it what the options are
+/// kept in.
+class ReadOnly : public CLI::App {
+ public:
+  /// @throws CLI::ParseError
+  void read(std::vector<std::string> words) {
+    std::reverse(words.begin(), words.end());
+    try {
+      parse(std::move(words));
+    } catch (const Read&) {
+    }
+  }
+
+ private:
+  struct Read {};
+  void pre_callback() override { throw Read(); }
+};
+
 /// Says now what every job would say: an option whose value cannot be.
 void try_options(const std::vector<Job>& jobs) {
   std::set<std::string> tried;
@@ -111,14 +129,12 @@ void try_options(const std::vector<Job>& jobs) {
       key += option.name + '\0' + option.value.value_or("") + '\0';
     }
     if (!tried.insert(key).second) continue;
-    CLI::App program;
+    ReadOnly program;
     add_check(program);
     add_diagnose(program);
     add_estimate(program);
-    for (CLI::App* command : program.get_subcommands({})) command->callback([] {});
-    std::reverse(words.begin(), words.end());
     try {
-      program.parse(words);
+      program.read(words);
     } catch (const CLI::ParseError& error) {
       throw Failure(error.what(), 2);
     }
