@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "effect_ids.h"
 #include "recorded_case.h"
 #include "rig/hidden.h"
 #include "softarm/diagnose/diagnose.h"
@@ -15,6 +16,7 @@ namespace softarm::diagnose {
 namespace {
 
 using testing::drawn_case;
+using testing::ids;
 using testing::record;
 using testing::recorded_case;
 using testing::RecordedCase;
@@ -78,12 +80,6 @@ RecordedCase with_ring_off(const std::string& effects, std::uint64_t seed, doubl
     out.trials.push_back(record(out.arm, out.truth[i], "trial_" + std::to_string(i + 1)));
   }
   return out;
-}
-
-std::vector<std::string> ids(const std::vector<diagnose::NamedEffect>& effects) {
-  std::vector<std::string> list;
-  for (const diagnose::NamedEffect& effect : effects) list.push_back(effect.id);
-  return list;
 }
 
 TEST(Diagnose, ARingALittleOffIsWhatEveryArmHas) {

@@ -6,8 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "effect_ids.h"
+
 namespace softarm::diagnose {
 namespace {
+
+using testing::ids;
 
 NamedEffect effect(const std::string& id, double probability, double share) {
   NamedEffect one;
@@ -15,12 +19,6 @@ NamedEffect effect(const std::string& id, double probability, double share) {
   one.probability = probability;
   one.share = share;
   return one;
-}
-
-std::vector<std::string> ids(const std::vector<NamedEffect>& effects) {
-  std::vector<std::string> list;
-  for (const NamedEffect& one : effects) list.push_back(one.id);
-  return list;
 }
 
 TEST(Findings, MayBeMistakenForEachOther) {
