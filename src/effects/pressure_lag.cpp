@@ -17,7 +17,7 @@ class PressureLag : public Described {
   bool applies_to(const arm::Arm& arm) const override { return has(arm, arm::InputKind::kPressure); }
   std::vector<Values> grid(const arm::Arm&, const FineRod&) const override {
     std::vector<Values> list;
-    for (const double time_s : {0.03, 0.1, 0.25, 0.7, 2.0}) list.push_back(Eigen::Vector3d(0.0, time_s, 1.0));
+    for (const double time_s : {0.1, 0.25, 0.7, 2.0, 0.03}) list.push_back(Eigen::Vector3d(0.0, time_s, 1.0));
     return list;
   }
   bool looks_back() const override { return true; }
