@@ -52,7 +52,7 @@ def text_of(name: str, value: Any) -> str:
 
 
 def path_of(name: str, value: Any) -> str:
-    if not isinstance(value, (str, os.PathLike)):
+    if not isinstance(value, (str, os.PathLike)) or not os.fspath(value):
         raise wrong(name, value, "a path")
     return text_of(name, os.fspath(value))
 

@@ -49,6 +49,19 @@ std::string no_command(const CLI::App& program, const std::vector<std::string>& 
   return "";
 }
 
+/// What is written must have a name: an empty one would be that of a file beside it, or of this folder.
+void refuse_empty_names(CLI::App& program) {
+  for (CLI::App* command : program.get_subcommands({})) {
+    for (const char* name : {"--out", "--truth", "--json"}) {
+      CLI::Option* option = command->get_option_no_throw(name);
+      if (option == nullptr || option->get_items_expected_max() == 0) continue;
+      option->check([](const std::string& word) {
+        return word.empty() ? std::string("'' is no name of a file or folder") : std::string();
+      });
+    }
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -71,6 +84,7 @@ int main(int argc, char** argv) {
   softarm::app::add_validate(program);
   softarm::app::add_batch(program);
   softarm::app::add_completion(program);
+  refuse_empty_names(program);
   try {
     const std::vector<std::string> words(argv + 1, argv + argc);
     if (const std::string why = no_command(program, words, 0); !why.empty())

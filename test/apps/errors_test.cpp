@@ -220,6 +220,9 @@ TEST(SoftarmErrors, Simulate) {
                  AllOf(HasSubstr("nothing"), HasSubstr("demo")));
   expect_refused(dir, "simulate demo --seconds 1 --out " + dir / "x.bag" + " --truth " + dir / "x.bag",
                  HasSubstr("--truth"));
+  expect_refused(dir, "simulate demo --seconds 1 --out ''", HasSubstr("--out: ''"));
+  expect_refused(dir, "simulate demo --seconds 1 --truth '' --out " + dir / "x.bag",
+                 HasSubstr("--truth: ''"));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""No path of somebody's machine stands in the tree: it works from any checkout, for any user."""
+"""No path of somebody's machine stands in the tree: it works from any checkout, for any user. Nor does anything that was left at its
+top, by a test for one."""
 import os
 import re
 import sys
@@ -8,10 +9,13 @@ import tree
 
 PATHS = re.compile(rb"(?<![\w.$}])/(?:work|root|home|farm)/")
 
+TOP = set(""".ci .clang-format .dockerignore .gitignore CHANGELOG.rst CITATION.cff CMakeLists.txt CONTRIBUTING.md Dockerfile LICENSE
+README.md bench cmake config doc include launch msg package.xml python rviz scripts src srv test third_party""".split())
+
 source, _ = tree.directories()
 if not PATHS.search(b" /" + b"root/x"):
     sys.exit("the pattern finds nothing")
-findings = []
+findings = [f"{name!r}: does not belong at the top of the tree" for name in tree.files(source) if name.split("/")[0] not in TOP]
 for name in tree.files(source):
     with open(os.path.join(source, name), "rb") as content:
         text = content.read()
@@ -20,4 +24,4 @@ for name in tree.files(source):
     for number, line in enumerate(text.splitlines(), 1):
         if PATHS.search(line):
             findings.append(f"{name}:{number}: {line.decode(errors='replace').strip()[:150]}")
-tree.finish(findings, "machine paths")
+tree.finish(findings, "machine paths and strays")

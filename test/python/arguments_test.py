@@ -1,5 +1,6 @@
 """Whatever an argument is, the answer is one line that names it, of softarm.Error or ValueError; nothing ends the interpreter."""
 import inspect
+import os
 import unittest
 import warnings
 
@@ -21,6 +22,9 @@ effects:
 class Arguments(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
+        # Some of what is odd is a path, and written to.
+        os.makedirs(support.path("odd"))
+        os.chdir(support.path("odd"))
         warnings.simplefilter("ignore", softarm.SoftarmWarning)
         cls.arm = softarm.load_arm("online_200mm")
         whole = softarm.read_bag(cls.arm, support.bag())
@@ -48,6 +52,12 @@ class Arguments(unittest.TestCase):
     def test_files(self):
         for name in ("load_arm", "parse_arm", "read_bag", "read_bags", "read_csv", "read_table", "check", "simulate"):
             self.sweep(name, getattr(softarm, name))
+
+    def test_nothing_is_written_beside_what_is_named(self):
+        before = sorted(os.listdir("."))
+        with self.assertRaisesRegex(ValueError, "^out: ''; must be a path$"):
+            softarm.simulate("trial_10s", "", seconds=0.1)
+        self.assertEqual(sorted(os.listdir(".")), before)
 
     def test_models(self):
         self.sweep("Model", softarm.Model)
