@@ -180,6 +180,6 @@ def read_csv(arm: Arm, layout: Path, path: Path, *, inputs: Path = "", use_paylo
     if not os.path.isfile(given):
         shipped = [os.path.join(folder, given + ".yaml") for folder in folders("layouts")]
         found = next((one for one in shipped if os.path.isfile(one)), given)
-    handles = _softarm.read_csv(handle_of(arm), found, path_of("path", path), path_of("inputs", inputs), bool(use_payload),
-                                progress_of(progress))
+    joined = "" if isinstance(inputs, str) and not inputs else path_of("inputs", inputs)
+    handles = _softarm.read_csv(handle_of(arm), found, path_of("path", path), joined, bool(use_payload), progress_of(progress))
     return _told([Trial(handle, arm) for handle in handles])
