@@ -105,6 +105,12 @@ def beyond_catalogue(truth):
     return snr * math.sqrt(max(0.0, 1.0 - explained))
 
 
+def is_of_the_kind(decision, truth):
+    """Whether something outside the catalogue is said to be its nearest kind there (sealed with the draw), and that more is left."""
+    return (decision["verdict"] == "partly_explained" and bool(decision["named"])
+            and any(name in truth.get("class", []) for name in class_of(decision["named"][0])))
+
+
 def marks(kind, decision, truth):
     """What counts for this kind: rate -> bool."""
     names = [named["name"] for named in decision["named"]]
@@ -128,7 +134,7 @@ def marks(kind, decision, truth):
         found["top1"] = bool(names) and names[0] in there
         found["right_class"] = all(any(name in class_of(named) for named in decision["named"]) for name in there)
     if kind in ("outside", "untidy_outside") and beyond_catalogue(truth) >= LEAST_BEYOND:
-        found["unknown"] = decision["verdict"] == "unknown"
+        found["unknown"] = decision["verdict"] == "unknown" or is_of_the_kind(decision, truth)
     if kind in ("compensated", "solid_compensated"):
         in_a_class = any(name in class_of(named) for named in decision["named"] for name in there)
         found["found_or_cannot_tell"] = (in_a_class or decision["verdict"] == "cannot_tell"

@@ -59,8 +59,8 @@ void write_comparison(const CompareOptions& options) {
   const arm::Arm changed = options.changed_arm.empty() ? arm : load(options.changed_arm);
   const std::vector<trial::Trial> plain = app::read_trials(options.plain, arm, true, options.jobs);
   Reference reference(arm, plain, options.jobs, options.held, options.tied);
-  const Residuals without = reference.residuals(plain);
-  const Residuals with =
+  const Left without = reference.residuals(plain);
+  const Left with =
       reference.residuals(changed, app::read_trials(options.changed, changed, true, options.jobs));
   const Signal signal = reference.signal(at_times_of(without, with), without);
   nlohmann::ordered_json json{{"raw_snr", signal.raw_snr},

@@ -44,6 +44,9 @@ struct HiddenEffect {
   /// Of one that is not in the catalogue: the one there that no recording of poses can distinguish it from;
   /// empty: none.
   std::string like = {};
+  /// Of one that is not in the catalogue, but of a kind that is: the effect there whose words say it, though
+  /// its law leaves a part of it.
+  std::string of_the_kind = {};
 };
 
 /// All effects: of the body, of the inputs, of the sensors.

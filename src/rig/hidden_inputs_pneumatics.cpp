@@ -71,7 +71,9 @@ std::vector<HiddenEffect> pneumatic_effects() {
          need_pressures(scenario);
          put(scenario.input_path.regulator_error,
              RegulatorError{choice.values.at("offset_pa"), choice.values.at("dead_band_pa")});
-       }},
+       },
+       "",
+       "hysteresis"},
       {"valve_stiction",
        false,
        "the valve sticks: pressures move in steps",
@@ -81,7 +83,9 @@ std::vector<HiddenEffect> pneumatic_effects() {
          need_pressures(scenario);
          if (scenario.input_path.valve_step_pa > 0.0) throw std::invalid_argument("given twice");
          scenario.input_path.valve_step_pa = choice.values.at("step_pa");
-       }},
+       },
+       "",
+       "hysteresis"},
       {"flow_limit",
        true,
        "pressures rise and fall no faster than the valves let them, each by itself (slew), or all rising "

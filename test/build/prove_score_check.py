@@ -90,6 +90,11 @@ class Rates(unittest.TestCase):
         self.assertTrue(self.marks("outside", hidden, report("explained", named("hysteresis")))["confident_wrong"])
         hidden["ideal"] = [{"effect": "hysteresis", "explains": 0.99, "cosine": 1.0}]  # 2 of 20 are left
         self.assertNotIn("unknown", self.marks("outside", hidden, report("explained", named("hysteresis"))))
+        sticks = {**truth(effect("valve_stiction", catalogued=False)), "class": ["hysteresis"]}
+        kind = self.marks("outside", sticks, report("partly_explained", named("hysteresis"), named("drift")))
+        self.assertTrue(kind["unknown"])
+        for said in (report("explained", named("hysteresis")), report("partly_explained", named("drift"), named("hysteresis"))):
+            self.assertFalse(self.marks("outside", sticks, said)["unknown"])
         like = truth(effect("line_delay", catalogued=False, like="clock_offset"))
         self.assertFalse(self.marks("outside", like, report("explained", named("clock_offset")))["confident_wrong"])
 

@@ -80,8 +80,8 @@ class Case {
       if (spec_.signal && !spec_.signal->raw_snr) choice = rig::scaled(choice, kFirstScale);
     const std::vector<trial::Trial> plain = recorded({}, "plain");
     reference_ = std::make_unique<Reference>(arm_, plain, options_.jobs);
-    const Residuals nothing = reference_->residuals(plain);
-    Residuals background = fit_distractors(nothing);
+    const Left nothing = reference_->residuals(plain);
+    Left background = fit_distractors(nothing);
     std::vector<Signal> signals;
     for (HiddenChoice& choice : drawn_.effects) signals.push_back(fit_effect(choice, background));
     // Two are measured one by one, and recorded together. A single one has just been recorded.
@@ -95,6 +95,10 @@ class Case {
     for (std::size_t i = 0; i < signals.size(); ++i)
       truth_["effects"].push_back(json_of(drawn_.effects[i], signals[i]));
     if (signals.size() == 2) truth_["cosine"] = reference_->cosine(signals[0], signals[1]);
+    truth_["class"] = Json::array();
+    for (const HiddenChoice& choice : drawn_.effects)
+      if (const std::string& kind = rig::find_hidden_effect(choice.effect)->of_the_kind; !kind.empty())
+        truth_["class"].push_back(kind);
     truth_["distractors"] = Json::array();
     for (const HiddenChoice& choice : drawn_.distractors) truth_["distractors"].push_back(json_of(choice));
     truth_["distractors_leave_m"] = distractors_leave_m_;
@@ -203,7 +207,7 @@ class Case {
 
   /// Scales the distractors until they are below what may be, or as large as asked for; @return the residuals
   /// with them.
-  Residuals fit_distractors(const Residuals& nothing) {
+  Left fit_distractors(const Left& nothing) {
     if (drawn_.distractors.empty()) return nothing;
     const rig::SignalSpec spec = spec_.signal.value_or(rig::SignalSpec());
     double most_m = spec.distractor_m, least_m = 0.0, wanted_m = 0.7 * most_m;
@@ -213,7 +217,7 @@ class Case {
       wanted_m = least_m * std::pow(most_m / least_m, std::uniform_real_distribution<double>()(random_));
     }
     for (int n = 0; n <= kScalings; ++n) {
-      Residuals with = reference_->residuals(recorded({}, "background"));
+      Left with = reference_->residuals(recorded({}, "background"));
       distractors_leave_m_ = reference_->signal(with, nothing).leftover_m;
       if (distractors_leave_m_ >= least_m && distractors_leave_m_ <= most_m) return with;
       for (HiddenChoice& choice : drawn_.distractors)
@@ -222,13 +226,13 @@ class Case {
     throw NotThisOne("the distractors do not come to their size");
   }
 
-  void signals_together(const Residuals& nothing, const Residuals& background) {
-    const Residuals whole = reference_->residuals(recorded(drawn_.effects, "trials"));
+  void signals_together(const Left& nothing, const Left& background) {
+    const Left whole = reference_->residuals(recorded(drawn_.effects, "trials"));
     all_ = reference_->signal(whole, drawn_.effects.empty() ? nothing : background);
   }
 
   /// Scales an effect until it is as large as the campaign asks for.
-  Signal fit_effect(HiddenChoice& choice, const Residuals& background) {
+  Signal fit_effect(HiddenChoice& choice, const Left& background) {
     std::optional<double> wanted;
     const double place = std::uniform_real_distribution<double>()(random_);
     Signal signal;

@@ -29,4 +29,8 @@ Residuals at_times_of(const Residuals& others, const Residuals& residuals) {
   return aligned;
 }
 
+Left at_times_of(const Left& others, const Left& residuals) {
+  return {at_times_of(others.held, residuals.held), at_times_of(others.refitted, residuals.refitted)};
+}
+
 }  // namespace softarm::prove

@@ -11,12 +11,19 @@ namespace softarm::prove {
 
 constexpr double kTick_s = 0.05;  ///< two means of one body are further apart
 
-/// Residuals of one recording under the reference's constants, m: by trial, time in ticks and body (below 0:
+/// Residuals of one recording under one set of constants, m: by trial, time in ticks and body (below 0:
 /// of its tangent, rad).
 using Residuals = std::vector<std::map<std::pair<std::int64_t, int>, Eigen::Vector3d>>;
+
+/// Residuals of one recording under two sets of the arm's constants.
+struct Left {
+  Residuals held;      ///< under the reference's
+  Residuals refitted;  ///< under those that fit this recording
+};
 
 /// Residuals at the times of others: where means were taken over other stretches of the same trials, between
 /// neighbours that are less than 0.5 s apart.
 Residuals at_times_of(const Residuals& others, const Residuals& residuals);
+Left at_times_of(const Left& others, const Left& residuals);
 
 }  // namespace softarm::prove

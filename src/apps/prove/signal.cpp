@@ -29,6 +29,28 @@ std::pair<std::int64_t, int> key_of_tangent(const model::TrialData& trial, const
   return key_of(trial, block, -1 - body);
 }
 
+Residuals residuals_of(const std::vector<model::TrialData>& trials,
+                       const std::vector<std::vector<model::Predicted>>& predicted) {
+  Residuals residuals(trials.size());
+  for (std::size_t t = 0; t < trials.size(); ++t) {
+    const model::TrialData& trial = trials[t];
+    for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
+      if (!predicted[t][k].solved) continue;
+      for (std::size_t i = 0; i < trial.blocks[k].bodies.size(); ++i) {
+        const model::Seen& seen = trial.blocks[k].bodies[i];
+        residuals[t][key_of(trial, trial.blocks[k], seen.body)] =
+            seen.p_base - predicted[t][k].p.col(static_cast<Eigen::Index>(i));
+      }
+      for (std::size_t i = 0; i < trial.blocks[k].tangents.size(); ++i) {
+        const model::SeenTangent& seen = trial.blocks[k].tangents[i];
+        residuals[t][key_of_tangent(trial, trial.blocks[k], seen.body)] =
+            seen.tangent_base - predicted[t][k].tangents.col(static_cast<Eigen::Index>(i));
+      }
+    }
+  }
+  return residuals;
+}
+
 }  // namespace
 
 VectorXd per_frame_part(const diagnose::JointModel& model, const Linearised& at, const VectorXd& rows,
@@ -71,7 +93,7 @@ Reference::Reference(const arm::Arm& arm, const std::vector<trial::Trial>& trial
   at_ = model_.fit(at_.at, {}, &at_.predicted);
 }
 
-Residuals Reference::residuals(const arm::Arm& arm, const std::vector<trial::Trial>& trials) const {
+Left Reference::residuals(const arm::Arm& arm, const std::vector<trial::Trial>& trials) const {
   const model::Prepared prepared = model::prepare(arm, trials);
   diagnose::JointModel model(arm, prepared.trials, jobs_, held_, tied_);
   const auto names = [](const diagnose::JointModel& of) {
@@ -83,24 +105,11 @@ Residuals Reference::residuals(const arm::Arm& arm, const std::vector<trial::Tri
     throw std::invalid_argument("other constants are free with the other arm file");
   std::vector<std::vector<model::Predicted>> predicted;
   model.predict(at_.at, nullptr, predicted);
-  Residuals residuals(prepared.trials.size());
-  for (std::size_t t = 0; t < prepared.trials.size(); ++t) {
-    const model::TrialData& trial = prepared.trials[t];
-    for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
-      if (!predicted[t][k].solved) continue;
-      for (std::size_t i = 0; i < trial.blocks[k].bodies.size(); ++i) {
-        const model::Seen& seen = trial.blocks[k].bodies[i];
-        residuals[t][key_of(trial, trial.blocks[k], seen.body)] =
-            seen.p_base - predicted[t][k].p.col(static_cast<Eigen::Index>(i));
-      }
-      for (std::size_t i = 0; i < trial.blocks[k].tangents.size(); ++i) {
-        const model::SeenTangent& seen = trial.blocks[k].tangents[i];
-        residuals[t][key_of_tangent(trial, trial.blocks[k], seen.body)] =
-            seen.tangent_base - predicted[t][k].tangents.col(static_cast<Eigen::Index>(i));
-      }
-    }
-  }
-  return residuals;
+  Left left;
+  left.held = residuals_of(prepared.trials, predicted);
+  model.allow_for_motion(at_.at, predicted);
+  left.refitted = residuals_of(prepared.trials, model.fit(at_.at, {}, &predicted).predicted);
+  return left;
 }
 
 VectorXd Reference::orthogonal(const VectorXd& difference) const {
@@ -144,43 +153,39 @@ double Reference::rms_m(const VectorXd& whitened) const {
   return bodies > 0.0 ? std::sqrt(sum / bodies) : 0.0;
 }
 
-Signal Reference::signal(const Residuals& with, const Residuals& without) const {
+VectorXd Reference::difference(const Residuals& with, const Residuals& without) const {
   Eigen::Index rows = 0;
   for (const VectorXd& r : at_.residual) rows += r.size();
-  Signal signal;
-  signal.difference = VectorXd::Zero(rows);
+  VectorXd difference = VectorXd::Zero(rows);
   Eigen::Index row = 0;
   for (std::size_t t = 0; t < prepared_.trials.size(); ++t) {
     const model::TrialData& trial = prepared_.trials[t];
     Eigen::Index local = 0;
-    for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
-      for (const model::Seen& seen : trial.blocks[k].bodies) {
-        const auto key = key_of(trial, trial.blocks[k], seen.body);
-        const auto a = with[t].find(key), b = without[t].find(key);
-        if (a != with[t].end() && b != without[t].end())
-          signal.difference.segment<3>(row) =
-              at_.root_weight[t][local] * (a->second - b->second) / model_.sd_m(t, k, seen);
-        row += 3;
-        local += 3;
-      }
-    }
-    for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
-      for (const model::SeenTangent& seen : trial.blocks[k].tangents) {
-        const auto key = key_of_tangent(trial, trial.blocks[k], seen.body);
-        const auto a = with[t].find(key), b = without[t].find(key);
-        if (a != with[t].end() && b != without[t].end())
-          signal.difference.segment<3>(row) =
-              at_.root_weight[t][local] * (a->second - b->second) / model_.sd_rad(t, k, seen);
-        row += 3;
-        local += 3;
-      }
-    }
+    const auto put = [&](const std::pair<std::int64_t, int>& key, double sd) {
+      const auto a = with[t].find(key), b = without[t].find(key);
+      if (a != with[t].end() && b != without[t].end())
+        difference.segment<3>(row) = at_.root_weight[t][local] * (a->second - b->second) / sd;
+      row += 3;
+      local += 3;
+    };
+    for (std::size_t k = 0; k < trial.blocks.size(); ++k)
+      for (const model::Seen& seen : trial.blocks[k].bodies)
+        put(key_of(trial, trial.blocks[k], seen.body), model_.sd_m(t, k, seen));
+    for (std::size_t k = 0; k < trial.blocks.size(); ++k)
+      for (const model::SeenTangent& seen : trial.blocks[k].tangents)
+        put(key_of_tangent(trial, trial.blocks[k], seen.body), model_.sd_rad(t, k, seen));
   }
-  const VectorXd left = orthogonal(signal.difference);
+  return difference;
+}
+
+Signal Reference::signal(const Left& with, const Left& without) const {
+  Signal signal;
+  signal.difference = difference(with.held, without.held);
+  signal.left = orthogonal(difference(with.refitted, without.refitted));
   signal.raw_snr = signal.difference.norm();
-  signal.leftover_snr = left.norm();
+  signal.leftover_snr = signal.left.norm();
   signal.raw_m = rms_m(signal.difference);
-  signal.leftover_m = rms_m(left);
+  signal.leftover_m = rms_m(signal.left);
   double freedom = 0.0;
   signal.per_frame_snr = per_frame_part(model_, at_, signal.difference, &freedom).norm();
   signal.per_frame_sd = signal.per_frame_snr * signal.per_frame_snr / std::sqrt(2.0 * std::max(1.0, freedom));
@@ -188,14 +193,14 @@ Signal Reference::signal(const Residuals& with, const Residuals& without) const 
 }
 
 std::vector<Ideal> Reference::ideal(const Signal& signal) {
-  // The fit as if its residuals were the signal.
+  // The fit as if its residuals were what is left.
   Linearised at = at_;
   at.gradient.setZero();
-  at.square = signal.difference.squaredNorm();
+  at.square = signal.left.squaredNorm();
   Eigen::Index begin = 0;
   std::size_t c = 0;
   for (std::size_t t = 0; t < at.residual.size(); ++t) {
-    at.residual[t] = signal.difference.segment(begin, at.residual[t].size());
+    at.residual[t] = signal.left.segment(begin, at.residual[t].size());
     begin += at.residual[t].size();
     Eigen::Index row = 0;
     const auto take = [&](Eigen::Index count, TimeStretch& stretch) {
@@ -225,9 +230,8 @@ std::vector<Ideal> Reference::ideal(const Signal& signal) {
 }
 
 double Reference::cosine(const Signal& a, const Signal& b) const {
-  const VectorXd x = orthogonal(a.difference), y = orthogonal(b.difference);
-  const double norm = x.norm() * y.norm();
-  return norm > 0.0 ? x.dot(y) / norm : 0.0;
+  const double norm = a.left.norm() * b.left.norm();
+  return norm > 0.0 ? a.left.dot(b.left) / norm : 0.0;
 }
 
 double Reference::unexplained_m() const {

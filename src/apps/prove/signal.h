@@ -14,17 +14,21 @@
 namespace softarm::prove {
 
 /// An effect as the difference of two recordings that are the same but for it: of the residuals that one set
-/// of the arm's constants leaves in both, in standard deviations of means over 0.1 s (white noise, and what
-/// the diagnosis allows for swinging), of the means that the diagnosis compares.
+/// of the arm's constants leaves in both, and of those that its own refitted constants leave in each, in
+/// standard deviations of means over 0.1 s (white noise, and what the diagnosis allows for swinging), of the
+/// means that the diagnosis compares.
 struct Signal {
-  Eigen::VectorXd difference;  ///< whitened, all trials
-  double raw_snr = 0.0;        ///< its length
-  double leftover_snr = 0.0;   ///< the same, orthogonal to the derivatives of all of the arm's free constants
+  Eigen::VectorXd difference;  ///< with one set of constants: whitened, all trials
+  /// With the constants refitted, and orthogonal to their derivatives. Constants bend what they absorb: of an
+  /// effect that moves the arm by millimetres the derivatives alone absorb less than a refit does.
+  Eigen::VectorXd left;
+  double raw_snr = 0.0;        ///< length of the difference
+  double leftover_snr = 0.0;   ///< length of what is left
   double per_frame_snr = 0.0;  ///< the same with those constants free in every mean
   double per_frame_sd =
       0.0;                  ///< excess of chi^2 of such fits in its standard deviations: snr^2 / sqrt(2 dof)
   double raw_m = 0.0;       ///< rms distance of a body
-  double leftover_m = 0.0;  ///< the same of the orthogonal part
+  double leftover_m = 0.0;  ///< the same of what is left
 };
 
 /// One effect of the catalogue against a noise-free signal.
@@ -41,11 +45,11 @@ class Reference {
   Reference(const arm::Arm& arm, const std::vector<trial::Trial>& trials, unsigned jobs,
             const std::vector<std::string>& held = {}, const std::vector<std::string>& tied = {});
 
-  Residuals residuals(const std::vector<trial::Trial>& trials) const { return residuals(arm_, trials); }
+  Left residuals(const std::vector<trial::Trial>& trials) const { return residuals(arm_, trials); }
   /// Of an arm that differs in what is not fitted.
   /// @throws std::invalid_argument where other constants of it are free
-  Residuals residuals(const arm::Arm& arm, const std::vector<trial::Trial>& trials) const;
-  Signal signal(const Residuals& with, const Residuals& without) const;
+  Left residuals(const arm::Arm& arm, const std::vector<trial::Trial>& trials) const;
+  Signal signal(const Left& with, const Left& without) const;
   /// The catalogue, best first, against the signal as if nothing else were in the recording: what an ideal
   /// detector has to go by.
   std::vector<Ideal> ideal(const Signal& signal);
@@ -57,6 +61,7 @@ class Reference {
   std::map<std::string, double> constants() const;
 
  private:
+  Eigen::VectorXd difference(const Residuals& with, const Residuals& without) const;
   Eigen::VectorXd orthogonal(const Eigen::VectorXd& difference) const;
   double rms_m(const Eigen::VectorXd& whitened) const;
 
