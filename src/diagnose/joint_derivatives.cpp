@@ -66,8 +66,7 @@ void JointModel::differentiate(const JointParameters& at, std::size_t trial, con
 void JointModel::complete(Linearised& at) {
   if (at.complete) return;
   const std::vector<bool> all(rod().parameters().size(), true);
-  math::in_parallel(trials_.size(), jobs_,
-                    [&](std::size_t t) { differentiate(at.at, t, all, at.predicted[t]); });
+  each_trial([&](std::size_t t) { differentiate(at.at, t, all, at.predicted[t]); });
   at.complete = true;
 }
 
@@ -220,7 +219,7 @@ Linearised JointModel::linearise(const JointParameters& parameters,
   lin.root_weight.resize(trials_.size());
   lin.reference.resize(trials_.size());
   lin.swing.resize(trials_.size());
-  math::in_parallel(trials_.size(), jobs_, [&](std::size_t t) {
+  each_trial([&](std::size_t t) {
     const auto compare = [&] {
       lin.residual[t] = residual(t, lin.predicted[t]);
       lin.root_weight[t] = (lin.residual[t].array() != 0.0).cast<double>();
@@ -267,7 +266,7 @@ Linearised JointModel::linearise(const JointParameters& parameters,
 void JointModel::weigh(Linearised& lin) const {
   const auto count = static_cast<Eigen::Index>(lin.columns.size());
   std::vector<std::vector<TimeStretch>> stretches(trials_.size());
-  math::in_parallel(trials_.size(), jobs_, [&](std::size_t t) {
+  each_trial([&](std::size_t t) {
     VectorXd& root = lin.root_weight[t];
     for (Eigen::Index row = 0; row < root.size(); row += 3) {
       const double before = root.segment<3>(row).maxCoeff();

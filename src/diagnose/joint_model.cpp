@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "arm/constant_spec.h"
 #include "math/parallel.h"
@@ -265,6 +266,15 @@ std::size_t JointModel::leave_out_ends(double offset_s) {
   return count;
 }
 
+void JointModel::each_trial(const std::function<void(std::size_t)>& work) const {
+  std::vector<std::size_t> order(trials_.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return trials_[a].blocks.size() > trials_[b].blocks.size();
+  });
+  math::in_parallel(order.size(), jobs_, [&](std::size_t i) { work(order[i]); });
+}
+
 void JointModel::look_at(const std::vector<std::size_t>& trials) {
   if (!all_used_.empty()) used_ = std::move(all_used_);
   all_used_.clear();
@@ -310,7 +320,7 @@ std::vector<Predicted> JointModel::predict_trial(const JointParameters& paramete
 void JointModel::predict(const JointParameters& parameters, const std::vector<std::vector<Predicted>>* start,
                          std::vector<std::vector<Predicted>>& out) {
   std::vector<std::vector<Predicted>> made(trials_.size());
-  math::in_parallel(trials_.size(), jobs_, [&](std::size_t t) {
+  each_trial([&](std::size_t t) {
     if (looks_at(t))
       made[t] = predict_trial(parameters, t, start != nullptr ? &(*start)[t] : nullptr);
     else

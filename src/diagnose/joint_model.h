@@ -106,6 +106,8 @@ class JointModel {
   std::vector<model::Predicted> predict_trial(const JointParameters& parameters, std::size_t trial,
                                               const std::vector<model::Predicted>* start);
   unsigned jobs() const { return jobs_; }
+  /// Calls work(trial) for each, several at once; the longest begin, so that none is left alone at the end.
+  void each_trial(const std::function<void(std::size_t)>& work) const;
   enum class Derivatives {
     kShapesHeld,  ///< to first order with shapes held in what depends on them
     kWhole,       ///< differences of whole predictions

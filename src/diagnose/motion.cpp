@@ -159,7 +159,7 @@ void JointModel::find_modes(const JointParameters& parameters,
                             const std::vector<std::vector<Predicted>>& predicted) {
   const arm::Arm arm = arm_with(parameters.constants);
   std::vector<model::TrialModes> found(trials_.size());
-  math::in_parallel(trials_.size(), jobs_, [&](std::size_t t) {
+  each_trial([&](std::size_t t) {
     found[t] =
         models_[t].modes(arm, all(parameters.effects), dynamics(parameters, t), trials_[t], predicted[t]);
   });
@@ -187,7 +187,7 @@ bool JointModel::is_quasi_static(const JointParameters& parameters,
                                  const std::vector<std::vector<Predicted>>& swinging) {
   std::vector<std::vector<Predicted>> still(trials_.size());
   const arm::Arm arm = arm_with(parameters.constants);
-  math::in_parallel(trials_.size(), jobs_, [&](std::size_t t) {
+  each_trial([&](std::size_t t) {
     models_[t].predict(arm, all(parameters.effects), {false, parameters.viscoelastic_lag_s}, trials_[t],
                        &swinging[t], still[t]);
   });
@@ -238,7 +238,7 @@ std::size_t JointModel::allow_for_motion(const JointParameters& parameters,
   if (quasi_static_) return 0;
   if (!swings()) unknown_.inertia = kPolicy.motion.first_order_share;
   swings_.resize(trials_.size());
-  math::in_parallel(trials_.size(), jobs_, [&](std::size_t t) { find_swings(t, predicted[t], seen); });
+  each_trial([&](std::size_t t) { find_swings(t, predicted[t], seen); });
   // What is not known of a swing spoils what is smaller than it is. Beside a model that is off by more,
   // little would be won, and of an arm that never rests nearly everything lost.
   std::vector<double> distances;

@@ -209,12 +209,12 @@ Screened judge(const JointModel& model, const Linearised& at, const Variant& var
 }
 
 /// The variants' sums over all stretches.
-void fill_sums(JointModel& model, const Linearised& at, std::vector<Variant>& list, unsigned jobs,
+void fill_sums(JointModel& model, const Linearised& at, std::vector<Variant>& list,
                const std::function<void(double)>& progress) {
   std::vector<std::vector<std::size_t>> stretches_of(model.trials().size());
   for (std::size_t c = 0; c < at.stretches.size(); ++c) stretches_of[at.stretches[c].trial].push_back(c);
   std::atomic<std::size_t> done{0};
-  math::in_parallel(model.trials().size(), jobs, [&](std::size_t t) {
+  model.each_trial([&](std::size_t t) {
     const auto rows = rows_of_stretches(at, t);
     for (Variant& variant : list) {
       const MatrixXd d = signature_of(model, at, t, variant);
@@ -285,7 +285,7 @@ Squares squares_of(const JointModel& model, const Linearised& at, std::size_t tr
 }
 
 /// Sizes in metres, and what of the signatures the constants leave.
-void set_sizes(JointModel& model, const Linearised& at, std::vector<Best>& best, unsigned jobs) {
+void set_sizes(JointModel& model, const Linearised& at, std::vector<Best>& best) {
   const math::SymmetricSolver solver(at.information);
   Eigen::Index rows = 0;
   std::vector<Eigen::Index> begins;
@@ -303,7 +303,7 @@ void set_sizes(JointModel& model, const Linearised& at, std::vector<Best>& best,
   }
   // A trial's model serves one thread.
   std::vector<std::vector<Squares>> squares(model.trials().size(), std::vector<Squares>(best.size()));
-  math::in_parallel(model.trials().size(), jobs, [&](std::size_t t) {
+  model.each_trial([&](std::size_t t) {
     for (std::size_t b = 0; b < best.size(); ++b) {
       const VectorXd d = signature_of(model, at, t, *best[b].variant) * best[b].sizes;
       const VectorXd left = d - at.derivative[t] * best[b].absorbed;
@@ -354,12 +354,12 @@ std::vector<Screened> screen(JointModel& model, Linearised& at, unsigned jobs,
                              const std::function<void(double)>& progress) {
   model.complete(at);
   std::vector<Variant> list = variants(model, at);
-  fill_sums(model, at, list, jobs, progress);
+  fill_sums(model, at, list, progress);
   const std::vector<Others> others = without_each(model, at);
   std::vector<Screened> judged(list.size());
   math::in_parallel(list.size(), jobs, [&](std::size_t i) { judged[i] = judge(model, at, list[i], others); });
   std::vector<Best> best = best_of_each(list, judged);
-  set_sizes(model, at, best, jobs);
+  set_sizes(model, at, best);
   std::vector<Screened> screened;
   for (Best& b : best) screened.push_back(std::move(b.screened));
   std::stable_sort(screened.begin(), screened.end(),
