@@ -183,6 +183,19 @@ void lead_with_what_is_known(const std::vector<double>& known, std::vector<Named
   effects.insert(effects.begin(), std::move(effect));
 }
 
+void rank_as_said(Diagnosis& d) {
+  std::vector<std::string> said;
+  for (const NamedEffect& effect : d.effects) said.push_back(effect.id);
+  for (const NamedEffect& effect : d.effects)
+    said.insert(said.end(), effect.confusable_with.begin(), effect.confusable_with.end());
+  for (const NamedEffect& effect : d.small_departures) said.push_back(effect.id);
+  const auto place = [&](const Candidate& c) {
+    return std::find(said.begin(), said.end(), c.id) - said.begin();
+  };
+  std::stable_sort(d.ranking.begin(), d.ranking.end(),
+                   [&](const Candidate& a, const Candidate& b) { return place(a) < place(b); });
+}
+
 void add_findings(JointModel& model, const Selection& selection, const MatrixXd& covariance, bool adequate,
                   Diagnosis& d) {
   d.ranking = ranking_of(model, selection);
@@ -217,6 +230,7 @@ void add_findings(JointModel& model, const Selection& selection, const MatrixXd&
     for (const NamedEffect& effect : *list)
       for (Candidate& candidate : d.ranking)
         if (candidate.id == effect.id) candidate.probability = effect.probability;
+  rank_as_said(d);
   d.verdict = verdict_of(d, adequate);
 }
 

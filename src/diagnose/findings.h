@@ -25,4 +25,8 @@ void mistake_mutually(std::vector<NamedEffect>& effects);
 void lead_with_what_is_known(const std::vector<double>& known, std::vector<NamedEffect>& effects,
                              std::vector<NamedEffect>& small);
 
+/// Candidates in the order in which they are said: what the verdict stands on, what that may be mistaken for,
+/// the small departures, all others.
+void rank_as_said(Diagnosis& d);
+
 }  // namespace softarm::diagnose

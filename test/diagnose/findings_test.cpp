@@ -54,5 +54,21 @@ TEST(Findings, ASmallDepartureStaysOneBesideWhatIsKnown) {
   EXPECT_EQ(ids(small), std::vector<std::string>{"clock"});
 }
 
+TEST(Findings, CandidatesStandAsTheyAreSaid) {
+  Diagnosis d;
+  d.effects = {effect("second", 0.7, 0.6), effect("first", 1.0, 0.4)};
+  d.effects.front().confusable_with = {"rival", "first"};
+  d.small_departures = {effect("small", 1.0, 0.0)};
+  for (const char* id : {"probable", "first", "small", "absent", "rival", "second"}) {
+    Candidate c;
+    c.id = id;
+    d.ranking.push_back(c);
+  }
+  rank_as_said(d);
+  std::vector<std::string> order;
+  for (const Candidate& c : d.ranking) order.push_back(c.id);
+  EXPECT_EQ(order, (std::vector<std::string>{"second", "first", "rival", "small", "probable", "absent"}));
+}
+
 }  // namespace
 }  // namespace softarm::diagnose
