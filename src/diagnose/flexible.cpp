@@ -36,7 +36,8 @@ struct Instants {
   MatrixXd x, y;
   VectorXd weight;  ///< by precision, 1 on average over means of the usual length
   std::vector<std::size_t> trial;
-  /// Columns of x by which it may go: what drives the arm now, with its past, with plays, all there is.
+  /// Columns of x by which it may go: what drives the arm now, with its past, with plays narrow or wide,
+  /// plays alone, all there is.
   std::vector<std::vector<Eigen::Index>> views;
 };
 
@@ -80,8 +81,13 @@ std::vector<std::vector<Eigen::Index>> views_of(Eigen::Index inputs) {
   };
   const Eigen::Index past = 2 * inputs, loads = 4 * inputs, time = loads + 4, played = time + 1;
   constexpr auto kWidths = static_cast<Eigen::Index>(std::size(kPolicy.flexible.play));
+  constexpr auto kNarrow = static_cast<Eigen::Index>(kPolicy.flexible.narrow);
   const auto now = with(with({}, 0, inputs), loads, 4);
-  return {now, with(now, past, 2 * inputs), with(now, played, kWidths * inputs),
+  return {now,
+          with(now, past, 2 * inputs),
+          with(now, played, kNarrow * inputs),
+          with(now, played + kNarrow * inputs, (kWidths - kNarrow) * inputs),
+          with({}, played, kWidths * inputs),
           with({}, 0, played + kWidths * inputs)};
 }
 

@@ -48,7 +48,7 @@ std::vector<Values> candidates(const JointModel& model, const Linearised& at) {
     if (!(high - low > kLeastRange * std::max(std::abs(low), std::abs(high)))) continue;
     list.push_back(term(Regressor::kInput, i));
     for (std::size_t j = i; j <= inputs; ++j) list.push_back(term(Regressor::kProduct, i, j));
-    for (const double width : kPolicy.law.play_widths)
+    for (const double width : kPolicy.flexible.play)
       list.push_back(term(Regressor::kPlay, i, 0, width * (high - low)));
     for (const double time_s : kPolicy.law.times_s) list.push_back(term(Regressor::kLag, i, 0, time_s));
   }

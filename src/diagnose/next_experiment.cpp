@@ -18,7 +18,8 @@ using Eigen::MatrixXd;
 using model::Effect;
 using model::Present;
 
-constexpr int kSteps = 2;  // that bring a rival to the shapes of the other
+constexpr int kSteps = 2;                 // that bring a rival to the shapes of the other
+constexpr std::size_t kWeighedWhole = 3;  // experiments that are weighed without approximation
 
 // --- What is to be separated ------------------------------------------------------------------------------
 
@@ -103,15 +104,39 @@ std::string sentence_of(const NextExperiment& next, bool to_light) {
       next.expected_separation, next.expected_separation < 10.0 ? 1 : 0, next.today);
 }
 
+/// The least separation of any two.
+double least(MatrixXd separations, Eigen::Index& truth, Eigen::Index& fitted) {
+  separations.diagonal().setConstant(1e300);
+  return separations.minCoeff(&truth, &fitted);
+}
+
+/// Of all experiments; where a load depends on the shape, only of the best of them without approximation.
+Separations separations_of(const JointModel& model, const JointParameters& baseline,
+                           const std::vector<Explanation>& list, const std::vector<Experiment>& menu,
+                           double inflation, const Options& options) {
+  Separations all = weigh_apart(model, baseline, list, menu, false, inflation, options);
+  const bool feedback = std::any_of(list.begin(), list.end(), [&](const Explanation& one) {
+    return model.has_configuration_dependent_load(one.fit.at);
+  });
+  if (!feedback) return all;
+  std::vector<std::pair<double, std::size_t>> order;
+  Eigen::Index truth = 0, fitted = 0;
+  for (std::size_t i = 0; i < menu.size(); ++i)
+    if (all.with[i]) order.emplace_back(-least(*all.with[i], truth, fitted), i);
+  std::sort(order.begin(), order.end());
+  order.resize(std::min(order.size(), kWeighedWhole));
+  std::vector<Experiment> best;
+  for (const auto& [ignored, i] : order) best.push_back(menu[i]);
+  const Separations whole = weigh_apart(model, baseline, list, best, true, inflation, options);
+  for (std::size_t b = 0; b < best.size(); ++b) all.with[order[b].second] = whole.with[b];
+  return all;
+}
+
 std::optional<NextExperiment> tell_apart(const JointModel& model, const JointParameters& baseline,
                                          const std::vector<Explanation>& list,
                                          const std::vector<Experiment>& menu, double inflation,
                                          const Options& options) {
-  const Separations all = weigh_apart(model, baseline, list, menu, inflation, options);
-  const auto least = [&](MatrixXd separations, Eigen::Index& truth, Eigen::Index& fitted) {
-    separations.diagonal().setConstant(1e300);
-    return separations.minCoeff(&truth, &fitted);
-  };
+  const Separations all = separations_of(model, baseline, list, menu, inflation, options);
   NextExperiment next;
   Eigen::Index truth = 0, fitted = 0;
   next.today = least(all.today, truth, fitted);

@@ -145,11 +145,14 @@ struct Policy {
   /// The flexible model: kernel regression of residuals on inputs, their past, payload, attitude and time.
   /// Each of its scales is tried, so these are a coarse grid over what residuals of arms are like.
   struct Flexible {
-    std::size_t most_blocks = 1200;      ///< evenly over the trials: the cost goes with its cube
-    std::size_t folds = 3;               ///< of input sequences: it learns from two thirds of them
-    long fewest_instants = 20;           ///< with fewer it learns nothing
-    double past_s[2] = {1.0, 8.0};       ///< time constants of what is remembered of the inputs
-    double play[2] = {0.1, 0.4};         ///< widths of what loops, as shares of an input's range
+    std::size_t most_blocks = 1200;  ///< evenly over the trials: the cost goes with its cube
+    std::size_t folds = 3;           ///< of input sequences: it learns from two thirds of them
+    long fewest_instants = 20;       ///< with fewer it learns nothing
+    double past_s[2] = {1.0, 8.0};   ///< time constants of what is remembered of the inputs
+    /// Widths of what loops, as shares of an input's range, the narrow ones (`narrow` of them) first: from a
+    /// valve to a wall.
+    double play[4] = {0.02, 0.05, 0.15, 0.4};
+    std::size_t narrow = 2;
     double reach[2] = {1.0, 2.5};        ///< length scales, in standard deviations of each feature
     double noise[3] = {0.03, 0.3, 3.0};  ///< variance of the noise over that of what is learnt
   } flexible;
@@ -206,9 +209,8 @@ struct Policy {
   /// A law that is learnt from what nothing in the catalogue explains. Tried on untidy development cases with
   /// an effect outside the catalogue, and on a valve that one chamber alone has (discovered_law_test.cpp).
   struct Law {
-    std::size_t most_terms = 3;                       ///< of one law: a sentence each
-    double play_widths[4] = {0.02, 0.05, 0.15, 0.4};  ///< of an input's range: from a valve to a wall
-    double times_s[4] = {0.3, 1.0, 4.0, 15.0};        ///< of what follows: from a line to the creep of a wall
+    std::size_t most_terms = 3;                 ///< of one law: a sentence each
+    double times_s[4] = {0.3, 1.0, 4.0, 15.0};  ///< of what follows: from a line to the creep of a wall
     double least_left = 0.02;  ///< of a signature's squares, beyond constants and effects: else they are it
     /// Of the length: by which a moment of its own, that nobody looks for, usually moves the bodies of one
     /// trial, rms: as the least background of untidy development cases.

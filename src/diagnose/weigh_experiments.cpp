@@ -39,9 +39,9 @@ class Hypothetical {
            used > 0;
   }
   /// Nothing was seen, so residuals mean nothing; predictions and derivatives do.
-  Linearised linearise(const JointParameters& parameters) {
+  Linearised linearise(const JointParameters& parameters, bool whole) {
     return model_.linearise(with_loads(parameters), &predicted_,
-                            model_.has_configuration_dependent_load(parameters)
+                            whole && model_.has_configuration_dependent_load(parameters)
                                 ? JointModel::Derivatives::kWhole
                                 : JointModel::Derivatives::kShapesHeld);
   }
@@ -142,7 +142,7 @@ MatrixXd separations(const std::vector<Explanation>& list, double inflation, con
 
 Separations weigh_apart(const JointModel& model, const JointParameters& baseline,
                         const std::vector<Explanation>& explanations, const std::vector<Experiment>& menu,
-                        double inflation, const Options& options) {
+                        bool whole, double inflation, const Options& options) {
   const std::size_t n = explanations.size();
   std::vector<DifferenceSums> old(n * n);
   for (std::size_t j = 0; j < n; ++j) {
@@ -158,7 +158,7 @@ Separations weigh_apart(const JointModel& model, const JointParameters& baseline
     Hypothetical trial(menu[i], model, options);
     if (!trial.prepare(baseline)) return;
     std::vector<Linearised> there;
-    for (const Explanation& one : explanations) there.push_back(trial.linearise(one.fit.at));
+    for (const Explanation& one : explanations) there.push_back(trial.linearise(one.fit.at, whole));
     out.with[i] = separations(explanations, inflation, [&](std::size_t j, std::size_t k) {
       DifferenceSums sums = sums_between(trial.model(), there[j], there[k]);
       sums += old[j * n + k];
@@ -183,7 +183,7 @@ Visibility weigh_collinear(JointModel& model, Linearised& at, const std::vector<
   math::in_parallel(menu.size(), options.jobs, [&](std::size_t i) {
     Hypothetical trial(menu[i], model, options);
     if (!trial.prepare(at.at)) return;
-    Linearised there = trial.linearise(at.at);
+    Linearised there = trial.linearise(at.at, true);
     trial.model().complete(there);
     MatrixXd information = at.information;
     for (const TimeStretch& stretch : there.stretches) information += stretch.information;

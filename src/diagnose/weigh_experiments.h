@@ -21,12 +21,14 @@ struct Separations {
 
 /// @param model of the trials that there are
 /// @param baseline the fit without effects: what it takes for swinging will not be compared
+/// @param whole derivatives as they are where a load depends on the shape, not to first order with shapes
+/// held: these tell which experiments are worth a look, for a tenth of the time
 /// @param inflation of chi^2: how much residuals of neighbouring instants are worth less than independent
 /// ones
 /// @param options of the model: threads, constants held and tied
 Separations weigh_apart(const JointModel& model, const JointParameters& baseline,
                         const std::vector<Explanation>& explanations, const std::vector<Experiment>& menu,
-                        double inflation, const Options& options);
+                        bool whole, double inflation, const Options& options);
 
 /// Standard deviations by which effects of these sizes would be seen, all constants being fitted.
 struct Visibility {

@@ -59,7 +59,7 @@ Predicted predicted(const RecordedCase& recorded, const Pair& pair, const std::s
       std::find_if(menu.begin(), menu.end(), [&](const diagnose::Experiment& e) { return e.id == id; });
   if (wanted == menu.end()) throw std::out_of_range(id);
   const diagnose::Separations all =
-      diagnose::weigh_apart(looked.model, looked.baseline.at, list, {*wanted}, out.inflation, {});
+      diagnose::weigh_apart(looked.model, looked.baseline.at, list, {*wanted}, true, out.inflation, {});
   out.today = all.today(0, 1);
   out.with = all.with.at(0).value()(0, 1);
   return out;

@@ -154,19 +154,18 @@ TEST(Leftover, ABodyThatIsOffThroughoutStandsAloneAndOneSwingOfItDoesNot) {
   EXPECT_EQ(nothing.lone_m, 0.0);
 }
 
-TEST(Ceiling, LearnsALoopAndNothingOfNoise) {
+TEST(Ceiling, LearnsLoopsWideAndNarrowAndNothingOfNoise) {
   const testing::RecordedCase drawn = unseen_case(6);
   const testing::Looked looked(drawn.arm, drawn.trials);
-  double held = 0.0;
-  const double width = 1.5e4;  // Pa, of pressures up to 5e4
-  const auto loop = [&](std::size_t t, std::size_t k) {
-    const model::Instant& now = looked.baseline.predicted[t][k].instant;
-    held =
-        k == 0 ? now.inputs[0] : std::clamp(held, now.inputs[0] - 0.5 * width, now.inputs[0] + 0.5 * width);
-    return 1e-3 * (now.inputs[0] - held) / width;
-  };
-  const Ceiling of_loop = ceiling(looked.model, looked.baseline, residuals(looked, loop), 0);
-  EXPECT_GT(of_loop.share, 0.6);
+  for (const double width : {1.5e4, 2.5e3}) {  // Pa, of pressures up to 5e4: a wall, a valve
+    double held = 0.0;
+    const auto loop = [&](std::size_t t, std::size_t k) {
+      const double now = looked.baseline.predicted[t][k].instant.inputs[0];
+      held = k == 0 ? now : std::clamp(held, now - 0.5 * width, now + 0.5 * width);
+      return 1e-3 * (now - held) / width;
+    };
+    EXPECT_GT(ceiling(looked.model, looked.baseline, residuals(looked, loop), 0).share, 0.6) << width;
+  }
   const auto nothing = [](std::size_t, std::size_t) { return 0.0; };
   EXPECT_LT(ceiling(looked.model, looked.baseline, residuals(looked, nothing), 0).share, 0.01);
 }
