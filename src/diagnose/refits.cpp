@@ -16,7 +16,7 @@ using model::Present;
 
 constexpr int kBootstraps = 500;  // a probability to two percent
 constexpr std::uint64_t kBootstrapSeed = 1;
-constexpr int kRefitIterations = 4, kDropIterations = 3;
+constexpr int kRefitIterations = 4, kDropIterations = 3, kGoOnIterations = 8;
 constexpr double kRefitTolerance = 0.2;  // of a step against the standard deviations
 
 /// At an end of its range that is not "absent", and determined: one size of several that the trials do not
@@ -174,6 +174,10 @@ Refitted refit(JointModel& model, const Standing& current, const Screened& s) {
   for (std::vector<model::Predicted>& trial : r.fit.predicted)
     for (model::Predicted& predicted : trial) predicted.by_rod.resize(0, 0);
   return r;
+}
+
+Linearised go_on(JointModel& model, const Linearised& fit) {
+  return model.fit(fit.at, refit_options(kGoOnIterations), &fit.predicted);
 }
 
 Standing refit_without(JointModel& model, const Standing& current, std::size_t effect) {

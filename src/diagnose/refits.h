@@ -39,6 +39,10 @@ void begin_from(JointModel& model, const Standing& current, const Linearised& fr
 Refitted refit(JointModel& model, const Standing& current, const Screened& s);
 
 /// The model so far without one of its effects.
+/// The fit of what is taken into the model, where refits ended before it did: else every refit of the next
+/// round would do that, and tell of the constants, not of its effect.
+Linearised go_on(JointModel& model, const Linearised& fit);
+
 Standing refit_without(JointModel& model, const Standing& current, std::size_t effect);
 
 /// The model so far at other constants, where a refit came to better ones and its effect is next to nothing:

@@ -16,9 +16,14 @@ namespace {
 /// Takes the round's best into the model.
 void take(JointModel& model, const Refitted& best, Standing& current) {
   current = {best.fit, best.unseen};
-  if (!model.has_configuration_dependent_load(current.fit.at)) return;
-  current.fit = model.linearise(best.fit.at, &best.fit.predicted, JointModel::Derivatives::kWhole);
-  current.fit.converged = best.converged;
+  const bool feedback = model.has_configuration_dependent_load(current.fit.at);
+  if (!best.converged)
+    current.fit = go_on(model, best.fit);
+  else if (feedback)
+    current.fit = model.linearise(best.fit.at, &best.fit.predicted, JointModel::Derivatives::kWhole);
+  else
+    return;
+  current.fit.converged = current.fit.converged || best.converged;
   current.unseen = unseen(model, current.fit);
 }
 
