@@ -16,7 +16,7 @@ using model::Present;
 
 constexpr int kBootstraps = 500;  // a probability to two percent
 constexpr std::uint64_t kBootstrapSeed = 1;
-constexpr int kRefitIterations = 4, kDropIterations = 3, kGoOnIterations = 8;
+constexpr int kRefitIterations = 4, kDropIterations = 3, kFinishIterations = 8;
 constexpr double kRefitTolerance = 0.2;  // of a step against the standard deviations
 
 /// At an end of its range that is not "absent", and determined: one size of several that the trials do not
@@ -64,6 +64,20 @@ JointModel::FitOptions refit_options(int iterations) {
   how.iterations = iterations;
   how.tolerance = kRefitTolerance;
   return how;
+}
+
+/// A refit, and what is said of it.
+void fit_from(JointModel& model, const JointParameters& from,
+              const std::vector<std::vector<model::Predicted>>& start, int iterations, Refitted& r) {
+  JointModel::FitOptions how = refit_options(iterations);
+  how.whole = false;
+  r.fit = model.fit(from, how, &start);
+  r.unseen = unseen(model, r.fit);
+  r.physical = !at_limit(r.fit);
+  r.converged = r.fit.converged;
+  // Large, and had again where the catalogue is screened.
+  for (std::vector<model::Predicted>& trial : r.fit.predicted)
+    for (model::Predicted& predicted : trial) predicted.by_rod.resize(0, 0);
 }
 
 /// Probability of a gain on unseen trials, were others like these recorded: the share of the Bayesian
@@ -164,20 +178,17 @@ Refitted refit(JointModel& model, const Standing& current, const Screened& s) {
   for (Eigen::Index j = 0; j < x.size(); ++j)
     set_unknown(p, current.fit.columns[static_cast<std::size_t>(j)], x[j]);
   p.effects.push_back({s.effect, s.values});
-  JointModel::FitOptions how = refit_options(kRefitIterations);
-  how.whole = false;
-  r.fit = model.fit(p, how, &current.fit.predicted);
-  r.unseen = unseen(model, r.fit);
-  r.physical = !at_limit(r.fit);
-  r.converged = r.fit.converged;
-  // Large, and had again where the catalogue is screened.
-  for (std::vector<model::Predicted>& trial : r.fit.predicted)
-    for (model::Predicted& predicted : trial) predicted.by_rod.resize(0, 0);
+  fit_from(model, p, current.fit.predicted, kRefitIterations, r);
   return r;
 }
 
-Linearised go_on(JointModel& model, const Linearised& fit) {
-  return model.fit(fit.at, refit_options(kGoOnIterations), &fit.predicted);
+void finish_leader(JointModel& model, std::vector<Refitted>& refitted) {
+  const auto leader =
+      std::min_element(refitted.begin(), refitted.end(),
+                       [](const Refitted& a, const Refitted& b) { return a.fit.square < b.fit.square; });
+  if (leader == refitted.end() || leader->converged) return;
+  const std::vector<std::vector<model::Predicted>> start = std::move(leader->fit.predicted);
+  fit_from(model, leader->fit.at, start, kFinishIterations, *leader);
 }
 
 Standing refit_without(JointModel& model, const Standing& current, std::size_t effect) {

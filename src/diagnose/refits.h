@@ -38,11 +38,12 @@ void begin_from(JointModel& model, const Standing& current, const Linearised& fr
 /// The model so far with one effect more, from where the screen expects it.
 Refitted refit(JointModel& model, const Standing& current, const Screened& s);
 
-/// The model so far without one of its effects.
-/// The fit of what is taken into the model, where refits ended before it did: else every refit of the next
-/// round would do that, and tell of the constants, not of its effect.
-Linearised go_on(JointModel& model, const Linearised& fit);
+/// Goes on with the refit that explains most, where it ended before it converged: what is as good as known is
+/// not to give way to a fit that was easier, nor to leave it to the next round's refits to find its
+/// constants.
+void finish_leader(JointModel& model, std::vector<Refitted>& refitted);
 
+/// The model so far without one of its effects.
 Standing refit_without(JointModel& model, const Standing& current, std::size_t effect);
 
 /// The model so far at other constants, where a refit came to better ones and its effect is next to nothing:

@@ -16,14 +16,9 @@ namespace {
 /// Takes the round's best into the model.
 void take(JointModel& model, const Refitted& best, Standing& current) {
   current = {best.fit, best.unseen};
-  const bool feedback = model.has_configuration_dependent_load(current.fit.at);
-  if (!best.converged)
-    current.fit = go_on(model, best.fit);
-  else if (feedback)
-    current.fit = model.linearise(best.fit.at, &best.fit.predicted, JointModel::Derivatives::kWhole);
-  else
-    return;
-  current.fit.converged = current.fit.converged || best.converged;
+  if (!model.has_configuration_dependent_load(current.fit.at)) return;
+  current.fit = model.linearise(best.fit.at, &best.fit.predicted, JointModel::Derivatives::kWhole);
+  current.fit.converged = best.converged;
   current.unseen = unseen(model, current.fit);
 }
 
@@ -45,6 +40,7 @@ Round look(JointModel& model, Standing& current, bool refits, bool may_move, con
              "refitting with " + s.effect->info().id);
     round.refitted.push_back(refit(model, current, s));
   }
+  finish_leader(model, round.refitted);
   if (may_move) {
     if (std::optional<Standing> better = at_better_constants(model, current, round.refitted)) {
       current = std::move(*better);
