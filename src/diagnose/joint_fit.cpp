@@ -54,8 +54,8 @@ double JointModel::threshold_at(const std::vector<std::vector<Predicted>>& predi
 /// costs of the bodies then only copy.
 class JointModel::Evaluation : public ceres::EvaluationCallback {
  public:
-  Evaluation(JointModel& model, Linearised at)
-      : model_(model), at_(std::move(at)), x_at_(at_.unknowns()), x_(x_at_) {
+  Evaluation(JointModel& model, Linearised at, Derivatives how)
+      : model_(model), how_(how), at_(std::move(at)), x_at_(at_.unknowns()), x_(x_at_) {
     x_there_.setConstant(x_.size(), std::numeric_limits<double>::quiet_NaN());
   }
 
@@ -68,7 +68,7 @@ class JointModel::Evaluation : public ceres::EvaluationCallback {
     }
     if (!derivatives || x_ == x_at_) return;
     const JointParameters p = parameters();
-    at_ = model_.linearise(p, &there_, Derivatives::kShapesHeld, !model_.has_configuration_dependent_load(p));
+    at_ = model_.linearise(p, &there_, how_, !model_.has_configuration_dependent_load(p));
     x_at_ = x_;
   }
 
@@ -99,6 +99,7 @@ class JointModel::Evaluation : public ceres::EvaluationCallback {
   }
 
   JointModel& model_;
+  const Derivatives how_;
   Linearised at_;
   std::vector<std::vector<Predicted>> there_;
   std::vector<VectorXd> residual_;  ///< of there_, by trial
@@ -256,7 +257,8 @@ Linearised JointModel::fit(JointParameters parameters, const FitOptions& options
   predict(parameters, start, predicted);
   threshold_ = threshold_at(predicted);
   const bool feedback = has_configuration_dependent_load(parameters);
-  Evaluation evaluation(*this, linearise(parameters, &predicted, Derivatives::kShapesHeld, !feedback));
+  const Derivatives how = feedback ? options.derivatives : Derivatives::kShapesHeld;
+  Evaluation evaluation(*this, linearise(parameters, &predicted, how, !feedback), how);
   for (int left = options.iterations; left > 0;) {
     const bool moved = minimise(evaluation, options.tolerance, left);
     const double before = threshold_;
@@ -267,7 +269,8 @@ Linearised JointModel::fit(JointParameters parameters, const FitOptions& options
   }
   const bool converged = step_left(evaluation.at()) < kPolicy.fit.converged_sd;
   Linearised at = std::move(evaluation.at());
-  if (feedback && options.whole) at = linearise(at.at, &at.predicted, Derivatives::kWhole);
+  if (feedback && options.whole && how != Derivatives::kWhole)
+    at = linearise(at.at, &at.predicted, Derivatives::kWhole);
   at.converged = converged;
   return at;
 }

@@ -130,6 +130,7 @@ class JointModel {
   struct FitOptions {
     /// Of a configuration-dependent load: at the end, by differences of whole predictions.
     bool whole = true;
+    Derivatives derivatives = Derivatives::kShapesHeld;  ///< by which the way there is found
     int iterations = 6;      ///< at most, each one prediction of all trials or few
     double tolerance = 0.1;  ///< of the step that is left, in standard deviations
   };

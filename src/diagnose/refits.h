@@ -43,6 +43,10 @@ Refitted refit(JointModel& model, const Standing& current, const Screened& s);
 /// constants.
 void finish_leader(JointModel& model, std::vector<Refitted>& refitted);
 
+/// Where loads depend on the shape, a fit by derivatives with shapes held comes near: the last steps, by
+/// derivatives as they are. Elsewhere evidence would take for a gain of constants what the fit left over.
+Linearised at_its_least(JointModel& model, const Linearised& fit);
+
 /// The model so far without one of its effects.
 Standing refit_without(JointModel& model, const Standing& current, std::size_t effect);
 

@@ -17,8 +17,7 @@ namespace {
 void take(JointModel& model, const Refitted& best, Standing& current) {
   current = {best.fit, best.unseen};
   if (!model.has_configuration_dependent_load(current.fit.at)) return;
-  current.fit = model.linearise(best.fit.at, &best.fit.predicted, JointModel::Derivatives::kWhole);
-  current.fit.converged = best.converged;
+  current.fit = at_its_least(model, best.fit);
   current.unseen = unseen(model, current.fit);
 }
 
