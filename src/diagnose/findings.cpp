@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "contribution.h"
+#include "effects/catalogue.h"
 #include "policy.h"
 #include "ranking.h"
 
@@ -164,6 +165,20 @@ void mistake_mutually(std::vector<NamedEffect>& effects) {
   }
 }
 
+void mistake_short_delays(const arm::Arm& arm, const std::vector<Present>& values,
+                          std::vector<NamedEffect>& effects) {
+  for (std::size_t e = 0; e < effects.size(); ++e) {
+    if (!values[e].effect->info().delays || std::abs(values[e].values[0]) > kPolicy.delay.alike_s) continue;
+    std::vector<std::string>& rivals = effects[e].confusable_with;
+    for (const std::unique_ptr<model::Effect>& other : effects::catalogue()) {
+      const std::string& id = other->info().id;
+      if (other->info().delays && id != effects[e].id && other->applies_to(arm) &&
+          std::find(rivals.begin(), rivals.end(), id) == rivals.end())
+        rivals.push_back(id);
+    }
+  }
+}
+
 void lead_with_what_is_known(const std::vector<double>& known, std::vector<NamedEffect>& effects,
                              std::vector<NamedEffect>& small) {
   if (effects.empty() || std::any_of(effects.begin(), effects.end(), [](const NamedEffect& effect) {
@@ -200,6 +215,7 @@ void add_findings(JointModel& model, const Selection& selection, const MatrixXd&
                   Diagnosis& d) {
   d.ranking = ranking_of(model, selection);
   std::vector<NamedEffect> all = named_effects(model, selection, covariance);
+  mistake_short_delays(model.arm(), selection.extended.at.effects, all);
   mistake_mutually(all);
   std::set<const model::Effect*> weighed;
   std::vector<double> known;

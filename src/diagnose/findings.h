@@ -19,6 +19,12 @@ void add_findings(JointModel& model, const Selection& selection, const Eigen::Ma
 /// What may be mistaken for another may be mistaken the other way round, too.
 void mistake_mutually(std::vector<NamedEffect>& effects);
 
+/// Adds to what a short delay may be mistaken for the catalogue's others: a clock that is apart by a few
+/// hundredths of a second is a lag of that length.
+/// @param values of the effects' parameters, as model::Present has them
+void mistake_short_delays(const arm::Arm& arm, const std::vector<model::Present>& values,
+                          std::vector<NamedEffect>& effects);
+
 /// Where nothing among what the verdict stands on is more probable than not, and a small departure is, though
 /// it is only small beside the rest: the largest such is no departure but what is known.
 /// @param known by small departure: its probability as a finding; 0: it is what every arm has

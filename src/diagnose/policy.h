@@ -36,6 +36,9 @@ struct Policy {
     double seen_s = 0.35;     ///< up to which the screen, linear about no delay, finds it by itself
     double least_gain = 5.0;  ///< of the log likelihood: less is not worth a fit, which decides
     long fewest_blocks = 20;  ///< of a trial, that the inputs' place in time is told by
+    /// Up to which a clock that is apart and pressures that lag are one: what they differ in is of second
+    /// order, and a quarter of the means over 0.2 s that are compared.
+    double alike_s = 0.05;
   } delay;
 
   /// What of the arm's motion is not known. On clean and untidy development cases the errors of blocks are

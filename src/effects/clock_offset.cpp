@@ -75,6 +75,7 @@ std::unique_ptr<Effect> make_clock_offset() {
            {"pressure_lag", "hysteresis"},
            {},
            false,
+           true,
            true});
 }
 

@@ -53,7 +53,10 @@ std::unique_ptr<Effect> make_pressure_lag() {
             {"fall", "1", "time constant of falling pressures over that of rising ones", 0.1, 10.0, 1.0}},
            1,
            {"clock_offset", "hysteresis", "inertia"},
-           {}});
+           {},
+           false,
+           false,
+           true});
 }
 
 }  // namespace softarm::effects

@@ -47,6 +47,8 @@ struct Info {
   bool of_placement = false;
   /// Its one size is how far the clock of the bodies is ahead of the inputs', s.
   bool of_clocks = false;
+  /// Its first size is a delay between inputs and bodies, s: small ones act alike, however they come about.
+  bool delays = false;
 };
 
 /// A number of what a trial finds in the memory of an effect. Nobody knows it; 0 is at rest.

@@ -3,10 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "effect_ids.h"
+#include "effects/catalogue.h"
+#include "softarm/arm/arm_file.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -28,6 +32,26 @@ TEST(Findings, MayBeMistakenForEachOther) {
   mistake_mutually(effects);
   EXPECT_EQ(effects[0].confusable_with, (std::vector<std::string>{"b", "not_in_the_model"}));
   EXPECT_EQ(effects[1].confusable_with, std::vector<std::string>{"a"});
+  EXPECT_TRUE(effects[2].confusable_with.empty());
+}
+
+TEST(Findings, AShortDelayMayBeAnother) {
+  const arm::Arm arm = arm::load_arm_file(SOFTARM_SOURCE_DIR "/config/arms/online_200mm.yaml");
+  const auto of = [&](const std::string& id, double delay_s) {
+    for (const std::unique_ptr<model::Effect>& one : effects::catalogue())
+      if (one->info().id == id) {
+        model::Present present{one.get(),
+                               model::Values::Zero(static_cast<Eigen::Index>(one->info().parameters.size()))};
+        present.values[0] = delay_s;
+        return present;
+      }
+    throw std::invalid_argument(id);
+  };
+  std::vector<NamedEffect> effects{effect("clock_offset", 1.0, 0.5), effect("pressure_lag", 1.0, 0.3),
+                                   effect("creep", 1.0, 0.2)};
+  mistake_short_delays(arm, {of("clock_offset", -0.02), of("pressure_lag", 0.3), of("creep", 0.01)}, effects);
+  EXPECT_EQ(effects[0].confusable_with, std::vector<std::string>{"pressure_lag"});
+  EXPECT_TRUE(effects[1].confusable_with.empty());
   EXPECT_TRUE(effects[2].confusable_with.empty());
 }
 
