@@ -228,8 +228,8 @@ struct Policy {
     double least_more = 0.1;           ///< by which a further term must add to what those before it take
     std::size_t folds = 3;             ///< of input sequences, each predicted by true refits to the others
     std::size_t fewest_sequences = 2;  ///< with fewer nothing is new to what was fitted
-    /// Of what a flexible model learns of the squared error that is left: less is no law of it. The flexible
-    /// model knows no plays: of all that is left a law must take least_share.
+    /// Of what a flexible model learns of the squared error that is left: less is no law of it. Of all that
+    /// is left a law must take least_share.
     double of_flexible = 0.3, least_share = 0.1;
     double resembles = 0.7;  ///< cosine with an effect's signature, from which on it is said
   } law;
