@@ -25,7 +25,7 @@ def engine(root):
         return subprocess.run(["git", "-C", root, *arguments], capture_output=True, text=True, check=False).stdout.strip()
 
     commit = git("rev-parse", "HEAD") or "unknown"
-    return commit + (" with changes" if git("status", "--porcelain", "--", "src", "include", "config") else "")
+    return commit + (" with changes" if git("status", "--porcelain", "--", "src", "include", "config", "scripts") else "")
 
 
 def seed_from_outside(root):

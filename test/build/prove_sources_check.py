@@ -9,6 +9,8 @@ import tempfile
 import unittest
 
 ROOT = os.path.abspath(sys.argv[1] if len(sys.argv) > 1 else ".")
+sys.path.insert(0, os.path.join(ROOT, "scripts"))
+import prove_cases  # noqa: E402
 
 PROVE = """#!/usr/bin/python3
 import json, os, sys
@@ -87,6 +89,30 @@ class Course(unittest.TestCase):
             self.assertNotEqual(refused.returncode, 0)
             self.assertIn(named, refused.stderr)
         self.assertEqual(self.prove("--worlds", "tidy", "--kinds", "none", "--cases", "0").returncode, 0)
+
+
+class Engine(unittest.TestCase):
+    def test_what_is_not_committed_marks_the_engine(self):
+        with tempfile.TemporaryDirectory() as root:
+            def git(*words):
+                subprocess.run(["git", "-C", root, "-c", "user.name=a", "-c", "user.email=a@b", *words], check=True,
+                               stdout=subprocess.DEVNULL)
+
+            git("init", "-q")
+            folders = ("src", "include", "config", "scripts", "doc")
+            for folder in folders:
+                os.mkdir(os.path.join(root, folder))
+                with open(os.path.join(root, folder, "file"), "w", encoding="utf-8") as text:
+                    text.write("as committed")
+            git("add", ".")
+            git("commit", "-q", "-m", "all")
+            plain = prove_cases.engine(root)
+            self.assertRegex(plain, "^[0-9a-f]{40}$")
+            for folder in folders:
+                with open(os.path.join(root, folder, "file"), "w", encoding="utf-8") as text:
+                    text.write("changed")
+                self.assertEqual(prove_cases.engine(root), plain + ("" if folder == "doc" else " with changes"), folder)
+                git("checkout", "-q", ".")
 
 
 if __name__ == "__main__":
