@@ -209,6 +209,11 @@ WORLDS_TEXT = """## The worlds
 - **tidy**: nine trials of an arm by the virtual rig, which shares no code with the model of the diagnosis; the arm file is
   right but for the constants that are fitted, and what is hidden has other forms than the catalogue's.
 - **untidy**: the same, and four to eight small departures besides, so that nothing is quite as the arm file says.
+- **solid**: [a silicone arm by finite elements](solid_arm.md), nobody's rod, computed once by a solver that is not this package's.
+  Five or six trials of states at rest, noise new in each draw, nothing hidden or one of seven things: a soft ring, an elastic clamp, a
+  payload off its axis, an edge in the way, a log with an offset or a dead zone; and a smaller chamber, which a gain takes up. What is right to
+  name was decided before the first diagnosis. The arm file is identified from other states of the arm with nothing hidden. The
+  arm's stiff caps are there, not in its file, and may be named.
 - **real**: recordings of two real arms ([a tendon trunk and a pouch arm](real_arms.md)), imported as they are (the
   controls), and again with one thing wrong that is known (the interventions). It is done to the recorded table before it is
   imported: payloads told at a factor, withheld or exchanged between trials; the cameras' clock, or one input's, shifted or

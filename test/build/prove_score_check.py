@@ -9,6 +9,7 @@ sys.path.insert(0, os.path.join(sys.argv[1] if len(sys.argv) > 1 else ".", "scri
 import prove_report  # noqa: E402
 import prove_figures  # noqa: E402
 import prove_score as score  # noqa: E402
+import prove_sources  # noqa: E402
 
 
 def effect(name, values=None, form="", catalogued=True, **more):
@@ -224,6 +225,10 @@ class Story(unittest.TestCase):
 
 
 class Targets(unittest.TestCase):
+    def test_every_world_says_how_its_cases_are_made(self):
+        for world in prove_sources.WORLDS:
+            self.assertIn(f"- **{world}**: ", prove_report.WORLDS_TEXT)
+
     def test_met_means_all_of_the_interval(self):
         status = prove_report.status
         self.assertEqual(status((0.9, 0.99), 0.85, None, True), "met")
