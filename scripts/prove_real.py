@@ -13,7 +13,7 @@ import prove_files
 import real_changes
 import real_recordings
 
-SAMPLE, FULL = 12, 66  # interventions
+SAMPLE, FULL = 14, 66  # interventions
 ATTEMPTS = 12
 # A signature acts like an intervention where it explains this much of what the intervention leaves beside the arm's constants,
 # and nearly as much as the best one does.
