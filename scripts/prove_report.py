@@ -20,9 +20,13 @@ KIND_DESCRIPTION = {
     "intervention": "recordings of a real arm with one thing wrong that is known, from invisible to gross",
     "control": "the same recordings untouched",
 }
-# (kind, rate, target, whether more is better)
+# Rows of several kinds together: a name and the kinds. Each of them alone has too few cases to meet such a target.
+POOLED = {"none, untidy_none, solid_none": ("none", "untidy_none", "solid_none"),
+          "compensated, solid_compensated": ("compensated", "solid_compensated")}
+# (kind or name of several, rate, target, whether more is better)
 TARGETS = [
-    ("none", "false_alarm", 0.01, False),
+    ("none, untidy_none, solid_none", "false_alarm", 0.01, False),
+    ("none", "false_alarm", None, False),
     ("single_strong", "top1", 0.85, True), ("single_strong", "top3", 0.95, True),
     ("single_strong", "right_class", 0.97, True),
     ("single_weak", "top1", 0.65, True), ("single_weak", "top3", 0.85, True),
@@ -30,12 +34,13 @@ TARGETS = [
     ("outside", "unknown", 0.80, True),
     ("compensated", "found_or_cannot_tell", 0.95, True),
     ("class_only", "right_class", None, True),
-    ("untidy_none", "false_alarm", 0.01, False),
+    ("untidy_none", "false_alarm", None, False),
     ("untidy_single", "top1", 0.75, True), ("untidy_single", "right_class", 0.90, True),
     ("untidy_outside", "unknown", 0.80, True),
-    ("solid_none", "false_alarm", 0.01, False),
+    ("solid_none", "false_alarm", None, False),
     ("solid_single", "top1", 0.75, True), ("solid_single", "right_class", 0.90, True),
-    ("solid_compensated", "found_or_cannot_tell", 0.95, True),
+    ("solid_compensated", "found_or_cannot_tell", None, True),
+    ("compensated, solid_compensated", "found_or_cannot_tell", 0.95, True),
     ("intervention", "top1", 0.70, True), ("intervention", "right_class", 0.85, True),
     ("intervention", "unknown", None, True), ("control", "false_alarm", 0.0, False),
 ]
@@ -59,9 +64,11 @@ def number(value):
 
 def status(interval, least, most, full):
     """A target is met where all of the 90 % interval meets it, contradicted where none of it does. A sample is too small to
-    meet anything: it contradicts, or it does not."""
-    if interval is None or (least is None and most is None):
+    meet anything: it contradicts, or it does not. In the whole a target without a figure is not met."""
+    if least is None and most is None:
         return "-"
+    if interval is None:
+        return NOT_MET if full else "-"
     low, high = interval
     if (least is not None and high < least) or (most is not None and low > most):
         return CONTRADICTED
@@ -79,6 +86,9 @@ def beside_baselines(figures):
     for world, most in BETTER_THAN_BASELINES.items():
         beside = {method: found for method, found in figures["worlds"].get(world, {}).get("mcnemar", {}).items() if found["cases"]}
         if not beside:
+            if figures["full"]:
+                table.append([f"{world}: right alone, diagnose to a baseline; McNemar's p", "0", "-", f"< {most:g}", NOT_MET]
+                             + ["" for _ in prove_score.BASELINES])
             continue
         best, found = max(beside.items(), key=lambda one: one[1]["theirs_alone"] - one[1]["ours_alone"])
         ahead, clear = found["ours_alone"] > found["theirs_alone"], found["p"] < most
@@ -99,23 +109,34 @@ def passes(figures):
     return not any(row[4] in (CONTRADICTED, NOT_MET) for row in rows(figures))
 
 
+def pooled(table, kinds, rate):
+    """A rate of several kinds together (None: of no case), and how many cases count for it."""
+    counts = {kind: table[kind]["counted"][rate] for kind in kinds}
+    count = sum(counts.values())
+    return (sum(round(table[kind][rate] * n) for kind, n in counts.items() if n) / count if count else None), count
+
+
+def rate_row(figures, name, rate, target, more):
+    kinds = POOLED.get(name, (name,))
+    ours, count = pooled(figures, kinds, rate)
+    spread = prove_figures.interval(round(ours * count), count) if count else None
+    # Of none at all every one is one too many: a count, not a rate.
+    judged_by = (ours, ours) if target == 0.0 and count else spread
+    if figures["full"] and not all(figures[kind]["counted"][rate] for kind in kinds):
+        judged_by = None  # a whole that lacks a kind has no figure
+    return ([f"{name}: {rate}", str(count), number(ours) + (f" ({spread[0]:.2f}-{spread[1]:.2f})" if spread else ""),
+             "-" if target is None else (">= " if more else "<= ") + f"{target:g}",
+             status(judged_by, target if more else None, None if more else target, figures["full"])]
+            + [number(pooled(figures["baselines"][b], kinds, rate)[0]) for b in prove_score.BASELINES])
+
+
 def rows(figures):
     """Cells of the table: what, trials, ours with its 90 % interval, target, met, then the baselines."""
     table = []
-    for kind, rate, target, more in TARGETS:
-        ours, count = figures[kind][rate], figures[kind]["trials"]
-        if not count:  # of another campaign
-            continue
-        if "counted" in figures[kind]:
-            count = figures[kind]["counted"][rate]
-        spread = prove_figures.interval(round(ours * count), count) if ours is not None else None
-        # Of none at all every one is one too many: a count, not a rate.
-        judged_by = (ours, ours) if target == 0.0 and ours is not None else spread
-        table.append([f"{kind}: {rate}", str(count),
-                      number(ours) + (f" ({spread[0]:.2f}-{spread[1]:.2f})" if spread else ""),
-                      "-" if target is None else (">= " if more else "<= ") + f"{target:g}",
-                      status(judged_by, target if more else None, None if more else target, figures["full"])]
-                     + [number(figures["baselines"][b][kind][rate]) for b in prove_score.BASELINES])
+    for name, rate, target, more in TARGETS:
+        drawn = any(figures[kind]["trials"] for kind in POOLED.get(name, (name,)))
+        if drawn or (figures["full"] and target is not None):  # a sample says nothing of kinds that it has not
+            table.append(rate_row(figures, name, rate, target, more))
     trials = str(sum(figures[kind]["trials"] for kind in prove_score.KINDS))
     for key, description, least, most in FIGURES:
         value, spread = figures[key], figures["intervals"].get(key)
@@ -261,7 +282,8 @@ Written by `scripts/prove`: {size} of the campaign `{figures['campaign']}`, seed
 {markdown([HEADINGS] + rows(figures))}
 
 In brackets: 90 % intervals, of rates Wilson's, of other figures by a bootstrap of the cases. *Met*: all of the interval meets
-the target; *contradicted*: none of it does; a sample is too small to meet one and says *not contradicted*. {versus(figures)} The baselines decide on the same fit and the same signatures: `per_frame` by
+the target; *contradicted*: none of it does; a sample is too small to meet one and says *not contradicted*. In the whole a target
+without a figure is not met. A row of several kinds has their cases together, and their target. {versus(figures)} The baselines decide on the same fit and the same signatures: `per_frame` by
 the residuals of fits frame by frame alone, `bic` by forward steps, `lasso` along its path, `gp` by a Gaussian process alone,
 which never names anything.
 

@@ -240,17 +240,51 @@ class Targets(unittest.TestCase):
         self.assertEqual(status((0.86, 0.94), 0.85, 0.95, True), "met")
         self.assertEqual(status((0.96, 0.99), 0.85, 0.95, True), "CONTRADICTED")
         self.assertEqual(status((0.5, 0.6), None, None, True), "-")
-        self.assertEqual(status(None, 0.85, None, True), "-")
+        self.assertEqual(status(None, 0.85, None, True), "NOT MET")
+        self.assertEqual(status(None, 0.85, None, False), "-")
+        for full in (True, False):
+            self.assertEqual(status(None, None, None, full), "-")
+
+    def test_in_the_whole_a_target_without_cases_is_not_met(self):
+        figures = prove_figures.figures([result("class_only", truth(effect("creep")), report("explained", named("creep", 1.0)))])
+        whole, sample = ({row[0]: row[4] for row in prove_report.rows({**figures, "full": full})} for full in (True, False))
+        for row in ("single_strong: top1", "solid_single: right_class", "control: false_alarm",
+                    "none, untidy_none, solid_none: false_alarm", "real: right alone, diagnose to a baseline; McNemar's p",
+                    "place of contact and soft spot, median error, m"):
+            self.assertEqual(whole[row], "NOT MET")
+            self.assertIn(sample.get(row, "-"), "-")
+        self.assertEqual((whole["class_only: right_class"], sample["class_only: right_class"]), ("-", "-"))
+        self.assertNotIn("solid_none: false_alarm", whole)  # no target, no cases
+        self.assertFalse(prove_report.passes({**figures, "full": True}))
+        self.assertTrue(prove_report.passes({**figures, "full": False}))
+
+    def test_rows_of_several_kinds_carry_their_target(self):
+        def judged(kinds, alarms, full):
+            results = [result(kind, truth(), report("explained", named("drift", 0.6)) if i < alarms else report("consistent"))
+                       for kind in kinds for i in range(100)]
+            return {row[0]: row for row in prove_report.rows({**prove_figures.figures(results), "full": full})}
+        every = ("none", "untidy_none", "solid_none")
+        found = judged(every, 0, True)
+        self.assertEqual(found["none, untidy_none, solid_none: false_alarm"][1:5], ["300", "0.00 (0.00-0.01)", "<= 0.01", "met"])
+        for kind in every:
+            self.assertEqual(found[kind + ": false_alarm"][1:5], ["100", "0.00 (0.00-0.03)", "-", "-"])
+        self.assertEqual(judged(every, 4, False)["none, untidy_none, solid_none: false_alarm"][1:5],
+                         ["300", "0.040 (0.03-0.06)", "<= 0.01", "CONTRADICTED"])
+        for full, expected in ((True, "NOT MET"), (False, "not contradicted")):  # the solid arm is absent
+            self.assertEqual(judged(every[:2], 0, full)["none, untidy_none, solid_none: false_alarm"][4], expected)
 
     def test_the_best_baseline_is_to_be_beaten(self):
         def judged(ours, theirs, full):
             beside = {"bic": prove_figures.mcnemar([(True, False)] * ours + [(False, True)] * theirs), "gp": prove_figures.mcnemar([(True, False)] * 9)}
-            return [row[4] for row in prove_report.beside_baselines({"worlds": {"real": {"mcnemar": beside}}, "full": full})]
+            rows = prove_report.beside_baselines({"worlds": {"real": {"mcnemar": beside}}, "full": full})
+            return [row[4] for row in rows if row[0].startswith("real")]
         self.assertEqual(judged(12, 1, True), ["met"])
         self.assertEqual(judged(3, 1, True), ["NOT MET"])
         self.assertEqual(judged(3, 1, False), ["not contradicted"])
         self.assertEqual(judged(1, 12, False), ["CONTRADICTED"])
-        self.assertEqual(prove_report.beside_baselines({"worlds": {"real": {"mcnemar": {"bic": prove_figures.mcnemar([])}}}, "full": True}), [])
+        for full, expected in ((True, ["NOT MET", "NOT MET"]), (False, [])):  # the untidy world is absent, the real one was not decided
+            beside = {"worlds": {"real": {"mcnemar": {"bic": prove_figures.mcnemar([])}}}, "full": full}
+            self.assertEqual([row[4] for row in prove_report.beside_baselines(beside)], expected)
 
     def test_intervals_of_figures_hold_them_and_narrow_with_cases(self):
         def of(count):
