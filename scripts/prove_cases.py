@@ -16,7 +16,7 @@ import prove_report
 import prove_figures
 import prove_slurm
 import prove_sources
-from prove_files import NotDrawn, each, jobs, last_line, read_json, run, say, write_json
+from prove_files import NotDrawn, each, jobs, last_line, lines_of, read_json, run, say, write_json
 
 
 def engine(root):
@@ -105,8 +105,10 @@ class Proof:
             try:
                 self.sources[kind].draw(kind, number, os.path.join(self.cases, case), os.path.join(self.truth, case))
             except NotDrawn as why:
-                with open(os.path.join(self.truth, case + ".failed"), "w", encoding="utf-8") as text:
-                    text.write(f"{why}\n")
+                path = os.path.join(self.truth, case + ".failed")
+                with open(path + ".part", "w", encoding="utf-8") as text:  # the reasons of its draws, and last its own
+                    text.writelines(" ".join(str(reason).split()) + "\n" for reason in (*why.rejected, why))
+                os.replace(path + ".part", path)
 
         missing = [case for case in self.plan if not self.is_drawn(case)]
         if missing and os.path.exists(self.seal_path()):
@@ -182,6 +184,7 @@ class Proof:
             results.append({
                 "case": case, "kind": kind, "number": number,
                 "not_drawn": last_line(failed) if os.path.exists(failed) else None,
+                "rejected": lines_of(failed)[:-1] if os.path.exists(failed) else [],
                 "truth": found("truth", case, "case.json"), "report": found("reports", case, "report.json"),
                 "cost": found("reports", case, "cost.json"), "baselines": found("reports", case, "baselines.json")})
         return results

@@ -180,7 +180,7 @@ def figures(results):
     table["intervals"] = figure_intervals(reported)
     table["worlds"] = worlds(pairs)
     table["draws"] = len(results)
-    table["rejected_draws"] = sum(len(r["truth"].get("rejected", [])) for r in drawn)
+    table["rejected_draws"] = sum(len((r["truth"] or r).get("rejected", [])) for r in results)
     table["not_drawn"] = len(results) - len(drawn)
     table["failed"] = sum(1 for r in drawn if not r["report"])
     seconds = [r["cost"]["seconds"] for r in drawn if r.get("cost")]

@@ -7,7 +7,10 @@ import time
 
 
 class NotDrawn(Exception):
-    """A case that cannot be made; the proof goes on without it and says why."""
+    """A case that cannot be made; the proof goes on without it and says why. rejected: why each draw of it did not do."""
+    def __init__(self, why, rejected=()):
+        super().__init__(why)
+        self.rejected = list(rejected)
 
 
 def say(text):
@@ -25,9 +28,13 @@ def run(command, log):
                                 "memory_bytes": 1024 * usage.ru_maxrss}
 
 
-def last_line(path):
+def lines_of(path):
     with open(path, encoding="utf-8", errors="replace") as text:
-        lines = [line.strip() for line in text.read().replace("\r", "\n").splitlines() if line.strip()]
+        return [line.strip() for line in text.read().replace("\r", "\n").splitlines() if line.strip()]
+
+
+def last_line(path):
+    lines = lines_of(path)
     return lines[-1] if lines else "no message"
 
 

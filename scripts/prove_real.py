@@ -140,7 +140,7 @@ class Source:
                 return
             except (prove_files.NotDrawn, real_changes.NothingChanged) as why:
                 rejected.append(str(why))
-        raise prove_files.NotDrawn(f"intervention {number}: {ATTEMPTS} draws do not do, the last: {rejected[-1]}")
+        raise prove_files.NotDrawn(f"intervention {number}: {ATTEMPTS} draws do not do, the last: {rejected[-1]}", rejected)
 
     def untouched(self, case, name, split):
         """Fills the folder of a case with a set as it is; returns its case.json."""

@@ -1,12 +1,23 @@
 """Cases of the proof from campaigns of the virtual rig: the worlds tidy and untidy. What a source is: prove_sources.py."""
 import json
 import os
+import re
 import subprocess
 import sys
 
 import prove_files
 
 CAMPAIGNS = {"tidy": "proof_final", "untidy": "untidy_development"}
+
+
+def rejected_of(lines):
+    """Why each draw did not do, from what `prove draw` says where none did: their number and the last reason, in its last line;
+    what it says before are reasons, too. Those that it does not say count all the same."""
+    found = re.search(r"(\d+) draws do not do, the last: (.*)", lines[-1]) if lines else None
+    if not found:
+        return []
+    told = (lines[:-1] or [found[2]])[-int(found[1]):]
+    return ["not told"] * (int(found[1]) - len(told)) + told
 
 
 class Source:
@@ -37,7 +48,7 @@ class Source:
         command = [self.program(), "draw", "--campaign", self.name, "--kind", kind, "--number", number, "--seed",
                    self.options.seed, "--case", case, "--truth", truth] + prove_files.jobs(self.options)
         status, _ = prove_files.run(command, log)
-        said = prove_files.last_line(log)
+        said, why = prove_files.lines_of(log), prove_files.last_line(log)
         os.remove(log)
         if status != 0:
-            raise prove_files.NotDrawn(said)
+            raise prove_files.NotDrawn(why, rejected_of(said))

@@ -11,6 +11,7 @@ import unittest
 
 sys.path.insert(0, os.path.join(sys.argv[1] if len(sys.argv) > 1 else ".", "scripts"))
 import prove_figures  # noqa: E402
+import prove_files  # noqa: E402
 import prove_real  # noqa: E402
 import prove_real_report  # noqa: E402
 import prove_real_score  # noqa: E402
@@ -183,6 +184,16 @@ class Draws(unittest.TestCase):
             controls = {prove_real.CONTROLS[number] for kind, number in plan if kind == "control"}
             self.assertEqual(controls, {(name, split) for name, split, _ in source.design})
         self.assertGreaterEqual(prove_real.FULL, 60)
+
+    def test_an_intervention_that_cannot_be_drawn_keeps_all_reasons(self):
+        source = prove_real.Source(self.options())
+        def nothing(number, attempt, case, truth, rejected):
+            raise real_changes.NothingChanged(f"attempt {attempt}")
+        source.intervene = nothing
+        with self.assertRaises(prove_files.NotDrawn) as caught:
+            source.draw("intervention", 0, "case", "truth")
+        self.assertEqual(caught.exception.rejected, [f"attempt {i}" for i in range(prove_real.ATTEMPTS)])
+        self.assertIn("the last: attempt 11", str(caught.exception))
 
     def test_without_recordings_it_says_so(self):
         os.environ["SOFTARM_DATA"] = "/nowhere"

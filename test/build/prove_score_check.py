@@ -220,6 +220,8 @@ class Story(unittest.TestCase):
         results[0]["truth"]["rejected"] = ["creep is too small", "creep is too small"]
         figures = {**prove_figures.figures(results), "full": False}
         self.assertEqual(figures["rejected_draws"], 2)
+        lost = dict(result("pair", None, None), not_drawn="the last", rejected=["the arm flies"] * 3)
+        self.assertEqual(prove_figures.figures(results + [lost])["rejected_draws"], 5)
         self.assertTrue(prove_report.passes(figures))
         self.assertFalse(prove_report.passes({**figures, "full": True}))  # one case meets nothing
 

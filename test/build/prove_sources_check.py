@@ -11,6 +11,7 @@ import unittest
 ROOT = os.path.abspath(sys.argv[1] if len(sys.argv) > 1 else ".")
 sys.path.insert(0, os.path.join(ROOT, "scripts"))
 import prove_cases  # noqa: E402
+import prove_rig  # noqa: E402
 
 PROVE = """#!/usr/bin/python3
 import json, os, sys
@@ -18,7 +19,7 @@ words = dict(zip(sys.argv[2::2], sys.argv[3::2]))
 if sys.argv[1] == "kinds":
     print(json.dumps([{"kind": "none", "sample": 2, "full": 4}, {"kind": "single_strong", "sample": 1, "full": 3}]))
 elif words["--kind"] == "single_strong":
-    sys.exit("it flies away")
+    sys.exit("prove: some, kind single_strong, case 0: 12 draws do not do, the last: it flies away")
 else:
     for folder, text in ((words["--case"], {"arm": "some_arm", "trials": ["a.bag"], "options": ["--tie", "x"]}),
                          (words["--truth"], {"kind": "none", "effects": [], "distractors": [], "ideal": [], "constants": {}})):
@@ -62,7 +63,15 @@ class Course(unittest.TestCase):
         self.assertEqual((figures["campaign"], figures["draws"], figures["not_drawn"]), ("some", 3, 1))
         self.assertEqual(figures["worlds"]["tidy"]["none"]["false_alarm"], 0.0)
         with open(self.path("out/proof.md"), encoding="utf-8") as text:
-            self.assertIn("not drawn: it flies away", text.read())
+            story = text.read()
+        self.assertIn("12 draws do not do, the last: it flies away", story)
+        self.assertIn("12 draws were rejected on the way, 1 cases could not be drawn", story)
+        self.assertEqual(figures["rejected_draws"], 12)
+        failed, = (name for name in os.listdir(self.path("out/truth")) if name.endswith(".failed"))
+        with open(self.path("out/truth", failed), encoding="utf-8") as text:
+            self.assertEqual(text.read().splitlines()[:-1], ["not told"] * 11 + ["it flies away"])
+        with open(self.path("out/truth/SHA256SUMS"), encoding="utf-8") as text:
+            self.assertIn(failed, text.read())
         words = [self.path("out/reports", case, "words") for case in os.listdir(self.path("out/reports"))]
         self.assertEqual(len(words), 2)
         for path in words:
@@ -89,6 +98,15 @@ class Course(unittest.TestCase):
             self.assertNotEqual(refused.returncode, 0)
             self.assertIn(named, refused.stderr)
         self.assertEqual(self.prove("--worlds", "tidy", "--kinds", "none", "--cases", "0").returncode, 0)
+
+
+class Rejected(unittest.TestCase):
+    def test_every_draw_of_the_rig_counts(self):
+        last = "prove: some, kind pair, case 3: 3 draws do not do, the last: c"
+        self.assertEqual(prove_rig.rejected_of([last]), ["not told", "not told", "c"])
+        self.assertEqual(prove_rig.rejected_of(["a", "b", "c", last]), ["a", "b", "c"])
+        for lines in (["prove: no such campaign"], []):  # not a draw
+            self.assertEqual(prove_rig.rejected_of(lines), [])
 
 
 class Engine(unittest.TestCase):
