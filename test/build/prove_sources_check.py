@@ -99,6 +99,12 @@ class Course(unittest.TestCase):
             self.assertIn(named, refused.stderr)
         self.assertEqual(self.prove("--worlds", "tidy", "--kinds", "none", "--cases", "0").returncode, 0)
 
+    def test_a_whole_without_its_cases_does_not_pass(self):
+        whole = self.prove("--worlds", "tidy", "--kinds", "none", "--cases", "0", "--full")
+        self.assertEqual(whole.returncode, 1)
+        self.assertIn("a target is not met", whole.stderr)
+        self.assertRegex(whole.stdout, r"single_strong: top1 +0 +- +>= 0.85 +NOT MET")
+
 
 class Rejected(unittest.TestCase):
     def test_every_draw_of_the_rig_counts(self):
