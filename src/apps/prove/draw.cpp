@@ -302,6 +302,7 @@ void draw(const DrawOptions& options) {
       rejected.emplace_back(error.what());
     }
   }
+  for (const std::string& reason : rejected) fmt::print(stderr, "{}\n", reason);  // kept by scripts/prove
   throw Failure(fmt::format("{}, kind {}, case {}: {} draws do not do, the last: {}", options.campaign,
                             options.kind, options.number, kAttempts, rejected.back()));
 }
