@@ -169,6 +169,11 @@ void mistake_short_delays(const arm::Arm& arm, const std::vector<Present>& value
                           std::vector<NamedEffect>& effects) {
   for (std::size_t e = 0; e < effects.size(); ++e) {
     if (!values[e].effect->info().delays || std::abs(values[e].values[0]) > kPolicy.delay.alike_s) continue;
+    EffectValue& delay = effects[e].parameters.front();
+    const double hidden = kPolicy.words.interval_sd * kPolicy.delay.hidden_sd_s;
+    const model::Parameter& range = values[e].effect->info().parameters.front();
+    delay.low = std::max(range.low, delay.value - std::hypot(delay.value - delay.low, hidden));
+    delay.high = std::min(range.high, delay.value + std::hypot(delay.high - delay.value, hidden));
     std::vector<std::string>& rivals = effects[e].confusable_with;
     for (const std::unique_ptr<model::Effect>& other : effects::catalogue()) {
       const std::string& id = other->info().id;

@@ -20,7 +20,7 @@ void add_findings(JointModel& model, const Selection& selection, const Eigen::Ma
 void mistake_mutually(std::vector<NamedEffect>& effects);
 
 /// Adds to what a short delay may be mistaken for the catalogue's others: a clock that is apart by a few
-/// hundredths of a second is a lag of that length.
+/// hundredths of a second is a lag of that length. Only their sum is told: its interval allows for the other.
 /// @param values of the effects' parameters, as model::Present has them
 void mistake_short_delays(const arm::Arm& arm, const std::vector<model::Present>& values,
                           std::vector<NamedEffect>& effects);

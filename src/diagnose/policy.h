@@ -39,6 +39,9 @@ struct Policy {
     /// Up to which a clock that is apart and pressures that lag are one: what they differ in is of second
     /// order, and a quarter of the means over 0.2 s that are compared.
     double alike_s = 0.05;
+    /// Standard deviation of a delay of the other kind that hides in a short one, of which only the sum is
+    /// told: lines of a metre and drivers that stamp upon arrival.
+    double hidden_sd_s = 0.02;
   } delay;
 
   /// What of the arm's motion is not known. On clean and untidy development cases the errors of blocks are

@@ -49,10 +49,22 @@ TEST(Findings, AShortDelayMayBeAnother) {
   };
   std::vector<NamedEffect> effects{effect("clock_offset", 1.0, 0.5), effect("pressure_lag", 1.0, 0.3),
                                    effect("creep", 1.0, 0.2)};
+  for (NamedEffect& one : effects) {
+    one.parameters.resize(1);
+    one.parameters.front().value = one.id == "clock_offset" ? -0.02 : one.id == "creep" ? 0.01 : 0.3;
+    one.parameters.front().low = one.parameters.front().value - 1e-3;
+    one.parameters.front().high = one.parameters.front().value + 1e-3;
+  }
   mistake_short_delays(arm, {of("clock_offset", -0.02), of("pressure_lag", 0.3), of("creep", 0.01)}, effects);
   EXPECT_EQ(effects[0].confusable_with, std::vector<std::string>{"pressure_lag"});
   EXPECT_TRUE(effects[1].confusable_with.empty());
   EXPECT_TRUE(effects[2].confusable_with.empty());
+  // A lag of 20 ms may make all of it, and more.
+  EXPECT_LT(effects[0].parameters.front().low, -0.05);
+  EXPECT_GT(effects[0].parameters.front().high, 0.01);
+  EXPECT_LT(effects[0].parameters.front().high, 0.02);
+  EXPECT_DOUBLE_EQ(effects[1].parameters.front().high, 0.301);
+  EXPECT_DOUBLE_EQ(effects[2].parameters.front().low, 0.009);
 }
 
 TEST(Findings, WhatIsKnownLeadsWhereNothingElseIs) {
