@@ -19,7 +19,7 @@ using model::Effect;
 using model::Present;
 
 constexpr int kSteps = 2;                 // that bring a rival to the shapes of the other
-constexpr std::size_t kWeighedWhole = 3;  // experiments that are weighed without approximation
+constexpr std::size_t kWeighedWhole = 3;  // experiments that are weighed without approximation, at once
 
 // --- What is to be separated ------------------------------------------------------------------------------
 
@@ -110,7 +110,8 @@ double least(MatrixXd separations, Eigen::Index& truth, Eigen::Index& fitted) {
   return separations.minCoeff(&truth, &fitted);
 }
 
-/// Of all experiments; where a load depends on the shape, only of the best of them without approximation.
+/// Of all experiments; where a load depends on the shape, without approximation of the best of them, until
+/// the first is no approximation.
 Separations separations_of(const JointModel& model, const JointParameters& baseline,
                            const std::vector<Explanation>& list, const std::vector<Experiment>& menu,
                            double inflation, const Options& options) {
@@ -119,16 +120,27 @@ Separations separations_of(const JointModel& model, const JointParameters& basel
     return model.has_configuration_dependent_load(one.fit.at);
   });
   if (!feedback) return all;
-  std::vector<std::pair<double, std::size_t>> order;
-  Eigen::Index truth = 0, fitted = 0;
-  for (std::size_t i = 0; i < menu.size(); ++i)
-    if (all.with[i]) order.emplace_back(-least(*all.with[i], truth, fitted), i);
-  std::sort(order.begin(), order.end());
-  order.resize(std::min(order.size(), kWeighedWhole));
-  std::vector<Experiment> best;
-  for (const auto& [ignored, i] : order) best.push_back(menu[i]);
-  const Separations whole = weigh_apart(model, baseline, list, best, true, inflation, options);
-  for (std::size_t b = 0; b < best.size(); ++b) all.with[order[b].second] = whole.with[b];
+  std::vector<bool> is_whole(menu.size(), false);
+  for (;;) {
+    std::vector<std::pair<double, std::size_t>> order;
+    Eigen::Index truth = 0, fitted = 0;
+    for (std::size_t i = 0; i < menu.size(); ++i)
+      if (all.with[i]) order.emplace_back(-least(*all.with[i], truth, fitted), i);
+    std::sort(order.begin(), order.end());
+    if (order.empty() || is_whole[order.front().second]) break;
+    std::vector<Experiment> best;
+    std::vector<std::size_t> number;
+    for (std::size_t o = 0; o < std::min(order.size(), kWeighedWhole); ++o) {
+      if (is_whole[order[o].second]) continue;
+      number.push_back(order[o].second);
+      best.push_back(menu[number.back()]);
+    }
+    const Separations whole = weigh_apart(model, baseline, list, best, true, inflation, options);
+    for (std::size_t b = 0; b < best.size(); ++b) {
+      all.with[number[b]] = whole.with[b];
+      is_whole[number[b]] = true;
+    }
+  }
   return all;
 }
 
