@@ -39,6 +39,7 @@ struct Instants {
   /// Columns of x by which it may go: what drives the arm now, with its past, with plays narrow or wide,
   /// plays alone, all there is.
   std::vector<std::vector<Eigen::Index>> views;
+  Eigen::Index inputs = 0;  ///< columns of x that are they, the first
 };
 
 /// Plays of the inputs (where each last turned): one column per input and width, at the rows of `all`.
@@ -132,6 +133,7 @@ Instants instants_of(const JointModel& model, const Linearised& at, const std::v
   out.weight *= means / out.weight.sum();
   out.x = in_spreads(std::move(out.x));
   out.views = views_of(inputs);
+  out.inputs = inputs;
   return out;
 }
 
@@ -158,6 +160,16 @@ class Regression {
         kernels_.push_back((-0.5 * distance2.array() / (reach * reach)).exp());
       }
     }
+    // Beside the first view, each input by itself, and what they make is added up: a kink of one is near to
+    // all instants at it.
+    const MatrixXd together = kernels_.front();
+    for (const double reach : kPolicy.flexible.reach_alone) {
+      for (const double noise : kPolicy.flexible.noise) settings_.push_back({kernels_.size(), noise});
+      MatrixXd sum = together;
+      for (Eigen::Index c = 0; c < instants.inputs; ++c)
+        sum.array() += (-0.5 * mean_distances2(instants.x.col(c)).array() / (reach * reach)).exp();
+      kernels_.push_back(1.0 + sum.array() / static_cast<double>(1 + instants.inputs));  // and a mean
+    }
   }
 
   const std::vector<Setting>& settings() const { return settings_; }
@@ -181,7 +193,7 @@ class Regression {
 
  private:
   const Instants& instants_;
-  std::vector<MatrixXd> kernels_;  ///< by view and reach
+  std::vector<MatrixXd> kernels_;  ///< by view and reach, then of inputs alone
   std::vector<Setting> settings_;
 };
 

@@ -245,9 +245,12 @@ std::string found_of(const Diagnosis& d) {
   const std::string errors_change =
       "the mean error on trials left out " + change(d.baseline.held_out_mean_m, d.extended.held_out_mean_m);
   std::vector<std::string> names, small;
+  double part = 0.0;  // of what could be explained, by those
   for (const NamedEffect& effect : d.effects) {
-    // Where something else is left, each stands on its own probability.
+    // Where something else is left, each stands on its own probability, and what has none is no news.
+    if (effect.probability < kPolicy.words.likely) continue;
     names.push_back(fmt::format("{} ({})", effect.id, percent(effect.probability)));
+    part += effect.share * d.explained_share;
   }
   for (const NamedEffect& effect : d.small_departures) {
     if (effect.probability >= kPolicy.posterior.named) small.push_back(effect.id);
@@ -267,13 +270,13 @@ std::string found_of(const Diagnosis& d) {
              beside;
     case Verdict::kPartlyExplained:
       return fmt::format("{} {} {} of what could be explained: {}. Something else is left.", list, explain,
-                         percent(d.explained_share), errors_change) +
+                         percent(part), errors_change) +
              beside;
     case Verdict::kUnknown: {
       std::string text =
           fmt::format("Something is there that no effect of the catalogue explains ({}).", errors);
       if (!names.empty())
-        text += fmt::format(" {} {} {} of it: {}.", list, explain, percent(d.explained_share), errors_change);
+        text += fmt::format(" {} {} {} of it: {}.", list, explain, percent(part), errors_change);
       text += beside;
       std::vector<std::string> likely;
       for (const Candidate& c : d.ranking) {

@@ -160,6 +160,7 @@ struct Policy {
     double play[4] = {0.02, 0.05, 0.15, 0.4};
     std::size_t narrow = 2;
     double reach[2] = {1.0, 2.5};        ///< length scales, in standard deviations of each feature
+    double reach_alone[2] = {0.1, 0.4};  ///< the same of inputs one by one: a kink is narrow
     double noise[3] = {0.03, 0.3, 3.0};  ///< variance of the noise over that of what is learnt
   } flexible;
 

@@ -1,9 +1,10 @@
 // One source feeds all chambers: what they draw from it together, all of them get less for.
 //
-// Drawn is what the pressures have risen within a time. Where that is short it is their flow, through a line
-// that all share. A source that is not filled again during a trial would go by their sum: that is a
-// saturation, which the arm file's laws have, and stands for too much else.
+// Drawn is what the pressures have risen within a time. What chambers vent is lost where a tank feeds them; a
+// line that droops under their demand has that back. Where the time is short it is their flow, through a line
+// that all share.
 #include <algorithm>
+#include <cmath>
 
 #include "drives.h"
 #include "effects.h"
@@ -11,7 +12,8 @@
 namespace softarm::effects {
 namespace {
 
-constexpr double kTimes_s[] = {0.4, 4.0};
+constexpr double kLongest_s = 60.0;  // of a source that is filled at its own rate alone
+constexpr double kNoise_pa = 500.0;  // rises within that, to either side, are a sensor's noise
 
 class SupplySag : public Described {
  public:
@@ -21,31 +23,41 @@ class SupplySag : public Described {
     return rows_of(arm, arm::InputKind::kPressure).size() > 1;
   }
   std::vector<Values> grid(const arm::Arm&, const FineRod&) const override {
-    std::vector<Values> list;
-    for (const double time_s : kTimes_s) list.push_back(Eigen::Vector2d(0.0, time_s));
-    return list;
+    const auto one = [](double time_s, double returned, double refill_pa_per_s, double bends) {
+      return Values((Values(5) << 0.0, time_s, returned, refill_pa_per_s, bends).finished());
+    };
+    return {one(0.4, 0.0, 0.0, 0.0), one(4.0, 0.0, 0.0, 0.0), one(15.0, 1.0, 0.0, 0.0),
+            one(kLongest_s, 0.0, 4e3, 2.0), one(kLongest_s, 0.0, 12e3, 2.0)};
   }
   bool looks_back() const override { return true; }
   void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
     if (values[0] == 0.0) return;
-    const Eigen::RowVectorXd drawn_pa = drawn(arm, std::max(values[1], 1e-2), series);
-    const Eigen::RowVectorXd left = (1.0 - values[0] / kReferencePa * drawn_pa.array()).max(0.0);
+    const Eigen::RowVectorXd x = drawn(arm, values, series) / kReferencePa;
+    const Eigen::RowVectorXd left = (1.0 - values[0] * x.array() / (1.0 + values[4] * x.array())).max(0.0);
     for_pressures(arm, series, [&left](auto row) { row.array() *= left.array(); });
   }
 
  private:
-  static Eigen::RowVectorXd drawn(const arm::Arm& arm, double time_s, const Series& series) {
-    Eigen::RowVectorXd sum_pa = Eigen::RowVectorXd::Zero(series.inputs.cols());
-    for (const Eigen::Index row : rows_of(arm, arm::InputKind::kPressure)) {
-      const auto u = series.inputs.row(row);
-      double filled = u.size() > 0 ? u[0] : 0.0;  // a trial begins at rest, long settled
-      for (Eigen::Index i = 1; i < u.size(); ++i) {
-        const Following f = following(series.t_s[i] - series.t_s[i - 1], time_s);
-        filled = f.kept * filled + f.weight_last * u[i - 1] + f.weight_now * u[i];
-        sum_pa[i] += std::max(0.0, u[i] - filled);
+  static Eigen::RowVectorXd drawn(const arm::Arm& arm, const Values& values, const Series& series) {
+    const double time_s = std::max(values[1], 1e-2), returned = values[2], refill_pa_per_s = values[3];
+    const Rows rows = rows_of(arm, arm::InputKind::kPressure);
+    Eigen::RowVectorXd drawn_pa = Eigen::RowVectorXd::Zero(series.inputs.cols());
+    if (drawn_pa.size() == 0) return drawn_pa;
+    Eigen::VectorXd reached_pa = series.inputs(rows, 0);  // a trial begins at rest, long settled
+    for (Eigen::Index i = 1; i < drawn_pa.size(); ++i) {
+      double taken_pa = 0.0;
+      for (std::size_t k = 0; k < rows.size(); ++k) {
+        double& reached = reached_pa[static_cast<Eigen::Index>(k)];
+        const double u = series.inputs(rows[k], i), now = std::clamp(reached, u - kNoise_pa, u + kNoise_pa);
+        taken_pa += now > reached ? now - reached : returned * (now - reached);
+        reached = now;
       }
+      const double dt_s = series.t_s[i] - series.t_s[i - 1], kept = std::exp(-dt_s / time_s);
+      // What is taken meanwhile is made up for by half as much: on average it is half as old.
+      taken_pa = 0.5 * (1.0 + kept) * taken_pa - refill_pa_per_s * dt_s;
+      drawn_pa[i] = std::max(0.0, kept * drawn_pa[i - 1] + taken_pa);
     }
-    return sum_pa;
+    return drawn_pa;
   }
 };
 
@@ -55,12 +67,17 @@ std::unique_ptr<Effect> make_supply_sag() {
   return std::make_unique<SupplySag>(Info{
       "supply_sag",
       "all pressures fall short together, the more air the chambers draw at once from their common source",
-      "acting = p (1 - share sum max(0, p - w) / 50 kPa), time dw/dt = p - w, the sum over all chambers",
+      "acting = p (1 - share x / (1 + bends x)), x = m / 50 kPa, dm/dt = sum max(0, dp/dt) + returned sum "
+      "min(0, dp/dt) - refill - m / time, m not below 0, the sums over all chambers",
       "the form is its own; sources and lines: P. Beater, Pneumatic Drives, 2007, "
       "doi:10.1007/978-3-540-69471-7",
       Family::kActuation,
-      {{"share", "1", "of the pressures, that is lost when all together have drawn 50 kPa", 0.0, 2.0, 0.1},
-       {"time_s", "s", "in which the source makes up for what was drawn", 0.05, 20.0, 4.0}},
+      {{"share", "1", "of the pressures, that is lost per 50 kPa that all together have drawn", 0.0, 4.0,
+        0.1},
+       {"time_s", "s", "in which the source makes up for what was drawn", 0.05, kLongest_s, 4.0},
+       {"returned", "1", "of what chambers vent, that is back at once; 0: a tank, 1: a line", 0.0, 1.0, 0.0},
+       {"refill_pa_per_s", "Pa/s", "at which a pump makes up for it beside", 0.0, 1e6, 0.0},
+       {"bends", "1", "how the loss falls short of proportion to what was drawn", 0.0, 20.0, 0.0}},
       1,
       {"chamber_bulge", "gain_nonlinearity", "flow_limit", "pressure_lag"},
       {"moment_gain", "elongation"}});

@@ -7,6 +7,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <random>
 
 #include "diagnose/background.h"
@@ -17,6 +18,7 @@
 #include "diagnose/screen.h"
 #include "looked.h"
 #include "recorded_case.h"
+#include "trees.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -168,6 +170,94 @@ TEST(Ceiling, LearnsLoopsWideAndNarrowAndNothingOfNoise) {
   }
   const auto nothing = [](std::size_t, std::size_t) { return 0.0; };
   EXPECT_LT(ceiling(looked.model, looked.baseline, residuals(looked, nothing), 0).share, 0.01);
+}
+
+/// For trees: inputs, what follows them, and plays of them, of each instant.
+struct Told {
+  std::vector<VectorXd> now;
+  std::vector<std::size_t> trial;
+
+  explicit Told(const testing::Looked& looked) {
+    for (std::size_t t = 0; t < looked.prepared.trials.size(); ++t) {
+      std::vector<VectorXd> memory;
+      for (const model::Predicted& one : looked.baseline.predicted[t]) {
+        const VectorXd& u = one.instant.inputs;
+        if (memory.empty()) memory.assign(7, u);
+        for (std::size_t i = 0; i < 3; ++i)
+          memory[i] += (1.0 - std::exp(-one.instant.dt_s / kTimes_s[i])) * (u - memory[i]);
+        for (std::size_t i = 0; i < 4; ++i)
+          memory[3 + i] = memory[3 + i]
+                              .cwiseMax((u.array() - 0.5 * kWidths_pa[i]).matrix())
+                              .cwiseMin((u.array() + 0.5 * kWidths_pa[i]).matrix());
+        VectorXd all(8 * u.size());
+        all.head(u.size()) = u;
+        for (std::size_t i = 0; i < 7; ++i)
+          all.segment((1 + static_cast<Eigen::Index>(i)) * u.size(), u.size()) = u - memory[i];
+        now.push_back(std::move(all));
+        trial.push_back(t);
+      }
+    }
+  }
+
+  static constexpr double kTimes_s[] = {0.3, 1.0, 4.0};
+  static constexpr double kWidths_pa[] = {1e3, 2.5e3, 7.5e3, 2e4};
+};
+
+/// Share of the mean square that trees learn, each trial from those of other commands; of the first body.
+double share_of_trees(const testing::Looked& looked, const std::vector<VectorXd>& residual) {
+  const Told told(looked);
+  const std::vector<std::size_t>& sequence = looked.model.sequences();
+  Eigen::MatrixXd x(static_cast<Eigen::Index>(told.now.size()), told.now.front().size());
+  VectorXd y(x.rows());
+  for (Eigen::Index i = 0, row = 0; i < x.rows(); ++i) {
+    const std::size_t t = told.trial[static_cast<std::size_t>(i)];
+    if (i > 0 && t != told.trial[static_cast<std::size_t>(i - 1)]) row = 0;
+    const std::size_t k = static_cast<std::size_t>(std::count(told.trial.begin(), told.trial.begin() + i, t));
+    x.row(i) = told.now[static_cast<std::size_t>(i)];
+    y[i] = residual[t][row];
+    row += 3 * static_cast<Eigen::Index>(looked.prepared.trials[t].blocks[k].bodies.size());
+  }
+  double left = 0.0;
+  for (std::size_t s = 0; s < 3; ++s) {
+    testing::Trees::Rows others, own;
+    for (Eigen::Index i = 0; i < x.rows(); ++i)
+      (sequence[told.trial[static_cast<std::size_t>(i)]] % 3 == s ? own : others).push_back(i);
+    const testing::Trees trees(x, y, others);
+    for (const Eigen::Index i : own) left += std::pow(y[i] - trees.at(x.row(i)), 2);
+  }
+  return 1.0 - left / y.squaredNorm();
+}
+
+TEST(Ceiling, IsNoWorseThanTreesOverPlaysAndWhatFollows) {
+  const testing::RecordedCase drawn = unseen_case(6);
+  const testing::Looked looked(drawn.arm, drawn.trials);
+  const auto instant = [&](std::size_t t, std::size_t k) -> const model::Instant& {
+    return looked.baseline.predicted[t][k].instant;
+  };
+  double held = 0.0;
+  const std::function<double(std::size_t, std::size_t)> made[] = {
+      [&](std::size_t t, std::size_t k) {  // a valve that sticks
+        const double now = instant(t, k).inputs[1];
+        held = k == 0 ? now : std::clamp(held, now - 1e3, now + 1e3);
+        return 1e-6 * (now - held);
+      },
+      [&](std::size_t t, std::size_t k) {  // a wall that follows
+        const double now = instant(t, k).inputs[2];
+        held = k == 0 ? now : held + (1.0 - std::exp(-instant(t, k).dt_s / 2.0)) * (now - held);
+        return 1e-7 * (now - held);
+      },
+      [&](std::size_t t, std::size_t k) { return 5e-7 * (std::min(2e3, instant(t, k).inputs[0]) - 1e3); },
+      [&](std::size_t t, std::size_t k) {
+        return 1e-12 * instant(t, k).inputs[0] * (instant(t, k).inputs[1] - 1e4);
+      }};
+  for (const auto& of : made) {
+    const std::vector<VectorXd> residual = residuals(looked, of);
+    const double trees = share_of_trees(looked, residual);
+    const double share = ceiling(looked.model, looked.baseline, residual, 0).share;
+    // They know widths and times near these, and a sharp edge suits nothing better.
+    EXPECT_GT(share, trees - (&of - made == 2 ? 0.1 : 0.05)) << &of - made;
+    EXPECT_GT(std::max(share, trees), 0.2) << &of - made << ": neither learns anything: compares nothing";
+  }
 }
 
 TEST(Ceiling, DoesNotLearnWhatIsAnewInEveryTrial) {

@@ -120,7 +120,7 @@ TEST_F(LoadSignatures, ARoughWallHoldsTheArmWhereItTouchesAndLetsItSlip) {
 }
 
 TEST_F(LoadSignatures, TetherPullsInProportionToTheTipsWay) {
-  const model::Present hose = with("tether", {2.0, 0.0, 0.0});
+  const model::Present hose = with("tether", {2.0, 0.0, 0.0, 0.0, 0.0});
   EXPECT_LT(tip(hose, {inputs(0.0), 0.1, hanging()}), 1e-9);
   const auto trial = body_testing::trial_of(arm, {{inputs(0.5), 0.1, hanging()}});
   const auto path = body_testing::predict(model, arm, {hose}, trial);
