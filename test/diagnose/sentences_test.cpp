@@ -101,6 +101,25 @@ TEST(Sentences, WhatIsHardlyThereIsNotSaidToBeLeftOut) {
       << summary_of(diagnosis);
 }
 
+TEST(Sentences, UnderUnknownOnlyWhatIsLikelyIsListedWithItsOwnShare) {
+  Diagnosis diagnosis;
+  diagnosis.verdict = Verdict::kUnknown;
+  diagnosis.explained_share = 0.4;
+  NamedEffect sure, hardly;
+  sure.id = "skin_marker";
+  sure.probability = 0.97;
+  sure.share = 0.3;
+  hardly.id = "hysteresis";
+  hardly.probability = 0.004;
+  hardly.share = 0.7;
+  diagnosis.effects = {hardly, sure};
+  const std::string text = summary_of(diagnosis);
+  EXPECT_NE(text.find(" skin_marker (97 %) explains 12 % of it: "), std::string::npos) << text;
+  EXPECT_EQ(text.find("hysteresis"), std::string::npos) << text;
+  diagnosis.effects = {hardly};
+  EXPECT_EQ(summary_of(diagnosis).find("of it: "), std::string::npos) << summary_of(diagnosis);
+}
+
 TEST(Sentences, WhatIsLeftOutStandsInTheVerdictsLine) {
   Diagnosis diagnosis;
   diagnosis.verdict = Verdict::kConsistent;
