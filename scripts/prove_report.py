@@ -283,9 +283,10 @@ Written by `scripts/prove`: {size} of the campaign `{figures['campaign']}`, seed
 
 In brackets: 90 % intervals, of rates Wilson's, of other figures by a bootstrap of the cases. *Met*: all of the interval meets
 the target; *contradicted*: none of it does; a sample is too small to meet one and says *not contradicted*. In the whole a target
-without a figure is not met. A row of several kinds has their cases together, and their target. {versus(figures)} The baselines decide on the same fit and the same signatures: `per_frame` by
-the residuals of fits frame by frame alone, `bic` by forward steps, `lasso` along its path, `gp` by a Gaussian process alone,
-which never names anything.
+without a figure is not met. A row of several kinds has their cases together, and their target. {versus(figures)} The baselines have what a round of the diagnosis has: the same fit, signatures, noise with a background of small departures,
+refits, odds beforehand, and gates of size. They differ in how they decide, and are sure by BIC weights of the refitted models:
+`per_frame` by the residuals of fits frame by frame alone, `bic` by forward steps, `lasso` by the path of a group lasso, `gp` by
+a Gaussian process alone, which never names anything, and whose alarm the others share.
 
 {prove_real_report.story(results, figures.get("real_picture"))}{WORLDS_TEXT}
 ## What was measured, and how

@@ -37,10 +37,10 @@ void write_decisions(const DecideOptions& options) {
                                          options.jobs, options.held, options.tied)) {
     nlohmann::ordered_json& item = json[decision.method];
     item = {{"alarm", decision.alarm}, {"effects", nlohmann::json::array()}, {"ranking", decision.ranking}};
-    for (const Named& named : decision.effects) {
-      item["effects"].push_back({{"name", named.effect}});
-      if (named.probability) item["effects"].back()["probability"] = *named.probability;
-    }
+    for (const Named& named : decision.effects)
+      item["effects"].push_back({{"name", named.effect},
+                                 {"probability", named.probability},
+                                 {"confusable_with", named.confusable_with}});
   }
   app::OutputFile file(options.out);
   file.write(json.dump(1) + "\n");
