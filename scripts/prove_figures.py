@@ -7,7 +7,7 @@ import random
 import statistics
 
 import prove_real_score
-from prove_score import (BASELINES, KINDS, baseline_decision, bias_removed, decision_of, is_confident_and_wrong, is_right, judged,
+from prove_score import (BASELINES, KINDS, all_marks, baseline_decision, bias_removed, decision_of, is_confident_and_wrong, is_right, judged,
                          marks, right, sizes)
 
 RATES = ["top1", "top3", "right_class", "both_named", "false_alarm", "confident_wrong", "unknown", "found_or_cannot_tell"]
@@ -129,7 +129,7 @@ def general(pairs, with_reports):
 
 # By the names that the contract has for them.
 WORLDS = {"tidy": {kind: kind for kind in KINDS[:7]},
-          "untidy": {"none": "untidy_none", "single_strong": "untidy_single", "outside": "untidy_outside"},
+          "untidy": {"none": "untidy_none", "single_strong": "untidy_single", "pair": "untidy_pair", "outside": "untidy_outside"},
           "solid": {"none": "solid_none", "single_strong": "solid_single", "compensated": "solid_compensated"},
           "real": {"intervention": "intervention", "control": "control"}}
 POWER_BINS = 4  # of equal numbers of cases
@@ -138,7 +138,7 @@ POWER_BINS = 4  # of equal numbers of cases
 def power(pairs):
     """How often one hidden effect is in the class that is named first, by the size of what it leaves: smallest first."""
     def right_class(kind, decision, truth):  # of an intervention whether it is clear or not
-        return prove_real_score.found(decision, truth) if kind == "intervention" else marks(kind, decision, truth).get("right_class")
+        return prove_real_score.found(decision, truth) if kind == "intervention" else all_marks(kind, decision, truth).get("right_class")
 
     found = [(result["truth"]["effects"][0]["signal"]["leftover_m"], right_class(result["kind"], decision, result["truth"]))
              for result, decision in pairs if len(result["truth"]["effects"]) == 1]

@@ -11,8 +11,9 @@ KIND_DESCRIPTION = {
     "outside": "an effect outside the catalogue",
     "compensated": "one that fits frame by frame hide",
     "class_only": "one mounting, one speed: only a class can be right",
-    "untidy_none": "nothing but small departures of everything, 0.2 to 0.8 mm together",
-    "untidy_single": "one effect of the catalogue among such departures",
+    "untidy_none": "nothing but small departures of everything, together what the campaign says",
+    "untidy_single": "one effect of the catalogue among such departures, as large as it comes",
+    "untidy_pair": "two effects among such departures",
     "untidy_outside": "an effect outside the catalogue among such departures",
     "solid_none": "a finite-element arm with nothing hidden",
     "solid_single": "a finite-element arm with one thing hidden",
@@ -36,6 +37,7 @@ TARGETS = [
     ("class_only", "right_class", None, True),
     ("untidy_none", "false_alarm", None, False),
     ("untidy_single", "top1", 0.75, True), ("untidy_single", "right_class", 0.90, True),
+    ("untidy_pair", "both_named", None, True),
     ("untidy_outside", "unknown", 0.80, True),
     ("solid_none", "false_alarm", None, False),
     ("solid_single", "top1", 0.75, True), ("solid_single", "right_class", 0.90, True),
@@ -196,6 +198,8 @@ def judged(result):
     found = prove_score.marks(result["kind"], decision, result["truth"])
     bad = ("false_alarm", "confident_wrong")
     wrong = [rate for rate, value in found.items() if value == (rate in bad)]  # as prove_score.is_right
+    if not wrong and not result["truth"].get("clear", True):
+        return "not clear"
     return "right" if not wrong else ("" if set(wrong) <= {"top1", "top3"} else "**") + ", ".join(
         rate if rate in bad else f"not {rate}" for rate in wrong) + ("" if set(wrong) <= {"top1", "top3"} else "**")
 
@@ -229,7 +233,11 @@ WORLDS_TEXT = """## The worlds
 
 - **tidy**: nine trials of an arm by the virtual rig, which shares no code with the model of the diagnosis; the arm file is
   right but for the constants that are fitted, and what is hidden has other forms than the catalogue's.
-- **untidy**: the same, and four to eight small departures besides, so that nothing is quite as the arm file says.
+- **untidy**: the same, and six to ten small departures besides, 0.2 to 3 mm together, so that nothing is quite as the arm file
+  says. What is hidden is as large as it comes: its size is wished for evenly in its logarithm, from a fifth of the position
+  noise to 4 mm, and whatever a few scalings make of it stays; nothing is drawn again because it is hard to see. A case is
+  *clear* where each hidden effect leaves no less than the background does, and no less than half of the position noise;
+  that is sealed with the case. Rates of naming count the clear ones; `power`, `confident_wrong` and the intervals count all.
 - **solid**: [a silicone arm by finite elements](solid_arm.md), nobody's rod, computed once by a solver that is not this package's.
   Five or six trials of states at rest, noise new in each draw, nothing hidden or one of seven things: a soft ring, an elastic clamp, a
   payload off its axis, an edge in the way, a log with an offset or a dead zone; and a smaller chamber, which a gain takes up. What is right to

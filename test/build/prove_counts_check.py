@@ -57,12 +57,14 @@ def hidden_of(kind, number):
         return [{**contact, "effect": "valve_stiction", "catalogued": False, "names": [], "parameters": {}, "values": {}}]
     spot = {**contact, "effect": "soft_spot", "names": ["soft_spot"], "parameters": {"share": 100.0},
             "values": {"centre_fraction": 0.5}}
-    return [contact, spot] if kind == "pair" else [contact]
+    return [contact, spot] if kind in ("pair", "untidy_pair") else [contact]
 
 
 def truth_of(kind, number):
     effects = hidden_of(kind, number)
     of_real = {"set": "trunk", "split": 0, "clear": True, "unexplained_m": 1e-3} if kind in ("intervention", "control") else {}
+    if kind.startswith("untidy"):  # as config/campaigns/untidy_final.yaml expects at least
+        of_real["clear"] = number % 3 == 0
     return {"kind": kind, "effects": effects, "distractors": [], "ideal": [], "constants": {"bending_stiffness": 0.03},
             "class": [e["effect"] for e in effects if e["catalogued"]], "rejected": [], **of_real}
 
