@@ -84,6 +84,9 @@ def perfect(kind, number, truth):
             "baseline": errors, "extended": errors, "shifts": [{"name": "bending_stiffness", "before": 0.04, "after": 0.03}]}
 
 
+MOVES = [[[0, 1, 1000, 0, 0], [1, 1, 0, 1000, 0]]]  # of one trial: [second, body, x, y, z], um
+
+
 class Whole(unittest.TestCase):
     def figures(self, cases):
         """Of a perfect diagnosis, beside baselines that find nothing."""
@@ -92,7 +95,10 @@ class Whole(unittest.TestCase):
         for kind, number in cases:
             truth = truth_of(kind, number)
             results.append({"case": "case", "kind": kind, "number": number, "truth": truth, "report": perfect(kind, number, truth),
-                            "not_drawn": None, "cost": None, "baselines": nothing})
+                            "not_drawn": None, "cost": None, "baselines": nothing,
+                            "hidden_moves": [MOVES for _ in truth["effects"]],
+                            "found_moves": [{"effect": effect["effect"], "relative_sd": 0.1, "trials": MOVES}
+                                            for effect in truth["effects"] if effect["catalogued"]]})
         return {**prove_figures.figures(results), "full": True}
 
     def test_a_perfect_diagnosis_meets_every_target(self):

@@ -10,6 +10,7 @@
 #include <optional>
 #include <random>
 
+#include "displacement.h"
 #include "math/parallel.h"
 #include "rig/campaign.h"
 #include "rig/effect_size.h"
@@ -113,6 +114,7 @@ class Case {
     truth_["noise_m"] = noise_m();
     if (spec_.signal && spec_.signal->wished && !signals.empty()) truth_["clear"] = is_clear(signals);
     truth_["all"] = json_of(all_);
+    for (const Signal& one : signals) displacements_.push_back(rows_of(one.moved));
     truth_["ideal"] = Json::array();
     if (!signals.empty()) {
       for (const Ideal& ideal : reference_->ideal(all_))
@@ -136,6 +138,7 @@ class Case {
       fs::rename(trials / (name + ".truth.yaml"), sealed / (name + ".truth.yaml"));
     }
     write(sealed / "case.json", truth_.dump(1) + '\n');
+    write(sealed / "displacement.json", displacements_.dump() + '\n');
     write(trials / "case.json", known.dump(1) + '\n');
     fs::create_directories(options_.folder.parent_path());
     fs::create_directories(options_.truth.parent_path());
@@ -348,7 +351,7 @@ class Case {
   std::unique_ptr<Reference> reference_;
   double distractors_leave_m_ = 0.0;
   Signal all_;  ///< of the effects together, beside the distractors; of these where there are none
-  Json truth_;
+  Json truth_, displacements_ = Json::array();  ///< the latter by effect, see rows_of()
 };
 
 }  // namespace

@@ -29,6 +29,8 @@ std::pair<std::int64_t, int> key_of_tangent(const model::TrialData& trial, const
   return key_of(trial, block, -1 - body);
 }
 
+}  // namespace
+
 Residuals residuals_of(const std::vector<model::TrialData>& trials,
                        const std::vector<std::vector<model::Predicted>>& predicted) {
   Residuals residuals(trials.size());
@@ -50,8 +52,6 @@ Residuals residuals_of(const std::vector<model::TrialData>& trials,
   }
   return residuals;
 }
-
-}  // namespace
 
 VectorXd per_frame_part(const diagnose::JointModel& model, const Linearised& at, const VectorXd& rows,
                         double* freedom) {
@@ -195,6 +195,7 @@ Signal Reference::signal(const Left& with, const Left& without) const {
   Signal signal;
   signal.difference = difference(with.held, without.held);
   signal.left = orthogonal(difference(with.refitted, without.refitted));
+  signal.moved = at_whole_seconds(differences(with.held, without.held));
   signal.raw_snr = signal.difference.norm();
   signal.leftover_snr = signal.left.norm();
   signal.raw_m = rms_m(signal.difference);
