@@ -41,7 +41,7 @@ def chosen(effect, named, moves):
 
 def scores(result):
     """Of each hidden effect that moves bodies: its share that is found (0: nothing is named), whether it is named rightly, and
-    whether the 90 % interval of the size of what is found covers it (None where nothing says)."""
+    whether the 90 % interval of the size of what is found covers it (None where it has several sizes)."""
     hidden = result.get("hidden_moves")
     if not hidden or not result["report"]:
         return []
@@ -55,8 +55,8 @@ def scores(result):
         if found is None:
             continue
         share, factor = found
-        sd = moves[first["name"]]["relative_sd"] if first else 0.0
-        covers = abs(factor - 1.0) <= INTERVAL_SD * sd if is_right and factor is not None and sd > 0.0 else None
+        sd = moves[first["name"]].get("relative_sd") if first else None
+        covers = abs(factor - 1.0) <= INTERVAL_SD * sd if is_right and factor is not None and sd is not None else None
         list_of.append({"share": share, "right": is_right, "covers": covers, "clear": result["truth"].get("clear", True)})
     return list_of
 

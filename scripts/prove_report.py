@@ -54,7 +54,7 @@ FIGURES = [
     ("interval_coverage", "90 % intervals that cover", 0.85, 0.95),
     # An error of 15 % of the displacement.
     ("displacement_explained", "share of the displacement of what is hidden that the found effect makes, median", 0.9775, None),
-    ("displacement_coverage", "90 % intervals of the displacement's size that cover", None, None),
+    ("displacement_coverage", "90 % intervals of the displacement that cover (effects of one size)", None, None),
     ("held_out_over_floor", "held-out error over noise floor, median", None, 1.05),
     ("worse_than_baseline", "held-out worse than before, nothing hidden", None, 0.0),
     ("bias_removed", "bias of EI removed where compensated and named, median", 0.8, None),

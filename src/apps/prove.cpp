@@ -88,8 +88,10 @@ void write_displacements(const DecideOptions& options) {
   const std::vector<model::Present> effects = effects::load_effects(arm, options.arm, folders);
   nlohmann::ordered_json json = nlohmann::json::array();
   for (const Displacement& one :
-       displacements(arm, effects, app::read_trials(options.bags, arm, true, options.jobs), options.jobs))
-    json.push_back({{"effect", one.effect}, {"relative_sd", one.relative_sd}, {"trials", rows_of(one.by)}});
+       displacements(arm, effects, app::read_trials(options.bags, arm, true, options.jobs), options.jobs)) {
+    json.push_back({{"effect", one.effect}, {"trials", rows_of(one.by)}});
+    if (one.relative_sd) json.back()["relative_sd"] = *one.relative_sd;
+  }
   app::OutputFile file(options.out);
   file.write(json.dump() + "\n");
   file.commit();

@@ -11,17 +11,6 @@ using model::Present;
 
 namespace {
 
-double product(const Residuals& a, const Residuals& b) {
-  double sum = 0.0;
-  for (std::size_t t = 0; t < a.size(); ++t) {
-    for (const auto& [key, displacement] : a[t]) {
-      const auto other = b[t].find(key);
-      if (other != b[t].end()) sum += displacement.dot(other->second);
-    }
-  }
-  return sum;
-}
-
 /// Predicts all trials with some effects or others.
 class Predictions {
  public:
@@ -51,20 +40,12 @@ std::vector<Displacement> displacements(const arm::Arm& arm, const std::vector<P
   for (std::size_t e = 0; e < effects.size(); ++e) {
     std::vector<Present> others = effects;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(e));
-    Displacement one{effects[e].effect->info().id, {}, 0.0};
+    Displacement one{effects[e].effect->info().id, {}, std::nullopt};
     // What is predicted with it, less what is without: residuals the other way round.
     one.by = at_whole_seconds(differences(predictions.with(others), all));
-    const double square = product(one.by, one.by);
-    const int sizes = effects[e].effect->info().sizes;
-    for (int k = 0; k < sizes && square > 0.0 && effects[e].sd.size() > k; ++k) {
-      if (effects[e].values[k] == 0.0) continue;
-      std::vector<Present> without = effects;
-      without[e].values[k] = 0.0;
-      const Residuals by_size = at_whole_seconds(differences(predictions.with(without), all));
-      one.relative_sd +=
-          std::pow(effects[e].sd[k] / effects[e].values[k] * product(by_size, one.by) / square, 2);
-    }
-    one.relative_sd = std::sqrt(one.relative_sd);
+    const double size = effects[e].values[0];
+    if (effects[e].effect->info().sizes == 1 && effects[e].sd.size() > 0 && size != 0.0)
+      one.relative_sd = effects[e].sd[0] / std::abs(size);
     list.push_back(std::move(one));
   }
   return list;

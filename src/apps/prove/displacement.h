@@ -3,6 +3,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,9 +17,8 @@ namespace softarm::prove {
 struct Displacement {
   std::string effect;
   Residuals by;  ///< at whole seconds, m
-  /// Of its size as a whole, by the standard deviations of the effect's sizes, taken for independent; its
-  /// other numbers as they are.
-  double relative_sd = 0.0;
+  /// Of its size; absent where it has several, which only their covariance would tell, or none is known.
+  std::optional<double> relative_sd;
 };
 
 /// Of an arm with all these effects: by how much each moves the bodies of the trials beside the others.
