@@ -14,6 +14,7 @@ import time
 import prove_real_report
 import prove_report
 import prove_figures
+import prove_score
 import prove_slurm
 import prove_sources
 from prove_files import NotDrawn, each, jobs, last_line, lines_of, read_json, run, say, write_json
@@ -157,6 +158,7 @@ class Proof:
                 if status != 0:
                     cost["message"] = last_line(log)
                 write_json(os.path.join(folder, "cost.json"), cost)
+            self.displace(folder, bags)
             if self.options.baselines and not os.path.exists(os.path.join(folder, "baselines.json")):
                 log = os.path.join(folder, "baselines.log")
                 status, _ = run([self.program("prove"), "decide", "--arm", arm, "--out",
@@ -172,6 +174,15 @@ class Proof:
         drawn = [case for case in self.plan if os.path.exists(os.path.join(self.cases, case, "case.json"))]
         self.each("diagnosing", [case for case in drawn if not self.is_decided(case)], one)
 
+    def displace(self, folder, bags):
+        """By how much what was found moves the bodies; nothing where nothing was."""
+        extended, out = os.path.join(folder, "arm_extended.yaml"), os.path.join(folder, "displacement.json")
+        report = os.path.join(folder, "report.json")
+        if os.path.exists(out) or not os.path.exists(extended) or not prove_score.named_in(read_json(report)):
+            return
+        run([self.program("prove"), "displacement", "--arm", extended, "--out", out, *bags, *jobs(self.options)],
+            os.path.join(folder, "displacement.log"))
+
     def results(self):
         """One per case: truth, report, cost, decisions of the baselines; what is missing is None."""
         results = []
@@ -186,6 +197,8 @@ class Proof:
                 "not_drawn": last_line(failed) if os.path.exists(failed) else None,
                 "rejected": lines_of(failed)[:-1] if os.path.exists(failed) else [],
                 "truth": found("truth", case, "case.json"), "report": found("reports", case, "report.json"),
+                "hidden_moves": found("truth", case, "displacement.json"),
+                "found_moves": found("reports", case, "displacement.json"),
                 "cost": found("reports", case, "cost.json"), "baselines": found("reports", case, "baselines.json")})
         return results
 

@@ -6,13 +6,14 @@ import math
 import random
 import statistics
 
+import prove_displacement
 import prove_real_score
-from prove_score import (BASELINES, KINDS, baseline_decision, bias_removed, decision_of, is_confident_and_wrong, is_right, judged,
+from prove_score import (BASELINES, KINDS, all_marks, baseline_decision, bias_removed, decision_of, is_confident_and_wrong, is_right, judged,
                          marks, right, sizes)
 
 RATES = ["top1", "top3", "right_class", "both_named", "false_alarm", "confident_wrong", "unknown", "found_or_cannot_tell"]
 FIGURES = ["parameter_median_error", "interval_coverage", "held_out_over_floor", "place_error_m", "calibration_error",
-           "confident_wrong", "bias_removed", "worse_than_baseline"]
+           "confident_wrong", "bias_removed", "worse_than_baseline", "displacement_explained", "displacement_coverage"]
 CALIBRATION_BINS = 5
 
 
@@ -97,6 +98,10 @@ def rates(pairs):
     return table
 
 
+def moved(pairs):
+    return [score for result, _ in pairs for score in result.get("moved") or []]
+
+
 def general(pairs, with_reports):
     figures = dict.fromkeys(FIGURES)
     figures["calibration_error"] = calibration_error(stated(pairs))
@@ -124,12 +129,13 @@ def general(pairs, with_reports):
     figures["held_out_over_floor"] = statistics.median(over) if over else None
     figures["bias_removed"] = statistics.median(removed) if removed else None
     figures["worse_than_baseline"] = mean(worse)
+    figures.update(prove_displacement.figures(moved(pairs)))
     return figures
 
 
 # By the names that the contract has for them.
 WORLDS = {"tidy": {kind: kind for kind in KINDS[:7]},
-          "untidy": {"none": "untidy_none", "single_strong": "untidy_single", "outside": "untidy_outside"},
+          "untidy": {"none": "untidy_none", "single_strong": "untidy_single", "pair": "untidy_pair", "outside": "untidy_outside"},
           "solid": {"none": "solid_none", "single_strong": "solid_single", "compensated": "solid_compensated"},
           "real": {"intervention": "intervention", "control": "control"}}
 POWER_BINS = 4  # of equal numbers of cases
@@ -138,7 +144,7 @@ POWER_BINS = 4  # of equal numbers of cases
 def power(pairs):
     """How often one hidden effect is in the class that is named first, by the size of what it leaves: smallest first."""
     def right_class(kind, decision, truth):  # of an intervention whether it is clear or not
-        return prove_real_score.found(decision, truth) if kind == "intervention" else marks(kind, decision, truth).get("right_class")
+        return prove_real_score.found(decision, truth) if kind == "intervention" else all_marks(kind, decision, truth).get("right_class")
 
     found = [(result["truth"]["effects"][0]["signal"]["leftover_m"], right_class(result["kind"], decision, result["truth"]))
              for result, decision in pairs if len(result["truth"]["effects"]) == 1]
@@ -165,6 +171,7 @@ def worlds(pairs):
             of_kinds = rates(own)
             table[world] = {**{name: of_kinds[kind] for name, kind in kinds.items()},
                             **general([(r, d) for r, d in own if r["report"]], True), "power": power(own),
+                            "displacement": prove_displacement.distribution(moved(own)),
                             "mcnemar": {method: against(method, own) for method in BASELINES}}
     return table
 
@@ -173,6 +180,8 @@ def figures(results):
     """All rates and figures; a case without a report counts as one that says nothing."""
     drawn = [result for result in results if result["truth"]]
     prove_real_score.link(drawn)
+    for result in drawn:
+        result["moved"] = prove_displacement.scores(result)
     pairs = [(r, decision_of(r)) for r in drawn]
     table = rates(pairs)
     reported = [(r, d) for r, d in pairs if r["report"]]

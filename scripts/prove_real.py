@@ -173,7 +173,7 @@ class Source:
             other = self.other_arm(case, name, split)
             write(arm, real_recordings.segment_of_another(read(arm), read(other), done["segment"]))
         compared = self.compare(self.arm(case, name, split), plain, work, known)
-        self.keep(case, truth, known, self.truth_of(number, done, compared, rejected))
+        self.keep(case, truth, known, self.truth_of(number, done, compared, rejected), compared["displacement"])
 
     def compare(self, arm, plain, work, known):
         """What the change leaves beside the arm's constants, and which effects act like it."""
@@ -201,13 +201,15 @@ class Source:
                 "unexplained_m": compared["unexplained_m"], "ideal": compared["ideal"][:10], "rejected": rejected,
                 "control": CONTROLS.index((name, split))}
 
-    def keep(self, case, truth, known, hidden):
-        """Both folders, or neither."""
+    def keep(self, case, truth, known, hidden, displacement=None):
+        """Both folders, or neither. displacement: of what was done."""
         work, sealed = case + ".part", truth + ".part"
         shutil.rmtree(sealed, ignore_errors=True)
         os.makedirs(sealed)
         prove_files.write_json(os.path.join(sealed, "case.json"),
                                {"distractors": [], "ideal": [], "constants": {}, **hidden})
+        if displacement is not None:
+            prove_files.write_json(os.path.join(sealed, "displacement.json"), [displacement])
         prove_files.write_json(os.path.join(work, "case.json"), known)
         shutil.rmtree(case, ignore_errors=True)
         os.rename(work, case)

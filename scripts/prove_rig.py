@@ -7,7 +7,7 @@ import sys
 
 import prove_files
 
-CAMPAIGNS = {"tidy": "proof_final", "untidy": "untidy_development"}
+CAMPAIGNS = {"tidy": "proof_final", "untidy": "untidy_final"}
 
 
 def rejected_of(lines):

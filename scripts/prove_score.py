@@ -9,7 +9,7 @@ import math
 import prove_real_score
 
 KINDS = ["none", "single_strong", "single_weak", "pair", "outside", "compensated", "class_only", "untidy_none",
-         "untidy_single", "untidy_outside", "solid_none", "solid_single", "solid_compensated", "intervention", "control"]
+         "untidy_single", "untidy_pair", "untidy_outside", "solid_none", "solid_single", "solid_compensated", "intervention", "control"]
 BASELINES = ["per_frame", "bic", "lasso", "gp"]
 CONFIDENT = 0.9
 INTERVAL_SD = 1.6449  # half a 90 % interval
@@ -111,8 +111,18 @@ def is_of_the_kind(decision, truth):
             and any(name in truth.get("class", []) for name in class_of(decision["named"][0])))
 
 
+EVER = ("confident_wrong", "false_alarm")  # count for what nobody could see, too
+
+
 def marks(kind, decision, truth):
-    """What counts for this kind: rate -> bool."""
+    """What counts for this kind: rate -> bool. Of a case of which the sealed file says that it is not clear (what is hidden
+    leaves less than the background, or than half of the position noise) nothing of its naming counts."""
+    found = all_marks(kind, decision, truth)
+    return found if truth.get("clear", True) else {rate: value for rate, value in found.items() if rate in EVER}
+
+
+def all_marks(kind, decision, truth):
+    """The same whether it is clear or not."""
     names = [named["name"] for named in decision["named"]]
     there = hidden(truth)
     found = {"confident_wrong": is_confident_and_wrong(decision, truth)}
@@ -129,7 +139,7 @@ def marks(kind, decision, truth):
         found["top3"] = is_alarm(decision) and any(name in there for name in decision["ranking"][:3])
         alike = there + truth.get("class", [])
         found["right_class"] = bool(decision["named"]) and any(name in alike for name in class_of(decision["named"][0]))
-    if kind == "pair":
+    if kind in ("pair", "untidy_pair"):
         found["both_named"] = all(name in names for name in there)
         found["top1"] = bool(names) and names[0] in there
         found["right_class"] = all(any(name in class_of(named) for named in decision["named"]) for name in there)

@@ -74,6 +74,7 @@ class Source:
             effects = [{**HIDDEN[name], "form": "solid", "catalogued": True, "values": {},
                         "signal": {key: compared[key] for key in ("raw_snr", "leftover_snr", "raw_m", "leftover_m")}}]
             ideal = compared["ideal"][:10]
+            prove_files.write_json(os.path.join(sealed, "displacement.json"), [compared["displacement"]])
         prove_files.write_json(os.path.join(work, "case.json"), known)
         prove_files.write_json(os.path.join(sealed, "case.json"),
                                {"kind": kind, "solid": name, "effects": effects, "distractors": OF_NATURE, "ideal": ideal,

@@ -14,7 +14,8 @@ A source is a class with
 `case` is what a laboratory would have: bags, arm file, and case.json {"arm": file or name of one in config/arms, "trials":
 [bags], "options": [more words for `softarm diagnose` and `prove decide`, such as --tie]}; paths are relative to the folder.
 `truth` is sealed before the first diagnosis. Its case.json has {"kind", "effects", "distractors", "ideal", "constants",
-"rejected": [why earlier draws of this case did not do]}, as `prove draw` writes it, and what the kind's own scores need.
+"rejected": [why earlier draws of this case did not do]}, as `prove draw` writes it, and what the kind's own scores need;
+displacement.json, where there is one, has by effect how far it moves the bodies (prove_displacement.py).
 Whoever runs sources: prove_cases.py, which names cases, shuffles, seals, diagnoses and scores.
 """
 import sys

@@ -7,10 +7,12 @@
 #include <nlohmann/json.hpp>
 
 #include "prove/deciders.h"
+#include "prove/displacement.h"
 #include "prove/draw.h"
 #include "prove/signal.h"
 #include "softarm/arm/arm_file.h"
 #include "softarm/command.h"
+#include "softarm/effects/arm_effects.h"
 #include "softarm/output_file.h"
 #include "softarm/read_trials.h"
 #include "softarm/shipped.h"
@@ -37,10 +39,10 @@ void write_decisions(const DecideOptions& options) {
                                          options.jobs, options.held, options.tied)) {
     nlohmann::ordered_json& item = json[decision.method];
     item = {{"alarm", decision.alarm}, {"effects", nlohmann::json::array()}, {"ranking", decision.ranking}};
-    for (const Named& named : decision.effects) {
-      item["effects"].push_back({{"name", named.effect}});
-      if (named.probability) item["effects"].back()["probability"] = *named.probability;
-    }
+    for (const Named& named : decision.effects)
+      item["effects"].push_back({{"name", named.effect},
+                                 {"probability", named.probability},
+                                 {"confusable_with", named.confusable_with}});
   }
   app::OutputFile file(options.out);
   file.write(json.dump(1) + "\n");
@@ -73,8 +75,25 @@ void write_comparison(const CompareOptions& options) {
     json["ideal"].push_back(
         {{"effect", ideal.effect}, {"explains", ideal.explains}, {"cosine", ideal.cosine}});
   json["constants"] = reference.constants();
+  json["displacement"] = rows_of(signal.moved);
   app::OutputFile file(options.out);
   file.write(json.dump(1) + "\n");
+  file.commit();
+}
+
+/// By how much each effect of an arm file moves the bodies of the trials.
+void write_displacements(const DecideOptions& options) {
+  const std::vector<std::string> folders = app::config_folders("arms");
+  const arm::Arm arm = arm::load_arm_file(options.arm, folders);
+  const std::vector<model::Present> effects = effects::load_effects(arm, options.arm, folders);
+  nlohmann::ordered_json json = nlohmann::json::array();
+  for (const Displacement& one :
+       displacements(arm, effects, app::read_trials(options.bags, arm, true, options.jobs), options.jobs)) {
+    json.push_back({{"effect", one.effect}, {"trials", rows_of(one.by)}});
+    if (one.relative_sd) json.back()["relative_sd"] = *one.relative_sd;
+  }
+  app::OutputFile file(options.out);
+  file.write(json.dump() + "\n");
   file.commit();
 }
 
@@ -123,6 +142,16 @@ int main(int argc, char** argv) {
   decides->add_option("--jobs", decide.jobs, "threads; default: one per core");
   prove::add_held_and_tied(*decides, decide.held, decide.tied);
   decides->callback([&] { prove::write_decisions(decide); });
+
+  prove::DecideOptions displace;
+  CLI::App* displaces =
+      program.add_subcommand("displacement", "By how much each effect of an arm file moves the bodies.");
+  displaces->add_option("--arm", displace.arm, "arm file with effects, as softarm diagnose writes it")
+      ->required();
+  displaces->add_option("--out", displace.out, "JSON to write")->required();
+  displaces->add_option("BAG", displace.bags, "trial bags")->required();
+  displaces->add_option("--jobs", displace.jobs, "threads; default: one per core");
+  displaces->callback([&] { prove::write_displacements(displace); });
 
   prove::CompareOptions compare;
   CLI::App* compares = program.add_subcommand(

@@ -30,6 +30,13 @@ enum class FormChoice {
   kOther,    ///< not the first, where there are others
 };
 
+/// Sizes as they come: effects and background are scaled a few times towards a size that is drawn evenly in
+/// its logarithm, and stay as they are then. Nothing is drawn again because it is small, or hard to see.
+struct WishedSize {
+  double least_noise = 0.2;  ///< effects leave from this share of the position noise on ...
+  double most_m = 4e-3;      ///< ... to this
+};
+
 /// How large the effects of a case are made, by what they leave of themselves once the arm's constants are
 /// fitted anew; absent: as drawn. Whoever records the campaign measures that and scales them.
 struct SignalSpec {
@@ -37,9 +44,10 @@ struct SignalSpec {
   double least_leftover_m = 0.0;  ///< rms over the bodies; of the two the larger
   double distractor_m = 2e-5;     ///< so much at most, all distractors together
   std::optional<Span>
-      background_m;               ///< instead: so much do they leave, an arm of which nothing is quite right
-  std::optional<double> raw_snr;  ///< compensated: this at least with the constants held ...
-  double per_frame_sd = 3.0;      ///< ... and below this in a chi^2 test of fits frame by frame
+      background_m;  ///< instead: so much do they leave, an arm of which nothing is quite right
+  std::optional<WishedSize> wished;  ///< instead of leftover_snr, also for the background
+  std::optional<double> raw_snr;     ///< compensated: this at least with the constants held ...
+  double per_frame_sd = 3.0;         ///< ... and below this in a chi^2 test of fits frame by frame
 };
 
 /// A kind of cases of a campaign, and how many of them make a sample and the whole.

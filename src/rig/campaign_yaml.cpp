@@ -49,8 +49,21 @@ std::pair<std::string, std::string> pair_of(YamlMap& map, const std::string& key
   return ids;
 }
 
+WishedSize wished_size(YamlMap map) {
+  WishedSize wished;
+  wished.least_noise = map.number("least_noise", {0.01, 100.0}, wished.least_noise);
+  wished.most_m = map.number("most_m", {1e-6, 1.0}, wished.most_m);
+  map.finish();
+  return wished;
+}
+
 void parse_signal(YamlMap map, CampaignSpec& spec) {
   SignalSpec signal;
+  if (map.has("wished")) {
+    for (const char* other : {"leftover_snr", "least_leftover_m", "raw_snr"})
+      if (map.has(other)) map.fail(other, "not together with wished");
+    signal.wished = wished_size(map.map("wished"));
+  }
   signal.leftover_snr = span(map, "leftover_snr", {0.1, 1e4}, signal.leftover_snr);
   signal.least_leftover_m = map.number("least_leftover_m", {0.0, 1.0}, signal.least_leftover_m);
   signal.distractor_m = map.number("distractor_m", {0.0, 1.0}, signal.distractor_m);

@@ -22,5 +22,19 @@ TEST(ProveResiduals, AreTakenBetweenNeighboursOfTheSameBody) {
   EXPECT_EQ(at[0].at({12, 1}), Vector3d(2.0, 0.0, 2.0));
 }
 
+TEST(ProveResiduals, DisplacementsAreOfBodiesAtWholeSeconds) {
+  Residuals with(1), without(1);
+  for (int tick = 16; tick <= 44; tick += 4) {
+    with[0][{tick, 1}] = Vector3d(tick, 1.0, 0.0);
+    without[0][{tick, 1}] = Vector3d(0.0, 1.0, 0.0);
+    with[0][{tick, -1}] = Vector3d::Ones();  // a tangent
+  }
+  with[0][{20, 2}] = Vector3d::Ones();  // not in both
+  const Residuals moved = at_whole_seconds(differences(with, without));
+  ASSERT_EQ(moved[0].size(), 2u);
+  EXPECT_EQ(moved[0].at({20, 1}), Vector3d(20.0, 0.0, 0.0));
+  EXPECT_EQ(moved[0].at({40, 1}), Vector3d(40.0, 0.0, 0.0));
+}
+
 }  // namespace
 }  // namespace softarm::prove

@@ -57,12 +57,14 @@ def hidden_of(kind, number):
         return [{**contact, "effect": "valve_stiction", "catalogued": False, "names": [], "parameters": {}, "values": {}}]
     spot = {**contact, "effect": "soft_spot", "names": ["soft_spot"], "parameters": {"share": 100.0},
             "values": {"centre_fraction": 0.5}}
-    return [contact, spot] if kind == "pair" else [contact]
+    return [contact, spot] if kind in ("pair", "untidy_pair") else [contact]
 
 
 def truth_of(kind, number):
     effects = hidden_of(kind, number)
     of_real = {"set": "trunk", "split": 0, "clear": True, "unexplained_m": 1e-3} if kind in ("intervention", "control") else {}
+    if kind.startswith("untidy"):  # as config/campaigns/untidy_final.yaml expects at least
+        of_real["clear"] = number % 3 == 0
     return {"kind": kind, "effects": effects, "distractors": [], "ideal": [], "constants": {"bending_stiffness": 0.03},
             "class": [e["effect"] for e in effects if e["catalogued"]], "rejected": [], **of_real}
 
@@ -82,6 +84,9 @@ def perfect(kind, number, truth):
             "baseline": errors, "extended": errors, "shifts": [{"name": "bending_stiffness", "before": 0.04, "after": 0.03}]}
 
 
+MOVES = [[[0, 1, 1000, 0, 0], [1, 1, 0, 1000, 0]]]  # of one trial: [second, body, x, y, z], um
+
+
 class Whole(unittest.TestCase):
     def figures(self, cases):
         """Of a perfect diagnosis, beside baselines that find nothing."""
@@ -90,7 +95,10 @@ class Whole(unittest.TestCase):
         for kind, number in cases:
             truth = truth_of(kind, number)
             results.append({"case": "case", "kind": kind, "number": number, "truth": truth, "report": perfect(kind, number, truth),
-                            "not_drawn": None, "cost": None, "baselines": nothing})
+                            "not_drawn": None, "cost": None, "baselines": nothing,
+                            "hidden_moves": [MOVES for _ in truth["effects"]],
+                            "found_moves": [{"effect": effect["effect"], "relative_sd": 0.1, "trials": MOVES}
+                                            for effect in truth["effects"] if effect["catalogued"]]})
         return {**prove_figures.figures(results), "full": True}
 
     def test_a_perfect_diagnosis_meets_every_target(self):

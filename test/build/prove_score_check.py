@@ -61,6 +61,18 @@ class Rates(unittest.TestCase):
         outside = truth(effect("valve_stiction", catalogued=False))
         self.assertTrue(self.marks("untidy_outside", outside, report("unknown"))["unknown"])
 
+    def test_what_nobody_could_see_counts_for_confident_errors_alone(self):
+        hidden = {**truth(effect("drift")), "clear": False}
+        missed = self.marks("untidy_single", hidden, report("consistent"))
+        self.assertEqual(missed, {"confident_wrong": False})
+        self.assertEqual(self.marks("untidy_single", hidden, report("explained", named("creep", 0.99))), {"confident_wrong": True})
+        self.assertFalse(self.marks("untidy_single", {**hidden, "clear": True}, report("consistent"))["top1"])
+        pair = truth(effect("drift"), effect("creep"))
+        self.assertTrue(self.marks("untidy_pair", pair, report("explained", named("creep"), named("drift")))["both_named"])
+        self.assertEqual(self.marks("untidy_pair", {**pair, "clear": False}, report("consistent")), {"confident_wrong": False})
+        outside = {**truth(effect("valve_stiction", catalogued=False)), "clear": False}
+        self.assertNotIn("unknown", self.marks("untidy_outside", outside, report("consistent")))
+
     def test_one_effect(self):
         hidden = truth(effect("creep"))
         good = self.marks("single_strong", hidden, report("explained", named("creep")))
@@ -318,6 +330,11 @@ class Targets(unittest.TestCase):
         self.assertEqual([part["right_class"] for part in curve], [0.0, 0.0, 1.0, 1.0])
         self.assertEqual([part["trials"] for part in curve], [2, 2, 2, 2])
         self.assertAlmostEqual(curve[0]["leftover_m"], 1.5e-4)
+        for result_of in results[:6]:  # power counts what nobody could see, too; rates do not
+            result_of["truth"]["clear"] = False
+        found = prove_figures.figures(results)["worlds"]["untidy"]
+        self.assertEqual([part["right_class"] for part in found["power"]], [0.0, 0.0, 1.0, 1.0])
+        self.assertEqual((found["single_strong"]["top1"], found["single_strong"]["counted"]["top1"]), (1.0, 2))
         self.assertEqual(prove_figures.power([]), [])
 
     def test_mcnemar(self):

@@ -142,6 +142,11 @@ TEST(Campaign, MistakesAreOneLine) {
       {"size: [0.5, 1]", "forms: some", {"effects.forms", "some", "any, default, other"}},
       {"size: [0.5, 1]", "apart: [creep]", {"effects.apart", "creep", "two effects"}},
       {"size: [0.5, 1]", "signal: {leftover_snr: [9, 5]}", {"effects.signal.leftover_snr", "larger"}},
+      {"size: [0.5, 1]", "signal: {wished: {most_m: 2}}", {"effects.signal.wished.most_m", "2"}},
+      {"size: [0.5, 1]",
+       "signal: {wished: {noise: 1}}",
+       {"effects.signal.wished.noise", "unknown", "least_noise"}},
+      {"size: [0.5, 1]", "signal: {wished: {}, raw_snr: 20}", {"effects.signal.raw_snr", "wished"}},
       {"size: [0.5, 1]", "size: [1, 0.5]", {"effects.size", "larger"}},
       {"attitudes: [hanging,", "attitudes: [lying,", {"trials.attitudes", "lying", "horizontal"}},
       {"stiffness: 0.1", "stiffness: 0.9", {"arm_spread.stiffness", "0.9", "0 ... 0.5"}},
@@ -217,6 +222,17 @@ TEST(Campaign, ABackgroundHasSoManyDeparturesAtLeast) {
   EXPECT_THROW(parse_campaign(text, "campaign.yaml"), ScenarioError);
 }
 
+TEST(Campaign, SizesMayBeWishedFor) {
+  std::string text = std::string(kCampaign) + kKinds;
+  EXPECT_FALSE(parse_campaign(text, "campaign.yaml", "two").signal->wished);
+  const std::string signal = "signal: {leftover_snr: [5, 8], least_leftover_m: 6.0e-5}";
+  text.replace(text.find(signal), signal.size(), "signal: {wished: {least_noise: 0.5, most_m: 2.0e-3}}");
+  const CampaignSpec spec = parse_campaign(text, "campaign.yaml", "two");
+  ASSERT_TRUE(spec.signal && spec.signal->wished);
+  EXPECT_EQ(spec.signal->wished->least_noise, 0.5);
+  EXPECT_EQ(spec.signal->wished->most_m, 2e-3);
+}
+
 TEST(Campaign, FormsAndPairsAreThoseThatAreAllowed) {
   CampaignSpec spec = parse_campaign(std::string(kCampaign) + kKinds, "campaign.yaml", "two");
   spec.most_distractors = 0;
@@ -282,7 +298,8 @@ TEST(Campaign, EffectsAreScaledByWhatMakesThemLarger) {
 }
 
 TEST(Campaign, ShippedCampaignsAreRead) {
-  for (const char* name : {"development", "proof_development", "proof_final", "untidy_development"}) {
+  for (const char* name :
+       {"development", "proof_development", "proof_final", "untidy_development", "untidy_final"}) {
     const std::string path = std::string(SOFTARM_SOURCE_DIR) + "/config/campaigns/" + name + ".yaml";
     std::ifstream file(path);
     const std::string text{std::istreambuf_iterator<char>(file), {}};

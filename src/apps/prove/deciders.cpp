@@ -3,102 +3,323 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
-#include "diagnose/flexible.h"
+#include "diagnose/delay.h"
+#include "diagnose/policy.h"
+#include "diagnose/rivals.h"
 #include "diagnose/screen.h"
-#include "diagnose/unseen.h"
-#include "signal.h"
+#include "effects/catalogue.h"
+#include "group_lasso.h"
+#include "math/parallel.h"
 
 namespace softarm::prove {
+
+using diagnose::EffectList;
+using diagnose::JointModel;
+using diagnose::JointUnknown;
+using diagnose::kPolicy;
+using diagnose::Linearised;
+using diagnose::Options;
+using diagnose::Posterior;
+using diagnose::Refitted;
+using diagnose::Round;
+using diagnose::Screened;
+using diagnose::Standing;
+using Eigen::VectorXd;
+using model::Effect;
+
 namespace {
 
-using diagnose::JointModel;
-using diagnose::Linearised;
-using diagnose::Screened;
-using Eigen::VectorXd;
+constexpr double kNothing = -1e300;  // of a difference of BIC
 
-constexpr double kPerFrameSd = 3.0;   // of the chi^2 of fits frame by frame
-constexpr double kLeftover_m = 1e-4;  // as the diagnosis has it for "unknown"
-constexpr double kLeftoverShare = 0.1;
-
-VectorXd stacked(const std::vector<VectorXd>& parts) {
-  Eigen::Index rows = 0;
-  for (const VectorXd& part : parts) rows += part.size();
-  VectorXd all(rows);
-  rows = 0;
-  for (const VectorXd& part : parts) {
-    all.segment(rows, part.size()) = part;
-    rows += part.size();
-  }
-  return all;
+JointModel::FitOptions of_refits() {
+  JointModel::FitOptions how;
+  how.tolerance = 0.2;
+  how.whole = false;
+  return how;
 }
 
-/// Residuals of fits frame by frame, and that effect whose signature in such residuals is most like them.
-Decision per_frame(const JointModel& model, const Linearised& at, const std::vector<Screened>& screened) {
-  Decision decision;
-  decision.method = "per_frame";
-  double freedom = 0.0;
-  const VectorXd left = per_frame_part(model, at, stacked(at.residual), &freedom);
-  decision.alarm = left.squaredNorm() > freedom + kPerFrameSd * std::sqrt(2.0 * freedom);
-  std::vector<std::pair<double, std::string>> order;
-  for (const Screened& s : screened) {
-    const VectorXd signature = per_frame_part(model, at, s.direction, nullptr);
-    const double norm = signature.norm();
-    order.emplace_back(norm > 1e-9 ? std::abs(signature.dot(left)) / norm : 0.0, s.effect->info().id);
-  }
+/// Which unknowns of a fit are numbers of its effects, from one on.
+std::vector<bool> numbers_of(const Linearised& at, std::size_t from) {
+  std::vector<bool> own;
+  for (const JointUnknown& column : at.columns)
+    own.push_back(column.kind == JointUnknown::Kind::kEffect && column.index >= static_cast<int>(from));
+  return own;
+}
+
+/// Nothing more, each refit, and the best of the others.
+std::vector<Weighed> with_one_more(const JointModel& model, const Look& look, unsigned jobs) {
+  EffectList leaders;
+  std::vector<std::size_t> order(look.rough.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
-                   [](const auto& a, const auto& b) { return a.first > b.first; });
-  for (const auto& [size, name] : order) decision.ranking.push_back(name);
-  if (decision.alarm && !order.empty()) decision.effects.push_back({decision.ranking.front(), std::nullopt});
-  return decision;
+                   [&](std::size_t a, std::size_t b) { return look.rough[a] < look.rough[b]; });
+  for (const std::size_t i : order) {
+    const Effect* effect = look.round.screened[i].effect;
+    const EffectList& candidates = look.bic->candidates();
+    if (refit_of(look, effect) == nullptr &&
+        std::find(candidates.begin(), candidates.end(), effect) != candidates.end() &&
+        leaders.size() < kPolicy.posterior.leaders)
+      leaders.push_back(effect);
+  }
+  const std::size_t refits = look.round.refitted.size();
+  std::vector<Weighed> models(1 + refits + leaders.size(), look.bic->none());
+  math::in_parallel(models.size() - 1, jobs, [&](std::size_t i) {
+    models[1 + i] = i < refits ? weighed(model, look, look.round.refitted[i].fit)
+                               : look.bic->linear({leaders[i - refits]});
+  });
+  return models;
 }
 
-Candidates candidates_of(const Linearised& at, const std::vector<Screened>& screened) {
-  Candidates list;
-  const VectorXd residual = stacked(at.residual);
-  std::vector<const Screened*> usable;
-  for (const Screened& s : screened)
-    if (s.direction.norm() > 0.5) usable.push_back(&s);
-  const auto n = static_cast<Eigen::Index>(usable.size());
-  list.gram.resize(n, n);
-  list.score.resize(n);
-  list.numbers.resize(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Screened& s = *usable[static_cast<std::size_t>(i)];
-    list.names.push_back(s.effect->info().id);
-    list.score[i] = s.direction.dot(residual);
-    list.numbers[i] = static_cast<int>(s.effect->info().parameters.size());
-    for (Eigen::Index j = 0; j <= i; ++j)
-      list.gram(i, j) = list.gram(j, i) = s.direction.dot(usable[static_cast<std::size_t>(j)]->direction);
-  }
-  list.rows = at.rows;
+std::vector<std::string> ids(const EffectList& effects) {
+  std::vector<std::string> list;
+  for (const Effect* effect : effects) list.push_back(effect->info().id);
   return list;
 }
 
-/// A Gaussian process alone: there is something, or there is not.
-Decision flexible(const JointModel& model, const Linearised& at, unsigned jobs) {
-  Decision decision;
-  decision.method = "gp";
-  const diagnose::Unseen unseen = diagnose::unseen(model, at);
-  const diagnose::Ceiling ceiling = diagnose::ceiling(model, at, unseen.residual, jobs);
-  decision.alarm =
-      unseen.total_rms_m * std::sqrt(ceiling.share) >= kLeftover_m && ceiling.share >= kLeftoverShare;
-  return decision;
+/// What each effect of a fit is worth, see Bic::supports(); those that are too small to matter nothing.
+std::vector<double> supports(const JointModel& model, const Look& look, const Standing& standing) {
+  const Linearised& fit = standing.fit;
+  EffectList effects;
+  for (const model::Present& present : fit.at.effects) effects.push_back(present.effect);
+  std::vector<int> owner;
+  for (const JointUnknown& column : fit.columns)
+    owner.push_back(column.kind == JointUnknown::Kind::kEffect ? column.index : -1);
+  const VectorXd x = fit.unknowns();
+  VectorXd absent = VectorXd::Zero(x.size());
+  for (std::size_t e = 0; e < effects.size(); ++e)
+    for (const Eigen::Index row : diagnose::rows_of_sizes(fit, e)) absent[row] = -x[row];
+  std::vector<double> worth =
+      look.bic->supports(effects, evidence_of_refit(model, fit, look.standing.fit), owner, absent);
+  for (std::size_t e = 0; e < effects.size(); ++e)
+    if (diagnose::moved_without_m(standing, e) < diagnose::trivial_m(model)) worth[e] = kNothing;
+  return worth;
+}
+
+/// Takes out, the least one first, what is not worth its numbers, or too small to matter, beside the others.
+void drop_unsupported(JointModel& model, const Look& look, Standing& standing) {
+  while (standing.fit.at.effects.size() > 1) {
+    const std::vector<double> worth = supports(model, look, standing);
+    const auto least = std::min_element(worth.begin(), worth.end());
+    if (*least > 0.0) return;
+    standing = diagnose::refit_without(model, standing, static_cast<std::size_t>(least - worth.begin()));
+  }
+}
+
+/// The fits that all begin with: the arm's constants alone, and with clocks apart where they are by more than
+/// the screen can see.
+std::pair<Linearised, std::optional<Linearised>> first_fits(JointModel& model) {
+  Linearised baseline = model.fit(model.start(), {});
+  std::optional<Linearised> delayed;
+  for (const std::unique_ptr<Effect>& effect : effects::catalogue()) {
+    if (!effect->info().of_clocks || !effect->applies_to(model.arm())) continue;
+    const std::optional<diagnose::Delay> delay = diagnose::find_delay(model.arm(), model.trials());
+    if (!delay) break;
+    diagnose::JointParameters from = model.start();
+    from.effects.push_back({effect.get(), Eigen::Vector2d(delay->offset_s, delay->input)});
+    delayed = model.fit(from, {});
+    if (!(delayed->square < baseline.square)) delayed.reset();
+  }
+  if (delayed) model.leave_out_ends(delayed->at.effects.back().values[0]);
+  diagnose::JointParameters calm = delayed ? delayed->at : baseline.at;
+  calm.viscoelastic_lag_s = std::min(calm.viscoelastic_lag_s, model.viscoelastic_lag_s());
+  std::vector<std::vector<model::Predicted>> path;
+  model.predict(calm, delayed ? &delayed->predicted : &baseline.predicted, path);
+  model.allow_for_motion(calm, path);
+  model.set_misfit(std::max(1.0, baseline.square / std::max(1, baseline.rows)));
+  baseline = model.fit(baseline.at, {}, &baseline.predicted);
+  if (delayed) delayed = model.fit(delayed->at, {}, &delayed->predicted);
+  return {std::move(baseline), std::move(delayed)};
 }
 
 }  // namespace
 
+Weighed weighed(const JointModel& model, const Look& look, const Linearised& refit) {
+  const std::size_t before = look.standing.fit.at.effects.size();
+  EffectList effects;
+  for (std::size_t e = before; e < refit.at.effects.size(); ++e)
+    effects.push_back(refit.at.effects[e].effect);
+  return look.bic->refitted(effects, evidence_of_refit(model, refit, look.standing.fit),
+                            numbers_of(refit, before));
+}
+
+const Refitted* refit_of(const Look& look, const Effect* effect) {
+  const auto known = std::find_if(look.round.refitted.begin(), look.round.refitted.end(),
+                                  [&](const Refitted& r) { return r.effect == effect; });
+  return known == look.round.refitted.end() ? nullptr : &*known;
+}
+
+std::vector<std::string> ranking_of(const Look& look, const Posterior& posterior) {
+  std::vector<std::size_t> order(look.round.screened.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    const double of_a = posterior.of(look.round.screened[a].effect);
+    const double of_b = posterior.of(look.round.screened[b].effect);
+    return of_a != of_b ? of_a > of_b : look.rough[a] < look.rough[b];
+  });
+  std::vector<std::string> names;
+  for (const std::size_t i : order) names.push_back(look.round.screened[i].effect->info().id);
+  return names;
+}
+
+void put_first(const std::vector<Named>& effects, std::vector<std::string>& ranking) {
+  std::vector<std::string> order;
+  for (const Named& named : effects) order.push_back(named.effect);
+  for (const std::string& name : ranking)
+    if (std::find(order.begin(), order.end(), name) == order.end()) order.push_back(name);
+  ranking = std::move(order);
+}
+
+std::vector<std::string> instead_of(const Look& look, const Posterior& posterior, const Effect* effect) {
+  EffectList list;
+  for (const Screened& s : look.round.screened)
+    if (s.effect != effect && posterior.instead(s.effect, effect) >= kPolicy.posterior.rival)
+      list.push_back(s.effect);
+  return ids(list);
+}
+
+Linearised refit_with(JointModel& model, const Look& look, const EffectList& effects) {
+  const Linearised& at = look.standing.fit;
+  const VectorXd expected = look.bic->linear(effects).coefficients, x = at.unknowns();
+  diagnose::JointParameters from = at.at;
+  for (std::size_t j = 0; j < at.columns.size(); ++j) {
+    const auto i = static_cast<Eigen::Index>(j);
+    diagnose::set_unknown(from, at.columns[j], x[i] + expected[i]);
+  }
+  for (const Effect* effect : effects) {
+    const auto known = std::find_if(look.candidates.begin(), look.candidates.end(),
+                                    [&](const model::Present& one) { return one.effect == effect; });
+    from.effects.push_back(*known);
+    Eigen::Index column = x.size();
+    int size = 0;
+    for (const diagnose::Signature& s : look.bic->data().effects) {
+      if (s.effect == effect) {
+        const model::Parameter& p = effect->info().parameters[static_cast<std::size_t>(size)];
+        from.effects.back().values[size++] = std::clamp(expected[column] * p.usual, p.low, p.high);
+      }
+      ++column;
+    }
+  }
+  return model.fit(from, of_refits(), &at.predicted);
+}
+
+Look look(JointModel& model, Standing standing, const Linearised* delayed, const Options& options,
+          bool may_move) {
+  Look look;
+  model.set_misfit(std::max(1.0, standing.fit.square / std::max(1, standing.fit.rows)));
+  look.round.screened = diagnose::screen(model, standing.fit, options.jobs, [](double) {});
+  if (delayed != nullptr) diagnose::begin_from(model, standing, *delayed, look.round.screened);
+  for (const std::size_t i : diagnose::worth_a_refit(model, look.round.screened, options))
+    look.round.refitted.push_back(diagnose::refit(model, standing, look.round.screened[i]));
+  diagnose::finish_leader(model, look.round.refitted);
+  if (may_move)
+    if (std::optional<Standing> better = diagnose::at_better_constants(model, standing, look.round.refitted))
+      return prove::look(model, std::move(*better), delayed, options, false);
+  look.candidates = diagnose::candidates_of(look.round);
+  diagnose::EvidenceData data = evidence_data(model, standing.fit, look.candidates, options.jobs);
+  look.standing = std::move(standing);
+  look.rough.assign(look.round.screened.size(), 0.0);
+  if (data.residual.rows() < kPolicy.posterior.fewest_instants || data.effects.empty()) return look;
+  look.bic = std::make_unique<Bic>(std::move(data));
+  math::in_parallel(look.rough.size(), options.jobs,
+                    [&](std::size_t i) { look.rough[i] = look.bic->rough({look.round.screened[i].effect}); });
+  look.models = with_one_more(model, look, options.jobs);
+  return look;
+}
+
+Decision bic_stepwise(JointModel& model, const Look& first, const Options& options) {
+  Decision decision;
+  decision.method = "bic";
+  decision.ranking = ranking_of(first, weights(first.models));
+  const Look* now = &first;
+  Look own;
+  Standing standing;
+  for (int n = 0; n < options.most_effects && now->bic; ++n) {
+    Round round = now->round;
+    round.posterior = weights(now->models);
+    diagnose::compare(now->standing, round.posterior, round.refitted);
+    round.taken = diagnose::best_of(model, round);
+    if (round.taken < 0) break;
+    const Refitted& best = round.refitted[static_cast<std::size_t>(round.taken)];
+    decision.effects.push_back({best.effect->info().id, best.probability, ids(diagnose::rivals_of(round))});
+    standing = {best.fit, best.unseen};
+    if (n + 1 < options.most_effects) own = look(model, {best.fit, best.unseen}, nullptr, options);
+    now = &own;
+  }
+  if (decision.effects.size() > 1) {
+    drop_unsupported(model, first, standing);
+    const auto is_gone = [&](const Named& named) {
+      return std::none_of(standing.fit.at.effects.begin(), standing.fit.at.effects.end(),
+                          [&](const model::Present& p) { return p.effect->info().id == named.effect; });
+    };
+    decision.effects.erase(std::remove_if(decision.effects.begin(), decision.effects.end(), is_gone),
+                           decision.effects.end());
+  }
+  decision.alarm = !decision.effects.empty();
+  put_first(decision.effects, decision.ranking);
+  return decision;
+}
+
+Decision group_lasso(JointModel& model, const Look& first, const Options& options) {
+  Decision decision;
+  decision.method = "lasso";
+  decision.ranking = ranking_of(first, weights(first.models));
+  if (!first.bic) return decision;
+  std::vector<Weighed> models = first.models, path;
+  for (const EffectList& set :
+       group_lasso_path(first.bic->grouped(), static_cast<std::size_t>(options.most_effects)))
+    path.push_back(first.bic->linear(set));
+  std::stable_sort(path.begin(), path.end(),
+                   [](const Weighed& a, const Weighed& b) { return a.bic < b.bic; });
+  double least = first.bic->none().bic;
+  Standing standing;
+  std::size_t refits = 0;
+  for (const Weighed& set : path) {
+    const Refitted* known = set.effects.size() == 1 ? refit_of(first, set.effects.front()) : nullptr;
+    if (known == nullptr && refits == kPolicy.selection.always_refitted) continue;
+    refits += known == nullptr ? 1 : 0;
+    Linearised fit = known != nullptr ? known->fit : refit_with(model, first, set.effects);
+    models.push_back(weighed(model, first, fit));
+    if (models.back().bic >= least) continue;
+    least = models.back().bic;
+    standing.fit = std::move(fit);
+  }
+  if (!standing.fit.at.effects.empty()) {
+    standing.unseen = diagnose::unseen(model, standing.fit);
+    const std::size_t before = standing.fit.at.effects.size();
+    drop_unsupported(model, first, standing);
+    if (standing.fit.at.effects.size() < before) models.push_back(weighed(model, first, standing.fit));
+  }
+  if (diagnose::moved_m(first.standing.unseen, standing.unseen) >= diagnose::trivial_m(model)) {
+    const Posterior posterior = weights(models);
+    for (const model::Present& present : standing.fit.at.effects)
+      decision.effects.push_back({present.effect->info().id, posterior.of(present.effect),
+                                  instead_of(first, posterior, present.effect)});
+    std::stable_sort(decision.effects.begin(), decision.effects.end(),
+                     [](const Named& a, const Named& b) { return a.probability > b.probability; });
+  }
+  decision.alarm = !decision.effects.empty();
+  put_first(decision.effects, decision.ranking);
+  return decision;
+}
+
 std::vector<Decision> decide(const arm::Arm& arm, const std::vector<trial::Trial>& trials, unsigned jobs,
                              const std::vector<std::string>& held, const std::vector<std::string>& tied) {
-  const model::Prepared prepared = model::prepare(arm, trials);
+  Options options;
+  options.jobs = jobs;
+  model::Preparation how;
+  how.block_s = options.block_s;
+  const model::Prepared prepared = model::prepare(arm, trials, how);
   JointModel model(arm, prepared.trials, jobs, held, tied);
-  Linearised at = model.fit(model.start(), {});
-  model.allow_for_motion(at.at, at.predicted);
-  at = model.fit(at.at, {}, &at.predicted);
-  const std::vector<Screened> screened = diagnose::screen(model, at, jobs, [](double) {});
-  const Candidates candidates = candidates_of(at, screened);
-  return {per_frame(model, at, screened), bic_stepwise(candidates), lasso(candidates),
-          flexible(model, at, jobs)};
+  auto [baseline, delayed] = first_fits(model);
+  Standing standing{std::move(baseline), {}};
+  standing.unseen = diagnose::unseen(model, standing.fit);
+  const Look first = look(model, std::move(standing), delayed ? &*delayed : nullptr, options);
+  std::vector<Decision> decisions{per_frame(model, first), bic_stepwise(model, first, options),
+                                  group_lasso(model, first, options), flexible(model, first, jobs)};
+  for (Decision& decision : decisions) decision.alarm = decision.alarm || decisions.back().alarm;
+  return decisions;
 }
 
 }  // namespace softarm::prove

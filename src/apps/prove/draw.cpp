@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <random>
 
+#include "displacement.h"
 #include "math/parallel.h"
 #include "rig/campaign.h"
 #include "rig/effect_size.h"
@@ -33,6 +35,13 @@ using rig::HiddenChoice;
 constexpr int kAttempts = 12;
 constexpr int kScalings = 4;         // simulations until an effect has its size
 constexpr double kFirstScale = 0.3;  // of a usual size: what is measured first is nearer to where it ends
+// Of sizes that are wished for: from such a ratio on, up or down, they are scaled; and what constants absorb
+// does not move the arm by more than so many times the largest size.
+constexpr double kNear = 1.1, kMostRaw = 3.0;
+// An effect can be seen, and its name counts, where it leaves so much of the position noise and of what the
+// background leaves, or more. Means over 0.2 s are good to a fifth of that noise; what is smaller than the
+// background stands for nothing by itself.
+constexpr double kClearNoise = 0.5, kClearBackground = 1.0;
 
 rig::CampaignSpec campaign_of(const std::string& name, const std::string& kind) {
   const fs::path path = app::find_config("campaigns", name);
@@ -102,7 +111,10 @@ class Case {
     truth_["distractors"] = Json::array();
     for (const HiddenChoice& choice : drawn_.distractors) truth_["distractors"].push_back(json_of(choice));
     truth_["distractors_leave_m"] = distractors_leave_m_;
+    truth_["noise_m"] = noise_m();
+    if (spec_.signal && spec_.signal->wished && !signals.empty()) truth_["clear"] = is_clear(signals);
     truth_["all"] = json_of(all_);
+    for (const Signal& one : signals) displacements_.push_back(rows_of(one.moved));
     truth_["ideal"] = Json::array();
     if (!signals.empty()) {
       for (const Ideal& ideal : reference_->ideal(all_))
@@ -126,6 +138,7 @@ class Case {
       fs::rename(trials / (name + ".truth.yaml"), sealed / (name + ".truth.yaml"));
     }
     write(sealed / "case.json", truth_.dump(1) + '\n');
+    write(sealed / "displacement.json", displacements_.dump() + '\n');
     write(trials / "case.json", known.dump(1) + '\n');
     fs::create_directories(options_.folder.parent_path());
     fs::create_directories(options_.truth.parent_path());
@@ -143,6 +156,21 @@ class Case {
     for (const arm::Segment& segment : arm_.segments)
       file_kg += segment.mass_per_length_kg_m * segment.length_m;
     return rig_kg / file_kg;
+  }
+
+  /// Of the cameras' positions, per coordinate: root mean square of the trials.
+  double noise_m() const {
+    double sum = 0.0;
+    for (const rig::Scenario& trial : drawn_.plain)
+      sum += std::pow(trial.mocap.ring_noise.position_sd_m, 2) / static_cast<double>(drawn_.plain.size());
+    return std::sqrt(sum);
+  }
+
+  bool is_clear(const std::vector<Signal>& signals) const {
+    return std::all_of(signals.begin(), signals.end(), [&](const Signal& one) {
+      return one.leftover_m >= kClearNoise * noise_m() &&
+             one.leftover_m >= kClearBackground * distractors_leave_m_;
+    });
   }
 
   static std::string name_of(std::size_t i) { return fmt::format("trial_{:02}", i + 1); }
@@ -216,6 +244,17 @@ class Case {
       most_m = spec.background_m->high;
       wanted_m = least_m * std::pow(most_m / least_m, std::uniform_real_distribution<double>()(random_));
     }
+    if (spec.wished) {
+      std::vector<HiddenChoice*> all;
+      for (HiddenChoice& choice : drawn_.distractors) all.push_back(&choice);
+      Measured found = towards(wanted_m, all, [&] {
+        Measured now{reference_->residuals(recorded({}, "background")), {}};
+        now.signal = reference_->signal(now.left, nothing);
+        return now;
+      });
+      distractors_leave_m_ = found.signal.leftover_m;
+      return std::move(found.left);
+    }
     for (int n = 0; n <= kScalings; ++n) {
       Left with = reference_->residuals(recorded({}, "background"));
       distractors_leave_m_ = reference_->signal(with, nothing).leftover_m;
@@ -224,6 +263,38 @@ class Case {
         choice = rig::scaled(choice, std::clamp(wanted_m / distractors_leave_m_, 0.02, 30.0));
     }
     throw NotThisOne("the distractors do not come to their size");
+  }
+
+  struct Measured {
+    Left left;
+    Signal signal;
+  };
+  /// Scales effects together towards a size; what they have come to after that, they stay.
+  /// @param measure simulates them as they are
+  Measured towards(double wished_m, const std::vector<HiddenChoice*>& choices,
+                   const std::function<Measured()>& measure) const {
+    Measured now = measure();
+    for (int n = 0; n < kScalings; ++n) {
+      const double ratio = wished_m / std::max(1e-9, now.signal.leftover_m);
+      const double most = kMostRaw * spec_.signal->wished->most_m / std::max(1e-9, now.signal.raw_m);
+      const double factor = std::clamp(std::min(ratio, most), 0.02, 30.0);
+      if (std::max(factor, 1.0 / factor) < kNear) break;
+      bool changed = false;
+      std::vector<HiddenChoice> before;
+      for (HiddenChoice* choice : choices) {
+        before.push_back(*choice);
+        *choice = rig::scaled(*choice, factor);
+        changed = changed || choice->values != before.back().values;
+      }
+      if (!changed) break;
+      try {
+        now = measure();
+      } catch (const rig::SimulationError&) {  // so large it cannot be
+        for (std::size_t i = 0; i < choices.size(); ++i) *choices[i] = before[i];
+        return measure();
+      }
+    }
+    return now;
   }
 
   void signals_together(const Left& nothing, const Left& background) {
@@ -235,11 +306,19 @@ class Case {
   Signal fit_effect(HiddenChoice& choice, const Left& background) {
     std::optional<double> wanted;
     const double place = std::uniform_real_distribution<double>()(random_);
-    Signal signal;
-    for (int n = 0; n <= kScalings; ++n) {
-      signal = reference_->signal(
+    const auto measured = [&] {
+      return reference_->signal(
           reference_->residuals(recorded({choice}, drawn_.effects.size() == 1 ? "trials" : "trial")),
           background);
+    };
+    if (spec_.signal && spec_.signal->wished) {
+      const double least_m = spec_.signal->wished->least_noise * noise_m();
+      const double wished_m = least_m * std::pow(spec_.signal->wished->most_m / least_m, place);
+      return towards(wished_m, {&choice}, [&] { return Measured{{}, measured()}; }).signal;
+    }
+    Signal signal;
+    for (int n = 0; n <= kScalings; ++n) {
+      signal = measured();
       if (!spec_.signal) return signal;
       const rig::SignalSpec& s = *spec_.signal;
       if (s.raw_snr) {
@@ -272,7 +351,7 @@ class Case {
   std::unique_ptr<Reference> reference_;
   double distractors_leave_m_ = 0.0;
   Signal all_;  ///< of the effects together, beside the distractors; of these where there are none
-  Json truth_;
+  Json truth_, displacements_ = Json::array();  ///< the latter by effect, see rows_of()
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "residuals.h"
 
+#include <cmath>
 #include <iterator>
 
 namespace softarm::prove {
@@ -31,6 +32,27 @@ Residuals at_times_of(const Residuals& others, const Residuals& residuals) {
 
 Left at_times_of(const Left& others, const Left& residuals) {
   return {at_times_of(others.held, residuals.held), at_times_of(others.refitted, residuals.refitted)};
+}
+
+Residuals differences(const Residuals& with, const Residuals& without) {
+  Residuals all(with.size());
+  for (std::size_t t = 0; t < with.size(); ++t) {
+    for (const auto& [key, residual] : with[t]) {
+      const auto other = without[t].find(key);
+      if (other != without[t].end()) all[t][key] = residual - other->second;
+    }
+  }
+  return all;
+}
+
+Residuals at_whole_seconds(const Residuals& residuals) {
+  const auto second = std::llround(1.0 / kTick_s);  // in ticks
+  Residuals seconds(residuals.size());
+  for (std::size_t t = 0; t < residuals.size(); ++t) {
+    for (const auto& [key, ignored] : residuals[t])
+      if (key.second >= 0) seconds[t][{(key.first + second - 1) / second * second, key.second}].setZero();
+  }
+  return at_times_of(seconds, residuals);
 }
 
 }  // namespace softarm::prove

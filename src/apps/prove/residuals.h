@@ -26,4 +26,10 @@ struct Left {
 Residuals at_times_of(const Residuals& others, const Residuals& residuals);
 Left at_times_of(const Left& others, const Left& residuals);
 
+/// One less the other where both have any.
+Residuals differences(const Residuals& with, const Residuals& without);
+
+/// Those of bodies at whole seconds, between neighbours: as few as tell what an effect does in a trial.
+Residuals at_whole_seconds(const Residuals& residuals);
+
 }  // namespace softarm::prove

@@ -29,6 +29,8 @@ std::pair<std::int64_t, int> key_of_tangent(const model::TrialData& trial, const
   return key_of(trial, block, -1 - body);
 }
 
+}  // namespace
+
 Residuals residuals_of(const std::vector<model::TrialData>& trials,
                        const std::vector<std::vector<model::Predicted>>& predicted) {
   Residuals residuals(trials.size());
@@ -51,8 +53,6 @@ Residuals residuals_of(const std::vector<model::TrialData>& trials,
   return residuals;
 }
 
-}  // namespace
-
 VectorXd per_frame_part(const diagnose::JointModel& model, const Linearised& at, const VectorXd& rows,
                         double* freedom) {
   VectorXd left = rows;
@@ -61,19 +61,32 @@ VectorXd per_frame_part(const diagnose::JointModel& model, const Linearised& at,
   Eigen::Index constants = 0;
   for (const JointUnknown& column : at.columns) constants += column.kind == JointUnknown::Kind::kConstant;
   for (std::size_t t = 0; t < model.trials().size(); ++t) {
-    Eigen::Index row = 0;
+    Eigen::Index row = 0, below = 0;  // of bodies; of tangents, which are below those of all blocks
+    for (const model::Block& block : model.trials()[t].blocks)
+      below += 3 * static_cast<Eigen::Index>(block.bodies.size());
     for (const model::Block& block : model.trials()[t].blocks) {
-      const auto count = 3 * static_cast<Eigen::Index>(block.bodies.size());
-      auto part = left.segment(begin + row, count);
-      const Eigen::Index used = (at.root_weight[t].segment(row, count).array() > 0.0).count();
+      const auto bodies = 3 * static_cast<Eigen::Index>(block.bodies.size());
+      const auto tangents = 3 * static_cast<Eigen::Index>(block.tangents.size());
+      VectorXd part(bodies + tangents), weight(bodies + tangents);
+      MatrixXd derivative(bodies + tangents, constants);
+      part << left.segment(begin + row, bodies), left.segment(begin + below, tangents);
+      weight << at.root_weight[t].segment(row, bodies), at.root_weight[t].segment(below, tangents);
+      derivative << at.derivative[t].block(row, 0, bodies, constants),
+          at.derivative[t].block(below, 0, tangents, constants);
+      // A tangent has three numbers, two of them free.
+      const Eigen::Index used =
+          (weight.head(bodies).array() > 0.0).count() + 2 * (weight.tail(tangents).array() > 0.0).count() / 3;
       if (used > 0) {
-        Eigen::ColPivHouseholderQR<MatrixXd> qr(at.derivative[t].block(row, 0, count, constants));
+        Eigen::ColPivHouseholderQR<MatrixXd> qr(derivative);
         qr.setThreshold(kSameRank);
         const MatrixXd q = MatrixXd(qr.householderQ()).leftCols(qr.rank());
         part -= q * (q.transpose() * part).eval();
+        left.segment(begin + row, bodies) = part.head(bodies);
+        left.segment(begin + below, tangents) = part.tail(tangents);
         if (freedom != nullptr) *freedom += static_cast<double>(std::max<Eigen::Index>(0, used - qr.rank()));
       }
-      row += count;
+      row += bodies;
+      below += tangents;
     }
     begin += at.residual[t].size();
   }
@@ -182,6 +195,7 @@ Signal Reference::signal(const Left& with, const Left& without) const {
   Signal signal;
   signal.difference = difference(with.held, without.held);
   signal.left = orthogonal(difference(with.refitted, without.refitted));
+  signal.moved = at_whole_seconds(differences(with.held, without.held));
   signal.raw_snr = signal.difference.norm();
   signal.leftover_snr = signal.left.norm();
   signal.raw_m = rms_m(signal.difference);

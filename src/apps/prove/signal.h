@@ -29,6 +29,7 @@ struct Signal {
       0.0;                  ///< excess of chi^2 of such fits in its standard deviations: snr^2 / sqrt(2 dof)
   double raw_m = 0.0;       ///< rms distance of a body
   double leftover_m = 0.0;  ///< the same of what is left
+  Residuals moved;          ///< with one set of constants: bodies at whole seconds, m
 };
 
 /// One effect of the catalogue against a noise-free signal.
@@ -72,6 +73,10 @@ class Reference {
   diagnose::JointModel model_;
   diagnose::Linearised at_;
 };
+
+/// Of trials that were prepared, under these predictions of them.
+Residuals residuals_of(const std::vector<model::TrialData>& trials,
+                       const std::vector<std::vector<model::Predicted>>& predicted);
 
 /// What is left of a vector of the whitened rows of all trials once the arm's constants are free in each
 /// mean, and by how many degrees of freedom.
