@@ -245,10 +245,14 @@ std::string found_of(const Diagnosis& d) {
   const std::string errors_change =
       "the mean error on trials left out " + change(d.baseline.held_out_mean_m, d.extended.held_out_mean_m);
   std::vector<std::string> names, small;
+  bool all = true;
   double part = 0.0;  // of what could be explained, by those
   for (const NamedEffect& effect : d.effects) {
     // Where something else is left, each stands on its own probability, and what has none is no news.
-    if (effect.probability < kPolicy.words.likely) continue;
+    if (effect.probability < kPolicy.words.likely) {
+      all = false;
+      continue;
+    }
     names.push_back(fmt::format("{} ({})", effect.id, percent(effect.probability)));
     part += effect.share * d.explained_share;
   }
@@ -256,6 +260,7 @@ std::string found_of(const Diagnosis& d) {
     if (effect.probability >= kPolicy.posterior.named) small.push_back(effect.id);
   }
   const std::string list = one_of(names, "and");
+  const std::string change_of_all = (all ? "" : "with all that was fitted ") + errors_change;
   const char* explain = names.size() > 1 ? "explain" : "explains";
   const std::string beside =
       small.empty() ? "" : fmt::format(" Small departures, as every arm has them: {}.", one_of(small, "and"));
@@ -270,13 +275,13 @@ std::string found_of(const Diagnosis& d) {
              beside;
     case Verdict::kPartlyExplained:
       return fmt::format("{} {} {} of what could be explained: {}. Something else is left.", list, explain,
-                         percent(part), errors_change) +
+                         percent(part), change_of_all) +
              beside;
     case Verdict::kUnknown: {
       std::string text =
           fmt::format("Something is there that no effect of the catalogue explains ({}).", errors);
       if (!names.empty())
-        text += fmt::format(" {} {} {} of it: {}.", list, explain, percent(part), errors_change);
+        text += fmt::format(" {} {} {} of it: {}.", list, explain, percent(part), change_of_all);
       text += beside;
       std::vector<std::string> likely;
       for (const Candidate& c : d.ranking) {

@@ -13,7 +13,9 @@ namespace softarm::effects {
 namespace {
 
 constexpr double kLongest_s = 60.0;  // of a source that is filled at its own rate alone
-constexpr double kNoise_pa = 500.0;  // rises within that, to either side, are a sensor's noise
+// A sensor's noise would count as air that is drawn: what pressures are over this time, and beyond this to
+// either side. Noise of 300 Pa at 100 Hz is 70 Pa then.
+constexpr double kMean_s = 0.1, kNoise_pa = 500.0;
 
 class SupplySag : public Described {
  public:
@@ -43,16 +45,20 @@ class SupplySag : public Described {
     const Rows rows = rows_of(arm, arm::InputKind::kPressure);
     Eigen::RowVectorXd drawn_pa = Eigen::RowVectorXd::Zero(series.inputs.cols());
     if (drawn_pa.size() == 0) return drawn_pa;
-    Eigen::VectorXd reached_pa = series.inputs(rows, 0);  // a trial begins at rest, long settled
+    // A trial begins at rest, long settled.
+    Eigen::VectorXd mean_pa = series.inputs(rows, 0), reached_pa = mean_pa;
     for (Eigen::Index i = 1; i < drawn_pa.size(); ++i) {
+      const double dt_s = series.t_s[i] - series.t_s[i - 1], kept = std::exp(-dt_s / time_s);
+      const double followed = 1.0 - std::exp(-dt_s / kMean_s);
       double taken_pa = 0.0;
       for (std::size_t k = 0; k < rows.size(); ++k) {
+        double& mean = mean_pa[static_cast<Eigen::Index>(k)];
         double& reached = reached_pa[static_cast<Eigen::Index>(k)];
-        const double u = series.inputs(rows[k], i), now = std::clamp(reached, u - kNoise_pa, u + kNoise_pa);
+        mean += followed * (series.inputs(rows[k], i) - mean);
+        const double now = std::clamp(reached, mean - kNoise_pa, mean + kNoise_pa);
         taken_pa += now > reached ? now - reached : returned * (now - reached);
         reached = now;
       }
-      const double dt_s = series.t_s[i] - series.t_s[i - 1], kept = std::exp(-dt_s / time_s);
       // What is taken meanwhile is made up for by half as much: on average it is half as old.
       taken_pa = 0.5 * (1.0 + kept) * taken_pa - refill_pa_per_s * dt_s;
       drawn_pa[i] = std::max(0.0, kept * drawn_pa[i - 1] + taken_pa);
@@ -68,7 +74,9 @@ std::unique_ptr<Effect> make_supply_sag() {
       "supply_sag",
       "all pressures fall short together, the more air the chambers draw at once from their common source",
       "acting = p (1 - share x / (1 + bends x)), x = m / 50 kPa, dm/dt = sum max(0, dp/dt) + returned sum "
-      "min(0, dp/dt) - refill - m / time, m not below 0, the sums over all chambers",
+      "min(0, dp/dt) - refill - m / time, m not below 0, the sums over all chambers, of means over 0.1 s and "
+      "without what goes to and fro within "
+      "1 kPa",
       "the form is its own; sources and lines: P. Beater, Pneumatic Drives, 2007, "
       "doi:10.1007/978-3-540-69471-7",
       Family::kActuation,

@@ -85,6 +85,36 @@ TEST(ExtendedArm, UnevenStiffnessIsTheRigsWithAnotherMean) {
   EXPECT_NE(truth.find("azimuth_deg: 45"), std::string::npos) << truth;
 }
 
+TEST(ExtendedArm, ATetherThatIsSlackAndWeighsIsTheRigsHose) {
+  const TestFolder dir;
+  dir.write("arm.yaml",
+            extended({{"tether",
+                       {{"stiffness_n_per_m", 2.0},
+                        {"mass_kg", 0.01},
+                        {"anchor_x_m", 0.03},
+                        {"anchor_y_m", 0.04},
+                        {"length_m", 0.3}}},
+                      {"supply_sag", {{"share", 0.3}, {"time_s", 50.0}, {"refill_pa_per_s", 4000.0}}}}));
+  const std::string scenario = dir.write("scenario.yaml", kScenario);
+  const std::string simulate = "simulate " + scenario + " --out " + dir / "trial.bag";
+  const Outcome outcome = softarm_program(simulate);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::string truth = text_of(dir / "trial.truth.yaml");
+  for (const char* number : {"form: hose", "hose_kg: 0.02", "anchor_distance_m: 0.05", "slack_m: 0.25",
+                             "form: tank", "refill_pa_per_s: 5000", "reference_pa: 150000"})
+    EXPECT_NE(truth.find(number), std::string::npos) << number << " in\n" << truth;
+  // What pulls at the straight arm, too, and has a length; what comes back; a loss that bends.
+  for (const arm::EffectEntry& entry : std::vector<arm::EffectEntry>{
+           {"tether", {{"stiffness_n_per_m", 2.0}, {"anchor_x_m", 0.05}, {"length_m", 0.04}}},
+           {"supply_sag", {{"share", 0.3}, {"returned", 0.5}}},
+           {"supply_sag", {{"share", 0.3}, {"bends", 2.0}}}}) {
+    dir.write("arm.yaml", extended({entry}));
+    const Outcome refused = softarm_program("simulate --force " + scenario + " --out " + dir / "trial.bag");
+    EXPECT_NE(refused.status, 0) << entry.id;
+    EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1) << refused.err;
+  }
+}
+
 TEST(ExtendedArm, WhatTheRigDoesNotHaveIsOneLine) {
   const TestFolder dir;
   dir.write("arm.yaml", extended({{"tip_mass", {{"mass_kg", 0.01}}}, {"inertia", {{"mass_share", 0.5}}}}));

@@ -114,7 +114,9 @@ TEST(Sentences, UnderUnknownOnlyWhatIsLikelyIsListedWithItsOwnShare) {
   hardly.share = 0.7;
   diagnosis.effects = {hardly, sure};
   const std::string text = summary_of(diagnosis);
-  EXPECT_NE(text.find(" skin_marker (97 %) explains 12 % of it: "), std::string::npos) << text;
+  EXPECT_NE(text.find(" skin_marker (97 %) explains 12 % of it: with all that was fitted the mean"),
+            std::string::npos)
+      << text;
   EXPECT_EQ(text.find("hysteresis"), std::string::npos) << text;
   diagnosis.effects = {hardly};
   EXPECT_EQ(summary_of(diagnosis).find(" explains 28 %"), std::string::npos) << summary_of(diagnosis);

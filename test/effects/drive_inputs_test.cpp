@@ -1,4 +1,6 @@
 // Effects on inputs look as the catalogue describes them.
+#include <random>
+
 #include "drive_trials.h"
 
 namespace softarm::effects::testing {
@@ -109,6 +111,14 @@ TEST(SupplySag, TakesFromAllWhatTheyDrawTogether) {
   const model::Series pumped = driven("supply_sag", sag(1000.0, 0.0, 1e3), trial);
   EXPECT_NEAR(at(pumped, 1, 10.0), 10e3 * (1.0 - 0.2 * (14.5 - 8.9) / 50.0), 15.0);
   EXPECT_NEAR(at(pumped, 1, 29.0), 10e3, 1e-6);
+  // A sensor's noise is no air.
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> noise(0.0, 300.0);
+  const model::TrialData rests =
+      made_up(arm(), 30.0, [&](double) { return Eigen::VectorXd::Constant(4, 10e3 + noise(random)).eval(); });
+  const model::Series still = driven("supply_sag", sag(60.0, 0.0), rests);
+  EXPECT_LT((still.inputs.row(1) - rests.series.inputs.row(1)).cwiseAbs().maxCoeff(),
+            11e3 * 0.2 * 1e3 / 50e3);
   const model::Series bent = driven("supply_sag", sag(1000.0, 0.0, 0.0, 2.0), trial);
   EXPECT_NEAR(at(bent, 1, 20.0), 10e3 * (1.0 - 0.2 * 0.29 / (1.0 + 2.0 * 0.29)), 15.0);
   EXPECT_EQ(sum.inputs.row(kVacuum), trial.series.inputs.row(kVacuum));

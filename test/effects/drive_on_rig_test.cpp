@@ -128,12 +128,12 @@ TEST(OnTheRig, ASourceThatSagsIsMostlyTheCataloguesInEitherForm) {
   rig::Scenario scenario = shipped_scenario("trial_10s");
   make_clean(scenario);
   check_best({"droop", {"supply_sag", "droop", {{"share", 0.3}, {"reference_pa", 50e3}}}, {}, 0.5}, arm,
-             scenario, 0.02, {0.05, 0.1, 0.15, 0.2, 0.3}, {400.0}, {1.0, 0.0, 0.0});
+             scenario, 0.02, {0.05, 0.1, 0.15, 0.2, 0.3}, {60.0}, {1.0, 0.0, 0.0});
   check_best({"tank",
               {"supply_sag", "tank", {{"share", 0.4}, {"reference_pa", 150e3}, {"refill_pa_per_s", 20e3}}},
               {},
               0.2},
-             arm, scenario, 0.02, {0.1, 0.13, 0.16, 0.2}, {1000.0}, {0.0, 20e3, 0.1});
+             arm, scenario, 0.02, {0.1, 0.13, 0.16, 0.2}, {60.0}, {0.0, 20e3, 0.1});
 }
 
 TEST(OnTheRig, EffectsOfTheVacuumArePredictedAtTheirSize) {

@@ -200,7 +200,8 @@ TEST(ExtendedModel, StiffSpringsAreSolvedAndHold) {
   for (const double stiffness : {30.0, 100.0, 300.0}) {
     SCOPED_TRACE(stiffness);
     const auto held = body_testing::predict(
-        model, arm, {body_testing::present("tether", body_testing::values_of({stiffness, 0.0, 0.0, 0.0, 0.0}))}, trial);
+        model, arm,
+        {body_testing::present("tether", body_testing::values_of({stiffness, 0.0, 0.0, 0.0, 0.0}))}, trial);
     for (std::size_t k = 0; k < held.size(); ++k) {
       EXPECT_LE((tip(held[k]) - straight).norm(), (tip(free[k]) - straight).norm() / 2.0 + 1e-4);
       // What the tip's section bears is the spring, and what hangs there.

@@ -215,13 +215,18 @@ Choices pressure_lag(const Numbers& v) {
 }
 
 Choices supply_sag(const Numbers& v) {
+  if (v("returned") > kNearly)
+    throw std::invalid_argument(
+        "a source that has back at once what chambers vent is nothing the virtual rig has");
+  if (v("bends") > kNearly)
+    throw std::invalid_argument("the loss of the virtual rig's tank does not bend, it ends");
   // A tank gives no less once what was taken of it has reached the reference: as far off as the rig lets it
   // be.
   constexpr double kMost = 0.9;
   return {choice("supply_sag", "tank",
                  {{"share", kMost},
                   {"reference_pa", kMost * kPressurePa / v("share")},
-                  {"refill_pa_per_s", kPressurePa / v("time_s")}})};
+                  {"refill_pa_per_s", v("refill_pa_per_s") + kPressurePa / v("time_s")}})};
 }
 
 Choices skin_marker(const Numbers& v) {
@@ -293,10 +298,19 @@ Choices contact(const Numbers& v) {
 }
 
 Choices tether(const Numbers& v) {
-  return {choice("tether", "spring",
-                 {{"stiffness_n_per_m", v("stiffness_n_per_m")},
-                  {"anchor_distance_m", v.size("anchor_x_m", "anchor_y_m")},
-                  {"azimuth_deg", v.azimuth_deg("anchor_x_m", "anchor_y_m")}})};
+  const double anchor_m = v.size("anchor_x_m", "anchor_y_m");
+  const bool spring = v("mass_kg") == 0.0 && v("length_m") == 0.0;
+  if (!spring && v("length_m") < anchor_m)
+    throw std::invalid_argument(
+        "a tether that weighs, or is slack at times, and pulls at the straight arm is nothing the virtual "
+        "rig has");
+  std::map<std::string, double> numbers{{"stiffness_n_per_m", v("stiffness_n_per_m")},
+                                        {"anchor_distance_m", anchor_m},
+                                        {"azimuth_deg", v.azimuth_deg("anchor_x_m", "anchor_y_m")}};
+  if (spring) return {choice("tether", "spring", numbers)};
+  numbers["slack_m"] = v("length_m") - anchor_m;
+  numbers["hose_kg"] = 2.0 * v("mass_kg");  // of which half hangs at the tip
+  return {choice("tether", "hose", numbers)};
 }
 
 Choices payload_offset(const Numbers& v) {
