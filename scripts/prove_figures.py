@@ -156,9 +156,10 @@ def power(pairs):
 
 
 def against(method, pairs):
-    """McNemar of the diagnosis and a baseline, over the cases that both have decided."""
+    """McNemar of the diagnosis and a baseline, over the clear cases that both have decided (all where nothing says clear): of
+    others nothing of naming counts, so that who says nothing would always be right."""
     both = [(is_right(r["kind"], d, r["truth"]), is_right(r["kind"], baseline_decision(r, method), r["truth"]))
-            for r, d in pairs if baseline_decision(r, method)]
+            for r, d in pairs if r["truth"].get("clear", True) and baseline_decision(r, method)]
     return mcnemar(both)
 
 

@@ -92,13 +92,13 @@ def beside_baselines(figures):
         beside = {method: found for method, found in figures["worlds"].get(world, {}).get("mcnemar", {}).items() if found["cases"]}
         if not beside:
             if figures["full"]:
-                table.append([f"{world}: right alone, diagnose to a baseline; McNemar's p", "0", "-", f"< {most:g}", NOT_MET]
+                table.append([f"{world}: right alone of the clear cases, diagnose to a baseline; McNemar's p", "0", "-", f"< {most:g}", NOT_MET]
                              + ["" for _ in prove_score.BASELINES])
             continue
         best, found = max(beside.items(), key=lambda one: one[1]["theirs_alone"] - one[1]["ours_alone"])
         ahead, clear = found["ours_alone"] > found["theirs_alone"], found["p"] < most
         judged = MET if ahead and clear else CONTRADICTED if clear else NOT_MET if figures["full"] else NOT_CONTRADICTED
-        table.append([f"{world}: right alone, diagnose to {best}; McNemar's p", str(found["cases"]),
+        table.append([f"{world}: right alone of the clear cases, diagnose to {best}; McNemar's p", str(found["cases"]),
                       f"{found['ours_alone']} to {found['theirs_alone']}; {found['p']:.2g}", f"< {most:g}", judged]
                      + ["" for _ in prove_score.BASELINES])
     return table
@@ -239,7 +239,7 @@ def versus(figures):
         if found.get("mcnemar"):
             m = found["mcnemar"]
             said.append(f"`{method}` {m['ours_alone']} to {m['theirs_alone']} (p = {m['p']:.2g})")
-    return ("Cases that `diagnose` alone decides rightly, to those that a baseline alone does (McNemar): " + ", ".join(said) + "."
+    return ("Clear cases that `diagnose` alone decides rightly, to those that a baseline alone does (McNemar): " + ", ".join(said) + "."
             if said else "")
 
 
@@ -318,8 +318,8 @@ a Gaussian process alone, which never names anything, and whose alarm the others
 {markdown(kinds)}
 
 How large an effect is: the same trials are simulated (or, of real recordings, imported) with and without it, with the same random numbers. The difference of what
-one set of the arm's constants leaves in both, in means over 0.2 s as the diagnosis uses them, each over its standard
-deviation (white noise, and what the diagnosis allows for swinging), is projected orthogonally to the derivatives of all of
+one set of the arm's constants leaves in both, in means over 0.2 s as the diagnosis uses them, at the times of those of the trials
+without it, each over its standard deviation (white noise, and what the diagnosis allows for swinging), is projected orthogonally to the derivatives of all of
 the arm's free constants. Its length is the signal to noise after a refit ("sd" below), its rms distance per body what is
 left in metres. A trial set has some 13000 such numbers, so that 12 sd are 0.02 mm, no more than the error of the rig
 itself; therefore sizes are also at least the `least_leftover_m` of the campaign file, which is the larger. Compensated: the length with the
