@@ -52,10 +52,12 @@ FIGURES = [
     ("calibration_error", "calibration error of stated probabilities", None, 0.05),
     ("parameter_median_error", "size of the effect, median relative error", None, 0.15),
     ("interval_coverage", "90 % intervals that cover", 0.85, 0.95),
-    # An error of 15 % of the displacement.
-    ("displacement_explained", "share of the displacement of what is hidden that the found effect makes, median", 0.9775, None),
+    # No target: an error of 15 % of the displacement is asked of other forms than the catalogue's, beside the arm's constants.
+    # These displacements are beside one set of them each, and hold what a refit of the constants would absorb.
+    ("displacement_explained", "share of the displacement of what is hidden that the named effect makes, median of those rightly named",
+     None, None),
     ("displacement_coverage", "90 % intervals of the displacement that cover (effects of one size)", None, None),
-    ("held_out_over_floor", "held-out error over noise floor, median", None, 1.05),
+    ("held_out_over_floor", "held-out error over noise floor, median (but untidy)", None, 1.05),
     ("worse_than_baseline", "held-out worse than before, nothing hidden", None, 0.0),
     ("bias_removed", "bias of EI removed where compensated and named, median", 0.8, None),
     ("place_error_m", "place of contact and soft spot, median error, m", None, 0.02),
@@ -226,8 +228,9 @@ def moved(figures):
     for world, found in figures["worlds"].items():
         spread = found.get("displacement", {})
         if spread.get("effects"):
+            lost = f", {spread['unmeasured']} not measured" if spread["unmeasured"] else ""
             said.append(f"{world} " + ", ".join(number(value) for value in spread["quantiles"].values()) +
-                        f" ({spread['effects']} effects)")
+                        f" ({spread['effects']} effects{lost})")
     return ("Of the displacement of what is hidden and clear the first effect named, rightly or not, makes this share (nothing "
             "named: 0), at the quantiles 10, 25, 50, 75 and 90 %: " + "; ".join(said) + "." if said else "")
 

@@ -193,7 +193,10 @@ class Figures(unittest.TestCase):
         results = [result("single_strong", truth(effect("creep")), report("explained", named("creep"), after=4.4e-4)),
                    result("none", truth(), report("consistent", before=5e-4, after=6e-4)),
                    result("none", truth(), report("consistent", before=5e-4, after=5e-4))]
+        results += [result(kind, truth(effect("creep")), report("explained", named("creep"), after=after))
+                    for kind, after in (("untidy_single", 8e-4), ("untidy_outside", 9e-3), ("outside", 9e-3))]
         figures = prove_figures.figures(results)
+        self.assertAlmostEqual(figures["untidy_held_out_over_floor"], 2.0)
         self.assertAlmostEqual(figures["held_out_over_floor"], 1.1)
         self.assertAlmostEqual(figures["worse_than_baseline"], 0.5)
 
