@@ -31,33 +31,43 @@ def compared(hidden, found):
     return 1.0 - (own - 2.0 * both + whole) / whole, both / own if own > 0.0 else None
 
 
-def chosen(effect, named, moves):
-    """What is said of a hidden effect: the first that is named rightly, else the first that is named; its displacement, too."""
+def is_of(effect, named):
+    return any(name in names_of(effect) for name in class_of(named))
+
+
+def chosen(effect, named, moves, effects):
+    """What is said of a hidden effect: the first that is named rightly, else the first that is named, but for what is right for
+    another one that is hidden; and whether it is right."""
     known = [one for one in named if one["name"] in moves]
-    right = [one for one in known if any(name in names_of(effect) for name in class_of(one))]
-    first = (right or known or [None])[0]
-    return first, bool(right)
+    right = [one for one in known if is_of(effect, one)]
+    wrong = [one for one in known if not any(is_of(hidden, one) for hidden in effects)]
+    return (right or wrong or [None])[0], bool(right)
 
 
 def scores(result):
-    """Of each hidden effect that moves bodies: its share that is found (0: nothing is named), whether it is named rightly, and
-    whether the 90 % interval of the size of what is found covers it (None where it has several sizes)."""
+    """Of each hidden effect that moves bodies: its share that is found (0: nothing is named; None: what is named was not
+    measured), whether it is named rightly, and whether the 90 % interval of the size of what is found covers it (None where it
+    has several sizes)."""
     hidden = result.get("hidden_moves")
     if not hidden or not result["report"]:
         return []
     moves = {one["effect"]: one for one in result.get("found_moves") or []}
     named = prove_real_score.stated(decision_of(result))
+    effects, clear = result["truth"]["effects"], result["truth"].get("clear", True)
     list_of = []
-    for effect, rows in zip(result["truth"]["effects"], hidden):
-        first, is_right = chosen(effect, named, moves)
+    for effect, rows in zip(effects, hidden):
+        first, is_right = chosen(effect, named, moves, effects)
         there = vectors(rows)
         found = compared(there, vectors(moves[first["name"]]["trials"]) if first else {key: (0.0, 0.0, 0.0) for key in there})
         if found is None:
             continue
+        if named and result.get("found_moves") is None:  # `prove displacement` failed
+            list_of.append({"share": None, "right": False, "covers": None, "clear": clear})
+            continue
         share, factor = found
         sd = moves[first["name"]].get("relative_sd") if first else None
         covers = abs(factor - 1.0) <= INTERVAL_SD * sd if is_right and factor is not None and sd is not None else None
-        list_of.append({"share": share, "right": is_right, "covers": covers, "clear": result["truth"].get("clear", True)})
+        list_of.append({"share": share, "right": is_right, "covers": covers, "clear": clear})
     return list_of
 
 
@@ -70,6 +80,8 @@ def figures(all_scores):
 
 
 def distribution(all_scores):
-    """Of the share that is found, over all clear effects."""
-    shares = sorted(one["share"] for one in all_scores if one["clear"])
-    return {"effects": len(shares), "quantiles": {f"{q:g}": shares[round(q * (len(shares) - 1))] for q in QUANTILES} if shares else {}}
+    """Of the share that is found, over all clear effects; those that were not measured are counted."""
+    clear = [one["share"] for one in all_scores if one["clear"]]
+    shares = sorted(share for share in clear if share is not None)
+    return {"effects": len(shares), "unmeasured": len(clear) - len(shares),
+            "quantiles": {f"{q:g}": shares[round(q * (len(shares) - 1))] for q in QUANTILES} if shares else {}}

@@ -13,7 +13,8 @@ from prove_score import (BASELINES, KINDS, all_marks, baseline_decision, bias_re
 
 RATES = ["top1", "top3", "right_class", "both_named", "false_alarm", "confident_wrong", "unknown", "found_or_cannot_tell"]
 FIGURES = ["parameter_median_error", "interval_coverage", "held_out_over_floor", "place_error_m", "calibration_error",
-           "confident_wrong", "bias_removed", "worse_than_baseline", "displacement_explained", "displacement_coverage"]
+           "confident_wrong", "bias_removed", "worse_than_baseline", "displacement_explained", "displacement_coverage",
+           "untidy_held_out_over_floor"]
 CALIBRATION_BINS = 5
 
 
@@ -108,7 +109,7 @@ def general(pairs, with_reports):
     figures["confident_wrong"] = mean([is_confident_and_wrong(decision, result["truth"]) for result, decision in pairs])
     if not with_reports:
         return figures
-    errors, hits, places, removed, over, worse = [], [], [], [], [], []
+    errors, hits, places, removed, over, over_untidy, worse = [], [], [], [], [], [], []
     for result, decision in pairs:
         report = result["report"]
         some_errors, some_hits, some_places = sizes(result)
@@ -117,8 +118,10 @@ def general(pairs, with_reports):
         places += some_places
         if result["kind"] in ("none", "control"):
             worse.append(report["extended"]["held_out_rms_m"] > report["baseline"]["held_out_rms_m"])
-        elif result["kind"] not in ("outside", "intervention") and report["noise_floor_m"] > 0.0:
-            over.append(report["extended"]["held_out_rms_m"] / report["noise_floor_m"])
+        elif result["kind"] not in ("outside", "untidy_outside", "intervention") and report["noise_floor_m"] > 0.0:
+            # Of the untidy world no name explains the background: it has no target.
+            of_world = over_untidy if result["kind"].startswith("untidy") else over
+            of_world.append(report["extended"]["held_out_rms_m"] / report["noise_floor_m"])
         if result["kind"] == "compensated" and decision["named"]:
             share = bias_removed(result)
             if share is not None:
@@ -127,6 +130,7 @@ def general(pairs, with_reports):
     figures["interval_coverage"] = mean(hits)
     figures["place_error_m"] = statistics.median(places) if places else None
     figures["held_out_over_floor"] = statistics.median(over) if over else None
+    figures["untidy_held_out_over_floor"] = statistics.median(over_untidy) if over_untidy else None
     figures["bias_removed"] = statistics.median(removed) if removed else None
     figures["worse_than_baseline"] = mean(worse)
     figures.update(prove_displacement.figures(moved(pairs)))
@@ -156,9 +160,10 @@ def power(pairs):
 
 
 def against(method, pairs):
-    """McNemar of the diagnosis and a baseline, over the cases that both have decided."""
+    """McNemar of the diagnosis and a baseline, over the clear cases that both have decided (all where nothing says clear): of
+    others nothing of naming counts, so that who says nothing would always be right."""
     both = [(is_right(r["kind"], d, r["truth"]), is_right(r["kind"], baseline_decision(r, method), r["truth"]))
-            for r, d in pairs if baseline_decision(r, method)]
+            for r, d in pairs if r["truth"].get("clear", True) and baseline_decision(r, method)]
     return mcnemar(both)
 
 

@@ -52,10 +52,12 @@ FIGURES = [
     ("calibration_error", "calibration error of stated probabilities", None, 0.05),
     ("parameter_median_error", "size of the effect, median relative error", None, 0.15),
     ("interval_coverage", "90 % intervals that cover", 0.85, 0.95),
-    # An error of 15 % of the displacement.
-    ("displacement_explained", "share of the displacement of what is hidden that the found effect makes, median", 0.9775, None),
+    # No target: an error of 15 % of the displacement is asked of other forms than the catalogue's, beside the arm's constants.
+    # These displacements are beside one set of them each, and hold what a refit of the constants would absorb.
+    ("displacement_explained", "share of the displacement of what is hidden that the named effect makes, median of those rightly named",
+     None, None),
     ("displacement_coverage", "90 % intervals of the displacement that cover (effects of one size)", None, None),
-    ("held_out_over_floor", "held-out error over noise floor, median", None, 1.05),
+    ("held_out_over_floor", "held-out error over noise floor, median (but untidy)", None, 1.05),
     ("worse_than_baseline", "held-out worse than before, nothing hidden", None, 0.0),
     ("bias_removed", "bias of EI removed where compensated and named, median", 0.8, None),
     ("place_error_m", "place of contact and soft spot, median error, m", None, 0.02),
@@ -92,13 +94,13 @@ def beside_baselines(figures):
         beside = {method: found for method, found in figures["worlds"].get(world, {}).get("mcnemar", {}).items() if found["cases"]}
         if not beside:
             if figures["full"]:
-                table.append([f"{world}: right alone, diagnose to a baseline; McNemar's p", "0", "-", f"< {most:g}", NOT_MET]
+                table.append([f"{world}: right alone of the clear cases, diagnose to a baseline; McNemar's p", "0", "-", f"< {most:g}", NOT_MET]
                              + ["" for _ in prove_score.BASELINES])
             continue
         best, found = max(beside.items(), key=lambda one: one[1]["theirs_alone"] - one[1]["ours_alone"])
         ahead, clear = found["ours_alone"] > found["theirs_alone"], found["p"] < most
         judged = MET if ahead and clear else CONTRADICTED if clear else NOT_MET if figures["full"] else NOT_CONTRADICTED
-        table.append([f"{world}: right alone, diagnose to {best}; McNemar's p", str(found["cases"]),
+        table.append([f"{world}: right alone of the clear cases, diagnose to {best}; McNemar's p", str(found["cases"]),
                       f"{found['ours_alone']} to {found['theirs_alone']}; {found['p']:.2g}", f"< {most:g}", judged]
                      + ["" for _ in prove_score.BASELINES])
     return table
@@ -226,8 +228,9 @@ def moved(figures):
     for world, found in figures["worlds"].items():
         spread = found.get("displacement", {})
         if spread.get("effects"):
+            lost = f", {spread['unmeasured']} not measured" if spread["unmeasured"] else ""
             said.append(f"{world} " + ", ".join(number(value) for value in spread["quantiles"].values()) +
-                        f" ({spread['effects']} effects)")
+                        f" ({spread['effects']} effects{lost})")
     return ("Of the displacement of what is hidden and clear the first effect named, rightly or not, makes this share (nothing "
             "named: 0), at the quantiles 10, 25, 50, 75 and 90 %: " + "; ".join(said) + "." if said else "")
 
@@ -239,7 +242,7 @@ def versus(figures):
         if found.get("mcnemar"):
             m = found["mcnemar"]
             said.append(f"`{method}` {m['ours_alone']} to {m['theirs_alone']} (p = {m['p']:.2g})")
-    return ("Cases that `diagnose` alone decides rightly, to those that a baseline alone does (McNemar): " + ", ".join(said) + "."
+    return ("Clear cases that `diagnose` alone decides rightly, to those that a baseline alone does (McNemar): " + ", ".join(said) + "."
             if said else "")
 
 
@@ -318,8 +321,8 @@ a Gaussian process alone, which never names anything, and whose alarm the others
 {markdown(kinds)}
 
 How large an effect is: the same trials are simulated (or, of real recordings, imported) with and without it, with the same random numbers. The difference of what
-one set of the arm's constants leaves in both, in means over 0.2 s as the diagnosis uses them, each over its standard
-deviation (white noise, and what the diagnosis allows for swinging), is projected orthogonally to the derivatives of all of
+one set of the arm's constants leaves in both, in means over 0.2 s as the diagnosis uses them, at the times of those of the trials
+without it, each over its standard deviation (white noise, and what the diagnosis allows for swinging), is projected orthogonally to the derivatives of all of
 the arm's free constants. Its length is the signal to noise after a refit ("sd" below), its rms distance per body what is
 left in metres. A trial set has some 13000 such numbers, so that 12 sd are 0.02 mm, no more than the error of the rig
 itself; therefore sizes are also at least the `least_leftover_m` of the campaign file, which is the larger. Compensated: the length with the

@@ -64,7 +64,7 @@ void write_comparison(const CompareOptions& options) {
   const Left without = reference.residuals(plain);
   const Left with =
       reference.residuals(changed, app::read_trials(options.changed, changed, true, options.jobs));
-  const Signal signal = reference.signal(at_times_of(without, with), without);
+  const Signal signal = reference.signal(with, without);
   nlohmann::ordered_json json{{"raw_snr", signal.raw_snr},
                               {"leftover_snr", signal.leftover_snr},
                               {"raw_m", signal.raw_m},

@@ -13,7 +13,7 @@ TEST(ProveResiduals, AreTakenBetweenNeighboursOfTheSameBody) {
   residuals[0][{10, 1}] = Vector3d(1.0, 0.0, 0.0);
   residuals[0][{14, 1}] = Vector3d(3.0, 0.0, 4.0);
   residuals[0][{12, 2}] = Vector3d(9.0, 9.0, 9.0);
-  residuals[0][{26, 1}] = Vector3d(7.0, 7.0, 7.0);
+  residuals[0][{29, 1}] = Vector3d(7.0, 7.0, 7.0);
   const Residuals at = at_times_of(others, residuals);
   ASSERT_EQ(at.size(), 1u);
   ASSERT_EQ(at[0].size(), 2u)

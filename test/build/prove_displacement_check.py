@@ -45,6 +45,26 @@ class Displacement(unittest.TestCase):
         found = self.score(1000, [], {})
         self.assertEqual((found["share"], found["right"], found["covers"]), (0.0, False, None))
 
+    def test_what_was_not_measured_is_counted_and_no_error(self):
+        lost = case(1000, [("creep", [])], {})
+        lost["found_moves"] = None
+        self.assertEqual([one["share"] for one in prove_displacement.scores(lost)], [None])
+        figures = prove_figures.figures([lost, case(1000, [("creep", [])], {"creep": (1000, 0.1)})])
+        self.assertEqual(figures["displacement_explained"], 1.0)
+        spread = figures["worlds"]["untidy"]["displacement"]
+        self.assertEqual((spread["effects"], spread["unmeasured"], spread["quantiles"]["0.1"]), (1, 1, 1.0))
+        silent = case(1000, [], {})
+        silent["found_moves"] = None
+        self.assertEqual([one["share"] for one in prove_displacement.scores(silent)], [0.0])
+
+    def test_of_a_pair_each_has_its_own(self):
+        pair = case(1000, [("creep", []), ("shear", [])], {"creep": (1000, 0.1), "shear": (500, 0.1)}, effects=("creep", "drift"))
+        of_creep, of_drift = prove_displacement.scores(pair)
+        self.assertEqual((of_creep["share"], of_creep["right"]), (1.0, True))
+        self.assertEqual((of_drift["share"], of_drift["right"]), (0.75, False))  # shear, not what is right for the other one
+        alone = case(1000, [("creep", [])], {"creep": (1000, 0.1)}, effects=("creep", "drift"))
+        self.assertEqual([one["share"] for one in prove_displacement.scores(alone)], [1.0, 0.0])
+
     def test_intervals_cover_where_the_nearest_size_is_within(self):
         # 1000 / 900 is 11 % more: within 1.645 times 7 %, not 6 %.
         self.assertTrue(self.score(1000, [("creep", [])], {"creep": (900, 0.07)})["covers"])

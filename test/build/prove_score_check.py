@@ -193,7 +193,10 @@ class Figures(unittest.TestCase):
         results = [result("single_strong", truth(effect("creep")), report("explained", named("creep"), after=4.4e-4)),
                    result("none", truth(), report("consistent", before=5e-4, after=6e-4)),
                    result("none", truth(), report("consistent", before=5e-4, after=5e-4))]
+        results += [result(kind, truth(effect("creep")), report("explained", named("creep"), after=after))
+                    for kind, after in (("untidy_single", 8e-4), ("untidy_outside", 9e-3), ("outside", 9e-3))]
         figures = prove_figures.figures(results)
+        self.assertAlmostEqual(figures["untidy_held_out_over_floor"], 2.0)
         self.assertAlmostEqual(figures["held_out_over_floor"], 1.1)
         self.assertAlmostEqual(figures["worse_than_baseline"], 0.5)
 
@@ -263,7 +266,7 @@ class Targets(unittest.TestCase):
         figures = prove_figures.figures([result("class_only", truth(effect("creep")), report("explained", named("creep", 1.0)))])
         whole, sample = ({row[0]: row[4] for row in prove_report.rows({**figures, "full": full})} for full in (True, False))
         for row in ("single_strong: top1", "solid_single: right_class", "control: false_alarm",
-                    "none, untidy_none, solid_none: false_alarm", "real: right alone, diagnose to a baseline; McNemar's p",
+                    "none, untidy_none, solid_none: false_alarm", "real: right alone of the clear cases, diagnose to a baseline; McNemar's p",
                     "place of contact and soft spot, median error, m"):
             self.assertEqual(whole[row], "NOT MET")
             self.assertIn(sample.get(row, "-"), "-")
@@ -286,6 +289,17 @@ class Targets(unittest.TestCase):
                          ["300", "0.040 (0.03-0.06)", "<= 0.01", "CONTRADICTED"])
         for full, expected in ((True, "NOT MET"), (False, "not contradicted")):  # the solid arm is absent
             self.assertEqual(judged(every[:2], 0, full)["none, untidy_none, solid_none: false_alarm"][4], expected)
+
+    def test_baselines_are_compared_on_what_is_clear(self):
+        def case(clear, said):
+            nothing = {"bic": {"alarm": False, "effects": [], "ranking": []}}
+            return result("untidy_single", {**truth(effect("creep")), **({} if clear is None else {"clear": clear})}, said, nothing)
+        wrong, right = report("explained", named("drift", 0.99)), report("explained", named("creep", 0.99))
+        results = [case(False, wrong) for _ in range(9)] + [case(True, right), case(None, right), case(True, report("consistent"))]
+        figures = prove_figures.figures(results)
+        for found in (figures["baselines"]["bic"]["mcnemar"], figures["worlds"]["untidy"]["mcnemar"]["bic"]):
+            self.assertEqual((found["cases"], found["ours_alone"], found["theirs_alone"]), (3, 2, 0))
+        self.assertEqual(figures["confident_wrong"], 9 / 12)  # these count whether anybody could see or not
 
     def test_the_best_baseline_is_to_be_beaten(self):
         def judged(ours, theirs, full):

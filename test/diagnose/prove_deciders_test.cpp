@@ -177,6 +177,20 @@ TEST(ProveBic, ARefitSupportsWhatItsDataNeed) {
   EXPECT_LT(bic.refitted(set, refit, {false, false, true, true, true}).bic, bic.none().bic);
 }
 
+TEST(ProveBic, AnEffectGoesWithAllItsNumbers) {
+  std::mt19937_64 random(8);
+  EvidenceData data = made_up(90, 6, {1, 1}, 1.0, random);
+  data.residual += 1.5 * data.effects[0].moves;
+  EvidenceData refit = data;
+  refit.effects.clear();
+  refit.residual -= 1.5 * data.effects[0].moves;
+  // A size, and a number of its shape that moves the bodies as the size does.
+  refit.unknowns.push_back({nullptr, 0.0, 5.0, data.effects[0].moves, 0.0});
+  refit.unknowns.push_back({nullptr, 0.0, 5.0, 0.5 * data.effects[0].moves, 0.0});
+  const VectorXd absent = (VectorXd(4) << 0.0, 0.0, -1.5, 0.0).finished();
+  EXPECT_GT(Bic(data).supports({effect(0)}, refit, {-1, -1, 0, 0}, absent)[0], 100.0);
+}
+
 TEST(ProveBic, WeightsAreThoseOfTheCriterion) {
   const EffectList one{effect(0)}, other{effect(1)};
   const diagnose::Posterior posterior =
@@ -250,6 +264,22 @@ TEST(ProveDeciders, NameWhatIsThereAndNothingElse) {
   }
   EXPECT_TRUE(of(found, "gp").alarm);
   EXPECT_TRUE(of(found, "gp").effects.empty());
+}
+
+TEST(ProveDeciders, DecideTheSameAfterAnother) {
+  const auto soft = diagnose::testing::recorded_case(
+      "{count_weights: [0, 1], from: [base_compliance], size: [0.3, 0.6]}", 4, 4, 8.0);
+  diagnose::testing::Looked looked(soft.arm, soft.trials);
+  diagnose::Standing standing{looked.baseline, {}};
+  standing.unseen = diagnose::unseen(looked.model, standing.fit);
+  const Look first = look(looked.model, std::move(standing), nullptr, {});
+  const Decision before = group_lasso(looked.model, first, {});
+  ASSERT_FALSE(bic_stepwise(looked.model, first, {}).effects.empty());
+  const Decision after = group_lasso(looked.model, first, {});
+  EXPECT_EQ(before.ranking, after.ranking);
+  ASSERT_EQ(before.effects.size(), after.effects.size());
+  for (std::size_t i = 0; i < before.effects.size(); ++i)
+    EXPECT_EQ(before.effects[i].probability, after.effects[i].probability) << before.effects[i].effect;
 }
 
 }  // namespace

@@ -39,5 +39,41 @@ TEST(ProveSignal, WhatConstantsAbsorbIsNotLeft) {
       0.0);
 }
 
+std::size_t count_of(const Residuals& residuals) {
+  std::size_t sum = 0;
+  for (const auto& trial : residuals) sum += trial.size();
+  return sum;
+}
+
+TEST(ProveSignal, RecordingsThatAreCutAtOtherTimesLoseNothing) {
+  const RecordedCase plain = diagnose::testing::recorded_case("{count_weights: [1]}", 3, 4, 8.0);
+  Reference reference(plain.arm, plain.trials, 0);
+  const Left own = reference.residuals(plain.trials);
+  // A few frames are lost early on: from there on means begin elsewhere.
+  std::vector<trial::Trial> trials = plain.trials;
+  for (trial::Trial& trial : trials) trial.frames.erase(trial.frames.begin() + 61, trial.frames.begin() + 75);
+  const Left cut = reference.residuals(trials);
+  EXPECT_LT(count_of(differences(cut.held, own.held)), count_of(own.held) * 4 / 5);
+  const Signal same = reference.signal(own, own), other = reference.signal(cut, own);
+  EXPECT_GT(other.there.sum(), 0.98 * same.there.sum());
+  EXPECT_EQ(count_of(other.moved), count_of(same.moved));
+  EXPECT_LT(other.raw_m, 3e-4) << "the noise of means that are not the same ones";
+  // The same move everywhere, out of step.
+  Left still{own.held, own.refitted}, moved;
+  for (std::size_t t = 0; t < own.held.size(); ++t) {
+    moved.held.emplace_back();
+    for (auto& [key, residual] : still.held[t]) {
+      residual.setZero();
+      moved.held[t][{key.first + 1, key.second}] = 1e-3 * Eigen::Vector3d::UnitY();
+    }
+  }
+  moved.refitted = moved.held;
+  still.refitted = still.held;
+  const Signal constant = reference.signal(moved, still);
+  EXPECT_NEAR(constant.raw_m, 1e-3, 1e-9);
+  EXPECT_GT(constant.there.sum(), 0.95 * same.there.sum());
+  EXPECT_LT(constant.leftover_m, constant.raw_m);
+}
+
 }  // namespace
 }  // namespace softarm::prove

@@ -21,7 +21,7 @@ using model::Effect;
 
 namespace {
 
-constexpr double kHeld = 1e-6;  // of a usual size: a prior as narrow holds a size where it is
+constexpr double kHeld = 1e-6;  // of a usual size: a prior as narrow holds a number where it is
 
 bool holds(const EffectList& list, const Effect* effect) {
   return std::find(list.begin(), list.end(), effect) != list.end();
@@ -176,7 +176,7 @@ std::vector<double> Bic::supports(const EffectList& effects, EvidenceData refit,
   for (std::size_t e = 0; e < effects.size(); ++e) {
     EvidenceData without = refit;
     for (std::size_t j = 0; j < owner.size(); ++j) {
-      if (owner[j] != static_cast<int>(e) || absent[static_cast<Index>(j)] == 0.0) continue;
+      if (owner[j] != static_cast<int>(e)) continue;
       without.unknowns[j].mean = absent[static_cast<Index>(j)];
       without.unknowns[j].prior_sd = kHeld;
     }

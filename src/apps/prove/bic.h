@@ -64,7 +64,8 @@ class Bic {
   /// By how much the BIC of such a fit rises without each of its effects, the others as they come then; under
   /// the noise of all. Below 0: it is not worth its numbers.
   /// @param owner by unknown: the place in `effects` of the effect that it is a number of; -1: of none
-  /// @param absent by unknown: the step to an effect that is not there, of its sizes; 0: no size
+  /// @param absent by unknown: the step at which it is held without its effect: of a size that to 0, of other
+  /// numbers, which then say nothing, none
   std::vector<double> supports(const diagnose::EffectList& effects, diagnose::EvidenceData refit,
                                const std::vector<int>& owner, const Eigen::VectorXd& absent) const;
   /// The candidates, under the noise of none.

@@ -127,13 +127,17 @@ std::pair<Linearised, std::optional<Linearised>> first_fits(JointModel& model) {
   std::vector<std::vector<model::Predicted>> path;
   model.predict(calm, delayed ? &delayed->predicted : &baseline.predicted, path);
   model.allow_for_motion(calm, path);
-  model.set_misfit(std::max(1.0, baseline.square / std::max(1, baseline.rows)));
+  begin_at(model, baseline);
   baseline = model.fit(baseline.at, {}, &baseline.predicted);
   if (delayed) delayed = model.fit(delayed->at, {}, &delayed->predicted);
   return {std::move(baseline), std::move(delayed)};
 }
 
 }  // namespace
+
+void begin_at(JointModel& model, const Linearised& fit) {
+  model.set_misfit(std::max(1.0, fit.square / std::max(1, fit.rows)));
+}
 
 Weighed weighed(const JointModel& model, const Look& look, const Linearised& refit) {
   const std::size_t before = look.standing.fit.at.effects.size();
@@ -207,7 +211,7 @@ Linearised refit_with(JointModel& model, const Look& look, const EffectList& eff
 Look look(JointModel& model, Standing standing, const Linearised* delayed, const Options& options,
           bool may_move) {
   Look look;
-  model.set_misfit(std::max(1.0, standing.fit.square / std::max(1, standing.fit.rows)));
+  begin_at(model, standing.fit);
   look.round.screened = diagnose::screen(model, standing.fit, options.jobs, [](double) {});
   if (delayed != nullptr) diagnose::begin_from(model, standing, *delayed, look.round.screened);
   for (const std::size_t i : diagnose::worth_a_refit(model, look.round.screened, options))
@@ -229,6 +233,7 @@ Look look(JointModel& model, Standing standing, const Linearised* delayed, const
 }
 
 Decision bic_stepwise(JointModel& model, const Look& first, const Options& options) {
+  begin_at(model, first.standing.fit);
   Decision decision;
   decision.method = "bic";
   decision.ranking = ranking_of(first, weights(first.models));
@@ -262,6 +267,7 @@ Decision bic_stepwise(JointModel& model, const Look& first, const Options& optio
 }
 
 Decision group_lasso(JointModel& model, const Look& first, const Options& options) {
+  begin_at(model, first.standing.fit);
   Decision decision;
   decision.method = "lasso";
   decision.ranking = ranking_of(first, weights(first.models));

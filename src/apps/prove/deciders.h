@@ -57,6 +57,9 @@ Decision per_frame(diagnose::JointModel& model, const Look& first);
 Decision flexible(const diagnose::JointModel& model, const Look& first, unsigned jobs);
 
 /// What several of these have in common.
+/// Sets how far residuals are beyond the noise, from a fit, which a step before may have left at its own:
+/// none of these decides otherwise after another one.
+void begin_at(diagnose::JointModel& model, const diagnose::Linearised& fit);
 Weighed weighed(const diagnose::JointModel& model, const Look& look, const diagnose::Linearised& refit);
 /// Ids of the catalogue as it was screened, by their probability, then to first order.
 std::vector<std::string> ranking_of(const Look& look, const diagnose::Posterior& posterior);

@@ -91,6 +91,7 @@ bool is_supported(JointModel& model, const Look& look, const model::Effect* effe
 }  // namespace
 
 Decision per_frame(JointModel& model, const Look& first) {
+  begin_at(model, first.standing.fit);
   Decision decision;
   decision.method = "per_frame";
   decision.ranking = ranking_of(first, {});

@@ -6,7 +6,7 @@
 namespace softarm::prove {
 
 Residuals at_times_of(const Residuals& others, const Residuals& residuals) {
-  constexpr double kNear_s = 0.5;
+  constexpr double kNear_s = 0.7;  // means at rest are up to 0.6 s long
   Residuals aligned(others.size());
   for (std::size_t t = 0; t < others.size(); ++t) {
     std::map<int, std::map<std::int64_t, Eigen::Vector3d>> by_body;
@@ -28,10 +28,6 @@ Residuals at_times_of(const Residuals& others, const Residuals& residuals) {
     }
   }
   return aligned;
-}
-
-Left at_times_of(const Left& others, const Left& residuals) {
-  return {at_times_of(others.held, residuals.held), at_times_of(others.refitted, residuals.refitted)};
 }
 
 Residuals differences(const Residuals& with, const Residuals& without) {

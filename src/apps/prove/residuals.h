@@ -22,9 +22,8 @@ struct Left {
 };
 
 /// Residuals at the times of others: where means were taken over other stretches of the same trials, between
-/// neighbours that are less than 0.5 s apart.
+/// neighbours that are no more than 0.7 s apart.
 Residuals at_times_of(const Residuals& others, const Residuals& residuals);
-Left at_times_of(const Left& others, const Left& residuals);
 
 /// One less the other where both have any.
 Residuals differences(const Residuals& with, const Residuals& without);

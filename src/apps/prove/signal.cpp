@@ -20,8 +20,12 @@ using Eigen::VectorXd;
 
 constexpr double kSameRank = 1e-6;  // of the derivatives in one mean, as a share of the largest
 
+/// By the middle of a mean: two recordings may have means of other lengths there.
 std::pair<std::int64_t, int> key_of(const model::TrialData& trial, const model::Block& block, int body) {
-  return {std::llround(trial.series.t_s[static_cast<Eigen::Index>(block.first)] / kTick_s), body};
+  const Eigen::VectorXd& t_s = trial.series.t_s;
+  const double twice_s =
+      t_s[static_cast<Eigen::Index>(block.first)] + t_s[static_cast<Eigen::Index>(block.last - 1)];
+  return {std::llround(0.5 * twice_s / kTick_s), body};
 }
 
 std::pair<std::int64_t, int> key_of_tangent(const model::TrialData& trial, const model::Block& block,
@@ -104,6 +108,14 @@ Reference::Reference(const arm::Arm& arm, const std::vector<trial::Trial>& trial
   at_ = model_.fit(model_.start(), {});
   model_.allow_for_motion(at_.at, at_.predicted);
   at_ = model_.fit(at_.at, {}, &at_.predicted);
+  for (const model::TrialData& trial : prepared_.trials) {
+    own_.emplace_back();
+    for (const model::Block& block : trial.blocks) {
+      for (const model::Seen& seen : block.bodies) own_.back()[key_of(trial, block, seen.body)].setZero();
+      for (const model::SeenTangent& seen : block.tangents)
+        own_.back()[key_of_tangent(trial, block, seen.body)].setZero();
+    }
+  }
 }
 
 Left Reference::residuals(const arm::Arm& arm, const std::vector<trial::Trial>& trials) const {
@@ -125,13 +137,40 @@ Left Reference::residuals(const arm::Arm& arm, const std::vector<trial::Trial>& 
   return left;
 }
 
-VectorXd Reference::orthogonal(const VectorXd& difference) const {
-  const auto n = static_cast<Eigen::Index>(at_.columns.size());
+Linearised Reference::at_rows(const VectorXd& there) const {
+  Linearised at = at_;
+  Eigen::Index begin = 0;
+  std::size_t c = 0;
+  for (std::size_t t = 0; t < at.residual.size(); ++t) {
+    const auto own = there.segment(begin, at.residual[t].size());
+    begin += at.residual[t].size();
+    at.root_weight[t].array() *= own.array();
+    at.derivative[t].array().colwise() *= own.array();
+    Eigen::Index row = 0;
+    const auto less = [&](Eigen::Index count, TimeStretch& stretch) {
+      const VectorXd gone = 1.0 - own.segment(row, count).array();
+      const MatrixXd j = gone.asDiagonal() * at_.derivative[t].middleRows(row, count);
+      stretch.information -= j.transpose() * j;
+      row += count;
+    };
+    const std::size_t first = c;
+    for (; c < at.stretches.size() && at.stretches[c].trial == t; ++c)
+      less(at.stretches[c].all_rows, at.stretches[c]);
+    for (std::size_t i = first; i < c; ++i) less(at.stretches[i].tangent_rows, at.stretches[i]);
+  }
+  at.information = at_.information;
+  for (std::size_t i = 0; i < at.stretches.size(); ++i)
+    at.information += at.stretches[i].information - at_.stretches[i].information;
+  return at;
+}
+
+VectorXd Reference::orthogonal(const Linearised& at, const VectorXd& difference) const {
+  const auto n = static_cast<Eigen::Index>(at.columns.size());
   MatrixXd information = MatrixXd::Zero(n, n);
-  for (const TimeStretch& stretch : at_.stretches) information += stretch.information;
+  for (const TimeStretch& stretch : at.stretches) information += stretch.information;
   VectorXd gradient = VectorXd::Zero(n);
   Eigen::Index begin = 0;
-  for (const MatrixXd& j : at_.derivative) {
+  for (const MatrixXd& j : at.derivative) {
     gradient += j.transpose() * difference.segment(begin, j.rows());
     begin += j.rows();
   }
@@ -139,21 +178,21 @@ VectorXd Reference::orthogonal(const VectorXd& difference) const {
   const VectorXd absorbed = math::solve_symmetric(information, gradient);
   VectorXd left = difference;
   begin = 0;
-  for (const MatrixXd& j : at_.derivative) {
+  for (const MatrixXd& j : at.derivative) {
     left.segment(begin, j.rows()) -= j * absorbed;
     begin += j.rows();
   }
   return left;
 }
 
-double Reference::rms_m(const VectorXd& whitened) const {
+double Reference::rms_m(const VectorXd& whitened, const VectorXd& there) const {
   double sum = 0.0, bodies = 0.0;
   Eigen::Index begin = 0;
   for (std::size_t t = 0; t < prepared_.trials.size(); ++t) {
     Eigen::Index row = 0;
     for (std::size_t k = 0; k < prepared_.trials[t].blocks.size(); ++k) {
       for (const model::Seen& seen : prepared_.trials[t].blocks[k].bodies) {
-        if (at_.root_weight[t][row] > 0.0) {
+        if (at_.root_weight[t][row] > 0.0 && there[begin + row] > 0.0) {
           const double scale = model_.sd_m(t, k, seen) / at_.root_weight[t][row];
           sum += scale * scale * whitened.segment<3>(begin + row).squaredNorm();
           bodies += 1.0;
@@ -166,18 +205,21 @@ double Reference::rms_m(const VectorXd& whitened) const {
   return bodies > 0.0 ? std::sqrt(sum / bodies) : 0.0;
 }
 
-VectorXd Reference::difference(const Residuals& with, const Residuals& without) const {
+Reference::Compared Reference::difference(const Residuals& with, const Residuals& without) const {
+  const Residuals moved = differences(at_times_of(own_, with), at_times_of(own_, without));
   Eigen::Index rows = 0;
   for (const VectorXd& r : at_.residual) rows += r.size();
-  VectorXd difference = VectorXd::Zero(rows);
+  Compared compared{VectorXd::Zero(rows), VectorXd::Zero(rows)};
   Eigen::Index row = 0;
   for (std::size_t t = 0; t < prepared_.trials.size(); ++t) {
     const model::TrialData& trial = prepared_.trials[t];
     Eigen::Index local = 0;
     const auto put = [&](const std::pair<std::int64_t, int>& key, double sd) {
-      const auto a = with[t].find(key), b = without[t].find(key);
-      if (a != with[t].end() && b != without[t].end())
-        difference.segment<3>(row) = at_.root_weight[t][local] * (a->second - b->second) / sd;
+      const auto here = moved[t].find(key);
+      if (here != moved[t].end()) {
+        compared.whitened.segment<3>(row) = at_.root_weight[t][local] * here->second / sd;
+        compared.there.segment<3>(row).setOnes();
+      }
       row += 3;
       local += 3;
     };
@@ -188,27 +230,31 @@ VectorXd Reference::difference(const Residuals& with, const Residuals& without) 
       for (const model::SeenTangent& seen : trial.blocks[k].tangents)
         put(key_of_tangent(trial, trial.blocks[k], seen.body), model_.sd_rad(t, k, seen));
   }
-  return difference;
+  return compared;
 }
 
 Signal Reference::signal(const Left& with, const Left& without) const {
   Signal signal;
-  signal.difference = difference(with.held, without.held);
-  signal.left = orthogonal(difference(with.refitted, without.refitted));
-  signal.moved = at_whole_seconds(differences(with.held, without.held));
+  const Compared held = difference(with.held, without.held);
+  const Compared refitted = difference(with.refitted, without.refitted);
+  signal.there = held.there.cwiseProduct(refitted.there);
+  const Linearised at = at_rows(signal.there);
+  signal.difference = held.whitened.cwiseProduct(signal.there);
+  signal.left = orthogonal(at, refitted.whitened.cwiseProduct(signal.there));
+  signal.moved = at_whole_seconds(differences(at_times_of(own_, with.held), at_times_of(own_, without.held)));
   signal.raw_snr = signal.difference.norm();
   signal.leftover_snr = signal.left.norm();
-  signal.raw_m = rms_m(signal.difference);
-  signal.leftover_m = rms_m(signal.left);
+  signal.raw_m = rms_m(signal.difference, signal.there);
+  signal.leftover_m = rms_m(signal.left, signal.there);
   double freedom = 0.0;
-  signal.per_frame_snr = per_frame_part(model_, at_, signal.difference, &freedom).norm();
+  signal.per_frame_snr = per_frame_part(model_, at, signal.difference, &freedom).norm();
   signal.per_frame_sd = signal.per_frame_snr * signal.per_frame_snr / std::sqrt(2.0 * std::max(1.0, freedom));
   return signal;
 }
 
 std::vector<Ideal> Reference::ideal(const Signal& signal) {
   // The fit as if its residuals were what is left.
-  Linearised at = at_;
+  Linearised at = at_rows(signal.there);
   at.gradient.setZero();
   at.square = signal.left.squaredNorm();
   Eigen::Index begin = 0;
@@ -244,8 +290,10 @@ std::vector<Ideal> Reference::ideal(const Signal& signal) {
 }
 
 double Reference::cosine(const Signal& a, const Signal& b) const {
-  const double norm = a.left.norm() * b.left.norm();
-  return norm > 0.0 ? a.left.dot(b.left) / norm : 0.0;
+  const VectorXd both = a.there.cwiseProduct(b.there);
+  const VectorXd of_a = a.left.cwiseProduct(both), of_b = b.left.cwiseProduct(both);
+  const double norm = of_a.norm() * of_b.norm();
+  return norm > 0.0 ? of_a.dot(of_b) / norm : 0.0;
 }
 
 double Reference::unexplained_m() const {
@@ -256,7 +304,7 @@ double Reference::unexplained_m() const {
     all.segment(begin, r.size()) = r;
     begin += r.size();
   }
-  return rms_m(all);
+  return rms_m(all, VectorXd::Ones(rows));
 }
 
 std::map<std::string, double> Reference::constants() const {

@@ -16,8 +16,10 @@ namespace softarm::prove {
 /// An effect as the difference of two recordings that are the same but for it: of the residuals that one set
 /// of the arm's constants leaves in both, and of those that its own refitted constants leave in each, in
 /// standard deviations of means over 0.1 s (white noise, and what the diagnosis allows for swinging), of the
-/// means that the diagnosis compares.
+/// means that the diagnosis compares in the trials without anything hidden: each recording is cut into means
+/// by its own motion, so residuals are taken at the times of these.
 struct Signal {
+  Eigen::VectorXd there;  ///< by whitened row: 1 where both recordings have it, which alone count; else 0
   Eigen::VectorXd difference;  ///< with one set of constants: whitened, all trials
   /// With the constants refitted, and orthogonal to their derivatives. Constants bend what they absorb: of an
   /// effect that moves the arm by millimetres the derivatives alone absorb less than a refit does.
@@ -62,9 +64,14 @@ class Reference {
   std::map<std::string, double> constants() const;
 
  private:
-  Eigen::VectorXd difference(const Residuals& with, const Residuals& without) const;
-  Eigen::VectorXd orthogonal(const Eigen::VectorXd& difference) const;
-  double rms_m(const Eigen::VectorXd& whitened) const;
+  struct Compared {
+    Eigen::VectorXd whitened, there;  ///< see Signal
+  };
+  Compared difference(const Residuals& with, const Residuals& without) const;
+  /// The fit to these rows alone.
+  diagnose::Linearised at_rows(const Eigen::VectorXd& there) const;
+  Eigen::VectorXd orthogonal(const diagnose::Linearised& at, const Eigen::VectorXd& difference) const;
+  double rms_m(const Eigen::VectorXd& whitened, const Eigen::VectorXd& there) const;
 
   const arm::Arm arm_;
   const unsigned jobs_;
@@ -72,6 +79,7 @@ class Reference {
   model::Prepared prepared_;
   diagnose::JointModel model_;
   diagnose::Linearised at_;
+  Residuals own_;  ///< zeros at the times of the means
 };
 
 /// Of trials that were prepared, under these predictions of them.
