@@ -267,9 +267,9 @@ TEST(ProveDeciders, NameWhatIsThereAndNothingElse) {
 }
 
 TEST(ProveDeciders, DecideTheSameAfterAnother) {
-  const auto soft = diagnose::testing::recorded_case(
-      "{count_weights: [0, 1], from: [base_compliance], size: [0.3, 0.6]}", 4, 4, 8.0);
-  diagnose::testing::Looked looked(soft.arm, soft.trials);
+  const auto both = diagnose::testing::recorded_case(
+      "{count_weights: [0, 0, 1], from: [base_compliance, rest_curvature], size: [0.3, 0.6]}", 5, 4, 8.0);
+  diagnose::testing::Looked looked(both.arm, both.trials);
   diagnose::Standing standing{looked.baseline, {}};
   standing.unseen = diagnose::unseen(looked.model, standing.fit);
   const Look first = look(looked.model, std::move(standing), nullptr, {});

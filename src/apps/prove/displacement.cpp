@@ -44,7 +44,8 @@ std::vector<Displacement> displacements(const arm::Arm& arm, const std::vector<P
     // What is predicted with it, less what is without: residuals the other way round.
     one.by = at_whole_seconds(differences(predictions.with(others), all));
     const double size = effects[e].values[0];
-    if (effects[e].effect->info().sizes == 1 && effects[e].sd.size() > 0 && size != 0.0)
+    if (effects[e].effect->info().sizes == 1 && effects[e].sd.size() > 0 && effects[e].sd[0] > 0.0 &&
+        size != 0.0)
       one.relative_sd = effects[e].sd[0] / std::abs(size);
     list.push_back(std::move(one));
   }
