@@ -113,13 +113,15 @@ class LiveInputs(unittest.TestCase):
 
         def warned():
             self.feed(24, silent=("tendon_1",))
-            seen.append(self.listener.task("inputs").message)
-            return "inputs missing: tendon_1" in seen[-1]
+            seen.append(self.listener.task("inputs"))
+            return "inputs missing: tendon_1" in seen[-1].message
 
-        self.assertTrue(self.listener.wait(warned, 4.0), seen)
-        self.assertEqual(self.listener.task("inputs").level, DiagnosticStatus.WARN)
-        self.assertTrue(self.listener.value("inputs", "tension tendon_1").startswith("missing for"))
-        self.assertTrue(self.listener.value("inputs", "angle servo_1").startswith("seen"))
+        # That very status: once nothing is fed any more, all inputs go missing.
+        self.assertTrue(self.listener.wait(warned, 4.0), [status.message for status in seen])
+        self.assertEqual(seen[-1].level, DiagnosticStatus.WARN)
+        values = {v.key: v.value for v in seen[-1].values}
+        self.assertTrue(values["tension tendon_1"].startswith("missing for"))
+        self.assertTrue(values["angle servo_1"].startswith("seen"))
         self.assertEqual({e.status for e in self.feed(60, silent=())[12:]}, {ArmEstimate.STATUS_OK})
 
     def test_d_an_array_without_the_element(self):
