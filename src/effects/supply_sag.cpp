@@ -4,7 +4,6 @@
 // line that droops under their demand has that back. Where the time is short it is their flow, through a line
 // that all share.
 #include <algorithm>
-#include <cmath>
 
 #include "drives.h"
 #include "effects.h"
@@ -48,20 +47,25 @@ class SupplySag : public Described {
     // A trial begins at rest, long settled.
     Eigen::VectorXd mean_pa = series.inputs(rows, 0), reached_pa = mean_pa;
     for (Eigen::Index i = 1; i < drawn_pa.size(); ++i) {
-      const double dt_s = series.t_s[i] - series.t_s[i - 1], kept = std::exp(-dt_s / time_s);
-      const double followed = 1.0 - std::exp(-dt_s / kMean_s);
-      double taken_pa = 0.0;
+      const double dt_s = series.t_s[i] - series.t_s[i - 1];
+      if (!(dt_s > 0.0)) {
+        drawn_pa[i] = drawn_pa[i - 1];
+        continue;
+      }
+      const Following over = following(dt_s, kMean_s);
+      double taken_pa = -refill_pa_per_s * dt_s;
       for (std::size_t k = 0; k < rows.size(); ++k) {
         double& mean = mean_pa[static_cast<Eigen::Index>(k)];
         double& reached = reached_pa[static_cast<Eigen::Index>(k)];
-        mean += followed * (series.inputs(rows[k], i) - mean);
+        mean = over.kept * mean + over.weight_last * series.inputs(rows[k], i - 1) +
+               over.weight_now * series.inputs(rows[k], i);
         const double now = std::clamp(reached, mean - kNoise_pa, mean + kNoise_pa);
         taken_pa += now > reached ? now - reached : returned * (now - reached);
         reached = now;
       }
-      // What is taken meanwhile is made up for by half as much: on average it is half as old.
-      taken_pa = 0.5 * (1.0 + kept) * taken_pa - refill_pa_per_s * dt_s;
-      drawn_pa[i] = std::max(0.0, kept * drawn_pa[i - 1] + taken_pa);
+      // Taken evenly meanwhile: some of it is made up for already.
+      const double kept = following(dt_s, time_s).kept;
+      drawn_pa[i] = std::max(0.0, kept * drawn_pa[i - 1] + (1.0 - kept) * time_s / dt_s * taken_pa);
     }
     return drawn_pa;
   }

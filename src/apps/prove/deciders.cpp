@@ -5,11 +5,10 @@
 #include <numeric>
 #include <utility>
 
-#include "diagnose/delay.h"
+#include "diagnose/first_fits.h"
 #include "diagnose/policy.h"
 #include "diagnose/rivals.h"
 #include "diagnose/screen.h"
-#include "effects/catalogue.h"
 #include "group_lasso.h"
 #include "math/parallel.h"
 
@@ -105,32 +104,6 @@ void drop_unsupported(JointModel& model, const Look& look, Standing& standing) {
     if (*least > 0.0) return;
     standing = diagnose::refit_without(model, standing, static_cast<std::size_t>(least - worth.begin()));
   }
-}
-
-/// The fits that all begin with: the arm's constants alone, and with clocks apart where they are by more than
-/// the screen can see.
-std::pair<Linearised, std::optional<Linearised>> first_fits(JointModel& model) {
-  Linearised baseline = model.fit(model.start(), {});
-  std::optional<Linearised> delayed;
-  for (const std::unique_ptr<Effect>& effect : effects::catalogue()) {
-    if (!effect->info().of_clocks || !effect->applies_to(model.arm())) continue;
-    const std::optional<diagnose::Delay> delay = diagnose::find_delay(model.arm(), model.trials());
-    if (!delay) break;
-    diagnose::JointParameters from = model.start();
-    from.effects.push_back({effect.get(), Eigen::Vector2d(delay->offset_s, delay->input)});
-    delayed = model.fit(from, {});
-    if (!(delayed->square < baseline.square)) delayed.reset();
-  }
-  if (delayed) model.leave_out_ends(delayed->at.effects.back().values[0]);
-  diagnose::JointParameters calm = delayed ? delayed->at : baseline.at;
-  calm.viscoelastic_lag_s = std::min(calm.viscoelastic_lag_s, model.viscoelastic_lag_s());
-  std::vector<std::vector<model::Predicted>> path;
-  model.predict(calm, delayed ? &delayed->predicted : &baseline.predicted, path);
-  model.allow_for_motion(calm, path);
-  begin_at(model, baseline);
-  baseline = model.fit(baseline.at, {}, &baseline.predicted);
-  if (delayed) delayed = model.fit(delayed->at, {}, &delayed->predicted);
-  return {std::move(baseline), std::move(delayed)};
 }
 
 }  // namespace
@@ -318,10 +291,10 @@ std::vector<Decision> decide(const arm::Arm& arm, const std::vector<trial::Trial
   how.block_s = options.block_s;
   const model::Prepared prepared = model::prepare(arm, trials, how);
   JointModel model(arm, prepared.trials, jobs, held, tied);
-  auto [baseline, delayed] = first_fits(model);
-  Standing standing{std::move(baseline), {}};
+  diagnose::FirstFits fits = diagnose::first_fits(model, [] {});
+  Standing standing{std::move(fits.baseline), {}};
   standing.unseen = diagnose::unseen(model, standing.fit);
-  const Look first = look(model, std::move(standing), delayed ? &*delayed : nullptr, options);
+  const Look first = look(model, std::move(standing), fits.delayed ? &*fits.delayed : nullptr, options);
   std::vector<Decision> decisions{per_frame(model, first), bic_stepwise(model, first, options),
                                   group_lasso(model, first, options), flexible(model, first, jobs)};
   for (Decision& decision : decisions) decision.alarm = decision.alarm || decisions.back().alarm;

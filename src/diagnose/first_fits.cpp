@@ -1,0 +1,68 @@
+#include "first_fits.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "delay.h"
+#include "effects/catalogue.h"
+#include "policy.h"
+
+namespace softarm::diagnose {
+namespace {
+
+JointModel::FitOptions rough_fit() {
+  JointModel::FitOptions roughly;
+  roughly.tolerance = kPolicy.fit.roughly_sd;
+  return roughly;
+}
+
+/// @return nothing where a delay is not found, is in the arm file already, or explains nothing
+std::optional<Linearised> fit_with_delay(JointModel& model, const Linearised& without) {
+  for (const std::unique_ptr<model::Effect>& effect : effects::catalogue()) {
+    if (!effect->info().of_clocks || !effect->applies_to(model.arm())) continue;
+    const bool known =
+        std::any_of(model.known().begin(), model.known().end(),
+                    [&](const model::Present& present) { return present.effect == effect.get(); });
+    const std::optional<Delay> delay = known ? std::nullopt : find_delay(model.arm(), model.trials());
+    if (!delay) return std::nullopt;
+    JointParameters from = model.start();
+    from.effects.push_back({effect.get(), Eigen::Vector2d(delay->offset_s, delay->input)});
+    Linearised delayed = model.fit(from, rough_fit());
+    if (delayed.square < without.square) return delayed;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+FirstFits first_fits(JointModel& model, const std::function<void()>& progress) {
+  FirstFits first;
+  Linearised& baseline = first.baseline;
+  baseline = model.fit(model.start(), rough_fit());
+  first.delayed = fit_with_delay(model, baseline);
+  if (first.delayed) first.ends = model.leave_out_ends(first.delayed->at.effects.back().values[0]);
+  // What is late for another reason, clocks apart for one, makes the fit find a lag that the arm has not, and
+  // that would be taken for motion.
+  const Linearised& moving = first.delayed ? *first.delayed : baseline;
+  JointParameters calm = moving.at;
+  calm.viscoelastic_lag_s = std::min(calm.viscoelastic_lag_s, model.viscoelastic_lag_s());
+  std::vector<std::vector<model::Predicted>> path;
+  model.predict(calm, &moving.predicted, path);
+  first.swinging = model.allow_for_motion(calm, path);
+  progress();
+  // What is known beforehand counts against the misfit as it is, and that changes with what counts.
+  double misfit = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const double now = std::max(1.0, baseline.square / std::max(1, baseline.rows));
+    if (now * kPolicy.fit.same_misfit > misfit && now < kPolicy.fit.same_misfit * misfit) break;
+    misfit = now;
+    model.set_misfit(misfit);
+    const bool anew = misfit > kPolicy.fit.refit_from_start_chi2;
+    baseline = model.fit(anew ? model.start() : baseline.at, rough_fit(), &baseline.predicted);
+  }
+  baseline = model.fit(baseline.at, {}, &baseline.predicted);
+  if (first.delayed) first.delayed = model.fit(first.delayed->at, {}, &first.delayed->predicted);
+  return first;
+}
+
+}  // namespace softarm::diagnose
