@@ -51,7 +51,7 @@ bool drop_superfluous(JointModel& model, Standing& current, std::vector<std::siz
       ++e;
       continue;
     }
-    current = std::move(without);
+    current = standing_on(model, without.fit);
     round_of.erase(round_of.begin() + static_cast<std::ptrdiff_t>(e));
     dropped = true;
     e = 0;
@@ -99,7 +99,7 @@ Ending end_with_what_predicts(JointModel& model, Standing& current, Selection& s
       return {of_all.background, std::move(unseen)};
     const auto least = std::min_element(selection.still_there.begin(), selection.still_there.end()) -
                        selection.still_there.begin();
-    current = refit_without(model, current, static_cast<std::size_t>(least));
+    current = standing_on(model, refit_without(model, current, static_cast<std::size_t>(least)).fit);
     selection.round_of.erase(selection.round_of.begin() + least);
     of_all = posterior_of(model, current, last, options.jobs);
   }

@@ -58,7 +58,10 @@ FirstFits first_fits(JointModel& model, const std::function<void()>& progress) {
     misfit = now;
     model.set_misfit(misfit);
     const bool anew = misfit > kPolicy.fit.refit_from_start_chi2;
-    baseline = model.fit(anew ? model.start() : baseline.at, rough_fit(), &baseline.predicted);
+    JointModel::FitOptions how = rough_fit();
+    how.known = i > 0 && !anew;
+    how.near = how.known ? &baseline : nullptr;
+    baseline = model.fit(anew ? model.start() : baseline.at, how, &baseline.predicted);
   }
   baseline = model.fit(baseline.at, {}, &baseline.predicted);
   if (first.delayed) first.delayed = model.fit(first.delayed->at, {}, &first.delayed->predicted);

@@ -16,8 +16,9 @@ using model::Predicted;
 using model::Seen;
 using model::TrialData;
 
-constexpr double kStep = 1e-3;       // of derivatives, in scales
-constexpr double kWholeStep = 1e-2;  // of differences of whole predictions
+constexpr double kStep = 1e-3;              // of derivatives, in scales
+constexpr double kWholeStep = 1e-2;         // of differences of whole predictions
+constexpr std::size_t kChangesAtOnce = 16;  // so many of a trial are in memory
 
 /// The parameters with one unknown each changed by a step; steps point away from a limit that is near.
 std::vector<JointParameters> one_step_each(const Linearised& lin, std::vector<double>& steps) {
@@ -70,62 +71,96 @@ void JointModel::complete(Linearised& at) {
   at.complete = true;
 }
 
-/// Of all bodies' places and, below, tangents, by a change of the rod that swings as it does; one column per
-/// block.
-Eigen::MatrixXd JointModel::moved(const Linearised& at, std::size_t trial,
-                                  const model::ExtendedModel::Varied& varied) const {
+namespace {
+
+/// Of the rod's parameters, those that any of these changes moves in any block.
+std::vector<bool> changed_by(const std::vector<model::ExtendedModel::Varied>& varied,
+                             const model::ExtendedModel::Varied& reference) {
+  Eigen::ArrayXd most = Eigen::ArrayXd::Zero(reference.values.rows());
+  for (const model::ExtendedModel::Varied& one : varied)
+    most = most.max((one.values - reference.values).cwiseAbs().rowwise().maxCoeff().array());
+  return std::vector<bool>(most.data(), most.data() + most.size());
+}
+
+/// What a change of the rod does to a trial: of all bodies' places and, below, tangents, and, where the arm
+/// swings, of its equilibria in the modes; one column per block.
+struct Move {
+  Eigen::MatrixXd bodies, in_modes, in_next;
+};
+
+/// Sum of derivatives by parameters, each times its change; most changes are those of a few.
+VectorXd sum_by(const Eigen::MatrixXd& derivative, const VectorXd& change,
+                const std::vector<Eigen::Index>& which) {
+  VectorXd sum = VectorXd::Zero(derivative.rows());
+  for (const Eigen::Index j : which) sum += change[j] * derivative.col(j);
+  return sum;
+}
+
+}  // namespace
+
+/// Of all bodies' places and, below, tangents, by each of several changes of the rod that swings as it does;
+/// one column per block.
+std::vector<Eigen::MatrixXd> JointModel::moved(
+    const Linearised& at, std::size_t trial, const std::vector<model::ExtendedModel::Varied>& varied) const {
   const TrialData& data = trials_[trial];
   const std::vector<Predicted>& predicted = at.predicted[trial];
-  const auto bodies = static_cast<Eigen::Index>(arm_.bodies.size()), blocks = varied.values.cols();
-  Eigen::MatrixXd moves = Eigen::MatrixXd::Zero(6 * bodies, blocks), in_modes, in_next;
+  const auto bodies = static_cast<Eigen::Index>(arm_.bodies.size());
+  const Eigen::Index blocks = at.reference[trial].values.cols();
+  std::vector<Move> moves(varied.size());
+  for (Move& one : moves) one.bodies.setZero(6 * bodies, blocks);
   VectorXd change;
   std::vector<Eigen::Index> which;
+  // Block by block: its derivatives are read once for all changes.
   for (Eigen::Index k = 0; k < blocks; ++k) {
     const Predicted& now = predicted[static_cast<std::size_t>(k)];
     const Block& block = data.blocks[static_cast<std::size_t>(k)];
     if (!now.solved) continue;
-    // Most changes are those of a few of the rod's parameters.
-    change = varied.values.col(k) - at.reference[trial].values.col(k);
-    which.clear();
-    for (Eigen::Index j = 0; j < change.size(); ++j)
-      if (change[j] != 0.0) which.push_back(j);
-    if (which.empty()) continue;
-    const auto by = [&](const Eigen::MatrixXd& derivative) {
-      VectorXd sum = VectorXd::Zero(derivative.rows());
-      for (const Eigen::Index j : which) sum += change[j] * derivative.col(j);
-      return sum;
-    };
-    const VectorXd move = by(now.by_rod);
-    Eigen::Index row = 0;
-    for (const Seen& seen : block.bodies) moves.col(k).segment<3>(3 * seen.body) = move.segment<3>(3 * row++);
-    for (const model::SeenTangent& seen : block.tangents)
-      moves.col(k).segment<3>(3 * (bodies + seen.body)) = move.segment<3>(3 * row++);
-    if (varied.swings || now.by_modes_now.size() == 0) continue;
-    if (in_modes.size() == 0) {
-      in_modes.setZero(now.by_modes_now.rows(), blocks);
-      in_next = in_modes;
+    const model::ByRod& by_rod = *now.by_rod;
+    for (std::size_t c = 0; c < varied.size(); ++c) {
+      change = varied[c].values.col(k) - at.reference[trial].values.col(k);
+      which.clear();
+      for (Eigen::Index j = 0; j < change.size(); ++j)
+        if (change[j] != 0.0) which.push_back(j);
+      if (which.empty()) continue;
+      Move& of = moves[c];
+      const VectorXd move = sum_by(by_rod.seen, change, which);
+      Eigen::Index row = 0;
+      for (const Seen& seen : block.bodies)
+        of.bodies.col(k).segment<3>(3 * seen.body) = move.segment<3>(3 * row++);
+      for (const model::SeenTangent& seen : block.tangents)
+        of.bodies.col(k).segment<3>(3 * (bodies + seen.body)) = move.segment<3>(3 * row++);
+      if (varied[c].swings || by_rod.modes_now.size() == 0) continue;
+      if (of.in_modes.size() == 0) {
+        of.in_modes.setZero(by_rod.modes_now.rows(), blocks);
+        of.in_next = of.in_modes;
+      }
+      of.in_modes.col(k) = sum_by(by_rod.modes_now, change, which);
+      if (by_rod.modes_next.size() > 0) of.in_next.col(k) = sum_by(by_rod.modes_next, change, which);
     }
-    in_modes.col(k) = by(now.by_modes_now);
-    if (now.by_modes_next.size() > 0) in_next.col(k) = by(now.by_modes_next);
   }
-  if (in_modes.size() == 0) return moves;
-  const model::TrialModes& modes = modes_[trial];
-  const Eigen::MatrixXd beyond = at.swing[trial]->beyond(in_modes, in_next);
-  for (Eigen::Index k = 0; k < blocks; ++k) {
-    if (modes[static_cast<std::size_t>(k)] != nullptr)
-      moves.col(k) += modes[static_cast<std::size_t>(k)]->bodies * beyond.col(k);
+  std::vector<Eigen::MatrixXd> all;
+  for (Move& of : moves) {
+    if (of.in_modes.size() > 0) {
+      const model::TrialModes& modes = modes_[trial];
+      const Eigen::MatrixXd beyond = at.swing[trial]->beyond(of.in_modes, of.in_next);
+      for (Eigen::Index k = 0; k < blocks; ++k) {
+        if (modes[static_cast<std::size_t>(k)] != nullptr)
+          of.bodies.col(k) += modes[static_cast<std::size_t>(k)]->bodies * beyond.col(k);
+      }
+    }
+    all.push_back(std::move(of.bodies));
   }
-  return moves;
+  return all;
 }
 
 VectorXd JointModel::signature(const Linearised& at, std::size_t trial, const JointParameters& changed,
-                               const model::ExtendedModel::Varied& varied, double step) const {
+                               const model::ExtendedModel::Varied& varied, const Eigen::MatrixXd& moves,
+                               double step) const {
   const TrialData& data = trials_[trial];
   const std::vector<Predicted>& predicted = at.predicted[trial];
   const model::ExtendedModel::Varied& reference = at.reference[trial];
   const auto bodies = static_cast<Eigen::Index>(arm_.bodies.size());
   VectorXd out = VectorXd::Zero(at.residual[trial].size());
-  const Eigen::MatrixXd moves = moved(at, trial, varied);
   Eigen::Index body = 0, row = 3 * reference.seen.cols();
   for (std::size_t k = 0; k < data.blocks.size(); ++k) {
     const Block& block = data.blocks[k];
@@ -158,10 +193,26 @@ Eigen::MatrixXd JointModel::signatures(const Linearised& at, std::size_t trial,
                                        const std::vector<JointParameters>& changed,
                                        const std::vector<double>& steps) {
   Eigen::MatrixXd out(at.residual[trial].size(), static_cast<Eigen::Index>(changed.size()));
-  for (std::size_t j = 0; j < changed.size(); ++j)
-    out.col(static_cast<Eigen::Index>(j)) =
-        signature(at, trial, changed[j], vary(trial, changed[j], at.predicted[trial]), steps[j]);
+  std::vector<model::ExtendedModel::Varied> varied;
+  for (std::size_t first = 0; first < changed.size(); first += varied.size()) {
+    varied.clear();
+    for (std::size_t j = first; j < std::min(changed.size(), first + kChangesAtOnce); ++j)
+      varied.push_back(vary(trial, changed[j], at.predicted[trial]));
+    const std::vector<Eigen::MatrixXd> moves = moved(at, trial, varied);
+    for (std::size_t c = 0; c < varied.size(); ++c)
+      out.col(static_cast<Eigen::Index>(first + c)) =
+          signature(at, trial, changed[first + c], varied[c], moves[c], steps[first + c]);
+  }
   return out;
+}
+
+bool JointModel::share_derivatives(const Linearised& near, std::size_t trial,
+                                   std::vector<Predicted>& predicted) const {
+  for (std::size_t k = 0; k < predicted.size(); ++k) {
+    predicted[k].by_rod = near.predicted[trial][k].by_rod;
+    if (predicted[k].solved && predicted[k].by_rod == nullptr) return false;
+  }
+  return true;
 }
 
 Eigen::MatrixXd JointModel::differences(const Linearised& at, std::size_t trial,
@@ -202,7 +253,7 @@ Eigen::MatrixXd JointModel::differences(const Linearised& at, std::size_t trial,
 
 Linearised JointModel::linearise(const JointParameters& parameters,
                                  const std::vector<std::vector<Predicted>>* start, Derivatives how,
-                                 bool known) {
+                                 bool known, const Linearised* near) {
   const bool whole = how == Derivatives::kWhole;
   const double size = whole ? kWholeStep : kStep;
   Linearised lin;
@@ -240,24 +291,19 @@ Linearised JointModel::linearise(const JointParameters& parameters,
       lin.swing[t].emplace(modes_[t], trials_[t], rest, sluggish);
     }
     std::vector<model::ExtendedModel::Varied> varied;
-    std::vector<bool> touched(rod().parameters().size(), false);
-    for (const JointParameters& other : changed) {
-      varied.push_back(vary(t, other, lin.predicted[t]));
-      for (std::size_t p = 0; p < touched.size(); ++p) {
-        const auto row = static_cast<Eigen::Index>(p);
-        touched[p] = touched[p] || varied.back().values.row(row) != lin.reference[t].values.row(row);
-      }
-    }
-    differentiate(parameters, t, touched, lin.predicted[t]);
+    for (const JointParameters& other : changed) varied.push_back(vary(t, other, lin.predicted[t]));
+    if (near == nullptr || !share_derivatives(*near, t, lin.predicted[t]))
+      differentiate(parameters, t, changed_by(varied, lin.reference[t]), lin.predicted[t]);
     compare();
     if (whole) {
       lin.derivative[t] = differences(lin, t, changed, steps);
       return;
     }
     lin.derivative[t].resize(lin.residual[t].size(), static_cast<Eigen::Index>(varied.size()));
+    const std::vector<Eigen::MatrixXd> moves = moved(lin, t, varied);
     for (std::size_t c = 0; c < varied.size(); ++c)
       lin.derivative[t].col(static_cast<Eigen::Index>(c)) =
-          signature(lin, t, changed[c], varied[c], steps[c]);
+          signature(lin, t, changed[c], varied[c], moves[c], steps[c]);
   });
   weigh(lin);
   return lin;

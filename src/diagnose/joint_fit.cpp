@@ -54,8 +54,8 @@ double JointModel::threshold_at(const std::vector<std::vector<Predicted>>& predi
 /// costs of the bodies then only copy.
 class JointModel::Evaluation : public ceres::EvaluationCallback {
  public:
-  Evaluation(JointModel& model, Linearised at, Derivatives how)
-      : model_(model), how_(how), at_(std::move(at)), x_at_(at_.unknowns()), x_(x_at_) {
+  Evaluation(JointModel& model, Linearised at, Derivatives how, const Linearised* near)
+      : model_(model), how_(how), near_(near), at_(std::move(at)), x_at_(at_.unknowns()), x_(x_at_) {
     x_there_.setConstant(x_.size(), std::numeric_limits<double>::quiet_NaN());
   }
 
@@ -68,7 +68,7 @@ class JointModel::Evaluation : public ceres::EvaluationCallback {
     }
     if (!derivatives || x_ == x_at_) return;
     const JointParameters p = parameters();
-    at_ = model_.linearise(p, &there_, how_, !model_.has_configuration_dependent_load(p));
+    at_ = model_.linearise(p, &there_, how_, !model_.has_configuration_dependent_load(p), near_);
     x_at_ = x_;
   }
 
@@ -100,6 +100,7 @@ class JointModel::Evaluation : public ceres::EvaluationCallback {
 
   JointModel& model_;
   const Derivatives how_;
+  const Linearised* near_;
   Linearised at_;
   std::vector<std::vector<Predicted>> there_;
   std::vector<VectorXd> residual_;  ///< of there_, by trial
@@ -254,11 +255,15 @@ bool JointModel::minimise(Evaluation& evaluation, double tolerance, int& iterati
 Linearised JointModel::fit(JointParameters parameters, const FitOptions& options,
                            const std::vector<std::vector<Predicted>>* start) {
   std::vector<std::vector<Predicted>> predicted;
-  predict(parameters, start, predicted);
+  if (options.known)
+    predicted = *start;
+  else
+    predict(parameters, start, predicted);
   threshold_ = threshold_at(predicted);
   const bool feedback = has_configuration_dependent_load(parameters);
   const Derivatives how = feedback ? options.derivatives : Derivatives::kShapesHeld;
-  Evaluation evaluation(*this, linearise(parameters, &predicted, how, !feedback), how);
+  Evaluation evaluation(*this, linearise(parameters, &predicted, how, !feedback, options.near), how,
+                        options.near);
   for (int left = options.iterations; left > 0;) {
     const bool moved = minimise(evaluation, options.tolerance, left);
     const double before = threshold_;
@@ -276,7 +281,7 @@ Linearised JointModel::fit(JointParameters parameters, const FitOptions& options
 }
 
 Linearised JointModel::fit_without(JointParameters parameters, const std::vector<bool>& without,
-                                   const std::vector<std::vector<Predicted>>& start) {
+                                   const Linearised& all) {
   constexpr int kIterations = 3;      // from where a linear model expects the end
   constexpr double kTolerance = 0.2;  // of a step against the standard deviations
   std::vector<std::size_t> others;
@@ -288,7 +293,8 @@ Linearised JointModel::fit_without(JointParameters parameters, const std::vector
   how.whole = false;
   how.iterations = kIterations;
   how.tolerance = kTolerance;
-  Linearised at = fit(std::move(parameters), how, &start);
+  how.near = &all;
+  Linearised at = fit(std::move(parameters), how, &all.predicted);
   look_at({});
   threshold_ = threshold;
   return at;

@@ -62,7 +62,8 @@ struct Linearised {
   Eigen::VectorXd gradient;     ///< the same
   double square = 0.0;
   int rows = 0;
-  bool complete = false;  ///< Predicted::by_rod by all of the rod's parameters; else by those of the columns
+  /// Predicted::by_rod was made here by all of the rod's parameters; else by those of the columns, or nearby.
+  bool complete = false;
   /// Of a fit: that no step of a size that matters is left.
   bool converged = false;
 
@@ -114,9 +115,11 @@ class JointModel {
   };
   /// @param start shapes to begin from
   /// @param known that `start` are the predictions at `parameters`
+  /// @param near with derivatives by all of the rod that the columns change: good enough here
   Linearised linearise(const JointParameters& parameters,
                        const std::vector<std::vector<model::Predicted>>* start,
-                       Derivatives how = Derivatives::kShapesHeld, bool known = false);
+                       Derivatives how = Derivatives::kShapesHeld, bool known = false,
+                       const Linearised* near = nullptr);
   /// What depends on the shape that it causes, a spring or a wall, answers to every change: there the first
   /// order with shapes held is wrong by up to several times. It finds the way; intervals want the truth.
   bool has_configuration_dependent_load(const JointParameters& parameters) const;
@@ -133,6 +136,10 @@ class JointModel {
     Derivatives derivatives = Derivatives::kShapesHeld;  ///< by which the way there is found
     int iterations = 6;      ///< at most, each one prediction of all trials or few
     double tolerance = 0.1;  ///< of the step that is left, in standard deviations
+    /// A linearisation nearby, the derivatives by the rod of which will do: nullptr: they are made anew. Most
+    /// of the time of a fit is theirs.
+    const Linearised* near = nullptr;
+    bool known = false;  ///< that `start` are the predictions at `parameters`
   };
   /// The constants and effects at which all trials are met best, from `parameters`: a problem of Ceres with
   /// Huber's loss on each body, the columns' priors and bounds. Effects' parameters are free unless they
@@ -142,8 +149,8 @@ class JointModel {
 
   /// The same without some trials, from parameters that are near; of these nothing is predicted.
   /// @param without by trial
-  Linearised fit_without(JointParameters parameters, const std::vector<bool>& without,
-                         const std::vector<std::vector<model::Predicted>>& start);
+  /// @param all the fit of all, whose derivatives by the rod will do
+  Linearised fit_without(JointParameters parameters, const std::vector<bool>& without, const Linearised& all);
   /// For each trial its input sequence (sequences.h).
   const std::vector<std::size_t>& sequences() const { return sequences_; }
   /// For each trial, which ones it is predicted without where it counts as unseen (unseen.h).
@@ -212,10 +219,15 @@ class JointModel {
                      std::vector<model::Predicted>& predicted);
   Eigen::MatrixXd differences(const Linearised& at, std::size_t trial,
                               const std::vector<JointParameters>& changed, const std::vector<double>& steps);
-  Eigen::MatrixXd moved(const Linearised& at, std::size_t trial,
-                        const model::ExtendedModel::Varied& varied) const;
+  /// Takes the derivatives by the rod of a linearisation nearby.
+  /// @return whether it has them all
+  bool share_derivatives(const Linearised& near, std::size_t trial,
+                         std::vector<model::Predicted>& predicted) const;
+  std::vector<Eigen::MatrixXd> moved(const Linearised& at, std::size_t trial,
+                                     const std::vector<model::ExtendedModel::Varied>& varied) const;
   Eigen::VectorXd signature(const Linearised& at, std::size_t trial, const JointParameters& changed,
-                            const model::ExtendedModel::Varied& varied, double step) const;
+                            const model::ExtendedModel::Varied& varied, const Eigen::MatrixXd& moves,
+                            double step) const;
   void add_to(TimeStretch& stretch, const Linearised& at, Eigen::Index row, int degrees_of_freedom) const;
   class Evaluation;  ///< of the problem of fit()
   class BodyCost;

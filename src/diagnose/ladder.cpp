@@ -41,12 +41,12 @@ class ConditionNumbers {
 
 /// By which a block's bodies move as the logarithm of EI grows, all along the arm; m.
 VectorXd by_stiffness(const JointModel& model, const model::Predicted& predicted) {
-  VectorXd sum = VectorXd::Zero(predicted.by_rod.rows());
+  VectorXd sum = VectorXd::Zero(predicted.by_rod->seen.rows());
   const auto& parameters = model.rod().parameters();
   for (std::size_t p = 0; p < parameters.size(); ++p) {
     if (parameters[p].kind != rod::ParameterKind::kBendingCompliance) continue;
     const auto column = static_cast<Eigen::Index>(p);
-    sum -= predicted.values[column] * predicted.by_rod.col(column);
+    sum -= predicted.values[column] * predicted.by_rod->seen.col(column);
   }
   return sum;
 }

@@ -46,12 +46,12 @@ MatrixXd by_moments(const JointModel& model, const Linearised& at, std::size_t t
   const auto bodies = static_cast<Index>(block.bodies.size()),
              tangents = static_cast<Index>(block.tangents.size());
   MatrixXd out = MatrixXd::Zero(3 * (bodies + tangents), static_cast<Index>(parameters.size()));
-  if (!now.solved || !model.uses(t, k) || now.by_rod.size() == 0) return out;
+  if (!now.solved || !model.uses(t, k) || now.by_rod == nullptr) return out;
   const auto fill = [&](Index i, Index row, double sd) {
     const double weight = at.root_weight[t][row] / sd;
     for (std::size_t p = 0; p < parameters.size(); ++p)
       out.col(static_cast<Index>(p)).segment<3>(3 * i) =
-          weight * now.by_rod.col(parameters[p]).segment<3>(3 * i);
+          weight * now.by_rod->seen.col(parameters[p]).segment<3>(3 * i);
   };
   for (Index i = 0; i < bodies; ++i)
     fill(i, rows.bodies[k] + 3 * i, model.sd_m(t, k, block.bodies[static_cast<std::size_t>(i)]));

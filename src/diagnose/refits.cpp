@@ -67,17 +67,16 @@ JointModel::FitOptions refit_options(int iterations) {
 }
 
 /// A refit, and what is said of it.
+/// @param near of the model without the effect
 void fit_from(JointModel& model, const JointParameters& from,
-              const std::vector<std::vector<model::Predicted>>& start, int iterations, Refitted& r) {
-  JointModel::FitOptions how = refit_options(iterations);
+              const std::vector<std::vector<model::Predicted>>& start, JointModel::FitOptions how,
+              const Linearised& near, Refitted& r) {
   how.whole = false;
+  how.near = near.complete ? &near : nullptr;
   r.fit = model.fit(from, how, &start);
   r.unseen = unseen(model, r.fit);
   r.physical = !at_limit(r.fit);
   r.converged = r.fit.converged;
-  // Large, and had again where the catalogue is screened.
-  for (std::vector<model::Predicted>& trial : r.fit.predicted)
-    for (model::Predicted& predicted : trial) predicted.by_rod.resize(0, 0);
 }
 
 /// Probability of a gain on unseen trials, were others like these recorded: the share of the Bayesian
@@ -179,30 +178,38 @@ Refitted refit(JointModel& model, const Standing& current, const Screened& s) {
   for (Eigen::Index j = 0; j < x.size(); ++j)
     set_unknown(p, current.fit.columns[static_cast<std::size_t>(j)], x[j]);
   p.effects.push_back({s.effect, s.values});
-  fit_from(model, p, current.fit.predicted, kRefitIterations, r);
+  fit_from(model, p, current.fit.predicted, refit_options(kRefitIterations), current.fit, r);
   return r;
 }
 
-void finish_leader(JointModel& model, std::vector<Refitted>& refitted) {
+void finish_leader(JointModel& model, const Standing& current, std::vector<Refitted>& refitted) {
   const auto leader =
       std::min_element(refitted.begin(), refitted.end(),
                        [](const Refitted& a, const Refitted& b) { return a.fit.square < b.fit.square; });
   if (leader == refitted.end() || leader->converged) return;
   const std::vector<std::vector<model::Predicted>> start = std::move(leader->fit.predicted);
-  fit_from(model, leader->fit.at, start, kFinishIterations, *leader);
+  JointModel::FitOptions how = refit_options(kFinishIterations);
+  how.known = true;
+  fit_from(model, leader->fit.at, start, how, current.fit, *leader);
 }
 
-Linearised at_its_least(JointModel& model, const Linearised& fit) {
+Standing standing_on(JointModel& model, const Linearised& fit) {
   JointModel::FitOptions how = refit_options(kLastIterations);
   how.derivatives = JointModel::Derivatives::kWhole;
-  return model.fit(fit.at, how, &fit.predicted);
+  how.known = true;
+  Standing standing;
+  standing.fit = model.fit(fit.at, how, &fit.predicted);
+  standing.unseen = unseen(model, standing.fit);
+  return standing;
 }
 
 Standing refit_without(JointModel& model, const Standing& current, std::size_t effect) {
   JointParameters p = current.fit.at;
   p.effects.erase(p.effects.begin() + static_cast<std::ptrdiff_t>(effect));
+  JointModel::FitOptions how = refit_options(kDropIterations);
+  how.near = &current.fit;
   Standing without;
-  without.fit = model.fit(p, refit_options(kDropIterations), &current.fit.predicted);
+  without.fit = model.fit(p, how, &current.fit.predicted);
   without.unseen = unseen(model, without.fit);
   return without;
 }
@@ -219,7 +226,7 @@ std::optional<Standing> at_better_constants(JointModel& model, const Standing& c
   if (best == nullptr) return std::nullopt;
   Standing without = refit_without(model, {best->fit, {}}, best->fit.at.effects.size() - 1);
   if (!(without.fit.square < enough)) return std::nullopt;
-  return without;
+  return standing_on(model, without.fit);
 }
 
 double moved_without_m(const Standing& current, std::size_t effect) {

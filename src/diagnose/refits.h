@@ -41,13 +41,14 @@ Refitted refit(JointModel& model, const Standing& current, const Screened& s);
 /// Goes on with the refit that explains most, where it ended before it converged: what is as good as known is
 /// not to give way to a fit that was easier, nor to leave it to the next round's refits to find its
 /// constants.
-void finish_leader(JointModel& model, std::vector<Refitted>& refitted);
+void finish_leader(JointModel& model, const Standing& current, std::vector<Refitted>& refitted);
 
-/// Where loads depend on the shape, a fit by derivatives with shapes held comes near: the last steps, by
-/// derivatives as they are. Elsewhere evidence would take for a gain of constants what the fit left over.
-Linearised at_its_least(JointModel& model, const Linearised& fit);
+/// What comes next rests on a fit that came near by the derivatives of another: the last steps, by its own,
+/// whole ones where loads depend on the shape. Else evidence would take for a gain of constants what the fit
+/// left over.
+Standing standing_on(JointModel& model, const Linearised& fit);
 
-/// The model so far without one of its effects.
+/// The model so far without one of its effects; by the derivatives that it has.
 Standing refit_without(JointModel& model, const Standing& current, std::size_t effect);
 
 /// The model so far at other constants, where a refit came to better ones and its effect is next to nothing:

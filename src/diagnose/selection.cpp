@@ -13,14 +13,6 @@
 namespace softarm::diagnose {
 namespace {
 
-/// Takes the round's best into the model.
-void take(JointModel& model, const Refitted& best, Standing& current) {
-  current = {best.fit, best.unseen};
-  if (!model.has_configuration_dependent_load(current.fit.at)) return;
-  current.fit = at_its_least(model, best.fit);
-  current.unseen = unseen(model, current.fit);
-}
-
 /// One round: screen, refits of what explains most, the posterior, refits of what is more probable than not.
 /// @param may_move whether the model so far may come to better constants, from which the round begins again
 /// @param delayed a fit with one effect more, from which its refit begins; null: none
@@ -39,7 +31,7 @@ Round look(JointModel& model, Standing& current, bool refits, bool may_move, con
              "refitting with " + s.effect->info().id);
     round.refitted.push_back(refit(model, current, s));
   }
-  finish_leader(model, round.refitted);
+  finish_leader(model, current, round.refitted);
   if (may_move) {
     if (std::optional<Standing> better = at_better_constants(model, current, round.refitted)) {
       current = std::move(*better);
@@ -81,7 +73,7 @@ void take_beside(JointModel& model, const Round& round, Standing& current, std::
     own.taken = best_of(model, own);
     if (own.taken < 0 || !own.refitted.front().converged) continue;
     own.rivals = rivals_of(own);
-    take(model, own.refitted.front(), current);
+    current = standing_on(model, own.refitted.front().fit);
     list.push_back(s.effect);
     taken(std::move(own));
   }
@@ -123,7 +115,7 @@ Selection select(JointModel& model, Linearised baseline, const std::optional<Lin
     taken = round.taken >= 0;
     std::vector<Round> beside;
     if (taken) {
-      take(model, round.refitted[static_cast<std::size_t>(round.taken)], current);
+      current = standing_on(model, round.refitted[static_cast<std::size_t>(round.taken)].fit);
       take_beside(model, round, current, most - n, [&](Round own) { beside.push_back(std::move(own)); });
     }
     beside.insert(beside.begin(), std::move(round));

@@ -200,8 +200,7 @@ Unseen refitted_unseen(JointModel& model, const Linearised& at) {
     }
     if (std::abs(chi2 - expected) <= kPolicy.unseen.first_order * expected) continue;
     ++refits;
-    const Linearised anew =
-        model.fit_without(stepped(at, step[fold.tried.front()]), fold.without, at.predicted);
+    const Linearised anew = model.fit_without(stepped(at, step[fold.tried.front()]), fold.without, at);
     for (const std::size_t t : fold.tried)
       predict_into(model, at, step[t], t, model.predict_trial(anew.at, t, &at.predicted[t]), residual[t]);
   }

@@ -7,6 +7,7 @@
 
 #include "drives.h"
 #include "effects.h"
+#include "math/linear_algebra.h"
 
 namespace softarm::effects {
 namespace {
@@ -45,7 +46,7 @@ class SupplySag : public Described {
     Eigen::RowVectorXd drawn_pa = Eigen::RowVectorXd::Zero(series.inputs.cols());
     if (drawn_pa.size() == 0) return drawn_pa;
     // A trial begins at rest, long settled.
-    Eigen::VectorXd mean_pa = series.inputs(rows, 0), reached_pa = mean_pa;
+    Eigen::VectorXd mean_pa = math::rows_of(series.inputs.col(0), rows), reached_pa = mean_pa;
     for (Eigen::Index i = 1; i < drawn_pa.size(); ++i) {
       const double dt_s = series.t_s[i] - series.t_s[i - 1];
       if (!(dt_s > 0.0)) {

@@ -25,11 +25,11 @@ std::vector<double> body_stations(const arm::Arm& arm) {
   return list;
 }
 
-rod::SolverOptions solver_options(double orientation_tolerance_rad) {
+rod::SolverOptions solver_options(double orientation_tolerance_rad, double position_tolerance) {
   rod::SolverOptions options;
   options.linear_correction_rad = 1e-4;  // positions are exact to its square
   options.orientation_tolerance_rad = orientation_tolerance_rad;
-  options.position_tolerance = 1e-6;
+  options.position_tolerance = position_tolerance;
   return options;
 }
 

@@ -25,7 +25,7 @@ std::vector<double> body_stations(const arm::Arm& arm);
 /// Positions to a thousandth of what cameras see.
 /// @param orientation_tolerance_rad of the base; where differences of solutions are taken, finer than where
 /// none are
-rod::SolverOptions solver_options(double orientation_tolerance_rad);
+rod::SolverOptions solver_options(double orientation_tolerance_rad, double position_tolerance = 1e-6);
 
 /// Derivatives of one body by the rod's parameters, 3 x P. @param body its index, which is its station, too
 Eigen::Matrix3Xd position_by_rod(const arm::MeasuredBody& measured, int body, const rod::Solver& solver);

@@ -99,9 +99,10 @@ struct ExtendedModel::Impl : InstantSolver {
   }
 
   /// Of the rod that was made last.
-  Rest rest_of(const Shape& shape, double t_s) const {
+  Rest rest_of(const Shape& shape, const Eigen::Quaterniond& q_tip, double t_s) const {
     Rest rest;
     rest.t_s = t_s;
+    rest.q_tip = q_tip;
     rest.masses_kg = fine.station_masses_kg(rod);
     rest.lengths_m.resize(fine.stations());
     rest.compliance.resize(fine.stations());
@@ -147,19 +148,21 @@ struct ExtendedModel::Impl : InstantSolver {
   /// Of the rod that was made last, by the parameters that are wanted.
   bool differentiate(const Block& block, const Modes* now, const Modes* next, Predicted& out) {
     if (derivatives->solve(rod, out.q_tip) != rod::SolveStatus::kConverged) return false;
-    out.by_rod.setZero(3 * static_cast<Eigen::Index>(block.bodies.size() + block.tangents.size()),
-                       static_cast<Eigen::Index>(fine.parameters().size()));
+    ByRod by;
+    by.seen.setZero(3 * static_cast<Eigen::Index>(block.bodies.size() + block.tangents.size()),
+                    static_cast<Eigen::Index>(fine.parameters().size()));
     Eigen::Index row = 0;
     const auto put = [&](const Eigen::Matrix3Xd& rows) {
       for (std::size_t j = 0; j < columns.size(); ++j)
-        out.by_rod.block<3, 1>(row, columns[j]) = rows.col(static_cast<Eigen::Index>(j));
+        by.seen.block<3, 1>(row, columns[j]) = rows.col(static_cast<Eigen::Index>(j));
       row += 3;
     };
     for (const Seen& seen : block.bodies)
       put(position_by_rod(bodies[static_cast<std::size_t>(seen.body)], seen.body, *derivatives));
     for (const SeenTangent& seen : block.tangents) put(tangent_by_rod(seen.body, *derivatives));
-    out.by_modes_now = coordinates(now, out.by_rod.cols());
-    out.by_modes_next = next == now ? out.by_modes_now : coordinates(next, out.by_rod.cols());
+    by.modes_now = coordinates(now, by.seen.cols());
+    by.modes_next = next == now ? by.modes_now : coordinates(next, by.seen.cols());
+    out.by_rod = std::make_shared<const ByRod>(std::move(by));
     return true;
   }
 
@@ -179,7 +182,8 @@ struct ExtendedModel::Impl : InstantSolver {
       columns.push_back(static_cast<Eigen::Index>(j));
       parameters.push_back(fine.parameters()[j]);
     }
-    derivatives.emplace(fine.layout(), bodies_and_stations(arm), parameters, solver_options(1e-10));
+    derivatives.emplace(fine.layout(), bodies_and_stations(arm), parameters,
+                        solver_options(1e-10, kIntegrated));
   }
 
   /// Makes the rod of each block that has a prediction, with the shapes and motions of those.
@@ -245,7 +249,7 @@ struct ExtendedModel::Impl : InstantSolver {
       for (int j = 0; j < fine.stations(); ++j)
         for (const int axis : {0, 1, 2})
           forces.push_back({rod::ParameterKind::kLoadForce, FineRod::kFirstStation + j, axis});
-      by_forces.emplace(fine.layout(), bodies_and_stations(arm), forces, solver_options(1e-8));
+      by_forces.emplace(fine.layout(), bodies_and_stations(arm), forces, solver_options(1e-8, kIntegrated));
     }
     if (by_forces->solve(rod, at.q_tip) != rod::SolveStatus::kConverged) return std::nullopt;
     Flexibility f;
@@ -287,6 +291,39 @@ struct ExtendedModel::Impl : InstantSolver {
     return seen.p;
   }
 
+  /// Where the tip of a block is looked for: as in a prediction nearby, turned by what the last block's tip
+  /// was turned from there; without one, as in the last block.
+  class TipGuess {
+   public:
+    explicit TipGuess(const std::vector<Predicted>* start) : start_(start) {}
+
+    /// @param resting the block's equilibrium, where it is the motion beyond it that is looked for
+    std::optional<Eigen::Quaterniond> of(std::size_t k, const Predicted* resting) {
+      const bool known = start_ != nullptr && (*start_)[k].solved;
+      const auto near = [&]() -> const Eigen::Quaterniond& { return (*start_)[k].rest.q_tip; };
+      from_.reset();
+      if (resting != nullptr)
+        from_ = known ? (*start_)[k].q_tip * near().conjugate() * resting->q_tip : resting->q_tip;
+      else if (known)
+        from_ = near();
+      if (from_) return resting == nullptr ? turn_ * *from_ : *from_;
+      return last_;
+    }
+    void found(const Eigen::Quaterniond& q_tip) {
+      if (from_) turn_ = (q_tip * from_->conjugate()).normalized();
+      last_ = q_tip;
+    }
+    void lost() {
+      turn_.setIdentity();
+      last_.reset();
+    }
+
+   private:
+    const std::vector<Predicted>* start_;
+    std::optional<Eigen::Quaterniond> from_, last_;
+    Eigen::Quaterniond turn_ = Eigen::Quaterniond::Identity();
+  };
+
   std::vector<bool> wanted;
   std::vector<Eigen::Index> columns;
   std::optional<rod::Solver> derivatives;  ///< by those
@@ -323,6 +360,7 @@ void ExtendedModel::predict(const arm::Arm& arm, const std::vector<Present>& eff
     Memories memories(effects);
     memories.begin(arm, m.fine);
     Feedback feedback;
+    Impl::TipGuess guess(start);
     const Predicted* last = nullptr;
     for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
       Predicted& now = path[k];
@@ -336,17 +374,21 @@ void ExtendedModel::predict(const arm::Arm& arm, const std::vector<Present>& eff
         last = &(*start)[k];
       }
       const Impl::Context context{arm, memories.all(), dynamics, motion, feedback};
-      now.solved = m.settle(context, effects, last != nullptr ? &last->q_tip : nullptr,
+      const auto q_tip = guess.of(k, moving && resting[k].solved ? &resting[k] : nullptr);
+      now.solved = m.settle(context, effects, q_tip ? &*q_tip : nullptr,
                             last != nullptr ? &last->shape : nullptr, now);
       if (!now.solved) {
         last = nullptr;
+        guess.lost();
         continue;
       }
       last = &now;
+      guess.found(now.q_tip);
       now.values = m.fine.values(m.rod);
       m.positions(arm, effects, trial.blocks[k], now);
       now.sluggish = sluggish;
-      now.rest = moving && resting[k].solved ? resting[k].rest : m.rest_of(now.shape, now.instant.t_s);
+      now.rest =
+          moving && resting[k].solved ? resting[k].rest : m.rest_of(now.shape, now.q_tip, now.instant.t_s);
       if (moving && resting[k].solved && now.p.cols() > 0)
         now.inertial_m = (now.p - resting[k].p).colwise().norm().maxCoeff();
       memories.remember(arm, m.fine, now.instant, now.shape);

@@ -21,6 +21,13 @@ struct Dynamics {
   const TrialModes* modes = nullptr;
 };
 
+/// Derivatives of one block by the rod, FineRod::parameters().
+struct ByRod {
+  Eigen::MatrixXd seen;  ///< of Predicted::p and, below, of the tangents, stacked
+  /// Of the equilibrium in the modes of this block and of the next one; r x parameters.
+  Eigen::MatrixXd modes_now, modes_next;
+};
+
 /// Prediction of one block.
 struct Predicted {
   bool solved = false;
@@ -28,10 +35,8 @@ struct Predicted {
   Eigen::Matrix3Xd tangents;                   ///< one per entry of Block::tangents
   std::vector<Eigen::Quaterniond> q_tangents;  ///< of the sections there
   Eigen::VectorXd values;                      ///< of the rod, FineRod::values
-  /// Derivative of p and, below, of the tangents, stacked, by those; by differentiate().
-  Eigen::MatrixXd by_rod;
-  /// Of the equilibrium in the modes of this block and of the next one, by the same; r x those.
-  Eigen::MatrixXd by_modes_now, by_modes_next;
+  /// By those, from differentiate(); nullptr: not made. Predictions nearby may share them.
+  std::shared_ptr<const ByRod> by_rod;
   Shape shape;
   Instant instant;
   Eigen::Quaterniond q_tip = Eigen::Quaterniond::Identity();

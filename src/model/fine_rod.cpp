@@ -145,61 +145,32 @@ Eigen::VectorXd FineRod::station_masses_kg(const rod::Rod& rod) const {
 
 Eigen::VectorXd FineRod::values(const rod::Rod& rod) const {
   Eigen::VectorXd v(static_cast<Eigen::Index>(parameters_.size()));
-  const Eigen::Vector3d turn = math::log_so3((rod.q_base * layout_.q_base.conjugate()).normalized());
-  for (Eigen::Index k = 0; k < v.size(); ++k) {
-    const rod::Parameter& which = parameters_[static_cast<std::size_t>(k)];
-    const auto index = static_cast<std::size_t>(which.index);
-    switch (which.kind) {
-      case ParameterKind::kRestCurvature:
-        v[k] = rod.segments[index].rest_curvature_per_m[which.component];
-        break;
-      case ParameterKind::kMoment:
-        v[k] = rod.segments[index].moment_nm[which.component];
-        break;
-      case ParameterKind::kBendingCompliance:
-        v[k] = rod.segments[index].bending_compliance;
-        break;
-      case ParameterKind::kTorsionalCompliance:
-        v[k] = rod.segments[index].torsional_compliance;
-        break;
-      case ParameterKind::kAxialCompliance:
-        v[k] = rod.segments[index].axial_compliance;
-        break;
-      case ParameterKind::kShearCompliance:
-        v[k] = rod.segments[index].shear_compliance;
-        break;
-      case ParameterKind::kJointCompliance:
-        v[k] = rod.segments[index].joint_compliance;
-        break;
-      case ParameterKind::kLength:
-        v[k] = rod.segments[index].length_m;
-        break;
-      case ParameterKind::kSegmentMass:
-        v[k] = rod.segments[index].mass_kg;
-        break;
-      case ParameterKind::kLoadForce:
-        v[k] = rod.loads[index].force_n[which.component];
-        break;
-      case ParameterKind::kLoadMoment:
-        v[k] = rod.loads[index].moment_nm[which.component];
-        break;
-      case ParameterKind::kLoadMass:
-        v[k] = rod.loads[index].mass_kg;
-        break;
-      case ParameterKind::kLoadOffset:
-        v[k] = rod.loads[index].offset_m[which.component];
-        break;
-      case ParameterKind::kGravity:
-        v[k] = rod.gravity_m_s2[which.component];
-        break;
-      case ParameterKind::kBaseRotation:
-        v[k] = turn[which.component];
-        break;
-      case ParameterKind::kLoadScale:
-        v[k] = 1.0;
-        break;
+  Eigen::Index k = 0;
+  const auto put = [&](const Eigen::Vector3d& of) {
+    v.segment<3>(k) = of;
+    k += 3;
+  };
+  // In the order of the constructor.
+  for (std::size_t j = 0; j < pieces_.size(); ++j) {
+    const rod::Segment& segment = rod.segments[j];
+    for (const double value :
+         {segment.bending_compliance, segment.torsional_compliance, segment.axial_compliance,
+          segment.shear_compliance, segment.length_m, segment.mass_kg})
+      v[k++] = value;
+    if (pieces_[j].fraction_from == 0.0) v[k++] = segment.joint_compliance;
+    put(segment.moment_nm);
+    put(segment.rest_curvature_per_m);
+  }
+  for (std::size_t load = 0; load < rod.loads.size(); ++load) {
+    if (static_cast<int>(load) < kFirstStation) {
+      v[k++] = rod.loads[load].mass_kg;
+      put(rod.loads[load].offset_m);
+    } else {
+      put(rod.loads[load].force_n);
     }
   }
+  put(rod.gravity_m_s2);
+  put(math::log_so3((rod.q_base * layout_.q_base.conjugate()).normalized()));
   return v;
 }
 

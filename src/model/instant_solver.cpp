@@ -55,7 +55,7 @@ std::vector<double> InstantSolver::stations(const arm::Arm& arm, const FineRod& 
 }
 
 rod::SolverOptions InstantSolver::options(const arm::Arm& arm, const Mesh& mesh) {
-  rod::SolverOptions options = solver_options(1e-10);
+  rod::SolverOptions options = solver_options(1e-10, kIntegrated);
   options.linear_correction_rad = kCorrection * std::sqrt(mesh.settled_m / arm.total_length_m());
   return options;
 }

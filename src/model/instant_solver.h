@@ -20,6 +20,10 @@ struct Mesh {
   static Mesh of(const std::vector<Present>& effects, double settled_m);
 };
 
+/// To which positions along a rod of pieces are integrated, over its length, by an estimate that is several
+/// times too large: far below what is seen of bodies, and the same in all predictions.
+constexpr double kIntegrated = 1e-5;
+
 /// How a shape answers what it causes; kept from one instant to the next, where it changes little.
 struct Feedback {
   double share = 1.0;   ///< of what follows that is assumed next

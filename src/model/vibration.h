@@ -14,6 +14,7 @@ namespace softarm::model {
 /// A path of equilibria, as a swing needs it: of one block, rod's base frame.
 struct Rest {
   double t_s = 0.0;
+  Eigen::Quaterniond q_tip = Eigen::Quaterniond::Identity();
   std::vector<Eigen::Vector3d> stations, curvature;  ///< m; u at the pieces' middles, 1/m
   Eigen::VectorXd masses_kg;                         ///< at the stations
   Eigen::VectorXd lengths_m, compliance;             ///< of the pieces; rad/(N m) per metre

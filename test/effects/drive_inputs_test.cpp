@@ -62,7 +62,7 @@ TEST(Hysteresis, OfPressuresLeavesTheVacuumAndOfTensionsHasItsOwnUnit) {
 }
 
 TEST(FlowLimit, LetsSlowRampsPassAndCutsFastOnes) {
-  const Eigen::Vector3d values(1.0, 10e3, 0.5);
+  const Eigen::Vector4d values(1.0, 10e3, 0.5, 0.0);
   const model::TrialData slow = made_up(arm(), 41.0, triangles(arm(), kChamber1, 30e3, 20.0)),
                          fast = made_up(arm(), 5.0, triangles(arm(), kChamber1, 30e3, 4.0));
   // 3 kPa/s up and down.
@@ -79,6 +79,28 @@ TEST(FlowLimit, LetsSlowRampsPassAndCutsFastOnes) {
   EXPECT_NEAR(steepest, 10e3, 1.0);
   EXPECT_NEAR(fall, -5e3, 1.0);
   EXPECT_EQ(series.inputs.row(kVacuum), fast.series.inputs.row(kVacuum));
+}
+
+TEST(FlowLimit, OfOneSourceIsSharedByWhatRises) {
+  // From 1 s on chambers 1 and 2 are told 20 and 5 kPa, 3 is vented.
+  const model::TrialData trial = made_up(arm(), 8.0, [](double t_s) {
+    const bool told = t_s > 0.995;
+    return Eigen::Vector4d(told ? 20e3 : 0.0, told ? 5e3 : 0.0, told ? 0.0 : 8e3, 40e3);
+  });
+  const model::Series series = driven("flow_limit", Eigen::Vector4d(1.0, 5e3, 2.0, 1.0), trial);
+  const auto at = [&](Eigen::Index row, double t_s) {
+    return series.inputs(row, static_cast<Eigen::Index>(t_s * 50.0));
+  };
+  // Together they rise at 5 kPa/s, the one that is farther behind faster, until all 25 kPa are there.
+  for (const double t_s : {1.5, 3.0, 5.0})
+    EXPECT_NEAR(at(kChamber1, t_s) + at(kChamber1 + 1, t_s), 5e3 * (t_s - 0.98), 1.0) << t_s;
+  EXPECT_NEAR(at(kChamber1, 1.1) / at(kChamber1 + 1, 1.1), 2.0, 0.05);
+  EXPECT_LT(at(kChamber1 + 1, 4.0), 5e3);
+  EXPECT_NEAR(at(kChamber1, 6.1), 20e3, 1.0);
+  EXPECT_NEAR(at(kChamber1 + 1, 6.1), 5e3, 1.0);
+  // Vents are their own.
+  EXPECT_NEAR(at(kChamber1 + 2, 1.48), 8e3 - 10e3 * 0.5, 1.0);
+  EXPECT_EQ(series.inputs.row(kVacuum), trial.series.inputs.row(kVacuum));
 }
 
 TEST(SupplySag, TakesFromAllWhatTheyDrawTogether) {

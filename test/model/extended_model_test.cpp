@@ -96,7 +96,7 @@ TEST_P(OfBody, ALargeOneIsSolved) {
       {true, 0.02}, true);
   for (const model::Predicted& now : path) {
     EXPECT_TRUE(now.p.allFinite());
-    EXPECT_TRUE(now.by_rod.allFinite());
+    EXPECT_TRUE(now.by_rod->seen.allFinite());
     EXPECT_LT(now.p.colwise().norm().maxCoeff(), 2.0 * arm.total_length_m());
   }
 }

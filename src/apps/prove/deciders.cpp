@@ -102,7 +102,8 @@ void drop_unsupported(JointModel& model, const Look& look, Standing& standing) {
     const std::vector<double> worth = supports(model, look, standing);
     const auto least = std::min_element(worth.begin(), worth.end());
     if (*least > 0.0) return;
-    standing = diagnose::refit_without(model, standing, static_cast<std::size_t>(least - worth.begin()));
+    const auto which = static_cast<std::size_t>(least - worth.begin());
+    standing = diagnose::standing_on(model, diagnose::refit_without(model, standing, which).fit);
   }
 }
 
@@ -189,7 +190,7 @@ Look look(JointModel& model, Standing standing, const Linearised* delayed, const
   if (delayed != nullptr) diagnose::begin_from(model, standing, *delayed, look.round.screened);
   for (const std::size_t i : diagnose::worth_a_refit(model, look.round.screened, options))
     look.round.refitted.push_back(diagnose::refit(model, standing, look.round.screened[i]));
-  diagnose::finish_leader(model, look.round.refitted);
+  diagnose::finish_leader(model, look.standing, look.round.refitted);
   if (may_move)
     if (std::optional<Standing> better = diagnose::at_better_constants(model, standing, look.round.refitted))
       return prove::look(model, std::move(*better), delayed, options, false);

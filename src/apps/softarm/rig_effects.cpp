@@ -269,7 +269,12 @@ Choices camera_bow(const Numbers& v) {
 Choices flow_limit(const Numbers& v) {
   if (!nearly(v("share"), 1.0))
     throw std::invalid_argument("a limit that is kept by a share only is nothing the virtual rig has");
-  return {choice("flow_limit", "slew",
+  const bool shared = nearly(v("together"), 1.0);
+  if (!shared && v("together") > kNearly)
+    throw std::invalid_argument(
+        "a limit that chambers have partly in common is nothing the virtual rig has: together must be 0 or "
+        "1");
+  return {choice("flow_limit", shared ? "shared" : "slew",
                  {{"rise_pa_per_s", v("rise_pa_per_s")}, {"fall_pa_per_s", v("fall") * v("rise_pa_per_s")}})};
 }
 
