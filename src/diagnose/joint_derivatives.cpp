@@ -73,6 +73,12 @@ void JointModel::complete(Linearised& at) {
 
 namespace {
 
+/// As it was before the residuals were weighed; 0 where they are.
+Eigen::MatrixXd unweighted_derivative(const Linearised& at, std::size_t trial) {
+  const VectorXd& root = at.root_weight[trial];
+  return (root.array() > 0.0).select(root.cwiseInverse(), 0.0).matrix().asDiagonal() * at.derivative[trial];
+}
+
 /// Of the rod's parameters, those that any of these changes moves in any block.
 std::vector<bool> changed_by(const std::vector<model::ExtendedModel::Varied>& varied,
                              const model::ExtendedModel::Varied& reference) {
@@ -296,7 +302,8 @@ Linearised JointModel::linearise(const JointParameters& parameters,
       differentiate(parameters, t, changed_by(varied, lin.reference[t]), lin.predicted[t]);
     compare();
     if (whole) {
-      lin.derivative[t] = differences(lin, t, changed, steps);
+      lin.derivative[t] =
+          near != nullptr ? unweighted_derivative(*near, t) : differences(lin, t, changed, steps);
       return;
     }
     lin.derivative[t].resize(lin.residual[t].size(), static_cast<Eigen::Index>(varied.size()));

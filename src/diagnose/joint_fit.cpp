@@ -68,7 +68,8 @@ class JointModel::Evaluation : public ceres::EvaluationCallback {
     }
     if (!derivatives || x_ == x_at_) return;
     const JointParameters p = parameters();
-    at_ = model_.linearise(p, &there_, how_, !model_.has_configuration_dependent_load(p), near_);
+    // Whole derivatives cost a prediction each: on a way as short as the last steps are, those of its begin.
+    at_ = model_.linearise(p, &there_, how_, true, how_ == Derivatives::kWhole ? &at_ : near_);
     x_at_ = x_;
   }
 
@@ -262,8 +263,7 @@ Linearised JointModel::fit(JointParameters parameters, const FitOptions& options
   threshold_ = threshold_at(predicted);
   const bool feedback = has_configuration_dependent_load(parameters);
   const Derivatives how = feedback ? options.derivatives : Derivatives::kShapesHeld;
-  Evaluation evaluation(*this, linearise(parameters, &predicted, how, !feedback, options.near), how,
-                        options.near);
+  Evaluation evaluation(*this, linearise(parameters, &predicted, how, true, options.near), how, options.near);
   for (int left = options.iterations; left > 0;) {
     const bool moved = minimise(evaluation, options.tolerance, left);
     const double before = threshold_;
@@ -275,7 +275,7 @@ Linearised JointModel::fit(JointParameters parameters, const FitOptions& options
   const bool converged = step_left(evaluation.at()) < kPolicy.fit.converged_sd;
   Linearised at = std::move(evaluation.at());
   if (feedback && options.whole && how != Derivatives::kWhole)
-    at = linearise(at.at, &at.predicted, Derivatives::kWhole);
+    at = linearise(at.at, &at.predicted, Derivatives::kWhole, true);
   at.converged = converged;
   return at;
 }

@@ -115,7 +115,8 @@ class JointModel {
   };
   /// @param start shapes to begin from
   /// @param known that `start` are the predictions at `parameters`
-  /// @param near with derivatives by all of the rod that the columns change: good enough here
+  /// @param near with derivatives by all of the rod that the columns change, or whole ones of the same
+  /// columns: good enough here
   Linearised linearise(const JointParameters& parameters,
                        const std::vector<std::vector<model::Predicted>>* start,
                        Derivatives how = Derivatives::kShapesHeld, bool known = false,

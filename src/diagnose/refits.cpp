@@ -208,6 +208,7 @@ Standing refit_without(JointModel& model, const Standing& current, std::size_t e
   p.effects.erase(p.effects.begin() + static_cast<std::ptrdiff_t>(effect));
   JointModel::FitOptions how = refit_options(kDropIterations);
   how.near = &current.fit;
+  how.whole = false;
   Standing without;
   without.fit = model.fit(p, how, &current.fit.predicted);
   without.unseen = unseen(model, without.fit);

@@ -368,15 +368,14 @@ void ExtendedModel::predict(const arm::Arm& arm, const std::vector<Present>& eff
       if (!walls.empty()) now.instant.kept_back = walls[k];
       if (k > 0 && now.instant.dt_s <= 0.0) memories.rest();
       const Motion motion = moving ? motions[k] : Motion();
-      if (moving && resting[k].solved) {
-        last = &resting[k];
-      } else if (start != nullptr && (*start)[k].solved) {
-        last = &(*start)[k];
-      }
+      const Shape* near = last != nullptr ? &last->shape : nullptr;
+      if (start != nullptr && (*start)[k].solved)
+        near = moving ? &(*start)[k].shape : (*start)[k].rest_shape.get();
+      else if (moving && resting[k].solved)
+        near = &resting[k].shape;
       const Impl::Context context{arm, memories.all(), dynamics, motion, feedback};
       const auto q_tip = guess.of(k, moving && resting[k].solved ? &resting[k] : nullptr);
-      now.solved = m.settle(context, effects, q_tip ? &*q_tip : nullptr,
-                            last != nullptr ? &last->shape : nullptr, now);
+      now.solved = m.settle(context, effects, q_tip ? &*q_tip : nullptr, near, now);
       if (!now.solved) {
         last = nullptr;
         guess.lost();
@@ -387,8 +386,13 @@ void ExtendedModel::predict(const arm::Arm& arm, const std::vector<Present>& eff
       now.values = m.fine.values(m.rod);
       m.positions(arm, effects, trial.blocks[k], now);
       now.sluggish = sluggish;
-      now.rest =
-          moving && resting[k].solved ? resting[k].rest : m.rest_of(now.shape, now.q_tip, now.instant.t_s);
+      if (moving && resting[k].solved) {
+        now.rest = resting[k].rest;
+        now.rest_shape = resting[k].rest_shape;
+      } else {
+        now.rest = m.rest_of(now.shape, now.q_tip, now.instant.t_s);
+        now.rest_shape = std::make_shared<const Shape>(now.shape);
+      }
       if (moving && resting[k].solved && now.p.cols() > 0)
         now.inertial_m = (now.p - resting[k].p).colwise().norm().maxCoeff();
       memories.remember(arm, m.fine, now.instant, now.shape);

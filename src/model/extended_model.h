@@ -40,9 +40,10 @@ struct Predicted {
   Shape shape;
   Instant instant;
   Eigen::Quaterniond q_tip = Eigen::Quaterniond::Identity();
-  double inertial_m = 0.0;  ///< by which inertia and lag moved the body that they moved most
-  Rest rest;                ///< the equilibrium without them
-  Sluggishness sluggish;    ///< in the motion of `shape`
+  double inertial_m = 0.0;                  ///< by which inertia and lag moved the body that they moved most
+  Rest rest;                                ///< the equilibrium without them
+  std::shared_ptr<const Shape> rest_shape;  ///< and all of its shape
+  Sluggishness sluggish;                    ///< in the motion of `shape`
 };
 
 /// Over one trial after the other; keeps its scratch memory. Not thread-safe.

@@ -44,6 +44,35 @@ TEST(Refits, WhatARefitGainsByBetterConstantsIsNotItsEffects) {
   EXPECT_NEAR(better->fit.square, good.fit.square, 0.01 * good.fit.square);
 }
 
+/// Effects of which one, a wall, answers to the shape.
+class SharedDerivatives : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(SharedDerivatives, LeadWhereOnesOwnDo) {
+  const testing::RecordedCase drawn = testing::recorded_case(
+      std::string("{count_weights: [0, 1], from: [") + GetParam() + "], size: [0.8, 1.2]}", 6, 4, 8.0);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  const std::vector<Screened> screened = screen(looked.model, looked.baseline, 0, [](double) {});
+  const auto at = std::find_if(screened.begin(), screened.end(),
+                               [&](const Screened& s) { return s.effect->info().id == GetParam(); });
+  ASSERT_NE(at, screened.end());
+  Standing shares{looked.baseline, unseen(looked.model, looked.baseline)};
+  ASSERT_TRUE(shares.fit.complete);
+  Standing alone = shares;
+  alone.fit.complete = false;
+  const Refitted shared = refit(looked.model, shares, *at), own = refit(looked.model, alone, *at);
+  EXPECT_EQ(shared.fit.predicted[0][0].by_rod, looked.baseline.predicted[0][0].by_rod);
+  EXPECT_NE(own.fit.predicted[0][0].by_rod, looked.baseline.predicted[0][0].by_rod);
+  const Linearised by_shared = standing_on(looked.model, shared.fit).fit,
+                   by_own = standing_on(looked.model, own.fit).fit;
+  EXPECT_NEAR(by_shared.square, by_own.square, 1e-3 * by_own.square);
+  const Eigen::VectorXd off = by_shared.unknowns() - by_own.unknowns();
+  EXPECT_LT(std::sqrt(off.dot(by_own.information * off)), 1.0) << "standard deviations";
+}
+
+INSTANTIATE_TEST_SUITE_P(Effects, SharedDerivatives,
+                         ::testing::Values("base_compliance", "payload_scale", "contact"),
+                         [](const auto& which) { return std::string(which.param); });
+
 /// The model with one effect more than the arm's constants, as a selection's rounds leave it.
 struct Extended {
   explicit Extended(testing::Looked& looked, const std::string& id) {

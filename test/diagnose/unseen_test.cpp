@@ -74,7 +74,7 @@ TEST(Unseen, AFitWithoutSomeTrialsLeavesTheModelAsItWas) {
   testing::Looked looked(drawn.arm, drawn.trials);
   const double threshold = looked.model.threshold();
   const Unseen before = unseen(looked.model, looked.baseline);
-  looked.model.fit_without(looked.baseline.at, {true, false, false}, looked.baseline.predicted);
+  looked.model.fit_without(looked.baseline.at, {true, false, false}, looked.baseline);
   EXPECT_EQ(looked.model.threshold(), threshold);
   const Linearised again = looked.model.linearise(looked.baseline.at, &looked.baseline.predicted);
   EXPECT_NEAR(unseen(looked.model, again).total_chi2, before.total_chi2, 1e-3 * before.total_chi2);
@@ -90,7 +90,7 @@ TEST(BetweenFolds, IsHowFarFitsWithoutEachTrialLieApart) {
     Flags without(trials, false);
     without[t] = true;
     left_out.col(static_cast<Eigen::Index>(t)) =
-        looked.model.fit_without(looked.baseline.at, without, looked.baseline.predicted).unknowns();
+        looked.model.fit_without(looked.baseline.at, without, looked.baseline).unknowns();
   }
   left_out.colwise() -= left_out.rowwise().mean().eval();
   ASSERT_EQ(between.rows(), left_out.rows());
