@@ -49,7 +49,7 @@ class SharedDerivatives : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(SharedDerivatives, LeadWhereOnesOwnDo) {
   const testing::RecordedCase drawn = testing::recorded_case(
-      std::string("{count_weights: [0, 1], from: [") + GetParam() + "], size: [0.8, 1.2]}", 6, 4, 8.0);
+      std::string("{count_weights: [0, 1], from: [") + GetParam() + "], size: [0.6, 1.0]}", 6, 4, 8.0);
   testing::Looked looked(drawn.arm, drawn.trials);
   const std::vector<Screened> screened = screen(looked.model, looked.baseline, 0, [](double) {});
   const auto at = std::find_if(screened.begin(), screened.end(),
