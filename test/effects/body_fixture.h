@@ -137,7 +137,8 @@ inline Eigen::VectorXd signature(model::ExtendedModel& model, const arm::Arm& ar
   Eigen::Index row = 0;
   for (std::size_t k = 0; k < base.size(); ++k) {
     const auto column = static_cast<Eigen::Index>(k);
-    const Eigen::VectorXd change = base[k].by_rod->seen * (with.values.col(column) - without.values.col(column));
+    const Eigen::VectorXd change =
+        base[k].by_rod->seen * (with.values.col(column) - without.values.col(column));
     all.segment(row, change.size()) = change;
     row += change.size();
   }
