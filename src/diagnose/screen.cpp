@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <numeric>
 
 #include "effects/catalogue.h"
 #include "math/linear_algebra.h"
@@ -21,6 +22,7 @@ using model::Present;
 using model::Values;
 
 constexpr double kStep = 0.05;            // of a usual size: effects are linear in their sizes there
+constexpr std::size_t kMadeAnew = 2;      // values of one grid: which of the best two is better may change
 constexpr double kLeastVariance = 1e-12;  // of an orthogonal signature, as a share of the whole one
 
 /// One set of grid values of one effect, and its sums over the stretches.
@@ -28,6 +30,8 @@ struct Variant {
   const Effect* effect = nullptr;
   Values values;                ///< sizes 0
   VectorXd usual;               ///< of the sizes
+  std::vector<MatrixXd> moves;  ///< D by trial, not weighted
+  bool of_before = false;       ///< those are of another model
   std::vector<MatrixXd> own;    ///< D^T D by stretch, D by usual sizes
   std::vector<MatrixXd> mixed;  ///< J^T D
   std::vector<VectorXd> score;  ///< D^T r
@@ -51,13 +55,14 @@ std::vector<Variant> variants(const JointModel& model, const Linearised& at) {
       variant.own.resize(at.stretches.size());
       variant.mixed.resize(at.stretches.size());
       variant.score.resize(at.stretches.size());
+      variant.moves.resize(model.trials().size());
       list.push_back(std::move(variant));
     }
   }
   return list;
 }
 
-/// Signatures by usual sizes, weighted as the residuals are.
+/// Signatures by usual sizes, whitened.
 MatrixXd signature_of(JointModel& model, const Linearised& at, std::size_t trial, const Variant& variant) {
   std::vector<JointParameters> changed;
   std::vector<double> steps;
@@ -71,8 +76,7 @@ MatrixXd signature_of(JointModel& model, const Linearised& at, std::size_t trial
     changed.push_back(std::move(p));
     steps.push_back(sign * kStep);
   }
-  MatrixXd d = model.signatures(at, trial, changed, steps);
-  return at.root_weight[trial].asDiagonal() * d;
+  return model.signatures(at, trial, changed, steps);
 }
 
 /// Rows of a stretch in its trial's vectors: first one and number, of its bodies and of its tangents.
@@ -208,16 +212,18 @@ Screened judge(const JointModel& model, const Linearised& at, const Variant& var
   return out;
 }
 
-/// The variants' sums over all stretches.
-void fill_sums(JointModel& model, const Linearised& at, std::vector<Variant>& list,
+/// The signatures that variants do not have yet, and the sums of all these variants over all stretches.
+void fill_sums(JointModel& model, const Linearised& at, const std::vector<Variant*>& list,
                const std::function<void(double)>& progress) {
   std::vector<std::vector<std::size_t>> stretches_of(model.trials().size());
   for (std::size_t c = 0; c < at.stretches.size(); ++c) stretches_of[at.stretches[c].trial].push_back(c);
   std::atomic<std::size_t> done{0};
   model.each_trial([&](std::size_t t) {
     const auto rows = rows_of_stretches(at, t);
-    for (Variant& variant : list) {
-      const MatrixXd d = signature_of(model, at, t, variant);
+    for (Variant* one : list) {
+      Variant& variant = *one;
+      if (variant.moves[t].size() == 0) variant.moves[t] = signature_of(model, at, t, variant);
+      const MatrixXd d = at.root_weight[t].asDiagonal() * variant.moves[t];
       for (std::size_t i = 0; i < rows.size(); ++i) {
         const std::size_t c = stretches_of[t][i];
         variant.own[c] = MatrixXd::Zero(d.cols(), d.cols());
@@ -254,10 +260,43 @@ std::vector<Best> best_of_each(const std::vector<Variant>& list, const std::vect
     }
     // A detectable size anywhere on the grid is one of the effect.
     const double usual_z = std::max(same->screened.usual_z, judged[i].usual_z);
-    if (judged[i].gain > same->screened.gain) *same = {judged[i], &list[i], {}, {}};
+    const bool better = same->variant->of_before != list[i].of_before ? same->variant->of_before
+                                                                      : judged[i].gain > same->screened.gain;
+    if (better) *same = {judged[i], &list[i], {}, {}};
     same->screened.usual_z = usual_z;
   }
   return best;
+}
+
+/// Gives variants the signatures that are known of another model.
+void begin_with(std::vector<KnownSignatures::Of>& known, std::vector<Variant>& list) {
+  for (Variant& variant : list) {
+    const auto same = std::find_if(known.begin(), known.end(), [&](const KnownSignatures::Of& of) {
+      return of.effect == variant.effect && of.values == variant.values;
+    });
+    if (same == known.end()) continue;
+    variant.moves = std::move(same->moves);
+    variant.of_before = true;
+    known.erase(same);
+  }
+}
+
+/// Of each effect the variants that explain most by signatures of another model, without those.
+std::vector<std::size_t> made_anew(std::vector<Variant>& list, const std::vector<Screened>& judged) {
+  std::vector<std::size_t> order(list.size()), chosen;
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return judged[a].gain > judged[b].gain; });
+  for (const std::size_t i : order) {
+    const auto same = std::count_if(chosen.begin(), chosen.end(),
+                                    [&](std::size_t c) { return list[c].effect == list[i].effect; });
+    if (list[i].of_before && static_cast<std::size_t>(same) < kMadeAnew) chosen.push_back(i);
+  }
+  for (const std::size_t i : chosen) {
+    for (MatrixXd& moves : list[i].moves) moves.resize(0, 0);
+    list[i].of_before = false;
+  }
+  return chosen;
 }
 
 /// Sums of squares over the bodies, m^2: of a signature, and of what of it the constants leave.
@@ -305,7 +344,7 @@ void set_sizes(JointModel& model, const Linearised& at, std::vector<Best>& best)
   std::vector<std::vector<Squares>> squares(model.trials().size(), std::vector<Squares>(best.size()));
   model.each_trial([&](std::size_t t) {
     for (std::size_t b = 0; b < best.size(); ++b) {
-      const VectorXd d = signature_of(model, at, t, *best[b].variant) * best[b].sizes;
+      const VectorXd d = at.root_weight[t].asDiagonal() * (best[b].variant->moves[t] * best[b].sizes);
       const VectorXd left = d - at.derivative[t] * best[b].absorbed;
       best[b].screened.direction.segment(begins[t], d.size()) = left;
       squares[t][b] = squares_of(model, at, t, d, left);
@@ -351,19 +390,34 @@ double inflation(const Linearised& at) {
 }
 
 std::vector<Screened> screen(JointModel& model, Linearised& at, unsigned jobs,
-                             const std::function<void(double)>& progress) {
+                             const std::function<void(double)>& progress, KnownSignatures* known) {
   model.complete(at);
   std::vector<Variant> list = variants(model, at);
-  fill_sums(model, at, list, progress);
+  if (known != nullptr) begin_with(known->list, list);
   const std::vector<Others> others = without_each(model, at);
   std::vector<Screened> judged(list.size());
-  math::in_parallel(list.size(), jobs, [&](std::size_t i) { judged[i] = judge(model, at, list[i], others); });
+  std::vector<std::size_t> which(list.size());
+  std::iota(which.begin(), which.end(), std::size_t{0});
+  while (!which.empty()) {
+    std::vector<Variant*> these;
+    for (const std::size_t i : which) these.push_back(&list[i]);
+    fill_sums(model, at, these, progress);
+    math::in_parallel(which.size(), jobs,
+                      [&](std::size_t i) { judged[which[i]] = judge(model, at, *these[i], others); });
+    const bool first = which.size() == list.size();
+    which = first ? made_anew(list, judged) : std::vector<std::size_t>();
+  }
   std::vector<Best> best = best_of_each(list, judged);
   set_sizes(model, at, best);
   std::vector<Screened> screened;
   for (Best& b : best) screened.push_back(std::move(b.screened));
   std::stable_sort(screened.begin(), screened.end(),
                    [](const Screened& a, const Screened& b) { return a.gain > b.gain; });
+  if (known != nullptr) {
+    known->list.clear();
+    for (Variant& variant : list)
+      known->list.push_back({variant.effect, std::move(variant.values), std::move(variant.moves)});
+  }
   return screened;
 }
 

@@ -25,10 +25,22 @@ struct Screened {
   Eigen::VectorXd direction;  ///< orthogonal signature of the estimate, unit, all trials: against rivals
 };
 
+/// Signatures at all values of the catalogue's grids that a screen made.
+struct KnownSignatures {
+  struct Of {
+    const model::Effect* effect = nullptr;
+    model::Values values;                ///< sizes 0
+    std::vector<Eigen::MatrixXd> moves;  ///< by trial: whitened, by usual sizes
+  };
+  std::vector<Of> list;
+};
+
 /// For one fit: signatures of all effects that are not in it, orthogonal to all its unknowns.
-/// @param exclude effects not to be tried
+/// @param known of a screen of the model before: which values of a grid explain most is found by those, and
+/// only their own signatures are made anew. Becomes those of this screen; nullptr: none are, and none are
+/// kept
 std::vector<Screened> screen(JointModel& model, Linearised& at, unsigned jobs,
-                             const std::function<void(double)>& progress);
+                             const std::function<void(double)>& progress, KnownSignatures* known = nullptr);
 
 /// How much wider than under independent residuals an estimate's spread is: from the sums of stretches.
 double inflation(const Linearised& at);

@@ -17,11 +17,13 @@ namespace {
 /// @param may_move whether the model so far may come to better constants, from which the round begins again
 /// @param delayed a fit with one effect more, from which its refit begins; null: none
 Round look(JointModel& model, Standing& current, bool refits, bool may_move, const Linearised* delayed,
-           const Options& options, const std::function<void(double, const std::string&)>& progress) {
+           KnownSignatures& signatures, const Options& options,
+           const std::function<void(double, const std::string&)>& progress) {
   Round round;
   model.set_misfit(std::max(1.0, current.fit.square / std::max(1, current.fit.rows)));
   progress(0.0, "screening the catalogue");
-  round.screened = screen(model, current.fit, options.jobs, [](double) {});
+  round.screened = screen(
+      model, current.fit, options.jobs, [](double) {}, &signatures);
   if (delayed != nullptr) begin_from(model, current, *delayed, round.screened);
   const std::vector<std::size_t> worth =
       refits ? worth_a_refit(model, round.screened, options) : std::vector<std::size_t>{};
@@ -35,7 +37,7 @@ Round look(JointModel& model, Standing& current, bool refits, bool may_move, con
   if (may_move) {
     if (std::optional<Standing> better = at_better_constants(model, current, round.refitted)) {
       current = std::move(*better);
-      round = look(model, current, refits, false, delayed, options, progress);
+      round = look(model, current, refits, false, delayed, signatures, options, progress);
       round.anew = true;
       return round;
     }
@@ -99,12 +101,13 @@ Selection select(JointModel& model, Linearised baseline, const std::optional<Lin
   Standing current{std::move(baseline), {}};
   current.unseen = unseen(model, current.fit);
   selection.first_order_rms_m = current.unseen.total_rms_m;
+  KnownSignatures signatures;
   const double share = 1.0 / (options.most_effects + 1);
   const auto most = static_cast<std::size_t>(std::max(0, options.most_effects));
   for (bool taken = true; taken;) {
     const std::size_t n = selection.round_of.size();
-    Round round = look(model, current, n < most, true, n == 0 && delayed ? &*delayed : nullptr, options,
-                       [&](double done, const std::string& what) {
+    Round round = look(model, current, n < most, true, n == 0 && delayed ? &*delayed : nullptr, signatures,
+                       options, [&](double done, const std::string& what) {
                          progress((static_cast<double>(n) + done) * share, what);
                        });
     if (round.anew && n == 0) {
