@@ -73,6 +73,35 @@ INSTANTIATE_TEST_SUITE_P(Effects, SharedDerivatives,
                          ::testing::Values("base_compliance", "payload_scale", "contact"),
                          [](const auto& which) { return std::string(which.param); });
 
+TEST(Screen, ThatKnowsTheSignaturesOfTheModelBeforeFindsWhatOneFromNothingDoes) {
+  const testing::RecordedCase drawn = testing::recorded_case(
+      "{count_weights: [0, 0, 1], from: [payload_scale, contact], size: [0.6, 1.0]}", 8, 4, 8.0);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  const auto nothing = [](double) {};
+  KnownSignatures known;
+  const std::vector<Screened> first = screen(looked.model, looked.baseline, 0, nothing, &known);
+  const std::size_t tried = known.list.size();
+  ASSERT_GT(tried, 2 * first.size());
+  const Standing before{looked.baseline, unseen(looked.model, looked.baseline)};
+  Linearised with = standing_on(looked.model, refit(looked.model, before, first.front()).fit).fit;
+  const std::vector<Screened> from_nothing = screen(looked.model, with, 0, nothing),
+                              from_known = screen(looked.model, with, 0, nothing, &known);
+  ASSERT_EQ(from_known.size(), from_nothing.size());
+  EXPECT_LT(known.list.size(), tried) << "what is in the model is not tried";
+  EXPECT_EQ(from_known.front().effect, from_nothing.front().effect);
+  for (const Screened& one : from_nothing) {
+    const auto same = std::find_if(from_known.begin(), from_known.end(),
+                                   [&](const Screened& s) { return s.effect == one.effect; });
+    ASSERT_NE(same, from_known.end());
+    // Never made of another model's signatures; at worst at the second best of its grid.
+    if (same->values == one.values) {
+      EXPECT_NEAR(same->gain, one.gain, 1e-6 * one.gain + 1e-9) << one.effect->info().id;
+    }
+    EXPECT_LE(same->gain, one.gain * (1.0 + 1e-6) + 1e-9) << one.effect->info().id;
+    EXPECT_GE(same->gain, 0.9 * one.gain - 10.0) << one.effect->info().id;
+  }
+}
+
 /// The model with one effect more than the arm's constants, as a selection's rounds leave it.
 struct Extended {
   explicit Extended(testing::Looked& looked, const std::string& id) {
