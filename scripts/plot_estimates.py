@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Draws estimates.csv of `softarm estimate`: tip angle, φ, moment, stiffness, length, payload and residual over time with
-their standard deviations. Frames in which a value is identifiable are drawn solid, the others faint.
+their standard deviations. Frames in which a value is identifiable are drawn solid, the others faint; hatched is where the payload
+changes or has just changed (`settling`).
 
     scripts/plot_estimates.py estimates/trial/estimates.csv --out trial.png
 
@@ -33,6 +34,7 @@ PANELS = [
     ("payload", "payload (g)", "sd_payload", "identifiable_payload", 1e3, "payload"),
     ("rms_residual", "residual (mm)", None, None, 1e3, None),
 ]
+SETTLING = dict(facecolor="0.93", edgecolor="0.8", hatch="//", lw=0)
 OF_THE_ARM = ("theta_tip", "payload")  # not of a segment
 
 
@@ -114,11 +116,22 @@ def draw(axes, rows, times, panel, colour):
     return finite(values)
 
 
-def legend(figure, with_truth):
+def shade_settling(axes, rows, times):
+    """Whether there is such a frame. Older tables have no such column."""
+    settling = rows.get("settling", np.zeros(len(times))) == 1
+    changes = np.flatnonzero(np.diff(np.concatenate([[False], settling, [False]]).astype(int)))
+    for first, end in zip(changes[::2], changes[1::2]):
+        axes.axvspan(times[first], times[min(end, len(times) - 1)], zorder=0, **SETTLING)
+    return bool(settling.any())
+
+
+def legend(figure, with_truth, with_settling):
     grey = "0.35"
     looks = [Line2D([], [], ls="", marker=".", ms=7, color=grey, label="estimated, identifiable"),
              Line2D([], [], ls="", marker=".", ms=7, alpha=0.3, color=grey, label="estimated, not identifiable"),
              Patch(color=grey, alpha=0.2, lw=0, label="± 1 standard deviation")]
+    if with_settling:
+        looks.append(Patch(label="the payload changes, or has just changed", **SETTLING))
     if with_truth:
         looks.append(Line2D([], [], color="black", lw=1, label="truth"))
     figure.legend(handles=looks, loc="upper center", ncol=2, frameon=False, fontsize=9)
@@ -143,7 +156,7 @@ def main():
     count = len(arguments.csv)
     figure, grid = plt.subplots(len(PANELS), count, sharex="col", sharey="row", squeeze=False,
                                 figsize=(4.6 * count + 1.0, 12.5))
-    with_truth = False
+    with_truth = with_settling = False
     for c, path in enumerate(arguments.csv):
         rows = read(path, arguments.segment)
         start = rows["stamp"][0]
@@ -152,6 +165,7 @@ def main():
         truth = read_truth(truth_file, rows) if truth_file else None
         with_truth = with_truth or bool(truth)
         for r, panel in enumerate(PANELS):
+            with_settling |= shade_settling(grid[r][c], rows, times)
             values = draw(grid[r][c], rows, times, panel, f"C{r}")
             values = np.sort(np.concatenate([values, draw_truth(grid[r][c], truth, start, panel, arguments.segment)]))
             if values.size:
@@ -162,7 +176,7 @@ def main():
         grid[0][c].set_title(arguments.title[c] if c < len(arguments.title) else path, fontsize=10)
         grid[-1][c].set_xlabel("time (s)")
     figure.tight_layout(rect=(0.0, 0.0, 1.0, 0.955))
-    legend(figure, with_truth)
+    legend(figure, with_truth, with_settling)
     figure.savefig(arguments.out, dpi=80)
 
 

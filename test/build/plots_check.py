@@ -49,7 +49,7 @@ class PlotEstimates(unittest.TestCase):
     def test_every_value_with_legend_and_truth(self):
         picture = self.said(self.csv)
         for text in ("tip angle (°)", "φ (°)", "EI (N m²)", "L (mm)", "payload (g)", "residual (mm)", "estimated, identifiable",
-                     "± 1 standard deviation", "truth"):
+                     "± 1 standard deviation", "the payload changes, or has just changed", "truth"):
             self.assertIn("<!-- %s -->" % text, picture)
 
     def test_without_a_truth_there_is_none(self):
