@@ -119,20 +119,21 @@ class Estimator:
     Options, all by default the arm file's: ``method`` ("full_points", "end_orientation", "cc_points", "cc_endpoint"),
     ``unknown`` ("stiffness", "payload", "both"), ``objective`` ("least_squares", "sum_of_distances"), ``dynamics`` ("static",
     "modal"), ``prior`` (the arm's laws at the inputs as a prior), ``robust``, ``window_s`` (frames of this last time share EI
-    and payload; 0: none do), ``payload_kg`` (the known payload; what the frames say is not used), ``backbone_points``.
+    and payload; 0: none do), ``payload_kg`` (the known payload; what the frames say is not used), ``backbone_points``,
+    ``alarm_threshold_sd`` (of the live monitor: a change of so many standard deviations is an alarm; from 3 on).
     Raises ValueError for what is not allowed.
     """
 
     def __init__(self, arm: Arm, *, method: Optional[str] = None, unknown: Optional[str] = None,
                  objective: Optional[str] = None, dynamics: Optional[str] = None, prior: Optional[bool] = None,
                  robust: Optional[bool] = None, window_s: Optional[float] = None, payload_kg: Optional[float] = None,
-                 backbone_points: int = 21) -> None:
+                 backbone_points: int = 21, alarm_threshold_sd: float = 6.0) -> None:
         handle = handle_of(arm)
         self.arm = arm
         self._body_names = [one.name for one in arm.bodies]
         self._handle = _softarm.EstimatorHandle(handle, _options(dict(
             method=method, unknown=unknown, objective=objective, dynamics=dynamics, prior=prior, robust=robust, window_s=window_s,
-            payload_kg=payload_kg, backbone_points=backbone_points), {}))
+            payload_kg=payload_kg, backbone_points=backbone_points, alarm_threshold_sd=alarm_threshold_sd), {}))
 
     @property
     def notes(self) -> List[str]:
@@ -171,14 +172,16 @@ class Estimator:
 def estimate(trial: Trial, *, arm: Optional[Arm] = None, method: Optional[str] = None, unknown: Optional[str] = None,
              objective: Optional[str] = None, dynamics: Optional[str] = None, prior: Optional[bool] = None,
              robust: Optional[bool] = None, window_s: Optional[float] = None, payload_kg: Optional[float] = None,
-             backbone_points: int = 21, progress: Optional[Progress] = None, **others: "NoReturn") -> Estimates:
+             backbone_points: int = 21, alarm_threshold_sd: float = 6.0, progress: Optional[Progress] = None,
+             **others: "NoReturn") -> Estimates:
     """Every frame of a ``trial``, by its arm or another ``arm`` with the same bodies and inputs.
 
     ``method``, ``unknown``, ``objective``, ``dynamics``, ``prior``, ``robust``, ``window_s`` (s), ``payload_kg`` (kg),
-    ``backbone_points``: as of :class:`Estimator`. ``progress``: called with (share done, what is being done).
+    ``backbone_points``, ``alarm_threshold_sd``: as of :class:`Estimator`. ``progress``: called with (share done, what is being done).
     """
     options = dict(method=method, unknown=unknown, objective=objective, dynamics=dynamics, prior=prior, robust=robust,
-                   window_s=window_s, payload_kg=payload_kg, backbone_points=backbone_points)
+                   window_s=window_s, payload_kg=payload_kg, backbone_points=backbone_points,
+                   alarm_threshold_sd=alarm_threshold_sd)
     _options(options, others)
     handles_of([trial])
     estimator = Estimator(trial.arm if arm is None else arm, **options)  # type: ignore[arg-type]
@@ -190,17 +193,18 @@ def estimate(trial: Trial, *, arm: Optional[Arm] = None, method: Optional[str] =
 def estimate_bags(arm: Arm, paths: Union[Path, Iterable[Path]], *, method: Optional[str] = None, unknown: Optional[str] = None,
                   objective: Optional[str] = None, dynamics: Optional[str] = None, prior: Optional[bool] = None,
                   robust: Optional[bool] = None, window_s: Optional[float] = None, payload_kg: Optional[float] = None,
-                  backbone_points: int = 21, jobs: int = 0, progress: Optional[Progress] = None,
-                  **others: "NoReturn") -> List[Estimates]:
+                  backbone_points: int = 21, alarm_threshold_sd: float = 6.0, jobs: int = 0,
+                  progress: Optional[Progress] = None, **others: "NoReturn") -> List[Estimates]:
     """Every frame of bags, in the order of ``paths``: ``softarm estimate`` without its files, several bags at a time.
 
     ``method``, ``unknown``, ``objective``, ``dynamics``, ``prior``, ``robust``, ``window_s`` (s), ``payload_kg`` (kg),
-    ``backbone_points``: as of :class:`Estimator`; with ``payload_kg`` the payload's topic is not read. ``jobs``: bags at a time,
-    0: one per processor. ``progress``: called with (share done, what is being done).
+    ``backbone_points``, ``alarm_threshold_sd``: as of :class:`Estimator`; with ``payload_kg`` the payload's topic is not read.
+    ``jobs``: bags at a time, 0: one per processor. ``progress``: called with (share done, what is being done).
     Raises BagError for the first bag that cannot be used.
     """
     made = _options(dict(method=method, unknown=unknown, objective=objective, dynamics=dynamics, prior=prior, robust=robust,
-                         window_s=window_s, payload_kg=payload_kg, backbone_points=backbone_points), others)
+                         window_s=window_s, payload_kg=payload_kg, backbone_points=backbone_points,
+                         alarm_threshold_sd=alarm_threshold_sd), others)
     for note in _softarm.EstimatorHandle(handle_of(arm), made).notes():
         warn(note)
     names = [one.name for one in arm.bodies]

@@ -77,6 +77,7 @@ class EstimateOptions:
     window_s: Optional[float]
     payload_kg: Optional[float]
     backbone_points: int
+    alarm_threshold_sd: float
     def __init__(self) -> None: ...
 
 class EstimatorHandle:

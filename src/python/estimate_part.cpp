@@ -25,6 +25,7 @@ struct EstimateOptions {
   std::optional<bool> prior, robust;
   std::optional<double> window_s, payload_kg;
   int backbone_points = 21;
+  double alarm_threshold_sd = monitor::MismatchMonitorParams().threshold_sd;  ///< of the live monitor
 };
 
 template <typename Parse>
@@ -57,6 +58,15 @@ arm::Arm arm_with(const ArmHandle& handle, const EstimateOptions& options) {
   return arm;
 }
 
+monitor::MismatchMonitorParams monitor_params(const EstimateOptions& options) {
+  if (!(options.alarm_threshold_sd >= 3.0 && options.alarm_threshold_sd <= 1e6))
+    throw std::invalid_argument(fmt::format(
+        "alarm_threshold_sd: {}; must be from 3 to 1e6 standard deviations", options.alarm_threshold_sd));
+  monitor::MismatchMonitorParams params;
+  params.threshold_sd = options.alarm_threshold_sd;
+  return params;
+}
+
 /// One stream of frames, for one thread at a time.
 class EstimatorHandle {
  public:
@@ -65,7 +75,7 @@ class EstimatorHandle {
         options_(options),
         arm_(arm_with(*handle_, options)),
         estimator_(arm_, arm_.estimator, handle_->effects),
-        monitor_(arm_) {
+        monitor_(arm_, monitor_params(options)) {
     estimator_.set_backbone_points(options.backbone_points);
   }
 
@@ -225,7 +235,8 @@ void add_estimate(py::module& module) {
       .def_readwrite("robust", &EstimateOptions::robust)
       .def_readwrite("window_s", &EstimateOptions::window_s)
       .def_readwrite("payload_kg", &EstimateOptions::payload_kg)
-      .def_readwrite("backbone_points", &EstimateOptions::backbone_points);
+      .def_readwrite("backbone_points", &EstimateOptions::backbone_points)
+      .def_readwrite("alarm_threshold_sd", &EstimateOptions::alarm_threshold_sd);
   py::class_<EstimatorHandle>(module, "EstimatorHandle", "One stream of frames.")
       .def(py::init<std::shared_ptr<ArmHandle>, const EstimateOptions&>(), py::arg("arm"), py::arg("options"))
       .def("estimate_trial", &EstimatorHandle::estimate_trial, py::arg("trial"), py::arg("progress"))

@@ -66,6 +66,11 @@ class Estimates(unittest.TestCase):
         found, = softarm.estimate_bags(self.arm, support.path("slip.bag"))
         trial = softarm.read_bag(self.arm, support.path("slip.bag"))
         self.assertEqual(softarm.estimate(trial).alarms, found.alarms)
+        for threshold in (3.0, 1e6):
+            other = softarm.estimate(trial, alarm_threshold_sd=threshold)
+            held = other.mismatch.threshold_sd
+            self.assertEqual(set(held[np.isfinite(held)]) - {0.0}, {threshold})
+            self.assertEqual(bool(other.alarms), threshold < 6.0)
         alarm = found.alarms[0]
         self.assertIn(f"{alarm.onset_s:.2f} ... {alarm.seen_s:.2f} s", text)
         self.assertIn(alarm.description, text)
@@ -160,6 +165,7 @@ class Estimates(unittest.TestCase):
         support.one_line(self, ValueError, lambda: softarm.estimate(self.trial, payload_kg=70.0), "70", "from 0 to")
         support.one_line(self, ValueError, lambda: softarm.estimate(self.trial, window_s=float("nan")), "window_s", "nan")
         support.one_line(self, ValueError, lambda: softarm.estimate(self.trial, window_s="long"), "window_s", "long")
+        support.one_line(self, ValueError, lambda: softarm.estimate(self.trial, alarm_threshold_sd=2.9), "alarm_threshold_sd", "from 3")
         support.one_line(self, ValueError, lambda: softarm.estimate_bags(self.arm, [support.bag()], prior="on"), "prior", "on")
         support.one_line(self, ValueError, lambda: softarm.estimate_bags(self.arm, [support.bag()], jobs=-1), "jobs", "-1")
         support.one_line(self, TypeError, lambda: softarm.estimate_bags(self.arm, [support.bag()], windows=1), "windows", "window_s")
