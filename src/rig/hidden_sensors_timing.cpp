@@ -11,6 +11,12 @@ void add_clock_offset(const HiddenChoice& choice, Scenario& scenario) {
   scenario.sensors.mocap_clock.drift += 1e-6 * choice.values.at("drift_ppm");
 }
 
+void add_input_clock(const HiddenChoice& choice, Scenario& scenario) {
+  const InputKind kind = kind_of(choice);
+  scenario.sensors.input_clocks.push_back(
+      {kind, number_of(choice, kind, scenario), choice.values.at("offset_s")});
+}
+
 void add_latency(const HiddenChoice& choice, Scenario& scenario) {
   scenario.sensors.latencies.push_back(
       {stream_of(choice), choice.values.at("delay_s"), choice.values.at("jitter_s")});
@@ -40,6 +46,13 @@ std::vector<HiddenEffect> timing_effects() {
        {{"offset_s", -1e4, 1e4, -0.2, 0.2, "ahead at the start"},
         {"drift_ppm", -1e5, 1e5, -50.0, 50.0, "gets ahead by so many microseconds per second", 0.0}},
        add_clock_offset},
+      {"input_clock",
+       false,
+       "the clock that stamps an input is ahead of that of receipt",
+       input_forms(),
+       {number_parameter(), {"offset_s", -1e4, 1e4, -0.2, 0.2, "ahead"}},
+       add_input_clock,
+       "clock_offset"},
       {"latency",
        false,
        "messages are received later than they are stamped; what has no header then holds later",

@@ -213,7 +213,8 @@ struct SensorSpec {
   std::vector<Latency> latencies;
   std::vector<StampJitter> stamp_jitters;
   ClockOffset mocap_clock;
-  double duplicate_probability = 0.0;  ///< that a mocap frame is sent twice
+  std::vector<InputError> input_clocks;  ///< s by which the clock that stamps an input is ahead of receipt's
+  double duplicate_probability = 0.0;    ///< that a mocap frame is sent twice
   std::vector<Gap> gaps;
 
   /// What a sensor publishes: gauge value * (1 + gain) + offset + noise, rounded to the step; pressures below

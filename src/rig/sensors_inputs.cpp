@@ -26,6 +26,8 @@ InputSensors::Sensor& InputSensors::sensor(InputKind kind, int number) {
     if (concerns_it(error)) one.gain *= 1.0 + error.size;
   for (const InputError& error : spec.input_offsets)
     if (concerns_it(error)) one.offset += error.size;
+  for (const InputError& error : spec.input_clocks)
+    if (concerns_it(error)) one.clock_s += error.size;
   for (std::size_t i = 0; i < spec.input_noises.size(); ++i)
     if (concerns_it(spec.input_noises[i])) {
       const std::size_t part = 256 * static_cast<std::size_t>(kind) + static_cast<std::size_t>(number);
@@ -75,7 +77,8 @@ std::vector<InputSample> InputSensors::messages_until(double until_s) {
                        double zero) {
     const std::optional<double> measured = measure(kind, number, sent_s, value);
     if (measured && !is_in_gap(sent_s))
-      messages.push_back({timing.stamp_s, kind, number, zero + *measured, timing.receipt_s});
+      messages.push_back(
+          {timing.stamp_s + sensor(kind, number).clock_s, kind, number, zero + *measured, timing.receipt_s});
   };
   const auto add_all = [&](double sent_s, const Timing& timing, InputKind kind,
                            const std::vector<double>& values, double zero) {

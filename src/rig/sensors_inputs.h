@@ -28,7 +28,7 @@ class InputSensors {
     std::size_t sent = 0;
   };
   struct Sensor {
-    double gain = 1.0, offset = 0.0;
+    double gain = 1.0, offset = 0.0, clock_s = 0.0;
     std::vector<double> steps;
     std::vector<std::pair<double, RandomStream>> noises;  ///< sd
     std::vector<FaultTimes> stuck, dead;

@@ -1,8 +1,12 @@
 // Arm files as scenarios: the virtual rig is that arm, with its bodies, base, topics and units.
 #include <gmock/gmock.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <sensor_msgs/FluidPressure.h>
 
 #include <boost/algorithm/string.hpp>
 #include <cmath>
+#include <map>
 
 #include "csv_rows.h"
 #include "program.h"
@@ -117,6 +121,30 @@ inputs:
   EXPECT_GT(static_cast<double>(found.ok), 0.98 * static_cast<double>(found.rows));
   EXPECT_GT(found.rows, 700u);
   EXPECT_LT(found.residual_m, 1.2e-3);  // with bar for kPa 2.7 mm
+}
+
+/// With the effect in its file, the arm's own estimate of what it recorded is consistent.
+TEST(ArmAsScenarios, TheClockOfOneInputIsTheFiles) {
+  const TestFolder dir;
+  const std::string text = text_of(SOFTARM_SOURCE_DIR "/config/arms/online_200mm.yaml");
+  const std::string arm = dir.write(
+      "arm.yaml", text + "\neffects:\n  - {id: clock_offset, parameters: {offset_s: 0.2, input: 2}}\n");
+  ASSERT_EQ(softarm_program("simulate " + arm + " --seconds 3 --out " + dir / "trial.bag").status, 0);
+  const std::string truth = text_of(dir / "trial.truth.yaml");
+  EXPECT_THAT(truth, HasSubstr("effect: input_clock"));
+  std::map<std::string, double> ahead_s;  // of receipt
+  std::map<std::string, std::size_t> sent;
+  rosbag::Bag bag(dir / "trial.bag");
+  for (const rosbag::MessageInstance& one : rosbag::View(bag))
+    if (const auto message = one.instantiate<sensor_msgs::FluidPressure>()) {
+      ahead_s[one.getTopic()] += (message->header.stamp - one.getTime()).toSec();
+      ++sent[one.getTopic()];
+    }
+  for (const auto& [topic, sum_s] : ahead_s)
+    EXPECT_NEAR(sum_s / static_cast<double>(sent.at(topic)), topic == "/pressure/chamber_2" ? -0.2 : 0.0,
+                1e-6)
+        << topic;
+  EXPECT_EQ(sent.count("/pressure/chamber_2"), 1u);
 }
 
 TEST(ArmAsScenarios, WhatTheRigDoesNotHaveIsOneLine) {

@@ -29,6 +29,21 @@ TEST(HiddenSensorsTiming, TheMocapClockIsAheadAndDrifts) {
   }
 }
 
+TEST(HiddenSensorsTiming, TheClockOfOneInputIsAhead) {
+  Scenario s = quiet(2.0);
+  hide("input_clock", {{"number", 2}, {"offset_s", 0.05}}, s, "pressure");
+  std::size_t ahead = 0;
+  for (const Sample& sample : samples_of(s)) {
+    EXPECT_EQ(sample.mocap_stamp_s, sample.stamp_s);
+    for (const InputSample& input : sample.inputs) {
+      const bool it = input.kind == InputKind::kChamber && input.number == 1;
+      EXPECT_NEAR(input.stamp_s - input.receipt_s, it ? 0.05 : 0.0, 1e-12);
+      ahead += it;
+    }
+  }
+  EXPECT_GT(ahead, 50u);
+}
+
 TEST(HiddenSensorsTiming, LatencyDelaysReceiptAloneAndKeepsTheOrder) {
   Scenario s = resting(200.0);
   s.mocap.rate_hz = 50.0;

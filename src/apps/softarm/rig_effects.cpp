@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <map>
 #include <stdexcept>
 #include <utility>
+
+#include "rig_messages.h"
 
 namespace softarm::app {
 namespace {
@@ -278,10 +281,23 @@ Choices flow_limit(const Numbers& v) {
                  {{"rise_pa_per_s", v("rise_pa_per_s")}, {"fall_pa_per_s", v("fall") * v("rise_pa_per_s")}})};
 }
 
+/// Of one input: its clock is behind all others.
 Choices clock_offset(const Numbers& v) {
-  if (v("input") != 0.0)
-    throw std::invalid_argument("one input's clock alone is nothing the virtual rig has: it has one for all");
-  return {choice("clock_offset", "", {{"offset_s", v("offset_s")}})};
+  const auto of = static_cast<std::size_t>(std::lround(v("input")));
+  if (of == 0) return {choice("clock_offset", "", {{"offset_s", v("offset_s")}})};
+  const std::vector<arm::ScalarInput>& inputs = v.arm().inputs.scalars;
+  const arm::ScalarInput& input = inputs.at(of - 1);
+  if (input.type != "sensor_msgs/FluidPressure" || input.stamp != arm::StampSource::kHeader)
+    throw std::invalid_argument(
+        fmt::format("a clock of its own of {}, whose messages have no stamp, is nothing the virtual rig has",
+                    input.name));
+  const bool vacuum = input.kind == arm::InputKind::kVacuum;
+  const std::vector<std::size_t> driven = driven_inputs(v.arm(), input.kind);
+  const auto place = std::find(driven.begin(), driven.end(), of - 1);
+  if (place == driven.end()) return {};  // the rig does not send what drives nothing
+  return {choice("input_clock", vacuum ? "vacuum" : "pressure",
+                 {{"number", vacuum ? 1.0 : static_cast<double>(place - driven.begin() + 1)},
+                  {"offset_s", -v("offset_s")}})};
 }
 
 Choices rest_curvature(const Numbers& v) {
