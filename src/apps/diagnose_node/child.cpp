@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstring>
@@ -56,10 +57,13 @@ Ended run_program(const std::string& program, const std::vector<std::string>& ar
 
   int status = 0;
   bool told = false;
-  while (waitpid(child, &status, WNOHANG) == 0) {
+  pid_t ended = 0;
+  while ((ended = waitpid(child, &status, WNOHANG)) == 0) {
     if (stop && !std::exchange(told, true)) kill(child, SIGTERM);
     std::this_thread::sleep_for(kPoll);
   }
+  if (ended < 0)
+    throw std::runtime_error(fmt::format("{}: how it ended is not known: {}", program, std::strerror(errno)));
   const int exit_status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return {exit_status, last_line_of(log)};
 }
