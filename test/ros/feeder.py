@@ -127,9 +127,9 @@ class Listener:
             raw = self.raw[name][count:]
         return [self.KINDS[name]().deserialize(r) for r in raw]
 
-    def count(self):
+    def count(self, name="estimate"):
         with self.lock:
-            return len(self.raw["estimate"])
+            return len(self.raw[name])
 
     def not_finite(self):
         """Paths of the NaN in what has come since the last call."""
