@@ -296,10 +296,11 @@ Linearised JointModel::linearise(const JointParameters& parameters,
       }
       lin.swing[t].emplace(modes_[t], trials_[t], rest, sluggish);
     }
+    const bool shared = near != nullptr && share_derivatives(*near, t, lin.predicted[t]);
     std::vector<model::ExtendedModel::Varied> varied;
-    for (const JointParameters& other : changed) varied.push_back(vary(t, other, lin.predicted[t]));
-    if (near == nullptr || !share_derivatives(*near, t, lin.predicted[t]))
-      differentiate(parameters, t, changed_by(varied, lin.reference[t]), lin.predicted[t]);
+    if (!whole || !shared)
+      for (const JointParameters& other : changed) varied.push_back(vary(t, other, lin.predicted[t]));
+    if (!shared) differentiate(parameters, t, changed_by(varied, lin.reference[t]), lin.predicted[t]);
     compare();
     if (whole) {
       lin.derivative[t] =

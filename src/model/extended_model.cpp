@@ -10,6 +10,7 @@
 #include "instant_solver.h"
 #include "memories.h"
 #include "softarm/arm/laws.h"
+#include "tip_guess.h"
 
 namespace softarm::model {
 namespace {
@@ -291,39 +292,6 @@ struct ExtendedModel::Impl : InstantSolver {
     return seen.p;
   }
 
-  /// Where the tip of a block is looked for: as in a prediction nearby, turned by what the last block's tip
-  /// was turned from there; without one, as in the last block.
-  class TipGuess {
-   public:
-    explicit TipGuess(const std::vector<Predicted>* start) : start_(start) {}
-
-    /// @param resting the block's equilibrium, where it is the motion beyond it that is looked for
-    std::optional<Eigen::Quaterniond> of(std::size_t k, const Predicted* resting) {
-      const bool known = start_ != nullptr && (*start_)[k].solved;
-      const auto near = [&]() -> const Eigen::Quaterniond& { return (*start_)[k].rest.q_tip; };
-      from_.reset();
-      if (resting != nullptr)
-        from_ = known ? (*start_)[k].q_tip * near().conjugate() * resting->q_tip : resting->q_tip;
-      else if (known)
-        from_ = near();
-      if (from_) return resting == nullptr ? turn_ * *from_ : *from_;
-      return last_;
-    }
-    void found(const Eigen::Quaterniond& q_tip) {
-      if (from_) turn_ = (q_tip * from_->conjugate()).normalized();
-      last_ = q_tip;
-    }
-    void lost() {
-      turn_.setIdentity();
-      last_.reset();
-    }
-
-   private:
-    const std::vector<Predicted>* start_;
-    std::optional<Eigen::Quaterniond> from_, last_;
-    Eigen::Quaterniond turn_ = Eigen::Quaterniond::Identity();
-  };
-
   std::vector<bool> wanted;
   std::vector<Eigen::Index> columns;
   std::optional<rod::Solver> derivatives;  ///< by those
@@ -360,7 +328,7 @@ void ExtendedModel::predict(const arm::Arm& arm, const std::vector<Present>& eff
     Memories memories(effects);
     memories.begin(arm, m.fine);
     Feedback feedback;
-    Impl::TipGuess guess(start);
+    TipGuess guess(start);
     const Predicted* last = nullptr;
     for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
       Predicted& now = path[k];

@@ -190,7 +190,7 @@ Look look(JointModel& model, Standing standing, const Linearised* delayed, const
   if (delayed != nullptr) diagnose::begin_from(model, standing, *delayed, look.round.screened);
   for (const std::size_t i : diagnose::worth_a_refit(model, look.round.screened, options))
     look.round.refitted.push_back(diagnose::refit(model, standing, look.round.screened[i]));
-  diagnose::finish_leader(model, look.standing, look.round.refitted);
+  diagnose::finish_leader(model, standing, look.round.refitted);
   if (may_move)
     if (std::optional<Standing> better = diagnose::at_better_constants(model, standing, look.round.refitted))
       return prove::look(model, std::move(*better), delayed, options, false);
@@ -222,8 +222,8 @@ Decision bic_stepwise(JointModel& model, const Look& first, const Options& optio
     if (round.taken < 0) break;
     const Refitted& best = round.refitted[static_cast<std::size_t>(round.taken)];
     decision.effects.push_back({best.effect->info().id, best.probability, ids(diagnose::rivals_of(round))});
-    standing = {best.fit, best.unseen};
-    if (n + 1 < options.most_effects) own = look(model, {best.fit, best.unseen}, nullptr, options);
+    standing = diagnose::standing_on(model, best.fit);
+    if (n + 1 < options.most_effects) own = look(model, standing, nullptr, options);
     now = &own;
   }
   if (decision.effects.size() > 1) {
