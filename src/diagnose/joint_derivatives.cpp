@@ -298,8 +298,11 @@ Linearised JointModel::linearise(const JointParameters& parameters,
     }
     const bool shared = near != nullptr && share_derivatives(*near, t, lin.predicted[t]);
     std::vector<model::ExtendedModel::Varied> varied;
-    if (!whole || !shared)
-      for (const JointParameters& other : changed) varied.push_back(vary(t, other, lin.predicted[t]));
+    for (std::size_t c = 0; c < changed.size() && (!whole || !shared); ++c) {
+      // How a body is mounted changes nothing of the arm.
+      const bool mount = lin.columns[c].kind == JointUnknown::Kind::kMount;
+      varied.push_back(mount ? lin.reference[t] : vary(t, changed[c], lin.predicted[t]));
+    }
     if (!shared) differentiate(parameters, t, changed_by(varied, lin.reference[t]), lin.predicted[t]);
     compare();
     if (whole) {

@@ -44,7 +44,7 @@ std::vector<Explanation> rivals_of(JointModel& model, const Selection& selection
         if (extended.at.effects.size() == refitted->fit.at.effects.size() &&
             e + 1 == extended.at.effects.size()) {
           // Only where it is was kept of a refit.
-          list.push_back({rival->info().id, model.linearise(refitted->fit.at, &extended.predicted)});
+          list.push_back({rival->info().id, fitted_to(model, extended, refitted->fit.at, 0)});
           continue;
         }
         start.effects[e] = refitted->fit.at.effects.back();
@@ -67,7 +67,7 @@ std::vector<Explanation> candidates_of(JointModel& model, const Selection& selec
     if (list.size() == kPolicy.experiment.most_rivals) break;
     if (r.z >= kPolicy.experiment.candidate_z &&
         r.fit.at.effects.size() == selection.extended.at.effects.size() + 1)
-      list.push_back({r.effect->info().id, model.linearise(r.fit.at, &selection.extended.predicted)});
+      list.push_back({r.effect->info().id, fitted_to(model, selection.extended, r.fit.at, 0)});
   }
   return list;
 }

@@ -144,7 +144,12 @@ double least_square_held(const DifferenceSums& sums, const Linearised& fitted, V
 }
 
 Linearised fitted_to(JointModel& model, const Linearised& truth, JointParameters start, int steps) {
-  Linearised best = model.linearise(start, &truth.predicted);
+  const auto at = [&](const JointParameters& parameters,
+                      const std::vector<std::vector<model::Predicted>>& from) {
+    return model.linearise(parameters, &from, JointModel::Derivatives::kShapesHeld, false,
+                           truth.complete ? &truth : nullptr);
+  };
+  Linearised best = at(start, truth.predicted);
   DifferenceSums sums = sums_between(model, truth, best);
   for (int i = 0; i < steps; ++i) {
     VectorXd step;
@@ -153,7 +158,7 @@ Linearised fitted_to(JointModel& model, const Linearised& truth, JointParameters
     const VectorXd x = best.unknowns();
     for (Eigen::Index j = 0; j < x.size(); ++j)
       set_unknown(next, best.columns[static_cast<std::size_t>(j)], x[j] + step[j]);
-    Linearised there = model.linearise(next, &best.predicted);
+    Linearised there = at(next, best.predicted);
     DifferenceSums sums_there = sums_between(model, truth, there);
     if (!(sums_there.square < sums.square)) break;
     best = std::move(there);
