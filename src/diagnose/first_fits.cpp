@@ -57,7 +57,7 @@ FirstFits first_fits(JointModel& model, const std::function<void()>& progress) {
     if (now * kPolicy.fit.same_misfit > misfit && now < kPolicy.fit.same_misfit * misfit) break;
     misfit = now;
     model.set_misfit(misfit);
-    const bool anew = misfit > kPolicy.fit.refit_from_start_chi2;
+    const bool anew = i == 0 && misfit > kPolicy.fit.refit_from_start_chi2;
     JointModel::FitOptions how = rough_fit();
     how.known = i > 0 && !anew;
     how.near = how.known ? &baseline : nullptr;
