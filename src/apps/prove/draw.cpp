@@ -23,6 +23,7 @@
 #include "softarm/read_trials.h"
 #include "softarm/record_trial.h"
 #include "softarm/shipped.h"
+#include "wished_size.h"
 
 namespace softarm::prove {
 namespace {
@@ -35,13 +36,6 @@ using rig::HiddenChoice;
 constexpr int kAttempts = 12;
 constexpr int kScalings = 4;         // simulations until an effect has its size
 constexpr double kFirstScale = 0.3;  // of a usual size: what is measured first is nearer to where it ends
-// Of sizes that are wished for: from such a ratio on, up or down, they are scaled; and what constants absorb
-// does not move the arm by more than so many times the largest size.
-constexpr double kNear = 1.1, kMostRaw = 3.0;
-// An effect can be seen, and its name counts, where it leaves so much of the position noise and of what the
-// background leaves, or more. Means over 0.2 s are good to a fifth of that noise; what is smaller than the
-// background stands for nothing by itself.
-constexpr double kClearNoise = 0.5, kClearBackground = 1.0;
 
 rig::CampaignSpec campaign_of(const std::string& name, const std::string& kind) {
   const fs::path path = app::find_config("campaigns", name);
@@ -112,7 +106,7 @@ class Case {
     for (const HiddenChoice& choice : drawn_.distractors) truth_["distractors"].push_back(json_of(choice));
     truth_["distractors_leave_m"] = distractors_leave_m_;
     truth_["noise_m"] = noise_m();
-    if (spec_.signal && spec_.signal->wished && !signals.empty()) truth_["clear"] = is_clear(signals);
+    if (spec_.signal && spec_.signal->wished && !signals.empty()) truth_["clear"] = are_clear(signals);
     truth_["all"] = json_of(all_);
     for (const Signal& one : signals) displacements_.push_back(rows_of(one.moved));
     truth_["ideal"] = Json::array();
@@ -166,11 +160,9 @@ class Case {
     return std::sqrt(sum);
   }
 
-  bool is_clear(const std::vector<Signal>& signals) const {
-    return std::all_of(signals.begin(), signals.end(), [&](const Signal& one) {
-      return one.leftover_m >= kClearNoise * noise_m() &&
-             one.leftover_m >= kClearBackground * distractors_leave_m_;
-    });
+  bool are_clear(const std::vector<Signal>& signals) const {
+    return std::all_of(signals.begin(), signals.end(),
+                       [&](const Signal& one) { return is_clear(one, noise_m(), distractors_leave_m_); });
   }
 
   static std::string name_of(std::size_t i) { return fmt::format("trial_{:02}", i + 1); }
@@ -275,10 +267,8 @@ class Case {
                    const std::function<Measured()>& measure) const {
     Measured now = measure();
     for (int n = 0; n < kScalings; ++n) {
-      const double ratio = wished_m / std::max(1e-9, now.signal.leftover_m);
-      const double most = kMostRaw * spec_.signal->wished->most_m / std::max(1e-9, now.signal.raw_m);
-      const double factor = std::clamp(std::min(ratio, most), 0.02, 30.0);
-      if (std::max(factor, 1.0 / factor) < kNear) break;
+      const double factor = factor_towards(wished_m, spec_.signal->wished->most_m, now.signal);
+      if (factor == 1.0) break;
       bool changed = false;
       std::vector<HiddenChoice> before;
       for (HiddenChoice* choice : choices) {
