@@ -23,12 +23,14 @@ namespace fs = std::filesystem;
 struct Paper {
   const char* name;
   validate::Result (*run)(const validate::Settings&, Progress&);
+  double seconds;
 };
-constexpr std::array<Paper, 5> kPapers{{{"semi_physical", validate::semi_physical},
-                                        {"online", validate::online},
-                                        {"single_chamber", validate::single_chamber},
-                                        {"hybrid", validate::hybrid},
-                                        {"cable", validate::cable}}};
+constexpr std::array<Paper, 5> kPapers{
+    {{"semi_physical", validate::semi_physical, validate::kSemiPhysical_s},
+     {"online", validate::online, validate::kOnline_s},
+     {"single_chamber", validate::single_chamber, validate::kSingleChamber_s},
+     {"hybrid", validate::hybrid, validate::kHybrid_s},
+     {"cable", validate::cable, validate::kCable_s}}};
 
 struct ValidateOptions {
   std::vector<std::string> only;
@@ -81,13 +83,17 @@ void run_validate(const ValidateOptions& options) {
   settings.jobs = options.jobs;
   Outputs outputs(options.out, Replacing::of_this_run(options.force));
 
-  Progress progress("tables");
-  nlohmann::json papers = nlohmann::json::array();
+  std::vector<Paper> chosen;
+  Progress progress("");
   for (const Paper& paper : kPapers) {
     if (!options.only.empty() &&
-        std::find(options.only.begin(), options.only.end(), paper.name) == options.only.end()) {
+        std::find(options.only.begin(), options.only.end(), paper.name) == options.only.end())
       continue;
-    }
+    progress.add_total(paper.seconds);
+    chosen.push_back(paper);
+  }
+  nlohmann::json papers = nlohmann::json::array();
+  for (const Paper& paper : chosen) {
     const auto start = std::chrono::steady_clock::now();
     const validate::Result result = paper.run(settings, progress);
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;

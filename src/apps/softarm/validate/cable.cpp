@@ -316,6 +316,7 @@ Result cable(const Settings& settings, Progress& progress) {
                     [&](std::size_t i) { outcomes[i] = experiment(kTruths[i], i, settings); });
   Series ei, marks;
   const Table fit = stiffness_table(outcomes, ei), mid = mid_table(outcomes, marks);
+  progress.advance(kCable_s, 0);
   return {"cable",
           "Model Analysis of Robotic Soft Arms including External Force Effects",
           {cable_arithmetic(), fit, tip_table(outcomes), mid},

@@ -332,6 +332,7 @@ Result hybrid(const Settings& settings, Progress& progress) {
   result.tables.push_back(rigidity(curves, result.series[1]));
   progress.line("hybrid: the experiments of Table 3");
   result.tables.push_back(table_3(arm, curves, settings, result.series[2]));
+  progress.advance(kHybrid_s, 0);
   return result;
 }
 

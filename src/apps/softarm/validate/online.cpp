@@ -325,12 +325,13 @@ Result online(const Settings& settings, Progress& progress) {
   const int sets = settings.quick ? 5 : 15, repeats = settings.quick ? 2 : 5;
   std::vector<OnlineSetting> where;
   Runs runs;
-  for (const OnlineSetting& setting : kOnlineSettings) {
-    if (settings.quick && !setting.standing) continue;
+  for (const OnlineSetting& setting : kOnlineSettings)
+    if (setting.standing || !settings.quick) where.push_back(setting);
+  for (const OnlineSetting& setting : where) {
     progress.line(fmt::format("online: {}", setting.name));
-    where.push_back(setting);
     runs.names.emplace_back(setting.name);
     runs.experiments.push_back(online_experiment(setting, settings, sets, repeats));
+    progress.advance(kOnline_s / static_cast<double>(where.size()), 0);
   }
   Result result{
       "online",

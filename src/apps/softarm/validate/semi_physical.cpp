@@ -338,6 +338,7 @@ Result semi_physical(const Settings& settings, Progress& progress) {
       {"real_like", "trial", "payload_kg", "p1_pa", "p2_pa", "p3_pa", "vacuum_pa", "ours_m", "theirs_m"},
       {}};
   for (const FitOutcome& o : outcomes) series.rows.insert(series.rows.end(), o.rows.begin(), o.rows.end());
+  progress.advance(kSemiPhysical_s, 0);
   return {"semi_physical",
           "Semi-Physical Modeling of Soft Pneumatic Actuators With Stiffness Tuning",
           {arithmetic(), table_1(outcomes), table_2(outcomes)},

@@ -230,6 +230,7 @@ Result single_chamber(const Settings& settings, Progress& progress) {
   surface(settings.quick, table, series);
   result.tables.push_back(table);
   result.series.push_back(series);
+  progress.advance(kSingleChamber_s, 0);
   return result;
 }
 
