@@ -19,8 +19,8 @@ LEAST_BIAS = 0.02  # of EI: a smaller one cannot be distinguished from the fit's
 
 
 def named_in(report):
-    """Small departures, too, were found, and count as such."""
-    return report["effects"] + report.get("small_departures", [])
+    """Small departures, too, were found, and count as such; so does, last, what is hardly there."""
+    return report["effects"] + report.get("small_departures", []) + report.get("stand_ins", [])
 
 
 def decision_of_report(report):

@@ -7,6 +7,7 @@ const withPlots = typeof Plotly !== 'undefined';
 const sections = [
   ['effects', 'Cause', report.verdict === 'unknown' ? 'What helps, without being the whole explanation' : 'What was left out of the model', effects],
   ['small', 'Small', 'Small departures, as every arm has them', smallDepartures],
+  ['stand-ins', 'Stand-ins', 'In the model too, and likely to stand in for something else', standIns],
   ['law', 'Learnt', 'A law that was learnt from what is left', discoveredLaw],
   ['next', 'Next', 'What to measure next', nextExperiment],
   ['held-out', 'Unseen trials', phases.length > 1 ? 'How much better on unseen trials' : 'On unseen trials', heldOut],

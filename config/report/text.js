@@ -3,7 +3,7 @@
 
 const report = data.report;
 /// Whether there is an "after".
-const anyEffect = report.effects.length + report.small_departures.length > 0;
+const anyEffect = report.effects.length + report.small_departures.length + report.stand_ins.length > 0;
 
 function header() {
   const baseline = report.baseline, extended = report.extended;
@@ -98,10 +98,12 @@ function goOn() {
     toCopy(report.extended_text, 'arm_extended.yaml', 'arm_extended.yaml')].flat(2);
 }
 
-/// What every arm has: a line each.
-function smallDepartures() {
-  if (!report.small_departures.length) return null;
-  return [element('ul', null, report.small_departures.map(effect => element('li', null, element('code', null, effect.name), ' ', effect.sentence)))];
+/// What every arm has, or what hardly is there: a line each.
+const smallDepartures = () => lines(report.small_departures);
+const standIns = () => lines(report.stand_ins);
+function lines(list) {
+  if (!list.length) return null;
+  return [element('ul', null, list.map(effect => element('li', null, element('code', null, effect.name), ' ', effect.sentence)))];
 }
 
 /// No name: what the rest goes with, as moments that the extended arm file has.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <set>
 #include <utility>
 
@@ -203,12 +204,26 @@ void lead_with_what_is_known(const std::vector<double>& known, std::vector<Named
   effects.insert(effects.begin(), std::move(effect));
 }
 
+void set_stand_ins_apart(Diagnosis& d) {
+  const auto from = [&](std::vector<NamedEffect>& list) {
+    const auto first = std::stable_partition(list.begin(), list.end(), [](const NamedEffect& effect) {
+      return effect.probability >= kPolicy.words.likely;
+    });
+    std::move(first, list.end(), std::back_inserter(d.stand_ins));
+    list.erase(first, list.end());
+  };
+  // An explanation to the noise stands as a whole, however little is known of its parts.
+  if (d.verdict != Verdict::kExplained) from(d.effects);
+  from(d.small_departures);
+}
+
 void rank_as_said(Diagnosis& d) {
   std::vector<std::string> said;
   for (const NamedEffect& effect : d.effects) said.push_back(effect.id);
   for (const NamedEffect& effect : d.effects)
     said.insert(said.end(), effect.confusable_with.begin(), effect.confusable_with.end());
-  for (const NamedEffect& effect : d.small_departures) said.push_back(effect.id);
+  for (const std::vector<NamedEffect>* list : {&d.small_departures, &d.stand_ins})
+    for (const NamedEffect& effect : *list) said.push_back(effect.id);
   const auto place = [&](const Candidate& c) {
     return std::find(said.begin(), said.end(), c.id) - said.begin();
   };
@@ -251,8 +266,9 @@ void add_findings(JointModel& model, const Selection& selection, const MatrixXd&
     for (const NamedEffect& effect : *list)
       for (Candidate& candidate : d.ranking)
         if (candidate.id == effect.id) candidate.probability = effect.probability;
-  rank_as_said(d);
   d.verdict = verdict_of(d, adequate);
+  set_stand_ins_apart(d);
+  rank_as_said(d);
 }
 
 }  // namespace softarm::diagnose

@@ -32,7 +32,10 @@ void lead_with_what_is_known(const std::vector<double>& known, std::vector<Named
                              std::vector<NamedEffect>& small);
 
 /// Candidates in the order in which they are said: what the verdict stands on, what that may be mistaken for,
-/// the small departures, all others.
+/// the small departures and the stand-ins, all others.
 void rank_as_said(Diagnosis& d);
+
+/// Moves what is hardly there to the stand-ins.
+void set_stand_ins_apart(Diagnosis& d);
 
 }  // namespace softarm::diagnose

@@ -245,14 +245,9 @@ std::string found_of(const Diagnosis& d) {
   const std::string errors_change =
       "the mean error on trials left out " + change(d.baseline.held_out_mean_m, d.extended.held_out_mean_m);
   std::vector<std::string> names, small;
-  bool all = true;
+  const bool all = d.stand_ins.empty();
   double part = 0.0;  // of what could be explained, by those
   for (const NamedEffect& effect : d.effects) {
-    // Where something else is left, each stands on its own probability, and what has none is no news.
-    if (effect.probability < kPolicy.words.likely) {
-      all = false;
-      continue;
-    }
     names.push_back(fmt::format("{} ({})", effect.id, percent(effect.probability)));
     part += effect.share * d.explained_share;
   }

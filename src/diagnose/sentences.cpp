@@ -122,7 +122,7 @@ std::string meaning(Verdict verdict) {
 std::string finding_description(const Candidate& candidate) {
   switch (candidate.finding) {
     case Finding::kPresent:
-      return "present";
+      return candidate.probability >= kPolicy.words.likely ? "present" : "in the model, hardly there";
     case Finding::kTrivial:
       return "too small to matter";
     case Finding::kRival:
@@ -273,8 +273,8 @@ std::string got_worse(const Diagnosis& d) {
 std::string improvement(const Diagnosis& d) {
   const double before = d.baseline.held_out_mean_m, after = d.extended.held_out_mean_m;
   if (!(before > 0.0) || !(after > 0.0)) return "";
-  const bool same =
-      (d.effects.empty() && d.small_departures.empty()) || std::abs(before - after) < 0.5 * kShownError_m;
+  const bool same = (d.effects.empty() && d.small_departures.empty() && d.stand_ins.empty()) ||
+                    std::abs(before - after) < 0.5 * kShownError_m;
   const double length_m = d.extended_arm.arm.total_length_m();
   const auto of_length = [&](double mean_m, double most_m) {
     const std::string share =

@@ -105,7 +105,7 @@ std::string structure_text(const diagnose::Diagnosis& d) {
 }
 
 std::string shifts_text(const diagnose::Diagnosis& d) {
-  if (d.shifts.empty() || (d.effects.empty() && d.small_departures.empty())) return "";
+  if (d.shifts.empty() || (d.effects.empty() && d.small_departures.empty() && d.stand_ins.empty())) return "";
   std::size_t width = 8;
   for (const diagnose::Shift& shift : d.shifts) width = std::max(width, width_of(shift.name));
   std::string text = "\nEstimates before, and with this in the model (+- 1 sd):\n";
@@ -159,9 +159,13 @@ std::string describe(const diagnose::Diagnosis& d) {
     text += d.verdict == diagnose::Verdict::kUnknown ? "\nWhat helps, without being the whole explanation:\n"
                                                      : "\nLeft out of the model:\n";
   for (std::size_t i = 0; i < d.effects.size(); ++i) text += effect_text(i + 1, d.effects[i]);
-  if (!d.small_departures.empty()) text += "\nSmall departures, as every arm has them:\n";
-  for (const diagnose::NamedEffect& effect : d.small_departures)
-    text += paragraph("  - ", fmt::format("{}: {}", effect.id, sentence_of(effect)), 4);
+  const auto add_list = [&](const std::string& heading, const std::vector<diagnose::NamedEffect>& list) {
+    if (!list.empty()) text += "\n" + heading + ":\n";
+    for (const diagnose::NamedEffect& effect : list)
+      text += paragraph("  - ", fmt::format("{}: {}", effect.id, sentence_of(effect)), 4);
+  };
+  add_list("Small departures, as every arm has them", d.small_departures);
+  add_list("In the model too, and likely to stand in for something else", d.stand_ins);
   if (d.discovered_law) text += law_text(*d.discovered_law);
   text += "\n";
   const std::string better = diagnose::improvement(d);

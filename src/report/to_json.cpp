@@ -152,6 +152,8 @@ Json report_json(const diagnose::Diagnosis& d, const Origin& origin) {
   json["small_departures"] = Json::array();
   for (const diagnose::NamedEffect& effect : d.small_departures)
     json["small_departures"].push_back(json_of(effect));
+  json["stand_ins"] = Json::array();
+  for (const diagnose::NamedEffect& effect : d.stand_ins) json["stand_ins"].push_back(json_of(effect));
   if (d.discovered_law) json["discovered_law"] = json_of(*d.discovered_law);
   json["ranking"] = Json::array();
   for (const diagnose::Candidate& candidate : d.ranking) json["ranking"].push_back(json_of(candidate));

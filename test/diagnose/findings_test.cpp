@@ -90,6 +90,22 @@ TEST(Findings, ASmallDepartureStaysOneBesideWhatIsKnown) {
   EXPECT_EQ(ids(small), std::vector<std::string>{"clock"});
 }
 
+TEST(Findings, WhatIsHardlyThereStandsApart) {
+  Diagnosis d;
+  d.effects = {effect("there", 0.9, 0.6), effect("hardly", 0.02, 0.3), effect("likely", 0.3, 0.1)};
+  d.small_departures = {effect("no", 0.001, 0.0), effect("small", 1.0, 0.0)};
+  d.verdict = Verdict::kExplained;  // the whole is known, whatever of its parts is not
+  Diagnosis whole = d;
+  set_stand_ins_apart(whole);
+  EXPECT_EQ(ids(whole.effects), (std::vector<std::string>{"there", "hardly", "likely"}));
+  EXPECT_EQ(ids(whole.stand_ins), std::vector<std::string>{"no"});
+  d.verdict = Verdict::kUnknown;
+  set_stand_ins_apart(d);
+  EXPECT_EQ(ids(d.effects), (std::vector<std::string>{"there", "likely"}));
+  EXPECT_EQ(ids(d.small_departures), std::vector<std::string>{"small"});
+  EXPECT_EQ(ids(d.stand_ins), (std::vector<std::string>{"hardly", "no"}));
+}
+
 TEST(Findings, CandidatesStandAsTheyAreSaid) {
   Diagnosis d;
   d.effects = {effect("second", 0.7, 0.6), effect("first", 1.0, 0.4)};

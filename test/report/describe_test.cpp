@@ -39,6 +39,10 @@ TEST(Describe, SaysWhereWhatHowLargeAndHowSure) {
               HasSubstr("Small departures, as every arm has them: - marker_slip: A ring sits elsewhere than "
                         "the arm file says, 100 mm from the base; offset along the arm: 0.31 mm (90 % "
                         "interval 0.22 to 0.40); probability over 99 %."));
+  EXPECT_THAT(text,
+              HasSubstr("In the model too, and likely to stand in for something else: - axial_memory: The "
+                        "arm goes on growing longer or shorter while what drives it is held, along the arm; "
+                        "time constant: 2.7 s (90 % interval 1.2 to 4.2); probability under 1 %."));
 }
 
 TEST(Describe, SaysWhatWasLearntOfTheRest) {

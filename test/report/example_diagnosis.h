@@ -259,6 +259,18 @@ inline diagnose::NamedEffect example_small_departure() {
   return ring;
 }
 
+inline diagnose::NamedEffect example_stand_in() {
+  diagnose::NamedEffect memory;
+  memory.id = "axial_memory";
+  memory.description = "the arm goes on growing longer or shorter while what drives it is held";
+  memory.probability = 0.004;
+  memory.parameters = {{"time_s", "s", "time constant", 2.7, 1.2, 4.2}};
+  memory.where.axis = "axial";
+  memory.held_out_gain_m = 0.01e-3;
+  memory.share = 0.001;
+  return memory;
+}
+
 inline diagnose::DiscoveredLaw example_law() {
   diagnose::LawTerm lag;
   lag.goes_with = "chamber_2 less what follows it in 1.00 s";
@@ -319,6 +331,7 @@ inline diagnose::Diagnosis example_diagnosis() {
   d.extended_text = "format: 1\neffects: {}\n";
   d.next_command = "softarm estimate --arm report/arm_extended.yaml trial.bag";
   d.small_departures = {example_small_departure()};
+  d.stand_ins = {example_stand_in()};
   d.discovered_law = example_law();
   d.ranking = example_ranking();
   d.before = {

@@ -29,7 +29,8 @@ inline void rename_all(diagnose::Diagnosis& d) {
     effect.description = effect.where.input = effect.where.when = effect.law = effect.source = evil;
     effect.confusable_with = {evil, "__proto__"};
   }
-  for (diagnose::NamedEffect& effect : d.small_departures) effect.description = effect.where.when = evil;
+  for (std::vector<diagnose::NamedEffect>* list : {&d.small_departures, &d.stand_ins})
+    for (diagnose::NamedEffect& effect : *list) effect.description = effect.where.when = evil;
   d.discovered_law->sentence = d.discovered_law->resembles = evil;
   for (diagnose::LawTerm& term : d.discovered_law->terms)
     term.goes_with = term.unit = term.sentence = term.x_nm.description = evil;

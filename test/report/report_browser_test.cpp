@@ -129,7 +129,8 @@ class ReportInBrowser : public ::testing::Test {
 };
 
 constexpr const char* kAll =
-    "effects small law next held-out shifts tip arm along time inputs ranking ladder parameter_variation "
+    "effects small stand-ins law next held-out shifts tip arm along time inputs ranking ladder "
+    "parameter_variation "
     "left "
     "trials go-on notes origin";
 
@@ -171,6 +172,7 @@ TEST_F(ReportInBrowser, EmptyPartsAndNoPlotsStayReadable) {
   d.verdict = diagnose::Verdict::kUnknown;
   d.effects.clear();
   d.small_departures.clear();
+  d.stand_ins.clear();
   d.discovered_law.reset();
   d.shifts.clear();
   d.next_experiment.reset();

@@ -62,6 +62,10 @@ TEST(ToJson, SaysWhatAnEffectIs) {
   EXPECT_EQ(small[0]["name"], "marker_slip");
   EXPECT_EQ(keys(small[0]), keys(effects[0]));
   EXPECT_DOUBLE_EQ(small[0]["share"], 0.004);
+  const json stand_ins = json::parse(report::to_json(testing::example_diagnosis()))["stand_ins"];
+  ASSERT_EQ(stand_ins.size(), 1U);
+  EXPECT_EQ(stand_ins[0]["name"], "axial_memory");
+  EXPECT_EQ(keys(stand_ins[0]), keys(effects[0]));
   const json& stiffness = effects[0]["parameters"]["K_base"];
   EXPECT_THAT(keys(stiffness), IsSupersetOf({"value", "low", "high", "unit"}));
   EXPECT_DOUBLE_EQ(stiffness["value"], 5.21);

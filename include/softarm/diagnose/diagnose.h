@@ -240,6 +240,9 @@ struct Diagnosis {
   /// What every arm has: bodies and base within placement_sd of where they should be, and what explains
   /// little beside the others.
   std::vector<NamedEffect> small_departures;
+  /// In the model, because unseen trials are predicted better with them, though hardly there: they stand in
+  /// for what is left, or for one another.
+  std::vector<NamedEffect> stand_ins;
   std::vector<Candidate> ranking;  ///< every candidate, best first
   std::optional<DiscoveredLaw> discovered_law;
   Structure before, after;
