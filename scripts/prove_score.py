@@ -210,6 +210,8 @@ def true_parameters(effect, length_m):
 
 
 def true_place_m(effect, length_m):
+    if "parameters" in effect:  # of the solid arm: in metres
+        return effect["parameters"].get("centre_m")
     if effect["effect"] == "soft_spot":
         return effect["values"]["centre_fraction"] * length_m
     if effect["effect"] == "contact" and effect.get("form") == "spring_wall":

@@ -1,4 +1,5 @@
 // What a batch is made of: lists of jobs, their folders, tables.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
