@@ -126,15 +126,6 @@ bool is_small(const JointModel& model, const Selection& selection, std::size_t e
          is_usual(model, selection.extended.at.effects[e]);
 }
 
-/// Probability that what explains a part of what could be explained is no stand-in for what is left:
-/// something that no effect of the catalogue makes looks like several that do. What sensors do is not made by
-/// the arm: no physics of it that is missing looks like one body that sits elsewhere, or like another clock.
-double is_no_stand_in(const model::Info& info, double part, double left) {
-  if (!(left > 0.0) || info.family == model::Family::kSensor) return 1.0;
-  const double odds = std::pow(part / left, kPolicy.posterior.stand_in);
-  return odds / (1.0 + odds);
-}
-
 Verdict verdict_of(const Diagnosis& d, bool adequate) {
   if (!d.effects.empty()) {
     if (d.explained_share >= kPolicy.verdict.explained && adequate) return Verdict::kExplained;
@@ -153,6 +144,16 @@ Verdict verdict_of(const Diagnosis& d, bool adequate) {
 }
 
 }  // namespace
+
+double is_no_stand_in(const model::Info& info, bool small, double part, double left) {
+  if (!(left > 0.0)) return 1.0;
+  const bool of_sensors = info.family == model::Family::kSensor;
+  const double even = of_sensors ? kPolicy.posterior.sensor_stand_in
+                      : small    ? kPolicy.posterior.small_stand_in
+                                 : 1.0;
+  const double odds = std::pow(part / (even * left), kPolicy.posterior.stand_in);
+  return odds / (1.0 + odds);
+}
 
 void mistake_mutually(std::vector<NamedEffect>& effects) {
   const auto has = [](const NamedEffect& effect, const std::string& id) {
@@ -244,16 +245,18 @@ void add_findings(JointModel& model, const Selection& selection, const MatrixXd&
     const bool small = is_small(model, selection, e, effect, d, adequate);
     const Present& present = selection.extended.at.effects[e];
     const double part = effect.share * d.explained_share, left = adequate ? 0.0 : 1.0 - d.explained_share;
-    const double as_finding = effect.probability * is_no_stand_in(present.effect->info(), part, left);
-    if (small) known.push_back(is_usual(model, present) ? 0.0 : as_finding);
+    const model::Info& info = present.effect->info();
+    if (small)
+      known.push_back(
+          is_usual(model, present) ? 0.0 : effect.probability * is_no_stand_in(info, false, part, left));
+    effect.probability *= is_no_stand_in(info, small, part, left);
     if (!small && !adequate) {
-      effect.probability = as_finding;
       // Those that might be there in its place would explain as little.
       for (const model::Effect* rival : selection.rounds[selection.round_of[e]].rivals)
         for (Candidate& candidate : d.ranking)
           if (candidate.finding == Finding::kRival && candidate.id == rival->info().id &&
               weighed.insert(rival).second)
-            candidate.probability *= is_no_stand_in(rival->info(), part, left);
+            candidate.probability *= is_no_stand_in(rival->info(), false, part, left);
     }
     (small ? d.small_departures : d.effects).push_back(std::move(effect));
   }

@@ -31,6 +31,12 @@ void mistake_short_delays(const arm::Arm& arm, const std::vector<model::Present>
 void lead_with_what_is_known(const std::vector<double>& known, std::vector<NamedEffect>& effects,
                              std::vector<NamedEffect>& small);
 
+/// Probability that what explains a part of what could be explained is no stand-in for what is left:
+/// something that no effect of the catalogue makes looks like several that do.
+/// @param small of a small departure
+/// @param part, left shares of what could be explained: by it, and by nothing
+double is_no_stand_in(const model::Info& info, bool small, double part, double left);
+
 /// Candidates in the order in which they are said: what the verdict stands on, what that may be mistaken for,
 /// the small departures and the stand-ins, all others.
 void rank_as_said(Diagnosis& d);

@@ -98,6 +98,12 @@ struct Policy {
     /// development cases (config/campaigns/untidy_development.yaml) right ones explain 3 to 20 times as much
     /// as is left, stand-ins up to 0.8 times.
     double stand_in = 2.0;
+    /// That ratio, of which one is as likely as the other, of a small departure and of what sensors do. What
+    /// is small beside others has them to stand beside; and what is missing of an arm's physics hardly looks
+    /// like one body that sits elsewhere or like another clock, though where it is large a part of it does.
+    /// Of small departures of 40 virtual and finite-element cases 19 of 19 above 0.6 are right, 9 of 16
+    /// below; of what sensors do on real arms those that nobody did have 0.03 and less.
+    double small_stand_in = 0.3, sensor_stand_in = 0.03;
     double least_white = 0.3;         ///< of the stated variance, at least: by more nobody overstates a noise
     std::size_t most_instants = 300;  ///< or groups of neighbouring ones: the cost goes with its square
     long fewest_instants = 20;        ///< with fewer nothing is said

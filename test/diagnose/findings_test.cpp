@@ -90,6 +90,21 @@ TEST(Findings, ASmallDepartureStaysOneBesideWhatIsKnown) {
   EXPECT_EQ(ids(small), std::vector<std::string>{"clock"});
 }
 
+TEST(Findings, WhatIsLittleBesideWhatIsLeftStandsInForIt) {
+  model::Info of_arm, of_sensors;
+  of_arm.family = model::Family::kActuation;
+  of_sensors.family = model::Family::kSensor;
+  EXPECT_DOUBLE_EQ(is_no_stand_in(of_arm, false, 0.1, 0.0), 1.0);
+  EXPECT_DOUBLE_EQ(is_no_stand_in(of_arm, false, 0.4, 0.4), 0.5);
+  EXPECT_NEAR(is_no_stand_in(of_arm, false, 0.8, 0.2), 16.0 / 17.0, 1e-12);
+  // What is small has larger ones to stand beside; what sensors do, no physics of the arm looks like.
+  EXPECT_DOUBLE_EQ(is_no_stand_in(of_arm, true, 0.3 * 0.4, 0.4), 0.5);
+  EXPECT_GT(is_no_stand_in(of_sensors, true, 0.1, 0.9), 0.9);
+  EXPECT_GT(is_no_stand_in(of_sensors, false, 0.1, 0.9), 0.9);
+  EXPECT_LT(is_no_stand_in(of_sensors, true, 0.01, 0.99), 0.2);
+  EXPECT_LT(is_no_stand_in(of_arm, true, 0.01, 0.99), 0.01);
+}
+
 TEST(Findings, WhatIsHardlyThereStandsApart) {
   Diagnosis d;
   d.effects = {effect("there", 0.9, 0.6), effect("hardly", 0.02, 0.3), effect("likely", 0.3, 0.1)};

@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "diagnose/findings.h"
 #include "diagnose/pictures.h"
 
 namespace softarm::diagnose {
@@ -73,6 +74,8 @@ TEST(Words, WhatStandsOutIsNotCalledAbsent) {
   candidate.finding = diagnose::Finding::kCannotTell;
   EXPECT_EQ(diagnose::finding_description(candidate), "cannot tell: a usual size would not be seen");
   candidate.finding = diagnose::Finding::kPresent;
+  EXPECT_EQ(diagnose::finding_description(candidate), "in the model, hardly there");
+  candidate.probability = 0.4;
   EXPECT_EQ(diagnose::finding_description(candidate), "present");
 }
 
@@ -92,7 +95,7 @@ TEST(Sentences, WhatIsHardlyThereIsNotSaidToBeLeftOut) {
                  0),
       0u)
       << both;
-  diagnosis.effects = {hardly};
+  diagnosis.effects.clear();
   EXPECT_EQ(summary_of(diagnosis).rfind("The arm file leaves out pressure_lag (20 %): with it the mean", 0),
             0u)
       << summary_of(diagnosis);
@@ -113,6 +116,7 @@ TEST(Sentences, UnderUnknownOnlyWhatIsLikelyIsListedWithItsOwnShare) {
   hardly.probability = 0.004;
   hardly.share = 0.7;
   diagnosis.effects = {hardly, sure};
+  set_stand_ins_apart(diagnosis);
   const std::string text = summary_of(diagnosis);
   EXPECT_NE(text.find(" skin_marker (97 %) explains 12 % of it: with all that was fitted the mean"),
             std::string::npos)
