@@ -210,10 +210,10 @@ def true_parameters(effect, length_m):
 
 
 def true_place_m(effect, length_m):
-    if "parameters" in effect:  # of the solid arm: in metres
-        return effect["parameters"].get("centre_m")
-    if effect["effect"] == "soft_spot":
+    if effect["effect"] == "soft_spot" and "centre_fraction" in effect["values"]:
         return effect["values"]["centre_fraction"] * length_m
+    if effect["effect"] == "soft_spot":  # of the solid arm
+        return effect.get("parameters", {}).get("centre_m")
     if effect["effect"] == "contact" and effect.get("form") == "spring_wall":
         return effect["values"]["fraction"] * length_m
     return None

@@ -314,6 +314,15 @@ class Targets(unittest.TestCase):
             beside = {"worlds": {"real": {"mcnemar": {"bic": prove_figures.mcnemar([])}}}, "full": full}
             self.assertEqual([row[4] for row in prove_report.beside_baselines(beside)], expected)
 
+    def test_places_of_rig_and_solid_arm(self):
+        of_rig = effect("soft_spot", {"share": 0.5, "centre_fraction": 0.4})
+        of_solid = effect("soft_spot", form="solid", parameters={"share": 0.5, "centre_m": 0.085, "width_m": 0.03})
+        self.assertAlmostEqual(score.true_place_m(of_rig, 0.2), 0.08)
+        self.assertAlmostEqual(score.true_place_m(of_solid, 0.2), 0.085)
+        said = named("soft_spot", parameters={"share": {"value": 0.5, "low": 0.4, "high": 0.6}}, where={"s_from": 0.07, "s_to": 0.11})
+        places = score.sizes(result("solid_single", truth(of_solid), report("explained", said)))[2]
+        self.assertAlmostEqual(places[0], 0.005)
+
     def test_intervals_of_figures_hold_them_and_narrow_with_cases(self):
         def of(count):
             results = [result("single_strong", truth(effect("creep")),

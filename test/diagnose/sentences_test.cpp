@@ -95,7 +95,7 @@ TEST(Sentences, WhatIsHardlyThereIsNotSaidToBeLeftOut) {
                  0),
       0u)
       << both;
-  diagnosis.effects.clear();
+  diagnosis.effects = {hardly};
   EXPECT_EQ(summary_of(diagnosis).rfind("The arm file leaves out pressure_lag (20 %): with it the mean", 0),
             0u)
       << summary_of(diagnosis);
@@ -122,7 +122,7 @@ TEST(Sentences, UnderUnknownOnlyWhatIsLikelyIsListedWithItsOwnShare) {
             std::string::npos)
       << text;
   EXPECT_EQ(text.find("hysteresis"), std::string::npos) << text;
-  diagnosis.effects = {hardly};
+  diagnosis.effects.clear();
   EXPECT_EQ(summary_of(diagnosis).find(" explains 28 %"), std::string::npos) << summary_of(diagnosis);
   EXPECT_EQ(summary_of(diagnosis).find("hysteresis"), std::string::npos) << summary_of(diagnosis);
 }
