@@ -70,7 +70,7 @@ class Source:
         known = {"arm": "arm.yaml", "trials": [os.path.basename(bag) for bag in bags], "options": []}
         effects, ideal = [], []
         if name in HIDDEN:
-            compared = self.signal(plan, seed, bags, os.path.join(work, "arm.yaml"), sealed)
+            compared = self.signal(plan, seed, name, bags, os.path.join(work, "arm.yaml"), sealed)
             effects = [{**HIDDEN[name], "form": "solid", "catalogued": True, "values": {},
                         "signal": {key: compared[key] for key in ("raw_snr", "leftover_snr", "raw_m", "leftover_m")}}]
             ideal = compared["ideal"][:10]
@@ -83,12 +83,12 @@ class Source:
             shutil.rmtree(whole, ignore_errors=True)
             os.rename(part, whole)
 
-    def signal(self, plan, seed, bags, arm, folder):
+    def signal(self, plan, seed, name, bags, arm, folder):
         """What is hidden leaves beside the arm's constants: against the same trials with nothing hidden and the same noise."""
         import solid_trials
         plain = os.path.join(folder, "plain")
         out, log = os.path.join(folder, "compared.json"), os.path.join(folder, "compare.log")
-        same = solid_trials.write_trials(plan, self.data, "nothing", plain, seed, os.path.join(self.options.programs, "softarm"))
+        same = solid_trials.write_trials(plan, self.data, "nothing", plain, seed, os.path.join(self.options.programs, "softarm"), name)
         status, _ = prove_files.run([os.path.join(self.options.programs, "prove"), "compare", "--arm", arm, "--changed-arm", arm,
                                      *prove_files.jobs(self.options), "--plain", *same, "--changed", *bags, "--out", out], log)
         if status != 0:

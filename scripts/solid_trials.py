@@ -137,14 +137,18 @@ def layout(plan):
             "pressures:\n  unit: kPa\n  reference: gauge\n  inputs:\n" + inputs)
 
 
-def write_trials(plan, results, trials, out, seed, program):
+def write_trials(plan, results, trials, out, seed, program, beside=None):
     """Makes the bags of a case of the plan's "trials": results of one of its cases, and what the log says of them. Returns
-    their paths. seed: a number, or several."""
+    their paths. seed: a number, or several. beside: another case; only the trials that it has, too: with a wall the solver found
+    some states in vain."""
     os.makedirs(out, exist_ok=True)
     reference, told = reference_of(plan), plan["trials"][trials]
     with open(os.path.join(out, "layout.yaml"), "w", encoding="ascii") as text:
         text.write(layout(plan))
     found = read_states(os.path.join(results, told["case"] + ".csv"), plan["bodies"], len(reference))
+    if beside is not None:
+        others = read_states(os.path.join(results, plan["trials"][beside]["case"] + ".csv"), plan["bodies"], len(reference))
+        found = {trial: states for trial, states in found.items() if trial in others}
     bags = []
     for number, (_, states) in enumerate(sorted(found.items())):
         dice = np.random.Generator(np.random.PCG64([*np.atleast_1d(seed), number]))

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "arm/body_order.h"
 #include "context.h"
 #include "policy.h"
 
@@ -39,7 +40,7 @@ double misfit(const Context& context, const std::vector<std::optional<Eigen::Vec
     if (last) {
       const double spacing = context.tracks[b].arclength_m - last_s;
       const double chord = (*places[b] - *last).norm();
-      const double off = chord > spacing ? chord - spacing : kPolicy.tracking.short_chord * (spacing - chord);
+      const double off = chord > spacing ? chord - spacing : arm::kShortChord * (spacing - chord);
       sum += off * off;
     }
     last = &*places[b];

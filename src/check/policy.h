@@ -119,7 +119,6 @@ struct Policy {
     double apart = 0.025;             ///< of the length: closer bodies cannot be told apart
     double near_share = 0.35;         ///< of the distance between two: where the other was
     double far_share = 0.65;          ///< ... and where it was itself not
-    double short_chord = 0.5;         ///< weight of distances below the spacing: bending shortens chords
     double exchanged_periods = 4.0;   ///< between two exchanged poses: those in between are doubtful
     std::size_t most_compared = 400;  ///< instants at which spacings are compared
 
@@ -207,9 +206,6 @@ struct Policy {
     double least_unit = 0.75, most_unit = 1.35;   ///< the same with the unit put right
     double least_order = 0.2, most_order = 20.0;  ///< the same: a wrong order can make as much
     double least_attitude = 0.4, most_attitude = 2.0;  ///< the same: beyond, directions mean nothing
-    std::size_t most_permuted = 7;                     ///< bodies: 5040 orders
-    double out_of_order = 0.08;            ///< of the outermost arclength: misfit of a wrong order
-    double right_order = 0.1;              ///< of the squared misfit is left with the right one
     double near_base = 0.6;                ///< of the length: the chord to a body there is half its bend off
     double base_off_rad = 50.0 * kDegree;  ///< of the base's z axis from such a chord
     double far_base_off_rad = 80.0 * kDegree;  ///< the same, of any chord: arms bend

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "discovered_law.h"
+#include "exchanged_names.h"
 #include "extended_arm.h"
 #include "findings.h"
 #include "first_fits.h"
@@ -327,7 +328,8 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
       extended_arm(model, law ? law->fit : selection.extended, law ? law->covariance : selection.covariance);
   const Compared count = compared(model);
   d.left_out_share = 1.0 - static_cast<double>(count.used_frames) / static_cast<double>(count.block_frames);
-  d.summary = summary_of(d);
+  const std::string names = exchanged_names(arm, model.trials());
+  d.summary = names.empty() ? summary_of(d) : names + " " + summary_of(d);
   d.notes = notes_of(count, prepared, selection, options, first, model, left);
 
   report(0.897, "what single instants say");

@@ -123,6 +123,15 @@ class Trials(unittest.TestCase):
                 kept.append(bag.read())
         self.assertEqual(kept[0], kept[1])
 
+    @unittest.skipUnless(os.path.exists(PROGRAM), "softarm is not built")
+    def test_beside_a_wall_only_the_trials_that_it_has(self):
+        folder = tempfile.mkdtemp(dir=build, prefix="solid_check_")
+        self.addCleanup(shutil.rmtree, folder)
+        of_wall = solid_trials.write_trials(PLAN, KEPT, "wall", os.path.join(folder, "wall"), 3, PROGRAM)
+        plain = solid_trials.write_trials(PLAN, KEPT, "nothing", os.path.join(folder, "plain"), 3, PROGRAM, "wall")
+        self.assertEqual([os.path.basename(bag) for bag in plain], [os.path.basename(bag) for bag in of_wall])
+        self.assertEqual(len(plain), 5)
+
 
 class World(unittest.TestCase):
     def options(self, **more):
