@@ -339,5 +339,7 @@ explains; where the hidden one is not first there, its form differs from the cat
 
 ## Every trial
 
+[What was missed, and why](proof_misses.md): case by case, of the sample that is looked at there.
+
 {markdown(lines)}
 """
