@@ -3,18 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <map>
-#include <numeric>
 #include <optional>
 
 #include "arm/body_order.h"
+#include "policy.h"
 #include "sentences.h"
 
 namespace softarm::diagnose {
 namespace {
-
-constexpr std::size_t kInstants = 40;  // of a trial, evenly: an order is the same for long
-constexpr double kMostly = 0.5;        // share of them, from which on an order is the trial's
 
 /// Numbers of the arm file's rings, from base to tip.
 std::vector<std::size_t> rings_of(const arm::Arm& arm) {
@@ -47,13 +45,13 @@ std::optional<arm::BodyOrder> order_in(const arm::Arm& arm, const std::vector<st
 std::optional<arm::BodyOrder> order_in(const arm::Arm& arm, const std::vector<std::size_t>& rings,
                                        const model::TrialData& trial) {
   std::map<std::vector<std::size_t>, std::vector<arm::BodyOrder>> found;
-  const std::size_t step = std::max<std::size_t>(1, trial.blocks.size() / kInstants);
+  const std::size_t step = std::max<std::size_t>(1, trial.blocks.size() / kPolicy.names.instants);
   std::size_t looked_at = 0;
   for (std::size_t k = 0; k < trial.blocks.size(); k += step, ++looked_at)
     if (const auto other = order_in(arm, rings, trial.blocks[k])) found[other->order].push_back(*other);
   for (const auto& [order, list] : found) {
     const auto count = static_cast<double>(list.size());
-    if (!(count > kMostly * static_cast<double>(looked_at))) continue;
+    if (!(count > kPolicy.names.mostly * static_cast<double>(looked_at))) continue;
     arm::BodyOrder mean{order, 0.0, 0.0};
     for (const arm::BodyOrder& one : list) {
       mean.as_is_m += one.as_is_m / count;

@@ -211,6 +211,12 @@ struct Policy {
     double seconds = 24.0;  ///< of a trial that is recorded again
   } experiment;
 
+  /// Rings that have one another's names.
+  struct Names {
+    std::size_t instants = 40;  ///< of a trial, evenly, that are looked at: names stay exchanged for long
+    double mostly = 0.5;  ///< share of them, from which on an order is the trial's, no ghosts for a while
+  } names;
+
   /// Which trials are one sequence of commands.
   struct Sequences {
     /// Rms difference of two trials' inputs over their spread, below which their commands are the same: noise
