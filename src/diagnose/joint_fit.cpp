@@ -4,9 +4,11 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <mutex>
 #include <utility>
 
 #include "joint_model.h"
@@ -24,11 +26,30 @@ using model::Block;
 using model::Predicted;
 using model::Present;
 
-constexpr double kUnsolved = 5.5;     // thresholds: a cost of ten of their squares
-constexpr double kSettled = 0.02;     // of the threshold
-constexpr double kAtBound = 1e-9;     // of an unknown's scale
-constexpr double kFirstRadius = 1e8;  // as good as none: the steps of Gauss and Newton
-constexpr int kShorterSteps = 5;      // tried where the whole one does not help
+constexpr double kUnsolved = 5.5;  // thresholds: a cost of ten of their squares
+constexpr double kSettled = 0.02;  // of the threshold
+constexpr double kAtBound = 1e-9;  // of an unknown's scale
+constexpr double kNoRadius = 1e8;  // as good as none: the steps of Gauss and Newton
+constexpr double kRadius = 1e2;    // of Levenberg and Marquardt, where these overshoot
+constexpr int kShorterSteps = 5;   // tried where the whole one does not help
+constexpr double kMostShortening = 0.5;
+constexpr int kShorterWays = 8;  // half, a quarter, ... of where a fit was expected
+
+/// A share of the way from one set of parameters to another, which may have effects more.
+JointParameters between(const JointParameters& from, const JointParameters& to, double share) {
+  JointParameters p = to;
+  p.constants = from.constants + share * (to.constants - from.constants);
+  p.viscoelastic_lag_s = from.viscoelastic_lag_s + share * (to.viscoelastic_lag_s - from.viscoelastic_lag_s);
+  p.mounts = from.mounts + share * (to.mounts - from.mounts);
+  for (std::size_t e = 0; e < p.effects.size(); ++e) {
+    auto& values = p.effects[e].values;
+    if (e < from.effects.size())
+      values = from.effects[e].values + share * (values - from.effects[e].values);
+    else
+      values.head(p.effects[e].effect->info().sizes) *= share;
+  }
+  return p;
+}
 
 }  // namespace
 
@@ -50,6 +71,61 @@ double JointModel::threshold_at(const std::vector<std::vector<Predicted>>& predi
          math::kMedianOfChi3;
 }
 
+/// Huber's loss of a trial's bodies that count; those without an equilibrium are as far off as a fit has
+/// them.
+double JointModel::loss(std::size_t trial, const std::vector<Predicted>& predicted, double threshold) const {
+  const ceres::HuberLoss huber(threshold);
+  const VectorXd r = residual(trial, predicted);
+  double sum = 0.0;
+  Eigen::Index row = 0;
+  const auto add = [&](std::size_t block, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i, row += 3) {
+      if (!used_[trial][block]) continue;
+      const double square =
+          predicted[block].solved ? r.segment<3>(row).squaredNorm() : std::pow(kUnsolved * threshold, 2);
+      double rho[3];
+      huber.Evaluate(square, rho);
+      sum += rho[0];
+    }
+  };
+  const std::vector<Block>& blocks = trials_[trial].blocks;
+  for (std::size_t k = 0; k < blocks.size(); ++k) add(k, blocks[k].bodies.size());
+  for (std::size_t k = 0; k < blocks.size(); ++k) add(k, blocks[k].tangents.size());
+  return sum;
+}
+
+double JointModel::loss(const std::vector<std::vector<Predicted>>& predicted, double threshold) const {
+  double sum = 0.0;
+  for (std::size_t t = 0; t < trials_.size(); ++t) sum += loss(t, predicted[t], threshold);
+  return sum;
+}
+
+/// Predictions that are only wanted where their loss is no more than so much: where equilibria are hard to
+/// find they take long.
+/// @param out without any equilibrium where it is more
+/// @return whether it is not
+bool JointModel::predict_within(const JointParameters& parameters,
+                                const std::vector<std::vector<Predicted>>& start, double threshold,
+                                double most, std::vector<std::vector<Predicted>>& out) {
+  std::vector<std::vector<Predicted>> made(trials_.size());
+  std::mutex mutex;
+  double sum = 0.0;
+  std::atomic<bool> within{true};
+  each_trial([&](std::size_t t) {
+    if (looks_at(t) && within) {
+      made[t] = predict_trial(parameters, t, &start[t]);
+      const double of_trial = loss(t, made[t], threshold);
+      const std::lock_guard<std::mutex> lock(mutex);
+      sum += of_trial;
+      if (sum > most) within = false;
+    }
+  });
+  for (std::size_t t = 0; t < trials_.size(); ++t)
+    if (!within || !looks_at(t)) made[t].assign(trials_[t].blocks.size(), {});
+  out = std::move(made);
+  return within;
+}
+
 /// All bodies at the unknowns where Ceres is: predicted, and where it wants derivatives, linearised. The
 /// costs of the bodies then only copy.
 class JointModel::Evaluation : public ceres::EvaluationCallback {
@@ -61,7 +137,10 @@ class JointModel::Evaluation : public ceres::EvaluationCallback {
 
   void PrepareForEvaluation(bool derivatives, bool) override {
     if (x_ != x_at_ && x_ != x_there_) {
-      model_.predict(parameters(), &at_.predicted, there_);
+      if (derivatives)
+        model_.predict(parameters(), &at_.predicted, there_);
+      else
+        model_.predict_within(parameters(), at_.predicted, model_.threshold_, accepted(), there_);
       residual_.resize(there_.size());
       for (std::size_t t = 0; t < there_.size(); ++t) residual_[t] = model_.residual(t, there_[t]);
       x_there_ = x_;
@@ -92,6 +171,15 @@ class JointModel::Evaluation : public ceres::EvaluationCallback {
   }
 
  private:
+  /// Twice the cost where derivatives were wanted last: Ceres takes no step that ends beyond it.
+  double accepted() const {
+    double sum = model_.loss(at_.predicted, model_.threshold_);
+    for (std::size_t j = 0; j < at_.columns.size(); ++j) {
+      const JointUnknown& c = at_.columns[j];
+      sum += model_.misfit_ * std::pow((x_at_[static_cast<Eigen::Index>(j)] - c.start) / c.prior_sd, 2);
+    }
+    return sum;
+  }
   JointParameters parameters() const {
     JointParameters p = at_.at;
     for (Eigen::Index j = 0; j < x_.size(); ++j)
@@ -177,22 +265,25 @@ double step_left(const Linearised& at) {
 /// more.
 class Watch : public ceres::IterationCallback {
  public:
-  explicit Watch(std::function<bool()> enough) : enough_(std::move(enough)) {}
+  Watch(std::function<bool()> enough, bool damped) : enough_(std::move(enough)), damped_(damped) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
-    return summary.step_is_successful && enough_() ? ceres::SOLVER_TERMINATE_SUCCESSFULLY
-                                                   : ceres::SOLVER_CONTINUE;
+    // A step of which no part helps is not helped by half of no radius.
+    const bool enough = summary.step_is_successful ? enough_() : !damped_;
+    return enough ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
   }
 
  private:
   const std::function<bool()> enough_;
+  const bool damped_;
 };
 
 }  // namespace
 
 /// One pass of Ceres, with one threshold of Huber's loss and one set of unknowns held at their bounds.
 /// @param iterations those left, less those made afterwards
+/// @param damped steps of Levenberg and Marquardt, else of Gauss and Newton
 /// @return whether any step helped
-bool JointModel::minimise(Evaluation& evaluation, double tolerance, int& iterations) {
+bool JointModel::minimise(Evaluation& evaluation, double tolerance, bool damped, int& iterations) {
   const std::vector<bool> held = held_at_bounds(evaluation.at());
   const auto enough = [&] {
     const double now = threshold_at(evaluation.at().predicted);
@@ -237,13 +328,14 @@ bool JointModel::minimise(Evaluation& evaluation, double tolerance, int& iterati
       }
     }
   }
-  Watch watch(enough);
+  Watch watch(enough, damped);
   options.callbacks.push_back(&watch);
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = iterations;
-  options.initial_trust_region_radius = kFirstRadius;
+  options.initial_trust_region_radius = damped ? kRadius : kNoRadius;
   options.line_search_interpolation_type = ceres::QUADRATIC;  // along a step, by predictions alone
   options.max_num_line_search_step_size_iterations = kShorterSteps;
+  options.max_line_search_step_contraction = kMostShortening;
   options.function_tolerance = tolerance * tolerance / std::max(1, evaluation.at().rows);
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
@@ -253,24 +345,53 @@ bool JointModel::minimise(Evaluation& evaluation, double tolerance, int& iterati
   return summary.num_successful_steps > 1;  // the first is the start
 }
 
+/// What is expected to first order may overshoot by far where an arm bends much.
+/// @return whether less than all of the way was gone
+bool JointModel::go_as_far_as_it_helps(const Linearised& from, JointParameters& parameters,
+                                       std::vector<std::vector<Predicted>>& predicted) {
+  const double threshold = threshold_at(from.predicted), before = loss(from.predicted, threshold);
+  const JointParameters all = parameters;
+  double share = 1.0;
+  for (int i = 0; !predict_within(parameters, from.predicted, threshold, before, predicted); ++i) {
+    if (i == kShorterWays) {
+      predict(parameters, &from.predicted, predicted);
+      break;
+    }
+    share *= 0.5;
+    parameters = between(from.at, all, share);
+  }
+  return share < 1.0;
+}
+
 Linearised JointModel::fit(JointParameters parameters, const FitOptions& options,
                            const std::vector<std::vector<Predicted>>* start) {
   std::vector<std::vector<Predicted>> predicted;
-  if (options.known)
+  const Linearised* near = options.near;
+  bool damped = false;
+  if (options.from != nullptr) {
+    // Where the first order is that wrong derivatives nearby are, too.
+    if (go_as_far_as_it_helps(*options.from, parameters, predicted)) {
+      near = nullptr;
+      damped = true;
+    }
+  } else if (options.known) {
     predicted = *start;
-  else
+  } else {
     predict(parameters, start, predicted);
+  }
   threshold_ = threshold_at(predicted);
   const bool feedback = has_configuration_dependent_load(parameters);
   const Derivatives how = feedback ? options.derivatives : Derivatives::kShapesHeld;
-  Evaluation evaluation(*this, linearise(parameters, &predicted, how, true, options.near), how, options.near);
+  Evaluation evaluation(*this, linearise(parameters, &predicted, how, true, near), how, near);
   for (int left = options.iterations; left > 0;) {
-    const bool moved = minimise(evaluation, options.tolerance, left);
+    const bool moved = minimise(evaluation, options.tolerance, damped, left);
     const double before = threshold_;
     threshold_ = threshold_at(evaluation.at().predicted);
     weigh(evaluation.at());
     if (step_left(evaluation.at()) < options.tolerance) break;
-    if (!moved && std::abs(threshold_ - before) <= kSettled * before) break;
+    if (moved || std::abs(threshold_ - before) > kSettled * before) continue;
+    if (damped) break;
+    damped = true;
   }
   const bool converged = step_left(evaluation.at()) < kPolicy.fit.converged_sd;
   Linearised at = std::move(evaluation.at());
@@ -294,6 +415,7 @@ Linearised JointModel::fit_without(JointParameters parameters, const std::vector
   how.iterations = kIterations;
   how.tolerance = kTolerance;
   how.near = &all;
+  how.from = &all;
   Linearised at = fit(std::move(parameters), how, &all.predicted);
   look_at({});
   threshold_ = threshold;

@@ -141,6 +141,9 @@ class JointModel {
     /// of the time of a fit is theirs.
     const Linearised* near = nullptr;
     bool known = false;  ///< that `start` are the predictions at `parameters`
+    /// A fit with the first of the effects, from which `parameters` were expected to first order: of the way
+    /// there only so much is gone (half, a quarter, ...) that it helps. nullptr: all of it.
+    const Linearised* from = nullptr;
   };
   /// The constants and effects at which all trials are met best, from `parameters`: a problem of Ceres with
   /// Huber's loss on each body, the columns' priors and bounds. Effects' parameters are free unless they
@@ -232,11 +235,18 @@ class JointModel {
   void add_to(TimeStretch& stretch, const Linearised& at, Eigen::Index row, int degrees_of_freedom) const;
   class Evaluation;  ///< of the problem of fit()
   class BodyCost;
-  bool minimise(Evaluation& evaluation, double tolerance, int& iterations);
+  bool minimise(Evaluation& evaluation, double tolerance, bool damped, int& iterations);
   /// Huber's weights by the present threshold, and all sums.
   void weigh(Linearised& at) const;
   std::vector<TimeStretch> stretches_of(const Linearised& at, std::size_t trial) const;
   double threshold_at(const std::vector<std::vector<model::Predicted>>& predicted) const;
+  double loss(std::size_t trial, const std::vector<model::Predicted>& predicted, double threshold) const;
+  double loss(const std::vector<std::vector<model::Predicted>>& predicted, double threshold) const;
+  bool predict_within(const JointParameters& parameters,
+                      const std::vector<std::vector<model::Predicted>>& start, double threshold, double most,
+                      std::vector<std::vector<model::Predicted>>& out);
+  bool go_as_far_as_it_helps(const Linearised& from, JointParameters& parameters,
+                             std::vector<std::vector<model::Predicted>>& predicted);
 
   const arm::Arm arm_;
   const std::vector<model::Present> known_;

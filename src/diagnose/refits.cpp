@@ -178,7 +178,9 @@ Refitted refit(JointModel& model, const Standing& current, const Screened& s) {
   for (Eigen::Index j = 0; j < x.size(); ++j)
     set_unknown(p, current.fit.columns[static_cast<std::size_t>(j)], x[j]);
   p.effects.push_back({s.effect, s.values});
-  fit_from(model, p, current.fit.predicted, refit_options(kRefitIterations), current.fit, r);
+  JointModel::FitOptions how = refit_options(kRefitIterations);
+  how.from = &current.fit;
+  fit_from(model, p, current.fit.predicted, how, current.fit, r);
   return r;
 }
 

@@ -44,6 +44,22 @@ TEST(Refits, WhatARefitGainsByBetterConstantsIsNotItsEffects) {
   EXPECT_NEAR(better->fit.square, good.fit.square, 0.01 * good.fit.square);
 }
 
+/// What the screen expects to first order is far beyond what helps, as on an arm that bends much.
+TEST(Refits, ThatBeginTooFarAwayEndNoFarWorseThanWithoutTheirEffect) {
+  const testing::RecordedCase drawn = testing::recorded_case("{count_weights: [1]}", 43, 3, 8.0);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  const Standing alone{looked.baseline, unseen(looked.model, looked.baseline)};
+  for (Screened& s : screen(looked.model, looked.baseline, 0, [](double) {})) {
+    SCOPED_TRACE(s.effect->info().id);
+    s.absorbed *= 10.0;
+    for (Eigen::Index k = 0; k < s.effect->info().sizes; ++k) {
+      const model::Parameter& size = s.effect->info().parameters[static_cast<std::size_t>(k)];
+      s.values[k] = std::clamp(s.values[k] + 5.0 * size.usual, size.low, size.high);
+    }
+    EXPECT_LT(refit(looked.model, alone, s).fit.square, 1.25 * looked.baseline.square);
+  }
+}
+
 /// Effects of which one, a wall, answers to the shape.
 class SharedDerivatives : public ::testing::TestWithParam<const char*> {};
 
