@@ -33,7 +33,8 @@ constexpr double kNoRadius = 1e8;  // as good as none: the steps of Gauss and Ne
 constexpr double kRadius = 1e2;    // of Levenberg and Marquardt, where these overshoot
 constexpr int kShorterSteps = 5;   // tried where the whole one does not help
 constexpr double kMostShortening = 0.5;
-constexpr int kShorterWays = 8;  // half, a quarter, ... of where a fit was expected
+constexpr double kNoWorse = 1.02;  // loss: as shapes, priors and rounding make of a step that does nothing
+constexpr int kShorterWays = 8;    // half, a quarter, ... of where a fit was expected
 
 /// A share of the way from one set of parameters to another, which may have effects more.
 JointParameters between(const JointParameters& from, const JointParameters& to, double share) {
@@ -345,14 +346,16 @@ bool JointModel::minimise(Evaluation& evaluation, double tolerance, bool damped,
   return summary.num_successful_steps > 1;  // the first is the start
 }
 
-/// What is expected to first order may overshoot by far where an arm bends much.
+/// What is expected to first order may overshoot by far where an arm bends much: goes as far as it makes
+/// nothing worse.
 /// @return whether less than all of the way was gone
 bool JointModel::go_as_far_as_it_helps(const Linearised& from, JointParameters& parameters,
                                        std::vector<std::vector<Predicted>>& predicted) {
-  const double threshold = threshold_at(from.predicted), before = loss(from.predicted, threshold);
+  const double threshold = threshold_at(from.predicted);
+  const double most = kNoWorse * loss(from.predicted, threshold);
   const JointParameters all = parameters;
   double share = 1.0;
-  for (int i = 0; !predict_within(parameters, from.predicted, threshold, before, predicted); ++i) {
+  for (int i = 0; !predict_within(parameters, from.predicted, threshold, most, predicted); ++i) {
     if (i == kShorterWays) {
       predict(parameters, &from.predicted, predicted);
       break;
