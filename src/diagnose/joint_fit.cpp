@@ -32,8 +32,9 @@ constexpr double kAtBound = 1e-9;  // of an unknown's scale
 constexpr double kNoRadius = 1e8;  // as good as none: the steps of Gauss and Newton
 constexpr double kRadius = 1e2;    // of Levenberg and Marquardt, where these overshoot
 constexpr int kShorterSteps = 5;   // tried where the whole one does not help
+// Of a step that does not help, as it is tried next: a loss that was given up says only that it is too long.
 constexpr double kMostShortening = 0.5;
-constexpr double kNoWorse = 1.02;  // loss: as shapes, priors and rounding make of a step that does nothing
+constexpr double kNoWorse = 1.02;  // of the loss: what priors and rounding make of a step that does nothing
 constexpr int kShorterWays = 8;    // half, a quarter, ... of where a fit was expected
 
 /// A share of the way from one set of parameters to another, which may have effects more.

@@ -40,6 +40,19 @@ TEST(Diagnose, WhereNothingIsHiddenNothingIsNamed) {
               recorded.truth[0].arm.segments[0].stiffness_base_nm2, 3e-4);
 }
 
+/// What effects would explain of it is not the arm's.
+TEST(Diagnose, LooksForNoEffectsWhereRingsHaveOneAnothersNames) {
+  RecordedCase recorded = recorded_case("{count_weights: [1]}", 43, 3, 8.0);
+  std::vector<arm::MeasuredBody*> rings;
+  for (arm::MeasuredBody& body : recorded.arm.bodies)
+    if (body.kind == arm::BodyKind::kRing) rings.push_back(&body);
+  ASSERT_GE(rings.size(), 3U);
+  std::swap(rings[0]->arclength_m, rings[1]->arclength_m);
+  const diagnose::Diagnosis d = diagnose::diagnose(recorded.arm, recorded.trials);
+  EXPECT_EQ(d.summary.rfind("From base to tip", 0), 0U) << d.summary;
+  EXPECT_TRUE(d.effects.empty() && d.small_departures.empty() && d.stand_ins.empty());
+}
+
 TEST(Diagnose, ABaseThatYieldsIsFoundBehindALowerStiffness) {
   const auto recorded =
       recorded_case("{count_weights: [0, 1], from: [base_compliance], size: [0.3, 0.6]}", 4);
