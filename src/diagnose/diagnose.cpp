@@ -331,7 +331,7 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
       extended_arm(model, law ? law->fit : selection.extended, law ? law->covariance : selection.covariance);
   const Compared count = compared(model);
   d.left_out_share = 1.0 - static_cast<double>(count.used_frames) / static_cast<double>(count.block_frames);
-  d.summary = names.empty() ? summary_of(d) : names + " " + summary_of(d);
+  d.summary = names.empty() ? summary_of(d) : names + " No effects were looked for.";
   d.notes = notes_of(count, prepared, selection, options, first, model, left);
 
   report(0.897, "what single instants say");
