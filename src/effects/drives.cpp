@@ -102,7 +102,7 @@ std::vector<Eigen::Vector2d> started_curvatures(const arm::Arm& arm, const Segme
 
 Eigen::Vector2d linear_curvature(const rod::Segment& piece, const rod::RodState& middle) {
   const Eigen::Vector3d moment = middle.q.conjugate() * middle.m + piece.moment_nm;
-  return piece.rest_curvature_per_m.head<2>() + piece.bending_compliance * moment.head<2>();
+  return piece.rest_curvature_per_m.head<2>() + piece.curvature_of(moment.head<2>());
 }
 
 void stiffen(double factor, const arm::Arm& arm, const model::FineRod& fine, const model::Instant& instant,

@@ -1,14 +1,11 @@
 // A section that is not round, or wound otherwise in one plane than across it: M = EI (I + T) u.
-#include <Eigen/LU>
-#include <cmath>
+#include <algorithm>
 
-#include "drives.h"
 #include "effects.h"
 
 namespace softarm::effects {
 namespace {
 
-using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
 constexpr double kMostUneven = 0.95;  // of the mean: no plane is without stiffness
@@ -16,27 +13,15 @@ constexpr double kMostUneven = 0.95;  // of the mean: no plane is without stiffn
 class PlaneStiffness : public Described {
  public:
   using Described::Described;
-  bool needs_shape() const override { return true; }
-  bool answers_evenly() const override { return true; }
-  void act(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape* shape,
-           const Memory&, rod::Rod& rod) const override {
+  bool varies_along() const override { return false; }
+  void act(const arm::Arm&, const FineRod&, const Values& values, const Instant&, const Shape*, const Memory&,
+           rod::Rod& rod) const override {
     const double size = values.head<2>().norm();
     if (size == 0.0) return;
-    const Vector2d t = std::min(1.0, kMostUneven / size) * values.head<2>();
     // By the angle of the turn's axis, which is a quarter ahead of the direction of bending: the sign
     // changes.
-    Matrix2d uneven;
-    uneven << 1.0 - t.x(), -t.y(), -t.y(), 1.0 + t.x();
-    const Matrix2d compliance = uneven.inverse();
-    for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
-      rod::Segment& piece = rod.segments[j];
-      const rod::RodState& middle = shape->middles[j];
-      const Vector2d rest = piece.rest_curvature_per_m.head<2>();
-      const Vector2d even = linear_curvature(piece, middle) - rest, bent = compliance * even;
-      const double length2 = bent.squaredNorm();
-      const double along = length2 > 0.0 ? bent.dot(uneven * bent) / length2 : 1.0;
-      bend_to(rest + bent, along, middle, piece);
-    }
+    const Vector2d uneven = -std::min(1.0, kMostUneven / size) * values.head<2>();
+    for (rod::Segment& piece : rod.segments) piece.unevenness = uneven;
   }
 };
 

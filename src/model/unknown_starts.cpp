@@ -40,7 +40,7 @@ std::vector<Vector2d> curvatures(const arm::Arm& arm, const FineRod& fine, const
   for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
     const Piece& piece = fine.pieces()[j];
     const rod::Segment& of = rod.segments[j];
-    const Vector2d turn = of.rest_curvature_per_m.head<2>() + of.bending_compliance * of.moment_nm.head<2>();
+    const Vector2d turn = of.rest_curvature_per_m.head<2>() + of.curvature_of(of.moment_nm.head<2>());
     // Bending towards the azimuth (a, b) is a turn about (-b, a).
     list[static_cast<std::size_t>(piece.segment)] +=
         (piece.fraction_to - piece.fraction_from) * Vector2d(turn.y(), -turn.x());

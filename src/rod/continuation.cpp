@@ -146,11 +146,11 @@ Quaterniond Solver::Impl::unloaded_tip(const Rod& rod) const {
     // With a profile the curvature varies about a fixed axis (or nearly so): a few midpoints are close
     // enough.
     const int pieces = segment.stiffness_profile.empty() ? 1 : 16;
-    const Vector3d compliance(segment.bending_compliance, segment.bending_compliance,
-                              segment.torsional_compliance);
+    Vector3d driven = segment.torsional_compliance * segment.moment_nm;
+    driven.head<2>() = segment.curvature_of(segment.moment_nm.head<2>());
     for (int i = 0; i < pieces; ++i) {
       const double flex = flexibility_factor(segment.stiffness_profile, (i + 0.5) / pieces);
-      const Vector3d u = segment.rest_curvature_per_m + flex * compliance.cwiseProduct(segment.moment_nm);
+      const Vector3d u = segment.rest_curvature_per_m + flex * driven;
       q = q * math::exp_so3(u * (segment.length_m / pieces));
     }
   }

@@ -19,6 +19,29 @@ Eigen::Quaterniond quaternion(const kernel::State& y) {
   return {y.q[0], y.q[1], y.q[2], y.q[3]};
 }
 
+/// Of the stiffnesses of bending in the two principal planes, the product over the square of their mean.
+double evenness(const Segment& segment) {
+  return 1.0 - segment.unevenness.squaredNorm();
+}
+
+/// Of what bends a segment: its moment, and how it answers moments.
+void set_bending_source(const Parameter& parameter, int k, const Segment& segment,
+                        const kernel::Section& section, LaneSource& source) {
+  const int c = parameter.component;
+  if (parameter.kind == ParameterKind::kBendingCompliance) {
+    source.bend.value[k] = 1.0 / evenness(segment);
+  } else if (parameter.kind == ParameterKind::kUnevenness) {
+    source.uneven[c].value[k] = -section.bend;
+    source.bend.value[k] = 2.0 * segment.unevenness[c] * section.bend / evenness(segment);
+  } else if (c == 2) {
+    source.moment[c].value[k] = section.twist;
+  } else {
+    const double own = c == 0 ? section.uneven[0] : -section.uneven[0];
+    source.moment[c].value[k] = section.bend * (1.0 + own);
+    source.moment[1 - c].value[k] = section.bend * section.uneven[1];
+  }
+}
+
 void add(kernel::Lanes v[3], int k, const Vector3d& w) {
   for (int r = 0; r < 3; ++r) v[r].value[k] += w[r];
 }
@@ -107,11 +130,16 @@ void Sweep::set_rod(const Rod& rod, const Rod& load_direction) {
         return parameter.kind == ParameterKind::kAxialCompliance ||
                parameter.kind == ParameterKind::kShearCompliance;
       });
+  const bool unevenness_wanted =
+      std::any_of(parameters_.begin(), parameters_.end(),
+                  [](const Parameter& parameter) { return parameter.kind == ParameterKind::kUnevenness; });
   for (std::size_t i = 0; i < sections_.size(); ++i) {
     const Segment& from = rod.segments[i];
     kernel::Section& to = sections_[i];
     to.stretch = from.length_m / from.rest_length_m;
-    to.bend = from.bending_compliance;
+    to.bend = from.bending_compliance / evenness(from);
+    for (int r = 0; r < 2; ++r) to.uneven[r] = -from.unevenness[r];
+    to.is_uneven = unevenness_wanted || !from.unevenness.isZero(0.0);
     to.twist = from.torsional_compliance;
     to.axial = from.axial_compliance;
     to.shear = from.shear_compliance;
@@ -145,10 +173,9 @@ void Sweep::set_sources(int block) {
         sources[index].rest[c].value[k] = 1.0;
         break;
       case ParameterKind::kMoment:
-        sources[index].moment[c].value[k] = c < 2 ? sections_[index].bend : sections_[index].twist;
-        break;
       case ParameterKind::kBendingCompliance:
-        sources[index].bend.value[k] = 1.0;
+      case ParameterKind::kUnevenness:
+        set_bending_source(parameter, k, rod_->segments[index], sections_[index], sources[index]);
         break;
       case ParameterKind::kTorsionalCompliance:
         sources[index].twist.value[k] = 1.0;

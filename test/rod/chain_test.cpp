@@ -54,7 +54,9 @@ Eigen::Vector3d chain_tip(const rod::Rod& rod, int n) {
   std::vector<std::array<double, 3>> link(static_cast<std::size_t>(n), {0.0, 0.0, 0.0});
   std::array<double, 3> base = {0.0, 0.0, 0.0};
   ceres::Problem problem;
-  const std::array<double, 3> compliance = {segment.bending_compliance, segment.bending_compliance,
+  EXPECT_EQ(segment.unevenness.y(), 0.0) << "a joint's axes are those of the section";
+  const std::array<double, 3> compliance = {segment.bending_compliance / (1.0 + segment.unevenness.x()),
+                                            segment.bending_compliance / (1.0 - segment.unevenness.x()),
                                             segment.torsional_compliance};
   for (int k = 0; k < n; ++k) {
     // Half a link of material lies between the clamp and the middle of the first link.
@@ -120,6 +122,13 @@ TEST(Chain, CurvedAndTwistedAtRest) {
   rod.segments[0].rest_curvature_per_m = {1.0, -3.0, 6.0};
   rod.segments[0].moment_nm = {0.05, 0.2, -0.03};
   rod.gravity_m_s2 = {3.0, -6.0, 7.0};
+  expect_agreement(rod);
+}
+
+TEST(Chain, StifferInOnePlaneThanAcrossIt) {
+  rod::Rod rod = testing::loaded_arm();
+  rod.segments[0].rest_curvature_per_m = {1.0, -3.0, 6.0};
+  rod.segments[0].unevenness = {0.5, 0.0};
   expect_agreement(rod);
 }
 

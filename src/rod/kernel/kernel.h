@@ -22,6 +22,8 @@ struct alignas(kLanes * sizeof(double)) Lanes {
 struct Section {
   double stretch;       // length / rest length
   double bend, twist;   // 1 / EI, 1 / GJ
+  double uneven[2];     // compliance across the axis: bend (I + [[a, b], [b, -a]])
+  bool is_uneven;       // these are not 0, or wanted
   double axial, shear;  // 1 / EA, 1 / GA
   double rest[3];       // u*
   double moment[3];     // M_act
@@ -35,7 +37,8 @@ struct Stage {
   double n[3], m[3];
   double kappa[3];    // R u, times stretch: R' = [kappa]x R
   double dp[3];       // p'
-  double bent[3];     // flex * R (R^T m + M_act), bending part: d kappa / d bend / stretch
+  double local[2];    // flex * (R^T m + M_act), about x and y
+  double bent[3];     // what bend makes of them, world: d kappa / d bend / stretch
   double twisted[3];  // the same, torsional part
   double flex;        // 1 / stiffness factor of the profile
   double below;       // distance in s from the distal end of the step
@@ -82,7 +85,8 @@ struct LaneSource {
   Lanes rest[3];    // of u*
   Lanes moment[3];  // compliance times d M_act
   Lanes bend, twist, axial, shear;
-  Lanes stretch;  // relative: d stretch / stretch
+  Lanes uneven[2];  // times bend
+  Lanes stretch;    // relative: d stretch / stretch
   Lanes weight[3];
 };
 

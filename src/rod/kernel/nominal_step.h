@@ -41,8 +41,10 @@ inline __attribute__((always_inline)) void evaluate(const Section& c, double fle
   const double b1 = flex * (dot(g.d1, m) + c.moment[0]);
   const double b2 = flex * (dot(g.d2, m) + c.moment[1]);
   const double b3 = flex * (dot(g.t, m) + c.moment[2]);
-  const double u1 = c.rest[0] + c.bend * b1;
-  const double u2 = c.rest[1] + c.bend * b2;
+  const double bent1 = b1 + c.uneven[0] * b1 + c.uneven[1] * b2;
+  const double bent2 = b2 + c.uneven[1] * b1 - c.uneven[0] * b2;
+  const double u1 = c.rest[0] + c.bend * bent1;
+  const double u2 = c.rest[1] + c.bend * bent2;
   const double u3 = c.rest[2] + c.twist * b3;
   double stretch[3];
   if (c.shearable) {
@@ -54,11 +56,13 @@ inline __attribute__((always_inline)) void evaluate(const Section& c, double fle
   for (int i = 0; i < 3; ++i) {
     g.n[i] = n[i];
     g.m[i] = m[i];
-    g.bent[i] = b1 * g.d1[i] + b2 * g.d2[i];
+    g.bent[i] = bent1 * g.d1[i] + bent2 * g.d2[i];
     g.twisted[i] = b3 * g.t[i];
     g.kappa[i] = c.stretch * (u1 * g.d1[i] + u2 * g.d2[i] + u3 * g.t[i]);
     g.dp[i] = c.stretch * stretch[i];
   }
+  g.local[0] = b1;
+  g.local[1] = b2;
   g.flex = flex;
   const double *k = g.kappa, w = q[0], x = q[1], y = q[2], z = q[3];
   dq[0] = 0.5 * (-k[0] * x - k[1] * y - k[2] * z);
