@@ -15,6 +15,8 @@ or raises NothingChanged. Sizes are drawn from what nobody could see to what nob
 import bisect
 import math
 
+import prove_real_score
+
 GRAVITY_M_S2 = 9.80665
 
 
@@ -216,7 +218,8 @@ def bodies_exchanged(kind, recordings, random):
                 if begin is not None:
                     row[begin:begin + count], row[other:other + count] = row[other:other + count], row[begin:begin + count]
     where = "everywhere" if len(some) > 1 else f"in {some[0].name}"
-    return {"words": f"{a} and {b} exchanged {where}", "size": len(some) / len(recordings), "unit": "1", "effects": [],
+    return {"words": f"{a} and {b} exchanged {where}", "size": len(some) / len(recordings), "unit": "1",
+            "effects": [prove_real_score.NAMES],
             "parameters": {}}
 
 

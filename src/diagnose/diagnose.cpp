@@ -300,9 +300,9 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   JointModel model(arm, prepared.trials, options.jobs, options.held, options.tied, options.known);
   report(0.02, "fitting the arm's constants");
   FirstFits first = first_fits(model, [&] { report(0.05, "fitting the arm's constants"); });
-  const std::string names = exchanged_names(arm, model.trials());
+  const std::optional<ExchangedNames> names = exchanged_names(arm, model.trials());
   Options looked_for = options;
-  if (!names.empty()) looked_for.most_effects = 0;  // what they would explain is not the arm's
+  if (names) looked_for.most_effects = 0;  // what they would explain is not the arm's
   Selection selection =
       select(model, std::move(first.baseline), first.delayed, looked_for,
              [&](double share, const std::string& what) { report(0.14 + 0.66 * share, what); });
@@ -331,7 +331,9 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
       extended_arm(model, law ? law->fit : selection.extended, law ? law->covariance : selection.covariance);
   const Compared count = compared(model);
   d.left_out_share = 1.0 - static_cast<double>(count.used_frames) / static_cast<double>(count.block_frames);
-  d.summary = names.empty() ? summary_of(d) : names + " No effects were looked for.";
+  d.exchanged_names = names;
+  d.summary =
+      names ? sentence_of(*names, model.trials().size()) + " No effects were looked for." : summary_of(d);
   d.notes = notes_of(count, prepared, selection, options, first, model, left);
 
   report(0.897, "what single instants say");

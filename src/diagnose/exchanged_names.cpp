@@ -64,29 +64,35 @@ std::optional<arm::BodyOrder> order_in(const arm::Arm& arm, const std::vector<st
 
 }  // namespace
 
-std::string exchanged_names(const arm::Arm& arm, const std::vector<model::TrialData>& trials) {
+std::optional<ExchangedNames> exchanged_names(const arm::Arm& arm,
+                                              const std::vector<model::TrialData>& trials) {
   const std::vector<std::size_t> rings = rings_of(arm);
-  std::vector<std::string> where;
+  ExchangedNames names;
   std::optional<arm::BodyOrder> first;
   for (const model::TrialData& trial : trials) {
     const std::optional<arm::BodyOrder> other = order_in(arm, rings, trial);
     if (!other || (first && other->order != first->order)) continue;
     if (!first) first = other;
-    where.push_back(trial.name);
+    names.trials.push_back(trial.name);
   }
-  if (!first) return "";
-  std::vector<std::string> as_said, as_seen;
+  if (!first) return std::nullopt;
+  names.as_said_m = first->as_is_m;
+  names.as_seen_m = first->least_m;
   for (std::size_t k = 0; k < rings.size(); ++k) {
-    as_said.push_back(arm.bodies[rings[k]].name);
-    as_seen.push_back(arm.bodies[rings[first->order[k]]].name);
+    names.said.push_back(arm.bodies[rings[k]].name);
+    names.seen.push_back(arm.bodies[rings[first->order[k]]].name);
   }
+  return names;
+}
+
+std::string sentence_of(const ExchangedNames& names, std::size_t trials) {
   return fmt::format(
       "From base to tip the arm file has {}, the recording {}, in {}: distances of neighbours are {} off "
       "there, in that order {}. Exchange the names first (softarm check gives the setting); until then the "
       "rest means little.",
-      one_of(as_said, "and"), one_of(as_seen, "and"),
-      where.size() == trials.size() ? "all trials" : one_of(where, "and"), millimetres(first->as_is_m),
-      millimetres(first->least_m));
+      one_of(names.said, "and"), one_of(names.seen, "and"),
+      names.trials.size() == trials ? "all trials" : one_of(names.trials, "and"),
+      millimetres(names.as_said_m), millimetres(names.as_seen_m));
 }
 
 }  // namespace softarm::diagnose

@@ -145,6 +145,10 @@ Json report_json(const diagnose::Diagnosis& d, const Origin& origin) {
   json["baseline"] = json_of(d.baseline);
   json["extended"] = json_of(d.extended);
   json["left_out_share"] = d.left_out_share;
+  if (d.exchanged_names)
+    json["exchanged_names"] = {{"said", d.exchanged_names->said},
+                               {"seen", d.exchanged_names->seen},
+                               {"trials", d.exchanged_names->trials}};
   json["length_m"] = d.extended_arm.arm.total_length_m();
   json["discrepancy_share"] = d.discrepancy_share;
   json["effects"] = Json::array();

@@ -253,6 +253,13 @@ class Scores(unittest.TestCase):
         self.assertAlmostEqual(figures["parameter_median_error"], 0.1)
         self.assertEqual(figures["interval_coverage"], 1.0)
 
+    def test_bodies_exchanged_are_found_where_the_report_says_so(self):
+        exchanged = hidden(names=real_changes.bodies_exchanged(SETS["trunk"], recordings("trunk"), random.Random(1))["effects"])
+        for said, rate in (({"exchanged_names": {"said": [], "seen": [], "trials": []}}, 1.0), ({}, 0.0)):
+            figures, _ = self.figures(exchanged, {**report("unknown"), **said}, report("unknown"))
+            kind = figures["worlds"]["real"]["intervention"]
+            self.assertEqual((kind["top1"], kind["right_class"], kind["confident_wrong"]), (rate, rate, 0.0))
+
     def test_what_the_control_has_too_finds_nothing(self):
         both = report("explained", ("clock_offset", 0.99))
         figures, results = self.figures(hidden(parameters={"offset_s": 0.2}), both, both)

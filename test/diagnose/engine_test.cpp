@@ -49,6 +49,8 @@ TEST(Diagnose, LooksForNoEffectsWhereRingsHaveOneAnothersNames) {
   ASSERT_GE(rings.size(), 3U);
   std::swap(rings[0]->arclength_m, rings[1]->arclength_m);
   const diagnose::Diagnosis d = diagnose::diagnose(recorded.arm, recorded.trials);
+  ASSERT_TRUE(d.exchanged_names);
+  EXPECT_EQ(d.exchanged_names->trials.size(), recorded.trials.size());
   EXPECT_EQ(d.summary.rfind("From base to tip", 0), 0U) << d.summary;
   EXPECT_NE(d.summary.find("No effects were looked for."), std::string::npos) << d.summary;
   EXPECT_TRUE(d.effects.empty() && d.small_departures.empty() && d.stand_ins.empty());

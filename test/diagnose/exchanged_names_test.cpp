@@ -7,6 +7,7 @@
 namespace softarm::diagnose {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 arm::Arm with_rings() {
@@ -41,11 +42,17 @@ TEST(ExchangedNames, AreSaidWithTheTrialsThatHaveThem) {
   const arm::Arm arm = with_rings();
   const model::TrialData right = trial_with("right", {0.2, 0.05, 0.12});
   const model::TrialData wrong = trial_with("wrong", {0.12, 0.05, 0.2});
-  EXPECT_EQ(exchanged_names(arm, {right, right}), "");
-  const std::string some = exchanged_names(arm, {right, wrong});
+  EXPECT_FALSE(exchanged_names(arm, {right, right}));
+  const auto some = exchanged_names(arm, {right, wrong});
+  ASSERT_TRUE(some);
+  EXPECT_THAT(some->seen, ElementsAre("low", "tip", "middle"));
+  EXPECT_THAT(some->trials, ElementsAre("wrong"));
   EXPECT_THAT(
-      some, HasSubstr("the arm file has low, middle and tip, the recording low, tip and middle, in wrong:"));
-  EXPECT_THAT(exchanged_names(arm, {wrong, wrong}), HasSubstr("in all trials"));
+      sentence_of(*some, 2),
+      HasSubstr("the arm file has low, middle and tip, the recording low, tip and middle, in wrong:"));
+  const auto all = exchanged_names(arm, {wrong, wrong});
+  ASSERT_TRUE(all);
+  EXPECT_THAT(sentence_of(*all, 2), HasSubstr("in all trials"));
 }
 
 TEST(ExchangedNames, AGhostForAWhileIsNoOrder) {
@@ -53,9 +60,9 @@ TEST(ExchangedNames, AGhostForAWhileIsNoOrder) {
   model::TrialData trial = trial_with("trial", {0.2, 0.05, 0.12});
   const model::TrialData wrong = trial_with("wrong", {0.12, 0.05, 0.2});
   for (std::size_t k = 0; k < 4; ++k) trial.blocks[k] = wrong.blocks[k];
-  EXPECT_EQ(exchanged_names(arm, {trial}), "");
+  EXPECT_FALSE(exchanged_names(arm, {trial}));
   for (model::Block& block : trial.blocks) block.bodies.pop_back();  // not all are seen
-  EXPECT_EQ(exchanged_names(arm, {trial}), "");
+  EXPECT_FALSE(exchanged_names(arm, {trial}));
 }
 
 }  // namespace

@@ -82,6 +82,14 @@ TEST(ToJson, SaysWhatAnEffectIs) {
       "2.21 to 2.76); probability 88 %.");
 }
 
+TEST(ToJson, SaysWhichRingsHaveOneAnothersNames) {
+  diagnose::Diagnosis d = testing::example_diagnosis();
+  EXPECT_FALSE(json::parse(report::to_json(d)).contains("exchanged_names"));
+  d.exchanged_names = diagnose::ExchangedNames{{"low", "tip"}, {"tip", "low"}, {"first"}, 0.05, 0.001};
+  EXPECT_EQ(json::parse(report::to_json(d))["exchanged_names"],
+            (json{{"said", {"low", "tip"}}, {"seen", {"tip", "low"}}, {"trials", {"first"}}}));
+}
+
 TEST(ToJson, SaysTheLawThatWasLearnt) {
   const diagnose::DiscoveredLaw law = testing::example_law();
   const json said = json::parse(report::to_json(testing::example_diagnosis()))["discovered_law"];

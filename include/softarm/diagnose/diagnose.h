@@ -222,6 +222,13 @@ struct ParameterVariation {
   std::string sentence = {};          ///< by how much, from where to where; empty where none is seen
 };
 
+/// Rings that have one another's names in the recordings.
+struct ExchangedNames {
+  std::vector<std::string> said, seen;      ///< from base to tip: by the arm file, and in the recordings
+  std::vector<std::string> trials;          ///< in which they are
+  double as_said_m = 0.0, as_seen_m = 0.0;  ///< by which distances of neighbours are off in either order
+};
+
 struct Diagnosis {
   std::string arm, version;
   /// For the page, by the program: what arm_extended.yaml says, and how to go on with it; may be empty.
@@ -234,7 +241,8 @@ struct Diagnosis {
   /// Of the squared held-out error with the effects: what a flexible model of it still learns, so what is
   /// neither named nor noise.
   double discrepancy_share = 0.0;
-  double left_out_share = 0.0;  ///< of the recordings' means that no model is compared with
+  double left_out_share = 0.0;                    ///< of the recordings' means that no model is compared with
+  std::optional<ExchangedNames> exchanged_names;  ///< then no effects were looked for
   Fit baseline, extended;
   std::vector<NamedEffect> effects;  ///< what the verdict stands on, in the order of what they explain
   /// What every arm has: bodies and base within placement_sd of where they should be, and what explains
