@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "evidence_data.h"
@@ -184,15 +185,29 @@ Refitted refit(JointModel& model, const Standing& current, const Screened& s) {
   return r;
 }
 
-void finish_leader(JointModel& model, const Standing& current, std::vector<Refitted>& refitted) {
-  const auto leader =
-      std::min_element(refitted.begin(), refitted.end(),
-                       [](const Refitted& a, const Refitted& b) { return a.fit.square < b.fit.square; });
-  if (leader == refitted.end() || leader->converged) return;
-  const std::vector<std::vector<model::Predicted>> start = std::move(leader->fit.predicted);
-  JointModel::FitOptions how = refit_options(kFinishIterations);
-  how.known = true;
-  fit_from(model, leader->fit.at, start, how, current.fit, *leader);
+void finish_leaders(JointModel& model, const Standing& current, std::vector<Refitted>& refitted) {
+  std::vector<bool> finished;
+  for (const Refitted& r : refitted) finished.push_back(r.converged);
+  for (;;) {
+    double least = std::numeric_limits<double>::infinity(), expected = least;
+    std::size_t next = refitted.size();
+    for (std::size_t i = 0; i < refitted.size(); ++i) {
+      const Linearised& fit = refitted[i].fit;
+      least = std::min(least, fit.square);
+      if (finished[i]) continue;
+      const double end = fit.square - fit.gradient.dot(math::solve_symmetric(fit.information, fit.gradient));
+      if (end >= expected) continue;
+      expected = end;
+      next = i;
+    }
+    if (!(expected < least)) return;
+    Refitted& r = refitted[next];
+    const std::vector<std::vector<model::Predicted>> start = std::move(r.fit.predicted);
+    JointModel::FitOptions how = refit_options(kFinishIterations);
+    how.known = true;
+    fit_from(model, r.fit.at, start, how, current.fit, r);
+    finished[next] = true;
+  }
 }
 
 Standing standing_on(JointModel& model, const Linearised& fit) {

@@ -38,10 +38,10 @@ void begin_from(JointModel& model, const Standing& current, const Linearised& fr
 /// The model so far with one effect more, from where the screen expects it.
 Refitted refit(JointModel& model, const Standing& current, const Screened& s);
 
-/// Goes on with the refit that explains most, where it ended before it converged: what is as good as known is
-/// not to give way to a fit that was easier, nor to leave it to the next round's refits to find its
-/// constants.
-void finish_leader(JointModel& model, const Standing& current, std::vector<Refitted>& refitted);
+/// Goes on with the refits that ended before they converged and would explain most, as far as the first order
+/// says, until none of them leads: what is as good as known is not to give way to a fit that was easier, nor
+/// to leave it to the next round's refits to find its constants.
+void finish_leaders(JointModel& model, const Standing& current, std::vector<Refitted>& refitted);
 
 /// What comes next rests on a fit that came near by the derivatives of another: the last steps, by its own,
 /// whole ones where loads depend on the shape. Else evidence would take for a gain of constants what the fit

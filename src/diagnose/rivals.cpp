@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "policy.h"
 #include "refits.h"
@@ -24,6 +25,16 @@ const Screened& screened_of(const Round& round, const Effect* effect) {
                        [&](const Screened& s) { return s.effect == effect; });
 }
 
+/// Which of two goes into the model first: by the gain on unseen trials of those that are more probable than
+/// not, else by probability.
+bool leads(const Refitted& one, const Refitted& other) {
+  const auto key = [](const Refitted& r) {
+    const bool likely = r.probability >= kPolicy.posterior.named;
+    return std::pair(likely, likely ? r.probability * r.gain : r.probability);
+  };
+  return key(one) > key(other);
+}
+
 }  // namespace
 
 double of_class(const Round& round, const Effect* effect) {
@@ -35,17 +46,16 @@ double of_class(const Round& round, const Effect* effect) {
 }
 
 int best_of(const JointModel& model, const Round& round) {
-  int best = -1, open = -1;
+  int best = -1;
   for (std::size_t i = 0; i < round.refitted.size(); ++i) {
     const Refitted& r = round.refitted[i];
     if (of_class(round, r.effect) * r.elsewhere < kPolicy.posterior.named ||
         r.probability < kPolicy.posterior.rival || !r.physical || r.moved_m < trivial_m(model))
       continue;
-    int& leader = r.converged ? best : open;
-    if (leader < 0 || r.probability > round.refitted[static_cast<std::size_t>(leader)].probability)
-      leader = static_cast<int>(i);
+    // A fit that did not come to an end says too little of its effect, not too much.
+    if (best < 0 || leads(r, round.refitted[static_cast<std::size_t>(best)])) best = static_cast<int>(i);
   }
-  return best >= 0 ? best : open;
+  return best;
 }
 
 EffectList rivals_of(const Round& round) {

@@ -10,8 +10,9 @@ namespace softarm::diagnose {
 /// Probability that it, or one of those that it takes turns with, is there.
 double of_class(const Round& round, const model::Effect* effect);
 
-/// The most probable that can be, of a class that is more probable than not; -1: there is none. One whose fit
-/// did not converge is only taken where none that did is. One that is not even a rival stands for no class.
+/// What goes into the model, of a class that is more probable than not; -1: nothing. Of those that are it by
+/// themselves the one that brings most on unseen trials: the others are looked for beside it; else the most
+/// probable. One that is not even a rival stands for no class.
 int best_of(const JointModel& model, const Round& round);
 
 /// Those that may be there in place of the one taken, or are the same in these trials.

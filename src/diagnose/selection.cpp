@@ -33,7 +33,7 @@ Round look(JointModel& model, Standing& current, bool refits, bool may_move, con
              "refitting with " + s.effect->info().id);
     round.refitted.push_back(refit(model, current, s));
   }
-  finish_leader(model, current, round.refitted);
+  finish_leaders(model, current, round.refitted);
   if (may_move) {
     if (std::optional<Standing> better = at_better_constants(model, current, round.refitted)) {
       current = std::move(*better);

@@ -60,6 +60,29 @@ TEST(Refits, ThatBeginTooFarAwayEndNoFarWorseThanWithoutTheirEffect) {
   }
 }
 
+/// What is there, begun so far away that few steps do not bring it back, beside one that has come to its end
+/// and leads.
+TEST(Refits, GoOnUntilNoneThatHasNotConvergedWouldLead) {
+  const testing::RecordedCase drawn =
+      testing::recorded_case("{count_weights: [0, 1], from: [contact], size: [0.6, 1.0]}", 8, 4, 8.0);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  const Standing alone{looked.baseline, unseen(looked.model, looked.baseline)};
+  std::vector<Refitted> refitted;
+  for (Screened& s : screen(looked.model, looked.baseline, 0, [](double) {})) {
+    if (s.effect->info().id != "contact") continue;
+    s.absorbed *= 10.0;
+    s.values[0] *= 5.0;
+    refitted.assign(2, refit(looked.model, alone, s));
+  }
+  ASSERT_EQ(refitted.size(), 2U);
+  ASSERT_FALSE(refitted[0].converged);
+  refitted[1].converged = true;
+  const double leads = refitted[1].fit.square *= 0.9;
+  finish_leaders(looked.model, alone, refitted);
+  EXPECT_LT(refitted[0].fit.square, leads);
+  EXPECT_EQ(refitted[1].fit.square, leads);
+}
+
 /// Effects of which one, a wall, answers to the shape.
 class SharedDerivatives : public ::testing::TestWithParam<const char*> {};
 

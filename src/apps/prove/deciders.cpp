@@ -190,7 +190,7 @@ Look look(JointModel& model, Standing standing, const Linearised* delayed, const
   if (delayed != nullptr) diagnose::begin_from(model, standing, *delayed, look.round.screened);
   for (const std::size_t i : diagnose::worth_a_refit(model, look.round.screened, options))
     look.round.refitted.push_back(diagnose::refit(model, standing, look.round.screened[i]));
-  diagnose::finish_leader(model, standing, look.round.refitted);
+  diagnose::finish_leaders(model, standing, look.round.refitted);
   if (may_move)
     if (std::optional<Standing> better = diagnose::at_better_constants(model, standing, look.round.refitted))
       return prove::look(model, std::move(*better), delayed, options, false);

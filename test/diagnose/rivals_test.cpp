@@ -1,0 +1,78 @@
+// Which effect of a round goes into the model.
+#include "diagnose/rivals.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "diagnose/selection.h"
+#include "effects/catalogue.h"
+#include "looked.h"
+#include "recorded_case.h"
+
+namespace softarm::diagnose {
+namespace {
+
+class BestOf : public ::testing::Test {
+ protected:
+  BestOf()
+      : drawn_(testing::recorded_case("{count_weights: [1]}", 43, 2, 5.0)),
+        looked_(drawn_.arm, drawn_.trials) {
+    for (const char* id : {"hysteresis", "payload_offset", "base_tilt"}) add(id, 0.99, 10.0);
+  }
+  void add(const std::string& id, double probability, double gain) {
+    for (const auto& effect : effects::catalogue()) {
+      if (effect->info().id != id) continue;
+      Refitted r;
+      r.effect = effect.get();
+      r.probability = probability;
+      r.gain = gain;
+      r.elsewhere = 1.0;
+      r.moved_m = 1e-3;
+      r.physical = r.converged = true;
+      round_.refitted.push_back(r);
+      Screened s;
+      s.effect = effect.get();
+      round_.screened.push_back(s);
+      round_.posterior.sets = {{{}, 0.0}};
+      for (const Refitted& one : round_.refitted) round_.posterior.sets[0].effects.push_back(one.effect);
+      round_.posterior.sets[0].probability = 1.0;
+    }
+  }
+  int best() { return best_of(looked_.model, round_); }
+
+  testing::RecordedCase drawn_;
+  testing::Looked looked_;
+  Round round_;
+};
+
+TEST_F(BestOf, AllThatAreAsGoodAsCertainExplainsMost) {
+  round_.refitted[0].gain = 40.0;
+  round_.refitted[1].probability = 1.0;
+  EXPECT_EQ(best(), 0);
+  // A fit that did not come to an end, too.
+  round_.refitted[0].converged = false;
+  EXPECT_EQ(best(), 0);
+}
+
+TEST_F(BestOf, WhatIsHardlyThereBringsNothingYet) {
+  round_.refitted[0].gain = 100.0;
+  round_.refitted[0].probability = 0.35;
+  round_.refitted[1].gain = 12.0;
+  EXPECT_EQ(best(), 1);
+  for (Refitted& r : round_.refitted) r.probability *= 0.3;
+  round_.refitted[2].probability = 0.4;
+  EXPECT_EQ(best(), 2) << "the most probable of a class";
+}
+
+TEST_F(BestOf, NothingThatCannotBe) {
+  for (Refitted& r : round_.refitted) r.physical = false;
+  EXPECT_EQ(best(), -1);
+  round_.refitted[2].physical = true;
+  EXPECT_EQ(best(), 2);
+  round_.refitted[2].elsewhere = 0.4;  // in this one trial only
+  EXPECT_EQ(best(), -1);
+}
+
+}  // namespace
+}  // namespace softarm::diagnose
