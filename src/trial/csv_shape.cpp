@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "csv_table.h"
 #include "csv_units.h"
@@ -21,75 +22,95 @@ constexpr std::size_t kFirstValues = 15;  // whose median is the level at first
 constexpr double kMostNumbers = 0.6;      // of the cells of a row of data: the others may be empty or text
 constexpr double kFewQuantile = 0.01;     // of values that are none, such as single zeros
 
-/// Numbers among the cells of a row; nothing where a cell of it cannot be split further.
-std::size_t numbers_in(const CsvTable& table) {
+std::size_t numbers_in(const CsvCells& line) {
   std::size_t count = 0;
-  for (std::size_t c = 0; c < table.cells().size(); ++c) {
-    try {
-      count += table.number(c).has_value();
-    } catch (const CsvBadRow&) {
-    }
-  }
+  for (std::size_t c = 0; c < line.cells().size(); ++c) count += line.number_if_any(c).has_value();
   return count;
 }
 
-std::size_t cells_in(const CsvTable& table) {
-  std::size_t count = table.cells().size();
+std::size_t cells_in(const CsvCells& line) {
+  const std::size_t count = line.cells().size();
   // A separator at the end of the line makes no column.
-  return count > 1 && table.cells().back().empty() ? count - 1 : count;
+  return count > 1 && line.cells().back().empty() ? count - 1 : count;
 }
 
-bool is_data(const CsvTable& table) {
-  return static_cast<double>(numbers_in(table)) > kMostNumbers * static_cast<double>(cells_in(table));
+bool is_data(std::size_t numbers, std::size_t cells) {
+  return static_cast<double>(numbers) > kMostNumbers * static_cast<double>(cells);
+}
+
+bool is_data(const CsvCells& line) {
+  return is_data(numbers_in(line), cells_in(line));
+}
+
+/// Rows from the start of a file, undivided.
+std::vector<std::string> first_rows(const std::string& path) {
+  std::vector<std::string> rows;
+  CsvTable table(path, CsvFormat{});
+  while (rows.size() < kRowsForFormat && table.next()) rows.push_back(table.line_text());
+  return rows;
 }
 
 /// How many numbers the rows of data have together, as read in a format; 0 where rows differ in length.
-double numbers_by(const std::string& path, const CsvFormat& format) {
-  CsvTable table(path, format);
+double numbers_by(const std::vector<std::string>& rows, const CsvFormat& format) {
+  CsvCells line(format);
   std::map<std::size_t, std::size_t> lengths;
-  double numbers = 0.0, cells = 0.0;
-  for (std::size_t row = 0; row < kRowsForFormat && table.next(); ++row) {
-    if (!is_data(table)) continue;
-    ++lengths[cells_in(table)];
-    numbers += static_cast<double>(numbers_in(table));
-    cells += static_cast<double>(cells_in(table));
+  std::size_t all_numbers = 0, all_cells = 0, data = 0;
+  for (const std::string& row : rows) {
+    line.divide(row);
+    const std::size_t numbers = numbers_in(line), cells = cells_in(line);
+    if (!is_data(numbers, cells)) continue;
+    ++data;
+    ++lengths[cells];
+    all_numbers += numbers;
+    all_cells += cells;
   }
   if (lengths.empty()) return 0.0;
-  std::size_t usual = 0, all = 0;
-  for (const auto& [length, count] : lengths) {
-    usual = std::max(usual, count);
-    all += count;
-  }
+  std::size_t usual = 0;
+  for (const auto& [length, count] : lengths) usual = std::max(usual, count);
   // Numbers count twice where nothing else is in the rows: "1,5;2,5" is two numbers by the one format, and
   // two of four cells by another.
-  return 10 * usual < 9 * all ? 0.0 : numbers * numbers / cells;
+  return 10 * usual < 9 * data ? 0.0 : std::pow(all_numbers, 2) / static_cast<double>(all_cells);
 }
 
-/// Those of most files, and any other one character of this one that a layout may name.
-std::string possible_separators(const std::string& path) {
-  std::string separators = ",;\t|: ";
-  CsvTable lines(path, CsvFormat{});
-  for (std::size_t row = 0; row < kRowsForFormat && lines.next(); ++row) {
-    for (const std::string& cell : lines.cells()) {
-      for (const char c : cell) {
-        if (std::isprint(static_cast<unsigned char>(c)) && may_separate(c) &&
-            separators.find(c) == std::string::npos)
-          separators += c;
-      }
-    }
+/// Each character once, in the order in which they come.
+std::string characters_of(const std::vector<std::string>& rows) {
+  std::string characters;
+  for (const std::string& row : rows) {
+    for (const char c : row)
+      if (characters.find(c) == std::string::npos) characters += c;
+  }
+  return characters;
+}
+
+/// Those of most files, and any other one character of this one that a layout may name. Of those that are not
+/// in it one is enough: all make one cell of a row.
+std::string possible_separators(const std::string& characters) {
+  std::string separators;
+  bool has_absent = false;
+  for (const std::string usual : {",", ";", "\t", "|", ":", " \t"}) {
+    const bool is_there = characters.find_first_of(usual) != std::string::npos;
+    if (is_there || !std::exchange(has_absent, true)) separators += usual.front();
+  }
+  for (const char c : characters) {
+    if (std::isprint(static_cast<unsigned char>(c)) && may_separate(c) &&
+        separators.find(c) == std::string::npos)
+      separators += c;
   }
   return separators;
 }
 
 CsvFormat find_format(const std::string& path) {
+  const std::vector<std::string> rows = first_rows(path);
+  const std::string characters = characters_of(rows);
+  const std::string decimals = characters.find(',') == std::string::npos ? "." : ".,";
   CsvFormat best;
   double most = 0.0;
-  for (const char separator : possible_separators(path)) {
-    for (const char decimal : {'.', ','}) {
+  for (const char separator : possible_separators(characters)) {
+    for (const char decimal : decimals) {
       CsvFormat format;
       format.separator = separator;
       format.decimal = decimal;
-      const double numbers = numbers_by(path, format);
+      const double numbers = numbers_by(rows, format);
       if (numbers > most * (1.0 + 1e-9)) {
         most = numbers;
         best = format;
@@ -189,12 +210,8 @@ CsvShape read_shape(const std::string& path) {
     }
     ++shape.rows;
     for (std::size_t c = 0; c < shape.columns.size(); ++c) {
-      double value = std::numeric_limits<double>::quiet_NaN();
-      try {
-        value = table.number(c).value_or(value);
-      } catch (const CsvBadRow&) {
-      }
-      shape.columns[c].values.push_back(value);
+      const std::optional<double> value = table.number_if_any(c);
+      shape.columns[c].values.push_back(value.value_or(std::numeric_limits<double>::quiet_NaN()));
     }
   }
   for (CsvNumbers& column : shape.columns) summarise(&column);

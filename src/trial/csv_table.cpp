@@ -13,40 +13,6 @@
 namespace softarm::trial {
 namespace {
 
-/// Cells in quotes may hold the separator, and a quote as two.
-void split(const std::string& line, char separator, std::vector<std::string>& cells) {
-  const bool blanks = separator == ' ';
-  const auto separates = [&](char c) { return c == separator || (blanks && c == '\t'); };
-  cells.assign(1, "");
-  bool quoted = false, was_quoted = false;
-  const auto end_cell = [&] {
-    if (!was_quoted) boost::trim(cells.back());
-    was_quoted = false;
-  };
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    if (quoted) {
-      const bool two = c == '"' && i + 1 < line.size() && line[i + 1] == '"';
-      if (two) ++i;
-      if (c != '"' || two)
-        cells.back() += c;
-      else
-        quoted = false;
-    } else if (c == '"' && boost::all(cells.back(), boost::is_space())) {
-      cells.back().clear();
-      quoted = was_quoted = true;
-    } else if (separates(c)) {
-      if (blanks && cells.back().empty() && !was_quoted) continue;
-      end_cell();
-      cells.emplace_back();
-    } else if (!was_quoted || !boost::is_space()(c)) {
-      cells.back() += c;
-    }
-  }
-  end_cell();
-  if (blanks && cells.size() > 1 && cells.back().empty()) cells.pop_back();
-}
-
 constexpr std::size_t kStartBytes = 65536;  // in which a line ends
 
 /// What a file is that is no text of single bytes or UTF-8, and what to do; nothing for such text.
@@ -66,6 +32,11 @@ std::optional<std::string> other_than_text(const std::string& start, const std::
                      from, path);
 }
 
+/// Whatever the locale.
+bool is_space(char c) {
+  return c == ' ' || (c >= '\t' && c <= '\r');
+}
+
 enum class Parsed { kNumber, kNotFinite, kText };
 
 Parsed parse(std::string cell, char decimal, double& value) {
@@ -78,8 +49,74 @@ Parsed parse(std::string cell, char decimal, double& value) {
 
 }  // namespace
 
+// Cells in quotes may hold the separator, and a quote as two.
+void CsvCells::divide(const std::string& line) {
+  const bool blanks = separator_ == ' ';
+  const auto separates = [&](char c) { return c == separator_ || (blanks && c == '\t'); };
+  cells_.assign(1, "");
+  bool quoted = false, was_quoted = false;
+  const auto end_cell = [&] {
+    if (!was_quoted) boost::trim_if(cells_.back(), is_space);
+    was_quoted = false;
+  };
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (quoted) {
+      const bool two = c == '"' && i + 1 < line.size() && line[i + 1] == '"';
+      if (two) ++i;
+      if (c != '"' || two)
+        cells_.back() += c;
+      else
+        quoted = false;
+    } else if (c == '"' && boost::all(cells_.back(), is_space)) {
+      cells_.back().clear();
+      quoted = was_quoted = true;
+    } else if (separates(c)) {
+      if (blanks && cells_.back().empty() && !was_quoted) continue;
+      end_cell();
+      cells_.emplace_back();
+    } else if (!was_quoted || !is_space(c)) {
+      cells_.back() += c;
+    }
+  }
+  end_cell();
+  if (blanks && cells_.size() > 1 && cells_.back().empty()) cells_.pop_back();
+}
+
+const std::string& CsvCells::text(std::size_t column) const {
+  if (column >= cells_.size()) {
+    throw CsvBadRow{"too short", fmt::format("{} columns, column {} is needed", cells_.size(), column + 1)};
+  }
+  return cells_[column];
+}
+
+std::optional<double> CsvCells::number(std::size_t column) const {
+  const std::string& cell = text(column);
+  if (cell.empty()) return std::nullopt;
+  double value = 0.0;
+  switch (parse(cell, decimal_, value)) {
+    case Parsed::kNumber:
+      return value;
+    case Parsed::kNotFinite:
+      return std::nullopt;
+    case Parsed::kText:
+      break;
+  }
+  // With a decimal comma it would be one.
+  const bool comma = decimal_ == '.' && parse(cell, ',', value) == Parsed::kNumber;
+  throw CsvBadRow{"not a number",
+                  fmt::format("column {} holds '{}'{}", column + 1, cell.substr(0, 30),
+                              comma ? " (with 'decimal: comma' in the layout it is a number)" : "")};
+}
+
+std::optional<double> CsvCells::number_if_any(std::size_t column) const {
+  double value = 0.0;
+  const bool found = column < cells_.size() && parse(cells_[column], decimal_, value) == Parsed::kNumber;
+  return found ? std::optional<double>(value) : std::nullopt;
+}
+
 CsvTable::CsvTable(std::string path, const CsvFormat& format)
-    : path_(std::move(path)), format_(format), file_(path_) {
+    : CsvCells(format), path_(std::move(path)), format_(format), file_(path_) {
   if (!file_) throw CsvError(fmt::format("{}: cannot be read", path_));
   look_at_start();
   std::string line;
@@ -89,12 +126,11 @@ CsvTable::CsvTable(std::string path, const CsvFormat& format)
 }
 
 std::vector<std::string> CsvTable::line_of_words() {
-  std::vector<std::string> words;
   std::string line;
-  if (!get_line(line)) return words;
+  if (!get_line(line)) return {};
   take_mark(line);
-  split(line, format_.separator, words);
-  return words;
+  divide(line);
+  return cells();
 }
 
 /// Takes the mark of a comment off a line. @return whether it had one
@@ -148,40 +184,14 @@ bool CsvTable::next() {
 }
 
 bool CsvTable::next_line() {
-  for (std::string line; get_line(line);) {
-    if (boost::all(line, boost::is_space())) continue;
-    is_comment_ = take_mark(line);
-    split(line, format_.separator, cells_);
+  while (get_line(text_)) {
+    if (boost::all(text_, is_space)) continue;
+    is_comment_ = take_mark(text_);
+    divide(text_);
     return true;
   }
   if (file_.bad()) throw CsvError(fmt::format("{}: reading fails after line {}", path_, line_));
   return false;
-}
-
-const std::string& CsvTable::text(std::size_t column) const {
-  if (column >= cells_.size()) {
-    throw CsvBadRow{"too short", fmt::format("{} columns, column {} is needed", cells_.size(), column + 1)};
-  }
-  return cells_[column];
-}
-
-std::optional<double> CsvTable::number(std::size_t column) const {
-  const std::string& cell = text(column);
-  if (cell.empty()) return std::nullopt;
-  double value = 0.0;
-  switch (parse(cell, format_.decimal, value)) {
-    case Parsed::kNumber:
-      return value;
-    case Parsed::kNotFinite:
-      return std::nullopt;
-    case Parsed::kText:
-      break;
-  }
-  // With a decimal comma it would be one.
-  const bool comma = format_.decimal == '.' && parse(cell, ',', value) == Parsed::kNumber;
-  throw CsvBadRow{"not a number",
-                  fmt::format("column {} holds '{}'{}", column + 1, cell.substr(0, 30),
-                              comma ? " (with 'decimal: comma' in the layout it is a number)" : "")};
 }
 
 std::string csv_id(const std::string& cell) {

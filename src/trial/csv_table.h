@@ -17,11 +17,31 @@ struct CsvBadRow {
   std::string what;
 };
 
-/// Rows of data of one file, after its header. Blank lines and comments are passed over: lines that start
-/// with
-/// #, unless that is the separator. A header may be a comment, as gnuplot and numpy write it. Lines end in
-/// LF, CR LF or, where a file has no LF, in CR.
-class CsvTable {
+/// One line, divided as a format says.
+class CsvCells {
+ public:
+  explicit CsvCells(const CsvFormat& format) : separator_(format.separator), decimal_(format.decimal) {}
+
+  void divide(const std::string& line);
+  const std::vector<std::string>& cells() const { return cells_; }
+
+  /// Text of a cell. @throws CsvBadRow where the line is too short
+  const std::string& text(std::size_t column) const;
+  /// @return the number, or nothing for an empty or non-finite cell
+  /// @throws CsvBadRow where the line is too short or the cell holds text
+  std::optional<double> number(std::size_t column) const;
+  /// The same, with nothing for text and for a cell that is not there, too.
+  std::optional<double> number_if_any(std::size_t column) const;
+
+ private:
+  char separator_, decimal_;
+  std::vector<std::string> cells_;
+};
+
+/// Rows of data of one file, after its header; the cells are those of the line where it is. Blank lines and
+/// comments are passed over: lines that start with #, unless that is the separator. A header may be a
+/// comment, as gnuplot and numpy write it. Lines end in LF, CR LF or, where a file has no LF, in CR.
+class CsvTable : public CsvCells {
  public:
   /// @throws CsvError if it cannot be read, or is no text of single bytes or UTF-8
   CsvTable(std::string path, const CsvFormat& format);
@@ -35,13 +55,7 @@ class CsvTable {
   /// Goes to the next line that is not blank, comments too, without their mark. @return, throws as next()
   bool next_line();
   bool is_comment() const { return is_comment_; }
-  const std::vector<std::string>& cells() const { return cells_; }
-
-  /// Text of a cell of this row. @throws CsvBadRow where the row is too short
-  const std::string& text(std::size_t column) const;
-  /// @return the number, or nothing for an empty or non-finite cell
-  /// @throws CsvBadRow where the row is too short or the cell holds text
-  std::optional<double> number(std::size_t column) const;
+  const std::string& line_text() const { return text_; }  ///< of this line, without the mark of a comment
 
   const std::vector<std::string>& header() const { return header_; }  ///< empty without one
   const std::vector<std::string>& units() const { return units_; }    ///< as written; empty without them
@@ -59,7 +73,8 @@ class CsvTable {
   CsvFormat format_;
   std::ifstream file_;
   char line_end_ = '\n';
-  std::vector<std::string> header_, units_, cells_;
+  std::string text_;
+  std::vector<std::string> header_, units_;
   bool is_comment_ = false;
   std::uint64_t line_ = 0, bytes_ = 0;
 };
