@@ -136,7 +136,9 @@ YAML::Node Section::value(const std::string& key) const {
     fail(key, fmt::format("is missing; {}; allowed: {}", key_spec.meaning, allowed_values(key_spec)));
   }
   if (key_spec.fallback == kAbsent) throw std::logic_error("absent key '" + key + "' was read");
-  return YAML::Load(key_spec.fallback);
+  const std::string& text = key_spec.fallback;
+  // A word or a number needs no parser, which takes longer than all else here.
+  return text.empty() || text[0] == '[' || text[0] == '{' ? YAML::Load(text) : YAML::Node(text);
 }
 
 std::string Section::scalar(const std::string& key, const std::string& expected) const {
@@ -294,6 +296,7 @@ std::vector<Section> Section::list(const std::string& key, const KeyTable& table
   const YAML::Node node = value(key);
   if (!node.IsSequence()) fail(key, fmt::format("value {} is not a list", shown(node)));
   std::vector<Section> sections;
+  sections.reserve(node.size());
   int i = 0;
   for (const YAML::Node& item : node) {
     const std::string path = fmt::format("{}[{}]", path_of(key), i++);
