@@ -33,7 +33,7 @@ class CsvLayoutMap {
     }
     std::set<std::string> seen;
     for (const auto& item : node_) {
-      const std::string key = item.first.as<std::string>();
+      const std::string key = text_of(item.first);
       if (!allowed.count(key)) {
         throw CsvError(fmt::format("{}:{}: key '{}': unknown; allowed: {}", source_, line_of(item.first),
                                    name(key), fmt::join(allowed, ", ")));
@@ -155,11 +155,18 @@ class CsvLayoutMap {
 
   static int line_of(const YAML::Node& node) { return node.Mark().line + 1; }
 
+  /// As one line, for messages and to compare with what is allowed: of what is longer the start.
   static std::string text_of(const YAML::Node& node) {
-    return node.IsScalar() ? node.Scalar() : YAML::Dump(node).substr(0, 40);
+    std::string text = node.IsScalar() ? node.Scalar() : YAML::Dump(node);
+    if (text.size() > kLongestText) text = text.substr(0, kLongestText) + "...";
+    for (char& c : text)
+      if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+    return text;
   }
 
  private:
+  static constexpr std::size_t kLongestText = 60;
+
   CsvColumn as_column(const YAML::Node& node, const std::string& key, bool header) const {
     const std::string what = header ? "a column's name or its number from 1" : "a column's number from 1";
     if (!node.IsScalar()) fail(key, text_of(node), what);

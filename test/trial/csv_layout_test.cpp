@@ -327,6 +327,10 @@ TEST(CsvLayout, ErrorsNameFileKeyValueAndWhatIsAllowed) {
               AllOf(HasSubstr("'decimal'"), HasSubstr("name the separator")));
   EXPECT_THAT(error_of(std::string(kMinimal) + "colour: blue\n"),
               AllOf(HasSubstr("colour"), HasSubstr("lab.yaml:14"), HasSubstr("unknown")));
+  // Found by scripts/fuzz: the mark of a tag takes the colon, and the list after it is the key.
+  EXPECT_THAT(error_of("time: {column: 1, unit: s}\nmocap: {unit: m, up: y,!bodies: [{name: tip}]}\n"),
+              AllOf(HasSubstr("lab.yaml:2"), HasSubstr("[{name: tip}]'"), HasSubstr("unknown")));
+  EXPECT_THAT(error_of("time:\n  column: 1\n  ? - a\n    - b\n  : s\n"), HasSubstr("'time.- a - b'"));
   EXPECT_THAT(error_of("time: {column: 1, unit: s}\n"), AllOf(HasSubstr("mocap"), HasSubstr("missing")));
   EXPECT_THAT(error_of(std::string(kMinimal) + "payload: [{from_s: 5, kg: 0}, {from_s: 5, kg: 1}]\n"),
               HasSubstr("payload[1].from_s"));
