@@ -146,8 +146,8 @@ void read_import(const rosbag::Bag& bag, trial::CheckRecording& recording) {
 trial::CheckRecording read_recording(const std::string& path, const arm::Arm& arm,
                                      const std::function<void(std::uint64_t)>& on_total,
                                      const std::function<void(std::uint64_t)>& on_messages) {
-  const std::vector<InputTopic> topics = input_topics(arm);
   const std::shared_ptr<rosbag::Bag> bag = open_bag(path);
+  const std::vector<InputTopic> topics = input_topics(arm);
   trial::CheckRecording recording;
   recording.name = path;
   {

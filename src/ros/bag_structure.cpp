@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <optional>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -91,11 +92,16 @@ struct BagRecord {
   std::uint64_t end() const { return data_at + data_size; }
 };
 
+/// What decompresses the bytes that it is given, whatever its file.
+struct Streams {
+  rosbag::ChunkedFile no_file;
+  rosbag::StreamFactory factory{&no_file};
+};
+
 /// One walk through one file.
 class BagWalk {
  public:
-  explicit BagWalk(const std::string& path)
-      : path_(path), file_(path, std::ios::binary), streams_(&no_file_) {
+  explicit BagWalk(const std::string& path) : path_(path), file_(path, std::ios::binary) {
     file_.seekg(0, std::ios::end);
     const std::streamoff size = file_ ? static_cast<std::streamoff>(file_.tellg()) : -1;
     if (size < 0) throw BagError(fmt::format("{}: cannot be read", path_));
@@ -244,8 +250,9 @@ class BagWalk {
     read(record_.data_at, record_.data_size, "a chunk", plain ? chunk_ : bytes_);
     if (plain) return;
     chunk_.assign(size, '\0');
+    if (!streams_) streams_.emplace();
     try {
-      streams_
+      streams_->factory
           .getStream(compression == rosbag::COMPRESSION_BZ2 ? rosbag::compression::BZ2
                                                             : rosbag::compression::LZ4)
           ->decompress(reinterpret_cast<std::uint8_t*>(chunk_.data()), size,
@@ -295,9 +302,8 @@ class BagWalk {
   std::string path_;
   std::ifstream file_;
   std::uint64_t size_ = 0;
-  rosbag::ChunkedFile no_file_;  // of the streams, which decompress what they are given
-  rosbag::StreamFactory streams_;
-  BagRecord record_;  // the last that was read
+  std::optional<Streams> streams_;  // they take megabytes: from the first compressed chunk on
+  BagRecord record_;                // the last that was read
   std::string bytes_, chunk_;
   RecordFields message_;
   std::set<std::uint32_t> connections_;

@@ -19,6 +19,9 @@ std::mutex& bag_lifetime() {
 
 std::shared_ptr<rosbag::Bag> opened(const std::string& path, rosbag::bagmode::BagMode mode) {
   const std::lock_guard<std::mutex> lock(bag_lifetime());
+  // While a bag lives the library of its plugins (encryption, with all of GnuPG) stays loaded. Each would
+  // load and unload it, and every time that takes longer: glibc walks through what all before had registered.
+  [[maybe_unused]] static const rosbag::Bag& keeps_library = *new rosbag::Bag;
   auto bag = std::make_unique<rosbag::Bag>();
   try {
     bag->open(path, mode);
