@@ -12,7 +12,7 @@
 #include <visualization_msgs/Marker.h>
 
 #include <algorithm>
-#include <optional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -67,22 +67,19 @@ const std::vector<arm::Arm>& arms() {
   return list;
 }
 
-/// The definition of a type that is built in.
 template <class... Messages>
-std::optional<Mirror> definition_among(const std::string& type) {
-  std::optional<Mirror> found;
-  const auto look_at = [&](const std::string& name, const Mirror& of) {
-    if (name == type) found = of;
-  };
-  (look_at(ros::message_traits::DataType<Messages>::value(), mirror<Messages>()), ...);
-  return found;
+std::map<std::string, Mirror> definitions_of() {
+  return {{ros::message_traits::DataType<Messages>::value(), mirror<Messages>()}...};
 }
 
-std::optional<Mirror> built_in_definition(const std::string& type) {
-  return definition_among<geometry_msgs::PoseStamped, geometry_msgs::TransformStamped, nav_msgs::Odometry,
-                          geometry_msgs::PointStamped, tf2_msgs::TFMessage, sensor_msgs::PointCloud,
-                          sensor_msgs::PointCloud2, visualization_msgs::Marker, sensor_msgs::FluidPressure,
-                          std_msgs::Float32MultiArray, std_msgs::Float64MultiArray, std_msgs::Float64>(type);
+/// Of the types that are built in.
+const std::map<std::string, Mirror>& built_in_definitions() {
+  static const auto list =
+      definitions_of<geometry_msgs::PoseStamped, geometry_msgs::TransformStamped, nav_msgs::Odometry,
+                     geometry_msgs::PointStamped, tf2_msgs::TFMessage, sensor_msgs::PointCloud,
+                     sensor_msgs::PointCloud2, visualization_msgs::Marker, sensor_msgs::FluidPressure,
+                     std_msgs::Float32MultiArray, std_msgs::Float64MultiArray, std_msgs::Float64>();
+  return list;
 }
 
 /// What is said of a type that is not built in: a definition, or none, as if by a publisher of the mirror.
@@ -116,8 +113,10 @@ void message(const std::uint8_t* data, std::size_t size) {
   InputTopic topic = all[data[1] % all.size()];
   const char* bytes = reinterpret_cast<const char*>(data) + 2;
   std::size_t left = size - 2;
-  std::optional<Mirror> type = built_in_definition(topic.type);
-  if (!type) {
+  const auto built_in = built_in_definitions().find(topic.type);
+  const bool is_built_in = built_in != built_in_definitions().end();
+  Mirror type = is_built_in ? built_in->second : Mirror();
+  if (!is_built_in) {
     const char* end = std::find(bytes, bytes + left, '\0');
     type = said_definition(topic.type, std::string(bytes, end));
     left -= static_cast<std::size_t>(end - bytes);
@@ -126,7 +125,7 @@ void message(const std::uint8_t* data, std::size_t size) {
     topic = input_topics(arm)[data[1] % all.size()];  // a topic keeps definitions by their MD5 sums
   }
   try {
-    feed(arm, topic, *type, bytes, left);
+    feed(arm, topic, type, bytes, left);
   } catch (const ros::Exception&) {  // what readers of bags take for damage
   }
 }
