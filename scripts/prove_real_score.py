@@ -6,7 +6,7 @@ have is the arm's own, and says nothing of the intervention.
 BINS = ("found", "in the control too", "named wrongly", "missed", "no name, unknown", "no name")
 
 
-NAMES = "exchanged_names"  # no effect of the catalogue: rings that have one another's names, which a report says before all
+EXCHANGED_NAMES = "exchanged_names"  # no effect of the catalogue: rings that have one another's names, which a report says before all
 NAMED_AT_LEAST = 0.5  # a report also lists what is likeliest, however improbable: it names nothing by that
 
 

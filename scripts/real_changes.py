@@ -219,7 +219,7 @@ def bodies_exchanged(kind, recordings, random):
                     row[begin:begin + count], row[other:other + count] = row[other:other + count], row[begin:begin + count]
     where = "everywhere" if len(some) > 1 else f"in {some[0].name}"
     return {"words": f"{a} and {b} exchanged {where}", "size": len(some) / len(recordings), "unit": "1",
-            "effects": [prove_real_score.NAMES],
+            "effects": [prove_real_score.EXCHANGED_NAMES],
             "parameters": {}}
 
 

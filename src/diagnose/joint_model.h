@@ -240,6 +240,8 @@ class JointModel {
   void weigh(Linearised& at) const;
   std::vector<TimeStretch> stretches_of(const Linearised& at, std::size_t trial) const;
   double threshold_at(const std::vector<std::vector<model::Predicted>>& predicted) const;
+  /// Of a body without an equilibrium, in thresholds of Huber's loss: a cost of ten of their squares.
+  static constexpr double kUnsolved = 5.5;
   double loss(std::size_t trial, const std::vector<model::Predicted>& predicted, double threshold) const;
   double loss(const std::vector<std::vector<model::Predicted>>& predicted, double threshold) const;
   bool predict_within(const JointParameters& parameters,

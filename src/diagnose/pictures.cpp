@@ -21,7 +21,7 @@ constexpr std::size_t kFilm = 48;       // and of its film
 constexpr std::size_t kTypical = 2;     // pictures beside that of the largest error
 
 /// Index of a block's first row in a trial's vectors.
-std::vector<Eigen::Index> rows_of(const model::TrialData& trial) {
+std::vector<Eigen::Index> first_rows_of(const model::TrialData& trial) {
   std::vector<Eigen::Index> rows;
   Eigen::Index row = 0;
   for (const model::Block& block : trial.blocks) {
@@ -83,7 +83,7 @@ void add_curves(const JointModel& model, const Selection& selection, Diagnosis& 
   d.input_units["payload"] = "kg";
   for (std::size_t t = 0; t < model.trials().size(); ++t) {
     const model::TrialData& trial = model.trials()[t];
-    const std::vector<Eigen::Index> rows = rows_of(trial);
+    const std::vector<Eigen::Index> rows = first_rows_of(trial);
     TrialCurves curves;
     curves.name = trial.name;
     curves.rms_before_m = before.rms_m[t];
@@ -174,7 +174,7 @@ void add_snapshots(const JointModel& model, const Selection& selection, Diagnosi
   };
   std::vector<Instant> all;
   for (std::size_t t = 0; t < model.trials().size(); ++t) {
-    const std::vector<Eigen::Index> rows = rows_of(model.trials()[t]);
+    const std::vector<Eigen::Index> rows = first_rows_of(model.trials()[t]);
     for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
       const auto count = static_cast<Eigen::Index>(model.trials()[t].blocks[k].bodies.size());
       if (!model.uses(t, k) || count == 0 || !both_solved(selection, t, k)) continue;

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "policy.h"
-#include "refits.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -74,6 +73,22 @@ EffectList rivals_of(const Round& round) {
       rivals.push_back(s.effect);
   }
   return rivals;
+}
+
+bool take_best(JointModel& model, Round& round, Standing& current) {
+  while (round.taken >= 0) {
+    Refitted& best = round.refitted[static_cast<std::size_t>(round.taken)];
+    Standing next = standing_on(model, best.fit);
+    if (next.unseen.total_chi2 < current.unseen.total_chi2 ||
+        next.unseen.total_rms_m < current.unseen.total_rms_m) {
+      current = std::move(next);
+      return true;
+    }
+    best.elsewhere = 0.0;
+    round.taken = best_of(model, round);
+    if (round.taken >= 0) round.rivals = rivals_of(round);
+  }
+  return false;
 }
 
 bool is_certain_beside(const Round& round, const Screened& s, const EffectList& taken) {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "selection.h"
+#include "refits.h"
 
 namespace softarm::diagnose {
 
@@ -14,6 +14,11 @@ double of_class(const Round& round, const model::Effect* effect);
 /// themselves the one that brings most on unseen trials: the others are looked for beside it; else the most
 /// probable. One that is not even a rival stands for no class.
 int best_of(const JointModel& model, const Round& round);
+
+/// The model goes on with the round's best. Refits borrow derivatives: one that by its own predicts unseen
+/// trials no better is left, for the next best.
+/// @return whether there is one; Round::taken says so, too
+bool take_best(JointModel& model, Round& round, Standing& current);
 
 /// Those that may be there in place of the one taken, or are the same in these trials.
 EffectList rivals_of(const Round& round);

@@ -59,25 +59,6 @@ Round look(JointModel& model, Standing& current, bool refits, bool may_move, con
   return round;
 }
 
-/// Takes the round's best. Refits borrow derivatives: one that by its own predicts unseen trials no better is
-/// left, for the next best.
-/// @return whether there is one; Round::taken says so, too
-bool take_best(JointModel& model, Round& round, Standing& current) {
-  while (round.taken >= 0) {
-    Refitted& best = round.refitted[static_cast<std::size_t>(round.taken)];
-    Standing next = standing_on(model, best.fit);
-    if (next.unseen.total_chi2 < current.unseen.total_chi2 ||
-        next.unseen.total_rms_m < current.unseen.total_rms_m) {
-      current = std::move(next);
-      return true;
-    }
-    best.elsewhere = 0.0;
-    round.taken = best_of(model, round);
-    if (round.taken >= 0) round.rivals = rivals_of(round);
-  }
-  return false;
-}
-
 /// Takes what is as good as certain beside the round's best, each after a fit of its own.
 /// @param taken called with each of them: a round of its own
 void take_beside(JointModel& model, const Round& round, Standing& current, std::size_t most,

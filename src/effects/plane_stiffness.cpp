@@ -21,7 +21,7 @@ class PlaneStiffness : public Described {
     // By the angle of the turn's axis, which is a quarter ahead of the direction of bending: the sign
     // changes.
     const Vector2d uneven = -std::min(1.0, kMostUneven / size) * values.head<2>();
-    for (rod::Segment& piece : rod.segments) piece.unevenness = uneven;
+    for (rod::Segment& piece : rod.segments) piece.anisotropy = uneven;
   }
 };
 

@@ -79,7 +79,7 @@ FineRod::FineRod(const arm::Arm& arm, int pieces) {
       parameters_.push_back({ParameterKind::kJointCompliance, j, 0});
     for (const int axis : {0, 1, 2}) parameters_.push_back({ParameterKind::kMoment, j, axis});
     for (const int axis : {0, 1, 2}) parameters_.push_back({ParameterKind::kRestCurvature, j, axis});
-    for (const int axis : {0, 1}) parameters_.push_back({ParameterKind::kUnevenness, j, axis});
+    for (const int axis : {0, 1}) parameters_.push_back({ParameterKind::kBendingAnisotropy, j, axis});
   }
   for (int load = 0; load < static_cast<int>(layout_.loads.size()); ++load) {
     if (load < kFirstStation) {
@@ -161,7 +161,7 @@ Eigen::VectorXd FineRod::values(const rod::Rod& rod) const {
     if (pieces_[j].fraction_from == 0.0) v[k++] = segment.joint_compliance;
     put(segment.moment_nm);
     put(segment.rest_curvature_per_m);
-    for (const int axis : {0, 1}) v[k++] = segment.unevenness[axis];
+    for (const int axis : {0, 1}) v[k++] = segment.anisotropy[axis];
   }
   for (std::size_t load = 0; load < rod.loads.size(); ++load) {
     if (static_cast<int>(load) < kFirstStation) {

@@ -76,7 +76,7 @@ void interpolate(const Rod& a, const Rod& b, double weight, Rod& r) {
     mix(to.rest_curvature_per_m, from.rest_curvature_per_m);
     mix(to.moment_nm, from.moment_nm);
     mix(to.joint_compliance, from.joint_compliance);
-    mix(to.unevenness, from.unevenness);
+    mix(to.anisotropy, from.anisotropy);
   }
   for (std::size_t i = 0; i < r.loads.size(); ++i) {
     PointLoad& to = r.loads[i];

@@ -17,7 +17,7 @@ bool finite_and_physical(const Rod& rod) {
            ok(s.rest_curvature_per_m) && ok(s.moment_nm) && std::isfinite(s.length_m) &&
            std::isfinite(s.mass_kg) && std::isfinite(s.bending_compliance) &&
            std::isfinite(s.torsional_compliance) && std::isfinite(s.axial_compliance) &&
-           std::isfinite(s.shear_compliance) && s.unevenness.squaredNorm() < 1.0;
+           std::isfinite(s.shear_compliance) && s.anisotropy.squaredNorm() < 1.0;
   }
   for (const PointLoad& load : rod.loads) {
     good = good && ok(load.force_n) && ok(load.moment_nm) && ok(load.offset_m) && std::isfinite(load.mass_kg);

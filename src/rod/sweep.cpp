@@ -20,8 +20,8 @@ Eigen::Quaterniond quaternion(const kernel::State& y) {
 }
 
 /// Of the stiffnesses of bending in the two principal planes, the product over the square of their mean.
-double evenness(const Segment& segment) {
-  return 1.0 - segment.unevenness.squaredNorm();
+double isotropy(const Segment& segment) {
+  return 1.0 - segment.anisotropy.squaredNorm();
 }
 
 /// Of what bends a segment: its moment, and how it answers moments.
@@ -29,16 +29,16 @@ void set_bending_source(const Parameter& parameter, int k, const Segment& segmen
                         const kernel::Section& section, LaneSource& source) {
   const int c = parameter.component;
   if (parameter.kind == ParameterKind::kBendingCompliance) {
-    source.bend.value[k] = 1.0 / evenness(segment);
-  } else if (parameter.kind == ParameterKind::kUnevenness) {
-    source.uneven[c].value[k] = -section.bend;
-    source.bend.value[k] = 2.0 * segment.unevenness[c] * section.bend / evenness(segment);
+    source.bend.value[k] = 1.0 / isotropy(segment);
+  } else if (parameter.kind == ParameterKind::kBendingAnisotropy) {
+    source.anisotropy[c].value[k] = -section.bend;
+    source.bend.value[k] = 2.0 * segment.anisotropy[c] * section.bend / isotropy(segment);
   } else if (c == 2) {
     source.moment[c].value[k] = section.twist;
   } else {
-    const double own = c == 0 ? section.uneven[0] : -section.uneven[0];
+    const double own = c == 0 ? section.anisotropy[0] : -section.anisotropy[0];
     source.moment[c].value[k] = section.bend * (1.0 + own);
-    source.moment[1 - c].value[k] = section.bend * section.uneven[1];
+    source.moment[1 - c].value[k] = section.bend * section.anisotropy[1];
   }
 }
 
@@ -130,16 +130,16 @@ void Sweep::set_rod(const Rod& rod, const Rod& load_direction) {
         return parameter.kind == ParameterKind::kAxialCompliance ||
                parameter.kind == ParameterKind::kShearCompliance;
       });
-  const bool unevenness_wanted =
-      std::any_of(parameters_.begin(), parameters_.end(),
-                  [](const Parameter& parameter) { return parameter.kind == ParameterKind::kUnevenness; });
+  const bool anisotropy_wanted = std::any_of(
+      parameters_.begin(), parameters_.end(),
+      [](const Parameter& parameter) { return parameter.kind == ParameterKind::kBendingAnisotropy; });
   for (std::size_t i = 0; i < sections_.size(); ++i) {
     const Segment& from = rod.segments[i];
     kernel::Section& to = sections_[i];
     to.stretch = from.length_m / from.rest_length_m;
-    to.bend = from.bending_compliance / evenness(from);
-    for (int r = 0; r < 2; ++r) to.uneven[r] = -from.unevenness[r];
-    to.is_uneven = unevenness_wanted || !from.unevenness.isZero(0.0);
+    to.bend = from.bending_compliance / isotropy(from);
+    for (int r = 0; r < 2; ++r) to.anisotropy[r] = -from.anisotropy[r];
+    to.is_anisotropic = anisotropy_wanted || !from.anisotropy.isZero(0.0);
     to.twist = from.torsional_compliance;
     to.axial = from.axial_compliance;
     to.shear = from.shear_compliance;
@@ -174,7 +174,7 @@ void Sweep::set_sources(int block) {
         break;
       case ParameterKind::kMoment:
       case ParameterKind::kBendingCompliance:
-      case ParameterKind::kUnevenness:
+      case ParameterKind::kBendingAnisotropy:
         set_bending_source(parameter, k, rod_->segments[index], sections_[index], sources[index]);
         break;
       case ParameterKind::kTorsionalCompliance:

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
 
-#include "diagnose/selection.h"
+#include "diagnose/screen.h"
+#include "diagnose/unseen.h"
 #include "effects/catalogue.h"
 #include "looked.h"
 #include "recorded_case.h"
@@ -72,6 +74,44 @@ TEST_F(BestOf, NothingThatCannotBe) {
   EXPECT_EQ(best(), 2);
   round_.refitted[2].elsewhere = 0.4;  // in this one trial only
   EXPECT_EQ(best(), -1);
+}
+
+/// A wall at the end of its range, which the posterior is made to believe in, beside a base that yields and
+/// is there.
+TEST(TakeBest, LeavesWhatPredictsUnseenTrialsNoBetterForTheNextBest) {
+  const testing::RecordedCase drawn =
+      testing::recorded_case("{count_weights: [0, 1], from: [base_compliance], size: [0.6, 1.0]}", 6, 3, 6.0);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  Standing current{looked.baseline, unseen(looked.model, looked.baseline)};
+  const double before_m = current.unseen.total_rms_m;
+  Round round;
+  round.screened = screen(looked.model, looked.baseline, 0, [](double) {});
+  EffectList both;
+  for (const Screened& s : round.screened) {
+    const std::string& id = s.effect->info().id;
+    if (id != "contact" && id != "base_compliance") continue;
+    Refitted r = refit(looked.model, current, s);
+    if (id == "contact") {
+      JointParameters wrong = looked.baseline.at;
+      wrong.effects.push_back({s.effect, s.values});
+      wrong.effects.back().values[0] = s.effect->info().parameters[0].high;
+      r.fit = looked.model.linearise(wrong, &looked.baseline.predicted);
+    }
+    r.probability = r.elsewhere = 1.0;
+    r.gain = id == "contact" ? 100.0 : 50.0;
+    r.moved_m = 1e-3;
+    r.physical = true;
+    both.push_back(s.effect);
+    round.refitted.push_back(std::move(r));
+  }
+  ASSERT_EQ(both.size(), 2U);
+  round.posterior.sets = {{both, 1.0}};
+  round.taken = best_of(looked.model, round);
+  const auto taken = [&] { return round.refitted[static_cast<std::size_t>(round.taken)].effect->info().id; };
+  ASSERT_EQ(taken(), "contact");
+  ASSERT_TRUE(take_best(looked.model, round, current));
+  EXPECT_EQ(taken(), "base_compliance");
+  EXPECT_LT(current.unseen.total_rms_m, 0.9 * before_m);
 }
 
 }  // namespace

@@ -54,9 +54,9 @@ Eigen::Vector3d chain_tip(const rod::Rod& rod, int n) {
   std::vector<std::array<double, 3>> link(static_cast<std::size_t>(n), {0.0, 0.0, 0.0});
   std::array<double, 3> base = {0.0, 0.0, 0.0};
   ceres::Problem problem;
-  EXPECT_EQ(segment.unevenness.y(), 0.0) << "a joint's axes are those of the section";
-  const std::array<double, 3> compliance = {segment.bending_compliance / (1.0 + segment.unevenness.x()),
-                                            segment.bending_compliance / (1.0 - segment.unevenness.x()),
+  EXPECT_EQ(segment.anisotropy.y(), 0.0) << "a joint's axes are those of the section";
+  const std::array<double, 3> compliance = {segment.bending_compliance / (1.0 + segment.anisotropy.x()),
+                                            segment.bending_compliance / (1.0 - segment.anisotropy.x()),
                                             segment.torsional_compliance};
   for (int k = 0; k < n; ++k) {
     // Half a link of material lies between the clamp and the middle of the first link.
@@ -128,7 +128,7 @@ TEST(Chain, CurvedAndTwistedAtRest) {
 TEST(Chain, StifferInOnePlaneThanAcrossIt) {
   rod::Rod rod = testing::loaded_arm();
   rod.segments[0].rest_curvature_per_m = {1.0, -3.0, 6.0};
-  rod.segments[0].unevenness = {0.5, 0.0};
+  rod.segments[0].anisotropy = {0.5, 0.0};
   expect_agreement(rod);
 }
 

@@ -38,8 +38,8 @@ void move(rod::Rod& rod, const rod::Parameter& p, double by) {
     case rod::ParameterKind::kShearCompliance:
       rod.segments[i].shear_compliance += by;
       break;
-    case rod::ParameterKind::kUnevenness:
-      rod.segments[i].unevenness[p.component] += by;
+    case rod::ParameterKind::kBendingAnisotropy:
+      rod.segments[i].anisotropy[p.component] += by;
       break;
     case rod::ParameterKind::kJointCompliance:
       rod.segments[i].joint_compliance += by;
@@ -96,7 +96,7 @@ std::vector<Case> every_parameter() {
     cases.push_back({"axial", {rod::ParameterKind::kAxialCompliance, segment, 0}, 1e-4});
     cases.push_back({"shear", {rod::ParameterKind::kShearCompliance, segment, 0}, 1e-4});
     for (int c = 0; c < 2; ++c)
-      cases.push_back({"unevenness", {rod::ParameterKind::kUnevenness, segment, c}, 1e-3});
+      cases.push_back({"anisotropy", {rod::ParameterKind::kBendingAnisotropy, segment, c}, 1e-3});
     cases.push_back({"joint", {rod::ParameterKind::kJointCompliance, segment, 0}, 1e-3});
     cases.push_back({"length", {rod::ParameterKind::kLength, segment, 0}, 1e-4});
     cases.push_back({"mass", {rod::ParameterKind::kSegmentMass, segment, 0}, 1e-4});

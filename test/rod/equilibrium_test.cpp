@@ -55,7 +55,7 @@ TEST(Equilibrium, ForcesAndMomentsBalanceAtEveryNode) {
     if (segment.stiffness_profile.empty()) {
       const Eigen::Vector3d m = here.q.conjugate() * here.m + segment.moment_nm;
       const Eigen::Vector2d bent = here.u.head<2>() - segment.rest_curvature_per_m.head<2>();
-      const Eigen::Vector2d t = segment.unevenness;
+      const Eigen::Vector2d t = segment.anisotropy;
       const Eigen::Vector2d borne((1.0 + t.x()) * bent.x() + t.y() * bent.y(),
                                   t.y() * bent.x() + (1.0 - t.x()) * bent.y());
       EXPECT_LT((borne / segment.bending_compliance - m.head<2>()).norm(), 1e-7 / segment.bending_compliance);

@@ -54,8 +54,8 @@ inline rod::Rod complicated_rod() {
   second.stiffness_profile.clear();
   second.mass_kg = 0.1;
   rod.segments.push_back(second);
-  rod.segments[0].unevenness = {0.2, -0.1};
-  rod.segments[1].unevenness = {-0.3, 0.25};
+  rod.segments[0].anisotropy = {0.2, -0.1};
+  rod.segments[1].anisotropy = {-0.3, 0.25};
   rod.loads[0].s_m = 0.15;
   rod.loads[0].offset_m = {0.01, -0.02, 0.005};
   rod::PointLoad follower;

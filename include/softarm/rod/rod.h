@@ -38,12 +38,12 @@ struct Segment {
   double joint_compliance = 0.0;
   /// Of a section that is not round: bending moments are EI (I + [[a, b], [b, -a]]) times curvature (about x
   /// and y, section frame), a and b these two; |(a, b)| < 1.
-  Eigen::Vector2d unevenness = Eigen::Vector2d::Zero();
+  Eigen::Vector2d anisotropy = Eigen::Vector2d::Zero();
   std::vector<arm::StiffnessKnot> stiffness_profile;  ///< factor on EI and GJ; fixed for a Solver
 
   /// Curvature beyond rest, about x and y, that a moment about them (N m) makes (without the profile).
   Eigen::Vector2d curvature_of(const Eigen::Vector2d& moment) const {
-    const double a = unevenness.x(), b = unevenness.y();
+    const double a = anisotropy.x(), b = anisotropy.y();
     return bending_compliance / (1.0 - a * a - b * b) *
            Eigen::Vector2d((1.0 - a) * moment.x() - b * moment.y(), (1.0 + a) * moment.y() - b * moment.x());
   }
@@ -94,7 +94,7 @@ enum class ParameterKind {
   kTorsionalCompliance,  ///< 1 / GJ
   kAxialCompliance,      ///< 1 / EA
   kShearCompliance,      ///< 1 / GA
-  kUnevenness,           ///< of bending, component 0 or 1
+  kBendingAnisotropy,    ///< of bending, component 0 or 1
   kJointCompliance,      ///< of the joint at a segment's start, rad / (N m)
   kLength,               ///< length of a segment, m
   kSegmentMass,          ///< mass of a segment, kg

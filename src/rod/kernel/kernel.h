@@ -20,15 +20,15 @@ struct alignas(kLanes * sizeof(double)) Lanes {
 
 /// Values that are constant along a segment.
 struct Section {
-  double stretch;       // length / rest length
-  double bend, twist;   // 1 / EI, 1 / GJ
-  double uneven[2];     // compliance across the axis: bend (I + [[a, b], [b, -a]])
-  bool is_uneven;       // these are not 0, or wanted
-  double axial, shear;  // 1 / EA, 1 / GA
-  double rest[3];       // u*
-  double moment[3];     // M_act
-  double weight[3];     // weight per unit of s, world
-  bool shearable;       // axial or shear is not 0, or wanted
+  double stretch;        // length / rest length
+  double bend, twist;    // 1 / EI, 1 / GJ
+  double anisotropy[2];  // compliance across the axis: bend (I + [[a, b], [b, -a]])
+  bool is_anisotropic;   // these are not 0, or wanted
+  double axial, shear;   // 1 / EA, 1 / GA
+  double rest[3];        // u*
+  double moment[3];      // M_act
+  double weight[3];      // weight per unit of s, world
+  bool shearable;        // axial or shear is not 0, or wanted
 };
 
 /// What the sweep of derivatives needs to know of the nominal one at a Runge-Kutta stage (world frame).
@@ -85,8 +85,8 @@ struct LaneSource {
   Lanes rest[3];    // of u*
   Lanes moment[3];  // compliance times d M_act
   Lanes bend, twist, axial, shear;
-  Lanes uneven[2];  // times bend
-  Lanes stretch;    // relative: d stretch / stretch
+  Lanes anisotropy[2];  // times bend
+  Lanes stretch;        // relative: d stretch / stretch
   Lanes weight[3];
 };
 

@@ -41,8 +41,8 @@ inline __attribute__((always_inline)) void evaluate(const Section& c, double fle
   const double b1 = flex * (dot(g.d1, m) + c.moment[0]);
   const double b2 = flex * (dot(g.d2, m) + c.moment[1]);
   const double b3 = flex * (dot(g.t, m) + c.moment[2]);
-  const double bent1 = b1 + c.uneven[0] * b1 + c.uneven[1] * b2;
-  const double bent2 = b2 + c.uneven[1] * b1 - c.uneven[0] * b2;
+  const double bent1 = b1 + c.anisotropy[0] * b1 + c.anisotropy[1] * b2;
+  const double bent2 = b2 + c.anisotropy[1] * b1 - c.anisotropy[0] * b2;
   const double u1 = c.rest[0] + c.bend * bent1;
   const double u2 = c.rest[1] + c.bend * bent2;
   const double u3 = c.rest[2] + c.twist * b3;

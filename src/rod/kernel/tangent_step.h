@@ -30,7 +30,7 @@ inline __attribute__((always_inline)) typename Register<kWidth>::Type& piece(Lan
 /// A section's sources, with what does not change from stage to stage done once.
 template <typename V>
 struct Source {
-  V rest[3], moment[3], bend, twist, axial, shear, uneven[2], stretch, weight[3];
+  V rest[3], moment[3], bend, twist, axial, shear, anisotropy[2], stretch, weight[3];
 };
 
 template <typename V>
@@ -43,13 +43,13 @@ inline __attribute__((always_inline)) void rates(const Section& c, const Stage& 
   const double twist = c.stretch * g.flex * (c.twist - c.bend);
   V first = f.rest[0] + g.flex * f.moment[0];
   V second = f.rest[1] + g.flex * f.moment[1];
-  if (c.is_uneven) {
+  if (c.is_anisotropic) {
     const V about1 = bend * (g.d1[0] * w[0] + g.d1[1] * w[1] + g.d1[2] * w[2]);
     const V about2 = bend * (g.d2[0] * w[0] + g.d2[1] * w[1] + g.d2[2] * w[2]);
-    first +=
-        c.uneven[0] * about1 + c.uneven[1] * about2 + g.local[0] * f.uneven[0] + g.local[1] * f.uneven[1];
-    second +=
-        c.uneven[1] * about1 - c.uneven[0] * about2 - g.local[1] * f.uneven[0] + g.local[0] * f.uneven[1];
+    first += c.anisotropy[0] * about1 + c.anisotropy[1] * about2 + g.local[0] * f.anisotropy[0] +
+             g.local[1] * f.anisotropy[1];
+    second += c.anisotropy[1] * about1 - c.anisotropy[0] * about2 - g.local[1] * f.anisotropy[0] +
+              g.local[0] * f.anisotropy[1];
   }
   const V along = twist * (g.t[0] * w[0] + g.t[1] * w[1] + g.t[2] * w[2]) + f.rest[2] + g.flex * f.moment[2];
   for (int r = 0; r < 3; ++r) {
@@ -96,7 +96,7 @@ inline __attribute__((always_inline)) void tangent_piece(const Step& step, const
   f.twist = c.stretch * piece<kWidth>(source.twist, k);
   f.axial = c.stretch * piece<kWidth>(source.axial, k);
   f.shear = c.stretch * piece<kWidth>(source.shear, k);
-  for (int r = 0; r < 2; ++r) f.uneven[r] = c.stretch * piece<kWidth>(source.uneven[r], k);
+  for (int r = 0; r < 2; ++r) f.anisotropy[r] = c.stretch * piece<kWidth>(source.anisotropy[r], k);
   f.stretch = piece<kWidth>(source.stretch, k);
   V dpsi[kStages][3], dmu[kStages][3], dpi[3];
 #pragma GCC unroll 12
