@@ -167,7 +167,7 @@ def true_parameters(effect, length_m):
                 "jamming_memory", "chamber_mismatch", "pressure_elongation"):
         return {"share": v["share"]}
     if (name, form) in (("gain_nonlinearity", "quadratic"), ("pressure_stiffening", "linear"), ("pressure_leak", "steady"),
-                        ("mass_distribution", "taper"), ("creep", "maxwell")):
+                        ("mass_distribution", "taper"), ("creep", "maxwell"), ("creep", "wall")):
         return {"share": v["share"], **({"time_s": v["time_s"]} if name == "creep" else {})}
     if name == "soft_spot":
         return {"share": v["share"]}

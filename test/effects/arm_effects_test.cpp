@@ -73,7 +73,7 @@ TEST(ArmEffects, StandardDeviationsComeAlongAndBack) {
   const arm::Arm arm = shipped_arm("online_200mm");
   const arm::EffectEntry entry{"creep", {{"share", 0.2, 0.03}, {"time_s", 5.0}}};
   const model::Present present = effects::effects_of(arm, {entry}).at(0);
-  ASSERT_EQ(present.sd.size(), 3);
+  ASSERT_EQ(present.sd.size(), 4);
   EXPECT_DOUBLE_EQ(present.sd[0], 0.03);
   EXPECT_DOUBLE_EQ(present.sd[1], 0.0);
   const arm::EffectEntry again = effects::entry_of(present);

@@ -55,7 +55,7 @@ TEST(Hysteresis, OfTheMaterialIsTheSameLoopAtEverySpeed) {
 }
 
 TEST(Creep, WidensItsLoopWhenSlowAndNotAtEverySpeedTheSame) {
-  const Eigen::Vector3d values(0.1, 2.0, 0.0);
+  const Vector4d values(0.1, 2.0, 0.0, 0.0);
   const double fast = loop_width("creep", values, 0.8), middle = loop_width("creep", values, 8.0);
   EXPECT_GT(middle, 1.5 * fast);
   EXPECT_GT(fast, 0.0);
@@ -66,15 +66,16 @@ TEST(Creep, DriftsInHoldsByItsShareAndTimeConstant) {
   const model::TrialData trial =
       weightless(arm(), 30.0, [](double t_s) { return Vector4d(t_s < 1.0 ? 0.0 : 20e3, 0.0, 0.0, 0.0); });
   const std::vector<model::Predicted> without = predict(model, arm(), {}, trial);
-  for (const double time_s : {0.5, 4.0}) {
+  for (const auto& [time_s, driven] : {std::pair(0.5, 0.0), {4.0, 0.0}, {4.0, 0.4}, {4.0, 1.0}}) {
     const std::vector<model::Predicted> with =
-        predict(model, arm(), {{find("creep"), Eigen::Vector3d(0.2, time_s, 0.0)}}, trial);
+        predict(model, arm(), {{find("creep"), Vector4d(0.2, time_s, 0.0, driven)}}, trial);
     EXPECT_EQ(with[5].shape.middles[5].u, without[5].shape.middles[5].u);
     for (std::size_t k = 11; k < with.size(); ++k) {
       // The step is a line between two instants.
       const double held_s = with[k].instant.t_s - 0.99;
       const double grown = 1.0 + 0.2 * (1.0 - std::exp(-held_s / time_s));
-      EXPECT_NEAR(curvature(with[k]) / curvature(without[k]), grown, 2e-3) << time_s << " " << held_s;
+      EXPECT_NEAR(curvature(with[k]) / curvature(without[k]), grown, 2e-3)
+          << time_s << " " << driven << " " << held_s;
     }
   }
 }
@@ -89,7 +90,7 @@ TEST(Creep, OfASpectrumOfTimesGrowsAsItsIntegral) {
     const double time_s = 5.0, fastest_s = time_s * std::pow(10.0, -0.5 * decades),
                  slowest_s = time_s * std::pow(10.0, 0.5 * decades);
     const std::vector<model::Predicted> with =
-        predict(model, arm(), {{find("creep"), Eigen::Vector3d(0.2, time_s, decades)}}, trial);
+        predict(model, arm(), {{find("creep"), Vector4d(0.2, time_s, decades, 0.0)}}, trial);
     for (std::size_t k = 12; k < with.size(); k += 7) {
       const double held_s = with[k].instant.t_s - 0.99;
       const double left = (std::expint(-held_s / fastest_s) - std::expint(-held_s / slowest_s)) /
@@ -100,13 +101,32 @@ TEST(Creep, OfASpectrumOfTimesGrowsAsItsIntegral) {
   }
 }
 
+/// An arm that comes to lie across gravity bends on under its weight, unless only what drives it creeps.
+TEST(Creep, OfTheDrivesLeavesWeightAlone) {
+  model::ExtendedModel model(arm());
+  model::TrialData trial = made_up(arm(), 20.0, [](double) -> Eigen::VectorXd { return Vector4d::Zero(); });
+  for (std::size_t k = 10; k < trial.blocks.size(); ++k) trial.blocks[k].gravity_base = {9.80665, 0.0, 0.0};
+  const auto last = [&](double driven) {
+    return predict(model, arm(), {{find("creep"), Vector4d(0.2, 2.0, 0.0, driven)}}, trial).back();
+  };
+  const double without = curvature(predict(model, arm(), {}, trial).back());
+  ASSERT_GT(std::abs(without), 0.1);
+  EXPECT_NEAR(curvature(last(1.0)), without, 1e-9 * std::abs(without));
+  EXPECT_GT(curvature(last(0.0)) / without, 1.15);
+  const double half = curvature(last(0.5)) / without;
+  EXPECT_GT(half, 1.07);
+  EXPECT_LT(half, 1.13);
+}
+
 TEST(Creep, HasLongHappenedToAnArmThatIsHeldAtTheBeginning) {
   model::ExtendedModel model(arm());
   const model::TrialData trial = weightless(arm(), 3.0, [](double) { return Vector4d(20e3, 0.0, 0.0, 0.0); });
   const std::vector<model::Predicted> without = predict(model, arm(), {}, trial);
-  const std::vector<model::Predicted> with =
-      predict(model, arm(), {{find("creep"), Eigen::Vector3d(0.2, 1.0, 2.0)}}, trial);
-  for (const model::Predicted& p : with) EXPECT_NEAR(curvature(p), 1.2 * curvature(without[0]), 1e-9);
+  for (const double driven : {0.0, 0.3, 1.0}) {
+    const std::vector<model::Predicted> with =
+        predict(model, arm(), {{find("creep"), Vector4d(0.2, 1.0, 2.0, driven)}}, trial);
+    for (const model::Predicted& p : with) EXPECT_NEAR(curvature(p), 1.2 * curvature(without[0]), 1e-9);
+  }
 }
 
 TEST(Mullins, IsStifferInTheFirstCycleAlone) {

@@ -32,8 +32,9 @@ const std::vector<Remembering> kAll{
     {"hysteresis", {0.5, 1500.0, 0.0}, "semi_physical_200mm"},
     {"hysteresis", {0.5, 1500.0, 1.0}, "two_segment"},
     {"hysteresis", {0.5, 1500.0, 2.0}, "tendons"},
-    {"creep", {0.4, 1.0, 0.0}, "two_segment"},
-    {"creep", {0.4, 0.5, 1.0}, "two_segment"},
+    {"creep", {0.4, 1.0, 0.0, 0.0}, "two_segment"},
+    {"creep", {0.4, 0.5, 1.0, 0.0}, "two_segment"},
+    {"creep", {0.4, 1.0, 0.0, 1.0}, "two_segment"},
     // Bent at once beyond what the smaller start says, it forgets that at once.
     {"axial_memory", {0.4, 1.0}, "semi_physical_200mm"},
     {"mullins", {0.3, 0.0, 1.0}, "semi_physical_200mm", 80e3, {0.3, 0.6}, 0.51},

@@ -391,6 +391,12 @@ Choices one_sided_softness(const Numbers& v) {
                   {"to_fraction", 1.0}})};
 }
 
+/// All bending creeps, or only what the drives make: what is between goes to the nearer one.
+Choices creep(const Numbers& v) {
+  return {choice("creep", v("driven") > 0.5 ? "wall" : "maxwell",
+                 {{"share", v("share")}, {"time_s", v("time_s")}})};
+}
+
 Choices curvature_gain(const Numbers& v) {
   const double length_m = v.arm().segments.front().length_m;
   for (const arm::Segment& segment : v.arm().segments)
@@ -429,7 +435,7 @@ const std::map<std::string, Translation>& translations() {
       {"radial_expansion", same("square", {"share"}, {{"reference_pa", kPressurePa}})},
       {"pressure_dead_zone", pressure_dead_zone},
       {"hysteresis", hysteresis},
-      {"creep", same("maxwell", {"share", "time_s"})},
+      {"creep", creep},
       {"axial_memory", axial_memory},
       {"pressure_lag", pressure_lag},
       {"flow_limit", flow_limit},
