@@ -9,24 +9,13 @@
 
 #include "drives.h"
 #include "effects.h"
+#include "relaxation.h"
 #include "softarm/arm/laws.h"
 
 namespace softarm::effects {
 namespace {
 
 using Eigen::Vector2d;
-
-/// Points and weights of Gauss and Legendre on [-1/2, 1/2]: a spectrum's times, in its decades. Six follow
-/// five decades to 1 % of what creeps.
-struct Point {
-  double at, weight;
-};
-constexpr std::array<Point, 6> kSpectrum{{{-0.46623475710157601, 0.085662246189585173},
-                                          {-0.33060469323313226, 0.18038078652406930},
-                                          {-0.11930959304159845, 0.23395696728634552},
-                                          {0.11930959304159845, 0.23395696728634552},
-                                          {0.33060469323313226, 0.18038078652406930},
-                                          {0.46623475710157601, 0.085662246189585173}}};
 
 /// Curvature that the drives alone make, about the section's axes, per segment; 0 where the laws do not hold.
 std::vector<Vector2d> driven_per_m(const arm::Arm& arm, const Instant& instant) {
@@ -72,7 +61,7 @@ class Creep : public Described {
     memory.assign(fine.pieces().size() * kSize, 0.0);
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
       const Vector2d& w = crept[static_cast<std::size_t>(fine.pieces()[j].segment)];
-      for (std::size_t i = 0; i < kSpectrum.size(); ++i) put(w, &memory[j * kSize + 2 * i]);
+      for (std::size_t i = 0; i < kRelaxation.size(); ++i) put(w, &memory[j * kSize + 2 * i]);
     }
   }
   bool remembers() const override { return true; }
@@ -97,7 +86,7 @@ class Creep : public Described {
 
  private:
   /// Of each time w, then c, of two axes.
-  static constexpr std::size_t kSize = 2 * kSpectrum.size() + 2;
+  static constexpr std::size_t kSize = 2 * kRelaxation.size() + 2;
 
   /// w = already + by_now c, with c what creeps at this instant.
   struct Crept {
@@ -109,7 +98,7 @@ class Creep : public Described {
     double softer;
     Vector2d beyond;
   };
-  using Spectrum = std::array<Crept, kSpectrum.size()>;
+  using Spectrum = std::array<Crept, kRelaxation.size()>;
 
   static void put(const Vector2d& curvature, double* to) {
     to[0] = curvature.x();
@@ -128,8 +117,7 @@ class Creep : public Described {
         each[k] = {w, 1.0};
         continue;
       }
-      const double time_s = std::max(values[1], 1e-2) * std::pow(10.0, values[2] * kSpectrum[k].at);
-      const Following f = following(instant.dt_s, time_s);
+      const Following f = relaxing(instant.dt_s, values[1], values[2], kRelaxation[k]);
       each[k] = {f.kept * w + f.weight_last * last, f.weight_now};
     }
     return each;
@@ -137,8 +125,8 @@ class Creep : public Described {
   static Crept together(const Spectrum& each) {
     Crept sum{Vector2d::Zero(), 0.0};
     for (std::size_t k = 0; k < each.size(); ++k) {
-      sum.already += kSpectrum[k].weight * each[k].already;
-      sum.by_now += kSpectrum[k].weight * each[k].by_now;
+      sum.already += kRelaxation[k].weight * each[k].already;
+      sum.by_now += kRelaxation[k].weight * each[k].by_now;
     }
     return sum;
   }

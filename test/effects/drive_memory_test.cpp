@@ -236,7 +236,7 @@ TEST(AxialMemory, TheLengthFollowsInHolds) {
       0.05);
   const std::vector<model::Predicted> without = predict(model, arm(), {}, trial);
   const std::vector<model::Predicted> with =
-      predict(model, arm(), {{find("axial_memory"), Eigen::Vector2d(share, time_s)}}, trial);
+      predict(model, arm(), {{find("axial_memory"), Eigen::Vector3d(share, time_s, 0.0)}}, trial);
   const auto late_m = [&](std::size_t k) {
     return without[k].rest.lengths_m.sum() - with[k].rest.lengths_m.sum();
   };

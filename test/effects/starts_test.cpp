@@ -36,7 +36,8 @@ const std::vector<Remembering> kAll{
     {"creep", {0.4, 0.5, 1.0, 0.0}, "two_segment"},
     {"creep", {0.4, 1.0, 0.0, 1.0}, "two_segment"},
     // Bent at once beyond what the smaller start says, it forgets that at once.
-    {"axial_memory", {0.4, 1.0}, "semi_physical_200mm"},
+    {"axial_memory", {0.4, 1.0, 0.0}, "semi_physical_200mm"},
+    {"axial_memory", {0.4, 0.5, 1.0}, "semi_physical_200mm"},
     {"mullins", {0.3, 0.0, 1.0}, "semi_physical_200mm", 80e3, {0.3, 0.6}, 0.51},
     {"jamming_memory", {0.5}, "semi_physical_200mm"},
     {"jamming_yield", {0.5, 0.5, 1.0}, "semi_physical_200mm"},
