@@ -26,8 +26,11 @@ constexpr double kSettled = 0.02;  // of the threshold
 constexpr double kAtBound = 1e-9;  // of an unknown's scale
 // Of Ceres's trust region, over the columns' norms (its own is 1e4): as good as none, for the steps of Gauss
 // and Newton; and what damps them where they overshoot (Levenberg and Marquardt).
-constexpr double kNoRadius = 1e8, kRadius = 1e2;
-constexpr int kShorterSteps = 5;  // tried where the whole one does not help
+constexpr double kNoRadius = 1e8, kRadius = 100.0;
+// Tried where the whole step does not help: by derivatives of its own, and by those of a model nearby, which
+// are likelier to point elsewhere. Damped steps are turned, not only shortened.
+constexpr int kShorterSteps = 5, kShorterStepsNearby = 1;
+constexpr int kVainSteps = 6;  // of damped ones, in one pass
 // Of a step that does not help, as it is tried next: a loss that was given up says only that it is too long.
 constexpr double kMostShortening = 0.5;
 
@@ -64,6 +67,13 @@ class JointModel::Evaluation : public ceres::EvaluationCallback {
   const Linearised& at() const { return at_; }
   VectorXd& x() { return x_; }
   void back_to_accepted() { x_ = x_at_; }
+  bool has_own_derivatives() const { return near_ == nullptr; }
+  /// In place of those of a model nearby, from here on.
+  void make_own_derivatives() {
+    if (has_own_derivatives()) return;
+    near_ = nullptr;
+    at_ = model_.linearise(at_.at, &at_.predicted, how_, true);
+  }
 
   /// Predicted less measured, whitened, of the body that begins at a row; 0 without an equilibrium.
   Vector3d residual(std::size_t trial, Eigen::Index row) const {
@@ -96,7 +106,7 @@ class JointModel::Evaluation : public ceres::EvaluationCallback {
 
   JointModel& model_;
   const Derivatives how_;
-  const Linearised* near_;
+  const Linearised* near_;  ///< whose derivatives by the rod will do; nullptr: its own
   Linearised at_;
   std::vector<std::vector<Predicted>> there_;
   std::vector<VectorXd> residual_;  ///< of there_, by trial
@@ -168,19 +178,25 @@ double step_left(const Linearised& at) {
   return (solver.solve(gradient).array() / variance.array().sqrt()).abs().maxCoeff() / std::sqrt(misfit);
 }
 
-/// Ends a pass at a point that will do, or behind which what the pass took for granted does not hold any
-/// more.
+/// Ends a pass after so many steps, at a point that will do, or behind which what the pass took for granted
+/// does not hold any more.
 class Watch : public ceres::IterationCallback {
  public:
-  Watch(std::function<bool()> enough, bool damped) : enough_(std::move(enough)), damped_(damped) {}
+  Watch(std::function<bool()> enough, int steps, bool damped)
+      : enough_(std::move(enough)), steps_(steps), damped_(damped) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
     // A step of which no part helps is not helped by half of no radius.
-    const bool enough = summary.step_is_successful ? enough_() : !damped_;
+    bool enough = !damped_;
+    if (summary.step_is_successful) {
+      if (summary.iteration > 0) --steps_;  // the first is the start
+      enough = enough_() || steps_ <= 0;
+    }
     return enough ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
   }
 
  private:
   const std::function<bool()> enough_;
+  int steps_;
   const bool damped_;
 };
 
@@ -188,9 +204,11 @@ class Watch : public ceres::IterationCallback {
 
 /// One pass of Ceres, with one threshold of Huber's loss and one set of unknowns held at their bounds.
 /// @param iterations those left, less those made afterwards
-/// @param damped steps of Levenberg and Marquardt, else of Gauss and Newton
+/// @param radius of the trust region, as the pass before left it: kNoRadius are steps of Gauss and Newton;
+/// where these no longer help, it is less afterwards, for steps of Levenberg and Marquardt
 /// @return whether any step helped
-bool JointModel::minimise(Evaluation& evaluation, double tolerance, bool damped, int& iterations) {
+bool JointModel::minimise(Evaluation& evaluation, double tolerance, double& radius, int& iterations) {
+  const bool damped = radius < kNoRadius;
   const std::vector<bool> held = held_at_bounds(evaluation.at());
   const auto enough = [&] {
     const double now = threshold_at(evaluation.at().predicted);
@@ -235,33 +253,39 @@ bool JointModel::minimise(Evaluation& evaluation, double tolerance, bool damped,
       }
     }
   }
-  Watch watch(enough, damped);
+  Watch watch(enough, iterations, damped);
   options.callbacks.push_back(&watch);
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-  options.max_num_iterations = iterations;
-  options.initial_trust_region_radius = damped ? kRadius : kNoRadius;
+  options.max_num_iterations = iterations + kVainSteps;
+  options.initial_trust_region_radius = radius;
   options.line_search_interpolation_type = ceres::QUADRATIC;  // along a step, by predictions alone
-  options.max_num_line_search_step_size_iterations = kShorterSteps;
+  options.max_num_line_search_step_size_iterations = damped                             ? 0
+                                                     : evaluation.has_own_derivatives() ? kShorterSteps
+                                                                                        : kShorterStepsNearby;
   options.max_line_search_step_contraction = kMostShortening;
   options.function_tolerance = tolerance * tolerance / std::max(1, evaluation.at().rows);
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   evaluation.back_to_accepted();
-  iterations -= std::max(1, static_cast<int>(summary.iterations.size()) - 1);
-  return summary.num_successful_steps > 1;  // the first is the start
+  const int steps = summary.num_successful_steps - 1;
+  const bool overshot = !damped && summary.num_unsuccessful_steps > 0;
+  iterations -= overshot ? steps : std::max(1, steps);
+  if (damped) radius = std::min(kNoRadius, summary.iterations.back().trust_region_radius);
+  if (overshot) radius = kRadius;
+  return steps > 0;
 }
 
 Linearised JointModel::fit(JointParameters parameters, const FitOptions& options,
                            const std::vector<std::vector<Predicted>>* start) {
   std::vector<std::vector<Predicted>> predicted;
   const Linearised* near = options.near;
-  bool damped = false;
+  double radius = options.damped ? kRadius : kNoRadius;
   if (options.from != nullptr) {
     // Where the first order is that wrong derivatives nearby are, too.
     if (go_as_far_as_it_helps(*options.from, parameters, predicted)) {
       near = nullptr;
-      damped = true;
+      radius = kRadius;
     }
   } else if (options.known) {
     predicted = *start;
@@ -273,20 +297,26 @@ Linearised JointModel::fit(JointParameters parameters, const FitOptions& options
   const Derivatives how = feedback ? options.derivatives : Derivatives::kShapesHeld;
   Evaluation evaluation(*this, linearise(parameters, &predicted, how, true, near), how, near);
   for (int left = options.iterations; left > 0;) {
-    const bool moved = minimise(evaluation, options.tolerance, damped, left);
+    const bool was_damped = radius < kNoRadius;
+    const bool moved = minimise(evaluation, options.tolerance, radius, left);
     const double before = threshold_;
     threshold_ = threshold_at(evaluation.at().predicted);
     weigh(evaluation.at());
     if (step_left(evaluation.at()) < options.tolerance) break;
-    if (moved || std::abs(threshold_ - before) > kSettled * before) continue;
-    if (damped) break;
-    damped = true;
+    if (radius < kNoRadius && !was_damped) {
+      // First for what may be wrong about derivatives nearby.
+      if (!evaluation.has_own_derivatives()) radius = kNoRadius;
+      evaluation.make_own_derivatives();
+    } else if (!moved && std::abs(threshold_ - before) <= kSettled * before) {
+      break;
+    }
   }
   const bool converged = step_left(evaluation.at()) < kPolicy.fit.converged_sd;
   Linearised at = std::move(evaluation.at());
   if (feedback && options.whole && how != Derivatives::kWhole)
     at = linearise(at.at, &at.predicted, Derivatives::kWhole, true);
   at.converged = converged;
+  at.damped = radius < kNoRadius;
   return at;
 }
 

@@ -66,6 +66,8 @@ struct Linearised {
   bool complete = false;
   /// Of a fit: that no step of a size that matters is left.
   bool converged = false;
+  /// Of a fit: that steps of Gauss and Newton overshot, and it ended with damped ones.
+  bool damped = false;
 
   Eigen::VectorXd unknowns() const;  ///< values over scales
 };
@@ -144,6 +146,7 @@ class JointModel {
     /// A fit with the first of the effects, from which `parameters` were expected to first order: of the way
     /// there only so much is gone (half, a quarter, ...) that it helps. nullptr: all of it.
     const Linearised* from = nullptr;
+    bool damped = false;  ///< it goes on from a fit that was
   };
   /// The constants and effects at which all trials are met best, from `parameters`: a problem of Ceres with
   /// Huber's loss on each body, the columns' priors and bounds. Effects' parameters are free unless they
@@ -235,7 +238,7 @@ class JointModel {
   void add_to(TimeStretch& stretch, const Linearised& at, Eigen::Index row, int degrees_of_freedom) const;
   class Evaluation;  ///< of the problem of fit()
   class BodyCost;
-  bool minimise(Evaluation& evaluation, double tolerance, bool damped, int& iterations);
+  bool minimise(Evaluation& evaluation, double tolerance, double& radius, int& iterations);
   /// Huber's weights by the present threshold, and all sums.
   void weigh(Linearised& at) const;
   std::vector<TimeStretch> stretches_of(const Linearised& at, std::size_t trial) const;

@@ -73,7 +73,7 @@ void fit_from(JointModel& model, const JointParameters& from,
               const std::vector<std::vector<model::Predicted>>& start, JointModel::FitOptions how,
               const Linearised& near, Refitted& r) {
   how.whole = false;
-  how.near = near.complete ? &near : nullptr;
+  how.near = near.complete && !how.damped ? &near : nullptr;
   r.fit = model.fit(from, how, &start);
   r.unseen = unseen(model, r.fit);
   r.physical = !at_limit(r.fit);
@@ -205,6 +205,7 @@ void finish_leaders(JointModel& model, const Standing& current, std::vector<Refi
     const std::vector<std::vector<model::Predicted>> start = std::move(r.fit.predicted);
     JointModel::FitOptions how = refit_options(kFinishIterations);
     how.known = true;
+    how.damped = r.fit.damped;
     fit_from(model, r.fit.at, start, how, current.fit, r);
     finished[next] = true;
   }

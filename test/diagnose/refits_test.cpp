@@ -99,7 +99,9 @@ TEST_P(SharedDerivatives, LeadWhereOnesOwnDo) {
   Standing alone = shares;
   alone.fit.complete = false;
   const Refitted shared = refit(looked.model, shares, *at), own = refit(looked.model, alone, *at);
-  EXPECT_EQ(shared.fit.predicted[0][0].by_rod, looked.baseline.predicted[0][0].by_rod);
+  // A step by them overshoots at the wall: from there on it has its own.
+  EXPECT_EQ(shared.fit.predicted[0][0].by_rod == looked.baseline.predicted[0][0].by_rod,
+            std::string(GetParam()) != "contact");
   EXPECT_NE(own.fit.predicted[0][0].by_rod, looked.baseline.predicted[0][0].by_rod);
   const Linearised by_shared = standing_on(looked.model, shared.fit).fit,
                    by_own = standing_on(looked.model, own.fit).fit;
