@@ -231,7 +231,7 @@ Eigen::MatrixXd JointModel::differences(const Linearised& at, std::size_t trial,
   std::vector<Predicted> there;
   for (std::size_t j = 0; j < changed.size(); ++j) {
     models_[trial].predict(arm_with(changed[j].constants), all(changed[j].effects),
-                           dynamics(changed[j], trial), data, &predicted, there);
+                           dynamics(changed[j], trial), data, &predicted, there, true);
     mount(changed[j], trial, there);
     add_swings(trial, there);
     Eigen::Index row = 0;

@@ -307,7 +307,8 @@ const FineRod& ExtendedModel::rod() const {
 
 void ExtendedModel::predict(const arm::Arm& arm, const std::vector<Present>& effects,
                             const Dynamics& dynamics, const TrialData& trial,
-                            const std::vector<Predicted>* start, std::vector<Predicted>& out) {
+                            const std::vector<Predicted>* start, std::vector<Predicted>& out,
+                            bool only_where_solved) {
   Impl& m = *impl_;
   const Series series = Impl::driven(arm, effects, trial.series);
   const auto walls = Impl::kept_back(arm, series, trial);
@@ -343,7 +344,8 @@ void ExtendedModel::predict(const arm::Arm& arm, const std::vector<Present>& eff
         near = &resting[k].shape;
       const Impl::Context context{arm, memories.all(), dynamics, motion, feedback};
       const auto q_tip = guess.of(k, moving && resting[k].solved ? &resting[k] : nullptr);
-      now.solved = m.settle(context, effects, q_tip ? &*q_tip : nullptr, near, now);
+      const bool tried = !only_where_solved || start == nullptr || (*start)[k].solved;
+      now.solved = tried && m.settle(context, effects, q_tip ? &*q_tip : nullptr, near, now);
       if (!now.solved) {
         last = nullptr;
         guess.lost();

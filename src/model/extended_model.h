@@ -57,8 +57,11 @@ class ExtendedModel {
 
   /// @param arm the one given to the constructor, perhaps with other constants of its laws
   /// @param start predictions of the same trial with similar parameters: where to begin; or nullptr
+  /// @param only_where_solved where `start` has no equilibrium none is looked for: without one nearby that
+  /// takes a hundred times as long
   void predict(const arm::Arm& arm, const std::vector<Present>& effects, const Dynamics& dynamics,
-               const TrialData& trial, const std::vector<Predicted>* start, std::vector<Predicted>& out);
+               const TrialData& trial, const std::vector<Predicted>* start, std::vector<Predicted>& out,
+               bool only_where_solved = false);
 
   /// Rod values and places of bodies as other constants and effects would make them while shapes, and what
   /// follows from those, stay as they are in `baseline`. With `reference` what vary() gives for the

@@ -77,6 +77,22 @@ TEST_P(WithEffect, IsTheShapeOfADiagnosis) {
   EXPECT_GT((without[0].p - predicted[0].p).cwiseAbs().maxCoeff(), 2e-4);
 }
 
+TEST(ExtendedModel, LooksForEquilibriaOnlyWhereThereWereSomeIfToldSo) {
+  const arm::Arm arm = shipped("online_200mm");
+  effects::body_testing::Condition condition;
+  condition.inputs = effects::body_testing::inputs_of(arm, 0.8);
+  ExtendedModel model(arm);
+  const TrialData trial = effects::body_testing::trial_of(arm, {condition, condition, condition});
+  std::vector<Predicted> before, all, some;
+  model.predict(arm, {}, {false, 0.0}, trial, nullptr, before);
+  before[1].solved = false;
+  model.predict(arm, {}, {false, 0.0}, trial, &before, all);
+  model.predict(arm, {}, {false, 0.0}, trial, &before, some, true);
+  EXPECT_TRUE(all[0].solved && all[1].solved && all[2].solved);
+  EXPECT_TRUE(some[0].solved && !some[1].solved && some[2].solved);
+  EXPECT_LT((some[2].p - all[2].p).cwiseAbs().maxCoeff(), 1e-8);
+}
+
 TEST_P(WithEffect, DerivativesAreThoseOfTheSolutions) {
   const arm::Arm arm = shipped("online_200mm");
   const std::vector<Present> effects{usual(GetParam())};
