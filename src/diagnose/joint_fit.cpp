@@ -200,6 +200,16 @@ class Watch : public ceres::IterationCallback {
   const bool damped_;
 };
 
+/// How far steps go, and what becomes of those that do not help.
+void set_steps(double radius, int iterations, bool own_derivatives, ceres::Solver::Options& options) {
+  options.max_num_iterations = iterations + kVainSteps;
+  options.initial_trust_region_radius = radius;
+  options.line_search_interpolation_type = ceres::QUADRATIC;  // along a step, by predictions alone
+  options.max_line_search_step_contraction = kMostShortening;
+  const int shorter = own_derivatives ? kShorterSteps : kShorterStepsNearby;
+  options.max_num_line_search_step_size_iterations = radius < kNoRadius ? 0 : shorter;
+}
+
 }  // namespace
 
 /// One pass of Ceres, with one threshold of Huber's loss and one set of unknowns held at their bounds.
@@ -254,15 +264,9 @@ bool JointModel::minimise(Evaluation& evaluation, double tolerance, double& radi
     }
   }
   Watch watch(enough, iterations, damped);
+  set_steps(radius, iterations, evaluation.has_own_derivatives(), options);
   options.callbacks.push_back(&watch);
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-  options.max_num_iterations = iterations + kVainSteps;
-  options.initial_trust_region_radius = radius;
-  options.line_search_interpolation_type = ceres::QUADRATIC;  // along a step, by predictions alone
-  options.max_num_line_search_step_size_iterations = damped                             ? 0
-                                                     : evaluation.has_own_derivatives() ? kShorterSteps
-                                                                                        : kShorterStepsNearby;
-  options.max_line_search_step_contraction = kMostShortening;
   options.function_tolerance = tolerance * tolerance / std::max(1, evaluation.at().rows);
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
