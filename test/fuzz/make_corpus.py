@@ -1,11 +1,13 @@
 #!/usr/bin/python3
 """Recordings of a few lines and a message of each type, for test/fuzz/corpus: called by make_corpus with that folder."""
 import io
+import itertools
 import os
 import struct
 import sys
 
 import genpy
+import rosbag
 from geometry_msgs.msg import (Point, Point32, PointStamped, Pose, PoseStamped, Quaternion, TransformStamped, Vector3)
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import ChannelFloat32, FluidPressure, JointState, PointCloud, PointCloud2, PointField
@@ -90,8 +92,23 @@ def messages():
     yield ARM_WITH_INPUTS, 8, "", Float64(0.2)
 
 
+def write_bags(folder):
+    """The bag of the rig is compressed by lz4: here is its beginning by the others."""
+    topics = ["/mocap/base/pose", "/mocap/ring_1/pose", "/pressure/chamber_1", "/payload"]
+    for compression in rosbag.Compression.NONE, rosbag.Compression.BZ2:
+        path = os.path.join(folder, f"{compression}.bag")
+        with rosbag.Bag(os.path.join(folder, "rig.bag")) as rig, rosbag.Bag(path, "w", compression) as bag:
+            for topic, message, stamp in itertools.islice(rig.read_messages(topics), 12):
+                bag.write(topic, message, stamp)
+        with open(path, "r+b") as file:
+            data = file.read().replace(b"BZh9", b"BZh1")  # blocks of 100 kB instead of 900: less memory to take, again and again
+            file.seek(0)
+            file.write(data)
+
+
 def main():
     folder = sys.argv[1]
+    write_bags(os.path.join(folder, "bag"))
     for name, (layout, recording, inputs) in LAYOUTS.items():
         parts = [layout, recording] + ([inputs] if inputs else [])
         with open(os.path.join(folder, "csv", name), "w") as file:
