@@ -215,7 +215,7 @@ TEST(UnknownPayload, NeedsThePressuresOfAStiffnessLaw) {
   arm.segments[0].bending_stiffness = arm::StiffnessLaw();  // a stiffness that no pressure changes
   arm.segments[0].bending_stiffness.base_nm2 = 0.03;
   frame.inputs.clear();
-  const estimate::Estimate& estimate =
+  const estimate::Estimate estimate =
       estimate::Estimator(arm, with_method(arm::Method::kFullPoints, arm::Unknown::kPayload)).estimate(frame);
   ASSERT_EQ(estimate.status, estimate::Status::kOk) << estimate.detail;
 }
