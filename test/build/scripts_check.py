@@ -127,6 +127,7 @@ class UpToDate(unittest.TestCase):
         with self.assertRaises(AssertionError):
             self.call("programs")
 
+HALF_THE_DEMO_S = 15.0  # of the 30 s that it is started for
 # Of a graph that works; each test replaces what fails in its case.
 STAND_INS = {"roscore": "exec sleep 60", "rosparam": "exit 0", "roslaunch": "exec sleep 60",
              "rosrun": "trap 'echo the table; exit 0' INT; for i in $(seq 600); do sleep 0.1; done"}
@@ -162,7 +163,7 @@ class Demo(unittest.TestCase):
         status, said, seconds = self.run_demo(**stand_ins)
         self.assertEqual(status, 1, said)
         self.assertIn(reason, said)
-        self.assertLess(seconds, 4.0, said)  # it would take half a minute; stopping the rest is in it
+        self.assertLess(seconds, HALF_THE_DEMO_S, said)  # stopping the rest is in it, on a machine that is busy
 
     def test_what_died_ends_it_with_the_reason(self):
         self.assert_ends_at_once("RLException: no such file", roslaunch="echo 'RLException: no such file'; exit 1")
@@ -181,7 +182,7 @@ class Demo(unittest.TestCase):
         status, said, seconds = self.run_demo(interrupt_after=2.0)
         self.assertEqual(status, 130, said)
         self.assertIn("the table", said)
-        self.assertLess(seconds, 6.0)
+        self.assertLess(seconds, HALF_THE_DEMO_S)
 
     def test_a_report_that_fails_is_a_failure(self):
         status, said, _ = self.run_demo(rosrun="exit 1")

@@ -60,6 +60,7 @@ class Faults(unittest.TestCase):
         self.assertIn("no frames yet", self.listener.task("frames").message)
         self.assertEqual(self.listener.value("inputs", "body ring_2"), "never seen")
         self.assertEqual(self.listener.value("inputs", "topic /mocap/ring_2/pose"), "no message yet")
+        self.assertTrue(self.listener.wait(lambda: self.listener.count("markers") > 0))
         self.assertIn("waiting for /mocap/", " ".join(m.text for m in self.listener.newest_markers()))
 
     def test_b_late_start_of_a_publisher(self):
