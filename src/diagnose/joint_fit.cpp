@@ -22,15 +22,17 @@ using Eigen::VectorXd;
 using model::Predicted;
 using model::Present;
 
+// How the fit gets to its end, not where that is: no verdict goes by these.
 constexpr double kSettled = 0.02;  // of the threshold
 constexpr double kAtBound = 1e-9;  // of an unknown's scale
 // Of Ceres's trust region, over the columns' norms (its own is 1e4): as good as none, for the steps of Gauss
-// and Newton; and what damps them where they overshoot (Levenberg and Marquardt).
+// and Newton; and what damps them where they overshoot (Levenberg and Marquardt), directions that the data
+// determine a hundred times worse than the unknowns one by one. It goes on from there by how steps turn out.
 constexpr double kNoRadius = 1e8, kRadius = 100.0;
-// Tried where the whole step does not help: by derivatives of its own, and by those of a model nearby, which
-// are likelier to point elsewhere. Damped steps are turned, not only shortened.
+// Times that a step is shortened, where the whole one does not help: by derivatives of its own, and by those
+// of a model nearby, which are likelier to point elsewhere. Damped steps are turned, not only shortened.
 constexpr int kShorterSteps = 5, kShorterStepsNearby = 1;
-constexpr int kVainSteps = 6;  // of damped ones, in one pass
+constexpr int kRejectedSteps = 6;  // damped ones, in one pass: then it is at its end, or the loss has a kink
 // Of a step that does not help, as it is tried next: a loss that was given up says only that it is too long.
 constexpr double kMostShortening = 0.5;
 
@@ -202,7 +204,7 @@ class Watch : public ceres::IterationCallback {
 
 /// How far steps go, and what becomes of those that do not help.
 void set_steps(double radius, int iterations, bool own_derivatives, ceres::Solver::Options& options) {
-  options.max_num_iterations = iterations + kVainSteps;
+  options.max_num_iterations = iterations + kRejectedSteps;
   options.initial_trust_region_radius = radius;
   options.line_search_interpolation_type = ceres::QUADRATIC;  // along a step, by predictions alone
   options.max_line_search_step_contraction = kMostShortening;

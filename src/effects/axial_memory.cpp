@@ -113,8 +113,7 @@ std::unique_ptr<Effect> make_axial_memory() {
       Info{"axial_memory",
            "the arm goes on growing longer or shorter while what drives it is held",
            "L = L0 (1 + e - share (e - w)), w the mean of w_i, time_i dw_i/dt = e - w_i, e the strain by the "
-           "laws, "
-           "times level over decades about time",
+           "laws, times level over decades about time",
            "standard linear solid; R. M. Christensen, Theory of Viscoelasticity, 1982, isbn:0121742520",
            Family::kMemory,
            {{"share", "1", "of the strain by the laws, that comes late", 0.0, 0.98, 0.3},

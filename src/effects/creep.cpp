@@ -3,9 +3,8 @@
 //   u = e + share sum_i g_i w_i,  tau_i w_i' = c - w_i,  moment = EI e.
 // What creeps, c, is all elastic curvature, e; or what drives the arm comes late through its wall, and weight
 // does not: then c is the curvature d that the drives alone would make; or a mixture of both.
-#include <algorithm>
 #include <array>
-#include <cmath>
+#include <vector>
 
 #include "drives.h"
 #include "effects.h"

@@ -85,6 +85,27 @@ TEST(ExtendedArm, UnevenStiffnessIsTheRigsWithAnotherMean) {
   EXPECT_NE(truth.find("azimuth_deg: 45"), std::string::npos) << truth;
 }
 
+TEST(ExtendedArm, CreepOfTheDrivesIsTheRigsWallWithLargerGains) {
+  // The rig's drives come late, and do what its laws say in the end; the catalogue's a quarter more.
+  const TestFolder dir;
+  const std::string scenario = dir.write("scenario.yaml", kScenario);
+  const auto truth = [&](double driven) {
+    dir.write("arm.yaml", extended({{"creep", {{"share", 0.25}, {"time_s", 4.0}, {"driven", driven}}}}));
+    const Outcome o = softarm_program("simulate --force " + scenario + " --out " + dir / "trial.bag");
+    EXPECT_EQ(o.status, 0) << o.err;
+    return text_of(dir / "trial.truth.yaml");
+  };
+  for (const auto& [driven, numbers] : std::vector<std::pair<double, std::vector<std::string>>>{
+           {0.9,
+            {"form: wall", "share: 0.25\n", "moment_gain_nm_per_pa: 7.625e-06",
+             "moment_gain_nm_per_pa: 9.75e-06"}},
+           {0.1,
+            {"form: maxwell", "share: 0.25\n", "moment_gain_nm_per_pa: 6.1e-06",
+             "moment_gain_nm_per_pa: 7.8e-06"}}})
+    for (const std::string& number : numbers)
+      EXPECT_NE(truth(driven).find(number), std::string::npos) << number << " in\n" << truth(driven);
+}
+
 TEST(ExtendedArm, ATetherThatIsSlackAndWeighsIsTheRigsHose) {
   const TestFolder dir;
   dir.write("arm.yaml",

@@ -374,7 +374,7 @@ Choices chamber_bulge(const Numbers& v) {
 }
 
 /// T of M = EI (I + T) u as a share along one direction. The rig leaves EI across it as it is: softer by so
-/// much beforehand, see with_stiffnesses().
+/// much beforehand, see for_the_rig().
 Choices plane_stiffness(const Numbers& v) {
   const double uneven = v.size("towards_x", "diagonal");
   return {choice("plane_stiffness", "oval",
@@ -391,10 +391,20 @@ Choices one_sided_softness(const Numbers& v) {
                   {"to_fraction", 1.0}})};
 }
 
-/// All bending creeps, or only what the drives make: what is between goes to the nearer one.
+/// The rig has all bending creep or only what the drives make; what is between is nearer to one of them.
+bool is_of_the_drives(double driven) {
+  return driven > 0.5;
+}
+
+/// See also for_the_rig().
 Choices creep(const Numbers& v) {
-  return {choice("creep", v("driven") > 0.5 ? "wall" : "maxwell",
-                 {{"share", v("share")}, {"time_s", v("time_s")}})};
+  const bool driven = is_of_the_drives(v("driven"));
+  const std::vector<arm::Segment>& segments = v.arm().segments;
+  if (driven && std::any_of(segments.begin(), segments.end(),
+                            [](const arm::Segment& segment) { return !segment.tendons.empty(); }))
+    throw std::invalid_argument(
+        "tendons whose pull creeps beyond its law have no counterpart in the virtual rig");
+  return {choice("creep", driven ? "wall" : "maxwell", {{"share", v("share")}, {"time_s", v("time_s")}})};
 }
 
 Choices curvature_gain(const Numbers& v) {
@@ -497,9 +507,14 @@ void stiffen(double factor, arm::Segment& segment) {
     if (cable.stiffness_gain_nm2_per_rad) *cable.stiffness_gain_nm2_per_rad *= factor;
 }
 
+void drive_more(double factor, arm::Segment& segment) {
+  for (arm::Chamber& chamber : segment.chambers) chamber.moment_gain_nm_per_pa *= factor;
+  for (arm::Cable& cable : segment.cables) cable.curvature_gain_per_m_rad *= factor;
+}
+
 }  // namespace
 
-arm::Arm with_stiffnesses(arm::Arm arm, const std::vector<model::Present>& effects) {
+arm::Arm for_the_rig(arm::Arm arm, const std::vector<model::Present>& effects) {
   const auto soften = [](std::optional<double>& stiffness, double compliance) {
     if (compliance != 0.0) stiffness = 1.0 / ((stiffness ? 1.0 / *stiffness : 0.0) + compliance);
   };
@@ -511,6 +526,8 @@ arm::Arm with_stiffnesses(arm::Arm arm, const std::vector<model::Present>& effec
       if (id == "torsion") soften(segment.torsional_stiffness_nm2, present.values[0]);
       if (id == "plane_stiffness") stiffen(1.0 - present.values.head<2>().norm(), segment);
       if (id == "one_sided_softness") stiffen(1.0 + present.values.head<2>().norm(), segment);
+      // In the end the rig's drives do what its laws say, the catalogue's so much more.
+      if (id == "creep" && is_of_the_drives(present.values[3])) drive_more(1.0 + present.values[0], segment);
     }
   }
   return arm;

@@ -307,8 +307,8 @@ void mount(const fs::path& scenario, const arm::Arm& arm, const std::string& arm
 void put_arm(const arm::ArmText& file, const arm::Arm& arm, YAML::Node document) {
   const std::vector<arm::EffectEntry> entries = arm::parse_effect_entries(file.text, file.source);
   const std::vector<model::Present> effects = effects::effects_of(arm, entries);
-  const arm::Arm softened = with_stiffnesses(arm, effects);
-  const Translated translated(softened, file.source);
+  const arm::Arm changed = for_the_rig(arm, effects);
+  const Translated translated(changed, file.source);
   document["arm"] = translated.node();
   std::vector<rig::HiddenChoice> hidden = translated.hidden();
   for (std::size_t i = 0; i < effects.size(); ++i) {
