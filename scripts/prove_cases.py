@@ -29,6 +29,11 @@ def engine(root):
     return commit + (" with changes" if git("status", "--porcelain", "--", "src", "include", "config", "scripts") else "")
 
 
+def engines_of(results, sealed):
+    """The engines that diagnosed, each once; the sealed one stands for those that left no word."""
+    return ", ".join(dict.fromkeys((result["cost"] or {}).get("engine", sealed) for result in results if result["report"])) or sealed
+
+
 def seed_from_outside(root):
     """Of the engine's commit, the day and chance: nobody chooses it."""
     chance = os.urandom(16).hex()
@@ -135,7 +140,7 @@ class Proof:
             if sealed["truth_sha256"] != digest:
                 sys.exit(f"prove: the truth in {self.truth} is not what was sealed")
             if sealed["engine"] != engine(self.options.root):
-                say(f"The engine has changed since the seal ({sealed['engine']}): cases done before stay as they are.")
+                say(f"The engine has changed since the seal ({sealed['engine']}): what was diagnosed before stays as it is.")
         else:
             with open(os.path.join(self.truth, "SHA256SUMS"), "w", encoding="utf-8") as text:
                 text.write(sums)
@@ -157,7 +162,7 @@ class Proof:
                 status, cost = run([self.program("softarm"), "diagnose", "--arm", arm, *bags, "--out", folder, *more], log)
                 if status != 0:
                     cost["message"] = last_line(log)
-                write_json(os.path.join(folder, "cost.json"), cost)
+                write_json(os.path.join(folder, "cost.json"), {**cost, "engine": engine(self.options.root)})
             self.displace(folder, bags)
             if self.options.baselines and not os.path.exists(os.path.join(folder, "baselines.json")):
                 log = os.path.join(folder, "baselines.log")
@@ -265,7 +270,8 @@ def main():
     proof.decide()
     results = proof.results()
     figures = prove_figures.figures(results)
-    figures.update({"campaign": proof.name, "seed": options.seed, "full": options.full, **sealed})
+    figures.update({"campaign": proof.name, "seed": options.seed, "full": options.full, **sealed,
+                    "engine": engines_of(results, sealed["engine"])})
     print(prove_report.table(figures))
     whole = not options.campaign and not options.worlds and not options.kinds
     story = options.report or os.path.join(*([options.root, "doc"] if whole else [proof.folder]), "proof.md")

@@ -138,6 +138,16 @@ class Engine(unittest.TestCase):
                 self.assertEqual(prove_cases.engine(root), plain + ("" if folder == "doc" else " with changes"), folder)
                 git("checkout", "-q", ".")
 
+    def test_who_diagnosed_is_told_also_where_another_engine_sealed(self):
+        def by(engine):
+            return {"report": {"verdict": "unknown"}, "cost": {"seconds": 1, "engine": engine}}
+
+        left_no_word, failed = {"report": {"verdict": "unknown"}, "cost": {"seconds": 1}}, {"report": None, "cost": None}
+        self.assertEqual(prove_cases.engines_of([], "sealed"), "sealed")
+        self.assertEqual(prove_cases.engines_of([failed, left_no_word], "sealed"), "sealed")
+        self.assertEqual(prove_cases.engines_of([by("b"), failed, by("a"), by("b")], "sealed"), "b, a")
+        self.assertEqual(prove_cases.engines_of([by("b"), left_no_word], "sealed"), "b, sealed")
+
 
 if __name__ == "__main__":
     unittest.main(argv=sys.argv[:1])
