@@ -393,7 +393,11 @@ Estimator::~Estimator() = default;
 Estimator::Estimator(Estimator&&) noexcept = default;
 Estimator& Estimator::operator=(Estimator&&) noexcept = default;
 
-const Estimate& Estimator::estimate(const trial::Frame& frame) {
+const Estimate& Estimator::estimate(const trial::Frame& frame) & {
+  return impl_->run(frame);
+}
+
+Estimate Estimator::estimate(const trial::Frame& frame) && {
   return impl_->run(frame);
 }
 

@@ -34,6 +34,14 @@ TEST(FullPoints, RecoverTheTruthAtEveryAttitudeOfTheBase) {
   }
 }
 
+TEST(Estimator, OfWhichNothingIsKeptLeavesItsEstimateBehind) {
+  const arm::Arm arm = precisely_measured(paper_arm());
+  const Truth truth{{{0.25, 0.8, 0.04, 0.207}}, 0.18, hanging()};
+  const estimate::Estimate& kept =
+      estimate::Estimator(arm, with_method(arm::Method::kFullPoints)).estimate(make_frame(arm, truth));
+  expect_truth(kept, truth, kExact);
+}
+
 TEST(FullPoints, KnowTheMountOfRodAndRings) {
   arm::Arm arm = precisely_measured(paper_arm());
   arm.base.rod_in_body = pose({0.02, -0.03, 0.05}, Quaterniond(0.8, 0.1, -0.5, 0.3));

@@ -133,7 +133,9 @@ class SOFTARM_EXPORT Estimator {
   Estimator& operator=(Estimator&&) noexcept;
 
   /// Never throws for bad measurements: they become a Status. The reference stays valid until the next call.
-  const Estimate& estimate(const trial::Frame& frame);
+  const Estimate& estimate(const trial::Frame& frame) &;
+  /// Of an estimator that is about to go: the estimate itself, which outlives it.
+  Estimate estimate(const trial::Frame& frame) &&;
 
   /// The last frame and its estimate as an arm without effects would have them: inputs as the effects change
   /// them, bodies and backbone by the laws alone. For comparisons with the laws (monitor::MismatchMonitor).
