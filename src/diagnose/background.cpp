@@ -2,12 +2,14 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "evidence.h"
 #include "math/linear_algebra.h"
 #include "math/parallel.h"
 #include "policy.h"
+#include "ranges.h"
 #include "screen.h"
 
 namespace softarm::diagnose {
@@ -16,6 +18,8 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+
+constexpr Room kAnywhere{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
 
 /// Sums over one trial, of the fit's unknowns and the sizes behind them.
 struct TrialSums {
@@ -33,7 +37,7 @@ VectorXd precision_of(const JointModel& model, const Linearised& at, const std::
   precision = precision.cwiseMax(0.0);
   MatrixXd mixed = MatrixXd::Zero(unknowns, all - unknowns);
   for (const TrialSums& one : sums) mixed += one.information.topRightCorner(unknowns, all - unknowns);
-  const MatrixXd absorbed = math::SymmetricSolver(at.information).solve_columns(mixed);
+  const MatrixXd absorbed = math::SymmetricSolver(information_within_ranges(at)).solve_columns(mixed);
   std::vector<VectorXd> left(columns.size());
   for (Index j = 0; j < all - unknowns; ++j) {
     for (std::size_t t = 0; t < columns.size(); ++t)
@@ -64,6 +68,8 @@ Unseen with_background(JointModel& model, Linearised& at, const std::vector<mode
   // Neighbouring residuals are worth less than independent ones.
   const double worth = 1.0 / inflation(at);
   const VectorXd precision = precision_of(model, at, columns, sums, background);
+  std::vector<Room> rooms = rooms_of(at);
+  rooms.resize(static_cast<std::size_t>(precision.size()), kAnywhere);
   std::vector<VectorXd> residual(trials);
   for (const Fold& fold : unseen_folds(model)) {
     MatrixXd information = precision.asDiagonal();
@@ -73,7 +79,8 @@ Unseen with_background(JointModel& model, Linearised& at, const std::vector<mode
       information += worth * sums[t].information;
       gradient += worth * sums[t].gradient;
     }
-    const VectorXd step = math::solve_symmetric(information, gradient);
+    VectorXd step;
+    least_within(information, gradient, 0.0, rooms, step);
     for (const std::size_t t : fold.tried) residual[t] = at.residual[t] - columns[t] * step;
   }
   Unseen with = summed(model, at, residual);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "beyond_range.h"
 #include "discovered_law.h"
 #include "exchanged_names.h"
 #include "extended_arm.h"
@@ -275,6 +276,18 @@ std::vector<std::string> notes_of(const Compared& all, const model::Prepared& pr
   return notes;
 }
 
+/// What of the trials is known by now in a few sentences: what is to be seen to first stands first.
+void add_summary(const JointModel& model, const Linearised& baseline, const Options& options, Diagnosis& d) {
+  if (d.exchanged_names) {
+    d.summary = sentence_of(*d.exchanged_names, model.trials().size()) + " No effects were looked for.";
+    return;
+  }
+  d.summary = summary_of(d);
+  const BeyondRange beyond = beyond_range(model, baseline, d.baseline.held_out_mean_m, options);
+  if (!beyond.text.empty())
+    d.summary = beyond.helps ? beyond.text + " " + d.summary : d.summary + " " + beyond.text;
+}
+
 model::Prepared prepared_trials(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
                                 const model::Preparation& how) {
   try {
@@ -332,8 +345,7 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   const Compared count = compared(model);
   d.left_out_share = 1.0 - static_cast<double>(count.used_frames) / static_cast<double>(count.block_frames);
   d.exchanged_names = names;
-  d.summary =
-      names ? sentence_of(*names, model.trials().size()) + " No effects were looked for." : summary_of(d);
+  add_summary(model, selection.baseline, options, d);
   d.notes = notes_of(count, prepared, selection, options, first, model, left);
 
   report(0.897, "what single instants say");

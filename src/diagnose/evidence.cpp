@@ -85,6 +85,7 @@ LinearGaussianModel::LinearGaussianModel(const EvidenceData& data, const Bases& 
       mean_[column] = signature.mean;
       sd_[column] = signature.prior_sd;
       left_[column] = signature.left;
+      log_weight_ += signature.log_weight;
       effect_.push_back(signature.effect);
       if (signature.effect != nullptr && (each_.empty() || each_.back() != signature.effect))
         each_.push_back(signature.effect);
@@ -176,7 +177,7 @@ double LinearGaussianModel::integrate(const NormalEquations& sums, const EffectL
   coefficients = factor.solve(score);
   const double least = sums.square + precision.dot(mean_.cwiseAbs2()) - score.dot(coefficients);
   const double log_posterior = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
-  return -0.5 * (sums.log_determinant + least + log_posterior - precision.array().log().sum());
+  return log_weight_ - 0.5 * (sums.log_determinant + least + log_posterior - precision.array().log().sum());
 }
 
 Marginal LinearGaussianModel::evaluate(const EffectList& present, double background,

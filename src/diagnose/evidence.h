@@ -79,6 +79,7 @@ class LinearGaussianModel {
   std::vector<InBasis> turned_;
   Eigen::VectorXd mean_, sd_;  ///< of the coefficients; of effects those of the slab
   Eigen::VectorXd left_;       ///< Signature::left by coefficient
+  double log_weight_ = 0.0;    ///< Signature::log_weight of all unknowns
   EffectList effect_;          ///< by coefficient, null for unknowns
   EffectList each_;            ///< once each
 };

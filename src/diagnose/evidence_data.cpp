@@ -7,6 +7,7 @@
 #include "math/linear_algebra.h"
 #include "math/parallel.h"
 #include "policy.h"
+#include "ranges.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -86,6 +87,20 @@ MatrixXd features_at(const JointModel& model, const Linearised& at, const Shown&
   return in_spreads(std::move(values));
 }
 
+/// A column of a fit, that moves nothing yet.
+/// @param at_end how far inside its range it may be, where the trials draw it beyond an end; 0: they do not.
+/// What is possible there is a slice of what was beforehand, as wide as the likelihood falls off from the
+/// end.
+Signature unknown(const JointUnknown& column, double x, double at_end, Index n, Index m) {
+  Signature s{nullptr, column.start - x, column.prior_sd, MatrixXd::Zero(n, m)};
+  if (!(at_end > 0.0)) return s;
+  s.log_weight =
+      std::log(at_end / (std::sqrt(2.0 * M_PI) * s.prior_sd)) - 0.5 * std::pow(s.mean / s.prior_sd, 2);
+  s.mean = 0.0;
+  s.prior_sd = std::min(s.prior_sd, at_end);
+  return s;
+}
+
 /// Residuals and derivatives of a fit at instants, with another one's weights.
 EvidenceData of_fit(const Shown& shown, const Linearised& at, const Linearised& weights) {
   const Index n = shown.size.size(), m = shown.bodies + shown.tangents;
@@ -94,9 +109,9 @@ EvidenceData of_fit(const Shown& shown, const Linearised& at, const Linearised& 
   data.t_s.setZero(n);
   data.trial.resize(static_cast<std::size_t>(n));
   const Eigen::VectorXd x = at.unknowns();
-  for (std::size_t c = 0; c < at.columns.size(); ++c)
-    data.unknowns.push_back({nullptr, at.columns[c].start - x[static_cast<Index>(c)], at.columns[c].prior_sd,
-                             MatrixXd::Zero(n, m), 0.0});
+  const Eigen::VectorXd at_end = spread_at_ends(at);
+  for (Index c = 0; c < x.size(); ++c)
+    data.unknowns.push_back(unknown(at.columns[static_cast<std::size_t>(c)], x[c], at_end[c], n, m));
   for (std::size_t i = 0; i < shown.instants.size(); ++i) {
     const InstantRows& from = shown.instants[i];
     const std::size_t t = from.trial;

@@ -16,6 +16,7 @@ struct Signature {
   /// Of an effect: by how much of the arm's length a coefficient of 1 moves the bodies beyond what the
   /// unknowns of the fit absorb, rms.
   double left = 0.0;
+  double log_weight = 0.0;  ///< of an unknown at an end of its range: share of what was possible beforehand
 };
 
 /// n groups of neighbouring instants that show all bodies and tangents, m numbers each, whitened by the

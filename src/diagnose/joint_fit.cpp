@@ -13,6 +13,7 @@
 #include "math/ceres_callback.h"
 #include "math/linear_algebra.h"
 #include "policy.h"
+#include "ranges.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -24,7 +25,6 @@ using model::Present;
 
 // How the fit gets to its end, not where that is: no verdict goes by these.
 constexpr double kSettled = 0.02;  // of the threshold
-constexpr double kAtBound = 1e-9;  // of an unknown's scale
 // Of Ceres's trust region, over the columns' norms (its own is 1e4): as good as none, for the steps of Gauss
 // and Newton; and what damps them where they overshoot (Levenberg and Marquardt), directions that the data
 // determine a hundred times worse than the unknowns one by one. It goes on from there by how steps turn out.
@@ -146,34 +146,13 @@ class JointModel::BodyCost : public ceres::CostFunction {
 
 namespace {
 
-/// The unknowns that rest at an end of their range because the trials draw them beyond it.
-std::vector<bool> held_at_bounds(const Linearised& at) {
-  const VectorXd x = at.unknowns();
-  std::vector<bool> held;
-  for (Eigen::Index j = 0; j < x.size(); ++j) {
-    const JointUnknown& c = at.columns[static_cast<std::size_t>(j)];
-    const double value = x[j] * c.scale, near = kAtBound * c.scale;
-    held.push_back((value <= c.low + near && at.gradient[j] < 0.0) ||
-                   (value >= c.high - near && at.gradient[j] > 0.0));
-  }
-  return held;
-}
-
 /// The step of Gauss and Newton that is left to the unknowns that are not held: the largest in standard
 /// deviations, those scaled by the misfit. Costs themselves are no measure: they change a little with the
 /// shapes from which a prediction begins.
 double step_left(const Linearised& at) {
-  const std::vector<bool> held = held_at_bounds(at);
   Eigen::MatrixXd information = at.information;
   VectorXd gradient = at.gradient;
-  for (Eigen::Index j = 0; j < gradient.size(); ++j) {
-    if (!held[static_cast<std::size_t>(j)]) continue;
-    const double own = information(j, j);
-    information.row(j).setZero();
-    information.col(j).setZero();
-    information(j, j) = own;
-    gradient[j] = 0.0;
-  }
+  hold(held_at_ends(at), information, gradient);
   const math::SymmetricSolver solver(information);
   const VectorXd variance = solver.inverse().diagonal();
   const double misfit = std::max(1.0, at.square / std::max(1, at.rows));
@@ -221,10 +200,10 @@ void set_steps(double radius, int iterations, bool own_derivatives, ceres::Solve
 /// @return whether any step helped
 bool JointModel::minimise(Evaluation& evaluation, double tolerance, double& radius, int& iterations) {
   const bool damped = radius < kNoRadius;
-  const std::vector<bool> held = held_at_bounds(evaluation.at());
+  const std::vector<bool> held = held_at_ends(evaluation.at());
   const auto enough = [&] {
     const double now = threshold_at(evaluation.at().predicted);
-    return std::abs(now - threshold_) > kSettled * threshold_ || held_at_bounds(evaluation.at()) != held ||
+    return std::abs(now - threshold_) > kSettled * threshold_ || held_at_ends(evaluation.at()) != held ||
            step_left(evaluation.at()) < tolerance;
   };
   ceres::Problem::Options problem_options;

@@ -11,6 +11,7 @@
 #include "math/linear_algebra.h"
 #include "math/parallel.h"
 #include "policy.h"
+#include "ranges.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -130,7 +131,7 @@ struct Others {
 };
 
 std::vector<Others> without_each(const JointModel& model, const Linearised& at) {
-  std::vector<Others> list(model.trials().size(), Others{at.information, at.gradient});
+  std::vector<Others> list(model.trials().size(), Others{information_within_ranges(at), at.gradient});
   for (const TimeStretch& stretch : at.stretches) {
     list[stretch.trial].information -= stretch.information;
     list[stretch.trial].gradient -= stretch.gradient;
@@ -172,7 +173,7 @@ Screened judge(const JointModel& model, const Linearised& at, const Variant& var
   const auto k = variant.usual.size();
   const std::size_t none = model.trials().size();
   const Sums all = sum_of(variant, at, none);
-  const math::SymmetricSolver solver(at.information);
+  const math::SymmetricSolver solver(information_within_ranges(at));
   const MatrixXd m = solver.solve_columns(all.mixed);
   const MatrixXd orthogonal = all.own - all.mixed.transpose() * m;
   const VectorXd score = all.score - m.transpose() * at.gradient;
@@ -325,7 +326,7 @@ Squares squares_of(const JointModel& model, const Linearised& at, std::size_t tr
 
 /// Sizes in metres, and what of the signatures the constants leave.
 void set_sizes(JointModel& model, const Linearised& at, std::vector<Best>& best) {
-  const math::SymmetricSolver solver(at.information);
+  const math::SymmetricSolver solver(information_within_ranges(at));
   Eigen::Index rows = 0;
   std::vector<Eigen::Index> begins;
   for (const MatrixXd& j : at.derivative) {

@@ -1,11 +1,9 @@
 #include "separation.h"
 
 #include <Eigen/Dense>
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
-#include "math/linear_algebra.h"
+#include "ranges.h"
 
 namespace softarm::diagnose {
 
@@ -65,55 +63,6 @@ DifferenceSums sums_between(const JointModel& model, const Linearised& truth, co
 }
 
 namespace {
-
-/// Range of an unknown's move.
-struct Room {
-  double low = 0.0, high = 0.0;
-};
-
-std::vector<Room> rooms_of(const Linearised& at) {
-  std::vector<Room> rooms;
-  const VectorXd x = at.unknowns();
-  for (std::size_t j = 0; j < at.columns.size(); ++j) {
-    const JointUnknown& c = at.columns[j];
-    const double here = x[static_cast<Eigen::Index>(j)];
-    rooms.push_back({std::min(0.0, c.low / c.scale - here), std::max(0.0, c.high / c.scale - here)});
-  }
-  return rooms;
-}
-
-/// The least of s - 2 g x + x H x within the rooms: unknowns that would leave theirs stay at its end, one
-/// round after the other.
-double least_within(const MatrixXd& information, const VectorXd& gradient, double square,
-                    const std::vector<Room>& rooms, VectorXd& move) {
-  const auto count = gradient.size();
-  move = math::solve_symmetric(information, gradient);
-  std::vector<bool> fixed(static_cast<std::size_t>(count), false);
-  for (bool more = true; more;) {
-    more = false;
-    MatrixXd h = information;
-    VectorXd g = gradient;
-    for (Eigen::Index j = 0; j < count; ++j) {
-      const auto u = static_cast<std::size_t>(j);
-      const double limit = std::clamp(move[j], rooms[u].low, rooms[u].high);
-      if (!fixed[u] && limit != move[j]) {
-        fixed[u] = more = true;
-        move[j] = limit;
-      }
-      if (fixed[u]) g -= information.col(j) * move[j];
-    }
-    if (!more) break;
-    for (Eigen::Index j = 0; j < count; ++j) {
-      if (!fixed[static_cast<std::size_t>(j)]) continue;
-      h.row(j).setZero();
-      h.col(j).setZero();
-      h(j, j) = 1.0;
-      g[j] = move[j];
-    }
-    move = math::solve_symmetric(h, g);
-  }
-  return std::max(0.0, square - 2.0 * move.dot(gradient) + move.dot(information * move));
-}
 
 /// What a fit's information holds beside its trials.
 MatrixXd prior_of(const Linearised& at) {

@@ -7,9 +7,9 @@
 #include <numeric>
 #include <utility>
 
-#include "math/linear_algebra.h"
 #include "math/parallel.h"
 #include "policy.h"
+#include "ranges.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -29,7 +29,9 @@ VectorXd step_without(const Linearised& at, const Fold& fold) {
     information -= stretch.information;
     gradient -= stretch.gradient;
   }
-  return math::solve_symmetric(information, gradient);
+  VectorXd step;
+  least_within(information, gradient, 0.0, rooms_of(at), step);
+  return step;
 }
 
 JointParameters stepped(const Linearised& at, const VectorXd& step) {

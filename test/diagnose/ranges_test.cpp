@@ -1,0 +1,144 @@
+// Unknowns at the ends of their ranges: how first-order steps, signatures and evidence take them.
+#include "diagnose/ranges.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "diagnose/beyond_range.h"
+#include "diagnose/evidence_data.h"
+#include "diagnose/refits.h"
+#include "diagnose/screen.h"
+#include "diagnose/unseen.h"
+#include "looked.h"
+#include "recorded_case.h"
+
+namespace softarm::diagnose {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+TEST(Ranges, TheLeastWithinThemIsThatOfAGrid) {
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> normal;
+  for (int n = 0; n < 50; ++n) {
+    const MatrixXd a = MatrixXd::NullaryExpr(3, 2, [&] { return normal(random); });
+    const MatrixXd h = a.transpose() * a + 0.1 * MatrixXd::Identity(2, 2);
+    const VectorXd g = VectorXd::NullaryExpr(2, [&] { return normal(random); });
+    const std::vector<Room> rooms = {{0.0, 1.0}, {-10.0, 10.0}};  // the second is wide enough
+    VectorXd x;
+    const double least = least_within(h, g, 100.0, rooms, x);
+    EXPECT_NEAR(least, 100.0 - 2.0 * g.dot(x) + x.dot(h * x), 1e-9);
+    EXPECT_GE(x[0], 0.0);
+    EXPECT_LE(x[0], 1.0);
+    double by_grid = 1e300;
+    for (int i = 0; i <= 200; ++i) {
+      const double x0 = i / 200.0, x1 = std::clamp((g[1] - h(0, 1) * x0) / h(1, 1), -10.0, 10.0);
+      const Eigen::Vector2d there(x0, x1);
+      by_grid = std::min(by_grid, 100.0 - 2.0 * g.dot(there) + there.dot(h * there));
+    }
+    EXPECT_NEAR(least, by_grid, 1e-3);
+  }
+}
+
+/// An arm whose file does not let EI be as low as it is: the fit ends at the end of the range.
+struct AtAnEnd {
+  AtAnEnd() : drawn(testing::recorded_case("{count_weights: [1]}", 43, 4, 8.0)) {
+    const testing::Looked free(drawn.arm, drawn.trials);
+    const JointUnknown& stiffness = free.baseline.columns[column_of(free)];
+    fitted = value_of(free.baseline.at, stiffness);
+    drawn.arm.segments[0].bending_stiffness_range_nm2 = {1.1 * fitted, 10.0 * fitted};
+    drawn.arm.segments[0].bending_stiffness.base_nm2 = 1.3 * fitted;
+  }
+  static std::size_t column_of(const testing::Looked& looked) {
+    for (std::size_t j = 0; j < looked.baseline.columns.size(); ++j) {
+      const JointUnknown& c = looked.baseline.columns[j];
+      if (c.kind != JointUnknown::Kind::kConstant) continue;
+      const arm::ConstantRef& constant = looked.model.constants()[static_cast<std::size_t>(c.index)];
+      if (constant.kind == arm::ConstantKind::kBendingStiffness) return j;
+    }
+    throw std::logic_error("no stiffness");
+  }
+  testing::RecordedCase drawn;
+  double fitted = 0.0;  ///< EI without the range
+};
+
+TEST(Ranges, WhatTheTrialsDrawBeyondAnEndStaysThereAndAbsorbsLittle) {
+  AtAnEnd arm;
+  testing::Looked looked(arm.drawn.arm, arm.drawn.trials);
+  const auto j = static_cast<Eigen::Index>(AtAnEnd::column_of(looked));
+  const std::vector<bool> held = held_at_ends(looked.baseline);
+  ASSERT_EQ(std::count(held.begin(), held.end(), true), 1);
+  ASSERT_TRUE(held[static_cast<std::size_t>(j)]);
+  const VectorXd spread = spread_at_ends(looked.baseline);
+  EXPECT_GT(spread[j], 0.0);
+  EXPECT_LT(spread[j], looked.baseline.columns[static_cast<std::size_t>(j)].prior_sd);
+  EXPECT_EQ((spread.array() > 0.0).count(), 1);
+  EXPECT_TRUE(drawn_beyond(looked.baseline)[static_cast<std::size_t>(j)]);
+
+  // What the screen expects of an effect is what a fit with it finds.
+  const Standing alone{looked.baseline, unseen(looked.model, looked.baseline)};
+  for (const Screened& s : screen(looked.model, looked.baseline, 0, [](double) {})) {
+    if (s.effect->info().id != "soft_spot" && s.effect->info().id != "stiffness_taper") continue;
+    SCOPED_TRACE(s.effect->info().id);
+    EXPECT_LT(std::abs(s.absorbed[j]), 3.0 * spread[j]);
+    const double fall = looked.baseline.square - refit(looked.model, alone, s).fit.square;
+    EXPECT_NEAR(s.gain, fall, 0.3 * fall);
+  }
+}
+
+TEST(Ranges, UnseenTrialsArePredictedFromWithinThem) {
+  AtAnEnd arm;
+  testing::Looked looked(arm.drawn.arm, arm.drawn.trials);
+  const Unseen first_order = unseen(looked.model, looked.baseline),
+               refitted = refitted_unseen(looked.model, looked.baseline);
+  EXPECT_NEAR(first_order.total_rms_m, refitted.total_rms_m, 0.01 * refitted.total_rms_m);
+}
+
+TEST(Ranges, EvidenceHasTheSliceOfThePriorThatTheEndLeaves) {
+  AtAnEnd arm;
+  testing::Looked looked(arm.drawn.arm, arm.drawn.trials);
+  const std::size_t j = AtAnEnd::column_of(looked);
+  const EvidenceData data = evidence_of_refit(looked.model, looked.baseline, looked.baseline);
+  const JointUnknown& column = looked.baseline.columns[j];
+  const double mean = column.start - looked.baseline.unknowns()[static_cast<Eigen::Index>(j)];
+  const double spread = spread_at_ends(looked.baseline)[static_cast<Eigen::Index>(j)];
+  double share = 0.0;  // of the prior, as the likelihood falls off from the end
+  const double step = 1e-3 * spread;
+  for (double y = 0.5 * step; y < 20.0 * spread; y += step)
+    share += step * std::exp(-y / spread - 0.5 * std::pow((y - mean) / column.prior_sd, 2)) /
+             (std::sqrt(2.0 * M_PI) * column.prior_sd);
+  EXPECT_NEAR(data.unknowns[j].log_weight, std::log(share), 0.05);
+  EXPECT_EQ(data.unknowns[j].prior_sd, spread);
+  for (std::size_t i = 0; i < data.unknowns.size(); ++i) {
+    if (i == j) continue;
+    EXPECT_EQ(data.unknowns[i].log_weight, 0.0);
+    EXPECT_EQ(data.unknowns[i].prior_sd, looked.baseline.columns[i].prior_sd);
+  }
+}
+
+TEST(Ranges, ThatAreTooNarrowAreSaidWithWhatTheConstantWouldBe) {
+  AtAnEnd arm;
+  testing::Looked looked(arm.drawn.arm, arm.drawn.trials);
+  const double mean_m = unseen(looked.model, looked.baseline).mean_m;
+  const BeyondRange said = beyond_range(looked.model, looked.baseline, mean_m, {});
+  EXPECT_TRUE(said.helps);
+  EXPECT_NE(said.text.find("segment_1.bending_stiffness.base rests at"), std::string::npos) << said.text;
+  EXPECT_NE(said.text.find(fmt::format("With segment_1.bending_stiffness.base at {:.3g}", arm.fitted)),
+            std::string::npos)
+      << said.text;
+  const BeyondRange no_better = beyond_range(looked.model, looked.baseline, 0.0, {});
+  EXPECT_FALSE(no_better.helps);
+  EXPECT_FALSE(no_better.text.empty());
+
+  arm.drawn.arm.segments[0].bending_stiffness_range_nm2.low = 0.5 * arm.fitted;
+  testing::Looked wide(arm.drawn.arm, arm.drawn.trials);
+  EXPECT_EQ(beyond_range(wide.model, wide.baseline, mean_m, {}).text, "");
+}
+
+}  // namespace
+}  // namespace softarm::diagnose
