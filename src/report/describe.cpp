@@ -143,7 +143,9 @@ std::string ranking_text(const diagnose::Diagnosis& d) {
                         diagnose::millimetres(candidate.size_m), diagnose::finding_description(candidate));
   }
   if (listed > kWords.ranked) text += fmt::format("    and {} more in the report\n", listed - kWords.ranked);
-  return text + "collinearity: share of its signature that the arm's own constants absorb\n";
+  return text +
+         "probability: of being there at a size that matters\n"
+         "collinearity: share of its signature that the arm's own constants absorb\n";
 }
 
 }  // namespace

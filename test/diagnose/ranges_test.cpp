@@ -7,6 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "diagnose/beyond_range.h"
 #include "diagnose/evidence_data.h"
@@ -138,6 +141,17 @@ TEST(Ranges, ThatAreTooNarrowAreSaidWithWhatTheConstantWouldBe) {
   arm.drawn.arm.segments[0].bending_stiffness_range_nm2.low = 0.5 * arm.fitted;
   testing::Looked wide(arm.drawn.arm, arm.drawn.trials);
   EXPECT_EQ(beyond_range(wide.model, wide.baseline, mean_m, {}).text, "");
+}
+
+TEST(Ranges, TheVerdictBeginsWithOneThatIsTooNarrow) {
+  AtAnEnd arm;
+  Options options;
+  options.most_effects = 1;
+  const Diagnosis d = diagnose(arm.drawn.arm, arm.drawn.trials, options);
+  EXPECT_NE(d.verdict, Verdict::kConsistent);
+  EXPECT_EQ(
+      d.summary.find("In the fit of the arm's constants alone segment_1.bending_stiffness.base rests at"), 0U)
+      << d.summary;
 }
 
 }  // namespace
