@@ -13,7 +13,8 @@
 namespace softarm::diagnose {
 namespace {
 
-// Of EI and lengths the file's ranges say what is sane, not what is possible.
+// Times by which the ends of the file's ranges are moved for one fit that only shows where it would go: they
+// say what is sane, not what is possible. Wide enough to be no ends again; no verdict goes by them.
 constexpr double kWider = 100.0, kLonger = 2.0;
 
 /// Lets a constant be what it may be physically. @return whether the file's own range was in the way

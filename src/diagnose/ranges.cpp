@@ -12,7 +12,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kAtEnd = 1e-9;  // of an unknown's scale
+constexpr double kAtEnd = 1e-9;  // of an unknown's scale: the rounding of a value that was set to its end
 
 double misfit_of(const Linearised& at) {
   return std::max(1.0, at.square / std::max(1, at.rows));
