@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "ending.h"
 #include "first_fits.h"
 #include "ranges.h"
 #include "sentences.h"
@@ -42,8 +43,8 @@ std::string with_value(const JointModel& model, const Linearised& fit, std::size
 
 }  // namespace
 
-BeyondRange beyond_range(const JointModel& model, const Linearised& baseline, double mean_m,
-                         const Options& options) {
+BeyondRange beyond_range(const JointModel& model, const Selection& selection, const Options& options) {
+  const Linearised& baseline = selection.baseline;
   const std::vector<bool> held = drawn_beyond(baseline);
   arm::Arm wide = model.arm();
   std::vector<std::string> at_end;
@@ -60,18 +61,22 @@ BeyondRange beyond_range(const JointModel& model, const Linearised& baseline, do
       "In the fit of the arm's constants alone {}, {} of what the arm file allows, and the trials draw {} "
       "beyond.",
       one_of(at_end, "and"), one ? "an end" : "ends", one ? "it" : "them");
-  if (widened.empty()) return {text, false};
+  if (widened.empty()) return {text, false, {}};
   JointModel other(wide, model.trials(), options.jobs, options.held, options.tied, options.known);
   const Linearised fit = first_fits(other, [] {}).baseline;
-  const double wide_mean_m = unseen(other, fit).mean_m;
-  if (!(wide_mean_m < mean_m)) return {text, false};
+  const double mean_m = selection.baseline_unseen.mean_m, wide_mean_m = unseen(other, fit).mean_m;
+  if (!(wide_mean_m < mean_m)) return {text, false, {}};
   std::vector<std::string> beyond;
   for (const std::size_t j : widened) beyond.push_back(with_value(other, fit, j, "at"));
-  return {fmt::format(
-              "{} With {} the mean error on trials left out is {} instead of {}, without any effect: see to "
-              "that range before you believe effects.",
-              text, one_of(beyond, "and"), millimetres(wide_mean_m), millimetres(mean_m)),
-          true};
+  BeyondRange said{
+      fmt::format("{} With {} the mean error on trials left out is {} instead of {}, without any effect: "
+                  "see to that range before you believe effects.",
+                  text, one_of(beyond, "and"), millimetres(wide_mean_m), millimetres(mean_m)),
+      true,
+      {}};
+  if (!selection.extended.at.effects.empty())
+    said.still_there = doubt_in_another(other, fit, selection, options).still_there;
+  return said;
 }
 
 }  // namespace softarm::diagnose

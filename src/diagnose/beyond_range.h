@@ -2,8 +2,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
-#include "joint_model.h"
+#include "selection.h"
 #include "softarm/diagnose/diagnose.h"
 
 namespace softarm::diagnose {
@@ -11,14 +12,14 @@ namespace softarm::diagnose {
 struct BeyondRange {
   std::string text;    ///< empty: no constant rests at an end
   bool helps = false;  ///< that trials are predicted better with a constant beyond the file's own range
+  /// Where that helps: for each effect that was selected, its probability given all others with the constants
+  /// free of the file's ranges. What only stood in for a range that is too narrow is hardly there.
+  std::vector<double> still_there;
 };
 
 /// In one or two sentences which of the arm's constants rest at an end of what the arm file allows because
 /// the trials draw them beyond it, and, where the file's own range stops them, what they would be without it
 /// and how much better trials are predicted then.
-/// @param baseline the fit of the arm's constants alone
-/// @param mean_m its mean error on trials left out
-BeyondRange beyond_range(const JointModel& model, const Linearised& baseline, double mean_m,
-                         const Options& options);
+BeyondRange beyond_range(const JointModel& model, const Selection& selection, const Options& options);
 
 }  // namespace softarm::diagnose

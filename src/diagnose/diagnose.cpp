@@ -80,7 +80,7 @@ std::vector<Shift> shifts_of(const JointModel& model, const Selection& selection
     shift.before = selection.baseline.at.constants[i];
     shift.after = selection.extended.at.constants[i];
     shift.sd_before = std::sqrt(before(i, i)) * selection.baseline.columns[j].scale;
-    shift.sd_after = std::sqrt(selection.covariance(i, i)) * selection.extended.columns[j].scale;
+    shift.sd_after = std::sqrt(selection.doubt.covariance(i, i)) * selection.extended.columns[j].scale;
     list.push_back(std::move(shift));
   }
   return list;
@@ -276,15 +276,26 @@ std::vector<std::string> notes_of(const Compared& all, const model::Prepared& pr
   return notes;
 }
 
+/// Looks beyond ranges in which constants rest at an end: effects are no surer than they are there.
+BeyondRange look_beyond(const JointModel& model, const Options& options, Selection& selection) {
+  BeyondRange beyond = beyond_range(model, selection, options);
+  for (std::size_t e = 0; e < beyond.still_there.size(); ++e) {
+    double& there = selection.doubt.still_there[e];
+    there = std::min(there, beyond.still_there[e]);
+  }
+  return beyond;
+}
+
 /// What of the trials is known by now in a few sentences: what is to be seen to first stands first.
-void add_summary(const JointModel& model, const Linearised& baseline, const Options& options, Diagnosis& d) {
+void add_summary(const JointModel& model, const BeyondRange& beyond, Diagnosis& d) {
   if (d.exchanged_names) {
     d.summary = sentence_of(*d.exchanged_names, model.trials().size()) + " No effects were looked for.";
     return;
   }
   d.summary = summary_of(d);
-  const BeyondRange beyond = beyond_range(model, baseline, d.baseline.held_out_mean_m, options);
-  if (!beyond.text.empty())
+  if (beyond.helps && d.effects.empty())
+    d.summary = beyond.text + " Within it no effect of the catalogue is surely there.";
+  else if (!beyond.text.empty())
     d.summary = beyond.helps ? beyond.text + " " + d.summary : d.summary + " " + beyond.text;
 }
 
@@ -325,8 +336,9 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   d.arm = arm.name;
   const Remains left = compare(model, selection, options.jobs, d);
   const bool extended = !selection.extended.at.effects.empty();
+  const BeyondRange beyond = names ? BeyondRange{} : look_beyond(model, options, selection);
   report(0.89, "where");
-  add_findings(model, selection, selection.covariance, left.adequate, d);
+  add_findings(model, selection, left.adequate && !beyond.helps, d);
   d.before = structure_of(model, selection.baseline, selection.baseline_unseen);
   d.after = extended ? structure_of(model, selection.extended, selection.extended_unseen) : d.before;
   d.before.shared_m = left.before.shared_m;
@@ -340,12 +352,12 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
     law = discover_law(model, selection, d.discrepancy_share, d.noise_floor_m, options.jobs);
   }
   if (law) d.discovered_law = law->said;
-  d.extended_arm =
-      extended_arm(model, law ? law->fit : selection.extended, law ? law->covariance : selection.covariance);
+  d.extended_arm = extended_arm(model, law ? law->fit : selection.extended,
+                                law ? law->covariance : selection.doubt.covariance);
   const Compared count = compared(model);
   d.left_out_share = 1.0 - static_cast<double>(count.used_frames) / static_cast<double>(count.block_frames);
   d.exchanged_names = names;
-  add_summary(model, selection.baseline, options, d);
+  add_summary(model, beyond, d);
   d.notes = notes_of(count, prepared, selection, options, first, model, left);
 
   report(0.897, "what single instants say");

@@ -50,18 +50,20 @@ double still_there(const Linearised& at, std::size_t e, std::size_t catalogue, c
 
 }  // namespace
 
-void add_doubt(const Linearised& at, const Posterior& posterior, const Posterior& without_rivals,
-               std::size_t catalogue, Selection& selection) {
-  selection.still_there.assign(at.at.effects.size(), 1.0);
+Doubt doubt_about(const Linearised& at, const Posterior& posterior, const Posterior& without_rivals,
+                  std::size_t catalogue) {
+  Doubt doubt;
+  doubt.still_there.assign(at.at.effects.size(), 1.0);
   if (posterior.covariance.rows() != at.information.rows()) {
-    selection.covariance = inflation(at) * math::inverse_of_symmetric(at.information);
-    return;
+    doubt.covariance = inflation(at) * math::inverse_of_symmetric(at.information);
+    return doubt;
   }
-  selection.covariance = posterior.covariance + posterior.shift * posterior.shift.transpose();
+  doubt.covariance = posterior.covariance + posterior.shift * posterior.shift.transpose();
   const bool are_others = without_rivals.covariance.rows() == at.information.rows();
   const Posterior& of_class = are_others ? without_rivals : posterior;
-  for (std::size_t e = 0; e < selection.still_there.size(); ++e)
-    selection.still_there[e] = still_there(at, e, catalogue, of_class);
+  for (std::size_t e = 0; e < doubt.still_there.size(); ++e)
+    doubt.still_there[e] = still_there(at, e, catalogue, of_class);
+  return doubt;
 }
 
 }  // namespace softarm::diagnose

@@ -68,21 +68,41 @@ void guard(const Eigen::MatrixXd& between, Eigen::MatrixXd& covariance) {
   covariance = times.asDiagonal() * covariance * times.asDiagonal();
 }
 
-/// How sure every effect of the model is, all others given.
+/// How sure all of the model is.
 /// @param of_all the posterior about this model
-void add_doubt_about(JointModel& model, Standing& current, const Posterior& of_all, const Options& options,
-                     Selection& selection) {
+/// @param selection that came to it
+Doubt doubt_in(JointModel& model, Standing& current, const Posterior& of_all, const Options& options,
+               const Selection& selection) {
   const Round alone = without_rivals(selection);
   const std::size_t catalogue = selection.rounds.front().screened.size();
-  add_doubt(current.fit, of_all,
-            alone.screened.size() < selection.rounds.back().screened.size()
-                ? posterior_of(model, current, alone, options.jobs)
-                : of_all,
-            catalogue, selection);
-  guard(between_folds(model, current.fit), selection.covariance);
+  Doubt doubt = doubt_about(current.fit, of_all,
+                            alone.screened.size() < selection.rounds.back().screened.size()
+                                ? posterior_of(model, current, alone, options.jobs)
+                                : of_all,
+                            catalogue);
+  guard(between_folds(model, current.fit), doubt.covariance);
+  return doubt;
 }
 
 }  // namespace
+
+Doubt doubt_in_another(JointModel& other, const Linearised& alone, const Selection& selection,
+                       const Options& options) {
+  // What stands in for something may hold the constants where they were: a fit begins without it, too.
+  JointParameters without = alone.at;
+  for (model::Present present : selection.extended.at.effects) {
+    present.values.head(present.effect->info().sizes).setZero();
+    without.effects.push_back(std::move(present));
+  }
+  Linearised best = other.fit(without, {});
+  Linearised from_there = other.fit(selection.extended.at, {});
+  if (from_there.square < best.square) best = std::move(from_there);
+  Standing standing = standing_on(other, best);
+  Round last;
+  last.screened = selection.rounds.back().screened;
+  const Posterior of_all = posterior_of(other, standing, last, options.jobs);
+  return doubt_in(other, standing, of_all, options, selection);
+}
 
 Ending end_with_what_predicts(JointModel& model, Standing& current, Selection& selection,
                               const Options& options) {
@@ -92,13 +112,13 @@ Ending end_with_what_predicts(JointModel& model, Standing& current, Selection& s
   if (drop_superfluous(model, current, selection.round_of))
     of_all = posterior_of(model, current, last, options.jobs);
   for (;;) {
-    add_doubt_about(model, current, of_all, options, selection);
+    selection.doubt = doubt_in(model, current, of_all, options, selection);
     if (current.fit.at.effects.empty()) return {of_all.background, selection.baseline_unseen};
     Unseen unseen = refitted_unseen(model, current.fit);
     if (unseen.total_rms_m < selection.baseline_unseen.total_rms_m)
       return {of_all.background, std::move(unseen)};
-    const auto least = std::min_element(selection.still_there.begin(), selection.still_there.end()) -
-                       selection.still_there.begin();
+    const std::vector<double>& there = selection.doubt.still_there;
+    const auto least = std::min_element(there.begin(), there.end()) - there.begin();
     current = standing_on(model, refit_without(model, current, static_cast<std::size_t>(least)).fit);
     selection.round_of.erase(selection.round_of.begin() + least);
     of_all = posterior_of(model, current, last, options.jobs);

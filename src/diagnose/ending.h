@@ -15,4 +15,9 @@ struct Ending {
 Ending end_with_what_predicts(JointModel& model, Standing& current, Selection& selection,
                               const Options& options);
 
+/// How sure the effects that were selected are in another model of the arm, all fitted anew.
+/// @param alone its fit without effects
+Doubt doubt_in_another(JointModel& other, const Linearised& alone, const Selection& selection,
+                       const Options& options);
+
 }  // namespace softarm::diagnose

@@ -46,8 +46,7 @@ std::vector<EffectValue> values_of(const arm::Arm& arm, const Linearised& at, st
 }
 
 /// The effects of the model, with what they are worth and where they are.
-std::vector<NamedEffect> named_effects(JointModel& model, const Selection& selection,
-                                       const MatrixXd& covariance) {
+std::vector<NamedEffect> named_effects(JointModel& model, const Selection& selection) {
   const auto taken_of = [](const Round& round) -> const Refitted& {
     return round.refitted[static_cast<std::size_t>(round.taken)];
   };
@@ -61,8 +60,8 @@ std::vector<NamedEffect> named_effects(JointModel& model, const Selection& selec
     named.description = present.effect->info().description;
     named.law = present.effect->info().law;
     named.source = present.effect->info().source;
-    named.probability = std::min(r.probability, selection.still_there[e]);
-    named.parameters = values_of(model.arm(), selection.extended, e, covariance);
+    named.probability = std::min(r.probability, selection.doubt.still_there[e]);
+    named.parameters = values_of(model.arm(), selection.extended, e, selection.doubt.covariance);
     named.where = where_is(model, selection.extended, present, contribution(model, selection.extended, e));
     const double without = e == 0 ? selection.first_order_rms_m
                                   : taken_of(selection.rounds[selection.round_of[e - 1]]).unseen.total_rms_m;
@@ -232,10 +231,9 @@ void rank_as_said(Diagnosis& d) {
                    [&](const Candidate& a, const Candidate& b) { return place(a) < place(b); });
 }
 
-void add_findings(JointModel& model, const Selection& selection, const MatrixXd& covariance, bool adequate,
-                  Diagnosis& d) {
+void add_findings(JointModel& model, const Selection& selection, bool adequate, Diagnosis& d) {
   d.ranking = ranking_of(model, selection);
-  std::vector<NamedEffect> all = named_effects(model, selection, covariance);
+  std::vector<NamedEffect> all = named_effects(model, selection);
   mistake_short_delays(model.arm(), selection.extended.at.effects, all);
   mistake_mutually(all);
   std::set<const model::Effect*> weighed;

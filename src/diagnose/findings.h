@@ -1,7 +1,6 @@
 // What is named, how sure, what every arm has, and the verdict.
 #pragma once
 
-#include <Eigen/Core>
 #include <vector>
 
 #include "selection.h"
@@ -10,11 +9,9 @@
 namespace softarm::diagnose {
 
 /// Fills ranking, effects, small departures and verdict.
-/// @param covariance of the extended fit's unknowns, in scales
-/// @param adequate nothing of a size that matters is left
+/// @param adequate nothing of a size that matters is left, nor explained better without effects
 /// @param d has the shares of what could be explained
-void add_findings(JointModel& model, const Selection& selection, const Eigen::MatrixXd& covariance,
-                  bool adequate, Diagnosis& d);
+void add_findings(JointModel& model, const Selection& selection, bool adequate, Diagnosis& d);
 
 /// What may be mistaken for another may be mistaken the other way round, too.
 void mistake_mutually(std::vector<NamedEffect>& effects);

@@ -66,7 +66,7 @@ struct Policy {
 
   /// Which effects go into the model.
   struct Selection {
-    double trivial = 2.5e-4;  ///< of the length: an effect that moves less beyond the constants is too small
+    double trivial = 1.25e-4;  ///< of the length: an effect that moves less beyond the constants is too small
     double clearly_there = 4.0;  ///< of trivial: one that moves more to first order needs no fit without it
     double least_z = 5.0;        ///< of an effect that is there, if too small to matter
     double screen_z = 3.5;       ///< of one that is worth a refit
@@ -84,7 +84,7 @@ struct Policy {
   struct Posterior {
     double expected = 0.5;  ///< effects of the catalogue that an arm is expected to have, before the data
     /// By how much of the arm's length every effect moves the bodies beyond what constants absorb, were it
-    /// the only one; each as probable as another beforehand. Up to what is too small to matter
+    /// the only one; each as probable as another beforehand. Up to twice what is too small to matter
     /// (Selection::trivial): what moves them further is there.
     double background[5] = {1e-5, 3e-5, 8e-5, 1.5e-4, 2.5e-4};
     double most_background = 0.3;  ///< of a usual size: of what constants absorb nearly all

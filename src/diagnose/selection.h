@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "doubt.h"
 #include "joint_model.h"
 #include "posterior.h"
 #include "screen.h"
@@ -47,11 +48,7 @@ struct Selection {
   /// For each effect of `extended`: the round in which it was taken.
   std::vector<std::size_t> round_of;
   double inflation = 1.0;  ///< of the extended fit
-  /// Of the extended fit's unknowns, in their scales: by the posterior, which knows of the background and of
-  /// correlated errors, about the fit's values; without enough instants the fit's own, inflated.
-  Eigen::MatrixXd covariance;
-  /// For each effect of `extended`: its probability given all the others in the model.
-  std::vector<double> still_there;
+  Doubt doubt;             ///< about the extended fit
 };
 
 /// @param baseline fit without effects

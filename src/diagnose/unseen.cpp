@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "math/distributions.h"
 #include "math/parallel.h"
 #include "policy.h"
 #include "ranges.h"
@@ -169,7 +170,11 @@ MatrixXd between_folds(const JointModel& model, const Linearised& at) {
   for (Eigen::Index f = 0; f < count; ++f)
     steps.col(f) = step_without(at, folds[static_cast<std::size_t>(f)]);
   steps.colwise() -= steps.rowwise().mean().eval();
-  return (static_cast<double>(count - 1) / static_cast<double>(count)) * steps * steps.transpose();
+  constexpr double kUpTo = 0.95;  // of a 90 % interval, as which sizes are told
+  const double wider =
+      math::students_t_quantile(static_cast<double>(count - 1), kUpTo) / math::normal_quantile(kUpTo);
+  return (wider * wider * static_cast<double>(count - 1) / static_cast<double>(count)) * steps *
+         steps.transpose();
 }
 
 Unseen unseen(const JointModel& model, const Linearised& at) {

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
 #include <random>
 #include <stdexcept>
 #include <string>
@@ -15,6 +17,7 @@
 #include "diagnose/evidence_data.h"
 #include "diagnose/refits.h"
 #include "diagnose/screen.h"
+#include "diagnose/selection.h"
 #include "diagnose/unseen.h"
 #include "looked.h"
 #include "recorded_case.h"
@@ -50,7 +53,8 @@ TEST(Ranges, TheLeastWithinThemIsThatOfAGrid) {
 
 /// An arm whose file does not let EI be as low as it is: the fit ends at the end of the range.
 struct AtAnEnd {
-  AtAnEnd() : drawn(testing::recorded_case("{count_weights: [1]}", 43, 4, 8.0)) {
+  explicit AtAnEnd(const std::string& effects = "{count_weights: [1]}")
+      : drawn(testing::recorded_case(effects, 43, 4, 8.0)) {
     const testing::Looked free(drawn.arm, drawn.trials);
     const JointUnknown& stiffness = free.baseline.columns[column_of(free)];
     fitted = value_of(free.baseline.at, stiffness);
@@ -127,20 +131,54 @@ TEST(Ranges, EvidenceHasTheSliceOfThePriorThatTheEndLeaves) {
 TEST(Ranges, ThatAreTooNarrowAreSaidWithWhatTheConstantWouldBe) {
   AtAnEnd arm;
   testing::Looked looked(arm.drawn.arm, arm.drawn.trials);
-  const double mean_m = unseen(looked.model, looked.baseline).mean_m;
-  const BeyondRange said = beyond_range(looked.model, looked.baseline, mean_m, {});
+  Selection selection;
+  selection.baseline = looked.baseline;
+  selection.baseline_unseen = unseen(looked.model, looked.baseline);
+  const BeyondRange said = beyond_range(looked.model, selection, {});
   EXPECT_TRUE(said.helps);
+  EXPECT_TRUE(said.still_there.empty());
   EXPECT_NE(said.text.find("segment_1.bending_stiffness.base rests at"), std::string::npos) << said.text;
   EXPECT_NE(said.text.find(fmt::format("With segment_1.bending_stiffness.base at {:.3g}", arm.fitted)),
             std::string::npos)
       << said.text;
-  const BeyondRange no_better = beyond_range(looked.model, looked.baseline, 0.0, {});
+  selection.baseline_unseen.mean_m = 0.0;
+  const BeyondRange no_better = beyond_range(looked.model, selection, {});
   EXPECT_FALSE(no_better.helps);
   EXPECT_FALSE(no_better.text.empty());
 
   arm.drawn.arm.segments[0].bending_stiffness_range_nm2.low = 0.5 * arm.fitted;
   testing::Looked wide(arm.drawn.arm, arm.drawn.trials);
-  EXPECT_EQ(beyond_range(wide.model, wide.baseline, mean_m, {}).text, "");
+  selection.baseline = wide.baseline;
+  EXPECT_EQ(beyond_range(wide.model, selection, {}).text, "");
+}
+
+/// The selection of an arm whose range is too narrow, and how sure each effect of it is without that range.
+std::map<std::string, double> there_beyond(const AtAnEnd& arm, int most_effects, Selection& selection) {
+  testing::Looked looked(arm.drawn.arm, arm.drawn.trials);
+  Options options;
+  options.most_effects = most_effects;
+  selection = select(looked.model, looked.baseline, std::nullopt, options, [](double, const std::string&) {});
+  const BeyondRange beyond = beyond_range(looked.model, selection, options);
+  std::map<std::string, double> there;
+  for (std::size_t e = 0; e < beyond.still_there.size(); ++e)
+    there[selection.extended.at.effects[e].effect->info().id] = beyond.still_there[e];
+  return there;
+}
+
+TEST(Ranges, EffectsThatStandInForOneThatIsTooNarrowAreHardlyThere) {
+  Selection selection;
+  const std::map<std::string, double> there = there_beyond(AtAnEnd(), 1, selection);
+  ASSERT_EQ(there.size(), 1U);
+  EXPECT_GT(selection.doubt.still_there[0], 0.9) << there.begin()->first;
+  EXPECT_LT(there.begin()->second, 0.1) << there.begin()->first;
+}
+
+TEST(Ranges, EffectsThatAreThereBesideOneThatIsTooNarrowStay) {
+  Selection selection;
+  const std::map<std::string, double> there = there_beyond(
+      AtAnEnd("{count_weights: [0, 1], from: [base_compliance], size: [0.5, 0.6]}"), 2, selection);
+  ASSERT_EQ(there.count("base_compliance"), 1U);
+  EXPECT_GT(there.at("base_compliance"), 0.9);
 }
 
 TEST(Ranges, TheVerdictBeginsWithOneThatIsTooNarrow) {

@@ -95,7 +95,7 @@ TEST(BetweenFolds, IsHowFarFitsWithoutEachTrialLieApart) {
   left_out.colwise() -= left_out.rowwise().mean().eval();
   ASSERT_EQ(between.rows(), left_out.rows());
   for (Eigen::Index j = 0; j < between.rows(); ++j) {
-    const double sd = std::sqrt(0.75) * left_out.row(j).norm();
+    const double sd = 2.353 / 1.645 * std::sqrt(0.75) * left_out.row(j).norm();  // t of three, at 90 %
     EXPECT_NEAR(std::sqrt(between(j, j)), sd, 0.15 * sd) << j;
   }
 }
