@@ -11,6 +11,7 @@
 #include "law_words.h"
 #include "math/linear_algebra.h"
 #include "policy.h"
+#include "ranges.h"
 #include "sequences.h"
 
 namespace softarm::diagnose {
@@ -150,7 +151,7 @@ void compare_with_catalogue(const Selection& selection, const Linearised& extend
                   sizes.segment<2>(2 * static_cast<Index>(i));
     mixed += extended.derivative[t].transpose() * moves[t];
   }
-  const VectorXd absorbed = math::solve_symmetric(extended.information, mixed);
+  const VectorXd absorbed = math::solve_symmetric(information_within_ranges(extended), mixed);
   double square = 0.0;
   for (std::size_t t = 0; t < moves.size(); ++t) {
     moves[t] -= extended.derivative[t] * absorbed;

@@ -5,11 +5,12 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <tuple>
 
-#include "math/linear_algebra.h"
 #include "policy.h"
+#include "ranges.h"
 #include "sentences.h"
 
 namespace softarm::diagnose {
@@ -116,7 +117,12 @@ VectorXd step_with_conditions(const Linearised& at, const std::vector<std::vecto
       gradient[c] += column.d.dot(at.residual[t].segment(column.row, n));
     }
   }
-  return math::solve_symmetric(information, gradient);
+  std::vector<Room> rooms = rooms_of(at);
+  constexpr double kAnywhere = std::numeric_limits<double>::infinity();
+  rooms.resize(static_cast<std::size_t>(unknowns + conditions), {-kAnywhere, kAnywhere});
+  VectorXd step;
+  least_within(information, gradient, 0.0, rooms, step);
+  return step;
 }
 
 /// Adds the bodies of one block.

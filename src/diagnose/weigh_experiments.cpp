@@ -8,6 +8,7 @@
 #include "math/linear_algebra.h"
 #include "math/parallel.h"
 #include "policy.h"
+#include "ranges.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -174,10 +175,11 @@ Visibility weigh_collinear(JointModel& model, Linearised& at, const std::vector<
                            const std::vector<Experiment>& menu, double inflation, const Options& options) {
   model.complete(at);
   Visibility out;
+  const MatrixXd own = information_within_ranges(at);
   std::vector<SizeSignature> old;
   for (const Present& one : hidden) {
     old.push_back(signature_of(model, at, at.at, one));
-    out.today.push_back(z_of(old.back(), at.information, inflation));
+    out.today.push_back(z_of(old.back(), own, inflation));
   }
   out.with.resize(menu.size());
   math::in_parallel(menu.size(), options.jobs, [&](std::size_t i) {
@@ -185,7 +187,7 @@ Visibility weigh_collinear(JointModel& model, Linearised& at, const std::vector<
     if (!trial.prepare(at.at)) return;
     Linearised there = trial.linearise(at.at, true);
     trial.model().complete(there);
-    MatrixXd information = at.information;
+    MatrixXd information = own;
     for (const TimeStretch& stretch : there.stretches) information += stretch.information;
     out.with[i].emplace();
     for (std::size_t h = 0; h < hidden.size(); ++h) {
