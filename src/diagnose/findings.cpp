@@ -144,12 +144,19 @@ Verdict verdict_of(const Diagnosis& d, bool adequate) {
 
 }  // namespace
 
-double is_no_stand_in(const model::Info& info, bool small, double part, double left) {
+bool is_short_delay(const Present& present) {
+  return present.effect->info().delays && std::abs(present.values[0]) <= kPolicy.delay.alike_s;
+}
+
+bool is_of_sensors_alone(const model::Info& info, bool short_delay) {
+  return info.family == model::Family::kSensor && !(info.delays && short_delay);
+}
+
+double is_no_stand_in(bool of_sensors_alone, bool small, double part, double left) {
   if (!(left > 0.0)) return 1.0;
-  const bool of_sensors = info.family == model::Family::kSensor;
-  const double even = of_sensors ? kPolicy.posterior.sensor_stand_in
-                      : small    ? kPolicy.posterior.small_stand_in
-                                 : 1.0;
+  const double even = of_sensors_alone ? kPolicy.posterior.sensor_stand_in
+                      : small          ? kPolicy.posterior.small_stand_in
+                                       : 1.0;
   const double odds = std::pow(part / (even * left), kPolicy.posterior.stand_in);
   return odds / (1.0 + odds);
 }
@@ -169,7 +176,7 @@ void mistake_mutually(std::vector<NamedEffect>& effects) {
 void mistake_short_delays(const arm::Arm& arm, const std::vector<Present>& values,
                           std::vector<NamedEffect>& effects) {
   for (std::size_t e = 0; e < effects.size(); ++e) {
-    if (!values[e].effect->info().delays || std::abs(values[e].values[0]) > kPolicy.delay.alike_s) continue;
+    if (!is_short_delay(values[e])) continue;
     EffectValue& delay = effects[e].parameters.front();
     const double hidden = kPolicy.words.interval_sd * kPolicy.delay.hidden_sd_s;
     const model::Parameter& range = values[e].effect->info().parameters.front();
@@ -243,18 +250,21 @@ void add_findings(JointModel& model, const Selection& selection, bool adequate, 
     const bool small = is_small(model, selection, e, effect, d, adequate);
     const Present& present = selection.extended.at.effects[e];
     const double part = effect.share * d.explained_share, left = adequate ? 0.0 : 1.0 - d.explained_share;
-    const model::Info& info = present.effect->info();
+    const bool short_delay = is_short_delay(present);
+    const bool of_sensors = is_of_sensors_alone(present.effect->info(), short_delay);
     if (small)
-      known.push_back(
-          is_usual(model, present) ? 0.0 : effect.probability * is_no_stand_in(info, false, part, left));
-    effect.probability *= is_no_stand_in(info, small, part, left);
+      known.push_back(is_usual(model, present)
+                          ? 0.0
+                          : effect.probability * is_no_stand_in(of_sensors, false, part, left));
+    effect.probability *= is_no_stand_in(of_sensors, small, part, left);
     if (!small && !adequate) {
       // Those that might be there in its place would explain as little.
       for (const model::Effect* rival : selection.rounds[selection.round_of[e]].rivals)
         for (Candidate& candidate : d.ranking)
           if (candidate.finding == Finding::kRival && candidate.id == rival->info().id &&
               weighed.insert(rival).second)
-            candidate.probability *= is_no_stand_in(rival->info(), false, part, left);
+            candidate.probability *=
+                is_no_stand_in(is_of_sensors_alone(rival->info(), short_delay), false, part, left);
     }
     (small ? d.small_departures : d.effects).push_back(std::move(effect));
   }

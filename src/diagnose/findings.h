@@ -28,11 +28,18 @@ void mistake_short_delays(const arm::Arm& arm, const std::vector<model::Present>
 void lead_with_what_is_known(const std::vector<double>& known, std::vector<NamedEffect>& effects,
                              std::vector<NamedEffect>& small);
 
+/// A delay so short that clocks that are apart and pressures that lag are one.
+bool is_short_delay(const model::Present& present);
+
+/// Whether nothing but sensors makes an effect, so that hardly any physics that is missing looks like it. A
+/// short delay of clocks is not of that kind: valves that stick and walls that creep look like it.
+bool is_of_sensors_alone(const model::Info& info, bool short_delay);
+
 /// Probability that what explains a part of what could be explained is no stand-in for what is left:
 /// something that no effect of the catalogue makes looks like several that do.
 /// @param small of a small departure
 /// @param part, left shares of what could be explained: by it, and by nothing
-double is_no_stand_in(const model::Info& info, bool small, double part, double left);
+double is_no_stand_in(bool of_sensors_alone, bool small, double part, double left);
 
 /// Candidates in the order in which they are said: what the verdict stands on, what that may be mistaken for,
 /// the small departures and the stand-ins, all others.

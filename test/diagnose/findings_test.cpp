@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -91,9 +92,7 @@ TEST(Findings, ASmallDepartureStaysOneBesideWhatIsKnown) {
 }
 
 TEST(Findings, WhatIsLittleBesideWhatIsLeftStandsInForIt) {
-  model::Info of_arm, of_sensors;
-  of_arm.family = model::Family::kActuation;
-  of_sensors.family = model::Family::kSensor;
+  constexpr bool of_arm = false, of_sensors = true;
   EXPECT_DOUBLE_EQ(is_no_stand_in(of_arm, false, 0.1, 0.0), 1.0);
   EXPECT_DOUBLE_EQ(is_no_stand_in(of_arm, false, 0.4, 0.4), 0.5);
   EXPECT_NEAR(is_no_stand_in(of_arm, false, 0.8, 0.2), 16.0 / 17.0, 1e-12);
@@ -103,6 +102,25 @@ TEST(Findings, WhatIsLittleBesideWhatIsLeftStandsInForIt) {
   EXPECT_GT(is_no_stand_in(of_sensors, false, 0.1, 0.9), 0.9);
   EXPECT_LT(is_no_stand_in(of_sensors, true, 0.01, 0.99), 0.2);
   EXPECT_LT(is_no_stand_in(of_arm, true, 0.01, 0.99), 0.01);
+}
+
+TEST(Findings, AShortDelayOfClocksMayStandInForPhysics) {
+  const auto clock_with = [](double offset_s) {
+    for (const std::unique_ptr<model::Effect>& effect : effects::catalogue())
+      if (effect->info().of_clocks) return model::Present{effect.get(), Eigen::Vector2d(offset_s, 0.0)};
+    throw std::logic_error("no clocks");
+  };
+  for (const double offset_s : {-0.7, -0.03, 0.004, 0.2}) {
+    const model::Present clock = clock_with(offset_s);
+    const bool is_short = std::abs(offset_s) < 0.05;
+    EXPECT_EQ(is_short_delay(clock), is_short) << offset_s;
+    EXPECT_EQ(is_of_sensors_alone(clock.effect->info(), is_short_delay(clock)), !is_short) << offset_s;
+  }
+  model::Info slipped;
+  slipped.family = model::Family::kSensor;
+  EXPECT_TRUE(is_of_sensors_alone(slipped, true));  // what is no delay is of sensors whatever else is short
+  slipped.family = model::Family::kActuation;
+  EXPECT_FALSE(is_of_sensors_alone(slipped, false));
 }
 
 TEST(Findings, WhatIsHardlyThereStandsApart) {
