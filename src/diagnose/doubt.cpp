@@ -29,12 +29,37 @@ double log_density_at_nothing(const Eigen::VectorXd& fitted, const Eigen::Vector
   return most + std::log(sum / (kSteps + 1)) - factor.matrixLLT().diagonal().array().log().sum();
 }
 
+/// Sizes by the posterior, less the fit's, and their covariance, all where the effect's other numbers are
+/// those of the fit.
+struct Sizes {
+  Eigen::VectorXd shift;
+  Eigen::MatrixXd covariance;
+};
+
+Sizes at_the_shapes_of(const Linearised& at, std::size_t e, const Posterior& posterior) {
+  std::vector<Eigen::Index> rows = rows_of_sizes(at, e);
+  const auto n = static_cast<Eigen::Index>(rows.size());
+  const std::vector<Eigen::Index> shapes = rows_of_shapes(at, e);
+  const auto others = static_cast<Eigen::Index>(shapes.size());
+  rows.insert(rows.end(), shapes.begin(), shapes.end());
+  const Eigen::VectorXd shift = math::rows_of(posterior.shift, rows);
+  const Eigen::MatrixXd precision = math::inverse_of_symmetric(math::block_of(posterior.covariance, rows));
+  Sizes sizes;
+  sizes.covariance = math::inverse_of_symmetric(precision.topLeftCorner(n, n));
+  sizes.shift = shift.head(n) + sizes.covariance * precision.topRightCorner(n, others) * shift.tail(others);
+  return sizes;
+}
+
 /// Probability of an effect of the fit given all the others that are in it: the density that its sizes have
 /// at nothing, before the data and after them (Savage and Dickey; Dickey 1971), and the odds of an effect.
+/// Its other numbers (a place, a time) mean nothing where its sizes are nothing: these are looked at where
+/// those are the fit's. Else a share that is known only as a product with a width would seem to be nothing at
+/// times.
 double still_there(const Linearised& at, std::size_t e, std::size_t catalogue, const Posterior& posterior) {
   const std::vector<Eigen::Index> rows = rows_of_sizes(at, e);
   const Eigen::VectorXd fitted = math::rows_of(at.unknowns(), rows);
-  Eigen::VectorXd later = fitted + math::rows_of(posterior.shift, rows);
+  const Sizes sizes = at_the_shapes_of(at, e, posterior);
+  Eigen::VectorXd later = fitted + sizes.shift;
   double log_before = 0.0;  // density at nothing
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const JointUnknown& c = at.columns[static_cast<std::size_t>(rows[i])];
@@ -42,8 +67,7 @@ double still_there(const Linearised& at, std::size_t e, std::size_t catalogue, c
     size = std::clamp(size, c.low / c.scale, c.high / c.scale);  // what is linear knows of no range
     log_before -= std::log(c.prior_sd);
   }
-  const double log_odds = log_before -
-                          log_density_at_nothing(fitted, later, math::block_of(posterior.covariance, rows)) +
+  const double log_odds = log_before - log_density_at_nothing(fitted, later, sizes.covariance) +
                           std::log(kPolicy.posterior.expected / static_cast<double>(catalogue));
   return 1.0 / (1.0 + std::exp(-log_odds));
 }

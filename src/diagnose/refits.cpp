@@ -9,6 +9,7 @@
 #include "evidence_data.h"
 #include "math/linear_algebra.h"
 #include "policy.h"
+#include "ranges.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -47,12 +48,29 @@ bool at_limit(const Linearised& at) {
   return false;
 }
 
-/// Square of the z of an effect's sizes in a fit, residuals taken for independent.
+std::vector<Eigen::Index> rows_of_effect(const Linearised& at, std::size_t effect, bool sizes) {
+  std::vector<Eigen::Index> rows;
+  for (std::size_t j = 0; j < at.columns.size(); ++j) {
+    const JointUnknown& c = at.columns[j];
+    if (c.kind == JointUnknown::Kind::kEffect && c.index == static_cast<int>(effect) &&
+        (c.parameter < at.at.effects[effect].effect->info().sizes) == sizes)
+      rows.push_back(static_cast<Eigen::Index>(j));
+  }
+  return rows;
+}
+
+/// Square of the z of an effect's sizes in a fit, residuals taken for independent. Its other numbers are
+/// held: without the effect they mean nothing, and cannot make up for it.
 double square_of_sizes(const Linearised& at, std::size_t effect) {
   const std::vector<Eigen::Index> rows = rows_of_sizes(at, effect);
   const Eigen::VectorXd sizes = math::rows_of(at.unknowns(), rows);
+  std::vector<bool> held(at.columns.size(), false);
+  for (const Eigen::Index j : rows_of_shapes(at, effect)) held[static_cast<std::size_t>(j)] = true;
+  Eigen::MatrixXd information = at.information;
+  Eigen::VectorXd gradient = at.gradient;
+  hold(held, information, gradient);
   return sizes.dot(
-      math::solve_symmetric(math::block_of(math::inverse_of_symmetric(at.information), rows), sizes));
+      math::solve_symmetric(math::block_of(math::inverse_of_symmetric(information), rows), sizes));
 }
 
 /// The last effect's sizes against their own spread: what may as well be 0 is not named.
@@ -117,14 +135,11 @@ Posterior posterior_of(JointModel& model, Standing& current, const Round& round,
 }
 
 std::vector<Eigen::Index> rows_of_sizes(const Linearised& at, std::size_t effect) {
-  std::vector<Eigen::Index> rows;
-  for (std::size_t j = 0; j < at.columns.size(); ++j) {
-    const JointUnknown& c = at.columns[j];
-    if (c.kind == JointUnknown::Kind::kEffect && c.index == static_cast<int>(effect) &&
-        c.parameter < at.at.effects[effect].effect->info().sizes)
-      rows.push_back(static_cast<Eigen::Index>(j));
-  }
-  return rows;
+  return rows_of_effect(at, effect, true);
+}
+
+std::vector<Eigen::Index> rows_of_shapes(const Linearised& at, std::size_t effect) {
+  return rows_of_effect(at, effect, false);
 }
 
 double trivial_m(const JointModel& model) {

@@ -27,8 +27,9 @@ double trivial_m(const JointModel& model);
 std::vector<std::size_t> worth_a_refit(const JointModel& model, const std::vector<Screened>& screened,
                                        const Options& options);
 
-/// Columns of a fit: an effect's sizes.
+/// Columns of a fit: an effect's sizes, and its other free numbers (places, times, thresholds).
 std::vector<Eigen::Index> rows_of_sizes(const Linearised& at, std::size_t effect);
+std::vector<Eigen::Index> rows_of_shapes(const Linearised& at, std::size_t effect);
 
 /// Makes a fit with one effect more the place from which that effect's refit begins: the screen is linear
 /// about none of it, and does not see so far.

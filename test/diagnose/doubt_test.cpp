@@ -1,0 +1,71 @@
+// How sure an effect of the model is, all others given.
+#include "diagnose/doubt.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "diagnose/joint_model.h"
+#include "effects/catalogue.h"
+
+namespace softarm::diagnose {
+namespace {
+
+/// A fit with creep, of which two numbers are free: its share, 4 usual ones, and its time.
+Linearised with_creep() {
+  Linearised at;
+  for (const std::unique_ptr<model::Effect>& effect : effects::catalogue()) {
+    if (effect->info().id != "creep") continue;
+    model::Values values(4);
+    values << 4.0 * effect->info().parameters[0].usual, 30.0, 0.5, 0.0;
+    at.at.effects.push_back({effect.get(), values});
+    for (int k = 0; k < 2; ++k) {
+      const model::Parameter& parameter = effect->info().parameters[static_cast<std::size_t>(k)];
+      JointUnknown c;
+      c.kind = JointUnknown::Kind::kEffect;
+      c.parameter = k;
+      c.scale = parameter.usual;
+      c.low = parameter.low;
+      c.high = parameter.high;
+      c.prior_sd = k == 0 ? 5.0 : 1.0;
+      at.columns.push_back(c);
+    }
+  }
+  at.information = Eigen::Matrix2d::Identity();
+  at.gradient = Eigen::Vector2d::Zero();
+  return at;
+}
+
+/// Standard deviations of 3 of the share and of 1 of the time, correlated.
+Posterior with_correlation(double correlation) {
+  Posterior posterior;
+  posterior.shift = Eigen::Vector2d::Zero();
+  posterior.covariance.resize(2, 2);
+  posterior.covariance << 9.0, 3.0 * correlation, 3.0 * correlation, 1.0;
+  return posterior;
+}
+
+double still_there(const Posterior& posterior) {
+  const Doubt doubt = doubt_about(with_creep(), posterior, {}, 40);
+  EXPECT_EQ(doubt.covariance.rows(), 2);
+  return doubt.still_there.at(0);
+}
+
+TEST(Doubt, AShareThatIsKnownOnlyBesideATimeIsThere) {
+  EXPECT_LT(still_there(with_correlation(0.0)), 0.1);  // 4 +- 3: as well nothing
+  // Creep that is longer than the trials: a larger share with a longer time does the same, no share does not.
+  EXPECT_GT(still_there(with_correlation(0.99)), 0.99);
+  EXPECT_GT(still_there(with_correlation(-0.99)), 0.99);
+}
+
+TEST(Doubt, WhatThePosteriorMovesCountsAtTheFitsTime) {
+  Posterior posterior = with_correlation(0.99);
+  posterior.shift << -3.0, -1.0;  // along what the trials leave open: at the fit's time the share stays
+  const double along = still_there(posterior);
+  posterior.shift << -3.0, 0.0;
+  EXPECT_GT(along, still_there(posterior));
+  EXPECT_GT(along, 0.99);
+}
+
+}  // namespace
+}  // namespace softarm::diagnose
