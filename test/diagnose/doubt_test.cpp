@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <memory>
 
 #include "diagnose/joint_model.h"
+#include "diagnose/refits.h"
 #include "effects/catalogue.h"
 
 namespace softarm::diagnose {
@@ -65,6 +67,14 @@ TEST(Doubt, WhatThePosteriorMovesCountsAtTheFitsTime) {
   posterior.shift << -3.0, 0.0;
   EXPECT_GT(along, still_there(posterior));
   EXPECT_GT(along, 0.99);
+}
+
+TEST(MovedWithout, HoldsWhatMeansNothingWithoutTheEffect) {
+  Standing standing{with_creep(), {}};
+  standing.fit.information << 25.0, -24.9, -24.9, 25.0;
+  standing.unseen.total_rms_m = 1e-3;
+  standing.unseen.total_chi2 = 100.0;
+  EXPECT_NEAR(moved_without_m(standing, 0), 1e-3 * std::sqrt(4.0 * 25.0 * 4.0 / 100.0), 1e-12);
 }
 
 }  // namespace
