@@ -36,6 +36,7 @@ def draw(results, path):
         spread = score.INTERVAL_SD * (even * (1 - 1 / RANK_BINS)) ** 0.5
         right.axhspan(max(0, even - spread), even + spread, color="0.85", zorder=0, label="even, 90 %")
         right.legend(loc="upper center")
+        right.set_ylim(0, 1.25 * right.get_ylim()[1])  # the legend stands above the bars
     right.set(xlim=(0, 1), xlabel="rank of the true number in what is said of it", ylabel="numbers",
               title=f"{len(ranks)} numbers of effects that are there")
     figure.savefig(path, dpi=110)
