@@ -7,6 +7,7 @@
 #include "ending.h"
 #include "first_fits.h"
 #include "ranges.h"
+#include "refits.h"
 #include "sentences.h"
 #include "softarm/identify/identify.h"
 #include "unseen.h"
@@ -64,14 +65,16 @@ BeyondRange beyond_range(const JointModel& model, const Selection& selection, co
   if (widened.empty()) return {text, false, {}};
   JointModel other(wide, model.trials(), options.jobs, options.held, options.tied, options.known);
   const Linearised fit = first_fits(other, [] {}).baseline;
-  const double mean_m = selection.baseline_unseen.mean_m, wide_mean_m = unseen(other, fit).mean_m;
-  if (!(wide_mean_m < mean_m)) return {text, false, {}};
+  const Unseen &narrow_unseen = selection.baseline_unseen, wide_unseen = unseen(other, fit);
+  if (!(wide_unseen.mean_m < narrow_unseen.mean_m) || moved_m(narrow_unseen, wide_unseen) < trivial_m(model))
+    return {text, false, {}};
   std::vector<std::string> beyond;
   for (const std::size_t j : widened) beyond.push_back(with_value(other, fit, j, "at"));
   BeyondRange said{
       fmt::format("{} With {} the mean error on trials left out is {} instead of {}, without any effect: "
                   "see to that range before you believe effects.",
-                  text, one_of(beyond, "and"), millimetres(wide_mean_m), millimetres(mean_m)),
+                  text, one_of(beyond, "and"), millimetres(wide_unseen.mean_m),
+                  millimetres(narrow_unseen.mean_m)),
       true,
       {}};
   if (!selection.extended.at.effects.empty())

@@ -10,8 +10,10 @@
 namespace softarm::diagnose {
 
 struct BeyondRange {
-  std::string text;    ///< empty: no constant rests at an end
-  bool helps = false;  ///< that trials are predicted better with a constant beyond the file's own range
+  std::string text;  ///< empty: no constant rests at an end
+  /// That trials are predicted better, by more than what is too small to matter, with a constant beyond the
+  /// file's own range.
+  bool helps = false;
   /// Where that helps: for each effect that was selected, its probability given all others with the constants
   /// free of the file's ranges. What only stood in for a range that is too narrow is hardly there.
   std::vector<double> still_there;

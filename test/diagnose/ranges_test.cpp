@@ -141,6 +141,10 @@ TEST(Ranges, ThatAreTooNarrowAreSaidWithWhatTheConstantWouldBe) {
   EXPECT_NE(said.text.find(fmt::format("With segment_1.bending_stiffness.base at {:.3g}", arm.fitted)),
             std::string::npos)
       << said.text;
+  const Unseen narrow = selection.baseline_unseen;
+  selection.baseline_unseen.total_rms_m = 0.0;  // by next to nothing
+  EXPECT_FALSE(beyond_range(looked.model, selection, {}).helps);
+  selection.baseline_unseen = narrow;
   selection.baseline_unseen.mean_m = 0.0;
   const BeyondRange no_better = beyond_range(looked.model, selection, {});
   EXPECT_FALSE(no_better.helps);
