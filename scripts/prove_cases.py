@@ -92,7 +92,7 @@ class Proof:
         return all(os.path.exists(os.path.join(self.reports, case, name)) for name in files)
 
     def each(self, what, todo, action):
-        """Here, one after the other, or as tasks of Slurm, which come back here with `only` the case that they are to do."""
+        """Here, one on each core, or as tasks of Slurm, which come back here with `only` the case that they are to do."""
         if self.options.only:
             step, case = self.options.only.split(":")
             if step == what and case in todo:
@@ -103,7 +103,7 @@ class Proof:
             prove_slurm.each(what, todo, [sys.executable, *self.options.words], self.folder, more,
                              lambda: [case for case in todo if not is_done(case)])
         else:
-            each(what, todo, action)
+            each(what, todo, action, self.options.at_once)
 
     def draw(self):
         def one(case):
@@ -253,8 +253,9 @@ def main():
         say(f"--seed {options.seed}: goes on with this proof after an interruption")
     if options.seed < 0 or (options.cases is not None and options.cases < 0):
         parser.error("--seed and --cases must not be negative")
-    if options.only and not options.jobs:
-        options.jobs = int(os.environ.get("SLURM_CPUS_PER_TASK", "1"))
+    # Here a case per core, each on one; a task of Slurm has its cores for its one case.
+    given = int(os.environ.get("SLURM_CPUS_PER_TASK", "1")) if options.only else len(os.sched_getaffinity(0))
+    options.at_once, options.threads = (1, options.jobs or given) if options.only else (options.jobs or given, 1)
     # What a task of Slurm runs: this command with its seed, said last, and one case.
     options.words = [os.path.abspath(sys.argv[0]), *sys.argv[1:], f"--seed={options.seed}"]
     if shutil.which("git") is None:

@@ -1,4 +1,7 @@
 """What the parts of the proof share: running programs, JSON files that are never half written, progress."""
+import concurrent.futures
+import contextlib
+import fcntl
 import json
 import os
 import subprocess
@@ -51,15 +54,30 @@ def write_json(path, value):
     os.replace(path + ".part", path)
 
 
-def each(what, todo, action):
-    """Does what is left of something, with progress and how long the rest will take."""
+def each(what, todo, action, at_once):
+    """Does what is left of something, so many at once, with progress and how long the rest will take."""
     started = time.monotonic()
-    for done, item in enumerate(todo):
-        left = (time.monotonic() - started) / done * (len(todo) - done) if done else None
-        say(f"{what} {item} ({done + 1} of {len(todo)}" + (f", {left / 60:.0f} min left)" if left else ")"))
-        action(item)
+    with concurrent.futures.ThreadPoolExecutor(at_once) as pool:
+        running = {pool.submit(action, item): item for item in todo}
+        try:
+            for done, ended in enumerate(concurrent.futures.as_completed(running), 1):
+                ended.result()
+                left = (time.monotonic() - started) / done * (len(todo) - done)
+                say(f"{what} {running[ended]} ({done} of {len(todo)}, {left / 60:.0f} min left)")
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+
+
+@contextlib.contextmanager
+def alone(path):
+    """While a file or folder that several cases share is made: no other thread or process is at it."""
+    os.makedirs(os.path.dirname(path), exist_ok=True)
+    with open(path + ".lock", "w", encoding="utf-8") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
 
 
 def jobs(options):
     """Words that say how many threads a program may have."""
-    return ["--jobs", str(options.jobs)] if options.jobs else []
+    return ["--jobs", str(options.threads)]

@@ -86,9 +86,12 @@ class Source:
     def plain(self, case, name):
         """Folder of all bags of a set as they are; made once."""
         folder = os.path.join(self.shared(case, name), "plain")
-        if not os.path.isdir(folder):
-            real_recordings.import_to(self.softarm, name, real_recordings.recordings(name, self.data), self.data, folder + ".part")
-            os.rename(folder + ".part", folder)
+        with prove_files.alone(folder):
+            if not os.path.isdir(folder):
+                shutil.rmtree(folder + ".part", ignore_errors=True)
+                real_recordings.import_to(self.softarm, name, real_recordings.recordings(name, self.data), self.data,
+                                          folder + ".part")
+                os.rename(folder + ".part", folder)
         return folder
 
     def split_of(self, name, split):
@@ -102,27 +105,29 @@ class Source:
     def arm(self, case, name, split):
         """The set's arm file, identified from pieces that are not diagnosed; where there are no other pieces, from those."""
         path = os.path.join(self.shared(case, name), f"arm_{split}.yaml")
-        if not os.path.exists(path):
-            kind, folder = real_recordings.SETS[name], self.plain(case, name)
-            start = os.path.join(self.shared(case, name), "start.yaml")
-            write(start, real_recordings.start_arm(name, read(os.path.join(self.options.root, "config/arms", kind.arm + ".yaml"))))
-            own = set(self.bags(name, split, folder))
-            others = [bag for bag in sorted(os.listdir(folder)) if bag.endswith(".bag") and bag not in own] or sorted(own)
-            real_recordings.identify(self.softarm, name, start, [os.path.join(folder, bag) for bag in others if "100g" not in bag],
-                                     path, os.path.join(self.shared(case, name), "identify.log"))
+        with prove_files.alone(path):
+            if not os.path.exists(path):
+                kind, folder = real_recordings.SETS[name], self.plain(case, name)
+                start = os.path.join(self.shared(case, name), f"start_{split}.yaml")
+                write(start, real_recordings.start_arm(name, read(os.path.join(self.options.root, "config/arms", kind.arm + ".yaml"))))
+                own = set(self.bags(name, split, folder))
+                others = [bag for bag in sorted(os.listdir(folder)) if bag.endswith(".bag") and bag not in own] or sorted(own)
+                bags = [os.path.join(folder, bag) for bag in others if "100g" not in bag]
+                real_recordings.identify(self.softarm, name, start, bags, path, path + ".log")
         return path
 
     def other_arm(self, case, name, split):
         """The arm file of another session: of the heaviest load alone, or of the pouch arm's steps."""
         path = os.path.join(self.shared(case, name), f"other_{split}.yaml")
-        if not os.path.exists(path):
-            folder, log = self.plain(case, name), os.path.join(self.shared(case, name), "identify_other.log")
-            if name == "trunk":
-                own = set(self.bags(name, split, folder))
-                bags = [os.path.join(folder, bag) for bag in sorted(os.listdir(folder)) if bag.startswith("300g") and bag not in own]
-            else:
-                bags = real_recordings.import_steps(self.softarm, self.data, os.path.join(self.shared(case, name), "steps"))
-            real_recordings.identify(self.softarm, name, self.arm(case, name, split), bags, path, log)
+        with prove_files.alone(path):
+            if not os.path.exists(path):
+                folder = self.plain(case, name)
+                if name == "trunk":
+                    own = set(self.bags(name, split, folder))
+                    bags = [os.path.join(folder, bag) for bag in sorted(os.listdir(folder)) if bag.startswith("300g") and bag not in own]
+                else:
+                    bags = real_recordings.import_steps(self.softarm, self.data, os.path.join(self.shared(case, name), f"steps_{split}"))
+                real_recordings.identify(self.softarm, name, self.arm(case, name, split), bags, path, path + ".log")
         return path
 
     def draw(self, kind, number, case, truth):

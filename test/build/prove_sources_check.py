@@ -6,11 +6,14 @@ import os
 import subprocess
 import sys
 import tempfile
+import threading
+import time
 import unittest
 
 ROOT = os.path.abspath(sys.argv[1] if len(sys.argv) > 1 else ".")
 sys.path.insert(0, os.path.join(ROOT, "scripts"))
 import prove_cases  # noqa: E402
+import prove_files  # noqa: E402
 import prove_rig  # noqa: E402
 
 PROVE = """#!/usr/bin/python3
@@ -76,7 +79,7 @@ class Course(unittest.TestCase):
         self.assertEqual(len(words), 2)
         for path in words:
             with open(path, encoding="utf-8") as text:
-                self.assertRegex(text.read(), r"^diagnose --arm some_arm .*/a\.bag --out \S+ --tie x$")
+                self.assertRegex(text.read(), r"^diagnose --arm some_arm .*/a\.bag --out \S+ --tie x --jobs 1$")
 
     def test_goes_on_and_holds_to_the_seal(self):
         self.assertEqual(self.prove("--campaign", "some").returncode, 0)
@@ -104,6 +107,44 @@ class Course(unittest.TestCase):
         self.assertEqual(whole.returncode, 1)
         self.assertIn("a target is not met", whole.stderr)
         self.assertRegex(whole.stdout, r"single_strong: top1 +0 +- +>= 0.85 +NOT MET")
+
+
+class Together(unittest.TestCase):
+    def test_as_many_cases_at_once_as_are_allowed(self):
+        met, done = threading.Barrier(2, timeout=30), []
+
+        def meet(case):
+            met.wait()
+            done.append(case)
+
+        prove_files.each("meeting", ["a", "b", "c", "d"], meet, 2)
+        self.assertEqual(sorted(done), ["a", "b", "c", "d"])
+
+    def test_after_one_that_fails_no_other_begins(self):
+        begun = []
+
+        def fail(case):
+            begun.append(case)
+            if len(begun) == 1:
+                raise ValueError(case)
+            time.sleep(0.05)
+
+        with self.assertRaises(ValueError):
+            prove_files.each("failing", [f"case_{i}" for i in range(100)], fail, 1)
+        self.assertLess(len(begun), 100)
+
+    def test_what_cases_share_is_made_once(self):
+        made = []
+
+        def share(_):
+            with prove_files.alone(os.path.join(folder, "shared")):
+                if not made:
+                    time.sleep(0.1)
+                    made.append("once")
+
+        with tempfile.TemporaryDirectory() as folder:
+            prove_files.each("sharing", range(4), share, 4)
+        self.assertEqual(made, ["once"])
 
 
 class Rejected(unittest.TestCase):
