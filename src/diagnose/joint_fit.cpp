@@ -188,7 +188,8 @@ void set_steps(double radius, int iterations, bool own_derivatives, ceres::Solve
   options.line_search_interpolation_type = ceres::QUADRATIC;  // along a step, by predictions alone
   options.max_line_search_step_contraction = kMostShortening;
   const int shorter = own_derivatives ? kShorterSteps : kShorterStepsNearby;
-  options.max_num_line_search_step_size_iterations = radius < kNoRadius ? 0 : shorter;
+  // One is the whole step alone, which Ceres predicts anyway; less than that Ceres 1.14 refuses.
+  options.max_num_line_search_step_size_iterations = radius < kNoRadius ? 1 : shorter;
 }
 
 }  // namespace
@@ -252,6 +253,7 @@ bool JointModel::minimise(Evaluation& evaluation, double tolerance, double& radi
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
+  if (summary.iterations.empty()) throw std::logic_error("fit: " + summary.message);
   evaluation.back_to_accepted();
   const int steps = summary.num_successful_steps - 1;
   const bool overshot = !damped && summary.num_unsuccessful_steps > 0;
