@@ -45,7 +45,8 @@ def draw_timeline(axes, recording):
                 notes[row].append(finding['id'])
     for row, ids in notes.items():
         axes.text(1.01 * end, row, ', '.join(reversed(ids)), va='center', fontsize=7).set_in_layout(False)
-    axes.set_yticks(range(len(rows)), rows, fontsize=8)
+    axes.set_yticks(range(len(rows)))
+    axes.set_yticklabels(rows, fontsize=8)
     axes.invert_yaxis()
     axes.set_xlim(0, end)
     axes.set_xlabel('time, s')
@@ -65,7 +66,8 @@ def draw_levels(axes, recording):
     axes.barh(range(len(names)), [scale * v for v in values],
               color=[COLOURS['warning'] if n in off else COLOURS['information'] for n in names])
     axes.axvline(0, color='black', linewidth=0.8)
-    axes.set_yticks(range(len(names)), names, fontsize=8)
+    axes.set_yticks(range(len(names)))
+    axes.set_yticklabels(names, fontsize=8)
     axes.invert_yaxis()
     axes.set_xlabel(unit)
 

@@ -57,7 +57,8 @@ def main():
         axes.set(xscale="log", yscale="log", xlabel=label, title=title)
         axes.grid(which="major", alpha=0.3)
         ticks = sorted({v for points in series[kind].values() for v in points})
-        axes.set_xticks(ticks, [f"{v:.3g}" for v in ticks], fontsize=8, rotation=45 if kind == "step" else 0)
+        axes.set_xticks(ticks)
+        axes.set_xticklabels([f"{v:.3g}" for v in ticks], fontsize=8, rotation=45 if kind == "step" else 0)
         axes.minorticks_off()
     demo = series["step"].get("demo")
     if demo:

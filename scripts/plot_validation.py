@@ -69,7 +69,8 @@ def online(folder):
                     edgecolor="white", label=name)
     axes[0].hlines([m[2] for m in methods], [i - 0.42 for i in range(4)], [i + 0.42 for i in range(4)], color="k",
                    label="published")
-    axes[0].set_xticks(range(4), [m[1] for m in methods])
+    axes[0].set_xticks(range(4))
+    axes[0].set_xticklabels([m[1] for m in methods])
     axes[0].set_ylabel("error (7), %")
     axes[0].set_title("Table II: shape, loaded")
     axes[0].legend(fontsize=8)
