@@ -292,6 +292,7 @@ void add_summary(const JointModel& model, const BeyondRange& beyond, Diagnosis& 
     d.summary = sentence_of(*d.exchanged_names, model.trials().size()) + " No effects were looked for.";
     return;
   }
+  d.narrow_range = beyond.helps;
   d.summary = summary_of(d);
   if (beyond.helps && d.effects.empty())
     d.summary = beyond.text + " Within it no effect of the catalogue is surely there.";

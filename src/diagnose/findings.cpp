@@ -142,6 +142,12 @@ Verdict verdict_of(const Diagnosis& d, bool adequate) {
              : Verdict::kCannotTell;
 }
 
+/// What no effect explains of what could be explained, rms distance of a body.
+double left_m(const Diagnosis& d, double share) {
+  const double could2 = std::pow(d.baseline.held_out_rms_m, 2) - std::pow(d.ceiling_rms_m, 2);
+  return std::sqrt(share * std::max(0.0, could2));
+}
+
 }  // namespace
 
 bool is_short_delay(const Present& present) {
@@ -149,14 +155,17 @@ bool is_short_delay(const Present& present) {
 }
 
 bool is_of_sensors_alone(const model::Info& info, bool short_delay) {
-  return info.family == model::Family::kSensor && !(info.delays && short_delay);
+  return info.family == model::Family::kSensor && (info.of_placement || (info.delays && !short_delay));
 }
 
-double is_no_stand_in(bool of_sensors_alone, bool small, double part, double left) {
+double small_even_part(double left_m, double length_m) {
+  const double beyond = left_m / (kPolicy.words.small * length_m);
+  return std::min(kPolicy.posterior.even_part,
+                  kPolicy.posterior.small_even_part * std::max(1.0, beyond * beyond));
+}
+
+double is_no_stand_in(double even, double part, double left) {
   if (!(left > 0.0)) return 1.0;
-  const double even = of_sensors_alone ? kPolicy.posterior.sensor_stand_in
-                      : small          ? kPolicy.posterior.small_stand_in
-                                       : 1.0;
   const double odds = std::pow(part / (even * left), kPolicy.posterior.stand_in);
   return odds / (1.0 + odds);
 }
@@ -245,26 +254,31 @@ void add_findings(JointModel& model, const Selection& selection, bool adequate, 
   mistake_mutually(all);
   std::set<const model::Effect*> weighed;
   std::vector<double> known;
+  const double left = adequate ? 0.0 : 1.0 - d.explained_share;
+  const double small_even = small_even_part(left_m(d, left), model.arm().total_length_m());
   for (std::size_t e = 0; e < all.size(); ++e) {
     NamedEffect& effect = all[e];
     const bool small = is_small(model, selection, e, effect, d, adequate);
     const Present& present = selection.extended.at.effects[e];
-    const double part = effect.share * d.explained_share, left = adequate ? 0.0 : 1.0 - d.explained_share;
+    const double part = effect.share * d.explained_share;
     const bool short_delay = is_short_delay(present);
-    const bool of_sensors = is_of_sensors_alone(present.effect->info(), short_delay);
+    const auto even = [&](const model::Effect& of, bool beside_others) {
+      return is_of_sensors_alone(of.info(), short_delay) ? kPolicy.posterior.sensor_even_part
+             : beside_others                             ? small_even
+                                                         : kPolicy.posterior.even_part;
+    };
     if (small)
       known.push_back(is_usual(model, present)
                           ? 0.0
-                          : effect.probability * is_no_stand_in(of_sensors, false, part, left));
-    effect.probability *= is_no_stand_in(of_sensors, small, part, left);
+                          : effect.probability * is_no_stand_in(even(*present.effect, false), part, left));
+    effect.probability *= is_no_stand_in(even(*present.effect, small), part, left);
     if (!small && !adequate) {
       // Those that might be there in its place would explain as little.
       for (const model::Effect* rival : selection.rounds[selection.round_of[e]].rivals)
         for (Candidate& candidate : d.ranking)
           if (candidate.finding == Finding::kRival && candidate.id == rival->info().id &&
               weighed.insert(rival).second)
-            candidate.probability *=
-                is_no_stand_in(is_of_sensors_alone(rival->info(), short_delay), false, part, left);
+            candidate.probability *= is_no_stand_in(even(*rival, false), part, left);
     }
     (small ? d.small_departures : d.effects).push_back(std::move(effect));
   }

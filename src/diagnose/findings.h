@@ -31,15 +31,22 @@ void lead_with_what_is_known(const std::vector<double>& known, std::vector<Named
 /// A delay so short that clocks that are apart and pressures that lag are one.
 bool is_short_delay(const model::Present& present);
 
-/// Whether nothing but sensors makes an effect, so that hardly any physics that is missing looks like it. A
-/// short delay of clocks is not of that kind: valves that stick and walls that creep look like it.
+/// Whether an effect is one body that sits elsewhere or another clock: hardly any physics that is missing
+/// looks like that. A short delay of clocks is not of that kind: valves that stick and walls that creep look
+/// like it; nor are cameras that bow, or pressures that are off.
 bool is_of_sensors_alone(const model::Info& info, bool short_delay);
+
+/// The part over what is left at which a small departure is there or a stand-in, one as likely as the other.
+/// What is left may be small departures, too, that no one has found; where it is more than they come to
+/// (kPolicy.words.small), it is missing physics, and it takes as much as for any finding.
+/// @param left_m what nothing explains, rms distance of a body
+double small_even_part(double left_m, double length_m);
 
 /// Probability that what explains a part of what could be explained is no stand-in for what is left:
 /// something that no effect of the catalogue makes looks like several that do.
-/// @param small of a small departure
+/// @param even the ratio of part to left at which one is as likely as the other
 /// @param part, left shares of what could be explained: by it, and by nothing
-double is_no_stand_in(bool of_sensors_alone, bool small, double part, double left);
+double is_no_stand_in(double even, double part, double left);
 
 /// Candidates in the order in which they are said: what the verdict stands on, what that may be mistaken for,
 /// the small departures and the stand-ins, all others.

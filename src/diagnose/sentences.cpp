@@ -119,6 +119,12 @@ std::string meaning(Verdict verdict) {
   throw std::logic_error("meaning: no such verdict");
 }
 
+std::string headline(const Diagnosis& d) {
+  if (d.exchanged_names) return "Bodies carry one another's names";
+  if (d.narrow_range) return "A range in the arm file is too narrow";
+  return meaning(d.verdict);
+}
+
 std::string finding_description(const Candidate& candidate) {
   switch (candidate.finding) {
     case Finding::kPresent:

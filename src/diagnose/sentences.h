@@ -49,6 +49,9 @@ std::string one_of(const std::vector<std::string>& names, const std::string& las
 /// What the verdict means, for a reader who meets it for the first time.
 std::string meaning(Verdict verdict);
 
+/// That, or what is to be seen to before any verdict.
+std::string headline(const Diagnosis& d);
+
 /// What became of it, in a few words.
 std::string finding_description(const Candidate& candidate);
 

@@ -112,7 +112,7 @@ Json json_of(const diagnose::ParameterVariation& variation) {
 
 /// What the scripts would otherwise have to put into words once more.
 void add_description(Json& report, const diagnose::Diagnosis& d) {
-  report["headline"] = diagnose::meaning(d.verdict);
+  report["headline"] = diagnose::headline(d);
   report["improvement"] = diagnose::improvement(d);
   report["extended_text"] = d.extended_text;
   report["next_command"] = d.next_command;

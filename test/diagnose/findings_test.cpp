@@ -11,6 +11,7 @@
 
 #include "effect_ids.h"
 #include "effects/catalogue.h"
+#include "policy.h"
 #include "softarm/arm/arm_file.h"
 
 namespace softarm::diagnose {
@@ -92,16 +93,22 @@ TEST(Findings, ASmallDepartureStaysOneBesideWhatIsKnown) {
 }
 
 TEST(Findings, WhatIsLittleBesideWhatIsLeftStandsInForIt) {
-  constexpr bool of_arm = false, of_sensors = true;
-  EXPECT_DOUBLE_EQ(is_no_stand_in(of_arm, false, 0.1, 0.0), 1.0);
-  EXPECT_DOUBLE_EQ(is_no_stand_in(of_arm, false, 0.4, 0.4), 0.5);
-  EXPECT_NEAR(is_no_stand_in(of_arm, false, 0.8, 0.2), 16.0 / 17.0, 1e-12);
-  // What is small has larger ones to stand beside; what sensors do, no physics of the arm looks like.
-  EXPECT_DOUBLE_EQ(is_no_stand_in(of_arm, true, 0.3 * 0.4, 0.4), 0.5);
-  EXPECT_GT(is_no_stand_in(of_sensors, true, 0.1, 0.9), 0.9);
-  EXPECT_GT(is_no_stand_in(of_sensors, false, 0.1, 0.9), 0.9);
-  EXPECT_LT(is_no_stand_in(of_sensors, true, 0.01, 0.99), 0.2);
-  EXPECT_LT(is_no_stand_in(of_arm, true, 0.01, 0.99), 0.01);
+  const double even = kPolicy.posterior.even_part;
+  EXPECT_DOUBLE_EQ(is_no_stand_in(even, 0.1, 0.0), 1.0);
+  EXPECT_DOUBLE_EQ(is_no_stand_in(even, 0.2, 0.4), 0.5);
+  EXPECT_NEAR(is_no_stand_in(even, 0.5, 0.5), 0.8, 1e-12);
+  EXPECT_LT(is_no_stand_in(even, 0.1, 0.9), 0.05);  // on real arms the largest is such a part
+  // One body that sits elsewhere, no physics of the arm looks like.
+  EXPECT_GT(is_no_stand_in(kPolicy.posterior.sensor_even_part, 0.1, 0.9), 0.9);
+  EXPECT_LT(is_no_stand_in(kPolicy.posterior.sensor_even_part, 0.01, 0.99), 0.2);
+}
+
+TEST(Findings, SmallDeparturesAreBelievedWhereNoMoreIsLeftThanTheyComeTo) {
+  constexpr double length_m = 0.2;
+  const double small_m = kPolicy.words.small * length_m;
+  EXPECT_DOUBLE_EQ(small_even_part(0.3 * small_m, length_m), kPolicy.posterior.small_even_part);
+  EXPECT_DOUBLE_EQ(small_even_part(2.0 * small_m, length_m), 4.0 * kPolicy.posterior.small_even_part);
+  EXPECT_DOUBLE_EQ(small_even_part(10.0 * small_m, length_m), kPolicy.posterior.even_part);
 }
 
 TEST(Findings, AShortDelayOfClocksMayStandInForPhysics) {
@@ -118,6 +125,8 @@ TEST(Findings, AShortDelayOfClocksMayStandInForPhysics) {
   }
   model::Info slipped;
   slipped.family = model::Family::kSensor;
+  EXPECT_FALSE(is_of_sensors_alone(slipped, false));  // cameras that bow
+  slipped.of_placement = true;
   EXPECT_TRUE(is_of_sensors_alone(slipped, true));  // what is no delay is of sensors whatever else is short
   slipped.family = model::Family::kActuation;
   EXPECT_FALSE(is_of_sensors_alone(slipped, false));

@@ -79,6 +79,16 @@ TEST(Words, WhatStandsOutIsNotCalledAbsent) {
   EXPECT_EQ(diagnose::finding_description(candidate), "present");
 }
 
+TEST(Sentences, TheHeadlineIsWhatIsToBeSeenToFirst) {
+  Diagnosis d;
+  d.verdict = Verdict::kUnknown;
+  EXPECT_EQ(headline(d), meaning(Verdict::kUnknown));
+  d.narrow_range = true;
+  EXPECT_EQ(headline(d), "A range in the arm file is too narrow");
+  d.exchanged_names = ExchangedNames{};
+  EXPECT_EQ(headline(d), "Bodies carry one another's names");
+}
+
 TEST(Sentences, WhatIsHardlyThereIsNotSaidToBeLeftOut) {
   Diagnosis diagnosis;
   diagnosis.verdict = Verdict::kExplained;

@@ -243,6 +243,8 @@ struct Diagnosis {
   double discrepancy_share = 0.0;
   double left_out_share = 0.0;                    ///< of the recordings' means that no model is compared with
   std::optional<ExchangedNames> exchanged_names;  ///< then no effects were looked for
+  /// That trials are predicted better with a constant beyond its range in the arm file, as the summary says.
+  bool narrow_range = false;
   Fit baseline, extended;
   std::vector<NamedEffect> effects;  ///< what the verdict stands on, in the order of what they explain
   /// What every arm has: bodies and base within placement_sd of where they should be, and what explains
