@@ -28,8 +28,9 @@ target_include_directories(softarm_python PRIVATE include src)
 target_compile_options(softarm_python PRIVATE ${SOFTARM_WARNINGS})
 target_compile_definitions(softarm_python PRIVATE
   SOFTARM_VERSION="${SOFTARM_VERSION}" SOFTARM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-target_link_libraries(softarm_python PRIVATE softarm_study softarm_ros softarm_live ${CERES_LIBRARIES} fmt::fmt yaml-cpp
-  Threads::Threads)
+# First: glog brings in libunwind on Debian 11 and Ubuntu 20.04, which unwinds exceptions, too, but none that libgcc has begun.
+target_link_libraries(softarm_python PRIVATE gcc_s softarm_study softarm_ros softarm_live ${CERES_LIBRARIES}
+  fmt::fmt yaml-cpp Threads::Threads)
 softarm_unity(softarm_python 4)
 set_target_properties(softarm_python PROPERTIES OUTPUT_NAME _softarm LIBRARY_OUTPUT_DIRECTORY ${python_folder})
 

@@ -27,6 +27,8 @@ CXX = [
      "std::ssize(v)"),
     (r"\.(starts_with|ends_with)\(", "C++20", 'name.starts_with("a")'),
     (r"\bstd::(from_chars|to_chars)\(.*(double|float|value_d)", "g++ 11", "std::from_chars(a, b, double_value)"),
+    (r"max_num_line_search_step_size_iterations = (0|.*[?:] 0)\b", "Ceres 2.1 (1.14 refuses it)",
+     "o.max_num_line_search_step_size_iterations = a ? 0 : b;"),
     (r"\bstd::execution\b", "a library that g++ 9 does not bring", "std::execution::par"),
     (r"\bpy::(module_|kw_only|pos_only|prepend|raise_from|type|local_exception)\b", "pybind11 2.6", "py::kw_only()"),
 ]
@@ -62,6 +64,7 @@ PYTHON = [
     (r"\.(removeprefix|removesuffix)\(", "Python 3.9", 'name.removeprefix("a")'),
     (r"\bzip\(.*\bstrict=", "Python 3.10", "zip(a, b, strict=True)"),
     (r"\bfunctools\.cache\b|\bmath\.(lcm|nextafter|ulp|cbrt|exp2)\b|\bitertools\.pairwise\b", "Python 3.9", "functools.cache"),
+    (r"\.set_[xy]ticks\(.*(fontsize=|\), )", "matplotlib 3.5", "axes.set_yticks(range(len(a)), a)"),
     (r"\b(import|from) (tomllib|graphlib|zoneinfo)\b", "Python 3.9", "import tomllib"),
     (r"(:|->) *(list|dict|tuple|set|frozenset)\[", "Python 3.9", "def f(a: list[int]):"),
 ]
