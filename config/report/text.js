@@ -8,10 +8,11 @@ const anyEffect = report.effects.length + report.small_departures.length + repor
 function header() {
   const baseline = report.baseline, extended = report.extended;
   const figure = (value, words) => element('div', {class: 'figure'}, element('b', null, value), element('span', null, words));
-  const same = !anyEffect || baseline.held_out_mean_m === extended.held_out_mean_m;
+  // What a range that is too narrow makes effects stand in for is no improvement.
+  const same = !anyEffect || report.narrow_range || baseline.held_out_mean_m === extended.held_out_mean_m;
   const measured = baseline.held_out_mean_m > 0;
   const beforeAfter = key => same ? mm(baseline[key]) : mm(baseline[key]).slice(0, -3) + ' → ' + mm(extended[key]);
-  const ofLength = report.length_m > 0 ? ' (' + (100 * extended.held_out_mean_m / report.length_m).toPrecision(2) + ' % of the length)' : '';
+  const ofLength = report.length_m > 0 ? ' (' + (100 * (same ? baseline : extended).held_out_mean_m / report.length_m).toPrecision(2) + ' % of the length)' : '';
   return element('header', null,
     element('p', {class: 'kicker'}, 'Model against recordings: ', named(report.arm), report.version ? ' · softarm ' + report.version : '', report.origin ? ' · ' + report.origin.date : ''),
     element('div', {class: 'title'}, element('h1', null, report.headline),

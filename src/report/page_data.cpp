@@ -113,6 +113,7 @@ Json json_of(const diagnose::ParameterVariation& variation) {
 /// What the scripts would otherwise have to put into words once more.
 void add_description(Json& report, const diagnose::Diagnosis& d) {
   report["headline"] = diagnose::headline(d);
+  report["narrow_range"] = d.narrow_range;
   report["improvement"] = diagnose::improvement(d);
   report["extended_text"] = d.extended_text;
   report["next_command"] = d.next_command;
