@@ -253,6 +253,8 @@ def main():
         say(f"--seed {options.seed}: goes on with this proof after an interruption")
     if options.seed < 0 or (options.cases is not None and options.cases < 0):
         parser.error("--seed and --cases must not be negative")
+    if options.jobs is not None and options.jobs < 1:
+        parser.error("--jobs must be 1 or more")
     # Here a case per core, each on one; a task of Slurm has its cores for its one case.
     given = int(os.environ.get("SLURM_CPUS_PER_TASK", "1")) if options.only else len(os.sched_getaffinity(0))
     options.at_once, options.threads = (1, options.jobs or given) if options.only else (options.jobs or given, 1)

@@ -96,7 +96,8 @@ class Course(unittest.TestCase):
         self.assertIn("is not what was sealed", changed.stderr)
 
     def test_words_that_mean_nothing_are_refused(self):
-        for words, named in ((("--worlds", "tidy,flat"), "flat"), (("--campaign", "some", "--kinds", "odd"), "odd")):
+        for words, named in ((("--worlds", "tidy,flat"), "flat"), (("--campaign", "some", "--kinds", "odd"), "odd"),
+                             (("--worlds", "tidy", "--jobs", "-1"), "--jobs must be 1 or more")):
             refused = self.prove(*words)
             self.assertNotEqual(refused.returncode, 0)
             self.assertIn(named, refused.stderr)
