@@ -64,9 +64,9 @@ def each(what, todo, action, at_once):
                 ended.result()
                 left = (time.monotonic() - started) / done * (len(todo) - done)
                 say(f"{what} {running[ended]} ({done} of {len(todo)}, {left / 60:.0f} min left)")
-        except BaseException:
-            pool.shutdown(cancel_futures=True)
-            raise
+        finally:
+            for one in running:  # after a failure; the pool waits for those that have begun
+                one.cancel()
 
 
 @contextlib.contextmanager

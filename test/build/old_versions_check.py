@@ -62,6 +62,7 @@ SCRIPTS = [
 ]
 PYTHON = [
     (r"\.(removeprefix|removesuffix)\(", "Python 3.9", 'name.removeprefix("a")'),
+    (r"\bcancel_futures=", "Python 3.9", "pool.shutdown(cancel_futures=True)"),
     (r"\bzip\(.*\bstrict=", "Python 3.10", "zip(a, b, strict=True)"),
     (r"\bfunctools\.cache\b|\bmath\.(lcm|nextafter|ulp|cbrt|exp2)\b|\bitertools\.pairwise\b", "Python 3.9", "functools.cache"),
     (r"\.set_[xy]ticks\(.*(fontsize=|\), )", "matplotlib 3.5", "axes.set_yticks(range(len(a)), a)"),

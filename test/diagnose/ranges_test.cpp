@@ -194,6 +194,7 @@ TEST(Ranges, TheVerdictBeginsWithOneThatIsTooNarrow) {
   EXPECT_EQ(
       d.summary.find("In the fit of the arm's constants alone segment_1.bending_stiffness.base rests at"), 0U)
       << d.summary;
+  EXPECT_TRUE(d.narrow_range);
 }
 
 }  // namespace
