@@ -10,14 +10,12 @@ import re
 import shutil
 
 import prove_files
+import prove_score
 import real_changes
 import real_recordings
 
 SAMPLE, FULL = 14, 66  # interventions
 ATTEMPTS = 12
-# A signature acts like an intervention where it explains this much of what the intervention leaves beside the arm's constants,
-# and nearly as much as the best one does.
-LIKE_AT_LEAST, LIKE_THE_BEST = 0.5, 0.9
 # An intervention is clear where it leaves at least this share of what the constants leave of the untouched recordings (rms).
 CLEAR_SHARE = 0.25
 CONTROLS = [(name, split) for name, kind in real_recordings.SETS.items() for split in range(len(kind.splits))]
@@ -36,10 +34,7 @@ def design(seed, count):
 
 def class_of(effects, ideal, but=()):
     """Ids that an intervention may be called: those that say it, and those whose signatures act like it."""
-    best = max((item["explains"] for item in ideal), default=0.0)
-    like = [item["effect"] for item in ideal
-            if item["effect"] not in but and item["explains"] >= LIKE_AT_LEAST and item["explains"] >= LIKE_THE_BEST * best]
-    return [*effects, *(name for name in like if name not in effects)]
+    return [*effects, *(name for name in prove_score.acting_alike(ideal) if name not in effects and name not in but)]
 
 
 def with_gravity(text, gravity_m_s2):

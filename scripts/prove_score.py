@@ -14,6 +14,9 @@ BASELINES = ["per_frame", "bic", "lasso", "gp"]
 CONFIDENT = 0.9
 INTERVAL_SD = 1.6449  # half a 90 % interval
 LEAST_BEYOND = 8.0  # standard deviations: less, and an effect of the catalogue says it as well
+# A signature acts like what is hidden where it explains this much of what that leaves beside the arm's constants, and nearly as
+# much as the best one does.
+LIKE_AT_LEAST, LIKE_THE_BEST = 0.5, 0.9
 LEAST_MASS = 1e-3  # of the arm's: what weighing does not see
 LEAST_BIAS = 0.02  # of EI: a smaller one cannot be distinguished from the fit's own error
 
@@ -75,13 +78,25 @@ def hidden(truth):
     return names + [effect["like"] for effect in truth["effects"] if effect.get("like")]
 
 
+def acting_alike(ideal):
+    """Ids of the effects of the catalogue whose signatures act like what is hidden; `ideal` is sealed with the draw."""
+    best = max((item["explains"] for item in ideal), default=0.0)
+    return [item["effect"] for item in ideal if item["explains"] >= max(LIKE_AT_LEAST, LIKE_THE_BEST * best)]
+
+
+def sealed_class(truth):
+    """Ids that what is hidden may be called besides its own: of something outside the catalogue those that act like it, too."""
+    outside = truth.get("kind") in ("outside", "untidy_outside")
+    return truth.get("class", []) + (acting_alike(truth["ideal"]) if outside else [])
+
+
 def class_of(named):
     return [named["name"], *named.get("confusable_with", [])]
 
 
 def right(named, truth):
     """Whether a named effect, or a rival that it is said to be confusable with, is there; distractors are."""
-    there = set(hidden(truth)) | {effect["effect"] for effect in everything(truth)} | set(truth.get("class", []))
+    there = set(hidden(truth)) | {effect["effect"] for effect in everything(truth)} | set(sealed_class(truth))
     return any(name in there for name in class_of(named))
 
 
@@ -110,7 +125,7 @@ def beyond_catalogue(truth):
 def is_of_the_kind(decision, truth):
     """Whether something outside the catalogue is said to be its nearest kind there (sealed with the draw), and that more is left."""
     return (decision["verdict"] == "partly_explained" and bool(decision["named"])
-            and any(name in truth.get("class", []) for name in class_of(decision["named"][0])))
+            and any(name in sealed_class(truth) for name in class_of(decision["named"][0])))
 
 
 EVER = ("confident_wrong", "false_alarm")  # count for what nobody could see, too

@@ -108,6 +108,16 @@ class Rates(unittest.TestCase):
         self.assertTrue(kind["unknown"])
         for said in (report("explained", named("hysteresis")), report("partly_explained", named("drift"), named("hysteresis"))):
             self.assertFalse(self.marks("outside", sticks, said)["unknown"])
+        # What acts like it by its signature, sealed with the draw, may be named; the verdict is another matter.
+        bumped = {**truth(effect("bumped_cameras", catalogued=False)), "kind": "outside",
+                  "ideal": [{"effect": name, "explains": share, "cosine": 1.0}
+                            for name, share in (("gravity_direction", 0.8), ("base_tilt", 0.73), ("payload_offset", 0.7), ("drift", 0.1))]}
+        for name, wrong in (("gravity_direction", False), ("base_tilt", False), ("payload_offset", True), ("drift", True)):
+            marks = self.marks("outside", bumped, report("explained", named(name)))
+            self.assertEqual(marks["confident_wrong"], wrong, name)
+            self.assertFalse(marks["unknown"])
+        bumped["ideal"] = [{"effect": "gravity_direction", "explains": 0.49, "cosine": 1.0}]  # less than half acts like nothing
+        self.assertTrue(self.marks("outside", bumped, report("explained", named("gravity_direction")))["confident_wrong"])
         like = truth(effect("line_delay", catalogued=False, like="clock_offset"))
         self.assertFalse(self.marks("outside", like, report("explained", named("clock_offset")))["confident_wrong"])
 
