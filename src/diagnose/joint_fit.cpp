@@ -299,9 +299,11 @@ Linearised JointModel::fit(JointParameters parameters, const FitOptions& options
     }
   }
   const bool converged = step_left(evaluation.at()) < kPolicy.fit.converged_sd;
+  const bool own = evaluation.has_own_derivatives();
   Linearised at = std::move(evaluation.at());
-  if (feedback && options.whole && how != Derivatives::kWhole)
-    at = linearise(at.at, &at.predicted, Derivatives::kWhole, true);
+  const bool make_whole = feedback && options.whole && how != Derivatives::kWhole;
+  if (make_whole) at = linearise(at.at, &at.predicted, Derivatives::kWhole, true);
+  at.own_derivatives = make_whole || (own && (!feedback || how == Derivatives::kWhole));
   at.converged = converged;
   at.damped = radius < kNoRadius;
   return at;

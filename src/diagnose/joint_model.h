@@ -68,6 +68,8 @@ struct Linearised {
   bool converged = false;
   /// Of a fit: that steps of Gauss and Newton overshot, and it ended with damped ones.
   bool damped = false;
+  /// Of a fit: its derivatives are the arm's own there, whole ones where loads depend on the shape.
+  bool own_derivatives = false;
 
   Eigen::VectorXd unknowns() const;  ///< values over scales
 };

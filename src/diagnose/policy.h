@@ -72,7 +72,11 @@ struct Policy {
     double screen_z = 3.5;       ///< of one that is worth a refit
     std::size_t always_refitted = 2;  ///< of those
     double near_best = 0.25;  ///< share of the best one's gain in the screen from which on others are too
-    double rival_z = 3.0;     ///< separation below which two effects are one class
+    /// Share of the best refit's gain from which on its evidence is by derivatives of its own: by those of
+    /// the model without it, it is off by a thousandth of the gain: what two that are nearly the same differ
+    /// in.
+    double leads = 0.5;
+    double rival_z = 3.0;                 ///< separation below which two effects are one class
     double rival_gain = 0.5 * 3.0 * 3.0;  ///< the same as a difference of log scores on unseen trials
     double rival_cosine = 0.95;           ///< of the signatures of two effects that may be one class
     double distinct_cosine = 0.5;         ///< of two that neither hides nor feigns the other

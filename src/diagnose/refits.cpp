@@ -236,6 +236,24 @@ Standing standing_on(JointModel& model, const Linearised& fit) {
   return standing;
 }
 
+void settle(JointModel& model, Refitted& r) {
+  if (r.settled) return;
+  Standing standing = standing_on(model, r.fit);
+  r.fit = std::move(standing.fit);
+  r.unseen = std::move(standing.unseen);
+  r.physical = !at_limit(r.fit);
+  r.settled = true;
+}
+
+void settle_leaders(JointModel& model, const Standing& current, std::vector<Refitted>& refitted) {
+  double most = 0.0;
+  for (const Refitted& r : refitted) most = std::max(most, current.fit.square - r.fit.square);
+  for (Refitted& r : refitted) {
+    const bool leads = current.fit.square - r.fit.square >= kPolicy.selection.leads * most;
+    if (leads && !(r.fit.own_derivatives && r.converged)) settle(model, r);
+  }
+}
+
 Standing refit_without(JointModel& model, const Standing& current, std::size_t effect) {
   JointParameters p = current.fit.at;
   p.effects.erase(p.effects.begin() + static_cast<std::ptrdiff_t>(effect));

@@ -114,6 +114,42 @@ INSTANTIATE_TEST_SUITE_P(Effects, SharedDerivatives,
                          ::testing::Values("base_compliance", "payload_scale", "contact"),
                          [](const auto& which) { return std::string(which.param); });
 
+/// A mass at the tip; a hose that may pull there and weighs, which is nearly the same; and creep, which is
+/// not.
+TEST(Refits, EvidenceOfThoseThatLeadIsByDerivativesOfTheirOwn) {
+  const testing::RecordedCase drawn =
+      testing::recorded_case("{count_weights: [0, 1], from: [tip_mass], size: [0.9, 1.0]}", 6, 3, 8.0);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  const Standing alone{looked.baseline, unseen(looked.model, looked.baseline)};
+  std::vector<Refitted> refitted;
+  for (const Screened& s : screen(looked.model, looked.baseline, 0, [](double) {}))
+    if (const std::string& id = s.effect->info().id; id == "tip_mass" || id == "tether" || id == "creep")
+      refitted.push_back(refit(looked.model, alone, s));
+  ASSERT_EQ(refitted.size(), 3U);
+  const auto named = [&](const std::string& id) -> Refitted& {
+    return *std::find_if(refitted.begin(), refitted.end(),
+                         [&](const Refitted& r) { return r.effect->info().id == id; });
+  };
+  // A pull depends on the shape, so that its derivatives are whole ones.
+  const auto off = [&](const Refitted& r) {
+    const Linearised own =
+        looked.model.linearise(r.fit.at, &r.fit.predicted, JointModel::Derivatives::kWhole, true);
+    return (own.derivative[0] - r.fit.derivative[0]).norm() / own.derivative[0].norm();
+  };
+  EXPECT_FALSE(named("tether").fit.own_derivatives);
+  EXPECT_TRUE(named("tip_mass").fit.own_derivatives);
+  EXPECT_GT(off(named("tether")), 5e-3);
+  settle_leaders(looked.model, alone, refitted);
+  EXPECT_LT(off(named("tether")), 1e-3);
+  EXPECT_TRUE(named("tether").fit.own_derivatives);
+  EXPECT_FALSE(named("tip_mass").settled);
+
+  for (Refitted& r : refitted) r.fit.own_derivatives = false;
+  settle_leaders(looked.model, alone, refitted);
+  EXPECT_TRUE(named("tip_mass").settled);
+  EXPECT_FALSE(named("creep").settled) << "explains next to nothing";
+}
+
 TEST(Screen, ThatKnowsTheSignaturesOfTheModelBeforeFindsWhatOneFromNothingDoes) {
   const testing::RecordedCase drawn = testing::recorded_case(
       "{count_weights: [0, 0, 1], from: [payload_scale, contact], size: [0.6, 1.0]}", 8, 4, 8.0);
