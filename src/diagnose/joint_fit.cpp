@@ -282,7 +282,10 @@ Linearised JointModel::fit(JointParameters parameters, const FitOptions& options
   threshold_ = threshold_at(predicted);
   const bool feedback = has_configuration_dependent_load(parameters);
   const Derivatives how = feedback ? options.derivatives : Derivatives::kShapesHeld;
-  Evaluation evaluation(*this, linearise(parameters, &predicted, how, true, near), how, near);
+  const bool begun = options.begins != nullptr && options.begins->own_derivatives;
+  Linearised begin = begun ? *options.begins : linearise(parameters, &predicted, how, true, near);
+  if (begun) weigh(begin);
+  Evaluation evaluation(*this, std::move(begin), how, near);
   for (int left = options.iterations; left > 0;) {
     const bool was_damped = radius < kNoRadius;
     const bool moved = minimise(evaluation, options.tolerance, radius, left);
@@ -301,12 +304,22 @@ Linearised JointModel::fit(JointParameters parameters, const FitOptions& options
   const bool converged = step_left(evaluation.at()) < kPolicy.fit.converged_sd;
   const bool own = evaluation.has_own_derivatives();
   Linearised at = std::move(evaluation.at());
-  const bool make_whole = feedback && options.whole && how != Derivatives::kWhole;
-  if (make_whole) at = linearise(at.at, &at.predicted, Derivatives::kWhole, true);
-  at.own_derivatives = make_whole || (own && (!feedback || how == Derivatives::kWhole));
+  at.own_derivatives = own && (!feedback || how == Derivatives::kWhole);
   at.converged = converged;
   at.damped = radius < kNoRadius;
+  if (feedback && options.whole && how != Derivatives::kWhole) take_own_derivatives(at);
   return at;
+}
+
+void JointModel::take_own_derivatives(Linearised& at) {
+  threshold_ = threshold_at(at.predicted);
+  const Derivatives how =
+      has_configuration_dependent_load(at.at) ? Derivatives::kWhole : Derivatives::kShapesHeld;
+  Linearised own = linearise(at.at, &at.predicted, how, true);
+  own.own_derivatives = true;
+  own.converged = at.converged;
+  own.damped = at.damped;
+  at = std::move(own);
 }
 
 Linearised JointModel::fit_without(JointParameters parameters, const std::vector<bool>& without,

@@ -145,6 +145,8 @@ class JointModel {
     /// of the time of a fit is theirs.
     const Linearised* near = nullptr;
     bool known = false;  ///< that `start` are the predictions at `parameters`
+    /// The fit at `parameters`, if its derivatives are its own: they are not made again. nullptr: another.
+    const Linearised* begins = nullptr;
     /// A fit with the first of the effects, from which `parameters` were expected to first order: of the way
     /// there only so much is gone (half, a quarter, ...) that it helps. nullptr: all of it.
     const Linearised* from = nullptr;
@@ -156,7 +158,10 @@ class JointModel {
   Linearised fit(JointParameters parameters, const FitOptions& options,
                  const std::vector<std::vector<model::Predicted>>* start = nullptr);
 
-  /// The same without some trials, from parameters that are near; of these nothing is predicted.
+  /// Makes a fit's derivatives the arm's own there, whole ones where loads depend on the shape.
+  void take_own_derivatives(Linearised& at);
+
+  /// A fit without some trials, from parameters that are near; of these nothing is predicted.
   /// @param without by trial
   /// @param all the fit of all, whose derivatives by the rod will do
   Linearised fit_without(JointParameters parameters, const std::vector<bool>& without, const Linearised& all);

@@ -230,27 +230,20 @@ Standing standing_on(JointModel& model, const Linearised& fit) {
   JointModel::FitOptions how = refit_options(kLastIterations);
   how.derivatives = JointModel::Derivatives::kWhole;
   how.known = true;
+  how.begins = &fit;
   Standing standing;
   standing.fit = model.fit(fit.at, how, &fit.predicted);
   standing.unseen = unseen(model, standing.fit);
   return standing;
 }
 
-void settle(JointModel& model, Refitted& r) {
-  if (r.settled) return;
-  Standing standing = standing_on(model, r.fit);
-  r.fit = std::move(standing.fit);
-  r.unseen = std::move(standing.unseen);
-  r.physical = !at_limit(r.fit);
-  r.settled = true;
-}
-
-void settle_leaders(JointModel& model, const Standing& current, std::vector<Refitted>& refitted) {
+void linearise_leaders(JointModel& model, const Standing& current, std::vector<Refitted>& refitted) {
   double most = 0.0;
   for (const Refitted& r : refitted) most = std::max(most, current.fit.square - r.fit.square);
   for (Refitted& r : refitted) {
-    const bool leads = current.fit.square - r.fit.square >= kPolicy.selection.leads * most;
-    if (leads && !(r.fit.own_derivatives && r.converged)) settle(model, r);
+    if (r.fit.own_derivatives || current.fit.square - r.fit.square < kPolicy.selection.leads * most) continue;
+    model.take_own_derivatives(r.fit);
+    r.unseen = unseen(model, r.fit);
   }
 }
 

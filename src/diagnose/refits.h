@@ -45,14 +45,13 @@ Refitted refit(JointModel& model, const Standing& current, const Screened& s);
 void finish_leaders(JointModel& model, const Standing& current, std::vector<Refitted>& refitted);
 
 /// What comes next rests on a fit that came near by the derivatives of another: the last steps, by its own,
-/// whole ones where loads depend on the shape. Else evidence would take for a gain of constants, or of a
-/// second effect that is nearly the same, what the fit left over.
+/// whole ones where loads depend on the shape. Else evidence would take for a gain of constants what the fit
+/// left over.
 Standing standing_on(JointModel& model, const Linearised& fit);
 
-/// The same of a refit, unless it has been done.
-void settle(JointModel& model, Refitted& refitted);
-/// The same of those that explain most.
-void settle_leaders(JointModel& model, const Standing& current, std::vector<Refitted>& refitted);
+/// Takes refits that explain most by derivatives of their own, where they came near by others'. Else evidence
+/// would take for a second effect, nearly the same, what these miss.
+void linearise_leaders(JointModel& model, const Standing& current, std::vector<Refitted>& refitted);
 
 /// The model so far without one of its effects; by the derivatives that it has.
 Standing refit_without(JointModel& model, const Standing& current, std::size_t effect);

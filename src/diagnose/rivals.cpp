@@ -78,10 +78,10 @@ EffectList rivals_of(const Round& round) {
 bool take_best(JointModel& model, Round& round, Standing& current) {
   while (round.taken >= 0) {
     Refitted& best = round.refitted[static_cast<std::size_t>(round.taken)];
-    settle(model, best);
-    if (best.unseen.total_chi2 < current.unseen.total_chi2 ||
-        best.unseen.total_rms_m < current.unseen.total_rms_m) {
-      current = {best.fit, best.unseen};
+    Standing next = standing_on(model, best.fit);
+    if (next.unseen.total_chi2 < current.unseen.total_chi2 ||
+        next.unseen.total_rms_m < current.unseen.total_rms_m) {
+      current = std::move(next);
       return true;
     }
     best.elsewhere = 0.0;

@@ -42,7 +42,7 @@ Round look(JointModel& model, Standing& current, bool refits, bool may_move, con
       return round;
     }
   }
-  settle_leaders(model, current, round.refitted);
+  linearise_leaders(model, current, round.refitted);
   progress(0.9, "how probable all of them are");
   round.posterior = posterior_of(model, current, round, options.jobs);
   for (const Screened& s : round.screened) {
@@ -76,8 +76,7 @@ void take_beside(JointModel& model, const Round& round, Standing& current, std::
     own.taken = best_of(model, own);
     if (own.taken < 0 || !own.refitted.front().converged) continue;
     own.rivals = rivals_of(own);
-    settle(model, own.refitted.front());
-    current = {own.refitted.front().fit, own.refitted.front().unseen};
+    current = standing_on(model, own.refitted.front().fit);
     list.push_back(s.effect);
     taken(std::move(own));
   }

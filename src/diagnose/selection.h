@@ -24,7 +24,6 @@ struct Refitted {
   double moved_m = 0.0;      ///< root of the fall of the mean square error on unseen trials
   bool physical = true;      ///< not at the end of its range
   bool converged = true;     ///< its fit came to an end
-  bool settled = false;      ///< by derivatives of its own: standing_on()
   Linearised fit;
   Unseen unseen;
 };
