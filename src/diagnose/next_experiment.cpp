@@ -89,12 +89,14 @@ std::vector<Present> collinear_of(const Selection& selection) {
 // --- Choosing --------------------------------------------------------------------------------------------
 
 std::string sentence_of(const NextExperiment& next, bool to_light) {
-  if (to_light)
+  if (to_light) {
+    const bool one = next.separates.size() == 1;
     return fmt::format(
-        "It would show {} of usual size, which are collinear with the arm's constants in today's trials: by "
-        "{:.1f} "
-        "standard deviations the least of them.",
-        one_of(next.separates), next.expected_separation);
+        "It would show {} of usual size, which {} collinear with the arm's constants in today's trials: by "
+        "{:.1f} standard deviations{}.",
+        one_of(next.separates), one ? "is" : "are", next.expected_separation,
+        one ? "" : " the least of them");
+  }
   return fmt::format(
       "It would separate {} by {:.{}f} standard deviations, today's trials by {:.1f}.",
       [&] {

@@ -13,12 +13,29 @@
 namespace softarm::diagnose {
 namespace {
 
+using Progress = std::function<void(double, const std::string&)>;
+
+/// Refits of what is more probable than not, or one of a class that is, and was not refitted.
+bool refit_the_probable(JointModel& model, const Standing& current, Round& round, const Progress& progress) {
+  bool any = false;
+  for (const Screened& s : round.screened) {
+    const bool known = std::any_of(round.refitted.begin(), round.refitted.end(),
+                                   [&](const Refitted& r) { return r.effect == s.effect; });
+    if (known || round.posterior.of(s.effect) < kPolicy.posterior.rival ||
+        of_class(round, s.effect) < kPolicy.posterior.named)
+      continue;
+    progress(0.95, "refitting with " + s.effect->info().id);
+    round.refitted.push_back(refit(model, current, s));
+    any = true;
+  }
+  return any;
+}
+
 /// One round: screen, refits of what explains most, the posterior, refits of what is more probable than not.
 /// @param may_move whether the model so far may come to better constants, from which the round begins again
 /// @param delayed a fit with one effect more, from which its refit begins; null: none
 Round look(JointModel& model, Standing& current, bool refits, bool may_move, const Linearised* delayed,
-           KnownSignatures& signatures, const Options& options,
-           const std::function<void(double, const std::string&)>& progress) {
+           KnownSignatures& signatures, const Options& options, const Progress& progress) {
   Round round;
   model.set_misfit(std::max(1.0, current.fit.square / std::max(1, current.fit.rows)));
   progress(0.0, "screening the catalogue");
@@ -45,14 +62,10 @@ Round look(JointModel& model, Standing& current, bool refits, bool may_move, con
   linearise_leaders(model, current, round.refitted);
   progress(0.9, "how probable all of them are");
   round.posterior = posterior_of(model, current, round, options.jobs);
-  for (const Screened& s : round.screened) {
-    const bool known = std::any_of(round.refitted.begin(), round.refitted.end(),
-                                   [&](const Refitted& r) { return r.effect == s.effect; });
-    if (!refits || known || round.posterior.of(s.effect) < kPolicy.posterior.rival ||
-        of_class(round, s.effect) < kPolicy.posterior.named)
-      continue;
-    progress(0.95, "refitting with " + s.effect->info().id);
-    round.refitted.push_back(refit(model, current, s));
+  if (refits && refit_the_probable(model, current, round, progress)) {
+    linearise_leaders(model, current, round.refitted);
+    round.posterior = posterior_of(model, current, round, options.jobs);
+    refit_the_probable(model, current, round, progress);
   }
   compare(current, round.posterior, round.refitted);
   round.taken = best_of(model, round);

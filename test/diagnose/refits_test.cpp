@@ -149,6 +149,31 @@ TEST(Refits, EvidenceOfThoseThatLeadIsByDerivativesOfTheirOwn) {
   EXPECT_FALSE(named("creep").fit.own_derivatives) << "explains next to nothing";
 }
 
+/// Linear about a fit without it, inertia seems to be there beside a dead zone; about a fit with it it does
+/// not.
+TEST(Refits, WhatSeemsProbableIsJudgedAboutItsOwnFit) {
+  const testing::RecordedCase drawn = testing::recorded_case(
+      "{count_weights: [0, 1], from: [pressure_dead_zone], size: [0.6, 1.0]}", 8, 3, 8.0);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  Round linear;
+  linear.screened = screen(looked.model, looked.baseline, 0, [](double) {});
+  Standing alone{looked.baseline, unseen(looked.model, looked.baseline)};
+  linear.posterior = posterior_of(looked.model, alone, linear, 0);
+  const auto inertia = std::find_if(linear.screened.begin(), linear.screened.end(),
+                                    [](const Screened& s) { return s.effect->info().id == "inertia"; });
+  ASSERT_NE(inertia, linear.screened.end());
+
+  Options options;
+  options.refits = 0;  // but of what is probable
+  options.most_effects = 1;
+  const Selection selection =
+      select(looked.model, looked.baseline, std::nullopt, options, [](double, const std::string&) {});
+  const Round& first = selection.rounds.front();
+  EXPECT_TRUE(std::any_of(first.refitted.begin(), first.refitted.end(),
+                          [&](const Refitted& r) { return r.effect == inertia->effect; }));
+  EXPECT_LT(first.posterior.of(inertia->effect), 0.5 * linear.posterior.of(inertia->effect));
+}
+
 TEST(Screen, ThatKnowsTheSignaturesOfTheModelBeforeFindsWhatOneFromNothingDoes) {
   const testing::RecordedCase drawn = testing::recorded_case(
       "{count_weights: [0, 0, 1], from: [payload_scale, contact], size: [0.6, 1.0]}", 8, 4, 8.0);
