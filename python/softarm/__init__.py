@@ -10,6 +10,12 @@ Everywhere: SI units, and the unit in the name (``stamp_s``, ``payload_kg``, ``E
 measured nor known, None in ``to_dict()``. What cannot be done raises :class:`Error` or ValueError with one clear line. Long
 calls release Python's lock, end at Ctrl-C, and tell ``progress(share, what)`` where it is given.
 """
+import importlib.util
+
+if importlib.util.find_spec(__name__ + "._softarm") is None:
+    raise ImportError("softarm was installed without its compiled part, or for another Python than this one: scripts/python "
+                      "builds and finds it, for /usr/bin/python3")
+
 from ._arm import Arm, Body, Constant, Input, Segment, arm_keys, load_arm, parse_arm, shipped_arms
 from ._check import Check, Finding, check
 from ._common import SoftarmWarning

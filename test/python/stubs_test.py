@@ -3,6 +3,9 @@ import ast
 import inspect
 import os
 import re
+import shutil
+import subprocess
+import sys
 import unittest
 
 import support
@@ -148,6 +151,14 @@ class Package(unittest.TestCase):
         for argument in inspect.signature(function).parameters.values():
             if argument.name not in ("self", "arm", "others"):
                 self.assertIn(f"``{argument.name}``", text, f"{label}({argument.name})")
+
+    def test_a_package_without_its_compiled_part_says_so(self):
+        alone = support.path("alone")
+        shutil.copytree(PACKAGE, os.path.join(alone, "softarm"), ignore=shutil.ignore_patterns("*.so", "__pycache__"))
+        done = subprocess.run([sys.executable, "-c", "import softarm"], env={**os.environ, "PYTHONPATH": alone},
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+        self.assertNotEqual(done.returncode, 0)
+        self.assertRegex(done.stderr.splitlines()[-1], "^ImportError: softarm was installed without its compiled part")
 
 
 if __name__ == "__main__":
