@@ -316,8 +316,7 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   const auto report = [&](double share, const std::string& what) {
     if (progress) progress(share, what);
   };
-  // By the processor time of each stage: nine trials of half a minute of an arm, four rounds of the
-  // selection.
+  // By the processor time of each stage: nine trials of half a minute of an untidy arm.
   report(0.0, "averaging frames");
   model::Preparation how;
   how.block_s = options.block_s;
@@ -330,15 +329,15 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   if (names) looked_for.most_effects = 0;  // what they would explain is not the arm's
   Selection selection =
       select(model, std::move(first.baseline), first.delayed, looked_for,
-             [&](double share, const std::string& what) { report(0.14 + 0.66 * share, what); });
+             [&](double share, const std::string& what) { report(0.14 + 0.72 * share, what); });
 
-  report(0.87, "what could be explained at all");
+  report(0.86, "what could be explained at all");
   Diagnosis d;
   d.arm = arm.name;
   const Remains left = compare(model, selection, options.jobs, d);
   const bool extended = !selection.extended.at.effects.empty();
   const BeyondRange beyond = names ? BeyondRange{} : look_beyond(model, options, selection);
-  report(0.89, "where");
+  report(0.92, "where");
   add_findings(model, selection, left.adequate && !beyond.helps, d);
   d.before = structure_of(model, selection.baseline, selection.baseline_unseen);
   d.after = extended ? structure_of(model, selection.extended, selection.extended_unseen) : d.before;
@@ -349,7 +348,7 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   d.shifts = shifts_of(model, selection);
   std::optional<Law> law;
   if (!left.adequate) {
-    report(0.893, "whether a law can be learnt of what is left");
+    report(0.92, "whether a law can be learnt of what is left");
     law = discover_law(model, selection, d.discrepancy_share, d.noise_floor_m, options.jobs);
   }
   if (law) d.discovered_law = law->said;
@@ -361,12 +360,12 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   add_summary(model, beyond, d);
   d.notes = notes_of(count, prepared, selection, options, first, model, left);
 
-  report(0.897, "what single instants say");
+  report(0.925, "what single instants say");
   const std::vector<InstantFit> instants = fit_instants(model, selection.baseline, options.jobs);
   d.ladder = pooling_ladder(model, selection.baseline, instants);
   d.parameter_variation = parameter_variation_of(model, selection.baseline, instants);
   d.ladder_sentence = where_it_hides(d.ladder, d.noise_floor_m, d.parameter_variation);
-  report(0.9, "what to measure next");
+  report(0.93, "what to measure next");
   d.next_experiment = next_experiment(model, selection, d.verdict, options);
   report(0.985, "pictures");
   add_pictures(model, selection, d);
