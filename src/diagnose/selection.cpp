@@ -74,10 +74,9 @@ Round look(JointModel& model, Standing& current, bool refits, bool may_move, con
   linearise_leaders(model, current, round.refitted);
   progress(0.62, "how probable all of them are");
   round.posterior = posterior_of(model, current, round, options.jobs);
-  if (refits && refit_the_probable(model, current, round, progress)) {
+  while (refits && refit_the_probable(model, current, round, progress)) {
     linearise_leaders(model, current, round.refitted);
     round.posterior = posterior_of(model, current, round, options.jobs);
-    refit_the_probable(model, current, round, progress);
   }
   compare(current, round.posterior, round.refitted);
   round.taken = best_of(model, round);
