@@ -148,6 +148,11 @@ double left_m(const Diagnosis& d, double share) {
   return std::sqrt(share * std::max(0.0, could2));
 }
 
+/// Square of what is left over what small departures come to; 1 at least.
+double beyond_small(double left_m, double length_m) {
+  return std::max(1.0, std::pow(left_m / (kPolicy.words.small * length_m), 2));
+}
+
 }  // namespace
 
 bool is_short_delay(const Present& present) {
@@ -159,15 +164,18 @@ bool is_of_sensors_alone(const model::Info& info, bool short_delay) {
 }
 
 double small_even_part(double left_m, double length_m) {
-  const double beyond = left_m / (kPolicy.words.small * length_m);
   return std::min(kPolicy.posterior.even_part,
-                  kPolicy.posterior.small_even_part * std::max(1.0, beyond * beyond));
+                  kPolicy.posterior.small_even_part * beyond_small(left_m, length_m));
 }
 
-double is_no_stand_in(double even, double part, double left) {
+double small_is_there(double left_m, double length_m) {
+  return kPolicy.posterior.small_is_there / beyond_small(left_m, length_m);
+}
+
+double is_no_stand_in(double even, double part, double left, double least) {
   if (!(left > 0.0)) return 1.0;
   const double odds = std::pow(part / (even * left), kPolicy.posterior.stand_in);
-  return odds / (1.0 + odds);
+  return least + (1.0 - least) * odds / (1.0 + odds);
 }
 
 void mistake_mutually(std::vector<NamedEffect>& effects) {
@@ -255,7 +263,8 @@ void add_findings(JointModel& model, const Selection& selection, bool adequate, 
   std::set<const model::Effect*> weighed;
   std::vector<double> known;
   const double left = adequate ? 0.0 : 1.0 - d.explained_share;
-  const double small_even = small_even_part(left_m(d, left), model.arm().total_length_m());
+  const double length_m = model.arm().total_length_m();
+  const double small_even = small_even_part(left_m(d, left), length_m);
   for (std::size_t e = 0; e < all.size(); ++e) {
     NamedEffect& effect = all[e];
     const bool small = is_small(model, selection, e, effect, d, adequate);
@@ -271,7 +280,9 @@ void add_findings(JointModel& model, const Selection& selection, bool adequate, 
       known.push_back(is_usual(model, present)
                           ? 0.0
                           : effect.probability * is_no_stand_in(even(*present.effect, false), part, left));
-    effect.probability *= is_no_stand_in(even(*present.effect, small), part, left);
+    const bool of_arm = small && !is_of_sensors_alone(present.effect->info(), short_delay);
+    effect.probability *= is_no_stand_in(even(*present.effect, small), part, left,
+                                         of_arm ? small_is_there(left_m(d, left), length_m) : 0.0);
     if (!small && !adequate) {
       // Those that might be there in its place would explain as little.
       for (const model::Effect* rival : selection.rounds[selection.round_of[e]].rivals)

@@ -42,11 +42,15 @@ bool is_of_sensors_alone(const model::Info& info, bool short_delay);
 /// @param left_m what nothing explains, rms distance of a body
 double small_even_part(double left_m, double length_m);
 
+/// Probability, at least, that a small departure which was found is there, however little of what is left it
+/// explains: where an untidy arm has many, some are. Falls with the square of what is left, too.
+double small_is_there(double left_m, double length_m);
+
 /// Probability that what explains a part of what could be explained is no stand-in for what is left:
 /// something that no effect of the catalogue makes looks like several that do.
 /// @param even the ratio of part to left at which one is as likely as the other
 /// @param part, left shares of what could be explained: by it, and by nothing
-double is_no_stand_in(double even, double part, double left);
+double is_no_stand_in(double even, double part, double left, double least = 0.0);
 
 /// Candidates in the order in which they are said: what the verdict stands on, what that may be mistaken for,
 /// the small departures and the stand-ins, all others.

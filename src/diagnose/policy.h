@@ -108,6 +108,9 @@ struct Policy {
     /// findings below 1. Bodies that are elsewhere on real arms, though nobody moved them, have 0.03 and
     /// less.
     double even_part = 0.5, small_even_part = 0.1, sensor_even_part = 0.03;
+    /// Of a small departure that was found, to be there whatever part it is (small_is_there()): of 16 that
+    /// are less than a tenth of what is left 11 are.
+    double small_is_there = 0.4;
     double least_white = 0.3;         ///< of the stated variance, at least: by more nobody overstates a noise
     std::size_t most_instants = 300;  ///< or groups of neighbouring ones: the cost goes with its square
     long fewest_instants = 20;        ///< with fewer nothing is said

@@ -109,6 +109,13 @@ TEST(Findings, SmallDeparturesAreBelievedWhereNoMoreIsLeftThanTheyComeTo) {
   EXPECT_DOUBLE_EQ(small_even_part(0.3 * small_m, length_m), kPolicy.posterior.small_even_part);
   EXPECT_DOUBLE_EQ(small_even_part(2.0 * small_m, length_m), 4.0 * kPolicy.posterior.small_even_part);
   EXPECT_DOUBLE_EQ(small_even_part(10.0 * small_m, length_m), kPolicy.posterior.even_part);
+
+  const double least = small_is_there(0.3 * small_m, length_m);
+  EXPECT_DOUBLE_EQ(least, kPolicy.posterior.small_is_there);
+  EXPECT_DOUBLE_EQ(small_is_there(2.0 * small_m, length_m), 0.25 * least);
+  EXPECT_LT(small_is_there(10.0 * small_m, length_m), 0.005);  // on real arms
+  EXPECT_NEAR(is_no_stand_in(0.1, 1e-3, 0.999, least), least, 1e-3);
+  EXPECT_DOUBLE_EQ(is_no_stand_in(0.2, 0.1, 0.5, least), least + 0.5 * (1.0 - least));
 }
 
 TEST(Findings, AShortDelayOfClocksMayStandInForPhysics) {
