@@ -50,6 +50,7 @@ double small_is_there(double left_m, double length_m);
 /// something that no effect of the catalogue makes looks like several that do.
 /// @param even the ratio of part to left at which one is as likely as the other
 /// @param part, left shares of what could be explained: by it, and by nothing
+/// @param least of that probability (small_is_there())
 double is_no_stand_in(double even, double part, double left, double least = 0.0);
 
 /// Candidates in the order in which they are said: what the verdict stands on, what that may be mistaken for,
