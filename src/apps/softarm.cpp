@@ -43,8 +43,9 @@ std::string no_command(const CLI::App& program, const std::vector<std::string>& 
       return command->get_require_subcommand_min() > 0 ? no_command(*command, words, i + 1) : "";
     }
     const auto near = softarm::arm::yaml::nearest_word(word, names);
-    return fmt::format("no command '{}'{}; there are {}", word.substr(0, 60),
-                       near ? fmt::format("; did you mean '{}'?", *near) : "", fmt::join(names, ", "));
+    return fmt::format("no command '{}'; {} {}", word.substr(0, 60),
+                       near ? fmt::format("did you mean '{}'? There are", *near) : "there are",
+                       fmt::join(names, ", "));
   }
   return "";
 }

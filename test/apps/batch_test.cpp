@@ -108,7 +108,7 @@ TEST(SoftarmBatch, BadUsageIsOneLineBeforeAnyWork) {
     return o.err;
   };
   EXPECT_THAT(said("estimat --arm online_200mm a.bag"),
-              HasSubstr("no command 'estimat'; did you mean 'estimate'?; there are"));
+              HasSubstr("no command 'estimat'; did you mean 'estimate'? There are"));
   EXPECT_THAT(said("estimate --arm online_200mn " + dir / "a.bag"), HasSubstr("arm 'online_200mn'"));
   EXPECT_THAT(said("estimate --arm online_200mm --window 99 " + dir / "a.bag"), HasSubstr("--window"));
   EXPECT_THAT(said("check --arm online_200mm --window 1 " + dir / "a.bag"), HasSubstr("--window"));

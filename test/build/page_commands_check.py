@@ -157,6 +157,16 @@ class Folder:
             os.mkdir(self.at(name))
 
 
+    def left_in_a_checkout(self):
+        """What commands wrote at the top of a checkout that git would take for the package's: the tests look at its files."""
+        own = {"scripts", "config", "test", "python", "build", "said", "ros_home", "jobs", "given_arm.yaml", "given_arm_layout.yaml"}
+        names = [name + "/" * os.path.isdir(self.at(name)) for name in sorted(os.listdir(self.path))
+                 if name not in own and not name.endswith(".log")]
+        ignored = subprocess.run(["git", "-C", source, "check-ignore", "--no-index", *names], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                                 encoding="utf-8", check=False)
+        return [] if ignored.returncode > 1 else [name for name in names if name not in ignored.stdout.split("\n")]
+
+
 class Block:
     """Runs one block in a shell of its own; `failed` is what went wrong."""
 
@@ -250,6 +260,8 @@ def main():
             findings += block.failed
             counts["run"] += block.ran
             counts["left"] += block.left
+        if page == "README.md":
+            findings += [f"{page}: {name}: .gitignore does not have what its commands write" for name in folder.left_in_a_checkout()]
         shutil.rmtree(folder.path)
     if len(sys.argv) <= 3:
         findings += [f"a rule that no command needs: {rule}" for rule in (*NOT_RUN, *LONG) if rule not in used]
