@@ -73,7 +73,7 @@ void guard(const Eigen::MatrixXd& between, Eigen::MatrixXd& covariance) {
 /// @param selection that came to it
 Doubt doubt_in(JointModel& model, Standing& current, const Posterior& of_all, const Options& options,
                const Selection& selection) {
-  const Round alone = without_rivals(selection);
+  Round alone = without_rivals(selection);
   const std::size_t catalogue = selection.rounds.front().screened.size();
   Doubt doubt = doubt_about(current.fit, of_all,
                             alone.screened.size() < selection.rounds.back().screened.size()

@@ -179,6 +179,34 @@ void add_left(const MatrixXd& rows_per_m, double length_m, EvidenceData& data) {
   }
 }
 
+/// Fills the effects: by their signatures about a fit, with another one's weights.
+void add_effects(JointModel& model, const Shown& shown, Linearised& at, const Linearised& like,
+                 const std::vector<model::Present>& candidates, unsigned jobs, EvidenceData& data) {
+  model.complete(at);
+  const Index n = data.residual.rows(), m = data.residual.cols();
+  const std::vector<SizeStep> steps = size_steps(candidates);
+  for (const SizeStep& step : steps)
+    data.effects.push_back({step.present.effect, 0.0, kPolicy.fit.size_sd, MatrixXd::Zero(n, m), 0.0});
+  math::in_parallel(model.trials().size(), jobs, [&](std::size_t t) {
+    const MatrixXd moves = signatures_of(model, at, t, steps);
+    const Eigen::VectorXd weight =
+        (at.root_weight[t].array() > 0.0).select(like.root_weight[t].cwiseQuotient(at.root_weight[t]), 0.0);
+    for (std::size_t i = 0; i < shown.instants.size(); ++i) {
+      const InstantRows& from = shown.instants[i];
+      if (from.trial != t) continue;
+      for (std::size_t c = 0; c < data.effects.size(); ++c) {
+        const Eigen::VectorXd column = weight.cwiseProduct(moves.col(static_cast<Index>(c)));
+        auto to = data.effects[c].moves.row(shown.group[i]);
+        to.head(shown.bodies) += shown.weight(i) * column.segment(from.bodies, shown.bodies).transpose();
+        to.tail(shown.tangents) +=
+            shown.weight(i) * column.segment(from.tangents, shown.tangents).transpose();
+      }
+    }
+  });
+  drop_unknown(data.effects);
+  add_left(rows_per_m(model, shown, like), model.arm().total_length_m(), data);
+}
+
 }  // namespace
 
 std::vector<SizeStep> size_steps(const std::vector<model::Present>& candidates) {
@@ -213,31 +241,22 @@ EvidenceData evidence_of_refit(const JointModel& model, const Linearised& refit,
   return of_fit(whole_instants(model, like), refit, like);
 }
 
+EvidenceData evidence_of_refit(JointModel& model, Linearised& refit, const Linearised& like,
+                               const std::vector<model::Present>& candidates, unsigned jobs) {
+  const Shown shown = whole_instants(model, like);
+  EvidenceData data = of_fit(shown, refit, like);
+  std::vector<model::Present> others;
+  for (const model::Present& candidate : candidates)
+    if (candidate.effect != refit.at.effects.back().effect) others.push_back(candidate);
+  add_effects(model, shown, refit, like, others, jobs, data);
+  return data;
+}
+
 EvidenceData evidence_data(JointModel& model, Linearised& at, const std::vector<model::Present>& candidates,
                            unsigned jobs) {
-  model.complete(at);
   const Shown shown = whole_instants(model, at);
   EvidenceData data = of_fit(shown, at, at);
-  const Index n = data.residual.rows(), m = data.residual.cols();
-  const std::vector<SizeStep> steps = size_steps(candidates);
-  for (const SizeStep& step : steps)
-    data.effects.push_back({step.present.effect, 0.0, kPolicy.fit.size_sd, MatrixXd::Zero(n, m), 0.0});
-  math::in_parallel(model.trials().size(), jobs, [&](std::size_t t) {
-    const MatrixXd moves = signatures_of(model, at, t, steps);
-    for (std::size_t i = 0; i < shown.instants.size(); ++i) {
-      const InstantRows& from = shown.instants[i];
-      if (from.trial != t) continue;
-      for (std::size_t c = 0; c < data.effects.size(); ++c) {
-        const auto column = moves.col(static_cast<Index>(c));
-        auto to = data.effects[c].moves.row(shown.group[i]);
-        to.head(shown.bodies) += shown.weight(i) * column.segment(from.bodies, shown.bodies).transpose();
-        to.tail(shown.tangents) +=
-            shown.weight(i) * column.segment(from.tangents, shown.tangents).transpose();
-      }
-    }
-  });
-  drop_unknown(data.effects);
-  add_left(rows_per_m(model, shown, at), model.arm().total_length_m(), data);
+  add_effects(model, shown, at, at, candidates, jobs, data);
   data.features = features_at(model, at, shown);
   return data;
 }

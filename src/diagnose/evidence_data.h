@@ -39,8 +39,8 @@ struct SizeStep {
 /// goes as far as these do.
 std::vector<SizeStep> size_steps(const std::vector<model::Present>& candidates);
 
-/// Whitened signatures of such steps over a trial's rows, by usual sizes: one column each, weighted as the
-/// fit's residuals are.
+/// Signatures of such steps over a trial's rows, by usual sizes: one column each, whitened and weighted as
+/// the fit's residuals are.
 Eigen::MatrixXd signatures_of(JointModel& model, const Linearised& at, std::size_t trial,
                               const std::vector<SizeStep>& steps);
 
@@ -51,5 +51,10 @@ EvidenceData evidence_data(JointModel& model, Linearised& at, const std::vector<
 
 /// The same instants, and Huber's weights, as of `like`, by another fit: without candidates and features.
 EvidenceData evidence_of_refit(const JointModel& model, const Linearised& refit, const Linearised& like);
+
+/// The same with the candidates that are not in it, by their signatures about it.
+/// @param refit is completed
+EvidenceData evidence_of_refit(JointModel& model, Linearised& refit, const Linearised& like,
+                               const std::vector<model::Present>& candidates, unsigned jobs);
 
 }  // namespace softarm::diagnose

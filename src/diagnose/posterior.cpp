@@ -16,6 +16,11 @@ using model::Effect;
 
 constexpr double kLeastWeight = 1e-3;  // of a set against the best: what is less says nothing
 
+bool has(const EvidenceData& data, const Effect* effect) {
+  return std::any_of(data.effects.begin(), data.effects.end(),
+                     [&](const Signature& s) { return s.effect == effect; });
+}
+
 /// The linearised model about each fit that there is: the present one, and one for each effect that was
 /// refitted with it. A set of effects is judged about the fit that suits it best of those with one of its
 /// effects.
@@ -27,7 +32,8 @@ class Expansions {
       EvidenceData own = i == 0 ? data : refits[i - 1].data;
       if (i > 0) {
         for (const Signature& s : data.effects)
-          if (s.effect != refits[i - 1].effect) own.effects.push_back(s);
+          if (s.effect != refits[i - 1].effect && !has(refits[i - 1].data, s.effect))
+            own.effects.push_back(s);
       }
       models_[i].emplace(own, bases_);
     });

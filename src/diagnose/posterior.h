@@ -34,7 +34,9 @@ struct Posterior {
 /// A fit with one effect more, at the same instants.
 struct RefitEvidence {
   const model::Effect* effect = nullptr;
-  EvidenceData data;  ///< evidence_of_refit(): the effect's own numbers are among the unknowns
+  /// evidence_of_refit(): the effect's own numbers are among the unknowns. Effects that it does not have move
+  /// the bodies as they do about the fit without.
+  EvidenceData data;
 };
 
 /// Spike and slab over the catalogue (George and McCulloch 1993; Ishwaran and Rao 2005), linear about a fit.

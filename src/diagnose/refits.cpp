@@ -127,11 +127,14 @@ std::vector<Present> candidates_of(const Round& round) {
   return candidates;
 }
 
-Posterior posterior_of(JointModel& model, Standing& current, const Round& round, unsigned jobs) {
+Posterior posterior_of(JointModel& model, Standing& current, Round& round, unsigned jobs) {
+  const std::vector<Present> candidates = candidates_of(round);
   std::vector<RefitEvidence> refits;
-  for (const Refitted& r : round.refitted)
-    refits.push_back({r.effect, evidence_of_refit(model, r.fit, current.fit)});
-  return posterior(evidence_data(model, current.fit, candidates_of(round), jobs), refits, jobs);
+  for (Refitted& r : round.refitted)
+    refits.push_back({r.effect, r.fit.own_derivatives
+                                    ? evidence_of_refit(model, r.fit, current.fit, candidates, jobs)
+                                    : evidence_of_refit(model, r.fit, current.fit)});
+  return posterior(evidence_data(model, current.fit, candidates, jobs), refits, jobs);
 }
 
 std::vector<Eigen::Index> rows_of_sizes(const Linearised& at, std::size_t effect) {

@@ -17,8 +17,8 @@ struct Standing {
 /// What was screened, each at the values of its refit where it had one.
 std::vector<model::Present> candidates_of(const Round& round);
 
-/// About the model so far: how probable each of a round's candidates is.
-Posterior posterior_of(JointModel& model, Standing& current, const Round& round, unsigned jobs);
+/// About the model so far, and the refits: how probable each of a round's candidates is.
+Posterior posterior_of(JointModel& model, Standing& current, Round& round, unsigned jobs);
 
 /// Of what an effect moves the bodies by beyond what the constants absorb, rms: less is too small to matter.
 double trivial_m(const JointModel& model);

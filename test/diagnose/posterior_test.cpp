@@ -192,6 +192,26 @@ TEST(Posterior, TwoRefitsThatExplainTheSameAreNotBothThere) {
   EXPECT_NEAR(p.of(refits[0].effect) + p.of(refits[1].effect), 1.0, 0.05);
 }
 
+// What is left by a fit with one effect looks as if another were there by what that does without the first;
+// with it, it does something else.
+TEST(Posterior, BesideARefitOthersDoWhatTheyDoAboutIt) {
+  std::mt19937_64 random(12);
+  EvidenceData data = made_up(90, 6, 12, 1.0, random);
+  const MatrixXd one = data.effects[4].moves, other = data.effects[5].moves;
+  const auto* const beside = data.effects[5].effect;
+  RefitEvidence refit{data.effects[4].effect, data};
+  refit.data.residual += 0.8 * other;
+  refit.data.effects.clear();
+  refit.data.unknowns.push_back({nullptr, 0.0, 5.0, one});
+  data.residual += 2.0 * one + 0.8 * other;
+  EXPECT_GT(posterior(data, {refit}, 1).of(beside), 0.9) << "by what it does without the first";
+  refit.data.effects.push_back(data.effects[5]);
+  refit.data.effects.back().moves = data.effects[6].moves;
+  const Posterior p = posterior(data, {refit}, 1);
+  EXPECT_GT(p.of(refit.effect), 0.9);
+  EXPECT_LT(p.of(beside), 0.1);
+}
+
 // Usual sizes may move the bodies by sixty times the noise: a hundredth of one is then seen, and is no
 // background where all the others are smaller than a thousandth.
 TEST(Posterior, ASmallShareOfAUsualSizeIsNamedWhereAllElseIsRight) {

@@ -149,6 +149,43 @@ TEST(Refits, EvidenceOfThoseThatLeadIsByDerivativesOfTheirOwn) {
   EXPECT_FALSE(named("creep").fit.own_derivatives) << "explains next to nothing";
 }
 
+TEST(Refits, WhatOthersDoBesideARefitIsWhatTheyDoAboutItsFit) {
+  const testing::RecordedCase drawn =
+      testing::recorded_case("{count_weights: [0, 1], from: [tether], size: [0.9, 1.0]}", 6, 3, 8.0);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  Standing alone{looked.baseline, unseen(looked.model, looked.baseline)};
+  Round round;
+  round.screened = screen(looked.model, looked.baseline, 0, [](double) {});
+  const auto tether = std::find_if(round.screened.begin(), round.screened.end(),
+                                   [](const Screened& s) { return s.effect->info().id == "tether"; });
+  ASSERT_NE(tether, round.screened.end());
+  Refitted with = refit(looked.model, alone, *tether);
+  looked.model.take_own_derivatives(with.fit);
+  const std::vector<model::Present> all = candidates_of(round);
+  std::vector<model::Present> others = all;
+  others.erase(others.begin() + (tether - round.screened.begin()));
+  const EvidenceData without = evidence_data(looked.model, alone.fit, others, 0),
+                     about_it = evidence_data(looked.model, with.fit, others, 0),
+                     beside_it = evidence_of_refit(looked.model, with.fit, with.fit, all, 0);
+  ASSERT_EQ(beside_it.effects.size(), about_it.effects.size());
+  double most = 0.0;
+  for (std::size_t e = 0; e < about_it.effects.size(); ++e) {
+    ASSERT_EQ(beside_it.effects[e].effect, about_it.effects[e].effect);
+    EXPECT_EQ(beside_it.effects[e].moves, about_it.effects[e].moves);
+    EXPECT_EQ(beside_it.effects[e].left, about_it.effects[e].left);
+    most = std::max(most, (about_it.effects[e].moves - without.effects[e].moves).norm() /
+                              about_it.effects[e].moves.norm());
+  }
+  EXPECT_GT(most, 0.05) << "a pull changes what others do";
+
+  // By the weights of the fit without: all rows of the same.
+  const EvidenceData weighed = evidence_of_refit(looked.model, with.fit, alone.fit, all, 0);
+  const EvidenceData bare = evidence_of_refit(looked.model, with.fit, alone.fit);
+  EXPECT_EQ(weighed.residual, bare.residual);
+  EXPECT_TRUE(bare.effects.empty());
+  ASSERT_EQ(weighed.effects.size(), about_it.effects.size());
+}
+
 /// Linear about a fit without it, inertia seems to be there beside a dead zone; about a fit with it it does
 /// not.
 TEST(Refits, WhatSeemsProbableIsJudgedAboutItsOwnFit) {
