@@ -24,6 +24,45 @@ double distance_m(const Predicted& a, const Predicted& b) {
   return (a.rest.stations.back() - b.rest.stations.back()).norm();
 }
 
+/// How far bodies are from where the model has them while a swing lasts, per axis.
+struct Misfit {
+  double all_m = 0.0;           ///< 0: nothing was seen
+  double beside_lines_m = 0.0;  ///< without what goes along a straight line over time, of each body
+};
+
+Misfit misfit_of(const FreeSwing& swing, Index bodies, const TrialData& trial,
+                 const std::vector<Predicted>& predicted) {
+  std::vector<double> all, beside_lines;
+  for (Index body = 0; body < bodies; ++body) {
+    std::vector<Vector3d> off;
+    std::vector<double> t_s;
+    for (std::size_t k = swing.first; k < swing.first + swing.by.size(); ++k) {
+      const std::vector<Seen>& seen = trial.blocks[k].bodies;
+      for (std::size_t j = 0; j < seen.size() && predicted[k].solved; ++j) {
+        if (seen[j].body != body) continue;
+        off.push_back(seen[j].p_base - predicted[k].p.col(static_cast<Index>(j)));
+        t_s.push_back(predicted[k].rest.t_s - predicted[swing.first].rest.t_s);
+      }
+    }
+    const auto n = static_cast<Index>(off.size());
+    MatrixXd line(n, 2), left(n, 3);
+    for (Index i = 0; i < n; ++i) {
+      line.row(i) << 1.0, t_s[static_cast<std::size_t>(i)];
+      left.row(i) = off[static_cast<std::size_t>(i)].transpose();
+      all.push_back(left.row(i).norm());
+    }
+    double taken = 1.0;  // by the line, of the noise
+    if (n > 2) {
+      left -= line * line.colPivHouseholderQr().solve(left);
+      taken = std::sqrt(static_cast<double>(n) / static_cast<double>(n - 2));
+    }
+    for (Index i = 0; i < n; ++i) beside_lines.push_back(taken * left.row(i).norm());
+  }
+  if (all.empty()) return {};
+  return {math::median(std::move(all)) / math::kMedianOfChi3,
+          math::median(std::move(beside_lines)) / math::kMedianOfChi3};
+}
+
 }  // namespace
 
 std::vector<FreeSwing> free_swings(const model::TrialModes& modes, const TrialData& trial,
@@ -59,16 +98,9 @@ KnownSwing known_of(const FreeSwing& swing, const model::Modes& modes, const Tri
                     const std::vector<Predicted>& predicted) {
   const Index r = swing.by.front().cols() / 2, bodies = swing.by.front().rows() / 6;
   const Index unknowns = 2 * r + 6 * bodies;
-  std::vector<double> distances;
-  for (std::size_t i = 0; i < swing.by.size(); ++i) {
-    const std::size_t k = swing.first + i;
-    for (std::size_t j = 0; j < trial.blocks[k].bodies.size() && predicted[k].solved; ++j)
-      distances.push_back(
-          (trial.blocks[k].bodies[j].p_base - predicted[k].p.col(static_cast<Index>(j))).norm());
-  }
   KnownSwing known;
-  if (distances.empty()) return known;
-  const double misfit_m = math::median(std::move(distances)) / math::kMedianOfChi3;
+  const Misfit misfit = misfit_of(swing, bodies, trial, predicted);
+  if (!(misfit.all_m > 0.0)) return known;
   MatrixXd information = MatrixXd::Zero(unknowns, unknowns);
   VectorXd gradient = VectorXd::Zero(unknowns);
   const double begin_s = predicted[swing.first].rest.t_s,
@@ -80,9 +112,10 @@ KnownSwing known_of(const FreeSwing& swing, const model::Modes& modes, const Tri
     for (std::size_t j = 0; j < trial.blocks[k].bodies.size(); ++j) {
       const Seen& seen = trial.blocks[k].bodies[j];
       const double white = seen.white_sd_m * seen.white_sd_m;
-      // Noise is white; what the model misses beside it stays for a stretch, and counts once there.
-      const double variance =
-          white + std::max(0.0, misfit_m * misfit_m - white) * std::max(1.0, kPolicy.fit.stretch_s / step_s);
+      // Noise is white; what the model misses beside it stays for a stretch, and counts once there. What it
+      // misses all the time no swing does.
+      const double stays = std::max(0.0, misfit.beside_lines_m * misfit.beside_lines_m - white);
+      const double variance = white + stays * std::max(1.0, kPolicy.fit.stretch_s / step_s);
       MatrixXd row = MatrixXd::Zero(3, unknowns);
       row.leftCols(2 * r) = swing.by[i].middleRows<3>(3 * seen.body);
       row.middleCols<3>(2 * r + 6 * seen.body).setIdentity();
@@ -98,7 +131,7 @@ KnownSwing known_of(const FreeSwing& swing, const model::Modes& modes, const Tri
     information(m, m) += 1.0 / (sd * sd);
     information(r + m, r + m) += 1.0 / (sd * sd * modes.stiffness[m]);
   }
-  information.diagonal().tail(6 * bodies).array() += 1.0 / (misfit_m * misfit_m + 1e-12);
+  information.diagonal().tail(6 * bodies).array() += 1.0 / (misfit.all_m * misfit.all_m + 1e-12);
   const MatrixXd covariance = math::inverse_of_symmetric(information);
   const VectorXd state = (covariance * gradient).head(2 * r);
   const MatrixXd sure = covariance.topLeftCorner(2 * r, 2 * r);
