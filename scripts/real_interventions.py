@@ -49,7 +49,8 @@ def named(report):
     for effect in report["effects"]:
         if effect["probability"] < 0.5:
             continue
-        sizes = ", ".join(f"{symbol} {real_diagnosis.size_of(value)}" for symbol, value in effect["parameters"].items())
+        sizes = ", ".join(f"{symbol} {real_diagnosis.size_of(value)}" for symbol, value in effect["parameters"].items()
+                          if symbol != "input" or value["value"] > 0)  # 0: the clock of all
         percent = "over 99" if effect["probability"] > 0.99 else f"{100 * effect['probability']:.0f}"
         found.append(f"`{effect['name']}` ({percent} %): {sizes}")
     small = [f"`{effect['name']}`" for effect in report["small_departures"]]
