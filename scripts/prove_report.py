@@ -256,6 +256,8 @@ WORLDS_TEXT = """## The worlds
   noise to 4 mm, and whatever a few scalings make of it stays; nothing is drawn again because it is hard to see. A case is
   *clear* where each hidden effect leaves no less than the background does, and no less than half of the position noise;
   that is sealed with the case. Rates of naming count the clear ones; `power`, `confident_wrong` and the intervals count all.
+  Recordings hold no scale of forces but the masses that the arm file states: of an arm that is heavier than that, true compliances,
+  stiffnesses, weights and payloads are compared as such a file would have them.
 - **solid**: [a silicone arm by finite elements](solid_arm.md), nobody's rod, computed once by a solver that is not this package's.
   Five or six trials of states at rest, noise new in each draw, nothing hidden or one of seven things: a soft ring, an elastic clamp, a
   payload off its axis, an edge in the way, a log with an offset or a dead zone; and a smaller chamber, which a gain takes up. What is right to

@@ -17,7 +17,10 @@ LEAST_BEYOND = 8.0  # standard deviations: less, and an effect of the catalogue 
 # A signature acts like what is hidden where it explains this much of what that leaves beside the arm's constants, and nearly as
 # much as the best one does.
 LIKE_AT_LEAST, LIKE_THE_BEST = 0.5, 0.9
+LENGTH_M = 0.2  # of the arms of the campaigns
 LEAST_MASS = 1e-3  # of the arm's: what weighing does not see
+# With which power a number goes with the unit of force. Recordings hold no scale of forces but the masses of the arm file.
+POWER_OF_FORCE = {"compliance_per_n": -1, "compliance_rad_per_nm": -1, "stiffness_n_per_m": 1, "mass_kg": 1}
 LEAST_BIAS = 0.02  # of EI: a smaller one cannot be distinguished from the fit's own error
 
 
@@ -70,6 +73,13 @@ def everything(truth):
     told = [effect for effect in found if effect["effect"] == "payload_scale"]
     share = math.prod([ratio] + [1.0 + effect["values"]["share"] for effect in told]) - 1.0
     return [effect for effect in found if effect not in told] + [{"effect": "payload_scale", "values": {"share": share}}]
+
+
+def asked_for(truth):
+    """The effects that were hidden, as everything() has them: payloads told wrong with what the arm's mass adds to them."""
+    own = truth["effects"]
+    told = any(effect["effect"] == "payload_scale" for effect in own)
+    return [effect for effect in everything(truth) if effect in own or (told and effect["effect"] == "payload_scale")]
 
 
 def hidden(truth):
@@ -241,21 +251,28 @@ def names_of(effect):
     return effect.get("names", [effect["effect"]])
 
 
+def true_numbers(effect, truth):
+    """The same as an arm file would have them that states the arm's mass as this one does: of an arm that is heavier than its file
+    says by a ratio, all forces are smaller by it there."""
+    ratio = truth.get("mass_ratio", 1.0)
+    return {symbol: value / ratio ** POWER_OF_FORCE.get(symbol, 0) for symbol, value in true_parameters(effect, LENGTH_M).items()}
+
+
 def sizes(result):
     """Relative errors and hits of the 90 % intervals of the effects that were named rightly."""
     errors, hits, places = [], [], []
-    length_m = 0.2  # of the arms of the campaigns
-    for effect in result["truth"]["effects"]:
+    truth = result["truth"]
+    for effect in asked_for(truth):
         for named in prove_real_score.stated(decision_of(result)):
             if named["name"] not in names_of(effect):
                 continue
-            true = {symbol: value for symbol, value in true_parameters(effect, length_m).items() if symbol in named["parameters"]}
+            true = {symbol: value for symbol, value in true_numbers(effect, truth).items() if symbol in named["parameters"]}
             norm = math.sqrt(sum(value * value for value in true.values()))
             if norm > 0.0:
                 off = [named["parameters"][symbol]["value"] - value for symbol, value in true.items()]
                 errors.append(math.sqrt(sum(x * x for x in off)) / norm)
                 hits += [named["parameters"][s]["low"] <= value <= named["parameters"][s]["high"] for s, value in true.items()]
-            place, where = true_place_m(effect, length_m), named.get("where", {})
+            place, where = true_place_m(effect, LENGTH_M), named.get("where", {})
             if place is not None and "s_from" in where and "s_to" in where:
                 places.append(abs(0.5 * (where["s_from"] + where["s_to"]) - place))
     return errors, hits, places
@@ -268,7 +285,7 @@ def ranks(result):
     found = []
     for effect in everything(result["truth"]):
         numbers = next((said[name]["parameters"] for name in names_of(effect) if name in said), {})
-        for symbol, true in true_parameters(effect, 0.2).items():
+        for symbol, true in true_numbers(effect, result["truth"]).items():
             if symbol not in numbers:
                 continue
             number = numbers[symbol]
@@ -284,7 +301,7 @@ def bias_removed(result):
     for shift in result["report"].get("shifts", []):
         if "stiffness" not in shift["name"]:
             continue
-        true = result["truth"]["constants"].get(shift["name"])
+        true = result["truth"]["constants"].get(shift["name"], 0.0) / result["truth"].get("mass_ratio", 1.0)
         if not true or abs(shift["before"] / true - 1.0) < LEAST_BIAS:
             return None
         return 1.0 - abs(shift["after"] - true) / abs(shift["before"] - true)

@@ -186,6 +186,30 @@ class Figures(unittest.TestCase):
         self.assertEqual(len(found), 1)
         self.assertAlmostEqual(found[0]["values"]["share"], 1.1 * 0.95 - 1.0)
 
+    def test_forces_are_those_of_an_arm_of_the_mass_that_the_file_states(self):
+        def of(name, values, numbers, ratio):
+            hidden = {**truth(effect(name, values)), "mass_ratio": ratio}
+            parameters = {s: {"value": v, "low": 0.99 * v, "high": 1.01 * v, "unit": ""} for s, v in numbers.items()}
+            said = report("explained", named(name, parameters=parameters))
+            return score.sizes(result("untidy_single", hidden, said)), score.ranks(result("untidy_single", hidden, said))
+
+        # Twice as heavy as its file says: stiffness and weight are half as large there, compliance is twice.
+        for name, values, numbers in (("axial_compliance", {"axial_stiffness_n": 50.0}, {"compliance_per_n": 0.04}),
+                                      ("base_compliance", {"stiffness_nm_per_rad": 5.0}, {"compliance_rad_per_nm": 0.4}),
+                                      ("tip_mass", {"mass_kg": 0.02}, {"mass_kg": 0.01}),
+                                      ("soft_spot", {"share": 0.3}, {"share": 0.3}),
+                                      ("payload_scale", {"share": 0.1}, {"share": 1.2})):
+            (errors, hits, _), ranks = of(name, values, numbers, 2.0)
+            self.assertAlmostEqual(errors[0], 0.0, msg=name)
+            self.assertEqual(hits, [True])
+            self.assertAlmostEqual(ranks[0], 0.5)
+        (errors, hits, _), _ = of("tip_mass", {"mass_kg": 0.02}, {"mass_kg": 0.02}, 2.0)
+        self.assertAlmostEqual(errors[0], 1.0)
+        self.assertEqual(hits, [False])
+        hidden = {**truth(effect("creep"), constants={"bending_stiffness": 0.03}), "mass_ratio": 1.5}
+        said = report("explained", shifts=[{"name": "bending_stiffness", "before": 0.03, "after": 0.021}])
+        self.assertAlmostEqual(score.bias_removed(result("compensated", hidden, said)), 0.9)
+
     def test_place(self):
         hidden = truth(effect("soft_spot", {"share": 0.3, "centre_fraction": 0.5, "width_fraction": 0.2}))
         said = report("explained", named("soft_spot", where={"s_from": 0.08, "s_to": 0.14}))
