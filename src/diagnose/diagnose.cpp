@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "beyond_range.h"
@@ -20,6 +21,7 @@
 #include "parameter_variation.h"
 #include "pictures.h"
 #include "policy.h"
+#include "schedule.h"
 #include "selection.h"
 #include "sentences.h"
 #include "softarm/identify/identify.h"
@@ -311,33 +313,36 @@ model::Prepared prepared_trials(const arm::Arm& arm, const std::vector<trial::Tr
 
 }  // namespace
 
+// What is left, as multiples of the time of the constants' fits: as of untidy cases with nine trials.
+constexpr double kCeiling = 0.5, kExperiments = 0.65, kPictures = 0.02, kAnswers = kExperiments + 0.15;
+
 Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials, const Options& options,
                    const Progress& progress) {
-  const auto report = [&](double share, const std::string& what) {
-    if (progress) progress(share, what);
-  };
-  // By the processor time of each stage: nine trials of half a minute of an untidy arm.
-  report(0.0, "averaging frames");
+  Schedule schedule(progress, [] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  });
+  schedule.first_part(0.0, "averaging frames");
   model::Preparation how;
   how.block_s = options.block_s;
   const model::Prepared prepared = prepared_trials(arm, trials, how);
   JointModel model(arm, prepared.trials, options.jobs, options.held, options.tied, options.known);
-  report(0.02, "fitting the arm's constants");
-  FirstFits first = first_fits(model, [&] { report(0.05, "fitting the arm's constants"); });
+  schedule.first_part(0.02, "fitting the arm's constants");
+  FirstFits first = first_fits(model, [&] { schedule.first_part(0.05, "fitting the arm's constants"); });
   const std::optional<ExchangedNames> names = exchanged_names(arm, model.trials());
   Options looked_for = options;
   if (names) looked_for.most_effects = 0;  // what they would explain is not the arm's
+  schedule.end_first_part();
   Selection selection =
       select(model, std::move(first.baseline), first.delayed, looked_for,
-             [&](double share, const std::string& what) { report(0.14 + 0.72 * share, what); });
+             [&](double left, const std::string& what) { schedule.left(left + kCeiling + kAnswers, what); });
 
-  report(0.86, "what could be explained at all");
+  schedule.left(kCeiling + kAnswers, "what could be explained at all");
   Diagnosis d;
   d.arm = arm.name;
   const Remains left = compare(model, selection, options.jobs, d);
   const bool extended = !selection.extended.at.effects.empty();
   const BeyondRange beyond = names ? BeyondRange{} : look_beyond(model, options, selection);
-  report(0.92, "where");
+  schedule.left(kAnswers, "where");
   add_findings(model, selection, left.adequate && !beyond.helps, d);
   d.before = structure_of(model, selection.baseline, selection.baseline_unseen);
   d.after = extended ? structure_of(model, selection.extended, selection.extended_unseen) : d.before;
@@ -348,7 +353,7 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   d.shifts = shifts_of(model, selection);
   std::optional<Law> law;
   if (!left.adequate) {
-    report(0.92, "whether a law can be learnt of what is left");
+    schedule.left(kAnswers, "whether a law can be learnt of what is left");
     law = discover_law(model, selection, d.discrepancy_share, d.noise_floor_m, options.jobs);
   }
   if (law) d.discovered_law = law->said;
@@ -360,16 +365,16 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   add_summary(model, beyond, d);
   d.notes = notes_of(count, prepared, selection, options, first, model, left);
 
-  report(0.925, "what single instants say");
+  schedule.left(kExperiments + kPictures, "what single instants say");
   const std::vector<InstantFit> instants = fit_instants(model, selection.baseline, options.jobs);
   d.ladder = pooling_ladder(model, selection.baseline, instants);
   d.parameter_variation = parameter_variation_of(model, selection.baseline, instants);
   d.ladder_sentence = where_it_hides(d.ladder, d.noise_floor_m, d.parameter_variation);
-  report(0.93, "what to measure next");
+  schedule.left(kExperiments, "what to measure next");
   d.next_experiment = next_experiment(model, selection, d.verdict, options);
-  report(0.985, "pictures");
+  schedule.left(kPictures, "pictures");
   add_pictures(model, selection, d);
-  report(1.0, "");
+  schedule.end();
   return d;
 }
 

@@ -16,15 +16,17 @@ namespace {
 
 using Progress = std::function<void(double, const std::string&)>;
 
-// Shares of the processor's time of an untidy case: of all rounds, and of the first, whose refits go
-// farthest.
-constexpr double kRounds = 0.89, kFirstRound = 0.5;
+// What is left, as multiples of the time of the constants' fits: as of untidy cases with nine trials.
+constexpr double kFirstScreen = 0.4, kScreen = 0.27, kRefit = 0.3, kUsualRefits = 4.0, kFirstLeaders = 1.5,
+                 kLeaders = 0.9, kPosterior = 0.5;
+constexpr double kRound = kScreen + kUsualRefits * kRefit + kLeaders + kPosterior,
+                 kLastRound = kScreen + 0.5 * kPosterior;  // that finds nothing worth a refit
+constexpr double kAfterFirst = 1.1, kAfterOthers = 0.5;    // rounds that do, if one more effect is taken
+constexpr double kEnding = 0.4;
 
-/// Share of the work that is done before a round. How many come nobody knows: as much time again as the next
-/// one takes.
-double done_before(std::size_t round) {
-  if (round == 0) return 0.0;
-  return kRounds - (kRounds - kFirstRound) * std::pow(0.5, static_cast<double>(round) - 1.0);
+/// After this round, if it takes an effect.
+double rounds_left(bool first) {
+  return (first ? kAfterFirst : kAfterOthers) * kRound + kLastRound + kEnding;
 }
 
 /// Refits of what is more probable than not, or one of a class that is, and was not refitted.
@@ -36,7 +38,7 @@ bool refit_the_probable(JointModel& model, const Standing& current, Round& round
     if (known || round.posterior.of(s.effect) < kPolicy.posterior.rival ||
         of_class(round, s.effect) < kPolicy.posterior.named)
       continue;
-    progress(0.75, "refitting with " + s.effect->info().id);
+    progress(kPosterior + rounds_left(false), "refitting with " + s.effect->info().id);
     round.refitted.push_back(refit(model, current, s));
     any = true;
   }
@@ -44,13 +46,17 @@ bool refit_the_probable(JointModel& model, const Standing& current, Round& round
 }
 
 /// One round: screen, refits of what explains most, the posterior, refits of what is more probable than not.
+/// @param first of all rounds
 /// @param may_move whether the model so far may come to better constants, from which the round begins again
 /// @param delayed a fit with one effect more, from which its refit begins; null: none
-Round look(JointModel& model, Standing& current, bool refits, bool may_move, const Linearised* delayed,
-           KnownSignatures& signatures, const Options& options, const Progress& progress) {
+Round look(JointModel& model, Standing& current, bool first, bool refits, bool may_move,
+           const Linearised* delayed, KnownSignatures& signatures, const Options& options,
+           const Progress& progress) {
   Round round;
   model.set_misfit(std::max(1.0, current.fit.square / std::max(1, current.fit.rows)));
-  progress(0.0, "screening the catalogue");
+  const double leaders = first ? kFirstLeaders : kLeaders, after = rounds_left(first);
+  progress(first ? kFirstScreen + kUsualRefits * kRefit + leaders + kPosterior + after : kRound + after,
+           "screening the catalogue");
   round.screened = screen(
       model, current.fit, options.jobs, [](double) {}, &signatures);
   if (delayed != nullptr) begin_from(model, current, *delayed, round.screened);
@@ -58,21 +64,22 @@ Round look(JointModel& model, Standing& current, bool refits, bool may_move, con
       refits ? worth_a_refit(model, round.screened, options) : std::vector<std::size_t>{};
   for (std::size_t i = 0; i < worth.size(); ++i) {
     const Screened& s = round.screened[worth[i]];
-    progress(0.12 + 0.5 * static_cast<double>(i) / static_cast<double>(worth.size()),
+    progress(static_cast<double>(worth.size() - i) * kRefit + leaders + kPosterior + after,
              "refitting with " + s.effect->info().id);
     round.refitted.push_back(refit(model, current, s));
   }
+  if (!worth.empty()) progress(leaders + kPosterior + after, "refitting with what explains most");
   finish_leaders(model, current, round.refitted);
   if (may_move) {
     if (std::optional<Standing> better = at_better_constants(model, current, round.refitted)) {
       current = std::move(*better);
-      round = look(model, current, refits, false, delayed, signatures, options, progress);
+      round = look(model, current, first, refits, false, delayed, signatures, options, progress);
       round.anew = true;
       return round;
     }
   }
   linearise_leaders(model, current, round.refitted);
-  progress(0.62, "how probable all of them are");
+  progress(kPosterior + (worth.empty() ? kEnding : after), "how probable all of them are");
   round.posterior = posterior_of(model, current, round, options.jobs);
   while (refits && refit_the_probable(model, current, round, progress)) {
     linearise_leaders(model, current, round.refitted);
@@ -130,10 +137,8 @@ Selection select(JointModel& model, Linearised baseline, const std::optional<Lin
   const auto most = static_cast<std::size_t>(std::max(0, options.most_effects));
   for (bool taken = true; taken;) {
     const std::size_t n = selection.round_of.size();
-    Round round = look(model, current, n < most, true, n == 0 && delayed ? &*delayed : nullptr, signatures,
-                       options, [&](double done, const std::string& what) {
-                         progress(done_before(n) + done * (done_before(n + 1) - done_before(n)), what);
-                       });
+    Round round = look(model, current, n == 0, n < most, true, n == 0 && delayed ? &*delayed : nullptr,
+                       signatures, options, progress);
     if (round.anew && n == 0) {
       selection.baseline_unseen = refitted_unseen(model, current.fit);
       selection.baseline = current.fit;
@@ -151,7 +156,7 @@ Selection select(JointModel& model, Linearised baseline, const std::optional<Lin
       selection.rounds.push_back(std::move(one));
     }
   }
-  progress(kRounds, "whether each predicts unseen trials");
+  progress(kEnding, "whether each predicts unseen trials");
   const Ending ending = end_with_what_predicts(model, current, selection, options);
   selection.extended = std::move(current.fit);
   selection.extended_unseen = ending.unseen;

@@ -53,6 +53,7 @@ struct Selection {
 
 /// @param baseline fit without effects
 /// @param delayed the same with clocks apart, where they are by more than the screen can see
+/// @param progress what is left of it, probably, as multiples of the time of the fits before it
 Selection select(JointModel& model, Linearised baseline, const std::optional<Linearised>& delayed,
                  const Options& options, const std::function<void(double, const std::string&)>& progress);
 

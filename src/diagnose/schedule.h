@@ -1,0 +1,35 @@
+// How far a work is of which nobody knows beforehand how much there will be.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "softarm/diagnose/diagnose.h"
+
+namespace softarm::diagnose {
+
+/// Tells progress by the time that was spent and what is probably left, as multiples of a first part's time:
+/// of a longer recording, on a slower machine, all of it takes so much longer.
+class Schedule {
+ public:
+  /// @param progress may be empty
+  /// @param now_s a clock
+  Schedule(Progress progress, std::function<double()> now_s);
+
+  /// Within the first part. @param share of all, as it usually is
+  void first_part(double share, const std::string& what);
+  void end_first_part();
+  /// @param parts left, each as long as the first
+  void left(double parts, const std::string& what);
+  void end();
+
+ private:
+  void tell(double share, const std::string& what);
+
+  const Progress progress_;
+  const std::function<double()> now_s_;
+  const double begin_s_;
+  double part_s_ = 0.0, share_ = 0.0;
+};
+
+}  // namespace softarm::diagnose
