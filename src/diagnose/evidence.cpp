@@ -45,14 +45,14 @@ MatrixXd feature_kernel(const MatrixXd& distances2, double reach) {
   return k - mean.replicate(1, n) - mean.transpose().replicate(n, 1) + MatrixXd::Constant(n, n, mean.mean());
 }
 
-double sd_of_background(double left, double background) {
-  return 1.0 / std::hypot(1.0 / kPolicy.posterior.most_background, left / background);
+double sd_of_background(double left, double unknown_sd, double background) {
+  return std::hypot(unknown_sd, 1.0 / std::hypot(1.0 / kPolicy.posterior.most_background, left / background));
 }
 
 }  // namespace
 
 double background_sd(const Signature& effect, double background) {
-  return sd_of_background(effect.left, background);
+  return sd_of_background(effect.left, effect.unknown_sd, background);
 }
 
 std::vector<MatrixXd> kernels_of(const EvidenceData& data) {
@@ -78,6 +78,7 @@ LinearGaussianModel::LinearGaussianModel(const EvidenceData& data, const Bases& 
   mean_.resize(p);
   sd_.resize(p);
   left_.resize(p);
+  unknown_sd_.resize(p);
   std::vector<MatrixXd> by_direction(static_cast<std::size_t>(m), MatrixXd(n, p));
   Index column = 0;
   for (const std::vector<Signature>* list : {&data.unknowns, &data.effects}) {
@@ -85,6 +86,7 @@ LinearGaussianModel::LinearGaussianModel(const EvidenceData& data, const Bases& 
       mean_[column] = signature.mean;
       sd_[column] = signature.prior_sd;
       left_[column] = signature.left;
+      unknown_sd_[column] = signature.unknown_sd;
       log_weight_ += signature.log_weight;
       effect_.push_back(signature.effect);
       if (signature.effect != nullptr && (each_.empty() || each_.back() != signature.effect))
@@ -155,7 +157,7 @@ VectorXd LinearGaussianModel::precision(const EffectList& present, double backgr
     const Effect* effect = effect_[static_cast<std::size_t>(j)];
     const bool spike =
         effect != nullptr && std::find(present.begin(), present.end(), effect) == present.end();
-    precision[j] = 1.0 / std::pow(spike ? sd_of_background(left_[j], background) : sd_[j], 2);
+    precision[j] = 1.0 / std::pow(spike ? sd_of_background(left_[j], unknown_sd_[j], background) : sd_[j], 2);
   }
   return precision;
 }

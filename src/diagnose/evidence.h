@@ -44,7 +44,8 @@ struct NormalEquations {
 };
 
 /// Standard deviation of a size of an effect that is not there, in usual sizes: it moves the bodies by the
-/// background beyond what the arm's constants absorb, and is a small share of a usual size.
+/// background beyond what the arm's constants absorb, and is a small share of a usual size; and what is not
+/// known of it in any arm.
 /// @param background share of the arm's length
 double background_sd(const Signature& effect, double background);
 
@@ -77,11 +78,11 @@ class LinearGaussianModel {
     Eigen::MatrixXd residual;                 ///< n x m
   };
   std::vector<InBasis> turned_;
-  Eigen::VectorXd mean_, sd_;  ///< of the coefficients; of effects those of the slab
-  Eigen::VectorXd left_;       ///< Signature::left by coefficient
-  double log_weight_ = 0.0;    ///< Signature::log_weight of all unknowns
-  EffectList effect_;          ///< by coefficient, null for unknowns
-  EffectList each_;            ///< once each
+  Eigen::VectorXd mean_, sd_;          ///< of the coefficients; of effects those of the slab
+  Eigen::VectorXd left_, unknown_sd_;  ///< of the Signature, by coefficient
+  double log_weight_ = 0.0;            ///< Signature::log_weight of all unknowns
+  EffectList effect_;                  ///< by coefficient, null for unknowns
+  EffectList each_;                    ///< once each
 };
 
 }  // namespace softarm::diagnose

@@ -185,8 +185,12 @@ void add_effects(JointModel& model, const Shown& shown, Linearised& at, const Li
   model.complete(at);
   const Index n = data.residual.rows(), m = data.residual.cols();
   const std::vector<SizeStep> steps = size_steps(candidates);
-  for (const SizeStep& step : steps)
-    data.effects.push_back({step.present.effect, 0.0, kPolicy.fit.size_sd, MatrixXd::Zero(n, m), 0.0});
+  for (const SizeStep& step : steps) {
+    data.effects.push_back({step.present.effect, 0.0, kPolicy.fit.size_sd, MatrixXd::Zero(n, m)});
+    // Of what inertia does a share is not known, and that is the same at all instants.
+    const double share = step.present.effect->sluggishness(step.present.values).mass_share / step.step;
+    if (share != 0.0) data.effects.back().unknown_sd = model.unknown().inertia / std::abs(share);
+  }
   math::in_parallel(model.trials().size(), jobs, [&](std::size_t t) {
     const MatrixXd moves = signatures_of(model, at, t, steps);
     const Eigen::VectorXd weight =

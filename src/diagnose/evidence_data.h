@@ -16,6 +16,8 @@ struct Signature {
   /// Of an effect: by how much of the arm's length a coefficient of 1 moves the bodies beyond what the
   /// unknowns of the fit absorb, rms.
   double left = 0.0;
+  /// Of an effect: its size in an arm of which it is not said, as far as that is known; usual sizes.
+  double unknown_sd = 0.0;
   double log_weight = 0.0;  ///< of an unknown at an end of its range: share of what was possible beforehand
 };
 

@@ -45,7 +45,8 @@ EvidenceData made_up(Index n, Index m, int effects, double strength, std::mt1993
 
 TEST(Posterior, EvidenceIsTheDensityWrittenOut) {
   std::mt19937_64 random(3);
-  const EvidenceData data = made_up(14, 3, 4, 0.7, random);
+  EvidenceData data = made_up(14, 3, 4, 0.7, random);
+  data.effects[2].unknown_sd = 0.4;
   const double background = 2e-4;
   const Marginal evidence =
       LinearGaussianModel(data, bases_of(data)).evaluate({data.effects[1].effect}, background);
@@ -220,6 +221,20 @@ TEST(Posterior, ASmallShareOfAUsualSizeIsNamedWhereAllElseIsRight) {
   data.residual += 0.015 * data.effects[3].moves;
   const Posterior p = posterior(data, {}, 1);
   EXPECT_GT(p.of(data.effects[3].effect), 0.9);
+}
+
+// As inertia's, of which a share is not known in any arm.
+TEST(Posterior, WhatIsNotKnownOfAnEffectAnywayIsNoFinding) {
+  std::mt19937_64 random(14);
+  EvidenceData data = made_up(90, 6, 12, 20.0, random);
+  data.effects[3].unknown_sd = 0.2;
+  data.residual += 0.3 * data.effects[3].moves;
+  EXPECT_LT(posterior(data, {}, 1).of(data.effects[3].effect), 0.1);
+  data.residual += 3.0 * data.effects[3].moves;
+  EXPECT_GT(posterior(data, {}, 1).of(data.effects[3].effect), 0.9) << "far more than that";
+  data.residual -= 3.0 * data.effects[3].moves;
+  data.effects[3].unknown_sd = 0.0;
+  EXPECT_GT(posterior(data, {}, 1).of(data.effects[3].effect), 0.9) << "were it known";
 }
 
 TEST(Posterior, SaysNothingOfTooFewInstants) {

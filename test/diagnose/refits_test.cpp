@@ -169,13 +169,19 @@ TEST(Refits, WhatOthersDoBesideARefitIsWhatTheyDoAboutItsFit) {
                      beside_it = evidence_of_refit(looked.model, with.fit, with.fit, all, 0);
   ASSERT_EQ(beside_it.effects.size(), about_it.effects.size());
   double most = 0.0;
+  int unknown_inertia = 0;
   for (std::size_t e = 0; e < about_it.effects.size(); ++e) {
     ASSERT_EQ(beside_it.effects[e].effect, about_it.effects[e].effect);
     EXPECT_EQ(beside_it.effects[e].moves, about_it.effects[e].moves);
     EXPECT_EQ(beside_it.effects[e].left, about_it.effects[e].left);
+    // Of inertia a share is not known, of the wall's lag, its other size, as much as of anything else.
+    const bool unknown = about_it.effects[e].unknown_sd > 0.0;
+    EXPECT_TRUE(!unknown || about_it.effects[e].effect->info().id == "inertia");
+    unknown_inertia += unknown;
     most = std::max(most, (about_it.effects[e].moves - without.effects[e].moves).norm() /
                               about_it.effects[e].moves.norm());
   }
+  EXPECT_EQ(unknown_inertia, 1);
   EXPECT_GT(most, 0.05) << "a pull changes what others do";
 
   // By the weights of the fit without: all rows of the same.
