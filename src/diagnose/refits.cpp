@@ -93,6 +93,7 @@ void fit_from(JointModel& model, const JointParameters& from,
   how.whole = false;
   how.near = near.complete && !how.damped ? &near : nullptr;
   r.fit = model.fit(from, how, &start);
+  r.evidence.reset();
   r.unseen = unseen(model, r.fit);
   r.physical = !at_limit(r.fit);
   r.converged = r.fit.converged;
@@ -114,6 +115,30 @@ double gains_elsewhere(const Unseen& without, const Unseen& with) {
   return static_cast<double>(gains) / kBootstraps;
 }
 
+/// Evidence about a refit. Of the candidates only those are looked at that have other values than before.
+const EvidenceData& evidence_about(JointModel& model, Refitted& r, const Linearised& like,
+                                   const std::vector<Present>& candidates, unsigned jobs) {
+  if (!r.evidence) {
+    r.evidence = KnownEvidence{evidence_of_refit(model, r.fit, like, candidates, jobs), candidates};
+    return r.evidence->data;
+  }
+  std::vector<Present> changed;
+  for (std::size_t i = 0; i < candidates.size(); ++i)
+    if (candidates[i].values != r.evidence->candidates[i].values) changed.push_back(candidates[i]);
+  if (changed.empty()) return r.evidence->data;
+  std::vector<Signature>& known = r.evidence->data.effects;
+  known.erase(std::remove_if(known.begin(), known.end(),
+                             [&](const Signature& s) {
+                               return std::any_of(changed.begin(), changed.end(),
+                                                  [&](const Present& one) { return one.effect == s.effect; });
+                             }),
+              known.end());
+  for (Signature& s : evidence_of_refit(model, r.fit, like, changed, jobs).effects)
+    known.push_back(std::move(s));
+  r.evidence->candidates = candidates;
+  return r.evidence->data;
+}
+
 }  // namespace
 
 std::vector<Present> candidates_of(const Round& round) {
@@ -132,7 +157,7 @@ Posterior posterior_of(JointModel& model, Standing& current, Round& round, unsig
   std::vector<RefitEvidence> refits;
   for (Refitted& r : round.refitted)
     refits.push_back({r.effect, r.fit.own_derivatives
-                                    ? evidence_of_refit(model, r.fit, current.fit, candidates, jobs)
+                                    ? evidence_about(model, r, current.fit, candidates, jobs)
                                     : evidence_of_refit(model, r.fit, current.fit)});
   return posterior(evidence_data(model, current.fit, candidates, jobs), refits, jobs);
 }
@@ -246,6 +271,7 @@ void linearise_leaders(JointModel& model, const Standing& current, std::vector<R
   for (Refitted& r : refitted) {
     if (r.fit.own_derivatives || current.fit.square - r.fit.square < kPolicy.selection.leads * most) continue;
     model.take_own_derivatives(r.fit);
+    r.evidence.reset();
     r.unseen = unseen(model, r.fit);
   }
 }

@@ -14,6 +14,12 @@
 
 namespace softarm::diagnose {
 
+/// What the posterior is worked out from about a refit, and the candidates of which it has signatures.
+struct KnownEvidence {
+  EvidenceData data;
+  std::vector<model::Present> candidates;
+};
+
 /// A candidate of one round after its refit.
 struct Refitted {
   const model::Effect* effect = nullptr;
@@ -26,6 +32,7 @@ struct Refitted {
   bool converged = true;     ///< its fit came to an end
   Linearised fit;
   Unseen unseen;
+  std::optional<KnownEvidence> evidence;  ///< once a posterior was made
 };
 
 /// One round: what was screened and refitted upon the model so far.

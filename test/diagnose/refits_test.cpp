@@ -192,6 +192,30 @@ TEST(Refits, WhatOthersDoBesideARefitIsWhatTheyDoAboutItsFit) {
   ASSERT_EQ(weighed.effects.size(), about_it.effects.size());
 }
 
+TEST(Refits, EvidenceIsMadeAgainOnlyOfWhatChangedAndIsTheSame) {
+  const testing::RecordedCase drawn =
+      testing::recorded_case("{count_weights: [0, 1], from: [tip_mass], size: [0.9, 1.0]}", 6, 3, 8.0);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  Standing alone{looked.baseline, unseen(looked.model, looked.baseline)};
+  Round round;
+  round.screened = screen(looked.model, looked.baseline, 0, [](double) {});
+  for (const char* id : {"tip_mass", "payload_scale"}) {
+    const auto at = std::find_if(round.screened.begin(), round.screened.end(),
+                                 [&](const Screened& s) { return s.effect->info().id == id; });
+    ASSERT_NE(at, round.screened.end());
+    round.refitted.push_back(refit(looked.model, alone, *at));
+    looked.model.take_own_derivatives(round.refitted.back().fit);
+    round.posterior = posterior_of(looked.model, alone, round, 0);
+  }
+  ASSERT_TRUE(round.refitted[0].evidence);
+  EXPECT_EQ(round.refitted[0].evidence->candidates.size(), round.screened.size());
+  for (Refitted& r : round.refitted) r.evidence.reset();
+  const Posterior from_nothing = posterior_of(looked.model, alone, round, 0);
+  for (const Screened& s : round.screened)
+    EXPECT_NEAR(round.posterior.of(s.effect), from_nothing.of(s.effect), 1e-9) << s.effect->info().id;
+  EXPECT_GT(from_nothing.of(round.refitted[0].effect), 0.5);
+}
+
 /// Linear about a fit without it, inertia seems to be there beside a dead zone; about a fit with it it does
 /// not.
 TEST(Refits, WhatSeemsProbableIsJudgedAboutItsOwnFit) {
