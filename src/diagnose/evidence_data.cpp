@@ -192,14 +192,14 @@ void add_effects(JointModel& model, const Shown& shown, Linearised& at, const Li
     if (share != 0.0) data.effects.back().unknown_sd = model.unknown().inertia / std::abs(share);
   }
   math::in_parallel(model.trials().size(), jobs, [&](std::size_t t) {
-    const MatrixXd moves = signatures_of(model, at, t, steps);
     const Eigen::VectorXd weight =
         (at.root_weight[t].array() > 0.0).select(like.root_weight[t].cwiseQuotient(at.root_weight[t]), 0.0);
+    const MatrixXd moves = weight.asDiagonal() * signatures_of(model, at, t, steps);
     for (std::size_t i = 0; i < shown.instants.size(); ++i) {
       const InstantRows& from = shown.instants[i];
       if (from.trial != t) continue;
       for (std::size_t c = 0; c < data.effects.size(); ++c) {
-        const Eigen::VectorXd column = weight.cwiseProduct(moves.col(static_cast<Index>(c)));
+        const auto column = moves.col(static_cast<Index>(c));
         auto to = data.effects[c].moves.row(shown.group[i]);
         to.head(shown.bodies) += shown.weight(i) * column.segment(from.bodies, shown.bodies).transpose();
         to.tail(shown.tangents) +=

@@ -16,7 +16,7 @@ struct Signature {
   /// Of an effect: by how much of the arm's length a coefficient of 1 moves the bodies beyond what the
   /// unknowns of the fit absorb, rms.
   double left = 0.0;
-  /// Of an effect: its size in an arm of which it is not said, as far as that is known; usual sizes.
+  /// Of an effect that is not there: standard deviation of what is not known of it in any arm, usual sizes.
   double unknown_sd = 0.0;
   double log_weight = 0.0;  ///< of an unknown at an end of its range: share of what was possible beforehand
 };
