@@ -187,9 +187,10 @@ void add_effects(JointModel& model, const Shown& shown, Linearised& at, const Li
   const std::vector<SizeStep> steps = size_steps(candidates);
   for (const SizeStep& step : steps) {
     data.effects.push_back({step.present.effect, 0.0, kPolicy.fit.size_sd, MatrixXd::Zero(n, m)});
-    // Of what inertia does a share is not known, and that is the same at all instants.
+    // Of what inertia does in modes a share is not known, and that is the same at all instants.
     const double share = step.present.effect->sluggishness(step.present.values).mass_share / step.step;
-    if (share != 0.0) data.effects.back().unknown_sd = model.unknown().inertia / std::abs(share);
+    if (share != 0.0 && model.swings())
+      data.effects.back().unknown_sd = model.unknown().inertia / std::abs(share);
   }
   math::in_parallel(model.trials().size(), jobs, [&](std::size_t t) {
     const Eigen::VectorXd weight =
