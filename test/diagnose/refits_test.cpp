@@ -149,22 +149,31 @@ TEST(Refits, EvidenceOfThoseThatLeadIsByDerivativesOfTheirOwn) {
   EXPECT_FALSE(named("creep").fit.own_derivatives) << "explains next to nothing";
 }
 
+/// What a first round knows before its refits.
+struct Begun {
+  explicit Begun(testing::Looked& looked) : alone{looked.baseline, unseen(looked.model, looked.baseline)} {
+    round.screened = screen(looked.model, looked.baseline, 0, [](double) {});
+  }
+  const Screened& of(const std::string& id) const {
+    return *std::find_if(round.screened.begin(), round.screened.end(),
+                         [&](const Screened& s) { return s.effect->info().id == id; });
+  }
+  Standing alone;
+  Round round;
+};
+
 TEST(Refits, WhatOthersDoBesideARefitIsWhatTheyDoAboutItsFit) {
   const testing::RecordedCase drawn =
       testing::recorded_case("{count_weights: [0, 1], from: [tether], size: [0.9, 1.0]}", 6, 3, 8.0);
   testing::Looked looked(drawn.arm, drawn.trials);
-  Standing alone{looked.baseline, unseen(looked.model, looked.baseline)};
-  Round round;
-  round.screened = screen(looked.model, looked.baseline, 0, [](double) {});
-  const auto tether = std::find_if(round.screened.begin(), round.screened.end(),
-                                   [](const Screened& s) { return s.effect->info().id == "tether"; });
-  ASSERT_NE(tether, round.screened.end());
-  Refitted with = refit(looked.model, alone, *tether);
+  Begun begun(looked);
+  const Screened& tether = begun.of("tether");
+  Refitted with = refit(looked.model, begun.alone, tether);
   looked.model.take_own_derivatives(with.fit);
-  const std::vector<model::Present> all = candidates_of(round);
+  const std::vector<model::Present> all = candidates_of(begun.round);
   std::vector<model::Present> others = all;
-  others.erase(others.begin() + (tether - round.screened.begin()));
-  const EvidenceData without = evidence_data(looked.model, alone.fit, others, 0),
+  others.erase(others.begin() + (&tether - begun.round.screened.data()));
+  const EvidenceData without = evidence_data(looked.model, begun.alone.fit, others, 0),
                      about_it = evidence_data(looked.model, with.fit, others, 0),
                      beside_it = evidence_of_refit(looked.model, with.fit, with.fit, all, 0);
   ASSERT_EQ(beside_it.effects.size(), about_it.effects.size());
@@ -178,12 +187,17 @@ TEST(Refits, WhatOthersDoBesideARefitIsWhatTheyDoAboutItsFit) {
   }
   EXPECT_GT(most, 0.05) << "a pull changes what others do";
 
-  // By the weights of the fit without: all rows of the same.
-  const EvidenceData weighed = evidence_of_refit(looked.model, with.fit, alone.fit, all, 0);
-  const EvidenceData bare = evidence_of_refit(looked.model, with.fit, alone.fit);
-  EXPECT_EQ(weighed.residual, bare.residual);
-  EXPECT_TRUE(bare.effects.empty());
+  // By the weights of another fit, half as large.
+  Linearised half = with.fit;
+  for (Eigen::VectorXd& weight : half.root_weight) weight *= 0.5;
+  const EvidenceData weighed = evidence_of_refit(looked.model, with.fit, half, all, 0);
+  EXPECT_TRUE(weighed.residual.isApprox(0.5 * about_it.residual, 1e-12));
   ASSERT_EQ(weighed.effects.size(), about_it.effects.size());
+  for (std::size_t e = 0; e < about_it.effects.size(); ++e) {
+    EXPECT_TRUE(weighed.effects[e].moves.isApprox(0.5 * about_it.effects[e].moves, 1e-12));
+    EXPECT_NEAR(weighed.effects[e].left, about_it.effects[e].left, 0.05 * about_it.effects[e].left)
+        << "metres, whatever the weights";
+  }
 }
 
 TEST(EvidenceData, OfInertiaInModesAShareIsNotKnown) {
@@ -213,21 +227,17 @@ TEST(Refits, EvidenceIsMadeAgainOnlyOfWhatChangedAndIsTheSame) {
   const testing::RecordedCase drawn =
       testing::recorded_case("{count_weights: [0, 1], from: [tip_mass], size: [0.9, 1.0]}", 6, 3, 8.0);
   testing::Looked looked(drawn.arm, drawn.trials);
-  Standing alone{looked.baseline, unseen(looked.model, looked.baseline)};
-  Round round;
-  round.screened = screen(looked.model, looked.baseline, 0, [](double) {});
+  Begun begun(looked);
+  Round& round = begun.round;
   for (const char* id : {"tip_mass", "payload_scale"}) {
-    const auto at = std::find_if(round.screened.begin(), round.screened.end(),
-                                 [&](const Screened& s) { return s.effect->info().id == id; });
-    ASSERT_NE(at, round.screened.end());
-    round.refitted.push_back(refit(looked.model, alone, *at));
+    round.refitted.push_back(refit(looked.model, begun.alone, begun.of(id)));
     looked.model.take_own_derivatives(round.refitted.back().fit);
-    round.posterior = posterior_of(looked.model, alone, round, 0);
+    round.posterior = posterior_of(looked.model, begun.alone, round, 0);
   }
   ASSERT_TRUE(round.refitted[0].evidence);
   EXPECT_EQ(round.refitted[0].evidence->candidates.size(), round.screened.size());
   for (Refitted& r : round.refitted) r.evidence.reset();
-  const Posterior from_nothing = posterior_of(looked.model, alone, round, 0);
+  const Posterior from_nothing = posterior_of(looked.model, begun.alone, round, 0);
   for (const Screened& s : round.screened)
     EXPECT_NEAR(round.posterior.of(s.effect), from_nothing.of(s.effect), 1e-9) << s.effect->info().id;
   EXPECT_GT(from_nothing.of(round.refitted[0].effect), 0.5);
