@@ -302,16 +302,11 @@ struct Extended {
   explicit Extended(testing::Looked& looked, const std::string& id) {
     selection.baseline = looked.baseline;
     selection.baseline_unseen = refitted_unseen(looked.model, looked.baseline);
-    Standing constants{looked.baseline, unseen(looked.model, looked.baseline)};
-    Round round;
-    round.screened = screen(looked.model, looked.baseline, 0, [](double) {});
-    const auto at = std::find_if(round.screened.begin(), round.screened.end(),
-                                 [&](const Screened& s) { return s.effect->info().id == id; });
-    EXPECT_NE(at, round.screened.end());
-    Refitted with = refit(looked.model, constants, *at);
+    Begun begun(looked);
+    Refitted with = refit(looked.model, begun.alone, begun.of(id));
     current = {std::move(with.fit), std::move(with.unseen)};
-    round.posterior = posterior_of(looked.model, current, round, 0);
-    selection.rounds.push_back(std::move(round));
+    begun.round.posterior = posterior_of(looked.model, current, begun.round, 0);
+    selection.rounds.push_back(std::move(begun.round));
     selection.round_of = {0};
   }
   Selection selection;
