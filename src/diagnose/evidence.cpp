@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "flexible.h"
@@ -100,6 +101,13 @@ LinearGaussianModel::LinearGaussianModel(const EvidenceData& data, const Bases& 
   for (const math::Eigensystem& eigen : bases.kernels) {
     InBasis turned;
     turned.eigenvalues = eigen.values;
+    turned.inverse_spectra.resize(n, std::size(kShares));
+    turned.log_spectra.resize(std::size(kShares));
+    for (std::size_t s = 0; s < std::size(kShares); ++s) {
+      const Eigen::ArrayXd spectrum = (1.0 - kShares[s]) + kShares[s] * eigen.values.array();
+      turned.inverse_spectra.col(static_cast<Index>(s)) = spectrum.inverse();
+      turned.log_spectra[static_cast<Index>(s)] = spectrum.log().sum();
+    }
     for (const MatrixXd& signatures : by_direction)
       turned.signatures.push_back(eigen.vectors.transpose() * signatures);
     turned.residual = eigen.vectors.transpose() * residual;
@@ -117,12 +125,12 @@ std::vector<DirectionNoise> LinearGaussianModel::noise_of(const VectorXd& coeffi
     for (std::size_t d = 0; d < list.size(); ++d) {
       const VectorXd square =
           (turned.residual.col(static_cast<Index>(d)) - turned.signatures[d] * coefficients).cwiseAbs2();
-      for (const double share : kShares) {
-        const VectorXd spectrum = (1.0 - share) + share * turned.eigenvalues.array();
-        const double mean = square.cwiseQuotient(spectrum).sum() / count;
+      const VectorXd means = turned.inverse_spectra.transpose() * square / count;
+      for (std::size_t s = 0; s < std::size(kShares); ++s) {
+        const double share = kShares[s], mean = means[static_cast<Index>(s)];
         const double variance = std::max(mean, kPolicy.posterior.least_white / (1.0 - share));
-        const double log =
-            -0.5 * (count * std::log(variance) + spectrum.array().log().sum() + count * mean / variance);
+        const double log = -0.5 * (count * std::log(variance) + turned.log_spectra[static_cast<Index>(s)] +
+                                   count * mean / variance);
         if (log <= best[d]) continue;
         best[d] = log;
         list[d] = {kernel, share, variance};

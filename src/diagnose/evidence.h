@@ -74,6 +74,8 @@ class LinearGaussianModel {
   /// Everything in the eigenvectors of one kernel.
   struct InBasis {
     Eigen::VectorXd eigenvalues;
+    Eigen::MatrixXd inverse_spectra;          ///< of noise by the share that the kernel has; one per column
+    Eigen::VectorXd log_spectra;              ///< sums of their logarithms
     std::vector<Eigen::MatrixXd> signatures;  ///< by direction, n x p
     Eigen::MatrixXd residual;                 ///< n x m
   };

@@ -1,5 +1,6 @@
 // Derivatives of the joint model: by everything that is fitted, and by effects that are not in it yet.
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 #include "joint_model.h"
@@ -79,6 +80,23 @@ Eigen::MatrixXd unweighted_derivative(const Linearised& at, std::size_t trial) {
   return (root.array() > 0.0).select(root.cwiseInverse(), 0.0).matrix().asDiagonal() * at.derivative[trial];
 }
 
+/// For each column the one of a linearisation nearby that will do for it; -1: none. Constants and mounts act
+/// nearly the same with an effect more or less. A fit of the same unknowns, to other trials, goes by these
+/// alone: its columns are its own.
+std::vector<Eigen::Index> columns_alike(const Linearised& near, const std::vector<JointUnknown>& columns) {
+  std::vector<Eigen::Index> alike(columns.size(), -1);
+  if (near.columns.size() == columns.size()) return alike;
+  for (std::size_t j = 0; j < columns.size(); ++j) {
+    const JointUnknown& c = columns[j];
+    const auto same = std::find_if(near.columns.begin(), near.columns.end(), [&](const JointUnknown& n) {
+      return c.kind != JointUnknown::Kind::kEffect && n.kind == c.kind && n.index == c.index &&
+             n.parameter == c.parameter;
+    });
+    if (same != near.columns.end()) alike[j] = same - near.columns.begin();
+  }
+  return alike;
+}
+
 /// Of the rod's parameters, those that any of these changes moves in any block.
 std::vector<bool> changed_by(const std::vector<model::ExtendedModel::Varied>& varied,
                              const model::ExtendedModel::Varied& reference) {
@@ -95,11 +113,11 @@ struct Move {
 };
 
 /// Sum of derivatives by parameters, each times its change; most changes are those of a few.
-VectorXd sum_by(const Eigen::MatrixXd& derivative, const VectorXd& change,
-                const std::vector<Eigen::Index>& which) {
-  VectorXd sum = VectorXd::Zero(derivative.rows());
+template <typename Sum>
+void sum_by(const Eigen::MatrixXd& derivative, const VectorXd& change, const std::vector<Eigen::Index>& which,
+            Sum&& sum) {
+  sum.setZero();
   for (const Eigen::Index j : which) sum += change[j] * derivative.col(j);
-  return sum;
 }
 
 }  // namespace
@@ -114,7 +132,7 @@ std::vector<Eigen::MatrixXd> JointModel::moved(
   const Eigen::Index blocks = at.reference[trial].values.cols();
   std::vector<Move> moves(varied.size());
   for (Move& one : moves) one.bodies.setZero(6 * bodies, blocks);
-  VectorXd change;
+  VectorXd change, move;
   std::vector<Eigen::Index> which;
   // Block by block: its derivatives are read once for all changes.
   for (Eigen::Index k = 0; k < blocks; ++k) {
@@ -129,7 +147,8 @@ std::vector<Eigen::MatrixXd> JointModel::moved(
         if (change[j] != 0.0) which.push_back(j);
       if (which.empty()) continue;
       Move& of = moves[c];
-      const VectorXd move = sum_by(by_rod.seen, change, which);
+      move.resize(by_rod.seen.rows());
+      sum_by(by_rod.seen, change, which, move);
       Eigen::Index row = 0;
       for (const Seen& seen : block.bodies)
         of.bodies.col(k).segment<3>(3 * seen.body) = move.segment<3>(3 * row++);
@@ -140,8 +159,8 @@ std::vector<Eigen::MatrixXd> JointModel::moved(
         of.in_modes.setZero(by_rod.modes_now.rows(), blocks);
         of.in_next = of.in_modes;
       }
-      of.in_modes.col(k) = sum_by(by_rod.modes_now, change, which);
-      if (by_rod.modes_next.size() > 0) of.in_next.col(k) = sum_by(by_rod.modes_next, change, which);
+      sum_by(by_rod.modes_now, change, which, of.in_modes.col(k));
+      if (by_rod.modes_next.size() > 0) sum_by(by_rod.modes_next, change, which, of.in_next.col(k));
     }
   }
   std::vector<Eigen::MatrixXd> all;
@@ -257,6 +276,17 @@ Eigen::MatrixXd JointModel::differences(const Linearised& at, std::size_t trial,
   return out;
 }
 
+model::SwingOfChange JointModel::swing_of_change(std::size_t trial,
+                                                 const std::vector<Predicted>& predicted) const {
+  std::vector<model::Rest> rest;
+  model::Sluggishness sluggish;
+  for (const Predicted& block : predicted) {
+    rest.push_back(block.solved ? block.rest : model::Rest());
+    if (block.solved) sluggish = block.sluggish;
+  }
+  return {modes_[trial], trials_[trial], rest, sluggish};
+}
+
 Linearised JointModel::linearise(const JointParameters& parameters,
                                  const std::vector<std::vector<Predicted>>* start, Derivatives how,
                                  bool known, const Linearised* near) {
@@ -287,18 +317,13 @@ Linearised JointModel::linearise(const JointParameters& parameters,
       return;
     }
     lin.reference[t] = vary(t, parameters, lin.predicted[t]);
-    if (!modes_.empty()) {
-      std::vector<model::Rest> rest;
-      model::Sluggishness sluggish;
-      for (const Predicted& block : lin.predicted[t]) {
-        rest.push_back(block.solved ? block.rest : model::Rest());
-        if (block.solved) sluggish = block.sluggish;
-      }
-      lin.swing[t].emplace(modes_[t], trials_[t], rest, sluggish);
-    }
+    if (!modes_.empty()) lin.swing[t] = swing_of_change(t, lin.predicted[t]);
     const bool shared = near != nullptr && share_derivatives(*near, t, lin.predicted[t]);
+    const std::vector<Eigen::Index> alike =
+        shared && !whole ? columns_alike(*near, lin.columns) : std::vector<Eigen::Index>(changed.size(), -1);
     std::vector<model::ExtendedModel::Varied> varied;
     for (std::size_t c = 0; c < changed.size() && (!whole || !shared); ++c) {
+      if (alike[c] >= 0) continue;
       // How a body is mounted changes nothing of the arm.
       const bool mount = lin.columns[c].kind == JointUnknown::Kind::kMount;
       varied.push_back(mount ? lin.reference[t] : vary(t, changed[c], lin.predicted[t]));
@@ -310,11 +335,15 @@ Linearised JointModel::linearise(const JointParameters& parameters,
           near != nullptr ? unweighted_derivative(*near, t) : differences(lin, t, changed, steps);
       return;
     }
-    lin.derivative[t].resize(lin.residual[t].size(), static_cast<Eigen::Index>(varied.size()));
     const std::vector<Eigen::MatrixXd> moves = moved(lin, t, varied);
-    for (std::size_t c = 0; c < varied.size(); ++c)
+    const Eigen::MatrixXd nearby = shared ? unweighted_derivative(*near, t) : Eigen::MatrixXd();
+    lin.derivative[t].resize(lin.residual[t].size(), static_cast<Eigen::Index>(changed.size()));
+    for (std::size_t c = 0, v = 0; c < changed.size(); ++c) {
+      const bool own = alike[c] < 0;
       lin.derivative[t].col(static_cast<Eigen::Index>(c)) =
-          signature(lin, t, changed[c], varied[c], moves[c], steps[c]);
+          own ? signature(lin, t, changed[c], varied[v], moves[v], steps[c]) : nearby.col(alike[c]);
+      v += own;
+    }
   });
   weigh(lin);
   return lin;

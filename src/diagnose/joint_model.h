@@ -141,8 +141,8 @@ class JointModel {
     Derivatives derivatives = Derivatives::kShapesHeld;  ///< by which the way there is found
     int iterations = 6;      ///< at most, each one prediction of all trials or few
     double tolerance = 0.1;  ///< of the step that is left, in standard deviations
-    /// A linearisation nearby, the derivatives by the rod of which will do: nullptr: they are made anew. Most
-    /// of the time of a fit is theirs.
+    /// A linearisation nearby, the derivatives by the rod of which will do, and of a model with an effect
+    /// more or less those by constants: nullptr: they are made anew. Most of the time of a fit is theirs.
     const Linearised* near = nullptr;
     bool known = false;  ///< that `start` are the predictions at `parameters`
     /// The fit at `parameters`, if its derivatives are its own: they are not made again. nullptr: another.
@@ -229,6 +229,9 @@ class JointModel {
   model::Dynamics dynamics(const JointParameters& parameters, std::size_t trial) const;
   model::ExtendedModel::Varied vary(std::size_t trial, const JointParameters& parameters,
                                     const std::vector<model::Predicted>& predicted);
+  /// Where the arm swings in its modes.
+  model::SwingOfChange swing_of_change(std::size_t trial,
+                                       const std::vector<model::Predicted>& predicted) const;
   void differentiate(const JointParameters& at, std::size_t trial, const std::vector<bool>& wanted,
                      std::vector<model::Predicted>& predicted);
   Eigen::MatrixXd differences(const Linearised& at, std::size_t trial,

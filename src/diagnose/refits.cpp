@@ -115,28 +115,38 @@ double gains_elsewhere(const Unseen& without, const Unseen& with) {
   return static_cast<double>(gains) / kBootstraps;
 }
 
-/// Evidence about a refit. Of the candidates only those are looked at that have other values than before.
-const EvidenceData& evidence_about(JointModel& model, Refitted& r, const Linearised& like,
-                                   const std::vector<Present>& candidates, unsigned jobs) {
-  if (!r.evidence) {
-    r.evidence = KnownEvidence{evidence_of_refit(model, r.fit, like, candidates, jobs), candidates};
-    return r.evidence->data;
+/// Evidence about a fit. Of the candidates only those are looked at that are new, or have other values than
+/// before.
+/// @param make evidence with some of the candidates
+template <typename Make>
+const EvidenceData& evidence_with(const std::vector<Present>& candidates, const Make& make,
+                                  std::optional<KnownEvidence>& known) {
+  if (!known) {
+    known = KnownEvidence{make(candidates), candidates};
+    return known->data;
   }
-  std::vector<Present> changed;
-  for (std::size_t i = 0; i < candidates.size(); ++i)
-    if (candidates[i].values != r.evidence->candidates[i].values) changed.push_back(candidates[i]);
-  if (changed.empty()) return r.evidence->data;
-  std::vector<Signature>& known = r.evidence->data.effects;
-  known.erase(std::remove_if(known.begin(), known.end(),
-                             [&](const Signature& s) {
-                               return std::any_of(changed.begin(), changed.end(),
-                                                  [&](const Present& one) { return one.effect == s.effect; });
-                             }),
-              known.end());
-  for (Signature& s : evidence_of_refit(model, r.fit, like, changed, jobs).effects)
-    known.push_back(std::move(s));
-  r.evidence->candidates = candidates;
-  return r.evidence->data;
+  std::vector<Present> anew;
+  std::vector<const model::Effect*> stay;
+  for (const Present& candidate : candidates) {
+    const bool same =
+        std::any_of(known->candidates.begin(), known->candidates.end(), [&](const Present& before) {
+          return before.effect == candidate.effect && before.values == candidate.values;
+        });
+    if (same)
+      stay.push_back(candidate.effect);
+    else
+      anew.push_back(candidate);
+  }
+  std::vector<Signature>& effects = known->data.effects;
+  effects.erase(std::remove_if(effects.begin(), effects.end(),
+                               [&](const Signature& s) {
+                                 return std::find(stay.begin(), stay.end(), s.effect) == stay.end();
+                               }),
+                effects.end());
+  if (!anew.empty())
+    for (Signature& s : make(anew).effects) effects.push_back(std::move(s));
+  known->candidates = candidates;
+  return known->data;
 }
 
 }  // namespace
@@ -155,11 +165,17 @@ std::vector<Present> candidates_of(const Round& round) {
 Posterior posterior_of(JointModel& model, Standing& current, Round& round, unsigned jobs) {
   const std::vector<Present> candidates = candidates_of(round);
   std::vector<RefitEvidence> refits;
-  for (Refitted& r : round.refitted)
-    refits.push_back({r.effect, r.fit.own_derivatives
-                                    ? evidence_about(model, r, current.fit, candidates, jobs)
-                                    : evidence_of_refit(model, r.fit, current.fit)});
-  return posterior(evidence_data(model, current.fit, candidates, jobs), refits, jobs);
+  for (Refitted& r : round.refitted) {
+    const auto about_refit = [&](const std::vector<Present>& some) {
+      return evidence_of_refit(model, r.fit, current.fit, some, jobs);
+    };
+    refits.push_back({r.effect, r.fit.own_derivatives ? evidence_with(candidates, about_refit, r.evidence)
+                                                      : evidence_of_refit(model, r.fit, current.fit)});
+  }
+  const auto about_fit = [&](const std::vector<Present>& some) {
+    return evidence_data(model, current.fit, some, jobs);
+  };
+  return posterior(evidence_with(candidates, about_fit, current.evidence), refits, jobs);
 }
 
 std::vector<Eigen::Index> rows_of_sizes(const Linearised& at, std::size_t effect) {

@@ -12,6 +12,7 @@ namespace softarm::diagnose {
 struct Standing {
   Linearised fit;
   Unseen unseen;
+  std::optional<KnownEvidence> evidence = {};  ///< about the fit, once a posterior was made
 };
 
 /// What was screened, each at the values of its refit where it had one.

@@ -390,7 +390,11 @@ ExtendedModel::Varied ExtendedModel::vary(const arm::Arm& arm, const std::vector
     const Block& block = trial.blocks[k];
     const Predicted& base = baseline[k];
     // What drives the arm beyond what the laws bear changes nothing.
-    varied.values.col(static_cast<Eigen::Index>(k)) = made ? m.fine.values(m.rod) : base.values;
+    auto values = varied.values.col(static_cast<Eigen::Index>(k));
+    if (made)
+      m.fine.values(m.rod, values);
+    else
+      values = base.values;
     const Eigen::Matrix3Xd seen = m.seen(arm, effects, instant, block, base);
     for (std::size_t i = 0; i < block.bodies.size(); ++i)
       varied.seen.col(begins[k] + static_cast<Eigen::Index>(i)) =

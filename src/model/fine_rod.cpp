@@ -146,6 +146,11 @@ Eigen::VectorXd FineRod::station_masses_kg(const rod::Rod& rod) const {
 
 Eigen::VectorXd FineRod::values(const rod::Rod& rod) const {
   Eigen::VectorXd v(static_cast<Eigen::Index>(parameters_.size()));
+  values(rod, v);
+  return v;
+}
+
+void FineRod::values(const rod::Rod& rod, Eigen::Ref<Eigen::VectorXd> v) const {
   Eigen::Index k = 0;
   const auto put = [&](const Eigen::Vector3d& of) {
     v.segment<3>(k) = of;
@@ -173,7 +178,6 @@ Eigen::VectorXd FineRod::values(const rod::Rod& rod) const {
   }
   put(rod.gravity_m_s2);
   put(math::log_so3((rod.q_base * layout_.q_base.conjugate()).normalized()));
-  return v;
 }
 
 }  // namespace softarm::model

@@ -59,6 +59,7 @@ class FineRod {
   const std::vector<rod::Parameter>& parameters() const { return parameters_; }
   /// kBaseRotation is a rotation vector from layout().q_base, world frame.
   Eigen::VectorXd values(const rod::Rod& rod) const;
+  void values(const rod::Rod& rod, Eigen::Ref<Eigen::VectorXd> v) const;  ///< into v, as many
 
  private:
   std::vector<Piece> pieces_;
