@@ -53,12 +53,14 @@ JointParameters with_law(JointParameters parameters, const LawDesign& design,
   return parameters;
 }
 
+/// @param near whose derivatives will do; nullptr: its own
 Linearised fit(JointModel& model, const JointParameters& start, int iterations,
-               const std::vector<std::vector<model::Predicted>>& from) {
+               const std::vector<std::vector<model::Predicted>>& from, const Linearised* near = nullptr) {
   JointModel::FitOptions how;
   how.iterations = iterations;
   how.tolerance = kTolerance;
   how.whole = false;
+  how.near = near;
   return model.fit(start, how, &from);
 }
 
@@ -112,12 +114,13 @@ HeldOut held_out(JointModel& model, const Linearised& extended, const LawDesign&
     const Folds inner = folds_of(sequences, others, kPolicy.law.folds);
     const std::vector<StableTerm> terms = stable_terms(design.sums, inner, jobs);
     model.look_at(others);
-    const JointParameters without = fit(model, extended.at, kFoldIterations, extended.predicted).at;
+    const JointParameters without =
+        fit(model, extended.at, kFoldIterations, extended.predicted, &extended).at;
     // Where none is found there, it predicts as before.
-    const JointParameters with =
-        terms.empty()
-            ? without
-            : fit(model, with_law(without, design, terms, inner), kFoldIterations, extended.predicted).at;
+    const JointParameters with = terms.empty() ? without
+                                               : fit(model, with_law(without, design, terms, inner),
+                                                     kFoldIterations, extended.predicted, &extended)
+                                                     .at;
     model.look_at(fold);
     predict_fold(model, without, extended.predicted, fold, out.before);
     predict_fold(model, with, extended.predicted, fold, out.after);
