@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "math/linear_algebra.h"
+#include "math/parallel.h"
 #include "policy.h"
 
 namespace softarm::diagnose {
@@ -128,27 +129,25 @@ double gain_of(const Answer& answer, const Delay& delay) {
 
 }  // namespace
 
-std::optional<Delay> find_delay(const arm::Arm& arm, const std::vector<model::TrialData>& trials) {
+std::optional<Delay> find_delay(const arm::Arm& arm, const std::vector<model::TrialData>& trials,
+                                unsigned jobs) {
   std::vector<Answer> answers;
   const int outermost = outermost_of(arm);
   for (const model::TrialData& trial : trials) {
     if (trial.series.t_s.size() > 1) answers.push_back(answer_of(trial, outermost));
   }
   const auto inputs = static_cast<int>(arm.inputs.scalars.size());
-  Delay best;
-  double most = 0.0;
+  std::vector<Delay> delays;
   const int steps = static_cast<int>(std::lround(kPolicy.delay.longest_s / kPolicy.delay.step_s));
-  for (int input = 0; input <= (inputs > 1 ? inputs : 0); ++input) {
-    for (int step = -steps; step <= steps; ++step) {
-      const Delay delay{step * kPolicy.delay.step_s, input};
-      double gain = 0.0;
-      for (const Answer& answer : answers) gain += gain_of(answer, delay);
-      if (gain > most) {
-        most = gain;
-        best = delay;
-      }
-    }
-  }
+  for (int input = 0; input <= (inputs > 1 ? inputs : 0); ++input)
+    for (int step = -steps; step <= steps; ++step) delays.push_back({step * kPolicy.delay.step_s, input});
+  std::vector<double> gains(delays.size(), 0.0);
+  math::in_parallel(delays.size(), jobs, [&](std::size_t i) {
+    for (const Answer& answer : answers) gains[i] += gain_of(answer, delays[i]);
+  });
+  const auto greatest = std::max_element(gains.begin(), gains.end());
+  const double most = *greatest;
+  const Delay best = delays[static_cast<std::size_t>(greatest - gains.begin())];
   if (most < kPolicy.delay.least_gain || std::abs(best.offset_s) < kPolicy.delay.seen_s) return std::nullopt;
   return best;
 }

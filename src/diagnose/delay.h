@@ -19,6 +19,7 @@ struct Delay {
 /// seconds, about which no model is linear, is found before anything is fitted or left out.
 /// @return the likeliest delay, where that is too long for the screen (`kPolicy.delay`): a place to begin
 ///         from, no finding
-std::optional<Delay> find_delay(const arm::Arm& arm, const std::vector<model::TrialData>& trials);
+std::optional<Delay> find_delay(const arm::Arm& arm, const std::vector<model::TrialData>& trials,
+                                unsigned jobs = 1);
 
 }  // namespace softarm::diagnose

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "flexible.h"
+#include "math/parallel.h"
 #include "policy.h"
 
 namespace softarm::diagnose {
@@ -63,13 +64,15 @@ std::vector<MatrixXd> kernels_of(const EvidenceData& data) {
   return kernels;
 }
 
-Bases bases_of(const EvidenceData& data) {
+Bases bases_of(const EvidenceData& data, unsigned jobs) {
   Bases bases;
   bases.directions = math::eigensystem_of(data.residual.transpose() * data.residual).vectors;
-  for (const MatrixXd& kernel : kernels_of(data)) {
-    bases.kernels.push_back(math::eigensystem_of(kernel));
-    bases.kernels.back().values = bases.kernels.back().values.cwiseMax(kLeastEigenvalue);
-  }
+  const std::vector<MatrixXd> kernels = kernels_of(data);
+  bases.kernels.resize(kernels.size());
+  math::in_parallel(kernels.size(), jobs, [&](std::size_t k) {
+    bases.kernels[k] = math::eigensystem_of(kernels[k]);
+    bases.kernels[k].values = bases.kernels[k].values.cwiseMax(kLeastEigenvalue);
+  });
   return bases;
 }
 

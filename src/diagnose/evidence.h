@@ -34,7 +34,7 @@ struct Bases {
   Eigen::MatrixXd directions;  ///< principal ones of the residuals, m x m, one per column
   std::vector<math::Eigensystem> kernels;
 };
-Bases bases_of(const EvidenceData& data);
+Bases bases_of(const EvidenceData& data, unsigned jobs = 1);
 
 /// Sums over all instants and directions under one noise.
 struct NormalEquations {

@@ -23,7 +23,8 @@ std::optional<Linearised> fit_with_delay(JointModel& model, const Linearised& wi
     const bool known =
         std::any_of(model.known().begin(), model.known().end(),
                     [&](const model::Present& present) { return present.effect == effect.get(); });
-    const std::optional<Delay> delay = known ? std::nullopt : find_delay(model.arm(), model.trials());
+    const std::optional<Delay> delay =
+        known ? std::nullopt : find_delay(model.arm(), model.trials(), model.jobs());
     if (!delay) return std::nullopt;
     JointParameters from = model.start();
     from.effects.push_back({effect.get(), Eigen::Vector2d(delay->offset_s, delay->input)});

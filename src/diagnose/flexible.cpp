@@ -152,24 +152,28 @@ struct Setting {
 /// Kernel regression of instants by others.
 class Regression {
  public:
-  explicit Regression(const Instants& instants) : instants_(instants) {
-    for (const std::vector<Eigen::Index>& view : instants.views) {
-      const MatrixXd distance2 = mean_distances2(columns_of(instants.x, view));
-      for (const double reach : kPolicy.flexible.reach) {
-        for (const double noise : kPolicy.flexible.noise) settings_.push_back({kernels_.size(), noise});
-        kernels_.push_back((-0.5 * distance2.array() / (reach * reach)).exp());
-      }
-    }
+  Regression(const Instants& instants, unsigned jobs) : instants_(instants) {
+    const std::size_t reaches = std::size(kPolicy.flexible.reach),
+                      alone = std::size(kPolicy.flexible.reach_alone);
+    const std::size_t of_views = reaches * instants.views.size();
+    kernels_.resize(of_views + alone);
+    math::in_parallel(instants.views.size(), jobs, [&](std::size_t v) {
+      const MatrixXd distance2 = mean_distances2(columns_of(instants.x, instants.views[v]));
+      for (std::size_t r = 0; r < reaches; ++r)
+        kernels_[v * reaches + r] = (-0.5 * distance2.array() / std::pow(kPolicy.flexible.reach[r], 2)).exp();
+    });
     // Beside the first view, each input by itself, and what they make is added up: a kink of one is near to
     // all instants at it.
-    const MatrixXd together = kernels_.front();
-    for (const double reach : kPolicy.flexible.reach_alone) {
-      for (const double noise : kPolicy.flexible.noise) settings_.push_back({kernels_.size(), noise});
-      MatrixXd sum = together;
+    math::in_parallel(alone, jobs, [&](std::size_t r) {
+      MatrixXd sum = kernels_.front();
       for (Eigen::Index c = 0; c < instants.inputs; ++c)
-        sum.array() += (-0.5 * mean_distances2(instants.x.col(c)).array() / (reach * reach)).exp();
-      kernels_.push_back(1.0 + sum.array() / static_cast<double>(1 + instants.inputs));  // and a mean
-    }
+        sum.array() +=
+            (-0.5 * mean_distances2(instants.x.col(c)).array() / std::pow(kPolicy.flexible.reach_alone[r], 2))
+                .exp();
+      kernels_[of_views + r] = 1.0 + sum.array() / static_cast<double>(1 + instants.inputs);  // and a mean
+    });
+    for (std::size_t kernel = 0; kernel < kernels_.size(); ++kernel)
+      for (const double noise : kPolicy.flexible.noise) settings_.push_back({kernel, noise});
   }
 
   const std::vector<Setting>& settings() const { return settings_; }
@@ -260,16 +264,17 @@ double left_by_regression(const Regression& regression, const FoldRows& folds, u
       one_fold[s].row(f) = by_fold(folds, regression.left(settings[s], folds[static_cast<std::size_t>(f)]));
   });
   const Eigen::RowVectorXd square = by_fold(folds, regression.square());
-  double left = 0.0;
-  for (Eigen::Index f = 0; f < n; ++f) {
+  Eigen::RowVectorXd left(n);
+  math::in_parallel(folds.size(), jobs, [&](std::size_t f) {
+    const auto fold = static_cast<Eigen::Index>(f);
     // Of two folds there is nothing within the other one to choose by.
-    const int best = best_without(one_fold, square, n > 2 ? f : -1);
-    const VectorXd by_others = best < 0 ? regression.square()
-                                        : regression.left(settings[static_cast<std::size_t>(best)],
-                                                          all_but(folds, static_cast<std::size_t>(f)));
-    left += by_fold(folds, by_others)[f];
-  }
-  return left;
+    const int best = best_without(one_fold, square, n > 2 ? fold : -1);
+    const VectorXd by_others =
+        best < 0 ? regression.square()
+                 : regression.left(settings[static_cast<std::size_t>(best)], all_but(folds, f));
+    left[fold] = by_fold(folds, by_others)[fold];
+  });
+  return left.sum();
 }
 
 }  // namespace
@@ -337,7 +342,7 @@ Ceiling ceiling(const JointModel& model, const Linearised& at, const std::vector
   const double bodies = instants.weight.sum() * static_cast<double>(model.arm().bodies.size());
   const double before = instants.weight.dot(instants.y.rowwise().squaredNorm()) / bodies;
   const auto folds = folds_of(instants, model.sequences());
-  const double left = left_by_regression(Regression(instants), folds, jobs) / bodies;
+  const double left = left_by_regression(Regression(instants, jobs), folds, jobs) / bodies;
   result.before_rms_m = std::sqrt(before);
   result.after_rms_m = std::sqrt(std::min(before, left));
   result.share = before > 0.0 ? std::max(0.0, 1.0 - left / before) : 0.0;

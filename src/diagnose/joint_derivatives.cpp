@@ -2,6 +2,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "joint_model.h"
 #include "math/parallel.h"
@@ -290,15 +291,21 @@ model::SwingOfChange JointModel::swing_of_change(std::size_t trial,
 Linearised JointModel::linearise(const JointParameters& parameters,
                                  const std::vector<std::vector<Predicted>>* start, Derivatives how,
                                  bool known, const Linearised* near) {
+  if (known) return linearise_at(parameters, *start, how, near);
+  std::vector<std::vector<Predicted>> predicted;
+  predict(parameters, start, predicted);
+  return linearise_at(parameters, std::move(predicted), how, near);
+}
+
+Linearised JointModel::linearise_at(const JointParameters& parameters,
+                                    std::vector<std::vector<Predicted>> predicted, Derivatives how,
+                                    const Linearised* near) {
   const bool whole = how == Derivatives::kWhole;
   const double size = whole ? kWholeStep : kStep;
   Linearised lin;
   lin.at = parameters;
   lin.columns = columns(parameters);
-  if (known)
-    lin.predicted = *start;
-  else
-    predict(parameters, start, lin.predicted);
+  lin.predicted = std::move(predicted);
   std::vector<double> steps(lin.columns.size(), size);
   const std::vector<JointParameters> changed = one_step_each(lin, steps);
   lin.residual.resize(trials_.size());

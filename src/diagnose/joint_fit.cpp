@@ -60,8 +60,9 @@ class JointModel::Evaluation : public ceres::EvaluationCallback {
     if (!derivatives || x_ == x_at_) return;
     const JointParameters p = parameters();
     // Whole derivatives cost a prediction each: on a way as short as the last steps are, those of its begin.
-    at_ = model_.linearise(p, &there_, how_, true, how_ == Derivatives::kWhole ? &at_ : near_);
+    at_ = model_.linearise_at(p, std::move(there_), how_, how_ == Derivatives::kWhole ? &at_ : near_);
     x_at_ = x_;
+    x_there_.setConstant(std::numeric_limits<double>::quiet_NaN());
   }
 
   /// Where derivatives were wanted last: at a step that was accepted.
@@ -74,7 +75,7 @@ class JointModel::Evaluation : public ceres::EvaluationCallback {
   void make_own_derivatives() {
     if (has_own_derivatives()) return;
     near_ = nullptr;
-    at_ = model_.linearise(at_.at, &at_.predicted, how_, true);
+    at_ = model_.linearise_at(at_.at, std::move(at_.predicted), how_, nullptr);
   }
 
   /// Predicted less measured, whitened, of the body that begins at a row; 0 without an equilibrium.
@@ -283,7 +284,7 @@ Linearised JointModel::fit(JointParameters parameters, const FitOptions& options
   const bool feedback = has_configuration_dependent_load(parameters);
   const Derivatives how = feedback ? options.derivatives : Derivatives::kShapesHeld;
   const bool begun = options.begins != nullptr && options.begins->own_derivatives;
-  Linearised begin = begun ? *options.begins : linearise(parameters, &predicted, how, true, near);
+  Linearised begin = begun ? *options.begins : linearise_at(parameters, std::move(predicted), how, near);
   if (begun) weigh(begin);
   Evaluation evaluation(*this, std::move(begin), how, near);
   for (int left = options.iterations; left > 0;) {
@@ -315,7 +316,7 @@ void JointModel::take_own_derivatives(Linearised& at) {
   threshold_ = threshold_at(at.predicted);
   const Derivatives how =
       has_configuration_dependent_load(at.at) ? Derivatives::kWhole : Derivatives::kShapesHeld;
-  Linearised own = linearise(at.at, &at.predicted, how, true);
+  Linearised own = linearise_at(at.at, std::move(at.predicted), how, nullptr);
   own.own_derivatives = true;
   own.converged = at.converged;
   own.damped = at.damped;

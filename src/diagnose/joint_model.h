@@ -229,6 +229,10 @@ class JointModel {
   model::Dynamics dynamics(const JointParameters& parameters, std::size_t trial) const;
   model::ExtendedModel::Varied vary(std::size_t trial, const JointParameters& parameters,
                                     const std::vector<model::Predicted>& predicted);
+  /// At these parameters, of which the predictions are given.
+  Linearised linearise_at(const JointParameters& parameters,
+                          std::vector<std::vector<model::Predicted>> predicted, Derivatives how,
+                          const Linearised* near);
   /// Where the arm swings in its modes.
   model::SwingOfChange swing_of_change(std::size_t trial,
                                        const std::vector<model::Predicted>& predicted) const;

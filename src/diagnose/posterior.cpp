@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -27,7 +28,7 @@ bool has(const EvidenceData& data, const Effect* effect) {
 class Expansions {
  public:
   Expansions(const EvidenceData& data, const std::vector<RefitEvidence>& refits, unsigned jobs)
-      : bases_(bases_of(data)), models_(1 + refits.size()) {
+      : bases_(bases_of(data, jobs)), models_(1 + refits.size()) {
     math::in_parallel(models_.size(), jobs, [&](std::size_t i) {
       EvidenceData own = i == 0 ? data : refits[i - 1].data;
       if (i > 0) {
@@ -113,22 +114,27 @@ class Search {
     math::in_parallel(sums.size(), jobs_, [&](std::size_t i) {
       sums[i] = about_.model(i).normal_equations(from.marginal.noise);
     });
-    std::vector<Model> list;
-    Eigen::VectorXd unused;
+    std::vector<EffectList> sets;
     for (const Effect* effect : candidates_) {
       if (std::find(from.effects.begin(), from.effects.end(), effect) != from.effects.end()) continue;
-      EffectList effects = from.effects;
-      effects.push_back(effect);
-      std::sort(effects.begin(), effects.end(),
+      sets.push_back(from.effects);
+      sets.back().push_back(effect);
+      std::sort(sets.back().begin(), sets.back().end(),
                 [this](const Effect* a, const Effect* b) { return place(a) < place(b); });
-      for (const double background : kPolicy.posterior.background) {
-        double log = kNothing;
-        for (const std::size_t number : about_.of(effects))
-          log = std::max(log, about_.model(number).integrate(sums[number], about_.beside(number, effects),
-                                                             background, unused));
-        list.push_back({effects, background, log + before_data(effects), {}});
-      }
     }
+    constexpr std::size_t kBackgrounds = std::size(kPolicy.posterior.background);
+    std::vector<Model> list(sets.size() * kBackgrounds);
+    math::in_parallel(sets.size(), jobs_, [&](std::size_t i) {
+      Eigen::VectorXd unused;
+      for (std::size_t b = 0; b < kBackgrounds; ++b) {
+        const double background = kPolicy.posterior.background[b];
+        double log = kNothing;
+        for (const std::size_t number : about_.of(sets[i]))
+          log = std::max(log, about_.model(number).integrate(sums[number], about_.beside(number, sets[i]),
+                                                             background, unused));
+        list[i * kBackgrounds + b] = {sets[i], background, log + before_data(sets[i]), {}};
+      }
+    });
     return list;
   }
 
