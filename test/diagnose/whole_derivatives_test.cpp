@@ -1,0 +1,72 @@
+// Derivatives where loads or stiffness depend on the shape, against differences of whole predictions.
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "diagnose/joint_model.h"
+#include "effects/catalogue.h"
+#include "looked.h"
+#include "recorded_case.h"
+
+namespace softarm::diagnose {
+namespace {
+
+const model::Effect& effect(const std::string& id) {
+  for (const std::unique_ptr<model::Effect>& one : effects::catalogue())
+    if (one->info().id == id) return *one;
+  throw std::invalid_argument(id);
+}
+
+constexpr double kStep = 5e-3;
+constexpr double kSettled =
+    1.0;  // of a derivative, whitened: predictions are settled to micrometres, over kStep
+
+/// Derivative of the whitened predictions by one unknown, by predictions on both sides.
+Eigen::VectorXd difference(JointModel& model, const Linearised& at, std::size_t trial,
+                           const JointUnknown& column) {
+  const double x = at.unknowns()[&column - at.columns.data()];
+  Eigen::VectorXd r[2];
+  for (const int side : {0, 1}) {
+    JointParameters p = at.at;
+    set_unknown(p, column, x + (side == 0 ? -kStep : kStep));
+    r[side] = model.residual(trial, model.predict_trial(p, trial, &at.predicted[trial]));
+  }
+  return (r[0] - r[1]) / (2.0 * kStep);
+}
+
+class WholeDerivatives : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(WholeDerivatives, AreThoseOfWholePredictions) {
+  const testing::RecordedCase drawn =
+      testing::recorded_case("{count_weights: [0, 1], from: [tip_mass], size: [0.5, 0.6]}", 6, 3, 8.0);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  looked.model.find_modes(looked.baseline.at, looked.baseline.predicted);
+  ASSERT_TRUE(looked.model.swings());
+  JointParameters with = looked.baseline.at;
+  const model::Effect& one = effect(GetParam());
+  model::Values values = one.grid(drawn.arm, looked.model.rod()).front();
+  for (int k = 0; k < one.info().sizes; ++k)
+    values[k] = one.info().parameters[static_cast<std::size_t>(k)].usual;
+  with.effects.push_back({&one, values});
+  const Linearised whole =
+      looked.model.linearise(with, &looked.baseline.predicted, JointModel::Derivatives::kWhole);
+  for (std::size_t t = 0; t < drawn.trials.size(); ++t) {
+    for (std::size_t j = 0; j < whole.columns.size(); ++j) {
+      if (whole.columns[j].kind != JointUnknown::Kind::kConstant) continue;
+      SCOPED_TRACE("trial " + std::to_string(t) + ", unknown " + std::to_string(j));
+      const Eigen::VectorXd d =
+          whole.root_weight[t].cwiseProduct(difference(looked.model, whole, t, whole.columns[j]));
+      EXPECT_LT((whole.derivative[t].col(static_cast<Eigen::Index>(j)) - d).norm(),
+                0.02 * d.norm() + kSettled);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Effects, WholeDerivatives,
+                         ::testing::Values("tether", "curvature_softening", "one_sided_softness"));
+
+}  // namespace
+}  // namespace softarm::diagnose
