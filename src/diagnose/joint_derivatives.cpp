@@ -115,10 +115,10 @@ struct Move {
 
 /// Sum of derivatives by parameters, each times its change; most changes are those of a few.
 template <typename Sum>
-void sum_by(const Eigen::MatrixXd& derivative, const VectorXd& change, const std::vector<Eigen::Index>& which,
+void sum_by(const Eigen::MatrixXf& derivative, const VectorXd& change, const std::vector<Eigen::Index>& which,
             Sum&& sum) {
   sum.setZero();
-  for (const Eigen::Index j : which) sum += change[j] * derivative.col(j);
+  for (const Eigen::Index j : which) sum += change[j] * derivative.col(j).cast<double>();
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ VectorXd by_stiffness(const JointModel& model, const model::Predicted& predicted
   for (std::size_t p = 0; p < parameters.size(); ++p) {
     if (parameters[p].kind != rod::ParameterKind::kBendingCompliance) continue;
     const auto column = static_cast<Eigen::Index>(p);
-    sum -= predicted.values[column] * predicted.by_rod->seen.col(column);
+    sum -= predicted.values[column] * predicted.by_rod->seen.col(column).cast<double>();
   }
   return sum;
 }

@@ -51,7 +51,7 @@ MatrixXd by_moments(const JointModel& model, const Linearised& at, std::size_t t
     const double weight = at.root_weight[t][row] / sd;
     for (std::size_t p = 0; p < parameters.size(); ++p)
       out.col(static_cast<Index>(p)).segment<3>(3 * i) =
-          weight * now.by_rod->seen.col(parameters[p]).segment<3>(3 * i);
+          weight * now.by_rod->seen.col(parameters[p]).segment<3>(3 * i).cast<double>();
   };
   for (Index i = 0; i < bodies; ++i)
     fill(i, rows.bodies[k] + 3 * i, model.sd_m(t, k, block.bodies[static_cast<std::size_t>(i)]));

@@ -133,16 +133,16 @@ struct ExtendedModel::Impl : InstantSolver {
   }
 
   /// Of modes, by the parameters that are wanted, of the rod that `derivatives` solved last.
-  Eigen::MatrixXd coordinates(const Modes* modes, Eigen::Index parameters) const {
+  Eigen::MatrixXf coordinates(const Modes* modes, Eigen::Index parameters) const {
     if (modes == nullptr) return {};
     Eigen::MatrixXd by =
         Eigen::MatrixXd::Zero(modes->stiffness.size(), static_cast<Eigen::Index>(columns.size()));
     for (int j = 0; j < fine.stations(); ++j)
       by.noalias() +=
           modes->project.middleCols<3>(3 * j) * derivatives->dp(static_cast<int>(bodies.size()) + j);
-    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(by.rows(), parameters);
+    Eigen::MatrixXf all = Eigen::MatrixXf::Zero(by.rows(), parameters);
     for (std::size_t c = 0; c < columns.size(); ++c)
-      all.col(columns[c]) = by.col(static_cast<Eigen::Index>(c));
+      all.col(columns[c]) = by.col(static_cast<Eigen::Index>(c)).cast<float>();
     return all;
   }
 
@@ -155,7 +155,7 @@ struct ExtendedModel::Impl : InstantSolver {
     Eigen::Index row = 0;
     const auto put = [&](const Eigen::Matrix3Xd& rows) {
       for (std::size_t j = 0; j < columns.size(); ++j)
-        by.seen.block<3, 1>(row, columns[j]) = rows.col(static_cast<Eigen::Index>(j));
+        by.seen.block<3, 1>(row, columns[j]) = rows.col(static_cast<Eigen::Index>(j)).cast<float>();
       row += 3;
     };
     for (const Seen& seen : block.bodies)

@@ -21,11 +21,12 @@ struct Dynamics {
   const TrialModes* modes = nullptr;
 };
 
-/// Derivatives of one block by the rod, FineRod::parameters().
+/// Derivatives of one block by the rod, FineRod::parameters(). Most of a diagnosis's memory: seven digits
+/// will do.
 struct ByRod {
-  Eigen::MatrixXd seen;  ///< of Predicted::p and, below, of the tangents, stacked
+  Eigen::MatrixXf seen;  ///< of Predicted::p and, below, of the tangents, stacked
   /// Of the equilibrium in the modes of this block and of the next one; r x parameters.
-  Eigen::MatrixXd modes_now, modes_next;
+  Eigen::MatrixXf modes_now, modes_next;
 };
 
 /// Prediction of one block.

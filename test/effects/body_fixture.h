@@ -138,7 +138,7 @@ inline Eigen::VectorXd signature(model::ExtendedModel& model, const arm::Arm& ar
   for (std::size_t k = 0; k < base.size(); ++k) {
     const auto column = static_cast<Eigen::Index>(k);
     const Eigen::VectorXd change =
-        base[k].by_rod->seen * (with.values.col(column) - without.values.col(column));
+        base[k].by_rod->seen.cast<double>() * (with.values.col(column) - without.values.col(column));
     all.segment(row, change.size()) = change;
     row += change.size();
   }

@@ -165,7 +165,7 @@ Eigen::Matrix3Xd first_order(Arena& arena, const model::Present& present) {
   for (std::size_t k = 0; k < arena.baseline.size(); ++k) {
     const auto i = static_cast<Eigen::Index>(k);
     const Eigen::VectorXd moved =
-        arena.baseline[k].by_rod->seen * (with.values.col(i) - without.values.col(i));
+        arena.baseline[k].by_rod->seen.cast<double>() * (with.values.col(i) - without.values.col(i));
     out.middleCols(at, moved.size() / 3) +=
         Eigen::Map<const Eigen::Matrix3Xd>(moved.data(), 3, moved.size() / 3);
     at += moved.size() / 3;
