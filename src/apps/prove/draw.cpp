@@ -134,8 +134,8 @@ class Case {
     write(sealed / "case.json", truth_.dump(1) + '\n');
     write(sealed / "displacement.json", displacements_.dump() + '\n');
     write(trials / "case.json", known.dump(1) + '\n');
-    fs::create_directories(options_.folder.parent_path());
-    fs::create_directories(options_.truth.parent_path());
+    for (const fs::path& folder : {options_.folder, options_.truth})
+      fs::create_directories(fs::absolute(folder).parent_path());
     fs::remove_all(options_.truth);
     fs::rename(sealed, options_.truth);
     fs::rename(trials, options_.folder);
