@@ -236,11 +236,28 @@ TEST(Refits, EvidenceIsMadeAgainOnlyOfWhatChangedAndIsTheSame) {
   }
   ASSERT_TRUE(round.refitted[0].evidence);
   EXPECT_EQ(round.refitted[0].evidence->candidates.size(), round.screened.size());
-  for (Refitted& r : round.refitted) r.evidence.reset();
-  const Posterior from_nothing = posterior_of(looked.model, begun.alone, round, 0);
-  for (const Screened& s : round.screened)
-    EXPECT_NEAR(round.posterior.of(s.effect), from_nothing.of(s.effect), 1e-9) << s.effect->info().id;
-  EXPECT_GT(from_nothing.of(round.refitted[0].effect), 0.5);
+  ASSERT_TRUE(begun.alone.evidence);
+  const auto from_nothing = [&] {
+    for (Refitted& r : round.refitted) r.evidence.reset();
+    begun.alone.evidence.reset();
+    return posterior_of(looked.model, begun.alone, round, 0);
+  };
+  const auto is_from_nothing = [&](const Posterior& known) {
+    const Posterior anew = from_nothing();
+    for (const Screened& s : round.screened)
+      EXPECT_NEAR(known.of(s.effect), anew.of(s.effect), 1e-9) << s.effect->info().id;
+    EXPECT_GT(anew.of(round.refitted[0].effect), 0.5);
+  };
+  is_from_nothing(round.posterior);
+  // With fewer candidates than it knows, and with more again.
+  std::vector<Screened> out(round.screened.end() - 3, round.screened.end());
+  round.screened.resize(round.screened.size() - out.size());
+  const Posterior of_fewer = posterior_of(looked.model, begun.alone, round, 0);
+  EXPECT_EQ(begun.alone.evidence->candidates.size(), round.screened.size());
+  for (const Screened& s : out) EXPECT_EQ(of_fewer.of(s.effect), 0.0) << s.effect->info().id;
+  is_from_nothing(of_fewer);
+  round.screened.insert(round.screened.end(), out.begin(), out.end());
+  is_from_nothing(posterior_of(looked.model, begun.alone, round, 0));
 }
 
 /// Linear about a fit without it, inertia seems to be there beside a dead zone; about a fit with it it does
