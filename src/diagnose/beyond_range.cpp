@@ -70,13 +70,12 @@ BeyondRange beyond_range(const JointModel& model, const Selection& selection, co
     return {text, false, {}};
   std::vector<std::string> beyond;
   for (const std::size_t j : widened) beyond.push_back(with_value(other, fit, j, "at"));
-  BeyondRange said{
-      fmt::format("{} With {} the mean error on trials left out is {} instead of {}, without any effect: "
-                  "see to that range before you believe effects.",
-                  text, one_of(beyond, "and"), millimetres(wide_unseen.mean_m),
-                  millimetres(narrow_unseen.mean_m)),
-      true,
-      {}};
+  BeyondRange said{fmt::format("{} With {} the mean error{} is {} instead of {}, without any effect: "
+                               "see to that range before you believe effects.",
+                               text, one_of(beyond, "and"), on_unseen(model.trials().size()),
+                               millimetres(wide_unseen.mean_m), millimetres(narrow_unseen.mean_m)),
+                   true,
+                   {}};
   if (!selection.extended.at.effects.empty())
     said.still_there = doubt_in_another(other, fit, selection, options).still_there;
   return said;

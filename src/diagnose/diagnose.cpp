@@ -295,7 +295,7 @@ void add_summary(const JointModel& model, const BeyondRange& beyond, Diagnosis& 
     return;
   }
   d.narrow_range = beyond.helps;
-  d.summary = summary_of(d);
+  d.summary = summary_of(d, model.trials().size());
   if (beyond.helps && d.effects.empty())
     d.summary = beyond.text + " Within it no effect of the catalogue is surely there.";
   else if (!beyond.text.empty())

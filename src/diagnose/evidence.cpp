@@ -23,6 +23,8 @@ namespace {
 // what is left white.
 constexpr double kShares[] = {0.0, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.997, 0.999};
 constexpr double kLeastEigenvalue = 1e-9;  // of a kernel with a unit diagonal: rounding
+constexpr std::size_t kOfLaws = 1;         // of kernels_of(): over what drives the arm, as laws go with it
+constexpr Index kSmoothCourses = 8;        // of that: the others turn faster than laws do
 constexpr int kNoiseIterations = 2;        // of noise and coefficients by turns: the second changes little
 
 /// Correlated over time, within a trial.
@@ -45,6 +47,23 @@ MatrixXd feature_kernel(const MatrixXd& distances2, double reach) {
   const MatrixXd k = (-0.5 / (reach * reach) * distances2.array()).exp();
   const VectorXd mean = k.rowwise().mean();
   return k - mean.replicate(1, n) - mean.transpose().replicate(n, 1) + MatrixXd::Constant(n, n, mean.mean());
+}
+
+/// Over a trial, from trial to trial, and smoothly over what drives the arm: those together of unit variance.
+MatrixXd courses_of(const EvidenceData& data, const math::Eigensystem& over_features) {
+  const Index n = data.residual.rows(), smooth = std::min(kSmoothCourses, n);
+  MatrixXd courses(n, 2 + smooth);
+  courses.col(0) = data.t_s;
+  for (Index i = 0; i < n; ++i) courses(i, 1) = static_cast<double>(data.trial[static_cast<std::size_t>(i)]);
+  for (auto course : {courses.col(0), courses.col(1)}) {
+    course.array() -= course.mean();
+    const double size = course.norm();
+    if (size > 0.0) course *= std::sqrt(static_cast<double>(n)) / size;
+  }
+  const VectorXd variances = over_features.values.tail(smooth) * static_cast<double>(n);
+  courses.rightCols(smooth) = over_features.vectors.rightCols(smooth) *
+                              (variances / over_features.values.tail(smooth).sum()).cwiseSqrt().asDiagonal();
+  return courses;
 }
 
 double sd_of_background(double left, double unknown_sd, double background) {
@@ -73,11 +92,13 @@ Bases bases_of(const EvidenceData& data, unsigned jobs) {
     bases.kernels[k] = math::eigensystem_of(kernels[k]);
     bases.kernels[k].values = bases.kernels[k].values.cwiseMax(kLeastEigenvalue);
   });
+  bases.courses = courses_of(data, bases.kernels[kOfLaws]);
   return bases;
 }
 
 LinearGaussianModel::LinearGaussianModel(const EvidenceData& data, const Bases& bases) {
-  const auto p = static_cast<Index>(data.unknowns.size() + data.effects.size());
+  const auto p = static_cast<Index>(data.unknowns.size() + data.effects.size()) +
+                 static_cast<Index>(data.done.size()) * bases.courses.cols();
   const Index n = data.residual.rows(), m = data.residual.cols();
   mean_.resize(p);
   sd_.resize(p);
@@ -98,6 +119,17 @@ LinearGaussianModel::LinearGaussianModel(const EvidenceData& data, const Bases& 
       const MatrixXd turned = signature.moves * bases.directions;
       for (Index d = 0; d < m; ++d) by_direction[static_cast<std::size_t>(d)].col(column) = turned.col(d);
       ++column;
+    }
+  }
+  for (const MatrixXd& done : data.done) {
+    const MatrixXd turned = done * bases.directions;
+    for (Index c = 0; c < bases.courses.cols(); ++c, ++column) {
+      mean_[column] = left_[column] = unknown_sd_[column] = 0.0;
+      sd_[column] = kPolicy.posterior.form;
+      effect_.push_back(nullptr);
+      for (Index d = 0; d < m; ++d)
+        by_direction[static_cast<std::size_t>(d)].col(column) =
+            bases.courses.col(c).cwiseProduct(turned.col(d));
     }
   }
   const MatrixXd residual = data.residual * bases.directions;

@@ -33,6 +33,7 @@ std::vector<Eigen::MatrixXd> kernels_of(const EvidenceData& data);
 struct Bases {
   Eigen::MatrixXd directions;  ///< principal ones of the residuals, m x m, one per column
   std::vector<math::Eigensystem> kernels;
+  Eigen::MatrixXd courses;  ///< n x c, along which effects of the fit may act otherwise than their laws
 };
 Bases bases_of(const EvidenceData& data, unsigned jobs = 1);
 
@@ -50,7 +51,9 @@ struct NormalEquations {
 double background_sd(const Signature& effect, double background);
 
 /// Residuals as unknowns of the fit and sizes of effects move them, and noise. An effect that is there has
-/// sizes of N(0, prior_sd^2); one that is not has a background's, N(0, background_sd^2).
+/// sizes of N(0, prior_sd^2); one that is not has a background's, N(0, background_sd^2). What an effect of
+/// the fit does may go otherwise than its law says: along each of the courses by a share of N(0, form^2).
+/// Coefficients are those of unknowns, then of effects, then of what each effect of the fit does by course.
 class LinearGaussianModel {
  public:
   LinearGaussianModel(const EvidenceData& data, const Bases& bases);

@@ -101,6 +101,42 @@ Signature unknown(const JointUnknown& column, double x, double at_end, Index n, 
   return s;
 }
 
+/// Of n x m moves what these unknowns do not absorb.
+MatrixXd beyond(const std::vector<const Signature*>& unknowns, const MatrixXd& moves) {
+  MatrixXd columns(moves.size(), static_cast<Index>(unknowns.size()));
+  Eigen::VectorXd precision(columns.cols());
+  for (Index c = 0; c < columns.cols(); ++c) {
+    const Signature& s = *unknowns[static_cast<std::size_t>(c)];
+    columns.col(c) = Eigen::Map<const Eigen::VectorXd>(s.moves.data(), s.moves.size());
+    precision[c] = 1.0 / (s.prior_sd * s.prior_sd);
+  }
+  MatrixXd information = columns.transpose() * columns;
+  information.diagonal() += precision;
+  const Eigen::Map<const Eigen::VectorXd> all(moves.data(), moves.size());
+  const Eigen::VectorXd left =
+      all - columns * math::SymmetricSolver(information).solve(columns.transpose() * all);
+  return Eigen::Map<const MatrixXd>(left.data(), moves.rows(), moves.cols());
+}
+
+/// Fills what the effects of the fit do.
+void add_done(const Linearised& at, EvidenceData& data) {
+  const Index n = data.residual.rows(), m = data.residual.cols();
+  const Eigen::VectorXd x = at.unknowns();
+  for (std::size_t e = 0; e < at.at.effects.size(); ++e) {
+    MatrixXd moves = MatrixXd::Zero(n, m);
+    std::vector<const Signature*> others;
+    for (std::size_t j = 0; j < at.columns.size(); ++j) {
+      const JointUnknown& c = at.columns[j];
+      const bool own = c.kind == JointUnknown::Kind::kEffect && c.index == static_cast<int>(e);
+      if (!own)
+        others.push_back(&data.unknowns[j]);
+      else if (c.parameter < at.at.effects[e].effect->info().sizes)
+        moves += x[static_cast<Index>(j)] * data.unknowns[j].moves;
+    }
+    data.done.push_back(beyond(others, moves));
+  }
+}
+
 /// Residuals and derivatives of a fit at instants, with another one's weights.
 EvidenceData of_fit(const Shown& shown, const Linearised& at, const Linearised& weights) {
   const Index n = shown.size.size(), m = shown.bodies + shown.tangents;
@@ -127,6 +163,7 @@ EvidenceData of_fit(const Shown& shown, const Linearised& at, const Linearised& 
         data.unknowns[c].moves(to, r) += weight * at.derivative[t](row, static_cast<Index>(c));
     }
   }
+  add_done(at, data);
   return data;
 }
 

@@ -27,9 +27,12 @@ struct EvidenceData {
   Eigen::MatrixXd residual;         ///< n x m, measured less modelled by the fit
   std::vector<Signature> unknowns;  ///< of the fit
   std::vector<Signature> effects;   ///< that are not in it, one per size; coefficients in usual sizes
-  Eigen::MatrixXd features;         ///< n x f, of what drives the arm, as multiples of their spread
-  Eigen::VectorXd t_s;              ///< in the trial
-  std::vector<std::size_t> trial;   ///< of each instant
+  /// n x m each, of the effects of the fit: by what each moves what is seen beyond what the other unknowns
+  /// absorb.
+  std::vector<Eigen::MatrixXd> done;
+  Eigen::MatrixXd features;        ///< n x f, of what drives the arm, as multiples of their spread
+  Eigen::VectorXd t_s;             ///< in the trial
+  std::vector<std::size_t> trial;  ///< of each instant
 };
 
 /// One size of an effect alone, for a difference from none.

@@ -238,12 +238,12 @@ std::string left_out_of(const Diagnosis& d) {
   return fmt::format("{}, and with {}, which may stand in for something else,", with, one_of(hardly, "and"));
 }
 
-std::string found_of(const Diagnosis& d) {
+std::string found_of(const Diagnosis& d, std::size_t trials) {
   const std::string errors =
-      fmt::format("{} on average on trials left out, noise alone {}", millimetres(d.baseline.held_out_mean_m),
-                  millimetres(mean_noise_m(d)));
-  const std::string errors_change =
-      "the mean error on trials left out " + change(d.baseline.held_out_mean_m, d.extended.held_out_mean_m);
+      fmt::format("{} on average{}, noise alone {}", millimetres(d.baseline.held_out_mean_m),
+                  on_unseen(trials), millimetres(mean_noise_m(d)));
+  const std::string errors_change = "the mean error" + on_unseen(trials) + " " +
+                                    change(d.baseline.held_out_mean_m, d.extended.held_out_mean_m);
   std::vector<std::string> names, small;
   const bool all = d.stand_ins.empty();
   double part = 0.0;  // of what could be explained, by those
@@ -298,8 +298,8 @@ std::string found_of(const Diagnosis& d) {
 
 }  // namespace
 
-std::string summary_of(const Diagnosis& d) {
-  const std::string found = found_of(d);
+std::string summary_of(const Diagnosis& d, std::size_t trials) {
+  const std::string found = found_of(d, trials);
   if (!(d.left_out_share > kPolicy.words.left_out_share)) return found;
   return fmt::format(
       "{} This stands on {} of the recordings. The others are left out: the arm swung, a hand was on it, or "

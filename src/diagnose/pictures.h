@@ -10,6 +10,7 @@ namespace softarm::diagnose {
 void add_pictures(const JointModel& model, const Selection& selection, Diagnosis& diagnosis);
 
 /// The verdict in one or two sentences.
-std::string summary_of(const Diagnosis& diagnosis);
+/// @param trials count of them
+std::string summary_of(const Diagnosis& diagnosis, std::size_t trials);
 
 }  // namespace softarm::diagnose

@@ -103,6 +103,10 @@ std::string to_string(Finding finding) {
   throw std::logic_error("to_string: no such finding");
 }
 
+std::string on_unseen(std::size_t trials) {
+  return trials > 1 ? " on trials left out" : "";
+}
+
 std::string meaning(Verdict verdict) {
   switch (verdict) {
     case Verdict::kConsistent:

@@ -62,21 +62,20 @@ class ClockOffset : public Described {
 }  // namespace
 
 std::unique_ptr<Effect> make_clock_offset() {
-  return std::make_unique<ClockOffset>(
-      Info{"clock_offset",
-           "the clocks of motion capture and inputs differ",
-           "pose(t) shows what inputs(t - offset) did, or one of them",
-           "offsets of clocks: P. Furgale, J. Rehder, R. Siegwart, IROS 2013, doi:10.1109/IROS.2013.6696514",
-           Family::kSensor,
-           {{"offset_s", "s", "by which the motion capture's clock is ahead", -5.0, 5.0, 0.1},
-            {"input", "1", "whose clock alone differs, its number in the arm file's list; 0: that of all",
-             0.0, 64.0, 0.0, true}},
-           1,
-           {"pressure_lag", "hysteresis"},
-           {},
-           false,
-           true,
-           true});
+  return std::make_unique<ClockOffset>(Info{
+      "clock_offset",
+      "the clocks of motion capture and inputs differ",
+      "pose(t) shows what inputs(t - offset) did, or one of them",
+      "offsets of clocks: P. Furgale, J. Rehder, R. Siegwart, IROS 2013, doi:10.1109/IROS.2013.6696514",
+      Family::kSensor,
+      {{"offset_s", "s", "by which the motion capture's clock is ahead", -5.0, 5.0, 0.1},
+       {"input", "1", "number of the input whose clock alone differs, 0: all of them", 0.0, 64.0, 0.0, true}},
+      1,
+      {"pressure_lag", "hysteresis"},
+      {},
+      false,
+      true,
+      true});
 }
 
 }  // namespace softarm::effects

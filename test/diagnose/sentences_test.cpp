@@ -98,7 +98,7 @@ TEST(Sentences, WhatIsHardlyThereIsNotSaidToBeLeftOut) {
   hardly.id = "pressure_lag";
   hardly.probability = 0.2;
   diagnosis.effects = {sure, hardly};
-  const std::string both = summary_of(diagnosis);
+  const std::string both = summary_of(diagnosis, 4);
   EXPECT_EQ(
       both.rfind("The arm file leaves out payload_scale: with it, and with pressure_lag (20 %), which may "
                  "stand in for something else, the mean error",
@@ -106,12 +106,17 @@ TEST(Sentences, WhatIsHardlyThereIsNotSaidToBeLeftOut) {
       0u)
       << both;
   diagnosis.effects = {hardly};
-  EXPECT_EQ(summary_of(diagnosis).rfind("The arm file leaves out pressure_lag (20 %): with it the mean", 0),
-            0u)
-      << summary_of(diagnosis);
+  EXPECT_EQ(
+      summary_of(diagnosis, 4).rfind("The arm file leaves out pressure_lag (20 %): with it the mean", 0), 0u)
+      << summary_of(diagnosis, 4);
   diagnosis.effects = {sure};
-  EXPECT_EQ(summary_of(diagnosis).rfind("The arm file leaves out payload_scale: with it the mean", 0), 0u)
-      << summary_of(diagnosis);
+  const std::string of_many = summary_of(diagnosis, 4), of_one = summary_of(diagnosis, 1);
+  EXPECT_EQ(
+      of_many.rfind("The arm file leaves out payload_scale: with it the mean error on trials left out ", 0),
+      0u)
+      << of_many;
+  EXPECT_EQ(of_one.rfind("The arm file leaves out payload_scale: with it the mean error ", 0), 0u) << of_one;
+  EXPECT_EQ(of_one.find("trials left out"), std::string::npos) << of_one;
 }
 
 TEST(Sentences, UnderUnknownOnlyWhatIsLikelyIsListedWithItsOwnShare) {
@@ -127,24 +132,25 @@ TEST(Sentences, UnderUnknownOnlyWhatIsLikelyIsListedWithItsOwnShare) {
   hardly.share = 0.7;
   diagnosis.effects = {hardly, sure};
   set_stand_ins_apart(diagnosis);
-  const std::string text = summary_of(diagnosis);
+  const std::string text = summary_of(diagnosis, 4);
   EXPECT_NE(text.find(" skin_marker (97 %) explains 12 % of it: with all that was fitted the mean"),
             std::string::npos)
       << text;
   EXPECT_EQ(text.find("hysteresis"), std::string::npos) << text;
   diagnosis.effects.clear();
-  EXPECT_EQ(summary_of(diagnosis).find(" explains 28 %"), std::string::npos) << summary_of(diagnosis);
-  EXPECT_EQ(summary_of(diagnosis).find("hysteresis"), std::string::npos) << summary_of(diagnosis);
+  EXPECT_EQ(summary_of(diagnosis, 4).find(" explains 28 %"), std::string::npos) << summary_of(diagnosis, 4);
+  EXPECT_EQ(summary_of(diagnosis, 4).find("hysteresis"), std::string::npos) << summary_of(diagnosis, 4);
 }
 
 TEST(Sentences, WhatIsLeftOutStandsInTheVerdictsLine) {
   Diagnosis diagnosis;
   diagnosis.verdict = Verdict::kConsistent;
   diagnosis.left_out_share = 0.42;
-  EXPECT_NE(summary_of(diagnosis).find("stands on 58 % of the recordings"), std::string::npos)
-      << summary_of(diagnosis);
+  EXPECT_NE(summary_of(diagnosis, 4).find("stands on 58 % of the recordings"), std::string::npos)
+      << summary_of(diagnosis, 4);
   diagnosis.left_out_share = 0.05;
-  EXPECT_EQ(summary_of(diagnosis).find("of the recordings"), std::string::npos) << summary_of(diagnosis);
+  EXPECT_EQ(summary_of(diagnosis, 4).find("of the recordings"), std::string::npos)
+      << summary_of(diagnosis, 4);
 }
 
 }  // namespace

@@ -85,7 +85,7 @@ TEST(Describe, NoHeadlineImprovesWhileThePlainErrorGrows) {
   EXPECT_LT(d.extended.held_out_rms_m, d.baseline.held_out_rms_m);
   for (const auto verdict : {diagnose::Verdict::kExplained, diagnose::Verdict::kPartlyExplained}) {
     d.verdict = verdict;
-    d.summary = diagnose::summary_of(d);
+    d.summary = diagnose::summary_of(d, 4);
     EXPECT_THAT(flowing(report::describe(d)),
                 HasSubstr("the mean error on trials left out GROWS from 1.95 mm to "));
     EXPECT_THAT(d.summary, Not(HasSubstr("falls")));

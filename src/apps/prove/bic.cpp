@@ -32,8 +32,8 @@ struct Prior {
   VectorXd mean, precision;
 };
 
-Prior prior_of(const EvidenceData& data, const std::vector<bool>& free, double background) {
-  const auto p = static_cast<Index>(data.unknowns.size() + data.effects.size());
+/// @param p count of the coefficients
+Prior prior_of(const EvidenceData& data, const std::vector<bool>& free, double background, Index p) {
   Prior prior{VectorXd::Zero(p), VectorXd::Zero(p)};
   Index j = 0;
   for (const Signature& s : data.unknowns) {
@@ -43,6 +43,13 @@ Prior prior_of(const EvidenceData& data, const std::vector<bool>& free, double b
   for (const Signature& s : data.effects) {
     const double sd = free[static_cast<std::size_t>(j)] ? s.prior_sd : background_sd(s, background);
     prior.precision[j++] = 1.0 / (sd * sd);
+  }
+  if (data.done.empty()) return prior;
+  const Index courses = (p - j) / static_cast<Index>(data.done.size());
+  for (const MatrixXd& done : data.done) {  // what is absent does nothing otherwise
+    const double sd = done.isZero() ? kHeld : kPolicy.posterior.form;
+    prior.precision.segment(j, courses).setConstant(1.0 / (sd * sd));
+    j += courses;
   }
   return prior;
 }
@@ -78,19 +85,20 @@ std::vector<bool> sizes_of(const EvidenceData& data, const EffectList& effects) 
 
 double deviance(const EvidenceData& data, const NormalEquations& sums, const std::vector<bool>& free,
                 double background) {
-  const Prior prior = prior_of(data, free, background);
+  const Prior prior = prior_of(data, free, background, sums.score.size());
   MatrixXd information = sums.information;
   information.diagonal() += prior.precision;
   const VectorXd score = sums.score + prior.precision.cwiseProduct(prior.mean);
   // What is integrated out comes first: its determinant is that of the factor's corner.
+  const auto is_free = [&](std::size_t j) { return j < free.size() && free[j]; };
   std::vector<Index> order;
   for (const bool wanted : {false, true})
-    for (std::size_t j = 0; j < free.size(); ++j)
-      if (free[j] == wanted) order.push_back(static_cast<Index>(j));
+    for (std::size_t j = 0; j < static_cast<std::size_t>(score.size()); ++j)
+      if (is_free(j) == wanted) order.push_back(static_cast<Index>(j));
   const Eigen::LLT<MatrixXd> factor(math::block_of(information, order));
   const double least = sums.square + prior.precision.dot(prior.mean.cwiseAbs2()) -
                        factor.matrixL().solve(math::rows_of(score, order)).squaredNorm();
-  const auto others = std::count(free.begin(), free.end(), false);
+  const Index others = score.size() - std::count(free.begin(), free.end(), true);
   double log_determinant = sums.log_determinant;
   for (Index j = 0; j < others; ++j)
     log_determinant += 2.0 * std::log(factor.matrixLLT()(j, j)) -
@@ -180,6 +188,7 @@ std::vector<double> Bic::supports(const EffectList& effects, EvidenceData refit,
       without.unknowns[j].mean = absent[static_cast<Index>(j)];
       without.unknowns[j].prior_sd = kHeld;
     }
+    if (e < without.done.size()) without.done[e].setZero();
     list.push_back(deviance(without, sums, free, none_.background) - with - price(data_, {effects[e]}));
   }
   return list;
@@ -199,7 +208,7 @@ Weighed Bic::refitted(const EffectList& effects, EvidenceData refit, const std::
 Grouped Bic::grouped() const {
   // With A the information, P the prior's precision and V the covariance of noise, constants and background:
   // X^T V^-1 X = P - P (A + P)^-1 P, X^T V^-1 (y - X mean) = P (A + P)^-1 (X^T N^-1 y - A mean).
-  const Prior prior = prior_of(data_, sizes_of(data_, {}), none_.background);
+  const Prior prior = prior_of(data_, sizes_of(data_, {}), none_.background, sums_.score.size());
   const MatrixXd covariance = linear_.covariance(sums_, {}, none_.background);
   const VectorXd x = covariance * (sums_.score - sums_.information * prior.mean);
   Grouped grouped;
