@@ -11,9 +11,9 @@ import subprocess
 import sys
 import time
 
-import prove_real_report
-import prove_report
 import prove_figures
+import prove_pages
+import prove_report
 import prove_score
 import prove_slurm
 import prove_sources
@@ -208,23 +208,6 @@ class Proof:
         return results
 
 
-def draw_pictures(results, story):
-    """File name of the picture of real recordings; None where there are none."""
-    path = os.path.splitext(story)[0] + "_calibration.png"
-    try:
-        import prove_picture
-    except ImportError as missing:
-        say(f"no pictures: {missing} (apt-get install python3-matplotlib)")
-        return None
-    prove_picture.draw(results, path)
-    say(f"written: {path}")
-    real = prove_real_report.picture_path(story)
-    if not prove_real_report.draw(results, real):
-        return None
-    say(f"written: {real}")
-    return os.path.basename(real)
-
-
 def main():
     parser = argparse.ArgumentParser(prog="prove", description=__doc__.splitlines()[0])
     parser.add_argument("--root", required=True)
@@ -278,11 +261,7 @@ def main():
     print(prove_report.table(figures))
     whole = not options.campaign and not options.worlds and not options.kinds
     story = options.report or os.path.join(*([options.root, "doc"] if whole else [proof.folder]), "proof.md")
-    real_picture = draw_pictures(results, story)
-    with open(story + ".part", "w", encoding="utf-8") as text:
-        text.write(prove_report.story({**figures, "real_picture": real_picture}, results))
-    os.replace(story + ".part", story)
-    say(f"written: {story}")
+    prove_pages.write(results, figures, story)
     if options.json:
         write_json(options.json, figures)
     say(f"{(time.monotonic() - started) / 60:.1f} min")

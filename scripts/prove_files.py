@@ -46,12 +46,15 @@ def read_json(path):
         return json.load(text)
 
 
-def write_json(path, value):
+def write_text(path, text):
     """Beside and renamed: never half a file."""
-    with open(path + ".part", "w", encoding="utf-8") as text:
-        json.dump(value, text, indent=1)
-        text.write("\n")
+    with open(path + ".part", "w", encoding="utf-8") as file:
+        file.write(text)
     os.replace(path + ".part", path)
+
+
+def write_json(path, value):
+    write_text(path, json.dumps(value, indent=1) + "\n")
 
 
 def each(what, todo, action, at_once):

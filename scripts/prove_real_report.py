@@ -1,6 +1,4 @@
 """Of the proof's story: known interventions on real recordings, as text, table and picture."""
-import os
-
 import prove_real_score
 import prove_score
 
@@ -81,7 +79,3 @@ def draw(results, path):
     figure.savefig(path, dpi=110)
     plt.close(figure)
     return True
-
-
-def picture_path(story_path):
-    return os.path.splitext(story_path)[0] + "_real.png"

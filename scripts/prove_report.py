@@ -2,6 +2,7 @@
 import prove_real_report
 import prove_figures
 import prove_score
+import prove_short
 
 KIND_DESCRIPTION = {
     "none": "nothing hidden but distractors below the noise",
@@ -284,8 +285,8 @@ WORLDS_TEXT = """## The worlds
 """
 
 
-def story(figures, results):
-    """doc/proof.md."""
+def trials(results, figures, names):
+    """doc/proof_trials.md: every case. names: of files, see prove_pages.py."""
     lines = [["case", "kind", "hidden", "an ideal detector", "said", "baseline -> extended (floor), mm", ""]]
     for result in results:
         truth, report = result["truth"], result["report"]
@@ -297,6 +298,16 @@ def story(figures, results):
                                             f"({1e3 * report['noise_floor_m']:.3f})")
         lines.append([result["case"], result["kind"], hidden_description(truth),
                       ideal_description(truth), said(result), errors, judged(result)])
+    return f"""# Every case of the proof
+
+Of [the proof]({names['story']}), seed {figures['seed']}, which says what these words mean.
+
+{markdown(lines)}
+"""
+
+
+def story(results, figures, names):
+    """doc/proof.md. names: of files, see prove_pages.py."""
     size = "the whole" if figures["full"] else "a sample"
     kinds = [["kind", "trials", "what is hidden"]]
     kinds += [[k, figures[k]["trials"], KIND_DESCRIPTION[k]] for k in prove_score.KINDS if figures[k]["trials"]]
@@ -306,6 +317,9 @@ Written by `scripts/prove`: {size} of the campaign `{figures['campaign']}`, seed
 `{figures['engine']}`. SHA-256 of what was hidden, taken before the first diagnosis: `{figures['truth_sha256']}`.
 {figures['rejected_draws']} draws were rejected on the way, {figures['not_drawn']} cases could not be drawn, {figures['failed']} diagnoses failed (they count as having said nothing).
 {cost(figures)}
+
+{prove_short.story(results, names)}
+## All that is asked of it
 
 {markdown([HEADINGS] + rows(figures))}
 
@@ -317,7 +331,7 @@ refits, odds beforehand, and gates of size. They differ in how they decide, and 
 a Gaussian process alone, which never names anything, and whose alarm the others share.
 {moved(figures)}
 
-{prove_real_report.story(results, figures.get("real_picture"))}{WORLDS_TEXT}
+{prove_real_report.story(results, names.get("real"))}{WORLDS_TEXT}
 ## What was measured, and how
 
 {markdown(kinds)}
@@ -340,10 +354,4 @@ recordings, too). Displacement: by how much an effect moves the bodies, once a s
 beside one set of the arm's constants; found: the model of `arm_extended.yaml` with it less without it; the share is
 1 - |found - hidden|^2 / |hidden|^2. An ideal detector: the effects of the catalogue against the noise-free difference, with the share of it that each
 explains; where the hidden one is not first there, its form differs from the catalogue's or no detector could do it.
-
-## Every trial
-
-[What was missed, and why](proof_misses.md): case by case, of the sample that is looked at there.
-
-{markdown(lines)}
 """

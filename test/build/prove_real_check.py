@@ -307,7 +307,9 @@ class Scores(unittest.TestCase):
 
     def test_story_and_picture(self):
         figures, results = self.figures(hidden(), report("explained", ("clock_offset", 0.99)), report("unknown"))
-        text = prove_report.story({**figures, "campaign": "real", "seed": 1, "full": False, "truth_sha256": "a", "engine": "b"}, results)
+        figures.update({"campaign": "real", "seed": 1, "full": False, "truth_sha256": "a", "engine": "b"})
+        names = {"story": "p.md", "trials_page": "t.md", "misses_page": "m.md", "misses": {}}
+        text = prove_report.story(results, figures, names) + prove_report.trials(results, figures, names)
         for words in ("| clock shifted | 1 | 1 | 1 |", "class: clock_offset", "leaves 2.00 mm beside 5.00 mm", "trunk, 1: untouched", "intervention: right_class"):
             self.assertIn(words, text)
         self.assertEqual(prove_real_report.story([results[1]]), "")

@@ -3,10 +3,13 @@
 import math
 import os
 import sys
+import tempfile
 import unittest
 
 sys.path.insert(0, os.path.join(sys.argv[1] if len(sys.argv) > 1 else ".", "scripts"))
+import prove_misses  # noqa: E402
 import prove_report  # noqa: E402
+import prove_short  # noqa: E402
 import prove_figures  # noqa: E402
 import prove_score as score  # noqa: E402
 import prove_sources  # noqa: E402
@@ -257,7 +260,8 @@ class Story(unittest.TestCase):
             self.assertIn(key, figures)
             self.assertIn(key, figures["baselines"]["bic"])
         figures.update({"campaign": "c", "seed": 1, "full": False, "truth_sha256": "abc", "engine": "def"})
-        text = prove_report.story(figures, results)
+        names = {"story": "p.md", "trials_page": "t.md", "misses_page": "m.md", "misses": {}}
+        text = prove_report.story(results, figures, names) + prove_report.trials(results, figures, names)
         for words in ("drift 0.99", "confident_wrong", "not drawn: the arm / flies", "CONTRADICTED", "`bic` 0 to 1", "`abc`", "creep 0.70", "256 MiB"):
             self.assertIn(words, text)
         self.assertIn("single_strong: top1", prove_report.table(figures))
@@ -400,6 +404,92 @@ class Targets(unittest.TestCase):
         self.assertEqual((found["ours_alone"], found["theirs_alone"]), (6, 0))
         self.assertAlmostEqual(found["p"], 2.0 / 64.0)
         self.assertAlmostEqual(prove_figures.mcnemar([(True, False)] * 3 + [(False, True)] * 3)["p"], 1.0)
+
+
+class Misses(unittest.TestCase):
+    """What counts against the diagnosis, and why: each sentence from the numbers of the case."""
+    def missed(self, kind, hidden, said):
+        return result(kind, hidden, said)
+
+    def test_what_is_right_is_no_miss(self):
+        right = self.missed("single_strong", truth(effect("creep")), report("explained", named("creep", 0.99)))
+        unclear = self.missed("untidy_single", {**truth(effect("creep")), "clear": False}, report("unknown"))
+        none = self.missed("none", truth(), report("consistent"))
+        self.assertEqual(prove_misses.missed([right, unclear, none, dict(result("pair", None, None), not_drawn="x")]), {})
+
+    def test_one_that_is_told_instead(self):
+        hidden = truth(effect("creep", form="wall"))
+        hidden["ideal"] = [{"effect": "drift", "explains": 0.8}, {"effect": "creep", "explains": 0.6}, {"effect": "tether", "explains": 0.02}]
+        said = report("explained", named("drift", 0.97), named("tether", 0.6), ranking=["shear", "creep"], findings={"creep": "cannot_tell"})
+        said["ranking"][3]["probability"] = 0.2
+        wrong = self.missed("single_strong", hidden, said)
+        self.assertEqual(list(prove_misses.missed([wrong])), ["tidy"])
+        why = prove_misses.why(wrong)
+        for words in ("`creep` is not told; in the ranking it is no. 4, at 20 % (cannot tell)",
+                      "its form is not the catalogue's: that explains 60 % of it, `drift` 80 %",
+                      "`drift` (97 %) acts like what is hidden: it explains 80 % of it",
+                      "`tether` (60 %) has nothing of what is hidden (2 % of it)", "it leaves 0.20 mm of an error of 1.00 mm"):
+            self.assertIn(words, why)
+
+    def test_one_that_is_told_later_or_as_a_rival(self):
+        there = {**truth(effect("creep"), distractors=[effect("drift")]), "distractors_leave_m": 1e-4}
+        later = self.missed("untidy_single", there, report("explained", named("drift"), named("creep", 0.7)))
+        self.assertIn("`creep` is told after `drift`, which is there, too, at 70 %; it leaves 0.20 mm beside 0.10 mm of small departures",
+                      prove_misses.why(later))
+        rival = self.missed("single_strong", truth(effect("creep")), report("explained", named("drift", 0.8, ["creep"])))
+        self.assertEqual(prove_misses.counts_against(rival), ["top1", "top3"])
+        self.assertIn("told as what `drift` may be mistaken for", prove_misses.why(rival))
+
+    def test_an_accusation_and_a_failure(self):
+        accused = self.missed("untidy_none", truth(), report("explained", named("drift", 0.95)))
+        self.assertEqual(prove_misses.why(accused), "`drift` (95 %) is not there: small departures together, or the noise, look like it")
+        failed = self.missed("single_strong", truth(effect("creep")), None)
+        failed["cost"] = {"message": "no memory"}
+        self.assertEqual(prove_misses.why(failed), "the diagnosis failed: no memory")
+
+    def test_page(self):
+        accused = self.missed("untidy_none", truth(), report("explained", named("drift", 0.95)))
+        figures = {"full": True, "seed": 1, "engine": "0123456789abcdef"}
+        text = prove_misses.story([accused], figures, {"story": "p.md", "misses": {"untidy": "p_misses_untidy.png"}})
+        for words in ("1 of 1", "## Untidy: 1 of 1 cases", "(p_misses_untidy.png)", "| case_001 | nothing | explained: drift 0.95 |",
+                      "| confident_wrong, false_alarm |"):
+            self.assertIn(words, text)
+
+    def test_picture(self):
+        try:
+            import matplotlib  # noqa: F401
+        except ImportError:
+            self.skipTest("python3-matplotlib is not installed")
+        wrong = self.missed("single_strong", truth(effect("creep")), report("explained", named("drift", 0.95)))
+        rows = [[[0, 0, 3000, 0, 0], [1, 0, 0, 0, 1000]]]
+        wrong.update({"hidden_moves": [rows], "found_moves": [{"effect": "drift", "trials": rows}, {"effect": "shear", "trials": rows}]})
+        self.assertEqual([(label, course) for label, _, course in prove_misses.curves(wrong)], [("creep", [3.0, 1.0]), ("drift", [3.0, 1.0])])
+        with tempfile.TemporaryDirectory() as folder:
+            drawn = prove_misses.draw_all([wrong], os.path.join(folder, "p"))
+            self.assertEqual(drawn, {"tidy": os.path.join(folder, "p_misses_tidy.png")})
+            with open(drawn["tidy"], "rb") as picture:
+                self.assertEqual(picture.read(4), b"\x89PNG")
+        self.assertEqual(prove_misses.draw_all([self.missed("single_strong", truth(effect("creep")), report("unknown"))], "p"), {})
+
+    def test_courses_are_root_mean_squares_in_millimetres(self):
+        trials = [[[0, 0, 3000, 0, 0], [0, 1, 0, 4000, 0], [1, 0, 0, 0, 1000]], [[0, 0, 2000, 0, 0]]]
+        found = prove_misses.course(trials)
+        for value, wanted in zip(found, [math.sqrt(12.5), 1.0, 2.0]):
+            self.assertAlmostEqual(value, wanted)
+        self.assertEqual(len(found), 3)
+
+
+class Short(unittest.TestCase):
+    def test_counts_and_the_hardest_first(self):
+        names = {"trials_page": "t.md", "misses_page": "m.md"}
+        right = result("single_strong", truth(effect("creep")), report("explained", named("creep", 0.95)))
+        wrong = result("single_strong", truth(effect("drift")), report("explained", named("shear", 0.95)))
+        text = prove_short.story([right, right, wrong, wrong, right], names)
+        self.assertIn("| one effect, all else as the arm file says: it is named first | 3 of 5 (60 %; 27 to 86 %) |", text)
+        self.assertIn("| tidy | 3 of 5 (60 %; 27 to 86 %) | 2 of 5 (40 %; 14 to 73 %) |", text)
+        self.assertLess(text.index("| drift | 2 | 0 | 0 | 0.20 |"), text.index("| creep | 3 | 3 | 3 | 0.20 |"))
+        self.assertNotIn("![", text)
+        self.assertIn("(c.png)", prove_short.story([right], {**names, "calibration": "c.png"}))
 
 
 if __name__ == "__main__":

@@ -67,7 +67,10 @@ class Course(unittest.TestCase):
         self.assertEqual(figures["worlds"]["tidy"]["none"]["false_alarm"], 0.0)
         with open(self.path("out/proof.md"), encoding="utf-8") as text:
             story = text.read()
-        self.assertIn("12 draws do not do, the last: it flies away", story)
+        with open(self.path("out/proof_trials.md"), encoding="utf-8") as text:
+            self.assertIn("12 draws do not do, the last: it flies away", text.read())
+        for page in ("(proof_trials.md)", "(proof_misses.md)"):
+            self.assertIn(page, story)
         self.assertIn("12 draws were rejected on the way, 1 cases could not be drawn", story)
         self.assertEqual(figures["rejected_draws"], 12)
         failed, = (name for name in os.listdir(self.path("out/truth")) if name.endswith(".failed"))
