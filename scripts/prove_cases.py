@@ -261,9 +261,9 @@ def main():
     print(prove_report.table(figures))
     whole = not options.campaign and not options.worlds and not options.kinds
     story = options.report or os.path.join(*([options.root, "doc"] if whole else [proof.folder]), "proof.md")
-    prove_pages.write(results, figures, story)
     if options.json:
         write_json(options.json, figures)
+    prove_pages.write(results, figures, story)
     say(f"{(time.monotonic() - started) / 60:.1f} min")
     if not prove_report.passes(figures):
         sys.exit("prove: " + ("a target is not met" if options.full else "a target is contradicted") + " (table above)")

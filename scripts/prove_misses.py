@@ -6,19 +6,22 @@ import prove_score
 from prove_figures import WORLDS
 
 ACTS_LIKE = 0.5  # share of what is hidden, from which on an effect that explains it is said to act like it
-NOTHING_OF_IT = 0.1  # below which it has nothing to do with it
-NEAR_BEST = 0.9  # of the best effect's share: less, and the hidden one has another form than the catalogue's
-PANELS_ACROSS, PANEL_INCHES, MOST_PANELS = 4, (3.1, 2.0), 48  # of a picture
+AS_MUCH = 0.9  # of the best effect's share: more is as much
+PANELS_ACROSS, PANEL_INCHES, MOST_PANELS, MOST_TOLD = 4, (3.1, 2.0), 48, 2  # of a picture; curves of what was told, of a panel
+WORDS = {"top1": "not first", "top3": "not among three", "right_class": "not by its class", "both_named": "not both",
+         "unknown": "not said to be unknown", "found_or_cannot_tell": "neither found nor undecided",
+         "false_alarm": "**accused**", "confident_wrong": "**sure and wrong**"}
 
 
 def counts_against(result):
-    """What of a case does: names of rates, and of an intervention its outcome; empty where nothing does."""
+    """Names of the rates that a case counts against; empty where there are none. A diagnosis that failed says nothing."""
     if not result["truth"]:
         return []
+    if result["report"] is None:
+        return ["no report"]
     decision = prove_score.decision_of(result)
-    wrong = [rate for rate, value in prove_score.marks(result["kind"], decision, result["truth"]).items()
-             if value == (rate in ("false_alarm", "confident_wrong"))]
-    return wrong if result["report"] else wrong or ["no report"]
+    return [rate for rate, value in prove_score.marks(result["kind"], decision, result["truth"]).items()
+            if value == (rate in ("false_alarm", "confident_wrong"))]
 
 
 def world_of(kind):
@@ -35,64 +38,81 @@ def missed(results):
 
 
 def explained_by(truth):
-    """Share of what is hidden that each effect of the catalogue explains, to an ideal detector."""
+    """Share of what is hidden that each effect of the catalogue explains, to an ideal detector; to first order."""
     return {item["effect"]: item["explains"] for item in truth.get("ideal", [])}
 
 
 def percent(share):
-    return "under 1 %" if 0.0 <= share < 0.005 else f"{100 * share:.0f} %"
+    return "under 1 %" if share < 0.005 else "over 99 %" if 0.995 <= share < 1.0 else f"{100 * share:.0f} %"
 
 
-def joined(words):
-    return ", ".join(words[:-1]) + " and " + words[-1] if len(words) > 1 else "".join(words)
+def joined(effects):
+    """Names of named effects, in words."""
+    names = [f"`{named['name']}`" for named in effects]
+    return ", ".join(names[:-1]) + " and " + names[-1] if len(names) > 1 else "".join(names)
 
 
-def of_wrong_statement(named, truth):
-    """What a statement that is wrong takes for what it says."""
-    share = explained_by(truth).get(named["name"])
+def of_wrong_statement(named, result):
+    """What is told and is not so."""
+    truth = result["truth"]
     said = f"`{named['name']}` ({percent(named.get('probability') or 0.0)})"
-    if not truth["effects"]:
-        return f"{said} is not there: small departures together, or the noise, look like it"
-    if share is None:
+    if result["kind"] == "control":
+        return f"{said} is what its interventions have, and is told of the untouched recordings"
+    share = explained_by(truth).get(named["name"])
+    if not truth["effects"] or share is None:
         return f"{said} is not there"
     if share >= ACTS_LIKE:
         return f"{said} acts like what is hidden: it explains {percent(share)} of it"
-    if share < NOTHING_OF_IT:
-        return f"{said} has nothing of what is hidden ({percent(share)} of it): it takes what another form or small departures leave"
-    return f"{said} explains {percent(share)} of what is hidden"
+    return f"{said} is not there: it explains {percent(share)} of what is hidden"
 
 
 def of_form(effect, truth):
-    """What the catalogue can say of a hidden effect at all; empty where it is the best that can be said."""
+    """What the catalogue can say of a hidden effect at all; empty where its own law is the best that can be said."""
     shares = explained_by(truth)
     best = max(shares, key=shares.get, default=None)
     own = shares.get(effect)
     if best is None or best == effect:
         return ""
-    if own is None:
-        return f"to an ideal detector `{best}` explains most of it ({percent(shares[best])})"
-    if own < NEAR_BEST * shares[best]:
-        return (f"its form is not the catalogue's: that explains {percent(own)} of it, `{best}` {percent(shares[best])}")
-    return f"`{best}` explains as much of it ({percent(shares[best])}; the catalogue's own form {percent(own)})"
+    if shares[best] < ACTS_LIKE:
+        return f"to first order no effect of the catalogue explains half of it (best: `{best}`, {percent(shares[best])})"
+    if own is not None and own >= AS_MUCH * shares[best]:
+        return f"`{best}` explains as much of it ({percent(shares[best])}; its own law {percent(own)})"
+    return f"`{best}` explains {percent(shares[best])} of it" + ("" if own is None else f", the catalogue's law of its own {percent(own)}")
 
 
 def of_silence(effect, result):
-    """What became of a hidden effect that is not the first one named."""
+    """What became of an effect that should be the first one named."""
     report, decision = result["report"], prove_score.decision_of(result)
     for place, named in enumerate(decision["named"], 1):
         if named["name"] == effect:
-            before = [f"`{one['name']}`" for one in decision["named"][:place - 1]]
-            there = [prove_score.right(one, result["truth"]) for one in decision["named"][:place - 1]]
-            whose = "" if not before else f" after {joined(before)}" + (", which is there, too" if all(there) and len(there) == 1 else
-                                                                        ", which are there, too" if all(there) else "")
+            before = decision["named"][:place - 1]
+            whose = f" after {joined(before)}" if before else ""
+            if before and all(prove_score.right(one, result["truth"]) for one in before):
+                whose += ", which is there, too" if len(before) == 1 else ", which are there, too"
             return f"told{whose}, at {percent(named.get('probability') or 0.0)}"
         if effect in named.get("confusable_with", []):
             return f"told as what `{named['name']}` may be mistaken for"
     for place, candidate in enumerate(report["ranking"], 1):
         if candidate["name"] == effect:
             finding = str(candidate.get("finding", "absent")).replace("_", " ")
-            return f"not told; in the ranking it is no. {place}, at {percent(candidate.get('probability') or 0.0)} ({finding})"
+            return f"not told; it has place {place} of the ranking, at {percent(candidate.get('probability') or 0.0)} ({finding})"
     return "not told"
+
+
+def of_intervention(result):
+    """What became of the names that it may be called by."""
+    truth, decision = result["truth"], prove_score.decision_of(result)
+    said = []
+    told = [named for named in prove_real_score.new(decision) if prove_real_score.meets(named, truth)]
+    if told:
+        said.append(f"found by what is told later, or by what that may be mistaken for: {joined(told)}")
+    names = truth["effects"][0]["names"] or truth["class"]
+    known = [name for name in names if name in decision.get("before", ())]
+    said += [f"`{name}` is what its untouched recordings are told, too" for name in known]
+    if not told:
+        said += [f"`{name}` is {of_silence(name, result)}" for name in names if name not in known]
+        said.append(of_form(names[0], truth) if names else "")
+    return said
 
 
 def of_size(result):
@@ -103,37 +123,42 @@ def of_size(result):
     leaves = 1e3 * math.sqrt(sum(effect["signal"]["leftover_m"] ** 2 for effect in truth["effects"]))
     beside = truth.get("distractors_leave_m", truth.get("unexplained_m"))
     if beside is None:
-        return f"it leaves {leaves:.2f} mm of an error of {1e3 * result['report']['baseline']['held_out_rms_m']:.2f} mm"
+        return f"it leaves {leaves:.2f} mm, the arm file {1e3 * result['report']['baseline']['held_out_rms_m']:.2f} mm on trials left out"
     others = "of the arm's own" if "unexplained_m" in truth else "of small departures"
     return f"it leaves {leaves:.2f} mm beside {1e3 * beside:.2f} mm {others}"
 
 
+def wrong_statements(result):
+    """Those that count: of an accusation all, of a case with something hidden those that are more probable than not."""
+    truth, decision = result["truth"], prove_score.decision_of(result)
+    least = 0.0 if "false_alarm" in counts_against(result) and result["kind"] != "control" else prove_real_score.NAMED_AT_LEAST
+    return [named for named in prove_score.judged(decision, truth)
+            if not prove_score.right(named, truth) and (named.get("probability") or 0.0) >= least]
+
+
 def why(result):
-    """One or more sentences, each from the numbers of the case."""
+    """In words, each from the numbers of the case."""
     truth, report = result["truth"], result["report"]
     if report is None:
         return "the diagnosis failed: " + ((result.get("cost") or {}).get("message") or "no report")
-    decision, against = prove_score.decision_of(result), counts_against(result)
+    against = counts_against(result)
     said = []
-    silent = [rate for rate in against if rate not in ("false_alarm", "confident_wrong", "unknown")]
-    if silent and result["kind"] == "intervention":
-        names = truth["effects"][0]["names"]
-        known = set(decision.get("before", ())) & set(truth["class"])
-        if known:
-            said.append(f"{joined([f'`{name}`' for name in sorted(known)])} is what its untouched recordings are told, too")
-        said += [f"`{name}` is {of_silence(name, result)}" for name in names if name not in known]
-        if names:
-            said.append(of_form(names[0], truth))
-    elif silent:
-        for effect in prove_score.hidden(truth):
-            said.append(f"`{effect}` is {of_silence(effect, result)}")
-            if len(truth["effects"]) == 1:  # of several an ideal detector sees all together
-                said.append(of_form(effect, truth))
-    if "unknown" in against:
+    if any(rate not in ("false_alarm", "confident_wrong", "unknown") for rate in against):
+        if result["kind"] == "intervention":
+            said += of_intervention(result)
+        else:
+            for effect in prove_score.hidden(truth):
+                said.append(f"`{effect}` is {of_silence(effect, result)}")
+                if len(truth["effects"]) == 1:  # of several an ideal detector sees all together
+                    said.append(of_form(effect, truth))
+    if "unknown" in against and result["kind"] != "intervention":
         said.append(f"the best effect of the catalogue leaves {prove_score.beyond_catalogue(truth):.0f} sd of it, and that was not said")
-    wrong = [named for named in prove_score.judged(decision, truth) if not prove_score.right(named, truth)
-             and (named.get("probability") or 0.0) >= prove_real_score.NAMED_AT_LEAST]
-    said += [of_wrong_statement(named, truth) for named in wrong]
+    wrong = wrong_statements(result)
+    said += [of_wrong_statement(named, result) for named in wrong]
+    if "false_alarm" in against and not wrong:
+        named = prove_score.judged(prove_score.decision_of(result), truth)
+        said.append("what it names is there, and too small to be told" if named else
+                    f"nothing is named that is not there; the verdict is {report['verdict']}")
     said.append(of_size(result))
     return "; ".join(text for text in said if text)
 
@@ -160,6 +185,13 @@ def cell(text):
     return str(text).replace("|", "/").replace("\n", " ")
 
 
+CAPTION = f"""
+Pictures: over all trials, one after the other: how far what is hidden moves the bodies (grey), and what was told does (blue where it is
+right, by itself or by what it may be mistaken for; red where it is not). Of what was told the {MOST_TOLD} largest that are more
+probable than not; the first {MOST_PANELS} cases in which anything was measured.
+"""
+
+
 def story(results, figures, names):
     """doc/proof_misses.md. names: of files, see prove_pages.py."""
     drawn = [result for result in results if result["truth"]]
@@ -167,22 +199,21 @@ def story(results, figures, names):
     size = "the whole" if figures["full"] else "a sample"
     text = f"""# What the proof missed, and why
 
-Written by `scripts/prove` about {size} of [the proof]({names['story']}), seed {figures['seed']}, engine `{figures['engine'][:12]}`: each case
+Written by `scripts/prove` about {size} of [the proof]({names['story']}), seed {figures['seed']}, engine `{figures['engine']}`: each case
 that counts against the diagnosis, {sum(len(some) for some in by_world.values())} of {len(drawn)}. Reasons are worked out from what was hidden, what was said and what an ideal
-detector would see. *Explains*: of what is hidden, beside the arm's constants, so much an effect of the catalogue explains at its best.
-A case that is not clear counts only where something is told that is not there. What the rates mean: [the proof]({names['story']}).
-"""
+detector would see. *Explains*: so much of what is hidden, beside the arm's constants, an effect of the catalogue explains at its best,
+to first order. A case that is not clear counts only where something is told that is not there, or the diagnosis failed.
+[What the rates mean]({names['story']}).
+""" + (CAPTION if names["misses"] else "")
     for world, some in by_world.items():
         of_world = sum(1 for result in drawn if world_of(result["kind"]) == world)
         text += f"\n## {world.capitalize()}: {len(some)} of {of_world} cases\n\n"
         if world in names["misses"]:
-            text += (f"![What was hidden and what was told, case by case]({names['misses'][world]})\n\n"
-                     "Over all trials, one after the other: how far what is hidden moves the bodies (grey), and what was told does (red: "
-                     "not there; blue: there).\n\n")
+            text += f"![What was hidden and what was told]({names['misses'][world]})\n\n"
         text += "| case | hidden | said | counts as | why |\n|---|---|---|---|---|\n"
         for result in some:
-            row = [result["case"], hidden(result["truth"]), told(result), ", ".join(
-                rate if rate in ("false_alarm", "confident_wrong", "no report") else f"not {rate}" for rate in counts_against(result)), why(result)]
+            against = ", ".join(WORDS.get(rate, rate) for rate in counts_against(result))
+            row = [result["case"], hidden(result["truth"]), told(result), against, why(result)]
             text += "| " + " | ".join(cell(one) for one in row) + " |\n"
     return text
 
@@ -211,7 +242,7 @@ def curves(result):
             is_right = prove_score.right(one, result["truth"])
             there.append((moves["effect"], "#1f6fb4" if is_right else "#c0392b", course(moves["trials"])))
     there.sort(key=lambda one: -sum(x * x for x in one[2]))
-    return found + there[:2]
+    return found + there[:MOST_TOLD]
 
 
 def draw(results, path):
@@ -240,7 +271,8 @@ def draw(results, path):
         axis.tick_params(labelsize=6)
         axis.set_xticks([])
         axis.legend(fontsize=5.5, frameon=False, loc="upper right", handlelength=1.2, borderaxespad=0.1)
-    figure.supylabel("mm", fontsize=8)
+    for axis in axes[:, 0]:
+        axis.set_ylabel("mm", fontsize=7)
     figure.savefig(path, dpi=90)
     plt.close(figure)
     return True

@@ -1,4 +1,5 @@
 """The table of the proof and doc/proof.md, from prove_figures.figures()."""
+import prove_misses
 import prove_real_report
 import prove_figures
 import prove_score
@@ -190,8 +191,7 @@ def said(result):
     report = result["report"]
     if report is None:
         return "failed: " + ((result.get("cost") or {}).get("message") or "no report")
-    named = [f"{e['name']} {e['probability']:.2f}" + (f" [{', '.join(e['confusable_with'])}]" if e["confusable_with"] else "")
-             for e in prove_score.named_in(report)]
+    named = [prove_misses.statement(one) for one in prove_score.decision_of_report(report)["named"]]
     return report["verdict"] + (": " + "; ".join(named) if named else "")
 
 
@@ -326,7 +326,7 @@ Written by `scripts/prove`: {size} of the campaign `{figures['campaign']}`, seed
 In brackets: 90 % intervals, of rates Wilson's, of other figures by a bootstrap of the cases. *Met*: all of the interval meets
 the target; *contradicted*: none of it does; a sample is too small to meet one and says *not contradicted*. In the whole a target
 without a figure is not met. A row of several kinds has their cases together, and their target. {versus(figures)} The baselines have what a round of the diagnosis has: the same fit, signatures, noise with a background of small departures,
-refits, odds beforehand, and gates of size. They differ in how they decide, and are sure by BIC weights of the refitted models:
+refits, odds beforehand, forms other than the laws', and gates of size. They differ in how they decide, and are sure by BIC weights of the refitted models:
 `per_frame` by the residuals of fits frame by frame alone, `bic` by forward steps, `lasso` by the path of a group lasso, `gp` by
 a Gaussian process alone, which never names anything, and whose alarm the others share.
 {moved(figures)}

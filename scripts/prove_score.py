@@ -111,7 +111,7 @@ def right(named, truth):
 
 
 def is_alarm(decision):
-    return bool(decision["named"]) or decision["verdict"] not in ("consistent", "cannot_tell")
+    return bool(decision["named"]) or decision["verdict"] not in ("consistent", "cannot_tell", "failed")
 
 
 def judged(decision, truth):

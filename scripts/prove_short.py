@@ -17,7 +17,7 @@ QUESTIONS = [
     ("recordings of real arms, one thing wrong that is clear: it is found", ("intervention",), "right_class"),
     ("the same recordings untouched: they are accused of that", ("control",), "false_alarm"),
 ]
-SURE = 0.9  # probability from which on a statement is looked at here
+SURE = prove_score.CONFIDENT
 FEWEST_CASES = 2  # of an effect that has a row of its own
 
 
@@ -32,7 +32,7 @@ def counted(results, kinds, rate):
 def share_of(hits, count):
     """"7 of 8 (88 %; 58 to 97 %)", with the 90 % interval."""
     if not count:
-        return "no case"
+        return "none"
     low, high = prove_figures.interval(hits, count)
     return f"{hits} of {count} ({100 * hits / count:.0f} %; {100 * low:.0f} to {100 * high:.0f} %)"
 
@@ -52,14 +52,14 @@ def answers(results):
 
 
 def sure_statements(results):
-    """By world: what is said at 90 % and more, how often it is there, and in how many cases one is not."""
-    lines = [["world", f"said at {100 * SURE:.0f} % or more, and there", "cases with one that is not there"]]
+    """By world: what is said with confidence, how often it is there, and in how many cases one is not."""
+    lines = [["world", f"said at more than {100 * SURE:.0f} %, and there", "cases with one that is not there"]]
     for world, kinds in prove_figures.WORLDS.items():
         pairs = [(result, prove_score.decision_of(result)) for result in results
                  if result["truth"] and result["report"] and result["kind"] in kinds.values()]
         if not pairs:
             continue
-        sure = [bool(hit) for probability, hit in prove_figures.stated(pairs) if probability >= SURE]
+        sure = [bool(hit) for probability, hit in prove_figures.stated(pairs) if probability > SURE]
         wrong = sum(prove_score.is_confident_and_wrong(decision, result["truth"]) for result, decision in pairs)
         lines.append([world, share_of(sum(sure), len(sure)), share_of(wrong, len(pairs))])
     return table(lines)
@@ -73,7 +73,7 @@ def by_effect(results):
         if not truth or len(truth["effects"]) != 1 or not truth.get("clear", True):
             continue
         found = prove_score.marks(result["kind"], prove_score.decision_of(result), truth)
-        if found.get("right_class") is None:
+        if result["kind"] == "class_only" or found.get("right_class") is None:
             continue
         effect = truth["effects"][0]
         where = "real: " if result["kind"] == "intervention" else "finite elements: " if result["kind"].startswith("solid") else ""
@@ -99,6 +99,9 @@ Trials were made of arms with something hidden in them, by programs that share n
 arms and changed in a known way. What was hidden was sealed before the diagnosis saw the trials. Then it was asked:
 
 {answers(results)}
+
+Accused: something is named that is not there, however improbable it is called; of an arm with nothing hidden and no small departures
+also *unknown*. Named first: before all else, however improbable; on real arms with 50 % or more.
 
 How far it is to be believed where it is sure:
 

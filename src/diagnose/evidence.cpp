@@ -24,6 +24,7 @@ namespace {
 constexpr double kShares[] = {0.0, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.997, 0.999};
 constexpr double kLeastEigenvalue = 1e-9;  // of a kernel with a unit diagonal: rounding
 constexpr std::size_t kOfLaws = 1;         // of kernels_of(): over what drives the arm, as laws go with it
+constexpr double kSameCourse = 1e-6;       // s, or trials, of a course that is the same throughout: rounding
 constexpr Index kSmoothCourses = 8;        // of that: the others turn faster than laws do
 constexpr int kNoiseIterations = 2;        // of noise and coefficients by turns: the second changes little
 
@@ -49,7 +50,8 @@ MatrixXd feature_kernel(const MatrixXd& distances2, double reach) {
   return k - mean.replicate(1, n) - mean.transpose().replicate(n, 1) + MatrixXd::Constant(n, n, mean.mean());
 }
 
-/// Over a trial, from trial to trial, and smoothly over what drives the arm: those together of unit variance.
+/// Over a trial, over the order of the trials, and smoothly over what drives the arm: those together of unit
+/// variance.
 MatrixXd courses_of(const EvidenceData& data, const math::Eigensystem& over_features) {
   const Index n = data.residual.rows(), smooth = std::min(kSmoothCourses, n);
   MatrixXd courses(n, 2 + smooth);
@@ -58,7 +60,8 @@ MatrixXd courses_of(const EvidenceData& data, const math::Eigensystem& over_feat
   for (auto course : {courses.col(0), courses.col(1)}) {
     course.array() -= course.mean();
     const double size = course.norm();
-    if (size > 0.0) course *= std::sqrt(static_cast<double>(n)) / size;
+    if (size > kSameCourse * std::sqrt(static_cast<double>(n)))
+      course *= std::sqrt(static_cast<double>(n)) / size;
   }
   const VectorXd variances = over_features.values.tail(smooth) * static_cast<double>(n);
   courses.rightCols(smooth) = over_features.vectors.rightCols(smooth) *

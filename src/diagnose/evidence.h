@@ -21,7 +21,7 @@ struct DirectionNoise {
 /// Of one set of effects.
 struct Marginal {
   double log = 0.0;              ///< likelihood, but for the 2 pi
-  Eigen::VectorXd coefficients;  ///< most probable, of unknowns, then effects
+  Eigen::VectorXd coefficients;  ///< most probable, of unknowns, then effects, then forms
   std::vector<DirectionNoise> noise;
 };
 

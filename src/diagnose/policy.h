@@ -92,10 +92,10 @@ struct Policy {
     /// (Selection::trivial): what moves them further is there.
     double background[5] = {1e-5, 3e-5, 8e-5, 1.5e-4, 2.5e-4};
     /// Standard deviation of the share by which what an effect does goes otherwise than its law says: over a
-    /// trial, from trial to trial, and over what drives the arm. Rightly named effects leave three tenths of
-    /// hidden ones of other forms (doc/proof.md: 0.09 of the squares, median), these are half of that. Values
-    /// up to 0.35 say the same of development cases, but from 0.2 on what one effect does otherwise may pass
-    /// for the next.
+    /// trial, over the order of the trials, and over what drives the arm. No size of what acts in few
+    /// instants is surer than that. Rightly named effects leave three tenths of hidden ones of other forms
+    /// (doc/proof.md: 0.09 of the squares, median), these are half of that. Values up to 0.35 say the same of
+    /// development cases, but from 0.2 on what one effect does otherwise may pass for the next.
     double form = 0.1;
     double most_background = 0.3;  ///< of a usual size: of what constants absorb nearly all
     double certain = 0.99;  ///< probability from which on an effect may join another upon one posterior

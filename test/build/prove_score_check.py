@@ -425,11 +425,33 @@ class Misses(unittest.TestCase):
         wrong = self.missed("single_strong", hidden, said)
         self.assertEqual(list(prove_misses.missed([wrong])), ["tidy"])
         why = prove_misses.why(wrong)
-        for words in ("`creep` is not told; in the ranking it is no. 4, at 20 % (cannot tell)",
-                      "its form is not the catalogue's: that explains 60 % of it, `drift` 80 %",
+        for words in ("`creep` is not told; it has place 4 of the ranking, at 20 % (cannot tell)",
+                      "`drift` explains 80 % of it, the catalogue's law of its own 60 %",
                       "`drift` (97 %) acts like what is hidden: it explains 80 % of it",
-                      "`tether` (60 %) has nothing of what is hidden (2 % of it)", "it leaves 0.20 mm of an error of 1.00 mm"):
+                      "`tether` (60 %) is not there: it explains 2 % of what is hidden",
+                      "it leaves 0.20 mm, the arm file 1.00 mm on trials left out"):
             self.assertIn(words, why)
+
+    def test_what_no_first_order_explains(self):
+        hidden = truth(effect("creep"))
+        hidden["ideal"] = [{"effect": "drift", "explains": 0.16}, {"effect": "creep", "explains": 0.02}]
+        why = prove_misses.why(self.missed("single_strong", hidden, report("unknown")))
+        self.assertIn("to first order no effect of the catalogue explains half of it (best: `drift`, 16 %)", why)
+
+    def test_interventions(self):
+        known = {"set": "trunk", "split": 0, "words": "payloads withheld", "class": ["tip_mass", "payload_scale"], "clear": True,
+                 "unexplained_m": 5e-3, "ideal": [{"effect": "tip_mass", "explains": 0.9}], "distractors": [], "constants": {},
+                 "effects": [effect("payload_withheld", names=[])]}
+        untouched = self.missed("control", {**known, "effects": []}, report("explained", named("payload_scale", 0.9)))
+        missed = self.missed("intervention", known, report("explained", named("payload_scale", 0.9)))
+        missed["control"] = untouched
+        why = prove_misses.why(missed)
+        for words in ("`tip_mass` is not told", "`payload_scale` is what its untouched recordings are told, too", "beside 5.00 mm of the arm's own"):
+            self.assertIn(words, why)
+        later = self.missed("intervention", known, report("explained", named("shear", 0.6), named("tip_mass", 0.8)))
+        later["control"] = untouched
+        self.assertEqual(prove_misses.counts_against(later), ["top1"])
+        self.assertIn("found by what is told later, or by what that may be mistaken for: `tip_mass`", prove_misses.why(later))
 
     def test_one_that_is_told_later_or_as_a_rival(self):
         there = {**truth(effect("creep"), distractors=[effect("drift")]), "distractors_leave_m": 1e-4}
@@ -442,17 +464,24 @@ class Misses(unittest.TestCase):
 
     def test_an_accusation_and_a_failure(self):
         accused = self.missed("untidy_none", truth(), report("explained", named("drift", 0.95)))
-        self.assertEqual(prove_misses.why(accused), "`drift` (95 %) is not there: small departures together, or the noise, look like it")
+        self.assertEqual(prove_misses.why(accused), "`drift` (95 %) is not there")
+        hardly = self.missed("untidy_none", truth(), report("unknown", named("drift", 0.05)))
+        self.assertEqual(prove_misses.why(hardly), "`drift` (5 %) is not there")
+        unknown = self.missed("none", truth(), report("unknown"))
+        self.assertEqual(prove_misses.why(unknown), "nothing is named that is not there; the verdict is unknown")
+        there = self.missed("none", truth(distractors=[effect("drift")]), report("explained", named("drift", 0.95)))
+        self.assertEqual(prove_misses.why(there), "what it names is there, and too small to be told")
         failed = self.missed("single_strong", truth(effect("creep")), None)
         failed["cost"] = {"message": "no memory"}
         self.assertEqual(prove_misses.why(failed), "the diagnosis failed: no memory")
+        self.assertEqual(prove_misses.counts_against(dict(failed, kind="none", truth=truth())), ["no report"])
 
     def test_page(self):
         accused = self.missed("untidy_none", truth(), report("explained", named("drift", 0.95)))
         figures = {"full": True, "seed": 1, "engine": "0123456789abcdef"}
         text = prove_misses.story([accused], figures, {"story": "p.md", "misses": {"untidy": "p_misses_untidy.png"}})
         for words in ("1 of 1", "## Untidy: 1 of 1 cases", "(p_misses_untidy.png)", "| case_001 | nothing | explained: drift 0.95 |",
-                      "| confident_wrong, false_alarm |"):
+                      "| **sure and wrong**, **accused** |"):
             self.assertIn(words, text)
 
     def test_picture(self):

@@ -60,7 +60,8 @@ VectorXd stacked(const diagnose::Bases& bases, const MatrixXd& rows) {
   return Eigen::Map<const VectorXd>(turned.data(), turned.size());
 }
 
-/// Covariance of noise, constants and background, and the residual less the constants' mean, written out.
+/// Covariance of noise, constants, background and forms, and the residual less the constants' mean, written
+/// out.
 struct WrittenOut {
   WrittenOut(const EvidenceData& data, const Weighed& model, const std::vector<bool>& free) {
     const diagnose::Bases bases = bases_of(data);
@@ -87,6 +88,12 @@ struct WrittenOut {
       const double sd = background_sd(data.effects[e], model.background);
       covariance += sd * sd * moves * moves.transpose();
     }
+    for (const MatrixXd& done : data.done) {
+      for (Index c = 0; c < bases.courses.cols(); ++c) {
+        const VectorXd moves = stacked(bases, bases.courses.col(c).asDiagonal() * done);
+        covariance += std::pow(diagnose::kPolicy.posterior.form, 2) * moves * moves.transpose();
+      }
+    }
   }
   MatrixXd covariance, signatures;
   VectorXd off;
@@ -96,6 +103,7 @@ TEST(ProveBic, DevianceIsTheDensityWrittenOut) {
   std::mt19937_64 random(3);
   EvidenceData data = made_up(24, 3, {1, 2, 1}, 1.0, random);
   data.residual += 2.0 * data.effects[1].moves;
+  data.done = {3.0 * data.unknowns[0].moves};
   const Bic bic(data);
   const EffectList set{effect(1)};
   const Weighed found = bic.linear(set);
@@ -116,7 +124,8 @@ TEST(ProveBic, DevianceIsTheDensityWrittenOut) {
 
 TEST(ProveBic, GroupsAreWeighedByTheCovarianceWrittenOut) {
   std::mt19937_64 random(4);
-  const EvidenceData data = made_up(24, 3, {1, 2, 1}, 1.0, random);
+  EvidenceData data = made_up(24, 3, {1, 2, 1}, 1.0, random);
+  data.done = {data.unknowns[0].moves, 2.0 * data.unknowns[1].moves};
   const Bic bic(data);
   const Grouped grouped = bic.grouped();
   EXPECT_THAT(grouped.effects, ElementsAre(effect(0), effect(1), effect(2)));
@@ -168,6 +177,8 @@ TEST(ProveBic, ARefitSupportsWhatItsDataNeed) {
   data.residual += sizes[2] * data.effects[0].moves;
   refit.residual = data.residual;
   for (int s = 2; s < 5; ++s) refit.residual -= sizes[s] * refit.unknowns[static_cast<std::size_t>(s)].moves;
+  refit.done = {sizes[2] * data.effects[0].moves,
+                sizes[3] * data.effects[1].moves + sizes[4] * data.effects[2].moves};
   const EffectList set{effect(0), effect(1)};
   const Bic bic(data);
   const std::vector<double> worth = bic.supports(set, refit, {-1, -1, 0, 1, 1}, -sizes);
