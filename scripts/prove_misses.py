@@ -90,6 +90,7 @@ def of_silence(effect, result):
             if before and all(prove_score.right(one, result["truth"]) for one in before):
                 whose += ", which is there, too" if len(before) == 1 else ", which are there, too"
             return f"told{whose}, at {percent(named.get('probability') or 0.0)}"
+    for named in decision["named"]:
         if effect in named.get("confusable_with", []):
             return f"told as what `{named['name']}` may be mistaken for"
     for place, candidate in enumerate(report["ranking"], 1):

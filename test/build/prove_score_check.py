@@ -461,6 +461,8 @@ class Misses(unittest.TestCase):
         rival = self.missed("single_strong", truth(effect("creep")), report("explained", named("drift", 0.8, ["creep"])))
         self.assertEqual(prove_misses.counts_against(rival), ["top1", "top3"])
         self.assertIn("told as what `drift` may be mistaken for", prove_misses.why(rival))
+        both = self.missed("single_strong", truth(effect("creep")), report("explained", named("drift", 0.8, ["creep"]), named("creep", 0.6)))
+        self.assertIn("`creep` is told after `drift`, at 60 %", prove_misses.why(both))
 
     def test_an_accusation_and_a_failure(self):
         accused = self.missed("untidy_none", truth(), report("explained", named("drift", 0.95)))
