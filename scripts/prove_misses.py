@@ -87,7 +87,8 @@ def of_silence(effect, result):
         if named["name"] == effect:
             before = decision["named"][:place - 1]
             whose = f" after {joined(before)}" if before else ""
-            if before and all(prove_score.right(one, result["truth"]) for one in before):
+            there = {one["effect"] for one in prove_score.everything(result["truth"])} | set(prove_score.hidden(result["truth"]))
+            if before and all(one["name"] in there for one in before):
                 whose += ", which is there, too" if len(before) == 1 else ", which are there, too"
             return f"told{whose}, at {percent(named.get('probability') or 0.0)}"
     for named in decision["named"]:
