@@ -291,8 +291,8 @@ std::string improvement(const Diagnosis& d) {
         length_m > 0.0 ? fmt::format(" ({:.2g} % of the length)", 100.0 * mean_m / length_m) : "";
     return fmt::format("{} off on average{}, {} at most", millimetres(mean_m), share, millimetres(most_m));
   };
-  std::string text =
-      "On trials it had not seen the bodies are " + of_length(after, d.extended.held_out_max_m);
+  std::string text = d.trials.size() == 1 ? "On the one trial that there is" : "On trials it had not seen";
+  text += " the bodies are " + of_length(after, d.extended.held_out_max_m);
   if (!same) text += "; without it " + of_length(before, d.baseline.held_out_max_m);
   if (d.noise_floor_m > 0.0) text += fmt::format("; noise alone makes {}", millimetres(mean_noise_m(d)));
   text += ".";

@@ -111,6 +111,10 @@ TEST(Describe, ListsWhatIsLeft) {
   EXPECT_THAT(text,
               HasSubstr("On trials it had not seen the bodies are 1.95 mm off on average, 3.00 mm at most;"));
   EXPECT_THAT(text, Not(HasSubstr("what could be explained")));
+  d.trials.resize(1);
+  EXPECT_THAT(
+      flowing(report::describe(d)),
+      HasSubstr("On the one trial that there is the bodies are 1.95 mm off on average, 3.00 mm at most;"));
 }
 
 TEST(Describe, RankingHidesWhatTheArmCannotHaveAndIsShort) {
