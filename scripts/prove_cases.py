@@ -171,7 +171,7 @@ class Proof:
                 if status != 0:
                     write_json(os.path.join(folder, "baselines.json"), {"failed": last_line(log)})
             if self.options.full:
-                for bag in bags:  # tens of gigabytes; the seed makes them again
+                for bag in bags:  # tens of gigabytes; the seed and the engine that drew them make them again
                     os.remove(bag)
                 if os.path.exists(os.path.join(folder, "report.html")):
                     os.remove(os.path.join(folder, "report.html"))

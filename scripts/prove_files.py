@@ -1,4 +1,4 @@
-"""What the parts of the proof share: running programs, JSON files that are never half written, progress."""
+"""What the parts of the proof share: running programs, files that are never half written, tables, progress."""
 import concurrent.futures
 import contextlib
 import fcntl
@@ -44,6 +44,14 @@ def last_line(path):
 def read_json(path):
     with open(path, encoding="utf-8") as text:
         return json.load(text)
+
+
+def markdown(lines):
+    """A table of rows of cells, the headings first."""
+    def row(cells):
+        return "| " + " | ".join(str(cell).replace("|", "/").replace("\n", " ") for cell in cells) + " |"
+
+    return "\n".join([row(lines[0]), "|" + "---|" * len(lines[0])] + [row(line) for line in lines[1:]])
 
 
 def write_text(path, text):

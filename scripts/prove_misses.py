@@ -4,6 +4,7 @@ import math
 import prove_real_score
 import prove_score
 from prove_figures import WORLDS
+from prove_files import markdown
 
 ACTS_LIKE = 0.5  # share of what is hidden, from which on an effect that explains it is said to act like it
 AS_MUCH = 0.9  # of the best effect's share: more is as much
@@ -183,10 +184,6 @@ def hidden(truth):
     return "; ".join(effect["effect"] + (f" ({effect['form']})" if effect.get("form") else "") for effect in truth["effects"]) or "nothing"
 
 
-def cell(text):
-    return str(text).replace("|", "/").replace("\n", " ")
-
-
 CAPTION = f"""
 Pictures: over all trials, one after the other: how far what is hidden moves the bodies (grey), and what was told does (blue where it is
 right, by itself or by what it may be mistaken for; red where it is not). Of what was told the {MOST_TOLD} largest that are more
@@ -212,11 +209,11 @@ to first order. A case that is not clear counts only where something is told tha
         text += f"\n## {world.capitalize()}: {len(some)} of {of_world} cases\n\n"
         if world in names["misses"]:
             text += f"![What was hidden and what was told]({names['misses'][world]})\n\n"
-        text += "| case | hidden | said | counts as | why |\n|---|---|---|---|---|\n"
+        lines = [["case", "hidden", "said", "counts as", "why"]]
         for result in some:
             against = ", ".join(WORDS.get(rate, rate) for rate in counts_against(result))
-            row = [result["case"], hidden(result["truth"]), told(result), against, why(result)]
-            text += "| " + " | ".join(cell(one) for one in row) + " |\n"
+            lines.append([result["case"], hidden(result["truth"]), told(result), against, why(result)])
+        text += markdown(lines) + "\n"
     return text
 
 

@@ -4,6 +4,7 @@ import prove_real_report
 import prove_figures
 import prove_score
 import prove_short
+from prove_files import markdown
 
 KIND_DESCRIPTION = {
     "none": "nothing hidden but distractors below the noise",
@@ -165,13 +166,6 @@ def table(figures):
     lines = [HEADINGS] + rows(figures)
     widths = [max(len(line[i]) for line in lines) for i in range(len(HEADINGS))]
     return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip() for line in lines)
-
-
-def markdown(lines):
-    def row(cells):
-        return "| " + " | ".join(str(cell).replace("|", "/").replace("\n", " ") for cell in cells) + " |"
-
-    return "\n".join([row(lines[0]), "|" + "---|" * len(lines[0])] + [row(line) for line in lines[1:]])
 
 
 def hidden_description(truth):

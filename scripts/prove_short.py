@@ -3,6 +3,7 @@ import statistics
 
 import prove_figures
 import prove_score
+from prove_files import markdown
 
 # What was asked, of which kinds of case, and the rate that answers it.
 QUESTIONS = [
@@ -37,18 +38,13 @@ def share_of(hits, count):
     return f"{hits} of {count} ({100 * hits / count:.0f} %; {100 * low:.0f} to {100 * high:.0f} %)"
 
 
-def table(lines):
-    rows = ["| " + " | ".join(str(cell) for cell in line) + " |" for line in lines]
-    return "\n".join([rows[0], "|" + "---|" * len(lines[0]), *rows[1:]])
-
-
 def answers(results):
     lines = [["what is asked", "how often it is so, of the cases that count (90 % interval)"]]
     for question, kinds, rate in QUESTIONS:
         hits, count = counted(results, kinds, rate)
         if count:
             lines.append([question, share_of(hits, count)])
-    return table(lines)
+    return markdown(lines)
 
 
 def sure_statements(results):
@@ -62,7 +58,7 @@ def sure_statements(results):
         sure = [bool(hit) for probability, hit in prove_figures.stated(pairs) if probability > SURE]
         wrong = sum(prove_score.is_confident_and_wrong(decision, result["truth"]) for result, decision in pairs)
         lines.append([world, share_of(sum(sure), len(sure)), share_of(wrong, len(pairs))])
-    return table(lines)
+    return markdown(lines)
 
 
 def by_effect(results):
@@ -84,7 +80,7 @@ def by_effect(results):
     rows = [[name, len(cases), sum(case[0] for case in cases), sum(case[1] for case in cases),
              f"{1e3 * statistics.median(case[2] for case in cases):.2f}"] for name, cases in listed]
     lines += sorted(rows, key=lambda row: (row[3] / row[1], row[2] / row[1], row[0]))
-    return table(lines) if len(lines) > 1 else ""
+    return markdown(lines) if len(lines) > 1 else ""
 
 
 def story(results, names):

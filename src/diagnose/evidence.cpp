@@ -24,7 +24,6 @@ namespace {
 constexpr double kShares[] = {0.0, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.997, 0.999};
 constexpr double kLeastEigenvalue = 1e-9;  // of a kernel with a unit diagonal: rounding
 constexpr std::size_t kOfLaws = 1;         // of kernels_of(): over what drives the arm, as laws go with it
-constexpr double kSameCourse = 1e-6;       // s, or trials, of a course that is the same throughout: rounding
 constexpr Index kSmoothCourses = 8;        // of that: the others turn faster than laws do
 constexpr int kNoiseIterations = 2;        // of noise and coefficients by turns: the second changes little
 
@@ -58,10 +57,9 @@ MatrixXd courses_of(const EvidenceData& data, const math::Eigensystem& over_feat
   courses.col(0) = data.t_s;
   for (Index i = 0; i < n; ++i) courses(i, 1) = static_cast<double>(data.trial[static_cast<std::size_t>(i)]);
   for (auto course : {courses.col(0), courses.col(1)}) {
+    const bool same = course.isConstant(course[0]);
     course.array() -= course.mean();
-    const double size = course.norm();
-    if (size > kSameCourse * std::sqrt(static_cast<double>(n)))
-      course *= std::sqrt(static_cast<double>(n)) / size;
+    course *= same ? 0.0 : std::sqrt(static_cast<double>(n)) / course.norm();
   }
   const VectorXd variances = over_features.values.tail(smooth) * static_cast<double>(n);
   courses.rightCols(smooth) = over_features.vectors.rightCols(smooth) *

@@ -101,22 +101,35 @@ Signature unknown(const JointUnknown& column, double x, double at_end, Index n, 
   return s;
 }
 
-/// Of n x m moves what these unknowns do not absorb.
-MatrixXd beyond(const std::vector<const Signature*>& unknowns, const MatrixXd& moves) {
-  MatrixXd columns(moves.size(), static_cast<Index>(unknowns.size()));
-  Eigen::VectorXd precision(columns.cols());
-  for (Index c = 0; c < columns.cols(); ++c) {
-    const Signature& s = *unknowns[static_cast<std::size_t>(c)];
-    columns.col(c) = Eigen::Map<const Eigen::VectorXd>(s.moves.data(), s.moves.size());
-    precision[c] = 1.0 / (s.prior_sd * s.prior_sd);
+/// Of what moves that which is seen: how far unknowns of a fit absorb it, within their priors.
+class Absorbing {
+ public:
+  /// @param rows of what is seen, n x m of them
+  Absorbing(const std::vector<const Signature*>& unknowns, Index rows)
+      : columns_(rows, static_cast<Index>(unknowns.size())), solver_(information(unknowns)) {}
+
+  /// What is left of n x m moves, one column below the other.
+  Eigen::VectorXd left_of(const MatrixXd& moves) const {
+    const Eigen::Map<const Eigen::VectorXd> all(moves.data(), moves.size());
+    return all - columns_ * solver_.solve(columns_.transpose() * all);
   }
-  MatrixXd information = columns.transpose() * columns;
-  information.diagonal() += precision;
-  const Eigen::Map<const Eigen::VectorXd> all(moves.data(), moves.size());
-  const Eigen::VectorXd left =
-      all - columns * math::SymmetricSolver(information).solve(columns.transpose() * all);
-  return Eigen::Map<const MatrixXd>(left.data(), moves.rows(), moves.cols());
-}
+
+ private:
+  MatrixXd information(const std::vector<const Signature*>& unknowns) {
+    Eigen::VectorXd precision(columns_.cols());
+    for (Index c = 0; c < columns_.cols(); ++c) {
+      const Signature& s = *unknowns[static_cast<std::size_t>(c)];
+      columns_.col(c) = Eigen::Map<const Eigen::VectorXd>(s.moves.data(), s.moves.size());
+      precision[c] = 1.0 / (s.prior_sd * s.prior_sd);
+    }
+    MatrixXd sums = columns_.transpose() * columns_;
+    sums.diagonal() += precision;
+    return sums;
+  }
+
+  MatrixXd columns_;
+  const math::SymmetricSolver solver_;
+};
 
 /// Fills what the effects of the fit do.
 void add_done(const Linearised& at, EvidenceData& data) {
@@ -133,7 +146,8 @@ void add_done(const Linearised& at, EvidenceData& data) {
       else if (c.parameter < at.at.effects[e].effect->info().sizes)
         moves += x[static_cast<Index>(j)] * data.unknowns[j].moves;
     }
-    data.done.push_back(beyond(others, moves));
+    const Eigen::VectorXd left = Absorbing(others, moves.size()).left_of(moves);
+    data.done.emplace_back(Eigen::Map<const MatrixXd>(left.data(), n, m));
   }
 }
 
@@ -193,18 +207,12 @@ void drop_unknown(std::vector<Signature>& effects) {
 
 /// Fills Signature::left of the effects.
 void add_left(const MatrixXd& rows_per_m, double length_m, EvidenceData& data) {
-  const Index n = data.residual.size(), p = static_cast<Index>(data.unknowns.size());
-  MatrixXd unknowns(n, p);
-  for (Index c = 0; c < p; ++c)
-    unknowns.col(c) =
-        Eigen::Map<const Eigen::VectorXd>(data.unknowns[static_cast<std::size_t>(c)].moves.data(), n);
-  MatrixXd information = unknowns.transpose() * unknowns;
-  for (Index c = 0; c < p; ++c)
-    information(c, c) += 1.0 / std::pow(data.unknowns[static_cast<std::size_t>(c)].prior_sd, 2);
-  const math::SymmetricSolver solver(information);
+  const Index n = data.residual.size();
+  std::vector<const Signature*> unknowns;
+  for (const Signature& s : data.unknowns) unknowns.push_back(&s);
+  const Absorbing absorbing(unknowns, n);
   for (Signature& effect : data.effects) {
-    const Eigen::Map<const Eigen::VectorXd> moves(effect.moves.data(), n);
-    const Eigen::VectorXd left = moves - unknowns * solver.solve(unknowns.transpose() * moves);
+    const Eigen::VectorXd left = absorbing.left_of(effect.moves);
     double sum = 0.0, bodies = 0.0;
     for (Index i = 0; i < n; ++i) {
       const double per_m = rows_per_m.data()[i];

@@ -3,13 +3,10 @@
 import math
 import os
 import sys
-import tempfile
 import unittest
 
 sys.path.insert(0, os.path.join(sys.argv[1] if len(sys.argv) > 1 else ".", "scripts"))
-import prove_misses  # noqa: E402
 import prove_report  # noqa: E402
-import prove_short  # noqa: E402
 import prove_figures  # noqa: E402
 import prove_score as score  # noqa: E402
 import prove_sources  # noqa: E402
@@ -404,123 +401,6 @@ class Targets(unittest.TestCase):
         self.assertEqual((found["ours_alone"], found["theirs_alone"]), (6, 0))
         self.assertAlmostEqual(found["p"], 2.0 / 64.0)
         self.assertAlmostEqual(prove_figures.mcnemar([(True, False)] * 3 + [(False, True)] * 3)["p"], 1.0)
-
-
-class Misses(unittest.TestCase):
-    """What counts against the diagnosis, and why: each sentence from the numbers of the case."""
-    def missed(self, kind, hidden, said):
-        return result(kind, hidden, said)
-
-    def test_what_is_right_is_no_miss(self):
-        right = self.missed("single_strong", truth(effect("creep")), report("explained", named("creep", 0.99)))
-        unclear = self.missed("untidy_single", {**truth(effect("creep")), "clear": False}, report("unknown"))
-        none = self.missed("none", truth(), report("consistent"))
-        self.assertEqual(prove_misses.missed([right, unclear, none, dict(result("pair", None, None), not_drawn="x")]), {})
-
-    def test_one_that_is_told_instead(self):
-        hidden = truth(effect("creep", form="wall"))
-        hidden["ideal"] = [{"effect": "drift", "explains": 0.8}, {"effect": "creep", "explains": 0.6}, {"effect": "tether", "explains": 0.02}]
-        said = report("explained", named("drift", 0.97), named("tether", 0.6), ranking=["shear", "creep"], findings={"creep": "cannot_tell"})
-        said["ranking"][3]["probability"] = 0.2
-        wrong = self.missed("single_strong", hidden, said)
-        self.assertEqual(list(prove_misses.missed([wrong])), ["tidy"])
-        why = prove_misses.why(wrong)
-        for words in ("`creep` is not told; it has place 4 of the ranking, at 20 % (cannot tell)",
-                      "`drift` explains 80 % of it, the catalogue's law of its own 60 %",
-                      "`drift` (97 %) acts like what is hidden: it explains 80 % of it",
-                      "`tether` (60 %) is not there: it explains 2 % of what is hidden",
-                      "it leaves 0.20 mm, the arm file 1.00 mm on trials left out"):
-            self.assertIn(words, why)
-
-    def test_what_no_first_order_explains(self):
-        hidden = truth(effect("creep"))
-        hidden["ideal"] = [{"effect": "drift", "explains": 0.16}, {"effect": "creep", "explains": 0.02}]
-        why = prove_misses.why(self.missed("single_strong", hidden, report("unknown")))
-        self.assertIn("to first order no effect of the catalogue explains half of it (best: `drift`, 16 %)", why)
-
-    def test_interventions(self):
-        known = {"set": "trunk", "split": 0, "words": "payloads withheld", "class": ["tip_mass", "payload_scale"], "clear": True,
-                 "unexplained_m": 5e-3, "ideal": [{"effect": "tip_mass", "explains": 0.9}], "distractors": [], "constants": {},
-                 "effects": [effect("payload_withheld", names=[])]}
-        untouched = self.missed("control", {**known, "effects": []}, report("explained", named("payload_scale", 0.9)))
-        missed = self.missed("intervention", known, report("explained", named("payload_scale", 0.9)))
-        missed["control"] = untouched
-        why = prove_misses.why(missed)
-        for words in ("`tip_mass` is not told", "`payload_scale` is what its untouched recordings are told, too", "beside 5.00 mm of the arm's own"):
-            self.assertIn(words, why)
-        later = self.missed("intervention", known, report("explained", named("shear", 0.6), named("tip_mass", 0.8)))
-        later["control"] = untouched
-        self.assertEqual(prove_misses.counts_against(later), ["top1"])
-        self.assertIn("found by what is told later, or by what that may be mistaken for: `tip_mass`", prove_misses.why(later))
-
-    def test_one_that_is_told_later_or_as_a_rival(self):
-        there = {**truth(effect("creep"), distractors=[effect("drift")]), "distractors_leave_m": 1e-4}
-        later = self.missed("untidy_single", there, report("explained", named("drift"), named("creep", 0.7)))
-        self.assertIn("`creep` is told after `drift`, which is there, too, at 70 %; it leaves 0.20 mm beside 0.10 mm of small departures",
-                      prove_misses.why(later))
-        rival = self.missed("single_strong", truth(effect("creep")), report("explained", named("drift", 0.8, ["creep"])))
-        self.assertEqual(prove_misses.counts_against(rival), ["top1", "top3"])
-        self.assertIn("told as what `drift` may be mistaken for", prove_misses.why(rival))
-        both = self.missed("single_strong", truth(effect("creep")), report("explained", named("drift", 0.8, ["creep"]), named("creep", 0.6)))
-        self.assertIn("`creep` is told after `drift`, at 60 %", prove_misses.why(both))
-
-    def test_an_accusation_and_a_failure(self):
-        accused = self.missed("untidy_none", truth(), report("explained", named("drift", 0.95)))
-        self.assertEqual(prove_misses.why(accused), "`drift` (95 %) is not there")
-        hardly = self.missed("untidy_none", truth(), report("unknown", named("drift", 0.05)))
-        self.assertEqual(prove_misses.why(hardly), "`drift` (5 %) is not there")
-        unknown = self.missed("none", truth(), report("unknown"))
-        self.assertEqual(prove_misses.why(unknown), "nothing is named that is not there; the verdict is unknown")
-        there = self.missed("none", truth(distractors=[effect("drift")]), report("explained", named("drift", 0.95)))
-        self.assertEqual(prove_misses.why(there), "what it names is there, and too small to be told")
-        failed = self.missed("single_strong", truth(effect("creep")), None)
-        failed["cost"] = {"message": "no memory"}
-        self.assertEqual(prove_misses.why(failed), "the diagnosis failed: no memory")
-        self.assertEqual(prove_misses.counts_against(dict(failed, kind="none", truth=truth())), ["no report"])
-
-    def test_page(self):
-        accused = self.missed("untidy_none", truth(), report("explained", named("drift", 0.95)))
-        figures = {"full": True, "seed": 1, "engine": "0123456789abcdef"}
-        text = prove_misses.story([accused], figures, {"story": "p.md", "misses": {"untidy": "p_misses_untidy.png"}})
-        for words in ("1 of 1", "## Untidy: 1 of 1 cases", "(p_misses_untidy.png)", "| case_001 | nothing | explained: drift 0.95 |",
-                      "| **sure and wrong**, **accused** |"):
-            self.assertIn(words, text)
-
-    def test_picture(self):
-        try:
-            import matplotlib  # noqa: F401
-        except ImportError:
-            self.skipTest("python3-matplotlib is not installed")
-        wrong = self.missed("single_strong", truth(effect("creep")), report("explained", named("drift", 0.95)))
-        rows = [[[0, 0, 3000, 0, 0], [1, 0, 0, 0, 1000]]]
-        wrong.update({"hidden_moves": [rows], "found_moves": [{"effect": "drift", "trials": rows}, {"effect": "shear", "trials": rows}]})
-        self.assertEqual([(label, course) for label, _, course in prove_misses.curves(wrong)], [("creep", [3.0, 1.0]), ("drift", [3.0, 1.0])])
-        with tempfile.TemporaryDirectory() as folder:
-            drawn = prove_misses.draw_all([wrong], os.path.join(folder, "p"))
-            self.assertEqual(drawn, {"tidy": os.path.join(folder, "p_misses_tidy.png")})
-            with open(drawn["tidy"], "rb") as picture:
-                self.assertEqual(picture.read(4), b"\x89PNG")
-        self.assertEqual(prove_misses.draw_all([self.missed("single_strong", truth(effect("creep")), report("unknown"))], "p"), {})
-
-    def test_courses_are_root_mean_squares_in_millimetres(self):
-        trials = [[[0, 0, 3000, 0, 0], [0, 1, 0, 4000, 0], [1, 0, 0, 0, 1000]], [[0, 0, 2000, 0, 0]]]
-        found = prove_misses.course(trials)
-        for value, wanted in zip(found, [math.sqrt(12.5), 1.0, 2.0]):
-            self.assertAlmostEqual(value, wanted)
-        self.assertEqual(len(found), 3)
-
-
-class Short(unittest.TestCase):
-    def test_counts_and_the_hardest_first(self):
-        names = {"trials_page": "t.md", "misses_page": "m.md"}
-        right = result("single_strong", truth(effect("creep")), report("explained", named("creep", 0.95)))
-        wrong = result("single_strong", truth(effect("drift")), report("explained", named("shear", 0.95)))
-        text = prove_short.story([right, right, wrong, wrong, right], names)
-        self.assertIn("| one effect, all else as the arm file says: it is named first | 3 of 5 (60 %; 27 to 86 %) |", text)
-        self.assertIn("| tidy | 3 of 5 (60 %; 27 to 86 %) | 2 of 5 (40 %; 14 to 73 %) |", text)
-        self.assertLess(text.index("| drift | 2 | 0 | 0 | 0.20 |"), text.index("| creep | 3 | 3 | 3 | 0.20 |"))
-        self.assertNotIn("![", text)
-        self.assertIn("(c.png)", prove_short.story([right], {**names, "calibration": "c.png"}))
 
 
 if __name__ == "__main__":
