@@ -16,6 +16,7 @@ using Eigen::Vector2d;
 
 constexpr int kSteps = 60;
 constexpr double kTolerance = 1e-12;  // of the curvature
+constexpr double kNothingLeft = 6.0;  // erfc is below 1e-16 from there on
 
 class Mullins : public Described {
  public:
@@ -35,7 +36,7 @@ class Mullins : public Described {
       if (wanted < 1e-9) continue;
       // At the moment that acts: u (1 + stiffer) = linear.
       const Law law(values, memory.empty() ? 0.0 : memory[j]);
-      const double u = law.curvature(wanted);
+      const double u = law.curvature(wanted, middle.u.head<2>().norm());
       const double tangent = law.stiffer(u) + u * law.slope(u);
       bend_to(u / wanted * linear, 1.0 + tangent, middle, piece);
     }
@@ -76,15 +77,19 @@ class Mullins : public Described {
 
     double stiffer(double u) const {
       const double most = std::max(most_, u * u);
-      return share_ * std::erfc((most - u * u) / scale2_) + fresh_ / (1.0 + most / scale2_);
+      const double y = (most - u * u) / scale2_;
+      const double of_share = y < kNothingLeft ? share_ * std::erfc(y) : 0.0;
+      return of_share + fresh_ / (1.0 + most / scale2_);
     }
     /// Where u (1 + stiffer) is this: by Newton's steps, halved where those leave the bracket.
-    double curvature(double linear) const {
-      double low = linear / (1.0 + share_ + fresh_), high = linear, u = low;
+    /// @param about where it is looked for first
+    double curvature(double linear, double about) const {
+      auto [low, high] = std::minmax({linear / (1.0 + share_ + fresh_), linear});
+      double u = std::clamp(about, low, high);
       for (int i = 0; i < kSteps && high - low > kTolerance * linear; ++i) {
-        const double over = u * (1.0 + stiffer(u)) - linear;
+        const double by = stiffer(u), over = u * (1.0 + by) - linear;
         (over < 0.0 ? low : high) = u;
-        const double next = u - over / (1.0 + stiffer(u) + u * slope(u));
+        const double next = u - over / (1.0 + by + u * slope(u));
         if (std::abs(next - u) <= kTolerance * linear) return next;
         u = next > low && next < high ? next : 0.5 * (low + high);
       }
@@ -92,6 +97,7 @@ class Mullins : public Described {
     }
     double slope(double u) const {
       const double y = (most_ - u * u) / scale2_;
+      if (y >= kNothingLeft) return 0.0;
       if (y > 0.0) return share_ * 4.0 / std::sqrt(M_PI) * std::exp(-y * y) * u / scale2_;
       return -fresh_ * 2.0 * u / scale2_ / std::pow(1.0 + u * u / scale2_, 2);
     }
