@@ -314,7 +314,7 @@ model::Prepared prepared_trials(const arm::Arm& arm, const std::vector<trial::Tr
 }  // namespace
 
 // What is left, as multiples of the time of the constants' fits: as of untidy cases with nine trials.
-constexpr double kCeiling = 0.5, kExperiments = 0.65, kPictures = 0.02, kAnswers = kExperiments + 0.15;
+constexpr double kCeiling = 0.65, kExperiments = 0.75, kPictures = 0.02, kAnswers = kExperiments + 0.15;
 
 Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials, const Options& options,
                    const Progress& progress) {

@@ -17,11 +17,11 @@ namespace {
 using Progress = std::function<void(double, const std::string&)>;
 
 // What is left, as multiples of the time of the constants' fits: as of untidy cases with nine trials.
-constexpr double kFirstScreen = 0.4, kScreen = 0.27, kRefit = 0.3, kUsualRefits = 4.0, kFirstLeaders = 1.5,
-                 kLeaders = 0.9, kPosterior = 0.5;
+constexpr double kFirstScreen = 0.37, kScreen = 0.24, kRefit = 0.4, kUsualRefits = 4.0, kFirstLeaders = 0.4,
+                 kLeaders = 0.8, kPosterior = 0.95;
 constexpr double kRound = kScreen + kUsualRefits * kRefit + kLeaders + kPosterior,
-                 kLastRound = kScreen + 0.5 * kPosterior;  // that finds nothing worth a refit
-constexpr double kAfterFirst = 1.1, kAfterOthers = 0.5;    // rounds that do, if one more effect is taken
+                 kLastRound = kScreen + kPosterior;       // that finds nothing worth a refit
+constexpr double kAfterFirst = 1.3, kAfterOthers = 0.45;  // rounds that do, if one more effect is taken
 constexpr double kEnding = 0.4;
 
 /// After this round, if it takes an effect.

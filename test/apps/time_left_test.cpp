@@ -24,6 +24,12 @@ TEST(TimeLeft, IsCountedDownWhileNothingIsReported) {
   EXPECT_FALSE(left.seconds(40.0));
 }
 
+TEST(TimeLeft, IsARangeWhereItIsKnownWithinAFactor) {
+  EXPECT_EQ(time_left_text(12.3, 1.0), "12 s left");
+  EXPECT_EQ(time_left_text(12.0, 1.6), "8 to 19 s left");
+  EXPECT_EQ(time_left_text(0.2, 1.6), "0 s left") << "no range of nothing";
+}
+
 /// A diagnosis as it went: processor seconds of 53.5, and the share that was reported then.
 TEST(TimeLeft, IsRightThroughoutADiagnosis) {
   const double whole_s = 53.5;

@@ -20,8 +20,11 @@ double seconds(std::chrono::steady_clock::duration d) {
 
 }  // namespace
 
-Progress::Progress(std::string unit)
-    : unit_(std::move(unit)), terminal_(::isatty(STDERR_FILENO) == 1), ticker_([this] { tick(); }) {}
+Progress::Progress(std::string unit, double within)
+    : unit_(std::move(unit)),
+      within_(within),
+      terminal_(::isatty(STDERR_FILENO) == 1),
+      ticker_([this] { tick(); }) {}
 
 Progress::~Progress() {
   {
@@ -84,8 +87,7 @@ std::string Progress::rest(Clock::time_point now) const {
   const double rate = static_cast<double>(items_) / std::max(elapsed_s, 1e-3);
   if (!unit_.empty() && rate >= 0.5) add(fmt::format("{:.0f} {}/s", rate, unit_));
   add(doing_);
-  if (const std::optional<double> left_s = left_.seconds(elapsed_s))
-    add(fmt::format("{:.0f} s left", *left_s));
+  if (const std::optional<double> left_s = left_.seconds(elapsed_s)) add(time_left_text(*left_s, within_));
   return text;
 }
 

@@ -17,7 +17,8 @@ namespace softarm::app {
 class Progress {
  public:
   /// @param unit what is counted per second: "frames"; empty: no rate is shown
-  explicit Progress(std::string unit);
+  /// @param within factor within which the time left is known; more than 1 is shown as a range
+  explicit Progress(std::string unit, double within = 1.0);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -42,6 +43,7 @@ class Progress {
   void clear();
 
   const std::string unit_;
+  const double within_;
   const bool terminal_;
   const Clock::time_point start_ = Clock::now();
   Clock::time_point drawn_ = start_;

@@ -1,8 +1,12 @@
 // How long work will still take, by what is done of it.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <optional>
+#include <string>
 
 namespace softarm::app {
 
@@ -31,5 +35,12 @@ class TimeLeft {
   double share_ = 0.0, since_s_ = 0.0;
   std::optional<double> left_s_;
 };
+
+/// "12 s left"; "8 to 19 s left" where that is known within a factor only.
+inline std::string time_left_text(double left_s, double within) {
+  const double most_s = std::round(left_s * within), least_s = std::round(left_s / within);
+  return least_s < most_s ? fmt::format("{:.0f} to {:.0f} s left", least_s, most_s)
+                          : fmt::format("{:.0f} s left", most_s);
+}
 
 }  // namespace softarm::app
