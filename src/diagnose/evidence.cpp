@@ -176,20 +176,36 @@ std::vector<DirectionNoise> LinearGaussianModel::noise_of(const VectorXd& coeffi
   return list;
 }
 
+const NormalEquations& LinearGaussianModel::unit_sums(std::size_t direction, std::size_t kernel,
+                                                      double share) const {
+  const auto key = std::make_tuple(direction, kernel, share);
+  {
+    const std::lock_guard<std::mutex> lock(known_mutex_);
+    const auto known = known_.find(key);
+    if (known != known_.end()) return known->second;
+  }
+  const InBasis& turned = turned_[kernel];
+  const VectorXd variance = (1.0 - share) + share * turned.eigenvalues.array();
+  const VectorXd root = variance.cwiseSqrt().cwiseInverse();
+  const MatrixXd x = root.asDiagonal() * turned.signatures[direction];
+  const VectorXd y = root.cwiseProduct(turned.residual.col(static_cast<Index>(direction)));
+  NormalEquations sums{MatrixXd::Zero(mean_.size(), mean_.size()), x.transpose() * y, y.squaredNorm(),
+                       variance.array().log().sum()};
+  sums.information.selfadjointView<Eigen::Lower>().rankUpdate(x.transpose());
+  const std::lock_guard<std::mutex> lock(known_mutex_);
+  return known_.emplace(key, std::move(sums)).first->second;
+}
+
 NormalEquations LinearGaussianModel::normal_equations(const std::vector<DirectionNoise>& noise) const {
   const Index p = mean_.size();
+  const auto n = static_cast<double>(turned_[0].residual.rows());
   NormalEquations sums{MatrixXd::Zero(p, p), VectorXd::Zero(p), 0.0, 0.0};
   for (std::size_t d = 0; d < noise.size(); ++d) {
-    const InBasis& turned = turned_[noise[d].kernel];
-    const VectorXd variance =
-        noise[d].variance * ((1.0 - noise[d].share) + noise[d].share * turned.eigenvalues.array());
-    const VectorXd root = variance.cwiseSqrt().cwiseInverse();
-    const MatrixXd x = root.asDiagonal() * turned.signatures[d];
-    const VectorXd y = root.cwiseProduct(turned.residual.col(static_cast<Index>(d)));
-    sums.information.selfadjointView<Eigen::Lower>().rankUpdate(x.transpose());
-    sums.score.noalias() += x.transpose() * y;
-    sums.square += y.squaredNorm();
-    sums.log_determinant += variance.array().log().sum();
+    const NormalEquations& unit = unit_sums(d, noise[d].kernel, noise[d].share);
+    sums.information += unit.information / noise[d].variance;
+    sums.score += unit.score / noise[d].variance;
+    sums.square += unit.square / noise[d].variance;
+    sums.log_determinant += unit.log_determinant + n * std::log(noise[d].variance);
   }
   sums.information.triangularView<Eigen::StrictlyUpper>() = sums.information.transpose();
   return sums;

@@ -3,6 +3,9 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <map>
+#include <mutex>
+#include <tuple>
 #include <vector>
 
 #include "evidence_data.h"
@@ -82,7 +85,13 @@ class LinearGaussianModel {
     std::vector<Eigen::MatrixXd> signatures;  ///< by direction, n x p
     Eigen::MatrixXd residual;                 ///< n x m
   };
+  /// Of one direction with noise of this kernel and share, its variance 1: worked out once, as searches come
+  /// back to the same few. Thread-safe.
+  const NormalEquations& unit_sums(std::size_t direction, std::size_t kernel, double share) const;
+
   std::vector<InBasis> turned_;
+  mutable std::mutex known_mutex_;
+  mutable std::map<std::tuple<std::size_t, std::size_t, double>, NormalEquations> known_;
   Eigen::VectorXd mean_, sd_;          ///< of the coefficients; of effects those of the slab
   Eigen::VectorXd left_, unknown_sd_;  ///< of the Signature, by coefficient
   double log_weight_ = 0.0;            ///< Signature::log_weight of all unknowns
