@@ -36,14 +36,14 @@ struct Sizes {
   Eigen::MatrixXd covariance;
 };
 
-Sizes at_the_shapes_of(const Linearised& at, std::size_t e, const Posterior& posterior) {
+Sizes at_the_shapes_of(const Linearised& at, std::size_t e, const Gaussian& unknowns) {
   std::vector<Eigen::Index> rows = rows_of_sizes(at, e);
   const auto n = static_cast<Eigen::Index>(rows.size());
   const std::vector<Eigen::Index> shapes = rows_of_shapes(at, e);
   const auto others = static_cast<Eigen::Index>(shapes.size());
   rows.insert(rows.end(), shapes.begin(), shapes.end());
-  const Eigen::VectorXd shift = math::rows_of(posterior.shift, rows);
-  const Eigen::MatrixXd precision = math::inverse_of_symmetric(math::block_of(posterior.covariance, rows));
+  const Eigen::VectorXd shift = math::rows_of(unknowns.mean, rows);
+  const Eigen::MatrixXd precision = math::inverse_of_symmetric(math::block_of(unknowns.covariance, rows));
   Sizes sizes;
   sizes.covariance = math::inverse_of_symmetric(precision.topLeftCorner(n, n));
   sizes.shift = shift.head(n) + sizes.covariance * precision.topRightCorner(n, others) * shift.tail(others);
@@ -54,11 +54,11 @@ Sizes at_the_shapes_of(const Linearised& at, std::size_t e, const Posterior& pos
 /// at nothing, before the data and after them (Savage and Dickey; Dickey 1971), and the odds of an effect.
 /// Its other numbers (a place, a time) mean nothing where its sizes are nothing: these are looked at where
 /// those are the fit's. Else a share that is known only as a product with a width would seem to be nothing at
-/// times.
+/// times. And where it does nothing it has no form that does: such an effect is looked at on its law.
 double still_there(const Linearised& at, std::size_t e, std::size_t catalogue, const Posterior& posterior) {
   const std::vector<Eigen::Index> rows = rows_of_sizes(at, e);
   const Eigen::VectorXd fitted = math::rows_of(at.unknowns(), rows);
-  const Sizes sizes = at_the_shapes_of(at, e, posterior);
+  const Sizes sizes = at_the_shapes_of(at, e, posterior.on_its_law.at(e));
   Eigen::VectorXd later = fitted + sizes.shift;
   double log_before = 0.0;  // density at nothing
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -78,12 +78,13 @@ Doubt doubt_about(const Linearised& at, const Posterior& posterior, const Poster
                   std::size_t catalogue) {
   Doubt doubt;
   doubt.still_there.assign(at.at.effects.size(), 1.0);
-  if (posterior.covariance.rows() != at.information.rows()) {
+  if (posterior.unknowns.covariance.rows() != at.information.rows()) {
     doubt.covariance = inflation(at) * math::inverse_of_symmetric(at.information);
     return doubt;
   }
-  doubt.covariance = posterior.covariance + posterior.shift * posterior.shift.transpose();
-  const bool are_others = without_rivals.covariance.rows() == at.information.rows();
+  const Gaussian& u = posterior.unknowns;
+  doubt.covariance = u.covariance + u.mean * u.mean.transpose();
+  const bool are_others = without_rivals.unknowns.covariance.rows() == at.information.rows();
   const Posterior& of_class = are_others ? without_rivals : posterior;
   for (std::size_t e = 0; e < doubt.still_there.size(); ++e)
     doubt.still_there[e] = still_there(at, e, catalogue, of_class);

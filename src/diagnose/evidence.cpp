@@ -25,6 +25,7 @@ constexpr double kShares[] = {0.0, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.
 constexpr double kLeastEigenvalue = 1e-9;  // of a kernel with a unit diagonal: rounding
 constexpr std::size_t kOfLaws = 1;         // of kernels_of(): over what drives the arm, as laws go with it
 constexpr Index kSmoothCourses = 8;        // of that: the others turn faster than laws do
+constexpr double kNoForm = 1e15;           // precision of a share of what an effect does: none goes otherwise
 constexpr int kNoiseIterations = 2;        // of noise and coefficients by turns: the second changes little
 
 /// Correlated over time, within a trial.
@@ -101,6 +102,8 @@ LinearGaussianModel::LinearGaussianModel(const EvidenceData& data, const Bases& 
   const auto p = static_cast<Index>(data.unknowns.size() + data.effects.size()) +
                  static_cast<Index>(data.done.size()) * bases.courses.cols();
   const Index n = data.residual.rows(), m = data.residual.cols();
+  courses_ = bases.courses.cols();
+  forms_of_ = data.done.size();
   mean_.resize(p);
   sd_.resize(p);
   left_.resize(p);
@@ -222,11 +225,19 @@ VectorXd LinearGaussianModel::precision(const EffectList& present, double backgr
   return precision;
 }
 
-MatrixXd LinearGaussianModel::covariance(const NormalEquations& sums, const EffectList& present,
-                                         double background) const {
+Gaussian LinearGaussianModel::estimate(const NormalEquations& sums, const EffectList& present,
+                                       double background, std::optional<std::size_t> on_its_law) const {
+  VectorXd precision = this->precision(present, background);
+  if (on_its_law) {
+    const Index from_last = static_cast<Index>(forms_of_ - *on_its_law) * courses_;
+    precision.segment(precision.size() - from_last, courses_).setConstant(kNoForm);
+  }
   MatrixXd information = sums.information;
-  information.diagonal() += precision(present, background);
-  return math::inverse_of_symmetric(information);
+  information.diagonal() += precision;
+  Gaussian all;
+  all.covariance = math::inverse_of_symmetric(information);
+  all.mean = all.covariance * (sums.score + precision.cwiseProduct(mean_));
+  return all;
 }
 
 double LinearGaussianModel::integrate(const NormalEquations& sums, const EffectList& present,

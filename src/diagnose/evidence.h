@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <tuple>
 #include <vector>
 
@@ -47,6 +48,12 @@ struct NormalEquations {
   double square = 0.0, log_determinant = 0.0;
 };
 
+/// Mean and covariance.
+struct Gaussian {
+  Eigen::VectorXd mean;
+  Eigen::MatrixXd covariance;
+};
+
 /// Standard deviation of a size of an effect that is not there, in usual sizes: it moves the bodies by the
 /// background beyond what the arm's constants absorb, and is a small share of a usual size; and what is not
 /// known of it in any arm.
@@ -69,7 +76,9 @@ class LinearGaussianModel {
   double integrate(const NormalEquations& sums, const EffectList& present, double background,
                    Eigen::VectorXd& coefficients) const;
   /// Of all coefficients, under these sums.
-  Eigen::MatrixXd covariance(const NormalEquations& sums, const EffectList& present, double background) const;
+  /// @param on_its_law this effect of the fit, by its place in EvidenceData::done, has no form of its own
+  Gaussian estimate(const NormalEquations& sums, const EffectList& present, double background,
+                    std::optional<std::size_t> on_its_law = {}) const;
   const EffectList& effects() const { return each_; }
 
  private:
@@ -96,6 +105,8 @@ class LinearGaussianModel {
   Eigen::VectorXd left_, unknown_sd_;  ///< of the Signature, by coefficient
   double log_weight_ = 0.0;            ///< Signature::log_weight of all unknowns
   EffectList effect_;                  ///< by coefficient, null for unknowns
+  std::size_t forms_of_ = 0;           ///< effects of the fit; the last coefficients are of these ...
+  Eigen::Index courses_ = 0;           ///< ... by course
   EffectList each_;                    ///< once each
 };
 

@@ -201,29 +201,50 @@ Posterior summed(const std::vector<Search::Model>& models) {
   return result;
 }
 
+/// Of a mixture of normals with these weights.
+class Mixture {
+ public:
+  explicit Mixture(Eigen::Index n) : mean_(Eigen::VectorXd::Zero(n)), square_(Eigen::MatrixXd::Zero(n, n)) {}
+  void add(double weight, const Gaussian& part) {
+    const Eigen::Index n = mean_.size();
+    const Eigen::VectorXd mean = part.mean.head(n);
+    mean_ += weight * mean;
+    square_ += weight * (part.covariance.topLeftCorner(n, n) + mean * mean.transpose());
+    weight_ += weight;
+  }
+  Gaussian sum() const {
+    if (!(weight_ > 0.0)) return {};
+    const Eigen::VectorXd mean = mean_ / weight_;
+    return {mean, square_ / weight_ - mean * mean.transpose()};
+  }
+
+ private:
+  Eigen::VectorXd mean_;
+  Eigen::MatrixXd square_;
+  double weight_ = 0.0;
+};
+
 /// What the sets about the present fit say of its unknowns, each as probable as it is.
-void add_unknowns(const Expansions& about, const std::vector<Search::Model>& models, Eigen::Index unknowns,
+void add_unknowns(const Expansions& about, const std::vector<Search::Model>& models, const EvidenceData& data,
                   Posterior& result) {
   const auto is_about_the_fit = [&](const Search::Model& m) { return about.of(m.effects).front() == 0; };
-  double best = -1e300, sum = 0.0;
+  double best = -1e300;
   for (const Search::Model& m : models)
     if (is_about_the_fit(m)) best = std::max(best, m.log);
-  Eigen::VectorXd mean = Eigen::VectorXd::Zero(unknowns);
-  Eigen::MatrixXd square = Eigen::MatrixXd::Zero(unknowns, unknowns);
+  const auto unknowns = static_cast<Eigen::Index>(data.unknowns.size());
+  Mixture all(unknowns);
+  std::vector<Mixture> on_its_law(data.done.size(), Mixture(unknowns));
   for (const Search::Model& m : models) {
     const double weight = std::exp(m.log - best);
     if (!is_about_the_fit(m) || weight < kLeastWeight) continue;
     const LinearGaussianModel& linear = about.model(0);
-    const Eigen::VectorXd of_m = m.marginal.coefficients.head(unknowns);
-    mean += weight * of_m;
-    square += weight * (linear.covariance(linear.normal_equations(m.marginal.noise), m.effects, m.background)
-                            .topLeftCorner(unknowns, unknowns) +
-                        of_m * of_m.transpose());
-    sum += weight;
+    const NormalEquations sums = linear.normal_equations(m.marginal.noise);
+    all.add(weight, linear.estimate(sums, m.effects, m.background));
+    for (std::size_t e = 0; e < on_its_law.size(); ++e)
+      on_its_law[e].add(weight, linear.estimate(sums, m.effects, m.background, e));
   }
-  if (!(sum > 0.0)) return;
-  result.shift = mean / sum;
-  result.covariance = square / sum - result.shift * result.shift.transpose();
+  result.unknowns = all.sum();
+  for (const Mixture& one : on_its_law) result.on_its_law.push_back(one.sum());
 }
 
 bool holds(const EffectSet& set, const Effect* effect) {
@@ -275,7 +296,7 @@ Posterior posterior(const EvidenceData& data, const std::vector<RefitEvidence>& 
   }
   if (search.models().empty()) return {};
   Posterior result = summed(search.models());
-  add_unknowns(about, search.models(), static_cast<Eigen::Index>(data.unknowns.size()), result);
+  add_unknowns(about, search.models(), data, result);
   return result;
 }
 

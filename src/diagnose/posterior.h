@@ -17,11 +17,10 @@ struct EffectSet {
 struct Posterior {
   std::vector<EffectSet> sets;  ///< that were looked at, most probable first; they sum to 1
   double background = 0.0;      ///< share of the arm's length by which what is not there moves it: mean
-  /// Of the fit's unknowns, in their scales: how far the most probable ones lie from the fit's, and their
-  /// covariance, with the background, correlated noise and the sets that the fit stands for; empty: too few
-  /// instants.
-  Eigen::VectorXd shift;
-  Eigen::MatrixXd covariance;
+  /// Of the fit's unknowns, in their scales: how far the most probable ones lie from the fit's, with the
+  /// background, correlated noise and the sets that the fit stands for; empty: too few instants.
+  Gaussian unknowns;
+  std::vector<Gaussian> on_its_law;  ///< the same for each effect of the fit, as if it had no other form
 
   /// Of an effect, whatever else is there.
   double of(const model::Effect* effect) const;

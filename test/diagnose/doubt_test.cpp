@@ -41,9 +41,10 @@ Linearised with_creep() {
 /// Standard deviations of 3 of the share and of 1 of the time, correlated.
 Posterior with_correlation(double correlation) {
   Posterior posterior;
-  posterior.shift = Eigen::Vector2d::Zero();
-  posterior.covariance.resize(2, 2);
-  posterior.covariance << 9.0, 3.0 * correlation, 3.0 * correlation, 1.0;
+  posterior.unknowns.mean = Eigen::Vector2d::Zero();
+  posterior.unknowns.covariance.resize(2, 2);
+  posterior.unknowns.covariance << 9.0, 3.0 * correlation, 3.0 * correlation, 1.0;
+  posterior.on_its_law = {posterior.unknowns};
   return posterior;
 }
 
@@ -62,9 +63,10 @@ TEST(Doubt, AShareThatIsKnownOnlyBesideATimeIsThere) {
 
 TEST(Doubt, WhatThePosteriorMovesCountsAtTheFitsTime) {
   Posterior posterior = with_correlation(0.99);
-  posterior.shift << -3.0, -1.0;  // along what the trials leave open: at the fit's time the share stays
+  posterior.on_its_law[0].mean << -3.0,
+      -1.0;  // along what the trials leave open: at the fit's time the share stays
   const double along = still_there(posterior);
-  posterior.shift << -3.0, 0.0;
+  posterior.on_its_law[0].mean << -3.0, 0.0;
   EXPECT_GT(along, still_there(posterior));
   EXPECT_GT(along, 0.99);
 }

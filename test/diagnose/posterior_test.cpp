@@ -43,6 +43,31 @@ EvidenceData made_up(Index n, Index m, int effects, double strength, std::mt1993
   return data;
 }
 
+TEST(Posterior, OnItsLawAnEffectHasNoForm) {
+  std::mt19937_64 random(5);
+  EvidenceData data = made_up(20, 3, 4, 0.7, random);
+  const Bases bases = bases_of(data);
+  const LinearGaussianModel without(data, bases);
+  data.done = {3.0 * data.unknowns[1].moves};
+  const LinearGaussianModel one(data, bases);
+  data.done.push_back(2.0 * data.unknowns[0].moves);
+  const LinearGaussianModel both(data, bases);
+  const double background = 2e-4;
+  const std::vector<DirectionNoise> noise = both.evaluate({}, background).noise;
+  const auto estimate = [&](const LinearGaussianModel& of, std::optional<std::size_t> on_its_law = {}) {
+    return of.estimate(of.normal_equations(noise), {}, background, on_its_law);
+  };
+  const auto same = [](const Gaussian& with_more, const Gaussian& with_less) {
+    const Index n = with_less.mean.size();
+    EXPECT_LT((with_more.mean.head(n) - with_less.mean).norm(), 1e-6 * with_less.mean.norm());
+    EXPECT_LT((with_more.covariance.topLeftCorner(n, n) - with_less.covariance).norm(),
+              1e-6 * with_less.covariance.norm());
+  };
+  same(estimate(one, 0), estimate(without));
+  same(estimate(both, 1), estimate(one));
+  EXPECT_GT(estimate(both).covariance(1, 1), 1.1 * estimate(both, 0).covariance(1, 1)) << "a form blurs it";
+}
+
 TEST(Posterior, EvidenceIsTheDensityWrittenOut) {
   std::mt19937_64 random(3);
   EvidenceData data = made_up(14, 3, 4, 0.7, random);
@@ -138,9 +163,9 @@ TEST(Posterior, IntervalsOfUnknownsKnowOfTheBackground) {
     const Eigen::Matrix2d of_fit = information.inverse();
     const Eigen::Vector2d at_fit = of_fit * score;
     const Posterior p = posterior(data, {}, 1);
-    ASSERT_EQ(p.shift.size(), 2);
+    ASSERT_EQ(p.unknowns.mean.size(), 2);
     for (Index u = 0; u < 2; ++u, ++count) {
-      covered += std::abs(p.shift[u] - truth[u]) < 1.645 * std::sqrt(p.covariance(u, u));
+      covered += std::abs(p.unknowns.mean[u] - truth[u]) < 1.645 * std::sqrt(p.unknowns.covariance(u, u));
       covered_by_fit += std::abs(at_fit[u] - truth[u]) < 1.645 * std::sqrt(of_fit(u, u));
     }
   }

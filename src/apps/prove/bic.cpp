@@ -209,7 +209,7 @@ Grouped Bic::grouped() const {
   // With A the information, P the prior's precision and V the covariance of noise, constants, background and
   // forms: X^T V^-1 X = P - P (A + P)^-1 P, X^T V^-1 (y - X mean) = P (A + P)^-1 (X^T N^-1 y - A mean).
   const Prior prior = prior_of(data_, sizes_of(data_, {}), none_.background, sums_.score.size());
-  const MatrixXd covariance = linear_.covariance(sums_, {}, none_.background);
+  const MatrixXd covariance = linear_.estimate(sums_, {}, none_.background).covariance;
   const VectorXd x = covariance * (sums_.score - sums_.information * prior.mean);
   Grouped grouped;
   std::vector<Index> rows;
