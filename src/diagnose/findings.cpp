@@ -125,9 +125,21 @@ bool is_small(const JointModel& model, const Selection& selection, std::size_t e
          is_usual(model, selection.extended.at.effects[e]);
 }
 
+/// Probability of an effect, or of what it may be mistaken for.
+double of_it_or_a_rival(const Diagnosis& d, const NamedEffect& effect) {
+  double neither = 1.0 - effect.probability;
+  for (const std::string& rival : effect.confusable_with)
+    for (const Candidate& candidate : d.ranking)
+      if (candidate.id == rival) neither *= 1.0 - candidate.probability;
+  return 1.0 - neither;
+}
+
 Verdict verdict_of(const Diagnosis& d, bool adequate) {
   if (!d.effects.empty()) {
-    if (d.explained_share >= kPolicy.verdict.explained && adequate) return Verdict::kExplained;
+    const bool told = std::any_of(d.effects.begin(), d.effects.end(), [&](const NamedEffect& effect) {
+      return of_it_or_a_rival(d, effect) >= kPolicy.posterior.named;
+    });
+    if (d.explained_share >= kPolicy.verdict.explained && adequate && told) return Verdict::kExplained;
     double believed = 0.0;
     for (const NamedEffect& effect : d.effects)
       if (effect.probability >= kPolicy.posterior.named) believed += effect.share * d.explained_share;
