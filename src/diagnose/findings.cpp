@@ -134,26 +134,6 @@ double of_it_or_a_rival(const Diagnosis& d, const NamedEffect& effect) {
   return 1.0 - neither;
 }
 
-Verdict verdict_of(const Diagnosis& d, bool adequate) {
-  if (!d.effects.empty()) {
-    const bool told = std::any_of(d.effects.begin(), d.effects.end(), [&](const NamedEffect& effect) {
-      return of_it_or_a_rival(d, effect) >= kPolicy.posterior.named;
-    });
-    if (d.explained_share >= kPolicy.verdict.explained && adequate && told) return Verdict::kExplained;
-    double believed = 0.0;
-    for (const NamedEffect& effect : d.effects)
-      if (effect.probability >= kPolicy.posterior.named) believed += effect.share * d.explained_share;
-    return believed >= kPolicy.verdict.partly ? Verdict::kPartlyExplained : Verdict::kUnknown;
-  }
-  if (!adequate) return Verdict::kUnknown;
-  const auto detectable =
-      std::count_if(d.ranking.begin(), d.ranking.end(), [](const Candidate& c) { return c.detectable; });
-  return static_cast<double>(detectable) >=
-                 kPolicy.verdict.few_detectable * static_cast<double>(d.ranking.size())
-             ? Verdict::kConsistent
-             : Verdict::kCannotTell;
-}
-
 /// What no effect explains of what could be explained, rms distance of a body.
 double left_m(const Diagnosis& d, double share) {
   const double could2 = std::pow(d.baseline.held_out_rms_m, 2) - std::pow(d.ceiling_rms_m, 2);
@@ -251,6 +231,26 @@ void set_stand_ins_apart(Diagnosis& d) {
   // An explanation to the noise stands as a whole, however little is known of its parts.
   if (d.verdict != Verdict::kExplained) from(d.effects);
   from(d.small_departures);
+}
+
+Verdict verdict_of(const Diagnosis& d, bool adequate) {
+  if (!d.effects.empty()) {
+    const bool told = std::any_of(d.effects.begin(), d.effects.end(), [&](const NamedEffect& effect) {
+      return of_it_or_a_rival(d, effect) >= kPolicy.posterior.named;
+    });
+    if (d.explained_share >= kPolicy.verdict.explained && adequate && told) return Verdict::kExplained;
+    double believed = 0.0;
+    for (const NamedEffect& effect : d.effects)
+      if (effect.probability >= kPolicy.posterior.named) believed += effect.share * d.explained_share;
+    return believed >= kPolicy.verdict.partly ? Verdict::kPartlyExplained : Verdict::kUnknown;
+  }
+  if (!adequate) return Verdict::kUnknown;
+  const auto detectable =
+      std::count_if(d.ranking.begin(), d.ranking.end(), [](const Candidate& c) { return c.detectable; });
+  return static_cast<double>(detectable) >=
+                 kPolicy.verdict.few_detectable * static_cast<double>(d.ranking.size())
+             ? Verdict::kConsistent
+             : Verdict::kCannotTell;
 }
 
 void rank_as_said(Diagnosis& d) {

@@ -53,6 +53,11 @@ double small_is_there(double left_m, double length_m);
 /// @param least of that probability (small_is_there())
 double is_no_stand_in(double even, double part, double left, double least = 0.0);
 
+/// Explained is what is explained whole, by something that, with what it may be mistaken for, is more
+/// probable than not; partly what such effects take half of.
+/// @param d with its effects, their rivals among the ranking, and the share that they explain
+Verdict verdict_of(const Diagnosis& d, bool adequate);
+
 /// Candidates in the order in which they are said: what the verdict stands on, what that may be mistaken for,
 /// the small departures and the stand-ins, all others.
 void rank_as_said(Diagnosis& d);

@@ -155,6 +155,24 @@ TEST(Findings, WhatIsHardlyThereStandsApart) {
   EXPECT_EQ(ids(d.stand_ins), (std::vector<std::string>{"hardly", "no"}));
 }
 
+TEST(Findings, NothingIsExplainedByWhatIsHardlyThere) {
+  Diagnosis d;
+  d.explained_share = 0.97;
+  d.effects = {effect("bow", 0.02, 1.0)};
+  EXPECT_EQ(verdict_of(d, true), Verdict::kUnknown);
+  Candidate rival;
+  rival.id = "scale";
+  rival.probability = 0.9;
+  d.ranking = {rival};
+  EXPECT_EQ(verdict_of(d, true), Verdict::kUnknown) << "not what it may be mistaken for";
+  d.effects.front().confusable_with = {"scale"};
+  EXPECT_EQ(verdict_of(d, true), Verdict::kExplained) << "one of the two is there";
+  EXPECT_EQ(verdict_of(d, false), Verdict::kUnknown) << "something else is left, and which is there is open";
+  d.effects = {effect("bow", 0.6, 1.0)};
+  EXPECT_EQ(verdict_of(d, true), Verdict::kExplained);
+  EXPECT_EQ(verdict_of(d, false), Verdict::kPartlyExplained);
+}
+
 TEST(Findings, CandidatesStandAsTheyAreSaid) {
   Diagnosis d;
   d.effects = {effect("second", 0.7, 0.6), effect("first", 1.0, 0.4)};
