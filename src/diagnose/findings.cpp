@@ -238,7 +238,8 @@ Verdict verdict_of(const Diagnosis& d, bool adequate) {
     const bool told = std::any_of(d.effects.begin(), d.effects.end(), [&](const NamedEffect& effect) {
       return of_it_or_a_rival(d, effect) >= kPolicy.posterior.named;
     });
-    if (d.explained_share >= kPolicy.verdict.explained && adequate && told) return Verdict::kExplained;
+    if (d.explained_share >= kPolicy.verdict.explained && adequate)
+      return told ? Verdict::kExplained : Verdict::kCannotTell;
     double believed = 0.0;
     for (const NamedEffect& effect : d.effects)
       if (effect.probability >= kPolicy.posterior.named) believed += effect.share * d.explained_share;

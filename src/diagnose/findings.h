@@ -54,7 +54,7 @@ double small_is_there(double left_m, double length_m);
 double is_no_stand_in(double even, double part, double left, double least = 0.0);
 
 /// Explained is what is explained whole, by something that, with what it may be mistaken for, is more
-/// probable than not; partly what such effects take half of.
+/// probable than not: else these trials cannot tell. Partly explained is what such effects take half of.
 /// @param d with its effects, their rivals among the ranking, and the share that they explain
 Verdict verdict_of(const Diagnosis& d, bool adequate);
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "arm/input_kind.h"
 #include "contribution.h"
@@ -238,6 +239,19 @@ std::string left_out_of(const Diagnosis& d) {
   return fmt::format("{}, and with {}, which may stand in for something else,", with, one_of(hardly, "and"));
 }
 
+/// @param names of what the verdict stands on, with probabilities
+std::string untold_of(const Diagnosis& d, std::vector<std::string> names, const std::string& errors) {
+  for (const NamedEffect& effect : d.stand_ins)
+    names.push_back(fmt::format("{} ({})", effect.id, percent(effect.probability)));
+  if (names.empty())
+    return fmt::format(
+        "These trials cannot tell ({}): most effects would be collinear with the arm's own constants.",
+        errors);
+  return fmt::format(
+      "These trials cannot tell what is left out ({}): {} would explain it, but {} probably not there.",
+      errors, one_of(names, "and"), names.size() > 1 ? "are" : "is");
+}
+
 std::string found_of(const Diagnosis& d, std::size_t trials) {
   const std::string errors =
       fmt::format("{} on average{}, noise alone {}", millimetres(d.baseline.held_out_mean_m),
@@ -289,9 +303,7 @@ std::string found_of(const Diagnosis& d, std::size_t trials) {
       return text;
     }
     case Verdict::kCannotTell:
-      return fmt::format(
-          "These trials cannot tell ({}): most effects would be collinear with the arm's own constants.",
-          errors);
+      return untold_of(d, std::move(names), errors) + beside;
   }
   return {};
 }

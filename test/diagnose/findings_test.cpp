@@ -159,12 +159,12 @@ TEST(Findings, NothingIsExplainedByWhatIsHardlyThere) {
   Diagnosis d;
   d.explained_share = 0.97;
   d.effects = {effect("bow", 0.02, 1.0)};
-  EXPECT_EQ(verdict_of(d, true), Verdict::kUnknown);
+  EXPECT_EQ(verdict_of(d, true), Verdict::kCannotTell);
   Candidate rival;
   rival.id = "scale";
   rival.probability = 0.9;
   d.ranking = {rival};
-  EXPECT_EQ(verdict_of(d, true), Verdict::kUnknown) << "not what it may be mistaken for";
+  EXPECT_EQ(verdict_of(d, true), Verdict::kCannotTell) << "not what it may be mistaken for";
   d.effects.front().confusable_with = {"scale"};
   EXPECT_EQ(verdict_of(d, true), Verdict::kExplained) << "one of the two is there";
   EXPECT_EQ(verdict_of(d, false), Verdict::kUnknown) << "something else is left, and which is there is open";

@@ -23,7 +23,7 @@ enum class Verdict {
   kPartlyExplained,  ///< named effects explain half of it or more
   kUnknown,          ///< something is there that no effect of the catalogue explains
   kCannotTell,  ///< these trials cannot tell: what is there is collinear with the arm's own constants, or
-                ///< with a rival
+                ///< is explained by what is probably not there
 };
 
 /// "consistent", "explained", "partly_explained", "unknown", "cannot_tell".
