@@ -25,7 +25,6 @@ constexpr double kShares[] = {0.0, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.
 constexpr double kLeastEigenvalue = 1e-9;  // of a kernel with a unit diagonal: rounding
 constexpr std::size_t kOfLaws = 1;         // of kernels_of(): over what drives the arm, as laws go with it
 constexpr Index kSmoothCourses = 8;        // of that: the others turn faster than laws do
-constexpr double kNoForm = 1e15;           // precision of a share of what an effect does: none goes otherwise
 constexpr int kNoiseIterations = 2;        // of noise and coefficients by turns: the second changes little
 
 /// Correlated over time, within a trial.
@@ -227,17 +226,18 @@ VectorXd LinearGaussianModel::precision(const EffectList& present, double backgr
 
 Gaussian LinearGaussianModel::estimate(const NormalEquations& sums, const EffectList& present,
                                        double background, std::optional<std::size_t> on_its_law) const {
-  VectorXd precision = this->precision(present, background);
-  if (on_its_law) {
-    const Index from_last = static_cast<Index>(forms_of_ - *on_its_law) * courses_;
-    precision.segment(precision.size() - from_last, courses_).setConstant(kNoForm);
-  }
+  const VectorXd precision = this->precision(present, background);
   MatrixXd information = sums.information;
   information.diagonal() += precision;
-  Gaussian all;
-  all.covariance = math::inverse_of_symmetric(information);
-  all.mean = all.covariance * (sums.score + precision.cwiseProduct(mean_));
-  return all;
+  const Index size = precision.size();
+  const Index without = on_its_law ? size - static_cast<Index>(forms_of_ - *on_its_law) * courses_ : size;
+  std::vector<Index> rows;
+  for (Index j = 0; j < size; ++j)
+    if (j < without || j >= without + courses_) rows.push_back(j);
+  Gaussian estimate;
+  estimate.covariance = math::inverse_of_symmetric(math::block_of(information, rows));
+  estimate.mean = estimate.covariance * math::rows_of(sums.score + precision.cwiseProduct(mean_), rows);
+  return estimate;
 }
 
 double LinearGaussianModel::integrate(const NormalEquations& sums, const EffectList& present,

@@ -76,7 +76,8 @@ class LinearGaussianModel {
   double integrate(const NormalEquations& sums, const EffectList& present, double background,
                    Eigen::VectorXd& coefficients) const;
   /// Of all coefficients, under these sums.
-  /// @param on_its_law this effect of the fit, by its place in EvidenceData::done, has no form of its own
+  /// @param on_its_law without the coefficients of the forms of this effect of the fit, by its place in
+  /// EvidenceData::done
   Gaussian estimate(const NormalEquations& sums, const EffectList& present, double background,
                     std::optional<std::size_t> on_its_law = {}) const;
   const EffectList& effects() const { return each_; }

@@ -233,7 +233,7 @@ std::string left_out_of(const Diagnosis& d) {
     else
       hardly.push_back(fmt::format("{} ({})", effect.id, percent(effect.probability)));
   }
-  if (there.empty()) return one_of(hardly, "and") + ": with it";
+  if (there.empty()) return one_of(hardly, "and") + (hardly.size() > 1 ? ": with them" : ": with it");
   const std::string with = one_of(there, "and") + (there.size() > 1 ? ": with them" : ": with it");
   if (hardly.empty()) return with;
   return fmt::format("{}, and with {}, which may stand in for something else,", with, one_of(hardly, "and"));

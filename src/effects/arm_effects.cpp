@@ -108,14 +108,14 @@ std::string doubt_about_effects(const std::string& name, const std::vector<std::
 }
 
 std::string doubt_about_effects(const arm::ArmText& file) {
-  if (arm::parse_effect_entries(file.text, file.source).empty() ||
-      arm::parse_effects_verdict(file.text, file.source) != "unknown")
-    return "";
-  return fmt::format(
-      "{}: the diagnosis that found its effects ended with the verdict \"unknown\": they help, but something "
-      "else "
-      "is there that is not in the model",
-      file.source);
+  if (arm::parse_effect_entries(file.text, file.source).empty()) return "";
+  const std::string verdict = arm::parse_effects_verdict(file.text, file.source).value_or("");
+  const char* doubt = verdict == "unknown" ? "they help, but something else is there that is not in the model"
+                      : verdict == "cannot_tell" ? "they help, but are probably not what is there"
+                                                 : nullptr;
+  if (doubt == nullptr) return "";
+  return fmt::format("{}: the diagnosis that found its effects ended with the verdict \"{}\": {}",
+                     file.source, verdict, doubt);
 }
 
 arm::EffectEntry entry_of(const model::Present& present, const std::optional<model::Values>& sd) {

@@ -119,6 +119,27 @@ TEST(Sentences, WhatIsHardlyThereIsNotSaidToBeLeftOut) {
   EXPECT_EQ(of_one.find("trials left out"), std::string::npos) << of_one;
 }
 
+TEST(Sentences, TrialsThatCannotTellSayWhatWouldExplainThem) {
+  Diagnosis diagnosis;
+  diagnosis.verdict = Verdict::kCannotTell;
+  EXPECT_NE(summary_of(diagnosis, 4).find("most effects would be collinear"), std::string::npos);
+  NamedEffect bow, scale;
+  bow.id = "camera_bow";
+  bow.probability = 0.02;
+  scale.id = "camera_scale";
+  scale.probability = 0.3;
+  diagnosis.stand_ins = {bow};
+  EXPECT_NE(summary_of(diagnosis, 4).find("camera_bow (2 %) would explain it, but is probably not there."),
+            std::string::npos)
+      << summary_of(diagnosis, 4);
+  diagnosis.effects = {scale};
+  EXPECT_NE(
+      summary_of(diagnosis, 4)
+          .find("camera_scale (30 %) and camera_bow (2 %) would explain it, but are probably not there."),
+      std::string::npos)
+      << summary_of(diagnosis, 4);
+}
+
 TEST(Sentences, UnderUnknownOnlyWhatIsLikelyIsListedWithItsOwnShare) {
   Diagnosis diagnosis;
   diagnosis.verdict = Verdict::kUnknown;

@@ -94,6 +94,8 @@ TEST(ArmEffects, AnUnknownVerdictIsADoubt) {
   EXPECT_EQ(doubt(effect), "");
   EXPECT_EQ(doubt("effects_verdict: explained\n" + effect), "");
   EXPECT_NE(doubt("effects_verdict: unknown\n" + effect).find("something else is there"), std::string::npos);
+  EXPECT_NE(doubt("effects_verdict: cannot_tell\n" + effect).find("probably not what is there"),
+            std::string::npos);
 }
 
 TEST(ArmEffects, WhatTheCatalogueDoesNotKnowIsOneLine) {
