@@ -9,15 +9,21 @@ import shlex
 import shutil
 import subprocess
 import sys
+import tarfile
+import threading
 import time
 
 import prove_figures
 import prove_pages
+import prove_record
 import prove_report
 import prove_score
 import prove_slurm
 import prove_sources
-from prove_files import NotDrawn, each, jobs, last_line, lines_of, read_json, run, say, write_json
+from prove_files import NotDrawn, each, jobs, last_line, lines_of, read_json, run, say, write_json, write_text
+
+
+RECORD_EVERY_S = 300.0  # what an interruption costs at most; writing it takes seconds
 
 
 def engine(root):
@@ -62,6 +68,9 @@ class Proof:
         self.reports = os.path.join(self.folder, "reports")
         for path in (self.cases, self.truth, self.reports):
             os.makedirs(path, exist_ok=True)
+        self.recording, self.recorded_at = threading.Lock(), time.monotonic()
+        if options.record and os.path.exists(options.record) and not options.only:
+            prove_record.unpack(options.record, self.folder)
         self.plan = self.planned(present)
 
     def program(self, name):
@@ -91,6 +100,13 @@ class Proof:
         files = ["cost.json"] + (["baselines.json"] if self.options.baselines else [])
         return all(os.path.exists(os.path.join(self.reports, case, name)) for name in files)
 
+    def record(self, least_s=RECORD_EVERY_S):
+        """Writes it where one is asked for and the last is so old. Tasks of Slurm leave it to who waits for them."""
+        with self.recording:
+            if self.options.record and not self.options.only and time.monotonic() - self.recorded_at >= least_s:
+                prove_record.write(self.folder, [case for case in self.plan if self.is_decided(case)], self.options.record)
+                self.recorded_at = time.monotonic()
+
     def each(self, what, todo, action):
         """Here, one on each core, or as tasks of Slurm, which come back here with `only` the case that they are to do."""
         if self.options.only:
@@ -115,6 +131,7 @@ class Proof:
                 with open(path + ".part", "w", encoding="utf-8") as text:  # the reasons of its draws, and last its own
                     text.writelines(" ".join(str(reason).split()) + "\n" for reason in (*why.rejected, why))
                 os.replace(path + ".part", path)
+            self.record()
 
         missing = [case for case in self.plan if not self.is_drawn(case)]
         if missing and os.path.exists(self.seal_path()):
@@ -125,39 +142,34 @@ class Proof:
         return os.path.join(self.folder, "seal.json")
 
     def seal(self):
-        lines = []
-        for folder, _, files in sorted(os.walk(self.truth)):
-            for name in sorted(files):
-                if name == "SHA256SUMS":
-                    continue
-                path = os.path.join(folder, name)
-                with open(path, "rb") as data:
-                    lines.append(f"{hashlib.sha256(data.read()).hexdigest()}  {os.path.relpath(path, self.truth)}\n")
-        sums = "".join(lines)
-        digest = hashlib.sha256(sums.encode()).hexdigest()
+        listed = os.path.join(self.truth, "SHA256SUMS")
+        sums = prove_record.sums(self.truth)
         if os.path.exists(self.seal_path()):
             sealed = read_json(self.seal_path())
-            if sealed["truth_sha256"] != digest:
+            text = prove_record.read(listed) if os.path.exists(listed) else b""
+            known = dict(reversed(line.split("  ", 1)) for line in text.decode().splitlines())
+            # A record has not all of the truth.
+            if hashlib.sha256(text).hexdigest() != sealed["truth_sha256"] or any(known.get(path) != sum for path, sum in sums.items()):
                 sys.exit(f"prove: the truth in {self.truth} is not what was sealed")
             if sealed["engine"] != engine(self.options.root):
                 say(f"The engine has changed since the seal ({sealed['engine']}): what was diagnosed before stays as it is.")
         else:
-            with open(os.path.join(self.truth, "SHA256SUMS"), "w", encoding="utf-8") as text:
-                text.write(sums)
-            sealed = {"truth_sha256": digest, "engine": engine(self.options.root)}
+            text = "".join(f"{digest}  {path}\n" for path, digest in sums.items())
+            write_text(listed, text)
+            sealed = {"truth_sha256": hashlib.sha256(text.encode()).hexdigest(), "engine": engine(self.options.root)}
             write_json(self.seal_path(), sealed)
-        print(f"truth_sha256: {digest} (of {os.path.join(self.truth, 'SHA256SUMS')})", flush=True)
+        print(f"truth_sha256: {sealed['truth_sha256']} (of {listed})", flush=True)
         return sealed
 
     def decide(self):
         def one(case):
             folder, own = os.path.join(self.reports, case), os.path.join(self.cases, case)
-            os.makedirs(folder, exist_ok=True)
-            known = read_json(os.path.join(own, "case.json"))
-            bags = [os.path.join(own, bag) for bag in known["trials"]]
+            known, bags = self.trials(case)
             arm = os.path.join(own, known["arm"]) if known["arm"].endswith(".yaml") else known["arm"]
             more = [*known.get("options", []), *jobs(self.options)]
-            if not os.path.exists(os.path.join(folder, "report.json")):
+            if not os.path.exists(os.path.join(folder, "cost.json")):
+                shutil.rmtree(folder, ignore_errors=True)  # of one that was interrupted
+                os.makedirs(folder)
                 log = os.path.join(folder, "diagnose.log")
                 status, cost = run([self.program("softarm"), "diagnose", "--arm", arm, *bags, "--out", folder, *more], log)
                 if status != 0:
@@ -171,13 +183,30 @@ class Proof:
                 if status != 0:
                     write_json(os.path.join(folder, "baselines.json"), {"failed": last_line(log)})
             if self.options.full:
-                for bag in bags:  # tens of gigabytes; the seed and the engine that drew them make them again
+                for bag in bags:  # tens of gigabytes; their truth makes them again
                     os.remove(bag)
                 if os.path.exists(os.path.join(folder, "report.html")):
                     os.remove(os.path.join(folder, "report.html"))
+            self.record()
 
-        drawn = [case for case in self.plan if os.path.exists(os.path.join(self.cases, case, "case.json"))]
+        drawn = [case for case in self.plan if os.path.exists(os.path.join(self.truth, case, "case.json"))]
         self.each("diagnosing", [case for case in drawn if not self.is_decided(case)], one)
+
+    def trials(self, case):
+        """case.json and the paths of the bags of a case; made again where they are not there, as after a record."""
+        own = os.path.join(self.cases, case)
+
+        def found():
+            path = os.path.join(own, "case.json")
+            known = read_json(path) if os.path.exists(path) else {"trials": []}
+            return known, [os.path.join(own, bag) for bag in known["trials"]]
+
+        known, bags = found()
+        if not bags or not all(os.path.exists(bag) for bag in bags):
+            kind, number = self.plan[case]
+            self.sources[kind].again(kind, number, own, os.path.join(self.truth, case))
+            known, bags = found()
+        return known, bags
 
     def displace(self, folder, bags):
         """By how much what was found moves the bodies; nothing where nothing was."""
@@ -226,11 +255,20 @@ def main():
     parser.add_argument("--no-baselines", dest="baselines", action="store_false")
     parser.add_argument("--engine", choices=("local", "slurm"), default="local")
     parser.add_argument("--slurm-options", default="")
+    parser.add_argument("--record", metavar="FILE")
     parser.add_argument("--only", help=argparse.SUPPRESS)  # STEP:CASE, in a task of Slurm
     options = parser.parse_args()
-    for path in (options.json, options.report):
+    for path in (options.json, options.report, options.record):
         if path and not os.path.isdir(os.path.dirname(os.path.abspath(path))):
             parser.error(f"{path}: no such folder")
+    if options.record and os.path.exists(options.record):
+        try:
+            recorded = prove_record.seed_of(options.record)
+        except (tarfile.TarError, KeyError, ValueError) as failed:
+            parser.error(f"{options.record}: not the record of a proof: {failed}")
+        options.seed = recorded if options.seed is None else options.seed
+        if options.seed != recorded:
+            parser.error(f"{options.record}: the record of another proof, of --seed {recorded}")
     if options.seed is None:
         options.seed = seed_from_outside(options.root)
         say(f"--seed {options.seed}: goes on with this proof after an interruption")
@@ -253,7 +291,9 @@ def main():
         return proof.draw() if options.only.startswith("drawing:") else proof.decide()
     proof.draw()
     sealed = proof.seal()
+    proof.record(0.0)
     proof.decide()
+    proof.record(0.0)
     results = proof.results()
     figures = prove_figures.figures(results)
     figures.update({"campaign": proof.name, "seed": options.seed, "full": options.full, **sealed,

@@ -153,11 +153,12 @@ class Source:
         shutil.copyfile(self.arm(case, name, split), os.path.join(work, "arm.yaml"))
         return {"arm": "arm.yaml", "trials": bags, "options": real_recordings.SETS[name].options}
 
-    def intervene(self, number, attempt, case, truth, rejected):
+    def changed(self, number, attempt, case):
+        """Fills the folder of a case with a set that was tampered with; returns its case.json and what was done."""
         name, split, change = self.design[number]
         draw = random.Random(f"{self.options.seed} intervention {number} {attempt}")
         known = self.untouched(case, name, split)
-        work, plain = case + ".part", self.plain(case, name)
+        work = case + ".part"
         listed = real_recordings.recordings(name, self.data)
         changed, done = real_changes.apply(name, real_recordings.SETS[name], listed, change, draw)
         bags = os.path.join(work, "changed")
@@ -172,8 +173,21 @@ class Source:
         if done["segment"]:
             other = self.other_arm(case, name, split)
             write(arm, real_recordings.segment_of_another(read(arm), read(other), done["segment"]))
-        compared = self.compare(self.arm(case, name, split), plain, work, known)
+        return known, done
+
+    def intervene(self, number, attempt, case, truth, rejected):
+        name, split, _ = self.design[number]
+        known, done = self.changed(number, attempt, case)
+        compared = self.compare(self.arm(case, name, split), self.plain(case, name), case + ".part", known)
         self.keep(case, truth, known, self.truth_of(number, done, compared, rejected), compared["displacement"])
+
+    def again(self, kind, number, case, truth):
+        if kind == "control":
+            known = self.untouched(case, *CONTROLS[number])
+        else:
+            rejected = prove_files.read_json(os.path.join(truth, "case.json"))["rejected"]
+            known, _ = self.changed(number, len(rejected), case)
+        self.keep_trials(case, known)
 
     def compare(self, arm, plain, work, known):
         """What the change leaves beside the arm's constants, and which effects act like it."""
@@ -201,16 +215,19 @@ class Source:
                 "unexplained_m": compared["unexplained_m"], "ideal": compared["ideal"][:10], "rejected": rejected,
                 "control": CONTROLS.index((name, split))}
 
+    def keep_trials(self, case, known):
+        prove_files.write_json(os.path.join(case + ".part", "case.json"), known)
+        shutil.rmtree(case, ignore_errors=True)
+        os.rename(case + ".part", case)
+
     def keep(self, case, truth, known, hidden, displacement=None):
         """Both folders, or neither. displacement: of what was done."""
-        work, sealed = case + ".part", truth + ".part"
+        sealed = truth + ".part"
         shutil.rmtree(sealed, ignore_errors=True)
         os.makedirs(sealed)
         prove_files.write_json(os.path.join(sealed, "case.json"),
                                {"distractors": [], "ideal": [], "constants": {}, **hidden})
         if displacement is not None:
             prove_files.write_json(os.path.join(sealed, "displacement.json"), [displacement])
-        prove_files.write_json(os.path.join(work, "case.json"), known)
-        shutil.rmtree(case, ignore_errors=True)
-        os.rename(work, case)
+        self.keep_trials(case, known)
         os.rename(sealed, truth)

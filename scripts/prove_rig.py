@@ -43,12 +43,22 @@ class Source:
         return [(kind["kind"], number) for kind in self.listed if kind["kind"] in kinds
                 for number in range(kind[size] if self.options.cases is None else self.options.cases)]
 
-    def draw(self, kind, number, case, truth):
+    def run(self, kind, number, case, truth, *more):
+        """Runs `prove draw`; returns its status and what it said."""
         log = truth + ".log"
         command = [self.program(), "draw", "--campaign", self.name, "--kind", kind, "--number", number, "--seed",
-                   self.options.seed, "--case", case, "--truth", truth] + prove_files.jobs(self.options)
+                   self.options.seed, "--case", case, "--truth", truth, *prove_files.jobs(self.options), *more]
         status, _ = prove_files.run(command, log)
-        said, why = prove_files.lines_of(log), prove_files.last_line(log)
+        said = prove_files.lines_of(log)
         os.remove(log)
+        return status, said or ["no message"]
+
+    def draw(self, kind, number, case, truth):
+        status, said = self.run(kind, number, case, truth)
         if status != 0:
-            raise prove_files.NotDrawn(why, rejected_of(said))
+            raise prove_files.NotDrawn(said[-1], rejected_of(said))
+
+    def again(self, kind, number, case, truth):
+        status, said = self.run(kind, number, case, truth, "--again")
+        if status != 0:
+            sys.exit(said[-1])

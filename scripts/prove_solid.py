@@ -26,7 +26,7 @@ CASES = {"solid_none": ["nothing"], "solid_compensated": ["small_chamber"],
 # Not in the arm file and there all the same, by the drawing: solid caps of 8 mm, of which the tip's has a plate of 4 mm.
 OF_NATURE = [{"effect": "rigid_ends", "form": "solid", "catalogued": True, "values": {}, "parameters": {},
               "signal": {"leftover_m": 0.0, "leftover_snr": 0.0}}]
-DRAWS = {"sample": 1, "full": 8}  # of the noise: the states are what they are
+DRAWS = {"sample": 1, "full": 5}  # of the noise: the states are what they are
 
 
 class Source:
@@ -50,24 +50,35 @@ class Source:
         draws = DRAWS["full" if self.options.full else "sample"] if self.options.cases is None else self.options.cases
         return [(kind, number) for kind in CASES if kind in kinds for number in range(draws * len(CASES[kind]))]
 
-    def draw(self, kind, number, case, truth):
+    def trials(self, kind, number, folder):
+        """What a laboratory would have; returns what is hidden, the plan of the states, the noise's seed and the bags."""
         import solid_arm
         import solid_trials
         name = CASES[kind][number % len(CASES[kind])]
-        work, sealed = case + ".part", truth + ".part"
-        for folder in (work, sealed):
-            shutil.rmtree(folder, ignore_errors=True)
-            os.makedirs(folder)
+        shutil.rmtree(folder, ignore_errors=True)
+        os.makedirs(folder)
         plan = solid_arm.read_plan(os.path.join(self.data, "cases.json"))
-        program = os.path.join(self.options.programs, "softarm")
         seed = [self.options.seed, number // len(CASES[kind])]  # the same noise for the arm with nothing hidden, see signal()
         try:
-            bags = solid_trials.write_trials(plan, self.data, name, work, seed, program)
+            bags = solid_trials.write_trials(plan, self.data, name, folder, seed, os.path.join(self.options.programs, "softarm"))
         except (OSError, subprocess.CalledProcessError) as failed:
             raise prove_files.NotDrawn(f"solid: {failed}") from failed
-        os.remove(os.path.join(work, "layout.yaml"))
-        shutil.copy(os.path.join(self.data, "solid_arm_identified.yaml"), os.path.join(work, "arm.yaml"))
-        known = {"arm": "arm.yaml", "trials": [os.path.basename(bag) for bag in bags], "options": []}
+        os.remove(os.path.join(folder, "layout.yaml"))
+        shutil.copy(os.path.join(self.data, "solid_arm_identified.yaml"), os.path.join(folder, "arm.yaml"))
+        prove_files.write_json(os.path.join(folder, "case.json"),
+                               {"arm": "arm.yaml", "trials": [os.path.basename(bag) for bag in bags], "options": []})
+        return name, plan, seed, bags
+
+    def again(self, kind, number, case, truth):
+        self.trials(kind, number, case + ".part")
+        shutil.rmtree(case, ignore_errors=True)
+        os.rename(case + ".part", case)
+
+    def draw(self, kind, number, case, truth):
+        work, sealed = case + ".part", truth + ".part"
+        name, plan, seed, bags = self.trials(kind, number, work)
+        shutil.rmtree(sealed, ignore_errors=True)
+        os.makedirs(sealed)
         effects, ideal = [], []
         if name in HIDDEN:
             compared = self.signal(plan, seed, name, bags, os.path.join(work, "arm.yaml"), sealed)
@@ -75,7 +86,6 @@ class Source:
                         "signal": {key: compared[key] for key in ("raw_snr", "leftover_snr", "raw_m", "leftover_m")}}]
             ideal = compared["ideal"][:10]
             prove_files.write_json(os.path.join(sealed, "displacement.json"), [compared["displacement"]])
-        prove_files.write_json(os.path.join(work, "case.json"), known)
         prove_files.write_json(os.path.join(sealed, "case.json"),
                                {"kind": kind, "solid": name, "effects": effects, "distractors": OF_NATURE, "ideal": ideal,
                                 "class": HIDDEN.get(name, {}).get("class", []), "constants": {}, "rejected": []})

@@ -10,6 +10,8 @@ A source is a class with
     draw(kind, number, case, truth)
                                makes one case, all of it from options.seed, kind and number; raises prove_files.NotDrawn with
                                one line where it cannot be made, and why each of its draws did not do. It leaves both folders, or neither (write beside, rename)
+    again(kind, number, case, truth)
+                               makes the folder `case` of a case that was drawn elsewhere again, by its truth
 
 `case` is what a laboratory would have: bags, arm file, and case.json {"arm": file or name of one in config/arms, "trials":
 [bags], "options": [more words for `softarm diagnose` and `prove decide`, such as --tie]}; paths are relative to the folder.

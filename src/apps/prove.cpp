@@ -127,7 +127,9 @@ int main(int argc, char** argv) {
   draws->add_option("--case", draw.folder, "folder for what a laboratory would have")->required();
   draws->add_option("--truth", draw.truth, "folder for what is hidden")->required();
   draws->add_option("--jobs", draw.jobs, "threads; default: one per core");
-  draws->callback([&] { prove::draw(draw); });
+  bool again = false;
+  draws->add_flag("--again", again, "only the trials of a case that was drawn before, by its truth");
+  draws->callback([&] { again ? prove::draw_again(draw) : prove::draw(draw); });
 
   std::string campaign;
   CLI::App* kinds = program.add_subcommand("kinds", "The kinds of a campaign, as JSON.");

@@ -14,6 +14,7 @@ ROOT = os.path.abspath(sys.argv[1] if len(sys.argv) > 1 else ".")
 sys.path.insert(0, os.path.join(ROOT, "scripts"))
 import prove_cases  # noqa: E402
 import prove_files  # noqa: E402
+import prove_record  # noqa: E402
 import prove_rig  # noqa: E402
 
 PROVE = """#!/usr/bin/python3
@@ -24,10 +25,16 @@ if sys.argv[1] == "kinds":
 elif words["--kind"] == "single_strong":
     sys.exit("prove: some, kind single_strong, case 0: 12 draws do not do, the last: it flies away")
 else:
+    again = "--again" in sys.argv
     for folder, text in ((words["--case"], {"arm": "some_arm", "trials": ["a.bag"], "options": ["--tie", "x"]}),
                          (words["--truth"], {"kind": "none", "effects": [], "distractors": [], "ideal": [], "constants": {}})):
+        if again and folder == words["--truth"]:
+            assert os.path.exists(folder + "/case.json")
+            continue
         os.makedirs(folder)
         open(folder + "/case.json", "w").write(json.dumps(text))
+        if folder == words["--case"]:
+            open(folder + "/a.bag", "w").write("drawn again" if again else "drawn")
 """
 SOFTARM = """#!/usr/bin/python3
 import json, sys
@@ -97,6 +104,66 @@ class Course(unittest.TestCase):
         changed = self.prove("--campaign", "some")
         self.assertNotEqual(changed.returncode, 0)
         self.assertIn("is not what was sealed", changed.stderr)
+
+    def test_a_record_goes_on_elsewhere(self):
+        record, figures = self.path("record.tar.xz"), self.path("figures.json")
+        whole = self.prove("--campaign", "some", "--record", record, "--json", figures)
+        self.assertEqual(whole.returncode, 0, whole.stderr)
+        decided = sorted(os.listdir(self.path("out/reports")))
+        prove_record.write(self.path("out"), decided[:1], record)  # as if it had been interrupted before the second
+        with open(figures, encoding="utf-8") as text:
+            first = json.load(text)
+        with open(self.path("out/seal.json"), encoding="utf-8") as text:
+            seal = json.load(text)["truth_sha256"]
+        os.rename(self.path("out"), self.path("lost"))
+        rest = subprocess.run([sys.executable, os.path.join(ROOT, "scripts/prove_cases.py"), "--root", ROOT, "--work", self.folder,
+                               "--programs", self.folder, "--out", self.path("out"), "--no-baselines", "--campaign", "some",
+                               "--record", record, "--json", figures],
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8", check=False)  # the seed is in the record
+        self.assertEqual(rest.returncode, 0, rest.stderr)
+        self.assertNotIn("drawing", rest.stderr)
+        self.assertIn(f"diagnosing {decided[1]} (1 of 1", rest.stderr)
+        self.assertIn(seal, rest.stdout)
+        with open(self.path("out/cases", decided[1], "a.bag"), encoding="utf-8") as text:
+            self.assertEqual(text.read(), "drawn again")
+        self.assertFalse(os.path.exists(self.path("out/cases", decided[0])))
+        with open(figures, encoding="utf-8") as text:
+            again = json.load(text)
+        timed = ("seconds_median", "seconds_most", "memory_bytes_most")
+        self.assertEqual({key: value for key, value in again.items() if key not in timed},
+                         {key: value for key, value in first.items() if key not in timed})
+        # It holds to its seal.
+        with open(self.path("out/truth", decided[0], "case.json"), "a", encoding="utf-8") as text:
+            text.write(" ")
+        self.assertIn("is not what was sealed", self.prove("--campaign", "some").stderr)
+
+    def test_a_record_is_one_or_is_refused(self):
+        with open(self.path("record.tar.xz"), "w", encoding="utf-8") as text:
+            text.write("nothing")
+        for words in ((), ("--seed", "7")):
+            refused = subprocess.run([sys.executable, os.path.join(ROOT, "scripts/prove_cases.py"), "--root", ROOT, "--work", self.folder,
+                                      "--programs", self.folder, "--campaign", "some", "--record", self.path("record.tar.xz"), *words],
+                                     stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8", check=False)
+            self.assertNotEqual(refused.returncode, 0)
+            self.assertIn("not the record of a proof", refused.stderr.splitlines()[-1])
+            self.assertFalse(os.path.exists(self.path("out")))
+
+    def test_a_diagnosis_that_was_interrupted_is_made_again(self):
+        self.assertEqual(self.prove("--campaign", "some").returncode, 0)
+        case = sorted(os.listdir(self.path("out/reports")))[0]
+        os.remove(self.path("out/reports", case, "cost.json"))
+        os.remove(self.path("out/reports", case, "words"))
+        self.assertIn(f"diagnosing {case} (1 of 1", self.prove("--campaign", "some").stderr)
+        self.assertTrue(os.path.exists(self.path("out/reports", case, "words")))
+
+    def test_a_report_is_kept_as_far_as_it_is_scored(self):
+        named = {"name": "creep", "probability": 0.9, "words": "long", "parameters": {"share": {"value": 1, "low": 0, "high": 2}}}
+        error = {"held_out_rms_m": 1e-3, "trials": [1]}
+        kept = prove_record.of_report({"verdict": "explained", "noise_floor_m": 1e-4, "effects": [named], "baseline": error, "page": "x",
+                                       "extended": error, "ranking": [{"name": "creep", "finding": "named", "curve": [1]}]})
+        del named["words"]
+        self.assertEqual(kept, {"verdict": "explained", "noise_floor_m": 1e-4, "effects": [named], "baseline": {"held_out_rms_m": 1e-3},
+                                "extended": {"held_out_rms_m": 1e-3}, "ranking": [{"name": "creep", "finding": "named"}]})
 
     def test_words_that_mean_nothing_are_refused(self):
         for words, named in ((("--worlds", "tidy,flat"), "flat"), (("--campaign", "some", "--kinds", "odd"), "odd"),

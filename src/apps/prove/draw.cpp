@@ -124,6 +124,29 @@ class Case {
 
   void keep() {
     const fs::path trials = work_ / "trials", sealed = work_ / "sealed";
+    keep_trials(sealed);
+    write(sealed / "case.json", truth_.dump(1) + '\n');
+    write(sealed / "displacement.json", displacements_.dump() + '\n');
+    fs::create_directories(fs::absolute(options_.truth).parent_path());
+    fs::remove_all(options_.truth);
+    fs::rename(sealed, options_.truth);
+    fs::rename(trials, options_.folder);
+  }
+
+  /// Only the trials, of what is hidden as it was sealed: nothing is measured.
+  void make_again(const Json& sealed) {
+    drawn_.effects = choices_of(sealed.at("effects"));
+    drawn_.distractors = choices_of(sealed.at("distractors"));
+    simulated(drawn_.effects, "trials");
+    keep_trials(work_ / "sealed");
+    fs::remove_all(options_.folder);
+    fs::rename(work_ / "trials", options_.folder);
+  }
+
+ private:
+  /// The trials' folder gets what a laboratory knows of it; what is hidden in each goes to another.
+  void keep_trials(const fs::path& sealed) {
+    const fs::path trials = work_ / "trials";
     fs::create_directories(sealed);
     Json known{{"arm", spec_.arms[drawn_.arm].arm}, {"trials", Json::array()}};
     for (std::size_t i = 0; i < drawn_.plain.size(); ++i) {
@@ -131,17 +154,10 @@ class Case {
       known["trials"].push_back(name + ".bag");
       fs::rename(trials / (name + ".truth.yaml"), sealed / (name + ".truth.yaml"));
     }
-    write(sealed / "case.json", truth_.dump(1) + '\n');
-    write(sealed / "displacement.json", displacements_.dump() + '\n');
     write(trials / "case.json", known.dump(1) + '\n');
-    for (const fs::path& folder : {options_.folder, options_.truth})
-      fs::create_directories(fs::absolute(folder).parent_path());
-    fs::remove_all(options_.truth);
-    fs::rename(sealed, options_.truth);
-    fs::rename(trials, options_.folder);
+    fs::create_directories(fs::absolute(options_.folder).parent_path());
   }
 
- private:
   /// The rig's arm over what the arm file says of it: as far as it goes, no recording distinguishes that from
   /// payloads that are told wrong.
   double mass_ratio() const {
@@ -198,8 +214,16 @@ class Case {
     return json;
   }
 
-  /// Simulates all trials with these effects and the distractors as they are, and reads what was recorded.
-  std::vector<trial::Trial> recorded(const std::vector<HiddenChoice>& effects, const std::string& folder) {
+  static std::vector<HiddenChoice> choices_of(const Json& sealed) {
+    std::vector<HiddenChoice> choices;
+    for (const Json& one : sealed)
+      choices.push_back({one.at("effect"), one.value("form", std::string()),
+                         one.at("values").get<std::map<std::string, double>>()});
+    return choices;
+  }
+
+  /// Simulates all trials with these effects and the distractors as they are; @return paths of their bags
+  std::vector<std::string> simulated(const std::vector<HiddenChoice>& effects, const std::string& folder) {
     const fs::path path = work_ / folder;
     fs::remove_all(path);
     fs::create_directories(path);
@@ -220,8 +244,14 @@ class Case {
       app::record_bag(scenario, bags[i], [](const rig::Sample&) {});
       if (folder == "trials") write(path / (name_of(i) + ".truth.yaml"), rig::truth_yaml(scenario));
     });
+    return bags;
+  }
+
+  /// The same, and reads what was recorded.
+  std::vector<trial::Trial> recorded(const std::vector<HiddenChoice>& effects, const std::string& folder) {
+    const std::vector<std::string> bags = simulated(effects, folder);
     std::vector<trial::Trial> trials = app::read_trials(bags, arm_, true, options_.jobs);
-    if (folder != "trials") fs::remove_all(path);
+    if (folder != "trials") fs::remove_all(work_ / folder);
     return trials;
   }
 
@@ -374,6 +404,17 @@ void draw(const DrawOptions& options) {
   for (const std::string& reason : rejected) fmt::print(stderr, "{}\n", reason);  // kept by scripts/prove
   throw Failure(fmt::format("{}, kind {}, case {}: {} draws do not do, the last: {}", options.campaign,
                             options.kind, options.number, kAttempts, rejected.back()));
+}
+
+void draw_again(const DrawOptions& options) {
+  const fs::path path = options.truth / "case.json";
+  const rig::CampaignSpec spec = campaign_of(options.campaign, options.kind);
+  try {
+    const Json sealed = Json::parse(app::read_text(path));
+    Case(spec, options, static_cast<int>(sealed.at("rejected").size())).make_again(sealed);
+  } catch (const Json::exception& error) {
+    throw Failure(fmt::format("{}: not the truth of a case: {}", path.string(), error.what()));
+  }
 }
 
 }  // namespace softarm::prove

@@ -1,0 +1,92 @@
+"""The record of a proof: one small file with what was drawn, sealed and decided so far, from which it goes on elsewhere. Recordings
+are not in it: those of cases that are still to decide are made again by their truth (prove_sources.py: again)."""
+import hashlib
+import io
+import json
+import os
+import tarfile
+
+from prove_files import read_json
+
+TRUTH = ("case.json", "displacement.json")  # of a case: its trials' own follow from the first
+DECIDED = ("cost.json", "baselines.json", "displacement.json")
+# What figures and pages read of a report, of its ranking, and of each effect that it names.
+OF_REPORT = ("verdict", "noise_floor_m", "exchanged_names", "shifts")
+OF_RANKING = ("name", "probability", "finding")
+NAMED = ("effects", "small_departures", "stand_ins")
+OF_NAMED = ("name", "probability", "confusable_with", "parameters", "where")
+
+
+def some(keys, of):
+    return {key: of[key] for key in keys if key in of}
+
+
+def of_report(report):
+    """A report with nothing but what the proof is scored by."""
+    kept = some(OF_REPORT, report)
+    for model in ("baseline", "extended"):
+        kept[model] = some(["held_out_rms_m"], report[model])
+    kept["ranking"] = [some(OF_RANKING, one) for one in report["ranking"]]
+    for key in NAMED:
+        if key in report:
+            kept[key] = [some(OF_NAMED, one) for one in report[key]]
+    return kept
+
+
+def read(path):
+    with open(path, "rb") as data:
+        return data.read()
+
+
+def sums(folder):
+    """SHA-256 of all files in a folder but SHA256SUMS, by their paths in it."""
+    found = {}
+    for parent, _, files in os.walk(folder):
+        for name in files:
+            path = os.path.join(parent, name)
+            found[os.path.relpath(path, folder)] = hashlib.sha256(read(path)).hexdigest()
+    return {path: found[path] for path in sorted(found) if path != "SHA256SUMS"}
+
+
+def contents(folder, decided):
+    """(path in the folder, bytes) of what is kept; decided: names of the cases that are."""
+    paths = ["seal.json"]
+    for name in sorted(os.listdir(os.path.join(folder, "truth"))):
+        if name.endswith((".part", ".log")):  # of a case that is being drawn
+            continue
+        own = os.path.join("truth", name)
+        paths += [own] if os.path.isfile(os.path.join(folder, own)) else [os.path.join(own, file) for file in TRUTH]
+    paths += [os.path.join("reports", case, file) for case in decided for file in DECIDED]
+    kept = [(path, read(os.path.join(folder, path))) for path in paths if os.path.exists(os.path.join(folder, path))]
+    for case in decided:
+        path = os.path.join("reports", case, "report.json")
+        if os.path.exists(os.path.join(folder, path)):
+            kept.append((path, json.dumps(of_report(read_json(os.path.join(folder, path)))).encode()))
+    return kept
+
+
+def write(folder, decided, path):
+    """The same folder gives the same bytes."""
+    with tarfile.open(path + ".part", "w:xz") as archive:
+        for name, data in contents(folder, decided):
+            entry = tarfile.TarInfo(name)
+            entry.size = len(data)
+            archive.addfile(entry, io.BytesIO(data))
+    os.replace(path + ".part", path)
+
+
+def seed_of(path):
+    with tarfile.open(path, "r:xz") as archive:
+        return json.load(archive.extractfile("truth/plan.json"))["seed"]
+
+
+def unpack(path, folder):
+    """What the folder has already stays."""
+    with tarfile.open(path, "r:xz") as archive:
+        for entry in archive:
+            target = os.path.join(folder, os.path.normpath(entry.name))
+            if not entry.isfile() or entry.name.startswith(("/", "..")) or os.path.exists(target):
+                continue
+            os.makedirs(os.path.dirname(target), exist_ok=True)
+            with open(target, "wb") as file:
+                file.write(archive.extractfile(entry).read())
