@@ -256,6 +256,7 @@ def main():
     parser.add_argument("--engine", choices=("local", "slurm"), default="local")
     parser.add_argument("--slurm-options", default="")
     parser.add_argument("--record", metavar="FILE")
+    parser.add_argument("--so-far", action="store_true")
     parser.add_argument("--only", help=argparse.SUPPRESS)  # STEP:CASE, in a task of Slurm
     options = parser.parse_args()
     for path in (options.json, options.report, options.record):
@@ -289,24 +290,37 @@ def main():
     say(f"{len(proof.plan)} cases of {proof.name}, seed {options.seed}, in {proof.folder}")
     if options.only:
         return proof.draw() if options.only.startswith("drawing:") else proof.decide()
-    proof.draw()
+    if not options.so_far:
+        proof.draw()
+    elif not os.path.exists(proof.seal_path()):
+        sys.exit("prove: --so-far: not all cases are drawn and sealed yet; none is decided")
     sealed = proof.seal()
     proof.record(0.0)
-    proof.decide()
-    proof.record(0.0)
+    if not options.so_far:
+        proof.decide()
+        proof.record(0.0)
+    tell(options, proof, sealed)
+    say(f"{(time.monotonic() - started) / 60:.1f} min")
+
+
+def tell(options, proof, sealed):
+    """Figures, pages and the exit status."""
     results = proof.results()
+    if options.so_far:
+        results = [result for result in results if proof.is_decided(result["case"]) or not result["truth"]]
     figures = prove_figures.figures(results)
-    figures.update({"campaign": proof.name, "seed": options.seed, "full": options.full, **sealed,
+    figures.update({"campaign": proof.name, "seed": options.seed, "full": options.full and not options.so_far, **sealed,
                     "engine": engines_of(results, sealed["engine"])})
+    if options.so_far:
+        figures["so_far"] = len(proof.plan)
     print(prove_report.table(figures))
-    whole = not options.campaign and not options.worlds and not options.kinds
+    whole = not options.campaign and not options.worlds and not options.kinds and not options.so_far
     story = options.report or os.path.join(*([options.root, "doc"] if whole else [proof.folder]), "proof.md")
     if options.json:
         write_json(options.json, figures)
     prove_pages.write(results, figures, story)
-    say(f"{(time.monotonic() - started) / 60:.1f} min")
     if not prove_report.passes(figures):
-        sys.exit("prove: " + ("a target is not met" if options.full else "a target is contradicted") + " (table above)")
+        sys.exit("prove: " + ("a target is not met" if figures["full"] else "a target is contradicted") + " (table above)")
 
 
 if __name__ == "__main__":

@@ -181,6 +181,13 @@ def worlds(pairs):
     return table
 
 
+def extent(figures):
+    """What part of the campaigns figures are of, in words."""
+    if figures.get("so_far"):
+        return f"{figures['draws']} of the {figures['so_far']} cases of the whole, decided so far, in an order that says nothing of them,"
+    return "the whole" if figures["full"] else "a sample"
+
+
 def figures(results):
     """All rates and figures; a case without a report counts as one that says nothing."""
     drawn = [result for result in results if result["truth"]]

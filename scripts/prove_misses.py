@@ -3,7 +3,7 @@ import math
 
 import prove_real_score
 import prove_score
-from prove_figures import WORLDS
+from prove_figures import WORLDS, extent
 from prove_files import markdown
 
 ACTS_LIKE = 0.5  # share of what is hidden, from which on an effect that explains it is said to act like it
@@ -195,10 +195,9 @@ def story(results, figures, names):
     """doc/proof_misses.md. names: of files, see prove_pages.py."""
     drawn = [result for result in results if result["truth"]]
     by_world = missed(results)
-    size = "the whole" if figures["full"] else "a sample"
     text = f"""# What the proof missed, and why
 
-Written by `scripts/prove` about {size} of [the proof]({names['story']}), seed {figures['seed']}, engine `{figures['engine']}`: each case
+Written by `scripts/prove` about {extent(figures)} of [the proof]({names['story']}), seed {figures['seed']}, engine `{figures['engine']}`: each case
 that counts against the diagnosis, {sum(len(some) for some in by_world.values())} of {len(drawn)}. Reasons are worked out from what was hidden, what was said and what an ideal
 detector would see. *Explains*: so much of what is hidden, beside the arm's constants, an effect of the catalogue explains at its best,
 to first order. A case that is not clear counts only where something is told that is not there, or the diagnosis failed.

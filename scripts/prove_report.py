@@ -302,12 +302,11 @@ Of [the proof]({names['story']}), seed {figures['seed']}, which says what these 
 
 def story(results, figures, names):
     """doc/proof.md. names: of files, see prove_pages.py."""
-    size = "the whole" if figures["full"] else "a sample"
     kinds = [["kind", "trials", "what is hidden"]]
     kinds += [[k, figures[k]["trials"], KIND_DESCRIPTION[k]] for k in prove_score.KINDS if figures[k]["trials"]]
     return f"""# The proof of `softarm diagnose`
 
-Written by `scripts/prove`: {size} of the campaign `{figures['campaign']}`, seed {figures['seed']}. Engine: commit
+Written by `scripts/prove`: {prove_figures.extent(figures)} of the campaign `{figures['campaign']}`, seed {figures['seed']}. Engine: commit
 `{figures['engine']}`. SHA-256 of what was hidden, taken before the first diagnosis: `{figures['truth_sha256']}`.
 {figures['rejected_draws']} draws were rejected on the way, {figures['not_drawn']} cases could not be drawn, {figures['failed']} diagnoses failed (they count as having said nothing).
 {cost(figures)}

@@ -116,6 +116,14 @@ class Course(unittest.TestCase):
         with open(self.path("out/seal.json"), encoding="utf-8") as text:
             seal = json.load(text)["truth_sha256"]
         os.rename(self.path("out"), self.path("lost"))
+        part = self.prove("--campaign", "some", "--record", record, "--so-far", "--json", self.path("part.json"))
+        self.assertEqual(part.returncode, 0, part.stderr)
+        self.assertNotIn("diagnosing", part.stderr)
+        with open(self.path("part.json"), encoding="utf-8") as text:
+            so_far = json.load(text)
+        self.assertEqual((so_far["none"]["trials"], so_far["draws"], so_far["so_far"], so_far["full"]), (1, 2, 3, False))
+        with open(self.path("out/proof.md"), encoding="utf-8") as text:
+            self.assertIn("2 of the 3 cases of the whole, decided so far", text.read())
         rest = subprocess.run([sys.executable, os.path.join(ROOT, "scripts/prove_cases.py"), "--root", ROOT, "--work", self.folder,
                                "--programs", self.folder, "--out", self.path("out"), "--no-baselines", "--campaign", "some",
                                "--record", record, "--json", figures],
@@ -164,6 +172,11 @@ class Course(unittest.TestCase):
         del named["words"]
         self.assertEqual(kept, {"verdict": "explained", "noise_floor_m": 1e-4, "effects": [named], "baseline": {"held_out_rms_m": 1e-3},
                                 "extended": {"held_out_rms_m": 1e-3}, "ranking": [{"name": "creep", "finding": "named"}]})
+
+    def test_so_far_there_is_nothing_before_the_seal(self):
+        nothing = self.prove("--campaign", "some", "--so-far")
+        self.assertEqual(nothing.returncode, 1)
+        self.assertIn("not all cases are drawn and sealed yet", nothing.stderr)
 
     def test_words_that_mean_nothing_are_refused(self):
         for words, named in ((("--worlds", "tidy,flat"), "flat"), (("--campaign", "some", "--kinds", "odd"), "odd"),
