@@ -107,6 +107,16 @@ void add_held_and_tied(CLI::App& command, std::vector<std::string>& held, std::v
   list("--tie", tied);
 }
 
+/// A command on the trials of one case.
+CLI::App* add_of_trials(CLI::App& program, DecideOptions& options, const char* name, const char* words) {
+  CLI::App* command = program.add_subcommand(name, words);
+  command->add_option("--arm", options.arm, "arm file, or the name of one in config/arms")->required();
+  command->add_option("--out", options.out, "JSON to write")->required();
+  command->add_option("BAG", options.bags, "trial bags")->required();
+  command->add_option("--jobs", options.jobs, "threads; default: one per core");
+  return command;
+}
+
 }  // namespace
 }  // namespace softarm::prove
 
@@ -137,23 +147,15 @@ int main(int argc, char** argv) {
   kinds->callback([&] { fmt::print("{}\n", prove::kinds_json(campaign)); });
 
   prove::DecideOptions decide;
-  CLI::App* decides = program.add_subcommand("decide", "What the baselines make of the trials of one case.");
-  decides->add_option("--arm", decide.arm, "arm file, or the name of one in config/arms")->required();
-  decides->add_option("--out", decide.out, "JSON to write")->required();
-  decides->add_option("BAG", decide.bags, "trial bags")->required();
-  decides->add_option("--jobs", decide.jobs, "threads; default: one per core");
+  CLI::App* decides = prove::add_of_trials(program, decide, "decide", "What the baselines make of one case.");
   prove::add_held_and_tied(*decides, decide.held, decide.tied);
   decides->callback([&] { prove::write_decisions(decide); });
 
   prove::DecideOptions displace;
-  CLI::App* displaces =
-      program.add_subcommand("displacement", "By how much each effect of an arm file moves the bodies.");
-  displaces->add_option("--arm", displace.arm, "arm file with effects, as softarm diagnose writes it")
-      ->required();
-  displaces->add_option("--out", displace.out, "JSON to write")->required();
-  displaces->add_option("BAG", displace.bags, "trial bags")->required();
-  displaces->add_option("--jobs", displace.jobs, "threads; default: one per core");
-  displaces->callback([&] { prove::write_displacements(displace); });
+  prove::add_of_trials(
+      program, displace, "displacement",
+      "By how much each effect of an arm file, as softarm diagnose writes it, moves the bodies.")
+      ->callback([&] { prove::write_displacements(displace); });
 
   prove::CompareOptions compare;
   CLI::App* compares = program.add_subcommand(
