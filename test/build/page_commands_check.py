@@ -5,6 +5,7 @@ Those that take long, or a ROS graph, are run with SOFTARM_LONG_TESTS=1 (scripts
 roslaunch lists the nodes. What is never run stands in NOT_RUN, with the reason.
 """
 import glob
+import importlib.util
 import math
 import os
 import re
@@ -30,6 +31,8 @@ NOT_RUN = [
     (r"scripts/real_interventions\.py", "twenty minutes; scripts/prove --worlds real replaces it"),
     (r"scripts/solid_arm --(cases|checks)", "some ten minutes of a finite-element solver a case"),
 ]
+if importlib.util.find_spec("matplotlib") is None:
+    NOT_RUN.append((r"scripts/plot_\w+\.py", "python3-matplotlib, which it wants, is not installed"))
 LONG = [
     r"scripts/demo\b", r"scripts/accuracy\b", r"ninja ", r"build/test/estimate_test", r"catkin_make", r"git clone", r"mkdir -p ws", r"source devel/",
     r"scripts/softarm validate", r"scripts/plot_real_\w+\.py", r"scripts/solid_arm ", r"scripts/softarm campaign development --cases 20",
