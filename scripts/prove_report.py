@@ -343,7 +343,7 @@ verdict, where the best effect of the catalogue leaves 8 standard deviations or 
 effect named with a probability above 0.9 that is not there, nor any that it is said to be confusable with. A named distractor
 is there; so, of something outside the catalogue, is an effect that acts like it: one whose signature explains half or more of
 what it leaves beside the arm's constants, and nearly as much as the best (sealed with the draw; the rule of the real
-recordings, too). Displacement: by how much an effect moves the bodies, once a second, in all trials; hidden: with it less without it,
+recordings, too). Displacement: by how much an effect moves the bodies, every three seconds, in all trials; hidden: with it less without it,
 beside one set of the arm's constants; found: the model of `arm_extended.yaml` with it less without it; the share is
 1 - |found - hidden|^2 / |hidden|^2. An ideal detector: the effects of the catalogue against the noise-free difference, with the share of it that each
 explains; where the hidden one is not first there, its form differs from the catalogue's or no detector could do it.

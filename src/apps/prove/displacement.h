@@ -16,7 +16,7 @@ namespace softarm::prove {
 
 struct Displacement {
   std::string effect;
-  Residuals by;  ///< at whole seconds, m
+  Residuals by;  ///< see at_whole_seconds(), m
   /// Of its size; absent where it has several, which only their covariance would tell, or none is known.
   std::optional<double> relative_sd;
 };

@@ -42,11 +42,11 @@ Residuals differences(const Residuals& with, const Residuals& without) {
 }
 
 Residuals at_whole_seconds(const Residuals& residuals) {
-  const auto second = std::llround(1.0 / kTick_s);  // in ticks
+  const auto every = std::llround(kDisplacementEvery_s / kTick_s);  // in ticks
   Residuals seconds(residuals.size());
   for (std::size_t t = 0; t < residuals.size(); ++t) {
     for (const auto& [key, ignored] : residuals[t])
-      if (key.second >= 0) seconds[t][{(key.first + second - 1) / second * second, key.second}].setZero();
+      if (key.second >= 0) seconds[t][{(key.first + every - 1) / every * every, key.second}].setZero();
   }
   return at_times_of(seconds, residuals);
 }

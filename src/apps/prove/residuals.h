@@ -28,7 +28,9 @@ Residuals at_times_of(const Residuals& others, const Residuals& residuals);
 /// One less the other where both have any.
 Residuals differences(const Residuals& with, const Residuals& without);
 
-/// Those of bodies at whole seconds, between neighbours: as few as tell what an effect does in a trial.
+constexpr int kDisplacementEvery_s = 3;  ///< as often as tells what an effect does in a trial
+
+/// Those of bodies every kDisplacementEvery_s, at whole seconds, between neighbours.
 Residuals at_whole_seconds(const Residuals& residuals);
 
 }  // namespace softarm::prove

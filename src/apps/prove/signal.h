@@ -31,7 +31,7 @@ struct Signal {
       0.0;                  ///< excess of chi^2 of such fits in its standard deviations: snr^2 / sqrt(2 dof)
   double raw_m = 0.0;       ///< rms distance of a body
   double leftover_m = 0.0;  ///< the same of what is left
-  Residuals moved;          ///< with one set of constants: bodies at whole seconds, m
+  Residuals moved;          ///< with one set of constants: see at_whole_seconds(), m
 };
 
 /// One effect of the catalogue against a noise-free signal.
