@@ -9,7 +9,6 @@ import shlex
 import shutil
 import subprocess
 import sys
-import tarfile
 import threading
 import time
 
@@ -21,7 +20,6 @@ import prove_score
 import prove_slurm
 import prove_sources
 from prove_files import NotDrawn, each, jobs, last_line, lines_of, read_json, run, say, write_json, write_text
-
 
 RECORD_EVERY_S = 300.0  # what an interruption costs at most; writing it takes seconds
 
@@ -69,9 +67,8 @@ class Proof:
         for path in (self.cases, self.truth, self.reports):
             os.makedirs(path, exist_ok=True)
         self.recording, self.recorded_at = threading.Lock(), time.monotonic()
-        if options.record and os.path.exists(options.record) and not options.only:
-            prove_record.unpack(options.record, self.folder)
         self.plan = self.planned(present)
+        prove_record.unpack(options.recorded, self.folder)
 
     def program(self, name):
         return os.path.join(self.options.programs, name)
@@ -87,6 +84,8 @@ class Proof:
         named = {f"case_{i + 1:03}": case for i, case in enumerate(plan)}
         path = os.path.join(self.truth, "plan.json")
         stated = json.loads(json.dumps({"campaign": self.name, "seed": self.options.seed, "cases": named}))
+        if self.options.recorded and prove_record.plan_of(self.options.recorded) != stated:
+            sys.exit(f"prove: {self.options.record}: the record of a proof of other worlds, kinds or numbers than these")
         if os.path.exists(path) and read_json(path) != stated:
             sys.exit(f"prove: {self.folder} holds another proof; give another --out or remove it")
         if not self.options.only:
@@ -147,9 +146,7 @@ class Proof:
         if os.path.exists(self.seal_path()):
             sealed = read_json(self.seal_path())
             text = prove_record.read(listed) if os.path.exists(listed) else b""
-            known = dict(reversed(line.split("  ", 1)) for line in text.decode().splitlines())
-            # A record has not all of the truth.
-            if hashlib.sha256(text).hexdigest() != sealed["truth_sha256"] or any(known.get(path) != sum for path, sum in sums.items()):
+            if hashlib.sha256(text).hexdigest() != sealed["truth_sha256"] or not prove_record.matches(sums, text.decode()):
                 sys.exit(f"prove: the truth in {self.truth} is not what was sealed")
             if sealed["engine"] != engine(self.options.root):
                 say(f"The engine has changed since the seal ({sealed['engine']}): what was diagnosed before stays as it is.")
@@ -262,14 +259,16 @@ def main():
     for path in (options.json, options.report, options.record):
         if path and not os.path.isdir(os.path.dirname(os.path.abspath(path))):
             parser.error(f"{path}: no such folder")
-    if options.record and os.path.exists(options.record):
+    options.recorded = []
+    if options.record and os.path.exists(options.record) and not options.only:
         try:
-            recorded = prove_record.seed_of(options.record)
-        except (tarfile.TarError, KeyError, ValueError) as failed:
-            parser.error(f"{options.record}: not the record of a proof: {failed}")
-        options.seed = recorded if options.seed is None else options.seed
-        if options.seed != recorded:
-            parser.error(f"{options.record}: the record of another proof, of --seed {recorded}")
+            options.recorded = prove_record.entries(options.record)
+        except ValueError as failed:
+            parser.error(str(failed))
+        seed = prove_record.plan_of(options.recorded)["seed"]
+        options.seed = seed if options.seed is None else options.seed
+        if options.seed != seed:
+            parser.error(f"{options.record}: the record of another proof, of --seed {seed}")
     if options.seed is None:
         options.seed = seed_from_outside(options.root)
         say(f"--seed {options.seed}: goes on with this proof after an interruption")

@@ -153,7 +153,7 @@ class Source:
         shutil.copyfile(self.arm(case, name, split), os.path.join(work, "arm.yaml"))
         return {"arm": "arm.yaml", "trials": bags, "options": real_recordings.SETS[name].options}
 
-    def changed(self, number, attempt, case):
+    def tampered(self, number, attempt, case):
         """Fills the folder of a case with a set that was tampered with; returns its case.json and what was done."""
         name, split, change = self.design[number]
         draw = random.Random(f"{self.options.seed} intervention {number} {attempt}")
@@ -177,7 +177,7 @@ class Source:
 
     def intervene(self, number, attempt, case, truth, rejected):
         name, split, _ = self.design[number]
-        known, done = self.changed(number, attempt, case)
+        known, done = self.tampered(number, attempt, case)
         compared = self.compare(self.arm(case, name, split), self.plain(case, name), case + ".part", known)
         self.keep(case, truth, known, self.truth_of(number, done, compared, rejected), compared["displacement"])
 
@@ -186,7 +186,7 @@ class Source:
             known = self.untouched(case, *CONTROLS[number])
         else:
             rejected = prove_files.read_json(os.path.join(truth, "case.json"))["rejected"]
-            known, _ = self.changed(number, len(rejected), case)
+            known, _ = self.tampered(number, len(rejected), case)
         self.keep_trials(case, known)
 
     def compare(self, arm, plain, work, known):

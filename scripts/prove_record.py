@@ -3,11 +3,13 @@ are not in it: those of cases that are still to decide are made again by their t
 import hashlib
 import io
 import json
+import lzma
 import os
 import tarfile
 
 from prove_files import read_json
 
+PLAN = "truth/plan.json"
 TRUTH = ("case.json", "displacement.json")  # of a case: its trials' own follow from the first
 DECIDED = ("cost.json", "baselines.json", "displacement.json")
 # What figures and pages read of a report, of its ranking, and of each effect that it names.
@@ -48,6 +50,13 @@ def sums(folder):
     return {path: found[path] for path in sorted(found) if path != "SHA256SUMS"}
 
 
+def matches(found, listed):
+    """Whether a truth's files are those of its SHA256SUMS. A record has none of the trials' own: those may be absent, no other."""
+    known = dict(reversed(line.split("  ", 1)) for line in listed.splitlines())
+    return (all(known.get(path) == digest for path, digest in found.items())
+            and all(path in found or path.endswith(".truth.yaml") for path in known))
+
+
 def contents(folder, decided):
     """(path in the folder, bytes) of what is kept; decided: names of the cases that are."""
     paths = ["seal.json"]
@@ -75,18 +84,27 @@ def write(folder, decided, path):
     os.replace(path + ".part", path)
 
 
-def seed_of(path):
-    with tarfile.open(path, "r:xz") as archive:
-        return json.load(archive.extractfile("truth/plan.json"))["seed"]
+def entries(path):
+    """(path, bytes) of everything in a record; raises ValueError where it is none, or damaged."""
+    try:
+        with tarfile.open(path, "r:xz") as archive:
+            found = [(os.path.normpath(entry.name), archive.extractfile(entry).read()) for entry in archive if entry.isfile()]
+    except (OSError, EOFError, lzma.LZMAError, tarfile.TarError) as failed:
+        raise ValueError(f"{path}: not the record of a proof: {failed}") from failed
+    if PLAN not in (name for name, _ in found) or any(name.startswith(("/", "..")) for name, _ in found):
+        raise ValueError(f"{path}: not the record of a proof")
+    return found
 
 
-def unpack(path, folder):
+def plan_of(found):
+    return json.loads(dict(found)[PLAN])
+
+
+def unpack(found, folder):
     """What the folder has already stays."""
-    with tarfile.open(path, "r:xz") as archive:
-        for entry in archive:
-            target = os.path.join(folder, os.path.normpath(entry.name))
-            if not entry.isfile() or entry.name.startswith(("/", "..")) or os.path.exists(target):
-                continue
+    for name, data in found:
+        target = os.path.join(folder, name)
+        if not os.path.exists(target):
             os.makedirs(os.path.dirname(target), exist_ok=True)
             with open(target, "wb") as file:
-                file.write(archive.extractfile(entry).read())
+                file.write(data)

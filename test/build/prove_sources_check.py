@@ -1,8 +1,10 @@
 #!/usr/bin/python3
 """The course of the proof on stand-ins of its programs: cases of several sources are named, drawn, sealed, diagnosed with
 their own words, scored and gone on with; what cannot be drawn is said."""
+import argparse
 import json
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -11,6 +13,8 @@ import time
 import unittest
 
 ROOT = os.path.abspath(sys.argv[1] if len(sys.argv) > 1 else ".")
+BUILD = os.path.abspath(sys.argv[2] if len(sys.argv) > 2 else os.path.join(ROOT, "build"))
+PROGRAMS = os.path.join(BUILD, "devel", "lib", "softarm_estimator")
 sys.path.insert(0, os.path.join(ROOT, "scripts"))
 import prove_cases  # noqa: E402
 import prove_files  # noqa: E402
@@ -33,7 +37,10 @@ else:
             continue
         os.makedirs(folder)
         open(folder + "/case.json", "w").write(json.dumps(text))
-        if folder == words["--case"]:
+        if folder == words["--truth"]:
+            open(folder + "/displacement.json", "w").write("[]")
+            open(folder + "/a.truth.yaml", "w").write("of a trial")
+        else:
             open(folder + "/a.bag", "w").write("drawn again" if again else "drawn")
 """
 SOFTARM = """#!/usr/bin/python3
@@ -140,15 +147,26 @@ class Course(unittest.TestCase):
         timed = ("seconds_median", "seconds_most", "memory_bytes_most")
         self.assertEqual({key: value for key, value in again.items() if key not in timed},
                          {key: value for key, value in first.items() if key not in timed})
-        # It holds to its seal.
+        # It holds to its seal: nothing is missing, nothing is another.
+        moves = self.path("out/truth", decided[0], "displacement.json")
+        os.rename(moves, self.path("moves"))
+        self.assertIn("is not what was sealed", self.prove("--campaign", "some").stderr)
+        os.rename(self.path("moves"), moves)
+        self.assertEqual(self.prove("--campaign", "some").returncode, 0)
         with open(self.path("out/truth", decided[0], "case.json"), "a", encoding="utf-8") as text:
             text.write(" ")
         self.assertIn("is not what was sealed", self.prove("--campaign", "some").stderr)
 
     def test_a_record_is_one_or_is_refused(self):
-        with open(self.path("record.tar.xz"), "w", encoding="utf-8") as text:
-            text.write("nothing")
-        for words in ((), ("--seed", "7")):
+        record = self.path("record.tar.xz")
+        self.assertEqual(self.prove("--campaign", "some", "--record", record).returncode, 0)
+        whole = prove_record.read(record)
+        shutil.rmtree(self.path("out"))
+        self.assertIn("of other worlds, kinds or numbers", self.prove("--campaign", "some", "--kinds", "none", "--record", record).stderr)
+        shutil.rmtree(self.path("out"))
+        for data, words in ((b"nothing", ()), (b"", ()), (whole[:len(whole) // 2], ()), (whole[:len(whole) // 2], ("--seed", "7"))):
+            with open(record, "wb") as file:
+                file.write(data)
             refused = subprocess.run([sys.executable, os.path.join(ROOT, "scripts/prove_cases.py"), "--root", ROOT, "--work", self.folder,
                                       "--programs", self.folder, "--campaign", "some", "--record", self.path("record.tar.xz"), *words],
                                      stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8", check=False)
@@ -191,6 +209,25 @@ class Course(unittest.TestCase):
         self.assertEqual(whole.returncode, 1)
         self.assertIn("a target is not met", whole.stderr)
         self.assertRegex(whole.stdout, r"single_strong: top1 +0 +- +>= 0.85 +NOT MET")
+
+
+class Again(unittest.TestCase):
+    @unittest.skipUnless(os.path.exists(os.path.join(PROGRAMS, "prove")), "prove is not built")
+    def test_trials_are_made_again_by_their_truth_bit_for_bit(self):
+        with tempfile.TemporaryDirectory(dir=BUILD, prefix="prove_again_") as folder:
+            options = argparse.Namespace(programs=PROGRAMS, seed=3, full=False, cases=None, threads=2)
+            source = prove_rig.Source(options, "proof_final")
+            case, again, truth = (os.path.join(folder, name) for name in ("case", "again", "truth"))
+            source.draw("none", 0, case, truth)
+            self.assertTrue(prove_files.read_json(os.path.join(truth, "case.json"))["distractors"])  # there is something to make again
+            sealed = prove_record.sums(truth)
+            source.again("none", 0, again, truth)
+            self.assertEqual(prove_record.sums(again), prove_record.sums(case))
+            self.assertIn("trial_09.bag", prove_record.sums(again))
+            self.assertEqual(prove_record.sums(truth), sealed)
+            os.remove(os.path.join(truth, "case.json"))
+            with self.assertRaisesRegex(SystemExit, "case.json: cannot be read"):
+                source.again("none", 0, again, truth)
 
 
 class Together(unittest.TestCase):
