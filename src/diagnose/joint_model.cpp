@@ -232,7 +232,7 @@ std::vector<JointUnknown> JointModel::columns(const JointParameters& parameters)
       c.parameter = static_cast<int>(k);
       c.scale = parameter.usual != 0.0 ? std::abs(parameter.usual) : 0.1 * (parameter.high - parameter.low);
       c.low = parameter.low;
-      c.high = parameter.high;
+      c.high = parameter.along ? std::min(parameter.high, arm_.total_length_m()) : parameter.high;
       c.start = size ? 0.0 : value / c.scale;
       c.prior_sd = size ? kPolicy.fit.size_sd : kPolicy.fit.shape_sd;
       list.push_back(c);

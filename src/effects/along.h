@@ -17,10 +17,6 @@ Eigen::VectorXd cover(const model::FineRod& fine, double from_m, double to_m);
 Eigen::VectorXd cap_at_base(const model::FineRod& fine, double length_m);
 Eigen::VectorXd cap_at_tip(const model::FineRod& fine, double length_m);
 
-/// Position at arclength s of a shape: cubic between stations. @param rod its base is looked at
-Eigen::Vector3d position_at(const model::FineRod& fine, const rod::Rod& rod, const model::Shape& shape,
-                            double s_m);
-
 /// The turn of angle |v| towards (v.x, v.y) of something that points along z: about (-v.y, v.x, 0).
 inline Eigen::Vector3d turn_towards(double x, double y) {
   return {-y, x, 0.0};

@@ -36,19 +36,21 @@ class Contact : public Described {
     }
     return list;
   }
-  void act(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape* shape,
-           const Memory& memory, rod::Rod& rod) const override {
-    const Touch touch(values, position_at(fine, rod, *shape, values[1]));
-    if (touch.depth_m <= 0.0) return;
+  bool holds_place() const override { return true; }
+  double held_place_m(const FineRod&, const Values& values) const override { return values[1]; }
+  Vector3d holding_force_n(const FineRod&, const Values& values, const Vector3d& place_m,
+                           const Memory& memory) const override {
+    const Touch touch(values, place_m);
+    if (touch.depth_m <= 0.0) return Vector3d::Zero();
     Vector3d force = -values[0] * touch.depth_m * touch.to_wall;
     if (!memory.empty()) force -= values[0] * touch.held(values[4], anchor(memory));
-    fine.add_force(values[1], force, rod);
+    return force;
   }
   bool remembers() const override { return true; }
   void remember(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&,
                 const Shape& shape, Memory& memory) const override {
     if (values[4] == 0.0) return;  // nothing holds
-    const Touch touch(values, position_at(fine, fine.layout(), shape, values[1]));
+    const Touch touch(values, model::position_at(fine, fine.layout(), shape, values[1]));
     if (touch.depth_m <= 0.0) {
       memory.clear();
       return;
@@ -81,21 +83,21 @@ class Contact : public Described {
 }  // namespace
 
 std::unique_ptr<Effect> make_contact() {
-  return std::make_unique<Contact>(
-      Info{"contact",
-           "the arm touches something beside it",
-           "F = k max(0, n . x(s_c) - d), against n, at the place s_c; along the wall k times the way from "
-           "where it holds, friction F at most",
-           "K. L. Johnson, Contact Mechanics, 1985, doi:10.1017/CBO9781139171731",
-           Family::kLoad,
-           {{"stiffness_n_per_m", "N/m", "of what it touches", 0.0, 2000.0, 50.0},
-            {"place_m", "m", "where the arm touches it, arclength from the base", 0.0, 10.0, 0.14},
-            {"azimuth_rad", "rad", "direction towards it, base frame, from x", -12.6, 12.6, 0.0},
-            {"distance_m", "m", "of it from the axis of the straight arm", -1.0, 1.0, 0.02},
-            {"friction", "1", "coefficient of dry friction; 0: smooth", 0.0, 2.0, 0.0}},
-           1,
-           {"strain_stiffening", "tether"},
-           {"bending_stiffness"}});
+  return std::make_unique<Contact>(Info{
+      "contact",
+      "the arm touches something beside it",
+      "F = k max(0, n . x(s_c) - d), against n, at the place s_c; along the wall k times the way from "
+      "where it holds, friction F at most",
+      "K. L. Johnson, Contact Mechanics, 1985, doi:10.1017/CBO9781139171731",
+      Family::kLoad,
+      {{"stiffness_n_per_m", "N/m", "of what it touches", 0.0, 2000.0, 50.0},
+       {"place_m", "m", "where the arm touches it, arclength from the base", 0.0, 10.0, 0.14, false, true},
+       {"azimuth_rad", "rad", "direction towards it, base frame, from x", -12.6, 12.6, 0.0},
+       {"distance_m", "m", "of it from the axis of the straight arm", -1.0, 1.0, 0.02},
+       {"friction", "1", "coefficient of dry friction; 0: smooth", 0.0, 2.0, 0.0}},
+      1,
+      {"strain_stiffening", "tether"},
+      {"bending_stiffness"}});
 }
 
 }  // namespace softarm::effects

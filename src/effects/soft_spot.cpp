@@ -47,7 +47,7 @@ std::unique_ptr<Effect> make_soft_spot() {
            "S. S. Antman, Nonlinear Problems of Elasticity, 2005, doi:10.1007/0-387-27649-1",
            Family::kConstitutive,
            {{"share", "1", "by which EI is lower there", -1.0, 0.95, 0.3},
-            {"centre_m", "m", "middle of the stretch, arclength from the base", 0.0, 10.0, 0.1},
+            {"centre_m", "m", "middle of the stretch, arclength from the base", 0.0, 10.0, 0.1, false, true},
             {"width_m", "m", "length of the stretch", 0.002, 1.0, 0.03}},
            1,
            {"rigid_ends", "contact", "stiffness_taper", "base_compliance"},

@@ -34,16 +34,22 @@ class Tether : public Described {
   std::optional<std::pair<double, double>> place(const arm::Arm& arm, const Values&) const override {
     return std::make_pair(arm.total_length_m(), arm.total_length_m());
   }
-  void act(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape* shape,
-           const Memory&, rod::Rod& rod) const override {
+  void act(const arm::Arm&, const FineRod&, const Values& values, const Instant&, const Shape*, const Memory&,
+           rod::Rod& rod) const override {
+    rod.loads[rod::kTipMassLoad].mass_kg += values[1];
+  }
+  bool holds_place() const override { return true; }
+  double held_place_m(const FineRod& fine, const Values&) const override { return fine.length_m(); }
+  Eigen::Vector3d holding_force_n(const FineRod& fine, const Values& values, const Eigen::Vector3d& place_m,
+                                  const Memory&) const override {
     // What it hangs on stands still, whatever the arm's base does.
     const rod::Rod& rest = fine.layout();
     const Eigen::Vector3d anchor =
         rest.p_base + rest.q_base * Eigen::Vector3d(values[2], values[3], fine.length_m());
-    const Eigen::Vector3d way = anchor - shape->stations.back().p;
+    const Eigen::Vector3d way = anchor - place_m;
     const double far_m = std::sqrt(way.squaredNorm() + kNear_m * kNear_m), beyond_m = far_m - values[4];
-    if (beyond_m > 0.0) rod.loads.back().force_n += values[0] * beyond_m / far_m * way;
-    rod.loads[rod::kTipMassLoad].mass_kg += values[1];
+    if (beyond_m <= 0.0) return Eigen::Vector3d::Zero();
+    return values[0] * beyond_m / far_m * way;
   }
 };
 

@@ -13,6 +13,26 @@ std::vector<Values> Effect::grid(const arm::Arm&, const FineRod&) const {
   return {values};
 }
 
+Eigen::Vector3d position_at(const FineRod& fine, const rod::Rod& rod, const Shape& shape, double s_m) {
+  const std::vector<Piece>& pieces = fine.pieces();
+  std::size_t j = 0;
+  while (j + 1 < pieces.size() && s_m > pieces[j].s_to_m) ++j;
+  const rod::RodState& end = shape.stations[j];
+  const double h = pieces[j].s_to_m - pieces[j].s_from_m,
+               x = std::clamp((s_m - pieces[j].s_from_m) / h, 0.0, 1.0);
+  const Eigen::Vector3d p0 = j > 0 ? shape.stations[j - 1].p : rod.p_base;
+  const Eigen::Vector3d t0 =
+      j > 0 ? Eigen::Vector3d((shape.stations[j - 1].q * shape.stations[j - 1].v).normalized())
+            : Eigen::Vector3d(rod.q_base * Eigen::Vector3d::UnitZ());
+  const Eigen::Vector3d t1 = (end.q * end.v).normalized();
+  // Of an arc with that chord: the derivative by x.
+  const double arc = (end.p - p0).norm() * (1.0 + (t1 - t0).squaredNorm() / 24.0);
+  const Eigen::Vector3d d0 = arc * t0, d1 = arc * t1;
+  const double x2 = x * x, x3 = x2 * x;
+  return (2.0 * x3 - 3.0 * x2 + 1.0) * p0 + (x3 - 2.0 * x2 + x) * d0 + (3.0 * x2 - 2.0 * x3) * end.p +
+         (x3 - x2) * d1;
+}
+
 std::vector<Present> in_order(std::vector<Present> effects) {
   std::stable_sort(effects.begin(), effects.end(),
                    [](const Present& a, const Present& b) { return a.effect->rank() < b.effect->rank(); });

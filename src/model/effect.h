@@ -25,6 +25,7 @@ struct Parameter {
   /// value.
   double usual = 0.0;
   bool counts = false;  ///< it numbers something, and cannot be varied a little
+  bool along = false;   ///< arclength of a place on the arm: no larger than the arm's length
 };
 
 /// Where an effect sits in the model; also who its natural rivals are.
@@ -91,6 +92,9 @@ struct Shape {
   Motion motion;
 };
 
+/// Position at arclength s of a shape: cubic between stations. @param rod its base is looked at
+Eigen::Vector3d position_at(const FineRod& fine, const rod::Rod& rod, const Shape& shape, double s_m);
+
 /// One instant of a trial: means over a short time.
 struct Instant {
   double t_s = 0.0;   ///< since the trial's first frame
@@ -142,6 +146,16 @@ class Effect {
   virtual void act(const arm::Arm&, const FineRod&, const Values&, const Instant&, const Shape*,
                    const Memory&, rod::Rod&) const {}
   virtual bool needs_shape() const { return false; }
+  /// Whether it holds one place of the arm with a force that depends on where that place is, and on nothing
+  /// else of the shape: a wall, a hose. It needs the shape, and act() leaves that force out.
+  virtual bool holds_place() const { return false; }
+  /// That place, m from the base.
+  virtual double held_place_m(const FineRod&, const Values&) const { return 0.0; }
+  /// That force, N, rod's base frame. @param place_m where the place is, rod's base frame
+  virtual Eigen::Vector3d holding_force_n(const FineRod&, const Values&, const Eigen::Vector3d& /*place_m*/,
+                                          const Memory&) const {
+    return Eigen::Vector3d::Zero();
+  }
   /// Of one that needs the shape: whether what it makes of a small change of it hardly differs from one
   /// instant to the next. A stop that is suddenly reached does not.
   virtual bool answers_evenly() const { return false; }

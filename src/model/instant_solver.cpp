@@ -17,13 +17,25 @@ namespace {
 constexpr double kSettledStiff_m = 2e-6, kStiffShare = 0.2;
 // Of the square root of what is asked for, to which the last step's square is small; rad.
 constexpr double kCorrection = 0.14;
-constexpr int kMostRounds = 80;              // to get there
-constexpr int kMostPlainRounds = 5;          // without mixing
-constexpr double kSoft = 0.25;               // answer up to which no mixing is needed
+constexpr int kMostRounds = 80;      // to get there
+constexpr int kMostPlainRounds = 5;  // without mixing
+constexpr double kSoft = 0.25;       // answer up to which no mixing is needed
+constexpr int kForceRounds = 25, kForceHalvings = 6, kMostWorse = 5;
+// A force that shows how a held place yields: a thousandth of the arm's weight on earth, m/s^2.
+constexpr double kLeastProbe_n = 1e-5, kProbePerMass = 1e-2;
+constexpr double kSlow = 0.5;                // of the round before: how places yield is looked at anew
+constexpr double kLargestWay = 0.15;         // of a held place in one round, of the arm's length
+constexpr double kSeen_m = 1e-7;             // ways that say how a place yields
 constexpr double kFirstScale = 1.0 / 256.0;  // of effects, at which their continuation begins
 
 arm::InputValues input_values(const Eigen::VectorXd& v) {
   return {v.data(), v.data() + v.size()};
+}
+
+/// Whether nothing else depends on the shape than the forces that hold places.
+bool needs_only_places(const std::vector<Present>& effects) {
+  return std::none_of(effects.begin(), effects.end(),
+                      [](const Present& p) { return p.effect->needs_shape() && !p.effect->holds_place(); });
 }
 
 }  // namespace
@@ -63,7 +75,7 @@ rod::SolverOptions InstantSolver::options(const arm::Arm& arm, const Mesh& mesh)
 bool InstantSolver::make(const arm::Arm& arm, const std::vector<Present>& effects,
                          const std::vector<Memory>& memories, const Dynamics& dynamics,
                          const Instant& instant, const Shape* shape, const Motion& motion, rod::Rod& out,
-                         const std::vector<arm::SegmentPrediction>* given) {
+                         const std::vector<arm::SegmentPrediction>* given, const Eigen::VectorXd* held) {
   out = fine.layout();
   out.gravity_m_s2 = instant.gravity_base;
   out.loads[rod::kPayloadLoad].mass_kg = instant.payload_kg;
@@ -83,6 +95,8 @@ bool InstantSolver::make(const arm::Arm& arm, const std::vector<Present>& effect
   }
   for (std::size_t i = 0; i < effects.size(); ++i)
     effects[i].effect->act(arm, fine, effects[i].values, instant, shape, memories[i], out);
+  if (const HeldPlaces places(fine, effects, memories); shape != nullptr && !places.empty())
+    places.add(held != nullptr ? *held : places.forces_n(places.positions_m(out, *shape)), out);
   if (dynamics.inertia && !motion.acceleration_m_s2.empty()) {
     const Eigen::VectorXd masses = fine.station_masses_kg(out);
     for (std::size_t j = 0; j < motion.acceleration_m_s2.size(); ++j)
@@ -186,6 +200,91 @@ bool InstantSolver::agree_at_once(const Context& at, const std::vector<Present>&
   return false;
 }
 
+Eigen::VectorXd InstantSolver::hold(const Context& at, const std::vector<Present>& effects,
+                                    const HeldPlaces& places, const Eigen::VectorXd& forces_n,
+                                    const Predicted& now, Shape& followed) {
+  if (!make(at.arm, effects, at.memories, at.dynamics, now.instant, &now.shape, at.motion, rod, at.given,
+            &forces_n) ||
+      !solve(&now.q_tip))
+    return {};
+  shape_of_solution(at.motion, followed);
+  return places.positions_m(rod, followed);
+}
+
+Eigen::MatrixXd InstantSolver::yielding(const Context& at, const std::vector<Present>& effects,
+                                        const HeldPlaces& places, const Eigen::VectorXd& forces_n,
+                                        const Eigen::VectorXd& positions_m, const Predicted& now) {
+  const double probe_n = kLeastProbe_n + kProbePerMass * fine.station_masses_kg(rod).sum();
+  Eigen::MatrixXd compliance(places.size(), places.size());
+  Shape followed;
+  for (Eigen::Index k = 0; k < places.size(); ++k) {
+    Eigen::VectorXd forces = forces_n;
+    forces[k] += probe_n;
+    const Eigen::VectorXd positions = hold(at, effects, places, forces, now, followed);
+    if (positions.size() == 0) return {};
+    compliance.col(k) = (positions - positions_m) / probe_n;
+  }
+  return compliance;
+}
+
+bool InstantSolver::agree_by_forces(const Context& at, const std::vector<Present>& effects,
+                                    const HeldPlaces& places, Eigen::VectorXd& forces_n, Predicted& now) {
+  Eigen::MatrixXd& compliance = at.feedback.compliance_m_per_n;
+  const double largest_m = kLargestWay * fine.length_m();
+  Eigen::VectorXd solved_n, solved_m;  // what was solved last
+  Shape followed;
+  double last_m = largest_m;
+  int halvings = 0, worse = 0;
+  for (int round = 0; round < kForceRounds; ++round) {
+    const Eigen::VectorXd positions = hold(at, effects, places, forces_n, now, followed);
+    if (positions.size() == 0) {
+      if (solved_n.size() == 0 || ++halvings > kForceHalvings) return false;
+      forces_n = 0.5 * (forces_n + solved_n);
+      continue;
+    }
+    now.q_tip = values.q_tip();
+    const double moved_m = difference_m(followed, now.shape).lpNorm<Eigen::Infinity>();
+    now.shape = followed;
+    if (compliance.rows() == places.size() && solved_n.size() > 0) {  // Broyden's update
+      const Eigen::VectorXd change_n = forces_n - solved_n, way_m = positions - solved_m;
+      if (way_m.norm() > kSeen_m)
+        compliance += (way_m - compliance * change_n) * change_n.transpose() / change_n.squaredNorm();
+    }
+    solved_n = forces_n;
+    solved_m = positions;
+    Eigen::VectorXd step_n;
+    double way_m = 2.0 * largest_m;
+    const auto look = [&] {
+      step_n = places.step_n(positions, forces_n, compliance);
+      way_m = (compliance * step_n).lpNorm<Eigen::Infinity>();
+    };
+    if (compliance.rows() == places.size()) look();
+    const bool settled = way_m < mesh_.settled_m;
+    if (settled && (moved_m < mesh_.settled_m || needs_only_places(effects))) return true;
+    if (!settled && way_m > kSlow * last_m) {
+      compliance = yielding(at, effects, places, forces_n, positions, now);
+      if (compliance.rows() != places.size()) return false;
+      look();
+    }
+    if (way_m > last_m && ++worse > kMostWorse) return false;
+    last_m = way_m;
+    forces_n += std::min(1.0, largest_m / way_m) * step_n;
+  }
+  return false;
+}
+
+bool InstantSolver::agree_from(const Context& at, const std::vector<Present>& effects,
+                               const HeldPlaces& places, Eigen::VectorXd forces_n, Predicted& now) {
+  if (places.empty()) return agree(at, effects, Shape(now.shape), now);
+  const Shape shape = now.shape;
+  const Eigen::Quaterniond q_tip = now.q_tip;
+  if (agree_by_forces(at, effects, places, forces_n, now)) return true;
+  at.feedback.compliance_m_per_n.resize(0, 0);
+  now.shape = shape;
+  now.q_tip = q_tip;
+  return !needs_only_places(effects) && agree(at, effects, shape, now);
+}
+
 bool InstantSolver::settle(const Context& at, const std::vector<Present>& effects,
                            const Eigen::Quaterniond* start, const Shape* near, Predicted& now) {
   const bool needs_shape =
@@ -198,15 +297,19 @@ bool InstantSolver::settle(const Context& at, const std::vector<Present>& effect
     shape_of_solution(at.motion, now.shape);
     return true;
   }
+  const HeldPlaces places(fine, effects, at.memories);
   if (near != nullptr && start != nullptr) {
-    now.q_tip = *start;
-    now.shape = *near;
-    now.shape.motion = at.motion;
-    if (agree_at_once(at, effects, now)) return true;
-    now.q_tip = *start;
-    Shape assumed = *near;
-    assumed.motion = at.motion;
-    if (agree(at, effects, std::move(assumed), now)) return true;
+    const bool stiff = at.feedback.compliance_m_per_n.size() > 0;
+    const auto from_near = [&] {
+      now.q_tip = *start;
+      now.shape = *near;
+      now.shape.motion = at.motion;
+    };
+    from_near();
+    if (!stiff && agree_at_once(at, effects, now)) return true;
+    from_near();
+    if (agree_from(at, effects, places, places.forces_n(places.positions_m(fine.layout(), now.shape)), now))
+      return true;
   }
   std::vector<Present> others;
   std::vector<Memory> of_others;
@@ -220,16 +323,21 @@ bool InstantSolver::settle(const Context& at, const std::vector<Present>& effect
     return false;
   now.q_tip = values.q_tip();
   shape_of_solution(at.motion, now.shape);
-  if (agree(at, effects, Shape(now.shape), now)) return true;
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(places.size());
+  if (agree_from(at, effects, places, none, now)) return true;
   // A stiff spring answers the arm without it with a force that nothing bears: continuation from a soft one.
   std::vector<Present> some = effects;
+  Eigen::VectorXd forces_n = none;
   for (double scale = kFirstScale; scale <= 1.0; scale *= 2.0) {
     for (std::size_t i = 0; i < effects.size(); ++i) {
       if (!effects[i].effect->needs_shape()) continue;
       const int sizes = effects[i].effect->info().sizes;
       some[i].values.head(sizes) = scale * effects[i].values.head(sizes);
     }
-    if (!agree(at, some, Shape(now.shape), now)) return false;
+    const HeldPlaces softly(fine, some, at.memories);
+    if (needs_only_places(some) ? !agree_by_forces(at, some, softly, forces_n, now)
+                                : !agree(at, some, Shape(now.shape), now))
+      return false;
   }
   return true;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "extended_model.h"
+#include "held_places.h"
 #include "softarm/rod/solver.h"
 
 namespace softarm::model {
@@ -28,6 +29,7 @@ constexpr double kIntegrated = 1e-5;
 struct Feedback {
   double share = 1.0;   ///< of what follows that is assumed next
   double answer = 1.0;  ///< share of a change of the shape by which it changes anew; 1: not known
+  Eigen::MatrixXd compliance_m_per_n = {};  ///< of the places that are held; empty: not known
 };
 
 class InstantSolver {
@@ -47,10 +49,12 @@ class InstantSolver {
   };
 
   /// The rod that laws, effects and dynamics make of an instant.
+  /// @param held of places, with what forces; nullptr: with those that belong to `shape`
   /// @return false where the inputs lie beyond the laws
   bool make(const arm::Arm& arm, const std::vector<Present>& effects, const std::vector<Memory>& memories,
             const Dynamics& dynamics, const Instant& instant, const Shape* shape, const Motion& motion,
-            rod::Rod& out, const std::vector<arm::SegmentPrediction>* given = nullptr);
+            rod::Rod& out, const std::vector<arm::SegmentPrediction>* given = nullptr,
+            const Eigen::VectorXd* held = nullptr);
   /// The equilibrium of now.instant: its shape and tip; `rod` and `values` are left as they belong to it.
   /// @param start the tip's orientation, believed to be near, or nullptr
   /// @param near a shape believed to be near, or nullptr
@@ -75,6 +79,23 @@ class InstantSolver {
   bool agree(const Context& at, const std::vector<Present>& effects, Shape assumed, Predicted& now);
   /// The same by taking for granted what followed, where that soon ends: most springs are soft.
   bool agree_at_once(const Context& at, const std::vector<Present>& effects, Predicted& now);
+  /// The same where places are held, by Newton's method on the forces that hold them: however stiff a wall
+  /// is. What else needs the shape must be soft.
+  /// @param forces_n to begin with; those that were found
+  bool agree_by_forces(const Context& at, const std::vector<Present>& effects, const HeldPlaces& places,
+                       Eigen::VectorXd& forces_n, Predicted& now);
+  /// From now.shape and now.q_tip: by forces where places are held, and else, or where that fails and they
+  /// are not all that needs the shape, by mixing.
+  bool agree_from(const Context& at, const std::vector<Present>& effects, const HeldPlaces& places,
+                  Eigen::VectorXd forces_n, Predicted& now);
+  /// With places held by these forces, from now.q_tip: positions of the places, m; empty where there is no
+  /// equilibrium.
+  Eigen::VectorXd hold(const Context& at, const std::vector<Present>& effects, const HeldPlaces& places,
+                       const Eigen::VectorXd& forces_n, const Predicted& now, Shape& followed);
+  /// How the places yield to forces there, m/N, by differences; empty where there is no equilibrium.
+  Eigen::MatrixXd yielding(const Context& at, const std::vector<Present>& effects, const HeldPlaces& places,
+                           const Eigen::VectorXd& forces_n, const Eigen::VectorXd& positions_m,
+                           const Predicted& now);
 
   const Mesh mesh_;
 };

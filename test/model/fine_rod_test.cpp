@@ -136,8 +136,7 @@ TEST(Along, PositionsBetweenStationsLieOnTheRod) {
   for (int j = 0; j < fine.stations(); ++j) shape.stations.push_back(solver.station(j));
   for (int j = fine.stations(); j < solver.stations(); ++j)
     EXPECT_LT(
-        (effects::position_at(fine, rod, shape, places[static_cast<std::size_t>(j)]) - solver.station(j).p)
-            .norm(),
+        (position_at(fine, rod, shape, places[static_cast<std::size_t>(j)]) - solver.station(j).p).norm(),
         2e-6);
 }
 

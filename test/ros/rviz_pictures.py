@@ -18,6 +18,7 @@ PACKAGE = rospkg.RosPack().get_path("softarm_estimator")
 LAUNCH = os.path.join(PACKAGE, "launch")
 WIDTH, HEIGHT = 640, 450  # of the photographs: half of the screen
 PATIENCE_S = 60.0  # for rviz on a machine that is busy
+LAUNCH_ENDS_S = 60.0  # roslaunch gives its programs 15 s after SIGINT, and 2 s after SIGTERM; without it they would live on
 
 
 def near(colour, spread):
@@ -81,7 +82,7 @@ class RvizPictures(unittest.TestCase):
             process.send_signal(signal.SIGINT)
         for process in self.running:
             try:
-                process.wait(15)
+                process.wait(LAUNCH_ENDS_S)
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()

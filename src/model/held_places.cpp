@@ -1,0 +1,78 @@
+#include "held_places.h"
+
+#include "math/linear_algebra.h"
+
+namespace softarm::model {
+namespace {
+
+constexpr int kNewtonSteps = 30, kNewtonHalvings = 8;
+constexpr double kLawProbe_m = 1e-7;  // of laws' derivatives
+constexpr double kPlaceFound_m = 1e-11;
+
+}  // namespace
+
+HeldPlaces::HeldPlaces(const FineRod& fine, const std::vector<Present>& effects,
+                       const std::vector<Memory>& memories)
+    : fine_(fine) {
+  for (std::size_t i = 0; i < effects.size(); ++i) {
+    if (effects[i].effect->holds_place())
+      holding_.push_back(
+          {&effects[i], &memories[i], effects[i].effect->held_place_m(fine, effects[i].values)});
+  }
+}
+
+void HeldPlaces::add(const Eigen::VectorXd& forces_n, rod::Rod& rod) const {
+  for (std::size_t i = 0; i < holding_.size(); ++i)
+    fine_.add_force(holding_[i].place_m, forces_n.segment<3>(3 * static_cast<Eigen::Index>(i)), rod);
+}
+
+Eigen::VectorXd HeldPlaces::positions_m(const rod::Rod& rod, const Shape& shape) const {
+  Eigen::VectorXd positions(size());
+  for (std::size_t i = 0; i < holding_.size(); ++i)
+    positions.segment<3>(3 * static_cast<Eigen::Index>(i)) =
+        position_at(fine_, rod, shape, holding_[i].place_m);
+  return positions;
+}
+
+Eigen::VectorXd HeldPlaces::forces_n(const Eigen::VectorXd& positions_m) const {
+  Eigen::VectorXd forces(size());
+  for (std::size_t i = 0; i < holding_.size(); ++i) {
+    const Holding& one = holding_[i];
+    const auto at = 3 * static_cast<Eigen::Index>(i);
+    forces.segment<3>(at) = one.present->effect->holding_force_n(fine_, one.present->values,
+                                                                 positions_m.segment<3>(at), *one.memory);
+  }
+  return forces;
+}
+
+Eigen::VectorXd HeldPlaces::step_n(const Eigen::VectorXd& positions_m, const Eigen::VectorXd& forces_n,
+                                   const Eigen::MatrixXd& compliance_m_per_n) const {
+  // x = positions + compliance (law(x) - forces), by Newton's method with a search along its direction.
+  const auto off = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
+    return x - positions_m - compliance_m_per_n * (this->forces_n(x) - forces_n);
+  };
+  Eigen::VectorXd x = positions_m, error = off(x);
+  for (int step = 0; step < kNewtonSteps && error.lpNorm<Eigen::Infinity>() > kPlaceFound_m; ++step) {
+    Eigen::MatrixXd slope(size(), size());
+    for (Eigen::Index k = 0; k < size(); ++k) {
+      Eigen::VectorXd beside = x;
+      beside[k] += kLawProbe_m;
+      slope.col(k) = (off(beside) - error) / kLawProbe_m;
+    }
+    const Eigen::VectorXd direction = math::least_squares(slope, -error);
+    if (!direction.allFinite()) break;
+    double share = 1.0;
+    Eigen::VectorXd next = x + direction, next_error = off(next);
+    for (int i = 0; i < kNewtonHalvings && next_error.norm() >= error.norm(); ++i) {
+      share *= 0.5;
+      next = x + share * direction;
+      next_error = off(next);
+    }
+    if (next_error.norm() >= error.norm()) break;
+    x = next;
+    error = next_error;
+  }
+  return this->forces_n(x) - forces_n;
+}
+
+}  // namespace softarm::model
