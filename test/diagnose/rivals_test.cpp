@@ -94,7 +94,7 @@ TEST(TakeBest, LeavesWhatPredictsUnseenTrialsNoBetterForTheNextBest) {
     if (id == "contact") {
       JointParameters wrong = looked.baseline.at;
       wrong.effects.push_back({s.effect, s.values});
-      wrong.effects.back().values[0] = s.effect->info().parameters[0].high;
+      wrong.effects.back().values[3] = s.effect->info().parameters[3].high;  // out of reach: explains nothing
       r.fit = looked.model.linearise(wrong, &looked.baseline.predicted);
     }
     r.probability = r.elsewhere = 1.0;
