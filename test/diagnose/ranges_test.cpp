@@ -19,6 +19,7 @@
 #include "diagnose/screen.h"
 #include "diagnose/selection.h"
 #include "diagnose/unseen.h"
+#include "effects/catalogue.h"
 #include "looked.h"
 #include "recorded_case.h"
 
@@ -104,6 +105,25 @@ TEST(Ranges, UnseenTrialsArePredictedFromWithinThem) {
   const Unseen first_order = unseen(looked.model, looked.baseline),
                refitted = refitted_unseen(looked.model, looked.baseline);
   EXPECT_NEAR(first_order.total_rms_m, refitted.total_rms_m, 0.01 * refitted.total_rms_m);
+}
+
+TEST(Ranges, APlaceOnTheArmIsLookedForWithinItsLength) {
+  const testing::RecordedCase drawn = testing::recorded_case("{count_weights: [1]}", 43, 2, 5.0);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  int places = 0;
+  for (const char* id : {"contact", "soft_spot"}) {
+    JointParameters with = looked.model.start();
+    with.effects.push_back(
+        {effects::find(id), effects::find(id)->grid(drawn.arm, looked.model.rod()).front()});
+    for (const JointUnknown& c : looked.model.columns(with)) {
+      if (c.kind != JointUnknown::Kind::kEffect) continue;
+      const model::Parameter& parameter =
+          effects::find(id)->info().parameters[static_cast<std::size_t>(c.parameter)];
+      EXPECT_EQ(c.high, parameter.along ? drawn.arm.total_length_m() : parameter.high) << parameter.symbol;
+      places += parameter.along;
+    }
+  }
+  EXPECT_EQ(places, 2);
 }
 
 TEST(Ranges, EvidenceHasTheSliceOfThePriorThatTheEndLeaves) {
