@@ -87,13 +87,13 @@ class AxialMemory : public Described {
     if (memory.empty()) return now.transpose().replicate<kTimes, 1>();
     const Eigen::Map<const Eigen::MatrixXd> from(memory.data(), kTimes + 1, now.size());
     Followed w(kTimes, now.size());
+    const Relaxing over = relaxing(instant.dt_s, values[1], values[2]);
     for (int k = 0; k < kTimes; ++k) {
       if (instant.dt_s <= 0.0) {
         w.row(k) = from.row(k) + now.transpose();
         continue;
       }
-      const Following f =
-          relaxing(instant.dt_s, values[1], values[2], kRelaxation[static_cast<std::size_t>(k)]);
+      const Following& f = over[static_cast<std::size_t>(k)];
       w.row(k) = f.kept * from.row(k) + f.weight_last * from.row(kTimes) + f.weight_now * now.transpose();
     }
     return w;

@@ -42,8 +42,9 @@ class Creep : public Described {
   void act(const arm::Arm& arm, const FineRod& fine, const Values& values, const Instant& instant,
            const Shape*, const Memory& memory, rod::Rod& rod) const override {
     const std::vector<Vector2d> driven = driven_of(arm, values, instant);
+    const Relaxing over = relaxing(instant.dt_s, values[1], values[2]);
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
-      const Bent bent = bent_by(together(each_before(memory, j, values, instant)), values,
+      const Bent bent = bent_by(together(each_before(memory, j, instant.dt_s, over)), values,
                                 driven[static_cast<std::size_t>(fine.pieces()[j].segment)]);
       rod::Segment& piece = rod.segments[j];
       // 1 / EI is for what is beyond the rest curvature, and all of that crept.
@@ -68,11 +69,12 @@ class Creep : public Described {
                 const Shape& shape, Memory& memory) const override {
     const Memory last = memory;
     const std::vector<Vector2d> driven = driven_of(arm, values, instant);
+    const Relaxing over = relaxing(instant.dt_s, values[1], values[2]);
     memory.resize(fine.pieces().size() * kSize);
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
       const auto i = static_cast<std::size_t>(fine.pieces()[j].segment);
       const Vector2d bent = shape.middles[j].u.head<2>() - arm.segments[i].rest_curvature_per_m.head<2>();
-      const Spectrum each = each_before(last, j, values, instant);
+      const Spectrum each = each_before(last, j, instant.dt_s, over);
       const Bent by = bent_by(together(each), values, driven[i]);
       const Vector2d elastic = (bent - by.beyond) / by.softer;
       const Vector2d creeping = values[3] * driven[i] + (1.0 - values[3]) * elastic;
@@ -104,20 +106,17 @@ class Creep : public Described {
     to[1] = curvature.y();
   }
   /// At the beginning all has crept that will, and what the trial found beyond that.
-  static Spectrum each_before(const Memory& memory, std::size_t piece, const Values& values,
-                              const Instant& instant) {
+  static Spectrum each_before(const Memory& memory, std::size_t piece, double dt_s, const Relaxing& over) {
     Spectrum each;
     if (memory.empty()) return each;
     const double* from = &memory[piece * kSize];
     const Vector2d last(from[2 * each.size()], from[2 * each.size() + 1]);
     for (std::size_t k = 0; k < each.size(); ++k) {
       const Vector2d w(from[2 * k], from[2 * k + 1]);
-      if (instant.dt_s <= 0.0) {
+      if (dt_s <= 0.0)
         each[k] = {w, 1.0};
-        continue;
-      }
-      const Following f = relaxing(instant.dt_s, values[1], values[2], kRelaxation[k]);
-      each[k] = {f.kept * w + f.weight_last * last, f.weight_now};
+      else
+        each[k] = {over[k].kept * w + over[k].weight_last * last, over[k].weight_now};
     }
     return each;
   }

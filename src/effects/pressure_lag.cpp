@@ -3,12 +3,15 @@
 // A line of first order where the delay equals the time constant. In slow ramps what acts is late by the
 // delay; the time constant is a parameter of its own so that the size acts in proportion.
 #include <algorithm>
+#include <vector>
 
 #include "drives.h"
 #include "effects.h"
 
 namespace softarm::effects {
 namespace {
+
+constexpr double kLeastLag_s = 1e-3;
 
 class PressureLag : public Described {
  public:
@@ -23,18 +26,29 @@ class PressureLag : public Described {
   bool looks_back() const override { return true; }
   void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
     if (values[0] == 0.0) return;
-    const double time_s = std::max(values[1], 1e-3), share = values[0] / time_s;
+    const double time_s = std::max(values[1], kLeastLag_s), share = values[0] / time_s;
+    const std::vector<Following> rising = steps_of(series, time_s);
+    const std::vector<Following> falling = values[2] == 1.0 ? rising : steps_of(series, values[2] * time_s);
     for_pressures(arm, series, [&](auto row) {
       double last = row[0], state = row[0];
       for (Eigen::Index i = 1; i < row.size(); ++i) {
         const double now = row[i];
-        const double tau_s = 0.5 * (last + now) < state ? values[2] * time_s : time_s;
-        const Following f = following(series.t_s[i] - series.t_s[i - 1], std::max(tau_s, 1e-3));
+        const Following& f = (0.5 * (last + now) < state ? falling : rising)[static_cast<std::size_t>(i)];
         state = f.kept * state + f.weight_last * last + f.weight_now * now;
         last = now;
         row[i] = now - share * (now - state);
       }
     });
+  }
+
+ private:
+  /// From the frame before to each; the same for all pressures.
+  static std::vector<Following> steps_of(const Series& series, double tau_s) {
+    std::vector<Following> steps(static_cast<std::size_t>(series.t_s.size()));
+    for (Eigen::Index i = 1; i < series.t_s.size(); ++i)
+      steps[static_cast<std::size_t>(i)] =
+          following(series.t_s[i] - series.t_s[i - 1], std::max(tau_s, kLeastLag_s));
+    return steps;
   }
 };
 

@@ -21,9 +21,20 @@ constexpr std::array<RelaxationPoint, 6> kRelaxation{{{-0.46623475710157601, 0.0
                                                       {0.33060469323313226, 0.18038078652406930},
                                                       {0.46623475710157601, 0.085662246189585173}}};
 
-/// How what comes as late as this point says follows over dt_s. @param time_s in the middle
-inline math::Following relaxing(double dt_s, double time_s, double decades, const RelaxationPoint& point) {
-  return math::following(dt_s, std::max(time_s, 1e-2) * std::pow(10.0, decades * point.at));
+/// How what comes late follows over one time step, by each of the time constants.
+using Relaxing = std::array<math::Following, kRelaxation.size()>;
+
+/// @param time_s in the middle
+inline Relaxing relaxing(double dt_s, double time_s, double decades) {
+  const double middle_s = std::max(time_s, 1e-2);
+  Relaxing all;
+  if (decades == 0.0) {
+    all.fill(math::following(dt_s, middle_s));
+    return all;
+  }
+  for (std::size_t k = 0; k < all.size(); ++k)
+    all[k] = math::following(dt_s, middle_s * std::pow(10.0, decades * kRelaxation[k].at));
+  return all;
 }
 
 }  // namespace softarm::effects
