@@ -1,6 +1,7 @@
 #include "softarm/diagnose/diagnose.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -166,15 +167,17 @@ Remains compare(const JointModel& model, const Selection& selection, unsigned jo
 
 /// Which fits did not come to an end; empty: all did.
 std::string unconverged(const Selection& selection) {
-  std::string text;
-  const auto add = [&](const std::string& what) { text += (text.empty() ? "" : ", ") + what; };
+  std::vector<std::string> names;
+  const auto add = [&](const std::string& what) {
+    if (std::find(names.begin(), names.end(), what) == names.end()) names.push_back(what);
+  };
   if (!selection.baseline.converged) add("the arm's constants alone");
   if (!selection.extended.at.effects.empty() && !selection.extended.converged)
     add("the effects that are named");
   for (const Round& round : selection.rounds)
     for (const Refitted& r : round.refitted)
       if (!r.converged) add(r.effect->info().id);
-  return text;
+  return fmt::format("{}", fmt::join(names, ", "));
 }
 
 /// How much of the recordings is compared with models.

@@ -270,6 +270,34 @@ void finish_leaders(JointModel& model, const Standing& current, std::vector<Refi
   }
 }
 
+void refit_what_is_alike(JointModel& model, const Standing& current, const std::vector<Screened>& screened,
+                         std::vector<Refitted>& refitted) {
+  const auto by_square = [](const Refitted& a, const Refitted& b) { return a.fit.square < b.fit.square; };
+  const auto first = std::min_element(refitted.begin(), refitted.end(), by_square);
+  if (first == refitted.end() || !(first->fit.square < current.fit.square)) return;
+  const JointParameters at = first->fit.at;
+  const std::vector<std::vector<model::Predicted>> start = first->fit.predicted;
+  for (const Screened& s : screened) {
+    const Present& other = at.effects.back();
+    const std::optional<model::Values> values = s.effect->like(*other.effect, other.values, model.rod());
+    if (!values) continue;
+    Refitted r;
+    r.effect = s.effect;
+    JointParameters p = at;
+    p.effects.back() = {s.effect, *values};
+    for (const JointUnknown& c : model.columns(p)) set_unknown(p, c, value_of(p, c) / c.scale);  // in range
+    JointModel::FitOptions how = refit_options(kFinishIterations);
+    how.damped = true;
+    fit_from(model, p, start, how, current.fit, r);
+    const auto known = std::find_if(refitted.begin(), refitted.end(),
+                                    [&](const Refitted& one) { return one.effect == s.effect; });
+    if (known == refitted.end())
+      refitted.push_back(std::move(r));
+    else if (by_square(r, *known))
+      *known = std::move(r);
+  }
+}
+
 Standing standing_on(JointModel& model, const Linearised& fit) {
   JointModel::FitOptions how = refit_options(kLastIterations);
   how.derivatives = JointModel::Derivatives::kWhole;

@@ -45,6 +45,12 @@ Refitted refit(JointModel& model, const Standing& current, const Screened& s);
 /// to leave it to the next round's refits to find its constants.
 void finish_leaders(JointModel& model, const Standing& current, std::vector<Refitted>& refitted);
 
+/// What can do nearly the same as the effect that explains most, a wall what a hose does, is fitted from
+/// where that one's refit ended, too: from the screen it may have begun too far off. The better of its two
+/// stays.
+void refit_what_is_alike(JointModel& model, const Standing& current, const std::vector<Screened>& screened,
+                         std::vector<Refitted>& refitted);
+
 /// What comes next rests on a fit that came near by the derivatives of another: the last steps, by its own,
 /// whole ones where loads depend on the shape. Else evidence would take for a gain of constants what the fit
 /// left over.

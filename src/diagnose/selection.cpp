@@ -70,6 +70,7 @@ Round look(JointModel& model, Standing& current, bool first, bool refits, bool m
   }
   if (!worth.empty()) progress(leaders + kPosterior + after, "refitting with what explains most");
   finish_leaders(model, current, round.refitted);
+  refit_what_is_alike(model, current, round.screened, round.refitted);
   if (may_move) {
     if (std::optional<Standing> better = at_better_constants(model, current, round.refitted)) {
       current = std::move(*better);

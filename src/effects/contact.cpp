@@ -36,6 +36,13 @@ class Contact : public Described {
     }
     return list;
   }
+  std::optional<Values> like(const Effect& other, const Values& hose, const FineRod& fine) const override {
+    if (other.info().id != "tether") return std::nullopt;
+    // Beyond where a hose grows taut it pulls the tip back as a wall does that stands there.
+    const double far_m = std::hypot(hose[2], hose[3]);
+    return (Values(5) << hose[0], fine.length_m(), std::atan2(-hose[3], -hose[2]), hose[4] - far_m, 0.0)
+        .finished();
+  }
   bool holds_place() const override { return true; }
   double held_place_m(const FineRod&, const Values& values) const override { return values[1]; }
   Vector3d holding_force_n(const FineRod&, const Values& values, const Vector3d& place_m,

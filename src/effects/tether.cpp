@@ -31,6 +31,14 @@ class Tether : public Described {
                            .finished());
     return list;
   }
+  std::optional<Values> like(const Effect& other, const Values& wall, const FineRod& fine) const override {
+    if (other.info().id != "contact") return std::nullopt;
+    // Its anchor is so far on the other side that it pulls nearly along the wall's normal.
+    const double far_m = fine.length_m();
+    return (Values(5) << wall[0], 0.0, -far_m * std::cos(wall[2]), -far_m * std::sin(wall[2]),
+            std::max(0.0, far_m + wall[3]))
+        .finished();
+  }
   std::optional<std::pair<double, double>> place(const arm::Arm& arm, const Values&) const override {
     return std::make_pair(arm.total_length_m(), arm.total_length_m());
   }

@@ -137,6 +137,12 @@ class Effect {
   /// What to look for: values of the parameters that are no sizes, all combinations that differ enough to be
   /// separated; sizes 0. One entry of zeros and usual values by default.
   virtual std::vector<Values> grid(const arm::Arm& arm, const FineRod& rod) const;
+  /// Its values where it does nearly what another effect does at its own: a wall and a hose that grows taut.
+  /// Nothing where it cannot.
+  virtual std::optional<Values> like(const Effect& /*other*/, const Values& /*of_other*/,
+                                     const FineRod&) const {
+    return std::nullopt;
+  }
 
   /// Changes what drives the trial.
   virtual void drive(const arm::Arm&, const Values&, Series&) const {}

@@ -83,6 +83,45 @@ TEST(Refits, GoOnUntilNoneThatHasNotConvergedWouldLead) {
   EXPECT_EQ(refitted[1].fit.square, leads);
 }
 
+/// A wall, looked for on the wrong side of the arm; and a hose that grows taut, which does nearly the same.
+TEST(Refits, WhatIsAlikeIsFittedFromWhereTheOtherEnded) {
+  const testing::RecordedCase drawn =
+      testing::recorded_case("{count_weights: [0, 1], from: [contact], size: [0.6, 1.0]}", 8, 4, 8.0);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  const Standing alone{looked.baseline, unseen(looked.model, looked.baseline)};
+  std::vector<Screened> screened = screen(looked.model, looked.baseline, 0, [](double) {});
+  const auto refit_of = [&](const std::string& id) {
+    return refit(looked.model, alone, *std::find_if(screened.begin(), screened.end(), [&](const Screened& s) {
+                   return s.effect->info().id == id;
+                 }));
+  };
+  const Refitted hose = refit_of("tether");
+  for (Screened& s : screened)
+    if (s.effect->info().id == "contact") s.values[2] += M_PI;
+  const Refitted astray = refit_of("contact");
+  ASSERT_LT(hose.fit.square, 0.9 * astray.fit.square);
+
+  std::vector<Refitted> refitted{hose, astray};
+  refit_what_is_alike(looked.model, alone, screened, refitted);
+  ASSERT_EQ(refitted.size(), 2U);
+  EXPECT_EQ(refitted[0].fit.square, hose.fit.square);
+  EXPECT_LT(refitted[1].fit.square, 1.05 * hose.fit.square);
+  const double wall = refitted[1].fit.square;
+  // One that had no refit of its own; one that is the better; and where nothing is alike.
+  refitted = {hose};
+  refit_what_is_alike(looked.model, alone, screened, refitted);
+  ASSERT_EQ(refitted.size(), 2U);
+  EXPECT_EQ(refitted[1].effect, astray.effect);
+  EXPECT_EQ(refitted[1].fit.square, wall);
+  refitted = {hose, astray};
+  refitted[1].fit.square = 0.9 * hose.fit.square;
+  refit_what_is_alike(looked.model, alone, screened, refitted);
+  EXPECT_EQ(refitted[1].fit.square, 0.9 * hose.fit.square);
+  refitted = {refit_of("tip_mass")};
+  refit_what_is_alike(looked.model, alone, screened, refitted);
+  EXPECT_EQ(refitted.size(), 1U);
+}
+
 /// Effects of which one, a wall, answers to the shape.
 class SharedDerivatives : public ::testing::TestWithParam<const char*> {};
 

@@ -133,6 +133,26 @@ TEST_F(LoadSignatures, TetherPullsInProportionToTheTipsWay) {
       1e-4);
 }
 
+TEST_F(LoadSignatures, AHoseThatGrowsTautAndAWallDoNearlyTheSame) {
+  const model::Present wall = with("contact", {60.0, 0.2, 0.3, 0.02, 0.0});
+  model::Present hose = with("tether", {0.0, 0.0, 0.0, 0.0, 0.0});
+  const auto as_hose = hose.effect->like(*wall.effect, wall.values, model.rod());
+  ASSERT_TRUE(as_hose);
+  hose.values = *as_hose;
+  for (const double level : {0.2, 0.5, 0.8}) {
+    const Condition condition{inputs(level), 0.0, hanging()};
+    const Matrix3Xd by_wall = moved(wall, {condition});
+    EXPECT_LT((moved(hose, {condition}) - by_wall).norm(), 0.25 * by_wall.norm() + 1e-9) << level;
+  }
+  EXPECT_GT(tip(wall, {inputs(0.8), 0.0, hanging()}), 5e-3);
+  // And back again.
+  const auto as_wall = wall.effect->like(*hose.effect, hose.values, model.rod());
+  ASSERT_TRUE(as_wall);
+  EXPECT_LT((*as_wall - wall.values).norm(), 1e-9);
+  EXPECT_FALSE(
+      wall.effect->like(*with("tip_mass", {0.1}).effect, body_testing::values_of({0.1}), model.rod()));
+}
+
 TEST_F(LoadSignatures, PayloadOffsetIsInProportionToThePayload) {
   const model::Present off = with("payload_offset", {0.0, 0.0, 0.02});
   EXPECT_LT(tip(off, {inputs(0.6), 0.0, hanging()}), 1e-9);
