@@ -11,7 +11,8 @@ namespace {
 // Looked for with this length of slack, and with the anchor so far beside the arm, over its length.
 constexpr double kSlack = 0.1, kFar = 0.4;
 constexpr int kDirections = 4;
-constexpr double kNear_m = 1e-4;  // from the anchor, within which the pull has no direction
+constexpr double kFarthest_m = 1.0;  // of the anchor from the straight tip, along either axis
+constexpr double kNear_m = 1e-4;     // from the anchor, within which the pull has no direction
 
 class Tether : public Described {
  public:
@@ -34,7 +35,7 @@ class Tether : public Described {
   std::optional<Values> like(const Effect& other, const Values& wall, const FineRod& fine) const override {
     if (other.info().id != "contact") return std::nullopt;
     // Its anchor is so far on the other side that it pulls nearly along the wall's normal.
-    const double far_m = fine.length_m();
+    const double far_m = std::min(fine.length_m(), kFarthest_m);
     return (Values(5) << wall[0], 0.0, -far_m * std::cos(wall[2]), -far_m * std::sin(wall[2]),
             std::max(0.0, far_m + wall[3]))
         .finished();
@@ -73,8 +74,10 @@ std::unique_ptr<Effect> make_tether() {
            Family::kLoad,
            {{"stiffness_n_per_m", "N/m", "of its pull", 0.0, 300.0, 2.0},
             {"mass_kg", "kg", "of it, that hangs at the tip", 0.0, 1.0, 0.01},
-            {"anchor_x_m", "m", "place of its anchor along x, from the straight tip", -1.0, 1.0, 0.0},
-            {"anchor_y_m", "m", "place of its anchor along y, from the straight tip", -1.0, 1.0, 0.0},
+            {"anchor_x_m", "m", "place of its anchor along x, from the straight tip", -kFarthest_m,
+             kFarthest_m, 0.0},
+            {"anchor_y_m", "m", "place of its anchor along y, from the straight tip", -kFarthest_m,
+             kFarthest_m, 0.0},
             {"length_m", "m", "up to which it is slack", 0.0, 2.0, 0.0}},
            2,
            {"tip_mass", "strain_stiffening", "contact"},

@@ -5,7 +5,8 @@
 namespace softarm::model {
 namespace {
 
-constexpr int kNewtonSteps = 30, kNewtonHalvings = 8;
+constexpr int kNewtonSteps = 30;
+constexpr int kNewtonHalvings = 20;   // a wall may be a million times as stiff as the arm
 constexpr double kLawProbe_m = 1e-7;  // of laws' derivatives
 constexpr double kPlaceFound_m = 1e-11;
 

@@ -231,6 +231,7 @@ bool InstantSolver::agree_by_forces(const Context& at, const std::vector<Present
                                     const HeldPlaces& places, Eigen::VectorXd& forces_n, Predicted& now) {
   Eigen::MatrixXd& compliance = at.feedback.compliance_m_per_n;
   const double largest_m = kLargestWay * fine.length_m();
+  const bool only_places = needs_only_places(effects);
   Eigen::VectorXd solved_n, solved_m;  // what was solved last
   Shape followed;
   double last_m = largest_m;
@@ -244,11 +245,13 @@ bool InstantSolver::agree_by_forces(const Context& at, const std::vector<Present
     }
     now.q_tip = values.q_tip();
     const double moved_m = difference_m(followed, now.shape).lpNorm<Eigen::Infinity>();
-    now.shape = followed;
     if (compliance.rows() == places.size() && solved_n.size() > 0) {  // Broyden's update
-      const Eigen::VectorXd change_n = forces_n - solved_n, way_m = positions - solved_m;
-      if (way_m.norm() > kSeen_m)
-        compliance += (way_m - compliance * change_n) * change_n.transpose() / change_n.squaredNorm();
+      const Eigen::VectorXd change_n = forces_n - solved_n, way_m = positions - solved_m,
+                            expected_m = compliance * change_n;
+      // Most of the way must be the forces' doing: other effects answer to the shape, too.
+      const bool by_forces = only_places || (way_m - expected_m).norm() < expected_m.norm();
+      if (way_m.norm() > kSeen_m && change_n.squaredNorm() > 0.0 && by_forces)
+        compliance += (way_m - expected_m) * change_n.transpose() / change_n.squaredNorm();
     }
     solved_n = forces_n;
     solved_m = positions;
@@ -260,14 +263,18 @@ bool InstantSolver::agree_by_forces(const Context& at, const std::vector<Present
     };
     if (compliance.rows() == places.size()) look();
     const bool settled = way_m < mesh_.settled_m;
-    if (settled && (moved_m < mesh_.settled_m || needs_only_places(effects))) return true;
-    if (!settled && way_m > kSlow * last_m) {
+    if (settled && (moved_m < mesh_.settled_m || only_places)) {
+      now.shape = followed;
+      return true;
+    }
+    if (!settled && !(way_m <= kSlow * last_m)) {  // by the shape that these positions are of
       compliance = yielding(at, effects, places, forces_n, positions, now);
       if (compliance.rows() != places.size()) return false;
       look();
     }
     if (way_m > last_m && ++worse > kMostWorse) return false;
     last_m = way_m;
+    now.shape = followed;
     forces_n += std::min(1.0, largest_m / way_m) * step_n;
   }
   return false;

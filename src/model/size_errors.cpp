@@ -10,9 +10,14 @@ namespace {
 const double kAnywhere = 1.0 / std::sqrt(12.0);  // sd of a number that may be anywhere, over its range
 constexpr double kLeastRoom = 0.1;               // of a standard deviation, for a difference to be one
 
+/// The end of a number's range on an arm.
+double high_of(const Parameter& parameter, const arm::Arm& arm) {
+  return parameter.along ? std::min(parameter.high, arm.total_length_m()) : parameter.high;
+}
+
 /// By how much a number is moved for one standard deviation's difference; 0: it cannot be.
-double step_of(const Parameter& parameter, double value, double sd) {
-  const double above = parameter.high - value, below = value - parameter.low;
+double step_of(double low, double high, double value, double sd) {
+  const double above = high - value, below = value - low;
   const double side = above >= sd || above >= below ? 1.0 : -1.0;
   const double step = std::min(sd, side > 0.0 ? above : below);
   return step >= kLeastRoom * sd ? side * step : 0.0;
@@ -28,8 +33,9 @@ SizeErrors::SizeErrors(const arm::Arm& arm, std::vector<Present> effects)
     for (Eigen::Index k = 0; k < present.sd.size(); ++k) {
       const Parameter& parameter = parameters[static_cast<std::size_t>(k)];
       if (parameter.counts || !(present.sd[k] > 0.0)) continue;
-      const double sd = std::min(present.sd[k], kAnywhere * (parameter.high - parameter.low));
-      const double step = step_of(parameter, present.values[k], sd);
+      const double low = parameter.low, high = high_of(parameter, arm_);
+      const double sd = std::min(present.sd[k], kAnywhere * (high - low));
+      const double step = step_of(low, high, present.values[k], sd);
       if (step == 0.0) continue;
       std::vector<Present> others = effects_;
       others[e].values[k] += step;
@@ -46,7 +52,7 @@ std::vector<Present> SizeErrors::leaning(const Eigen::VectorXd& by_sd) const {
     const Parameter& parameter =
         present.effect->info().parameters[static_cast<std::size_t>(number.parameter)];
     double& value = present.values[number.parameter];
-    value = std::clamp(value + by_sd[k] * number.sd, parameter.low, parameter.high);
+    value = std::clamp(value + by_sd[k] * number.sd, parameter.low, high_of(parameter, arm_));
   }
   return effects;
 }

@@ -149,6 +149,13 @@ TEST_F(LoadSignatures, AHoseThatGrowsTautAndAWallDoNearlyTheSame) {
   const auto as_wall = wall.effect->like(*hose.effect, hose.values, model.rod());
   ASSERT_TRUE(as_wall);
   EXPECT_LT((*as_wall - wall.values).norm(), 1e-9);
+  // Anchors are no further aside than their range.
+  arm::Arm longer = arm;
+  longer.segments[0].length_m = 1.5;
+  const auto of_longer = hose.effect->like(*wall.effect, wall.values, model::FineRod(longer));
+  ASSERT_TRUE(of_longer);
+  EXPECT_NEAR((*of_longer)[4], 1.02, 1e-9);
+  EXPECT_NEAR(std::hypot((*of_longer)[2], (*of_longer)[3]), 1.0, 1e-9);
   EXPECT_FALSE(
       wall.effect->like(*with("tip_mass", {0.1}).effect, body_testing::values_of({0.1}), model.rod()));
 }

@@ -27,13 +27,16 @@ Present wall(double stiffness_n_per_m, double place_m, double friction = 0.0) {
 /// An arm beside a wall, at one instant after the other.
 class Arm {
  public:
-  Arm()
-      : arm_(effects::testing::shipped_arm("online_200mm")),
-        solver_(arm_, Mesh::of({wall(1.0, 0.1)}, 1e-7)) {}
+  explicit Arm(const std::vector<Present>& kinds = {wall(1.0, 0.1)})
+      : arm_(effects::testing::shipped_arm("online_200mm")), solver_(arm_, Mesh::of(kinds, 1e-7)) {}
 
   /// @param from_before its last shape is where to begin; else it is solved from nothing
   bool settle(const Present& present, const Eigen::Vector3d& pressures_pa, const Eigen::Vector3d& gravity,
               bool from_before) {
+    return settle(std::vector<Present>{present}, pressures_pa, gravity, from_before);
+  }
+  bool settle(const std::vector<Present>& all, const Eigen::Vector3d& pressures_pa,
+              const Eigen::Vector3d& gravity, bool from_before) {
     static const Dynamics kStill{false, 0.0};
     static const Motion kNoMotion;
     now_.instant.inputs = now_.instant.moment_inputs = pressures_pa;
@@ -41,12 +44,15 @@ class Arm {
     const InstantSolver::Context context{arm_, memories_, kStill, kNoMotion, feedback_};
     const Shape before = now_.shape;
     const Eigen::Quaterniond tip = now_.q_tip;
-    if (!solver_.settle(context, {present}, from_before ? &tip : nullptr, from_before ? &before : nullptr,
-                        now_))
+    memories_.resize(all.size());
+    if (!solver_.settle(context, all, from_before ? &tip : nullptr, from_before ? &before : nullptr, now_))
       return false;
-    present.effect->remember(arm_, solver_.fine, present.values, now_.instant, now_.shape, memories_[0]);
+    for (std::size_t i = 0; i < all.size(); ++i)
+      all[i].effect->remember(arm_, solver_.fine, all[i].values, now_.instant, now_.shape, memories_[i]);
     return true;
   }
+  /// Empty where places were not held by forces, or not for long.
+  const Eigen::MatrixXd& compliance_m_per_n() const { return feedback_.compliance_m_per_n; }
   Eigen::Vector3d tip_m() const { return now_.shape.stations.back().p; }
   /// Of the wall at the shape that was found, and what the rod bears there instead.
   Eigen::Vector3d force_n(const Present& present) const {
@@ -64,7 +70,7 @@ class Arm {
   arm::Arm arm_;
   InstantSolver solver_;
   Feedback feedback_;
-  std::vector<Memory> memories_ = std::vector<Memory>(1);
+  std::vector<Memory> memories_;
   Predicted now_;
 };
 
@@ -134,6 +140,37 @@ TEST(HeldPlaces, ALimpArmIsHeldByTheLawWhereItThenIs) {
   // Outside it lets go of what it was held by.
   const Eigen::VectorXd force = -0.01 * towards, outside = (kDistance_m - 0.01) * towards;
   EXPECT_LT((places.step_n(outside, force, 0.1 * Eigen::MatrixXd::Identity(3, 3)) + force).norm(), 1e-9);
+  // 6 mm outside by a force that holds it back by 30 mm: 24 mm inside without. Of the kink's other side, so
+  // much limper than the wall, a search along the first direction must find the few hundredths of a mm.
+  const Eigen::MatrixXd limp = 0.62 * Eigen::MatrixXd::Identity(3, 3);
+  const Eigen::VectorXd pushed = -0.030 / 0.62 * towards, aside = (kDistance_m - 0.006) * towards;
+  const double held_n = 2000.0 * 0.024 / (1.0 + 2000.0 * 0.62);
+  EXPECT_LT((places.step_n(aside, pushed, limp) + pushed + held_n * towards).norm(), 1e-6);
+}
+
+/// Off the wall its force is none, and what moves the place is the other's doing.
+TEST(HeldPlaces, BesideAnEffectThatAnswersToTheShapeThePlaceIsHeldByForcesToo) {
+  const Present stiffens{effects::find("strain_stiffening"), (Values(1) << 0.02).finished()};
+  Arm both({wall(1.0, 0.1), stiffens}), alone({wall(1.0, 0.1), stiffens});
+  int off = 0, held = 0;
+  for (const double pressure : {0.0, 1e3, 2e3, 3e4, 4e4, 1e3}) {
+    SCOPED_TRACE(pressure);
+    const Eigen::Vector3d pressures(pressure, 0.0, 0.0), gravity(0.0, 0.0, 9.81);
+    const bool begun = both.compliance_m_per_n().size() > 0;
+    ASSERT_TRUE(both.settle({wall(300.0, 0.2), stiffens}, pressures, gravity, begun));
+    ASSERT_TRUE(alone.settle({wall(0.0, 0.2), stiffens}, pressures, gravity, false));
+    ASSERT_EQ(both.compliance_m_per_n().rows(), 3) << "mixed instead";
+    EXPECT_TRUE(both.compliance_m_per_n().allFinite());
+    EXPECT_LT((both.force_n(wall(300.0, 0.2)) - both.borne_n()).norm(), 1e-3);
+    const bool touches = both.borne_n().norm() > 0.0;
+    if (!touches) {
+      EXPECT_LT((both.tip_m() - alone.tip_m()).norm(), kSame_m);
+    }
+    off += !touches;
+    held += touches;
+  }
+  EXPECT_GT(off, 1);
+  EXPECT_GT(held, 1);
 }
 
 }  // namespace
