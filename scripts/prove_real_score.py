@@ -6,7 +6,10 @@ have is the arm's own, and says nothing of the intervention.
 BINS = ("found", "in the control too", "named wrongly", "missed", "no name, unknown", "no name")
 
 
-EXCHANGED_NAMES = "exchanged_names"  # no effect of the catalogue: rings that have one another's names, which a report says before all
+# No effects of the catalogue: rings that have one another's names, and payloads that are not what was told. A report says them
+# before all, under these keys.
+EXCHANGED_NAMES, TOLD_PAYLOADS = "exchanged_names", "told_payloads"
+BEFORE_ALL = (EXCHANGED_NAMES, TOLD_PAYLOADS)
 NAMED_AT_LEAST = 0.5  # a report also lists what is likeliest, however improbable: it names nothing by that
 
 

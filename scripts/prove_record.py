@@ -13,7 +13,7 @@ PLAN = "truth/plan.json"
 TRUTH = ("case.json", "displacement.json")  # of a case: its trials' own follow from the first
 DECIDED = ("cost.json", "baselines.json", "displacement.json")
 # What figures and pages read of a report, of its ranking, and of each effect that it names.
-OF_REPORT = ("verdict", "noise_floor_m", "exchanged_names", "shifts")
+OF_REPORT = ("verdict", "noise_floor_m", "exchanged_names", "told_payloads", "shifts")
 OF_RANKING = ("name", "probability", "finding")
 NAMED = ("effects", "small_departures", "stand_ins")
 OF_NAMED = ("name", "probability", "confusable_with", "parameters", "where")

@@ -33,7 +33,7 @@ def decision_of_report(report):
     """Without a report it says nothing."""
     if report is None:
         return {"verdict": "failed", "named": [], "ranking": [], "findings": {}}
-    names = [prove_real_score.EXCHANGED_NAMES] if "exchanged_names" in report else []
+    names = [key for key in prove_real_score.BEFORE_ALL if key in report]
     return {"verdict": report["verdict"],
             "named": [{"name": name, "probability": 1.0, "parameters": {}} for name in names] + named_in(report),
             "ranking": names + [c["name"] for c in report["ranking"]],

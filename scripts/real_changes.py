@@ -80,7 +80,7 @@ def payload_scaled(kind, recordings, random):
     for one in recordings:
         one.payload = told(lambda was: (1.0 + share) * was)(one.payload)
     return {"words": f"payloads told at {1 + share:.2f} of what hung", "size": abs(share), "unit": "1",
-            "effects": ["payload_scale"], "parameters": {"share": share}}
+            "effects": ["payload_scale", prove_real_score.TOLD_PAYLOADS], "parameters": {"share": share}}
 
 
 # No share of what was told makes what hung of nothing, or of what hung elsewhere.
@@ -94,7 +94,7 @@ def payload_withheld(kind, recordings, random):
         one.payload = told(lambda was: 0.0)(one.payload)
     kg = max(kg for one in some for _, kg in one.before.payload)
     return {"words": "payload told as none: " + ", ".join(one.name for one in some), "size": kg, "unit": "kg",
-            "effects": [], "not": NO_SHARE, "parameters": {}}
+            "effects": [prove_real_score.TOLD_PAYLOADS], "not": NO_SHARE, "parameters": {}}
 
 
 def payload_swapped(kind, recordings, random):
@@ -105,7 +105,7 @@ def payload_swapped(kind, recordings, random):
     a.payload = told(lambda was: hung[1] if was > 0.0 or hung[0] == 0.0 else 0.0)(a.payload)
     b.payload = told(lambda was: hung[0] if was > 0.0 or hung[1] == 0.0 else 0.0)(b.payload)
     return {"words": f"payloads of {a.name} and {b.name} exchanged", "size": abs(hung[0] - hung[1]), "unit": "kg",
-            "effects": [], "not": NO_SHARE, "parameters": {}}
+            "effects": [prove_real_score.TOLD_PAYLOADS], "not": NO_SHARE, "parameters": {}}
 
 
 # Clocks.

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <memory>
 
 #include "beyond_range.h"
 #include "discovered_law.h"
@@ -27,6 +28,7 @@
 #include "sentences.h"
 #include "softarm/identify/identify.h"
 #include "structure.h"
+#include "told_payloads.h"
 #include "unseen.h"
 
 namespace softarm::diagnose {
@@ -314,34 +316,36 @@ model::Prepared prepared_trials(const arm::Arm& arm, const std::vector<trial::Tr
   }
 }
 
-}  // namespace
-
 // What is left, as multiples of the time of the constants' fits: as of untidy cases with nine trials.
 constexpr double kCeiling = 0.65, kExperiments = 0.75, kPictures = 0.02, kAnswers = kExperiments + 0.15;
+constexpr double kAsTold = 0.5;  // share of all, where there is a second diagnosis under other payloads
 
-Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials, const Options& options,
-                   const Progress& progress) {
-  Schedule schedule(progress, [] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-  });
-  schedule.first_part(0.0, "averaging frames");
-  model::Preparation how;
-  how.block_s = options.block_s;
-  const model::Prepared prepared = prepared_trials(arm, trials, how);
-  JointModel model(arm, prepared.trials, options.jobs, options.held, options.tied, options.known);
-  schedule.first_part(0.02, "fitting the arm's constants");
-  FirstFits first = first_fits(model, [&] { schedule.first_part(0.05, "fitting the arm's constants"); });
-  const std::optional<ExchangedNames> names = exchanged_names(arm, model.trials());
+/// Trials under some payloads, and the fits that everything begins with.
+struct Begun {
+  /// @param trials kept by reference
+  Begun(const arm::Arm& arm, const std::vector<model::TrialData>& trials, const Options& options,
+        Schedule& schedule)
+      : model(arm, trials, options.jobs, options.held, options.tied, options.known),
+        first(first_fits(model, [&] { schedule.first_part(0.05, kFittingConstants); })) {}
+
+  static constexpr const char* kFittingConstants = "fitting the arm's constants";
+  JointModel model;
+  FirstFits first;
+};
+
+/// All that follows those fits.
+Diagnosis diagnosed(const model::Prepared& prepared, Begun& begun, const std::optional<ExchangedNames>& names,
+                    const Options& options, Schedule& schedule) {
+  JointModel& model = begun.model;
   Options looked_for = options;
   if (names) looked_for.most_effects = 0;  // what they would explain is not the arm's
-  schedule.end_first_part();
   Selection selection =
-      select(model, std::move(first.baseline), first.delayed, looked_for,
+      select(model, std::move(begun.first.baseline), begun.first.delayed, looked_for,
              [&](double left, const std::string& what) { schedule.left(left + kCeiling + kAnswers, what); });
 
   schedule.left(kCeiling + kAnswers, "what could be explained at all");
   Diagnosis d;
-  d.arm = arm.name;
+  d.arm = model.arm().name;
   const Remains left = compare(model, selection, options.jobs, d);
   const bool extended = !selection.extended.at.effects.empty();
   const BeyondRange beyond = names ? BeyondRange{} : look_beyond(model, options, selection);
@@ -366,7 +370,7 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   d.left_out_share = 1.0 - static_cast<double>(count.used_frames) / static_cast<double>(count.block_frames);
   d.exchanged_names = names;
   add_summary(model, beyond, d);
-  d.notes = notes_of(count, prepared, selection, options, first, model, left);
+  d.notes = notes_of(count, prepared, selection, options, begun.first, model, left);
 
   schedule.left(kExperiments + kPictures, "what single instants say");
   const std::vector<InstantFit> instants = fit_instants(model, selection.baseline, options.jobs);
@@ -377,6 +381,101 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   d.next_experiment = next_experiment(model, selection, d.verdict, options);
   schedule.left(kPictures, "pictures");
   add_pictures(model, selection, d);
+  return d;
+}
+
+/// The fit that looks for payloads: where clocks are apart, the one that knows.
+Linearised& fit_of_payloads(FirstFits& first) {
+  return first.delayed ? *first.delayed : first.baseline;
+}
+
+/// The fits under the payloads that the trials say, from what was told to these one step after the other.
+/// @param payloads to first order about the fit as told; become those under which the fits are
+/// @param trials get them, and are kept by reference
+/// @return nothing where that does not come to an end, or to no likely payloads
+std::unique_ptr<Begun> begun_under(const arm::Arm& arm, const model::Prepared& prepared,
+                                   std::vector<OtherPayload>& payloads, std::vector<model::TrialData>& trials,
+                                   const Options& options, Schedule& schedule) {
+  const double usual_kg = usual_payload_kg(arm, prepared.trials);
+  for (std::size_t step = 0; step < kPolicy.told.most_steps; ++step) {
+    trials = under(payloads, prepared.trials);
+    schedule.begin_first_part("under payloads that the trials say");
+    auto begun = std::make_unique<Begun>(arm, trials, options, schedule);
+    std::vector<OtherPayload> next =
+        other_payloads(begun->model, fit_of_payloads(begun->first), payloads, usual_kg);
+    if (is_settled(payloads, next, usual_kg)) {
+      for (std::size_t i = 0; i < payloads.size(); ++i) payloads[i].sd_kg = next[i].sd_kg;
+      if (!are_likely(payloads)) return nullptr;
+      return begun;
+    }
+    payloads = std::move(next);
+  }
+  return nullptr;
+}
+
+/// The diagnosis under the payloads that the trials say; nothing where it leaves hardly less of the same
+/// recordings than the one as they were told.
+std::optional<Diagnosis> under_other_payloads(const arm::Arm& arm, const model::Prepared& prepared,
+                                              std::vector<OtherPayload> payloads, const Diagnosis& as_told,
+                                              const Options& options, Schedule& schedule) {
+  std::vector<model::TrialData> trials;
+  const std::unique_ptr<Begun> begun = begun_under(arm, prepared, payloads, trials, options, schedule);
+  if (!begun) return std::nullopt;
+  schedule.end_first_part();
+  Diagnosis d = diagnosed(prepared, *begun, std::nullopt, options, schedule);
+  const double mean_m = d.extended.held_out_mean_m;
+  if (!(mean_m > 0.0 && mean_m < kPolicy.told.better * as_told.extended.held_out_mean_m) ||
+      d.left_out_share > as_told.left_out_share + kPolicy.words.left_out_share)
+    return std::nullopt;
+  d.told_payloads = told_payloads(payloads, prepared.trials);
+  d.told_payloads->as_told_mean_m = as_told.extended.held_out_mean_m;
+  d.told_payloads->mean_m = mean_m;
+  d.summary = sentence_of(*d.told_payloads) + " " + d.summary;
+  return d;
+}
+
+double now_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials, const Options& options,
+                   const Progress& progress) {
+  double from = 0.0, width = 1.0, said = 0.0;
+  const auto part = [&](double share, const std::string& what) {
+    said = std::max(said, from + width * share);
+    if (progress) progress(said, what);
+  };
+  Schedule schedule(part, now_s);
+  schedule.first_part(0.0, "averaging frames");
+  model::Preparation how;
+  how.block_s = options.block_s;
+  const model::Prepared prepared = prepared_trials(arm, trials, how);
+  schedule.first_part(0.02, Begun::kFittingConstants);
+  Begun begun(arm, prepared.trials, options, schedule);
+  const std::optional<ExchangedNames> names = exchanged_names(arm, prepared.trials);
+  std::vector<OtherPayload> other;
+  if (!names)
+    other =
+        other_payloads(begun.model, fit_of_payloads(begun.first), {}, usual_payload_kg(arm, prepared.trials));
+  if (!other.empty()) width = kAsTold;
+  schedule.end_first_part();
+  Diagnosis d = diagnosed(prepared, begun, names, options, schedule);
+  if (!other.empty() && d.verdict != Verdict::kConsistent && d.verdict != Verdict::kExplained) {
+    from = kAsTold;
+    Schedule again(part, now_s);
+    try {
+      if (std::optional<Diagnosis> found =
+              under_other_payloads(arm, prepared, std::move(other), d, options, again))
+        d = *std::move(found);
+    } catch (const std::exception& e) {
+      d.notes.push_back(
+          fmt::format("Under payloads other than those told nothing could be said: {}.", e.what()));
+    }
+  }
+  from = 0.0;
+  width = 1.0;
   schedule.end();
   return d;
 }

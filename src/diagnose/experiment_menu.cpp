@@ -177,16 +177,10 @@ class Menu {
         bend(all, 0.0, kPolicy.experiment.cycles));
   }
 
-  double weight_kg() const {
-    double sum = arm_.tip_mass_kg;
-    for (const arm::Segment& segment : arm_.segments) sum += segment.mass_per_length_kg_m * segment.length_m;
-    return sum;
-  }
-
   /// What a pull may be: no more than what the arm is known to bear, its own weight or the heaviest payload
   /// that was on it.
   double most_pull_n() const {
-    const double kg = std::max(weight_kg(), from_.most_payload_kg());
+    const double kg = std::max(mass_kg(arm_), from_.most_payload_kg());
     const double most_kg = arm_.payload.range_kg.high;
     return arm_.gravity_m_s2.norm() * (kg > 0.0 ? std::min(kg, most_kg) : most_kg);
   }
@@ -194,7 +188,7 @@ class Menu {
   /// A payload to take where more is wanted than was recorded; nothing where the arm cannot bear it.
   double heavier_kg() const {
     const double more = std::max(kPolicy.experiment.payload_times * from_.most_payload_kg(),
-                                 from_.most_payload_kg() + kPolicy.experiment.payload_share * weight_kg());
+                                 from_.most_payload_kg() + kPolicy.experiment.payload_share * mass_kg(arm_));
     return std::min(more, arm_.payload.range_kg.high);
   }
 

@@ -230,6 +230,21 @@ struct Policy {
     double mostly = 0.5;  ///< share of them, from which on an order is the trial's, no ghosts for a while
   } names;
 
+  /// Payloads that are not what was told. What the recordings say of them costs a second diagnosis, under
+  /// other payloads; that one decides.
+  struct Told {
+    double least_share = 0.25;  ///< of the heaviest that was told: a smaller difference is an effect's
+    double least_time = 0.2;    ///< of a trial, in which it hangs
+    double least_z = 5.0;       ///< of one that is worth that
+    double exchanged = 0.9;  ///< share of the gain from which on what was told elsewhere explains it better
+    std::size_t most_steps = 4;  ///< from what was told to what hung
+    double settled = 0.02;       ///< step over the heaviest payload, after which none is made
+    /// Ratio of plain errors on trials left out, of all that is found under other payloads to all that is
+    /// found as told: below it those are the arm's. Numbers that were fitted to the trials themselves make
+    /// some of it.
+    double better = 0.8;
+  } told;
+
   /// Which trials are one sequence of commands.
   struct Sequences {
     /// Rms difference of two trials' inputs over their spread, below which their commands are the same: noise
@@ -286,5 +301,8 @@ inline constexpr Policy kPolicy{};
 /// Standard deviation of the mocap's noise, per coordinate: what the arm file says, root mean square of its
 /// bodies, m.
 double noise_m(const arm::Arm& arm);
+
+/// Mass of the arm with its tip, without payload, kg.
+double mass_kg(const arm::Arm& arm);
 
 }  // namespace softarm::diagnose

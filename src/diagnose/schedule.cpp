@@ -12,6 +12,11 @@ void Schedule::first_part(double share, const std::string& what) {
   tell(share, what);
 }
 
+void Schedule::begin_first_part(const std::string& what) {
+  begin_s_ = now_s_();
+  tell(0.0, what);
+}
+
 void Schedule::end_first_part() {
   part_s_ = now_s_() - begin_s_;
 }

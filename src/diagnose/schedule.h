@@ -18,6 +18,8 @@ class Schedule {
 
   /// Within the first part. @param share of all, as it usually is
   void first_part(double share, const std::string& what);
+  /// From here on another first part is made in its place.
+  void begin_first_part(const std::string& what);
   void end_first_part();
   /// @param parts left, each as long as the first
   void left(double parts, const std::string& what);
@@ -28,8 +30,7 @@ class Schedule {
 
   const Progress progress_;
   const std::function<double()> now_s_;
-  const double begin_s_;
-  double part_s_ = 0.0, share_ = 0.0;
+  double begin_s_, part_s_ = 0.0, share_ = 0.0;
 };
 
 }  // namespace softarm::diagnose

@@ -125,6 +125,7 @@ std::string meaning(Verdict verdict) {
 
 std::string headline(const Diagnosis& d) {
   if (d.exchanged_names) return "Bodies carry one another's names";
+  if (d.told_payloads) return "Payloads are not what was told";
   if (d.narrow_range) return "A range in the arm file is too narrow";
   return meaning(d.verdict);
 }

@@ -138,6 +138,22 @@ Json json_of(const Origin& origin) {
   return json;
 }
 
+Json json_of(const diagnose::ToldPayloads& payloads) {
+  Json trials = Json::array();
+  for (const diagnose::ToldPayload& one : payloads.trials) {
+    trials.push_back({{"trial", one.trial},
+                      {"told_kg", one.told_kg},
+                      {"found_kg", one.found_kg},
+                      {"low_kg", one.low_kg},
+                      {"high_kg", one.high_kg}});
+    if (one.from_s) trials.back()["from_s"] = *one.from_s;
+    if (one.to_s) trials.back()["to_s"] = *one.to_s;
+  }
+  return {{"trials", std::move(trials)},
+          {"as_told_held_out_mean_m", payloads.as_told_mean_m},
+          {"held_out_mean_m", payloads.mean_m}};
+}
+
 }  // namespace
 
 Json report_json(const diagnose::Diagnosis& d, const Origin& origin) {
@@ -149,6 +165,7 @@ Json report_json(const diagnose::Diagnosis& d, const Origin& origin) {
     json["exchanged_names"] = {{"said", d.exchanged_names->said},
                                {"seen", d.exchanged_names->seen},
                                {"trials", d.exchanged_names->trials}};
+  if (d.told_payloads) json["told_payloads"] = json_of(*d.told_payloads);
   json["length_m"] = d.extended_arm.arm.total_length_m();
   json["discrepancy_share"] = d.discrepancy_share;
   json["effects"] = Json::array();

@@ -2,6 +2,7 @@
 """Known interventions on recordings: what each does to made-up tables, what they may be called, how they are scored beside
 their controls."""
 import argparse
+import copy
 import math
 import os
 import random
@@ -259,6 +260,20 @@ class Scores(unittest.TestCase):
             figures, _ = self.figures(exchanged, {**report("unknown"), **said}, report("unknown"))
             kind = figures["worlds"]["real"]["intervention"]
             self.assertEqual((kind["top1"], kind["right_class"], kind["confident_wrong"]), (rate, rate, 0.0))
+
+    def test_payloads_are_found_where_the_report_says_so(self):
+        told = {"told_payloads": {"trials": [], "as_told_held_out_mean_m": 0.01, "held_out_mean_m": 0.001}}
+        for change in (real_changes.payload_withheld, real_changes.payload_swapped, real_changes.payload_scaled):
+            listed = recordings("trunk")
+            for one in listed:
+                one.before = copy.deepcopy(one)
+            names = change(SETS["trunk"], listed, random.Random(2))["effects"]
+            for said, rate in ((told, 1.0), ({}, 0.0)):
+                figures, _ = self.figures(hidden(names=names), {**report("unknown"), **said}, report("unknown"))
+                kind = figures["worlds"]["real"]["intervention"]
+                self.assertEqual((kind["top1"], kind["right_class"], kind["confident_wrong"]), (rate, rate, 0.0))
+            _, results = self.figures(hidden(names=names), report("unknown"), {**report("unknown"), **told})
+            self.assertIn(prove_real_score.TOLD_PAYLOADS, results[1]["truth"]["asked"])
 
     def test_what_the_control_has_too_finds_nothing(self):
         both = report("explained", ("clock_offset", 0.99))

@@ -30,6 +30,18 @@ TEST(Schedule, TellsTheTimeThatIsLeftInTimesOfTheFirstPart) {
   for (std::size_t i = 0; i < shares.size(); ++i) EXPECT_DOUBLE_EQ(shares[i], expected[i]) << i;
 }
 
+TEST(Schedule, MeasuresTheFirstPartThatWasMadeLast) {
+  double now_s = 0.0, told = -1.0;
+  Schedule schedule([&](double share, const std::string&) { told = share; }, [&] { return now_s; });
+  for (int i = 0; i < 3; ++i) {
+    schedule.begin_first_part("");
+    now_s += 2.0;
+  }
+  schedule.end_first_part();
+  schedule.left(3.0, "");
+  EXPECT_DOUBLE_EQ(told, 2.0 / 8.0);
+}
+
 TEST(Schedule, NeedsNeitherAListenerNorTime) {
   Schedule({}, [] { return 0.0; }).left(1.0, "");
   double told = -1.0;

@@ -85,6 +85,8 @@ TEST(Sentences, TheHeadlineIsWhatIsToBeSeenToFirst) {
   EXPECT_EQ(headline(d), meaning(Verdict::kUnknown));
   d.narrow_range = true;
   EXPECT_EQ(headline(d), "A range in the arm file is too narrow");
+  d.told_payloads = ToldPayloads{};
+  EXPECT_EQ(headline(d), "Payloads are not what was told");
   d.exchanged_names = ExchangedNames{};
   EXPECT_EQ(headline(d), "Bodies carry one another's names");
 }

@@ -90,6 +90,25 @@ TEST(ToJson, SaysWhichRingsHaveOneAnothersNames) {
             (json{{"said", {"low", "tip"}}, {"seen", {"tip", "low"}}, {"trials", {"first"}}}));
 }
 
+TEST(ToJson, SaysWhichPayloadsAreNotWhatWasTold) {
+  diagnose::Diagnosis d = testing::example_diagnosis();
+  EXPECT_FALSE(json::parse(report::to_json(d)).contains("told_payloads"));
+  d.told_payloads = diagnose::ToldPayloads{
+      {{"all", {}, {}, 0.0, 0.4, 0.375, 0.425}, {"late", 10.5, {}, 0.4, 0.0, 0.0, 0.0625}}, 0.005, 0.001};
+  EXPECT_EQ(
+      json::parse(report::to_json(d))["told_payloads"],
+      (json{{"trials",
+             {{{"trial", "all"}, {"told_kg", 0.0}, {"found_kg", 0.4}, {"low_kg", 0.375}, {"high_kg", 0.425}},
+              {{"trial", "late"},
+               {"told_kg", 0.4},
+               {"found_kg", 0.0},
+               {"low_kg", 0.0},
+               {"high_kg", 0.0625},
+               {"from_s", 10.5}}}},
+            {"as_told_held_out_mean_m", 0.005},
+            {"held_out_mean_m", 0.001}}));
+}
+
 TEST(ToJson, SaysTheLawThatWasLearnt) {
   const diagnose::DiscoveredLaw law = testing::example_law();
   const json said = json::parse(report::to_json(testing::example_diagnosis()))["discovered_law"];

@@ -229,6 +229,20 @@ struct ExchangedNames {
   double as_said_m = 0.0, as_seen_m = 0.0;  ///< by which distances of neighbours are off in either order
 };
 
+/// A trial in which something else hung than was told, in all of it or a part; the interval holds it with
+/// 90 %.
+struct ToldPayload {
+  std::string trial;
+  std::optional<double> from_s, to_s;  ///< since the trial's first frame; absent: its ends
+  double told_kg = 0.0, found_kg = 0.0, low_kg = 0.0, high_kg = 0.0;
+};
+
+/// Payloads that the recordings contradict. Everything else is said under those that were found.
+struct ToldPayloads {
+  std::vector<ToldPayload> trials;
+  double as_told_mean_m = 0.0, mean_m = 0.0;  ///< plain error of trials left out, with what else was found
+};
+
 struct Diagnosis {
   std::string arm, version;
   /// For the page, by the program: what arm_extended.yaml says, and how to go on with it; may be empty.
@@ -243,6 +257,7 @@ struct Diagnosis {
   double discrepancy_share = 0.0;
   double left_out_share = 0.0;                    ///< of the recordings' means that no model is compared with
   std::optional<ExchangedNames> exchanged_names;  ///< then no effects were looked for
+  std::optional<ToldPayloads> told_payloads;      ///< others were found
   /// That trials are predicted better with a constant beyond its range in the arm file, as the summary says.
   bool narrow_range = false;
   Fit baseline, extended;
