@@ -246,6 +246,15 @@ def true_place_m(effect, length_m):
     return None
 
 
+def said_place_m(named):
+    """By the effect's own number, else the middle of where it is said to be."""
+    for symbol in ("place_m", "centre_m"):
+        if symbol in named["parameters"]:
+            return named["parameters"][symbol]["value"]
+    where = named.get("where", {})
+    return 0.5 * (where["s_from"] + where["s_to"]) if "s_from" in where and "s_to" in where else None
+
+
 def names_of(effect):
     """Ids by which an effect may be named whose numbers are compared."""
     return effect.get("names", [effect["effect"]])
@@ -272,9 +281,9 @@ def sizes(result):
                 off = [named["parameters"][symbol]["value"] - value for symbol, value in true.items()]
                 errors.append(math.sqrt(sum(x * x for x in off)) / norm)
                 hits += [named["parameters"][s]["low"] <= value <= named["parameters"][s]["high"] for s, value in true.items()]
-            place, where = true_place_m(effect, LENGTH_M), named.get("where", {})
-            if place is not None and "s_from" in where and "s_to" in where:
-                places.append(abs(0.5 * (where["s_from"] + where["s_to"]) - place))
+            place, said = true_place_m(effect, LENGTH_M), said_place_m(named)
+            if place is not None and said is not None:
+                places.append(abs(said - place))
     return errors, hits, places
 
 

@@ -214,6 +214,9 @@ class Figures(unittest.TestCase):
         hidden = truth(effect("soft_spot", {"share": 0.3, "centre_fraction": 0.5, "width_fraction": 0.2}))
         said = report("explained", named("soft_spot", where={"s_from": 0.08, "s_to": 0.14}))
         self.assertAlmostEqual(prove_figures.figures([result("single_strong", hidden, said)])["place_error_m"], 0.01)
+        number = {"centre_m": {"value": 0.103, "low": 0.1, "high": 0.11}}  # its own number says it before that
+        said = report("explained", named("soft_spot", parameters=number, where={"s_from": 0.08, "s_to": 0.14}))
+        self.assertAlmostEqual(prove_figures.figures([result("single_strong", hidden, said)])["place_error_m"], 0.003)
 
     def test_bias(self):
         hidden = truth(effect("creep"), constants={"bending_stiffness": 0.03})
