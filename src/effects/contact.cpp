@@ -43,6 +43,9 @@ class Contact : public Described {
     return (Values(5) << hose[0], fine.length_m(), std::atan2(-hose[3], -hose[2]), hose[4] - far_m, 0.0)
         .finished();
   }
+  std::optional<std::pair<double, double>> place(const arm::Arm&, const Values& values) const override {
+    return std::make_pair(values[1], values[1]);
+  }
   bool holds_place() const override { return true; }
   double held_place_m(const FineRod&, const Values& values) const override { return values[1]; }
   Vector3d holding_force_n(const FineRod&, const Values& values, const Vector3d& place_m,

@@ -1,5 +1,7 @@
 // EI and GJ lower by a share over a short stretch: a seam, a cut, a fitting below the skin.
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 #include "along.h"
 #include "effects.h"
@@ -19,6 +21,10 @@ class SoftSpot : public Described {
     std::vector<Values> list;
     for (const double place : kPlaces) list.push_back(Eigen::Vector3d(0.0, place * length, width));
     return list;
+  }
+  std::optional<std::pair<double, double>> place(const arm::Arm& arm, const Values& values) const override {
+    const double end = arm.total_length_m(), half = 0.5 * values[2];
+    return std::make_pair(std::clamp(values[1] - half, 0.0, end), std::clamp(values[1] + half, 0.0, end));
   }
   void act(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape*,
            const Memory&, rod::Rod& rod) const override {

@@ -64,6 +64,17 @@ TEST_F(LoadSignatures, GravityDirectionSagsOffAndChangesSignWithTheMounting) {
   EXPECT_LT((rod.gravity_m_s2 - expected).norm(), 1e-9);
 }
 
+TEST_F(LoadSignatures, WhatIsSomewhereAlongTheArmSaysWhere) {
+  const auto place = [this](const model::Present& present) {
+    return present.effect->place(arm, present.values).value();
+  };
+  EXPECT_EQ(place(with("contact", {50.0, 0.15, 0.0, 0.02, 0.0})), (std::pair{0.15, 0.15}));
+  const auto [from_m, to_m] = place(with("soft_spot", {0.3, 0.1, 0.04}));
+  EXPECT_NEAR(from_m, 0.08, 1e-12);
+  EXPECT_NEAR(to_m, 0.12, 1e-12);
+  EXPECT_EQ(place(with("soft_spot", {0.3, 0.01, 0.04})).first, 0.0);  // no further than the arm
+}
+
 TEST_F(LoadSignatures, ContactDoesNothingBeforeItTouches) {
   const model::Present wall = with("contact", {50.0, 0.15, 0.0, 0.02, 0.0});
   double last = 0.0;
