@@ -208,6 +208,8 @@ to first order. A case that is not clear counts only where something is told tha
         text += f"\n## {world.capitalize()}: {len(some)} of {of_world} cases\n\n"
         if world in names["misses"]:
             text += f"![What was hidden and what was told]({names['misses'][world]})\n\n"
+        elif names["misses"]:
+            text += "No picture: how far bodies move was measured of none of these.\n\n"
         lines = [["case", "hidden", "said", "counts as", "why"]]
         for result in some:
             against = ", ".join(WORDS.get(rate, rate) for rate in counts_against(result))

@@ -16,7 +16,7 @@ function header() {
   return element('header', null,
     element('p', {class: 'kicker'}, 'Model against recordings: ', named(report.arm), report.version ? ' · softarm ' + report.version : '', report.origin ? ' · ' + report.origin.date : ''),
     element('div', {class: 'title'}, element('h1', null, report.headline),
-      element('span', {class: 'verdict ' + report.verdict}, report.verdict.replace('_', ' '))),
+      element('span', {class: 'verdict ' + report.verdict}, report.verdict.replace('_', ' ') + (report.told_payloads ? ' under other payloads' : ''))),
     report.summary ? element('p', {class: 'lead'}, report.summary) : null,
     restSits() ? element('p', {class: 'lead'}, 'What is left sits ' + report.residual_structure.place + '.') : null,
     element('div', {class: 'figures'},

@@ -390,7 +390,7 @@ Linearised& fit_of_payloads(FirstFits& first) {
 }
 
 /// The fits under the payloads that the trials say, from what was told to these one step after the other.
-/// @param payloads to first order about the fit as told; become those under which the fits are
+/// @param payloads to first order about the fit as told; become those that the last fit says, nearly its own
 /// @param trials get them, and are kept by reference
 /// @return nothing where that does not come to an end, or to no likely payloads
 std::unique_ptr<Begun> begun_under(const arm::Arm& arm, const model::Prepared& prepared,
@@ -404,7 +404,7 @@ std::unique_ptr<Begun> begun_under(const arm::Arm& arm, const model::Prepared& p
     std::vector<OtherPayload> next =
         other_payloads(begun->model, fit_of_payloads(begun->first), payloads, usual_kg);
     if (is_settled(payloads, next, usual_kg)) {
-      for (std::size_t i = 0; i < payloads.size(); ++i) payloads[i].sd_kg = next[i].sd_kg;
+      payloads = std::move(next);
       if (!are_likely(payloads)) return nullptr;
       return begun;
     }

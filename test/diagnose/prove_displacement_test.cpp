@@ -1,6 +1,8 @@
 // By how much effects move the bodies.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "effects/catalogue.h"
 #include "model/prepared_trial.h"
 #include "prove/displacement.h"
@@ -34,6 +36,31 @@ TEST(ProveDisplacement, AMassMovesBodiesTheWayItPulls) {
   EXPECT_FALSE(displacements(plain.arm, {present}, plain.trials, 0)[0].relative_sd);
   present.sd.resize(0);
   EXPECT_FALSE(displacements(plain.arm, {present}, plain.trials, 0)[0].relative_sd);
+}
+
+/// An arm that is seen for two seconds of six, at rest, in means of 0.6 s.
+TEST(ProveDisplacement, IsOfTheSecondsAtWhichBodiesAreSeen) {
+  Residuals seen(1);
+  for (const double from_s : {0.0, 6.0, 12.0}) {
+    for (const double middle_s : {0.3, 0.9, 1.5}) {
+      const auto tick = std::llround((from_s + middle_s) / kTick_s);
+      seen[0][{tick, 2}] = Eigen::Vector3d(from_s + middle_s, 0.0, 0.0);
+      seen[0][{tick, -3}] = Eigen::Vector3d::Ones();  // a tangent's
+    }
+  }
+  const Residuals at = at_whole_seconds(seen);
+  ASSERT_EQ(at[0].size(), 3U);
+  for (const auto& [key, residual] : at[0]) {
+    EXPECT_EQ(key.second, 2);
+    EXPECT_NEAR(residual.x(), static_cast<double>(key.first) * kTick_s, 1e-9);
+    EXPECT_EQ(key.first % std::llround(6.0 / kTick_s), std::llround(1.0 / kTick_s));
+  }
+  // One that is seen all the time, every three seconds.
+  Residuals always(1);
+  for (std::int64_t tick = 0; tick <= 180; tick += 4) always[0][{tick, 0}].setOnes();
+  const Residuals regular = at_whole_seconds(always);
+  ASSERT_EQ(regular[0].size(), 4U);
+  for (const auto& [key, residual] : regular[0]) EXPECT_EQ(key.first % 60, 0);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <iterator>
+#include <set>
 
 namespace softarm::prove {
 
@@ -42,13 +43,26 @@ Residuals differences(const Residuals& with, const Residuals& without) {
 }
 
 Residuals at_whole_seconds(const Residuals& residuals) {
-  const auto every = std::llround(kDisplacementEvery_s / kTick_s);  // in ticks
-  Residuals seconds(residuals.size());
-  for (std::size_t t = 0; t < residuals.size(); ++t) {
+  const auto second = std::llround(1.0 / kTick_s), every = kDisplacementEvery_s * second;  // in ticks
+  // By trial, every so often and by body: what is still looked for.
+  std::vector<std::set<std::pair<std::int64_t, int>>> open(residuals.size());
+  for (std::size_t t = 0; t < residuals.size(); ++t)
     for (const auto& [key, ignored] : residuals[t])
-      if (key.second >= 0) seconds[t][{(key.first + every - 1) / every * every, key.second}].setZero();
+      if (key.second >= 0) open[t].insert({(key.first + every - 1) / every * every, key.second});
+  Residuals found(residuals.size());
+  for (std::int64_t earlier = 0; earlier < every; earlier += second) {
+    Residuals wanted(residuals.size());
+    for (std::size_t t = 0; t < open.size(); ++t)
+      for (const auto& [last, body] : open[t]) wanted[t][{last - earlier, body}].setZero();
+    const Residuals there = at_times_of(wanted, residuals);
+    for (std::size_t t = 0; t < there.size(); ++t) {
+      for (const auto& [key, residual] : there[t]) {
+        found[t][key] = residual;
+        open[t].erase({key.first + earlier, key.second});
+      }
+    }
   }
-  return at_times_of(seconds, residuals);
+  return found;
 }
 
 }  // namespace softarm::prove

@@ -30,7 +30,8 @@ Residuals differences(const Residuals& with, const Residuals& without);
 
 constexpr int kDisplacementEvery_s = 3;  ///< as often as tells what an effect does in a trial
 
-/// Those of bodies every kDisplacementEvery_s, at whole seconds, between neighbours.
+/// Those of bodies every kDisplacementEvery_s, at whole seconds, between neighbours. Where a body is not seen
+/// then, at the last whole second since the one before at which it is: an arm may be seen at rest alone.
 Residuals at_whole_seconds(const Residuals& residuals);
 
 }  // namespace softarm::prove
