@@ -16,6 +16,7 @@
 #include "findings.h"
 #include "first_fits.h"
 #include "flexible.h"
+#include "floor.h"
 #include "ladder.h"
 #include "leftover.h"
 #include "math/linear_algebra.h"
@@ -37,28 +38,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using model::Present;
-
-/// Mean square distances of bodies, by precision: by noise alone, and by what is not known of the motion.
-struct Floor {
-  double white_m2 = 0.0, motion_m2 = 0.0;
-};
-
-Floor floor_of(const JointModel& model) {
-  Floor sum;
-  double weight = 0.0;
-  for (std::size_t t = 0; t < model.trials().size(); ++t) {
-    for (std::size_t k = 0; k < model.trials()[t].blocks.size(); ++k) {
-      if (!model.uses(t, k)) continue;
-      for (const model::Seen& seen : model.trials()[t].blocks[k].bodies) {
-        const double w = 1.0 / std::pow(model.sd_m(t, k, seen), 2);
-        sum.white_m2 += 3.0 * w * seen.white_sd_m * seen.white_sd_m;
-        sum.motion_m2 += 3.0 * w * std::pow(model.motion_sd_m(t, k), 2);
-        weight += w;
-      }
-    }
-  }
-  return weight > 0.0 ? Floor{sum.white_m2 / weight, sum.motion_m2 / weight} : Floor();
-}
 
 /// Mean log density of a body's position on unseen trials, its spread as on all of them.
 double log_score(const Unseen& unseen, int rows) {

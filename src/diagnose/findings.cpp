@@ -134,15 +134,9 @@ double of_it_or_a_rival(const Diagnosis& d, const NamedEffect& effect) {
   return 1.0 - neither;
 }
 
-/// What no effect explains of what could be explained, rms distance of a body.
-double left_m(const Diagnosis& d, double share) {
-  const double could2 = std::pow(d.baseline.held_out_rms_m, 2) - std::pow(d.ceiling_rms_m, 2);
-  return std::sqrt(share * std::max(0.0, could2));
-}
-
-/// Square of what is left over what small departures come to; 1 at least.
-double beyond_small(double left_m, double length_m) {
-  return std::max(1.0, std::pow(left_m / (kPolicy.words.small * length_m), 2));
+/// Root of the difference of two squares, and 0 where the second is larger.
+double beyond_m(double whole_m, double part_m) {
+  return std::sqrt(std::max(0.0, whole_m * whole_m - part_m * part_m));
 }
 
 }  // namespace
@@ -155,19 +149,10 @@ bool is_of_sensors_alone(const model::Info& info, bool short_delay) {
   return info.family == model::Family::kSensor && (info.of_placement || (info.delays && !short_delay));
 }
 
-double small_even_part(double left_m, double length_m) {
-  return std::min(kPolicy.posterior.even_part,
-                  kPolicy.posterior.small_even_part * beyond_small(left_m, length_m));
-}
-
-double small_is_there(double left_m, double length_m) {
-  return kPolicy.posterior.small_is_there / beyond_small(left_m, length_m);
-}
-
-double is_no_stand_in(double even, double part, double left, double least) {
-  if (!(left > 0.0)) return 1.0;
-  const double odds = std::pow(part / (even * left), kPolicy.posterior.stand_in);
-  return least + (1.0 - least) * odds / (1.0 + odds);
+double is_no_stand_in(double part_m, double left_m, double length_m, bool of_sensors) {
+  const double all = kPolicy.posterior.no_stand_in * (of_sensors ? kPolicy.posterior.sensors : 1.0) * part_m *
+                     kPolicy.words.small * length_m;
+  return left_m > 0.0 ? all / (all + left_m * left_m) : 1.0;
 }
 
 void mistake_mutually(std::vector<NamedEffect>& effects) {
@@ -275,34 +260,27 @@ void add_findings(JointModel& model, const Selection& selection, bool adequate, 
   mistake_mutually(all);
   std::set<const model::Effect*> weighed;
   std::vector<double> known;
-  const double left = adequate ? 0.0 : 1.0 - d.explained_share;
-  const double length_m = model.arm().total_length_m();
-  const double small_even = small_even_part(left_m(d, left), length_m);
+  const double explained_m = beyond_m(d.baseline.held_out_rms_m, d.extended.held_out_rms_m);
+  const double left_m = beyond_m(d.extended.held_out_rms_m, d.noise_floor_m);
   for (std::size_t e = 0; e < all.size(); ++e) {
     NamedEffect& effect = all[e];
     const bool small = is_small(model, selection, e, effect, d, adequate);
     const Present& present = selection.extended.at.effects[e];
-    const double part = effect.share * d.explained_share;
     const bool short_delay = is_short_delay(present);
-    const auto even = [&](const model::Effect& of, bool beside_others) {
-      return is_of_sensors_alone(of.info(), short_delay) ? kPolicy.posterior.sensor_even_part
-             : beside_others                             ? small_even
-                                                         : kPolicy.posterior.even_part;
+    const auto no_stand_in = [&](const model::Effect& of) {
+      return is_no_stand_in(std::sqrt(effect.share) * explained_m, left_m, model.arm().total_length_m(),
+                            is_of_sensors_alone(of.info(), short_delay));
     };
-    if (small)
-      known.push_back(is_usual(model, present)
-                          ? 0.0
-                          : effect.probability * is_no_stand_in(even(*present.effect, false), part, left));
-    const bool of_arm = small && !is_of_sensors_alone(present.effect->info(), short_delay);
-    effect.probability *= is_no_stand_in(even(*present.effect, small), part, left,
-                                         of_arm ? small_is_there(left_m(d, left), length_m) : 0.0);
-    if (!small && !adequate) {
+    effect.probability *= no_stand_in(*present.effect);
+    if (small) {
+      known.push_back(is_usual(model, present) ? 0.0 : effect.probability);
+    } else {
       // Those that might be there in its place would explain as little.
       for (const model::Effect* rival : selection.rounds[selection.round_of[e]].rivals)
         for (Candidate& candidate : d.ranking)
           if (candidate.finding == Finding::kRival && candidate.id == rival->info().id &&
               weighed.insert(rival).second)
-            candidate.probability *= is_no_stand_in(even(*rival, false), part, left);
+            candidate.probability *= no_stand_in(*rival);
     }
     (small ? d.small_departures : d.effects).push_back(std::move(effect));
   }

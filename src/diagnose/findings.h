@@ -36,22 +36,12 @@ bool is_short_delay(const model::Present& present);
 /// like it; nor are cameras that bow, or pressures that are off.
 bool is_of_sensors_alone(const model::Info& info, bool short_delay);
 
-/// The part over what is left at which a small departure is there or a stand-in, one as likely as the other.
-/// What is left may be small departures, too, that no one has found; where it is more than they come to
-/// (kPolicy.words.small), it is missing physics, and it takes as much as for any finding.
-/// @param left_m what nothing explains, rms distance of a body
-double small_even_part(double left_m, double length_m);
-
-/// Probability, at least, that a small departure which was found is there, however little of what is left it
-/// explains: where an untidy arm has many, some are. Falls with the square of what is left, too.
-double small_is_there(double left_m, double length_m);
-
-/// Probability that what explains a part of what could be explained is no stand-in for what is left:
-/// something that no effect of the catalogue makes looks like several that do.
-/// @param even the ratio of part to left at which one is as likely as the other
-/// @param part, left shares of what could be explained: by it, and by nothing
-/// @param least of that probability (small_is_there())
-double is_no_stand_in(double even, double part, double left, double least = 0.0);
+/// Probability that what was found is no stand-in for what nothing explains: something that no effect of the
+/// catalogue makes looks like several that do.
+/// @param part_m, left_m rms distances of a body on unseen trials: what it explains, and what is left beyond
+/// the noise
+/// @param of_sensors whether it is_of_sensors_alone()
+double is_no_stand_in(double part_m, double left_m, double length_m, bool of_sensors);
 
 /// Explained is what is explained whole, by something that, with what it may be mistaken for, is more
 /// probable than not: else these trials cannot tell. Partly explained is what such effects take half of.

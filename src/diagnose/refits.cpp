@@ -7,6 +7,7 @@
 #include <random>
 
 #include "evidence_data.h"
+#include "floor.h"
 #include "math/linear_algebra.h"
 #include "policy.h"
 #include "ranges.h"
@@ -188,6 +189,13 @@ std::vector<Eigen::Index> rows_of_shapes(const Linearised& at, std::size_t effec
 
 double trivial_m(const JointModel& model) {
   return kPolicy.selection.trivial * model.arm().total_length_m();
+}
+
+std::size_t most_effects(const JointModel& model, const Standing& current, const Options& options) {
+  const auto most = static_cast<std::size_t>(std::max(0, options.most_effects));
+  const double left_m2 = std::pow(current.unseen.total_rms_m, 2) - floor_of(model).white_m2;
+  const bool much = left_m2 > std::pow(kPolicy.words.small * model.arm().total_length_m(), 2);
+  return much ? most : std::min(most, kPolicy.selection.few_effects);
 }
 
 std::vector<std::size_t> worth_a_refit(const JointModel& model, const std::vector<Screened>& screened,

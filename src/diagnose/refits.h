@@ -24,6 +24,10 @@ Posterior posterior_of(JointModel& model, Standing& current, Round& round, unsig
 /// Of what an effect moves the bodies by beyond what the constants absorb, rms: less is too small to matter.
 double trivial_m(const JointModel& model);
 
+/// Effects that the model may come to have: options.most_effects, but no more than
+/// kPolicy.selection.few_effects where no more is left than departures that every arm has.
+std::size_t most_effects(const JointModel& model, const Standing& current, const Options& options);
+
 /// Those of the screen that refits are worth their time for, best first.
 std::vector<std::size_t> worth_a_refit(const JointModel& model, const std::vector<Screened>& screened,
                                        const Options& options);

@@ -136,11 +136,10 @@ Selection select(JointModel& model, Linearised baseline, const std::optional<Lin
   current.unseen = unseen(model, current.fit);
   selection.first_order_rms_m = current.unseen.total_rms_m;
   KnownSignatures signatures;
-  const auto most = static_cast<std::size_t>(std::max(0, options.most_effects));
   for (bool taken = true; taken;) {
     const std::size_t n = selection.round_of.size();
-    Round round = look(model, current, n == 0, n < most, true, n == 0 && delayed ? &*delayed : nullptr,
-                       signatures, options, progress);
+    Round round = look(model, current, n == 0, n < most_effects(model, current, options), true,
+                       n == 0 && delayed ? &*delayed : nullptr, signatures, options, progress);
     if (round.anew && n == 0) {
       selection.baseline_unseen = refitted_unseen(model, current.fit);
       selection.baseline = current.fit;
@@ -149,7 +148,9 @@ Selection select(JointModel& model, Linearised baseline, const std::optional<Lin
     taken = take_best(model, round, current);
     std::vector<Round> beside;
     if (taken) {
-      take_beside(model, round, current, most - n, [&](Round own) { beside.push_back(std::move(own)); });
+      const std::size_t most = most_effects(model, current, options);
+      take_beside(model, round, current, most > n ? most - n : 0,
+                  [&](Round own) { beside.push_back(std::move(own)); });
     }
     beside.insert(beside.begin(), std::move(round));
     for (Round& one : beside) {

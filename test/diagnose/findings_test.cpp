@@ -93,29 +93,24 @@ TEST(Findings, ASmallDepartureStaysOneBesideWhatIsKnown) {
 }
 
 TEST(Findings, WhatIsLittleBesideWhatIsLeftStandsInForIt) {
-  const double even = kPolicy.posterior.even_part;
-  EXPECT_DOUBLE_EQ(is_no_stand_in(even, 0.1, 0.0), 1.0);
-  EXPECT_DOUBLE_EQ(is_no_stand_in(even, 0.2, 0.4), 0.5);
-  EXPECT_NEAR(is_no_stand_in(even, 0.5, 0.5), 0.8, 1e-12);
-  EXPECT_LT(is_no_stand_in(even, 0.1, 0.9), 0.05);  // on real arms the largest is such a part
-  // One body that sits elsewhere, no physics of the arm looks like.
-  EXPECT_GT(is_no_stand_in(kPolicy.posterior.sensor_even_part, 0.1, 0.9), 0.9);
-  EXPECT_LT(is_no_stand_in(kPolicy.posterior.sensor_even_part, 0.01, 0.99), 0.2);
-}
-
-TEST(Findings, SmallDeparturesAreBelievedWhereNoMoreIsLeftThanTheyComeTo) {
   constexpr double length_m = 0.2;
-  const double small_m = kPolicy.words.small * length_m;
-  EXPECT_DOUBLE_EQ(small_even_part(0.3 * small_m, length_m), kPolicy.posterior.small_even_part);
-  EXPECT_DOUBLE_EQ(small_even_part(2.0 * small_m, length_m), 4.0 * kPolicy.posterior.small_even_part);
-  EXPECT_DOUBLE_EQ(small_even_part(10.0 * small_m, length_m), kPolicy.posterior.even_part);
-
-  const double least = small_is_there(0.3 * small_m, length_m);
-  EXPECT_DOUBLE_EQ(least, kPolicy.posterior.small_is_there);
-  EXPECT_DOUBLE_EQ(small_is_there(2.0 * small_m, length_m), 0.25 * least);
-  EXPECT_LT(small_is_there(10.0 * small_m, length_m), 0.005);  // on real arms
-  EXPECT_NEAR(is_no_stand_in(0.1, 1e-3, 0.999, least), least, 1e-3);
-  EXPECT_DOUBLE_EQ(is_no_stand_in(0.2, 0.1, 0.5, least), least + 0.5 * (1.0 - least));
+  EXPECT_DOUBLE_EQ(is_no_stand_in(1e-4, 0.0, length_m, false), 1.0);
+  EXPECT_DOUBLE_EQ(is_no_stand_in(0.0, 1e-4, length_m, false), 0.0);
+  EXPECT_DOUBLE_EQ(is_no_stand_in(0.0, 0.0, length_m, true), 1.0);
+  // On an arm of which 3 mm are not understood nothing that explains 0.3 mm is believed, and 3 mm are not
+  // yet.
+  EXPECT_LT(is_no_stand_in(0.3e-3, 3e-3, length_m, false), 0.15);
+  EXPECT_LT(is_no_stand_in(3e-3, 3e-3, length_m, false), 0.6);
+  EXPECT_GT(is_no_stand_in(30e-3, 3e-3, length_m, false), 0.9);
+  // Beside no more than departures that every arm has, what explains a fifth of them is.
+  EXPECT_GT(is_no_stand_in(0.05e-3, 0.25e-3, length_m, false), 0.75);
+  // Another length, all else alike.
+  EXPECT_DOUBLE_EQ(is_no_stand_in(2e-3, 3e-3, 2 * length_m, false),
+                   is_no_stand_in(1e-3, 1.5e-3, length_m, false));
+  // One body that sits elsewhere, no physics of the arm looks like.
+  const double of_arm = is_no_stand_in(1e-3, 2e-3, length_m, false),
+               of_sensor = is_no_stand_in(1e-3, 2e-3, length_m, true);
+  EXPECT_NEAR(of_sensor / (1 - of_sensor), kPolicy.posterior.sensors * of_arm / (1 - of_arm), 1e-9);
 }
 
 TEST(Findings, AShortDelayOfClocksMayStandInForPhysics) {

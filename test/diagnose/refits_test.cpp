@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "diagnose/ending.h"
+#include "diagnose/floor.h"
+#include "diagnose/policy.h"
 #include "diagnose/screen.h"
 #include "diagnose/unseen.h"
 #include "looked.h"
@@ -322,6 +324,24 @@ TEST(Refits, WhatSeemsProbableIsJudgedAboutItsOwnFit) {
   EXPECT_TRUE(std::any_of(first.refitted.begin(), first.refitted.end(),
                           [&](const Refitted& r) { return r.effect == inertia->effect; }));
   EXPECT_LT(first.posterior.of(inertia->effect), 0.5 * linear.posterior.of(inertia->effect));
+}
+
+TEST(Refits, ManyEffectsAreLookedForOnlyWhereMuchIsLeft) {
+  const testing::RecordedCase drawn = testing::recorded_case("{count_weights: [1]}", 43, 3, 8.0);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  const double noise_m = std::sqrt(floor_of(looked.model).white_m2);
+  const double small_m = kPolicy.words.small * looked.model.arm().total_length_m();
+  Options options;
+  options.most_effects = 7;
+  Standing current;
+  current.unseen.total_rms_m = std::hypot(noise_m, 1.01 * small_m);
+  EXPECT_EQ(most_effects(looked.model, current, options), 7U);
+  current.unseen.total_rms_m = std::hypot(noise_m, 0.99 * small_m);
+  EXPECT_EQ(most_effects(looked.model, current, options), kPolicy.selection.few_effects);
+  options.most_effects = 2;
+  EXPECT_EQ(most_effects(looked.model, current, options), 2U);
+  current.unseen.total_rms_m = 0.5 * noise_m;
+  EXPECT_EQ(most_effects(looked.model, current, options), 2U);
 }
 
 TEST(Screen, ThatKnowsTheSignaturesOfTheModelBeforeFindsWhatOneFromNothingDoes) {

@@ -214,7 +214,7 @@ Decision bic_stepwise(JointModel& model, const Look& first, const Options& optio
   const Look* now = &first;
   Look own;
   Standing standing;
-  for (int n = 0; n < options.most_effects && now->bic; ++n) {
+  while (now->bic) {
     Round round = now->round;
     round.posterior = weights(now->models);
     diagnose::compare(now->standing, round.posterior, round.refitted);
@@ -223,7 +223,8 @@ Decision bic_stepwise(JointModel& model, const Look& first, const Options& optio
     const Refitted& best = round.refitted[static_cast<std::size_t>(round.taken)];
     decision.effects.push_back({best.effect->info().id, best.probability, ids(diagnose::rivals_of(round))});
     standing = diagnose::standing_on(model, best.fit);
-    if (n + 1 < options.most_effects) own = look(model, standing, nullptr, options);
+    if (decision.effects.size() >= diagnose::most_effects(model, standing, options)) break;
+    own = look(model, standing, nullptr, options);
     now = &own;
   }
   if (decision.effects.size() > 1) {

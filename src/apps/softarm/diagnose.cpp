@@ -200,7 +200,9 @@ void add_diagnose(CLI::App& program) {
   list("--hold", options->diagnosis.held, "constants that keep the arm file's value, as in softarm identify");
   list("--tie", options->diagnosis.tied,
        "constants that have one value in all segments: '*.bending_stiffness.base' of segments of one make");
-  command->add_option("--most-effects", options->diagnosis.most_effects, "effects in one verdict at most")
+  command
+      ->add_option("--most-effects", options->diagnosis.most_effects,
+                   "effects in one verdict at most; more than 4 only where much is left")
       ->check(CLI::Range(1, 8))
       ->capture_default_str();
   command
