@@ -134,7 +134,8 @@ def of_size(result):
 def wrong_statements(result):
     """Those that count: of an accusation all, of a case with something hidden those that are more probable than not."""
     truth, decision = result["truth"], prove_score.decision_of(result)
-    least = 0.0 if "false_alarm" in counts_against(result) and result["kind"] != "control" else prove_real_score.NAMED_AT_LEAST
+    alarmed = "false_alarm" in counts_against(result) and result["kind"] != "control"
+    least = prove_real_score.LIKELY_AT_LEAST if alarmed else prove_real_score.NAMED_AT_LEAST
     return [named for named in prove_score.judged(decision, truth)
             if not prove_score.right(named, truth) and (named.get("probability") or 0.0) >= least]
 
@@ -159,7 +160,7 @@ def why(result):
     wrong = wrong_statements(result)
     said += [of_wrong_statement(named, result) for named in wrong]
     if "false_alarm" in against and not wrong:
-        named = prove_score.judged(prove_score.decision_of(result), truth)
+        named = prove_score.accused(prove_score.decision_of(result))
         said.append("what it names is there, and too small to be told" if named else
                     f"nothing is named that is not there; the verdict is {report['verdict']}")
     said.append(of_size(result))

@@ -110,8 +110,13 @@ def right(named, truth):
     return any(name in there for name in class_of(named))
 
 
+def accused(decision):
+    """What is said to be there; what is listed as hardly there (a stand-in) is not."""
+    return [named for named in decision["named"] if prove_real_score.is_likely(named)]
+
+
 def is_alarm(decision):
-    return bool(decision["named"]) or decision["verdict"] not in ("consistent", "cannot_tell", "failed")
+    return bool(accused(decision)) or decision["verdict"] not in ("consistent", "cannot_tell", "failed")
 
 
 def judged(decision, truth):
@@ -160,7 +165,7 @@ def all_marks(kind, decision, truth):
     if kind == "intervention":
         found.update(prove_real_score.marks(decision, truth, is_alarm(decision)))
     if kind in ("untidy_none", "solid_none"):  # small departures are there, and may be named
-        found["false_alarm"] = any(not right(named, truth) for named in decision["named"])
+        found["false_alarm"] = any(not right(named, truth) for named in accused(decision))
     if kind in ("single_strong", "single_weak", "compensated", "class_only", "untidy_single", "solid_single", "solid_compensated"):
         found["top1"] = names[:1] == there[:1]
         found["top3"] = is_alarm(decision) and any(name in there for name in decision["ranking"][:3])

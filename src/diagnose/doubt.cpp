@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "evidence_data.h"
 #include "math/linear_algebra.h"
 #include "policy.h"
 #include "refits.h"
@@ -55,10 +56,12 @@ Sizes at_the_shapes_of(const Linearised& at, std::size_t e, const Gaussian& unkn
 /// Its other numbers (a place, a time) mean nothing where its sizes are nothing: these are looked at where
 /// those are the fit's. Else a share that is known only as a product with a width would seem to be nothing at
 /// times. And where it does nothing it has no form that does: such an effect is looked at on its law.
-double still_there(const Linearised& at, std::size_t e, std::size_t catalogue, const Posterior& posterior) {
+/// What is not known of an effect in any arm is nothing of its own: its sizes are looked at beside that.
+double still_there(const Linearised& at, std::size_t e, std::size_t catalogue, const Posterior& posterior,
+                   double unknown_inertia) {
   const std::vector<Eigen::Index> rows = rows_of_sizes(at, e);
   const Eigen::VectorXd fitted = math::rows_of(at.unknowns(), rows);
-  const Sizes sizes = at_the_shapes_of(at, e, posterior.on_its_law.at(e));
+  Sizes sizes = at_the_shapes_of(at, e, posterior.on_its_law.at(e));
   Eigen::VectorXd later = fitted + sizes.shift;
   double log_before = 0.0;  // density at nothing
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -66,6 +69,11 @@ double still_there(const Linearised& at, std::size_t e, std::size_t catalogue, c
     double& size = later[static_cast<Eigen::Index>(i)];
     size = std::clamp(size, c.low / c.scale, c.high / c.scale);  // what is linear knows of no range
     log_before -= std::log(c.prior_sd);
+    const model::Present& present = at.at.effects[e];
+    model::Values step = model::Values::Zero(present.values.size());
+    step[c.parameter] = c.scale;
+    const auto k = static_cast<Eigen::Index>(i);
+    sizes.covariance(k, k) += std::pow(unknown_sd(unknown_inertia, *present.effect, step), 2);
   }
   const double log_odds = log_before - log_density_at_nothing(fitted, later, sizes.covariance) +
                           std::log(kPolicy.posterior.expected / static_cast<double>(catalogue));
@@ -75,7 +83,7 @@ double still_there(const Linearised& at, std::size_t e, std::size_t catalogue, c
 }  // namespace
 
 Doubt doubt_about(const Linearised& at, const Posterior& posterior, const Posterior& without_rivals,
-                  std::size_t catalogue) {
+                  std::size_t catalogue, double unknown_inertia) {
   Doubt doubt;
   doubt.still_there.assign(at.at.effects.size(), 1.0);
   if (posterior.unknowns.covariance.rows() != at.information.rows()) {
@@ -87,7 +95,7 @@ Doubt doubt_about(const Linearised& at, const Posterior& posterior, const Poster
   const bool are_others = without_rivals.unknowns.covariance.rows() == at.information.rows();
   const Posterior& of_class = are_others ? without_rivals : posterior;
   for (std::size_t e = 0; e < doubt.still_there.size(); ++e)
-    doubt.still_there[e] = still_there(at, e, catalogue, of_class);
+    doubt.still_there[e] = still_there(at, e, catalogue, of_class, unknown_inertia);
   return doubt;
 }
 

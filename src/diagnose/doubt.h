@@ -20,7 +20,8 @@ struct Doubt {
 /// @param without_rivals the posterior as if what may be mistaken for effects of the model could not be
 /// beside them, however small: a class is surer than which of it is there
 /// @param catalogue number of effects that may have been there
+/// @param unknown_inertia share of what inertia does that is no finding
 Doubt doubt_about(const Linearised& at, const Posterior& posterior, const Posterior& without_rivals,
-                  std::size_t catalogue);
+                  std::size_t catalogue, double unknown_inertia);
 
 }  // namespace softarm::diagnose

@@ -79,7 +79,7 @@ Doubt doubt_in(JointModel& model, Standing& current, const Posterior& of_all, co
                             alone.screened.size() < selection.rounds.back().screened.size()
                                 ? posterior_of(model, current, alone, options.jobs)
                                 : of_all,
-                            catalogue);
+                            catalogue, model.unknown_inertia());
   guard(between_folds(model, current.fit), doubt.covariance);
   return doubt;
 }

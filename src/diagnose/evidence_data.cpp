@@ -232,10 +232,8 @@ void add_effects(JointModel& model, const Shown& shown, Linearised& at, const Li
   const std::vector<SizeStep> steps = size_steps(candidates);
   for (const SizeStep& step : steps) {
     data.effects.push_back({step.present.effect, 0.0, kPolicy.fit.size_sd, MatrixXd::Zero(n, m)});
-    // Of what inertia does in modes a share is not known, and that is the same at all instants.
-    const double share = step.present.effect->sluggishness(step.present.values).mass_share / step.step;
-    if (share != 0.0 && model.swings())
-      data.effects.back().unknown_sd = model.unknown().inertia / std::abs(share);
+    data.effects.back().unknown_sd =
+        unknown_sd(model.unknown_inertia(), *step.present.effect, step.present.values / step.step);
   }
   math::in_parallel(model.trials().size(), jobs, [&](std::size_t t) {
     const Eigen::VectorXd weight =
@@ -258,6 +256,11 @@ void add_effects(JointModel& model, const Shown& shown, Linearised& at, const Li
 }
 
 }  // namespace
+
+double unknown_sd(double share, const model::Effect& effect, const model::Values& step) {
+  const double moved = effect.sluggishness(step).mass_share;
+  return moved != 0.0 ? share / std::abs(moved) : 0.0;
+}
 
 std::vector<SizeStep> size_steps(const std::vector<model::Present>& candidates) {
   std::vector<SizeStep> steps;

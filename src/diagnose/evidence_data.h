@@ -35,6 +35,12 @@ struct EvidenceData {
   std::vector<std::size_t> trial;  ///< of each instant
 };
 
+/// Of what inertia does to an arm that swings in its modes a share is not known in any arm, and that is the
+/// same at all instants.
+/// @param share that is not known; JointModel::unknown_inertia()
+/// @return its standard deviation, in steps of such values of the effect; 0 where they move no mass
+double unknown_sd(double share, const model::Effect& effect, const model::Values& step);
+
 /// One size of an effect alone, for a difference from none.
 struct SizeStep {
   model::Present present;

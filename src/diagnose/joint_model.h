@@ -202,6 +202,9 @@ class JointModel {
   const UnknownShares& unknown() const { return unknown_; }
   /// That the arm swings in its modes; else inertia counts to first order.
   bool swings() const { return !modes_.empty(); }
+  /// Share of what inertia does that is not known, the same at all instants; 0 where it counts to first
+  /// order.
+  double unknown_inertia() const { return swings() ? unknown_.inertia : 0.0; }
   /// That the trials have no inertia, as computations of statics have none: then the model has none either.
   bool quasi_static() const { return quasi_static_; }
   /// Whitened distance beyond which a body's weight falls, see huber_weight().

@@ -1,5 +1,6 @@
-// A wall beside the arm touches it at one place: k <x - x_w>, across the base's axis. A rough one also holds
-// it along the wall: a spring as stiff, from where it touched, which slips where friction holds no more.
+// A wall or a round post beside the arm touches it at one place: k <x - x_w>, across the base's axis. A rough
+// one also holds it along its face: a spring as stiff, from where it touched, which slips where friction
+// holds no more.
 #include <algorithm>
 #include <cmath>
 
@@ -17,6 +18,8 @@ using Eigen::Vector3d;
 constexpr double kPlaces[] = {0.55, 0.9};
 constexpr int kDirections = 18;
 constexpr double kWays[] = {0.15, 0.45, 0.9};
+// What it looks like that a post is round, no wall shows: the arm passes it.
+constexpr double kPostCurvature_per_m = 60.0;
 
 class Contact : public Described {
  public:
@@ -29,9 +32,10 @@ class Contact : public Described {
     for (const double place : kPlaces) {
       for (int i = 0; i < kDirections; ++i) {
         for (const double way : kWays)
-          list.push_back((Values(5) << 0.0, place * length, 2.0 * M_PI * i / kDirections,
-                          way * 0.5 * place * place * length, 0.0)
-                             .finished());
+          for (const double curvature : {0.0, kPostCurvature_per_m})
+            list.push_back((Values(6) << 0.0, place * length, 2.0 * M_PI * i / kDirections,
+                            way * 0.5 * place * place * length, 0.0, curvature)
+                               .finished());
       }
     }
     return list;
@@ -40,7 +44,7 @@ class Contact : public Described {
     if (other.info().id != "tether") return std::nullopt;
     // Beyond where a hose grows taut it pulls the tip back as a wall does that stands there.
     const double far_m = std::hypot(hose[2], hose[3]);
-    return (Values(5) << hose[0], fine.length_m(), std::atan2(-hose[3], -hose[2]), hose[4] - far_m, 0.0)
+    return (Values(6) << hose[0], fine.length_m(), std::atan2(-hose[3], -hose[2]), hose[4] - far_m, 0.0, 0.0)
         .finished();
   }
   std::optional<std::pair<double, double>> place(const arm::Arm&, const Values& values) const override {
@@ -65,27 +69,32 @@ class Contact : public Described {
       memory.clear();
       return;
     }
-    Vector3d from = touch.along_m;
+    Vector3d from = touch.place_m;
     if (!memory.empty()) from -= touch.held(values[4], anchor(memory));
     memory.assign(from.data(), from.data() + 3);
   }
 
  private:
-  /// Where the place is against the wall.
+  /// Where the place is against the wall or the post.
   struct Touch {
-    Touch(const Values& values, const Vector3d& place_m)
-        : to_wall(std::cos(values[2]), std::sin(values[2]), 0.0),
-          depth_m(to_wall.dot(place_m) - values[3]),
-          along_m(place_m - to_wall.dot(place_m) * to_wall) {}
-    /// From where the spring along the wall is held, as far as friction holds it.
+    Touch(const Values& values, const Vector3d& place) : place_m(place) {
+      const Vector3d n(std::cos(values[2]), std::sin(values[2]), 0.0), t(-n.y(), n.x(), 0.0);
+      const double way_m = values[3] - n.dot(place), beside_m = t.dot(place), curvature = values[5];
+      // To the post's axis, over its radius; a wall's is infinitely far away.
+      const double ahead = 1.0 + curvature * way_m, beside = curvature * beside_m;
+      const double far = std::hypot(ahead, beside);
+      depth_m = -(way_m * (1.0 + ahead) + beside * beside_m) / (1.0 + far);
+      to_wall = far > 0.0 ? Vector3d((ahead * n - beside * t) / far) : n;
+    }
+    /// From where the spring along the face is held, as far as friction holds it.
     Vector3d held(double friction, const Vector3d& anchor_m) const {
-      const Vector3d way = along_m - anchor_m;
+      Vector3d way = place_m - anchor_m;
+      way -= to_wall.dot(way) * to_wall;
       const double most_m = friction * depth_m, far_m = way.norm();
       return far_m > most_m ? Vector3d(most_m / far_m * way) : way;
     }
-    Vector3d to_wall;
-    double depth_m;
-    Vector3d along_m;
+    Vector3d place_m, to_wall;
+    double depth_m = 0.0;
   };
   static Vector3d anchor(const Memory& memory) { return {memory[0], memory[1], memory[2]}; }
 };
@@ -97,14 +106,16 @@ std::unique_ptr<Effect> make_contact() {
       "contact",
       "the arm touches something beside it",
       "F = k max(0, n . x(s_c) - d), against n, at the place s_c; along the wall k times the way from "
-      "where it holds, friction F at most",
+      "where it holds, friction F at most; of a round post n points to its axis",
       "K. L. Johnson, Contact Mechanics, 1985, doi:10.1017/CBO9781139171731",
       Family::kLoad,
       {{"stiffness_n_per_m", "N/m", "of what it touches", 0.0, 2000.0, 50.0},
        {"place_m", "m", "where the arm touches it, arclength from the base", 0.0, 10.0, 0.14, false, true},
        {"azimuth_rad", "rad", "direction towards it, base frame, from x", -12.6, 12.6, 0.0},
        {"distance_m", "m", "of it from the axis of the straight arm", -1.0, 1.0, 0.02},
-       {"friction", "1", "coefficient of dry friction; 0: smooth", 0.0, 2.0, 0.0}},
+       {"friction", "1", "coefficient of dry friction; 0: smooth", 0.0, 2.0, 0.0},
+       {"curvature_per_m", "1/m", "of its face: 0 a wall, 1 / R a post of radius R along the straight arm",
+        0.0, 200.0, 0.0}},
       1,
       {"strain_stiffening", "tether"},
       {"bending_stiffness"}});

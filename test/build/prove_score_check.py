@@ -55,6 +55,10 @@ class Rates(unittest.TestCase):
         for said in (report("unknown"), report("explained", named("creep"))):
             self.assertFalse(self.marks("untidy_none", hidden, said)["false_alarm"])
         self.assertTrue(self.marks("untidy_none", hidden, report("explained", named("drift")))["false_alarm"])
+        hardly = report("explained", named("creep"))
+        hardly["stand_ins"] = [named("drift", 0.04)]
+        self.assertFalse(self.marks("untidy_none", hidden, hardly)["false_alarm"])
+        self.assertFalse(self.marks("none", truth(), {**hardly, "verdict": "cannot_tell", "effects": []})["false_alarm"])
         single = self.marks("untidy_single", truth(effect("drift"), distractors=[effect("creep")]),
                             report("partly_explained", named("creep"), named("drift")))
         self.assertEqual(single, {"confident_wrong": False, "top1": False, "top3": True, "right_class": False})

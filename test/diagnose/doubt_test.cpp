@@ -49,7 +49,7 @@ Posterior with_correlation(double correlation) {
 }
 
 double still_there(const Posterior& posterior) {
-  const Doubt doubt = doubt_about(with_creep(), posterior, {}, 40);
+  const Doubt doubt = doubt_about(with_creep(), posterior, {}, 40, 0.0);
   EXPECT_EQ(doubt.covariance.rows(), 2);
   return doubt.still_there.at(0);
 }
@@ -59,6 +59,32 @@ TEST(Doubt, AShareThatIsKnownOnlyBesideATimeIsThere) {
   // Creep that is longer than the trials: a larger share with a longer time does the same, no share does not.
   EXPECT_GT(still_there(with_correlation(0.99)), 0.99);
   EXPECT_GT(still_there(with_correlation(-0.99)), 0.99);
+}
+
+TEST(Doubt, AShareOfMassThatIsNotKnownInAnyArmIsNoFinding) {
+  Linearised at;
+  for (const std::unique_ptr<model::Effect>& effect : effects::catalogue()) {
+    if (effect->info().id != "inertia") continue;
+    at.at.effects.push_back({effect.get(), Eigen::Vector2d(0.08, 0.0)});
+    const model::Parameter& share = effect->info().parameters.front();
+    JointUnknown c;
+    c.kind = JointUnknown::Kind::kEffect;
+    c.scale = share.usual;
+    c.low = share.low;
+    c.high = share.high;
+    c.prior_sd = 5.0;
+    at.columns.push_back(c);
+  }
+  at.information = Eigen::MatrixXd::Identity(1, 1);
+  at.gradient = Eigen::VectorXd::Zero(1);
+  Posterior posterior;
+  posterior.unknowns.mean = Eigen::VectorXd::Zero(1);
+  posterior.unknowns.covariance = Eigen::MatrixXd::Constant(1, 1, 1e-4);  // 0.08 +- 0.005
+  posterior.on_its_law = {posterior.unknowns};
+  EXPECT_GT(doubt_about(at, posterior, {}, 40, 0.0).still_there.at(0), 0.99);
+  EXPECT_LT(doubt_about(at, posterior, {}, 40, 0.1).still_there.at(0), 0.1);
+  at.at.effects[0].values[0] = 0.8;
+  EXPECT_GT(doubt_about(at, posterior, {}, 40, 0.1).still_there.at(0), 0.99);
 }
 
 TEST(Doubt, WhatThePosteriorMovesCountsAtTheFitsTime) {

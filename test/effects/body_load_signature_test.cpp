@@ -68,7 +68,7 @@ TEST_F(LoadSignatures, WhatIsSomewhereAlongTheArmSaysWhere) {
   const auto place = [this](const model::Present& present) {
     return present.effect->place(arm, present.values).value();
   };
-  EXPECT_EQ(place(with("contact", {50.0, 0.15, 0.0, 0.02, 0.0})), (std::pair{0.15, 0.15}));
+  EXPECT_EQ(place(with("contact", {50.0, 0.15, 0.0, 0.02, 0.0, 0.0})), (std::pair{0.15, 0.15}));
   const auto [from_m, to_m] = place(with("soft_spot", {0.3, 0.1, 0.04}));
   EXPECT_NEAR(from_m, 0.08, 1e-12);
   EXPECT_NEAR(to_m, 0.12, 1e-12);
@@ -76,7 +76,7 @@ TEST_F(LoadSignatures, WhatIsSomewhereAlongTheArmSaysWhere) {
 }
 
 TEST_F(LoadSignatures, ContactDoesNothingBeforeItTouches) {
-  const model::Present wall = with("contact", {50.0, 0.15, 0.0, 0.02, 0.0});
+  const model::Present wall = with("contact", {50.0, 0.15, 0.0, 0.02, 0.0, 0.0});
   double last = 0.0;
   bool touched = false, free = false;
   for (const double level : {0.0, 0.2, 0.4, 0.6, 0.8, 1.0}) {
@@ -96,6 +96,30 @@ TEST_F(LoadSignatures, ContactDoesNothingBeforeItTouches) {
   EXPECT_GT(last, 2e-3);
 }
 
+TEST_F(LoadSignatures, ARoundPostPushesAwayFromItsAxis) {
+  const double stiffness = 40.0, distance = 0.02, radius = 0.015;
+  const model::Present post = with("contact", {stiffness, 0.15, 0.4, distance, 0.0, 1.0 / radius});
+  const Vector3d axis = (distance + radius) * Vector3d(std::cos(0.4), std::sin(0.4), 0.0);
+  const auto force = [&](const model::Present& of, const Vector3d& at) {
+    return of.effect->holding_force_n(model.rod(), of.values, at, {});
+  };
+  for (const Vector3d& at :
+       {Vector3d(0.022, 0.005, 0.1), Vector3d(0.02, 0.018, 0.12), Vector3d(0.035, 0.02, 0.1),
+        Vector3d(0.045, 0.0, 0.1), Vector3d(0.0, 0.03, 0.1)}) {
+    const Vector3d out(at.x() - axis.x(), at.y() - axis.y(), 0.0);
+    const double depth = radius - out.norm();
+    const Vector3d expected = depth > 0.0 ? Vector3d(stiffness * depth * out.normalized()) : Vector3d::Zero();
+    EXPECT_LT((force(post, at) - expected).norm(), 1e-12) << at.transpose();
+  }
+  EXPECT_EQ(force(post, Vector3d(0.0, 0.03, 0.1)).norm(), 0.0) << "beside it, where a wall would hold";
+  // One of a kilometre is a wall.
+  const model::Present wall = with("contact", {stiffness, 0.15, 0.4, distance, 0.0, 0.0}),
+                       wide = with("contact", {stiffness, 0.15, 0.4, distance, 0.0, 1e-3});
+  const Vector3d deep(0.02, 0.03, 0.1);
+  ASSERT_GT(force(wall, deep).norm(), 0.1);
+  EXPECT_LT((force(wide, deep) - force(wall, deep)).norm(), 1e-4);
+}
+
 TEST_F(LoadSignatures, ARoughWallHoldsTheArmWhereItTouchesAndLetsItSlip) {
   // Pressed against a wall towards x by the first chamber, drawn along it to and fro by the other two.
   arm::Arm weightless = arm;
@@ -113,7 +137,7 @@ TEST_F(LoadSignatures, ARoughWallHoldsTheArmWhereItTouchesAndLetsItSlip) {
   const auto y_of = [&](double mu) {
     std::vector<double> y;
     for (const auto& now :
-         body_testing::predict(model, arm, {with("contact", {stiffness, 0.15, 0.0, 0.02, mu})}, trial))
+         body_testing::predict(model, arm, {with("contact", {stiffness, 0.15, 0.0, 0.02, mu, 0.0})}, trial))
       y.push_back(now.p(1, 2));
     return y;
   };
@@ -145,7 +169,7 @@ TEST_F(LoadSignatures, TetherPullsInProportionToTheTipsWay) {
 }
 
 TEST_F(LoadSignatures, AHoseThatGrowsTautAndAWallDoNearlyTheSame) {
-  const model::Present wall = with("contact", {60.0, 0.2, 0.3, 0.02, 0.0});
+  const model::Present wall = with("contact", {60.0, 0.2, 0.3, 0.02, 0.0, 0.0});
   model::Present hose = with("tether", {0.0, 0.0, 0.0, 0.0, 0.0});
   const auto as_hose = hose.effect->like(*wall.effect, wall.values, model.rod());
   ASSERT_TRUE(as_hose);

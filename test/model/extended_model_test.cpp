@@ -218,7 +218,7 @@ TEST(ExtendedModel, StiffSpringsAreSolvedAndHold) {
       const auto touching = body_testing::predict(
           model, arm,
           {body_testing::present(
-              "contact", body_testing::values_of({stiffness, 2.0 / 3.0 * 0.2, azimuth, distance, 0.0}))},
+              "contact", body_testing::values_of({stiffness, 2.0 / 3.0 * 0.2, azimuth, distance, 0.0, 0.0}))},
           trial);
       const Eigen::Vector3d to_wall(std::cos(azimuth), std::sin(azimuth), 0.0);
       double deepest = 0.0;

@@ -21,7 +21,7 @@ constexpr double kSame_m = 1e-5;
 /// @param place_m of the arm, that the wall touches
 Present wall(double stiffness_n_per_m, double place_m, double friction = 0.0) {
   return {effects::find("contact"),
-          (Values(5) << stiffness_n_per_m, place_m, 0.09, kDistance_m, friction).finished()};
+          (Values(6) << stiffness_n_per_m, place_m, 0.09, kDistance_m, friction, 0.0).finished()};
 }
 
 /// An arm beside a wall, at one instant after the other.

@@ -311,6 +311,8 @@ Choices contact(const Numbers& v) {
   if (v("friction") > kNearly)
     throw std::invalid_argument(
         "friction is nothing that the virtual rig has where a wall touches at one place");
+  if (v("curvature_per_m") > kNearly)
+    throw std::invalid_argument("a round post that touches at one place is nothing that the virtual rig has");
   return {choice("contact", "spring_wall",
                  {{"stiffness_n_per_m", v("stiffness_n_per_m")},
                   {"distance_m", v("distance_m")},
