@@ -115,13 +115,14 @@ bool is_usual(const JointModel& model, const Present& present) {
 }
 
 /// Whether it is that, or little of what is explained, or little beside what is left.
+/// @param explained_m rms distance of a body that all effects explain on unseen trials
 bool is_small(const JointModel& model, const Selection& selection, std::size_t e, const NamedEffect& effect,
-              const Diagnosis& d, bool adequate) {
+              const Diagnosis& d, double explained_m, bool adequate) {
   const Round& round = selection.rounds[selection.round_of[e]];
   const double moved_m = round.refitted[static_cast<std::size_t>(round.taken)].moved_m;
   const bool beside = !adequate && effect.share * d.explained_share < kPolicy.words.small_part &&
                       moved_m < kPolicy.words.small * model.arm().total_length_m();
-  return beside || effect.share < kPolicy.words.small_share ||
+  return beside || is_small_share(effect.share, explained_m, model.arm().total_length_m()) ||
          is_usual(model, selection.extended.at.effects[e]);
 }
 
@@ -147,6 +148,10 @@ bool is_short_delay(const Present& present) {
 
 bool is_of_sensors_alone(const model::Info& info, bool short_delay) {
   return info.family == model::Family::kSensor && (info.of_placement || (info.delays && !short_delay));
+}
+
+bool is_small_share(double share, double explained_m, double length_m) {
+  return share < kPolicy.words.small_share && std::sqrt(share) * explained_m < kPolicy.words.small * length_m;
 }
 
 double is_no_stand_in(double part_m, double left_m, double length_m, bool of_sensors) {
@@ -264,7 +269,7 @@ void add_findings(JointModel& model, const Selection& selection, bool adequate, 
   const double left_m = beyond_m(d.extended.held_out_rms_m, d.noise_floor_m);
   for (std::size_t e = 0; e < all.size(); ++e) {
     NamedEffect& effect = all[e];
-    const bool small = is_small(model, selection, e, effect, d, adequate);
+    const bool small = is_small(model, selection, e, effect, d, explained_m, adequate);
     const Present& present = selection.extended.at.effects[e];
     const bool short_delay = is_short_delay(present);
     const auto no_stand_in = [&](const model::Effect& of) {

@@ -36,6 +36,11 @@ bool is_short_delay(const model::Present& present);
 /// like it; nor are cameras that bow, or pressures that are off.
 bool is_of_sensors_alone(const model::Info& info, bool short_delay);
 
+/// Whether an effect is little of what all explain, and of a size that departures of every arm have.
+/// @param share of the squared error that all explain
+/// @param explained_m rms distance of a body that all explain
+bool is_small_share(double share, double explained_m, double length_m);
+
 /// Probability that what was found is no stand-in for what nothing explains: something that no effect of the
 /// catalogue makes looks like several that do.
 /// @param part_m, left_m rms distances of a body on unseen trials: what it explains, and what is left beyond

@@ -277,9 +277,10 @@ struct Policy {
   struct Words {
     double interval_sd = 1.6449;  ///< half of a 90 % interval, in standard deviations
     double likely = 0.1;          ///< probability of one that is not named
-    double small_share = 0.1;     ///< of what all effects explain, below which one is a small departure
-    /// The same where something else is left: of what could be explained, and of the arm's length. Several
+    /// Of what all effects explain, below which one is a small departure if it explains no more than `small`
+    /// of the arm's length; the same where something else is left, of what could be explained. Several
     /// departures of that size are what every arm has (half a millimetre on one of 0.2 m).
+    double small_share = 0.1;
     double small_part = 0.25, small = 2.5e-3;
     double weight = 0.05;  ///< share to which weights are known that were told, or follow from a drawing
     double left_out_share = 0.1;  ///< of the recordings, beyond which the verdict's line says it

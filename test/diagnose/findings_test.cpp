@@ -113,6 +113,14 @@ TEST(Findings, WhatIsLittleBesideWhatIsLeftStandsInForIt) {
   EXPECT_NEAR(of_sensor / (1 - of_sensor), kPolicy.posterior.sensors * of_arm / (1 - of_arm), 1e-9);
 }
 
+TEST(Findings, ASmallDepartureIsALittleShareAndFewTenthsOfAMillimetre) {
+  constexpr double length_m = 0.2;  // on which such come to half a millimetre
+  EXPECT_TRUE(is_small_share(0.09, 1e-3, length_m));
+  EXPECT_FALSE(is_small_share(0.11, 1e-3, length_m));
+  EXPECT_FALSE(is_small_share(0.09, 3e-3, length_m)) << "0.9 mm of 3";
+  EXPECT_TRUE(is_small_share(0.01, 3e-3, length_m));
+}
+
 TEST(Findings, AShortDelayOfClocksMayStandInForPhysics) {
   const auto clock_with = [](double offset_s) {
     for (const std::unique_ptr<model::Effect>& effect : effects::catalogue())
