@@ -132,12 +132,12 @@ def of_size(result):
 
 
 def wrong_statements(result):
-    """Those that count: of an accusation all, of a case with something hidden those that are more probable than not."""
+    """Those that count: of an accusation all but what is listed as hardly there, of a case with something hidden those that are
+    more probable than not."""
     truth, decision = result["truth"], prove_score.decision_of(result)
     alarmed = "false_alarm" in counts_against(result) and result["kind"] != "control"
-    least = prove_real_score.LIKELY_AT_LEAST if alarmed else prove_real_score.NAMED_AT_LEAST
-    return [named for named in prove_score.judged(decision, truth)
-            if not prove_score.right(named, truth) and (named.get("probability") or 0.0) >= least]
+    return [named for named in prove_score.judged(decision, truth) if not prove_score.right(named, truth)
+            and (not named.get("stand_in") if alarmed else prove_real_score.is_named(named))]
 
 
 def why(result):
@@ -160,7 +160,7 @@ def why(result):
     wrong = wrong_statements(result)
     said += [of_wrong_statement(named, result) for named in wrong]
     if "false_alarm" in against and not wrong:
-        named = prove_score.accused(prove_score.decision_of(result))
+        named = prove_score.said(prove_score.decision_of(result))
         said.append("what it names is there, and too small to be told" if named else
                     f"nothing is named that is not there; the verdict is {report['verdict']}")
     said.append(of_size(result))

@@ -10,18 +10,13 @@ BINS = ("found", "in the control too", "named wrongly", "missed", "no name, unkn
 # before all, under these keys.
 EXCHANGED_NAMES, TOLD_PAYLOADS = "exchanged_names", "told_payloads"
 BEFORE_ALL = (EXCHANGED_NAMES, TOLD_PAYLOADS)
-LIKELY_AT_LEAST = 0.1  # of what a report does not list as hardly there (src/diagnose/policy.h: Words::likely)
 NAMED_AT_LEAST = 0.5  # a report also lists what is likeliest, however improbable: it names nothing by that
 
 
-def is_likely(named, least=LIKELY_AT_LEAST):
-    """Methods without probabilities are sure of what they list."""
-    probability = named.get("probability")
-    return probability is None or probability >= least
-
-
 def is_named(named):
-    return is_likely(named, NAMED_AT_LEAST)
+    """Methods without probabilities name what they list."""
+    probability = named.get("probability")
+    return probability is None or probability >= NAMED_AT_LEAST
 
 
 def names(decision):

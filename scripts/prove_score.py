@@ -25,8 +25,9 @@ LEAST_BIAS = 0.02  # of EI: a smaller one cannot be distinguished from the fit's
 
 
 def named_in(report):
-    """Small departures, too, were found, and count as such; so does, last, what is hardly there."""
-    return report["effects"] + report.get("small_departures", []) + report.get("stand_ins", [])
+    """Small departures, too, were found, and count as such; last what is hardly there, of which the probability alone counts."""
+    stand_ins = [{**named, "stand_in": True} for named in report.get("stand_ins", [])]
+    return report["effects"] + report.get("small_departures", []) + stand_ins
 
 
 def decision_of_report(report):
@@ -110,13 +111,13 @@ def right(named, truth):
     return any(name in there for name in class_of(named))
 
 
-def accused(decision):
-    """What is said to be there; what is listed as hardly there (a stand-in) is not."""
-    return [named for named in decision["named"] if prove_real_score.is_likely(named)]
+def said(decision):
+    """What is said to be there; what a report lists as hardly there (its stand-ins) neither accuses nor finds anything."""
+    return [named for named in decision["named"] if not named.get("stand_in")]
 
 
 def is_alarm(decision):
-    return bool(accused(decision)) or decision["verdict"] not in ("consistent", "cannot_tell", "failed")
+    return bool(said(decision)) or decision["verdict"] not in ("consistent", "cannot_tell", "failed")
 
 
 def judged(decision, truth):
@@ -139,8 +140,8 @@ def beyond_catalogue(truth):
 
 def is_of_the_kind(decision, truth):
     """Whether something outside the catalogue is said to be its nearest kind there (sealed with the draw), and that more is left."""
-    return (decision["verdict"] == "partly_explained" and bool(decision["named"])
-            and any(name in sealed_class(truth) for name in class_of(decision["named"][0])))
+    return (decision["verdict"] == "partly_explained" and bool(said(decision))
+            and any(name in sealed_class(truth) for name in class_of(said(decision)[0])))
 
 
 EVER = ("confident_wrong", "false_alarm")  # count for what nobody could see, too
@@ -155,7 +156,8 @@ def marks(kind, decision, truth):
 
 def all_marks(kind, decision, truth):
     """The same whether it is clear or not."""
-    names = [named["name"] for named in decision["named"]]
+    named_there = said(decision)
+    names = [named["name"] for named in named_there]
     there = hidden(truth)
     found = {"confident_wrong": is_confident_and_wrong(decision, truth)}
     if kind == "none":
@@ -165,20 +167,20 @@ def all_marks(kind, decision, truth):
     if kind == "intervention":
         found.update(prove_real_score.marks(decision, truth, is_alarm(decision)))
     if kind in ("untidy_none", "solid_none"):  # small departures are there, and may be named
-        found["false_alarm"] = any(not right(named, truth) for named in accused(decision))
+        found["false_alarm"] = any(not right(named, truth) for named in named_there)
     if kind in ("single_strong", "single_weak", "compensated", "class_only", "untidy_single", "solid_single", "solid_compensated"):
         found["top1"] = names[:1] == there[:1]
         found["top3"] = is_alarm(decision) and any(name in there for name in decision["ranking"][:3])
         alike = there + truth.get("class", [])
-        found["right_class"] = bool(decision["named"]) and any(name in alike for name in class_of(decision["named"][0]))
+        found["right_class"] = bool(named_there) and any(name in alike for name in class_of(named_there[0]))
     if kind in ("pair", "untidy_pair"):
         found["both_named"] = all(name in names for name in there)
         found["top1"] = bool(names) and names[0] in there
-        found["right_class"] = all(any(name in class_of(named) for named in decision["named"]) for name in there)
+        found["right_class"] = all(any(name in class_of(named) for named in named_there) for name in there)
     if kind in ("outside", "untidy_outside") and beyond_catalogue(truth) >= LEAST_BEYOND:
         found["unknown"] = decision["verdict"] == "unknown" or is_of_the_kind(decision, truth)
     if kind in ("compensated", "solid_compensated"):
-        in_a_class = any(name in class_of(named) for named in decision["named"] for name in there)
+        in_a_class = any(name in class_of(named) for named in named_there for name in there)
         found["found_or_cannot_tell"] = (in_a_class or decision["verdict"] == "cannot_tell"
                                          or any(decision["findings"].get(name) == "cannot_tell" for name in there))
     return found

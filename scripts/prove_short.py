@@ -96,7 +96,7 @@ arms and changed in a known way. What was hidden was sealed before the diagnosis
 
 {answers(results)}
 
-Accused: something is named that is not there, however improbable it is called; of an arm with nothing hidden and no small departures
+Accused: something is named that is not there, however improbable it is called, but for what a report lists as hardly there; of an arm with nothing hidden and no small departures
 also *unknown*. Named first: before all else, however improbable; on real arms with 50 % or more.
 
 How far it is to be believed where it is sure:

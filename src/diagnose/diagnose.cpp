@@ -369,7 +369,8 @@ Linearised& fit_of_payloads(FirstFits& first) {
 }
 
 /// The fits under the payloads that the trials say, from what was told to these one step after the other.
-/// @param payloads to first order about the fit as told; become those that the last fit says, nearly its own
+/// @param payloads to first order about the fit as told; become those that the last search says, nearly the
+/// last fit's own
 /// @param trials get them, and are kept by reference
 /// @return nothing where that does not come to an end, or to no likely payloads
 std::unique_ptr<Begun> begun_under(const arm::Arm& arm, const model::Prepared& prepared,

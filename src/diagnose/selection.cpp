@@ -93,12 +93,13 @@ Round look(JointModel& model, Standing& current, bool first, bool refits, bool m
 }
 
 /// Takes what is as good as certain beside the round's best, each after a fit of its own.
+/// @param before effects of the model before the round
 /// @param taken called with each of them: a round of its own
-void take_beside(JointModel& model, const Round& round, Standing& current, std::size_t most,
-                 const std::function<void(Round)>& taken) {
+void take_beside(JointModel& model, const Round& round, Standing& current, std::size_t before,
+                 const Options& options, const std::function<void(Round)>& taken) {
   EffectList list{round.refitted[static_cast<std::size_t>(round.taken)].effect};
   for (const Screened& s : round.screened) {
-    if (list.size() >= most) return;
+    if (before + list.size() >= most_effects(model, current, options)) return;
     if (!is_certain_beside(round, s, list)) continue;
     Round own;
     own.screened = round.screened;
@@ -148,9 +149,7 @@ Selection select(JointModel& model, Linearised baseline, const std::optional<Lin
     taken = take_best(model, round, current);
     std::vector<Round> beside;
     if (taken) {
-      const std::size_t most = most_effects(model, current, options);
-      take_beside(model, round, current, most > n ? most - n : 0,
-                  [&](Round own) { beside.push_back(std::move(own)); });
+      take_beside(model, round, current, n, options, [&](Round own) { beside.push_back(std::move(own)); });
     }
     beside.insert(beside.begin(), std::move(round));
     for (Round& one : beside) {

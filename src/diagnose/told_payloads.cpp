@@ -108,8 +108,8 @@ std::string sentence_of(const ToldPayloads& payloads) {
   std::vector<std::string> trials;
   for (const ToldPayload& one : payloads.trials) trials.push_back(sentence_of(one));
   return fmt::format(
-      "{}. With these, trials left out are predicted to {} on average, as told to {}. Correct what was told "
-      "first; what follows is said under the payloads that were found.",
+      "{}. With these payloads, trials left out are predicted to {} on average, as told to {}. Correct what "
+      "was told first; what follows is said under the payloads that were found.",
       capitalised(fmt::format("{}", fmt::join(trials, "; "))), millimetres(payloads.mean_m),
       millimetres(payloads.as_told_mean_m));
 }

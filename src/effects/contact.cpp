@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 constexpr double kPlaces[] = {0.55, 0.9};
 constexpr int kDirections = 18;
 constexpr double kWays[] = {0.15, 0.45, 0.9};
-// What it looks like that a post is round, no wall shows: the arm passes it.
+// No wall looks like a round post: the arm passes it.
 constexpr double kPostCurvature_per_m = 60.0;
 
 class Contact : public Described {
@@ -105,8 +105,8 @@ std::unique_ptr<Effect> make_contact() {
   return std::make_unique<Contact>(Info{
       "contact",
       "the arm touches something beside it",
-      "F = k max(0, n . x(s_c) - d), against n, at the place s_c; along the wall k times the way from "
-      "where it holds, friction F at most; of a round post n points to its axis",
+      "F = k max(0, n . x(s_c) - d), against n, at the place s_c; of a round post k max(0, R - distance "
+      "from its axis); along either k times the way from where it holds, friction F at most",
       "K. L. Johnson, Contact Mechanics, 1985, doi:10.1017/CBO9781139171731",
       Family::kLoad,
       {{"stiffness_n_per_m", "N/m", "of what it touches", 0.0, 2000.0, 50.0},

@@ -59,6 +59,8 @@ class Rates(unittest.TestCase):
         hardly["stand_ins"] = [named("drift", 0.04)]
         self.assertFalse(self.marks("untidy_none", hidden, hardly)["false_alarm"])
         self.assertFalse(self.marks("none", truth(), {**hardly, "verdict": "cannot_tell", "effects": []})["false_alarm"])
+        found = self.marks("untidy_single", truth(effect("drift")), {**hardly, "effects": []})
+        self.assertFalse(found["top1"] or found["right_class"])
         single = self.marks("untidy_single", truth(effect("drift"), distractors=[effect("creep")]),
                             report("partly_explained", named("creep"), named("drift")))
         self.assertEqual(single, {"confident_wrong": False, "top1": False, "top3": True, "right_class": False})

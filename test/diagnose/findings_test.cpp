@@ -97,8 +97,8 @@ TEST(Findings, WhatIsLittleBesideWhatIsLeftStandsInForIt) {
   EXPECT_DOUBLE_EQ(is_no_stand_in(1e-4, 0.0, length_m, false), 1.0);
   EXPECT_DOUBLE_EQ(is_no_stand_in(0.0, 1e-4, length_m, false), 0.0);
   EXPECT_DOUBLE_EQ(is_no_stand_in(0.0, 0.0, length_m, true), 1.0);
-  // On an arm of which 3 mm are not understood nothing that explains 0.3 mm is believed, and 3 mm are not
-  // yet.
+  // On an arm of which 3 mm are not understood nothing that explains 0.3 mm is believed, and 3 mm are
+  // about as likely there as not.
   EXPECT_LT(is_no_stand_in(0.3e-3, 3e-3, length_m, false), 0.15);
   EXPECT_LT(is_no_stand_in(3e-3, 3e-3, length_m, false), 0.6);
   EXPECT_GT(is_no_stand_in(30e-3, 3e-3, length_m, false), 0.9);
@@ -113,7 +113,7 @@ TEST(Findings, WhatIsLittleBesideWhatIsLeftStandsInForIt) {
   EXPECT_NEAR(of_sensor / (1 - of_sensor), kPolicy.posterior.sensors * of_arm / (1 - of_arm), 1e-9);
 }
 
-TEST(Findings, ASmallDepartureIsALittleShareAndFewTenthsOfAMillimetre) {
+TEST(Findings, ASmallDepartureIsALittleShareAndAFewTenthsOfAMillimetre) {
   constexpr double length_m = 0.2;  // on which such come to half a millimetre
   EXPECT_TRUE(is_small_share(0.09, 1e-3, length_m));
   EXPECT_FALSE(is_small_share(0.11, 1e-3, length_m));

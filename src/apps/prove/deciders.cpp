@@ -249,7 +249,7 @@ Decision group_lasso(JointModel& model, const Look& first, const Options& option
   if (!first.bic) return decision;
   std::vector<Weighed> models = first.models, path;
   for (const EffectList& set :
-       group_lasso_path(first.bic->grouped(), static_cast<std::size_t>(options.most_effects)))
+       group_lasso_path(first.bic->grouped(), diagnose::most_effects(model, first.standing, options)))
     path.push_back(first.bic->linear(set));
   std::stable_sort(path.begin(), path.end(),
                    [](const Weighed& a, const Weighed& b) { return a.bic < b.bic; });

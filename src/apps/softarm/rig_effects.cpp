@@ -22,7 +22,8 @@ constexpr double kDegPerRad = 180.0 / M_PI;
 constexpr double kPressurePa = 50e3, kVacuumPa = 60e3, kTensionN = 3.0;
 constexpr double kGainPerM = 5.0;
 constexpr double kLoopPa = 50e3, kLoopN = 4.0, kLoopRad = 0.6, kLoopPerM = 20.0;
-constexpr double kNearly = 0.1;  // share by which two numbers may differ that the rig has as one
+constexpr double kNearly = 0.1;      // share by which two numbers may differ that the rig has as one
+constexpr double kFlat_per_m = 2.0;  // curvature of a wall: 30 mm beside it, it falls back by 1 mm
 constexpr double kMinute_s = 60.0;
 
 /// An effect's numbers by name.
@@ -311,7 +312,7 @@ Choices contact(const Numbers& v) {
   if (v("friction") > kNearly)
     throw std::invalid_argument(
         "friction is nothing that the virtual rig has where a wall touches at one place");
-  if (v("curvature_per_m") > kNearly)
+  if (v("curvature_per_m") > kFlat_per_m)
     throw std::invalid_argument("a round post that touches at one place is nothing that the virtual rig has");
   return {choice("contact", "spring_wall",
                  {{"stiffness_n_per_m", v("stiffness_n_per_m")},
