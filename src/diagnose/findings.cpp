@@ -191,7 +191,7 @@ void mistake_short_delays(const arm::Arm& arm, const std::vector<Present>& value
   }
 }
 
-void lead_with_what_is_known(const std::vector<double>& known, std::vector<NamedEffect>& effects,
+void lead_with_what_is_known(const std::vector<bool>& usual, std::vector<NamedEffect>& effects,
                              std::vector<NamedEffect>& small) {
   if (effects.empty() || std::any_of(effects.begin(), effects.end(), [](const NamedEffect& effect) {
         return effect.probability >= kPolicy.posterior.named;
@@ -199,14 +199,13 @@ void lead_with_what_is_known(const std::vector<double>& known, std::vector<Named
     return;
   std::size_t largest = small.size();
   for (std::size_t i = 0; i < small.size(); ++i) {
-    if (known[i] >= kPolicy.posterior.named &&
+    if (!usual[i] && small[i].probability >= kPolicy.posterior.named &&
         (largest == small.size() || small[i].share > small[largest].share))
       largest = i;
   }
   if (largest == small.size()) return;
   NamedEffect effect = std::move(small[largest]);
   small.erase(small.begin() + static_cast<std::ptrdiff_t>(largest));
-  effect.probability = known[largest];
   effects.insert(effects.begin(), std::move(effect));
 }
 
@@ -264,7 +263,7 @@ void add_findings(JointModel& model, const Selection& selection, bool adequate, 
   mistake_short_delays(model.arm(), selection.extended.at.effects, all);
   mistake_mutually(all);
   std::set<const model::Effect*> weighed;
-  std::vector<double> known;
+  std::vector<bool> usual;  // by small departure
   const double explained_m = beyond_m(d.baseline.held_out_rms_m, d.extended.held_out_rms_m);
   const double left_m = beyond_m(d.extended.held_out_rms_m, d.noise_floor_m);
   for (std::size_t e = 0; e < all.size(); ++e) {
@@ -278,7 +277,7 @@ void add_findings(JointModel& model, const Selection& selection, bool adequate, 
     };
     effect.probability *= no_stand_in(*present.effect);
     if (small) {
-      known.push_back(is_usual(model, present) ? 0.0 : effect.probability);
+      usual.push_back(is_usual(model, present));
     } else {
       // Those that might be there in its place would explain as little.
       for (const model::Effect* rival : selection.rounds[selection.round_of[e]].rivals)
@@ -291,7 +290,7 @@ void add_findings(JointModel& model, const Selection& selection, bool adequate, 
   }
   std::stable_sort(d.effects.begin(), d.effects.end(),
                    [](const NamedEffect& a, const NamedEffect& b) { return a.share > b.share; });
-  lead_with_what_is_known(known, d.effects, d.small_departures);
+  lead_with_what_is_known(usual, d.effects, d.small_departures);
   std::stable_sort(d.small_departures.begin(), d.small_departures.end(),
                    [](const NamedEffect& a, const NamedEffect& b) { return a.share > b.share; });
   for (const std::vector<NamedEffect>* list : {&d.small_departures, &d.effects})

@@ -24,8 +24,8 @@ void mistake_short_delays(const arm::Arm& arm, const std::vector<model::Present>
 
 /// Where nothing among what the verdict stands on is more probable than not, and a small departure is, though
 /// it is only small beside the rest: the largest such is no departure but what is known.
-/// @param known by small departure: its probability as a finding; 0: it is what every arm has
-void lead_with_what_is_known(const std::vector<double>& known, std::vector<NamedEffect>& effects,
+/// @param usual by small departure: that every arm has such, however surely it is there
+void lead_with_what_is_known(const std::vector<bool>& usual, std::vector<NamedEffect>& effects,
                              std::vector<NamedEffect>& small);
 
 /// A delay so short that clocks that are apart and pressures that lag are one.

@@ -18,8 +18,9 @@ using Eigen::Vector3d;
 constexpr double kPlaces[] = {0.55, 0.9};
 constexpr int kDirections = 18;
 constexpr double kWays[] = {0.15, 0.45, 0.9};
-// No wall looks like a round post: the arm passes it.
-constexpr double kPostCurvature_per_m = 60.0;
+// No wall looks like a round post: the arm passes it. Its radius, of the arm's length.
+constexpr double kPostRadius = 1.0 / 12.0;
+constexpr double kMostCurvature_per_m = 200.0;
 
 class Contact : public Described {
  public:
@@ -32,7 +33,7 @@ class Contact : public Described {
     for (const double place : kPlaces) {
       for (int i = 0; i < kDirections; ++i) {
         for (const double way : kWays)
-          for (const double curvature : {0.0, kPostCurvature_per_m})
+          for (const double curvature : {0.0, std::min(kMostCurvature_per_m, 1.0 / (kPostRadius * length))})
             list.push_back((Values(6) << 0.0, place * length, 2.0 * M_PI * i / kDirections,
                             way * 0.5 * place * place * length, 0.0, curvature)
                                .finished());
@@ -115,7 +116,7 @@ std::unique_ptr<Effect> make_contact() {
        {"distance_m", "m", "of it from the axis of the straight arm", -1.0, 1.0, 0.02},
        {"friction", "1", "coefficient of dry friction; 0: smooth", 0.0, 2.0, 0.0},
        {"curvature_per_m", "1/m", "of its face: 0 a wall, 1 / R a post of radius R along the straight arm",
-        0.0, 200.0, 0.0}},
+        0.0, kMostCurvature_per_m, 0.0}},
       1,
       {"strain_stiffening", "tether"},
       {"bending_stiffness"}});

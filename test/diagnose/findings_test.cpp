@@ -71,9 +71,9 @@ TEST(Findings, AShortDelayMayBeAnother) {
 
 TEST(Findings, WhatIsKnownLeadsWhereNothingElseIs) {
   std::vector<NamedEffect> effects{effect("hardly", 0.15, 0.7)};
-  std::vector<NamedEffect> small{effect("usual", 1.0, 0.2), effect("clock", 1.0, 0.08),
+  std::vector<NamedEffect> small{effect("usual", 1.0, 0.2), effect("clock", 0.99, 0.08),
                                  effect("bow", 1.0, 0.02)};
-  lead_with_what_is_known({0.0, 0.99, 0.98}, effects, small);
+  lead_with_what_is_known({true, false, false}, effects, small);
   EXPECT_EQ(ids(effects), (std::vector<std::string>{"clock", "hardly"}));
   EXPECT_DOUBLE_EQ(effects.front().probability, 0.99);
   EXPECT_EQ(ids(small), (std::vector<std::string>{"usual", "bow"}));
@@ -81,13 +81,14 @@ TEST(Findings, WhatIsKnownLeadsWhereNothingElseIs) {
 
 TEST(Findings, ASmallDepartureStaysOneBesideWhatIsKnown) {
   std::vector<NamedEffect> effects{effect("known", 0.6, 0.9)}, small{effect("clock", 1.0, 0.1)};
-  lead_with_what_is_known({1.0}, effects, small);
+  lead_with_what_is_known({false}, effects, small);
   EXPECT_EQ(ids(effects), std::vector<std::string>{"known"});
   std::vector<NamedEffect> hardly{effect("hardly", 0.3, 0.9)};
-  lead_with_what_is_known({0.4}, hardly, small);  // as little known as the others
+  std::vector<NamedEffect> likely{effect("likely", 0.4, 0.1)};
+  lead_with_what_is_known({false}, hardly, likely);  // as little known as the others
   EXPECT_EQ(ids(hardly), std::vector<std::string>{"hardly"});
   std::vector<NamedEffect> none;
-  lead_with_what_is_known({1.0}, none, small);
+  lead_with_what_is_known({false}, none, small);
   EXPECT_TRUE(none.empty());
   EXPECT_EQ(ids(small), std::vector<std::string>{"clock"});
 }
