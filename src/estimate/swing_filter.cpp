@@ -42,7 +42,7 @@ void SwingFilter::set_modes(const model::Modes& modes, double lag_s) {
   if (here) {
     // Counted from where the bodies are now.
     reference_ += last_;
-    last_ -= last_;
+    last_ *= 0.0;  // what was not seen stays so
     state_.head(r) -= here->s;
     state_.tail(r) -= here->s;
     MatrixXd turn = MatrixXd::Zero(3 * r, 3 * r);
