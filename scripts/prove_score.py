@@ -27,7 +27,8 @@ LEAST_BIAS = 0.02  # of EI: a smaller one cannot be distinguished from the fit's
 def named_in(report):
     """Small departures, too, were found, and count as such; last what is hardly there, of which the probability alone counts."""
     stand_ins = [{**named, "stand_in": True} for named in report.get("stand_ins", [])]
-    return report["effects"] + report.get("small_departures", []) + stand_ins
+    small = [{**named, "small": True} for named in report.get("small_departures", [])]
+    return report["effects"] + small + stand_ins
 
 
 def decision_of_report(report):
@@ -48,7 +49,10 @@ def decision_of_baseline(item):
 
 def beside_control(decision, of_control):
     """A decision with the names that its control was given; one without a control, as it is."""
-    return decision if of_control is None else {**decision, "before": prove_real_score.names(of_control)}
+    if of_control is None:
+        return decision
+    return {**decision, "before": prove_real_score.names(of_control, small=False),
+            "before_small": prove_real_score.names(of_control, small=True)}
 
 
 def decision_of(result):

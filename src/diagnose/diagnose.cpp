@@ -372,23 +372,21 @@ Linearised& fit_of_payloads(FirstFits& first) {
 /// @param payloads to first order about the fit as told; become those that the last search says, nearly the
 /// last fit's own
 /// @param trials get them, and are kept by reference
-/// @return nothing where that does not come to an end, or to no likely payloads
+/// @return nothing where that does not come to an end, or nothing is left of them
 std::unique_ptr<Begun> begun_under(const arm::Arm& arm, const model::Prepared& prepared,
-                                   std::vector<OtherPayload>& payloads, std::vector<model::TrialData>& trials,
+                                   OtherPayloads& payloads, std::vector<model::TrialData>& trials,
                                    const Options& options, Schedule& schedule) {
   const double usual_kg = usual_payload_kg(arm, prepared.trials);
   for (std::size_t step = 0; step < kPolicy.told.most_steps; ++step) {
-    trials = under(payloads, prepared.trials);
+    trials = under(payloads.list, prepared.trials);
     schedule.begin_first_part("under payloads that the trials say");
     auto begun = std::make_unique<Begun>(arm, trials, options, schedule);
-    std::vector<OtherPayload> next =
-        other_payloads(begun->model, fit_of_payloads(begun->first), payloads, usual_kg);
-    if (is_settled(payloads, next, usual_kg)) {
-      payloads = std::move(next);
-      if (!are_likely(payloads)) return nullptr;
-      return begun;
-    }
+    const Linearised fit = off_axis_by(payloads.offset_m, begun->model, fit_of_payloads(begun->first));
+    OtherPayloads next = other_payloads(begun->model, fit, payloads.list, usual_kg);
+    const bool settled = is_settled(payloads.list, next.list, usual_kg);
     payloads = std::move(next);
+    if (settled) return begun;
+    if (payloads.list.empty()) return nullptr;
   }
   return nullptr;
 }
@@ -396,7 +394,7 @@ std::unique_ptr<Begun> begun_under(const arm::Arm& arm, const model::Prepared& p
 /// The diagnosis under the payloads that the trials say; nothing where it leaves hardly less of the same
 /// recordings than the one as they were told.
 std::optional<Diagnosis> under_other_payloads(const arm::Arm& arm, const model::Prepared& prepared,
-                                              std::vector<OtherPayload> payloads, const Diagnosis& as_told,
+                                              OtherPayloads payloads, const Diagnosis& as_told,
                                               const Options& options, Schedule& schedule) {
   std::vector<model::TrialData> trials;
   const std::unique_ptr<Begun> begun = begun_under(arm, prepared, payloads, trials, options, schedule);
@@ -407,7 +405,7 @@ std::optional<Diagnosis> under_other_payloads(const arm::Arm& arm, const model::
   if (!(mean_m > 0.0 && mean_m < kPolicy.told.better * as_told.extended.held_out_mean_m) ||
       d.left_out_share > as_told.left_out_share + kPolicy.words.left_out_share)
     return std::nullopt;
-  d.told_payloads = told_payloads(payloads, prepared.trials);
+  d.told_payloads = told_payloads(payloads.list, prepared.trials);
   d.told_payloads->as_told_mean_m = as_told.extended.held_out_mean_m;
   d.told_payloads->mean_m = mean_m;
   d.summary = sentence_of(*d.told_payloads) + " " + d.summary;
@@ -435,14 +433,14 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   schedule.first_part(0.02, Begun::kFittingConstants);
   Begun begun(arm, prepared.trials, options, schedule);
   const std::optional<ExchangedNames> names = exchanged_names(arm, prepared.trials);
-  std::vector<OtherPayload> other;
+  OtherPayloads other;
   if (!names)
     other =
         other_payloads(begun.model, fit_of_payloads(begun.first), {}, usual_payload_kg(arm, prepared.trials));
-  if (!other.empty()) width = kAsTold;
+  if (!other.list.empty()) width = kAsTold;
   schedule.end_first_part();
   Diagnosis d = diagnosed(prepared, begun, names, options, schedule);
-  if (!other.empty() && d.verdict != Verdict::kConsistent && d.verdict != Verdict::kExplained) {
+  if (!other.list.empty() && d.verdict != Verdict::kConsistent && d.verdict != Verdict::kExplained) {
     from = kAsTold;
     Schedule again(part, now_s);
     try {

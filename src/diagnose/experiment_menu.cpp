@@ -78,7 +78,7 @@ class Menu {
   void add_attitudes() {
     const auto [azimuth, input] = first_direction();
     const Vector3d along = Vector3d::UnitZ();
-    const auto across = [&](double angle) {
+    const auto across = [&, &azimuth = azimuth](double angle) {
       return Vector3d(std::cos(azimuth + angle), std::sin(azimuth + angle), 0.0);
     };
     const auto bends = [&, &input = input](const std::string& where, const std::string& axis) {

@@ -134,6 +134,9 @@ class JointModel {
   /// which belong to `changed` (differences from `at` over `steps`).
   Eigen::MatrixXd signatures(const Linearised& at, std::size_t trial,
                              const std::vector<JointParameters>& changed, const std::vector<double>& steps);
+  /// The same by whole predictions; of different trials at once, from several threads.
+  Eigen::MatrixXd differences(const Linearised& at, std::size_t trial,
+                              const std::vector<JointParameters>& changed, const std::vector<double>& steps);
 
   struct FitOptions {
     /// Of a configuration-dependent load: at the end, by differences of whole predictions.
@@ -241,8 +244,6 @@ class JointModel {
                                        const std::vector<model::Predicted>& predicted) const;
   void differentiate(const JointParameters& at, std::size_t trial, const std::vector<bool>& wanted,
                      std::vector<model::Predicted>& predicted);
-  Eigen::MatrixXd differences(const Linearised& at, std::size_t trial,
-                              const std::vector<JointParameters>& changed, const std::vector<double>& steps);
   /// Takes the derivatives by the rod of a linearisation nearby.
   /// @return whether it has them all
   bool share_derivatives(const Linearised& near, std::size_t trial,

@@ -2,12 +2,15 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <iterator>
 #include <limits>
 #include <map>
+#include <memory>
 #include <utility>
 
+#include "effects/catalogue.h"
 #include "math/linear_algebra.h"
 #include "policy.h"
 #include "ranges.h"
@@ -20,8 +23,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Something more hangs where the payload does. No effect of the arm, and of no catalogue: what was told is
-/// wrong, in one trial or another.
+/// Something more hangs where the payload does, and off its axis. No effect of the arm, and of no catalogue:
+/// what was told is wrong, in one trial or another.
 class MorePayload : public model::Effect {
  public:
   const model::Info& info() const override { return info_; }
@@ -29,165 +32,297 @@ class MorePayload : public model::Effect {
   void drive(const arm::Arm&, const model::Values& values, model::Series& series) const override {
     series.payload_kg.array() += values[0];
   }
+  void act(const arm::Arm&, const model::FineRod&, const model::Values& values, const model::Instant& instant,
+           const model::Shape*, const model::Memory&, rod::Rod& rod) const override {
+    if (instant.payload_kg > 0.0)
+      rod.loads[rod::kPayloadLoad].offset_m += values.tail<3>() / instant.payload_kg;
+  }
 
  private:
   const model::Info info_{"more_payload",
                           "more hangs on the arm than was told",
-                          "m = m_told + more",
+                          "m = m_told + more, m offset = m_told offset_told + (x, y, z)",
                           "",
                           model::Family::kLoad,
-                          {{"more_kg", "kg", "beside what was told", -1e3, 1e3, 1.0}},
-                          1,
+                          {{"more_kg", "kg", "beside what was told", -1e3, 1e3, 1.0},
+                           {"x_kg_m", "kg m", "off its axis along x, times the mass", -1e3, 1e3, 1.0},
+                           {"y_kg_m", "kg m", "the same along y", -1e3, 1e3, 1.0},
+                           {"z_kg_m", "kg m", "the same along z", -1e3, 1e3, 1.0}},
+                          4,
                           {},
                           {}};
 };
 
+constexpr const char* kOffAxis = "payload_offset";
 constexpr double kPayloadStep = 0.02;  // of the usual payload: a difference to first order
+constexpr double kOffsetStep = 0.5;    // of the length, of such a payload
 
-/// Sums over stretches of trials: of m, by which the usual payload moves the bodies, with the derivatives J
-/// by the constants, with residuals, and with itself.
+/// Of a payload over the usual one, and of that one a metre off its axis: x, y, z.
+constexpr Index kMoves = 4, kOffsets = 3;
+using Moves = Eigen::Matrix<double, kMoves, 1>;
+using Offsets = Eigen::Matrix<double, kOffsets, 1>;
+
+/// Sums over stretches of trials: of moves [m b], m by the usual payload and b by that one off its axis, with
+/// the derivatives J by the constants, with residuals, with themselves, and with w b, w what was told there.
 struct PayloadSums {
-  VectorXd mixed;  ///< J^T m
-  double score = 0.0, own = 0.0;
+  explicit PayloadSums(Index constants) : mixed(MatrixXd::Zero(constants, kMoves)) {}
+  MatrixXd mixed;  ///< J^T [m b]
+  Moves score = Moves::Zero();
+  Eigen::Matrix<double, kMoves, kMoves> own = decltype(own)::Zero();
+  Eigen::Matrix<double, kOffsets, kMoves> with_told = decltype(with_told)::Zero();
 
   /// Those of another stretch, in which it hangs with this sign.
   void add(double sign, const PayloadSums& other) {
     mixed += sign * other.mixed;
     score += sign * other.score;
     own += other.own;
+    with_told += sign * other.with_told;
   }
+};
+
+/// Sums over all trials of w b: what was told hangs off its axis.
+struct ToldSums {
+  explicit ToldSums(Index constants) : mixed(MatrixXd::Zero(constants, kOffsets)) {}
+  MatrixXd mixed;
+  Offsets score = Offsets::Zero();
+  Eigen::Matrix<double, kOffsets, kOffsets> own = decltype(own)::Zero();
 };
 
 /// Sums of one trial up to each of its blocks.
 class PayloadSumsTo {
  public:
-  PayloadSumsTo(const Linearised& at, const model::TrialData& trial, std::size_t t, const VectorXd& moves)
-      : mixed_(MatrixXd::Zero(at.gradient.size(), static_cast<Index>(trial.blocks.size()) + 1)),
-        score_(VectorXd::Zero(mixed_.cols())),
-        own_(VectorXd::Zero(mixed_.cols())) {
+  /// @param moves of [m b], four columns
+  PayloadSumsTo(const Linearised& at, const model::TrialData& trial, std::size_t t, const MatrixXd& moves,
+                double usual_kg)
+      : to_(trial.blocks.size() + 1, PayloadSums(at.gradient.size())), told_(at.gradient.size()) {
     Index bodies = 0, tangents = 0;  // the first rows of a block
     for (const model::Block& block : trial.blocks) tangents += 3 * static_cast<Index>(block.bodies.size());
-    for (Index k = 0; k + 1 < mixed_.cols(); ++k) {
-      const model::Block& block = trial.blocks[static_cast<std::size_t>(k)];
-      mixed_.col(k + 1) = mixed_.col(k);
-      score_[k + 1] = score_[k];
-      own_[k + 1] = own_[k];
+    for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
+      const model::Block& block = trial.blocks[k];
+      const double told =
+          trial.series.payload_kg
+              .segment(static_cast<Index>(block.first), static_cast<Index>(block.last - block.first))
+              .mean() /
+          usual_kg;
+      PayloadSums& to = to_[k + 1];
+      to = to_[k];
       for (auto [row, seen] :
            {std::pair<Index&, std::size_t>{bodies, block.bodies.size()}, {tangents, block.tangents.size()}}) {
         const Index rows = 3 * static_cast<Index>(seen);
-        const auto own = moves.segment(row, rows);
-        mixed_.col(k + 1) += at.derivative[t].middleRows(row, rows).transpose() * own;
-        score_[k + 1] += own.dot(at.residual[t].segment(row, rows));
-        own_[k + 1] += own.squaredNorm();
+        const auto own = moves.middleRows(row, rows);
+        PayloadSums here(at.gradient.size());
+        here.mixed = at.derivative[t].middleRows(row, rows).transpose() * own;
+        here.score = own.transpose() * at.residual[t].segment(row, rows);
+        here.own = own.transpose() * own;
+        here.with_told = told * here.own.bottomRows<kOffsets>();
+        to.add(1.0, here);
+        told_.mixed += told * here.mixed.rightCols<kOffsets>();
+        told_.score += told * here.score.tail<kOffsets>();
+        told_.own += told * here.with_told.rightCols<kOffsets>();
         row += rows;
       }
     }
   }
-  PayloadSums between(std::size_t first, std::size_t last) const {
-    const auto from = static_cast<Index>(first), to = static_cast<Index>(last);
-    return {mixed_.col(to) - mixed_.col(from), score_[to] - score_[from], own_[to] - own_[from]};
+  /// Of a stretch of blocks [first, last): adds it.
+  void add_between(std::size_t first, std::size_t last, double sign, PayloadSums& sums) const {
+    PayloadSums stretch = to_[last];
+    stretch.mixed -= to_[first].mixed;
+    stretch.score -= to_[first].score;
+    stretch.own -= to_[first].own;
+    stretch.with_told -= to_[first].with_told;
+    sums.add(sign, stretch);
   }
+  const ToldSums& told() const { return told_; }
 
  private:
-  MatrixXd mixed_;
-  VectorXd score_, own_;
+  std::vector<PayloadSums> to_;
+  ToldSums told_;
 };
 
 /// Of what hangs beside what was told, over the usual payload.
 struct Span {
   double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
+  double exchanged = 0.0;  ///< of two that have each other's: just that; else 0
 };
 
-/// Normal equations of the constants, and of payloads beside what was told, over the usual one.
+/// Normal equations of the constants, of payloads beside what was told, over the usual one, and of where what
+/// hangs is off its axis, m.
 class PayloadEquations {
  public:
-  explicit PayloadEquations(const Linearised& at)
-      : held_(held_at_ends(at)), inflation_(inflation(at)), square_(at.square) {
+  /// @param offset_sd_m as which a payload may be off its axis
+  PayloadEquations(const Linearised& at, ToldSums told, double offset_sd_m)
+      : held_(held_at_ends(at)),
+        inflation_(inflation(at)),
+        square_(at.square),
+        // A payload is as likely as the usual one beforehand, against the misfit as it is.
+        before_(std::max(1.0, at.square / std::max(1, at.rows))),
+        told_(std::move(told)) {
     information_ = at.information;
     gradient_ = at.gradient;
     hold(held_, information_, gradient_);
-    // A payload is as likely as the usual one beforehand, against the misfit as it is.
-    before_ = std::max(1.0, at.square / std::max(1, at.rows));
+    told_.own.diagonal().array() += before_ / (offset_sd_m * offset_sd_m);
     solve();
   }
 
   struct Gain {
-    double fall = 0.0;  ///< of chi^2
+    double fall = 0.0;  ///< of chi^2, beside what was told off its axis
     double more = 0.0;
   };
-  /// With one payload more, within what can hang there.
-  Gain gain(const PayloadSums& sums, const Span& possible) const {
-    const VectorXd with = column(sums);
-    const double own = sums.own + before_ - with.dot(covariance_ * with);
-    const double score = sums.score - with.dot(move_);
-    const double more = std::clamp(score / own, possible.low, possible.high);
-    return {more * (2.0 * score - more * own), more};
+  /// With one payload more, within what can hang there, which hangs where all others do.
+  Gain gain(const PayloadSums& sums, const Span& span) const {
+    // Columns: off its axis what was told; the payload; that off its axis.
+    constexpr Index kAll = kOffsets + kMoves;
+    MatrixXd with(gradient_.size(), kAll);
+    with << with_told_, column(sums);
+    Eigen::Matrix<double, kAll, kAll> own;
+    own << told_.own, sums.with_told, sums.with_told.transpose(), sums.own;
+    own -= with.transpose() * covariance_ * with;
+    Eigen::Matrix<double, kAll, 1> score;
+    score << told_.score, sums.score;
+    score -= with.transpose() * move_;
+    const auto fall_with = [&](double more) {
+      Eigen::Matrix<double, kAll, kMoves> taken = decltype(taken)::Zero();
+      taken(kOffsets, 0) = 1.0;
+      for (Index i = 0; i < kOffsets; ++i) {
+        taken(i, 1 + i) = 1.0;
+        taken(kOffsets + 1 + i, 1 + i) = more;
+      }
+      return fall_of(taken.transpose() * own * taken, taken.transpose() * score, more, span) - off_axis_;
+    };
+    if (span.exchanged > 0.0) return {fall_with(span.exchanged), span.exchanged};
+    Gain best;
+    // How much hangs off its axis goes with how much hangs: less and more are apart.
+    for (const auto& [low, high] : {std::pair{span.low, 0.0}, {0.0, span.high}}) {
+      if (!(low < high)) continue;
+      std::uintmax_t steps = kGainSteps;
+      const auto [more, rise] = boost::math::tools::brent_find_minima(
+          [&](double at) { return -fall_with(at); }, low, high, kGainBits, steps);
+      if (-rise > best.fall) best = {-rise, more};
+    }
+    return best;
   }
   /// Of a part of a fall of chi^2: what falls does not count as scatter.
   double z(double part, double fall) const {
-    return std::sqrt(std::max(0.0, part) / (inflation_ * std::max(kLeastLeft, 1.0 - fall / square_)));
+    return std::sqrt(std::max(0.0, part) /
+                     (inflation_ * std::max(kLeastLeft, 1.0 - (fall + off_axis_) / square_)));
   }
-  /// @param already of it, in the fit
-  void add(const PayloadSums& sums, double already) {
-    const VectorXd with = column(sums);
+  /// @param already of it, in the fit and in what counts as told
+  /// @param beside of it, found beside what counts as told
+  void add(const PayloadSums& sums, double already, double beside, const Span& span) {
+    const MatrixXd with = column(sums);
     const Index n = gradient_.size();
+    // Of two that have each other's nothing is to be found.
+    const double trust = before_ / (span.exchanged > 0.0 ? kHeld * kHeld : 1.0);
     information_.conservativeResize(n + 1, n + 1);
-    information_.col(n).head(n) = with;
-    information_.row(n).head(n) = with.transpose();
-    information_(n, n) = sums.own + before_;
+    information_.col(n).head(n) = with.col(0);
+    information_.row(n).head(n) = with.col(0).transpose();
+    information_(n, n) = sums.own(0, 0) + trust;
     gradient_.conservativeResize(n + 1);
-    gradient_[n] = sums.score - before_ * already;
+    gradient_[n] = sums.score[0] - trust * (already - span.exchanged);
+    const Eigen::Matrix<double, kOffsets, kOffsets> told = sums.with_told.rightCols<kOffsets>();
+    told_.mixed.conservativeResize(n + 1, kOffsets);
+    told_.mixed.topRows(constants()) += beside * sums.mixed.rightCols<kOffsets>();
+    told_.mixed.row(n) = (sums.with_told.col(0) + beside * sums.own.block<kOffsets, 1>(1, 0)).transpose();
+    told_.score += beside * sums.score.tail<kOffsets>();
+    told_.own +=
+        beside * (told + told.transpose() + beside * sums.own.bottomRightCorner<kOffsets, kOffsets>());
     solve();
   }
+  /// By which all that hangs is off its axis.
+  const Offsets& offset_m() const { return offset_m_; }
   /// Of the payload that was added so many after the first.
-  double more(std::size_t payload) const { return move_[place(payload)]; }
+  double more(std::size_t payload) const { return all_move_[place(payload)]; }
   double sd(std::size_t payload) const {
-    return std::sqrt(inflation_ * covariance_(place(payload), place(payload)));
+    return std::sqrt(inflation_ * all_covariance_(place(payload), place(payload)));
   }
 
  private:
-  Index place(std::size_t payload) const { return static_cast<Index>(held_.size() + payload); }
+  static constexpr int kGainSteps = 12, kGainBits = 12;
+  static constexpr double kLeastLeft = 1e-3;  // of chi^2: rounding
+  static constexpr double kHeld = 1e-4;       // sd of a payload that is known, over the usual one
+
+  Index constants() const { return static_cast<Index>(held_.size()); }
+  Index place(std::size_t payload) const { return constants() + static_cast<Index>(payload); }
+  /// Fall of chi^2 with so much more, and all off their axis where that is most.
+  double fall_of(const Eigen::Matrix<double, kMoves, kMoves>& own, const Moves& score, double more,
+                 const Span& span) const {
+    const Offsets offsets = score.tail<kOffsets>() - more * own.bottomLeftCorner<kOffsets, 1>();
+    const double trust = span.exchanged > 0.0 ? 0.0 : before_;
+    return more * (2.0 * score[0] - more * (own(0, 0) + trust)) +
+           offsets.dot(own.bottomRightCorner<kOffsets, kOffsets>().ldlt().solve(offsets));
+  }
   /// With the unknowns so far: the constants, and payloads of other trials, which it has nothing to do with.
-  VectorXd column(const PayloadSums& sums) const {
-    VectorXd with = VectorXd::Zero(gradient_.size());
+  MatrixXd column(const PayloadSums& sums) const {
+    MatrixXd with = MatrixXd::Zero(gradient_.size(), kMoves);
     for (std::size_t c = 0; c < held_.size(); ++c)
-      if (!held_[c]) with[static_cast<Index>(c)] = sums.mixed[static_cast<Index>(c)];
+      if (!held_[c]) with.row(static_cast<Index>(c)) = sums.mixed.row(static_cast<Index>(c));
     return with;
   }
   void solve() {
     covariance_ = math::inverse_of_symmetric(information_);
     move_ = covariance_ * gradient_;
+    with_told_ = told_.mixed;
+    for (std::size_t c = 0; c < held_.size(); ++c)
+      if (held_[c]) with_told_.row(static_cast<Index>(c)).setZero();
+    const Offsets score = told_.score - with_told_.transpose() * move_;
+    const Eigen::Matrix<double, kOffsets, kOffsets> own =
+        told_.own - with_told_.transpose() * covariance_ * with_told_;
+    const Eigen::Matrix<double, kOffsets, kOffsets> inverse = own.inverse();
+    offset_m_ = inverse * score;
+    off_axis_ = score.dot(offset_m_);
+    const MatrixXd absorbed = covariance_ * with_told_;
+    all_covariance_ = covariance_ + absorbed * inverse * absorbed.transpose();
+    all_move_ = move_ - absorbed * offset_m_;
   }
 
-  const std::vector<bool> held_;              ///< constants
-  static constexpr double kLeastLeft = 1e-3;  // of chi^2: rounding
-  const double inflation_, square_;
-  double before_ = 1.0;
-  MatrixXd information_, covariance_;
-  VectorXd gradient_, move_;
+  const std::vector<bool> held_;  ///< constants
+  const double inflation_, square_, before_;
+  ToldSums told_;  ///< rows: constants, payloads
+  MatrixXd information_, covariance_, with_told_, all_covariance_;
+  VectorXd gradient_, move_, all_move_;
+  Offsets offset_m_;
+  double off_axis_ = 0.0;  ///< fall of chi^2 where what was told is off its axis
 };
 
 /// Sums of all trials.
 class PayloadSumsOf {
  public:
-  PayloadSumsOf(JointModel& model, Linearised& at, double usual_kg) {
+  PayloadSumsOf(JointModel& model, const Linearised& at, double usual_kg) : constants_(at.gradient.size()) {
     static const MorePayload kMore;
-    model.complete(at);
-    JointParameters more = at.at;
-    const double step_kg = kPayloadStep * usual_kg;
-    more.effects.push_back({&kMore, model::Values::Constant(1, step_kg)});
-    for (std::size_t t = 0; t < model.trials().size(); ++t) {
-      const VectorXd moves = model.signatures(at, t, {more}, {step_kg}).col(0);
-      trials_.emplace_back(at, model.trials()[t], t, usual_kg * at.root_weight[t].cwiseProduct(moves));
+    const double step_m = kOffsetStep * model.arm().total_length_m();
+    std::vector<JointParameters> changed(kMoves, at.at);
+    for (Index k = 0; k < kMoves; ++k) {
+      model::Values values = model::Values::Zero(kMoves);
+      values[0] = kPayloadStep * usual_kg;
+      if (k > 0) values[k] = values[0] * step_m;
+      changed[static_cast<std::size_t>(k)].effects.push_back({&kMore, std::move(values)});
     }
+    std::vector<MatrixXd> moves(model.trials().size());
+    model.each_trial([&](std::size_t t) {
+      moves[t] = model.differences(at, t, changed, std::vector<double>(kMoves, kPayloadStep));
+      for (Index k = 1; k < kMoves; ++k) moves[t].col(k) = (moves[t].col(k) - moves[t].col(0)) / step_m;
+      moves[t] = at.root_weight[t].asDiagonal() * moves[t];
+    });
+    for (std::size_t t = 0; t < moves.size(); ++t)
+      trials_.emplace_back(at, model.trials()[t], t, moves[t], usual_kg);
   }
   PayloadSums over(const std::vector<TrialStretch>& where) const {
-    PayloadSums sums{VectorXd::Zero(trials_.front().between(0, 0).mixed.size())};
-    for (const TrialStretch& one : where) sums.add(one.sign, trials_[one.trial].between(one.first, one.last));
+    PayloadSums sums(constants_);
+    for (const TrialStretch& one : where) trials_[one.trial].add_between(one.first, one.last, one.sign, sums);
+    return sums;
+  }
+  ToldSums told() const {
+    ToldSums sums(constants_);
+    for (const PayloadSumsTo& trial : trials_) {
+      sums.mixed += trial.told().mixed;
+      sums.score += trial.told().score;
+      sums.own += trial.told().own;
+    }
     return sums;
   }
 
  private:
+  Index constants_;
   std::vector<PayloadSumsTo> trials_;
 };
 
@@ -203,6 +338,15 @@ Span possible_kg(const std::vector<TrialStretch>& where, const JointModel& model
   return span;
 }
 
+/// The same over the usual payload, and what is expected: of two that have each other's, just that.
+Span span_of(const OtherPayload& payload, const JointModel& model, double usual_kg) {
+  Span span = possible_kg(payload.where, model);
+  span.low /= usual_kg;
+  span.high /= usual_kg;
+  if (payload.exchanged_kg) span.exchanged = *payload.exchanged_kg / usual_kg;
+  return span;
+}
+
 struct FoundPayload {
   OtherPayload payload;
   PayloadEquations::Gain gain;
@@ -211,68 +355,115 @@ struct FoundPayload {
 /// Payloads that may be other ones, weighed against each other.
 class PayloadSearch {
  public:
-  PayloadSearch(JointModel& model, Linearised& at, double usual_kg)
+  PayloadSearch(JointModel& model, const Linearised& at, double usual_kg)
       : model_(model),
         usual_kg_(usual_kg),
         sums_(model, at, usual_kg),
-        equations_(at),
-        is_in_(model.trials().size(), false) {}
+        equations_(at, sums_.told(), kPolicy.told.offset_sd * model.arm().total_length_m()),
+        is_in_(model.trials().size(), false),
+        is_all_in_(is_in_) {}
 
-  void add(const OtherPayload& payload) {
-    for (const TrialStretch& stretch : payload.where) is_in_[stretch.trial] = true;
-    equations_.add(sums_.over(payload.where), payload.more_kg / usual_kg_);
+  /// @param beside of it, over the usual one, that is not in the trials
+  void add(const OtherPayload& payload, double beside) {
+    for (const TrialStretch& stretch : payload.where) {
+      is_in_[stretch.trial] = true;
+      is_all_in_[stretch.trial] = payload.exchanged_kg ? false : is_all(stretch);
+    }
+    equations_.add(sums_.over(payload.where), payload.more_kg / usual_kg_, beside,
+                   span_of(payload, model_, usual_kg_));
     list_.push_back(payload);
   }
+  std::size_t size() const { return list_.size(); }
   /// The one that gains most beside those; nothing where none is worth a second diagnosis.
-  std::optional<OtherPayload> next() const {
+  std::optional<FoundPayload> next() const {
     FoundPayload best;
     for (std::size_t t = 0; t < is_in_.size(); ++t) {
-      if (is_in_[t]) continue;
-      FoundPayload one = in_one_trial(t);
-      if (one.gain.fall > best.gain.fall) best = std::move(one);
+      if (!is_in_[t]) take_better(in_one_trial(t), best);
     }
     FoundPayload alike = among_told_alike();
     if (alike.gain.fall > kPolicy.told.exchanged * best.gain.fall) best = std::move(alike);
     if (equations_.z(best.gain.fall, best.gain.fall) < kPolicy.told.least_z ||
-        std::abs(best.gain.more) < kPolicy.told.least_share)
+        std::abs(best.gain.more) * usual_kg_ < least_kg(list_))
       return std::nullopt;
-    return best.payload;
+    return best;
   }
-  /// All of them, with what the fit makes of them together.
-  std::vector<OtherPayload> list() const {
-    std::vector<OtherPayload> list = list_;
+  /// All of them, with what the fit makes of them together; without those of which it leaves next to nothing.
+  OtherPayloads all() const {
+    OtherPayloads found{list_, equations_.offset_m()};
+    std::vector<OtherPayload>& list = found.list;
     for (std::size_t i = 0; i < list.size(); ++i) {
+      if (list[i].exchanged_kg) {
+        list[i].more_kg = *list[i].exchanged_kg;
+        continue;
+      }
       const Span possible = possible_kg(list[i].where, model_);
       list[i].more_kg += std::clamp(usual_kg_ * equations_.more(i), possible.low, possible.high);
       list[i].sd_kg = usual_kg_ * equations_.sd(i);
     }
-    return list;
+    const double least = least_kg(list);
+    list.erase(std::remove_if(list.begin(), list.end(),
+                              [&](const OtherPayload& one) { return std::abs(one.more_kg) < least; }),
+               list.end());
+    return found;
   }
 
  private:
-  FoundPayload found(std::vector<TrialStretch> where) const {
-    Span possible = possible_kg(where, model_);
-    possible.low /= usual_kg_;
-    possible.high /= usual_kg_;
-    const PayloadEquations::Gain gain = equations_.gain(sums_.over(where), possible);
-    return {{std::move(where)}, gain};
+  /// Below which a difference is an effect's.
+  double least_kg(const std::vector<OtherPayload>& list) const {
+    double heaviest = usual_kg_;
+    for (const OtherPayload& one : list) heaviest = std::max(heaviest, std::abs(one.more_kg));
+    return kPolicy.told.least_share * heaviest;
   }
-  /// Of one trial what gains most: another payload in all of it, from some time on, or up to one.
+  bool is_all(const TrialStretch& stretch) const {
+    return stretch.first == 0 && stretch.last == model_.trials()[stretch.trial].blocks.size();
+  }
+  /// Whether something was told right, in some trial: what hangs in all of them is the arm's own.
+  bool leaves_some(const std::vector<TrialStretch>& where) const {
+    std::vector<bool> all = is_all_in_;
+    for (const TrialStretch& stretch : where) all[stretch.trial] = is_all(stretch);
+    return std::find(all.begin(), all.end(), false) != all.end();
+  }
+  FoundPayload found(std::vector<TrialStretch> where, std::optional<double> exchanged_kg = {}) const {
+    FoundPayload one;
+    if (!exchanged_kg && !leaves_some(where)) return one;
+    one.payload.where = std::move(where);
+    one.payload.exchanged_kg = exchanged_kg;
+    one.gain = equations_.gain(sums_.over(one.payload.where), span_of(one.payload, model_, usual_kg_));
+    return one;
+  }
+  /// Of one trial what gains most: another payload in all of it, or in all of it that was told the same, or
+  /// there from some time on, or up to one.
   FoundPayload in_one_trial(std::size_t t) const {
     const std::size_t blocks = model_.trials()[t].blocks.size();
     const auto fewest =
         static_cast<std::size_t>(std::ceil(kPolicy.told.least_time * static_cast<double>(blocks)));
-    const FoundPayload whole = found({{t, 0, blocks}});
-    FoundPayload best = whole;
-    for (std::size_t k = 1; k + fewest <= blocks; ++k) {
-      for (const TrialStretch& stretch : {TrialStretch{t, k, blocks}, TrialStretch{t, 0, blocks - k}}) {
-        FoundPayload one = found({stretch});
-        if (one.gain.fall > best.gain.fall) best = std::move(one);
+    FoundPayload whole, part;
+    for (const TrialStretch& told : told_the_same(t)) {
+      if (told.last - told.first < fewest) continue;
+      take_better(found({told}), whole);
+      for (std::size_t k = 1; k + fewest <= told.last - told.first; ++k) {
+        take_better(found({{t, told.first + k, told.last}}), part);
+        take_better(found({{t, told.first, told.last - k}}), part);
       }
     }
     // A time at which it changed is a number more.
-    return equations_.z(best.gain.fall - whole.gain.fall, best.gain.fall) < kPolicy.told.least_z ? whole
-                                                                                                 : best;
+    const double more = part.gain.fall - whole.gain.fall;
+    return equations_.z(more, part.gain.fall) < kPolicy.told.least_z ? whole : part;
+  }
+  /// Stretches of a trial in which one payload was told.
+  std::vector<TrialStretch> told_the_same(std::size_t t) const {
+    std::vector<TrialStretch> stretches;
+    const model::TrialData& trial = model_.trials()[t];
+    double before_kg = std::numeric_limits<double>::quiet_NaN();
+    for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
+      const ToldIn told = told_in({t, k, k + 1}, trial);
+      if (told.least == before_kg && told.most == before_kg)
+        stretches.back().last = k + 1;
+      else
+        stretches.push_back({t, k, k + 1});
+      before_kg = told.least == told.most ? told.most : std::numeric_limits<double>::quiet_NaN();
+    }
+    return stretches;
   }
   /// Trials that were told one payload all along, and are not spoken for, by what was told.
   std::map<double, std::vector<TrialStretch>> told_alike() const {
@@ -285,35 +476,54 @@ class PayloadSearch {
     }
     return groups;
   }
-  /// Of those what gains most: another payload in all that were told the same, or, where that gains nearly as
-  /// much, two payloads that were exchanged.
+  /// Of those what gains most: another payload in some or all that were told the same, or, where that gains
+  /// nearly as much, two payloads that were exchanged, of all that were told them or of one trial each.
   FoundPayload among_told_alike() const {
     const std::map<double, std::vector<TrialStretch>> groups = told_alike();
     FoundPayload one, exchanged;
     for (auto light = groups.begin(); light != groups.end(); ++light) {
-      if (light->second.size() > 1) {
-        FoundPayload alone = found(light->second);
-        if (alone.gain.fall > one.gain.fall) one = std::move(alone);
-      }
+      for (std::vector<TrialStretch>& some : several_of(light->second))
+        take_better(found(std::move(some)), one);
       for (auto heavy = std::next(light); heavy != groups.end(); ++heavy) {
-        std::vector<TrialStretch> where = light->second;
-        for (TrialStretch stretch : heavy->second) {
-          stretch.sign = -1.0;
-          where.push_back(stretch);
-        }
-        FoundPayload both = found(std::move(where));
-        both.payload.exchanged_kg = heavy->first - light->first;
-        if (both.gain.more > 0.0 && both.gain.fall > exchanged.gain.fall) exchanged = std::move(both);
+        const double kg = heavy->first - light->first;
+        take_better(found_exchanged(light->second, heavy->second, kg), exchanged);
+        for (const TrialStretch& of_light : light->second)
+          for (const TrialStretch& of_heavy : heavy->second)
+            take_better(found_exchanged({of_light}, {of_heavy}, kg), exchanged);
       }
     }
     return exchanged.gain.fall > kPolicy.told.exchanged * one.gain.fall ? exchanged : one;
   }
+  /// Sets of two trials and more; of very many only all.
+  static std::vector<std::vector<TrialStretch>> several_of(const std::vector<TrialStretch>& trials) {
+    if (trials.size() > kMostSets) return {trials};
+    std::vector<std::vector<TrialStretch>> sets;
+    for (std::size_t set = 1; set < std::size_t{1} << trials.size(); ++set) {
+      std::vector<TrialStretch> some;
+      for (std::size_t i = 0; i < trials.size(); ++i)
+        if ((set >> i & 1U) != 0) some.push_back(trials[i]);
+      if (some.size() > 1) sets.push_back(std::move(some));
+    }
+    return sets;
+  }
+  FoundPayload found_exchanged(std::vector<TrialStretch> where, const std::vector<TrialStretch>& heavy,
+                               double kg) const {
+    for (TrialStretch stretch : heavy) {
+      stretch.sign = -1.0;
+      where.push_back(stretch);
+    }
+    return found(std::move(where), kg);
+  }
+  static void take_better(FoundPayload other, FoundPayload& best) {
+    if (other.gain.fall > best.gain.fall) best = std::move(other);
+  }
 
+  static constexpr std::size_t kMostSets = 8;  // trials, of which all sets are looked at: 247
   const JointModel& model_;
   const double usual_kg_;
   const PayloadSumsOf sums_;
   PayloadEquations equations_;
-  std::vector<bool> is_in_;  ///< trials
+  std::vector<bool> is_in_, is_all_in_;  ///< trials; all of which hangs as no other was told
   std::vector<OtherPayload> list_;
 };
 
@@ -346,14 +556,52 @@ double usual_payload_kg(const arm::Arm& arm, const std::vector<model::TrialData>
   return heaviest > 0.0 ? heaviest : kPolicy.experiment.payload_share * mass_kg(arm);
 }
 
-std::vector<OtherPayload> other_payloads(JointModel& model, Linearised& at,
-                                         const std::vector<OtherPayload>& known, double usual_kg) {
+bool is_settled(const std::vector<OtherPayload>& before, const std::vector<OtherPayload>& after,
+                double usual_kg) {
+  if (after.size() != before.size()) return false;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const double small_kg = std::max(kPolicy.told.settled * std::max(usual_kg, std::abs(after[i].more_kg)),
+                                     kPolicy.told.settled_sd * after[i].sd_kg);
+    if (std::abs(after[i].more_kg - before[i].more_kg) > small_kg) return false;
+  }
+  return true;
+}
+
+OtherPayloads other_payloads(JointModel& model, const Linearised& at, const std::vector<OtherPayload>& known,
+                             double usual_kg) {
   // One trial alone says nothing that its own constants would not.
   if (model.trials().size() < 2 || !(usual_kg > 0.0)) return {};
   PayloadSearch search(model, at, usual_kg);
-  for (const OtherPayload& payload : known) search.add(payload);
-  while (const std::optional<OtherPayload> next = search.next()) search.add(*next);
-  return search.list();
+  for (const OtherPayload& payload : known) search.add(payload, 0.0);
+  OtherPayloads found = search.all();
+  if (is_settled(known, found.list, usual_kg)) {
+    while (const std::optional<FoundPayload> next = search.next()) {
+      search.add(next->payload, next->gain.more);
+      OtherPayloads with = search.all();
+      if (with.list.size() < search.size()) break;  // beside it one of them is next to nothing
+      found = std::move(with);
+    }
+  }
+  for (const model::Present& present : at.at.effects)
+    if (present.effect->info().id == kOffAxis) found.offset_m += present.values.head<3>();
+  return found;
+}
+
+Linearised off_axis_by(const Eigen::Vector3d& offset_m, JointModel& model, Linearised at) {
+  for (const std::unique_ptr<model::Effect>& effect : effects::catalogue()) {
+    const bool known = std::any_of(model.known().begin(), model.known().end(),
+                                   [&](const model::Present& p) { return p.effect == effect.get(); });
+    if (effect->info().id != kOffAxis || known) continue;
+    JointParameters from = at.at;
+    model::Values values = offset_m;
+    for (int i = 0; i < 3; ++i) {
+      const model::Parameter& range = effect->info().parameters[static_cast<std::size_t>(i)];
+      values[i] = std::clamp(values[i], range.low, range.high);
+    }
+    from.effects.push_back({effect.get(), values});
+    at = model.fit(from, {}, &at.predicted);
+  }
+  return at;
 }
 
 }  // namespace softarm::diagnose

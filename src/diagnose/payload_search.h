@@ -1,6 +1,7 @@
 // Which trials say that something else hangs there than was told.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <limits>
 #include <optional>
@@ -22,8 +23,13 @@ struct TrialStretch {
 struct OtherPayload {
   std::vector<TrialStretch> where;
   double more_kg = 0.0, sd_kg = 0.0;
-  /// Of two that have each other's: the difference of what they were told, which more_kg then is.
+  /// Of two that have each other's: the difference of what they were told, which more_kg then is, just so.
   std::optional<double> exchanged_kg = {};
+};
+
+struct OtherPayloads {
+  std::vector<OtherPayload> list;
+  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();  ///< of what hangs, beside the arm file's
 };
 
 /// The heaviest payload that was told, kg; of trials without any, a share of the arm's own mass.
@@ -33,12 +39,24 @@ double usual_payload_kg(const arm::Arm& arm, const std::vector<model::TrialData>
 /// first, then others beside it, to first order. A trial has one such stretch at most. Trials that were told
 /// the same are looked at together, too: where one recording was cut into several, no piece alone is at odds
 /// with the others. And where trials differ and no length says which of them has what, two payloads that were
-/// exchanged are likelier than one that nobody ever told.
-/// @param at the constants' fit, under the payloads of `known`; is completed (JointModel::complete)
-/// @param known come first, in their order, with what the fit under them makes of them
+/// exchanged are likelier than one that nobody ever told. Something was told right: what hangs in all trials
+/// beside what was told is the arm's own.
+/// What hangs may hang off its axis: all trials have one offset beside the arm file's, by which no payload is
+/// to be accused.
+/// @param at the constants' fit, under the payloads of `known`
+/// @param known come first, in their order, with what the fit under them makes of them; others are looked for
+/// only where these are settled
 /// @param usual_kg usual_payload_kg() of the trials as they were told
-std::vector<OtherPayload> other_payloads(JointModel& model, Linearised& at,
-                                         const std::vector<OtherPayload>& known, double usual_kg);
+OtherPayloads other_payloads(JointModel& model, const Linearised& at, const std::vector<OtherPayload>& known,
+                             double usual_kg);
+
+/// Whether the second is the first, nearly.
+bool is_settled(const std::vector<OtherPayload>& before, const std::vector<OtherPayload>& after,
+                double usual_kg);
+
+/// The fit, under payloads that were found, with what hangs off its axis: by first order that is far off.
+/// @param offset_m OtherPayloads::offset_m
+Linearised off_axis_by(const Eigen::Vector3d& offset_m, JointModel& model, Linearised at);
 
 /// What was told in a stretch, kg, but for times at which a hand was on it.
 struct ToldIn {

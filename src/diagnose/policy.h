@@ -228,12 +228,15 @@ struct Policy {
   /// Payloads that are not what was told. What the recordings say of them costs a second diagnosis, under
   /// other payloads; that one decides.
   struct Told {
-    double least_share = 0.25;  ///< of the heaviest that was told: a smaller difference is an effect's
-    double least_time = 0.2;    ///< of a trial, in which it hangs
-    double least_z = 5.0;       ///< of one that is worth that
-    double exchanged = 0.9;  ///< share of the gain from which on what was told elsewhere explains it better
-    std::size_t most_steps = 4;  ///< from what was told to what hung
-    double settled = 0.02;       ///< step over the heaviest payload, after which none is made
+    double least_share =
+        0.25;  ///< of the heaviest that was told, or found: a smaller difference is an effect's
+    double least_time = 0.2;  ///< of a trial, in which it hangs
+    double least_z = 5.0;     ///< of one that is worth that
+    double offset_sd = 0.3;   ///< of the length, by which what hangs may be off its axis
+    double exchanged = 0.9;   ///< share of the gain from which on what was told elsewhere explains it better
+    std::size_t most_steps = 8;  ///< from what was told to what hung
+    /// Step over the heaviest payload, or over the payload's standard deviation, after which none is made.
+    double settled = 0.02, settled_sd = 0.5;
     /// Ratio of plain errors on trials left out, of all that is found under other payloads to all that is
     /// found as told: below it those are the arm's. Numbers that were fitted to the trials themselves make
     /// some of it.

@@ -16,6 +16,8 @@ namespace {
 
 using Eigen::Index;
 
+constexpr double kRounding_kg = 1e-9;
+
 /// Frames of a stretch of blocks: with those between blocks, and at the ends of the trial.
 std::pair<Index, Index> frames_of(const TrialStretch& stretch, const model::TrialData& trial) {
   const auto end = static_cast<std::size_t>(trial.series.payload_kg.size());
@@ -43,27 +45,15 @@ std::string sentence_of(const ToldPayload& one) {
   const std::string when = one.from_s ? fmt::format(" from {:.1f} s on", *one.from_s)
                            : one.to_s ? fmt::format(" up to {:.1f} s", *one.to_s)
                                       : "";
-  return fmt::format("in {}{} {} hung on the arm (90 % interval {} to {}) and {} was told", one.trial, when,
-                     weight(one.found_kg), with_unit(one.low_kg, "kg"), with_unit(one.high_kg, "kg"),
-                     weight(one.told_kg));
+  const std::string interval = one.low_kg < one.high_kg
+                                   ? fmt::format(" (90 % interval {} to {})", with_unit(one.low_kg, "kg"),
+                                                 with_unit(one.high_kg, "kg"))
+                                   : ", as told elsewhere,";
+  return fmt::format("in {}{} {}{} hung on the arm and {} was told", one.trial, when, weight(one.found_kg),
+                     interval, weight(one.told_kg));
 }
 
 }  // namespace
-
-bool is_settled(const std::vector<OtherPayload>& before, const std::vector<OtherPayload>& after,
-                double usual_kg) {
-  if (after.size() != before.size()) return false;
-  for (std::size_t i = 0; i < before.size(); ++i)
-    if (std::abs(after[i].more_kg - before[i].more_kg) > kPolicy.told.settled * usual_kg) return false;
-  return true;
-}
-
-bool are_likely(const std::vector<OtherPayload>& payloads) {
-  return std::all_of(payloads.begin(), payloads.end(), [](const OtherPayload& payload) {
-    return !payload.exchanged_kg || std::abs(payload.more_kg - *payload.exchanged_kg) <=
-                                        kPolicy.told.least_share * *payload.exchanged_kg;
-  });
-}
 
 std::vector<model::TrialData> under(const std::vector<OtherPayload>& payloads,
                                     std::vector<model::TrialData> trials) {
@@ -92,7 +82,8 @@ ToldPayloads told_payloads(const std::vector<OtherPayload>& payloads,
         ToldPayload one;
         one.trial = trials[t].name;
         one.told_kg = told_in(stretch, trials[t]).mean;
-        one.found_kg = std::max(0.0, one.told_kg + stretch.sign * payload.more_kg);
+        one.found_kg = one.told_kg + stretch.sign * payload.more_kg;
+        if (one.found_kg < kRounding_kg) one.found_kg = 0.0;
         one.low_kg = std::max(0.0, one.found_kg - half_kg);
         one.high_kg = one.found_kg + half_kg;
         if (stretch.first > 0) one.from_s = trials[t].series.t_s[from];

@@ -9,13 +9,6 @@
 
 namespace softarm::diagnose {
 
-/// Whether the second is the first, nearly.
-bool is_settled(const std::vector<OtherPayload>& before, const std::vector<OtherPayload>& after,
-                double usual_kg);
-
-/// That payloads said to be exchanged are.
-bool are_likely(const std::vector<OtherPayload>& payloads);
-
 /// The trials under these payloads; about a change that was found nothing is compared.
 std::vector<model::TrialData> under(const std::vector<OtherPayload>& payloads,
                                     std::vector<model::TrialData> trials);

@@ -278,7 +278,9 @@ void set_starts(const LawModel& model, const EffectLines* lines, const Solution&
     }
     if (walls == 0) continue;
     Eigen::Index k = 0;
-    const auto add = [&](const arm::Segment& segment, const std::string& element, const char* unit) {
+    // C++17 captures a structured binding only so.
+    const auto add = [&, &start = start](const arm::Segment& segment, const std::string& element,
+                                         const char* unit) {
       result.starts.push_back({name, segment.name, element, unit, start[k], model.start_sd()[k] * sd[k]});
       ++k;
     };

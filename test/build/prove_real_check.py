@@ -286,6 +286,13 @@ class Scores(unittest.TestCase):
         self.assertEqual(prove_report.judged(results[0]), "**in the control too**")
         self.assertFalse(prove_report.passes({**figures, "full": False}))
 
+    def test_a_small_departure_of_the_control_that_is_none_here_is_found(self):
+        outright = report("explained", ("clock_offset", 0.99))
+        small = {**outright, "effects": [], "small_departures": outright["effects"]}
+        for said, untouched, rate in ((outright, small, 1.0), (small, small, 0.0), (small, outright, 0.0), (small, report("unknown"), 1.0)):
+            figures, _ = self.figures(hidden(), said, untouched)
+            self.assertEqual([figures["intervention"][mark] for mark in ("top1", "top3", "right_class")], [rate] * 3)
+
     def test_what_the_arm_has_by_itself_is_no_error(self):
         own, other = ("hysteresis", 0.99), ("shear", 0.95)
         figures, _ = self.figures(hidden(), report("explained", own), report("unknown", own))
