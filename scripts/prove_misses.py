@@ -110,7 +110,7 @@ def of_intervention(result):
     if told:
         said.append(f"found by what is told later, or by what that may be mistaken for: {joined(told)}")
     names = truth["effects"][0]["names"] or truth["class"]
-    known = [name for name in names if prove_real_score.is_known(name, decision)]
+    known = [name for name in names if name in decision.get("before", ())]
     said += [f"`{name}` is what its untouched recordings are told, too" for name in known]
     if not told:
         said += [f"`{name}` is {of_silence(name, result)}" for name in names if name not in known]

@@ -1,8 +1,7 @@
 """What counts for interventions on real recordings, beside their controls. Pure functions; prove_score.py uses them.
 
-A decision on an intervention has "before": the names that the control, the same recordings untouched, was given, and
-"before_small": those that it was given as small departures. What both have is the arm's own, and says nothing of the
-intervention; but what is small in the control, and here no longer, does.
+A decision on an intervention has "before": the names that the control, the same recordings untouched, was given. What both
+have is the arm's own, and says nothing of the intervention; but for what is of its class, small in the control and here not.
 """
 BINS = ("found", "in the control too", "named wrongly", "missed", "no name, unknown", "no name")
 
@@ -20,23 +19,24 @@ def is_named(named):
     return probability is None or probability >= NAMED_AT_LEAST
 
 
-def names(decision, small):
-    """What is named as a small departure, or else."""
-    return [named["name"] for named in decision["named"] if is_named(named) and bool(named.get("small")) == small]
+def names(decision):
+    return [named["name"] for named in decision["named"] if is_named(named)]
 
 
-def is_before(name, small, decision):
-    return name in decision.get("before", ()) or (small and name in decision.get("before_small", ()))
+def outright(decision):
+    """Names, but for those of small departures."""
+    return [named["name"] for named in decision["named"] if is_named(named) and not named.get("small")]
 
 
-def is_known(name, decision):
-    """Whether the control was given it, as what it is here."""
-    return is_before(name, name not in names(decision, small=False), decision)
+def of_both(decision, of_control, truth):
+    """Names that a control was given and that are the arm's own, therefore."""
+    grown = [name for name in outright(decision) if name in truth.get("class", ()) and name not in outright(of_control)]
+    return [name for name in names(of_control) if name not in grown]
 
 
 def stated(decision):
     """What is said that was not named in the control, with whatever probability."""
-    return [named for named in decision["named"] if not is_before(named["name"], bool(named.get("small")), decision)]
+    return [named for named in decision["named"] if named["name"] not in decision.get("before", ())]
 
 
 def new(decision):
@@ -61,7 +61,7 @@ def marks(decision, truth, alarm):
     if not truth["class"]:
         return {"unknown": decision["verdict"] == "unknown"}
     first = [named["name"] for named in new(decision)][:1]
-    ranked = [name for name in decision["ranking"] if not is_known(name, decision)][:3]
+    ranked = [name for name in decision["ranking"] if name not in decision.get("before", ())][:3]
     return {"top1": bool(first) and first[0] in truth["class"],
             "top3": alarm and any(name in truth["class"] for name in ranked), "right_class": found(decision, truth)}
 

@@ -47,26 +47,25 @@ def decision_of_baseline(item):
     return {"verdict": verdict, "named": item["effects"], "ranking": item["ranking"], "findings": {}}
 
 
-def beside_control(decision, of_control):
-    """A decision with the names that its control was given; one without a control, as it is."""
-    if of_control is None:
+def beside_control(result, decided):
+    """A decision, decided(result), with the names that its control was given; one without a control, as it is."""
+    decision, control = decided(result), result.get("control")
+    of_control = decided(control) if control else None
+    if decision is None or of_control is None:
         return decision
-    return {**decision, "before": prove_real_score.names(of_control, small=False),
-            "before_small": prove_real_score.names(of_control, small=True)}
+    return {**decision, "before": prove_real_score.of_both(decision, of_control, result["truth"])}
 
 
 def decision_of(result):
-    control = result.get("control")
-    return beside_control(decision_of_report(result["report"]), decision_of_report(control["report"]) if control else None)
+    return beside_control(result, lambda of: decision_of_report(of["report"]))
 
 
 def baseline_decision(result, method):
     """None where the method has not decided this case."""
     def own(of):
-        return decision_of_baseline(of["baselines"][method]) if of and of.get("baselines") and method in of["baselines"] else None
+        return decision_of_baseline(of["baselines"][method]) if of.get("baselines") and method in of["baselines"] else None
 
-    decision = own(result)
-    return None if decision is None else beside_control(decision, own(result.get("control")))
+    return beside_control(result, own)
 
 
 def everything(truth):

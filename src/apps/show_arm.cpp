@@ -128,7 +128,7 @@ void show_also(YAML::Node displays, const std::vector<std::string>& namespaces) 
 
 /// The view moves to the middle of several arms, and back until it has all of them.
 void take_in(YAML::Node view, const std::vector<Eigen::Vector3d>& others) {
-  Eigen::AlignedBox3d bases(Eigen::Vector3d(Eigen::Vector3d::Zero()));
+  Eigen::AlignedBox3d bases{Eigen::Vector3d(Eigen::Vector3d::Zero())};
   for (const Eigen::Vector3d& from_first : others) bases.extend(from_first);
   YAML::Node focus = view["Focal Point"];
   const Eigen::Vector3d at(focus["X"].as<double>(), focus["Y"].as<double>(), focus["Z"].as<double>());
