@@ -269,7 +269,7 @@ WORLDS_TEXT = """## The worlds
   are no others, from those.
 
   A real arm has effects of its own, and nobody knows which. So an intervention is judged beside its control: what both are
-  said to have is the arm's, and finds nothing, but for what is of the intervention's class, a small departure there and none here. It is found where something is named, more probable than not, that the
+  said to have is the arm's, and finds nothing, but for what is of the intervention's class, a small departure there and none here (the baselines list no small departures, and gain nothing by it). It is found where something is named, more probable than not, that the
   control was not said to have and that belongs to its class. The class is decided before anything is diagnosed and sealed
   with the rest: the effects that say the intervention outright, and those whose signatures explain half or more of what it
   leaves beside the arm's constants, and nearly as much as the best. Where the class is empty nothing in the catalogue acts

@@ -1,9 +1,10 @@
 #include "payload_search.h"
 
-#include <Eigen/Core>
+#include <Eigen/Dense>
 #include <algorithm>
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <limits>
 #include <map>
@@ -145,13 +146,38 @@ struct Span {
   double exchanged = 0.0;  ///< of two that have each other's: just that; else 0
 };
 
+bool is_off_axis(const model::Present& present) {
+  return present.effect->info().id == kOffAxis;
+}
+
+/// What hangs is off its axis in a fit by so much.
+Eigen::Vector3d offset_in(const Linearised& at) {
+  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();
+  for (const model::Present& present : at.at.effects)
+    if (is_off_axis(present)) offset_m += present.values.head<3>();
+  return offset_m;
+}
+
+/// Unknowns of a fit that do not move here: at an end of their range, and the offset, which is one of all
+/// that hangs.
+std::vector<bool> held_columns(const Linearised& at) {
+  std::vector<bool> held = held_at_ends(at);
+  for (std::size_t c = 0; c < held.size(); ++c) {
+    const JointUnknown& column = at.columns[c];
+    if (column.kind == JointUnknown::Kind::kEffect &&
+        is_off_axis(at.at.effects[static_cast<std::size_t>(column.index)]))
+      held[c] = true;
+  }
+  return held;
+}
+
 /// Normal equations of the constants, of payloads beside what was told, over the usual one, and of where what
 /// hangs is off its axis, m.
 class PayloadEquations {
  public:
   /// @param offset_sd_m as which a payload may be off its axis
   PayloadEquations(const Linearised& at, ToldSums told, double offset_sd_m)
-      : held_(held_at_ends(at)),
+      : held_(held_columns(at)),
         inflation_(inflation(at)),
         square_(at.square),
         // A payload is as likely as the usual one beforehand, against the misfit as it is.
@@ -160,7 +186,9 @@ class PayloadEquations {
     information_ = at.information;
     gradient_ = at.gradient;
     hold(held_, information_, gradient_);
-    told_.own.diagonal().array() += before_ / (offset_sd_m * offset_sd_m);
+    const double trust = before_ / (offset_sd_m * offset_sd_m);
+    told_.own.diagonal().array() += trust;
+    told_.score -= trust * offset_in(at);
     solve();
   }
 
@@ -192,7 +220,9 @@ class PayloadEquations {
     if (span.exchanged > 0.0) return {fall_with(span.exchanged), span.exchanged};
     Gain best;
     // How much hangs off its axis goes with how much hangs: less and more are apart.
-    for (const auto& [low, high] : {std::pair{span.low, 0.0}, {0.0, span.high}}) {
+    // Much more is far from the usual.
+    const double usual = std::min(span.high, kUsualTimes);
+    for (const auto& [low, high] : {std::pair{span.low, 0.0}, {0.0, usual}, {usual, span.high}}) {
       if (!(low < high)) continue;
       std::uintmax_t steps = kGainSteps;
       const auto [more, rise] = boost::math::tools::brent_find_minima(
@@ -237,7 +267,8 @@ class PayloadEquations {
   }
 
  private:
-  static constexpr int kGainSteps = 12, kGainBits = 12;
+  static constexpr int kGainSteps = 30, kGainBits = 10;
+  static constexpr double kUsualTimes = 2.0;
   static constexpr double kLeastLeft = 1e-3;  // of chi^2: rounding
   static constexpr double kHeld = 1e-4;       // sd of a payload that is known, over the usual one
 
@@ -284,6 +315,17 @@ class PayloadEquations {
   double off_axis_ = 0.0;  ///< fall of chi^2 where what was told is off its axis
 };
 
+/// Zeroes the blocks in which one of the arms has no equilibrium: its column alone is nothing there.
+void leave_out_unsolved(const model::TrialData& trial, MatrixXd& moves) {
+  Index row = 0;
+  for (const model::Block& block : trial.blocks) {
+    auto of_block = moves.middleRows(row, 3 * static_cast<Index>(block.bodies.size()));
+    const Eigen::Array<bool, 1, Eigen::Dynamic> moved = of_block.colwise().squaredNorm().array() > 0.0;
+    if (moved.any() && !moved.all()) of_block.setZero();
+    row += of_block.rows();
+  }
+}
+
 /// Sums of all trials.
 class PayloadSumsOf {
  public:
@@ -300,6 +342,7 @@ class PayloadSumsOf {
     std::vector<MatrixXd> moves(model.trials().size());
     model.each_trial([&](std::size_t t) {
       moves[t] = model.differences(at, t, changed, std::vector<double>(kMoves, kPayloadStep));
+      leave_out_unsolved(model.trials()[t], moves[t]);
       for (Index k = 1; k < kMoves; ++k) moves[t].col(k) = (moves[t].col(k) - moves[t].col(0)) / step_m;
       moves[t] = at.root_weight[t].asDiagonal() * moves[t];
     });
@@ -380,11 +423,20 @@ class PayloadSearch {
     for (std::size_t t = 0; t < is_in_.size(); ++t) {
       if (!is_in_[t]) take_better(in_one_trial(t), best);
     }
-    FoundPayload alike = among_told_alike();
-    if (alike.gain.fall > kPolicy.told.exchanged * best.gain.fall) best = std::move(alike);
-    if (equations_.z(best.gain.fall, best.gain.fall) < kPolicy.told.least_z ||
-        std::abs(best.gain.more) * usual_kg_ < least_kg(list_))
-      return std::nullopt;
+    const std::map<double, std::vector<TrialStretch>> groups = told_alike();
+    for (const auto& [told_kg, trials] : groups) {
+      for (std::vector<TrialStretch>& some : several_of(trials)) {
+        // A trial more is to gain something: one that says nothing would join any other.
+        FoundPayload one = found(std::move(some));
+        if (equations_.z(one.gain.fall - best.gain.fall, one.gain.fall) >= kPolicy.told.least_z)
+          best = std::move(one);
+      }
+    }
+    FoundPayload exchanged = exchanged_among(groups);
+    if (exchanged.gain.fall > kPolicy.told.exchanged * best.gain.fall &&
+        equations_.z(best.gain.fall - exchanged.gain.fall, best.gain.fall) < kPolicy.told.least_z)
+      best = std::move(exchanged);
+    if (equations_.z(best.gain.fall, best.gain.fall) < kPolicy.told.least_z) return std::nullopt;
     return best;
   }
   /// All of them, with what the fit makes of them together; without those of which it leaves next to nothing.
@@ -414,8 +466,14 @@ class PayloadSearch {
     for (const OtherPayload& one : list) heaviest = std::max(heaviest, std::abs(one.more_kg));
     return kPolicy.told.least_share * heaviest;
   }
+  /// Blocks in which one hangs, of a trial.
+  std::size_t fewest_blocks(std::size_t t) const {
+    return static_cast<std::size_t>(
+        std::ceil(kPolicy.told.least_time * static_cast<double>(model_.trials()[t].blocks.size())));
+  }
   bool is_all(const TrialStretch& stretch) const {
-    return stretch.first == 0 && stretch.last == model_.trials()[stretch.trial].blocks.size();
+    const std::size_t outside = model_.trials()[stretch.trial].blocks.size() - (stretch.last - stretch.first);
+    return outside < fewest_blocks(stretch.trial);
   }
   /// Whether something was told right, in some trial: what hangs in all of them is the arm's own.
   bool leaves_some(const std::vector<TrialStretch>& where) const {
@@ -425,43 +483,54 @@ class PayloadSearch {
   }
   FoundPayload found(std::vector<TrialStretch> where, std::optional<double> exchanged_kg = {}) const {
     FoundPayload one;
-    if (!exchanged_kg && !leaves_some(where)) return one;
     one.payload.where = std::move(where);
     one.payload.exchanged_kg = exchanged_kg;
-    one.gain = equations_.gain(sums_.over(one.payload.where), span_of(one.payload, model_, usual_kg_));
+    weigh(span_of(one.payload, model_, usual_kg_), one);
     return one;
+  }
+  /// Nothing is gained by one that cannot be, or makes too small a difference.
+  void weigh(const Span& span, FoundPayload& one) const {
+    if (!one.payload.exchanged_kg && !leaves_some(one.payload.where)) return;
+    const PayloadEquations::Gain gain = equations_.gain(sums_.over(one.payload.where), span);
+    if (std::abs(gain.more) * usual_kg_ >= least_kg(list_)) one.gain = gain;
   }
   /// Of one trial what gains most: another payload in all of it, or in all of it that was told the same, or
   /// there from some time on, or up to one.
   FoundPayload in_one_trial(std::size_t t) const {
-    const std::size_t blocks = model_.trials()[t].blocks.size();
-    const auto fewest =
-        static_cast<std::size_t>(std::ceil(kPolicy.told.least_time * static_cast<double>(blocks)));
+    const std::size_t fewest = fewest_blocks(t);
     FoundPayload whole, part;
     for (const TrialStretch& told : told_the_same(t)) {
       if (told.last - told.first < fewest) continue;
+      const Span span = span_of({{told}}, model_, usual_kg_);
       take_better(found({told}), whole);
       for (std::size_t k = 1; k + fewest <= told.last - told.first; ++k) {
-        take_better(found({{t, told.first + k, told.last}}), part);
-        take_better(found({{t, told.first, told.last - k}}), part);
+        for (const TrialStretch& stretch :
+             {TrialStretch{t, told.first + k, told.last}, {t, told.first, told.last - k}}) {
+          FoundPayload one{{{stretch}}, {}};
+          weigh(span, one);
+          take_better(std::move(one), part);
+        }
       }
     }
     // A time at which it changed is a number more.
     const double more = part.gain.fall - whole.gain.fall;
     return equations_.z(more, part.gain.fall) < kPolicy.told.least_z ? whole : part;
   }
-  /// Stretches of a trial in which one payload was told.
+  /// Stretches of a trial in which one payload was told, or nearly: that of a load cell flickers.
   std::vector<TrialStretch> told_the_same(std::size_t t) const {
     std::vector<TrialStretch> stretches;
     const model::TrialData& trial = model_.trials()[t];
-    double before_kg = std::numeric_limits<double>::quiet_NaN();
+    ToldIn here;
     for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
       const ToldIn told = told_in({t, k, k + 1}, trial);
-      if (told.least == before_kg && told.most == before_kg)
+      here.least = std::min(here.least, told.least);
+      here.most = std::max(here.most, told.most);
+      if (k > 0 && here.most - here.least <= kPolicy.told.settled * usual_kg_) {
         stretches.back().last = k + 1;
-      else
+      } else {
         stretches.push_back({t, k, k + 1});
-      before_kg = told.least == told.most ? told.most : std::numeric_limits<double>::quiet_NaN();
+        here = told;
+      }
     }
     return stretches;
   }
@@ -476,25 +545,22 @@ class PayloadSearch {
     }
     return groups;
   }
-  /// Of those what gains most: another payload in some or all that were told the same, or, where that gains
-  /// nearly as much, two payloads that were exchanged, of all that were told them or of one trial each.
-  FoundPayload among_told_alike() const {
-    const std::map<double, std::vector<TrialStretch>> groups = told_alike();
-    FoundPayload one, exchanged;
+  /// Of those the two payloads that gain most where they have been exchanged, of all that were told them or
+  /// of one trial each.
+  FoundPayload exchanged_among(const std::map<double, std::vector<TrialStretch>>& groups) const {
+    FoundPayload best;
     for (auto light = groups.begin(); light != groups.end(); ++light) {
-      for (std::vector<TrialStretch>& some : several_of(light->second))
-        take_better(found(std::move(some)), one);
       for (auto heavy = std::next(light); heavy != groups.end(); ++heavy) {
         const double kg = heavy->first - light->first;
-        take_better(found_exchanged(light->second, heavy->second, kg), exchanged);
+        take_better(found_exchanged(light->second, heavy->second, kg), best);
         for (const TrialStretch& of_light : light->second)
           for (const TrialStretch& of_heavy : heavy->second)
-            take_better(found_exchanged({of_light}, {of_heavy}, kg), exchanged);
+            take_better(found_exchanged({of_light}, {of_heavy}, kg), best);
       }
     }
-    return exchanged.gain.fall > kPolicy.told.exchanged * one.gain.fall ? exchanged : one;
+    return best;
   }
-  /// Sets of two trials and more; of very many only all.
+  /// Sets of two trials and more, the smallest first; of very many only all.
   static std::vector<std::vector<TrialStretch>> several_of(const std::vector<TrialStretch>& trials) {
     if (trials.size() > kMostSets) return {trials};
     std::vector<std::vector<TrialStretch>> sets;
@@ -504,15 +570,20 @@ class PayloadSearch {
         if ((set >> i & 1U) != 0) some.push_back(trials[i]);
       if (some.size() > 1) sets.push_back(std::move(some));
     }
+    std::stable_sort(sets.begin(), sets.end(),
+                     [](const auto& a, const auto& b) { return a.size() < b.size(); });
     return sets;
   }
-  FoundPayload found_exchanged(std::vector<TrialStretch> where, const std::vector<TrialStretch>& heavy,
+  /// Both have to say so.
+  FoundPayload found_exchanged(const std::vector<TrialStretch>& light, std::vector<TrialStretch> heavy,
                                double kg) const {
-    for (TrialStretch stretch : heavy) {
-      stretch.sign = -1.0;
-      where.push_back(stretch);
-    }
-    return found(std::move(where), kg);
+    for (TrialStretch& stretch : heavy) stretch.sign = -1.0;
+    std::vector<TrialStretch> where = light;
+    where.insert(where.end(), heavy.begin(), heavy.end());
+    FoundPayload both = found(std::move(where), kg);
+    const double one = std::max(found(light, kg).gain.fall, found(std::move(heavy), kg).gain.fall);
+    if (equations_.z(both.gain.fall - one, both.gain.fall) < kPolicy.told.least_z) return {};
+    return both;
   }
   static void take_better(FoundPayload other, FoundPayload& best) {
     if (other.gain.fall > best.gain.fall) best = std::move(other);
@@ -582,8 +653,7 @@ OtherPayloads other_payloads(JointModel& model, const Linearised& at, const std:
       found = std::move(with);
     }
   }
-  for (const model::Present& present : at.at.effects)
-    if (present.effect->info().id == kOffAxis) found.offset_m += present.values.head<3>();
+  found.offset_m += offset_in(at);
   return found;
 }
 

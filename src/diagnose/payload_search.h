@@ -18,7 +18,7 @@ struct TrialStretch {
   double sign = 1.0;                ///< -1: so much less hangs there
 };
 
-/// What hangs beside what was told: in a stretch of one trial, in all trials that were told the same, or so
+/// What hangs beside what was told: in a stretch of one trial, in some trials that were told the same, or so
 /// much more in some and less in others that have one another's.
 struct OtherPayload {
   std::vector<TrialStretch> where;

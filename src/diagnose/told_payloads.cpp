@@ -42,9 +42,11 @@ std::string weight(double kg) {
 }
 
 std::string sentence_of(const ToldPayload& one) {
-  const std::string when = one.from_s ? fmt::format(" from {:.1f} s on", *one.from_s)
-                           : one.to_s ? fmt::format(" up to {:.1f} s", *one.to_s)
-                                      : "";
+  const std::string when = one.from_s && one.to_s
+                               ? fmt::format(" from {:.1f} to {:.1f} s", *one.from_s, *one.to_s)
+                           : one.from_s ? fmt::format(" from {:.1f} s on", *one.from_s)
+                           : one.to_s   ? fmt::format(" up to {:.1f} s", *one.to_s)
+                                        : "";
   const std::string interval = one.low_kg < one.high_kg
                                    ? fmt::format(" (90 % interval {} to {})", with_unit(one.low_kg, "kg"),
                                                  with_unit(one.high_kg, "kg"))

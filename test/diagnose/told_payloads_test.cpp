@@ -85,10 +85,13 @@ TEST(ToldPayloads, NoneIsLighterThanNothing) {
   EXPECT_EQ(usual_kg, 0.3);
   const std::vector<OtherPayload> other = other_payloads(looked.model, looked.baseline, {}, usual_kg).list;
   EXPECT_FALSE(other.empty());
-  for (const model::TrialData& trial : under(other, looked.model.trials()))
-    EXPECT_GE(trial.series.payload_kg.minCoeff(), 0.0) << trial.name;
+  for (const OtherPayload& payload : other) {
+    for (const TrialStretch& stretch : payload.where) {
+      const double least_kg = told_in(stretch, looked.model.trials()[stretch.trial]).least;
+      EXPECT_GE(least_kg + stretch.sign * payload.more_kg, -1e-9);
+    }
+  }
   for (const ToldPayload& one : told_payloads(other, looked.model.trials()).trials) {
-    EXPECT_GE(one.found_kg, 0.0) << one.trial;
     EXPECT_NE(one.found_kg, one.told_kg) << one.trial;
   }
 }
@@ -153,6 +156,7 @@ TEST(ToldPayloads, ThoseOfAllTrialsThatWereExchangedAreFound) {
   const Diagnosis d = diagnose(recorded.arm, recorded.trials);
   ASSERT_TRUE(d.told_payloads) << report::describe(d);
   ASSERT_EQ(d.told_payloads->trials.size(), 4U) << d.summary;
+  EXPECT_THAT(d.summary, HasSubstr("100 g, as told elsewhere, hung on the arm and nothing was told"));
   for (const ToldPayload& one : d.told_payloads->trials) {
     EXPECT_NEAR(one.found_kg, kHeavy_kg - one.told_kg, 0.05 * kHeavy_kg) << d.summary;
     EXPECT_FALSE(one.from_s || one.to_s);
@@ -194,9 +198,15 @@ TEST(ToldPayloads, WhatHangsMayHangOffItsAxis) {
   }
 }
 
+TEST(ToldPayloads, AStretchIsToldWithBothOfItsEnds) {
+  ToldPayloads told;
+  told.trials = {{"swing", 2.0, 4.0, 0.0, 0.1, 0.08, 0.12}};
+  EXPECT_THAT(sentence_of(told), HasSubstr("In swing from 2.0 to 4.0 s 100 g (90 % interval"));
+}
+
 TEST(ToldPayloads, WithoutAnyPayloadTheArmsWeightIsTheMeasure) {
   RecordedCase recorded = testing::recorded_case(kNothing, 3, 2, 5.0);
-  for (trial::Trial& trial : recorded.trials) tell(0.3 * hung_kg(trial), trial);
+  for (trial::Trial& trial : recorded.trials) tell(0.0, trial);
   const model::Prepared prepared = model::prepare(recorded.arm, recorded.trials);
   const double kg = usual_payload_kg(recorded.arm, prepared.trials);
   EXPECT_NEAR(kg, kPolicy.experiment.payload_share * mass_kg(recorded.arm), 1e-12);

@@ -230,7 +230,7 @@ struct ExchangedNames {
 };
 
 /// A trial in which something else hung than was told, in all of it or a part; the interval holds it with
-/// 90 %. Of payloads that two trials have of each other it is what the other was told, just that.
+/// 90 %. Of payloads that were exchanged it is what the other was told, just that.
 struct ToldPayload {
   std::string trial;
   std::optional<double> from_s, to_s;  ///< since the trial's first frame; absent: its ends
