@@ -41,7 +41,8 @@ std::string weight(double kg) {
   return kg > 0.0 ? with_unit(kg, "kg") : "nothing";
 }
 
-std::string sentence_of(const ToldPayload& one) {
+/// When, and what: " from 2.0 s on 100 g hung on the arm ...".
+std::string what_hung(const ToldPayload& one) {
   const std::string when = one.from_s && one.to_s
                                ? fmt::format(" from {:.1f} to {:.1f} s", *one.from_s, *one.to_s)
                            : one.from_s ? fmt::format(" from {:.1f} s on", *one.from_s)
@@ -51,8 +52,8 @@ std::string sentence_of(const ToldPayload& one) {
                                    ? fmt::format(" (90 % interval {} to {})", with_unit(one.low_kg, "kg"),
                                                  with_unit(one.high_kg, "kg"))
                                    : ", as told elsewhere,";
-  return fmt::format("in {}{} {}{} hung on the arm and {} was told", one.trial, when, weight(one.found_kg),
-                     interval, weight(one.told_kg));
+  return fmt::format("{} {}{} hung on the arm and {} was told", when, weight(one.found_kg), interval,
+                     weight(one.told_kg));
 }
 
 }  // namespace
@@ -98,12 +99,20 @@ ToldPayloads told_payloads(const std::vector<OtherPayload>& payloads,
 }
 
 std::string sentence_of(const ToldPayloads& payloads) {
-  std::vector<std::string> trials;
-  for (const ToldPayload& one : payloads.trials) trials.push_back(sentence_of(one));
+  std::vector<std::pair<std::string, std::vector<std::string>>> alike;
+  for (const ToldPayload& one : payloads.trials) {
+    const std::string what = what_hung(one);
+    auto same =
+        std::find_if(alike.begin(), alike.end(), [&](const auto& other) { return other.first == what; });
+    if (same == alike.end()) same = alike.insert(alike.end(), {what, {}});
+    same->second.push_back(one.trial);
+  }
+  std::vector<std::string> said;
+  for (const auto& [what, trials] : alike) said.push_back("in " + one_of(trials, "and") + what);
   return fmt::format(
       "{}. With these payloads, trials left out are predicted to {} on average, as told to {}. Correct what "
       "was told first; what follows is said under the payloads that were found.",
-      capitalised(fmt::format("{}", fmt::join(trials, "; "))), millimetres(payloads.mean_m),
+      capitalised(fmt::format("{}", fmt::join(said, "; "))), millimetres(payloads.mean_m),
       millimetres(payloads.as_told_mean_m));
 }
 

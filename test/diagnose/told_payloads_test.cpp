@@ -204,6 +204,16 @@ TEST(ToldPayloads, AStretchIsToldWithBothOfItsEnds) {
   EXPECT_THAT(sentence_of(told), HasSubstr("In swing from 2.0 to 4.0 s 100 g (90 % interval"));
 }
 
+TEST(ToldPayloads, TrialsAreToldTogetherWhereTheSameHungInThem) {
+  ToldPayloads told;
+  told.trials = {{"a", {}, {}, 0.1, 0.0, 0.0, 0.0},
+                 {"b", {}, {}, 0.0, 0.1, 0.1, 0.1},
+                 {"c", {}, {}, 0.1, 0.0, 0.0, 0.0}};
+  EXPECT_THAT(sentence_of(told),
+              HasSubstr("In a and c nothing, as told elsewhere, hung on the arm and 100 g was told; in "
+                        "b 100 g, as told elsewhere, hung on the arm and nothing was told."));
+}
+
 TEST(ToldPayloads, WithoutAnyPayloadTheArmsWeightIsTheMeasure) {
   RecordedCase recorded = testing::recorded_case(kNothing, 3, 2, 5.0);
   for (trial::Trial& trial : recorded.trials) tell(0.0, trial);
