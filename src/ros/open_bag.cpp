@@ -4,6 +4,7 @@
 #include <rosbag/view.h>
 
 #include <mutex>
+#include <vector>
 
 #include "bag_structure.h"
 
@@ -17,6 +18,13 @@ std::mutex& bag_lifetime() {
   return mutex;
 }
 
+/// One that a full disk left open. Its destructor would try again, and throw: better a few kilobytes that
+/// stay. Called under bag_lifetime().
+void keep(rosbag::Bag* unfinished) {
+  static std::vector<rosbag::Bag*>& kept = *new std::vector<rosbag::Bag*>;
+  kept.push_back(unfinished);
+}
+
 std::shared_ptr<rosbag::Bag> opened(const std::string& path, rosbag::bagmode::BagMode mode) {
   const std::lock_guard<std::mutex> lock(bag_lifetime());
   // While a bag lives the library of its plugins (encryption, with all of GnuPG) stays loaded. Each would
@@ -26,8 +34,7 @@ std::shared_ptr<rosbag::Bag> opened(const std::string& path, rosbag::bagmode::Ba
   try {
     bag->open(path, mode);
   } catch (const rosbag::BagException&) {
-    // A full disk. Its destructor would try again, and throw: better a few kilobytes that stay.
-    if (mode == rosbag::bagmode::Write) static_cast<void>(bag.release());
+    if (mode == rosbag::bagmode::Write) keep(bag.release());
     throw;
   }
   return {bag.release(), [](rosbag::Bag* finished) {
@@ -35,7 +42,8 @@ std::shared_ptr<rosbag::Bag> opened(const std::string& path, rosbag::bagmode::Ba
             try {
               finished->close();
             } catch (const std::exception&) {
-              return;  // as above
+              keep(finished);
+              return;
             }
             delete finished;
           }};
