@@ -22,6 +22,7 @@
 #include "math/linear_algebra.h"
 #include "next_experiment.h"
 #include "parameter_variation.h"
+#include "payload_equations.h"
 #include "pictures.h"
 #include "policy.h"
 #include "schedule.h"

@@ -1,373 +1,22 @@
 #include "payload_search.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
-#include <boost/math/tools/minima.hpp>
 #include <cmath>
-#include <cstdint>
 #include <iterator>
 #include <limits>
 #include <map>
-#include <memory>
 #include <utility>
 
-#include "effects/catalogue.h"
-#include "math/linear_algebra.h"
+#include "payload_equations.h"
 #include "policy.h"
-#include "ranges.h"
 #include "screen.h"
 
 namespace softarm::diagnose {
 namespace {
 
 using Eigen::Index;
-using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-/// Something more hangs where the payload does, and off its axis. No effect of the arm, and of no catalogue:
-/// what was told is wrong, in one trial or another.
-class MorePayload : public model::Effect {
- public:
-  const model::Info& info() const override { return info_; }
-  bool varies_along() const override { return false; }
-  void drive(const arm::Arm&, const model::Values& values, model::Series& series) const override {
-    series.payload_kg.array() += values[0];
-  }
-  void act(const arm::Arm&, const model::FineRod&, const model::Values& values, const model::Instant& instant,
-           const model::Shape*, const model::Memory&, rod::Rod& rod) const override {
-    if (instant.payload_kg > 0.0)
-      rod.loads[rod::kPayloadLoad].offset_m += values.tail<3>() / instant.payload_kg;
-  }
-
- private:
-  const model::Info info_{"more_payload",
-                          "more hangs on the arm than was told",
-                          "m = m_told + more, m offset = m_told offset_told + (x, y, z)",
-                          "",
-                          model::Family::kLoad,
-                          {{"more_kg", "kg", "beside what was told", -1e3, 1e3, 1.0},
-                           {"x_kg_m", "kg m", "off its axis along x, times the mass", -1e3, 1e3, 1.0},
-                           {"y_kg_m", "kg m", "the same along y", -1e3, 1e3, 1.0},
-                           {"z_kg_m", "kg m", "the same along z", -1e3, 1e3, 1.0}},
-                          4,
-                          {},
-                          {}};
-};
-
-constexpr const char* kOffAxis = "payload_offset";
-constexpr double kPayloadStep = 0.02;  // of the usual payload: a difference to first order
-constexpr double kOffsetStep = 0.5;    // of the length, of such a payload
-
-/// Of a payload over the usual one, and of that one a metre off its axis: x, y, z.
-constexpr Index kMoves = 4, kOffsets = 3;
-using Moves = Eigen::Matrix<double, kMoves, 1>;
-using Offsets = Eigen::Matrix<double, kOffsets, 1>;
-
-/// Sums over stretches of trials: of moves [m b], m by the usual payload and b by that one off its axis, with
-/// the derivatives J by the constants, with residuals, with themselves, and with w b, w what was told there.
-struct PayloadSums {
-  explicit PayloadSums(Index constants) : mixed(MatrixXd::Zero(constants, kMoves)) {}
-  MatrixXd mixed;  ///< J^T [m b]
-  Moves score = Moves::Zero();
-  Eigen::Matrix<double, kMoves, kMoves> own = decltype(own)::Zero();
-  Eigen::Matrix<double, kOffsets, kMoves> with_told = decltype(with_told)::Zero();
-
-  /// Those of another stretch, in which it hangs with this sign.
-  void add(double sign, const PayloadSums& other) {
-    mixed += sign * other.mixed;
-    score += sign * other.score;
-    own += other.own;
-    with_told += sign * other.with_told;
-  }
-};
-
-/// Sums over all trials of w b: what was told hangs off its axis.
-struct ToldSums {
-  explicit ToldSums(Index constants) : mixed(MatrixXd::Zero(constants, kOffsets)) {}
-  MatrixXd mixed;
-  Offsets score = Offsets::Zero();
-  Eigen::Matrix<double, kOffsets, kOffsets> own = decltype(own)::Zero();
-};
-
-/// Sums of one trial up to each of its blocks.
-class PayloadSumsTo {
- public:
-  /// @param moves of [m b], four columns
-  PayloadSumsTo(const Linearised& at, const model::TrialData& trial, std::size_t t, const MatrixXd& moves,
-                double usual_kg)
-      : to_(trial.blocks.size() + 1, PayloadSums(at.gradient.size())), told_(at.gradient.size()) {
-    Index bodies = 0, tangents = 0;  // the first rows of a block
-    for (const model::Block& block : trial.blocks) tangents += 3 * static_cast<Index>(block.bodies.size());
-    for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
-      const model::Block& block = trial.blocks[k];
-      const double told =
-          trial.series.payload_kg
-              .segment(static_cast<Index>(block.first), static_cast<Index>(block.last - block.first))
-              .mean() /
-          usual_kg;
-      PayloadSums& to = to_[k + 1];
-      to = to_[k];
-      for (auto [row, seen] :
-           {std::pair<Index&, std::size_t>{bodies, block.bodies.size()}, {tangents, block.tangents.size()}}) {
-        const Index rows = 3 * static_cast<Index>(seen);
-        const auto own = moves.middleRows(row, rows);
-        PayloadSums here(at.gradient.size());
-        here.mixed = at.derivative[t].middleRows(row, rows).transpose() * own;
-        here.score = own.transpose() * at.residual[t].segment(row, rows);
-        here.own = own.transpose() * own;
-        here.with_told = told * here.own.bottomRows<kOffsets>();
-        to.add(1.0, here);
-        told_.mixed += told * here.mixed.rightCols<kOffsets>();
-        told_.score += told * here.score.tail<kOffsets>();
-        told_.own += told * here.with_told.rightCols<kOffsets>();
-        row += rows;
-      }
-    }
-  }
-  /// Of a stretch of blocks [first, last): adds it.
-  void add_between(std::size_t first, std::size_t last, double sign, PayloadSums& sums) const {
-    PayloadSums stretch = to_[last];
-    stretch.mixed -= to_[first].mixed;
-    stretch.score -= to_[first].score;
-    stretch.own -= to_[first].own;
-    stretch.with_told -= to_[first].with_told;
-    sums.add(sign, stretch);
-  }
-  const ToldSums& told() const { return told_; }
-
- private:
-  std::vector<PayloadSums> to_;
-  ToldSums told_;
-};
-
-/// Of what hangs beside what was told, over the usual payload.
-struct Span {
-  double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
-  double exchanged = 0.0;  ///< of two that have each other's: just that; else 0
-};
-
-bool is_off_axis(const model::Present& present) {
-  return present.effect->info().id == kOffAxis;
-}
-
-/// What hangs is off its axis in a fit by so much.
-Eigen::Vector3d offset_in(const Linearised& at) {
-  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();
-  for (const model::Present& present : at.at.effects)
-    if (is_off_axis(present)) offset_m += present.values.head<3>();
-  return offset_m;
-}
-
-/// Unknowns of a fit that do not move here: at an end of their range, and the offset, which is one of all
-/// that hangs.
-std::vector<bool> held_columns(const Linearised& at) {
-  std::vector<bool> held = held_at_ends(at);
-  for (std::size_t c = 0; c < held.size(); ++c) {
-    const JointUnknown& column = at.columns[c];
-    if (column.kind == JointUnknown::Kind::kEffect &&
-        is_off_axis(at.at.effects[static_cast<std::size_t>(column.index)]))
-      held[c] = true;
-  }
-  return held;
-}
-
-/// Normal equations of the constants, of payloads beside what was told, over the usual one, and of where what
-/// hangs is off its axis, m.
-class PayloadEquations {
- public:
-  /// @param offset_sd_m as which a payload may be off its axis
-  PayloadEquations(const Linearised& at, ToldSums told, double offset_sd_m)
-      : held_(held_columns(at)),
-        inflation_(inflation(at)),
-        square_(at.square),
-        // A payload is as likely as the usual one beforehand, against the misfit as it is.
-        before_(std::max(1.0, at.square / std::max(1, at.rows))),
-        told_(std::move(told)) {
-    information_ = at.information;
-    gradient_ = at.gradient;
-    hold(held_, information_, gradient_);
-    const double trust = before_ / (offset_sd_m * offset_sd_m);
-    told_.own.diagonal().array() += trust;
-    told_.score -= trust * offset_in(at);
-    solve();
-  }
-
-  struct Gain {
-    double fall = 0.0;  ///< of chi^2, beside what was told off its axis
-    double more = 0.0;
-  };
-  /// With one payload more, within what can hang there, which hangs where all others do.
-  Gain gain(const PayloadSums& sums, const Span& span) const {
-    // Columns: off its axis what was told; the payload; that off its axis.
-    constexpr Index kAll = kOffsets + kMoves;
-    MatrixXd with(gradient_.size(), kAll);
-    with << with_told_, column(sums);
-    Eigen::Matrix<double, kAll, kAll> own;
-    own << told_.own, sums.with_told, sums.with_told.transpose(), sums.own;
-    own -= with.transpose() * covariance_ * with;
-    Eigen::Matrix<double, kAll, 1> score;
-    score << told_.score, sums.score;
-    score -= with.transpose() * move_;
-    const auto fall_with = [&](double more) {
-      Eigen::Matrix<double, kAll, kMoves> taken = decltype(taken)::Zero();
-      taken(kOffsets, 0) = 1.0;
-      for (Index i = 0; i < kOffsets; ++i) {
-        taken(i, 1 + i) = 1.0;
-        taken(kOffsets + 1 + i, 1 + i) = more;
-      }
-      return fall_of(taken.transpose() * own * taken, taken.transpose() * score, more, span) - off_axis_;
-    };
-    if (span.exchanged > 0.0) return {fall_with(span.exchanged), span.exchanged};
-    Gain best;
-    // How much hangs off its axis goes with how much hangs: less and more are apart.
-    // Much more is far from the usual.
-    const double usual = std::min(span.high, kUsualTimes);
-    for (const auto& [low, high] : {std::pair{span.low, 0.0}, {0.0, usual}, {usual, span.high}}) {
-      if (!(low < high)) continue;
-      std::uintmax_t steps = kGainSteps;
-      const auto [more, rise] = boost::math::tools::brent_find_minima(
-          [&](double at) { return -fall_with(at); }, low, high, kGainBits, steps);
-      if (-rise > best.fall) best = {-rise, more};
-    }
-    return best;
-  }
-  /// Of a part of a fall of chi^2: what falls does not count as scatter.
-  double z(double part, double fall) const {
-    return std::sqrt(std::max(0.0, part) /
-                     (inflation_ * std::max(kLeastLeft, 1.0 - (fall + off_axis_) / square_)));
-  }
-  /// @param already of it, in the fit and in what counts as told
-  /// @param beside of it, found beside what counts as told
-  void add(const PayloadSums& sums, double already, double beside, const Span& span) {
-    const MatrixXd with = column(sums);
-    const Index n = gradient_.size();
-    // Of two that have each other's nothing is to be found.
-    const double trust = before_ / (span.exchanged > 0.0 ? kHeld * kHeld : 1.0);
-    information_.conservativeResize(n + 1, n + 1);
-    information_.col(n).head(n) = with.col(0);
-    information_.row(n).head(n) = with.col(0).transpose();
-    information_(n, n) = sums.own(0, 0) + trust;
-    gradient_.conservativeResize(n + 1);
-    gradient_[n] = sums.score[0] - trust * (already - span.exchanged);
-    const Eigen::Matrix<double, kOffsets, kOffsets> told = sums.with_told.rightCols<kOffsets>();
-    told_.mixed.conservativeResize(n + 1, kOffsets);
-    told_.mixed.topRows(constants()) += beside * sums.mixed.rightCols<kOffsets>();
-    told_.mixed.row(n) = (sums.with_told.col(0) + beside * sums.own.block<kOffsets, 1>(1, 0)).transpose();
-    told_.score += beside * sums.score.tail<kOffsets>();
-    told_.own +=
-        beside * (told + told.transpose() + beside * sums.own.bottomRightCorner<kOffsets, kOffsets>());
-    solve();
-  }
-  /// By which all that hangs is off its axis.
-  const Offsets& offset_m() const { return offset_m_; }
-  /// Of the payload that was added so many after the first.
-  double more(std::size_t payload) const { return all_move_[place(payload)]; }
-  double sd(std::size_t payload) const {
-    return std::sqrt(inflation_ * all_covariance_(place(payload), place(payload)));
-  }
-
- private:
-  static constexpr int kGainSteps = 30, kGainBits = 10;
-  static constexpr double kUsualTimes = 2.0;
-  static constexpr double kLeastLeft = 1e-3;  // of chi^2: rounding
-  static constexpr double kHeld = 1e-4;       // sd of a payload that is known, over the usual one
-
-  Index constants() const { return static_cast<Index>(held_.size()); }
-  Index place(std::size_t payload) const { return constants() + static_cast<Index>(payload); }
-  /// Fall of chi^2 with so much more, and all off their axis where that is most.
-  double fall_of(const Eigen::Matrix<double, kMoves, kMoves>& own, const Moves& score, double more,
-                 const Span& span) const {
-    const Offsets offsets = score.tail<kOffsets>() - more * own.bottomLeftCorner<kOffsets, 1>();
-    const double trust = span.exchanged > 0.0 ? 0.0 : before_;
-    return more * (2.0 * score[0] - more * (own(0, 0) + trust)) +
-           offsets.dot(own.bottomRightCorner<kOffsets, kOffsets>().ldlt().solve(offsets));
-  }
-  /// With the unknowns so far: the constants, and payloads of other trials, which it has nothing to do with.
-  MatrixXd column(const PayloadSums& sums) const {
-    MatrixXd with = MatrixXd::Zero(gradient_.size(), kMoves);
-    for (std::size_t c = 0; c < held_.size(); ++c)
-      if (!held_[c]) with.row(static_cast<Index>(c)) = sums.mixed.row(static_cast<Index>(c));
-    return with;
-  }
-  void solve() {
-    covariance_ = math::inverse_of_symmetric(information_);
-    move_ = covariance_ * gradient_;
-    with_told_ = told_.mixed;
-    for (std::size_t c = 0; c < held_.size(); ++c)
-      if (held_[c]) with_told_.row(static_cast<Index>(c)).setZero();
-    const Offsets score = told_.score - with_told_.transpose() * move_;
-    const Eigen::Matrix<double, kOffsets, kOffsets> own =
-        told_.own - with_told_.transpose() * covariance_ * with_told_;
-    const Eigen::Matrix<double, kOffsets, kOffsets> inverse = own.inverse();
-    offset_m_ = inverse * score;
-    off_axis_ = score.dot(offset_m_);
-    const MatrixXd absorbed = covariance_ * with_told_;
-    all_covariance_ = covariance_ + absorbed * inverse * absorbed.transpose();
-    all_move_ = move_ - absorbed * offset_m_;
-  }
-
-  const std::vector<bool> held_;  ///< constants
-  const double inflation_, square_, before_;
-  ToldSums told_;  ///< rows: constants, payloads
-  MatrixXd information_, covariance_, with_told_, all_covariance_;
-  VectorXd gradient_, move_, all_move_;
-  Offsets offset_m_;
-  double off_axis_ = 0.0;  ///< fall of chi^2 where what was told is off its axis
-};
-
-/// Zeroes the blocks in which one of the arms has no equilibrium: its column alone is nothing there.
-void leave_out_unsolved(const model::TrialData& trial, MatrixXd& moves) {
-  Index row = 0;
-  for (const model::Block& block : trial.blocks) {
-    auto of_block = moves.middleRows(row, 3 * static_cast<Index>(block.bodies.size()));
-    const Eigen::Array<bool, 1, Eigen::Dynamic> moved = of_block.colwise().squaredNorm().array() > 0.0;
-    if (moved.any() && !moved.all()) of_block.setZero();
-    row += of_block.rows();
-  }
-}
-
-/// Sums of all trials.
-class PayloadSumsOf {
- public:
-  PayloadSumsOf(JointModel& model, const Linearised& at, double usual_kg) : constants_(at.gradient.size()) {
-    static const MorePayload kMore;
-    const double step_m = kOffsetStep * model.arm().total_length_m();
-    std::vector<JointParameters> changed(kMoves, at.at);
-    for (Index k = 0; k < kMoves; ++k) {
-      model::Values values = model::Values::Zero(kMoves);
-      values[0] = kPayloadStep * usual_kg;
-      if (k > 0) values[k] = values[0] * step_m;
-      changed[static_cast<std::size_t>(k)].effects.push_back({&kMore, std::move(values)});
-    }
-    std::vector<MatrixXd> moves(model.trials().size());
-    model.each_trial([&](std::size_t t) {
-      moves[t] = model.differences(at, t, changed, std::vector<double>(kMoves, kPayloadStep));
-      leave_out_unsolved(model.trials()[t], moves[t]);
-      for (Index k = 1; k < kMoves; ++k) moves[t].col(k) = (moves[t].col(k) - moves[t].col(0)) / step_m;
-      moves[t] = at.root_weight[t].asDiagonal() * moves[t];
-    });
-    for (std::size_t t = 0; t < moves.size(); ++t)
-      trials_.emplace_back(at, model.trials()[t], t, moves[t], usual_kg);
-  }
-  PayloadSums over(const std::vector<TrialStretch>& where) const {
-    PayloadSums sums(constants_);
-    for (const TrialStretch& one : where) trials_[one.trial].add_between(one.first, one.last, one.sign, sums);
-    return sums;
-  }
-  ToldSums told() const {
-    ToldSums sums(constants_);
-    for (const PayloadSumsTo& trial : trials_) {
-      sums.mixed += trial.told().mixed;
-      sums.score += trial.told().score;
-      sums.own += trial.told().own;
-    }
-    return sums;
-  }
-
- private:
-  Index constants_;
-  std::vector<PayloadSumsTo> trials_;
-};
 
 /// What can hang there beside what was told, kg: together no less than nothing, and what the arm may bear.
 Span possible_kg(const std::vector<TrialStretch>& where, const JointModel& model) {
@@ -562,7 +211,7 @@ class PayloadSearch {
   }
   /// Sets of two trials and more, the smallest first; of very many only all.
   static std::vector<std::vector<TrialStretch>> several_of(const std::vector<TrialStretch>& trials) {
-    if (trials.size() > kMostSets) return {trials};
+    if (trials.size() > kPolicy.told.most_in_sets) return {trials};
     std::vector<std::vector<TrialStretch>> sets;
     for (std::size_t set = 1; set < std::size_t{1} << trials.size(); ++set) {
       std::vector<TrialStretch> some;
@@ -589,7 +238,6 @@ class PayloadSearch {
     if (other.gain.fall > best.gain.fall) best = std::move(other);
   }
 
-  static constexpr std::size_t kMostSets = 8;  // trials, of which all sets are looked at: 247
   const JointModel& model_;
   const double usual_kg_;
   const PayloadSumsOf sums_;
@@ -655,23 +303,6 @@ OtherPayloads other_payloads(JointModel& model, const Linearised& at, const std:
   }
   found.offset_m += offset_in(at);
   return found;
-}
-
-Linearised off_axis_by(const Eigen::Vector3d& offset_m, JointModel& model, Linearised at) {
-  for (const std::unique_ptr<model::Effect>& effect : effects::catalogue()) {
-    const bool known = std::any_of(model.known().begin(), model.known().end(),
-                                   [&](const model::Present& p) { return p.effect == effect.get(); });
-    if (effect->info().id != kOffAxis || known) continue;
-    JointParameters from = at.at;
-    model::Values values = offset_m;
-    for (int i = 0; i < 3; ++i) {
-      const model::Parameter& range = effect->info().parameters[static_cast<std::size_t>(i)];
-      values[i] = std::clamp(values[i], range.low, range.high);
-    }
-    from.effects.push_back({effect.get(), values});
-    at = model.fit(from, {}, &at.predicted);
-  }
-  return at;
 }
 
 }  // namespace softarm::diagnose

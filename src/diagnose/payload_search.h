@@ -7,16 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "joint_model.h"
+#include "payload_moves.h"
 
 namespace softarm::diagnose {
-
-/// A stretch of a trial: from some time on, or up to one, or all of it.
-struct TrialStretch {
-  std::size_t trial = 0;
-  std::size_t first = 0, last = 0;  ///< blocks [first, last)
-  double sign = 1.0;                ///< -1: so much less hangs there
-};
 
 /// What hangs beside what was told: in a stretch of one trial, in some trials that were told the same, or so
 /// much more in some and less in others that have one another's.
@@ -53,10 +46,6 @@ OtherPayloads other_payloads(JointModel& model, const Linearised& at, const std:
 /// Whether the second is the first, nearly.
 bool is_settled(const std::vector<OtherPayload>& before, const std::vector<OtherPayload>& after,
                 double usual_kg);
-
-/// The fit, under payloads that were found, with what hangs off its axis: by first order that is far off.
-/// @param offset_m OtherPayloads::offset_m
-Linearised off_axis_by(const Eigen::Vector3d& offset_m, JointModel& model, Linearised at);
 
 /// What was told in a stretch, kg, but for times at which a hand was on it.
 struct ToldIn {

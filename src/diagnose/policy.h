@@ -234,6 +234,8 @@ struct Policy {
     double least_z = 5.0;     ///< of one that is worth that
     double offset_sd = 0.3;   ///< of the length, by which what hangs may be off its axis
     double exchanged = 0.9;   ///< share of the gain from which on what was told elsewhere explains it better
+    std::size_t most_in_sets =
+        8;                       ///< trials told the same, of which all sets are looked at: 247; of more all
     std::size_t most_steps = 8;  ///< from what was told to what hung
     /// Step over the heaviest payload, or over the payload's standard deviation, after which none is made.
     double settled = 0.02, settled_sd = 0.5;
