@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -31,8 +32,8 @@ class TestFolder {
   TestFolder() {
     const ::testing::TestInfo* test = ::testing::UnitTest::GetInstance()->current_test_info();
     path_ = std::filesystem::path(::testing::TempDir()) /
-            ("softarm_" + file_name_of(std::string(test->test_suite_name()) + "_" + test->name()));
-    std::filesystem::remove_all(path_);
+            ("softarm_" + file_name_of(std::string(test->test_suite_name()) + "_" + test->name()) + "." +
+             std::to_string(getpid()));  // several run one test at a time
     std::filesystem::create_directories(path_);
   }
   ~TestFolder() { std::filesystem::remove_all(path_); }
