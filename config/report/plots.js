@@ -256,7 +256,9 @@ function along() {
       });
       notes.push({text: narrow ? inLines(head, 13) : head, xref: 'x' + n + ' domain', yref: 'paper', x: 0.5, y: 1.0, yanchor: 'bottom', showarrow: false, font: {size: font.size}});
     });
-    const s = more => axis('s / mm', Object.assign({nticks: narrow ? 3 : 0, range: [-0.05 * last, 1.06 * last], zeroline: false}, more));
+    // In a narrow window a label at the end would run into the next panel's first.
+    const places = narrow ? {tickvals: [0, Number((0.5 * last).toPrecision(1))], range: [-0.12 * last, 1.14 * last]} : {range: [-0.05 * last, 1.06 * last]};
+    const s = () => axis('s / mm', Object.assign({zeroline: false}, places));
     draw(place, traces, layout(430, {shapes, annotations: notes, margin: {l: 70, r: 20, t: 76, b: 60}, legend: {orientation: 'h', x: 0, y: 1.1, yanchor: 'bottom'},
       grid: {rows: 1, columns: 3, pattern: 'independent', xgap: 0.08},
       xaxis: s(), xaxis2: s(), xaxis3: s(), yaxis: axis((mean ? 'mean' : 'rms') + ' residual / mm', {rangemode: mean ? 'normal' : 'tozero'}),

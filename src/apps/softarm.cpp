@@ -4,6 +4,7 @@
 #include <glog/logging.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <iostream>
@@ -63,6 +64,49 @@ void refuse_empty_names(CLI::App& program) {
   }
 }
 
+/// CLI11's ranges let through what is no number, and take less than nothing for very much.
+void refuse_no_numbers(CLI::App& program) {
+  for (CLI::App* command : program.get_subcommands({})) {
+    refuse_no_numbers(*command);
+    for (CLI::Option* option : command->get_options()) {
+      const std::string type = option->get_type_name();
+      if (type.rfind("FLOAT", 0) == 0) {
+        option->check([](const std::string& word) {
+          try {
+            if (!std::isfinite(std::stod(word))) return fmt::format("{} is no number", word);
+          } catch (const std::exception&) {  // said where it is read
+          }
+          return std::string();
+        });
+      } else if (type.rfind("UINT", 0) == 0) {
+        option->check([](const std::string& word) {
+          return word.rfind('-', 0) == 0 ? fmt::format("{} must be 0 or more", word) : std::string();
+        });
+      }
+    }
+  }
+}
+
+/// @throws Failure where what was printed has not arrived
+void flush_output() {
+  std::cout.flush();
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) || !std::cout)
+    throw softarm::app::Failure(
+        "the standard output cannot be written: what was to be said is not all there");
+}
+
+/// Text of `--help`, `--version` and of what was typed wrongly. @return exit status
+int said(const CLI::App& program, const CLI::ParseError& error) {
+  if (program.exit(error) != 0) return 2;
+  try {
+    flush_output();
+  } catch (const softarm::app::Failure& failure) {
+    fmt::print(stderr, "softarm: {}\n", one_line(failure.what()));
+    return failure.status;
+  }
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -86,17 +130,15 @@ int main(int argc, char** argv) {
   softarm::app::add_batch(program);
   softarm::app::add_completion(program);
   refuse_empty_names(program);
+  refuse_no_numbers(program);
   try {
     const std::vector<std::string> words(argv + 1, argv + argc);
     if (const std::string why = no_command(program, words, 0); !why.empty())
       throw softarm::app::Failure(why, 2);
     program.parse(argc, argv);
-    std::cout.flush();
-    if (std::fflush(stdout) != 0 || std::ferror(stdout) || !std::cout)
-      throw softarm::app::Failure(
-          "the standard output cannot be written: what was to be said is not all there");
+    flush_output();
   } catch (const CLI::ParseError& error) {
-    return program.exit(error) == 0 ? 0 : 2;
+    return said(program, error);
   } catch (const softarm::app::Ended& end) {
     return end.status;
   } catch (const softarm::app::Failure& error) {

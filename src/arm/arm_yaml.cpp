@@ -11,6 +11,10 @@ Arm parse_arm(const std::string& text, const std::string& source) {
   Arm arm;
   arm.name = root.name("name");
   arm.gravity_m_s2 = root.vector("gravity_m_s2");
+  // Less is that of no place where arms are, and what is reckoned with it overflows.
+  constexpr double kLeastGravity_m_s2 = 1e-3;
+  if (!arm.gravity_m_s2.isZero(0.0) && arm.gravity_m_s2.norm() < kLeastGravity_m_s2)
+    root.fail_value("gravity_m_s2", fmt::format("must be 0 or {} m/s^2 and more", kLeastGravity_m_s2));
   arm.base = yaml::read_base(root.section("base", yaml::base_keys()), arm.gravity_m_s2);
   // Chambers refer to inputs, and bodies to the length of all segments: hence the order.
   arm.inputs = yaml::read_inputs(root.section("inputs", yaml::inputs_keys()));

@@ -27,7 +27,9 @@ void say_not_numbers(Context& context, const Track& track, const std::vector<tri
   };
   if (bad + zero > 0) {
     CheckFinding& finding = context.add(
-        share(bad + zero) > kPolicy.tracking.no_pose_share ? Severity::kWarning : Severity::kInformation,
+        share(bad + zero) > kPolicy.tracking.serious_lost_share ? Severity::kSerious
+        : share(bad + zero) > kPolicy.tracking.no_pose_share    ? Severity::kWarning
+                                                                : Severity::kInformation,
         "no_pose", track.name,
         fmt::format(
             "{} of {} samples are not a number or all zero: the driver sends lost bodies all the same",

@@ -150,7 +150,7 @@ std::string to_json(const std::vector<CheckReport>& reports, const std::string& 
     document["together"] = ordered_json::array();
     for (const CheckFinding& f : together) document["together"].push_back(json_of(f));
   }
-  return document.dump(2) + "\n";
+  return document.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace softarm::check

@@ -48,7 +48,7 @@ class SoftSpot : public Described {
 std::unique_ptr<Effect> make_soft_spot() {
   return std::make_unique<SoftSpot>(
       Info{"soft_spot",
-           "the arm is softer over a short stretch",
+           "the arm is softer, or stiffer, over a stretch",
            "EI (1 - share) for |s - centre| < width / 2",
            "S. S. Antman, Nonlinear Problems of Elasticity, 2005, doi:10.1007/0-387-27649-1",
            Family::kConstitutive,

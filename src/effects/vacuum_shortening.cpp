@@ -30,7 +30,7 @@ class VacuumShortening : public Described {
 std::unique_ptr<Effect> make_vacuum_shortening() {
   return std::make_unique<VacuumShortening>(
       Info{"vacuum_shortening",
-           "the arm grows shorter with the vacuum",
+           "the arm grows shorter, or longer, with the vacuum",
            "L (1 - share V / 60 kPa)",
            "arm with a jammed core: P. Fairchild et al., ASME Lett. Dyn. Syst. Control 3, 2023, "
            "doi:10.1115/1.4064090",

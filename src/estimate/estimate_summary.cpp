@@ -14,7 +14,7 @@ namespace {
 class Table {
  public:
   void line(const std::string& name, const std::string& value) {
-    fmt::format_to(std::back_inserter(text_), "{:<28}{}\n", name + ":", value);
+    fmt::format_to(std::back_inserter(text_), "{:<27} {}\n", name + ":", value);
   }
 
   /// Median of the values with its unit, or "-".
@@ -90,7 +90,8 @@ void EstimateSummary::add(const Estimate& e) {
   last_stamp_s_ = e.stamp_s;
   ++frames_;
   if (e.status != Status::kOk) {
-    ++not_ok_[to_string(e.status)];
+    Refused& refused = not_ok_[to_string(e.status)];
+    if (++refused.count == 1) refused.detail = e.detail;
     return;
   }
   ++ok_;
@@ -118,13 +119,30 @@ void EstimateSummary::add(const Estimate& e) {
   }
 }
 
+std::string EstimateSummary::why_none(const std::map<std::string, std::uint64_t>& rejected) const {
+  std::string why;
+  const auto most = std::max_element(not_ok_.begin(), not_ok_.end(), [](const auto& a, const auto& b) {
+    return a.second.count < b.second.count;
+  });
+  if (most != not_ok_.end())
+    why =
+        most->second.detail.empty() ? most->first : fmt::format("{} ({})", most->first, most->second.detail);
+  const auto samples = std::max_element(rejected.begin(), rejected.end(),
+                                        [](const auto& a, const auto& b) { return a.second < b.second; });
+  if (samples != rejected.end())
+    why += fmt::format("{}{} samples were not used: {}", why.empty() ? "" : "; ", samples->second,
+                       samples->first);
+  return why.empty() ? "nothing is known of why" : why;
+}
+
 std::string EstimateSummary::text(const std::map<std::string, std::uint64_t>& rejected,
                                   std::uint64_t samples) const {
   Table table;
   table.line("duration", fmt::format("{:.3f} s", duration_s()));
   table.line("frames", fmt::format("{}", frames_));
   table.line("frames ok", fmt::format("{}", ok_));
-  for (const auto& [reason, count] : not_ok_) table.line("  not ok, " + reason, fmt::format("{}", count));
+  for (const auto& [reason, refused] : not_ok_)
+    table.line("  not ok, " + reason, fmt::format("{}", refused.count));
   table.line("samples", fmt::format("{}", samples));
   for (const auto& [reason, count] : rejected) table.line("  rejected, " + reason, fmt::format("{}", count));
   for (std::size_t i = 0; i < set_aside_.size(); ++i) {

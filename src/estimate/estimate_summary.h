@@ -29,7 +29,15 @@ class EstimateSummary {
   /// @param samples all samples that were offered
   std::string text(const std::map<std::string, std::uint64_t>& rejected, std::uint64_t samples) const;
 
+  /// Why frames have no estimate, of those that are most: what the estimator said first, and which samples
+  /// were not used.
+  std::string why_none(const std::map<std::string, std::uint64_t>& rejected) const;
+
  private:
+  struct Refused {
+    std::uint64_t count = 0;
+    std::string detail = {};  // of the first
+  };
   struct Segment {
     std::string name = {};
     std::vector<double> bending_stiffness_nm2, identifiable_bending_stiffness_nm2, moment_nm, length_m;
@@ -43,7 +51,7 @@ class EstimateSummary {
   std::vector<Segment> segments_;
   std::vector<double> payload_kg_, identifiable_payload_kg_, rms_residual_m_, tip_angle_rad_,
       reduced_chi_square_;
-  std::map<std::string, std::uint64_t> not_ok_;
+  std::map<std::string, Refused> not_ok_;  // by status
   std::uint64_t frames_ = 0, ok_ = 0;
   double first_stamp_s_ = 0.0, last_stamp_s_ = 0.0;
 };

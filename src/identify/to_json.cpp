@@ -146,7 +146,7 @@ std::string to_json(const Result& result) {
   json["beyond_the_model"] = result.beyond_the_model;
   json["warnings"] = result.warnings;
   json["prior_notes"] = result.prior_notes;
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, decltype(json)::error_handler_t::replace) + "\n";
 }
 
 }  // namespace softarm::identify

@@ -108,7 +108,7 @@ void BagFrames::read(const Callbacks& callbacks) {
       }
     }
   } catch (const ros::Exception& e) {
-    throw BagError(fmt::format("{}: damaged ({}); rosbag check says more", path_, e.what()));
+    throw BagError(fmt::format("{}: damaged ({})", path_, e.what()));
   }
   deliver(callbacks);
   assembler_.flush();

@@ -179,7 +179,7 @@ trial::CheckRecording read_recording(const std::string& path, const arm::Arm& ar
       if (++unreported == kMessagesPerProgress) on_messages(std::exchange(unreported, 0));
     }
   } catch (const ros::Exception& e) {
-    throw BagError(fmt::format("{}: damaged ({}); rosbag check says more", path, e.what()));
+    throw BagError(fmt::format("{}: damaged ({})", path, e.what()));
   }
   recorder.finish();
   on_messages(unreported);

@@ -8,6 +8,8 @@
 #include <std_msgs/String.h>
 
 #include <boost/make_shared.hpp>
+#include <cerrno>
+#include <cstring>
 
 #include "conversions.h"
 #include "open_bag.h"
@@ -19,18 +21,21 @@ namespace {
 /// @throws BagError with the file's name where the bag throws
 template <typename Do>
 void written(const std::string& path, const Do& what) {
+  errno = 0;  // rosbag says at which of its steps it failed, but not why
   try {
     what();
   } catch (const rosbag::BagException& e) {
-    throw BagError(fmt::format("{}: cannot be written ({})", path, e.what()));
+    throw BagError(
+        fmt::format("{}: cannot be written: {}", path, errno != 0 ? std::strerror(errno) : e.what()));
   }
 }
 
 }  // namespace
 
-TrialBagWriter::TrialBagWriter(const std::string& path) : path_(path) {
+TrialBagWriter::TrialBagWriter(const std::string& file, const std::string& called)
+    : path_(called.empty() ? file : called) {
   written(path_, [&] {
-    bag_ = new_bag(path_);
+    bag_ = new_bag(file);
     bag_->setCompression(rosbag::compression::LZ4);
   });
 }

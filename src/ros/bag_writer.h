@@ -26,7 +26,8 @@ inline constexpr char kImportLayoutTopic[] = "/import/layout", kImportLeftOutTop
 class TrialBagWriter {
  public:
   /// It and all that writes: @throws BagError where the file cannot be written, with its name
-  explicit TrialBagWriter(const std::string& path);
+  /// @param called as which people know it, where it is renamed when it is complete
+  explicit TrialBagWriter(const std::string& file, const std::string& called = "");
 
   /// /mocap/<body>/pose, geometry_msgs/PoseStamped in frame `mocap`.
   /// @param receipt absent: received at its stamp

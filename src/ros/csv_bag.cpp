@@ -4,8 +4,9 @@
 
 namespace softarm {
 
-CsvBag::CsvBag(const trial::CsvLayout& layout, std::string layout_text, const std::string& path)
-    : layout_(layout), layout_text_(std::move(layout_text)), writer_(path) {}
+CsvBag::CsvBag(const trial::CsvLayout& layout, std::string layout_text, const std::string& path,
+               const std::string& called)
+    : layout_(layout), layout_text_(std::move(layout_text)), writer_(path, called) {}
 
 void CsvBag::payload(const trial::CsvRow& row) {
   if (row.payload_kg && row.payload_kg != payload_kg_) {

@@ -17,7 +17,9 @@ class CsvBag {
   /// @param layout by which the rows were read; must outlive this
   /// @param layout_text the document that it was read from: the bag keeps it
   /// It and all that writes: @throws BagError where the file cannot be written
-  CsvBag(const trial::CsvLayout& layout, std::string layout_text, const std::string& path);
+  /// @param called as which people know it, where it is renamed when it is complete
+  CsvBag(const trial::CsvLayout& layout, std::string layout_text, const std::string& path,
+         const std::string& called = "");
 
   void write(const trial::CsvRow& row);
   /// Notes that rows between the last one and the next are left out as told: `check` takes that for no gap.

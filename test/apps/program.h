@@ -58,23 +58,38 @@ class TestFolder {
 };
 
 struct Outcome {
-  int status = -1;  ///< exit status; -1 if a signal ended the program
-  std::string out, err;
+  int status = -1;       ///< exit status; -1 if a signal ended the program
+  std::string out, err;  ///< err without the lines that tell of progress, which hang on how long it took
 };
+
+/// What a program that runs for long says on its way where standard error is no terminal: "10 s: 37 % ...".
+inline bool tells_of_progress(const std::string& line) {
+  const std::size_t digits = line.find_first_not_of("0123456789");
+  return digits > 0 && digits != std::string::npos && line.compare(digits, 3, " s:") == 0;
+}
+
+inline std::string without_progress(const std::string& text) {
+  std::string rest;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    if (!tells_of_progress(line)) rest += line + (lines.eof() ? "" : "\n");
+  return rest;
+}
 
 /// @param arguments as typed in a shell
 /// @param before what the shell does first
 inline Outcome softarm_program(const std::string& arguments, const std::string& before = "") {
   // Outside of the test's folder, whose files are counted.
   const std::string stem = std::string(::testing::TempDir()) + "/softarm_run_" +
-                           file_name_of(::testing::UnitTest::GetInstance()->current_test_info()->name());
+                           file_name_of(::testing::UnitTest::GetInstance()->current_test_info()->name()) +
+                           "." + std::to_string(getpid());
   const std::string command = before + SOFTARM_PROGRAM_DIR "/softarm " + arguments + " >" + stem + ".out 2>" +
                               stem + ".err </dev/null";
   const int raw = std::system(command.c_str());
   Outcome outcome;
   if (WIFEXITED(raw)) outcome.status = WEXITSTATUS(raw);
   outcome.out = text_of(stem + ".out");
-  outcome.err = text_of(stem + ".err");
+  outcome.err = without_progress(text_of(stem + ".err"));
   std::filesystem::remove(stem + ".out");
   std::filesystem::remove(stem + ".err");
   return outcome;

@@ -51,6 +51,8 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{
             "vector_size", "name: small", "name: small\ngravity_m_s2: [0, -9.81]",
             "arm.yaml:3: key 'gravity_m_s2': value [0, -9.81] is not a list of 3 numbers in [-30, 30] m/s^2"},
+        Refusal{"gravity_of_nowhere", "name: small", "name: small\ngravity_m_s2: [0, 0, 1e-320]",
+                "arm.yaml:3: key 'gravity_m_s2': value [0, 0, 1e-320] must be 0 or 0.001 m/s^2 and more"},
         Refusal{
             "vector_element", "name: small", "name: small\ngravity_m_s2: [0, 0, -9810]",
             "arm.yaml:3: key 'gravity_m_s2[2]': value -9810 is outside the allowed range [-30, 30] m/s^2"},

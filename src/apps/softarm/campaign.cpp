@@ -17,6 +17,7 @@
 #include "progress.h"
 #include "record_trial.h"
 #include "rig/simulator.h"
+#include "say.h"
 #include "shipped.h"
 
 namespace softarm::app {
@@ -179,10 +180,10 @@ void run_campaign(const CampaignOptions& options) {
   write_text(truth / "SHA256SUMS", sums);
   const std::string digest = sha256_of_file(truth / "SHA256SUMS");
   out.commit();
-  fmt::print("{}: {} cases, {} trials, {:.0f} s of recordings\n", options.out, count,
-             count * static_cast<std::size_t>(spec.trials), seconds);
-  fmt::print("truth: {}\n", (fs::path(options.out) / "truth").string());
-  fmt::print("truth_sha256: {} (of truth/SHA256SUMS)\n", digest);
+  say("{}: {} cases, {} trials, {:.0f} s of recordings\n", options.out, count,
+      count * static_cast<std::size_t>(spec.trials), seconds);
+  say("truth: {}\n", (fs::path(options.out) / "truth").string());
+  say("truth_sha256: {} (of truth/SHA256SUMS)\n", digest);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "progress.h"
 #include "ros/bag_recording.h"
 #include "ros/open_bag.h"
+#include "say.h"
 #include "shipped.h"
 #include "softarm/arm/arm_file.h"
 
@@ -86,7 +87,7 @@ void run_check(const CheckOptions& options) {
     throw Failure(e.what(), kBadUsage);
   }
   const std::vector<check::CheckFinding> together = check::check_together(reports);
-  fmt::print("{}", to_text(reports, together, !options.quiet));
+  say_text(to_text(reports, together, !options.quiet));
   if (json) {
     json->write(to_json(reports, arm.name, together));
     json->commit();

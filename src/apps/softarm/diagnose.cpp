@@ -24,6 +24,7 @@
 #include "progress.h"
 #include "read_trials.h"
 #include "report/find_page.h"
+#include "say.h"
 #include "shipped.h"
 #include "softarm/arm/arm_file.h"
 #include "softarm/effects/arm_effects.h"
@@ -59,22 +60,21 @@ Trials that say most: several speeds, several attitudes of the base, with and wi
 void list_effects() {
   for (const auto& effect : effects::catalogue()) {
     const model::Info& info = effect->info();
-    fmt::print("{}\n  {}\n", info.id, info.description);
-    fmt::print("  law: {}{}\n", info.law, info.source.empty() ? "" : " (" + info.source + ")");
+    say("{}\n  {}\n", info.id, info.description);
+    say("  law: {}{}\n", info.law, info.source.empty() ? "" : " (" + info.source + ")");
     for (std::size_t k = 0; k < info.parameters.size(); ++k) {
       const model::Parameter& p = info.parameters[k];
-      fmt::print("  {:<26} {:<10} [{:g}, {:g}], usually {:g}{}: {}\n", p.symbol, p.unit, p.low, p.high,
-                 p.usual, k < static_cast<std::size_t>(info.sizes) ? " (0: absent)" : "", p.description);
+      say("  {:<26} {:<10} [{:g}, {:g}], usually {:g}{}: {}\n", p.symbol, p.unit, p.low, p.high, p.usual,
+          k < static_cast<std::size_t>(info.sizes) ? " (0: absent)" : "", p.description);
     }
-    fmt::print("  easily mistaken for {}\n", fmt::join(info.rivals, ", "));
-    if (!info.absorbed_by.empty())
-      fmt::print("  absorbed by the constants {}\n", fmt::join(info.absorbed_by, ", "));
+    say("  easily mistaken for {}\n", fmt::join(info.rivals, ", "));
+    if (!info.absorbed_by.empty()) say("  absorbed by the constants {}\n", fmt::join(info.absorbed_by, ", "));
     model::Values usual(static_cast<Eigen::Index>(info.parameters.size()));
     for (std::size_t k = 0; k < info.parameters.size(); ++k)
       usual[static_cast<Eigen::Index>(k)] = info.parameters[k].usual;
     if (const std::string why_not = effect->live_obstacle(usual); !why_not.empty())
-      fmt::print("  not live: {}\n", why_not);
-    fmt::print("\n");
+      say("  not live: {}\n", why_not);
+    say("\n");
   }
 }
 
@@ -158,7 +158,7 @@ void run_diagnose(DiagnoseOptions options) {
   }
   if (!page.warning.empty()) fmt::print(stderr, "softarm: warning: {}\n", page.warning);
   // First: it took minutes, and a full disk must not take it away.
-  fmt::print("{}", report::describe(diagnosis));
+  say_text(report::describe(diagnosis));
   std::fflush(stdout);
   json.write(report::to_json(diagnosis, origin));
   html.write(report::to_html(diagnosis, page.files, origin));
@@ -172,7 +172,7 @@ void run_diagnose(DiagnoseOptions options) {
   } else {
     fmt::print(stderr, "softarm: warning: no {}: {}\n", extended.path().string(), no_extended);
   }
-  fmt::print("written: {}\n", written);
+  say("written: {}\n", written);
 }
 
 }  // namespace

@@ -20,6 +20,7 @@
 #include "output_file.h"
 #include "progress.h"
 #include "ros/bag_frames.h"
+#include "say.h"
 #include "shipped.h"
 #include "softarm/arm/arm_file.h"
 #include "softarm/effects/arm_effects.h"
@@ -145,8 +146,8 @@ void estimate_bag(const arm::Arm& arm, const std::vector<model::Present>& effect
   };
   bag.read(callbacks);
   if (summary.frames() == 0) {
-    throw Failure(fmt::format("{}: no frame could be put together out of {} samples", job.bag,
-                              bag.assembler().samples()));
+    throw Failure(fmt::format("{}: no frame could be put together out of {} samples: {}", job.bag,
+                              bag.assembler().samples(), summary.why_none(bag.assembler().rejected())));
   }
   finish(rows, csv.path());
   const std::string table =
@@ -166,7 +167,9 @@ void estimate_bag(const arm::Arm& arm, const std::vector<model::Present>& effect
   job.summary = table + fmt::format("frames_per_s: {:.0f}\nspeed: {:.1f} x real time\nwritten: {}\n",
                                     static_cast<double>(summary.frames()) / wall.count(),
                                     summary.duration_s() / wall.count(), csv.path().string());
-  if (summary.ok() == 0) job.warnings.push_back(fmt::format("{}: not one frame could be estimated", job.bag));
+  if (summary.ok() == 0)
+    job.failure = fmt::format("{}: not one of {} frames could be estimated: {}", job.bag, summary.frames(),
+                              summary.why_none(bag.assembler().rejected()));
 }
 
 void run_estimate(const EstimateOptions& options) {
@@ -192,9 +195,9 @@ void run_estimate(const EstimateOptions& options) {
   std::string failure;
   for (const Job& job : jobs) {
     for (const std::string& warning : job.warnings) fmt::print(stderr, "softarm: warning: {}\n", warning);
-    if (job.failure.empty()) {
-      fmt::print("{}\n", job.summary);
-    } else if (failure.empty()) {
+    if (!job.summary.empty()) say("{}\n", job.summary);
+    if (job.failure.empty()) continue;
+    if (failure.empty()) {
       failure = job.failure;
     } else {
       fmt::print(stderr, "softarm: {}\n", job.failure);
@@ -210,10 +213,14 @@ void add_estimate(CLI::App& program) {
   CLI::App* command = program.add_subcommand("estimate", "Estimate every frame of recorded bags.");
   command->add_option("--arm", options->arm, "arm file, or the name of one in config/arms")->required();
   command->add_option("BAG", options->bags, "trial bags")->required();
-  command->add_option("--method", options->method,
-                      "full_points, end_orientation, cc_points or cc_endpoint (default: the arm's)");
-  command->add_option("--unknown", options->unknown,
-                      "stiffness, payload or both; both needs the prior (default: the arm's)");
+  // Words in braces are what a shell completes; what they mean to an arm is said where they are read.
+  command
+      ->add_option("--method", options->method, "how the shape follows from the bodies (default: the arm's)")
+      ->type_name("TEXT:{full_points,end_orientation,cc_points,cc_endpoint}");
+  command
+      ->add_option("--unknown", options->unknown,
+                   "what is estimated beside the shape; both needs the prior (default: the arm's)")
+      ->type_name("TEXT:{stiffness,payload,both}");
   command
       ->add_option("--prior", options->prior,
                    "on or off: the arm's laws, at the recorded inputs, as a prior (default: the arm's)")
@@ -222,10 +229,12 @@ void add_estimate(CLI::App& program) {
       ->add_option("--window", options->window_s,
                    "frames of this last time share EI and payload, s; 0: none do (default: the arm's)")
       ->check(CLI::Range(0.0, 60.0));
-  command->add_option("--objective", options->objective,
-                      "least_squares or sum_of_distances (default: the arm's)");
-  command->add_option("--dynamics", options->dynamics,
-                      "static or modal: swings are followed, not fitted as if at rest (default: the arm's)");
+  command->add_option("--objective", options->objective, "what is least (default: the arm's)")
+      ->type_name("TEXT:{least_squares,sum_of_distances}");
+  command
+      ->add_option("--dynamics", options->dynamics,
+                   "modal: swings are followed, not fitted as if at rest (default: the arm's)")
+      ->type_name("TEXT:{static,modal}");
   command->add_option("--payload", options->payload_kg,
                       "the known payload, kg; the bag's payload topic is not read");
   command->add_option("--out", options->out, "folder of the results")->capture_default_str();

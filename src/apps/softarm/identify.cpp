@@ -23,6 +23,7 @@
 #include "progress.h"
 #include "published/pull.h"
 #include "read_trials.h"
+#include "say.h"
 #include "shipped.h"
 #include "softarm/arm/arm_file.h"
 #include "softarm/effects/arm_effects.h"
@@ -97,10 +98,9 @@ void fit(const IdentifyOptions& options, const arm::Arm& arm) {
   if (json) json->commit();
   if (shapes) shapes->commit();
   if (constants) constants->commit();
-  fmt::print("{}\narm: {}\n{}written: {}\n", identify::verdict(result), arm.name, identify::describe(result),
-             options.out);
-  if (shapes)
-    fmt::print("written: {0}; scripts/plot_identify.py {0} --out picture.png draws it\n", options.plot);
+  say("{}\narm: {}\n{}written: {}\n", identify::verdict(result), arm.name, identify::describe(result),
+      options.out);
+  if (shapes) say("written: {0}; scripts/plot_identify.py {0} --out picture.png draws it\n", options.plot);
 }
 
 void pull(const IdentifyOptions& options, const arm::Arm& arm) {
@@ -115,7 +115,7 @@ void pull(const IdentifyOptions& options, const arm::Arm& arm) {
     throw Failure(
         "no pull in these trials: the payload must change while the inputs are held, and the arm come "
         "to rest before and after");
-  fmt::print("{}", published::describe(arm, trials, pulls));
+  say_text(published::describe(arm, trials, pulls));
   if (!out) return;
   const published::ThreeTruths truths =
       published::fit_three_truths(arm, pulls, published::LoadLaw::kStatics, true);
@@ -134,7 +134,7 @@ void pull(const IdentifyOptions& options, const arm::Arm& arm) {
 void releases(const IdentifyOptions& options, const arm::Arm& arm) {
   if (!options.out.empty()) throw Failure("--out: the release procedure writes no arm file");
   const std::vector<trial::Trial> trials = read_trials(options.bags, arm, !options.payload_kg, options.jobs);
-  fmt::print("{}", identify::describe(identify::fit_releases(arm, trials)));
+  say_text(identify::describe(identify::fit_releases(arm, trials)));
 }
 
 void run_identify(IdentifyOptions options) {

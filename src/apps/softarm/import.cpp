@@ -19,6 +19,7 @@
 #include "math/parse_number.h"
 #include "output_file.h"
 #include "progress.h"
+#include "say.h"
 #include "shipped.h"
 #include "trial/csv_recording.h"
 #include "trial/layout_guess.h"
@@ -171,10 +172,10 @@ Imported import_file(const Layout& by, const ImportOptions& options, const std::
 }
 
 void print_join(const std::string& inputs, const trial::CsvJoinReport& join) {
-  if (join.unmatched) fmt::print("  rows whose id {} lacks: {}\n", inputs, join.unmatched);
-  if (join.unused_ids) fmt::print("  ids of {} that no row has: {}\n", inputs, join.unused_ids);
+  if (join.unmatched) say("  rows whose id {} lacks: {}\n", inputs, join.unmatched);
+  if (join.unused_ids) say("  ids of {} that no row has: {}\n", inputs, join.unused_ids);
   for (const auto& [reason, count] : join.bad_rows)
-    fmt::print("  rows of {} not used, {}: {}\n", inputs, reason, count);
+    say("  rows of {} not used, {}: {}\n", inputs, reason, count);
   for (const std::string& example : join.examples) fmt::print(stderr, "softarm: {}\n", example);
 }
 
@@ -188,15 +189,14 @@ void print_report(const ImportOptions& options, const std::string& file, const I
                                 ? first
                                 : fmt::format("{} ... {} ({} bags)", first,
                                               bags.back().file->path().filename().string(), bags.size());
-  fmt::print("{} -> {}: {} of {} rows, {} messages\n", file, names, report.used - imported.left_out_rows,
-             report.rows, messages);
-  if (imported.left_out_rows) fmt::print("  rows left out, as told: {}\n", imported.left_out_rows);
-  for (const auto& [reason, count] : report.bad_rows) fmt::print("  rows skipped, {}: {}\n", reason, count);
-  if (report.repeated) fmt::print("  rows whose poses only repeat the row before: {}\n", report.repeated);
-  for (const auto& [reason, count] : report.lost) fmt::print("  absent, {}: {}\n", reason, count);
+  say("{} -> {}: {} of {} rows, {} messages\n", file, names, report.used - imported.left_out_rows,
+      report.rows, messages);
+  if (imported.left_out_rows) say("  rows left out, as told: {}\n", imported.left_out_rows);
+  for (const auto& [reason, count] : report.bad_rows) say("  rows skipped, {}: {}\n", reason, count);
+  if (report.repeated) say("  rows whose poses only repeat the row before: {}\n", report.repeated);
+  for (const auto& [reason, count] : report.lost) say("  absent, {}: {}\n", reason, count);
   if (report.one_clock_only)
-    fmt::print("  poses or inputs left out, the other clock has no time for them: {}\n",
-               report.one_clock_only);
+    say("  poses or inputs left out, the other clock has no time for them: {}\n", report.one_clock_only);
   if (report.join) print_join(options.inputs, *report.join);
   for (const std::string& example : report.examples) fmt::print(stderr, "softarm: {}\n", example);
 }
@@ -208,17 +208,17 @@ void run_guess(const ImportOptions& options) {
   const trial::LayoutGuess guess = trial::guess_layout(options.guess);
   const std::string text = to_yaml(guess, fs::path(options.guess).filename().string());
   if (options.out.empty()) {
-    fmt::print("{}", text);
+    say_text(text);
     return;
   }
   OutputFile file(options.out, Replacing::of_this_run(options.force));
   file.write(text);
   file.commit();
   const std::size_t open = blanks(guess);
-  fmt::print("{} -> {}: {}\n", options.guess, options.out,
-             open == 0 ? "nothing is left to fill in; check what was guessed"
-                       : fmt::format("{} value{} to fill in (FILL IN); check what was guessed", open,
-                                     open == 1 ? "" : "s"));
+  say("{} -> {}: {}\n", options.guess, options.out,
+      open == 0 ? "nothing is left to fill in; check what was guessed"
+                : fmt::format("{} value{} to fill in (FILL IN); check what was guessed", open,
+                              open == 1 ? "" : "s"));
 }
 
 void run_import(const ImportOptions& options) {

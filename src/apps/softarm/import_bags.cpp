@@ -51,7 +51,8 @@ void ImportBags::enter(const trial::CsvRow& row) {
     path.replace_filename(name + ".bag");
   }
   bags_.push_back({std::make_unique<OutputFile>(path, replacing_), 0});
-  bag_ = std::make_unique<CsvBag>(layout_, layout_text_, bags_.back().file->temporary().string());
+  bag_ = std::make_unique<CsvBag>(layout_, layout_text_, bags_.back().file->temporary().string(),
+                                  bags_.back().file->path().string());
   left_out_ = false;
 }
 

@@ -14,6 +14,7 @@
 #include "new_arm_answers.h"
 #include "new_arm_text.h"
 #include "output_file.h"
+#include "say.h"
 #include "softarm/arm/arm_file.h"
 #include "trial/csv_layout.h"
 
@@ -103,10 +104,10 @@ Failure missing_answer(const Question& q) {
 /// Asks until an answer can be, or none is given where that will do.
 void ask(const Question& q, Told& told, bool force) {
   for (std::string answer;;) {
-    fmt::print("{}{}: ", q.asks, q.fallback ? fmt::format(" [{}]", q.fallback) : "");
+    say("{}{}: ", q.asks, q.fallback ? fmt::format(" [{}]", q.fallback) : "");
     std::fflush(stdout);
     if (!std::getline(std::cin, answer)) {
-      fmt::print("\n");
+      say("\n");
       throw missing_answer(q);
     }
     boost::trim(answer);
@@ -117,7 +118,7 @@ void ask(const Question& q, Told& told, bool force) {
       return q.check(told, force);
     } catch (const Failure& refused) {
       told.erase(q.flag);
-      fmt::print("  {}\n", std::string(refused.what()).substr(std::string("--").size()));
+      say("  {}\n", std::string(refused.what()).substr(std::string("--").size()));
     }
   }
 }
@@ -153,9 +154,9 @@ void run_new_arm(Told told, bool force) {
   layout_file.write(columns);
   arm_file.commit();
   layout_file.commit();
-  fmt::print("{}: {} segment{}, {:g} m, {} bod{}; look for GUESS\n{}: the columns of its recordings\n",
-             out.string(), arm.segments.size(), arm.segments.size() == 1 ? "" : "s", arm.length_m(),
-             arm.bodies.size(), arm.bodies.size() == 1 ? "y" : "ies", layout.string());
+  say("{}: {} segment{}, {:g} m, {} bod{}; look for GUESS\n{}: the columns of its recordings\n", out.string(),
+      arm.segments.size(), arm.segments.size() == 1 ? "" : "s", arm.length_m(), arm.bodies.size(),
+      arm.bodies.size() == 1 ? "y" : "ies", layout.string());
 }
 
 }  // namespace

@@ -86,6 +86,27 @@ bool is_of_run(const fs::path& path, const std::string& command) {
   return size > 0 && run_of(path, command) == std::string(noted.data(), static_cast<std::size_t>(size));
 }
 
+/// What a path names: the file at the end of its links, whether or not it is there.
+fs::path end_of_links(fs::path path) {
+  constexpr int kMostLinks = 40;  // as the kernel
+  std::error_code error;
+  for (int i = 0; i < kMostLinks && fs::is_symlink(fs::symlink_status(path, error)); ++i) {
+    const fs::path to = fs::read_symlink(path, error);
+    if (error) break;
+    path = to.is_absolute() ? to : path.parent_path() / to;
+  }
+  return path;
+}
+
+/// Whether something is there that is no file, or that a process has open already.
+bool is_straight(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status)) return true;
+  const std::string absolute = fs::absolute(path, error).lexically_normal().string();
+  return fs::exists(status) && (absolute.rfind("/dev/", 0) == 0 || absolute.rfind("/proc/", 0) == 0);
+}
+
 }  // namespace
 
 Replacing Replacing::of_this_run(bool force) {
@@ -100,7 +121,9 @@ Replacing Replacing::of_this_run(bool force) {
 
 void refuse_to_replace(const fs::path& path, const Replacing& replacing) {
   std::error_code ignored;
-  if (replacing.all || !fs::is_regular_file(path, ignored) || is_of_run(path, replacing.command)) return;
+  if (replacing.all || is_straight(path) || !fs::is_regular_file(path, ignored) ||
+      is_of_run(path, replacing.command))
+    return;
   throw Failure(fmt::format("{}: is there already, of another run or changed since; --force replaces it",
                             path.string()));
 }
@@ -147,33 +170,40 @@ void OutputFile::write(const std::string& text) {
 }
 
 OutputFile::OutputFile(fs::path path, Replacing replacing)
-    : path_(std::move(path)), replacing_(std::move(replacing)) {
-  const fs::path folder = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
+    : path_(std::move(path)), place_(path_), replacing_(std::move(replacing)) {
+  if (is_straight(path_)) {
+    temporary_ = path_;
+    return;
+  }
+  place_ = end_of_links(path_);
+  const fs::path folder = place_.has_parent_path() ? place_.parent_path() : fs::path(".");
   std::error_code error;
   if (!fs::is_directory(folder, error)) {
     throw Failure(fmt::format("{}: the folder {} does not exist", path_.string(), folder.string()));
   }
-  if (fs::is_directory(path_, error)) throw Failure(fmt::format("{}: is a folder", path_.string()));
+  if (fs::is_directory(place_, error)) throw Failure(fmt::format("{}: is a folder", path_.string()));
   if (::access(folder.c_str(), W_OK) != 0) {
     throw Failure(fmt::format("{}: the folder {} cannot be written", path_.string(), folder.string()));
   }
   refuse_to_replace(path_, replacing_);
-  remove_leftovers(folder, path_.filename().string());
+  remove_leftovers(folder, place_.filename().string());
   // Hidden, with the process in its name: two runs do not write into each other's file.
-  temporary_ = folder / fmt::format(".{}.{}.partial", path_.filename().string(), ::getpid());
+  temporary_ = folder / fmt::format(".{}.{}.partial", place_.filename().string(), ::getpid());
 }
 
 OutputFile::~OutputFile() {
   std::error_code ignored;
-  if (!committed_) fs::remove(temporary_, ignored);
+  if (!committed_ && temporary_ != path_) fs::remove(temporary_, ignored);
 }
 
 void OutputFile::commit() {
+  committed_ = true;
+  if (temporary_ == path_) return;
   std::error_code error;
   if (!replacing_.command.empty()) note_run(temporary_, replacing_.command);
-  fs::rename(temporary_, path_, error);
+  fs::rename(temporary_, place_, error);
+  committed_ = !error;
   if (error) throw Failure(fmt::format("{}: cannot be written: {}", path_.string(), error.message()));
-  committed_ = true;
 }
 
 std::string read_text(const fs::path& path) {

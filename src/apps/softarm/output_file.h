@@ -18,10 +18,14 @@ struct Replacing {
   static Replacing of_this_run(bool force);
 };
 
-/// A file written under a temporary name beside its place and renamed when it is complete.
+/// A file written under a temporary name beside its place and renamed when it is complete. A link is
+/// followed: it stays, and the file that it names is written.
 ///
 /// Destroyed before commit(), it leaves nothing behind: an error half way never leaves half an output. What a
 /// process that was killed left beside the place is removed.
+///
+/// A device, a pipe and what a process has open (/dev/stdout) is written straight to: it must not be
+/// replaced.
 class OutputFile {
  public:
   /// @throws Failure if the folder is missing, the path is a folder or a file that may not be replaced
@@ -41,7 +45,8 @@ class OutputFile {
   void commit();
 
  private:
-  std::filesystem::path path_;
+  std::filesystem::path path_;   // as told
+  std::filesystem::path place_;  // what it names
   std::filesystem::path temporary_;
   Replacing replacing_;
   bool committed_ = false;

@@ -33,10 +33,10 @@ void record(rig::ReceiptQueue& queue, double until_s, double epoch_s, RigMessage
 
 RecordedBag record_bag(const rig::Scenario& scenario, const fs::path& bag_path,
                        const std::function<void(const rig::Sample&)>& on_sample,
-                       const std::optional<arm::Arm>& arm) {
+                       const std::optional<arm::Arm>& arm, const fs::path& called) {
   rig::Simulator simulator(scenario);
   RigMessages messages(simulator, arm);
-  TrialBagWriter bag(bag_path.string());
+  TrialBagWriter bag(bag_path.string(), called.string());
   rig::ReceiptQueue queue;
   const double epoch_s = kTrialEpochS + scenario.session_s;
   RecordedBag recorded;
@@ -71,7 +71,7 @@ RecordedTrial record_trial(const rig::Scenario& scenario, const fs::path& bag_pa
         rig::write_truth_row(series, sample.truth, kTrialEpochS + scenario.session_s);
         on_frame();
       },
-      arm);
+      arm, bag_file.path());
   finish(series, series_file.path());
   description_file.write(rig::truth_yaml(scenario));
 

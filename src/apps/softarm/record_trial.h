@@ -25,10 +25,11 @@ struct RecordedBag {
 /// Simulates a scenario with a duration and writes what the sensors saw, and nothing else, to a bag.
 /// @param on_sample called after each frame, with what was seen and the truth
 /// @param arm whose topics, types and units the bag has; absent: those of doc/rig.md
+/// @param called as which people know the bag, where it is renamed when it is complete
 /// @throws Failure, rig::SimulationError
 RecordedBag record_bag(const rig::Scenario& scenario, const std::filesystem::path& bag,
                        const std::function<void(const rig::Sample&)>& on_sample,
-                       const std::optional<arm::Arm>& arm = {});
+                       const std::optional<arm::Arm>& arm = {}, const std::filesystem::path& called = {});
 
 struct RecordedTrial : RecordedBag {
   std::filesystem::path truth_series, truth_description, seal;

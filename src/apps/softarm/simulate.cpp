@@ -14,6 +14,7 @@
 #include "progress.h"
 #include "record_trial.h"
 #include "rig/scenario.h"
+#include "say.h"
 #include "scenario_file.h"
 #include "shipped.h"
 
@@ -59,13 +60,12 @@ void run_simulate(const SimulateOptions& options) {
   const RecordedTrial done = record_trial(
       scenario, bag, truth, [&] { progress.advance(1.0, 1); }, arm, Replacing::of_this_run(options.force));
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
-  fmt::print("{}: {} frames, {} messages, {:.3f} s, seed {}\n", bag.string(), done.frames, done.messages,
-             done.duration_s, scenario.seed);
-  fmt::print("bodies lost: {}\n", done.bodies_lost);
-  fmt::print("truth: {}, {}\n", done.truth_series.string(), done.truth_description.string());
-  fmt::print("truth_sha256: {}, {} (kept in {})\n", done.series_sha256, done.description_sha256,
-             done.seal.string());
-  fmt::print("speed: {:.1f} x real time\n", done.duration_s / wall.count());
+  say("{}: {} frames, {} messages, {:.3f} s, seed {}\n", bag.string(), done.frames, done.messages,
+      done.duration_s, scenario.seed);
+  say("bodies lost: {}\n", done.bodies_lost);
+  say("truth: {}, {}\n", done.truth_series.string(), done.truth_description.string());
+  say("truth_sha256: {}, {} (kept in {})\n", done.series_sha256, done.description_sha256, done.seal.string());
+  say("speed: {:.1f} x real time\n", done.duration_s / wall.count());
 }
 
 }  // namespace
@@ -90,7 +90,7 @@ void add_simulate(CLI::App& program) {
       ->add_flag_callback(
           "--effects",
           [] {
-            fmt::print("{}", effects_list());
+            say_text(effects_list());
             throw CLI::Success();
           },
           "list all that a scenario can hide in the arm, its inputs and its sensors, and exit")

@@ -13,6 +13,7 @@
 #include "command.h"
 #include "output_file.h"
 #include "progress.h"
+#include "say.h"
 #include "softarm/validate/papers.h"
 
 namespace softarm::app {
@@ -98,7 +99,7 @@ void run_validate(const ValidateOptions& options) {
     const validate::Result result = paper.run(settings, progress);
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
     progress.line(fmt::format("{}: {:.1f} s", paper.name, wall.count()));
-    fmt::print("{}\n", validate::to_text(result));
+    say("{}\n", validate::to_text(result));
     std::fflush(stdout);
     papers.push_back(validate::to_json(result));
     for (const validate::Series& series : result.series) outputs.add(series);
