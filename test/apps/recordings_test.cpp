@@ -230,8 +230,9 @@ TEST(SoftarmEstimate, AnInputThatThePriorLacksIsNamed) {
   const std::string arm = dir.write("arm.yaml", text);
   const std::string call = "estimate --arm " + arm + " " + dir / "a.bag" + " --out " + dir / "out";
   const Outcome o = softarm_program(call + " --prior on");
-  EXPECT_EQ(o.status, 0);
+  EXPECT_EQ(o.status, 1) << "not one frame has an estimate";
   EXPECT_THAT(o.err, HasSubstr("no topic /pressure/elsewhere (chamber_2)"));
+  EXPECT_THAT(o.err, HasSubstr("could be estimated: missing_inputs ("));
   for (const Row& row : csv_rows(dir / "out/a/estimates.csv")) ASSERT_EQ(row.at("status"), "missing_inputs");
   softarm_program(call + " --prior off --force");
   EXPECT_EQ(csv_rows(dir / "out/a/estimates.csv").at(100).at("status"), "ok");
