@@ -51,10 +51,11 @@ def sums(folder):
 
 
 def matches(found, listed):
-    """Whether a truth's files are those of its SHA256SUMS. A record has none of the trials' own: those may be absent, no other."""
+    """Whether a truth's files are those of its SHA256SUMS. A record has none of the trials' own, and none that tells how a case was
+    drawn: those may be absent, no other."""
     known = dict(reversed(line.split("  ", 1)) for line in listed.splitlines())
     return (all(known.get(path) == digest for path, digest in found.items())
-            and all(path in found or path.endswith(".truth.yaml") for path in known))
+            and all(path in found or path.endswith((".truth.yaml", ".log")) for path in known))
 
 
 def contents(folder, decided):

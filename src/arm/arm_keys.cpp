@@ -69,7 +69,7 @@ const KeyTable& fixed_base_keys() {
     KeyTable keys{"base.fixed", pose_keys()};
     keys.keys.push_back(word("attitude", {"hanging", "standing", "horizontal"}, kAbsent,
                              "instead of a rotation: hanging (tangent along gravity), standing (against it), "
-                             "horizontal (along the mocap frame's x)"));
+                             "horizontal (along the mocap frame's x, the section's x up)"));
     return keys;
   }();
   return table;

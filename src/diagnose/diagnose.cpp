@@ -13,6 +13,7 @@
 #include "discovered_law.h"
 #include "exchanged_names.h"
 #include "extended_arm.h"
+#include "far_from_file.h"
 #include "findings.h"
 #include "first_fits.h"
 #include "flexible.h"
@@ -285,6 +286,8 @@ void add_summary(const JointModel& model, const BeyondRange& beyond, Diagnosis& 
     d.summary = beyond.text + " Within it no effect of the catalogue is surely there.";
   else if (!beyond.text.empty())
     d.summary = beyond.helps ? beyond.text + " " + d.summary : d.summary + " " + beyond.text;
+  const std::string far = far_from_file(model, d.shifts);
+  if (!far.empty()) d.summary = far + " " + d.summary;
 }
 
 model::Prepared prepared_trials(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
