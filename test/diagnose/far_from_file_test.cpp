@@ -26,7 +26,8 @@ TEST(FarFromFile, AChamberThatDoesNextToNothingIsSaid) {
   };
   EXPECT_THAT(summary(), Not(HasSubstr("another arm")));
 
-  for (rig::Scenario& scenario : recorded.truth) scenario.arm.segments[0].chambers[1].moment_gain_nm_per_pa *= 0.05;
+  for (rig::Scenario& scenario : recorded.truth)
+    scenario.arm.segments[0].chambers[1].moment_gain_nm_per_pa *= 0.05;
   const std::string said = summary();
   EXPECT_THAT(said, HasSubstr("The trials are of another arm than the file's: "));
   EXPECT_THAT(said, ContainsRegex("chamber_2.moment_gain is [0-9.]+ %"));
