@@ -61,7 +61,7 @@ Eigen::Isometry3d read_fixed(const Section& section, const Eigen::Vector3d& grav
     section.fail("attitude", "is given beside a rotation; give one of them only");
   }
   const std::string attitude = section.word("attitude");
-  if (!(gravity_m_s2.norm() > 1e-3)) {
+  if (gravity_m_s2.isZero(0.0)) {
     section.fail_value("attitude", "has no meaning without gravity; give quaternion_xyzw or rpy_deg");
   }
   pose.linear() = attitude_rotation(attitude, gravity_m_s2);

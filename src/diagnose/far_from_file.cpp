@@ -20,9 +20,9 @@ bool is_of_every_arm(arm::ConstantKind kind) {
          kind == arm::ConstantKind::kBendingStiffness;
 }
 
-/// "5 %", or "1.2e+03 times".
+/// "5 % of", or "1.2e+03 times".
 std::string times(double ratio) {
-  return ratio < 1.0 ? fmt::format("{:.2g} %", 100.0 * ratio) : fmt::format("{:.2g} times", ratio);
+  return ratio < 1.0 ? fmt::format("{:.2g} % of", 100.0 * ratio) : fmt::format("{:.2g} times", ratio);
 }
 
 }  // namespace
@@ -34,16 +34,16 @@ std::string far_from_file(const JointModel& model, const std::vector<Shift>& shi
     const double told = identify::value_of(model.arm(), constant), seen = shifts[j].after;
     if (!is_of_every_arm(constant.kind) || !(told > 0.0)) continue;
     const double ratio = std::max(0.0, seen) / told;
-    if (ratio <= kPolicy.words.another_arm && ratio * kPolicy.words.another_arm >= 1.0) continue;
-    if (std::abs(seen - told) < kPolicy.words.another_arm_sd * shifts[j].sd_after) continue;
+    if (ratio <= kPolicy.words.far && ratio * kPolicy.words.far >= 1.0) continue;
+    if (std::abs(seen - told) < kPolicy.words.far_sd * shifts[j].sd_after) continue;
     far.push_back(fmt::format("{} is {}", shifts[j].name, times(ratio)));
   }
   if (far.empty()) return "";
   if (far.size() > kMostNamed) far.resize(kMostNamed);
   return fmt::format(
-      "The trials are of another arm than the file's: {} of what it says. Is everything connected, are the "
-      "inputs in the file's order and units, are gravity's direction and the payloads right? `softarm check` "
-      "and `softarm identify` say more.",
+      "Constants that fit these trials are far from the arm file's: {} what it says. Is everything "
+      "connected, are the inputs in the file's order and units, are gravity's direction and the payloads "
+      "right? All that follows holds with constants as the trials have them.",
       one_of(far, "and"));
 }
 

@@ -289,9 +289,11 @@ struct Policy {
     double small_part = 0.25, small = 2.5e-3;
     double weight = 0.05;  ///< share to which weights are known that were told, or follow from a drawing
     double left_out_share = 0.1;  ///< of the recordings, beyond which the verdict's line says it
-    double another_arm =
-        2.0;  ///< ratio of a gain or a stiffness to the arm file's that no arm of the file has
-    double another_arm_sd = 3.0;  ///< standard deviations by which it must be sure
+    /// Ratio of a gain or a stiffness to the arm file's beyond which the file is asked about: an arm differs
+    /// from its file by less, if the file is of it and its inputs are. In the whole proof it was said of none
+    /// of 664 simulated cases, and of 6 of 71 with recordings of pouch arms.
+    double far = 2.0;
+    double far_sd = 3.0;  ///< standard deviations by which that must be sure
     double worse = 1.05;  ///< ratio of a trial's mean errors beyond which it is said to be predicted worse
     double stands_out = 5.0;    ///< z of the screen from which on "absent" would be too much
     double no_better = 0.95;    ///< share of the error from which on a flexible model has learnt nothing

@@ -178,8 +178,10 @@ Scenario parse_scenario(const std::string& text, const std::string& source) {
   scenario.duration_s = map.number("duration_s", {0.0, 1e6}, scenario.duration_s);
   scenario.session_s = map.number("session_s", {0.0, 1e6}, scenario.session_s);
   scenario.gravity_m_s2 = map.number("gravity_m_s2", {0.0, 30.0}, scenario.gravity_m_s2);
-  if (scenario.gravity_m_s2 != 0.0 && scenario.gravity_m_s2 < 1e-3)
-    map.fail("gravity_m_s2", fmt::format("value {:g}, allowed 0, or 0.001 and more", scenario.gravity_m_s2));
+  constexpr double kLeastGravity_m_s2 = 1e-3;  // as of an arm file
+  if (scenario.gravity_m_s2 != 0.0 && scenario.gravity_m_s2 < kLeastGravity_m_s2)
+    map.fail("gravity_m_s2",
+             fmt::format("value {:g}, allowed 0, or {} and more", scenario.gravity_m_s2, kLeastGravity_m_s2));
   scenario.arm = parse_arm_spec(map.required_map("arm"));
   scenario.mount = parse_mount(map.map("mount"));
   scenario.pressures = parse_pressures(map.map("pressures"), scenario.arm);

@@ -103,10 +103,23 @@ TEST(SoftarmErrors, WhatIsNoFileIsWrittenToAndALinkStaysOne) {
   for (int i = 0; i < 500 && text_of(dir / "read.json").empty(); ++i) usleep(20000);
   EXPECT_THAT(text_of(dir / "read.json"), HasSubstr("\"recordings\""));
 
-  fs::create_symlink(dir / "named.json", dir / "link.json");
+  fs::create_symlink("named.json", dir / "link.json");  // relative
   EXPECT_EQ(softarm_program(check + dir / "link.json").status, 0);
   EXPECT_TRUE(fs::is_symlink(dir / "link.json"));
   EXPECT_THAT(text_of(dir / "named.json"), HasSubstr("\"recordings\""));
+
+  std::ofstream(dir / "named.json") << "another's";
+  expect_refused(dir, check + dir / "link.json", HasSubstr("link.json: is there already"));
+  EXPECT_EQ(text_of(dir / "named.json"), "another's");
+  EXPECT_EQ(softarm_program(check + dir / "link.json --force").status, 0);
+  EXPECT_TRUE(fs::is_symlink(dir / "link.json"));
+
+  // As /dev/stdout is: what it names may be read while it is written.
+  fs::create_symlink("/proc/self/fd/1", dir / "out.json");
+  const Outcome straight = softarm_program(check + dir / "out.json");
+  EXPECT_EQ(straight.status, 0) << straight.err;
+  EXPECT_THAT(straight.out, HasSubstr("\"recordings\""));
+  EXPECT_TRUE(fs::is_symlink(dir / "out.json"));
 }
 
 TEST(SoftarmErrors, NumbersThatAreNone) {

@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include <limits>
+
 #include "check_fixture.h"
 
 namespace softarm {
@@ -178,6 +180,19 @@ TEST_F(Check, TurnedOverForAWhile) {
   EXPECT_THAT(find(r, "turned_over")->what, HasSubstr("x axis"));
   EXPECT_NEAR(find(r, "turned_over")->spans.front().from_s, 6.0, 0.03);
   EXPECT_NEAR(find(r, "turned_over")->spans.front().to_s, 8.0, 0.03);
+}
+
+TEST_F(Check, PosesThatAreNoneAreSeriousWhereTheyAreMany) {
+  const auto lose = [&](std::size_t every) {
+    for (std::size_t i = 0; i < recording.bodies[2].size(); i += every)
+      recording.bodies[2][i].p_mocap.setConstant(std::numeric_limits<double>::quiet_NaN());
+  };
+  lose(50);
+  expect("no_pose", check::Severity::kInformation, "ring_2");
+  lose(8);
+  expect("no_pose", check::Severity::kWarning, "ring_2");
+  lose(2);
+  expect("no_pose", check::Severity::kSerious, "ring_2");
 }
 
 TEST_F(Check, SignOfAQuaternionIsHarmless) {

@@ -14,6 +14,7 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <system_error>
 #include <vector>
@@ -86,25 +87,21 @@ bool is_of_run(const fs::path& path, const std::string& command) {
   return size > 0 && run_of(path, command) == std::string(noted.data(), static_cast<std::size_t>(size));
 }
 
-/// What a path names: the file at the end of its links, whether or not it is there.
-fs::path end_of_links(fs::path path) {
+/// The file that an output appears as, at the end of its links, whether or not it is there; nothing where it
+/// must be written straight to: a device, a pipe, what a process has open.
+std::optional<fs::path> replaceable(fs::path path) {
   constexpr int kMostLinks = 40;  // as the kernel
   std::error_code error;
   for (int i = 0; i < kMostLinks && fs::is_symlink(fs::symlink_status(path, error)); ++i) {
+    // What stands there as a link is a file that is open: its name may be another's by now.
+    if (fs::absolute(path, error).lexically_normal().string().rfind("/proc/", 0) == 0) return std::nullopt;
     const fs::path to = fs::read_symlink(path, error);
     if (error) break;
-    path = to.is_absolute() ? to : path.parent_path() / to;
+    path = path.parent_path() / to;  // of an absolute one, that one
   }
-  return path;
-}
-
-/// Whether something is there that is no file, or that a process has open already.
-bool is_straight(const fs::path& path) {
-  std::error_code error;
   const fs::file_status status = fs::status(path, error);
-  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status)) return true;
-  const std::string absolute = fs::absolute(path, error).lexically_normal().string();
-  return fs::exists(status) && (absolute.rfind("/dev/", 0) == 0 || absolute.rfind("/proc/", 0) == 0);
+  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status)) return std::nullopt;
+  return path;
 }
 
 }  // namespace
@@ -121,7 +118,7 @@ Replacing Replacing::of_this_run(bool force) {
 
 void refuse_to_replace(const fs::path& path, const Replacing& replacing) {
   std::error_code ignored;
-  if (replacing.all || is_straight(path) || !fs::is_regular_file(path, ignored) ||
+  if (replacing.all || !replaceable(path) || !fs::is_regular_file(path, ignored) ||
       is_of_run(path, replacing.command))
     return;
   throw Failure(fmt::format("{}: is there already, of another run or changed since; --force replaces it",
@@ -170,12 +167,9 @@ void OutputFile::write(const std::string& text) {
 }
 
 OutputFile::OutputFile(fs::path path, Replacing replacing)
-    : path_(std::move(path)), place_(path_), replacing_(std::move(replacing)) {
-  if (is_straight(path_)) {
-    temporary_ = path_;
-    return;
-  }
-  place_ = end_of_links(path_);
+    : path_(std::move(path)), temporary_(path_), replacing_(std::move(replacing)) {
+  place_ = replaceable(path_).value_or("");
+  if (place_.empty()) return;
   const fs::path folder = place_.has_parent_path() ? place_.parent_path() : fs::path(".");
   std::error_code error;
   if (!fs::is_directory(folder, error)) {
@@ -193,12 +187,12 @@ OutputFile::OutputFile(fs::path path, Replacing replacing)
 
 OutputFile::~OutputFile() {
   std::error_code ignored;
-  if (!committed_ && temporary_ != path_) fs::remove(temporary_, ignored);
+  if (!committed_ && !place_.empty()) fs::remove(temporary_, ignored);
 }
 
 void OutputFile::commit() {
   committed_ = true;
-  if (temporary_ == path_) return;
+  if (place_.empty()) return;
   std::error_code error;
   if (!replacing_.command.empty()) note_run(temporary_, replacing_.command);
   fs::rename(temporary_, place_, error);

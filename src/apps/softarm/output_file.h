@@ -46,7 +46,7 @@ class OutputFile {
 
  private:
   std::filesystem::path path_;   // as told
-  std::filesystem::path place_;  // what it names
+  std::filesystem::path place_;  // what it names; empty where that is written straight to
   std::filesystem::path temporary_;
   Replacing replacing_;
   bool committed_ = false;
