@@ -2,19 +2,21 @@
 
 Results and decisions are those of prove_score.py; pairs are (result, decision).
 """
+import collections
 import math
 import random
+import re
 import statistics
 
 import prove_displacement
 import prove_real_score
-from prove_score import (BASELINES, KINDS, all_marks, baseline_decision, bias_removed, decision_of, is_confident_and_wrong, is_right, judged,
-                         marks, right, sizes)
+from prove_score import (BASELINES, KINDS, LEAST_BEYOND, all_marks, baseline_decision, beyond_catalogue, bias_removed, decision_of,
+                         is_confident_and_wrong, is_right, judged, marks, right, sizes)
 
 RATES = ["top1", "top3", "right_class", "both_named", "false_alarm", "confident_wrong", "unknown", "found_or_cannot_tell"]
 FIGURES = ["parameter_median_error", "interval_coverage", "held_out_over_floor", "place_error_m", "calibration_error",
            "confident_wrong", "bias_removed", "worse_than_baseline", "displacement_explained", "displacement_coverage",
-           "untidy_held_out_over_floor"]
+           "untidy_held_out_over_floor", "law_share"]
 CALIBRATION_BINS = 5
 
 
@@ -103,19 +105,31 @@ def moved(pairs):
     return [score for result, _ in pairs for score in result.get("moved") or []]
 
 
+def law_share(result):
+    """Of something outside the catalogue that is said to be unknown: how much of what a flexible model learns the law takes that was
+    discovered, on sequences that neither has seen; 0 where there is none. None: not asked, or not in the record."""
+    report, truth = result["report"], result["truth"]
+    if (result["kind"] not in ("outside", "untidy_outside") or beyond_catalogue(truth) < LEAST_BEYOND or report["verdict"] != "unknown"
+            or "discovered_law" not in report):
+        return None
+    law = report["discovered_law"]
+    return (law or {"share_of_flexible": 0.0}).get("share_of_flexible")
+
+
 def general(pairs, with_reports):
     figures = dict.fromkeys(FIGURES)
     figures["calibration_error"] = calibration_error(stated(pairs))
     figures["confident_wrong"] = mean([is_confident_and_wrong(decision, result["truth"]) for result, decision in pairs])
     if not with_reports:
         return figures
-    errors, hits, places, removed, over, over_untidy, worse = [], [], [], [], [], [], []
+    errors, hits, places, removed, over, over_untidy, worse, laws = [], [], [], [], [], [], [], []
     for result, decision in pairs:
         report = result["report"]
         some_errors, some_hits, some_places = sizes(result)
         errors += some_errors
         hits += some_hits
         places += some_places
+        laws += [share for share in [law_share(result)] if share is not None]
         if result["kind"] in ("none", "control"):
             worse.append(report["extended"]["held_out_rms_m"] > report["baseline"]["held_out_rms_m"])
         elif result["kind"] not in ("outside", "untidy_outside", "intervention") and report["noise_floor_m"] > 0.0:
@@ -133,6 +147,7 @@ def general(pairs, with_reports):
     figures["untidy_held_out_over_floor"] = statistics.median(over_untidy) if over_untidy else None
     figures["bias_removed"] = statistics.median(removed) if removed else None
     figures["worse_than_baseline"] = mean(worse)
+    figures["law_share"] = statistics.median(laws) if laws else None
     figures.update(prove_displacement.figures(moved(pairs)))
     return figures
 
@@ -174,8 +189,10 @@ def worlds(pairs):
         own = [(r, d) for r, d in pairs if r["kind"] in kinds.values()]
         if own:
             of_kinds = rates(own)
+            reported = [(r, d) for r, d in own if r["report"]]
             table[world] = {**{name: of_kinds[kind] for name, kind in kinds.items()},
-                            **general([(r, d) for r, d in own if r["report"]], True), "power": power(own),
+                            **general(reported, True), "reported": len(reported), "intervals": figure_intervals(reported),
+                            "power": power(own),
                             "displacement": prove_displacement.distribution(moved(own)),
                             "mcnemar": {method: against(method, own) for method in BASELINES}}
     return table
@@ -186,6 +203,27 @@ def extent(figures):
     if figures.get("so_far"):
         return f"{figures['draws']} of the {figures['so_far']} cases of the whole, decided so far, in an order that says nothing of them,"
     return "the whole" if figures["full"] else "a sample"
+
+
+def reasons(results):
+    """Why draws were rejected, numbers left out of the words: how often, the most frequent first."""
+    words = collections.Counter(re.sub(r"-?\d+(\.\d+)?(e[+-]?\d+)?", "#", reason)
+                                for r in results for reason in (r["truth"] or r).get("rejected", []))
+    return dict(words.most_common())
+
+
+# Of nine trials of 25 s.
+TIMED_KINDS = (*WORLDS["tidy"].values(), *WORLDS["untidy"].values())
+
+
+def times(drawn):
+    """What diagnoses took, in seconds (a core for each), of all cores, and in bytes."""
+    costs = [(r["kind"], r["cost"]) for r in drawn if r.get("cost")]
+    seconds = [cost["seconds"] for _, cost in costs]
+    of_cores = [cost["core_seconds"] for kind, cost in costs if kind in TIMED_KINDS and "core_seconds" in cost]
+    return {"seconds_median": statistics.median(seconds) if seconds else None, "seconds_most": max(seconds, default=None),
+            "core_seconds_median": statistics.median(of_cores) if of_cores else None, "core_seconds_most": max(of_cores, default=None),
+            "memory_bytes_most": max((cost["memory_bytes"] for _, cost in costs), default=None)}
 
 
 def figures(results):
@@ -201,17 +239,16 @@ def figures(results):
     table["intervals"] = figure_intervals(reported)
     table["worlds"] = worlds(pairs)
     table["draws"] = len(results)
-    table["rejected_draws"] = sum(len((r["truth"] or r).get("rejected", [])) for r in results)
+    table["rejected_reasons"] = reasons(results)
+    table["rejected_draws"] = sum(table["rejected_reasons"].values())
     table["not_drawn"] = len(results) - len(drawn)
     table["failed"] = sum(1 for r in drawn if not r["report"])
-    seconds = [r["cost"]["seconds"] for r in drawn if r.get("cost")]
-    table["seconds_median"] = statistics.median(seconds) if seconds else None
-    table["seconds_most"] = max(seconds, default=None)
-    table["memory_bytes_most"] = max((r["cost"]["memory_bytes"] for r in drawn if r.get("cost")), default=None)
+    table.update(times(drawn))
     table["baselines"] = {}
     for method in BASELINES:
         of_method = [(r, baseline_decision(r, method)) for r in drawn if baseline_decision(r, method)]
         beside = against(method, pairs)
+        of_worlds = {world: general([(r, d) for r, d in of_method if r["kind"] in kinds.values()], False) for world, kinds in WORLDS.items()}
         table["baselines"][method] = {**rates(of_method), **general(of_method, False), "mcnemar": beside,
-                                      "mcnemar_p": beside["p"]}
+                                      "mcnemar_p": beside["p"], "worlds": of_worlds}
     return table

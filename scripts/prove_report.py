@@ -64,7 +64,17 @@ FIGURES = [
     ("worse_than_baseline", "held-out worse than before, nothing hidden", None, 0.0),
     ("bias_removed", "bias of EI removed where compensated and named, median", 0.8, None),
     ("place_error_m", "place of contact and soft spot, median error, m", None, 0.02),
+    ("law_share", "outside the catalogue and unknown: share of what a flexible model learns that a discovered law takes, median", 0.5, None),
 ]
+# Of each of these worlds by itself: (worlds, figure, description, least, most)
+IN_WORLDS = [
+    (("tidy", "untidy", "solid", "real"), "confident_wrong", "confident (p > 0.9) and wrong", None, 0.02),
+    (("tidy", "untidy", "solid", "real"), "interval_coverage", "90 % intervals that cover", 0.85, 0.95),
+    (("real",), "parameter_median_error", "size of what was done, median relative error", None, 0.25),
+]
+# What two cores have in 10 s and in 30 s: a diagnosis that takes more of them cannot be that fast. (figure, description, most)
+TIMES = [("core_seconds_median", "tidy, untidy: processor time of a diagnosis, median, s", 20.0),
+         ("core_seconds_most", "tidy, untidy: processor time of a diagnosis, longest, s", 60.0)]
 MET, NOT_MET, CONTRADICTED, NOT_CONTRADICTED = "met", "NOT MET", "CONTRADICTED", "not contradicted"
 
 
@@ -156,7 +166,37 @@ def rows(figures):
                       number(value) + (f" ({number(spread[0])}-{number(spread[1])})" if spread else ""),
                       range_of(least, most), status(spread, least, most, figures["full"])]
                      + [number(figures["baselines"][b][key]) for b in prove_score.BASELINES])
-    return table + beside_baselines(figures)
+    return table + in_worlds(figures) + times(figures) + beside_baselines(figures)
+
+
+def in_world(figures, world, key, description, least, most):
+    """A row of one world. Where it has so few cases that even none wrong would not meet a target, or that an interval is wider than what is
+    allowed, it may contradict the target, no more."""
+    found = figures["worlds"].get(world, {})
+    value, spread, count = found.get(key), found.get("intervals", {}).get(key), found.get("reported", 0)
+    few = spread is not None and least is not None and most is not None and spread[1] - spread[0] > most - least
+    if key == "confident_wrong" and value is not None:
+        spread = prove_figures.interval(round(value * count), count)
+        few = prove_figures.interval(0, count)[1] > most
+    return ([f"{world}: {description}", str(count), number(value) + (f" ({number(spread[0])}-{number(spread[1])})" if spread else ""),
+             range_of(least, most), status(spread, least, most, figures["full"] and not few)]
+            + [number(figures["baselines"][b]["worlds"].get(world, {}).get(key)) for b in prove_score.BASELINES])
+
+
+def in_worlds(figures):
+    return [in_world(figures, world, key, description, least, most) for worlds, key, description, least, most in IN_WORLDS
+            for world in worlds if world in figures["worlds"] or figures["full"]]
+
+
+def times(figures):
+    table = []
+    for key, description, most in TIMES:
+        value = figures[key]
+        if value is not None or figures["full"]:
+            judged_by = None if value is None else (value, value)
+            table.append([description, "", "-" if value is None else f"{value:.1f}", range_of(None, most),
+                          status(judged_by, None, most, figures["full"])] + ["" for _ in prove_score.BASELINES])
+    return table
 
 
 HEADINGS = ["", "trials", "diagnose (90 %)", "target", "", *prove_score.BASELINES]
@@ -208,6 +248,13 @@ def ideal_description(truth):
     if "class" in truth:
         return "class: " + (", ".join(truth["class"]) or "none")
     return ", ".join(f"{item['effect']} {item['explains']:.2f}" for item in truth["ideal"][:3])
+
+
+def rejected(figures):
+    most = list(figures["rejected_reasons"].items())[:5]
+    return (f"{figures['rejected_draws']} draws were rejected on the way" +
+            (" (" + "; ".join(f"{why}: {count}" for why, count in most) + ("; others" if len(figures["rejected_reasons"]) > len(most) else "") + ")"
+             if most else ""))
 
 
 def cost(figures):
@@ -308,7 +355,7 @@ def story(results, figures, names):
 
 Written by `scripts/prove`: {prove_figures.extent(figures)} of the campaign `{figures['campaign']}`, seed {figures['seed']}. Engine: commit
 `{figures['engine']}`. SHA-256 of what was hidden, taken before the first diagnosis: `{figures['truth_sha256']}`.
-{figures['rejected_draws']} draws were rejected on the way, {figures['not_drawn']} cases could not be drawn, {figures['failed']} diagnoses failed (they count as having said nothing).
+{rejected(figures)}, {figures['not_drawn']} cases could not be drawn, {figures['failed']} diagnoses failed (they count as having said nothing).
 {cost(figures)}
 
 {prove_short.story(results, names)}
@@ -318,7 +365,8 @@ Written by `scripts/prove`: {prove_figures.extent(figures)} of the campaign `{fi
 
 In brackets: 90 % intervals, of rates Wilson's, of other figures by a bootstrap of the cases. *Met*: all of the interval meets
 the target; *contradicted*: none of it does; a sample is too small to meet one and says *not contradicted*. In the whole a target
-without a figure is not met. A row of several kinds has their cases together, and their target. {versus(figures)} The baselines have what a round of the diagnosis has: the same fit, signatures, noise with a background of small departures,
+without a figure is not met. A row of several kinds has their cases together, and their target. Targets of every world are judged in each by itself; where a world has so few cases
+that even none wrong would not meet one, or that the interval is wider than what is allowed, it says *not contradicted*. {versus(figures)} The baselines have what a round of the diagnosis has: the same fit, signatures, noise with a background of small departures,
 refits, odds beforehand, forms other than the laws', and gates of size. They differ in how they decide, and are sure by BIC weights of the refitted models:
 `per_frame` by the residuals of fits frame by frame alone, `bic` by forward steps, `lasso` by the path of a group lasso, `gp` by
 a Gaussian process alone, which never names anything, and whose alarm the others share.

@@ -2,6 +2,7 @@
 """How many cases the proof has: enough of them in a sample, and in the whole so many that a diagnosis without an error meets
 every target."""
 import argparse
+import copy
 import os
 import re
 import sys
@@ -73,38 +74,50 @@ def perfect(kind, number, truth):
     """The report of a diagnosis without an error, of whose 90 % intervals nine in ten cover."""
     def said(effect):
         (symbol, value), = effect["parameters"].items()
-        high = value + 1.0 if number % 10 else value - 1e-9
+        high = value + 1.0 if number % 10 != 5 else value - 1e-9
         return {"name": effect["effect"], "probability": 1.0, "confusable_with": [], "where": {"s_from": 0.09, "s_to": 0.11},
                 "parameters": {symbol: {"value": value, "low": value - 1.0, "high": high}}}
 
     named = [said(effect) for effect in truth["effects"] if effect["catalogued"]]
     verdict = "explained" if named else "unknown" if truth["effects"] else "consistent"
     errors = {"held_out_rms_m": 1e-4}
-    return {"verdict": verdict, "effects": named, "ranking": [{"name": one["name"]} for one in named], "noise_floor_m": 1e-4,
+    law = {"share": 0.8, "share_of_flexible": 0.9} if verdict == "unknown" else None
+    return {"verdict": verdict, "discovered_law": law, "effects": named, "ranking": [{"name": one["name"]} for one in named], "noise_floor_m": 1e-4,
             "baseline": errors, "extended": errors, "shifts": [{"name": "bending_stiffness", "before": 0.04, "after": 0.03}]}
 
 
 MOVES = [[[0, 1, 1000, 0, 0], [1, 1, 0, 1000, 0]]]  # of one trial: [second, body, x, y, z], um
 
 
+# Targets of every world that the finite-element arm and the recordings have too few cases to meet.
+FEW = ["solid: confident (p > 0.9) and wrong", "real: confident (p > 0.9) and wrong", "solid: 90 % intervals that cover",
+       "real: 90 % intervals that cover"]
+
+
 class Whole(unittest.TestCase):
-    def figures(self, cases):
+    @classmethod
+    def setUpClass(cls):
+        cls.whole = cls.figures(plan(full=True))
+
+    @staticmethod
+    def figures(cases):
         """Of a perfect diagnosis, beside baselines that find nothing."""
         nothing = {method: {"alarm": False, "effects": [], "ranking": []} for method in prove_score.BASELINES}
         results = []
         for kind, number in cases:
             truth = truth_of(kind, number)
             results.append({"case": "case", "kind": kind, "number": number, "truth": truth, "report": perfect(kind, number, truth),
-                            "not_drawn": None, "cost": None, "baselines": nothing,
+                            "not_drawn": None, "cost": {"seconds": 9.0, "core_seconds": 18.0, "memory_bytes": 2**28}, "baselines": nothing,
                             "hidden_moves": [MOVES for _ in truth["effects"]],
                             "found_moves": [{"effect": effect["effect"], "relative_sd": 0.1, "trials": MOVES}
                                             for effect in truth["effects"] if effect["catalogued"]]})
         return {**prove_figures.figures(results), "full": True}
 
     def test_a_perfect_diagnosis_meets_every_target(self):
-        figures = self.figures(plan(full=True))
+        figures = self.whole
         rows = prove_report.rows(figures)
-        self.assertEqual([row[:5] for row in rows if row[4] != (prove_report.MET if row[3] != "-" else "-")], [])
+        self.assertEqual([row[:5] for row in rows if row[4] != (prove_report.MET if row[3] != "-" else "-") and row[0] not in FEW], [])
+        self.assertEqual({row[4] for row in rows if row[0] in FEW}, {prove_report.NOT_CONTRADICTED})
         self.assertTrue(prove_report.passes(figures))
         for name, kinds in prove_report.POOLED.items():
             self.assertTrue(any(row[0].startswith(name) and row[3] != "-" for row in rows), name)
@@ -116,6 +129,34 @@ class Whole(unittest.TestCase):
         missed = [row[0] for row in prove_report.rows(self.figures(fewer)) if row[4] == prove_report.NOT_MET]
         self.assertEqual(missed, ["none, untidy_none, solid_none: false_alarm", "single_strong: right_class",
                                   "compensated: found_or_cannot_tell", "compensated, solid_compensated: found_or_cannot_tell"])
+
+    def test_a_world_by_itself_contradicts(self):
+        figures = copy.deepcopy(self.whole)
+        figures["worlds"]["real"]["confident_wrong"] = 0.18
+        figures["worlds"]["solid"]["intervals"]["interval_coverage"] = (0.55, 0.80)
+        figures["core_seconds_most"] = 61.0
+        del figures["worlds"]["tidy"]["interval_coverage"], figures["worlds"]["tidy"]["intervals"]["interval_coverage"]
+        rows = {row[0]: row[4] for row in prove_report.rows(figures) if row[4] not in (prove_report.MET, "-") and row[0] not in FEW[:1] + FEW[3:]}
+        self.assertEqual(rows, {"real: confident (p > 0.9) and wrong": prove_report.CONTRADICTED,
+                                "solid: 90 % intervals that cover": prove_report.CONTRADICTED,
+                                "tidy: 90 % intervals that cover": prove_report.NOT_MET,
+                                "tidy, untidy: processor time of a diagnosis, longest, s": prove_report.CONTRADICTED})
+
+    def test_a_law_of_what_the_catalogue_does_not_have(self):
+        def share(**more):
+            truth = {**truth_of("outside", 0), "ideal": [{"effect": "creep", "explains": 0.5}]}
+            report = {**perfect("outside", 0, truth_of("outside", 0)), **more}
+            return prove_figures.law_share({"kind": "outside", "truth": truth, "report": report})
+
+        self.assertEqual(share(discovered_law={"share": 0.3, "share_of_flexible": 0.6}), 0.6)
+        self.assertEqual(share(discovered_law=None), 0.0)
+        self.assertIsNone(share(discovered_law={"share": 0.3}))  # nothing flexible learns anything
+        self.assertIsNone(share(verdict="explained"))
+
+    def test_why_draws_were_rejected(self):
+        self.assertEqual(prove_figures.reasons([{"truth": {"rejected": ["0.2 mm are few", "1e-3 mm are few", "it flies away"]}},
+                                                {"truth": None, "rejected": ["it flies away"]}, {"truth": None}]),
+                         {"# mm are few": 2, "it flies away": 2})
 
 
 if __name__ == "__main__":
