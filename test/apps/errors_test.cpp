@@ -114,12 +114,12 @@ TEST(SoftarmErrors, WhatIsNoFileIsWrittenToAndALinkStaysOne) {
   EXPECT_EQ(softarm_program(check + dir / "link.json --force").status, 0);
   EXPECT_TRUE(fs::is_symlink(dir / "link.json"));
 
-  // As /dev/stdout is: what it names may be read while it is written.
-  fs::create_symlink("/proc/self/fd/1", dir / "out.json");
-  const Outcome straight = softarm_program(check + dir / "out.json");
-  EXPECT_EQ(straight.status, 0) << straight.err;
-  EXPECT_THAT(straight.out, HasSubstr("\"recordings\""));
-  EXPECT_TRUE(fs::is_symlink(dir / "out.json"));
+  // As /dev/stderr is: what it names is open already.
+  fs::create_symlink("/proc/self/fd/2", dir / "open.json");
+  const Outcome straight = softarm_program(check + dir / "open.json");
+  EXPECT_EQ(straight.status, 0);
+  EXPECT_THAT(straight.err, HasSubstr("\"recordings\""));
+  EXPECT_TRUE(fs::is_symlink(dir / "open.json"));
 }
 
 TEST(SoftarmErrors, NumbersThatAreNone) {
