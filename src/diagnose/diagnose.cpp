@@ -173,9 +173,10 @@ Compared compared(const JointModel& model) {
   Compared count;
   for (std::size_t t = 0; t < model.trials().size(); ++t) {
     const model::TrialData& trial = model.trials()[t];
-    count.frames += static_cast<std::size_t>(trial.series.t_s.size());
-    count.blocks += trial.blocks.size();
+    count.frames += trial.frames;
     for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
+      if (trial.blocks[k].bodies.empty()) continue;
+      ++count.blocks;
       const std::size_t frames = trial.blocks[k].last - trial.blocks[k].first;
       count.block_frames += frames;
       if (!model.uses(t, k)) continue;

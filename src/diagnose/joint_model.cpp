@@ -133,7 +133,7 @@ JointModel::JointModel(const arm::Arm& arm, const std::vector<TrialData>& trials
     std::vector<bool> used;
     turned_.resize(arm.bodies.size(), false);
     for (const Block& block : trial.blocks) {
-      used.push_back(!block.set_aside);
+      used.push_back(!block.set_aside && !block.bodies.empty());
       for (const SeenTangent& seen : block.tangents) turned_[static_cast<std::size_t>(seen.body)] = true;
     }
     motion_sd_m_.emplace_back(used.size(), 0.0);

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -25,6 +26,9 @@ constexpr double kLeastNoise_rad =
 constexpr double kBendUnknown = 0.5;  // sd, of what a way bends: a model at the mean of the inputs bends, too
 constexpr double kOutlier = 5.0;      // standard deviations from the line through a body's positions
 constexpr double kFewestShare = 0.6;  // of the block's frames in which a body must be seen
+// Without a body, which is no part of a mean: as long, and as many frames.
+constexpr double kBlind_s = 0.08;
+constexpr std::ptrdiff_t kFewestBlind = 4;
 
 /// Positions of one body over a block, as a straight line in time.
 struct Line {
@@ -149,6 +153,28 @@ std::optional<Mean> mean_of(const std::vector<double>& when, const std::vector<V
   return Mean{line.at_centre, line.frames, line.variance_factor, line.bend.squaredNorm(), line.bend_factor};
 }
 
+bool shows_a_body(const StaticFrame& frame) {
+  return !frame.bodies.empty();
+}
+
+/// Frames that show no body are left out, but where nothing is seen for a while.
+/// @return of each frame that stays whether it lies in such a stretch
+std::vector<bool> keep_blind_stretches(std::vector<StaticFrame>& frames) {
+  std::vector<StaticFrame> kept;
+  std::vector<bool> blind;
+  for (auto from = frames.begin(); from != frames.end();) {
+    const auto first = std::find_if_not(from, frames.end(), shows_a_body),
+               next = std::find_if(first, frames.end(), shows_a_body);
+    const bool lasts = next - first >= kFewestBlind && std::prev(next)->stamp_s - first->stamp_s >= kBlind_s;
+    std::move(from, lasts ? next : first, std::back_inserter(kept));
+    blind.resize(kept.size() - static_cast<std::size_t>(lasts ? next - first : 0), false);
+    blind.resize(kept.size(), true);
+    from = next;
+  }
+  frames = std::move(kept);
+  return blind;
+}
+
 class Preparing {
  public:
   Preparing(const arm::Arm& arm, const Preparation& how)
@@ -156,10 +182,13 @@ class Preparing {
 
   TrialData prepare(const trial::Trial& trial, std::size_t index,
                     std::map<std::string, std::uint64_t>& left_out) {
-    const std::vector<StaticFrame> frames = trial::known_frames(arm_, index, trial, left_out);
+    std::vector<StaticFrame> frames =
+        trial::known_frames(arm_, index, trial, left_out, trial::InputsOf::kSeries, trial::Blind::kKeep);
     TrialData data;
     data.name = trial.name;
-    if (frames.empty()) return data;
+    data.frames = static_cast<std::size_t>(std::count_if(frames.begin(), frames.end(), shows_a_body));
+    if (data.frames == 0) return data;
+    blind_ = keep_blind_stretches(frames);
     data.begin_s = frames.front().stamp_s;
     const auto count = static_cast<Eigen::Index>(frames.size());
     Series& series = data.series;
@@ -227,6 +256,7 @@ class Preparing {
     std::size_t i = first + 1;
     for (; i < count; ++i) {
       if (at(i) - at(i - 1) > kLongestPause_s) return {i, true, 1};
+      if (blind_[i] != blind_[first]) break;
       if (i - first >= kFewest && at(i) - at(first) >= lasts_s - 1e-6) break;
     }
     return {i, false, 1};
@@ -244,7 +274,7 @@ class Preparing {
         data.blocks.back().begins = begins;
         begins = to.gap;
       } else {
-        left_out["alone between gaps"] += to.last - first;
+        if (!blind_[first]) left_out["alone between gaps"] += to.last - first;
         begins = begins || to.gap;
       }
       first = to.last;
@@ -383,6 +413,7 @@ class Preparing {
 
   const arm::Arm& arm_;
   const Preparation how_;
+  std::vector<bool> blind_;                           ///< of the trial's frames
   std::vector<std::vector<double>> scatter_;          ///< variance per coordinate and frame, by body
   std::vector<std::vector<double>> tangent_scatter_;  ///< the same of tangents
   std::vector<Mean> places_, tangents_;               ///< of all blocks, in their order

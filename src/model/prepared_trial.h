@@ -46,7 +46,7 @@ struct Block {
   Eigen::Vector3d gravity_base = Eigen::Vector3d::Zero();
   Eigen::Quaterniond q_base_mocap = Eigen::Quaterniond::Identity();  ///< turns mocap's axes into the base's
   Eigen::Vector3d base_in_mocap_m = Eigen::Vector3d::Zero();
-  std::vector<Seen> bodies;
+  std::vector<Seen> bodies;           ///< none where no body was seen: the arm goes on as it is driven
   std::vector<SeenTangent> tangents;  ///< of those whose orientation can be trusted
 };
 
@@ -54,7 +54,8 @@ struct TrialData {
   std::string name;
   double begin_s = 0.0;    ///< stamp of the first frame
   double session_s = 0.0;  ///< that, since the earliest trial began
-  Series series;
+  std::size_t frames = 0;  ///< in which a body was seen
+  Series series;           ///< of these, and of others in between
   std::vector<Block> blocks;
 };
 

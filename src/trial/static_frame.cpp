@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "arm/wall_memory.h"
+#include "math/statistics.h"
 #include "softarm/arm/laws.h"
 
 namespace softarm::trial {
@@ -12,14 +13,16 @@ namespace {
 
 using Eigen::Vector3d;
 
+// Frames so far apart have others missing in between: seconds, and usual steps.
+constexpr double kFarApart_s = 0.1, kFarApartSteps = 4.0;
 constexpr double kFarFromArm = 5.0;  // in lengths of the arm: units, or another object
 
 /// Frames of one trial in the rod's base frame.
 class Preparer {
  public:
-  Preparer(const arm::Arm& arm, const std::vector<InputSeries>& inputs,
+  Preparer(const arm::Arm& arm, const std::vector<InputSeries>& inputs, Blind blind,
            std::map<std::string, std::uint64_t>& left_out)
-      : arm_(arm), inputs_(inputs), left_out_(left_out) {
+      : arm_(arm), inputs_(inputs), blind_(blind), left_out_(left_out) {
     if (arm::has_wall(arm)) drive_ = std::make_shared<DriveRecord>();
   }
 
@@ -39,18 +42,44 @@ class Preparer {
       base_seen_ = base_seen_ || now;
       if (!now && !(arm_.base.hold_last && base_seen_)) return leave_out("base not seen");
     }
+    const Eigen::Isometry3d& base = stand_on_base(out);
+    if (!predicted) return leave_out("inputs missing or beyond the laws");
+    const Eigen::Isometry3d to_base = base.inverse();
+    for (const BodyObservation& seen : frame.bodies) add_body(seen, to_base, out);
+    if (out.bodies.empty()) {
+      ++left_out_["no body seen"];
+      if (blind_ == Blind::kLeaveOut) return std::nullopt;
+    }
+    return out;
+  }
+
+  /// What drove the arm between two frames that are far apart, under the first one's payload and base.
+  void add_between(const StaticFrame& before, double until_s, std::vector<StaticFrame>& out) {
+    if (blind_ == Blind::kLeaveOut || inputs_.size() != before.inputs.size() || inputs_.empty()) return;
+    for (int i = 1; before.stamp_s + (i + 0.5) * kBlindStep_s < until_s; ++i) {
+      StaticFrame made = before;
+      made.bodies.clear();
+      made.stamp_s = before.stamp_s + i * kBlindStep_s;
+      bool fresh = true;
+      for (std::size_t k = 0; k < inputs_.size(); ++k) {
+        made.inputs[k] = inputs_[k].fresh_at_ns(to_nanoseconds(made.stamp_s), arm_.inputs.input_max_age_s);
+        fresh = fresh && made.inputs[k];
+      }
+      if (!fresh || !predict(arm_, made.inputs)) continue;
+      record(made);
+      out.push_back(std::move(made));
+    }
+  }
+
+ private:
+  const Eigen::Isometry3d& stand_on_base(StaticFrame& out) const {
     const Eigen::Isometry3d& base = arm_.base.body ? base_ : arm_.base.fixed_pose;
     out.gravity_base = base.linear().transpose() * arm_.gravity_m_s2;
     out.q_base_mocap = Eigen::Quaterniond(base.linear()).conjugate();
     out.base_in_mocap_m = base.translation();
-    if (!predicted) return leave_out("inputs missing or beyond the laws");
-    const Eigen::Isometry3d to_base = base.inverse();
-    for (const BodyObservation& seen : frame.bodies) add_body(seen, to_base, out);
-    if (out.bodies.empty()) return leave_out("no body seen");
-    return out;
+    return base;
   }
 
- private:
   std::optional<StaticFrame> leave_out(const char* reason) {
     ++left_out_[reason];
     return std::nullopt;
@@ -96,20 +125,33 @@ class Preparer {
 
   const arm::Arm& arm_;
   const std::vector<InputSeries>& inputs_;
+  const Blind blind_;
   std::map<std::string, std::uint64_t>& left_out_;
   Eigen::Isometry3d base_ = Eigen::Isometry3d::Identity();  ///< of the rod, when last seen
   bool base_seen_ = false;
   std::shared_ptr<DriveRecord> drive_;
 };
 
+double far_apart_s(const std::vector<Frame>& frames) {
+  std::vector<double> steps_s;
+  for (std::size_t i = 1; i < frames.size(); ++i)
+    steps_s.push_back(frames[i].stamp_s() - frames[i - 1].stamp_s());
+  return steps_s.empty() ? kFarApart_s
+                         : std::max(kFarApart_s, kFarApartSteps * math::median(std::move(steps_s)));
+}
+
 }  // namespace
 
 std::vector<StaticFrame> known_frames(const arm::Arm& arm, std::size_t index, const Trial& trial,
-                                      std::map<std::string, std::uint64_t>& left_out, InputsOf inputs) {
+                                      std::map<std::string, std::uint64_t>& left_out, InputsOf inputs,
+                                      Blind blind) {
   static const std::vector<InputSeries> kNone;
-  Preparer preparer(arm, inputs == InputsOf::kSeries ? trial.inputs : kNone, left_out);
+  Preparer preparer(arm, inputs == InputsOf::kSeries ? trial.inputs : kNone, blind, left_out);
   std::vector<StaticFrame> known;
+  const double far_s = far_apart_s(trial.frames);
   for (const Frame& frame : trial.frames) {
+    if (!known.empty() && frame.stamp_s() > known.back().stamp_s + far_s)
+      preparer.add_between(StaticFrame(known.back()), frame.stamp_s(), known);
     if (std::optional<StaticFrame> made = preparer.prepare(frame)) {
       made->trial = index;
       known.push_back(std::move(*made));

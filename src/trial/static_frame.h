@@ -43,16 +43,20 @@ struct StaticFrame {
   std::shared_ptr<const DriveRecord> drive = nullptr;
 };
 
-/// All frames of a trial whose payload, base and inputs are known and that show a body, in the rod's base
-/// frame.
+/// Frames that show no body: left out; or kept, and where there are no frames at all made every
+/// kBlindStep_s, as long as the inputs go on: the arm does, too.
+enum class Blind { kLeaveOut, kKeep };
+constexpr double kBlindStep_s = 0.02;
+
+/// All frames of a trial whose payload, base and inputs are known, in the rod's base frame.
 /// @param inputs what the trial's series say at the frames' stamps (a trial without series has what its
 /// frames hold), or what the frames hold: that lags by half a sample on average, much as an arm in motion
 /// lags behind statics, and it is what the estimator sees
 /// @param index written into them
-/// @param left_out counts the others, by reason
+/// @param left_out counts the others and those that show no body, by reason
 enum class InputsOf { kSeries, kFrames };
 std::vector<StaticFrame> known_frames(const arm::Arm& arm, std::size_t index, const Trial& trial,
                                       std::map<std::string, std::uint64_t>& left_out,
-                                      InputsOf inputs = InputsOf::kSeries);
+                                      InputsOf inputs = InputsOf::kSeries, Blind blind = Blind::kLeaveOut);
 
 }  // namespace softarm::trial
