@@ -12,24 +12,33 @@ using trial::Trial;
 
 constexpr double kFrames_hz = 120.0, kSamples_hz = 50.0;
 
+/// What is recorded at a time.
+struct Recorded {
+  bool inputs = true, base = true, body = true;
+};
+
 /// Frames of a straight arm, with samples of the first input a third of a millisecond after full fiftieths.
-std::vector<trial::Frame> frames(const arm::Arm& arm, double begin_s, double duration_s,
-                                 const std::function<double(double t_s)>& input) {
+std::vector<trial::Frame> frames(
+    const arm::Arm& arm, double begin_s, double duration_s, const std::function<double(double t_s)>& input,
+    const std::function<Recorded(double t_s)>& at = [](double) { return Recorded(); }) {
   trial::FrameAssembler::Params params;
   params.close_when_taken = true;
   trial::FrameAssembler assembler(arm, params);
   assembler.add_payload(0.0, 0.0);
   for (int k = -1; k < static_cast<int>(kSamples_hz * duration_s); ++k) {
     const double t_s = k / kSamples_hz + 0.0003;
+    if (!at(t_s).inputs) continue;
     assembler.add_input(0, begin_s + t_s, arm.inputs.ambient_pressure_pa + input(t_s));
     for (std::size_t i = 1; i < arm.inputs.scalars.size(); ++i)
       assembler.add_input(static_cast<int>(i), begin_s + t_s, arm.inputs.ambient_pressure_pa);
   }
   for (int i = 0; i < static_cast<int>(kFrames_hz * duration_s); ++i) {
     const double stamp_s = begin_s + i / kFrames_hz;
-    assembler.add_body(trial::FrameAssembler::kBaseBody, stamp_s, {0.0, 0.0, 1.0 + 1e-3 * (i % 7)},
-                       Eigen::Quaterniond::Identity());
-    assembler.add_body(0, stamp_s, {0.0, 1e-3 * (i % 5), 1.05}, std::nullopt);
+    const Recorded now = at(i / kFrames_hz);
+    if (now.base)
+      assembler.add_body(trial::FrameAssembler::kBaseBody, stamp_s, {0.0, 0.0, 1.0 + 1e-3 * (i % 7)},
+                         Eigen::Quaterniond::Identity());
+    if (now.body) assembler.add_body(0, stamp_s, {0.0, 1e-3 * (i % 5), 1.05}, std::nullopt);
   }
   assembler.flush();
   return assembler.take();
@@ -74,6 +83,39 @@ TEST(PreparedInputs, StayAsTheyAreWhereTheArmSaysThatTheyAreLatched) {
   const model::TrialData data = model::prepare(arm, {trial}).trials.at(0);
   for (Eigen::Index i = 0; i < data.series.t_s.size(); ++i)
     EXPECT_EQ(data.series.inputs(0, i), *trial.frames[static_cast<std::size_t>(i)].inputs[0]);
+}
+
+/// The arm is driven on while cameras do not see it.
+TEST(PreparedInputs, GoOnWhereNoBodyIsSeen) {
+  const arm::Arm arm = one_marker_arm();
+  const auto without = [&](const Recorded& lost) {
+    const auto at = [&](double t_s) { return t_s > 2.0 && t_s < 3.5 ? lost : Recorded(); };
+    return model::prepare(arm, {trial_of(arm, frames(arm, 50.0, 6.0, ramp, at))}).trials.at(0);
+  };
+  for (const bool base : {true, false}) {
+    SCOPED_TRACE(base ? "frames with the base alone" : "no frames");
+    const model::TrialData data = without({true, base, false});
+    EXPECT_NEAR(static_cast<double>(data.frames), 4.5 * kFrames_hz, 3.0);
+    double blind_s = 0.0;
+    for (const model::Block& block : data.blocks) {
+      EXPECT_EQ(block.begins, &block == &data.blocks.front());
+      const auto first = static_cast<Eigen::Index>(block.first), last = static_cast<Eigen::Index>(block.last);
+      const double from_s = data.series.t_s[first], to_s = data.series.t_s[last - 1];
+      const bool blind = from_s > 1.99 && to_s < 3.51;
+      EXPECT_EQ(block.bodies.empty(), blind) << from_s << " to " << to_s << " s";
+      if (blind) blind_s += to_s - from_s;
+      for (Eigen::Index i = first; i < last && data.series.t_s[i] < 5.9; ++i)  // samples end
+        EXPECT_NEAR(data.series.inputs(0, i), ramp(data.series.t_s[i]), 40.0) << data.series.t_s[i] << " s";
+    }
+    EXPECT_GT(blind_s, 1.0);
+  }
+  // Of what drives it later than an input may be old nothing is known: what was before is over.
+  const model::TrialData cut = without({false, false, false});
+  std::vector<double> begins_s;
+  for (const model::Block& block : cut.blocks)
+    if (block.begins) begins_s.push_back(cut.series.t_s[static_cast<Eigen::Index>(block.first)]);
+  ASSERT_EQ(begins_s.size(), 2u);
+  EXPECT_NEAR(begins_s[1], 3.5, 0.02);
 }
 
 TEST(PreparedInputs, AreThoseOfTheFramesWhereNothingElseIsKnown) {
