@@ -211,8 +211,12 @@ std::string name_of_folder(const fs::path& folder) {
   return name.empty() ? "trials" : name;
 }
 
+constexpr std::size_t kMostTold = 5;  // in one line
+
 /// The jobs of what one entry names.
-void add_jobs(const Entry& entry, const JobListRequest& request, bool by_folder, std::vector<Job>& jobs) {
+/// @param missing gets what it names and is not there, in words
+void add_jobs(const Entry& entry, const JobListRequest& request, bool by_folder, std::vector<Job>& jobs,
+              std::vector<std::string>& missing) {
   Job job;
   job.work = request.work;
   if (entry.arm.empty() && request.arm.empty())
@@ -221,9 +225,14 @@ void add_jobs(const Entry& entry, const JobListRequest& request, bool by_folder,
                               : request.find_arm(entry.arm, entry.folder);
   job.options = merged(request.options, entry.options);
   std::vector<std::string> bags;
-  for (const std::string& input : entry.bags)
-    for (const std::string& bag : bags_of(input, entry.folder, entry.place))
-      if (std::find(bags.begin(), bags.end(), bag) == bags.end()) bags.push_back(bag);
+  for (const std::string& input : entry.bags) {
+    try {
+      for (const std::string& bag : bags_of(input, entry.folder, entry.place))
+        if (std::find(bags.begin(), bags.end(), bag) == bags.end()) bags.push_back(bag);
+    } catch (const Failure& failure) {
+      missing.push_back(failure.what());
+    }
+  }
   std::vector<std::vector<std::string>> groups;
   std::map<std::string, std::size_t> group_of;
   for (const std::string& bag : bags) {
@@ -314,10 +323,11 @@ std::vector<Word> take_options(const std::vector<std::string>& words,
 
 std::vector<Job> list_jobs(const JobListRequest& request) {
   std::vector<Job> jobs;
+  std::vector<std::string> missing;
   Entry typed;  // everything on the command line that is no list, together
   typed.folder = fs::current_path().string();
   const auto add_typed = [&] {
-    if (!typed.bags.empty()) add_jobs(typed, request, true, jobs);
+    if (!typed.bags.empty()) add_jobs(typed, request, true, jobs, missing);
     typed.bags.clear();
   };
   for (const std::string& input : request.inputs) {
@@ -332,9 +342,16 @@ std::vector<Job> list_jobs(const JobListRequest& request) {
     const std::vector<Entry> entries =
         text ? entries_of_text(input, request) : entries_of_yaml(input, request);
     if (entries.empty()) throw Failure(fmt::format("{}: names no job", input), 2);
-    for (const Entry& entry : entries) add_jobs(entry, request, false, jobs);
+    for (const Entry& entry : entries) add_jobs(entry, request, false, jobs, missing);
   }
   add_typed();
+  if (!missing.empty()) {
+    const std::size_t told = std::min(kMostTold, missing.size());
+    std::string all = fmt::format(
+        "{}", fmt::join(missing.begin(), missing.begin() + static_cast<std::ptrdiff_t>(told), "; "));
+    if (told < missing.size()) all += fmt::format("; and {} more", missing.size() - told);
+    throw Failure(all, 2);
+  }
   return jobs;
 }
 
