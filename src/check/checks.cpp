@@ -34,7 +34,8 @@ namespace softarm::check {
   check(input_signals)        \
   check(payload)              \
   check(clocks)               \
-  check(dead_inputs)
+  check(dead_inputs)          \
+  check(input_directions)
 // clang-format on
 
 #define SOFTARM_DECLARE(name) Check make_##name();

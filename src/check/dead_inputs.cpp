@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "arm/actuators/actuator.h"
 #include "clock_problem.h"
 #include "context.h"
+#include "input_directions.h"
 #include "math/linear_algebra.h"
 #include "math/statistics.h"
 #include "policy.h"
@@ -74,24 +74,6 @@ std::optional<Motion> motion_of(const Context& context) {
   return Motion{problem->y * across, (problem->y - a * x) * across};
 }
 
-/// Line along which an input bends the arm: a unit vector across it; nothing where it bends none, or several
-/// segments apart.
-std::optional<Eigen::Vector2d> line_of(const arm::Arm& arm, const std::string& input) {
-  std::optional<Eigen::Vector2d> line;
-  for (const arm::Segment& segment : arm.segments) {
-    for (const arm::ActuatorKind* kind : arm::actuator_kinds()) {
-      for (int i = 0; i < kind->count(segment); ++i) {
-        const auto azimuth = kind->bending_direction_rad(segment, i);
-        if (!azimuth || kind->input(segment, i) != input) continue;
-        const Eigen::Vector2d here(std::cos(*azimuth), std::sin(*azimuth));
-        if (line && std::abs(line->dot(here)) < kPolicy.dead.along) return std::nullopt;
-        line = here;
-      }
-    }
-  }
-  return line;
-}
-
 /// Share of a motion along a line.
 double along(const Eigen::MatrixXd& motion, const Eigen::Vector2d& line) {
   return (motion * line).squaredNorm() / std::max(motion.squaredNorm(), 1e-300);
@@ -110,7 +92,7 @@ std::vector<Accused> accused_of(const Context& context, const std::vector<const 
   const double left = motion->left.squaredNorm() / std::max(motion->all.squaredNorm(), 1e-300);
   if (left < kPolicy.dead.unexplained) return accused;
   for (const Signal* signal : constant) {
-    const auto line = line_of(context.arm, signal->input->name);
+    const auto line = bending_direction(context.arm, signal->input->name);
     if (!line || along(motion->left, *line) < kPolicy.dead.along ||
         along(motion->all - motion->left, *line) > kPolicy.dead.driven_along)
       continue;

@@ -344,6 +344,19 @@ struct Policy {
     double driven_along = 0.7;  ///< of what the others explain, at most: else it may be theirs
   } dead;
 
+  /// Inputs that bend the arm elsewhere than the arm file says.
+  struct Directions {
+    double least_explained =
+        0.5;              ///< of the motion across the arm, by all inputs: else something else moves it
+    double moves = 0.04;  ///< of the length, by the input over its range: it is seen
+    double most_sd_rad = 0.2;
+    double along = 0.9;       ///< cosine of directions of one input in several segments that are one
+    double off_rad = 0.8;     ///< 46 degrees: of four chambers another one's place is nearer
+    double sds = 3.0;         ///< beyond that
+    double alike_rad = 0.45;  ///< 26 degrees: chambers are glued in by hand, and a bent arm is not linear
+    std::size_t most_ordered = 6;  ///< inputs of which all orders are tried
+  } directions;
+
   /// The payload that is announced.
   struct Payload {
     double most_kg = 100.0;  ///< that the arm file takes

@@ -183,6 +183,48 @@ TEST_F(AsTheyCome, ASensorThatIsDeadAmongOthersIsAccusedByTheDirectionOfTheMotio
   EXPECT_NE(find(report(), "never_driven", "chamber_3"), nullptr);
 }
 
+TEST_F(AsTheyCome, InputsThatBendTheArmElsewhere) {
+  EXPECT_EQ(find(report(), "bends_elsewhere"), nullptr);
+  std::swap(recording.inputs[0], recording.inputs[1]);
+  const check::CheckReport exchanged = report();
+  const check::CheckFinding* f = find(exchanged, "bends_elsewhere", "chamber_1, chamber_2");
+  ASSERT_NE(f, nullptr) << to_text(exchanged);
+  EXPECT_EQ(f->severity, check::Severity::kSerious);
+  EXPECT_THAT(f->what, HasSubstr("chamber_1 bends the arm where the arm file's chamber_2 does"));
+  EXPECT_THAT(f->what, HasSubstr("turned by 180 degrees"));
+  std::swap(recording.inputs[0], recording.inputs[1]);
+
+  for (arm::Chamber& chamber : arm.segments[0].chambers) chamber.bending_direction_rad += 0.5 * M_PI;
+  const check::CheckReport turned = report();
+  f = find(turned, "bends_elsewhere", "chamber_1, chamber_2");
+  ASSERT_NE(f, nullptr) << to_text(turned);
+  EXPECT_EQ(f->severity, check::Severity::kSerious);
+  EXPECT_THAT(f->what, HasSubstr("the arm bends -90 degrees about its axis from where"));
+  EXPECT_NEAR(*f->figure, -0.5 * M_PI, 0.02);
+
+  arm = hanging_arm();
+  arm.segments[0].chambers[1].bending_direction_rad += 1.2;
+  const check::CheckReport alone = report();
+  f = find(alone, "bends_elsewhere", "chamber_2");
+  ASSERT_NE(f, nullptr) << to_text(alone);
+  EXPECT_EQ(f->severity, check::Severity::kWarning);
+  EXPECT_NEAR(*f->figure, -1.2, 0.02);
+  // A chamber that is glued in a little elsewhere is none.
+  arm.segments[0].chambers[1].bending_direction_rad -= 0.5;
+  EXPECT_EQ(find(report(), "bends_elsewhere"), nullptr) << complaints(report());
+}
+
+TEST_F(AsTheyCome, WhatMovesTheArmBesideItsInputsAccusesNone) {
+  for (std::size_t b = 1; b < 4; ++b) {
+    for (auto& pose : recording.bodies[b]) {
+      const double t = pose.stamp_s - kStart;
+      pose.p_mocap.y() += 0.06 * (b / 3.0) * (b / 3.0) * std::sin(2.6 * t + 0.02 * t * t);
+    }
+  }
+  for (arm::Chamber& chamber : arm.segments[0].chambers) chamber.bending_direction_rad += 0.5 * M_PI;
+  EXPECT_EQ(find(report(), "bends_elsewhere"), nullptr) << complaints(report());
+}
+
 TEST_F(AsTheyCome, AChamberThatIsNotDrivenIsNotDead) {
   recording = clean(1, 0.0, {kSeconds, [](int i, double t) { return i == 0 ? pressure_pa(0, t) : 0.0; }});
   EXPECT_EQ(find(report(), "dead_input"), nullptr) << complaints(report());

@@ -1,0 +1,208 @@
+// Inputs that bend the arm elsewhere than the arm file says: exchanged, or all turned about the arm's axis.
+#include "input_directions.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "arm/actuators/actuator.h"
+#include "clock_problem.h"
+#include "context.h"
+#include "math/linear_algebra.h"
+#include "policy.h"
+
+namespace softarm::check {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+
+constexpr double kDegrees = 180.0 / M_PI;
+
+/// Where an input bends the arm.
+struct Direction {
+  const Signal* signal = nullptr;
+  double told_rad = 0.0, seen_rad = 0.0, sd_rad = 0.0;
+};
+
+double turned(double from_rad, double to_rad) {
+  return std::remainder(to_rad - from_rad, 2.0 * M_PI);
+}
+
+/// What one input alone does to the outermost body across the arm, by a fit of all inputs to its places.
+/// Residuals are one within a block of the problem's.
+struct Answer {
+  MatrixXd by_input;  ///< inputs x 2, m per half of its range
+  std::vector<Eigen::Matrix2d> covariance;
+  double explained = 0.0;  ///< share of the motion across the arm
+};
+
+Answer answer_of(const ClockProblem& problem, const Eigen::Isometry3d& base) {
+  const MatrixXd y = problem.y * base.linear().leftCols<2>(), a = regressors(problem, 0.0);
+  MatrixXd normal = a.transpose() * a;
+  normal.diagonal().array() += 1e-8 * (1.0 + normal.diagonal().maxCoeff());
+  const MatrixXd inverse = math::inverse_of_symmetric(normal), x = inverse * (a.transpose() * y),
+                 left = y - a * x;
+  Answer answer;
+  const auto inputs = static_cast<Index>(problem.signals.size());
+  answer.by_input = x.topRows(inputs);
+  answer.explained = 1.0 - left.squaredNorm() / std::max(y.squaredNorm(), 1e-300);
+  answer.covariance.assign(problem.signals.size(), Eigen::Matrix2d::Zero());
+  for (Index from = 0, to = 0; from < a.rows(); from = to) {
+    const auto block = [&](Index k) { return problem.block[static_cast<std::size_t>(k)]; };
+    for (to = from; to < a.rows() && block(to) == block(from);) ++to;
+    const MatrixXd moved = inverse.topRows(inputs) *
+                           (a.middleRows(from, to - from).transpose() * left.middleRows(from, to - from));
+    for (Index i = 0; i < inputs; ++i)
+      answer.covariance[static_cast<std::size_t>(i)] += moved.row(i).transpose() * moved.row(i);
+  }
+  return answer;
+}
+
+/// Of the inputs whose direction is seen well and told by the arm file.
+std::vector<Direction> directions_of(const Context& context) {
+  const auto base = context.rod_base();
+  auto problem = clock_problem(
+      context, 0.0, std::max(kPolicy.clocks.sample_s, context.duration_s / kPolicy.clocks.most_samples),
+      false);
+  std::vector<Direction> list;
+  if (!base || !problem) return list;
+  problem->with_plays = problem->with_cubes = false;
+  const Answer answer = answer_of(*problem, *base);
+  if (answer.explained < kPolicy.directions.least_explained) return list;
+  for (std::size_t i = 0; i < problem->signals.size(); ++i) {
+    const auto told = bending_direction(context.arm, problem->signals[i]->input->name);
+    const Vector2d seen = answer.by_input.row(static_cast<Index>(i));
+    const double moves_m = 2.0 * seen.norm();
+    if (!told || moves_m < context.of_length(kPolicy.directions.moves)) continue;
+    const Vector2d beside = Vector2d(-seen.y(), seen.x()).normalized();
+    const double sd_rad = std::sqrt(beside.dot(answer.covariance[i] * beside)) / seen.norm();
+    if (sd_rad > kPolicy.directions.most_sd_rad) continue;
+    list.push_back(
+        {problem->signals[i], std::atan2(told->y(), told->x()), std::atan2(seen.y(), seen.x()), sd_rad});
+  }
+  return list;
+}
+
+/// Whose place in the arm file each of them has, where all then bend as that says.
+std::optional<std::vector<std::size_t>> order_of(const std::vector<Direction>& list) {
+  std::vector<std::size_t> order(list.size()), best;
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  if (list.size() < 2 || list.size() > kPolicy.directions.most_ordered) return std::nullopt;
+  double least_rad = kPolicy.directions.alike_rad;
+  do {
+    double most_rad = 0.0;
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const bool same = list[i].signal->input->kind == list[order[i]].signal->input->kind;
+      most_rad =
+          std::max(most_rad, same ? std::abs(turned(list[order[i]].told_rad, list[i].seen_rad)) : M_PI);
+    }
+    if (most_rad < least_rad) {
+      least_rad = most_rad;
+      best = order;
+    }
+  } while (std::next_permutation(order.begin(), order.end()));
+  if (best.empty()) return std::nullopt;
+  return best;
+}
+
+/// By how much all are turned about the arm's axis, where that is the same.
+std::optional<double> turn_of(const std::vector<Direction>& list) {
+  Vector2d sum = Vector2d::Zero();
+  for (const Direction& one : list) {
+    const double off_rad = turned(one.told_rad, one.seen_rad);
+    sum += Vector2d(std::cos(off_rad), std::sin(off_rad));
+  }
+  const double turn_rad = std::atan2(sum.y(), sum.x());
+  for (const Direction& one : list)
+    if (std::abs(turned(one.told_rad + turn_rad, one.seen_rad)) > kPolicy.directions.alike_rad)
+      return std::nullopt;
+  return turn_rad;
+}
+
+std::string names_of(const std::vector<Direction>& list) {
+  std::string names;
+  for (const Direction& one : list) names += (names.empty() ? "" : ", ") + one.signal->input->name;
+  return names;
+}
+
+constexpr char kWiring[] =
+    "compare hoses, topics and columns with the arm file's inputs, and the base's x axis with its azimuths";
+
+void say_order(Context& context, const std::vector<Direction>& list, const std::vector<std::size_t>& order) {
+  std::string what;
+  std::vector<Direction> moved;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (order[i] == i) continue;
+    moved.push_back(list[i]);
+    what += fmt::format("{}{} bends the arm where the arm file's {} does", what.empty() ? "" : ", ",
+                        list[i].signal->input->name, list[order[i]].signal->input->name);
+  }
+  const std::optional<double> turn_rad = turn_of(list);
+  if (turn_rad)
+    what += fmt::format("; so does an arm that is turned by {:.0f} degrees about its axis at the base",
+                        kDegrees * *turn_rad);
+  CheckFinding& finding = context.add(Severity::kSerious, "bends_elsewhere", names_of(moved), what);
+  finding.remedy = kWiring;
+}
+
+void say_turn(Context& context, const std::vector<Direction>& list, double turn_rad) {
+  CheckFinding& finding =
+      context.add(Severity::kSerious, "bends_elsewhere", names_of(list),
+                  fmt::format("the arm bends {:.0f} degrees about its axis from where the arm file says",
+                              kDegrees * turn_rad));
+  finding.figure = turn_rad;
+  finding.unit = "rad";
+  finding.remedy = kWiring;
+}
+
+void check_directions(Context& context) {
+  const std::vector<Direction> list = directions_of(context);
+  std::vector<Direction> wrong;
+  for (const Direction& one : list) {
+    if (std::abs(turned(one.told_rad, one.seen_rad)) >
+        kPolicy.directions.off_rad + kPolicy.directions.sds * one.sd_rad)
+      wrong.push_back(one);
+  }
+  if (wrong.empty()) return;
+  if (const auto order = order_of(list)) return say_order(context, list, *order);
+  if (const auto turn_rad = turn_of(list); turn_rad && list.size() > 1)
+    return say_turn(context, list, *turn_rad);
+  for (const Direction& one : wrong) {
+    const double off_rad = turned(one.told_rad, one.seen_rad);
+    CheckFinding& finding = context.add(
+        Severity::kWarning, "bends_elsewhere", one.signal->input->name,
+        fmt::format("bends the arm {:.0f} degrees about its axis from where the arm file says (sd {:.0f})",
+                    kDegrees * off_rad, kDegrees * one.sd_rad));
+    finding.figure = off_rad;
+    finding.unit = "rad";
+    finding.remedy = kWiring;
+  }
+}
+
+}  // namespace
+
+std::optional<Vector2d> bending_direction(const arm::Arm& arm, const std::string& input) {
+  std::optional<Vector2d> direction;
+  for (const arm::Segment& segment : arm.segments) {
+    for (const arm::ActuatorKind* kind : arm::actuator_kinds()) {
+      for (int i = 0; i < kind->count(segment); ++i) {
+        const auto azimuth = kind->bending_direction_rad(segment, i);
+        if (!azimuth || kind->input(segment, i) != input) continue;
+        const Vector2d here(std::cos(*azimuth), std::sin(*azimuth));
+        if (direction && direction->dot(here) < kPolicy.directions.along) return std::nullopt;
+        direction = here;
+      }
+    }
+  }
+  return direction;
+}
+
+Check make_input_directions() {
+  return {check_directions, {{"bends_elsewhere", {}}}};
+}
+
+}  // namespace softarm::check
