@@ -11,7 +11,7 @@ import statistics
 import prove_displacement
 import prove_real_score
 from prove_score import (BASELINES, KINDS, LEAST_BEYOND, all_marks, baseline_decision, beyond_catalogue, bias_removed, decision_of,
-                         is_confident_and_wrong, is_right, judged, marks, right, sizes)
+                         is_confident_and_wrong, is_right, judged, marks, right, sizes, unseen_rms_m)
 
 RATES = ["top1", "top3", "right_class", "both_named", "false_alarm", "confident_wrong", "unknown", "found_or_cannot_tell"]
 FIGURES = ["parameter_median_error", "interval_coverage", "held_out_over_floor", "place_error_m", "calibration_error",
@@ -131,11 +131,11 @@ def general(pairs, with_reports):
         places += some_places
         laws += [share for share in [law_share(result)] if share is not None]
         if result["kind"] in ("none", "control"):
-            worse.append(report["extended"]["held_out_rms_m"] > report["baseline"]["held_out_rms_m"])
+            worse.append(unseen_rms_m(report, "extended") > unseen_rms_m(report, "baseline"))
         elif result["kind"] not in ("outside", "untidy_outside", "intervention") and report["noise_floor_m"] > 0.0:
             # Of the untidy world no name explains the background: it has no target.
             of_world = over_untidy if result["kind"].startswith("untidy") else over
-            of_world.append(report["extended"]["held_out_rms_m"] / report["noise_floor_m"])
+            of_world.append(unseen_rms_m(report, "extended") / report["noise_floor_m"])
         if result["kind"] == "compensated" and decision["named"]:
             share = bias_removed(result)
             if share is not None:

@@ -126,7 +126,7 @@ def of_size(result):
     leaves = 1e3 * math.sqrt(sum(effect["signal"]["leftover_m"] ** 2 for effect in truth["effects"]))
     beside = truth.get("distractors_leave_m", truth.get("unexplained_m"))
     if beside is None:
-        return f"it leaves {leaves:.2f} mm, the arm file {1e3 * result['report']['baseline']['held_out_rms_m']:.2f} mm on trials left out"
+        return f"it leaves {leaves:.2f} mm, the arm file {1e3 * prove_score.unseen_rms_m(result['report'], 'baseline'):.2f} mm on trials left out"
     others = "of the arm's own" if "unexplained_m" in truth else "of small departures"
     return f"it leaves {leaves:.2f} mm beside {1e3 * beside:.2f} mm {others}"
 

@@ -14,6 +14,7 @@ TRUTH = ("case.json", "displacement.json")  # of a case: its trials' own follow 
 DECIDED = ("cost.json", "baselines.json", "displacement.json")
 # What figures and pages read of a report, of its ranking, and of each effect that it names.
 OF_REPORT = ("verdict", "noise_floor_m", "exchanged_names", "told_payloads", "shifts")
+OF_MODEL = ("held_out_rms_m", "held_out_weighted_rms_m")
 OF_LAW = ("share", "share_of_flexible")
 OF_RANKING = ("name", "probability", "finding")
 NAMED = ("effects", "small_departures", "stand_ins")
@@ -30,7 +31,7 @@ def of_report(report):
     law = report.get("discovered_law")
     kept["discovered_law"] = some(OF_LAW, law) if law else None
     for model in ("baseline", "extended"):
-        kept[model] = some(["held_out_rms_m"], report[model])
+        kept[model] = some(OF_MODEL, report[model])
     kept["ranking"] = [some(OF_RANKING, one) for one in report["ranking"]]
     for key in NAMED:
         if key in report:

@@ -334,8 +334,8 @@ def trials(results, figures, names):
         if truth is None:
             lines.append([result["case"], result["kind"], "not drawn: " + (result["not_drawn"] or "?"), "", "", "", ""])
             continue
-        errors = "" if report is None else (f"{1e3 * report['baseline']['held_out_rms_m']:.3f} -> "
-                                            f"{1e3 * report['extended']['held_out_rms_m']:.3f} "
+        errors = "" if report is None else (f"{1e3 * prove_score.unseen_rms_m(report, 'baseline'):.3f} -> "
+                                            f"{1e3 * prove_score.unseen_rms_m(report, 'extended'):.3f} "
                                             f"({1e3 * report['noise_floor_m']:.3f})")
         lines.append([result["case"], result["kind"], hidden_description(truth),
                       ideal_description(truth), said(result), errors, judged(result)])

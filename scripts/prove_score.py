@@ -315,6 +315,11 @@ def ranks(result):
     return found
 
 
+def unseen_rms_m(report, model):
+    """Error of a model on trials left out, by precision as the noise floor is; in older records under the other name."""
+    return report[model].get("held_out_weighted_rms_m", report[model]["held_out_rms_m"])
+
+
 def bias_removed(result):
     """Share of the error of the first bending stiffness that the extended model takes away; None: there was none."""
     for shift in result["report"].get("shifts", []):

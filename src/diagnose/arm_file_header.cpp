@@ -11,9 +11,9 @@ std::vector<std::string> arm_file_header(const Diagnosis& diagnosis,
   std::string names;
   for (const trial::Trial& trial : trials) names += (names.empty() ? "" : ", ") + trial.name;
   std::vector<std::string> lines{"constants and effects fitted together to the trials " + names};
-  lines.push_back(fmt::format("verdict: {}; rms error on unseen trials {:.3g} mm, before {:.3g} mm",
-                              to_string(diagnosis.verdict), 1e3 * diagnosis.extended.held_out_rms_m,
-                              1e3 * diagnosis.baseline.held_out_rms_m));
+  lines.push_back(fmt::format("verdict: {}; mean error on unseen trials {:.3g} mm, before {:.3g} mm",
+                              to_string(diagnosis.verdict), 1e3 * diagnosis.extended.held_out_mean_m,
+                              1e3 * diagnosis.baseline.held_out_mean_m));
   for (const NamedEffect& effect : diagnosis.effects)
     lines.push_back(
         fmt::format("{} ({:.0f} %): {}", effect.id, 100.0 * effect.probability, effect.description));

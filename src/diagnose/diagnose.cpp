@@ -48,7 +48,8 @@ double log_score(const Unseen& unseen, int rows) {
 }
 
 Fit fit_of(const Unseen& unseen, int rows) {
-  return {unseen.fitted_rms_m, unseen.total_rms_m, unseen.mean_m, unseen.max_m, log_score(unseen, rows)};
+  return {unseen.fitted_rms_m,     unseen.total_rms_m,        unseen.mean_m,     unseen.max_m,
+          log_score(unseen, rows), unseen.fitted_plain_rms_m, unseen.plain_rms_m};
 }
 
 MatrixXd covariance_of(const Linearised& at, double inflation) {

@@ -46,6 +46,7 @@ JointParameters stepped(const Linearised& at, const VectorXd& step) {
 struct Distances {
   double square = 0.0, fitted_square = 0.0, weight = 0.0;  ///< by precision
   double sum_m = 0.0, most_m = 0.0;                        ///< plain, of every frame
+  double sum_m2 = 0.0, fitted_sum_m2 = 0.0;
   double frames = 0.0;
 
   void add(const Distances& other) {
@@ -53,6 +54,8 @@ struct Distances {
     fitted_square += other.fitted_square;
     weight += other.weight;
     sum_m += other.sum_m;
+    sum_m2 += other.sum_m2;
+    fitted_sum_m2 += other.fitted_sum_m2;
     most_m = std::max(most_m, other.most_m);
     frames += other.frames;
   }
@@ -74,11 +77,14 @@ Distances distances_of(const JointModel& model, const Linearised& at, std::size_
         const double scale = sd / at.root_weight[t][row];
         metres.segment<3>(row) = scale * r.segment<3>(row);
         const double distance_m = metres.segment<3>(row).norm();
+        const double fitted_m2 = scale * scale * at.residual[t].segment<3>(row).squaredNorm();
         d.sum_m += seen.frames * distance_m;
+        d.sum_m2 += seen.frames * distance_m * distance_m;
+        d.fitted_sum_m2 += seen.frames * fitted_m2;
         d.most_m = std::max(d.most_m, distance_m);
         d.frames += seen.frames;
         d.square += w * distance_m * distance_m;
-        d.fitted_square += w * scale * scale * at.residual[t].segment<3>(row).squaredNorm();
+        d.fitted_square += w * fitted_m2;
         d.weight += w;
       }
       row += 3;
@@ -105,6 +111,10 @@ Unseen summed(const JointModel& model, const Linearised& at, const std::vector<V
   }
   out.mean_m = all.mean_m();
   out.max_m = all.most_m;
+  if (all.frames > 0.0) {
+    out.plain_rms_m = std::sqrt(all.sum_m2 / all.frames);
+    out.fitted_plain_rms_m = std::sqrt(all.fitted_sum_m2 / all.frames);
+  }
   out.total_rms_m = all.rms_m();
   out.fitted_rms_m = all.weight > 0.0 ? std::sqrt(all.fitted_square / all.weight) : 0.0;
   return out;

@@ -18,7 +18,8 @@ struct Unseen {
   double total_chi2 = 0.0;
   double total_rms_m = 0.0, fitted_rms_m = 0.0;
   double mean_m = 0.0, max_m = 0.0;  ///< distances of all bodies, unweighted
-  std::size_t refits = 0;            ///< of refitted_unseen(): fits made anew
+  double plain_rms_m = 0.0, fitted_plain_rms_m = 0.0;
+  std::size_t refits = 0;  ///< of refitted_unseen(): fits made anew
 };
 
 /// How far the fit's unknowns lie apart where one fold after the other is left out, as a covariance of what

@@ -18,10 +18,12 @@ Json json_of(const diagnose::Where& where) {
 }
 
 Json json_of(const diagnose::Fit& fit) {
-  return {{"rms_m", fit.rms_m},
-          {"held_out_rms_m", fit.held_out_rms_m},
+  return {{"rms_m", fit.plain_rms_m},
+          {"held_out_rms_m", fit.held_out_plain_rms_m},
           {"held_out_mean_m", fit.held_out_mean_m},
           {"held_out_max_m", fit.held_out_max_m},
+          {"weighted_rms_m", fit.rms_m},
+          {"held_out_weighted_rms_m", fit.held_out_rms_m},
           {"held_out_log_score", fit.held_out_log_score}};
 }
 

@@ -67,6 +67,21 @@ TEST(Unseen, IsWhatAModelOfTheOtherTrialsAlonePredicts) {
     EXPECT_NEAR(refitted.chi2[t], chi2, 0.05 * chi2) << "trial " << t;
     EXPECT_GT(chi2, at.residual[t].squaredNorm());
   }
+
+  double squares_m2 = 0.0, frames = 0.0;
+  for (std::size_t t = 0; t < prepared.trials.size(); ++t) {
+    Eigen::Index row = 0;
+    for (const model::Block& block : prepared.trials[t].blocks) {
+      for (const model::Seen& seen : block.bodies) {
+        const double m2 = refitted.residual[t].segment<3>(row).squaredNorm();
+        row += 3;
+        squares_m2 += seen.frames * m2;
+        frames += m2 > 0.0 ? seen.frames : 0;
+      }
+    }
+  }
+  EXPECT_NEAR(refitted.plain_rms_m, std::sqrt(squares_m2 / frames), 1e-9);
+  EXPECT_GT(refitted.plain_rms_m, refitted.fitted_plain_rms_m);
 }
 
 TEST(Unseen, AFitWithoutSomeTrialsLeavesTheModelAsItWas) {

@@ -323,8 +323,10 @@ inline diagnose::Diagnosis example_diagnosis() {
     after_2 += std::pow(d.trials.back().rms_after_m, 2) / static_cast<double>(names.size());
   }
   d.noise_floor_m = std::sqrt(3.0) * kNoise;
-  d.baseline = {0.97 * std::sqrt(before_2), std::sqrt(before_2), 0.8 * std::sqrt(before_2), 3e-3, 3.1};
-  d.extended = {0.99 * std::sqrt(after_2), std::sqrt(after_2), 0.8 * std::sqrt(after_2), 1e-3, 5.6};
+  d.baseline = {0.97 * std::sqrt(before_2), std::sqrt(before_2),       0.8 * std::sqrt(before_2), 3e-3, 3.1,
+                0.95 * std::sqrt(before_2), 0.98 * std::sqrt(before_2)};
+  d.extended = {0.99 * std::sqrt(after_2), std::sqrt(after_2),       0.8 * std::sqrt(after_2), 1e-3, 5.6,
+                0.95 * std::sqrt(after_2), 0.98 * std::sqrt(after_2)};
   d.ceiling_rms_m = 0.99 * d.extended.held_out_rms_m;
   d.explained_share = 0.98;
   d.effects = example_effects();

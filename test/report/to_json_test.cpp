@@ -34,7 +34,10 @@ TEST(ToJson, HasTheKeysOfTheContract) {
   for (const char* fit : {"baseline", "extended"})
     EXPECT_THAT(keys(report[fit]), IsSupersetOf({"rms_m", "held_out_rms_m", "held_out_mean_m",
                                                  "held_out_max_m", "held_out_log_score"}));
-  EXPECT_DOUBLE_EQ(report["extended"]["held_out_rms_m"], d.extended.held_out_rms_m);
+  EXPECT_DOUBLE_EQ(report["extended"]["held_out_rms_m"], d.extended.held_out_plain_rms_m);
+  EXPECT_DOUBLE_EQ(report["extended"]["rms_m"], d.extended.plain_rms_m);
+  EXPECT_DOUBLE_EQ(report["extended"]["held_out_weighted_rms_m"], d.extended.held_out_rms_m);
+  EXPECT_DOUBLE_EQ(report["extended"]["weighted_rms_m"], d.extended.rms_m);
   EXPECT_DOUBLE_EQ(report["extended"]["held_out_max_m"], 1e-3);
   EXPECT_DOUBLE_EQ(report["left_out_share"], d.left_out_share);
   EXPECT_DOUBLE_EQ(report["discrepancy_share"], d.discrepancy_share);
@@ -163,8 +166,9 @@ TEST(ToJson, NumbersThatAreNoneAreLeftOut) {
   const std::string text = report::to_json(d);
   const json report = json::parse(text);
   EXPECT_FALSE(report.contains("noise_floor_m"));
-  EXPECT_THAT(keys(report["baseline"]), ::testing::UnorderedElementsAre("rms_m", "held_out_rms_m",
-                                                                        "held_out_mean_m", "held_out_max_m"));
+  EXPECT_THAT(keys(report["baseline"]),
+              ::testing::UnorderedElementsAre("rms_m", "held_out_rms_m", "held_out_mean_m", "held_out_max_m",
+                                              "weighted_rms_m", "held_out_weighted_rms_m"));
   EXPECT_FALSE(report["effects"][0]["parameters"]["K_base"].contains("high"));
   EXPECT_TRUE(report["effects"][0]["parameters"]["K_base"].contains("low"));
   EXPECT_FALSE(report["ranking"][0].contains("z"));

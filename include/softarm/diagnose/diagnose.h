@@ -86,11 +86,12 @@ struct Candidate {
 
 /// How well a model fits.
 struct Fit {
-  double rms_m = 0.0;           ///< per body, of the trials that were fitted
+  double rms_m = 0.0;           ///< per body, of the trials that were fitted, weighted by precision
   double held_out_rms_m = 0.0;  ///< of each trial by a fit to the others, weighted by precision
   /// The same trials' plain errors, every body's distance counted alike.
   double held_out_mean_m = 0.0, held_out_max_m = 0.0;
   double held_out_log_score = 0.0;
+  double plain_rms_m = 0.0, held_out_plain_rms_m = 0.0;
 };
 
 /// A constant of the arm (or what the estimator would say) with the baseline and with the effects in the
