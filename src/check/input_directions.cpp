@@ -62,6 +62,20 @@ Answer answer_of(const ClockProblem& problem, const Eigen::Isometry3d& base) {
   return answer;
 }
 
+/// Whether what drives the arm is all there: what moves along unseen is else taken for another's doing.
+bool all_recorded(const Context& context) {
+  return !context.found({"dead_input"}) &&
+         std::all_of(context.signals.begin(), context.signals.end(), [](const Signal& signal) {
+           return signal.points.size() >= kPolicy.signals.least_values;
+         });
+}
+
+/// In degrees from -179 to 180.
+double degrees_of(double turn_rad) {
+  const double degrees = std::round(kDegrees * turn_rad);
+  return degrees <= -180.0 ? 180.0 : degrees;
+}
+
 /// Of the inputs whose direction is seen well and told by the arm file.
 std::vector<Direction> directions_of(const Context& context) {
   const auto base = context.rod_base();
@@ -144,7 +158,7 @@ void say_order(Context& context, const std::vector<Direction>& list, const std::
   const std::optional<double> turn_rad = turn_of(list);
   if (turn_rad)
     what += fmt::format("; so does an arm that is turned by {:.0f} degrees about its axis at the base",
-                        kDegrees * *turn_rad);
+                        degrees_of(*turn_rad));
   CheckFinding& finding = context.add(Severity::kSerious, "bends_elsewhere", names_of(moved), what);
   finding.remedy = kWiring;
 }
@@ -153,13 +167,14 @@ void say_turn(Context& context, const std::vector<Direction>& list, double turn_
   CheckFinding& finding =
       context.add(Severity::kSerious, "bends_elsewhere", names_of(list),
                   fmt::format("the arm bends {:.0f} degrees about its axis from where the arm file says",
-                              kDegrees * turn_rad));
+                              degrees_of(turn_rad)));
   finding.figure = turn_rad;
   finding.unit = "rad";
   finding.remedy = kWiring;
 }
 
 void check_directions(Context& context) {
+  if (!all_recorded(context)) return;
   const std::vector<Direction> list = directions_of(context);
   std::vector<Direction> wrong;
   for (const Direction& one : list) {
@@ -176,7 +191,7 @@ void check_directions(Context& context) {
     CheckFinding& finding = context.add(
         Severity::kWarning, "bends_elsewhere", one.signal->input->name,
         fmt::format("bends the arm {:.0f} degrees about its axis from where the arm file says (sd {:.0f})",
-                    kDegrees * off_rad, kDegrees * one.sd_rad));
+                    degrees_of(off_rad), kDegrees * one.sd_rad));
     finding.figure = off_rad;
     finding.unit = "rad";
     finding.remedy = kWiring;
