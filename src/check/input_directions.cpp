@@ -159,13 +159,13 @@ void say_order(Context& context, const std::vector<Direction>& list, const std::
   if (turn_rad)
     what += fmt::format("; so does an arm that is turned by {:.0f} degrees about its axis at the base",
                         degrees_of(*turn_rad));
-  CheckFinding& finding = context.add(Severity::kSerious, "bends_elsewhere", names_of(moved), what);
+  CheckFinding& finding = context.add("bends_elsewhere", names_of(moved), what);
   finding.remedy = kWiring;
 }
 
 void say_turn(Context& context, const std::vector<Direction>& list, double turn_rad) {
   CheckFinding& finding =
-      context.add(Severity::kSerious, "bends_elsewhere", names_of(list),
+      context.add("bends_elsewhere", names_of(list),
                   fmt::format("the arm bends {:.0f} degrees about its axis from where the arm file says",
                               degrees_of(turn_rad)));
   finding.figure = turn_rad;
@@ -173,29 +173,22 @@ void say_turn(Context& context, const std::vector<Direction>& list, double turn_
   finding.remedy = kWiring;
 }
 
+/// What one input of several seems to do alone may be another's doing, in a closed loop or on a segment that
+/// is carried along: said is what fits all of them.
 void check_directions(Context& context) {
   if (!all_recorded(context)) return;
   const std::vector<Direction> list = directions_of(context);
-  std::vector<Direction> wrong;
-  for (const Direction& one : list) {
-    if (std::abs(turned(one.told_rad, one.seen_rad)) >
-        kPolicy.directions.off_rad + kPolicy.directions.sds * one.sd_rad)
-      wrong.push_back(one);
-  }
-  if (wrong.empty()) return;
+  const bool wrong = std::any_of(list.begin(), list.end(), [](const Direction& one) {
+    return std::abs(turned(one.told_rad, one.seen_rad)) >
+           kPolicy.directions.off_rad + kPolicy.directions.sds * one.sd_rad;
+  });
+  if (!wrong) return;
   if (const auto order = order_of(list)) return say_order(context, list, *order);
-  if (const auto turn_rad = turn_of(list); turn_rad && list.size() > 1)
-    return say_turn(context, list, *turn_rad);
-  for (const Direction& one : wrong) {
-    const double off_rad = turned(one.told_rad, one.seen_rad);
-    CheckFinding& finding = context.add(
-        Severity::kWarning, "bends_elsewhere", one.signal->input->name,
-        fmt::format("bends the arm {:.0f} degrees about its axis from where the arm file says (sd {:.0f})",
-                    degrees_of(off_rad), kDegrees * one.sd_rad));
-    finding.figure = off_rad;
-    finding.unit = "rad";
-    finding.remedy = kWiring;
-  }
+  const auto bending = std::count_if(context.signals.begin(), context.signals.end(), [&](const Signal& s) {
+    return bending_direction(context.arm, s.input->name).has_value();
+  });
+  const auto turn_rad = turn_of(list);
+  if (turn_rad && (list.size() > 1 || bending == 1)) say_turn(context, list, *turn_rad);
 }
 
 }  // namespace
@@ -217,7 +210,7 @@ std::optional<Vector2d> bending_direction(const arm::Arm& arm, const std::string
 }
 
 Check make_input_directions() {
-  return {check_directions, {{"bends_elsewhere", {}}}};
+  return {check_directions, {{"bends_elsewhere", Severity::kSerious}}};
 }
 
 }  // namespace softarm::check

@@ -204,13 +204,16 @@ TEST_F(AsTheyCome, InputsThatBendTheArmElsewhere) {
 
   arm = hanging_arm();
   arm.segments[0].chambers[1].bending_direction_rad += 1.2;
-  const check::CheckReport alone = report();
-  f = find(alone, "bends_elsewhere", "chamber_2");
-  ASSERT_NE(f, nullptr) << to_text(alone);
-  EXPECT_EQ(f->severity, check::Severity::kWarning);
-  EXPECT_NEAR(*f->figure, -1.2, 0.02);
-  // A chamber that is glued in a little elsewhere is none.
-  arm.segments[0].chambers[1].bending_direction_rad -= 0.5;
+  // What one of several seems to do may be another's doing.
+  EXPECT_EQ(find(report(), "bends_elsewhere"), nullptr) << complaints(report());
+  arm.segments[0].chambers[0].bending_direction_rad += 1.5;
+  EXPECT_NE(find(report(), "bends_elsewhere", "chamber_1, chamber_2"), nullptr) << to_text(report());
+  // The only one there is.
+  arm.segments[0].chambers.pop_back();
+  EXPECT_NE(find(report(), "bends_elsewhere", "chamber_1"), nullptr) << to_text(report());
+  // Chambers that are glued in a little elsewhere are none.
+  arm = hanging_arm();
+  for (arm::Chamber& chamber : arm.segments[0].chambers) chamber.bending_direction_rad += 0.7;
   EXPECT_EQ(find(report(), "bends_elsewhere"), nullptr) << complaints(report());
 }
 
