@@ -107,12 +107,13 @@ def moved(pairs):
 
 def law_share(result):
     """Of something outside the catalogue that is said to be unknown: how much of what a flexible model learns the law takes that was
-    discovered, on sequences that neither has seen; 0 where there is none. None: not asked, or not in the record."""
+    discovered, on sequences that neither has seen; 0 where there is none. None: not asked, or of an older record, which lacks it (a
+    report itself has its format and no null)."""
     report, truth = result["report"], result["truth"]
     if (result["kind"] not in ("outside", "untidy_outside") or beyond_catalogue(truth) < LEAST_BEYOND or report["verdict"] != "unknown"
-            or "discovered_law" not in report):
+            or not ("discovered_law" in report or "format" in report)):
         return None
-    law = report["discovered_law"]
+    law = report.get("discovered_law")
     return (law or {"share_of_flexible": 0.0}).get("share_of_flexible")
 
 
@@ -142,6 +143,7 @@ def general(pairs, with_reports):
                 removed.append(share)
     figures["parameter_median_error"] = statistics.median(errors) if errors else None
     figures["interval_coverage"] = mean(hits)
+    figures["interval_numbers"] = len(hits)
     figures["place_error_m"] = statistics.median(places) if places else None
     figures["held_out_over_floor"] = statistics.median(over) if over else None
     figures["untidy_held_out_over_floor"] = statistics.median(over_untidy) if over_untidy else None

@@ -174,6 +174,9 @@ def in_world(figures, world, key, description, least, most):
     allowed, it may contradict the target, no more."""
     found = figures["worlds"].get(world, {})
     value, spread, count = found.get(key), found.get("intervals", {}).get(key), found.get("reported", 0)
+    if key == "interval_coverage" and spread is not None:  # a bootstrap of numbers that all cover knows of no others
+        wilson = prove_figures.interval(round(value * found["interval_numbers"]), found["interval_numbers"])
+        spread = (min(spread[0], wilson[0]), max(spread[1], wilson[1]))
     few = spread is not None and least is not None and most is not None and spread[1] - spread[0] > most - least
     if key == "confident_wrong" and value is not None:
         spread = prove_figures.interval(round(value * count), count)

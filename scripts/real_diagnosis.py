@@ -53,8 +53,8 @@ def print_report(name, report):
     cost = report["cost"]
     print(f"\ndiagnose {name}: {report['verdict']}; {cost['seconds']:.0f} s, {cost['core_seconds']:.0f} s of processor, "
           f"{cost['mebibytes']:.0f} MiB")
-    print(f"  unseen rms {1e3 * before['held_out_rms_m']:.2f} -> {1e3 * after['held_out_rms_m']:.2f} mm, fitted "
-          f"{1e3 * before['rms_m']:.2f} -> {1e3 * after['rms_m']:.2f} mm; noise {1e3 * report['noise_floor_m']:.3f} mm" +
+    print(f"  unseen rms {1e3 * before['held_out_weighted_rms_m']:.2f} -> {1e3 * after['held_out_weighted_rms_m']:.2f} mm, fitted "
+          f"{1e3 * before['weighted_rms_m']:.2f} -> {1e3 * after['weighted_rms_m']:.2f} mm; noise {1e3 * report['noise_floor_m']:.3f} mm" +
           (f", ceiling {1e3 * report['ceiling_rms_m']:.2f} mm, {100 * report['explained_share']:.0f} % of what could be explained"
            if "ceiling_rms_m" in report else ""))
     for trial in report["trials"]:

@@ -193,7 +193,7 @@ def judge(found):
         (report["verdict"] in ("explained", "partly_explained") and report["explained_share"] > 0.9,
          "it explains nine tenths or more of what could be explained"),
         (abs(shift["after"] / truth["EI"] - 1) < 0.25 * wrong, "three quarters of EI's bias or more are gone"),
-        (report["extended"]["held_out_rms_m"] < 0.6 * report["baseline"]["held_out_rms_m"], "unseen trials are predicted better"),
+        (report["extended"]["held_out_weighted_rms_m"] < 0.6 * report["baseline"]["held_out_weighted_rms_m"], "unseen trials are predicted better"),
     ]
     if found["after_frames"]:
         bias = {key: abs(statistics.median(f["error"] for f in found[key].values())) for key in ("frames", "after_frames")}

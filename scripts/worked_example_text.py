@@ -34,7 +34,7 @@ def page(found, steps, lines, percent):
     shift = next(s for s in report["shifts"] if s["name"] == EI)
     gain = next(s for s in report["shifts"] if s["name"].endswith("chamber_1.moment_gain"))
     value = report["effects"][0]["parameters"]["compliance_rad_per_nm"]
-    before, after = report["baseline"]["held_out_rms_m"], report["extended"]["held_out_rms_m"]
+    before, after = report["baseline"]["held_out_weighted_rms_m"], report["extended"]["held_out_weighted_rms_m"]
     residual = statistics.median(f["residual"] for f in found["frames"].values())
     frame_error = 100 * statistics.median(f["error"] for f in found["frames"].values())
     covered = value["low"] <= truth["compliance"] <= value["high"]

@@ -23,7 +23,7 @@ function header() {
       measured ? figure(beforeAfter('held_out_mean_m'), 'mean error of a body on unseen trials' + (same ? '' : ', before → after') + ofLength) : null,
       measured ? figure(beforeAfter('held_out_max_m'), 'the largest') : null,
       report.noise_floor_m > 0 ? figure(mm(meanNoise()), 'measurement noise alone: the mean error that it makes') : null,
-      present(report.ceiling_rms_m) ? figure(mm(report.ceiling_rms_m), 'rms by precision that a flexible model of the residuals reaches (ceiling), of ' + beforeAfter('held_out_rms_m')) : null,
+      present(report.ceiling_rms_m) ? figure(mm(report.ceiling_rms_m), 'rms by precision that a flexible model of the residuals reaches (ceiling), of ' + beforeAfter('held_out_weighted_rms_m')) : null,
       present(report.ceiling_rms_m) && !same ? figure(percent(report.explained_share), 'of what could be explained is explained') : null));
 }
 

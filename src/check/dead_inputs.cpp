@@ -92,7 +92,7 @@ std::vector<Accused> accused_of(const Context& context, const std::vector<const 
   const double left = motion->left.squaredNorm() / std::max(motion->all.squaredNorm(), 1e-300);
   if (left < kPolicy.dead.unexplained) return accused;
   for (const Signal* signal : constant) {
-    const auto line = bending_direction(context.arm, signal->input->name);
+    const auto line = bending_direction(context.arm, signal->input->name, context.arm.segments.size());
     if (!line || along(motion->left, *line) < kPolicy.dead.along ||
         along(motion->all - motion->left, *line) > kPolicy.dead.driven_along)
       continue;

@@ -40,8 +40,8 @@ struct Answer {
   double explained = 0.0;  ///< share of the motion across the arm
 };
 
-Answer answer_of(const ClockProblem& problem, const Eigen::Isometry3d& base) {
-  const MatrixXd y = problem.y * base.linear().leftCols<2>(), a = regressors(problem, 0.0);
+Answer answer_of(const ClockProblem& problem, const Eigen::Isometry3d& base, double shift_s) {
+  const MatrixXd y = problem.y * base.linear().leftCols<2>(), a = regressors(problem, shift_s);
   MatrixXd normal = a.transpose() * a;
   normal.diagonal().array() += 1e-8 * (1.0 + normal.diagonal().maxCoeff());
   const MatrixXd inverse = math::inverse_of_symmetric(normal), x = inverse * (a.transpose() * y),
@@ -76,19 +76,13 @@ double degrees_of(double turn_rad) {
   return degrees <= -180.0 ? 180.0 : degrees;
 }
 
-/// Of the inputs whose direction is seen well and told by the arm file.
-std::vector<Direction> directions_of(const Context& context) {
-  const auto base = context.rod_base();
-  auto problem = clock_problem(
-      context, 0.0, std::max(kPolicy.clocks.sample_s, context.duration_s / kPolicy.clocks.most_samples),
-      false);
+/// Of the inputs whose direction is seen well and told by the arm file. Beyond the first segment they bend an
+/// arm that others have turned.
+std::vector<Direction> directions_of(const Context& context, const ClockProblem& problem,
+                                     const Answer& answer) {
   std::vector<Direction> list;
-  if (!base || !problem) return list;
-  problem->with_plays = problem->with_cubes = false;
-  const Answer answer = answer_of(*problem, *base);
-  if (answer.explained < kPolicy.directions.least_explained) return list;
-  for (std::size_t i = 0; i < problem->signals.size(); ++i) {
-    const auto told = bending_direction(context.arm, problem->signals[i]->input->name);
+  for (std::size_t i = 0; i < problem.signals.size(); ++i) {
+    const auto told = bending_direction(context.arm, problem.signals[i]->input->name, 1);
     const Vector2d seen = answer.by_input.row(static_cast<Index>(i));
     const double moves_m = 2.0 * seen.norm();
     if (!told || moves_m < context.of_length(kPolicy.directions.moves)) continue;
@@ -96,26 +90,58 @@ std::vector<Direction> directions_of(const Context& context) {
     const double sd_rad = std::sqrt(beside.dot(answer.covariance[i] * beside)) / seen.norm();
     if (sd_rad > kPolicy.directions.most_sd_rad) continue;
     list.push_back(
-        {problem->signals[i], std::atan2(told->y(), told->x()), std::atan2(seen.y(), seen.x()), sd_rad});
+        {problem.signals[i], std::atan2(told->y(), told->x()), std::atan2(seen.y(), seen.x()), sd_rad});
   }
   return list;
 }
 
-/// Whose place in the arm file each of them has, where all then bend as that says.
+bool any_elsewhere(const std::vector<Direction>& list) {
+  return std::any_of(list.begin(), list.end(), [](const Direction& one) {
+    return std::abs(turned(one.told_rad, one.seen_rad)) >
+           kPolicy.directions.off_rad + kPolicy.directions.sds * one.sd_rad;
+  });
+}
+
+/// Those by the lag that explains most; none where one that explains about as much has all of them where the
+/// arm file says: where inputs go round, a lag looks like a turn.
+std::vector<Direction> surely_elsewhere(const Context& context) {
+  const auto base = context.rod_base();
+  auto problem = clock_problem(
+      context, 0.0, std::max(kPolicy.clocks.sample_s, context.duration_s / kPolicy.clocks.most_samples),
+      false);
+  if (!base || !problem) return {};
+  problem->with_plays = problem->with_cubes = false;
+  std::vector<Answer> answers;
+  for (const double lag_s : kPolicy.directions.lags_s) answers.push_back(answer_of(*problem, *base, lag_s));
+  const auto best = std::max_element(answers.begin(), answers.end(), [](const Answer& a, const Answer& b) {
+    return a.explained < b.explained;
+  });
+  if (best->explained < kPolicy.directions.least_explained) return {};
+  std::vector<Direction> list = directions_of(context, *problem, *best);
+  for (const Answer& other : answers) {
+    const bool as_much = 1.0 - other.explained <= kPolicy.directions.as_much * (1.0 - best->explained) + 1e-6;
+    if (as_much && !any_elsewhere(directions_of(context, *problem, other))) return {};
+  }
+  return list;
+}
+
+/// Whose place in the arm file each of them has, where all then bend as that says: of such orders the one
+/// that exchanges the fewest.
 std::optional<std::vector<std::size_t>> order_of(const std::vector<Direction>& list) {
   std::vector<std::size_t> order(list.size()), best;
   std::iota(order.begin(), order.end(), std::size_t{0});
   if (list.size() < 2 || list.size() > kPolicy.directions.most_ordered) return std::nullopt;
-  double least_rad = kPolicy.directions.alike_rad;
+  auto least = std::make_pair(list.size() + 1, 0.0);
   do {
-    double most_rad = 0.0;
+    auto now = std::make_pair(std::size_t{0}, 0.0);
     for (std::size_t i = 0; i < list.size(); ++i) {
       const bool same = list[i].signal->input->kind == list[order[i]].signal->input->kind;
-      most_rad =
-          std::max(most_rad, same ? std::abs(turned(list[order[i]].told_rad, list[i].seen_rad)) : M_PI);
+      now.first += order[i] != i;
+      now.second =
+          std::max(now.second, same ? std::abs(turned(list[order[i]].told_rad, list[i].seen_rad)) : M_PI);
     }
-    if (most_rad < least_rad) {
-      least_rad = most_rad;
+    if (now.second < kPolicy.directions.alike_rad && now < least) {
+      least = now;
       best = order;
     }
   } while (std::next_permutation(order.begin(), order.end()));
@@ -177,25 +203,24 @@ void say_turn(Context& context, const std::vector<Direction>& list, double turn_
 /// is carried along: said is what fits all of them.
 void check_directions(Context& context) {
   if (!all_recorded(context)) return;
-  const std::vector<Direction> list = directions_of(context);
-  const bool wrong = std::any_of(list.begin(), list.end(), [](const Direction& one) {
-    return std::abs(turned(one.told_rad, one.seen_rad)) >
-           kPolicy.directions.off_rad + kPolicy.directions.sds * one.sd_rad;
-  });
-  if (!wrong) return;
+  const std::vector<Direction> list = surely_elsewhere(context);
+  if (!any_elsewhere(list)) return;
   if (const auto order = order_of(list)) return say_order(context, list, *order);
   const auto bending = std::count_if(context.signals.begin(), context.signals.end(), [&](const Signal& s) {
-    return bending_direction(context.arm, s.input->name).has_value();
+    return bending_direction(context.arm, s.input->name, 1).has_value();
   });
   const auto turn_rad = turn_of(list);
-  if (turn_rad && (list.size() > 1 || bending == 1)) say_turn(context, list, *turn_rad);
+  if (turn_rad && std::abs(*turn_rad) > kPolicy.directions.off_rad && (list.size() > 1 || bending == 1))
+    say_turn(context, list, *turn_rad);
 }
 
 }  // namespace
 
-std::optional<Vector2d> bending_direction(const arm::Arm& arm, const std::string& input) {
+std::optional<Vector2d> bending_direction(const arm::Arm& arm, const std::string& input,
+                                          std::size_t segments) {
   std::optional<Vector2d> direction;
-  for (const arm::Segment& segment : arm.segments) {
+  for (std::size_t s = 0; s < std::min(segments, arm.segments.size()); ++s) {
+    const arm::Segment& segment = arm.segments[s];
     for (const arm::ActuatorKind* kind : arm::actuator_kinds()) {
       for (int i = 0; i < kind->count(segment); ++i) {
         const auto azimuth = kind->bending_direction_rad(segment, i);

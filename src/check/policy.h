@@ -354,6 +354,9 @@ struct Policy {
     double off_rad = 0.8;     ///< 46 degrees: of four chambers another one's place is nearer
     double sds = 3.0;         ///< beyond that
     double alike_rad = 0.45;  ///< 26 degrees: chambers are glued in by hand, and a bent arm is not linear
+    /// By which bodies may follow their inputs, s: as far as valves, hoses and clocks are late.
+    double lags_s[9] = {-0.2, -0.1, 0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6};
+    double as_much = 1.5;          ///< ratio of what is left up to which another lag explains as much
     std::size_t most_ordered = 6;  ///< inputs of which all orders are tried
   } directions;
 

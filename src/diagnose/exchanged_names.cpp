@@ -47,8 +47,11 @@ std::optional<arm::BodyOrder> order_in(const arm::Arm& arm, const std::vector<st
   std::map<std::vector<std::size_t>, std::vector<arm::BodyOrder>> found;
   const std::size_t step = std::max<std::size_t>(1, trial.blocks.size() / kPolicy.names.instants);
   std::size_t looked_at = 0;
-  for (std::size_t k = 0; k < trial.blocks.size(); k += step, ++looked_at)
+  for (std::size_t k = 0; k < trial.blocks.size(); k += step) {
+    if (trial.blocks[k].bodies.empty()) continue;
+    ++looked_at;
     if (const auto other = order_in(arm, rings, trial.blocks[k])) found[other->order].push_back(*other);
+  }
   for (const auto& [order, list] : found) {
     const auto count = static_cast<double>(list.size());
     if (!(count > kPolicy.names.mostly * static_cast<double>(looked_at))) continue;

@@ -65,7 +65,8 @@ std::vector<Snapshot> film_of(const JointModel& model, const Selection& selectio
   const std::size_t blocks = model.trials()[trial].blocks.size();
   const std::size_t step = std::max<std::size_t>(1, (blocks + kFilm - 1) / kFilm);
   for (std::size_t k = 0; k < blocks; k += step)
-    if (both_solved(selection, trial, k)) film.push_back(snapshot_of(model, selection, trial, k));
+    if (both_solved(selection, trial, k) && !model.trials()[trial].blocks[k].bodies.empty())
+      film.push_back(snapshot_of(model, selection, trial, k));
   return film;
 }
 

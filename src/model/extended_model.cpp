@@ -271,6 +271,15 @@ struct ExtendedModel::Impl : InstantSolver {
     return f;
   }
 
+  /// How far a block's bodies, or where none is seen all of the arm, lie from another shape of it.
+  static double moved_m(const Predicted& now, const Predicted& from) {
+    if (now.p.cols() > 0) return (now.p - from.p).colwise().norm().maxCoeff();
+    double most_m = 0.0;
+    for (std::size_t j = 0; j < now.shape.stations.size(); ++j)
+      most_m = std::max(most_m, (now.shape.stations[j].p - from.shape.stations[j].p).norm());
+    return most_m;
+  }
+
   /// Where bodies of a block are seen; one column per body of the arm.
   Eigen::Matrix3Xd seen(const arm::Arm& arm, const std::vector<Present>& effects, const Instant& instant,
                         const Block& block, const Predicted& base) const {
@@ -363,8 +372,7 @@ void ExtendedModel::predict(const arm::Arm& arm, const std::vector<Present>& eff
         now.rest = m.rest_of(now.shape, now.q_tip, now.instant.t_s);
         now.rest_shape = std::make_shared<const Shape>(now.shape);
       }
-      if (moving && resting[k].solved && now.p.cols() > 0)
-        now.inertial_m = (now.p - resting[k].p).colwise().norm().maxCoeff();
+      if (moving && resting[k].solved) now.inertial_m = Impl::moved_m(now, resting[k]);
       memories.remember(arm, m.fine, now.instant, now.shape);
     }
   }

@@ -157,15 +157,16 @@ bool shows_a_body(const StaticFrame& frame) {
   return !frame.bodies.empty();
 }
 
-/// Frames that show no body are left out, but where nothing is seen for a while.
+/// Frames that show no body are left out, but where nothing is seen for a while between others.
 /// @return of each frame that stays whether it lies in such a stretch
 std::vector<bool> keep_blind_stretches(std::vector<StaticFrame>& frames) {
   std::vector<StaticFrame> kept;
   std::vector<bool> blind;
-  for (auto from = frames.begin(); from != frames.end();) {
+  for (auto from = std::find_if(frames.begin(), frames.end(), shows_a_body); from != frames.end();) {
     const auto first = std::find_if_not(from, frames.end(), shows_a_body),
                next = std::find_if(first, frames.end(), shows_a_body);
-    const bool lasts = next - first >= kFewestBlind && std::prev(next)->stamp_s - first->stamp_s >= kBlind_s;
+    const bool lasts = next != frames.end() && next - first >= kFewestBlind &&
+                       std::prev(next)->stamp_s - first->stamp_s >= kBlind_s;
     std::move(from, lasts ? next : first, std::back_inserter(kept));
     blind.resize(kept.size() - static_cast<std::size_t>(lasts ? next - first : 0), false);
     blind.resize(kept.size(), true);
@@ -206,6 +207,8 @@ class Preparing {
     }
     series.moment_inputs = series.inputs;
     cut(frames, data, left_out);
+    if (std::all_of(data.blocks.begin(), data.blocks.end(), [](const Block& b) { return b.bodies.empty(); }))
+      data.blocks.clear();
     set_aside(data);
     return data;
   }

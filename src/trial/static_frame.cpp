@@ -15,6 +15,8 @@ using Eigen::Vector3d;
 
 // Frames so far apart have others missing in between: seconds, and usual steps.
 constexpr double kFarApart_s = 0.1, kFarApartSteps = 4.0;
+// Between them the arm is followed no longer than this: what an arm remembers for minutes it remembers alike.
+constexpr double kLongestBlind_s = 60.0;
 constexpr double kFarFromArm = 5.0;  // in lengths of the arm: units, or another object
 
 /// Frames of one trial in the rod's base frame.
@@ -55,17 +57,16 @@ class Preparer {
 
   /// What drove the arm between two frames that are far apart, under the first one's payload and base.
   void add_between(const StaticFrame& before, double until_s, std::vector<StaticFrame>& out) {
-    if (blind_ == Blind::kLeaveOut || inputs_.size() != before.inputs.size() || inputs_.empty()) return;
+    if (blind_ == Blind::kLeaveOut || inputs_.size() != before.inputs.size() || inputs_.empty() ||
+        until_s - before.stamp_s > kLongestBlind_s)
+      return;
     for (int i = 1; before.stamp_s + (i + 0.5) * kBlindStep_s < until_s; ++i) {
       StaticFrame made = before;
       made.bodies.clear();
       made.stamp_s = before.stamp_s + i * kBlindStep_s;
-      bool fresh = true;
-      for (std::size_t k = 0; k < inputs_.size(); ++k) {
+      for (std::size_t k = 0; k < inputs_.size(); ++k)
         made.inputs[k] = inputs_[k].fresh_at_ns(to_nanoseconds(made.stamp_s), arm_.inputs.input_max_age_s);
-        fresh = fresh && made.inputs[k];
-      }
-      if (!fresh || !predict(arm_, made.inputs)) continue;
+      if (!predict(arm_, made.inputs)) continue;
       record(made);
       out.push_back(std::move(made));
     }
@@ -149,12 +150,15 @@ std::vector<StaticFrame> known_frames(const arm::Arm& arm, std::size_t index, co
   Preparer preparer(arm, inputs == InputsOf::kSeries ? trial.inputs : kNone, blind, left_out);
   std::vector<StaticFrame> known;
   const double far_s = far_apart_s(trial.frames);
+  bool follows = false;  // the last known frame: of what was left out base or payload are not known
   for (const Frame& frame : trial.frames) {
-    if (!known.empty() && frame.stamp_s() > known.back().stamp_s + far_s)
+    if (follows && frame.stamp_s() > known.back().stamp_s + far_s)
       preparer.add_between(StaticFrame(known.back()), frame.stamp_s(), known);
+    follows = false;
     if (std::optional<StaticFrame> made = preparer.prepare(frame)) {
       made->trial = index;
       known.push_back(std::move(*made));
+      follows = true;
     }
   }
   return known;

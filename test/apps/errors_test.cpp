@@ -120,6 +120,7 @@ TEST(SoftarmErrors, WhatIsNoFileIsWrittenToAndALinkStaysOne) {
   EXPECT_EQ(straight.status, 0);
   EXPECT_THAT(straight.err, HasSubstr("\"recordings\""));
   EXPECT_TRUE(fs::is_symlink(dir / "open.json"));
+  EXPECT_THAT(softarm_program(check + "/dev/fd/2").err, HasSubstr("\"recordings\""));
 }
 
 TEST(SoftarmErrors, NumbersThatAreNone) {

@@ -142,6 +142,13 @@ class Whole(unittest.TestCase):
                                 "tidy: 90 % intervals that cover": prove_report.NOT_MET,
                                 "tidy, untidy: processor time of a diagnosis, longest, s": prove_report.CONTRADICTED})
 
+    def test_intervals_that_all_cover_contradict_nothing(self):
+        figures = copy.deepcopy(self.whole)
+        figures["worlds"]["solid"].update({"interval_coverage": 1.0, "interval_numbers": 10})
+        figures["worlds"]["solid"]["intervals"]["interval_coverage"] = (1.0, 1.0)
+        rows = {row[0]: row[4] for row in prove_report.rows(figures)}
+        self.assertEqual(rows["solid: 90 % intervals that cover"], prove_report.NOT_CONTRADICTED)
+
     def test_a_law_of_what_the_catalogue_does_not_have(self):
         def share(**more):
             truth = {**truth_of("outside", 0), "ideal": [{"effect": "creep", "explains": 0.5}]}
@@ -150,6 +157,11 @@ class Whole(unittest.TestCase):
 
         self.assertEqual(share(discovered_law={"share": 0.3, "share_of_flexible": 0.6}), 0.6)
         self.assertEqual(share(discovered_law=None), 0.0)
+        report = perfect("outside", 0, truth_of("outside", 0))
+        del report["discovered_law"]
+        older = {"kind": "outside", "truth": {**truth_of("outside", 0), "ideal": []}, "report": report}
+        self.assertIsNone(prove_figures.law_share(older))
+        self.assertEqual(prove_figures.law_share({**older, "report": {**report, "format": 1}}), 0.0)  # a report has no null
         self.assertIsNone(share(discovered_law={"share": 0.3}))  # nothing flexible learns anything
         self.assertIsNone(share(verdict="explained"))
 

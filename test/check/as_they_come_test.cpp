@@ -217,6 +217,29 @@ TEST_F(AsTheyCome, InputsThatBendTheArmElsewhere) {
   EXPECT_EQ(find(report(), "bends_elsewhere"), nullptr) << complaints(report());
 }
 
+/// Where inputs go round in a circle a lag is a turn.
+TEST_F(AsTheyCome, ALagOfInputsThatGoRoundIsNoTurn) {
+  constexpr double kTurnsHz = 1.0;
+  const auto circle = [](int i, double t_s) {
+    return 12e3 * (1.0 + std::sin(2.0 * M_PI * kTurnsHz * t_s + i * 0.5 * M_PI));
+  };
+  arm.segments[0].chambers[1].bending_direction_rad = 0.5 * M_PI;
+  for (const double lag_s : {0.0, 0.2}) {
+    SCOPED_TRACE(lag_s);
+    recording = clean(2, lag_s, {kSeconds, circle});
+    for (std::size_t b = 1; b < 4; ++b) {
+      const double s_m = arm.bodies[b - 1].arclength_m;
+      for (auto& pose : recording.bodies[b]) {
+        const double t_s = pose.stamp_s - kStart - lag_s;
+        const Eigen::Vector3d bent(1e-4 * circle(0, t_s) * s_m * s_m, 1e-4 * circle(1, t_s) * s_m * s_m, s_m);
+        pose.p_mocap =
+            base_pose() * bent + 1e-4 * Eigen::Vector3d(std::sin(7e3 * t_s), std::cos(9e3 * t_s), 0.0);
+      }
+    }
+    EXPECT_EQ(find(report(), "bends_elsewhere"), nullptr) << complaints(report());
+  }
+}
+
 TEST_F(AsTheyCome, WhatMovesTheArmBesideItsInputsAccusesNone) {
   for (std::size_t b = 1; b < 4; ++b) {
     for (auto& pose : recording.bodies[b]) {

@@ -92,15 +92,16 @@ bool is_of_run(const fs::path& path, const std::string& command) {
 std::optional<fs::path> replaceable(fs::path path) {
   constexpr int kMostLinks = 40;  // as the kernel
   std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status)) return std::nullopt;
   for (int i = 0; i < kMostLinks && fs::is_symlink(fs::symlink_status(path, error)); ++i) {
-    // What stands there as a link is a file that is open: its name may be another's by now.
-    if (fs::absolute(path, error).lexically_normal().string().rfind("/proc/", 0) == 0) return std::nullopt;
+    // What stands in /proc as a link is a file that is open: its name may be another's by now.
+    const fs::path folder = fs::canonical(path.has_parent_path() ? path.parent_path() : ".", error);
+    if (!error && folder.string().rfind("/proc/", 0) == 0) return std::nullopt;
     const fs::path to = fs::read_symlink(path, error);
     if (error) break;
     path = path.parent_path() / to;  // of an absolute one, that one
   }
-  const fs::file_status status = fs::status(path, error);
-  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status)) return std::nullopt;
   return path;
 }
 

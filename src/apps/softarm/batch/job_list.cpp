@@ -211,7 +211,7 @@ std::string name_of_folder(const fs::path& folder) {
   return name.empty() ? "trials" : name;
 }
 
-constexpr std::size_t kMostTold = 5;  // in one line
+constexpr std::size_t kMostTold = 20;  // in one line
 
 /// The jobs of what one entry names.
 /// @param missing gets what it names and is not there, in words
