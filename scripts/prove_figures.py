@@ -143,7 +143,6 @@ def general(pairs, with_reports):
                 removed.append(share)
     figures["parameter_median_error"] = statistics.median(errors) if errors else None
     figures["interval_coverage"] = mean(hits)
-    figures["interval_numbers"] = len(hits)
     figures["place_error_m"] = statistics.median(places) if places else None
     figures["held_out_over_floor"] = statistics.median(over) if over else None
     figures["untidy_held_out_over_floor"] = statistics.median(over_untidy) if over_untidy else None
@@ -193,7 +192,8 @@ def worlds(pairs):
             of_kinds = rates(own)
             reported = [(r, d) for r, d in own if r["report"]]
             table[world] = {**{name: of_kinds[kind] for name, kind in kinds.items()},
-                            **general(reported, True), "reported": len(reported), "intervals": figure_intervals(reported),
+                            **general(reported, True), "reported": len(reported),
+                            "interval_numbers": sum(len(sizes(r)[1]) for r, _ in reported), "intervals": figure_intervals(reported),
                             "power": power(own),
                             "displacement": prove_displacement.distribution(moved(own)),
                             "mcnemar": {method: against(method, own) for method in BASELINES}}

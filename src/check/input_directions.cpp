@@ -119,7 +119,8 @@ std::vector<Direction> surely_elsewhere(const Context& context) {
   if (best->explained < kPolicy.directions.least_explained) return {};
   std::vector<Direction> list = directions_of(context, *problem, *best);
   for (const Answer& other : answers) {
-    const bool as_much = 1.0 - other.explained <= kPolicy.directions.as_much * (1.0 - best->explained) + 1e-6;
+    const bool as_much = 1.0 - other.explained <=
+                         kPolicy.directions.as_much * (1.0 - best->explained) + kPolicy.directions.no_more;
     if (as_much && !any_elsewhere(directions_of(context, *problem, other))) return {};
   }
   return list;

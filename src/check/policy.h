@@ -356,7 +356,8 @@ struct Policy {
     double alike_rad = 0.45;  ///< 26 degrees: chambers are glued in by hand, and a bent arm is not linear
     /// By which bodies may follow their inputs, s: as far as valves, hoses and clocks are late.
     double lags_s[9] = {-0.2, -0.1, 0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6};
-    double as_much = 1.5;          ///< ratio of what is left up to which another lag explains as much
+    double as_much = 1.5;   ///< ratio of what is left up to which another lag explains as much
+    double no_more = 2e-3;  ///< of the motion, which it may leave besides: samples go straight in between
     std::size_t most_ordered = 6;  ///< inputs of which all orders are tried
   } directions;
 

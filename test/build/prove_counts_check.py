@@ -133,6 +133,7 @@ class Whole(unittest.TestCase):
     def test_a_world_by_itself_contradicts(self):
         figures = copy.deepcopy(self.whole)
         figures["worlds"]["real"]["confident_wrong"] = 0.18
+        figures["worlds"]["solid"].update({"interval_coverage": 0.67, "interval_numbers": 60})
         figures["worlds"]["solid"]["intervals"]["interval_coverage"] = (0.55, 0.80)
         figures["core_seconds_most"] = 61.0
         del figures["worlds"]["tidy"]["interval_coverage"], figures["worlds"]["tidy"]["intervals"]["interval_coverage"]
