@@ -271,6 +271,8 @@ struct Policy {
     double sag = 2.5e-3;            ///< of the length: residuals that another direction could explain
     double sag_noises = 3.0;        ///< ... beyond so many noises
     double better = 0.5;            ///< of the residuals is left with the right direction
+    double rises = 0.01;            ///< of the length, under a payload: gains that a load changes make less
+    double sds = 3.0;               ///< beyond that
   } gravity;
 
   /// Units and levels at rest of the inputs.

@@ -147,6 +147,28 @@ TEST(SoftarmCheck, GravityAlongAnotherAxisIsFoundAndItsSettingRepairsIt) {
   EXPECT_EQ(finding(findings(dir / "repaired.json"), "gravity"), nullptr) << again.out;
 }
 
+/// Gravity's sign: single shapes fit nearly as well, but what is hung on the arm would rise.
+TEST(SoftarmCheck, GravityTheOtherWayIsFoundByThePayload) {
+  const TestFolder dir;
+  const std::string bag = rig_bag(dir, "standing --seconds 30");
+  const std::string text = text_of(SOFTARM_SOURCE_DIR "/config/arms/online_200mm.yaml");
+  const std::size_t begin = text.find("\ngravity_m_s2:") + 1, end = text.find('\n', begin);
+  ASSERT_NE(begin, 0u);
+  const auto checked = [&](const std::string& gravity) {
+    std::string changed = text;
+    changed.replace(begin, end - begin, gravity);
+    softarm_program("check --arm " + dir.write("arm.yaml", changed) + " " + bag + " --force --json " +
+                    dir / "f.json");
+    return findings(dir / "f.json");
+  };
+  EXPECT_EQ(finding(checked(text.substr(begin, end - begin)), "gravity"), nullptr);
+  const auto all = checked("gravity_m_s2: [0, 0, 9.807]");
+  ASSERT_NE(finding(all, "gravity"), nullptr);
+  EXPECT_THAT(finding(all, "gravity")->at("what").get<std::string>(),
+              HasSubstr("the outermost body rises by"));
+  EXPECT_EQ(finding(all, "gravity")->at("setting"), "gravity_m_s2: [0.000, 0.000, -9.807]");
+}
+
 TEST(SoftarmCheck, BadUsageIsTwoAndABagThatIsCutOffAFinding) {
   const TestFolder dir;
   EXPECT_EQ(softarm_program("check --arm online_200mm " + dir / "none.bag").status, 2);

@@ -90,7 +90,7 @@ TEST(CheckSettings, EverySourceWithASettingIsAmongThoseThatAreFollowed) {
   }
   const std::map<std::string, int> followed{
       {"attitude.cpp", 3}, {"check.cpp", 1},        {"clocks.cpp", 2},      {"frozen.cpp", 1},
-      {"gravity.cpp", 1},  {"input_levels.cpp", 1}, {"input_units.cpp", 3}, {"jumps.cpp", 2},
+      {"gravity.cpp", 2},  {"input_levels.cpp", 1}, {"input_units.cpp", 3}, {"jumps.cpp", 2},
       {"noise.cpp", 2},    {"numbers.cpp", 1},      {"order.cpp", 1},       {"payload.cpp", 2},
       {"places.cpp", 2},   {"pooled.cpp", 2},       {"receipt.cpp", 2},     {"spacing.cpp", 2},
       {"timing.cpp", 2},   {"together.cpp", 2},     {"topics.cpp", 2},      {"turned_over.cpp", 2},
