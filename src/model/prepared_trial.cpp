@@ -157,9 +157,17 @@ bool shows_a_body(const StaticFrame& frame) {
   return !frame.bodies.empty();
 }
 
-/// Frames that show no body are left out, but where nothing is seen for a while between others.
+/// Frames that show no body are left out, but where nothing is seen for a while between others. Where that is
+/// so most of the time somebody recorded states at rest, one by one, and what lies between is no part of it.
 /// @return of each frame that stays whether it lies in such a stretch
 std::vector<bool> keep_blind_stretches(std::vector<StaticFrame>& frames) {
+  const auto seen = std::count_if(frames.begin(), frames.end(), shows_a_body);
+  if (2 * seen < static_cast<std::ptrdiff_t>(frames.size())) {
+    frames.erase(
+        std::remove_if(frames.begin(), frames.end(), [](const StaticFrame& f) { return !shows_a_body(f); }),
+        frames.end());
+    return std::vector<bool>(frames.size(), false);
+  }
   std::vector<StaticFrame> kept;
   std::vector<bool> blind;
   for (auto from = std::find_if(frames.begin(), frames.end(), shows_a_body); from != frames.end();) {

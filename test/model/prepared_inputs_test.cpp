@@ -109,6 +109,14 @@ TEST(PreparedInputs, GoOnWhereNoBodyIsSeen) {
     }
     EXPECT_GT(blind_s, 1.0);
   }
+  // States at rest that were recorded one by one are no motion: each begins anew.
+  const auto stills = [](double t_s) { return Recorded{true, true, std::fmod(t_s, 2.0) < 0.6}; };
+  const model::TrialData apart =
+      model::prepare(arm, {trial_of(arm, frames(arm, 50.0, 6.0, ramp, stills))}).trials.at(0);
+  EXPECT_EQ(std::count_if(apart.blocks.begin(), apart.blocks.end(), [](const auto& b) { return b.begins; }),
+            3);
+  for (const model::Block& block : apart.blocks) EXPECT_FALSE(block.bodies.empty());
+
   // Of what drives it later than an input may be old nothing is known: what was before is over.
   const model::TrialData cut = without({false, false, false});
   std::vector<double> begins_s;
