@@ -150,7 +150,7 @@ TEST(SoftarmCheck, GravityAlongAnotherAxisIsFoundAndItsSettingRepairsIt) {
 /// Gravity's sign: single shapes fit nearly as well, but what is hung on the arm would rise.
 TEST(SoftarmCheck, GravityTheOtherWayIsFoundByThePayload) {
   const TestFolder dir;
-  const std::string bag = rig_bag(dir, "standing --seconds 30");
+  const std::string bag = rig_bag(dir, "demo --seconds 40");
   const std::string text = text_of(SOFTARM_SOURCE_DIR "/config/arms/online_200mm.yaml");
   const std::size_t begin = text.find("\ngravity_m_s2:") + 1, end = text.find('\n', begin);
   ASSERT_NE(begin, 0u);
