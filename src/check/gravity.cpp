@@ -91,7 +91,7 @@ bool say_payload_rises(Context& context) {
   const std::optional<Fall> fall = fall_of(context);
   if (!fall || fall->fall_m > -(context.of_length(kPolicy.gravity.rises) + kPolicy.gravity.sds * fall->sd_m))
     return false;
-  const Eigen::Vector3d other = -context.arm.gravity_m_s2;
+  const Eigen::Vector3d other = Eigen::Vector3d::Zero() - context.arm.gravity_m_s2;  // no "-0.000"
   CheckFinding& finding = context.add(
       "gravity", "",
       fmt::format(
