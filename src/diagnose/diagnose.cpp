@@ -318,9 +318,15 @@ struct Begun {
   FirstFits first;
 };
 
-/// All that follows those fits.
-Diagnosis diagnosed(const model::Prepared& prepared, Begun& begun, const std::optional<ExchangedNames>& names,
-                    const Options& options, Schedule& schedule) {
+/// What trials say, and the models that say it.
+struct Conclusion {
+  Diagnosis diagnosis;
+  Selection selection;
+};
+
+/// What follows those fits, but for what is shown beside it.
+Conclusion concluded(const model::Prepared& prepared, Begun& begun,
+                     const std::optional<ExchangedNames>& names, const Options& options, Schedule& schedule) {
   JointModel& model = begun.model;
   Options looked_for = options;
   if (names) looked_for.most_effects = 0;  // what they would explain is not the arm's
@@ -356,7 +362,14 @@ Diagnosis diagnosed(const model::Prepared& prepared, Begun& begun, const std::op
   d.exchanged_names = names;
   add_summary(model, beyond, d);
   d.notes = notes_of(count, prepared, selection, options, begun.first, model, left);
+  return {std::move(d), std::move(selection)};
+}
 
+/// What single instants say, what to measure next, pictures.
+void complete(Begun& begun, Conclusion& conclusion, const Options& options, Schedule& schedule) {
+  JointModel& model = begun.model;
+  Selection& selection = conclusion.selection;
+  Diagnosis& d = conclusion.diagnosis;
   schedule.left(kExperiments + kPictures, "what single instants say");
   const std::vector<InstantFit> instants = fit_instants(model, selection.baseline, options.jobs);
   d.ladder = pooling_ladder(model, selection.baseline, instants);
@@ -366,7 +379,6 @@ Diagnosis diagnosed(const model::Prepared& prepared, Begun& begun, const std::op
   d.next_experiment = next_experiment(model, selection, d.verdict, options);
   schedule.left(kPictures, "pictures");
   add_pictures(model, selection, d);
-  return d;
 }
 
 /// The fit that looks for payloads: where clocks are apart, the one that knows.
@@ -397,16 +409,25 @@ std::unique_ptr<Begun> begun_under(const arm::Arm& arm, const model::Prepared& p
   return nullptr;
 }
 
-/// The diagnosis under the payloads that the trials say; nothing where it leaves hardly less of the same
+/// What trials say under other payloads than those told.
+struct UnderOthers {
+  std::unique_ptr<Begun> begun;
+  Conclusion conclusion;
+};
+
+/// What they say under the payloads that they tell themselves; nothing where it leaves hardly less of the same
 /// recordings than the one as they were told.
-std::optional<Diagnosis> under_other_payloads(const arm::Arm& arm, const model::Prepared& prepared,
-                                              OtherPayloads payloads, const Diagnosis& as_told,
-                                              const Options& options, Schedule& schedule) {
-  std::vector<model::TrialData> trials;
-  const std::unique_ptr<Begun> begun = begun_under(arm, prepared, payloads, trials, options, schedule);
-  if (!begun) return std::nullopt;
+/// @param trials get those payloads, and are kept by reference
+std::optional<UnderOthers> under_other_payloads(const arm::Arm& arm, const model::Prepared& prepared,
+                                                OtherPayloads payloads, const Diagnosis& as_told,
+                                                std::vector<model::TrialData>& trials, const Options& options,
+                                                Schedule& schedule) {
+  UnderOthers others;
+  others.begun = begun_under(arm, prepared, payloads, trials, options, schedule);
+  if (!others.begun) return std::nullopt;
   schedule.end_first_part();
-  Diagnosis d = diagnosed(prepared, *begun, std::nullopt, options, schedule);
+  others.conclusion = concluded(prepared, *others.begun, std::nullopt, options, schedule);
+  Diagnosis& d = others.conclusion.diagnosis;
   const double mean_m = d.extended.held_out_mean_m;
   if (!(mean_m > 0.0 && mean_m < kPolicy.told.better * as_told.extended.held_out_mean_m) ||
       d.left_out_share > as_told.left_out_share + kPolicy.words.left_out_share)
@@ -415,7 +436,7 @@ std::optional<Diagnosis> under_other_payloads(const arm::Arm& arm, const model::
   d.told_payloads->as_told_mean_m = as_told.extended.held_out_mean_m;
   d.told_payloads->mean_m = mean_m;
   d.summary = sentence_of(*d.told_payloads) + " " + d.summary;
-  return d;
+  return others;
 }
 
 double now_s() {
@@ -445,23 +466,28 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
         other_payloads(begun.model, fit_of_payloads(begun.first), {}, usual_payload_kg(arm, prepared.trials));
   if (!other.list.empty()) width = kAsTold;
   schedule.end_first_part();
-  Diagnosis d = diagnosed(prepared, begun, names, options, schedule);
+  Conclusion conclusion = concluded(prepared, begun, names, options, schedule);
+  Diagnosis& d = conclusion.diagnosis;
+  Schedule again(part, now_s);
+  std::vector<model::TrialData> others_trials;
+  std::optional<UnderOthers> others;
   if (!other.list.empty() && d.verdict != Verdict::kConsistent && d.verdict != Verdict::kExplained) {
     from = kAsTold;
-    Schedule again(part, now_s);
     try {
-      if (std::optional<Diagnosis> found =
-              under_other_payloads(arm, prepared, std::move(other), d, options, again))
-        d = *std::move(found);
+      others = under_other_payloads(arm, prepared, std::move(other), d, others_trials, options, again);
     } catch (const std::exception& e) {
       d.notes.push_back(
           fmt::format("Under payloads other than those told nothing could be said: {}.", e.what()));
     }
   }
+  if (others)
+    complete(*others->begun, others->conclusion, options, again);
+  else
+    complete(begun, conclusion, options, schedule);
   from = 0.0;
   width = 1.0;
   schedule.end();
-  return d;
+  return others ? std::move(others->conclusion.diagnosis) : std::move(d);
 }
 
 }  // namespace softarm::diagnose

@@ -92,6 +92,13 @@ double least_square_held(const DifferenceSums& sums, const Linearised& fitted, V
   return least_within(information, sums.gradient.tail(of_fitted), sums.square, rooms_of(fitted), step);
 }
 
+std::size_t with_equilibrium(const Linearised& at) {
+  std::size_t count = 0;
+  for (const std::vector<Predicted>& trial : at.predicted)
+    for (const Predicted& block : trial) count += block.solved;
+  return count;
+}
+
 Linearised fitted_to(JointModel& model, const Linearised& truth, JointParameters start, int steps) {
   const auto at = [&](const JointParameters& parameters,
                       const std::vector<std::vector<model::Predicted>>& from) {
@@ -109,7 +116,8 @@ Linearised fitted_to(JointModel& model, const Linearised& truth, JointParameters
       set_unknown(next, best.columns[static_cast<std::size_t>(j)], x[j] + step[j]);
     Linearised there = at(next, best.predicted);
     DifferenceSums sums_there = sums_between(model, truth, there);
-    if (!(sums_there.square < sums.square)) break;
+    // Where the arm has no equilibrium nothing differs.
+    if (!(sums_there.square < sums.square) || with_equilibrium(there) < with_equilibrium(best)) break;
     best = std::move(there);
     sums = std::move(sums_there);
   }

@@ -38,6 +38,9 @@ double least_square(const DifferenceSums& sums, const Linearised& truth, const L
 /// @param step by which the other one's unknowns move, in scales
 double least_square_held(const DifferenceSums& sums, const Linearised& fitted, Eigen::VectorXd& step);
 
+/// Blocks of all trials in which the arm has an equilibrium.
+std::size_t with_equilibrium(const Linearised& at);
+
 /// A model with another effect, brought as near to what `truth` predicts as a few steps get it.
 Linearised fitted_to(JointModel& model, const Linearised& truth, JointParameters start, int steps);
 

@@ -35,9 +35,12 @@ class Hypothetical {
     for (const Predicted& block : predicted_[0]) solved += block.solved;
     model_.allow_for_motion(with_loads(parameters), predicted_, &recorded_);
     for (std::size_t k = 0; k < trials_[0].blocks.size(); ++k) used += model_.uses(0, k);
+    return is_enough(solved) && used > 0;
+  }
+  /// Whether it is borne that in so many blocks the arm has an equilibrium.
+  bool is_enough(std::size_t solved) const {
     return static_cast<double>(solved) >=
-               kPolicy.experiment.least_solved * static_cast<double>(trials_[0].blocks.size()) &&
-           used > 0;
+           kPolicy.experiment.least_solved * static_cast<double>(trials_[0].blocks.size());
   }
   /// Nothing was seen, so residuals mean nothing; predictions and derivatives do.
   Linearised linearise(const JointParameters& parameters, bool whole) {
@@ -159,7 +162,10 @@ Separations weigh_apart(const JointModel& model, const JointParameters& baseline
     Hypothetical trial(menu[i], model, options);
     if (!trial.prepare(baseline)) return;
     std::vector<Linearised> there;
-    for (const Explanation& one : explanations) there.push_back(trial.linearise(one.fit.at, whole));
+    for (const Explanation& one : explanations) {
+      there.push_back(trial.linearise(one.fit.at, whole));
+      if (!trial.is_enough(with_equilibrium(there.back()))) return;
+    }
     out.with[i] = separations(explanations, inflation, [&](std::size_t j, std::size_t k) {
       DifferenceSums sums = sums_between(trial.model(), there[j], there[k]);
       sums += old[j * n + k];
@@ -186,6 +192,7 @@ Visibility weigh_collinear(JointModel& model, Linearised& at, const std::vector<
     Hypothetical trial(menu[i], model, options);
     if (!trial.prepare(at.at)) return;
     Linearised there = trial.linearise(at.at, true);
+    if (!trial.is_enough(with_equilibrium(there))) return;
     trial.model().complete(there);
     MatrixXd information = own;
     for (const TimeStretch& stretch : there.stretches) information += stretch.information;

@@ -21,6 +21,19 @@ constexpr int kPasses = 2;  // at rest, then with the inertia of that path
 constexpr int kModes = 4;   // in which an arm swings: two ways to bend it, in two planes
 // Up to this share of its length between two shapes, and of its stiffness, an arm swings alike.
 constexpr double kAlikeShape = 0.02, kAlikeStiffness = 0.03;
+
+/// Blocks in a row without an equilibrium. What keeps an arm from one lasts, and a look in vain takes a
+/// hundred times as long as another: the next one is after as many blocks as have none.
+class Lost {
+ public:
+  bool looks() const { return (in_a_row_ & (in_a_row_ - 1)) == 0; }
+  void another() { ++in_a_row_; }
+  void end() { in_a_row_ = 0; }
+
+ private:
+  unsigned in_a_row_ = 0;
+};
+
 }  // namespace
 
 struct ExtendedModel::Impl : InstantSolver {
@@ -130,6 +143,17 @@ struct ExtendedModel::Impl : InstantSolver {
       out.q_tangents.push_back(seen.q[static_cast<std::size_t>(block.tangents[i].body)]);
       out.tangents.col(static_cast<Eigen::Index>(i)) = out.q_tangents.back() * Vector3d::UnitZ();
     }
+  }
+
+  /// What follows from a shape that was found last.
+  /// @param resting the equilibrium that the arm moves beyond; nullptr: this is one
+  void describe(const arm::Arm& arm, const std::vector<Present>& effects, const Block& block,
+                const Predicted* resting, Predicted& now) const {
+    now.values = fine.values(rod);
+    positions(arm, effects, block, now);
+    now.rest = resting != nullptr ? resting->rest : rest_of(now.shape, now.q_tip, now.instant.t_s);
+    now.rest_shape = resting != nullptr ? resting->rest_shape : std::make_shared<const Shape>(now.shape);
+    if (resting != nullptr) now.inertial_m = moved_m(now, *resting);
   }
 
   /// Of modes, by the parameters that are wanted, of the rod that `derivatives` solved last.
@@ -339,12 +363,16 @@ void ExtendedModel::predict(const arm::Arm& arm, const std::vector<Present>& eff
     memories.begin(arm, m.fine);
     Feedback feedback;
     TipGuess guess(start);
+    Lost lost;
     const Predicted* last = nullptr;
     for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
       Predicted& now = path[k];
       now.instant = Impl::instant_of(series, trial, k);
       if (!walls.empty()) now.instant.kept_back = walls[k];
-      if (k > 0 && now.instant.dt_s <= 0.0) memories.rest();
+      if (k > 0 && now.instant.dt_s <= 0.0) {
+        memories.rest();
+        lost.end();
+      }
       const Motion motion = moving ? motions[k] : Motion();
       const Shape* near = last != nullptr ? &last->shape : nullptr;
       if (start != nullptr && (*start)[k].solved)
@@ -354,25 +382,18 @@ void ExtendedModel::predict(const arm::Arm& arm, const std::vector<Present>& eff
       const Impl::Context context{arm, memories.all(), dynamics, motion, feedback};
       const auto q_tip = guess.of(k, moving && resting[k].solved ? &resting[k] : nullptr);
       const bool tried = !only_where_solved || start == nullptr || (*start)[k].solved;
-      now.solved = tried && m.settle(context, effects, q_tip ? &*q_tip : nullptr, near, now);
+      now.solved = tried && lost.looks() && m.settle(context, effects, q_tip ? &*q_tip : nullptr, near, now);
       if (!now.solved) {
         last = nullptr;
         guess.lost();
+        if (tried) lost.another();
         continue;
       }
       last = &now;
+      lost.end();
       guess.found(now.q_tip);
-      now.values = m.fine.values(m.rod);
-      m.positions(arm, effects, trial.blocks[k], now);
       now.sluggish = sluggish;
-      if (moving && resting[k].solved) {
-        now.rest = resting[k].rest;
-        now.rest_shape = resting[k].rest_shape;
-      } else {
-        now.rest = m.rest_of(now.shape, now.q_tip, now.instant.t_s);
-        now.rest_shape = std::make_shared<const Shape>(now.shape);
-      }
-      if (moving && resting[k].solved) now.inertial_m = Impl::moved_m(now, resting[k]);
+      m.describe(arm, effects, trial.blocks[k], moving && resting[k].solved ? &resting[k] : nullptr, now);
       memories.remember(arm, m.fine, now.instant, now.shape);
     }
   }

@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "diagnose/screen.h"
+#include "diagnose/separation.h"
 #include "diagnose/weigh_experiments.h"
 #include "effects/catalogue.h"
 #include "looked.h"
@@ -87,6 +88,75 @@ void mount_on_side(rig::Scenario& scenario) {
   // The base's x axis down.
   scenario.mount.q_mocap_base =
       Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), -Eigen::Vector3d::UnitZ());
+}
+
+/// Bends the arm; where it does so too much, or the arm does not hang, there is no equilibrium.
+class GivesWay : public model::Effect {
+ public:
+  GivesWay(double at, bool only_hangs) : at_(at), only_hangs_(only_hangs) {
+    info_.id = "gives_way";
+    info_.parameters.resize(1);
+    info_.parameters[0].symbol = "bend";
+    info_.parameters[0].low = -2.0;
+    info_.parameters[0].high = 2.0;
+    info_.parameters[0].usual = 1.0;
+  }
+  const model::Info& info() const override { return info_; }
+  void act(const arm::Arm&, const model::FineRod&, const model::Values& values, const model::Instant&,
+           const model::Shape*, const model::Memory&, rod::Rod& rod) const override {
+    for (rod::Segment& segment : rod.segments) segment.rest_curvature_per_m.y() += 2.0 * (values[0] - 1.0);
+    const bool hangs = rod.gravity_m_s2.z() > 0.9 * rod.gravity_m_s2.norm();
+    if (values[0] > at_ || (only_hangs_ && !hangs)) rod.gravity_m_s2.setConstant(NAN);
+  }
+
+ private:
+  model::Info info_;
+  const double at_;
+  const bool only_hangs_;
+};
+
+class WithoutEquilibrium : public ::testing::Test {
+ protected:
+  diagnose::JointParameters with(const GivesWay& effect, double bend) const {
+    diagnose::JointParameters p = looked_.baseline.at;
+    p.effects.push_back({&effect, model::Values::Constant(1, bend)});
+    return p;
+  }
+
+  const RecordedCase recorded_ = recorded_case("{count_weights: [1]}", 14, 1, 6.0,
+                                               "attitudes: [hanging], speeds: [0.5], payload_kg: [0, 0]");
+  Looked looked_{recorded_.arm, recorded_.trials};
+};
+
+TEST_F(WithoutEquilibrium, ARivalIsBroughtNoFurtherThanTheArmBearsIt) {
+  // It is the baseline at 1.
+  const GivesWay bears(3.0, false), breaks(0.9, false);
+  EXPECT_NEAR(fitted_to(looked_.model, looked_.baseline, with(bears, 0.5), 2).at.effects[0].values[0], 1.0,
+              1e-3);
+  const diagnose::Linearised stopped = fitted_to(looked_.model, looked_.baseline, with(breaks, 0.5), 2);
+  EXPECT_LE(stopped.at.effects[0].values[0], 0.9);
+  EXPECT_EQ(with_equilibrium(stopped), with_equilibrium(looked_.baseline));
+}
+
+TEST_F(WithoutEquilibrium, AnExperimentThatOneExplanationDoesNotBearIsNotWeighed) {
+  std::vector<diagnose::Experiment> menu =
+      diagnose::experiment_menu(recorded_.arm, looked_.prepared.trials, 0.1);
+  menu.erase(std::remove_if(menu.begin(), menu.end(),
+                            [](const diagnose::Experiment& e) {
+                              return e.id != "attitude_side_down" && e.id != "together";
+                            }),
+             menu.end());
+  ASSERT_EQ(menu.size(), 2U);
+  const GivesWay bears(3.0, false), hangs(3.0, true);
+  for (const GivesWay* effect : {&bears, &hangs}) {
+    const std::vector<diagnose::Explanation> list{
+        {"without", looked_.baseline},
+        {"gives_way", fitted_to(looked_.model, looked_.baseline, with(*effect, 1.01), 0)}};
+    const diagnose::Separations all =
+        diagnose::weigh_apart(looked_.model, looked_.baseline.at, list, menu, false, 1.0, {});
+    for (std::size_t i = 0; i < menu.size(); ++i)
+      EXPECT_EQ(all.with[i].has_value(), effect == &bears || menu[i].id == "together") << menu[i].id;
+  }
 }
 
 TEST(NextExperiment, TheArmOnItsSideTellsAMassAtTheTipFromAnotherDistribution) {

@@ -1,6 +1,9 @@
 // The model with effects in it: absent ones, derivatives, stiff springs, motion.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <set>
+
 #include "effects/body_table.h"
 #include "effects/catalogue.h"
 
@@ -227,6 +230,55 @@ TEST(ExtendedModel, StiffSpringsAreSolvedAndHold) {
       EXPECT_LT(deepest, 3.0 / stiffness) << "no more than 3 N press here";
       EXPECT_GT(deepest, 0.0);
     }
+  }
+}
+
+/// Leaves the arm without an equilibrium in a time, and counts the instants of it that it was asked for.
+class BearsNothing : public model::Effect {
+ public:
+  BearsNothing(double from_s, double to_s) : from_s_(from_s), to_s_(to_s) { info_.sizes = 0; }
+  const model::Info& info() const override { return info_; }
+  void act(const arm::Arm&, const model::FineRod&, const model::Values&, const model::Instant& now,
+           const model::Shape*, const model::Memory&, rod::Rod& rod) const override {
+    if (now.t_s < from_s_ || now.t_s > to_s_) return;
+    rod.gravity_m_s2.setConstant(NAN);
+    asked_s_.insert(now.t_s);
+  }
+  std::size_t asked() const { return asked_s_.size(); }
+
+ private:
+  model::Info info_;
+  const double from_s_, to_s_;
+  mutable std::set<double> asked_s_;
+};
+
+TEST(ExtendedModel, WhereNoEquilibriumIsFoundItIsLookedForAfterAsManyBlocksAgain) {
+  const arm::Arm arm = body_testing::shipped("online_200mm");
+  model::ExtendedModel model(arm);
+  const Condition condition{body_testing::inputs_of(arm, 0.8)};
+  for (const bool path : {true, false}) {
+    SCOPED_TRACE(path ? "a path" : "each stands for itself");
+    const model::TrialData trial =
+        body_testing::trial_of(arm, std::vector<Condition>(100, condition), path, 0.1);
+    // Blocks 3 to 80: without looking again for long it is looked for at 3, 4, 5, 7, 11, 19, 35, 67.
+    const BearsNothing nothing(0.25, 8.05);
+    std::vector<model::Predicted> out, nearby;
+    model.predict(arm, {{&nothing, model::Values()}}, {false, 0.0}, trial, nullptr, out);
+    EXPECT_EQ(nothing.asked(), path ? 8U : 78U);
+    std::size_t lost = 0;
+    for (const model::Predicted& block : out) lost += !block.solved;
+    EXPECT_GE(lost, 78U);
+    EXPECT_TRUE(out[2].solved && !out[3].solved && !out[80].solved);
+    EXPECT_EQ(out[81].solved, !path);
+    // Where it was lost for few blocks it is found at once.
+    const BearsNothing shortly(0.25, 0.45);
+    model.predict(arm, {{&shortly, model::Values()}}, {false, 0.0}, trial, nullptr, out);
+    EXPECT_TRUE(!out[4].solved && out[5].solved && out[99].solved);
+    // What nobody looked for says nothing of what comes after it.
+    nearby = out;
+    for (std::size_t k = 10; k < 40; ++k) nearby[k].solved = false;
+    model.predict(arm, {}, {false, 0.0}, trial, &nearby, out, true);
+    EXPECT_TRUE(!out[39].solved && out[40].solved && out[99].solved);
   }
 }
 
