@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "block_fit.h"
 #include "clock_problem.h"
 #include "context.h"
 #include "input_directions.h"
-#include "math/linear_algebra.h"
 #include "math/statistics.h"
 #include "policy.h"
 
@@ -66,12 +66,9 @@ std::optional<Motion> motion_of(const Context& context) {
       false);
   if (!base || !problem) return std::nullopt;
   problem->with_plays = problem->with_cubes = false;
-  const Eigen::MatrixXd a = regressors(*problem, 0.0);
-  Eigen::MatrixXd normal = a.transpose() * a;
-  normal.diagonal().array() += 1e-8 * (1.0 + normal.diagonal().maxCoeff());
-  const Eigen::MatrixXd x = math::SymmetricSolver(normal).solve_columns(a.transpose() * problem->y);
+  const BlockFit fit = fit_in_blocks(regressors(*problem, 0.0), problem->y, problem->block);
   const Eigen::MatrixXd across = base->linear().leftCols<2>();
-  return Motion{problem->y * across, (problem->y - a * x) * across};
+  return Motion{problem->y * across, fit.left * across};
 }
 
 /// Share of a motion along a line.

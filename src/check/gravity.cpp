@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
+#include "block_fit.h"
 #include "clock_problem.h"
 #include "context.h"
-#include "math/linear_algebra.h"
 #include "math/statistics.h"
 #include "policy.h"
 #include "residuals.h"
@@ -15,24 +16,23 @@
 namespace softarm::check {
 namespace {
 
+/// Payloads of some grams are small beside inputs of 1: the usual kAlike would shrink what they do.
+constexpr double kAlikePayload = 1e-10;
+
 /// How far the outermost body falls under the payloads that are told, from the least to the most.
 struct Fall {
   double fall_m = 0.0, sd_m = 0.0;
 };
 
-/// Times of the samples that no hand disturbs, as rows of a matrix.
-std::vector<Eigen::Index> undisturbed(const Context& context, const std::vector<double>& t_s) {
-  std::vector<Eigen::Index> rows;
-  for (std::size_t k = 0; k < t_s.size(); ++k) {
-    bool disturbed = false;
-    for (std::size_t i = 1; i < context.payload.size(); ++i) {
-      const double since_s = t_s[k] - context.payload[i].t_s;
-      disturbed = disturbed || (context.payload[i].value != context.payload[i - 1].value &&
-                                since_s > -kPolicy.dead.hung_on_s && since_s < kPolicy.dead.swings_s);
-    }
-    if (!disturbed) rows.push_back(static_cast<Eigen::Index>(k));
+/// Whether a hand may be on the arm, or it swings from that.
+bool disturbed(const Context& context, double t_s) {
+  for (std::size_t i = 1; i < context.payload.size(); ++i) {
+    const double since_s = t_s - context.payload[i].t_s;
+    if (context.payload[i].value != context.payload[i - 1].value && since_s > -kPolicy.dead.hung_on_s &&
+        since_s < kPolicy.dead.swings_s)
+      return true;
   }
-  return rows;
+  return false;
 }
 
 double payload_at(const Context& context, double t_s) {
@@ -42,7 +42,7 @@ double payload_at(const Context& context, double t_s) {
   return kg;
 }
 
-/// Place along gravity as an answer to inputs and payload; residuals are one within a block of the problem's.
+/// Place along gravity as an answer to inputs and payload.
 std::optional<Fall> fall_of(const Context& context) {
   const Track* tip = outermost(context);
   const double step_s = std::max(kPolicy.clocks.sample_s, context.duration_s / kPolicy.clocks.most_samples);
@@ -50,39 +50,29 @@ std::optional<Fall> fall_of(const Context& context) {
   if (!tip || !problem || context.payload.empty()) return std::nullopt;
   problem->with_plays = false;
   problem->hats.setZero();
-  const std::vector<Eigen::Index> rows = undisturbed(context, problem->t_s);
   const Eigen::MatrixXd inputs = regressors(*problem, 0.0);
-  const auto n = static_cast<Eigen::Index>(rows.size()), columns = inputs.cols() + 2;
-  if (n < kPolicy.clocks.least_samples) return std::nullopt;
-  Eigen::MatrixXd a(n, columns);
-  Eigen::VectorXd along(n);
+  Eigen::MatrixXd a(inputs.rows(), inputs.cols() + 2), along(inputs.rows(), 1);
+  std::vector<int> block;
+  Eigen::Index n = 0;
   double least_kg = std::numeric_limits<double>::infinity(), most_kg = -least_kg;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::Index row = rows[static_cast<std::size_t>(i)];
-    const double t_s = problem->t_s[static_cast<std::size_t>(row)], kg = payload_at(context, t_s);
+  for (Eigen::Index row = 0; row < inputs.rows(); ++row) {
+    const auto sample = static_cast<std::size_t>(row);
+    const double t_s = problem->t_s[sample];
+    if (disturbed(context, t_s)) continue;
     const auto place = tip->mean_position(t_s - step_s, t_s + step_s);
-    if (!place) return std::nullopt;
-    along[i] = place->dot(context.arm.gravity_m_s2.normalized());
-    a.row(i) << inputs.row(row), 1.0, kg;
+    if (!place) continue;  // hardly seen there
+    const double kg = payload_at(context, t_s);
+    along(n, 0) = place->dot(context.arm.gravity_m_s2.normalized());
+    a.row(n) << inputs.row(row), 1.0, kg;
+    block.push_back(problem->block[sample]);
+    ++n;
     least_kg = std::min(least_kg, kg);
     most_kg = std::max(most_kg, kg);
   }
-  if (!(most_kg > least_kg)) return std::nullopt;
-  Eigen::MatrixXd normal = a.transpose() * a;
-  normal.diagonal().array() += 1e-10 * normal.diagonal().maxCoeff();
-  const Eigen::MatrixXd inverse = math::inverse_of_symmetric(normal);
-  const Eigen::VectorXd x = inverse * (a.transpose() * along), left = along - a * x;
-  double variance = 0.0, moved = 0.0;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto block = [&](Eigen::Index k) {
-      return problem->block[static_cast<std::size_t>(rows[static_cast<std::size_t>(k)])];
-    };
-    moved += inverse.row(columns - 1).dot(a.row(i)) * left[i];
-    if (i + 1 < n && block(i + 1) == block(i)) continue;
-    variance += moved * moved;
-    moved = 0.0;
-  }
-  return Fall{x[columns - 1] * (most_kg - least_kg), std::sqrt(variance) * (most_kg - least_kg)};
+  if (n < kPolicy.clocks.least_samples || !(most_kg > least_kg)) return std::nullopt;
+  const BlockFit fit = fit_in_blocks(a.topRows(n), along.topRows(n), block, kAlikePayload);
+  const double range_kg = most_kg - least_kg;
+  return Fall{fit.x(fit.x.rows() - 1, 0) * range_kg, std::sqrt(fit.covariance.back()(0, 0)) * range_kg};
 }
 
 /// Whatever an arm is like, what is hung on it does work: it falls.

@@ -8,16 +8,14 @@
 #include <numeric>
 
 #include "arm/actuators/actuator.h"
+#include "block_fit.h"
 #include "clock_problem.h"
 #include "context.h"
-#include "math/linear_algebra.h"
 #include "policy.h"
 
 namespace softarm::check {
 namespace {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
 using Eigen::Vector2d;
 
 constexpr double kDegrees = 180.0 / M_PI;
@@ -33,32 +31,16 @@ double turned(double from_rad, double to_rad) {
 }
 
 /// What one input alone does to the outermost body across the arm, by a fit of all inputs to its places.
-/// Residuals are one within a block of the problem's.
 struct Answer {
-  MatrixXd by_input;  ///< inputs x 2, m per half of its range
-  std::vector<Eigen::Matrix2d> covariance;
+  BlockFit fit;            ///< the first coefficients are the inputs' own, m per half of the range
   double explained = 0.0;  ///< share of the motion across the arm
 };
 
 Answer answer_of(const ClockProblem& problem, const Eigen::Isometry3d& base, double shift_s) {
-  const MatrixXd y = problem.y * base.linear().leftCols<2>(), a = regressors(problem, shift_s);
-  MatrixXd normal = a.transpose() * a;
-  normal.diagonal().array() += 1e-8 * (1.0 + normal.diagonal().maxCoeff());
-  const MatrixXd inverse = math::inverse_of_symmetric(normal), x = inverse * (a.transpose() * y),
-                 left = y - a * x;
+  const Eigen::MatrixXd y = problem.y * base.linear().leftCols<2>();
   Answer answer;
-  const auto inputs = static_cast<Index>(problem.signals.size());
-  answer.by_input = x.topRows(inputs);
-  answer.explained = 1.0 - left.squaredNorm() / std::max(y.squaredNorm(), 1e-300);
-  answer.covariance.assign(problem.signals.size(), Eigen::Matrix2d::Zero());
-  for (Index from = 0, to = 0; from < a.rows(); from = to) {
-    const auto block = [&](Index k) { return problem.block[static_cast<std::size_t>(k)]; };
-    for (to = from; to < a.rows() && block(to) == block(from);) ++to;
-    const MatrixXd moved = inverse.topRows(inputs) *
-                           (a.middleRows(from, to - from).transpose() * left.middleRows(from, to - from));
-    for (Index i = 0; i < inputs; ++i)
-      answer.covariance[static_cast<std::size_t>(i)] += moved.row(i).transpose() * moved.row(i);
-  }
+  answer.fit = fit_in_blocks(regressors(problem, shift_s), y, problem.block);
+  answer.explained = 1.0 - answer.fit.left.squaredNorm() / std::max(y.squaredNorm(), 1e-300);
   return answer;
 }
 
@@ -83,11 +65,11 @@ std::vector<Direction> directions_of(const Context& context, const ClockProblem&
   std::vector<Direction> list;
   for (std::size_t i = 0; i < problem.signals.size(); ++i) {
     const auto told = bending_direction(context.arm, problem.signals[i]->input->name, 1);
-    const Vector2d seen = answer.by_input.row(static_cast<Index>(i));
+    const Vector2d seen = answer.fit.x.row(static_cast<Eigen::Index>(i));
     const double moves_m = 2.0 * seen.norm();
     if (!told || moves_m < context.of_length(kPolicy.directions.moves)) continue;
     const Vector2d beside = Vector2d(-seen.y(), seen.x()).normalized();
-    const double sd_rad = std::sqrt(beside.dot(answer.covariance[i] * beside)) / seen.norm();
+    const double sd_rad = std::sqrt(beside.dot(answer.fit.covariance[i] * beside)) / seen.norm();
     if (sd_rad > kPolicy.directions.most_sd_rad) continue;
     list.push_back(
         {problem.signals[i], std::atan2(told->y(), told->x()), std::atan2(seen.y(), seen.x()), sd_rad});
