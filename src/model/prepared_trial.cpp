@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "body_mean.h"
 #include "math/statistics.h"
 #include "trial/static_frame.h"
 
@@ -17,141 +18,14 @@ using Eigen::Vector3d;
 using trial::SeenBody;
 using trial::StaticFrame;
 
-constexpr std::size_t kFewest = 3;    // frames of a mean
 constexpr double kLongestBend = 2.5;  // of a way, in standard deviations of a mean; noise alone makes 1.1
 constexpr double kRests = 1.5;        // ratio of variances up to which a body rests; noise alone makes 1
-constexpr int kFewestOfBend = 5;      // frames of a mean whose scatter is about a parabola
 constexpr double kLeastNoise_rad =
     1e-4;                             // of tangents, which computed trials have without: a model is no finer
-constexpr double kBendUnknown = 0.5;  // sd, of what a way bends: a model at the mean of the inputs bends, too
-constexpr double kOutlier = 5.0;      // standard deviations from the line through a body's positions
 constexpr double kFewestShare = 0.6;  // of the block's frames in which a body must be seen
 // Without a body, which is no part of a mean: as long, and as many frames.
 constexpr double kBlind_s = 0.08;
 constexpr std::ptrdiff_t kFewestBlind = 4;
-
-/// Positions of one body over a block, as a straight line in time.
-struct Line {
-  Vector3d at_centre = Vector3d::Zero();
-  double sum2 = 0.0;  ///< of residuals, about a parabola where the frames are enough
-  int frames = 0, dof = 0;
-  double variance_factor = 1.0;      ///< of at_centre against that of a frame
-  Vector3d bend = Vector3d::Zero();  ///< the mean off the way's place at that time; 0 with too few frames
-  double bend_factor = 0.0;          ///< of its variance per coordinate against that of a frame
-};
-
-Line fit_line(const std::vector<double>& t, const std::vector<Vector3d>& p, const std::vector<bool>& used) {
-  Line line;
-  double st = 0.0, stt = 0.0;
-  Vector3d sp = Vector3d::Zero(), stp = Vector3d::Zero();
-  for (std::size_t i = 0; i < t.size(); ++i) {
-    if (!used[i]) continue;
-    ++line.frames;
-    st += t[i];
-    stt += t[i] * t[i];
-    sp += p[i];
-    stp += t[i] * p[i];
-  }
-  const double n = line.frames, determinant = n * stt - st * st;
-  const bool sloped = line.frames >= 3 && determinant > 1e-12;
-  const Vector3d slope = sloped ? Vector3d((n * stp - st * sp) / determinant) : Vector3d::Zero();
-  line.at_centre = (sp - slope * st) / n;
-  line.variance_factor = sloped ? stt / determinant : 1.0 / n;
-  line.dof = 3 * (line.frames - (sloped ? 2 : 1));
-  // A bend of the way is no noise: it is taken off where frames are left to scatter about it.
-  const double mean_t = st / n, width = stt / n - mean_t * mean_t;
-  Vector3d bend = Vector3d::Zero();
-  double bends = 0.0, skew = 0.0;
-  for (std::size_t i = 0; i < t.size(); ++i) {
-    if (used[i]) skew += std::pow(t[i] - mean_t, 3) / (n * width);
-  }
-  for (std::size_t i = 0; i < t.size(); ++i) {
-    if (!used[i]) continue;
-    const double off = t[i] - mean_t, along = off * off - width - skew * off;  // no part of a line in it
-    const Vector3d residual = p[i] - line.at_centre - slope * t[i];
-    line.sum2 += residual.squaredNorm();
-    bend += along * residual;
-    bends += along * along;
-  }
-  if (sloped && line.frames >= kFewestOfBend && bends > 1e-6 * n * width * width) {
-    line.sum2 = std::max(line.sum2 - bend.squaredNorm() / bends, 0.0);
-    line.dof -= 3;
-    line.bend = bend * (width / bends);
-    line.bend_factor = width * width / bends;
-  }
-  return line;
-}
-
-/// Variance of the means of parts, over what the differences of neighbouring values make of it: 1 where the
-/// values are noise about one place.
-/// @param part of each value, ascending
-std::optional<double> scatter_of_parts(const std::vector<Vector3d>& values,
-                                       const std::vector<std::size_t>& part) {
-  Vector3d all = Vector3d::Zero();
-  double differences = 0.0, pairs = 0.0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    all += values[i] / static_cast<double>(values.size());
-    if (i == 0) continue;
-    differences += (values[i] - values[i - 1]).squaredNorm();
-    pairs += 1.0;
-  }
-  double between = 0.0, parts = 0.0;
-  for (std::size_t i = 0; i < values.size();) {
-    Vector3d sum = Vector3d::Zero();
-    double count = 0.0;
-    for (const std::size_t now = part[i]; i < values.size() && part[i] == now; ++i, count += 1.0)
-      sum += values[i];
-    between += count * (sum / count - all).squaredNorm();
-    parts += 1.0;
-  }
-  if (parts < 2.0 || !(differences > 0.0)) return std::nullopt;
-  return (between / (parts - 1.0)) / (0.5 * differences / pairs);
-}
-
-/// The mean of one vector of a body over a block.
-struct Mean {
-  Vector3d value = Vector3d::Zero();
-  int frames = 0;
-  double variance_factor = 1.0;
-  double bend2 = 0.0, bend_factor = 0.0;  ///< see Line
-
-  /// Of a coordinate, with that of a frame: what the noise leaves, and the bend of the way.
-  double sd(double frame_sd) const {
-    const double variance = frame_sd * frame_sd, bent = bend2 / 3.0 - bend_factor * variance;
-    return std::sqrt(variance_factor * variance + kBendUnknown * kBendUnknown * std::max(bent, 0.0));
-  }
-};
-
-/// The line through a body's values, without what jumped in single frames.
-/// @param sd of a value as the arm file states it
-/// @param scatter gets the variance per coordinate and frame
-std::optional<Mean> mean_of(const std::vector<double>& when, const std::vector<Vector3d>& values, double sd,
-                            std::vector<double>& scatter) {
-  std::vector<bool> used(when.size(), true);
-  Line line = fit_line(when, values, used);
-  // A jump in one frame lies far from the others' middle.
-  std::vector<double> x, y, z;
-  for (const Vector3d& v : values) {
-    x.push_back(v.x());
-    y.push_back(v.y());
-    z.push_back(v.z());
-  }
-  const Vector3d middle(math::median(x), math::median(y), math::median(z));
-  std::vector<double> off;
-  for (const Vector3d& v : values) off.push_back((v - middle).norm());
-  const double limit = kOutlier * std::max(math::median(off), sd);
-  bool dropped = false;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (off[i] > limit) {
-      used[i] = false;
-      dropped = true;
-    }
-  }
-  if (dropped) line = fit_line(when, values, used);
-  if (line.frames < static_cast<int>(kFewest)) return std::nullopt;
-  if (line.dof > 0) scatter.push_back(line.sum2 / line.dof);
-  return Mean{line.at_centre, line.frames, line.variance_factor, line.bend.squaredNorm(), line.bend_factor};
-}
 
 bool shows_a_body(const StaticFrame& frame) {
   return !frame.bodies.empty();
@@ -268,7 +142,7 @@ class Preparing {
     for (; i < count; ++i) {
       if (at(i) - at(i - 1) > kLongestPause_s) return {i, true, 1};
       if (blind_[i] != blind_[first]) break;
-      if (i - first >= kFewest && at(i) - at(first) >= lasts_s - 1e-6) break;
+      if (i - first >= kFewestOfMean && at(i) - at(first) >= lasts_s - 1e-6) break;
     }
     return {i, false, 1};
   }
@@ -279,7 +153,7 @@ class Preparing {
     bool begins = true;
     for (std::size_t first = 0; first < frames.size();) {
       const Reach to = end_of_block(frames, first, t);
-      if (to.last - first >= kFewest) {
+      if (to.last - first >= kFewestOfMean) {
         data.blocks.push_back(mean(frames, first, to.last, t));
         data.blocks.back().means = to.means;
         data.blocks.back().begins = begins;
@@ -298,7 +172,7 @@ class Preparing {
     Reach to = reach(t, first, how_.block_s);
     if (bends(frames, first, to.last, t)) {
       const Reach half = reach(t, first, 0.5 * how_.block_s);
-      return half.last < to.last && to.last - half.last >= kFewest ? half : to;
+      return half.last < to.last && to.last - half.last >= kFewestOfMean ? half : to;
     }
     for (int blocks = 2; blocks <= how_.most_blocks && !to.gap && to.last < frames.size(); ++blocks) {
       const Reach further = reach(t, first, blocks * how_.block_s);
@@ -388,15 +262,15 @@ class Preparing {
         }
       }
       const std::size_t fewest = std::max<std::size_t>(
-          kFewest, static_cast<std::size_t>(kFewestShare * static_cast<double>(last - first)));
+          kFewestOfMean, static_cast<std::size_t>(kFewestShare * static_cast<double>(last - first)));
       if (when.size() < fewest) continue;
       const arm::MeasuredBody& body = arm_.bodies[b];
-      const std::optional<Mean> place = mean_of(when, where, body.position_sd_m, scatter_[b]);
+      const std::optional<BodyMean> place = mean_of(when, where, body.position_sd_m, scatter_[b]);
       if (!place) continue;
       block.bodies.push_back({static_cast<int>(b), place->value, place->frames, 0.0});
       places_.push_back(*place);
       if (tangents.size() < fewest) continue;
-      if (const std::optional<Mean> mean =
+      if (const std::optional<BodyMean> mean =
               mean_of(when_turned, tangents, body.orientation_sd_rad, tangent_scatter_[b])) {
         block.tangents.push_back({static_cast<int>(b), mean->value.normalized(), 0.0});
         tangents_.push_back(*mean);
@@ -427,7 +301,7 @@ class Preparing {
   std::vector<bool> blind_;                           ///< of the trial's frames
   std::vector<std::vector<double>> scatter_;          ///< variance per coordinate and frame, by body
   std::vector<std::vector<double>> tangent_scatter_;  ///< the same of tangents
-  std::vector<Mean> places_, tangents_;               ///< of all blocks, in their order
+  std::vector<BodyMean> places_, tangents_;           ///< of all blocks, in their order
 };
 
 }  // namespace
