@@ -13,17 +13,45 @@
 namespace softarm::check {
 namespace {
 
-/// @param latency_s that the arm file has; it may account for another epoch
+/// Median of stamp less receipt.
 template <typename Sample>
-ClockEpoch epoch_of(const std::vector<Sample>& samples, double latency_s) {
+double ahead_of(const std::vector<Sample>& samples) {
   std::vector<double> ahead;
   for (const Sample& s : samples) {
     if (s.stamp_s > 0.0 && std::isfinite(s.stamp_s)) ahead.push_back(s.stamp_s - s.receipt_s);
   }
-  const double middle = math::median(std::move(ahead));
+  return math::median(std::move(ahead));
+}
+
+/// @param latency_s that the arm file has; it may account for another epoch
+template <typename Sample>
+ClockEpoch epoch_of(const std::vector<Sample>& samples, double latency_s) {
+  const double middle = ahead_of(samples);
   if (!(std::abs(middle) > kPolicy.timing.other_epoch_s)) return {};
   if (std::abs(middle - latency_s) > kPolicy.timing.other_epoch_s) return {middle, 0.0};
   return {0.0, latency_s};
+}
+
+/// What each body's clock is ahead of that of most samples of bodies, of two as large groups that nearer to
+/// receipt; 0 where it is the same clock.
+std::vector<double> own_ahead_of(const std::vector<std::vector<trial::RecordedPose>>& bodies) {
+  std::vector<double> ahead, own(bodies.size(), 0.0);
+  for (const auto& body : bodies) ahead.push_back(ahead_of(body));
+  const auto alike = [&](std::size_t a, std::size_t b) {
+    return std::abs(ahead[a] - ahead[b]) <= kPolicy.timing.other_epoch_s;
+  };
+  std::size_t main = 0, most = 0;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    std::size_t samples = 0;
+    for (std::size_t j = 0; j < bodies.size(); ++j)
+      if (alike(i, j)) samples += bodies[j].size();
+    if (samples < most || (samples == most && std::abs(ahead[i]) >= std::abs(ahead[main]))) continue;
+    main = i;
+    most = samples;
+  }
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    if (!bodies[i].empty() && !alike(i, main)) own[i] = ahead[i] - ahead[main];
+  return own;
 }
 
 bool usable(const trial::RecordedPose& pose) {
@@ -146,12 +174,12 @@ Signal make_signal(const arm::ScalarInput& input, const std::vector<trial::Recor
   return signal;
 }
 
-Track make_track(const std::vector<trial::RecordedPose>& poses, const Context& context) {
+Track make_track(const std::vector<trial::RecordedPose>& poses, double own_ahead_s, const Context& context) {
   Track track;
   for (const trial::RecordedPose& pose : poses) {
     if (!usable(pose)) continue;
-    track.poses.push_back({context.seconds(pose.stamp_s - context.arm.inputs.body_latency_s), pose.p_mocap,
-                           unit(pose.q_mocap), true});
+    track.poses.push_back({context.seconds(pose.stamp_s - own_ahead_s - context.arm.inputs.body_latency_s),
+                           pose.p_mocap, unit(pose.q_mocap), true});
   }
   sort_in_time(track.poses);
   track.period_s = median_step(track.poses);
@@ -219,10 +247,12 @@ Context::Context(const trial::CheckRecording& recorded, const arm::Arm& describe
     begin = std::min(begin, receipt_s);
     end = std::max(end, receipt_s);
   };
+  own_ahead_s = own_ahead_of(recording.bodies);
   std::vector<trial::RecordedPose> all;
-  for (const auto& body : recording.bodies) {
+  for (std::size_t i = 0; i < recording.bodies.size(); ++i) {
+    const auto& body = recording.bodies[i];
     for (const trial::RecordedPose& pose : body) extend(pose.receipt_s);
-    all.insert(all.end(), body.begin(), body.end());
+    if (own_ahead_s[i] == 0.0) all.insert(all.end(), body.begin(), body.end());
   }
   for (std::size_t i = 0; i < recording.inputs.size(); ++i) {
     for (const trial::RecordedValue& value : recording.inputs[i]) extend(value.receipt_s);
@@ -235,7 +265,7 @@ Context::Context(const trial::CheckRecording& recorded, const arm::Arm& describe
   }
   body_epoch = epoch_of(all, arm.inputs.body_latency_s);
   for (std::size_t i = 0; i < recording.bodies.size(); ++i) {
-    tracks.push_back(make_track(recording.bodies[i], *this));
+    tracks.push_back(make_track(recording.bodies[i], own_ahead_s[i], *this));
     Track& track = tracks.back();
     track.name = i == 0 ? arm.base.body.value_or("") : arm.bodies[i - 1].name;
     if (i > 0) {
@@ -292,6 +322,17 @@ CheckFinding& Context::add(Severity severity, const std::string& id, const std::
                            const std::string& what) {
   stated(check, id, false);
   return appended(*this, severity, id, where, what);
+}
+
+bool Context::has_one_clock() const {
+  if (std::any_of(own_ahead_s.begin(), own_ahead_s.end(), [](double ahead) { return ahead != 0.0; }))
+    return false;
+  for (std::size_t i = 0; i < input_epochs.size(); ++i) {
+    if (recording.inputs[i].empty()) continue;
+    if (std::abs(input_epochs[i].unknown_s - body_epoch.unknown_s) > kPolicy.timing.other_epoch_s)
+      return false;
+  }
+  return true;
 }
 
 bool Context::found(std::initializer_list<const char*> ids) const {

@@ -86,6 +86,9 @@ struct Context {
   double begin_s = 0.0;                 ///< receipt of the first sample
   double duration_s = 0.0;
   ClockEpoch body_epoch;
+  /// [0] the base's, then as Arm::bodies: what a body's clock is ahead of that of most bodies, where it is
+  /// another one altogether; else 0.
+  std::vector<double> own_ahead_s;
   std::vector<ClockEpoch> input_epochs;
   std::vector<Track> tracks;  ///< [0] the base (empty poses where it is fixed or absent), then Arm::bodies
   std::vector<Signal> signals;
@@ -106,6 +109,8 @@ struct Context {
   /// A share of the arm's length, m.
   double of_length(double share) const { return share * arm.total_length_m(); }
   double seconds(double stamp_s) const { return stamp_s - begin_s - body_epoch.unknown_s; }
+  /// Whether all stamps are of one clock, whatever the recorder's showed.
+  bool has_one_clock() const;
   /// Appends a finding of the check that is looking, and returns it for the rest to be filled in; its
   /// severity is what the check states of the id.
   /// @throws std::logic_error where the check does not state the id, or the other call is meant

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/algorithm/string/predicate.hpp>
 #include <cmath>
 
 #include "context.h"
@@ -41,15 +42,13 @@ double drift_of(const std::vector<double>& t_s, const std::vector<double>& delay
   return agreed ? math::median(slopes) : 0.0;
 }
 
-template <typename Samples>
-std::optional<Transport> transport_of(const Samples& all, double begin_s) {
+template <typename Sample>
+std::optional<Transport> transport_of(const std::vector<Sample>& samples, double begin_s) {
   std::vector<double> t, delay;
-  for (const auto& samples : all) {
-    for (const auto& s : samples) {
-      if (!(s.stamp_s > 0.0)) continue;
-      t.push_back(s.receipt_s - begin_s);
-      delay.push_back(s.receipt_s - s.stamp_s);
-    }
+  for (const Sample& s : samples) {
+    if (!(s.stamp_s > 0.0)) continue;
+    t.push_back(s.receipt_s - begin_s);
+    delay.push_back(s.receipt_s - s.stamp_s);
   }
   if (delay.size() < kPolicy.receipt.least_samples) return std::nullopt;
   std::vector<std::size_t> order(t.size());
@@ -72,10 +71,29 @@ struct Stamped {
   double known_s = 0.0;  // that latency_s
 };
 
+/// Played back, or all on one clock that is not the recorder's: the stamps agree, and they decide.
+void say_one_epoch(Context& context, const Stamped& stamped) {
+  const auto& scalars = context.arm.inputs.scalars;
+  const bool by_receipt = std::any_of(scalars.begin(), scalars.end(), [](const arm::ScalarInput& input) {
+    return input.stamp == arm::StampSource::kReceipt || boost::starts_with(input.type, "std_msgs/");
+  });
+  CheckFinding& finding = context.add(
+      by_receipt ? Severity::kWarning : Severity::kInformation, "other_epoch", stamped.name,
+      fmt::format("stamps are {:+.6g} s from receipt, all alike: one clock, which is not the recorder's",
+                  -stamped.transport.delay_s));
+  finding.figure = -stamped.transport.delay_s;
+  finding.unit = "s";
+  finding.remedy =
+      by_receipt
+          ? "estimates go by the stamps; what has no header (std_msgs) is held to be as new as the last "
+            "body that came before it, so record with the clock that stamps"
+          : "none is needed if it was played back: estimates go by the stamps";
+}
+
 void say_other_epoch(Context& context, const Stamped& stamped) {
   const double delay_s = stamped.transport.delay_s;
   CheckFinding& finding =
-      context.add("other_epoch", stamped.name,
+      context.add(Severity::kSerious, "other_epoch", stamped.name,
                   fmt::format("stamps are {:+.6g} s from receipt: they are of another clock", -delay_s));
   finding.figure = -delay_s;
   finding.unit = "s";
@@ -145,7 +163,7 @@ void say(Context& context, const Stamped& stamped) {
   if (transport.delay_s == 0.0 && transport.jitter_s == 0.0) return;
   if (std::min(std::abs(transport.delay_s), std::abs(transport.delay_s + stamped.known_s)) >
       kPolicy.timing.other_epoch_s)
-    return say_other_epoch(context, stamped);
+    return context.has_one_clock() ? say_one_epoch(context, stamped) : say_other_epoch(context, stamped);
   const bool drifts = std::abs(transport.drift) > kPolicy.receipt.drift &&
                       std::abs(transport.drift) * context.duration_s > kPolicy.receipt.drifted_s;
   // A clock that runs away gets ahead by so much; that is said once.
@@ -168,13 +186,33 @@ void say(Context& context, const Stamped& stamped) {
   }
 }
 
+/// One body, or the base, that another machine stamps than the other bodies.
+void say_own_clock(Context& context, std::size_t track, const Transport& transport) {
+  CheckFinding& finding = context.add(
+      Severity::kSerious, "other_epoch", context.tracks[track].name,
+      fmt::format("stamps are {:+.6g} s from receipt, and {:+.6g} s from those of the other bodies: no frame "
+                  "has both",
+                  -transport.delay_s, context.own_ahead_s[track]));
+  finding.figure = context.own_ahead_s[track];
+  finding.unit = "s";
+  finding.remedy = "one clock for all bodies (chrony, or one driver)";
+}
+
 void check_receipt(Context& context) {
-  if (const auto mocap = transport_of(context.recording.bodies, context.begin_s)) {
+  std::vector<trial::RecordedPose> together;
+  for (std::size_t b = 0; b < context.tracks.size(); ++b) {
+    const auto& poses = context.recording.bodies[b];
+    if (context.own_ahead_s[b] == 0.0) {
+      together.insert(together.end(), poses.begin(), poses.end());
+    } else if (const auto own = transport_of(poses, context.begin_s)) {
+      say_own_clock(context, b, *own);
+    }
+  }
+  if (const auto mocap = transport_of(together, context.begin_s)) {
     say(context, {"mocap", *mocap, "inputs.bodies", context.arm.inputs.body_latency_s});
   }
   for (std::size_t i = 0; i < context.signals.size(); ++i) {
-    const std::vector<std::vector<trial::RecordedValue>> one{context.recording.inputs[i]};
-    const auto transport = transport_of(one, context.begin_s);
+    const auto transport = transport_of(context.recording.inputs[i], context.begin_s);
     if (!transport) continue;
     const arm::ScalarInput& input = *context.signals[i].input;
     say(context, {input.name, *transport, path_of(input), input.latency_s});
@@ -185,7 +223,7 @@ void check_receipt(Context& context) {
 
 Check make_receipt() {
   return {check_receipt,
-          {{"other_epoch", Severity::kSerious, Alike::kOnePerDriver},
+          {{"other_epoch", {}, Alike::kOnePerDriver},
            {"stamps_ahead", Severity::kWarning, Alike::kOnePerDriver},
            {"late_receipt", Severity::kWarning, Alike::kOnePerDriver},
            {"clock_drift", Severity::kWarning, Alike::kOnePerDriver},

@@ -13,6 +13,8 @@ namespace softarm::check {
 /// What is set aside of one source.
 struct Stray {
   std::size_t count = 0;
+  std::size_t of = 0;       ///< messages of the source
+  std::size_t stamped = 0;  ///< of those set aside: by their stamps, too, which the programs go by
   double off_s = 0.0;       ///< the furthest, from the recording
   bool of_receipt = false;  ///< else of the stamps
 };

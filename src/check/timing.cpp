@@ -191,6 +191,7 @@ void say_split_frames(Context& context) {
   std::vector<std::pair<double, std::size_t>> stamps;
   double period_s = 0.0;
   for (std::size_t b = 0; b < context.tracks.size(); ++b) {
+    if (context.own_ahead_s[b] != 0.0) continue;  // of another clock: said by check_receipt
     for (const TrackPose& pose : context.tracks[b].poses) stamps.emplace_back(pose.t_s, b);
     if (context.tracks[b].poses.size() > 1) period_s = std::max(period_s, context.tracks[b].period_s);
   }

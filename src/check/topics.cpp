@@ -165,6 +165,24 @@ void say_unused(Context& context) {
   }
 }
 
+void say_wrong_type(Context& context, const trial::RecordedTopic& topic, bool no_body_at_all) {
+  const bool payload_is_needed =
+      topic.of_payload && context.arm.estimator.unknown == arm::Unknown::kStiffness;
+  const bool serious = topic.is_base || (topic.of_bodies && no_body_at_all) || payload_is_needed;
+  CheckFinding& finding =
+      context.add(serious ? Severity::kSerious : Severity::kWarning, "wrong_type", topic.topic,
+                  fmt::format("is {}, the arm expects {} ({})", topic.found_type, topic.type, topic.feeds));
+  if (topic.of_payload) {  // the arm file has no key for it
+    finding.what += ": the payload is unknown throughout";
+    if (const auto assumed = context.arm.payload.default_kg)
+      finding.what += fmt::format(", {:g} kg is assumed", *assumed);
+    finding.remedy = fmt::format("publish it as {}, in kg; or estimate with --payload KG", topic.type);
+    return;
+  }
+  finding.remedy = "name the type that the driver publishes in the arm file";
+  finding.setting = retyped(context, topic);
+}
+
 void check_topics(Context& context) {
   const auto& topics = context.recording.topics;
   const bool no_body = std::none_of(topics.begin(), topics.end(), [](const trial::RecordedTopic& t) {
@@ -174,12 +192,7 @@ void check_topics(Context& context) {
     if (topic.found_type.empty()) {
       say_missing(context, topic, no_body);
     } else if (topic.found_type != topic.type) {
-      const bool serious = topic.is_base || (topic.of_bodies && no_body);
-      CheckFinding& finding = context.add(
-          serious ? Severity::kSerious : Severity::kWarning, "wrong_type", topic.topic,
-          fmt::format("is {}, the arm expects {} ({})", topic.found_type, topic.type, topic.feeds));
-      finding.remedy = "name the type that the driver publishes in the arm file";
-      finding.setting = retyped(context, topic);
+      say_wrong_type(context, topic, no_body);
     } else if (topic.messages == 0 && !topic.of_payload) {
       context
           .add(topic.is_base ? Severity::kSerious : Severity::kWarning, "empty_topic", topic.topic,

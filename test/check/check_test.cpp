@@ -81,6 +81,17 @@ TEST_F(Check, MissingBaseAndWrongTypeAreSerious) {
   expect("wrong_type", check::Severity::kSerious, "/mocap/base/pose");
 }
 
+TEST_F(Check, PayloadOfAWrongTypeIsSeriousWhereItIsNeeded) {
+  recording.topics[4].found_type = "std_msgs/Float32";
+  recording.payload.clear();
+  for (trial::Frame& frame : recording.frames) frame.payload_kg.reset();
+  expect_only("wrong_type", check::Severity::kSerious, "/payload");
+  EXPECT_THAT(find(report(), "wrong_type")->remedy, HasSubstr("std_msgs/Float64"));
+  EXPECT_EQ(find(report(), "payload_unknown"), nullptr);  // said once
+  arm.estimator.unknown = arm::Unknown::kPayload;
+  expect_only("wrong_type", check::Severity::kWarning, "/payload");
+}
+
 TEST_F(Check, ZeroStampsDuplicatesAndGaps) {
   for (int k = 0; k < 100; ++k) recording.bodies[1][at(3) + k].stamp_s = 0.0;
   expect("zero_stamps", check::Severity::kSerious, "ring_1");

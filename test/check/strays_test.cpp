@@ -75,5 +75,122 @@ TEST(StrayStretches, OfTwoThatAreYearsApartTheLongerIsLookedAt) {
   }));
 }
 
+constexpr double kTwelveYears = 12.0 * 365.25 * 86400.0;
+
+template <typename Samples>
+void move(Samples& samples, double stamps_by_s, double receipts_by_s) {
+  for (auto& sample : samples) {
+    sample.stamp_s += stamps_by_s;
+    sample.receipt_s += receipts_by_s;
+  }
+}
+
+/// Of the worst finding, and what it says.
+struct Said {
+  std::string id, where, severity;
+};
+
+/// Stamps, and times of record, that are years apart: serious where the programs, which go by the stamps,
+/// find no bodies and inputs that belong together.
+class YearsApart : public ::testing::Test {
+ protected:
+  Said said() const {
+    const check::CheckReport report = check::check_recording(recording, arm);
+    if (report.findings.empty()) return {};
+    const check::CheckFinding& f = report.findings.front();
+    return {f.id, f.where, to_string(f.severity)};
+  }
+  void move_bodies(double stamps_by_s, double receipts_by_s) {
+    for (auto& body : recording.bodies) move(body, stamps_by_s, receipts_by_s);
+  }
+  void move_inputs(double stamps_by_s, double receipts_by_s) {
+    for (auto& input : recording.inputs) move(input, stamps_by_s, receipts_by_s);
+  }
+  void expect_serious(const std::string& id, const std::string& where) const {
+    const Said worst = said();
+    EXPECT_EQ(worst.severity, "serious") << worst.id;
+    EXPECT_EQ(worst.id, id);
+    EXPECT_THAT(worst.where, HasSubstr(where));
+  }
+
+  arm::Arm arm = hanging_arm();
+  trial::CheckRecording recording = clean();
+};
+
+TEST_F(YearsApart, BodiesStampedApartFromTheInputs) {
+  move_bodies(kTwelveYears, 0.0);
+  expect_serious("other_epoch", "mocap");
+}
+
+TEST_F(YearsApart, BodiesStampedAndRecordedApartFromTheInputs) {
+  move_bodies(kTwelveYears, kTwelveYears);
+  expect_serious("stray_times", "chamber_1");
+  EXPECT_LT(check::check_recording(recording, arm).duration_s, 30.0);
+}
+
+TEST_F(YearsApart, OneBodyStampedApartFromTheOthers) {
+  for (const std::size_t body : {0u, 2u}) {
+    recording = clean();
+    move(recording.bodies[body], kTwelveYears, 0.0);
+    expect_serious("other_epoch", body == 0 ? "base" : "ring_2");
+    const check::CheckReport report = check::check_recording(recording, arm);
+    EXPECT_EQ(std::count_if(report.findings.begin(), report.findings.end(),
+                            [](const auto& f) { return f.severity != check::Severity::kInformation; }),
+              1)
+        << complaints(report);
+  }
+}
+
+TEST_F(YearsApart, HalfOfTheBodiesStampedApart) {
+  for (auto& body : recording.bodies)
+    for (std::size_t k = at(12); k < body.size(); ++k) body[k].stamp_s -= 900.0 + kTwelveYears;
+  for (auto& body : recording.bodies) move(body, kTwelveYears, kTwelveYears);
+  move_inputs(kTwelveYears, kTwelveYears);
+  move(recording.payload, kTwelveYears, kTwelveYears);
+  expect_serious("stray_times", "base");
+}
+
+TEST_F(YearsApart, PlayedBackWithAllOnOneClockIsNotSerious) {
+  move_bodies(0.0, kTwelveYears);
+  move_inputs(0.0, kTwelveYears);
+  move(recording.payload, 0.0, kTwelveYears);
+  const check::CheckReport report = check::check_recording(recording, arm);
+  EXPECT_EQ(complaints(report), "");
+  EXPECT_NE(find(report, "other_epoch", "mocap"), nullptr);
+  arm.inputs.scalars[0].type = "std_msgs/Float64";  // without a header: as new as the last body
+  const check::CheckReport headerless = check::check_recording(recording, arm);
+  ASSERT_NE(find(headerless, "other_epoch"), nullptr);
+  EXPECT_EQ(find(headerless, "other_epoch")->severity, check::Severity::kWarning);
+}
+
+TEST_F(YearsApart, PayloadOfAnotherClockThatAllFramesHaveIsMerelySaid) {
+  move_bodies(0.0, -kTwelveYears);
+  move_inputs(0.0, -kTwelveYears);
+  recording.payload.push_back(recording.payload.front());
+  recording.payload.back().receipt_s -= kTwelveYears;
+  recording.payload.front().stamp_s -= kTwelveYears;
+  recording.payload.front().receipt_s -= kTwelveYears;
+  EXPECT_EQ(complaints(check::check_recording(recording, arm)), "");
+}
+
+TEST_F(YearsApart, RecordTimesAloneAreNotSerious) {
+  move_inputs(0.0, -kTwelveYears);  // by a converter that knew none
+  const check::CheckReport report = check::check_recording(recording, arm);
+  EXPECT_EQ(report.worst(), check::Severity::kWarning) << complaints(report);
+  for (trial::Frame& frame : recording.frames) frame.inputs.assign(2, std::nullopt);
+  expect_serious("stray_times", "chamber_1");
+}
+
+TEST_F(YearsApart, PayloadThatIsSaidBeforeTheBodiesOfAnOlderClockIsUnknownToFrames) {
+  move_bodies(0.0, kTwelveYears);
+  move_inputs(0.0, kTwelveYears);
+  move(recording.payload, kTwelveYears, kTwelveYears);
+  for (std::size_t i = 0; i < 100; ++i) recording.frames[i].payload_kg.reset();  // of 200
+  expect_serious("payload_unknown", "/payload");
+  EXPECT_THAT(check::check_recording(recording, arm).findings.front().what, HasSubstr("50 % of the frames"));
+  arm.estimator.unknown = arm::Unknown::kPayload;
+  EXPECT_EQ(check::check_recording(recording, arm).worst(), check::Severity::kWarning);
+}
+
 }  // namespace
 }  // namespace softarm::testing_check
