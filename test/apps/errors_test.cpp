@@ -90,6 +90,27 @@ TEST(SoftarmErrors, FullDisk) {
   }
 }
 
+TEST(SoftarmErrors, FullDiskTakesNoResultThatIsReadFromTheTerminal) {
+  const TestFolder dir;
+  const std::string bag = dir / "trial.bag", arm = " --arm online_200mm ";
+  ASSERT_EQ(softarm_program("simulate demo --seconds 10 --seed 3 --out " + bag).status, 0);
+  const auto expect_said = [&](const std::string& arguments, const std::vector<std::string>& words) {
+    SCOPED_TRACE(arguments);
+    const std::size_t before = dir.entries();
+    const Outcome o = softarm_program(arguments, disk_with(8192));  // what is printed is a file here, too
+    EXPECT_EQ(o.status, 1);
+    EXPECT_THAT(o.err, ContainsRegex("cannot be written: .*(File too large|No space left on device)"));
+    EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+    for (const std::string& word : words) EXPECT_THAT(o.out, HasSubstr(word));
+    EXPECT_EQ(o.out.find("written:"), std::string::npos) << o.out;
+    EXPECT_EQ(dir.entries(), before) << "something was left behind";
+  };
+  expect_said("estimate" + arm + bag + " --out " + dir / "out", {"frames ok:", "frames_per_s:"});
+  expect_said("identify" + arm + bag + " --free segment_1.bending_stiffness.base --frames 40 --out " +
+                  dir / "out.yaml",
+              {"arm: ", "segment_1.bending_stiffness.base"});
+}
+
 TEST(SoftarmErrors, WhatIsNoFileIsWrittenToAndALinkStaysOne) {
   namespace fs = std::filesystem;
   const TestFolder dir;

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -149,7 +150,6 @@ void estimate_bag(const arm::Arm& arm, const std::vector<model::Present>& effect
     throw Failure(fmt::format("{}: no frame could be put together out of {} samples: {}", job.bag,
                               bag.assembler().samples(), summary.why_none(bag.assembler().rejected())));
   }
-  finish(rows, csv.path());
   const std::string table =
       fmt::format("{:<28}{}\n{:<28}{}\n{:<28}{}, unknown: {}, prior: {}, window: {:g} s, dynamics: {}\n",
                   "bag:", fs::path(job.bag).filename().string(), "arm:", arm.name,
@@ -158,15 +158,17 @@ void estimate_bag(const arm::Arm& arm, const std::vector<model::Present>& effect
                   to_string(arm.estimator.dynamics)) +
       effect_lines(estimator) + summary.text(bag.assembler().rejected(), bag.assembler().samples()) +
       alarms.text();
+  // How long it took is printed but not written: the same bag gives the same files. Before they are: a full
+  // disk must not take the table away.
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
+  job.summary = table + fmt::format("frames_per_s: {:.0f}\nspeed: {:.1f} x real time\n",
+                                    static_cast<double>(summary.frames()) / wall.count(),
+                                    summary.duration_s() / wall.count());
+  finish(rows, csv.path());
   text.write(table);
   csv.commit();
   text.commit();
-
-  // How long it took is printed but not written: the same bag gives the same files.
-  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
-  job.summary = table + fmt::format("frames_per_s: {:.0f}\nspeed: {:.1f} x real time\nwritten: {}\n",
-                                    static_cast<double>(summary.frames()) / wall.count(),
-                                    summary.duration_s() / wall.count(), csv.path().string());
+  job.summary += fmt::format("written: {}\n", csv.path().string());
   if (summary.ok() == 0)
     job.failure = fmt::format("{}: not one of {} frames could be estimated: {}", job.bag, summary.frames(),
                               summary.why_none(bag.assembler().rejected()));
@@ -196,6 +198,7 @@ void run_estimate(const EstimateOptions& options) {
   for (const Job& job : jobs) {
     for (const std::string& warning : job.warnings) fmt::print(stderr, "softarm: warning: {}\n", warning);
     if (!job.summary.empty()) say("{}\n", job.summary);
+    std::fflush(stdout);  // before what is said of it
     if (job.failure.empty()) continue;
     if (failure.empty()) {
       failure = job.failure;

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <memory>
@@ -87,6 +88,9 @@ void fit(const IdentifyOptions& options, const arm::Arm& arm) {
         arm, effects, trials, options.fit,
         [&](double share) { progress.advance(share - std::exchange(done, share), 1); }, options.jobs);
   }
+  // First: it may have taken minutes, and a full disk must not take it away.
+  say("{}\narm: {}\n{}", identify::verdict(result), arm.name, identify::describe(result));
+  std::fflush(stdout);
   out.write(arm::update_arm_text(text, source.string(), result.arm, identify::arm_file_header(result)));
   if (json) json->write(identify::to_json(result));
   if (shapes) {
@@ -98,8 +102,7 @@ void fit(const IdentifyOptions& options, const arm::Arm& arm) {
   if (json) json->commit();
   if (shapes) shapes->commit();
   if (constants) constants->commit();
-  say("{}\narm: {}\n{}written: {}\n", identify::verdict(result), arm.name, identify::describe(result),
-      options.out);
+  say("written: {}\n", options.out);
   if (shapes) say("written: {0}; scripts/plot_identify.py {0} --out picture.png draws it\n", options.plot);
 }
 
@@ -119,16 +122,18 @@ void pull(const IdentifyOptions& options, const arm::Arm& arm) {
   if (!out) return;
   const published::ThreeTruths truths =
       published::fit_three_truths(arm, pulls, published::LoadLaw::kStatics, true);
+  fmt::print(
+      "laws fitted to {} pulls: they leave {:.2f} mm of length, {:.5f} N m^2 of stiffness, {:.4f} N m of "
+      "moment (rms)\n",
+      truths.pulls, 1e3 * truths.length_rms_m, truths.stiffness_rms_nm2, truths.moment_rms_nm);
+  std::fflush(stdout);
   const fs::path source = find_config("arms", options.arm);
   const std::string text = read_text(source);
   out->write(
       arm::update_arm_text(text, source.string(), truths.arm,
                            {fmt::format("constants by the pull procedure from {} pulls", truths.pulls)}));
   out->commit();
-  fmt::print(
-      "laws fitted to {} pulls: they leave {:.2f} mm of length, {:.5f} N m^2 of stiffness, {:.4f} N m of "
-      "moment (rms)\nwritten: {}\n",
-      truths.pulls, 1e3 * truths.length_rms_m, truths.stiffness_rms_nm2, truths.moment_rms_nm, options.out);
+  say("written: {}\n", options.out);
 }
 
 void releases(const IdentifyOptions& options, const arm::Arm& arm) {
