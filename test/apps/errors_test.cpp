@@ -2,7 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
+
+#include <csignal>
+#include <functional>
+#include <vector>
 
 #include "program.h"
 
@@ -202,6 +207,51 @@ TEST(SoftarmErrors, WhatAKilledProcessLeftIsRemovedAndWhatALivingOneWritesIsNot)
   EXPECT_FALSE(std::filesystem::exists(dir / ".x.bag.2147483646.partial"));
   EXPECT_TRUE(std::filesystem::exists(dir / ".x.bag.1.partial"));
   EXPECT_TRUE(std::filesystem::exists(dir / ".x.bag.note.partial"));
+}
+
+/// Started as from a shell that does something first; its files are awaited, then it gets a signal.
+/// @return as of waitpid
+int status_after(int signal, const std::string& arguments, const std::string& before,
+                 const std::function<bool()>& writes) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const std::string line =
+        before + "exec " SOFTARM_PROGRAM_DIR "/softarm " + arguments + " >/dev/null 2>&1";
+    ::execl("/bin/sh", "sh", "-c", line.c_str(), nullptr);
+    ::_exit(127);
+  }
+  for (int i = 0; i < 3000 && !writes(); ++i) usleep(20000);
+  EXPECT_TRUE(writes()) << arguments;
+  ::kill(child, signal);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return status;
+}
+
+TEST(SoftarmErrors, ASignalThatEndsTheProgramLeavesNothingOfItsFiles) {
+  const TestFolder dir;
+  const std::string bag = dir / "trial.bag";
+  ASSERT_EQ(softarm_program("simulate demo --seconds 60 --seed 3 --out " + bag).status, 0);
+  const std::size_t before = dir.entries();
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    SCOPED_TRACE(signal);
+    const auto expect_ended = [&](const std::string& arguments, std::size_t files) {
+      const int status = status_after(signal, arguments, "", [&] { return dir.entries() >= before + files; });
+      EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == signal) << arguments << ": " << status;
+      EXPECT_EQ(dir.entries(), before) << "something was left behind";
+    };
+    expect_ended("simulate demo --seconds 1000 --seed 3 --out " + dir / "x.bag", 1);
+    // Two folders are made for them.
+    expect_ended("estimate --arm online_200mm " + bag + " --out " + dir / "out", 3);
+  }
+}
+
+TEST(SoftarmErrors, ASignalThatIsIgnoredEndsNothing) {
+  const TestFolder dir;
+  const int status = status_after(SIGINT, "simulate demo --seconds 100 --seed 3 --out " + dir / "x.bag",
+                                  "trap '' INT; ", [&] { return dir.entries() >= 1; });
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+  EXPECT_TRUE(std::filesystem::exists(dir / "x.bag"));
 }
 
 constexpr const char* kSmallCampaign = R"(format: 1

@@ -131,6 +131,7 @@ ResultsFolder::ResultsFolder(const fs::path& path) {
   for (fs::path p = path; !p.empty() && !fs::exists(p, error); p = p.parent_path()) made_.push_back(p);
   fs::create_directories(path, error);
   if (error) throw Failure(fmt::format("{}: cannot be made: {}", path.string(), error.message()));
+  for (auto p = made_.rbegin(); p != made_.rend(); ++p) empty_.emplace_back(p->string());
 }
 
 ResultsFolder::~ResultsFolder() {
@@ -184,6 +185,7 @@ OutputFile::OutputFile(fs::path path, Replacing replacing)
   remove_leftovers(folder, place_.filename().string());
   // Hidden, with the process in its name: two runs do not write into each other's file.
   temporary_ = folder / fmt::format(".{}.{}.partial", place_.filename().string(), ::getpid());
+  unfinished_.emplace(temporary_.string());
 }
 
 OutputFile::~OutputFile() {

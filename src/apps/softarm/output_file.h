@@ -3,8 +3,12 @@
 
 #include <filesystem>
 #include <iosfwd>
+#include <list>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "removed_on_signal.h"
 
 namespace softarm::app {
 
@@ -21,8 +25,8 @@ struct Replacing {
 /// A file written under a temporary name beside its place and renamed when it is complete. A link is
 /// followed: it stays, and the file that it names is written.
 ///
-/// Destroyed before commit(), it leaves nothing behind: an error half way never leaves half an output. What a
-/// process that was killed left beside the place is removed.
+/// Destroyed before commit(), it leaves nothing behind: an error half way never leaves half an output, nor
+/// does a signal that ends the program. What a process that was killed left beside the place is removed.
 ///
 /// A device, a pipe and what a process has open (/dev/stdout) is written straight to: it must not be
 /// replaced.
@@ -48,6 +52,7 @@ class OutputFile {
   std::filesystem::path path_;   // as told
   std::filesystem::path place_;  // what it names; empty where that is written straight to
   std::filesystem::path temporary_;
+  std::optional<RemovedOnSignal> unfinished_;
   Replacing replacing_;
   bool committed_ = false;
 };
@@ -56,7 +61,8 @@ class OutputFile {
 /// write
 void refuse_to_replace(const std::filesystem::path& path, const Replacing& replacing);
 
-/// A folder that is removed again, with those above it that were made, if nothing comes to stand in it.
+/// A folder that is removed again, with those above it that were made, if nothing comes to stand in it; where
+/// a signal ends the program, too.
 class ResultsFolder {
  public:
   /// @throws Failure if it cannot be made
@@ -67,6 +73,7 @@ class ResultsFolder {
 
  private:
   std::vector<std::filesystem::path> made_;  // the deepest first
+  std::list<RemovedOnSignal> empty_;         // the deepest last
 };
 
 /// Closes what was written to a file. @throws Failure with the reason where not all of it was
