@@ -72,6 +72,19 @@ def draw_levels(axes, recording):
     axes.set_xlabel(unit)
 
 
+def draw(plt, recordings):
+    heights = [0.6 + 0.28 * len(rows_of(r)) for r in recordings]
+    figure, axes = plt.subplots(len(recordings), 2, figsize=(12, sum(heights) + 0.6 * len(recordings)), squeeze=False,
+                                gridspec_kw={'width_ratios': [3, 1], 'height_ratios': heights})
+    for row, recording in zip(axes, recordings):
+        draw_timeline(row[0], recording)
+        draw_levels(row[1], recording)
+    # Names of findings stand in the gap.
+    figure.tight_layout()
+    figure.subplots_adjust(wspace=1.15)
+    return figure
+
+
 def checked(arm, bags):
     from softarm_module import softarm
     try:
@@ -86,8 +99,12 @@ def written(files):
         try:
             with open(path, encoding='utf-8') as file:
                 recordings += json.load(file)['recordings']
-        except (OSError, ValueError, KeyError, TypeError) as error:
+        except OSError as error:
+            sys.exit(f'plot_check: {path}: {error.strerror}')
+        except (ValueError, KeyError, TypeError) as error:
             sys.exit(f'{path}: not the findings of softarm check ({error}); of bags, --arm says of which arm they are')
+    if not recordings:
+        sys.exit(f"{', '.join(files)}: findings of no recording")
     return recordings
 
 
@@ -98,19 +115,20 @@ def main():
     parser.add_argument('--out', required=True, help='picture to write (png, pdf, svg)')
     options = parser.parse_args()
     recordings = checked(options.arm, options.findings) if options.arm else written(options.findings)
-    import matplotlib
+    try:
+        import matplotlib
+    except ImportError as why:
+        sys.exit(f'plot_check: {why}: apt-get install python3-matplotlib')
     matplotlib.use('Agg')
     import matplotlib.pyplot as plt
-    heights = [0.6 + 0.28 * len(rows_of(r)) for r in recordings]
-    figure, axes = plt.subplots(len(recordings), 2, figsize=(12, sum(heights) + 0.6 * len(recordings)), squeeze=False,
-                                gridspec_kw={'width_ratios': [3, 1], 'height_ratios': heights})
-    for row, recording in zip(axes, recordings):
-        draw_timeline(row[0], recording)
-        draw_levels(row[1], recording)
-    # Names of findings stand in the gap.
-    figure.tight_layout()
-    figure.subplots_adjust(wspace=1.15)
-    figure.savefig(options.out, dpi=120)
+    try:
+        figure = draw(plt, recordings)
+    except (KeyError, TypeError, ValueError, AttributeError) as why:
+        sys.exit(f"{', '.join(options.findings)}: not the findings of softarm check ({why})")
+    try:
+        figure.savefig(options.out, dpi=120)
+    except (OSError, ValueError) as why:
+        sys.exit(f"plot_check: {options.out}: cannot be written: {getattr(why, 'strerror', None) or why}")
 
 
 if __name__ == '__main__':

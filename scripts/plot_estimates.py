@@ -10,17 +10,11 @@ one further up, as when both commands were run in one folder; --truth names anot
 """
 import argparse
 import os
-import sys
 
-import matplotlib
+from plotting import die, plt, save, table_of  # first: it says what is not installed
 import numpy as np
-
-from softarm_module import softarm
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
-from matplotlib.lines import Line2D  # noqa: E402
-from matplotlib.patches import Patch  # noqa: E402
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 DEGREES = 180.0 / np.pi
 VAGUE_RAD = 0.5  # of φ: beyond this standard deviation it is drawn faint
@@ -40,10 +34,10 @@ OF_THE_ARM = ("theta_tip", "payload")  # not of a segment
 
 def read(path, segment):
     """The columns of the frames that have an estimate of this segment."""
-    rows = softarm.read_table(path, ["stamp", "segment", "status", *(panel[0] for panel in PANELS)])
+    rows = table_of(path, ["stamp", "segment", *(name for panel in PANELS for name in (panel[0], *panel[2:4]) if name)], ["status"])
     chosen = (rows["segment"] == segment) & (rows["status"] == "ok")
     if not chosen.any():
-        sys.exit(f"plot_estimates: {path}: no frame of segment {segment} has an estimate")
+        die(f"{path}: no frame of segment {segment} has an estimate")
     return {name: column[chosen] for name, column in rows.items()}
 
 
@@ -59,7 +53,10 @@ def truth_beside(path):
 
 def read_truth(path, rows):
     """None where it is of another time."""
-    truth = softarm.read_table(path, ["stamp"])
+    truth = table_of(path, ["stamp"])
+    wrong = [panel[5] for panel in PANELS if panel[5] in truth and truth[panel[5]].dtype.kind != "f"]
+    if wrong:
+        die(f"{path}: column {wrong[0]} has a cell that is no number")
     apart = truth["stamp"][0] > rows["stamp"][-1] or truth["stamp"][-1] < rows["stamp"][0]
     return None if apart else truth
 
@@ -177,11 +174,8 @@ def main():
         grid[-1][c].set_xlabel("time (s)")
     figure.tight_layout(rect=(0.0, 0.0, 1.0, 0.955))
     legend(figure, with_truth, with_settling)
-    figure.savefig(arguments.out, dpi=80)
+    save(figure, arguments.out, dpi=80)
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except softarm.Error as why:
-        sys.exit(f"plot_estimates: {why}")
+    main()

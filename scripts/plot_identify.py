@@ -11,26 +11,21 @@ import argparse
 import json
 import math
 import os
-import sys
 
-import matplotlib
-import numpy as np
-
+from plotting import die, plt, save, table_of  # first: it says what is not installed
 from softarm_module import softarm
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
+import numpy as np
 
 GRAVITY_M_S2 = 9.80665
 GAIN_NM_PER_PA = 6e-6
 COLOURS = {"before": "0.65", "after": "C0", "held out": "C1"}
 
 
-def read(folder, name, columns):
+def read(folder, name, numbers, texts):
     path = os.path.join(folder, name)
     if not os.path.exists(path):
-        sys.exit(f"plot_identify: {path}: is not there; softarm identify --plot writes it")
-    return softarm.read_table(path, columns, texts=["trial", "body"])
+        die(f"{path}: is not there; softarm identify --plot writes it")
+    return table_of(path, numbers, texts)
 
 
 def draw_tip(axes, rows, axis):
@@ -139,7 +134,7 @@ def draw_laws(path):
         axes.grid(alpha=0.3)
         axes.legend(fontsize=8)
     figure.tight_layout()
-    figure.savefig(path, dpi=75)
+    save(figure, path, dpi=75)
 
 
 def follow(drive, step_s, time_s, begin):
@@ -186,7 +181,7 @@ def draw_wall(path):
         axes.legend(fontsize=8, loc="lower right" if axes is not hold else "center")
     hold.set_ylabel("curvature / the laws' at full inflation")
     figure.tight_layout()
-    figure.savefig(path, dpi=75)
+    save(figure, path, dpi=75)
 
 
 def sagging(compliances, stiffness_nm2, tip_n, weight_n=1.0, segment_m=0.1):
@@ -235,7 +230,7 @@ def draw_joints(path):
     sag.set_ylim(0, 150)
     sag.legend(fontsize=8, loc="upper left")
     figure.tight_layout()
-    figure.savefig(path, dpi=75)
+    save(figure, path, dpi=75)
 
 
 def main():
@@ -258,11 +253,8 @@ def main():
     if not arguments.folder:
         parser.error("name the folder that `softarm identify --plot` wrote, or give --laws, --joints or --wall")
     places = [f"{what}_{axis}" for what in ("measured", "before", "after") for axis in "xyz"]
-    try:
-        shapes = read(arguments.folder, "shapes.csv", ["trial", "stamp", "body", "held_out", "error_before", "error_after", *places])
-        constants = read(arguments.folder, "constants.csv", ["name", "initial", "value", "sd", "scale", "determined"])
-    except softarm.Error as why:
-        sys.exit(f"plot_identify: {why}")
+    shapes = read(arguments.folder, "shapes.csv", ["stamp", "held_out", "error_before", "error_after", *places], ["trial", "body"])
+    constants = read(arguments.folder, "constants.csv", ["initial", "value", "sd", "scale", "determined"], ["name"])
     figure, grid = plt.subplots(2, 3, figsize=(15, 9))
     for axes, axis in zip(grid[0], "xyz"):
         draw_tip(axes, shapes, axis)
@@ -272,7 +264,7 @@ def main():
     grid[1][2].remove()
     draw_constants(figure.add_subplot(2, 3, (5, 6)), constants)
     figure.tight_layout()
-    figure.savefig(arguments.out, dpi=80)
+    save(figure, arguments.out, dpi=80)
 
 
 if __name__ == "__main__":

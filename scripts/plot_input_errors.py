@@ -9,17 +9,9 @@ recorded (`--exact-inputs`) and with errors in variables.
 import argparse
 import pathlib
 import subprocess
-import sys
 
-try:
-    import matplotlib
-except ImportError as error:
-    sys.exit(f"{error}: apt-get install python3-matplotlib")
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-
-from softarm_module import softarm  # noqa: E402
+from plotting import die, one_line, plt, save
+from softarm_module import softarm
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 NOISE_PA = (0, 1000, 2000, 4000, 6000)
@@ -30,8 +22,12 @@ EXACT, WITH = "#d9730d", "#1f6fb4"
 
 def run(program, *arguments):
     call = [program, *map(str, arguments), "--force"]  # the folder is the script's own
-    if subprocess.run(call, stdout=subprocess.DEVNULL).returncode != 0:
-        sys.exit(f"{' '.join(call)}: failed")
+    try:
+        failed = subprocess.run(call, stdout=subprocess.DEVNULL).returncode != 0
+    except OSError as why:
+        die(f"{program}: {why.strerror}")
+    if failed:
+        die(f"{' '.join(call)}: failed")
 
 
 def trials(program, work, noise_pa):
@@ -61,7 +57,10 @@ def main():
     parser.add_argument("--out", type=pathlib.Path, required=True, help="the picture")
     parser.add_argument("--program", default=str(ROOT / "scripts" / "softarm"), help="default: scripts/softarm")
     arguments = parser.parse_args()
-    arguments.work.mkdir(parents=True, exist_ok=True)
+    try:
+        arguments.work.mkdir(parents=True, exist_ok=True)
+    except OSError as why:
+        die(f"{arguments.work}: cannot be made: {why.strerror}")
 
     arm = softarm.load_arm("online_200mm")
     figure, grid = plt.subplots(1, 3, figsize=(9.5, 3.4), sharey=True)
@@ -85,8 +84,9 @@ def main():
     grid[0].set_ylabel("identified gain over the true one, 95 %")
     grid[0].legend(fontsize=8, frameon=False, loc="lower left")
     figure.tight_layout()
-    figure.savefig(arguments.out, dpi=75)
+    save(figure, arguments.out, dpi=75)
 
 
 if __name__ == "__main__":
-    main()
+    with one_line():
+        main()

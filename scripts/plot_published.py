@@ -8,6 +8,7 @@ A program of its own, independent of src/rod/published.cpp, which it must agree 
 """
 import argparse
 import math
+import sys
 
 import matplotlib
 
@@ -118,7 +119,10 @@ def main():
     hanging.plot([], [], "k--", label="as printed")
     hanging.legend(fontsize=7, loc="upper right")
     draw_fits(fits)
-    figure.savefig(arguments.out, dpi=90)
+    try:
+        figure.savefig(arguments.out, dpi=90)
+    except (OSError, ValueError) as why:
+        sys.exit(f"plot_published: {arguments.out}: cannot be written: {getattr(why, 'strerror', None) or why}")
 
 
 if __name__ == "__main__":

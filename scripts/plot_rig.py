@@ -5,14 +5,8 @@ scripts/plot_rig.py rig_accuracy.csv --out doc/images/rig_convergence.png
 """
 import argparse
 import collections
-import sys
 
-import matplotlib
-
-from softarm_module import softarm
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
+from plotting import die, plt, save, table_of
 
 ALLOWED_MM = 0.02
 PANELS = [("elements", "elements along each segment", "in motion, against 4 x as many"),
@@ -22,7 +16,7 @@ PANELS = [("elements", "elements along each segment", "in motion, against 4 x as
 
 def read(path):
     series = collections.defaultdict(lambda: collections.defaultdict(dict))
-    table = softarm.read_table(path, ["kind", "scenario", "value", "worst_mm"])
+    table = table_of(path, ["value", "worst_mm"], ["kind", "scenario"])
     for kind, scenario, value, worst_mm in zip(*(table[name] for name in ("kind", "scenario", "value", "worst_mm"))):
         series[kind][scenario][(1e3 if kind == "step" else 1.0) * value] = worst_mm
     return series
@@ -40,13 +34,10 @@ def main():
     parser.add_argument("csv", help="what rig_accuracy printed")
     parser.add_argument("--out", required=True, help="picture to write")
     options = parser.parse_args()
-    try:
-        series = read(options.csv)
-    except softarm.Error as why:
-        sys.exit(f"plot_rig: {why}")
+    series = read(options.csv)
     missing = [kind for kind, _, _ in PANELS if not series[kind]]
     if missing:
-        sys.exit(f"plot_rig.py: {options.csv}: no rows of kind {', '.join(missing)}")
+        die(f"{options.csv}: no rows of kind {', '.join(missing)}")
 
     figure, all_axes = plt.subplots(1, len(PANELS), figsize=(13, 4.2), sharey=True)
     for axes, (kind, label, title) in zip(all_axes, PANELS):
@@ -69,7 +60,7 @@ def main():
                          xytext=(4, 3), textcoords="offset points")
     all_axes[2].legend(fontsize=8, frameon=False)
     figure.tight_layout()
-    figure.savefig(options.out, dpi=110)
+    save(figure, options.out, dpi=110)
 
 
 if __name__ == "__main__":

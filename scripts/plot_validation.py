@@ -11,14 +11,9 @@ import argparse
 import json
 import os
 import re
-import sys
 
-import matplotlib
-
+from plotting import die, one_line, plt, save
 from softarm_module import softarm
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
 
 NAN = float("nan")
 IDEAL, REAL, THEIRS = "tab:blue", "tab:orange", "tab:gray"
@@ -28,7 +23,12 @@ class Rows:
     """One CSV file; columns as lists of numbers, empty cells as NaN."""
 
     def __init__(self, folder, name):
-        table = softarm.read_table(os.path.join(folder, name + ".csv"))
+        path = os.path.join(folder, name + ".csv")
+        with one_line():
+            table = softarm.read_table(path)
+        wrong = [column for column, cells in table.items() if cells.dtype.kind != "f"]
+        if wrong:
+            die(f"{path}: column {wrong[0]} has a cell that is no number")
         self.rows = [dict(zip(table, cells)) for cells in zip(*table.values())]
 
     def where(self, **conditions):
@@ -218,11 +218,18 @@ PICTURES = {"online": (online, "online_frames"), "semi_physical": (semi_physical
 
 def renew_tables(folder, page):
     """Every "<!-- table ID -->" and the block after it: the text of that table."""
-    with open(os.path.join(folder, "validation.json"), encoding="utf-8") as file:
-        papers = json.load(file)["papers"]
-    tables = {table["id"]: table["text"] for paper in papers for table in paper["tables"]}
-    with open(page, encoding="utf-8") as file:
-        text = file.read()
+    path = os.path.join(folder, "validation.json")
+    try:
+        with open(path, encoding="utf-8") as file:
+            papers = json.load(file)["papers"]
+        tables = {table["id"]: table["text"] for paper in papers for table in paper["tables"]}
+    except (OSError, ValueError, KeyError, TypeError) as why:
+        die(f"{path}: not what softarm validate writes ({why})")
+    try:
+        with open(page, encoding="utf-8") as file:
+            text = file.read()
+    except (OSError, UnicodeDecodeError) as why:
+        die(f"{page}: {getattr(why, 'strerror', None) or 'no text'}")
 
     def renewed(found):
         name = found.group(1)
@@ -245,16 +252,16 @@ def main():
             continue
         try:
             figure = draw(options.folder)
-        except softarm.Error as why:
-            sys.exit(f"plot_validation: {why}")
+        except KeyError as why:
+            die(f"{options.folder}: no column {why.args[0]} in the CSV files of {name}")
         if name != "semi_physical":  # has laid itself out around its legend
             figure.tight_layout()
         path = os.path.join(options.out or options.folder, f"validation_{name}.png")
-        figure.savefig(path, dpi=100)
+        save(figure, path, dpi=100)
         print(path)
         drawn += 1
     if drawn == 0:
-        sys.exit(f"plot_validation: {options.folder}: no CSV files of softarm validate are there")
+        die(f"{options.folder}: no CSV files of softarm validate are there")
     if options.doc:
         renew_tables(options.folder, options.doc)
 

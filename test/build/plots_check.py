@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """What the plotting scripts draw of trials of the rig: of estimates every value, the residual, a legend, the truth where it is; of
 findings those of the bags; of an identification its three parts. What cannot be drawn is one line."""
+import csv
 import importlib.util
 import os
 import re
@@ -35,8 +36,8 @@ class PlotEstimates(unittest.TestCase):
     def path(cls, name):
         return os.path.join(cls.folder, name)
 
-    def plot(self, *arguments):
-        return subprocess.run([sys.executable, SCRIPT, *arguments, "--out", self.path("trial.svg")], stderr=subprocess.PIPE, text=True,
+    def plot(self, *arguments, out="trial.svg"):
+        return subprocess.run([sys.executable, SCRIPT, *arguments, "--out", self.path(out)], stderr=subprocess.PIPE, text=True,
                               env={**os.environ, "SOFTARM_BUILD_DIR": build})
 
     def said(self, *arguments):
@@ -67,6 +68,36 @@ class PlotEstimates(unittest.TestCase):
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
             self.assertIn(wrong, done.stderr)
 
+    def changed(self, name, change):
+        """A copy of the table whose cells of the last row, by column, are changed."""
+        with open(self.csv, newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        change(rows)
+        with open(self.path(name), "w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, rows[0].keys())
+            writer.writeheader()
+            writer.writerows(rows)
+        return self.path(name)
+
+    def test_a_table_that_lacks_something_is_one_line(self):
+        open(self.path("empty.csv"), "w").close()
+        wrong = [(self.path("empty.csv"), "no column stamp"), (self.folder, "Is a directory"),
+                 (self.changed("no_sd.csv", lambda rows: [row.pop("sd_phi") for row in rows]), "no column sd_phi"),
+                 (self.changed("text.csv", lambda rows: rows[-1].update(EI="soft")), "column EI has a cell that is no number")]
+        for path, why in wrong:
+            done = self.plot(path)
+            self.assertEqual((done.returncode, done.stderr), (1, f"plot_estimates: {path}: {why}\n"))
+        for truth in ("text.csv", "nowhere.csv"):
+            done = self.plot(self.csv, "--truth", self.path(truth))
+            self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), done.stderr)
+            self.assertIn(truth, done.stderr)
+
+    def test_a_picture_that_cannot_be_written_is_one_line(self):
+        for name, why in (("no_folder/a.svg", "No such file or directory"), ("a.none", "Format 'none' is not supported")):
+            done = self.plot(self.csv, out=name)
+            self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), done.stderr)
+            self.assertIn(f"{self.path(name)}: cannot be written: {why}", done.stderr)
+
 
 class Others(unittest.TestCase):
     @classmethod
@@ -80,6 +111,12 @@ class Others(unittest.TestCase):
     @classmethod
     def path(cls, name):
         return os.path.join(cls.folder, name)
+
+    @classmethod
+    def write(cls, name, text):
+        with open(cls.path(name), "w", encoding="utf-8") as file:
+            file.write(text)
+        return cls.path(name)
 
     def draw(self, script, *arguments):
         return subprocess.run([sys.executable, os.path.join(source, "scripts", script), *arguments, "--out", self.path("a.svg")],
@@ -108,6 +145,10 @@ class Others(unittest.TestCase):
         self.assertEqual(texts.findall(of_file), texts.findall(drawn))
         self.expect_line("plot_check.py", "nowhere.bag: no such bag", "--arm", "online_200mm", self.path("nowhere.bag"))
         self.expect_line("plot_check.py", "--arm", self.bags[0])
+        for text, word in (("{\"recordings\": []}", "findings of no recording"), ("{\"recordings\": [{\"name\": \"a\"}]}", "not the findings"),
+                           ("{\"recordings\": [1]}", "not the findings"), ("", "not the findings")):
+            self.expect_line("plot_check.py", word, self.write("wrong.json", text))
+        self.expect_line("plot_check.py", "No such file", self.path("nowhere.json"))
 
     def test_an_identification(self):
         softarm("identify", "--arm", "online_200mm", *self.bags, "--out", self.path("fitted.yaml"), "--plot", self.path("picture"))
@@ -117,9 +158,19 @@ class Others(unittest.TestCase):
         for option, text in (("--joints", "sag of the tip"), ("--laws", "one chamber alone: c p / (1 + a p)"), ("--wall", "inflated for 15 s")):
             self.assertIn(f"<!-- {text} -->", self.said("plot_identify.py", option))
         self.expect_line("plot_identify.py", "shapes.csv", self.folder)
-        with open(self.path("shapes.csv"), "w", encoding="utf-8") as file:
-            file.write("trial,stamp\na,1\n")
-        self.expect_line("plot_identify.py", "no column body", self.folder)
+        self.write("shapes.csv", "trial,stamp\na,1\n")
+        self.expect_line("plot_identify.py", "no column held_out", self.folder)
+
+    def test_what_was_not_written_by_the_program_is_one_line(self):
+        self.expect_line("plot_rig.py", "no column value", self.write("rig.csv", "kind,scenario\na,b\n"))
+        self.expect_line("plot_rig.py", "no number", self.write("rig.csv", "kind,scenario,value,worst_mm\nstep,demo,a,1\n"))
+        os.makedirs(self.path("validation"))
+        self.expect_line("plot_validation.py", "no CSV files", self.path("validation"))
+        for name in ("online_frames", "online_payload"):
+            self.write(f"validation/{name}.csv", "a,b\n1,2\n")
+        self.expect_line("plot_validation.py", "no column standing", self.path("validation"))
+        self.write("validation/online_frames.csv", "standing,b\nyes,2\n")
+        self.expect_line("plot_validation.py", "no number", self.path("validation"))
 
 
 if __name__ == "__main__":
