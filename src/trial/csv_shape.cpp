@@ -142,7 +142,9 @@ std::vector<TextLine> lines_before_data(CsvTable& table) {
       lengths.erase(lengths.begin());
     }
   }
-  for (std::size_t i = 0; i < lines.size(); ++i) lines[i].fits = lengths[i] == cells_in(table);
+  // The last of the names may be that of a column that is empty.
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    lines[i].fits = lengths[i] == cells_in(table) || lines[i].cells.size() == table.cells().size();
   return lines;
 }
 
@@ -201,7 +203,9 @@ CsvShape read_shape(const std::string& path) {
   while (shape.rows < kMostRows && table.next()) {
     if (!is_data(table)) continue;
     if (shape.columns.empty()) {
-      shape.columns.resize(cells_in(table));
+      const std::size_t cells = cells_in(table);
+      const bool more = table.header().size() > cells && !table.header()[cells].empty();
+      shape.columns.resize(more ? cells + 1 : cells);
       for (std::size_t c = 0; c < shape.columns.size() && c < table.header().size(); ++c)
         shape.columns[c].name = table.header()[c];
       for (std::size_t c = 0; c < shape.columns.size(); ++c)

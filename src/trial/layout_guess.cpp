@@ -319,6 +319,15 @@ void take_inputs_by_range(LayoutGuess* guess, Leftovers* rest) {
               "CHECK: neither time nor pose, and nothing in its name");
 }
 
+/// Columns that have no number in any row; a separator at the end of the lines makes no column.
+std::vector<std::size_t> without_numbers(const LayoutGuess& guess) {
+  const auto& columns = guess.shape.columns;
+  std::vector<std::size_t> empty;
+  for (std::size_t c = 0; c < columns.size(); ++c)
+    if (columns[c].count == 0 && (c + 1 < columns.size() || !columns[c].name.empty())) empty.push_back(c);
+  return empty;
+}
+
 void find_inputs(LayoutGuess* guess, const std::set<std::size_t>& used) {
   Leftovers rest = take_named_inputs(guess, used);
   if (guess->inputs.empty()) {
@@ -333,6 +342,9 @@ void find_inputs(LayoutGuess* guess, const std::set<std::size_t>& used) {
     guess->not_used.push_back(list_of(*guess, rest.commands) +
                               ": fewer than five values, as commands have; measured ones are better");
   if (!rest.constant.empty()) guess->not_used.push_back(list_of(*guess, rest.constant) + ": constant");
+  if (const std::vector<std::size_t> empty = without_numbers(*guess); !empty.empty())
+    guess->not_used.push_back(
+        fmt::format("{}: not one number in {} rows", list_of(*guess, empty), guess->shape.rows));
   guess->not_understood = rest.even;
   guess->not_understood.insert(guess->not_understood.end(), rest.discrete.begin(), rest.discrete.end());
   std::sort(guess->not_understood.begin(), guess->not_understood.end());

@@ -317,6 +317,25 @@ TEST_F(LayoutGuess, BesideInputsKnownByNameOthersAreListedAsComments) {
   EXPECT_EQ(layout.pressures[1].column.label, "left");
 }
 
+TEST_F(LayoutGuess, ColumnsWithoutANumberAreLeftOutAndSaid) {
+  for (const std::string cell : {"nan", "NaN", "", "lost"}) {
+    SCOPED_TRACE("'" + cell + "'");
+    Style style;
+    style.header = true;
+    std::istringstream lines(recording(style));
+    std::string text, line;
+    // A third chamber and a third ring of which nothing came.
+    for (bool first = true; std::getline(lines, line); first = false)
+      text +=
+          line +
+          (first ? ",pressure_3,last_x,last_y,last_z" : "," + cell + "," + cell + "," + cell + "," + cell) +
+          "\n";
+    const trial::LayoutGuess g = guess(text);
+    expect_right(g);
+    EXPECT_THAT(to_yaml(g, "a.csv"), HasSubstr("#   pressure_3 to last_z: not one number in 400 rows\n"));
+  }
+}
+
 TEST_F(LayoutGuess, WithoutPosesNamedColumnsAreListedAsComments) {
   std::string text = "t,left,right\n";
   for (int k = 0; k < 300; ++k)
