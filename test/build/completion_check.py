@@ -37,13 +37,13 @@ class Completion(unittest.TestCase):
     def tearDownClass(cls):
         shutil.rmtree(cls.folder, ignore_errors=True)
 
-    def typed(self, line):
-        """The line after Tab, as bash would run it: echo in the place of softarm prints its arguments."""
+    def typed(self, line, first="", shell=("/bin/bash", "--norc", "--noprofile", "-i"), script=None, wait_s=0.0):
+        """The line after Tab, as the shell would run it: echo in the place of softarm prints its arguments."""
         pid, terminal = pty.fork()
         if pid == 0:
             os.chdir(self.folder)
             os.environ.update(TERM="dumb", PS1="> ", INPUTRC="/dev/null")
-            os.execv("/bin/bash", ["bash", "--norc", "--noprofile", "-i"])
+            os.execv(shell[0], shell)
         said = b""
 
         def until(mark, seconds=10.0):
@@ -53,9 +53,11 @@ class Completion(unittest.TestCase):
                 if select.select([terminal], [], [], 0.1)[0]:
                     said += os.read(terminal, 4096)
 
-        os.write(terminal, f"softarm() {{ echo \"<$*>\"; }}; . {self.script}; echo read''y\n".encode())
-        until(b"\nready")
-        os.write(terminal, line.encode() + b"\t\n")
+        os.write(terminal, f"{first}softarm() {{ echo \"<$*>\"; }}; . {script or self.script}; echo read''y\n".encode())
+        until(b"ready\r\n")
+        os.write(terminal, line.encode() + b"\t")
+        time.sleep(wait_s)
+        os.write(terminal, b"\n")
         until(b">\r\n", 5.0)
         os.close(terminal)
         os.waitpid(pid, 0)
@@ -66,6 +68,9 @@ class Completion(unittest.TestCase):
         for line, whole in (("softarm estim", "estimate"), ("softarm estimate --arm onl", "estimate --arm online_200mm"),
                             ("softarm estimate --arm my_a", "estimate --arm my_arm.yaml"),
                             ("softarm estimate --prior of", "estimate --prior off"),
+                            ("softarm estimate --prior=of", "estimate --prior=off"),
+                            ("softarm estimate --arm=my_a", "estimate --arm=my_arm.yaml"), ("softarm estimate --prior=", "estimate --prior=o"),
+                            ("softarm estimate --arm=my_arm.yaml my_t", "estimate --arm=my_arm.yaml my_trial.bag"),
                             ("softarm estimate my_t", "estimate my_trial.bag"),
                             ("softarm simulate --tru", "simulate --truth"),
                             ("softarm batch estim", "batch estimate"), ("softarm batch --eng", "batch --engine"),
@@ -73,6 +78,26 @@ class Completion(unittest.TestCase):
                             ("softarm batch estimate --prior of", "batch estimate --prior off"), ("softarm simulate dem", "simulate demo"),
                             ("softarm completion z", "completion zsh")):
             self.assertEqual(self.typed(line), whole)
+
+    def test_an_option_with_its_value_is_one_word_where_the_user_says_so(self):
+        for line, whole in (("softarm estimate --prior=of", "estimate --prior=off"), ("softarm estimate --arm=my_a", "estimate --arm=my_arm.yaml")):
+            self.assertEqual(self.typed(line, "COMP_WORDBREAKS=${COMP_WORDBREAKS//=}; "), whole)
+
+    def test_values_in_zsh(self):
+        text = script("zsh")
+        self.assertIn("'*--arm=[", text)
+        self.assertIn("'*--force[", text)
+        self.assertIn(r'{_alternative "names\:name\:(cable_235mm', text)  # a bare colon would end the action
+        if not shutil.which("zsh"):
+            return
+        path = os.path.join(self.folder, "_softarm")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+        for line, whole in (("softarm estim", "estimate"), ("softarm estimate --arm onl", "estimate --arm online_200mm"),
+                            ("softarm estimate --arm=onl", "estimate --arm=online_200mm"), ("softarm estimate --prior=of", "estimate --prior=off"),
+                            ("softarm estimate --arm=my_arm.yaml my_t", "estimate --arm=my_arm.yaml my_trial.bag")):
+            self.assertEqual(self.typed(line, "autoload -Uz compinit; compinit -u -D; bindkey '^I' complete-word; ",
+                                        (shutil.which("zsh"), "-f", "-i"), path, 1.5), whole)
 
     def test_every_command_and_option_is_there(self):
         names = re.findall(r"^  ([a-z][a-z-]+) +[A-Z]", subprocess.run([PROGRAM, "--help"], stdout=subprocess.PIPE, text=True,

@@ -122,8 +122,15 @@ std::string bash_script(const CLI::App& program) {
   return fmt::format(R"(# bash completion of softarm; made by `softarm completion bash`
 _softarm() {{
   local current=${{COMP_WORDS[COMP_CWORD]}} previous=${{COMP_WORDS[COMP_CWORD - 1]}}
-  local options= words= files=yes value=yes IFS=$' \t\n'
+  local options= words= files=yes value=yes before= IFS=$' \t\n'
   COMPREPLY=()
+  if [[ $current == --*=* ]]; then  # --option=value, where = is none of COMP_WORDBREAKS
+    previous=${{current%%=*}} before=${{current%%=*}}= current=${{current#*=}}
+  elif [ "$current" = = ]; then
+    current=
+  elif [ "$previous" = = ]; then
+    previous=${{COMP_WORDS[COMP_CWORD - 2]}}
+  fi
   if [ "$COMP_CWORD" -eq 1 ]; then
     COMPREPLY=($(compgen -W '{0}{1}' -- "$current"))
     return
@@ -135,11 +142,11 @@ _softarm() {{
     COMPREPLY=($(compgen -W "$options" -- "$current"))
     return
   fi
-  COMPREPLY=($(compgen -W "$words" -- "$current"))
+  COMPREPLY=($(compgen -P "$before" -W "$words" -- "$current"))
   if [ -n "$files" ]; then
     compopt -o filenames 2>/dev/null
     IFS=$'\n'
-    COMPREPLY+=($(compgen -f -- "$current"))
+    COMPREPLY+=($(compgen -P "$before" -f -- "$current"))
   fi
 }}
 complete -F _softarm softarm
@@ -164,7 +171,9 @@ std::string zsh_text(const std::string& text) {
 std::string zsh_action(const Completed& one) {
   if (one.only_words) return fmt::format("({})", fmt::join(one.words, " "));
   if (one.words.empty()) return "_files";
-  return fmt::format("{{_alternative \"names:name:({})\" \"files:file:_files\"}}", fmt::join(one.words, " "));
+  // A colon would end the action.
+  return fmt::format("{{_alternative \"names\\:name\\:({})\" \"files\\:file\\:_files\"}}",
+                     fmt::join(one.words, " "));
 }
 
 std::string zsh_case(const CLI::App& command) {
@@ -175,8 +184,9 @@ std::string zsh_case(const CLI::App& command) {
       if (!one.words.empty()) positional = fmt::format("'1:name:{}' '*:file:_files'", zsh_action(one));
       continue;
     }
-    for (const std::string& name : one.names)
-      text += fmt::format("          '*{}[{}]{}' \\\n", name, zsh_text(one.meaning),
+    for (const std::string& name : one.names)  // "=": the value may stand behind one, too
+      text += fmt::format("          '*{}{}[{}]{}' \\\n", name,
+                          one.has_value && name.rfind("--", 0) == 0 ? "=" : "", zsh_text(one.meaning),
                           one.has_value ? ":value:" + zsh_action(one) : "");
   }
   return text + "          " + positional + ";;\n";
