@@ -415,8 +415,8 @@ struct UnderOthers {
   Conclusion conclusion;
 };
 
-/// What they say under the payloads that they tell themselves; nothing where it leaves hardly less of the same
-/// recordings than the one as they were told.
+/// What they say under the payloads that they tell themselves; nothing where it leaves hardly less of the
+/// same recordings than the one as they were told.
 /// @param trials get those payloads, and are kept by reference
 std::optional<UnderOthers> under_other_payloads(const arm::Arm& arm, const model::Prepared& prepared,
                                                 OtherPayloads payloads, const Diagnosis& as_told,
