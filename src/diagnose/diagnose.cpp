@@ -456,6 +456,8 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   schedule.first_part(0.0, "averaging frames");
   model::Preparation how;
   how.block_s = options.block_s;
+  // A fit may end here or there by the last digits of its sums: not so by the order in which trials are told.
+  how.as_recorded = true;
   const model::Prepared prepared = prepared_trials(arm, trials, how);
   schedule.first_part(0.02, Begun::kFittingConstants);
   Begun begun(arm, prepared.trials, options, schedule);

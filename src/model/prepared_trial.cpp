@@ -3,7 +3,9 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -309,7 +311,17 @@ class Preparing {
 Prepared prepare(const arm::Arm& arm, const std::vector<trial::Trial>& trials, const Preparation& how) {
   Prepared prepared;
   Preparing preparing(arm, how);
-  for (std::size_t i = 0; i < trials.size(); ++i) {
+  std::vector<std::size_t> order(trials.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  if (how.as_recorded) {
+    const auto key = [&](std::size_t i) {
+      const trial::Trial& one = trials[i];
+      return std::pair(one.frames.empty() ? std::int64_t{0} : one.frames.front().stamp_ns, one.name);
+    };
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
+  }
+  for (const std::size_t i : order) {
     TrialData data = preparing.prepare(trials[i], i, prepared.left_out);
     if (!data.blocks.empty()) prepared.trials.push_back(std::move(data));
   }

@@ -68,6 +68,7 @@ struct Preparation {
   int most_blocks = 3;   ///< joined to one while the arm rests
   double before_payload_s = 0.5;  ///< of a change, and after it, nothing is compared
   double after_payload_s = 2.0;
+  bool as_recorded = false;  ///< trials by when they were recorded, then by name; else as told
 };
 
 struct Prepared {

@@ -291,6 +291,7 @@ std::vector<Decision> decide(const arm::Arm& arm, const std::vector<trial::Trial
   options.jobs = jobs;
   model::Preparation how;
   how.block_s = options.block_s;
+  how.as_recorded = true;
   const model::Prepared prepared = model::prepare(arm, trials, how);
   JointModel model(arm, prepared.trials, jobs, held, tied);
   diagnose::FirstFits fits = diagnose::first_fits(model, [] {});
