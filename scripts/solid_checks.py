@@ -96,8 +96,37 @@ def refined(plan, work, halvings=0, finer=1, states=((26400.0, 20500.0, 0.0),)):
     return len(mesh.bricks), moved.mean(axis=1), seconds
 
 
+def own_laws(plan, work, alone_pa=(10e3, 20e3, 30e3, 40e3), together_pa=25e3, force_kg=0.006):
+    """What the body's bending owes to pressure, of the arm without weight, as the catalogue of effects says it: by how much more
+    EI there is at a mean pressure of 50 kPa (pressure_stiffening), and by how much more moment one chamber makes at 50 kPa than
+    in proportion (gain_nonlinearity). EI by a small force at the tip, with all chambers alike and without pressure; the moment
+    by that EI and the turn from 50 to 150 mm with one chamber alone."""
+    arm = {**plan["arm"], "density_kg_m3": 1e-3}
+    mesh = solid_arm.mesh_of(arm, plan["planes_m"])
+    rims = [mesh.plane(mesh.nearest_plane(height))[mesh.section.rim] for height in FROM_TO_M]
+    tip = mesh.plane(len(mesh.heights) - 1)
+
+    def solved(name, states, load_kg):
+        deck = solid_deck.Deck(mesh, arm)
+        deck.add_steps([list(state) for state in states], [1.0, 0.0, 0.0], load_kg, np.concatenate([tip, *rims]))
+        return solid_deck.solve(deck, work, name)[0]
+
+    even = [(0.0, 0.0, 0.0), (together_pa,) * 3]
+    across = [seen[:len(tip), 0].mean() for seen in solved("own_stiffness", even, force_kg)]
+    per_50kpa = 5e4 / together_pa * (across[0] / across[1] - 1.0)
+    moments = []
+    for pressure, seen in zip(alone_pa, solved("own_moment", [(p, 0.0, 0.0) for p in alone_pa], 0.0)):
+        near, far = (solid_trials.rigid_fit(mesh.nodes[rim], mesh.nodes[rim] + part)[0]
+                     for rim, part in zip(rims, np.split(seen[len(tip):], 2)))
+        turn = math.asin((far @ near.T)[0, 2])
+        moments.append(turn * (1.0 + per_50kpa * pressure / 3 / 5e4))
+    pressures = np.array(alone_pa) / 5e4
+    (gain, square), *_ = np.linalg.lstsq(np.stack([pressures, pressures ** 2], axis=1), np.array(moments), rcond=None)
+    return {"pressure_stiffening": per_50kpa, "gain_nonlinearity": square / gain}
+
+
 def show(plan, work):
-    """Prints both."""
+    """Prints all of them."""
     arm = full_cylinder(plan)
     loads = (0.001, 0.2)
     print("cylinder without chambers, weight at the tip; beam theory with the same EI and GA:")
@@ -106,6 +135,7 @@ def show(plan, work):
         wanted = elastica(arm, force)
         print(f"  {1e3 * load:g} g: tip {1e3 * found[0]:.4g} mm across (beam {1e3 * wanted[0]:.4g}), {1e3 * found[1]:.3g} mm along "
               f"({1e3 * wanted[1]:.3g}); from 50 to 150 mm it turns by {found[2]:.5g} rad ({wanted[2]:.5g})")
+    print("the arm without weight, share at 50 kPa: " + ", ".join(f"{name} {share:.3f}" for name, share in own_laws(plan, work).items()))
     print("the arm on its side with 60 g at 26.4, 20.5, 0 kPa:")
     for halvings, finer in ((0, 1), (0, 2), (1, 1)):
         bricks, tip, seconds = refined(plan, work, halvings, finer)

@@ -147,7 +147,7 @@ class World(unittest.TestCase):
             for case in cases:
                 self.assertIn(case, PLAN["trials"])
                 self.assertEqual(case in prove_solid.HIDDEN, kind != "solid_none")
-        for told in prove_solid.HIDDEN.values():
+        for told in (*prove_solid.HIDDEN.values(), *prove_solid.OF_NATURE):
             self.assertTrue({told["effect"], *told.get("class", [])} <= catalogue, told)
 
     def test_the_plan_has_every_case_and_draws_of_the_noise_only(self):
@@ -166,6 +166,14 @@ class World(unittest.TestCase):
         self.assertEqual(sorted(os.listdir(case)), ["arm.yaml", "case.json"] + [f"trial_{i + 1}.bag" for i in range(6)])
         with open(os.path.join(truth, "case.json"), encoding="utf-8") as text:
             self.assertEqual(json.load(text)["solid"], "nothing")
+
+    def test_what_the_body_has_by_nature_is_no_false_alarm(self):
+        said = {"verdict": "unknown", "ranking": ["gain_nonlinearity"], "findings": {},
+                "named": [{"name": "gain_nonlinearity", "probability": 0.95, "confusable_with": []}]}
+        truth = {"effects": [], "distractors": prove_solid.OF_NATURE, "ideal": []}
+        self.assertFalse(prove_score.marks("solid_none", said, truth)["confident_wrong"])
+        said["named"][0]["name"] = "gravity_direction"
+        self.assertTrue(prove_score.marks("solid_none", said, truth)["confident_wrong"])
 
     def test_a_class_decided_beforehand_is_right(self):
         said = {"verdict": "explained", "ranking": ["rest_curvature"], "findings": {},
@@ -195,6 +203,14 @@ class Solved(unittest.TestCase):
         self.assertLess(abs(turn / wanted_turn - 1), 0.005)
         self.assertTrue(-0.05 < across / wanted - 1 < 0)
         self.assertLess(abs(along - wanted_along), 0.05 * abs(wanted_along))
+
+    def test_pressure_changes_gains_and_stiffness_as_much_as_the_proof_says_nature_does(self):
+        import solid_checks
+        of_nature = {told["effect"]: told["parameters"]["share"] for told in prove_solid.OF_NATURE if told["parameters"]}
+        found = solid_checks.own_laws(PLAN, self.folder, alone_pa=(20e3, 40e3))
+        self.assertEqual(set(found), set(of_nature))
+        for effect, share in of_nature.items():
+            self.assertAlmostEqual(found[effect], share, delta=0.05 * abs(share), msg=effect)
 
     def test_a_trial_computed_anew_is_the_one_that_is_kept(self):
         import solid_arm
