@@ -3,6 +3,7 @@ import statistics
 
 import prove_figures
 import prove_score
+import prove_solid
 from prove_files import markdown
 
 # What was asked, of which kinds of case, and the rate that answers it.
@@ -61,6 +62,24 @@ def sure_statements(results):
     return markdown(lines)
 
 
+def found_by_nature(results):
+    """What the finite-element arm was found to have after the proof was sealed; empty where that is sealed, or was not said."""
+    of_nature = {told["effect"] for told in prove_solid.OF_NATURE}
+    pairs = [(prove_score.decision_of(result), result["truth"]) for result in results
+             if result["truth"] and result["report"] and "solid" in result["truth"]]
+    said, wrong_but_for_it = set(), 0
+    for decision, truth in pairs:
+        later = of_nature - {effect["effect"] for effect in truth["distractors"]}
+        known = {**truth, "distractors": [*truth["distractors"], *({"effect": name, "values": {}} for name in later)]}
+        said |= {named["name"] for named in decision["named"] if named["name"] in later}
+        wrong_but_for_it += prove_score.is_confident_and_wrong(decision, known)
+    if not said:
+        return ""
+    return (f"In the finite-element arm {', '.join(f'`{name}`' for name in sorted(said))} was [measured](solid_arm.md#what-is-hidden) after this was sealed, "
+            f"so these pages count it as not there. It is: with it, {share_of(wrong_but_for_it, len(pairs))} of the cases of that world have "
+            f"something at more than {100 * SURE:.0f} % that is not there.\n\n")
+
+
 def by_effect(results):
     """Of clear cases with one thing hidden: how often it is named first, and by its class, the hardest first."""
     of = {}
@@ -103,5 +122,5 @@ How far it is to be believed where it is sure:
 
 {sure_statements(results)}
 
-{picture}{hardest}What was missed, why, and what it looked like: [case by case]({names['misses_page']}). Every case: [list]({names['trials_page']}).
+{found_by_nature(results)}{picture}{hardest}What was missed, why, and what it looked like: [case by case]({names['misses_page']}). Every case: [list]({names['trials_page']}).
 """

@@ -9,6 +9,7 @@ import unittest
 from prove_score_check import effect, named, report, result, truth  # which puts the scripts on the path
 import prove_misses
 import prove_short
+import prove_solid
 
 
 class Misses(unittest.TestCase):
@@ -126,6 +127,18 @@ class Short(unittest.TestCase):
         self.assertLess(text.index("| drift | 2 | 0 | 0 | 0.20 |"), text.index("| creep | 3 | 3 | 3 | 0.20 |"))
         self.assertNotIn("![", text)
         self.assertIn("(c.png)", prove_short.story([right], {**names, "calibration": "c.png"}))
+
+    def test_what_the_finite_elements_were_found_to_have_after_a_seal(self):
+        names = {"trials_page": "t.md", "misses_page": "m.md"}
+        said = [named("gain_nonlinearity", 0.95), named("gravity_direction", 0.5)], [named("gravity_direction", 0.95)]
+        sealed = [result("solid_none", {**truth(), "solid": "nothing"}, report("unknown", *ones)) for ones in said]
+        text = prove_short.story(sealed, names)
+        self.assertIn("| solid | 0 of 2 (0 %; 0 to 57 %) | 2 of 2 (100 %; 43 to 100 %) |", text)
+        self.assertIn("`gain_nonlinearity` was [measured]", text)
+        self.assertIn("1 of 2 (50 %; 12 to 88 %) of the cases", text)
+        self.assertNotIn("measured", prove_short.story(sealed[1:], names))
+        known = {**truth(distractors=prove_solid.OF_NATURE), "solid": "nothing"}
+        self.assertNotIn("measured", prove_short.story([result("solid_none", known, report("unknown", *said[0]))], names))
 
 
 if __name__ == "__main__":
