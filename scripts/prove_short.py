@@ -75,8 +75,10 @@ def found_by_nature(results):
         wrong_but_for_it += prove_score.is_confident_and_wrong(decision, known)
     if not said:
         return ""
-    return (f"In the finite-element arm {', '.join(f'`{name}`' for name in sorted(said))} was [measured](solid_arm.md#what-is-hidden) after this was sealed, "
-            f"so these pages count it as not there. It is: with it, {share_of(wrong_but_for_it, len(pairs))} of the cases of that world have "
+    one = len(said) == 1
+    return (f"In the finite-element arm {' and '.join(f'`{name}`' for name in sorted(said))} {'was' if one else 'were'} "
+            f"[measured](solid_arm.md#what-is-hidden) after this was sealed, so these pages count {'it' if one else 'them'} as not there. "
+            f"{'It is' if one else 'They are'}: counted so, {share_of(wrong_but_for_it, len(pairs))} of the cases of that world have "
             f"something at more than {100 * SURE:.0f} % that is not there.\n\n")
 
 
