@@ -99,8 +99,9 @@ def refined(plan, work, halvings=0, finer=1, states=((26400.0, 20500.0, 0.0),)):
 def own_laws(plan, work, alone_pa=(10e3, 20e3, 30e3, 40e3), together_pa=25e3, force_kg=0.006):
     """What the body's bending owes to pressure, of the arm without weight, as the catalogue of effects says it: by how much more
     EI there is at a mean pressure of 50 kPa (pressure_stiffening), and by how much more moment one chamber makes at 50 kPa than
-    in proportion (gain_nonlinearity). EI by a small force at the tip, with all chambers alike and without pressure; the moment
-    by that EI and the turn from 50 to 150 mm with one chamber alone."""
+    in proportion (gain_nonlinearity). EI is the moment over the curvature per actual length: pressure lengthens the arm, and a
+    longer one gives way more. It shows by a small force at the tip, with all chambers alike and without pressure; the moment by
+    that EI and the turn from 50 to 150 mm with one chamber alone, over how long that stretch then is."""
     arm = {**plan["arm"], "density_kg_m3": 1e-3}
     mesh = solid_arm.mesh_of(arm, plan["planes_m"])
     rims = [mesh.plane(mesh.nearest_plane(height))[mesh.section.rim] for height in FROM_TO_M]
@@ -111,15 +112,20 @@ def own_laws(plan, work, alone_pa=(10e3, 20e3, 30e3, 40e3), together_pa=25e3, fo
         deck.add_steps([list(state) for state in states], [1.0, 0.0, 0.0], load_kg, np.concatenate([tip, *rims]))
         return solid_deck.solve(deck, work, name)[0]
 
-    even = [(0.0, 0.0, 0.0), (together_pa,) * 3]
-    across = [seen[:len(tip), 0].mean() for seen in solved("own_stiffness", even, force_kg)]
-    per_50kpa = 5e4 / together_pa * (across[0] / across[1] - 1.0)
+    across, length = [], []
+    for seen in solved("own_stiffness", [(0.0, 0.0, 0.0), (together_pa,) * 3], force_kg):
+        moved = seen[:len(tip)].mean(axis=0)
+        across.append(moved[0])
+        length.append(arm["length_m"] + moved[2])
+    per_50kpa = 5e4 / together_pa * (across[0] / across[1] * (length[1] / length[0]) ** 3 - 1.0)
     moments = []
     for pressure, seen in zip(alone_pa, solved("own_moment", [(p, 0.0, 0.0) for p in alone_pa], 0.0)):
-        near, far = (solid_trials.rigid_fit(mesh.nodes[rim], mesh.nodes[rim] + part)[0]
-                     for rim, part in zip(rims, np.split(seen[len(tip):], 2)))
+        there = [mesh.nodes[rim] + part for rim, part in zip(rims, np.split(seen[len(tip):], 2))]
+        near, far = (solid_trials.rigid_fit(mesh.nodes[rim], marks)[0] for rim, marks in zip(rims, there))
         turn = math.asin((far @ near.T)[0, 2])
-        moments.append(turn * (1.0 + per_50kpa * pressure / 3 / 5e4))
+        chord = np.linalg.norm(there[1].mean(axis=0) - there[0].mean(axis=0))
+        stretch = chord * (turn / 2) / math.sin(turn / 2) / (FROM_TO_M[1] - FROM_TO_M[0])
+        moments.append(turn / stretch * (1.0 + per_50kpa * pressure / 3 / 5e4))
     pressures = np.array(alone_pa) / 5e4
     (gain, square), *_ = np.linalg.lstsq(np.stack([pressures, pressures ** 2], axis=1), np.array(moments), rcond=None)
     return {"pressure_stiffening": per_50kpa, "gain_nonlinearity": square / gain}
