@@ -10,6 +10,8 @@ import argparse
 import json
 import sys
 
+from plotting import die, plt, save
+
 COLOURS = {'serious': '#c0392b', 'warning': '#e69f00', 'information': '#9fb8cc'}
 
 
@@ -72,7 +74,7 @@ def draw_levels(axes, recording):
     axes.set_xlabel(unit)
 
 
-def draw(plt, recordings):
+def draw(recordings):
     heights = [0.6 + 0.28 * len(rows_of(r)) for r in recordings]
     figure, axes = plt.subplots(len(recordings), 2, figsize=(12, sum(heights) + 0.6 * len(recordings)), squeeze=False,
                                 gridspec_kw={'width_ratios': [3, 1], 'height_ratios': heights})
@@ -90,7 +92,7 @@ def checked(arm, bags):
     try:
         return softarm.check(softarm.load_arm(arm), bags).to_dict()['recordings']
     except (softarm.Error, ValueError) as why:
-        sys.exit(f'plot_check: {why}')
+        die(why)
 
 
 def written(files):
@@ -100,7 +102,7 @@ def written(files):
             with open(path, encoding='utf-8') as file:
                 recordings += json.load(file)['recordings']
         except OSError as error:
-            sys.exit(f'plot_check: {path}: {error.strerror}')
+            die(f'{path}: {error.strerror}')
         except (ValueError, KeyError, TypeError) as error:
             sys.exit(f'{path}: not the findings of softarm check ({error}); of bags, --arm says of which arm they are')
     if not recordings:
@@ -116,19 +118,10 @@ def main():
     options = parser.parse_args()
     recordings = checked(options.arm, options.findings) if options.arm else written(options.findings)
     try:
-        import matplotlib
-    except ImportError as why:
-        sys.exit(f'plot_check: {why}: apt-get install python3-matplotlib')
-    matplotlib.use('Agg')
-    import matplotlib.pyplot as plt
-    try:
-        figure = draw(plt, recordings)
+        figure = draw(recordings)
     except (KeyError, TypeError, ValueError, AttributeError) as why:
         sys.exit(f"{', '.join(options.findings)}: not the findings of softarm check ({why})")
-    try:
-        figure.savefig(options.out, dpi=120)
-    except (OSError, ValueError) as why:
-        sys.exit(f"plot_check: {options.out}: cannot be written: {getattr(why, 'strerror', None) or why}")
+    save(figure, options.out, dpi=120)
 
 
 if __name__ == '__main__':

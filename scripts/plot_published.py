@@ -8,14 +8,10 @@ A program of its own, independent of src/rod/published.cpp, which it must agree 
 """
 import argparse
 import math
-import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
-import numpy as np  # noqa: E402
-from scipy.optimize import least_squares  # noqa: E402
+from plotting import plt, save  # first: it says what is not installed
+import numpy as np
+from scipy.optimize import least_squares
 
 GRAVITY = 9.81
 LENGTH, WEIGHT, STIFFNESS = 0.2, 0.2 * GRAVITY, 0.038  # m, N, N m^2
@@ -119,10 +115,7 @@ def main():
     hanging.plot([], [], "k--", label="as printed")
     hanging.legend(fontsize=7, loc="upper right")
     draw_fits(fits)
-    try:
-        figure.savefig(arguments.out, dpi=90)
-    except (OSError, ValueError) as why:
-        sys.exit(f"plot_published: {arguments.out}: cannot be written: {getattr(why, 'strerror', None) or why}")
+    save(figure, arguments.out, dpi=90)
 
 
 if __name__ == "__main__":

@@ -236,8 +236,11 @@ def renew_tables(folder, page):
         return f"<!-- table {name} -->\n```\n{tables[name]}```\n" if name in tables else found.group(0)
 
     text = re.sub(r"<!-- table (\S+) -->\n```\n.*?```\n", renewed, text, flags=re.DOTALL)
-    with open(page, "w", encoding="utf-8") as file:
-        file.write(text)
+    try:
+        with open(page, "w", encoding="utf-8") as file:
+            file.write(text)
+    except OSError as why:
+        die(f"{page}: cannot be written: {why.strerror}")
 
 
 def main():

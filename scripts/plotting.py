@@ -3,8 +3,6 @@ import contextlib
 import os
 import sys
 
-from softarm_module import softarm
-
 try:
     import matplotlib
 except ImportError as missing:
@@ -21,6 +19,7 @@ def die(why):
 @contextlib.contextmanager
 def one_line():
     """What the module cannot read or do ends the script with its line."""
+    from softarm_module import softarm  # not wanted by all that plot
     try:
         yield
     except softarm.Error as why:
@@ -29,6 +28,7 @@ def one_line():
 
 def table_of(path, numbers, texts=()):
     """The table of a file that has these columns of numbers, and these of texts. Ends the script where it has not."""
+    from softarm_module import softarm
     with one_line():
         table = softarm.read_table(path, [*numbers, *texts], texts=texts)
     for name in numbers:

@@ -13,7 +13,7 @@
 namespace softarm::check {
 namespace {
 
-/// Median of stamp less receipt.
+/// Median of stamp less receipt; 0 of samples without a stamp.
 template <typename Sample>
 double ahead_of(const std::vector<Sample>& samples) {
   std::vector<double> ahead;
@@ -36,9 +36,14 @@ ClockEpoch epoch_of(const std::vector<Sample>& samples, double latency_s) {
 /// receipt; 0 where it is the same clock.
 std::vector<double> own_ahead_of(const std::vector<std::vector<trial::RecordedPose>>& bodies) {
   std::vector<double> ahead, own(bodies.size(), 0.0);
+  const auto stamped = [&](std::size_t i) {
+    return std::any_of(bodies[i].begin(), bodies[i].end(), [](const trial::RecordedPose& pose) {
+      return pose.stamp_s > 0.0 && std::isfinite(pose.stamp_s);
+    });
+  };
   for (const auto& body : bodies) ahead.push_back(ahead_of(body));
   const auto alike = [&](std::size_t a, std::size_t b) {
-    return std::abs(ahead[a] - ahead[b]) <= kPolicy.timing.other_epoch_s;
+    return stamped(a) && stamped(b) && std::abs(ahead[a] - ahead[b]) <= kPolicy.timing.other_epoch_s;
   };
   std::size_t main = 0, most = 0;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -50,7 +55,7 @@ std::vector<double> own_ahead_of(const std::vector<std::vector<trial::RecordedPo
     most = samples;
   }
   for (std::size_t i = 0; i < bodies.size(); ++i)
-    if (!bodies[i].empty() && !alike(i, main)) own[i] = ahead[i] - ahead[main];
+    if (stamped(i) && !alike(i, main)) own[i] = ahead[i] - ahead[main];
   return own;
 }
 

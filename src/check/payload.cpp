@@ -42,10 +42,12 @@ std::optional<double> unknown_share(const Context& context) {
 /// What is said before the first body goes by the time of its receipt: where the bodies' clock is behind
 /// that, it is for them not said yet.
 void say_in_vain(Context& context, double share) {
-  const bool needed = context.arm.estimator.unknown == arm::Unknown::kStiffness;
+  const auto assumed_kg = context.arm.payload.default_kg;
+  const bool needed = context.arm.estimator.unknown == arm::Unknown::kStiffness && !assumed_kg;
   CheckFinding& finding = context.add(
       needed ? Severity::kSerious : Severity::kWarning, "payload_unknown", context.arm.inputs.payload_topic,
-      fmt::format("was said, but by its times after {:.0f} % of the frames: unknown in them", 100.0 * share));
+      fmt::format("was said, but by its times after {:.0f} % of the frames: unknown in them{}", 100.0 * share,
+                  assumed_kg ? fmt::format(", {:g} kg is assumed", *assumed_kg) : ""));
   finding.figure = share;
   finding.unit = "1";
   finding.remedy =

@@ -187,12 +187,11 @@ void say(Context& context, const Stamped& stamped) {
 }
 
 /// One body, or the base, that another machine stamps than the other bodies.
-void say_own_clock(Context& context, std::size_t track, const Transport& transport) {
-  CheckFinding& finding = context.add(
-      Severity::kSerious, "other_epoch", context.tracks[track].name,
-      fmt::format("stamps are {:+.6g} s from receipt, and {:+.6g} s from those of the other bodies: no frame "
-                  "has both",
-                  -transport.delay_s, context.own_ahead_s[track]));
+void say_own_clock(Context& context, std::size_t track) {
+  CheckFinding& finding =
+      context.add(Severity::kSerious, "other_epoch", context.tracks[track].name,
+                  fmt::format("stamps are {:+.6g} s from those of the other bodies: no frame has both",
+                              context.own_ahead_s[track]));
   finding.figure = context.own_ahead_s[track];
   finding.unit = "s";
   finding.remedy = "one clock for all bodies (chrony, or one driver)";
@@ -202,11 +201,10 @@ void check_receipt(Context& context) {
   std::vector<trial::RecordedPose> together;
   for (std::size_t b = 0; b < context.tracks.size(); ++b) {
     const auto& poses = context.recording.bodies[b];
-    if (context.own_ahead_s[b] == 0.0) {
+    if (context.own_ahead_s[b] == 0.0)
       together.insert(together.end(), poses.begin(), poses.end());
-    } else if (const auto own = transport_of(poses, context.begin_s)) {
-      say_own_clock(context, b, *own);
-    }
+    else
+      say_own_clock(context, b);
   }
   if (const auto mocap = transport_of(together, context.begin_s)) {
     say(context, {"mocap", *mocap, "inputs.bodies", context.arm.inputs.body_latency_s});

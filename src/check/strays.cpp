@@ -99,7 +99,8 @@ std::optional<double> share_of_frames_with(const Context& context, const std::st
   for (const trial::Frame& frame : context.recording.frames) {
     if (input != scalars.end()) {
       if (frame.inputs.empty()) continue;
-      with += frame.inputs.at(static_cast<std::size_t>(input - scalars.begin())).has_value();
+      const auto number = static_cast<std::size_t>(input - scalars.begin());
+      with += number < frame.inputs.size() && frame.inputs[number].has_value();
     } else if (name == context.arm.base.body) {
       with += frame.base_body.has_value();
     } else {
@@ -163,7 +164,8 @@ Strays without_strays(const trial::CheckRecording& recording, const arm::Arm& ar
   const std::vector<Times> kept = kept_of(stretches_of(std::move(receipts_s)));
   each_series(recording, arm, [&](const auto& samples, const std::string&) {
     for (const auto& sample : samples)
-      if (distance_s(kept, sample.receipt_s) == 0.0) stamps_s.push_back(sample.stamp_s);
+      if (distance_s(kept, sample.receipt_s) == 0.0 && sample.stamp_s > 0.0 && std::isfinite(sample.stamp_s))
+        stamps_s.push_back(sample.stamp_s);
   });
   const std::vector<Times> stamped = stretches_of(std::move(stamps_s));
   each_series(strays.kept, arm, [&](auto& samples, const std::string& name) {

@@ -477,15 +477,14 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
     from = kAsTold;
     try {
       others = under_other_payloads(arm, prepared, std::move(other), d, others_trials, options, again);
+      if (others) complete(*others->begun, others->conclusion, options, again);
     } catch (const std::exception& e) {
+      others.reset();
       d.notes.push_back(
           fmt::format("Under payloads other than those told nothing could be said: {}.", e.what()));
     }
   }
-  if (others)
-    complete(*others->begun, others->conclusion, options, again);
-  else
-    complete(begun, conclusion, options, schedule);
+  if (!others) complete(begun, conclusion, options, schedule);
   from = 0.0;
   width = 1.0;
   schedule.end();

@@ -11,6 +11,10 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using model::Predicted;
 
+namespace {
+constexpr double kLeastShare = 0.2;  // of a step to a rival, where the arm does not bear all of it
+}
+
 DifferenceSums& DifferenceSums::operator+=(const DifferenceSums& other) {
   information += other.information;
   gradient += other.gradient;
@@ -110,14 +114,20 @@ Linearised fitted_to(JointModel& model, const Linearised& truth, JointParameters
   for (int i = 0; i < steps; ++i) {
     VectorXd step;
     least_square_held(sums, best, step);
-    JointParameters next = best.at;
-    const VectorXd x = best.unknowns();
-    for (Eigen::Index j = 0; j < x.size(); ++j)
-      set_unknown(next, best.columns[static_cast<std::size_t>(j)], x[j] + step[j]);
-    Linearised there = at(next, best.predicted);
-    DifferenceSums sums_there = sums_between(model, truth, there);
+    const auto after = [&](double share) {
+      JointParameters next = best.at;
+      const VectorXd x = best.unknowns();
+      for (Eigen::Index j = 0; j < x.size(); ++j)
+        set_unknown(next, best.columns[static_cast<std::size_t>(j)], x[j] + share * step[j]);
+      return at(next, best.predicted);
+    };
+    Linearised there = after(1.0);
     // Where the arm has no equilibrium nothing differs.
-    if (!(sums_there.square < sums.square) || with_equilibrium(there) < with_equilibrium(best)) break;
+    const std::size_t borne = with_equilibrium(best);
+    for (double share = 0.5; share > kLeastShare && with_equilibrium(there) < borne; share *= 0.5)
+      there = after(share);
+    DifferenceSums sums_there = sums_between(model, truth, there);
+    if (!(sums_there.square < sums.square) || with_equilibrium(there) < borne) break;
     best = std::move(there);
     sums = std::move(sums_there);
   }

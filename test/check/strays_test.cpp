@@ -188,8 +188,24 @@ TEST_F(YearsApart, PayloadThatIsSaidBeforeTheBodiesOfAnOlderClockIsUnknownToFram
   for (std::size_t i = 0; i < 100; ++i) recording.frames[i].payload_kg.reset();  // of 200
   expect_serious("payload_unknown", "/payload");
   EXPECT_THAT(check::check_recording(recording, arm).findings.front().what, HasSubstr("50 % of the frames"));
+  arm.payload.default_kg = 0.0;
+  const check::CheckReport assumed = check::check_recording(recording, arm);
+  EXPECT_EQ(assumed.worst(), check::Severity::kWarning);
+  EXPECT_THAT(find(assumed, "payload_unknown")->what, HasSubstr("0 kg is assumed"));
+  arm.payload.default_kg.reset();
   arm.estimator.unknown = arm::Unknown::kPayload;
   EXPECT_EQ(check::check_recording(recording, arm).worst(), check::Severity::kWarning);
+}
+
+TEST_F(YearsApart, ABodyWithoutStampsIsOfNoOtherClock) {
+  move_bodies(0.0, kTwelveYears);
+  move_inputs(0.0, kTwelveYears);
+  move(recording.payload, 0.0, kTwelveYears);
+  for (trial::RecordedPose& pose : recording.bodies[1]) pose.stamp_s = 0.0;
+  const check::CheckReport report = check::check_recording(recording, arm);
+  ASSERT_NE(find(report, "zero_stamps"), nullptr);
+  ASSERT_NE(find(report, "other_epoch", "mocap"), nullptr);
+  EXPECT_EQ(find(report, "other_epoch", "mocap")->severity, check::Severity::kInformation);
 }
 
 }  // namespace

@@ -57,6 +57,20 @@ Constants are named <segment>.<what>: segment_1.chamber_2.moment_gain, segment_1
 segment_1.tendon_1.offset, segment_1.length ...; patterns may have * and ?; the last part alone will do.
 What the arm file has no value for (saturation, growth of EI, joint_compliance) is 0, and freed by its name alone.)";
 
+/// Says what was found, which may have taken minutes, when its files are written: a reader of the text that
+/// went away takes no file away. Where they cannot be written it is said all the same.
+template <typename Write>
+void write_and_say(const std::string& found, const Write& write) {
+  try {
+    write();
+  } catch (...) {
+    say_text(found);
+    std::fflush(stdout);
+    throw;
+  }
+  say_text(found);
+}
+
 void fit(const IdentifyOptions& options, const arm::Arm& arm) {
   if (options.out.empty()) throw Failure("--out is needed: the arm file to be written");
   // Before any work: whether the results have a place.
@@ -88,20 +102,20 @@ void fit(const IdentifyOptions& options, const arm::Arm& arm) {
         arm, effects, trials, options.fit,
         [&](double share) { progress.advance(share - std::exchange(done, share), 1); }, options.jobs);
   }
-  // First: it may have taken minutes, and a full disk must not take it away.
-  say("{}\narm: {}\n{}", identify::verdict(result), arm.name, identify::describe(result));
-  std::fflush(stdout);
-  out.write(arm::update_arm_text(text, source.string(), result.arm, identify::arm_file_header(result)));
-  if (json) json->write(identify::to_json(result));
-  if (shapes) {
-    shapes->write(shapes_csv(arm, result, trials,
-                             options.plot_all ? identify::FrameChoice{0, false} : options.fit.frames));
-    constants->write(constants_csv(result));
-  }
-  out.commit();
-  if (json) json->commit();
-  if (shapes) shapes->commit();
-  if (constants) constants->commit();
+  write_and_say(
+      fmt::format("{}\narm: {}\n{}", identify::verdict(result), arm.name, identify::describe(result)), [&] {
+        out.write(arm::update_arm_text(text, source.string(), result.arm, identify::arm_file_header(result)));
+        if (json) json->write(identify::to_json(result));
+        if (shapes) {
+          shapes->write(shapes_csv(arm, result, trials,
+                                   options.plot_all ? identify::FrameChoice{0, false} : options.fit.frames));
+          constants->write(constants_csv(result));
+        }
+        out.commit();
+        if (json) json->commit();
+        if (shapes) shapes->commit();
+        if (constants) constants->commit();
+      });
   say("written: {}\n", options.out);
   if (shapes) say("written: {0}; scripts/plot_identify.py {0} --out picture.png draws it\n", options.plot);
 }
@@ -122,17 +136,19 @@ void pull(const IdentifyOptions& options, const arm::Arm& arm) {
   if (!out) return;
   const published::ThreeTruths truths =
       published::fit_three_truths(arm, pulls, published::LoadLaw::kStatics, true);
-  fmt::print(
-      "laws fitted to {} pulls: they leave {:.2f} mm of length, {:.5f} N m^2 of stiffness, {:.4f} N m of "
-      "moment (rms)\n",
-      truths.pulls, 1e3 * truths.length_rms_m, truths.stiffness_rms_nm2, truths.moment_rms_nm);
-  std::fflush(stdout);
   const fs::path source = find_config("arms", options.arm);
   const std::string text = read_text(source);
-  out->write(
-      arm::update_arm_text(text, source.string(), truths.arm,
-                           {fmt::format("constants by the pull procedure from {} pulls", truths.pulls)}));
-  out->commit();
+  write_and_say(
+      fmt::format(
+          "laws fitted to {} pulls: they leave {:.2f} mm of length, {:.5f} N m^2 of stiffness, {:.4f} N m "
+          "of moment (rms)\n",
+          truths.pulls, 1e3 * truths.length_rms_m, truths.stiffness_rms_nm2, truths.moment_rms_nm),
+      [&] {
+        out->write(arm::update_arm_text(
+            text, source.string(), truths.arm,
+            {fmt::format("constants by the pull procedure from {} pulls", truths.pulls)}));
+        out->commit();
+      });
   say("written: {}\n", options.out);
 }
 

@@ -26,7 +26,8 @@ struct Replacing {
 /// followed: it stays, and the file that it names is written.
 ///
 /// Destroyed before commit(), it leaves nothing behind: an error half way never leaves half an output, nor
-/// does a signal that ends the program. What a process that was killed left beside the place is removed.
+/// does SIGINT, SIGTERM or SIGHUP that ends the program. What a process that was killed left beside the place
+/// is removed.
 ///
 /// A device, a pipe and what a process has open (/dev/stdout) is written straight to: it must not be
 /// replaced.

@@ -70,6 +70,7 @@ void RemovedOnSignal::end(int signal) {
   ::sigaddset(&set, signal);
   ::pthread_sigmask(SIG_UNBLOCK, &set, nullptr);
   ::raise(signal);
+  ::_exit(128 + signal);  // the first process of a container, which no signal ends by default
 }
 
 RemovedOnSignal::RemovedOnSignal(std::string path) : path_(std::move(path)) {
