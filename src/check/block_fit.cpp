@@ -5,11 +5,18 @@
 #include "math/linear_algebra.h"
 
 namespace softarm::check {
+namespace {
+
+// Share of the largest square sum of a function, by which functions that are nearly alike are kept apart: far
+// below what tells, far above the rounding of the sums.
+constexpr double kRidge = 1e-8;
+
+}  // namespace
 
 BlockFit fit_in_blocks(const Eigen::MatrixXd& functions, const Eigen::MatrixXd& places,
-                       const std::vector<int>& block, double alike) {
+                       const std::vector<int>& block) {
   Eigen::MatrixXd normal = functions.transpose() * functions;
-  normal.diagonal().array() += alike * (1.0 + normal.diagonal().maxCoeff());
+  normal.diagonal().array() += kRidge * (1.0 + normal.diagonal().maxCoeff());
   const Eigen::MatrixXd inverse = math::inverse_of_symmetric(normal);
   BlockFit fit;
   fit.x = inverse * (functions.transpose() * places);

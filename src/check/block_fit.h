@@ -6,9 +6,6 @@
 
 namespace softarm::check {
 
-/// What keeps functions that are nearly alike apart, as a share of the largest square sum of a function.
-constexpr double kAlike = 1e-8;
-
 /// Places as a sum of functions of time.
 struct BlockFit {
   Eigen::MatrixXd x;                        ///< coefficients x coordinates: m per unit of the function
@@ -18,11 +15,10 @@ struct BlockFit {
 
 /// Residuals of one block are taken for one: what they do to the coefficients is summed within a block before
 /// it is squared.
-/// @param functions rows x coefficients
+/// @param functions rows x coefficients, each of order 1
 /// @param places rows x coordinates, m
 /// @param block of each row; those of one block follow each other
-/// @param alike see kAlike; less where a function that counts is small beside the others
 BlockFit fit_in_blocks(const Eigen::MatrixXd& functions, const Eigen::MatrixXd& places,
-                       const std::vector<int>& block, double alike = kAlike);
+                       const std::vector<int>& block);
 
 }  // namespace softarm::check

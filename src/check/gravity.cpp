@@ -16,9 +16,6 @@
 namespace softarm::check {
 namespace {
 
-/// Payloads of some grams are small beside inputs of 1: the usual kAlike would shrink what they do.
-constexpr double kAlikePayload = 1e-10;
-
 /// How far the outermost body falls under the payloads that are told, from the least to the most.
 struct Fall {
   double fall_m = 0.0, sd_m = 0.0;
@@ -70,9 +67,10 @@ std::optional<Fall> fall_of(const Context& context) {
     most_kg = std::max(most_kg, kg);
   }
   if (n < kPolicy.clocks.least_samples || !(most_kg > least_kg)) return std::nullopt;
-  const BlockFit fit = fit_in_blocks(a.topRows(n), along.topRows(n), block, kAlikePayload);
-  const double range_kg = most_kg - least_kg;
-  return Fall{fit.x(fit.x.rows() - 1, 0) * range_kg, std::sqrt(fit.covariance.back()(0, 0)) * range_kg};
+  auto payload = a.col(a.cols() - 1).head(n).array();
+  payload = (payload - least_kg) / (most_kg - least_kg);  // of order 1, as the inputs
+  const BlockFit fit = fit_in_blocks(a.topRows(n), along.topRows(n), block);
+  return Fall{fit.x(fit.x.rows() - 1, 0), std::sqrt(fit.covariance.back()(0, 0))};
 }
 
 /// Whatever an arm is like, what is hung on it does work: it falls.

@@ -202,16 +202,17 @@ struct Policy {
     double useful_z = 2.0;            ///< separation that is worth an experiment ...
     double better = 1.5;              ///< ... if it is that many times today's
     double least_solved = 0.7;        ///< share of it in which the arm has an equilibrium
-    double new_attitude_rad = 0.35;   ///< from all that were recorded
-    double moved = 1e-3;              ///< share of the largest input below which an input does nothing
-    double pull_bend = 0.3;           ///< force over EI / L^2: it moves the tip by a tenth of the length
-    double bracket = 0.15;            ///< of the length: beside the arm
-    double payload_share = 0.5;       ///< of the arm's weight, where none was ever hung on
-    double payload_times = 1.5;       ///< of the heaviest that was: another one, if that is more
-    double payload_heavier = 1.05;    ///< of today's: what is less is the same payload again
-    double least_vacuum_pa = 1e3;     ///< of one that was ever on: sensors rest so far from ambient
-    long fewest_frames = 10;          ///< of a recorded trial that is repeated
-    double clock_sd_s = 0.002;        ///< of stamps of one clock
+    double least_step = 0.2;  ///< share of a step to a rival that is tried, where the arm does not bear all
+    double new_attitude_rad = 0.35;  ///< from all that were recorded
+    double moved = 1e-3;             ///< share of the largest input below which an input does nothing
+    double pull_bend = 0.3;          ///< force over EI / L^2: it moves the tip by a tenth of the length
+    double bracket = 0.15;           ///< of the length: beside the arm
+    double payload_share = 0.5;      ///< of the arm's weight, where none was ever hung on
+    double payload_times = 1.5;      ///< of the heaviest that was: another one, if that is more
+    double payload_heavier = 1.05;   ///< of today's: what is less is the same payload again
+    double least_vacuum_pa = 1e3;    ///< of one that was ever on: sensors rest so far from ambient
+    long fewest_frames = 10;         ///< of a recorded trial that is repeated
+    double clock_sd_s = 0.002;       ///< of stamps of one clock
     double rest_s = 2.0, move_s = 2.0, hold_s = 20.0, after_s = 6.0;
     double jam_at_s = 5.0, jam_s = 1.0;          ///< a vacuum is applied to a bent arm, and takes so long
     double let_go_s = 9.0, jammed_wait_s = 8.0;  ///< the other inputs go; then the vacuum stays so long

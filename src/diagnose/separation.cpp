@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <utility>
 
+#include "policy.h"
 #include "ranges.h"
 
 namespace softarm::diagnose {
@@ -10,10 +11,6 @@ namespace softarm::diagnose {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using model::Predicted;
-
-namespace {
-constexpr double kLeastShare = 0.2;  // of a step to a rival, where the arm does not bear all of it
-}
 
 DifferenceSums& DifferenceSums::operator+=(const DifferenceSums& other) {
   information += other.information;
@@ -124,7 +121,8 @@ Linearised fitted_to(JointModel& model, const Linearised& truth, JointParameters
     Linearised there = after(1.0);
     // Where the arm has no equilibrium nothing differs.
     const std::size_t borne = with_equilibrium(best);
-    for (double share = 0.5; share > kLeastShare && with_equilibrium(there) < borne; share *= 0.5)
+    for (double share = 0.5; share > kPolicy.experiment.least_step && with_equilibrium(there) < borne;
+         share *= 0.5)
       there = after(share);
     DifferenceSums sums_there = sums_between(model, truth, there);
     if (!(sums_there.square < sums.square) || with_equilibrium(there) < borne) break;
