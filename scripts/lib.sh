@@ -45,7 +45,7 @@ install_packages() {
   [ -n "${missing// /}" ] || { : >"$stamp"; return 0; }
 
   case $(. /etc/os-release && echo "${VERSION_CODENAME:-}") in
-    bookworm | bullseye) ;;
+    bookworm | bullseye | trixie) ;;
     *)
       say "This is not Debian 12 (bookworm), so nothing is installed here. Not found: $missing"
       return 0
