@@ -1,0 +1,96 @@
+#include "under_payloads.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "payload_equations.h"
+#include "policy.h"
+#include "told_payloads.h"
+#include "unseen.h"
+
+namespace softarm::diagnose {
+namespace {
+
+/// The fit that looks for payloads: where clocks are apart, the one that knows.
+Linearised& fit_of_payloads(FirstFits& first) {
+  return first.delayed ? *first.delayed : first.baseline;
+}
+
+/// The fits under the payloads that the trials say, from what was told to these one step after the other.
+/// @param payloads to first order about the fit as told; become those that the last search says, nearly the
+/// last fit's own
+/// @param trials get them, and are kept by reference
+/// @return nothing where that does not come to an end, or nothing is left of them
+std::unique_ptr<Begun> begun_under(const arm::Arm& arm, const model::Prepared& prepared,
+                                   OtherPayloads& payloads, std::vector<model::TrialData>& trials,
+                                   const Options& options, Schedule& schedule) {
+  const double usual_kg = usual_payload_kg(arm, prepared.trials);
+  for (std::size_t step = 0; step < kPolicy.told.most_steps; ++step) {
+    trials = under(payloads.list, prepared.trials);
+    schedule.begin_first_part("under payloads that the trials say");
+    auto begun = std::make_unique<Begun>(arm, trials, options, schedule);
+    const Linearised fit = off_axis_by(payloads.offset_m, begun->model, fit_of_payloads(begun->first));
+    OtherPayloads next = other_payloads(begun->model, fit, payloads.list, usual_kg);
+    const bool settled = is_settled(payloads.list, next.list, usual_kg);
+    payloads = std::move(next);
+    if (settled) return begun;
+    if (payloads.list.empty()) return nullptr;
+  }
+  return nullptr;
+}
+
+/// Whether these errors on trials left out are so much smaller that they are no better fit's, but the arm's.
+bool is_better(double mean_m, double than_m) {
+  return mean_m > 0.0 && mean_m < kPolicy.told.better * than_m;
+}
+
+/// Mean error on trials left out, as they were told, of the fit that begins where the other one ended.
+double as_told_from_m(const Linearised& other, JointModel& as_told) {
+  return refitted_unseen(as_told, as_told.fit(other.at, {})).mean_m;
+}
+
+/// What follows as trials were told, where their fit begins from the constants of another one.
+Conclusion concluded_from(const Linearised& other, const model::Prepared& prepared, Begun& as_told,
+                          const Options& options, Schedule& schedule) {
+  JointParameters constants = other.at;
+  constants.effects.clear();
+  as_told.first.baseline = as_told.model.fit(constants, {});
+  return concluded(prepared, as_told, std::nullopt, options, schedule);
+}
+
+}  // namespace
+
+OtherPayloads payloads_that_trials_say(const arm::Arm& arm, const model::Prepared& prepared, Begun& as_told) {
+  return other_payloads(as_told.model, fit_of_payloads(as_told.first), {},
+                        usual_payload_kg(arm, prepared.trials));
+}
+
+std::optional<UnderOthers> under_other_payloads(const arm::Arm& arm, const model::Prepared& prepared,
+                                                OtherPayloads payloads, Begun& as_told,
+                                                Conclusion& conclusion, std::vector<model::TrialData>& trials,
+                                                const Options& options, Schedule& schedule) {
+  UnderOthers others;
+  others.begun = begun_under(arm, prepared, payloads, trials, options, schedule);
+  if (!others.begun) return std::nullopt;
+  schedule.end_first_part();
+  others.conclusion = concluded(prepared, *others.begun, std::nullopt, options, schedule);
+  Diagnosis& d = others.conclusion.diagnosis;
+  const Diagnosis& told = conclusion.diagnosis;
+  const double mean_m = d.extended.held_out_mean_m, told_m = told.extended.held_out_mean_m;
+  if (!is_better(mean_m, told_m) || d.left_out_share > told.left_out_share + kPolicy.words.left_out_share)
+    return std::nullopt;
+  const Linearised& fit = others.conclusion.selection.extended;
+  const double from_there_m = as_told_from_m(fit, as_told.model);
+  if (from_there_m > 0.0 && !is_better(mean_m, from_there_m)) {
+    Conclusion anew = concluded_from(fit, prepared, as_told, options, schedule);
+    if (anew.diagnosis.extended.held_out_mean_m < told_m) conclusion = std::move(anew);
+    return std::nullopt;
+  }
+  d.told_payloads = told_payloads(payloads.list, prepared.trials);
+  d.told_payloads->as_told_mean_m = from_there_m > 0.0 ? std::min(told_m, from_there_m) : told_m;
+  d.told_payloads->mean_m = mean_m;
+  d.summary = sentence_of(*d.told_payloads) + " " + d.summary;
+  return others;
+}
+
+}  // namespace softarm::diagnose
