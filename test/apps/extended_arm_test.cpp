@@ -1,4 +1,6 @@
 // Arm files with effects, as a user has them: simulated, estimated, refused.
+#include <gmock/gmock.h>
+
 #include <boost/algorithm/string.hpp>
 
 #include "arm/arm_writer.h"
@@ -70,6 +72,27 @@ TEST(ExtendedArm, IsSimulatedAndEstimatedWithItsEffects) {
   const double truth = median_stiffness(dir / "trial.truth.csv");
   EXPECT_NEAR(median_stiffness(dir / "with/trial/estimates.csv"), truth, 0.02 * truth);
   EXPECT_LT(median_stiffness(dir / "without/trial/estimates.csv"), 0.9 * truth);
+}
+
+TEST(ExtendedArm, EstimateWarnsOfEffectsThatTheirDiagnosisDoubted) {
+  const TestFolder dir;
+  ASSERT_EQ(softarm_program("simulate trial_10s --seconds 2 --out " + dir / "trial.bag").status, 0);
+  const std::string effects = extended({{"base_compliance", {{"compliance_rad_per_nm", 0.2}}}});
+  const auto said = [&](const std::string& verdict) {
+    const std::string arm = dir.write("arm.yaml", effects + "effects_verdict: " + verdict + "\n");
+    const Outcome o =
+        softarm_program("estimate --force --arm " + arm + " " + dir / "trial.bag" + " --out " + dir / "out");
+    EXPECT_EQ(o.status, 0) << o.err;
+    return o.err;
+  };
+  EXPECT_THAT(said("unknown"),
+              ::testing::ContainsRegex(
+                  "softarm: warning: [^\n]*arm.yaml: [^\n]*\"unknown\": [^\n]*something else is there"));
+  EXPECT_THAT(
+      said("cannot_tell"),
+      ::testing::ContainsRegex(
+          "softarm: warning: [^\n]*arm.yaml: [^\n]*\"cannot_tell\": [^\n]*probably not what is there"));
+  EXPECT_EQ(said("explained").find("ended with the verdict"), std::string::npos);
 }
 
 TEST(ExtendedArm, UnevenStiffnessIsTheRigsWithAnotherMean) {

@@ -1,4 +1,6 @@
 // The worked example of doc/worked_example.md in short: a base that yields, hidden behind a lower EI.
+#include <gmock/gmock.h>
+
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -52,6 +54,13 @@ TEST(WorkedExample, ABaseThatYieldsIsFoundAndStiffnessCorrected) {
   }
   EXPECT_LT(written["extended"]["held_out_rms_m"].get<double>(),
             0.8 * written["baseline"]["held_out_rms_m"].get<double>());
+
+  const std::string verdict = written["verdict"].get<std::string>();
+  const std::string extended = text_of(report + "/arm_extended.yaml");
+  EXPECT_THAT(extended, ::testing::StartsWith("# softarm diagnose: constants and effects fitted together"));
+  EXPECT_THAT(extended, ::testing::HasSubstr("\n# softarm diagnose: verdict: " + verdict + "; "));
+  EXPECT_THAT(extended, ::testing::HasSubstr("\n# softarm diagnose: base_compliance ("));
+  EXPECT_THAT(extended, ::testing::HasSubstr("\neffects_verdict: " + verdict + "  #"));
 
   const auto& origin = written["origin"];
   EXPECT_THAT(origin["command"].get<std::string>(),
