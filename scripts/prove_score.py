@@ -198,14 +198,15 @@ def true_parameters(effect, length_m):
     if "parameters" in effect:
         return effect["parameters"]
     name, form, v = effect["effect"], effect.get("form", ""), effect["values"]
-    if name in ("stiffness_taper", "actuation_taper", "payload_scale", "axial_memory", "vacuum_shortening", "vacuum_gain",
-                "jamming_memory", "chamber_mismatch", "pressure_elongation"):
+    if name in ("payload_scale", "axial_memory", "vacuum_shortening", "vacuum_gain", "jamming_memory", "chamber_mismatch",
+                "pressure_elongation"):
+        return {"share": v["share"]}
+    # Records of when these had one form only name none.
+    if name in ("stiffness_taper", "actuation_taper", "soft_spot") and form in ("", "linear", "even"):
         return {"share": v["share"]}
     if (name, form) in (("gain_nonlinearity", "quadratic"), ("pressure_stiffening", "linear"), ("pressure_leak", "steady"),
                         ("mass_distribution", "taper"), ("creep", "maxwell"), ("creep", "wall")):
         return {"share": v["share"], **({"time_s": v["time_s"]} if name == "creep" else {})}
-    if name == "soft_spot":
-        return {"share": v["share"]}
     if name == "rigid_ends":
         return {"base_m": v["base_m"], "tip_m": v["tip_m"]}
     if name == "base_compliance":

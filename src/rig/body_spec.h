@@ -10,8 +10,10 @@
 namespace softarm::rig {
 
 /// EI is lower by a share within width_fraction about a centre, with smooth edges: a quarter of it each.
+/// Bell: by that share at the centre alone, from which it fades as a cosine does.
 struct SoftSpot {
   double centre_fraction = 0.5, width_fraction = 0.15, share = 0.0;
+  bool bell = false;
 };
 
 /// End caps that do not bend and that no chamber acts on.
@@ -86,7 +88,8 @@ struct Softening {
 };
 
 struct BodySpec {
-  double stiffness_taper = 0.0, actuation_taper = 0.0;  ///< a of 1 + a (2 s / L - 1), in each segment
+  double stiffness_taper = 0.0, actuation_taper = 0.0;    ///< a of 1 + a (2 s / L - 1), in each segment
+  bool stiffness_steps = false, actuation_steps = false;  ///< 1 - a up to its middle, 1 + a beyond, instead
   double mass_taper = 0.0;
   std::optional<SoftSpot> soft_spot;
   std::optional<RigidEnds> rigid_ends;

@@ -12,7 +12,7 @@ namespace {
 void soft_spot(const HiddenChoice& choice, Scenario& scenario) {
   refuse_twice(choice, scenario);
   const SoftSpot spot{choice.values.at("centre_fraction"), choice.values.at("width_fraction"),
-                      choice.values.at("share")};
+                      choice.values.at("share"), choice.form == "bell"};
   const double half = 0.5 * spot.width_fraction;
   if (spot.centre_fraction < half || spot.centre_fraction > 1.0 - half)
     throw std::invalid_argument(fmt::format("centre_fraction is {}, allowed {} ... {} for its width",
@@ -61,20 +61,23 @@ std::vector<HiddenEffect> profile_effects() {
   return {
       {"stiffness_taper",
        true,
-       "bending stiffness falls or rises along each segment: EI (1 + a (2 s / L - 1))",
-       {},
+       "bending stiffness falls or rises along each segment: EI (1 + a (2 s / L - 1)), or at once in its "
+       "middle, where two casts meet: EI (1 - a), EI (1 + a)",
+       {"linear", "step"},
        {{"share", -0.9, 0.9, -0.3, 0.3, "a"}},
        [](const HiddenChoice& choice, Scenario& scenario) {
          refuse_twice(choice, scenario);
          scenario.body.stiffness_taper = choice.values.at("share");
+         scenario.body.stiffness_steps = choice.form == "step";
        }},
       {"soft_spot",
        true,
-       "bending stiffness lower over a short stretch, whose edges, a quarter of it each, are smooth",
-       {},
+       "bending stiffness lower over a short stretch: all along it, but for smooth edges of a quarter of it "
+       "each (even), or the less the farther from its centre (bell)",
+       {"even", "bell"},
        {{"centre_fraction", 0.0, 1.0, 0.2, 0.8, "where, of the arm's length"},
         {"width_fraction", 0.02, 0.6, 0.1, 0.25, "how long, of the arm's length"},
-        {"share", -3.0, 0.9, 0.15, 0.5, "by which it is lower"}},
+        {"share", -3.0, 0.9, 0.15, 0.5, "by which it is lower; of a bell at its centre"}},
        soft_spot},
       {"rigid_ends",
        true,
@@ -85,12 +88,14 @@ std::vector<HiddenEffect> profile_effects() {
        rigid_ends},
       {"actuation_taper",
        true,
-       "the moment of the actuation falls or rises along each segment: M0 (1 + a (2 s / L - 1))",
-       {},
+       "the moment of the actuation falls or rises along each segment: M0 (1 + a (2 s / L - 1)), or at once "
+       "in its middle, where chambers are wound otherwise: M0 (1 - a), M0 (1 + a)",
+       {"linear", "step"},
        {{"share", -0.9, 0.9, -0.2, 0.2, "a"}},
        [](const HiddenChoice& choice, Scenario& scenario) {
          refuse_twice(choice, scenario);
          scenario.body.actuation_taper = choice.values.at("share");
+         scenario.body.actuation_steps = choice.form == "step";
        }},
       {"mass_distribution",
        true,

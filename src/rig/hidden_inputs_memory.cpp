@@ -50,6 +50,14 @@ void axial_memory(const HiddenChoice& choice, Scenario& scenario) {
   }
 }
 
+void drift(const HiddenChoice& choice, Scenario& scenario) {
+  const Drift::Form form = choice.form == "logarithmic"  ? Drift::Form::kLogarithmic
+                           : choice.form == "saturating" ? Drift::Form::kSaturating
+                                                         : Drift::Form::kLinear;
+  put(scenario.input_path.drift, Drift{choice.values.at("gain_share"), choice.values.at("stiffness_share"),
+                                       choice.values.at("over_s"), form});
+}
+
 }  // namespace
 
 std::vector<HiddenEffect> memory_effects() {
@@ -99,16 +107,13 @@ std::vector<HiddenEffect> memory_effects() {
        jamming_settling},
       {"drift",
        true,
-       "gain or stiffness changes over the session",
-       {"linear", "saturating"},
+       "gain or stiffness changes over the session: at one rate (linear), or at a rate that falls "
+       "exponentially (saturating) or as one over the time (logarithmic)",
+       {"linear", "saturating", "logarithmic"},
        {{"gain_share", -0.9, 10.0, -0.06, -0.02, "of all moments, that is gained", 0.0},
         {"stiffness_share", -0.9, 10.0, -0.06, -0.02, "of all stiffnesses, that is gained", 0.0},
-        {"over_s", 0.1, 1e7, 300.0, 1800.0, "linear: when it is reached; saturating: when 63 % are"}},
-       [](const HiddenChoice& choice, Scenario& scenario) {
-         put(scenario.input_path.drift,
-             Drift{choice.values.at("gain_share"), choice.values.at("stiffness_share"),
-                   choice.values.at("over_s"), choice.form == "saturating"});
-       }},
+        {"over_s", 0.1, 1e7, 300.0, 1800.0, "when it is reached; saturating: when 63 % are"}},
+       drift},
       {"temperature",
        true,
        "the room's temperature swings over the session, as a sine or with a thermostat's heater: stiffness "

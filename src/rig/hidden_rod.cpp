@@ -20,6 +20,8 @@ double smooth_step(double x) {
 double spot_ratio(const SoftSpot& spot, double fraction) {
   const double from_edge =
       0.5 - std::abs(fraction - spot.centre_fraction) / spot.width_fraction;  // of the width
+  if (spot.bell)
+    return from_edge > 0.0 ? 1.0 - 0.5 * spot.share * (1.0 - std::cos(2.0 * M_PI * from_edge)) : 1.0;
   return 1.0 - spot.share * smooth_step(4.0 * from_edge);
 }
 
@@ -48,17 +50,20 @@ std::function<SectionRatios(double)> sections(const Scenario& scenario, const Pa
   const BodySpec body = scenario.body;
   const bool cap = is_cap(scenario, part);
   const double joint = joint_ratio(scenario, part);
-  return [body, part, cap, joint](double fraction) {
+  // By the part's middle: its ends are the neighbours' as well.
+  const double half = part.begin + 0.5 * part.share < 0.5 ? -1.0 : 1.0;
+  return [body, part, cap, joint, half](double fraction) {
     const double within_segment = 2.0 * (part.begin + part.share * fraction) - 1.0;
     SectionRatios ratios;
-    ratios.bending = 1.0 + body.stiffness_taper * within_segment;
+    ratios.bending = 1.0 + body.stiffness_taper * (body.stiffness_steps ? half : within_segment);
     if (body.soft_spot)
       ratios.bending *=
           spot_ratio(*body.soft_spot, part.first_fraction + (part.fraction - part.first_fraction) * fraction);
     if (cap) ratios.bending *= kRigid;
     ratios.twist = ratios.bending;
     ratios.bending *= joint;
-    ratios.actuation = cap ? 0.0 : joint * (1.0 + body.actuation_taper * within_segment);
+    ratios.actuation =
+        cap ? 0.0 : joint * (1.0 + body.actuation_taper * (body.actuation_steps ? half : within_segment));
     return ratios;
   };
 }
@@ -168,6 +173,8 @@ std::vector<double> hidden_places(const Scenario& scenario) {
   double begin_m = 0.0;
   for (const SegmentSpec& segment : scenario.arm.segments) {
     if (segment.joint) places.push_back((begin_m + segment.joint->length_m) / length_m);
+    if (body.stiffness_steps || body.actuation_steps)
+      places.push_back((begin_m + 0.5 * segment.length_m) / length_m);
     begin_m += segment.length_m;
   }
   if (body.mass_lump) places.push_back(body.mass_lump->fraction);

@@ -1,6 +1,7 @@
 #include "input_path.h"
 
 #include <cmath>
+#include <stdexcept>
 
 #include "hysteresis.h"
 #include "jamming_state.h"
@@ -34,11 +35,25 @@ double heated(double place) {
   return place < kOn ? -1.0 + 2.0 * towards(place, kOn) : 1.0 - 2.0 * towards(place - kOn, 1.0 - kOn);
 }
 
+/// Share of a drift that is reached.
+double drifted(const Drift& drift, double t_s) {
+  constexpr double kBegins = 0.05;  // of over_s: until then it goes on nearly evenly
+  const double x = t_s / drift.over_s;
+  switch (drift.form) {
+    case Drift::Form::kLinear:
+      return x;
+    case Drift::Form::kSaturating:
+      return -std::expm1(-x);
+    case Drift::Form::kLogarithmic:
+      return std::log1p(x / kBegins) / std::log1p(1.0 / kBegins);
+  }
+  throw std::logic_error("drifted: no such form");
+}
+
 /// What time alone changes. @param t_s of the session
 void age(const InputPathSpec& spec, double t_s, Acting& acting) {
   if (const auto& drift = spec.drift) {
-    const double x = t_s / drift->over_s;
-    const double reached = drift->saturating ? -std::expm1(-x) : x;
+    const double reached = drifted(*drift, t_s);
     acting.gain_scale *= 1.0 + drift->gain_share * reached;
     acting.stiffness_scale *= 1.0 + drift->stiffness_share * reached;
   }

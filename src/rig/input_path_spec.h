@@ -84,11 +84,13 @@ struct TendonFriction {
 };
 
 /// Gain and stiffness change over a session (Scenario::session_s), by shares. Linear: reached at over_s, and
-/// on at that rate; saturating: 1 - e^(-t / over_s) of them.
+/// on at that rate; saturating: 1 - e^(-t / over_s) of them; logarithmic: ln(1 + t / t1) / ln(1 + over_s /
+/// t1) of them, t1 = over_s / 20, as polymers age (L. C. E. Struik, Polym. Eng. Sci. 17, 1977).
 struct Drift {
+  enum class Form { kLinear, kSaturating, kLogarithmic };
   double gain_share = 0.0, stiffness_share = 0.0;
   double over_s = 1.0;
-  bool saturating = false;
+  Form form = Form::kLinear;
 };
 
 /// The room's temperature swings over a session (Scenario::session_s); the arm follows it.

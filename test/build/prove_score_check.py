@@ -170,6 +170,8 @@ class Figures(unittest.TestCase):
         offset = effect("pressure_offset", {"number": 3.0, "offset_pa": 500.0}, "pressure")
         self.assertEqual(score.true_parameters(offset, 0.2), {"offset_3_pa": 500.0})
         self.assertEqual(score.true_parameters(effect("creep", {"share": 0.1, "time_s": 9.0}, "prony"), 0.2), {})
+        for form, numbers in (("linear", {"share": 0.1}), ("", {"share": 0.1}), ("step", {})):
+            self.assertEqual(score.true_parameters(effect("stiffness_taper", {"share": 0.1}, form), 0.2), numbers)
 
     def test_ranks(self):
         hidden = truth(distractors=[effect("base_compliance", {"stiffness_nm_per_rad": 5.0})])

@@ -151,7 +151,7 @@ RecordedCase untidy(const std::optional<rig::HiddenChoice>& more) {
     rig::Scenario& scenario = out.truth[i];
     scenario.arm.segments[0].mass_kg *= 1.02;
     rig::hide({"base_tilt", "", {{"angle_deg", 0.15}, {"azimuth_deg", 40.0}}}, scenario);
-    rig::hide({"stiffness_taper", "", {{"share", 0.03}}}, scenario);
+    rig::hide({"stiffness_taper", "linear", {{"share", 0.03}}}, scenario);
     rig::hide({"marker_slip",
                "",
                {{"body", 2.0},

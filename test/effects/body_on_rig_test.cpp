@@ -38,10 +38,10 @@ double sharp_width(double share) {
 
 const std::vector<HiddenInBody>& hidden_in_body() {
   static const std::vector<HiddenInBody> list{
-      {"stiffness_taper", {"stiffness_taper", "", {{"share", -0.25}}}, {-0.25}, Mount::kHorizontal},
-      {"actuation_taper", {"actuation_taper", "", {{"share", 0.15}}}, {0.15}},
+      {"stiffness_taper", {"stiffness_taper", "linear", {{"share", -0.25}}}, {-0.25}, Mount::kHorizontal},
+      {"actuation_taper", {"actuation_taper", "linear", {{"share", 0.15}}}, {0.15}},
       {"soft_spot",
-       {"soft_spot", "", {{"centre_fraction", 0.4}, {"width_fraction", 0.2}, {"share", 0.4}}},
+       {"soft_spot", "even", {{"centre_fraction", 0.4}, {"width_fraction", 0.2}, {"share", 0.4}}},
        {0.4, 0.08, 0.04 * sharp_width(0.4)}},
       {"rigid_ends", {"rigid_ends", "", {{"base_m", 0.012}, {"tip_m", 0.01}}}, {0.012, 0.01}},
       {"base_compliance",

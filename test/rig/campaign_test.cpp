@@ -280,7 +280,7 @@ TEST(Campaign, EffectsAreScaledByWhatMakesThemLarger) {
   EXPECT_DOUBLE_EQ(scaled(tilt, 0.1).values.at("azimuth_deg"), 77.0);
   EXPECT_DOUBLE_EQ(scaled(tilt, 1e9).values.at("angle_deg"), 60.0);  // most that is allowed
   const HiddenChoice spot{
-      "soft_spot", "", {{"centre_fraction", 0.4}, {"width_fraction", 0.2}, {"share", -0.3}}};
+      "soft_spot", "even", {{"centre_fraction", 0.4}, {"width_fraction", 0.2}, {"share", -0.3}}};
   EXPECT_DOUBLE_EQ(scaled(spot, 0.5).values.at("share"), -0.15);
   EXPECT_DOUBLE_EQ(scaled(spot, 0.5).values.at("centre_fraction"), 0.4);
   // Every effect of the catalogue has a size, whichever form it takes.

@@ -212,8 +212,11 @@ TEST(HiddenBodyDynamics, EveryEffectAndFormMovesTheArm) {
   const std::vector<Eigen::Vector3d> ideal = rings("");
   for (const char* hidden :
        {"stiffness_taper, share: 0.2",
+        "stiffness_taper, form: step, share: 0.2",
         "actuation_taper, share: 0.1",
+        "actuation_taper, form: step, share: 0.1",
         "soft_spot, centre_fraction: 0.5, width_fraction: 0.15, share: 0.3",
+        "soft_spot, form: bell, centre_fraction: 0.5, width_fraction: 0.15, share: 0.3",
         "rigid_ends, base_m: 0.015, tip_m: 0.01",
         "mass_distribution, share: 0.2",
         "mass_distribution, form: lump, share: 0.2, lump_fraction: 0.4",

@@ -50,6 +50,24 @@ TEST(HiddenBody, TapersOfStiffnessAndActuation) {
       arm, one, [](double s) { return 1.0 - 0.2 * (2.0 * s - 1.0); }, 1e-7);
 }
 
+TEST(HiddenBody, StepsOfStiffnessAndActuation) {
+  const auto step = [](double s) { return s < 0.5 ? -1.0 : 1.0; };
+  HiddenArm arm;
+  arm.scenario.body.stiffness_taper = 0.3;
+  arm.scenario.body.stiffness_steps = true;
+  expect_tip_angles(
+      arm, [&](double s) { return 1.0 + 0.3 * step(s); }, one, 2e-6);
+  arm = HiddenArm();
+  arm.scenario.body.actuation_taper = -0.2;
+  arm.scenario.body.actuation_steps = true;
+  expect_tip_angles(
+      arm, one, [&](double s) { return 1.0 - 0.2 * step(s); }, 1e-6);
+  arm.actuation.moment_nm = {0.15, 0.0};
+  const RitzRod rod = arm.settled();
+  EXPECT_NEAR(rod.curvature(0.49).y(), 1.2 * 0.15 / kRodEi, 1e-6);
+  EXPECT_NEAR(rod.curvature(0.51).y(), 0.8 * 0.15 / kRodEi, 1e-6);
+}
+
 TEST(HiddenBody, SoftSpotBendsMoreWhereItIs) {
   HiddenArm arm;
   arm.scenario.body.soft_spot = SoftSpot{0.45, 0.15, 0.4};
@@ -67,6 +85,21 @@ TEST(HiddenBody, SoftSpotBendsMoreWhereItIs) {
   arm.scenario.numerics.elements = 60;
   const Eigen::Vector3d difference = arm.settled().pose(1.0).translation() - rod.pose(1.0).translation();
   EXPECT_LT(difference.norm(), 5e-6);
+}
+
+TEST(HiddenBody, ABellIsSoftestAtItsCentre) {
+  HiddenArm arm;
+  arm.scenario.body.soft_spot = SoftSpot{0.45, 0.15, 0.4, true};
+  const auto ratio = [](double s) {
+    const double d = std::abs(s - 0.45) / 0.15;
+    return d < 0.5 ? 1.0 - 0.4 * 0.5 * (1.0 + std::cos(2.0 * M_PI * d)) : 1.0;
+  };
+  expect_tip_angles(arm, ratio, one, 1e-4);
+  arm.actuation.moment_nm = {0.15, 0.0};
+  const RitzRod rod = arm.settled();
+  EXPECT_NEAR(rod.curvature(0.2).y(), 0.15 / kRodEi, 1e-6);
+  EXPECT_NEAR(rod.curvature(0.45).y(), 0.15 / (0.6 * kRodEi), 0.1);
+  EXPECT_NEAR(rod.curvature(0.4125).y(), 0.15 / (0.8 * kRodEi), 0.1) << "half of it, half way to the edge";
 }
 
 TEST(HiddenBody, EndCapsStayStraight) {

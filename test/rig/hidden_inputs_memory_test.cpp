@@ -124,6 +124,18 @@ TEST(Drift, LinearAndSaturatingAtGivenTimes) {
   EXPECT_NEAR(saturating.hold(200.0).stiffness_scale, 1.2, 1e-4);
 }
 
+TEST(Drift, LogarithmicIsFastAtFirstAndNeverEnds) {
+  const std::map<std::string, double> values{
+      {"gain_share", -0.1}, {"stiffness_share", 0.2}, {"over_s", 20.0}};
+  Scenario later = laboratory();
+  later.session_s = 10.0;
+  Walk walk(with("drift", values, "logarithmic", later));
+  EXPECT_NEAR(walk.acting().gain_scale, 1.0 - 0.1 * std::log(11.0) / std::log(21.0), 1e-12);
+  EXPECT_NEAR(walk.hold(10.0).gain_scale, 0.9, 1e-9);
+  EXPECT_NEAR(walk.acting().stiffness_scale, 1.2, 1e-9);
+  EXPECT_NEAR(walk.hold(180.0).stiffness_scale, 1.0 + 0.2 * std::log(201.0) / std::log(21.0), 1e-9);
+}
+
 TEST(Temperature, SwingsStiffnessAndLength) {
   Walk walk(with("temperature", {{"amplitude_k", 5.0}, {"period_s", 40.0}}));
   EXPECT_EQ(walk.acting().stiffness_scale, 1.0);

@@ -178,7 +178,7 @@ Choices torsion(const Numbers& v) {
 
 Choices soft_spot(const Numbers& v) {
   const double length = v.arm().total_length_m();
-  return {choice("soft_spot", "",
+  return {choice("soft_spot", "even",
                  {{"centre_fraction", v("centre_m") / length},
                   {"width_fraction", v("width_m") / length},
                   {"share", v("share")}})};
@@ -423,8 +423,8 @@ using Translation = std::function<Choices(const Numbers&)>;
 const std::map<std::string, Translation>& translations() {
   static const auto nothing = [](const Numbers&) { return Choices(); };
   static const std::map<std::string, Translation> table{
-      {"stiffness_taper", same("", {"share"})},
-      {"actuation_taper", same("", {"share"})},
+      {"stiffness_taper", same("linear", {"share"})},
+      {"actuation_taper", same("linear", {"share"})},
       {"rigid_ends", same("", {"base_m", "tip_m"})},
       {"soft_spot", soft_spot},
       {"base_compliance", base_compliance},
