@@ -295,7 +295,8 @@ def versus(figures):
 WORLDS_TEXT = """## The worlds
 
 - **tidy**: nine trials of an arm by the virtual rig, which shares no code with the model of the diagnosis; the arm file is
-  right but for the constants that are fitted, and what is hidden has other forms than the catalogue's.
+  right but for the constants that are fitted, and what is hidden has another form than the catalogue's where
+  [the rig has one](effects.md#the-virtual-rigs-forms).
 - **untidy**: the same, and six to ten small departures besides, 0.2 to 3 mm together, so that nothing is quite as the arm file
   says. What is hidden is as large as it comes: its size is wished for evenly in its logarithm, from a fifth of the position
   noise to 4 mm, and whatever a few scalings make of it stays; nothing is drawn again because it is hard to see. A case is

@@ -1,12 +1,16 @@
 // doc/effects.md has the catalogue as it is; where it has not, this prints what should be there.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <sstream>
 #include <string>
 
 #include "effects/catalogue.h"
+#include "rig/hidden.h"
 
 namespace softarm::effects {
 namespace {
@@ -63,14 +67,39 @@ std::string tables() {
   return out.str();
 }
 
-TEST(EffectsPage, HasTheCatalogueAsItIs) {
+std::string effects_page() {
   std::ifstream file(SOFTARM_SOURCE_DIR "/doc/effects.md");
-  const std::string page((std::istreambuf_iterator<char>(file)), {});
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST(EffectsPage, HasTheCatalogueAsItIs) {
+  const std::string page = effects_page();
   const std::string begin = "<!-- catalogue: generated -->\n", end = "<!-- end -->";
   const std::size_t from = page.find(begin), to = page.find(end);
   ASSERT_TRUE(from != std::string::npos && to != std::string::npos);
   const std::size_t first = from + begin.size();
   EXPECT_EQ(page.substr(first, to - first), tables()) << "doc/effects.md should have:\n" << tables();
+}
+
+TEST(EffectsPage, CountsTheFormsOfTheRigAndSaysOfEachWhichLawItIs) {
+  const std::string page = effects_page();
+  const std::size_t from = page.find("## The virtual rig's forms"), to = page.find("## The catalogue");
+  ASSERT_TRUE(from != std::string::npos && to != std::string::npos && from < to);
+  const std::string section = page.substr(from, to - from);
+  std::map<std::size_t, int> effects_with;
+  for (const auto& effect : catalogue()) {
+    const std::string& id = effect->info().id;
+    const rig::HiddenEffect* in_rig = rig::find_hidden_effect(id);
+    if (in_rig == nullptr) continue;
+    ++effects_with[std::max<std::size_t>(1, in_rig->forms.size())];
+    EXPECT_NE(section.find('`' + id + '`'), std::string::npos) << id;
+  }
+  const int all = effects_with[1] + effects_with[2] + effects_with[3];
+  EXPECT_EQ(effects_with.size(), 3U) << "there are effects with more forms";
+  const std::string counts =
+      fmt::format("Of the {} effects the rig has {}: {} in one form, {} in two and {} in three",
+                  catalogue().size(), all, effects_with[1], effects_with[2], effects_with[3]);
+  EXPECT_NE(section.find(counts), std::string::npos) << "doc/effects.md should have: " << counts;
 }
 
 }  // namespace
