@@ -44,25 +44,24 @@ bool is_better(double mean_m, double than_m) {
   return mean_m > 0.0 && mean_m < kPolicy.told.better * than_m;
 }
 
-/// Mean error on trials left out, as they were told, of the fit that begins where the other one ended.
-double as_told_from_m(const Linearised& other, JointModel& as_told) {
-  return refitted_unseen(as_told, as_told.fit(other.at, {})).mean_m;
-}
-
-/// What follows as trials were told, where their fit begins from the constants of another one.
-Conclusion concluded_from(const Linearised& other, const model::Prepared& prepared, Begun& as_told,
-                          const Options& options, Schedule& schedule) {
-  JointParameters constants = other.at;
-  constants.effects.clear();
-  as_told.first.baseline = as_told.model.fit(constants, {});
-  return concluded(prepared, as_told, std::nullopt, options, schedule);
-}
-
 }  // namespace
 
 OtherPayloads payloads_that_trials_say(const arm::Arm& arm, const model::Prepared& prepared, Begun& as_told) {
   return other_payloads(as_told.model, fit_of_payloads(as_told.first), {},
                         usual_payload_kg(arm, prepared.trials));
+}
+
+AsToldAnew as_told_from(const UnderOthers& others, const model::Prepared& prepared, Begun& as_told,
+                        const Options& options, Schedule& schedule) {
+  AsToldAnew anew;
+  JointParameters from = others.conclusion.selection.extended.at;
+  anew.mean_m = refitted_unseen(as_told.model, as_told.model.fit(from, {})).mean_m;
+  if (!(anew.mean_m > 0.0) || is_better(others.conclusion.diagnosis.extended.held_out_mean_m, anew.mean_m))
+    return anew;
+  from.effects.clear();
+  as_told.first.baseline = as_told.model.fit(std::move(from), {});
+  anew.conclusion = concluded(prepared, as_told, std::nullopt, options, schedule);
+  return anew;
 }
 
 std::optional<UnderOthers> under_other_payloads(const arm::Arm& arm, const model::Prepared& prepared,
@@ -79,15 +78,14 @@ std::optional<UnderOthers> under_other_payloads(const arm::Arm& arm, const model
   const double mean_m = d.extended.held_out_mean_m, told_m = told.extended.held_out_mean_m;
   if (!is_better(mean_m, told_m) || d.left_out_share > told.left_out_share + kPolicy.words.left_out_share)
     return std::nullopt;
-  const Linearised& fit = others.conclusion.selection.extended;
-  const double from_there_m = as_told_from_m(fit, as_told.model);
-  if (from_there_m > 0.0 && !is_better(mean_m, from_there_m)) {
-    Conclusion anew = concluded_from(fit, prepared, as_told, options, schedule);
-    if (anew.diagnosis.extended.held_out_mean_m < told_m) conclusion = std::move(anew);
+  AsToldAnew anew = as_told_from(others, prepared, as_told, options, schedule);
+  if (anew.conclusion) {
+    if (anew.conclusion->diagnosis.extended.held_out_mean_m < told_m)
+      conclusion = std::move(*anew.conclusion);
     return std::nullopt;
   }
   d.told_payloads = told_payloads(payloads.list, prepared.trials);
-  d.told_payloads->as_told_mean_m = from_there_m > 0.0 ? std::min(told_m, from_there_m) : told_m;
+  d.told_payloads->as_told_mean_m = anew.mean_m > 0.0 ? std::min(told_m, anew.mean_m) : told_m;
   d.told_payloads->mean_m = mean_m;
   d.summary = sentence_of(*d.told_payloads) + " " + d.summary;
   return others;

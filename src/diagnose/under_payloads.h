@@ -19,13 +19,22 @@ struct UnderOthers {
   Conclusion conclusion;
 };
 
+/// What was told, with the end of the fit under other payloads to begin from.
+struct AsToldAnew {
+  double mean_m = 0.0;  ///< of errors on trials left out, with the same effects
+  /// Where that is hardly more than under the other payloads: what follows from those constants.
+  std::optional<Conclusion> conclusion;
+};
+
+/// A fit from the arm file may end in a poor minimum, which is no reason to accuse anybody.
+/// @param as_told its baseline becomes the one from there, where all is concluded anew
+AsToldAnew as_told_from(const UnderOthers& others, const model::Prepared& prepared, Begun& as_told,
+                        const Options& options, Schedule& schedule);
+
 /// What they say under the payloads that they tell themselves; nothing where it leaves hardly less of the
-/// same recordings than the one as they were told. A fit from the arm file may end in a poor minimum, which
-/// is no reason to accuse anybody: what was told has the other fit's end to begin from, too. Where it then
-/// does nearly as well, all is concluded anew from there.
+/// same recordings than what was told, wherever that begins.
 /// @param payloads to first order about the fit as told
-/// @param as_told the trials as they were told, and what follows; becomes what follows from the better
-/// constants
+/// @param conclusion from the trials as they were told; becomes as_told_from()'s where that is better
 /// @param trials get the other payloads, and are kept by reference
 std::optional<UnderOthers> under_other_payloads(const arm::Arm& arm, const model::Prepared& prepared,
                                                 OtherPayloads payloads, Begun& as_told,

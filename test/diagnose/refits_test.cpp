@@ -191,8 +191,8 @@ TEST(Refits, EvidenceOfThoseThatLeadIsByDerivativesOfTheirOwn) {
 }
 
 /// What a first round knows before its refits.
-struct Begun {
-  explicit Begun(testing::Looked& looked) : alone{looked.baseline, unseen(looked.model, looked.baseline)} {
+struct Started {
+  explicit Started(testing::Looked& looked) : alone{looked.baseline, unseen(looked.model, looked.baseline)} {
     round.screened = screen(looked.model, looked.baseline, 0, [](double) {});
   }
   const Screened& of(const std::string& id) const {
@@ -207,7 +207,7 @@ TEST(Refits, WhatOthersDoBesideARefitIsWhatTheyDoAboutItsFit) {
   const testing::RecordedCase drawn =
       testing::recorded_case("{count_weights: [0, 1], from: [tether], size: [0.9, 1.0]}", 6, 3, 8.0);
   testing::Looked looked(drawn.arm, drawn.trials);
-  Begun begun(looked);
+  Started begun(looked);
   const Screened& tether = begun.of("tether");
   Refitted with = refit(looked.model, begun.alone, tether);
   looked.model.take_own_derivatives(with.fit);
@@ -268,7 +268,7 @@ TEST(Refits, EvidenceIsMadeAgainOnlyOfWhatChangedAndIsTheSame) {
   const testing::RecordedCase drawn =
       testing::recorded_case("{count_weights: [0, 1], from: [tip_mass], size: [0.9, 1.0]}", 6, 3, 8.0);
   testing::Looked looked(drawn.arm, drawn.trials);
-  Begun begun(looked);
+  Started begun(looked);
   Round& round = begun.round;
   for (const char* id : {"tip_mass", "payload_scale"}) {
     round.refitted.push_back(refit(looked.model, begun.alone, begun.of(id)));
@@ -378,7 +378,7 @@ struct Extended {
   explicit Extended(testing::Looked& looked, const std::string& id) {
     selection.baseline = looked.baseline;
     selection.baseline_unseen = refitted_unseen(looked.model, looked.baseline);
-    Begun begun(looked);
+    Started begun(looked);
     Refitted with = refit(looked.model, begun.alone, begun.of(id));
     current = {std::move(with.fit), std::move(with.unseen)};
     begun.round.posterior = posterior_of(looked.model, current, begun.round, 0);
