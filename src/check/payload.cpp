@@ -15,7 +15,7 @@ void say_unknown(Context& context) {
   const auto topic = std::find_if(context.recording.topics.begin(), context.recording.topics.end(),
                                   [](const trial::RecordedTopic& t) { return t.of_payload; });
   const bool there = topic != context.recording.topics.end() && !topic->found_type.empty();
-  if (there && topic->found_type != topic->type) return;  // check_topics has said it
+  if (there && (topic->found_type != topic->type || topic->unread > 0)) return;  // check_topics has said it
   const bool assumed = arm.payload.default_kg.has_value();
   const bool asked = arm.estimator.unknown != arm::Unknown::kStiffness;
   CheckFinding& finding = context.add(

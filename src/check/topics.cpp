@@ -165,22 +165,50 @@ void say_unused(Context& context) {
   }
 }
 
-void say_wrong_type(Context& context, const trial::RecordedTopic& topic, bool no_body_at_all) {
+/// How bad it is that nothing of a topic can be read.
+Severity severity_without(const Context& context, const trial::RecordedTopic& topic, bool no_body_at_all) {
   const bool payload_is_needed =
       topic.of_payload && context.arm.estimator.unknown == arm::Unknown::kStiffness;
   const bool serious = topic.is_base || (topic.of_bodies && no_body_at_all) || payload_is_needed;
+  return serious ? Severity::kSerious : Severity::kWarning;
+}
+
+std::string payload_unknown(const Context& context) {
+  const auto assumed = context.arm.payload.default_kg;
+  return ": the payload is unknown throughout" +
+         (assumed ? fmt::format(", {:g} kg is assumed", *assumed) : std::string());
+}
+
+void say_wrong_type(Context& context, const trial::RecordedTopic& topic, bool no_body_at_all) {
   CheckFinding& finding =
-      context.add(serious ? Severity::kSerious : Severity::kWarning, "wrong_type", topic.topic,
+      context.add(severity_without(context, topic, no_body_at_all), "wrong_type", topic.topic,
                   fmt::format("is {}, the arm expects {} ({})", topic.found_type, topic.type, topic.feeds));
   if (topic.of_payload) {  // the arm file has no key for it
-    finding.what += ": the payload is unknown throughout";
-    if (const auto assumed = context.arm.payload.default_kg)
-      finding.what += fmt::format(", {:g} kg is assumed", *assumed);
+    finding.what += payload_unknown(context);
     finding.remedy = fmt::format("publish it as {}, in kg; or estimate with --payload KG", topic.type);
     return;
   }
   finding.remedy = "name the type that the driver publishes in the arm file";
   finding.setting = retyped(context, topic);
+}
+
+/// A type's name does not say what it holds: where the recording was made it was defined otherwise.
+void say_other_definition(Context& context, const trial::RecordedTopic& topic, bool no_body_at_all) {
+  const bool all = topic.messages == 0;
+  const std::uint64_t count = topic.messages + topic.unread;
+  CheckFinding& finding = context.add(
+      all ? severity_without(context, topic, no_body_at_all) : Severity::kWarning, "other_definition",
+      topic.topic,
+      fmt::format("{} {} by another definition (MD5 {}) than the one known here, and not read ({})",
+                  all ? "is" : fmt::format("in {} of {} messages is", topic.unread, count), topic.type,
+                  topic.unread_md5, topic.feeds));
+  finding.figure = static_cast<double>(topic.unread) / static_cast<double>(count);
+  finding.unit = "1";
+  if (all && topic.of_payload) finding.what += payload_unknown(context);
+  finding.remedy = fmt::format(
+      "record it again with the messages known here, or convert the recording: rosbag fix; rosmsg md5 {} "
+      "tells which definition a machine has{}",
+      topic.type, topic.of_payload ? "; or estimate with --payload KG" : "");
 }
 
 void check_topics(Context& context) {
@@ -193,6 +221,8 @@ void check_topics(Context& context) {
       say_missing(context, topic, no_body);
     } else if (topic.found_type != topic.type) {
       say_wrong_type(context, topic, no_body);
+    } else if (topic.unread > 0) {
+      say_other_definition(context, topic, no_body);
     } else if (topic.messages == 0 && !topic.of_payload) {
       context
           .add(topic.is_base ? Severity::kSerious : Severity::kWarning, "empty_topic", topic.topic,
@@ -207,7 +237,11 @@ void check_topics(Context& context) {
 
 Check make_topics() {
   return {check_topics,
-          {{"missing_topic", {}}, {"wrong_type", {}}, {"empty_topic", {}}, {"unused_topic", {}}}};
+          {{"missing_topic", {}},
+           {"wrong_type", {}},
+           {"other_definition", {}},
+           {"empty_topic", {}},
+           {"unused_topic", {}}}};
 }
 
 }  // namespace softarm::check

@@ -21,6 +21,17 @@ trial::FrameAssembler::Params all_of_a_record_time() {
   return params;
 }
 
+/// What a topic has in place of what is read of it; empty: nothing.
+/// @param md5s of all that was published on it
+std::string instead_of(const InputTopic& topic, const std::string& type, const std::set<std::string>& md5s) {
+  if (!topic.has_type(type)) return fmt::format("{}, the arm expects {}", type, topic.type);
+  if (topic.md5.empty() || md5s.count(topic.md5) != 0) return "";
+  return fmt::format(
+      "{} by another definition (MD5 {}) than the one known here (MD5 {}): record it again with that one, or "
+      "convert the bag (rosbag fix)",
+      type, *md5s.begin(), topic.md5);
+}
+
 }  // namespace
 
 BagFrames::BagFrames(const std::string& path, const arm::Arm& arm, bool use_payload)
@@ -44,12 +55,14 @@ void BagFrames::open() {
   rosbag::View view(*bag_);
   for (const rosbag::ConnectionInfo* connection : view.getConnections()) {
     in_bag_.emplace(absolute_topic(connection->topic), connection->datatype);
+    md5s_[absolute_topic(connection->topic)].insert(connection->md5sum);
   }
 }
 
 void BagFrames::compare(const arm::Arm& arm) {
   std::vector<InputTopic> present;
   std::vector<std::string> expected;
+  std::string base_redefined, bodies_redefined;  // why they cannot be read
   bool has_body = false, has_base = !arm.base.body;
   for (InputTopic& topic : topics_) {
     expected.push_back(topic.topic);
@@ -61,11 +74,13 @@ void BagFrames::compare(const arm::Arm& arm) {
       }
       continue;
     }
-    const auto& others = topic.other_types;
-    if (found->second != topic.type &&
-        std::find(others.begin(), others.end(), found->second) == others.end()) {
-      warnings_.push_back(fmt::format("{}: topic {} ({}) is {}, the arm expects {}", path_, topic.topic,
-                                      topic.feeds, found->second, topic.type));
+    const std::string instead = instead_of(topic, found->second, md5s_.at(found->first));
+    if (!instead.empty()) {
+      const std::string what = fmt::format("topic {} ({}) is {}", topic.topic, topic.feeds, instead);
+      warnings_.push_back(fmt::format("{}: {}", path_, what));
+      std::string& reason = topic.feeds_base ? base_redefined : bodies_redefined;
+      const bool is_first = reason.empty() && (topic.feeds_base || topic.feeds_bodies);
+      if (is_first && topic.has_type(found->second)) reason = what;
       continue;
     }
     has_base = has_base || topic.feeds_base;
@@ -74,6 +89,11 @@ void BagFrames::compare(const arm::Arm& arm) {
   }
   topics_ = std::move(present);
   if (has_base && has_body) return;
+  const std::string& redefined = has_base ? bodies_redefined : base_redefined;
+  if (!redefined.empty())
+    throw BagError(fmt::format("{}: {}: {}", path_,
+                               has_base ? "no measured body can be read" : "the base cannot be read",
+                               redefined));
   std::vector<std::string> listed;
   for (const auto& [topic, type] : in_bag_) listed.push_back(fmt::format("{} ({})", topic, type));
   throw BagError(fmt::format("{}: {}; arm {} expects {} ({} for bodies), the bag has {}", path_,
@@ -100,7 +120,9 @@ void BagFrames::read(const Callbacks& callbacks) {
       if (instance.getTime() != std::exchange(recorded, instance.getTime())) deliver(callbacks);
       const BagMessage message = bag_message(instance);
       for (const InputTopic* topic : by_topic.at(absolute_topic(message.topic))) {
-        topic->read(message, assembler_);
+        // Of several publishers one may have it otherwise.
+        if (!topic->read(message, assembler_) && topic->has_type(message.type))
+          assembler_.count_rejected("other_definition", topic->feeds);
       }
       if (++unreported == kProgressMessages) {
         callbacks.on_messages(unreported);

@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -20,12 +21,13 @@ class BagFrames {
  public:
   /// Opens the bag and compares its topics with those of the arm.
   /// @param use_payload false: the bag's payload topic is not read
-  /// @throws BagError if it is no complete bag, or if it lacks the base or every measured body
+  /// @throws BagError if it is no complete bag, or if the base or every measured body is not in it or cannot
+  /// be read
   /// @throws std::invalid_argument where the arm names a type that no adapter reads
   BagFrames(const std::string& path, const arm::Arm& arm, bool use_payload = true);
 
-  /// Topics of the arm that the bag does not have or has with another type, one line each: the estimates lack
-  /// them.
+  /// Topics of the arm that the bag does not have, or has with another type or by another definition of it,
+  /// one line each: the estimates lack them.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
   /// Messages that will be read.
@@ -53,9 +55,10 @@ class BagFrames {
   std::string path_;
   std::shared_ptr<rosbag::Bag> bag_;  // opened and destroyed by one thread at a time
   trial::FrameAssembler assembler_;
-  std::vector<InputTopic> topics_;             // those that the bag has, in the arm's order
-  std::map<std::string, std::string> in_bag_;  // topic to type
-  std::vector<std::string> names_;             // of topics_, as the bag may write them
+  std::vector<InputTopic> topics_;                     // those that the bag has, in the arm's order
+  std::map<std::string, std::string> in_bag_;          // topic to type
+  std::map<std::string, std::set<std::string>> md5s_;  // of the definitions of a topic
+  std::vector<std::string> names_;                     // of topics_, as the bag may write them
   std::vector<std::string> warnings_;
   std::uint64_t messages_ = 0;
 };

@@ -39,7 +39,7 @@ void check_message_lengths(const BagMessage& message, const MessageSchema& schem
 
 /// Reads a message. roscpp makes room for as many elements as a damaged length says, gigabytes of them,
 /// before it looks for them: hence the lengths are held against the bytes before.
-/// @return null if it is of another type
+/// @return null if it is of another type, or its type was defined otherwise where it was recorded
 /// @throws ros::Exception if it is damaged
 template <class Message>
 std::unique_ptr<Message> read_message(const BagMessage& message) {

@@ -6,7 +6,6 @@
 #include <std_msgs/Float64MultiArray.h>
 #include <std_msgs/String.h>
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -38,9 +37,7 @@ std::vector<trial::RecordedTopic> compare(const std::vector<InputTopic>& topics,
     r.is_base = topic.feeds_base;
     const auto found = in_bag.find(absolute_topic(topic.topic));
     if (found != in_bag.end()) {
-      const auto& also = topic.other_types;
-      const bool same = std::find(also.begin(), also.end(), found->second) != also.end();
-      r.found_type = same ? topic.type : found->second;
+      r.found_type = topic.has_type(found->second) ? topic.type : found->second;
       others.erase(found->first);
     }
     recorded.push_back(r);
@@ -174,7 +171,13 @@ trial::CheckRecording read_recording(const std::string& path, const arm::Arm& ar
       const BagMessage message = bag_message(instance);
       recorder.at(message.time);
       for (const std::size_t topic : by_topic.at(absolute_topic(message.topic))) {
-        if (topics[topic].read(message, recorder.assembler())) ++recording.topics[topic].messages;
+        trial::RecordedTopic& recorded = recording.topics[topic];
+        if (topics[topic].read(message, recorder.assembler())) {
+          ++recorded.messages;
+        } else if (topics[topic].has_type(message.type)) {
+          ++recorded.unread;
+          recorded.unread_md5 = message.md5;
+        }
       }
       if (++unreported == kMessagesPerProgress) on_messages(std::exchange(unreported, 0));
     }

@@ -10,8 +10,9 @@
 
 namespace softarm {
 
-/// Reads everything that the arm listens to, through the conversions of the live node; what is missing or of
-/// another type is said in CheckRecording::topics, not refused. The time of a record is that of receipt.
+/// Reads everything that the arm listens to, through the conversions of the live node; what is missing, of
+/// another type or defined otherwise is said in CheckRecording::topics, not refused. The time of a record is
+/// that of receipt.
 /// @param on_total called once with the number of messages
 /// @param on_messages called now and then with the messages read since the last call
 /// @throws BagError if it is no complete bag, or is damaged

@@ -240,11 +240,9 @@ void EstimatorNode::diagnose_silent_topics(DiagnosticStatusWrapper& status) {
   const ros::master::V_TopicInfo published = ask ? published_topics() : ros::master::V_TopicInfo();
   for (const Source* source : silent) {
     std::string state = "no message yet";
-    const std::vector<std::string>& others = source->input.other_types;
     const std::string topic = nh_.resolveName(source->input.topic);
     for (const ros::master::TopicInfo& info : published) {
-      if (info.name == topic && info.datatype != source->input.type &&
-          std::find(others.begin(), others.end(), info.datatype) == others.end()) {
+      if (info.name == topic && !source->input.has_type(info.datatype)) {
         state = fmt::format("published as {}, but the arm says {}", info.datatype, source->input.type);
         status.mergeSummary(DiagnosticStatus::WARN, topic + " is " + state);
       }

@@ -5,6 +5,7 @@
 #include <ros/ros.h>
 #include <std_msgs/Header.h>
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <string>
@@ -27,11 +28,16 @@ using OnMessage = std::function<void(const std_msgs::Header*)>;
 struct InputTopic {
   std::string topic;
   std::string type;                      ///< ROS type, "geometry_msgs/PoseStamped"
+  std::string md5 = {};                  ///< of the definition that is read; empty: the one that comes along
   std::string feeds;                     ///< for people: "ring_1", "chamber_1, chamber_2", "payload"
   std::vector<std::string> other_types;  ///< that old recordings have for the same message
   bool feeds_base = false;               ///< the base's body
   bool feeds_bodies = false;             ///< measured bodies
-  /// Adds one message of a bag to the assembler. @return false if the message has another type
+  bool has_type(const std::string& name) const {
+    return name == type || std::find(other_types.begin(), other_types.end(), name) != other_types.end();
+  }
+  /// Adds one message of a bag to the assembler. @return false if the message has another type, or its type
+  /// another definition
   std::function<bool(const BagMessage&, trial::FrameAssembler&)> read;
   /// Subscribes; the assembler must outlive the subscriber.
   std::function<ros::Subscriber(ros::NodeHandle&, trial::FrameAssembler&, OnMessage)> subscribe;
@@ -51,6 +57,7 @@ InputTopic make_input_topic(
   InputTopic input;
   input.topic = topic;
   input.type = ros::message_traits::DataType<Message>::value();
+  input.md5 = ros::message_traits::MD5Sum<Message>::value();
   input.feeds = feeds;
   input.read = [convert](const BagMessage& in_bag, trial::FrameAssembler& assembler) {
     const std::unique_ptr<Message> message = read_message<Message>(in_bag);

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <limits>
+#include <utility>
 
 #include "check_fixture.h"
 
@@ -90,6 +91,48 @@ TEST_F(Check, PayloadOfAWrongTypeIsSeriousWhereItIsNeeded) {
   EXPECT_EQ(find(report(), "payload_unknown"), nullptr);  // said once
   arm.estimator.unknown = arm::Unknown::kPayload;
   expect_only("wrong_type", check::Severity::kWarning, "/payload");
+}
+
+TEST_F(Check, ATypeThatWasDefinedOtherwiseIsNotATopicWithoutMessages) {
+  const auto redefine = [&](std::size_t topic) {
+    recording.topics[topic].unread = std::exchange(recording.topics[topic].messages, 0);
+    recording.topics[topic].unread_md5 = "0123456789abcdef0123456789abcdef";
+  };
+  redefine(2);
+  recording.bodies[2].clear();
+  expect("other_definition", check::Severity::kWarning, "/mocap/ring_2/pose");
+  const check::CheckReport of_ring = report();
+  const check::CheckFinding& finding = *find(of_ring, "other_definition");
+  EXPECT_EQ(finding.what,
+            "is geometry_msgs/PoseStamped by another definition (MD5 0123456789abcdef0123456789abcdef) than "
+            "the one known here, and not read (ring_2)");
+  EXPECT_THAT(finding.remedy, HasSubstr("rosbag fix"));
+  EXPECT_EQ(finding.setting, "");
+  EXPECT_EQ(find(of_ring, "empty_topic"), nullptr);
+
+  recording = clean();
+  redefine(0);
+  recording.bodies[0].clear();
+  expect("other_definition", check::Severity::kSerious, "/mocap/base/pose");
+
+  recording = clean();
+  recording.topics[1].messages = 1500;
+  recording.topics[1].unread = 500;
+  expect_only("other_definition", check::Severity::kWarning, "/mocap/ring_1/pose");
+  const check::CheckReport of_some = report();
+  EXPECT_THAT(find(of_some, "other_definition")->what, HasSubstr("in 500 of 2000 messages"));
+  EXPECT_DOUBLE_EQ(*find(of_some, "other_definition")->figure, 0.25);
+}
+
+TEST_F(Check, APayloadThatWasDefinedOtherwiseIsSeriousWhereItIsNeeded) {
+  recording.topics[4].unread = std::exchange(recording.topics[4].messages, 0);
+  recording.payload.clear();
+  for (trial::Frame& frame : recording.frames) frame.payload_kg.reset();
+  expect_only("other_definition", check::Severity::kSerious, "/payload");
+  EXPECT_EQ(find(report(), "payload_unknown"), nullptr);  // said once
+  EXPECT_THAT(find(report(), "other_definition")->remedy, HasSubstr("--payload KG"));
+  arm.estimator.unknown = arm::Unknown::kPayload;
+  expect_only("other_definition", check::Severity::kWarning, "/payload");
 }
 
 TEST_F(Check, ZeroStampsDuplicatesAndGaps) {

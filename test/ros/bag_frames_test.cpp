@@ -2,8 +2,11 @@
 // lengths.
 #include "ros/bag_frames.h"
 
+#include <geometry_msgs/PoseStamped.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rosbag/view.h>
+#include <sensor_msgs/FluidPressure.h>
 #include <tf2_msgs/TFMessage.h>
 #include <topic_tools/shape_shifter.h>
 #include <unistd.h>
@@ -12,8 +15,11 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <set>
+#include <string>
 #include <thread>
 
+#include "drivers_support.h"
 #include "ros/bag_message.h"
 #include "softarm/arm/arm_file.h"
 
@@ -82,6 +88,92 @@ TEST(BagMessage, AFalseLengthIsRefusedBeforeThereIsRoomForIt) {
     }
   }
   std::filesystem::remove(path);
+}
+
+constexpr char kOtherMd5[] = "0123456789abcdef0123456789abcdef";
+
+/// Ten frames of base, two rings and a pressure; what is in `redefined` was defined otherwise.
+void write_trial(drivers::TestBag& bag, const std::set<std::string>& redefined) {
+  const auto write = [&](const std::string& name, const std::string& topic, double s, const auto& message) {
+    using Message = std::decay_t<decltype(message)>;
+    if (redefined.count(name) == 0) return bag.write(topic, s, message);
+    bag.write_as(ros::message_traits::datatype<Message>(), kOtherMd5, "float64 of_another_version\n", topic,
+                 s, message);
+  };
+  for (int i = 0; i < 10; ++i) {
+    const double s = drivers::kStart_s + drivers::kPeriod_s * i;
+    geometry_msgs::PoseStamped pose;
+    pose.header.stamp = ros::Time(s);
+    pose.pose.orientation.w = 1.0;
+    for (const std::string name : {"base", "ring_1", "ring_2"}) {
+      const Eigen::Vector3d p = name == "base" ? Eigen::Vector3d(1e-4 * i, 0.0, 1.0)
+                                               : drivers::ring_at(name == "ring_1" ? 0 : 1, i);
+      pose.pose.position.x = p.x();
+      pose.pose.position.y = p.y();
+      pose.pose.position.z = p.z();
+      write(name, "/mocap/" + name + "/pose", s, pose);
+    }
+    sensor_msgs::FluidPressure pressure;
+    pressure.header.stamp = ros::Time(s);
+    pressure.fluid_pressure = 120e3;
+    write("chamber_1", "/pressure/chamber_1", s, pressure);
+  }
+}
+
+arm::Arm arm_with_a_pressure() {
+  return drivers::arm_with("inputs: {pressures: [{name: chamber_1, topic: /pressure/chamber_1}]}");
+}
+
+TEST(BagFrames, AnotherDefinitionOfATypeIsSaidAndWhatIsLeftIsRead) {
+  using ::testing::AllOf;
+  using ::testing::ElementsAre;
+  using ::testing::HasSubstr;
+  drivers::TestBag bag;
+  write_trial(bag, {"ring_1", "chamber_1"});
+  const drivers::TestBag::Result result = bag.read(arm_with_a_pressure());
+  const auto said = [](const std::string& topic, const std::string& type) {
+    return AllOf(
+        HasSubstr("topic " + topic),
+        HasSubstr("is " + type + " by another definition (MD5 " + kOtherMd5 + ") than the one known here"),
+        HasSubstr("rosbag fix"));
+  };
+  EXPECT_THAT(result.warnings,
+              ElementsAre(said("/mocap/ring_1/pose (ring_1)", "geometry_msgs/PoseStamped"),
+                          said("/pressure/chamber_1 (chamber_1)", "sensor_msgs/FluidPressure")));
+  EXPECT_EQ(result.frames.size(), 10u);
+  EXPECT_EQ(drivers::observed(result.frames.front(), 0), nullptr);
+  EXPECT_NE(drivers::observed(result.frames.front(), 1), nullptr);
+}
+
+TEST(BagFrames, WithoutABaseOrABodyThatCanBeReadTheReasonIsSaid) {
+  const auto refused = [](const std::set<std::string>& redefined) -> std::string {
+    drivers::TestBag bag;
+    write_trial(bag, redefined);
+    try {
+      bag.read(arm_with_a_pressure());
+    } catch (const BagError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(refused({"base"}),
+              ::testing::HasSubstr("the base cannot be read: topic /mocap/base/pose (base) is "
+                                   "geometry_msgs/PoseStamped by another definition"));
+  EXPECT_THAT(refused({"ring_1", "ring_2"}),
+              ::testing::HasSubstr("no measured body can be read: topic /mocap/ring_1/pose (ring_1) is"));
+}
+
+TEST(BagFrames, OfTwoPublishersWithTwoDefinitionsOneIsReadAndTheOtherCounted) {
+  drivers::TestBag bag;
+  write_trial(bag, {});
+  for (int i = 0; i < 3; ++i) {
+    bag.write_as("geometry_msgs/PoseStamped", kOtherMd5, "float64 of_another_version\n", "/mocap/ring_1/pose",
+                 drivers::kStart_s + 1.0 + i, geometry_msgs::PoseStamped());
+  }
+  const drivers::TestBag::Result result = bag.read(arm_with_a_pressure());
+  EXPECT_TRUE(result.warnings.empty());
+  EXPECT_EQ(result.frames.size(), 10u);
+  EXPECT_THAT(result.rejected, ::testing::Contains(::testing::Pair("other_definition ring_1", 3u)));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <topic_tools/shape_shifter.h>
 #include <unistd.h>
 
+#include <boost/make_shared.hpp>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -54,7 +55,8 @@ class TestBag {
   void write(const std::string& topic, double receipt_s, const Message& message) {
     bag_.write(topic, ros::Time(receipt_s), message);
   }
-  /// The message under another name, with a definition of the same bytes.
+  /// The message under another name, with a definition of the same bytes. Each definition is a publisher's of
+  /// its own.
   template <class Message>
   void write_as(const std::string& type, const std::string& md5, const std::string& definition,
                 const std::string& topic, double receipt_s, const Message& message) {
@@ -64,7 +66,9 @@ class TestBag {
     // What a publisher sends begins with its length, which a ShapeShifter does not keep.
     ros::serialization::IStream stream(bytes.message_start, static_cast<std::uint32_t>(bytes.num_bytes - 4));
     shape.read(stream);
-    bag_.write(topic, ros::Time(receipt_s), shape);
+    const auto publisher = boost::make_shared<ros::M_string>(
+        ros::M_string{{"type", type}, {"md5sum", md5}, {"message_definition", definition}});
+    bag_.write(topic, ros::Time(receipt_s), shape, publisher);
   }
   template <class Message>
   void write_as(const std::string& type, const std::string& topic, double receipt_s, const Message& message) {

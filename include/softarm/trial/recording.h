@@ -37,7 +37,9 @@ struct RecordedTopic {
   std::string found_type;  ///< empty: the recording has no such topic
   std::uint64_t messages = 0;
   bool of_bodies = false, of_payload = false;
-  bool is_base = false;  ///< without it there is no estimate at all
+  bool is_base = false;      ///< without it there is no estimate at all
+  std::uint64_t unread = 0;  ///< messages of that type by another definition than the one known here
+  std::string unread_md5 = {};
 };
 
 /// Everything that was recorded for an arm.
