@@ -36,13 +36,14 @@ const KeyTable& arm_keys() {
        text("name", kRequired, "the arm's name: letters, digits, _"),
        vector("gravity_m_s2", 3, "m/s^2", "[0, 0, -9.80665]", -30, 30, "gravity in the mocap frame"),
        map("base", kRequired, "where the arm is mounted"),
-       list("segments", kRequired, "the arm's segments in series, from base to tip; at least one"),
+       list("segments", kMostSegments, kRequired,
+            "the arm's segments in series, from base to tip; at least one"),
        number("tip_mass_kg", "kg", "0", 0, 20, "mass of the fitting at the tip"),
        map("payload", "{}", "where a payload hangs and what it may weigh"),
        map("noise", "{}", "what measurements of bodies are trusted to; each body may override it"),
-       list("bodies", kRequired, "measured bodies, from base to tip"),
+       list("bodies", kMostMeasuredBodies, kRequired, "measured bodies, from base to tip"),
        map("inputs", "{}", "topics, types and units"), map("estimator", "{}", "choices of the estimator"),
-       list("effects", "[]",
+       list("effects", kMostOfATable, "[]",
             "physics beyond these laws that is in the model, as `softarm diagnose` found it; `softarm "
             "diagnose "
             "--effects` lists ids, parameters and ranges"),
@@ -58,7 +59,7 @@ const KeyTable& base_keys() {
       "base",
       {text("body", kAbsent, "body whose measured pose carries the base (or give fixed)"),
        map("rod_in_body", "{}", "pose of the rod's base frame (z: tangent, x: phi = 0) in that body's frame"),
-       list("labelled_markers", "[]", kLabelledMarkersMeaning),
+       list("labelled_markers", kMostOfATable, "[]", kLabelledMarkersMeaning),
        flag("hold_last", "true", "keep the last pose while the body is lost (the mount does not move)"),
        map("fixed", kAbsent, "pose of the rod's base in the mocap frame where no body measures it")}};
   return table;
@@ -117,7 +118,7 @@ const KeyTable& body_keys() {
        number("angle_deg", "deg", kAbsent, -360, 360,
               "skin markers only, required: azimuth in the section frame"),
        number("radius_m", "m", kAbsent, 0, 1, "skin markers only, required: distance from the backbone"),
-       list("labelled_markers", "[]", kLabelledMarkersMeaning),
+       list("labelled_markers", kMostOfATable, "[]", kLabelledMarkersMeaning),
        integer(
            "markers", "1", 1, 32,
            "rings known by unlabelled points only: how many markers its marker cluster has (1: one point; or "
@@ -234,7 +235,7 @@ std::string allowed_values(const KeySpec& key) {
     case KeyKind::kMap:
       return "section";
     case KeyKind::kList:
-      return "list of sections";
+      return fmt::format("list of up to {:g} sections", key.high);
     case KeyKind::kNumbers:
       return "name: number, ...";
   }

@@ -17,7 +17,7 @@ enum class KeyKind {
   kNumberOrWord,  ///< a number in [low, high] or one of `words`
   kVector,        ///< list of `count` numbers, each in [low, high]
   kMap,           ///< nested section
-  kList,          ///< list of nested sections
+  kList,          ///< list of at most `high` nested sections
   kNumbers,       ///< names, each with a number of its own
 };
 

@@ -63,8 +63,6 @@ std::vector<WallElement> read_elements(const Section& wall, const char* key, con
       item.fail_value("share", fmt::format("makes {:g} of all shares of {} together; at most {:g} comes late",
                                            sum, key, kMostWallShare));
   }
-  if (elements.size() > kMostWallElements)
-    wall.fail(key, fmt::format("has {} elements; at most {}", elements.size(), kMostWallElements));
   return elements;
 }
 

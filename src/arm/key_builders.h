@@ -62,8 +62,19 @@ inline KeySpec map(std::string name, std::string fallback, std::string meaning) 
   return other(std::move(name), KeyKind::kMap, std::move(fallback), std::move(meaning));
 }
 
-inline KeySpec list(std::string name, std::string fallback, std::string meaning) {
-  return other(std::move(name), KeyKind::kList, std::move(fallback), std::move(meaning));
+/// @param most entries: more than arms have, and few enough for what reads them to come to an end
+inline KeySpec list(std::string name, int most, std::string fallback, std::string meaning) {
+  KeySpec key = other(std::move(name), KeyKind::kList, std::move(fallback), std::move(meaning));
+  key.high = static_cast<double>(most);
+  return key;
 }
+
+// The time of an estimate grows with more than the square of the bodies: with 64 of them it keeps up with the
+// cameras, with 200 it does some ten frames a second.
+inline constexpr int kMostMeasuredBodies = 200;
+inline constexpr int kMostSegments = 32;
+inline constexpr int kMostInputs = 1024;   // of a kind: as many as an array may have elements
+inline constexpr int kMostActuators = 64;  // of a kind, in a segment
+inline constexpr int kMostOfATable = 100;  // knots, labelled markers, effects
 
 }  // namespace softarm::arm::yaml

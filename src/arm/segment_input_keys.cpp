@@ -49,7 +49,8 @@ const KeyTable& stiffness_keys() {
                   {number("base_nm2", "N m^2", kRequired, 1e-6, 1e3, "b1: EI at zero input")}};
     for (const ActuatorKind* kind : actuator_kinds()) append(kind->stiffness_keys(), keys.keys);
     append({vector("range_nm2", 2, "N m^2", "[0.0001, 10]", 1e-7, 1e4, "sanity limits of an estimated EI"),
-            list("profile", "[]", "knots of a factor on EI and GJ along the segment; empty: uniform")},
+            list("profile", kMostOfATable, "[]",
+                 "knots of a factor on EI and GJ along the segment; empty: uniform")},
            keys.keys);
     return keys;
   }();
@@ -77,8 +78,8 @@ const KeyTable& material_keys() {
 const KeyTable& wall_keys() {
   static const KeyTable table{
       "segments[].wall",
-      {list("bending", "[]", "Kelvin-Voigt elements of the curvature by actuation, at most 3"),
-       list("axial", "[]", "the same of the length, at most 3"),
+      {list("bending", kMostWallElements, "[]", "Kelvin-Voigt elements of the curvature by actuation"),
+       list("axial", kMostWallElements, "[]", "the same of the length"),
        number("slows_per_pa", "1/Pa", kAbsent, 0, 0.001,
               "time constants grow by 1 + this times the mean gauge pressure of the segment's chambers; "
               "absent: not at all"),
@@ -123,8 +124,9 @@ const KeyTable& inputs_keys() {
       "inputs",
       {map("bodies", "{}", "poses or points of base and measured bodies"),
        map("base", kAbsent, "of the base's body, where it comes another way than the others"),
-       list("pressures", "[]", "pressure inputs"), list("tensions", "[]", "tension inputs of tendons"),
-       list("angles", "[]", "angle inputs of servos"),
+       list("pressures", kMostInputs, "[]", "pressure inputs"),
+       list("tensions", kMostInputs, "[]", "tension inputs of tendons"),
+       list("angles", kMostInputs, "[]", "angle inputs of servos"),
        number("ambient_pressure_pa", "Pa", "101325", 5e4, 1.2e5, "ambient pressure, for absolute pressures"),
        number("input_max_age_s", "s", "0.5", 0.001, 3600, "an older pressure, tension or angle is missing"),
        text("payload_topic", "/payload", "std_msgs/Float64, known payload in kg")}};

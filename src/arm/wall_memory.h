@@ -13,7 +13,7 @@ namespace softarm::arm {
 // What an arm file may say of an element, and of how many of a kind.
 constexpr double kLeastWallTime_s = 0.01, kMostWallTime_s = 3600.0;
 constexpr double kMostWallShare = 0.98;  // of all together: something comes at once
-constexpr std::size_t kMostWallElements = 3;
+constexpr int kMostWallElements = 3;
 
 /// What a segment's static laws say at an instant: curvature by its actuation (x, y; 1/m) and length (m).
 struct WallDrive {

@@ -295,6 +295,8 @@ Section Section::section(const std::string& key, const KeyTable& table) const {
 std::vector<Section> Section::list(const std::string& key, const KeyTable& table) const {
   const YAML::Node node = value(key);
   if (!node.IsSequence()) fail(key, fmt::format("value {} is not a list", shown(node)));
+  if (static_cast<double>(node.size()) > spec(key).high)
+    fail(key, fmt::format("has {} entries; allowed: {}", node.size(), allowed_values(spec(key))));
   std::vector<Section> sections;
   sections.reserve(node.size());
   int i = 0;

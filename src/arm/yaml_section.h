@@ -46,7 +46,7 @@ class Section {
   /// Names with a finite number each, in their order. Names are as name() wants them.
   std::vector<std::pair<std::string, double>> numbers(const std::string& key) const;
 
-  /// One section per element.
+  /// One section per element; not more than the table allows.
   std::vector<Section> list(const std::string& key, const KeyTable& table) const;
 
   /// For a key that only some sections of its table need. Throws as a missing key does.

@@ -250,9 +250,38 @@ TEST(ArmYamlRefusesDocument, EmptyOrMissingSegmentsAndBodies) {
             "arm.yaml:4: key 'segments': value (nothing) is not a list");
   EXPECT_EQ(refusal(head + tail),
             "arm.yaml:1: key 'segments': is missing; the arm's segments in series, from base to "
-            "tip; at least one; allowed: list of sections");
+            "tip; at least one; allowed: list of up to 32 sections");
   EXPECT_EQ(refusal(kSmallArm.substr(0, bodies) + "bodies: []\n" + kSmallArm.substr(inputs)),
             "arm.yaml:12: key 'bodies': is empty; an arm needs at least one measured body");
+}
+
+/// Entries of a list, each with its number.
+std::string entries(int count, const std::string& before, const std::string& after) {
+  std::string text;
+  for (int i = 0; i < count; ++i) text += before + std::to_string(i) + after;
+  return text;
+}
+
+TEST(ArmYamlRefusesDocument, MoreEntriesThanAnyArmHas) {
+  const std::string rings = "  - {name: ring_1, arclength_m: 0.1}\n";
+  const auto with_bodies = [&](int count) {
+    return edited(
+        rings,
+        entries(count, "  - {kind: skin_marker, arclength_m: 0.1, angle_deg: 0, radius_m: 0.02, name: m_",
+                "}\n"));
+  };
+  EXPECT_EQ(refusal(with_bodies(20000)),
+            "arm.yaml:12: key 'bodies': has 20001 entries; allowed: list of up to 200 sections");
+  EXPECT_EQ(arm::parse_arm(with_bodies(199), "arm.yaml").bodies.size(), 200u);
+  const std::string input = "    - {name: chamber_1, topic: /pressure/chamber_1}\n";
+  EXPECT_EQ(refusal(edited(input, input + entries(1024, "    - {topic: /p, name: p_", "}\n"))),
+            "arm.yaml:16: key 'inputs.pressures': has 1025 entries; allowed: list of up to 1024 sections");
+  const std::string chamber =
+      "      - {input: chamber_1, bending_direction_deg: 90, moment_gain_nm_per_pa: 6.0e-6}\n";
+  EXPECT_EQ(refusal(edited(chamber, entries(65, "      - {input: chamber_", "}\n"))),
+            "arm.yaml:10: key 'segments[0].chambers': has 65 entries; allowed: list of up to 64 sections");
+  EXPECT_EQ(refusal(edited("bodies:\n", entries(32, "  - {name: s_", "}\n") + "bodies:\n")),
+            "arm.yaml:4: key 'segments': has 33 entries; allowed: list of up to 32 sections");
 }
 
 TEST(ArmYamlRefusesDocument, DuplicateSegment) {

@@ -232,7 +232,7 @@ TEST(Wall, BadValuesGiveOneLine) {
             "together; at most 0.98 comes late");
   EXPECT_NE(refusal("      bending: [{time_s: 1, share: 0.1}, {time_s: 2, share: 0.1}, {time_s: 3, share: "
                     "0.1}, {time_s: 4, share: 0.1}]\n")
-                .find("has 4 elements; at most 3"),
+                .find("has 4 entries; allowed: list of up to 3 sections"),
             std::string::npos);
   EXPECT_NE(refusal("      slows_per_pa: -1\n").find("outside the allowed range"), std::string::npos);
 }

@@ -114,7 +114,7 @@ class Cables final : public ActuatorKind {
 
   std::vector<yaml::KeySpec> segment_keys() const override {
     return {
-        yaml::list("cables", "[]", "cables wound up by servos"),
+        yaml::list("cables", yaml::kMostActuators, "[]", "cables wound up by servos"),
         yaml::number("cables_saturation_per_rad", "1/rad", yaml::kAbsent, 0, CableLaw::kMost,
                      "b: the curvatures by all cables are divided by 1 + b times the sum of their angles' "
                      "sizes, beside their own saturation_per_rad")};

@@ -109,7 +109,7 @@ class CentralChambers final : public ActuatorKind {
         yaml::map("central_chamber", yaml::kAbsent, "pneumatic chamber on the segment's axis; absent: none")};
   }
   std::vector<yaml::KeySpec> stiffness_keys() const override {
-    return {yaml::list("by_pressure", "[]",
+    return {yaml::list("by_pressure", yaml::kMostOfATable, "[]",
                        "knots of EI over the central chamber's pressure, instead of b1 and of the material's "
                        "stiffening")};
   }

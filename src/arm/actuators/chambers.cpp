@@ -156,7 +156,8 @@ class Chambers final : public ActuatorKind {
   }
 
   std::vector<yaml::KeySpec> segment_keys() const override {
-    return {yaml::list("chambers", "[]", "pneumatic chambers along the segment, off its axis"),
+    return {yaml::list("chambers", yaml::kMostActuators, "[]",
+                       "pneumatic chambers along the segment, off its axis"),
             yaml::number("chambers_saturation_per_pa", "1/Pa", yaml::kAbsent, 0, ChamberLaw::kMost,
                          "b: the moments of all chambers are divided by 1 + b times the sum of their "
                          "pressures, beside their own saturation_per_pa")};

@@ -114,7 +114,7 @@ class Tendons final : public ActuatorKind {
 
   std::vector<yaml::KeySpec> segment_keys() const override {
     return {
-        yaml::list("tendons", "[]", "tendons pulled by known tensions"),
+        yaml::list("tendons", yaml::kMostActuators, "[]", "tendons pulled by known tensions"),
         yaml::number("tendons_saturation_per_n", "1/N", yaml::kAbsent, 0, TendonLaw::kMost,
                      "b: the moments of all tendons are divided by 1 + b times the sum of their tensions, "
                      "beside their own saturation_per_n")};
