@@ -1,6 +1,5 @@
 #include "bag_writer.h"
 
-#include <fmt/format.h>
 #include <ros/message_traits.h>
 #include <sensor_msgs/FluidPressure.h>
 #include <std_msgs/Float64.h>
@@ -8,29 +7,11 @@
 #include <std_msgs/String.h>
 
 #include <boost/make_shared.hpp>
-#include <cerrno>
-#include <cstring>
 
 #include "conversions.h"
 #include "open_bag.h"
 
 namespace softarm {
-
-namespace {
-
-/// @throws BagError with the file's name where the bag throws
-template <typename Do>
-void written(const std::string& path, const Do& what) {
-  errno = 0;  // rosbag says at which of its steps it failed, but not why
-  try {
-    what();
-  } catch (const rosbag::BagException& e) {
-    throw BagError(
-        fmt::format("{}: cannot be written: {}", path, errno != 0 ? std::strerror(errno) : e.what()));
-  }
-}
-
-}  // namespace
 
 TrialBagWriter::TrialBagWriter(const std::string& file, const std::string& called)
     : path_(called.empty() ? file : called) {

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <rosbag/view.h>
 
+#include <cerrno>
+#include <cstring>
 #include <mutex>
 #include <vector>
 
@@ -68,6 +70,16 @@ std::shared_ptr<rosbag::Bag> open_bag(const std::string& path) {
 
 std::shared_ptr<rosbag::Bag> new_bag(const std::string& path) {
   return opened(path, rosbag::bagmode::Write);
+}
+
+void written(const std::string& path, const std::function<void()>& what) {
+  errno = 0;  // rosbag says at which of its steps it failed, but not why
+  try {
+    what();
+  } catch (const rosbag::BagException& e) {
+    throw BagError(
+        fmt::format("{}: cannot be written: {}", path, errno != 0 ? std::strerror(errno) : e.what()));
+  }
 }
 
 }  // namespace softarm

@@ -3,6 +3,7 @@
 
 #include <rosbag/bag.h>
 
+#include <functional>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -26,5 +27,9 @@ std::string absolute_topic(const std::string& topic);
 /// A new bag to write. Bags may be written side by side, each by one thread.
 /// @throws rosbag::BagException if the file cannot be created
 std::shared_ptr<rosbag::Bag> new_bag(const std::string& path);
+
+/// Does what writes to a bag. @throws BagError with the file's name and the reason where the bag throws
+/// @param path as which people know the file
+void written(const std::string& path, const std::function<void()>& what);
 
 }  // namespace softarm

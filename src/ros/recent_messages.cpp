@@ -76,8 +76,9 @@ std::vector<std::string> write_trials(const RecentMessages& recent, const std::s
   for (long i = 0; i < count; ++i) {
     const fs::path path = fs::path(folder) / fmt::format("trial_{:02}.bag", i + 1);
     const fs::path temporary = path.string() + ".active";
-    try {
-      const std::shared_ptr<rosbag::Bag> bag = new_bag(temporary.string());
+    std::shared_ptr<rosbag::Bag> bag;  // closed again only after its failure has been said
+    const auto write_trial = [&] {
+      bag = new_bag(temporary.string());
       bag->setCompression(rosbag::compression::LZ4);
       const ros::Time begin = next != messages.end() ? next->receipt : messages.back().receipt;
       for (const auto& entry : held) write(*bag, entry.second, begin);
@@ -87,9 +88,12 @@ std::vector<std::string> write_trials(const RecentMessages& recent, const std::s
         if (next->latched()) held[next->topic] = *next;
       }
       bag->close();
-    } catch (const std::exception& e) {
+    };
+    try {
+      written(path.string(), write_trial);
+    } catch (const std::exception&) {
       fs::remove(temporary, error);
-      throw std::runtime_error(fmt::format("{}: cannot be written: {}", path.string(), e.what()));
+      throw;
     }
     fs::rename(temporary, path, error);
     if (error)

@@ -22,13 +22,15 @@ class DiagnoseNode(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         rospy.init_node("diagnose_node_test")
-        cls.statuses = {"softarm_diagnose": [], "fails": []}
+        cls.statuses = {"softarm_diagnose": [], "fails": [], "full_disk": []}
         cls.subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, cls.on_diagnostics, queue_size=100)
         cls.alarms = rospy.Publisher("/test/mismatch", Mismatch, queue_size=10)
         cls.diagnose = rospy.ServiceProxy("/softarm_diagnose/diagnose", Trigger)
         cls.diagnose_failing = rospy.ServiceProxy("/fails/diagnose", Trigger)
+        cls.diagnose_on_full_disk = rospy.ServiceProxy("/full_disk/diagnose", Trigger)
         cls.diagnose.wait_for_service(15.0)
         cls.diagnose_failing.wait_for_service(15.0)
+        cls.diagnose_on_full_disk.wait_for_service(15.0)
 
     @classmethod
     def on_diagnostics(cls, message):
@@ -106,6 +108,21 @@ class DiagnoseNode(unittest.TestCase):
         time.sleep(1.5)
         self.assertEqual(count(), before + 1)  # once, however often
         self.assertIn("exit status 0", self.statuses["softarm_diagnose"][-1][1]["last diagnosis"])
+
+    def test_e_full_disk(self):
+        self.assertTrue(self.wait(lambda: self.kept("full_disk") > 3.0, 30.0))
+        for _ in range(2):  # it lives on
+            answer = self.diagnose_on_full_disk()
+            self.assertFalse(answer.success)
+            self.assertRegex(answer.message, r"trial_01\.bag: cannot be written: File too large$")
+            warned = lambda: self.statuses["full_disk"][-1][0].level == DiagnosticStatus.WARN
+            self.assertTrue(self.wait(warned, 5.0))
+            self.assertIn("cannot be written", self.statuses["full_disk"][-1][0].message)
+        seen = len(self.statuses["full_disk"])
+        self.assertTrue(self.wait(lambda: len(self.statuses["full_disk"]) > seen + 1, 5.0))
+        self.assertGreater(self.kept("full_disk"), 3.0)
+        left = [name for _, _, names in os.walk(os.path.join(HOME, "full_disk")) for name in names]
+        self.assertEqual(left, [])
 
 
 if __name__ == "__main__":
