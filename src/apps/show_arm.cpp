@@ -12,9 +12,9 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 
 #include "softarm/arm/arm_file.h"
+#include "softarm/output_file.h"
 
 namespace {
 
@@ -213,8 +213,9 @@ int main(int argc, char** argv) {
     }
     const std::vector<Eigen::Vector3d> others = bases_beside(base, options);
     const std::string file = options.out.empty() ? file_for(arm.name).string() : options.out;
-    std::ofstream(file) << fitted(options, shown_length_m(arm), base, others);
-    if (!std::filesystem::exists(file)) throw std::runtime_error(file + ": cannot be written");
+    softarm::app::OutputFile output(file);
+    output.write(fitted(options, shown_length_m(arm), base, others));
+    output.commit();
     ros::shutdown();
     if (!options.out.empty()) return 0;
     std::string program = "rviz", option = "-d", name = file;

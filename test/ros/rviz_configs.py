@@ -1,6 +1,8 @@
 #!/usr/bin/python3
 """show_arm fits the shipped configurations to an arm (what rviz makes of them: rviz_pictures.py)."""
 import os
+import resource
+import signal
 import subprocess
 import sys
 import tempfile
@@ -43,6 +45,23 @@ class RvizConfigs(unittest.TestCase):
         self.assertNotEqual(done.returncode, 0)
         self.assertIn("no_arm", done.stderr)
         self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+
+    def test_a_full_disk_is_one_line_and_leaves_what_was_there(self):
+        def full_disk():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (1024, 1024))
+        with tempfile.TemporaryDirectory() as folder:
+            out = os.path.join(folder, "arm.rviz")
+            with open(out, "w") as before:
+                before.write("another's")
+            done = subprocess.run(["show_arm", "--arm", "online_200mm", "--arms-dir", ARMS, "--config",
+                                   os.path.join(PACKAGE, "rviz/demo.rviz"), "--wait", "0", "--out", out],
+                                  stderr=subprocess.PIPE, text=True, preexec_fn=full_disk)
+            self.assertEqual(done.returncode, 1)
+            self.assertEqual(done.stderr, "show_arm: %s: cannot be written: File too large\n" % out)
+            self.assertEqual(os.listdir(folder), ["arm.rviz"])
+            with open(out) as after:
+                self.assertEqual(after.read(), "another's")
 
     def test_other_arms_are_shown_beside_this_one(self):
         _, own = self.fitted("online_200mm")

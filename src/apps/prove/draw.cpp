@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -184,10 +183,9 @@ class Case {
   static std::string name_of(std::size_t i) { return fmt::format("trial_{:02}", i + 1); }
 
   static void write(const fs::path& path, const std::string& text) {
-    std::ofstream file(path);
-    file << text;
-    file.close();
-    if (!file) throw Failure(fmt::format("{}: cannot be written", path.string()));
+    app::OutputFile file(path);
+    file.write(text);
+    file.commit();
   }
 
   static Json json_of(const Signal& signal) {
