@@ -9,10 +9,12 @@
 #include <map>
 #include <set>
 #include <variant>
+#include <vector>
 
 #include "rig/receipt_queue.h"
 #include "rig/simulator.h"
 #include "ros/conversions.h"
+#include "ros/master_watch.h"
 #include "softarm/rig_messages.h"
 #include "softarm/scenario_file.h"
 
@@ -138,6 +140,7 @@ void run(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh) {
   if (private_nh.param("endless", false)) scenario.duration_s = 0.0;
   softarm::rig::Simulator simulator(scenario);
   Rig rig(nh, private_nh, softarm::app::RigMessages(simulator, loaded.arm));
+  const softarm::MasterWatch watch(std::vector<ros::ServiceServer>{});
   const ros::WallTime start = wait_for_subscribers(rig) + ros::WallDuration(kLead_s);
   rig.begin(ros::Time(start.sec, start.nsec));
   softarm::rig::ReceiptQueue queue;

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The live node outlives its roscore: after another one has started in its place, new publishers and listeners find it."""
+"""The live nodes outlive their roscore: after another one has started in its place, new publishers and listeners find them."""
 import os
 import signal
 import socket
@@ -11,27 +11,41 @@ sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
 import tree  # noqa: E402
 
 FRAMES = 240
+# What the rig says goes elsewhere: beside it the nodes hear our feeder.
+RIG_ELSEWHERE = ["/payload:=/rig/payload"] + [f"/mocap/{body}/pose:=/rig/{body}/pose"
+                                              for body in ["base", "ring_1", "ring_2", "ring_3", "ring_4"]]
 
 
 def feed():
-    """In the environment of a roscore: publishes frames, and counts the answers."""
+    """In the environment of a roscore: publishes frames, counts the answers, and looks for the rig's topics."""
     sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), "../ros"))
     import rospy
     from feeder import NODE, Feeder, Listener
+    from geometry_msgs.msg import PoseStamped
     from std_msgs.msg import Float64
     from std_srvs.srv import Trigger
     rospy.init_node("restart_feeder", anonymous=True)
     listener = Listener()
     payload = rospy.Publisher("/payload", Float64, queue_size=1, latch=True)
     payload.publish(0.0)
+    of_rig = []
+    rospy.Subscriber("/rig/ring_4/pose", PoseStamped, of_rig.append)
     feeder = Feeder()
-    if not feeder.wait_for_subscribers(20.0):
-        sys.exit("the node does not listen")
+    estimator_and_recorder = lambda: all(p.get_num_connections() >= 2 for p in feeder.publishers.values())
+    if not listener.wait(estimator_and_recorder, 20.0):
+        sys.exit("a node does not listen")
     reset = rospy.ServiceProxy(NODE + "/reset", Trigger)
-    reset.wait_for_service(10.0)
+    diagnose = rospy.ServiceProxy("/softarm_diagnose/diagnose", Trigger)
+    for service in [reset, diagnose]:
+        service.wait_for_service(10.0)
     if not reset().success:
         sys.exit("the service /reset refuses")
     feeder.feed(FRAMES)
+    answer = diagnose()
+    if not answer.success:
+        sys.exit("the service /diagnose refuses: " + answer.message)
+    if not listener.wait(lambda: of_rig, 10.0):
+        sys.exit("nothing comes of the rig")
     listener.wait(lambda: listener.count() >= FRAMES // 2, 10.0)
     print(f"{listener.count()} answers to {FRAMES} frames")
     sys.exit(0 if listener.count() >= FRAMES // 2 else "too few answers")
@@ -93,8 +107,12 @@ def main():
     graph = Graph(source, build)
     try:
         core = graph.core()
-        node = graph.start(f"'{build}/devel/lib/softarm_estimator/estimator_node' __name:=softarm_estimator "
-                           f"_arm:='{source}/test/ros/light_arm.yaml'")
+        programs, arm = f"{build}/devel/lib/softarm_estimator", f"_arm:='{source}/test/ros/light_arm.yaml'"
+        nodes = [graph.start(f"'{programs}/estimator_node' __name:=softarm_estimator {arm}"),
+                 graph.start(f"'{programs}/diagnose_node' __name:=softarm_diagnose {arm} _minutes:=0.05 _trial_s:=1 "
+                             f"_program:='{source}/test/ros/diagnose_stand_in' _out:='{graph.env['ROS_HOME']}/diagnoses'"),
+                 graph.start(f"'{programs}/simulator_node' __name:=softarm_rig "
+                             f"_scenario:='{source}/config/scenarios/demo.yaml' {' '.join(RIG_ELSEWHERE)}")]
         first = graph.fed()
         graph.stop(core)
         time.sleep(2.5)  # it is missed
@@ -108,10 +126,10 @@ def main():
             problems.append("no answers before the restart")
         if second != 0:
             problems.append("no answers after the restart")
-        if node.poll() is not None:
-            problems.append("the node has ended")
-        problems += [f"it does not say: {words}" for words in ("the roscore does not answer", "registered with it again")
-                     if words not in said]
+        if any(node.poll() is not None for node in nodes):
+            problems.append("a node has ended")
+        problems += [f"not every node says: {words}" for words in ("the roscore does not answer", "registered with it again")
+                     if said.count(words) < len(nodes)]
         sys.exit("; ".join(problems) if problems else 0)
     finally:
         for process in graph.running:
