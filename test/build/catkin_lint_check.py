@@ -9,7 +9,7 @@ import tree
 
 source, _ = tree.directories()
 if not shutil.which("catkin_lint"):
-    tree.skip("no catkin_lint here (Debian package catkin-lint)")
+    tree.lacks("no catkin_lint here (Debian package catkin-lint)")
 # Offline: what it reports must not depend on a rosdep database that may be on this machine or not.
 run = subprocess.run(["catkin_lint", "-W1", "--strict", "--offline", source], encoding="utf-8", check=False,
                      stdout=subprocess.PIPE, stderr=subprocess.STDOUT,

@@ -10,7 +10,7 @@ import tree
 
 source, _ = tree.directories()
 if not shutil.which("doxygen"):
-    tree.skip("no doxygen here (Debian package doxygen)")
+    tree.lacks("no doxygen here (Debian package doxygen)")
 with open(os.path.join(source, "doc/Doxyfile"), encoding="utf-8") as file:
     settings = file.read()
 with tempfile.TemporaryDirectory() as out:

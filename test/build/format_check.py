@@ -8,7 +8,7 @@ import tree
 
 source, _ = tree.directories()
 if not shutil.which("clang-format"):
-    tree.skip("no clang-format here (Debian package clang-format)")
+    tree.lacks("no clang-format here (Debian package clang-format)")
 names = [name for name in tree.files(source) if name.endswith((".h", ".cpp"))]
 if not names:
     sys.exit("no C++ found")

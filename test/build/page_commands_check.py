@@ -31,7 +31,7 @@ NOT_RUN = [
     (r"scripts/real_interventions\.py", "twenty minutes; scripts/prove --worlds real replaces it"),
     (r"scripts/solid_arm --(cases|checks)", "some ten minutes of a finite-element solver a case"),
 ]
-if importlib.util.find_spec("matplotlib") is None:
+if importlib.util.find_spec("matplotlib") is None and not tree.fresh_checkout():
     NOT_RUN.append((r"scripts/plot_\w+\.py", "python3-matplotlib, which it wants, is not installed"))
 LONG = [
     r"scripts/demo\b", r"scripts/accuracy\b", r"ninja ", r"build/test/estimate_test", r"catkin_make", r"git clone", r"mkdir -p ws", r"source devel/",

@@ -175,6 +175,5 @@ class Others(unittest.TestCase):
 
 if __name__ == "__main__":
     if not os.path.exists(PROGRAM) or not os.path.exists(MODULE) or importlib.util.find_spec("matplotlib") is None:
-        print("there is no matplotlib, no program, or no module softarm")
-        sys.exit(tree.SKIPPED)
+        tree.lacks("no matplotlib (Debian package python3-matplotlib), no program, or no module softarm")
     unittest.main(argv=sys.argv[:1])

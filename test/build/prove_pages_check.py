@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """The pages of the proof on made-up reports: what was missed and why, and what stands first."""
+import importlib.util
 import math
 import os
 import sys
@@ -10,6 +11,7 @@ from prove_score_check import effect, named, report, result, truth  # which puts
 import prove_misses
 import prove_short
 import prove_solid
+import tree
 
 
 class Misses(unittest.TestCase):
@@ -92,11 +94,8 @@ class Misses(unittest.TestCase):
                       "| **sure and wrong**, **accused** |"):
             self.assertIn(words, text)
 
+    @tree.skip_unless_there(importlib.util.find_spec("matplotlib"), "no matplotlib (Debian package python3-matplotlib)")
     def test_picture(self):
-        try:
-            import matplotlib  # noqa: F401
-        except ImportError:
-            self.skipTest("python3-matplotlib is not installed")
         wrong = self.missed("single_strong", truth(effect("creep")), report("explained", named("drift", 0.95)))
         rows = [[[0, 0, 3000, 0, 0], [1, 0, 0, 0, 1000]]]
         wrong.update({"hidden_moves": [rows], "found_moves": [{"effect": "drift", "trials": rows}, {"effect": "shear", "trials": rows}]})

@@ -79,6 +79,5 @@ class Page(unittest.TestCase):
 if __name__ == "__main__":
     if not os.path.exists(PROGRAM) or not os.path.exists(os.path.join(PACKAGES, "softarm")) or any(
             importlib.util.find_spec(name) is None for name in ("matplotlib", "pandas")):
-        print("there is no module, no program, no matplotlib or no pandas")
-        sys.exit(tree.SKIPPED)
+        tree.lacks("no module, no program, no matplotlib or no pandas (Debian packages python3-matplotlib, python3-pandas)")
     unittest.main(argv=sys.argv[:1])

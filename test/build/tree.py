@@ -1,12 +1,14 @@
 """What the checks of this folder share: files of the tree, depfiles of the build, and how a check ends.
 
 Every check is called as `<check>.py SOURCE_DIR BUILD_DIR`, prints one line per finding and exits with 1 where there
-are any, 77 (skipped) where its tool is absent.
+are any, 77 (skipped) where its tool is absent. On a fresh checkout (SOFTARM_FRESH_CHECKOUT=1, .ci/run) that is a failure: scripts/test
+has just installed the tools, and a check that does not run would not be missed.
 """
 import os
 import re
 import subprocess
 import sys
+import unittest
 
 SKIPPED = 77
 
@@ -65,3 +67,21 @@ def finish(findings, what):
 def skip(why):
     print(f"skipped: {why}")
     sys.exit(SKIPPED)
+
+
+def fresh_checkout():
+    return bool(os.environ.get("SOFTARM_FRESH_CHECKOUT"))
+
+
+def lacks(what):
+    """Ends a check without something that scripts/test installs or builds."""
+    if fresh_checkout():
+        sys.exit(f"{what}: scripts/test should have installed or built it")
+    skip(what)
+
+
+def skip_unless_there(there, what):
+    """As a decorator: the same of one test of a check."""
+    if there or fresh_checkout():  # then the test fails by itself
+        return lambda test: test
+    return unittest.skip(what)
