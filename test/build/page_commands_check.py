@@ -1,6 +1,8 @@
 #!/usr/bin/python3
 """Every command that a page shows runs: in the order of its page, in a folder that looks like a checkout.
 
+Those are the blocks of commands, and what stands within a sentence or a table with the arguments that it is run with. A program, a
+command of it or an option that is only named there (`softarm import --leave-out`) is none, nor is what has a place to fill in (NAME, ...).
 Those that take long, or a ROS graph, are run with SOFTARM_LONG_TESTS=1 (scripts/test --long); without it, of a launch file
 roslaunch lists the nodes. What is never run stands in NOT_RUN, with the reason.
 """
@@ -19,7 +21,10 @@ import tree
 
 COMMAND = re.compile(r"(\w+=\S+ )*(scripts/|build/|softarm |ros\w+ |docker |mkdir |cd |git |catkin_make|source |ninja |eval |"
                      r"python3 |sed )")
-ROS = re.compile(r"(\w+=\S+ )*(roslaunch|rostopic|rosservice|rosbag) ")
+INLINE = re.compile(r"(\w+=\S+ )*(scripts/softarm [\w-]+|scripts/(?!softarm )\S+|softarm [\w-]+|roslaunch|ros(topic|service|bag) \w+|ninja|rig_accuracy)"
+                    r"( -\S+)*( [^-\s].*)")
+PLACE = re.compile(r"(?<![\w$-])[A-Z]+\b|\.\.\.")
+ROS = re.compile(r"(\w+=\S+ )*(roslaunch(?! --)|rostopic|rosservice|rosbag) ")
 NOT_RUN = [
     (r"docker ", "there is no Docker here; build.dockerfile carries out the steps of the Dockerfile"),
     (r"(\w+=\S+ )*scripts/test\b", "it is what runs this test"),
@@ -30,6 +35,8 @@ NOT_RUN = [
     (r"softarm estimate --arm pouch_arm_one_segment whole/", "goes on from scripts/plot_real_arms.py"),
     (r"scripts/real_interventions\.py", "twenty minutes; scripts/prove --worlds real replaces it"),
     (r"scripts/solid_arm --(cases|checks)", "some ten minutes of a finite-element solver a case"),
+    (r"scripts/prove\b", "half an hour to hours; build.prove_* check its parts"),
+    (r"ninja -C build/sanitize", "an hour of compiling with sanitizers"),
 ]
 if importlib.util.find_spec("matplotlib") is None and not tree.fresh_checkout():
     NOT_RUN.append((r"scripts/plot_\w+\.py", "python3-matplotlib, which it wants, is not installed"))
@@ -38,14 +45,16 @@ LONG = [
     r"scripts/softarm validate", r"scripts/plot_real_\w+\.py", r"scripts/solid_arm ", r"scripts/softarm campaign development --cases 20",
     r"softarm \w+ .*campaign/case_001", r"softarm campaign worked_example", r"scripts/softarm diagnose .*(campaign/case_001|bags/)",
     r"softarm diagnose --arm one\.yaml", r"softarm identify .*test/data/solid", r"scripts/softarm batch --engine slurm",
-    r"scripts/softarm (check|diagnose) --arm my_arm\.yaml trials/\*\.bag +# is the",
+    r"scripts/plot_validation\.py", r"rig_accuracy ", r"scripts/(plot_rig|table_rig_effects)\.py",  # these go on from validate and rig_accuracy
+    r"softarm identify --arm tendon_trunk work/decay", r"scripts/softarm (check|diagnose) --arm my_arm\.yaml trials/\*\.bag +# is the",
 ]
 # What a page takes for given.
 GIVEN = {
     "README.md": "trial.csv trials", "doc/batch.md": "my_arm.yaml trials trials.yaml", "doc/check.md": "my_arm.yaml trial.bag trials",
     "doc/commands.md": "my_arm.yaml trial.bag trials trial.csv data_collect_1.txt .zfunc",
     "doc/identify.md": "my_arm.yaml trials", "doc/messages.md": "left.yaml right.yaml", "doc/mismatch.md": "my_arm.yaml",
-    "doc/own_arm.md": "my_arm.yaml", "doc/real_arms.md": "DATA work 0g.csv control_inputs_controlled_1.csv",
+    "doc/own_arm.md": "my_arm.yaml", "doc/recording.md": "my_arm.yaml trial.bag", "doc/rig.md": "doc/images",
+    "doc/validation.md": "doc/images doc/validation.md", "doc/real_arms.md": "DATA work 0g.csv control_inputs_controlled_1.csv",
     "doc/solid_arm.md": "bags", "doc/worked_example.md": "my_arm.yaml trials",
 }
 # What is asked, answered line by line on a terminal.
@@ -59,7 +68,7 @@ PROGRAM = os.path.join(build, "devel", "lib", "softarm_estimator", "softarm")
 
 
 def blocks(name, text):
-    """(first line, commands) of each block of commands, and of each row of a table in doc/commands.md."""
+    """(line, commands) of each block of commands, and of each command within a line, which those of doc/commands.md's tables are."""
     inside, found = None, []
     for number, line in enumerate(text.split("\n"), 1):
         if line.startswith("```"):
@@ -73,6 +82,8 @@ def blocks(name, text):
             for cell in cells[:2]:
                 for code in re.findall(r"^`((?:scripts/softarm|roslaunch) [^`]*)`$", cell):
                     found.append((number, [code]))
+        else:
+            found += [(number, [code]) for code in re.findall(r"`([^`]*)`", line) if INLINE.fullmatch(code) and not PLACE.search(code)]
     return [(number, listed) for number, listed in found if listed]
 
 
@@ -154,11 +165,17 @@ class Folder:
         elif name in ("0g.csv", "control_inputs_controlled_1.csv"):
             original = "observations_controlled_1.csv" if name == "0g.csv" else name
             os.symlink(os.path.join(data, "tendon_trunk", original), self.at(name))
+        elif name == "doc/validation.md":
+            shutil.copy(os.path.join(source, name), self.at(name))
         elif name == "data_collect_1.txt":
             os.symlink(os.path.join(data, "pouch_arm/one_segment/no_load", name), self.at(name))
         else:
-            os.mkdir(self.at(name))
+            os.makedirs(self.at(name))
 
+    def give_again(self, page, listed):
+        """What `rosbag record` has written over, which had nothing to record."""
+        if any(command.startswith("rosbag record -O trial.bag") for command in listed) and "trial.bag" in GIVEN.get(page, "").split():
+            self.softarm("simulate demo --seconds 30 --force --out trial.bag")
 
     def left_in_a_checkout(self):
         """What commands wrote at the top of a checkout that git would take for the package's: the tests look at its files."""
@@ -200,7 +217,7 @@ class Block:
                 self.left += 1
                 return []
             command = command.replace("roslaunch ", "roslaunch --nodes ", 1)
-        elif command.startswith("roslaunch") or " roslaunch " in command:
+        elif ROS.match(command) and "roslaunch " in command:
             log = f"launched_{self.ran}.log"
             self.ran += 1
             return [*before, said, f"{command} > {log} 2>&1 &", "sleep 8", f"grep -q 'started with pid' {log} || {{ cat {log} >&2; exit 1; }}",
@@ -245,7 +262,7 @@ def main():
     data = os.path.isdir(os.path.join(os.environ.get("SOFTARM_DATA", ""), "pouch_arm"))
     findings, counts, used = [], {"run": 0, "left": 0}, set()
     for page in tree.files(source):
-        if not page.endswith(".md") or page.startswith("third_party/") or page == "doc/validation.md":
+        if not page.endswith(".md") or page.startswith("third_party/"):
             continue
         if len(sys.argv) > 3 and page not in sys.argv[3:]:
             continue
@@ -261,6 +278,8 @@ def main():
                 continue
             block = Block(folder, page, number, listed, page == "doc/commands.md" and len(listed) == 1)
             findings += block.failed
+            if block.graph:
+                folder.give_again(page, listed)
             counts["run"] += block.ran
             counts["left"] += block.left
         if page == "README.md":
