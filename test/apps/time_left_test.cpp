@@ -30,9 +30,10 @@ TEST(TimeLeft, IsARangeWhereItIsKnownWithinAFactor) {
   EXPECT_EQ(time_left_text(0.2, 1.6), "0 s left") << "no range of nothing";
 }
 
-/// One diagnosis as it went: processor seconds of 53.5, and the share that was reported then. Others are off
-/// by more: the range is for that.
-TEST(TimeLeft, FollowsTheSharesOfADiagnosis) {
+/// One diagnosis as it went: processor seconds of 53.5, and the share that was reported then. It shows how
+/// shares become times, not how right the time left is: others are off by more, which the range is for
+/// (doc/diagnose.md).
+TEST(TimeLeft, ReplaysTheSharesOfOneDiagnosis) {
   const double whole_s = 53.5;
   const std::vector<std::pair<double, double>> reported{
       {1.1, 0.02},   {2.7, 0.05},   {7.5, 0.14},   {10.2, 0.152}, {11.8, 0.176}, {13.9, 0.2},
