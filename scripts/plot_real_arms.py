@@ -13,7 +13,6 @@ held out in its turn, estimates with `softarm estimate`, diagnoses with `softarm
 """
 import argparse
 import pathlib
-import re
 import shutil
 import statistics
 import sys
@@ -26,6 +25,7 @@ try:
     import real_pouch
     import real_pouch_facts
     import real_regression
+    from softarm_module import softarm
 except ImportError as error:
     sys.exit(f"{error}: apt-get install python3-matplotlib python3-sklearn")
 
@@ -210,10 +210,11 @@ def payload_of_one(pouch, out):
             told = 100 * sum(row["identifiable_payload"] == 1 for row in rows) / len(rows)
             notes.append(f"  {trial:<10}{name:<8} told in {told:.0f} % of {len(rows)} frames, rms residual "
                          f"{statistics.median(1e3 * float(row['rms_residual']) for row in rows if row['status'] == 'ok'):.2f} mm")
-        said = arm.read_text()
-        notes.append(f"  {trial:<10}laws of the others: EA {re.search(r'axial_stiffness_n: ([0-9.]+)', said).group(1)} N, prior's "
-                     + ", ".join(f"{key} {value}" for key, value in re.findall(r"^ +((?:length|axial)\w*): ([0-9.e-]+)", said, re.M)
-                                 if "sd" in key))
+        laws = softarm.load_arm(arm)
+        stretch = next(one.value for name, one in laws.constants.items() if name.endswith(".axial_stiffness"))
+        notes.append(f"  {trial:<10}laws of the others: EA {stretch:g} N, prior's "
+                     + ", ".join(f"{key} {value:g}" for key, value in laws.to_dict()["estimator"]["prior"].items()
+                                 if key.startswith(("length", "axial")) and "sd" in key))
         known = ", then 0.4 kg" if trial in HAND_S else ""
         table.append(f"| {trial}, 0{known} | " + " | ".join(cells) + " |")
     print("\n| trial, true payload | bending, 5-5.7 s | bending, 11-30 s | stretch, 5-5.7 s | stretch, 11-30 s |\n|---|---|---|---|---|")
@@ -283,8 +284,7 @@ def two_segments(pouch, shapes, out):
 
 def diagnosis(pouch, out):
     """What the arm file leaves out."""
-    softer = pouch.work / "one_softer.yaml"
-    softer.write_text(real_laws.scaled((pouch.work / "one.yaml").read_text(), SOFTER_NM2))
+    real_laws.scaled(softarm.load_arm(pouch.work / "one.yaml"), SOFTER_NM2).save(pouch.work / "one_softer.yaml", force=True)
     reports = {}
     for name, arm, folder in (("one segment", "one", "one"), (f"one segment, EI {SOFTER_NM2}", "one_softer", "one"),
                               ("two segments", "two", "two")):

@@ -13,7 +13,6 @@ diagnoses with `softarm diagnose`, prints the tables and draws
 """
 import argparse
 import pathlib
-import re
 import shutil
 import subprocess
 import sys
@@ -26,7 +25,7 @@ try:
     import real_diagnosis
     import real_regression
     import real_trunk_facts
-    from softarm_module import rows_of
+    from softarm_module import rows_of, softarm
 except ImportError as error:
     sys.exit(f"{error}: apt-get install python3-matplotlib python3-sklearn")
 
@@ -314,11 +313,12 @@ def main():
     print_repeatability(data)
 
     bags = [work / f"pieces/{load}_{i}.bag" for load in LOADS for i in HELD_OUT]
-    text = (root / "config/arms/tendon_trunk.yaml").read_text()
+    shipped = softarm.load_arm(root / "config/arms/tendon_trunk.yaml")
+    stiffnesses = {name: one.value for name, one in shipped.constants.items() if name.endswith(".bending_stiffness.base")}
     guesses = []
     for name, factor in (("half", 0.5), ("twice", 2.0)):  # an EI that nobody identified, laws from 0 g
         start = work / f"start_{name}.yaml"
-        start.write_text(re.sub(r"base_nm2: ([0-9.]+)", lambda ei: f"base_nm2: {factor * float(ei.group(1)):.4g}", text))
+        shipped.with_constants({name: float(f"{factor * ei:.4g}") for name, ei in stiffnesses.items()}).save(start, force=True)
         identify(program, work, f"unloaded_{name}", ["0g"], [f"0g_{i}" for i in HELD_OUT], tie=False, arm=start,
                  more=["--hold", "*.bending_stiffness.*"])
         guesses.append((f"window_{name}", f"unloaded_{name}", PIECE_S))

@@ -1,8 +1,7 @@
 """What further laws, another EI and windows make of the recordings of the pouch arm: markdown rows of doc/real_arms.md. Used by
 plot_real_arms.py."""
-import re
-
 import real_pouch
+from softarm_module import softarm
 
 SATURATIONS = ("*.chamber_2.saturation", "*.chambers.saturation")
 STIFFER_NM2 = 2.0
@@ -45,18 +44,17 @@ def name_of(folder):
     return {"one": "one_segment", "two": "two_segment"}.get(folder, folder)
 
 
-def scaled(text, to_nm2):
-    """The arm file with another EI, and the gains in proportion."""
-    was = float(re.search(r"base_nm2: ([0-9.e-]+)", text).group(1))
-    text = re.sub(r"base_nm2: [0-9.e-]+", f"base_nm2: {to_nm2:g}", text)
-    return re.sub(r"moment_gain_nm_per_pa: ([0-9.e-]+)",
-                  lambda gain: f"moment_gain_nm_per_pa: {float(gain.group(1)) * to_nm2 / was:.4g}", text)
+def scaled(arm, to_nm2):
+    """The arm of one segment with another EI, and the gains in proportion."""
+    (name, was), = [(name, one.value) for name, one in arm.constants.items() if name.endswith(".bending_stiffness.base")]
+    gains = {name: float(f"{one.value * to_nm2 / was:.4g}") for name, one in arm.constants.items() if name.endswith(".moment_gain")}
+    return arm.with_constants({name: to_nm2, **gains})
 
 
 def print_stiffer(pouch, starts):
     arm, options = starts["one"]
     stiffer = pouch.work / "start_stiffer.yaml"
-    stiffer.write_text(scaled(arm.read_text(), STIFFER_NM2))
+    scaled(softarm.load_arm(arm), STIFFER_NM2).save(stiffer, force=True)
     fit, others, _ = pouch.errors("one_stiffer", stiffer, "one", *options)
     print(f"\none segment, EI held at {STIFFER_NM2:g} N m^2, gains in proportion: fitted {fit:.1f} mm, by the others {others:.1f} mm")
 
