@@ -2,6 +2,7 @@
 """What each launch file's rviz shows, photographed under a virtual display: the arm, its figures, the colour bar; and while
 nothing comes, what is waited for. Where a launch file is new, it is photographed here or says that it has no rviz."""
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -96,6 +97,9 @@ class RvizPictures(unittest.TestCase):
     def launch(self, name, *arguments):
         self.start("roslaunch", "--wait", os.path.join(LAUNCH, name), *arguments)
 
+    def launch_in(self, namespace, name, *arguments):
+        self.start("env", "ROS_NAMESPACE=" + namespace, "roslaunch", "--wait", os.path.join(LAUNCH, name), *arguments)
+
     def wait_for(self, shows):
         """Photographs until `shows` has nothing to say against the picture."""
         end = time.time() + PATIENCE_S
@@ -126,6 +130,28 @@ class RvizPictures(unittest.TestCase):
         subprocess.run(["softarm", "simulate", "trial_10s", "--seconds", "8", "--out", bag], check=True, stdout=subprocess.DEVNULL)
         return bag
 
+    def arm_beside(self, name, x_m):
+        """The file of an arm that hangs there and has topics of its own."""
+        path = os.path.join(self.folder.name, name + ".yaml")
+        subprocess.run(["softarm", "new-arm", "--kind", "chambers", "--segments", "1", "--length", "0.2", "--mass", "0.2", "--diameter", "0.04",
+                        "--actuators", "3", "--bodies", "4", "--base", "hanging", "--out", path], check=True, stdout=subprocess.DEVNULL)
+        with open(path, encoding="utf-8") as file:
+            text = file.read().replace("topic: /", "topic: /%s/" % name).replace("position_m: [0, 0, 0]", "position_m: [%g, 0, 0.5]" % x_m)
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(re.sub(r"^inputs:.*$", r"\g<0>\n  payload_topic: /%s/payload" % name, text, flags=re.M))
+        self.start("env", "ROS_NAMESPACE=" + name, "simulator_node", "__name:=rig", "_scenario:=" + path, "_endless:=true")
+        return path
+
+    def two_arms(self, picture):
+        """One in each half of the picture, each with its figures, and nothing of an arm between them."""
+        halves = lambda look: [[x for x, _ in picture.places(look) if (x < WIDTH // 2) == left] for left in (True, False)]
+        counts = {look: [len(xs) for xs in halves(look)] for look in LOOKS}
+        for look, least in {"tube": 500, "measured": 8, "figures": 60}.items():
+            if min(counts[look]) < least:
+                return "%s: %s" % (look, counts)
+        left, right = halves("tube")
+        return "" if max(left) + 15 < min(right) else "the arms meet: %d, %d" % (max(left), min(right))
+
     def test_demo(self):
         self.launch("demo.launch")
         self.wait_for(self.arm)
@@ -142,6 +168,14 @@ class RvizPictures(unittest.TestCase):
     def test_replay(self):
         self.launch("replay.launch", "bag:=" + self.recording(), "loop:=true")
         self.wait_for(self.arm)
+
+    def test_two_arms_side_by_side(self):
+        """As doc/messages.md has it."""
+        self.launch_in("right", "estimate.launch", "arm:=" + self.arm_beside("right", 0.4), "frame_prefix:=right", "rviz:=false")
+        subprocess.run(["rostopic", "echo", "-n", "1", "/right/softarm_estimator/estimate/header"], check=True, timeout=PATIENCE_S,
+                       stdout=subprocess.DEVNULL)
+        self.launch("estimate.launch", "arm:=" + self.arm_beside("left", 0.0), "frame_prefix:=left", "also:=right")
+        self.wait_for(self.two_arms)
 
     def test_every_launch_file_with_rviz_is_photographed(self):
         shown = set()
