@@ -1,5 +1,6 @@
 // Poses that come faster than the node can answer: it answers the newest, says what it skipped, and its
-// latency does not grow. ~rate_hz, ~seconds.
+// latency does not grow. ~rate_hz, ~seconds; ~must_skip: false where a machine that keeps up is fine, and the
+// median of the latency is the 20 ms that are promised, whatever else the machine does.
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <gtest/gtest.h>
 #include <ros/ros.h>
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -20,6 +22,7 @@ namespace {
 
 constexpr double kTrialS = 2.0;  // simulated once, and played forwards and backwards
 constexpr std::size_t kNoticedWithinS = 2;
+constexpr double kPromisedS = 0.02;  // ~overload_latency of the node
 
 /// Latency of each estimate, from the stamp of its poses to its receipt here, and what the node says of
 /// itself.
@@ -98,9 +101,29 @@ class Publisher {
   ros::Publisher payload_;
 };
 
+/// Says what it was, second by second and in all; from kNoticedWithinS on it is bounded.
+void expect_latency(const std::vector<std::vector<double>>& by_second, double most_median_s,
+                    double most_90_s) {
+  std::vector<double> all;
+  for (std::size_t second = 0; second < by_second.size(); ++second) {
+    const std::vector<double>& latency = by_second[second];
+    std::cout << "second " << second << ": " << latency.size() << " answers, latency median "
+              << 1e3 * math::quantile(latency, 0.5) << ", 99 % " << 1e3 * math::quantile(latency, 0.99)
+              << ", most " << 1e3 * math::quantile(latency, 1.0) << " ms\n";
+    if (second < kNoticedWithinS) continue;
+    EXPECT_LT(math::quantile(latency, 0.5), most_median_s);
+    EXPECT_LT(math::quantile(latency, 0.9), most_90_s);
+    all.insert(all.end(), latency.begin(), latency.end());
+  }
+  ASSERT_FALSE(all.empty());
+  std::cout << "from second " << kNoticedWithinS << " on: latency median " << 1e3 * math::quantile(all, 0.5)
+            << ", 99 % " << 1e3 * math::quantile(all, 0.99) << " ms\n";
+}
+
 TEST(Overload, TheNewestIsAnsweredAndTheLatencyDoesNotGrow) {
   const double rate_hz = ros::param::param<double>("~rate_hz", 4000.0);
   const double seconds = ros::param::param<double>("~seconds", 8.0);
+  const bool must_skip = ros::param::param<bool>("~must_skip", true);
   const RigTrial trial = simulated_trial(kTrialS, rate_hz);
   ros::NodeHandle nh;
   Ear ear(nh);
@@ -123,26 +146,20 @@ TEST(Overload, TheNewestIsAnsweredAndTheLatencyDoesNotGrow) {
   ros::WallDuration(2.5).sleep();  // the last diagnostics
   spinner.stop();
 
-  std::uint64_t answers = 0;
+  const std::uint64_t answers = std::accumulate(
+      ear.latency_s.begin(), ear.latency_s.end(), std::uint64_t{0},
+      [](std::uint64_t sum, const std::vector<double>& latency) { return sum + latency.size(); });
   const double solve_s = math::quantile(ear.solve_s, 0.5);
   const double skipped = ear.number("frames dropped: overload");
-  for (std::size_t second = 0; second < ear.latency_s.size(); ++second) {
-    const std::vector<double>& latency = ear.latency_s[second];
-    answers += latency.size();
-    std::cout << "second " << second << ": " << latency.size() << " answers, latency median "
-              << 1e3 * math::quantile(latency, 0.5) << ", 99 % " << 1e3 * math::quantile(latency, 0.99)
-              << ", most " << 1e3 * math::quantile(latency, 1.0) << " ms\n";
-    // It takes a moment to be noticed. Beside other programs a frame takes several times what it would.
-    if (second < kNoticedWithinS) continue;
-    EXPECT_LT(math::quantile(latency, 0.5), 0.02 + 10.0 * solve_s);
-    EXPECT_LT(math::quantile(latency, 0.9), 0.06 + 10.0 * solve_s);
-  }
+  // It takes a moment to be noticed. Beside other programs a frame takes several times what it would.
+  expect_latency(ear.latency_s, kPromisedS + (must_skip ? 10.0 * solve_s : 0.0), 0.06 + 10.0 * solve_s);
   std::cout << sent << " frames sent, " << answers << " answered, " << skipped
             << " skipped, solve time median " << 1e6 * solve_s << " us" << std::endl;
   EXPECT_GT(answers, sent / 10);
   EXPECT_EQ(ear.number("frames received"), ear.number("frames estimated") + ear.number("frames refused") +
                                                ear.number("frames dropped") +
                                                ear.number("frames waiting for bodies"));
+  if (!must_skip) return;
   if (skipped == 0.0 && answers + 100 > sent) GTEST_SKIP() << "this machine answers " << rate_hz << " Hz";
   EXPECT_GT(skipped, 0.0);
 }
