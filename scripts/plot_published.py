@@ -106,8 +106,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", required=True, help="the picture to write (PNG)")
     arguments = parser.parse_args()
-    figure, (standing, hanging, fits) = plt.subplots(1, 3, figsize=(12, 4.2), width_ratios=[1, 0.8, 1.4],
-                                                     layout="constrained")
+    figure, (standing, hanging, fits) = plt.subplots(1, 3, figsize=(12, 4.2), constrained_layout=True,
+                                                     gridspec_kw={"width_ratios": [1, 0.8, 1.4]})
     draw_shapes(standing, "standing")
     draw_shapes(hanging, "hanging")
     standing.set_ylabel("height over the base (mm)")

@@ -123,7 +123,7 @@ def semi_physical(folder):
         axis.set_title(("ideal arm", "real-like arm")[real])
     axes[0].set_ylabel("mean error of three points, cm")
     axes[0].set_ylim(0.03, 30)
-    figure.legend(*axes[0].get_legend_handles_labels(), fontsize=8, ncols=3, loc="upper center")
+    figure.legend(*axes[0].get_legend_handles_labels(), fontsize=8, ncol=3, loc="upper center")
     figure.tight_layout(rect=(0, 0, 1, 0.87))
     return figure
 

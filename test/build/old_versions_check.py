@@ -66,6 +66,9 @@ PYTHON = [
     (r"\bzip\(.*\bstrict=", "Python 3.10", "zip(a, b, strict=True)"),
     (r"\bfunctools\.cache\b|\bmath\.(lcm|nextafter|ulp|cbrt|exp2)\b|\bitertools\.pairwise\b", "Python 3.9", "functools.cache"),
     (r"\.set_[xy]ticks\(.*(fontsize=|\), )", "matplotlib 3.5", "axes.set_yticks(range(len(a)), a)"),
+    (r"\blayout=\"(constrained|tight)\"", "matplotlib 3.5", 'plt.subplots(2, layout="constrained")'),
+    (r"\bsubplots\(.*[,(] *(width|height)_ratios=", "matplotlib 3.6", "plt.subplots(1, 2, width_ratios=[1, 2])"),
+    (r"\blegend\(.*\bncols=", "matplotlib 3.6", "axes.legend(fontsize=8, ncols=3)"),
     (r"\b(import|from) (tomllib|graphlib|zoneinfo)\b", "Python 3.9", "import tomllib"),
     (r"(:|->) *(list|dict|tuple|set|frozenset)\[", "Python 3.9", "def f(a: list[int]):"),
 ]
