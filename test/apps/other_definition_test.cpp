@@ -44,8 +44,8 @@ TEST(SoftarmOtherDefinition, CheckNamesTheTopicsAndSaysWhatToDo) {
   const Outcome o = softarm_program("check --arm online_200mm " + bag + " --json " + dir / "f.json");
   EXPECT_THAT(o.out, HasSubstr("0123456789abcdef0123456789abcdef"));  // its lines are filled: one word
   std::map<std::string, std::string> said;
-  for (const auto& finding :
-       nlohmann::json::parse(text_of(dir / "f.json")).at("recordings").at(0).at("findings")) {
+  const nlohmann::json written = nlohmann::json::parse(text_of(dir / "f.json"));
+  for (const auto& finding : written.at("recordings").at(0).at("findings")) {
     EXPECT_NE(finding.at("id"), "empty_topic") << finding;
     if (finding.at("id") != "other_definition") continue;
     said[finding.at("where")] = finding.at("what");
