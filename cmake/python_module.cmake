@@ -9,6 +9,10 @@ if(NOT SOFTARM_SANITIZE)  # Python itself would have to be built so
     set(python_headers Development.Module)
   endif()
   find_package(Python3 QUIET COMPONENTS Interpreter ${python_headers})
+  if(Python_FOUND)  # by one of ROS's packages, of Debian 13 for one: pybind11 prefers it
+    set(Python_EXECUTABLE ${PYTHON_EXECUTABLE})
+    find_package(Python QUIET COMPONENTS Interpreter ${python_headers})
+  endif()
   find_package(pybind11 2.4 QUIET)
   if(pybind11_FOUND AND Python3_FOUND)
     set(SOFTARM_PYTHON ON)
