@@ -77,7 +77,7 @@ print("changed:", changed)  # softer.save("softer.yaml") writes it
 model = softarm.Model(arm)
 pressures_pa = np.linspace(0.0, 60e3, 7)
 shapes = model.solve({"chamber_1": pressures_pa}, payload_kg=0.1, gravity_base_m_s2=[0.0, 0.0, 9.81])  # hanging
-print("status:", set(shapes.status), " backbone:", shapes.p_base_m.shape, " bodies:", shapes.bodies_p_base_m.shape)
+print("status:", *set(shapes.status), " backbone:", shapes.p_base_m.shape, " bodies:", shapes.bodies_p_base_m.shape)
 
 figure, axes = plt.subplots(figsize=(7.0, 4.0))
 for pressure_pa, p in zip(pressures_pa, shapes.p_base_m):

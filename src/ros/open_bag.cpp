@@ -5,6 +5,7 @@
 #include <rosbag/view.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <mutex>
 #include <vector>
@@ -28,20 +29,15 @@ void keep(rosbag::Bag* unfinished) {
   kept.push_back(unfinished);
 }
 
-/// Newer plugin loaders warn each time that the library stays loaded. Called under bag_lifetime().
-void destroy(rosbag::Bag* finished) {
-  const console_bridge::LogLevel level = console_bridge::getLogLevel();
-  console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_ERROR);
-  delete finished;
-  console_bridge::setLogLevel(level);
-}
-
 std::shared_ptr<rosbag::Bag> opened(const std::string& path, rosbag::bagmode::BagMode mode) {
   const std::lock_guard<std::mutex> lock(bag_lifetime());
   // While a bag lives the library of its plugins (encryption, with all of GnuPG) stays loaded. Each would
   // load and unload it, and every time that takes longer: glibc walks through what all before had registered.
   [[maybe_unused]] static const rosbag::Bag& keeps_library = *new rosbag::Bag;
-  std::unique_ptr<rosbag::Bag, void (*)(rosbag::Bag*)> bag(new rosbag::Bag, destroy);
+  // Of that a newer rosbag, whose loader lives until the program ends, would warn then.
+  [[maybe_unused]] static const int at_exit =
+      std::atexit([] { console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_ERROR); });
+  auto bag = std::make_unique<rosbag::Bag>();
   try {
     bag->open(path, mode);
   } catch (const rosbag::BagException&) {
@@ -56,7 +52,7 @@ std::shared_ptr<rosbag::Bag> opened(const std::string& path, rosbag::bagmode::Ba
               keep(finished);
               return;
             }
-            destroy(finished);
+            delete finished;
           }};
 }
 
