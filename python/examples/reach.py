@@ -58,9 +58,11 @@ def main():
     import matplotlib
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
+    from mpl_toolkits.mplot3d import Axes3D
 
     figure = plt.figure(figsize=(10.0, 3.8))
     drive, arms = figure.add_subplot(1, 2, 1), figure.add_subplot(1, 2, 2, projection="3d")
+    assert isinstance(arms, Axes3D)
     for k, name in enumerate(chambers):
         drive.plot(np.degrees(angles), 1e-3 * path[:, k], ".-", label=name)
     drive.set(xlabel="place on the circle (°)", ylabel="pressure (kPa)")

@@ -121,8 +121,8 @@ class Model:
         points = whole_of("points", points, 2, 1001)
         self.arm = arm
         self.constants = words_of("constants", constants)
-        self.arclength_m = np.linspace(0.0, arm.length_m, points)
-        self._handle = _softarm.ModelHandle(handle, self.arclength_m.tolist(), self.constants)
+        self.arclength_m = np.asarray(np.linspace(0.0, arm.length_m, points), dtype=np.float64)
+        self._handle = _softarm.ModelHandle(handle, [float(s) for s in self.arclength_m], self.constants)
         for note in self.notes:
             warn(note)
 
@@ -158,7 +158,8 @@ class Model:
         count = (payload.shape[0] if payload.ndim == 1 else gravity.shape[0] if gravity.ndim == 2 else
                  None if stamps is None else stamps.shape[0])
         array = table({} if inputs is None else inputs, names, count if inputs is None or isinstance(inputs, dict) else None)
-        for name, column in zip(names, array.T):
+        for i, name in enumerate(names):
+            column = array[:, i]
             if not np.isfinite(column).all():
                 raise ValueError(f"inputs['{name}']: {column[~np.isfinite(column)][0]}; must be finite")
         if count is not None and array.shape[0] == 1:
