@@ -3,7 +3,7 @@
 # Warnings are errors in our own code.
 set(SOFTARM_WARNINGS -Wall -Wextra -Wpedantic -Wshadow)
 # What a compiler newer than those it was tried with warns of, in libraries' headers, too, keeps nobody from building it.
-if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU" OR CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   list(APPEND SOFTARM_WARNINGS -Werror)
 endif()
 

@@ -35,7 +35,7 @@ install_packages() {
   mkdir -p "$SOFTARM_STAMPS"
   names=$(sed -nE "s/^($groups) +//p" "$SOFTARM_ROOT/scripts/packages.txt" | tr ' ' '\n' | sort -u)
   if ! command -v dpkg-query >/dev/null; then
-    say "This is not Debian 12: install the equivalents of scripts/packages.txt yourself. Going on with what is there."
+    say "This is not Debian: install the equivalents of scripts/packages.txt yourself. Going on with what is there."
     : >"$stamp"
     return 0
   fi
@@ -47,7 +47,7 @@ install_packages() {
   case $(. /etc/os-release && echo "${VERSION_CODENAME:-}") in
     bookworm | bullseye | trixie) ;;
     *)
-      say "This is not Debian 12 (bookworm), so nothing is installed here. Not found: $missing"
+      say "This is not Debian 11, 12 or 13, so nothing is installed here. Not found: $missing"
       return 0
       ;;
   esac

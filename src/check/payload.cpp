@@ -15,12 +15,13 @@ void say_unknown(Context& context) {
   const auto topic = std::find_if(context.recording.topics.begin(), context.recording.topics.end(),
                                   [](const trial::RecordedTopic& t) { return t.of_payload; });
   const bool there = topic != context.recording.topics.end() && !topic->found_type.empty();
-  if (there && (topic->found_type != topic->type || topic->unread > 0)) return;  // check_topics has said it
+  // check_topics has said it
+  if (there && (topic->found_type != topic->type || (topic->unread > 0 && topic->messages == 0))) return;
   const bool assumed = arm.payload.default_kg.has_value();
   const bool asked = arm.estimator.unknown != arm::Unknown::kStiffness;
   CheckFinding& finding = context.add(
       Severity::kInformation, "payload_unknown", arm.inputs.payload_topic,
-      there ? "is there, but nothing was published on it: the payload is unknown throughout"
+      there ? "is there, but no weight was published on it: the payload is unknown throughout"
             : fmt::format("is not in the recording: the payload is unknown throughout{}",
                           assumed ? fmt::format(", {:g} kg is assumed", *arm.payload.default_kg) : ""));
   if (!asked && !assumed) {

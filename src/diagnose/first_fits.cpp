@@ -69,4 +69,16 @@ FirstFits first_fits(JointModel& model, const std::function<void()>& progress) {
   return first;
 }
 
+void fit_again_from(const JointParameters& constants, JointModel& model, FirstFits& first) {
+  JointParameters from = constants;
+  from.effects.clear();
+  Linearised& baseline = first.baseline;
+  baseline = model.fit(from, rough_fit());
+  model.set_misfit(std::max(1.0, baseline.square / std::max(1, baseline.rows)));
+  baseline = model.fit(baseline.at, {}, &baseline.predicted);
+  if (!first.delayed) return;
+  from.effects = first.delayed->at.effects;
+  first.delayed = model.fit(std::move(from), {});
+}
+
 }  // namespace softarm::diagnose

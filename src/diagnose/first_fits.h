@@ -19,4 +19,8 @@ struct FirstFits {
 /// @param progress called once, between them
 FirstFits first_fits(JointModel& model, const std::function<void()>& progress);
 
+/// Fits them from these constants; the misfit is the model's from then on. What of the motion is not known
+/// stays.
+void fit_again_from(const JointParameters& constants, JointModel& model, FirstFits& first);
+
 }  // namespace softarm::diagnose

@@ -178,6 +178,7 @@ class JointModel {
   /// chi^2 per degree of freedom of the model as it is: priors count as much as the residuals' own spread
   /// lets them.
   void set_misfit(double misfit) { misfit_ = misfit; }
+  [[nodiscard]] double misfit() const { return misfit_; }
   double sd_m(std::size_t trial, std::size_t block, const model::Seen& seen) const;
   double sd_rad(std::size_t trial, std::size_t block, const model::SeenTangent& seen) const;
   /// What of the motion is not known, per axis, m: part of sd_m.

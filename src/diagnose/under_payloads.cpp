@@ -54,12 +54,13 @@ OtherPayloads payloads_that_trials_say(const arm::Arm& arm, const model::Prepare
 AsToldAnew as_told_from(const UnderOthers& others, const model::Prepared& prepared, Begun& as_told,
                         const Options& options, Schedule& schedule) {
   AsToldAnew anew;
-  JointParameters from = others.conclusion.selection.extended.at;
+  const JointParameters& from = others.conclusion.selection.extended.at;
   anew.mean_m = refitted_unseen(as_told.model, as_told.model.fit(from, {})).mean_m;
   if (!(anew.mean_m > 0.0) || is_better(others.conclusion.diagnosis.extended.held_out_mean_m, anew.mean_m))
     return anew;
-  from.effects.clear();
-  as_told.first.baseline = as_told.model.fit(std::move(from), {});
+  schedule.begin_first_part("what was told, from there");
+  fit_again_from(from, as_told.model, as_told.first);
+  schedule.end_first_part();
   anew.conclusion = concluded(prepared, as_told, std::nullopt, options, schedule);
   return anew;
 }
@@ -78,10 +79,13 @@ std::optional<UnderOthers> under_other_payloads(const arm::Arm& arm, const model
   const double mean_m = d.extended.held_out_mean_m, told_m = told.extended.held_out_mean_m;
   if (!is_better(mean_m, told_m) || d.left_out_share > told.left_out_share + kPolicy.words.left_out_share)
     return std::nullopt;
+  const double misfit = as_told.model.misfit();
   AsToldAnew anew = as_told_from(others, prepared, as_told, options, schedule);
   if (anew.conclusion) {
     if (anew.conclusion->diagnosis.extended.held_out_mean_m < told_m)
       conclusion = std::move(*anew.conclusion);
+    else
+      as_told.model.set_misfit(misfit);  // the conclusion that stays is by it
     return std::nullopt;
   }
   d.told_payloads = told_payloads(payloads.list, prepared.trials);

@@ -54,8 +54,9 @@ void BagFrames::open() {
   bag_ = open_bag(path_);
   rosbag::View view(*bag_);
   for (const rosbag::ConnectionInfo* connection : view.getConnections()) {
-    in_bag_.emplace(absolute_topic(connection->topic), connection->datatype);
-    md5s_[absolute_topic(connection->topic)].insert(connection->md5sum);
+    const std::string topic = absolute_topic(connection->topic);
+    const auto first = in_bag_.emplace(topic, connection->datatype).first;
+    if (connection->datatype == first->second) md5s_[topic].insert(connection->md5sum);
   }
 }
 

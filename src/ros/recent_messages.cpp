@@ -91,9 +91,12 @@ std::vector<std::string> write_trials(const RecentMessages& recent, const std::s
     };
     try {
       written(path.string(), write_trial);
-    } catch (const std::exception&) {
+    } catch (const BagError&) {  // it says which file
       fs::remove(temporary, error);
       throw;
+    } catch (const std::exception& e) {
+      fs::remove(temporary, error);
+      throw std::runtime_error(fmt::format("{}: cannot be written: {}", path.string(), e.what()));
     }
     fs::rename(temporary, path, error);
     if (error)

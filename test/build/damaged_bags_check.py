@@ -157,9 +157,7 @@ def judged(name, command, folder, before):
     said = [line for line in run.stderr.splitlines() if line.startswith("softarm: ")]
     if name == "check":
         refused = re.search("was cut off|damaged|cannot be read|no bag of format|is encrypted", run.stdout)
-        # Debian 13's class_loader has a word for whoever closes a bag that rosbag gave up.
-        others = re.sub(r"Warning: class_loader[^\n]*\n *at line [^\n]*\n?", "", run.stderr)
-        return ("", "refused" if refused else "found") if run.stdout and not others else \
+        return ("", "refused" if refused else "found") if run.stdout and not run.stderr else \
             (f"exit {run.returncode}, says {run.stdout!r} {run.stderr!r}", "unclear")
     if len(said) != 1:
         return f"exit {run.returncode}, says {run.stderr!r}", "unclear"

@@ -60,7 +60,8 @@ class Graph:
             free.bind(("127.0.0.1", 0))
             self.port = free.getsockname()[1]
         self.env = {**os.environ, "PATH": "/usr/sbin:/usr/bin:/sbin:/bin:" + os.environ["PATH"], "ROS_IP": "127.0.0.1",
-                    "ROS_MASTER_URI": f"http://127.0.0.1:{self.port}", "ROS_HOME": os.path.join(build, "roscore_restart")}
+                    "ROS_MASTER_URI": f"http://127.0.0.1:{self.port}", "ROS_HOME": os.path.join(build, "roscore_restart"),
+                    "ROSCONSOLE_FORMAT": "${node}: ${message}"}
         self.env.pop("ROS_HOSTNAME", None)
         self.running = []
 
@@ -128,8 +129,10 @@ def main():
             problems.append("no answers after the restart")
         if any(node.poll() is not None for node in nodes):
             problems.append("a node has ended")
-        problems += [f"not every node says: {words}" for words in ("the roscore does not answer", "registered with it again")
-                     if said.count(words) < len(nodes)]
+        for name in ("/softarm_estimator", "/softarm_diagnose", "/softarm_rig"):
+            lines = [line for line in said.splitlines() if line.startswith(name + ": ")]
+            problems += [f"{name} does not say: {words}" for words in ("the roscore does not answer", "registered with it again")
+                         if not any(words in line for line in lines)]
         sys.exit("; ".join(problems) if problems else 0)
     finally:
         for process in graph.running:
