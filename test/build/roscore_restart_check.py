@@ -130,7 +130,7 @@ def main():
         if any(node.poll() is not None for node in nodes):
             problems.append("a node has ended")
         for name in ("/softarm_estimator", "/softarm_diagnose", "/softarm_rig"):
-            lines = [line for line in said.splitlines() if line.startswith(name + ": ")]
+            lines = [line for line in said.splitlines() if name + ": " in line]
             problems += [f"{name} does not say: {words}" for words in ("the roscore does not answer", "registered with it again")
                          if not any(words in line for line in lines)]
         sys.exit("; ".join(problems) if problems else 0)
