@@ -55,7 +55,7 @@ GIVEN = {
     "README.md": "trial.csv trials", "doc/batch.md": "my_arm.yaml trials trials.yaml", "doc/check.md": "my_arm.yaml trial.bag trials",
     "doc/commands.md": "my_arm.yaml trial.bag trials trial.csv data_collect_1.txt .zfunc",
     "doc/identify.md": "my_arm.yaml trials", "doc/messages.md": "left.yaml right.yaml", "doc/mismatch.md": "my_arm.yaml",
-    "doc/recording.md": "my_arm.yaml trial.bag", "doc/rig.md": "doc/images",
+    "doc/recording.md": "my_arm.yaml trial.bag trial.csv", "doc/rig.md": "doc/images",
     "doc/validation.md": "doc/images doc/validation.md", "doc/real_arms.md": "DATA work 0g.csv control_inputs_controlled_1.csv",
     "doc/solid_arm.md": "bags", "doc/worked_example.md": "my_arm.yaml trials",
 }
