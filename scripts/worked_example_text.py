@@ -47,30 +47,30 @@ def page(found, steps, lines, percent):
         extended = f"""
 ## 5. Use it
 
-`report/arm_extended.yaml` is the arm file with the yielding base in it. The estimator, and the node, load it as any other:
+`report/arm_extended.yaml` is the arm file with the yielding base in it. The estimator and the node load it like any other:
 
 ```
 $ softarm estimate --arm report/arm_extended.yaml campaign/case_001/*.bag --out estimates_extended
 {lines(found["extended"].split(chr(10) + chr(10))[0], "^bag", "rms residual", "reduced chi-square, median", "^EI, median")}
 ```
 
-Against the truth of each instant (EI goes with the pressures), the median error of EI of single frames is {frame_after:+.1f} % now; it was {frame_error:+.1f} %. Their residuals fall from {1e3 * residual:.2f} to {1e3 * residual_after:.2f} mm.
+The truth of each instant is known (EI depends on the pressures). Against it, the median error of EI of single frames is now {frame_after:+.1f} %; it was {frame_error:+.1f} %. The residuals of the frames fall from {1e3 * residual:.2f} to {1e3 * residual_after:.2f} mm.
 """
     text = f"""# A worked example: a base that yields
 
-An arm whose clamp gives a little. Nobody sees it: the body `base`, which the cameras follow, sits on the part that does not move. What comes out of a fit looks good and is wrong. Here is how it is found, step by step, on the virtual rig, where the truth can be looked up at the end.
+The clamp of this arm yields a little. Nobody sees it, because the body `base`, which the cameras follow, sits on the part that does not move. A fit gives results that look good and are wrong. This page shows how the fault is found, step by step, on the virtual rig, where the truth can be looked up at the end.
 
-This page is the output of `scripts/worked_example`: every figure and every line of the program's below is from that run.
+This page is the output of `scripts/worked_example`: every figure and every line of program output below is from that run.
 
 ## 1. Record
 
-Nine trials of 30 s: three speeds, three mountings, without payload and with. That is the recipe of [doc/diagnose.md](diagnose.md); a laboratory records them on its arm, here the virtual rig does ([the campaign](../config/campaigns/worked_example.yaml)):
+Record nine trials of 30 s: three speeds, three mountings, without payload and with. This is the recipe of [doc/diagnose.md](diagnose.md). A laboratory records the trials on its arm; here the virtual rig does ([the campaign](../config/campaigns/worked_example.yaml)):
 
 ```
 $ softarm campaign worked_example --cases 1 --seed 1 --out campaign
 ```
 
-What is hidden in the arm lies sealed in `campaign/truth/`. Nothing of what follows reads it.
+What is hidden in the arm lies sealed in `campaign/truth/`. No step reads it before section 4.
 
 ## 2. Fit: plausible, and wrong
 
@@ -79,14 +79,14 @@ $ softarm identify --arm online_200mm campaign/case_001/*.bag --leave-one-out --
 {lines(found["identify"], "^constant ", "^segment.*moment_gain", "^segment.*bending_stiffness", "^shape error", "fitted trials, after")}
 ```
 
-Every constant is identifiable, EI and gains to a per cent or better, and the shape is predicted to about a per cent of the length, where published models of such arms leave two to five. Next, frame by frame with that arm file, EI unknown:
+Every constant is identifiable, EI and gains to a per cent or better. The shape is predicted to about a per cent of the length; published models of such arms leave two to five. Next, the frames are fitted one by one with that arm file, EI being unknown:
 
 ```
 $ softarm estimate --arm my_arm.yaml campaign/case_001/*.bag --out estimates
 {lines(estimate, "^bag", "^frames ok", "rms residual", "reduced chi-square, median", "^EI, median", "identifiable in")}
 ```
 
-Residuals of {1e3 * residual:.2f} mm where the noise alone (0.5 mm per coordinate) makes some 0.8: nothing to see. Nor does EI give it away at a glance; it varies by some per cent, as measured stiffnesses do:
+The residuals are {1e3 * residual:.2f} mm, the median of the table below. The noise alone (0.5 mm per coordinate) makes some 0.8 mm, so they show nothing. Nor does EI give the fault away at a glance: it varies by some per cent, as measured stiffnesses do:
 
 {frames_table(found)}
 
@@ -97,12 +97,12 @@ $ softarm diagnose --arm my_arm.yaml campaign/case_001/*.bag --out report
 {found["diagnose"].rstrip()}
 ```
 
-It took {steps.seconds["diagnose"]:.0f} s here. How to read it, from the top:
+The diagnosis took {steps.seconds["diagnose"]:.0f} s here. Read it from the top:
 
-- **Verdict.** What is named takes the rms error on trials that the fit has not seen from {1e3 * before:.2f} to {1e3 * after:.2f} mm. One set of constants must serve all mountings, speeds and payloads at once; that is where those {1e3 * before:.2f} mm come from, which no single frame shows.
-- **collinearity** ({100 * report["ranking"][0]["collinearity"]:.0f} % in the list of candidates): so much of what a yielding base does looks like a softer arm. The rest is what gives it away: the turn sits at the base, before the first ring, and grows with the moment there.
-- **Estimates before, and with this**: the correction of EI and of the gains.
-- **mistaken for**: a spring at the base has rivals (clamped ends, shear); in other trials than these they might be left open, and would be listed.
+- **Verdict.** With the named effect the rms error on trials that the fit has not seen falls from {1e3 * before:.2f} to {1e3 * after:.2f} mm. One set of constants must serve all mountings, speeds and payloads at once. This is why the error without the effect is {1e3 * before:.2f} mm, which no single frame shows.
+- **collinearity** ({100 * report["ranking"][0]["collinearity"]:.0f} % in the list of candidates): this share of what a yielding base does looks like a softer arm. The rest gives it away: the turn sits at the base, before the first ring, and grows with the moment there.
+- **Estimates before, and with this**: how much EI and the gains are corrected.
+- **mistaken for**: a spring at the base has rivals (clamped ends, shear). Other trials than these might leave them open, and they would be listed here.
 
 ![The report](images/worked_example_report.png)
 
@@ -119,9 +119,9 @@ Now the seal is opened (`campaign/truth/case_001/trial_01.truth.yaml`):
 
 ![Before and after](images/worked_example.png)
 
-Left: of the frames in which EI is identifiable, median and quartiles of its error.{' The verdict says that something is left: the rest is no larger than the noise, but not white. It hides nothing of the size of a millimetre.' if report['verdict'] == 'partly_explained' and report['residual_structure']['chi2_per_dof'] < 1.2 else ''}
+The left panel shows the median and the quartiles of the error of EI, over the frames in which EI is identifiable.{' The verdict says that something is left. This rest is no larger than the noise, but not white; it hides nothing of the size of a millimetre.' if report['verdict'] == 'partly_explained' and report['residual_structure']['chi2_per_dof'] < 1.2 else ''}
 
-The intervals of `identify` and of single frames, of a per cent or less, were those of the noise. They could not know what the model lacks.
+The intervals of `identify` and of single frames, of a per cent or less, came from the noise alone. They could not know what the model lacks.
 {extended}
 ## On your own arm
 
@@ -130,6 +130,6 @@ scripts/softarm check --arm my_arm.yaml trials/*.bag         # is the recording 
 scripts/softarm diagnose --arm my_arm.yaml trials/*.bag --out report
 ```
 
-[How it works, and what the report says](diagnose.md); [what it makes of recordings of real arms](real_arms.md), where things are less tidy.
+See also [how the diagnosis works, and what the report says](diagnose.md), and [what it makes of recordings of real arms](real_arms.md), where things are less tidy.
 """
     return wrapped(text)
