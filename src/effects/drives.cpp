@@ -37,6 +37,28 @@ Rows gas_rows(const arm::Arm& arm) {
   return rows;
 }
 
+model::Parameter chamber_parameter() {
+  return {"chamber", "1", "its number in the arm file's list of pressures; 0: all", 0.0, 64.0, 0.0, true};
+}
+
+std::vector<double> chamber_numbers(const arm::Arm& arm, const Rows& rows) {
+  std::vector<double> numbers{0.0};
+  const Rows pressures = rows_of(arm, arm::InputKind::kPressure);
+  for (std::size_t k = 0; rows.size() > 1 && k < pressures.size(); ++k)
+    if (std::find(rows.begin(), rows.end(), pressures[k]) != rows.end())
+      numbers.push_back(static_cast<double>(k + 1));
+  return numbers;
+}
+
+Rows rows_of_chamber(const arm::Arm& arm, const Rows& rows, double number) {
+  const long only = std::lround(number);
+  if (only == 0) return rows;
+  const Rows pressures = rows_of(arm, arm::InputKind::kPressure);
+  if (only < 0 || only > static_cast<long>(pressures.size())) return {};
+  const Eigen::Index row = pressures[static_cast<std::size_t>(only - 1)];
+  return std::find(rows.begin(), rows.end(), row) == rows.end() ? Rows{} : Rows{row};
+}
+
 Eigen::Index row_of(const arm::Arm& arm, const std::string& name) {
   for (std::size_t i = 0; i < arm.inputs.scalars.size(); ++i) {
     if (arm.inputs.scalars[i].name == name) return static_cast<Eigen::Index>(i);

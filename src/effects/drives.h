@@ -28,6 +28,13 @@ inline bool has(const arm::Arm& arm, arm::InputKind kind) {
 Rows chamber_rows(const arm::Arm& arm);
 /// Those of pressures or vacuums, in order.
 Rows gas_rows(const arm::Arm& arm);
+
+/// The number of an effect that may be one chamber's alone, by the arm file's list of pressures; 0: all.
+model::Parameter chamber_parameter();
+/// What it may be among these rows: 0 and, where there are several, each one's.
+std::vector<double> chamber_numbers(const arm::Arm& arm, const Rows& rows);
+/// Those of these rows that it is about.
+Rows rows_of_chamber(const arm::Arm& arm, const Rows& rows, double number);
 /// The row of an input. @return -1 if there is none
 Eigen::Index row_of(const arm::Arm& arm, const std::string& name);
 

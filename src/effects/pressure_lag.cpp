@@ -18,9 +18,11 @@ class PressureLag : public Described {
   using Described::Described;
   bool varies_along() const override { return false; }
   bool applies_to(const arm::Arm& arm) const override { return has(arm, arm::InputKind::kPressure); }
-  std::vector<Values> grid(const arm::Arm&, const FineRod&) const override {
+  std::vector<Values> grid(const arm::Arm& arm, const FineRod&) const override {
     std::vector<Values> list;
-    for (const double time_s : {0.1, 0.25, 0.7, 2.0, 0.03}) list.push_back(Eigen::Vector3d(0.0, time_s, 1.0));
+    for (const double chamber : chamber_numbers(arm, rows_of(arm, arm::InputKind::kPressure)))
+      for (const double time_s : {0.1, 0.25, 0.7, 2.0, 0.03})
+        list.push_back(Eigen::Vector4d(0.0, time_s, 1.0, chamber));
     return list;
   }
   bool looks_back() const override { return true; }
@@ -29,7 +31,7 @@ class PressureLag : public Described {
     const double time_s = std::max(values[1], kLeastLag_s), share = values[0] / time_s;
     const std::vector<Following> rising = steps_of(series, time_s);
     const std::vector<Following> falling = values[2] == 1.0 ? rising : steps_of(series, values[2] * time_s);
-    for_pressures(arm, series, [&](auto row) {
+    const auto follow = [&](auto row) {
       double last = row[0], state = row[0];
       for (Eigen::Index i = 1; i < row.size(); ++i) {
         const double now = row[i];
@@ -38,7 +40,12 @@ class PressureLag : public Described {
         last = now;
         row[i] = now - share * (now - state);
       }
-    });
+    };
+    const Rows pressures = rows_of(arm, arm::InputKind::kPressure);
+    for (const Eigen::Index row : rows_of_chamber(arm, pressures, values[3])) {
+      follow(series.inputs.row(row));
+      follow(series.moment_inputs.row(row));
+    }
   }
 
  private:
@@ -64,7 +71,8 @@ std::unique_ptr<Effect> make_pressure_lag() {
            Family::kActuation,
            {{"delay_s", "s", "by which they are late in slow ramps", 0.0, 30.0, 0.2},
             {"time_s", "s", "time constant with which they settle after a step", 0.02, 30.0, 0.3},
-            {"fall", "1", "time constant of falling pressures over that of rising ones", 0.1, 10.0, 1.0}},
+            {"fall", "1", "time constant of falling pressures over that of rising ones", 0.1, 10.0, 1.0},
+            chamber_parameter()},
            1,
            {"clock_offset", "hysteresis", "inertia"},
            {},

@@ -40,11 +40,10 @@ class PressureLeak : public Described {
   bool applies_to(const arm::Arm& arm) const override { return has(arm, arm::InputKind::kPressure); }
   std::vector<Values> grid(const arm::Arm& arm, const FineRod&) const override {
     std::vector<Values> list;
-    const auto count = static_cast<int>(rows_of(arm, arm::InputKind::kPressure).size());
     for (const double time_s : {0.0, 2.0, 10.0}) {
-      for (int chamber = count > 1 ? 0 : 1; chamber <= count; ++chamber)
-        list.push_back(Eigen::Vector4d(0.0, static_cast<double>(chamber), time_s > 0.0 ? 1.0 : 0.0,
-                                       time_s > 0.0 ? time_s : kUsual_s));
+      for (const double chamber : chamber_numbers(arm, rows_of(arm, arm::InputKind::kPressure)))
+        list.push_back(
+            Eigen::Vector4d(0.0, chamber, time_s > 0.0 ? 1.0 : 0.0, time_s > 0.0 ? time_s : kUsual_s));
     }
     return list;
   }
@@ -54,14 +53,12 @@ class PressureLeak : public Described {
   }
   void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
     if (values[0] == 0.0 || series.t_s.size() == 0) return;
-    const Rows rows = rows_of(arm, arm::InputKind::kPressure);
-    const auto chamber = static_cast<std::size_t>(values[1] + 0.5);
-    for (std::size_t k = 0; k < rows.size(); ++k) {
-      if (chamber != 0 && chamber != k + 1) continue;
+    const Rows pressures = rows_of(arm, arm::InputKind::kPressure);
+    for (const Eigen::Index row : rows_of_chamber(arm, pressures, values[1])) {
       const Eigen::RowVectorXd left =
-          1.0 - values[0] * lost(series.t_s, series.inputs.row(rows[k]), values).array();
-      series.inputs.row(rows[k]).array() *= left.array();
-      series.moment_inputs.row(rows[k]).array() *= left.array();
+          1.0 - values[0] * lost(series.t_s, series.inputs.row(row), values).array();
+      series.inputs.row(row).array() *= left.array();
+      series.moment_inputs.row(row).array() *= left.array();
     }
   }
 
@@ -97,7 +94,7 @@ std::unique_ptr<Effect> make_pressure_leak() {
            "doi:10.1089/soro.2014.0022",
            Family::kActuation,
            {{"share", "1", "of the pressure, that is lost in the end", 0.0, 0.95, 0.03},
-            {"chamber", "1", "its number in the arm file's list of pressures; 0: all", 0.0, 64.0, 0.0, true},
+            chamber_parameter(),
             {"in_holds", "1", "0: always lost; 1: lost little by little while the command holds", 0.0, 1.0,
              0.0, true},
             {"time_s", "s", "time constant of the loss while the command holds", 0.1, 300.0, kUsual_s}},

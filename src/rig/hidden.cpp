@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "hidden_tables.h"
 #include "scenario.h"
@@ -68,10 +69,15 @@ const HiddenEffect* find_hidden_effect(const std::string& id) {
   return found == all.end() ? nullptr : &*found;
 }
 
-void hide(const HiddenChoice& choice, Scenario& scenario) {
+void hide(HiddenChoice choice, Scenario& scenario) {
+  // Truths that were sealed before a parameter was there do not have it.
+  if (const HiddenEffect* effect = find_hidden_effect(choice.effect))
+    for (const HiddenParameter& parameter : effect->parameters)
+      if (parameter.otherwise && parameter.is_of(choice.form))
+        choice.values.emplace(parameter.key, *parameter.otherwise);
   check(choice);
   find_hidden_effect(choice.effect)->apply(choice, scenario);
-  scenario.hidden.push_back(choice);
+  scenario.hidden.push_back(std::move(choice));
 }
 
 void parse_hidden(YamlMap& document, Scenario& scenario) {

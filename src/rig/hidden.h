@@ -56,8 +56,8 @@ const std::vector<HiddenEffect>& hidden_effects();
 const HiddenEffect* find_hidden_effect(const std::string& id);
 
 /// Hides an effect: checks the choice against the effect's forms and ranges, appends it to Scenario::hidden
-/// and applies it.
+/// and applies it. Values that it lacks are those of a scenario that does not say them.
 /// @throws std::invalid_argument, a line: what, where, allowed
-void hide(const HiddenChoice& choice, Scenario& scenario);
+void hide(HiddenChoice choice, Scenario& scenario);
 
 }  // namespace softarm::rig

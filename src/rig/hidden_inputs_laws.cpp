@@ -50,13 +50,15 @@ std::vector<HiddenEffect> pressure_laws() {
        }},
       {"pressure_dead_zone",
        true,
-       "no moment below a pressure, and less by it above",
+       "no moment below a pressure, and less by it above; of one chamber alone its pressure itself is less, "
+       "also where it lengthens and stiffens the arm",
        {"sharp", "smooth"},
-       {{"pressure_pa", 1.0, 1e6, 1500.0, 5000.0, "up to which there is none"}},
+       {{"pressure_pa", 1.0, 1e6, 1500.0, 5000.0, "up to which there is none"}, all_or_one_chamber()},
        [](const HiddenChoice& choice, Scenario& scenario) {
          need_chambers(scenario);
          put(scenario.input_path.laws.dead_zone,
-             LawSpec::DeadZone{choice.values.at("pressure_pa"), choice.form == "smooth"});
+             LawSpec::DeadZone{choice.values.at("pressure_pa"), choice.form == "smooth",
+                               chamber_index(choice, scenario)});
        }},
       {"pressure_stiffening",
        true,

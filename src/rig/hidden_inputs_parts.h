@@ -30,6 +30,11 @@ inline HiddenParameter chamber_number() {
   return {"chamber", 0.0, 16.0, 1.0, 3.0, "its number; 0: all", 0.0, true};
 }
 
+/// The same of what all have as often as one.
+inline HiddenParameter all_or_one_chamber() {
+  return {"chamber", 0.0, 16.0, 0.0, 1.0, "its number; 0: all", 0.0, true};
+}
+
 /// The chamber of a choice as the rig numbers it, from 0; -1: all.
 inline int chamber_index(const HiddenChoice& choice, const Scenario& scenario) {
   const int number = static_cast<int>(choice.values.at("chamber"));

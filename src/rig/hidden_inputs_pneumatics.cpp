@@ -8,6 +8,7 @@ void lag(const HiddenChoice& choice, Scenario& scenario) {
   need_pressures(scenario);
   using Form = PressureLag::Form;
   PressureLag spec;
+  spec.chamber = chamber_index(choice, scenario);
   spec.form = choice.form == "choked"         ? Form::kChoked
               : choice.form == "second_order" ? Form::kSecondOrder
                                               : Form::kFirstOrder;
@@ -51,7 +52,8 @@ std::vector<HiddenEffect> pneumatic_effects() {
        {{"time_constant_s", 0.005, 100.0, 0.1, 0.5, "delay in slow ramps; choked: of small fillings"},
         {"damping_ratio", 0.05, 5.0, 0.4, 1.0, "of the second order", 0.7},
         {"vent_time_constant_s", 0.005, 100.0, 0.2, 0.8, "choked: of venting", 0.4},
-        {"supply_pa", 1e3, 1e7, 2e5, 2e5, "choked: gauge pressure of the supply", 2e5}},
+        {"supply_pa", 1e3, 1e7, 2e5, 2e5, "choked: gauge pressure of the supply", 2e5},
+        all_or_one_chamber()},
        lag},
       {"pressure_leak",
        true,

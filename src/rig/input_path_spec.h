@@ -26,6 +26,7 @@ struct PressureLag {
   double damping_ratio = 1.0;         ///< z, of the second order
   double vent_time_constant_s = 0.0;  ///< of the choked form
   double supply_pa = 200e3;           ///< gauge, of the choked form
+  int chamber = -1;                   ///< from 0; -1: all
 };
 
 /// What acts is below what is commanded, by a share of it.

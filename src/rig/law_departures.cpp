@@ -11,14 +11,6 @@ double softplus(double x) {
   return std::max(x, 0.0) + std::log1p(std::exp(-std::abs(x)));
 }
 
-double beyond_dead_zone(const LawSpec::DeadZone& zone, double pressure_pa) {
-  const double p = std::abs(pressure_pa), p0 = zone.pressure_pa;
-  const double width = 0.25 * p0;
-  const double beyond =
-      zone.smooth ? width * (softplus((p - p0) / width) - softplus(-p0 / width)) : std::max(0.0, p - p0);
-  return std::copysign(beyond, pressure_pa);
-}
-
 /// 0 at 0, 1 at the reference.
 double shape(const LawSpec::GainNonlinearity& law, double pressure_pa) {
   const double x = std::abs(pressure_pa) / law.reference_pa;
@@ -26,6 +18,14 @@ double shape(const LawSpec::GainNonlinearity& law, double pressure_pa) {
 }
 
 }  // namespace
+
+double beyond_dead_zone(const LawSpec::DeadZone& zone, double pressure_pa) {
+  const double p = std::abs(pressure_pa), p0 = zone.pressure_pa;
+  const double width = 0.25 * p0;
+  const double beyond =
+      zone.smooth ? width * (softplus((p - p0) / width) - softplus(-p0 / width)) : std::max(0.0, p - p0);
+  return std::copysign(beyond, pressure_pa);
+}
 
 LawDepartures::LawDepartures(const SegmentSpec& segment, const Acting& acting, const LawSpec& hidden)
     : segment_(segment), acting_(acting), hidden_(hidden) {
@@ -36,7 +36,7 @@ LawDepartures::LawDepartures(const SegmentSpec& segment, const Acting& acting, c
 
 double LawDepartures::moment_pressure_pa(const ChamberSpec& chamber) const {
   double p = pressure(chamber.input);
-  if (hidden_.dead_zone) p = beyond_dead_zone(*hidden_.dead_zone, p);
+  if (hidden_.dead_zone && hidden_.dead_zone->chamber < 0) p = beyond_dead_zone(*hidden_.dead_zone, p);
   if (const auto& law = hidden_.gain_nonlinearity) p *= 1.0 + law->share * shape(*law, p);
   if (const auto& bulge = hidden_.chamber_bulge) {
     double others_pa = 0.0;

@@ -5,6 +5,9 @@
 
 namespace softarm::rig {
 
+/// What a dead zone leaves of a pressure.
+double beyond_dead_zone(const LawSpec::DeadZone& zone, double pressure_pa);
+
 /// What is hidden in the laws of one segment under what acts in it. Where nothing is hidden, every factor is
 /// exactly 1 and every pressure as it is.
 class LawDepartures {

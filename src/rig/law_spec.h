@@ -24,10 +24,12 @@ struct LawSpec {
   std::optional<GainNonlinearity> gain_nonlinearity;
 
   /// No moment below a pressure. Smooth: p is replaced by w ln(1 + e^((p - p0) / w)), less its value at p =
-  /// 0, with w = p0 / 4; sharp: by max(0, p - p0). Odd in p.
+  /// 0, with w = p0 / 4; sharp: by max(0, p - p0). Odd in p. Of all chambers it is the walls', which give no
+  /// moment; of one (from 0) it is its supply's, and whatever its pressure does is less.
   struct DeadZone {
     double pressure_pa = 0.0;
     bool smooth = false;
+    int chamber = -1;
   };
   std::optional<DeadZone> dead_zone;
 

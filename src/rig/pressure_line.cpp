@@ -1,7 +1,8 @@
-// Lag of the lines and leaks of the chambers.
+// Lag of the lines, leaks of the chambers, and one whose valve opens late.
 #include <algorithm>
 #include <cmath>
 
+#include "law_departures.h"
 #include "pressure_stages.h"
 
 namespace softarm::rig {
@@ -19,6 +20,11 @@ double flow_share(double ratio) {
   if (ratio >= 1.0) return 0.0;
   const double x = (ratio - kCritical) / (1.0 - kCritical);
   return std::sqrt(1.0 - x * x);
+}
+
+/// @param chamber from 0; -1: all
+bool is_of(int chamber, std::size_t i) {
+  return chamber < 0 || static_cast<std::size_t>(chamber) == i;
 }
 
 class Lag : public PressureStage {
@@ -41,7 +47,8 @@ class Lag : public PressureStage {
         in_small_steps(channels_[i], last_[i], p[i], dt_s);
     }
     last_ = p;
-    for (std::size_t i = 0; i < p.size(); ++i) p[i] = channels_[i].p;
+    for (std::size_t i = 0; i < p.size(); ++i)
+      if (is_of(spec_.chamber, i)) p[i] = channels_[i].p;
   }
 
  private:
@@ -120,12 +127,29 @@ class Leak : public PressureStage {
  private:
   void lose(Pressures& p) const {
     for (std::size_t i = 0; i < p.size(); ++i)
-      if (spec_.chamber < 0 || static_cast<std::size_t>(spec_.chamber) == i) p[i] *= 1.0 - lost_[i];
+      if (is_of(spec_.chamber, i)) p[i] *= 1.0 - lost_[i];
   }
 
   PressureLeak spec_;
   Pressures last_;
   std::vector<double> lost_;  ///< share, per chamber
+};
+
+/// Of one chamber alone.
+class DeadZone : public PressureStage {
+ public:
+  explicit DeadZone(const LawSpec::DeadZone& spec) : spec_(spec) {}
+
+  void start(Pressures& p) override { lose(p); }
+  void act(Pressures& p, double, double) override { lose(p); }
+
+ private:
+  void lose(Pressures& p) const {
+    double& one = p.at(static_cast<std::size_t>(spec_.chamber));
+    one = beyond_dead_zone(spec_, one);
+  }
+
+  LawSpec::DeadZone spec_;
 };
 
 }  // namespace
@@ -135,6 +159,8 @@ void add_line(const Scenario& scenario, PressureStages& stages) {
   if (spec.pressure_lag)
     stages.push_back(std::make_unique<Lag>(*spec.pressure_lag, scenario.pressures.ambient_pa));
   for (const PressureLeak& leak : spec.pressure_leaks) stages.push_back(std::make_unique<Leak>(leak));
+  const auto& zone = spec.laws.dead_zone;
+  if (zone && zone->chamber >= 0) stages.push_back(std::make_unique<DeadZone>(*zone));
 }
 
 }  // namespace softarm::rig

@@ -1,5 +1,6 @@
 // Effects on inputs look as the catalogue describes them.
 #include <random>
+#include <set>
 
 #include "drive_trials.h"
 
@@ -161,7 +162,7 @@ TEST(TendonSlack, IsLostOnBothSides) {
 }
 
 TEST(PressureLag, WidensItsLoopWithTheSpeed) {
-  const Eigen::Vector3d values(0.2, 0.2, 1.0);
+  const Eigen::Vector4d values(0.2, 0.2, 1.0, 0.0);
   const double slow = pressure_loop("pressure_lag", values, 40.0).width;
   const double fast = pressure_loop("pressure_lag", values, 10.0).width;
   // 2 x delay x rate
@@ -176,8 +177,8 @@ TEST(PressureLag, IsALineOfFirstOrderWhereDelayAndTimeConstantAgree) {
     u[kVacuum] = u[kChamber1];
     return u;
   });
-  const model::Series whole = driven("pressure_lag", Eigen::Vector3d(0.3, 0.3, 1.0), trial);
-  const model::Series half = driven("pressure_lag", Eigen::Vector3d(0.15, 0.3, 1.0), trial);
+  const model::Series whole = driven("pressure_lag", Eigen::Vector4d(0.3, 0.3, 1.0, 0.0), trial);
+  const model::Series half = driven("pressure_lag", Eigen::Vector4d(0.15, 0.3, 1.0, 0.0), trial);
   for (Eigen::Index i = 60; i < whole.t_s.size(); ++i) {
     // The step is a line between two frames of 20 ms.
     const double left = std::exp(-(whole.t_s[i] - 0.99) / 0.3);
@@ -188,11 +189,24 @@ TEST(PressureLag, IsALineOfFirstOrderWhereDelayAndTimeConstantAgree) {
   EXPECT_EQ(whole.inputs.row(kChamber1), whole.moment_inputs.row(kChamber1));
 }
 
+TEST(PressureLag, MayBeOfOneChamber) {
+  const model::TrialData trial = made_up(arm(), 3.0, [](double t_s) {
+    const double p = t_s >= 1.0 ? 20e3 : 0.0;
+    return Eigen::Vector4d(p, p, p, 0.0);
+  });
+  const model::Series all = driven("pressure_lag", Eigen::Vector4d(0.3, 0.3, 1.0, 0.0), trial);
+  const model::Series third = driven("pressure_lag", Eigen::Vector4d(0.3, 0.3, 1.0, 3.0), trial);
+  EXPECT_EQ(third.inputs.row(2), all.inputs.row(2));
+  EXPECT_EQ(third.moment_inputs.row(2), all.moment_inputs.row(2));
+  EXPECT_EQ(third.inputs.topRows(2), trial.series.inputs.topRows(2));
+  EXPECT_EQ(third.moment_inputs.topRows(2), trial.series.moment_inputs.topRows(2));
+}
+
 TEST(PressureLag, MayFallMoreSlowlyThanItRises) {
   const model::TrialData trial = made_up(arm(), 6.0, [](double t_s) {
     return Eigen::Vector4d(t_s >= 1.0 && t_s < 4.0 ? 20e3 : 0.0, 0.0, 0.0, 0.0);
   });
-  const model::Series series = driven("pressure_lag", Eigen::Vector3d(0.2, 0.2, 2.0), trial);
+  const model::Series series = driven("pressure_lag", Eigen::Vector4d(0.2, 0.2, 2.0, 0.0), trial);
   for (Eigen::Index i = 0; i < series.t_s.size(); ++i) {
     const double t_s = series.t_s[i];
     if (t_s > 1.1 && t_s < 3.9) {
@@ -236,14 +250,14 @@ TEST(ClockOffset, ShiftsOneInputAlone) {
 
 TEST(PressureDeadZone, IsFlatNearZeroPressureAndMissesAConstantBeyond) {
   const model::TrialData trial = made_up(arm(), 11.0, triangles(arm(), kChamber1, 30e3, 10.0));
-  const model::Series series = driven("pressure_dead_zone", Eigen::Vector2d(3000.0, 3000.0), trial);
+  const model::Series series = driven("pressure_dead_zone", Eigen::Vector3d(3000.0, 3000.0, 0.0), trial);
   EXPECT_EQ(series.inputs, trial.series.inputs);
   for (Eigen::Index i = 0; i < series.t_s.size(); ++i)
     EXPECT_NEAR(series.moment_inputs(kChamber1, i), std::max(0.0, series.inputs(kChamber1, i) - 3000.0),
                 1e-9);
   // The arm itself does not move there.
   model::ExtendedModel model(arm());
-  const model::Present present{find("pressure_dead_zone"), Eigen::Vector2d(3000.0, 3000.0)};
+  const model::Present present{find("pressure_dead_zone"), Eigen::Vector3d(3000.0, 3000.0, 0.0)};
   const std::vector<model::Predicted> without = predict(model, arm(), {}, trial);
   const std::vector<model::Predicted> with = predict(model, arm(), {present}, trial);
   const auto bend = [](const model::Predicted& p) { return p.shape.middles[5].u.head<2>().norm(); };
@@ -256,6 +270,29 @@ TEST(PressureDeadZone, IsFlatNearZeroPressureAndMissesAConstantBeyond) {
       EXPECT_LT(bend(with[k]), bend(without[k]) - 0.1);
     }
   }
+}
+
+TEST(PressureDeadZone, OfOneChamberTakesItsPressureAndLeavesTheOthers) {
+  const model::TrialData trial =
+      made_up(arm(), 2.0, [](double t_s) { return Eigen::Vector4d(8e3, 2e3 + 4e3 * t_s, 9e3, 6e4); });
+  const model::Series series = driven("pressure_dead_zone", Eigen::Vector3d(3000.0, 3000.0, 2.0), trial);
+  for (Eigen::Index i = 0; i < series.t_s.size(); ++i) {
+    const double left = std::max(0.0, trial.series.inputs(1, i) - 3000.0);
+    EXPECT_NEAR(series.inputs(1, i), left, 1e-9);
+    EXPECT_NEAR(series.moment_inputs(1, i), left, 1e-9);
+  }
+  for (const Eigen::Index row : {0, 2, 3}) {
+    EXPECT_EQ(series.inputs.row(row), trial.series.inputs.row(row)) << row;
+    EXPECT_EQ(series.moment_inputs.row(row), trial.series.moment_inputs.row(row)) << row;
+  }
+}
+
+TEST(PressureDeadZone, IsLookedForInAllChambersAndInEach) {
+  model::ExtendedModel model(arm());
+  std::set<double> chambers;
+  for (const model::Values& values : find("pressure_dead_zone")->grid(arm(), model.rod()))
+    chambers.insert(values[2]);
+  EXPECT_EQ(chambers, (std::set<double>{0.0, 1.0, 2.0, 3.0}));
 }
 
 TEST(GainNonlinearity, IsConvexAgainstThePressure) {
@@ -363,8 +400,8 @@ TEST(RadialExpansion, MovesMarkersOnTheSkinOutwards) {
 TEST(OfTheInputs, ActInTheCataloguesOrderWhateverTheirs) {
   model::ExtendedModel model(arm());
   const model::TrialData trial = made_up(arm(), 3.0, triangles(arm(), kChamber1, 20e3, 1.0));
-  const model::Present lag{find("pressure_lag"), Eigen::Vector3d(0.2, 0.2, 1.0)};
-  const model::Present zone{find("pressure_dead_zone"), Eigen::Vector2d(4000.0, 4000.0)};
+  const model::Present lag{find("pressure_lag"), Eigen::Vector4d(0.2, 0.2, 1.0, 0.0)};
+  const model::Present zone{find("pressure_dead_zone"), Eigen::Vector3d(4000.0, 4000.0, 0.0)};
   const std::vector<model::Predicted> a = predict(model, arm(), {lag, zone}, trial);
   const std::vector<model::Predicted> b = predict(model, arm(), {zone, lag}, trial);
   EXPECT_EQ(positions(a), positions(b));

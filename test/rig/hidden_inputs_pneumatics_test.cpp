@@ -24,6 +24,33 @@ TEST(PressureLag, FirstOrderReaches63PercentAfterItsTimeConstant) {
   EXPECT_NEAR(walk.acting().pressures_pa[0], 30e3 - 5e3 * 0.3, 0.1);
 }
 
+TEST(PressureLag, MayBeOfOneChamber) {
+  Walk walk(with("pressure_lag", {{"time_constant_s", 0.3}, {"chamber", 2.0}}));
+  walk.to(commands(10e3, 10e3, 10e3), 4.0);
+  walk.to(commands(30e3, 30e3, 30e3), 4.0);
+  const std::vector<double>& acting = walk.acting().pressures_pa;
+  EXPECT_NEAR(acting[0], 30e3, 1e-9);
+  EXPECT_NEAR(acting[1], 30e3 - 5e3 * 0.3, 0.1);
+  EXPECT_NEAR(acting[2], 30e3, 1e-9);
+}
+
+TEST(DeadZone, OfOneChamberTakesItsPressureItself) {
+  for (const std::string form : {"sharp", "smooth"}) {
+    Walk walk(with("pressure_dead_zone", {{"pressure_pa", 3e3}, {"chamber", 2.0}}, form),
+              commands(10e3, 2e3, 10e3));
+    EXPECT_LT(walk.acting().pressures_pa[1], form == "sharp" ? 1e-9 : 300.0);
+    const Acting& acting = walk.to(commands(10e3, 30e3, 10e3), 1.0);
+    EXPECT_EQ(acting.pressures_pa[0], 10e3);
+    EXPECT_NEAR(acting.pressures_pa[1], 27e3, 15.0);
+    EXPECT_EQ(acting.pressures_pa[2], 10e3);
+    // The moments go by that, and lose nothing a second time.
+    const Scenario& s = laboratory();
+    const LawSpec laws = with("pressure_dead_zone", {{"pressure_pa", 3e3}, {"chamber", 2.0}}).input_path.laws;
+    EXPECT_TRUE(apply_laws(s.arm.segments[0], acting, laws).moment_nm ==
+                apply_laws(s.arm.segments[0], acting, s.input_path.laws).moment_nm);
+  }
+}
+
 TEST(PressureLag, FirstOrderDoesNotDependOnTheSteps) {
   const Scenario s = with("pressure_lag", {{"time_constant_s", 0.05}});
   InputPath coarse(s, commands()), fine(s, commands());

@@ -203,7 +203,7 @@ Choices gravity_direction(const Numbers& v) {
 Choices pressure_dead_zone(const Numbers& v) {
   if (!nearly(v("lost_pa"), v("edge_pa")))
     throw std::invalid_argument("lost_pa differs from edge_pa, which the virtual rig has as one");
-  return {choice("pressure_dead_zone", "sharp", {{"pressure_pa", v("lost_pa")}})};
+  return {choice("pressure_dead_zone", "sharp", {{"pressure_pa", v("lost_pa")}, {"chamber", v("chamber")}})};
 }
 
 Choices tendon_slack(const Numbers& v) {
@@ -215,7 +215,8 @@ Choices tendon_slack(const Numbers& v) {
 Choices pressure_lag(const Numbers& v) {
   if (!nearly(v("fall"), 1.0))
     throw std::invalid_argument("the virtual rig's first-order line falls as fast as it rises");
-  return {choice("pressure_lag", "first_order", {{"time_constant_s", v("delay_s")}})};
+  return {
+      choice("pressure_lag", "first_order", {{"time_constant_s", v("delay_s")}, {"chamber", v("chamber")}})};
 }
 
 Choices supply_sag(const Numbers& v) {
