@@ -42,7 +42,7 @@ void say_base(Context& context, const Place& first, double off) {
   const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), first.p_base);
   Eigen::Isometry3d pose = context.arm.base.body ? context.arm.base.rod_in_body : context.arm.base.fixed_pose;
   pose.linear() = (pose.linear() * turn).eval();
-  finding.remedy += "; this is so up to the bend of the arm at rest and a turn about z";
+  finding.remedy += "; the setting is right up to the bend of the arm at rest and a turn about z";
   finding.setting = (context.arm.base.body ? "base.rod_in_body: " : "base.fixed: ") + pose_value(pose);
 }
 
@@ -56,7 +56,7 @@ void say_backwards(Context& context, const Track& track, double tilt) {
   finding.figure = tilt;
   finding.unit = "rad";
   finding.remedy = usable ? "turn the section in the body's frame"
-                          : "its orientation is not used yet; turn the section before it is";
+                          : "its orientation is not used yet; turn the section before using it";
   const Eigen::Isometry3d section =
       track.body->section_in_body * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitY());
   finding.setting = fmt::format("bodies[{}].section_in_body: {}", track.name, pose_value(section));
@@ -70,8 +70,8 @@ void say_turned(Context& context, const Track& track, double turn_rad) {
   finding.figure = turn_rad;
   finding.unit = "rad";
   finding.remedy =
-      "the tangent is right, so estimates of bending suffer no harm; positions do where "
-      "section_in_body has an offset across the arm. Look whether the other trials have it too";
+      "the tangent is right, so estimates of bending are not affected; positions are affected where "
+      "section_in_body has an offset across the arm. Check whether the other trials show the same";
   const Eigen::Isometry3d section =
       track.body->section_in_body * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ());
   finding.setting = fmt::format("bodies[{}].section_in_body: {}", track.name, pose_value(section));

@@ -85,15 +85,15 @@ void check_base_moves(Context& context) {
       moves.far_m > context.of_length(kPolicy.places.base_far) || moves.far_rad > kPolicy.places.base_far_rad;
   CheckFinding& finding = context.add(
       far ? Severity::kSerious : Severity::kWarning, bumped ? "base_bumped" : "base_drifts", base.name,
-      fmt::format("the mount {} by {:.2g} mm and {:.2g} deg", bumped ? "moves at a blow," : "drifts",
+      fmt::format("the mount {} by {:.2g} mm and {:.2g} deg", bumped ? "moves suddenly," : "drifts",
                   1e3 * moves.far_m, moves.far_rad / kDegree));
   finding.figure = moves.far_m;
   finding.unit = "m";
   if (bumped) finding.spans = {{moves.step_at_s, moves.step_at_s}};
   finding.remedy =
-      "clamp mount and cameras; the shape is taken against the measured base, so what counts is "
-      "whether the direction of gravity in the mocap frame changed: if the cameras were bumped, "
-      "leave out what comes after";
+      "clamp the mount and the cameras; the shape is measured relative to the base, so what matters is "
+      "whether the direction of gravity in the mocap frame changed: if the cameras were bumped, leave out "
+      "what comes after";
 }
 
 }  // namespace

@@ -62,7 +62,7 @@ void say(Context& context, const ClockShift& shift) {
                   1e3 * std::abs(shift.shift_s), shift.shift_s < 0.0 ? "before" : "after",
                   1e3 * (shift.shift_s - 1.96 * shift.sd_s), 1e3 * (shift.shift_s + 1.96 * shift.sd_s));
   if (shown_s != 0.0) {
-    what += fmt::format("; {:.0f} ms of it are the stamps that are ahead of their receipt", 1e3 * shown_s);
+    what += fmt::format("; {:.0f} ms of this because the stamps are ahead of their receipt", 1e3 * shown_s);
   }
   if (leads) what += taken_from_late_receipt(context, shift);
   if (leads || lags) {
@@ -76,10 +76,10 @@ void say(Context& context, const ClockShift& shift) {
   finding.figure_sd = shift.sd_s;
   finding.unit = "s";
   finding.remedy =
-      leads ? "no arm comes before its inputs: the inputs' clock is ahead of the mocap's, or the mocap's "
+      leads ? "no arm moves before its inputs: the inputs' clock is ahead of the mocap's, or the mocap's "
               "behind. Synchronise the clocks, or shift the stamps"
-            : "a lag of valves, lines and the arm itself looks the same: only a test of the clocks (a LED "
-              "or a tap that both see) can tell. Either way a model without lag wants the stamps shifted";
+            : "a lag of valves, lines and the arm itself looks the same: only a test of the clocks (a LED or "
+              "a tap that both see) can tell. Either way, a model without lag needs the stamps shifted";
   // The inputs' own settings take off what they are ahead.
   if (leads || lags || !shown.any()) finding.setting = clock_setting(context, shift.shift_s + shown.inputs_s);
 }
@@ -98,15 +98,14 @@ bool is_apart(const std::optional<ClockShift>& fine) {
 /// Clocks that are apart by more than any lag.
 void say_apart(Context& context, const ClockSearch& search, const ClockShift& fine) {
   std::string what = fmt::format(
-      "bodies and inputs are of different times: as stamped the inputs explain {} of the motion, but {} "
-      "where the "
-      "bodies are taken {:.2f} s {}",
+      "bodies and inputs belong to different times: as stamped, the inputs explain {} of the motion, but {} "
+      "if the bodies are shifted {:.2f} s {}",
       percent(search.as_stamped), percent(search.explained), std::abs(fine.shift_s),
       fine.shift_s > 0.0 ? "earlier" : "later");
   what += fmt::format(" (95 %: {:.2f} to {:.2f} s)", std::abs(fine.shift_s) - 1.96 * fine.sd_s,
                       std::abs(fine.shift_s) + 1.96 * fine.sd_s);
   if (search.other_s) {
-    what += fmt::format("; ambiguous: {} at {:.1f} s {}, as inputs that repeat themselves make it",
+    what += fmt::format("; ambiguous: {} at {:.1f} s {}, because the inputs repeat themselves",
                         percent(search.other_explained), std::abs(*search.other_s),
                         *search.other_s > 0.0 ? "earlier" : "later");
   }
@@ -116,14 +115,14 @@ void say_apart(Context& context, const ClockSearch& search, const ClockShift& fi
   finding.figure_sd = fine.sd_s;
   finding.unit = "s";
   finding.remedy =
-      "two clocks, or two recordings that were begun apart: synchronise them, and shift these stamps";
+      "two clocks, or two recordings that were started separately: synchronise them, and shift these stamps";
   if (search.other_s) {
-    finding.remedy += "; a trial with one quick step that is not repeated tells which shift it is";
+    finding.remedy += "; a trial with one quick step that is not repeated shows which shift is right";
     return;
   }
   finding.setting = clock_setting(context, fine.shift_s);
   if (finding.setting.empty())
-    finding.remedy += ". A live frame cannot wait for its inputs so long: record anew, or shift the bag";
+    finding.remedy += ". A live frame cannot wait that long for its inputs: record again, or shift the bag";
 }
 
 void check_clocks(Context& context) {
@@ -138,7 +137,7 @@ void check_clocks(Context& context) {
   }
   const std::optional<ClockShift> found = clock_shift(context);
   const auto cannot = [&](const std::string& why) {
-    context.add("clock_cannot_tell", "", "clocks of inputs and mocap against each other: cannot tell, " + why)
+    context.add("clock_cannot_tell", "", "clock offset between inputs and mocap: cannot tell, " + why)
         .remedy = "a trial with quick steps of each input shows it";
   };
   if (!found) return cannot("no input changes while a body is seen");
@@ -146,12 +145,13 @@ void check_clocks(Context& context) {
   const ClockShift& shift = *found;
   if (shift.at_edge || shift.sd_s > kPolicy.clocks.least_sd_s ||
       shift.explained < kPolicy.clocks.least_explained) {
-    return cannot(shift.explained < kPolicy.clocks.least_explained
-                      ? fmt::format("the inputs explain {:.0f} % of the motion only", 100.0 * shift.explained)
-                  : shift.at_edge
-                      ? std::string("no shift within a second fits better than its neighbours")
-                      : fmt::format("the motion is too slow, or not the inputs' alone (+- {:.0f} ms)",
-                                    2e3 * shift.sd_s));
+    return cannot(
+        shift.explained < kPolicy.clocks.least_explained
+            ? fmt::format("the inputs explain only {:.0f} % of the motion", 100.0 * shift.explained)
+        : shift.at_edge
+            ? std::string("no shift within a second fits better than its neighbours")
+            : fmt::format("the motion is too slow, or not caused by the inputs alone (+- {:.0f} ms)",
+                          2e3 * shift.sd_s));
   }
   say(context, shift);
 }

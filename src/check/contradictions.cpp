@@ -122,7 +122,7 @@ void withhold_contradictions(std::vector<CheckFinding>& findings) {
     if (findings[i].setting.empty()) continue;
     const CheckFinding* first = before(findings, i);
     if (!first) continue;
-    findings[i].remedy += fmt::format("{}what to set follows when {}{}{} is repaired: check again then",
+    findings[i].remedy += fmt::format("{}the setting depends on {}{}{}: repair that first, then check again",
                                       findings[i].remedy.empty() ? "" : "; ", first->id,
                                       first->where.empty() ? "" : " of ", first->where);
     findings[i].setting.clear();

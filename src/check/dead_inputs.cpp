@@ -115,9 +115,8 @@ void say_dead(Context& context, const std::string& names, const std::string& wha
   finding.figure = moves_m;
   finding.unit = "m";
   finding.remedy =
-      "a sensor that is not connected, or another's topic or column: leave the trial out of identify. "
-      "Nothing is "
-      "wrong where the arm was moved by hand";
+      "a sensor that is not connected, or the topic or column of another one: leave the trial out of "
+      "identify. Nothing is wrong if the arm was moved by hand";
 }
 
 void check_dead_inputs(Context& context) {
@@ -142,8 +141,8 @@ void check_dead_inputs(Context& context) {
     for (const Accused& one : accused_of(context, constant)) {
       take_back_never_driven(context, one.signal->input->name);
       say_dead(context, one.signal->input->name,
-               fmt::format("constant throughout, while the arm moves by {:.0f} mm along the line on which it "
-                           "bends it: {:.0f} % of all motion, which no other input explains",
+               fmt::format("constant throughout, while the arm moves by {:.0f} mm along the line on which "
+                           "this input bends it: {:.0f} % of all motion, which no other input explains",
                            1e3 * one.moves_m, 100.0 * one.share),
                one.moves_m);
     }
@@ -161,7 +160,7 @@ void check_dead_inputs(Context& context) {
     what += fmt::format(", of which the other inputs explain {:.0f} %",
                         100.0 * std::max(0.0, *context.explained));
   } else {
-    what += ", and to the last bit, where the other sensors have noise";
+    what += ", to the last bit, although the other sensors have noise";
   }
   say_dead(context, names, what, moves_m);
 }

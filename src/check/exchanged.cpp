@@ -139,8 +139,8 @@ void check_pair(Context& context, std::size_t i, std::size_t j) {
   finding.unit = "1";
   finding.spans = spans;
   finding.remedy =
-      "give the two marker sets different, asymmetric arrangements; leave these stretches out, or "
-      "rename the bodies there. Further checks have them the right way round";
+      "give the two marker sets different, asymmetric arrangements; leave these stretches out, or rename the "
+      "bodies there. Further checks use the corrected labels";
 }
 
 void check_exchanged(Context& context) {

@@ -73,8 +73,8 @@ void say_frozen(Context& context, const Track& track, const Repeats& repeats, do
   CheckFinding& finding = context.add(
       serious ? Severity::kSerious : Severity::kWarning, "frozen_body", track.name,
       fmt::format("the same pose to the last bit for up to {:.2f} s {} ({:.1f} % of the samples)",
-                  repeats.longest_s, repeats.others_move ? "while others move" : "where it else has noise",
-                  100.0 * share));
+                  repeats.longest_s,
+                  repeats.others_move ? "while others move" : "where it otherwise has noise", 100.0 * share));
   finding.figure = repeats.longest_s;
   finding.unit = "s";
   finding.spans = spans_of(repeats.frozen, kPolicy.tracking.frozen_periods * track.period_s);
@@ -86,7 +86,7 @@ void say_frozen(Context& context, const Track& track, const Repeats& repeats, do
 void say_repeated(Context& context, const Track& track, double share) {
   CheckFinding& finding = context.add(
       "repeated_poses", track.name,
-      fmt::format("{:.0f} % of the samples only repeat the one before under a new stamp", 100.0 * share));
+      fmt::format("{:.0f} % of the samples only repeat the previous one under a new stamp", 100.0 * share));
   finding.figure = share;
   finding.unit = "1";
   finding.remedy = "the logger is faster than the cameras: log on arrival; a CSV layout can drop them";

@@ -80,18 +80,15 @@ bool say_payload_rises(Context& context) {
   if (!fall || fall->fall_m > -(context.of_length(kPolicy.gravity.rises) + kPolicy.gravity.sds * fall->sd_m))
     return false;
   const Eigen::Vector3d other = Eigen::Vector3d::Zero() - context.arm.gravity_m_s2;  // no "-0.000"
-  CheckFinding& finding = context.add(
-      "gravity", "",
-      fmt::format(
-          "under its payload the outermost body rises by {:.2g} mm (sd {:.1g}), against gravity as the "
-          "arm file has it",
-          -1e3 * fall->fall_m, 1e3 * fall->sd_m));
+  CheckFinding& finding = context.add("gravity", "",
+                                      fmt::format("under its payload the outermost body rises by {:.2g} mm "
+                                                  "(sd {:.1g}), against gravity as the arm file states it",
+                                                  -1e3 * fall->fall_m, 1e3 * fall->sd_m));
   finding.figure = -fall->fall_m;
   finding.unit = "m";
   finding.remedy =
-      "gravity points the other way, or payloads are told where none hang: set gravity in the arm file, or "
-      "up "
-      "in the mocap software or the import layout (mocap.up)";
+      "gravity points the other way, or payloads are stated where none is attached: set gravity in the arm "
+      "file, or up in the mocap software or the import layout (mocap.up)";
   finding.setting = fmt::format("gravity_m_s2: [{:.3f}, {:.3f}, {:.3f}]", other.x(), other.y(), other.z());
   return true;
 }

@@ -116,12 +116,11 @@ void say_offset(Context& context, const Level& level, const CheckSpan& rest) {
   finding.unit = signal.is_pressure() ? "Pa" : is_tension ? "N" : "rad";
   finding.spans = {rest};
   if (held) return;
-  finding.remedy =
-      signal.is_pressure()
-          ? "if it is not really driven at rest, the sensor's zero is off: subtract it (vent before each "
-            "trial and take the zero there). If all sensors are off alike, it is the day's ambient "
-            "(inputs.ambient_pressure_pa)"
-          : "if the arm is not driven at rest, subtract it";
+  finding.remedy = signal.is_pressure()
+                       ? "if it is not really driven at rest, the sensor's zero is off: subtract it (vent "
+                         "before each trial and take the zero there). If all sensors are off by the same "
+                         "amount, it is the day's ambient pressure (inputs.ambient_pressure_pa)"
+                       : "if the arm is not driven at rest, subtract it";
   finding.setting = zero_setting(zero_of(context, signal), level.value);
 }
 

@@ -216,9 +216,9 @@ void check_input_signals(Context& context) {
       if (any_moves) {
         context
             .add("never_driven", signal.input->name,
-                 fmt::format("never changes ({:.4g} {}): this trial says nothing of it", signal.high,
+                 fmt::format("never changes ({:.4g} {}): this trial says nothing about it", signal.high,
                              unit_of(signal.input->kind)))
-            .remedy = "if it was driven, its sensor is dead or its topic another's";
+            .remedy = "if it was driven, its sensor is dead or its topic is that of another input";
       }
       continue;
     }

@@ -92,12 +92,12 @@ void say_unit(Context& context, std::size_t i) {
     list += (k == 0 ? "" : k + 1 == fits.size() ? " or " : ", ") + fits[k];
   CheckFinding& finding = context.add(
       "pressure_unit", input.name,
-      fmt::format("values of {:.4g} to {:.4g} (first {:.4g}) cannot be {} as the arm file has them{}",
-                  raw.low, raw.high, raw.first, absolute ? "absolute pressures" : "gauge pressures",
+      fmt::format("values of {:.4g} to {:.4g} (first {:.4g}) cannot be {} as the arm file states{}", raw.low,
+                  raw.high, raw.first, absolute ? "absolute pressures" : "gauge pressures",
                   list.empty() ? "" : "; they look like " + list));
   finding.figure = raw.first * input.scale_to_si;
   finding.unit = "Pa";
-  finding.remedy = "name unit and reference as the source has them, in the arm file or in the import layout";
+  finding.remedy = "state the unit and reference of the source, in the arm file or in the import layout";
   // An import has converted it already: the unit is the layout's to say.
   if (settings.size() == 1 && !context.layout) finding.setting = settings.front();
 }

@@ -29,9 +29,9 @@ void say_lost(Context& context, const Track& track, const std::vector<double>& l
   finding.unit = "1";
   if (hurts) finding.spans = std::move(spans);
   finding.remedy = track.is_base() && context.arm.base.hold_last
-                       ? "its last pose is held; see that the cameras see the mount"
-                       : "see that the cameras see its markers in every posture: more cameras, larger or "
-                         "more markers; an estimate needs enough bodies in each frame";
+                       ? "its last pose is held; make sure that the cameras see the mount"
+                       : "make sure that the cameras see its markers in every posture: more cameras, larger "
+                         "or more markers; an estimate needs enough bodies in each frame";
 }
 
 void check_losses(Context& context) {

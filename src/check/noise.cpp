@@ -97,8 +97,8 @@ void say_correlated(Context& context, const Measured& all) {
   finding.figure = all.slowest_m;
   finding.unit = "m";
   finding.remedy =
-      "averaging frames will not remove it: state the sum; a vibrating tripod, refraction, "
-      "reflections; or the arm was not at rest";
+      "averaging frames will not remove it: state the sum. Possible causes: a vibrating tripod, refraction, "
+      "reflections, or an arm that was not at rest";
   // The one setting there is says noise_understated.
   if (all.worst <= kPolicy.noise.too_small) {
     finding.setting = joined(all.too_small);

@@ -26,17 +26,18 @@ void say_not_numbers(Context& context, const Track& track, const std::vector<tri
     return static_cast<double>(n) / static_cast<double>(poses.size());
   };
   if (bad + zero > 0) {
-    CheckFinding& finding = context.add(
-        share(bad + zero) > kPolicy.tracking.serious_lost_share ? Severity::kSerious
-        : share(bad + zero) > kPolicy.tracking.no_pose_share    ? Severity::kWarning
-                                                                : Severity::kInformation,
-        "no_pose", track.name,
-        fmt::format(
-            "{} of {} samples are not a number or all zero: the driver sends lost bodies all the same",
-            bad + zero, poses.size()));
+    CheckFinding& finding =
+        context.add(share(bad + zero) > kPolicy.tracking.serious_lost_share ? Severity::kSerious
+                    : share(bad + zero) > kPolicy.tracking.no_pose_share    ? Severity::kWarning
+                                                                            : Severity::kInformation,
+                    "no_pose", track.name,
+                    fmt::format("{} of {} samples are not a number or all zero: the driver publishes bodies "
+                                "even when they are lost",
+                                bad + zero, poses.size()));
     finding.figure = share(bad + zero);
     finding.unit = "1";
-    finding.remedy = "nothing: they are not used; if they are many, see that the cameras see the markers";
+    finding.remedy =
+        "nothing to do: they are not used; if there are many, make sure that the cameras see the markers";
   }
   const bool needed = track.is_base() || track.body->orientation_usable ||
                       !track.body->section_in_body.translation().isZero();
@@ -47,7 +48,7 @@ void say_not_numbers(Context& context, const Track& track, const std::vector<tri
                                       : Severity::kWarning,
                     "no_orientation", track.name,
                     fmt::format("{} of {} samples have no unit quaternion{}", no_rotation, poses.size(),
-                                needed ? ", which the arm file counts on" : ""));
+                                needed ? ", which the arm file relies on" : ""));
     finding.figure = share(no_rotation);
     finding.unit = "1";
     if (needed) finding.remedy = "send a rigid body's pose, not a single marker; or give the base as fixed";

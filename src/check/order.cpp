@@ -32,10 +32,9 @@ void check_order(Context& context) {
   }
   CheckFinding& finding = context.add(
       "body_order", "",
-      fmt::format(
-          "from base to tip the arm file has {}, the recording {}: distances of neighbours are off by "
-          "{:.0f} mm (rms), in that order by {:.0f} mm",
-          is, fits, 1e3 * other->as_is_m, 1e3 * other->least_m));
+      fmt::format("from base to tip the arm file has {}, the recording {}: distances between neighbours are "
+                  "off by {:.0f} mm (rms) in the arm file's order, by {:.0f} mm in the recording's",
+                  is, fits, 1e3 * other->as_is_m, 1e3 * other->least_m));
   finding.figure = other->as_is_m;
   finding.unit = "m";
   finding.remedy = "exchange the names in the mocap software, or the arclengths in the arm file";

@@ -21,7 +21,7 @@ void say_unknown(Context& context) {
   const bool asked = arm.estimator.unknown != arm::Unknown::kStiffness;
   CheckFinding& finding = context.add(
       Severity::kInformation, "payload_unknown", arm.inputs.payload_topic,
-      there ? "is there, but no weight was published on it: the payload is unknown throughout"
+      there ? "is recorded, but no payload was published on it: the payload is unknown throughout"
             : fmt::format("is not in the recording: the payload is unknown throughout{}",
                           assumed ? fmt::format(", {:g} kg is assumed", *arm.payload.default_kg) : ""));
   if (!asked && !assumed) {
@@ -47,13 +47,13 @@ void say_in_vain(Context& context, double share) {
   const bool needed = context.arm.estimator.unknown == arm::Unknown::kStiffness && !assumed_kg;
   CheckFinding& finding = context.add(
       needed ? Severity::kSerious : Severity::kWarning, "payload_unknown", context.arm.inputs.payload_topic,
-      fmt::format("was said, but by its times after {:.0f} % of the frames: unknown in them{}", 100.0 * share,
-                  assumed_kg ? fmt::format(", {:g} kg is assumed", *assumed_kg) : ""));
+      fmt::format("was published, but by its stamps after {:.0f} % of the frames: unknown in them{}",
+                  100.0 * share, assumed_kg ? fmt::format(", {:g} kg is assumed", *assumed_kg) : ""));
   finding.figure = share;
   finding.unit = "1";
   finding.remedy =
-      "one clock for the recorder and for what stamps the bodies, or say it again while they are there "
-      "(rostopic pub -r 1); until then estimate with --payload KG";
+      "use one clock for the recorder and for what stamps the bodies, or publish the payload repeatedly "
+      "during the recording (rostopic pub -r 1); until then estimate with --payload KG";
 }
 
 void check_payload(Context& context) {
@@ -92,7 +92,7 @@ void check_payload(Context& context) {
   if (!other_clock && first_s > kPolicy.payload.late_s) {
     CheckFinding& finding =
         context.add("payload_late", arm.inputs.payload_topic,
-                    fmt::format("is first said after {:.1f} s: unknown until then", first_s));
+                    fmt::format("is first published after {:.1f} s: unknown until then", first_s));
     finding.figure = first_s;
     finding.unit = "s";
     finding.spans = {{0.0, first_s}};

@@ -28,14 +28,14 @@ void say_slips(Context& context, const Worst& slip) {
   const std::string& name = context.arm.bodies[slip.body].name;
   CheckFinding& finding = context.add(
       "ring_slips", name,
-      fmt::format("against the other bodies it moves by {:.1f} mm during the trial, about t = {:.1f} s",
+      fmt::format("relative to the other bodies it moves by {:.1f} mm during the trial, about t = {:.1f} s",
                   1e3 * slip.size, slip.t_s));
   finding.figure = slip.size;
   finding.unit = "m";
   finding.spans = {{slip.t_s, slip.t_s}};
   finding.remedy =
-      "fix the ring to the skin; leave out what comes before or after, with the arclength that "
-      "holds there. An arm whose bending is not the model's moves the residuals as well";
+      "fix the ring to the skin; leave out what comes before or after, and state the arclength that holds "
+      "for the rest. The residuals also move if the arm bends otherwise than its model";
 }
 
 void say_beside(Context& context, const Worst& off) {
@@ -54,12 +54,11 @@ void say_beside(Context& context, const Worst& off) {
 
 void say_wanders(Context& context, const Worst& lasting) {
   const std::string& name = context.arm.bodies[lasting.body].name;
-  CheckFinding& finding = context.add(
-      "ring_wanders", name,
-      fmt::format(
-          "against the other bodies it is off by {:.2g} mm (rms), now here, now there, for longer than "
-          "a tenth of a second",
-          1e3 * lasting.size));
+  CheckFinding& finding =
+      context.add("ring_wanders", name,
+                  fmt::format("relative to the other bodies it is off by {:.2g} mm (rms), in changing "
+                              "directions, for longer than a tenth of a second at a time",
+                              1e3 * lasting.size));
   finding.figure = lasting.size;
   finding.unit = "m";
   finding.remedy =
@@ -80,12 +79,11 @@ void say_tangents(Context& context, const Residuals& residuals, double tilt_rad)
     const double lasting = lasting_of(series);
     const double off = std::hypot(lasting, mean_of(series).head<2>().norm());
     if (off < kPolicy.places.tilt_rad + tilt_rad || off > kPolicy.places.most_tilt_rad) continue;
-    CheckFinding& finding = context.add(
-        body.orientation_usable ? Severity::kWarning : Severity::kInformation, "tangent_off", body.name,
-        fmt::format(
-            "its z axis is {:.1f} deg off the backbone's tangent that the positions say ({:.1f} deg of "
-            "it come and go)",
-            off / kDegree, lasting / kDegree));
+    CheckFinding& finding = context.add(body.orientation_usable ? Severity::kWarning : Severity::kInformation,
+                                        "tangent_off", body.name,
+                                        fmt::format("its z axis is {:.1f} deg off the backbone's tangent "
+                                                    "that the positions give ({:.1f} deg of this varies)",
+                                                    off / kDegree, lasting / kDegree));
     finding.figure = off;
     finding.unit = "rad";
     finding.remedy =

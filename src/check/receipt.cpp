@@ -83,11 +83,10 @@ void say_one_epoch(Context& context, const Stamped& stamped) {
                   -stamped.transport.delay_s));
   finding.figure = -stamped.transport.delay_s;
   finding.unit = "s";
-  finding.remedy =
-      by_receipt
-          ? "estimates go by the stamps; what has no header (std_msgs) is held to be as new as the last "
-            "body that came before it, so record with the clock that stamps"
-          : "none is needed if it was played back: estimates go by the stamps";
+  finding.remedy = by_receipt
+                       ? "estimates use the stamps; a message without a header (std_msgs) is taken to be as "
+                         "recent as the last body received before it, so record with the clock that stamps"
+                       : "none is needed if the bag was played back: estimates use the stamps";
 }
 
 void say_other_epoch(Context& context, const Stamped& stamped) {
@@ -110,7 +109,7 @@ void say_other_epoch(Context& context, const Stamped& stamped) {
 void say_ahead(Context& context, const Stamped& stamped, double least_s) {
   CheckFinding& finding = context.add(
       "stamps_ahead", stamped.name,
-      fmt::format("stamped {:.3g} ms after it was received: the stamping clock is ahead at least by that",
+      fmt::format("stamped {:.3g} ms after it was received: the stamping clock is ahead by at least that",
                   -1e3 * least_s));
   finding.figure = -least_s;
   finding.unit = "s";
@@ -128,8 +127,8 @@ void say_late(Context& context, const Stamped& stamped) {
   finding.figure = stamped.transport.least_s;
   finding.unit = "s";
   finding.remedy =
-      "the stamps hold, not receipt, so a slow path alone does no harm to headed messages; what "
-      "has no header (std_msgs) is held to be as new as its receipt. Synchronise the machines";
+      "stamps count, not receipt, so a slow path alone does no harm to messages with a header; a message "
+      "without one (std_msgs) is taken to be as recent as its receipt. Synchronise the machines";
 }
 
 void say_drift(Context& context, const Stamped& stamped) {
@@ -152,7 +151,7 @@ void say_receipt(Context& context, const Stamped& stamped) {
   finding.figure = transport.delay_s;
   finding.unit = "s";
   if (transport.jitter_s > kPolicy.receipt.jitter_s) {
-    finding.remedy = "a wired network; messages without a header take on this jitter as an error of time";
+    finding.remedy = "a wired network; in messages without a header this jitter becomes a timing error";
   }
 }
 

@@ -124,7 +124,7 @@ CheckReport unreadable(const std::string& name, const std::string& why) {
   finding.severity = Severity::kSerious;
   finding.id = "unreadable";
   finding.what = why;
-  finding.remedy = "rosbag reindex saves what a killed recorder left; else record again";
+  finding.remedy = "rosbag reindex saves what a killed recorder left; otherwise record again";
   report.findings.push_back(finding);
   return report;
 }

@@ -111,7 +111,7 @@ void say_misplaced(Context& context, const std::vector<Place>& places, const std
                   1e3 * place_m, 1e3 * places[worst].arclength_m));
   finding.figure = off_m;
   finding.unit = "m";
-  finding.remedy = "push it back, or say where it is now";
+  finding.remedy = "push it back, or state its present arclength";
   // The arm file takes places on the arm, in order.
   const double before_m = worst > 0 ? places[worst - 1].arclength_m : 0.0,
                after_m =
@@ -178,8 +178,8 @@ void check_spacing(Context& context) {
     finding.figure = off;
     finding.unit = "1";
     finding.remedy =
-        "measure the arm at rest along its backbone; an arm that is pressurised at rest or hangs "
-        "with weight is longer; else the mocap's calibration (wand length)";
+        "measure the arm at rest along its backbone; an arm that is pressurised at rest or stretched by a "
+        "payload is longer; otherwise check the mocap's calibration (wand length)";
     finding.setting = stretched_arm(context.arm, stretch);
   }
   say_misplaced(context, places, measured, noise);

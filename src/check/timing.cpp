@@ -88,7 +88,7 @@ void say_backward(Context& context, const Stream& stream) {
   if (!jumps.empty()) {
     CheckFinding& finding =
         context.add(stream.is_body ? Severity::kSerious : Severity::kWarning, "time_jump", stream.name,
-                    fmt::format("the stamps leap {} time{}, by up to {:+.3g} s, while receipt goes on",
+                    fmt::format("the stamps jump {} time{}, by up to {:+.3g} s, while messages keep arriving",
                                 jumps.size(), jumps.size() == 1 ? "" : "s", worst));
     finding.figure = worst;
     finding.unit = "s";
@@ -127,7 +127,7 @@ void say_regularity(Context& context, const Stream& stream, double period_s) {
     finding.figure = spread_s;
     finding.unit = "s";
     finding.remedy =
-        !stream.is_body ? "a publisher on a timer, stamped when the value was read"
+        !stream.is_body ? "publish on a timer, and stamp when the value is read"
         : very ? "let the driver stamp by the cameras' frame number or exposure, not by receipt or by the "
                  "logger's loop; slow motions (quasi-static trials) suffer little"
                : "stamps by exposure instead of receipt";
@@ -211,11 +211,10 @@ void say_split_frames(Context& context) {
   const double tolerance_s = context.arm.inputs.body_sync_tolerance_s;
   const double wide_s = math::quantile(spreads, kPolicy.timing.most_frames);
   if (spreads.size() < kPolicy.timing.least_frames || wide_s <= tolerance_s) return;
-  CheckFinding& finding = context.add(
-      "split_frames", "",
-      fmt::format("the bodies of one frame are stamped up to {:.2g} ms apart, the arm file allows {:.2g} ms: "
-                  "frames fall to pieces",
-                  1e3 * wide_s, 1e3 * tolerance_s));
+  CheckFinding& finding = context.add("split_frames", "",
+                                      fmt::format("the bodies of one frame are stamped up to {:.2g} ms "
+                                                  "apart, the arm file allows {:.2g} ms: frames are split",
+                                                  1e3 * wide_s, 1e3 * tolerance_s));
   finding.figure = wide_s;
   finding.unit = "s";
   finding.remedy =
@@ -231,7 +230,7 @@ void say_left_out(Context& context) {
   double total_s = 0.0;
   for (const CheckSpan& span : context.left_out) total_s += span.to_s - span.from_s;
   CheckFinding& finding =
-      context.add("left_out", "", fmt::format("the import left out {:.1f} s, as it was told", total_s));
+      context.add("left_out", "", fmt::format("the import left out {:.1f} s, as requested", total_s));
   finding.figure = total_s;
   finding.unit = "s";
   finding.spans = context.left_out;

@@ -119,14 +119,14 @@ void say_missing(Context& context, const trial::RecordedTopic& topic, bool no_bo
   const bool serious = topic.is_base || (topic.of_bodies && no_body_at_all);
   CheckFinding& finding =
       context.add(serious ? Severity::kSerious : Severity::kWarning, "missing_topic", topic.topic,
-                  fmt::format("is not in the recording ({} comes by it, as {}); the recording has {}",
+                  fmt::format("is not in the recording ({} is expected on it, as {}); the recording has {}",
                               topic.feeds, topic.type, listed(context.recording)));
   finding.remedy =
       "record it (rosbag record), or correct its name in the arm file or of the body in the "
       "driver";
   if (const auto near = near_miss(topic, context.recording)) {
-    finding.remedy =
-        fmt::format("{} is meant? Then name it so in the arm file, or rename it with rosbag filter", *near);
+    finding.remedy = fmt::format(
+        "is {} meant? Then use that name in the arm file, or rename the topic with rosbag filter", *near);
     finding.setting = renamed(context, topic, *near);
   }
 }
@@ -159,9 +159,9 @@ void say_unused(Context& context) {
     CheckFinding& finding =
         context.add(like->of_bodies ? Severity::kInformation : Severity::kWarning, "unused_topic", name,
                     fmt::format("is recorded beside {}, and the arm file does not name it", like->topic));
-    finding.remedy = like->of_bodies ? "a body more tells more of the shape: name it under 'bodies'"
-                                     : "name it under 'inputs' if it drives this arm; what it does is else "
-                                       "taken for errors of the other inputs";
+    finding.remedy = like->of_bodies ? "one more body says more about the shape: add it under 'bodies'"
+                                     : "add it under 'inputs' if it drives this arm; otherwise what it does "
+                                       "is taken for errors of the other inputs";
   }
 }
 
@@ -227,7 +227,7 @@ void check_topics(Context& context) {
       context
           .add(topic.is_base ? Severity::kSerious : Severity::kWarning, "empty_topic", topic.topic,
                fmt::format("is announced, but not one message was recorded ({})", topic.feeds))
-          .remedy = "look whether the driver sees the body, or the sensor is connected";
+          .remedy = "check whether the driver sees the body, or the sensor is connected";
     }
   }
   say_unused(context);

@@ -47,8 +47,8 @@ void check_units(Context& context) {
     return;
   }
   finding.remedy =
-      "another arm's file, another body's name for the base, or arclengths that are wrong: measure "
-      "from the clamp along the backbone";
+      "the file of another arm, the name of another body for the base, or wrong arclengths: measure from the "
+      "clamp along the backbone";
 }
 
 }  // namespace

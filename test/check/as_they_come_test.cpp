@@ -170,7 +170,7 @@ TEST_F(AsTheyCome, ASensorThatIsDeadAmongOthersIsAccusedByTheDirectionOfTheMotio
   const check::CheckFinding* f = find(across, "dead_input", "chamber_3");
   ASSERT_NE(f, nullptr) << to_text(across);
   EXPECT_EQ(f->severity, check::Severity::kWarning);
-  EXPECT_THAT(f->what, HasSubstr("along the line on which it bends it"));
+  EXPECT_THAT(f->what, HasSubstr("along the line on which this input bends it"));
   EXPECT_EQ(find(across, "never_driven", "chamber_3"), nullptr);
   // It bends the arm elsewhere: then it may be anything.
   with_third(30.0, 0.03);

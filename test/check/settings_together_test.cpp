@@ -86,7 +86,7 @@ TEST(CheckSettings, OfFiguresThatAnotherFindingSpoilsNoneIsSet) {
   check::withhold_contradictions(findings);
   EXPECT_EQ(findings[0].setting, "");
   EXPECT_EQ(findings[0].remedy,
-            "repair it; what to set follows when base_attitude is repaired: check again then");
+            "repair it; the setting depends on base_attitude: repair that first, then check again");
   EXPECT_NE(findings[1].setting, "");
   EXPECT_EQ(findings[2].setting, "");
   EXPECT_NE(findings[3].setting, "");
