@@ -59,9 +59,9 @@ BeyondRange beyond_range(const JointModel& model, const Selection& selection, co
   if (at_end.empty()) return {};
   const bool one = at_end.size() == 1;
   const std::string text = fmt::format(
-      "In the fit of the arm's constants alone {}, {} of what the arm file allows, and the trials draw {} "
-      "beyond.",
-      one_of(at_end, "and"), one ? "an end" : "ends", one ? "it" : "them");
+      "In the fit of the arm's constants alone, {}, {} in the arm file, and the trials would take {} "
+      "further.",
+      one_of(at_end, "and"), one ? "an end of its range" : "ends of their ranges", one ? "it" : "them");
   if (widened.empty()) return {text, false, {}};
   JointModel other(wide, model.trials(), options.jobs, options.held, options.tied, options.known);
   const Linearised fit = first_fits(other, [] {}).baseline;
@@ -70,8 +70,8 @@ BeyondRange beyond_range(const JointModel& model, const Selection& selection, co
     return {text, false, {}};
   std::vector<std::string> beyond;
   for (const std::size_t j : widened) beyond.push_back(with_value(other, fit, j, "at"));
-  BeyondRange said{fmt::format("{} With {} the mean error{} is {} instead of {}, without any effect: "
-                               "see to that range before you believe effects.",
+  BeyondRange said{fmt::format("{} With {} the mean error{} is {} instead of {}, without any effect: check "
+                               "that range before trusting any effect.",
                                text, one_of(beyond, "and"), on_unseen(model.trials().size()),
                                millimetres(wide_unseen.mean_m), millimetres(narrow_unseen.mean_m)),
                    true,

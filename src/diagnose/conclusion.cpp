@@ -184,14 +184,12 @@ Compared compared(const JointModel& model) {
 std::string motion_of(const JointModel& model, double lag_s) {
   if (model.quasi_static())
     return fmt::format(
-        "The trials show no inertia, as if they were computed: both models have none, and a viscoelastic lag "
-        "of "
-        "{:.0f} ms.",
+        "The trials show no inertia, as if they came from a computation: both models are without inertia, "
+        "and have a viscoelastic lag of {:.0f} ms.",
         1e3 * lag_s);
   return fmt::format(
       "Inertia of the arm's known masses{} and a viscoelastic lag ({:.0f} ms) are in both models; {:.0f} % "
-      "of what "
-      "they do counts as noise.",
+      "of their effect counts as noise.",
       model.swings() ? ", in its modes of vibration," : ", to first order,", 1e3 * lag_s,
       1e2 * model.unknown().inertia);
 }
@@ -207,16 +205,14 @@ std::string unseen_of(const JointModel& model) {
   if (most <= 1 && model.trials().size() > 1) {
     const std::vector<std::size_t>& sequence = model.sequences();
     if (std::all_of(sequence.begin(), sequence.end(), [](std::size_t s) { return s == 0; }))
-      return "All trials were driven by the same commands: an unseen one is another payload or attitude, and "
-             "says "
-             "nothing of other commands.";
+      return "All trials were driven by the same commands: an unseen trial has another payload or attitude, "
+             "and says nothing about other commands.";
     return "";
   }
   if (most <= 1) return "";
   return fmt::format(
-      "An unseen trial is predicted without those that were driven by the same commands or belong to the "
-      "same "
-      "session: by {} to {} of the {} trials.",
+      "Each unseen trial is predicted from {} to {} of the {} trials: those driven by the same commands or "
+      "of the same session are left out.",
       model.trials().size() - most, model.trials().size() - least, model.trials().size());
 }
 
@@ -226,15 +222,14 @@ std::vector<std::string> notes_of(const Compared& all, const model::Prepared& pr
   std::vector<std::string> notes;
   notes.push_back(
       fmt::format("{} frames of {} trials, compared as {} means over {:.2g} s, longer where the arm rests; "
-                  "{} are left out after a hand was on the payload, {} because the arm swung. Errors and the "
-                  "noise floor are "
-                  "those of such means.",
+                  "{} are left out because a hand had been on the payload, {} because the arm swung. Errors "
+                  "and the noise floor are those of the means.",
                   all.frames, prepared.trials.size(), all.blocks, options.block_s,
                   all.blocks - all.used - first.swinging - first.ends, first.swinging));
   if (first.ends > 0)
     notes.push_back(
-        fmt::format("{} means at the ends of the trials are left out: with clocks so far apart the inputs of "
-                    "their time were not recorded.",
+        fmt::format("{} means at the ends of the trials are left out: with clocks this far apart, the inputs "
+                    "for them were not recorded.",
                     first.ends));
   notes.push_back(motion_of(model, selection.extended.at.viscoelastic_lag_s));
   if (!options.known.empty())
@@ -243,13 +238,14 @@ std::vector<std::string> notes_of(const Compared& all, const model::Prepared& pr
   for (const auto& [reason, count] : prepared.left_out)
     if (count > 0) notes.push_back(fmt::format("{} frames left out: {}", count, reason));
   if (prepared.trials.size() < 3)
-    notes.push_back("Fewer than three trials: what helps on unseen ones is hardly known. Record more.");
+    notes.push_back(
+        "Fewer than three trials: they hardly show what improves predictions of unseen ones. Record more.");
   if (left.small)
-    notes.push_back(fmt::format(
-        "What is left beside, {:.2f} mm rms, is small departures of many effects, as every arm has them, "
-        "which these trials cannot tell apart.",
-        1e3 * std::sqrt(std::max(0.0, std::pow(selection.extended_unseen.total_rms_m, 2) -
-                                          std::pow(selection.with_background.total_rms_m, 2)))));
+    notes.push_back(
+        fmt::format("The remaining {:.2f} mm rms are small departures of many effects, as every arm has "
+                    "them, which these trials cannot tell apart.",
+                    1e3 * std::sqrt(std::max(0.0, std::pow(selection.extended_unseen.total_rms_m, 2) -
+                                                      std::pow(selection.with_background.total_rms_m, 2)))));
   const std::string unseen = unseen_of(model);
   if (!unseen.empty()) notes.push_back(unseen);
   const std::string open = unconverged(selection);
@@ -277,7 +273,7 @@ void add_summary(const JointModel& model, const BeyondRange& beyond, Diagnosis& 
   d.narrow_range = beyond.helps;
   d.summary = summary_of(d, model.trials().size());
   if (beyond.helps && d.effects.empty())
-    d.summary = beyond.text + " Within it no effect of the catalogue is surely there.";
+    d.summary = beyond.text + " Within that range, no effect of the catalogue is certain.";
   else if (!beyond.text.empty())
     d.summary = beyond.helps ? beyond.text + " " + d.summary : d.summary + " " + beyond.text;
   const std::string far = far_from_file(model, d.shifts);
@@ -298,7 +294,7 @@ Conclusion concluded(const model::Prepared& prepared, Begun& begun,
       select(model, std::move(begun.first.baseline), begun.first.delayed, looked_for,
              [&](double left, const std::string& what) { schedule.left(left + kCeiling + kAnswers, what); });
 
-  schedule.left(kCeiling + kAnswers, "what could be explained at all");
+  schedule.left(kCeiling + kAnswers, "what could be explained at most");
   Diagnosis d;
   d.arm = model.arm().name;
   const Remains left = compare(model, selection, options.jobs, d);
@@ -315,7 +311,7 @@ Conclusion concluded(const model::Prepared& prepared, Begun& begun,
   d.shifts = shifts_of(model, selection);
   std::optional<Law> law;
   if (!left.adequate) {
-    schedule.left(kAnswers, "whether a law can be learnt of what is left");
+    schedule.left(kAnswers, "learning a law from what is left");
     law = discover_law(model, selection, d.discrepancy_share, d.noise_floor_m, options.jobs);
   }
   if (law) d.discovered_law = law->said;
@@ -333,7 +329,7 @@ void complete(Begun& begun, Conclusion& conclusion, const Options& options, Sche
   JointModel& model = begun.model;
   Selection& selection = conclusion.selection;
   Diagnosis& d = conclusion.diagnosis;
-  schedule.left(kExperiments + kPictures, "what single instants say");
+  schedule.left(kExperiments + kPictures, "fitting single instants");
   const std::vector<InstantFit> instants = fit_instants(model, selection.baseline, options.jobs);
   d.ladder = pooling_ladder(model, selection.baseline, instants);
   d.parameter_variation = parameter_variation_of(model, selection.baseline, instants);

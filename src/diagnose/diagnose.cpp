@@ -66,7 +66,7 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
     } catch (const std::exception& e) {
       others.reset();
       d.notes.push_back(
-          fmt::format("Whether other payloads hung than were told could not be decided: {}.", e.what()));
+          fmt::format("Whether the payloads differed from those stated could not be decided: {}.", e.what()));
     }
   }
   if (!others) complete(begun, conclusion, options, schedule);

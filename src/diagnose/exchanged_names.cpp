@@ -90,9 +90,9 @@ std::optional<ExchangedNames> exchanged_names(const arm::Arm& arm,
 
 std::string sentence_of(const ExchangedNames& names, std::size_t trials) {
   return fmt::format(
-      "From base to tip the arm file has {}, the recording {}, in {}: distances of neighbours are {} off "
-      "there, in that order {}. Exchange the names first (softarm check gives the setting); until then the "
-      "rest means little.",
+      "From base to tip the arm file has {}, the recording {}, in {}: distances between neighbours are {} "
+      "off in the arm file's order, {} in the recording's. Exchange the names first (softarm check gives the "
+      "setting); until then the rest means little.",
       one_of(names.said, "and"), one_of(names.seen, "and"),
       names.trials.size() == trials ? "all trials" : one_of(names.trials, "and"),
       millimetres(names.as_said_m), millimetres(names.as_seen_m));

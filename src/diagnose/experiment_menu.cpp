@@ -56,7 +56,9 @@ class Menu {
   }
   std::string name() const { return from_.base().name; }
   std::string minding_payload() const {
-    return from_.payload_kg() > 0.0 ? fmt::format(" with {} on it", with_unit(from_.payload_kg(), "kg")) : "";
+    return from_.payload_kg() > 0.0
+               ? fmt::format(" with a payload of {}", with_unit(from_.payload_kg(), "kg"))
+               : "";
   }
 
   void add_repeated() {
@@ -118,11 +120,10 @@ class Menu {
       double factor;
     } all[] = {{"faster_2", "twice as fast", 2.0},
                {"faster_4", "four times as fast", 4.0},
-               {"slower_3", "three times as slowly", 1.0 / 3.0}};
+               {"slower_3", "at a third of the speed", 1.0 / 3.0}};
     for (const auto& speed : all) {
       add(speed.id,
-          fmt::format("Repeat {}{} with its inputs changing {}", name(), minding_payload(),
-                      speed.description),
+          fmt::format("Repeat {}{}, its inputs changing {}", name(), minding_payload(), speed.description),
           from_.repeated(from_.gravity(), speed.factor, from_.payload_kg()));
     }
   }

@@ -41,9 +41,9 @@ std::string far_from_file(const JointModel& model, const std::vector<Shift>& shi
   if (far.empty()) return "";
   if (far.size() > kMostNamed) far.resize(kMostNamed);
   return fmt::format(
-      "Constants that fit these trials are far from the arm file's: {} what it says. Is everything "
-      "connected, are the inputs in the file's order and units, are gravity's direction and the payloads "
-      "right? All that follows holds with constants as the trials have them.",
+      "Constants that fit these trials are far from the arm file's: {} the file's value. Is everything "
+      "connected, are the inputs in the file's order and units, are the direction of gravity and the "
+      "payloads right? All that follows uses the constants as fitted to the trials.",
       one_of(far, "and"));
 }
 

@@ -187,27 +187,29 @@ std::string where_it_hides(const std::vector<Rung>& ladder, double noise_floor_m
   const Rung &single = ladder[0], &by_condition = ladder[1], &one = ladder[2];
   if (one.chi2_per_dof <= kPolicy.instants.as_noise_chi2)
     return fmt::format(
-        "One arm explains all trials to the noise ({}; fits of single instants {}): nothing hides in the "
-        "variation of its parameters.",
+        "One set of constants explains all trials to the noise ({}; fits of single instants {}): nothing "
+        "hides in the variation of parameters.",
         millimetres(one.rms_m), millimetres(single.rms_m));
   const auto beyond = [](const Rung& rung) { return std::max(0.0, rung.chi2_per_dof - 1.0); };
   const double in_shape = beyond(single) / beyond(one),
                in_conditions = 1.0 - beyond(by_condition) / beyond(one);
-  std::string text =
-      fmt::format("Fits of single instants leave {}, EI free per condition {}, one arm {} (noise {}). ",
-                  millimetres(single.rms_m), millimetres(by_condition.rms_m), millimetres(one.rms_m),
-                  millimetres(noise_floor_m));
+  std::string text = fmt::format(
+      "Fits of single instants leave {}, with EI free per condition {}, with one set of constants {} (noise "
+      "{}). ",
+      millimetres(single.rms_m), millimetres(by_condition.rms_m), millimetres(one.rms_m),
+      millimetres(noise_floor_m));
   if (in_shape > kPolicy.instants.mostly) {
     text += "The mismatch is in the arm's shape itself: even fits of single instants show it.";
   } else if (in_shape < kPolicy.instants.little) {
     text +=
-        "Fits of single instants explain it, one arm does not: it hides in the variation of their parameters";
+        "Fits of single instants explain the mismatch, one set of constants does not: it hides in the "
+        "variation of the parameters";
     text += in_conditions > kPolicy.instants.mostly ? ", in an EI that differs from condition to condition."
                                                     : ".";
   } else {
     text += fmt::format(
         "Fits of single instants explain {} of what is beyond the noise; that part hides in the variation of "
-        "their parameters, the rest shows in the shape.",
+        "the parameters, the rest shows in the shape.",
         percent(1.0 - in_shape));
   }
   std::size_t named = 0;

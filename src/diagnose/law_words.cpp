@@ -39,8 +39,7 @@ std::string sentence_of(const LawTerm& term, double azimuth_rad) {
   else
     text += fmt::format("{} towards {:.0f} deg", moment(std::hypot(x_nm, y_nm)), kDegPerRad * azimuth_rad);
   text += fmt::format(" at {}, ", with_unit(far, term.unit));
-  text +=
-      term.rises ? "at the tip, less towards the base and the opposite there" : "the same all along the arm";
+  text += term.rises ? "at the tip, decreasing to the opposite at the base" : "the same all along the arm";
   return text + fmt::format("; learnt between {} and {}, beyond which it fades",
                             with_unit(term.from, term.unit), with_unit(term.to, term.unit));
 }
@@ -50,7 +49,7 @@ std::string sentence_of(const LawTerm& term, double azimuth_rad) {
 std::string goes_with(const arm::Arm& arm, const model::Values& values) {
   const std::string first = input_name(arm, values[LearnedMoment::kFirst]);
   const double scale = values[LearnedMoment::kScale];
-  const std::string follows = " less what follows it in " + with_unit(scale, "s");
+  const std::string follows = " minus its first-order lag of " + with_unit(scale, "s");
   switch (LearnedMoment::of(values)) {
     case Regressor::kInput:
       return first;
@@ -115,12 +114,12 @@ std::string sentence_of(const DiscoveredLaw& law) {
   }
   const double flexible = law.share_of_flexible.value_or(1.0);
   const std::string of_flexible = flexible < 1.0
-                                      ? percent(flexible) + " of what a flexible model learns of it"
-                                      : std::string("no less than a flexible model learns of it");
+                                      ? percent(flexible) + " of what a flexible model learns from it"
+                                      : std::string("no less than a flexible model learns from it");
   text += fmt::format(
-      " {} {} of what was left beyond the noise, {}: on input sequences that were not fitted the mean error "
+      " {} {} of what was left beyond the noise, {}: on input sequences that were not fitted, the mean error "
       "{}.",
-      law.terms.size() > 1 ? "Together they take" : "It takes", percent(law.share), of_flexible,
+      law.terms.size() > 1 ? "Together they account for" : "It accounts for", percent(law.share), of_flexible,
       change(law.held_out_mean_before_m, law.held_out_mean_after_m));
   if (!law.resembles.empty())
     text += fmt::format(" Its shape resembles that of {} ({:.0f} %).", law.resembles, 100.0 * law.cosine);

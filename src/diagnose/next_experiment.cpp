@@ -92,16 +92,15 @@ std::string sentence_of(const NextExperiment& next, bool to_light) {
   if (to_light) {
     const bool one = next.separates.size() == 1;
     return fmt::format(
-        "It would show {} of usual size, which {} collinear with the arm's constants in today's trials: by "
-        "{:.1f} standard deviations{}.",
-        one_of(next.separates), one ? "is" : "are", next.expected_separation,
-        one ? "" : " the least of them");
+        "It would show {} of usual size, which {} collinear with the arm's constants in the present trials, "
+        "by {:.1f} standard deviations{}.",
+        one_of(next.separates, "and"), one ? "is" : "are", next.expected_separation, one ? "" : " or more");
   }
   return fmt::format(
-      "It would separate {} by {:.{}f} standard deviations, today's trials by {:.1f}.",
+      "It would separate {} by {:.{}f} standard deviations; the present trials do so by {:.1f}.",
       [&] {
         if (next.separates.size() == 2) return next.separates[0] + " from " + next.separates[1];
-        return one_of(next.separates) + " from one another";
+        return one_of(next.separates, "and") + " from one another";
       }(),
       next.expected_separation, next.expected_separation < 10.0 ? 1 : 0, next.today);
 }

@@ -238,16 +238,16 @@ class Variation {
     const bool times = parameter.ratio && ratio >= kPolicy.instants.times;
     const std::string by = times ? fmt::format("{:.1f} times as large", ratio)
                            : parameter.ratio
-                               ? fmt::format("{:.1f} % more", 100.0 * (ratio - 1.0))
-                               : with_unit(medians[high] - medians[low], parameter.unit) + " more";
+                               ? fmt::format("{:.1f} % larger", 100.0 * (ratio - 1.0))
+                               : with_unit(medians[high] - medians[low], parameter.unit) + " larger";
     const double span = std::abs(covariate.middle.back() - covariate.middle.front());
     const auto at = [&](std::size_t bin) {
       const double x = covariate.middle[bin];
       if (covariate.unit == "1") return fmt::format("{:.0f}", x);
       return with_unit(std::abs(x) < 1e-3 * span ? 0.0 : x, covariate.unit);
     };
-    return fmt::format("Against its law, {} is {} where the {} is {} {} where it is {}.", parameter.name, by,
-                       covariate.name, at(high), times ? "as" : "than", at(low));
+    return fmt::format("Relative to its law, {} is {} where the {} is {} {} where it is {}.", parameter.name,
+                       by, covariate.name, at(high), times ? "as" : "than", at(low));
   }
 
   ParameterVariation picture(const Test& test) const {

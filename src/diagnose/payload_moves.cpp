@@ -25,7 +25,7 @@ class MorePayload : public model::Effect {
 
  private:
   const model::Info info_{"more_payload",
-                          "more hangs on the arm than was told",
+                          "the payload is larger than stated",
                           "m = m_told + more, m offset = m_told offset_told + (x, y, z)",
                           "",
                           model::Family::kLoad,

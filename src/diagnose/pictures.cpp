@@ -215,12 +215,13 @@ std::string learnt_of(const Diagnosis& d) {
   if (d.discovered_law) {
     std::vector<std::string> names;
     for (const LawTerm& term : d.discovered_law->terms) names.push_back(term.goes_with);
-    return fmt::format(" A law was learnt of it: it goes with {}, {} of it beyond the noise.",
-                       one_of(names, "and"), percent(d.discovered_law->share));
+    return fmt::format(
+        " A law was learnt from it: it goes with {}, and accounts for {} of it beyond the noise.",
+        one_of(names, "and"), percent(d.discovered_law->share));
   }
   if (d.ceiling_rms_m > kPolicy.words.no_better * d.extended.held_out_rms_m)
-    return " Nor does a flexible model learn it from the other trials: it is not the same in all of them, "
-           "or they are too few.";
+    return " A flexible model does not learn it from the other trials either: it is not the same in all of "
+           "them, or there are too few.";
   return fmt::format(" A flexible model learns {} of it: it goes with inputs, payload, attitude or time.",
                      percent(1.0 - std::pow(d.ceiling_rms_m / d.extended.held_out_rms_m, 2)));
 }
@@ -299,7 +300,7 @@ std::string found_of(const Diagnosis& d, std::size_t trials) {
             c.probability >= kPolicy.words.likely)
           likely.push_back(fmt::format("{} ({})", c.id, percent(c.probability)));
       }
-      if (!likely.empty()) text += fmt::format(" May be there: {}.", one_of(likely));
+      if (!likely.empty()) text += fmt::format(" Possibly present: {}.", one_of(likely));
       text += learnt_of(d);
       return text;
     }
@@ -315,8 +316,8 @@ std::string summary_of(const Diagnosis& d, std::size_t trials) {
   const std::string found = found_of(d, trials);
   if (!(d.left_out_share > kPolicy.words.left_out_share)) return found;
   return fmt::format(
-      "{} This stands on {} of the recordings. The others are left out: the arm swung, a hand was on it, or "
-      "the inputs of their time are not known.",
+      "{} This is based on {} of the recordings. The rest is left out: the arm swung, a hand was on it, or "
+      "the inputs at that time are not known.",
       found, percent(1.0 - d.left_out_share));
 }
 

@@ -80,7 +80,7 @@ Round look(JointModel& model, Standing& current, bool first, bool refits, bool m
     }
   }
   linearise_leaders(model, current, round.refitted);
-  progress(kPosterior + (worth.empty() ? kEnding : after), "how probable all of them are");
+  progress(kPosterior + (worth.empty() ? kEnding : after), "computing probabilities");
   round.posterior = posterior_of(model, current, round, options.jobs);
   while (refits && refit_the_probable(model, current, round, progress)) {
     linearise_leaders(model, current, round.refitted);
@@ -158,7 +158,7 @@ Selection select(JointModel& model, Linearised baseline, const std::optional<Lin
       selection.rounds.push_back(std::move(one));
     }
   }
-  progress(kEnding, "whether each predicts unseen trials");
+  progress(kEnding, "testing each on unseen trials");
   const Ending ending = end_with_what_predicts(model, current, selection, options);
   selection.extended = std::move(current.fit);
   selection.extended_unseen = ending.unseen;

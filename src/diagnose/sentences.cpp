@@ -104,7 +104,7 @@ std::string to_string(Finding finding) {
 }
 
 std::string on_unseen(std::size_t trials) {
-  return trials > 1 ? " on trials left out" : "";
+  return trials > 1 ? " on unseen trials" : "";
 }
 
 std::string meaning(Verdict verdict) {
@@ -116,7 +116,7 @@ std::string meaning(Verdict verdict) {
     case Verdict::kPartlyExplained:
       return "The mismatch is partly explained";
     case Verdict::kUnknown:
-      return "Something is there that the catalogue does not have";
+      return "Something is there that is not in the catalogue";
     case Verdict::kCannotTell:
       return "These recordings cannot tell";
   }
@@ -124,8 +124,8 @@ std::string meaning(Verdict verdict) {
 }
 
 std::string headline(const Diagnosis& d) {
-  if (d.exchanged_names) return "Bodies carry one another's names";
-  if (d.told_payloads) return "Payloads are not what was told";
+  if (d.exchanged_names) return "Names of bodies are exchanged";
+  if (d.told_payloads) return "Payloads are not as stated";
   if (d.narrow_range) return "A range in the arm file is too narrow";
   return meaning(d.verdict);
 }
@@ -133,22 +133,22 @@ std::string headline(const Diagnosis& d) {
 std::string finding_description(const Candidate& candidate) {
   switch (candidate.finding) {
     case Finding::kPresent:
-      return candidate.probability >= kPolicy.words.likely ? "present" : "in the model, hardly there";
+      return candidate.probability >= kPolicy.words.likely ? "present" : "in the model, but improbable";
     case Finding::kTrivial:
       return "too small to matter";
     case Finding::kRival:
-      return "rival of one above";
+      return "rival of an effect above";
     case Finding::kNotOfThisArm:
-      return "not of this arm";
+      return "not applicable to this arm";
     case Finding::kAbsent:
     case Finding::kCannotTell:
       break;
   }
   // What stands out and yet is not named: say why, "absent" would be too much.
   if (!candidate.possible) return "fits, but only with a size that no arm has";
-  if (candidate.probability >= kPolicy.words.likely) return "may be there";
+  if (candidate.probability >= kPolicy.words.likely) return "possibly present";
   if (candidate.z >= kPolicy.words.stands_out)
-    return "stands out, but errors of the laws, or those above, explain it as well";
+    return "stands out, but effects above or errors of the laws explain it as well";
   return candidate.finding == Finding::kAbsent ? "absent" : "cannot tell: a usual size would not be seen";
 }
 
@@ -276,7 +276,7 @@ std::string got_worse(const Diagnosis& d) {
     list.push_back(fmt::format("{} ({} to {})", worse[i]->name, millimetres(worse[i]->mean_before_m),
                                millimetres(worse[i]->mean_after_m)));
   return fmt::format(" WORSE in {} of {} trials: {}{}.", worse.size(), d.trials.size(), one_of(list, "and"),
-                     worse.size() > kMost ? " the most" : "");
+                     worse.size() > kMost ? " among others" : "");
 }
 
 }  // namespace
@@ -292,9 +292,9 @@ std::string improvement(const Diagnosis& d) {
         length_m > 0.0 ? fmt::format(" ({:.2g} % of the length)", 100.0 * mean_m / length_m) : "";
     return fmt::format("{} off on average{}, {} at most", millimetres(mean_m), share, millimetres(most_m));
   };
-  std::string text = d.trials.size() == 1 ? "On the one trial that there is" : "On trials it had not seen";
+  std::string text = d.trials.size() == 1 ? "On the only trial" : "On unseen trials";
   text += " the bodies are " + of_length(after, d.extended.held_out_max_m);
-  if (!same) text += "; without it " + of_length(before, d.baseline.held_out_max_m);
+  if (!same) text += "; without these effects " + of_length(before, d.baseline.held_out_max_m);
   if (d.noise_floor_m > 0.0) text += fmt::format("; noise alone makes {}", millimetres(mean_noise_m(d)));
   text += ".";
   if (!same) text += got_worse(d);
@@ -303,7 +303,7 @@ std::string improvement(const Diagnosis& d) {
                       same ? "" : millimetres(d.baseline.held_out_rms_m) + " to ",
                       millimetres(d.extended.held_out_rms_m), millimetres(d.ceiling_rms_m));
   if (!same && d.ceiling_rms_m < d.baseline.held_out_rms_m && std::isfinite(d.explained_share))
-    text += fmt::format(", and {:.0f} % of what could be explained is", 100.0 * d.explained_share);
+    text += fmt::format(", and {:.0f} % of what could be explained is explained", 100.0 * d.explained_share);
   return text + ".";
 }
 

@@ -51,9 +51,9 @@ std::string what_hung(const ToldPayload& one) {
   const std::string interval = one.low_kg < one.high_kg
                                    ? fmt::format(" (90 % interval {} to {})", with_unit(one.low_kg, "kg"),
                                                  with_unit(one.high_kg, "kg"))
-                                   : ", as told elsewhere,";
-  return fmt::format("{} {}{} hung on the arm and {} was told", when, weight(one.found_kg), interval,
-                     weight(one.told_kg));
+                                   : ", as stated elsewhere,";
+  return fmt::format("{} {}{} was attached to the arm, but {} was stated", when, weight(one.found_kg),
+                     interval, weight(one.told_kg));
 }
 
 }  // namespace
@@ -110,8 +110,8 @@ std::string sentence_of(const ToldPayloads& payloads) {
   std::vector<std::string> said;
   for (const auto& [what, trials] : alike) said.push_back("in " + one_of(trials, "and") + what);
   return fmt::format(
-      "{}. With these payloads, trials left out are predicted to {} on average, as told to {}. Correct what "
-      "was told first; what follows is said under the payloads that were found.",
+      "{}. With these payloads, unseen trials are predicted to {} on average; with the stated ones, to {}. "
+      "Correct the stated payloads first; what follows holds for the payloads that were found.",
       capitalised(fmt::format("{}", fmt::join(said, "; "))), millimetres(payloads.mean_m),
       millimetres(payloads.as_told_mean_m));
 }

@@ -27,7 +27,7 @@ std::unique_ptr<Begun> begun_under(const arm::Arm& arm, const model::Prepared& p
   const double usual_kg = usual_payload_kg(arm, prepared.trials);
   for (std::size_t step = 0; step < kPolicy.told.most_steps; ++step) {
     trials = under(payloads.list, prepared.trials);
-    schedule.begin_first_part("under payloads that the trials say");
+    schedule.begin_first_part("with the payloads found");
     auto begun = std::make_unique<Begun>(arm, trials, options, schedule);
     const Linearised fit = off_axis_by(payloads.offset_m, begun->model, fit_of_payloads(begun->first));
     OtherPayloads next = other_payloads(begun->model, fit, payloads.list, usual_kg);
@@ -58,7 +58,7 @@ AsToldAnew as_told_from(const UnderOthers& others, const model::Prepared& prepar
   anew.mean_m = refitted_unseen(as_told.model, as_told.model.fit(from, {})).mean_m;
   if (!(anew.mean_m > 0.0) || is_better(others.conclusion.diagnosis.extended.held_out_mean_m, anew.mean_m))
     return anew;
-  schedule.begin_first_part("what was told, from there");
+  schedule.begin_first_part("with the stated payloads, from there");
   fit_again_from(from, as_told.model, as_told.first);
   schedule.end_first_part();
   anew.conclusion = concluded(prepared, as_told, std::nullopt, options, schedule);

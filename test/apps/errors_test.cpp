@@ -133,7 +133,7 @@ TEST(SoftarmErrors, FullDiskTakesNoResultThatIsReadFromTheTerminal) {
               0);
   }
   expect_said("diagnose --most-effects 1" + arm + trials + " --out " + dir / "report",
-              {"On trials it had not seen", "candidate"});
+              {"On unseen trials", "candidate"});
 }
 
 TEST(SoftarmErrors, WhatIsNoFileIsWrittenToAndALinkStaysOne) {

@@ -123,7 +123,7 @@ TEST(DiscoveredLaw, IsLearntWhereTheCatalogueEndsAndPredictsWhatNobodyGaveIt) {
   EXPECT_LT(law.held_out_mean_after_m, 0.6 * law.held_out_mean_before_m) << law.sentence;
   EXPECT_GT(law.share, 0.6) << law.sentence;
   EXPECT_EQ(law.sequences, 6U);
-  EXPECT_THAT(d.summary, ::testing::HasSubstr("A law was learnt of it: it goes with how far a play"));
+  EXPECT_THAT(d.summary, ::testing::HasSubstr("A law was learnt from it: it goes with how far a play"));
   EXPECT_THAT(report::describe(d), ::testing::HasSubstr("A law that was learnt from what is left"));
 
   // Through the file, and on a trial that was not among those.

@@ -78,7 +78,7 @@ TEST(Ladder, ABaseThatYieldsHidesInTheVariationOfTheStiffness) {
                                    !variation.sentence.empty();
                           }));
   EXPECT_THAT(diagnose::where_it_hides(c.ladder, c.noise_m, c.parameter_variation),
-              HasSubstr("the variation of their parameters"));
+              HasSubstr("the variation of the parameters"));
 }
 
 TEST(Ladder, InstantsAreComparedWithTheLawsOfTheirOwnSegment) {

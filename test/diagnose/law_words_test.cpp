@@ -40,7 +40,7 @@ TEST_F(LawWords, SayWhatAMomentGoesWith) {
   EXPECT_EQ(goes_with(arm, values_of(Regressor::kPlay, -1e3, 1e3, 2e3)),
             "how far a play of 2.00 kPa lags behind chamber_1");
   EXPECT_EQ(goes_with(arm, values_of(Regressor::kCurvatureLag, 0.0, 4.0, 15.0)),
-            "the curvature less what follows it in 15.0 s");
+            "the curvature minus its first-order lag of 15.0 s");
 }
 
 TEST_F(LawWords, ASizeIsThatAtTheFarEndOfTheRange) {
@@ -74,15 +74,14 @@ TEST_F(LawWords, OneTermIsOneSentenceSeveralAreListed) {
   law.cosine = 0.93;
   const std::string one = sentence_of(law);
   EXPECT_THAT(
-      one, HasSubstr("What no effect of the catalogue explains is a moment that goes with chamber_1 less"));
-  EXPECT_THAT(
-      one, HasSubstr("It takes 62 % of what was left beyond the noise, 80 % of what a flexible model learns "
-                     "of it: on input sequences that were not fitted the mean error falls from 1.20 mm to "
-                     "0.70 mm. Its shape resembles that of pressure_lag (93 %)."));
+      one, HasSubstr("What no effect of the catalogue explains is a moment that goes with chamber_1 minus"));
+  EXPECT_THAT(one,
+              HasSubstr("It accounts for 62 % of what was left beyond the noise, 80 % of what a flexible "
+                        "model learns from it: on input sequences that were not fitted, the mean error falls "
+                        "from 1.20 mm to 0.70 mm. Its shape resembles that of pressure_lag (93 %)."));
   law.terms.push_back(law_term(arm, values_of(Regressor::kPayload, 0.0, 0.1), {1e-4, 1e-4}, 0.9));
-  EXPECT_THAT(sentence_of(law),
-              HasSubstr("explains goes with chamber_1 less what follows it in 1.00 s and the "
-                        "payload. A moment that goes with chamber_1 less"));
+  EXPECT_THAT(sentence_of(law), HasSubstr("explains goes with chamber_1 minus its first-order lag of 1.00 s "
+                                          "and the payload. A moment that goes with chamber_1 minus"));
 }
 
 }  // namespace

@@ -79,7 +79,7 @@ void expect_confirmed(const RecordedCase& recorded, const Pair& pair, const std:
   const double today = measured(recorded, pair, says.inflation), then = measured(more, pair, says.inflation);
   ::testing::Test::RecordProperty("today", std::to_string(says.today) + " " + std::to_string(today));
   ::testing::Test::RecordProperty("then", std::to_string(says.with) + " " + std::to_string(then));
-  EXPECT_LT(today, 2.0 * says.today + 4.0) << "today's trials";  // chance is worth a few
+  EXPECT_LT(today, 2.0 * says.today + 4.0) << "the present trials";  // chance is worth a few
   EXPECT_GT(then, 0.5 * says.with);
   EXPECT_LT(then, 2.0 * says.with);
 }

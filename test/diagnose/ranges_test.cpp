@@ -212,7 +212,8 @@ TEST(Ranges, TheVerdictBeginsWithOneThatIsTooNarrow) {
   const Diagnosis d = diagnose(arm.drawn.arm, arm.drawn.trials, options);
   EXPECT_NE(d.verdict, Verdict::kConsistent);
   EXPECT_EQ(
-      d.summary.find("In the fit of the arm's constants alone segment_1.bending_stiffness.base rests at"), 0U)
+      d.summary.find("In the fit of the arm's constants alone, segment_1.bending_stiffness.base rests at"),
+      0U)
       << d.summary;
   EXPECT_TRUE(d.narrow_range);
 }

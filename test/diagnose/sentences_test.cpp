@@ -64,9 +64,9 @@ TEST(Words, WhatStandsOutIsNotCalledAbsent) {
   EXPECT_EQ(diagnose::finding_description(candidate), "absent");
   candidate.z = 12.0;
   EXPECT_EQ(diagnose::finding_description(candidate),
-            "stands out, but errors of the laws, or those above, explain it as well");
+            "stands out, but effects above or errors of the laws explain it as well");
   candidate.probability = 0.4;
-  EXPECT_EQ(diagnose::finding_description(candidate), "may be there");
+  EXPECT_EQ(diagnose::finding_description(candidate), "possibly present");
   candidate.possible = false;
   EXPECT_EQ(diagnose::finding_description(candidate), "fits, but only with a size that no arm has");
   candidate = {};
@@ -74,7 +74,7 @@ TEST(Words, WhatStandsOutIsNotCalledAbsent) {
   candidate.finding = diagnose::Finding::kCannotTell;
   EXPECT_EQ(diagnose::finding_description(candidate), "cannot tell: a usual size would not be seen");
   candidate.finding = diagnose::Finding::kPresent;
-  EXPECT_EQ(diagnose::finding_description(candidate), "in the model, hardly there");
+  EXPECT_EQ(diagnose::finding_description(candidate), "in the model, but improbable");
   candidate.probability = 0.4;
   EXPECT_EQ(diagnose::finding_description(candidate), "present");
 }
@@ -86,9 +86,9 @@ TEST(Sentences, TheHeadlineIsWhatIsToBeSeenToFirst) {
   d.narrow_range = true;
   EXPECT_EQ(headline(d), "A range in the arm file is too narrow");
   d.told_payloads = ToldPayloads{};
-  EXPECT_EQ(headline(d), "Payloads are not what was told");
+  EXPECT_EQ(headline(d), "Payloads are not as stated");
   d.exchanged_names = ExchangedNames{};
-  EXPECT_EQ(headline(d), "Bodies carry one another's names");
+  EXPECT_EQ(headline(d), "Names of bodies are exchanged");
 }
 
 TEST(Sentences, WhatIsHardlyThereIsNotSaidToBeLeftOut) {
@@ -114,11 +114,10 @@ TEST(Sentences, WhatIsHardlyThereIsNotSaidToBeLeftOut) {
   diagnosis.effects = {sure};
   const std::string of_many = summary_of(diagnosis, 4), of_one = summary_of(diagnosis, 1);
   EXPECT_EQ(
-      of_many.rfind("The arm file leaves out payload_scale: with it the mean error on trials left out ", 0),
-      0u)
+      of_many.rfind("The arm file leaves out payload_scale: with it the mean error on unseen trials ", 0), 0u)
       << of_many;
   EXPECT_EQ(of_one.rfind("The arm file leaves out payload_scale: with it the mean error ", 0), 0u) << of_one;
-  EXPECT_EQ(of_one.find("trials left out"), std::string::npos) << of_one;
+  EXPECT_EQ(of_one.find("unseen trials"), std::string::npos) << of_one;
 }
 
 TEST(Sentences, TrialsThatCannotTellSayWhatWouldExplainThem) {

@@ -123,7 +123,7 @@ TEST(ToldPayloads, OneThatWasNotToldIsFoundWithItsWeightAndWhen) {
   EXPECT_FALSE(one.to_s);
   EXPECT_LT(d.told_payloads->mean_m, 0.5 * d.told_payloads->as_told_mean_m);
   EXPECT_EQ(d.summary.rfind("In " + one.trial + " from ", 0), 0U) << d.summary;
-  EXPECT_THAT(d.summary, HasSubstr("and nothing was told"));
+  EXPECT_THAT(d.summary, HasSubstr("but nothing was stated"));
   EXPECT_THAT(report::describe(d), HasSubstr(" UNDER OTHER PAYLOADS: "));
 }
 
@@ -156,7 +156,8 @@ TEST(ToldPayloads, ThoseOfAllTrialsThatWereExchangedAreFound) {
   const Diagnosis d = diagnose(recorded.arm, recorded.trials);
   ASSERT_TRUE(d.told_payloads) << report::describe(d);
   ASSERT_EQ(d.told_payloads->trials.size(), 4U) << d.summary;
-  EXPECT_THAT(d.summary, HasSubstr("100 g, as told elsewhere, hung on the arm and nothing was told"));
+  EXPECT_THAT(d.summary,
+              HasSubstr("100 g, as stated elsewhere, was attached to the arm, but nothing was stated"));
   for (const ToldPayload& one : d.told_payloads->trials) {
     EXPECT_NEAR(one.found_kg, kHeavy_kg - one.told_kg, 0.05 * kHeavy_kg) << d.summary;
     EXPECT_FALSE(one.from_s || one.to_s);
@@ -209,9 +210,10 @@ TEST(ToldPayloads, TrialsAreToldTogetherWhereTheSameHungInThem) {
   told.trials = {{"a", {}, {}, 0.1, 0.0, 0.0, 0.0},
                  {"b", {}, {}, 0.0, 0.1, 0.1, 0.1},
                  {"c", {}, {}, 0.1, 0.0, 0.0, 0.0}};
-  EXPECT_THAT(sentence_of(told),
-              HasSubstr("In a and c nothing, as told elsewhere, hung on the arm and 100 g was told; in "
-                        "b 100 g, as told elsewhere, hung on the arm and nothing was told."));
+  EXPECT_THAT(
+      sentence_of(told),
+      HasSubstr("In a and c nothing, as stated elsewhere, was attached to the arm, but 100 g was stated; in "
+                "b 100 g, as stated elsewhere, was attached to the arm, but nothing was stated."));
 }
 
 TEST(ToldPayloads, WithoutAnyPayloadTheArmsWeightIsTheMeasure) {

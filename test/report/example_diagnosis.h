@@ -172,7 +172,8 @@ inline std::vector<diagnose::ParameterVariation> example_parameter_variation() {
     length.value.push_back(0.2 + 2e-4 * noise());
     length.law.push_back(0.2);
   }
-  ei.sentence = "Against its law, EI is 24.0 % more where the payload is 0.00 g than where it is 100 g.";
+  ei.sentence =
+      "Relative to its law, EI is 24.0 % larger where the payload is 0.00 g than where it is 100 g.";
   return {ei, m0, length};
 }
 
@@ -273,7 +274,7 @@ inline diagnose::NamedEffect example_stand_in() {
 
 inline diagnose::DiscoveredLaw example_law() {
   diagnose::LawTerm lag;
-  lag.goes_with = "chamber_2 less what follows it in 1.00 s";
+  lag.goes_with = "chamber_2 minus its first-order lag of 1.00 s";
   lag.unit = "Pa";
   lag.from = -14.1e3;
   lag.to = 12.3e3;
@@ -281,7 +282,7 @@ inline diagnose::DiscoveredLaw example_law() {
   lag.y_nm = {"y_nm", "N m", "towards y", 2.1e-3, 1.8e-3, 2.4e-3};
   lag.stability = 0.96;
   lag.sentence =
-      "A moment that goes with chamber_2 less what follows it in 1.00 s: 2.42 mN m towards 120 deg.";
+      "A moment that goes with chamber_2 minus its first-order lag of 1.00 s: 2.42 mN m towards 120 deg.";
   diagnose::LawTerm bend = lag;
   bend.goes_with = "the curvature";
   bend.unit = "1/m";
@@ -300,7 +301,7 @@ inline diagnose::DiscoveredLaw example_law() {
   law.resembles = "pressure_lag";
   law.cosine = 0.91;
   law.sentence =
-      "What no effect of the catalogue explains goes with chamber_2 less what follows it in 1.00 s and "
+      "What no effect of the catalogue explains goes with chamber_2 minus its first-order lag of 1.00 s and "
       "the curvature.";
   return law;
 }
@@ -354,15 +355,16 @@ inline diagnose::Diagnosis example_diagnosis() {
       7.4};
   d.next_experiment->today = 0.8;
   d.next_experiment->sentence =
-      "It would separate base_compliance, rigid_ends or shear from one another by 7.4 standard deviations, "
-      "today's trials by 0.8.";
+      "It would separate base_compliance, rigid_ends and shear from one another by 7.4 standard deviations; "
+      "the present trials do so by 0.8.";
   d.next_experiment->menu = {{d.next_experiment->action, 7.4, {"rigid_ends", "shear"}, {}},
                              {"Record middle_down once more", 1.1, {"base_compliance", "shear"}, {}}};
   d.ladder = {{"instants", "every instant by itself: EI, M0, φ, L", 28800, 0.00052, 1.4},
               {"conditions", "one arm, EI free in each of 18 conditions", 28, 0.00083, 3.1},
               {"one_arm", "one arm", 11, 0.0021, 17.0}};
   d.ladder_sentence =
-      "Fits of single instants explain it, one arm does not: it hides in the variation of their parameters.";
+      "Fits of single instants explain the mismatch, one set of constants does not: it hides in the "
+      "variation of the parameters.";
   d.notes = {"ring_4 was not seen for 3.3 s of each trial; those frames were used without it.",
              "middle_down: 14 frames with a time jump were left out."};
   d.input_units = {{"chamber_1", "Pa"}, {"chamber_2", "Pa"}, {"payload", "kg"}};
