@@ -227,7 +227,7 @@ function tipLoop() {
     draw(place, traces, layout(470, {xaxis: axis(withUnit(plain(short(names[input])), driven ? driven.unit : ''), {domain: [0, 0.44]}), yaxis: axis('tip, ' + 'xyz'[side] + ' / mm', {zeroline: false}),
       xaxis2: axis('time / s', {domain: [0.52, 1], anchor: 'y2'}), yaxis2: axis('', {matches: 'y', anchor: 'x2', showticklabels: false, zeroline: false})}));
   };
-  return {nodes: [element('p', {class: 'hint'}, 'Predicted from the other trials. Up and down apart at the same input: a loop, that is a memory, or what another input did. Axes of the base frame.'),
+  return {nodes: [element('p', {class: 'hint'}, 'Predicted from the other trials. Where up and down differ at the same input, there is a loop: memory, or the action of another input. Axes of the base frame.'),
     element('div', {class: 'controls'}, choice('trial', trials.map(trial => trial.name), i => { shown = i; show(); }), choice('over', names, i => { input = i; show(); }),
       choice('along', ['x', 'y', 'z'].map((name, c) => name + ' (moves ' + (1e3 * spread(c)).toFixed(0) + ' mm)'), c => { side = c; show(); }, side)), place], draw: show};
 }

@@ -84,7 +84,7 @@ function againstInputs() {
     const p = structure => Object.prototype.hasOwnProperty.call(structure.by_input_p, name) ? structure.by_input_p[name] : null;
     const ps = [p(report.residual_structure_before), p(report.residual_structure)].slice(0, phases.length);
     words.textContent = 'Black squares: medians. A flat row of them means that the error does not go with this input' +
-      (ps.some(present) ? '; p that it does not: ' + ps.map((value, i) => looks[phases[i]].name + ' ' + pValue(value)).join(', ') : '') + '.';
+      (ps.some(present) ? '; p of no dependence: ' + ps.map((value, i) => looks[phases[i]].name + ' ' + pValue(value)).join(', ') : '') + '.';
     const title = withUnit(plain(short(name)), inputs.get(name));
     const columns = phases.length;
     draw(place, traces, layout(430, {annotations: notes, xaxis: axis(title, {domain: [0, columns > 1 ? 0.47 : 1]}), yaxis: axis('distance, rms of bodies / mm', {rangemode: 'tozero'}),
@@ -105,9 +105,9 @@ function parameterVariation() {
       {type: 'scatter', mode: 'lines', name: 'the arm’s law', x: xs, y: order.map(k => present(one.law[k]) ? y.scale * one.law[k] : null), line: {color: looks.after.color, width: 4}, hovertemplate: '%{x:.4g}: %{y:.4g}'}],
       layout(330, {margin: {l: 70, r: 10, t: 40, b: 60}, showlegend: false, xaxis: axis(withUnit(plain(short(one.against)), one.against_unit)), yaxis: axis(withUnit(plain(one.parameter), one.unit))}));
   });
-  return {nodes: [element('p', {class: 'hint'}, 'EI, M0, φ and L that each frame alone asks for, against what they ought not to depend on, or not more than the law says. ' +
+  return {nodes: [element('p', {class: 'hint'}, 'EI, M0, φ and L as fitted to each frame alone, against what they should not depend on, or not more than the law says. ' +
       'What a fit of single frames hides shows here. Dots: single frames; line: the arm’s law.'),
-    element('p', {class: 'hint'}, '▲: it goes with that beyond what chance makes of any of the pictures (p < 0.01). What chance makes is found by exchanging stretches of two seconds.'),
+    element('p', {class: 'hint'}, '▲: a dependence beyond what chance makes in any of the plots (p < 0.01). Chance is estimated by exchanging stretches of two seconds.'),
     element('div', {class: 'grid'}, list.map((one, i) => element('div', null,
       element('h3', null, one.p < 0.01 ? '▲ ' : '', named(one.parameter), ' against ', named(one.against)),
       element('p', null, (one.p < 0.01 ? 'varies beyond the law' : 'no variation beyond the law seen') + ', p ' + (one.p < 1e-4 ? '' : '= ') + pValue(one.p)),

@@ -16,14 +16,14 @@ function header() {
   return element('header', null,
     element('p', {class: 'kicker'}, 'Model against recordings: ', named(report.arm), report.version ? ' · softarm ' + report.version : '', report.origin ? ' · ' + report.origin.date : ''),
     element('div', {class: 'title'}, element('h1', null, report.headline),
-      element('span', {class: 'verdict ' + report.verdict}, report.verdict.replace('_', ' ') + (report.told_payloads ? ' under other payloads' : ''))),
+      element('span', {class: 'verdict ' + report.verdict}, report.verdict.replace('_', ' ') + (report.told_payloads ? ' with other payloads' : ''))),
     report.summary ? element('p', {class: 'lead'}, report.summary) : null,
     restSits() ? element('p', {class: 'lead'}, 'What is left sits ' + report.residual_structure.place + '.') : null,
     element('div', {class: 'figures'},
       measured ? figure(beforeAfter('held_out_mean_m'), 'mean error of a body on unseen trials' + (same ? '' : ', before → after') + ofLength) : null,
       measured ? figure(beforeAfter('held_out_max_m'), 'the largest') : null,
       report.noise_floor_m > 0 ? figure(mm(meanNoise()), 'measurement noise alone: the mean error that it makes') : null,
-      present(report.ceiling_rms_m) ? figure(mm(report.ceiling_rms_m), 'rms by precision that a flexible model of the residuals reaches (ceiling), of ' + beforeAfter('held_out_weighted_rms_m')) : null,
+      present(report.ceiling_rms_m) ? figure(mm(report.ceiling_rms_m), 'rms weighted by precision that a flexible model of the residuals reaches (ceiling); the model: ' + beforeAfter('held_out_weighted_rms_m')) : null,
       present(report.ceiling_rms_m) && !same ? figure(percent(report.explained_share), 'of what could be explained is explained') : null));
 }
 
@@ -119,9 +119,9 @@ function discoveredLaw() {
     element('p', null, element('span', {class: 'law'}, 'M = Σ (x, y) z / z', element('sub', null, 'max')), ', z what each moment goes with:'),
     table(['a moment that goes with', 'at the end of that range', 'and', 'along the arm', 'chosen by'], law.terms.map(row)),
     element('p', {class: 'hint'}, 'Chosen by: the share of halves of the trials in which this moment, or one that stands for it, is among those that explain most. ' +
-      'The law was tried on ' + law.sequences + ' input sequences, each predicted by true refits, with the moments chosen anew, to others: mean error ' +
+      'The law was tried on ' + law.sequences + ' input sequences, each predicted by refits to the others, with the moments chosen anew: mean error ' +
       mm(before) + ' → ' + mm(after) + ', at most ' + mm(law.held_out_max_before_m) + ' → ' + mm(law.held_out_max_after_m) +
-      '. It is in arm_extended.yaml as learned_moment, and no part of the verdict: a law that was learnt is no cause.')];
+      '. It is in arm_extended.yaml as learned_moment, but is not part of the verdict: a learnt law is not a cause.')];
 }
 
 function nextExperiment() {
@@ -148,10 +148,10 @@ function experimentMenu(next) {
   const part = list => table(heads, list.map(one => [one.action + '.', {share: [bar(share(one), ''), gain(one)]}, ...(pair ? [] : [last(one)])]));
   const first = 6;
   return element('div', null,
-    light ? null : element('p', {class: 'hint'}, 'Each predicted with every rival, constants fitted anew to today’s trials and the new one. Separation: of the pair that it separates worst, ' +
-      'whichever of the two is true; today’s trials alone: ' + (next.today || 0).toFixed(1) + '.'),
+    light ? null : element('p', {class: 'hint'}, 'Each experiment is predicted with every rival, the constants refitted to the present trials and the new one. Separation is that of the pair it separates worst, ' +
+      'whichever of the two is true; the present trials alone: ' + (next.today || 0).toFixed(1) + '.'),
     part(menu.slice(0, first)),
-    menu.length > first ? element('details', null, element('summary', null, (menu.length - first) + ' more experiments that were weighed'), part(menu.slice(first))) : null);
+    menu.length > first ? element('details', null, element('summary', null, (menu.length - first) + ' more experiments that were considered'), part(menu.slice(first))) : null);
 }
 
 /// The same trials with fewer and fewer free numbers.
@@ -163,7 +163,7 @@ function ladder() {
   return [made.sentence ? element('p', {class: 'lead'}, made.sentence) : null,
     table(['the model as it is, fitted to', {number: 'free numbers'}, 'rms error per body', {number: 'χ² per degree of freedom'}],
       [...made.rungs.map(one => row(one.description, String(one.unknowns), one.rms_m, one.chi2_per_dof)), row('measurement noise alone', '–', report.noise_floor_m, 1)]),
-    element('p', {class: 'hint'}, 'Errors are counted as if nothing had been fitted: the more free numbers, the more is added. What one arm cannot explain and single instants can ' +
+    element('p', {class: 'hint'}, 'Errors are corrected for the fitted numbers: the more of them are free, the more is added. What single instants explain and one arm does not ' +
       'hides in the variation of EI, M0, φ and L.')];
 }
 
@@ -192,10 +192,10 @@ function ranking() {
   const part = (from, to) => table(heads, looked.slice(from, to).map((one, i) => row(one, from + i)), i => looked[from + i].finding);
   return [
     element('p', {class: 'hint'}, 'Collinearity is the share of an effect’s signature that the arm’s own constants (EI, gains, length) absorb: ' +
-      'the more of it, the less a small residual proves. Evidence: how many standard deviations the effect stands out of what noise makes, before anything else is fitted with it.'),
+      'the higher it is, the less a small residual proves. Evidence: by how many standard deviations the effect stands out from noise, before any other effect is fitted.'),
     part(0, most),
     looked.length > most ? element('details', null, element('summary', null, (looked.length - most) + ' more candidates'), part(most, looked.length)) : null,
-    others.length ? element('p', {class: 'hint'}, 'Not of this arm: ', others.map(one => one.description || one.name).join('; ') + '.') : null];
+    others.length ? element('p', {class: 'hint'}, 'Not applicable to this arm: ', others.map(one => one.description || one.name).join('; ') + '.') : null];
 }
 
 function leftOver() {

@@ -155,7 +155,7 @@ std::string describe(const diagnose::Diagnosis& d) {
   std::transform(name.begin(), name.end(), name.begin(), [](char c) {
     return c == '_' ? ' ' : c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c;
   });
-  if (d.told_payloads) name += " UNDER OTHER PAYLOADS";
+  if (d.told_payloads) name += " WITH OTHER PAYLOADS";
   std::string text =
       paragraph("", name + ": " + (d.summary.empty() ? diagnose::meaning(d.verdict) + "." : d.summary), 0);
   if (!d.effects.empty())

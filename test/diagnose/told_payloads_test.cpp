@@ -124,7 +124,7 @@ TEST(ToldPayloads, OneThatWasNotToldIsFoundWithItsWeightAndWhen) {
   EXPECT_LT(d.told_payloads->mean_m, 0.5 * d.told_payloads->as_told_mean_m);
   EXPECT_EQ(d.summary.rfind("In " + one.trial + " from ", 0), 0U) << d.summary;
   EXPECT_THAT(d.summary, HasSubstr("but nothing was stated"));
-  EXPECT_THAT(report::describe(d), HasSubstr(" UNDER OTHER PAYLOADS: "));
+  EXPECT_THAT(report::describe(d), HasSubstr(" WITH OTHER PAYLOADS: "));
 }
 
 TEST(ToldPayloads, ThoseOfTwoTrialsThatWereExchangedAreFound) {
