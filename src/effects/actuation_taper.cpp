@@ -25,7 +25,7 @@ class ActuationTaper : public Described {
 std::unique_ptr<Effect> make_actuation_taper() {
   return std::make_unique<ActuationTaper>(
       Info{"actuation_taper",
-           "the actuation does not bend all of the arm alike: less or more towards the tip",
+           "the actuation does not bend the whole arm equally: less or more towards the tip",
            "M0(s) = M0 (1 + share (2 s / L - 1))",
            "curvature along the arm: R. J. Webster, B. A. Jones, Int. J. Robotics Research 29, 2010, "
            "doi:10.1177/0278364910368147",

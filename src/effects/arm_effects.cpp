@@ -82,7 +82,7 @@ model::Present present_of(const arm::Arm& arm, const arm::EffectEntry& entry, st
       fail(entry, index, key, fmt::format("value {} is not an integer; allowed: {}", given->value, allowed));
     if (given->sd && parameter.counts)
       fail(entry, index, "sd." + parameter.symbol,
-           fmt::format("value {}: it numbers something, and has no standard deviation", *given->sd));
+           fmt::format("value {}: it is an index, and has no standard deviation", *given->sd));
     values[static_cast<Eigen::Index>(k)] = given->value;
     sd[static_cast<Eigen::Index>(k)] = given->sd.value_or(0.0);
   }

@@ -111,7 +111,7 @@ class AxialMemory : public Described {
 std::unique_ptr<Effect> make_axial_memory() {
   return std::make_unique<AxialMemory>(
       Info{"axial_memory",
-           "the arm goes on growing longer or shorter while what drives it is held",
+           "the arm keeps lengthening or shortening while its inputs are held",
            "L = L0 (1 + e - share (e - w)), w the mean of w_i, time_i dw_i/dt = e - w_i, e the strain by the "
            "laws, times level over decades about time",
            "standard linear solid; R. M. Christensen, Theory of Viscoelasticity, 1982, isbn:0121742520",

@@ -42,19 +42,19 @@ class BaseFreePlay : public Described {
 }  // namespace
 
 std::unique_ptr<Effect> make_base_free_play() {
-  return std::make_unique<BaseFreePlay>(Info{
-      "base_free_play",
-      "the base has play: it turns under a small load as far as it goes, though the body measured as the "
-      "base does not",
-      "turn of the base = play M / sqrt(|M|^2 + onset^2), M the bending moment that the clamp bears",
-      "the smooth law is a form of its own; joints with clearance have stops: J. Ambrosio, J. Pombo, "
-      "Multibody System Dynamics 42, 2018, doi:10.1007/s11044-018-9613-z",
-      Family::kBoundary,
-      {{"play_rad", "rad", "how far it turns to every side", 0.0, 0.5, 0.01},
-       {"onset_nm", "N m", "moment that turns it by 71 % of that", 1e-5, 10.0, 0.02}},
-      1,
-      {"base_compliance", "rigid_ends", "shear"},
-      {"bending_stiffness", "joint_compliance"}});
+  return std::make_unique<BaseFreePlay>(
+      Info{"base_free_play",
+           "the base has free play: a small load turns it to its limit, though the body measured as the base "
+           "does not turn",
+           "turn of the base = play M / sqrt(|M|^2 + onset^2), M the bending moment that the clamp bears",
+           "the smooth law is a form of its own; joints with clearance have stops: J. Ambrosio, J. Pombo, "
+           "Multibody System Dynamics 42, 2018, doi:10.1007/s11044-018-9613-z",
+           Family::kBoundary,
+           {{"play_rad", "rad", "how far it turns to every side", 0.0, 0.5, 0.01},
+            {"onset_nm", "N m", "moment that turns it by 71 % of that", 1e-5, 10.0, 0.02}},
+           1,
+           {"base_compliance", "rigid_ends", "shear"},
+           {"bending_stiffness", "joint_compliance"}});
 }
 
 }  // namespace softarm::effects

@@ -21,7 +21,7 @@ class BaseTilt : public Described {
 std::unique_ptr<Effect> make_base_tilt() {
   return std::make_unique<BaseTilt>(
       Info{"base_tilt",
-           "the arm does not stand on its base as the arm file says: it is tilted there",
+           "the arm is not mounted on its base as the arm file says: it is tilted there",
            "q(0) = q_base q_tilt, the same at every input",
            "conditions at the base: D. C. Rucker, R. J. Webster, IEEE Trans. Robotics 27, 2011, "
            "doi:10.1109/TRO.2011.2160469",

@@ -26,7 +26,7 @@ class BendingPlaneOffset : public Described {
 std::unique_ptr<Effect> make_bending_plane_offset() {
   return std::make_unique<BendingPlaneOffset>(
       Info{"bending_plane_offset",
-           "what drives the arm bends it in another direction than the arm file says, turned about its axis",
+           "the actuators bend the arm in other directions than the arm file says, turned about its axis",
            "directions of all actuators turned by the angle about the arm's axis",
            "directions of actuators: R. J. Webster, B. A. Jones, Int. J. Robotics Research 29, 2010, "
            "doi:10.1177/0278364910368147",

@@ -22,7 +22,7 @@ class CameraBow : public Described {
 std::unique_ptr<Effect> make_camera_bow() {
   return std::make_unique<CameraBow>(
       Info{"camera_bow",
-           "the space that motion capture measures is bowed: distances are the longer, or the shorter, the "
+           "the space that motion capture measures is bowed: distances are measured longer, or shorter, the "
            "further they are from the origin of the capture",
            "x_measured = (1 + bow |x|^2) x, x from the origin of the capture",
            "radial distortion of a lens: Z. Zhang, IEEE Trans. Pattern Analysis and Machine Intelligence 22, "

@@ -41,7 +41,7 @@ class CameraScale : public Described {
 std::unique_ptr<Effect> make_camera_scale() {
   return std::make_unique<CameraScale>(Info{
       "camera_scale",
-      "motion capture measures all distances too long, or too short, by one share, heights by another",
+      "motion capture measures all distances too long, or too short, by one factor, heights by another",
       "x_measured = (1 + share) x, heights by height_share more, x from the origin of the capture; both "
       "times "
       "t / (t + warms), t the session's time, where cameras warm up",

@@ -51,7 +51,7 @@ class ChamberBulge : public Described {
 std::unique_ptr<Effect> make_chamber_bulge() {
   return std::make_unique<ChamberBulge>(
       Info{"chamber_bulge",
-           "the moment of a chamber goes with the pressures of its neighbours, too",
+           "the moment of a chamber also depends on the pressures of its neighbours",
            "M_i = g_i p_i (1 + share p_others / 50 kPa), p_others their mean",
            "chambers of a soft arm: A. D. Marchese, R. K. Katzschmann, D. Rus, Soft Robotics 2, 2015, "
            "doi:10.1089/soro.2014.0022",

@@ -44,7 +44,7 @@ class ClockOffset : public Described {
   std::string live_obstacle(const Values& values) const override {
     if (values[0] >= 0.0) return "";
     return fmt::format(
-        "the inputs of a frame come {:.3g} s after it; take it into account as latency_s of the inputs",
+        "the inputs of a frame come {:.3g} s after it; account for that by latency_s of the inputs",
         -values[0]);
   }
   void drive(const arm::Arm&, const Values& values, Series& series) const override {

@@ -143,7 +143,7 @@ class Creep : public Described {
 std::unique_ptr<Effect> make_creep() {
   return std::make_unique<Creep>(
       Info{"creep",
-           "the arm goes on bending while what drives and loads it is held",
+           "the arm keeps bending while its inputs and loads are held",
            "u = e + share w, w the mean of w_i, time_i dw_i/dt = c - w_i, M = EI e, times level over decades "
            "about time; c = driven d + (1 - driven) e, d what the drives alone would bend",
            "standard linear solid; R. M. Christensen, Theory of Viscoelasticity, 1982, isbn:0121742520",

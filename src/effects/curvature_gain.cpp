@@ -32,7 +32,7 @@ class CurvatureGain : public Described {
 std::unique_ptr<Effect> make_curvature_gain() {
   return std::make_unique<CurvatureGain>(Info{
       "curvature_gain",
-      "what actuators do depends on how far the arm is bent",
+      "the moments of the actuators depend on how far the arm is bent",
       "M0 (1 + share |u| / (5 / m))",
       "chambers of a soft arm: A. D. Marchese, R. K. Katzschmann, D. Rus, Soft Robotics 2, 2015, "
       "doi:10.1089/soro.2014.0022",

@@ -41,7 +41,7 @@ class Drift : public Described {
 std::unique_ptr<Effect> make_drift() {
   return std::make_unique<Drift>(Info{
       "drift",
-      "the arm changes over the session: what drives it bends it less or more, or it grows softer or stiffer",
+      "the arm changes over the session: its actuators bend it less or more, or it grows softer or stiffer",
       "M0 (1 + gain T), EI (1 + stiffness T), T = (1 - exp(-fading t)) / fading, t the session's time",
       "drift of instruments: JCGM 100:2008, doi:10.59161/JCGM100-2008E",
       Family::kMemory,

@@ -30,7 +30,7 @@ class GravityDirection : public Described {
 std::unique_ptr<Effect> make_gravity_direction() {
   return std::make_unique<GravityDirection>(
       Info{"gravity_direction",
-           "gravity is not along the direction that the arm file says",
+           "gravity does not point in the direction that the arm file says",
            "g turned by two small angles in the mocap frame",
            "weight of a rod: D. C. Rucker, R. J. Webster, IEEE Trans. Robotics 27, 2011, "
            "doi:10.1109/TRO.2011.2160469",

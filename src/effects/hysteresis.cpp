@@ -174,9 +174,8 @@ class Hysteresis : public Described {
 std::unique_ptr<Effect> make_hysteresis() {
   return std::make_unique<Hysteresis>(Info{
       "hysteresis",
-      "up and down differ: the arm lags behind what drives it by a loop that is the same at every speed, as "
-      "of "
-      "a wall that rubs or of valves that stick",
+      "up and down differ: the arm lags behind its inputs by a loop that is the same at every speed, as from "
+      "friction in the wall or valves that stick",
       "acting = u - share (u - P[u]), or M = EI (u + share (u - P[u])); P: mean of plays of graded radii",
       "operator of Prandtl and Ishlinskii; M. Brokate, J. Sprekels, Hysteresis and Phase Transitions, 1996, "
       "doi:10.1007/978-1-4612-4048-8",

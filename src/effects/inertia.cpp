@@ -28,8 +28,8 @@ class Inertia : public Described {
 std::unique_ptr<Effect> make_inertia() {
   return std::make_unique<Inertia>(
       Info{"inertia",
-           "the arm moves more slowly than its weight and its wall let it: mass that is not weighed moves "
-           "along, or something damps it",
+           "the arm moves more slowly than its mass and its wall explain: unweighed mass moves along, or "
+           "something damps it",
            "f = -share rho d^2x/dt^2 along the arm, u -= delay du/dt",
            "d'Alembert's forces, wall of Kelvin and Voigt; J. Till, V. Aloi, C. Rucker, Int. J. Robotics "
            "Research 38, 2019, doi:10.1177/0278364919842269",

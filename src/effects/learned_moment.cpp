@@ -179,12 +179,11 @@ const LearnedMoment& learned_moment() {
         Family::kConstitutive,
         {{"x_nm", "N m", "towards x, or along what has a direction, at the range's end", -10.0, 10.0, 2e-3},
          {"y_nm", "N m", "towards y, or across what has a direction, at the range's end", -10.0, 10.0, 2e-3},
-         given(
-             "of",
-             "what it goes with (0: input, 1: product of two, 2: how far a play lags behind an input, 3: an "
-             "input less what follows it, 4: payload, 5: gravity across the base, 6: the actuation's moment "
-             "less what follows it, 7: the curvature less what follows it, 8: the curvature)",
-             0.0, 8.0, 0.0),
+         given("of",
+               "what it goes with (0: input, 1: product of two, 2: how far a play lags behind an input, 3: "
+               "an input minus its first-order lag, 4: payload, 5: gravity across the base, 6: the "
+               "actuation's moment minus its lag, 7: the curvature minus its lag, 8: the curvature)",
+               0.0, 8.0, 0.0),
          given("input", "number of the input, from 1", 0.0, 64.0, 0.0),
          given("other_input", "number of the other one of a product", 0.0, 64.0, 0.0),
          given("scale", "width of the play in the input's unit, or time constant, s", 0.0, kUnlimited, 1.0,

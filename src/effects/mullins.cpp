@@ -112,7 +112,7 @@ class Mullins : public Described {
 std::unique_ptr<Effect> make_mullins() {
   return std::make_unique<Mullins>(Info{
       "mullins",
-      "the arm is stiffer when it is bent so far for the first time",
+      "the arm is stiffer when it is bent further than ever before",
       "M = EI u (1 + share erfc((m^2 - u^2) / scale^2) + fresh_share / (1 + m^2 / scale^2)), m the largest "
       "curvature so far",
       "R. W. Ogden, D. G. Roxburgh, Proc. R. Soc. A 455, 1999, for bending, doi:10.1098/rspa.1999.0431; "

@@ -18,11 +18,11 @@ class PayloadScale : public Described {
 std::unique_ptr<Effect> make_payload_scale() {
   return std::make_unique<PayloadScale>(
       Info{"payload_scale",
-           "payloads weigh less or more than said",
-           "m = m_said / (1 + share)",
+           "payloads weigh less or more than stated",
+           "m = m_stated / (1 + share)",
            "errors of instruments: JCGM 100:2008, doi:10.59161/JCGM100-2008E",
            Family::kLoad,
-           {{"share", "1", "by which what was said is more than what hangs there", -0.5, 1.0, 0.05}},
+           {{"share", "1", "by which the stated payload exceeds the real one", -0.5, 1.0, 0.05}},
            1,
            {"mass_distribution", "tip_mass", "payload_offset"},
            {"bending_stiffness"}});

@@ -64,7 +64,7 @@ class PressureLag : public Described {
 std::unique_ptr<Effect> make_pressure_lag() {
   return std::make_unique<PressureLag>(
       Info{"pressure_lag",
-           "pressures follow their command late, the later the faster it changes",
+           "pressures lag behind their command, the more the faster it changes",
            "acting = u - (delay / time) (u - w), time dw/dt = u - w",
            "line of first order; pneumatics of a soft arm: A. D. Marchese, R. K. Katzschmann, D. Rus, Soft "
            "Robotics 2, 2015, doi:10.1089/soro.2014.0022",

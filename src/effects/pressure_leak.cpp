@@ -49,7 +49,7 @@ class PressureLeak : public Described {
   }
   bool looks_back() const override { return true; }
   std::string live_obstacle(const Values& values) const override {
-    return values[2] < 0.5 ? "" : "whether a command holds is seen only by what comes after it";
+    return values[2] < 0.5 ? "" : "only what comes after a command shows whether it is held";
   }
   void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
     if (values[0] == 0.0 || series.t_s.size() == 0) return;

@@ -77,7 +77,8 @@ class SupplySag : public Described {
 std::unique_ptr<Effect> make_supply_sag() {
   return std::make_unique<SupplySag>(Info{
       "supply_sag",
-      "all pressures fall short together, the more air the chambers draw at once from their common source",
+      "all pressures fall short together, by more the more air the chambers draw at once from their common "
+      "source",
       "acting = p (1 - share x / (1 + bends x)), x = m / 50 kPa, dm/dt = sum max(0, dp/dt) + returned sum "
       "min(0, dp/dt) - refill - m / time, m not below 0, the sums over all chambers, of means over 0.1 s and "
       "without what goes to and fro within "

@@ -43,8 +43,7 @@ class Temperature : public Described {
 std::unique_ptr<Effect> make_temperature() {
   return std::make_unique<Temperature>(Info{
       "temperature",
-      "the arm grows softer and stiffer, longer and shorter by turns over the session, as with the room's "
-      "temperature",
+      "the arm's stiffness and length swing over the session, as with the room's temperature",
       "EI (1 + stiffness_sin sin w + stiffness_cos cos w), L likewise, w = 2 pi t / period, t the session's "
       "time",
       "the swing is a form of its own; modulus and length of rubber with temperature: L. R. G. Treloar, The "

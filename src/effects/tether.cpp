@@ -67,7 +67,7 @@ class Tether : public Described {
 std::unique_ptr<Effect> make_tether() {
   return std::make_unique<Tether>(
       Info{"tether",
-           "something, a hose or a wire, pulls at the tip",
+           "a hose, a wire or the like pulls at the tip",
            "F = k max(0, |d| - length) d / |d|, d = anchor - x(L), and force mass g",
            "loads on a rod: D. C. Rucker, R. J. Webster, IEEE Trans. Robotics 27, 2011, "
            "doi:10.1109/TRO.2011.2160469",

@@ -18,7 +18,7 @@ class TipMass : public Described {
 
 std::unique_ptr<Effect> make_tip_mass() {
   return std::make_unique<TipMass>(Info{"tip_mass",
-                                        "something hangs at the tip that the arm file does not have",
+                                        "a mass hangs at the tip that is not in the arm file",
                                         "force m g at x(L)",
                                         "loads on a rod: D. C. Rucker, R. J. Webster, IEEE Trans. Robotics "
                                         "27, 2011, doi:10.1109/TRO.2011.2160469",

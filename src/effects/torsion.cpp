@@ -57,8 +57,8 @@ class Torsion : public Described {
 std::unique_ptr<Effect> make_torsion() {
   return std::make_unique<Torsion>(
       Info{"torsion",
-           "the arm twists, under loads across its plane or with what drives it",
-           "twist = T (1/GJ + compliance) + twist u / u_0, T the torque, u the mean of what drives",
+           "the arm twists, under loads across its plane or with its inputs",
+           "twist = T (1/GJ + compliance) + twist u / u_0, T the torque, u the mean input",
            "Saint-Venant's torsion; S. S. Antman, Nonlinear Problems of Elasticity, 2005, "
            "doi:10.1007/0-387-27649-1",
            Family::kConstitutive,

@@ -25,7 +25,7 @@ class VacuumGain : public Described {
 std::unique_ptr<Effect> make_vacuum_gain() {
   return std::make_unique<VacuumGain>(
       Info{"vacuum_gain",
-           "what drives the arm bends it less, or more, under vacuum",
+           "the actuators bend the arm less, or more, under vacuum",
            "M0 (1 - share V / 60 kPa)",
            "arm with a jammed core: P. Fairchild et al., ASME Lett. Dyn. Syst. Control 3, 2023, "
            "doi:10.1115/1.4064090",

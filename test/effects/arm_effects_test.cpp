@@ -116,7 +116,7 @@ TEST(ArmEffects, WhatTheCatalogueDoesNotKnowIsOneLine) {
       {{"marker_slip", {{"x_m", 1e-3}, {"body", 5.0}}, "arm.yaml:9"},
        "value 5 is outside the allowed range [1, 4]"},
       {{"marker_slip", {{"x_m", 1e-3}, {"body", 2.0, 0.5}}, "arm.yaml:9"},
-       "key 'effects[0].sd.body': value 0.5: it numbers something"},
+       "key 'effects[0].sd.body': value 0.5: it is an index"},
       {{"marker_slip", {{"x_m", 1e-3}, {"body", 1.5}}, "arm.yaml:9"}, "value 1.5 is not an integer"},
       {{"chamber_mismatch", {{"share", 0.1}, {"chamber", 4.0}}, "arm.yaml:9"}, "[1, 3]"},
   };

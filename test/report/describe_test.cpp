@@ -41,8 +41,8 @@ TEST(Describe, SaysWhereWhatHowLargeAndHowSure) {
                         "interval 0.22 to 0.40); probability over 99 %."));
   EXPECT_THAT(text,
               HasSubstr("In the model too, and likely to stand in for something else: - axial_memory: The "
-                        "arm goes on growing longer or shorter while what drives it is held, along the arm; "
-                        "time constant: 2.7 s (90 % interval 1.2 to 4.2); probability under 1 %."));
+                        "arm keeps lengthening or shortening while its inputs are held, along the arm; time "
+                        "constant: 2.7 s (90 % interval 1.2 to 4.2); probability under 1 %."));
 }
 
 TEST(Describe, SaysWhatWasLearntOfTheRest) {

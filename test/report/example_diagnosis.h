@@ -263,7 +263,7 @@ inline diagnose::NamedEffect example_small_departure() {
 inline diagnose::NamedEffect example_stand_in() {
   diagnose::NamedEffect memory;
   memory.id = "axial_memory";
-  memory.description = "the arm goes on growing longer or shorter while what drives it is held";
+  memory.description = "the arm keeps lengthening or shortening while its inputs are held";
   memory.probability = 0.004;
   memory.parameters = {{"time_s", "s", "time constant", 2.7, 1.2, 4.2}};
   memory.where.axis = "axial";
