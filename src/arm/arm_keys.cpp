@@ -40,7 +40,7 @@ const KeyTable& arm_keys() {
             "the arm's segments in series, from base to tip; at least one"),
        number("tip_mass_kg", "kg", "0", 0, 20, "mass of the fitting at the tip"),
        map("payload", "{}", "where a payload hangs and what it may weigh"),
-       map("noise", "{}", "what measurements of bodies are trusted to; each body may override it"),
+       map("noise", "{}", "how far measurements of bodies are trusted; each body may override it"),
        list("bodies", kMostMeasuredBodies, kRequired, "measured bodies, from base to tip"),
        map("inputs", "{}", "topics, types and units"), map("estimator", "{}", "choices of the estimator"),
        list("effects", kMostOfATable, "[]",

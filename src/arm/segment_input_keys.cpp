@@ -93,8 +93,8 @@ const KeyTable& wall_keys() {
        number("initial_length_sd_m", "m", kAbsent, 1e-9, 1,
               "the same of each axial element; default: 2 % of length_m"),
        number("lag_s", "s", kAbsent, 0, 10,
-              "by which the bent wall follows its moments, those of loads too, where motion is in the model "
-              "(diagnose fits it from here); absent: 0.02")}};
+              "time by which the bent wall lags its moments, those of loads too, where motion is in the "
+              "model (diagnose fits it from here); absent: 0.02")}};
   return table;
 }
 
@@ -140,7 +140,8 @@ constexpr char kFieldMeaning[] =
 constexpr char kStampMeaning[] =
     "whose stamp counts: the header's (receipt where there is none), or that of receipt";
 constexpr char kLatencyMeaning[] =
-    "subtracted from every stamp (the header's, or that of receipt): delay, and what that clock is ahead";
+    "subtracted from every stamp (the header's, or that of receipt): the delay, plus the time by which that "
+    "clock is ahead";
 
 KeySpec noise_sd_key() {
   return number("noise_sd", "", kAbsent, 0, 1e6,
@@ -150,7 +151,7 @@ KeySpec noise_sd_key() {
 
 KeySpec zero_sd_key() {
   return number("zero_sd", "", "0", 0, 1e6,
-                "standard deviation of what zero is off by, in that unit: identify fits one per trial");
+                "standard deviation of the error of zero, in that unit: identify fits one per trial");
 }
 
 KeySpec between_key() {
@@ -221,7 +222,8 @@ const KeyTable& pressure_input_keys() {
        word("stamp", {"header", "receipt"}, "header", kStampMeaning),
        word("unit", {"Pa", "kPa", "MPa", "bar", "mbar", "psi"}, "Pa", "unit of the values"),
        word("reference", {"absolute", "gauge"}, "absolute", "zero of the values: vacuum or ambient"),
-       number("zero", "", "0", -1e7, 1e7, "what the sensor shows too much, in that unit; it is subtracted"),
+       number("zero", "", "0", -1e7, 1e7,
+              "by how much the sensor reads too high, in that unit; it is subtracted"),
        noise_sd_key(), zero_sd_key(),
        flag("vacuum", "false", "evacuates a jamming core: the value used is ambient minus absolute"),
        number("latency_s", "s", "0", -3600, 3600, kLatencyMeaning), between_key()}};

@@ -182,7 +182,7 @@ TEST(Advice, IsThatOfTheConstantItIsGivenFor) {
       EXPECT_THAT(c.advice, HasSubstr("at rest, without any input"));
     }
     if (c.ref.kind != identify::ConstantKind::kElongation) {
-      EXPECT_THAT(c.advice, Not(HasSubstr("length hardly answers")));
+      EXPECT_THAT(c.advice, Not(HasSubstr("length hardly responds")));
       continue;
     }
     ++elongations;

@@ -104,7 +104,7 @@ ConstantSpec elongation() {
   };
   c.advice = [](const Segment& s, int i, const RecordedInputs&) {
     return fmt::format(
-        "the length hardly answers to {}: record trials with it at higher pressure, and others at rest",
+        "the length hardly responds to {}: record trials with it at higher pressure, and others at rest",
         input_words(s, "chamber", chamber_input(s, i), i));
   };
   return c;

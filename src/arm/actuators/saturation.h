@@ -226,9 +226,8 @@ struct MinGrowth {
     c.advice = [](const Segment& s, int, const RecordedInputs& recorded) {
       if (!(largest_minimum<Law>(s, recorded) > 0.0))
         return fmt::format(
-            "at no time are the {} of all {}s of {} above zero: record trials with all of them high, with "
-            "and "
-            "without a payload",
+            "the {} of all {}s of {} are never above zero at the same time: record trials with all of them "
+            "high, with and without a payload",
             Law::kInputs, Law::kItem, s.name);
       return fmt::format(
           "record trials with the {} of all {}s high and with a payload beside such with one "
