@@ -124,7 +124,7 @@ void advise(const Conditions& conditions, Constant& c) {
   if (c.kept && !c.at_bound) {
     const bool of_bending = role_of(c.ref.kind) == ConstantRole::kBendingStiffness;
     c.advice = fmt::format(
-        "the trials do not tell it: kept at {:g} as in the arm file, and the rest fitted to that; {}",
+        "the trials do not determine it: kept at {:g} as in the arm file, and the rest fitted to that; {}",
         c.value, of_bending ? conditions.load_advice() + kHoldStiffness : conditions.advice(c.ref));
   } else if (c.kept) {
     c.advice = fmt::format("ran to {:g} {}; kept at {:g} as in the arm file; {}", c.ran_to, c.unit, c.value,
@@ -161,8 +161,8 @@ void judge(const arm::Arm& arm, const std::vector<trial::StaticFrame>& frames, c
         role_of(c.ref.kind) == ConstantRole::kBendingStiffness) {
       c.determined = false;
       c.advice = std::string(
-                     "the arm stands near the load at which it buckles, and no other load tells EI: the fit "
-                     "finds the EI of that load, whatever the arm has; ") +
+                     "the arm is near its buckling load, and no other load determines EI: the fit finds the "
+                     "EI that goes with that load, whatever the arm's is; ") +
                  conditions.load_advice() + kHoldStiffness;
     }
     for (int k = 0; k < count; ++k) {
@@ -184,8 +184,8 @@ void judge(const arm::Arm& arm, const std::vector<trial::StaticFrame>& frames, c
   if (std::any_of(result.constants.begin(), result.constants.end(), told) &&
       std::none_of(frames.begin(), frames.end(), loaded))
     result.warnings.emplace_back(
-        "no payload hangs on the arm: its own weight tells EI, which goes with the mass that the arm file "
-        "states (with 10 % more mass EI and all gains are 10 % more)");
+        "no payload is attached to the arm: its own weight alone determines EI, which goes with the mass "
+        "that the arm file states (10 % more mass makes EI and all gains 10 % higher)");
 }
 
 }  // namespace softarm::identify

@@ -47,10 +47,10 @@ void refuse_what_frees_nothing(const arm::Arm& arm, const std::vector<std::strin
   for (const std::string& pattern : patterns) {
     if (!freed_by(arm, {pattern}).empty()) continue;
     const std::vector<ConstantRef> meant = matching(arm, {pattern});
-    throw std::invalid_argument(fmt::format(
-        "'{}' frees nothing: the arm {} gives none of {}; what it does not give is freed by its name, "
-        "such as {}",
-        pattern, arm.name, names_of(arm, meant), name_of(arm, meant.front())));
+    throw std::invalid_argument(
+        fmt::format("'{}' frees nothing: the file of the arm {} gives none of {}; what it does not give is "
+                    "freed by its full name, such as {}",
+                    pattern, arm.name, names_of(arm, meant), name_of(arm, meant.front())));
   }
 }
 

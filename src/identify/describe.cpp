@@ -49,8 +49,10 @@ std::string sizes_line(const Result& result) {
     const std::string one = fmt::format("{} {:.2g} {}", c.name, c.scale, c.unit);
     list += (list.empty() ? "" : ", ") + one;
   }
-  return list.empty() ? ""
-                      : "of size: of the value; where that is near zero of what would matter: " + list + "\n";
+  return list.empty()
+             ? ""
+             : "of size: relative to the value, or where that is near zero, to what would matter: " + list +
+                   "\n";
 }
 
 std::string constants_table(const Result& result) {
@@ -198,7 +200,7 @@ std::string verdict(const Result& result) {
       fmt::format("{:.2f} → {:.2f} mm held out", 1e3 * before.mean_m, 1e3 * after.mean_m);
   if (!*good) return fmt::format("does not generalise: {}; run diagnose", change);
   if (after.mean_m < (1.0 - kLeastGain) * before.mean_m) return fmt::format("generalises: {}", change);
-  return fmt::format("as good before: {}, no more than noise", change);
+  return fmt::format("as good as before: {}, no more than noise", change);
 }
 
 std::string describe(const Result& result) {

@@ -338,7 +338,7 @@ Result fit_of(const arm::Arm& arm, const std::vector<trial::Trial>& trials, Effe
   if (options.leave_one_out && (trials.size() < 2 || !options.held_out.empty()))
     throw std::invalid_argument(
         options.held_out.empty()
-            ? "each trial by the fit to the others: there is but one trial"
+            ? "each trial by the fit to the others: there is only one trial"
             : "trials are held out by name, or each in its turn (leave one out), not both");
   const double own_share = options.leave_one_out ? 1.0 / (1.0 + static_cast<double>(trials.size())) : 1.0;
   const auto report = [&](double share) {

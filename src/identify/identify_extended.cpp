@@ -99,7 +99,7 @@ Result identify_extended(const arm::Arm& arm, const std::vector<model::Present>&
   } else if (found.mean_m) {
     result.warnings.insert(
         result.warnings.begin(),
-        fmt::format("THE ARM FILE'S LAWS WERE FAR OFF, by {:.0f} mm, and those that were fitted are not: are "
+        fmt::format("THE ARM FILE'S LAWS WERE FAR OFF, by {:.0f} mm, and the fitted ones are not: are the "
                     "units and order of the inputs those of the arm file?",
                     1e3 * *found.mean_m));
   }

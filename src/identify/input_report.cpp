@@ -36,9 +36,9 @@ std::string zeros_line(const InputErrors& one) {
     text += fmt::format(" {} {:.3g} +- {:.2g};", zero.trial, zero.value, zero.sd);
   text.back() = '\n';
   for (const std::string& name : one.confused_with)
-    text += fmt::format(
-        "  zero of {}: what the trials have of it in common cannot be told from {}; hold one of them\n",
-        one.input, name);
+    text +=
+        fmt::format("  zero of {}: its part that all trials share cannot be told from {}; hold one of them\n",
+                    one.input, name);
   return text;
 }
 
@@ -85,8 +85,8 @@ std::string describe_input_errors(const Result& result) {
   if (!result.unmeasured_inputs.empty())
     exact = fmt::format(
         "inputs taken as exact: {}; their values mostly repeat, lie on a line or are few. Where a sensor has "
-        "noise "
-        "state its noise_sd; where a logger repeats a sensor's values, between: sampled measures it\n",
+        "noise, state its noise_sd; where a logger repeats a sensor's values, set between: sampled, and the "
+        "noise is measured\n",
         fmt::join(result.unmeasured_inputs, ", "));
   if (result.input_errors.empty()) return exact;
   std::string text = fmt::format(

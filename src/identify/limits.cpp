@@ -28,7 +28,7 @@ bool is_modulus(ConstantKind kind) {
 }
 
 std::string why_not(const Constant& c) {
-  return c.at_bound ? c.name + " ran into its limit" : "the trials do not tell " + c.name;
+  return c.at_bound ? c.name + " ran into its limit" : "the trials do not determine " + c.name;
 }
 
 }  // namespace

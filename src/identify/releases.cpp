@@ -286,7 +286,8 @@ ReleaseFit fit_releases(const arm::Arm& arm, const std::vector<trial::Trial>& tr
                                             raw.size(), trials.size(), found.left_out.empty() ? "" : "; ",
                                             found.left_out.empty() ? "" : found.left_out[0]));
   const auto modes = model::modes_at_no_input(arm, payload_of(arm, trials), 2);
-  if (!modes) throw std::invalid_argument("releases: by the arm file the arm has no stable rest at no input");
+  if (!modes)
+    throw std::invalid_argument("releases: by the arm file, the arm without input has no stable rest");
   const Index rows = 3 * static_cast<Index>(arm.bodies.size());
   MatrixXd by = modes->bodies.topRows(rows);
   VectorXd rest = VectorXd::Zero(rows);

@@ -93,7 +93,7 @@ TEST_F(Belongs, GainsInOtherUnitsAreNoOtherArm) {
   EXPECT_LT(found.fitted.mean_m, 2e-3);
   EXPECT_EQ(found.apart, "");
   ASSERT_FALSE(found.warnings.empty());
-  EXPECT_THAT(found.warnings.front(), HasSubstr("are units and order of the inputs"));
+  EXPECT_THAT(found.warnings.front(), HasSubstr("are the units and order of the inputs"));
 }
 
 TEST_F(Belongs, AnotherOrderOfTheQuaternionIsFound) {

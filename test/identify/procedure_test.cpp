@@ -424,10 +424,10 @@ TEST(Names, PatternsFindConstants) {
                        0),
             0u)
       << why({"mometn_gain"});
-  EXPECT_EQ(why({"*.chamber_1.sat*"}), "'*.chamber_1.sat*' frees nothing: the arm " + arm.name +
-                                           " gives none of segment_1.chamber_1.saturation; what it does not "
-                                           "give is freed by its name, such as "
-                                           "segment_1.chamber_1.saturation");
+  EXPECT_EQ(why({"*.chamber_1.sat*"}),
+            "'*.chamber_1.sat*' frees nothing: the file of the arm " + arm.name +
+                " gives none of segment_1.chamber_1.saturation; what it does not give is freed by its full "
+                "name, such as segment_1.chamber_1.saturation");
   identify::Options options;
   options.held = {"*"};
   EXPECT_THROW(identify::identify(arm, paper_trials(arm, 4, 3), options), identify::IdentifyError);

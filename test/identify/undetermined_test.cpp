@@ -270,7 +270,8 @@ TEST(Undetermined, StiffnessThatNoLoadTellsStaysTheArmFilesAndGainsFollow) {
                   2.0 * truth.segments[0].chambers[k].moment_gain_nm_per_pa,
                   0.04 * truth.segments[0].chambers[k].moment_gain_nm_per_pa);
     const std::string text = describe(result);
-    EXPECT_TRUE(testing::says(text, "the trials do not tell it: kept at 0.054 as in the arm file")) << text;
+    EXPECT_TRUE(testing::says(text, "the trials do not determine it: kept at 0.054 as in the arm file"))
+        << text;
     EXPECT_TRUE(testing::says(text, "--hold '*.bending_stiffness.*'"));
   }
 }

@@ -23,7 +23,8 @@ TEST(Verdict, SaysWhetherHeldOutErrorsFell) {
   EXPECT_EQ(verdict(held_out(0.01498, 0.01495)),
             "does not generalise: 14.98 → 14.95 mm held out; run diagnose");
   EXPECT_EQ(verdict(held_out(0.01498, 0.0031)), "generalises: 14.98 → 3.10 mm held out");
-  EXPECT_EQ(verdict(held_out(0.0011, 0.0012)), "as good before: 1.10 → 1.20 mm held out, no more than noise");
+  EXPECT_EQ(verdict(held_out(0.0011, 0.0012)),
+            "as good as before: 1.10 → 1.20 mm held out, no more than noise");
   EXPECT_EQ(verdict(Result()), "no trial is held out: nothing says whether this generalises");
   EXPECT_FALSE(generalises(Result()));
 }
