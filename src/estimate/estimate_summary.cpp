@@ -48,27 +48,26 @@ class Table {
 std::string remedy_of(arm::Unknown unknown) {
   switch (unknown) {
     case arm::Unknown::kStiffness:
-      return "hang a known payload on the arm, or hold EI by the laws (--unknown payload)";
+      return "attach a known payload to the arm, or hold EI by the laws (--unknown payload)";
     case arm::Unknown::kPayload:
-      return "weigh the payload and say so (--unknown stiffness), or hold EI by the laws (--prior off)";
+      return "weigh the payload and state it (--unknown stiffness), or hold EI by the laws (--prior off)";
     case arm::Unknown::kBoth:
       break;
   }
-  return "weigh the payload and say so (--unknown stiffness), or hold EI by the laws (--unknown payload "
-         "--prior "
-         "off)";
+  return "weigh the payload and state it (--unknown stiffness), or hold EI by the laws (--unknown payload "
+         "--prior off)";
 }
 
 std::string words_of(WhyNot why, const std::string& remedy) {
   switch (why) {
     case WhyNot::kByLawsAlone:
-      return "it is what the laws say, the bodies say nothing of it; " + remedy;
+      return "it is what the laws say, the bodies say nothing about it; " + remedy;
     case WhyNot::kSettling:
       return "the payload had just changed";
     case WhyNot::kNearBuckling:
       return "near the buckling load another EI with another moment has the same shape; " + remedy;
     default:
-      return "no load bends the arm enough to tell it; " + remedy;
+      return "no load bends the arm enough to determine it; " + remedy;
   }
 }
 
@@ -132,7 +131,7 @@ std::string EstimateSummary::why_none(const std::map<std::string, std::uint64_t>
   if (samples != rejected.end())
     why += fmt::format("{}{} samples were not used: {}", why.empty() ? "" : "; ", samples->second,
                        samples->first);
-  return why.empty() ? "nothing is known of why" : why;
+  return why.empty() ? "the reason is not known" : why;
 }
 
 std::string EstimateSummary::text(const std::map<std::string, std::uint64_t>& rejected,

@@ -434,7 +434,7 @@ Estimator::ByLaws Estimator::by_laws() const {
 std::vector<std::string> Estimator::effect_notes() const {
   if (impl_->extension) return impl_->extension->notes();
   if (impl_->effects.empty()) return {};
-  return {"none of the arm file's effects is in the model: constant curvature knows none"};
+  return {"none of the arm file's effects is in the model: methods with constant curvature have none"};
 }
 
 void Estimator::set_unknown(arm::Unknown unknown) {

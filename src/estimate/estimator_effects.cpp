@@ -66,7 +66,7 @@ bool Estimator::Impl::solve_with_effects() {
     if (!fit_again(whole)) return false;
   }
   have_last = false;
-  fail(Status::kNoConvergence, "the fit and what the arm's effects do there do not come to agree");
+  fail(Status::kNoConvergence, "the fit and the arm's effects do not converge together");
   return false;
 }
 
@@ -88,7 +88,7 @@ bool Estimator::Impl::fit_again(bool whole) {
   if (!problem.evaluate(x)) x = extension->at().x;  // where the line is there is a shape
   if (!problem.evaluate(x) || !minimise()) {
     have_last = false;
-    fail(Status::kNoConvergence, "the fit was lost when the arm's effects were worked out anew");
+    fail(Status::kNoConvergence, "the fit was lost when the arm's effects were computed again");
     return false;
   }
   refresh_covariance();

@@ -55,7 +55,7 @@ bool Estimator::Impl::allow_for_stretch() {
     problem.begin();
     if (!problem.evaluate(x) || !minimise()) {
       have_last = false;
-      fail(Status::kNoConvergence, "the fit was lost when what is not known of EA was allowed for");
+      fail(Status::kNoConvergence, "the fit was lost when the uncertainty of EA was allowed for");
       return false;
     }
     refresh_covariance();

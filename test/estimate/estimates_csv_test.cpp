@@ -208,7 +208,7 @@ TEST(EstimateSummary, AnEiThatIsNotIdentifiableIsProposedToBeHeldInTheLaws) {
     e.segments[0].stiffness_why_not = why;
     summary.add(e);
     const std::string text = summary.text({}, 1);
-    EXPECT_THAT(line_of(text, "  not in"), HasSubstr("weigh the payload and say so"));
+    EXPECT_THAT(line_of(text, "  not in"), HasSubstr("weigh the payload and state it"));
     EXPECT_THAT(line_of(text, "  laws of an EI that is held"),
                 HasSubstr("softarm identify ... --hold 'segment_1.bending_stiffness.*'"));
   }
