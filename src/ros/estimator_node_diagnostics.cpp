@@ -72,7 +72,7 @@ std::string EstimatorNode::waiting_for() const {
   for (const auto& source : sources_) {
     if (source->messages == source->messages_before) silent.push_back(nh_.resolveName(source->input.topic));
   }
-  if (silent.empty()) return "frames: messages come, but make none (see /diagnostics)";
+  if (silent.empty()) return "frames: messages arrive, but no frame can be made of them (see /diagnostics)";
   const std::size_t more = silent.size() - std::min(silent.size(), kNamed);
   if (more > 0) silent.resize(kNamed);
   return fmt::format("{}{}", fmt::join(silent, ", "), more > 0 ? fmt::format(" and {} more", more) : "");

@@ -115,7 +115,7 @@ void MasterWatch::run() {
 
 void MasterWatch::look() {
   const bool answers = ros::master::check();
-  if (answers_ && !answers) ROS_WARN("the roscore does not answer: what is connected goes on");
+  if (answers_ && !answers) ROS_WARN("the roscore does not answer: existing connections go on");
   answers_ = answers;
   if (!answers) return;
   const std::string& name = ros::this_node::getName();
@@ -128,7 +128,7 @@ void MasterWatch::look() {
     ROS_WARN("the roscore was restarted: registered with it again");
   } else {
     ROS_ERROR_THROTTLE(
-        10.0, "the roscore was restarted, and does not take this node's topics: start the node again");
+        10.0, "the roscore was restarted, and does not accept this node's topics: start the node again");
   }
 }
 

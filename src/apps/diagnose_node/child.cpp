@@ -63,7 +63,8 @@ Ended run_program(const std::string& program, const std::vector<std::string>& ar
     std::this_thread::sleep_for(kPoll);
   }
   if (ended < 0)
-    throw std::runtime_error(fmt::format("{}: how it ended is not known: {}", program, std::strerror(errno)));
+    throw std::runtime_error(
+        fmt::format("{}: its exit status is not known: {}", program, std::strerror(errno)));
   const int exit_status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return {exit_status, last_line_of(log)};
 }

@@ -182,7 +182,7 @@ void DiagnoseNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
       messages > 0 ? DiagnosticStatus::OK : DiagnosticStatus::WARN,
       messages > 0 ? fmt::format("the last {:.0f} s are kept", duration_s) : "nothing recorded yet");
   if (running_since_) {
-    status.mergeSummary(DiagnosticStatus::OK, fmt::format("a diagnosis runs since {:.0f} s",
+    status.mergeSummary(DiagnosticStatus::OK, fmt::format("a diagnosis has been running for {:.0f} s",
                                                           (ros::WallTime::now() - *running_since_).toSec()));
   } else if (last_) {
     status.mergeSummary(last_->success ? DiagnosticStatus::OK : DiagnosticStatus::WARN,
