@@ -58,7 +58,7 @@ void refuse_empty_names(CLI::App& program) {
       CLI::Option* option = command->get_option_no_throw(name);
       if (option == nullptr || option->get_items_expected_max() == 0) continue;
       option->check([](const std::string& word) {
-        return word.empty() ? std::string("'' is no name of a file or folder") : std::string();
+        return word.empty() ? std::string("'' is not the name of a file or folder") : std::string();
       });
     }
   }
@@ -91,8 +91,7 @@ void refuse_no_numbers(CLI::App& program) {
 void flush_output() {
   std::cout.flush();
   if (std::fflush(stdout) != 0 || std::ferror(stdout) || !std::cout)
-    throw softarm::app::Failure(
-        "the standard output cannot be written: what was to be said is not all there");
+    throw softarm::app::Failure("the standard output cannot be written: the output is incomplete");
 }
 
 /// Text of `--help`, `--version` and of what was typed wrongly. @return exit status

@@ -210,7 +210,7 @@ TEST_F(BatchFolders, AFolderOfAnotherCommandIsNotTakenUnasked) {
   other.options.push_back({"--payload", "0.2"});
   EXPECT_THAT(
       failure_of([&] { names({other}); }),
-      HasSubstr("jobs/day: is there already, with another arm file or other options; --force does it anew"));
+      HasSubstr("jobs/day: exists already, with another arm file or other options; --force repeats it"));
   EXPECT_THAT(names({other}, true), ElementsAre("day"));
   EXPECT_THAT(names({other, a}), ElementsAre("day", "day_2"));  // both are asked for
 }
@@ -285,8 +285,8 @@ TEST_F(BatchFolders, ARunWritesWhatBecameOfIt) {
   EXPECT_FALSE(bad->done);
   EXPECT_EQ(bad->reason, "no frame");
   EXPECT_FALSE(fs::exists(folder.result() / "said")) << "of the run before";
-  EXPECT_EQ(run("kill -9 $$")->reason, "ended by signal 9 (killed; was there memory for it?)");
-  EXPECT_EQ(run("exit 3")->reason, "exit status 3, without a word");
+  EXPECT_EQ(run("kill -9 $$")->reason, "ended by signal 9 (killed; was there enough memory?)");
+  EXPECT_EQ(run("exit 3")->reason, "exit status 3, without a message");
   EXPECT_FALSE(run("sleep 60", true).has_value());
   int asked = 0;  // the whole job is ended, the child before it is known
   EXPECT_FALSE(run_job(folder, program("kill -15 $$"), 1, [&] {

@@ -37,8 +37,9 @@ TEST(SoftarmBatch, OneTableOfAllAndOnlyWhatChangedIsDoneAgain) {
   EXPECT_EQ(first.status, 1) << first.err;
   EXPECT_THAT(first.out,
               HasSubstr("3 jobs: 2 done, 1 failed\nfailed trials_c: " + dir / "trials/c.bag: damaged"));
-  EXPECT_THAT(first.err,
-              HasSubstr("softarm: 1 of 3 jobs failed; once mended, --retry-failed runs them again\n"));
+  EXPECT_THAT(
+      first.err,
+      HasSubstr("softarm: 1 of 3 jobs failed; once the cause is removed, --retry-failed runs them again\n"));
   EXPECT_THAT(first.err, HasSubstr("done   trials_a: frames ok 721, EI where identifiable"));
   const std::string table = text_of(dir / "out/batch.csv");
   EXPECT_EQ(lines(table), 4U);
@@ -81,7 +82,7 @@ TEST(SoftarmBatch, AListGivesEachJobItsArmAndOptions) {
   const Outcome other = softarm_program(command + " --window 0.5");
   EXPECT_EQ(other.status, 1);
   EXPECT_THAT(other.err,
-              HasSubstr("out/jobs/one_a: is there already, with another arm file or other options; --force"));
+              HasSubstr("out/jobs/one_a: exists already, with another arm file or other options; --force"));
   const Outcome forced = softarm_program(command + " --window 0.5 --force");
   EXPECT_EQ(forced.status, 0) << forced.err;
   EXPECT_THAT(text_of(dir / "out/jobs/two_a/result/a/summary.txt"), HasSubstr("window: 0.5 s"));
@@ -122,7 +123,7 @@ TEST(SoftarmBatch, FoldersOfOthersAreLeftAlone) {
   const std::string check = "batch check --arm online_200mm " + dir / "a.bag" + " --out " + dir / "out";
   fs::create_directories(dir / "out");
   dir.write("out/thesis.tex", "");
-  EXPECT_THAT(softarm_program(check).err, HasSubstr("is there already and is no batch"));
+  EXPECT_THAT(softarm_program(check).err, HasSubstr("exists already and is not a batch"));
   fs::remove(dir / "out/thesis.tex");
   EXPECT_EQ(softarm_program(check).status, 1);  // the bag is empty
   const Outcome other =
@@ -132,7 +133,7 @@ TEST(SoftarmBatch, FoldersOfOthersAreLeftAlone) {
   ASSERT_EQ(::flock(lock, LOCK_EX | LOCK_NB), 0);
   const Outcome second = softarm_program(check);
   EXPECT_EQ(second.status, 1);
-  EXPECT_THAT(second.err, HasSubstr("another batch is at work there"));
+  EXPECT_THAT(second.err, HasSubstr("another batch is running there"));
   ::close(lock);
 }
 

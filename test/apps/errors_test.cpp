@@ -155,7 +155,7 @@ TEST(SoftarmErrors, WhatIsNoFileIsWrittenToAndALinkStaysOne) {
   EXPECT_THAT(text_of(dir / "named.json"), HasSubstr("\"recordings\""));
 
   std::ofstream(dir / "named.json") << "another's";
-  expect_refused(dir, check + dir / "link.json", HasSubstr("link.json: is there already"));
+  expect_refused(dir, check + dir / "link.json", HasSubstr("link.json: exists already"));
   EXPECT_EQ(text_of(dir / "named.json"), "another's");
   EXPECT_EQ(softarm_program(check + dir / "link.json --force").status, 0);
   EXPECT_TRUE(fs::is_symlink(dir / "link.json"));

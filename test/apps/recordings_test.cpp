@@ -99,7 +99,7 @@ payload: [{from_s: 0, kg: 7}]
   const Outcome o = softarm_program(call + "--payload 0.1 --payload 2.5:0.3 --leave-out 1:3");
   ASSERT_EQ(o.status, 0) << o.err;
   EXPECT_THAT(o.out, HasSubstr("3 of 5 rows"));
-  EXPECT_THAT(o.out, HasSubstr("rows left out, as told: 2"));
+  EXPECT_THAT(o.out, HasSubstr("rows left out, as requested: 2"));
   const auto poses = recorded<geometry_msgs::PoseStamped>(dir / "lab.bag", "/mocap/tip/pose");
   ASSERT_EQ(poses.size(), 3u);
   EXPECT_NEAR(poses[1].first, 1003.0, 1e-9);

@@ -14,7 +14,7 @@ void expect_kept(const std::string& command, const std::string& file, int status
   const Outcome o = softarm_program(command);
   EXPECT_EQ(o.status, status) << command;
   EXPECT_THAT(o.err,
-              HasSubstr(file + ": is there already, of another run or changed since; --force replaces it"));
+              HasSubstr(file + ": exists already, from another run or changed since; --force replaces it"));
   EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
   EXPECT_EQ(text_of(file), before) << command;
 }

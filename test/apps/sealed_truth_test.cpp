@@ -132,7 +132,7 @@ TEST(SoftarmCampaign, TellsTheLaboratoryNothingAndIsTheSameAgain) {
   // Into a folder that holds something: refused, and what is there stays.
   const Outcome again = run("first", "1");
   EXPECT_NE(again.status, 0);
-  EXPECT_THAT(again.err, HasSubstr("is there already"));
+  EXPECT_THAT(again.err, HasSubstr("exists already"));
   EXPECT_EQ(text_of(folder / "first/campaign.json"), known);
 }
 

@@ -150,7 +150,7 @@ class Slurm(unittest.TestCase):
         said, _ = process.communicate(timeout=240)
         self.assertIn("7 jobs: 5 done, 2 failed", said)
         reasons = [row["reason"] for row in self.rows().values() if row["state"] == "failed"]
-        self.assertIn("Slurm has not begun it: somebody took it back", reasons)
+        self.assertIn("Slurm never started it: it was cancelled", reasons)
         _, said = self.run_to_end("slurm", "--retry-failed")
         self.assertIn("7 jobs: 6 done, 1 failed", said)
 
@@ -170,7 +170,7 @@ class Slurm(unittest.TestCase):
     def test_what_sbatch_refuses_is_one_line(self):
         status, said = self.run_to_end("slurm", "--slurm-options", "--partition=nowhere")
         self.assertEqual(status, 1, said)
-        self.assertIn("softarm: --engine slurm: sbatch took no job: ", said)
+        self.assertIn("softarm: --engine slurm: sbatch accepted no job: ", said)
         self.assertIn("nvalid partition", said)
 
 

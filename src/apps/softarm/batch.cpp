@@ -226,11 +226,11 @@ void add_batch(CLI::App& program) {
       ->check(CLI::Range(1U, 256U));
   command->add_flag("--retry-failed", options->retry_failed, "run jobs again that failed before");
   command->add_flag("--force", options->force,
-                    "do jobs anew that are there with another arm file or other options");
+                    "repeat jobs that were done with another arm file or other options");
   command->add_option("--slurm-options", options->slurm_options,
                       "handed to sbatch: '--partition=long --mem=4G --time=1:00:00'");
   command->add_flag("--no-wait", options->no_wait,
-                    "Slurm: end once the jobs are in its queue; the same command gathers");
+                    "Slurm: end once the jobs are in its queue; the same command gathers the results");
   for (const char* work : {"estimate", "diagnose", "check"})
     add_work(*command, *program.get_subcommand(work), options);
   add_run_job(*command);

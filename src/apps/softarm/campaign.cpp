@@ -49,8 +49,7 @@ class OutputFolder {
   explicit OutputFolder(const fs::path& path) : path_(path), temporary_(path.string() + ".partial") {
     std::error_code error;
     if (fs::exists(path_) && !(fs::is_directory(path_) && fs::is_empty(path_, error)))
-      throw Failure(
-          fmt::format("--out {}: is there already, expected a new or empty folder", path_.string()));
+      throw Failure(fmt::format("--out {}: exists already, expected a new or empty folder", path_.string()));
     fs::create_directories(temporary_, error);
     if (error) throw Failure(fmt::format("--out {}: {}", path_.string(), error.message()));
     lock_.emplace(temporary_,

@@ -21,8 +21,8 @@ class Failure : public std::runtime_error {
 
 /// What the flag --force does, of every command that writes results.
 constexpr char kForceMeaning[] =
-    "replace results of other runs; those of the very same command are replaced anyhow, unless somebody "
-    "changed them";
+    "replace results of other runs; those of the very same command are replaced anyway, unless they were "
+    "changed";
 
 /// Ends the program with a status when all has been said.
 struct Ended : std::exception {

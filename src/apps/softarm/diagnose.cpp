@@ -55,7 +55,7 @@ What is written:
   report/report.html   what was found, with pictures; one page that needs nothing else
   report/report.json   the same for programs
   report/arm_extended.yaml   the arm file with what was found in it: for estimate, identify, simulate, diagnose and the node
-Trials that say most: several speeds, several attitudes of the base, with and without payload.)";
+Most informative trials: several speeds, several attitudes of the base, with and without payload.)";
 
 void list_effects() {
   for (const auto& effect : effects::catalogue()) {
@@ -187,10 +187,9 @@ void add_diagnose(CLI::App& program) {
   command->add_flag("--force", options->force, kForceMeaning);
   command->add_flag("--effects", options->effects, "list the catalogue: what is looked for");
   command
-      ->add_option(
-          "--block", options->diagnosis.block_s,
-          "time over which frames are averaged, half of it where a body's way bends, up to three times where "
-          "the arm rests, s")
+      ->add_option("--block", options->diagnosis.block_s,
+                   "time over which frames are averaged, half of it where a body's path bends, up to three "
+                   "times where the arm rests, s")
       ->check(CLI::Range(0.02, 2.0))
       ->capture_default_str();
   const auto list = [&](const char* name, std::vector<std::string>& values, const char* meaning) {
@@ -202,7 +201,7 @@ void add_diagnose(CLI::App& program) {
        "constants that have one value in all segments: '*.bending_stiffness.base' of segments of one make");
   command
       ->add_option("--most-effects", options->diagnosis.most_effects,
-                   "effects in one verdict at most; more than 4 only where much is left")
+                   "most effects in one verdict; more than 4 only where much is left")
       ->check(CLI::Range(1, 8))
       ->capture_default_str();
   command

@@ -94,7 +94,7 @@ std::vector<Job> make_jobs(const EstimateOptions& options) {
     if (!fs::is_regular_file(bag, error)) throw Failure(fmt::format("{}: no such bag", bag));
     jobs.push_back({bag, fs::path(options.out) / fs::path(bag).stem(), replacing, "", {}, ""});
     if (!folders.insert(jobs.back().folder).second) {
-      throw Failure(fmt::format("{}: another bag is called so too and would have the same output {}", bag,
+      throw Failure(fmt::format("{}: another bag has the same name and would have the same output {}", bag,
                                 jobs.back().folder.string()));
     }
     for (const char* file : {"estimates.csv", "summary.txt"})
@@ -232,7 +232,7 @@ void add_estimate(CLI::App& program) {
       ->add_option("--window", options->window_s,
                    "frames of this last time share EI and payload, s; 0: none do (default: the arm's)")
       ->check(CLI::Range(0.0, 60.0));
-  command->add_option("--objective", options->objective, "what is least (default: the arm's)")
+  command->add_option("--objective", options->objective, "what is minimised (default: the arm's)")
       ->type_name("TEXT:{least_squares,sum_of_distances}");
   command
       ->add_option("--dynamics", options->dynamics,

@@ -130,8 +130,8 @@ void pull(const IdentifyOptions& options, const arm::Arm& arm) {
   const std::vector<published::Pull> pulls = published::find_pulls(arm, trials);
   if (pulls.empty())
     throw Failure(
-        "no pull in these trials: the payload must change while the inputs are held, and the arm come "
-        "to rest before and after");
+        "no pull in these trials: the payload must change while the inputs are held, with the arm at rest "
+        "before and after");
   say_text(published::describe(arm, trials, pulls));
   if (!out) return;
   const published::ThreeTruths truths =

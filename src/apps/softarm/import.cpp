@@ -191,7 +191,7 @@ void print_report(const ImportOptions& options, const std::string& file, const I
                                               bags.back().file->path().filename().string(), bags.size());
   say("{} -> {}: {} of {} rows, {} messages\n", file, names, report.used - imported.left_out_rows,
       report.rows, messages);
-  if (imported.left_out_rows) say("  rows left out, as told: {}\n", imported.left_out_rows);
+  if (imported.left_out_rows) say("  rows left out, as requested: {}\n", imported.left_out_rows);
   for (const auto& [reason, count] : report.bad_rows) say("  rows skipped, {}: {}\n", reason, count);
   if (report.repeated) say("  rows whose poses only repeat the row before: {}\n", report.repeated);
   for (const auto& [reason, count] : report.lost) say("  absent, {}: {}\n", reason, count);

@@ -122,7 +122,7 @@ void refuse_to_replace(const fs::path& path, const Replacing& replacing) {
   if (replacing.all || !replaceable(path) || !fs::is_regular_file(path, ignored) ||
       is_of_run(path, replacing.command))
     return;
-  throw Failure(fmt::format("{}: is there already, of another run or changed since; --force replaces it",
+  throw Failure(fmt::format("{}: exists already, from another run or changed since; --force replaces it",
                             path.string()));
 }
 

@@ -123,7 +123,7 @@ Choices drift(const Numbers& v) {
 Choices mullins(const Numbers& v) {
   const double share = v("share"), fresh = v("fresh_share");
   if (share > 0.0 && fresh > 0.0)
-    throw std::invalid_argument("a share and a fresh share at once are nothing the virtual rig has");
+    throw std::invalid_argument("a share and a fresh share at once have no counterpart in the virtual rig");
   if (fresh == 0.0)
     return {choice("mullins", "ogden_roxburgh", {{"share", share}, {"scale_per_m", v("scale_per_m")}})};
   // Over as many curvatures as its law falls to half.
@@ -140,7 +140,7 @@ Choices temperature(const Numbers& v) {
   const double across = v("length_cos") * std::cos(phase) - v("length_sin") * std::sin(phase);
   if (stiffness == 0.0 || std::abs(across) > kNearly * std::max(std::abs(length), 1e-4))
     throw std::invalid_argument(
-        "a length that swings otherwise than the stiffness is nothing the virtual rig has");
+        "a length that swings otherwise than the stiffness has no counterpart in the virtual rig");
   // Warmer is softer: the sine of the temperature is the stiffness's half a period on.
   return {choice("temperature", "sine",
                  {{"amplitude_k", -stiffness / kPerK},
@@ -222,7 +222,7 @@ Choices pressure_lag(const Numbers& v) {
 Choices supply_sag(const Numbers& v) {
   if (v("returned") > kNearly)
     throw std::invalid_argument(
-        "a source that has back at once what chambers vent is nothing the virtual rig has");
+        "a source that has back at once what chambers vent has no counterpart in the virtual rig");
   if (v("bends") > kNearly)
     throw std::invalid_argument("the loss of the virtual rig's tank does not bend, it ends");
   // A tank gives no less once what was taken of it has reached the reference: as far off as the rig lets it
@@ -262,7 +262,7 @@ Choices camera_scale(const Numbers& v) {
   }
   if (share == 0.0 && heights != 0.0)
     throw std::invalid_argument(
-        "a mocap of which the heights alone are too long is nothing the virtual rig has");
+        "a mocap of which the heights alone are too long has no counterpart in the virtual rig");
   return {choice("camera_scale", "axes",
                  {{"share", share}, {"height_ratio", share == 0.0 ? 1.0 : heights / share}})};
 }
@@ -273,12 +273,12 @@ Choices camera_bow(const Numbers& v) {
 
 Choices flow_limit(const Numbers& v) {
   if (!nearly(v("share"), 1.0))
-    throw std::invalid_argument("a limit that is kept by a share only is nothing the virtual rig has");
+    throw std::invalid_argument("a limit that is kept by a share only has no counterpart in the virtual rig");
   const bool shared = nearly(v("together"), 1.0);
   if (!shared && v("together") > kNearly)
     throw std::invalid_argument(
-        "a limit that chambers have partly in common is nothing the virtual rig has: together must be 0 or "
-        "1");
+        "a limit that chambers have partly in common has no counterpart in the virtual rig: together must be "
+        "0 or 1");
   return {choice("flow_limit", shared ? "shared" : "slew",
                  {{"rise_pa_per_s", v("rise_pa_per_s")}, {"fall_pa_per_s", v("fall") * v("rise_pa_per_s")}})};
 }
@@ -290,9 +290,9 @@ Choices clock_offset(const Numbers& v) {
   const std::vector<arm::ScalarInput>& inputs = v.arm().inputs.scalars;
   const arm::ScalarInput& input = inputs.at(of - 1);
   if (input.type != "sensor_msgs/FluidPressure" || input.stamp != arm::StampSource::kHeader)
-    throw std::invalid_argument(
-        fmt::format("a clock of its own of {}, whose messages have no stamp, is nothing the virtual rig has",
-                    input.name));
+    throw std::invalid_argument(fmt::format(
+        "a clock of its own of {}, whose messages have no stamp, has no counterpart in the virtual rig",
+        input.name));
   const bool vacuum = input.kind == arm::InputKind::kVacuum;
   const std::vector<std::size_t> driven = driven_inputs(v.arm(), input.kind);
   const auto place = std::find(driven.begin(), driven.end(), of - 1);
@@ -312,9 +312,10 @@ Choices rest_curvature(const Numbers& v) {
 Choices contact(const Numbers& v) {
   if (v("friction") > kNearly)
     throw std::invalid_argument(
-        "friction is nothing that the virtual rig has where a wall touches at one place");
+        "friction where a wall touches at one place has no counterpart in the virtual rig");
   if (v("curvature_per_m") > kFlat_per_m)
-    throw std::invalid_argument("a round post that touches at one place is nothing that the virtual rig has");
+    throw std::invalid_argument(
+        "a round post that touches at one place has no counterpart in the virtual rig");
   return {choice("contact", "spring_wall",
                  {{"stiffness_n_per_m", v("stiffness_n_per_m")},
                   {"distance_m", v("distance_m")},
@@ -347,7 +348,7 @@ Choices payload_offset(const Numbers& v) {
 
 Choices jamming_yield(const Numbers& v) {
   if (!nearly(v("share"), 1.0))
-    throw std::invalid_argument("a core of which only a share slips is nothing the virtual rig has");
+    throw std::invalid_argument("a core of which only a share slips has no counterpart in the virtual rig");
   const bool gradual = v("spread") > 0.5;
   return {
       choice("jamming_yield", gradual ? "bouc_wen" : "elastoplastic", {{"yield_per_m", v("yield_per_m")}})};

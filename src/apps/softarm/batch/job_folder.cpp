@@ -238,8 +238,8 @@ std::vector<JobFolder> find_folders(const fs::path& folder, const std::vector<Jo
       if (old != there.end() && old->second && !share_a_bag(*old->second, jobs[i])) continue;
       if (old != there.end() && !force && !(old->second && same_command(*old->second, jobs[i])))
         throw Failure(
-            fmt::format("{}: is there already, with another arm file or other options; --force does it anew "
-                        "with these, or give another --out",
+            fmt::format("{}: exists already, with another arm file or other options; --force repeats it with "
+                        "these, or give another --out",
                         (folder / name).string()));
       names[i] = name;
       taken.insert(name);

@@ -36,15 +36,15 @@ class BatchFolder {
     const fs::path note = out / "batch.txt";
     const bool fresh = !fs::exists(out, error) || fs::is_empty(out, error);
     if (!fresh && !fs::is_regular_file(note, error))
-      throw Failure(fmt::format(
-          "--out {}: is there already and is no batch, expected a new or empty folder, or that of "
-          "an earlier batch",
-          out.string()));
+      throw Failure(
+          fmt::format("--out {}: exists already and is not a batch, expected a new or empty folder, or that "
+                      "of an earlier batch",
+                      out.string()));
     if (!fresh && read_text(note) != note_of(work))
       throw Failure(fmt::format("--out {}: is another command's batch: {}", out.string(), read_text(note)));
     fs::create_directories(out, error);
     if (error) throw Failure(fmt::format("--out {}: cannot be made: {}", out.string(), error.message()));
-    lock_.emplace(out / ".lock", fmt::format("--out {}: another batch is at work there", out.string()));
+    lock_.emplace(out / ".lock", fmt::format("--out {}: another batch is running there", out.string()));
     OutputFile file(note);
     file.write(note_of(work));
     file.commit();
@@ -229,8 +229,9 @@ int conclude(const Order& order, const std::vector<TableRow>& rows) {
     return kInterrupted;
   }
   if (failed > 0)
-    fmt::print(stderr, "softarm: {} of {} jobs failed; once mended, --retry-failed runs them again\n", failed,
-               rows.size());
+    fmt::print(stderr,
+               "softarm: {} of {} jobs failed; once the cause is removed, --retry-failed runs them again\n",
+               failed, rows.size());
   return failed > 0 || serious > 0 ? 1 : 0;
 }
 
@@ -247,8 +248,8 @@ void run(Order order) {
   keep_signals();
   if (const std::size_t left = slurm ? 0 : left_in_slurm(order.out); left > 0)
     throw Failure(
-        fmt::format("--out {}: {} of its jobs are still in Slurm's queue; go on with --engine slurm, or take "
-                    "them back with scancel",
+        fmt::format("--out {}: {} of its jobs are still in Slurm's queue; go on with --engine slurm, or "
+                    "cancel them with scancel",
                     order.out.string(), left));
   const Plan plan = make_plan(order);
   fmt::print(

@@ -56,9 +56,9 @@ bool succeeded(const Job& job, const JobFolder& folder, const ChildEnd& end) {
 std::string why(const JobFolder& folder, const ChildEnd& end) {
   if (end.signal != 0)
     return fmt::format("ended by signal {} ({})", end.signal,
-                       end.signal == SIGKILL ? "killed; was there memory for it?" : ::strsignal(end.signal));
+                       end.signal == SIGKILL ? "killed; was there enough memory?" : ::strsignal(end.signal));
   const std::string said = reason_in(read_text(folder.log()));
-  return said.empty() ? fmt::format("exit status {}, without a word", end.exit_status) : said;
+  return said.empty() ? fmt::format("exit status {}, without a message", end.exit_status) : said;
 }
 
 }  // namespace
@@ -98,7 +98,7 @@ std::optional<Outcome> run_job(const JobFolder& folder, const std::string& progr
                                const std::function<bool()>& stop) {
   const std::optional<Job> job = folder.order();
   if (!job)
-    throw Failure(fmt::format("{}: there is no order of a job", (folder.path() / "job.json").string()));
+    throw Failure(fmt::format("{}: no job is described there", (folder.path() / "job.json").string()));
   folder.clear();
   std::error_code error;
   fs::create_directories(folder.result(), error);

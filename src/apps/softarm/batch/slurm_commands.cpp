@@ -101,7 +101,7 @@ std::string submit_array(const std::vector<std::string>& sbatch_words) {
   words.insert(words.end(), sbatch_words.begin(), sbatch_words.end());
   std::string said, error;
   if (!run_and_read(words, said, error))
-    throw Failure(fmt::format("--engine slurm: sbatch took no job: {}", as_one_line(error)));
+    throw Failure(fmt::format("--engine slurm: sbatch accepted no job: {}", as_one_line(error)));
   std::istringstream lines(said);
   std::string line, id;
   while (std::getline(lines, line)) {
@@ -109,7 +109,7 @@ std::string submit_array(const std::vector<std::string>& sbatch_words) {
     if (is_number(first)) id = first;
   }
   if (id.empty())
-    throw Failure(fmt::format("--engine slurm: sbatch gave no job's number: {}", as_one_line(said)));
+    throw Failure(fmt::format("--engine slurm: sbatch returned no job number: {}", as_one_line(said)));
   return id;
 }
 
@@ -118,7 +118,7 @@ void cancel_arrays(const std::vector<std::string>& ids) {
   words.insert(words.end(), ids.begin(), ids.end());
   std::string said, error;
   if (!ids.empty() && !run_and_read(words, said, error))
-    throw Failure(fmt::format("the jobs could not be taken back: {}", as_one_line(error)));
+    throw Failure(fmt::format("the jobs could not be cancelled: {}", as_one_line(error)));
 }
 
 std::string parse_end(const std::string& shown) {

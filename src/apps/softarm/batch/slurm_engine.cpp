@@ -227,8 +227,8 @@ class SlurmBatch {
     lost.version = program_version();
     const std::string said = slurm_end(open.array_id, open.index);
     lost.reason = !said.empty() ? "Slurm: " + said  // it forgets at once what was taken back before it began
-                  : open.began  ? "Slurm has ended it, and knows no reason any more"
-                                : "Slurm has not begun it: somebody took it back";
+                  : open.began  ? "Slurm ended it, and no longer knows why"
+                                : "Slurm never started it: it was cancelled";
     if (const std::optional<Job> job = folder.order()) {
       lost.order_sha256 = digest_of(*job);
       try {
