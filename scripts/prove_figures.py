@@ -201,10 +201,10 @@ def worlds(pairs):
 
 
 def extent(figures):
-    """What part of the campaigns figures are of, in words."""
+    """What part of the campaigns figures are of, in words: "from ... of"."""
     if figures.get("so_far"):
-        return f"{figures['draws']} of the {figures['so_far']} cases of the whole, decided so far, in an order that says nothing of them,"
-    return "the whole" if figures["full"] else "a sample"
+        return f"the {figures['draws']} cases that were decided so far, in random order, out of {figures['so_far']}"
+    return "all cases" if figures["full"] else "a sample"
 
 
 def reasons(results):

@@ -9,9 +9,9 @@ from prove_files import markdown
 ACTS_LIKE = 0.5  # share of what is hidden, from which on an effect that explains it is said to act like it
 AS_MUCH = 0.9  # of the best effect's share: more is as much
 PANELS_ACROSS, PANEL_INCHES, MOST_PANELS, MOST_TOLD = 4, (3.1, 2.0), 48, 2  # of a picture; curves of what was told, of a panel
-WORDS = {"top1": "not first", "top3": "not among three", "right_class": "not by its class", "both_named": "not both",
-         "unknown": "not said to be unknown", "found_or_cannot_tell": "neither found nor undecided",
-         "false_alarm": "**accused**", "confident_wrong": "**sure and wrong**"}
+WORDS = {"top1": "not named first", "top3": "not in the first three", "right_class": "class not named", "both_named": "not both named",
+         "unknown": "not said to be unknown", "found_or_cannot_tell": "neither found nor said to be undecidable",
+         "false_alarm": "**false alarm**", "confident_wrong": "**confident and wrong**"}
 
 
 def counts_against(result):
@@ -54,17 +54,17 @@ def joined(effects):
 
 
 def of_wrong_statement(named, result):
-    """What is told and is not so."""
+    """What is named and is not so."""
     truth = result["truth"]
     said = f"`{named['name']}` ({percent(named.get('probability') or 0.0)})"
     if result["kind"] == "control":
-        return f"{said} is what its interventions have, and is told of the untouched recordings"
+        return f"{said} is named for the untouched recordings, though it describes one of their interventions"
     share = explained_by(truth).get(named["name"])
     if not truth["effects"] or share is None:
         return f"{said} is not there"
     if share >= ACTS_LIKE:
-        return f"{said} acts like what is hidden: it explains {percent(share)} of it"
-    return f"{said} is not there: it explains {percent(share)} of what is hidden"
+        return f"{said} is not there, but acts like what is hidden (explains {percent(share)} of that)"
+    return f"{said} is not there (explains {percent(share)} of what is hidden)"
 
 
 def of_form(effect, truth):
@@ -75,10 +75,10 @@ def of_form(effect, truth):
     if best is None or best == effect:
         return ""
     if shares[best] < ACTS_LIKE:
-        return f"to first order no effect of the catalogue explains half of it (best: `{best}`, {percent(shares[best])})"
+        return f"no effect of the catalogue explains half of what is hidden (best: `{best}`, {percent(shares[best])})"
     if own is not None and own >= AS_MUCH * shares[best]:
-        return f"`{best}` explains as much of it ({percent(shares[best])}; its own law {percent(own)})"
-    return f"`{best}` explains {percent(shares[best])} of it" + ("" if own is None else f", the catalogue's law of its own {percent(own)}")
+        return f"`{best}` explains {percent(shares[best])} of what is hidden, as much as the catalogue's `{effect}` ({percent(own)})"
+    return f"`{best}` explains {percent(shares[best])} of what is hidden" + ("" if own is None else f", the catalogue's `{effect}` {percent(own)}")
 
 
 def of_silence(effect, result):
@@ -87,19 +87,19 @@ def of_silence(effect, result):
     for place, named in enumerate(decision["named"], 1):
         if named["name"] == effect:
             before = decision["named"][:place - 1]
-            whose = f" after {joined(before)}" if before else ""
+            whose = f", after {joined(before)}" if before else ""
             there = {one["effect"] for one in prove_score.everything(result["truth"])} | set(prove_score.hidden(result["truth"]))
             if before and all(one["name"] in there for one in before):
-                whose += ", which is there, too" if len(before) == 1 else ", which are there, too"
-            return f"told{whose}, at {percent(named.get('probability') or 0.0)}"
+                whose += ", which is also there" if len(before) == 1 else ", which are also there"
+            return f"named with {percent(named.get('probability') or 0.0)}{whose}"
     for named in decision["named"]:
         if effect in named.get("confusable_with", []):
-            return f"told as what `{named['name']}` may be mistaken for"
+            return f"only listed as confusable with `{named['name']}`"
     for place, candidate in enumerate(report["ranking"], 1):
         if candidate["name"] == effect:
             finding = str(candidate.get("finding", "absent")).replace("_", " ")
-            return f"not told; it has place {place} of the ranking, at {percent(candidate.get('probability') or 0.0)} ({finding})"
-    return "not told"
+            return f"not named (number {place} of the ranking, with {percent(candidate.get('probability') or 0.0)}: {finding})"
+    return "not named"
 
 
 def of_intervention(result):
@@ -108,10 +108,10 @@ def of_intervention(result):
     said = []
     told = [named for named in prove_real_score.new(decision) if prove_real_score.meets(named, truth)]
     if told:
-        said.append(f"found by what is told later, or by what that may be mistaken for: {joined(told)}")
+        said.append(f"found, but not by the first name: by {joined(told)}, or what is listed as confusable with that")
     names = truth["effects"][0]["names"] or truth["class"]
     known = [name for name in names if name in decision.get("before", ())]
-    said += [f"`{name}` is what its untouched recordings are told, too" for name in known]
+    said += [f"`{name}` is also named for the untouched recordings" for name in known]
     if not told:
         said += [f"`{name}` is {of_silence(name, result)}" for name in names if name not in known]
         said.append(of_form(names[0], truth) if names else "")
@@ -126,13 +126,14 @@ def of_size(result):
     leaves = 1e3 * math.sqrt(sum(effect["signal"]["leftover_m"] ** 2 for effect in truth["effects"]))
     beside = truth.get("distractors_leave_m", truth.get("unexplained_m"))
     if beside is None:
-        return f"it leaves {leaves:.2f} mm, the arm file {1e3 * prove_score.unseen_rms_m(result['report'], 'baseline'):.2f} mm on trials left out"
-    others = "of the arm's own" if "unexplained_m" in truth else "of small departures"
-    return f"it leaves {leaves:.2f} mm beside {1e3 * beside:.2f} mm {others}"
+        baseline = 1e3 * prove_score.unseen_rms_m(result["report"], "baseline")
+        return f"what is hidden leaves {leaves:.2f} mm (held-out error of the baseline: {baseline:.2f} mm)"
+    others = "untouched recordings" if "unexplained_m" in truth else "small departures"
+    return f"what is hidden leaves {leaves:.2f} mm (the {others}: {1e3 * beside:.2f} mm)"
 
 
 def wrong_statements(result):
-    """Those that count: of an accusation all but what is listed as hardly there, of a case with something hidden those that are
+    """Those that count: of a false alarm all but what is listed as hardly there, of a case with something hidden those that are
     more probable than not."""
     truth, decision = result["truth"], prove_score.decision_of(result)
     alarmed = "false_alarm" in counts_against(result) and result["kind"] != "control"
@@ -156,13 +157,14 @@ def why(result):
                 if len(truth["effects"]) == 1:  # of several an ideal detector sees all together
                     said.append(of_form(effect, truth))
     if "unknown" in against and result["kind"] != "intervention":
-        said.append(f"the best effect of the catalogue leaves {prove_score.beyond_catalogue(truth):.0f} sd of it, and that was not said")
+        beyond = prove_score.beyond_catalogue(truth)
+        said.append(f"the best effect of the catalogue leaves {beyond:.0f} sd of what is hidden, so that the verdict should be unknown")
     wrong = wrong_statements(result)
     said += [of_wrong_statement(named, result) for named in wrong]
     if "false_alarm" in against and not wrong:
         named = prove_score.said(prove_score.decision_of(result))
-        said.append("what it names is there, and too small to be told" if named else
-                    f"nothing is named that is not there; the verdict is {report['verdict']}")
+        said.append("what is named is there, but too small to count" if named else
+                    f"nothing wrong is named, but the verdict is {report['verdict']}")
     said.append(of_size(result))
     return "; ".join(text for text in said if text)
 
@@ -186,9 +188,10 @@ def hidden(truth):
 
 
 CAPTION = f"""
-Pictures: over all trials, one after the other: how far what is hidden moves the bodies (grey), and what was told does (blue where it is
-right, by itself or by what it may be mistaken for; red where it is not). Of what was told the {MOST_TOLD} largest that are more
-probable than not; the first {MOST_PANELS} cases in which anything was measured.
+The pictures have a panel for each case. Over all trials, one after the other, they show by how much the bodies are moved: by what
+is hidden (grey), and by what was named (blue where it, or what is listed as confusable with it, is there; red where not). Of the
+names with 50 % or more the {MOST_TOLD} that move the bodies most are drawn. A picture has the first {MOST_PANELS} cases with a
+measurement.
 """
 
 
@@ -198,19 +201,25 @@ def story(results, figures, names):
     by_world = missed(results)
     text = f"""# What the proof missed, and why
 
-Written by `scripts/prove` about {extent(figures)} of [the proof]({names['story']}), seed {figures['seed']}, engine `{figures['engine']}`: each case
-that counts against the diagnosis, {sum(len(some) for some in by_world.values())} of {len(drawn)}. Reasons are worked out from what was hidden, what was said and what an ideal
-detector would see. *Explains*: so much of what is hidden, beside the arm's constants, an effect of the catalogue explains at its best,
-to first order. A case that is not clear counts only where something is told that is not there, or the diagnosis failed.
-[What the rates mean]({names['story']}).
+Of the {len(drawn)} cases of [the proof]({names['story']}), {sum(len(some) for some in by_world.values())} count against the
+diagnosis. This page lists each of them, with the reasons.
+`scripts/prove` worked these out from what was hidden, what the report said and what an ideal detector would see.
+The proof is of {extent(figures)}; seed {figures['seed']}, engine `{figures['engine']}`.
+
+- *Said*: the verdict, then each name with its probability and, in square brackets, what the report lists as confusable with it.
+- *Counts as*: [the rates]({names['story']}#what-was-measured-and-how) that count against the diagnosis. A case that is not clear is
+  here only for a false alarm, for a confident statement that is wrong, or because the diagnosis failed.
+- *Explains*: the largest share of what is hidden, beside the arm's constants, that an effect of the catalogue can explain, to first
+  order.
+- *Leaves*: by how much what is hidden moves the bodies (rms) after the constants are refitted. In brackets what there is besides.
 """ + (CAPTION if names["misses"] else "")
     for world, some in by_world.items():
         of_world = sum(1 for result in drawn if world_of(result["kind"]) == world)
         text += f"\n## {world.capitalize()}: {len(some)} of {of_world} cases\n\n"
         if world in names["misses"]:
-            text += f"![What was hidden and what was told]({names['misses'][world]})\n\n"
+            text += f"![What was hidden and what was named]({names['misses'][world]})\n\n"
         elif names["misses"]:
-            text += "No picture: how far bodies move was measured of none of these.\n\n"
+            text += "No picture: no displacement was measured in these cases.\n\n"
         lines = [["case", "hidden", "said", "counts as", "why"]]
         for result in some:
             against = ", ".join(WORDS.get(rate, rate) for rate in counts_against(result))

@@ -5,14 +5,23 @@ import prove_score
 LOOKS = {"found": ("#1f6fb4", "o"), "in the control too": ("#8a8a8a", "s"), "named wrongly": ("#c0392b", "X"),
          "missed": ("#d9730d", "o"), "no name, unknown": ("#3a923a", "^"), "no name": ("#b8b8b8", "^")}
 
+OUTCOMES = """- *Clear*: it leaves a quarter or more of what the arm's constants leave of the untouched recordings.
+- *Found*: an effect of its class is named with 50 % or more, and is not the arm's own.
+- *In the control too*: an effect of its class is named, but the untouched recordings get the same name.
+- *Named wrongly*: it is not found, and the report has a confident statement that is wrong.
+- *Missed*: it is not found, and nothing wrong is stated with confidence.
+- *No name*: nothing in the catalogue acts like it, so that *unknown* is the right verdict; *no name, unknown* where that is the
+  verdict.
+"""
+
 
 def description(truth):
     if not truth["effects"]:
         return f"{truth['set']}, {truth['split'] + 1}: untouched"
     effect = truth["effects"][0]
     clear = "" if truth["clear"] else ", not clear"
-    return (f"{truth['set']}, {truth['split'] + 1}: {truth['words']}; leaves {1e3 * effect['signal']['leftover_m']:.2f} mm beside "
-            f"{1e3 * truth['unexplained_m']:.2f} mm of the arm's own{clear}")
+    return (f"{truth['set']}, {truth['split'] + 1}: {truth['words']}; leaves {1e3 * effect['signal']['leftover_m']:.2f} mm "
+            f"(the untouched recordings {1e3 * truth['unexplained_m']:.2f} mm){clear}")
 
 
 def outcome(decision, truth):
@@ -39,16 +48,15 @@ def story(results, picture=None):
     if not listed:
         return ""
     changes = sorted({change.split(": ")[1] for change, _, _, _ in listed})
-    lines = ["| done to the recordings | cases | clear | " + " | ".join(prove_real_score.BINS) + " |",
+    lines = ["| intervention | cases | clear | " + " | ".join(prove_real_score.BINS) + " |",
              "|" + "---|" * (3 + len(prove_real_score.BINS))]
     for change in changes:
         some = [one for one in listed if one[0].split(": ")[1] == change]
         counts = [sum(1 for one in some if one[3] == outcome) for outcome in prove_real_score.BINS]
         lines.append(f"| {change.replace('_', ' ')} | {len(some)} | {sum(1 for one in some if one[2])} | " +
                      " | ".join(str(n) if n else "" for n in counts) + " |")
-    return ("## Known interventions on real recordings\n\n" + "\n".join(lines) +
-            "\n\n*Clear*: what it leaves beside the arm's constants is a quarter or more of what they leave of the untouched\n"
-            "recordings. *No name*: nothing in the catalogue acts like it, so that *unknown* is right.\n\n" + (f"![Each intervention by its size]({picture})\n\n" if picture else ""))
+    return ("## Known interventions on real recordings\n\nWhat became of each intervention, clear or not:\n\n" + "\n".join(lines) +
+            "\n\n" + OUTCOMES + "\n" + (f"![Each intervention by its size]({picture})\n\n" if picture else ""))
 
 
 def draw(results, path):

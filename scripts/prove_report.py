@@ -7,22 +7,22 @@ import prove_short
 from prove_files import markdown
 
 KIND_DESCRIPTION = {
-    "none": "nothing hidden but distractors below the noise",
+    "none": "nothing; small departures stay below the noise",
     "single_strong": "one effect of the catalogue",
-    "single_weak": "one, barely above the noise",
-    "pair": "two effects",
-    "outside": "an effect outside the catalogue",
-    "compensated": "one that fits frame by frame hide",
-    "class_only": "one mounting, one speed: only a class can be right",
-    "untidy_none": "nothing but small departures of everything, together what the campaign says",
-    "untidy_single": "one effect of the catalogue among such departures, as large as it comes",
-    "untidy_pair": "two effects among such departures",
-    "untidy_outside": "an effect outside the catalogue among such departures",
-    "solid_none": "a finite-element arm with nothing hidden",
-    "solid_single": "a finite-element arm with one thing hidden",
-    "solid_compensated": "a finite-element arm with a smaller chamber, which a gain takes up",
-    "intervention": "recordings of a real arm with one thing wrong that is known, from invisible to gross",
-    "control": "the same recordings untouched",
+    "single_weak": "one effect of the catalogue, barely above the noise",
+    "pair": "two effects of the catalogue",
+    "outside": "one effect outside the catalogue",
+    "compensated": "one effect that fits frame by frame absorb",
+    "class_only": "one effect, recorded in one attitude at one speed: only its class can be right",
+    "untidy_none": "nothing; small departures of everything, together as large as the campaign file says",
+    "untidy_single": "one effect of the catalogue of any size, and such departures",
+    "untidy_pair": "two effects of the catalogue of any size, and such departures",
+    "untidy_outside": "one effect outside the catalogue of any size, and such departures",
+    "solid_none": "nothing in a finite-element arm",
+    "solid_single": "one effect in a finite-element arm",
+    "solid_compensated": "a smaller chamber in a finite-element arm, which a gain absorbs",
+    "intervention": "one known fault in recordings of a real arm, from invisible to gross",
+    "control": "nothing in the same recordings",
 }
 # Rows of several kinds together: a name and the kinds. Each of them alone has too few cases to meet such a target.
 POOLED = {"none, untidy_none, solid_none": ("none", "untidy_none", "solid_none"),
@@ -51,26 +51,27 @@ TARGETS = [
 ]
 # (figure, description, least, most)
 FIGURES = [
-    ("confident_wrong", "confident (p > 0.9) and wrong, all trials", None, 0.02),
+    ("confident_wrong", "confident (p > 0.9) and wrong, all cases", None, 0.02),
     ("calibration_error", "calibration error of stated probabilities", None, 0.05),
-    ("parameter_median_error", "size of the effect, median relative error", None, 0.15),
-    ("interval_coverage", "90 % intervals that cover", 0.85, 0.95),
+    ("parameter_median_error", "size of a rightly named effect, median relative error", None, 0.15),
+    ("interval_coverage", "90 % intervals that hold the true value", 0.85, 0.95),
     # No target: an error of 15 % of the displacement is asked of other forms than the catalogue's, beside the arm's constants.
     # These displacements are beside one set of them each, and hold what a refit of the constants would absorb.
-    ("displacement_explained", "share of the displacement of what is hidden that the named effect makes, median of those rightly named",
+    ("displacement_explained", "share of the hidden displacement that a rightly named effect makes, median",
      None, None),
-    ("displacement_coverage", "90 % intervals of the displacement that cover (effects of one size)", None, None),
-    ("held_out_over_floor", "held-out error over noise floor, median (but untidy)", None, 1.05),
-    ("worse_than_baseline", "held-out worse than before, nothing hidden", None, 0.0),
-    ("bias_removed", "bias of EI removed where compensated and named, median", 0.8, None),
+    ("displacement_coverage", "90 % intervals that hold the true displacement (effects with one size)", None, None),
+    ("held_out_over_floor", "held-out error over noise floor, median (untidy left out)", None, 1.05),
+    ("worse_than_baseline", "nothing hidden: extended arm with a larger held-out error than the baseline", None, 0.0),
+    ("bias_removed", "compensated, and something named: share of the error of EI that the extended arm removes, median", 0.8, None),
     ("place_error_m", "place of contact and soft spot, median error, m", None, 0.02),
-    ("law_share", "outside the catalogue and unknown: share of what a flexible model learns that a discovered law takes, median", 0.5, None),
+    ("law_share", "outside the catalogue, verdict unknown: share of what a flexible model learns that the discovered law explains, median",
+     0.5, None),
 ]
 # Of each of these worlds by itself: (worlds, figure, description, least, most)
 IN_WORLDS = [
     (("tidy", "untidy", "solid", "real"), "confident_wrong", "confident (p > 0.9) and wrong", None, 0.02),
-    (("tidy", "untidy", "solid", "real"), "interval_coverage", "90 % intervals that cover", 0.85, 0.95),
-    (("real",), "parameter_median_error", "size of what was done, median relative error", None, 0.25),
+    (("tidy", "untidy", "solid", "real"), "interval_coverage", "90 % intervals that hold the true value", 0.85, 0.95),
+    (("real",), "parameter_median_error", "size of a rightly named intervention, median relative error", None, 0.25),
 ]
 # What two cores have in 10 s and in 30 s: a diagnosis that takes more of them cannot be that fast. (figure, description, most)
 TIMES = [("core_seconds_median", "tidy, untidy: processor time of a diagnosis, median, s", 20.0),
@@ -107,13 +108,13 @@ def beside_baselines(figures):
         beside = {method: found for method, found in figures["worlds"].get(world, {}).get("mcnemar", {}).items() if found["cases"]}
         if not beside:
             if figures["full"]:
-                table.append([f"{world}: right alone of the clear cases, diagnose to a baseline; McNemar's p", "0", "-", f"< {most:g}", NOT_MET]
-                             + ["" for _ in prove_score.BASELINES])
+                table.append([f"{world}: clear cases that only one decides rightly, diagnose to a baseline; McNemar's p", "0", "-",
+                              f"< {most:g}", NOT_MET] + ["" for _ in prove_score.BASELINES])
             continue
         best, found = max(beside.items(), key=lambda one: one[1]["theirs_alone"] - one[1]["ours_alone"])
         ahead, clear = found["ours_alone"] > found["theirs_alone"], found["p"] < most
         judged = MET if ahead and clear else CONTRADICTED if clear else NOT_MET if figures["full"] else NOT_CONTRADICTED
-        table.append([f"{world}: right alone of the clear cases, diagnose to {best}; McNemar's p", str(found["cases"]),
+        table.append([f"{world}: clear cases that only one decides rightly, diagnose to {best}; McNemar's p", str(found["cases"]),
                       f"{found['ours_alone']} to {found['theirs_alone']}; {found['p']:.2g}", f"< {most:g}", judged]
                      + ["" for _ in prove_score.BASELINES])
     return table
@@ -202,7 +203,7 @@ def times(figures):
     return table
 
 
-HEADINGS = ["", "trials", "diagnose (90 %)", "target", "", *prove_score.BASELINES]
+HEADINGS = ["", "cases", "diagnose (90 %)", "target", "", *prove_score.BASELINES]
 
 
 def table(figures):
@@ -248,16 +249,24 @@ def judged(result):
 
 
 def ideal_description(truth):
-    if "class" in truth:
-        return "class: " + (", ".join(truth["class"]) or "none")
+    if truth.get("class") or "set" in truth:
+        return "class: " + (", ".join(truth.get("class", [])) or "none")
     return ", ".join(f"{item['effect']} {item['explains']:.2f}" for item in truth["ideal"][:3])
 
 
+def number_of(count, one, many):
+    return f"{count} {one if count == 1 else many}"
+
+
 def rejected(figures):
+    """Draws that did not do, cases that could not be drawn, and diagnoses that failed."""
     most = list(figures["rejected_reasons"].items())[:5]
-    return (f"{figures['rejected_draws']} draws were rejected on the way" +
-            (" (" + "; ".join(f"{why}: {count}" for why, count in most) + ("; others" if len(figures["rejected_reasons"]) > len(most) else "") + ")"
-             if most else ""))
+    more = "; others" if len(figures["rejected_reasons"]) > len(most) else ""
+    why = " (" + "; ".join(f"{why}: {count}" for why, count in most) + more + ")" if most else ""
+    failed = figures["failed"]
+    return (f"{number_of(figures['rejected_draws'], 'draw was', 'draws were')} rejected before the seal{why}. "
+            f"{number_of(figures['not_drawn'], 'case', 'cases')} could not be drawn. {number_of(failed, 'diagnosis', 'diagnoses')} failed"
+            + (f"; {'it counts' if failed == 1 else 'they count'} as having said nothing." if failed else "."))
 
 
 def cost(figures):
@@ -269,70 +278,100 @@ def cost(figures):
 
 def moved(figures):
     """How the displacements are spread, by world."""
-    said = []
+    spreads = []
     for world, found in figures["worlds"].items():
         spread = found.get("displacement", {})
         if spread.get("effects"):
             lost = f", {spread['unmeasured']} not measured" if spread["unmeasured"] else ""
-            said.append(f"{world} " + ", ".join(number(value) for value in spread["quantiles"].values()) +
-                        f" ({spread['effects']} effects{lost})")
-    return ("Of the displacement of what is hidden and clear the first effect named, rightly or not, makes this share (nothing "
-            "named: 0), at the quantiles 10, 25, 50, 75 and 90 %: " + "; ".join(said) + "." if said else "")
+            spreads.append(f"{world} " + ", ".join(number(value) for value in spread["quantiles"].values()) +
+                           f" ({spread['effects']} effects{lost})")
+    if not spreads:
+        return ""
+    return ("**Displacement.** How much of the displacement of a clear hidden effect is made by the effect that is named for it (the first\n"
+            "right name, else the first wrong one; nothing named counts as 0, all of it as 1), at the quantiles 10, 25, 50, 75 and 90 %:\n"
+            + "; ".join(spreads) + ".\n")
 
 
 def versus(figures):
     """Who is right where the other one is not."""
-    said = []
+    pairs = []
     for method, found in figures["baselines"].items():
         if found.get("mcnemar"):
             m = found["mcnemar"]
-            said.append(f"`{method}` {m['ours_alone']} to {m['theirs_alone']} (p = {m['p']:.2g})")
-    return ("Clear cases that `diagnose` alone decides rightly, to those that a baseline alone does (McNemar): " + ", ".join(said) + "."
-            if said else "")
+            pairs.append(f"`{method}` {m['ours_alone']} to {m['theirs_alone']} (p = {m['p']:.2g})")
+    return ("Clear cases that `diagnose` alone decides rightly, to those that only the baseline does (McNemar): " + ", ".join(pairs) + "."
+            if pairs else "")
+
+
+JUDGED = """In brackets: 90 % intervals, Wilson's for rates, by a bootstrap of the cases for other figures. A target is
+
+- *met* where the whole interval meets it,
+- *contradicted* where no part of the interval meets it,
+- *not met* where a part of it does, or where the whole proof has no figure,
+- *not contradicted* where a part of it does, and the cases are too few to meet the target: in a sample, and in a world where even a
+  diagnosis without an error would not meet it, or where the interval is wider than the target.
+
+A single case contradicts a target of 0. A row of several kinds has their cases and one target together. Each world has to meet by
+itself the targets that name it.
+
+**Baselines.** Four simpler methods decide the same cases. They have what one round of the diagnosis has: the same fit, signatures,
+noise with a background, refits, prior odds, forms other than the catalogue's, and least sizes. They decide differently, and their
+probabilities are BIC weights of the refitted models: `per_frame` goes by the residuals of fits frame by frame alone, `bic` goes
+forward step by step, `lasso` follows the path of a group lasso, and `gp` is a Gaussian process alone. `gp` never names an effect;
+its alarm is an alarm of the other three, too."""
 
 
 # How the cases of each world are made.
 WORLDS_TEXT = """## The worlds
 
-- **tidy**: nine trials of an arm by the virtual rig, which shares no code with the model of the diagnosis; the arm file is
-  right but for the constants that are fitted, and what is hidden has another form than the catalogue's where
-  [the rig has one](effects.md#the-virtual-rigs-forms).
+- **tidy**: nine trials of an arm in the virtual rig, which shares no code with the model of the diagnosis. The arm file is right
+  but for the constants that are fitted. Where [the rig has one](effects.md#the-virtual-rigs-forms), a hidden effect has another
+  form than the catalogue's.
 - **untidy**: the same, and six to ten small departures besides, 0.2 to 3 mm together, so that nothing is quite as the arm file
-  says. What is hidden is as large as it comes: its size is wished for evenly in its logarithm, from a fifth of the position
-  noise to 4 mm, and whatever a few scalings make of it stays; nothing is drawn again because it is hard to see. A case is
-  *clear* where each hidden effect leaves no less than the background does, and no less than half of the position noise;
-  that is sealed with the case. Rates of naming count the clear ones; `power`, `confident_wrong` and the intervals count all.
-  Recordings hold no scale of forces but the masses that the arm file states: of an arm that is heavier than that, true compliances,
-  stiffnesses, weights and payloads are compared as such a file would have them.
-- **solid**: [a silicone arm by finite elements](solid_arm.md), nobody's rod, computed once by a solver that is not this package's.
-  Five or six trials of states at rest, noise new in each draw, nothing hidden or one of seven things: a soft ring, an elastic clamp, a
-  payload off its axis, an edge in the way, a log with an offset or a dead zone; and a smaller chamber, which a gain takes up. What is right to
-  name was decided before the first diagnosis. The arm file is identified from other states of the arm with nothing hidden. The
-  arm's stiff caps are there, not in its file, and may be named.
-- **real**: recordings of two real arms ([a tendon trunk and a pouch arm](real_arms.md)), imported as they are (the
-  controls), and again with one thing wrong that is known (the interventions). It is done to the recorded table before it is
-  imported: payloads told at a factor, withheld or exchanged between trials; the cameras' clock, or one input's, shifted or
-  running off; a body moved along or across the arm, two bodies exchanged; the cameras' frame tilted with gravity, the base
-  without; the log of the inputs passed through a gain that saturates, a dead zone, a lag, an offset, a play or a leak (the
-  arm did what it did: what it seems to have is the inverse). Gravity told tilted, and one segment with the constants of
-  another session, are written into the arm file. Sizes are drawn evenly in their logarithm, from what nobody could see to
-  what nobody could overlook. The arm file is identified from pieces of the recordings that are not diagnosed; where there
-  are no others, from those.
+  says.
+  - The wished size of what is hidden is drawn evenly in its logarithm, from a fifth of the position noise to 4 mm. A few scalings
+    come near it, and what they come to stays: nothing is drawn again because it is hard to see.
+  - A case is *clear* where each hidden effect leaves as much as all departures together or more, and half of the position noise or
+    more. That is sealed with the case.
+  - Rates of naming count clear cases; `power`, `confident_wrong` and the intervals count all.
+  - The masses in the arm file are the only scale of forces in recordings. Where the arm is heavier than its file says, true
+    compliances, stiffnesses, weights and payloads are compared as such a file would have them.
+- **solid**: [a silicone arm by finite elements](solid_arm.md), which is no rod model. An independent solver computed it once.
+  - Five or six trials of states at rest, with new noise in each draw, and nothing or one of seven things hidden: a soft ring, an
+    elastic clamp, a payload off the axis, an edge in the way, an input log with an offset or a dead zone, or a smaller chamber,
+    which a gain absorbs.
+  - Which names are right was decided before the first diagnosis. The stiff caps of the arm are there, are not in its file, and may
+    be named.
+  - The arm file is identified from other states of the arm with nothing hidden.
+- **real**: recordings of two real arms ([a tendon trunk and a pouch arm](real_arms.md)), imported as they are (the controls), and
+  again with one known fault (the interventions).
+  - Most faults are put into the recorded table before it is imported: payloads stated with a factor, withheld or exchanged between
+    trials; the clock of the cameras or of one input shifted or drifting; a body moved along or across the arm, or two bodies
+    exchanged; the frame of the cameras tilted together with gravity, or the base tilted without it; the log of the inputs passed
+    through a saturating gain, a dead zone, a lag, an offset, a play or a leak. The arm did what it did, so it seems to have the
+    inverse of such a fault in the log.
+  - Two faults are written into the arm file: gravity tilted, and one segment with the constants of another session.
+  - Sizes are drawn evenly in their logarithm, from invisible to gross.
+  - The arm file is identified from pieces of the recordings that are not diagnosed; where there are no others, from those.
 
-  A real arm has effects of its own, and nobody knows which. So an intervention is judged beside its control: what both are
-  said to have is the arm's, and finds nothing, but for what is of the intervention's class, a small departure there and none here (the baselines list no small departures, and gain nothing by it). It is found where something is named, more probable than not, that the
-  control was not said to have and that belongs to its class. The class is decided before anything is diagnosed and sealed
-  with the rest: the effects that say the intervention outright, and those whose signatures explain half or more of what it
-  leaves beside the arm's constants, and nearly as much as the best. Where the class is empty nothing in the catalogue acts
-  like it, and *unknown* is right. Rates count interventions that are *clear*: what they leave is a quarter or more of what
-  the constants leave of the untouched recordings; `power` counts all. Of a control, only those names are judged that its
-  interventions have outright: none of them may be named.
+A real arm has effects of its own, and nobody knows which. So an intervention is judged beside its control:
+
+- A name that both get is the arm's own and finds nothing, unless it is in the class of the intervention, a small departure in the
+  control and none in the intervention. (The baselines list no small departures, so that they gain nothing by this.)
+- An intervention is *found* where the report names, with 50 % or more, an effect of its class that is not the arm's own.
+- The *class* is decided and sealed before the first diagnosis. It has the effects that describe the intervention outright, and
+  those that act like it: their signatures explain half or more of what the intervention leaves after the constants are refitted,
+  and at least 0.9 of what the best effect explains. Where the class is empty, nothing in the catalogue acts like the intervention,
+  and *unknown* is right.
+- An intervention is *clear* where it leaves a quarter or more of what the constants leave of the untouched recordings. Rates count
+  clear interventions; `power` counts all.
+- In a control only those names are judged that describe one of its interventions outright. None of them may be named.
 """
 
 
 def trials(results, figures, names):
     """doc/proof_trials.md: every case. names: of files, see prove_pages.py."""
-    lines = [["case", "kind", "hidden", "an ideal detector", "said", "baseline -> extended (floor), mm", ""]]
+    lines = [["case", "kind", "hidden", "an ideal detector", "said", "held-out error: baseline -> extended (noise floor), mm", "judged"]]
     for result in results:
         truth, report = result["truth"], result["report"]
         if truth is None:
@@ -345,58 +384,89 @@ def trials(results, figures, names):
                       ideal_description(truth), said(result), errors, judged(result)])
     return f"""# Every case of the proof
 
-Of [the proof]({names['story']}), seed {figures['seed']}, which says what these words mean.
+These are the cases of [the proof]({names['story']}), seed {figures['seed']}. That page defines the words.
+
+- *Hidden*: the effect, its form, and what it leaves after the arm's constants are refitted, in standard deviations (sd) and in mm.
+  Of a recording of a real arm: the arm and the part of the recordings, the fault, and what it leaves beside what the untouched
+  recordings leave.
+- *An ideal detector*: the class that was sealed, or else the effects of the catalogue that explain most of what is hidden, with the
+  share that each explains.
+- *Said*: the verdict, then each name with its probability and, in square brackets, what the report lists as confusable with it.
+- *Judged*: the [rates]({names['story']}#what-was-measured-and-how) that count against the diagnosis (bold where any other than `top1`
+  and `top3` does). Of an intervention what [became of it]({names['story']}#known-interventions-on-real-recordings).
 
 {markdown(lines)}
 """
 
 
+MEASURED = """**Size of a hidden effect.** The same trials are simulated (or, of real recordings, imported) with and without it,
+with the same random numbers. The arm's constants are fitted to each, and the residuals are subtracted: means over 0.2 s as the
+diagnosis uses them, at the same times, each over its standard deviation (white noise, and what the diagnosis allows for swinging).
+What the derivatives of the constants explain is projected out. The length of the rest is the signal to noise after a refit (*sd* on
+these pages); its rms distance of a body is what the effect *leaves*, in metres. A set of trials has some 13000 such numbers, so
+that 12 sd are 0.02 mm, no more than the error of the rig itself. Each effect therefore leaves at least the `least_leftover_m`
+of the campaign file, too. An effect is *compensated* where its length with the constants held is 20 sd or more, and a
+chi^2 test of fits frame by frame stays below 3 standard deviations.
+
+**Rates.** A report's first name is meant without its stand-ins, and the *class* of a name is that name with all that the report
+lists as confusable with it.
+
+- `top1`: the first name is what is hidden; of a pair, one of the two.
+- `top3`: what is hidden is among the first three of the ranking, and the report says that something is there.
+- `right_class`: what is hidden, or a name that was sealed as right, too, is in the class of the first name; of a pair, each effect
+  is in the class of some name.
+- `both_named`: both effects of a pair are named.
+- `unknown`: the verdict is *unknown*, or *partly explained* with an effect named first that acts like what is hidden. Counts where
+  the best effect of the catalogue leaves 8 standard deviations or more of what is hidden.
+- `found_or_cannot_tell`: what is hidden is in the class of some name, or its finding or the verdict is *cannot tell*.
+- `false_alarm`: see [above](#in-short). Of an intervention, `top1`, `top3` and `right_class` go by its sealed class, as [the
+  worlds](#the-worlds) say.
+- `confident_wrong`: a name has a probability above 0.9, and neither it nor anything in its class is there.
+
+Small departures that were simulated are there, and may be named. Of an effect outside the catalogue each effect that acts like it
+counts as there: its signature explains half or more of what the hidden one leaves, and at least 0.9 of what the best effect
+explains (sealed with the draw, as for real recordings).
+
+**Displacement.** By how much an effect moves the bodies, every three seconds, in all trials. *Hidden*: the prediction with the
+effect less that without it, beside one set of the arm's constants. *Found*: the same of the model in `arm_extended.yaml`. The share
+is 1 - |found - hidden|^2 / |hidden|^2.
+
+**An ideal detector** compares the effects of the catalogue with the noise-free difference, and knows which share each explains.
+Where the hidden effect is not first there, its form differs from the catalogue's, or no detector could find it."""
+
+
+def provenance(figures):
+    return f"""## How this was run
+
+`scripts/prove` wrote this page from {prove_figures.extent(figures)} of `{figures['campaign']}`, seed {figures['seed']}. The engine that diagnosed is
+commit `{figures['engine']}`.
+SHA-256 of what was hidden, taken before the first diagnosis: `{figures['truth_sha256']}`.
+{rejected(figures)}
+{cost(figures)}
+"""
+
+
 def story(results, figures, names):
     """doc/proof.md. names: of files, see prove_pages.py."""
-    kinds = [["kind", "trials", "what is hidden"]]
+    kinds = [["kind", "cases", "what is hidden"]]
     kinds += [[k, figures[k]["trials"], KIND_DESCRIPTION[k]] for k in prove_score.KINDS if figures[k]["trials"]]
     return f"""# The proof of `softarm diagnose`
 
-Written by `scripts/prove`: {prove_figures.extent(figures)} of the campaign `{figures['campaign']}`, seed {figures['seed']}. Engine: commit
-`{figures['engine']}`. SHA-256 of what was hidden, taken before the first diagnosis: `{figures['truth_sha256']}`.
-{rejected(figures)}, {figures['not_drawn']} cases could not be drawn, {figures['failed']} diagnoses failed (they count as having said nothing).
-{cost(figures)}
-
+{prove_short.summary(results)}
 {prove_short.story(results, names)}
-## All that is asked of it
+## All figures and their targets
 
 {markdown([HEADINGS] + rows(figures))}
 
-In brackets: 90 % intervals, of rates Wilson's, of other figures by a bootstrap of the cases. *Met*: all of the interval meets
-the target; *contradicted*: none of it does; a sample is too small to meet one and says *not contradicted*. In the whole a target
-without a figure is not met. A row of several kinds has their cases together, and their target. Targets of every world are judged in each by itself; where a world has so few cases
-that even none wrong would not meet one, or that the interval is wider than what is allowed, it says *not contradicted*. {versus(figures)} The baselines have what a round of the diagnosis has: the same fit, signatures, noise with a background of small departures,
-refits, odds beforehand, forms other than the laws', and gates of size. They differ in how they decide, and are sure by BIC weights of the refitted models:
-`per_frame` by the residuals of fits frame by frame alone, `bic` by forward steps, `lasso` by the path of a group lasso, `gp` by
-a Gaussian process alone, which never names anything, and whose alarm the others share.
-{moved(figures)}
+{JUDGED}
+{versus(figures)}
 
+{moved(figures)}
 {prove_real_report.story(results, names.get("real"))}{WORLDS_TEXT}
 ## What was measured, and how
 
 {markdown(kinds)}
 
-How large an effect is: the same trials are simulated (or, of real recordings, imported) with and without it, with the same random numbers. The difference of what
-one set of the arm's constants leaves in both, in means over 0.2 s as the diagnosis uses them, at the times of those of the trials
-without it, each over its standard deviation (white noise, and what the diagnosis allows for swinging), is projected orthogonally to the derivatives of all of
-the arm's free constants. Its length is the signal to noise after a refit ("sd" below), its rms distance per body what is
-left in metres. A trial set has some 13000 such numbers, so that 12 sd are 0.02 mm, no more than the error of the rig
-itself; therefore sizes are also at least the `least_leftover_m` of the campaign file, which is the larger. Compensated: the length with the
-constants held is 20 or more, and a chi^2 test of fits frame by frame stays below 3 standard deviations.
+{MEASURED}
 
-`top1`: the first effect named is the hidden one. `top3`: it is among the first three of the ranking, and something was said
-to be there. `right_class`: it is the first one named, or among those that this is said to be confusable with. `unknown`: that
-verdict, where the best effect of the catalogue leaves 8 standard deviations or more. `found_or_cannot_tell`: named, or in the class of a named one, or said to be undecidable. Confident and wrong: an
-effect named with a probability above 0.9 that is not there, nor any that it is said to be confusable with. A named distractor
-is there; so, of something outside the catalogue, is an effect that acts like it: one whose signature explains half or more of
-what it leaves beside the arm's constants, and nearly as much as the best (sealed with the draw; the rule of the real
-recordings, too). Displacement: by how much an effect moves the bodies, every three seconds, in all trials; hidden: with it less without it,
-beside one set of the arm's constants; found: the model of `arm_extended.yaml` with it less without it; the share is
-1 - |found - hidden|^2 / |hidden|^2. An ideal detector: the effects of the catalogue against the noise-free difference, with the share of it that each
-explains; where the hidden one is not first there, its form differs from the catalogue's or no detector could do it.
-"""
+{provenance(figures)}"""

@@ -6,21 +6,39 @@ import prove_score
 import prove_solid
 from prove_files import markdown
 
-# What was asked, of which kinds of case, and the rate that answers it.
+# What was hidden and what is counted, of which kinds of case, and the rate that answers it.
 QUESTIONS = [
-    ("nothing is hidden: something is accused", ("none", "untidy_none", "solid_none"), "false_alarm"),
-    ("one effect, all else as the arm file says: it is named first", ("single_strong",), "top1"),
-    ("the same, barely above the noise", ("single_weak",), "top1"),
-    ("two effects, all else as the arm file says: both are named", ("pair",), "both_named"),
-    ("one effect among small departures of everything: it is named first", ("untidy_single",), "top1"),
-    ("the same: it is named first, or as what that may be mistaken for", ("untidy_single",), "right_class"),
-    ("something that the catalogue does not have: that is said", ("outside", "untidy_outside"), "unknown"),
-    ("an arm by finite elements, one thing hidden: it is named first", ("solid_single",), "top1"),
-    ("recordings of real arms, one thing wrong that is clear: it is found", ("intervention",), "right_class"),
-    ("the same recordings untouched: they are accused of that", ("control",), "false_alarm"),
+    ("nothing hidden: the report gives a false alarm", ("none", "untidy_none", "solid_none"), "false_alarm"),
+    ("one effect, the arm file otherwise right: it is named first", ("single_strong",), "top1"),
+    ("one effect barely above the noise, the arm file otherwise right: it is named first", ("single_weak",), "top1"),
+    ("two effects, the arm file otherwise right: both are named", ("pair",), "both_named"),
+    ("one effect, and small departures of everything: it is named first", ("untidy_single",), "top1"),
+    ("the same: it is found", ("untidy_single",), "right_class"),
+    ("an effect outside the catalogue: the report says so", ("outside", "untidy_outside"), "unknown"),
+    ("finite-element arm, one effect: it is named first", ("solid_single",), "top1"),
+    ("recordings of a real arm, one clear intervention: it is found", ("intervention",), "right_class"),
+    ("the same recordings untouched: the report gives a false alarm", ("control",), "false_alarm"),
 ]
 SURE = prove_score.CONFIDENT
 FEWEST_CASES = 2  # of an effect that has a row of its own
+WORLDS_IN_WORDS = {"tidy": "simulated arms whose file is otherwise right", "untidy": "simulated arms with small departures of everything",
+                   "solid": "the finite-element arm", "real": "real arms"}
+DEFINITIONS = """- *False alarm*: with nothing hidden, the report names an effect that is not there, whatever its probability. In
+  the kind `none`, which has no departures above the noise, any name counts, and so does any verdict but *consistent* and *cannot
+  tell*. For untouched recordings of a real arm only names of their interventions count, from 50 %.
+- *Named first*: the effect is the first name in the report, whatever its probability. For an intervention only names from 50 %
+  count that the untouched recordings do not get.
+- *Found*: the effect is named first, or listed as confusable with the first name. An intervention is found where any name that
+  counts, or one listed as confusable with it, is in the class that was sealed with the case: the effects that describe the
+  intervention, or act like it.
+- *Says so*, of an effect outside the catalogue: the verdict is *unknown*, or *partly explained* with an effect named first that
+  acts like it.
+- What a report lists as *stand-ins* (hardly there, below 10 %) is no name here.
+- Cases in which what is hidden is too small to be seen (not *clear*, see [the worlds](#the-worlds)) count for false alarms and
+  confident statements only.
+"""
+ONE_HIDDEN = {"simulated arms": ("single_strong", "single_weak", "compensated", "untidy_single", "solid_single", "solid_compensated"),
+              "real arms": ("intervention",)}
 
 
 def counted(results, kinds, rate):
@@ -40,7 +58,7 @@ def share_of(hits, count):
 
 
 def answers(results):
-    lines = [["what is asked", "how often it is so, of the cases that count (90 % interval)"]]
+    lines = [["what was hidden: what is counted", "how often, of the cases that count (90 % interval)"]]
     for question, kinds, rate in QUESTIONS:
         hits, count = counted(results, kinds, rate)
         if count:
@@ -48,18 +66,67 @@ def answers(results):
     return markdown(lines)
 
 
-def sure_statements(results):
-    """By world: what is said with confidence, how often it is there, and in how many cases one is not."""
-    lines = [["world", f"said at more than {100 * SURE:.0f} %, and there", "cases with one that is not there"]]
+def sure(results):
+    """By world: (confident statements that are right, all of them, cases with one that is wrong, all cases with a report)."""
+    found = {}
     for world, kinds in prove_figures.WORLDS.items():
         pairs = [(result, prove_score.decision_of(result)) for result in results
                  if result["truth"] and result["report"] and result["kind"] in kinds.values()]
-        if not pairs:
-            continue
-        sure = [bool(hit) for probability, hit in prove_figures.stated(pairs) if probability > SURE]
-        wrong = sum(prove_score.is_confident_and_wrong(decision, result["truth"]) for result, decision in pairs)
-        lines.append([world, share_of(sum(sure), len(sure)), share_of(wrong, len(pairs))])
+        if pairs:
+            hits = [bool(hit) for probability, hit in prove_figures.stated(pairs) if probability > SURE]
+            wrong = sum(prove_score.is_confident_and_wrong(decision, result["truth"]) for result, decision in pairs)
+            found[world] = (sum(hits), len(hits), wrong, len(pairs))
+    return found
+
+
+def sure_statements(results):
+    lines = [["world", "confident statements that are right", "cases with a confident statement that is wrong"]]
+    lines += [[world, share_of(right, said), share_of(wrong, cases)] for world, (right, said, wrong, cases) in sure(results).items()]
     return markdown(lines)
+
+
+def joined(parts):
+    return ", ".join(parts[:-1]) + " and " + parts[-1] if len(parts) > 1 else "".join(parts)
+
+
+def parts_of(counts, what):
+    """"in 3 of 5 cases (60 %) on real arms and ...", of those that have any; counts: by whose: (hits, count)."""
+    return joined([f"in {hits} of {count} {what} ({100 * hits / count:.0f} %) on {whose}" for whose, (hits, count) in counts.items() if count])
+
+
+def trusted(results):
+    """Where what is said with confidence is to be believed, by the 90 % interval of the share that is right, in sentences."""
+    later = "; see the note below" if found_by_nature(results) else ""
+    worlds = {"all": [], "none": [], "some": []}  # of the interval: how much of it is as right as it says
+    for world, (right, said, _, _) in sure(results).items():
+        low, high = prove_figures.interval(right, said) or (0.0, 1.0)
+        worlds["all" if low >= SURE else "none" if high < SURE else "some"].append(
+            f"on {WORLDS_IN_WORDS[world]} (*{world}*{later if world == 'solid' else ''})")
+    least, share = f"{100 * SURE:.0f} %", "90 % interval of that share"
+    said = f"Believe such statements {joined(worlds['all'])}:\nthere the {share} is at {least} or above.\n" if worlds["all"] else ""
+    doubts = [f"do not rely on them {joined(worlds['none'])}:\nthere the {share} is below {least}"] if worlds["none"] else []
+    doubts += [f"{joined(worlds['some'])} the figures leave this open: the {share} includes {least}"] if worlds["some"] else []
+    text = ";\n".join(doubts)
+    return said + (text[0].upper() + text[1:] + ".\n" if text else "")
+
+
+def summary(results):
+    """What stands first on doc/proof.md: what the page is, and what its figures come to; five sentences at most."""
+    of = sure(results)
+    statements = {whose: tuple(sum(of[world][i] for world in of if (world == "real") == (whose == "real arms")) for i in (0, 1))
+                  for whose in ONE_HIDDEN}
+    named = {whose: counted(results, kinds, "right_class") for whose, kinds in ONE_HIDDEN.items()}
+    text = ("This page reports a blind test of `softarm diagnose`: effects were hidden in simulated trials, known faults were put into recordings of\n"
+            "real arms, and the diagnosis had to name them before the sealed truth was opened.\n")
+    if any(count for _, count in statements.values()):
+        text += f"Where the diagnosis is more than {100 * SURE:.0f} % sure, it is right {parts_of(statements, 'statements')}.\n{trusted(results)}"
+    else:
+        text += f"The diagnosis is nowhere more than {100 * SURE:.0f} % sure.\n"
+    if any(count for _, count in named.values()):
+        missed = any(hits < count for hits, count in named.values())
+        rest = ":\nwhat it does not name may be there all the same" if missed else ""
+        text += f"The diagnosis finds a single effect or fault that is large enough to be seen {parts_of(named, 'cases')}{rest}.\n"
+    return text
 
 
 def found_by_nature(results):
@@ -76,14 +143,14 @@ def found_by_nature(results):
     if not said:
         return ""
     one = len(said) == 1
-    return (f"In the finite-element arm {' and '.join(f'`{name}`' for name in sorted(said))} {'was' if one else 'were'} "
-            f"[measured](solid_arm.md#what-is-hidden) after this was sealed, so these pages count {'it' if one else 'them'} as not there. "
-            f"{'It is' if one else 'They are'}: counted so, {share_of(wrong_but_for_it, len(pairs))} of the cases of that world have "
-            f"something at more than {100 * SURE:.0f} % that is not there.\n\n")
+    was, it, them, are = ("was", "it", "it", "is") if one else ("were", "they", "them", "are")
+    return (f"In the finite-element arm {joined([f'`{name}`' for name in sorted(said)])} {was} [measured](solid_arm.md#what-is-hidden) only after "
+            f"this proof was sealed.\nThese pages therefore count {them} as not there, although {it} {are}. With {them} counted as there,\ncases of that world "
+            f"with a confident statement that is wrong are {share_of(wrong_but_for_it, len(pairs))}.\n\n")
 
 
 def by_effect(results):
-    """Of clear cases with one thing hidden: how often it is named first, and by its class, the hardest first."""
+    """Of clear cases with one thing hidden: how often it is named first, and found, the hardest first."""
     of = {}
     for result in results:
         truth = result["truth"]
@@ -96,7 +163,7 @@ def by_effect(results):
         where = "real: " if result["kind"] == "intervention" else "finite elements: " if result["kind"].startswith("solid") else ""
         of.setdefault(where + effect["effect"].replace("_", " "), []).append(
             (found["top1"], found["right_class"], effect["signal"]["leftover_m"]))
-    lines = [["hidden", "cases", "named first", "by its class", "leaves, mm (median)"]]
+    lines = [["hidden", "cases", "named first", "found", "leaves, mm (median)"]]
     listed = [(name, cases) for name, cases in of.items() if len(cases) >= FEWEST_CASES]
     rows = [[name, len(cases), sum(case[0] for case in cases), sum(case[1] for case in cases),
              f"{1e3 * statistics.median(case[2] for case in cases):.2f}"] for name, cases in listed]
@@ -106,23 +173,28 @@ def by_effect(results):
 
 def story(results, names):
     """The first section of doc/proof.md. names: of files, see prove_pages.py."""
-    picture = f"![What was said against what was there]({names['calibration']})\n\n" if "calibration" in names else ""
+    picture = f"![Stated probabilities against what was there]({names['calibration']})\n\n" if "calibration" in names else ""
     hardest = by_effect(results)
     if hardest:
-        hardest = f"By what was hidden, the hardest first (clear cases; what was hidden {FEWEST_CASES} times or more):\n\n{hardest}\n\n"
+        hardest = (f"By hidden effect, the hardest first (clear cases with one effect hidden; effects that were hidden {FEWEST_CASES} times or more).\n"
+                   f"*Leaves*: by how much the effect still moves the bodies (rms) after the arm's constants are refitted:\n\n{hardest}\n\n")
     return f"""## In short
 
-Trials were made of arms with something hidden in them, by programs that share no code with the diagnosis, or recorded from real
-arms and changed in a known way. What was hidden was sealed before the diagnosis saw the trials. Then it was asked:
+A case is a set of trials of one arm in which something is hidden, or nothing. Simulated trials come from programs that share no
+code with the diagnosis; recordings of real arms are changed in a known way. The truth was sealed before the diagnosis saw the
+trials.
 
 {answers(results)}
 
-Accused: something is named that is not there, however improbable it is called, but for what a report lists as hardly there; of an arm with nothing hidden and no small departures
-also *unknown*. Named first: before all else, however improbable; on real arms with 50 % or more.
-
-How far it is to be believed where it is sure:
+{DEFINITIONS}
+A *statement* is one effect in a report, with its probability. It is *confident* above {100 * SURE:.0f} %. It is *right* where that
+effect, or one that the report lists as confusable with it, is there:
 
 {sure_statements(results)}
 
-{found_by_nature(results)}{picture}{hardest}What was missed, why, and what it looked like: [case by case]({names['misses_page']}). Every case: [list]({names['trials_page']}).
+On real arms an effect that is also named for the untouched recordings is the arm's own and not judged; for the untouched recordings
+only names of their interventions are judged.
+
+{found_by_nature(results)}{picture}{hardest}Every miss, with its reason and a picture: [misses]({names['misses_page']}).
+Every case: [list]({names['trials_page']}).
 """

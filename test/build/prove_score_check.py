@@ -312,7 +312,7 @@ class Targets(unittest.TestCase):
         figures = prove_figures.figures([result("class_only", truth(effect("creep")), report("explained", named("creep", 1.0)))])
         whole, sample = ({row[0]: row[4] for row in prove_report.rows({**figures, "full": full})} for full in (True, False))
         for row in ("single_strong: top1", "solid_single: right_class", "control: false_alarm",
-                    "none, untidy_none, solid_none: false_alarm", "real: right alone of the clear cases, diagnose to a baseline; McNemar's p",
+                    "none, untidy_none, solid_none: false_alarm", "real: clear cases that only one decides rightly, diagnose to a baseline; McNemar's p",
                     "place of contact and soft spot, median error, m"):
             self.assertEqual(whole[row], "NOT MET")
             self.assertIn(sample.get(row, "-"), "-")

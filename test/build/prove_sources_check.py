@@ -85,7 +85,7 @@ class Course(unittest.TestCase):
             self.assertIn("12 draws do not do, the last: it flies away", text.read())
         for page in ("(proof_trials.md)", "(proof_misses.md)"):
             self.assertIn(page, story)
-        self.assertIn("12 draws were rejected on the way (not told: 11; it flies away: 1), 1 cases could not be drawn", story)
+        self.assertIn("12 draws were rejected before the seal (not told: 11; it flies away: 1). 1 case could not be drawn. 0 diagnoses failed.", story)
         self.assertEqual(figures["rejected_draws"], 12)
         failed, = (name for name in os.listdir(self.path("out/truth")) if name.endswith(".failed"))
         with open(self.path("out/truth", failed), encoding="utf-8") as text:
@@ -130,7 +130,7 @@ class Course(unittest.TestCase):
             so_far = json.load(text)
         self.assertEqual((so_far["none"]["trials"], so_far["draws"], so_far["so_far"], so_far["full"]), (1, 2, 3, False))
         with open(self.path("out/proof.md"), encoding="utf-8") as text:
-            self.assertIn("2 of the 3 cases of the whole, decided so far", text.read())
+            self.assertIn("the 2 cases that were decided so far, in random order, out of 3", text.read())
         rest = subprocess.run([sys.executable, os.path.join(ROOT, "scripts/prove_cases.py"), "--root", ROOT, "--work", self.folder,
                                "--programs", self.folder, "--out", self.path("out"), "--no-baselines", "--campaign", "some",
                                "--record", record, "--json", figures],
