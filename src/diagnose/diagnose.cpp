@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
 
 #include "conclusion.h"
@@ -13,8 +12,6 @@
 
 namespace softarm::diagnose {
 namespace {
-
-constexpr double kAsTold = 0.5;  // share of all, where there is a second diagnosis under other payloads
 
 model::Prepared prepared_trials(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
                                 const model::Preparation& how) {
@@ -33,12 +30,7 @@ double now_s() {
 
 Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials, const Options& options,
                    const Progress& progress) {
-  double from = 0.0, width = 1.0, said = 0.0;
-  const auto part = [&](double share, const std::string& what) {
-    said = std::max(said, from + width * share);
-    if (progress) progress(said, what);
-  };
-  Schedule schedule(part, now_s);
+  Schedule schedule(progress, now_s);
   schedule.first_part(0.0, "averaging frames");
   model::Preparation how;
   how.block_s = options.block_s;
@@ -50,19 +42,18 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   const std::optional<ExchangedNames> names = exchanged_names(arm, prepared.trials);
   OtherPayloads other;
   if (!names) other = payloads_that_trials_say(arm, prepared, begun);
-  if (!other.list.empty()) width = kAsTold;
+  if (!other.list.empty()) schedule.within(0.0, kAsToldShare);
   schedule.end_first_part();
   Conclusion conclusion = concluded(prepared, begun, names, options, schedule);
   Diagnosis& d = conclusion.diagnosis;
-  Schedule again(part, now_s);
   std::vector<model::TrialData> others_trials;
   std::optional<UnderOthers> others;
   if (!other.list.empty() && d.verdict != Verdict::kConsistent && d.verdict != Verdict::kExplained) {
-    from = kAsTold;
+    schedule.within(kAsToldShare, kUnderOthersShare);
     try {
       others = under_other_payloads(arm, prepared, std::move(other), begun, conclusion, others_trials,
-                                    options, again);
-      if (others) complete(*others->begun, others->conclusion, options, again);
+                                    options, schedule);
+      if (others) complete(*others->begun, others->conclusion, options, schedule);
     } catch (const std::exception& e) {
       others.reset();
       d.notes.push_back(
@@ -70,8 +61,6 @@ Diagnosis diagnose(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
     }
   }
   if (!others) complete(begun, conclusion, options, schedule);
-  from = 0.0;
-  width = 1.0;
   schedule.end();
   return others ? std::move(others->conclusion.diagnosis) : std::move(d);
 }

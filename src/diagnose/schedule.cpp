@@ -8,6 +8,11 @@ namespace softarm::diagnose {
 Schedule::Schedule(Progress progress, std::function<double()> now_s)
     : progress_(std::move(progress)), now_s_(std::move(now_s)), begin_s_(now_s_()) {}
 
+void Schedule::within(double from, double to) {
+  from_ = from;
+  to_ = to;
+}
+
 void Schedule::first_part(double share, const std::string& what) {
   tell(share, what);
 }
@@ -27,12 +32,13 @@ void Schedule::left(double parts, const std::string& what) {
 }
 
 void Schedule::end() {
+  within(0.0, 1.0);
   tell(1.0, "");
 }
 
 /// Never less than before: what turns out to take longer than it was thought to makes it wait.
 void Schedule::tell(double share, const std::string& what) {
-  share_ = std::clamp(share, share_, 1.0);
+  share_ = std::clamp(from_ + (to_ - from_) * share, share_, 1.0);
   if (progress_) progress_(share_, what);
 }
 

@@ -16,6 +16,8 @@ class Schedule {
   /// @param now_s a clock
   Schedule(Progress progress, std::function<double()> now_s);
 
+  /// What follows goes from one share of all to another.
+  void within(double from, double to);
   /// Within the first part. @param share of all, as it usually is
   void first_part(double share, const std::string& what);
   /// From here on another first part is made in its place.
@@ -31,6 +33,7 @@ class Schedule {
   const Progress progress_;
   const std::function<double()> now_s_;
   double begin_s_, part_s_ = 0.0, share_ = 0.0;
+  double from_ = 0.0, to_ = 1.0;
 };
 
 }  // namespace softarm::diagnose

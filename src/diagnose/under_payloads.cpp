@@ -58,6 +58,7 @@ AsToldAnew as_told_from(const UnderOthers& others, const model::Prepared& prepar
   anew.mean_m = refitted_unseen(as_told.model, as_told.model.fit(from, {})).mean_m;
   if (!(anew.mean_m > 0.0) || is_better(others.conclusion.diagnosis.extended.held_out_mean_m, anew.mean_m))
     return anew;
+  schedule.within(kUnderOthersShare, 1.0);
   schedule.begin_first_part("with the stated payloads, from there");
   fit_again_from(from, as_told.model, as_told.first);
   schedule.end_first_part();

@@ -10,6 +10,10 @@
 
 namespace softarm::diagnose {
 
+/// How far of all a diagnosis is that has a second one under other payloads: after the first, and after the
+/// second. What was told may then be concluded anew, which takes as long as either, but seldom is.
+constexpr double kAsToldShare = 0.5, kUnderOthersShare = 0.7;
+
 /// What the fits of trials as they were told say that hung on the arm.
 OtherPayloads payloads_that_trials_say(const arm::Arm& arm, const model::Prepared& prepared, Begun& as_told);
 

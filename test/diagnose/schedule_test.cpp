@@ -42,6 +42,31 @@ TEST(Schedule, MeasuresTheFirstPartThatWasMadeLast) {
   EXPECT_DOUBLE_EQ(told, 2.0 / 8.0);
 }
 
+TEST(Schedule, GoesOnWithinAPartOfAll) {
+  double now_s = 0.0;
+  std::vector<double> shares;
+  Schedule schedule([&](double share, const std::string&) { shares.push_back(share); },
+                    [&] { return now_s; });
+  const auto half_done = [&] {
+    schedule.begin_first_part("");
+    now_s += 2.0;
+    schedule.end_first_part();
+    schedule.left(1.0, "");
+  };
+  schedule.within(0.0, 0.6);
+  half_done();
+  schedule.within(0.6, 0.8);
+  half_done();
+  schedule.within(0.8, 1.0);
+  half_done();
+  schedule.within(0.0, 0.5);  // never back
+  half_done();
+  schedule.end();
+  const std::vector<double> expected{0.0, 0.3, 0.6, 0.7, 0.8, 0.9, 0.9, 0.9, 1.0};
+  ASSERT_EQ(shares.size(), expected.size());
+  for (std::size_t i = 0; i < shares.size(); ++i) EXPECT_DOUBLE_EQ(shares[i], expected[i]) << i;
+}
+
 TEST(Schedule, NeedsNeitherAListenerNorTime) {
   Schedule({}, [] { return 0.0; }).left(1.0, "");
   double told = -1.0;
