@@ -34,8 +34,9 @@ class Lag : public PressureStage {
   void start(Pressures& p) override {
     last_ = p;
     // A valve between supply and ambient reaches nothing beyond them.
-    if (spec_.form == PressureLag::Form::kChoked)
-      for (double& value : p) value = std::clamp(value, 0.0, spec_.supply_pa);
+    for (std::size_t i = 0; i < p.size(); ++i)
+      if (spec_.form == PressureLag::Form::kChoked && is_of(spec_.chamber, i))
+        p[i] = std::clamp(p[i], 0.0, spec_.supply_pa);
     for (double value : p) channels_.push_back({value, 0.0});
   }
 
