@@ -160,7 +160,7 @@ void check_dead_inputs(Context& context) {
     what += fmt::format(", of which the other inputs explain {:.0f} %",
                         100.0 * std::max(0.0, *context.explained));
   } else {
-    what += ", to the last bit, although the other sensors have noise";
+    what += ", and constant to the last bit, although the other sensors have noise";
   }
   say_dead(context, names, what, moves_m);
 }

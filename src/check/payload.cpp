@@ -47,7 +47,7 @@ void say_in_vain(Context& context, double share) {
   const bool needed = context.arm.estimator.unknown == arm::Unknown::kStiffness && !assumed_kg;
   CheckFinding& finding = context.add(
       needed ? Severity::kSerious : Severity::kWarning, "payload_unknown", context.arm.inputs.payload_topic,
-      fmt::format("was published, but by its stamps after {:.0f} % of the frames: unknown in them{}",
+      fmt::format("was published, but by its time of receipt after {:.0f} % of the frames: unknown in them{}",
                   100.0 * share, assumed_kg ? fmt::format(", {:g} kg is assumed", *assumed_kg) : ""));
   finding.figure = share;
   finding.unit = "1";
