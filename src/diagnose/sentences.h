@@ -46,7 +46,7 @@ std::string capitalised(std::string text);
 /// "a, b or c".
 std::string one_of(const std::vector<std::string>& names, const std::string& last = "or");
 
-/// Of which trials an error is that stands in words: " on trials left out"; empty for one alone, which is
+/// Of which trials an error is that stands in words: " on unseen trials"; empty for one alone, which is
 /// seen by the fit.
 std::string on_unseen(std::size_t trials);
 

@@ -173,7 +173,8 @@ TEST(NextExperiment, FasterInputsTellALagOfThemFromTheClocksThoughTheArmSwings) 
       recorded_case("{count_weights: [0, 1], from: [pressure_lag], size: [0, 0.02], forms: default}", 12, 2,
                     24.0, "attitudes: [hanging], speeds: [0.5], payload_kg: [0, 0]");
   expect_confirmed(
-      recorded, {"pressure_lag", "clock_offset", Eigen::Vector4d(0.1, 0.1, 1.0, 0.0), Eigen::Vector2d(0.1, 0.0)},
+      recorded,
+      {"pressure_lag", "clock_offset", Eigen::Vector4d(0.1, 0.1, 1.0, 0.0), Eigen::Vector2d(0.1, 0.0)},
       "faster_2", [](rig::Scenario& next) {
         next.pressures.random->lowest_hz *= 2.0;
         next.pressures.random->highest_hz *= 2.0;
