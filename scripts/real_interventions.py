@@ -50,7 +50,7 @@ def named(report):
         if effect["probability"] < 0.5:
             continue
         sizes = ", ".join(f"{symbol} {real_diagnosis.size_of(value)}" for symbol, value in effect["parameters"].items()
-                          if symbol != "input" or value["value"] > 0)  # 0: the clock of all
+                          if symbol not in ("input", "chamber") or value["value"] > 0)  # 0: all of them
         percent = "over 99" if effect["probability"] > 0.99 else f"{100 * effect['probability']:.0f}"
         found.append(f"`{effect['name']}` ({percent} %): {sizes}")
     small = [f"`{effect['name']}`" for effect in report["small_departures"]]
