@@ -12,14 +12,13 @@ class ChamberMismatch : public Described {
   bool applies_to(const arm::Arm& arm) const override { return chamber_rows(arm).size() > 1; }
   std::vector<Values> grid(const arm::Arm& arm, const FineRod&) const override {
     std::vector<Values> list;
-    for (std::size_t k = 0; k < chamber_rows(arm).size(); ++k)
-      list.push_back((Values(2) << 0.0, static_cast<double>(k + 1)).finished());
+    for (const double chamber : chamber_numbers(arm, chamber_rows(arm)))
+      if (chamber > 0.0) list.push_back(Eigen::Vector2d(0.0, chamber));
     return list;
   }
   void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
-    const Rows rows = chamber_rows(arm);
-    const auto k = static_cast<std::size_t>(values[1] + 0.5) - 1;
-    if (k < rows.size()) series.moment_inputs.row(rows[k]) *= 1.0 + values[0];
+    for (const Eigen::Index row : rows_of_chamber(arm, chamber_rows(arm), values[1]))
+      series.moment_inputs.row(row) *= 1.0 + values[0];
   }
 };
 
