@@ -6,6 +6,11 @@
 #include "arm/drive.h"
 
 namespace softarm::effects {
+namespace {
+
+constexpr double kMostNumber = 64.0;  // of a chamber; an arm file may have more
+
+}  // namespace
 
 Rows rows_of(const arm::Arm& arm, arm::InputKind kind) {
   Rows rows;
@@ -38,15 +43,17 @@ Rows gas_rows(const arm::Arm& arm) {
 }
 
 model::Parameter chamber_parameter() {
-  return {"chamber", "1", "its number in the arm file's list of pressures; 0: all", 0.0, 64.0, 0.0, true};
+  return {"chamber", "1", "its number in the arm file's list of pressures; 0: all", 0.0, kMostNumber,
+          0.0,       true};
 }
 
 std::vector<double> chamber_numbers(const arm::Arm& arm, const Rows& rows) {
   std::vector<double> numbers{0.0};
   const Rows pressures = rows_of(arm, arm::InputKind::kPressure);
   for (std::size_t k = 0; rows.size() > 1 && k < pressures.size(); ++k)
-    if (std::find(rows.begin(), rows.end(), pressures[k]) != rows.end())
-      numbers.push_back(static_cast<double>(k + 1));
+    if (const auto number = static_cast<double>(k + 1);
+        number <= kMostNumber && std::find(rows.begin(), rows.end(), pressures[k]) != rows.end())
+      numbers.push_back(number);
   return numbers;
 }
 
