@@ -108,10 +108,19 @@ def class_of(named):
     return [named["name"], *named.get("confusable_with", [])]
 
 
+def is_elsewhere(named, truth):
+    """Whether it is said of one chamber where another one has it, or others have."""
+    said_of = (named.get("parameters") or {}).get("chamber", {}).get("value", 0.0)
+    theirs = [effect["values"].get("chamber", 0.0) for effect in everything(truth)
+              if effect["effect"] == named["name"] and "chamber" in effect.get("values", {})]
+    return said_of > 0.0 and bool(theirs) and all(chamber not in (0.0, said_of) for chamber in theirs)
+
+
 def right(named, truth):
-    """Whether a named effect, or a rival that it is said to be confusable with, is there; distractors are."""
+    """Whether a named effect, or a rival that it is said to be confusable with, is there; distractors are. One of a wrong chamber is not."""
     there = set(hidden(truth)) | {effect["effect"] for effect in everything(truth)} | set(sealed_class(truth))
-    return any(name in there for name in class_of(named))
+    names = class_of(named)[1:] if is_elsewhere(named, truth) else class_of(named)
+    return any(name in there for name in names)
 
 
 def said(decision):

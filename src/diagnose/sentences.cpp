@@ -276,7 +276,7 @@ std::string got_worse(const Diagnosis& d) {
     list.push_back(fmt::format("{} ({} to {})", worse[i]->name, millimetres(worse[i]->mean_before_m),
                                millimetres(worse[i]->mean_after_m)));
   return fmt::format(" WORSE in {} of {} trials: {}{}.", worse.size(), d.trials.size(), one_of(list, "and"),
-                     worse.size() > kMost ? " among others" : "");
+                     worse.size() > kMost ? " (the worst)" : "");
 }
 
 }  // namespace

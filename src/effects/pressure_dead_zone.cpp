@@ -58,8 +58,8 @@ std::unique_ptr<Effect> make_pressure_dead_zone() {
             {"edge_pa", "Pa", "pressure from which on all of it is lost", 200.0, 50e3, 3000.0},
             chamber_parameter()},
            1,
-           {"gain_nonlinearity", "pressure_offset"},
-           {"moment_gain"}});
+           {"gain_nonlinearity", "pressure_offset", "pressure_leak", "chamber_mismatch"},
+           {"moment_gain", "elongation"}});
 }
 
 }  // namespace softarm::effects

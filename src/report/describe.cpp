@@ -182,7 +182,7 @@ std::string describe(const diagnose::Diagnosis& d) {
     const std::string& sentence = d.next_experiment->sentence;
     if (!sentence.empty()) next += " " + sentence;
     if (sentence.empty() && !d.next_experiment->separates.empty())
-      next += " It would separate " + diagnose::one_of(d.next_experiment->separates);
+      next += " It would separate " + diagnose::one_of(d.next_experiment->separates, "and");
     if (sentence.empty() && !d.next_experiment->separates.empty() &&
         d.next_experiment->expected_separation > 0.0)
       next += fmt::format(" by about {:.1f} standard deviations", d.next_experiment->expected_separation);

@@ -30,9 +30,9 @@ inline HiddenParameter chamber_number() {
   return {"chamber", 0.0, 16.0, 1.0, 3.0, "its number; 0: all", 0.0, true};
 }
 
-/// The same of what all have as often as one.
+/// The same of what all may have as well.
 inline HiddenParameter all_or_one_chamber() {
-  return {"chamber", 0.0, 16.0, 0.0, 1.0, "its number; 0: all", 0.0, true};
+  return {"chamber", 0.0, 16.0, 0.0, 3.0, "its number; 0: all", 0.0, true};
 }
 
 /// The chamber of a choice as the rig numbers it, from 0; -1: all.

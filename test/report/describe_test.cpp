@@ -69,7 +69,7 @@ TEST(Describe, SaysHowMuchBetterAndWhatNext) {
   diagnose::Diagnosis brief = testing::example_diagnosis();
   brief.next_experiment->sentence.clear();
   EXPECT_THAT(flowing(report::describe(brief)),
-              HasSubstr("It would separate base_compliance, rigid_ends or shear by about 7.4 standard"));
+              HasSubstr("It would separate base_compliance, rigid_ends and shear by about 7.4 standard"));
   EXPECT_THAT(text, HasSubstr("EI 0.0341 +- 0.0004 -> 0.0379 +- 0.0006 N m^2 +11.1 %"));
   EXPECT_THAT(text, HasSubstr("payload 57.1 +- 2.1 -> 50.2 +- 1.4 g -12.1 %"));
   EXPECT_THAT(text, HasSubstr("and has no pattern left"));

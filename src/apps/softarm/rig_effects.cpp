@@ -78,19 +78,31 @@ Choices hysteresis(const Numbers& v) {
                   {"loop_rad", of == 3 ? loop * kLoopRad : 0.0}})};
 }
 
-Choices leak(const Numbers& v) {
-  const int only = static_cast<int>(std::lround(v("chamber")));
-  Choices list;
-  int number = 0;
-  for (const arm::ScalarInput& input : v.arm().inputs.scalars) {
-    if (input.kind != arm::InputKind::kPressure) continue;
-    ++number;
-    if (only != 0 && only != number) continue;
-    HiddenChoice one{"pressure_leak", v("in_holds") > 0.5 ? "in_holds" : "steady", {}};
-    one.values = {{"chamber", static_cast<double>(number)}, {"share", v("share")}, {"time_s", v("time_s")}};
-    list.push_back(one);
+/// The choice of what may be one chamber's, which the arm file numbers by all its pressures and the rig by
+/// those that drive something; none where it drives nothing.
+Choices of_chamber(const Numbers& v, HiddenChoice one) {
+  auto left = std::lround(v("chamber"));
+  one.values["chamber"] = 0.0;
+  if (left == 0) return {one};
+  const std::vector<arm::ScalarInput>& inputs = v.arm().inputs.scalars;
+  const std::vector<std::size_t> driven = driven_inputs(v.arm(), arm::InputKind::kPressure);
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    if (inputs[i].kind != arm::InputKind::kPressure || --left != 0) continue;
+    const auto place = std::find(driven.begin(), driven.end(), i);
+    if (place == driven.end()) return {};
+    one.values["chamber"] = static_cast<double>(place - driven.begin() + 1);
+    return {one};
   }
-  return list;
+  return {};
+}
+
+Choices leak(const Numbers& v) {
+  return of_chamber(v, choice("pressure_leak", v("in_holds") > 0.5 ? "in_holds" : "steady",
+                              {{"share", v("share")}, {"time_s", v("time_s")}}));
+}
+
+Choices chamber_mismatch(const Numbers& v) {
+  return of_chamber(v, choice("chamber_mismatch", "", {{"share", v("share")}}));
 }
 
 Choices pressure_offset(const Numbers& v) {
@@ -203,7 +215,7 @@ Choices gravity_direction(const Numbers& v) {
 Choices pressure_dead_zone(const Numbers& v) {
   if (!nearly(v("lost_pa"), v("edge_pa")))
     throw std::invalid_argument("lost_pa differs from edge_pa, which the virtual rig has as one");
-  return {choice("pressure_dead_zone", "sharp", {{"pressure_pa", v("lost_pa")}, {"chamber", v("chamber")}})};
+  return of_chamber(v, choice("pressure_dead_zone", "sharp", {{"pressure_pa", v("lost_pa")}}));
 }
 
 Choices tendon_slack(const Numbers& v) {
@@ -215,8 +227,7 @@ Choices tendon_slack(const Numbers& v) {
 Choices pressure_lag(const Numbers& v) {
   if (!nearly(v("fall"), 1.0))
     throw std::invalid_argument("the virtual rig's first-order line falls as fast as it rises");
-  return {
-      choice("pressure_lag", "first_order", {{"time_constant_s", v("delay_s")}, {"chamber", v("chamber")}})};
+  return of_chamber(v, choice("pressure_lag", "first_order", {{"time_constant_s", v("delay_s")}}));
 }
 
 Choices supply_sag(const Numbers& v) {
@@ -475,7 +486,7 @@ const std::map<std::string, Translation>& translations() {
       {"camera_scale", camera_scale},
       {"camera_bow", camera_bow},
       {"bending_plane_offset", bending_plane_offset},
-      {"chamber_mismatch", same("", {"chamber", "share"})},
+      {"chamber_mismatch", chamber_mismatch},
       {"tendon_slack", tendon_slack},
       {"tendon_friction", same("", {"coefficient", "routing_rad"})},
   };
