@@ -116,11 +116,15 @@ def is_elsewhere(named, truth):
     return said_of > 0.0 and bool(theirs) and all(chamber not in (0.0, said_of) for chamber in theirs)
 
 
+def names_of_class(named, truth):
+    """class_of(), less its own name where it is said of a wrong chamber."""
+    return class_of(named)[1:] if is_elsewhere(named, truth) else class_of(named)
+
+
 def right(named, truth):
     """Whether a named effect, or a rival that it is said to be confusable with, is there; distractors are. One of a wrong chamber is not."""
     there = set(hidden(truth)) | {effect["effect"] for effect in everything(truth)} | set(sealed_class(truth))
-    names = class_of(named)[1:] if is_elsewhere(named, truth) else class_of(named)
-    return any(name in there for name in names)
+    return any(name in there for name in names_of_class(named, truth))
 
 
 def said(decision):
@@ -169,7 +173,7 @@ def marks(kind, decision, truth):
 def all_marks(kind, decision, truth):
     """The same whether it is clear or not."""
     named_there = said(decision)
-    names = [named["name"] for named in named_there]
+    names = [None if is_elsewhere(named, truth) else named["name"] for named in named_there]
     there = hidden(truth)
     found = {"confident_wrong": is_confident_and_wrong(decision, truth)}
     if kind == "none":
@@ -184,11 +188,11 @@ def all_marks(kind, decision, truth):
         found["top1"] = names[:1] == there[:1]
         found["top3"] = is_alarm(decision) and any(name in there for name in decision["ranking"][:3])
         alike = there + truth.get("class", [])
-        found["right_class"] = bool(named_there) and any(name in alike for name in class_of(named_there[0]))
+        found["right_class"] = bool(named_there) and any(name in alike for name in names_of_class(named_there[0], truth))
     if kind in ("pair", "untidy_pair"):
         found["both_named"] = all(name in names for name in there)
         found["top1"] = bool(names) and names[0] in there
-        found["right_class"] = all(any(name in class_of(named) for named in named_there) for name in there)
+        found["right_class"] = all(any(name in names_of_class(named, truth) for named in named_there) for name in there)
     if kind in ("outside", "untidy_outside") and beyond_catalogue(truth) >= LEAST_BEYOND:
         found["unknown"] = decision["verdict"] == "unknown" or is_of_the_kind(decision, truth)
     if kind in ("compensated", "solid_compensated"):

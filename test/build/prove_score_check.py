@@ -173,6 +173,23 @@ class Figures(unittest.TestCase):
         for form, numbers in (("linear", {"share": 0.1}), ("", {"share": 0.1}), ("step", {})):
             self.assertEqual(score.true_parameters(effect("stiffness_taper", {"share": 0.1}, form), 0.2), numbers)
 
+    def test_one_of_a_wrong_chamber_is_not_right(self):
+        def said_of(chamber, *confusable):
+            numbers = {"chamber": {"value": chamber, "low": chamber, "high": chamber, "unit": "1"}}
+            return report("explained", named("pressure_lag", parameters=numbers, confusable=confusable))
+
+        def top1(said, hidden):
+            return score.marks("single_strong", score.decision_of_report(said), hidden)["top1"]
+
+        for theirs, chamber, right in ((2.0, 2.0, True), (2.0, 3.0, False), (0.0, 3.0, True), (2.0, 0.0, True)):
+            hidden, said = truth(effect("pressure_lag", {"chamber": theirs}, "first_order")), said_of(chamber)
+            self.assertEqual(score.right(said["effects"][0], hidden), right, (theirs, chamber))
+            self.assertEqual(top1(said, hidden), right, (theirs, chamber))
+        hidden = truth(effect("pressure_lag", {"chamber": 2.0}, "first_order"), effect("clock_offset", {"offset_s": 0.1}))
+        self.assertTrue(score.right(said_of(3.0, "clock_offset")["effects"][0], hidden))
+        # Of a record of before it could be one chamber's.
+        self.assertTrue(score.right(said_of(3.0)["effects"][0], truth(effect("pressure_lag", {}, "first_order"))))
+
     def test_ranks(self):
         hidden = truth(distractors=[effect("base_compliance", {"stiffness_nm_per_rad": 5.0})])
         for value, low, high, rank in ((0.2, 0.1, 0.3, 0.5), (0.3, 0.2, 0.5, 0.05), (0.1, 0.05, 0.2, 0.95)):
