@@ -25,18 +25,18 @@ class ChamberMismatch : public Described {
 }  // namespace
 
 std::unique_ptr<Effect> make_chamber_mismatch() {
-  return std::make_unique<ChamberMismatch>(
-      Info{"chamber_mismatch",
-           "one chamber bends the arm more or less than the arm file says",
-           "M_i = g_i (1 + share) p_i, of one chamber i",
-           "chambers side by side: P. Fairchild et al., ASME Lett. Dyn. Syst. Control 3, 2023, "
-           "doi:10.1115/1.4064090",
-           Family::kActuation,
-           {{"share", "1", "of its gain, by which it is higher", -0.95, 10.0, 0.05},
-            {"chamber", "1", "its number in the arm file's list of pressures", 1.0, 64.0, 1.0, true}},
-           1,
-           {"bending_plane_offset", "pressure_leak"},
-           {"moment_gain"}});
+  return std::make_unique<ChamberMismatch>(Info{
+      "chamber_mismatch",
+      "one chamber bends the arm more or less than the arm file says",
+      "M_i = g_i (1 + share) p_i, of one chamber i",
+      "chambers side by side: P. Fairchild et al., ASME Lett. Dyn. Syst. Control 3, 2023, "
+      "doi:10.1115/1.4064090",
+      Family::kActuation,
+      {{"share", "1", "of its gain, by which it is higher", -0.95, 10.0, 0.05},
+       {"chamber", "1", "number of the chamber in the arm file's list of pressures", 1.0, 64.0, 1.0, true}},
+      1,
+      {"bending_plane_offset", "pressure_leak"},
+      {"moment_gain"}});
 }
 
 }  // namespace softarm::effects

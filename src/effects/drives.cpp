@@ -43,8 +43,9 @@ Rows gas_rows(const arm::Arm& arm) {
 }
 
 model::Parameter chamber_parameter() {
-  return {"chamber", "1", "its number in the arm file's list of pressures; 0: all", 0.0, kMostNumber,
-          0.0,       true};
+  return {"chamber", "1",         "number of the chamber in the arm file's list of pressures (0: all)",
+          0.0,       kMostNumber, 0.0,
+          true};
 }
 
 std::vector<double> chamber_numbers(const arm::Arm& arm, const Rows& rows) {

@@ -187,6 +187,30 @@ TEST(Diagnose, InAnUntidyArmWhatStandsOutIsNamedAlone) {
   EXPECT_NE(d.verdict, diagnose::Verdict::kUnknown) << report::describe(d);
 }
 
+struct OneChamber {
+  rig::HiddenChoice hidden;
+  double chamber;
+};
+
+class OfOneChamber : public ::testing::TestWithParam<OneChamber> {};
+
+TEST_P(OfOneChamber, InAnUntidyArmItIsNamedWithTheChamber) {
+  const auto& [hidden, chamber] = GetParam();
+  const RecordedCase recorded = untidy(hidden);
+  const diagnose::Diagnosis d = diagnose::diagnose(recorded.arm, recorded.trials);
+  ASSERT_FALSE(d.effects.empty()) << report::describe(d);
+  EXPECT_EQ(d.effects[0].id, hidden.effect) << report::describe(d);
+  EXPECT_GT(d.effects[0].probability, 0.9) << report::describe(d);
+  EXPECT_EQ(number_of(d.effects[0], "chamber").value, chamber) << report::describe(d);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Faults, OfOneChamber,
+    ::testing::Values(
+        OneChamber{{"pressure_dead_zone", "smooth", {{"pressure_pa", 4e3}, {"chamber", 2.0}}}, 2.0},
+        OneChamber{{"pressure_lag", "second_order", {{"time_constant_s", 0.3}, {"chamber", 3.0}}}, 3.0}),
+    [](const auto& info) { return info.param.hidden.effect; });
+
 /// A fit to poses that come late finds a lag; that is no motion for the sake of which trials are left out.
 TEST(Diagnose, ClocksAQuarterOfASecondApartAreNamedAndNoSwing) {
   RecordedCase late = recorded_case("{count_weights: [1]}", 8, 4, 10.0);
