@@ -27,7 +27,7 @@ const std::vector<EstimateColumn>& estimate_columns() {
   using Row = EstimateRow;
   using Cell = std::string;
   static const std::vector<EstimateColumn> columns{
-      {"stamp", "s", "stamp of the frame, to 1e-7 s: what a double holds of a date",
+      {"stamp", "s", "stamp of the frame, to 1e-7 s: the precision of a double for a date",
        [](Cell& c, const Row& r) { fmt::format_to(std::back_inserter(c), "{:.7f}", r.frame.stamp_s); }},
       {"segment", "", "number of the segment, from 1 at the base",
        [](Cell& c, const Row& r) { c += std::to_string(r.number); }},
@@ -43,7 +43,7 @@ const std::vector<EstimateColumn>& estimate_columns() {
        [](Cell& c, const Row& r) { append(c, r.segment.length_m); }},
       {"payload", "kg", "payload of the arm, estimated or known",
        [](Cell& c, const Row& r) { append(c, r.frame.payload_kg); }},
-      {"sd_M0", "N m", "standard deviation of M0; empty where it is not determined, as of all sd",
+      {"sd_M0", "N m", "standard deviation of M0; like every sd, empty where the value is not determined",
        [](Cell& c, const Row& r) { append(c, r.segment.sd_moment_nm); }},
       {"sd_phi", "rad", "standard deviation of phi",
        [](Cell& c, const Row& r) { append(c, r.segment.sd_direction_rad); }},
@@ -53,21 +53,21 @@ const std::vector<EstimateColumn>& estimate_columns() {
        [](Cell& c, const Row& r) { append(c, r.segment.sd_length_m); }},
       {"sd_payload", "kg", "standard deviation of the payload; empty where it is known",
        [](Cell& c, const Row& r) { append(c, r.frame.sd_payload_kg); }},
-      {"identifiable_EI", "", "1: the frame determines EI well enough to use it, 0: it does not",
+      {"identifiable_EI", "", "1: the frame determines EI well enough to use it; 0: it does not",
        [](Cell& c, const Row& r) { append_flag(c, r.segment.identifiable_stiffness); }},
-      {"identifiable_payload", "", "the same of the payload",
+      {"identifiable_payload", "", "the same for the payload",
        [](Cell& c, const Row& r) { append_flag(c, r.frame.identifiable_payload); }},
       {"theta_tip", "rad", "angle between the tangents at the arm's base and tip",
        [](Cell& c, const Row& r) { append(c, tip_angle_rad(r.frame)); }},
-      {"tip_x", "m", "the tip in the rod's base frame", [](Cell& c, const Row& r) { append_tip(c, r, 0); }},
-      {"tip_y", "m", "the same, y", [](Cell& c, const Row& r) { append_tip(c, r, 1); }},
-      {"tip_z", "m", "the same, z", [](Cell& c, const Row& r) { append_tip(c, r, 2); }},
-      {"rms_residual", "m", "root mean square distance of the bodies used, measured to estimated",
+      {"tip_x", "m", "x of the tip in the rod's base frame",
+       [](Cell& c, const Row& r) { append_tip(c, r, 0); }},
+      {"tip_y", "m", "y of the tip", [](Cell& c, const Row& r) { append_tip(c, r, 1); }},
+      {"tip_z", "m", "z of the tip", [](Cell& c, const Row& r) { append_tip(c, r, 2); }},
+      {"rms_residual", "m", "root mean square distance between measured and estimated bodies, of those used",
        [](Cell& c, const Row& r) {
          if (!r.frame.residuals.empty()) append(c, r.frame.rms_residual_m);
        }},
-      {"settling", "",
-       "1: the payload changes or has just changed, and nothing is identifiable, 0: it has not",
+      {"settling", "", "1: the payload changes or has just changed, and nothing is identifiable; 0: neither",
        [](Cell& c, const Row& r) { append_flag(c, r.frame.settling); }},
   };
   return columns;
