@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Bags to estimates: a table per bag, and a picture of bending stiffness, payload and shapes.
+"""Estimates from bags: a table per bag, and a picture of bending stiffness, payload and shapes.
 
     scripts/python python/examples/estimate_trial.py trial.bag --out estimates.png
     scripts/python python/examples/estimate_trial.py --arm my_arm.yaml trials/*.bag --unknown payload --csv payloads.csv

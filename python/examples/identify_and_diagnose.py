@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""Trials to the constants of an arm's laws, and to what its file leaves out; a table of each, and what to record next.
+"""Finds the constants of an arm's laws and what its file leaves out; prints a table of each, and what to record next.
 
     scripts/python python/examples/identify_and_diagnose.py --arm my_arm.yaml trials/*.bag --out results
 
-writes results/my_arm_identified.yaml and results/report/ (report.html, report.json, arm_extended.yaml). Takes minutes; Ctrl-C ends it.
+It writes results/my_arm_identified.yaml and results/report/ (report.html, report.json, arm_extended.yaml). It takes minutes; Ctrl-C ends it.
 """
 import argparse
 import os

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Pressures that bring the last body of an arm around a circle, by the model's Jacobian (damped least squares).
+"""Finds pressures that move the last body of an arm around a circle, by the model's Jacobian (damped least squares).
 
     scripts/python python/examples/reach.py --out reach.png
     scripts/python python/examples/reach.py --arm my_arm.yaml --radius 0.03 --payload 0.1

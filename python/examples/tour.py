@@ -1,9 +1,9 @@
 # %% [markdown]
 # # Python
 #
-# The module `softarm` has arm files, the model with its Jacobians, recordings and what is wrong with them, estimates, alarms,
-# identification, diagnosis and the virtual rig as Python objects and NumPy arrays. It is the code of the program `softarm`, not
-# another one: tests hold the two equal to the last printed digit.
+# The module `softarm` offers the package's functions as Python objects and NumPy arrays: arm files, the model with its Jacobians,
+# recordings and their checks, estimates, alarms, identification, diagnosis and the virtual rig. It runs the same code as the program
+# `softarm`: tests keep the two equal to the last printed digit.
 #
 # ## Install
 #
@@ -15,16 +15,16 @@
 # scripts/python python/examples/estimate_trial.py trial.bag --out estimates.png
 # ```
 #
-# In a catkin workspace the module is built with the package where pybind11 is installed (`apt-get install pybind11-dev
-# python3-dev`); else CMake says in one line that it is left out. Then
+# In a catkin workspace the module is built with the package if pybind11 is installed (`apt-get install pybind11-dev
+# python3-dev`). Otherwise CMake says in one line that it leaves the module out. Then
 #
 # ```
 # source build/install/setup.bash
 # python3 -c 'import softarm'
 # ```
 #
-# It belongs to `/usr/bin/python3`, as ROS's own modules do. It needs python3-numpy; `to_pandas()` also needs python3-pandas.
-# `help(softarm)` and `help(softarm.Model.solve)` say shapes, units and errors; editors complete names by the annotations, which
+# The module belongs to `/usr/bin/python3`, as ROS's own modules do. It needs python3-numpy; `to_pandas()` also needs python3-pandas.
+# `help(softarm)` and `help(softarm.Model.solve)` state shapes, units and errors. Editors complete names from the annotations, which
 # mypy checks.
 #
 # ## Rules
@@ -32,16 +32,16 @@
 # - SI units, and the unit in the name: `payload_kg`, `EI_nm2` (N m²), `stamp_s`.
 # - An array's first axis counts instants. Axes of bodies, inputs and segments are in the order of `arm.bodies`, `arm.inputs`
 #   and `arm.segments`.
-# - NaN where a value is neither measured nor known. In `to_dict()` it is None.
+# - NaN marks a value that is neither measured nor known. In `to_dict()` such a value is None.
 # - Quaternions are x, y, z, w, as in ROS and SciPy.
-# - What cannot be done raises `softarm.Error` (`ArmError`, `BagError`, `CsvError`, `IdentifyError`), or `ValueError` for an
-#   argument, with the program's one line.
-# - Long calls let other threads run. Ctrl-C ends them. `progress=` takes a function of (share done, what is being done), which
-#   is called in your thread.
+# - Errors raise `softarm.Error` (`ArmError`, `BagError`, `CsvError`, `IdentifyError`), or `ValueError` for a wrong argument. The
+#   message is the program's line.
+# - Long calls let other threads run. Ctrl-C ends them. `progress=` takes a function of (share done, present step), which is
+#   called in your thread.
 #
-# This page is [`python/examples/tour.py`](../python/examples/tour.py), executed by `scripts/python_page.py`; the same with its
-# results as a notebook: [`python/examples/tour.ipynb`](../python/examples/tour.ipynb). It begins with `trial.bag`, the
-# recording of the [virtual rig](rig.md) made above.
+# This page is [`python/examples/tour.py`](../python/examples/tour.py), executed by `scripts/python_page.py`. The notebook
+# [`python/examples/tour.ipynb`](../python/examples/tour.ipynb) has the same cells and results. They use `trial.bag`, the recording of
+# the [virtual rig](rig.md) made above.
 #
 # ## Arm files
 
@@ -57,8 +57,8 @@ for body in arm.bodies:
 print("inputs:", ", ".join(f"{one.name} ({one.unit})" for one in arm.inputs))
 
 # %% [markdown]
-# `constants` are the numbers of the laws, by the names that `identify` uses. An arm does not change: another value is another
-# arm, whose text differs in that one value and keeps its comments.
+# `constants` holds the numbers of the laws, under the names that `identify` uses. An arm object never changes: another value makes
+# another arm. Its text differs in that one value and keeps its comments.
 
 # %%
 for constant in list(arm.constants.values())[:4]:
@@ -70,7 +70,7 @@ print("changed:", changed)  # softer.save("softer.yaml") writes it
 # %% [markdown]
 # ## The model
 #
-# `Model` makes shapes of inputs and payload: the laws of the arm file, then the exact statics of the rod, with the file's effects.
+# `Model` computes shapes from inputs and payload: by the laws of the arm file, the exact statics of the rod, and the file's effects.
 # Inputs are given by name; those left out are 0.
 
 # %%
@@ -88,8 +88,8 @@ axes.grid(alpha=0.3)
 figure.tight_layout()
 
 # %% [markdown]
-# Jacobians come with the shapes: places of bodies and of the backbone by inputs, payload, gravity and constants of the laws. Here
-# they lead the last ring to a place that is asked for, in a few steps of Gauss and Newton.
+# Jacobians can be computed with the shapes: derivatives of the places of bodies and backbone by inputs, payload, gravity and
+# constants of the laws. Here they bring the last ring to a given place in a few Gauss-Newton steps.
 
 # %%
 target_m = np.array([0.04, -0.02])  # x, y; z follows
@@ -104,8 +104,8 @@ for step in range(4):
     u = u + np.linalg.pinv(J) @ miss
 
 # %% [markdown]
-# [Effects](effects.md) that `diagnose` wrote into an arm file act in the model as in an estimate. Each instant stands for itself, at
-# rest, unless `stamp_s` makes them a trial: then effects remember.
+# [Effects](effects.md) that `diagnose` wrote into an arm file act in the model as they do in an estimate. Each instant stands by
+# itself, at rest. With `stamp_s` the instants become a trial, in which effects have a memory.
 
 # %%
 effect = "effects:\n  - {id: hysteresis, parameters: {share: 0.3, width_pa: 2000, of: 0}}\n"
@@ -119,8 +119,8 @@ print(f"tip at 20 kPa, on the way down from where it was on the way up: {1e3 * n
 # ## Recordings
 #
 # A trial is read for an arm, by the topics and units of its file. `read_csv` takes a CSV recording and a
-# [layout](../config/layouts/template.yaml); `Trial.from_arrays` takes arrays; `softarm.simulate("demo", "trial.bag", seconds=20)`
-# is `softarm simulate`, of scenarios, arms and dicts, and has the truth as arrays.
+# [layout](../config/layouts/template.yaml); `Trial.from_arrays` takes arrays. `softarm.simulate("demo", "trial.bag", seconds=20)`
+# does what `softarm simulate` does. It takes scenarios, arms and dicts, and returns the truth as arrays.
 
 # %%
 trial = softarm.read_bag(arm, "trial.bag")
@@ -132,7 +132,7 @@ table.index -= table.index[0]
 print(table.iloc[:3, :4].round(5).to_string())
 
 # %% [markdown]
-# What is wrong with it, and the remedies, as [`softarm check`](check.md) has them:
+# `check` returns what is wrong with the recording, and the remedies, as [`softarm check`](check.md) does:
 
 # %%
 checked = softarm.check(arm, "trial.bag")
@@ -142,8 +142,8 @@ print(checked.to_pandas()[["severity", "id", "where", "figure", "unit"]].head(3)
 # %% [markdown]
 # ## Estimates
 #
-# `estimate` is the node's estimator over a trial; the options are those of `softarm estimate`. `identifiable_EI` says in which frames
-# EI is worth using.
+# `estimate` runs the node's estimator over a trial, with the options of `softarm estimate`. `identifiable_EI` says in which frames EI
+# is well enough determined to be used.
 
 # %%
 found = softarm.estimate(trial)
@@ -161,8 +161,8 @@ below.set(xlabel="time (s)", ylabel="EI (N m²)", ylim=(0.0, 2.0 * np.median(EI[
 figure.tight_layout()
 
 # %% [markdown]
-# `found.mismatch` has what [the live monitor](mismatch.md) says at every frame, `found.alarms` the sudden changes. Here a ring is
-# pushed aside, by hand:
+# `found.mismatch` holds the output of [the live monitor](mismatch.md) for every frame, `found.alarms` the sudden changes. Here the
+# code moves one ring aside:
 
 # %%
 slipped_p_m = trial.bodies_p_mocap_m
@@ -174,7 +174,7 @@ for alarm in softarm.estimate(slipped).alarms:
     print(f"from {alarm.onset_s:.1f} s on: {alarm.description}")
 
 # %% [markdown]
-# `Estimator` takes frames as they come, as the node does; with `window_s` the frames of that time share EI and payload.
+# `Estimator` takes frames one by one, as the node does. With `window_s` the frames of that time share EI and payload.
 
 # %%
 estimator = softarm.Estimator(arm, unknown="both", prior=True, window_s=0.5)
@@ -187,14 +187,14 @@ print(f"after 300 frames: EI {one.EI_nm2[0, 0]:.4f} ± {one.sd_EI_nm2[0, 0]:.4f}
       f"payload {1e3 * one.payload_kg[0]:.0f} ± {1e3 * one.sd_payload_kg[0]:.0f} g (there hung {1e3 * trial.payload_kg[299]:.0f} g)")
 
 # %% [markdown]
-# Many bags at once, several at a time: `softarm.estimate_bags(arm, paths)`. It does what `softarm estimate` does, at its speed
-# ([measured](benchmarks.md#from-python)).
+# `softarm.estimate_bags(arm, paths)` takes many bags and works on several at a time. It does what `softarm estimate` does, at the same
+# speed ([measured](benchmarks.md#from-python)).
 #
 # ## Constants, and what the arm file leaves out
 #
-# `identify` fits the constants to trials, `diagnose` looks for the physics that the arm file leaves out. Both take lists of trials and
-# the options of the commands; their objects hold what the commands write. Here one trial, cut in three, stands for the three
-# or more that you record.
+# `identify` fits the constants to trials. `diagnose` looks for the physics that the arm file leaves out. Both take lists of trials and
+# the options of the commands; the objects that they return hold what the commands write. Here one trial, cut in three, stands for the
+# three or more that you record.
 
 # %%
 def part(k):
@@ -209,8 +209,8 @@ print(result.verdict)
 print(result.to_pandas()[["initial", "value", "sd", "unit", "determined"]].head(4).to_string())
 
 # %% [markdown]
-# The rig's arm swings, which the laws do not know: other constants do not make up for that, and the verdict says so.
-# `result.arm` is the arm with these constants: `result.arm.save("my_arm_identified.yaml")`. In the same way
+# The rig's arm swings, but the laws describe no swings. Other constants do not make up for that, and the verdict says so.
+# `result.arm` is the arm with these constants; `result.arm.save("my_arm_identified.yaml")` writes it. `diagnose` is used in the same way:
 #
 # ```
 # diagnosis = softarm.diagnose(arm, softarm.read_bags(arm, paths), progress=print)
@@ -234,13 +234,13 @@ for wrong in (lambda: softarm.load_arm("my_arm"), lambda: arm.with_constants({"s
 # %% [markdown]
 # ## Examples
 #
-# Three scripts to begin with; each takes `--help`:
+# Three scripts to start from; each takes `--help`:
 #
 # | script | does |
 # |---|---|
-# | [`python/examples/estimate_trial.py`](../python/examples/estimate_trial.py) | bags to pictures and tables of estimates |
-# | [`python/examples/reach.py`](../python/examples/reach.py) | pressures that bring the tip along a path, by the Jacobian |
-# | [`python/examples/identify_and_diagnose.py`](../python/examples/identify_and_diagnose.py) | trials to constants and to what the arm file leaves out, one table |
+# | [`python/examples/estimate_trial.py`](../python/examples/estimate_trial.py) | turns bags into pictures and tables of estimates |
+# | [`python/examples/reach.py`](../python/examples/reach.py) | finds the pressures that move the tip along a path, with the Jacobian |
+# | [`python/examples/identify_and_diagnose.py`](../python/examples/identify_and_diagnose.py) | finds constants and left-out physics from trials; prints a table of each |
 #
 # The project's own plotting scripts use the module too: `scripts/plot_estimates.py`, `plot_check.py`, `plot_identify.py`,
 # `plot_rig.py`, `plot_validation.py`, `plot_input_errors.py`.
