@@ -18,7 +18,8 @@ std::vector<KeySpec> pose_keys() {
 }
 
 constexpr char kLabelledMarkersMeaning[] =
-    "rings known by labelled markers: those that make it up; empty: its name is the label of its only marker";
+    "for drivers that send labelled markers: the markers of this body; empty: one marker, whose label is the "
+    "body's name";
 
 }  // namespace
 
@@ -44,33 +45,33 @@ const KeyTable& arm_keys() {
        list("bodies", kMostMeasuredBodies, kRequired, "measured bodies, from base to tip"),
        map("inputs", "{}", "topics, types and units"), map("estimator", "{}", "choices of the estimator"),
        list("effects", kMostOfATable, "[]",
-            "physics beyond these laws that is in the model, as `softarm diagnose` found it; `softarm "
-            "diagnose "
-            "--effects` lists ids, parameters and ranges"),
+            "physics beyond these laws that the model includes, as `softarm diagnose` found it; `softarm "
+            "diagnose --effects` lists ids, parameters and ranges"),
        word("effects_verdict", {"consistent", "explained", "partly_explained", "unknown", "cannot_tell"},
             kAbsent,
-            "how the diagnosis that found the effects ended: with `unknown` something else is there, and "
-            "what uses them warns")}};
+            "verdict of the diagnosis that found the effects; with `unknown` something else is there, too, "
+            "and commands that use the effects warn")}};
   return table;
 }
 
 const KeyTable& base_keys() {
   static const KeyTable table{
       "base",
-      {text("body", kAbsent, "body whose measured pose carries the base (or give fixed)"),
+      {text("body", kAbsent, "body whose measured pose gives the base's pose (or give fixed)"),
        map("rod_in_body", "{}", "pose of the rod's base frame (z: tangent, x: phi = 0) in that body's frame"),
        list("labelled_markers", kMostOfATable, "[]", kLabelledMarkersMeaning),
        flag("hold_last", "true", "keep the last pose while the body is lost (the mount does not move)"),
-       map("fixed", kAbsent, "pose of the rod's base in the mocap frame where no body measures it")}};
+       map("fixed", kAbsent, "pose of the rod's base in the mocap frame, where no body measures it")}};
   return table;
 }
 
 const KeyTable& fixed_base_keys() {
   static const KeyTable table = [] {
     KeyTable keys{"base.fixed", pose_keys()};
-    keys.keys.push_back(word("attitude", {"hanging", "standing", "horizontal"}, kAbsent,
-                             "instead of a rotation: hanging (tangent along gravity), standing (against it), "
-                             "horizontal (along the mocap frame's x, the section's x up)"));
+    keys.keys.push_back(
+        word("attitude", {"hanging", "standing", "horizontal"}, kAbsent,
+             "instead of a rotation: hanging (tangent along gravity), standing (tangent against gravity), "
+             "horizontal (tangent along the mocap frame's x, the section's x up)"));
     return keys;
   }();
   return table;
@@ -85,9 +86,10 @@ const KeyTable& payload_keys() {
   static const KeyTable table{
       "payload",
       {number_or("arclength_m", {"tip"}, "m", "tip", 0, 100,
-                 "where it hangs along the backbone, at zero input"),
+                 "where the payload hangs along the backbone, at zero input"),
        vector("offset_m", 3, "m", "[0, 0, 0]", -1, 1, "its centre of mass in the section frame there"),
-       number("default_kg", "kg", kAbsent, 0, 100, "assumed while no topic gives it; absent: unknown"),
+       number("default_kg", "kg", kAbsent, 0, 100,
+              "payload that is assumed while no topic gives one; absent: unknown"),
        vector("range_kg", 2, "kg", "[0, 5]", 0, 100, "sanity limits of an estimated payload")}};
   return table;
 }
@@ -97,34 +99,34 @@ const KeyTable& noise_keys() {
       "noise",
       {number("position_sd_m", "m", "0.0005", 1e-6, 0.1, "standard deviation of a position, per coordinate"),
        number("orientation_sd_rad", "rad", "0.02", 1e-5, 1, "standard deviation of a tangent, per axis"),
-       number(
-           "placement_sd_m", "m", "0.001", 0, 0.1,
-           "how well it is known where bodies sit on the arm, per coordinate; the same error in all frames"),
+       number("placement_sd_m", "m", "0.001", 0, 0.1,
+              "standard deviation of the bodies' places on the arm, per coordinate; the error is the same in "
+              "all frames"),
        number("placement_sd_deg", "deg", "0.5", 0, 30,
-              "how well their tangents are known to be the arm's, per axis; the same error in all frames")}};
+              "standard deviation of the bodies' tangents from the arm's, per axis; the error is the same in "
+              "all frames")}};
   return table;
 }
 
 const KeyTable& body_keys() {
   static const KeyTable table{
       "bodies[]",
-      {text("name", kRequired, "what the driver calls it; replaces <body> in inputs.bodies.topic"),
+      {text("name", kRequired, "the driver's name of the body; replaces <body> in inputs.bodies.topic"),
        word("kind", {"ring", "skin_marker"}, "ring",
             "ring: a rigid body or ring whose pose is the backbone's; skin_marker: one marker on the skin"),
        number_or("arclength_m", {"tip"}, "m", kRequired, 1e-4, 100,
-                 "where along the backbone, from the base over all segments, at zero input"),
+                 "place along the backbone, from the base over all segments, at zero input"),
        flag("orientation_usable", "false", "rings only: the measured tangent can be trusted"),
        map("section_in_body", "{}", "rings only: pose of the backbone's section frame in the body's frame"),
        number("angle_deg", "deg", kAbsent, -360, 360,
               "skin markers only, required: azimuth in the section frame"),
        number("radius_m", "m", kAbsent, 0, 1, "skin markers only, required: distance from the backbone"),
        list("labelled_markers", kMostOfATable, "[]", kLabelledMarkersMeaning),
-       integer(
-           "markers", "1", 1, 32,
-           "rings known by unlabelled points only: how many markers its marker cluster has (1: one point; or "
-           "3 and more)"),
+       integer("markers", "1", 1, 32,
+               "for drivers that send only unlabelled points: number of markers of the ring's marker cluster "
+               "(1: one point; or 3 and more)"),
        number("marker_cluster_radius_m", "m", kAbsent, 1e-3, 1,
-              "with markers: radius of the marker cluster's circle around the ring's centre"),
+              "with several markers: radius of the marker cluster's circle around the ring's centre"),
        number("position_sd_m", "m", kAbsent, 1e-6, 0.1,
               "standard deviation per coordinate; default: noise.position_sd_m"),
        number("orientation_sd_rad", "rad", kAbsent, 1e-5, 1,
@@ -138,9 +140,9 @@ const KeyTable& labelled_marker_keys() {
       {text("label", kRequired,
             "the driver's name of the marker (or subject/marker; phasespace: its id, in quotes)"),
        vector("position_m", 3, "m", kAbsent, -10, 10,
-              "where it sits in the body's frame; given for all of three or more: they determine the body's "
-              "pose, "
-              "and any three do; absent: its position is their centroid, and takes all")}};
+              "place of the marker in the body's frame; if all of three or more markers have one, any three "
+              "of them determine the body's pose; absent: the body's position is the centroid of its "
+              "markers, all of which must be seen")}};
   return table;
 }
 
@@ -150,19 +152,20 @@ const KeyTable& estimator_keys() {
       {word("method", {"full_points", "end_orientation", "cc_points", "cc_endpoint"}, "full_points",
             "full_points: eq. (7) of the online paper; end_orientation: eq. (8); cc_...: constant curvature"),
        word("unknown", {"stiffness", "payload", "both"}, "stiffness",
-            "what is estimated; the other one must be known; both: under the prior"),
+            "what is estimated; stiffness and payload each need the other one to be known; both needs the "
+            "prior"),
        word("objective", {"least_squares", "sum_of_distances"}, "least_squares",
-            "what is minimised; sum_of_distances is the paper's"),
+            "what is minimised; the paper uses sum_of_distances"),
        word("weights", {"noise", "paper"}, kAbsent,
             "noise: 1/sd; paper: 1/arclength; default: noise for least_squares, paper for sum_of_distances"),
-       flag("robust", "true", "bound the influence of an outlying body and set it aside"),
+       flag("robust", "true", "bound the influence of an outlying body, and set it aside"),
        number("identifiable_relative_sd", "", "0.25", 0.001, 10,
               "a parameter is identifiable in a frame at this relative standard deviation or better"),
        number("window_s", "s", "0", 0, 60,
-              "frames of this last time share EI and payload; 0: each frame by itself"),
-       word("dynamics", {"static", "modal"}, "static",
-            "static: each frame as if at rest; modal: the arm is followed through its swings in its first "
-            "modes"),
+              "frames within this last time share EI and payload; 0: each frame by itself"),
+       word(
+           "dynamics", {"static", "modal"}, "static",
+           "static: each frame is fitted as if at rest; modal: swings are followed in the arm's first modes"),
        map("prior", "{}", "trust in the arm's laws")}};
   return table;
 }
@@ -170,33 +173,33 @@ const KeyTable& estimator_keys() {
 const KeyTable& prior_keys() {
   static const KeyTable table{
       "estimator.prior",
-      {flag("enabled", "false", "use what the laws make of the inputs as a prior"),
+      {flag("enabled", "false", "use the laws' predictions from the inputs as a prior"),
        number(
            "moment_sd_nm", "N m", "0.02", 1e-6, 100,
            "lasting error of the laws: standard deviation per component of the moment (cables: of EI times "
            "curvature)"),
-       number("moment_sd_rel", "", "0", 0, 10, "and as a share of the moment, added in squares"),
+       number("moment_sd_rel", "", "0", 0, 10,
+              "the same as a share of the moment; the squares of both are added"),
        number("bending_stiffness_sd_rel", "", "0.2", 0.001, 10, "relative standard deviation of EI"),
        number("length_sd_m", "m", "0.003", 1e-6, 1, "standard deviation of the length"),
        number("axial_stiffness_sd_rel", "", "0.5", 0, 10,
-              "relative standard deviation of EA where it is given: what a load stretches the arm by is as "
-              "uncertain; the default is for an EA that nobody has measured"),
+              "relative standard deviation of EA, where EA is given: the stretch by a load is as uncertain; "
+              "the default is for an EA that nobody has measured"),
        number("moment_jitter_sd_nm", "N m", "0.002", 0, 100,
               "error that changes from frame to frame, per component of the moment"),
-       number("length_jitter_sd_m", "m", "0.0005", 0, 1, "the same of the length")}};
+       number("length_jitter_sd_m", "m", "0.0005", 0, 1, "the same for the length")}};
   return table;
 }
 
 const KeyTable& effect_keys() {
-  static const KeyTable table{
-      "effects[]",
-      {text("id", kRequired, "of the catalogue: base_compliance, soft_spot, ..."),
-       other("parameters", KeyKind::kNumbers, kRequired,
-             "its numbers by name, SI units; one that is left out has its usual value, a size is 0"),
-       other("sd", KeyKind::kNumbers, "{}",
-             "standard deviations of some of them, >= 0; estimates with the effect in the model are as "
-             "uncertain "
-             "as these make them")}};
+  static const KeyTable table{"effects[]",
+                              {text("id", kRequired, "id of the catalogue: base_compliance, soft_spot, ..."),
+                               other("parameters", KeyKind::kNumbers, kRequired,
+                                     "the effect's parameters by name, SI units; one that is left out has "
+                                     "its usual value, or 0 if it is a size"),
+                               other("sd", KeyKind::kNumbers, "{}",
+                                     "standard deviations of some parameters, >= 0; the uncertainty of "
+                                     "estimates with this effect includes them")}};
   return table;
 }
 

@@ -28,15 +28,15 @@ const KeyTable& segment_keys() {
          number_or("torsional_stiffness_nm2", {"rigid"}, "N m^2", "rigid", 1e-7, 1e4, "GJ"),
          number_or("axial_stiffness_n", {"rigid"}, "N", "rigid", 0.1, 1e8, "EA"),
          number_or("shear_stiffness_n", {"rigid"}, "N", "rigid", 0.1, 1e8, "GA"),
-         number(
-             "joint_compliance_rad_per_nm", "rad/(N m)", kAbsent, 0, 100,
-             "turn of the joint at the segment's start (to the base, or to the segment before) per bending "
-             "moment that it bears; absent: rigid"),
+         number("joint_compliance_rad_per_nm", "rad/(N m)", kAbsent, 0, 100,
+                "rotation of the joint at the segment's start (to the base, or to the segment before) per "
+                "bending moment in it; absent: rigid"),
          vector("rest_curvature_per_m", 3, "1/m", "[0, 0, 0]", -200, 200,
                 "strain u at rest in the section frame (x, y: bending, z: twist)"),
          map("material", kAbsent, "rubber whose moduli change with axial stretch; absent: linear"),
          map("wall", kAbsent,
-             "viscoelastic wall: shares of what the laws say come late; absent: all comes at once")}};
+             "viscoelastic wall: shares of the laws' curvature and length come late; absent: all comes at "
+             "once")}};
     for (const ActuatorKind* kind : actuator_kinds()) append(kind->segment_keys(), keys.keys);
     return keys;
   }();
@@ -62,7 +62,7 @@ const KeyTable& profile_keys() {
       "segments[].bending_stiffness.profile[]",
       {number("fraction", "", kRequired, 0, 1, "s / length, increasing from knot to knot"),
        number("factor", "", kRequired, 0.01, 100,
-              "EI(s) / EI there; linear in between, constant beyond the ends")}};
+              "EI(s) / EI at this place; linear in between, constant beyond the ends")}};
   return table;
 }
 
@@ -78,23 +78,23 @@ const KeyTable& material_keys() {
 const KeyTable& wall_keys() {
   static const KeyTable table{
       "segments[].wall",
-      {list("bending", kMostWallElements, "[]", "Kelvin-Voigt elements of the curvature by actuation"),
-       list("axial", kMostWallElements, "[]", "the same of the length"),
+      {list("bending", kMostWallElements, "[]",
+            "Kelvin-Voigt elements of the curvature that actuation causes"),
+       list("axial", kMostWallElements, "[]", "the same for the length"),
        number("slows_per_pa", "1/Pa", kAbsent, 0, 0.001,
               "time constants grow by 1 + this times the mean gauge pressure of the segment's chambers; "
               "absent: not at all"),
-       number(
-           "shares_grow_per_pa", "1/Pa", kAbsent, 0, 0.001,
-           "what comes late over what comes at once grows by 1 + this times that mean pressure; absent: not "
-           "at all"),
+       number("shares_grow_per_pa", "1/Pa", kAbsent, 0, 0.001,
+              "the ratio of what comes late to what comes at once grows by 1 + this times the same mean "
+              "pressure; absent: not at all"),
        number("initial_curvature_sd_per_m", "1/m", kAbsent, 1e-6, 1000,
-              "how far each element of bending may be from the laws' value when a recording begins, standard "
-              "deviation per component; default: 0.2 rad over length_m"),
+              "when a recording begins: standard deviation of each element of bending from the laws' value, "
+              "per component; default: 0.2 rad over length_m"),
        number("initial_length_sd_m", "m", kAbsent, 1e-9, 1,
-              "the same of each axial element; default: 2 % of length_m"),
+              "the same for each axial element; default: 2 % of length_m"),
        number("lag_s", "s", kAbsent, 0, 10,
-              "time by which the bent wall lags its moments, those of loads too, where motion is in the "
-              "model (diagnose fits it from here); absent: 0.02")}};
+              "time by which the bent wall lags its moments, including those of loads, where the model "
+              "includes motion (diagnose starts its fit here); absent: 0.02")}};
   return table;
 }
 
@@ -104,7 +104,8 @@ std::vector<KeySpec> element_keys() {
   return {
       number("time_s", "s", kRequired, kLeastWallTime_s, kMostWallTime_s, "time constant without pressure"),
       number("share", "", kRequired, 0, kMostWallShare,
-             "of what the laws say, that comes with this time; all of a list together at most 0.98")};
+             "share of the laws' value that comes with this time constant; the shares of a list add up to at "
+             "most 0.98")};
 }
 
 }  // namespace
@@ -122,14 +123,16 @@ const KeyTable& axial_element_keys() {
 const KeyTable& inputs_keys() {
   static const KeyTable table{
       "inputs",
-      {map("bodies", "{}", "poses or points of base and measured bodies"),
-       map("base", kAbsent, "of the base's body, where it comes another way than the others"),
+      {map("bodies", "{}", "topics of the poses or points of base and measured bodies"),
+       map("base", kAbsent, "topic of the base's body, where it comes another way than the others"),
        list("pressures", kMostInputs, "[]", "pressure inputs"),
        list("tensions", kMostInputs, "[]", "tension inputs of tendons"),
        list("angles", kMostInputs, "[]", "angle inputs of servos"),
-       number("ambient_pressure_pa", "Pa", "101325", 5e4, 1.2e5, "ambient pressure, for absolute pressures"),
-       number("input_max_age_s", "s", "0.5", 0.001, 3600, "an older pressure, tension or angle is missing"),
-       text("payload_topic", "/payload", "std_msgs/Float64, known payload in kg")}};
+       number("ambient_pressure_pa", "Pa", "101325", 5e4, 1.2e5,
+              "ambient pressure, from which absolute pressures are counted"),
+       number("input_max_age_s", "s", "0.5", 0.001, 3600,
+              "a pressure, tension or angle older than this counts as missing"),
+       text("payload_topic", "/payload", "topic of the known payload, std_msgs/Float64 in kg")}};
   return table;
 }
 
@@ -138,27 +141,27 @@ namespace {
 constexpr char kFieldMeaning[] =
     "where the number is in a message of another type: effort[2], chambers[0].pressure";
 constexpr char kStampMeaning[] =
-    "whose stamp counts: the header's (receipt where there is none), or that of receipt";
+    "which stamp counts: that of the header (of receipt where there is none), or that of receipt";
 constexpr char kLatencyMeaning[] =
-    "subtracted from every stamp (the header's, or that of receipt): the delay, plus the time by which that "
-    "clock is ahead";
+    "subtracted from every stamp (of the header, or of receipt): the delay, plus the time by which the clock "
+    "of the stamps is ahead";
 
 KeySpec noise_sd_key() {
   return number("noise_sd", "", kAbsent, 0, 1e6,
-                "standard deviation of one value's noise, in that unit, for identify; absent: as measured "
-                "from the recording");
+                "standard deviation of one value's noise, in that unit, for identify; absent: measured from "
+                "the recording");
 }
 
 KeySpec zero_sd_key() {
   return number("zero_sd", "", "0", 0, 1e6,
-                "standard deviation of the error of zero, in that unit: identify fits one per trial");
+                "standard deviation of an error of the zero, in that unit; identify fits one per trial");
 }
 
 KeySpec between_key() {
-  return word(
-      "between", {"sampled", "held"}, kAbsent,
-      "what it is between two samples: a sensor goes straight from one to the next, a latched command "
-      "holds the last; absent: sampled if they come at a steady rate of 2 Hz or more, else held");
+  return word("between", {"sampled", "held"}, kAbsent,
+              "value between two samples: sampled (of a sensor): a straight line from one to the next; held "
+              "(a latched command): the last sample; absent: sampled if samples come at a steady rate of 2 "
+              "Hz or more, else held");
 }
 
 }  // namespace
@@ -168,28 +171,27 @@ namespace {
 std::vector<KeySpec> body_source_keys() {
   Words types;
   for (const BodyType& known : body_types()) types.push_back(known.type);
-  return {
-      text("topic", "/mocap/<body>/pose",
-           "topic; every <body> is replaced by the body's name; one topic without <body> where a message "
-           "holds "
-           "all bodies"),
-      word("type", types, "geometry_msgs/PoseStamped",
-           "message type (doc/drivers.md: which driver sends what)"),
-      word("unit", {"m", "cm", "mm"}, kAbsent,
-           "unit of its positions; default: m, of vicon_bridge/Markers mm"),
-      text("axes", "x y z",
-           "the driver's axes along the mocap frame's x, y and z: \"x -z y\" where y is up, \"x z y\" where "
-           "mirrored"),
-      text("frame", kAbsent,
-           "frame_id that is read, others are rejected (leading slashes do not matter); "
-           "absent: any, and taken for the mocap frame"),
-      text("child_frame", "<body>", "tf only: a body's frame"),
-      word("stamp", {"header", "receipt", "server"}, "header",
-           "whose stamp counts: the header's (receipt where there is none), that of receipt, or "
-           "phasespace's own time of each marker"),
-      flag("labels", "true", "lists of markers only; false: their labels do not hold, associate the points"),
-      number("marker_tolerance_m", "m", "0.005", 1e-5, 0.1,
-             "labelled markers only: rms by which they may miss their places on the body")};
+  return {text("topic", "/mocap/<body>/pose",
+               "topic; <body> is replaced by the body's name; a topic whose messages hold all bodies has no "
+               "<body>"),
+          word("type", types, "geometry_msgs/PoseStamped",
+               "message type (doc/drivers.md: which driver sends what)"),
+          word("unit", {"m", "cm", "mm"}, kAbsent,
+               "unit of the positions; default: mm for vicon_bridge/Markers, else m"),
+          text("axes", "x y z",
+               "the driver's axes along the mocap frame's x, y and z: \"x -z y\" if the driver's y is up, "
+               "\"x z y\" if it is a mirror image"),
+          text("frame", kAbsent,
+               "frame_id that is read; others are rejected (leading slashes do not matter); absent: any "
+               "frame_id, taken for the mocap frame"),
+          text("child_frame", "<body>", "tf only: a body's frame"),
+          word("stamp", {"header", "receipt", "server"}, "header",
+               "which stamp counts: that of the header (of receipt where there is none), that of receipt, or "
+               "phasespace's own time of each marker"),
+          flag("labels", "true",
+               "lists of markers only; false: their labels are not reliable, and the points are associated"),
+          number("marker_tolerance_m", "m", "0.005", 1e-5, 0.1,
+                 "labelled markers only: largest rms distance from their places on the body")};
 }
 
 }  // namespace
@@ -223,9 +225,10 @@ const KeyTable& pressure_input_keys() {
        word("unit", {"Pa", "kPa", "MPa", "bar", "mbar", "psi"}, "Pa", "unit of the values"),
        word("reference", {"absolute", "gauge"}, "absolute", "zero of the values: vacuum or ambient"),
        number("zero", "", "0", -1e7, 1e7,
-              "by how much the sensor reads too high, in that unit; it is subtracted"),
+              "amount by which the sensor reads too high, in that unit; it is subtracted"),
        noise_sd_key(), zero_sd_key(),
-       flag("vacuum", "false", "evacuates a jamming core: the value used is ambient minus absolute"),
+       flag("vacuum", "false",
+            "true: this input evacuates a jamming core, and the value used is ambient minus absolute"),
        number("latency_s", "s", "0", -3600, 3600, kLatencyMeaning), between_key()}};
   return table;
 }
@@ -265,9 +268,9 @@ const KeyTable& angle_input_keys() {
   static const KeyTable table = [] {
     KeyTable keys{"inputs.angles[]", number_topic_keys("cables")};
     keys.keys.push_back(word("unit", {"rad", "deg"}, "rad", "unit of the values"));
-    keys.keys.push_back(
-        number("rad_per_unit", "rad", kAbsent, -1e3, 1e3,
-               "instead of unit: rad per count, say of a PWM; negative where it turns the other way"));
+    keys.keys.push_back(number("rad_per_unit", "rad", kAbsent, -1e3, 1e3,
+                               "instead of unit: rad per count, for example of a PWM; negative if counts "
+                               "grow in the opposite direction"));
     keys.keys.push_back(
         number("zero", "", "0", -1e6, 1e6, "value when the arm is straight, in that unit or in counts"));
     keys.keys.push_back(noise_sd_key());

@@ -180,7 +180,7 @@ TEST(NewArm, EveryKeyItWritesIsExplainedOnceAndGuessesAreCalledSo) {
   for (const char* comment : {"backbone length at zero input; [0.005, 10] m",
                               "A GUESS, to be identified: c: bending moment per gauge pressure",
                               "A GUESS, to be identified: b1: EI at zero input",
-                              "azimuth towards which the arm bends when it is inflated"}) {
+                              "azimuth towards which the arm bends when the chamber is inflated"}) {
     const std::size_t first = text.find(comment);
     ASSERT_NE(first, std::string::npos) << comment << "\n" << text;
     EXPECT_EQ(text.find(comment, first + 1), std::string::npos) << comment;
@@ -251,7 +251,7 @@ TEST(NewArm, AnAnswerThatCannotBeIsRefusedAtOnceAndAskedForAgain) {
       {"a", "base a: is a body on the arm already", ""},
       {"0", "stiffness 0: must be a number from 1e-06 to 500 N m^2", ""},
       {dir / "none/a.yaml", "does not exist", dir / "a.yaml"},
-      {dir / "a.yaml", "is the arm file already", ""}};
+      {dir / "a.yaml", "is already the arm file", ""}};
   std::string typed;
   for (const Answer& a : answers) typed += a.wrong + "\n" + a.right + "\n";
   int status = -1;

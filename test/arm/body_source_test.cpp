@@ -46,7 +46,7 @@ TEST(BodySource, ThePageOfKeysNamesEveryTypeAndItsUnit) {
   for (const arm::yaml::BodyType& row : arm::yaml::body_types()) {
     EXPECT_THAT(page, ::testing::HasSubstr(row.type));
     if (row.unit != "m") {
-      EXPECT_THAT(page, ::testing::HasSubstr("of " + row.type + " " + row.unit));
+      EXPECT_THAT(page, ::testing::HasSubstr(row.unit + " for " + row.type));
     }
   }
 }

@@ -29,7 +29,7 @@ constexpr const char* kNewArmExamples = R"(Examples:
     --bodies 4 --out my_arm.yaml
   softarm new-arm --kind chambers,tendons+central --segments 2 --length 0.12,0.1 --mass 0.12,0.08 --diameter 0.04,0.03
     --actuators 3,2 --angles 0,120,240/0,90 --bodies ring_1:0.12,tip:0.22 --base hanging --out my_arm.yaml
-One value counts for all segments, or a comma parts one for each; '/' parts the lists of angles.)";
+Give one value for all segments, or one for each, separated by commas; '/' separates the lists of angles.)";
 
 Replacing replacing_of(const Told& told, bool force) {
   Replacing replacing = Replacing::of_this_run(force);
@@ -41,7 +41,7 @@ fs::path layout_of(const Told& told) {
   const fs::path out = told.at("out");
   const fs::path layout = told.count("layout") ? fs::path(told.at("layout"))
                                                : out.parent_path() / (out.stem().string() + "_layout.yaml");
-  if (out == layout) throw Failure(fmt::format("--layout {}: is the arm file already", layout.string()));
+  if (out == layout) throw Failure(fmt::format("--layout {}: is already the arm file", layout.string()));
   return layout;
 }
 
@@ -84,15 +84,15 @@ const Question kQuestions[] = {
     {"bodies",
      "measured bodies besides the base: how many, evenly spaced, or name:arclength (m), from base to tip",
      nullptr, nullptr, [](const Told& told, bool) { bodies_of(told); }},
-    {"angles", "their directions of bending, deg", "evenly spaced", "bending",
+    {"angles", "directions in which they bend the arm, deg", "evenly spaced", "bending",
      [](const Told& told, bool) { all_angles_of(told); }},
-    {"base", "body that carries the base, or hanging, standing, horizontal where none does", "base", nullptr,
-     [](const Told& told, bool) { base_of(told); }},
-    {"stiffness", "bending stiffness EI of each segment, N m^2", "a guess by the diameter", nullptr,
+    {"base", "body that carries the base; or, if no body does: hanging, standing or horizontal", "base",
+     nullptr, [](const Told& told, bool) { base_of(told); }},
+    {"stiffness", "bending stiffness EI of each segment, N m^2", "a guess from the diameter", nullptr,
      [](const Told& told, bool) { stiffnesses_of(told); }},
     {"out", "the arm file to write", nullptr, nullptr,
      [](const Told& told, bool force) { refuse_file("out", told.at("out"), replacing_of(told, force)); }},
-    {"layout", "the layout to write", "beside it, NAME_layout.yaml", nullptr,
+    {"layout", "the layout to write", "NAME_layout.yaml beside the arm file", nullptr,
      [](const Told& told, bool force) {
        refuse_file("layout", layout_of(told), replacing_of(told, force));
      }}};
@@ -154,9 +154,9 @@ void run_new_arm(Told told, bool force) {
   layout_file.write(columns);
   arm_file.commit();
   layout_file.commit();
-  say("{}: {} segment{}, {:g} m, {} bod{}; look for GUESS\n{}: the columns of its recordings\n", out.string(),
-      arm.segments.size(), arm.segments.size() == 1 ? "" : "s", arm.length_m(), arm.bodies.size(),
-      arm.bodies.size() == 1 ? "y" : "ies", layout.string());
+  say("{}: {} segment{}, {:g} m, {} bod{}; look for GUESS\n{}: the column layout of its recordings\n",
+      out.string(), arm.segments.size(), arm.segments.size() == 1 ? "" : "s", arm.length_m(),
+      arm.bodies.size(), arm.bodies.size() == 1 ? "y" : "ies", layout.string());
 }
 
 }  // namespace

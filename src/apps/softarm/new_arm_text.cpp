@@ -172,7 +172,7 @@ void base_text(const NewArm& arm, Document& doc) {
     return;
   }
   doc.key("base", "  ", "fixed", "");
-  doc.line("    # MEASURE where the arm begins in the mocap frame");
+  doc.line("    # MEASURE the place where the arm begins, in the mocap frame");
   doc.key("base.fixed", "    ", "position_m", "[0, 0, 0]");
   doc.key("base.fixed", "    ", "attitude", arm.attitude);
 }
@@ -210,11 +210,11 @@ std::string arm_text(const NewArm& arm) {
   Document doc;
   doc.line(
       "# Written by softarm new-arm. SI units; the end of a key is its unit. config/arms/README.md lists all "
-      "keys,");
+      "keys;");
   doc.line(
-      "# online_200mm.yaml shows them in use. What is called a guess is a size to begin with, by the "
-      "diameter:");
-  doc.line("# softarm identify fits it to trials.");
+      "# online_200mm.yaml shows them in use. A guess is a starting value that follows from the diameter; "
+      "softarm");
+  doc.line("# identify fits it to trials.");
   doc.key("(top)", "", "format", "1");
   doc.key("(top)", "", "name", arm.name);
   doc.key("(top)", "", "gravity_m_s2", "[0, 0, -9.80665]");
@@ -235,15 +235,16 @@ std::string arm_text(const NewArm& arm) {
 }
 
 std::string layout_text(const NewArm& arm) {
-  std::string text = "# Column layout of the recordings of " + arm.name +
-                     " for softarm import, written by softarm new-arm: time, bodies, inputs, in this order.\n"
-                     "# Put in the columns and units of your files (softarm import --guess FILE drafts a "
-                     "layout from one of them);\n"
-                     "# config/layouts/template.yaml explains every key.\n"
-                     "separator: comma\ntime:\n  column: 1\n  # s, ms, us or ns\n  unit: s\n"
-                     "mocap:\n  # Of the positions: m, cm or mm\n  unit: m\n  # The axis that points up in "
-                     "the recording: z or y\n"
-                     "  up: z\n  bodies:\n";
+  std::string text =
+      "# Column layout of the recordings of " + arm.name +
+      " for softarm import, written by softarm new-arm: time, bodies, inputs, in this order.\n"
+      "# Enter the columns and units of your files (softarm import --guess FILE drafts a "
+      "layout from one of them);\n"
+      "# config/layouts/template.yaml explains every key.\n"
+      "separator: comma\ntime:\n  column: 1\n  # s, ms, us or ns\n  unit: s\n"
+      "mocap:\n  # Unit of the positions: m, cm or mm\n  unit: m\n  # The axis that points up in "
+      "the recording: z or y\n"
+      "  up: z\n  bodies:\n";
   int column = 1;
   const auto body = [&](const std::string& name) {
     text += fmt::format(

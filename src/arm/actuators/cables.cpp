@@ -113,16 +113,16 @@ class Cables final : public ActuatorKind {
   }
 
   std::vector<yaml::KeySpec> segment_keys() const override {
-    return {
-        yaml::list("cables", yaml::kMostActuators, "[]", "cables wound up by servos"),
-        yaml::number("cables_saturation_per_rad", "1/rad", yaml::kAbsent, 0, CableLaw::kMost,
-                     "b: the curvatures by all cables are divided by 1 + b times the sum of their angles' "
-                     "sizes, beside their own saturation_per_rad")};
+    return {yaml::list("cables", yaml::kMostActuators, "[]", "cables wound up by servos"),
+            yaml::number("cables_saturation_per_rad", "1/rad", yaml::kAbsent, 0, CableLaw::kMost,
+                         "b: the curvatures by all cables are divided by 1 + b times the sum of their "
+                         "angles' sizes, in addition to each one's saturation_per_rad")};
   }
   std::vector<yaml::KeySpec> stiffness_keys() const override {
     return {
-        yaml::number("per_angle_nm2_per_rad", "N m^2/rad", yaml::kAbsent, 0, CableLaw::kMostGrowth,
-                     "EI per rad of the sum of the servo angles' sizes (of their mean: n times that)"),
+        yaml::number(
+            "per_angle_nm2_per_rad", "N m^2/rad", yaml::kAbsent, 0, CableLaw::kMostGrowth,
+            "EI per rad of the sum of the servo angles' sizes (per rad of their mean: n times that)"),
         yaml::number("per_min_angle_nm2_per_rad", "N m^2/rad", yaml::kAbsent, 0, CableLaw::kMostGrowth,
                      "EI per rad of the smallest of those sizes (see also stiffness_gain_nm2_per_rad of a "
                      "cable)")};
@@ -192,18 +192,18 @@ class Cables final : public ActuatorKind {
     static const yaml::KeyTable table{
         "segments[].cables[]",
         {yaml::text("input", yaml::kRequired,
-                    "name of the angle input (inputs.angles) of the servo that winds it up"),
+                    "name of the angle input (inputs.angles) of the servo that winds up the cable"),
          yaml::number("bending_direction_deg", "deg", yaml::kRequired, -360, 360,
-                      "azimuth of the cable: towards which the arm bends for positive angles"),
+                      "azimuth of the cable: the arm bends towards it for positive angles"),
          yaml::number("curvature_gain_per_m_rad", "1/(m rad)", yaml::kAbsent, 0, 1e4,
                       "curvature of the unloaded segment per angle (or spool_radius_m and lever_m)"),
          yaml::number("spool_radius_m", "m", yaml::kAbsent, 1e-4, 1,
                       "r_s: radius of the spool; the gain is spool_radius_m / (length_m * lever_m)"),
          yaml::number("lever_m", "m", yaml::kAbsent, 1e-4, 1,
                       "r + r_t: distance of the cable from the segment's axis"),
-         yaml::number(
-             "saturation_per_rad", "1/rad", yaml::kAbsent, 0, CableLaw::kMost,
-             "a: its curvature is divided by 1 + a times the size of its angle; absent: proportional"),
+         yaml::number("saturation_per_rad", "1/rad", yaml::kAbsent, 0, CableLaw::kMost,
+                      "a: the cable's curvature is divided by 1 + a times the size of its angle; absent: "
+                      "proportional"),
          yaml::number("stiffness_gain_nm2_per_rad", "N m^2/rad", yaml::kAbsent, 0, CableLaw::kMostGrowth,
                       "EI of the segment per size of this cable's angle")}};
     return table;

@@ -109,9 +109,9 @@ class CentralChambers final : public ActuatorKind {
         yaml::map("central_chamber", yaml::kAbsent, "pneumatic chamber on the segment's axis; absent: none")};
   }
   std::vector<yaml::KeySpec> stiffness_keys() const override {
-    return {yaml::list("by_pressure", yaml::kMostOfATable, "[]",
-                       "knots of EI over the central chamber's pressure, instead of b1 and of the material's "
-                       "stiffening")};
+    return {yaml::list(
+        "by_pressure", yaml::kMostOfATable, "[]",
+        "knots of EI over the central chamber's pressure; they replace b1 and the material's stiffening")};
   }
   std::vector<const yaml::KeyTable*> segment_tables() const override { return {&keys()}; }
   std::vector<const yaml::KeyTable*> stiffness_tables() const override { return {&knot_keys()}; }
@@ -158,7 +158,7 @@ class CentralChambers final : public ActuatorKind {
   static const yaml::KeyTable& keys() {
     static const yaml::KeyTable table{
         "segments[].central_chamber",
-        {yaml::text("input", yaml::kRequired, "name of the pressure input (inputs.pressures) that feeds it"),
+        {yaml::text("input", yaml::kRequired, "name of the chamber's pressure input (inputs.pressures)"),
          yaml::number("area_m2", "m^2", yaml::kRequired, 1e-9, 0.1,
                       "cross-section of the chamber: its gauge pressure times this stretches the wall")}};
     return table;
@@ -169,7 +169,7 @@ class CentralChambers final : public ActuatorKind {
         {yaml::number("pressure_pa", "Pa", yaml::kRequired, -1.2e5, 1e7,
                       "gauge pressure, increasing from knot to knot"),
          yaml::number("bending_stiffness_nm2", "N m^2", yaml::kRequired, 1e-6, 1e3,
-                      "EI there; linear in between, constant beyond the ends")}};
+                      "EI at this pressure; linear in between, constant beyond the ends")}};
     return table;
   }
 };

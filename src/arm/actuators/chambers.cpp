@@ -160,7 +160,7 @@ class Chambers final : public ActuatorKind {
                        "pneumatic chambers along the segment, off its axis"),
             yaml::number("chambers_saturation_per_pa", "1/Pa", yaml::kAbsent, 0, ChamberLaw::kMost,
                          "b: the moments of all chambers are divided by 1 + b times the sum of their "
-                         "pressures, beside their own saturation_per_pa")};
+                         "pressures, in addition to each one's saturation_per_pa")};
   }
   std::vector<yaml::KeySpec> stiffness_keys() const override {
     return {
@@ -219,17 +219,18 @@ class Chambers final : public ActuatorKind {
   static const yaml::KeyTable& keys() {
     static const yaml::KeyTable table{
         "segments[].chambers[]",
-        {yaml::text("input", yaml::kRequired, "name of the pressure input (inputs.pressures) that feeds it"),
+        {yaml::text("input", yaml::kRequired, "name of the chamber's pressure input (inputs.pressures)"),
          yaml::number("bending_direction_deg", "deg", yaml::kRequired, -360, 360,
-                      "azimuth towards which the arm bends when it is inflated"),
+                      "azimuth towards which the arm bends when the chamber is inflated"),
          yaml::number("moment_gain_nm_per_pa", "N m/Pa", yaml::kRequired, 0, 1e-3,
                       "c: bending moment per gauge pressure"),
          yaml::number("near_elongation_m_per_pa", "m/Pa", "0", -1e-5, 1e-5,
                       "a1, a3, a5: elongation at the chamber's side"),
          yaml::number("far_elongation_m_per_pa", "m/Pa", "0", -1e-5, 1e-5,
                       "a2, a4, a6: elongation opposite the chamber"),
-         yaml::number("saturation_per_pa", "1/Pa", yaml::kAbsent, 0, ChamberLaw::kMost,
-                      "a: its moment is c p / (1 + a p), which tends to c / a; absent: proportional"),
+         yaml::number(
+             "saturation_per_pa", "1/Pa", yaml::kAbsent, 0, ChamberLaw::kMost,
+             "a: the chamber's moment is c p / (1 + a p), which tends to c / a; absent: proportional"),
          yaml::number("stiffness_gain_nm2_per_pa", "N m^2/Pa", yaml::kAbsent, 0, ChamberLaw::kMostGrowth,
                       "EI of the segment per gauge pressure of this chamber")}};
     return table;

@@ -113,15 +113,14 @@ class Tendons final : public ActuatorKind {
   }
 
   std::vector<yaml::KeySpec> segment_keys() const override {
-    return {
-        yaml::list("tendons", yaml::kMostActuators, "[]", "tendons pulled by known tensions"),
-        yaml::number("tendons_saturation_per_n", "1/N", yaml::kAbsent, 0, TendonLaw::kMost,
-                     "b: the moments of all tendons are divided by 1 + b times the sum of their tensions, "
-                     "beside their own saturation_per_n")};
+    return {yaml::list("tendons", yaml::kMostActuators, "[]", "tendons pulled by known tensions"),
+            yaml::number("tendons_saturation_per_n", "1/N", yaml::kAbsent, 0, TendonLaw::kMost,
+                         "b: the moments of all tendons are divided by 1 + b times the sum of their "
+                         "tensions, in addition to each one's saturation_per_n")};
   }
   std::vector<yaml::KeySpec> stiffness_keys() const override {
     return {yaml::number("per_tension_nm2_per_n", "N m^2/N", yaml::kAbsent, 0, TendonLaw::kMostGrowth,
-                         "EI per N of the sum of the tensions (of their mean: n times that)"),
+                         "EI per N of the sum of the tensions (per N of their mean: n times that)"),
             yaml::number("per_min_tension_nm2_per_n", "N m^2/N", yaml::kAbsent, 0, TendonLaw::kMostGrowth,
                          "EI per N of the lowest tension (see also stiffness_gain_nm2_per_n of a tendon)")};
   }
@@ -172,11 +171,11 @@ class Tendons final : public ActuatorKind {
         "segments[].tendons[]",
         {yaml::text("input", yaml::kRequired, "name of the tension input (inputs.tensions)"),
          yaml::number("bending_direction_deg", "deg", yaml::kRequired, -360, 360,
-                      "azimuth of the tendon: towards which the arm bends when it is pulled"),
+                      "azimuth of the tendon: the arm bends towards it when the tendon is pulled"),
          yaml::number("offset_m", "m", yaml::kRequired, 0, 0.5,
-                      "distance from the segment's axis; 0: it only compresses"),
+                      "distance from the segment's axis; 0: the tendon only compresses"),
          yaml::number("saturation_per_n", "1/N", yaml::kAbsent, 0, TendonLaw::kMost,
-                      "a: its moment is offset T / (1 + a T); absent: proportional"),
+                      "a: the tendon's moment is offset T / (1 + a T); absent: proportional"),
          yaml::number("stiffness_gain_nm2_per_n", "N m^2/N", yaml::kAbsent, 0, TendonLaw::kMostGrowth,
                       "EI of the segment per tension of this tendon")}};
     return table;
