@@ -64,7 +64,7 @@ std::vector<HiddenEffect> boundary_effects() {
        true,
        "the base turns under the load, though the measured body `base` does not",
        {},
-       {{"stiffness_nm_per_rad", 1e-4, 1e6, 2.0, 20.0, "bending moment at the base over its turn"}},
+       {{"stiffness_nm_per_rad", 1e-4, 1e6, 2.0, 20.0, "bending moment at the base per angle that it turns"}},
        [](const HiddenChoice& choice, Scenario& scenario) {
          refuse_twice(choice, scenario);
          scenario.body.base_stiffness_nm_per_rad = choice.values.at("stiffness_nm_per_rad");
@@ -73,7 +73,8 @@ std::vector<HiddenEffect> boundary_effects() {
        true,
        "the arm stands tilted on the measured base",
        {},
-       {{"angle_deg", 0.0, 60.0, 0.5, 2.0, "of the tilt"}, azimuth("towards which it tilts, base frame")},
+       {{"angle_deg", 0.0, 60.0, 0.5, 2.0, "angle of the tilt"},
+        azimuth("azimuth towards which the arm tilts, base frame")},
        [](const HiddenChoice& choice, Scenario& scenario) {
          refuse_twice(choice, scenario);
          const double angle = angle_of(choice, "angle_deg"), azimuth_rad = angle_of(choice, "azimuth_deg");
@@ -83,7 +84,8 @@ std::vector<HiddenEffect> boundary_effects() {
        true,
        "gravity is not along -z of the mocap frame",
        {},
-       {{"angle_deg", 0.0, 90.0, 0.5, 2.0, "it is off by"}, azimuth("towards which it is off, mocap frame")},
+       {{"angle_deg", 0.0, 90.0, 0.5, 2.0, "angle by which gravity is off"},
+        azimuth("azimuth towards which gravity is off, mocap frame")},
        [](const HiddenChoice& choice, Scenario& scenario) {
          refuse_twice(choice, scenario);
          const double angle = angle_of(choice, "angle_deg"), azimuth_rad = angle_of(choice, "azimuth_deg");
@@ -91,10 +93,10 @@ std::vector<HiddenEffect> boundary_effects() {
        }},
       {"base_free_play",
        true,
-       "the clamp has clearance: the base turns freely so far, then is held, by a spring (ring) or by a stop "
-       "that yields as Hertz's contact does (bush)",
+       "the clamp has clearance: the base turns freely within the play, and beyond it is held by a spring "
+       "(ring) or by a stop that yields like a Hertz contact (bush)",
        {"ring", "bush"},
-       {{"play_deg", 0.0, 30.0, 0.3, 1.2, "how far it turns to every side"}},
+       {{"play_deg", 0.0, 30.0, 0.3, 1.2, "angle that the base can turn freely to every side"}},
        [](const HiddenChoice& choice, Scenario& scenario) {
          refuse_twice(choice, scenario);
          scenario.body.base_play_rad = angle_of(choice, "play_deg");
@@ -102,46 +104,48 @@ std::vector<HiddenEffect> boundary_effects() {
        }},
       {"payload_offset",
        true,
-       "the payload's centre is off the place where it hangs",
+       "the payload's centre of mass is not at the place where the payload hangs",
        {},
-       {{"axial_m", -1.0, 1.0, 0.01, 0.03, "along the arm's axis there", 0.0},
-        {"lateral_m", 0.0, 1.0, 0.0, 0.02, "across it", 0.0},
-        azimuth("of lateral_m, in the section frame", 0.0)},
+       {{"axial_m", -1.0, 1.0, 0.01, 0.03, "distance along the arm's axis", 0.0},
+        {"lateral_m", 0.0, 1.0, 0.0, 0.02, "distance across the arm's axis", 0.0},
+        azimuth("azimuth of lateral_m, in the section frame", 0.0)},
        payload_offset},
       {"tip_mass",
        true,
        "a fitting at the tip that nobody weighed",
        {},
-       {{"mass_kg", 0.0, 10.0, 0.005, 0.03, "its mass"}},
+       {{"mass_kg", 0.0, 10.0, 0.005, 0.03, "mass of the fitting"}},
        [](const HiddenChoice& choice, Scenario& scenario) {
          refuse_twice(choice, scenario);
          scenario.body.tip_mass_kg = choice.values.at("mass_kg");
        }},
       {"tether",
        true,
-       "something pulls at the tip towards an anchor beside the straight tip: a spring of no length, or a "
-       "hose that pulls only when taut and whose weight hangs at the tip by half",
+       "something pulls the tip towards an anchor beside the straight tip: a spring with a rest length of "
+       "zero, or a hose that pulls only when taut and half of whose weight hangs at the tip",
        {"spring", "hose"},
-       {{"stiffness_n_per_m", 0.0, 1e5, 1.0, 5.0, "of its pull"},
-        {"anchor_distance_m", 0.0, 10.0, 0.0, 0.1, "of the anchor from the straight tip", 0.0},
-        azimuth("of the anchor, base frame", 0.0),
-        {"slack_m", 0.0, 10.0, 0.005, 0.03, "of a hose, when the arm is straight", 0.01},
-        {"hose_kg", 0.0, 10.0, 0.005, 0.03, "weight of a hose", 0.01}},
+       {{"stiffness_n_per_m", 0.0, 1e5, 1.0, 5.0, "stiffness of the spring or hose"},
+        {"anchor_distance_m", 0.0, 10.0, 0.0, 0.1, "distance of the anchor from the straight tip", 0.0},
+        azimuth("azimuth of the anchor, base frame", 0.0),
+        {"slack_m", 0.0, 10.0, 0.005, 0.03, "slack of a hose when the arm is straight", 0.01},
+        {"hose_kg", 0.0, 10.0, 0.005, 0.03, "mass of a hose", 0.01}},
        tether},
       {"contact",
        true,
-       "a wall beside the arm: touches it at one place, as a spring without friction (spring_wall); or all "
-       "along, with Hunt and Crossley's law and friction (rough_wall, inclined by 90 degrees a floor), or a "
-       "round post along the arm, with friction that grows with the speed (post)",
+       "a wall beside the arm: it touches the arm at one place, as a spring without friction (spring_wall), "
+       "or anywhere along the arm, with Hunt and Crossley's law and friction (rough_wall; inclined by 90 "
+       "degrees it is a floor); or a round post along the arm, with friction that grows with the speed "
+       "(post)",
        {"spring_wall", "rough_wall", "post"},
        {{"stiffness_n_per_m", 0.0, 1e6, 30.0, 300.0,
-         "of the wall; a rough one's or a post's against 20 mm of arm"},
-        {"distance_m", 0.0, 10.0, 0.01, 0.05, "of the wall from the straight arm's axis"},
-        azimuth("towards which the wall is, base frame"),
-        {"fraction", 0.05, 1.0, 0.4, 1.0, "of the arm's length, where a spring_wall touches it", 0.7},
-        {"inclination_deg", -90.0, 90.0, -10.0, 0.0, "of a rough wall over the tip", 0.0},
-        {"friction", 0.0, 2.0, 0.1, 0.6, "of a rough wall or a post", 0.3},
-        {"radius_m", 1e-3, 1.0, 0.01, 0.04, "of a post", 0.02, false, {"post"}}},
+         "stiffness of the wall; of a rough wall or a post: against 20 mm of arm"},
+        {"distance_m", 0.0, 10.0, 0.01, 0.05, "distance of the wall from the straight arm's axis"},
+        azimuth("azimuth towards the wall, base frame"),
+        {"fraction", 0.05, 1.0, 0.4, 1.0,
+         "place where a spring_wall touches the arm, as a fraction of the arm's length", 0.7},
+        {"inclination_deg", -90.0, 90.0, -10.0, 0.0, "inclination of a rough wall over the tip", 0.0},
+        {"friction", 0.0, 2.0, 0.1, 0.6, "friction of a rough wall or a post", 0.3},
+        {"radius_m", 1e-3, 1.0, 0.01, 0.04, "radius of a post", 0.02, false, {"post"}}},
        contact},
   };
 }

@@ -74,29 +74,27 @@ std::vector<HiddenEffect> material_effects() {
        strain_stiffening},
       {"curvature_softening",
        true,
-       "softer beyond a curvature: the section turns oval, EI u (1 - share x^2 / (1 + x^2)), x = u / knee; "
-       "or "
-       "the wall wrinkles from the knee on, where the moment goes to twice what it is there",
+       "softer at large curvature: the section turns oval, EI u (1 - share x^2 / (1 + x^2)), x = u / knee; "
+       "or the wall wrinkles beyond the knee, where the moment tends to twice its value at the knee",
        {"oval", "wrinkling"},
-       {{"share", 0.0, 0.85, 0.15, 0.5, "of EI (oval), of what wrinkling takes"},
+       {{"share", 0.0, 0.85, 0.15, 0.5,
+         "oval: share of EI that is lost; wrinkling: share of the full loss of moment"},
         {"knee_per_m", 1e-2, 1e3, 1.5, 5.0, "curvature of the knee"}},
        curvature_softening},
       {"creep",
        true,
-       "the curvature grows under a held load, with one time constant (maxwell: a standard linear solid), "
-       "with "
-       "five a decade apart (prony), or as what drives it comes through the wall by a broad spectrum of "
-       "times, "
-       "with something left in it at the start (wall)",
+       "the curvature grows under a held load, with one time constant (maxwell: a standard linear solid) or "
+       "with five a decade apart (prony); or the drive acts through the wall with a broad spectrum of times, "
+       "and something of it is left at the start (wall)",
        {"maxwell", "prony", "wall"},
-       {{"share", 0.0, 10.0, 0.05, 0.2, "by which it grows in the end"},
-        {"time_s", 1e-3, 1e6, 5.0, 60.0, "time constant; of prony that in the middle"},
+       {{"share", 0.0, 10.0, 0.05, 0.2, "share by which the curvature grows in the end"},
+        {"time_s", 1e-3, 1e6, 5.0, 60.0, "time constant; prony: the middle one"},
         {"left_nm",
          0.0,
          10.0,
          0.0,
          0.05,
-         "moment that goes on in each segment at the start, in a direction by the seed",
+         "moment that is left in each segment at the start, in a direction from the seed",
          0.0,
          false,
          {"wall"}}},
@@ -104,10 +102,10 @@ std::vector<HiddenEffect> material_effects() {
       {"mullins",
        true,
        "stiffer on first loading: where the curvature has not been so large before (ogden_roxburgh), or "
-       "everywhere, the less the larger it has been (softening)",
+       "everywhere, but less so the larger the curvature has been (softening)",
        {"ogden_roxburgh", "softening"},
-       {{"share", 0.0, 5.0, 0.05, 0.2, "by which it is stiffer"},
-        {"scale_per_m", 1e-2, 1e3, 1.0, 5.0, "difference of curvatures that matters", 2.0}},
+       {{"share", 0.0, 5.0, 0.05, 0.2, "share by which the arm is stiffer"},
+        {"scale_per_m", 1e-2, 1e3, 1.0, 5.0, "scale of the differences of curvature", 2.0}},
        [](const HiddenChoice& choice, Scenario& scenario) {
          refuse_twice(choice, scenario);
          scenario.body.first_loading = FirstLoading{
@@ -117,35 +115,35 @@ std::vector<HiddenEffect> material_effects() {
        true,
        "the jammed core keeps the curvature at which the vacuum was applied",
        {},
-       {{"share", 0.0, 1.0, 0.3, 1.0, "of that curvature that it keeps"}},
+       {{"share", 0.0, 1.0, 0.3, 1.0, "share of that curvature that the core keeps"}},
        [](const HiddenChoice& choice, Scenario& scenario) {
          core(choice, scenario).memory = choice.values.at("share");
        }},
       {"jamming_yield",
        true,
-       "the jammed core slips at a curvature: sharply (elastoplastic) or gradually (bouc_wen)",
+       "the jammed core slips beyond a curvature: sharply (elastoplastic) or gradually (bouc_wen)",
        {"elastoplastic", "bouc_wen"},
-       {{"yield_per_m", 1e-2, 1e3, 1.0, 6.0, "elastic curvature of the core where it slips"}},
+       {{"yield_per_m", 1e-2, 1e3, 1.0, 6.0, "elastic curvature at which the core slips"}},
        jamming_yield},
       {"plane_stiffness",
        true,
-       "another bending stiffness in one plane than across it: everywhere the same (oval), or less where it "
-       "is "
-       "bent far (ribs)",
+       "the bending stiffness in one plane differs from that across it: the same at every bend (oval), or "
+       "less where the arm is bent far (ribs)",
        {"oval", "ribs"},
-       {{"share", -0.9, 10.0, 0.1, 0.4, "by which it is larger in that plane"},
-        azimuth("of the plane, in the section frame"),
-        {"to_fraction", 0.0, 1.0, 1.0, 1.0, "only from the base up to here", 1.0}},
+       {{"share", -0.9, 10.0, 0.1, 0.4, "share by which the stiffness is larger in that plane"},
+        azimuth("azimuth of the plane, in the section frame"),
+        {"to_fraction", 0.0, 1.0, 1.0, 1.0, "acts only from the base up to this fraction of the arm", 1.0}},
        [](const HiddenChoice& choice, Scenario& scenario) {
          scenario.body.plane_stiffness = side(choice, scenario);
        }},
       {"one_sided_softness",
        true,
-       "softer when bent to one side, as if the wall there buckled at once (buckles) or bit by bit (folds)",
+       "softer when bent to one side, as if the wall on that side buckled at once (buckles) or bit by bit "
+       "(folds)",
        {"buckles", "folds"},
-       {{"share", -3.0, 0.9, 0.1, 0.4, "by which it is softer towards that side"},
-        azimuth("of the side, in the section frame"),
-        {"to_fraction", 0.0, 1.0, 0.4, 1.0, "only from the base up to here", 1.0}},
+       {{"share", -3.0, 0.9, 0.1, 0.4, "share by which the arm is softer towards that side"},
+        azimuth("azimuth of the side, in the section frame"),
+        {"to_fraction", 0.0, 1.0, 0.4, 1.0, "acts only from the base up to this fraction of the arm", 1.0}},
        [](const HiddenChoice& choice, Scenario& scenario) {
          scenario.body.one_sided_softness = side(choice, scenario);
        }},

@@ -61,7 +61,7 @@ std::vector<HiddenEffect> profile_effects() {
   return {
       {"stiffness_taper",
        true,
-       "bending stiffness falls or rises along each segment: EI (1 + a (2 s / L - 1)), or at once in its "
+       "bending stiffness falls or rises along each segment: EI (1 + a (2 s / L - 1)); or in a step in its "
        "middle, where two casts meet: EI (1 - a), EI (1 + a)",
        {"linear", "step"},
        {{"share", -0.9, 0.9, -0.3, 0.3, "a"}},
@@ -72,24 +72,24 @@ std::vector<HiddenEffect> profile_effects() {
        }},
       {"soft_spot",
        true,
-       "bending stiffness lower over a short stretch: all along it, but for smooth edges of a quarter of it "
-       "each (even), or the less the farther from its centre (bell)",
+       "bending stiffness is lower over a short stretch: evenly, with a smooth edge of a quarter of the "
+       "stretch at each end (even), or most at its centre (bell)",
        {"even", "bell"},
-       {{"centre_fraction", 0.0, 1.0, 0.2, 0.8, "where, of the arm's length"},
-        {"width_fraction", 0.02, 0.6, 0.1, 0.25, "how long, of the arm's length"},
-        {"share", -3.0, 0.9, 0.15, 0.5, "by which it is lower; of a bell at its centre"}},
+       {{"centre_fraction", 0.0, 1.0, 0.2, 0.8, "centre of the stretch, as a fraction of the arm's length"},
+        {"width_fraction", 0.02, 0.6, 0.1, 0.25, "length of the stretch, as a fraction of the arm's length"},
+        {"share", -3.0, 0.9, 0.15, 0.5, "share by which the stiffness is lower; of a bell: at its centre"}},
        soft_spot},
       {"rigid_ends",
        true,
        "end caps that neither bend nor are bent by the actuation",
        {},
-       {{"base_m", 0.0, 1.0, 0.005, 0.02, "length of that at the base"},
-        {"tip_m", 0.0, 1.0, 0.005, 0.015, "length of that at the tip"}},
+       {{"base_m", 0.0, 1.0, 0.005, 0.02, "length of the end cap at the base"},
+        {"tip_m", 0.0, 1.0, 0.005, 0.015, "length of the end cap at the tip"}},
        rigid_ends},
       {"actuation_taper",
        true,
-       "the moment of the actuation falls or rises along each segment: M0 (1 + a (2 s / L - 1)), or at once "
-       "in its middle, where chambers are wound otherwise: M0 (1 - a), M0 (1 + a)",
+       "the moment of the actuation falls or rises along each segment: M0 (1 + a (2 s / L - 1)); or in a "
+       "step in its middle, where the winding of the chambers changes: M0 (1 - a), M0 (1 + a)",
        {"linear", "step"},
        {{"share", -0.9, 0.9, -0.2, 0.2, "a"}},
        [](const HiddenChoice& choice, Scenario& scenario) {
@@ -99,10 +99,10 @@ std::vector<HiddenEffect> profile_effects() {
        }},
       {"mass_distribution",
        true,
-       "the arm's weight is not uniform: tapers along each segment, 1 + a (2 s / L - 1), or a lump",
+       "the arm's weight is not uniform: it tapers along each segment, 1 + a (2 s / L - 1), or has a lump",
        {"taper", "lump"},
-       {{"share", -0.9, 0.9, 0.1, 0.3, "a; or the share of the arm's mass in the lump"},
-        {"lump_fraction", 0.0, 1.0, 0.3, 0.9, "where the lump is, of the arm's length", 0.5}},
+       {{"share", -0.9, 0.9, 0.1, 0.3, "a; lump: share of the arm's mass in the lump"},
+        {"lump_fraction", 0.0, 1.0, 0.3, 0.9, "place of the lump, as a fraction of the arm's length", 0.5}},
        mass_distribution},
       {"axial_compliance",
        true,

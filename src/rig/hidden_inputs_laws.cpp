@@ -43,17 +43,19 @@ std::vector<HiddenEffect> pressure_laws() {
        true,
        "a chamber's moment is not proportional to its pressure",
        {"quadratic", "saturating"},
-       {{"share", -0.9, 10.0, 0.08, 0.25, "of the moment, beyond the proportional one"}, at_pressure},
+       {{"share", -0.9, 10.0, 0.08, 0.25, "share of the moment, in addition to the proportional one"},
+        at_pressure},
        [](const HiddenChoice& choice, Scenario& scenario) {
          need_chambers(scenario);
          put(scenario.input_path.laws.gain_nonlinearity, {share_at(choice), choice.form == "saturating"});
        }},
       {"pressure_dead_zone",
        true,
-       "no moment below a pressure, and less by it above; of one chamber alone its pressure itself is less, "
-       "also where it lengthens and stiffens the arm",
+       "no moment below a pressure, and above it as if the pressure were lower by that much; for one chamber "
+       "alone its pressure itself is lower, also where it lengthens and stiffens the arm",
        {"sharp", "smooth"},
-       {{"pressure_pa", 1.0, 1e6, 1500.0, 5000.0, "up to which there is none"}, all_or_one_chamber()},
+       {{"pressure_pa", 1.0, 1e6, 1500.0, 5000.0, "pressure up to which there is no moment"},
+        all_or_one_chamber()},
        [](const HiddenChoice& choice, Scenario& scenario) {
          need_chambers(scenario);
          put(scenario.input_path.laws.dead_zone,
@@ -64,18 +66,17 @@ std::vector<HiddenEffect> pressure_laws() {
        true,
        "EI grows with the mean pressure beyond the law of the arm file",
        {"linear", "quadratic"},
-       {{"share", -0.9, 10.0, 0.08, 0.25, "of EI, by which it grows"}, at_pressure},
+       {{"share", -0.9, 10.0, 0.08, 0.25, "share by which EI grows"}, at_pressure},
        [](const HiddenChoice& choice, Scenario& scenario) {
          need_pressures(scenario);
          put(scenario.input_path.laws.pressure_stiffening, {share_at(choice), choice.form == "quadratic"});
        }},
       {"radial_expansion",
        true,
-       "the arm grows wider with the mean pressure: EI and GJ go with the square of the radius where the "
-       "wall "
-       "gets thinner, with the fourth power where it does not",
+       "the arm grows wider with the mean pressure: EI and GJ grow with the square of the radius if the wall "
+       "gets thinner, with the fourth power if it does not",
        {"square", "fourth_power"},
-       {{"share", -0.5, 5.0, 0.04, 0.12, "of the radius, by which it grows"}, at_pressure},
+       {{"share", -0.5, 5.0, 0.04, 0.12, "share by which the radius grows"}, at_pressure},
        [](const HiddenChoice& choice, Scenario& scenario) {
          need_pressures(scenario);
          put(scenario.input_path.laws.radial_expansion, {share_at(choice), choice.form == "square" ? 2 : 4});
@@ -84,17 +85,19 @@ std::vector<HiddenEffect> pressure_laws() {
        true,
        "the arm grows longer with the mean pressure beyond the law of the arm file",
        {},
-       {{"share", -0.5, 2.0, 0.01, 0.04, "of the length, by which it grows"}, at_pressure},
+       {{"share", -0.5, 2.0, 0.01, 0.04, "share by which the length grows"}, at_pressure},
        [](const HiddenChoice& choice, Scenario& scenario) {
          need_pressures(scenario);
          put(scenario.input_path.laws.pressure_elongation, share_at(choice));
        }},
       {"chamber_bulge",
        true,
-       "neighbouring chambers bulge into each other: each one's moment grows with the others' pressures, in "
-       "proportion (linear), or less where they are high (saturating)",
+       "neighbouring chambers bulge into each other: the moment of each grows with the others' pressures, in "
+       "proportion (linear), or less where these are high (saturating)",
        {"linear", "saturating"},
-       {{"share", -0.9, 10.0, 0.08, 0.25, "of the moment, by the sum of the others' pressures"}, at_pressure},
+       {{"share", -0.9, 10.0, 0.08, 0.25,
+         "share of the moment that is added where the sum of the others' pressures is reference_pa"},
+        at_pressure},
        [](const HiddenChoice& choice, Scenario& scenario) {
          need(scenario.arm.chambers > 1, "an arm that takes several pressures");
          need_chambers(scenario);
@@ -111,7 +114,7 @@ std::vector<HiddenEffect> vacuum_laws() {
        true,
        "the arm grows shorter with the vacuum",
        {},
-       {{"share", -0.5, 0.5, 0.005, 0.02, "of the length, by which it shrinks"}, at_vacuum},
+       {{"share", -0.5, 0.5, 0.005, 0.02, "share by which the length shrinks"}, at_vacuum},
        [](const HiddenChoice& choice, Scenario& scenario) {
          need_vacuum(scenario);
          put(scenario.input_path.laws.vacuum_shortening, share_at(choice));
@@ -120,19 +123,19 @@ std::vector<HiddenEffect> vacuum_laws() {
        true,
        "actuators bend the arm less under vacuum",
        {},
-       {{"share", -0.9, 0.9, 0.05, 0.2, "of their moments, that is lost"}, at_vacuum},
+       {{"share", -0.9, 0.9, 0.05, 0.2, "share of the moments that is lost"}, at_vacuum},
        [](const HiddenChoice& choice, Scenario& scenario) {
          need_vacuum(scenario);
          put(scenario.input_path.laws.vacuum_gain, share_at(choice));
        }},
       {"jamming_law",
        false,
-       "what jamming adds to EI is not proportional to the vacuum",
+       "the EI that jamming adds is not proportional to the vacuum",
        {"saturating", "power"},
-       {{"scale_pa", 100.0, 1e6, 1e4, 3e4, "saturating: vacuum of 63 % of the most", 2e4},
-        {"exponent", 0.05, 5.0, 0.4, 0.7, "power: of the vacuum", 0.5},
-        {"reference_pa", 1.0, 1e6, kReferenceVacuumPa, kReferenceVacuumPa, "where it is as the arm file says",
-         kReferenceVacuumPa}},
+       {{"scale_pa", 100.0, 1e6, 1e4, 3e4, "saturating: vacuum at which 63 % of the limit is reached", 2e4},
+        {"exponent", 0.05, 5.0, 0.4, 0.7, "power: exponent of the vacuum", 0.5},
+        {"reference_pa", 1.0, 1e6, kReferenceVacuumPa, kReferenceVacuumPa,
+         "vacuum at which the EI is as the arm file says", kReferenceVacuumPa}},
        [](const HiddenChoice& choice, Scenario& scenario) {
          need_jamming(scenario);
          put(scenario.input_path.laws.jamming_law,
@@ -143,13 +146,13 @@ std::vector<HiddenEffect> vacuum_laws() {
 }
 
 std::vector<HiddenEffect> geometry_laws() {
-  const HiddenParameter chamber{"chamber", 1.0, 16.0, 1.0, 3.0, "its number", std::nullopt, true};
+  const HiddenParameter chamber{"chamber", 1.0, 16.0, 1.0, 3.0, "number of the chamber", std::nullopt, true};
   return {
       {"chamber_mismatch",
        true,
        "the gain of one chamber is not as the arm file says",
        {},
-       {chamber, {"share", -0.95, 10.0, 0.03, 0.1, "of its gain, by which it is higher"}},
+       {chamber, {"share", -0.95, 10.0, 0.03, 0.1, "share by which its gain is higher"}},
        [](const HiddenChoice& choice, Scenario& scenario) {
          need_chambers(scenario);
          const int chamber_input = chamber_index(choice, scenario);
@@ -159,36 +162,36 @@ std::vector<HiddenEffect> geometry_laws() {
        }},
       {"bending_plane_offset",
        true,
-       "all actuators sit turned about the arm's axis",
+       "all actuators are turned about the arm's axis",
        {},
-       {{"angle_deg", -180.0, 180.0, 3.0, 8.0, "by which they are turned"}},
+       {{"angle_deg", -180.0, 180.0, 3.0, 8.0, "angle by which they are turned"}},
        [](const HiddenChoice& choice, Scenario& scenario) {
          if (scenario.input_path.laws.actuators_turned_rad != 0.0) throw std::invalid_argument("given twice");
          scenario.input_path.laws.actuators_turned_rad = kRadPerDeg * choice.values.at("angle_deg");
        }},
       {"rest_curvature",
        true,
-       "the arm is curved without input or load, fixed in its body",
+       "the arm is curved without input or load, in a direction fixed in its body",
        {},
-       {{"curvature_per_m", -100.0, 100.0, 0.15, 0.5, "at rest"},
-        {"azimuth_deg", -360.0, 360.0, 0.0, 360.0, "towards which it is bent", 0.0},
-        {"segment", 0.0, 8.0, 0.0, 0.0, "its number; 0: all", 0.0, true}},
+       {{"curvature_per_m", -100.0, 100.0, 0.15, 0.5, "curvature at rest"},
+        {"azimuth_deg", -360.0, 360.0, 0.0, 360.0, "azimuth towards which it is bent", 0.0},
+        {"segment", 0.0, 8.0, 0.0, 0.0, "number of the segment; 0: all", 0.0, true}},
        rest_curvature},
       {"torsion",
        true,
-       "the arm twists: as soft as rubber is (compliance), or with the mean pressure or tension",
+       "the arm twists: under load, as rubber does (compliance), or with the mean pressure or tension",
        {"compliance", "pressure", "tension"},
        {{"stiffness_ratio", 1e-3, 1e4, 0.4, 0.8, "compliance: GJ over EI, both at zero input", 2.0 / 3.0},
-        {"twist_deg", -360.0, 360.0, 2.0, 5.0, "of each segment, at the reference", 3.0},
+        {"twist_deg", -360.0, 360.0, 2.0, 5.0, "twist of each segment, at the reference", 3.0},
         reference(kReferencePa),
-        {"reference_n", 1e-3, 1e4, 3.0, 3.0, "mean tension where the twist is reached", 3.0}},
+        {"reference_n", 1e-3, 1e4, 3.0, 3.0, "mean tension at which the twist is reached", 3.0}},
        torsion},
       {"tendon_slack",
        true,
-       "cables that servos wind up are slack at first: they do not pull until they are taut (taut), or less "
-       "until then (sags)",
+       "cables that servos wind up are slack at first: until they are taut they do not pull (taut), or pull "
+       "less (sags)",
        {"taut", "sags"},
-       {{"angle_deg", 0.0, 180.0, 2.0, 8.0, "of the servo, that takes up the slack"}},
+       {{"angle_deg", 0.0, 180.0, 2.0, 8.0, "angle of the servo that takes up the slack"}},
        [](const HiddenChoice& choice, Scenario& scenario) {
          need(scenario.arm.servos > 0, "an arm with cables that servos wind up");
          put(scenario.input_path.laws.cable_slack,
@@ -196,9 +199,9 @@ std::vector<HiddenEffect> geometry_laws() {
        }},
       {"curvature_gain",
        true,
-       "what actuators do depends on how far the arm is bent",
+       "the moments of actuators depend on how far the arm is bent",
        {},
-       {{"share_per_rad", -0.6, 2.0, 0.05, 0.15, "of their moments, by the bending angle of the segment"}},
+       {{"share_per_rad", -0.6, 2.0, 0.05, 0.15, "share of the moments per bending angle of the segment"}},
        [](const HiddenChoice& choice, Scenario& scenario) {
          if (scenario.input_path.laws.gain_share_per_rad != 0.0) throw std::invalid_argument("given twice");
          scenario.input_path.laws.gain_share_per_rad = choice.values.at("share_per_rad");

@@ -22,17 +22,17 @@ constexpr double kReferencePa = 50e3, kReferenceVacuumPa = 60e3;
 
 /// The parameter `reference_pa` of effects that are a share there.
 inline HiddenParameter reference(double pa) {
-  return {"reference_pa", 1.0, 1e7, pa, pa, "where the share is reached", pa};
+  return {"reference_pa", 1.0, 1e7, pa, pa, "pressure or vacuum at which the share is reached", pa};
 }
 
 /// The parameter `chamber`.
 inline HiddenParameter chamber_number() {
-  return {"chamber", 0.0, 16.0, 1.0, 3.0, "its number; 0: all", 0.0, true};
+  return {"chamber", 0.0, 16.0, 1.0, 3.0, "number of the chamber; 0: all", 0.0, true};
 }
 
 /// The same of what all may have as well.
 inline HiddenParameter all_or_one_chamber() {
-  return {"chamber", 0.0, 16.0, 0.0, 3.0, "its number; 0: all", 0.0, true};
+  return {"chamber", 0.0, 16.0, 0.0, 3.0, "number of the chamber; 0: all", 0.0, true};
 }
 
 /// The chamber of a choice as the rig numbers it, from 0; -1: all.
@@ -66,7 +66,7 @@ inline void need_jamming(const Scenario& scenario) {
   need_vacuum(scenario);
   for (const SegmentSpec& segment : scenario.arm.segments)
     if (segment.stiffness_per_jamming_nm2_per_pa != 0.0) return;
-  need(false, "an arm whose EI goes with the vacuum (per_jamming_pressure_nm2_per_pa)");
+  need(false, "an arm whose EI depends on the vacuum (per_jamming_pressure_nm2_per_pa)");
 }
 
 /// Puts an effect into its place, which it has for itself.

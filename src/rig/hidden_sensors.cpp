@@ -18,7 +18,7 @@ std::vector<HiddenEffect> sensor_effects() {
 }
 
 HiddenParameter body_parameter() {
-  return {"body", -1.0, 64.0, 1.0, 4.0, "0 is base, 1 ring_1 ..., -1 all of them", -1.0, true};
+  return {"body", -1.0, 64.0, 1.0, 4.0, "0: base, 1: ring_1, ...; -1: all bodies", -1.0, true};
 }
 
 HiddenParameter one_body_parameter() {
@@ -28,14 +28,14 @@ HiddenParameter one_body_parameter() {
 }
 
 std::vector<HiddenParameter> with_times(std::vector<HiddenParameter> parameters) {
-  parameters.push_back({"from_s", 0.0, 1e6, 1.0, 8.0, "begins there", 0.0});
-  parameters.push_back({"for_s", 0.0, 1e6, 0.2, 3.0, "lasts so long; default: for ever", 1e6});
-  parameters.push_back({"repeat_s", 0.0, 1e6, 5.0, 20.0, "comes again every so often; 0: never", 0.0});
+  parameters.push_back({"from_s", 0.0, 1e6, 1.0, 8.0, "time at which it begins", 0.0});
+  parameters.push_back({"for_s", 0.0, 1e6, 0.2, 3.0, "how long it lasts; default: for ever", 1e6});
+  parameters.push_back({"repeat_s", 0.0, 1e6, 5.0, 20.0, "period with which it comes again; 0: never", 0.0});
   return parameters;
 }
 
 HiddenParameter number_parameter() {
-  return {"number", -1.0, 64.0, 1.0, 3.0, "1 is chamber_1, tendon_1 or servo_1 ..., -1 all of them",
+  return {"number", -1.0, 64.0, 1.0, 3.0, "1: chamber_1, tendon_1 or servo_1, ...; -1: all of them",
           -1.0,     true};
 }
 

@@ -26,7 +26,7 @@ void add_swap(const HiddenChoice& choice, Scenario& scenario) {
   const int first = body_of(choice, scenario, "body"), second = body_of(choice, scenario, "other_body");
   if (first == second)
     throw std::invalid_argument(
-        fmt::format("effect {}: other_body is {}, allowed is another than body", choice.effect, second));
+        fmt::format("effect {}: other_body is {}, allowed is any other than body", choice.effect, second));
   scenario.sensors.swapped.push_back({first, second, times_of(choice)});
 }
 
@@ -54,31 +54,33 @@ std::vector<HiddenEffect> tracking_effects() {
   return {
       {"dropout_bursts",
        false,
-       "a body is lost for stretches of random length, each body by itself",
+       "a body is lost for stretches of random length, independently of other bodies",
        {},
        {body_parameter(),
-        {"share", 0.0, 0.5, 0.005, 0.1, "of all frames"},
-        {"mean_length_s", 1e-4, 1e4, 0.03, 0.5, "of a stretch; at least one frame"}},
+        {"share", 0.0, 0.5, 0.005, 0.1, "share of all frames in which it is lost"},
+        {"mean_length_s", 1e-4, 1e4, 0.03, 0.5, "mean length of a stretch; at least one frame"}},
        add_bursts},
       {"occlusion",
        false,
-       "a ring is lost while the arm is bent too far there for the cameras to see it",
+       "a ring is lost while the arm is bent so far at the ring that the cameras do not see it",
        {},
        {body_parameter(),
-        {"beyond_deg", 0.0, 180.0, 30.0, 80.0, "between the tangents at the base and at the ring"},
-        {"towards_deg", -360.0, 360.0, -180.0, 180.0, "bent in this direction of the base frame", 0.0},
-        {"within_deg", 0.0, 180.0, 40.0, 120.0, "give or take; 180: in any direction", 180.0}},
+        {"beyond_deg", 0.0, 180.0, 30.0, 80.0,
+         "angle between the tangents at the base and at the ring, beyond which it is lost"},
+        {"towards_deg", -360.0, 360.0, -180.0, 180.0, "direction of the bend in the base frame", 0.0},
+        {"within_deg", 0.0, 180.0, 40.0, 120.0,
+         "half width of the range about that direction; 180: any direction", 180.0}},
        add_occlusion},
       {"swapped_bodies",
        false,
-       "two bodies carry each other's name",
+       "two bodies have each other's name",
        {},
-       with_times({{"body", 0.0, 64.0, 1.0, 2.0, "0 is base, 1 ring_1 ...", std::nullopt, true},
-                   {"other_body", 0.0, 64.0, 3.0, 4.0, "the other", std::nullopt, true}}),
+       with_times({{"body", 0.0, 64.0, 1.0, 2.0, "0: base, 1: ring_1, ...", std::nullopt, true},
+                   {"other_body", 0.0, 64.0, 3.0, 4.0, "number of the other body", std::nullopt, true}}),
        add_swap},
       {"frozen_body",
        false,
-       "a body's last pose is sent again and again, lost or not",
+       "a body's last pose is sent again and again, whether it is lost or not",
        {},
        with_times({one_body_parameter()}),
        add_frozen},
@@ -92,12 +94,13 @@ std::vector<HiddenEffect> tracking_effects() {
        add_flip},
       {"jumps",
        false,
-       "a body is somewhere else for a single frame, in a random direction, each body by itself",
+       "a body jumps away for a single frame, in a random direction, independently of other bodies",
        {},
        {body_parameter(),
-        {"probability", 0.0, 1.0, 5e-4, 5e-3, "in a frame"},
-        {"size_m", 0.0, 10.0, 0.005, 0.1, "how far"},
-        {"turn_deg", 0.0, 180.0, 0.0, 90.0, "how far its orientation is off, about a random axis", 0.0}},
+        {"probability", 0.0, 1.0, 5e-4, 5e-3, "probability for each frame"},
+        {"size_m", 0.0, 10.0, 0.005, 0.1, "distance of the jump"},
+        {"turn_deg", 0.0, 180.0, 0.0, 90.0, "angle by which its orientation is off, about a random axis",
+         0.0}},
        add_jumps},
   };
 }
