@@ -61,7 +61,7 @@ void parse_signal(YamlMap map, CampaignSpec& spec) {
   SignalSpec signal;
   if (map.has("wished")) {
     for (const char* other : {"leftover_snr", "least_leftover_m", "raw_snr"})
-      if (map.has(other)) map.fail(other, "not together with wished");
+      if (map.has(other)) map.fail(other, "cannot be given together with wished");
     signal.wished = wished_size(map.map("wished"));
   }
   signal.leftover_snr = span(map, "leftover_snr", {0.1, 1e4}, signal.leftover_snr);
@@ -159,7 +159,7 @@ void parse_kinds(YamlMap& document, const std::string& wanted, CampaignSpec& spe
     if (map.has("trials")) parse_trials(map.map("trials"), of_kind);
     map.finish();
     if (std::any_of(kinds.begin(), kinds.end(), [&](const CampaignKind& k) { return k.name == kind.name; }))
-      map.fail("kind", fmt::format("{} is there twice", kind.name));
+      map.fail("kind", fmt::format("{} is given twice", kind.name));
     if (kind.name == wanted) chosen = of_kind;
     kinds.push_back(kind);
   }

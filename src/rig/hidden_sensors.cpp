@@ -62,7 +62,7 @@ int body_of(const HiddenChoice& choice, const Scenario& scenario, const std::str
 FaultTimes times_of(const HiddenChoice& choice) {
   const FaultTimes times{choice.values.at("from_s"), choice.values.at("for_s"), choice.values.at("repeat_s")};
   if (times.repeat_s > 0.0 && times.repeat_s < times.for_s)
-    throw std::invalid_argument(fmt::format("effect {}: repeat_s is {}, allowed 0 or from for_s ({}) on",
+    throw std::invalid_argument(fmt::format("effect {}: repeat_s is {}, allowed 0, or for_s ({}) and more",
                                             choice.effect, times.repeat_s, times.for_s));
   return times;
 }

@@ -33,7 +33,7 @@ MountSpec parse_mount(YamlMap map) {
   }
   const bool named = map.has("attitude");
   if (const auto quaternion = parse_quaternion(map)) {
-    if (named) map.fail("quaternion_xyzw", "given beside attitude, expected one of them");
+    if (named) map.fail("quaternion_xyzw", "given together with attitude; give one of them only");
     mount.q_mocap_base = *quaternion;
   } else if (named) {
     const std::string word = map.word("attitude");
@@ -92,7 +92,8 @@ TrackedBody parse_tracked(YamlMap& map, TrackedBody body) {
 
 /// The list `rings`: bodies with names of their own, which may sit beside their section.
 void parse_rings(YamlMap& map, MocapSpec& spec) {
-  if (map.has("ring_fractions")) map.fail("rings", "given beside ring_fractions, expected one of them");
+  if (map.has("ring_fractions"))
+    map.fail("rings", "given together with ring_fractions; give one of them only");
   spec.ring_fractions.clear();
   std::set<std::string> names{spec.base.name};
   for (YamlMap& entry : map.maps("rings")) {

@@ -164,7 +164,7 @@ void parse_stiffness(YamlMap& map, SegmentSpec& segment) {
   }
   const bool tabled = !segment.stiffness_by_pressure.empty();
   if (tabled && !segment.central_chamber)
-    map.fail("stiffness_by_pressure", "needs a central_chamber, whose pressure it goes by");
+    map.fail("stiffness_by_pressure", "needs a central_chamber, on whose pressure it depends");
   YamlMap stiffness = tabled ? map.map("bending_stiffness") : map.required_map("bending_stiffness");
   segment.stiffness_base_nm2 =
       tabled ? stiffness.number("base_nm2", {1e-6, 1e3},
@@ -190,7 +190,8 @@ void parse_stiffness(YamlMap& map, SegmentSpec& segment) {
     if (!(material.c10_pa + material.c01_pa > 0.0))
       entry.fail("c01_pa", fmt::format("value {}, allowed above {}: c10_pa + c01_pa must be > 0",
                                        material.c01_pa, -material.c10_pa));
-    if (!segment.axial_stiffness_n) map.fail("material", "needs axial_stiffness_n, from which it stretches");
+    if (!segment.axial_stiffness_n)
+      map.fail("material", "needs axial_stiffness_n, which says how far it stretches");
     entry.finish();
     segment.material = material;
   }

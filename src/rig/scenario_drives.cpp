@@ -41,11 +41,11 @@ void parse_drive(YamlMap& map, const InputKindKeys& kind, DriveSpec& spec) {
   if (map.has("random")) spec.random = parse_random(map.map("random"), kind);
   spec.schedule = parse_schedule(map, kind.values, kind.allowed, count, spec.ramp_s, true);
   if (spec.random && !spec.schedule.empty())
-    map.fail("schedule", "given beside random, expected one of them");
+    map.fail("schedule", "given together with random; give one of them only");
   spec.programme = parse_programme(map, kind);
   for (const char* other : {"random", "schedule", "steps"})
     if (!spec.programme.empty() && map.has(other))
-      map.fail("programme", fmt::format("given beside {}, expected one of them", other));
+      map.fail("programme", fmt::format("given together with {}; give one of them only", other));
   if (map.has("repeat_s")) {
     if (spec.schedule.empty()) map.fail("repeat_s", "given without a schedule");
     spec.repeat_s = map.number("repeat_s", {spec.schedule.back().end_s(spec.ramp_s), 1e6});

@@ -19,7 +19,8 @@ void parse_speed(YamlMap& map, const InputKindKeys& keys, bool several, Programm
       part.rates.assign(1, map.number(key, kRate));
   }
   if (!map.has("over_s")) return;
-  if (!part.rates.empty()) map.fail("over_s", fmt::format("given beside {}, expected one of them", key));
+  if (!part.rates.empty())
+    map.fail("over_s", fmt::format("given together with {}; give one of them only", key));
   part.over_s = map.number("over_s", {0.001, 1e5});
 }
 
@@ -31,7 +32,7 @@ ProgrammePart parse_part(YamlMap& map, const InputKindKeys& keys) {
   std::string kind;
   for (const std::string& key : {ramp, cycle, staircase, random}) {
     if (!map.has(key)) continue;
-    if (!kind.empty()) map.fail(key, fmt::format("given beside {}, expected one of them", kind));
+    if (!kind.empty()) map.fail(key, fmt::format("given together with {}; give one of them only", kind));
     kind = key;
   }
   if (kind.empty()) {

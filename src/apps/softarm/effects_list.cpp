@@ -56,7 +56,8 @@ std::string unit_of_key(const std::string& key) {
 
 std::string effects_list() {
   std::string text =
-      "What a scenario's list `hidden` can contain: {effect: ID, form: FORM, PARAMETER: value, ...}. Several at "
+      "What a scenario's list `hidden` can contain: {effect: ID, form: FORM, PARAMETER: value, ...}. Several "
+      "at "
       "once; "
       "the\nfirst form is the default. Parameters: unit, [allowed], usual in real arms, default.\n";
   for (const rig::HiddenEffect& effect : rig::hidden_effects()) {
