@@ -1,12 +1,12 @@
 #!/usr/bin/python3
-"""How fast the module estimates, beside the program, over the same bags: frames per second, and their ratio.
+"""Compares the speed of the module with that of the program over the same bags: frames per second, and their ratio.
 
     scripts/python scripts/bench_python.py trial.bag [...] [--arm online_200mm] [--runs 7] [--json FILE]
 
-Both work on one bag at a time, in turn, and read it from the start. The program's rate is the one that it prints itself, its start
-left out; it writes estimates.csv, as it always does. The module's run makes arrays; both watch for alarms.
-"trial": of a trial that was read before. cpu: of all of the processor's time, the program's start included; other work on the machine
-disturbs that less. Medians of the runs.
+Both take turns on one bag at a time, and read it from the start. The program's rate is the one that it prints itself, without its
+start; the program also writes estimates.csv. The module's run makes arrays. Both watch for alarms.
+"trial" is the rate over a trial that was read beforehand. "cpu" counts all of the processor's time, including the program's start;
+other work on the machine disturbs it less. All figures are medians of the runs.
 """
 import argparse
 import json

@@ -35,7 +35,7 @@ install_packages() {
   mkdir -p "$SOFTARM_STAMPS"
   names=$(sed -nE "s/^($groups) +//p" "$SOFTARM_ROOT/scripts/packages.txt" | tr ' ' '\n' | sort -u)
   if ! command -v dpkg-query >/dev/null; then
-    say "This is not Debian: install the equivalents of scripts/packages.txt yourself. Going on with what is there."
+    say "This is not Debian: install the equivalents of scripts/packages.txt yourself. Continuing with what is installed."
     : >"$stamp"
     return 0
   fi
@@ -47,13 +47,13 @@ install_packages() {
   case $(. /etc/os-release && echo "${VERSION_CODENAME:-}") in
     bookworm | bullseye | trixie) ;;
     *)
-      say "This is not Debian 11, 12 or 13, so nothing is installed here. Not found: $missing"
+      say "This is not Debian 11, 12 or 13, so no packages are installed. Not found: $missing"
       return 0
       ;;
   esac
   local as_root=()
   if [ "$(id -u)" != 0 ]; then
-    command -v sudo >/dev/null || die "packages are missing, and this is neither root nor is there sudo; as root: apt-get install $missing"
+    command -v sudo >/dev/null || die "packages are missing, but there are no root rights and there is no sudo; as root: apt-get install $missing"
     as_root=(sudo)
   fi
   local log=$SOFTARM_BUILD_DIR/apt.log
@@ -62,7 +62,7 @@ install_packages() {
   # shellcheck disable=SC2086
   absent=$(comm -23 <(printf '%s\n' $missing) <(apt-cache pkgnames | sort -u) | xargs)
   if [ -n "$absent" ]; then
-    say "Not in this release of Debian, so left out: $absent"
+    say "Left out, because this release of Debian does not have them: $absent"
     # shellcheck disable=SC2086
     missing=$(comm -23 <(printf '%s\n' $missing) <(printf '%s\n' $absent) | xargs)
   fi

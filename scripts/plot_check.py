@@ -4,7 +4,7 @@
     scripts/plot_check.py --arm online_200mm trial.bag --out findings.png
     scripts/plot_check.py findings.json --out findings.png                  # what softarm check --json wrote
 
-Wants python3-matplotlib; of bags, the module softarm too (scripts/python builds it).
+It needs python3-matplotlib; for bags it also needs the module softarm (scripts/python builds it).
 """
 import argparse
 import json
@@ -104,7 +104,7 @@ def written(files):
         except OSError as error:
             die(f'{path}: {error.strerror}')
         except (ValueError, KeyError, TypeError) as error:
-            sys.exit(f'{path}: not the findings of softarm check ({error}); of bags, --arm says of which arm they are')
+            sys.exit(f'{path}: not the findings of softarm check ({error}); for bags, --arm gives their arm')
     if not recordings:
         sys.exit(f"{', '.join(files)}: findings of no recording")
     return recordings
@@ -112,7 +112,7 @@ def written(files):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument('findings', nargs='+', help='file written by softarm check --json, or with --arm bags')
+    parser.add_argument('findings', nargs='+', help='files written by softarm check --json; with --arm: bags')
     parser.add_argument('--arm', help='arm file, or the name of one that ships')
     parser.add_argument('--out', required=True, help='picture to write (png, pdf, svg)')
     options = parser.parse_args()

@@ -1,12 +1,12 @@
 #!/usr/bin/python3
 """Draws estimates.csv of `softarm estimate`: tip angle, φ, moment, stiffness, length, payload and residual over time with
-their standard deviations. Frames in which a value is identifiable are drawn solid, the others faint; hatched is where the payload
-changes or has just changed (`settling`).
+their standard deviations. Frames in which a value is identifiable are drawn solid, the others faint. Times at which the payload
+changes or has just changed (`settling`) are hatched.
 
     scripts/plot_estimates.py estimates/trial/estimates.csv --out trial.png
 
-The truth of a trial of the virtual rig, trial.truth.csv, is drawn where it lies in the folder above that of estimates.csv, or
-one further up, as when both commands were run in one folder; --truth names another.
+The truth of a trial of the virtual rig, trial.truth.csv, is drawn, too, if it is in the folder above that of estimates.csv or one
+further up, as it is when both commands were run in one folder. --truth names another file.
 """
 import argparse
 import os

@@ -235,10 +235,10 @@ def draw_joints(path):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", nargs="?", help="what --plot named")
-    parser.add_argument("--laws", action="store_true", help="draw saturation and growth of EI, of no recording")
-    parser.add_argument("--joints", action="store_true", help="draw how joints that yield bend an arm, of no recording")
-    parser.add_argument("--wall", action="store_true", help="draw how a viscoelastic wall follows, of no recording")
+    parser.add_argument("folder", nargs="?", help="folder that softarm identify --plot wrote")
+    parser.add_argument("--laws", action="store_true", help="draw saturation and growth of EI, without a recording")
+    parser.add_argument("--joints", action="store_true", help="draw how joints that yield bend an arm, without a recording")
+    parser.add_argument("--wall", action="store_true", help="draw how a viscoelastic wall follows, without a recording")
     parser.add_argument("--out", required=True, help="the picture, .png or .pdf")
     arguments = parser.parse_args()
     if arguments.laws:

@@ -3,8 +3,8 @@
 
     scripts/python scripts/plot_input_errors.py --work work --out doc/images/identify_input_noise.png
 
-simulates trials of config/scenarios/demo.yaml whose pressure sensors are noisy, and identifies the gains of its arm with inputs as
-recorded (`--exact-inputs`) and with errors in variables.
+The script simulates trials of config/scenarios/demo.yaml with noisy pressure sensors. It identifies the gains of the arm with inputs
+as recorded (`--exact-inputs`), and with errors in variables.
 """
 import argparse
 import pathlib

@@ -1,10 +1,10 @@
 #!/usr/bin/python3
-"""The load moments printed in the online paper against statics: shapes of the same arm, and the stiffness that the
-printed law finds in points of an exact one. Draws the figure and prints the tables of doc/published_model.md.
+"""Compares the load moments printed in the online paper with statics: shapes of the same arm, and the stiffness that
+the printed law finds from points of an exact arm. Draws the figure and prints the tables of doc/published_model.md.
 
     scripts/plot_published.py --out doc/images/published_laws.png
 
-A program of its own, independent of src/rod/published.cpp, which it must agree with.
+The script is independent of src/published/published.cpp, and must agree with it.
 """
 import argparse
 import math

@@ -3,8 +3,8 @@
 
     scripts/plot_real_arms.py --data DATA --work work --out doc/images
 
-imports the recordings of the pouch arm (DATA/pouch_arm) with `softarm import`, fits with `softarm identify`, each trial
-held out in its turn, estimates with `softarm estimate`, diagnoses with `softarm diagnose`, prints the tables and draws
+The script imports the recordings of the pouch arm (DATA/pouch_arm) with `softarm import`, fits with `softarm identify`, with each trial
+held out in turn, estimates with `softarm estimate`, diagnoses with `softarm diagnose`, prints the tables and draws
 
     real_pouch_one_segment.png, real_pouch_two_segments.png   measured and predicted paths of the tip (and mid)
     real_pouch_loops.png                                      the same over pressure
@@ -297,10 +297,10 @@ def diagnosis(pouch, out):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=pathlib.Path, required=True, help="folder that holds pouch_arm/")
+    parser.add_argument("--data", type=pathlib.Path, required=True, help="folder that contains pouch_arm/")
     parser.add_argument("--work", type=pathlib.Path, required=True, help="folder for bags and results")
     parser.add_argument("--out", type=pathlib.Path, required=True, help="folder for the pictures")
-    parser.add_argument("--skip", nargs="+", choices=PARTS, default=[], metavar="PART", help="leave out: " + ", ".join(PARTS))
+    parser.add_argument("--skip", nargs="+", choices=PARTS, default=[], metavar="PART", help="parts to leave out: " + ", ".join(PARTS))
     root = pathlib.Path(__file__).resolve().parent.parent
     parser.add_argument("--program", default=str(root / "scripts" / "softarm"), help="default: scripts/softarm")
     arguments = parser.parse_args()

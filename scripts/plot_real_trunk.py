@@ -3,7 +3,7 @@
 
     scripts/plot_real_trunk.py --data DATA --work work --out doc/images
 
-imports DATA/tendon_trunk with `softarm import`, fits with `softarm identify`, estimates with `softarm estimate`,
+The script imports DATA/tendon_trunk with `softarm import`, fits with `softarm identify`, estimates with `softarm estimate`,
 diagnoses with `softarm diagnose`, prints the tables and draws
 
     real_trunk_paths.png     measured and predicted paths of tip and mid discs under the same inputs, 0, 100 and 300 g
@@ -276,7 +276,7 @@ def decay(data, path):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=pathlib.Path, required=True, help="folder that holds tendon_trunk/")
+    parser.add_argument("--data", type=pathlib.Path, required=True, help="folder that contains tendon_trunk/")
     parser.add_argument("--work", type=pathlib.Path, required=True, help="folder for bags and results")
     parser.add_argument("--out", type=pathlib.Path, required=True, help="folder for the pictures")
     root = pathlib.Path(__file__).resolve().parent.parent

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""How fast the virtual rig's own error falls with finer elements and smaller steps, from rig_accuracy's CSV.
+"""Draws how fast the virtual rig's own error falls with finer elements and smaller steps, from rig_accuracy's CSV.
 
 scripts/plot_rig.py rig_accuracy.csv --out doc/images/rig_convergence.png
 """
@@ -31,7 +31,7 @@ def slope(axes, x, y, order, x_to):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("csv", help="what rig_accuracy printed")
+    parser.add_argument("csv", help="output of rig_accuracy")
     parser.add_argument("--out", required=True, help="picture to write")
     options = parser.parse_args()
     series = read(options.csv)

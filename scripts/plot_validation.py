@@ -4,8 +4,8 @@
     scripts/softarm validate --out validation
     scripts/plot_validation.py validation --out doc/images --doc doc/validation.md
 
-One picture per paper whose CSV files are there: validation_online.png, ... With --doc, the tables of that page are
-replaced by those that were printed.
+One picture per paper whose CSV files are there: validation_online.png, ... With --doc, the printed tables replace
+those of that page.
 """
 import argparse
 import json
@@ -245,9 +245,9 @@ def renew_tables(folder, page):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", help="what softarm validate --out wrote")
-    parser.add_argument("--out", help="folder of the pictures; default: beside the data")
-    parser.add_argument("--doc", help="page whose tables are renewed: doc/validation.md")
+    parser.add_argument("folder", help="folder that softarm validate --out wrote")
+    parser.add_argument("--out", help="folder for the pictures (default: that of the data)")
+    parser.add_argument("--doc", help="page whose tables are replaced: doc/validation.md")
     options = parser.parse_args()
     drawn = 0
     for name, (draw, needed) in PICTURES.items():

@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""Executes python/examples/tour.py cell by cell on a trial of the virtual rig, and renders it: doc/python.md with its pictures, and
-the same as an executed notebook, python/examples/tour.ipynb (which needs no Jupyter to be made).
+"""Executes python/examples/tour.py cell by cell on a trial of the virtual rig, and renders it as doc/python.md with its
+pictures and as the executed notebook python/examples/tour.ipynb (made without Jupyter).
 
     scripts/python scripts/python_page.py            # writes the page, the pictures and the notebook
-    scripts/python scripts/python_page.py --out DIR  # into another folder, which is left as it is otherwise
+    scripts/python scripts/python_page.py --out DIR  # into another folder, whose other files stay
 
-Cells begin with "# %%"; those of text with "# %% [markdown]". What a cell prints stands below it; pictures that it leaves open, too.
+Cells begin with "# %%", cells of text with "# %% [markdown]". The output of a cell, and pictures that it leaves open, follow it.
 """
 import argparse
 import base64

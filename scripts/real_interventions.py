@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""Known interventions on recordings of a real arm: what `softarm diagnose` says of each, and of none.
+"""Diagnoses recordings of a real arm with known interventions: what `softarm diagnose` says about each, and without one.
 
-The trunk's recordings are given to the program with something wrong that is known: poses that are late, payloads told at
-half, a disc that the arm file has elsewhere, a tilted frame. Prints the table of doc/real_arms.md. The folder --work is that
-of plot_real_trunk.py, which makes the pieces and the arm file.
+The program gets the trunk's recordings with a known fault: late poses, payloads stated at half their size, a disc at another place
+than in the arm file, a tilted frame. Prints the table of doc/real_arms.md. The folder --work is that of plot_real_trunk.py, which
+makes the pieces and the arm file.
 """
 import argparse
 import math
@@ -59,7 +59,7 @@ def named(report):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=pathlib.Path, required=True, help="folder that holds tendon_trunk/")
+    parser.add_argument("--data", type=pathlib.Path, required=True, help="folder that contains tendon_trunk/")
     parser.add_argument("--work", type=pathlib.Path, required=True, help="folder that plot_real_trunk.py has filled")
     root = pathlib.Path(__file__).resolve().parent.parent
     parser.add_argument("--program", default=str(root / "scripts" / "softarm"), help="default: scripts/softarm")

@@ -124,10 +124,10 @@ def main():
     parser.add_argument("--work", required=True)
     parser.add_argument("--programs", required=True)
     parser.add_argument("--out", metavar="DIR", help="where the results go (default: beside the plan)")
-    parser.add_argument("--cases", help="names of the plan, by commas (default: all)")
-    parser.add_argument("--trials", help="only these, by commas")
+    parser.add_argument("--cases", help="names of cases of the plan, separated by commas (default: all)")
+    parser.add_argument("--trials", help="only these trials, separated by commas")
     parser.add_argument("--jobs", type=int, default=1, help="solvers at a time")
-    parser.add_argument("--trials-of", metavar="CASE", help="make bags of its results")
+    parser.add_argument("--trials-of", metavar="CASE", help="make bags from the results of this case")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--picture", metavar="FILE")
     parser.add_argument("--checks", action="store_true")
@@ -147,7 +147,7 @@ def main():
         return
     if options.trials_of:
         if options.trials_of not in plan["trials"] or not options.out:
-            sys.exit(f"solid_arm: --trials-of wants --out, and one of {', '.join(plan['trials'])}")
+            sys.exit(f"solid_arm: --trials-of needs --out, and one of {', '.join(plan['trials'])}")
         program = os.path.join(options.programs, "softarm")
         print("\n".join(solid_trials.write_trials(plan, os.path.dirname(os.path.abspath(options.plan)), options.trials_of,
                                                   options.out, options.seed, program)))

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The table of doc/rig.md: error, size and speed of every effect that touches the arm, from rig_accuracy's CSV.
+"""Prints the table of doc/rig.md: error, size and speed of every effect that acts on the arm, from rig_accuracy's CSV.
 
 rig_accuracy --effects > effects.csv; scripts/table_rig_effects.py effects.csv
 """
@@ -20,12 +20,12 @@ def number(text):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("csv", help="what rig_accuracy --effects printed")
+    parser.add_argument("csv", help="output of rig_accuracy --effects")
     options = parser.parse_args()
     with open(options.csv, newline="") as file:
         rows = [row for row in csv.DictReader(file) if row["step_worst_mm"]]
     if not rows:
-        sys.exit(f"table_rig_effects.py: {options.csv}: no rows of effects that touch the arm")
+        sys.exit(f"table_rig_effects.py: {options.csv}: no rows of effects that act on the arm")
 
     # One line per effect and scenario, its forms side by side.
     lines = collections.OrderedDict()

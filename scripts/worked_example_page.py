@@ -205,9 +205,9 @@ def judge(found):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--root", type=pathlib.Path, required=True, help="of the checkout")
-    parser.add_argument("--program", required=True, help="softarm")
-    parser.add_argument("--work", "--out", type=pathlib.Path, required=True, help="folder for everything that is made")
+    parser.add_argument("--root", type=pathlib.Path, required=True, help="folder of the checkout")
+    parser.add_argument("--program", required=True, help="path of the program softarm")
+    parser.add_argument("--work", "--out", type=pathlib.Path, required=True, help="folder for recordings, arm files and the report")
     parser.add_argument("--doc", type=pathlib.Path, help="the page (default: doc/worked_example.md)")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--campaign", type=pathlib.Path, help="another campaign file")
@@ -220,7 +220,7 @@ def main():
     steps = Steps(str(pathlib.Path(arguments.program).resolve()), folder)
     found = work(steps, arguments)
     if not judge(found):
-        sys.exit("scripts/worked_example: the page would not be true; nothing is written")
+        sys.exit("scripts/worked_example: a statement of the page would be wrong; nothing is written")
     import worked_example_text
     images = page.parent / "images"
     images.mkdir(parents=True, exist_ok=True)

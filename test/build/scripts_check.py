@@ -185,7 +185,7 @@ class Demo(unittest.TestCase):
                 open(path, "w", encoding="utf-8").close()
                 status, said, _ = self.run_demo(option, path, roscore="touch started", rosrun="touch started", cwd=folder)
                 self.assertEqual((status, said.count("\n")), (1, 1), said)
-                self.assertIn(f"{option} {path}: roslaunch would not take this path", said)
+                self.assertIn(f"{option} {path}: roslaunch does not accept this path", said)
                 self.assertFalse({"came_about", "started"} & set(os.listdir(folder)), said)
 
     def test_a_recording_that_is_over_is_no_death(self):
@@ -203,7 +203,7 @@ class Demo(unittest.TestCase):
     def test_a_report_that_fails_is_a_failure(self):
         status, said, _ = self.run_demo(rosrun="exit 1")
         self.assertEqual(status, 1, said)
-        self.assertIn("No full success", said)
+        self.assertIn("did not fully succeed", said)
 
 
 class Test(unittest.TestCase):
