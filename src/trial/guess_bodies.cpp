@@ -94,9 +94,9 @@ void guess_order(LayoutGuess* guess, std::size_t b) {
   }
   if (sizes[0] > kDominates || sizes[3] > kDominates) {
     const bool w_first = sizes[0] > kDominates;
-    body.order = {w_first ? "wxyz" : "xyzw",
-                  fmt::format("the {} is the large one, as where a body was aligned with the room",
-                              w_first ? "first" : "last")};
+    body.order = {
+        w_first ? "wxyz" : "xyzw",
+        fmt::format("the {} is large, as if the body was aligned with the room", w_first ? "first" : "last")};
     return;
   }
   const std::size_t neighbour = b > 0 ? b - 1 : b + 1;
@@ -104,11 +104,12 @@ void guess_order(LayoutGuess* guess, std::size_t b) {
     const double last = turns_along(*guess, body, guess->bodies[neighbour], false),
                  first = turns_along(*guess, body, guess->bodies[neighbour], true);
     if (std::max(first, last) > kAligned && std::abs(first - last) > kBetterAligned) {
-      body.order = {first > last ? "wxyz" : "xyzw", "by it the body turns as the line to its neighbour does"};
+      body.order = {first > last ? "wxyz" : "xyzw",
+                    "with this order the body turns like the line to its neighbour"};
       return;
     }
   }
-  body.order = {"", "xyzw or wxyz: neither the header nor the numbers tell"};
+  body.order = {"", "xyzw or wxyz: neither the header nor the numbers show it"};
 }
 
 /// The one that all columns of positions have; empty where there is none.
@@ -149,8 +150,7 @@ void guess_up(LayoutGuess* guess, const Eigen::Vector3d& along) {
     if (k != axis) next = std::max(next, size(k));
   }
   if (most > 0.0 && axis > 0 && most > kUpright * next) {
-    guess->up = {axis == 1 ? "y" : "z",
-                 "the bodies lie along it, as those of an arm that hangs or stands do"};
+    guess->up = {axis == 1 ? "y" : "z", "the bodies lie along it, as on an arm that hangs or stands"};
   } else {
     guess->up = {"", "z or y: the arm lies along neither"};
   }
@@ -253,7 +253,7 @@ void name_bodies(LayoutGuess* guess, bool has_mount) {
     const bool last = b + 1 == guess->bodies.size();
     if (b == 0 && (has_mount || still > 0)) {
       body.name = "base";
-      body.why += is_called_mount(*guess, body) ? "; it is called so" : "; it does not move";
+      body.why += is_called_mount(*guess, body) ? "; its name says so" : "; it does not move";
       if (body.orientation.empty())
         body.why += "; without orientation: give it a fixed_orientation, or the arm file a fixed base";
       continue;

@@ -73,10 +73,9 @@ Guess time_unit(const CsvNumbers& column) {
   for (const auto& [unit, s] : kUnits) {
     const double step_s = column.median_step * s;
     if (step_s >= kFastest && step_s < kSlowest)
-      return {unit, fmt::format("a row each {:.4g} {}, {:.3g} Hz", column.median_step, unit, 1.0 / step_s)};
+      return {unit, fmt::format("a row every {:.4g} {}, {:.3g} Hz", column.median_step, unit, 1.0 / step_s)};
   }
-  return {"",
-          fmt::format("s, ms, us or ns: the column goes on by {:.4g} from row to row", column.median_step)};
+  return {"", fmt::format("s, ms, us or ns: the column rises by {:.4g} from row to row", column.median_step)};
 }
 
 void find_time(LayoutGuess* guess, std::set<std::size_t>* used) {
@@ -154,7 +153,8 @@ void guess_pressure_unit(const LayoutGuess& guess, GuessedInputs* pressures) {
     if (!said.empty() && said != unit.name) continue;
     const double low = range.low * unit.pa, high = range.high * unit.pa;
     if (std::abs(low - kAmbientPa) < kNearAmbient * kAmbientPa && high - kAmbientPa < kMostDrivePa) {
-      pressures->unit = {unit.name, fmt::format("the least, {:.4g}, is the air's own pressure", range.low)};
+      pressures->unit = {unit.name,
+                         fmt::format("the lowest value, {:.4g}, is the ambient pressure", range.low)};
       pressures->reference = {"absolute", "the same"};
       return;
     }
@@ -163,7 +163,8 @@ void guess_pressure_unit(const LayoutGuess& guess, GuessedInputs* pressures) {
                          1e-3 * low, 1e-3 * high);
     pressures->unit.text = pressures->unit.text.empty() ? unit.name : "?";
   }
-  pressures->reference = {"gauge", fmt::format("the least is {:.3g}: not the air's own pressure", range.low)};
+  pressures->reference = {"gauge",
+                          fmt::format("the lowest value, {:.3g}, is not the ambient pressure", range.low)};
   if (!said.empty()) {
     pressures->unit = {said, "as the header says"};
   } else if (pressures->unit.text == "?" || pressures->unit.text.empty()) {

@@ -70,8 +70,8 @@ std::string time_text(const LayoutGuess& guess) {
   if (guess.from_epoch) text += "  # Guessed: the times are dates already\n  start_stamp_s: 0\n";
   if (guess.trial)
     text +=
-        "# Guessed: a whole number that goes up now and then: which trial a row belongs to, a bag "
-        "each\ntrial:\n  column: " +
+        "# Guessed: a whole number that rises now and then, so it numbers the trials; each becomes a "
+        "bag\ntrial:\n  column: " +
         column(guess, *guess.trial) + "\n";
   return text;
 }
@@ -97,16 +97,18 @@ std::string inputs_text(const LayoutGuess& guess, const GuessedInputs& group) {
   std::string text;
   if (group.section == kUnknownKind) {
     text = fmt::format(
-        "# FILL IN: pressures, angles or tensions in place of {}, and topics as the arm file has them. They "
-        "go to\n"
-        "# both sides of 0, as angles do, and sensors of pressure that are vented. Pressures have a "
-        "`reference` (gauge or\n"
-        "# absolute), too. Where that section is there already, the inputs belong below its inputs.\n",
+        "# FILL IN: pressures, angles or tensions instead of {}, and the topics of the arm file. The values "
+        "go "
+        "to both sides\n"
+        "# of 0, like those of angles, or of vented pressure sensors. Pressures also have a `reference` "
+        "(gauge "
+        "or absolute).\n"
+        "# If the layout has that section already, put these inputs below its inputs.\n",
         kUnknownKind);
   }
   text += group.section + ":\n" + line("  ", "unit", group.unit);
   if (group.section == "pressures") text += line("  ", "reference", group.reference);
-  text += group.section == "pressures" ? "  # `zero`: what a sensor shows without pressure; softarm check "
+  text += group.section == "pressures" ? "  # `zero`: a sensor's value without pressure; softarm check "
                                          "finds it in trials that begin vented\n"
                                        : "";
   text += "  inputs:\n";
@@ -150,10 +152,11 @@ std::string topic_of(const std::string& section, std::size_t number) {
 std::string to_yaml(const LayoutGuess& guess, const std::string& source) {
   std::string text = fmt::format(
       "# Column layout for softarm import, drafted by softarm import --guess from {} ({} columns, {} rows "
-      "looked at).\n"
-      "# Lines of \"Guessed\" are to be checked. Where \"FILL IN\" stands the file does not tell: an import "
-      "refuses the\n"
-      "# layout until it is there. config/layouts/template.yaml shows every key.\n",
+      "read).\n"
+      "# Check the lines with \"Guessed\". Where \"FILL IN\" stands, the file gives no answer: an import "
+      "refuses "
+      "the\n"
+      "# layout until this is filled in. config/layouts/template.yaml shows every key.\n",
       source, guess.shape.columns.size(), guess.shape.rows);
   text += format_text(guess.shape.format) + time_text(guess) + mocap_text(guess);
   for (const GuessedInputs& group : guess.inputs) text += inputs_text(guess, group);
@@ -163,8 +166,9 @@ std::string to_yaml(const LayoutGuess& guess, const std::string& source) {
     for (const std::string& what : guess.not_used) text += "#   " + what + "\n";
   }
   return text +
-         "# The payload in kg, from these times of the recording on; without it, it is unknown, or given by "
-         "--payload.\n"
+         "# The payload in kg, from these times of the recording on. Without this section it is unknown, or "
+         "given "
+         "by --payload.\n"
          "# payload:\n#   - from_s: 0\n#     kg: 0\n";
 }
 
