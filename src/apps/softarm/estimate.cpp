@@ -230,7 +230,8 @@ void add_estimate(CLI::App& program) {
       ->check(CLI::IsMember({"on", "off"}));
   command
       ->add_option("--window", options->window_s,
-                   "frames of this last time share EI and payload, s; 0: none do (default: the arm's)")
+                   "frames within this last time share EI and payload, s; 0: each frame by itself (default: "
+                   "the arm's)")
       ->check(CLI::Range(0.0, 60.0));
   command->add_option("--objective", options->objective, "what is minimised (default: the arm's)")
       ->type_name("TEXT:{least_squares,sum_of_distances}");

@@ -84,7 +84,7 @@ const Question kQuestions[] = {
     {"bodies",
      "measured bodies besides the base: how many, evenly spaced, or name:arclength (m), from base to tip",
      nullptr, nullptr, [](const Told& told, bool) { bodies_of(told); }},
-    {"angles", "directions in which they bend the arm, deg", "evenly spaced", "bending",
+    {"angles", "directions in which the actuators bend the arm, deg", "evenly spaced", "bending",
      [](const Told& told, bool) { all_angles_of(told); }},
     {"base", "body that carries the base; or, if no body does: hanging, standing or horizontal", "base",
      nullptr, [](const Told& told, bool) { base_of(told); }},
