@@ -72,7 +72,7 @@ function effects() {
 
 /// Powers and Greek letters as they are printed.
 function equation(text) {
-  return text.replace(/\^(\d)/g, (_, power) => raised(power)).replace(/ - /g, ' − ').replace(/-(share|mu)\b/g, '−$1')
+  return text.replace(/\^(\d)/g, (_, power) => raised(power)).replace(/ - /g, ' − ').replace(/(^|[( ])-(?=\d)/g, '$1−').replace(/-(share|mu)\b/g, '−$1')
     .replace(/\bbeta\b/g, 'β').replace(/\bmu\b/g, 'μ').replace(/\btheta\b/g, 'θ').replace(/\brho\b/g, 'ρ');
 }
 
@@ -107,16 +107,27 @@ function lines(list) {
   return [element('ul', null, list.map(effect => element('li', null, element('code', null, effect.name), ' ', effect.sentence)))];
 }
 
+/// Each term as an equation with where such equations are from; then where the way to find it is from.
+function lawEquations(law) {
+  const line = (head, ...content) => [element('dt', null, head), element('dd', null, ...content)];
+  const lines = law.terms.flatMap((term, i) => [
+    ...(term.law ? line('law' + (law.terms.length > 1 ? ', term ' + (i + 1) : ''), element('span', {class: 'law'}, equation(term.law)), '; ', named(term.symbols)) : []),
+    ...(term.source ? line('source', ...cited(term.source)) : [])]);
+  const method = law.source ? line('method', ...cited(law.source)) : [];
+  return lines.length + method.length ? element('div', {class: 'effect'}, element('dl', null, lines, method)) : null;
+}
+
 /// No name: what the rest goes with, as moments that the extended arm file has.
 function discoveredLaw() {
   const law = report.discovered_law;
   if (!law) return null;
   const before = law.held_out_mean_before_m, after = law.held_out_mean_after_m;
-  const row = term => [[element('b', null, named(term.goes_with)), element('small', null, 'learnt between ' + term.range[0] + ' and ' + term.range[1])],
+  const row = term => [[element('b', null, named(term.goes_with)), element('small', null, equation('learnt between ' + term.range[0] + ' and ' + term.range[1]))],
     [(term.has_direction ? 'along it: ' : 'towards x: ') + term.sizes[0]], [(term.has_direction ? 'across it: ' : 'towards y: ') + term.sizes[1]],
     term.rises ? 'at the tip; the opposite at the base' : 'the same all along', {share: [bar(term.stability, ''), term.sure]}];
   return [element('p', {class: 'lead'}, law.sentence),
-    element('p', null, element('span', {class: 'law'}, 'M = Σ (x, y) z / z', element('sub', null, 'max')), ', z what each moment goes with:'),
+    lawEquations(law),
+    element('p', {class: 'hint'}, 'M bends a section towards x and y' + (law.terms.length > 1 ? '; the terms add up' : '') + '. Sizes with 90 % intervals:'),
     table(['a moment that goes with', 'at the end of that range', 'and', 'along the arm', 'chosen by'], law.terms.map(row)),
     element('p', {class: 'hint'}, 'Chosen by: the share of halves of the trials in which this moment, or one that stands for it, is among those that explain most. ' +
       'The law was tried on ' + law.sequences + ' input sequences, each predicted by refits to the others, with the moments chosen anew: mean error ' +

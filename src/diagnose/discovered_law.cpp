@@ -214,6 +214,7 @@ std::optional<Law> discover_law(JointModel& model, Selection& selection, double 
                                   terms[i].stability));
   compare_with_catalogue(selection, extended, design, terms, folds, said);
   said.sentence = sentence_of(said);
+  said.source = effects::learned_moment().info().source;
   return law;
 }
 

@@ -81,7 +81,13 @@ std::string effect_text(std::size_t number, const diagnose::NamedEffect& effect)
 std::string law_text(const diagnose::DiscoveredLaw& law) {
   std::string text = "\nA law that was learnt from what is left (learned_moment in arm_extended.yaml):\n";
   text += paragraph("  - ", law.sentence, 4);
-  return text;
+  for (std::size_t i = 0; i < law.terms.size(); ++i) {
+    const diagnose::LawTerm& term = law.terms[i];
+    if (!term.law.empty()) text += labelled("law", term.law + "; " + term.symbols);
+    if (i + 1 == law.terms.size() || law.terms[i + 1].source != term.source)
+      text += labelled("source", term.source);
+  }
+  return text + labelled("method", law.source);
 }
 
 std::string structure_text(const diagnose::Diagnosis& d) {

@@ -51,6 +51,16 @@ TEST(Describe, SaysWhatWasLearntOfTheRest) {
       flowing(report::describe(d)),
       HasSubstr("A law that was learnt from what is left (learned_moment in arm_extended.yaml): - What no "
                 "effect of the catalogue explains goes with chamber_2 minus its first-order lag"));
+  EXPECT_THAT(
+      flowing(report::describe(d)),
+      HasSubstr("law M = (-1.20, 2.10) mN m (u - w) / (-14.1 kPa); u: chamber_2; w follows it: 1.00 s dw/dt "
+                "= u - w source line of first order; pneumatics of a soft arm: A. D. Marchese"));
+  EXPECT_THAT(flowing(report::describe(d)),
+              HasSubstr("method stability selection: N. Meinshausen, P. Buhlmann, J. R. Stat. Soc. B 72, "
+                        "2010, doi:10.1111/j.1467-9868.2010.00740.x"));
+  d.discovered_law->terms[1].source = d.discovered_law->terms[0].source;  // which is said once
+  EXPECT_THAT(flowing(report::describe(d)),
+              HasSubstr("1.00 s dw/dt = u - w law M = (-1.20 k + 2.10 R k) mN m"));
   d.discovered_law.reset();
   EXPECT_THAT(flowing(report::describe(d)), Not(HasSubstr("learnt")));
 }

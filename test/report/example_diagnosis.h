@@ -275,6 +275,11 @@ inline diagnose::NamedEffect example_stand_in() {
 inline diagnose::DiscoveredLaw example_law() {
   diagnose::LawTerm lag;
   lag.goes_with = "chamber_2 minus its first-order lag of 1.00 s";
+  lag.law = "M = (-1.20, 2.10) mN m (u - w) / (-14.1 kPa)";
+  lag.symbols = "u: chamber_2; w follows it: 1.00 s dw/dt = u - w";
+  lag.source =
+      "line of first order; pneumatics of a soft arm: A. D. Marchese, R. K. Katzschmann, D. Rus, Soft "
+      "Robotics 2, 2015, doi:10.1089/soro.2014.0022";
   lag.unit = "Pa";
   lag.from = -14.1e3;
   lag.to = 12.3e3;
@@ -285,6 +290,9 @@ inline diagnose::DiscoveredLaw example_law() {
       "A moment that goes with chamber_2 minus its first-order lag of 1.00 s: 2.42 mN m towards 120 deg.";
   diagnose::LawTerm bend = lag;
   bend.goes_with = "the curvature";
+  bend.law = "M = (-1.20 k + 2.10 R k) mN m / (9.70 1/m) (2 s / L - 1)";
+  bend.symbols = "k: the curvature; R: a quarter turn about the arm's axis";
+  bend.source = "S. S. Antman, Nonlinear Problems of Elasticity, 2005, doi:10.1007/0-387-27649-1";
   bend.unit = "1/m";
   bend.from = 0.0;
   bend.to = 9.7;
@@ -303,6 +311,9 @@ inline diagnose::DiscoveredLaw example_law() {
   law.sentence =
       "What no effect of the catalogue explains goes with chamber_2 minus its first-order lag of 1.00 s and "
       "the curvature.";
+  law.source =
+      "stability selection: N. Meinshausen, P. Buhlmann, J. R. Stat. Soc. B 72, 2010, "
+      "doi:10.1111/j.1467-9868.2010.00740.x";
   return law;
 }
 

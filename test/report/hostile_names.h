@@ -31,9 +31,10 @@ inline void rename_all(diagnose::Diagnosis& d) {
   }
   for (std::vector<diagnose::NamedEffect>* list : {&d.small_departures, &d.stand_ins})
     for (diagnose::NamedEffect& effect : *list) effect.description = effect.where.when = evil;
-  d.discovered_law->sentence = d.discovered_law->resembles = evil;
+  d.discovered_law->sentence = d.discovered_law->resembles = d.discovered_law->source = evil;
   for (diagnose::LawTerm& term : d.discovered_law->terms)
-    term.goes_with = term.unit = term.sentence = term.x_nm.description = evil;
+    term.goes_with = term.unit = term.sentence = term.x_nm.description = term.law = term.symbols =
+        term.source = evil;
   for (diagnose::Candidate& candidate : d.ranking)
     candidate.description = candidate.symbol = candidate.unit = evil;
   for (diagnose::Shift& shift : d.shifts) shift.name += evil;

@@ -158,8 +158,8 @@ TEST_F(ReportInBrowser, DrawsEverythingWhateverTheNamesAre) {
   EXPECT_THAT(html, HasSubstr("data-moved=\"yes\""));
   EXPECT_THAT(html, HasSubstr("data-links=\"10\""));  // all effects of this arm
   // 18 of trials and their worst bodies, 10 of inputs in what is left, 6 of variations, 4 of rivals, 4 of
-  // shifts, 2 of the law, 2 of experiments, 2 of files, the arm and the trial of its picture.
-  EXPECT_EQ(number_of(html, "names"), 50);
+  // shifts, 4 of the law, 2 of experiments, 2 of files, the arm and the trial of its picture.
+  EXPECT_EQ(number_of(html, "names"), 52);
   EXPECT_THAT(html, HasSubstr("data-copies=\"111\""));
 }
 

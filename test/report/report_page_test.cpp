@@ -80,6 +80,19 @@ TEST(ReportPage, EveryEffectHasASourceWithALink) {
     EXPECT_TRUE(std::regex_search(candidate["source"].get<std::string>(), link)) << candidate["name"];
 }
 
+TEST(ReportPage, TheLearntLawIsAnEquationWithItsSources) {
+  const diagnose::DiscoveredLaw law = testing::example_law();
+  const nlohmann::json said = data_of(report::to_html(
+      testing::example_diagnosis(), report::read_page_files(kFolder)))["report"]["discovered_law"];
+  EXPECT_EQ(said["source"], law.source);
+  ASSERT_EQ(said["terms"].size(), law.terms.size());
+  for (std::size_t i = 0; i < law.terms.size(); ++i) {
+    EXPECT_EQ(said["terms"][i]["law"], law.terms[i].law);
+    EXPECT_EQ(said["terms"][i]["symbols"], law.terms[i].symbols);
+    EXPECT_EQ(said["terms"][i]["source"], law.terms[i].source);
+  }
+}
+
 TEST(ReportPage, NumbersThatAreNoneAreAbsent) {
   diagnose::Diagnosis d = testing::example_diagnosis();
   d.parameter_variation[0].value[3] = std::nan("");

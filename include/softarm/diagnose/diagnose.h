@@ -143,6 +143,9 @@ struct NextExperiment {
 /// A term of a law that was learnt: a moment of the section, in proportion to what it goes with.
 struct LawTerm {
   std::string goes_with;        ///< "chamber_2 less what follows it in 1 s", "the payload"
+  std::string law;              ///< as an equation: "M = (-2.43, 6.18) mN m u^2 / (1499 kPa^2)"
+  std::string symbols;          ///< what its letters are: "u: chamber_2"
+  std::string source;           ///< where equations of that form are from
   std::string unit;             ///< SI, of that
   double from = 0.0, to = 0.0;  ///< of that, where it was learnt; beyond, the moment fades
   /// At the end of that range that is farther from 0: towards x and y, or along and across what has a
@@ -168,6 +171,7 @@ struct DiscoveredLaw {
   std::string resembles;      ///< id of the effect whose signature is most like it; empty: none is
   double cosine = 0.0;        ///< with that
   std::string sentence;       ///< all of it
+  std::string source;         ///< where the way to find it is from
 };
 
 // --- For the pictures ------------------------------------------------------------------------------------
