@@ -55,7 +55,7 @@ function raised(power) { return String(power).replace(/[-0-9]/g, sign => sign ==
 
 /// "0.0379 ± 0.0010": as many digits as the second is worth.
 function plusMinus(value, half) {
-  const size = value === 0 ? 0 : Math.floor(Math.log10(Math.abs(value)));
+  const most = Math.max(Math.abs(value), half), size = most > 0 ? Math.floor(Math.log10(most)) : 0;
   const power = size < -4 || size > 5 ? size : 0, v = value / 10 ** power, h = half / 10 ** power;
   const places = h > 0 ? Math.min(8, Math.max(0, 1 - Math.floor(Math.log10(h)))) : 4;
   const text = v.toFixed(places).replace('-', '−') + ' ± ' + h.toFixed(places);

@@ -86,14 +86,14 @@ function toCopy(text, what, folded) {
     if (navigator.clipboard) navigator.clipboard.writeText(text).then(() => say(true), () => say(chosen()));
     else say(chosen());
   });
-  const controls = element('div', {class: 'controls'}, button, done);
+  const controls = element('div', {class: 'controls copying'}, button, done);
   return folded ? [controls, element('details', null, element('summary', null, folded), words)] : [words, controls];
 }
 
 /// The arm file with what was found in it, and how to use it.
 function goOn() {
   if (!report.extended_text || !(anyEffect || report.discovered_law)) return null;
-  return [report.next_command ? [element('p', null, 'The first trial once more, with this in the model:'), toCopy(report.next_command, 'the command')] : null,
+  return [report.next_command ? [element('p', {class: 'leads-in'}, 'The first trial once more, with this in the model:'), toCopy(report.next_command, 'the command')] : null,
     element('p', null, 'arm_extended.yaml is the arm file with the constants and effects found. ' + (report.verdict === 'unknown' ?
       'It does not hold the whole explanation: the node says so when it loads it.' : 'Programs and nodes take it in place of the arm file.')),
     toCopy(report.extended_text, 'arm_extended.yaml', 'arm_extended.yaml')].flat(2);
@@ -112,7 +112,7 @@ function lawEquations(law) {
   const line = (head, ...content) => [element('dt', null, head), element('dd', null, ...content)];
   const lines = law.terms.flatMap((term, i) => [
     ...(term.law ? line('law' + (law.terms.length > 1 ? ', term ' + (i + 1) : ''), element('span', {class: 'law'}, equation(term.law)), '; ', named(term.symbols)) : []),
-    ...(term.source ? line('source', ...cited(term.source)) : [])]);
+    ...(term.source && (law.terms[i + 1] || {}).source !== term.source ? line('source', ...cited(term.source)) : [])]);
   const method = law.source ? line('method', ...cited(law.source)) : [];
   return lines.length + method.length ? element('div', {class: 'effect'}, element('dl', null, lines, method)) : null;
 }
@@ -256,7 +256,7 @@ function trialsTable() {
 function origin() {
   const made = report.origin;
   if (!made) return null;
-  return [element('p', null, 'On ' + made.date + (report.version ? ' by softarm ' + report.version : '') + ':'), ...toCopy(made.command, 'the command'),
+  return [element('p', {class: 'leads-in'}, 'On ' + made.date + (report.version ? ' by softarm ' + report.version : '') + ':'), ...toCopy(made.command, 'the command'),
     table(['file read', 'SHA-256'], made.files.map(file => [element('span', {class: 'name'}, named(file.name)), element('code', {class: 'digest'}, file.sha256)]))];
 }
 
