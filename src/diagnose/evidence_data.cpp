@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "flexible.h"
 #include "math/linear_algebra.h"
@@ -224,6 +225,19 @@ void add_left(const MatrixXd& rows_per_m, double length_m, EvidenceData& data) {
   }
 }
 
+/// Of as many values of what its numbers count.
+double log_choices(const JointModel& model, const model::Effect& effect) {
+  const std::vector<model::Parameter>& parameters = effect.info().parameters;
+  std::set<std::vector<double>> choices;
+  for (const model::Values& values : effect.grid(model.arm(), model.rod())) {
+    std::vector<double> numbers;
+    for (std::size_t k = 0; k < parameters.size(); ++k)
+      if (parameters[k].counts) numbers.push_back(values[static_cast<Index>(k)]);
+    choices.insert(std::move(numbers));
+  }
+  return choices.empty() ? 0.0 : std::log(static_cast<double>(choices.size()));
+}
+
 /// Fills the effects: by their signatures about a fit, with another one's weights.
 void add_effects(JointModel& model, const Shown& shown, Linearised& at, const Linearised& like,
                  const std::vector<model::Present>& candidates, unsigned jobs, EvidenceData& data) {
@@ -234,6 +248,7 @@ void add_effects(JointModel& model, const Shown& shown, Linearised& at, const Li
     data.effects.push_back({step.present.effect, 0.0, kPolicy.fit.size_sd, MatrixXd::Zero(n, m)});
     data.effects.back().unknown_sd =
         unknown_sd(model.unknown_inertia(), *step.present.effect, step.present.values / step.step);
+    data.effects.back().log_choices = log_choices(model, *step.present.effect);
   }
   math::in_parallel(model.trials().size(), jobs, [&](std::size_t t) {
     const Eigen::VectorXd weight =

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -39,9 +40,19 @@ class Expansions {
       models_[i].emplace(own, bases_);
     });
     for (const RefitEvidence& r : refits) refitted_.push_back(r.effect);
+    for (const Signature& s : data.effects) log_choices_[s.effect] = s.log_choices;
   }
 
   const EffectList& effects() const { return models_[0]->effects(); }
+  /// Signature::log_choices of a set.
+  double log_choices(const EffectList& set) const {
+    double sum = 0.0;
+    for (const Effect* effect : set) {
+      const auto known = log_choices_.find(effect);
+      if (known != log_choices_.end()) sum += known->second;
+    }
+    return sum;
+  }
 
   /// By number: those about a fit with one of these effects; without any, the one about the present fit.
   std::vector<std::size_t> of(const EffectList& set) const {
@@ -63,6 +74,7 @@ class Expansions {
   const Bases bases_;
   std::vector<std::optional<LinearGaussianModel>> models_;
   EffectList refitted_;
+  std::map<const Effect*, double> log_choices_;
 };
 
 /// Effects that would move the bodies by what matters, beyond what the constants absorb, at the largest sizes
@@ -162,9 +174,9 @@ class Search {
   }
 
  private:
-  /// What the integral does not know: the odds of the effects.
+  /// What the integral does not know: the odds of the effects, each of the one chamber or body of many.
   double before_data(const EffectList& effects) const {
-    return log_odds_ * static_cast<double>(effects.size());
+    return log_odds_ * static_cast<double>(effects.size()) - about_.log_choices(effects);
   }
   std::ptrdiff_t place(const Effect* effect) const {
     return std::find(about_.effects().begin(), about_.effects().end(), effect) - about_.effects().begin();

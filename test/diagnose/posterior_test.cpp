@@ -68,6 +68,24 @@ TEST(Posterior, OnItsLawAnEffectHasNoForm) {
   EXPECT_GT(estimate(both).covariance(1, 1), 1.1 * estimate(both, 0).covariance(1, 1)) << "a form blurs it";
 }
 
+TEST(Posterior, OneOfManyChambersIsAsMuchLessProbableBeforehand) {
+  std::mt19937_64 random(7);
+  EvidenceData data = made_up(40, 3, 4, 0.7, random);
+  data.residual += 0.5 * data.effects[0].moves;
+  const auto odds = [&data] {
+    const Posterior found = posterior(data, {}, 1);
+    const auto of = [&found](const EffectList& effects) {
+      for (const EffectSet& set : found.sets)
+        if (set.effects == effects) return set.probability;
+      return 0.0;
+    };
+    return of({data.effects[0].effect}) / of({});
+  };
+  const double of_all = odds();
+  data.effects[0].log_choices = std::log(4.0);
+  EXPECT_NEAR(odds(), of_all / 4.0, 1e-9 * of_all);
+}
+
 TEST(Posterior, EvidenceIsTheDensityWrittenOut) {
   std::mt19937_64 random(3);
   EvidenceData data = made_up(14, 3, 4, 0.7, random);
