@@ -68,6 +68,12 @@ std::vector<NamedEffect> named_effects(JointModel& model, const Selection& selec
     named.held_out_gain_m = without - r.unseen.total_rms_m;
     named.share = std::max(0.0, without * without - r.unseen.total_rms_m * r.unseen.total_rms_m);
     for (const model::Effect* rival : round.rivals) named.confusable_with.push_back(rival->info().id);
+    for (const model::Effect* other : round.nearly_as_good) {
+      const bool beside =
+          std::any_of(selection.extended.at.effects.begin(), selection.extended.at.effects.end(),
+                      [&](const Present& one) { return one.effect == other; });
+      if (!beside) named.confusable_with.push_back(other->info().id);
+    }
     list.push_back(std::move(named));
   }
   double sum = 0.0;

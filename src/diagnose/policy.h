@@ -82,9 +82,14 @@ struct Policy {
     double rival_z = 3.0;                 ///< separation below which two effects are one class
     double rival_gain = 0.5 * 3.0 * 3.0;  ///< the same as a difference of log scores on unseen trials
     double rival_cosine = 0.95;           ///< of the signatures of two effects that may be one class
-    double distinct_cosine = 0.5;         ///< of two that neither hides nor feigns the other
-    double identifiable_sd = 2.0;         ///< from 0, of a size that is identifiable
-    double other_optimum = 0.02;  ///< fall of chi^2 that an effect of no size brings: the constants' own
+    /// Of what is left beyond the noise, rms: one that explains less by no more than this may be there
+    /// instead. Nobody knows what made the rest. It lies in some ten directions that trials tell apart, so a
+    /// third of it favours one of two by chance, half of it now and then.
+    double rival_left = 0.5;
+    double rival_explains = 0.5;   ///< at least, of what the other explains, in squares
+    double distinct_cosine = 0.5;  ///< of two that neither hides nor feigns the other
+    double identifiable_sd = 2.0;  ///< from 0, of a size that is identifiable
+    double other_optimum = 0.02;   ///< fall of chi^2 that an effect of no size brings: the constants' own
   } selection;
 
   /// How probable effects are.

@@ -75,6 +75,28 @@ EffectList rivals_of(const Round& round) {
   return rivals;
 }
 
+void set_rivals(Round& round) {
+  round.rivals = rivals_of(round);
+  round.nearly_as_good = nearly_as_good(round);
+}
+
+EffectList nearly_as_good(const Round& round) {
+  const Refitted& first = round.refitted[static_cast<std::size_t>(round.taken)];
+  const double explained_m2 = std::pow(first.moved_m, 2);
+  const double noise_share = std::min(1.0, first.fit.rows / std::max(1.0, first.unseen.total_chi2));
+  const double left_m2 = std::pow(first.unseen.total_rms_m, 2) * (1.0 - noise_share);
+  EffectList list;
+  for (const Refitted& r : round.refitted) {
+    const double own_m2 = std::pow(r.moved_m, 2);
+    const bool rival = std::find(round.rivals.begin(), round.rivals.end(), r.effect) != round.rivals.end();
+    if (r.effect != first.effect && !rival && r.physical &&
+        own_m2 > kPolicy.selection.rival_explains * explained_m2 &&
+        explained_m2 - own_m2 < std::pow(kPolicy.selection.rival_left, 2) * left_m2)
+      list.push_back(r.effect);
+  }
+  return list;
+}
+
 bool take_best(JointModel& model, Round& round, Standing& current) {
   while (round.taken >= 0) {
     Refitted& best = round.refitted[static_cast<std::size_t>(round.taken)];
@@ -86,7 +108,7 @@ bool take_best(JointModel& model, Round& round, Standing& current) {
     }
     best.elsewhere = 0.0;
     round.taken = best_of(model, round);
-    if (round.taken >= 0) round.rivals = rivals_of(round);
+    if (round.taken >= 0) set_rivals(round);
   }
   return false;
 }

@@ -23,6 +23,13 @@ bool take_best(JointModel& model, Round& round, Standing& current);
 /// Those that may be there in place of the one taken, or are the same in these trials.
 EffectList rivals_of(const Round& round);
 
+/// Those of the refits that may be there in place of the one taken because what nobody understands may have
+/// made the difference; they are told beside the rivals, and are none of these.
+EffectList nearly_as_good(const Round& round);
+
+/// Both, of the round's best.
+void set_rivals(Round& round);
+
 /// Whether an effect is as good as certain beside what was taken upon the same posterior, and something else
 /// than that.
 bool is_certain_beside(const Round& round, const Screened& s, const EffectList& taken);

@@ -88,7 +88,7 @@ Round look(JointModel& model, Standing& current, bool first, bool refits, bool m
   }
   compare(current, round.posterior, round.refitted);
   round.taken = best_of(model, round);
-  if (round.taken >= 0) round.rivals = rivals_of(round);
+  if (round.taken >= 0) set_rivals(round);
   return round;
 }
 
@@ -108,7 +108,7 @@ void take_beside(JointModel& model, const Round& round, Standing& current, std::
     compare(current, own.posterior, own.refitted);
     own.taken = best_of(model, own);
     if (own.taken < 0 || !own.refitted.front().converged) continue;
-    own.rivals = rivals_of(own);
+    set_rivals(own);
     current = standing_on(model, own.refitted.front().fit);
     list.push_back(s.effect);
     taken(std::move(own));

@@ -43,6 +43,7 @@ struct Round {
   int taken = -1;                            ///< of refitted; -1: none
   bool anew = false;                         ///< the model so far came to other constants first
   std::vector<const model::Effect*> rivals;  ///< of the one taken: as good, or the same in these trials
+  std::vector<const model::Effect*> nearly_as_good;  ///< as it, given what is left beyond the noise
 };
 
 struct Selection {

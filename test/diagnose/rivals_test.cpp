@@ -76,6 +76,29 @@ TEST_F(BestOf, NothingThatCannotBe) {
   EXPECT_EQ(best(), -1);
 }
 
+TEST_F(BestOf, WhereMuchIsLeftWhatExplainsNearlyAsMuchMayBeThereInstead) {
+  const double moved_m[] = {1.0e-3, 0.95e-3, 0.8e-3};
+  for (std::size_t i = 0; i < 3; ++i) round_.refitted[i].moved_m = moved_m[i];
+  round_.taken = 0;
+  Refitted& first = round_.refitted[0];
+  first.fit.rows = 1000;
+  const auto found_at = [&](double rms_m, double chi2) {
+    first.unseen.total_rms_m = rms_m;
+    first.unseen.total_chi2 = chi2;
+    std::vector<std::string> list;
+    for (const model::Effect* effect : nearly_as_good(round_)) list.push_back(effect->info().id);
+    return list;
+  };
+  // They leave more than the first by 0.31 and 0.6 mm; nothing is left, then 0.7 mm beyond the noise, then 2.
+  EXPECT_EQ(found_at(0.2e-3, 1000.0), std::vector<std::string>{});
+  EXPECT_EQ(found_at(0.7e-3, 1e6), std::vector<std::string>{round_.refitted[1].effect->info().id});
+  EXPECT_EQ(found_at(2e-3, 1e6).size(), 2u);
+  round_.refitted[2].moved_m = 0.6e-3;  // explains too little to be it
+  EXPECT_EQ(found_at(2e-3, 1e6).size(), 1u);
+  round_.rivals = {round_.refitted[1].effect};  // is told already
+  EXPECT_EQ(found_at(2e-3, 1e6).size(), 0u);
+}
+
 /// A wall at the end of its range, which the posterior is made to believe in, beside a base that yields and
 /// is there.
 TEST(TakeBest, LeavesWhatPredictsUnseenTrialsNoBetterForTheNextBest) {

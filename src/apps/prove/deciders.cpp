@@ -221,7 +221,10 @@ Decision bic_stepwise(JointModel& model, const Look& first, const Options& optio
     round.taken = diagnose::best_of(model, round);
     if (round.taken < 0) break;
     const Refitted& best = round.refitted[static_cast<std::size_t>(round.taken)];
-    decision.effects.push_back({best.effect->info().id, best.probability, ids(diagnose::rivals_of(round))});
+    diagnose::set_rivals(round);
+    EffectList instead = round.rivals;
+    instead.insert(instead.end(), round.nearly_as_good.begin(), round.nearly_as_good.end());
+    decision.effects.push_back({best.effect->info().id, best.probability, ids(instead)});
     standing = diagnose::standing_on(model, best.fit);
     if (decision.effects.size() >= diagnose::most_effects(model, standing, options)) break;
     own = look(model, standing, nullptr, options);
