@@ -60,6 +60,13 @@ struct Faults {
   int lost_from = -1, lost_to = -1;  // frames without the second body
 };
 
+/// Draws in an order that is the same for every compiler: that of a call's arguments is not.
+Eigen::Vector3d draw(std::mt19937& random, std::normal_distribution<double>& distribution) {
+  Eigen::Vector3d v;
+  for (int i = 0; i < 3; ++i) v[i] = distribution(random);
+  return v;
+}
+
 struct Score {
   int right = 0, absent = 0, wrong = 0, longest_wrong = 0;
   double worst_m = 0.0;
@@ -73,8 +80,11 @@ Score run(const arm::Arm& arm, trial::PointAssociator& associator, const Faults&
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   Score score;
   std::vector<Eigen::Vector4d> phases;
-  for (int g = 0; g < faults.ghosts; ++g)
-    phases.emplace_back(6.0 * unit(random), 6.0 * unit(random), 6.0 * unit(random), 0.5 + unit(random));
+  for (int g = 0; g < faults.ghosts; ++g) {
+    Eigen::Vector4d phase;
+    for (int i = 0; i < 4; ++i) phase[i] = i < 3 ? 6.0 * unit(random) : 0.5 + unit(random);
+    phases.push_back(phase);
+  }
   std::vector<int> wrong_in_a_row(arm.bodies.size(), 0);
   for (int k = 0; k < frames; ++k) {
     const double t = k / rate_hz;
@@ -82,8 +92,7 @@ Score run(const arm::Arm& arm, trial::PointAssociator& associator, const Faults&
     for (std::size_t i = 0; i < arm.bodies.size(); ++i) {
       truth.push_back(section(arm, arm.bodies[i].arclength_m, t).translation());
       const bool gone = unit(random) < faults.lost || (i == 1 && k >= faults.lost_from && k < faults.lost_to);
-      if (!gone)
-        points.push_back(truth.back() + Eigen::Vector3d(noise(random), noise(random), noise(random)));
+      if (!gone) points.push_back(truth.back() + draw(random, noise));
     }
     for (const Eigen::Vector4d& phase : phases) {
       const double jump = unit(random) < faults.ghost_flicker ? 10.0 * unit(random) : 0.0;
@@ -269,8 +278,8 @@ TEST(PointAssociation, CirclesOfMarkersGiveTheirCentres) {
         if (i == 1 && m == 2 && k > 100) continue;             // one is enough to lose ...
         if (i == 2 && m < 2 && k >= 200 && k < 260) continue;  // ... and two are too many
         const double angle = 0.3 * static_cast<double>(i) + m * M_PI / 2.0;
-        points.push_back(ring * Eigen::Vector3d(0.025 * std::cos(angle) + noise(random),
-                                                0.025 * std::sin(angle) + noise(random), noise(random)));
+        const Eigen::Vector3d at(0.025 * std::cos(angle), 0.025 * std::sin(angle), 0.0);
+        points.push_back(ring * Eigen::Vector3d(at + draw(random, noise)));
       }
     }
     std::shuffle(points.begin(), points.end(), random);
